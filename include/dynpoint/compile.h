@@ -74,7 +74,7 @@ typedef struct dpt_compile_def {
      *
      * DPT_E_FINITE for a node that is not finite or beyond DPT_COORDINATE_MAX after scaling, for a cell whose volume is
      * zero within rounding, and for a vertex that no cell gives weights of at most 100: it is too far away. DPT_E_INDEX
-     * for a cell that names a node that is not there. DPT_E_LIMIT for more than 2^31 - 1 nodes. The diag's text names
+     * for a cell that names a node that is not there. DPT_E_LIMIT for more than 2^31 - 1 of either. The diag's text names
      * the node, the cell or the vertex of the source, from 0.
      */
     const double *nodes;

@@ -2,9 +2,8 @@
 /*
  * Embed the vertices in a mesh of tetrahedra: each vertex gets a cell, and the weights of the cell's corners.
  *
- * A vertex takes the nearest cell. One that holds it is at distance 0. Of equally near cells the one with the lowest
- * number wins, so the answer depends neither on the tree nor on the threads. The tree of boxes only says which cells
- * need not be asked.
+ * A vertex takes the cell that it is within, or the nearest one. Of several the one with the lowest number wins, so the
+ * answer depends neither on the tree nor on the threads. The tree of boxes only says which cells need not be asked.
  */
 #include "compile/embed.h"
 
@@ -46,7 +45,7 @@ struct cell_tree {
     struct box *boxes;
     uint32_t level_count[LEVELS_MAX], level_first[LEVELS_MAX]; /* level 0: a box for each cell */
     uint32_t levels;
-    double slack; /* squared distances up to this may be nothing but rounding, m^2 */
+    double rounding; /* more than that of any distance, m */
 };
 
 /* The nearest cell so far. */
@@ -55,6 +54,7 @@ struct search {
     vec3 x;
     double nearest2; /* squared distance of the nearest cell, whatever its weights, m^2 */
     double best2;    /* of the nearest cell that can be used */
+    double limit2;   /* boxes farther than this hold none that is as near: best2, and rounding */
     uint32_t cell;   /* that one; DPT_NONE: none yet */
     double weight[4];
 };
@@ -114,8 +114,8 @@ dpt_result embed_check_cell(soup *source, const double *nodes, const uint32_t ce
 static dpt_result check_cells(soup *source)
 {
     const dpt_compile_def *def = source->def;
-    if (def->node_count > INT32_MAX)
-        return soup_fail(source, DPT_E_LIMIT, nowhere, "more than %d nodes", INT32_MAX);
+    if (def->node_count > INT32_MAX || def->cell_count > INT32_MAX)
+        return soup_fail(source, DPT_E_LIMIT, nowhere, "more than %d nodes or cells", INT32_MAX);
     for (size_t i = 0; i < def->node_count; i++)
         DPT_TRY(embed_check_node(source, def->nodes + 3 * i, (int64_t)i, nowhere));
     for (size_t i = 0; i < def->cell_count; i++) {
@@ -249,33 +249,24 @@ static double box_distance2(const struct box *box, vec3 x)
     return sum;
 }
 
-/* Can what is at this distance be as near as the best? Rounding is on the safe side. */
-static int may_hold(const struct search *search, double distance2)
+/* The weights of the corners that give x; outside of the cell some are below 0. */
+static void weights_of(const struct frame_of_cell *frame, vec3 x, double weight[4])
 {
-    return distance2 <= search->best2 * (1.0 + 0x1p-40) + search->tree->slack;
+    const vec3 *e = frame->edge, from = sub(x, frame->corner[0]);
+    const double per_volume = 1.0 / frame->volume, first = dot(from, cross(e[1], e[2])),
+                 second = dot(from, cross(e[2], e[0])), third = dot(from, cross(e[0], e[1]));
+    weight[0] = (frame->volume - first - second - third) * per_volume;
+    weight[1] = first * per_volume;
+    weight[2] = second * per_volume;
+    weight[3] = third * per_volume;
 }
 
-/*
- * Set the weights of the corners that give x; outside of the cell some are below 0. Returns 0 as soon as x is seen to
- * be too far in front of the plane of a face.
- */
-static int weights_of(const struct search *search, const struct frame_of_cell *frame,
-                      double weight[4])
+static int is_within(const double weight[4])
 {
-    const vec3 *e = frame->edge, from = sub(search->x, frame->corner[0]);
-    const vec3 normal[3] = { cross(e[1], e[2]), cross(e[2], e[0]), cross(e[0], e[1]) };
-    const double per_volume = 1.0 / frame->volume;
-    for (int k = 0; k < 3; k++) {
-        const double height = dot(from, normal[k]), square = dot(normal[k], normal[k]);
-        weight[k + 1] = height * per_volume;
-        if (weight[k + 1] < 0.0 && !may_hold(search, height * height / square))
-            return 0;
-    }
-    weight[0] = 1.0 - weight[1] - weight[2] - weight[3];
-    return 1;
+    return weight[0] >= 0.0 && weight[1] >= 0.0 && weight[2] >= 0.0 && weight[3] >= 0.0;
 }
 
-/* The squared distance of x and a cell: 0 within, else that of the nearest face that x is in front of. */
+/* The squared distance of x, which is not within, and a cell: that of the nearest face that x is in front of. */
 static double cell_distance2(const struct frame_of_cell *frame, vec3 x, const double weight[4])
 {
     double distance2 = HUGE_VAL;
@@ -288,31 +279,62 @@ static double cell_distance2(const struct frame_of_cell *frame, vec3 x, const do
         point_triangle(x, face, &found);
         distance2 = min_of(distance2, found.distance2);
     }
-    return distance2 < HUGE_VAL ? distance2 : 0.0;
+    return distance2;
 }
 
+static void take_cell(struct search *search, uint32_t cell, double distance2,
+                      const double weight[4])
+{
+    const double limit = sqrt(distance2) * (1.0 + 0x1p-40) + search->tree->rounding;
+    search->best2 = distance2;
+    search->limit2 = limit * limit;
+    search->cell = cell;
+    memcpy(search->weight, weight, sizeof search->weight);
+}
+
+/* Find the lowest-numbered cell that x is within. */
+static void find_holder(struct search *search, uint32_t level, uint32_t node)
+{
+    const struct cell_tree *tree = search->tree;
+    if (box_distance2(&tree->boxes[tree->level_first[level] + node], search->x) > 0.0)
+        return;
+    if (level > 0) {
+        const uint32_t end = tree->level_count[level - 1];
+        for (uint32_t i = node * WIDTH; i < end && i < (node + 1) * WIDTH; i++)
+            find_holder(search, level - 1, i);
+        return;
+    }
+    const uint32_t cell = tree->order[node];
+    double weight[4];
+    if (cell > search->cell)
+        return;
+    const struct frame_of_cell frame = frame_of(tree->nodes, tree->cells + 4 * (size_t)cell, 1.0);
+    weights_of(&frame, search->x, weight);
+    if (is_within(weight)) {
+        take_cell(search, cell, 0.0, weight);
+        search->nearest2 = 0.0;
+    }
+}
+
+/* Is this cell, which x is not within, the nearest one that can be used? */
 static void try_cell(struct search *search, uint32_t cell)
 {
     const struct cell_tree *tree = search->tree;
     const struct frame_of_cell frame = frame_of(tree->nodes, tree->cells + 4 * (size_t)cell, 1.0);
     double weight[4], size = 0.0;
-    if (!weights_of(search, &frame, weight))
-        return;
+    weights_of(&frame, search->x, weight);
     const double distance2 = cell_distance2(&frame, search->x, weight);
     search->nearest2 = min_of(search->nearest2, distance2);
     if (distance2 > search->best2 || (distance2 == search->best2 && cell > search->cell))
         return;
     for (int k = 0; k < 4; k++)
         size = max_of(size, fabs(weight[k]));
-    if (!(size <= WEIGHT_MAX))
-        return;
-    search->best2 = distance2;
-    search->cell = cell;
-    memcpy(search->weight, weight, sizeof weight);
+    if (size <= WEIGHT_MAX)
+        take_cell(search, cell, distance2, weight);
 }
 
 /* Search below one box of a level, nearer boxes first. */
-static void search_below(struct search *search, uint32_t level, uint32_t node)
+static void find_nearest(struct search *search, uint32_t level, uint32_t node)
 {
     const struct cell_tree *tree = search->tree;
     if (level == 0) {
@@ -333,8 +355,8 @@ static void search_below(struct search *search, uint32_t level, uint32_t node)
         distance2[at] = d2;
         child[at] = i;
     }
-    for (uint32_t i = 0; i < count && may_hold(search, distance2[i]); i++)
-        search_below(search, level - 1, child[i]);
+    for (uint32_t i = 0; i < count && distance2[i] <= search->limit2; i++)
+        find_nearest(search, level - 1, child[i]);
 }
 
 /*
@@ -368,16 +390,26 @@ static void embed_vertices(void *context, size_t first, size_t end)
     const struct embedding *embedding = context;
     const struct cell_tree *tree = embedding->tree;
     const struct model *model = embedding->model;
+    uint32_t last = DPT_NONE;
     for (size_t v = first; v < end; v++) {
         struct search search = { .tree = tree,
                                  .x = vec3_of_float(model->positions + 3 * v),
                                  .nearest2 = HUGE_VAL,
                                  .best2 = HUGE_VAL,
+                                 .limit2 = HUGE_VAL,
                                  .cell = DPT_NONE };
-        search_below(&search, tree->levels - 1, 0);
-        embedding->distance2[v] = search.cell == DPT_NONE ? -search.nearest2 : search.nearest2;
-        if (search.cell == DPT_NONE)
+        find_holder(&search, tree->levels - 1, 0);
+        if (search.cell == DPT_NONE) {
+            if (last != DPT_NONE)
+                try_cell(&search, last); /* of the vertex before, which is mostly near */
+            find_nearest(&search, tree->levels - 1, 0);
+        }
+        last = search.cell;
+        embedding->distance2[v] = search.nearest2;
+        if (search.cell == DPT_NONE) {
+            embedding->distance2[v] = -max_of(search.nearest2, DBL_MIN);
             return;
+        }
         memcpy(model->embedding_nodes + 4 * v, tree->cells + 4 * (size_t)search.cell,
                4 * sizeof *model->embedding_nodes);
         round_weights(search.weight, model->embedding_weights + 4 * v);
@@ -413,10 +445,9 @@ static dpt_result embed(struct model *model, soup *source, struct cell_tree *tre
         nodes[i] = source->scale * def->nodes[i];
         extent = max_of(extent, fabs(nodes[i]));
     }
-    for (size_t i = 0; i < 3 * (size_t)model->vertex_count; i++) {
+    for (size_t i = 0; i < 3 * (size_t)model->vertex_count; i++)
         extent = max_of(extent, fabs((double)model->positions[i]));
-    }
-    tree->slack = (0x1p-46 * extent) * (0x1p-46 * extent); /* above that of pair_snap_to_zero */
+    tree->rounding = 0x1p-46 * extent; /* more than pair_snap_to_zero takes away, too */
     DPT_TRY(build_tree(tree, source, def->cell_count));
     const struct embedding embedding = { tree, model, distance2 };
     parallel_for(source->threads, model->vertex_count, EMBED_MIN, embed_vertices,

@@ -30,6 +30,7 @@ int sections_open(struct sections *s, const dpt_compiled *compiled)
     s->part_table = section_named(s, "part_table");
     s->sources = section_named(s, "sources");
     s->places = section_named(s, "places");
+    s->vertex_sources = section_named(s, "vertex_sources");
     s->boxes = section_named(s, "boxes");
     s->leaves = section_named(s, "leaves");
     return 1;
@@ -133,6 +134,31 @@ void check_triangles(const struct source *source, const struct sections *s, int 
           "%u and %u in the source", info->source_triangles, info->source_vertices);
 }
 
+static int is_used(const struct source *source, uint32_t vertex)
+{
+    for (size_t c = 0; c < 3 * (size_t)source->triangle_count; c++)
+        if (source->corners[c] == vertex)
+            return 1;
+    return 0;
+}
+
+/* Each vertex has the number of the first one of the source that is used and lies there. */
+static void check_vertex_sources(const struct source *source, const struct sections *s)
+{
+    for (uint32_t v = 0; v < s->info.vertices; v++) {
+        uint32_t number = 0;
+        for (; number < source->vertex_count; number++) {
+            int is_there = 1;
+            for (int k = 0; k < 3; k++)
+                is_there &= rounded(source, number, k) == s->vertices[3 * (size_t)v + (size_t)k];
+            if (is_there && is_used(source, number))
+                break;
+        }
+        CHECK(s->vertex_sources[v] == number, "vertex %u is %u, not %u", v, s->vertex_sources[v],
+              number);
+    }
+}
+
 /* Distinct, used by a triangle, the box about them, the source's unused ones and the rounding. */
 static void check_vertices(const struct source *source, const struct sections *s)
 {
@@ -149,10 +175,7 @@ static void check_vertices(const struct source *source, const struct sections *s
                   "vertex %u is outside, or -0", v);
     }
     for (uint32_t v = 0; v < source->vertex_count; v++) {
-        int used = 0;
-        for (size_t c = 0; c < 3 * (size_t)source->triangle_count; c++)
-            used |= source->corners[c] == v;
-        unused += !used;
+        unused += !is_used(source, v);
         for (int k = 0; k < 3; k++)
             rounding =
                 fmax(rounding, fabs((double)rounded(source, v, k) -
@@ -392,6 +415,7 @@ void check_compiled(const struct source *source, const dpt_compiled *compiled)
         join[t] = t;
     check_triangles(source, &s, turned);
     check_vertices(source, &s);
+    check_vertex_sources(source, &s);
     while (check_edges(&s, turned, join, found, &sum)) {
         memset(found, 0, s.info.components * sizeof *found);
         sum = (dpt_mesh_info){ .size = sizeof sum };

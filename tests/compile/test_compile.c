@@ -545,7 +545,12 @@ static void failing_allocations_leave_nothing(void)
         "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
         "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
     };
-    for (int entry = 0; entry < 6; entry++) {
+    const double nodes[] = { 0, 0, 0, 4, 0, 0, 0, 4, 0, 0, 0, 4 };
+    const uint32_t cell[] = { 0, 1, 2, 3 };
+    const dpt_compile_def embedding = {
+        .size = sizeof embedding, .nodes = nodes, .cells = cell, .node_count = 4, .cell_count = 1
+    };
+    for (int entry = 0; entry < 7; entry++) {
         dpt_result result = DPT_E_MEMORY;
         long fail_at = 1;
         for (; result != DPT_OK && fail_at < 1000; fail_at++) {
@@ -555,13 +560,14 @@ static void failing_allocations_leave_nothing(void)
             allocations_left = fail_at;
             if (entry < 4)
                 result = dpt_compile_bytes(texts[entry], strlen(texts[entry]), NULL, &out, &diag);
-            else if (entry == 4)
-                result = dpt_compile_arrays(cube, 8, cube_corners, 12, NULL, &out, &diag);
+            else if (entry < 6)
+                result = dpt_compile_arrays(cube, 8, cube_corners, 12,
+                                            entry == 4 ? NULL : &embedding, &out, &diag);
             else
                 result = dpt_compile_file("tests/golden/torus.ply", NULL, &out, &diag);
             allocations_left = -1;
             CHECK(result == DPT_OK || result == DPT_E_MEMORY ||
-                      (entry == 5 && result == DPT_E_OPEN),
+                      (entry == 6 && result == DPT_E_OPEN),
                   "entry %d, allocation %ld: %s", entry, fail_at, dpt_result_name(result));
             CHECK(diag.code == result && (result == DPT_OK || (!out.bytes && !out.size)),
                   "entry %d, allocation %ld: %d", entry, fail_at, diag.code);

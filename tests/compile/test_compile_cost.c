@@ -7,6 +7,7 @@
  */
 #include <math.h>
 
+#include "compile/lattice.h"
 #include "lib/block_count.h"
 #include "lib/mesh_builder.h"
 
@@ -130,6 +131,48 @@ static void many_parts_cost_in_proportion(void)
     printf("    8 times the parts: %.2f\n", ratio);
 }
 
+/* A torus in a block of 6 across^3 cells; `share` of the block's size, so that it reaches out of it or not. */
+static double cost_of_embedding(uint64_t triangles, uint32_t across, double share)
+{
+    struct shape shape;
+    shape_reason reason;
+    struct lattice lattice;
+    dpt_compiled compiled;
+    dpt_compile_def def = { .size = sizeof def };
+    const double low[3] = { -0.16 * share, -0.16 * share, -0.05 * share };
+    const double high[3] = { 0.16 * share, 0.16 * share, 0.05 * share };
+    double cost[2] = { 0.0, 0.0 };
+    if (shape_make("torus", triangles, 0, &shape, reason))
+        return 0.0;
+    lattice_make(&lattice, across, low, high, 3);
+    for (int i = 0; i < 2; i++) {
+        const uint64_t begin = block_count;
+        CHECK(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
+                                 shape.triangle_count, &def, &compiled, NULL) == DPT_OK,
+              "%g of the block", share);
+        cost[i] = (double)(block_count - begin);
+        lattice_use(&lattice, &def);
+        dpt_compiled_free(&compiled);
+    }
+    lattice_free(&lattice);
+    shape_free(&shape);
+    return cost[1] - cost[0];
+}
+
+/* Eight times the cells and four times the vertices. */
+static void an_embedding_costs_in_proportion(void)
+{
+    const uint32_t across = check_percent < 100 ? 4 : 10;
+    const double shares[] = { 1.0, 0.7 };
+    for (int i = 0; i < 2; i++) {
+        const double few = cost_of_embedding(part_of(25000), across, shares[i]);
+        const double many = cost_of_embedding(4 * part_of(25000), 2 * across, shares[i]);
+        printf("    %.0f%% of the block: %.0f and %.0f basic blocks a vertex\n", 100 * shares[i],
+               few / (0.5 * (double)part_of(25000)), many / (2.0 * (double)part_of(25000)));
+        CHECK(many < 8.0 * few, "%.1f times as much", many / few);
+    }
+}
+
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
@@ -138,5 +181,6 @@ int main(int argc, char **argv)
     TEST(large_meshes_cost_in_proportion);
     TEST(cost_is_bounded_where_all_boxes_meet);
     TEST(many_parts_cost_in_proportion);
+    TEST(an_embedding_costs_in_proportion);
     return check_report();
 }

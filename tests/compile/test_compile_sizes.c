@@ -88,6 +88,10 @@ static void a_longer_def_has_more_say(void)
     CHECK(arrays(&def, NULL) == DPT_OK, "a crease behind the end is looked at");
     def.size = offsetof(dpt_compile_def, threads);
     CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "a crease before the end is not");
+    def = (dpt_compile_def){ .size = offsetof(dpt_compile_def, nodes), .node_count = 4 };
+    CHECK(arrays(&def, NULL) == DPT_OK, "nodes behind the end are looked at");
+    def.size = sizeof def;
+    CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "nodes before the end are not");
     def = (dpt_compile_def){ .size = offsetof(dpt_compile_def, reserved), .reserved = 1 };
     CHECK(arrays(&def, NULL) == DPT_OK, "reserved behind the end is looked at");
     def.size = sizeof def;

@@ -6,6 +6,7 @@
  */
 #include <pthread.h>
 
+#include "compile/lattice.h"
 #include "compile/parallel.h"
 #include "dynpoint/compile.h"
 #include "lib/check.h"
@@ -339,10 +340,14 @@ static void memory_that_ends_in_a_thread_is_told(void)
     struct shape shape;
     dpt_compiled out;
     dpt_result result = DPT_E_MEMORY;
+    const double low[3] = { -1, -1, -1 }, high[3] = { 10, 10, 10 };
     dpt_compile_def def = { .size = sizeof def, .threads = 5 };
+    struct lattice lattice;
     int failures = 0;
     if (make("boxes", 10, &shape))
         return;
+    lattice_make(&lattice, 5, low, high, 1);
+    lattice_use(&lattice, &def);
     for (long fail_at = 1; result != DPT_OK && fail_at < 1000000; fail_at += 1 + fail_at / 8) {
         dpt_diag diag = { .size = sizeof diag };
         long before = blocks;
@@ -361,6 +366,7 @@ static void memory_that_ends_in_a_thread_is_told(void)
               fail_at, blocks - before, alive);
     }
     CHECK(result == DPT_OK && failures > 40, "%d failures", failures);
+    lattice_free(&lattice);
     shape_free(&shape);
 }
 
