@@ -45,12 +45,12 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
            ",\"hash\":\"%016" PRIx64 "\"},",
            info->unused_vertices, info->concave_polygons, info->source_triangles,
            info->source_vertices, info->source_bytes, info->source_hash);
+    printf("\"nodes\":%" PRIu32 ",\"outside_vertices\":%" PRIu32 ",\"outside_distance\":%.17g,",
+           info->nodes, info->outside_vertices, info->outside_distance);
     printf("\"box\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]],", info->box_min[0], info->box_min[1],
            info->box_min[2], info->box_max[0], info->box_max[1], info->box_max[2]);
     printf("\"crease_edges\":%" PRIu32 ",\"normalless_vertices\":%" PRIu32 ",\"crease\":%.17g,",
            info->crease_edges, info->normalless_vertices, info->crease);
-    printf("\"nodes\":%" PRIu32 ",\"outside_vertices\":%" PRIu32 ",\"outside_distance\":%.17g,",
-           info->nodes, info->outside_vertices, info->outside_distance);
     printf("\"format\":%" PRIu32 ",\"tree_levels\":%" PRIu32 ",\"bytes\":%" PRIu64
            ",\"sections\":[",
            info->format_version, info->tree_levels, info->bytes);

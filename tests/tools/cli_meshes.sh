@@ -42,8 +42,8 @@ bad_inputs()
     head -c 100 box.dpa >stub.dpa
     { cat box.dpa; printf x; } >long.dpa
     : >nothing.dpa
-    damage box.dpa version.dpa 12 4
-    damage box.dpa sum.dpa $((size - 100)) 170
+    damage box.dpa version.dpa 12 5
+    damage box.dpa sum.dpa $((size - 200)) 170
     sed 's/$/\r/' box.dpa >text.dpa
     for name in magic short stub long nothing version sum text; do
         refuses "info: $name" $name.dpa: info $name.dpa
