@@ -26,8 +26,9 @@
     X(obj, 18, 20)                                                                                 \
     X(stl, 14, 20)                                                                                 \
     X(ply, 18, 100)                                                                                \
-    X(off, 12, 40)                                                                                 \
-    X(trace, 8, 40)                                                                                \
+    X(off, 11, 40)                                                                                 \
+    X(tetgen, 2, 40)                                                                               \
+    X(trace, 7, 40)                                                                                \
     X(mesh, 10, 100)                                                                               \
     X(forged, 2, 2)                                                                                \
     X(arm, 4, 10)                                                                                  \
