@@ -109,6 +109,13 @@ static void the_first_vertex_is_told(void)
         };
         CHECK(compile(points, 9000, &def, &diag) == DPT_E_FINITE && strstr(diag.text, "vertex "),
               "%s", diag.text);
+        unsigned number = 0;
+        double distance = 0.0;
+        CHECK(sscanf(diag.text, "vertex %u is %lf m", &number, &distance) == 2 && number < 9000,
+              "%s", diag.text);
+        const double *x = points + 3 * (size_t)number;
+        CHECK(fabs(distance - sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])) < 2.0, "%s",
+              diag.text);
         if (threads == 1)
             memcpy(told, diag.text, sizeof told);
         CHECK(!strcmp(diag.text, told), "%s, with %u threads %s", told, threads, diag.text);

@@ -447,6 +447,43 @@ static void faces_edges_and_nodes(void)
     lattice_free(&lattice);
 }
 
+/* Beyond the corners of a cube: of the cells that meet there, at the same distance, the first is taken. */
+static void equally_near_cells(void)
+{
+    const double low[3] = { 0, 0, 0 }, high[3] = { 1, 1, 1 };
+    uint32_t ties = 0;
+    for (uint64_t seed = 1; seed < 20; seed++) {
+        struct lattice lattice;
+        struct subject subject = { .point_count = 9 };
+        subject.points = malloc(27 * sizeof *subject.points);
+        for (uint32_t i = 0; i < 27; i++) {
+            const uint32_t corner = i / 3 % 8;
+            subject.points[i] = corner >> i % 3 & 1 ? 1.5 : -0.5;
+        }
+        lattice_make(&lattice, 1, low, high, seed);
+        lattice_use(&lattice, &subject.def);
+        const int is_open = open_subject(&subject);
+        for (uint32_t v = 0; is_open && v < subject.info.vertices; v++) {
+            uint32_t first = DPT_NONE, cells = 0;
+            for (uint32_t i = 0; i < 4 * lattice.cell_count; i++) {
+                int is_corner = 1;
+                for (size_t k = 0; k < 3; k++)
+                    is_corner &= (lattice.nodes[3 * lattice.cells[i] + k] == 1.0) ==
+                                 (subject.xyz[3 * (size_t)v + k] == 1.5f);
+                cells += (uint32_t)is_corner;
+                first = is_corner && first == DPT_NONE ? i / 4 : first;
+            }
+            ties += cells > 1;
+            CHECK(first != DPT_NONE &&
+                      !memcmp(subject.nodes + 4 * (size_t)v, lattice.cells + 4 * (size_t)first, 16),
+                  "vertex %u is not in cell %u, the first of %u", v, first, cells);
+        }
+        close_subject(&subject);
+        lattice_free(&lattice);
+    }
+    CHECK(ties > 100, "%u ties", ties);
+}
+
 /* Nodes that are vertices of the source, unrounded: no vertex is outside for having been rounded. */
 static void rounding_leaves_no_one_outside(void)
 {
@@ -526,6 +563,7 @@ int main(int argc, char **argv)
     TEST(cells_at_random);
     TEST(far_from_the_origin);
     TEST(faces_edges_and_nodes);
+    TEST(equally_near_cells);
     TEST(rounding_leaves_no_one_outside);
     TEST(thin_cells_are_passed_over);
     TEST(bytes_do_not_depend_on_threads);

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "lib/dpa.h"
 
-/* The def with the nodes and cells of a block of cubes about -0.2..0.2 m, six tetrahedra each. */
+/* The def with the nodes and cells of a block of eight cubes, -0.05..0.05 m, six tetrahedra each. */
 static dpt_compile_def def_with_cells(double nodes[3 * 27], uint32_t cells[4 * 48])
 {
     static const uint32_t steps[6][3] = { { 1, 3, 9 }, { 1, 9, 3 }, { 3, 1, 9 },
                                           { 3, 9, 1 }, { 9, 1, 3 }, { 9, 3, 1 } };
     for (uint32_t i = 0; i < 27; i++) {
-        nodes[3 * i] = 0.2 * (i % 3) - 0.2;
-        nodes[3 * i + 1] = 0.2 * (i / 3 % 3) - 0.2;
-        nodes[3 * i + 2] = 0.2 * (i / 9) - 0.2;
+        nodes[3 * i] = 0.05 * (i % 3) - 0.05;
+        nodes[3 * i + 1] = 0.05 * (i / 3 % 3) - 0.05;
+        nodes[3 * i + 2] = 0.05 * (i / 9) - 0.05;
     }
     for (uint32_t i = 0; i < 48; i++) {
         const uint32_t cube = i / 6, *step = steps[i % 6];

@@ -40,7 +40,7 @@ static inline struct file file_of_shape(const char *name, uint64_t count)
     return file_of_holed_shape(name, count, 0);
 }
 
-/* With an embedding in 27 nodes, which lie within 0.2 m of the origin along every axis. */
+/* With an embedding in 27 nodes within 0.05 m of the origin along every axis: some vertices are outside. */
 struct file file_of_embedded_shape(const char *name, uint64_t count);
 
 /* Bit by bit: slower than the library's, and not derived from it. */

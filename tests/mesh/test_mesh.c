@@ -254,6 +254,11 @@ static void wrong_arguments_of_arrays_are_refused(void)
     CHECK(dpt_mesh_get_embedding(mesh, &nodes, &weights, &node_count) == DPT_OK && nodes &&
               weights && node_count == 27,
           "%u nodes", node_count);
+    dpt_mesh_info info = { .size = sizeof info };
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.nodes == 27 &&
+              info.outside_vertices > 0 && info.outside_vertices <= info.vertices &&
+              info.outside_distance > 1e-3,
+          "%u vertices outside, %g m", info.outside_vertices, info.outside_distance);
     mesh = (const dpt_mesh *)(const void *)small_file.bytes;
     CHECK(dpt_mesh_get_embedding(mesh, &nodes, &weights, &node_count) == DPT_OK && !nodes &&
               !weights && node_count == 0,
