@@ -30,6 +30,10 @@ work()
         "$@" compile "$out/open.obj" -o "$out/open.dpa" &&
         awk '/^v /{ printf "v %.2f %.2f %.2f\n", $2, $3, $4; next } 1' "$out/liver.obj" >"$out/coarse.obj" && # cuts itself
         "$@" compile "$out/coarse.obj" -o "$out/coarse.dpa" &&
+        awk 'NF == 4 && NR > 2 { printf "%d %.2f %.2f %.2f\n", $1, 0.3 * $2, 0.3 * $3, 0.3 * $4; next } 1' tests/golden/torus.node \
+            >"$out/cube.node" && # some vertices are outside of it
+        cp tests/golden/torus.ele "$out/cube.ele" &&
+        "$@" compile "$out/torus.ply" -o "$out/embedded.dpa" --nodes "$out/cube" &&
         "$@" info "$out/torus.dpa" --verify >"$out/verified" &&
         "$@" compile "$out/torus.ply" -o "$out/torus.c" --c-array torus &&
         "$@" make trace --mesh "$out/torus.dpa" --ticks 500 -o "$out/torus.csv" &&
@@ -88,7 +92,7 @@ try()
     [ -x "$folder/dynpoint" ] || return
     check "$machine: warnings, see $log" test "$(grep -c warning: "$log")" -eq 0
     check "$machine: it runs, see $log" work "qemu-$machine-static" "$folder/dynpoint"
-    for name in torus.ply liver.obj torus.dpa liver.dpa open.dpa coarse.dpa torus.c torus.csv liver.csv torus.out brute.out \
+    for name in torus.ply liver.obj torus.dpa liver.dpa open.dpa coarse.dpa embedded.dpa torus.c torus.csv liver.csv torus.out brute.out \
         liver.out records.csv; do
         check "$machine: other bytes in $name" cmp -s "$native/cross/$name" "$out/$name"
     done

@@ -53,6 +53,14 @@ static void structs_of_any_size(void)
     CHECK(take_mesh_def(&good_mesh) == DPT_E_ARGUMENT, "a negative scale");
     good_mesh.scale = NAN;
     CHECK(take_mesh_def(&good_mesh) == DPT_E_ARGUMENT, "no scale");
+    good_mesh.scale = 1.0;
+    good_mesh.node_count = 4;
+    CHECK(take_mesh_def(&good_mesh) == DPT_E_ARGUMENT, "nodes");
+    good_mesh.node_count = 0;
+    good_mesh.cell_count = 1;
+    CHECK(take_mesh_def(&good_mesh) == DPT_E_ARGUMENT, "cells");
+    good_mesh.cell_count = 0;
+    CHECK(take_mesh_def(&good_mesh) == DPT_OK, "neither");
 }
 
 static void arguments_are_checked(void)
