@@ -198,7 +198,7 @@ static void add_layout_rows(void)
         { PLAIN, CUT, MESH_HEADER, 64, 0, HEADER, DPT_E_TRUNCATED, "vertex_sources", size - 64 },
         { PLAIN, GROW, MESH_HEADER, 64, 0, HEADER, layout, NULL, size },
         /* check_sections_crc */
-        { PLAIN, SET, MESH_HEADER, padding, 1, AS_IT_IS, layout, "padding", padding },
+        { PLAIN, SET, MESH_HEADER, padding, 0x01000001, AS_IT_IS, layout, "padding", padding },
         { PLAIN, SET, MESH_LEAVES, 0, nan, AS_IT_IS, DPT_E_CHECKSUM, NULL, THERE },
         { PLAIN, SET, MESH_FLAGS, 0, 1, AS_IT_IS, DPT_E_CHECKSUM, NULL, THERE },
         { OLD, SET, MESH_LEAVES, 0, nan, AS_IT_IS, DPT_E_CHECKSUM, NULL, THERE },
