@@ -62,20 +62,21 @@ typedef struct dpt_compile_def {
     uint32_t reserved; /* 0 */
 
     /*
-     * Embed the vertices in a mesh of tetrahedra that somebody's physics moves (dpt_mesh_get_embedding). Both counts 0:
-     * no embedding.
+     * Embed the vertices in a mesh of tetrahedra that somebody's physics moves (dpt_mesh_get_embedding). Both counts
+     * 0: no embedding.
      *
      *   nodes   node_count times x, y, z, in units of the source: multiplied by `scale`
      *   cells   cell_count times four node numbers, from 0; wound either way
      *
-     * A vertex takes the lowest-numbered cell that holds it. Outside of all cells it takes the nearest one, whose weights
-     * are continued beyond it: so the nodes at rest give the vertex itself, and any affine motion of them moves it alike.
-     * Cells that would give it a weight of more than 100 in size, as thin ones do, are passed over for the next nearest.
+     * A vertex takes the lowest-numbered cell that holds it. Outside of all cells it takes the nearest one, whose
+     * weights are continued beyond it: so the nodes at rest give the vertex itself, and any affine motion of them moves
+     * it alike. Cells that would give it a weight of more than 100 in size, as thin ones do, are passed over for the
+     * next nearest.
      *
      * DPT_E_FINITE for a node that is not finite or beyond DPT_COORDINATE_MAX after scaling, for a cell whose volume is
      * zero within rounding, and for a vertex that no cell gives weights of at most 100: it is too far away. DPT_E_INDEX
-     * for a cell that names a node that is not there. DPT_E_LIMIT for more than 2^31 - 1 of either. The diag's text names
-     * the node, the cell or the vertex of the source, from 0.
+     * for a cell that names a node that is not there. DPT_E_LIMIT for more than 2^31 - 1 of either. The diag's text
+     * names the node, the cell or the vertex of the source, from 0.
      */
     const double *nodes;
     const uint32_t *cells;

@@ -70,7 +70,7 @@
     X(MESH_MOMENTS,       "moments")    /* 20 x 16 floats a node, then 1 word a leaf; or empty  */ \
     X(MESH_NORMALS,       "normals")    /* 3 floats a vertex, or empty (mesh_normals)           */ \
     X(MESH_FLAGS,         "flags")      /* 1 a triangle: its edges and corners                  */ \
-    X(MESH_VERTEX_SOURCES, "vertex_sources") /* 1 a vertex: its number in the source             */ \
+    X(MESH_VERTEX_SOURCES, "vertex_sources") /* 1 a vertex: its number in the source            */ \
     X(MESH_EMBED_NODES,   "embed_nodes")   /* 4 nodes a vertex, or empty                        */ \
     X(MESH_EMBED_WEIGHTS, "embed_weights") /* 4 floats a vertex, or empty                       */
 /* clang-format on */

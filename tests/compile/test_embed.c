@@ -509,7 +509,7 @@ static void rounding_leaves_no_one_outside(void)
     }
 }
 
-/* A thin cell near by would give weights of thousands: the next one is taken, and the distance is still the true one. */
+/* A thin cell near by would give weights of thousands: the next one is taken, and the distance is still the true. */
 static void thin_cells_are_passed_over(void)
 {
     const double nodes[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0.3, 0.3, -1e-4, 0, 0, -1 };

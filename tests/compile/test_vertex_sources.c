@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The vertices' numbers in the source, by hand; test_compile compares those of every mesh with a search of the source. */
+/* The vertices' numbers in the source, by hand; test_compile compares those of every mesh with a search of it. */
 #include "lib/dpa.h"
 
 /* Unused vertices have no vertex in the file, even where a used one is; of equal ones the first counts. */

@@ -10,7 +10,8 @@
  *
  * The damaged files are made here, each from one of five whole ones in the host's byte order: `plain`, a sphere of 40
  * triangles, closed; `holed`, the same less one, which so has moments; `embedded`, the same in 27 nodes; `old` and
- * `old_4`, the golden files of versions 1 and 4. A row says what is changed, one word or the length, and which checksums are made good afterwards.
+ * `old_4`, the golden files of versions 1 and 4. A row says what is changed, one word or the length, and which checksums
+ * are made good afterwards.
  */
 #include <math.h>
 
