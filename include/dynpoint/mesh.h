@@ -157,9 +157,9 @@ DPT_API dpt_result dpt_mesh_get_vertex_sources(const dpt_mesh *mesh, const uint3
  *   node_count   all nodes, also those that no vertex uses
  *
  * Nodes are in the mesh's frame, in m: as they were given, times dpt_mesh_info.scale. As long as they stay there, the
- * sum is the vertex but for rounding: 2^-22 of the size of its cell, if it is within. A vertex within a cell has weights
- * of 0..1, but for rounding. One outside of all cells has some below 0. The arrays lie in the mesh's bytes. Without an
- * embedding, also in a file before format 5, both are NULL and *node_count is 0.
+ * sum is the vertex but for rounding: 2^-22 of the size of its cell, if it is within. A vertex within a cell has
+ * weights of 0..1, but for rounding. One outside of all cells has some below 0. The arrays lie in the mesh's bytes.
+ * Without an embedding, also in a file before format 5, both are NULL and *node_count is 0.
  */
 DPT_API dpt_result dpt_mesh_get_embedding(const dpt_mesh *mesh, const uint32_t **nodes,
                                           const float **weights, uint32_t *node_count);
