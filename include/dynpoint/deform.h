@@ -110,6 +110,16 @@ DPT_API dpt_result dpt_deform_set_vertex_list(dpt_world *world, dpt_body body,
                                               const float *positions, double bound);
 
 /*
+ * Move the vertices with the nodes of a coarser mesh, in which they are embedded (dpt_mesh_get_embedding): the nodes
+ * that your physics moves.
+ *
+ *   nodes   3 floats for each of its nodes, in the body's frame, m; not NULL
+ *
+ * DPT_E_UNSUPPORTED: the mesh was compiled without an embedding. Else as dpt_deform_set_vertices on all vertices.
+ */
+DPT_API dpt_result dpt_deform_set_nodes(dpt_world *world, dpt_body body, const float *nodes);
+
+/*
  * Where the vertices are: *count of them, 3 floats each, in the body's frame, m. The array is the body's own, and valid
  * until vertices move.
  */
@@ -118,7 +128,7 @@ DPT_API dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body body
 
 /* A force on a vertex, N, in the body's frame. This struct never changes. */
 typedef struct dpt_load {
-    uint32_t vertex; /* in the order of dpt_mesh_get_vertices */
+    uint32_t vertex; /* in the order of dpt_mesh_get_vertices; or a node */
     uint32_t reserved;
     double force[3];
 } dpt_load;
@@ -136,6 +146,14 @@ typedef struct dpt_load {
  */
 DPT_API dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body body, dpt_load *loads,
                                         uint32_t capacity, uint32_t *count);
+
+/*
+ * The same loads on the nodes in which the vertices are embedded: four for each load on a vertex, as it is weighted.
+ * `vertex` is a node then. Their moments are as exact as the vertices follow the nodes, in float. DPT_E_UNSUPPORTED: the
+ * mesh was compiled without an embedding.
+ */
+DPT_API dpt_result dpt_deform_get_node_loads(const dpt_world *world, dpt_body body, dpt_load *loads,
+                                             uint32_t capacity, uint32_t *count);
 
 DPT_END
 

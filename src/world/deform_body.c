@@ -63,6 +63,14 @@ static dpt_result read_def(const dpt_deform_def *given, dpt_deform_def *def)
     return DPT_OK;
 }
 
+static int has_embedding(const struct dpt_mesh *mesh)
+{
+    const uint32_t *nodes;
+    const float *weights;
+    uint32_t count;
+    return dpt_mesh_get_embedding(mesh, &nodes, &weights, &count) == DPT_OK && count > 0;
+}
+
 /* Where the arrays are: from the first multiple of 64 behind the struct on. */
 struct deform_layout {
     uint64_t points, tools, target, next, motion;
@@ -71,13 +79,15 @@ struct deform_layout {
 
 static struct deform_layout layout_of(const dpt_deform_def *def)
 {
-    const uint64_t floats = def->period > 0.0 ? 3 * (uint64_t)def->mesh->vertices : 0;
+    const uint64_t floats = 3 * (uint64_t)def->mesh->vertices;
+    const uint64_t target_floats = def->period > 0.0 ? floats : 0;
+    const uint64_t next_floats = def->period > 0.0 || has_embedding(def->mesh) ? floats : 0;
     struct deform_layout layout = { .points = 0 };
     layout.tools = mesh_aligned(sizeof(struct load_point) * (uint64_t)def->max_points);
     layout.target =
         layout.tools + mesh_aligned(sizeof(struct tool_load) * (uint64_t)def->max_points);
-    layout.next = layout.target + mesh_aligned(sizeof(float) * floats);
-    layout.motion = layout.next + mesh_aligned(sizeof(float) * floats);
+    layout.next = layout.target + mesh_aligned(sizeof(float) * target_floats);
+    layout.motion = layout.next + mesh_aligned(sizeof(float) * next_floats);
     layout.bytes = mesh_aligned(sizeof(struct deform)) + MESH_ALIGN + layout.motion +
                    dpti_surface_motion_bytes(def->mesh);
     return layout;
@@ -247,6 +257,32 @@ dpt_result dpt_deform_set_vertex_list(dpt_world *world, dpt_body id, const uint3
     return move_vertices(world, body, &update);
 }
 
+dpt_result dpt_deform_set_nodes(dpt_world *world, dpt_body id, const float *given)
+{
+    const uint32_t *nodes;
+    const float *weights;
+    uint32_t count;
+    if (!world || !given)
+        return DPT_E_ARGUMENT;
+    struct body *body = find_deformable(world, id);
+    if (!body)
+        return DPT_E_HANDLE;
+    dpt_mesh_get_embedding(body->surface.mesh, &nodes, &weights, &count);
+    if (!count)
+        return DPT_E_UNSUPPORTED;
+    float *next = deform_of(body)->next;
+    const uint32_t vertices = body->surface.mesh->vertices;
+    for (uint32_t v = 0; v < vertices; v++) {
+        vec3 sum = { 0.0, 0.0, 0.0 };
+        for (uint32_t k = 4 * v; k < 4 * v + 4; k++)
+            sum = along(sum, (double)weights[k], vec3_of_float(given + 3 * (size_t)nodes[k]));
+        next[3 * (size_t)v] = (float)sum.x;
+        next[3 * (size_t)v + 1] = (float)sum.y;
+        next[3 * (size_t)v + 2] = (float)sum.z;
+    }
+    return dpt_deform_set_vertices(world, id, 0, vertices, next, -1.0);
+}
+
 dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body id, const float **positions,
                                    uint32_t *count)
 {
@@ -350,4 +386,36 @@ dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body id, dpt_load *l
                                deform->def.load_radius, &whole, room ? loads + *count : NULL, room);
     }
     return *count > capacity ? DPT_E_FULL : DPT_OK;
+}
+
+dpt_result dpt_deform_get_node_loads(const dpt_world *world, dpt_body id, dpt_load *loads,
+                                     uint32_t capacity, uint32_t *count)
+{
+    const uint32_t *nodes;
+    const float *weights;
+    uint32_t node_count, vertex_loads;
+    if (count)
+        *count = 0;
+    if (!world || !count || (!loads && capacity))
+        return DPT_E_ARGUMENT;
+    const struct body *body = find_deformable(world, id);
+    if (!body)
+        return DPT_E_HANDLE;
+    dpt_mesh_get_embedding(body->surface.mesh, &nodes, &weights, &node_count);
+    if (!node_count)
+        return DPT_E_UNSUPPORTED;
+    const dpt_result result = dpt_deform_get_loads(world, id, loads, capacity / 4, &vertex_loads);
+    *count = 4 * vertex_loads;
+    /* From the last one on: each load's four lie behind it, or begin where it is. */
+    for (uint32_t i = result == DPT_OK ? vertex_loads : 0; i-- > 0;) {
+        const dpt_load load = loads[i];
+        for (uint32_t k = 0; k < 4; k++) {
+            const size_t corner = 4 * (size_t)load.vertex + k;
+            loads[4 * i + k].vertex = nodes[corner];
+            loads[4 * i + k].reserved = 0;
+            vec3_store(scaled(vec3_of(load.force), (double)weights[corner]),
+                       loads[4 * i + k].force);
+        }
+    }
+    return result;
 }

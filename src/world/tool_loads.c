@@ -45,6 +45,8 @@ static void note_point(struct dpt_world *world, struct tool *tool, uint32_t body
 {
     struct body *body = world_find_body(world, body_id);
     struct deform *deform = body ? deform_of(body) : NULL;
+    if (!(dot(force, force) > 0.0))
+        return;
     if (body && !deform)
         note_rigid(world, tool, at, force);
     if (!deform || deform->point_count == deform->def.max_points)
@@ -83,13 +85,40 @@ static vec3 pull_at(const struct proxy_tick *tick, uint32_t space)
     return sum;
 }
 
+/*
+ * A proxy that is on its way after what held it is gone (a fold) is held by nothing, but the spring pulls all the same.
+ * What is nearest takes that.
+ */
+static void note_nearest(struct proxy_tick *tick, vec3 force)
+{
+    const struct segment *nearest = NULL;
+    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
+        const struct segment *segment = &tick->world->segments[tick->tool->first_segment + i];
+        if (segment->answer.body && segment->answer.track.nearest.triangle != DPT_NONE &&
+            (!nearest || segment->result.distance < nearest->result.distance))
+            nearest = segment;
+    }
+    if (!nearest)
+        return;
+    const struct dynamic_point *track = &nearest->answer.track;
+    const vec3 at = along(track->axis.a, track->nearest.pair.s, sub(track->axis.b, track->axis.a));
+    note_point(tick->world, tick->tool, nearest->answer.body->id, track->nearest.triangle, at,
+               force);
+}
+
 void dpti_loads_note_proxy(struct proxy_tick *tick)
 {
     double left[HALF_SPACE_DIMENSIONS];
     const double stiffness = tick->tool->stiffness;
-    if (!tick->world->deform_count || !(stiffness > 0.0) || tick->proxy->state != PROXY_OUTSIDE ||
-        !dpti_proxy_solve_held(tick, left))
+    if (!tick->world->deform_count || !(stiffness > 0.0) || tick->proxy->state != PROXY_OUTSIDE)
         return;
+    const int is_solved = dpti_proxy_solve_held(tick, left);
+    if (!is_solved || !tick->solved.active_count) {
+        const struct displacement away =
+            dpti_proxy_displacement(tick->proxy, &tick->at, &tick->goal);
+        note_nearest(tick, scaled(away.shift, stiffness));
+        return;
+    }
     for (uint32_t k = 0; k < tick->solved.active_count; k++) {
         const uint32_t space = tick->solved.active[k];
         const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];

@@ -201,7 +201,7 @@ static void push_with(uint32_t law, double load_radius, uint32_t segments)
     if (!open_push(&push, law, load_radius, segments))
         return;
     for (uint64_t tick = 0; tick < part_of(400); tick++) {
-        const double depth = 0.012 * sin(0.02 * (double)tick) - 0.003;
+        const double depth = 0.016 * sin(0.04 * (double)tick) - 0.007;
         if (tick % 2) {
             deform_scene_advance(&push.scene);
             deform_scene_set(&push.scene, DEFORM_WHOLE);
@@ -261,10 +261,101 @@ static void loads_are_of_the_last_step(void)
     close_push(&push);
 }
 
+/* A sphere in one tetrahedron, whose nodes shear and shrink it. */
+static const double cage[4][3] = {
+    { -1.0, -1.0, -1.0 }, { 1.5, -0.8, -0.7 }, { -0.2, 1.5, -0.6 }, { 0.1, 0.1, 1.4 }
+};
+
+static int compile_caged(struct fixture *fixture)
+{
+    static const uint32_t cell[4] = { 0, 1, 2, 3 };
+    dpt_compile_def def;
+    dpt_diag diag = { .size = sizeof diag };
+    struct shape shape;
+    shape_reason reason;
+    CHECK(!shape_make("sphere", 1280, 0, &shape, reason), "%s", reason);
+    dpt_compile_def_init(&def);
+    def.nodes = &cage[0][0];
+    def.node_count = 4;
+    def.cells = cell;
+    def.cell_count = 1;
+    dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
+                                           shape.triangle_count, &def, &fixture->compiled, &diag);
+    shape_free(&shape);
+    if (result == DPT_OK)
+        result = dpt_mesh_open(fixture->compiled.bytes, fixture->compiled.size, &fixture->mesh);
+    CHECK(result == DPT_OK, "%s", diag.text);
+    return result == DPT_OK;
+}
+
+/* Where an affine map of the cage puts a point: it shrinks to `size` and leans by `lean`. */
+static void map_point(double size, double lean, const double x[3], double y[3])
+{
+    y[0] = size * x[0] + lean * x[2];
+    y[1] = size * x[1];
+    y[2] = size * x[2];
+}
+
+static void nodes_move_vertices_and_get_their_loads(void)
+{
+    static dpt_load loads[LOADS_MAX];
+    struct deform_scene scene;
+    const dpt_segment pin = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.1 }, 0.004 };
+    dpt_pose pose = { { 0.01, 0.0, 0.12 }, { 1.0, 0.0, 0.0, 0.0 } };
+    const float *positions;
+    uint32_t count;
+    memset(&scene, 0, sizeof scene);
+    if (!compile_caged(&scene.fixture) || !deform_scene_open_mesh(&scene, NULL, NULL))
+        return;
+    dpt_tool_add(scene.world, &pin, 1, &scene.tool);
+    for (int tick = 0; tick < 60; tick++) {
+        const double size = 1.0 - 1e-3 * tick, lean = 2e-3 * tick;
+        dpt_force_report force = { .size = sizeof force };
+        float nodes[12];
+        double off = 0.0, sum[3];
+        for (int n = 0; n < 4; n++) {
+            double y[3];
+            map_point(size, lean, cage[n], y);
+            for (int k = 0; k < 3; k++)
+                nodes[3 * n + k] = (float)y[k];
+        }
+        CHECK(dpt_deform_set_nodes(scene.world, scene.body, nodes) == DPT_OK, "nodes");
+        pose.position[2] -= 8e-4;
+        dpt_tool_set_pose(scene.world, scene.tool, &pose);
+        dpt_world_step(scene.world, 1e-3, NULL);
+        dpt_deform_get_vertices(scene.world, scene.body, &positions, &count);
+        for (uint32_t v = 0; v < count; v++) {
+            const double x[3] = { (double)scene.rest[3 * v], (double)scene.rest[3 * v + 1],
+                                  (double)scene.rest[3 * v + 2] };
+            double y[3];
+            map_point(size, lean, x, y);
+            for (uint32_t k = 0; k < 3; k++)
+                off = fmax(off, fabs(y[k] - (double)positions[3 * v + k]));
+        }
+        CHECK(off < 1e-6, "a vertex is %g m off", off);
+        dpt_tool_get_force_report(scene.world, scene.tool, &force);
+        CHECK(dpt_deform_get_node_loads(scene.world, scene.body, loads, LOADS_MAX, &count) ==
+                  DPT_OK,
+              "%u loads", count);
+        memcpy(sum, force.wrench.force, sizeof sum);
+        for (uint32_t i = 0; i < count; i++)
+            for (int k = 0; k < 3; k++)
+                sum[k] += loads[i].vertex < 4 ? loads[i].force[k] : HUGE_VAL;
+        for (int k = 0; k < 3; k++)
+            CHECK(fabs(sum[k]) <= 1e-6 * (1.0 + fabs(force.wrench.force[2])), "%g N are left",
+                  sum[k]);
+        CHECK(tick < 50 || force.wrench.force[2] > 1.0, "%g N", force.wrench.force[2]);
+    }
+    CHECK(dpt_deform_get_node_loads(scene.world, scene.body, loads, 3, &count) == DPT_E_FULL,
+          "room for three");
+    deform_scene_close(&scene);
+}
+
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
     TEST(loads_are_the_reaction);
     TEST(loads_are_of_the_last_step);
+    TEST(nodes_move_vertices_and_get_their_loads);
     return check_report();
 }
