@@ -294,6 +294,15 @@ dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body id, const fl
     return body ? DPT_OK : DPT_E_HANDLE;
 }
 
+void dpti_deform_reset(struct body *body)
+{
+    struct deform *deform = body->slot.used ? deform_of(body) : NULL;
+    if (!deform)
+        return;
+    dpti_surface_motion_forget(&deform->motion);
+    deform->point_count = deform->tool_count = 0;
+}
+
 /* A segment's strip, if its tool pushes the surface of a body out of the way; else NULL. */
 static const struct segment_strip *displacing_strip(const struct dpt_world *world,
                                                     uint32_t segment_index, uint32_t slot)

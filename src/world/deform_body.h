@@ -42,6 +42,9 @@ static inline double deform_step(const struct body *body, uint32_t tick)
                : 0.0;
 }
 
+/* After a reset of the world: its ticks are counted anew, and there are no loads. Nothing for a rigid body. */
+void dpti_deform_reset(struct body *body);
+
 /* At the end of a step: the strips' triangles on bodies that are displaced are moved out of the tools. */
 void dpti_deform_displace(struct dpt_world *world);
 

@@ -15,12 +15,14 @@ static uint32_t slot_of(const struct dpt_world *world, const struct tool *tool)
     return (uint32_t)(tool - world->tools);
 }
 
-/* The load of a tool on a body, its newest; NULL if it has none in this tick. */
+/* The load of a tool on a body; NULL if it has none in this tick. */
 static struct tool_load *load_of(const struct dpt_world *world, const struct tool *tool,
                                  const struct deform *deform)
 {
-    struct tool_load *last = deform->tool_count ? &deform->tools[deform->tool_count - 1] : NULL;
-    return last && last->tool_slot == slot_of(world, tool) ? last : NULL;
+    for (uint32_t i = 0; i < deform->tool_count; i++)
+        if (deform->tools[i].tool_slot == slot_of(world, tool))
+            return &deform->tools[i];
+    return NULL;
 }
 
 /* Where the torque of a tool's wrench is about, in the world. With a proxy its frame is not that of the device. */
@@ -85,40 +87,13 @@ static vec3 pull_at(const struct proxy_tick *tick, uint32_t space)
     return sum;
 }
 
-/*
- * A proxy that is on its way after what held it is gone (a fold) is held by nothing, but the spring pulls all the same.
- * What is nearest takes that.
- */
-static void note_nearest(struct proxy_tick *tick, vec3 force)
-{
-    const struct segment *nearest = NULL;
-    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
-        const struct segment *segment = &tick->world->segments[tick->tool->first_segment + i];
-        if (segment->answer.body && segment->answer.track.nearest.triangle != DPT_NONE &&
-            (!nearest || segment->result.distance < nearest->result.distance))
-            nearest = segment;
-    }
-    if (!nearest)
-        return;
-    const struct dynamic_point *track = &nearest->answer.track;
-    const vec3 at = along(track->axis.a, track->nearest.pair.s, sub(track->axis.b, track->axis.a));
-    note_point(tick->world, tick->tool, nearest->answer.body->id, track->nearest.triangle, at,
-               force);
-}
-
 void dpti_loads_note_proxy(struct proxy_tick *tick)
 {
     double left[HALF_SPACE_DIMENSIONS];
     const double stiffness = tick->tool->stiffness;
-    if (!tick->world->deform_count || !(stiffness > 0.0) || tick->proxy->state != PROXY_OUTSIDE)
+    if (!tick->world->deform_count || !(stiffness > 0.0) || tick->proxy->state != PROXY_OUTSIDE ||
+        !dpti_proxy_solve_held(tick, left))
         return;
-    const int is_solved = dpti_proxy_solve_held(tick, left);
-    if (!is_solved || !tick->solved.active_count) {
-        const struct displacement away =
-            dpti_proxy_displacement(tick->proxy, &tick->at, &tick->goal);
-        note_nearest(tick, scaled(away.shift, stiffness));
-        return;
-    }
     for (uint32_t k = 0; k < tick->solved.active_count; k++) {
         const uint32_t space = tick->solved.active[k];
         const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
@@ -217,8 +192,43 @@ static void settle_body(struct body *body, struct tool_load *load, double scale,
                load->whole.torque);
 }
 
-void dpti_loads_settle(struct dpt_world *world, const struct tool *tool)
+/*
+ * A wrench that no point gives: a proxy is on its way after what held it is gone (a fold), or the force fades. What is
+ * nearest takes it.
+ */
+static void note_nearest(struct dpt_world *world, struct tool *tool)
 {
+    const struct segment *nearest = NULL;
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
+        const struct segment *segment = &world->segments[tool->first_segment + i];
+        if (segment->answer.body && segment->answer.track.nearest.triangle != DPT_NONE &&
+            (!nearest || segment->result.distance < nearest->result.distance))
+            nearest = segment;
+    }
+    if (!nearest)
+        return;
+    const struct dynamic_point *track = &nearest->answer.track;
+    note_point(world, tool, nearest->answer.body->id, track->nearest.triangle,
+               along(track->axis.a, track->nearest.pair.s, sub(track->axis.b, track->axis.a)),
+               scaled(vec3_of(tool->wrench.force), -1.0));
+}
+
+/* Whether the tool touches anything in this tick. */
+static int has_points(const struct dpt_world *world, const struct tool *tool)
+{
+    const vec3 on_rigid = vec3_of(tool->on_rigid.force);
+    for (uint32_t i = 0; i < world->body_slot_end; i++) {
+        const struct body *body = &world->bodies[i];
+        if (body->slot.used && deform_of(body) && load_of(world, tool, deform_of(body)))
+            return 1;
+    }
+    return dot(on_rigid, on_rigid) > 0.0;
+}
+
+void dpti_loads_settle(struct dpt_world *world, struct tool *tool)
+{
+    if (world->deform_count && !has_points(world, tool))
+        note_nearest(world, tool);
     vec3 force = vec3_of(tool->on_rigid.force), torque = vec3_of(tool->on_rigid.torque);
     double all = 0.0;
     for (uint32_t i = 0; world->deform_count && i < world->body_slot_end; i++) {

@@ -12,6 +12,6 @@ void dpti_loads_note_proxy(struct proxy_tick *tick);
 void dpti_loads_note_segments(struct dpt_world *world, struct tool *tool);
 
 /* After the tool's wrench is known: what its points sum up to on each body is the reaction to it. */
-void dpti_loads_settle(struct dpt_world *world, const struct tool *tool);
+void dpti_loads_settle(struct dpt_world *world, struct tool *tool);
 
 #endif

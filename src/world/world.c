@@ -3,6 +3,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "world/body_search.h"
+#include "world/deform_body.h"
 #include "world/persistent_contacts.h"
 #include "world/tool.h"
 #include "world/world_def.h"
@@ -67,8 +68,7 @@ dpt_result dpt_world_reset(dpt_world *world)
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         world->bodies[i].moved_tick = world->bodies[i].added_tick = 0;
         world->bodies[i].motion_bound = 0.0;
-        if (world->bodies[i].surface.motion)
-            dpti_surface_motion_forget(world->bodies[i].surface.motion);
+        dpti_deform_reset(&world->bodies[i]);
     }
     world->bodies_moved_tick = 0;
     world->body_motion_max = 0.0;

@@ -49,6 +49,8 @@ static dpt_pose random_pose(double reach)
 struct push {
     struct deform_scene scene;
     dpt_pose body, tool;
+    dpt_tool second; /* 0: there is none */
+    dpt_pose second_pose;
     dpt_load loads[LOADS_MAX];
     uint32_t count;
     double *positions; /* the vertices of the last step */
@@ -75,7 +77,8 @@ static void vary_settings(const struct push *push, uint32_t law)
     CHECK(dpt_body_set_settings(push->scene.world, push->scene.body, &body) == DPT_OK, "body");
 }
 
-static int open_push(struct push *push, uint32_t law, double load_radius, uint32_t segments)
+static int open_push(struct push *push, uint32_t law, double load_radius, uint32_t segments,
+                     double fade)
 {
     dpt_world_def def;
     dpt_deform_def deform;
@@ -83,7 +86,7 @@ static int open_push(struct push *push, uint32_t law, double load_radius, uint32
     dpt_deform_def_init(&deform);
     deform.load_radius = load_radius;
     def.law = law;
-    def.fade = 0.0;
+    def.fade = fade;
     memset(push, 0, sizeof *push);
     if (!deform_scene_open(&push->scene, "sphere", 1280, &def, &deform))
         return 0;
@@ -135,19 +138,34 @@ static void step_push(struct push *push)
         push->positions[i] = (double)positions[i];
 }
 
-/* Loads and wrench about the world's origin. Returns the force, N. */
-static double check_balance(struct push *push, const char *name)
+/* Add a tool's wrench, about the world's origin. Returns its force, N. */
+static double add_wrench(const struct push *push, dpt_tool tool, const dpt_pose *pose,
+                         double sum[3], double moment[3])
 {
     dpt_force_report force = { .size = sizeof force };
-    double sum[3], moment[3], at[3], load[3], part[3], peak = 0.0, arm = 0.0, worst = 0.0;
+    double about[3];
+    dpt_tool_get_force_report(push->scene.world, tool, &force);
+    cross3(pose->position, force.wrench.force, about);
+    for (int k = 0; k < 3; k++) {
+        sum[k] += force.wrench.force[k];
+        moment[k] += about[k] + force.wrench.torque[k];
+    }
+    return sqrt(force.wrench.force[0] * force.wrench.force[0] +
+                force.wrench.force[1] * force.wrench.force[1] +
+                force.wrench.force[2] * force.wrench.force[2]);
+}
+
+/* Loads and wrenches about the world's origin. Returns the force of all tools, N. */
+static double check_balance(struct push *push, const char *name)
+{
+    double sum[3] = { 0.0 }, moment[3] = { 0.0 }, at[3], load[3], part[3], peak = 0.0, arm = 0.0,
+           worst = 0.0;
     const dpt_result result = dpt_deform_get_loads(push->scene.world, push->scene.body, push->loads,
                                                    LOADS_MAX, &push->count);
     CHECK(result == DPT_OK, "%s: %s", name, dpt_result_name(result));
-    dpt_tool_get_force_report(push->scene.world, push->scene.tool, &force);
-    memcpy(sum, force.wrench.force, sizeof sum);
-    cross3(push->tool.position, sum, moment);
-    for (int k = 0; k < 3; k++)
-        moment[k] += force.wrench.torque[k];
+    double force = add_wrench(push, push->scene.tool, &push->tool, sum, moment);
+    if (push->second)
+        force += add_wrench(push, push->second, &push->second_pose, sum, moment);
     for (uint32_t i = 0; i < push->count; i++) {
         turn3(&push->body, push->positions + 3 * (size_t)push->loads[i].vertex, at);
         turn3(&push->body, push->loads[i].force, load);
@@ -161,14 +179,11 @@ static double check_balance(struct push *push, const char *name)
             arm = fmax(arm, fabs(at[k]));
         }
     }
-    for (int k = 0; k < 3; k++) {
-        peak = fmax(peak, fabs(force.wrench.force[k]));
+    for (int k = 0; k < 3; k++)
         worst = fmax(worst, fmax(fabs(sum[k]), fabs(moment[k]) / (1.0 + arm)));
-    }
+    peak = fmax(peak, force);
     CHECK(worst <= 1e-12 * peak + 1e-15, "%s: %g N of %g are left", name, worst, peak);
-    return sqrt(force.wrench.force[0] * force.wrench.force[0] +
-                force.wrench.force[1] * force.wrench.force[1] +
-                force.wrench.force[2] * force.wrench.force[2]);
+    return force;
 }
 
 /* m: no load is farther from the tool's axis, where that is now. */
@@ -198,7 +213,7 @@ static void push_with(uint32_t law, double load_radius, uint32_t segments)
     const char *name = law_names[law];
     double largest = 0.0;
     uint64_t acted = 0;
-    if (!open_push(&push, law, load_radius, segments))
+    if (!open_push(&push, law, load_radius, segments, 0.0))
         return;
     for (uint64_t tick = 0; tick < part_of(400); tick++) {
         const double depth = 0.016 * sin(0.04 * (double)tick) - 0.007;
@@ -226,11 +241,44 @@ static void loads_are_the_reaction(void)
             push_with(law, k % 3 * 0.01, law == DPT_LAW_PROXY ? 1 + (uint32_t)k % 2 : 1);
 }
 
+/* Two proxies at once, one of which is thrown through the body; forces that fade have their loads, too. */
+static void two_tools_have_their_loads(void)
+{
+    static struct push push;
+    uint64_t faded = 0;
+    if (!open_push(&push, DPT_LAW_PROXY, 0.01, 1, 0.01))
+        return;
+    CHECK(dpt_tool_add(push.scene.world, rod, 1, &push.second) == DPT_OK, "no second tool");
+    for (uint64_t tick = 0; tick < part_of(400); tick++) {
+        dpt_force_report force = { .size = sizeof force };
+        place_tool(&push, 0.012 * sin(0.05 * (double)tick) - 0.004, 0.1);
+        push.second_pose = push.tool;
+        for (int k = 0; k < 3; k++)
+            push.second_pose.position[k] +=
+                0.02 * sin(0.03 * (double)tick + k) + (tick % 40 == 20 ? 0.05 : 0.0);
+        dpt_tool_set_pose(push.scene.world, push.second, &push.second_pose);
+        deform_scene_advance(&push.scene);
+        deform_scene_set(&push.scene, DEFORM_WHOLE);
+        step_push(&push);
+        check_balance(&push, "two tools");
+        dpt_tool_get_force_report(push.scene.world, push.second, &force);
+        faded += force.flags & DPT_FORCE_FLAG_FADING ? 1 : 0;
+        if (tick % 100 == 99) {
+            dpt_tool_settings settings = { .size = sizeof settings };
+            dpt_tool_get_settings(push.scene.world, push.second, &settings);
+            settings.law = tick % 200 == 99 ? DPT_LAW_BED : DPT_LAW_PROXY;
+            dpt_tool_set_settings(push.scene.world, push.second, &settings);
+        }
+    }
+    printf("    %u ticks in which a force faded\n", (unsigned)faded);
+    close_push(&push);
+}
+
 /* Loads are of the last step, whatever was set after it. */
 static void loads_are_of_the_last_step(void)
 {
     static struct push push, other;
-    if (!open_push(&push, DPT_LAW_PROXY, 0.01, 1))
+    if (!open_push(&push, DPT_LAW_PROXY, 0.01, 1, 0.0))
         return;
     place_tool(&push, -0.01, 0.1);
     step_push(&push);
@@ -355,6 +403,7 @@ int main(int argc, char **argv)
 {
     take_percent(argc, argv);
     TEST(loads_are_the_reaction);
+    TEST(two_tools_have_their_loads);
     TEST(loads_are_of_the_last_step);
     TEST(nodes_move_vertices_and_get_their_loads);
     return check_report();
