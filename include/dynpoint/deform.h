@@ -71,7 +71,7 @@ static inline void dpt_deform_def_init(dpt_deform_def *def)
 }
 
 /*
- * The bytes that a body of this def needs, in this version of the library: about 72 a triangle. 0 for a def that is not
+ * The bytes that a body of this def needs, in this version of the library: about 56 a triangle. 0 for a def that is not
  * valid. It takes time in proportion to the mesh's triangles.
  */
 DPT_API size_t dpt_deform_bytes(const dpt_deform_def *def);

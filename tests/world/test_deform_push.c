@@ -68,7 +68,7 @@ static int open_sheet(struct sheet *sheet, double speed, const dpt_world_def *de
     sheet->amplitude = 0.02;
     sheet->turn = speed / (2.2 * sheet->amplitude);
     sheet->random = 5;
-    sheet->device = (dpt_pose){ { 0.0, 0.0, 0.1 }, { 1.0, 0.0, 0.0, 0.0 } };
+    sheet->device = (dpt_pose){ { 0.0, 0.0, 0.045 }, { 1.0, 0.0, 0.0, 0.0 } };
     CHECK(dpt_tool_add(sheet->scene.world, segment, 1, &sheet->scene.tool) == DPT_OK, "no tool");
     return 1;
 }
@@ -94,7 +94,7 @@ static void move_device(struct sheet *sheet, uint64_t tick, double speed)
 
 static void set_on_top(struct sheet *sheet)
 {
-    sheet->device.position[2] = 0.1;
+    sheet->device.position[2] = 0.045;
     dpt_tool_teleport(sheet->scene.world, sheet->scene.tool, &sheet->device);
     dpt_world_step(sheet->scene.world, 1e-3, NULL);
 }
