@@ -99,6 +99,9 @@ $(B)/%.o: %.cc
 
 $(B)/src/kernel/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
 
+# For aarch64, compilers call a helper for an atomic exchange; the core calls nothing. Others do not know the option.
+$(B)/src/exchange/latest.o: CONFIG_CFLAGS += $(shell $(CC) -mno-outline-atomics -Werror -E -x c /dev/null >/dev/null 2>&1 && echo -mno-outline-atomics)
+
 $(B)/drivers/%.o: INCLUDES += -Idrivers
 $(B)/tools/%.o: INCLUDES += -Idrivers -Itools
 

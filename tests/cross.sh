@@ -91,6 +91,9 @@ try()
     check "$machine: build, see $log" build "$machine"
     [ -x "$folder/dynpoint" ] || return
     check "$machine: warnings, see $log" test "$(grep -c warning: "$log")" -eq 0
+    "$1-linux-gnu-nm" -u "$folder/libdynpoint.o" | awk '{ print $2 }' |
+        grep -vxE 'sqrt|mem(cpy|set|move|cmp)|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail' >"$folder/imports"
+    check "$machine: the core imports $(tr '\n' ' ' <"$folder/imports")" test ! -s "$folder/imports"
     check "$machine: it runs, see $log" work "qemu-$machine-static" "$folder/dynpoint"
     for name in torus.ply liver.obj torus.dpa liver.dpa open.dpa coarse.dpa embedded.dpa torus.c torus.csv liver.csv torus.out brute.out \
         liver.out records.csv; do

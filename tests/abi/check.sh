@@ -77,9 +77,11 @@ objdump -d "$build/libdynpoint.o" "$build/libdynpoint_drivers.o" | grep -cE '[[:
 [ "$(cat "$scratch/fused")" -eq 0 ]
 verdict $? "no multiply is fused with an add, nor in the drivers"
 
-objdump -d "$build/libdynpoint.o" | grep -cE '[[:space:]](lock|[lsm]fence|pause|rdtscp?|syscall|sysenter|int)([[:space:]]|$)|xchg.*\(|[[:space:]](ld(a?xr|a?xp|add|set|clr|eor)|stl?x[rp]|cas|swp|svc|wfe)' >"$scratch/locks"
+# The exchange between two threads is one instruction, in two functions.
+objdump -d "$build/libdynpoint.o" | awk '/^[0-9a-f]+ <.*>:$/ { exchanges = $2 ~ /^<dpt_latest_(publish|take)>:$/ } !exchanges' |
+    grep -cE '[[:space:]](lock|[lsm]fence|pause|rdtscp?|syscall|sysenter|int)([[:space:]]|$)|xchg.*\(|[[:space:]](ld(a?xr|a?xp|add|set|clr|eor)|stl?x[rp]|cas|swp|svc|wfe)' >"$scratch/locks"
 [ "$(cat "$scratch/locks")" -eq 0 ]
-verdict $? "no lock, no fence, no clock and no system call in the core's code"
+verdict $? "no lock, no fence, no clock and no system call in the core's code, but for dpt_latest's exchange"
 
 for header in include/dynpoint.h include/dynpoint/*.h; do
     name=${header#include/}
