@@ -246,6 +246,18 @@ static dpt_result set_tool(void *given)
     return dpt_tool_set_settings(world, tool, given);
 }
 
+/* The body is removed again, so that there is room for the next one. */
+static dpt_result deform_def(void *given)
+{
+    static uint64_t block[1 << 13];
+    dpt_body made;
+    const size_t bytes = dpt_deform_bytes(given);
+    dpt_result result = dpt_deform_add(world, block, sizeof block, given, &made);
+    CHECK((result == DPT_OK) == (bytes > 0 && bytes <= sizeof block), "%zu bytes, %s", bytes,
+          dpt_result_name(result));
+    return result == DPT_OK ? dpt_body_remove(world, made) : result;
+}
+
 static dpt_result strip_def(void *given)
 {
     static uint64_t block[1 << 13];
@@ -370,6 +382,7 @@ static dpt_result write_record(void *given)
 }
 
 static dpt_world_def a_world_def, defaults;
+static dpt_deform_def a_deform_def;
 static const dpt_strip_def a_strip_def = { sizeof a_strip_def, 64, 0, 0 };
 static const dpt_baseline_def a_baseline_def = { sizeof a_baseline_def, 1, 0, 0 };
 static const dpt_body_settings a_body_settings = {
@@ -390,6 +403,8 @@ static const struct {
     { { "dpt_world_def", sizeof(dpt_world_def), sizeof(dpt_world_def), world_def }, &a_world_def },
     { { "dpt_baseline_def", sizeof(dpt_baseline_def), sizeof(dpt_baseline_def), baseline_def },
       &a_baseline_def },
+    { { "dpt_deform_def", sizeof(dpt_deform_def), sizeof(dpt_deform_def), deform_def },
+      &a_deform_def },
     { { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), set_body },
       &a_body_settings },
     { { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), set_tool },
@@ -447,6 +462,18 @@ static void world_defaults(void *def, size_t size)
     dpt_world_def_defaults(def, size);
 }
 
+static void deform_defaults(void *def, size_t size)
+{
+    dpt_deform_def_defaults(def, size);
+}
+
+/* The mesh has no default. */
+static dpt_result deform_def_with_mesh(void *given)
+{
+    ((dpt_deform_def *)given)->mesh = fixture.mesh;
+    return deform_def(given);
+}
+
 static void coupling_defaults(void *def, size_t size)
 {
     dpt_coupling_def_defaults(def, size);
@@ -465,11 +492,16 @@ static void guard_defaults(void *def, size_t size)
 static void defaults_fill_what_fits(void)
 {
     const struct sized of_world = { "dpt_world_def", 0, sizeof defaults, world_def };
+    const struct sized of_deform = { "dpt_deform_def", 0, sizeof a_deform_def,
+                                     deform_def_with_mesh };
     const struct sized of_guard = { "dpt_guard_def", 0, sizeof a_guard_def, guard_def };
     const struct sized of_coupling = { "dpt_coupling_def", 0, sizeof a_coupling_def, coupling_def };
     const struct sized of_passivity = { "dpt_passivity_def", 0, sizeof a_passivity_def,
                                         passivity_def };
     check_defaults(&of_world, world_defaults, &defaults);
+    dpt_deform_def whole;
+    dpt_deform_def_init(&whole);
+    check_defaults(&of_deform, deform_defaults, &whole);
     check_defaults(&of_guard, guard_defaults, &a_guard_def);
     check_defaults(&of_coupling, coupling_defaults, &a_coupling_def);
     check_defaults(&of_passivity, passivity_defaults, &a_passivity_def);
@@ -498,6 +530,8 @@ static int open_all(void)
     }
     segment.radius = 0.001;
     dpt_guard_def_init(&a_guard_def);
+    dpt_deform_def_init(&a_deform_def);
+    a_deform_def.mesh = fixture.mesh;
     a_guard.size = sizeof a_guard;
     dpt_coupling_def_init(&a_coupling_def);
     dpt_passivity_def_init(&a_passivity_def);
@@ -506,6 +540,7 @@ static int open_all(void)
     dpt_world_def_init(&a_world_def);
     a_world_def.strip = DPT_STRIP_KIND_SHADOW;
     a_world_def.max_segments = 1;
+    a_world_def.max_bodies = 2;
     a_world_def.certificate_bytes = 4096;
     a_shadow = (dpt_shadow){
         .size = sizeof a_shadow, .segment = segment, .direction = { 0, 0, 1 }, .depth = 1.0
