@@ -11,6 +11,7 @@ core = CDLL(sys.argv[1] + "/libdynpoint.so")
 compiler = CDLL(sys.argv[1] + "/libdynpoint_compile.so")
 drivers = CDLL(sys.argv[1] + "/libdynpoint_drivers.so")
 core.dpt_world_bytes.restype = c_size_t  # all other results used here are int32, ctypes' default
+core.dpt_deform_bytes.restype = c_size_t
 
 
 def struct(name, *fields):
@@ -45,6 +46,10 @@ Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contac
                  (double3, "end_normal_0 end_normal_1"))
 Overlap = struct("dpt_overlap", (c_uint32, "size triangle flags reserved"), (c_double, "distance s"),
                  (double3, "q weight"), (c_double, "gap overlap"))
+DeformDef = struct("dpt_deform_def", (c_uint32, "size max_points"), (c_void_p, "mesh"), (POINTER(Pose), "pose"),
+                   (double3, "box_min box_max"), (c_double, "period load_radius"), (c_uint32, "response passes"))
+Load = struct("dpt_load", (c_uint32, "vertex reserved"), (double3, "force"))
+Latest = struct("dpt_latest", (c_uint32, "writing between reading"))
 State = struct("dpt_device_state", (c_uint32, "size status reasons code buttons fresh"),
                (c_uint64, "sequence time_ns"), (Pose, "pose"), (double3, "velocity spin"),
                (c_double, "temperature"), (c_double * 6, "reserved"), (c_double * 8, "joint"))
@@ -112,9 +117,10 @@ def is_near(number, wanted):
 column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
-for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceReport, State,
-             Guard, GuardInfo, CouplingDef, Coupling, PassivityDef, Passivity, PassivitySample, PassivityInfo,
-             RecordHeader, Record, Identified, IdentifyResult, CompileDef, Compiled, Joint, Link, ArmBody, ArmDef):
+for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceReport,
+             DeformDef, Load, Latest, State, Guard, GuardInfo, CouplingDef, Coupling, PassivityDef, Passivity,
+             PassivitySample, PassivityInfo, RecordHeader, Record, Identified, IdentifyResult, CompileDef, Compiled, Joint, Link,
+             ArmBody, ArmDef):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
 # A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
@@ -208,6 +214,43 @@ check("on the top, pulled at by 500 N/m", abs(proxy.position[2] - 1.1) < 1e-4 an
       and is_near(report.wrench.force[2], 500 * (proxy.position[2] - 1.05)))
 settings.law = 0  # DPT_LAW_POINT
 core.dpt_tool_set_settings(world, tool, byref(settings))
+
+# A soft box beside it, of which the top is lowered by 0.1 m: where it is now is what is felt, and its corners hold it.
+soft_def, soft = DeformDef(), c_uint32()
+core.dpt_deform_def_defaults(byref(soft_def), c_size_t(sizeof(soft_def)))
+soft_def.mesh = mesh.value
+beside = Pose(double3(5, 0, 0), double4(1, 0, 0, 0))
+soft_def.pose = POINTER(Pose)(beside)
+need = core.dpt_deform_bytes(byref(soft_def))
+soft_block = (c_double * (need // 8 + 1))()
+check("add a soft body", core.dpt_deform_add(world, soft_block, c_size_t(need), byref(soft_def), byref(soft)) == 0)
+at = POINTER(c_float)()
+check("its vertices", core.dpt_deform_get_vertices(world, soft, byref(at), byref(count)) == 0 and count.value == 8)
+lowered = (c_float * 24)(*[min(x, 0.9) if i % 3 == 2 else x for i, x in enumerate(at[:24])])
+check("move them", core.dpt_deform_set_vertices(world, soft, 0, 8, lowered, c_double(-1)) == 0)
+first = (c_uint32 * 1)(0)
+check("one of them", core.dpt_deform_set_vertex_list(world, soft, first, 1, lowered, c_double(0)) == 0)
+check("they are there", core.dpt_deform_get_vertices(world, soft, byref(at), byref(count)) == 0
+      and at[:24] == lowered[:])
+pose.position[:] = (5.3, 0.2, 0.95)
+core.dpt_tool_teleport(world, tool, byref(pose))
+check("step beside", core.dpt_world_step(world, c_double(0.001), byref(step)) == 0 and step.contact == 3)
+core.dpt_tool_get_wrench(world, tool, byref(wrench))
+loads = (Load * 64)()
+check("loads", core.dpt_deform_get_loads(world, soft, loads, 64, byref(count)) == 0 and count.value > 0)
+check("they are 25 N downward, as it is 25 N upward", abs(wrench.force[2] - 25) < 1e-4 and
+      abs(sum(load.force[2] for load in loads[:count.value]) + wrench.force[2]) < 1e-9)
+core.dpt_body_remove(world, soft)  # only then may its block go
+pose.position[:] = (0.3, 0.2, 1.05)
+core.dpt_tool_teleport(world, tool, byref(pose))
+
+latest = Latest()
+core.dpt_latest_init(byref(latest))
+check("nothing new", core.dpt_latest_take(byref(latest)) == 0)
+place = latest.writing
+core.dpt_latest_publish(byref(latest))
+check("something new, once", core.dpt_latest_take(byref(latest)) == 1 and latest.reading == place
+      and core.dpt_latest_take(byref(latest)) == 0)
 
 device, state, guard, sent = c_void_p(), State(size=sizeof(State)), Guard(size=sizeof(Guard)), Wrench()
 check("open a device", drivers.dpt_device_open(b"sim:?hand=press", byref(device), None) == 0)
