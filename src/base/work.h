@@ -38,11 +38,15 @@ static inline void work_spend(struct work *work, uint32_t units)
     work->done += units;
 }
 
-/* Spend units, or what is left. */
-static inline void work_spend_left(struct work *work, uint32_t units)
+/* Units that a search may count on after it has looked at what is left: four for each level of a tree. */
+enum { WORK_COUNTED_ON = 32 };
+
+/* Spend units that came in between, or as many as leave a search what it counts on. */
+static inline void work_spend_between(struct work *work, uint32_t units)
 {
     const uint32_t left = work_left(work);
-    work->done += units < left ? units : left;
+    const uint32_t most = left > WORK_COUNTED_ON ? left - WORK_COUNTED_ON : 0;
+    work->done += units < most ? units : most;
 }
 
 #endif

@@ -101,7 +101,7 @@ static inline const float *surface_leaf(const struct surface *surface, uint32_t 
 {
     struct surface_motion *motion = surface->motion;
     if (motion && motion->followed[leaf] != motion->travel[leaf])
-        work_spend_left(work, dpti_surface_follow_leaf(motion, leaf));
+        work_spend_between(work, dpti_surface_follow_leaf(motion, leaf));
     return surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
 }
 
@@ -111,7 +111,7 @@ static inline const float *surface_node(const struct surface *surface, uint32_t 
     struct surface_motion *motion = surface->motion;
     const uint32_t number = motion ? motion->first[level] + node : 0;
     if (motion && motion->followed[number] != motion->travel[number])
-        work_spend_left(work, dpti_surface_follow_node(motion, level, node));
+        work_spend_between(work, dpti_surface_follow_node(motion, level, node));
     return surface->level[level] + (size_t)node * MESH_BOX_WORDS;
 }
 
