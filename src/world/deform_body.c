@@ -352,27 +352,6 @@ void dpti_deform_displace(struct dpt_world *world)
     }
 }
 
-/* The frame of a body in the last step, whatever was set after it. */
-static struct frame frame_then(const struct dpt_world *world, const struct body *body)
-{
-    struct frame frame = body->frame;
-    if (body->moved_tick == world->ticks + 1)
-        frame_of_pose(&body->previous_pose, &frame);
-    return frame;
-}
-
-/* What a tool's loads sum up to, in the body's frame, about its origin. */
-static dpt_wrench whole_of(const struct tool_load *load, const struct frame *frame)
-{
-    const vec3 force = vec3_of(load->whole.force);
-    const vec3 torque =
-        add(vec3_of(load->whole.torque), cross(sub(load->origin, frame->origin), force));
-    dpt_wrench whole;
-    vec3_store(frame_turn_back(frame, force), whole.force);
-    vec3_store(frame_turn_back(frame, torque), whole.torque);
-    return whole;
-}
-
 dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body id, dpt_load *loads,
                                 uint32_t capacity, uint32_t *count)
 {
@@ -385,14 +364,12 @@ dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body id, dpt_load *l
         return DPT_E_HANDLE;
     const struct deform *deform = deform_of(body);
     const struct surface surface = surface_view(&body->surface, world->ticks + 1, 0.0);
-    const struct frame frame = frame_then(world, body);
     for (uint32_t t = 0; t < deform->tool_count; t++) {
         const struct tool_load *load = &deform->tools[t];
-        const dpt_wrench whole = whole_of(load, &frame);
         const uint32_t room = *count < capacity ? capacity - *count : 0;
-        *count +=
-            dpti_deform_spread(&surface, deform->points + load->first, load->count,
-                               deform->def.load_radius, &whole, room ? loads + *count : NULL, room);
+        *count += dpti_deform_spread(&surface, deform->points + load->first, load->count,
+                                     deform->def.load_radius, &load->whole,
+                                     room ? loads + *count : NULL, room);
     }
     return *count > capacity ? DPT_E_FULL : DPT_OK;
 }

@@ -12,7 +12,7 @@ struct tool_load {
     uint32_t first, count; /* in points */
     uint32_t reserved;
     vec3 origin;      /* in the world: the torque is about it */
-    dpt_wrench whole; /* on the body, in world axes */
+    dpt_wrench whole; /* on the body, in its frame, about that frame's origin */
 };
 
 /* At the beginning of the block; the arrays follow. */

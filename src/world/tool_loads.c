@@ -177,6 +177,15 @@ static double scale_of(vec3 points, vec3 wrench)
     return square > 0.0 && scale > 0.0 ? min_of(scale / square, SCALE_MAX) : 1.0;
 }
 
+/* A wrench on a body, in world axes about a tool's origin, as the body knows it whatever pose it is given later. */
+static void set_whole(const struct body *body, struct tool_load *load, vec3 force, vec3 torque)
+{
+    const struct frame *frame = &body->frame;
+    const vec3 about = add(torque, cross(sub(load->origin, frame->origin), force));
+    vec3_store(frame_turn_back(frame, force), load->whole.force);
+    vec3_store(frame_turn_back(frame, about), load->whole.torque);
+}
+
 /* Of the body's forces: `whole` becomes scale times their sum, and `share` of what the wrench is beyond that. */
 static void settle_body(struct body *body, struct tool_load *load, double scale, double share,
                         const dpt_wrench *rest)
@@ -186,10 +195,9 @@ static void settle_body(struct body *body, struct tool_load *load, double scale,
     const dpt_wrench sum = sum_points(body, load, &size);
     for (uint32_t i = load->first; i < load->first + load->count; i++)
         deform->points[i].force = scaled(deform->points[i].force, scale);
-    vec3_store(along(scaled(vec3_of(sum.force), scale), share * size, vec3_of(rest->force)),
-               load->whole.force);
-    vec3_store(along(scaled(vec3_of(sum.torque), scale), share * size, vec3_of(rest->torque)),
-               load->whole.torque);
+    set_whole(body, load,
+              along(scaled(vec3_of(sum.force), scale), share * size, vec3_of(rest->force)),
+              along(scaled(vec3_of(sum.torque), scale), share * size, vec3_of(rest->torque)));
 }
 
 /*
