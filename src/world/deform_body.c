@@ -213,10 +213,10 @@ void dpti_deform_begin_step(struct dpt_world *world, double dt)
     }
 }
 
-/* The bound that a caller states, or a negative one. */
+/* The bound that a caller states, or any that is negative. */
 static int bound_is_valid(double bound)
 {
-    return within(bound, DPT_COORDINATE_MAX);
+    return bound <= DPT_COORDINATE_MAX; /* no NaN is */
 }
 
 dpt_result dpt_deform_set_vertices(dpt_world *world, dpt_body id, uint32_t first, uint32_t count,
