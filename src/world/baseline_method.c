@@ -6,7 +6,8 @@
 
 /* What the parts of one segment found, over all bodies. */
 struct baseline_sum {
-    struct penetration penetration; /* of the part with the smallest gap */
+    struct penetration penetration;   /* of the part with the smallest gap */
+    struct pushing_part pushing_part; /* where that is */
     int has_answer;
     double min_gap;
     struct body_answer *answer;
@@ -47,6 +48,9 @@ static void add_part(struct baseline_sum *sum, const struct dpt_world *world,
     if (!sum->has_answer || is_lower) {
         sum->min_gap = gap;
         sum->penetration = penetration;
+        sum->pushing_part =
+            (struct pushing_part){ .body_id = penetration.depth > 0.0 ? body->id : 0,
+                                   .triangle = nearest->triangle };
         sum->has_answer = 1;
     }
 }
@@ -91,5 +95,6 @@ struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t segment_
     result->lower_bound = 0.0;
     if (world->def.until != DPT_UNTIL_TRACK)
         dpti_segment_result_set_gap(result, sum.min_gap, rounding);
+    segment->pushing_part = sum.pushing_part;
     return sum.penetration;
 }
