@@ -65,7 +65,6 @@ dpt_result dpt_world_reset(dpt_world *world)
     dpti_body_search_forget_planes(world, 0, world->segment_count, DPT_NONE);
     dpti_point_cache_forget(&world->point_cache, DPT_NONE);
     dpti_persistent_contacts_reset(world);
-    dpti_deform_begin_step(world, 0.0); /* there are no loads */
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         world->bodies[i].moved_tick = world->bodies[i].added_tick = 0;
         world->bodies[i].motion_bound = 0.0;
