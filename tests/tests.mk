@@ -14,6 +14,8 @@ LINKED = $(filter-out %.a,$^) $(filter %.a,$^)
 LINK_TEST = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(DL) $(LDLIBS) -o $@
 
 $(B)/tests/%.o: INCLUDES += -Itests -Itools -Idrivers
+# A sample as it stands.
+$(B)/tests/world/test_own_physics.o: INCLUDES += -Idocs
 shared_of = $(filter-out $(B)/tests/fuzz/% $(B)/$1test_%,$(call objects,$1*.c))
 define TEST_PROGRAM
 $(B)/tests/$(basename $(notdir $1)): $(B)/$(1:.c=.o) $(call shared_of,$(dir $1))

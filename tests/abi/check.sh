@@ -327,8 +327,20 @@ int main(void) { dpt_device *d; dpt_guard g = { .size = sizeof g };
                 END { exit bad || !apart || !pressed || NR != 11 }' "$scratch/felt"
         verdict $? "it feels nothing above a $shape, and a push upward on it"
     done
+
+    sample=docs/samples/own_physics.c
+    "$root/opt/dp/bin/dynpoint" make liver 5000 -o "$scratch/mesh.stl" >/dev/null &&
+        ${CC:-cc} $c99 $sample $(pkg-config --cflags --libs libdynpoint_compile libdynpoint) -lm -pthread -o "$scratch/own_physics" &&
+        LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/own_physics" "$scratch/mesh.stl" --one-thread >"$scratch/felt" &&
+        LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/own_physics" "$scratch/mesh.stl" --one-thread | cmp - "$scratch/felt" &&
+        awk 'NR > 1 && NF != 4 { bad++ } NR > 11 && $4 > 0.2 { held++ } NR > 11 && $4 == 0 { free++ }
+            END { exit bad || NR != 51 || held < 10 || free < 5 }' "$scratch/felt"
+    verdict $? "$sample builds; its needle feels the organ come and go, twice in the same way"
+    LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/own_physics" "$scratch/mesh.stl" >"$scratch/felt" &&
+        [ "$(awk '$4 > 0' "$scratch/felt" | wc -l)" -gt 10 ]
+    verdict $? "and in two threads"
 else
-    for what in "a program" "a static program" "threads" "a host" "a driver of its own" "the sample" "the sample on a liver" "the sample on a box"; do
+    for what in "a program" "a static program" "threads" "a host" "a driver of its own" "the sample" "the sample on a liver" "the sample on a box" "physics of its own" "that in two threads"; do
         skip "$what with the installed .pc: no pkg-config"
     done
 fi
