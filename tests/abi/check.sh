@@ -242,10 +242,19 @@ make -s B="$few" URDF=no "$few/dynpoint" &&
     [ ! -e "$scratch/arm.dpa" ]
 verdict $? "URDF=no builds a program that says what is missing"
 
-# docs/ffi.md shows parts of scripts that run; a line of it that they have no more is a lie.
-sed -n '/^```python/,/^```/p' docs/ffi.md | grep -v '^```' | grep -vxF -f tests/ffi/touch.py -f tests/ffi/cdef.py
-[ $? -eq 1 ]
-verdict $? "docs/ffi.md shows lines of tests/ffi"
+# Pages show parts of scripts that run; a line of them that these have no more is a lie.
+for page in docs/ffi.md docs/recipes.md; do
+    sed -n '/^```python/,/^```/p' $page | grep -v '^```' |
+        grep -vxF -f tests/ffi/touch.py -f tests/ffi/cdef.py -f docs/samples/own_physics.py
+    [ $? -eq 1 ]
+    verdict $? "$page shows lines of tests/ffi and docs/samples"
+done
+if command -v python3 >/dev/null 2>&1; then
+    python3 -B docs/samples/own_physics.py "$build" >"$scratch/felt" && [ "$(wc -l <"$scratch/felt")" -eq 31 ]
+    verdict $? "docs/samples/own_physics.py: its needle feels a heart beat, and loads and force cancel out"
+else
+    skip "physics of its own in Python: no python3"
+fi
 
 root=$PWD/$scratch/root
 make -s install DESTDIR="$root" PREFIX=/opt/dp LIBDIR=/opt/dp/lib64 >/dev/null
