@@ -16,6 +16,7 @@ cd "$(dirname "$0")/.." || exit 2
 groups='light|21 MB|the tests that anyone should run; reading URDF|python3 pkg-config g++ libgmp-dev python3-cffi liburdfdom-dev libexpat1-dev
 peers|37 MB|FCL and CGAL, which answer the same questions|pkg-config g++ libfcl-dev libcgal-dev
 kinematics|9 MB, and more from PyPI|pinocchio, a second opinion on arms|python3 python3-venv
+soft|9 MB, and 26 more from PyPI|MuJoCo, a second opinion on soft bodies|python3 python3-venv
 cross|178 MB|the same bits on AArch64, ARM and s390x|gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
 firmware|123 MB|a Cortex-M7 in an emulator|gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 vm|107 MB, 71 of them a kernel, and more from PyPI|CAN on a real kernel, with motor controllers|qemu-system-x86 xz-utils python3 python3-venv'
@@ -34,6 +35,7 @@ missing() {
 fetch() {
     case $1 in
     kinematics) sh tests/lib/venv.sh build/venv-urdf tests/oracle/requirements.txt ;;
+    soft) sh tests/lib/venv.sh build/venv-soft tests/bench/requirements.txt ;;
     vm)
         sh tests/vm/kernel.sh fetch
         kernel=$?

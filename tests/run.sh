@@ -170,6 +170,7 @@ else
     done
     [ -x build/tests/test_urdf_golden ] || skip "robots' descriptions" "no urdfdom with g++"
     run "robots' kinematics" sh tests/oracle/urdf.sh build
+    run "MuJoCo's soft bodies" sh tests/bench/soft.sh build
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build
     run "packages for tests" sh tests/deps_test.sh build
