@@ -36,7 +36,7 @@ struct loads {
 
 struct scene {
     const dpt_mesh *mesh;
-    const float *rest; /* its vertices */
+    const float *rest; /* its vertices; physics that has them in another order needs a table */
     uint32_t vertices;
 
     /* Between the threads. */
@@ -79,7 +79,7 @@ static void *must_allocate(size_t bytes)
     return block;
 }
 
-/* Yours. Here a spring draws each vertex to its place in the organ: x' = (place - x) / TAU + force / DRAG. */
+/* Yours. Here a spring pulls each vertex to its place in the organ: x' = (place - x) / TAU + force / DRAG. */
 static void physics_step(struct scene *scene)
 {
     const double beat = BEAT * sin(TURN * PERIOD * ++scene->periods), part = 1 - exp(-PERIOD / TAU);
@@ -202,9 +202,9 @@ static void *physics_thread(void *scene)
 {
     struct timespec time;
     clock_gettime(CLOCK_MONOTONIC, &time);
-    for (int i = 0; i < TICKS / TICKS_A_PERIOD; i++) {
+    for (;;) {
         physics_step(scene);
-        sleep_until_next(&time, PERIOD);
+        sleep_until_next(&time, PERIOD); /* in which the thread is cancelled */
     }
     return NULL;
 }
@@ -220,6 +220,7 @@ static void run_in_two_threads(struct scene *scene, struct felt *felt)
         felt[tick] = haptic_tick(scene, tick);
         sleep_until_next(&time, TICK);
     }
+    pthread_cancel(physics);
     pthread_join(physics, NULL);
 }
 
