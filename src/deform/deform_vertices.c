@@ -67,7 +67,7 @@ static void move_all(struct surface_motion *motion, const struct kernel *kernel,
     const size_t floats = (size_t)MOTION_GROUP_FLOATS * whole;
     float *last = motion->positions, *to = motion->previous;
     move_groups(kernel, update->positions, last, to, whole, update->bound, motion->group_moved);
-    float next[MOTION_GROUP_FLOATS + MOTION_BEHIND] = { 0.0f };
+    float next[MOTION_GROUP_FLOATS] = { 0.0f };
     memcpy(next, update->positions + floats, (3 * (size_t)vertices - floats) * sizeof *next);
     move_groups(kernel, next, last + floats, to + floats, 1, update->bound,
                 motion->group_moved + whole);
@@ -90,7 +90,7 @@ static void move_group(struct surface_motion *motion, const struct kernel *kerne
                        const float *next, const struct vertex_update *update)
 {
     const size_t at = (size_t)MOTION_GROUP_FLOATS * group;
-    float last[MOTION_GROUP_FLOATS + MOTION_BEHIND] = { 0.0f }, square;
+    float last[MOTION_GROUP_FLOATS] = { 0.0f }, square;
     memcpy(last, motion->positions + at, MOTION_GROUP_FLOATS * sizeof *last);
     if (motion->group_tick[group] != update->tick)
         memcpy(motion->previous + at, last, MOTION_GROUP_FLOATS * sizeof *last);
@@ -105,7 +105,7 @@ static void move_some(struct surface_motion *motion, const struct kernel *kernel
 {
     for (uint32_t i = 0; i < update->count;) {
         const uint32_t group = (update->list ? update->list[i] : update->first + i) / MOTION_GROUP;
-        float next[MOTION_GROUP_FLOATS + MOTION_BEHIND] = { 0.0f };
+        float next[MOTION_GROUP_FLOATS] = { 0.0f };
         memcpy(next, motion->positions + (size_t)MOTION_GROUP_FLOATS * group,
                MOTION_GROUP_FLOATS * sizeof *next);
         for (; i < update->count; i++) {
@@ -127,23 +127,31 @@ static void scale_groups(struct surface_motion *motion)
         motion->group_moved[group] = sqrtf(motion->group_moved[group]) * scale;
 }
 
+static float larger(float a, float b)
+{
+    return a > b ? a : b;
+}
+
 /* How far each leaf's vertices moved, then each node's. */
 static void gather_moved(struct surface_motion *motion)
 {
+    const float *restrict by_group = motion->group_moved;
+    float *restrict by_leaf = motion->moved;
     for (uint32_t leaf = 0; leaf < motion->count[0]; leaf++) {
-        float moved = 0.0f;
-        for (uint32_t i = motion->group_first[leaf]; i < motion->group_first[leaf + 1]; i++) {
-            const float group = motion->group_moved[motion->group_list[i]];
-            moved = group > moved ? group : moved;
-        }
-        motion->moved[leaf] = moved;
+        const uint32_t *group = motion->leaf_groups + MOTION_LEAF_GROUPS * (size_t)leaf;
+        by_leaf[leaf] = larger(larger(by_group[group[0]], by_group[group[1]]),
+                               larger(by_group[group[2]], by_group[group[3]]));
+    }
+    for (uint64_t i = 0; i < motion->more_count; i++) {
+        const uint32_t leaf = motion->more_groups[2 * i];
+        by_leaf[leaf] = larger(by_group[motion->more_groups[2 * i + 1]], by_leaf[leaf]);
     }
     for (uint32_t level = 1; level <= motion->levels; level++)
         for (uint32_t node = 0; node < motion->count[level]; node++) {
             const float *child = motion->moved + motion->first[level - 1] + node * LANES;
             float moved = 0.0f;
             for (int i = 0; i < LANES; i++)
-                moved = child[i] > moved ? child[i] : moved;
+                moved = larger(child[i], moved);
             motion->moved[motion->first[level] + node] = moved;
         }
 }
@@ -151,11 +159,12 @@ static void gather_moved(struct surface_motion *motion)
 static void add_moved(struct surface_motion *motion)
 {
     const uint32_t nodes = motion->first[motion->levels + 1];
+    const float *restrict moved = motion->moved;
+    float *restrict step = motion->step, *restrict travel = motion->travel;
     for (uint32_t i = 0; i < nodes; i++) {
-        const float moved = motion->moved[i];
-        motion->step[i] = moved > 0.0f ? ROUND_UP * (motion->step[i] + moved) : motion->step[i];
-        motion->travel[i] =
-            moved > 0.0f ? ROUND_UP * (motion->travel[i] + moved) : motion->travel[i];
+        const float one = moved[i] > 0.0f ? ROUND_UP : 1.0f;
+        step[i] = one * (step[i] + moved[i]);
+        travel[i] = one * (travel[i] + moved[i]);
     }
 }
 

@@ -111,7 +111,7 @@ typedef uint32_t kernel_angles(const float *block, const float at[3], uint32_t l
  * Vertices that move, in the body's frame: groups of KERNEL_GROUP vertices, x, y, z each.
  *
  *   move      copies `next` to `to`, and sets square[] to the largest squared distance of a vertex of each group from
- *             where it was, `last`. Two floats behind the last group are read, of both, and do not count
+ *             where it was, `last`
  *   outside   1 if any coordinate is below `low`, above `high` or no number; both are a group's, of one vertex repeated
  */
 enum { KERNEL_GROUP = 16 };

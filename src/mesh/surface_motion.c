@@ -27,11 +27,12 @@ static uint32_t set_levels(const struct dpt_mesh *mesh, struct surface_motion *m
     return first;
 }
 
-/* List the groups of each leaf, or with first = NULL only count them. Returns how many there are in all. */
-static uint64_t list_groups(const struct dpt_mesh *mesh, uint32_t *first, uint32_t *list)
+/* List the groups of each leaf, or with leaf_groups = NULL only count. Returns how many are in more_groups. */
+static uint64_t list_groups(const struct dpt_mesh *mesh, uint32_t *leaf_groups,
+                            uint32_t *more_groups)
 {
     const uint32_t *corners = mesh_words(mesh, MESH_TRIANGLES);
-    uint64_t sum = 0;
+    uint64_t more = 0;
     for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++) {
         uint32_t seen[3 * LANES], count = 0;
         const uint32_t begin = leaf * LANES, end = begin + LANES;
@@ -44,15 +45,15 @@ static uint64_t list_groups(const struct dpt_mesh *mesh, uint32_t *first, uint32
                 if (i == count)
                     seen[count++] = group;
             }
-        if (first) {
-            first[leaf] = (uint32_t)sum;
-            memcpy(list + sum, seen, count * sizeof *list);
-        }
-        sum += count;
+        for (uint32_t i = 0; i < MOTION_LEAF_GROUPS && leaf_groups; i++)
+            leaf_groups[MOTION_LEAF_GROUPS * (size_t)leaf + i] = seen[i < count ? i : 0];
+        for (uint32_t i = MOTION_LEAF_GROUPS; i < count; i++, more++)
+            if (more_groups) {
+                more_groups[2 * more] = leaf;
+                more_groups[2 * more + 1] = seen[i];
+            }
     }
-    if (first)
-        first[mesh->leaves] = (uint32_t)sum;
-    return sum;
+    return more;
 }
 
 static uint32_t group_count(const struct dpt_mesh *mesh)
@@ -72,7 +73,7 @@ static void *take(char *base, uint64_t *end, uint64_t count)
 static uint64_t place(const struct dpt_mesh *mesh, char *base, struct surface_motion *motion)
 {
     const uint32_t nodes = set_levels(mesh, motion);
-    const uint64_t floats = (uint64_t)MOTION_GROUP_FLOATS * group_count(mesh) + MOTION_BEHIND;
+    const uint64_t floats = (uint64_t)MOTION_GROUP_FLOATS * group_count(mesh);
     uint64_t end = 0;
     motion->mesh = mesh;
     motion->groups = group_count(mesh);
@@ -90,8 +91,9 @@ static uint64_t place(const struct dpt_mesh *mesh, char *base, struct surface_mo
     motion->has_tighter = take(base, &end, nodes);
     motion->moved = take(base, &end, nodes);
     motion->step = take(base, &end, nodes);
-    motion->group_first = take(base, &end, (uint64_t)mesh->leaves + 1);
-    motion->group_list = take(base, &end, list_groups(mesh, NULL, NULL));
+    motion->leaf_groups = take(base, &end, (uint64_t)MOTION_LEAF_GROUPS * mesh->leaves);
+    motion->more_count = list_groups(mesh, NULL, NULL);
+    motion->more_groups = take(base, &end, 2 * motion->more_count);
     return end;
 }
 
@@ -290,7 +292,7 @@ void dpti_surface_of_motion(const struct dpt_mesh *mesh, const double box_min[3]
                             struct surface *surface)
 {
     memset(at, 0, (size_t)place(mesh, at, motion));
-    list_groups(mesh, motion->group_first, motion->group_list);
+    list_groups(mesh, motion->leaf_groups, motion->more_groups);
     dpti_surface_of_mesh(mesh, surface);
     surface->box_min = vec3_of(box_min);
     surface->box_max = vec3_of(box_max);

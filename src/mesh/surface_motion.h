@@ -17,8 +17,7 @@
 /* Vertices whose motion is bounded together: they are neighbours in the file's order. */
 enum { MOTION_GROUP = 16, MOTION_GROUP_FLOATS = 3 * MOTION_GROUP };
 
-/* Floats behind the last group that kernel_move reads. */
-enum { MOTION_BEHIND = 2 };
+enum { MOTION_LEAF_GROUPS = 4 };
 
 /*
  * Travels stay below this, in the filter's frame. Beyond it they begin anew, and cached planes are dropped: float would
@@ -55,9 +54,14 @@ struct surface_motion {
     float *moved; /* by node: how far any vertex moved in the last update; scratch of updates */
     float *step;  /* by node: in the last tick in which vertices moved, all updates together */
     float *group_moved; /* by group, in the last update */
-    uint32_t *
-        group_first; /* the groups of leaf i: group_list[group_first[i]] to, not including, [i + 1] */
-    uint32_t *group_list;
+    /*
+     * The groups of leaf i: MOTION_LEAF_GROUPS from leaf_groups[MOTION_LEAF_GROUPS * i] on, of which some may be the
+     * same; where there are more, each is a pair of leaf and group in more_groups. So few leaves have more that loops
+     * over these arrays are faster than lists of different lengths.
+     */
+    uint32_t *leaf_groups;
+    uint32_t *more_groups;
+    uint64_t more_count;
     float centre[3]; /* of the filter's frame */
     float scale;
 };
