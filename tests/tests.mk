@@ -196,8 +196,9 @@ fuzz: ## 10^8 random calls (CALLS_RUNS), then 10^8 executions (FUZZ_RUNS) of the
 	@sh tests/fuzz/calls.sh
 	@sh tests/fuzz/fuzz.sh
 
-bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/strip_coverage ## time against peers, those whose packages are here
+bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/deform $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/strip_coverage ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
+	@sh tests/bench/deform.sh $(B)
 	@sh tests/bench/budgets.sh $(B)
 	@sh tests/bench/paper.sh $(B)
 	@sh tests/bench/strips.sh $(B)
@@ -205,7 +206,7 @@ bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/b
 	@sh tests/bench/needle.sh $(B)
 	@sh tests/bench/soft.sh $(B)
 
-test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/strip_coverage
+test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/deform $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/strip_coverage
 .PHONY: test-programs
 -include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(wildcard $(TOPICS:%=$(B)/tests/%/*.d) $(B)/tests/lib/*.d) \
           $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS) $(CALLS_PARTS) $(COUNTED))
@@ -216,6 +217,9 @@ $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/command_opti
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
 $(B)/tests/bench/strips $(B)/tests/bench/budgets: %: %.o $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
+
+$(B)/tests/bench/deform: %: %.o $(B)/tests/oracle/brute.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
 $(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared_of,tests/strip/) $(TEST_PARTS) $(TEST_LIB)

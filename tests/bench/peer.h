@@ -8,6 +8,7 @@
  *     void reset()                            no last tick, as after construction
  *     void count(bool)                        count tests, for libraries where that costs time
  *     double bv_tests(), leaf_tests()         of the last tick; NaN where the library hides them
+ *     void move(const vertex_motion &)        takes new positions; only those that can (peer_motion.h)
  *
  * and a main that calls peer_main. C++11, as some libraries ask for no more; nothing but the
  * standard library and clock_gettime.
@@ -35,6 +36,8 @@
 
 #include <time.h>
 
+#include "peer_geometry.h"
+
 namespace peer
 {
 
@@ -56,22 +59,24 @@ struct Answer {
     long triangle;
 };
 
-/* `choice` is the value of the one option that a peer may have for itself. */
+/* `choice` is the value of the one option that a peer may have for itself; `ticks` 0 stands for all. */
 struct Options {
-    std::string mesh, trace, out, choice;
-    int repeat = 3;
+    std::string mesh, trace, out, choice, motion;
+    int repeat = 3, ticks = 0;
     bool cold = false, json = false;
 };
 
 /* What a peer says of itself; `option` is empty or "--bv", and `option_help` its line. */
 struct About {
     const char *program, *library, *version, *question, *option, *option_value, *option_help;
+    bool moves; /* it takes --motion */
 };
 
 /* What a run gives: one entry a tick, and the means of what the library had to do for a tick. */
 struct Measured {
     std::vector<Answer> answers;
     std::vector<double> ns;
+    std::vector<double> move_ns; /* of new positions, where there are any */
     double build_ns, bv_tests, leaf_tests;
     std::string more; /* further keys of the summary, each with a comma before it */
 };
@@ -251,117 +256,6 @@ inline void write_answers(const std::string &path, const std::vector<Tick> &trac
     }
 }
 
-/* ---------------------------------------------------------------- geometry */
-
-/*
- * A right-handed frame whose x axis runs from a to b; any will do for a segment of length 0.
- * Divisions are few, as this is part of the time that is measured. For libraries that stand on
- * Eigen.
- */
-template <typename Matrix, typename Vector>
-Matrix frame_of(const Vector &a, const Vector &b, double &length)
-{
-    Vector x = b - a;
-    Matrix frame;
-
-    length = x.norm();
-    if (length > 0)
-        x *= 1 / length;
-    else
-        x = Vector(1, 0, 0);
-    Vector y = x.cross(std::abs(x[0]) < 0.6 ? Vector(1, 0, 0) : Vector(0, 1, 0));
-    y *= 1 / y.norm();
-    frame.col(0) = x;
-    frame.col(1) = y;
-    frame.col(2) = x.cross(y);
-    return frame;
-}
-
-struct Vec {
-    double x, y, z;
-};
-
-inline Vec vec(const double *p)
-{
-    return Vec{ p[0], p[1], p[2] };
-}
-
-inline Vec operator-(const Vec &a, const Vec &b)
-{
-    return Vec{ a.x - b.x, a.y - b.y, a.z - b.z };
-}
-
-inline Vec operator+(const Vec &a, const Vec &b)
-{
-    return Vec{ a.x + b.x, a.y + b.y, a.z + b.z };
-}
-
-inline Vec operator*(double s, const Vec &a)
-{
-    return Vec{ s * a.x, s * a.y, s * a.z };
-}
-
-inline double dot(const Vec &a, const Vec &b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-inline Vec cross(const Vec &a, const Vec &b)
-{
-    return Vec{ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
-}
-
-inline double clamp01(double x)
-{
-    return x > 0 ? (x < 1 ? x : 1) : 0;
-}
-
-/* Squared distance of the segments a + s u and c + t v, s and t from 0 to 1. */
-inline double segment_segment(const Vec &a, const Vec &u, double uu, const Vec &c, const Vec &v)
-{
-    Vec r = a - c;
-    double vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r);
-    double det = uu * vv - uv * uv;
-    double s = det > 0 ? clamp01((uv * vr - ur * vv) / det) : 0;
-    double t = vv > 0 ? clamp01((uv * s + vr) / vv) : 0;
-
-    /* For that t the best s; where t was clamped, the one above no longer is. */
-    s = uu > 0 ? clamp01((uv * t - ur) / uu) : 0;
-    Vec w = r + s * u - t * v;
-    return dot(w, w);
-}
-
-/* A triangle made ready for segment_triangle: corners, and nothing that costs memory. */
-struct Corners {
-    Vec p, q, r;
-};
-
-/*
- * Squared distance of the segment ab and a triangle, for libraries that bring a tree but no such
- * distance: 0 if it crosses; else from the end nearer to the plane if it projects into the
- * triangle, which then nothing beats; else the least of the three edges.
- */
-inline double segment_triangle(const Vec &a, const Vec &b, const Corners &t)
-{
-    Vec e = t.q - t.p, f = t.r - t.q, g = t.p - t.r, n = cross(e, f), u = b - a;
-    double nn = dot(n, n), at_a = dot(n, a - t.p), at_b = dot(n, b - t.p);
-
-    if (nn > 0) {
-        bool through = at_a * at_b <= 0 && at_a != at_b;
-        Vec x = through                              ? a + (at_a / (at_a - at_b)) * u
-                : std::fabs(at_a) <= std::fabs(at_b) ? a
-                                                     : b;
-        if (dot(cross(n, e), x - t.p) >= 0 && dot(cross(n, f), x - t.q) >= 0 &&
-            dot(cross(n, g), x - t.r) >= 0) {
-            double d = std::min(std::fabs(at_a), std::fabs(at_b));
-            return through ? 0 : d * d / nn;
-        }
-    }
-    double uu = dot(u, u);
-    return std::min(std::min(segment_segment(a, u, uu, t.p, e), segment_segment(a, u, uu, t.q, f)),
-                    segment_segment(a, u, uu, t.r, g));
-}
-
 inline std::vector<Corners> corners_of(const Mesh &mesh)
 {
     std::vector<Corners> corners;
@@ -479,6 +373,9 @@ inline void print_json(const std::string &name, size_t triangles, const Measured
     print_times("ns", all);
     print_times("ns_crossing", crossing);
     print_times("ns_other", other);
+    if (!measured.move_ns.empty())
+        print_times("ns_move",
+                    std::vector<double>(measured.move_ns.begin() + 1, measured.move_ns.end()));
     print_histogram("ns_histogram", all);
     std::printf(",\"crossing\":%zu,\"build_ns\":%.0f", crossing.size(), measured.build_ns);
     print_count("bv_tests", measured.bv_tests);
@@ -493,17 +390,22 @@ inline void print_usage(const About &about, bool with_help)
     std::string option =
         *about.option ? std::string(" [") + about.option + " " + about.option_value + "]" : "";
 
-    std::printf("usage: %s MESH.tri TRACE.csv -o OUT.csv [--repeat N]%s [--cold] [--json]\n",
-                about.program, option.c_str());
+    std::printf("usage: %s MESH.tri TRACE.csv -o OUT.csv [--repeat N] [--ticks N]%s%s [--cold] "
+                "[--json]\n",
+                about.program, option.c_str(), about.moves ? " [--motion NAME:STEP]" : "");
     if (!with_help)
         return;
     std::printf("\n%s, by %s, and the time it takes.\n"
                 "  -o OUT.csv    tick,distance,triangle; - is standard output\n"
-                "  --repeat N    passes, of which the least time per tick counts (3)\n",
+                "  --repeat N    passes, of which the least time per tick counts (3)\n"
+                "  --ticks N     only the first N\n",
                 about.question, about.library);
     if (*about.option)
         std::printf("  %-12s  %s\n", (std::string(about.option) + " " + about.option_value).c_str(),
                     about.option_help);
+    if (about.moves)
+        std::printf(
+            "  --motion NAME:STEP  vertices move in each tick, as vertex_motion.h has it\n");
     std::printf(
         "  --cold        start each tick from triangle 0 and not from the last tick's nearest\n"
         "  --json        a summary on standard output\n"
@@ -530,7 +432,8 @@ inline bool read_options(int argc, char **argv, const About &about, Options &opt
             options.cold = true;
         } else if (word == "--json") {
             options.json = true;
-        } else if (word == "-o" || word == "--repeat" || own) {
+        } else if (word == "-o" || word == "--repeat" || word == "--ticks" || own ||
+                   (about.moves && word == "--motion")) {
             if (++i == argc)
                 fail(word + " needs a value; see --help");
             std::string value = argv[i];
@@ -538,12 +441,14 @@ inline bool read_options(int argc, char **argv, const About &about, Options &opt
                 options.out = value;
             } else if (own) {
                 options.choice = value;
+            } else if (word == "--motion") {
+                options.motion = value;
             } else {
                 char *end;
                 long n = std::strtol(argv[i], &end, 10);
-                if (end == argv[i] || *end != '\0' || n < 1 || n > 1000)
-                    fail("--repeat takes a number from 1 to 1000");
-                options.repeat = (int)n;
+                if (end == argv[i] || *end != '\0' || n < 1 || n > 1000000)
+                    fail(word + " takes a number from 1 to 1000000");
+                (word == "--ticks" ? options.ticks : options.repeat) = (int)n;
             }
         } else if (word.size() > 1 && word[0] == '-') {
             fail("unknown option " + word + "; see --help");
@@ -575,6 +480,8 @@ inline int peer_main(int argc, char **argv, const About &about, const Asking &as
             return 0;
         Mesh mesh = read_mesh(options.mesh, about.library);
         std::vector<Tick> trace = read_trace(options.trace);
+        if (options.ticks && (size_t)options.ticks < trace.size())
+            trace.resize((size_t)options.ticks);
         Measured measured = asking(mesh, trace, options, name);
         write_answers(options.out, trace, measured.answers);
         if (options.json)

@@ -26,7 +26,7 @@
 
 #include <memory>
 
-#include "peer.h"
+#include "peer_motion.h"
 
 namespace
 {
@@ -41,13 +41,13 @@ btVector3 to_bullet(const Vec &p)
 template <bool GJK> class Peer : private btTriangleCallback
 {
   public:
-    Peer(const Mesh &mesh) : corners_(corners_of(mesh))
+    Peer(const Mesh &mesh, bool moves) : moves_(moves), corners_(corners_of(mesh))
     {
-        for (const Corners &t : corners_)
-            for (const Vec &p : { t.p, t.q, t.r }) {
-                indices_.push_back((int)indices_.size());
-                vertices_.push_back(to_bullet(p));
-            }
+        for (const auto &t : mesh.triangles)
+            for (uint32_t corner : t)
+                indices_.push_back((int)corner);
+        for (const Point &p : mesh.vertices)
+            vertices_.push_back(to_bullet(vec(p.data())));
         arrays_.reset(new btTriangleIndexVertexArray((int)corners_.size(), indices_.data(),
                                                      3 * sizeof(int), (int)vertices_.size(),
                                                      &vertices_[0][0], (int)sizeof(btVector3)));
@@ -56,6 +56,20 @@ template <bool GJK> class Peer : private btTriangleCallback
         segment_.addPoint(btVector3(1, 0, 0));
         segment_.setMargin(0);
         triangle_.setMargin(0);
+    }
+
+    /* All of the tree: what its root holds changes too. */
+    void move(const struct vertex_motion &motion)
+    {
+        const float *p = motion.positions;
+        btVector3 low(p[0], p[1], p[2]), high = low;
+        for (btVector3 &at : vertices_) {
+            at = btVector3((btScalar)p[0], (btScalar)p[1], (btScalar)p[2]);
+            low.setMin(at);
+            high.setMax(at);
+            p += 3;
+        }
+        shape_->refitTree(low, high);
     }
 
     void reset()
@@ -110,14 +124,25 @@ template <bool GJK> class Peer : private btTriangleCallback
 
     void try_triangle(long id)
     {
-        double d = GJK ? gjk(corners_[(size_t)id])
-                       : std::sqrt(segment_triangle(a_, b_, corners_[(size_t)id]));
+        Corners t = moves_ ? corners(3 * (size_t)id) : corners_[(size_t)id];
+        double d = GJK ? gjk(t) : std::sqrt(segment_triangle(a_, b_, t));
 
         leaves_++;
         if (d < best_) {
             best_ = d;
             nearest_ = id;
         }
+    }
+
+    Vec vertex(size_t index) const
+    {
+        const btVector3 &p = vertices_[(size_t)indices_[index]];
+        return Vec{ p.x(), p.y(), p.z() };
+    }
+
+    Corners corners(size_t first) const
+    {
+        return Corners{ vertex(first), vertex(first + 1), vertex(first + 2) };
     }
 
     double gjk(const Corners &t)
@@ -137,6 +162,7 @@ template <bool GJK> class Peer : private btTriangleCallback
         return std::max(0.0, (double)found.m_distance);
     }
 
+    bool moves_;
     std::vector<Corners> corners_;
     std::vector<int> indices_;
     std::vector<btVector3> vertices_;
@@ -150,17 +176,29 @@ template <bool GJK> class Peer : private btTriangleCallback
     long nearest_ = 0, start_ = 0, leaves_ = 0;
 };
 
+template <bool GJK>
+Measured measure_bullet(const Mesh &mesh, const std::vector<Tick> &trace, const Options &options)
+{
+    double begin = now_ns();
+    Peer<GJK> peer(mesh, !options.motion.empty());
+    double build_ns = now_ns() - begin;
+    Measured measured = options.motion.empty() ? measure_peer(peer, trace, options)
+                                               : measure_moving(peer, mesh, trace, options);
+    measured.build_ns = build_ns;
+    return measured;
+}
+
 Measured ask_bullet(const Mesh &mesh, const std::vector<Tick> &trace, const Options &options,
                     std::string &name)
 {
     if (options.choice.empty() || options.choice == "exact") {
         name = "bullet swept box, exact triangles";
-        return measure<Peer<false>>(mesh, trace, options);
+        return measure_bullet<false>(mesh, trace, options);
     }
     if (options.choice != "gjk")
         fail("--narrow takes exact or gjk");
     name = "bullet swept box, GJK triangles";
-    return measure<Peer<true>>(mesh, trace, options);
+    return measure_bullet<true>(mesh, trace, options);
 }
 
 std::string version()
@@ -179,7 +217,8 @@ int main(int argc, char **argv)
                     "Distance from the segment of each tick to the mesh",
                     "--narrow",
                     "HOW",
-                    "distance to a triangle: exact (default), or gjk, which is Bullet's" };
+                    "distance to a triangle: exact (default), or gjk, which is Bullet's",
+                    true };
 
     return peer_main(argc, argv, about, ask_bullet);
 }

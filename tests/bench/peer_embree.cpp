@@ -11,6 +11,9 @@
  * of the whole segment and a triangle, in double, and does not take a triangle twice in a tick.
  * Each tick starts from the distance to the last tick's nearest triangle. Embree walks in float;
  * the radius is widened by more than its rounding, so that no triangle is missed.
+ *
+ * With --motion, vertices move and Embree refits: a scene of low quality, which keeps a tree for each geometry, and a
+ * geometry of quality REFIT.
  */
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -18,7 +21,7 @@
 #include <embree3/rtcore.h>
 #endif
 
-#include "peer.h"
+#include "peer_motion.h"
 
 namespace
 {
@@ -31,21 +34,27 @@ using namespace peer;
 class Peer
 {
   public:
-    Peer(const Mesh &mesh) : corners_(corners_of(mesh)), seen_(corners_.size(), 0)
+    Peer(const Mesh &mesh, bool moves)
+        : moves_(moves), corners_(corners_of(mesh)), triangles_(mesh.triangles),
+          seen_(corners_.size(), 0)
     {
         device_ = rtcNewDevice("threads=1");
         if (!device_)
             fail("Embree has no device");
         scene_ = rtcNewScene(device_);
-        rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneBuildQuality(scene_, moves ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_HIGH);
+        rtcSetSceneFlags(scene_,
+                         moves ? (RTCSceneFlags)(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC)
+                               : RTC_SCENE_FLAG_ROBUST);
 
-        RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-        float *vertex =
-            (float *)rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                             3 * sizeof(float), mesh.vertices.size());
+        geometry_ = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+        if (moves)
+            rtcSetGeometryBuildQuality(geometry_, RTC_BUILD_QUALITY_REFIT);
+        float *vertex = vertices_ = (float *)rtcSetNewGeometryBuffer(
+            geometry_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+            mesh.vertices.size());
         uint32_t *corner = (uint32_t *)rtcSetNewGeometryBuffer(
-            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
+            geometry_, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
             mesh.triangles.size());
         if (!vertex || !corner)
             fail("Embree cannot hold the mesh");
@@ -56,9 +65,8 @@ class Peer
             }
         for (const auto &t : mesh.triangles)
             corner = std::copy(t.begin(), t.end(), corner);
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(scene_, geometry);
-        rtcReleaseGeometry(geometry);
+        rtcCommitGeometry(geometry_);
+        rtcAttachGeometry(scene_, geometry_);
         rtcCommitScene(scene_);
         if (rtcGetDeviceError(device_) != RTC_ERROR_NONE)
             fail("Embree cannot build its scene");
@@ -66,6 +74,7 @@ class Peer
 
     ~Peer()
     {
+        rtcReleaseGeometry(geometry_);
         rtcReleaseScene(scene_);
         rtcReleaseDevice(device_);
     }
@@ -73,6 +82,14 @@ class Peer
     void set_parts(int parts)
     {
         parts_ = parts;
+    }
+
+    void move(const struct vertex_motion &motion)
+    {
+        std::memcpy(vertices_, motion.positions, 3 * sizeof(float) * motion.vertices);
+        rtcUpdateGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0);
+        rtcCommitGeometry(geometry_);
+        rtcCommitScene(scene_);
     }
 
     void reset()
@@ -141,13 +158,25 @@ class Peer
         return true;
     }
 
+    Vec vertex(uint32_t number) const
+    {
+        const float *p = vertices_ + 3 * (size_t)number;
+        return Vec{ p[0], p[1], p[2] };
+    }
+
+    Corners corners(uint32_t id) const
+    {
+        const std::array<uint32_t, 3> &t = triangles_[id];
+        return moves_ ? Corners{ vertex(t[0]), vertex(t[1]), vertex(t[2]) } : corners_[id];
+    }
+
     bool try_triangle(uint32_t id)
     {
         if (seen_[id] == now_)
             return false;
         seen_[id] = now_;
         leaves_++;
-        double d = segment_triangle(a_, b_, corners_[id]);
+        double d = segment_triangle(a_, b_, corners(id));
         if (d >= squared_)
             return false;
         squared_ = d;
@@ -161,8 +190,12 @@ class Peer
         return (float)(half_ + std::sqrt(squared_) + margin_);
     }
 
+    bool moves_;
     std::vector<Corners> corners_;
+    std::vector<std::array<uint32_t, 3>> triangles_;
     std::vector<uint32_t> seen_;
+    float *vertices_;
+    RTCGeometry geometry_;
     uint32_t now_ = 0;
     RTCDevice device_;
     RTCScene scene_;
@@ -181,10 +214,11 @@ Measured ask_embree(const Mesh &mesh, const std::vector<Tick> &trace, const Opti
         fail("--parts takes a number from 1 to 1000");
     name = "embree point queries, " + std::to_string(parts) + " parts";
     double begin = now_ns();
-    Peer peer(mesh);
+    Peer peer(mesh, !options.motion.empty());
     double build_ns = now_ns() - begin;
     peer.set_parts(parts);
-    Measured measured = measure_peer(peer, trace, options);
+    Measured measured = options.motion.empty() ? measure_peer(peer, trace, options)
+                                               : measure_moving(peer, mesh, trace, options);
     measured.build_ns = build_ns;
     return measured;
 }
@@ -199,7 +233,8 @@ int main(int argc, char **argv)
                     "Distance from the segment of each tick to the mesh",
                     "--parts",
                     "N",
-                    "that the segment is cut into (64)" };
+                    "that the segment is cut into (64)",
+                    true };
 
     return peer_main(argc, argv, about, ask_embree);
 }

@@ -20,16 +20,21 @@
  *   the first model, axis-aligned boxes with the segment in pieces, and FCL's templates compiled
  *   for the machine at hand (for which EIGEN_MAX_ALIGN_BYTES must be 16, as it was in libfcl).
  *
+ * With --motion, vertices move and FCL refits its tree from the root down. From the leaves up takes a fifth less, but
+ * then the distances are off by millimetres. The vertices replace the old ones: as an update, FCL's boxes would hold
+ * both. Rectangles (--bv rss) are a fifth faster than the default, both to refit and to ask.
+ *
  * The compiler flags from fcl.pc end in -std=c++11, so nothing here needs more than that.
  */
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>
 #include <fcl/math/bv/RSS.h>
 #include <fcl/math/bv/kIOS.h>
+#include <fcl/math/bv/utility.h>
 #include <fcl/narrowphase/detail/traversal/distance/mesh_distance_traversal_node.h>
 #include <fcl/narrowphase/detail/traversal/traversal_recurse.h>
 
-#include "peer.h"
+#include "peer_motion.h"
 
 namespace
 {
@@ -131,6 +136,21 @@ template <typename BV> class Peer
         node_.result = &result_;
     }
 
+    void move(const struct vertex_motion &motion)
+    {
+        const float *p = motion.positions;
+        moved_.resize(motion.vertices);
+        for (Vector &at : moved_) {
+            at = Vector(p[0], p[1], p[2]);
+            p += 3;
+        }
+        mesh_.beginReplaceModel();
+        mesh_.replaceSubModel(moved_);
+        if (mesh_.endReplaceModel(true, false) != fcl::BVH_OK)
+            fail("FCL cannot refit its model");
+        node_.vertices1 = mesh_.vertices;
+    }
+
     /* As after construction: no tick to start from. */
     void reset()
     {
@@ -179,25 +199,39 @@ template <typename BV> class Peer
 
     fcl::BVHModel<BV> mesh_, segment_;
     BV unit_;
+    std::vector<Vector> moved_;
     fcl::DistanceResult<double> result_;
     WarmNode<BV> node_;
 };
+
+template <typename BV>
+Measured measure_fcl(const Mesh &mesh, const std::vector<Tick> &trace, const Options &options)
+{
+    if (options.motion.empty())
+        return measure<Peer<BV>>(mesh, trace, options);
+    double begin = now_ns();
+    Peer<BV> peer(mesh);
+    double build_ns = now_ns() - begin;
+    Measured measured = measure_moving(peer, mesh, trace, options);
+    measured.build_ns = build_ns;
+    return measured;
+}
 
 Measured ask_fcl(const Mesh &mesh, const std::vector<Tick> &trace, const Options &options,
                  std::string &name)
 {
     if (options.choice.empty() || options.choice == "obbrss") {
         name = "fcl OBBRSS";
-        return measure<Peer<fcl::OBBRSS<double>>>(mesh, trace, options);
+        return measure_fcl<fcl::OBBRSS<double>>(mesh, trace, options);
     }
     if (options.choice == "rss") {
         name = "fcl RSS";
-        return measure<Peer<fcl::RSS<double>>>(mesh, trace, options);
+        return measure_fcl<fcl::RSS<double>>(mesh, trace, options);
     }
     if (options.choice != "kios")
         fail("--bv takes obbrss, rss or kios");
     name = "fcl kIOS";
-    return measure<Peer<fcl::kIOS<double>>>(mesh, trace, options);
+    return measure_fcl<fcl::kIOS<double>>(mesh, trace, options);
 }
 
 } // namespace
@@ -210,7 +244,8 @@ int main(int argc, char **argv)
                     "Distance from the segment of each tick to the mesh",
                     "--bv",
                     "BV",
-                    "bounding volume: obbrss (default), rss or kios" };
+                    "bounding volume: obbrss (default), rss or kios",
+                    true };
 
     return peer_main(argc, argv, about, ask_fcl);
 }
