@@ -183,6 +183,7 @@ static void begin_travels_anew(struct surface_motion *motion)
         motion->boxed[i] = 0.0f;
         motion->followed[i] = is_followed ? lacks : -1.0f;
     }
+    memset(motion->remade, 0, motion->count[1] * sizeof *motion->remade);
 }
 
 /* Travels after an update whose groups have moved by group_moved, in m^2. */

@@ -2,7 +2,7 @@
 #include "mesh/surface.h"
 
 /* Units of work: a leaf is gathered from vertices that lie apart. */
-enum { LEAF_UNITS = 4, NODE_UNITS = 1 };
+enum { LEAF_UNITS = 4, NODE_UNITS = 1, REMADE_UNITS = 12 };
 
 /* Rounding up by factors: of one operation, and of a few. */
 #define ROUND_UP     (1.0f + 0x1p-23f)
@@ -56,6 +56,32 @@ static uint64_t list_groups(const struct dpt_mesh *mesh, uint32_t *leaf_groups,
     return more;
 }
 
+/* List the vertices of each leaf, or with first = NULL only count them. Returns how many there are in all. */
+static uint64_t list_vertices(const struct dpt_mesh *mesh, uint32_t *first, uint32_t *list)
+{
+    const uint32_t *corners = mesh_words(mesh, MESH_TRIANGLES);
+    uint64_t sum = 0;
+    for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++) {
+        uint32_t seen[3 * LANES], count = 0;
+        const uint64_t begin = 3 * (uint64_t)LANES * leaf, end = begin + 3 * LANES;
+        for (uint64_t c = begin; c < end && c < 3 * (uint64_t)mesh->triangles; c++) {
+            uint32_t i = 0;
+            while (i < count && seen[i] != corners[c])
+                i++;
+            if (i == count)
+                seen[count++] = corners[c];
+        }
+        if (first) {
+            first[leaf] = (uint32_t)sum;
+            memcpy(list + sum, seen, count * sizeof *list);
+        }
+        sum += count;
+    }
+    if (first)
+        first[mesh->leaves] = (uint32_t)sum;
+    return sum;
+}
+
 static uint32_t group_count(const struct dpt_mesh *mesh)
 {
     return (mesh->vertices + MOTION_GROUP - 1) / MOTION_GROUP;
@@ -89,11 +115,15 @@ static uint64_t place(const struct dpt_mesh *mesh, char *base, struct surface_mo
     motion->followed = take(base, &end, nodes);
     motion->boxed = take(base, &end, nodes);
     motion->has_tighter = take(base, &end, nodes);
+    motion->remade = take(base, &end, motion->count[1]);
+    motion->leaf_width = take(base, &end, motion->count[1]);
     motion->moved = take(base, &end, nodes);
     motion->step = take(base, &end, nodes);
     motion->leaf_groups = take(base, &end, (uint64_t)MOTION_LEAF_GROUPS * mesh->leaves);
     motion->more_count = list_groups(mesh, NULL, NULL);
     motion->more_groups = take(base, &end, 2 * motion->more_count);
+    motion->vertex_first = take(base, &end, (uint64_t)mesh->leaves + 1);
+    motion->leaf_vertices = take(base, &end, list_vertices(mesh, NULL, NULL));
     return end;
 }
 
@@ -239,11 +269,57 @@ static void tighten_parent(struct surface_motion *motion, uint32_t level, uint32
     motion->boxed[number] = motion->travel[number];
 }
 
+/* A leaf's box from its vertices. It is the one that filling the leaf gives, as rounding keeps an order. */
+static struct filter_box box_of_vertices(const struct surface_motion *motion, uint32_t leaf)
+{
+    const uint32_t *vertex = motion->leaf_vertices + motion->vertex_first[leaf];
+    const uint32_t *end = motion->leaf_vertices + motion->vertex_first[leaf + 1];
+    const float *at = motion->positions + 3 * (size_t)*vertex;
+    float low[3] = { at[0], at[1], at[2] }, high[3] = { at[0], at[1], at[2] };
+    while (++vertex < end) {
+        at = motion->positions + 3 * (size_t)*vertex;
+        for (int k = 0; k < 3; k++) {
+            low[k] = at[k] < low[k] ? at[k] : low[k];
+            high[k] = at[k] > high[k] ? at[k] : high[k];
+        }
+    }
+    struct filter_box box;
+    for (int k = 0; k < 3; k++) {
+        box.low[k] = (low[k] - motion->centre[k]) * motion->scale;
+        box.high[k] = (high[k] - motion->centre[k]) * motion->scale;
+    }
+    return box;
+}
+
+/* Make the boxes of all leaves of a node anew. */
+static void remake_boxes(struct surface_motion *motion, uint32_t node, float *block)
+{
+    const uint32_t begin = node * LANES, left = motion->count[0] - begin;
+    const uint32_t leaves = left < LANES ? left : LANES;
+    float width = 0.0f;
+    for (uint32_t i = 0; i < leaves; i++) {
+        const struct filter_box box = box_of_vertices(motion, begin + i);
+        put_box(block, i, &box);
+        motion->boxed[begin + i] = motion->travel[begin + i];
+        for (int k = 0; k < 3; k++)
+            width += box.high[k] - box.low[k];
+    }
+    const uint32_t number = motion->first[1] + node;
+    motion->has_tighter[number] = 1;
+    motion->remade[node] = motion->travel[number];
+    motion->leaf_width[node] = width / (float)(3 * leaves);
+}
+
 uint32_t dpti_surface_follow_node(struct surface_motion *motion, uint32_t level, uint32_t node)
 {
+    const int remakes =
+        level == 1 &&
+        motion->travel[motion->first[1] + node] - motion->remade[node] > motion->leaf_width[node];
     float *block = motion->level[level] + (size_t)node * MESH_BOX_WORDS;
     const uint32_t child = motion->first[level - 1] + node * LANES;
     const uint32_t children = motion->count[level - 1] - node * LANES;
+    if (remakes)
+        remake_boxes(motion, node, block);
     widen_boxes(block, motion->travel + child, motion->boxed + child, children);
     const uint32_t number = motion->first[level] + node;
     if (motion->has_tighter[number]) {
@@ -252,7 +328,7 @@ uint32_t dpti_surface_follow_node(struct surface_motion *motion, uint32_t level,
         motion->has_tighter[number] = 0;
     }
     motion->followed[number] = motion->travel[number];
-    return NODE_UNITS;
+    return remakes ? REMADE_UNITS : NODE_UNITS;
 }
 
 /* The filter's frame: a centre in float, and the power of two that scales the largest half width into 0.5..1. */
@@ -293,6 +369,7 @@ void dpti_surface_of_motion(const struct dpt_mesh *mesh, const double box_min[3]
 {
     memset(at, 0, (size_t)place(mesh, at, motion));
     list_groups(mesh, motion->leaf_groups, motion->more_groups);
+    list_vertices(mesh, motion->vertex_first, motion->leaf_vertices);
     dpti_surface_of_mesh(mesh, surface);
     surface->box_min = vec3_of(box_min);
     surface->box_max = vec3_of(box_max);

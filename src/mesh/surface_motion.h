@@ -4,8 +4,10 @@
  *
  * Nothing is refitted when vertices move. Each node of the box tree has a travel: a bound of the path of any vertex
  * below it. A leaf whose travel has grown since it was filled is filled again when a search looks at it. A box that a
- * search looks at is widened by the travel of its node since the box was made. Filling a leaf makes its box anew, and
- * boxes that came out tighter are handed to the parents. So what no tool is near is not touched.
+ * search looks at is widened by the travel of its node since the box was made. Filling a leaf makes its box anew. So does
+ * a search that looks at the parent of leaves which have travelled farther than they are wide: a path adds up, however
+ * near to where they were the vertices end. Boxes that came out tighter are handed to the parents. So what no tool is
+ * near is not touched.
  *
  * Nodes are numbered level by level as in struct surface, but each level begins at a multiple of LANES.
  */
@@ -51,6 +53,9 @@ struct surface_motion {
     float *boxed; /* by node: its travel when its own box, in its parent, was */
     uint32_t *
         has_tighter; /* by node: a child's box was made anew since its own box was handed to its parent */
+    /* By parent of leaves: its travel when all of their boxes were made anew, and their mean width then. */
+    float *remade;
+    float *leaf_width;
     float *moved; /* by node: how far any vertex moved in the last update; scratch of updates */
     float *step;  /* by node: in the last tick in which vertices moved, all updates together */
     float *group_moved; /* by group, in the last update */
@@ -62,6 +67,9 @@ struct surface_motion {
     uint32_t *leaf_groups;
     uint32_t *more_groups;
     uint64_t more_count;
+    /* The vertices of leaf i: leaf_vertices[vertex_first[i]] to, not including, [i + 1]. */
+    uint32_t *vertex_first;
+    uint32_t *leaf_vertices;
     float centre[3]; /* of the filter's frame */
     float scale;
 };
