@@ -294,7 +294,10 @@ void scene_gets_bodies(struct scene *scene)
         const struct subject *subject = draw_subject();
         while (is_solid && !subject->is_solid)
             subject = draw_subject();
-        add_one(scene, subject, &pose, 0, 0);
+        if (draw_one_in(3))
+            scene_gets_soft(scene, subject);
+        else
+            add_one(scene, subject, &pose, 0, 0);
     }
 }
 

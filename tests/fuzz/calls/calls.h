@@ -165,7 +165,7 @@ void game_digest(const void *bytes, size_t size);
 
 /* ---- subjects, made once ---- */
 
-enum { MESHES = 7, ARMS = 3 };
+enum { MESHES = 7, ARMS = 3, TRIANGLES_MOST = 256, VERTICES_MOST = 256 };
 
 struct subject {
     const char *name;
@@ -175,6 +175,11 @@ struct subject {
     uint32_t source_triangles;
     uint32_t triangles;
     int is_solid; /* one closed part that does not cut itself */
+    int is_wound; /* the inside of a part can be told by winding number alone */
+    uint32_t vertices;
+    const float *positions;  /* of the vertices */
+    const uint32_t *corners; /* of the triangles that were not dropped, in the file's order */
+    uint32_t place[TRIANGLES_MOST]; /* in that order, by source number; DPT_NONE: dropped */
 };
 
 extern struct subject subjects[MESHES + 1];
@@ -219,7 +224,7 @@ struct noun {
 extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_noun, strip_noun,
     query_noun, mesh_noun, arm_noun, compile_noun, guard_noun, device_noun, loop_noun, name_noun,
     trial_noun, selftest_noun, proxy_noun, coupling_noun, passivity_noun, record_noun,
-    identify_noun;
+    identify_noun, deform_noun, exchange_noun;
 
 /* ---- what a run must have met, or it tests little ---- */
 
@@ -245,6 +250,9 @@ extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_nou
     X(SENT, "a tick that is told what acted")                         X(DROPPED, "a command that was dropped") \
     X(LIMITED, "a stiffness that was limited")                        X(WITHHELD, "a wrench that was taken away") \
     X(TESTED, "a self-test that came to its end")                     X(RECORDED, "a record in a file") \
+    X(DEFORMED, "a body that deforms")   X(ON_ITS_WAY, "vertices on their way") X(LOADS, "loads")         \
+    X(BALANCED, "loads that balance a wrench")                        X(DISPLACED, "a displaced triangle") \
+    X(TRUE_DEFORMED, "a pair that was held against moved triangles")                               \
     X(REUSED, "an id that came round")   X(ANEW, "a world in a block in use")
 /* clang-format on */
 #define MET_ENUM(name, text) MET_##name,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The step, good and bad, and then all that a world tells of it. */
+#include "fuzz/calls/deform_model.h"
 #include "fuzz/calls/rules.h"
 
 enum { CONTACTS_MAX = 40, STRIP_MAX = 48 };
@@ -117,6 +118,7 @@ static struct sum read_all(struct scene *scene)
     struct sum sum = { .segments = 0 };
     for (uint32_t t = 0; t < scene->tool_count; t++)
         read_tool(scene, &scene->tool[t], &sum);
+    loads_must_hold(scene);
     return sum;
 }
 
@@ -194,21 +196,26 @@ void scene_steps(struct scene *scene)
     if (scene->world_count == 2)
         outputs_agree(1);
     if (result != DPT_OK) {
-        if (!no_world)
+        if (!no_world) {
             scene_is_stale(scene);
+            softs_have_stepped(scene, 0.0);
+        }
         if (draw_one_in(2))
             read_all(scene);
         return;
     }
-    scene_has_stepped(scene);
+    scene_has_stepped(scene, dt);
     scene->contacts_then = scene->def.max_contacts;
     if (no_out) {
         scene->contacts_then = read_all(scene).contacts;
+        loads_are_due(scene);
+        loads_must_hold(scene);
         return;
     }
     if (!output_read(0, size, sizeof now, offsetof(dpt_step, distance), &now))
         return;
     scene->contacts_then = now.contacts;
+    loads_are_due(scene);
     step_must_hold(scene, &now);
     met[MET_CONTACTS_FULL] += now.flags & DPT_STEP_FLAG_CONTACTS_FULL ? 1 : 0;
     met[MET_TWIN] += scene->world_count == 2;

@@ -14,6 +14,21 @@ char trace_path[64], obj_path[64];
 
 static dpt_compiled compiled[MESHES + 1 + ARMS];
 
+static int take_triangles(struct subject *subject)
+{
+    const uint32_t *numbers;
+    uint32_t count;
+    if (subject->source_triangles > TRIANGLES_MOST ||
+        dpt_mesh_get_vertices(subject->mesh, &subject->positions, &subject->vertices) != DPT_OK ||
+        dpt_mesh_get_triangles(subject->mesh, &subject->corners, &numbers, &count) != DPT_OK ||
+        subject->vertices > VERTICES_MOST)
+        return 0;
+    memset(subject->place, 0xff, sizeof subject->place);
+    for (uint32_t i = 0; i < count; i++)
+        subject->place[numbers[i]] = i;
+    return 1;
+}
+
 static int take_mesh(struct subject *subject, const char *name, dpt_compiled *bytes)
 {
     dpt_mesh_info info = { .size = sizeof info };
@@ -28,7 +43,8 @@ static int take_mesh(struct subject *subject, const char *name, dpt_compiled *by
     subject->triangles = info.triangles;
     subject->is_solid =
         info.components == 1 && info.closed_components == 1 && info.self_intersections == 0;
-    return 1;
+    subject->is_wound = info.winding_components > 0;
+    return take_triangles(subject);
 }
 
 /* A cell of four nodes about the origin. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "fuzz/calls/trial_rules.h"
 
+#include "fuzz/calls/deform_model.h"
 #include "fuzz/calls/rules.h"
 
 /* Roundings of the test's own sums, per metre of the largest coordinate; on a turn by sines. */
@@ -213,7 +214,7 @@ static double distance_of(const struct model_body *body, const dpt_segment *at)
     to_frame(&body->pose, at->a, local);
     to_frame(&body->pose, at->b, local + 3);
     for (uint32_t t = 0; t < body->subject->source_triangles; t++)
-        if (dpt_mesh_get_triangle(body->subject->mesh, t, corners) == DPT_OK)
+        if (corners_now(body, t, corners))
             least = fmin(least, dpt_segment_triangle(local, corners, NULL, NULL, NULL));
     return least;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "fuzz/calls/world_model.h"
+#include "fuzz/calls/deform_model.h"
 
 struct scene scenes[SCENES];
 
@@ -103,12 +103,15 @@ void scene_removes_id(struct removed *removed, uint32_t id)
 
 void scene_forgets(struct scene *scene)
 {
+    for (uint32_t i = 0; i < scene->body_count; i++)
+        soft_is_gone(scene->body[i].soft);
     scene->body_count = scene->tool_count = scene->segment_count = scene->then_count = 0;
     scene->removed_bodies.adds = scene->removed_bodies.count = 0;
     scene->removed_tools.adds = scene->removed_tools.count = 0;
     scene->is_as_stepped = 0;
     scene->contacts_then = 0;
     memset(&scene->least, 0, sizeof scene->least);
+    scene->due = (struct due_loads){ .is_none = 1 };
 }
 
 void scene_is_stale(struct scene *scene)
@@ -118,6 +121,7 @@ void scene_is_stale(struct scene *scene)
     scene->then_count = 0;
     scene->contacts_then = 0;
     scene->is_as_stepped = 0;
+    scene->due = (struct due_loads){ .is_none = 1 };
 }
 
 /* v + 2 w (u x v) + 2 u x (u x v), of the unit quaternion (w, u) or its conjugate. */
@@ -179,17 +183,19 @@ static void take_proxy(struct scene *scene, struct model_tool *tool)
     }
 }
 
-void scene_has_stepped(struct scene *scene)
+void scene_has_stepped(struct scene *scene, double dt)
 {
     int is_usable = 1;
     scene->then_count = 0;
+    scene->due = (struct due_loads){ .is_none = 0 };
     for (uint32_t i = 0; i < scene->body_count; i++) {
         const struct model_body *body = &scene->body[i];
         is_usable &= body->is_usable || body->unfelt;
         if (!body->unfelt)
             scene->then[scene->then_count++] =
-                (struct body_then){ body->id, body->pose, body->subject };
+                (struct body_then){ .id = body->id, .pose = body->pose, .subject = body->subject };
     }
+    softs_have_stepped(scene, dt);
     is_usable &= scene->then_count > 0;
     for (uint32_t t = 0; t < scene->tool_count; t++) {
         struct model_tool *tool = &scene->tool[t];
@@ -213,6 +219,7 @@ void scene_has_stepped(struct scene *scene)
 void scene_remove_body(struct scene *scene, struct model_body *body)
 {
     scene_removes_id(&scene->removed_bodies, body->id);
+    soft_is_gone(body->soft);
     *body = scene->body[--scene->body_count];
     scene->is_as_stepped = 0;
 }

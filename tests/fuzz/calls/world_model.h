@@ -30,6 +30,7 @@ struct model_body {
     double side_limit, static_friction, kinetic_friction, stiffness;
     uint32_t unfelt;
     const struct subject *subject;
+    struct soft *soft; /* of a deformable one (deform_model.h); else NULL */
 };
 
 struct model_tool {
@@ -68,6 +69,16 @@ struct body_then {
     dpt_body id;
     dpt_pose pose;
     const struct subject *subject;
+    const float *positions; /* of a deformable one's vertices; else NULL */
+    int is_affine;          /* they are as in struct soft */
+    int is_vague;           /* where they were exactly was not told */
+};
+
+/* What the loads of the last step must sum up to, if it is known. */
+struct due_loads {
+    int is_none; /* there was no step, or it failed: there are no loads */
+    int is_known;
+    double wrench[6]; /* of all tools, about the origin */
 };
 
 struct scene {
@@ -83,7 +94,9 @@ struct scene {
     uint32_t body_count, tool_count, segment_count;
     struct removed removed_bodies, removed_tools;
     struct body_then then[BODIES_MAX];
+    float then_positions[BODIES_MAX][3 * VERTICES_MOST]; /* where then[].positions are */
     uint32_t then_count;
+    struct due_loads due;
     int is_as_stepped;      /* nothing that answers depend on changed since the last step */
     uint32_t contacts_then; /* of all tools, as the last step said, or as counted */
     dpt_world_usage
@@ -117,9 +130,9 @@ void scene_removes_id(struct removed *removed, uint32_t id);
 /* One step, of all worlds, and much of what they tell of it. */
 void scene_steps(struct scene *scene);
 
-void scene_forgets(struct scene *scene);     /* everything: a new world */
-void scene_has_stepped(struct scene *scene); /* successfully */
-void scene_is_stale(struct scene *scene);    /* all answers are */
+void scene_forgets(struct scene *scene);                /* everything: a new world */
+void scene_has_stepped(struct scene *scene, double dt); /* successfully */
+void scene_is_stale(struct scene *scene);               /* all answers are */
 
 /* Segments for a tool, or for none: which codes they may earn. */
 void segments_codes(const struct scene *scene, const struct model_tool *tool,
@@ -140,6 +153,7 @@ static inline unsigned char *scene_block(const struct scene *scene, int i)
 
 /* Something to feel, and something that feels: one to three, as far as they fit. */
 void scene_gets_bodies(struct scene *scene);
+void scene_gets_soft(struct scene *scene, const struct subject *subject);
 void scene_gets_tools(struct scene *scene);
 
 /* x of a pose's frame in the world. */
