@@ -202,6 +202,8 @@ dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t se
     const struct segment_strip *segment_strip =
         &world->segment_strips[owner->first_segment + segment];
     dpt_strip_get_triangles(segment_strip->strip, count, flags);
+    if (!*count)
+        return DPT_OK; /* its body may be gone, with its vertices */
     /* Vertices may have moved since: the strip is of the last step. */
     const struct surface surface = surface_view(&segment_strip->surface, world->ticks + 1, 0.0);
     dpti_strip_overlaps(segment_strip->strip, &surface, &segment_strip->frame, segment_strip->a,
