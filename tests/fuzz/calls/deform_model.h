@@ -45,6 +45,12 @@ void soft_must_be_there(const struct scene *scene, const struct model_body *body
 int corners_now(const struct model_body *body, uint32_t triangle, double corners[9]);
 int corners_then(const struct body_then *body, uint32_t triangle, double corners[9]);
 
+/* A body whose vertices are anywhere may be flat, or folded flat along an edge: there is no normal there. */
+static inline int may_lack_normals(const float *positions, int is_affine)
+{
+    return positions && !is_affine;
+}
+
 /* It is closed, and does not cut itself. */
 int is_solid_then(const struct body_then *body);
 

@@ -291,21 +291,6 @@ void contacts_must_hold(const struct scene *scene, const struct model_tool *tool
     }
 }
 
-/* A triangle of a body that deforms may have no area, and then no normal. */
-static int is_flat_then(const struct body_then *body, uint32_t triangle)
-{
-    double x[9], square = 0.0;
-    if (!body->positions || body->is_vague || !corners_then(body, triangle, x))
-        return body->is_vague;
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        const double twice =
-            (x[3 + i] - x[i]) * (x[6 + j] - x[j]) - (x[3 + j] - x[j]) * (x[6 + i] - x[i]);
-        square += twice * twice;
-    }
-    return square < 1e-24;
-}
-
 void sweep_must_hold(const struct scene *scene, const struct model_tool *tool, uint32_t segment,
                      const dpt_sweep *sweep)
 {
@@ -327,7 +312,8 @@ void sweep_must_hold(const struct scene *scene, const struct model_tool *tool, u
     HOLDS(sweep->time >= 0.0 && sweep->time <= 1.0 && sweep->s >= 0.0 && sweep->s <= 1.0,
           "time %g, s %g", sweep->time, sweep->s);
     HOLDS(fabs(apart(sweep->normal, zero) - 1.0) <= 1e-6 ||
-              (apart(sweep->normal, zero) == 0.0 && is_flat_then(body, sweep->triangle)),
+              (apart(sweep->normal, zero) == 0.0 &&
+               may_lack_normals(body->positions, body->is_affine)),
           "a normal of length %g", apart(sweep->normal, zero));
 }
 
