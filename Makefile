@@ -38,7 +38,7 @@ ALL_CFLAGS = -std=gnu99 $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden
 ifeq ($(CONFIG),scalar)
 CONFIG_CFLAGS := -DDPT_SCALAR -fno-tree-vectorize
 else ifeq ($(CONFIG),sanitize)
-CFLAGS := -O1 -g
+CFLAGS := -O2 -g1
 CONFIG_CFLAGS := -fsanitize=address,undefined -fno-sanitize-recover=all
 else ifeq ($(CONFIG),fuzz)
 CFLAGS := -O2 -g

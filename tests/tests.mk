@@ -16,6 +16,22 @@ LINK_TEST = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(DL) $(L
 $(B)/tests/%.o: INCLUDES += -Itests -Itools -Idrivers
 # A sample as it stands.
 $(B)/tests/world/test_own_physics.o: INCLUDES += -Idocs
+ifeq ($(CONFIG),sanitize)
+$(B)/tests/%.o: CONFIG_CFLAGS += -O1
+endif
+# The tests' own code is the same without vectors: release's objects, where they are, but for those that see the kernels.
+ifeq ($(CONFIG),scalar)
+build/tests/%.o: CONFIG_CFLAGS :=
+build/tests/%.o: tests/%.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -c $< -o $@
+KNOWN := $(shell find build/tests -name '*.d' 2>/dev/null)
+OF_RELEASE := $(if $(KNOWN),$(shell grep -L src/kernel/kernel_ops.h $(KNOWN)))
+$(patsubst build/%.d,$(B)/%.o,$(filter-out %_sites.d %/exact.d %/stand_in_3_0.d,$(OF_RELEASE))): $(B)/%.o: build/%.o
+	@mkdir -p $(@D)
+	cp $< $@
+-include $(OF_RELEASE)
+endif
 shared_of = $(filter-out $(B)/tests/fuzz/% $(B)/$1test_%,$(call objects,$1*.c))
 define TEST_PROGRAM
 $(B)/tests/$(basename $(notdir $1)): $(B)/$(1:.c=.o) $(call shared_of,$(dir $1))
@@ -113,7 +129,7 @@ HD_TESTS := $(patsubst %,$(B)/tests/test_%,openhaptics openhaptics_calibration o
 $(HD_TESTS): | $(HD_STAND_INS)
 HD_WRAPPED := dlopen dlsym dlerror calloc clock_gettime getenv fopen access
 $(HD_TESTS): private LDLIBS = $(HD_WRAPPED:%=-Wl,--wrap=%)
-test-programs: $(HD_STAND_INS)
+test-programs check-programs: $(HD_STAND_INS)
 -include $(patsubst %,$(B)/tests/drivers/hd/%.d,stand_in stand_in_3_0 stand_in_scheduler)
 
 # Exact arithmetic: where there are g++ and gmpxx.
@@ -132,7 +148,7 @@ $(EXACT_TESTS:%=$(B)/tests/%): $(B)/tests/%: $(B)/tests/sweep/%.o $(call shared_
 # Robots' descriptions: where the library reads them.
 ifneq ($(URDF_PARTS),)
 TESTS += $(B)/tests/test_urdf_golden $(B)/tests/test_urdf_sizes $(B)/tests/test_urdf_arm
-test-programs: $(B)/tests/urdf/answers
+test-programs check-programs: $(B)/tests/urdf/answers
 endif
 $(B)/tests/urdf/answers: $(B)/tests/urdf/answers.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
@@ -196,7 +212,7 @@ fuzz: ## 10^8 random calls (CALLS_RUNS), then 10^8 executions (FUZZ_RUNS) of the
 	@sh tests/fuzz/calls.sh
 	@sh tests/fuzz/fuzz.sh
 
-bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/deform $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/strip_coverage ## time against peers, those whose packages are here
+bench: all $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage) ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
 	@sh tests/bench/budgets.sh $(B)
@@ -206,8 +222,16 @@ bench: all $(B)/tests/bench/dump_mesh $(B)/tests/bench/deform $(B)/tests/bench/s
 	@sh tests/bench/needle.sh $(B)
 	@sh tests/bench/soft.sh $(B)
 
-test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(B)/tests/bench/dump_mesh $(B)/tests/bench/deform $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/strip_coverage
-.PHONY: test-programs
+BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage)
+test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(BENCH_PROGRAMS)
+# What programs.txt, and the scripts, run of this configuration.
+COLUMN := $(subst release,3,$(subst scalar,4,$(subst sanitize,5,$(CONFIG))))
+NOT_RUN = $(patsubst %,$(B)/tests/test_%,$(shell awk '/^[a-z]/ && $$$(COLUMN) == "-" { print $$1 }' tests/programs.txt))
+check-programs: all $(filter-out $(NOT_RUN),$(TESTS)) $(if $(filter-out scalar,$(CONFIG)),$(VM_TESTS))
+ifeq ($(CONFIG),release)
+check-programs: $(B)/tests/firmware/link $(BENCH_PROGRAMS)
+endif
+.PHONY: test-programs check-programs
 -include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(wildcard $(TOPICS:%=$(B)/tests/%/*.d) $(B)/tests/lib/*.d) \
           $(patsubst %.o,%.d,$(VM_PARTS) $(TEST_PARTS) $(FUZZ_PARTS) $(CALLS_PARTS) $(COUNTED))
 -include $(wildcard $(EXACT_TESTS:%=$(B)/tests/sweep/%.d) $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
