@@ -39,7 +39,8 @@ work()
         "$@" make trace --mesh "$out/torus.dpa" --ticks 500 -o "$out/torus.csv" &&
         "$@" make trace --mesh "$out/liver.dpa" --ticks 500 -o "$out/liver.csv" &&
         "$@" replay "$out/torus.dpa" "$out/torus.csv" -o "$out/torus.out" --radius 0.003 &&
-        "$@" replay "$out/torus.dpa" "$out/torus.csv" -o "$out/brute.out" --method brute &&
+        head -n 40 "$out/torus.csv" >"$out/few.csv" && # an emulated tick of this takes a tenth of a second
+        "$@" replay "$out/torus.dpa" "$out/few.csv" -o "$out/brute.out" --method brute &&
         "$@" replay "$out/liver.dpa" "$out/liver.csv" -o "$out/liver.out" --radius 0.003 &&
         "$@" run "$out/torus.dpa" --device 'sim:?hand=wipe&cycle=0.4' --ticks 500 --friction 0.3 --record "$out/torus.dpr" &&
         "$@" record csv "$out/torus.dpr" -o "$out/records.csv"
