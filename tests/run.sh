@@ -38,15 +38,19 @@ run() {
     for word; do printf "'%s' " "$word"; done >"$place.command"
 }
 
-# run_each PLACES: what stdin names, so many at a time.
+# run_each PLACES [NICE...]: what stdin names, so many at a time. The last line of `times` is what a command computed.
 run_each() {
-    xargs -n 1 -P "$1" sh -c '
+    places=$1
+    shift
+    xargs -n 1 -P "$places" "$@" sh -c '
         begin=$(date +%s)
         eval "$(cat "$0.command")" >"$0.out" 2>&1 </dev/null
-        echo $? $(($(date +%s) - begin)) >"$0.status"'
+        status=$?
+        times >"$0.times"
+        echo $status $(($(date +%s) - begin)) "$(tail -n 1 "$0.times" | tr " " +)" >"$0.status"'
 }
 
-# go PLACES: runs what was named since the last go, so many at a time; what waits needs no place.
+# go PLACES: runs what was named since the last go, so many at a time; what waits needs no place, and goes before.
 go() {
     : >"$dir/computing"
     : >"$dir/waiting"
@@ -57,7 +61,7 @@ go() {
         next=$((next + 1))
     done
     [ ! -s "$dir/waiting" ] || run_each 16 <"$dir/waiting" &
-    [ ! -s "$dir/computing" ] || run_each "$1" <"$dir/computing"
+    [ ! -s "$dir/computing" ] || run_each "$1" nice <"$dir/computing"
     wait
 }
 
@@ -65,8 +69,8 @@ add_up() {
     for title in "$dir"/*.title; do
         place=${title%.title}
         title=$(cat "$title")
-        read -r status seconds <"$place.status"
-        echo "== $title, $seconds s"
+        read -r status seconds computed <"$place.status"
+        echo "== $title, $seconds s, computed $computed"
         cat "$place.out" | tee -a "$log"
         counts=$(tail -n 1 "$place.out" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed, \([0-9]*\) skipped$/\1 \2 \3/p')
         if [ -z "$counts" ]; then
@@ -122,7 +126,13 @@ command_line() {
     for script in tests/tools/cli_*.sh; do
         topic=${script#*/cli_}
         case $topic in devices.sh) run=run_waiting ;; *) run=run ;; esac
-        $run "the program $1, ${topic%.sh}" sh "$script" "$1"
+        # Under sanitizers the laboratory runs for them alone.
+        set -- "$1"
+        case $1-$topic in
+        */*-stability.sh) set -- "$1" 0.01 ;;
+        */*-stability_loops.sh) set -- "$1" 'wall organs delay phase zoom energy late rest beat' ;;
+        esac
+        $run "the program $1, ${topic%.sh}" sh "$script" "$@"
     done
 }
 
@@ -155,17 +165,19 @@ if [ "$whole" = test ]; then
     add_up
 else
     sh tests/deps.sh light
-    build all test-programs
-    build CONFIG=scalar all test-programs
-    build CONFIG=sanitize all test-programs
+    build all check-programs
+    build CONFIG=scalar all check-programs
+    build CONFIG=sanitize all check-programs
     sh tests/oracle/inside.sh build
+    run_waiting "a real kernel" sh tests/vm/check.sh build build/sanitize
+    run_waiting "firmware" sh tests/firmware/run.sh build
     # The longest first.
     run "other machines" sh tests/cross.sh
     run "the libraries" sh tests/abi/check.sh build
     run "single files" sh tests/amalgamation.sh build
     command_line build
     command_line build/sanitize
-    for config in release scalar sanitize; do
+    for config in sanitize release scalar; do
         programs $config $config beside
     done
     [ -x build/tests/test_urdf_golden ] || skip "robots' descriptions" "no urdfdom with g++"
@@ -189,8 +201,6 @@ else
     for config in release scalar sanitize; do
         programs $config $config alone
     done
-    run "firmware" sh tests/firmware/run.sh build
-    run "a real kernel" sh tests/vm/check.sh build build/sanitize
     run "the peer" sh tests/bench/check.sh build
     go 1
     add_up

@@ -1,8 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# dynpoint stability: the laboratory of force, with few ticks. `sh tests/tools/cli_stability.sh BUILD`.
+# dynpoint stability: the laboratory of force, with few ticks. `sh tests/tools/cli_stability.sh BUILD [EFFORT]`. What fails
+# and what holds is looked at with the usual effort only.
 . "$(dirname "$0")/cli.sh"
 
+effort=${2:-0.05}
 geometry='spikes microconcave thinsheet parallel rocking slot bodies segments medial border sidelimit folds slivers coincident
     scale hour work tilt budget'
 
@@ -39,7 +41,7 @@ holds()
 shown()
 {
     # shellcheck disable=SC2086
-    run stability $geometry --effort 0.05 --json
+    run stability $geometry --effort "$effort" --json
     check "exit $status: $(cat stderr)" test $status -eq 0
     cp stdout json
     # shellcheck disable=SC2086
@@ -108,10 +110,10 @@ baselines()
 # The same figures again, as a table too.
 again()
 {
-    succeeds 'again' stability segments tilt --effort 0.05 --json
+    succeeds 'again' stability segments tilt --effort "$effort" --json
     grep -E '^{"case":"(segments|tilt)"' json >first
     check 'other figures' cmp -s first stdout
-    succeeds 'a table' stability segments --effort 0.05
+    succeeds 'a table' stability segments --effort "$effort"
     check 'a table: a title' grep -q '^segments: ' stdout
     check 'a table: what holds and what fails' test \
         "$(grep -c '  holds$' stdout),$(grep -c '  fails$' stdout)" = 2,1
@@ -121,6 +123,6 @@ again()
 listed
 refusals
 shown
-baselines
+[ $# -gt 1 ] || baselines
 again
 finish
