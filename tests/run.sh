@@ -61,7 +61,7 @@ go() {
         next=$((next + 1))
     done
     [ ! -s "$dir/waiting" ] || run_each 16 <"$dir/waiting" &
-    [ ! -s "$dir/computing" ] || run_each "$1" nice -n 5 <"$dir/computing"
+    [ ! -s "$dir/computing" ] || run_each "$1" nice <"$dir/computing"
     wait
 }
 

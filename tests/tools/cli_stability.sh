@@ -4,7 +4,7 @@
 # and what holds is looked at with the usual effort only.
 . "$(dirname "$0")/cli.sh"
 
-effort=${2:-0.05}
+lab_effort=${2:-0.05}
 geometry='spikes microconcave thinsheet parallel rocking slot bodies segments medial border sidelimit folds slivers coincident
     scale hour work tilt budget'
 
@@ -41,7 +41,7 @@ holds()
 shown()
 {
     # shellcheck disable=SC2086
-    run stability $geometry --effort "$effort" --json
+    run stability $geometry --effort "$lab_effort" --json
     check "exit $status: $(cat stderr)" test $status -eq 0
     cp stdout json
     # shellcheck disable=SC2086
@@ -110,10 +110,10 @@ baselines()
 # The same figures again, as a table too.
 again()
 {
-    succeeds 'again' stability segments tilt --effort "$effort" --json
+    succeeds 'again' stability segments tilt --effort "$lab_effort" --json
     grep -E '^{"case":"(segments|tilt)"' json >first
     check 'other figures' cmp -s first stdout
-    succeeds 'a table' stability segments --effort "$effort"
+    succeeds 'a table' stability segments --effort "$lab_effort"
     check 'a table: a title' grep -q '^segments: ' stdout
     check 'a table: what holds and what fails' test \
         "$(grep -c '  holds$' stdout),$(grep -c '  fails$' stdout)" = 2,1
