@@ -42,7 +42,7 @@ verdict $? "a program linked to 0.1 is refused when it is loaded"
 # An archive of -flto has its names local only when a program is linked: what crosses files within the core says whose it is.
 lto=$scratch/lto
 if command -v gcc-nm >/dev/null 2>&1 && ${CC:-cc} --version | grep -qi 'gcc\|Free Software Foundation'; then
-    make -s B="$lto" CFLAGS='-O3 -flto' "$lto/libdynpoint.a" &&
+    make -s B="$lto" CFLAGS='-O1 -flto' "$lto/libdynpoint.a" &&
         gcc-nm -g --defined-only "$lto/libdynpoint.a" | awk 'NF == 3 { print $3 }' | LC_ALL=C sort >"$scratch/lto.symbols" &&
         grep '^dpt_' "$scratch/lto.symbols" | diff "$here/libdynpoint.symbols" - &&
         grep -q '^dpti_' "$scratch/lto.symbols" && ! grep -v '^dpti\{0,1\}_' "$scratch/lto.symbols"
@@ -179,7 +179,7 @@ verdict $? "wire.[ch] and wire_device.[ch] compile alone, and call only mem*, st
 
 # Any choice of back ends builds, and is what the library then has.
 few=$scratch/few
-make -s B="$few" DRIVERS=replay "$few/libdynpoint_drivers.so.0" &&
+make -s B="$few" CFLAGS=-O1 DRIVERS=replay "$few/libdynpoint_drivers.so.0" &&
     printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return !dpt_driver_named("replay") ||' \
         'dpt_driver_named("sim") || !dpt_driver_at(0) || dpt_driver_at(1); }' |
     ${CC:-cc} $c99 -Iinclude -x c - -o "$scratch/one" -L"$few" -ldynpoint_drivers -ldynpoint &&
@@ -189,12 +189,12 @@ ${OBJCOPY:-objcopy} -O binary -j .note.dlopen "$build/libdynpoint_drivers.so.0" 
     tail -c +17 "$scratch/note" | tr -d '\000' | grep -qx '\[{"feature":"openhaptics",.*"soname":\["libHD.so.3.4","libHD.so.3.0","libHD.so"\]}\]' &&
     ! readelf -SW "$few/libdynpoint_drivers.so.0" | grep -q dlopen && ! readelf -d "$build/libdynpoint_drivers.so.0" | grep -q libHD
 verdict $? "a note tells packagers of libHD, which nothing is linked to; not where its back end is left out"
-make -s B="$few" DRIVERS= "$few/libdynpoint_drivers.so.0" &&
+make -s B="$few" CFLAGS=-O1 DRIVERS= "$few/libdynpoint_drivers.so.0" &&
     printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return dpt_driver_at(0) != NULL; }' |
     ${CC:-cc} $c99 -Iinclude -x c - -o "$scratch/none" -L"$few" -ldynpoint_drivers -ldynpoint &&
     LD_LIBRARY_PATH="$few" "$scratch/none"
 verdict $? "DRIVERS= builds one without any"
-make -s B="$few" DRIVERS=nonesuch "$few/libdynpoint_drivers.so.0" >/dev/null 2>&1
+make -s B="$few" CFLAGS=-O1 DRIVERS=nonesuch "$few/libdynpoint_drivers.so.0" >/dev/null 2>&1
 [ $? -eq 2 ]
 verdict $? "and an unknown one is an error"
 
@@ -225,7 +225,7 @@ while [ $number -lt $choices ]; do
         [ $((left % 2)) -eq 0 ] || chosen="$chosen$name "
         left=$((left / 2))
     done
-    make -s -j2 B="$few" URDF=no DRIVERS="$chosen" LDFLAGS=-Wl,--no-undefined "$few/libdynpoint_drivers.so.0" "$few/dynpoint" &&
+    make -s -j2 B="$few" CFLAGS=-O1 URDF=no DRIVERS="$chosen" LDFLAGS=-Wl,--no-undefined "$few/libdynpoint_drivers.so.0" "$few/dynpoint" &&
         [ "$("$few/dynpoint" device list | sed -n 's/^\([a-z][a-z]*\) .*/\1/p' | tr '\n' ' ')" = "$chosen" ] || is=1
     case $chosen in *serial*) simulates serial ;; *) ! simulates serial ;; esac || is=1
     case $chosen in *can*) simulates can: ;; *) ! simulates can: ;; esac || is=1
@@ -236,7 +236,7 @@ done
 verdict $? "each of the $choices choices of back ends builds a library and a program that have these and need no other"
 
 # Without urdfdom the program says so.
-make -s B="$few" URDF=no "$few/dynpoint" &&
+make -s B="$few" CFLAGS=-O1 URDF=no "$few/dynpoint" &&
     ! "$few/dynpoint" compile docs/samples/arm.urdf -o "$scratch/arm.dpa" 2>"$scratch/no_urdf.says" &&
     [ "$(wc -l <"$scratch/no_urdf.says")" -eq 1 ] && grep -q "this build reads no URDF: install" "$scratch/no_urdf.says" &&
     [ ! -e "$scratch/arm.dpa" ]
