@@ -105,7 +105,7 @@ static double sum_tree(struct winding_traversal *traversal, float max_error)
 }
 
 /* Leaves after which the sums in float are put aside. */
-enum { LEAVES_SUMMED = 256 };
+enum { LEAVES_SUMMED = 16 };
 
 /*
  * A deformable body has no moments: they would have to be made anew for whatever moved, which takes longer than to look

@@ -80,9 +80,10 @@ for mesh in $meshes; do
             !set { set = $9; query = $13 }
             {
                 of_set = $9 > 0 ? sprintf("%.3g", $9 / set) : ""
-                of_query = query > 0 ? sprintf("%.3g", $13 / query) : ""
+                of_query = $13 > 0 && query > 0 ? sprintf("%.3g", $13 / query) : ""
                 positions = $9 > 0 ? sprintf("%9.2f %9.2f", $9 / 1e3, $10 / 1e3) : sprintf("%19s", "")
-                printf "  %-8s %s %7s %9.2f %9.2f %7s %9.1f %6s %6s  %-9s %s\n", $6, positions, of_set, $13 / 1e3, $14 / 1e3, of_query,
+                asked = $13 > 0 ? sprintf("%9.2f %9.2f", $13 / 1e3, $14 / 1e3) : sprintf("%19s", "")
+                printf "  %-8s %s %7s %s %7s %9.1f %6s %6s  %-9s %s\n", $6, positions, of_set, asked, of_query,
                     $15 / 1e3, $16, $17, $20, $19 " of " $18
             }' "$csv"
     done
