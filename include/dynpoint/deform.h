@@ -140,9 +140,10 @@ typedef struct dpt_load {
  * a device is sent less than the wrench, scale the loads alike.
  *
  *   loads   at most `capacity`; a vertex may occur more than once: add them up
- *   count   how many there are. If that is more than `capacity`, the call returns DPT_E_FULL, and `loads` is not valid
+ *   count   how many there are, at most 256 for each of max_points. If that is more than `capacity`, the call returns
+ *           DPT_E_FULL, and `loads` is not valid
  *
- * With DPT_LAW_BED, only where the world lists its contacts (dpt_world_def.max_contacts).
+ * DPT_E_FULL also if max_points left no room for any point of a tool: its loads are missing then. With DPT_LAW_BED, only where the world lists its contacts (dpt_world_def.max_contacts).
  */
 DPT_API dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body body, dpt_load *loads,
                                         uint32_t capacity, uint32_t *count);

@@ -208,6 +208,7 @@ void dpti_deform_begin_step(struct dpt_world *world, double dt)
         if (!deform)
             continue;
         deform->point_count = deform->tool_count = 0;
+        deform->has_lost_tool = 0;
         if (deform->time_left > 0.0 && dt > 0.0)
             move_on(world, body, dt);
     }
@@ -301,6 +302,7 @@ void dpti_deform_reset(struct body *body)
         return;
     dpti_surface_motion_forget(&deform->motion);
     deform->point_count = deform->tool_count = 0;
+    deform->has_lost_tool = 0;
 }
 
 /* A segment's strip, if its tool pushes the surface of a body out of the way; else NULL. */
@@ -371,7 +373,7 @@ dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body id, dpt_load *l
                                      deform->def.load_radius, &load->whole,
                                      room ? loads + *count : NULL, room);
     }
-    return *count > capacity ? DPT_E_FULL : DPT_OK;
+    return *count > capacity || deform->has_lost_tool ? DPT_E_FULL : DPT_OK;
 }
 
 dpt_result dpt_deform_get_node_loads(const dpt_world *world, dpt_body id, dpt_load *loads,

@@ -22,6 +22,7 @@ struct deform {
     struct load_point *points; /* of this tick, in the body's frame; max_points */
     struct tool_load *tools;   /* likewise */
     uint32_t point_count, tool_count;
+    int has_lost_tool; /* 1: there was no room for any point of a tool */
     float *target;    /* where the vertices are to be; only with a period */
     float *next;      /* where they are to be in the next step; likewise */
     double time_left; /* s, until they are there; 0: they are */

@@ -51,9 +51,14 @@ static void note_point(struct dpt_world *world, struct tool *tool, uint32_t body
         return;
     if (body && !deform)
         note_rigid(world, tool, at, force);
-    if (!deform || deform->point_count == deform->def.max_points)
+    if (!deform)
         return;
     struct tool_load *load = load_of(world, tool, deform);
+    if (deform->point_count == deform->def.max_points) {
+        /* The tool's other points take what this one lacks, if there are any. */
+        deform->has_lost_tool |= !load;
+        return;
+    }
     if (!load) {
         load = &deform->tools[deform->tool_count++];
         *load =

@@ -274,6 +274,34 @@ static void two_tools_have_their_loads(void)
     close_push(&push);
 }
 
+/* One point for two tools: what is missing is told. */
+static void too_few_points_are_told(void)
+{
+    static struct push push;
+    dpt_deform_def def;
+    dpt_deform_def_init(&def);
+    def.max_points = 1;
+    dpt_result result = DPT_OK;
+    memset(&push, 0, sizeof push);
+    if (!deform_scene_open(&push.scene, "sphere", 1280, NULL, &def))
+        return;
+    for (int t = 0; t < 2; t++)
+        dpt_tool_add(push.scene.world, rod, 1, t ? &push.second : &push.scene.tool);
+    push.body = push.second_pose = (dpt_pose)DPT_POSE_IDENTITY;
+    for (int tick = 0; tick < 20 && result == DPT_OK; tick++) {
+        place_tool(&push, -0.01 + 1e-3 * tick, 0.0);
+        push.second_pose = push.tool;
+        push.second_pose.position[0] += 0.02;
+        dpt_tool_set_pose(push.scene.world, push.second, &push.second_pose);
+        dpt_world_step(push.scene.world, 1e-3, NULL);
+        result = dpt_deform_get_loads(push.scene.world, push.scene.body, push.loads, LOADS_MAX,
+                                      &push.count);
+    }
+    CHECK(result == DPT_E_FULL && push.count < LOADS_MAX, "%s, %u loads", dpt_result_name(result),
+          push.count);
+    deform_scene_close(&push.scene);
+}
+
 /* Loads are of the last step, whatever was set after it. */
 static void loads_are_of_the_last_step(void)
 {
@@ -404,6 +432,7 @@ int main(int argc, char **argv)
     take_percent(argc, argv);
     TEST(loads_are_the_reaction);
     TEST(two_tools_have_their_loads);
+    TEST(too_few_points_are_told);
     TEST(loads_are_of_the_last_step);
     TEST(nodes_move_vertices_and_get_their_loads);
     return check_report();
