@@ -175,7 +175,6 @@ struct subject {
     uint32_t source_triangles;
     uint32_t triangles;
     int is_solid; /* one closed part that does not cut itself */
-    int is_wound; /* the inside of a part can be told by winding number alone */
     uint32_t vertices;
     const float *positions;  /* of the vertices */
     const uint32_t *corners; /* of the triangles that were not dropped, in the file's order */
@@ -224,7 +223,7 @@ struct noun {
 extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_noun, strip_noun,
     query_noun, mesh_noun, arm_noun, compile_noun, guard_noun, device_noun, loop_noun, name_noun,
     trial_noun, selftest_noun, proxy_noun, coupling_noun, passivity_noun, record_noun,
-    identify_noun, deform_noun, exchange_noun;
+    identify_noun, deform_noun, node_noun, exchange_noun;
 
 /* ---- what a run must have met, or it tests little ---- */
 

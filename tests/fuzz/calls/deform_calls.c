@@ -106,7 +106,6 @@ static void draw_def(struct given_def *of, const struct subject *subject, int ma
     of->def.pose = of->has_pose ? &of->pose : NULL;
     const uint32_t today = sizeof of->def, size = may_be_wrong ? draw_size(today, today) : today;
     of->given = draw_input(LIST_SLOT, &of->def, size, today, today, &of->codes);
-    may_fail(&of->codes, subject->is_wound, DPT_E_UNSUPPORTED);
 }
 
 /* ---- added ---- */
@@ -528,6 +527,19 @@ static void get_vertices(void)
     game_digest(positions, 3 * sizeof *positions * count);
 }
 
+/* Where there was no room for any point of a tool, the call fails with any capacity. */
+static int has_lost_tool(const struct scene *scene, uint32_t id, const struct model_body *body)
+{
+    static dpt_load loads[1 << 16];
+    uint32_t count;
+    const int is_full =
+        dpt_deform_get_loads(scene->world[0], id, loads, 1 << 16, &count) == DPT_E_FULL &&
+        count <= 1 << 16;
+    HOLDS(!is_full || body->soft->def.max_points < 6 * SEGMENTS_MAX, "%u points are too few",
+          body->soft->def.max_points);
+    return is_full;
+}
+
 static void get_loads(void)
 {
     struct scene *scene = draw_scene();
@@ -547,7 +559,7 @@ static void get_loads(void)
     struct codes codes = { .count = 0 };
     may_fail(&codes, no_world || no_count || (no_array && capacity), DPT_E_ARGUMENT);
     may_fail(&codes, !is_soft, DPT_E_HANDLE);
-    may_fail(&codes, all > capacity, DPT_E_FULL);
+    may_fail(&codes, all > capacity || (is_soft && has_lost_tool(scene, id, body)), DPT_E_FULL);
     call_with("scene %llu, id %llx, %llu loads, capacity %llu", (uint64_t)(scene - scenes), id, all,
               capacity);
     EACH_WORLD(scene, i)

@@ -43,7 +43,6 @@ static int take_mesh(struct subject *subject, const char *name, dpt_compiled *by
     subject->triangles = info.triangles;
     subject->is_solid =
         info.components == 1 && info.closed_components == 1 && info.self_intersections == 0;
-    subject->is_wound = info.winding_components > 0;
     return take_triangles(subject);
 }
 
