@@ -122,6 +122,18 @@ static void note_penetration(struct dpt_world *world, struct tool *tool,
 /* Of a contact's thrust: what its samples take in equal parts. A contact of one sample may have no other share. */
 #define EVEN_SHARE 0.1
 
+/*
+ * What a contact pushes the tool with, but for its size. The thrust counts from the world's onset: that of a contact
+ * which does not reach it is zero, and its depth counts, over its stretch.
+ */
+static vec3 thrust_of(const dpt_contact *contact, double axis_length)
+{
+    const vec3 thrust = vec3_of(contact->thrust);
+    const double stretch = max_of((contact->s1 - contact->s0) * axis_length, -contact->gap);
+    return dot(thrust, thrust) > 0.0 ? thrust
+                                     : scaled(vec3_of(contact->normal), -contact->gap * stretch);
+}
+
 /* The samples of a segment's contacts, each with its share of the contact's thrust. */
 static void note_contacts(struct dpt_world *world, struct tool *tool, uint32_t segment_index)
 {
@@ -138,7 +150,8 @@ static void note_contacts(struct dpt_world *world, struct tool *tool, uint32_t s
             const struct warm_start *sample = &persistent->warm_starts[k];
             note_point(world, tool, contact->body, sample->triangle,
                        along(axis->a, sample->s, sub(axis->b, axis->a)),
-                       scaled(vec3_of(contact->thrust), -((double)sample->share + even)));
+                       scaled(thrust_of(contact, length(sub(axis->b, axis->a))),
+                              -((double)sample->share + even)));
         }
     }
 }
