@@ -75,6 +75,34 @@ static void gap_must_hold(const dpt_world_def *def, const dpt_hit *hit, double r
           hit->gap, hit->error_bound);
 }
 
+/* How far a point of the world is from a triangle, as that was in the last step. */
+static double off_triangle(const struct body_then *body, uint32_t triangle, const double x[3])
+{
+    double point[6], corners[9];
+    to_frame(&body->pose, x, point);
+    memcpy(point + 3, point, 3 * sizeof *point);
+    corners_then(body, triangle, corners);
+    return dpt_segment_triangle(point, corners, NULL, NULL, NULL);
+}
+
+void strip_must_be_true(const struct scene *scene, const struct body_then *body,
+                        const dpt_segment *at, const dpt_overlap *overlaps, uint32_t count)
+{
+    const double slack = slack_of(scene, at);
+    double axis[6], corners[9];
+    to_frame(&body->pose, at->a, axis);
+    to_frame(&body->pose, at->b, axis + 3);
+    for (uint32_t i = 0; i < count && !body->is_vague; i++) {
+        const dpt_overlap *o = &overlaps[i];
+        HOLDS(corners_then(body, o->triangle, corners), "there is no triangle %u", o->triangle);
+        const double distance = dpt_segment_triangle(axis, corners, NULL, NULL, NULL);
+        HOLDS(fabs(o->distance - distance) <= slack &&
+                  off_triangle(body, o->triangle, o->q) <= slack,
+              "triangle %u is %.17g m away, and not %.17g; q is %g m from it", o->triangle,
+              distance, o->distance, off_triangle(body, o->triangle, o->q));
+    }
+}
+
 /* Its own calls are not counted. */
 /* p is on the axis, q on the triangle, and they are as far apart as is said. */
 static void pair_must_hold(const struct scene *scene, const dpt_segment *at, const dpt_hit *hit,
@@ -89,19 +117,14 @@ static void pair_must_hold(const struct scene *scene, const dpt_segment *at, con
           hit->error_bound);
     HOLDS(!(hit->flags & DPT_HIT_FLAG_CROSSING) == (hit->distance > 0.0), "flags %x, distance %g",
           hit->flags, hit->distance);
-    double p[3], q[6], corners[9];
+    double p[3];
     for (int k = 0; k < 3; k++)
         p[k] = at->a[k] + hit->s * (at->b[k] - at->a[k]);
     HOLDS(apart(p, hit->p) <= slack, "p is %g m from the axis at s", apart(p, hit->p));
     HOLDS(fabs(apart(hit->p, hit->q) - hit->distance) <= slack, "p and q are %g apart, and not %g",
           apart(hit->p, hit->q), hit->distance);
     triangle_must_be_there(body->subject, hit->triangle);
-    if (body->is_vague)
-        return;
-    corners_then(body, hit->triangle, corners);
-    to_frame(&body->pose, hit->q, q);
-    memcpy(q + 3, q, 3 * sizeof *q);
-    const double off = dpt_segment_triangle(q, corners, NULL, NULL, NULL);
+    const double off = body->is_vague ? 0.0 : off_triangle(body, hit->triangle, hit->q);
     HOLDS(off <= slack, "q is %g m from triangle %u", off, hit->triangle);
 }
 
@@ -245,6 +268,8 @@ static void contact_must_hold(const struct scene *scene, const struct model_tool
         p[k] = at->a[k] + contact->s * (at->b[k] - at->a[k]);
     HOLDS(apart(p, contact->p) <= slack || (is_felt && tool->has_grown),
           "p is %g m from the axis at s", apart(p, contact->p));
+    const double off = body->is_vague ? 0.0 : off_triangle(body, contact->triangle, contact->q);
+    HOLDS(off <= slack, "q is %g m from triangle %u", off, contact->triangle);
     HOLDS(fabs(weight[0] + weight[1] + weight[2] - 1.0) <= 1e-9 && weight[0] >= -1e-9 &&
               weight[1] >= -1e-9 && weight[2] >= -1e-9,
           "weights %g, %g, %g", weight[0], weight[1], weight[2]);

@@ -28,6 +28,10 @@ void sweep_must_hold(const struct scene *scene, const struct model_tool *tool, u
 /* Of a strip on a mesh: of a segment of that radius. */
 void overlaps_must_hold(const dpt_overlap *overlaps, uint32_t count, double radius);
 
+/* Of a segment's strip on the body that it is nearest to: distances are those of the triangles in the last step. */
+void strip_must_be_true(const struct scene *scene, const struct body_then *body,
+                        const dpt_segment *at, const dpt_overlap *overlaps, uint32_t count);
+
 /* `hits` are those of all of the tool's segments, `report` tells of that wrench. */
 void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hits,
                       const dpt_wrench *wrench, const dpt_force_report *report);

@@ -38,9 +38,11 @@ static void add_up(struct sum *sum, const dpt_hit *hit)
     }
 }
 
-static void read_strip(struct scene *scene, const struct model_tool *tool, uint32_t segment)
+static void read_strip(struct scene *scene, const struct model_tool *tool, const dpt_hit *hit)
 {
     static dpt_overlap overlaps[STRIP_MAX];
+    const uint32_t segment = hit->segment;
+    const struct body_then *body = scene_body_then(scene, hit->body);
     uint32_t count = 0, flags = 0;
     overlaps[0].size = sizeof *overlaps;
     HOLDS(RESULT(dpt_tool_get_strip, scene->world[0], tool->id, segment, overlaps, STRIP_MAX,
@@ -54,6 +56,9 @@ static void read_strip(struct scene *scene, const struct model_tool *tool, uint3
         overlaps_must_hold(overlaps, count, tool->at[segment].radius);
     else if (!tool->has_grown)
         overlaps_must_hold(overlaps, count, tool->proxy_at[segment].radius);
+    if (body && !has_proxy(scene, tool->law_then) && tool->answers == ANSWERS_THERE)
+        strip_must_be_true(scene, body, &tool->at[segment], overlaps,
+                           count < STRIP_MAX ? count : STRIP_MAX);
     HOLDS(!(flags & DPT_STRIP_FLAG_FULL) || count == scene->def.strip_capacity ||
               scene->def.strip == DPT_STRIP_KIND_ROUTES,
           "full with %u of %u", count, scene->def.strip_capacity);
@@ -95,7 +100,7 @@ static void read_tool(struct scene *scene, const struct model_tool *tool, struct
         HOLDS(RESULT(dpt_tool_get_sweep, world, tool->id, i, &sweep) == DPT_OK, "no sweep");
         numbers_are_finite(&sweep.time, 8, "a sweep");
         sweep_must_hold(scene, tool, i, &sweep);
-        read_strip(scene, tool, i);
+        read_strip(scene, tool, &hits[i]);
     }
     HOLDS(RESULT(dpt_tool_get_hit, world, tool->id, &best) == DPT_OK, "no hit");
     HOLDS(best.segment < tool->count && !memcmp(&best, &hits[best.segment], sizeof best),
