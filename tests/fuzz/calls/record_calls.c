@@ -307,7 +307,7 @@ static const struct move moves[] = { { "write all", write_all, 2 },
                                      { "write one", write_one, 2 },
                                      { "read header", read_header, 2 },
                                      { "read some", read_some, 4 },
-                                     { "record some", record_some, 1 },
+                                     { "record some", record_some, 2 },
                                      { "defaults", defaults, 1 },
                                      { NULL, NULL, 0 } };
 
