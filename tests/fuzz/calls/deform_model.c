@@ -40,8 +40,9 @@ void soft_is_gone(struct soft *soft)
     for (int i = 0; soft && i < 2; i++) {
         for (size_t k = 0; soft->block[i] && k < soft->offset; k++)
             HOLDS(soft->block[i][k] == PATTERN, "written before a body's block");
-        for (size_t k = 0; soft->block[i] && k < BEHIND; k++)
-            HOLDS(soft_block(soft, i)[soft->room + k] == PATTERN, "written behind a body's block");
+        for (int k = 0; soft->block[i] && k < BEHIND; k++)
+            HOLDS(soft_block(soft, i)[soft->room + (size_t)k] == PATTERN,
+                  "written behind a body's block");
         free(soft->block[i]);
     }
     free(soft);
