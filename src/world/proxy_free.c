@@ -62,6 +62,12 @@ void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dp
 void dpti_proxy_follow_size(struct dpt_world *world, const struct tool *tool, struct proxy *proxy)
 {
     struct segment *segment = segment_of(world, tool);
+    if (proxy->state <
+        PROXY_DOUBTED) { /* it begins: maybe since a reset, after the size was given */
+        segment->b.x = proxy->length;
+        segment->radius = proxy->radius;
+        return;
+    }
     double spare = max_of(0.0, proxy->gap - proxy->min_gap);
     const double length_before = segment->b.x, radius_before = segment->radius;
     segment->b.x = min_of(proxy->length, length_before + spare);

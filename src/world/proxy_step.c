@@ -409,7 +409,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     const double scale = min_of(world->largest_diagonal, PROXY_SCALE_MAX);
     const uint32_t work_before = world->work.done;
     doubt_unseen_motion(world, proxy);
-    if (tool->is_free && proxy->state >= PROXY_DOUBTED)
+    if (tool->is_free)
         dpti_proxy_follow_size(world, tool, proxy);
     dpti_proxy_measure(world, tool, proxy);
     tick.clearance = CLEARANCE * scale;
