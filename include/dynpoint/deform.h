@@ -50,7 +50,8 @@ typedef struct dpt_deform_def {
     double box_max[3];
     /*
      * s: new positions are where the vertices are to be after this time; in each step they move a part of the way. The
-     * period of your physics is a good choice. It delays what is felt by as much. 0: they are there in the next step; 0
+     * period of your physics is a good choice. It delays what is felt by as much; at most 1000. 0: they are there in
+     * the next step; 0
      */
     double period;
     /*
@@ -80,7 +81,8 @@ DPT_API size_t dpt_deform_bytes(const dpt_deform_def *def);
  * Add a deformable body. `block` is aligned to 8 and of at least dpt_deform_bytes(def) bytes; it belongs to the body
  * until that is removed. Takes time in proportion to the mesh's triangles.
  *
- * DPT_E_ARGUMENT: the box does not hold the mesh.
+ * DPT_E_ARGUMENT: the box does not hold the mesh, or a value is out of its range. DPT_E_FINITE: the box is not finite, or
+ * beyond DPT_COORDINATE_MAX.
  *
  * Where the inside of a part can be told by winding number alone (dpt_mesh_info.winding_components), contact looks at
  * all triangles of the mesh for each point in doubt: some 100 us for 50,000 triangles. A budget counts that.
@@ -143,7 +145,12 @@ typedef struct dpt_load {
  *   count   how many there are, at most 256 for each of max_points. If that is more than `capacity`, the call returns
  *           DPT_E_FULL, and `loads` is not valid
  *
- * DPT_E_FULL also if max_points left no room for any point of a tool: its loads are missing then. With DPT_LAW_BED, only where the world lists its contacts (dpt_world_def.max_contacts).
+ * DPT_E_FULL also if max_points left no room for any point of a tool: its loads are missing then. With DPT_LAW_BED there
+ * are loads only where the world lists its contacts (dpt_world_def.max_contacts).
+ *
+ * Loads and wrench may not sum up to zero where the step's budget ended before it was known what holds the tool, and
+ * where all the triangles at a point have collapsed: then no forces there have the wrench's moment. A tool that was
+ * removed or teleported has its loads until the next step.
  */
 DPT_API dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body body, dpt_load *loads,
                                         uint32_t capacity, uint32_t *count);
