@@ -11,8 +11,8 @@
 #define COARSE 2e-4
 #define FINE   1e-5
 
-/* Of places that are drawn. */
-enum { TRIES = 100 };
+/* Of places that are drawn; ticks of tissue that comes to rest. */
+enum { TRIES = 100, TISSUE_SETTLING = 1000 };
 
 static double or_one(double value)
 {
@@ -103,6 +103,16 @@ static void set_tool(struct hand_loop *loop)
     dpt_tool_set_settings(loop->world, loop->held, &settings);
 }
 
+static int add_body(struct hand_loop *loop)
+{
+    if (!loop->tissue)
+        return dpt_body_add(loop->world, loop->place->mesh->mesh, NULL, &loop->body) == DPT_OK;
+    if (!tissue_open(loop->tissue, loop->world))
+        return 0;
+    loop->body = loop->tissue->body;
+    return 1;
+}
+
 int hand_loop_open(struct hand_loop *loop)
 {
     const dpt_segment segment = segment_of(loop);
@@ -118,8 +128,7 @@ int hand_loop_open(struct hand_loop *loop)
     loop->body_pose = (dpt_pose)DPT_POSE_IDENTITY;
     loop->block = malloc(bytes);
     if (!loop->block || dpt_world_create(loop->block, bytes, &def, &loop->world) != DPT_OK ||
-        dpt_body_add(loop->world, loop->place->mesh->mesh, NULL, &loop->body) != DPT_OK ||
-        dpt_tool_add(loop->world, &segment, 1, &loop->held) != DPT_OK)
+        !add_body(loop) || dpt_tool_add(loop->world, &segment, 1, &loop->held) != DPT_OK)
         return 0;
     set_tool(loop);
     return 1;
@@ -127,6 +136,8 @@ int hand_loop_open(struct hand_loop *loop)
 
 void hand_loop_close(struct hand_loop *loop)
 {
+    if (loop->tissue)
+        tissue_close(loop->tissue);
     free(loop->block);
     free(loop->track);
     loop->block = NULL;
@@ -206,6 +217,8 @@ static dpt_force_report step_to(struct hand_loop *loop, const double at[HAND_AXE
 {
     const dpt_pose hand = pose_at(at), pose = tool_pose(loop, &hand);
     dpt_tool_set_pose(loop->world, loop->held, &pose);
+    if (loop->tissue)
+        tissue_advance(loop->tissue);
     dpt_world_step(loop->world, dt, NULL);
     dpt_force_report report = felt(loop);
     to_components(at + 3, report.wrench.torque);
@@ -224,8 +237,14 @@ void hand_loop_ask(struct hand_loop *loop, const double at[HAND_AXES], double dt
 static void jump_to(struct hand_loop *loop, const double at[HAND_AXES])
 {
     const dpt_pose hand = pose_at(at), pose = tool_pose(loop, &hand);
+    uint32_t steps = 2;
     dpt_tool_teleport(loop->world, loop->held, &pose);
-    for (int i = 0; i < 2; i++)
+    if (loop->tissue) {
+        tissue_rest(loop->tissue);
+        loop->tissue->is_held = 1;
+        steps += loop->tissue->ticks;
+    }
+    for (uint32_t i = 0; i < steps; i++)
         dpt_world_step(loop->world, 1e-3, NULL);
 }
 
@@ -287,6 +306,11 @@ void hand_loop_return(struct hand_loop *loop)
     }
     at[1] = 0.0;
     for (int i = 0; i < 4; i++)
+        hand_loop_ask(loop, at, 1e-3, loop->first);
+    if (loop->tissue)
+        loop->tissue->is_held = 0;
+    for (int i = 0; loop->tissue && loop->tissue->matter.foundation > 0.0 && i < TISSUE_SETTLING;
+         i++)
         hand_loop_ask(loop, at, 1e-3, loop->first);
 }
 
@@ -352,6 +376,8 @@ dpt_coupling hand_loop_choose(const struct hand_loop *loop, double margin)
     def.zoom = or_one(loop->zoom);
     def.force_scale = or_one(loop->force_scale);
     def.gain_margin = margin;
+    if (loop->tissue && loop->tissue->is_interpolated && !loop->is_uncounted)
+        def.loop_delay = tissue_period(loop->tissue);
     dpt_coupling_for_device(&def, &coupling);
     return coupling;
 }
@@ -384,14 +410,16 @@ static int is_astray(const double at[HAND_AXES])
     return product(at, at) > 0.01 || product(at + 3, at + 3) > 4.0;
 }
 
-static void note(struct hand_loop *loop, const dpt_loop_sample *sample, double time, double energy)
+static void note(struct hand_loop *loop, const dpt_loop_sample *sample, double time,
+                 const dpt_force_report *report)
 {
     const dpt_device_state *state = sample->state;
     if (loop->count == loop->room)
         return;
     struct hand_moment *moment = &loop->track[loop->count++];
     moment->time = time;
-    moment->energy = energy;
+    moment->energy = report->energy;
+    moment->body_work = report->body_work;
     memcpy(moment->at, state->joint, sizeof moment->at);
     memcpy(moment->speed, state->velocity, sizeof state->velocity);
     memcpy(moment->speed + 3, state->spin, sizeof state->spin);
@@ -422,7 +450,7 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
                                             .sent = sample->sent };
         dpt_passivity_step(&loop->observer, &seen, wrench);
     }
-    note(loop, sample, time, report.energy);
+    note(loop, sample, time, &report);
     const double tapped = loop->has_begun ? 0.0 : sample->info->rate;
     for (int k = 0; k < 3; k++) {
         wrench->force[k] += loop->push[k] + tapped * loop->tap[k];

@@ -20,6 +20,7 @@
 #include "dynpoint/world.h"
 #include "stability/hand_place.h"
 #include "stability/lab.h"
+#include "stability/tissue.h"
 
 enum { HAND_AXES = 6 };
 
@@ -46,7 +47,8 @@ struct hand_tool {
 struct hand_moment {
     double time;
     double at[HAND_AXES], speed[HAND_AXES], sent[HAND_AXES];
-    double energy; /* J, of the law, at the hand */
+    double energy;    /* J, of the law, at the hand */
+    double body_work; /* J, since the sample before, at the hand */
 };
 
 struct hand_loop {
@@ -54,6 +56,9 @@ struct hand_loop {
     struct hand_device device;
     const struct hand_place
         *place; /* NULL: a linear spring and damper at zero instead of a world */
+    /* In place of the place's rigid body. While the tool is lowered it stands still. */
+    struct tissue *tissue;
+    int is_uncounted; /* hand_loop_choose does not count the delay of its interpolation */
     struct hand_tool tool;
     int method;                                      /* enum lab_method */
     double zoom, force_scale;                        /* 0: 1 */
@@ -103,7 +108,7 @@ int hand_loop_lower(struct hand_loop *loop, double force);
 int hand_loop_seek(struct hand_loop *loop, const struct hand_mesh *mesh, uint64_t *seed,
                    double force, struct hand_place *place);
 
-/* Lower it once more, to where it was lowered before. */
+/* Lower it once more, to where it was lowered before. Tissue that gives way then has a second to come to rest. */
 void hand_loop_return(struct hand_loop *loop);
 
 /* Lift the tool by `height` m of the hand from where it was lowered to: there is the hand's zero from now on. */

@@ -49,6 +49,21 @@ void hand_place_middle(const struct hand_mesh *mesh, struct hand_place *place)
     place->out[2] = 1.0;
 }
 
+void hand_place_top(const struct hand_mesh *mesh, struct hand_place *place)
+{
+    const double *vertices = mesh->shape.vertices, beside[2] = { 0.0031, -0.0017 };
+    size_t top = 0;
+    double lowest = vertices[2];
+    hand_place_middle(mesh, place);
+    for (size_t v = 0; v < mesh->shape.vertex_count; v++) {
+        lowest = fmin(lowest, vertices[3 * v + 2]);
+        if (vertices[3 * v + 2] > vertices[3 * top + 2])
+            top = v;
+    }
+    for (size_t k = 0; k < 2; k++)
+        place->at[k] = beside[k] + (lowest < vertices[3 * top + 2] ? vertices[3 * top + k] : 0.0);
+}
+
 void hand_place_draw(const struct hand_mesh *mesh, uint64_t *seed, struct hand_place *place)
 {
     const struct shape *shape = &mesh->shape;

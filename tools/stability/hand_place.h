@@ -26,6 +26,9 @@ struct hand_place {
 /* The middle of a box's upper side, or of a membrane. */
 void hand_place_middle(const struct hand_mesh *mesh, struct hand_place *place);
 
+/* The highest place of a mesh, along z; of what is flat the middle. It is a little beside vertices and edges. */
+void hand_place_top(const struct hand_mesh *mesh, struct hand_place *place);
+
 /* The middle of a triangle that is drawn, and a direction that is. */
 void hand_place_draw(const struct hand_mesh *mesh, uint64_t *seed, struct hand_place *place);
 

@@ -40,9 +40,15 @@
     CASE(rest)                                                                                     \
     CASE(beat)
 
+/* Tissue: vertices move. */
+#define LAB_TISSUE_CASES                                                                           \
+    CASE(tissue)                                                                                   \
+    CASE(soft)
+
 #define LAB_CASES                                                                                  \
     LAB_GEOMETRY_CASES                                                                             \
-    LAB_LOOP_CASES
+    LAB_LOOP_CASES                                                                                 \
+    LAB_TISSUE_CASES
 
 #define CASE(name) extern const struct lab_case name##_case;
 LAB_CASES

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Tissue that gives way: a deformable body whose vertices are tied to their rest by springs per area (an elastic
+ * foundation), and to each other by a tension in the surface. Vertices on the border of an open mesh stand still.
+ * It stands for a user's physics: it has a rate of its own, gets loads, and hands over positions.
+ *
+ *     struct tissue tissue = { .mesh = mesh, .matter = tissue_soft, .ticks = 4, .load_radius = 0.03 };
+ *     tissue_open(&tissue, world);
+ *     for each tick: tissue_advance(&tissue); dpt_world_step(world, TISSUE_TICK, NULL);
+ *     tissue_close(&tissue);
+ *
+ * The law is linear, and integrated by the implicit Euler method, solved by conjugate gradients until nothing is left.
+ */
+#ifndef DPT_TOOLS_TISSUE_H
+#define DPT_TOOLS_TISSUE_H
+
+#include "dynpoint/deform.h"
+
+#define TISSUE_TICK 1e-3 /* s: of the loop */
+
+/* Per area of the surface, but for the tension. */
+struct tissue_matter {
+    double foundation; /* N/m^3 */
+    double tension;    /* N/m */
+    double damping;    /* Ns/m^3 */
+    double mass;       /* kg/m^2 */
+};
+
+/* About a liver's 10 kPa and 100 mm of depth; it comes to rest within 0.1 s, and does not swing. */
+extern const struct tissue_matter tissue_soft;
+
+/* A bump that goes out and comes back, about a place of the mesh. */
+struct tissue_beat {
+    double at[3], out[3];
+    double travel, rate, reach; /* m, Hz, m */
+};
+
+struct tissue {
+    /* Given. */
+    const dpt_mesh *mesh;
+    struct tissue_matter matter; /* all zero: it does not give way, and only beats */
+    uint32_t ticks;              /* of the loop, from one step of physics to the next */
+    int is_interpolated;
+    double load_radius; /* m */
+    uint32_t response;  /* DPT_RESPONSE_... */
+    struct tissue_beat beat;
+    int is_held; /* it stands still */
+
+    /* Made. Vectors have 3 numbers a vertex: m from the mesh, m/s, N. */
+    dpt_world *world;
+    dpt_body body;
+    void *block;
+    uint32_t vertices;
+    const float *rest;
+    double *off, *speed, *load;
+    double *area, *pull; /* of a vertex: a third of its triangles, and the sum of its links */
+    double *scratch[6];
+    float *positions;
+    struct tissue_link *links; /* of each vertex with its neighbours: N/m by unit of tension */
+    uint32_t *first;
+    unsigned char *is_fixed;
+    dpt_load *loads;
+    uint64_t tick;
+    int has_failed; /* the library refused positions or loads */
+};
+
+/* Add the body to a world. Returns 0 if memory runs out or the world refuses it; tissue_close is due in any case. */
+int tissue_open(struct tissue *tissue, dpt_world *world);
+void tissue_close(struct tissue *tissue);
+
+/* Before a tick of the loop. In every so many of them physics takes a step with the loads of the last tick. */
+void tissue_advance(struct tissue *tissue);
+
+/* Back to rest at time 0. It is there after tissue->ticks ticks of a world without a tool in it. */
+void tissue_rest(struct tissue *tissue);
+
+/* s: from one step of physics to the next. */
+static inline double tissue_period(const struct tissue *tissue)
+{
+    return TISSUE_TICK * tissue->ticks;
+}
+
+#endif
