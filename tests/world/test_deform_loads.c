@@ -302,6 +302,43 @@ static void too_few_points_are_told(void)
     deform_scene_close(&push.scene);
 }
 
+static void turn_freely(struct push *push)
+{
+    dpt_tool_settings tool = { .size = sizeof tool };
+    dpt_tool_get_settings(push->scene.world, push->scene.tool, &tool);
+    tool.lock_rotation = 0;
+    CHECK(dpt_tool_set_settings(push->scene.world, push->scene.tool, &tool) == DPT_OK, "tool");
+}
+
+/* A proxy that starts again has no points, but its force fades: until it has, the tissue feels it. */
+static void a_force_that_fades_has_loads(void)
+{
+    uint32_t fading = 0;
+    double largest = 0.0;
+    for (int k = 0; k < 8; k++) {
+        static struct push push;
+        dpt_force_report report = { .size = sizeof report };
+        if (!open_push(&push, DPT_LAW_PROXY, k % 2 * 0.01, 1, 0.01))
+            return;
+        turn_freely(&push);
+        place_tool(&push, -0.01, 1.5);
+        step_push(&push);
+        for (int tick = 0; tick < 30; tick++) {
+            place_tool(&push, 0.003 + 1e-4 * tick, tick < 15 ? 1.5 : 3.0);
+            step_push(&push);
+            const double force = check_balance(&push, "fade");
+            dpt_tool_get_force_report(push.scene.world, push.scene.tool, &report);
+            if (tick < 15 || !(report.flags & DPT_FORCE_FLAG_FADING))
+                continue;
+            fading++;
+            largest = fmax(largest, force);
+            CHECK(force == 0.0 || push.count, "a force of %g N without loads", force);
+        }
+        close_push(&push);
+    }
+    CHECK(fading > 20 && largest > 0.1, "%u ticks fade, %g N", fading, largest);
+}
+
 /* Loads are of the last step, whatever was set after it. */
 static void loads_are_of_the_last_step(void)
 {
@@ -433,6 +470,7 @@ int main(int argc, char **argv)
     TEST(loads_are_the_reaction);
     TEST(two_tools_have_their_loads);
     TEST(too_few_points_are_told);
+    TEST(a_force_that_fades_has_loads);
     TEST(loads_are_of_the_last_step);
     TEST(nodes_move_vertices_and_get_their_loads);
     return check_report();
