@@ -58,6 +58,12 @@ CHARTS = {
     "stability-phase": (
         "Stiffest stable wall against the phase of the loop", "How long after a sample its command comes.",
         "phase, periods", "N/m", ""),
+    "stability-tissue": (
+        "Stiffest coupling that comes to rest on tissue", "A ball on lively tissue. Chosen: by dpt_coupling_for_device.",
+        "rate of physics, Hz", "N/m", "xy"),
+    "stability-displace": (
+        "Noise of a pin's force over what is moved out of its way", "A pin of 5 mm, 5 mm deep, at 20 mm/s.",
+        "edges, mm", "rms above 100 Hz, of the mean force", ""),
 }
 
 INTRODUCTION = """\

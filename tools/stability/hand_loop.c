@@ -420,6 +420,7 @@ static void note(struct hand_loop *loop, const dpt_loop_sample *sample, double t
     moment->time = time;
     moment->energy = report->energy;
     moment->body_work = report->body_work;
+    moment->tissue_work = loop->tissue ? tissue_work(loop->tissue) : 0.0;
     memcpy(moment->at, state->joint, sizeof moment->at);
     memcpy(moment->speed, state->velocity, sizeof state->velocity);
     memcpy(moment->speed + 3, state->spin, sizeof state->spin);

@@ -47,8 +47,9 @@ struct hand_tool {
 struct hand_moment {
     double time;
     double at[HAND_AXES], speed[HAND_AXES], sent[HAND_AXES];
-    double energy;    /* J, of the law, at the hand */
-    double body_work; /* J, since the sample before, at the hand */
+    double energy; /* J, of the law, at the hand */
+    /* J, that bodies did since the sample before: by the force report, at the hand; by tissue's own loads. */
+    double body_work, tissue_work;
 };
 
 struct hand_loop {

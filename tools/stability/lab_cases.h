@@ -43,7 +43,10 @@
 /* Tissue: vertices move. */
 #define LAB_TISSUE_CASES                                                                           \
     CASE(tissue)                                                                                   \
-    CASE(soft)
+    CASE(soft)                                                                                     \
+    CASE(pulse)                                                                                    \
+    CASE(reaction)                                                                                 \
+    CASE(displace)
 
 #define LAB_CASES                                                                                  \
     LAB_GEOMETRY_CASES                                                                             \

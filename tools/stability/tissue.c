@@ -92,10 +92,12 @@ static int make_net(struct tissue *tissue)
     tissue->speed = calloc(3 * n, sizeof *tissue->speed);
     tissue->load = calloc(3 * n, sizeof *tissue->load);
     tissue->positions = malloc(3 * n * sizeof *tissue->positions);
+    tissue->last_positions = malloc(3 * n * sizeof *tissue->last_positions);
     tissue->loads = malloc(LOADS_MAX * sizeof *tissue->loads);
+    tissue->last = malloc(LOADS_MAX * sizeof *tissue->last);
     int is_made = tissue->links && tissue->first && tissue->is_fixed && tissue->area &&
                   tissue->pull && tissue->off && tissue->speed && tissue->load &&
-                  tissue->positions && tissue->loads;
+                  tissue->positions && tissue->loads && tissue->last && tissue->last_positions;
     for (size_t i = 0; i < sizeof tissue->scratch / sizeof *tissue->scratch; i++) {
         tissue->scratch[i] = calloc(3 * n, sizeof **tissue->scratch);
         is_made = is_made && tissue->scratch[i];
@@ -138,6 +140,8 @@ void tissue_close(struct tissue *tissue)
     free(tissue->load);
     free(tissue->positions);
     free(tissue->loads);
+    free(tissue->last);
+    free(tissue->last_positions);
     free(tissue->block);
 }
 
@@ -291,7 +295,7 @@ void tissue_advance(struct tissue *tissue)
     if (tissue->matter.foundation > 0.0) {
         if (tissue->response == DPT_RESPONSE_DISPLACE)
             take_positions(tissue);
-        else
+        if (!tissue->is_led)
             take_loads(tissue);
         give_way(tissue, time);
     } else {
@@ -300,11 +304,49 @@ void tissue_advance(struct tissue *tissue)
     hand_over(tissue);
 }
 
+static double work_of(const dpt_load *loads, uint32_t count, const float *before, const float *now)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < count; i++)
+        for (size_t k = 0; k < 3; k++) {
+            const size_t at = 3 * (size_t)loads[i].vertex + k;
+            sum += loads[i].force[k] * ((double)now[at] - (double)before[at]);
+        }
+    return sum;
+}
+
+double tissue_work(struct tissue *tissue)
+{
+    const float *now;
+    uint32_t count, vertices;
+    double work = 0.0;
+    dpt_deform_get_vertices(tissue->world, tissue->body, &now, &vertices);
+    if (dpt_deform_get_loads(tissue->world, tissue->body, tissue->loads, LOADS_MAX, &count) !=
+        DPT_OK)
+        return NAN;
+    /* Loads act on the tissue; between two steps they are the mean of both. */
+    if (tissue->is_watched)
+        work = -0.5 * (work_of(tissue->last, tissue->last_count, tissue->last_positions, now) +
+                       work_of(tissue->loads, count, tissue->last_positions, now));
+    tissue->is_watched = 1;
+    tissue->last_count = count;
+    memcpy(tissue->last, tissue->loads, count * sizeof *tissue->last);
+    memcpy(tissue->last_positions, now, 3 * sizeof *now * (size_t)vertices);
+    return work;
+}
+
+void tissue_move(struct tissue *tissue, uint32_t vertex, const double by[3])
+{
+    for (size_t k = 0; k < 3; k++)
+        tissue->off[3 * (size_t)vertex + k] += by[k];
+}
+
 void tissue_rest(struct tissue *tissue)
 {
     const size_t n = 3 * (size_t)tissue->vertices;
     memset(tissue->off, 0, n * sizeof *tissue->off);
     memset(tissue->speed, 0, n * sizeof *tissue->speed);
     tissue->tick = 0;
+    tissue->is_watched = 0;
     hand_over(tissue);
 }

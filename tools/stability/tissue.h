@@ -43,6 +43,7 @@ struct tissue {
     int is_interpolated;
     double load_radius; /* m */
     uint32_t response;  /* DPT_RESPONSE_... */
+    int is_led;         /* physics gets no loads, and goes on from where vertices were put */
     struct tissue_beat beat;
     int is_held; /* it stands still */
 
@@ -59,8 +60,11 @@ struct tissue {
     struct tissue_link *links; /* of each vertex with its neighbours: N/m by unit of tension */
     uint32_t *first;
     unsigned char *is_fixed;
-    dpt_load *loads;
+    dpt_load *loads, *last; /* of a step of physics, and of the last call of tissue_work */
+    uint32_t last_count;
+    float *last_positions;
     uint64_t tick;
+    int is_watched; /* tissue_work was called since it was at rest */
     int has_failed; /* the library refused positions or loads */
 };
 
@@ -70,6 +74,12 @@ void tissue_close(struct tissue *tissue);
 
 /* Before a tick of the loop. In every so many of them physics takes a step with the loads of the last tick. */
 void tissue_advance(struct tissue *tissue);
+
+/* Put a vertex elsewhere, by so many m, before the next step of physics. */
+void tissue_move(struct tissue *tissue, uint32_t vertex, const double by[3]);
+
+/* J: what the tissue did on tools since the last call, by its loads and how their vertices moved. */
+double tissue_work(struct tissue *tissue);
 
 /* Back to rest at time 0. It is there after tissue->ticks ticks of a world without a tool in it. */
 void tissue_rest(struct tissue *tissue);
