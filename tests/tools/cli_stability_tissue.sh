@@ -43,6 +43,7 @@ fi
 # A membrane and an organ are as stiff on a finer mesh and with a faster physics; loads on three corners are not.
 holds tissue proxy 'membrane, ball: stiffness, change by edges halved'
 holds tissue proxy 'membrane, ball: stiffness, change by dt halved'
+holds tissue proxy 'membrane, ball: stiffness, change on uneven cells'
 holds tissue proxy 'organ: force at 2 Hz, change by edges halved'
 holds tissue proxy 'organ: phase at 2 Hz, change by dt halved'
 is_within tissue proxy 'membrane, ball: stiffness felt' 100 400

@@ -264,7 +264,9 @@ const struct lab_case pulse_case = {
     "that the law stores. The tissue's part is the body_work of the force report, or what its own "
     "loads do on its own vertices. eps is the largest force times the largest motion of a sample.",
     "Give dpt_passivity_step the body_work of the force report in each step, for vertices as for "
-    "rigid bodies. A beat is no loop: count the period of interpolation as delay only where the "
+    "rigid bodies. Where slow physics moves vertices in steps, a step has the work of a whole "
+    "period: raise body_power, or interpolate. A beat is no loop: count the period of "
+    "interpolation as delay only where the "
     "tissue gives way.",
     run
 };

@@ -14,6 +14,8 @@ enum { BODIES = 2, TOOLS = 3, DENSITIES = 2, SPEEDS = 5, MODES = 2, RESTING = 12
 #define RATE      2.0
 #define EDGES     3.0 /* of the coarser mesh, that a load is spread over */
 #define CHANGE    0.05
+#define SIDE      0.2 /* m: of the membrane, and what makes its cells uneven */
+#define WARP      0.026
 
 /* Ticks of the loop for a step of physics; and the place in the list of half as many, before its own, or none. */
 static const struct {
@@ -219,10 +221,47 @@ static void try_body(struct lab *lab, const struct trial_body *body)
     hand_mesh_close(&meshes[1]);
 }
 
+/* Cells become a third as wide on one side of a place, and 1.7 times on the other; the border stays. */
+static void make_uneven(double x[3])
+{
+    for (int k = 0; k < 2; k++) {
+        double sine, cosine;
+        turn_sincos(x[k] / SIDE, &sine, &cosine);
+        x[k] += WARP * (1.0 + cosine);
+    }
+}
+
+/* The finer membrane where its cells change their size, against the even one at the same place. */
+static void try_uneven(struct lab *lab, const struct trial_body *body)
+{
+    const struct tissue as = { .ticks = speeds[0].ticks, .load_radius = EDGES * body->edge };
+    struct hand_mesh meshes[DENSITIES] = { { .mesh = NULL }, { .mesh = NULL } };
+    struct change change = { 0.0, 0.0, 0.0, 0.0 };
+    struct hand_place place;
+    if (hand_mesh_open(&meshes[0], body->shape, body->triangles[1], 1.0) &&
+        hand_mesh_open(&meshes[1], body->shape, body->triangles[1], 1.0) &&
+        hand_mesh_warp(&meshes[1], make_uneven)) {
+        struct response seen[DENSITIES];
+        hand_place_top(&meshes[0], &place);
+        place.at[0] += 2.0 * WARP;
+        place.at[1] += 2.0 * WARP;
+        for (int d = 0; d < DENSITIES; d++)
+            seen[d] = respond(as, &meshes[d], &place, &tools[0]);
+        compare(&seen[0], &seen[1], &change);
+        lab_at_most(lab, "proxy", "membrane, ball: stiffness, change on uneven cells", change.felt,
+                    "", CHANGE);
+    } else {
+        lab->is_out_of_memory = 1;
+    }
+    hand_mesh_close(&meshes[0]);
+    hand_mesh_close(&meshes[1]);
+}
+
 static void run(struct lab *lab)
 {
     for (int i = 0; i < BODIES; i++)
         try_body(lab, &bodies[i]);
+    try_uneven(lab, &bodies[0]);
 }
 
 const struct lab_case tissue_case = {
@@ -230,10 +269,11 @@ const struct lab_case tissue_case = {
     "A ball, an upright and a lying tool are lowered 5 mm below where they touch a membrane with a "
     "fixed border, and an organ, with a coupling of 500 N/m. A small physics of the laboratory "
     "moves their vertices: springs per area to their rest, tension, mass and damping, solved "
-    "implicitly. Loads are spread over three "
-    "edges of the coarser mesh. What is felt after a second, and the force at 2 Hz with physics of "
+    "implicitly. Loads are spread over three edges of the coarser mesh. What is felt after a "
+    "second, and the force at 2 Hz with physics of "
     "250 Hz and more, may change by at most 5 % (and its phase by 0.05 rad) when edges are halved, "
-    "and when the physics' dt is: from 31 to 63 Hz, from 250 to 500 Hz and to 1 kHz, stepped and "
+    "where cells become uneven, and when the physics' dt is halved: from 31 to 63 Hz, from 250 to "
+    "500 Hz and to 1 kHz, stepped and "
     "interpolated.",
     "Give dpt_deform_def a load_radius of three edges or more. With 0 a finer mesh is softer: a "
     "point load has no stiffness of its own. With slow physics the force of a tool that lies goes "

@@ -4,6 +4,16 @@
 #include <math.h>
 #include <string.h>
 
+static int compile(struct hand_mesh *mesh)
+{
+    if (dpt_compile_arrays(mesh->shape.vertices, mesh->shape.vertex_count, mesh->shape.corners,
+                           mesh->shape.triangle_count, NULL, &mesh->compiled, NULL) == DPT_OK &&
+        dpt_mesh_open(mesh->compiled.bytes, mesh->compiled.size, &mesh->mesh) == DPT_OK)
+        return 1;
+    hand_mesh_close(mesh);
+    return 0;
+}
+
 int hand_mesh_open(struct hand_mesh *mesh, const char *name, uint64_t triangles, double scale)
 {
     shape_reason reason;
@@ -12,12 +22,15 @@ int hand_mesh_open(struct hand_mesh *mesh, const char *name, uint64_t triangles,
         return 0;
     for (size_t i = 0; i < 3 * mesh->shape.vertex_count; i++)
         mesh->shape.vertices[i] *= scale;
-    if (dpt_compile_arrays(mesh->shape.vertices, mesh->shape.vertex_count, mesh->shape.corners,
-                           mesh->shape.triangle_count, NULL, &mesh->compiled, NULL) == DPT_OK &&
-        dpt_mesh_open(mesh->compiled.bytes, mesh->compiled.size, &mesh->mesh) == DPT_OK)
-        return 1;
-    hand_mesh_close(mesh);
-    return 0;
+    return compile(mesh);
+}
+
+int hand_mesh_warp(struct hand_mesh *mesh, void (*warp)(double x[3]))
+{
+    dpt_compiled_free(&mesh->compiled);
+    for (size_t v = 0; v < mesh->shape.vertex_count; v++)
+        warp(mesh->shape.vertices + 3 * v);
+    return compile(mesh);
 }
 
 void hand_mesh_close(struct hand_mesh *mesh)

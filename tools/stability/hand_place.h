@@ -17,6 +17,9 @@ struct hand_mesh {
 int hand_mesh_open(struct hand_mesh *mesh, const char *name, uint64_t triangles, double scale);
 void hand_mesh_close(struct hand_mesh *mesh);
 
+/* Move each vertex of an open mesh. Returns 0 if memory runs out; it is closed then. */
+int hand_mesh_warp(struct hand_mesh *mesh, void (*warp)(double x[3]));
+
 /* A point of a surface, the way out there, and a direction across it. */
 struct hand_place {
     const struct hand_mesh *mesh;
