@@ -272,8 +272,11 @@ const struct lab_case displace_case = {
     "has to take away half of that, and a tenth of the largest jump, where edges are half as long "
     "as the radius. Where they are as long, a pin touches one triangle at a time, and there is "
     "nothing to gain.",
-    "Displace with triangles that are smaller than half of the tool's radius, or better hand loads "
-    "to a physics: the force of displaced triangles is what springs back in a tick. It jumps "
-    "wherever the pin leaves a triangle, and is larger on a finer mesh.",
+    "Displace with triangles of at most half of the tool's radius, or better hand loads to a "
+    "physics: "
+    "the force of displaced triangles is that of what springs back in a tick. It jumps wherever "
+    "the "
+    "pin leaves a triangle, and is larger on a finer mesh. With edges longer than the radius the "
+    "strip makes more noise than the nearest triangle alone.",
     run
 };
