@@ -169,9 +169,35 @@ static int cuts_itself(const struct fixture *fixture)
     return info.self_intersections > 0;
 }
 
+/* How overlaps and gaps agree with those of rigid bodies that have never been sampled before. */
+struct agreement {
+    uint64_t compared, off, gaps_off;
+    double peak, farthest;
+};
+
+static void note_sums(struct agreement *sums, double sum, double truth, double diagonal)
+{
+    const double apart = fabs(sum - truth);
+    sums->compared++;
+    sums->off += apart > 0.02 * truth + 1e-4 * diagonal * diagonal;
+    sums->peak = fmax(sums->peak, truth);
+    sums->farthest = fmax(sums->farthest, apart);
+}
+
+/* As for a rigid body (test_contact_integrals.c): 2 % of the peak, as different samples may show different surface. */
+static void check_sums(const struct agreement *sums, const char *name)
+{
+    CHECK(sums->farthest <= 0.02 * sums->peak, "%s: overlap %g off, of %g", name, sums->farthest,
+          sums->peak);
+    CHECK(sums->off <= 1 + sums->compared / 10000, "%s: %u of %u overlaps are off", name,
+          (unsigned)sums->off, (unsigned)sums->compared);
+    CHECK(sums->gaps_off == 0, "%s: %u of %u gaps are off", name, (unsigned)sums->gaps_off,
+          (unsigned)sums->compared);
+}
+
 /* The same pose in a new world with a rigid body. */
 static void compare_contact(struct deform_scene *scene, const dpt_world_def *def,
-                            const dpt_pose *pose, int has_holes, const char *name)
+                            const dpt_pose *pose, struct agreement *sums, const char *name)
 {
     struct deform_scene rigid = { .diagonal = scene->diagonal };
     dpt_hit hit = DPT_HIT_INIT, truth = DPT_HIT_INIT;
@@ -195,12 +221,8 @@ static void compare_contact(struct deform_scene *scene, const dpt_world_def *def
         return;
     }
     CHECK(hit.flags == truth.flags, "%s: flags %u, not %u", name, hit.flags, truth.flags);
-    CHECK(fabs(hit.gap - truth.gap) <= 3e-5 * scene->diagonal, "%s: gap %.9g, not %.9g", name,
-          hit.gap, truth.gap);
-    /* Through a hole an axis may go in and out between two samples: there the integrals depend on the last tick. */
-    CHECK(has_holes ||
-              fabs(sum - true_sum) <= 0.02 * true_sum + 1e-4 * scene->diagonal * scene->diagonal,
-          "%s: overlap %.9g, not %.9g", name, sum, true_sum);
+    sums->gaps_off += fabs(hit.gap - truth.gap) > 3e-5 * scene->diagonal;
+    note_sums(sums, sum, true_sum, scene->diagonal);
     free(rigid.block);
     fixture_free(&rigid.fixture);
 }
@@ -212,6 +234,7 @@ static void compare_contacts(const dpt_world_def *def, double step)
     for (int c = 0; c < 3; c++)
         for (int kind = 0; kind < DEFORM_KINDS; kind++) {
             struct deform_scene scene;
+            struct agreement sums = { 0 };
             if (kind == DEFORM_FOLD ||
                 !deform_scene_open(&scene, shapes[closed[c]], triangles[closed[c]], def, NULL))
                 continue;
@@ -225,8 +248,9 @@ static void compare_contacts(const dpt_world_def *def, double step)
                 dpt_tool_set_pose(scene.world, scene.tool, &pose);
                 dpt_world_step(scene.world, 1e-3, NULL);
                 if (tick % 3 == 2)
-                    compare_contact(&scene, def, &pose, 0, shapes[closed[c]]);
+                    compare_contact(&scene, def, &pose, &sums, shapes[closed[c]]);
             }
+            check_sums(&sums, shapes[closed[c]]);
             deform_scene_close(&scene);
         }
 }
@@ -372,11 +396,15 @@ static void organs_are_followed(void)
         follow_organ(&organs[i], folder);
 }
 
-/* The winding number of a deforming body with holes, against that of a rigid one of the same positions. */
+/*
+ * The winding number of a deforming body with holes, against that of a rigid one of the same positions. Through a hole
+ * an axis may go in and out between two samples: overlaps are not compared, and 2 of 1,000 gaps may be off (sign.md).
+ */
 static void insides_with_holes_are_known(void)
 {
     struct deform_scene scene;
     struct mesh_builder builder = { 0 };
+    struct agreement sums = { 0 };
     dpt_world_def def;
     dpt_world_def_init(&def);
     def.until = DPT_UNTIL_CONTACT;
@@ -394,8 +422,10 @@ static void insides_with_holes_are_known(void)
         const dpt_pose pose = next_pose(&scene, tick);
         dpt_tool_set_pose(scene.world, scene.tool, &pose);
         dpt_world_step(scene.world, 1e-3, NULL);
-        compare_contact(&scene, &def, &pose, 1, "a ball with a hole");
+        compare_contact(&scene, &def, &pose, &sums, "a ball with a hole");
     }
+    CHECK(sums.gaps_off <= 1 + sums.compared / 500, "%u of %u gaps are off",
+          (unsigned)sums.gaps_off, (unsigned)sums.compared);
     deform_scene_close(&scene);
     free(builder.vertices);
     free(builder.corners);
