@@ -205,6 +205,7 @@ static void count_passages(double radius, double speed, double reach, uint64_t t
         passed += (uint64_t)has_passed;
         CHECK(!(has_passed && is_free), "%g m a tick, %u: not seen", speed, (unsigned)tick);
     }
+    printf("    %g mm a tick: %u passages\n", 1e3 * speed, (unsigned)passed);
     CHECK(passed > least_seen(50), "%u passages", (unsigned)passed);
     deform_scene_close(&sheet.scene);
 }
