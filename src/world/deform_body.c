@@ -268,7 +268,7 @@ dpt_result dpt_deform_set_nodes(dpt_world *world, dpt_body id, const float *give
     struct body *body = find_deformable(world, id);
     if (!body)
         return DPT_E_HANDLE;
-    dpt_mesh_get_embedding(body->surface.mesh, &nodes, &weights, &count);
+    DPT_TRY(dpt_mesh_get_embedding(body->surface.mesh, &nodes, &weights, &count));
     if (!count)
         return DPT_E_UNSUPPORTED;
     float *next = deform_of(body)->next;
@@ -389,7 +389,7 @@ dpt_result dpt_deform_get_node_loads(const dpt_world *world, dpt_body id, dpt_lo
     const struct body *body = find_deformable(world, id);
     if (!body)
         return DPT_E_HANDLE;
-    dpt_mesh_get_embedding(body->surface.mesh, &nodes, &weights, &node_count);
+    DPT_TRY(dpt_mesh_get_embedding(body->surface.mesh, &nodes, &weights, &node_count));
     if (!node_count)
         return DPT_E_UNSUPPORTED;
     const dpt_result result = dpt_deform_get_loads(world, id, loads, capacity / 4, &vertex_loads);
