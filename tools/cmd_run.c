@@ -16,10 +16,10 @@
 #include "stop.h"
 
 static const char help[] =
-    "usage: dynpoint run MESH.dpa|ARM.dpa --device NAME [options]\n"
+    "usage: dynpoint run SCENE|MESH.dpa|ARM.dpa --device NAME [options]\n"
     "\n"
-    "Feel a mesh, or the scene of an arm, with a haptic device: DRIVER or DRIVER:WHERE, as sim or\n"
-    "serial:/dev/ttyACM0. The tool is a stylus, a capsule from the device's point along its z "
+    "Feel a scene by name (membrane, cloth, laparoscopy, liver, tori), a mesh, or the scene of an\n"
+    "arm, with a haptic device: DRIVER or DRIVER:WHERE, as sim or serial:/dev/ttyACM0. The tool is a stylus, a capsule from the device's point along its z "
     "axis, or\n"
     "that of an arm. Ends on an interrupt, after --for or --ticks, or when the device is lost; "
     "always\n"

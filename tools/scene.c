@@ -51,14 +51,6 @@ static int parse_position(const char *text, double out[3])
     return 1;
 }
 
-static void point_above(const dpt_mesh *mesh, double height, double position[3])
-{
-    dpt_mesh_info info = { .size = sizeof info };
-    dpt_mesh_get_info(mesh, &info);
-    for (int k = 0; k < 3; k++)
-        position[k] = k == 1 ? info.box_max[1] + height : 0.5 * (info.box_min[k] + info.box_max[k]);
-}
-
 /* The tool's position, in the root's frame, with every joint in the middle of its limits. */
 static dpt_result middle_position(const dpt_arm *arm, double position[3])
 {
@@ -82,30 +74,12 @@ static uint32_t copy_tool_segments(const dpt_arm *arm, dpt_segment *segments)
     return count;
 }
 
-static dpt_result add_body(struct scene *scene, const dpt_mesh *mesh, const dpt_pose *pose)
-{
-    dpt_body body;
-    const dpt_result result = dpt_body_add(scene->world, mesh, pose, &body);
-    return result == DPT_OK ? force_options_set_body(&scene->force, scene->world, body) : result;
-}
-
-static dpt_result add_bodies(struct scene *scene)
-{
-    dpt_arm_body from = { .size = sizeof from };
-    if (scene->mesh)
-        return add_body(scene, scene->mesh, NULL);
-    dpt_result result = DPT_OK;
-    for (uint32_t i = 0; result == DPT_OK && dpt_arm_get_body(scene->arm, i, &from) == DPT_OK; i++)
-        result = add_body(scene, from.mesh, &from.pose);
-    return result;
-}
-
 int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget)
 {
     dpt_world_def world;
     scene->device = *device;
     dpt_world_def_init(&world);
-    world.max_bodies = scene->mesh ? 1 : DPT_ARM_BODIES_MAX;
+    world.max_bodies = scene->bodies.count;
     world.max_tools = 1;
     world.max_segments = scene->segment_count;
     world.budget = budget;
@@ -115,7 +89,7 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     dpt_result result =
         dpt_world_create(scene->block, dpt_world_bytes(&world), &world, &scene->world);
     if (result == DPT_OK)
-        result = add_bodies(scene);
+        result = scene_bodies_add(&scene->bodies, scene->world, &scene->force);
     if (result == DPT_OK)
         result = dpt_tool_add(scene->world, scene->segments, scene->segment_count, &scene->tool);
     if (result == DPT_OK)
@@ -130,6 +104,20 @@ static struct file_identity identity_of(const void *bytes, size_t size)
     struct crc32 crc;
     crc32_init(&crc);
     return (struct file_identity){ size, crc32_of(&crc, bytes, size) };
+}
+
+/* Of the compiled bytes of all bodies. */
+static struct file_identity identity_of_bodies(const struct scene_bodies *bodies)
+{
+    struct file_identity identity = { 0, 0 };
+    struct crc32 crc;
+    crc32_init(&crc);
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        const dpt_compiled *compiled = &bodies->body[i].compiled;
+        identity.crc32 = crc32_more(&crc, identity.crc32, compiled->bytes, compiled->size);
+        identity.bytes += compiled->size;
+    }
+    return identity;
 }
 
 /* Load the tool's segments, in its own frame. Returns their number, or 0 after a message. */
@@ -159,11 +147,49 @@ static uint32_t load_tool(struct scene *scene, const struct scene_def *def, dpt_
     return 1;
 }
 
+/* The bodies, of a name or of a file. Returns 0, or 2 after a message. */
+static int open_bodies(struct scene *scene, const char *path)
+{
+    const struct listed_scene *listed = scene_listed(path);
+    size_t size = 0;
+    if (listed) {
+        const int status = scene_bodies_of_list(&scene->bodies, scene->command, listed);
+        scene->file = identity_of_bodies(&scene->bodies);
+        return status;
+    }
+    scene->bytes = load_file(scene->command, path, &size);
+    if (!scene->bytes)
+        return 2;
+    scene->file = identity_of(scene->bytes, size);
+    if (is_arm(scene->bytes, size)) {
+        scene->arm = open_arm(scene->command, path, scene->bytes, size);
+        if (scene->arm)
+            scene_bodies_of_arm(&scene->bodies, scene->arm);
+        return scene->arm ? 0 : 2;
+    }
+    const dpt_mesh *mesh = open_mesh(scene->command, path, scene->bytes, size);
+    if (mesh)
+        scene_bodies_of_mesh(&scene->bodies, mesh);
+    return mesh ? 0 : 2;
+}
+
+/* Where the device's origin is: above the bodies, or where an arm's tool is in the middle of its limits. */
+static int place_device(struct scene *scene, const struct scene_def *def)
+{
+    if (!scene->arm) {
+        scene_bodies_top(&scene->bodies, scene->origin);
+        scene->origin[1] += def->radius + 0.005;
+    } else if (middle_position(scene->arm, scene->origin) != DPT_OK) {
+        return complain(scene->command, "%s: the arm's joints have no middle", def->path);
+    }
+    if (def->origin && !parse_position(def->origin, scene->origin))
+        return complain(scene->command, "--at takes three numbers, X,Y,Z");
+    return 0;
+}
+
 int scene_open(struct scene *scene, const struct scene_def *def)
 {
     static const double identity[4] = { 1.0, 0.0, 0.0, 0.0 };
-    dpt_arm_info info = { .size = sizeof info };
-    size_t size = 0;
     memset(scene, 0, sizeof *scene);
     scene->command = def->command;
     scene->zoom = def->zoom;
@@ -172,28 +198,16 @@ int scene_open(struct scene *scene, const struct scene_def *def)
     memcpy(scene->turned, identity, sizeof scene->turned);
     scene->length = def->length;
     scene->force = def->force;
-    scene->bytes = load_file(scene->command, def->path, &size);
-    if (!scene->bytes)
+    if (open_bodies(scene, def->path))
         return 2;
-    scene->file = identity_of(scene->bytes, size);
-    if (is_arm(scene->bytes, size))
-        scene->arm = open_arm(scene->command, def->path, scene->bytes, size);
-    else
-        scene->mesh = open_mesh(scene->command, def->path, scene->bytes, size);
-    if (!scene->mesh && !scene->arm)
-        return 2;
-    memcpy(scene->device_to_scene, scene->mesh ? identity : device_to_root,
+    memcpy(scene->device_to_scene, scene->arm ? device_to_root : identity,
            sizeof scene->device_to_scene);
-    if (scene->mesh)
-        point_above(scene->mesh, def->radius + 0.005, scene->origin);
-    else if (dpt_arm_get_info(scene->arm, &info) != DPT_OK || info.bodies == 0)
+    if (!scene->bodies.count)
         return complain(scene->command,
                         "%s: an arm whose scene has no body: name a mesh, and this one as --tool",
                         def->path);
-    else if (middle_position(scene->arm, scene->origin) != DPT_OK)
-        return complain(scene->command, "%s: the arm's joints have no middle", def->path);
-    if (def->origin && !parse_position(def->origin, scene->origin))
-        return complain(scene->command, "--at takes three numbers, X,Y,Z");
+    if (place_device(scene, def))
+        return 2;
     scene->segment_count = load_tool(scene, def, scene->segments);
     return scene->segment_count ? 0 : 2;
 }
@@ -201,6 +215,7 @@ int scene_open(struct scene *scene, const struct scene_def *def)
 void scene_close(struct scene *scene)
 {
     free(scene->block);
+    scene_bodies_close(&scene->bodies);
     free(scene->bytes);
     free(scene->tool_bytes);
 }

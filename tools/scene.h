@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a hand feels: a mesh, or the bodies of an arm's scene; and with what: a stylus, or an arm's tool. The scene's
- * frame is the mesh's frame, or that of the arm's root.
+ * What a hand feels: a mesh, the bodies of a scene by name, or those of an arm's scene; and with what: a stylus, or an
+ * arm's tool. The scene's frame is the mesh's frame, or that of the arm's root.
  */
 #ifndef DPT_TOOLS_SCENE_H
 #define DPT_TOOLS_SCENE_H
@@ -9,14 +9,15 @@
 #include "dynpoint.h"
 #include "dynpoint/device.h"
 #include "force_options.h"
+#include "scene_bodies.h"
 #include "scene_passivity.h"
 
 struct scene_def {
     const char *command; /* whose messages they are: "run" */
-    const char *path;    /* of a compiled mesh or arm */
+    const char *path;    /* of a compiled mesh or arm, or a name of scene_list.h */
     /* Path of a compiled arm whose tool is used. NULL: the scene's own tool, or the stylus if the scene is a mesh. */
     const char *tool;
-    /* Where the device's origin is in the scene's frame, "X,Y,Z" in m. NULL: above a mesh, or at the arm's middle. */
+    /* Where the device's origin is in the scene's frame, "X,Y,Z" in m. NULL: above the bodies, or at the arm's middle. */
     const char *origin;
     double zoom;        /* metres of the scene for one metre of the hand */
     double force_scale; /* newtons at the hand for one of the scene */
@@ -38,8 +39,8 @@ struct scene {
         tool_file; /* of the scene; of the tool's arm, zeros if none was named */
     dpt_world *world;
     dpt_tool tool;
-    const dpt_arm *arm;                         /* the arm of the scene; NULL: it is a mesh */
-    const dpt_mesh *mesh;                       /* the mesh of the scene; NULL: it is an arm */
+    const dpt_arm *arm; /* the arm of the scene; NULL: there is none */
+    struct scene_bodies bodies;
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
     uint32_t segment_count;
     struct force_options force;
