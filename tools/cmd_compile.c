@@ -15,11 +15,12 @@
 #include "dynpoint/compile.h"
 #include "mesh_file.h"
 #include "mesh_size.h"
+#include "spring_options.h"
 
 static const char help[] =
     "usage: dynpoint compile IN -o OUT.dpa [--unit UNIT | --scale X] [--crease DEGREES]\n"
-    "                        [--c-array NAME] [-j N] [--nodes BASE] [--tool LINK] "
-    "[--packages DIRS]\n"
+    "                        [--c-array NAME] [-j N] [--nodes BASE] [--springs KIND ...]\n"
+    "                        [--tool LINK] [--packages DIRS]\n"
     "\n"
     "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from "
     "flash.\n"
@@ -47,6 +48,18 @@ static const char help[] =
     "  --nodes BASE    embed the vertices in the tetrahedra of TetGen's BASE.node and BASE.ele, in "
     "the\n"
     "                  mesh's unit: physics that moves the nodes moves the mesh\n"
+    "  --springs KIND  make masses and springs: sheet (in the surface) or volume (a lattice in the "
+    "closed\n"
+    "                  parts). Lengths in m, of the compiled mesh:\n"
+    "                  --young PA (5000), --density KG/M3 (1000), --drag 1/S (0), --viscosity S "
+    "(0);\n"
+    "                  of a sheet --thickness M (0.001), --bending PA (none); of a volume "
+    "--spacing "
+    "M\n"
+    "  --regions FILE  other materials, and what is fixed: lines `box X0 Y0 Z0 X1 Y1 Z1 E DENSITY "
+    "DRAG`,\n"
+    "                  `sphere X Y Z R E DENSITY DRAG`, or `fixed` in place of the last three\n"
+    "  --fixed FILE    numbers of vertices of the source, from 0, that do not move\n"
     "  --tool LINK     of a URDF: the link that is the tool; default: the only one without "
     "children\n"
     "  --packages DIRS of a URDF: folders that hold the packages of package://, ':' between them; "
@@ -142,6 +155,17 @@ static void report_embedding(FILE *file, const dpt_mesh_info *info)
         fputs("all vertices are within cells\n", file);
 }
 
+static void report_springs(FILE *file, const dpt_mesh_info *info)
+{
+    if (!info->spring_nodes)
+        return;
+    fprintf(file,
+            "  %" PRIu32 " springs between %" PRIu32 " nodes, %" PRIu32 " of them fixed: %.4g kg, "
+            "Poisson's ratio %.2f, stable up to %.3g s\n",
+            info->springs, info->spring_nodes, info->fixed_nodes, info->spring_mass, info->poisson,
+            info->stable_step);
+}
+
 static dpt_mesh_info info_of(const dpt_compiled *compiled)
 {
     const dpt_mesh *mesh;
@@ -189,6 +213,7 @@ static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *ou
     else if (info.self_intersections_more)
         fputs("  self-intersections: none found, but the search stopped before its end\n", file);
     report_embedding(file, &info);
+    report_springs(file, &info);
 }
 
 static void note_size(const dpt_compiled *compiled, const char *in)
@@ -219,8 +244,8 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
     size_t size;
     int status;
     *is_arm = is_urdf_name(in);
-    if (*is_arm && def->cell_count)
-        return complain("compile", "%s: --nodes is for a mesh", in);
+    if (*is_arm && (def->cell_count || def->springs))
+        return complain("compile", "%s: --nodes and --springs are for a mesh", in);
     if (*is_arm)
         return compile_urdf(in, def, tool, packages, compiled);
     void *bytes = load_file("compile", in, &size);
@@ -232,8 +257,8 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
                           "%s: a URDF is read from a file, not from a pipe: what it names is "
                           "looked for beside it",
                           in);
-    else if (*is_arm && def->cell_count)
-        status = complain("compile", "%s: --nodes is for a mesh", in);
+    else if (*is_arm && (def->cell_count || def->springs))
+        status = complain("compile", "%s: --nodes and --springs are for a mesh", in);
     else if (*is_arm)
         status = compile_urdf(in, def, tool, packages, compiled);
     else if (tool || packages)
@@ -244,14 +269,17 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
     return status;
 }
 
-/* The same with the cells of `nodes`, NULL for none. */
-static int compile_with_cells(const char *in, const char *out, const char *nodes,
-                              dpt_compile_def *def, const char *tool, const char *packages,
-                              dpt_compiled *compiled, int *is_arm)
+/* The same with the cells of `nodes`, NULL for none, or with springs. */
+static int compile_with_nodes(const char *in, const char *out, const char *nodes,
+                              struct spring_options *springs, dpt_compile_def *def,
+                              const char *tool, const char *packages, dpt_compiled *compiled,
+                              int *is_arm)
 {
     struct cell_files cells = { .node_path = NULL };
-    int status = 0;
-    if (nodes)
+    int status = spring_options_take(springs, "compile", out, def);
+    if (nodes && def->springs)
+        status = complain("compile", "--nodes and --springs exclude each other");
+    if (nodes && status == 0)
         status = cell_files_name(&cells, "compile", nodes);
     if (nodes && status == 0)
         status = output_check("compile", out,
@@ -261,6 +289,7 @@ static int compile_with_cells(const char *in, const char *out, const char *nodes
     if (status == 0)
         status = compile_input(in, def, tool, packages, compiled, is_arm);
     cell_files_free(&cells);
+    spring_options_free(springs);
     return status;
 }
 
@@ -271,6 +300,8 @@ int command_compile(int argc, char **argv)
     double scale = NAN, crease = 60.0;
     uint64_t threads = 1;
     size_t operands;
+    struct spring_options springs;
+    spring_options_init(&springs);
     const struct option_def options[] = { { .name = "-o", .text = &out },
                                           { .name = "-j", .count = &threads },
                                           { .name = "--unit", .text = &unit },
@@ -278,6 +309,16 @@ int command_compile(int argc, char **argv)
                                           { .name = "--crease", .number = &crease },
                                           { .name = "--c-array", .text = &array },
                                           { .name = "--nodes", .text = &nodes },
+                                          { .name = "--springs", .text = &springs.kind },
+                                          { .name = "--young", .number = &springs.young },
+                                          { .name = "--density", .number = &springs.density },
+                                          { .name = "--drag", .number = &springs.drag },
+                                          { .name = "--viscosity", .number = &springs.viscosity },
+                                          { .name = "--thickness", .number = &springs.thickness },
+                                          { .name = "--bending", .number = &springs.bending },
+                                          { .name = "--spacing", .number = &springs.spacing },
+                                          { .name = "--regions", .text = &springs.regions_path },
+                                          { .name = "--fixed", .text = &springs.fixed_path },
                                           { .name = "--tool", .text = &tool },
                                           { .name = "--packages", .text = &packages } };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, &in, 1,
@@ -318,7 +359,7 @@ int command_compile(int argc, char **argv)
     dpt_compiled compiled;
     struct output output;
     int arm;
-    status = compile_with_cells(in, out, nodes, &def, tool, packages, &compiled, &arm);
+    status = compile_with_nodes(in, out, nodes, &springs, &def, tool, packages, &compiled, &arm);
     meter_show(&meter, "", 1.0);
     if (status != 0)
         return status;

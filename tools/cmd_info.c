@@ -47,6 +47,11 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
            info->source_vertices, info->source_bytes, info->source_hash);
     printf("\"nodes\":%" PRIu32 ",\"outside_vertices\":%" PRIu32 ",\"outside_distance\":%.17g,",
            info->nodes, info->outside_vertices, info->outside_distance);
+    printf("\"spring_nodes\":%" PRIu32 ",\"springs\":%" PRIu32 ",\"spring_entries\":%" PRIu32
+           ",\"fixed_nodes\":%" PRIu32 ",\"viscosity\":%.17g,\"spring_mass\":%.17g,"
+           "\"poisson\":%.17g,\"stable_step\":%.17g,",
+           info->spring_nodes, info->springs, info->spring_entries, info->fixed_nodes,
+           info->viscosity, info->spring_mass, info->poisson, info->stable_step);
     printf("\"box\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]],", info->box_min[0], info->box_min[1],
            info->box_min[2], info->box_max[0], info->box_max[1], info->box_max[2]);
     printf("\"crease_edges\":%" PRIu32 ",\"normalless_vertices\":%" PRIu32 ",\"crease\":%.17g,",
@@ -117,6 +122,14 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
         printf("  %-24s %10" PRIu32 "\n", "nodes, embedded in", info->nodes);
         printf("  %-24s %10" PRIu32 ", at most %.3g m\n", "  vertices outside",
                info->outside_vertices, info->outside_distance);
+    }
+    if (info->spring_nodes) {
+        printf("  %-24s %10" PRIu32 " between %" PRIu32 " nodes, %" PRIu32 " of them fixed\n",
+               "springs", info->springs, info->spring_nodes, info->fixed_nodes);
+        printf("  %-24s %10.6g kg, Poisson's ratio %.4g, viscosity %.4g s\n", "  mass",
+               info->spring_mass, info->poisson, info->viscosity);
+        printf("  %-24s %10.6g s: of symplectic Euler without damping\n", "  stable step",
+               info->stable_step);
     }
     if (info->source_bytes)
         printf("  %-24s %10" PRIu64 " bytes, hash %016" PRIx64 "\n", "source", info->source_bytes,

@@ -47,6 +47,62 @@ typedef struct dpt_diag {
  */
 typedef int dpt_progress_fn(void *user, const char *step, double done);
 
+enum {
+    DPT_SPRINGS_SHEET = 1, /* nodes are the vertices, springs lie in the surface */
+    DPT_SPRINGS_VOLUME =
+        2 /* a cubic lattice fills the closed parts; the vertices are embedded in it */
+};
+enum { DPT_REGION_BOX = 1, DPT_REGION_SPHERE = 2 };
+
+/* Where the body is of another material, or fixed. Lengths in m, in the compiled mesh's frame. Its size is final. */
+typedef struct dpt_spring_region {
+    uint32_t kind; /* DPT_REGION_... */
+    uint32_t
+        fixed; /* 1: nodes in it do not move, and young, density and drag are not read; else 0 */
+    double box[6]; /* a box: lowest x, y, z, highest x, y, z. A sphere: x, y, z, its radius, 0, 0 */
+    double young;  /* Pa */
+    double density; /* kg/m^3 */
+    double drag;    /* 1/s */
+} dpt_spring_region;
+
+/*
+ * Masses and springs (docs/algorithms/springs.md). Set the size and the kind. Of the numbers, 0 means the default.
+ * Lengths are in m, in the compiled mesh's frame: after scaling.
+ *
+ * Springs of a sheet: every edge; the other diagonal across an edge that is the longest of both its triangles (shear);
+ * with `bending`, also between the corners opposite any other edge of two triangles. A triangle of area A gives each of
+ * its springs young * thickness * A / length^2, and 3/4 of that if it has four of them. Springs of a volume: the edges
+ * and face diagonals of the lattice's cells, each cell counted by the share of it that is inside, at least 1/16.
+ * Poisson's ratio is 1/3 in a sheet and 1/4 in a volume. No other can be had from springs.
+ *
+ * Where regions overlap, the last one counts. A triangle or cell has the material at its centroid, a node the drag at
+ * its own place. In a volume, a vertex is fixed by fixing the nodes that it follows.
+ */
+typedef struct dpt_spring_def {
+    uint32_t size;  /* sizeof(dpt_spring_def) */
+    uint32_t kind;  /* DPT_SPRINGS_... */
+    double young;   /* Young's modulus, Pa, at most 1e12; default 5000 */
+    double density; /* kg/m^3, at most 1e9; default 1000 */
+    double drag;    /* 1/s, at most 1e9: damps motion against the body's frame; default none */
+    double
+        viscosity; /* s, at most 1e9: a spring's damping is that times its stiffness; default none */
+    double thickness; /* of a sheet, at most 1e6; default 0.001 */
+    double bending;   /* of a sheet: Young's modulus of the bending springs, Pa; default none */
+    double spacing;   /* of the lattice; default: the box of the closed parts holds 20,000 cells */
+    const dpt_spring_region *regions; /* region_count of them */
+    const uint32_t *fixed;            /* fixed_count vertices, by their number in the source */
+    uint32_t region_count;
+    uint32_t fixed_count;
+} dpt_spring_def;
+
+/* Fill in the defaults of the first `size` bytes; the kind stays 0. Call dpt_spring_def_init. */
+DPT_API void dpt_spring_def_defaults(dpt_spring_def *def, size_t size);
+
+static inline void dpt_spring_def_init(dpt_spring_def *def)
+{
+    dpt_spring_def_defaults(def, sizeof *def);
+}
+
 /* Settings. Apart from the size, 0 means the default. dpt_compile_def_init fills in the defaults as numbers. */
 typedef struct dpt_compile_def {
     uint32_t size;             /* sizeof(dpt_compile_def) */
@@ -82,6 +138,17 @@ typedef struct dpt_compile_def {
     const uint32_t *cells;
     uint32_t node_count;
     uint32_t cell_count;
+
+    /*
+     * Make masses and springs, for physics of the library's own; NULL: none. It excludes cells.
+     *
+     * DPT_E_ARGUMENT for numbers outside of their ranges, for a region that holds nothing of the body, for a fixed
+     * vertex that no triangle uses, for a volume without a closed part, and if all nodes are fixed. DPT_E_INDEX for a
+     * vertex that is not there. DPT_E_LIMIT for more than 2^22 cells in the box of the closed parts, and for a vertex
+     * with more than 1024 springs. DPT_E_FINITE for masses, stiffnesses and lengths outside of 1e-15..1e15. The diag's
+     * text names the region, from 1, or the vertex of the source, from 0.
+     */
+    const dpt_spring_def *springs;
 } dpt_compile_def;
 
 /* Fill in the defaults of the first `size` bytes. Call dpt_compile_def_init, which passes your sizeof. */

@@ -92,6 +92,15 @@ typedef struct dpt_mesh_info {
     uint32_t nodes;            /* of the mesh that the vertices are embedded in; 0: there is none */
     uint32_t outside_vertices; /* vertices outside of all its cells */
     double outside_distance;   /* largest distance of a vertex from all its cells, m */
+    /* Since format 6. 0 for an older file, and without springs. */
+    uint32_t spring_nodes;   /* nodes of the net: the vertices, or the nodes of the embedding */
+    uint32_t springs;        /* each counted once */
+    uint32_t spring_entries; /* dpt_mesh_springs.first[slices]: what a step reads, 192 bytes each */
+    uint32_t fixed_nodes;    /* nodes that do not move */
+    double viscosity;        /* s: the damping of a spring is that times its stiffness */
+    double spring_mass;      /* of the body, kg: fixed nodes counted as if they were free */
+    double poisson;          /* Poisson's ratio of the net: 1/3 of a sheet, 1/4 of a volume */
+    double stable_step; /* largest stable step of symplectic Euler without damping, s; a bound */
 } dpt_mesh_info;
 
 /*
@@ -163,6 +172,33 @@ DPT_API dpt_result dpt_mesh_get_vertex_sources(const dpt_mesh *mesh, const uint3
  */
 DPT_API dpt_result dpt_mesh_get_embedding(const dpt_mesh *mesh, const uint32_t **nodes,
                                           const float **weights, uint32_t *node_count);
+
+/* Masses and springs of a mesh that was compiled with dpt_compile_def.springs. The arrays lie in the mesh's bytes. */
+typedef struct dpt_mesh_springs {
+    uint32_t size;              /* sizeof(dpt_mesh_springs) */
+    uint32_t nodes;             /* 0: the mesh has no springs, and all pointers are NULL */
+    uint32_t slices;            /* of 16 nodes: (nodes + 15) / 16 */
+    uint32_t springs;           /* each counted once */
+    double viscosity;           /* s: the damping of a spring, N s/m, is that times its stiffness */
+    const float *rest;          /* 3 a node: x, y, z at rest, in the mesh's frame, m */
+    const float *mass;          /* 1 a node, kg; 0: the node is fixed */
+    const float *drag;          /* 1 a node, 1/s: a force of -drag * mass * velocity */
+    const uint32_t *first;      /* 1 a slice and one more: its first entry */
+    const uint32_t *neighbours; /* 16 an entry: the other ends of 16 springs */
+    const float *stiffness;     /* 16 an entry, N/m */
+    const float *length;        /* 16 an entry: of the springs at rest, m */
+} dpt_mesh_springs;
+
+/*
+ * Get the masses and springs. Set the size field first.
+ *
+ * Nodes are the vertices, if dpt_mesh_get_embedding has no nodes; else those that the vertices are embedded in. Entries
+ * first[s] .. first[s + 1] - 1 belong to slice s. Word 16 e + k of an entry e is for node 16 s + k: a spring between
+ * that node and neighbours[16 e + k]. Each spring stands in the rows of both its nodes. The neighbours of a node ascend
+ * with e. A node that has no spring in an entry, and a lane beyond the last node, has itself as neighbour there, with
+ * stiffness 0 and length 1. DPT_E_ARGUMENT for NULL, DPT_E_SIZE for a size below today's.
+ */
+DPT_API dpt_result dpt_mesh_get_springs(const dpt_mesh *mesh, dpt_mesh_springs *springs);
 
 /*
  * Get the normals at the three corners of a triangle, by its source number. The normal at a vertex is the

@@ -40,6 +40,13 @@ void model_free(struct model *model)
     free(model->flags);
     free(model->embedding_nodes);
     free(model->embedding_weights);
+    free(model->spring_rest);
+    free(model->spring_mass);
+    free(model->spring_drag);
+    free(model->spring_first);
+    free(model->spring_ends);
+    free(model->spring_stiffness);
+    free(model->spring_length);
     memset(model, 0, sizeof *model);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The compiler from end to end: read, clean, order, adjacency, intersections, solid, normals, embed, write. */
+/* The compiler from end to end: read, clean, order, adjacency, intersections, solid, normals, embed, springs, write. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,6 +10,7 @@
 #include "base/vec3.h"
 #include "compile/model.h"
 #include "compile/parallel.h"
+#include "compile/springs.h"
 
 static const source_location nowhere = { 0, 0 };
 
@@ -61,6 +62,10 @@ static dpt_result build(soup *source, uint64_t source_size, uint64_t source_hash
         result = soup_report_progress(source, "embed", 0.0);
     if (result == DPT_OK)
         result = model_embed(&model, source);
+    if (result == DPT_OK && source->def && source->def->springs)
+        result = soup_report_progress(source, "springs", 0.0);
+    if (result == DPT_OK)
+        result = model_springs(&model, source);
     if (result == DPT_OK)
         result = soup_report_progress(source, "write", 0.0);
     if (result == DPT_OK)
@@ -81,8 +86,27 @@ void dpt_compile_def_defaults(dpt_compile_def *def, size_t size)
 struct compile_call {
     soup source;
     dpt_compile_def def;
+    dpt_spring_def springs;
     dpt_diag diag;
 };
+
+/* Copy the def of the springs. */
+static dpt_result take_springs(struct compile_call *call)
+{
+    soup *source = &call->source;
+    const dpt_spring_def *given = call->def.springs;
+    call->springs.size = sizeof call->springs;
+    call->def.springs = &call->springs;
+    dpt_result result =
+        sized_read(given, sizeof call->springs, &call->springs, sizeof call->springs);
+    if (result == DPT_E_UNSUPPORTED)
+        return soup_fail(source, result, nowhere, "the def of the springs has newer fields");
+    if (result != DPT_OK)
+        return soup_fail(source, result, nowhere, "the size of the springs' def is not set");
+    if (call->def.cell_count)
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "springs and cells exclude each other");
+    return springs_check(source, &call->springs);
+}
 
 /* Check the arguments and fill in `call`. end_call must follow, whatever is returned. */
 static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *given,
@@ -117,7 +141,7 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "nodes without cells, or cells without");
     if (def->cell_count && (!def->nodes || !def->cells))
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no nodes or no cells");
-    return DPT_OK;
+    return def->springs ? take_springs(call) : DPT_OK;
 }
 
 /* Free the soup and write the caller's diag. Returns `result`. */

@@ -12,7 +12,6 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
-#include "compile/model.h"
 #include "compile/parallel.h"
 #include "mesh/mesh_format.h"
 #include "nearest/segment_triangle.h"
@@ -436,23 +435,42 @@ static dpt_result count_outside(struct model *model, soup *source, const double 
     return DPT_OK;
 }
 
-static dpt_result embed(struct model *model, soup *source, struct cell_tree *tree, double *nodes,
-                        double *distance2)
+static dpt_result embed(struct model *model, soup *source, const struct embed_cells *given,
+                        struct cell_tree *tree, double *nodes, double *distance2)
 {
-    const dpt_compile_def *def = source->def;
     double extent = 0.0;
-    for (size_t i = 0; i < 3 * (size_t)def->node_count; i++) {
-        nodes[i] = source->scale * def->nodes[i];
+    for (size_t i = 0; i < 3 * (size_t)given->node_count; i++) {
+        nodes[i] = given->scale * given->nodes[i];
         extent = max_of(extent, fabs(nodes[i]));
     }
     for (size_t i = 0; i < 3 * (size_t)model->vertex_count; i++)
         extent = max_of(extent, fabs((double)model->positions[i]));
     tree->rounding = 0x1p-46 * extent; /* more than pair_snap_to_zero takes away, too */
-    DPT_TRY(build_tree(tree, source, def->cell_count));
+    DPT_TRY(build_tree(tree, source, given->cell_count));
     const struct embedding embedding = { tree, model, distance2 };
     parallel_for(source->threads, model->vertex_count, EMBED_MIN, embed_vertices,
                  (void *)&embedding);
     return count_outside(model, source, distance2);
+}
+
+dpt_result embed_in(struct model *model, soup *source, const struct embed_cells *cells)
+{
+    double *nodes = model_alloc(source, cells->node_count, 3 * sizeof *nodes);
+    double *distance2 = model_alloc(source, model->vertex_count, sizeof *distance2);
+    struct cell_tree tree = { .nodes = nodes, .cells = cells->cells };
+    model->embedding_nodes =
+        model_alloc(source, model->vertex_count, 4 * sizeof *model->embedding_nodes);
+    model->embedding_weights =
+        model_alloc(source, model->vertex_count, 4 * sizeof *model->embedding_weights);
+    dpt_result result = DPT_E_MEMORY;
+    if (nodes && distance2 && model->embedding_nodes && model->embedding_weights)
+        result = embed(model, source, cells, &tree, nodes, distance2);
+    model->node_count = cells->node_count;
+    free(nodes);
+    free(distance2);
+    free(tree.order);
+    free(tree.boxes);
+    return result;
 }
 
 dpt_result model_embed(struct model *model, soup *source)
@@ -461,20 +479,7 @@ dpt_result model_embed(struct model *model, soup *source)
     if (!def || !def->cell_count)
         return DPT_OK;
     DPT_TRY(check_cells(source));
-    double *nodes = model_alloc(source, def->node_count, 3 * sizeof *nodes);
-    double *distance2 = model_alloc(source, model->vertex_count, sizeof *distance2);
-    struct cell_tree tree = { .nodes = nodes, .cells = def->cells };
-    model->embedding_nodes =
-        model_alloc(source, model->vertex_count, 4 * sizeof *model->embedding_nodes);
-    model->embedding_weights =
-        model_alloc(source, model->vertex_count, 4 * sizeof *model->embedding_weights);
-    dpt_result result = DPT_E_MEMORY;
-    if (nodes && distance2 && model->embedding_nodes && model->embedding_weights)
-        result = embed(model, source, &tree, nodes, distance2);
-    model->node_count = def->node_count;
-    free(nodes);
-    free(distance2);
-    free(tree.order);
-    free(tree.boxes);
-    return result;
+    const struct embed_cells cells = { def->nodes, def->cells, def->node_count, def->cell_count,
+                                       source->scale };
+    return embed_in(model, source, &cells);
 }

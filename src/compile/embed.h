@@ -3,7 +3,18 @@
 #ifndef DPT_COMPILE_EMBED_H
 #define DPT_COMPILE_EMBED_H
 
-#include "compile/soup.h"
+#include "compile/model.h"
+
+/* Nodes and cells to embed in. */
+struct embed_cells {
+    const double *nodes;   /* 3 each */
+    const uint32_t *cells; /* 4 nodes each */
+    uint32_t node_count, cell_count;
+    double scale; /* of the nodes, to m */
+};
+
+/* Embed the vertices of the model. The cells must have been checked. Fills in the model's embedding. */
+dpt_result embed_in(struct model *model, soup *source, const struct embed_cells *cells);
 
 /*
  * Check node `number` at x, y, z, in units of the source: finite, and not too far off after scaling. Returns DPT_OK, or

@@ -74,12 +74,29 @@ struct model {
     uint32_t crease_edges;
     uint32_t normalless_vertices;
 
-    /* model_embed; NULL and 0 where there are no cells */
+    /* model_embed, or model_springs of a volume; NULL and 0 where there are no cells */
     uint32_t *embedding_nodes; /* 4 per vertex */
     float *embedding_weights;  /* 4 per vertex */
     uint32_t node_count;
     uint32_t outside_vertices;
     double outside_distance; /* m */
+
+    /* model_springs: what the file holds (spring_net.h); NULL and 0 where there are none */
+    float *spring_rest; /* NULL: the nodes are the vertices */
+    float *spring_mass;
+    float *spring_drag;
+    uint32_t *spring_first;
+    uint32_t *spring_ends;
+    float *spring_stiffness;
+    float *spring_length;
+    uint32_t spring_nodes;
+    uint32_t spring_count;
+    uint32_t spring_entries;
+    uint32_t fixed_nodes;
+    double viscosity;
+    double mass; /* kg */
+    double poisson;
+    double stable_step; /* s */
 };
 
 void model_free(struct model *model);
@@ -107,6 +124,9 @@ dpt_result model_normals(struct model *model, soup *source, double crease);
 
 /* Embed the vertices in the cells of the def, if it has some. Needs the vertices alone. */
 dpt_result model_embed(struct model *model, soup *source);
+
+/* Make the masses and springs of the def, if it has some. Needs vertices, neighbours and parts. */
+dpt_result model_springs(struct model *model, soup *source);
 
 /* Write the bytes of the file. source_size and source_hash are those of dpt_mesh_info. */
 dpt_result model_write(const struct model *model, soup *source, uint64_t source_size,

@@ -99,7 +99,15 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
                                      .self_intersections_more = model->self_intersections_more,
                                      .nodes = model->node_count,
                                      .outside_vertices = model->outside_vertices,
-                                     .outside_distance = model->outside_distance };
+                                     .outside_distance = model->outside_distance,
+                                     .spring_nodes = model->spring_nodes,
+                                     .springs = model->spring_count,
+                                     .spring_entries = model->spring_entries,
+                                     .fixed_nodes = model->fixed_nodes,
+                                     .viscosity = model->viscosity,
+                                     .spring_mass = model->mass,
+                                     .poisson = model->poisson,
+                                     .stable_step = model->stable_step };
     memcpy(mesh->tail.self_intersection, model->self_intersection, sizeof model->self_intersection);
     mesh->scale = source->scale;
     mesh->rounding = source->rounding;
@@ -249,6 +257,13 @@ static const void *content_of(const struct model *model, int id)
         [MESH_VERTEX_SOURCES] = model->vertex_sources,
         [MESH_EMBED_NODES] = model->embedding_nodes,
         [MESH_EMBED_WEIGHTS] = model->embedding_weights,
+        [MESH_SPRING_REST] = model->spring_rest,
+        [MESH_SPRING_MASS] = model->spring_mass,
+        [MESH_SPRING_DRAG] = model->spring_drag,
+        [MESH_SPRING_FIRST] = model->spring_first,
+        [MESH_SPRING_ENDS] = model->spring_ends,
+        [MESH_SPRING_STIFFNESS] = model->spring_stiffness,
+        [MESH_SPRING_LENGTH] = model->spring_length,
     };
     return content[id];
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The layout of a .dpa file, version 5: the single source of docs/format.md, of the compiler's writer and of the
+ * The layout of a .dpa file, version 6: the single source of docs/format.md, of the compiler's writer and of the
  * core's reader. `struct dpt_mesh` is the first bytes of a file of the newest version. An older file has fewer
  * sections, so the tail begins earlier, or is missing: read it by mesh_tail.
  *
@@ -16,12 +16,13 @@
 
 #include "base/lanes.h"
 #include "dynpoint/mesh.h"
+#include "mesh/spring_net.h"
 
 /* 89 44 50 41 0d 0a 1a 0a: like that of PNG. A transfer in text mode destroys it, and no text begins so. */
 #define MESH_MAGIC              "\211DPA\r\n\032\n"
 #define MESH_BYTE_ORDER         0x01020304u
 #define MESH_BYTE_ORDER_SWAPPED 0x04030201u
-#define MESH_VERSION            5u
+#define MESH_VERSION            6u
 #define MESH_ALIGN              64u
 #define MESH_LEVELS_MAX         8u /* 16^8 leaves are more than 2^32 triangles fill */
 
@@ -33,6 +34,19 @@
  */
 #define MESH_WEIGHT_MAX 128.0f
 #define MESH_WEIGHT_SUM 0x1p-16
+
+/*
+ * Springs: masses, stiffnesses and lengths that are not 0 are within these, drag and viscosity at most MESH_DAMPING_MAX.
+ * A slice has few enough entries that a reader can look up the other end of every spring.
+ */
+#define MESH_SPRING_MIN         1e-15f
+#define MESH_SPRING_MAX         1e15f
+#define MESH_DAMPING_MAX        1e9f
+#define MESH_SLICE_ENTRIES_MAX  1024u
+#define MESH_SPRING_ENTRIES_MAX (UINT32_MAX / LANES)
+
+/* How far the square of the stable step may be above what the file's own numbers allow. */
+#define MESH_STEP_ROUNDING 1e-5
 
 /* Codes in place of a neighbour over an edge. */
 #define MESH_EDGE_OPEN UINT32_MAX
@@ -72,7 +86,14 @@
     X(MESH_FLAGS,         "flags")      /* 1 a triangle: its edges and corners                  */ \
     X(MESH_VERTEX_SOURCES, "vertex_sources") /* 1 a vertex: its number in the source            */ \
     X(MESH_EMBED_NODES,   "embed_nodes")   /* 4 nodes a vertex, or empty                        */ \
-    X(MESH_EMBED_WEIGHTS, "embed_weights") /* 4 floats a vertex, or empty                       */
+    X(MESH_EMBED_WEIGHTS, "embed_weights") /* 4 floats a vertex, or empty                       */ \
+    X(MESH_SPRING_REST,   "spring_rest")   /* 3 floats a node; empty: the nodes are the vertices */ \
+    X(MESH_SPRING_MASS,   "spring_mass")   /* 1 float a node: kg; 0: fixed                      */ \
+    X(MESH_SPRING_DRAG,   "spring_drag")   /* 1 float a node: 1/s                               */ \
+    X(MESH_SPRING_FIRST,  "spring_first")  /* 1 a slice and one more: its first entry           */ \
+    X(MESH_SPRING_ENDS,   "spring_ends")   /* 16 nodes an entry: where its springs end          */ \
+    X(MESH_SPRING_STIFFNESS, "spring_stiff")  /* 16 floats an entry: N/m                        */ \
+    X(MESH_SPRING_LENGTH, "spring_length") /* 16 floats an entry: m                             */
 /* clang-format on */
 
 #define MESH_SECTION_ID(id, name) id,
@@ -110,7 +131,7 @@ struct mesh_section {
 
 /*
  * What follows the section table: nothing in version 1, four words in version 2, up to the crease in version 3, up to
- * self_intersection in version 4.
+ * self_intersection in version 4, up to outside_distance in version 5.
  */
 struct mesh_tail {
     uint32_t solid_components;
@@ -126,11 +147,19 @@ struct mesh_tail {
     uint32_t nodes;                   /* of the mesh that the vertices are embedded in; 0: none */
     uint32_t outside_vertices;        /* those outside of all its cells */
     double outside_distance;          /* the largest distance of a vertex from all cells, m */
+    uint32_t spring_nodes;            /* vertices, or nodes of the embedding; 0: no springs */
+    uint32_t springs;                 /* each counted once */
+    uint32_t spring_entries;          /* of all slices */
+    uint32_t fixed_nodes;             /* those without mass */
+    double viscosity;                 /* s */
+    double spring_mass;               /* kg, of all nodes as if none were fixed */
+    double poisson;                   /* Poisson's ratio of the net; 0 if it is not known */
+    double stable_step;               /* s: of symplectic Euler without damping (springs.md) */
 };
 
 /*
  * Offsets are part of the format. After `magic` come 4-byte words up to `bytes`, then 8-byte words up to `section`.
- * The tail has 4-byte words, except for the crease and outside_distance.
+ * The tail has 4-byte words, except for the crease, outside_distance and what follows fixed_nodes.
  */
 struct dpt_mesh {
     char magic[8];
@@ -177,6 +206,7 @@ static inline uint32_t mesh_section_count(uint32_t version)
     return version == 1   ? MESH_MOMENTS
            : version == 2 ? MESH_NORMALS
            : version < 5  ? MESH_VERTEX_SOURCES
+           : version == 5 ? MESH_SPRING_REST
                           : MESH_SECTION_COUNT;
 }
 
@@ -187,6 +217,7 @@ static inline size_t mesh_tail_bytes(uint32_t version)
            : version == 2 ? offsetof(struct mesh_tail, crease_edges)
            : version == 3 ? offsetof(struct mesh_tail, self_intersections)
            : version == 4 ? offsetof(struct mesh_tail, nodes)
+           : version == 5 ? offsetof(struct mesh_tail, spring_nodes)
                           : sizeof(struct mesh_tail);
 }
 
@@ -242,6 +273,31 @@ static inline int mesh_stores_normals(const struct dpt_mesh *mesh)
     return mesh->version > 2 && 2 * (uint64_t)mesh->vertices <= 3 * (uint64_t)mesh->triangles;
 }
 
+/* Slices of 16 nodes. */
+static inline uint32_t mesh_slices(uint32_t nodes)
+{
+    return nodes / LANES + (nodes % LANES > 0);
+}
+
+/* How many 4-byte words a section of the springs must have. */
+static inline uint64_t mesh_spring_words(const struct mesh_tail *tail, int id)
+{
+    const uint64_t nodes = tail->spring_nodes;
+    if (!nodes)
+        return 0;
+    switch (id) {
+    case MESH_SPRING_REST:
+        return tail->nodes ? 3 * nodes : 0;
+    case MESH_SPRING_MASS:
+    case MESH_SPRING_DRAG:
+        return nodes;
+    case MESH_SPRING_FIRST:
+        return (uint64_t)mesh_slices(tail->spring_nodes) + 1;
+    default:
+        return (uint64_t)tail->spring_entries * LANES;
+    }
+}
+
 /* How many 4-byte words a section must have by the header's counts. nodes: boxes of all levels. */
 static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, uint64_t nodes)
 {
@@ -273,6 +329,16 @@ static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, u
     case MESH_EMBED_NODES:
     case MESH_EMBED_WEIGHTS:
         return mesh_tail(mesh).nodes ? 4 * (uint64_t)mesh->vertices : 0;
+    case MESH_SPRING_REST:
+    case MESH_SPRING_MASS:
+    case MESH_SPRING_DRAG:
+    case MESH_SPRING_FIRST:
+    case MESH_SPRING_ENDS:
+    case MESH_SPRING_STIFFNESS:
+    case MESH_SPRING_LENGTH: {
+        const struct mesh_tail tail = mesh_tail(mesh);
+        return mesh_spring_words(&tail, id);
+    }
     default:
         return mesh_tail(mesh).winding_components ? nodes * MESH_MOMENT_WORDS + mesh->leaves : 0;
     }
@@ -289,6 +355,26 @@ static inline const float *mesh_moments(const struct dpt_mesh *mesh, const uint3
         return NULL;
     *lanes = mesh_words(mesh, MESH_MOMENTS) + mesh->section[MESH_MOMENTS].bytes / 4 - mesh->leaves;
     return mesh_floats(mesh, MESH_MOMENTS);
+}
+
+/* The masses and springs of a file; returns 0 if it has none. */
+static inline int mesh_spring_net(const struct dpt_mesh *mesh, struct spring_net *net)
+{
+    const struct mesh_tail tail = mesh_tail(mesh);
+    if (!tail.spring_nodes)
+        return 0;
+    net->nodes = tail.spring_nodes;
+    net->slices = mesh_slices(tail.spring_nodes);
+    net->springs = tail.springs;
+    net->rest = mesh_floats(mesh, tail.nodes ? MESH_SPRING_REST : MESH_VERTICES);
+    net->mass = mesh_floats(mesh, MESH_SPRING_MASS);
+    net->drag = mesh_floats(mesh, MESH_SPRING_DRAG);
+    net->first = mesh_words(mesh, MESH_SPRING_FIRST);
+    net->neighbour = mesh_words(mesh, MESH_SPRING_ENDS);
+    net->stiffness = mesh_floats(mesh, MESH_SPRING_STIFFNESS);
+    net->length = mesh_floats(mesh, MESH_SPRING_LENGTH);
+    net->viscosity = tail.viscosity;
+    return 1;
 }
 
 /* Unit normals, 3 floats a vertex, zero at a vertex without one; NULL if the file has no normals. */

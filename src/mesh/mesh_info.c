@@ -48,6 +48,14 @@ dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info)
         .nodes = tail.nodes,
         .outside_vertices = tail.outside_vertices,
         .outside_distance = tail.outside_distance,
+        .spring_nodes = tail.spring_nodes,
+        .springs = tail.springs,
+        .spring_entries = tail.spring_entries,
+        .fixed_nodes = tail.fixed_nodes,
+        .viscosity = tail.viscosity,
+        .spring_mass = tail.spring_mass,
+        .poisson = tail.poisson,
+        .stable_step = tail.stable_step,
     };
     memcpy(own.self_intersection, tail.self_intersection, sizeof own.self_intersection);
     memcpy(own.box_min, mesh->box_min, sizeof own.box_min);
@@ -132,6 +140,28 @@ dpt_result dpt_mesh_get_embedding(const dpt_mesh *mesh, const uint32_t **nodes,
     *node_count = mesh_tail(mesh).nodes;
     *nodes = *node_count ? mesh_words(mesh, MESH_EMBED_NODES) : NULL;
     *weights = *node_count ? mesh_floats(mesh, MESH_EMBED_WEIGHTS) : NULL;
+    return DPT_OK;
+}
+
+dpt_result dpt_mesh_get_springs(const dpt_mesh *mesh, dpt_mesh_springs *springs)
+{
+    if (!mesh || !springs)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(sized_check(springs, sizeof *springs, 0));
+    struct spring_net net = { .nodes = 0 };
+    mesh_spring_net(mesh, &net);
+    const dpt_mesh_springs own = { .nodes = net.nodes,
+                                   .slices = net.slices,
+                                   .springs = net.springs,
+                                   .viscosity = net.viscosity,
+                                   .rest = net.rest,
+                                   .mass = net.mass,
+                                   .drag = net.drag,
+                                   .first = net.first,
+                                   .neighbours = net.neighbour,
+                                   .stiffness = net.stiffness,
+                                   .length = net.length };
+    sized_write(springs, springs->size, &own, sizeof own);
     return DPT_OK;
 }
 

@@ -54,6 +54,16 @@ static dpt_result check_header(const struct dpt_mesh *mesh, size_t size, dpt_mes
     return DPT_OK;
 }
 
+/* Springs are between vertices, or between the nodes in which these are embedded. */
+static int spring_counts_fit(const struct dpt_mesh *mesh)
+{
+    const struct mesh_tail tail = mesh_tail(mesh);
+    if (!tail.spring_nodes)
+        return !tail.springs && !tail.spring_entries && !tail.fixed_nodes;
+    return tail.spring_nodes == (tail.nodes ? tail.nodes : mesh->vertices) &&
+           tail.spring_entries <= MESH_SPRING_ENTRIES_MAX && tail.fixed_nodes <= tail.spring_nodes;
+}
+
 /* Sections follow each other without gap or overlap, and are as long as the counts say. */
 static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
@@ -67,6 +77,9 @@ static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *faul
         return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, triangles), MESH_HEADER);
     if (mesh_tail(mesh).nodes > INT32_MAX || mesh_tail(mesh).outside_vertices > mesh->vertices)
         return fail(fault, DPT_E_LAYOUT, tail_at(mesh, offsetof(struct mesh_tail, nodes)),
+                    MESH_HEADER);
+    if (!spring_counts_fit(mesh))
+        return fail(fault, DPT_E_LAYOUT, tail_at(mesh, offsetof(struct mesh_tail, spring_nodes)),
                     MESH_HEADER);
     for (int id = 0; id < (int)mesh->section_count; id++) {
         const struct mesh_section *section = &mesh->section[id];
@@ -247,6 +260,158 @@ static dpt_result check_driving(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     return check_weights(mesh, fault);
 }
 
+/* A number of a net that is there: 0 is allowed only where it means something. */
+static int is_spring_number(float x)
+{
+    return x >= MESH_SPRING_MIN && x <= MESH_SPRING_MAX;
+}
+
+static dpt_result check_nodes(const struct dpt_mesh *mesh, const struct spring_net *net,
+                              dpt_mesh_fault *fault)
+{
+    uint32_t fixed = 0;
+    DPT_TRY(check_floats(mesh, MESH_SPRING_REST, 2.0f * (float)DPT_COORDINATE_MAX, fault));
+    for (uint32_t i = 0; i < net->nodes; i++) {
+        if (net->mass[i] != 0.0f && !is_spring_number(net->mass[i]))
+            return fail_at(fault, DPT_E_FINITE, mesh, MESH_SPRING_MASS, i);
+        fixed += net->mass[i] == 0.0f;
+    }
+    for (uint32_t i = 0; i < net->nodes; i++)
+        if (!(net->drag[i] >= 0.0f && net->drag[i] <= MESH_DAMPING_MAX))
+            return fail_at(fault, DPT_E_FINITE, mesh, MESH_SPRING_DRAG, i);
+    if (fixed != mesh_tail(mesh).fixed_nodes)
+        return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, fixed_nodes)),
+                    MESH_HEADER);
+    return DPT_OK;
+}
+
+static dpt_result check_slices(const struct dpt_mesh *mesh, const struct spring_net *net,
+                               dpt_mesh_fault *fault)
+{
+    const uint32_t *first = net->first;
+    for (uint32_t s = 0; s < net->slices; s++)
+        if (first[s] > first[s + 1] || first[s + 1] - first[s] > MESH_SLICE_ENTRIES_MAX)
+            return fail_at(fault, DPT_E_INDEX, mesh, MESH_SPRING_FIRST, s + 1);
+    if (first[0] != 0)
+        return fail_at(fault, DPT_E_INDEX, mesh, MESH_SPRING_FIRST, 0);
+    if (first[net->slices] != mesh_tail(mesh).spring_entries)
+        return fail_at(fault, DPT_E_INDEX, mesh, MESH_SPRING_FIRST, net->slices);
+    return DPT_OK;
+}
+
+/* The first word of a slice's entries. */
+static uint32_t first_word(const struct spring_net *net, uint32_t slice)
+{
+    return net->first[slice] * LANES;
+}
+
+/* Neighbours ascend along a row, and are nodes; a lane without a spring names its own. */
+static dpt_result check_rows(const struct dpt_mesh *mesh, const struct spring_net *net,
+                             dpt_mesh_fault *fault)
+{
+    for (uint32_t s = 0; s < net->slices; s++) {
+        uint64_t lowest[LANES] = { 0 };
+        for (uint32_t e = first_word(net, s); e < first_word(net, s + 1); e++) {
+            const uint32_t lane = e % LANES, node = s * LANES + lane, end = net->neighbour[e];
+            if (end == node)
+                continue;
+            if (node >= net->nodes || end >= net->nodes || end < lowest[lane])
+                return fail_at(fault, DPT_E_INDEX, mesh, MESH_SPRING_ENDS, e);
+            lowest[lane] = (uint64_t)end + 1;
+        }
+    }
+    return DPT_OK;
+}
+
+static dpt_result check_spring_numbers(const struct dpt_mesh *mesh, const struct spring_net *net,
+                                       dpt_mesh_fault *fault)
+{
+    for (uint32_t s = 0; s < net->slices; s++)
+        for (uint32_t e = first_word(net, s); e < first_word(net, s + 1); e++) {
+            const int is_none = net->neighbour[e] == s * LANES + e % LANES;
+            if (is_none ? net->stiffness[e] != 0.0f : !is_spring_number(net->stiffness[e]))
+                return fail_at(fault, DPT_E_FINITE, mesh, MESH_SPRING_STIFFNESS, e);
+            if (is_none ? net->length[e] != 1.0f : !is_spring_number(net->length[e]))
+                return fail_at(fault, DPT_E_FINITE, mesh, MESH_SPRING_LENGTH, e);
+        }
+    return DPT_OK;
+}
+
+/* Where in the row of `node` its spring to `end` is; UINT32_MAX: nowhere. */
+static uint32_t find_spring(const struct spring_net *net, uint32_t node, uint32_t end)
+{
+    const uint32_t last = first_word(net, node / LANES + 1);
+    for (uint32_t e = first_word(net, node / LANES) + node % LANES; e < last; e += LANES)
+        if (net->neighbour[e] == end)
+            return e;
+    return UINT32_MAX;
+}
+
+/*
+ * Each spring stands in both rows, with the same numbers. A row has no neighbour twice, so it is enough to look from
+ * the lower node, and to count both directions.
+ */
+static dpt_result check_symmetry(const struct dpt_mesh *mesh, const struct spring_net *net,
+                                 dpt_mesh_fault *fault)
+{
+    uint64_t upward = 0, downward = 0;
+    for (uint32_t s = 0; s < net->slices; s++)
+        for (uint32_t e = first_word(net, s); e < first_word(net, s + 1); e++) {
+            const uint32_t node = s * LANES + e % LANES, end = net->neighbour[e];
+            downward += end < node;
+            if (end <= node)
+                continue;
+            const uint32_t other = find_spring(net, end, node);
+            if (other == UINT32_MAX)
+                return fail_at(fault, DPT_E_INDEX, mesh, MESH_SPRING_ENDS, e);
+            if (net->stiffness[other] != net->stiffness[e] || net->length[other] != net->length[e])
+                return fail_at(fault, DPT_E_FINITE, mesh, MESH_SPRING_STIFFNESS, e);
+            upward++;
+        }
+    if (upward != downward || upward != net->springs)
+        return fail(fault, DPT_E_INDEX, tail_at(mesh, offsetof(struct mesh_tail, springs)),
+                    MESH_HEADER);
+    return DPT_OK;
+}
+
+/* The header's numbers. The step is one that the net allows: omega^2 <= max (2 / m) sum k, step <= 2 / omega. */
+static dpt_result check_step(const struct dpt_mesh *mesh, const struct spring_net *net,
+                             dpt_mesh_fault *fault)
+{
+    const struct mesh_tail tail = mesh_tail(mesh);
+    const double most = (double)MESH_SPRING_MAX, step2 = tail.stable_step * tail.stable_step;
+    const uint64_t at = tail_at(mesh, offsetof(struct mesh_tail, viscosity));
+    if (!(tail.viscosity >= 0.0 && tail.viscosity <= (double)MESH_DAMPING_MAX) ||
+        !(tail.spring_mass >= 0.0 && tail.spring_mass <= most * net->nodes) ||
+        !(tail.poisson >= 0.0 && tail.poisson <= 0.5) ||
+        !(tail.stable_step > 0.0 && tail.stable_step <= most))
+        return fail(fault, DPT_E_FINITE, at, MESH_HEADER);
+    for (uint32_t i = 0; i < net->nodes; i++) {
+        const uint32_t last = first_word(net, i / LANES + 1);
+        double sum = 0.0;
+        for (uint32_t e = first_word(net, i / LANES) + i % LANES; e < last; e += LANES)
+            sum += (double)net->stiffness[e];
+        if (net->mass[i] > 0.0f &&
+            !(step2 * sum <= 2.0 * (1.0 + MESH_STEP_ROUNDING) * (double)net->mass[i]))
+            return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, stable_step)),
+                        MESH_HEADER);
+    }
+    return DPT_OK;
+}
+
+static dpt_result check_springs(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
+{
+    struct spring_net net;
+    if (!mesh_spring_net(mesh, &net))
+        return DPT_OK;
+    DPT_TRY(check_nodes(mesh, &net, fault));
+    DPT_TRY(check_slices(mesh, &net, fault));
+    DPT_TRY(check_rows(mesh, &net, fault));
+    DPT_TRY(check_spring_numbers(mesh, &net, fault));
+    DPT_TRY(check_symmetry(mesh, &net, fault));
+    return check_step(mesh, &net, fault);
+}
+
 static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
     DPT_TRY(check_numbers(mesh, fault));
@@ -268,7 +433,8 @@ static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
         DPT_TRY(check_floats(mesh, MESH_NORMALS, 1.0f, fault));
     if (mesh_flags(mesh))
         DPT_TRY(check_indices(mesh, MESH_FLAGS, MESH_FLAGS_END, 0, fault));
-    return check_driving(mesh, fault);
+    DPT_TRY(check_driving(mesh, fault));
+    return check_springs(mesh, fault);
 }
 
 static dpt_result check_beginning(const void *bytes, size_t size, dpt_mesh_fault *fault)

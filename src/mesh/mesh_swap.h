@@ -48,7 +48,8 @@ static inline void mesh_swap_header(struct dpt_mesh *mesh, uint32_t version)
     const size_t bytes = mesh_tail_bytes(version);
     for (size_t at = 0; at < bytes;) {
         const int is_double = at == offsetof(struct mesh_tail, crease) ||
-                              at == offsetof(struct mesh_tail, outside_distance);
+                              at == offsetof(struct mesh_tail, outside_distance) ||
+                              at >= offsetof(struct mesh_tail, viscosity);
         if (is_double)
             mesh_swap8(tail + at, 1);
         else

@@ -1,0 +1,288 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Masses and springs: the def, its regions, what is fixed, and the layout in the file (docs/algorithms/springs.md). */
+#include "compile/springs.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/return_if_error.h"
+#include "base/sized.h"
+#include "base/vec3.h"
+#include "compile/grow.h"
+
+static const source_location nowhere = { 0, 0 };
+
+static const dpt_spring_def spring_defaults = { .young = 5000.0,
+                                                .density = 1000.0,
+                                                .thickness = 1e-3 };
+
+void dpt_spring_def_defaults(dpt_spring_def *def, size_t size)
+{
+    sized_defaults(def, size, &spring_defaults, sizeof spring_defaults);
+}
+
+static int is_in(double value, double most)
+{
+    return value >= 0.0 && value <= most;
+}
+
+dpt_result springs_check_region(soup *source, const dpt_spring_region *region, uint32_t number,
+                                source_location location)
+{
+    const double far = 2.0 * DPT_COORDINATE_MAX, *box = region->box;
+    int good = region->kind == DPT_REGION_BOX || region->kind == DPT_REGION_SPHERE;
+    if (!good || region->fixed > 1)
+        return soup_fail(source, DPT_E_ARGUMENT, location, "region %u is of no known kind", number);
+    for (int k = 0; k < 3; k++)
+        good &= within(box[k], far) && within(box[3 + k], far) &&
+                (region->kind == DPT_REGION_SPHERE || box[k] <= box[3 + k]);
+    if (!good || (region->kind == DPT_REGION_SPHERE && !(box[3] > 0.0)))
+        return soup_fail(source, DPT_E_ARGUMENT, location, "region %u is empty, or too far",
+                         number);
+    if (region->fixed)
+        return DPT_OK;
+    if (!(region->young > 0.0 && region->young <= 1e12))
+        return soup_fail(source, DPT_E_ARGUMENT, location,
+                         "region %u: Young's modulus must be above 0, at most 1e12 Pa", number);
+    if (!(region->density > 0.0 && region->density <= 1e9))
+        return soup_fail(source, DPT_E_ARGUMENT, location,
+                         "region %u: the density must be above 0, at most 1e9 kg/m^3", number);
+    if (!is_in(region->drag, 1e9))
+        return soup_fail(source, DPT_E_ARGUMENT, location,
+                         "region %u: the drag must be 0 to 1e9 1/s", number);
+    return DPT_OK;
+}
+
+dpt_result springs_check(soup *source, dpt_spring_def *def)
+{
+    const struct {
+        const char *name;
+        double *value, usual, most;
+    } numbers[] = {
+        { "Young's modulus", &def->young, spring_defaults.young, 1e12 },
+        { "density", &def->density, spring_defaults.density, 1e9 },
+        { "thickness", &def->thickness, spring_defaults.thickness, 1e6 },
+        { "drag", &def->drag, 0.0, 1e9 },
+        { "viscosity", &def->viscosity, 0.0, 1e9 },
+        { "Young's modulus of bending", &def->bending, 0.0, 1e12 },
+        { "spacing", &def->spacing, 0.0, 1e6 },
+    };
+    if (def->kind != DPT_SPRINGS_SHEET && def->kind != DPT_SPRINGS_VOLUME)
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such kind of springs");
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        if (!is_in(*numbers[i].value, numbers[i].most))
+            return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the %s must be 0 to %g",
+                             numbers[i].name, numbers[i].most);
+        if (*numbers[i].value == 0.0)
+            *numbers[i].value = numbers[i].usual;
+    }
+    if ((def->region_count && !def->regions) || (def->fixed_count && !def->fixed))
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no regions or no fixed vertices");
+    for (uint32_t i = 0; i < def->region_count; i++)
+        DPT_TRY(springs_check_region(source, &def->regions[i], i + 1, nowhere));
+    return DPT_OK;
+}
+
+static int is_within(const dpt_spring_region *region, const double x[3])
+{
+    const double *box = region->box;
+    if (region->kind == DPT_REGION_SPHERE) {
+        const vec3 off = sub(vec3_of(x), vec3_of(box));
+        return dot(off, off) <= box[3] * box[3];
+    }
+    for (int k = 0; k < 3; k++)
+        if (!(x[k] >= box[k] && x[k] <= box[3 + k]))
+            return 0;
+    return 1;
+}
+
+struct material net_material(struct net *net, const double x[3])
+{
+    const dpt_spring_def *def = net->def;
+    struct material material = { def->young, def->density, def->drag };
+    for (uint32_t i = 0; i < def->region_count; i++) {
+        const dpt_spring_region *region = &def->regions[i];
+        if (region->fixed || !is_within(region, x))
+            continue;
+        net->is_used[i] = 1;
+        material = (struct material){ region->young, region->density, region->drag };
+    }
+    return material;
+}
+
+dpt_result net_add(struct net *net, uint32_t a, uint32_t b, double stiffness)
+{
+    if (net->share_count == UINT32_MAX)
+        return soup_fail(net->source, DPT_E_LIMIT, nowhere, "more springs than can be numbered");
+    if (net->share_count == net->share_capacity) {
+        struct spring_share *grown =
+            grow_array(net->shares, &net->share_capacity, net->share_count + 1, sizeof *grown);
+        if (!grown)
+            return soup_fail(net->source, DPT_E_MEMORY, nowhere, "memory ran out");
+        net->shares = grown;
+    }
+    net->shares[net->share_count] = (struct spring_share){ .low = a < b ? a : b,
+                                                           .high = a < b ? b : a,
+                                                           .order = (uint32_t)net->share_count,
+                                                           .stiffness = stiffness };
+    net->share_count++;
+    return DPT_OK;
+}
+
+static void fix_regions(struct net *net, uint8_t *is_fixed)
+{
+    for (uint32_t i = 0; i < net->def->region_count; i++)
+        for (uint32_t v = 0; v < net->node_count && net->def->regions[i].fixed; v++) {
+            double x[3];
+            vec3_store(vec3_of_float(net->rest + 3 * (size_t)v), x);
+            if (is_within(&net->def->regions[i], x))
+                is_fixed[v] = net->is_used[i] = 1;
+        }
+}
+
+/* Vertices by position, then by number, for the search of those that were joined. */
+struct placed {
+    float x[3];
+    uint32_t vertex;
+};
+
+static int compare_places(const float a[3], const float b[3])
+{
+    for (int k = 0; k < 3; k++)
+        if (a[k] != b[k])
+            return a[k] < b[k] ? -1 : 1;
+    return 0;
+}
+
+static int compare_placed(const void *a, const void *b)
+{
+    return compare_places(((const struct placed *)a)->x, ((const struct placed *)b)->x);
+}
+
+static int compare_place(const void *x, const void *placed)
+{
+    return compare_places(x, ((const struct placed *)placed)->x);
+}
+
+/* Fix a vertex of the model: its node, or the nodes that move it. */
+static void fix_vertex(const struct model *model, uint32_t v, uint8_t *is_fixed)
+{
+    if (!model->embedding_nodes)
+        is_fixed[v] = 1;
+    for (size_t k = 4 * (size_t)v; model->embedding_nodes && k < 4 * (size_t)v + 4; k++)
+        if (model->embedding_weights[k] != 0.0f)
+            is_fixed[model->embedding_nodes[k]] = 1;
+}
+
+/* Fix the def's vertices. The source's vertices at one position are one vertex of the model. */
+static dpt_result fix_vertices(struct net *net, const struct model *model, uint8_t *is_fixed)
+{
+    const dpt_spring_def *def = net->def;
+    const soup *source = net->source;
+    dpt_result result = DPT_OK;
+    if (!def->fixed_count)
+        return DPT_OK;
+    struct placed *placed = model_alloc(net->source, model->vertex_count, sizeof *placed);
+    if (!placed)
+        return DPT_E_MEMORY;
+    for (uint32_t v = 0; v < model->vertex_count; v++) {
+        memcpy(placed[v].x, model->positions + 3 * (size_t)v, sizeof placed[v].x);
+        placed[v].vertex = v;
+    }
+    qsort(placed, model->vertex_count, sizeof *placed, compare_placed);
+    for (uint32_t i = 0; i < def->fixed_count && result == DPT_OK; i++) {
+        const uint32_t number = def->fixed[i];
+        const struct placed *found = NULL;
+        if (number >= source->vertex_count) {
+            result = soup_fail(net->source, DPT_E_INDEX, nowhere,
+                               "vertex %u is to be fixed, and there are only %zu", number,
+                               source->vertex_count);
+            break;
+        }
+        found = bsearch(source->positions + 3 * (size_t)number, placed, model->vertex_count,
+                        sizeof *placed, compare_place);
+        if (found)
+            fix_vertex(model, found->vertex, is_fixed);
+        else
+            result = soup_fail(net->source, DPT_E_ARGUMENT, nowhere,
+                               "vertex %u is to be fixed, and no triangle uses it", number);
+    }
+    free(placed);
+    return result;
+}
+
+/* The nodes that do not move; and no region is in vain. */
+static dpt_result fix(struct net *net, const struct model *model, uint8_t *is_fixed)
+{
+    uint32_t fixed = 0;
+    fix_regions(net, is_fixed);
+    for (uint32_t i = 0; i < net->def->region_count; i++)
+        if (!net->is_used[i])
+            return soup_fail(net->source, DPT_E_ARGUMENT, nowhere,
+                             "region %u holds nothing of the body: a triangle or a cell is where "
+                             "its centre is",
+                             i + 1);
+    DPT_TRY(fix_vertices(net, model, is_fixed));
+    for (uint32_t v = 0; v < net->node_count; v++)
+        fixed += is_fixed[v];
+    if (fixed == net->node_count)
+        return soup_fail(net->source, DPT_E_ARGUMENT, nowhere, "all of the body is fixed");
+    return DPT_OK;
+}
+
+/* With the nodes and masses in place: springs, what is fixed, and the layout. */
+static dpt_result finish(struct net *net, struct model *model, const struct lattice *lattice)
+{
+    net->mass = model_alloc(net->source, net->node_count, sizeof *net->mass);
+    net->is_used = model_alloc(net->source, net->def->region_count, 1);
+    uint8_t *is_fixed = model_alloc(net->source, net->node_count, 1);
+    dpt_result result = net->mass && net->is_used && is_fixed ? DPT_OK : DPT_E_MEMORY;
+    if (result == DPT_OK) {
+        memset(net->mass, 0, net->node_count * sizeof *net->mass);
+        memset(net->is_used, 0, net->def->region_count);
+        memset(is_fixed, 0, net->node_count);
+        result = lattice ? lattice_springs(net, lattice) : sheet_springs(net, model);
+    }
+    if (result == DPT_OK)
+        result = fix(net, model, is_fixed);
+    if (result == DPT_OK)
+        result = net_lay_out(net, model, is_fixed);
+    free(net->mass);
+    free(net->is_used);
+    free(net->shares);
+    free(is_fixed);
+    return result;
+}
+
+dpt_result model_springs(struct model *model, soup *source)
+{
+    const dpt_spring_def *def = source->def ? source->def->springs : NULL;
+    struct net net = { .def = def, .source = source };
+    if (!def)
+        return DPT_OK;
+    model->viscosity = def->viscosity;
+    if (def->kind == DPT_SPRINGS_SHEET) {
+        net.node_count = model->vertex_count;
+        net.rest = model->positions;
+        model->poisson = 1.0 / 3.0;
+        return finish(&net, model, NULL);
+    }
+    struct lattice lattice = { .share = NULL };
+    dpt_result result = lattice_make(&lattice, model, source, def->spacing);
+    if (result == DPT_OK)
+        result = lattice_embed(&lattice, model, source);
+    if (result == DPT_OK) {
+        net.node_count = lattice.node_count;
+        net.rest = lattice.rest;
+        net.grid = lattice.grid;
+        model->poisson = 0.25;
+        result = finish(&net, model, &lattice);
+    }
+    if (result == DPT_OK) {
+        model->spring_rest = lattice.rest;
+        lattice.rest = NULL;
+    }
+    lattice_free(&lattice);
+    return result;
+}

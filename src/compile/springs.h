@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Masses and springs while they are made: what sheet and lattice fill in, and springs.c lays out for the file. */
+#ifndef DPT_COMPILE_SPRINGS_H
+#define DPT_COMPILE_SPRINGS_H
+
+#include "compile/model.h"
+
+/* One share of the stiffness of a spring; a spring is the sum of its shares, in the order in which they were added. */
+struct spring_share {
+    uint32_t low, high; /* nodes, low < high */
+    uint32_t order;     /* in which it was added */
+    double stiffness;   /* N/m */
+};
+
+struct net {
+    const dpt_spring_def *def;
+    soup *source;
+    uint32_t node_count;
+    const float *rest; /* 3 each, m */
+    const int32_t
+        *grid; /* 3 each: whole coordinates in the lattice, ascending by z, y, x; NULL: a sheet */
+    double *mass; /* kg */
+    struct spring_share *shares;
+    size_t share_count, share_capacity;
+    uint8_t *is_used; /* of each region: something of the body is in it */
+};
+
+/* What a material is made of, at a point. */
+struct material {
+    double young, density, drag;
+};
+
+/* Check the numbers of a def, and put defaults in the place of zeros. Returns DPT_OK, or fills the diag. */
+dpt_result springs_check(soup *source, dpt_spring_def *def);
+
+/* Check a region. `number` is told in the diag, with the location. */
+dpt_result springs_check_region(soup *source, const dpt_spring_region *region, uint32_t number,
+                                source_location location);
+
+/* The material at a point, by the last region that holds it. Notes which regions are used. */
+struct material net_material(struct net *net, const double x[3]);
+
+/* Add stiffness to the spring between two nodes. */
+dpt_result net_add(struct net *net, uint32_t a, uint32_t b, double stiffness);
+
+/* Fill in masses and springs of a sheet; the nodes, and room for their masses, are there. */
+dpt_result sheet_springs(struct net *net, const struct model *model);
+
+/* A lattice in the closed parts. Arrays are the caller's to free, also after an error: lattice_free. */
+struct lattice {
+    double low[3];     /* its lowest corner, m */
+    double spacing;    /* m */
+    uint32_t cells[3]; /* along x, y and z */
+    float *share; /* of each cell, x fastest: how much of it is inside, 0: it is none of the body */
+    uint32_t *node; /* of each corner of a cell, x fastest: its number, or DPT_NONE */
+    float *rest;    /* 3 a node, m */
+    int32_t *grid;  /* 3 a node */
+    uint32_t node_count, cell_count;
+};
+
+/* Find the cells, their shares and the nodes. spacing 0: the default. */
+dpt_result lattice_make(struct lattice *lattice, const struct model *model, soup *source,
+                        double spacing);
+
+/* Fill in masses and springs of the lattice. */
+dpt_result lattice_springs(struct net *net, const struct lattice *lattice);
+
+/* Embed the model's vertices in the lattice: each cell is cut into six tetrahedra about a diagonal. */
+dpt_result lattice_embed(const struct lattice *lattice, struct model *model, soup *source);
+
+void lattice_free(struct lattice *lattice);
+
+/* Sort and add up the shares, and lay all out as the file has it. */
+dpt_result net_lay_out(struct net *net, struct model *model, const uint8_t *is_fixed);
+
+#endif
