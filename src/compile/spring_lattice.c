@@ -80,8 +80,8 @@ static double cube_root(double x)
 }
 
 /* Choose the lattice about the box of the closed parts. */
-static dpt_result choose_cells(struct lattice *lattice, const struct model *model, soup *source,
-                               double spacing)
+static dpt_result choose_cells(struct spring_lattice *lattice, const struct model *model,
+                               soup *source, double spacing)
 {
     double low[3] = { HUGE_VAL, HUGE_VAL, HUGE_VAL }, high[3] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
     double longest = 0.0, volume = 1.0, cells = 1.0;
@@ -116,12 +116,12 @@ static dpt_result choose_cells(struct lattice *lattice, const struct model *mode
     return DPT_OK;
 }
 
-static size_t cell_at(const struct lattice *lattice, uint32_t i, uint32_t j, uint32_t k)
+static size_t cell_at(const struct spring_lattice *lattice, uint32_t i, uint32_t j, uint32_t k)
 {
     return ((size_t)k * lattice->cells[1] + j) * lattice->cells[0] + i;
 }
 
-static size_t corner_at(const struct lattice *lattice, uint32_t i, uint32_t j, uint32_t k)
+static size_t corner_at(const struct spring_lattice *lattice, uint32_t i, uint32_t j, uint32_t k)
 {
     return ((size_t)k * (lattice->cells[1] + 1) + j) * (lattice->cells[0] + 1) + i;
 }
@@ -151,7 +151,7 @@ static double plane_x(const vec3 corner[3], double y, double z)
 }
 
 /* Count the crossings of each ray in first[ray + 1], or write them at first[ray]++ if there is a list. */
-static void cross_rays(struct crossings *crossings, const struct lattice *lattice,
+static void cross_rays(struct crossings *crossings, const struct spring_lattice *lattice,
                        const struct model *model)
 {
     const double step = lattice->spacing / RAYS;
@@ -190,7 +190,8 @@ static int compare_crossings(const void *a, const void *b)
 }
 
 /* Add a ray's stretch inside, from..to along x, to the cells that it runs through. */
-static void add_stretch(struct lattice *lattice, double from, double to, uint32_t j, uint32_t k)
+static void add_stretch(struct spring_lattice *lattice, double from, double to, uint32_t j,
+                        uint32_t k)
 {
     const double each = 1.0 / (RAYS * RAYS);
     uint32_t i, end;
@@ -204,7 +205,7 @@ static void add_stretch(struct lattice *lattice, double from, double to, uint32_
 }
 
 /* The share of each cell that is inside: where the winding number along the rays is above 0. */
-static dpt_result measure(struct lattice *lattice, const struct model *model, soup *source)
+static dpt_result measure(struct spring_lattice *lattice, const struct model *model, soup *source)
 {
     struct crossings crossings = { .rays = { lattice->cells[1] * RAYS, lattice->cells[2] * RAYS } };
     const uint32_t rays = crossings.rays[0] * crossings.rays[1];
@@ -267,7 +268,7 @@ static int meets_cube(const vec3 corner[3], vec3 centre, double half)
 }
 
 /* Give the cells that the surface runs through at least SHARE_MIN; `is_touched` notes them. */
-static void touch(struct lattice *lattice, const struct model *model, uint8_t *is_touched)
+static void touch(struct spring_lattice *lattice, const struct model *model, uint8_t *is_touched)
 {
     const double s = lattice->spacing, half = (0.5 - TOUCH) * s;
     for (uint32_t t = 0; t < model->triangle_count; t++) {
@@ -305,7 +306,7 @@ static void touch(struct lattice *lattice, const struct model *model, uint8_t *i
 }
 
 /* Number the corners of cells along x, then y, then z, and place them. */
-static dpt_result number_nodes(struct lattice *lattice, soup *source)
+static dpt_result number_nodes(struct spring_lattice *lattice, soup *source)
 {
     const uint32_t *n = lattice->cells;
     const size_t corners = ((size_t)n[0] + 1) * (n[1] + 1) * (n[2] + 1);
@@ -344,8 +345,8 @@ static dpt_result number_nodes(struct lattice *lattice, soup *source)
     return DPT_OK;
 }
 
-dpt_result lattice_make(struct lattice *lattice, const struct model *model, soup *source,
-                        double spacing)
+dpt_result spring_lattice_make(struct spring_lattice *lattice, const struct model *model,
+                               soup *source, double spacing)
 {
     DPT_TRY(choose_cells(lattice, model, source, spacing));
     const size_t cells = (size_t)lattice->cells[0] * lattice->cells[1] * lattice->cells[2];
@@ -365,7 +366,7 @@ dpt_result lattice_make(struct lattice *lattice, const struct model *model, soup
     return result;
 }
 
-void lattice_free(struct lattice *lattice)
+void spring_lattice_free(struct spring_lattice *lattice)
 {
     free(lattice->share);
     free(lattice->node);
@@ -377,7 +378,7 @@ void lattice_free(struct lattice *lattice)
 typedef dpt_result cell_work(void *context, const uint32_t node[8], const double centre[3],
                              double share);
 
-static dpt_result each_cell(const struct lattice *lattice, cell_work *work, void *context)
+static dpt_result each_cell(const struct spring_lattice *lattice, cell_work *work, void *context)
 {
     const double s = lattice->spacing;
     for (uint32_t k = 0; k < lattice->cells[2]; k++)
@@ -429,7 +430,7 @@ static dpt_result add_cell(void *context, const uint32_t node[8], const double c
     return DPT_OK;
 }
 
-dpt_result lattice_springs(struct net *net, const struct lattice *lattice)
+dpt_result spring_lattice_springs(struct net *net, const struct spring_lattice *lattice)
 {
     struct cell_springs cell = { net, lattice->spacing };
     return each_cell(lattice, add_cell, &cell);
@@ -452,7 +453,8 @@ static dpt_result cut_cell(void *context, const uint32_t node[8], const double c
     return DPT_OK;
 }
 
-dpt_result lattice_embed(const struct lattice *lattice, struct model *model, soup *source)
+dpt_result spring_lattice_embed(const struct spring_lattice *lattice, struct model *model,
+                                soup *source)
 {
     double *nodes = model_alloc(source, lattice->node_count, 3 * sizeof *nodes);
     uint32_t *cells = model_alloc(source, lattice->cell_count, 24 * sizeof *cells), *next = cells;

@@ -232,7 +232,7 @@ static dpt_result fix(struct net *net, const struct model *model, uint8_t *is_fi
 }
 
 /* With the nodes and masses in place: springs, what is fixed, and the layout. */
-static dpt_result finish(struct net *net, struct model *model, const struct lattice *lattice)
+static dpt_result finish(struct net *net, struct model *model, const struct spring_lattice *lattice)
 {
     net->mass = model_alloc(net->source, net->node_count, sizeof *net->mass);
     net->is_used = model_alloc(net->source, net->def->region_count, 1);
@@ -242,7 +242,7 @@ static dpt_result finish(struct net *net, struct model *model, const struct latt
         memset(net->mass, 0, net->node_count * sizeof *net->mass);
         memset(net->is_used, 0, net->def->region_count);
         memset(is_fixed, 0, net->node_count);
-        result = lattice ? lattice_springs(net, lattice) : sheet_springs(net, model);
+        result = lattice ? spring_lattice_springs(net, lattice) : sheet_springs(net, model);
     }
     if (result == DPT_OK)
         result = fix(net, model, is_fixed);
@@ -268,10 +268,10 @@ dpt_result model_springs(struct model *model, soup *source)
         model->poisson = 1.0 / 3.0;
         return finish(&net, model, NULL);
     }
-    struct lattice lattice = { .share = NULL };
-    dpt_result result = lattice_make(&lattice, model, source, def->spacing);
+    struct spring_lattice lattice = { .share = NULL };
+    dpt_result result = spring_lattice_make(&lattice, model, source, def->spacing);
     if (result == DPT_OK)
-        result = lattice_embed(&lattice, model, source);
+        result = spring_lattice_embed(&lattice, model, source);
     if (result == DPT_OK) {
         net.node_count = lattice.node_count;
         net.rest = lattice.rest;
@@ -283,6 +283,6 @@ dpt_result model_springs(struct model *model, soup *source)
         model->spring_rest = lattice.rest;
         lattice.rest = NULL;
     }
-    lattice_free(&lattice);
+    spring_lattice_free(&lattice);
     return result;
 }

@@ -46,8 +46,8 @@ dpt_result net_add(struct net *net, uint32_t a, uint32_t b, double stiffness);
 /* Fill in masses and springs of a sheet; the nodes, and room for their masses, are there. */
 dpt_result sheet_springs(struct net *net, const struct model *model);
 
-/* A lattice in the closed parts. Arrays are the caller's to free, also after an error: lattice_free. */
-struct lattice {
+/* A lattice in the closed parts. Arrays are the caller's to free, also after an error: spring_lattice_free. */
+struct spring_lattice {
     double low[3];     /* its lowest corner, m */
     double spacing;    /* m */
     uint32_t cells[3]; /* along x, y and z */
@@ -59,16 +59,17 @@ struct lattice {
 };
 
 /* Find the cells, their shares and the nodes. spacing 0: the default. */
-dpt_result lattice_make(struct lattice *lattice, const struct model *model, soup *source,
-                        double spacing);
+dpt_result spring_lattice_make(struct spring_lattice *lattice, const struct model *model,
+                               soup *source, double spacing);
 
 /* Fill in masses and springs of the lattice. */
-dpt_result lattice_springs(struct net *net, const struct lattice *lattice);
+dpt_result spring_lattice_springs(struct net *net, const struct spring_lattice *lattice);
 
 /* Embed the model's vertices in the lattice: each cell is cut into six tetrahedra about a diagonal. */
-dpt_result lattice_embed(const struct lattice *lattice, struct model *model, soup *source);
+dpt_result spring_lattice_embed(const struct spring_lattice *lattice, struct model *model,
+                                soup *source);
 
-void lattice_free(struct lattice *lattice);
+void spring_lattice_free(struct spring_lattice *lattice);
 
 /* Sort and add up the shares, and lay all out as the file has it. */
 dpt_result net_lay_out(struct net *net, struct model *model, const uint8_t *is_fixed);
