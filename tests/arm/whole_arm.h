@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * An arm with all that the format has, as arrays and compiled. golden/arm_1_mesh_5.dpa holds it.
+ * An arm with all that the format has, as arrays and compiled. golden/arm_1_mesh_6.dpa holds it.
  */
 #ifndef DPT_TESTS_WHOLE_ARM_H
 #define DPT_TESTS_WHOLE_ARM_H

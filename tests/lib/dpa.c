@@ -55,6 +55,15 @@ struct file file_of_embedded_shape(const char *name, uint64_t count)
     return file_of_compiled_shape(name, count, 0, &def);
 }
 
+struct file file_of_sprung_shape(const char *name, uint64_t count, uint32_t kind)
+{
+    const dpt_spring_def springs = {
+        .size = sizeof springs, .kind = kind, .drag = 0.5, .viscosity = 0.001, .spacing = 0.05
+    };
+    const dpt_compile_def def = { .size = sizeof def, .springs = &springs };
+    return file_of_compiled_shape(name, count, 0, &def);
+}
+
 uint32_t crc_of(const unsigned char *bytes, size_t size)
 {
     uint32_t crc = 0xffffffffu;
@@ -72,12 +81,17 @@ size_t header_bytes_of(const struct dpt_mesh *header)
            : header->version == 2 ? 816
            : header->version == 3 ? 928
            : header->version == 4 ? 944
-                                  : 1104;
+           : header->version == 5 ? 1104
+                                  : 1488;
 }
 
 static int sections_of(const struct dpt_mesh *header)
 {
-    return header->version == 1 ? 11 : header->version == 2 ? 12 : header->version < 5 ? 14 : 17;
+    return header->version == 1   ? 11
+           : header->version == 2 ? 12
+           : header->version < 5  ? 14
+           : header->version == 5 ? 17
+                                  : 24;
 }
 
 void seal_header(struct file *file)
@@ -143,14 +157,18 @@ struct file other_order(const struct file *file)
     if (sections == 12)
         reverse(bytes + 800, 4, 4);
     if (sections >= 14) {
-        unsigned char *tail = bytes + (sections == 14 ? 896 : 1040);
+        unsigned char *tail = bytes + (sections == 14 ? 896 : sections == 17 ? 1040 : 1376);
         reverse(tail, 4, 6);
         reverse(tail + 24, 8, 1);
         if (length >= 944)
             reverse(tail + 32, 4, 4);
-        if (length == 1104) {
+        if (length >= 1104) {
             reverse(tail + 48, 4, 2);
             reverse(tail + 56, 8, 1);
+        }
+        if (length == 1488) {
+            reverse(tail + 64, 4, 4);
+            reverse(tail + 80, 8, 4);
         }
     }
     header.header_crc32 = crc_of(bytes, length);

@@ -43,6 +43,9 @@ static inline struct file file_of_shape(const char *name, uint64_t count)
 /* With an embedding in 27 nodes within 0.05 m of the origin along every axis: some vertices are outside. */
 struct file file_of_embedded_shape(const char *name, uint64_t count);
 
+/* With springs of this kind, DPT_SPRINGS_...; a volume's lattice has a spacing of 0.05 m. */
+struct file file_of_sprung_shape(const char *name, uint64_t count, uint32_t kind);
+
 /* Bit by bit: slower than the library's, and not derived from it. */
 uint32_t crc_of(const unsigned char *bytes, size_t size);
 

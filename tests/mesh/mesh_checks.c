@@ -5,7 +5,7 @@
 
 #include "contact/winding_number.h"
 
-struct file small_file, large_file, holed_file, embedded_file;
+struct file small_file, large_file, holed_file, embedded_file, sheet_file, volume_file;
 
 int open_files(void)
 {
@@ -13,11 +13,16 @@ int open_files(void)
     large_file = file_of_shape("sphere", 600);
     holed_file = file_of_holed_shape("sphere", 40, 1);
     embedded_file = file_of_embedded_shape("sphere", 40);
-    return small_file.size && large_file.size && holed_file.size && embedded_file.size;
+    sheet_file = file_of_sprung_shape("sphere", 40, DPT_SPRINGS_SHEET);
+    volume_file = file_of_sprung_shape("sphere", 40, DPT_SPRINGS_VOLUME);
+    return small_file.size && large_file.size && holed_file.size && embedded_file.size &&
+           sheet_file.size && volume_file.size;
 }
 
 void free_files(void)
 {
+    free(volume_file.bytes);
+    free(sheet_file.bytes);
     free(embedded_file.bytes);
     free(holed_file.bytes);
     free(small_file.bytes);
@@ -81,6 +86,25 @@ static void use_driving(const dpt_mesh *mesh)
               weights[i]);
 }
 
+/* Each spring's other end is a node, and has the spring too. */
+static void use_springs(const dpt_mesh *mesh)
+{
+    dpt_mesh_springs net = { .size = sizeof net };
+    double sum = 0.0;
+    CHECK(dpt_mesh_get_springs(mesh, &net) == DPT_OK, "no answer about springs");
+    for (uint32_t i = 0; i < net.nodes; i++) {
+        CHECK(net.mass[i] >= 0.0f && net.drag[i] >= 0.0f && fabsf(net.rest[3 * i]) <= 2e6f,
+              "node %u", i);
+        for (uint32_t e = net.first[i / 16] * 16 + i % 16; e < net.first[i / 16 + 1] * 16;
+             e += 16) {
+            const uint32_t other = net.neighbours[e];
+            CHECK(other < net.nodes && net.length[e] > 0.0f, "node %u, %u", i, other);
+            sum += (double)net.stiffness[e] * (i < other ? 1.0 : -1.0);
+        }
+    }
+    CHECK(fabs(sum) <= 1e16, "%g N/m on one side", sum);
+}
+
 void use_mesh(const dpt_mesh *mesh, uint64_t *random)
 {
     static double block[12288];
@@ -98,6 +122,7 @@ void use_mesh(const dpt_mesh *mesh, uint64_t *random)
     for (int i = 0; i < 24; i++)
         ends[i] = random_in(random, -0.15, 0.15);
     use_driving(mesh);
+    use_springs(mesh);
     dpti_surface_of_mesh(mesh, &surface);
     dpti_kernel_get(DPT_KERNEL_AUTO, &kernel, &chosen);
     for (int i = 0; i < 8; i++)

@@ -7,9 +7,9 @@
 
 /*
  * A mesh with one level of boxes, one with two, one that is solid but for a hole, so that it has moments, and one with
- * an embedding.
+ * an embedding; sheet and volume, the same with springs.
  */
-extern struct file small_file, large_file, holed_file, embedded_file;
+extern struct file small_file, large_file, holed_file, embedded_file, sheet_file, volume_file;
 
 /* Compile these four, or free them. */
 int open_files(void);

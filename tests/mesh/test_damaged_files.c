@@ -8,9 +8,9 @@
  * copy of it that notes in `site` the line of the check that failed (tests.mk), and a check that no row reaches fails
  * the test.
  *
- * The damaged files are made here, each from one of five whole ones in the host's byte order: `plain`, a sphere of 40
- * triangles, closed; `holed`, the same less one, which so has moments; `embedded`, the same in 27 nodes; `old` and
- * `old_4`, the golden files of versions 1 and 4. A row says what is changed, one word or the length, and which checksums
+ * The damaged files are made here, each from one of seven whole ones in the host's byte order: `plain`, a sphere of 40
+ * triangles, closed; `holed`, the same less one, which so has moments; `embedded`, the same in 27 nodes; `sheet`
+ * and `volume`, the same with springs; `old` and `old_4`, the golden files of versions 1 and 4. A row says what is changed, one word or the length, and which checksums
  * are made good afterwards.
  */
 #include <math.h>
@@ -21,7 +21,7 @@
 
 static const char *reader = "src/mesh/mesh_open.c";
 
-enum whole { PLAIN, HOLED, EMBEDDED, OLD, OLD_4, WHOLES };
+enum whole { PLAIN, HOLED, EMBEDDED, SHEET, VOLUME, OLD, OLD_4, WHOLES };
 static struct file wholes[WHOLES];
 
 enum seal { AS_IT_IS, HEADER, ALL };
@@ -115,7 +115,7 @@ static void expect_row(const struct damage *damage, size_t row)
     free(block);
 }
 
-enum { ROWS_MAX = 80 };
+enum { ROWS_MAX = 120 };
 static struct damage table[ROWS_MAX];
 static size_t table_rows;
 
@@ -267,11 +267,96 @@ static void add_section_rows(void)
     add_rows(rows, sizeof rows / sizeof *rows);
 }
 
+static uint32_t word_of(enum whole of, int section, int64_t at)
+{
+    const struct dpt_mesh header = header_of(&wholes[of]);
+    uint32_t word;
+    memcpy(&word, wholes[of].bytes + place_of(&header, section, at), 4);
+    return word;
+}
+
+/* The word of the last spring of node 0, in a file with springs. */
+static int64_t last_spring(enum whole of)
+{
+    int64_t at = 0;
+    while (word_of(of, MESH_SPRING_ENDS, at + 16) != 0)
+        at += 16;
+    return at;
+}
+
+/* Masses and springs. The last word of an entry of the second slice is beyond the last of 22 nodes: padding. */
+static void add_spring_rows(void)
+{
+    const struct dpt_mesh sheet = header_of(&wholes[SHEET]);
+    const uint32_t nan = bits_of(NAN), entries = sheet.tail.spring_entries;
+    const int64_t upper = mesh_host_is_little() ? 4 : 0, last = last_spring(SHEET);
+    const int64_t first_stiffness = (int64_t)sheet.section[MESH_SPRING_STIFFNESS].offset;
+    const dpt_result layout = DPT_E_LAYOUT, index = DPT_E_INDEX, finite = DPT_E_FINITE;
+    const struct damage rows[] = {
+        /* check_layout */
+        { PLAIN, SET, MESH_HEADER, AT(tail.springs), 1, HEADER, layout, NULL,
+          AT(tail.spring_nodes) },
+        { SHEET, SET, MESH_HEADER, AT(tail.spring_nodes), 21, HEADER, layout, NULL, THERE },
+        { VOLUME, SET, MESH_HEADER, AT(tail.spring_nodes), 22, HEADER, layout, NULL, THERE },
+        { SHEET, SET, MESH_HEADER, AT(tail.fixed_nodes), 23, HEADER, layout, NULL,
+          AT(tail.spring_nodes) },
+        { SHEET, SET, MESH_HEADER, AT(tail.spring_entries), 0x10000000, HEADER, layout, NULL,
+          AT(tail.spring_nodes) },
+        { SHEET, SET, MESH_HEADER, AT(tail.spring_entries), 1, HEADER, layout, "spring_ends",
+          ENTRY(MESH_SPRING_ENDS, name) },
+        /* check_nodes */
+        { VOLUME, SET, MESH_SPRING_REST, 1, bits_of(2.01e6f), ALL, finite, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_MASS, 3, nan, ALL, finite, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_MASS, -1, bits_of(1e-16f), ALL, finite, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_DRAG, 7, bits_of(-0.5f), ALL, finite, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_MASS, 2, 0, ALL, finite, "header", AT(tail.fixed_nodes) },
+        /* check_slices */
+        { SHEET, SET, MESH_SPRING_FIRST, 1, entries + 1, ALL, index, NULL,
+          (int64_t)sheet.section[MESH_SPRING_FIRST].offset + 8 },
+        { SHEET, SET, MESH_SPRING_FIRST, 1, 1025, ALL, index, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_FIRST, 0, 1, ALL, index, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_FIRST, -1, entries - 1, ALL, index, NULL, THERE },
+        /* check_rows: no node, twice the same, beyond the last node */
+        { SHEET, SET, MESH_SPRING_ENDS, last, 22, ALL, index, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_ENDS, 16, word_of(SHEET, MESH_SPRING_ENDS, 0), ALL, index, NULL,
+          THERE },
+        { SHEET, SET, MESH_SPRING_ENDS, -1, 0, ALL, index, NULL, THERE },
+        /* check_spring_numbers: of a spring, and of none */
+        { SHEET, SET, MESH_SPRING_STIFFNESS, 0, nan, ALL, finite, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_STIFFNESS, -1, bits_of(1.0f), ALL, finite, NULL, THERE },
+        { VOLUME, SET, MESH_SPRING_LENGTH, 0, 0, ALL, finite, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_LENGTH, -1, 0, ALL, finite, NULL, THERE },
+        /* check_symmetry */
+        { SHEET, SET, MESH_SPRING_ENDS, last, word_of(SHEET, MESH_SPRING_ENDS, last) + 1, ALL,
+          index, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_STIFFNESS, 0, bits_of(0.5f), ALL, finite, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_LENGTH, 0, bits_of(0.5f), ALL, finite, "spring_stiff",
+          first_stiffness },
+        { SHEET, SET, MESH_HEADER, AT(tail.springs), sheet.tail.springs + 1, HEADER, index, NULL,
+          THERE },
+        /* check_step: upper halves of doubles */
+        { SHEET, SET, MESH_HEADER, AT(tail.viscosity) + upper, 0x7ff00000, HEADER, finite, NULL,
+          AT(tail.viscosity) },
+        { SHEET, SET, MESH_HEADER, AT(tail.spring_mass) + upper, 0xbff00000, HEADER, finite, NULL,
+          AT(tail.viscosity) },
+        { SHEET, SET, MESH_HEADER, AT(tail.poisson) + upper, 0x3fe33333, HEADER, finite, NULL,
+          AT(tail.viscosity) },
+        { SHEET, SET, MESH_HEADER, AT(tail.stable_step) + upper, 0xbff00000, HEADER, finite, NULL,
+          AT(tail.viscosity) },
+        { SHEET, SET, MESH_HEADER, AT(tail.stable_step) + upper, 0x40000000, HEADER, finite, NULL,
+          AT(tail.stable_step) },
+        { VOLUME, SET, MESH_SPRING_MASS, 5, bits_of(1e-9f), ALL, finite, "header",
+          AT(tail.stable_step) },
+    };
+    add_rows(rows, sizeof rows / sizeof *rows);
+}
+
 static void each_check_has_its_damage(void)
 {
     add_header_rows();
     add_layout_rows();
     add_section_rows();
+    add_spring_rows();
     for (size_t row = 0; row < table_rows; row++) {
         expect_row(&table[row], row);
         for (size_t other = 0; other < row; other++)
@@ -282,7 +367,7 @@ static void each_check_has_its_damage(void)
 
 static void no_check_is_forgotten(void)
 {
-    site_expect_all(reader, 30);
+    site_expect_all(reader, 45);
 }
 
 static void whole_files_pass_all(void)
@@ -313,6 +398,8 @@ int main(int argc, char **argv)
     wholes[PLAIN] = file_of_shape("sphere", 40);
     wholes[HOLED] = file_of_holed_shape("sphere", 40, 1);
     wholes[EMBEDDED] = file_of_embedded_shape("sphere", 40);
+    wholes[SHEET] = file_of_sprung_shape("sphere", 40, DPT_SPRINGS_SHEET);
+    wholes[VOLUME] = file_of_sprung_shape("sphere", 40, DPT_SPRINGS_VOLUME);
     wholes[OLD] = open_golden("tests/golden/torus.dpa");
     wholes[OLD_4] = open_golden("tests/golden/torus_4.dpa");
     TEST(whole_files_pass_all);

@@ -135,6 +135,21 @@ static void forged_words_are_refused(void)
         { MESH_EMBED_WEIGHTS, -2, float_bits(-1.0f), finite, -4 },
     };
     expect_forgeries(&embedded_file, of_embedding, sizeof of_embedding / sizeof *of_embedding);
+    /* 22 nodes in two slices; what is allowed. */
+    const struct forgery of_springs[] = {
+        { MESH_SPRING_MASS, 0, nan, finite, 0 },
+        { MESH_SPRING_MASS, -1, inf, finite, -1 },
+        { MESH_SPRING_DRAG, 3, inf, finite, 3 },
+        { MESH_SPRING_DRAG, -1, 0, DPT_OK, 0 },
+        { MESH_SPRING_FIRST, 0, UINT32_MAX, index, 1 },
+        { MESH_SPRING_FIRST, -1, UINT32_MAX, index, -1 },
+        { MESH_SPRING_ENDS, 0, UINT32_MAX, index, 0 },
+        { MESH_SPRING_ENDS, -1, UINT32_MAX, index, -1 },
+        { MESH_SPRING_STIFFNESS, -1, 0x80000000, DPT_OK, 0 },
+        { MESH_SPRING_STIFFNESS, 1, float_bits(2e15f), finite, 1 },
+        { MESH_SPRING_LENGTH, 1, float_bits(-1.0f), finite, 1 },
+    };
+    expect_forgeries(&sheet_file, of_springs, sizeof of_springs / sizeof *of_springs);
 }
 
 /* A number of the header; `size` bytes of `value`, sealed. */
@@ -165,7 +180,10 @@ static void forged_headers_are_refused(void)
                               AT(byte_order),
                               AT(source_triangles),
                               AT(tail.winding_components),
-                              AT(tail.nodes) };
+                              AT(tail.nodes),
+                              AT(tail.spring_nodes),
+                              AT(tail.springs),
+                              AT(tail.spring_entries) };
     const uint32_t values[] = { 0, 1, 2, 599, 601, 0x7fffffff, 0x80000000, 0xfffffffe, UINT32_MAX };
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
@@ -213,7 +231,9 @@ static void random_forgeries_do_no_harm(void)
                              0x80000000, 0x00000001, 0x49742400, 0xfffffffe, 0x3f800000 };
     for (uint64_t i = 0; i < part_of(20000); i++) {
         struct file file = copy_of(i % 16 == 0  ? &large_file
-                                   : i % 4 == 1 ? &embedded_file
+                                   : i % 8 == 1 ? &embedded_file
+                                   : i % 8 == 5 ? &sheet_file
+                                   : i % 8 == 2 ? &volume_file
                                    : i % 4 == 3 ? &small_file
                                                 : &holed_file);
         for (uint64_t words = 1 + random_bits(&random) % 3; words; words--) {

@@ -8,10 +8,12 @@
  * from the top of the tree it is found without. Its files were made by
  *
  *     build/dynpoint make torus 96 -o tests/golden/torus.ply
- *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_5.dpa
- *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_5_nodes.dpa --nodes tests/golden/torus
+ *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_6.dpa
+ *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_6_nodes.dpa --nodes tests/golden/torus
+ *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_6_sheet.dpa --springs sheet --bending 100
+ *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_6_volume.dpa --springs volume --spacing 0.05
  *
- * torus.dpa to torus_4.dpa by compilers of versions 1 to 4. They are to be kept: a new format gets a new file beside
+ * torus.dpa to torus_5_nodes.dpa by compilers of versions 1 to 5. They are to be kept: a new format gets a new file beside
  * them, for every version must always open. torus.node and torus.ele are a cube about the torus, cut in six.
  *
  * All tests start from a file in the host's byte order, and so hold on every machine.
@@ -53,9 +55,10 @@ static void whole_files_open(void)
 /* Each length that is too short; a file in the other byte order is cut short likewise. */
 static void truncations_are_refused(void)
 {
-    const struct file *files[] = { &small_file, &large_file, &holed_file, &embedded_file };
+    const struct file *files[] = { &small_file,    &large_file, &holed_file,
+                                   &embedded_file, &sheet_file, &volume_file };
     const size_t step = 100 / check_percent;
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 6; i++)
         for (size_t size = 0; size < files[i]->size;
              size += size < sizeof(struct dpt_mesh) ? 1 : step) {
             struct file cut = file_of(files[i]->bytes, size);
@@ -99,8 +102,9 @@ static void expect_byte_fault(const struct file *file, const struct dpt_mesh *he
 
 static void changed_bytes_are_refused(void)
 {
-    const struct file *files[] = { &small_file, &large_file, &holed_file, &embedded_file };
-    for (int i = 0; i < 4; i++) {
+    const struct file *files[] = { &small_file,    &large_file, &holed_file,
+                                   &embedded_file, &sheet_file, &volume_file };
+    for (int i = 0; i < 6; i++) {
         struct dpt_mesh header = header_of(files[i]);
         struct file file = copy_of(files[i]);
         const size_t past_header = header_bytes_of(&header), step = 100 / check_percent;
@@ -202,6 +206,9 @@ static void wrong_arguments_are_refused(void)
     CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.self_intersections == 0 &&
               info.nodes == 77,
           "info of 208 bytes");
+    info = (dpt_mesh_info){ .size = 224, .spring_nodes = 77 };
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.nodes == 0 && info.spring_nodes == 77,
+          "info of 224 bytes");
     info.size = sizeof info;
     CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.crease == 3.14159265358979323846 / 3.0,
           "creases of %.17g", info.crease);
@@ -224,7 +231,7 @@ static void wrong_arguments_are_refused(void)
     CHECK(dpt_mesh_get_section(mesh, 0, NULL) == DPT_E_ARGUMENT, "no section");
     CHECK(dpt_mesh_get_section(mesh, 0, &section) == DPT_E_SIZE && section.crc32 == 77, "size");
     section.size = sizeof section;
-    CHECK(dpt_mesh_get_section(mesh, 17, &section) == DPT_E_ARGUMENT, "there are 17 sections");
+    CHECK(dpt_mesh_get_section(mesh, 24, &section) == DPT_E_ARGUMENT, "there are 24 sections");
     CHECK(dpt_mesh_get_section(mesh, UINT32_MAX, &section) == DPT_E_ARGUMENT, "no such section");
     CHECK(dpt_mesh_get_triangle(NULL, 0, corners) == DPT_E_ARGUMENT, "no mesh");
     CHECK(dpt_mesh_get_triangle(mesh, 0, NULL) == DPT_E_ARGUMENT, "no corners");
@@ -265,10 +272,29 @@ static void wrong_arguments_of_arrays_are_refused(void)
           "%u nodes where there are none", node_count);
 }
 
+static void wrong_arguments_of_springs_are_refused(void)
+{
+    const dpt_mesh *mesh = (const dpt_mesh *)(const void *)sheet_file.bytes;
+    dpt_mesh_springs net = { .size = sizeof net - 1, .nodes = 77 };
+    CHECK(dpt_mesh_get_springs(NULL, &net) == DPT_E_ARGUMENT &&
+              dpt_mesh_get_springs(mesh, NULL) == DPT_E_ARGUMENT &&
+              dpt_mesh_get_springs(mesh, &net) == DPT_E_SIZE && net.nodes == 77,
+          "refused otherwise, or a refusal wrote");
+    net.size = sizeof net;
+    CHECK(dpt_mesh_get_springs(mesh, &net) == DPT_OK && net.nodes == 22 && net.slices == 2 &&
+              net.viscosity == 0.001 && net.drag[21] == 0.5f,
+          "%u nodes, %u slices", net.nodes, net.slices);
+    mesh = (const dpt_mesh *)(const void *)small_file.bytes;
+    CHECK(dpt_mesh_get_springs(mesh, &net) == DPT_OK && !net.nodes && !net.springs && !net.first &&
+              !net.rest && !net.neighbours,
+          "%u nodes where there are none", net.nodes);
+}
+
 static void other_byte_order_converts(void)
 {
-    const struct file *files[] = { &small_file, &large_file, &holed_file, &embedded_file };
-    for (int i = 0; i < 4; i++) {
+    const struct file *files[] = { &small_file,    &large_file, &holed_file,
+                                   &embedded_file, &sheet_file, &volume_file };
+    for (int i = 0; i < 6; i++) {
         struct file other = other_order(files[i]);
         dpt_mesh_fault fault = { .size = sizeof fault };
         expect_fault(&other, DPT_E_BYTE_ORDER, AT(byte_order), "header");
@@ -318,14 +344,14 @@ static void other_byte_order_is_checked(void)
 static struct file read_golden(const char *name)
 {
     char path[512];
-    struct file file = { malloc(1 << 14), 0 };
+    struct file file = { malloc(1 << 16), 0 };
     snprintf(path, sizeof path, "%s/%s", golden, name);
     FILE *stream = fopen(path, "rb");
     if (stream) {
-        file.size = fread(file.bytes, 1, 1 << 14, stream);
+        file.size = fread(file.bytes, 1, 1 << 16, stream);
         fclose(stream);
     }
-    CHECK(file.size > 0 && file.size < 1 << 14, "%s: %zu bytes", path, file.size);
+    CHECK(file.size > 0 && file.size < 1 << 16, "%s: %zu bytes", path, file.size);
     return file;
 }
 
@@ -360,7 +386,7 @@ static void golden_files_are_what_we_write(void)
     dpt_diag diag = { .size = sizeof diag };
     struct tetgen mesh = { .nodes = NULL };
     soup source;
-    expect_golden("torus_5.dpa", NULL);
+    expect_golden("torus_6.dpa", NULL);
     soup_init(&source, NULL, &diag);
     CHECK(tetgen_read_nodes(&mesh, &source, node.bytes, node.size) == DPT_OK &&
               tetgen_read_cells(&mesh, &source, ele.bytes, ele.size) == DPT_OK,
@@ -370,7 +396,17 @@ static void golden_files_are_what_we_write(void)
                                   .cells = mesh.cells,
                                   .node_count = mesh.node_count,
                                   .cell_count = mesh.cell_count };
-    expect_golden("torus_5_nodes.dpa", &def);
+    expect_golden("torus_6_nodes.dpa", &def);
+    const dpt_spring_def sheet = { .size = sizeof sheet,
+                                   .kind = DPT_SPRINGS_SHEET,
+                                   .bending = 100.0 };
+    const dpt_spring_def volume = { .size = sizeof volume,
+                                    .kind = DPT_SPRINGS_VOLUME,
+                                    .spacing = 0.05 };
+    dpt_compile_def with_springs = { .size = sizeof with_springs, .springs = &sheet };
+    expect_golden("torus_6_sheet.dpa", &with_springs);
+    with_springs.springs = &volume;
+    expect_golden("torus_6_volume.dpa", &with_springs);
     tetgen_free(&mesh);
     soup_free(&source);
     free(node.bytes);
@@ -380,7 +416,7 @@ static void golden_files_are_what_we_write(void)
 /* The shape is the golden file's source: only its float vertices went through that file. */
 static void golden_shape_is_what_we_make(void)
 {
-    struct file kept = read_golden("torus_5.dpa"), shape = file_of_shape("torus", 96);
+    struct file kept = read_golden("torus_6.dpa"), shape = file_of_shape("torus", 96);
     dpt_mesh_convert(kept.bytes, kept.size, NULL);
     CHECK(shape.size == kept.size &&
               !memcmp(shape.bytes + sizeof(struct dpt_mesh), kept.bytes + sizeof(struct dpt_mesh),
@@ -396,7 +432,11 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
     const dpt_mesh *meshes[2] = { NULL, NULL };
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_section section = { .size = sizeof section };
-    uint32_t flags, sections = version == 1 ? 11 : version == 2 ? 12 : version < 5 ? 14 : 17;
+    uint32_t flags, sections = version == 1   ? 11
+                               : version == 2 ? 12
+                               : version < 5  ? 14
+                               : version == 5 ? 17
+                                              : 24;
     uint32_t vertices, nodes;
     const uint32_t *numbers, *embed_nodes;
     const float *weights;
@@ -430,6 +470,10 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
     CHECK(dpt_mesh_get_embedding(meshes[0], &embed_nodes, &weights, &nodes) == DPT_OK &&
               nodes == info.nodes && !info.outside_vertices && info.outside_distance == 0.0,
           "version %u has %u nodes", version, nodes);
+    dpt_mesh_springs net = { .size = sizeof net, .nodes = 77 };
+    CHECK(dpt_mesh_get_springs(meshes[0], &net) == DPT_OK && net.nodes == info.spring_nodes &&
+              (net.nodes == 0 || version > 5),
+          "version %u has springs of %u nodes", version, net.nodes);
     for (uint32_t t = 0; t < info.triangles; t++) {
         double normals[2][9];
         for (int m = 0; m < 2; m++)
@@ -453,14 +497,21 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
 /* Every version opens forever, in either byte order, and is checked as today's is. */
 static void all_versions_open(void)
 {
-    const char *const names[] = { "torus.dpa",   "torus_2.dpa", "torus_3.dpa",
-                                  "torus_4.dpa", "torus_5.dpa", "torus_5_nodes.dpa" };
+    const struct {
+        const char *name;
+        uint32_t version;
+    } files[] = {
+        { "torus.dpa", 1 },          { "torus_2.dpa", 2 },       { "torus_3.dpa", 3 },
+        { "torus_4.dpa", 4 },        { "torus_5.dpa", 5 },       { "torus_5_nodes.dpa", 5 },
+        { "torus_6.dpa", 6 },        { "torus_6_nodes.dpa", 6 }, { "torus_6_sheet.dpa", 6 },
+        { "torus_6_volume.dpa", 6 },
+    };
     struct file today = file_of_shape("torus", 96);
-    for (uint32_t i = 0; i < 6; i++) {
-        struct file old = read_golden(names[i]);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        struct file old = read_golden(files[i].name);
         dpt_mesh_convert(old.bytes, old.size, NULL);
         CHECK(fault_of(&old).code == DPT_OK, "does not open");
-        answer_alike(&old, &today, i < 5 ? i + 1 : 5);
+        answer_alike(&old, &today, files[i].version);
         for (size_t size = 0; size < old.size; size += size < 1000 ? 1 : 97) {
             struct file cut = file_of(old.bytes, size);
             expect_fault(&cut, DPT_E_TRUNCATED, size, "header");
@@ -518,6 +569,7 @@ int main(int argc, char **argv)
     TEST(misaligned_bytes_are_refused);
     TEST(wrong_arguments_are_refused);
     TEST(wrong_arguments_of_arrays_are_refused);
+    TEST(wrong_arguments_of_springs_are_refused);
     TEST(other_byte_order_converts);
     TEST(other_byte_order_is_checked);
     TEST(golden_files_are_what_we_write);
