@@ -149,6 +149,7 @@ typedef struct dpt_compile_def {
      * text names the region, from 1, or the vertex of the source, from 0.
      */
     const dpt_spring_def *springs;
+    const void *reserved_pointer; /* NULL */
 } dpt_compile_def;
 
 /* Fill in the defaults of the first `size` bytes. Call dpt_compile_def_init, which passes your sizeof. */

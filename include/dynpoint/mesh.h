@@ -187,6 +187,7 @@ typedef struct dpt_mesh_springs {
     const uint32_t *neighbours; /* 16 an entry: the other ends of 16 springs */
     const float *stiffness;     /* 16 an entry, N/m */
     const float *length;        /* 16 an entry: of the springs at rest, m */
+    const void *reserved;       /* NULL */
 } dpt_mesh_springs;
 
 /*

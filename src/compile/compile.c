@@ -128,9 +128,11 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
         return soup_fail(source, result, nowhere, "the def has fields of a newer version");
     if (result != DPT_OK)
         return soup_fail(source, result, nowhere, "the def's size field is not set");
+    if (given && sized_of(given) < offsetof(dpt_compile_def, reserved_pointer))
+        def->springs = NULL; /* of half a pointer */
     soup_init(source, def, &call->diag);
-    if (def->reserved)
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the def's reserved field is not 0");
+    if (def->reserved || def->reserved_pointer)
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the def's reserved fields are not 0");
     if (def->format > DPT_FORMAT_OFF)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such format");
     if (def->scale < 0.0 || !within(def->scale, 1e30))

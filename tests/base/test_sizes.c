@@ -26,6 +26,11 @@ static dpt_result mesh_info(void *out)
     return dpt_mesh_get_info(fixture.mesh, out);
 }
 
+static dpt_result mesh_springs(void *out)
+{
+    return dpt_mesh_get_springs(fixture.mesh, out);
+}
+
 static dpt_result mesh_section(void *out)
 {
     return dpt_mesh_get_section(fixture.mesh, 1, out);
@@ -181,6 +186,7 @@ static dpt_result record(void *out)
 static const struct sized outputs[] = {
     { "dpt_mesh_info", offsetof(dpt_mesh_info, solid_components), sizeof(dpt_mesh_info),
       mesh_info },
+    { "dpt_mesh_springs", sizeof(dpt_mesh_springs), sizeof(dpt_mesh_springs), mesh_springs },
     { "dpt_mesh_section", sizeof(dpt_mesh_section), sizeof(dpt_mesh_section), mesh_section },
     { "dpt_mesh_fault", sizeof(dpt_mesh_fault), sizeof(dpt_mesh_fault), mesh_fault },
     { "dpt_mesh_fault of an arm", sizeof(dpt_mesh_fault), sizeof(dpt_mesh_fault), arm_fault },

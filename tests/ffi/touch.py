@@ -88,7 +88,14 @@ IdentifyResult = struct("dpt_identify_result", (c_uint32, "size end flags measur
                         (c_double, "force_bound torque_bound speed_max displacement_max"), (Pose, "pose"))
 CompileDef = struct("dpt_compile_def", (c_uint32, "size format"), (c_double, "scale"), (c_void_p, "progress user"),
                     (c_double, "crease"), (c_uint32, "threads reserved"), (c_void_p, "nodes cells"),
-                    (c_uint32, "node_count cell_count"))
+                    (c_uint32, "node_count cell_count"), (c_void_p, "springs reserved_pointer"))
+SpringRegion = struct("dpt_spring_region", (c_uint32, "kind fixed"), (c_double * 6, "box"), (c_double, "young density drag"))
+SpringDef = struct("dpt_spring_def", (c_uint32, "size kind"),
+                   (c_double, "young density drag viscosity thickness bending spacing"), (c_void_p, "regions fixed"),
+                   (c_uint32, "region_count fixed_count"))
+MeshSprings = struct("dpt_mesh_springs", (c_uint32, "size nodes slices springs"), (c_double, "viscosity"),
+                     (POINTER(c_float), "rest mass drag"), (POINTER(c_uint32), "first neighbours"),
+                     (POINTER(c_float), "stiffness length"), (c_void_p, "reserved"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
 Joint = struct("dpt_arm_joint", (c_uint32, "size kind"), (c_double, "lower upper velocity effort damping friction"),
                (c_char * 64, "name"))
@@ -119,8 +126,8 @@ sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/l
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
 for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceReport,
              DeformDef, Load, Latest, State, Guard, GuardInfo, CouplingDef, Coupling, PassivityDef, Passivity,
-             PassivitySample, PassivityInfo, RecordHeader, Record, Identified, IdentifyResult, CompileDef, Compiled, Joint, Link,
-             ArmBody, ArmDef):
+             PassivitySample, PassivityInfo, RecordHeader, Record, Identified, IdentifyResult, CompileDef,
+             SpringRegion, SpringDef, MeshSprings, Compiled, Joint, Link, ArmBody, ArmDef):
     check(kind.__name__ + " has its size", sizeof(kind) == sizes[kind.__name__])
 
 # A box of 2 x 2 x 1 m with its top at z = 1: corner i at the bits of i; two triangles a side.
@@ -159,6 +166,19 @@ check("its nodes", core.dpt_mesh_get_embedding(embedded, byref(nodes), byref(wei
 check("they give the vertices", all(
     abs(sum(weights[4 * v + k] * points[nodes[4 * v + k]][axis] for k in range(4)) - corners[sources[v]][axis]) < 1e-5
     for v in range(8) for axis in range(3)))
+compiler.dpt_compiled_free(byref(embedded_file))
+
+# Its own physics: a lattice of cubes of 0.5 m about it, its lower half fixed.
+region = SpringRegion(kind=1, fixed=1, box=(c_double * 6)(-9, -9, -9, 9, 9, 0.6))
+spring_def = SpringDef(size=sizeof(SpringDef), kind=2, density=100, spacing=0.5, regions=addressof(region), region_count=1)
+compile_def = CompileDef(size=sizeof(CompileDef), springs=addressof(spring_def))
+check("make springs", compiler.dpt_compile_arrays(vertices, c_size_t(8), numbers, c_size_t(12), byref(compile_def),
+                                                  byref(embedded_file), None) == 0)
+check("open them", core.dpt_mesh_open(c_void_p(embedded_file.bytes), c_size_t(embedded_file.size), byref(embedded)) == 0)
+springs = MeshSprings(size=sizeof(MeshSprings))
+check("its springs", core.dpt_mesh_get_springs(embedded, byref(springs)) == 0 and springs.nodes == 75)
+check("what is fixed, and what moves", all(
+    (springs.mass[i] == 0) == (springs.rest[3 * i + 2] < 0.6) for i in range(springs.nodes)))
 compiler.dpt_compiled_free(byref(embedded_file))
 
 ends = (c_double * 6)(0.3, 0.2, 1.5, 0.3, 0.2, 2.5)

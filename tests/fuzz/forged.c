@@ -20,14 +20,23 @@ enum { REPAIR_INDICES = 1, REPAIR_FLOATS = 2, OTHER_ORDER = 4, ASKED_SHIFT = 3 }
 
 enum { TRIANGLES_MAX = 512, COUNT_MAX = 1024, EDITS_MAX = 64 };
 
-/* One leaf; with moments; several parts; a sheet; two levels of boxes; an embedding. */
+/*
+ * One leaf; with moments; several parts; a sheet; two levels of boxes; an embedding; springs of a sheet, of a volume.
+ */
 static const struct {
     const char *shape;
     uint64_t triangles;
     size_t missing;
     int has_cells;
-} sources[] = { { "box", 12, 0, 0 },   { "torus", 40, 2, 0 }, { "box", 300, 13, 0 },
-                { "cloth", 32, 0, 0 }, { "hub", 270, 0, 0 },  { "torus", 40, 0, 1 } };
+    uint32_t springs;
+} sources[] = { { "box", 12, 0, 0, 0 },
+                { "torus", 40, 2, 0, 0 },
+                { "box", 300, 13, 0, 0 },
+                { "cloth", 32, 0, 0, 0 },
+                { "hub", 270, 0, 0, 0 },
+                { "torus", 40, 0, 1, 0 },
+                { "cloth", 32, 0, 0, DPT_SPRINGS_SHEET },
+                { "box", 12, 0, 0, DPT_SPRINGS_VOLUME } };
 
 /* Two cells in five nodes, which hold a part of the torus. */
 static const double cell_nodes[] = { 0,   0,    -0.3, 0.3, -0.2, 0.1, 0,  0.3,
@@ -45,7 +54,11 @@ static void make_bases(void)
     for (int i = 0; i < BASES; i++) {
         struct shape shape;
         shape_reason reason;
+        const dpt_spring_def springs = { .size = sizeof springs,
+                                         .kind = sources[i].springs,
+                                         .spacing = 0.04 };
         const dpt_compile_def def = { .size = sizeof def,
+                                      .springs = sources[i].springs ? &springs : NULL,
                                       .nodes = cell_nodes,
                                       .cells = cell_corners,
                                       .node_count = sources[i].has_cells ? 5 : 0,
@@ -130,6 +143,7 @@ static void repair_counts(struct dpt_mesh *header)
     struct mesh_tail tail = header->tail;
     header->version = version;
     tail.nodes = limited(tail.nodes, 0, COUNT_MAX);
+    tail.spring_entries = limited(tail.spring_entries, 0, COUNT_MAX);
     header->header_bytes = mesh_header_bytes(header->version);
     header->section_count = mesh_section_count(header->version);
     header->triangles = limited(header->triangles, 1, TRIANGLES_MAX);
@@ -140,6 +154,12 @@ static void repair_counts(struct dpt_mesh *header)
     header->parts = limited(header->parts, 1, COUNT_MAX);
     if (tail.outside_vertices > header->vertices)
         tail.outside_vertices = 0;
+    if (tail.spring_nodes)
+        tail.spring_nodes = tail.nodes ? tail.nodes : header->vertices;
+    else
+        tail.springs = tail.spring_entries = tail.fixed_nodes = 0;
+    if (tail.fixed_nodes > tail.spring_nodes)
+        tail.fixed_nodes = 0;
     header->leaves = (header->triangles + LANES - 1) / LANES;
     header->levels = mesh_levels(header->leaves, count, &nodes);
     header->reserved = 0;
@@ -195,6 +215,174 @@ static void *tail_field(struct dpt_mesh *mesh, size_t field)
     return (char *)mesh + mesh_tail_offset(mesh->version) + field;
 }
 
+/* The springs, to be repaired. A node's row: word first[node / 16] * 16 + node % 16, and every 16th from there. */
+struct net {
+    struct spring_net is;
+    struct mesh_tail *tail;
+    float *rest, *mass, *drag, *stiffness, *length;
+    uint32_t *first, *ends, entries;
+};
+
+static int net_of(struct dpt_mesh *mesh, struct net *net)
+{
+    if (!mesh_spring_net(mesh, &net->is))
+        return 0;
+    net->tail = tail_field(mesh, 0);
+    net->rest = net->tail->nodes ? (float *)net->is.rest : NULL;
+    net->mass = (float *)net->is.mass;
+    net->drag = (float *)net->is.drag;
+    net->first = (uint32_t *)net->is.first;
+    net->ends = (uint32_t *)net->is.neighbour;
+    net->stiffness = (float *)net->is.stiffness;
+    net->length = (float *)net->is.length;
+    net->entries = net->tail->spring_entries;
+    return 1;
+}
+
+static int slices_are_wrong(const struct net *net)
+{
+    int wrong = net->first[0] != 0 || net->first[net->is.slices] != net->entries;
+    for (uint32_t s = 0; s < net->is.slices; s++)
+        wrong |= net->first[s] > net->first[s + 1] || net->first[s + 1] - net->first[s] > 1024;
+    return wrong;
+}
+
+/* The word of `end` in the row of a node; UINT32_MAX: it is not there. */
+static uint32_t word_to(const struct net *net, uint32_t node, uint32_t end)
+{
+    for (uint32_t e = 16 * net->first[node / 16] + node % 16; e < 16 * net->first[node / 16 + 1];
+         e += 16)
+        if (net->ends[e] == end)
+            return e;
+    return UINT32_MAX;
+}
+
+static int rows_are_wrong(const struct net *net)
+{
+    int wrong = 0;
+    for (uint32_t node = 0; node < 16 * net->is.slices; node++) {
+        int64_t before = -1;
+        for (uint32_t e = 16 * net->first[node / 16] + node % 16;
+             e < 16 * net->first[node / 16 + 1]; e += 16) {
+            const uint32_t end = net->ends[e];
+            if (end == node)
+                continue;
+            wrong |= node >= net->is.nodes || end >= net->is.nodes || end <= before;
+            before = end;
+        }
+    }
+    return wrong;
+}
+
+/* Springs that stand in one row alone, or are not as many as the header says. */
+static int pairs_are_wrong(const struct net *net)
+{
+    uint64_t ends = 0;
+    int wrong = 0;
+    for (uint32_t node = 0; node < net->is.nodes; node++)
+        for (uint32_t e = 16 * net->first[node / 16] + node % 16;
+             e < 16 * net->first[node / 16 + 1]; e += 16)
+            if (net->ends[e] != node) {
+                wrong |= word_to(net, net->ends[e], node) == UINT32_MAX;
+                ends++;
+            }
+    return wrong || ends != 2 * (uint64_t)net->tail->springs;
+}
+
+/* If one index is wrong, there are no springs. */
+static void repair_net(struct dpt_mesh *mesh)
+{
+    struct net net;
+    if (!net_of(mesh, &net) ||
+        !(slices_are_wrong(&net) || rows_are_wrong(&net) || pairs_are_wrong(&net)))
+        return;
+    for (uint32_t s = 0; s <= net.is.slices; s++)
+        net.first[s] = s < net.is.slices ? 0 : net.entries;
+    for (uint32_t e = 0; e < 16 * net.entries; e++) {
+        net.ends[e] = 16 * (net.is.slices - 1) + e % 16;
+        net.stiffness[e] = 0.0f;
+        net.length[e] = 1.0f;
+    }
+    net.tail->springs = 0;
+}
+
+static int is_number(float x)
+{
+    return x >= 1e-15f && x <= 1e15f;
+}
+
+static int node_numbers_are_wrong(const struct net *net)
+{
+    uint32_t fixed = 0;
+    int wrong = 0;
+    for (uint32_t i = 0; net->rest && i < 3 * net->is.nodes; i++)
+        wrong |= !(fabsf(net->rest[i]) <= 2e6f);
+    for (uint32_t i = 0; i < net->is.nodes; i++) {
+        wrong |= (net->mass[i] != 0.0f && !is_number(net->mass[i])) || !(net->drag[i] >= 0.0f) ||
+                 !(net->drag[i] <= 1e9f);
+        fixed += net->mass[i] == 0.0f;
+    }
+    const struct mesh_tail *tail = net->tail;
+    return wrong || fixed != tail->fixed_nodes || !(tail->viscosity >= 0.0) ||
+           !(tail->viscosity <= 1e9) || !(tail->spring_mass >= 0.0) ||
+           !(tail->spring_mass <= (double)1e15f * net->is.nodes) || !(tail->poisson >= 0.0) ||
+           !(tail->poisson <= 0.5) || !(tail->stable_step > 0.0) ||
+           !(tail->stable_step <= (double)1e15f);
+}
+
+static int spring_numbers_are_wrong(const struct net *net)
+{
+    const double step = net->tail->stable_step;
+    int wrong = 0;
+    for (uint32_t node = 0; node < 16 * net->is.slices; node++) {
+        double sum = 0.0;
+        for (uint32_t e = 16 * net->first[node / 16] + node % 16;
+             e < 16 * net->first[node / 16 + 1]; e += 16) {
+            const uint32_t end = net->ends[e];
+            const float k = net->stiffness[e], length = net->length[e];
+            if (end == node) {
+                wrong |= k != 0.0f || length != 1.0f;
+                continue;
+            }
+            wrong |= !is_number(k) || !is_number(length);
+            const uint32_t back = word_to(net, end, node);
+            if (back != UINT32_MAX)
+                wrong |= net->stiffness[back] != k || net->length[back] != length;
+            sum += (double)k;
+        }
+        if (node < net->is.nodes && net->mass[node] > 0.0f)
+            wrong |= !(step * step * sum <= 2.0 * (1.0 + 1e-5) * (double)net->mass[node]);
+    }
+    return wrong;
+}
+
+/* If one number is wrong, all nodes are alike, and so are all springs. */
+static void repair_net_numbers(struct dpt_mesh *mesh)
+{
+    struct net net;
+    if (!net_of(mesh, &net))
+        return;
+    const int has_rows = !slices_are_wrong(&net) && !rows_are_wrong(&net);
+    if (!node_numbers_are_wrong(&net) && !(has_rows && spring_numbers_are_wrong(&net)))
+        return;
+    for (uint32_t i = 0; net.rest && i < 3 * net.is.nodes; i++)
+        net.rest[i] = 0.0f;
+    for (uint32_t i = 0; i < net.is.nodes; i++) {
+        net.mass[i] = 1.0f;
+        net.drag[i] = 0.0f;
+    }
+    for (uint32_t node = 0; has_rows && node < 16 * net.is.slices; node++)
+        for (uint32_t e = 16 * net.first[node / 16] + node % 16; e < 16 * net.first[node / 16 + 1];
+             e += 16) {
+            net.stiffness[e] = net.ends[e] == node ? 0.0f : 1.0f;
+            net.length[e] = 1.0f;
+        }
+    net.tail->fixed_nodes = 0;
+    net.tail->viscosity = net.tail->poisson = 0.0;
+    net.tail->spring_mass = 1.0;
+    net.tail->stable_step = 1e-9;
+}
+
 static void repair_indices(struct dpt_mesh *mesh)
 {
     uint32_t *first = (uint32_t *)mesh_words(mesh, MESH_FAN_FIRST);
@@ -218,6 +406,7 @@ static void repair_indices(struct dpt_mesh *mesh)
         repair_words(mesh, MESH_VERTEX_SOURCES, mesh->source_vertices, 0);
     if (mesh_tail(mesh).nodes)
         repair_words(mesh, MESH_EMBED_NODES, mesh_tail(mesh).nodes, 0);
+    repair_net(mesh);
     uint32_t *example = tail_field(mesh, offsetof(struct mesh_tail, self_intersection));
     if (mesh->version > 3 &&
         (example[0] >= mesh->source_triangles || example[1] >= mesh->source_triangles))
@@ -276,6 +465,7 @@ static void repair_floats(struct dpt_mesh *mesh)
                            1.0f);
     if (mesh_tail(mesh).nodes)
         repair_weights(mesh);
+    repair_net_numbers(mesh);
     double *crease = tail_field(mesh, offsetof(struct mesh_tail, crease));
     if (mesh->version > 2 && !(*crease >= 0.0 && *crease <= 4.0))
         *crease = 0.0;

@@ -41,6 +41,24 @@ static void ask_driving(const dpt_mesh *mesh, const dpt_mesh_info *info)
     }
 }
 
+/* Each spring ends at a node, which has it too. */
+static void ask_springs(const dpt_mesh *mesh, const dpt_mesh_info *info)
+{
+    dpt_mesh_springs net = { .size = sizeof net };
+    uint64_t upward = 0, downward = 0;
+    MUST(dpt_mesh_get_springs(mesh, &net) == DPT_OK && net.nodes == info->spring_nodes);
+    for (uint32_t i = 0; i < net.nodes; i++) {
+        MUST(net.mass[i] >= 0.0f && net.drag[i] >= 0.0f && fabsf(net.rest[3 * (size_t)i]) <= 2e6f);
+        for (uint32_t e = 16 * net.first[i / 16] + i % 16; e < 16 * net.first[i / 16 + 1];
+             e += 16) {
+            MUST(net.neighbours[e] < net.nodes && net.length[e] > 0.0f);
+            upward += net.neighbours[e] > i;
+            downward += net.neighbours[e] < i;
+        }
+    }
+    MUST(upward == net.springs && downward == net.springs);
+}
+
 /* How many source numbers have a triangle. */
 static uint32_t ask_triangles(const dpt_mesh *mesh, const dpt_mesh_info *info)
 {
@@ -298,6 +316,7 @@ void fuzz_use_mesh(const dpt_mesh *mesh, int origin, int asked)
     MUST(dpt_mesh_get_info(mesh, &info) == DPT_OK);
     ask_sections(mesh, &info);
     ask_driving(mesh, &info);
+    ask_springs(mesh, &info);
     uint32_t found = ask_triangles(mesh, &info);
     MUST(origin == FUZZ_FORGED || found == info.triangles);
     choose_segments(&info, ends);

@@ -4,7 +4,7 @@
 #include "fuzz/calls/calls.h"
 #include "lib/arm_random.h"
 
-enum { VERTICES_MAX = 24, TRIANGLES_MAX = 24, NODES_MAX = 6, CELLS_MAX = 2 };
+enum { VERTICES_MAX = 24, TRIANGLES_MAX = 24, NODES_MAX = 6, CELLS_MAX = 2, REGIONS_MAX = 2 };
 
 static dpt_compiled adopted;
 
@@ -26,6 +26,9 @@ struct given_def {
     struct progress progress;
     double nodes[3 * NODES_MAX];
     uint32_t cells[4 * CELLS_MAX];
+    dpt_spring_def springs;
+    dpt_spring_region regions[REGIONS_MAX];
+    uint32_t fixed;
     struct codes codes;
 };
 
@@ -64,6 +67,51 @@ static void cells_may_fail(struct given_def *of)
     may_fail(&of->codes, 1, DPT_E_FINITE);
 }
 
+/* Springs of either kind, some of them nonsense. */
+static void draw_springs(struct given_def *of)
+{
+    dpt_spring_def *springs = &of->springs;
+    CALL(dpt_spring_def_defaults, springs, sizeof *springs);
+    springs->kind = draw_one_in(16) ? draw_below(5) : 1 + draw_below(2);
+    springs->spacing = draw_in(0.02, 0.2);
+    springs->viscosity = draw_in(0.0, 0.01);
+    springs->bending = draw_one_in(2) ? 0.0 : draw_in(0.0, 1e4);
+    for (int i = 0; i < REGIONS_MAX; i++) {
+        dpt_spring_region *region = &of->regions[i];
+        *region = (dpt_spring_region){ .kind = draw_one_in(16) ? draw_below(5) : 1 + draw_below(2),
+                                       .fixed = draw_below(2),
+                                       .young = draw_in(1.0, 1e5),
+                                       .density = draw_in(1.0, 1e4) };
+        for (int k = 0; k < 6; k++)
+            region->box[k] = k < 3 ? draw_in(-0.2, 0.1) : draw_in(0.0, 0.3);
+    }
+    of->fixed = draw_below(VERTICES_MAX);
+    springs->regions = draw_one_in(30) ? NULL : of->regions;
+    springs->region_count = draw_below(REGIONS_MAX + 1);
+    springs->fixed = draw_one_in(30) ? NULL : &of->fixed;
+    springs->fixed_count = draw_below(2);
+    double *const numbers[] = { &springs->young,       &springs->density,     &springs->drag,
+                                &springs->viscosity,   &springs->spacing,     &springs->bending,
+                                &of->regions[0].young, &of->regions[0].box[2] };
+    if (draw_one_in(12))
+        *numbers[draw_below(8)] = draw_odd_number();
+    if (draw_one_in(30))
+        springs->size = (uint32_t)draw_bits() >> draw_below(32);
+    of->def.springs = springs;
+}
+
+/* What they make of the mesh, and what is in a region, is the compiler's to say. */
+static void springs_may_fail(struct given_def *of)
+{
+    of->codes.or_done |= !of->codes.count;
+    may_fail(&of->codes, 1, DPT_E_ARGUMENT);
+    may_fail(&of->codes, 1, DPT_E_FINITE);
+    may_fail(&of->codes, 1, DPT_E_LIMIT);
+    may_fail(&of->codes, of->springs.fixed_count > 0, DPT_E_INDEX);
+    may_fail(&of->codes, of->springs.size != sizeof of->springs, DPT_E_SIZE);
+    may_fail(&of->codes, of->springs.size > sizeof of->springs, DPT_E_UNSUPPORTED);
+}
+
 static void draw_def(struct given_def *of)
 {
     const size_t first = offsetof(dpt_compile_def, crease);
@@ -89,6 +137,8 @@ static void draw_def(struct given_def *of)
     }
     if (draw_one_in(4))
         draw_cells(of);
+    if (draw_one_in(4))
+        draw_springs(of);
     const uint32_t size = draw_size(first, sizeof *def);
     of->given = draw_input(2, def, size, first, sizeof *def, &of->codes);
     /* What it does not reach to has its default. */
@@ -103,8 +153,10 @@ static void draw_def(struct given_def *of)
     /* Half a field is nobody's. */
     of->codes.or_done = !of->codes.count && size > first && size < sizeof *def;
     may_fail(&of->codes, of->codes.or_done, DPT_E_ARGUMENT);
-    if (size >= sizeof *def)
+    if (size >= offsetof(dpt_compile_def, springs))
         cells_may_fail(of);
+    if (size >= offsetof(dpt_compile_def, reserved_pointer) && def->springs)
+        springs_may_fail(of);
 }
 
 struct outcome {
@@ -357,6 +409,20 @@ static void defaults(void)
           "scale %g, crease %g, %u threads", whole.scale, whole.crease, whole.threads);
 }
 
+static void spring_defaults(void)
+{
+    dpt_spring_def whole;
+    const uint32_t size = draw_size(sizeof whole, sizeof whole);
+    const int is_null = draw_one_in(20);
+    void *out = output_of_defaults(0, size);
+    CALL(dpt_spring_def_defaults, is_null ? NULL : out, size);
+    CALL(dpt_spring_def_defaults, &whole, sizeof whole);
+    defaults_must_hold(0, size, is_null, &whole, sizeof whole);
+    HOLDS(!whole.kind && whole.young == 5000.0 && whole.density == 1000.0 &&
+              whole.thickness == 0.001 && whole.drag == 0.0 && !whole.regions && !whole.fixed,
+          "E %g Pa, %g kg/m^3, %g m", whole.young, whole.density, whole.thickness);
+}
+
 static void free_nothing(void)
 {
     dpt_compiled nothing = { NULL, 0 };
@@ -370,10 +436,13 @@ static void end(void)
     memset(&subjects[MESHES], 0, sizeof subjects[MESHES]);
 }
 
-static const struct move moves[] = {
-    { "arrays", arrays, 3 }, { "bytes", bytes, 1 },       { "arm", arm, 1 },
-    { "scales", scales, 1 }, { "defaults", defaults, 1 }, { "free nothing", free_nothing, 1 },
-    { NULL, NULL, 0 }
-};
+static const struct move moves[] = { { "arrays", arrays, 3 },
+                                     { "bytes", bytes, 1 },
+                                     { "arm", arm, 1 },
+                                     { "scales", scales, 1 },
+                                     { "defaults", defaults, 1 },
+                                     { "free nothing", free_nothing, 1 },
+                                     { "spring defaults", spring_defaults, 1 },
+                                     { NULL, NULL, 0 } };
 
 const struct noun compile_noun = { "compile", NULL, end, moves };

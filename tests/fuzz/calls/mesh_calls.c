@@ -110,13 +110,13 @@ static void section(void)
 {
     const struct subject *subject = draw_subject();
     const uint32_t index =
-        draw_one_in(8) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(20);
+        draw_one_in(8) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(28);
     const int no_mesh = draw_one_in(40), no_out = draw_one_in(40);
     dpt_mesh_section now;
     const uint32_t size = draw_size(sizeof now, sizeof now);
     dpt_mesh_section *out = output_sized(0, size);
     struct codes codes = { .count = 0 };
-    may_fail(&codes, no_mesh || no_out || index > 16, DPT_E_ARGUMENT);
+    may_fail(&codes, no_mesh || no_out || index > 23, DPT_E_ARGUMENT);
     if (!no_out)
         size_codes_of_output(size, sizeof now, 0, &codes);
     call_with("section %llu, size %llu", index, size, 0, 0);
@@ -230,9 +230,49 @@ static void driving(void)
               nodes[i], (double)weights[i]);
 }
 
-static const struct move moves[] = { { "open", open, 3 },         { "refuse NULL", refuse_null, 1 },
-                                     { "info", info, 4 },         { "section", section, 3 },
-                                     { "triangle", triangle, 8 }, { "all at once", all_at_once, 1 },
-                                     { "driving", driving, 2 },   { NULL, NULL, 0 } };
+/* Springs: each end is a node, and has the spring too. */
+static void springs(void)
+{
+    const struct subject *subject = draw_subject();
+    const int no_mesh = draw_one_in(10), no_out = draw_one_in(10);
+    dpt_mesh_springs now;
+    dpt_mesh_info info = { .size = sizeof info };
+    const uint32_t size = draw_size(sizeof now, sizeof now);
+    struct codes codes = { .count = 0 };
+    may_fail(&codes, no_mesh || no_out, DPT_E_ARGUMENT);
+    if (!no_out)
+        size_codes_of_output(size, sizeof now, 0, &codes);
+    dpt_mesh_springs *out = output_sized(0, size);
+    const dpt_result result =
+        RESULT(dpt_mesh_get_springs, no_mesh ? NULL : subject->mesh, no_out ? NULL : out);
+    expect(result, &codes);
+    outputs_are_guarded(0, 1);
+    if (result != DPT_OK) {
+        HOLDS(output_is_untouched(0, sizeof size), "written on an error");
+        return;
+    }
+    if (!output_read(0, size, sizeof now, sizeof now, &now))
+        return;
+    HOLDS(RESULT(dpt_mesh_get_info, subject->mesh, &info) == DPT_OK &&
+              info.spring_nodes == now.nodes && info.springs == now.springs &&
+              info.fixed_nodes <= now.nodes && (info.stable_step > 0.0) == (now.nodes > 0) &&
+              now.slices == (now.nodes + 15) / 16,
+          "%u nodes, %u springs", now.nodes, now.springs);
+    double sum = 0.0;
+    for (uint32_t i = 0; i < now.nodes; i++)
+        for (uint32_t e = now.first[i / 16] * 16 + i % 16; e < now.first[i / 16 + 1] * 16;
+             e += 16) {
+            HOLDS(now.neighbours[e] < now.nodes && now.length[e] > 0.0f, "node %u, %u", i,
+                  now.neighbours[e]);
+            sum += i < now.neighbours[e] ? 1.0 : i > now.neighbours[e] ? -1.0 : 0.0;
+        }
+    HOLDS(sum == 0.0, "%g springs too many at the lower ends", sum);
+}
+
+static const struct move moves[] = {
+    { "open", open, 3 },       { "refuse NULL", refuse_null, 1 }, { "info", info, 4 },
+    { "section", section, 3 }, { "triangle", triangle, 8 },       { "all at once", all_at_once, 1 },
+    { "driving", driving, 2 }, { "springs", springs, 2 },         { NULL, NULL, 0 }
+};
 
 const struct noun mesh_noun = { "mesh", NULL, NULL, moves };
