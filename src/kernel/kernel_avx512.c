@@ -10,6 +10,27 @@
 #else /* without prefer-vector-width gcc uses half the width */
 #define KERNEL_TARGET __attribute__((target("avx512f,avx512vl,avx512dq,prefer-vector-width=512")))
 #endif
+
+/* Four nodes, each in a quarter of a register. A quarter is then the same four lanes of x, y or z. */
+#define QUARTER(points, at, lane) _mm_loadu_ps((points) + 4 * (size_t)(at)[lane])
+#define QUARTERS(points, at, i)                                                                    \
+    _mm512_insertf32x4(                                                                            \
+        _mm512_insertf32x4(_mm512_insertf32x4(_mm512_castps128_ps512(QUARTER(points, at, i)),      \
+                                              QUARTER(points, at, (i) + 4), 1),                    \
+                           QUARTER(points, at, (i) + 8), 2),                                       \
+        QUARTER(points, at, (i) + 12), 3)
+#define KERNEL_TAKE(points, at, x, y, z)                                                           \
+    {                                                                                              \
+        const __m512 take0 = QUARTERS(points, at, 0), take1 = QUARTERS(points, at, 1);             \
+        const __m512 take2 = QUARTERS(points, at, 2), take3 = QUARTERS(points, at, 3);             \
+        const __m512 low01 = _mm512_unpacklo_ps(take0, take1);                                     \
+        const __m512 low23 = _mm512_unpacklo_ps(take2, take3);                                     \
+        const __m512 high01 = _mm512_unpackhi_ps(take0, take1);                                    \
+        const __m512 high23 = _mm512_unpackhi_ps(take2, take3);                                    \
+        _mm512_storeu_ps(x, _mm512_shuffle_ps(low01, low23, 0x44));                                \
+        _mm512_storeu_ps(y, _mm512_shuffle_ps(low01, low23, 0xee));                                \
+        _mm512_storeu_ps(z, _mm512_shuffle_ps(high01, high23, 0x44));                              \
+    }
 #include "kernel/kernel_body.h"
 #else
 typedef int kernel_avx512_is_for_another_machine;

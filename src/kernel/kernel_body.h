@@ -4,6 +4,7 @@
  *     KERNEL(name)                 the function's name
  *     KERNEL_TARGET                its target attribute, or nothing
  *     KERNEL_OPEN(bound, limit)    the lanes whose bound does not exceed the limit, as bits; optional
+ *     KERNEL_TAKE(points, at, x, y, z)   the points of 16 nodes, in lanes; optional
  *
  * The loops are straight-line code without calls, so that the compiler turns 16 iterations into vectors. No operation
  * may be fused or reordered, or the bits would differ from machine to machine.
@@ -531,5 +532,6 @@ KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
     return KERNEL_OPEN(bound, limit);
 }
 
+#include "kernel/kernel_springs.h"
 #include "kernel/kernel_vertices.h"
 #include "kernel/kernel_winding.h"

@@ -72,7 +72,10 @@ uint32_t dpt_kernel_best(void)
             dpti_kernel_##set##_swept_boxes, dpti_kernel_##set##_swept_triangles,                  \
             dpti_kernel_##set##_point_boxes, dpti_kernel_##set##_point_triangles,                  \
             dpti_kernel_##set##_moments, dpti_kernel_##set##_angles, dpti_kernel_##set##_move,     \
-            dpti_kernel_##set##_outside                                                            \
+            dpti_kernel_##set##_outside, dpti_kernel_##set##_spring_forces,                        \
+            dpti_kernel_##set##_spring_energy, dpti_kernel_##set##_spring_product,                 \
+            dpti_kernel_##set##_spring_move, dpti_kernel_##set##_spring_descend,                   \
+            dpti_kernel_##set##_spring_turn                                                        \
     }
 
 int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)

@@ -120,6 +120,63 @@ typedef void kernel_move(const float *next, const float *last, float *to, uint32
 typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const float *low,
                                 const float *high);
 
+/*
+ * Springs (docs/algorithms/springs.md). 16 nodes make a slice. Rows of 16 entries for each slice, as in
+ * mesh/spring_net.h. Points are x, y, z and an unused number a node; all other vectors of a slice are rows of 16: x, y, z.
+ * A slice's sums run over its entries in order, lane by lane, so they are the same with every kernel.
+ *
+ *   spring_forces   force = the sum over a node's springs of k (1 - L / |d|) d, d to the other node
+ *   spring_energy   the same, and adds k (|d| - L)^2 to each node's lane of sum[]: four times its share of the energy
+ *   spring_product  out = scale * sum of k (u_i - u_j) + diagonal * u_i, and adds u . out to the lanes of sum[]
+ *   spring_move     an explicit step of a slice. Sets *square to the largest squared speed after it. Returns 0 if all
+ *                   coordinates and speeds are numbers within the motion's limits
+ *   spring_descend  change += by * direction, residual -= by * product; adds residual . per_diagonal residual to sum[]
+ *   spring_turn     direction = per_diagonal residual + by * direction
+ */
+enum { SPRING_ROWS = 3 * LANES, SPRING_POINTS = 4 * LANES };
+
+struct spring_rows {
+    const uint32_t *first;
+    const uint32_t *neighbour;
+    const float *stiffness;
+    const float *length;
+};
+
+/* What a slice keeps from step to step: positions, what rounding has left of them, speeds. */
+struct spring_slice {
+    float x[SPRING_ROWS], rest[SPRING_ROWS], v[SPRING_ROWS];
+};
+
+/* What stays the same in a slice: 1 / mass, 0 for a node that is fixed; drag, 1/s. */
+struct spring_nodes {
+    float per_mass[LANES], drag[LANES];
+};
+
+/* A step: its length, what forces are multiplied by, the points' lead before the nodes. */
+struct spring_motion {
+    float step, scale, lead;
+    float gravity[3];
+    float far, fast; /* m, m/s: the limits */
+    uint32_t is_euler;
+};
+
+typedef void kernel_spring_forces(const struct spring_rows *rows, uint32_t slice,
+                                  const float *points, float *force);
+typedef void kernel_spring_energy(const struct spring_rows *rows, uint32_t slice,
+                                  const float *points, float *force, double *sum);
+typedef void kernel_spring_product(const struct spring_rows *rows, uint32_t slice, float scale,
+                                   const float *diagonal, const float *points, float *out,
+                                   double *sum);
+typedef uint32_t kernel_spring_move(const struct spring_motion *motion,
+                                    const struct spring_nodes *nodes, const float *force,
+                                    const float *load, const struct spring_slice *from,
+                                    struct spring_slice *to, float *points, float *square);
+typedef void kernel_spring_descend(float by, const float *direction, const float *product,
+                                   const float *per_diagonal, float *change, float *residual,
+                                   double *sum);
+typedef void kernel_spring_turn(float by, const float *residual, const float *per_diagonal,
+                                float *direction);
+
 struct kernel {
     kernel_cached *cached_boxes;
     kernel_cached *cached_triangles;
@@ -136,6 +193,12 @@ struct kernel {
     kernel_angles *angles;
     kernel_move *move;
     kernel_outside *outside;
+    kernel_spring_forces *spring_forces;
+    kernel_spring_energy *spring_energy;
+    kernel_spring_product *spring_product;
+    kernel_spring_move *spring_move;
+    kernel_spring_descend *spring_descend;
+    kernel_spring_turn *spring_turn;
 };
 
 /* The widest kernel that every machine of this kind has. */
@@ -165,7 +228,13 @@ int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
     kernel_moments dpti_kernel_##set##_moments;                                                    \
     kernel_angles dpti_kernel_##set##_angles;                                                      \
     kernel_move dpti_kernel_##set##_move;                                                          \
-    kernel_outside dpti_kernel_##set##_outside;
+    kernel_outside dpti_kernel_##set##_outside;                                                    \
+    kernel_spring_forces dpti_kernel_##set##_spring_forces;                                        \
+    kernel_spring_energy dpti_kernel_##set##_spring_energy;                                        \
+    kernel_spring_product dpti_kernel_##set##_spring_product;                                      \
+    kernel_spring_move dpti_kernel_##set##_spring_move;                                            \
+    kernel_spring_descend dpti_kernel_##set##_spring_descend;                                      \
+    kernel_spring_turn dpti_kernel_##set##_spring_turn;
 KERNEL_DECLARE(scalar)
 KERNEL_DECLARE(sse2)
 KERNEL_DECLARE(avx2)

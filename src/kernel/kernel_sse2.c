@@ -9,6 +9,23 @@
 #define KERNEL_OPEN(bound, limit)                                                                  \
     (FOUR(bound, limit) | FOUR((bound) + 4, limit) << 4 | FOUR((bound) + 8, limit) << 8 |          \
      FOUR((bound) + 12, limit) << 12)
+
+#define TAKE_FOUR(points, at, x, y, z, from)                                                       \
+    {                                                                                              \
+        __m128 take0 = _mm_loadu_ps((points) + 4 * (size_t)(at)[from]);                            \
+        __m128 take1 = _mm_loadu_ps((points) + 4 * (size_t)(at)[(from) + 1]);                      \
+        __m128 take2 = _mm_loadu_ps((points) + 4 * (size_t)(at)[(from) + 2]);                      \
+        __m128 take3 = _mm_loadu_ps((points) + 4 * (size_t)(at)[(from) + 3]);                      \
+        _MM_TRANSPOSE4_PS(take0, take1, take2, take3);                                             \
+        _mm_storeu_ps((x) + (from), take0);                                                        \
+        _mm_storeu_ps((y) + (from), take1);                                                        \
+        _mm_storeu_ps((z) + (from), take2);                                                        \
+    }
+#define KERNEL_TAKE(points, at, x, y, z)                                                           \
+    TAKE_FOUR(points, at, x, y, z, 0)                                                              \
+    TAKE_FOUR(points, at, x, y, z, 4)                                                              \
+    TAKE_FOUR(points, at, x, y, z, 8)                                                              \
+    TAKE_FOUR(points, at, x, y, z, 12)
 #include "kernel/kernel_body.h"
 #else
 typedef int kernel_sse2_is_for_another_machine;

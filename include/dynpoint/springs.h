@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Physics of masses and springs for a deformable body: the net that the compiler put into its mesh, stepped over time.
+ * docs/algorithms/springs.md.
+ *
+ *     dpt_springs_def def;
+ *     dpt_springs_def_init(&def);
+ *     def.mesh = mesh;
+ *     void *block = malloc(dpt_springs_bytes(&def));
+ *     dpt_springs_create(block, dpt_springs_bytes(&def), &def, &springs);
+ *     for each tick:
+ *         dpt_deform_get_node_loads(world, body, loads, capacity, &count);
+ *         dpt_springs_step(springs, dt, loads, count, NULL);
+ *         dpt_springs_get_nodes(springs, nodes, node_count);
+ *         dpt_deform_set_nodes(world, body, nodes);
+ *
+ * Nodes are the mesh's vertices, in the order of dpt_mesh_get_vertices, or those of the lattice in which the vertices
+ * are embedded (dpt_mesh_get_embedding). With the former, use dpt_deform_get_loads and dpt_deform_set_vertices.
+ *
+ * Everything is in the body's frame, which counts as one that does not accelerate.
+ *
+ * Threads: springs belong to one thread at a time. Different springs may be stepped in different threads. They may
+ * share a mesh.
+ */
+#ifndef DYNPOINT_SPRINGS_H
+#define DYNPOINT_SPRINGS_H
+
+#include "dynpoint/deform.h"
+
+DPT_BEGIN
+
+typedef struct dpt_springs dpt_springs;
+
+/*
+ * How positions and speeds are carried from step to step.
+ *   SYMPLECTIC  speeds first, then positions with the new speeds. Keeps momentum; energy neither grows nor falls over
+ *               time, but for damping. A step that is too long for it is cut into equal substeps
+ *   EULER       the paper's: positions with the old speeds. Gains energy where damping does not take it away. Cut into
+ *               substeps as well
+ *   IMPLICIT    stable for any stiffness and step, in one substep. Energy grows by no more than the work of loads and
+ *               gravity. What is faster than the step is damped. It costs iterations + 2 times a substep of the others
+ */
+enum { DPT_SPRINGS_SYMPLECTIC = 0, DPT_SPRINGS_EULER = 1, DPT_SPRINGS_IMPLICIT = 2 };
+
+/* s: the longest step. */
+#define DPT_SPRINGS_STEP_MAX 1.0
+
+/* dpt_springs_def_init fills in the defaults, which are given last. */
+typedef struct dpt_springs_def {
+    uint32_t size;        /* sizeof(dpt_springs_def), set by dpt_springs_def_init */
+    uint32_t integrator;  /* DPT_SPRINGS_...; DPT_SPRINGS_SYMPLECTIC */
+    const dpt_mesh *mesh; /* with springs; it must stay open */
+    const void *reserved; /* NULL */
+    double gravity[3];    /* m/s2, in the body's frame, at most 1e6; 0 */
+    double stiffness;     /* what the mesh's stiffnesses are multiplied by, 1e-9..1e9; 1 */
+    /*
+     * N/m, 0..1e12: the stiffness of what touches a single node. The stable step of SYMPLECTIC and EULER is shortened
+     * accordingly. A tool's whole stiffness is always enough; what one node has of it, if you spread loads; 0
+     */
+    double contact_stiffness;
+    /*
+     * m/s, 0..1e6: 16 nodes that follow each other fall asleep when all of them have been slower for sleep_steps steps.
+     * 0: none falls asleep; 1e-5
+     */
+    double sleep_speed;
+    uint32_t sleep_steps;  /* 2..65535; 64 */
+    uint32_t iterations;   /* of IMPLICIT in a step, 1..1024; 2 */
+    uint32_t max_substeps; /* of SYMPLECTIC and EULER in a step, 1..65535; 16 */
+    uint32_t kernel;       /* DPT_KERNEL_...; DPT_KERNEL_AUTO */
+} dpt_springs_def;
+
+/* Fill in the first `size` bytes; what dpt_springs_def_init calls with its own caller's sizeof. */
+DPT_API void dpt_springs_def_defaults(dpt_springs_def *def, size_t size);
+
+static inline void dpt_springs_def_init(dpt_springs_def *def)
+{
+    dpt_springs_def_defaults(def, sizeof *def);
+}
+
+/* The bytes that springs of this def need, in this version: about 150 a node, and 110 more with IMPLICIT. 0: the def is
+ * not valid. */
+DPT_API size_t dpt_springs_bytes(const dpt_springs_def *def);
+
+/*
+ * Make springs, at rest where the mesh has them, in a block that is aligned to 8 and of at least dpt_springs_bytes(def)
+ * bytes. It belongs to the springs as long as they are used.
+ *
+ * DPT_E_UNSUPPORTED: the mesh has no springs, or this machine does not have the kernel.
+ */
+DPT_API dpt_result dpt_springs_create(void *block, size_t bytes, const dpt_springs_def *def,
+                                      dpt_springs **springs);
+
+/* How many nodes there are; 0 for NULL. */
+DPT_API uint32_t dpt_springs_count(const dpt_springs *springs);
+
+/*
+ * s: the longest substep that is stable in every configuration, at most DPT_SPRINGS_STEP_MAX. 0: none is, which is so
+ * for EULER without damping. For IMPLICIT DPT_SPRINGS_STEP_MAX; for NULL 0. dpt_springs_step takes at most 0.9 of it.
+ */
+DPT_API double dpt_springs_stable_step(const dpt_springs *springs);
+
+/* Bits of dpt_springs_report.flags. */
+enum {
+    /*
+     * IMPLICIT: the step in which nodes fly on first could have gained energy. It was taken once more from where nodes
+     * were; that damps more, and costs as much again.
+     */
+    DPT_SPRINGS_FLAG_HELD = 1
+};
+
+/* What a step did. */
+typedef struct dpt_springs_report {
+    uint32_t size; /* sizeof(dpt_springs_report), set by the caller */
+    uint32_t flags;
+    uint32_t substeps;
+    uint32_t nodes;  /* all of them */
+    uint32_t active; /* those that were not asleep */
+    uint32_t reserved;
+    double stable_step; /* s: dpt_springs_stable_step */
+} dpt_springs_report;
+
+/*
+ * Go on by dt, 0 < dt <= DPT_SPRINGS_STEP_MAX, s.
+ *
+ *   loads   `count` forces on nodes, N, at most 1e9 each way; they are constant during the step. A node may occur more
+ *           than once: they are added up. NULL if count is 0
+ *   report  may be NULL
+ *
+ * After an error nothing has moved:
+ *   DPT_E_UNSTABLE  more than max_substeps are needed, or no substep is stable. Choose IMPLICIT, a shorter dt, more
+ *                   substeps; for EULER, a mesh with damping
+ *   DPT_E_FINITE    a load is not finite or too large; or a coordinate would exceed DPT_COORDINATE_MAX, or a speed 1e9
+ *   DPT_E_ARGUMENT  dt or a node is out of range
+ */
+DPT_API dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads,
+                                    uint32_t count, dpt_springs_report *report);
+
+/*
+ * Where the nodes are and how fast: 3 floats each, m and m/s; `count` is dpt_springs_count. `speeds` may be NULL.
+ * DPT_E_ARGUMENT: another count.
+ */
+DPT_API dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count,
+                                         float *positions, float *speeds);
+
+/*
+ * Put `count` nodes, from `first` on, somewhere else, and wake them and their neighbours. Nodes that are fixed are fixed
+ * there from now on.
+ *
+ *   positions  3 floats a node, m, at most DPT_COORDINATE_MAX each way
+ *   speeds     3 floats a node, m/s, at most 1e9 each way; NULL: they rest. Those of fixed nodes are not used
+ *
+ * DPT_E_FINITE, DPT_E_ARGUMENT: nothing has changed.
+ */
+DPT_API dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, uint32_t count,
+                                         const float *positions, const float *speeds);
+
+/*
+ * J: what the springs hold, and what moves. Neither may be NULL. It costs as much as a substep.
+ */
+DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *elastic,
+                                          double *kinetic);
+
+DPT_END
+
+#endif

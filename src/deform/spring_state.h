@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What springs keep from step to step (docs/algorithms/springs.md). */
+#ifndef DPT_SPRING_STATE_H
+#define DPT_SPRING_STATE_H
+
+#include "dynpoint/springs.h"
+#include "kernel/kernel_ops.h"
+#include "mesh/spring_net.h"
+
+/* m/s: faster is a state that is refused. */
+#define SPRING_FAST 1e9
+
+/* N: a larger load is refused. */
+#define SPRING_LOAD_MAX 1e9
+
+/* The loads of a step: a row of 16 x, y, z a slice; zero but in the slices that are listed. */
+struct spring_loads {
+    float *force;
+    uint8_t *marked; /* 1 a slice */
+    uint32_t *slices;
+    uint32_t count;
+};
+
+/* What IMPLICIT solves with; rows of 48 a slice, directions are points. */
+struct spring_solve {
+    float *force, *residual, *product, *change;
+    float *direction;
+    float *mass, *stiffness;        /* 16 a slice: of a node, and the sum over its springs */
+    float *diagonal, *per_diagonal; /* 16 a slice, for `step` */
+    double *energy;                 /* 1 a slice: of its nodes, when it was last stepped */
+    double step;                    /* for which the diagonal was made; 0: none */
+    double account; /* J: the energy is proven not to exceed it; below 0: not known */
+};
+
+/* Which slices are stepped. */
+struct active_region {
+    uint32_t *slices; /* those awake, ascending */
+    uint32_t count;
+    uint32_t quiet_slices; /* that are slow, or asleep */
+    uint8_t *is_awake;     /* 1 a slice */
+    uint16_t *quiet;       /* 1 a slice: for how many steps it has been slow */
+    float *drift;  /* 1 a slice, m: how far it may have moved since its neighbours were woken */
+    float *square; /* 1 a slice: the largest squared speed after the last step */
+};
+
+struct dpt_springs {
+    struct spring_net net;
+    dpt_springs_def def;
+    struct kernel kernel;
+    struct spring_rows rows;
+    double square;      /* 1/s2: a bound of all squared frequencies */
+    double stable_step; /* s */
+    double lead;        /* s: the viscosity */
+    struct spring_nodes *nodes;
+    struct spring_slice *state[2];
+    uint32_t now; /* which of the states is the last step's */
+    float *points[2];
+    uint32_t at; /* which of the points are those of the state */
+    struct spring_loads loads[2];
+    uint32_t loaded; /* which of the loads are the last step's */
+    struct active_region region;
+    struct spring_solve solve;
+};
+
+/* The sum of 16 lanes, in a fixed order. */
+static inline double spring_sum(const double lanes[LANES])
+{
+    double sum = 0.0;
+    for (int i = 0; i < LANES; i++)
+        sum += lanes[i];
+    return sum;
+}
+
+/* The points of a slice: its nodes, `lead` s ahead of where they are. */
+static inline void spring_place(const struct spring_slice *slice, float lead, float *points)
+{
+    for (int i = 0; i < LANES; i++) {
+        for (int row = 0; row < 3; row++)
+            points[4 * i + row] = slice->x[LANES * row + i] + lead * slice->v[LANES * row + i];
+        points[4 * i + 3] = 0.0f;
+    }
+}
+
+#endif

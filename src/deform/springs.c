@@ -1,0 +1,342 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Springs (springs.h): docs/algorithms/springs.md. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/return_if_error.h"
+#include "base/sized.h"
+#include "deform/active_region.h"
+#include "deform/implicit.h"
+#include "deform/integrate.h"
+#include "deform/spring_energy.h"
+#include "deform/springs_net.h"
+
+/* Of the stable step: so much a substep uses. */
+#define STABLE_SHARE 0.9
+
+#define GRAVITY_MAX 1e6
+#define SCALE_MIN   1e-9
+#define SCALE_MAX   1e9
+#define CONTACT_MAX 1e12
+#define SLEEP_MAX   1e6
+#define ITERATIONS  1024u
+#define COUNT_MAX   65535u
+#define BLOCK_ALIGN 64u
+
+typedef char first_release[sizeof(dpt_springs_def) % 8 == 0 ? 1 : -1];
+
+void dpt_springs_def_defaults(dpt_springs_def *def, size_t size)
+{
+    const dpt_springs_def defaults = { .stiffness = 1.0,
+                                       .sleep_speed = 1e-5,
+                                       .sleep_steps = 64,
+                                       .iterations = 2,
+                                       .max_substeps = 16 };
+    sized_defaults(def, size, &defaults, sizeof defaults);
+}
+
+static int is_in(double value, double low, double high)
+{
+    return value >= low && value <= high;
+}
+
+dpt_result dpti_springs_read_def(const dpt_springs_def *given, dpt_springs_def *def)
+{
+    if (!given)
+        return DPT_E_ARGUMENT;
+    dpt_springs_def_init(def);
+    DPT_TRY(sized_read(given, sizeof *def, def, sizeof *def));
+    const double real[] = { def->gravity[0], def->gravity[1],  def->gravity[2],
+                            def->stiffness,  def->sleep_speed, def->contact_stiffness };
+    for (size_t i = 0; i < sizeof real / sizeof *real; i++)
+        if (!(fabs(real[i]) <= DBL_MAX))
+            return DPT_E_FINITE;
+    for (int k = 0; k < 3; k++)
+        if (!is_in(def->gravity[k], -GRAVITY_MAX, GRAVITY_MAX))
+            return DPT_E_ARGUMENT;
+    if (def->reserved || def->integrator > DPT_SPRINGS_IMPLICIT ||
+        !is_in(def->stiffness, SCALE_MIN, SCALE_MAX) ||
+        !is_in(def->contact_stiffness, 0.0, CONTACT_MAX) ||
+        !is_in(def->sleep_speed, 0.0, SLEEP_MAX) || def->sleep_steps < 2 ||
+        def->sleep_steps > COUNT_MAX || def->iterations < 1 || def->iterations > ITERATIONS ||
+        def->max_substeps < 1 || def->max_substeps > COUNT_MAX)
+        return DPT_E_ARGUMENT;
+    return DPT_OK;
+}
+
+/* Takes `count` items of `size` bytes from a block, or only counts them if the block is NULL. */
+struct block {
+    char *base;
+    uint64_t used;
+};
+
+static void *take(struct block *block, uint64_t count, size_t size)
+{
+    char *at = block->base ? block->base + block->used : NULL;
+    block->used += (count * size + BLOCK_ALIGN - 1) / BLOCK_ALIGN * BLOCK_ALIGN;
+    return at;
+}
+
+static void place(struct dpt_springs *springs, struct block *block)
+{
+    const uint64_t slices = springs->net.slices;
+    struct active_region *region = &springs->region;
+    struct spring_solve *solve = &springs->solve;
+    springs->nodes = take(block, slices, sizeof *springs->nodes);
+    for (int i = 0; i < 2; i++) {
+        springs->state[i] = take(block, slices, sizeof *springs->state[i]);
+        springs->points[i] = take(block, slices * SPRING_POINTS, sizeof(float));
+        springs->loads[i].force = take(block, slices * SPRING_ROWS, sizeof(float));
+        springs->loads[i].marked = take(block, slices, 1);
+        springs->loads[i].slices = take(block, slices, sizeof(uint32_t));
+    }
+    region->slices = take(block, slices, sizeof(uint32_t));
+    region->is_awake = take(block, slices, 1);
+    region->quiet = take(block, slices, sizeof *region->quiet);
+    region->drift = take(block, slices, sizeof(float));
+    region->square = take(block, slices, sizeof(float));
+    if (springs->def.integrator != DPT_SPRINGS_IMPLICIT)
+        return;
+    solve->force = take(block, slices * SPRING_ROWS, sizeof(float));
+    solve->residual = take(block, slices * SPRING_ROWS, sizeof(float));
+    solve->product = take(block, slices * SPRING_ROWS, sizeof(float));
+    solve->change = take(block, slices * SPRING_ROWS, sizeof(float));
+    solve->direction = take(block, slices * SPRING_POINTS, sizeof(float));
+    solve->mass = take(block, slices * LANES, sizeof(float));
+    solve->stiffness = take(block, slices * LANES, sizeof(float));
+    solve->diagonal = take(block, slices * LANES, sizeof(float));
+    solve->per_diagonal = take(block, slices * LANES, sizeof(float));
+    solve->energy = take(block, slices, sizeof(double));
+}
+
+size_t dpti_springs_net_bytes(const dpt_springs_def *def, const struct spring_net *net)
+{
+    struct dpt_springs springs = { .net = *net, .def = *def };
+    struct block block = { .base = NULL };
+    place(&springs, &block);
+    block.used += sizeof springs + BLOCK_ALIGN;
+    return net->nodes && block.used <= SIZE_MAX ? (size_t)block.used : 0;
+}
+
+/* The least drag of all nodes that move. */
+static double least_drag(const struct spring_net *net)
+{
+    double least = DBL_MAX;
+    for (uint32_t node = 0; node < net->nodes; node++)
+        if (net->mass[node] > 0.0f && (double)net->drag[node] < least)
+            least = (double)net->drag[node];
+    return least < DBL_MAX ? least : 0.0;
+}
+
+static void begin_nodes(struct dpt_springs *springs)
+{
+    const struct spring_net *net = &springs->net;
+    for (uint32_t node = 0; node < net->nodes; node++) {
+        const uint32_t slice = node / LANES, lane = node % LANES;
+        if (net->mass[node] > 0.0f)
+            springs->nodes[slice].per_mass[lane] = 1.0f / net->mass[node];
+        springs->nodes[slice].drag[lane] = net->drag[node];
+        for (uint32_t row = 0; row < 3; row++)
+            springs->state[0][slice].x[LANES * row + lane] = net->rest[3 * (size_t)node + row];
+    }
+    memcpy(springs->state[1], springs->state[0], net->slices * sizeof *springs->state[0]);
+    for (size_t slice = 0; slice < net->slices; slice++)
+        for (int i = 0; i < 2; i++)
+            spring_place(springs->state[0] + slice, 0.0f,
+                         springs->points[i] + SPRING_POINTS * slice);
+}
+
+dpt_result dpti_springs_create_net(void *block, size_t bytes, const dpt_springs_def *given,
+                                   const struct spring_net *net, dpt_springs **springs)
+{
+    dpt_springs_def def;
+    struct kernel kernel;
+    uint32_t chosen;
+    if (!block || !springs)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(dpti_springs_read_def(given, &def));
+    const size_t needed = dpti_springs_net_bytes(&def, net);
+    if (!needed)
+        return DPT_E_ARGUMENT;
+    if ((uintptr_t)block % 8)
+        return DPT_E_ALIGN;
+    if (bytes < needed)
+        return DPT_E_MEMORY;
+    if (!dpti_kernel_get(def.kernel, &kernel, &chosen))
+        return DPT_E_UNSUPPORTED;
+    memset(block, 0, needed);
+    struct dpt_springs *made = block;
+    char *base = (char *)block + sizeof *made;
+    base += (BLOCK_ALIGN - (uintptr_t)base % BLOCK_ALIGN) % BLOCK_ALIGN;
+    struct block rest = { .base = base };
+    made->net = *net;
+    made->def = def;
+    made->kernel = kernel;
+    made->rows = (struct spring_rows){ net->first, net->neighbour, net->stiffness, net->length };
+    made->square = dpti_springs_square(net, def.stiffness, def.contact_stiffness);
+    made->stable_step =
+        def.integrator == DPT_SPRINGS_IMPLICIT
+            ? DPT_SPRINGS_STEP_MAX
+            : dpti_springs_limit(def.integrator, made->square, net->viscosity, least_drag(net));
+    made->lead = net->viscosity;
+    place(made, &rest);
+    begin_nodes(made);
+    dpti_region_wake_all(made);
+    if (def.integrator == DPT_SPRINGS_IMPLICIT)
+        dpti_implicit_begin(made);
+    *springs = made;
+    return DPT_OK;
+}
+
+uint32_t dpt_springs_count(const dpt_springs *springs)
+{
+    return springs ? springs->net.nodes : 0;
+}
+
+double dpt_springs_stable_step(const dpt_springs *springs)
+{
+    return springs ? springs->stable_step : 0.0;
+}
+
+/* The loads of a step, in place of those of the step before the last. */
+static void set_loads(struct spring_loads *to, const dpt_load *loads, uint32_t count)
+{
+    for (uint32_t i = 0; i < to->count; i++) {
+        to->marked[to->slices[i]] = 0;
+        memset(to->force + SPRING_ROWS * (size_t)to->slices[i], 0, SPRING_ROWS * sizeof *to->force);
+    }
+    to->count = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t slice = loads[i].vertex / LANES, lane = loads[i].vertex % LANES;
+        if (!to->marked[slice])
+            to->slices[to->count++] = slice;
+        to->marked[slice] = 1;
+        for (uint32_t row = 0; row < 3; row++)
+            to->force[SPRING_ROWS * (size_t)slice + LANES * row + lane] +=
+                (float)loads[i].force[row];
+    }
+}
+
+static dpt_result check_loads(const struct dpt_springs *springs, const dpt_load *loads,
+                              uint32_t count)
+{
+    if (count && !loads)
+        return DPT_E_ARGUMENT;
+    for (uint32_t i = 0; i < count; i++) {
+        if (loads[i].vertex >= springs->net.nodes || loads[i].reserved)
+            return DPT_E_ARGUMENT;
+        for (int k = 0; k < 3; k++)
+            if (!is_in(loads[i].force[k], -SPRING_LOAD_MAX, SPRING_LOAD_MAX))
+                return DPT_E_FINITE;
+    }
+    return DPT_OK;
+}
+
+/* How many substeps of at most a share of the stable step dt has; 0 if they are too many. */
+static uint32_t substeps_of(const struct dpt_springs *springs, double dt)
+{
+    if (springs->def.integrator == DPT_SPRINGS_IMPLICIT)
+        return 1;
+    const double longest = STABLE_SHARE * springs->stable_step;
+    if (!(dt <= longest * (double)springs->def.max_substeps))
+        return 0;
+    const uint32_t whole = (uint32_t)(dt / longest);
+    return whole + ((double)whole * longest < dt);
+}
+
+dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
+                            dpt_springs_report *report)
+{
+    dpt_springs_report own = { .size = sizeof own };
+    if (!springs)
+        return DPT_E_ARGUMENT;
+    if (report)
+        DPT_TRY(sized_check(report, sizeof own, 0));
+    if (!(fabs(dt) <= DBL_MAX))
+        return DPT_E_FINITE;
+    if (!(dt > 0.0 && dt <= DPT_SPRINGS_STEP_MAX))
+        return DPT_E_ARGUMENT;
+    DPT_TRY(check_loads(springs, loads, count));
+    own.substeps = substeps_of(springs, dt);
+    if (!own.substeps)
+        return DPT_E_UNSTABLE;
+
+    springs->loaded = 1 - springs->loaded;
+    set_loads(&springs->loads[springs->loaded], loads, count);
+    dpti_region_wake_loaded(springs);
+    own.nodes = springs->net.nodes;
+    own.active = springs->region.count * LANES;
+    own.active = own.active < own.nodes ? own.active : own.nodes;
+    own.stable_step = springs->stable_step;
+    const int done = springs->def.integrator == DPT_SPRINGS_IMPLICIT
+                         ? dpti_implicit_step(springs, dt, &own.flags)
+                         : dpti_springs_substeps(springs, dt / (double)own.substeps, own.substeps);
+    if (!done) {
+        springs->loaded = 1 - springs->loaded;
+        return DPT_E_FINITE;
+    }
+    dpti_region_settle(springs, dt);
+    if (report)
+        sized_write(report, report->size, &own, sizeof own);
+    return DPT_OK;
+}
+
+dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count, float *positions,
+                                 float *speeds)
+{
+    if (!springs || !positions || count != springs->net.nodes)
+        return DPT_E_ARGUMENT;
+    const struct spring_slice *state = springs->state[springs->now];
+    for (uint32_t node = 0; node < count; node++)
+        for (uint32_t row = 0; row < 3; row++) {
+            const uint32_t at = LANES * row + node % LANES;
+            positions[3 * (size_t)node + row] = state[node / LANES].x[at];
+            if (speeds)
+                speeds[3 * (size_t)node + row] = state[node / LANES].v[at];
+        }
+    return DPT_OK;
+}
+
+dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, uint32_t count,
+                                 const float *positions, const float *speeds)
+{
+    if (!springs || first > springs->net.nodes || count > springs->net.nodes - first ||
+        (count && !positions))
+        return DPT_E_ARGUMENT;
+    for (size_t i = 0; i < 3 * (size_t)count; i++)
+        if (!(fabsf(positions[i]) <= (float)DPT_COORDINATE_MAX) ||
+            (speeds && !(fabsf(speeds[i]) <= (float)SPRING_FAST)))
+            return DPT_E_FINITE;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t slice = (first + i) / LANES, lane = (first + i) % LANES;
+        struct spring_slice *state = springs->state[springs->now] + slice;
+        const int moves = springs->nodes[slice].per_mass[lane] > 0.0f;
+        for (uint32_t row = 0; row < 3; row++) {
+            const uint32_t at = LANES * row + lane;
+            state->x[at] = positions[3 * (size_t)i + row];
+            state->rest[at] = 0.0f;
+            state->v[at] = speeds && moves ? speeds[3 * (size_t)i + row] : 0.0f;
+        }
+        if (lane == LANES - 1 || i == count - 1) {
+            spring_place(state, (float)springs->lead,
+                         springs->points[springs->at] + SPRING_POINTS * (size_t)slice);
+            dpti_region_disturb(springs, slice);
+        }
+    }
+    dpti_region_list(springs);
+    if (springs->def.integrator == DPT_SPRINGS_IMPLICIT)
+        dpti_implicit_forget(springs);
+    return DPT_OK;
+}
+
+dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *elastic, double *kinetic)
+{
+    if (!springs || !elastic || !kinetic)
+        return DPT_E_ARGUMENT;
+    *elastic = 0.0;
+    for (uint32_t slice = 0; slice < springs->net.slices; slice++)
+        *elastic += dpti_springs_elastic(springs, slice);
+    *kinetic = dpti_springs_kinetic(springs);
+    return DPT_OK;
+}

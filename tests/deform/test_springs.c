@@ -1,0 +1,373 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Springs against closed forms: a mass on a spring, chains that hang, a membrane, a bar under its weight; momentum and
+ * energy. Whether steps are stable is for test_springs_stable.
+ */
+#include "deform/spring_rig.h"
+
+#define PI 3.14159265358979323846
+
+static dpt_springs_def def_of(uint32_t integrator)
+{
+    dpt_springs_def def;
+    dpt_springs_def_init(&def);
+    def.integrator = integrator;
+    def.sleep_speed = 0.0;
+    return def;
+}
+
+/* A mass on a spring along x: a period takes 2 pi sqrt(m / k), and energy stays within h w / 2 of what it was. */
+static void a_mass_swings(void)
+{
+    const double k = 40.0, m = 0.1, w = sqrt(k / m), h = 1e-4, away = 0.01;
+    struct rig rig = { 0 };
+    dpt_springs_def def = def_of(DPT_SPRINGS_SYMPLECTIC);
+    rig_fix(&rig, rig_node(&rig, 0.0, 0.0, 0.0, 1.0));
+    rig_node(&rig, 1.0, 0.0, 0.0, m);
+    rig_spring(&rig, 0, 1, k, 1.0);
+    CHECK(rig_open(&rig, &def) == DPT_OK, "not made");
+    CHECK(fabs(dpt_springs_stable_step(rig.made) - 2.0 / w) < 1e-7, "stable %g, not %g",
+          dpt_springs_stable_step(rig.made), 2.0 / w);
+    const float start[3] = { (float)(1.0 + away), 0.0f, 0.0f };
+    CHECK(dpt_springs_set_nodes(rig.made, 1, 1, start, NULL) == DPT_OK, "not moved");
+    double last = away, elastic, kinetic, least = 1e9, most = 0.0, first = -1.0, cross = 0.0;
+    uint32_t crossings = 0;
+    for (uint32_t i = 1; i <= 31416; i++) {
+        rig_steps(&rig, h, 1);
+        const double x = (double)rig_positions(&rig)[3] - 1.0;
+        if (last > 0.0 && x <= 0.0) {
+            cross = ((double)i - 1.0 + last / (last - x)) * h;
+            first = crossings++ ? first : cross;
+        }
+        last = x;
+        dpt_springs_get_energy(rig.made, &elastic, &kinetic);
+        least = elastic + kinetic < least ? elastic + kinetic : least;
+        most = elastic + kinetic > most ? elastic + kinetic : most;
+    }
+    const double period = (cross - first) / (crossings - 1.0), true_period = 2.0 * PI / w;
+    CHECK(fabs(period / true_period - 1.0) < w * w * h * h / 24.0 + 2e-6, "period %.9f, not %.9f",
+          period, true_period);
+    const double energy = 0.5 * k * away * away;
+    CHECK(most < energy * (1.0 + 0.51 * h * w) && least > energy * (1.0 - 0.51 * h * w),
+          "energy %g to %g of %g", least, most, energy);
+    rig_close(&rig);
+}
+
+/* Step until it rests: drag slows it down. */
+static void settle(struct rig *rig, double dt, uint32_t steps)
+{
+    double elastic, kinetic = 1.0;
+    for (uint32_t i = 0; i < steps; i++)
+        rig_steps(rig, dt, 1);
+    dpt_springs_get_energy(rig->made, &elastic, &kinetic);
+    CHECK(kinetic < 1e-7 * (elastic + 1e-9), "still moves: %g of %g J", kinetic, elastic);
+}
+
+/*
+ * A chain between two points. In the tension of each spring the horizontal part H is the same, and the vertical part
+ * falls by m g at each mass: with H known, all places follow. H is what makes the span right.
+ */
+enum { LINKS = 24 };
+
+static double chain_span(double pull, double k, double length, double weight,
+                         double place[LINKS + 1][2])
+{
+    place[0][0] = place[0][1] = 0.0;
+    for (int i = 0; i < LINKS; i++) {
+        const double up = weight * (0.5 * (LINKS - 1) - i), size = sqrt(pull * pull + up * up);
+        place[i + 1][0] = place[i][0] + (length + size / k) * pull / size;
+        place[i + 1][1] = place[i][1] - (length + size / k) * up / size;
+    }
+    return place[LINKS][0];
+}
+
+static void a_chain_hangs(uint32_t integrator)
+{
+    const double length = 0.05, span = 0.9, k = 50.0, m = 0.01, g = 9.81;
+    double place[LINKS + 1][2], low = 1e-3, high = 1e3, worst = 0.0;
+    struct rig rig = { 0 };
+    dpt_springs_def def = def_of(integrator);
+    def.gravity[1] = -g;
+    for (int i = 0; i <= LINKS; i++)
+        rig_node(&rig, span * i / LINKS, 0.0, 0.0, m);
+    for (uint32_t i = 0; i < LINKS; i++)
+        rig_spring(&rig, i, i + 1, k, length);
+    rig_drag(&rig, 3.0);
+    rig_fix(&rig, 0);
+    rig_fix(&rig, LINKS);
+    CHECK(rig_open(&rig, &def) == DPT_OK, "not made");
+    for (int i = 0; i < 200; i++) {
+        const double middle = sqrt(low * high);
+        *(chain_span(middle, k, length, m * g, place) < span ? &low : &high) = middle;
+    }
+    settle(&rig, 2e-3, 12000);
+    const float *at = rig_positions(&rig);
+    for (int i = 0; i <= LINKS; i++)
+        for (int row = 0; row < 2; row++) {
+            const double off = fabs((double)at[3 * i + row] - place[i][row]);
+            worst = off > worst ? off : worst;
+        }
+    CHECK(worst < 1e-6 * span, "chain off by %g m, integrator %u", worst, integrator);
+    rig_close(&rig);
+}
+
+static void chains_hang_as_computed(void)
+{
+    a_chain_hangs(DPT_SPRINGS_SYMPLECTIC);
+    a_chain_hangs(DPT_SPRINGS_IMPLICIT);
+}
+
+/*
+ * A square membrane under tension T a spring, with fixed edges. Its lowest mode across is sin sin, with the squared
+ * frequency 8 T / (m s) sin^2(pi / 2n); a continuum has 2 pi^2 T / (m n^2 s).
+ */
+static void a_plucked_membrane_sounds(void)
+{
+    enum { N = 16 };
+    const double s = 0.01, k = 30.0, rest = 0.8 * s, tension = k * (s - rest), m = 1e-4, h = 1e-4;
+    const double part = sin(0.5 * PI / N), w = sqrt(8.0 * tension / (m * s)) * part;
+    const double continuum = sqrt(2.0 * PI * PI * tension / (m * N * N * s));
+    struct rig rig = { 0 };
+    dpt_springs_def def = def_of(DPT_SPRINGS_SYMPLECTIC);
+    for (uint32_t y = 0; y <= N; y++)
+        for (uint32_t x = 0; x <= N; x++)
+            rig_node(&rig, s * x, s * y, 0.0, x % N && y % N ? m : 0.0);
+    for (uint32_t y = 0; y <= N; y++)
+        for (uint32_t x = 0; x <= N; x++) {
+            const uint32_t node = x + (N + 1) * y;
+            if (x < N)
+                rig_spring(&rig, node, node + 1, k, rest);
+            if (y < N)
+                rig_spring(&rig, node, node + N + 1, k, rest);
+        }
+    CHECK(rig_open(&rig, &def) == DPT_OK, "not made");
+    float plucked[3 * (N + 1) * (N + 1)];
+    memcpy(plucked, rig_positions(&rig), sizeof plucked);
+    for (uint32_t node = 0; node < rig.nodes; node++)
+        plucked[3 * node + 2] = (float)(1e-3 * s * sin(PI * (node % (N + 1)) / N) *
+                                        sin(PI * (double)(node / (N + 1)) / N));
+    CHECK(dpt_springs_set_nodes(rig.made, 0, rig.nodes, plucked, NULL) == DPT_OK, "not plucked");
+    const uint32_t middle = N / 2 * (N + 1) + N / 2;
+    double last = 1.0, first = -1.0, cross = 0.0;
+    uint32_t crossings = 0;
+    for (uint32_t i = 1; i <= 10000; i++) {
+        rig_steps(&rig, h, 1);
+        const double z = (double)rig_positions(&rig)[3 * middle + 2];
+        if (last > 0.0 && z <= 0.0) {
+            cross = ((double)i - 1.0 + last / (last - z)) * h;
+            first = crossings++ ? first : cross;
+        }
+        last = z;
+    }
+    const double seen = 2.0 * PI * (crossings - 1.0) / (cross - first);
+    CHECK(crossings > 5 && fabs(seen / w - 1.0) < 1e-3, "%g rad/s, not %g", seen, w);
+    CHECK(fabs(seen / continuum - 1.0) < 3e-3, "%g rad/s, continuum %g", seen, continuum);
+    rig_close(&rig);
+}
+
+/* Where a net of a few nodes is in balance: Newton's method, in double, with Gaussian elimination. */
+static void balance(const struct rig *rig, const double load[3], double *x)
+{
+    const size_t n = 3 * (size_t)rig->nodes;
+    double *matrix = malloc(n * n * sizeof *matrix), *right = malloc(n * sizeof *right);
+    for (size_t i = 0; i < n; i++)
+        x[i] = (double)rig->rest[i];
+    for (int round = 0; round < 12; round++) {
+        memset(matrix, 0, n * n * sizeof *matrix);
+        for (size_t i = 0; i < n; i++)
+            right[i] = (double)rig->mass[i / 3] * load[i % 3];
+        for (uint32_t i = 0; i < rig->springs; i++) {
+            const struct rig_spring *spring = &rig->list[i];
+            const size_t end[2] = { 3 * (size_t)spring->a, 3 * (size_t)spring->b };
+            double d[3], size = 0.0;
+            for (size_t k = 0; k < 3; k++)
+                d[k] = x[end[1] + k] - x[end[0] + k], size += d[k] * d[k];
+            size = sqrt(size);
+            for (size_t k = 0; k < 3; k++) {
+                const double force = spring->stiffness * (size - spring->length) * d[k] / size;
+                right[end[0] + k] += force;
+                right[end[1] + k] -= force;
+                for (size_t l = 0; l < 3; l++) {
+                    const double turn = 1.0 - spring->length / size;
+                    const double stiffness =
+                        spring->stiffness *
+                        ((1.0 - turn) * d[k] * d[l] / (size * size) + (k == l ? turn : 0.0));
+                    for (size_t a = 0; a < 2; a++)
+                        for (size_t b = 0; b < 2; b++)
+                            matrix[(end[a] + k) * n + end[b] + l] +=
+                                a == b ? stiffness : -stiffness;
+                }
+            }
+        }
+        for (size_t i = 0; i < n; i++)
+            if (!(rig->mass[i / 3] > 0.0f)) {
+                memset(matrix + i * n, 0, n * sizeof *matrix);
+                matrix[i * n + i] = 1.0;
+                right[i] = 0.0;
+            }
+        for (size_t c = 0; c < n; c++)
+            for (size_t r = c + 1; r < n; r++) {
+                const double factor = matrix[r * n + c] / matrix[c * n + c];
+                if (factor == 0.0)
+                    continue;
+                for (size_t i = c; i < n; i++)
+                    matrix[r * n + i] -= factor * matrix[c * n + i];
+                right[r] -= factor * right[c];
+            }
+        for (size_t c = n; c-- > 0;) {
+            for (size_t i = c + 1; i < n; i++)
+                right[c] -= matrix[c * n + i] * right[i];
+            right[c] /= matrix[c * n + c];
+        }
+        for (size_t i = 0; i < n; i++)
+            x[i] += right[i];
+    }
+    free(matrix);
+    free(right);
+}
+
+/* A bar that hangs from its top face, against what Newton's method finds. */
+static void a_bar_hangs(uint32_t integrator)
+{
+    const double s = 0.01, g = 2.0, length = 8.0 * s, load[3] = { 0.0, 0.0, -g };
+    const uint32_t layer = 9;
+    struct rig rig = { 0 };
+    dpt_springs_def def = def_of(integrator);
+    double worst = 0.0;
+    def.gravity[2] = -g;
+    def.iterations = 8;
+    rig_block(&rig, 3, 3, 9, s, 5000.0, 1000.0);
+    rig_drag(&rig, 30.0);
+    for (uint32_t i = 0; i < layer; i++)
+        rig_fix(&rig, rig.nodes - 1 - i);
+    CHECK(rig_open(&rig, &def) == DPT_OK, "not made");
+    settle(&rig, 1e-3, 4000);
+    const float *at = rig_positions(&rig);
+    double *x = malloc(3 * (size_t)rig.nodes * sizeof *x);
+    balance(&rig, load, x);
+    for (size_t i = 0; i < 3 * (size_t)rig.nodes; i++)
+        worst = fabs((double)at[i] - x[i]) > worst ? fabs((double)at[i] - x[i]) : worst;
+    CHECK(fabs(x[2] + 1.0 * g * 1000.0 * length * length / (2.0 * 5000.0)) < 2e-4 &&
+              worst < 1e-6 * length,
+          "bar off by %g m, integrator %u", worst, integrator);
+    free(x);
+    rig_close(&rig);
+}
+
+static void bars_hang_as_computed(void)
+{
+    a_bar_hangs(DPT_SPRINGS_SYMPLECTIC);
+    a_bar_hangs(DPT_SPRINGS_IMPLICIT);
+}
+
+/*
+ * A bar in the continuum: its two halves weigh away from its middle, where it is free to grow thinner. The axis of each
+ * half is rho g L^2 / (2 E) longer. Returns by how much of that it is off: what is left is the bar's growing thinner,
+ * which for strains of 0.3 % is the same at all densities; the lattice itself is exact here.
+ */
+static double stretch_bar(uint32_t cells)
+{
+    const double width = 0.02, e = 5000.0, density = 1000.0, g = 0.2, s = width / cells;
+    const uint32_t across = cells + 1, along = 8 * cells + 1, layer = across * across;
+    const double length = 4.0 * width, theory = density * g * length * length / (2.0 * e);
+    struct rig rig = { 0 };
+    dpt_springs_def def = def_of(DPT_SPRINGS_IMPLICIT);
+    def.iterations = 8;
+    rig_block(&rig, across, across, along, s, e, density);
+    rig_drag(&rig, 30.0);
+    CHECK(rig_open(&rig, &def) == DPT_OK, "not made");
+    dpt_load *loads = calloc(rig.nodes, sizeof *loads);
+    for (uint32_t i = 0; i < rig.nodes; i++) {
+        const uint32_t level = i / layer, middle = along / 2;
+        loads[i].vertex = i;
+        if (level != middle)
+            loads[i].force[2] = (double)rig.mass[i] * (level < middle ? -g : g);
+    }
+    for (int i = 0; i < 4000; i++)
+        CHECK(dpt_springs_step(rig.made, 1e-3, loads, rig.nodes, NULL) == DPT_OK, "no step");
+    const float *at = rig_positions(&rig);
+    const uint32_t axis = layer / 2, top = rig.nodes - layer + axis;
+    const double longer = (double)at[3 * top + 2] - (double)at[3 * axis + 2] - 2.0 * length;
+    free(loads);
+    rig_close(&rig);
+    return 0.5 * longer / theory - 1.0;
+}
+
+static void a_bar_is_a_continuum(void)
+{
+    const double coarse = stretch_bar(2), fine = stretch_bar(4);
+    printf("    a bar of 2 cells across is off by %.2f %%, of 4 by %.2f %%\n", 100.0 * coarse,
+           100.0 * fine);
+    CHECK(fabs(coarse) < 2e-3 && fabs(fine) < 2e-3, "off by %g, then by %g", coarse, fine);
+}
+
+/* A free block that turns and swings: momentum, moment of momentum, energy. */
+static void a_free_block_keeps_what_it_has(uint32_t integrator, double moment_share,
+                                           double energy_share)
+{
+    struct rig rig = { 0 };
+    dpt_springs_def def = def_of(integrator);
+    float speed[3 * 64];
+    double before[6] = { 0 }, after[6] = { 0 }, elastic, kinetic;
+    rig_block(&rig, 4, 4, 4, 0.01, 5000.0, 1000.0);
+    CHECK(rig_open(&rig, &def) == DPT_OK, "not made");
+    for (uint32_t i = 0; i < rig.nodes; i++) {
+        const float x = rig.rest[3 * i] - 0.015f, y = rig.rest[3 * i + 1] - 0.015f;
+        speed[3 * i] = 0.1f - 5.0f * y + 2.0f * x;
+        speed[3 * i + 1] = 0.02f + 5.0f * x;
+        speed[3 * i + 2] = -0.03f;
+    }
+    CHECK(dpt_springs_set_nodes(rig.made, 0, rig.nodes, rig.rest, speed) == DPT_OK, "no speed");
+    dpt_springs_get_energy(rig.made, &elastic, &kinetic);
+    const double start = elastic + kinetic;
+    double size = 0.0, spin = 0.0, highest = 0.0;
+    for (int pass = 0; pass < 2; pass++) {
+        const float *v = rig_speeds(&rig), *x = rig_positions(&rig);
+        double *sum = pass ? after : before;
+        for (uint32_t i = 0; i < rig.nodes; i++) {
+            const double m = (double)rig.mass[i];
+            for (uint32_t k = 0; k < 3; k++) {
+                const uint32_t a = 3 * i + (k + 1) % 3, b = 3 * i + (k + 2) % 3;
+                sum[k] += m * (double)v[3 * i + k];
+                sum[3 + k] += m * ((double)x[a] * (double)v[b] - (double)x[b] * (double)v[a]);
+            }
+        }
+        for (int i = 0; i < 1000 && !pass; i++) {
+            rig_steps(&rig, 1e-3, 1);
+            dpt_springs_get_energy(rig.made, &elastic, &kinetic);
+            highest = elastic + kinetic > highest ? elastic + kinetic : highest;
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        size += fabs(before[k]);
+        spin += fabs(before[3 + k]);
+    }
+    for (int k = 0; k < 3; k++) {
+        CHECK(fabs(after[k] - before[k]) < 1e-5 * size, "momentum %d: %g, was %g", k, after[k],
+              before[k]);
+        CHECK(fabs(after[3 + k] - before[3 + k]) < moment_share * spin, "moment %d: %g, was %g", k,
+              after[3 + k], before[3 + k]);
+    }
+    CHECK(highest <= start * (1.0 + energy_share), "energy up to %g, was %g", highest, start);
+    printf("    integrator %u: moment %.2g of %.2g, energy %.4f of %.4f, highest %.4f mJ\n",
+           integrator, after[5] - before[5], spin, 1e3 * (elastic + kinetic), 1e3 * start,
+           1e3 * highest);
+    rig_close(&rig);
+}
+
+static void free_blocks_keep_what_they_have(void)
+{
+    a_free_block_keeps_what_it_has(DPT_SPRINGS_SYMPLECTIC, 1e-4, 0.02);
+    a_free_block_keeps_what_it_has(DPT_SPRINGS_IMPLICIT, 0.2, 1e-6);
+}
+
+int main(void)
+{
+    TEST(a_mass_swings);
+    TEST(chains_hang_as_computed);
+    TEST(a_plucked_membrane_sounds);
+    TEST(bars_hang_as_computed);
+    TEST(a_bar_is_a_continuum);
+    TEST(free_blocks_keep_what_they_have);
+    return check_report();
+}

@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Which steps of springs are stable. Limits of one mode against the eigenvalues of its 2 x 2 matrix; of a lattice
+ * against the largest eigenvalue of its own matrix; growth beyond the limit, and none within it.
+ *
+ *     test_springs_stable [PER CENT]   of the long runs
+ */
+#include "deform/spring_rig.h"
+
+static dpt_springs_def def_of(uint32_t integrator)
+{
+    dpt_springs_def def;
+    dpt_springs_def_init(&def);
+    def.integrator = integrator;
+    def.sleep_speed = 0.0;
+    return def;
+}
+
+/* The larger size of the eigenvalues of a step of x'' = -w2 (x + t x') - c x', from the step's matrix. */
+static double mode_growth(uint32_t integrator, double w2, double t, double c, double h)
+{
+    const double keep = 1.0 / (1.0 + h * c);
+    const double vv = keep * (1.0 - h * w2 * t), vx = -keep * h * w2;
+    const int euler = integrator == DPT_SPRINGS_EULER;
+    const double xv = euler ? h : h * vv, xx = euler ? 1.0 : 1.0 + h * vx;
+    const double trace = vv + xx, det = vv * xx - vx * xv, root = 0.25 * trace * trace - det;
+    return root < 0.0 ? sqrt(det) : 0.5 * fabs(trace) + sqrt(root);
+}
+
+static void limits_of_one_mode_are_exact(void)
+{
+    uint32_t cut = 0, none = 0;
+    for (uint32_t integrator = DPT_SPRINGS_SYMPLECTIC; integrator <= DPT_SPRINGS_EULER;
+         integrator++)
+        for (double w2 = 10.0; w2 < 1e9; w2 *= 7.0)
+            for (double t = 0.0; t<0.1; t = t> 0.0 ? 3.0 * t : 1e-6)
+                for (double c = 0.0; c<1e4; c = c> 0.0 ? 5.0 * c : 0.1) {
+                    const double limit = dpti_springs_limit(integrator, w2, t, c);
+                    none += limit == 0.0;
+                    if (limit == 0.0)
+                        CHECK(mode_growth(integrator, w2, t, c, 1e-7) > 1.0, "no limit");
+                    for (int i = 1; i <= 20 && limit > 0.0; i++) {
+                        const double growth =
+                            mode_growth(integrator, w2, t, c, 0.05 * i * limit * 0.9999);
+                        CHECK(growth <= 1.0 + 1e-9, "integrator %u, w2 %g, t %g, c %g: %g at %g",
+                              integrator, w2, t, c, growth, 0.05 * i * limit);
+                    }
+                    if (limit > 0.0 && limit < DPT_SPRINGS_STEP_MAX) {
+                        cut++;
+                        CHECK(mode_growth(integrator, w2, t, c, 1.001 * limit) > 1.0,
+                              "integrator %u, w2 %g, t %g, c %g: no growth beyond %g", integrator,
+                              w2, t, c, limit);
+                    }
+                    /* Slower modes have no shorter limit, so the fastest one's holds for all. */
+                    CHECK(dpti_springs_limit(integrator, 0.3 * w2, t, c) >= limit * (1.0 - 1e-12),
+                          "integrator %u, w2 %g, t %g, c %g", integrator, w2, t, c);
+                }
+    CHECK(cut > 500 && none > 5, "%u limits, %u without one", cut, none);
+}
+
+/* One mass on a spring, stepped at shares of the limit. Returns how far it is away in the end, from 1 mm. */
+static double swing(uint32_t integrator, double viscosity, double drag, double share,
+                    uint32_t steps)
+{
+    const double away = 1e-3;
+    struct rig rig = { 0 };
+    dpt_springs_def def = def_of(integrator);
+    rig_fix(&rig, rig_node(&rig, 0.0, 0.0, 0.0, 1.0));
+    rig_node(&rig, 1.0, 0.0, 0.0, 1e-3);
+    rig_spring(&rig, 0, 1, 40.0, 1.0);
+    rig_drag(&rig, drag);
+    rig.viscosity = viscosity;
+    CHECK(rig_open(&rig, &def) == DPT_OK, "not made");
+    const float start[3] = { (float)(1.0 + away), 0.0f, 0.0f };
+    dpt_springs_set_nodes(rig.made, 1, 1, start, NULL);
+    double most = 0.0;
+    for (uint32_t i = 0; i < steps; i++) {
+        CHECK(dpti_springs_substeps(rig.made, share * rig.made->stable_step, 1), "refused");
+        const double x = fabs((double)rig_positions(&rig)[3] - 1.0);
+        most = i >= steps / 2 && x > most ? x : most;
+    }
+    rig_close(&rig);
+    return most / away;
+}
+
+static void one_mass_is_stable_up_to_its_limit(void)
+{
+    const double cases[][2] = { { 1e-4, 0.0 }, { 0.0, 5.0 }, { 2e-3, 2.0 }, { 0.03, 0.0 } };
+    for (uint32_t integrator = DPT_SPRINGS_SYMPLECTIC; integrator <= DPT_SPRINGS_EULER;
+         integrator++)
+        for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+            const double within = swing(integrator, cases[i][0], cases[i][1], 0.97, 4000);
+            const double beyond = swing(integrator, cases[i][0], cases[i][1], 1.03, 400);
+            CHECK(within < 1.0, "integrator %u, case %zu: %g", integrator, i, within);
+            CHECK(beyond > 1.5, "integrator %u, case %zu: %g", integrator, i, beyond);
+        }
+}
+
+/* The fastest mode of a net by power iteration: 1/s2. mode: of unit size. */
+static double fastest_mode(const struct rig *rig, double *mode)
+{
+    const size_t n = 3 * (size_t)rig->nodes;
+    double *matrix = rig_matrix(rig), *next = malloc(n * sizeof *next), value = 0.0;
+    uint64_t seed = 5;
+    for (size_t i = 0; i < n; i++)
+        mode[i] = rig->mass[i / 3] > 0.0f ? random_in(&seed, -1.0, 1.0) : 0.0;
+    for (int round = 0; round < 20000; round++) {
+        double size = 0.0;
+        for (size_t i = 0; i < n; i++) {
+            next[i] = 0.0;
+            for (size_t j = 0; j < n; j++)
+                next[i] += matrix[i * n + j] * mode[j];
+            next[i] = rig->mass[i / 3] > 0.0f ? next[i] / (double)rig->mass[i / 3] : 0.0;
+            size += next[i] * next[i];
+        }
+        value = sqrt(size);
+        for (size_t i = 0; i < n; i++)
+            mode[i] = next[i] / value;
+    }
+    free(matrix);
+    free(next);
+    return value;
+}
+
+static void make_lattice(struct rig *rig, double viscosity)
+{
+    dpt_springs_def def = def_of(DPT_SPRINGS_SYMPLECTIC);
+    rig_block(rig, 3, 3, 3, 0.01, 5000.0, 1000.0);
+    for (uint32_t i = 0; i < 9; i++)
+        rig_fix(rig, i);
+    rig->viscosity = viscosity;
+    CHECK(rig_open(rig, &def) == DPT_OK, "not made");
+}
+
+/* How far along a mode the nodes are. */
+static double along(const struct rig *rig, const double *mode)
+{
+    const float *x = rig_positions(rig);
+    double sum = 0.0;
+    for (size_t i = 0; i < 3 * (size_t)rig->nodes; i++)
+        sum += ((double)x[i] - (double)rig->rest[i]) * mode[i];
+    return sum;
+}
+
+/* By what factor a small motion along the fastest mode grows in a step of h; 1 if it does not grow in 400 steps. */
+static double growth_at(const struct rig *rig, const double *mode, double h)
+{
+    float start[81];
+    for (size_t i = 0; i < 81; i++)
+        start[i] = rig->rest[i] + (float)(2e-6 * mode[i]);
+    CHECK(dpt_springs_set_nodes(rig->made, 0, rig->nodes, start, NULL) == DPT_OK, "not moved");
+    double last = fabs(along(rig, mode)), growth = 1.0;
+    for (int i = 0; i < 400; i++) {
+        CHECK(dpti_springs_substeps(rig->made, h, 1), "refused");
+        const double now = fabs(along(rig, mode));
+        if (now > 3e-4)
+            return growth;
+        growth = now > 2e-5 ? now / last : growth;
+        last = now;
+    }
+    return 1.0;
+}
+
+static void lattices_grow_as_their_matrix_says(void)
+{
+    double mode[81];
+    struct rig rig = { 0 };
+    make_lattice(&rig, 0.0);
+    const double square = fastest_mode(&rig, mode), limit = 2.0 / sqrt(square);
+    CHECK(square <= rig.made->square, "%g is beyond the bound %g", square, rig.made->square);
+    printf("    a step of %.6f s at most, %.6f computed\n", limit, rig.made->stable_step);
+    CHECK(growth_at(&rig, mode, 0.99 * limit) == 1.0, "grows at 0.99 of the limit");
+    CHECK(growth_at(&rig, mode, 1.01 * limit) > 1.05, "does not grow at 1.01 of the limit");
+    for (double share = 1.05; share < 1.35; share += 0.05) {
+        const double seen = growth_at(&rig, mode, share * limit);
+        const double expected =
+            mode_growth(DPT_SPRINGS_SYMPLECTIC, square, 0.0, 0.0, share * limit);
+        CHECK(fabs(seen / expected - 1.0) < 0.01, "grows by %g, not %g, at %g", seen, expected,
+              share);
+    }
+    rig_close(&rig);
+}
+
+/* The computed step holds where nodes are wherever they may be: squeezed, stretched, thrown about. */
+static void nothing_grows_within_the_computed_step(void)
+{
+    const uint64_t steps = part_of(100000);
+    uint64_t seed = 11;
+    for (int kind = 0; kind < 4; kind++) {
+        struct rig rig = { 0 };
+        float start[81];
+        double elastic, kinetic, first, highest = 0.0;
+        make_lattice(&rig, kind == 3 ? 1e-4 : 0.0);
+        for (size_t i = 0; i < 81; i++) {
+            const double size = kind == 0 ? 1e-5 : 3e-3, squeeze = kind == 1 ? 0.4 : 1.2;
+            start[i] = (float)((kind == 0 ? 1.0 : squeeze) * (double)rig.rest[i] +
+                               random_in(&seed, -size, size));
+            start[i] = i < 27 ? rig.rest[i] : start[i];
+        }
+        CHECK(dpt_springs_set_nodes(rig.made, 0, rig.nodes, start, NULL) == DPT_OK, "not moved");
+        dpt_springs_get_energy(rig.made, &elastic, &kinetic);
+        first = elastic + kinetic;
+        for (uint64_t i = 0; i < steps; i++) {
+            if (!dpti_springs_substeps(rig.made, 0.95 * rig.made->stable_step, 1)) {
+                CHECK(0, "kind %d refused", kind);
+                break;
+            }
+            if (i % 16)
+                continue;
+            dpt_springs_get_energy(rig.made, &elastic, &kinetic);
+            highest = elastic + kinetic > highest ? elastic + kinetic : highest;
+        }
+        CHECK(highest < 4.0 * first, "kind %d: energy up to %g of %g", kind, highest, first);
+        rig_close(&rig);
+    }
+}
+
+/* Substeps are as many as are needed, or the step is refused and nothing moves. */
+static void long_steps_are_cut_or_refused(void)
+{
+    struct rig rig = { 0 };
+    dpt_springs_def def = def_of(DPT_SPRINGS_SYMPLECTIC);
+    dpt_springs_report report = { .size = sizeof report };
+    make_lattice(&rig, 0.0);
+    const double stable = rig.made->stable_step;
+    for (uint32_t n = 1; n <= 16; n++) {
+        CHECK(dpt_springs_step(rig.made, 0.8999 * stable * n, NULL, 0, &report) == DPT_OK &&
+                  report.substeps == n,
+              "%u substeps, not %u", report.substeps, n);
+        CHECK(dpt_springs_step(rig.made, 0.9001 * stable * n, NULL, 0, &report) ==
+                  (n < 16 ? DPT_OK : DPT_E_UNSTABLE),
+              "with %u", n);
+    }
+    def.integrator = DPT_SPRINGS_EULER;
+    CHECK(rig_reopen(&rig, &def) == DPT_OK && rig.made->stable_step == 0.0, "a stable step");
+    CHECK(dpt_springs_step(rig.made, 1e-9, NULL, 0, &report) == DPT_E_UNSTABLE, "Euler steps");
+    /* What touches a node makes the step shorter, by as much as one node's row says. */
+    def.integrator = DPT_SPRINGS_SYMPLECTIC;
+    def.contact_stiffness = 1e5;
+    CHECK(rig_reopen(&rig, &def) == DPT_OK, "not made");
+    const double lightest = 1000.0 * 1e-6 / 8.0, bound = 2.0 * sqrt(lightest / 1e5);
+    CHECK(rig.made->stable_step < bound && rig.made->stable_step > 0.98 * bound, "%g, not %g",
+          rig.made->stable_step, bound);
+    rig_close(&rig);
+}
+
+/* Any stiffness, any step: energy does not grow, and the block comes to rest where it began. */
+static void implicit_steps_never_explode(void)
+{
+    const double scales[] = { 1.0, 1e2, 1e4, 1e6 }, steps[] = { 1e-4, 1e-3, 1e-2, 0.3 };
+    uint64_t seed = 23;
+    uint32_t held = 0, all = 0;
+    for (int i = 0; i < 4 * 4 * 3 * 2; i++) {
+        const double scale = scales[i % 4], dt = steps[i / 4 % 4];
+        dpt_springs_def def = def_of(DPT_SPRINGS_IMPLICIT);
+        dpt_springs_report report = { .size = sizeof report };
+        struct rig rig = { 0 };
+        float start[81], speed[81];
+        double elastic, kinetic, first, highest = 0.0;
+        make_lattice(&rig, i / 48 ? 1e-3 : 0.0);
+        def.stiffness = scale;
+        def.iterations = 1u << (i / 16 % 3);
+        CHECK(rig_reopen(&rig, &def) == DPT_OK, "not made");
+        for (size_t k = 0; k < 81; k++) {
+            start[k] = rig.rest[k] + (float)random_in(&seed, -3e-3, 3e-3);
+            start[k] = k < 27 ? rig.rest[k] : start[k];
+            speed[k] = (float)random_in(&seed, -3.0, 3.0);
+        }
+        CHECK(dpt_springs_set_nodes(rig.made, 0, rig.nodes, start, speed) == DPT_OK, "not moved");
+        dpt_springs_get_energy(rig.made, &elastic, &kinetic);
+        first = elastic + kinetic;
+        for (int n = 0; n < 500; n++) {
+            CHECK(dpt_springs_step(rig.made, dt, NULL, 0, &report) == DPT_OK, "refused");
+            held += report.flags & DPT_SPRINGS_FLAG_HELD;
+            all++;
+            dpt_springs_get_energy(rig.made, &elastic, &kinetic);
+            highest = elastic + kinetic > highest ? elastic + kinetic : highest;
+        }
+        CHECK(highest <= first * (1.0 + 1e-5) + 1e-9, "scale %g, dt %g: energy up to %g of %g",
+              scale, dt, highest, first);
+        rig_close(&rig);
+    }
+    printf("    %u of %u steps were held\n", held, all);
+}
+
+int main(int argc, char **argv)
+{
+    take_percent(argc, argv);
+    TEST(limits_of_one_mode_are_exact);
+    TEST(one_mass_is_stable_up_to_its_limit);
+    TEST(lattices_grow_as_their_matrix_says);
+    TEST(nothing_grows_within_the_computed_step);
+    TEST(long_steps_are_cut_or_refused);
+    TEST(implicit_steps_never_explode);
+    return check_report();
+}
