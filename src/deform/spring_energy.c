@@ -21,8 +21,12 @@ double dpti_springs_elastic(const struct dpt_springs *springs, uint32_t slice)
             const size_t at = LANES * (size_t)entry + lane;
             const vec3 to =
                 sub(place_of(state, net->neighbour[at]), place_of(state, LANES * slice + lane));
-            const double longer = sqrt(dot(to, to)) - (double)net->length[at];
-            sum += (double)net->stiffness[at] * longer * longer;
+            const double square = dot(to, to), length = (double)net->length[at];
+            const double shortest = (double)SPRING_SHORTEST * length;
+            const double distance = sqrt(square) > shortest ? sqrt(square) : shortest;
+            sum += (double)net->stiffness[at] *
+                   ((distance - length) * (distance - length) +
+                    (distance > shortest ? 0.0 : shortest * shortest - square));
         }
     return 0.25 * springs->def.stiffness * sum;
 }

@@ -50,7 +50,7 @@ struct dpt_springs {
     struct spring_rows rows;
     double square;      /* 1/s2: a bound of all squared frequencies */
     double stable_step; /* s */
-    double lead;        /* s: the viscosity */
+    double lead;        /* s: points are where nodes will be after it, which is what viscosity is */
     struct spring_nodes *nodes;
     struct spring_slice *state[2];
     uint32_t now; /* which of the states is the last step's */

@@ -15,6 +15,12 @@
 /* Of the stable step: so much a substep uses. */
 #define STABLE_SHARE 0.9
 
+/*
+ * Of a substep: the least viscosity of SYMPLECTIC. Nodes that are thrown about go through more of a spring's turns than a
+ * step resolves, and would gain energy from that; a slow motion does not feel it.
+ */
+#define LEAST_LEAD 0.01
+
 #define GRAVITY_MAX 1e6
 #define SCALE_MIN   1e-9
 #define SCALE_MAX   1e9
@@ -269,9 +275,12 @@ dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loa
     own.active = springs->region.count * LANES;
     own.active = own.active < own.nodes ? own.active : own.nodes;
     own.stable_step = springs->stable_step;
+    const double h = dt / (double)own.substeps, least = LEAST_LEAD * h;
+    if (springs->def.integrator == DPT_SPRINGS_SYMPLECTIC)
+        springs->lead = springs->net.viscosity > least ? springs->net.viscosity : least;
     const int done = springs->def.integrator == DPT_SPRINGS_IMPLICIT
                          ? dpti_implicit_step(springs, dt, &own.flags)
-                         : dpti_springs_substeps(springs, dt / (double)own.substeps, own.substeps);
+                         : dpti_springs_substeps(springs, h, own.substeps);
     if (!done) {
         springs->loaded = 1 - springs->loaded;
         return DPT_E_FINITE;

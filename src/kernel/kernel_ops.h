@@ -125,14 +125,16 @@ typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const f
  * mesh/spring_net.h. Points are x, y, z and an unused number a node; all other vectors of a slice are rows of 16: x, y, z.
  * A slice's sums run over its entries in order, lane by lane, so they are the same with every kernel.
  *
- *   spring_forces   force = the sum over a node's springs of k (1 - L / |d|) d, d to the other node
- *   spring_energy   the same, and adds k (|d| - L)^2 to each node's lane of sum[]: four times its share of the energy
+ *   spring_forces   force = the sum over a node's springs of k (1 - L / l) d, where d leads to the other node and l is |d|,
+ *                   or half of L if that is longer
+ *   spring_energy   the same, and adds k ((l - L)^2 + l^2 - |d|^2) to each node's lane of sum[]: twice a spring's energy
  *   spring_product  out = scale * sum of k (u_i - u_j) + diagonal * u_i, and adds u . out to the lanes of sum[]
  *   spring_move     an explicit step of a slice. Sets *square to the largest squared speed after it. Returns 0 if all
  *                   coordinates and speeds are numbers within the motion's limits
  *   spring_descend  change += by * direction, residual -= by * product; adds residual . per_diagonal residual to sum[]
  *   spring_turn     direction = per_diagonal residual + by * direction
  */
+#define SPRING_SHORTEST 0.5f
 enum { SPRING_ROWS = 3 * LANES, SPRING_POINTS = 4 * LANES };
 
 struct spring_rows {

@@ -21,12 +21,6 @@
         az[i] = own[4 * i + 2];                                                                    \
     }
 
-/*
- * Two nodes in one place have no direction and no force. A length so small that its square is below the least that
- * counts is one place.
- */
-#define SPRING_SQUARE_MIN 0x1p-80f
-
 KERNEL_TARGET static inline __attribute__((always_inline)) void
 KERNEL(spring_sums)(const struct spring_rows *restrict rows, uint32_t slice,
                     const float *restrict points, float *restrict force, float *restrict energy)
@@ -42,15 +36,15 @@ KERNEL(spring_sums)(const struct spring_rows *restrict rows, uint32_t slice,
         KERNEL_TAKE(points, at, x, y, z)
         for (int i = 0; i < LANES; i++) {
             const float dx = x[i] - ax[i], dy = y[i] - ay[i], dz = z[i] - az[i];
-            const float distance =
-                sqrtf(AT_LEAST((dx * dx + dy * dy) + dz * dz, SPRING_SQUARE_MIN));
-            const float pull = stiffness[i] * (1.0f - length[i] / distance);
+            const float distance = sqrtf((dx * dx + dy * dy) + dz * dz);
+            const float from = AT_LEAST(distance, SPRING_SHORTEST * length[i]);
+            const float pull = stiffness[i] * (1.0f - length[i] / from);
             fx[i] += pull * dx;
             fy[i] += pull * dy;
             fz[i] += pull * dz;
             if (energy) {
-                const float longer = distance - length[i];
-                energy[i] += stiffness[i] * (longer * longer);
+                const float longer = from - length[i], inside = from * from - distance * distance;
+                energy[i] += stiffness[i] * (longer * longer + inside);
             }
         }
     }

@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The active region of springs: what rests sleeps, and what a tool feels is the same as if all were awake.
+ */
+#include "deform/spring_rig.h"
+
+enum { ACROSS = 16, DEEP = 8, LAYER = ACROSS * ACROSS, STEPS = 3000 };
+
+/* A block on a fixed bed, pressed on its top in the middle. */
+struct press {
+    struct rig rig;
+    dpt_load loads[LAYER];
+    uint32_t count;
+};
+
+static void open_press(struct press *press, uint32_t integrator, double sleep_speed)
+{
+    const double s = 0.005, middle = 0.5 * s * (ACROSS - 1);
+    dpt_springs_def def;
+    memset(press, 0, sizeof *press);
+    dpt_springs_def_init(&def);
+    def.integrator = integrator;
+    def.sleep_speed = sleep_speed;
+    rig_block(&press->rig, ACROSS, ACROSS, DEEP, s, 5000.0, 1000.0);
+    press->rig.viscosity = 2e-3;
+    for (uint32_t i = 0; i < LAYER; i++)
+        rig_fix(&press->rig, i);
+    rig_drag(&press->rig, 5.0);
+    CHECK(rig_open(&press->rig, &def) == DPT_OK, "not made");
+    for (uint32_t i = press->rig.nodes - LAYER; i < press->rig.nodes; i++) {
+        const double x = (double)press->rig.rest[3 * i] - middle;
+        const double y = (double)press->rig.rest[3 * i + 1] - middle;
+        if (x * x + y * y < 0.01 * 0.01)
+            press->loads[press->count++].vertex = i;
+    }
+}
+
+/* Step under a force downwards, N, that is shared. Returns how deep the patch is, m, on average. */
+static double push(struct press *press, double force, dpt_springs_report *report)
+{
+    double depth = 0.0;
+    report->size = sizeof *report;
+    for (uint32_t i = 0; i < press->count; i++)
+        press->loads[i].force[2] = -force / press->count;
+    const dpt_result result =
+        dpt_springs_step(press->rig.made, 1e-3, press->loads, press->count, report);
+    CHECK(result == DPT_OK, "no step: %s", dpt_result_name(result));
+    const float *x = rig_positions(&press->rig);
+    for (uint32_t i = 0; i < press->count; i++) {
+        const size_t at = 3 * (size_t)press->loads[i].vertex + 2;
+        depth += ((double)press->rig.rest[at] - (double)x[at]) / press->count;
+    }
+    return depth;
+}
+
+/* Press, hold, let go, and press again. */
+static double force_at(int step)
+{
+    const double t = 1e-3 * step, full = 0.05;
+    if (step < 500)
+        return full * t / 0.5;
+    if (step < 1500)
+        return full;
+    if (step < 2000)
+        return 0.0;
+    return full * 0.5 * (1.0 - cos(2.0 * 3.14159265358979 * 2.0 * t));
+}
+
+static void what_sleeps_is_not_felt(uint32_t integrator)
+{
+    struct press all, some;
+    dpt_springs_report report;
+    double worst = 0.0, deepest = 0.0, jump = 0.0, largest_step = 0.0, last[2] = { 0 }, share = 0.0;
+    uint32_t least = UINT32_MAX;
+    open_press(&all, integrator, 0.0);
+    open_press(&some, integrator, 1e-4);
+    for (int i = 0; i < STEPS; i++) {
+        const double full = push(&all, force_at(i), &report);
+        CHECK(report.active == all.rig.nodes, "%u awake", report.active);
+        const double part = push(&some, force_at(i), &report);
+        share += (double)report.active / report.nodes / STEPS;
+        least = report.active < least ? report.active : least;
+        worst = fabs(full - part) > worst ? fabs(full - part) : worst;
+        deepest = full > deepest ? full : deepest;
+        largest_step = fabs(full - last[0]) > largest_step ? fabs(full - last[0]) : largest_step;
+        jump = fabs(part - last[1]) > jump ? fabs(part - last[1]) : jump;
+        last[0] = full;
+        last[1] = part;
+    }
+    printf("    integrator %u: %.2f mm deep, off by %.4f mm; %.0f %% awake, at least %u of %u\n",
+           integrator, 1e3 * deepest, 1e3 * worst, 100.0 * share, least, report.nodes);
+    CHECK(worst < 0.05 * deepest, "off by %g m of %g", worst, deepest);
+    CHECK(jump < 1.05 * largest_step, "a step of %g m, awake %g", jump, largest_step);
+    CHECK(least < report.nodes / 10, "at least %u of %u awake", least, report.nodes);
+    rig_close(&all.rig);
+    rig_close(&some.rig);
+}
+
+static void the_active_region_is_enough(void)
+{
+    what_sleeps_is_not_felt(DPT_SPRINGS_SYMPLECTIC);
+    what_sleeps_is_not_felt(DPT_SPRINGS_IMPLICIT);
+}
+
+/* At rest nothing is awake; a load wakes its own slices first, and the same load again none. */
+static void a_body_at_rest_sleeps(void)
+{
+    struct press press;
+    dpt_springs_report report = { .size = sizeof report };
+    open_press(&press, DPT_SPRINGS_SYMPLECTIC, 1e-5);
+    for (int i = 0; i < 200; i++)
+        CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
+    CHECK(report.active == 0, "%u are awake", report.active);
+    press.loads[0].force[2] = -0.01;
+    CHECK(dpt_springs_step(press.rig.made, 1e-3, press.loads, 1, &report) == DPT_OK &&
+              report.active == LANES,
+          "%u are awake", report.active);
+    for (int i = 0; i < 20000 && report.active; i++)
+        CHECK(dpt_springs_step(press.rig.made, 1e-3, press.loads, 1, &report) == DPT_OK, "no step");
+    CHECK(report.active == 0, "%u are awake under the same load", report.active);
+    CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK &&
+              report.active == LANES,
+          "%u wake when it ends", report.active);
+    rig_close(&press.rig);
+}
+
+/* A slice that creeps wakes those beside it; a node that is put elsewhere wakes its own and those beside it. */
+static void a_moved_node_wakes_its_neighbours(void)
+{
+    struct press press;
+    dpt_springs_report report = { .size = sizeof report };
+    open_press(&press, DPT_SPRINGS_IMPLICIT, 1e-5);
+    for (int i = 0; i < 200; i++)
+        CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
+    CHECK(report.active == 0, "%u are awake", report.active);
+    const uint32_t node = press.rig.nodes - LAYER / 2;
+    float at[3];
+    memcpy(at, press.rig.rest + 3 * node, sizeof at);
+    at[2] -= 1e-3f;
+    CHECK(dpt_springs_set_nodes(press.rig.made, node, 1, at, NULL) == DPT_OK, "not moved");
+    CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
+    CHECK(report.active >= 4 * LANES && report.active <= 12 * LANES, "%u are awake", report.active);
+    for (int i = 0; i < 20000 && report.active; i++)
+        CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
+    double worst = 0.0;
+    for (size_t i = 0; i < 3 * (size_t)press.rig.nodes; i++) {
+        const double off = fabs((double)rig_positions(&press.rig)[i] - (double)press.rig.rest[i]);
+        worst = off > worst ? off : worst;
+    }
+    CHECK(report.active == 0 && worst < 2e-5, "%u awake, %g m away from rest", report.active,
+          worst);
+    rig_close(&press.rig);
+}
+
+int main(void)
+{
+    TEST(the_active_region_is_enough);
+    TEST(a_body_at_rest_sleeps);
+    TEST(a_moved_node_wakes_its_neighbours);
+    return check_report();
+}
