@@ -9,13 +9,12 @@
  *     void *block = malloc(dpt_springs_bytes(&def));
  *     dpt_springs_create(block, dpt_springs_bytes(&def), &def, &springs);
  *     for each tick:
- *         dpt_deform_get_node_loads(world, body, loads, capacity, &count);
- *         dpt_springs_step(springs, dt, loads, count, NULL);
- *         dpt_springs_get_nodes(springs, nodes, node_count);
- *         dpt_deform_set_nodes(world, body, nodes);
+ *         dpt_world_step(world, dt, &out);
+ *         dpt_deform_step_springs(world, body, springs, dt, NULL);
  *
  * Nodes are the mesh's vertices, in the order of dpt_mesh_get_vertices, or those of the lattice in which the vertices
- * are embedded (dpt_mesh_get_embedding). With the former, use dpt_deform_get_loads and dpt_deform_set_vertices.
+ * are embedded (dpt_mesh_get_embedding). In a thread of its own, physics gets loads and hands over nodes by exchange.h,
+ * and calls dpt_springs_step; with the same loads the nodes are the same, bit for bit.
  *
  * Everything is in the body's frame, which counts as one that does not accelerate.
  *
@@ -50,9 +49,11 @@ typedef struct dpt_springs_def {
     uint32_t size;        /* sizeof(dpt_springs_def), set by dpt_springs_def_init */
     uint32_t integrator;  /* DPT_SPRINGS_...; DPT_SPRINGS_SYMPLECTIC */
     const dpt_mesh *mesh; /* with springs; it must stay open */
-    const void *reserved; /* NULL */
-    double gravity[3];    /* m/s2, in the body's frame, at most 1e6; 0 */
-    double stiffness;     /* what the mesh's stiffnesses are multiplied by, 1e-9..1e9; 1 */
+    uint32_t
+        max_loads; /* that tools put on vertices at one time (dpt_deform_step_springs), 1..2^24; 4096 */
+    uint32_t reserved; /* 0 */
+    double gravity[3]; /* m/s2, in the body's frame, at most 1e6; 0 */
+    double stiffness;  /* what the mesh's stiffnesses are multiplied by, 1e-9..1e9; 1 */
     /*
      * N/m, 0..1e12: the stiffness of what touches a single node. The stable step of SYMPLECTIC and EULER is shortened
      * accordingly. A tool's whole stiffness is always enough; what one node has of it, if you spread loads; 0
@@ -77,8 +78,8 @@ static inline void dpt_springs_def_init(dpt_springs_def *def)
     dpt_springs_def_defaults(def, sizeof *def);
 }
 
-/* The bytes that springs of this def need, in this version: about 150 a node, and 110 more with IMPLICIT. 0: the def is
- * not valid. */
+/* The bytes that springs of this def need, in this version: about 150 a node, 110 more with IMPLICIT, 20 a vertex, and 32
+ * for each of max_loads. 0: the def is not valid, or its mesh has no springs. It takes time in proportion to the mesh. */
 DPT_API size_t dpt_springs_bytes(const dpt_springs_def *def);
 
 /*
@@ -159,6 +160,22 @@ DPT_API dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, u
  */
 DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *elastic,
                                           double *kinetic);
+
+/*
+ * After a step of the world: springs take what tools did to the body, go on by dt, and the body's vertices are where the
+ * nodes have carried them in the next step. Only those are moved that follow nodes which are awake.
+ *
+ * With DPT_RESPONSE_LOAD the tools' loads act on the nodes. With DPT_RESPONSE_DISPLACE vertices that were moved out of
+ * a tool are nodes at rest there; that is for nodes that are the vertices.
+ *
+ *   springs  made with the body's mesh
+ *
+ * DPT_E_ARGUMENT: of another mesh, or as for dpt_springs_step. DPT_E_UNSUPPORTED: DISPLACE with an embedding. DPT_E_FULL:
+ * more loads than max_loads or dpt_deform_def.max_points have room for. DPT_E_FINITE: as for dpt_springs_step; or a
+ * vertex would leave the body's box, and none has moved. In the last case alone the springs have gone on.
+ */
+DPT_API dpt_result dpt_deform_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs,
+                                           double dt, dpt_springs_report *report);
 
 DPT_END
 

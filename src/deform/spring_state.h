@@ -43,6 +43,18 @@ struct active_region {
     float *square; /* 1 a slice: the largest squared speed after the last step */
 };
 
+/* The mesh's vertices; all NULL where the net is no mesh's. */
+struct spring_vertices {
+    const uint32_t *nodes; /* of the embedding; NULL: vertices are the nodes */
+    const float *weights;
+    uint32_t *first; /* of an embedding, 1 a group and one more: its first slice in `slices` */
+    uint32_t *slices;
+    uint8_t *moved; /* 1 a slice: it was stepped since vertices were gathered */
+    uint32_t *list; /* those that were gathered */
+    float *positions;
+    dpt_load *loads; /* max_loads: what tools do to vertices */
+};
+
 struct dpt_springs {
     struct spring_net net;
     dpt_springs_def def;
@@ -60,6 +72,7 @@ struct dpt_springs {
     uint32_t loaded; /* which of the loads are the last step's */
     struct active_region region;
     struct spring_solve solve;
+    struct spring_vertices vertices;
 };
 
 /* The sum of 16 lanes, in a fixed order. */

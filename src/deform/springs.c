@@ -10,7 +10,9 @@
 #include "deform/implicit.h"
 #include "deform/integrate.h"
 #include "deform/spring_energy.h"
+#include "deform/spring_vertices.h"
 #include "deform/springs_net.h"
+#include "mesh/mesh_format.h"
 
 /* Of the stable step: so much a substep uses. */
 #define STABLE_SHARE 0.9
@@ -28,13 +30,15 @@
 #define SLEEP_MAX   1e6
 #define ITERATIONS  1024u
 #define COUNT_MAX   65535u
+#define LOADS_MAX   (1u << 24)
 #define BLOCK_ALIGN 64u
 
 typedef char first_release[sizeof(dpt_springs_def) % 8 == 0 ? 1 : -1];
 
 void dpt_springs_def_defaults(dpt_springs_def *def, size_t size)
 {
-    const dpt_springs_def defaults = { .stiffness = 1.0,
+    const dpt_springs_def defaults = { .max_loads = 4096,
+                                       .stiffness = 1.0,
                                        .sleep_speed = 1e-5,
                                        .sleep_steps = 64,
                                        .iterations = 2,
@@ -61,8 +65,8 @@ dpt_result dpti_springs_read_def(const dpt_springs_def *given, dpt_springs_def *
     for (int k = 0; k < 3; k++)
         if (!is_in(def->gravity[k], -GRAVITY_MAX, GRAVITY_MAX))
             return DPT_E_ARGUMENT;
-    if (def->reserved || def->integrator > DPT_SPRINGS_IMPLICIT ||
-        !is_in(def->stiffness, SCALE_MIN, SCALE_MAX) ||
+    if (def->reserved || def->max_loads < 1 || def->max_loads > LOADS_MAX ||
+        def->integrator > DPT_SPRINGS_IMPLICIT || !is_in(def->stiffness, SCALE_MIN, SCALE_MAX) ||
         !is_in(def->contact_stiffness, 0.0, CONTACT_MAX) ||
         !is_in(def->sleep_speed, 0.0, SLEEP_MAX) || def->sleep_steps < 2 ||
         def->sleep_steps > COUNT_MAX || def->iterations < 1 || def->iterations > ITERATIONS ||
@@ -84,6 +88,19 @@ static void *take(struct block *block, uint64_t count, size_t size)
     return at;
 }
 
+static void place_vertices(struct dpt_springs *springs, struct block *block)
+{
+    const struct dpt_mesh *mesh = springs->def.mesh;
+    struct spring_vertices *vertices = &springs->vertices;
+    const uint64_t links = dpti_spring_links(mesh);
+    vertices->first = take(block, links ? mesh_slices(mesh->vertices) + 1 : 0, sizeof(uint32_t));
+    vertices->slices = take(block, links, sizeof(uint32_t));
+    vertices->moved = take(block, springs->net.slices, 1);
+    vertices->list = take(block, mesh->vertices, sizeof(uint32_t));
+    vertices->positions = take(block, 3 * (uint64_t)mesh->vertices, sizeof(float));
+    vertices->loads = take(block, springs->def.max_loads, sizeof(dpt_load));
+}
+
 static void place(struct dpt_springs *springs, struct block *block)
 {
     const uint64_t slices = springs->net.slices;
@@ -102,6 +119,8 @@ static void place(struct dpt_springs *springs, struct block *block)
     region->quiet = take(block, slices, sizeof *region->quiet);
     region->drift = take(block, slices, sizeof(float));
     region->square = take(block, slices, sizeof(float));
+    if (springs->def.mesh)
+        place_vertices(springs, block);
     if (springs->def.integrator != DPT_SPRINGS_IMPLICIT)
         return;
     solve->force = take(block, slices * SPRING_ROWS, sizeof(float));
@@ -188,11 +207,36 @@ dpt_result dpti_springs_create_net(void *block, size_t bytes, const dpt_springs_
     made->lead = net->viscosity;
     place(made, &rest);
     begin_nodes(made);
+    if (def.mesh)
+        dpti_spring_vertices_begin(made);
     dpti_region_wake_all(made);
     if (def.integrator == DPT_SPRINGS_IMPLICIT)
         dpti_implicit_begin(made);
     *springs = made;
     return DPT_OK;
+}
+
+size_t dpt_springs_bytes(const dpt_springs_def *given)
+{
+    dpt_springs_def def;
+    struct spring_net net;
+    return dpti_springs_read_def(given, &def) == DPT_OK && def.mesh &&
+                   mesh_spring_net(def.mesh, &net)
+               ? dpti_springs_net_bytes(&def, &net)
+               : 0;
+}
+
+dpt_result dpt_springs_create(void *block, size_t bytes, const dpt_springs_def *given,
+                              dpt_springs **springs)
+{
+    dpt_springs_def def;
+    struct spring_net net;
+    DPT_TRY(dpti_springs_read_def(given, &def));
+    if (!def.mesh)
+        return DPT_E_ARGUMENT;
+    return mesh_spring_net(def.mesh, &net)
+               ? dpti_springs_create_net(block, bytes, &def, &net, springs)
+               : DPT_E_UNSUPPORTED;
 }
 
 uint32_t dpt_springs_count(const dpt_springs *springs)
@@ -205,8 +249,19 @@ double dpt_springs_stable_step(const dpt_springs *springs)
     return springs ? springs->stable_step : 0.0;
 }
 
-/* The loads of a step, in place of those of the step before the last. */
-static void set_loads(struct spring_loads *to, const dpt_load *loads, uint32_t count)
+static void add_load(struct spring_loads *to, uint32_t node, double weight, const double force[3])
+{
+    const uint32_t slice = node / LANES, lane = node % LANES;
+    if (!to->marked[slice])
+        to->slices[to->count++] = slice;
+    to->marked[slice] = 1;
+    for (uint32_t row = 0; row < 3; row++)
+        to->force[SPRING_ROWS * (size_t)slice + LANES * row + lane] += (float)(weight * force[row]);
+}
+
+/* The loads of a step, in place of those of the step before the last; on nodes, or on vertices that follow them. */
+static void set_loads(struct spring_loads *to, const dpt_load *loads, uint32_t count,
+                      const struct spring_vertices *vertices)
 {
     for (uint32_t i = 0; i < to->count; i++) {
         to->marked[to->slices[i]] = 0;
@@ -214,13 +269,11 @@ static void set_loads(struct spring_loads *to, const dpt_load *loads, uint32_t c
     }
     to->count = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const uint32_t slice = loads[i].vertex / LANES, lane = loads[i].vertex % LANES;
-        if (!to->marked[slice])
-            to->slices[to->count++] = slice;
-        to->marked[slice] = 1;
-        for (uint32_t row = 0; row < 3; row++)
-            to->force[SPRING_ROWS * (size_t)slice + LANES * row + lane] +=
-                (float)loads[i].force[row];
+        const size_t first = 4 * (size_t)loads[i].vertex;
+        if (!vertices || !vertices->nodes)
+            add_load(to, loads[i].vertex, 1.0, loads[i].force);
+        for (size_t k = first; vertices && vertices->nodes && k < first + 4; k++)
+            add_load(to, vertices->nodes[k], (double)vertices->weights[k], loads[i].force);
     }
 }
 
@@ -251,25 +304,18 @@ static uint32_t substeps_of(const struct dpt_springs *springs, double dt)
     return whole + ((double)whole * longest < dt);
 }
 
-dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
-                            dpt_springs_report *report)
+/* vertices: loads are on those; NULL: on nodes. They are valid. */
+static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *loads,
+                       uint32_t count, const struct spring_vertices *vertices,
+                       dpt_springs_report *report)
 {
     dpt_springs_report own = { .size = sizeof own };
-    if (!springs)
-        return DPT_E_ARGUMENT;
-    if (report)
-        DPT_TRY(sized_check(report, sizeof own, 0));
-    if (!(fabs(dt) <= DBL_MAX))
-        return DPT_E_FINITE;
-    if (!(dt > 0.0 && dt <= DPT_SPRINGS_STEP_MAX))
-        return DPT_E_ARGUMENT;
-    DPT_TRY(check_loads(springs, loads, count));
     own.substeps = substeps_of(springs, dt);
     if (!own.substeps)
         return DPT_E_UNSTABLE;
 
     springs->loaded = 1 - springs->loaded;
-    set_loads(&springs->loads[springs->loaded], loads, count);
+    set_loads(&springs->loads[springs->loaded], loads, count, vertices);
     dpti_region_wake_loaded(springs);
     own.nodes = springs->net.nodes;
     own.active = springs->region.count * LANES;
@@ -285,10 +331,37 @@ dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loa
         springs->loaded = 1 - springs->loaded;
         return DPT_E_FINITE;
     }
+    dpti_spring_vertices_note(springs);
     dpti_region_settle(springs, dt);
     if (report)
         sized_write(report, report->size, &own, sizeof own);
     return DPT_OK;
+}
+
+static dpt_result check_step(double dt, const dpt_springs_report *report)
+{
+    if (report)
+        DPT_TRY(sized_check(report, sizeof *report, 0));
+    if (!(fabs(dt) <= DBL_MAX))
+        return DPT_E_FINITE;
+    return dt > 0.0 && dt <= DPT_SPRINGS_STEP_MAX ? DPT_OK : DPT_E_ARGUMENT;
+}
+
+dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
+                            dpt_springs_report *report)
+{
+    if (!springs)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(check_step(dt, report));
+    DPT_TRY(check_loads(springs, loads, count));
+    return step(springs, dt, loads, count, NULL, report);
+}
+
+dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count,
+                                    dpt_springs_report *report)
+{
+    DPT_TRY(check_step(dt, report));
+    return step(springs, dt, springs->vertices.loads, count, &springs->vertices, report);
 }
 
 dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count, float *positions,

@@ -68,7 +68,7 @@ static void defs_are_checked(void)
     def.sleep_steps = 1;
     CHECK(create(&rig, &def) == DPT_E_ARGUMENT, "sleep");
     def = good;
-    def.reserved = &def;
+    def.reserved = 1;
     CHECK(create(&rig, &def) == DPT_E_ARGUMENT, "reserved");
     def = good;
     def.kernel = 77;

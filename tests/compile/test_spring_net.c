@@ -3,7 +3,7 @@
  * Masses and springs, against counts of the paper, the continuum's energy and the mesh's own volume and area; all sums
  * are formed here, from the public arrays. What a net does in motion is not judged here.
  *
- *     test_springs
+ * test_spring_net
  *
  * With DPT_DATA in the environment organs from there are filled too.
  */

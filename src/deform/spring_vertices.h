@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The vertices that follow the nodes of springs: the nodes themselves, or embedded in them (docs/algorithms/springs.md).
+ * Vertices are taken in groups of 16, as a surface takes them (surface_motion.h). What follows nothing but sleeping
+ * slices is not touched.
+ */
+#ifndef DPT_SPRING_VERTICES_H
+#define DPT_SPRING_VERTICES_H
+
+#include "deform/spring_state.h"
+
+/* How many pairs of a group and a slice that it follows there are; 0 where vertices are the nodes. */
+uint64_t dpti_spring_links(const struct dpt_mesh *mesh);
+
+/* Fill in which slices each group follows. The arrays of springs->vertices are there. */
+void dpti_spring_vertices_begin(struct dpt_springs *springs);
+
+/* Note that slices which are awake are about to move. */
+void dpti_spring_vertices_note(struct dpt_springs *springs);
+
+/*
+ * Those whose nodes have moved since the last call: in vertices.list, ascending, and where they are in
+ * vertices.positions. Returns how many.
+ */
+uint32_t dpti_spring_vertices_gather(struct dpt_springs *springs);
+
+/* As dpt_springs_step, with `count` loads on vertices that are in vertices.loads, and valid. In springs.c. */
+dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count,
+                                    dpt_springs_report *report);
+
+#endif
