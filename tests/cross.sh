@@ -34,6 +34,8 @@ work()
             >"$out/cube.node" && # some vertices are outside of it
         cp tests/golden/torus.ele "$out/cube.ele" &&
         "$@" compile "$out/torus.ply" -o "$out/embedded.dpa" --nodes "$out/cube" &&
+        "$@" compile "$out/torus.ply" -o "$out/sheet.dpa" --springs sheet --bending 1000 &&
+        "$@" compile "$out/liver.obj" -o "$out/volume.dpa" --springs volume --spacing 0.007 &&
         "$@" info "$out/torus.dpa" --verify >"$out/verified" &&
         "$@" compile "$out/torus.ply" -o "$out/torus.c" --c-array torus &&
         "$@" make trace --mesh "$out/torus.dpa" --ticks 500 -o "$out/torus.csv" &&
@@ -96,7 +98,7 @@ try()
         grep -vxE 'sqrt|mem(cpy|set|move|cmp)|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail' >"$folder/imports"
     check "$machine: the core imports $(tr '\n' ' ' <"$folder/imports")" test ! -s "$folder/imports"
     check "$machine: it runs, see $log" work "qemu-$machine-static" "$folder/dynpoint"
-    for name in torus.ply liver.obj torus.dpa liver.dpa open.dpa coarse.dpa embedded.dpa torus.c torus.csv liver.csv torus.out brute.out \
+    for name in torus.ply liver.obj torus.dpa liver.dpa open.dpa coarse.dpa embedded.dpa sheet.dpa volume.dpa torus.c torus.csv liver.csv torus.out brute.out \
         liver.out records.csv; do
         check "$machine: other bytes in $name" cmp -s "$native/cross/$name" "$out/$name"
     done

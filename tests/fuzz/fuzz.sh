@@ -11,7 +11,7 @@ set -u
 runs=${FUZZ_RUNS:-100000000}
 jobs=${FUZZ_JOBS:-$(nproc 2>/dev/null || echo 2)}
 cc=${FUZZ_CC:-clang}
-[ $# -gt 0 ] || set -- obj=18 stl=14 ply=18 off=11 tetgen=2 trace=7 mesh=10 forged=2 arm=4 wire=10 record=4
+[ $# -gt 0 ] || set -- obj=18 stl=12 ply=18 off=11 tetgen=2 regions=2 trace=7 mesh=10 forged=2 arm=4 wire=10 record=4
 # An execution that takes ten seconds, or more than this memory, is a finding. Of the schedules the plain one: the other
 # spends half of the time on itself.
 limits="-entropic=0 -timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=64"

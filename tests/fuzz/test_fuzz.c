@@ -24,10 +24,11 @@
 /*      name    share  accepted, at least one in */
 #define TARGETS(X)                                                                                 \
     X(obj, 18, 20)                                                                                 \
-    X(stl, 14, 20)                                                                                 \
+    X(stl, 12, 20)                                                                                 \
     X(ply, 18, 100)                                                                                \
     X(off, 11, 40)                                                                                 \
     X(tetgen, 2, 40)                                                                               \
+    X(regions, 2, 40)                                                                              \
     X(trace, 7, 40)                                                                                \
     X(mesh, 10, 100)                                                                               \
     X(forged, 2, 2)                                                                                \

@@ -81,7 +81,7 @@ refusals()
     refuses 'one file' 'lonely.ele' compile box.ply -o out/x --nodes lonely
     refuses 'an output that is an input' 'large.ele' compile box.ply -o large.ele --nodes large
     check 'it is there still' test -s large.ele
-    refuses 'an arm' '--nodes is for a mesh' compile "$tests/../docs/samples/arm.urdf" -o out/x --nodes large
+    refuses 'an arm' '--nodes and --springs are for a mesh' compile "$tests/../docs/samples/arm.urdf" -o out/x --nodes large
     wrong 'a word' '3s/0.2/two/' '' "wrong.node:3: x is 'two': not a number"
     wrong 'too few nodes' '$d' '' 'wrong.node:9: the file ends after 7 of 8 nodes'
     wrong 'a node twice' '4s/^3/2/' '' 'wrong.node:4: node 2 follows node 2'

@@ -207,7 +207,7 @@ static void take(struct outcome *of, size_t triangles)
     HOLDS(info.source_triangles == triangles || !triangles, "%u triangles of %zu",
           info.source_triangles, triangles);
     game_digest(of->out.bytes, of->out.size);
-    int is_near = 1;
+    int is_near = info.nodes <= 4; /* as the game's nodes are */
     for (int k = 0; k < 3; k++)
         is_near &= info.box_min[k] > -1.0 && info.box_max[k] < 1.0;
     if (is_near && !subject_is_adopted() && draw_one_in(2)) {
