@@ -19,7 +19,8 @@ static const char help[] =
     "usage: dynpoint run SCENE|MESH.dpa|ARM.dpa --device NAME [options]\n"
     "\n"
     "Feel a scene by name (membrane, cloth, laparoscopy, liver, tori), a mesh, or the scene of an\n"
-    "arm, with a haptic device: DRIVER or DRIVER:WHERE, as sim or serial:/dev/ttyACM0. The tool is a stylus, a capsule from the device's point along its z "
+    "arm, with a haptic device: DRIVER or DRIVER:WHERE, as sim or serial:/dev/ttyACM0. The tool is "
+    "a stylus, a capsule from the device's point along its z "
     "axis, or\n"
     "that of an arm. Ends on an interrupt, after --for or --ticks, or when the device is lost; "
     "always\n"
@@ -42,8 +43,8 @@ static const char help[] =
     "move "
     "the hand\n"
     "                   to a better place\n"
-    "  --length L       of the stylus, m of the mesh; default 0.1\n"
-    "  --radius R       of it; default 0.002\n"
+    "  --length L       of the stylus, m of the mesh; default the scene's, or 0.1\n"
+    "  --radius R       of it; default the scene's, or 0.002\n"
     "  --law LAW        of the force: proxy (default) pulls to where the tool would be if it went "
     "through\n"
     "                   nothing; bed: along the tool and at its ends; point: at the deepest point\n"
@@ -51,7 +52,7 @@ static const char help[] =
     "  --gain-margin G  how much stiffer the loop could be before it shakes; default 1.5\n"
     "  --unstable       take --stiffness even if the device cannot hold it\n"
     "  --active         do not take away force where the scene gives the hand energy\n"
-    "  --friction MU    of all bodies, with a proxy; default 0\n"
+    "  --friction MU    of all bodies, with a proxy; default the scene's, or 0\n"
     "  --damping B      of the proxy's spring, Ns/m; default 0\n"
     "  --identified F   the device's dynamics are those of a file that device identify wrote\n"
     "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
@@ -282,6 +283,8 @@ static void print_json(const struct session *session, const dpt_loop_stats *s,
         printf("%s\"%s\":%" PRIu64, i ? "," : "", numbers[i].name, numbers[i].value);
     printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->depth_max, session->force_peak);
     print_coupling_json(session);
+    printf(",\"spring_nodes\":%" PRIu64 ",\"spring_nodes_awake\":%" PRIu64,
+           session->scene.bodies.nodes, session->scene.bodies.active);
     const struct {
         const char *name;
         const uint64_t *bins;
@@ -320,6 +323,9 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
         printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->unknown,
                session->budget);
     print_coupling(session);
+    if (session->scene.bodies.nodes)
+        printf("  springs: %.1f %% of the nodes were awake\n",
+               100.0 * (double)session->scene.bodies.active / (double)session->scene.bodies.nodes);
     printf("  guard: %" PRIu64 " clamped, %" PRIu64 " slewed, %" PRIu64 " stops\n", s->clamped,
            s->slewed, s->stops);
     printf("  device: %" PRIu64 " samples, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64
@@ -494,8 +500,10 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
     if (status >= 0)
         return status;
     if (operands != 1 || !settings->device)
-        return complain("run", "MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
+        return complain("run",
+                        "a scene, MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
     status = law_by_name("run", law, &settings->scene.force.law);
+    scene_def_complete(&settings->scene);
     settings->scene.force.stiffness =
         isnan(settings->coupling.stiffness) ? 0.0 : settings->coupling.stiffness;
     if (status == 0)
@@ -540,8 +548,9 @@ int command_run(int argc, char **argv)
     struct run_settings settings = { .scene = { .command = "run",
                                                 .zoom = 1.0,
                                                 .force_scale = 1.0,
-                                                .length = 0.1,
-                                                .radius = 0.002 },
+                                                .length = NAN,
+                                                .radius = NAN,
+                                                .force = { .friction = NAN } },
                                      .coupling = { .stiffness = NAN, .gain_margin = 1.5 },
                                      .clutch = NO_NUMBER,
                                      .cpu = NO_NUMBER,

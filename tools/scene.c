@@ -176,7 +176,10 @@ static int open_bodies(struct scene *scene, const char *path)
 /* Where the device's origin is: above the bodies, or where an arm's tool is in the middle of its limits. */
 static int place_device(struct scene *scene, const struct scene_def *def)
 {
-    if (!scene->arm) {
+    const struct listed_scene *listed = scene_listed(def->path);
+    if (listed && listed->has_origin) {
+        memcpy(scene->origin, listed->origin, sizeof scene->origin);
+    } else if (!scene->arm) {
         scene_bodies_top(&scene->bodies, scene->origin);
         scene->origin[1] += def->radius + 0.005;
     } else if (middle_position(scene->arm, scene->origin) != DPT_OK) {
@@ -185,6 +188,17 @@ static int place_device(struct scene *scene, const struct scene_def *def)
     if (def->origin && !parse_position(def->origin, scene->origin))
         return complain(scene->command, "--at takes three numbers, X,Y,Z");
     return 0;
+}
+
+void scene_def_complete(struct scene_def *def)
+{
+    const struct listed_scene *listed = scene_listed(def->path);
+    if (isnan(def->length))
+        def->length = listed ? listed->length : 0.1;
+    if (isnan(def->radius))
+        def->radius = listed ? listed->radius : 0.002;
+    if (isnan(def->force.friction))
+        def->force.friction = listed && def->force.law == DPT_LAW_PROXY ? listed->friction : 0.0;
 }
 
 int scene_open(struct scene *scene, const struct scene_def *def)
@@ -322,6 +336,9 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
         return result;
     scene->pose = pose;
     scene->has_pose = 1;
+    result = scene_bodies_step(&scene->bodies, scene->world, sample->dt);
+    if (result != DPT_OK)
+        return result;
     dpt_tool_get_force_report(scene->world, scene->tool, &report);
     *wrench = report.wrench;
     to_hand(scene, axes, wrench);

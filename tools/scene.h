@@ -27,6 +27,9 @@ struct scene_def {
     struct force_options force;
 };
 
+/* Length, radius and friction that are NAN become those of the scene of that name, or else 0.1, 0.002 and 0. */
+void scene_def_complete(struct scene_def *def);
+
 /* Which file was read. */
 struct file_identity {
     uint64_t bytes;

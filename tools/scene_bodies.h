@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The bodies of a scene: a mesh, those of an arm's scene, or those of a scene by name, made and compiled in memory. */
+/*
+ * The bodies of a scene: a mesh, those of an arm's scene, or those of a scene by name, made and compiled in memory. A mesh
+ * that was compiled with springs gives way.
+ */
 #ifndef DPT_TOOLS_SCENE_BODIES_H
 #define DPT_TOOLS_SCENE_BODIES_H
 
 #include "dynpoint/arm.h"
 #include "dynpoint/compile.h"
-#include "dynpoint/world.h"
+#include "dynpoint/springs.h"
 #include "force_options.h"
 #include "scene_list.h"
 
@@ -13,11 +16,20 @@ struct scene_body {
     const dpt_mesh *mesh;
     dpt_pose pose;
     dpt_compiled compiled; /* {NULL, 0}: the mesh's bytes are a file's */
+    uint32_t integrator;
+    double load_radius;
+    /* Of one that gives way, in a world; else NULL. */
+    dpt_springs *springs;
+    void *block, *springs_block;
+    dpt_body id;
 };
 
 struct scene_bodies {
     struct scene_body body[DPT_ARM_BODIES_MAX];
     uint32_t count;
+    double gravity; /* m/s^2, against y; what is soft feels it */
+    uint64_t nodes,
+        active; /* of the springs, summed over all steps: those there are, and those awake */
 };
 
 /* Make the list: of one mesh; of an arm, whose list may be empty. */
@@ -34,7 +46,10 @@ void scene_bodies_close(struct scene_bodies *bodies);
 void scene_bodies_top(const struct scene_bodies *bodies, double top[3]);
 
 /* Add them to a world, with what the options say of bodies. */
-dpt_result scene_bodies_add(const struct scene_bodies *bodies, dpt_world *world,
+dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world,
                             const struct force_options *options);
+
+/* After a step of the world: what is soft goes on by dt, s. */
+dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, double dt);
 
 #endif

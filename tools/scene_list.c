@@ -3,42 +3,112 @@
 
 #include <string.h>
 
-#define AT(x, y, z)                                                                                \
+#include "dynpoint/springs.h"
+
+#define UPRIGHT                                                                                    \
     {                                                                                              \
-        { (x), (y), (z) },                                                                         \
+        { 0.0, 0.0, 0.0 },                                                                         \
         {                                                                                          \
             1.0, 0.0, 0.0, 0.0                                                                     \
         }                                                                                          \
     }
 
-/* What lies in the plane z = 0 is turned to lie in y = 0. */
-#define LYING_AT(x, y, z)                                                                          \
+/* What lies in the plane z = 0 lies in y = height. */
+#define LYING(height)                                                                              \
     {                                                                                              \
-        { (x), (y), (z) },                                                                         \
+        { 0.0, (height), 0.0 },                                                                    \
         {                                                                                          \
             0.70710678118654752, -0.70710678118654752, 0.0, 0.0                                    \
         }                                                                                          \
     }
 
+#define STYLUS .length = 0.1, .radius = 0.002
+
+#define FIXED_BOX(...)                                                                             \
+    {                                                                                              \
+        .kind = DPT_REGION_BOX, .fixed = 1, .box = { __VA_ARGS__ }                                 \
+    }
+
+/* The border of the square of 0.2 m. */
+static const dpt_spring_region membrane_border[] = {
+    FIXED_BOX(-0.11, -0.11, -0.01, -0.0999, 0.11, 0.01),
+    FIXED_BOX(0.0999, -0.11, -0.01, 0.11, 0.11, 0.01),
+    FIXED_BOX(-0.11, -0.11, -0.01, 0.11, -0.0999, 0.01),
+    FIXED_BOX(-0.11, 0.0999, -0.01, 0.11, 0.11, 0.01),
+};
+
+/* A liver hangs on its back. */
+static const dpt_spring_region liver_bed[] = { FIXED_BOX(-0.2, -0.2, -0.1, 0.2, 0.2, -0.035) };
+
+#define REGIONS(of) .regions = (of), .region_count = sizeof(of) / sizeof *(of)
+
+/* Healthy livers have a Young's modulus of 2 to 7 kPa by transient elastography. */
+#define LIVER_SPRINGS                                                                              \
+    {                                                                                              \
+        .size = sizeof(dpt_spring_def), .kind = DPT_SPRINGS_VOLUME, .young = 5000.0,               \
+        .density = 1000.0, .drag = 5.0, .viscosity = 1e-3, REGIONS(liver_bed)                      \
+    }
+
 static const struct listed_scene scenes[] = {
     { .name = "membrane",
-      .about = "a square of 0.2 m (512 triangles)",
-      .bodies = { { "membrane", 512, LYING_AT(0.0, 0.0, 0.0) } } },
+      STYLUS,
+      .bodies = { { .shape = "membrane",
+                    .triangles = 512,
+                    .pose = LYING(0.0),
+                    .springs = { .size = sizeof(dpt_spring_def),
+                                 .kind = DPT_SPRINGS_SHEET,
+                                 .young = 1e5,
+                                 .thickness = 1e-3,
+                                 .density = 1000.0,
+                                 .drag = 10.0,
+                                 .viscosity = 1e-3,
+                                 REGIONS(membrane_border) },
+                    .load_radius = 0.0375 } } },
     { .name = "cloth",
-      .about = "a cloth with folds (2,048 triangles)",
-      .bodies = { { "cloth", 2048, LYING_AT(0.0, 0.0, 0.0) } } },
+      .gravity = 9.81,
+      .friction = 0.5,
+      .origin = { 0.0, -0.05, -0.25 },
+      .has_origin = 1,
+      .length = 0.5,
+      .radius = 0.004,
+      .bodies = { { .shape = "cloth",
+                    .triangles = 2048,
+                    .pose = LYING(0.0),
+                    .springs = { .size = sizeof(dpt_spring_def),
+                                 .kind = DPT_SPRINGS_SHEET,
+                                 .young = 2e5,
+                                 .thickness = 5e-4,
+                                 .density = 400.0,
+                                 .drag = 1.0,
+                                 .viscosity = 1e-3 },
+                    .integrator = DPT_SPRINGS_IMPLICIT,
+                    .load_radius = 0.03 } } },
     { .name = "laparoscopy",
-      .about = "liver, stomach and spleen (5,387 triangles)",
-      .bodies = { { "liver", 2692, AT(0.0, 0.0, 0.0) },
-                  { "stomach", 1619, AT(0.0, 0.0, 0.0) },
-                  { "spleen", 1076, AT(0.0, 0.0, 0.0) } } },
+      STYLUS,
+      .bodies = { { .shape = "liver",
+                    .triangles = 2692,
+                    .pose = UPRIGHT,
+                    .springs = LIVER_SPRINGS,
+                    .load_radius = 0.02 },
+                  { .shape = "stomach", .triangles = 1619, .pose = UPRIGHT },
+                  { .shape = "spleen", .triangles = 1076, .pose = UPRIGHT } } },
     { .name = "liver",
-      .about = "a liver (50,332 triangles)",
-      .bodies = { { "liver", 50332, AT(0.0, 0.0, 0.0) } } },
+      STYLUS,
+      .bodies = { { .shape = "liver", .triangles = 50332, .pose = UPRIGHT } } },
+    { .name = "soft-liver",
+      STYLUS,
+      .bodies = { { .shape = "liver",
+                    .triangles = 50332,
+                    .pose = UPRIGHT,
+                    .springs = LIVER_SPRINGS,
+                    .load_radius = 0.02 } } },
     { .name = "tori",
-      .about = "two linked tori (61,358 and 5,568 triangles)",
-      .bodies = { { "torus", 61358, AT(0.0, 0.0, 0.0) },
-                  { "torus", 5568, LYING_AT(0.1, 0.0, 0.0) } } },
+      STYLUS,
+      .bodies = { { .shape = "torus", .triangles = 61358, .pose = UPRIGHT },
+                  { .shape = "torus",
+                    .triangles = 5568,
+                    .pose = { { 0.1, 0.0, 0.0 },
+                              { 0.70710678118654752, -0.70710678118654752, 0.0, 0.0 } } } } },
 };
 enum { SCENES = sizeof scenes / sizeof *scenes };
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The scenes that the program knows by name: shapes of `dynpoint make` (shape.h), and where they stand. Metres; y is
- * up, unless the scene says so.
+ * The scenes that the program knows by name: shapes of `dynpoint make` (shape.h), where they stand, and of what they
+ * are. SI units; y is up.
  */
 #ifndef DPT_TOOLS_SCENE_LIST_H
 #define DPT_TOOLS_SCENE_LIST_H
 
-#include "dynpoint/types.h"
+#include "dynpoint/compile.h"
 
 enum { LISTED_BODIES_MAX = 8 };
 
@@ -14,10 +14,18 @@ struct listed_body {
     const char *shape; /* NULL: the list of bodies ends here */
     uint64_t triangles;
     dpt_pose pose;
+    dpt_spring_def springs; /* kind 0: it is rigid; else its regions are in the shape's frame */
+    uint32_t integrator;    /* DPT_SPRINGS_... */
+    double load_radius;     /* dpt_deform_def */
 };
 
 struct listed_scene {
-    const char *name, *about;
+    const char *name;
+    double gravity;   /* m/s^2, down */
+    double friction;  /* of all bodies, where the user gives none */
+    double origin[3]; /* of the device, if has_origin; else above the first body */
+    int has_origin;
+    double length, radius; /* of the stylus, where the user gives none */
     struct listed_body bodies[LISTED_BODIES_MAX + 1];
 };
 
