@@ -212,7 +212,7 @@ fuzz: ## 10^8 random calls (CALLS_RUNS), then 10^8 executions (FUZZ_RUNS) of the
 	@sh tests/fuzz/calls.sh
 	@sh tests/fuzz/fuzz.sh
 
-bench: all $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage) ## time against peers, those whose packages are here
+bench: all $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs) ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
 	@sh tests/bench/budgets.sh $(B)
@@ -221,8 +221,10 @@ bench: all $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip
 	@$(B)/tests/bench/strip_coverage >$(B)/bench/strip_coverage.csv
 	@sh tests/bench/needle.sh $(B)
 	@sh tests/bench/soft.sh $(B)
+	@$(B)/tests/bench/springs cost | tee $(B)/bench/springs.csv
+	@$(B)/tests/bench/springs map >$(B)/bench/springs_map.csv
 
-BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage)
+BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs)
 test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(BENCH_PROGRAMS)
 # What programs.txt, and the scripts, run of this configuration.
 COLUMN := $(subst release,3,$(subst scalar,4,$(subst sanitize,5,$(CONFIG))))
@@ -246,6 +248,8 @@ $(B)/tests/bench/strips $(B)/tests/bench/budgets: %: %.o $(CORE)
 $(B)/tests/bench/deform: %: %.o $(B)/tests/oracle/brute.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
+$(B)/tests/bench/springs: $(B)/tests/bench/springs.o $(B)/tests/deform/spring_rig.o $(CORE) $(TEST_LIB)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 $(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared_of,tests/strip/) $(TEST_PARTS) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
