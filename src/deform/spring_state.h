@@ -23,13 +23,13 @@ struct spring_loads {
 
 /* What IMPLICIT solves with; rows of 48 a slice, directions are points. */
 struct spring_solve {
-    float *force, *residual, *product, *change;
+    struct spring_system *systems;
+    float *force, *product;
     float *direction;
-    float *mass, *stiffness;        /* 16 a slice: of a node, and the sum over its springs */
-    float *diagonal, *per_diagonal; /* 16 a slice, for `step` */
-    double *energy;                 /* 1 a slice: of its nodes, when it was last stepped */
-    double step;                    /* for which the diagonal was made; 0: none */
-    double account; /* J: the energy is proven not to exceed it; below 0: not known */
+    float *stiffness; /* 16 a slice: the sum over a node's springs */
+    double *energy;   /* 1 a slice: of its nodes, when it was last stepped */
+    double step;      /* for which the diagonals were made; 0: none */
+    double account;   /* J: the energy is proven not to exceed it; below 0: not known */
 };
 
 /* Which slices are stepped. */
@@ -78,10 +78,13 @@ struct dpt_springs {
 /* The sum of 16 lanes, in a fixed order. */
 static inline double spring_sum(const double lanes[LANES])
 {
-    double sum = 0.0;
+    double sum[LANES];
     for (int i = 0; i < LANES; i++)
-        sum += lanes[i];
-    return sum;
+        sum[i] = lanes[i];
+    for (int half = LANES / 2; half; half /= 2)
+        for (int i = 0; i < half; i++)
+            sum[i] += sum[i + half];
+    return sum[0];
 }
 
 /* The points of a slice: its nodes, `lead` s ahead of where they are. */

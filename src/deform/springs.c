@@ -123,15 +123,11 @@ static void place(struct dpt_springs *springs, struct block *block)
         place_vertices(springs, block);
     if (springs->def.integrator != DPT_SPRINGS_IMPLICIT)
         return;
+    solve->systems = take(block, slices, sizeof *solve->systems);
     solve->force = take(block, slices * SPRING_ROWS, sizeof(float));
-    solve->residual = take(block, slices * SPRING_ROWS, sizeof(float));
     solve->product = take(block, slices * SPRING_ROWS, sizeof(float));
-    solve->change = take(block, slices * SPRING_ROWS, sizeof(float));
     solve->direction = take(block, slices * SPRING_POINTS, sizeof(float));
-    solve->mass = take(block, slices * LANES, sizeof(float));
     solve->stiffness = take(block, slices * LANES, sizeof(float));
-    solve->diagonal = take(block, slices * LANES, sizeof(float));
-    solve->per_diagonal = take(block, slices * LANES, sizeof(float));
     solve->energy = take(block, slices, sizeof(double));
 }
 

@@ -29,6 +29,27 @@
 #define KERNEL_TAKE(points, at, x, y, z)                                                           \
     TAKE_EIGHT(points, at, x, y, z, 0)                                                             \
     TAKE_EIGHT(points, at, x, y, z, 8)
+#define PUT_HALVES(points, i, from)                                                                \
+    {                                                                                              \
+        _mm_storeu_ps((points) + 4 * (i), _mm256_castps256_ps128(from));                           \
+        _mm_storeu_ps((points) + 4 * ((i) + 4), _mm256_extractf128_ps(from, 1));                   \
+    }
+#define PUT_EIGHT(points, x, y, z, from)                                                           \
+    {                                                                                              \
+        const __m256 put_x = _mm256_loadu_ps((x) + (from)), put_y = _mm256_loadu_ps((y) + (from)); \
+        const __m256 put_z = _mm256_loadu_ps((z) + (from)), zero = _mm256_setzero_ps();            \
+        const __m256 low_xy = _mm256_unpacklo_ps(put_x, put_y);                                    \
+        const __m256 low_z = _mm256_unpacklo_ps(put_z, zero);                                      \
+        const __m256 high_xy = _mm256_unpackhi_ps(put_x, put_y);                                   \
+        const __m256 high_z = _mm256_unpackhi_ps(put_z, zero);                                     \
+        PUT_HALVES(points, from, _mm256_shuffle_ps(low_xy, low_z, 0x44))                           \
+        PUT_HALVES(points, (from) + 1, _mm256_shuffle_ps(low_xy, low_z, 0xee))                     \
+        PUT_HALVES(points, (from) + 2, _mm256_shuffle_ps(high_xy, high_z, 0x44))                   \
+        PUT_HALVES(points, (from) + 3, _mm256_shuffle_ps(high_xy, high_z, 0xee))                   \
+    }
+#define KERNEL_PUT(points, x, y, z)                                                                \
+    PUT_EIGHT(points, x, y, z, 0)                                                                  \
+    PUT_EIGHT(points, x, y, z, 8)
 #include "kernel/kernel_body.h"
 #else
 typedef int kernel_avx2_is_for_another_machine;

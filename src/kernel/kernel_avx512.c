@@ -31,6 +31,26 @@
         _mm512_storeu_ps(y, _mm512_shuffle_ps(low01, low23, 0xee));                                \
         _mm512_storeu_ps(z, _mm512_shuffle_ps(high01, high23, 0x44));                              \
     }
+#define PUT_QUARTERS(points, i, from)                                                              \
+    {                                                                                              \
+        _mm_storeu_ps((points) + 4 * (i), _mm512_castps512_ps128(from));                           \
+        _mm_storeu_ps((points) + 4 * ((i) + 4), _mm512_extractf32x4_ps(from, 1));                  \
+        _mm_storeu_ps((points) + 4 * ((i) + 8), _mm512_extractf32x4_ps(from, 2));                  \
+        _mm_storeu_ps((points) + 4 * ((i) + 12), _mm512_extractf32x4_ps(from, 3));                 \
+    }
+#define KERNEL_PUT(points, x, y, z)                                                                \
+    {                                                                                              \
+        const __m512 put_x = _mm512_loadu_ps(x), put_y = _mm512_loadu_ps(y);                       \
+        const __m512 put_z = _mm512_loadu_ps(z), zero = _mm512_setzero_ps();                       \
+        const __m512 low_xy = _mm512_unpacklo_ps(put_x, put_y);                                    \
+        const __m512 low_z = _mm512_unpacklo_ps(put_z, zero);                                      \
+        const __m512 high_xy = _mm512_unpackhi_ps(put_x, put_y);                                   \
+        const __m512 high_z = _mm512_unpackhi_ps(put_z, zero);                                     \
+        PUT_QUARTERS(points, 0, _mm512_shuffle_ps(low_xy, low_z, 0x44))                            \
+        PUT_QUARTERS(points, 1, _mm512_shuffle_ps(low_xy, low_z, 0xee))                            \
+        PUT_QUARTERS(points, 2, _mm512_shuffle_ps(high_xy, high_z, 0x44))                          \
+        PUT_QUARTERS(points, 3, _mm512_shuffle_ps(high_xy, high_z, 0xee))                          \
+    }
 #include "kernel/kernel_body.h"
 #else
 typedef int kernel_avx512_is_for_another_machine;

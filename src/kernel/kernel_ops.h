@@ -133,6 +133,10 @@ typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const f
  *                   coordinates and speeds are numbers within the motion's limits
  *   spring_descend  change += by * direction, residual -= by * product; adds residual . per_diagonal residual to sum[]
  *   spring_turn     direction = per_diagonal residual + by * direction
+ *   spring_begin    the right-hand side of an implicit step as the residual, from the forces; the first direction, no
+ *                   change yet. Adds residual . per_diagonal residual to sum[]
+ *   spring_end      where nodes are after the change, and how fast. Adds to bound[] and work[], lane by lane, what
+ *                   deform/implicit.c needs. Sets *square and returns as spring_move does
  */
 #define SPRING_SHORTEST 0.5f
 enum { SPRING_ROWS = 3 * LANES, SPRING_POINTS = 4 * LANES };
@@ -162,6 +166,20 @@ struct spring_motion {
     uint32_t is_euler;
 };
 
+/* An implicit step: from the points that nodes reach in `flight` seconds, 0 or the step, and `back` seconds of lead. */
+struct spring_trial {
+    float step, per_step, flight, back, scale;
+    float gravity[3];
+    float far, fast;
+    uint32_t has_lead;
+};
+
+/* Of a slice, in an implicit step. */
+struct spring_system {
+    float mass[LANES], diagonal[LANES], per_diagonal[LANES]; /* 0 for a node that is fixed */
+    float residual[SPRING_ROWS], change[SPRING_ROWS];
+};
+
 typedef void kernel_spring_forces(const struct spring_rows *rows, uint32_t slice,
                                   const float *points, float *force);
 typedef void kernel_spring_energy(const struct spring_rows *rows, uint32_t slice,
@@ -174,10 +192,16 @@ typedef uint32_t kernel_spring_move(const struct spring_motion *motion,
                                     const float *load, const struct spring_slice *from,
                                     struct spring_slice *to, float *points, float *square);
 typedef void kernel_spring_descend(float by, const float *direction, const float *product,
-                                   const float *per_diagonal, float *change, float *residual,
-                                   double *sum);
-typedef void kernel_spring_turn(float by, const float *residual, const float *per_diagonal,
-                                float *direction);
+                                   struct spring_system *system, double *sum);
+typedef void kernel_spring_turn(float by, const struct spring_system *system, float *direction);
+typedef void kernel_spring_begin(const struct spring_trial *trial, const struct spring_slice *state,
+                                 const float *force, const float *load,
+                                 struct spring_system *system, float *direction, double *sum);
+typedef uint32_t kernel_spring_end(const struct spring_trial *trial,
+                                   const struct spring_slice *from, const float *force,
+                                   const float *load, const struct spring_system *system,
+                                   struct spring_slice *to, double *bound, double *work,
+                                   float *square);
 
 struct kernel {
     kernel_cached *cached_boxes;
@@ -201,6 +225,8 @@ struct kernel {
     kernel_spring_move *spring_move;
     kernel_spring_descend *spring_descend;
     kernel_spring_turn *spring_turn;
+    kernel_spring_begin *spring_begin;
+    kernel_spring_end *spring_end;
 };
 
 /* The widest kernel that every machine of this kind has. */
@@ -236,7 +262,9 @@ int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
     kernel_spring_product dpti_kernel_##set##_spring_product;                                      \
     kernel_spring_move dpti_kernel_##set##_spring_move;                                            \
     kernel_spring_descend dpti_kernel_##set##_spring_descend;                                      \
-    kernel_spring_turn dpti_kernel_##set##_spring_turn;
+    kernel_spring_turn dpti_kernel_##set##_spring_turn;                                            \
+    kernel_spring_begin dpti_kernel_##set##_spring_begin;                                          \
+    kernel_spring_end dpti_kernel_##set##_spring_end;
 KERNEL_DECLARE(scalar)
 KERNEL_DECLARE(sse2)
 KERNEL_DECLARE(avx2)

@@ -11,15 +11,25 @@
     }
 #endif
 
+#ifndef KERNEL_PUT
+#define KERNEL_PUT(points, x, y, z)                                                                \
+    for (int i = 0; i < LANES; i++) {                                                              \
+        (points)[4 * i] = (x)[i];                                                                  \
+        (points)[4 * i + 1] = (y)[i];                                                              \
+        (points)[4 * i + 2] = (z)[i];                                                              \
+        (points)[4 * i + 3] = 0.0f;                                                                \
+    }
+#endif
+
+/* Nodes that follow each other. */
+static const uint32_t KERNEL(in_turn)[LANES] = { 0, 1, 2,  3,  4,  5,  6,  7,
+                                                 8, 9, 10, 11, 12, 13, 14, 15 };
+
 /* A slice's own points, in lanes. */
 #define OWN_POINTS(points, slice)                                                                  \
     const float *own = (points) + SPRING_POINTS * (size_t)(slice);                                 \
     float ax[LANES], ay[LANES], az[LANES];                                                         \
-    for (int i = 0; i < LANES; i++) {                                                              \
-        ax[i] = own[4 * i];                                                                        \
-        ay[i] = own[4 * i + 1];                                                                    \
-        az[i] = own[4 * i + 2];                                                                    \
-    }
+    KERNEL_TAKE(own, KERNEL(in_turn), ax, ay, az)
 
 KERNEL_TARGET static inline __attribute__((always_inline)) void
 KERNEL(spring_sums)(const struct spring_rows *restrict rows, uint32_t slice,
@@ -102,6 +112,23 @@ KERNEL_TARGET void KERNEL(spring_product)(const struct spring_rows *restrict row
         sum[i] += (double)((ax[i] * px[i] + ay[i] * py[i]) + az[i] * pz[i]);
 }
 
+KERNEL_TARGET static inline __attribute__((always_inline)) float KERNEL(largest)(float *restrict of)
+{
+    for (int half = LANES / 2; half; half /= 2)
+        for (int i = 0; i < half; i++)
+            of[i] = AT_LEAST(of[i], of[i + half]);
+    return of[0];
+}
+
+KERNEL_TARGET static inline __attribute__((always_inline)) uint32_t
+KERNEL(any)(const uint32_t *restrict of)
+{
+    uint32_t any = 0;
+    for (int i = 0; i < LANES; i++)
+        any |= of[i];
+    return any;
+}
+
 KERNEL_TARGET uint32_t KERNEL(spring_move)(const struct spring_motion *restrict motion,
                                            const struct spring_nodes *restrict nodes,
                                            const float *restrict force, const float *restrict load,
@@ -112,7 +139,7 @@ KERNEL_TARGET uint32_t KERNEL(spring_move)(const struct spring_motion *restrict 
     const float far = motion->far, fast = motion->fast;
     const float before = motion->is_euler ? 1.0f : 0.0f, after = 1.0f - before;
     float keep[LANES], speed[LANES] = { 0 }, place[SPRING_ROWS];
-    uint32_t bad[LANES] = { 0 }, any = 0;
+    uint32_t bad[LANES] = { 0 };
 
     for (int i = 0; i < LANES; i++)
         keep[i] = 1.0f / (1.0f + step * nodes->drag[i]);
@@ -139,48 +166,115 @@ KERNEL_TARGET uint32_t KERNEL(spring_move)(const struct spring_motion *restrict 
             to->v[row * LANES + i] = v[i];
         }
     }
-    for (int i = 0; i < LANES; i++) {
-        points[4 * i] = place[i];
-        points[4 * i + 1] = place[LANES + i];
-        points[4 * i + 2] = place[2 * LANES + i];
-        points[4 * i + 3] = 0.0f;
+    KERNEL_PUT(points, place, place + LANES, place + 2 * LANES)
+    *square = KERNEL(largest)(speed);
+    return KERNEL(any)(bad);
+}
+
+/* The right-hand side of coordinate k of lane i. */
+#define SPRING_RIGHT(k, i, gravity)                                                                \
+    (scale * force[k] + load[k] + system->mass[i] * (gravity) +                                    \
+     system->mass[i] * per_step * state->v[k] - system->diagonal[i] * (flight * state->v[k]))
+
+KERNEL_TARGET void KERNEL(spring_begin)(const struct spring_trial *restrict trial,
+                                        const struct spring_slice *restrict state,
+                                        const float *restrict force, const float *restrict load,
+                                        struct spring_system *restrict system,
+                                        float *restrict direction, double *restrict sum)
+{
+    const float scale = trial->scale, per_step = trial->per_step, flight = trial->flight;
+    float square[LANES] = { 0 }, first[SPRING_ROWS];
+
+    for (int row = 0; row < 3; row++) {
+        const float gravity = trial->gravity[row];
+        for (int i = 0; i < LANES; i++) {
+            const int k = LANES * row + i;
+            const float right = SPRING_RIGHT(k, i, gravity);
+            system->residual[k] = right;
+            system->change[k] = 0.0f;
+            first[k] = system->per_diagonal[i] * right;
+            square[i] += right * right;
+        }
     }
-    for (int i = 0; i < 8; i++)
-        speed[i] = AT_LEAST(speed[i], speed[i + 8]);
-    for (int i = 0; i < 4; i++)
-        speed[i] = AT_LEAST(speed[i], speed[i + 4]);
+    KERNEL_PUT(direction, first, first + LANES, first + 2 * LANES)
     for (int i = 0; i < LANES; i++)
-        any |= bad[i];
-    const float left = AT_LEAST(speed[0], speed[2]), right = AT_LEAST(speed[1], speed[3]);
-    *square = AT_LEAST(left, right);
-    return any;
+        sum[i] += (double)(square[i] * system->per_diagonal[i]);
+}
+
+/*
+ * Without lead, change . L change comes from change . A change, which the solution knows: A change is the right-hand
+ * side without the residual, and A is the diagonal and L.
+ */
+KERNEL_TARGET uint32_t KERNEL(spring_end)(const struct spring_trial *restrict trial,
+                                          const struct spring_slice *restrict state,
+                                          const float *restrict force, const float *restrict load,
+                                          const struct spring_system *restrict system,
+                                          struct spring_slice *restrict to, double *restrict bound,
+                                          double *restrict work, float *restrict square)
+{
+    const float scale = trial->scale, per_step = trial->per_step, flight = trial->flight;
+    const float back = trial->back, curved = trial->has_lead ? 0.0f : 0.5f;
+    const float far = trial->far, fast = trial->fast;
+    float energy[LANES] = { 0 }, done[LANES] = { 0 }, speed[LANES] = { 0 };
+    uint32_t bad[LANES] = { 0 };
+
+    for (int row = 0; row < 3; row++) {
+        const float gravity = trial->gravity[row];
+        for (int i = 0; i < LANES; i++) {
+            const int k = LANES * row + i;
+            const float change = system->change[k], v0 = state->v[k], x0 = state->x[k];
+            const float moved = flight * v0 + change, v1 = moved * per_step;
+            const float way = moved + state->rest[k], x1 = x0 + way;
+            const float right = SPRING_RIGHT(k, i, gravity);
+            const float bend =
+                change * (right - system->residual[k]) - change * change * system->diagonal[i];
+            to->x[k] = x1;
+            to->rest[k] = way - (x1 - x0);
+            to->v[k] = v1;
+            energy[i] += curved * bend - scale * force[k] * (change - back * v0) +
+                         0.5f * system->mass[i] * (v1 * v1);
+            done[i] += (load[k] + system->mass[i] * gravity) * moved;
+            speed[i] += v1 * v1;
+            bad[i] |= (uint32_t) !(fabsf(x1) <= far) | (uint32_t) !(fabsf(v1) <= fast);
+        }
+    }
+    for (int i = 0; i < LANES; i++) {
+        const float counts = system->mass[i] > 0.0f ? 1.0f : 0.0f;
+        bound[i] += (double)(counts * energy[i]);
+        work[i] += (double)(counts * done[i]);
+    }
+    *square = KERNEL(largest)(speed);
+    return KERNEL(any)(bad);
 }
 
 KERNEL_TARGET void KERNEL(spring_descend)(float by, const float *restrict direction,
                                           const float *restrict product,
-                                          const float *restrict per_diagonal,
-                                          float *restrict change, float *restrict residual,
+                                          struct spring_system *restrict system,
                                           double *restrict sum)
 {
-    float square[LANES] = { 0 };
+    float square[LANES] = { 0 }, along[SPRING_ROWS];
+    KERNEL_TAKE(direction, KERNEL(in_turn), along, along + LANES, along + 2 * LANES)
     for (int row = 0; row < 3; row++)
         for (int i = 0; i < LANES; i++) {
             const int k = row * LANES + i;
-            const float left = residual[k] - by * product[k];
-            change[k] += by * direction[4 * i + row];
-            residual[k] = left;
+            const float left = system->residual[k] - by * product[k];
+            system->change[k] += by * along[k];
+            system->residual[k] = left;
             square[i] += left * left;
         }
     for (int i = 0; i < LANES; i++)
-        sum[i] += (double)(square[i] * per_diagonal[i]);
+        sum[i] += (double)(square[i] * system->per_diagonal[i]);
 }
 
-KERNEL_TARGET void KERNEL(spring_turn)(float by, const float *restrict residual,
-                                       const float *restrict per_diagonal,
+KERNEL_TARGET void KERNEL(spring_turn)(float by, const struct spring_system *restrict system,
                                        float *restrict direction)
 {
-    for (int i = 0; i < LANES; i++)
-        for (int row = 0; row < 3; row++)
-            direction[4 * i + row] =
-                per_diagonal[i] * residual[row * LANES + i] + by * direction[4 * i + row];
+    float last[SPRING_ROWS], next[SPRING_ROWS];
+    KERNEL_TAKE(direction, KERNEL(in_turn), last, last + LANES, last + 2 * LANES)
+    for (int row = 0; row < 3; row++)
+        for (int i = 0; i < LANES; i++) {
+            const int k = row * LANES + i;
+            next[k] = system->per_diagonal[i] * system->residual[k] + by * last[k];
+        }
+    KERNEL_PUT(direction, next, next + LANES, next + 2 * LANES)
 }

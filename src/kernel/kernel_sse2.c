@@ -26,6 +26,21 @@
     TAKE_FOUR(points, at, x, y, z, 4)                                                              \
     TAKE_FOUR(points, at, x, y, z, 8)                                                              \
     TAKE_FOUR(points, at, x, y, z, 12)
+#define PUT_FOUR(points, x, y, z, from)                                                            \
+    {                                                                                              \
+        __m128 put0 = _mm_loadu_ps((x) + (from)), put1 = _mm_loadu_ps((y) + (from));               \
+        __m128 put2 = _mm_loadu_ps((z) + (from)), put3 = _mm_setzero_ps();                         \
+        _MM_TRANSPOSE4_PS(put0, put1, put2, put3);                                                 \
+        _mm_storeu_ps((points) + 4 * (from), put0);                                                \
+        _mm_storeu_ps((points) + 4 * (from) + 4, put1);                                            \
+        _mm_storeu_ps((points) + 4 * (from) + 8, put2);                                            \
+        _mm_storeu_ps((points) + 4 * (from) + 12, put3);                                           \
+    }
+#define KERNEL_PUT(points, x, y, z)                                                                \
+    PUT_FOUR(points, x, y, z, 0)                                                                   \
+    PUT_FOUR(points, x, y, z, 4)                                                                   \
+    PUT_FOUR(points, x, y, z, 8)                                                                   \
+    PUT_FOUR(points, x, y, z, 12)
 #include "kernel/kernel_body.h"
 #else
 typedef int kernel_sse2_is_for_another_machine;
