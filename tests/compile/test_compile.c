@@ -550,7 +550,17 @@ static void failing_allocations_leave_nothing(void)
     const dpt_compile_def embedding = {
         .size = sizeof embedding, .nodes = nodes, .cells = cell, .node_count = 4, .cell_count = 1
     };
-    for (int entry = 0; entry < 7; entry++) {
+    const uint32_t fixed[] = { 0 };
+    const dpt_spring_def sheet = { .size = sizeof sheet, .kind = DPT_SPRINGS_SHEET };
+    const dpt_spring_def volume = { .size = sizeof volume,
+                                    .kind = DPT_SPRINGS_VOLUME,
+                                    .spacing = 0.5,
+                                    .fixed = fixed,
+                                    .fixed_count = 1 };
+    const dpt_compile_def with_sheet = { .size = sizeof with_sheet, .springs = &sheet };
+    const dpt_compile_def with_volume = { .size = sizeof with_volume, .springs = &volume };
+    const dpt_compile_def *const defs[] = { NULL, &embedding, &with_sheet, &with_volume };
+    for (int entry = 0; entry < 9; entry++) {
         dpt_result result = DPT_E_MEMORY;
         long fail_at = 1;
         for (; result != DPT_OK && fail_at < 1000; fail_at++) {
@@ -560,14 +570,14 @@ static void failing_allocations_leave_nothing(void)
             allocations_left = fail_at;
             if (entry < 4)
                 result = dpt_compile_bytes(texts[entry], strlen(texts[entry]), NULL, &out, &diag);
-            else if (entry < 6)
-                result = dpt_compile_arrays(cube, 8, cube_corners, 12,
-                                            entry == 4 ? NULL : &embedding, &out, &diag);
+            else if (entry < 8)
+                result =
+                    dpt_compile_arrays(cube, 8, cube_corners, 12, defs[entry - 4], &out, &diag);
             else
                 result = dpt_compile_file("tests/golden/torus.ply", NULL, &out, &diag);
             allocations_left = -1;
             CHECK(result == DPT_OK || result == DPT_E_MEMORY ||
-                      (entry == 6 && result == DPT_E_OPEN),
+                      (entry == 8 && result == DPT_E_OPEN),
                   "entry %d, allocation %ld: %s", entry, fail_at, dpt_result_name(result));
             CHECK(diag.code == result && (result == DPT_OK || (!out.bytes && !out.size)),
                   "entry %d, allocation %ld: %d", entry, fail_at, diag.code);

@@ -42,7 +42,7 @@ bad_inputs()
     head -c 100 box.dpa >stub.dpa
     { cat box.dpa; printf x; } >long.dpa
     : >nothing.dpa
-    damage box.dpa version.dpa 12 5
+    damage box.dpa version.dpa 12 99
     damage box.dpa sum.dpa $((size - 200)) 170
     sed 's/$/\r/' box.dpa >text.dpa
     for name in magic short stub long nothing version sum text; do
