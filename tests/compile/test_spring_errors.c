@@ -94,7 +94,7 @@ static void regions_that_say_nothing_are_refused(void)
     expect_refusal("box", 12, &def, DPT_E_ARGUMENT, "no regions");
     def.regions = regions;
     CHECK(compile("box", 12, &def, &diag) == DPT_OK, "%s", diag.text);
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 9; i++) {
         dpt_spring_region *region = &regions[1];
         *region = good;
         *(i == 0   ? &region->young
@@ -111,6 +111,10 @@ static void regions_that_say_nothing_are_refused(void)
             region->fixed = 2;
         if (i == 7)
             *region = (dpt_spring_region){ DPT_REGION_SPHERE, 0, { 0 }, 1e3, 1e3, 0.0 };
+        if (i == 8) {
+            *region = good;
+            region->box[5] = 3e6;
+        }
         expect_refusal("box", 12, &def, DPT_E_ARGUMENT, "region 2");
     }
     for (uint32_t fixed = 0; fixed < 2; fixed++) {

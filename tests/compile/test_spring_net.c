@@ -9,114 +9,8 @@
  */
 #include <math.h>
 
-#include "dynpoint/compile.h"
+#include "compile/spring_subject.h"
 #include "lib/check.h"
-#include "lib/dpa.h"
-
-struct subject {
-    struct file file;
-    const dpt_mesh *mesh;
-    dpt_mesh_info info;
-    dpt_mesh_springs net;
-};
-
-/* 1: it opens, and all is filled in. */
-static int open_subject(struct subject *subject, dpt_compiled *compiled)
-{
-    subject->file = file_of(compiled->bytes, compiled->size);
-    dpt_compiled_free(compiled);
-    subject->info = (dpt_mesh_info){ .size = sizeof subject->info };
-    subject->net = (dpt_mesh_springs){ .size = sizeof subject->net };
-    dpt_mesh_convert(subject->file.bytes, subject->file.size, NULL);
-    const int good =
-        dpt_mesh_open(subject->file.bytes, subject->file.size, &subject->mesh) == DPT_OK &&
-        dpt_mesh_get_info(subject->mesh, &subject->info) == DPT_OK &&
-        dpt_mesh_get_springs(subject->mesh, &subject->net) == DPT_OK && subject->net.nodes;
-    CHECK(good, "does not open, or has no springs");
-    return good;
-}
-
-static dpt_result compile_shape(const char *name, uint64_t count, const dpt_spring_def *springs,
-                                dpt_compiled *compiled, dpt_diag *diag)
-{
-    struct shape shape;
-    shape_reason reason;
-    dpt_result result = DPT_E_ARGUMENT;
-    const dpt_compile_def def = { .size = sizeof def, .springs = springs };
-    diag->size = sizeof *diag;
-    if (shape_make(name, count, 0, &shape, reason) == 0)
-        result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                    shape.triangle_count, &def, compiled, diag);
-    shape_free(&shape);
-    return result;
-}
-
-static int make_subject(struct subject *subject, const char *name, uint64_t count,
-                        const dpt_spring_def *springs)
-{
-    dpt_compiled compiled;
-    dpt_diag diag;
-    const dpt_result result = compile_shape(name, count, springs, &compiled, &diag);
-    CHECK(result == DPT_OK, "%s: %s", name, diag.text);
-    return result == DPT_OK && open_subject(subject, &compiled);
-}
-
-static dpt_spring_def def_of(uint32_t kind)
-{
-    dpt_spring_def def;
-    dpt_spring_def_init(&def);
-    def.kind = kind;
-    return def;
-}
-
-static double determinant(const double a[3], const double b[3], const double c[3])
-{
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-           a[2] * (b[0] * c[1] - b[1] * c[0]);
-}
-
-/* By the divergence theorem, and by the cross product. */
-static void measure(const dpt_mesh *mesh, double *volume, double *area)
-{
-    const float *xyz;
-    const uint32_t *corners;
-    uint32_t count;
-    *volume = *area = 0.0;
-    dpt_mesh_get_vertices(mesh, &xyz, &count);
-    dpt_mesh_get_triangles(mesh, &corners, NULL, &count);
-    for (uint32_t t = 0; t < count; t++) {
-        double x[3][3], n2 = 0.0;
-        for (int c = 0; c < 3; c++)
-            for (int k = 0; k < 3; k++)
-                x[c][k] = xyz[3 * (size_t)corners[3 * (size_t)t + (size_t)c] + (size_t)k];
-        *volume += determinant(x[0], x[1], x[2]) / 6.0;
-        for (int k = 0; k < 3; k++) {
-            const int i = (k + 1) % 3, j = (k + 2) % 3;
-            const double n = (x[1][i] - x[0][i]) * (x[2][j] - x[0][j]) -
-                             (x[1][j] - x[0][j]) * (x[2][i] - x[0][i]);
-            n2 += n * n;
-        }
-        *area += 0.5 * sqrt(n2);
-    }
-}
-
-static double sum_of_masses(const dpt_mesh_springs *net)
-{
-    double sum = 0.0;
-    for (uint32_t i = 0; i < net->nodes; i++)
-        sum += net->mass[i];
-    return sum;
-}
-
-static size_t words_begin(const dpt_mesh_springs *net, uint32_t node)
-{
-    return (size_t)net->first[node / 16] * 16 + node % 16;
-}
-
-static size_t words_end(const dpt_mesh_springs *net, uint32_t node)
-{
-    return (size_t)net->first[node / 16 + 1] * 16;
-}
 
 /* x' = gradient x of all nodes: the energy of all springs, each counted in both of its rows. */
 static double energy_of(const dpt_mesh_springs *net, const double gradient[9])
@@ -174,47 +68,6 @@ static void expect_energy(const struct subject *subject, const double strain[9],
 {
     const double energy = strain_energy(&subject->net, strain);
     CHECK(fabs(energy / wanted - 1.0) <= error, "energy %.9g J, not %.9g", energy, wanted);
-}
-
-/* Each spring is in both rows, once, as long as its nodes are apart; what is none is as the format says. */
-static void expect_rows(const struct subject *subject)
-{
-    const dpt_mesh_springs *net = &subject->net;
-    uint32_t ends = 0, fixed = 0;
-    for (uint32_t i = 0; i < net->nodes; i++) {
-        uint32_t before = DPT_NONE, own = 0;
-        fixed += net->mass[i] == 0.0f;
-        for (size_t w = words_begin(net, i); w < words_end(net, i); w += 16) {
-            const uint32_t j = net->neighbours[w];
-            double length2 = 0.0;
-            if (j == i) {
-                CHECK(net->stiffness[w] == 0.0f && net->length[w] == 1.0f, "padding of %u", i);
-                continue;
-            }
-            uint32_t found = 0;
-            for (size_t u = words_begin(net, j); u < words_end(net, j); u += 16)
-                found += net->neighbours[u] == i && net->stiffness[u] == net->stiffness[w] &&
-                         net->length[u] == net->length[w];
-            CHECK(found == 1, "the spring from %u to %u stands %u times in the row of %u", i, j,
-                  found, j);
-            CHECK(before == DPT_NONE || j > before, "%u after %u in the row of %u", j, before, i);
-            for (size_t k = 0; k < 3; k++) {
-                const double apart =
-                    (double)net->rest[3 * (size_t)j + k] - (double)net->rest[3 * (size_t)i + k];
-                length2 += apart * apart;
-            }
-            CHECK(fabs((double)net->length[w] - sqrt(length2)) <= 1e-7 * sqrt(length2),
-                  "a spring of %g m is %g m", (double)net->length[w], sqrt(length2));
-            before = j;
-            own++;
-        }
-        CHECK(own > 0, "node %u has no springs", i);
-        ends += own;
-    }
-    CHECK(ends == 2 * subject->info.springs && net->springs == subject->info.springs &&
-              fixed == subject->info.fixed_nodes && net->slices == (net->nodes + 15) / 16 &&
-              net->first[net->slices] == subject->info.spring_entries,
-          "%u ends of %u springs, %u fixed", ends, subject->info.springs, fixed);
 }
 
 static void sheets_have_the_papers_counts(void)
@@ -308,6 +161,23 @@ static void a_block_is_as_stiff_as_its_material(void)
     free(subject.file.bytes);
 }
 
+/* An edge that is the longest of one of its triangles alone has no shear spring. */
+static void slim_triangles_are_not_crossed(void)
+{
+    const double vertices[] = { 0, 0, 0, 1, 0, 0, 0.5, 0.3, 0, 0.5, -3, 0 };
+    const uint32_t corners[] = { 0, 1, 2, 1, 0, 3 };
+    const dpt_spring_def def = def_of(DPT_SPRINGS_SHEET);
+    const dpt_compile_def compile = { .size = sizeof compile, .springs = &def };
+    dpt_compiled compiled;
+    struct subject subject;
+    CHECK(dpt_compile_arrays(vertices, 4, corners, 2, &compile, &compiled, NULL) == DPT_OK,
+          "does not compile");
+    if (!open_subject(&subject, &compiled))
+        return;
+    CHECK(subject.info.springs == 5, "%u springs", subject.info.springs);
+    free(subject.file.bytes);
+}
+
 /* A turn of 0.5 rad about (1, 2, 2) / 3, by Rodrigues. */
 static void turns_cost_nothing(void)
 {
@@ -355,32 +225,48 @@ static void curved_bodies_are_filled(void)
     }
 }
 
-/* Where a cube is in a cube, its wall is no part of it: a cavity. */
-static void cavities_are_empty(void)
+/* A cube of this size about x, y, z, its eight vertices from `first`, turned inside out if `inward`. */
+static void add_cube(double *vertices, uint32_t *corners, uint32_t first, double x, double size,
+                     int inward)
 {
     static const uint32_t sides[12][3] = { { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 },
                                            { 0, 1, 4 }, { 1, 5, 4 }, { 2, 6, 3 }, { 3, 6, 7 },
                                            { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 } };
+    for (uint32_t i = 0; i < 8; i++)
+        for (uint32_t k = 0; k < 3; k++)
+            vertices[3 * (first + i) + k] = ((i >> k & 1) - 0.5) * size + (k == 0 ? x : 0.0);
+    for (uint32_t i = 0; i < 12; i++)
+        for (uint32_t k = 0; k < 3; k++)
+            corners[36 * (first / 8) + 3 * i + k] = first + sides[i][inward && k > 0 ? 3 - k : k];
+}
+
+/* Two cubes, 0.1 m and `size`: as many nodes and kilograms. */
+static void expect_cubes(double x, double size, int inward, uint32_t nodes, double mass)
+{
     double vertices[48];
     uint32_t corners[72];
-    for (int i = 0; i < 16; i++)
-        for (int k = 0; k < 3; k++)
-            vertices[3 * i + k] = ((i >> k & 1) - 0.5) * (i < 8 ? 0.1 : 0.06);
-    for (uint32_t i = 0; i < 24; i++)
-        for (uint32_t k = 0; k < 3; k++)
-            corners[3 * i + k] = i < 12 ? sides[i][k] : 8 + sides[i - 12][k == 0 ? 0 : 3 - k];
     dpt_spring_def def = def_of(DPT_SPRINGS_VOLUME);
-    def.spacing = 0.01;
     const dpt_compile_def compile = { .size = sizeof compile, .springs = &def };
     dpt_compiled compiled;
     struct subject subject;
+    def.spacing = 0.01;
+    add_cube(vertices, corners, 0, 0.0, 0.1, 0);
+    add_cube(vertices, corners, 8, x, size, inward);
     CHECK(dpt_compile_arrays(vertices, 16, corners, 24, &compile, &compiled, NULL) == DPT_OK,
           "does not compile");
     if (!open_subject(&subject, &compiled))
         return;
-    CHECK(fabs(sum_of_masses(&subject.net) - 0.784) < 1e-6, "%.9g kg", sum_of_masses(&subject.net));
-    CHECK(subject.info.nodes == 11 * 11 * 11 - 5 * 5 * 5, "%u nodes", subject.info.nodes);
+    CHECK(fabs(sum_of_masses(&subject.net) - mass) < 1e-6, "%.9g kg, not %g",
+          sum_of_masses(&subject.net), mass);
+    CHECK(subject.info.nodes == nodes, "%u nodes, not %u", subject.info.nodes, nodes);
     free(subject.file.bytes);
+}
+
+/* A cavity is empty, and what lies in two parts counts once. */
+static void cavities_are_empty(void)
+{
+    expect_cubes(0.0, 0.06, 1, 11 * 11 * 11 - 5 * 5 * 5, 1.0 - 0.216);
+    expect_cubes(0.05, 0.06, 0, 11 * 11 * 11 + 3 * 7 * 7, 1.0 + 0.5 * 0.216);
 }
 
 static void vertices_follow_the_lattice(void)
@@ -578,6 +464,7 @@ int main(void)
     TEST(a_grid_is_as_stiff_as_its_material);
     TEST(bending_springs_are_added);
     TEST(a_block_is_as_stiff_as_its_material);
+    TEST(slim_triangles_are_not_crossed);
     TEST(turns_cost_nothing);
     TEST(curved_bodies_are_filled);
     TEST(cavities_are_empty);
