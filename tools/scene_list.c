@@ -45,7 +45,7 @@ static const dpt_spring_region liver_bed[] = { FIXED_BOX(-0.2, -0.2, -0.1, 0.2, 
 /* Healthy livers have a Young's modulus of 2 to 7 kPa by transient elastography. */
 #define LIVER_SPRINGS                                                                              \
     {                                                                                              \
-        .size = sizeof(dpt_spring_def), .kind = DPT_SPRINGS_VOLUME, .young = 5000.0,               \
+        .size = sizeof(dpt_spring_net_def), .kind = DPT_NET_VOLUME, .young = 5000.0,               \
         .density = 1000.0, .drag = 5.0, .viscosity = 1e-3, REGIONS(liver_bed)                      \
     }
 
@@ -55,8 +55,8 @@ static const struct listed_scene scenes[] = {
       .bodies = { { .shape = "membrane",
                     .triangles = 512,
                     .pose = LYING(0.0),
-                    .springs = { .size = sizeof(dpt_spring_def),
-                                 .kind = DPT_SPRINGS_SHEET,
+                    .springs = { .size = sizeof(dpt_spring_net_def),
+                                 .kind = DPT_NET_SHEET,
                                  .young = 1e5,
                                  .thickness = 1e-3,
                                  .density = 1000.0,
@@ -74,14 +74,14 @@ static const struct listed_scene scenes[] = {
       .bodies = { { .shape = "cloth",
                     .triangles = 2048,
                     .pose = LYING(0.0),
-                    .springs = { .size = sizeof(dpt_spring_def),
-                                 .kind = DPT_SPRINGS_SHEET,
+                    .springs = { .size = sizeof(dpt_spring_net_def),
+                                 .kind = DPT_NET_SHEET,
                                  .young = 2e5,
                                  .thickness = 5e-4,
                                  .density = 400.0,
                                  .drag = 1.0,
                                  .viscosity = 1e-3 },
-                    .integrator = DPT_SPRINGS_IMPLICIT,
+                    .integrator = DPT_INTEGRATOR_IMPLICIT,
                     .load_radius = 0.03 } } },
     { .name = "laparoscopy",
       STYLUS,

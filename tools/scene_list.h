@@ -14,9 +14,9 @@ struct listed_body {
     const char *shape; /* NULL: the list of bodies ends here */
     uint64_t triangles;
     dpt_pose pose;
-    dpt_spring_def springs; /* kind 0: it is rigid; else its regions are in the shape's frame */
-    uint32_t integrator;    /* DPT_SPRINGS_... */
-    double load_radius;     /* dpt_deform_def */
+    dpt_spring_net_def springs; /* kind 0: it is rigid; else its regions are in the shape's frame */
+    uint32_t integrator;        /* DPT_SPRINGS_... */
+    double load_radius;         /* dpt_deform_def */
 };
 
 struct listed_scene {

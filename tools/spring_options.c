@@ -16,7 +16,7 @@ void spring_options_init(struct spring_options *options)
                                         .thickness = NAN,
                                         .bending = NAN,
                                         .spacing = NAN };
-    dpt_spring_def_init(&options->def);
+    dpt_spring_net_def_init(&options->def);
 }
 
 typedef dpt_result read_fn(struct spring_regions *regions, soup *source, const unsigned char *bytes,
@@ -45,7 +45,7 @@ static int load(struct spring_options *options, const char *command, const char 
 /* A number that was given is that of one kind of springs, or of both, and in its range. */
 static int take_numbers(struct spring_options *options, const char *command)
 {
-    dpt_spring_def *def = &options->def;
+    dpt_spring_net_def *def = &options->def;
     const struct {
         const char *name;
         double given, *to, most;
@@ -56,9 +56,9 @@ static int take_numbers(struct spring_options *options, const char *command)
         { "--density", options->density, &def->density, 1e9, 0, 0 },
         { "--drag", options->drag, &def->drag, 1e9, 0, 1 },
         { "--viscosity", options->viscosity, &def->viscosity, 1e9, 0, 1 },
-        { "--thickness", options->thickness, &def->thickness, 1e6, DPT_SPRINGS_SHEET, 0 },
-        { "--bending", options->bending, &def->bending, 1e12, DPT_SPRINGS_SHEET, 1 },
-        { "--spacing", options->spacing, &def->spacing, 1e6, DPT_SPRINGS_VOLUME, 0 },
+        { "--thickness", options->thickness, &def->thickness, 1e6, DPT_NET_SHEET, 0 },
+        { "--bending", options->bending, &def->bending, 1e12, DPT_NET_SHEET, 1 },
+        { "--spacing", options->spacing, &def->spacing, 1e6, DPT_NET_VOLUME, 0 },
     };
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         const double given = numbers[i].given;
@@ -83,7 +83,7 @@ int spring_options_take(struct spring_options *options, const char *command, con
     const int kind = options->kind ? word_index(options->kind, kinds) : -1;
     if (options->kind && kind < 0)
         return complain(command, "--springs: '%s' is not sheet or volume", options->kind);
-    options->def.kind = kind == 0 ? DPT_SPRINGS_SHEET : DPT_SPRINGS_VOLUME;
+    options->def.kind = kind == 0 ? DPT_NET_SHEET : DPT_NET_VOLUME;
     if (take_numbers(options, command))
         return 2;
     if (!options->kind && (options->regions_path || options->fixed_path))

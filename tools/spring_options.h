@@ -9,7 +9,7 @@
 struct spring_options {
     const char *kind, *regions_path, *fixed_path;
     double young, density, drag, viscosity, thickness, bending, spacing;
-    dpt_spring_def def;
+    dpt_spring_net_def def;
     struct spring_regions regions;
 };
 

@@ -48,9 +48,8 @@ typedef struct dpt_diag {
 typedef int dpt_progress_fn(void *user, const char *step, double done);
 
 enum {
-    DPT_SPRINGS_SHEET = 1, /* nodes are the vertices, springs lie in the surface */
-    DPT_SPRINGS_VOLUME =
-        2 /* a cubic lattice fills the closed parts; the vertices are embedded in it */
+    DPT_NET_SHEET = 1, /* nodes are the vertices, springs lie in the surface */
+    DPT_NET_VOLUME = 2 /* a cubic lattice fills the closed parts; the vertices are embedded in it */
 };
 enum { DPT_REGION_BOX = 1, DPT_REGION_SPHERE = 2 };
 
@@ -78,9 +77,9 @@ typedef struct dpt_spring_region {
  * Where regions overlap, the last one counts. A triangle or cell has the material at its centroid, a node the drag at
  * its own place. In a volume, a vertex is fixed by fixing the nodes that it follows.
  */
-typedef struct dpt_spring_def {
-    uint32_t size;  /* sizeof(dpt_spring_def) */
-    uint32_t kind;  /* DPT_SPRINGS_... */
+typedef struct dpt_spring_net_def {
+    uint32_t size;  /* sizeof(dpt_spring_net_def) */
+    uint32_t kind;  /* DPT_NET_... */
     double young;   /* Young's modulus, Pa, at most 1e12; default 5000 */
     double density; /* kg/m^3, at most 1e9; default 1000 */
     double drag;    /* 1/s, at most 1e9: damps motion against the body's frame; default none */
@@ -93,14 +92,14 @@ typedef struct dpt_spring_def {
     const uint32_t *fixed;            /* fixed_count vertices, by their number in the source */
     uint32_t region_count;
     uint32_t fixed_count;
-} dpt_spring_def;
+} dpt_spring_net_def;
 
-/* Fill in the defaults of the first `size` bytes; the kind stays 0. Call dpt_spring_def_init. */
-DPT_API void dpt_spring_def_defaults(dpt_spring_def *def, size_t size);
+/* Fill in the defaults of the first `size` bytes; the kind stays 0. Call dpt_spring_net_def_init. */
+DPT_API void dpt_spring_net_def_defaults(dpt_spring_net_def *def, size_t size);
 
-static inline void dpt_spring_def_init(dpt_spring_def *def)
+static inline void dpt_spring_net_def_init(dpt_spring_net_def *def)
 {
-    dpt_spring_def_defaults(def, sizeof *def);
+    dpt_spring_net_def_defaults(def, sizeof *def);
 }
 
 /* Settings. Apart from the size, 0 means the default. dpt_compile_def_init fills in the defaults as numbers. */
@@ -148,7 +147,7 @@ typedef struct dpt_compile_def {
      * with more than 1024 springs. DPT_E_FINITE for masses, stiffnesses and lengths outside of 1e-15..1e15. The diag's
      * text names the region, from 1, or the vertex of the source, from 0.
      */
-    const dpt_spring_def *springs;
+    const dpt_spring_net_def *springs;
     const void *reserved_pointer; /* NULL */
 } dpt_compile_def;
 

@@ -157,7 +157,7 @@ DPT_API dpt_result dpt_mesh_get_vertex_sources(const dpt_mesh *mesh, const uint3
 
 /*
  * Get the embedding of the vertices in a mesh of tetrahedra, usually a coarser one that somebody's physics moves. It is
- * there if the mesh was compiled with dpt_compile_def.cells, or with springs of a volume (dpt_spring_def), whose lattice
+ * there if the mesh was compiled with dpt_compile_def.cells, or with springs of a volume (dpt_spring_net_def), whose lattice
  * it is then. A vertex goes where its four nodes go:
  *
  *     vertex v = the sum over k = 0..3 of weights[4 v + k] * node[nodes[4 v + k]]

@@ -39,18 +39,19 @@ typedef struct dpt_springs dpt_springs;
  *   IMPLICIT    stable for any stiffness and step, in one substep. Energy grows by no more than the work of loads and
  *               gravity. What is faster than the step is damped. It costs iterations + 2 times a substep of the others
  */
-enum { DPT_SPRINGS_SYMPLECTIC = 0, DPT_SPRINGS_EULER = 1, DPT_SPRINGS_IMPLICIT = 2 };
+enum { DPT_INTEGRATOR_SYMPLECTIC = 0, DPT_INTEGRATOR_EULER = 1, DPT_INTEGRATOR_IMPLICIT = 2 };
 
 /* s: the longest step. */
 #define DPT_SPRINGS_STEP_MAX 1.0
 
 /* dpt_springs_def_init fills in the defaults, which are given last. */
 typedef struct dpt_springs_def {
-    uint32_t size;        /* sizeof(dpt_springs_def), set by dpt_springs_def_init */
-    uint32_t integrator;  /* DPT_SPRINGS_...; DPT_SPRINGS_SYMPLECTIC */
-    const dpt_mesh *mesh; /* with springs; it must stay open */
-    uint32_t
-        max_loads; /* that tools put on vertices at one time (dpt_deform_step_springs), 1..2^24; 4096 */
+    uint32_t size;                /* sizeof(dpt_springs_def), set by dpt_springs_def_init */
+    uint32_t integrator;          /* DPT_INTEGRATOR_...; DPT_INTEGRATOR_SYMPLECTIC */
+    const dpt_mesh *mesh;         /* with springs; it must stay open */
+    const void *reserved_pointer; /* NULL */
+    /* Loads that tools put on vertices at one time (dpt_deform_step_springs), 1..2^24; 4096. */
+    uint32_t max_loads;
     uint32_t reserved; /* 0 */
     double gravity[3]; /* m/s2, in the body's frame, at most 1e6; 0 */
     double stiffness;  /* what the mesh's stiffnesses are multiplied by, 1e-9..1e9; 1 */

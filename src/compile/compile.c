@@ -10,7 +10,7 @@
 #include "base/vec3.h"
 #include "compile/model.h"
 #include "compile/parallel.h"
-#include "compile/springs.h"
+#include "compile/spring_build.h"
 
 static const source_location nowhere = { 0, 0 };
 
@@ -86,7 +86,7 @@ void dpt_compile_def_defaults(dpt_compile_def *def, size_t size)
 struct compile_call {
     soup source;
     dpt_compile_def def;
-    dpt_spring_def springs;
+    dpt_spring_net_def springs;
     dpt_diag diag;
 };
 
@@ -94,7 +94,7 @@ struct compile_call {
 static dpt_result take_springs(struct compile_call *call)
 {
     soup *source = &call->source;
-    const dpt_spring_def *given = call->def.springs;
+    const dpt_spring_net_def *given = call->def.springs;
     call->springs.size = sizeof call->springs;
     call->def.springs = &call->springs;
     dpt_result result =

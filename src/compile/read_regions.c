@@ -7,7 +7,7 @@
 
 #include "base/return_if_error.h"
 #include "compile/grow.h"
-#include "compile/springs.h"
+#include "compile/spring_build.h"
 #include "compile/text.h"
 
 static dpt_result begin(source_text *text, soup *source, const unsigned char *bytes, size_t size)

@@ -14,7 +14,7 @@
 #include "base/return_if_error.h"
 #include "base/vec3.h"
 #include "compile/embed.h"
-#include "compile/springs.h"
+#include "compile/spring_build.h"
 #include "mesh/mesh_format.h"
 
 /* Cells in the box of the closed parts: by default, and at most. */
@@ -414,7 +414,7 @@ static dpt_result add_cell(void *context, const uint32_t node[8], const double c
 {
     const struct cell_springs *cell = context;
     const double s = cell->spacing;
-    const struct material material = net_material(cell->net, centre);
+    const struct material material = spring_material(cell->net, centre);
     const double stiffness = 0.4 * material.young * s * share;
     const double mass = material.density * s * s * s * share / 8.0;
     for (uint32_t a = 0; a < 8; a++) {
@@ -423,8 +423,8 @@ static dpt_result add_cell(void *context, const uint32_t node[8], const double c
             const uint32_t axes = a ^ b;
             const uint32_t apart = (axes & 1) + (axes >> 1 & 1) + (axes >> 2);
             if (apart < 3)
-                DPT_TRY(net_add(cell->net, node[a], node[b],
-                                apart == 1 ? 0.25 * stiffness : 0.5 * stiffness));
+                DPT_TRY(spring_add(cell->net, node[a], node[b],
+                                   apart == 1 ? 0.25 * stiffness : 0.5 * stiffness));
         }
     }
     return DPT_OK;

@@ -12,7 +12,7 @@
 #include "base/lanes.h"
 #include "base/return_if_error.h"
 #include "base/vec3.h"
-#include "compile/springs.h"
+#include "compile/spring_build.h"
 #include "mesh/mesh_format.h"
 
 static const source_location nowhere = { 0, 0 };
@@ -189,7 +189,7 @@ static dpt_result fill_nodes(struct net *net, const struct rows *rows, struct mo
         if (!is_spring_number(net->mass[v]))
             return number_fails(net, "mass of the node", v, net->mass[v]);
         model->mass += net->mass[v];
-        model->spring_drag[v] = (float)net_material(net, x).drag;
+        model->spring_drag[v] = (float)spring_material(net, x).drag;
         model->spring_mass[v] = is_fixed[v] ? 0.0f : (float)net->mass[v];
         model->fixed_nodes += is_fixed[v];
         for (uint32_t i = rows->row[v]; i < rows->row[v + 1]; i++)
@@ -226,7 +226,7 @@ static dpt_result lay_out(struct net *net, const struct rows *rows, struct model
     return DPT_OK;
 }
 
-dpt_result net_lay_out(struct net *net, struct model *model, const uint8_t *is_fixed)
+dpt_result spring_lay_out(struct net *net, struct model *model, const uint8_t *is_fixed)
 {
     soup *source = net->source;
     join_shares(net);

@@ -10,7 +10,7 @@
 
 #include "base/return_if_error.h"
 #include "base/vec3.h"
-#include "compile/springs.h"
+#include "compile/spring_build.h"
 #include "mesh/mesh_format.h"
 
 /* An edge is the longest if its square is that much above the others': not by rounding alone. */
@@ -82,7 +82,7 @@ static struct material material_of(const struct sheet *sheet, uint32_t t)
                           vertex_at(sheet, corner[2])),
                       1.0 / 3.0),
                centroid);
-    return net_material(sheet->net, centroid);
+    return spring_material(sheet->net, centroid);
 }
 
 /* Between the corners opposite edge k of t and of its neighbour; `stiffness` times the length squared, N m. */
@@ -91,12 +91,12 @@ static dpt_result add_across(const struct sheet *sheet, uint32_t t, uint32_t k, 
     uint32_t back, other = neighbour_of(sheet, t, k, &back);
     const uint32_t a = sheet->model->corners[3 * (size_t)t + (k + 2) % 3];
     const uint32_t b = sheet->model->corners[3 * (size_t)other + (back + 2) % 3];
-    return a == b ? DPT_OK : net_add(sheet->net, a, b, stiffness / length2(sheet, a, b));
+    return a == b ? DPT_OK : spring_add(sheet->net, a, b, stiffness / length2(sheet, a, b));
 }
 
 static dpt_result add_triangle(const struct sheet *sheet, uint32_t t)
 {
-    const dpt_spring_def *def = sheet->net->def;
+    const dpt_spring_net_def *def = sheet->net->def;
     const uint32_t *corner = sheet->model->corners + 3 * (size_t)t;
     const struct material material = material_of(sheet, t);
     const double area = area_of(sheet, t), volume = area * def->thickness;
@@ -107,7 +107,7 @@ static dpt_result add_triangle(const struct sheet *sheet, uint32_t t)
     for (uint32_t k = 0; k < 3; k++) {
         const uint32_t a = corner[k], b = corner[(k + 1) % 3];
         sheet->net->mass[a] += material.density * volume / 3.0;
-        DPT_TRY(net_add(sheet->net, a, b, each / length2(sheet, a, b)));
+        DPT_TRY(spring_add(sheet->net, a, b, each / length2(sheet, a, b)));
         if (sheared[k])
             DPT_TRY(add_across(sheet, t, k, each));
         else if (def->bending > 0.0 && sheet->model->neighbours[3 * (size_t)t + k] < MESH_EDGE_MANY)

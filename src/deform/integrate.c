@@ -32,7 +32,7 @@ double dpti_springs_limit(uint32_t integrator, double square, double viscosity, 
     if (!(square > 0.0))
         return limit;
     const double lead = viscosity - drag / square, root = lead * lead - 4.0 / square;
-    if (integrator == DPT_SPRINGS_SYMPLECTIC)
+    if (integrator == DPT_INTEGRATOR_SYMPLECTIC)
         limit = sqrt(lead * lead + 4.0 / square) - lead;
     else {
         limit = viscosity + drag / square;
@@ -71,7 +71,7 @@ int dpti_springs_substeps(struct dpt_springs *springs, double h, uint32_t count)
                                     .lead = (float)springs->lead,
                                     .far = (float)DPT_COORDINATE_MAX,
                                     .fast = (float)SPRING_FAST,
-                                    .is_euler = springs->def.integrator == DPT_SPRINGS_EULER };
+                                    .is_euler = springs->def.integrator == DPT_INTEGRATOR_EULER };
     uint32_t bad = 0;
     for (int k = 0; k < 3; k++)
         motion.gravity[k] = (float)springs->def.gravity[k];

@@ -65,8 +65,9 @@ dpt_result dpti_springs_read_def(const dpt_springs_def *given, dpt_springs_def *
     for (int k = 0; k < 3; k++)
         if (!is_in(def->gravity[k], -GRAVITY_MAX, GRAVITY_MAX))
             return DPT_E_ARGUMENT;
-    if (def->reserved || def->max_loads < 1 || def->max_loads > LOADS_MAX ||
-        def->integrator > DPT_SPRINGS_IMPLICIT || !is_in(def->stiffness, SCALE_MIN, SCALE_MAX) ||
+    if (def->reserved || def->reserved_pointer || def->max_loads < 1 ||
+        def->max_loads > LOADS_MAX || def->integrator > DPT_INTEGRATOR_IMPLICIT ||
+        !is_in(def->stiffness, SCALE_MIN, SCALE_MAX) ||
         !is_in(def->contact_stiffness, 0.0, CONTACT_MAX) ||
         !is_in(def->sleep_speed, 0.0, SLEEP_MAX) || def->sleep_steps < 2 ||
         def->sleep_steps > COUNT_MAX || def->iterations < 1 || def->iterations > ITERATIONS ||
@@ -121,7 +122,7 @@ static void place(struct dpt_springs *springs, struct block *block)
     region->square = take(block, slices, sizeof(float));
     if (springs->def.mesh)
         place_vertices(springs, block);
-    if (springs->def.integrator != DPT_SPRINGS_IMPLICIT)
+    if (springs->def.integrator != DPT_INTEGRATOR_IMPLICIT)
         return;
     solve->systems = take(block, slices, sizeof *solve->systems);
     solve->force = take(block, slices * SPRING_ROWS, sizeof(float));
@@ -197,7 +198,7 @@ dpt_result dpti_springs_create_net(void *block, size_t bytes, const dpt_springs_
     made->rows = (struct spring_rows){ net->first, net->neighbour, net->stiffness, net->length };
     made->square = dpti_springs_square(net, def.stiffness, def.contact_stiffness);
     made->stable_step =
-        def.integrator == DPT_SPRINGS_IMPLICIT
+        def.integrator == DPT_INTEGRATOR_IMPLICIT
             ? DPT_SPRINGS_STEP_MAX
             : dpti_springs_limit(def.integrator, made->square, net->viscosity, least_drag(net));
     made->lead = net->viscosity;
@@ -206,7 +207,7 @@ dpt_result dpti_springs_create_net(void *block, size_t bytes, const dpt_springs_
     if (def.mesh)
         dpti_spring_vertices_begin(made);
     dpti_region_wake_all(made);
-    if (def.integrator == DPT_SPRINGS_IMPLICIT)
+    if (def.integrator == DPT_INTEGRATOR_IMPLICIT)
         dpti_implicit_begin(made);
     *springs = made;
     return DPT_OK;
@@ -291,7 +292,7 @@ static dpt_result check_loads(const struct dpt_springs *springs, const dpt_load 
 /* How many substeps of at most a share of the stable step dt has; 0 if they are too many. */
 static uint32_t substeps_of(const struct dpt_springs *springs, double dt)
 {
-    if (springs->def.integrator == DPT_SPRINGS_IMPLICIT)
+    if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT)
         return 1;
     const double longest = STABLE_SHARE * springs->stable_step;
     if (!(dt <= longest * (double)springs->def.max_substeps))
@@ -318,9 +319,9 @@ static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *l
     own.active = own.active < own.nodes ? own.active : own.nodes;
     own.stable_step = springs->stable_step;
     const double h = dt / (double)own.substeps, least = LEAST_LEAD * h;
-    if (springs->def.integrator == DPT_SPRINGS_SYMPLECTIC)
+    if (springs->def.integrator == DPT_INTEGRATOR_SYMPLECTIC)
         springs->lead = springs->net.viscosity > least ? springs->net.viscosity : least;
-    const int done = springs->def.integrator == DPT_SPRINGS_IMPLICIT
+    const int done = springs->def.integrator == DPT_INTEGRATOR_IMPLICIT
                          ? dpti_implicit_step(springs, dt, &own.flags)
                          : dpti_springs_substeps(springs, h, own.substeps);
     if (!done) {
@@ -403,7 +404,7 @@ dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, uint32_t 
         }
     }
     dpti_region_list(springs);
-    if (springs->def.integrator == DPT_SPRINGS_IMPLICIT)
+    if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT)
         dpti_implicit_forget(springs);
     return DPT_OK;
 }

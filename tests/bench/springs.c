@@ -94,7 +94,7 @@ static int open_subject(struct subject *subject, const struct rig *rig, uint32_t
     subject->least = 1e300;
     subject->asleep = asleep;
     sprintf(subject->name, "%s%s", integrators[integrator], asleep ? " asleep" : "");
-    if (integrator == DPT_SPRINGS_IMPLICIT)
+    if (integrator == DPT_INTEGRATOR_IMPLICIT)
         sprintf(subject->name + strlen(subject->name), " %u", iterations);
     sprintf(subject->name + strlen(subject->name), ",%s", dpt_kernel_name(kernel));
     if (rig_reopen(&subject->rig, &def) != DPT_OK)
@@ -125,12 +125,12 @@ static int cost(uint32_t nx, uint32_t ny, uint32_t nz)
     struct plain plain = plain_of(&rig);
     uint32_t count = 0;
     for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++)
-        count += (uint32_t)open_subject(&subject[count], &rig, id, DPT_SPRINGS_SYMPLECTIC, 1, 0);
+        count += (uint32_t)open_subject(&subject[count], &rig, id, DPT_INTEGRATOR_SYMPLECTIC, 1, 0);
     const uint32_t best = dpt_kernel_best();
     for (uint32_t iterations = 1; iterations <= 8; iterations *= 2)
-        count += (uint32_t)open_subject(&subject[count], &rig, best, DPT_SPRINGS_IMPLICIT,
+        count += (uint32_t)open_subject(&subject[count], &rig, best, DPT_INTEGRATOR_IMPLICIT,
                                         iterations, 0);
-    count += (uint32_t)open_subject(&subject[count], &rig, best, DPT_SPRINGS_SYMPLECTIC, 1, 1);
+    count += (uint32_t)open_subject(&subject[count], &rig, best, DPT_INTEGRATOR_SYMPLECTIC, 1, 1);
     double least = 1e300;
     const double h = 0.5 * rig.made->stable_step;
     for (int pass = 0; pass < PASSES; pass++) {
@@ -201,12 +201,12 @@ static int map(void)
     if (rig_open(&rig, &def) != DPT_OK)
         return 1;
     printf("integrator,substeps,stiffness,step,stable_step,outcome\n");
-    for (uint32_t integrator = DPT_SPRINGS_SYMPLECTIC; integrator <= DPT_SPRINGS_IMPLICIT;
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT;
          integrator++)
         for (uint32_t substeps = 0; substeps <= 16; substeps = substeps ? 16 * substeps : 1)
             for (double stiffness = 0.01; stiffness < 2e6; stiffness *= sqrt(10.0))
                 for (double dt = 1e-5; dt < 0.2; dt *= sqrt(10.0)) {
-                    if (integrator == DPT_SPRINGS_IMPLICIT && substeps != 1)
+                    if (integrator == DPT_INTEGRATOR_IMPLICIT && substeps != 1)
                         continue;
                     const double outcome = strike(&rig, integrator, stiffness, dt, substeps);
                     printf("%s,%u,%.4g,%.4g,%.4g,%.4g\n", integrators[integrator], substeps,

@@ -20,7 +20,7 @@ int open_subject(struct subject *subject, dpt_compiled *compiled)
     return good;
 }
 
-static dpt_result compile_shape(const char *name, uint64_t count, const dpt_spring_def *springs,
+static dpt_result compile_shape(const char *name, uint64_t count, const dpt_spring_net_def *springs,
                                 dpt_compiled *compiled, dpt_diag *diag)
 {
     struct shape shape;
@@ -36,7 +36,7 @@ static dpt_result compile_shape(const char *name, uint64_t count, const dpt_spri
 }
 
 int make_subject(struct subject *subject, const char *name, uint64_t count,
-                 const dpt_spring_def *springs)
+                 const dpt_spring_net_def *springs)
 {
     dpt_compiled compiled;
     dpt_diag diag;
@@ -45,10 +45,10 @@ int make_subject(struct subject *subject, const char *name, uint64_t count,
     return result == DPT_OK && open_subject(subject, &compiled);
 }
 
-dpt_spring_def def_of(uint32_t kind)
+dpt_spring_net_def def_of(uint32_t kind)
 {
-    dpt_spring_def def;
-    dpt_spring_def_init(&def);
+    dpt_spring_net_def def;
+    dpt_spring_net_def_init(&def);
     def.kind = kind;
     return def;
 }

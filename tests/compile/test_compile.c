@@ -547,7 +547,7 @@ static void failing_allocations_leave_nothing(void)
     const dpt_compile_def embedding = {
         .size = sizeof embedding, .nodes = nodes, .cells = cell, .node_count = 4, .cell_count = 1
     };
-    const dpt_spring_def springs = { sizeof springs, DPT_SPRINGS_VOLUME, .spacing = 0.5 };
+    const dpt_spring_net_def springs = { sizeof springs, DPT_NET_VOLUME, .spacing = 0.5 };
     const dpt_compile_def with_springs = { .size = sizeof with_springs, .springs = &springs };
     const dpt_compile_def *const defs[] = { NULL, &embedding, &with_springs };
     for (int entry = 0; entry < 8; entry++) {

@@ -46,8 +46,8 @@ static dpt_result take_springs(void *given)
 /* The kind alone has no default. */
 static dpt_result take_kindless_springs(void *given)
 {
-    dpt_spring_def *def = given;
-    def->kind = DPT_SPRINGS_VOLUME;
+    dpt_spring_net_def *def = given;
+    def->kind = DPT_NET_VOLUME;
     return take_springs(given);
 }
 
@@ -87,13 +87,13 @@ static void structs_of_any_size(void)
         { "dpt_diag of an arm", sizeof(dpt_diag), sizeof(dpt_diag), fill_diag_of_an_arm },
         { "dpt_diag of success", sizeof(dpt_diag), sizeof(dpt_diag), fill_diag_of_success },
     };
-    const struct sized springs = { "dpt_spring_def", sizeof(dpt_spring_def), sizeof(dpt_spring_def),
-                                   take_springs };
+    const struct sized springs = { "dpt_spring_net_def", sizeof(dpt_spring_net_def),
+                                   sizeof(dpt_spring_net_def), take_springs };
     dpt_compile_def good;
     dpt_compile_def_init(&good);
-    dpt_spring_def good_springs;
-    dpt_spring_def_init(&good_springs);
-    good_springs.kind = DPT_SPRINGS_SHEET;
+    dpt_spring_net_def good_springs;
+    dpt_spring_net_def_init(&good_springs);
+    good_springs.kind = DPT_NET_SHEET;
     check_input(&springs, &good_springs);
     for (size_t i = 0; i < sizeof defs / sizeof *defs; i++)
         check_input(&defs[i], &good);
@@ -112,7 +112,7 @@ static void a_longer_def_has_more_say(void)
     CHECK(arrays(&def, NULL) == DPT_OK, "nodes behind the end are looked at");
     def.size = sizeof def;
     CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "nodes before the end are not");
-    const dpt_spring_def wrong = { .size = sizeof wrong };
+    const dpt_spring_net_def wrong = { .size = sizeof wrong };
     def =
         (dpt_compile_def){ .size = offsetof(dpt_compile_def, reserved_pointer), .springs = &wrong };
     CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "springs of no kind");
@@ -128,7 +128,7 @@ static void a_longer_def_has_more_say(void)
 
 static void spring_defaults(void *def, size_t size)
 {
-    dpt_spring_def_defaults(def, size);
+    dpt_spring_net_def_defaults(def, size);
 }
 
 static void defaults(void *def, size_t size)
@@ -146,10 +146,10 @@ static void zeros_are_the_defaults(void)
     CHECK(good.scale == 1.0 && good.crease > 1.047 && good.crease < 1.048 && good.threads == 1,
           "scale %g, crease %g, %u threads", good.scale, good.crease, good.threads);
     check_defaults(&of, defaults, &good);
-    const struct sized of_springs = { "dpt_spring_def", 0, sizeof(dpt_spring_def),
+    const struct sized of_springs = { "dpt_spring_net_def", 0, sizeof(dpt_spring_net_def),
                                       take_kindless_springs };
-    dpt_spring_def springs;
-    dpt_spring_def_init(&springs);
+    dpt_spring_net_def springs;
+    dpt_spring_net_def_init(&springs);
     CHECK(springs.young == 5000.0 && springs.density == 1000.0 && springs.thickness == 0.001 &&
               springs.drag == 0.0 && springs.spacing == 0.0 && !springs.kind,
           "E %g Pa, %g kg/m^3, %g m", springs.young, springs.density, springs.thickness);

@@ -5,7 +5,7 @@
 #include "compile/read_regions.h"
 #include "lib/dpa.h"
 
-static dpt_result compile(const char *shape_name, uint64_t count, const dpt_spring_def *springs,
+static dpt_result compile(const char *shape_name, uint64_t count, const dpt_spring_net_def *springs,
                           dpt_diag *diag)
 {
     struct shape shape;
@@ -23,7 +23,7 @@ static dpt_result compile(const char *shape_name, uint64_t count, const dpt_spri
     return result;
 }
 
-static void expect_refusal(const char *shape, uint64_t count, const dpt_spring_def *def,
+static void expect_refusal(const char *shape, uint64_t count, const dpt_spring_net_def *def,
                            dpt_result code, const char *text)
 {
     dpt_diag diag;
@@ -32,10 +32,10 @@ static void expect_refusal(const char *shape, uint64_t count, const dpt_spring_d
           dpt_result_name(result), diag.text, text);
 }
 
-static dpt_spring_def def_of(uint32_t kind)
+static dpt_spring_net_def def_of(uint32_t kind)
 {
-    dpt_spring_def def;
-    dpt_spring_def_init(&def);
+    dpt_spring_net_def def;
+    dpt_spring_net_def_init(&def);
     def.kind = kind;
     return def;
 }
@@ -46,39 +46,39 @@ static void numbers_out_of_range_are_refused(void)
         size_t at;
         double most;
         const char *name;
-    } fields[] = { { offsetof(dpt_spring_def, young), 1e12, "Young's modulus must" },
-                   { offsetof(dpt_spring_def, density), 1e9, "density" },
-                   { offsetof(dpt_spring_def, drag), 1e9, "drag" },
-                   { offsetof(dpt_spring_def, viscosity), 1e9, "viscosity" },
-                   { offsetof(dpt_spring_def, thickness), 1e6, "thickness" },
-                   { offsetof(dpt_spring_def, bending), 1e12, "bending" },
-                   { offsetof(dpt_spring_def, spacing), 1e6, "spacing" } };
+    } fields[] = { { offsetof(dpt_spring_net_def, young), 1e12, "Young's modulus must" },
+                   { offsetof(dpt_spring_net_def, density), 1e9, "density" },
+                   { offsetof(dpt_spring_net_def, drag), 1e9, "drag" },
+                   { offsetof(dpt_spring_net_def, viscosity), 1e9, "viscosity" },
+                   { offsetof(dpt_spring_net_def, thickness), 1e6, "thickness" },
+                   { offsetof(dpt_spring_net_def, bending), 1e12, "bending" },
+                   { offsetof(dpt_spring_net_def, spacing), 1e6, "spacing" } };
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
         const double wrong[] = { -1e-9, 1.001 * fields[i].most, NAN, INFINITY };
         for (int k = 0; k < 4; k++) {
-            dpt_spring_def def = def_of(DPT_SPRINGS_SHEET);
+            dpt_spring_net_def def = def_of(DPT_NET_SHEET);
             memcpy((char *)&def + fields[i].at, &wrong[k], sizeof wrong[k]);
             expect_refusal("membrane", 18, &def, DPT_E_ARGUMENT, fields[i].name);
         }
     }
     for (uint32_t kind = 0; kind < 4; kind += 3) {
-        const dpt_spring_def def = def_of(kind);
+        const dpt_spring_net_def def = def_of(kind);
         expect_refusal("membrane", 18, &def, DPT_E_ARGUMENT, "kind");
     }
 }
 
 static void meshes_without_such_springs_are_refused(void)
 {
-    dpt_spring_def def = def_of(DPT_SPRINGS_VOLUME);
+    dpt_spring_net_def def = def_of(DPT_NET_VOLUME);
     expect_refusal("membrane", 18, &def, DPT_E_ARGUMENT, "no part of the mesh is closed");
     def.spacing = 1e-4;
     expect_refusal("box", 12, &def, DPT_E_LIMIT, "more than 4194304 cells");
-    def = def_of(DPT_SPRINGS_SHEET);
+    def = def_of(DPT_NET_SHEET);
     expect_refusal("hub", 1025, &def, DPT_E_LIMIT, "has more than 1024 springs");
     def.density = 1e-12;
     def.thickness = 1e-6;
     expect_refusal("membrane", 18, &def, DPT_E_FINITE, "mass of the node");
-    def = def_of(DPT_SPRINGS_SHEET);
+    def = def_of(DPT_NET_SHEET);
     def.young = 1e-15;
     expect_refusal("membrane", 18, &def, DPT_E_FINITE, "stiffness of a spring");
 }
@@ -87,7 +87,7 @@ static void regions_that_say_nothing_are_refused(void)
 {
     const dpt_spring_region good = { DPT_REGION_BOX, 0, { -1, -1, -1, 1, 1, 1 }, 1e3, 1e3, 0.0 };
     dpt_spring_region regions[2] = { good, good };
-    dpt_spring_def def = def_of(DPT_SPRINGS_VOLUME);
+    dpt_spring_net_def def = def_of(DPT_NET_VOLUME);
     dpt_diag diag;
     def.spacing = 0.02;
     def.region_count = 2;
@@ -133,7 +133,7 @@ static void springs_and_cells_exclude_each_other(void)
 {
     const double nodes[] = { -9, -9, -9, 9, -9, -9, 0, 9, -9, 0, 0, 9 };
     const uint32_t cell[] = { 0, 1, 2, 3 }, corners[] = { 0, 1, 2 };
-    const dpt_spring_def springs = def_of(DPT_SPRINGS_SHEET);
+    const dpt_spring_net_def springs = def_of(DPT_NET_SHEET);
     const dpt_compile_def def = { .size = sizeof def,
                                   .nodes = nodes,
                                   .cells = cell,

@@ -79,7 +79,7 @@ static void sheets_have_the_papers_counts(void)
     } sheets[] = { { "membrane", 512, 1056 }, { "cloth", 2048, 4160 } };
     for (int i = 0; i < 2; i++) {
         struct subject subject;
-        const dpt_spring_def def = def_of(DPT_SPRINGS_SHEET);
+        const dpt_spring_net_def def = def_of(DPT_NET_SHEET);
         double volume, area;
         if (!make_subject(&subject, sheets[i].name, sheets[i].triangles, &def))
             continue;
@@ -102,7 +102,7 @@ static void sheets_have_the_papers_counts(void)
 static void a_grid_is_as_stiff_as_its_material(void)
 {
     struct subject subject;
-    dpt_spring_def def = def_of(DPT_SPRINGS_SHEET);
+    dpt_spring_net_def def = def_of(DPT_NET_SHEET);
     def.young = 2500.0;
     def.thickness = 0.004;
     if (!make_subject(&subject, "membrane", 512, &def))
@@ -121,7 +121,7 @@ static void a_grid_is_as_stiff_as_its_material(void)
 static void bending_springs_are_added(void)
 {
     struct subject plain, bent;
-    dpt_spring_def def = def_of(DPT_SPRINGS_SHEET);
+    dpt_spring_net_def def = def_of(DPT_NET_SHEET);
     if (!make_subject(&plain, "membrane", 512, &def))
         return;
     def.bending = 1000.0;
@@ -141,7 +141,7 @@ static void bending_springs_are_added(void)
 static void a_block_is_as_stiff_as_its_material(void)
 {
     struct subject subject;
-    dpt_spring_def def = def_of(DPT_SPRINGS_VOLUME);
+    dpt_spring_net_def def = def_of(DPT_NET_VOLUME);
     const double volume = 0.12 * 0.10 * 0.08;
     def.spacing = 0.02;
     def.young = 3000.0;
@@ -166,7 +166,7 @@ static void slim_triangles_are_not_crossed(void)
 {
     const double vertices[] = { 0, 0, 0, 1, 0, 0, 0.5, 0.3, 0, 0.5, -3, 0 };
     const uint32_t corners[] = { 0, 1, 2, 1, 0, 3 };
-    const dpt_spring_def def = def_of(DPT_SPRINGS_SHEET);
+    const dpt_spring_net_def def = def_of(DPT_NET_SHEET);
     const dpt_compile_def compile = { .size = sizeof compile, .springs = &def };
     dpt_compiled compiled;
     struct subject subject;
@@ -184,7 +184,7 @@ static void turns_cost_nothing(void)
     const double axis[3] = { 1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0 }, c = cos(0.5), s = sin(0.5);
     double turn[9];
     struct subject subject;
-    const dpt_spring_def defs[2] = { def_of(DPT_SPRINGS_SHEET), def_of(DPT_SPRINGS_VOLUME) };
+    const dpt_spring_net_def defs[2] = { def_of(DPT_NET_SHEET), def_of(DPT_NET_VOLUME) };
     for (int i = 0; i < 9; i++) {
         const int row = i / 3, column = i % 3, third = 3 - row - column;
         const double sign = (column - row + 3) % 3 == 1 ? -1.0 : 1.0;
@@ -210,7 +210,7 @@ static void curved_bodies_are_filled(void)
     for (int b = 0; b < 3; b++) {
         struct subject subject;
         double volume, area;
-        dpt_spring_def def = def_of(DPT_SPRINGS_VOLUME);
+        dpt_spring_net_def def = def_of(DPT_NET_VOLUME);
         if (!make_subject(&subject, bodies[b].name, bodies[b].triangles, &def))
             continue;
         measure(subject.mesh, &volume, &area);
@@ -245,7 +245,7 @@ static void expect_cubes(double x, double size, int inward, uint32_t nodes, doub
 {
     double vertices[48];
     uint32_t corners[72];
-    dpt_spring_def def = def_of(DPT_SPRINGS_VOLUME);
+    dpt_spring_net_def def = def_of(DPT_NET_VOLUME);
     const dpt_compile_def compile = { .size = sizeof compile, .springs = &def };
     dpt_compiled compiled;
     struct subject subject;
@@ -272,7 +272,7 @@ static void cavities_are_empty(void)
 static void vertices_follow_the_lattice(void)
 {
     struct subject subject;
-    const dpt_spring_def def = def_of(DPT_SPRINGS_VOLUME);
+    const dpt_spring_net_def def = def_of(DPT_NET_VOLUME);
     const uint32_t *nodes;
     const float *weights, *xyz;
     uint32_t node_count, count;
@@ -337,11 +337,11 @@ static double largest_eigenvalue(const dpt_mesh_springs *net, double longer)
 
 static void the_stable_step_is_a_bound(void)
 {
-    dpt_spring_def sheet = def_of(DPT_SPRINGS_SHEET), volume = def_of(DPT_SPRINGS_VOLUME);
+    dpt_spring_net_def sheet = def_of(DPT_NET_SHEET), volume = def_of(DPT_NET_VOLUME);
     const dpt_spring_region fixed = { .kind = DPT_REGION_SPHERE,
                                       .fixed = 1,
                                       .box = { 0.1, 0, 0, 0.04 } };
-    const dpt_spring_def *defs[2] = { &sheet, &volume };
+    const dpt_spring_net_def *defs[2] = { &sheet, &volume };
     sheet.regions = volume.regions = &fixed;
     sheet.region_count = volume.region_count = 1;
     volume.spacing = 0.02;
@@ -371,7 +371,7 @@ static void regions_have_their_material(void)
         { DPT_REGION_BOX, 0, { -1, -1, -1, -1e-4, 1, 1 }, 50000.0, 2000.0, 3.0 },
         { DPT_REGION_BOX, 1, { 0.059, -1, -1, 1, 1, 1 }, 0.0, 0.0, 0.0 },
     };
-    dpt_spring_def def = def_of(DPT_SPRINGS_VOLUME);
+    dpt_spring_net_def def = def_of(DPT_NET_VOLUME);
     const double volume = 0.12 * 0.10 * 0.08;
     def.spacing = 0.02;
     def.viscosity = 0.002;
@@ -401,7 +401,7 @@ static void vertices_are_fixed_by_number(void)
     const double loose[] = { 0, 0,   0,   0.1, 0, 0,   0, 0.1, 0, 0.1, 0,
                              0, 0.1, 0.1, 0,   0, 0.1, 0, 9,   9, 9 };
     const uint32_t corners[] = { 0, 1, 2, 3, 4, 5 }, fixed[] = { 3, 5 }, wrong[] = { 6, 7 };
-    dpt_spring_def def = def_of(DPT_SPRINGS_SHEET);
+    dpt_spring_net_def def = def_of(DPT_NET_SHEET);
     const dpt_compile_def compile = { .size = sizeof compile, .springs = &def };
     dpt_compiled compiled;
     dpt_diag diag = { .size = sizeof diag };
@@ -441,7 +441,7 @@ static void public_organs_are_filled(void)
         struct subject subject;
         dpt_diag diag = { .size = sizeof diag };
         double volume, area;
-        const dpt_spring_def def = def_of(DPT_SPRINGS_VOLUME);
+        const dpt_spring_net_def def = def_of(DPT_NET_VOLUME);
         const dpt_compile_def compile = { .size = sizeof compile, .scale = 1e-3, .springs = &def };
         snprintf(path, sizeof path, "%s/meshes/organs/%s.stl", getenv("DPT_DATA"), names[i]);
         CHECK(dpt_compile_file(path, &compile, &compiled, &diag) == DPT_OK, "%s: %s", path,

@@ -21,7 +21,7 @@ static void a_mass_swings(void)
 {
     const double k = 40.0, m = 0.1, w = sqrt(k / m), h = 1e-4, away = 0.01;
     struct rig rig = { 0 };
-    dpt_springs_def def = def_of(DPT_SPRINGS_SYMPLECTIC);
+    dpt_springs_def def = def_of(DPT_INTEGRATOR_SYMPLECTIC);
     rig_fix(&rig, rig_node(&rig, 0.0, 0.0, 0.0, 1.0));
     rig_node(&rig, 1.0, 0.0, 0.0, m);
     rig_spring(&rig, 0, 1, k, 1.0);
@@ -115,8 +115,8 @@ static void a_chain_hangs(uint32_t integrator)
 
 static void chains_hang_as_computed(void)
 {
-    a_chain_hangs(DPT_SPRINGS_SYMPLECTIC);
-    a_chain_hangs(DPT_SPRINGS_IMPLICIT);
+    a_chain_hangs(DPT_INTEGRATOR_SYMPLECTIC);
+    a_chain_hangs(DPT_INTEGRATOR_IMPLICIT);
 }
 
 /*
@@ -130,7 +130,7 @@ static void a_plucked_membrane_sounds(void)
     const double part = sin(0.5 * PI / N), w = sqrt(8.0 * tension / (m * s)) * part;
     const double continuum = sqrt(2.0 * PI * PI * tension / (m * N * N * s));
     struct rig rig = { 0 };
-    dpt_springs_def def = def_of(DPT_SPRINGS_SYMPLECTIC);
+    dpt_springs_def def = def_of(DPT_INTEGRATOR_SYMPLECTIC);
     for (uint32_t y = 0; y <= N; y++)
         for (uint32_t x = 0; x <= N; x++)
             rig_node(&rig, s * x, s * y, 0.0, x % N && y % N ? m : 0.0);
@@ -258,8 +258,8 @@ static void a_bar_hangs(uint32_t integrator)
 
 static void bars_hang_as_computed(void)
 {
-    a_bar_hangs(DPT_SPRINGS_SYMPLECTIC);
-    a_bar_hangs(DPT_SPRINGS_IMPLICIT);
+    a_bar_hangs(DPT_INTEGRATOR_SYMPLECTIC);
+    a_bar_hangs(DPT_INTEGRATOR_IMPLICIT);
 }
 
 /*
@@ -273,7 +273,7 @@ static double stretch_bar(uint32_t cells)
     const uint32_t across = cells + 1, along = 8 * cells + 1, layer = across * across;
     const double length = 4.0 * width, theory = density * g * length * length / (2.0 * e);
     struct rig rig = { 0 };
-    dpt_springs_def def = def_of(DPT_SPRINGS_IMPLICIT);
+    dpt_springs_def def = def_of(DPT_INTEGRATOR_IMPLICIT);
     def.iterations = 8;
     rig_block(&rig, across, across, along, s, e, density);
     rig_drag(&rig, 30.0);
@@ -359,8 +359,8 @@ static void a_free_block_keeps_what_it_has(uint32_t integrator, double moment_sh
 
 static void free_blocks_keep_what_they_have(void)
 {
-    a_free_block_keeps_what_it_has(DPT_SPRINGS_SYMPLECTIC, 1e-4, 0.02);
-    a_free_block_keeps_what_it_has(DPT_SPRINGS_IMPLICIT, 0.2, 1e-6);
+    a_free_block_keeps_what_it_has(DPT_INTEGRATOR_SYMPLECTIC, 1e-4, 0.02);
+    a_free_block_keeps_what_it_has(DPT_INTEGRATOR_IMPLICIT, 0.2, 1e-6);
 }
 
 int main(void)

@@ -98,8 +98,8 @@ static void what_sleeps_is_not_felt(uint32_t integrator)
 
 static void the_active_region_is_enough(void)
 {
-    what_sleeps_is_not_felt(DPT_SPRINGS_SYMPLECTIC);
-    what_sleeps_is_not_felt(DPT_SPRINGS_IMPLICIT);
+    what_sleeps_is_not_felt(DPT_INTEGRATOR_SYMPLECTIC);
+    what_sleeps_is_not_felt(DPT_INTEGRATOR_IMPLICIT);
 }
 
 /* At rest nothing is awake; a load wakes its own slices first, and the same load again none. */
@@ -107,7 +107,7 @@ static void a_body_at_rest_sleeps(void)
 {
     struct press press;
     dpt_springs_report report = { .size = sizeof report };
-    open_press(&press, DPT_SPRINGS_SYMPLECTIC, 1e-5);
+    open_press(&press, DPT_INTEGRATOR_SYMPLECTIC, 1e-5);
     for (int i = 0; i < 200; i++)
         CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
     CHECK(report.active == 0, "%u are awake", report.active);
@@ -129,7 +129,7 @@ static void a_moved_node_wakes_its_neighbours(void)
 {
     struct press press;
     dpt_springs_report report = { .size = sizeof report };
-    open_press(&press, DPT_SPRINGS_IMPLICIT, 1e-5);
+    open_press(&press, DPT_INTEGRATOR_IMPLICIT, 1e-5);
     for (int i = 0; i < 200; i++)
         CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
     CHECK(report.active == 0, "%u are awake", report.active);

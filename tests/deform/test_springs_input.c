@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "deform/spring_rig.h"
+#include "lib/size_checks.h"
 
 static dpt_springs_def def_of(uint32_t integrator)
 {
@@ -27,14 +28,14 @@ static void make(struct rig *rig, const dpt_springs_def *def)
 
 static dpt_result create(struct rig *rig, const dpt_springs_def *def)
 {
-    const dpt_springs_def whole = def_of(DPT_SPRINGS_IMPLICIT);
+    const dpt_springs_def whole = def_of(DPT_INTEGRATOR_IMPLICIT);
     return dpti_springs_create_net(rig->block, dpti_springs_net_bytes(&whole, &rig->net), def,
                                    &rig->net, &rig->made);
 }
 
 static void defs_are_checked(void)
 {
-    const dpt_springs_def good = def_of(DPT_SPRINGS_IMPLICIT);
+    const dpt_springs_def good = def_of(DPT_INTEGRATOR_IMPLICIT);
     struct rig rig;
     make(&rig, &good);
     const double bad[] = { NAN, INFINITY, -INFINITY, 1e300, -1.0 };
@@ -71,6 +72,9 @@ static void defs_are_checked(void)
     def.reserved = 1;
     CHECK(create(&rig, &def) == DPT_E_ARGUMENT, "reserved");
     def = good;
+    def.reserved_pointer = &def;
+    CHECK(create(&rig, &def) == DPT_E_ARGUMENT, "reserved_pointer");
+    def = good;
     def.kernel = 77;
     CHECK(create(&rig, &def) == DPT_E_UNSUPPORTED, "kernel");
     const size_t bytes = dpti_springs_net_bytes(&good, &rig.net);
@@ -84,6 +88,38 @@ static void defs_are_checked(void)
     rig_close(&rig);
 }
 
+static struct rig sized;
+
+static dpt_result create_sized(void *def)
+{
+    return create(&sized, def);
+}
+
+static void fill_in(void *def, size_t size)
+{
+    dpt_springs_def_defaults(def, size);
+}
+
+static dpt_result report_sized(void *report)
+{
+    return dpt_springs_step(sized.made, 1e-3, NULL, 0, report);
+}
+
+static void structs_are_taken_as_far_as_they_go(void)
+{
+    const dpt_springs_def good = def_of(DPT_INTEGRATOR_IMPLICIT);
+    const struct sized def = { "dpt_springs_def", sizeof good, sizeof good, create_sized };
+    const struct sized report = { "dpt_springs_report", sizeof(dpt_springs_report),
+                                  sizeof(dpt_springs_report), report_sized };
+    dpt_springs_def defaults;
+    dpt_springs_def_init(&defaults);
+    make(&sized, &good);
+    check_input(&def, &good);
+    check_defaults(&def, fill_in, &defaults);
+    check_output(&report);
+    rig_close(&sized);
+}
+
 /* All positions and speeds as bits. */
 static void state_of(const struct rig *rig, float *to)
 {
@@ -95,14 +131,14 @@ enum { NODES = 140 };
 
 static void bad_steps_change_nothing(void)
 {
-    for (uint32_t integrator = DPT_SPRINGS_SYMPLECTIC; integrator <= DPT_SPRINGS_IMPLICIT;
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT;
          integrator++) {
         dpt_springs_def def = def_of(integrator);
         struct rig rig;
         float before[6 * NODES], after[6 * NODES];
         dpt_load load = { .vertex = 100, .force = { 0.01, 0.0, 0.0 } };
         make(&rig, &def);
-        const double dt = integrator == DPT_SPRINGS_EULER ? 1e-9 : 1e-3;
+        const double dt = integrator == DPT_INTEGRATOR_EULER ? 1e-9 : 1e-3;
         const dpt_result done = dpt_springs_step(rig.made, dt, &load, 1, NULL);
         CHECK(done == DPT_OK, "no step: %s", dpt_result_name(done));
         state_of(&rig, before);
@@ -142,7 +178,7 @@ static void bad_steps_change_nothing(void)
 /* Forces that throw nodes out of the finite range: refused, and the next step goes on from where nodes were. */
 static void what_would_be_infinite_is_refused(void)
 {
-    for (uint32_t integrator = DPT_SPRINGS_SYMPLECTIC; integrator <= DPT_SPRINGS_IMPLICIT;
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT;
          integrator += 2) {
         dpt_springs_def def = def_of(integrator);
         struct rig rig, other;
@@ -178,7 +214,7 @@ static void what_would_be_infinite_is_refused(void)
 /* Two nodes in one place, and springs without strength, make no NaN. */
 static void nodes_may_meet(void)
 {
-    for (uint32_t integrator = DPT_SPRINGS_SYMPLECTIC; integrator <= DPT_SPRINGS_IMPLICIT;
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT;
          integrator += 2) {
         dpt_springs_def def = def_of(integrator);
         struct rig rig;
@@ -202,7 +238,8 @@ static void kernels_give_the_same_bits(void)
     for (int of = 0; of < 8; of++) {
         float first[6 * NODES], now[6 * NODES];
         for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
-            dpt_springs_def def = def_of(of % 2 ? DPT_SPRINGS_IMPLICIT : DPT_SPRINGS_SYMPLECTIC);
+            dpt_springs_def def =
+                def_of(of % 2 ? DPT_INTEGRATOR_IMPLICIT : DPT_INTEGRATOR_SYMPLECTIC);
             struct rig rig;
             dpt_load load = { .vertex = 130, .force = { 0.02, -0.01, -0.05 } };
             make(&rig, &def);
@@ -231,6 +268,7 @@ static void kernels_give_the_same_bits(void)
 int main(void)
 {
     TEST(defs_are_checked);
+    TEST(structs_are_taken_as_far_as_they_go);
     TEST(bad_steps_change_nothing);
     TEST(what_would_be_infinite_is_refused);
     TEST(nodes_may_meet);

@@ -21,7 +21,7 @@ static double mode_growth(uint32_t integrator, double w2, double t, double c, do
 {
     const double keep = 1.0 / (1.0 + h * c);
     const double vv = keep * (1.0 - h * w2 * t), vx = -keep * h * w2;
-    const int euler = integrator == DPT_SPRINGS_EULER;
+    const int euler = integrator == DPT_INTEGRATOR_EULER;
     const double xv = euler ? h : h * vv, xx = euler ? 1.0 : 1.0 + h * vx;
     const double trace = vv + xx, det = vv * xx - vx * xv, root = 0.25 * trace * trace - det;
     return root < 0.0 ? sqrt(det) : 0.5 * fabs(trace) + sqrt(root);
@@ -30,7 +30,7 @@ static double mode_growth(uint32_t integrator, double w2, double t, double c, do
 static void limits_of_one_mode_are_exact(void)
 {
     uint32_t cut = 0, none = 0;
-    for (uint32_t integrator = DPT_SPRINGS_SYMPLECTIC; integrator <= DPT_SPRINGS_EULER;
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_EULER;
          integrator++)
         for (double w2 = 10.0; w2 < 1e9; w2 *= 7.0)
             for (double t = 0.0; t<0.1; t = t> 0.0 ? 3.0 * t : 1e-6)
@@ -89,7 +89,7 @@ static double swing(uint32_t integrator, double viscosity, double drag, double s
 static void one_mass_is_stable_up_to_its_limit(void)
 {
     const double cases[][2] = { { 1e-4, 0.0 }, { 0.0, 5.0 }, { 2e-3, 2.0 }, { 0.03, 0.0 } };
-    for (uint32_t integrator = DPT_SPRINGS_SYMPLECTIC; integrator <= DPT_SPRINGS_EULER;
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_EULER;
          integrator++)
         for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
             const double within = swing(integrator, cases[i][0], cases[i][1], 0.97, 4000);
@@ -127,7 +127,7 @@ static double fastest_mode(const struct rig *rig, double *mode)
 
 static void make_lattice(struct rig *rig, double viscosity)
 {
-    dpt_springs_def def = def_of(DPT_SPRINGS_SYMPLECTIC);
+    dpt_springs_def def = def_of(DPT_INTEGRATOR_SYMPLECTIC);
     rig_block(rig, 3, 3, 3, 0.01, 5000.0, 1000.0);
     for (uint32_t i = 0; i < 9; i++)
         rig_fix(rig, i);
@@ -177,7 +177,7 @@ static void lattices_grow_as_their_matrix_says(void)
     for (double share = 1.05; share < 1.35; share += 0.05) {
         const double seen = growth_at(&rig, mode, share * limit);
         const double expected =
-            mode_growth(DPT_SPRINGS_SYMPLECTIC, square, 0.0, 0.0, share * limit);
+            mode_growth(DPT_INTEGRATOR_SYMPLECTIC, square, 0.0, 0.0, share * limit);
         CHECK(fabs(seen / expected - 1.0) < 0.01, "grows by %g, not %g, at %g", seen, expected,
               share);
     }
@@ -235,7 +235,7 @@ static void nothing_grows_within_the_computed_step(void)
 static void long_steps_are_cut_or_refused(void)
 {
     struct rig rig = { 0 };
-    dpt_springs_def def = def_of(DPT_SPRINGS_SYMPLECTIC);
+    dpt_springs_def def = def_of(DPT_INTEGRATOR_SYMPLECTIC);
     dpt_springs_report report = { .size = sizeof report };
     make_lattice(&rig, 0.0);
     const double stable = rig.made->stable_step;
@@ -247,11 +247,11 @@ static void long_steps_are_cut_or_refused(void)
                   (n < 16 ? DPT_OK : DPT_E_UNSTABLE),
               "with %u", n);
     }
-    def.integrator = DPT_SPRINGS_EULER;
+    def.integrator = DPT_INTEGRATOR_EULER;
     CHECK(rig_reopen(&rig, &def) == DPT_OK && rig.made->stable_step == 0.0, "a stable step");
     CHECK(dpt_springs_step(rig.made, 1e-9, NULL, 0, &report) == DPT_E_UNSTABLE, "Euler steps");
     /* What touches a node makes the step shorter, by as much as one node's row says. */
-    def.integrator = DPT_SPRINGS_SYMPLECTIC;
+    def.integrator = DPT_INTEGRATOR_SYMPLECTIC;
     def.contact_stiffness = 1e5;
     CHECK(rig_reopen(&rig, &def) == DPT_OK, "not made");
     const double lightest = 1000.0 * 1e-6 / 8.0, bound = 2.0 * sqrt(lightest / 1e5);
@@ -268,7 +268,7 @@ static void implicit_steps_never_explode(void)
     uint32_t held = 0, all = 0;
     for (int i = 0; i < 4 * 4 * 3 * 2; i++) {
         const double scale = scales[i % 4], dt = steps[i / 4 % 4];
-        dpt_springs_def def = def_of(DPT_SPRINGS_IMPLICIT);
+        dpt_springs_def def = def_of(DPT_INTEGRATOR_IMPLICIT);
         dpt_springs_report report = { .size = sizeof report };
         struct rig rig = { 0 };
         float start[81], speed[81];

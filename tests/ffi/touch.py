@@ -90,7 +90,7 @@ CompileDef = struct("dpt_compile_def", (c_uint32, "size format"), (c_double, "sc
                     (c_double, "crease"), (c_uint32, "threads reserved"), (c_void_p, "nodes cells"),
                     (c_uint32, "node_count cell_count"), (c_void_p, "springs reserved_pointer"))
 SpringRegion = struct("dpt_spring_region", (c_uint32, "kind fixed"), (c_double * 6, "box"), (c_double, "young density drag"))
-SpringDef = struct("dpt_spring_def", (c_uint32, "size kind"),
+SpringDef = struct("dpt_spring_net_def", (c_uint32, "size kind"),
                    (c_double, "young density drag viscosity thickness bending spacing"), (c_void_p, "regions fixed"),
                    (c_uint32, "region_count fixed_count"))
 MeshSprings = struct("dpt_mesh_springs", (c_uint32, "size nodes slices springs"), (c_double, "viscosity"),

@@ -35,8 +35,8 @@ static const struct {
                 { "cloth", 32, 0, 0, 0 },
                 { "hub", 270, 0, 0, 0 },
                 { "torus", 40, 0, 1, 0 },
-                { "cloth", 32, 0, 0, DPT_SPRINGS_SHEET },
-                { "box", 12, 0, 0, DPT_SPRINGS_VOLUME } };
+                { "cloth", 32, 0, 0, DPT_NET_SHEET },
+                { "box", 12, 0, 0, DPT_NET_VOLUME } };
 
 /* Two cells in five nodes, which hold a part of the torus. */
 static const double cell_nodes[] = { 0,   0,    -0.3, 0.3, -0.2, 0.1, 0,  0.3,
@@ -54,9 +54,9 @@ static void make_bases(void)
     for (int i = 0; i < BASES; i++) {
         struct shape shape;
         shape_reason reason;
-        const dpt_spring_def springs = { .size = sizeof springs,
-                                         .kind = sources[i].springs,
-                                         .spacing = 0.04 };
+        const dpt_spring_net_def springs = { .size = sizeof springs,
+                                             .kind = sources[i].springs,
+                                             .spacing = 0.04 };
         const dpt_compile_def def = { .size = sizeof def,
                                       .springs = sources[i].springs ? &springs : NULL,
                                       .nodes = cell_nodes,

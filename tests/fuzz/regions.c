@@ -28,12 +28,12 @@ static void make_springs(const struct spring_regions *read)
 {
     static const double vertices[] = { 0, 0, 0, 0.1, 0, 0, 0.1, 0.1, 0, 0, 0.1, 0 };
     static const uint32_t corners[] = { 0, 1, 2, 0, 2, 3 };
-    const dpt_spring_def springs = { .size = sizeof springs,
-                                     .kind = DPT_SPRINGS_SHEET,
-                                     .regions = read->regions,
-                                     .fixed = read->fixed,
-                                     .region_count = (uint32_t)read->region_count,
-                                     .fixed_count = (uint32_t)read->fixed_count };
+    const dpt_spring_net_def springs = { .size = sizeof springs,
+                                         .kind = DPT_NET_SHEET,
+                                         .regions = read->regions,
+                                         .fixed = read->fixed,
+                                         .region_count = (uint32_t)read->region_count,
+                                         .fixed_count = (uint32_t)read->fixed_count };
     const dpt_compile_def def = { .size = sizeof def, .springs = &springs };
     dpt_diag diag = { .size = sizeof diag };
     dpt_compiled compiled;

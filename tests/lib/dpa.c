@@ -57,7 +57,7 @@ struct file file_of_embedded_shape(const char *name, uint64_t count)
 
 struct file file_of_sprung_shape(const char *name, uint64_t count, uint32_t kind)
 {
-    const dpt_spring_def springs = {
+    const dpt_spring_net_def springs = {
         .size = sizeof springs, .kind = kind, .drag = 0.5, .viscosity = 0.001, .spacing = 0.05
     };
     const dpt_compile_def def = { .size = sizeof def, .springs = &springs };

@@ -13,8 +13,8 @@ int open_files(void)
     large_file = file_of_shape("sphere", 600);
     holed_file = file_of_holed_shape("sphere", 40, 1);
     embedded_file = file_of_embedded_shape("sphere", 40);
-    sheet_file = file_of_sprung_shape("sphere", 40, DPT_SPRINGS_SHEET);
-    volume_file = file_of_sprung_shape("sphere", 40, DPT_SPRINGS_VOLUME);
+    sheet_file = file_of_sprung_shape("sphere", 40, DPT_NET_SHEET);
+    volume_file = file_of_sprung_shape("sphere", 40, DPT_NET_VOLUME);
     return small_file.size && large_file.size && holed_file.size && embedded_file.size &&
            sheet_file.size && volume_file.size;
 }

@@ -398,8 +398,8 @@ int main(int argc, char **argv)
     wholes[PLAIN] = file_of_shape("sphere", 40);
     wholes[HOLED] = file_of_holed_shape("sphere", 40, 1);
     wholes[EMBEDDED] = file_of_embedded_shape("sphere", 40);
-    wholes[SHEET] = file_of_sprung_shape("sphere", 40, DPT_SPRINGS_SHEET);
-    wholes[VOLUME] = file_of_sprung_shape("sphere", 40, DPT_SPRINGS_VOLUME);
+    wholes[SHEET] = file_of_sprung_shape("sphere", 40, DPT_NET_SHEET);
+    wholes[VOLUME] = file_of_sprung_shape("sphere", 40, DPT_NET_VOLUME);
     wholes[OLD] = open_golden("tests/golden/torus.dpa");
     wholes[OLD_4] = open_golden("tests/golden/torus_4.dpa");
     TEST(whole_files_pass_all);

@@ -397,12 +397,12 @@ static void golden_files_are_what_we_write(void)
                                   .node_count = mesh.node_count,
                                   .cell_count = mesh.cell_count };
     expect_golden("torus_6_nodes.dpa", &def);
-    const dpt_spring_def sheet = { .size = sizeof sheet,
-                                   .kind = DPT_SPRINGS_SHEET,
-                                   .bending = 100.0 };
-    const dpt_spring_def volume = { .size = sizeof volume,
-                                    .kind = DPT_SPRINGS_VOLUME,
-                                    .spacing = 0.05 };
+    const dpt_spring_net_def sheet = { .size = sizeof sheet,
+                                       .kind = DPT_NET_SHEET,
+                                       .bending = 100.0 };
+    const dpt_spring_net_def volume = { .size = sizeof volume,
+                                        .kind = DPT_NET_VOLUME,
+                                        .spacing = 0.05 };
     dpt_compile_def with_springs = { .size = sizeof with_springs, .springs = &sheet };
     expect_golden("torus_6_sheet.dpa", &with_springs);
     with_springs.springs = &volume;

@@ -26,7 +26,7 @@ struct given_def {
     struct progress progress;
     double nodes[3 * NODES_MAX];
     uint32_t cells[4 * CELLS_MAX];
-    dpt_spring_def springs;
+    dpt_spring_net_def springs;
     dpt_spring_region regions[REGIONS_MAX];
     uint32_t fixed;
     struct codes codes;
@@ -70,8 +70,8 @@ static void cells_may_fail(struct given_def *of)
 /* Springs of either kind, some of them nonsense. */
 static void draw_springs(struct given_def *of)
 {
-    dpt_spring_def *springs = &of->springs;
-    CALL(dpt_spring_def_defaults, springs, sizeof *springs);
+    dpt_spring_net_def *springs = &of->springs;
+    CALL(dpt_spring_net_def_defaults, springs, sizeof *springs);
     springs->kind = draw_one_in(16) ? draw_below(5) : 1 + draw_below(2);
     springs->spacing = draw_in(0.02, 0.2);
     springs->viscosity = draw_in(0.0, 0.01);
@@ -411,12 +411,12 @@ static void defaults(void)
 
 static void spring_defaults(void)
 {
-    dpt_spring_def whole;
+    dpt_spring_net_def whole;
     const uint32_t size = draw_size(sizeof whole, sizeof whole);
     const int is_null = draw_one_in(20);
     void *out = output_of_defaults(0, size);
-    CALL(dpt_spring_def_defaults, is_null ? NULL : out, size);
-    CALL(dpt_spring_def_defaults, &whole, sizeof whole);
+    CALL(dpt_spring_net_def_defaults, is_null ? NULL : out, size);
+    CALL(dpt_spring_net_def_defaults, &whole, sizeof whole);
     defaults_must_hold(0, size, is_null, &whole, sizeof whole);
     HOLDS(!whole.kind && whole.young == 5000.0 && whole.density == 1000.0 &&
               whole.thickness == 0.001 && whole.drag == 0.0 && !whole.regions && !whole.fixed,

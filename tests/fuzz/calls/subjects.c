@@ -53,7 +53,7 @@ static const uint32_t cell[] = { 0, 1, 2, 3 };
 /* `missing`: without its last triangles. `has_cell`: embedded. The membrane has springs. */
 static int open_shape(int i, const char *name, uint64_t count, size_t missing, int has_cell)
 {
-    const dpt_spring_def springs = { .size = sizeof springs, .kind = DPT_SPRINGS_SHEET };
+    const dpt_spring_net_def springs = { .size = sizeof springs, .kind = DPT_NET_SHEET };
     const dpt_compile_def def = { .size = sizeof def,
                                   .springs = i == 2 ? &springs : NULL,
                                   .nodes = nodes,

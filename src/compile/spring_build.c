@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Masses and springs: the def, its regions, what is fixed, and the layout in the file (docs/algorithms/springs.md). */
-#include "compile/springs.h"
+#include "compile/spring_build.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,11 +13,11 @@
 
 static const source_location nowhere = { 0, 0 };
 
-static const dpt_spring_def spring_defaults = { .young = 5000.0,
-                                                .density = 1000.0,
-                                                .thickness = 1e-3 };
+static const dpt_spring_net_def spring_defaults = { .young = 5000.0,
+                                                    .density = 1000.0,
+                                                    .thickness = 1e-3 };
 
-void dpt_spring_def_defaults(dpt_spring_def *def, size_t size)
+void dpt_spring_net_def_defaults(dpt_spring_net_def *def, size_t size)
 {
     sized_defaults(def, size, &spring_defaults, sizeof spring_defaults);
 }
@@ -54,7 +54,7 @@ dpt_result springs_check_region(soup *source, const dpt_spring_region *region, u
     return DPT_OK;
 }
 
-dpt_result springs_check(soup *source, dpt_spring_def *def)
+dpt_result springs_check(soup *source, dpt_spring_net_def *def)
 {
     const struct {
         const char *name;
@@ -68,7 +68,7 @@ dpt_result springs_check(soup *source, dpt_spring_def *def)
         { "Young's modulus of bending", &def->bending, 0.0, 1e12 },
         { "spacing", &def->spacing, 0.0, 1e6 },
     };
-    if (def->kind != DPT_SPRINGS_SHEET && def->kind != DPT_SPRINGS_VOLUME)
+    if (def->kind != DPT_NET_SHEET && def->kind != DPT_NET_VOLUME)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such kind of springs");
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         if (!is_in(*numbers[i].value, numbers[i].most))
@@ -97,9 +97,9 @@ static int is_within(const dpt_spring_region *region, const double x[3])
     return 1;
 }
 
-struct material net_material(struct net *net, const double x[3])
+struct material spring_material(struct net *net, const double x[3])
 {
-    const dpt_spring_def *def = net->def;
+    const dpt_spring_net_def *def = net->def;
     struct material material = { def->young, def->density, def->drag };
     for (uint32_t i = 0; i < def->region_count; i++) {
         const dpt_spring_region *region = &def->regions[i];
@@ -111,7 +111,7 @@ struct material net_material(struct net *net, const double x[3])
     return material;
 }
 
-dpt_result net_add(struct net *net, uint32_t a, uint32_t b, double stiffness)
+dpt_result spring_add(struct net *net, uint32_t a, uint32_t b, double stiffness)
 {
     if (net->share_count == UINT32_MAX)
         return soup_fail(net->source, DPT_E_LIMIT, nowhere, "more springs than can be numbered");
@@ -178,7 +178,7 @@ static void fix_vertex(const struct model *model, uint32_t v, uint8_t *is_fixed)
 /* Fix the def's vertices. The source's vertices at one position are one vertex of the model. */
 static dpt_result fix_vertices(struct net *net, const struct model *model, uint8_t *is_fixed)
 {
-    const dpt_spring_def *def = net->def;
+    const dpt_spring_net_def *def = net->def;
     const soup *source = net->source;
     dpt_result result = DPT_OK;
     if (!def->fixed_count)
@@ -247,7 +247,7 @@ static dpt_result finish(struct net *net, struct model *model, const struct spri
     if (result == DPT_OK)
         result = fix(net, model, is_fixed);
     if (result == DPT_OK)
-        result = net_lay_out(net, model, is_fixed);
+        result = spring_lay_out(net, model, is_fixed);
     free(net->mass);
     free(net->is_used);
     free(net->shares);
@@ -257,12 +257,12 @@ static dpt_result finish(struct net *net, struct model *model, const struct spri
 
 dpt_result model_springs(struct model *model, soup *source)
 {
-    const dpt_spring_def *def = source->def ? source->def->springs : NULL;
+    const dpt_spring_net_def *def = source->def ? source->def->springs : NULL;
     struct net net = { .def = def, .source = source };
     if (!def)
         return DPT_OK;
     model->viscosity = def->viscosity;
-    if (def->kind == DPT_SPRINGS_SHEET) {
+    if (def->kind == DPT_NET_SHEET) {
         net.node_count = model->vertex_count;
         net.rest = model->positions;
         model->poisson = 1.0 / 3.0;

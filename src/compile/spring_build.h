@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Masses and springs while they are made: what sheet and lattice fill in, and springs.c lays out for the file. */
-#ifndef DPT_COMPILE_SPRINGS_H
-#define DPT_COMPILE_SPRINGS_H
+/* Masses and springs while they are made: what sheet and lattice fill in, and spring_build.c lays out for the file. */
+#ifndef DPT_COMPILE_SPRING_BUILD_H
+#define DPT_COMPILE_SPRING_BUILD_H
 
 #include "compile/model.h"
 
@@ -13,7 +13,7 @@ struct spring_share {
 };
 
 struct net {
-    const dpt_spring_def *def;
+    const dpt_spring_net_def *def;
     soup *source;
     uint32_t node_count;
     const float *rest; /* 3 each, m */
@@ -31,17 +31,17 @@ struct material {
 };
 
 /* Check the numbers of a def, and put defaults in the place of zeros. Returns DPT_OK, or fills the diag. */
-dpt_result springs_check(soup *source, dpt_spring_def *def);
+dpt_result springs_check(soup *source, dpt_spring_net_def *def);
 
 /* Check a region. `number` is told in the diag, with the location. */
 dpt_result springs_check_region(soup *source, const dpt_spring_region *region, uint32_t number,
                                 source_location location);
 
 /* The material at a point, by the last region that holds it. Notes which regions are used. */
-struct material net_material(struct net *net, const double x[3]);
+struct material spring_material(struct net *net, const double x[3]);
 
 /* Add stiffness to the spring between two nodes. */
-dpt_result net_add(struct net *net, uint32_t a, uint32_t b, double stiffness);
+dpt_result spring_add(struct net *net, uint32_t a, uint32_t b, double stiffness);
 
 /* Fill in masses and springs of a sheet; the nodes, and room for their masses, are there. */
 dpt_result sheet_springs(struct net *net, const struct model *model);
@@ -72,6 +72,6 @@ dpt_result spring_lattice_embed(const struct spring_lattice *lattice, struct mod
 void spring_lattice_free(struct spring_lattice *lattice);
 
 /* Sort and add up the shares, and lay all out as the file has it. */
-dpt_result net_lay_out(struct net *net, struct model *model, const uint8_t *is_fixed);
+dpt_result spring_lay_out(struct net *net, struct model *model, const uint8_t *is_fixed);
 
 #endif
