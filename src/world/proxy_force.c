@@ -104,6 +104,20 @@ static uint32_t reason_of(const struct tool *tool, const struct proxy *proxy)
     return proxy->is_held ? DPT_FORCE_ACTS : DPT_FORCE_FREE;
 }
 
+/*
+ * A locked tool's turn is held by a stiffness that only counts as infinite: on its way from a fold, a tiny turn would give
+ * any torque. Its torque is that of a force at most, somewhere on the tool.
+ */
+static void limit_torque(const struct tool *tool, const struct proxy *proxy, vec3 centre,
+                         vec3 origin, dpt_wrench *wrench)
+{
+    const vec3 force = vec3_of(wrench->force), from_origin = cross(sub(centre, origin), force);
+    const vec3 torque = sub(vec3_of(wrench->torque), from_origin);
+    const double most = length(force) * proxy->extent, size = length(torque);
+    if (tool->lock_rotation && size > most)
+        vec3_store(along(from_origin, most / size, torque), wrench->torque);
+}
+
 /* The spring and the damper. */
 static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
 {
@@ -125,6 +139,7 @@ static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
     if (!(tool->damping > 0.0) || !wrench_is_finite(&wrench))
         wrench =
             coupling_wrench(&proxy->coupling, &felt, spin_axis, device.centre, device.frame.origin);
+    limit_torque(tool, proxy, device.centre, device.frame.origin, &wrench);
     tool->energy = coupling_energy(&proxy->coupling, &felt) + proxy->yielded_energy;
     proxy->felt = felt;
     return wrench;

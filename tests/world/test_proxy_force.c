@@ -254,6 +254,36 @@ static void a_locked_rotation_is_the_devices(void)
     }
 }
 
+/* Also while the proxy is on its way: over the box's edges and back, turned by as much as it can follow. */
+static void a_locked_torque_is_one_of_its_force(void)
+{
+    struct rig rig;
+    double along[3], arm[3], moment[3], worst = 0;
+    int on_the_way = 0;
+    open_above(&rig, &needle, 0.6);
+    set_tool(&rig, 0, 1);
+    for (int k = 0; k < 4000; k++) {
+        rig.device.position[0] = 0.06 * sin(0.013 * k);
+        rig.device.position[1] = 0.06 * sin(0.0171 * k);
+        rig.device.position[2] = TOP - 0.01 + 0.02 * cos(0.01 * k);
+        rig_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.6 + 0.5 * sin(0.21 * k));
+        rig_step(&rig);
+        rig_turn(rig.device.orientation, needle.b, along);
+        for (int i = 0; i < 3; i++)
+            arm[i] = 0.5 * along[i];
+        const double *f = rig.force.wrench.force;
+        for (int i = 0; i < 3; i++)
+            moment[i] = rig.force.wrench.torque[i] - arm[(i + 1) % 3] * f[(i + 2) % 3] +
+                        arm[(i + 2) % 3] * f[(i + 1) % 3];
+        const double torque = sqrt(dot3(moment, moment));
+        on_the_way += rig.force.lag > 1e-6 && torque > 0;
+        worst = fmax(worst, torque - (1 + 1e-9) * 0.5 * sqrt(dot3(along, along)) * rig_force(&rig));
+    }
+    CHECK(worst <= 1e-12, "%g N m too much", worst);
+    CHECK(on_the_way > 20, "%d steps on the way", on_the_way);
+    rig_close(&rig);
+}
+
 /*
  * A tip on end, spun: the torque is K r^2 per rad until it is 2/3 mu N a, a = min(r, sqrt(2 r depth)). Spun back it
  * sticks again. Without friction there is none.
@@ -507,6 +537,7 @@ int main(void)
     TEST(a_damper_acts_against_the_push_alone);
     TEST(a_damper_takes_energy);
     TEST(a_locked_rotation_is_the_devices);
+    TEST(a_locked_torque_is_one_of_its_force);
     TEST(a_spinning_tip_has_torsion);
     TEST(a_lying_tool_rolls_and_slips);
     TEST(a_tool_that_rolls_far_is_not_spun_far);
