@@ -64,6 +64,7 @@ static void make_diagonal(struct dpt_springs *springs, double step)
             struct spring_system *system = solve->systems + slice;
             const float drag = 1.0f + h * springs->nodes[slice].drag[lane];
             system->diagonal[lane] = system->mass[lane] * drag / (h * h);
+            system->glide[lane] = system->mass[lane] > 0.0f ? 1.0f / drag : 0.0f;
             const float sum =
                 system->diagonal[lane] + more * solve->stiffness[LANES * slice + lane];
             system->per_diagonal[lane] = system->mass[lane] > 0.0f ? 1.0f / sum : 0.0f;
@@ -142,8 +143,8 @@ static struct outcome try_step(struct dpt_springs *springs, const struct spring_
     double norm[LANES] = { 0.0 }, bound[LANES] = { 0.0 }, work[LANES] = { 0.0 };
     struct outcome outcome = { .bad = 0 };
     for (uint32_t i = 0; i < region->count; i++)
-        spring_place(from + region->slices[i], trial->flight + trial->back,
-                     points + SPRING_POINTS * (size_t)region->slices[i]);
+        kernel->spring_aim(trial, from + region->slices[i], solve->systems + region->slices[i],
+                           points + SPRING_POINTS * (size_t)region->slices[i]);
     for (uint32_t i = 0; i < region->count; i++) {
         const size_t slice = region->slices[i], row = SPRING_ROWS * slice;
         double energy[LANES] = { 0.0 };
@@ -169,31 +170,64 @@ static struct outcome try_step(struct dpt_springs *springs, const struct spring_
     return outcome;
 }
 
+/*
+ * What a few passes leave of a motion that all nodes have in common, as in free fall, goes into the start of the next
+ * step.
+ */
+static void note_common(struct dpt_springs *springs, double h)
+{
+    struct spring_solve *solve = &springs->solve;
+    const struct active_region *region = &springs->region;
+    double lanes[4][LANES] = { { 0.0 } };
+    for (uint32_t i = 0; i < region->count; i++) {
+        const struct spring_system *system = solve->systems + region->slices[i];
+        const float *v0 = springs->state[springs->now][region->slices[i]].v;
+        const float *v1 = springs->state[1 - springs->now][region->slices[i]].v;
+        for (int lane = 0; lane < LANES; lane++) {
+            const float mass = system->mass[lane];
+            const float kept = mass > 0.0f ? system->glide[lane] : 1.0f;
+            for (int row = 0; row < 3; row++)
+                lanes[row][lane] +=
+                    (double)(mass * (v1[LANES * row + lane] / kept - v0[LANES * row + lane]));
+            lanes[3][lane] += (double)mass;
+        }
+    }
+    const double mass = spring_sum(lanes[3]);
+    for (int row = 0; row < 3; row++)
+        solve->common[row] = mass > 0.0 ? spring_sum(lanes[row]) / (mass * h) : 0.0;
+}
+
 int dpti_implicit_step(struct dpt_springs *springs, double h, uint32_t *flags)
 {
     struct spring_solve *solve = &springs->solve;
     struct spring_trial trial = { .step = (float)h,
                                   .per_step = 1.0f / (float)h,
-                                  .flight = (float)h,
+                                  .flies = 1.0f,
                                   .back = (float)springs->lead,
                                   .scale = (float)springs->def.stiffness,
                                   .far = (float)DPT_COORDINATE_MAX,
                                   .fast = (float)SPRING_FAST,
                                   .has_lead = springs->lead > 0.0 };
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
         trial.gravity[k] = (float)springs->def.gravity[k];
+        trial.common[k] = (float)solve->common[k];
+    }
     if (solve->account < 0.0)
         open_account(springs);
     make_diagonal(springs, h);
     *flags = 0;
     struct outcome outcome = try_step(springs, &trial);
     if (outcome.bad || !(outcome.bound <= solve->account + outcome.work + ACCOUNT_FLOOR)) {
-        trial.flight = trial.back = 0.0f;
+        trial.flies = trial.back = 0.0f;
         *flags = DPT_SPRINGS_FLAG_HELD;
         outcome = try_step(springs, &trial);
         if (outcome.bad)
             return 0;
     }
+    if (*flags)
+        memset(solve->common, 0, sizeof solve->common);
+    else
+        note_common(springs, h);
     const double allowed = solve->account + outcome.work;
     const double kept = 1.0 - (ACCOUNT_LEAK * h < 1.0 ? ACCOUNT_LEAK * h : 1.0);
     solve->account =

@@ -30,6 +30,7 @@ struct spring_solve {
     double *energy;   /* 1 a slice: of its nodes, when it was last stepped */
     double step;      /* for which the diagonals were made; 0: none */
     double account;   /* J: the energy is proven not to exceed it; below 0: not known */
+    double common[3]; /* m/s2: what all nodes that are awake had in common in the last step, but for drag */
 };
 
 /* Which slices are stepped. */
@@ -41,6 +42,15 @@ struct active_region {
     uint16_t *quiet;       /* 1 a slice: for how many steps it has been slow */
     float *drift;  /* 1 a slice, m: how far it may have moved since its neighbours were woken */
     float *square; /* 1 a slice: the largest squared speed after the last step */
+};
+
+/* Nodes on tools (spring_contact.h); 1 a slice, NULL where the net is no mesh's. */
+struct spring_contact {
+    uint16_t *
+        fixed; /* bits of the nodes that count as fixed because they lie on a tool that does not move */
+    uint16_t *next; /* those of the step to come; only in slices that are awake */
+    uint8_t *moved; /* 1: tools have moved nodes since the last step */
+    uint32_t tools; /* that touched in the last step */
 };
 
 /* The mesh's vertices; all NULL where the net is no mesh's. */
@@ -73,6 +83,7 @@ struct dpt_springs {
     struct active_region region;
     struct spring_solve solve;
     struct spring_vertices vertices;
+    struct spring_contact contact;
 };
 
 /* The sum of 16 lanes, in a fixed order. */

@@ -133,6 +133,7 @@ typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const f
  *                   coordinates and speeds are numbers within the motion's limits
  *   spring_descend  change += by * direction, residual -= by * product; adds residual . per_diagonal residual to sum[]
  *   spring_turn     direction = per_diagonal residual + by * direction
+ *   spring_aim      points where nodes fly to, and `back` seconds of their speed ahead
  *   spring_begin    the right-hand side of an implicit step as the residual, from the forces; the first direction, no
  *                   change yet. Adds residual . per_diagonal residual to sum[]
  *   spring_end      where nodes are after the change, and how fast. Adds to bound[] and work[], lane by lane, what
@@ -166,17 +167,21 @@ struct spring_motion {
     uint32_t is_euler;
 };
 
-/* An implicit step: from the points that nodes reach in `flight` seconds, 0 or the step, and `back` seconds of lead. */
+/*
+ * An implicit step: from where nodes fly to with a `common` acceleration, m/s2, if `flies` is 1, or from where they are,
+ * if it is 0; springs are taken `back` seconds of their speed ahead of that.
+ */
 struct spring_trial {
-    float step, per_step, flight, back, scale;
-    float gravity[3];
+    float step, per_step, flies, back, scale;
+    float gravity[3], common[3];
     float far, fast;
     uint32_t has_lead;
 };
 
 /* Of a slice, in an implicit step. */
 struct spring_system {
-    float mass[LANES], diagonal[LANES], per_diagonal[LANES]; /* 0 for a node that is fixed */
+    /* 0 for a node that is fixed. glide: what drag leaves of the speed in a step */
+    float mass[LANES], glide[LANES], diagonal[LANES], per_diagonal[LANES];
     float residual[SPRING_ROWS], change[SPRING_ROWS];
 };
 
@@ -194,6 +199,8 @@ typedef uint32_t kernel_spring_move(const struct spring_motion *motion,
 typedef void kernel_spring_descend(float by, const float *direction, const float *product,
                                    struct spring_system *system, double *sum);
 typedef void kernel_spring_turn(float by, const struct spring_system *system, float *direction);
+typedef void kernel_spring_aim(const struct spring_trial *trial, const struct spring_slice *state,
+                               const struct spring_system *system, float *points);
 typedef void kernel_spring_begin(const struct spring_trial *trial, const struct spring_slice *state,
                                  const float *force, const float *load,
                                  struct spring_system *system, float *direction, double *sum);
@@ -225,6 +232,7 @@ struct kernel {
     kernel_spring_move *spring_move;
     kernel_spring_descend *spring_descend;
     kernel_spring_turn *spring_turn;
+    kernel_spring_aim *spring_aim;
     kernel_spring_begin *spring_begin;
     kernel_spring_end *spring_end;
 };
@@ -263,6 +271,7 @@ int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
     kernel_spring_move dpti_kernel_##set##_spring_move;                                            \
     kernel_spring_descend dpti_kernel_##set##_spring_descend;                                      \
     kernel_spring_turn dpti_kernel_##set##_spring_turn;                                            \
+    kernel_spring_aim dpti_kernel_##set##_spring_aim;                                              \
     kernel_spring_begin dpti_kernel_##set##_spring_begin;                                          \
     kernel_spring_end dpti_kernel_##set##_spring_end;
 KERNEL_DECLARE(scalar)

@@ -171,10 +171,30 @@ KERNEL_TARGET uint32_t KERNEL(spring_move)(const struct spring_motion *restrict 
     return KERNEL(any)(bad);
 }
 
-/* The right-hand side of coordinate k of lane i. */
-#define SPRING_RIGHT(k, i, gravity)                                                                \
-    (scale * force[k] + load[k] + system->mass[i] * (gravity) +                                    \
-     system->mass[i] * per_step * state->v[k] - system->diagonal[i] * (flight * state->v[k]))
+/* How far coordinate k of lane i flies, m. */
+#define SPRING_FLIGHT(k, i, common)                                                                \
+    (trial->flies * system->glide[i] * (trial->step * (state->v[k] + trial->step * (common))))
+
+/* The right-hand side of coordinate k of lane i. What a node has of its flight is not in it. */
+#define SPRING_RIGHT(k, i, gravity, common)                                                        \
+    (scale * force[k] + load[k] +                                                                  \
+     system->mass[i] * (((gravity)-trial->flies * (common)) + rests * state->v[k]))
+
+KERNEL_TARGET void KERNEL(spring_aim)(const struct spring_trial *restrict trial,
+                                      const struct spring_slice *restrict state,
+                                      const struct spring_system *restrict system,
+                                      float *restrict points)
+{
+    float place[SPRING_ROWS];
+    for (int row = 0; row < 3; row++) {
+        const float common = trial->common[row];
+        for (int i = 0; i < LANES; i++) {
+            const int k = LANES * row + i;
+            place[k] = state->x[k] + (SPRING_FLIGHT(k, i, common) + trial->back * state->v[k]);
+        }
+    }
+    KERNEL_PUT(points, place, place + LANES, place + 2 * LANES)
+}
 
 KERNEL_TARGET void KERNEL(spring_begin)(const struct spring_trial *restrict trial,
                                         const struct spring_slice *restrict state,
@@ -182,14 +202,14 @@ KERNEL_TARGET void KERNEL(spring_begin)(const struct spring_trial *restrict tria
                                         struct spring_system *restrict system,
                                         float *restrict direction, double *restrict sum)
 {
-    const float scale = trial->scale, per_step = trial->per_step, flight = trial->flight;
+    const float scale = trial->scale, rests = (1.0f - trial->flies) * trial->per_step;
     float square[LANES] = { 0 }, first[SPRING_ROWS];
 
     for (int row = 0; row < 3; row++) {
-        const float gravity = trial->gravity[row];
+        const float gravity = trial->gravity[row], common = trial->common[row];
         for (int i = 0; i < LANES; i++) {
             const int k = LANES * row + i;
-            const float right = SPRING_RIGHT(k, i, gravity);
+            const float right = SPRING_RIGHT(k, i, gravity, common);
             system->residual[k] = right;
             system->change[k] = 0.0f;
             first[k] = system->per_diagonal[i] * right;
@@ -212,20 +232,21 @@ KERNEL_TARGET uint32_t KERNEL(spring_end)(const struct spring_trial *restrict tr
                                           struct spring_slice *restrict to, double *restrict bound,
                                           double *restrict work, float *restrict square)
 {
-    const float scale = trial->scale, per_step = trial->per_step, flight = trial->flight;
+    const float scale = trial->scale, per_step = trial->per_step;
+    const float rests = (1.0f - trial->flies) * per_step;
     const float back = trial->back, curved = trial->has_lead ? 0.0f : 0.5f;
     const float far = trial->far, fast = trial->fast;
     float energy[LANES] = { 0 }, done[LANES] = { 0 }, speed[LANES] = { 0 };
     uint32_t bad[LANES] = { 0 };
 
     for (int row = 0; row < 3; row++) {
-        const float gravity = trial->gravity[row];
+        const float gravity = trial->gravity[row], common = trial->common[row];
         for (int i = 0; i < LANES; i++) {
             const int k = LANES * row + i;
             const float change = system->change[k], v0 = state->v[k], x0 = state->x[k];
-            const float moved = flight * v0 + change, v1 = moved * per_step;
+            const float moved = SPRING_FLIGHT(k, i, common) + change, v1 = moved * per_step;
             const float way = moved + state->rest[k], x1 = x0 + way;
-            const float right = SPRING_RIGHT(k, i, gravity);
+            const float right = SPRING_RIGHT(k, i, gravity, common);
             const float bend =
                 change * (right - system->residual[k]) - change * change * system->diagonal[i];
             to->x[k] = x1;

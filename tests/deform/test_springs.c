@@ -363,6 +363,42 @@ static void free_blocks_keep_what_they_have(void)
     a_free_block_keeps_what_it_has(DPT_INTEGRATOR_IMPLICIT, 0.2, 1e-6);
 }
 
+/*
+ * A free body under its weight, with drag d: v = (v + h g) / (1 + h d) in each step of h, however stiff it is and however
+ * few passes IMPLICIT has. IMPLICIT has to learn of it: a few steps are allowed.
+ */
+static void what_falls_falls_freely(void)
+{
+    const double stiff[] = { 1.0, 1e3, 1e6 }, drag = 2.0, h = 1e-3, g = -9.81;
+    for (uint32_t of = 0; of < 6; of++) {
+        struct rig rig;
+        double z = 0.0, v = 0.0, middle = 0.0, mass = 0.0;
+        dpt_springs_def def;
+        dpt_springs_def_init(&def);
+        def.integrator = of < 3 ? DPT_INTEGRATOR_IMPLICIT : DPT_INTEGRATOR_SYMPLECTIC;
+        def.stiffness = stiff[of % 3];
+        def.gravity[2] = g;
+        def.max_substeps = 65535;
+        memset(&rig, 0, sizeof rig);
+        rig_block(&rig, 5, 4, 7, 0.01, 5000.0, 1000.0);
+        rig_drag(&rig, drag);
+        CHECK(rig_open(&rig, &def) == DPT_OK, "not made");
+        for (int i = 0; i < 100; i++) {
+            CHECK(dpt_springs_step(rig.made, h, NULL, 0, NULL) == DPT_OK, "no step");
+            v = (v + h * g) / (1.0 + h * drag);
+            z += h * v;
+        }
+        for (uint32_t i = 0; i < rig.nodes; i++) {
+            mass += (double)rig.mass[i];
+            middle += (double)rig.mass[i] *
+                      (double)(rig_positions(&rig)[3 * i + 2] - rig.rest[3 * i + 2]);
+        }
+        CHECK(fabs(middle / mass / z - 1.0) < 0.01, "integrator %u, stiffness %g: %g m, not %g",
+              def.integrator, def.stiffness, middle / mass, z);
+        rig_close(&rig);
+    }
+}
+
 int main(void)
 {
     TEST(a_mass_swings);
@@ -371,5 +407,6 @@ int main(void)
     TEST(bars_hang_as_computed);
     TEST(a_bar_is_a_continuum);
     TEST(free_blocks_keep_what_they_have);
+    TEST(what_falls_falls_freely);
     return check_report();
 }
