@@ -166,12 +166,13 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  * After a step of the world: springs take what tools did to the body, go on by dt, and the body's vertices are where the
  * nodes have carried them in the next step. Only those are moved that follow nodes which are awake.
  *
- * With DPT_RESPONSE_LOAD the tools' loads act on the nodes. With DPT_RESPONSE_DISPLACE vertices that were moved out of
- * a tool are nodes at rest there; that is for nodes that are the vertices.
+ * With DPT_RESPONSE_LOAD the tools' loads act on the nodes. With DPT_RESPONSE_DISPLACE, which is for nodes that are the
+ * vertices, nodes are where tools have moved them, and no longer go into the tool; the body's friction acts on what goes
+ * along it (dpt_body_settings). Use it for a light sheet that lies on a tool: loads at single points do not carry that.
  *
  *   springs  made with the body's mesh
  *
- * DPT_E_ARGUMENT: of another mesh, or as for dpt_springs_step. DPT_E_UNSUPPORTED: DISPLACE with an embedding. DPT_E_FULL:
+ * DPT_E_ARGUMENT: of another mesh, or as for dpt_springs_step. DPT_E_UNSUPPORTED: DISPLACE with an embedding or a period. DPT_E_FULL:
  * more loads than max_loads or dpt_deform_def.max_points have room for. DPT_E_FINITE: as for dpt_springs_step; or a
  * vertex would leave the body's box, and none has moved. In the last case alone the springs have gone on.
  */

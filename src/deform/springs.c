@@ -100,6 +100,9 @@ static void place_vertices(struct dpt_springs *springs, struct block *block)
     vertices->list = take(block, mesh->vertices, sizeof(uint32_t));
     vertices->positions = take(block, 3 * (uint64_t)mesh->vertices, sizeof(float));
     vertices->loads = take(block, springs->def.max_loads, sizeof(dpt_load));
+    springs->contact.fixed = take(block, springs->net.slices, sizeof(uint16_t));
+    springs->contact.next = take(block, springs->net.slices, sizeof(uint16_t));
+    springs->contact.moved = take(block, springs->net.slices, 1);
 }
 
 static void place(struct dpt_springs *springs, struct block *block)
@@ -335,7 +338,7 @@ static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *l
     return DPT_OK;
 }
 
-static dpt_result check_step(double dt, const dpt_springs_report *report)
+dpt_result dpti_springs_check_step(double dt, const dpt_springs_report *report)
 {
     if (report)
         DPT_TRY(sized_check(report, sizeof *report, 0));
@@ -349,7 +352,7 @@ dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loa
 {
     if (!springs)
         return DPT_E_ARGUMENT;
-    DPT_TRY(check_step(dt, report));
+    DPT_TRY(dpti_springs_check_step(dt, report));
     DPT_TRY(check_loads(springs, loads, count));
     return step(springs, dt, loads, count, NULL, report);
 }
@@ -357,7 +360,7 @@ dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loa
 dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count,
                                     dpt_springs_report *report)
 {
-    DPT_TRY(check_step(dt, report));
+    DPT_TRY(dpti_springs_check_step(dt, report));
     return step(springs, dt, springs->vertices.loads, count, &springs->vertices, report);
 }
 

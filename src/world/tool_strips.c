@@ -6,7 +6,7 @@
 #include "nearest/side.h"
 
 /* Bytes of dpt_world_bytes for each segment, beside the strip itself. */
-enum { BYTES_SEGMENT_STRIP = 512 };
+enum { BYTES_SEGMENT_STRIP = 640 };
 typedef char segment_strip_fits[sizeof(struct segment_strip) <= BYTES_SEGMENT_STRIP ? 1 : -1];
 
 dpt_strip_def dpti_strips_def(const dpt_world_def *def)
@@ -163,14 +163,20 @@ void dpti_strips_find(struct dpt_world *world, uint32_t segment_index)
     if (result->contact != DPT_CONTACT_PENETRATING &&
         !(result->distance - segment->radius <= world->def.margin))
         return;
-    if (segment_strip->body_slot != handle_index(body->id))
+    const struct axis *axis = &segment->answer.track.axis;
+    const int is_new = segment_strip->body_slot != handle_index(body->id);
+    if (is_new)
         segment_strip->end_triangle[0] = segment_strip->end_triangle[1] = DPT_NONE;
+    const int was_near = !is_new && segment_strip->tick + 1 == world->ticks;
+    segment_strip->a_last = was_near ? segment_strip->a : axis->local_a;
+    segment_strip->u_last = was_near ? segment_strip->u : axis->u;
+    segment_strip->tick = world->ticks;
     segment_strip->body_slot = handle_index(body->id);
     segment_strip->surface = body->surface;
     segment_strip->frame = body->frame;
     segment_strip->radius = segment->radius;
-    segment_strip->a = segment->answer.track.axis.local_a;
-    segment_strip->u = segment->answer.track.axis.u;
+    segment_strip->a = axis->local_a;
+    segment_strip->u = axis->u;
     const uint32_t triangle = segment->answer.track.nearest.triangle;
     vec3 to_axis = direction_to_axis(segment, segment_strip);
     segment_strip->side = side_of_tool(segment, segment_strip, triangle, to_axis);
