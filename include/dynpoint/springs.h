@@ -172,9 +172,10 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  *
  *   springs  made with the body's mesh
  *
- * DPT_E_ARGUMENT: of another mesh, or as for dpt_springs_step. DPT_E_UNSUPPORTED: DISPLACE with an embedding or a period. DPT_E_FULL:
- * more loads than max_loads or dpt_deform_def.max_points have room for. DPT_E_FINITE: as for dpt_springs_step; or a
- * vertex would leave the body's box, and none has moved. In the last case alone the springs have gone on.
+ * DPT_E_ARGUMENT: of another mesh, or as for dpt_springs_step. DPT_E_UNSUPPORTED: DISPLACE with an embedding or a
+ * period. DPT_E_FULL: more loads than max_loads or dpt_deform_def.max_points have room for. DPT_E_FINITE: as for
+ * dpt_springs_step; or a vertex would leave the body's box, and none has moved. In the last case alone the springs have
+ * gone on.
  */
 DPT_API dpt_result dpt_deform_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs,
                                            double dt, dpt_springs_report *report);
