@@ -68,8 +68,10 @@ endif
 # Firmware copies wire_device.[ch] (docs/wire.md); no host needs it.
 WIRE_DEVICE := $(B)/drivers/serial/wire_device.o
 DRIVER_PARTS := $(filter-out $(WIRE_DEVICE),$(call objects,drivers/*.c $(DRIVERS:%=drivers/%/*.c)))
+# Since make 4.3 a backslash before # stays where a function is called.
+HASH := \#
 # Robots' descriptions: where there are urdfdom and a C++ compiler. URDF=no leaves them out.
-URDF_HERE = $(if $(filter fuzz fuzz-fast,$(CONFIG)),no,$(shell echo '\#include <urdf_parser/urdf_parser.h>' | \
+URDF_HERE = $(if $(filter fuzz fuzz-fast,$(CONFIG)),no,$(shell echo '$(HASH)include <urdf_parser/urdf_parser.h>' | \
   $(CXX) $$(pkg-config --cflags urdfdom console_bridge expat 2>&1) -E -x c++ - >/dev/null 2>&1 && echo yes || echo no))
 URDF := $(or $(URDF),$(URDF_HERE))
 ifeq ($(URDF),yes)

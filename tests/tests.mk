@@ -133,7 +133,7 @@ test-programs check-programs: $(HD_STAND_INS)
 -include $(patsubst %,$(B)/tests/drivers/hd/%.d,stand_in stand_in_3_0 stand_in_scheduler)
 
 # Exact arithmetic: where there are g++ and gmpxx.
-EXACT_LIBS := $(if $(shell echo '\#include <gmpxx.h>' | $(CXX) -E -x c++ - 2>/dev/null | tail -n 1),-lgmpxx -lgmp -lstdc++)
+EXACT_LIBS := $(if $(shell echo '$(HASH)include <gmpxx.h>' | $(CXX) -E -x c++ - >/dev/null 2>&1 && echo yes),-lgmpxx -lgmp -lstdc++)
 ifneq ($(EXACT_LIBS),)
 TESTS += $(EXACT_TESTS:%=$(B)/tests/%)
 endif
