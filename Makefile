@@ -79,7 +79,16 @@ URDF_PARTS := $(patsubst %.cc,$(B)/%.o,$(wildcard src/urdf/*.cc))
 URDF_CFLAGS := $(shell pkg-config --cflags urdfdom console_bridge expat)
 URDF_LIBS := -Wl,--as-needed $(shell pkg-config --libs urdfdom console_bridge expat) -lstdc++
 endif
-TOOLS := $(call objects,tools/*.c tools/stability/*.c)
+# Scene files: where the program can be linked to jansson. JANSSON=no leaves them out.
+JANSSON_HERE = $(shell printf '$(HASH)include <jansson.h>\nint main(void) { return !json_null(); }\n' | \
+  $(CC) $$(pkg-config --cflags jansson 2>&1) -x c - $$(pkg-config --libs jansson 2>&1) -o /dev/null >/dev/null 2>&1 && echo yes || echo no)
+JANSSON := $(or $(JANSSON),$(JANSSON_HERE))
+ifeq ($(JANSSON),yes)
+SCENE_FILE := $(call objects,tools/scene_file/*.c)
+JANSSON_CFLAGS := $(shell pkg-config --cflags jansson)
+JANSSON_LIBS := $(shell pkg-config --libs jansson)
+endif
+TOOLS := $(call objects,tools/*.c tools/stability/*.c) $(SCENE_FILE)
 # The other ends of a line, for `device simulate` and the tests: of the back ends that were chosen.
 SIMULATE := $(call objects,$(DRIVERS:%=tools/simulate/simulate_%.c)) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf)
@@ -106,15 +115,16 @@ $(B)/src/exchange/latest.o: CONFIG_CFLAGS += $(shell $(CC) -mno-outline-atomics 
 
 $(B)/drivers/%.o: INCLUDES += -Idrivers
 $(B)/tools/%.o: INCLUDES += -Idrivers -Itools
+$(B)/tools/scene_file/%.o: INCLUDES += $(JANSSON_CFLAGS)
 
 # built_with.h says what was chosen for this build; it changes only when that does.
-CHOOSERS := $(B)/drivers/device.o $(B)/tools/arm_file.o $(B)/tools/cmd_device_simulate.o
+CHOOSERS := $(B)/drivers/device.o $(B)/tools/arm_file.o $(B)/tools/cmd_device_simulate.o $(B)/tools/scene_def.o
 $(CHOOSERS): INCLUDES += -I$(B)
 $(CHOOSERS): $(B)/built_with.h
 $(B)/built_with.h: force
 	@mkdir -p $(@D)
 	@{ echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))'; \
-	   for part in $(DRIVERS) $(if $(URDF_PARTS),urdf); do \
+	   for part in $(DRIVERS) $(if $(URDF_PARTS),urdf) $(if $(SCENE_FILE),jansson); do \
 	     echo "#define DPT_HAS_$$(echo $$part | tr a-z A-Z)"; done; } >$@.now
 	@cmp -s $@.now $@ && rm $@.now || mv $@.now $@
 
@@ -151,7 +161,7 @@ $(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(TEXT) $(B)/libdynpoi
 	ln -sf $(@F) $*.so
 
 $(B)/dynpoint: $(TOOLS) $(SIMULATE) $(URDF_PARTS) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) $(JANSSON_LIBS) -o $@
 
 comma := ,
 empty :=
@@ -205,7 +215,7 @@ uninstall: ## what install put there
 	-rmdir "$(DESTDIR)$(INCLUDEDIR)/dynpoint" 2>/dev/null
 
 help: ## this list
-	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no]'
+	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no] [JANSSON=no]'
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' Makefile tests/tests.mk | expand -t 16
 
 clean: ## remove build/

@@ -16,17 +16,16 @@
 #include "stop.h"
 
 static const char help[] =
-    "usage: dynpoint run SCENE|MESH.dpa|ARM.dpa --device NAME [options]\n"
+    "usage: dynpoint run SCENE|SCENE.json|MESH.dpa|ARM.dpa --device NAME [options]\n"
     "\n"
-    "Feel a scene by name (membrane, cloth, laparoscopy, liver, tori), a mesh, or the scene of an\n"
-    "arm, with a haptic device: DRIVER or DRIVER:WHERE, as sim or serial:/dev/ttyACM0. The tool is "
-    "a stylus, a capsule from the device's point along its z "
-    "axis, or\n"
-    "that of an arm. Ends on an interrupt, after --for or --ticks, or when the device is lost; "
-    "always\n"
-    "with zero force. Then says how it went.\n"
+    "Feel a scene by name (membrane, cloth, laparoscopy, liver, soft-liver, tori), a scene file\n"
+    "(docs/scene.md), a mesh, or the scene of an arm, with a haptic device: DRIVER or\n"
+    "DRIVER:WHERE, as sim or serial:/dev/ttyACM0. The tool is a stylus, a capsule from the\n"
+    "device's point along its z axis, or that of an arm, or of the file. What a file says of tool\n"
+    "and device, an option overrides. Ends on an interrupt, after --for or --ticks, or when the\n"
+    "device is lost; always with zero force. Then says how it went.\n"
     "\n"
-    "  --device NAME    which one\n"
+    "  --device NAME    which one; default the scene file's\n"
     "  --at X,Y,Z       where the device's origin lies in the mesh's frame, m; default: 5 mm above "
     "the\n"
     "                   middle of the top of its box, y being up. Of an arm's scene, whose z is "
@@ -398,7 +397,8 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     coupling.loop_delay =
         info.flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : LOOP_DELAY_PERIODS / rate;
     if (run_coupling_choose(&session->scene, &info, &coupling, &session->coupling) ||
-        scene_make_world(&session->scene, &info, session->budget))
+        scene_make_world(&session->scene, &info, session->budget) ||
+        scene_bodies_check_step(&session->scene.bodies, "run", settings->scene.path, 1.0 / rate))
         return 2;
     dpt_loop_def_init(&def);
     def.tick = feel;
@@ -452,21 +452,20 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
 /* Check the record against all inputs. The device's name contains files, too. */
 static int check_record(const struct run_settings *settings)
 {
-    const char *const inputs[] = { settings->scene.path, settings->scene.tool, NULL };
-    const char *const more[] = { settings->identified, NULL };
+    const char *const inputs[] = { settings->identified, NULL };
     if (!strcmp(settings->record, "-"))
         return complain("run",
                         "--record needs a file: what is said at the end is on standard output");
-    if (output_check("run", settings->record, inputs) ||
-        output_check("run", settings->record, more))
+    if (scene_def_check_output(&settings->scene, settings->record) ||
+        output_check("run", settings->record, inputs))
         return 2;
     return device_output_check("run", settings->record, settings->device);
 }
 
 static int read_settings(int argc, char **argv, struct run_settings *settings)
 {
-    const char *law = "proxy";
-    size_t operands;
+    const char *law = NULL;
+    size_t operands = 0;
     const struct option_def options[] = {
         { .name = "--device", .text = &settings->device },
         { .name = "--at", .text = &settings->scene.origin },
@@ -499,11 +498,14 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
                                &settings->scene.path, 1, &operands);
     if (status >= 0)
         return status;
+    if (operands == 1 && scene_def_read(&settings->scene))
+        return 2;
+    if (!settings->device && settings->scene.file)
+        settings->device = settings->scene.file->device;
     if (operands != 1 || !settings->device)
-        return complain("run",
-                        "a scene, MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
-    status = law_by_name("run", law, &settings->scene.force.law);
-    scene_def_complete(&settings->scene);
+        return complain("run", "a scene, SCENE.json, MESH.dpa or ARM.dpa, and --device NAME are "
+                               "needed (see --help)");
+    status = scene_def_complete(&settings->scene, law);
     settings->scene.force.stiffness =
         isnan(settings->coupling.stiffness) ? 0.0 : settings->coupling.stiffness;
     if (status == 0)
@@ -524,7 +526,8 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         return complain("run", "--cpu must be 0 to 65535");
     if (settings->clutch > 31 && settings->clutch != NO_NUMBER)
         return complain("run", "--clutch must be 0 to 31");
-    settings->scene.clutch = settings->clutch == NO_NUMBER ? -1 : (int)settings->clutch;
+    if (settings->clutch != NO_NUMBER)
+        settings->scene.clutch = (int)settings->clutch;
     if (!(settings->scene.length >= 0.0 && settings->scene.length <= 10.0) ||
         !(settings->scene.radius >= 0.0 && settings->scene.radius <= 1.0))
         return complain("run", "--length must be 0 to 10, --radius 0 to 1");
@@ -543,11 +546,32 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
     return -1;
 }
 
+static int run(const struct run_settings *settings)
+{
+    struct session session = { .record_count = 0 };
+    int status = scene_open(&session.scene, &settings->scene);
+    if (status == 0)
+        status = open_record(settings, &session);
+    if (status == 0) {
+        dpt_device *device;
+        status = open_device("run", settings->device, &device);
+        if (status == 0) {
+            status = end_fault("run", settings->device, device);
+            status = status ? status : serve(device, &session, settings);
+            dpt_device_close(device);
+        }
+    }
+    close_record(&session);
+    scene_close(&session.scene);
+    return status;
+}
+
 int command_run(int argc, char **argv)
 {
     struct run_settings settings = { .scene = { .command = "run",
-                                                .zoom = 1.0,
-                                                .force_scale = 1.0,
+                                                .zoom = NAN,
+                                                .force_scale = NAN,
+                                                .clutch = -1,
                                                 .length = NAN,
                                                 .radius = NAN,
                                                 .force = { .friction = NAN } },
@@ -557,23 +581,9 @@ int command_run(int argc, char **argv)
                                      .force_max = NAN,
                                      .seconds = HUGE_VAL,
                                      .budget = BUDGET_BY_RATE };
-    struct session session = { .record_count = 0 };
     int status = read_settings(argc, argv, &settings);
-    if (status >= 0)
-        return status;
-    status = scene_open(&session.scene, &settings.scene);
-    if (status == 0)
-        status = open_record(&settings, &session);
-    if (status == 0) {
-        dpt_device *device;
-        status = open_device("run", settings.device, &device);
-        if (status == 0) {
-            status = end_fault("run", settings.device, device);
-            status = status ? status : serve(device, &session, &settings);
-            dpt_device_close(device);
-        }
-    }
-    close_record(&session);
-    scene_close(&session.scene);
+    if (status < 0)
+        status = run(&settings);
+    scene_def_free(&settings.scene);
     return status;
 }

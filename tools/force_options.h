@@ -8,7 +8,7 @@
 struct force_options {
     uint32_t law;     /* DPT_LAW_... */
     double stiffness; /* N/m */
-    double friction;  /* of all bodies, at rest and in motion */
+    double friction;  /* of all bodies, at rest and in motion; NAN: each has its own */
     double damping;   /* Ns/m */
 };
 
@@ -17,7 +17,7 @@ static inline int force_options_check(const char *command, const struct force_op
 {
     if (!(options->stiffness >= 0.0 && options->stiffness <= 1e9))
         return complain(command, "--stiffness must be 0 to 1e9");
-    if (!(options->friction >= 0.0 && options->friction <= 10.0))
+    if (options->friction < 0.0 || options->friction > 10.0)
         return complain(command, "--friction must be 0 to 10");
     if (!(options->damping >= 0.0 && options->damping <= 1e9))
         return complain(command, "--damping must be 0 to 1e9");

@@ -2,6 +2,7 @@
 #include "replay_recording.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,7 +13,7 @@
 #include "scene_text.h"
 
 static const char help[] =
-    "usage: dynpoint replay FILE.dpr [MESH.dpa|ARM.dpa] [--tool ARM.dpa] [--json]\n"
+    "usage: dynpoint replay FILE.dpr [SCENE.json|MESH.dpa|ARM.dpa] [--tool ARM.dpa] [--json]\n"
     "\n"
     "Makes the scene of a recording again, moves the tool as it was moved, and compares every\n"
     "answer with the recorded one, bit for bit: the wrench, the proxy, contact, distance, energy.\n"
@@ -20,7 +21,8 @@ static const char help[] =
     "cannot\n"
     "be compared. A recording that is cut off is compared up to there.\n"
     "\n"
-    "  MESH.dpa, --tool   where the files of the scene are now; default: where they were\n"
+    "  SCENE.json, MESH.dpa, --tool   where the files of the scene are now; default: where they "
+    "were\n"
     "  --json             the summary as one JSON object on standard output\n";
 
 /* Why the comparison ended. */
@@ -67,6 +69,7 @@ static int make_scene(struct scene *scene, const struct scene_text *text, const 
                       const char *tool_path)
 {
     char origin[96];
+    const int has_own_friction = text->friction == SCENE_TEXT_OWN_FRICTION;
     struct scene_def def = { .command = "replay",
                              .path = scene_path ? scene_path : text->scene,
                              .tool = tool_path       ? tool_path
@@ -79,7 +82,7 @@ static int make_scene(struct scene *scene, const struct scene_text *text, const 
                              .length = text->length,
                              .radius = text->radius,
                              .force = { .stiffness = text->stiffness,
-                                        .friction = text->friction,
+                                        .friction = has_own_friction ? NAN : text->friction,
                                         .damping = text->damping } };
     const dpt_device_info info = { .size = sizeof info,
                                    .flags = (uint32_t)text->device_flags,
@@ -92,6 +95,8 @@ static int make_scene(struct scene *scene, const struct scene_text *text, const 
     if (status == 0)
         status = force_options_check("replay", &def.force);
     if (status == 0)
+        status = scene_def_read(&def);
+    if (status == 0)
         status = scene_open(scene, &def);
     if (status == 0)
         status =
@@ -103,6 +108,7 @@ static int make_scene(struct scene *scene, const struct scene_text *text, const 
         status = scene_make_world(scene, &info, (uint32_t)text->budget);
     if (status == 0 && text->passivity)
         observe(scene, text);
+    scene_def_free(&def);
     return status;
 }
 

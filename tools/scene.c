@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "arm_file.h"
-#include "base/crc32.h"
 #include "command_options.h"
 
 /* Device to root: a URDF's z is up and its x ahead; a device's y is up and its z towards the user. */
@@ -83,6 +82,8 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     world.max_tools = 1;
     world.max_segments = scene->segment_count;
     world.budget = budget;
+    if (scene_bodies_displace(&scene->bodies))
+        world.strip = DPT_STRIP_KIND_SHADOW;
     scene->block = malloc(dpt_world_bytes(&world));
     if (!scene->block)
         return complain(scene->command, "memory ran out");
@@ -98,28 +99,6 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
 }
 
-/* Of the bytes as they were read: a big-endian machine converts them. */
-static struct file_identity identity_of(const void *bytes, size_t size)
-{
-    struct crc32 crc;
-    crc32_init(&crc);
-    return (struct file_identity){ size, crc32_of(&crc, bytes, size) };
-}
-
-/* Of the compiled bytes of all bodies. */
-static struct file_identity identity_of_bodies(const struct scene_bodies *bodies)
-{
-    struct file_identity identity = { 0, 0 };
-    struct crc32 crc;
-    crc32_init(&crc);
-    for (uint32_t i = 0; i < bodies->count; i++) {
-        const dpt_compiled *compiled = &bodies->body[i].compiled;
-        identity.crc32 = crc32_more(&crc, identity.crc32, compiled->bytes, compiled->size);
-        identity.bytes += compiled->size;
-    }
-    return identity;
-}
-
 /* Load the tool's segments, in its own frame. Returns their number, or 0 after a message. */
 static uint32_t load_tool(struct scene *scene, const struct scene_def *def, dpt_segment *segments)
 {
@@ -128,13 +107,17 @@ static uint32_t load_tool(struct scene *scene, const struct scene_def *def, dpt_
     if (def->tool) {
         scene->tool_bytes = load_file(scene->command, def->tool, &size);
         if (scene->tool_bytes)
-            scene->tool_file = identity_of(scene->tool_bytes, size);
+            file_identity_add(&scene->tool_file, scene->tool_bytes, size);
         arm =
             scene->tool_bytes ? open_arm(scene->command, def->tool, scene->tool_bytes, size) : NULL;
         if (!arm)
             return 0;
     }
-    const uint32_t count = arm ? copy_tool_segments(arm, segments) : 0;
+    uint32_t count = arm ? copy_tool_segments(arm, segments) : 0;
+    if (!arm && def->file) {
+        count = def->file->segment_count;
+        memcpy(segments, def->file->segments, count * sizeof *segments);
+    }
     if (count > 0)
         return count;
     if (def->tool) {
@@ -148,19 +131,21 @@ static uint32_t load_tool(struct scene *scene, const struct scene_def *def, dpt_
 }
 
 /* The bodies, of a name or of a file. Returns 0, or 2 after a message. */
-static int open_bodies(struct scene *scene, const char *path)
+static int open_bodies(struct scene *scene, const struct scene_def *def)
 {
+    const char *path = def->path;
     const struct listed_scene *listed = scene_listed(path);
     size_t size = 0;
-    if (listed) {
-        const int status = scene_bodies_of_list(&scene->bodies, scene->command, listed);
-        scene->file = identity_of_bodies(&scene->bodies);
-        return status;
+    if (listed)
+        return scene_bodies_of_list(&scene->bodies, scene->command, listed, &scene->file);
+    if (def->file) {
+        scene->file = def->file->identity;
+        return scene_bodies_of_file(&scene->bodies, scene->command, path, def->file, &scene->file);
     }
     scene->bytes = load_file(scene->command, path, &size);
     if (!scene->bytes)
         return 2;
-    scene->file = identity_of(scene->bytes, size);
+    file_identity_add(&scene->file, scene->bytes, size);
     if (is_arm(scene->bytes, size)) {
         scene->arm = open_arm(scene->command, path, scene->bytes, size);
         if (scene->arm)
@@ -177,7 +162,10 @@ static int open_bodies(struct scene *scene, const char *path)
 static int place_device(struct scene *scene, const struct scene_def *def)
 {
     const struct listed_scene *listed = scene_listed(def->path);
-    if (listed && listed->has_origin) {
+    const struct scene_file *file = def->file;
+    if (file && file->has_origin) {
+        memcpy(scene->origin, file->origin, sizeof scene->origin);
+    } else if (listed && listed->has_origin) {
         memcpy(scene->origin, listed->origin, sizeof scene->origin);
     } else if (!scene->arm) {
         scene_bodies_top(&scene->bodies, scene->origin);
@@ -188,17 +176,6 @@ static int place_device(struct scene *scene, const struct scene_def *def)
     if (def->origin && !parse_position(def->origin, scene->origin))
         return complain(scene->command, "--at takes three numbers, X,Y,Z");
     return 0;
-}
-
-void scene_def_complete(struct scene_def *def)
-{
-    const struct listed_scene *listed = scene_listed(def->path);
-    if (isnan(def->length))
-        def->length = listed ? listed->length : 0.1;
-    if (isnan(def->radius))
-        def->radius = listed ? listed->radius : 0.002;
-    if (isnan(def->force.friction))
-        def->force.friction = listed && def->force.law == DPT_LAW_PROXY ? listed->friction : 0.0;
 }
 
 int scene_open(struct scene *scene, const struct scene_def *def)
@@ -212,7 +189,7 @@ int scene_open(struct scene *scene, const struct scene_def *def)
     memcpy(scene->turned, identity, sizeof scene->turned);
     scene->length = def->length;
     scene->force = def->force;
-    if (open_bodies(scene, def->path))
+    if (open_bodies(scene, def))
         return 2;
     memcpy(scene->device_to_scene, scene->arm ? device_to_root : identity,
            sizeof scene->device_to_scene);

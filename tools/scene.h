@@ -1,45 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a hand feels: a mesh, the bodies of a scene by name, or those of an arm's scene; and with what: a stylus, or an
- * arm's tool. The scene's frame is the mesh's frame, or that of the arm's root.
+ * What a hand feels: a mesh, the bodies of a scene by name or of a scene file, or those of an arm's scene; and with what: a
+ * stylus, segments, or an arm's tool. The scene's frame is the mesh's frame, or that of the arm's root.
  */
 #ifndef DPT_TOOLS_SCENE_H
 #define DPT_TOOLS_SCENE_H
 
-#include "dynpoint.h"
 #include "dynpoint/device.h"
-#include "force_options.h"
 #include "scene_bodies.h"
+#include "scene_def.h"
 #include "scene_passivity.h"
-
-struct scene_def {
-    const char *command; /* whose messages they are: "run" */
-    const char *path;    /* of a compiled mesh or arm, or a name of scene_list.h */
-    /* Path of a compiled arm whose tool is used. NULL: the scene's own tool, or the stylus if the scene is a mesh. */
-    const char *tool;
-    /* Where the device's origin is in the scene's frame, "X,Y,Z" in m. NULL: above the bodies, or at the arm's middle. */
-    const char *origin;
-    double zoom;        /* metres of the scene for one metre of the hand */
-    double force_scale; /* newtons at the hand for one of the scene */
-    int clutch;         /* number of the button that holds the tool where it is; -1: none */
-    double length;      /* of the stylus, m */
-    double radius;      /* of the stylus, m */
-    struct force_options force;
-};
-
-/* Length, radius and friction that are NAN become those of the scene of that name, or else 0.1, 0.002 and 0. */
-void scene_def_complete(struct scene_def *def);
-
-/* Which file was read. */
-struct file_identity {
-    uint64_t bytes;
-    uint32_t crc32;
-};
 
 struct scene {
     const char *command;
     struct file_identity file,
-        tool_file; /* of the scene; of the tool's arm, zeros if none was named */
+        tool_file; /* of the scene and all of its meshes; of the tool's arm, zeros if none was named */
     dpt_world *world;
     dpt_tool tool;
     const dpt_arm *arm; /* the arm of the scene; NULL: there is none */
@@ -63,7 +38,10 @@ struct scene {
     void *block, *bytes, *tool_bytes;
 };
 
-/* Read the files. Returns 0, or 2 after a message. Call scene_close also after a failure. */
+/*
+ * Read the files; those of a scene file after scene_def_read. Returns 0, or 2 after a message. Call scene_close also after
+ * a failure.
+ */
 int scene_open(struct scene *scene, const struct scene_def *def);
 void scene_close(struct scene *scene);
 

@@ -8,6 +8,9 @@
 #include "command_options.h"
 #include "shape.h"
 
+/* A path, and a number of a body. */
+enum { SCENE_WHERE_BYTES = 4200 };
+
 void scene_bodies_of_mesh(struct scene_bodies *bodies, const dpt_mesh *mesh)
 {
     memset(bodies, 0, sizeof *bodies);
@@ -23,35 +26,91 @@ void scene_bodies_of_arm(struct scene_bodies *bodies, const dpt_arm *arm)
         bodies->body[bodies->count++] = (struct scene_body){ .mesh = from.mesh, .pose = from.pose };
 }
 
-static int make_body(struct scene_body *body, const char *command, const struct listed_body *listed)
+/* Take over all of a listed body but its shape and springs. */
+static void settle_body(struct scene_body *body, const struct listed_body *listed)
+{
+    body->pose = listed->pose;
+    body->integrator = listed->integrator;
+    body->iterations = listed->iterations;
+    body->response = listed->response;
+    body->sleep_speed = listed->sleep_speed;
+    body->load_radius = listed->load_radius;
+    body->period = listed->period;
+}
+
+/* `where` is what a message begins with. */
+static int make_body(struct scene_body *body, const char *command, const char *where,
+                     const struct listed_body *listed, struct file_identity *identity)
 {
     struct shape shape;
     shape_reason reason;
     dpt_compile_def def;
+    dpt_diag diag = { .size = sizeof diag };
     dpt_compile_def_init(&def);
     def.springs = listed->springs.kind ? &listed->springs : NULL;
+    settle_body(body, listed);
     if (shape_make(listed->shape, listed->triangles, 0, &shape, reason))
-        return complain(command, "%s", reason);
+        return complain(command, "%s%s", where, reason);
     dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                           shape.triangle_count, &def, &body->compiled, NULL);
+                                           shape.triangle_count, &def, &body->compiled, &diag);
     shape_free(&shape);
     if (result == DPT_OK)
         result = dpt_mesh_open(body->compiled.bytes, body->compiled.size, &body->mesh);
-    body->pose = listed->pose;
-    body->integrator = listed->integrator;
-    body->load_radius = listed->load_radius;
-    return result == DPT_OK ? 0
-                            : complain(command, "%s: %s", listed->shape, dpt_result_text(result));
+    if (result != DPT_OK)
+        return complain(command, "%s%s: %s", where, listed->shape,
+                        diag.code ? diag.text : dpt_result_text(result));
+    file_identity_add(identity, body->compiled.bytes, body->compiled.size);
+    return 0;
+}
+
+static int load_body(struct scene_body *body, const char *command, const char *where,
+                     const struct scene_file_body *from, struct file_identity *identity)
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    size_t size = 0;
+    settle_body(body, &from->listed);
+    body->is_rigid = from->way == SCENE_FILE_RIGID;
+    body->file_bytes = load_file(command, from->mesh, &size);
+    if (!body->file_bytes)
+        return 2;
+    file_identity_add(identity, body->file_bytes, size);
+    body->mesh = open_mesh(command, from->mesh, body->file_bytes, size);
+    if (!body->mesh)
+        return 2;
+    dpt_mesh_get_info(body->mesh, &info);
+    if (from->way == SCENE_FILE_SOFT && !info.springs)
+        return complain(command, "%s%s has no springs, so it does not give way", where, from->mesh);
+    if (from->listed.response == DPT_RESPONSE_DISPLACE && info.nodes)
+        return complain(command, "%sresponse: displace is for springs of a sheet", where);
+    return 0;
 }
 
 int scene_bodies_of_list(struct scene_bodies *bodies, const char *command,
-                         const struct listed_scene *listed)
+                         const struct listed_scene *listed, struct file_identity *identity)
 {
     memset(bodies, 0, sizeof *bodies);
     bodies->gravity = listed->gravity;
     for (const struct listed_body *body = listed->bodies; body->shape; body++)
-        if (make_body(&bodies->body[bodies->count++], command, body))
+        if (make_body(&bodies->body[bodies->count++], command, "", body, identity))
             return 2;
+    return 0;
+}
+
+int scene_bodies_of_file(struct scene_bodies *bodies, const char *command, const char *path,
+                         const struct scene_file *file, struct file_identity *identity)
+{
+    memset(bodies, 0, sizeof *bodies);
+    bodies->gravity = file->gravity;
+    for (uint32_t i = 0; i < file->body_count; i++) {
+        const struct scene_file_body *from = &file->bodies[i];
+        struct scene_body *body = &bodies->body[bodies->count++];
+        char where[SCENE_WHERE_BYTES];
+        snprintf(where, sizeof where, "%s: bodies[%u]: ", path, (unsigned)i);
+        body->settings = from->settings;
+        if (from->mesh ? load_body(body, command, where, from, identity)
+                       : make_body(body, command, where, &from->listed, identity))
+            return 2;
+    }
     return 0;
 }
 
@@ -59,6 +118,7 @@ void scene_bodies_close(struct scene_bodies *bodies)
 {
     for (uint32_t i = 0; i < bodies->count; i++) {
         dpt_compiled_free(&bodies->body[i].compiled);
+        free(bodies->body[i].file_bytes);
         free(bodies->body[i].block);
         free(bodies->body[i].springs_block);
     }
@@ -125,7 +185,13 @@ static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body,
     deform.mesh = springs.mesh = body->mesh;
     deform.pose = &body->pose;
     deform.load_radius = body->load_radius > 0.0 ? body->load_radius : default_radius(body->mesh);
+    deform.period = body->period;
+    deform.response = body->response;
     springs.integrator = body->integrator;
+    if (body->iterations)
+        springs.iterations = body->iterations;
+    if (body->sleep_speed != 0.0)
+        springs.sleep_speed = fmax(body->sleep_speed, 0.0);
     for (int k = 0; k < 3; k++) {
         double row[3];
         row_of(body->pose.orientation, 1, row);
@@ -142,6 +208,14 @@ static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body,
                             : result;
 }
 
+int scene_bodies_displace(const struct scene_bodies *bodies)
+{
+    int displaces = 0;
+    for (uint32_t i = 0; i < bodies->count; i++)
+        displaces |= bodies->body[i].response == DPT_RESPONSE_DISPLACE;
+    return displaces;
+}
+
 dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world,
                             const struct force_options *options)
 {
@@ -150,12 +224,37 @@ dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world,
         struct scene_body *body = &bodies->body[i];
         dpt_mesh_info info = { .size = sizeof info };
         dpt_mesh_get_info(body->mesh, &info);
-        result = info.springs ? add_soft(bodies, body, world)
-                              : dpt_body_add(world, body->mesh, &body->pose, &body->id);
-        if (result == DPT_OK)
+        result = info.springs && !body->is_rigid
+                     ? add_soft(bodies, body, world)
+                     : dpt_body_add(world, body->mesh, &body->pose, &body->id);
+        if (result == DPT_OK && body->settings.size)
+            result = dpt_body_set_settings(world, body->id, &body->settings);
+        if (result == DPT_OK && !isnan(options->friction))
             result = force_options_set_body(options, world, body->id);
     }
     return result;
+}
+
+/* Of the stable step, a substep takes at most this share (springs.h). */
+#define STEP_SHARE 0.9
+
+int scene_bodies_check_step(const struct scene_bodies *bodies, const char *command,
+                            const char *path, double dt)
+{
+    dpt_springs_def usual;
+    dpt_springs_def_init(&usual);
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        const dpt_springs *springs = bodies->body[i].springs;
+        const double stable = dpt_springs_stable_step(springs);
+        if (springs && !(dt <= STEP_SHARE * stable * usual.max_substeps))
+            return complain(
+                command,
+                "%s: bodies[%u] is too stiff: its steps may take %.3g s, and %u of them "
+                "are less than %g s. Choose the integrator implicit, a material that "
+                "is less stiff or heavier, or a coarser mesh",
+                path, (unsigned)i, STEP_SHARE * stable, (unsigned)usual.max_substeps, dt);
+    }
+    return 0;
 }
 
 dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, double dt)

@@ -15,9 +15,16 @@ struct listed_body {
     uint64_t triangles;
     dpt_pose pose;
     dpt_spring_net_def springs; /* kind 0: it is rigid; else its regions are in the shape's frame */
-    uint32_t integrator;        /* DPT_SPRINGS_... */
-    double load_radius;         /* dpt_deform_def */
+    uint32_t integrator;        /* DPT_INTEGRATOR_... */
+    uint32_t iterations;        /* dpt_springs_def; 0: its default */
+    double sleep_speed;         /* dpt_springs_def; 0: its default */
+    double load_radius;         /* dpt_deform_def; 0: a share of the mesh */
+    double period;              /* dpt_deform_def */
+    uint32_t response;          /* DPT_RESPONSE_... */
 };
+
+/* A sleep_speed: no node falls asleep. */
+#define LISTED_SLEEPS_NEVER (-1.0)
 
 struct listed_scene {
     const char *name;

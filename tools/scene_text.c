@@ -2,6 +2,7 @@
 #include "scene_text.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <string.h>
@@ -93,7 +94,7 @@ void scene_text_of(struct scene_text *text, const struct scene *scene, const str
     text->length = def->length;
     text->radius = def->radius;
     text->stiffness = scene->force.stiffness;
-    text->friction = scene->force.friction;
+    text->friction = isnan(scene->force.friction) ? SCENE_TEXT_OWN_FRICTION : scene->force.friction;
     text->damping = scene->force.damping;
 }
 

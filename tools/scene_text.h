@@ -9,7 +9,7 @@
 #include "dynpoint/record.h"
 #include "scene.h"
 
-enum { SCENE_TEXT_NAME = 4096, SCENE_TEXT_NO_CLUTCH = 32 };
+enum { SCENE_TEXT_NAME = 4096, SCENE_TEXT_NO_CLUTCH = 32, SCENE_TEXT_OWN_FRICTION = -1 };
 
 /* Names are paths and the device's, as they were given; "" if none was. */
 struct scene_text {
