@@ -78,8 +78,13 @@ $(COUNTED_TESTS): private LDLIBS = $(patsubst %,-Wl$(comma)--wrap=%,memset memcp
 
 $(B)/tests/test_exactness: | $(B)/dynpoint
 
-FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o,$(call objects,tests/fuzz/*.c))
-$(B)/tests/test_fuzz: $(FUZZ_PARTS)
+# Scene files: where the program reads them.
+FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o),$(call objects,tests/fuzz/*.c))
+FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene_bodies.o $(B)/tools/command_options.o)
+$(B)/tests/test_fuzz: $(FUZZ_PARTS) $(FUZZ_SCENE)
+$(B)/tests/test_fuzz: private LDLIBS = $(JANSSON_LIBS)
+$(B)/tests/fuzz/test_fuzz.o: INCLUDES += -I$(B)
+$(B)/tests/fuzz/test_fuzz.o: $(B)/built_with.h
 
 # Random calls of everything public; what its own code takes from the heap is counted.
 CALLS_PARTS := $(call objects,tests/fuzz/calls/*.c)
@@ -89,12 +94,12 @@ $(B)/tests/test_calls: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=r
 TESTS += $(B)/tests/test_calls
 
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
-FUZZ_TARGETS := obj stl ply off tetgen regions trace mesh forged arm wire record
+FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene) mesh forged arm wire record
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
                $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/serial/wire.o $(WIRE_DEVICE) \
-               $(B)/drivers/csv.o $(B)/drivers/trace.o $(B)/drivers/settings.o $(CORE) $(TEXT) $(COMPILE)
+               $(B)/drivers/csv.o $(B)/drivers/trace.o $(B)/drivers/settings.o $(FUZZ_SCENE) $(CORE) $(TEXT) $(COMPILE)
 $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
-	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $^ -lm $(THREADS) -o $@
+	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $^ -lm $(THREADS) $(JANSSON_LIBS) -o $@
 fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)
 .PHONY: fuzz-programs
 

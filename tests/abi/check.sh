@@ -209,7 +209,7 @@ verdict $foreign "a back end's headers are included by itself and by its end in 
 mkdir -p "$scratch/hidden/linux"
 echo '#error "not outside of drivers/can and tools/simulate/simulate_can.c"' >"$scratch/hidden/linux/can.h"
 hidden=0
-for source in $(find src drivers tools -name '*.c' ! -path 'drivers/can/*' ! -path tools/simulate/simulate_can.c); do
+for source in $(find src drivers tools -name '*.c' ! -path 'drivers/can/*' ! -path tools/simulate/simulate_can.c ! -path tools/scene_file/json_value.c); do
     ${CC:-cc} -std=gnu99 -I"$scratch/hidden" -Iinclude -Isrc -Idrivers -Itools -I"$build" -fsyntax-only "$source" || hidden=1
 done
 verdict $hidden "no source but those of CAN needs linux/can.h"
@@ -241,6 +241,13 @@ make -s B="$few" CFLAGS=-O1 URDF=no "$few/dynpoint" &&
     [ "$(wc -l <"$scratch/no_urdf.says")" -eq 1 ] && grep -q "this build reads no URDF: install" "$scratch/no_urdf.says" &&
     [ ! -e "$scratch/arm.dpa" ]
 verdict $? "URDF=no builds a program that says what is missing"
+# Without jansson too; scenes by name are none of its business.
+make -s B="$few" CFLAGS=-O1 URDF=no JANSSON=no "$few/dynpoint" &&
+    ! "$few/dynpoint" run docs/samples/scene.json 2>"$scratch/no_jansson.says" &&
+    [ "$(wc -l <"$scratch/no_jansson.says")" -eq 1 ] &&
+    grep -q "this build reads no scene files: install" "$scratch/no_jansson.says" &&
+    "$few/dynpoint" run membrane --device sim --ticks 5 >"$scratch/no_jansson.runs"
+verdict $? "JANSSON=no builds a program that says what is missing, and knows scenes by name"
 
 # Pages show parts of scripts that run; a line of them that these have no more is a lie.
 for page in docs/ffi.md docs/recipes.md; do

@@ -11,7 +11,6 @@ set -u
 runs=${FUZZ_RUNS:-100000000}
 jobs=${FUZZ_JOBS:-$(nproc 2>/dev/null || echo 2)}
 cc=${FUZZ_CC:-clang}
-[ $# -gt 0 ] || set -- obj=18 stl=12 ply=18 off=11 tetgen=2 regions=2 trace=7 mesh=10 forged=2 arm=4 wire=10 record=4
 # An execution that takes ten seconds, or more than this memory, is a finding. Of the schedules the plain one: the other
 # spends half of the time on itself.
 limits="-entropic=0 -timeout=10 -rss_limit_mb=1024 -malloc_limit_mb=64"
@@ -27,6 +26,10 @@ fi
 for config in fuzz fuzz-fast; do
     make -s -j"$jobs" CONFIG=$config CC="$cc" fuzz-programs || exit 2
 done
+scene=
+[ ! -x build/fuzz/tests/fuzz/fuzz_scene ] || scene=scene=2 # it needs jansson
+[ $# -gt 0 ] ||
+    set -- obj=18 stl=12 ply=18 off=11 tetgen=2 regions=2 trace=5 $scene mesh=10 forged=2 arm=4 wire=10 record=4
 
 # A piece of work is a target and a seed: so many that every core has some until the end.
 rm -f "$out"/log/*.run "$out"/log/*.merge "$out/log/found"
@@ -45,7 +48,7 @@ set -- $0
 all="$out/corpus/$2 tests/fuzz/corpus/$2"
 case $2 in obj | stl | ply | off) all="$all tests/golden-bad" ;; esac
 # The longer, the slower, and the less is new.
-case $2 in mesh | arm) most=4096 ;; stl | record) most=2048 ;; wire) most=512 ;; *) most=1024 ;; esac
+case $2 in mesh | arm) most=4096 ;; stl | record | scene) most=2048 ;; wire) most=512 ;; *) most=1024 ;; esac
 '
 search='
 case $1 in 8) config=fuzz ;; *) config=fuzz-fast ;; esac

@@ -14,12 +14,19 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "built_with.h"
 #include "fuzz/mutate.h"
 #include "fuzz/target.h"
 #include "lib/check.h"
 
 /* Of this process, where no sanitizer takes more: what a header announces must not be taken. */
 #define MEMORY_MAX ((rlim_t)256 << 20)
+
+#ifdef DPT_HAS_JANSSON
+#define SCENE(X) X(scene, 2, 20)
+#else
+#define SCENE(X)
+#endif
 
 /*      name    share  accepted, at least one in */
 #define TARGETS(X)                                                                                 \
@@ -29,7 +36,8 @@
     X(off, 11, 40)                                                                                 \
     X(tetgen, 2, 40)                                                                               \
     X(regions, 2, 40)                                                                              \
-    X(trace, 7, 40)                                                                                \
+    X(trace, 5, 40)                                                                                \
+    SCENE(X)                                                                                       \
     X(mesh, 10, 100)                                                                               \
     X(forged, 2, 2)                                                                                \
     X(arm, 4, 10)                                                                                  \
