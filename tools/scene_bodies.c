@@ -34,6 +34,10 @@ static void settle_body(struct scene_body *body, const struct listed_body *liste
     body->iterations = listed->iterations;
     body->response = listed->response;
     body->sleep_speed = listed->sleep_speed;
+    if (listed->friction > 0.0)
+        body->settings = (dpt_body_settings){ .size = sizeof body->settings,
+                                              .static_friction = listed->friction,
+                                              .kinetic_friction = listed->friction };
     body->load_radius = listed->load_radius;
     body->period = listed->period;
 }
@@ -166,25 +170,33 @@ void scene_bodies_top(const struct scene_bodies *bodies, double top[3])
 /* Of a mesh of this extent: what a load is spread over, where the scene does not say. */
 #define LOAD_SHARE 0.05
 
-static double default_radius(const dpt_mesh *mesh)
+/* In diagonals of its box: how far a body that falls may go. */
+#define FALL_ROOM 3.0
+
+static double diagonal_of(const dpt_mesh_info *info)
 {
-    dpt_mesh_info info = { .size = sizeof info };
     double square = 0.0;
-    dpt_mesh_get_info(mesh, &info);
     for (int k = 0; k < 3; k++)
-        square += (info.box_max[k] - info.box_min[k]) * (info.box_max[k] - info.box_min[k]);
-    return LOAD_SHARE * sqrt(square);
+        square += (info->box_max[k] - info->box_min[k]) * (info->box_max[k] - info->box_min[k]);
+    return sqrt(square);
 }
 
 static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body, dpt_world *world)
 {
     dpt_deform_def deform;
     dpt_springs_def springs;
+    dpt_mesh_info info = { .size = sizeof info };
     dpt_deform_def_init(&deform);
     dpt_springs_def_init(&springs);
+    dpt_mesh_get_info(body->mesh, &info);
+    const double diagonal = diagonal_of(&info);
     deform.mesh = springs.mesh = body->mesh;
+    for (int k = 0; bodies->gravity > 0.0 && k < 3; k++) {
+        deform.box_min[k] = info.box_min[k] - FALL_ROOM * diagonal;
+        deform.box_max[k] = info.box_max[k] + FALL_ROOM * diagonal;
+    }
     deform.pose = &body->pose;
-    deform.load_radius = body->load_radius > 0.0 ? body->load_radius : default_radius(body->mesh);
+    deform.load_radius = body->load_radius > 0.0 ? body->load_radius : LOAD_SHARE * diagonal;
     deform.period = body->period;
     deform.response = body->response;
     springs.integrator = body->integrator;

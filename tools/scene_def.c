@@ -78,27 +78,40 @@ static int complete_tool(struct scene_def *def)
     return 0;
 }
 
-/* What moves triangles out of the way of a tool is a law that lets the tool go in. */
-static int check_responses(const struct scene_def *def)
+/* Which body moves out of the way of a tool; -1: none. */
+static int displacing_body(const struct scene_def *def, const struct listed_scene *listed)
 {
     const struct scene_file *file = def->file;
+    for (int i = 0; listed && listed->bodies[i].shape; i++)
+        if (listed->bodies[i].response == DPT_RESPONSE_DISPLACE)
+            return i;
     for (uint32_t i = 0; file && i < file->body_count; i++)
-        if (file->bodies[i].listed.response == DPT_RESPONSE_DISPLACE &&
-            def->force.law == DPT_LAW_PROXY)
-            return complain(def->command,
-                            "%s: bodies[%u].physics.response: displace is for the laws point and "
-                            "bed (tool.law, --law)",
-                            def->path, (unsigned)i);
-    return 0;
+        if (file->bodies[i].listed.response == DPT_RESPONSE_DISPLACE)
+            return (int)i;
+    return -1;
+}
+
+/* What moves triangles out of the way of a tool is a law that lets the tool go in. */
+static int check_responses(const struct scene_def *def, int displaced)
+{
+    if (displaced < 0 || def->force.law != DPT_LAW_PROXY)
+        return 0;
+    return complain(def->command,
+                    "%s: bodies[%d].physics.response: displace is for the laws point and bed "
+                    "(tool.law, --law)",
+                    def->path, displaced);
 }
 
 int scene_def_complete(struct scene_def *def, const char *law)
 {
     const struct listed_scene *listed = scene_listed(def->path);
     const struct scene_file *file = def->file;
-    def->force.law = file && file->law >= 0 ? (uint32_t)file->law : DPT_LAW_PROXY;
+    const int displaced = displacing_body(def, listed);
+    def->force.law = listed && displaced >= 0 ? DPT_LAW_POINT : DPT_LAW_PROXY;
+    if (file && file->law >= 0)
+        def->force.law = (uint32_t)file->law;
     if ((law && law_by_name(def->command, law, &def->force.law)) || complete_tool(def) ||
-        check_responses(def))
+        check_responses(def, displaced))
         return 2;
     def->zoom = first_given(def->zoom, file ? file->zoom : NAN, 1.0);
     def->force_scale = first_given(def->force_scale, file ? file->force_scale : NAN, 1.0);
@@ -108,8 +121,8 @@ int scene_def_complete(struct scene_def *def, const char *law)
         first_given(def->radius, file ? file->radius : NAN, listed ? listed->radius : 0.002);
     if (def->clutch < 0 && file)
         def->clutch = file->clutch;
-    if (isnan(def->force.friction) && !file)
-        def->force.friction = listed && def->force.law == DPT_LAW_PROXY ? listed->friction : 0.0;
+    if (isnan(def->force.friction) && !file && !listed)
+        def->force.friction = 0.0;
     return 0;
 }
 

@@ -18,6 +18,7 @@ struct listed_body {
     uint32_t integrator;        /* DPT_INTEGRATOR_... */
     uint32_t iterations;        /* dpt_springs_def; 0: its default */
     double sleep_speed;         /* dpt_springs_def; 0: its default */
+    double friction;            /* where the user gives none */
     double load_radius;         /* dpt_deform_def; 0: a share of the mesh */
     double period;              /* dpt_deform_def */
     uint32_t response;          /* DPT_RESPONSE_... */
@@ -29,7 +30,6 @@ struct listed_body {
 struct listed_scene {
     const char *name;
     double gravity;   /* m/s^2, down */
-    double friction;  /* of all bodies, where the user gives none */
     double origin[3]; /* of the device, if has_origin; else above the first body */
     int has_origin;
     double length, radius; /* of the stylus, where the user gives none */

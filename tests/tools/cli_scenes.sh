@@ -3,7 +3,7 @@
 # dynpoint run: the scenes by name are felt, recorded and replayed. `sh tests/tools/cli_scenes.sh BUILD`.
 . "$(dirname "$0")/cli.sh"
 
-for scene in membrane cloth laparoscopy liver tori; do
+for scene in membrane cloth laparoscopy liver soft-liver tori; do
     succeeds "run $scene" run $scene --device 'sim:?hand=press' --for 2 --record $scene.dpr --json
     check "$scene is touched: $(cat stdout)" grep -q '"contacts":[1-9][0-9]\{2\}' stdout
     check "$scene: nothing is unknown" grep -q '"unknown":0,' stdout
