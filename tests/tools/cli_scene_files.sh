@@ -122,6 +122,8 @@ wiped rough '"static_friction": 0.5'
 differs rough smooth
 wiped slippery '"static_friction": 0.5, "kinetic_friction": 0.2'
 differs slippery rough
+succeeds 'slippery: replay' replay slippery.dpr
+check "slippery: other bits: $(cat stdout)" grep -q ': 800 ticks, all the same bits$' stdout
 wiped overridden '"static_friction": 0.3' 0.5
 is_same overridden rough
 body unfelt "$sheet, \"surface\": { \"unfelt\": true }"
@@ -145,6 +147,7 @@ scene displaced <<END
 END
 felt displaced displaced.json --device "$hand"
 is_touched displaced
+check "the sheet is out of the tool's way: $(cat displaced.says)" grep -q '"deepest":0.000[0-2]' displaced.says
 scene loaded <<END
 { "bodies": [ { $sheet, "physics": { "load_radius": 0.0375 } } ], "tool": { "law": "bed" } }
 END
@@ -163,10 +166,10 @@ felt full full.json --device "$hand" --length 0.1 --radius 0.002 --law proxy --z
     --at 0,0.0070000000000000227,0
 is_same full plain
 run record info full.dpr
-check "the file's clutch stays: $(cat stdout)" grep -q 'clutch.*2' stdout
+check "the file's clutch stays: $(cat stdout)" grep -q '^ *clutch=2$' stdout
 run run full.json --clutch 5 --ticks 5 --record clutch.dpr
 run record info clutch.dpr
-check "--clutch wins: $(cat stdout)" grep -q 'clutch.*5' stdout
+check "--clutch wins: $(cat stdout)" grep -q '^ *clutch=5$' stdout
 check "the file's device: $(cat stdout)" grep -q 'sim:?hand=wipe' stdout
 
 # --- Meshes of one's own, beside the file, from elsewhere.
