@@ -41,7 +41,8 @@ typedef struct dpt_springs dpt_springs;
  */
 enum { DPT_INTEGRATOR_SYMPLECTIC = 0, DPT_INTEGRATOR_EULER = 1, DPT_INTEGRATOR_IMPLICIT = 2 };
 
-/* s: the longest step. */
+/* s: the shortest step, and the longest. */
+#define DPT_SPRINGS_STEP_MIN 1e-9
 #define DPT_SPRINGS_STEP_MAX 1.0
 
 /* dpt_springs_def_init fills in the defaults, which are given last. */
@@ -122,7 +123,7 @@ typedef struct dpt_springs_report {
 } dpt_springs_report;
 
 /*
- * Go on by dt, 0 < dt <= DPT_SPRINGS_STEP_MAX, s.
+ * Go on by dt, DPT_SPRINGS_STEP_MIN to DPT_SPRINGS_STEP_MAX, s.
  *
  *   loads   `count` forces on nodes, N, at most 1e9 each way; they are constant during the step. A node may occur more
  *           than once: they are added up. NULL if count is 0

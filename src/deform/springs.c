@@ -344,7 +344,7 @@ dpt_result dpti_springs_check_step(double dt, const dpt_springs_report *report)
         DPT_TRY(sized_check(report, sizeof *report, 0));
     if (!(fabs(dt) <= DBL_MAX))
         return DPT_E_FINITE;
-    return dt > 0.0 && dt <= DPT_SPRINGS_STEP_MAX ? DPT_OK : DPT_E_ARGUMENT;
+    return dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX ? DPT_OK : DPT_E_ARGUMENT;
 }
 
 dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,

@@ -305,10 +305,11 @@ void dpti_deform_reset(struct body *body)
     deform->has_lost_tool = 0;
 }
 
-/* A segment's strip, if its tool pushes the surface of a body out of the way; else NULL. */
-static const struct segment_strip *displacing_strip(const struct dpt_world *world,
-                                                    uint32_t segment_index, uint32_t slot)
+const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world,
+                                                         uint32_t segment_index, uint32_t slot)
 {
+    if (world->def.strip != DPT_STRIP_KIND_SHADOW)
+        return NULL;
     const struct segment_strip *strip = &world->segment_strips[segment_index];
     const struct segment *segment = &world->segments[segment_index];
     const struct tool *tool = &world->tools[segment->tool_slot];
@@ -325,7 +326,8 @@ static void displace_body(struct dpt_world *world, struct body *body)
     int has_begun_anew;
     dpti_deform_begin(surface, world->ticks + 1);
     for (uint32_t s = 0; s < world->segment_count; s++) {
-        const struct segment_strip *strip = displacing_strip(world, s, handle_index(body->id));
+        const struct segment_strip *strip =
+            dpti_deform_displacing_strip(world, s, handle_index(body->id));
         if (!strip)
             continue;
         const struct displacing_tool tool = { strip->a, strip->u, strip->radius, strip->side,
@@ -339,7 +341,7 @@ static void displace_body(struct dpt_world *world, struct body *body)
 
 void dpti_deform_displace(struct dpt_world *world)
 {
-    if (!world->deform_count || world->def.strip != DPT_STRIP_KIND_SHADOW)
+    if (!world->deform_count)
         return;
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         struct body *body = &world->bodies[i];
@@ -348,7 +350,7 @@ void dpti_deform_displace(struct dpt_world *world)
             deform_of(body)->def.response != DPT_RESPONSE_DISPLACE)
             continue;
         for (uint32_t s = 0; s < world->segment_count && !has_strip; s++)
-            has_strip = displacing_strip(world, s, i) != NULL;
+            has_strip = dpti_deform_displacing_strip(world, s, i) != NULL;
         if (has_strip)
             displace_body(world, body);
     }

@@ -23,9 +23,9 @@ struct deform {
     struct tool_load *tools;   /* likewise */
     uint32_t point_count, tool_count;
     int has_lost_tool; /* 1: there was no room for any point of a tool */
-    float *target;    /* where the vertices are to be; only with a period */
-    float *next;      /* where they are to be in the next step; likewise */
-    double time_left; /* s, until they are there; 0: they are */
+    float *target;     /* where the vertices are to be; only with a period */
+    float *next;       /* where they are to be in the next step; likewise */
+    double time_left;  /* s, until they are there; 0: they are */
 };
 
 /* That of a body, or NULL if it is rigid. */
@@ -45,6 +45,10 @@ static inline double deform_step(const struct body *body, uint32_t tick)
 
 /* After a reset of the world: its ticks are counted anew, and there are no loads. Nothing for a rigid body. */
 void dpti_deform_reset(struct body *body);
+
+/* A segment's strip, if its tool pushes the surface of the body in this slot out of the way; else NULL. */
+const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world,
+                                                         uint32_t segment_index, uint32_t slot);
 
 /* At the end of a step: the strips' triangles on bodies that are displaced are moved out of the tools. */
 void dpti_deform_displace(struct dpt_world *world);

@@ -10,22 +10,15 @@
 #include "strip/strip_state.h"
 #include "world/deform_body.h"
 
-/* 1: the segment's tool moves triangles of the body in this step. */
-static int is_displacing(const struct dpt_world *world, uint32_t segment, const struct body *body)
-{
-    const struct segment_strip *strip = &world->segment_strips[segment];
-    return strip->body_slot == handle_index(body->id) && strip->tick == world->ticks &&
-           strip->strip->count;
-}
-
 /* By which the point of the nearest axis has moved since the step before, in the body's frame. */
 static vec3 tool_motion_at(const struct dpt_world *world, const struct body *body, vec3 at)
 {
     vec3 motion = { 0.0, 0.0, 0.0 };
     double nearest = HUGE_VAL;
     for (uint32_t i = 0; i < world->segment_count; i++) {
-        const struct segment_strip *strip = &world->segment_strips[i];
-        if (!is_displacing(world, i, body))
+        const struct segment_strip *strip =
+            dpti_deform_displacing_strip(world, i, handle_index(body->id));
+        if (!strip)
             continue;
         const double square = dot(strip->u, strip->u);
         const double s = square > 0.0
@@ -47,8 +40,9 @@ static int have_tools_moved(const struct dpt_world *world, const struct body *bo
     int has_moved = 0;
     *count = 0;
     for (uint32_t i = 0; i < world->segment_count; i++) {
-        const struct segment_strip *strip = &world->segment_strips[i];
-        if (!is_displacing(world, i, body))
+        const struct segment_strip *strip =
+            dpti_deform_displacing_strip(world, i, handle_index(body->id));
+        if (!strip)
             continue;
         has_moved |= memcmp(&strip->a, &strip->a_last, sizeof strip->a) != 0 ||
                      memcmp(&strip->u, &strip->u_last, sizeof strip->u) != 0;

@@ -139,7 +139,11 @@ static void draw_def(struct given_def *of)
         draw_cells(of);
     if (draw_one_in(4))
         draw_springs(of);
-    const uint32_t size = draw_size(first, sizeof *def);
+    uint32_t size = draw_size(first, sizeof *def);
+    /* Half a pointer leads anywhere, and half a count is one. */
+    if (size > offsetof(dpt_compile_def, nodes) &&
+        size < offsetof(dpt_compile_def, reserved_pointer))
+        size = sizeof *def;
     of->given = draw_input(2, def, size, first, sizeof *def, &of->codes);
     /* What it does not reach to has its default. */
     if (size < sizeof *def)
