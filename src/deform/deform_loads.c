@@ -9,19 +9,25 @@ enum { BALANCE_PASSES = 3 };
 /* Of its trace: moments below that are of vertices that lie on a line. */
 #define FLAT 1e-12
 
+/* A table of the patch's vertices, at most half full. */
+enum { PATCH_BITS = 9, PATCH_SLOTS = 1 << PATCH_BITS };
+typedef char half_is_enough[(int)PATCH_SLOTS >= 2 * (int)LOAD_PATCH_MAX ? 1 : -1];
+
 /* The vertices over which a point's force is spread, with their shares. */
 struct load_patch {
     uint32_t count;
     uint32_t vertex[LOAD_PATCH_MAX];
     double share[LOAD_PATCH_MAX]; /* their sum is 1 */
+    uint16_t slot[PATCH_SLOTS];   /* 0, or one more than where in `vertex` */
 };
 
-static int has_vertex(const struct load_patch *patch, uint32_t vertex)
+/* Where a vertex is, or may be put. Neighbours differ little in their numbers: the factor, of the golden ratio, scatters. */
+static uint32_t slot_of(const struct load_patch *patch, uint32_t vertex)
 {
-    for (uint32_t i = 0; i < patch->count; i++)
-        if (patch->vertex[i] == vertex)
-            return 1;
-    return 0;
+    uint32_t slot = (vertex * 2654435769u) >> (32 - PATCH_BITS);
+    while (patch->slot[slot] && patch->vertex[patch->slot[slot] - 1] != vertex)
+        slot = (slot + 1) % PATCH_SLOTS;
+    return slot;
 }
 
 /* A third of the area of the triangles at a vertex. */
@@ -42,8 +48,12 @@ static void add_if_near(const struct surface *surface, const struct load_point *
 {
     const vec3 away = sub(surface_vertex(surface, vertex), point->at);
     const double ratio = dot(away, away) / (radius * radius);
-    if (!(ratio < 1.0) || patch->count == LOAD_PATCH_MAX || has_vertex(patch, vertex))
+    if (!(ratio < 1.0) || patch->count == LOAD_PATCH_MAX)
         return;
+    const uint32_t slot = slot_of(patch, vertex);
+    if (patch->slot[slot])
+        return;
+    patch->slot[slot] = (uint16_t)(patch->count + 1);
     patch->vertex[patch->count] = vertex;
     patch->share[patch->count++] = (1.0 - ratio) * (1.0 - ratio) * area_of(surface, vertex);
 }
@@ -53,6 +63,7 @@ static void gather_patch(const struct surface *surface, const struct load_point 
                          double radius, struct load_patch *patch)
 {
     const uint32_t *first, *fans = surface_fans(surface, &first);
+    memset(patch->slot, 0, sizeof patch->slot);
     for (uint32_t k = 0; k < 3; k++)
         add_if_near(surface, point, radius, surface_corner(surface, point->triangle, k), patch);
     for (uint32_t i = 0; i < patch->count; i++) {
