@@ -4,6 +4,17 @@
 #include <math.h>
 #include <string.h>
 
+#include "deform/slice_neighbours.h"
+
+/*
+ * So far a slice may move before neighbours that sleep wake, as a share of the way at the sleep speed in the steps
+ * until sleep.
+ */
+#define DRIFT_SHARE 0.0625f
+
+/* Of its own load, and of the mean load of a slice: so much a load may change without waking it. */
+#define LOAD_SHARE (1.0f / 256.0f)
+
 /* Slices that are awake, in ascending order: sums run over them. */
 void dpti_region_list(struct dpt_springs *springs)
 {
@@ -14,15 +25,19 @@ void dpti_region_list(struct dpt_springs *springs)
             region->slices[region->count++] = slice;
 }
 
-void dpti_region_wake_all(struct dpt_springs *springs)
+void dpti_region_begin(struct dpt_springs *springs)
 {
     struct active_region *region = &springs->region;
     for (uint32_t slice = 0; slice < springs->net.slices; slice++) {
+        region->first[slice + 1] =
+            region->first[slice] +
+            dpti_slice_neighbours(&springs->net, slice, region->neighbours + region->first[slice]);
         region->is_awake[slice] = 1;
-        region->quiet[slice] = 0;
-        region->drift[slice] = 0.0f;
+        for (int i = 0; i < LANES; i++)
+            region->drag[slice] = springs->nodes[slice].drag[i] > region->drag[slice]
+                                      ? springs->nodes[slice].drag[i]
+                                      : region->drag[slice];
     }
-    region->quiet_slices = 0;
     dpti_region_list(springs);
 }
 
@@ -30,23 +45,46 @@ void dpti_region_wake_all(struct dpt_springs *springs)
 static uint32_t wake(struct active_region *region, uint32_t slice)
 {
     const uint32_t was_asleep = !region->is_awake[slice];
-    region->quiet_slices -= region->quiet[slice] > 0;
     region->quiet[slice] = 0;
     region->is_awake[slice] = 1;
     return was_asleep;
 }
 
+/* The sum of the sizes of a row, less those of another one. */
+static float sum_of_sizes(const float *row, const float *other)
+{
+    float lanes[LANES] = { 0.0f };
+    for (int k = 0; k < SPRING_ROWS; k++)
+        lanes[k % LANES] += fabsf(row[k] - other[k]);
+    for (int half = LANES / 2; half; half /= 2)
+        for (int i = 0; i < half; i++)
+            lanes[i] += lanes[i + half];
+    return lanes[0];
+}
+
 void dpti_region_wake_loaded(struct dpt_springs *springs)
 {
+    static const float none[SPRING_ROWS] = { 0.0f };
     const struct spring_loads *now = &springs->loads[springs->loaded];
     const struct spring_loads *last = &springs->loads[1 - springs->loaded];
+    struct active_region *region = &springs->region;
+    float whole = 0.0f;
     uint32_t woken = 0;
+    for (uint32_t i = 0; i < now->count; i++)
+        whole += sum_of_sizes(now->force + SPRING_ROWS * (size_t)now->slices[i], none);
+    const float mean = now->count ? whole / (float)now->count : 0.0f;
     for (int which = 0; which < 2; which++) {
         const struct spring_loads *listed = which ? last : now;
         for (uint32_t i = 0; i < listed->count; i++) {
             const size_t slice = listed->slices[i], row = SPRING_ROWS * slice;
-            if (memcmp(now->force + row, last->force + row, SPRING_ROWS * sizeof *now->force) != 0)
-                woken += wake(&springs->region, (uint32_t)slice);
+            float *held = region->held + row;
+            const float change = sum_of_sizes(now->force + row, held);
+            if (!region->is_awake[slice] &&
+                !(change > LOAD_SHARE * (sum_of_sizes(held, none) + mean)))
+                continue;
+            memcpy(held, now->force + row, SPRING_ROWS * sizeof *held);
+            if (!region->is_awake[slice])
+                woken += wake(region, (uint32_t)slice);
         }
     }
     if (woken)
@@ -54,80 +92,113 @@ void dpti_region_wake_loaded(struct dpt_springs *springs)
 }
 
 /* Returns how many were asleep. */
-static uint32_t wake_neighbours(struct dpt_springs *springs, uint32_t slice)
+static uint32_t wake_neighbours(struct active_region *region, uint32_t slice)
 {
-    const uint32_t *at = springs->net.neighbour + LANES * (size_t)springs->net.first[slice];
-    const uint32_t *end = springs->net.neighbour + LANES * (size_t)springs->net.first[slice + 1];
-    uint32_t woken = 0, last = slice;
-    for (; at < end; at++)
-        if (*at / LANES != last) {
-            last = *at / LANES;
-            if (last != slice)
-                woken += wake(&springs->region, last);
-        }
+    uint32_t woken = 0;
+    for (uint32_t i = region->first[slice]; i < region->first[slice + 1]; i++)
+        if (!region->is_awake[region->neighbours[i]])
+            woken += wake(region, region->neighbours[i]);
     return woken;
 }
 
 void dpti_region_disturb(struct dpt_springs *springs, uint32_t slice)
 {
     wake(&springs->region, slice);
-    wake_neighbours(springs, slice);
+    wake_neighbours(&springs->region, slice);
+}
+
+static int has_sleeping_neighbour(const struct active_region *region, uint32_t slice)
+{
+    for (uint32_t i = region->first[slice]; i < region->first[slice + 1]; i++)
+        if (!region->is_awake[region->neighbours[i]])
+            return 1;
+    return 0;
+}
+
+/* The largest way of a coordinate from where neighbours that sleep know the slice to be. */
+static float way_since_told(const struct dpt_springs *springs, uint32_t slice)
+{
+    const float *x = springs->state[springs->now][slice].x;
+    const float *told = springs->region.told + SPRING_ROWS * (size_t)slice;
+    float lanes[LANES] = { 0.0f };
+    for (int k = 0; k < SPRING_ROWS; k++) {
+        const float way = fabsf(x[k] - told[k]);
+        lanes[k % LANES] = way > lanes[k % LANES] ? way : lanes[k % LANES];
+    }
+    for (int half = LANES / 2; half; half /= 2)
+        for (int i = 0; i < half; i++)
+            lanes[i] = lanes[i + half] > lanes[i] ? lanes[i + half] : lanes[i];
+    return lanes[0];
 }
 
 /* It rests where it is, in both states and both points. */
 static void fall_asleep(struct dpt_springs *springs, uint32_t slice)
 {
+    struct active_region *region = &springs->region;
     struct spring_slice *now = springs->state[springs->now] + slice;
     memset(now->v, 0, sizeof now->v);
     memcpy(springs->state[1 - springs->now] + slice, now, sizeof *now);
     for (int i = 0; i < 2; i++)
-        spring_place(now, 0.0f, springs->points[i] + SPRING_POINTS * (size_t)slice);
+        springs->kernel.spring_points(now, 0.0f,
+                                      springs->points[i] + SPRING_POINTS * (size_t)slice);
     if (springs->solve.direction)
         memset(springs->solve.direction + SPRING_POINTS * (size_t)slice, 0,
                SPRING_POINTS * sizeof *springs->solve.direction);
-    springs->region.is_awake[slice] = 0;
-    springs->region.drift[slice] = 0.0f;
+    region->is_awake[slice] = 0;
+    for (uint32_t i = region->first[slice]; i < region->first[slice + 1]; i++) {
+        const size_t other = region->neighbours[i];
+        if (region->is_told[other])
+            continue;
+        region->is_told[other] = 1;
+        memcpy(region->told + SPRING_ROWS * other, springs->state[springs->now][other].x,
+               SPRING_ROWS * sizeof *region->told);
+    }
 }
 
-/* So far a slice may creep before its neighbours wake, as a share of what is slow in all steps until sleep. */
-#define DRIFT_SHARE 0.25f
+/* Wake those that sleep beside what has moved too far. Returns how many. */
+static uint32_t wake_where_moved(struct dpt_springs *springs, float drift)
+{
+    struct active_region *region = &springs->region;
+    uint32_t woken = 0;
+    if (region->count == springs->net.slices)
+        return 0;
+    for (uint32_t i = 0; i < region->count; i++) {
+        const uint32_t slice = region->slices[i];
+        if (!region->is_told[slice])
+            continue;
+        if (has_sleeping_neighbour(region, slice)) {
+            if (!(way_since_told(springs, slice) > drift))
+                continue;
+            woken += wake_neighbours(region, slice);
+        }
+        region->is_told[slice] = 0;
+    }
+    return woken;
+}
 
 void dpti_region_settle(struct dpt_springs *springs, double dt)
 {
     struct active_region *region = &springs->region;
-    const float slow = (float)springs->def.sleep_speed, square = slow * slow;
-    const float step = (float)dt,
-                drift = DRIFT_SHARE * slow * step * (float)springs->def.sleep_steps;
     const uint32_t steps = springs->def.sleep_steps;
+    const float slow = (float)springs->def.sleep_speed, time = (float)dt * (float)steps;
+    const float creep = 1.0f + (float)springs->net.viscosity / time;
     uint32_t changed = 0;
     if (!(slow > 0.0f))
         return;
     for (uint32_t i = 0; i < region->count; i++) {
         const uint32_t slice = region->slices[i];
-        if (region->square[slice] <= square) {
-            region->quiet_slices += region->quiet[slice] == 0;
+        const float most = slow / (creep + time * region->drag[slice]);
+        if (region->square[slice] <= most * most)
             region->quiet[slice]++;
-            region->drift[slice] += step * sqrtf(region->square[slice]);
-        } else {
-            region->quiet_slices -= region->quiet[slice] > 0;
+        else
             region->quiet[slice] = 0;
-            region->drift[slice] = 2.0f * drift;
-        }
     }
-    for (uint32_t i = 0; i < region->count && region->quiet_slices; i++) {
-        const uint32_t slice = region->slices[i];
-        if (region->drift[slice] > drift) {
-            region->drift[slice] = 0.0f;
-            changed += wake_neighbours(springs, slice);
-        }
-    }
-    for (uint32_t i = 0; i < region->count; i++) {
-        const uint32_t slice = region->slices[i];
-        if (region->quiet[slice] >= steps) {
-            fall_asleep(springs, slice);
+    changed = wake_where_moved(springs, DRIFT_SHARE * slow * time);
+    for (uint32_t i = 0; i < region->count; i++)
+        if (region->quiet[region->slices[i]] >= steps) {
+            fall_asleep(springs, region->slices[i]);
             changed++;
         }
-    }
     if (changed)
         dpti_region_list(springs);
 }

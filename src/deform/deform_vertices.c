@@ -99,6 +99,18 @@ static void move_group(struct surface_motion *motion, const struct kernel *kerne
     add_to_group(motion, group, square);
 }
 
+/* Whether a group is whole in an update, one vertex after the other, from its i-th vertex on. */
+static int is_whole_group(const struct vertex_update *update, uint32_t i, uint32_t group)
+{
+    uint32_t same = 0;
+    if (update->count - i < MOTION_GROUP)
+        return 0;
+    for (uint32_t k = 0; k < MOTION_GROUP; k++)
+        same += (update->list ? update->list[i + k] : update->first + i + k) ==
+                MOTION_GROUP * group + k;
+    return same == MOTION_GROUP;
+}
+
 /* The vertices of an update that follow each other in one group are moved together. */
 static void move_some(struct surface_motion *motion, const struct kernel *kernel,
                       const struct vertex_update *update)
@@ -106,6 +118,11 @@ static void move_some(struct surface_motion *motion, const struct kernel *kernel
     for (uint32_t i = 0; i < update->count;) {
         const uint32_t group = (update->list ? update->list[i] : update->first + i) / MOTION_GROUP;
         float next[MOTION_GROUP_FLOATS] = { 0.0f };
+        if (is_whole_group(update, i, group)) {
+            move_group(motion, kernel, group, update->positions + 3 * (size_t)i, update);
+            i += MOTION_GROUP;
+            continue;
+        }
         memcpy(next, motion->positions + (size_t)MOTION_GROUP_FLOATS * group,
                MOTION_GROUP_FLOATS * sizeof *next);
         for (; i < update->count; i++) {

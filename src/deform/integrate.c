@@ -83,8 +83,8 @@ int dpti_springs_substeps(struct dpt_springs *springs, double h, uint32_t count)
     }
     for (uint32_t i = 0; i < springs->region.count; i++) {
         const size_t slice = springs->region.slices[i];
-        spring_place(last + slice, motion.lead,
-                     springs->points[springs->at] + SPRING_POINTS * slice);
+        springs->kernel.spring_points(last + slice, motion.lead,
+                                      springs->points[springs->at] + SPRING_POINTS * slice);
     }
     return 0;
 }

@@ -37,11 +37,15 @@ struct spring_solve {
 struct active_region {
     uint32_t *slices; /* those awake, ascending */
     uint32_t count;
-    uint32_t quiet_slices; /* that are slow, or asleep */
-    uint8_t *is_awake;     /* 1 a slice */
-    uint16_t *quiet;       /* 1 a slice: for how many steps it has been slow */
-    float *drift;  /* 1 a slice, m: how far it may have moved since its neighbours were woken */
-    float *square; /* 1 a slice: the largest squared speed after the last step */
+    uint8_t *is_awake;    /* 1 a slice */
+    uint16_t *quiet;      /* 1 a slice: for how many steps it has been slow */
+    float *square;        /* 1 a slice: the largest squared speed after the last step */
+    float *drag;          /* 1 a slice: the largest of its nodes */
+    uint32_t *first;      /* 1 a slice and one more: its first in `neighbours` */
+    uint32_t *neighbours; /* slices that springs lead to */
+    uint8_t *is_told;     /* 1 a slice: a neighbour may be asleep since it was at `told` */
+    float *told;          /* rows of 48 a slice */
+    float *held;          /* rows of 48 a slice: its load when it was awake last */
 };
 
 /* Nodes on tools (spring_contact.h); 1 a slice, NULL where the net is no mesh's. */
@@ -59,8 +63,10 @@ struct spring_vertices {
     const float *weights;
     uint32_t *first; /* of an embedding, 1 a group and one more: its first slice in `slices` */
     uint32_t *slices;
-    uint8_t *moved; /* 1 a slice: it was stepped since vertices were gathered */
-    uint32_t *list; /* those that were gathered */
+    uint8_t *moved;     /* 1 a slice: it was stepped since vertices were gathered */
+    uint32_t has_moved; /* one of them was */
+    float *points;      /* of an embedding: 4 a node, where it was when vertices were gathered */
+    uint32_t *list;     /* those that were gathered */
     float *positions;
     dpt_load *loads; /* max_loads: what tools do to vertices */
 };
@@ -96,16 +102,6 @@ static inline double spring_sum(const double lanes[LANES])
         for (int i = 0; i < half; i++)
             sum[i] += sum[i + half];
     return sum[0];
-}
-
-/* The points of a slice: its nodes, `lead` s ahead of where they are. */
-static inline void spring_place(const struct spring_slice *slice, float lead, float *points)
-{
-    for (int i = 0; i < LANES; i++) {
-        for (int row = 0; row < 3; row++)
-            points[4 * i + row] = slice->x[LANES * row + i] + lead * slice->v[LANES * row + i];
-        points[4 * i + 3] = 0.0f;
-    }
 }
 
 #endif

@@ -49,12 +49,17 @@ void dpti_spring_vertices_begin(struct dpt_springs *springs)
         vertices->first[group + 1] =
             vertices->first[group] +
             slices_of_group(mesh, group, vertices->slices + vertices->first[group]);
+    for (uint32_t slice = 0; slice < springs->net.slices; slice++)
+        springs->kernel.spring_points(springs->state[springs->now] + slice, 0.0f,
+                                      vertices->points + SPRING_POINTS * (size_t)slice);
 }
 
 void dpti_spring_vertices_note(struct dpt_springs *springs)
 {
-    for (uint32_t i = 0; springs->vertices.moved && i < springs->region.count; i++)
-        springs->vertices.moved[springs->region.slices[i]] = 1;
+    struct spring_vertices *vertices = &springs->vertices;
+    for (uint32_t i = 0; vertices->moved && i < springs->region.count; i++)
+        vertices->moved[springs->region.slices[i]] = 1;
+    vertices->has_moved |= springs->region.count > 0;
 }
 
 static int has_moved(const struct spring_vertices *vertices, uint32_t group)
@@ -67,23 +72,34 @@ static int has_moved(const struct spring_vertices *vertices, uint32_t group)
     return 0;
 }
 
-static void place_vertex(const struct spring_vertices *vertices, const struct spring_slice *state,
-                         uint32_t vertex, float to[3])
+/* Of the last group: what is missing there follows the first node, without weight. */
+static void follow_some(const struct dpt_springs *springs, uint32_t first, uint32_t count,
+                        float *to)
 {
-    double sum[3] = { 0.0, 0.0, 0.0 };
-    if (!vertices->nodes) {
-        for (uint32_t k = 0; k < 3; k++)
-            to[k] = state[vertex / LANES].x[LANES * k + vertex % LANES];
-        return;
-    }
-    for (size_t i = 4 * (size_t)vertex; i < 4 * (size_t)vertex + 4; i++) {
-        const uint32_t node = vertices->nodes[i];
-        const float *x = state[node / LANES].x + node % LANES;
-        for (uint32_t k = 0; k < 3; k++)
-            sum[k] += (double)vertices->weights[i] * (double)x[LANES * k];
-    }
-    for (uint32_t k = 0; k < 3; k++)
-        to[k] = (float)sum[k];
+    const struct spring_vertices *vertices = &springs->vertices;
+    uint32_t nodes[4 * MOTION_GROUP] = { 0 };
+    float weights[4 * MOTION_GROUP] = { 0.0f };
+    memcpy(nodes, vertices->nodes + 4 * (size_t)first, 4 * count * sizeof *nodes);
+    memcpy(weights, vertices->weights + 4 * (size_t)first, 4 * count * sizeof *weights);
+    springs->kernel.spring_follow(vertices->points, nodes, weights, to);
+}
+
+/* Where the vertices of a group are: 48 floats, and one more is written. */
+static void place_group(const struct dpt_springs *springs, uint32_t group, uint32_t count,
+                        float *to)
+{
+    const struct spring_vertices *vertices = &springs->vertices;
+    const uint32_t first = MOTION_GROUP * group;
+    const float *x = springs->state[springs->now][group].x;
+    if (vertices->nodes && count < MOTION_GROUP)
+        follow_some(springs, first, count, to);
+    else if (vertices->nodes)
+        springs->kernel.spring_follow(vertices->points, vertices->nodes + 4 * (size_t)first,
+                                      vertices->weights + 4 * (size_t)first, to);
+    else
+        for (uint32_t i = 0; i < MOTION_GROUP; i++)
+            for (uint32_t k = 0; k < 3; k++)
+                to[3 * i + k] = x[LANES * k + i];
 }
 
 uint32_t dpti_spring_vertices_gather(struct dpt_springs *springs)
@@ -92,14 +108,22 @@ uint32_t dpti_spring_vertices_gather(struct dpt_springs *springs)
     const struct spring_slice *state = springs->state[springs->now];
     const uint32_t all = springs->def.mesh->vertices;
     uint32_t count = 0;
+    if (!vertices->has_moved)
+        return 0;
+    for (uint32_t slice = 0; vertices->nodes && slice < springs->net.slices; slice++)
+        if (vertices->moved[slice])
+            springs->kernel.spring_points(state + slice, 0.0f,
+                                          vertices->points + SPRING_POINTS * (size_t)slice);
     for (uint32_t group = 0; group < mesh_slices(all); group++) {
+        const uint32_t first = MOTION_GROUP * group;
+        const uint32_t here = all - first < MOTION_GROUP ? all - first : MOTION_GROUP;
         if (!has_moved(vertices, group))
             continue;
-        for (uint32_t v = MOTION_GROUP * group; v < all && v / MOTION_GROUP == group; v++) {
-            place_vertex(vertices, state, v, vertices->positions + 3 * (size_t)count);
-            vertices->list[count++] = v;
-        }
+        place_group(springs, group, here, vertices->positions + 3 * (size_t)count);
+        for (uint32_t i = 0; i < here; i++)
+            vertices->list[count++] = first + i;
     }
     memset(vertices->moved, 0, springs->net.slices);
+    vertices->has_moved = 0;
     return count;
 }

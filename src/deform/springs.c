@@ -9,6 +9,7 @@
 #include "deform/active_region.h"
 #include "deform/implicit.h"
 #include "deform/integrate.h"
+#include "deform/slice_neighbours.h"
 #include "deform/spring_energy.h"
 #include "deform/spring_vertices.h"
 #include "deform/springs_net.h"
@@ -93,12 +94,14 @@ static void place_vertices(struct dpt_springs *springs, struct block *block)
 {
     const struct dpt_mesh *mesh = springs->def.mesh;
     struct spring_vertices *vertices = &springs->vertices;
-    const uint64_t links = dpti_spring_links(mesh);
-    vertices->first = take(block, links ? mesh_slices(mesh->vertices) + 1 : 0, sizeof(uint32_t));
+    const uint64_t links = dpti_spring_links(mesh), groups = mesh_slices(mesh->vertices);
+    vertices->first = take(block, links ? groups + 1 : 0, sizeof(uint32_t));
     vertices->slices = take(block, links, sizeof(uint32_t));
+    vertices->points =
+        take(block, links ? SPRING_POINTS * (uint64_t)springs->net.slices : 0, sizeof(float));
     vertices->moved = take(block, springs->net.slices, 1);
     vertices->list = take(block, mesh->vertices, sizeof(uint32_t));
-    vertices->positions = take(block, 3 * (uint64_t)mesh->vertices, sizeof(float));
+    vertices->positions = take(block, 3 * LANES * groups + 1, sizeof(float));
     vertices->loads = take(block, springs->def.max_loads, sizeof(dpt_load));
     springs->contact.fixed = take(block, springs->net.slices, sizeof(uint16_t));
     springs->contact.next = take(block, springs->net.slices, sizeof(uint16_t));
@@ -121,8 +124,13 @@ static void place(struct dpt_springs *springs, struct block *block)
     region->slices = take(block, slices, sizeof(uint32_t));
     region->is_awake = take(block, slices, 1);
     region->quiet = take(block, slices, sizeof *region->quiet);
-    region->drift = take(block, slices, sizeof(float));
     region->square = take(block, slices, sizeof(float));
+    region->drag = take(block, slices, sizeof(float));
+    region->first = take(block, slices + 1, sizeof(uint32_t));
+    region->neighbours = take(block, dpti_slice_neighbours_count(&springs->net), sizeof(uint32_t));
+    region->is_told = take(block, slices, 1);
+    region->told = take(block, slices * SPRING_ROWS, sizeof(float));
+    region->held = take(block, slices * SPRING_ROWS, sizeof(float));
     if (springs->def.mesh)
         place_vertices(springs, block);
     if (springs->def.integrator != DPT_INTEGRATOR_IMPLICIT)
@@ -168,8 +176,8 @@ static void begin_nodes(struct dpt_springs *springs)
     memcpy(springs->state[1], springs->state[0], net->slices * sizeof *springs->state[0]);
     for (size_t slice = 0; slice < net->slices; slice++)
         for (int i = 0; i < 2; i++)
-            spring_place(springs->state[0] + slice, 0.0f,
-                         springs->points[i] + SPRING_POINTS * slice);
+            springs->kernel.spring_points(springs->state[0] + slice, 0.0f,
+                                          springs->points[i] + SPRING_POINTS * slice);
 }
 
 dpt_result dpti_springs_create_net(void *block, size_t bytes, const dpt_springs_def *given,
@@ -209,7 +217,7 @@ dpt_result dpti_springs_create_net(void *block, size_t bytes, const dpt_springs_
     begin_nodes(made);
     if (def.mesh)
         dpti_spring_vertices_begin(made);
-    dpti_region_wake_all(made);
+    dpti_region_begin(made);
     if (def.integrator == DPT_INTEGRATOR_IMPLICIT)
         dpti_implicit_begin(made);
     *springs = made;
@@ -401,8 +409,9 @@ dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, uint32_t 
             state->v[at] = speeds && moves ? speeds[3 * (size_t)i + row] : 0.0f;
         }
         if (lane == LANES - 1 || i == count - 1) {
-            spring_place(state, (float)springs->lead,
-                         springs->points[springs->at] + SPRING_POINTS * (size_t)slice);
+            springs->kernel.spring_points(state, (float)springs->lead,
+                                          springs->points[springs->at] +
+                                              SPRING_POINTS * (size_t)slice);
             dpti_region_disturb(springs, slice);
         }
     }

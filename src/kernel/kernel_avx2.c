@@ -50,6 +50,19 @@
 #define KERNEL_PUT(points, x, y, z)                                                                \
     PUT_EIGHT(points, x, y, z, 0)                                                                  \
     PUT_EIGHT(points, x, y, z, 8)
+/* x, y, z and 0 of a point in the four lanes of one register. */
+#define WEIGHED(points, node, weights, k)                                                          \
+    _mm256_mul_pd(_mm256_permute4x64_pd(weights, (k)*0x55),                                        \
+                  _mm256_cvtps_pd(_mm_loadu_ps((points) + 4 * (size_t)(node)[k])))
+#define KERNEL_WEIGH(points, nodes, weights, to)                                                   \
+    {                                                                                              \
+        const __m256d four = _mm256_cvtps_pd(_mm_loadu_ps(weights));                               \
+        __m256d sum = _mm256_add_pd(_mm256_setzero_pd(), WEIGHED(points, nodes, four, 0));         \
+        sum = _mm256_add_pd(sum, WEIGHED(points, nodes, four, 1));                                 \
+        sum = _mm256_add_pd(sum, WEIGHED(points, nodes, four, 2));                                 \
+        sum = _mm256_add_pd(sum, WEIGHED(points, nodes, four, 3));                                 \
+        _mm_storeu_ps(to, _mm256_cvtpd_ps(sum));                                                   \
+    }
 #include "kernel/kernel_body.h"
 #else
 typedef int kernel_avx2_is_for_another_machine;

@@ -76,7 +76,8 @@ uint32_t dpt_kernel_best(void)
             dpti_kernel_##set##_spring_energy, dpti_kernel_##set##_spring_product,                 \
             dpti_kernel_##set##_spring_move, dpti_kernel_##set##_spring_descend,                   \
             dpti_kernel_##set##_spring_turn, dpti_kernel_##set##_spring_aim,                       \
-            dpti_kernel_##set##_spring_begin, dpti_kernel_##set##_spring_end                       \
+            dpti_kernel_##set##_spring_begin, dpti_kernel_##set##_spring_end,                      \
+            dpti_kernel_##set##_spring_points, dpti_kernel_##set##_spring_follow                   \
     }
 
 int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)

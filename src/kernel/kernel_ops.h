@@ -138,6 +138,9 @@ typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const f
  *                   change yet. Adds residual . per_diagonal residual to sum[]
  *   spring_end      where nodes are after the change, and how fast. Adds to bound[] and work[], lane by lane, what
  *                   deform/implicit.c needs. Sets *square and returns as spring_move does
+ *   spring_points   the points of a slice: its nodes, `lead` s ahead of where they are
+ *   spring_follow   where 16 vertices are, x, y, z each: the sum of four weighted points each, in double. A
+ *                   number more is written
  */
 #define SPRING_SHORTEST 0.5f
 enum { SPRING_ROWS = 3 * LANES, SPRING_POINTS = 4 * LANES };
@@ -209,6 +212,9 @@ typedef uint32_t kernel_spring_end(const struct spring_trial *trial,
                                    const float *load, const struct spring_system *system,
                                    struct spring_slice *to, double *bound, double *work,
                                    float *square);
+typedef void kernel_spring_points(const struct spring_slice *slice, float lead, float *points);
+typedef void kernel_spring_follow(const float *points, const uint32_t *nodes, const float *weights,
+                                  float *to);
 
 struct kernel {
     kernel_cached *cached_boxes;
@@ -235,6 +241,8 @@ struct kernel {
     kernel_spring_aim *spring_aim;
     kernel_spring_begin *spring_begin;
     kernel_spring_end *spring_end;
+    kernel_spring_points *spring_points;
+    kernel_spring_follow *spring_follow;
 };
 
 /* The widest kernel that every machine of this kind has. */
@@ -273,7 +281,9 @@ int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
     kernel_spring_turn dpti_kernel_##set##_spring_turn;                                            \
     kernel_spring_aim dpti_kernel_##set##_spring_aim;                                              \
     kernel_spring_begin dpti_kernel_##set##_spring_begin;                                          \
-    kernel_spring_end dpti_kernel_##set##_spring_end;
+    kernel_spring_end dpti_kernel_##set##_spring_end;                                              \
+    kernel_spring_points dpti_kernel_##set##_spring_points;                                        \
+    kernel_spring_follow dpti_kernel_##set##_spring_follow;
 KERNEL_DECLARE(scalar)
 KERNEL_DECLARE(sse2)
 KERNEL_DECLARE(avx2)

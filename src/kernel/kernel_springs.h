@@ -21,6 +21,17 @@
     }
 #endif
 
+/* The sum of four weighted points, in double, in their order. May write a fourth number. */
+#ifndef KERNEL_WEIGH
+#define KERNEL_WEIGH(points, nodes, weights, to)                                                   \
+    for (int row = 0; row < 3; row++) {                                                            \
+        double sum = 0.0;                                                                          \
+        for (int k = 0; k < 4; k++)                                                                \
+            sum += (double)(weights)[k] * (double)(points)[4 * (size_t)(nodes)[k] + (size_t)row];  \
+        (to)[row] = (float)sum;                                                                    \
+    }
+#endif
+
 /* Nodes that follow each other. */
 static const uint32_t KERNEL(in_turn)[LANES] = { 0, 1, 2,  3,  4,  5,  6,  7,
                                                  8, 9, 10, 11, 12, 13, 14, 15 };
@@ -298,4 +309,22 @@ KERNEL_TARGET void KERNEL(spring_turn)(float by, const struct spring_system *res
             next[k] = system->per_diagonal[i] * system->residual[k] + by * last[k];
         }
     KERNEL_PUT(direction, next, next + LANES, next + 2 * LANES)
+}
+
+KERNEL_TARGET void KERNEL(spring_points)(const struct spring_slice *restrict slice, float lead,
+                                         float *restrict points)
+{
+    float place[SPRING_ROWS];
+    for (int k = 0; k < SPRING_ROWS; k++)
+        place[k] = slice->x[k] + lead * slice->v[k];
+    KERNEL_PUT(points, place, place + LANES, place + 2 * LANES)
+}
+
+KERNEL_TARGET void KERNEL(spring_follow)(const float *restrict points,
+                                         const uint32_t *restrict nodes,
+                                         const float *restrict weights, float *restrict to)
+{
+    for (int i = 0; i < LANES; i++)
+        KERNEL_WEIGH(points, nodes + 4 * i, weights + 4 * i, to + 3 * i)
+    to[3 * LANES] = 0.0f;
 }
