@@ -23,6 +23,7 @@ struct net {
     struct spring_share *shares;
     size_t share_count, share_capacity;
     uint8_t *is_used; /* of each region: something of the body is in it */
+    double square; /* 1/s^2: no part of the net that has its own mass moves faster; 0: not known */
 };
 
 /* What a material is made of, at a point. */

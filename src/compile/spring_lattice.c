@@ -408,6 +408,9 @@ struct cell_springs {
 /*
  * An edge is one of four cells', a face diagonal one of two cells'. With springs of k each, all cells full, a lattice
  * of spacing s is isotropic: both of Lame's constants are k / s. So k = 0.4 E s, and Poisson's ratio is 1/4.
+ *
+ * Of a cell by itself, each coordinate free at its corners, the largest eigenvalue of the stiffness is 3 k: corners
+ * whose signs along two axes agree move one way, the others the other way.
  */
 static dpt_result add_cell(void *context, const uint32_t node[8], const double centre[3],
                            double share)
@@ -417,6 +420,7 @@ static dpt_result add_cell(void *context, const uint32_t node[8], const double c
     const struct material material = spring_material(cell->net, centre);
     const double stiffness = 0.4 * material.young * s * share;
     const double mass = material.density * s * s * s * share / 8.0;
+    cell->net->square = max_of(cell->net->square, 3.0 * stiffness / mass);
     for (uint32_t a = 0; a < 8; a++) {
         cell->net->mass[node[a]] += mass;
         for (uint32_t b = a + 1; b < 8; b++) {

@@ -197,6 +197,8 @@ static dpt_result fill_nodes(struct net *net, const struct rows *rows, struct mo
         if (!is_fixed[v])
             omega2 = max_of(omega2, 2.0 * sum / (double)model->spring_mass[v]);
     }
+    if (net->square > 0.0)
+        omega2 = min_of(omega2, net->square * (1.0 + MESH_STEP_ROUNDING));
     model->stable_step = 2.0 / sqrt(omega2);
     return DPT_OK;
 }

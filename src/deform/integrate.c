@@ -3,24 +3,6 @@
 
 #include <math.h>
 
-double dpti_springs_square(const struct spring_net *net, double stiffness, double contact)
-{
-    double largest = 0.0;
-    for (uint32_t slice = 0; slice < net->slices; slice++)
-        for (uint32_t lane = 0; lane < LANES && LANES * slice + lane < net->nodes; lane++) {
-            const double mass = (double)net->mass[LANES * (size_t)slice + lane];
-            double sum = contact;
-            for (uint32_t entry = net->first[slice]; entry < net->first[slice + 1]; entry++) {
-                const size_t at = LANES * (size_t)entry + lane;
-                const double k = stiffness * (double)net->stiffness[at];
-                sum += net->mass[net->neighbour[at]] > 0.0f ? 2.0 * k : k;
-            }
-            if (mass > 0.0 && sum > largest * mass)
-                largest = sum / mass;
-        }
-    return largest;
-}
-
 /*
  * One mode, x'' = -w2 (x + t x') - c x'. The step's matrix has the trace 1 + (1 - h t w2 - s h2 w2) / (1 + h c) and the
  * determinant (1 - h t w2 + e h2 w2) / (1 + h c), where s is 1 for SYMPLECTIC and e is 1 for EULER. Its eigenvalues

@@ -5,9 +5,6 @@
 
 #include "deform/spring_state.h"
 
-/* 1/s2: a bound of the squared frequency of every mode in every configuration, by the rows of the matrix. */
-double dpti_springs_square(const struct spring_net *net, double stiffness, double contact);
-
 /*
  * s: the longest stable step of an explicit integrator for modes of up to a squared frequency, at most
  * DPT_SPRINGS_STEP_MAX; 0: none. drag: the least of all nodes, 1/s.

@@ -85,11 +85,10 @@ static void follow_some(const struct dpt_springs *springs, uint32_t first, uint3
 }
 
 /* Where the vertices of a group are: 48 floats, and one more is written. */
-static void place_group(const struct dpt_springs *springs, uint32_t group, uint32_t count,
-                        float *to)
+static void place_group(const struct dpt_springs *springs, uint32_t group, float *to)
 {
     const struct spring_vertices *vertices = &springs->vertices;
-    const uint32_t first = MOTION_GROUP * group;
+    const uint32_t first = MOTION_GROUP * group, count = springs->def.mesh->vertices - first;
     const float *x = springs->state[springs->now][group].x;
     if (vertices->nodes && count < MOTION_GROUP)
         follow_some(springs, first, count, to);
@@ -102,26 +101,43 @@ static void place_group(const struct dpt_springs *springs, uint32_t group, uint3
                 to[3 * i + k] = x[LANES * k + i];
 }
 
+/* Where most move, all are handed over at once: that takes less time than a list of them. */
+static uint32_t moved_groups(const struct spring_vertices *vertices, uint32_t groups,
+                             uint32_t *list)
+{
+    uint32_t count = 0;
+    for (uint32_t group = 0; group < groups; group++)
+        if (has_moved(vertices, group))
+            list[count++] = group;
+    if ((uint64_t)4 * count < (uint64_t)3 * groups)
+        return count;
+    for (uint32_t group = 0; group < groups; group++)
+        list[group] = group;
+    return groups;
+}
+
 uint32_t dpti_spring_vertices_gather(struct dpt_springs *springs)
 {
     struct spring_vertices *vertices = &springs->vertices;
     const struct spring_slice *state = springs->state[springs->now];
     const uint32_t all = springs->def.mesh->vertices;
-    uint32_t count = 0;
+    uint32_t *list = vertices->list, count = 0;
     if (!vertices->has_moved)
         return 0;
     for (uint32_t slice = 0; vertices->nodes && slice < springs->net.slices; slice++)
         if (vertices->moved[slice])
             springs->kernel.spring_points(state + slice, 0.0f,
                                           vertices->points + SPRING_POINTS * (size_t)slice);
-    for (uint32_t group = 0; group < mesh_slices(all); group++) {
-        const uint32_t first = MOTION_GROUP * group;
+    /* Groups first; then, from the last on, each one's vertices take the place of what was read already. */
+    const uint32_t groups = moved_groups(vertices, mesh_slices(all), list);
+    for (uint32_t i = 0; i < groups; i++)
+        place_group(springs, list[i], vertices->positions + 3 * MOTION_GROUP * (size_t)i);
+    for (uint32_t i = groups; i-- > 0;) {
+        const uint32_t first = MOTION_GROUP * list[i];
         const uint32_t here = all - first < MOTION_GROUP ? all - first : MOTION_GROUP;
-        if (!has_moved(vertices, group))
-            continue;
-        place_group(springs, group, here, vertices->positions + 3 * (size_t)count);
-        for (uint32_t i = 0; i < here; i++)
-            vertices->list[count++] = first + i;
+        for (uint32_t k = 0; k < here; k++)
+            list[MOTION_GROUP * i + k] = first + k;
+        count += here;
     }
     memset(vertices->moved, 0, springs->net.slices);
     vertices->has_moved = 0;

@@ -7,6 +7,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "deform/active_region.h"
+#include "deform/frequency.h"
 #include "deform/implicit.h"
 #include "deform/integrate.h"
 #include "deform/slice_neighbours.h"
@@ -162,17 +163,23 @@ static double least_drag(const struct spring_net *net)
     return least < DBL_MAX ? least : 0.0;
 }
 
-static void begin_nodes(struct dpt_springs *springs)
+static void begin_masses(struct dpt_springs *springs)
 {
     const struct spring_net *net = &springs->net;
     for (uint32_t node = 0; node < net->nodes; node++) {
-        const uint32_t slice = node / LANES, lane = node % LANES;
-        if (net->mass[node] > 0.0f)
-            springs->nodes[slice].per_mass[lane] = 1.0f / net->mass[node];
-        springs->nodes[slice].drag[lane] = net->drag[node];
-        for (uint32_t row = 0; row < 3; row++)
-            springs->state[0][slice].x[LANES * row + lane] = net->rest[3 * (size_t)node + row];
+        struct spring_nodes *nodes = springs->nodes + node / LANES;
+        nodes->per_mass[node % LANES] = net->mass[node] > 0.0f ? 1.0f / net->mass[node] : 0.0f;
+        nodes->drag[node % LANES] = net->drag[node];
     }
+}
+
+static void begin_nodes(struct dpt_springs *springs)
+{
+    const struct spring_net *net = &springs->net;
+    for (uint32_t node = 0; node < net->nodes; node++)
+        for (uint32_t row = 0; row < 3; row++)
+            springs->state[0][node / LANES].x[LANES * row + node % LANES] =
+                net->rest[3 * (size_t)node + row];
     memcpy(springs->state[1], springs->state[0], net->slices * sizeof *springs->state[0]);
     for (size_t slice = 0; slice < net->slices; slice++)
         for (int i = 0; i < 2; i++)
@@ -207,13 +214,14 @@ dpt_result dpti_springs_create_net(void *block, size_t bytes, const dpt_springs_
     made->def = def;
     made->kernel = kernel;
     made->rows = (struct spring_rows){ net->first, net->neighbour, net->stiffness, net->length };
-    made->square = dpti_springs_square(net, def.stiffness, def.contact_stiffness);
+    made->lead = net->viscosity;
+    place(made, &rest);
+    begin_masses(made);
+    made->square = dpti_springs_square(made);
     made->stable_step =
         def.integrator == DPT_INTEGRATOR_IMPLICIT
             ? DPT_SPRINGS_STEP_MAX
             : dpti_springs_limit(def.integrator, made->square, net->viscosity, least_drag(net));
-    made->lead = net->viscosity;
-    place(made, &rest);
     begin_nodes(made);
     if (def.mesh)
         dpti_spring_vertices_begin(made);

@@ -45,7 +45,7 @@
 #define MESH_SLICE_ENTRIES_MAX  1024u
 #define MESH_SPRING_ENTRIES_MAX (UINT32_MAX / LANES)
 
-/* How far the square of the stable step may be above what the file's own numbers allow. */
+/* How far the square of the stable step may be above what the file's own numbers allow; so much rounding there is. */
 #define MESH_STEP_ROUNDING 1e-5
 
 /* Codes in place of a neighbour over an edge. */
@@ -374,6 +374,7 @@ static inline int mesh_spring_net(const struct dpt_mesh *mesh, struct spring_net
     net->stiffness = mesh_floats(mesh, MESH_SPRING_STIFFNESS);
     net->length = mesh_floats(mesh, MESH_SPRING_LENGTH);
     net->viscosity = tail.viscosity;
+    net->square = 4.0 / (tail.stable_step * tail.stable_step);
     return 1;
 }
 

@@ -374,7 +374,10 @@ static dpt_result check_symmetry(const struct dpt_mesh *mesh, const struct sprin
     return DPT_OK;
 }
 
-/* The header's numbers. The step is one that the net allows: omega^2 <= max (2 / m) sum k, step <= 2 / omega. */
+/*
+ * The header's numbers. The step is at most 2 / omega, and a node by itself, all others held, has omega^2 = (sum k) / m:
+ * a net can have no longer one. It may need a shorter one, which the solver looks for.
+ */
 static dpt_result check_step(const struct dpt_mesh *mesh, const struct spring_net *net,
                              dpt_mesh_fault *fault)
 {
@@ -392,7 +395,7 @@ static dpt_result check_step(const struct dpt_mesh *mesh, const struct spring_ne
         for (uint32_t e = first_word(net, i / LANES) + i % LANES; e < last; e += LANES)
             sum += (double)net->stiffness[e];
         if (net->mass[i] > 0.0f &&
-            !(step2 * sum <= 2.0 * (1.0 + MESH_STEP_ROUNDING) * (double)net->mass[i]))
+            !(step2 * sum <= 4.0 * (1.0 + MESH_STEP_ROUNDING) * (double)net->mass[i]))
             return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, stable_step)),
                         MESH_HEADER);
     }

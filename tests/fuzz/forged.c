@@ -351,7 +351,7 @@ static int spring_numbers_are_wrong(const struct net *net)
             sum += (double)k;
         }
         if (node < net->is.nodes && net->mass[node] > 0.0f)
-            wrong |= !(step * step * sum <= 2.0 * (1.0 + 1e-5) * (double)net->mass[node]);
+            wrong |= !(step * step * sum <= 4.0 * (1.0 + 1e-5) * (double)net->mass[node]);
     }
     return wrong;
 }
