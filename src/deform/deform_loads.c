@@ -9,24 +9,25 @@ enum { BALANCE_PASSES = 3 };
 /* Of its trace: moments below that are of vertices that lie on a line. */
 #define FLAT 1e-12
 
-/* A table of the patch's vertices, at most half full. */
-enum { PATCH_BITS = 9, PATCH_SLOTS = 1 << PATCH_BITS };
-typedef char half_is_enough[(int)PATCH_SLOTS >= 2 * (int)LOAD_PATCH_MAX ? 1 : -1];
+/* A table of vertices: the patch's, and so many of those that were too far. */
+enum { KNOWN_BITS = 10, KNOWN_SLOTS = 1 << KNOWN_BITS, KNOWN_FAR = 512 };
+typedef char slots_are_left[(int)KNOWN_SLOTS > (int)KNOWN_FAR + (int)LOAD_PATCH_MAX ? 1 : -1];
 
 /* The vertices over which a point's force is spread, with their shares. */
 struct load_patch {
     uint32_t count;
     uint32_t vertex[LOAD_PATCH_MAX];
     double share[LOAD_PATCH_MAX]; /* their sum is 1 */
-    uint16_t slot[PATCH_SLOTS];   /* 0, or one more than where in `vertex` */
+    uint32_t known[KNOWN_SLOTS];  /* those in the table, each one more than its number; 0: none */
+    uint32_t far_count;
 };
 
-/* Where a vertex is, or may be put. Neighbours differ little in their numbers: the factor, of the golden ratio, scatters. */
+/* Where in the table a vertex is, or may be. The factor, of the golden ratio, scatters neighbours' numbers. */
 static uint32_t slot_of(const struct load_patch *patch, uint32_t vertex)
 {
-    uint32_t slot = (vertex * 2654435769u) >> (32 - PATCH_BITS);
-    while (patch->slot[slot] && patch->vertex[patch->slot[slot] - 1] != vertex)
-        slot = (slot + 1) % PATCH_SLOTS;
+    uint32_t slot = (vertex * 2654435769u) >> (32 - KNOWN_BITS);
+    while (patch->known[slot] && patch->known[slot] != vertex + 1)
+        slot = (slot + 1) % KNOWN_SLOTS;
     return slot;
 }
 
@@ -43,17 +44,22 @@ static double area_of(const struct surface *surface, uint32_t vertex)
     return sum;
 }
 
+/* A vertex is met a dozen times, once for each corner of the triangles at it. */
 static void add_if_near(const struct surface *surface, const struct load_point *point,
                         double radius, uint32_t vertex, struct load_patch *patch)
 {
-    const vec3 away = sub(surface_vertex(surface, vertex), point->at);
-    const double ratio = dot(away, away) / (radius * radius);
-    if (!(ratio < 1.0) || patch->count == LOAD_PATCH_MAX)
+    if (patch->count == LOAD_PATCH_MAX)
         return;
     const uint32_t slot = slot_of(patch, vertex);
-    if (patch->slot[slot])
+    if (patch->known[slot])
         return;
-    patch->slot[slot] = (uint16_t)(patch->count + 1);
+    const vec3 away = sub(surface_vertex(surface, vertex), point->at);
+    const double ratio = dot(away, away) / (radius * radius);
+    const int is_near = ratio < 1.0;
+    if (is_near || patch->far_count++ < KNOWN_FAR)
+        patch->known[slot] = vertex + 1;
+    if (!is_near)
+        return;
     patch->vertex[patch->count] = vertex;
     patch->share[patch->count++] = (1.0 - ratio) * (1.0 - ratio) * area_of(surface, vertex);
 }
@@ -63,7 +69,8 @@ static void gather_patch(const struct surface *surface, const struct load_point 
                          double radius, struct load_patch *patch)
 {
     const uint32_t *first, *fans = surface_fans(surface, &first);
-    memset(patch->slot, 0, sizeof patch->slot);
+    memset(patch->known, 0, sizeof patch->known);
+    patch->far_count = 0;
     for (uint32_t k = 0; k < 3; k++)
         add_if_near(surface, point, radius, surface_corner(surface, point->triangle, k), patch);
     for (uint32_t i = 0; i < patch->count; i++) {

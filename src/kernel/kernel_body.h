@@ -11,6 +11,7 @@
  * may be fused or reordered, or the bits would differ from machine to machine.
  */
 #include <math.h>
+#include <string.h>
 
 #include "kernel/kernel_ops.h"
 

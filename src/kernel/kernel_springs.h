@@ -123,12 +123,15 @@ KERNEL_TARGET void KERNEL(spring_product)(const struct spring_rows *restrict row
         sum[i] += (double)((ax[i] * px[i] + ay[i] * py[i]) + az[i] * pz[i]);
 }
 
-KERNEL_TARGET static inline __attribute__((always_inline)) float KERNEL(largest)(float *restrict of)
+KERNEL_TARGET static inline __attribute__((always_inline)) float KERNEL(largest)(const float *restrict of)
 {
-    for (int half = LANES / 2; half; half /= 2)
-        for (int i = 0; i < half; i++)
-            of[i] = AT_LEAST(of[i], of[i + half]);
-    return of[0];
+    float eight[8], four[4];
+    for (int i = 0; i < 8; i++)
+        eight[i] = AT_LEAST(of[i], of[i + 8]);
+    for (int i = 0; i < 4; i++)
+        four[i] = AT_LEAST(eight[i], eight[i + 4]);
+    const float one = AT_LEAST(four[0], four[2]), other = AT_LEAST(four[1], four[3]);
+    return AT_LEAST(one, other);
 }
 
 KERNEL_TARGET static inline __attribute__((always_inline)) uint32_t
@@ -171,11 +174,9 @@ KERNEL_TARGET uint32_t KERNEL(spring_move)(const struct spring_motion *restrict 
             speed[i] += v1 * v1;
             bad[i] |= (uint32_t) !(fabsf(x1) <= far) | (uint32_t) !(fabsf(v1) <= fast);
         }
-        for (int i = 0; i < LANES; i++) {
-            to->x[row * LANES + i] = x[i];
-            to->rest[row * LANES + i] = rest[i];
-            to->v[row * LANES + i] = v[i];
-        }
+        memcpy(to->x + row * LANES, x, sizeof x);
+        memcpy(to->rest + row * LANES, rest, sizeof rest);
+        memcpy(to->v + row * LANES, v, sizeof v);
     }
     KERNEL_PUT(points, place, place + LANES, place + 2 * LANES)
     *square = KERNEL(largest)(speed);
@@ -286,14 +287,13 @@ KERNEL_TARGET void KERNEL(spring_descend)(float by, const float *restrict direct
 {
     float square[LANES] = { 0 }, along[SPRING_ROWS];
     KERNEL_TAKE(direction, KERNEL(in_turn), along, along + LANES, along + 2 * LANES)
+    for (int k = 0; k < SPRING_ROWS; k++) {
+        system->change[k] += by * along[k];
+        system->residual[k] -= by * product[k];
+    }
     for (int row = 0; row < 3; row++)
-        for (int i = 0; i < LANES; i++) {
-            const int k = row * LANES + i;
-            const float left = system->residual[k] - by * product[k];
-            system->change[k] += by * along[k];
-            system->residual[k] = left;
-            square[i] += left * left;
-        }
+        for (int i = 0; i < LANES; i++)
+            square[i] += system->residual[row * LANES + i] * system->residual[row * LANES + i];
     for (int i = 0; i < LANES; i++)
         sum[i] += (double)(square[i] * system->per_diagonal[i]);
 }
