@@ -41,7 +41,7 @@ void dpt_springs_def_defaults(dpt_springs_def *def, size_t size)
 {
     const dpt_springs_def defaults = { .max_loads = 4096,
                                        .stiffness = 1.0,
-                                       .sleep_speed = 1e-5,
+                                       .sleep_speed = 1e-3,
                                        .sleep_steps = 64,
                                        .iterations = 2,
                                        .max_substeps = 16 };
