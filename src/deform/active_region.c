@@ -176,12 +176,19 @@ static uint32_t wake_where_moved(struct dpt_springs *springs, float drift)
     return woken;
 }
 
+/*
+ * What creeps must not freeze on the way. With drag a force moves a node no faster than it would in 1 / drag seconds: a
+ * slow node is out of balance by drag times its speed, and that is kept to what makes a free node as fast as the sleep
+ * speed in the steps until sleep. With viscosity a way of speed times viscosity is left: that is kept to the drift. As it takes so
+ * long, neighbours wake the sooner.
+ */
 void dpti_region_settle(struct dpt_springs *springs, double dt)
 {
     struct active_region *region = &springs->region;
     const uint32_t steps = springs->def.sleep_steps;
     const float slow = (float)springs->def.sleep_speed, time = (float)dt * (float)steps;
-    const float creep = 1.0f + (float)springs->net.viscosity / time;
+    const float creep = 1.0f + (float)springs->net.viscosity / (DRIFT_SHARE * time);
+    const float drift = DRIFT_SHARE * slow * time / creep;
     uint32_t changed = 0;
     if (!(slow > 0.0f))
         return;
@@ -193,7 +200,7 @@ void dpti_region_settle(struct dpt_springs *springs, double dt)
         else
             region->quiet[slice] = 0;
     }
-    changed = wake_where_moved(springs, DRIFT_SHARE * slow * time);
+    changed = wake_where_moved(springs, drift);
     for (uint32_t i = 0; i < region->count; i++)
         if (region->quiet[region->slices[i]] >= steps) {
             fall_asleep(springs, region->slices[i]);

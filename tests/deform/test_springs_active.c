@@ -13,7 +13,8 @@ struct press {
     uint32_t count;
 };
 
-static void open_press(struct press *press, uint32_t integrator, double sleep_speed)
+static void open_press_of(struct press *press, uint32_t integrator, double sleep_speed, double drag,
+                          double viscosity)
 {
     const double s = 0.005, middle = 0.5 * s * (ACROSS - 1);
     dpt_springs_def def;
@@ -22,10 +23,10 @@ static void open_press(struct press *press, uint32_t integrator, double sleep_sp
     def.integrator = integrator;
     def.sleep_speed = sleep_speed;
     rig_block(&press->rig, ACROSS, ACROSS, DEEP, s, 5000.0, 1000.0);
-    press->rig.viscosity = 2e-3;
+    press->rig.viscosity = viscosity;
     for (uint32_t i = 0; i < LAYER; i++)
         rig_fix(&press->rig, i);
-    rig_drag(&press->rig, 5.0);
+    rig_drag(&press->rig, drag);
     CHECK(rig_open(&press->rig, &def) == DPT_OK, "not made");
     for (uint32_t i = press->rig.nodes - LAYER; i < press->rig.nodes; i++) {
         const double x = (double)press->rig.rest[3 * i] - middle;
@@ -33,6 +34,11 @@ static void open_press(struct press *press, uint32_t integrator, double sleep_sp
         if (x * x + y * y < 0.01 * 0.01)
             press->loads[press->count++].vertex = i;
     }
+}
+
+static void open_press(struct press *press, uint32_t integrator, double sleep_speed)
+{
+    open_press_of(press, integrator, sleep_speed, 5.0, 2e-3);
 }
 
 /* Step under a force downwards, N, that is shared. Returns how deep the patch is, m, on average. */
@@ -152,10 +158,90 @@ static void a_moved_node_wakes_its_neighbours(void)
     rig_close(&press.rig);
 }
 
+/* Two presses under the same loads, one all awake. Returns how far they are apart in the end, as a share of the depth. */
+static double apart_in_the_end(struct press *all, struct press *some, double force, double rise,
+                               uint32_t *least)
+{
+    dpt_springs_report report;
+    double full = 0.0, part = 0.0;
+    *least = UINT32_MAX;
+    for (int i = 0; i < 10000; i++) {
+        const double now = 1e-3 * i < rise ? force * 1e-3 * i / rise : force;
+        full = push(all, now, &report);
+        part = push(some, now, &report);
+        *least = report.active < *least ? report.active : *least;
+    }
+    return fabs(full - part) / full;
+}
+
+/* A load that rises so slowly that nothing is faster than the speed at which nodes fall asleep. */
+static void a_slowly_rising_load_is_followed(void)
+{
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT;
+         integrator += DPT_INTEGRATOR_IMPLICIT) {
+        struct press all, some;
+        uint32_t least;
+        open_press(&all, integrator, 0.0);
+        open_press(&some, integrator, 1e-3);
+        const double apart = apart_in_the_end(&all, &some, 0.2, 10.0, &least);
+        printf("    integrator %u: off by %.2f %%, at least %u of %u awake\n", integrator,
+               100.0 * apart, least, all.rig.nodes);
+        CHECK(apart < 0.05, "off by %g of the depth", apart);
+        CHECK(least < all.rig.nodes / 4, "at least %u of %u awake", least, all.rig.nodes);
+        rig_close(&all.rig);
+        rig_close(&some.rig);
+    }
+}
+
+/* Nodes that are held back by drag or viscosity move as slowly as they sleep, and still have far to go. */
+static void what_creeps_is_not_frozen(void)
+{
+    static const struct {
+        uint32_t integrator;
+        double drag, viscosity;
+    } cases[] = { { DPT_INTEGRATOR_SYMPLECTIC, 2e4, 0.0 },
+                  { DPT_INTEGRATOR_IMPLICIT, 2e4, 0.0 },
+                  { DPT_INTEGRATOR_IMPLICIT, 5.0, 0.5 } };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct press all, some;
+        uint32_t least;
+        open_press_of(&all, cases[i].integrator, 0.0, cases[i].drag, cases[i].viscosity);
+        open_press_of(&some, cases[i].integrator, 1e-3, cases[i].drag, cases[i].viscosity);
+        const double apart = apart_in_the_end(&all, &some, 0.05, 0.0, &least);
+        printf("    drag %g 1/s, viscosity %g s: off by %.2f %%, at least %u awake\n",
+               cases[i].drag, cases[i].viscosity, 100.0 * apart, least);
+        CHECK(apart < 0.05, "off by %g of the depth", apart);
+        rig_close(&all.rig);
+        rig_close(&some.rig);
+    }
+}
+
+/* A held tool's loads are rounded otherwise in each tick: that wakes nothing. One that is a tenth larger does. */
+static void rounding_of_loads_wakes_nothing(void)
+{
+    struct press press;
+    dpt_springs_report report = { .size = sizeof report };
+    uint64_t seed = 1;
+    open_press(&press, DPT_INTEGRATOR_SYMPLECTIC, 1e-3);
+    for (int i = 0; i < 10000; i++)
+        push(&press, 0.05 * (1.0 + random_in(&seed, -1e-3, 1e-3)), &report);
+    CHECK(report.active == 0, "%u are awake", report.active);
+    const double depth = push(&press, 0.05 * 1.1, &report);
+    CHECK(report.active > 0 && report.active < report.nodes / 10, "%u are awake", report.active);
+    double deeper = 0.0;
+    for (int i = 0; i < 2000; i++)
+        deeper = push(&press, 0.05 * 1.1, &report);
+    CHECK(deeper > 1.08 * depth, "%g m deep, then %g", depth, deeper);
+    rig_close(&press.rig);
+}
+
 int main(void)
 {
     TEST(the_active_region_is_enough);
+    TEST(a_slowly_rising_load_is_followed);
+    TEST(what_creeps_is_not_frozen);
     TEST(a_body_at_rest_sleeps);
+    TEST(rounding_of_loads_wakes_nothing);
     TEST(a_moved_node_wakes_its_neighbours);
     return check_report();
 }
