@@ -1,11 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "deform/frequency.h"
 
-#include <math.h>
+#include <float.h>
+
+#include "deform/integrate.h"
 
 /* Passes in search of a swing that is faster than the file says, and what counts as rounding. */
 enum { PASSES = 24 };
 #define ROUNDING 1e-4
+
+/*
+ * Of a step: so much viscosity a net has that goes by what its file says. Nodes that are thrown about turn springs, which
+ * gives them energy; what rows say leaves room enough for that, cells by themselves do not.
+ */
+#define VISCOUS 0.125
 
 /* The largest row of the stiffness, per mass (Gershgorin); a spring between two nodes that move counts twice. */
 static double largest_row(const struct spring_net *net, double stiffness, double contact)
@@ -93,13 +101,35 @@ static int swings_faster(struct dpt_springs *springs, double square)
     return 0;
 }
 
-double dpti_springs_square(struct dpt_springs *springs)
+/* The least drag of all nodes that move. */
+static double least_drag(const struct spring_net *net)
+{
+    double least = DBL_MAX;
+    for (uint32_t node = 0; node < net->nodes; node++)
+        if (net->mass[node] > 0.0f && (double)net->drag[node] < least)
+            least = (double)net->drag[node];
+    return least < DBL_MAX ? least : 0.0;
+}
+
+static void use(struct dpt_springs *springs, double square)
+{
+    springs->square = square;
+    springs->stable_step = dpti_springs_limit(springs->def.integrator, square,
+                                              springs->net.viscosity, least_drag(&springs->net));
+}
+
+void dpti_springs_find_step(struct dpt_springs *springs)
 {
     const struct spring_net *net = &springs->net;
-    const double stiffness = springs->def.stiffness, contact = springs->def.contact_stiffness;
-    const double bound = largest_row(net, stiffness, contact);
-    const double told = stiffness * net->square + contact * most_per_mass(net);
-    if (!(net->square > 0.0 && told < bound) || swings_faster(springs, net->square))
-        return bound;
-    return told;
+    const dpt_springs_def *def = &springs->def;
+    const double rows = largest_row(net, def->stiffness, def->contact_stiffness);
+    const double told = def->stiffness * net->square + def->contact_stiffness * most_per_mass(net);
+    use(springs, rows);
+    if (def->integrator == DPT_INTEGRATOR_IMPLICIT)
+        springs->stable_step = DPT_SPRINGS_STEP_MAX;
+    if (def->integrator != DPT_INTEGRATOR_SYMPLECTIC || !(net->square > 0.0 && told < rows))
+        return;
+    use(springs, told);
+    if (net->viscosity < VISCOUS * springs->stable_step || swings_faster(springs, net->square))
+        use(springs, rows);
 }

@@ -6,9 +6,9 @@
 #include "deform/spring_state.h"
 
 /*
- * 1/s^2: no squared frequency is higher, in any configuration; what touches nodes has the def's contact_stiffness. Where
- * nodes are, and their masses, are known. Scratch: the second state and the first points.
+ * Fill in `square` and `stable_step`, which hold in any configuration; what touches nodes has the def's
+ * contact_stiffness. The nodes' masses are known. Scratch: the second state and the first points.
  */
-double dpti_springs_square(struct dpt_springs *springs);
+void dpti_springs_find_step(struct dpt_springs *springs);
 
 #endif

@@ -153,16 +153,6 @@ size_t dpti_springs_net_bytes(const dpt_springs_def *def, const struct spring_ne
     return net->nodes && block.used <= SIZE_MAX ? (size_t)block.used : 0;
 }
 
-/* The least drag of all nodes that move. */
-static double least_drag(const struct spring_net *net)
-{
-    double least = DBL_MAX;
-    for (uint32_t node = 0; node < net->nodes; node++)
-        if (net->mass[node] > 0.0f && (double)net->drag[node] < least)
-            least = (double)net->drag[node];
-    return least < DBL_MAX ? least : 0.0;
-}
-
 static void begin_masses(struct dpt_springs *springs)
 {
     const struct spring_net *net = &springs->net;
@@ -217,11 +207,7 @@ dpt_result dpti_springs_create_net(void *block, size_t bytes, const dpt_springs_
     made->lead = net->viscosity;
     place(made, &rest);
     begin_masses(made);
-    made->square = dpti_springs_square(made);
-    made->stable_step =
-        def.integrator == DPT_INTEGRATOR_IMPLICIT
-            ? DPT_SPRINGS_STEP_MAX
-            : dpti_springs_limit(def.integrator, made->square, net->viscosity, least_drag(net));
+    dpti_springs_find_step(made);
     begin_nodes(made);
     if (def.mesh)
         dpti_spring_vertices_begin(made);

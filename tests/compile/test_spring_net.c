@@ -350,10 +350,12 @@ static void the_stable_step_is_a_bound(void)
         if (!make_subject(&subject, "sphere", 320, defs[i]))
             continue;
         const double bound = 4.0 / (subject.info.stable_step * subject.info.stable_step);
-        const double stretches[] = { 1.0, 1.5, 4.0 };
-        for (int k = 0; k < 3; k++) {
+        const double stretches[] = { 1.0, 1.5, 4.0, 1e9 };
+        for (int k = 0; k < 4; k++) {
             const double value = largest_eigenvalue(&subject.net, stretches[k]);
-            CHECK(value <= bound * (1.0 + 1e-5) && value > 0.2 * bound,
+            /* Without limits to stretch, a lattice comes near to what its cells say. */
+            const double least = k == 3 && defs[i] == &volume ? 0.9 : 0.2;
+            CHECK(value <= bound * (1.0 + 1e-5) && value > least * bound,
                   "%g s^-2 at %g times the length; the bound is %g", value, stretches[k], bound);
         }
         CHECK(subject.info.fixed_nodes > 0, "nothing is fixed");

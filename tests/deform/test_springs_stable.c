@@ -125,7 +125,11 @@ static double fastest_mode(const struct rig *rig, double *mode)
     return value;
 }
 
-static void make_lattice(struct rig *rig, double viscosity)
+/* Of a cell by itself, s wide: a spring is 0.4 E s, a corner weighs an eighth of it, and 3 k / m is its largest. */
+#define CELL_SQUARE (24.0 * 0.4 * 5000.0 / (1000.0 * 0.01 * 0.01))
+
+/* told: 1/s^2, what the net says of its frequencies; 0: nothing. */
+static void make_told_lattice(struct rig *rig, double viscosity, double told)
 {
     dpt_springs_def def = def_of(DPT_INTEGRATOR_SYMPLECTIC);
     rig_block(rig, 3, 3, 3, 0.01, 5000.0, 1000.0);
@@ -133,6 +137,13 @@ static void make_lattice(struct rig *rig, double viscosity)
         rig_fix(rig, i);
     rig->viscosity = viscosity;
     CHECK(rig_open(rig, &def) == DPT_OK, "not made");
+    rig->net.square = told;
+    CHECK(rig_reopen(rig, &def) == DPT_OK, "not made");
+}
+
+static void make_lattice(struct rig *rig, double viscosity)
+{
+    make_told_lattice(rig, viscosity, 0.0);
 }
 
 /* How far along a mode the nodes are. */
@@ -185,14 +196,15 @@ static void lattices_grow_as_their_matrix_says(void)
 }
 
 /* The largest energy of a lattice over many steps, of what it had. amount: m, by which nodes are thrown about. */
-static double highest_energy(double squeeze, double amount, double share, int is_public)
+static double highest_energy(double squeeze, double amount, double share, int is_public,
+                             double told)
 {
     const uint64_t steps = part_of(100000);
     uint64_t seed = 11;
     struct rig rig = { 0 };
     float start[81];
     double elastic, kinetic, first, highest = 0.0;
-    make_lattice(&rig, 0.0);
+    make_told_lattice(&rig, told > 0.0 ? 4e-4 : 0.0, told);
     for (size_t i = 0; i < 81; i++)
         start[i] = i < 27
                        ? rig.rest[i]
@@ -218,17 +230,50 @@ static double highest_energy(double squeeze, double amount, double share, int is
  * The computed step holds. Of the integrator alone that is asked for strains of up to a tenth, where it keeps its energy;
  * of a body as it is stepped, wherever its nodes may be.
  */
-static void nothing_grows_within_the_computed_step(void)
+static void nothing_grows_within(double told)
 {
-    const double small = highest_energy(1.0, 1e-5, 0.95, 0);
-    const double large = highest_energy(1.0, 1e-3, 0.95, 0);
+    const double small = highest_energy(1.0, 1e-5, 0.95, 0, told);
+    const double large = highest_energy(1.0, 1e-3, 0.95, 0, told);
     CHECK(small < 2.0 && large < 2.0, "energy grows %g and %g times", small, large);
     for (double squeeze = 0.2; squeeze < 1.5; squeeze += 0.2)
         for (double amount = 1e-4; amount < 0.02; amount *= 5.0) {
-            const double thrown = highest_energy(squeeze, amount, 0.899, 1);
+            const double thrown = highest_energy(squeeze, amount, 0.899, 1, told);
             CHECK(thrown < 5.0, "squeezed to %g, thrown by %g: energy grows %g times", squeeze,
                   amount, thrown);
         }
+}
+
+static void nothing_grows_within_the_computed_step(void)
+{
+    nothing_grows_within(0.0);
+}
+
+static void nothing_grows_within_the_step_of_a_cell(void)
+{
+    nothing_grows_within(CELL_SQUARE);
+}
+
+/* A frequency that the net tells is taken if it is lower than what rows say, and nothing is seen to swing faster. */
+static void what_a_net_tells_is_looked_into(void)
+{
+    static const double shares[] = { 1.0, 1.2, 2.0, 0.7, 0.1, 1e-9 };
+    double mode[81];
+    struct rig rig = { 0 };
+    make_lattice(&rig, 0.0);
+    const double rows = rig.made->square, fastest = fastest_mode(&rig, mode);
+    rig_close(&rig);
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
+        const double told = shares[i] * CELL_SQUARE;
+        make_told_lattice(&rig, 4e-4, told);
+        const double expected = shares[i] >= 1.0 && told < rows ? told : rows;
+        CHECK(fabs(rig.made->square / expected - 1.0) < 1e-6, "told %g: %g, not %g", told,
+              rig.made->square, expected);
+        CHECK(fastest <= rig.made->square, "%g is beyond %g", fastest, rig.made->square);
+        rig_close(&rig);
+    }
+    make_told_lattice(&rig, 2e-4, CELL_SQUARE);
+    CHECK(fabs(rig.made->square / rows - 1.0) < 1e-6, "%g with little viscosity", rig.made->square);
+    rig_close(&rig);
 }
 
 /* Substeps are as many as are needed, or the step is refused and nothing moves. */
@@ -306,6 +351,8 @@ int main(int argc, char **argv)
     TEST(one_mass_is_stable_up_to_its_limit);
     TEST(lattices_grow_as_their_matrix_says);
     TEST(nothing_grows_within_the_computed_step);
+    TEST(nothing_grows_within_the_step_of_a_cell);
+    TEST(what_a_net_tells_is_looked_into);
     TEST(long_steps_are_cut_or_refused);
     TEST(implicit_steps_never_explode);
     return check_report();
