@@ -156,8 +156,9 @@ void dpti_spring_contact_end(struct dpt_springs *springs)
     int has_moved = 0, has_changed = 0;
     for (uint32_t slice = 0; slice < springs->net.slices; slice++) {
         if (contact->moved[slice]) {
-            spring_place(slice_of(springs, slice), (float)springs->lead,
-                         springs->points[springs->at] + SPRING_POINTS * (size_t)slice);
+            springs->kernel.spring_points(slice_of(springs, slice), (float)springs->lead,
+                                          springs->points[springs->at] +
+                                              SPRING_POINTS * (size_t)slice);
             if (!springs->region.is_awake[slice])
                 dpti_region_disturb(springs, slice);
             contact->moved[slice] = 0;
