@@ -19,9 +19,10 @@ static dpt_springs_def def_of(uint32_t integrator)
 /* The larger size of the eigenvalues of a step of x'' = -w2 (x + t x') - c x', from the step's matrix. */
 static double mode_growth(uint32_t integrator, double w2, double t, double c, double h)
 {
-    const double keep = 1.0 / (1.0 + h * c);
-    const double vv = keep * (1.0 - h * w2 * t), vx = -keep * h * w2;
     const int euler = integrator == DPT_INTEGRATOR_EULER;
+    const int implicit = integrator == DPT_INTEGRATOR_IMPLICIT;
+    const double keep = 1.0 / (1.0 + h * c + (implicit ? h * w2 * (t + h) : 0.0));
+    const double vv = keep * (implicit ? 1.0 : 1.0 - h * w2 * t), vx = -keep * h * w2;
     const double xv = euler ? h : h * vv, xx = euler ? 1.0 : 1.0 + h * vx;
     const double trace = vv + xx, det = vv * xx - vx * xv, root = 0.25 * trace * trace - det;
     return root < 0.0 ? sqrt(det) : 0.5 * fabs(trace) + sqrt(root);
@@ -156,43 +157,106 @@ static double along(const struct rig *rig, const double *mode)
     return sum;
 }
 
-/* By what factor a small motion along the fastest mode grows in a step of h; 1 if it does not grow in 400 steps. */
+/*
+ * By what factor a small motion along the fastest mode grows in a step of h; 1 if it does not grow in 400 steps. Springs
+ * are taken where nodes will be after the viscosity's time, so that they see more of the motion than nodes do.
+ */
 static double growth_at(const struct rig *rig, const double *mode, double h)
 {
+    const double far = 3e-4 / (1.0 + 2.0 * rig->viscosity / h);
     float start[81];
     for (size_t i = 0; i < 81; i++)
-        start[i] = rig->rest[i] + (float)(2e-6 * mode[i]);
+        start[i] = rig->rest[i] + (float)(far / 150.0 * mode[i]);
     CHECK(dpt_springs_set_nodes(rig->made, 0, rig->nodes, start, NULL) == DPT_OK, "not moved");
     double last = fabs(along(rig, mode)), growth = 1.0;
     for (int i = 0; i < 400; i++) {
         CHECK(dpti_springs_substeps(rig->made, h, 1), "refused");
         const double now = fabs(along(rig, mode));
-        if (now > 3e-4)
+        if (now > far)
             return growth;
-        growth = now > 2e-5 ? now / last : growth;
+        growth = now > far / 15.0 ? now / last : growth;
         last = now;
     }
     return 1.0;
 }
 
+/*
+ * By what factor a small motion along a mode changes in a step, if it swings: of a(n) = r^n cos(n p + q), the numbers
+ * a(n)^2 - a(n - 1) a(n + 1) are r^2n sin(p)^2.
+ */
+static double swing_at(const struct rig *rig, const double *mode, double h, double amount)
+{
+    float start[81];
+    double a[3] = { amount, amount, amount }, first = 0.0, last = 0.0;
+    int counted = 0;
+    for (size_t i = 0; i < 81; i++)
+        start[i] = rig->rest[i] + (float)(amount * mode[i]);
+    CHECK(dpt_springs_set_nodes(rig->made, 0, rig->nodes, start, NULL) == DPT_OK, "not moved");
+    for (int i = 0; i < 4000; i++) {
+        const int is_free = rig->made->def.integrator == DPT_INTEGRATOR_IMPLICIT
+                                ? dpt_springs_step(rig->made, h, NULL, 0, NULL) == DPT_OK
+                                : dpti_springs_substeps(rig->made, h, 1);
+        CHECK(is_free, "refused");
+        a[0] = a[1], a[1] = a[2], a[2] = along(rig, mode);
+        const double size = a[1] * a[1] - a[0] * a[2];
+        if (i < 2 || !(size > 0.0))
+            continue;
+        if (size > 1e-7 || size < 1e-12)
+            break;
+        first = counted++ ? first : size;
+        last = size;
+    }
+    return counted > 3 ? exp(0.5 * log(last / first) / (counted - 1)) : 0.0;
+}
+
+/* Undamped; damped, and still swinging; damped so that it does not. The fastest mode has about 518 rad/s. */
 static void lattices_grow_as_their_matrix_says(void)
 {
-    double mode[81];
-    struct rig rig = { 0 };
-    make_lattice(&rig, 0.0);
-    const double square = fastest_mode(&rig, mode), limit = 2.0 / sqrt(square);
-    CHECK(square <= rig.made->square, "%g is beyond the bound %g", square, rig.made->square);
-    printf("    a step of %.6f s at most, %.6f computed\n", limit, rig.made->stable_step);
-    CHECK(growth_at(&rig, mode, 0.99 * limit) == 1.0, "grows at 0.99 of the limit");
-    CHECK(growth_at(&rig, mode, 1.01 * limit) > 1.05, "does not grow at 1.01 of the limit");
-    for (double share = 1.05; share < 1.35; share += 0.05) {
-        const double seen = growth_at(&rig, mode, share * limit);
-        const double expected =
-            mode_growth(DPT_INTEGRATOR_SYMPLECTIC, square, 0.0, 0.0, share * limit);
-        CHECK(fabs(seen / expected - 1.0) < 0.01, "grows by %g, not %g, at %g", seen, expected,
-              share);
+    const double dampings[] = { 0.0, 0.2, 4.0 }, about = 518.0;
+    for (int i = 0; i < 3; i++) {
+        double mode[81];
+        struct rig rig = { 0 };
+        make_lattice(&rig, dampings[i] / about);
+        const double square = fastest_mode(&rig, mode), t = rig.viscosity;
+        const double limit = dpti_springs_limit(DPT_INTEGRATOR_SYMPLECTIC, square, t, 0.0);
+        CHECK(square <= rig.made->square, "%g is beyond the bound %g", square, rig.made->square);
+        printf("    t w = %.2f: a step of %.6f s at most, %.6f computed\n", t * sqrt(square), limit,
+               rig.made->stable_step);
+        CHECK(i != 2 || t * sqrt(square) > 2.0, "not overdamped");
+        CHECK(growth_at(&rig, mode, 0.99 * limit) == 1.0, "grows at 0.99 of the limit");
+        CHECK(growth_at(&rig, mode, 1.02 * limit) > 1.02, "does not grow at 1.02 of the limit");
+        for (double share = 1.05; share < 1.35; share += 0.05) {
+            const double seen = growth_at(&rig, mode, share * limit);
+            const double expected =
+                mode_growth(DPT_INTEGRATOR_SYMPLECTIC, square, t, 0.0, share * limit);
+            CHECK(fabs(seen / expected - 1.0) < 0.01, "t %g: grows by %g, not %g, at %g", t, seen,
+                  expected, share);
+        }
+        rig_close(&rig);
     }
-    rig_close(&rig);
+}
+
+/* Euler's gains what it should, and backward Euler loses what it should. */
+static void others_grow_and_fade_as_their_matrix_says(void)
+{
+    for (int i = 0; i < 8; i++) {
+        const int implicit = i >= 4;
+        double mode[81];
+        struct rig rig = { 0 };
+        dpt_springs_def def = def_of(implicit ? DPT_INTEGRATOR_IMPLICIT : DPT_INTEGRATOR_EULER);
+        def.iterations = 32;
+        make_lattice(&rig, i % 2 ? 5e-5 : 0.0);
+        const double square = fastest_mode(&rig, mode);
+        const double h = (implicit ? i / 2 % 2 ? 0.2 : 0.05 : i / 2 % 2 ? 0.6 : 0.3) / sqrt(square);
+        CHECK(rig_reopen(&rig, &def) == DPT_OK, "not made");
+        const double seen = swing_at(&rig, mode, h, implicit ? 3e-4 : 1e-5);
+        const double expected = mode_growth(def.integrator, square, rig.viscosity, 0.0, h);
+        CHECK(implicit == (expected < 1.0), "%g", expected);
+        CHECK(fabs(log(seen) / log(expected) - 1.0) < 0.05 && fabs(seen / expected - 1.0) < 0.01,
+              "integrator %u, h %g, t %g: %g a step, not %g", def.integrator, h, rig.viscosity,
+              seen, expected);
+        rig_close(&rig);
+    }
 }
 
 /* The largest energy of a lattice over many steps, of what it had. amount: m, by which nodes are thrown about. */
@@ -350,6 +414,7 @@ int main(int argc, char **argv)
     TEST(limits_of_one_mode_are_exact);
     TEST(one_mass_is_stable_up_to_its_limit);
     TEST(lattices_grow_as_their_matrix_says);
+    TEST(others_grow_and_fade_as_their_matrix_says);
     TEST(nothing_grows_within_the_computed_step);
     TEST(nothing_grows_within_the_step_of_a_cell);
     TEST(what_a_net_tells_is_looked_into);
