@@ -3,7 +3,8 @@
 """make charts: draw docs/charts/*.svg, and keep their data, from what the bench wrote.
 
 chart.py BENCH_DIR OUT_DIR   reads results.csv, histograms.csv, budgets.csv, paper.csv, strip_coverage.csv,
-                             needle.csv and deform.csv, and names those that are not there; standard library only
+                             needle.csv, deform.csv and springs_map.csv, and names those that are not there; standard
+                             library only
 """
 import csv
 import math
@@ -53,6 +54,14 @@ MOVING = {
     "avx512": ("dynpoint, AVX-512", "#154360"),
     "rigid": ("dynpoint, rigid body", "#95a5a6"),
 }
+
+MAP_KINDS = {
+    "one": ("stable in one step", "#7fb3d5"),
+    "cut": ("cut into substeps", "#d4e6f1"),
+    "refused": ("refused", "#d5d8dc"),
+    "grown": ("energy grows", "#b03a2e"),
+}
+MAP_GROWN = 2  # times the energy at the start: rounding and swings of a stable step stay below
 
 LAWS = {
     "point": ("#b03a2e", 0.9),
@@ -424,6 +433,60 @@ def moving_mesh(rows):
                 "farthest that a vertex moves in a tick, mm", "microseconds a query", series)
 
 
+def map_cell(rows):
+    """What becomes of a stiffness and step: one step, so many substeps, refused, or grown, which must not be."""
+    outcomes = {int(r["substeps"]): float(r["outcome"]) for r in rows}
+    accepted = [value for substeps, value in outcomes.items() if substeps and value > 0]
+    if any(not value <= MAP_GROWN for value in accepted):
+        return "grown"
+    return "one" if outcomes[1] > 0 else "cut" if accepted else "refused"
+
+
+def springs_map(rows):
+    """Which stiffness and step each integrator takes, a panel each; crosses: the loop alone explodes there."""
+    panels = [("euler", "EULER"), ("symplectic", "SYMPLECTIC"), ("implicit", "IMPLICIT")]
+    stiffnesses = sorted({float(r["stiffness"]) for r in rows})
+    steps = sorted({float(r["step"]) for r in rows})
+    wide, high, top, gap = 12, 24, TOP + 54, 20
+    height = top + high * len(steps) + BOTTOM
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" '
+           'font-family="sans-serif" fill="#222">',
+           f'<rect width="{WIDTH}" height="{height}" fill="white"/>',
+           text(LEFT, 22, "Which stiffness and step each integrator of springs takes", "start", 16, 'font-weight="bold"'),
+           text(LEFT, 40, "A block of 216 nodes, thrown about for a second; at most 16 substeps. "
+                "Crosses: the loop alone explodes.", "start", 12)]
+    at = LEFT
+    for kind, (name, colour) in MAP_KINDS.items():
+        out.append(f'<rect x="{at}" y="{TOP}" width="14" height="14" fill="{colour}"/>')
+        out.append(text(at + 20, TOP + 12, name, "start", 12))
+        at += 40 + 7 * len(name)
+    left = LEFT
+    for integrator, title in panels:
+        out.append(text(left + wide * len(stiffnesses) / 2, top - 8, title, size=13, extra='font-weight="bold"'))
+        for column, stiffness in enumerate(stiffnesses):
+            for row, step in enumerate(steps):
+                here = [r for r in rows if r["integrator"] == integrator and float(r["stiffness"]) == stiffness
+                        and float(r["step"]) == step]
+                x, y = left + wide * column, top + high * (len(steps) - 1 - row)
+                out.append(f'<rect x="{x}" y="{y}" width="{wide - 1}" height="{high - 1}" '
+                           f'fill="{MAP_KINDS[map_cell(here)][1]}"/>')
+                if any(r["substeps"] == "0" and not float(r["outcome"]) <= MAP_GROWN for r in here):
+                    out.append(f'<path d="M{x + 2.5},{y + 8.5} l6,6 m0,-6 l-6,6" stroke="#222" fill="none"/>')
+        for column, stiffness in enumerate(stiffnesses):
+            power = math.log10(stiffness)
+            if abs(power - round(power)) < 0.01 and round(power) % 2 == 0:
+                out.append(text(left + wide * (column + 0.5), height - BOTTOM + 18, f"1e{round(power):d}", size=12))
+        left += wide * len(stiffnesses) + gap
+    for row, step in enumerate(steps):
+        if row % 2 == 0:
+            out.append(text(LEFT - 8, top + high * (len(steps) - 1 - row) + high / 2 + 4, f"{1e3 * step:g}", "end", 12))
+    out.append(text((LEFT + left - gap) / 2, height - 16, "stiffness (1: E = 5 kPa, cells of 10 mm)"))
+    middle = top + high * len(steps) / 2
+    out.append(text(18, middle, "step, ms", extra=f'transform="rotate(-90 18 {middle})"'))
+    out.append("</svg>")
+    return "\n".join(out) + "\n"
+
+
 def read(path):
     with open(path, newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
@@ -457,7 +520,8 @@ def main(bench, folder):
         shutil.copyfile(bench + "/paper.csv", folder + "/parts.csv")
     for source, name, chart in (("strip_coverage", "strip-recall", strip_recall),
                                 ("budgets", "contact-budget", contact_budget),
-                                ("needle", "needle-force", needle_force), ("deform", "deform", moving_mesh)):
+                                ("needle", "needle-force", needle_force), ("deform", "deform", moving_mesh),
+                                ("springs_map", "springs-map", springs_map)):
         if is_there(source + ".csv"):
             write(f"{folder}/{name}.svg", chart(read(f"{bench}/{source}.csv")))
             shutil.copyfile(f"{bench}/{source}.csv", f"{folder}/{name}.csv")

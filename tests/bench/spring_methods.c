@@ -1,0 +1,490 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Integrators of springs, ours and two of others, on the same bodies in one run: what a tick costs, how far a press is
+ * from what it should be, what stays stable, and what becomes of energy. Prints CSV.
+ *
+ *     spring_methods press [MESH.dpa]    how exact, and in what time
+ *     spring_methods energy [MESH.dpa]   what is kept when a press is let go without damping, 1: all; and what becomes of
+ *                                        nodes that are thrown about, at stiffnesses and steps, 0: it was refused
+ *
+ * The mesh has springs; without one it is a block of 21 x 21 x 23 nodes.
+ *
+ * A press: 0.3 N on the nodes within 20 mm of the highest one, for 1 s in ticks of 1 ms; of stiffer bodies as many times
+ * more. Its true end is that of Newton's method, and its true way that of `plain` in substeps of 1/16 ms. Numbers behind
+ * `xpbd` are substeps, behind `vbd` sweeps, behind `implicit` passes (spring_others.h).
+ */
+#include <float.h>
+
+#include "bench/spring_others.h"
+#include "bench/timing.h"
+#include "deform/spring_rig.h"
+#include "mesh/mesh_format.h"
+
+#define PATCH 0.02 /* m */
+#define PUSH  0.3  /* N */
+#define DRAG  5.0  /* 1/s, of the block */
+
+struct method {
+    const char *name;
+    uint32_t kind, count, integrator;
+};
+
+enum { PLAIN, XPBD, VBD, OURS };
+
+static const struct method methods[] = {
+    { "plain 1", PLAIN, 1, 0 },
+    { "symplectic", OURS, 2, DPT_INTEGRATOR_SYMPLECTIC },
+    { "implicit 1", OURS, 1, DPT_INTEGRATOR_IMPLICIT },
+    { "implicit 2", OURS, 2, DPT_INTEGRATOR_IMPLICIT },
+    { "implicit 4", OURS, 4, DPT_INTEGRATOR_IMPLICIT },
+    { "implicit 8", OURS, 8, DPT_INTEGRATOR_IMPLICIT },
+    { "implicit 32", OURS, 32, DPT_INTEGRATOR_IMPLICIT },
+    { "xpbd 1", XPBD, 1, 0 },
+    { "xpbd 2", XPBD, 2, 0 },
+    { "xpbd 4", XPBD, 4, 0 },
+    { "xpbd 8", XPBD, 8, 0 },
+    { "vbd 1", VBD, 1, 0 },
+    { "vbd 2", VBD, 2, 0 },
+    { "vbd 4", VBD, 4, 0 },
+    { "vbd 8", VBD, 8, 0 },
+};
+enum { METHODS = sizeof methods / sizeof *methods };
+
+static void *room(size_t count, size_t size)
+{
+    void *made = calloc(count, size);
+    if (!made)
+        exit(2);
+    return made;
+}
+
+static void list_springs(struct body *body)
+{
+    const struct spring_net *net = &body->net;
+    body->nodes = net->nodes;
+    body->springs = net->springs;
+    body->list = room(net->springs, sizeof *body->list);
+    body->first = room((size_t)net->nodes + 2, sizeof *body->first);
+    body->row = room(2 * (size_t)net->springs, sizeof *body->row);
+    uint32_t count = 0;
+    for (uint32_t slice = 0; slice < net->slices; slice++)
+        for (uint32_t lane = 0; lane < LANES && LANES * slice + lane < net->nodes; lane++)
+            for (uint32_t entry = net->first[slice]; entry < net->first[slice + 1]; entry++) {
+                const size_t at = LANES * (size_t)entry + lane;
+                const uint32_t node = LANES * slice + lane, other = net->neighbour[at];
+                if (other <= node || net->stiffness[at] == 0.0f)
+                    continue;
+                body->list[count++] =
+                    (struct link){ node, other, net->stiffness[at], net->length[at] };
+                body->first[node + 2]++;
+                body->first[other + 2]++;
+            }
+    for (uint32_t node = 0; node < net->nodes; node++)
+        body->first[node + 2] += body->first[node + 1];
+    for (uint32_t i = 0; i < count; i++) {
+        body->row[body->first[body->list[i].a + 1]++] = i;
+        body->row[body->first[body->list[i].b + 1]++] = i;
+    }
+    float **const arrays[] = { &body->load, &body->x,     &body->before,
+                               &body->v,    &body->force, &body->target };
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        *arrays[i] = room(3 * (size_t)net->nodes, sizeof(float));
+}
+
+/* The body and the load are so many times as stiff and large. */
+static void push(struct body *body, double stiffness)
+{
+    body->stiffness = (float)stiffness;
+    for (uint32_t i = 0; i < body->load_count; i++)
+        for (uint32_t k = 0; k < 3; k++) {
+            body->loads[i].force[k] = stiffness * PUSH * body->unit[i].force[k];
+            body->load[3 * body->loads[i].vertex + k] = (float)body->loads[i].force[k];
+        }
+}
+
+/* Along x, y or z: the side that is pressed, which is the one that is free. */
+static void press(struct body *body)
+{
+    const float *rest = body->net.rest;
+    double fixed[3] = { 0.0 }, middle[3] = { 0.0 }, sum = 0.0;
+    uint32_t count = 0, top = 0;
+    for (uint32_t i = 0; i < body->nodes; i++) {
+        count += body->net.mass[i] == 0.0f;
+        for (int k = 0; k < 3; k++) {
+            middle[k] += (double)rest[3 * i + (uint32_t)k] / body->nodes;
+            fixed[k] += body->net.mass[i] == 0.0f ? (double)rest[3 * i + (uint32_t)k] : 0.0;
+        }
+    }
+    const int up = fabs(fixed[2] / count - middle[2]) > 0.01 ? 2 : 1;
+    double best = -1e9;
+    for (uint32_t i = 0; i < body->nodes; i++) {
+        double height = (double)rest[3 * i + (uint32_t)up];
+        for (int k = 0; k < 3; k++)
+            height -= k == up ? 0.0 : fabs((double)rest[3 * i + (uint32_t)k] - middle[k]);
+        if (height > best)
+            best = height, top = i;
+    }
+    body->unit = room(body->nodes, sizeof *body->unit);
+    for (uint32_t i = 0; i < body->nodes; i++) {
+        double square = 0.0;
+        for (uint32_t k = 0; k < 3; k++)
+            square += pow((double)rest[3 * i + k] - (double)rest[3 * top + k], 2.0);
+        if (square < PATCH * PATCH && body->net.mass[i] > 0.0f) {
+            body->unit[body->load_count].vertex = i;
+            body->unit[body->load_count++].force[up] = 1.0 - square / (PATCH * PATCH);
+            sum += 1.0 - square / (PATCH * PATCH);
+        }
+    }
+    for (uint32_t i = 0; i < body->load_count; i++)
+        body->unit[i].force[up] *= -1.0 / sum;
+    body->loads = room(body->load_count, sizeof *body->loads);
+    memcpy(body->loads, body->unit, body->load_count * sizeof *body->loads);
+    push(body, 1.0);
+}
+
+/* m: how far loads went, weighted by their force. */
+static double depth_of(const struct body *body, const float *x)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < body->load_count; i++)
+        for (uint32_t k = 0; k < 3; k++) {
+            const uint32_t at = 3 * body->unit[i].vertex + k;
+            sum += body->unit[i].force[k] * ((double)x[at] - (double)body->net.rest[at]);
+        }
+    return sum;
+}
+
+static double energy_of(const struct body *body)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < body->springs; i++) {
+        const struct link *link = &body->list[i];
+        double square = 0.0;
+        for (uint32_t k = 0; k < 3; k++)
+            square += pow((double)body->x[3 * link->b + k] - (double)body->x[3 * link->a + k], 2.0);
+        sum += 0.5 * (double)body->stiffness * (double)link->stiffness *
+               pow(sqrt(square) - (double)link->length, 2.0);
+    }
+    for (uint32_t i = 0; i < 3 * body->nodes; i++)
+        sum += 0.5 * (double)body->net.mass[i / 3] * pow((double)body->v[i], 2.0);
+    return sum;
+}
+
+/* Where a press ends: Newton's method in double, each step by conjugate gradients, and of at most so many m. */
+#define NEWTON_STEP 2e-3
+enum { NEWTON_ROUNDS = 60 };
+
+struct balance {
+    size_t n;
+    double *x, *right, *change, *left, *way, *product, *diagonal;
+};
+
+/* product = K way, where pressed springs count along themselves alone; or right = what is not in balance. */
+static void balance_sum(const struct body *body, struct balance *at, int is_force)
+{
+    double *to = is_force ? at->right : at->product;
+    for (size_t i = 0; i < at->n; i++) {
+        to[i] = is_force ? (double)body->load[i] : 0.0;
+        at->diagonal[i] = is_force ? 0.0 : at->diagonal[i];
+    }
+    for (uint32_t i = 0; i < body->springs; i++) {
+        const struct link *link = &body->list[i];
+        const size_t a = 3 * (size_t)link->a, b = 3 * (size_t)link->b;
+        double d[3], way[3], square = 0.0, inner = 0.0;
+        for (size_t k = 0; k < 3; k++) {
+            d[k] = at->x[b + k] - at->x[a + k];
+            way[k] = is_force ? d[k] : at->way[b + k] - at->way[a + k];
+            square += d[k] * d[k];
+            inner += d[k] * way[k];
+        }
+        const double turn = 1.0 - (double)link->length / sqrt(square);
+        const double across = is_force || turn > 0.0 ? turn : 0.0;
+        const double along = is_force ? 0.0 : (1.0 - across) * inner / square;
+        for (size_t k = 0; k < 3; k++) {
+            const double push = (double)link->stiffness * (across * way[k] + along * d[k]);
+            to[a + k] += is_force ? push : -push;
+            to[b + k] -= is_force ? push : -push;
+            const double more = turn > 0.0 ? turn : 0.0;
+            const double stiff =
+                (double)link->stiffness * (more + (1.0 - more) * d[k] * d[k] / square);
+            at->diagonal[a + k] += is_force ? stiff : 0.0;
+            at->diagonal[b + k] += is_force ? stiff : 0.0;
+        }
+    }
+    for (size_t i = 0; i < at->n; i++)
+        to[i] = body->net.mass[i / 3] > 0.0f ? to[i] : 0.0;
+}
+
+static double balance_norm(const struct balance *at)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < at->n; i++)
+        sum += at->left[i] * at->left[i] / at->diagonal[i];
+    return sum;
+}
+
+static void balance_solve(const struct body *body, struct balance *at)
+{
+    double norm;
+    for (size_t i = 0; i < at->n; i++) {
+        at->change[i] = 0.0;
+        at->left[i] = at->right[i];
+        at->way[i] = at->left[i] / at->diagonal[i];
+    }
+    norm = balance_norm(at);
+    const double goal = 1e-12 * norm;
+    for (int i = 0; i < 4000 && norm > goal; i++) {
+        double curvature = 0.0;
+        balance_sum(body, at, 0);
+        for (size_t k = 0; k < at->n; k++)
+            curvature += at->way[k] * at->product[k];
+        for (size_t k = 0; k < at->n; k++) {
+            at->change[k] += norm / curvature * at->way[k];
+            at->left[k] -= norm / curvature * at->product[k];
+        }
+        const double next = balance_norm(at);
+        for (size_t k = 0; k < at->n; k++)
+            at->way[k] = at->left[k] / at->diagonal[k] + next / norm * at->way[k];
+        norm = next;
+    }
+}
+
+/* Fills in where nodes are in the end. */
+static void true_end(struct body *body, float *end)
+{
+    struct balance at = { .n = 3 * (size_t)body->nodes };
+    double **const arrays[] = { &at.x,   &at.right,   &at.change,  &at.left,
+                                &at.way, &at.product, &at.diagonal };
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        *arrays[i] = room(at.n, sizeof(double));
+    for (size_t i = 0; i < at.n; i++)
+        at.x[i] = (double)body->net.rest[i];
+    for (int round = 0; round < NEWTON_ROUNDS; round++) {
+        double most = 0.0;
+        balance_sum(body, &at, 1);
+        balance_solve(body, &at);
+        for (size_t i = 0; i < at.n; i++)
+            most = fabs(at.change[i]) > most ? fabs(at.change[i]) : most;
+        for (size_t i = 0; i < at.n; i++)
+            at.x[i] += (most > NEWTON_STEP ? NEWTON_STEP / most : 1.0) * at.change[i];
+        if (most < 1e-9)
+            break;
+        if (round == NEWTON_ROUNDS - 1)
+            fprintf(stderr, "spring_methods: no balance: %g m\n", most);
+    }
+    for (size_t i = 0; i < at.n; i++)
+        end[i] = (float)at.x[i];
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        free(*arrays[i]);
+}
+
+/* A method on a body; `springs` are those of ours. */
+struct run {
+    struct body *body;
+    const struct method *method;
+    dpt_springs *springs;
+    void *block;
+};
+
+static void run_open(struct run *run, struct body *body, const struct method *method,
+                     const float *from)
+{
+    const struct spring_net *net = &body->net;
+    run->body = body;
+    run->method = method;
+    run->block = NULL;
+    memcpy(body->x, from, 3 * (size_t)net->nodes * sizeof *from);
+    memset(body->v, 0, 3 * (size_t)net->nodes * sizeof *body->v);
+    if (method->kind != OURS)
+        return;
+    dpt_springs_def def;
+    dpt_springs_def_init(&def);
+    def.integrator = method->integrator;
+    def.iterations = method->count;
+    def.stiffness = (double)body->stiffness;
+    def.sleep_speed = 0.0;
+    const size_t bytes = dpti_springs_net_bytes(&def, net);
+    run->block = room(bytes, 1);
+    if (dpti_springs_create_net(run->block, bytes, &def, net, &run->springs) != DPT_OK)
+        exit(2);
+    dpt_springs_set_nodes(run->springs, 0, net->nodes, from, NULL);
+}
+
+/* A tick. Returns 0 if it was refused. */
+static int run_tick(struct run *run, double dt, int is_pressed)
+{
+    struct body *body = run->body;
+    const uint32_t count = run->method->count;
+    if (run->method->kind == OURS)
+        return dpt_springs_step(run->springs, dt, body->loads, is_pressed ? body->load_count : 0,
+                                NULL) == DPT_OK;
+    for (uint32_t i = 0; i < (run->method->kind == VBD ? 1 : count); i++)
+        if (run->method->kind == VBD)
+            vbd_step(body, (float)dt, count);
+        else
+            (run->method->kind == XPBD ? xpbd_step : plain_step)(body, (float)(dt / count));
+    return 1;
+}
+
+static void run_look(struct run *run)
+{
+    if (run->method->kind == OURS)
+        dpt_springs_get_nodes(run->springs, run->body->nodes, run->body->x, run->body->v);
+}
+
+/* How far off a press is from its end, and from its way where that is known, in per cent. */
+static void measure_press(struct body *body, const float *end, double stiffness)
+{
+    static const double moments[] = { 0.05, 0.2, 1.0 };
+    const struct method exact = { "plain 16", PLAIN, 16, 0 };
+    const double depth = depth_of(body, end);
+    double way[3] = { NAN, NAN, NAN }, seen[3];
+    struct run run;
+    push(body, stiffness);
+    for (int m = stiffness > 1.0 ? 0 : -1; m < METHODS; m++) {
+        const struct method *method = m < 0 ? &exact : methods + m;
+        double least = DBL_MAX, worst = 0.0;
+        uint32_t next = 0;
+        int is_done = 1;
+        run_open(&run, body, method, body->net.rest);
+        for (int tick = 1; tick <= 1000 && is_done; tick++) {
+            const double t = now();
+            is_done = run_tick(&run, 1e-3, 1);
+            least = fmin(least, now() - t);
+            if (tick == (int)(1000.0 * moments[next] + 0.5)) {
+                run_look(&run);
+                seen[next] = depth_of(body, body->x);
+                way[next] = m < 0 ? seen[next] : way[next];
+                next += next < 2;
+            }
+        }
+        for (uint32_t i = 0; i < 3 * body->nodes; i++)
+            worst = fmax(worst, fabs((double)body->x[i] - (double)end[i]));
+        free(run.block);
+        if (!is_done) {
+            printf("%u,%g,%s,refused\n", body->nodes, stiffness, method->name);
+            continue;
+        }
+        printf("%u,%g,%s,%.3f,%.3f,%.3f", body->nodes, stiffness, method->name, 1e-6 * least,
+               100.0 * (seen[2] / depth - 1.0), 100.0 * worst / depth);
+        for (int i = 0; i < 3; i++)
+            printf(isnan(way[i]) ? "," : ",%.3f", 100.0 * (seen[i] / way[i] - 1.0));
+        printf("\n");
+        fflush(stdout);
+    }
+    push(body, 1.0);
+}
+
+/* The largest energy of `ticks` ticks, and the last, of the first. 0: refused; infinite: not finite. */
+static void follow(struct body *body, const struct method *method, const float *from, double dt,
+                   int ticks, double *most, double *last)
+{
+    struct run run;
+    run_open(&run, body, method, from);
+    const double first = energy_of(body);
+    *most = *last = 0.0;
+    for (int i = 0; i < ticks; i++) {
+        if (!run_tick(&run, dt, 0))
+            break;
+        run_look(&run);
+        *last = energy_of(body) / first;
+        *most = *last > *most ? *last : *most;
+        if (!(*last < 1e6)) {
+            *most = *last = HUGE_VAL;
+            break;
+        }
+    }
+    free(run.block);
+}
+
+/* Let go of a press: without damping, energy should stay. With it, and thrown about, it should not grow. */
+static void measure_energy(struct body *body, const float *end)
+{
+    static const double scales[] = { 1.0, 1e3, 1e6 }, steps[] = { 1e-3, 1e-2, 0.033 };
+    const struct spring_net damped = body->net;
+    float *none = room(body->nodes, sizeof *none), *thrown = room(body->nodes, 3 * sizeof *none);
+    float *load = body->load;
+    uint64_t seed = 7;
+    double most, last;
+    body->load = room(body->nodes, 3 * sizeof *load);
+    for (size_t i = 0; i < 3 * (size_t)body->nodes; i++)
+        thrown[i] = end[i] + (damped.mass[i / 3] > 0.0f ? (float)random_in(&seed, -2e-4, 2e-4) : 0);
+    printf("nodes,method,stiffness,dt,largest_energy,last_energy\n");
+    for (int m = 0; m < METHODS; m++) {
+        body->net.drag = none;
+        body->net.viscosity = 0.0;
+        follow(body, methods + m, end, 1e-3, 1000, &most, &last);
+        printf("%u,%s,released,0.001,%.4g,%.4g\n", body->nodes, methods[m].name, most, last);
+        body->net = damped;
+        for (int i = 0; i < 9; i++) {
+            body->stiffness = (float)scales[i % 3];
+            follow(body, methods + m, thrown, steps[i / 3], 100, &most, &last);
+            printf("%u,%s,%g,%g,%.4g,%.4g\n", body->nodes, methods[m].name, scales[i % 3],
+                   steps[i / 3], most, last);
+            fflush(stdout);
+        }
+        body->stiffness = 1.0f;
+    }
+    free(body->load);
+    body->load = load;
+    free(none);
+    free(thrown);
+}
+
+static const dpt_mesh *open_file(const char *path)
+{
+    const dpt_mesh *mesh = NULL;
+    FILE *file = fopen(path, "rb");
+    long size = -1;
+    void *bytes = NULL;
+    if (file && fseek(file, 0, SEEK_END) == 0 && (size = ftell(file)) > 0 &&
+        fseek(file, 0, SEEK_SET) == 0 && posix_memalign(&bytes, 64, (size_t)size) == 0 &&
+        fread(bytes, (size_t)size, 1, file) == 1)
+        dpt_mesh_open(bytes, (size_t)size, &mesh);
+    if (file)
+        fclose(file);
+    return mesh;
+}
+
+static int load_body(struct body *body, struct rig *rig, const char *path)
+{
+    dpt_springs_def def;
+    dpt_springs_def_init(&def);
+    if (path) {
+        const dpt_mesh *mesh = open_file(path);
+        return mesh && mesh_spring_net(mesh, &body->net);
+    }
+    rig_block(rig, 21, 21, 23, 0.005, 5000.0, 1000.0);
+    rig_drag(rig, DRAG);
+    rig->viscosity = 1e-3;
+    for (uint32_t i = 0; i < 21 * 21; i++)
+        rig_fix(rig, i);
+    if (rig_open(rig, &def) != DPT_OK)
+        return 0;
+    body->net = rig->net;
+    return 1;
+}
+
+int main(int argc, char **argv)
+{
+    struct body body = { .stiffness = 1.0f };
+    struct rig rig = { 0 };
+    const int is_press = argc > 1 && !strcmp(argv[1], "press");
+    if (argc < 2 || argc > 3 || (!is_press && strcmp(argv[1], "energy")) ||
+        !load_body(&body, &rig, argc > 2 ? argv[2] : NULL)) {
+        fprintf(stderr, "spring_methods press|energy [MESH.dpa]\n");
+        return 2;
+    }
+    list_springs(&body);
+    press(&body);
+    float *end = room(body.nodes, 3 * sizeof *end);
+    true_end(&body, end);
+    if (is_press) {
+        printf("nodes,stiffness,method,ms_a_tick,off_end,worst_node,off_50ms,off_200ms,off_1s\n");
+        for (double stiffness = 1.0; stiffness < 1e5; stiffness *= 100.0)
+            measure_press(&body, end, stiffness);
+    } else {
+        measure_energy(&body, end);
+    }
+    return 0;
+}
