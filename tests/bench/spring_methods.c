@@ -38,7 +38,6 @@ static const struct method methods[] = {
     { "implicit 2", OURS, 2, DPT_INTEGRATOR_IMPLICIT },
     { "implicit 4", OURS, 4, DPT_INTEGRATOR_IMPLICIT },
     { "implicit 8", OURS, 8, DPT_INTEGRATOR_IMPLICIT },
-    { "implicit 32", OURS, 32, DPT_INTEGRATOR_IMPLICIT },
     { "xpbd 1", XPBD, 1, 0 },
     { "xpbd 2", XPBD, 2, 0 },
     { "xpbd 4", XPBD, 4, 0 },
@@ -46,7 +45,6 @@ static const struct method methods[] = {
     { "vbd 1", VBD, 1, 0 },
     { "vbd 2", VBD, 2, 0 },
     { "vbd 4", VBD, 4, 0 },
-    { "vbd 8", VBD, 8, 0 },
 };
 enum { METHODS = sizeof methods / sizeof *methods };
 
@@ -85,8 +83,8 @@ static void list_springs(struct body *body)
         body->row[body->first[body->list[i].a + 1]++] = i;
         body->row[body->first[body->list[i].b + 1]++] = i;
     }
-    float **const arrays[] = { &body->load, &body->x,     &body->before,
-                               &body->v,    &body->force, &body->target };
+    float **const arrays[] = { &body->load,  &body->x,      &body->before, &body->v,
+                               &body->force, &body->target, &body->last };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         *arrays[i] = room(3 * (size_t)net->nodes, sizeof(float));
 }
@@ -295,6 +293,7 @@ static void run_open(struct run *run, struct body *body, const struct method *me
     run->block = NULL;
     memcpy(body->x, from, 3 * (size_t)net->nodes * sizeof *from);
     memset(body->v, 0, 3 * (size_t)net->nodes * sizeof *body->v);
+    memset(body->last, 0, 3 * (size_t)net->nodes * sizeof *body->last);
     if (method->kind != OURS)
         return;
     dpt_springs_def def;
@@ -341,7 +340,7 @@ static void measure_press(struct body *body, const float *end, double stiffness)
     double way[3] = { NAN, NAN, NAN }, seen[3];
     struct run run;
     push(body, stiffness);
-    for (int m = stiffness > 1.0 ? 0 : -1; m < METHODS; m++) {
+    for (int m = stiffness > 1.0 ? 1 : -1; m < METHODS; m++) {
         const struct method *method = m < 0 ? &exact : methods + m;
         double least = DBL_MAX, worst = 0.0;
         uint32_t next = 0;
@@ -481,7 +480,7 @@ int main(int argc, char **argv)
     true_end(&body, end);
     if (is_press) {
         printf("nodes,stiffness,method,ms_a_tick,off_end,worst_node,off_50ms,off_200ms,off_1s\n");
-        for (double stiffness = 1.0; stiffness < 1e5; stiffness *= 100.0)
+        for (double stiffness = 1.0; stiffness < 1e7; stiffness *= 1e3)
             measure_press(&body, end, stiffness);
     } else {
         measure_energy(&body, end);

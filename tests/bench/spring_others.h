@@ -5,7 +5,8 @@
  *   xpbd   M. Macklin, M. Mueller, N. Chentanez, XPBD, 2016, in substeps of one iteration (M. Macklin et al., Small steps
  *          in physics simulation, 2019), springs one after the other; with the damping of its section 3.5
  *   vbd    A. H. Chen, Z. Liu, Y. Yang, C. Yuksel, Vertex block descent, 2024: backward Euler by sweeps over the nodes,
- *          one after the other, each a Newton step of one node; begun where nodes fly on
+ *          one after the other, each a Newton step of one node; begun as in its section 3.7, where nodes fly on under as
+ *          much of the load as accelerated them in the last step
  *   plain  symplectic Euler, programmed as they are
  */
 #ifndef DPT_BENCH_SPRING_OTHERS_H
@@ -30,7 +31,7 @@ struct body {
     dpt_load *unit, *loads; /* of a press of 1 N; those of now */
     uint32_t load_count;
     float *load; /* 3 a node: of the loads; and where a node is, was, and how fast */
-    float *x, *before, *v, *force, *target;
+    float *x, *before, *v, *force, *target, *last;
     float stiffness; /* what all are multiplied by */
 };
 
@@ -165,10 +166,30 @@ static void vbd_node(struct body *body, uint32_t node, float inertia, float damp
         x[3 * node + k] += by[k];
 }
 
+/* Where sweeps begin. last: speeds one step before those of now. */
+static void vbd_begin(struct body *body, uint32_t node, float h)
+{
+    const float mass = body->net.mass[node];
+    float along = 0.0f, square = 0.0f;
+    for (uint32_t i = 3 * node; i < 3 * node + 3; i++) {
+        along += (body->force[i] - body->last[i]) / h * body->load[i] / mass;
+        square += body->load[i] / mass * (body->load[i] / mass);
+    }
+    if (!(mass > 0.0f && square > 0.0f))
+        return;
+    const float share = along < 0.0f ? 0.0f : along > square ? 1.0f : along / square;
+    for (uint32_t i = 3 * node; i < 3 * node + 3; i++)
+        body->x[i] -= (1.0f - share) * h * h * body->load[i] / mass;
+}
+
 static void vbd_step(struct body *body, float h, uint32_t sweeps)
 {
     const float damping = (float)body->net.viscosity / h;
+    memcpy(body->force, body->v, 3 * (size_t)body->nodes * sizeof *body->v);
     fly_on(body, h);
+    for (uint32_t node = 0; node < body->nodes; node++)
+        vbd_begin(body, node, h);
+    memcpy(body->last, body->force, 3 * (size_t)body->nodes * sizeof *body->v);
     for (uint32_t sweep = 0; sweep < sweeps; sweep++)
         for (uint32_t node = 0; node < body->nodes; node++) {
             const float mass = body->net.mass[node] * (1.0f + h * body->net.drag[node]);

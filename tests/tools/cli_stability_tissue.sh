@@ -4,7 +4,7 @@
 # `sh tests/tools/cli_stability_tissue.sh BUILD`.
 . "$(dirname "$0")/cli.sh"
 
-tissue='tissue soft pulse reaction displace'
+tissue='tissue soft pulse reaction displace springs'
 
 # part_of CASE METHOD WHAT FIELD: a field of a figure
 part_of()
@@ -29,7 +29,7 @@ is_within()
 # shellcheck disable=SC2086
 run stability $tissue --effort 0.01 --json
 check "exit $status: $(cat stderr)" test $status -eq 0
-check 'an object a case' test "$(wc -l <stdout)" -eq 5
+check 'an object a case' test "$(wc -l <stdout)" -eq 6
 if [ -x "$(command -v python3)" ]; then
     check 'JSON' python3 -c 'import json, sys
 for line in open("stdout"):
@@ -72,5 +72,13 @@ holds reaction point 'largest |sum of loads + force|, of the peak force'
 # A strip makes a displaced surface smoother than the nearest triangle does.
 holds displace strip 'edges of r/2: rms with the strip, of that with the nearest alone'
 is_within displace point 'edges of r/2, nearest alone: rms above 100 Hz, of the mean force' 0.1 1
+
+# A liver of springs holds still under a needle and a lying tool, and gives no energy away.
+holds springs proxy 'needle, SYMPLECTIC: fastest in the last quarter'
+holds springs proxy 'needle, SYMPLECTIC: drift from the second quarter to the last'
+holds springs observer 'needle, SYMPLECTIC: least account'
+holds springs proxy 'lying tool, SYMPLECTIC: rms of the force about its mean there'
+holds springs observer 'lying tool, SYMPLECTIC: least account'
+is_within springs proxy 'needle, SYMPLECTIC: how deep the liver was pressed' 2 6
 
 finish
