@@ -109,7 +109,7 @@ static void solve_change(struct dpt_springs *springs, float h, double norm)
  * With viscosity the springs were taken where they are not: w^T L w / 2, of the way w from there to the end, is what
  * their energy may exceed its tangent by. Directions are used up by now, and take w.
  */
-static double excess_by_way(struct dpt_springs *springs, float back)
+static double excess_by_way(struct dpt_springs *springs, const struct spring_trial *trial)
 {
     static const float none[LANES] = { 0.0f };
     const struct active_region *region = &springs->region;
@@ -117,12 +117,17 @@ static double excess_by_way(struct dpt_springs *springs, float back)
     double lanes[LANES] = { 0.0 };
     for (uint32_t i = 0; i < region->count; i++) {
         const size_t slice = region->slices[i];
-        const float *restrict change = solve->systems[slice].change;
+        const struct spring_system *system = solve->systems + slice;
         const float *restrict v = springs->state[springs->now][slice].v;
         float *restrict way = solve->direction + SPRING_POINTS * slice;
-        for (int lane = 0; lane < LANES; lane++)
-            for (int row = 0; row < 3; row++)
-                way[4 * lane + row] = change[LANES * row + lane] - back * v[LANES * row + lane];
+        for (int row = 0; row < 3; row++) {
+            const float more = trial->step * trial->common[row];
+            for (int lane = 0; lane < LANES; lane++) {
+                const int k = LANES * row + lane;
+                const float speed = trial->flies * system->glide[lane] * (v[k] + more);
+                way[4 * lane + row] = system->change[k] - trial->back * speed;
+            }
+        }
     }
     for (uint32_t i = 0; i < region->count; i++)
         springs->kernel.spring_product(
@@ -156,7 +161,7 @@ static struct outcome try_step(struct dpt_springs *springs, const struct spring_
     }
     solve_change(springs, trial->step, spring_sum(norm));
     if (trial->has_lead)
-        outcome.bound = excess_by_way(springs, trial->back);
+        outcome.bound = excess_by_way(springs, trial);
     for (uint32_t i = 0; i < region->count; i++) {
         const size_t slice = region->slices[i], row = SPRING_ROWS * slice;
         outcome.bad |= kernel->spring_end(trial, from + slice, solve->force + row, load + row,

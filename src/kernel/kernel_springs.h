@@ -123,7 +123,8 @@ KERNEL_TARGET void KERNEL(spring_product)(const struct spring_rows *restrict row
         sum[i] += (double)((ax[i] * px[i] + ay[i] * py[i]) + az[i] * pz[i]);
 }
 
-KERNEL_TARGET static inline __attribute__((always_inline)) float KERNEL(largest)(const float *restrict of)
+KERNEL_TARGET static inline __attribute__((always_inline)) float
+KERNEL(largest)(const float *restrict of)
 {
     float eight[8], four[4];
     for (int i = 0; i < 8; i++)
@@ -202,7 +203,8 @@ KERNEL_TARGET void KERNEL(spring_aim)(const struct spring_trial *restrict trial,
         const float common = trial->common[row];
         for (int i = 0; i < LANES; i++) {
             const int k = LANES * row + i;
-            place[k] = state->x[k] + (SPRING_FLIGHT(k, i, common) + trial->back * state->v[k]);
+            const float flown = SPRING_FLIGHT(k, i, common);
+            place[k] = state->x[k] + (flown + trial->back * (flown * trial->per_step));
         }
     }
     KERNEL_PUT(points, place, place + LANES, place + 2 * LANES)
@@ -255,8 +257,9 @@ KERNEL_TARGET uint32_t KERNEL(spring_end)(const struct spring_trial *restrict tr
         const float gravity = trial->gravity[row], common = trial->common[row];
         for (int i = 0; i < LANES; i++) {
             const int k = LANES * row + i;
-            const float change = system->change[k], v0 = state->v[k], x0 = state->x[k];
-            const float moved = SPRING_FLIGHT(k, i, common) + change, v1 = moved * per_step;
+            const float change = system->change[k], x0 = state->x[k];
+            const float flown = SPRING_FLIGHT(k, i, common);
+            const float moved = flown + change, v1 = moved * per_step;
             const float way = moved + state->rest[k], x1 = x0 + way;
             const float right = SPRING_RIGHT(k, i, gravity, common);
             const float bend =
@@ -264,7 +267,7 @@ KERNEL_TARGET uint32_t KERNEL(spring_end)(const struct spring_trial *restrict tr
             to->x[k] = x1;
             to->rest[k] = way - (x1 - x0);
             to->v[k] = v1;
-            energy[i] += curved * bend - scale * force[k] * (change - back * v0) +
+            energy[i] += curved * bend - scale * force[k] * (change - back * (flown * per_step)) +
                          0.5f * system->mass[i] * (v1 * v1);
             done[i] += (load[k] + system->mass[i] * gravity) * moved;
             speed[i] += v1 * v1;
