@@ -6,6 +6,9 @@
 /* Of the overlap: corners are moved by that much more, so that rounding to float leaves no overlap. */
 #define BEYOND (1.0 + 1e-6)
 
+/* More than the rounding of a distance. */
+#define CLEAR (1.0 + 1e-9)
+
 /*
  * How a triangle's nearest point has to move, m; 0 if the tool does not touch it. As a rule it moves away from the axis.
  * Where the axis goes through the triangle or is behind it, it moves against the normal on the tool's side. Normals alone
@@ -33,13 +36,38 @@ static vec3 way_out(const struct surface *surface, const struct displacing_tool 
     return scaled(normal, -BEYOND * overlap.overlap);
 }
 
-static void displace_triangle(struct surface *surface, const struct displacing_tool *tool,
-                              uint32_t place)
+/* By a ball about its middle: most of a strip is beside the tool. */
+static int is_clear(const struct surface *surface, const struct displacing_tool *tool,
+                    uint32_t place)
+{
+    vec3 v[3];
+    double square = 0.0;
+    if (tool->is_behind)
+        return 0;
+    surface_corners(surface, place, v);
+    const vec3 middle = scaled(add(add(v[0], v[1]), v[2]), 1.0 / 3.0);
+    for (int k = 0; k < 3; k++) {
+        const vec3 r = sub(v[k], middle);
+        square = max_of(square, dot(r, r));
+    }
+    const vec3 from = sub(middle, tool->a);
+    const double uu = dot(tool->u, tool->u);
+    const double s = uu > 0.0 ? min_of(max_of(dot(from, tool->u) / uu, 0.0), 1.0) : 0.0;
+    const vec3 away = along(from, -s, tool->u);
+    const double reach = CLEAR * (sqrt(square) + tool->radius);
+    return dot(away, away) > reach * reach;
+}
+
+/* Returns 1 if it was moved. */
+static int displace_triangle(struct surface *surface, const struct displacing_tool *tool,
+                             uint32_t place)
 {
     double weight[3], square = 0.0;
+    if (is_clear(surface, tool, place))
+        return 0;
     const vec3 way = way_out(surface, tool, place, weight);
     if (!(dot(way, way) > 0.0))
-        return;
+        return 0;
     for (int k = 0; k < 3; k++)
         square += weight[k] * weight[k];
     for (uint32_t k = 0; k < 3; k++) {
@@ -48,13 +76,17 @@ static void displace_triangle(struct surface *surface, const struct displacing_t
             dpti_deform_put(surface, vertex,
                             along(surface_vertex(surface, vertex), weight[k] / square, way));
     }
+    return 1;
 }
 
 void dpti_displace(struct surface *surface, const struct dpt_strip *strip,
                    const struct displacing_tool *tool, uint32_t passes)
 {
     const uint32_t *places = mesh_words(surface->mesh, MESH_PLACES);
-    for (uint32_t pass = 0; pass < passes; pass++)
+    int is_moved = 1;
+    for (uint32_t pass = 0; pass < passes && is_moved; pass++) {
+        is_moved = 0;
         for (uint32_t i = 0; i < strip->count; i++)
-            displace_triangle(surface, tool, places[strip->triangles[i]]);
+            is_moved |= displace_triangle(surface, tool, places[strip->triangles[i]]);
+    }
 }
