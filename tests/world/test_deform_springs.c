@@ -1,0 +1,291 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * dpt_deform_step_springs against the same done by hand, by the public calls of an own physics: loads, a step, positions;
+ * in the tick, and in a thread of its own that takes turns with it through the exchange. All must have the same bits. What
+ * springs do is not judged here (tests/deform).
+ */
+#include <pthread.h>
+#include <sched.h>
+
+#include "dynpoint/compile.h"
+#include "shape.h"
+#include "world/deform_scene.h"
+
+enum { TICKS = 600, NODES_MOST = 4096, LOADS_MOST = 4096 };
+#define TICK 1e-3
+
+struct rig {
+    struct deform_scene scene;
+    void *block;
+    dpt_springs *springs;
+    uint32_t nodes;
+    int is_embedded;
+    dpt_pose pose;
+    dpt_springs_report report;
+};
+
+static int make_mesh(struct fixture *fixture, uint32_t kind)
+{
+    const dpt_spring_region border = { .kind = DPT_REGION_BOX,
+                                       .fixed = 1,
+                                       .box = { -1.0, -1.0, -1.0, 1.0, -0.02, 1.0 } };
+    const dpt_spring_net_def net = { .size = sizeof net,
+                                     .kind = kind,
+                                     .young = 2e4,
+                                     .density = 1000.0,
+                                     .drag = 5.0,
+                                     .viscosity = 1e-3,
+                                     .spacing = kind == DPT_NET_VOLUME ? 0.02 : 0.0,
+                                     .regions = &border,
+                                     .region_count = 1 };
+    struct shape shape;
+    shape_reason reason;
+    dpt_compile_def def;
+    dpt_diag diag = { .size = sizeof diag };
+    dpt_compile_def_init(&def);
+    def.springs = &net;
+    const int status =
+        shape_make(kind == DPT_NET_SHEET ? "membrane" : "sphere", 512, 0, &shape, reason);
+    CHECK(status == 0, "%s", reason);
+    if (status != 0)
+        return 0;
+    dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
+                                           shape.triangle_count, &def, &fixture->compiled, &diag);
+    shape_free(&shape);
+    if (result == DPT_OK)
+        result = dpt_mesh_open(fixture->compiled.bytes, fixture->compiled.size, &fixture->mesh);
+    CHECK(result == DPT_OK, "%s: %s", dpt_result_name(result), diag.text);
+    return result == DPT_OK;
+}
+
+/* A ball on a stick above the body's middle; the membrane lies in z = 0. */
+static int open_rig(struct rig *rig, uint32_t kind, uint32_t integrator, double sleep_speed)
+{
+    const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.03 }, 0.004 };
+    dpt_deform_def deform;
+    dpt_springs_def springs;
+    dpt_deform_def_init(&deform);
+    dpt_springs_def_init(&springs);
+    memset(rig, 0, sizeof *rig);
+    if (!make_mesh(&rig->scene.fixture, kind))
+        return 0;
+    deform.load_radius = 0.02;
+    if (!deform_scene_open_mesh(&rig->scene, NULL, &deform))
+        return 0;
+    springs.mesh = rig->scene.fixture.mesh;
+    springs.integrator = integrator;
+    springs.sleep_speed = sleep_speed;
+    rig->block = malloc(dpt_springs_bytes(&springs));
+    const dpt_result result =
+        dpt_springs_create(rig->block, dpt_springs_bytes(&springs), &springs, &rig->springs);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    CHECK(dpt_tool_add(rig->scene.world, &ball, 1, &rig->scene.tool) == DPT_OK, "no tool");
+    rig->nodes = dpt_springs_count(rig->springs);
+    rig->is_embedded = kind == DPT_NET_VOLUME;
+    rig->report.size = sizeof rig->report;
+    CHECK(rig->nodes <= NODES_MOST, "%u nodes", rig->nodes);
+    return result == DPT_OK && rig->nodes <= NODES_MOST;
+}
+
+static void close_rig(struct rig *rig)
+{
+    free(rig->block);
+    deform_scene_close(&rig->scene);
+}
+
+/* The ball comes down, presses, slides, and leaves. */
+static void step_world(struct rig *rig, int tick)
+{
+    const double t = TICK * tick;
+    rig->pose = (dpt_pose){ { 0.0, 0.02 + 0.01 * sin(12.0 * t),
+                              rig->scene.high[2] + 0.005 - 0.03 * sin(6.0 * t) },
+                            { 1.0, 0.0, 0.0, 0.0 } };
+    CHECK((tick ? dpt_tool_set_pose : dpt_tool_teleport)(rig->scene.world, rig->scene.tool,
+                                                         &rig->pose) == DPT_OK,
+          "no pose");
+    CHECK(dpt_world_step(rig->scene.world, TICK, NULL) == DPT_OK, "no step");
+}
+
+static double force_of(const struct rig *rig)
+{
+    dpt_force_report force = { .size = sizeof force };
+    dpt_tool_get_force_report(rig->scene.world, rig->scene.tool, &force);
+    return force.wrench.force[2];
+}
+
+/* ---- by hand ---- */
+
+static uint32_t read_loads(const struct rig *rig, dpt_load *loads)
+{
+    uint32_t count = 0;
+    const dpt_result result =
+        rig->is_embedded
+            ? dpt_deform_get_node_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST,
+                                        &count)
+            : dpt_deform_get_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST, &count);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    return count;
+}
+
+static void hand_over(struct rig *rig, const float *nodes)
+{
+    const dpt_result result = rig->is_embedded
+                                  ? dpt_deform_set_nodes(rig->scene.world, rig->scene.body, nodes)
+                                  : dpt_deform_set_vertices(rig->scene.world, rig->scene.body, 0,
+                                                            rig->nodes, nodes, -1.0);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+}
+
+static void step_by_hand(struct rig *rig)
+{
+    static dpt_load loads[LOADS_MOST];
+    static float nodes[3 * NODES_MOST];
+    const uint32_t count = read_loads(rig, loads);
+    CHECK(dpt_springs_step(rig->springs, TICK, loads, count, NULL) == DPT_OK, "no physics");
+    dpt_springs_get_nodes(rig->springs, rig->nodes, nodes, NULL);
+    hand_over(rig, nodes);
+}
+
+/* ---- a thread of its own ---- */
+
+struct places {
+    dpt_latest latest;
+    struct {
+        uint32_t count;
+        dpt_load loads[LOADS_MOST];
+        float nodes[3 * NODES_MOST];
+    } place[DPT_LATEST_PLACES];
+};
+
+struct physics {
+    struct rig *rig;
+    struct places loads, nodes;
+};
+
+static void wait_for(dpt_latest *latest)
+{
+    while (!dpt_latest_take(latest))
+        sched_yield();
+}
+
+static void *physics_thread(void *user)
+{
+    struct physics *physics = user;
+    for (int tick = 0; tick < TICKS; tick++) {
+        wait_for(&physics->loads.latest);
+        const uint32_t from = physics->loads.latest.reading, to = physics->nodes.latest.writing;
+        CHECK(dpt_springs_step(physics->rig->springs, TICK, physics->loads.place[from].loads,
+                               physics->loads.place[from].count, NULL) == DPT_OK,
+              "no physics");
+        dpt_springs_get_nodes(physics->rig->springs, physics->rig->nodes,
+                              physics->nodes.place[to].nodes, NULL);
+        dpt_latest_publish(&physics->nodes.latest);
+    }
+    return NULL;
+}
+
+static void step_by_thread(struct physics *physics)
+{
+    const uint32_t to = physics->loads.latest.writing;
+    physics->loads.place[to].count = read_loads(physics->rig, physics->loads.place[to].loads);
+    dpt_latest_publish(&physics->loads.latest);
+    wait_for(&physics->nodes.latest);
+    hand_over(physics->rig, physics->nodes.place[physics->nodes.latest.reading].nodes);
+}
+
+/* ---- */
+
+static void check_same(uint32_t kind, uint32_t integrator, double sleep_speed)
+{
+    static struct physics physics;
+    static struct rig rigs[3]; /* the call, by hand, by a thread */
+    pthread_t thread;
+    double peak = 0.0;
+    uint32_t least = UINT32_MAX;
+    int is_open = 1;
+    for (int i = 0; i < 3; i++)
+        is_open &= open_rig(&rigs[i], kind, integrator, sleep_speed);
+    physics.rig = &rigs[2];
+    dpt_latest_init(&physics.loads.latest);
+    dpt_latest_init(&physics.nodes.latest);
+    is_open = is_open && pthread_create(&thread, NULL, physics_thread, &physics) == 0;
+    CHECK(is_open, "not open");
+    for (int tick = 0; is_open && tick < TICKS; tick++) {
+        const float *positions[3];
+        uint32_t count;
+        for (int i = 0; i < 3; i++)
+            step_world(&rigs[i], tick);
+        const dpt_result result = dpt_deform_step_springs(rigs[0].scene.world, rigs[0].scene.body,
+                                                          rigs[0].springs, TICK, &rigs[0].report);
+        CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+        step_by_hand(&rigs[1]);
+        step_by_thread(&physics);
+        for (int i = 0; i < 3; i++)
+            dpt_deform_get_vertices(rigs[i].scene.world, rigs[i].scene.body, &positions[i], &count);
+        for (int i = 1; i < 3; i++)
+            CHECK(!memcmp(positions[0], positions[i], 3 * sizeof(float) * count) &&
+                      force_of(&rigs[0]) == force_of(&rigs[i]),
+                  "tick %d, %s: other vertices, %g N and %g", tick, i == 1 ? "by hand" : "thread",
+                  force_of(&rigs[0]), force_of(&rigs[i]));
+        peak = fmax(peak, force_of(&rigs[0]));
+        least = rigs[0].report.active < least ? rigs[0].report.active : least;
+    }
+    if (is_open)
+        pthread_join(thread, NULL);
+    CHECK(peak > 0.01, "%g N at most", peak);
+    CHECK((least < rigs[0].nodes) == (sleep_speed > 0.0), "at least %u of %u awake", least,
+          rigs[0].nodes);
+    for (int i = 0; i < 3; i++)
+        close_rig(&rigs[i]);
+}
+
+static void a_sheet_is_as_by_hand(void)
+{
+    check_same(DPT_NET_SHEET, DPT_INTEGRATOR_SYMPLECTIC, 0.0);
+    check_same(DPT_NET_SHEET, DPT_INTEGRATOR_IMPLICIT, 1e-3);
+}
+
+static void a_volume_is_as_by_hand(void)
+{
+    check_same(DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 1e-3);
+    check_same(DPT_NET_VOLUME, DPT_INTEGRATOR_IMPLICIT, 0.0);
+}
+
+/* More loads than there is room for: told, and nothing has moved. */
+static void too_many_loads_are_told(void)
+{
+    struct rig rig;
+    if (open_rig(&rig, DPT_NET_SHEET, DPT_INTEGRATOR_SYMPLECTIC, 0.0)) {
+        dpt_springs_def def;
+        dpt_springs_def_init(&def);
+        def.mesh = rig.scene.fixture.mesh;
+        def.max_loads = 1;
+        void *block = malloc(dpt_springs_bytes(&def));
+        dpt_springs *few = NULL;
+        CHECK(dpt_springs_create(block, dpt_springs_bytes(&def), &def, &few) == DPT_OK,
+              "no springs");
+        int tick = 0;
+        for (; tick < TICKS && force_of(&rig) == 0.0; tick++) {
+            step_world(&rig, tick);
+            dpt_deform_step_springs(rig.scene.world, rig.scene.body, rig.springs, TICK, NULL);
+        }
+        step_world(&rig, tick);
+        float before[3 * NODES_MOST], after[3 * NODES_MOST];
+        dpt_springs_get_nodes(few, rig.nodes, before, NULL);
+        const dpt_result result =
+            dpt_deform_step_springs(rig.scene.world, rig.scene.body, few, TICK, NULL);
+        dpt_springs_get_nodes(few, rig.nodes, after, NULL);
+        CHECK(result == DPT_E_FULL, "%s", dpt_result_name(result));
+        CHECK(!memcmp(before, after, 3 * sizeof *before * rig.nodes), "it has moved");
+        free(block);
+    }
+    close_rig(&rig);
+}
+
+int main(void)
+{
+    TEST(a_sheet_is_as_by_hand);
+    TEST(a_volume_is_as_by_hand);
+    TEST(too_many_loads_are_told);
+    return check_report();
+}
