@@ -409,9 +409,9 @@ enum {
     DPT_FORCE_FLAG_PARTIAL = 2,
     /* The pose that held the proxy is gone, and it moves on to another: the force may change fast. */
     DPT_FORCE_FLAG_FOLD = 4,
-    /* Moving bodies leave the proxy no free pose. */
+    /* Moving bodies leave the proxy no free pose, and it starts again at the device. The step's contacts are those before. */
     DPT_FORCE_FLAG_SQUEEZED = 8,
-    /* The proxy was more than 1 rad from the device, and starts again there. */
+    /* The proxy was more than 1 rad from the device, and starts again there. The step's contacts are those before. */
     DPT_FORCE_FLAG_REPLACED = 16,
     /* A function of the program's own has had the wrench; see dpt_tool_set_shaper. */
     DPT_FORCE_FLAG_SHAPED = 32

@@ -2,7 +2,8 @@
 /* Deformable bodies that the nodes of a coarser mesh move: they follow as they are embedded, and loads go to the nodes. */
 #include "fuzz/calls/deform_model.h"
 
-enum { NODES_MAX = 64, LOADS_MAX = 256, GIVEN_SLOT = 2 };
+/* A lattice of springs has other nodes; those are not moved here. */
+enum { CELL_NODES = 4, LOADS_MAX = 256, GIVEN_SLOT = 2 };
 
 /* How a body's mesh is embedded; no nodes if it is not, or there is no such body. */
 struct embedding {
@@ -23,7 +24,7 @@ static struct embedding embedding_of(const struct model_body *body)
 static uint32_t draw_id(struct scene *scene)
 {
     for (uint32_t i = 0; i < scene->body_count && !draw_one_in(8); i++)
-        if (embedding_of(&scene->body[i]).count)
+        if (embedding_of(&scene->body[i]).count == CELL_NODES)
             return scene->body[i].id;
     return draw_body_id(scene);
 }
@@ -89,7 +90,8 @@ static void set_nodes(void)
     float *nodes = output_of(GIVEN_SLOT, 12 * sizeof *nodes);
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
-    HOLDS(of.count == 0 || of.count == 4, "%u nodes", of.count);
+    if (of.count && of.count != CELL_NODES)
+        return;
     draw_nodes(nodes);
     const int is_inside = of.count ? follow_nodes(body, &of, nodes, positions) : 1;
     may_fail(&codes, no_world || no_nodes, DPT_E_ARGUMENT);
@@ -133,6 +135,8 @@ static void get_node_loads(void)
     uint32_t all = 0, count[2] = { 77, 77 };
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
+    if (of.count && of.count != CELL_NODES)
+        return;
     const int is_known = of.count && dpt_deform_get_loads(scene->world[0], id, vertex_loads,
                                                           LOADS_MAX, &all) == DPT_OK;
     const uint32_t capacity =
