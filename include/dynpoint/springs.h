@@ -62,8 +62,10 @@ typedef struct dpt_springs_def {
      */
     double contact_stiffness;
     /*
-     * m/s, 0..1e6: 16 nodes that follow each other fall asleep when all of them have been slower for sleep_steps steps.
-     * 0: none falls asleep; 1e-5
+     * m/s, 0..1e6: 16 nodes that follow each other fall asleep when all of them have been slower for sleep_steps steps;
+     * far slower, where drag or viscosity hold them back. They wake when a neighbour has moved by a sixteenth of the way
+     * at this speed in these steps, 4 um by default, or when their load has changed by 1/256. For bodies far smaller
+     * than organs it should be less. docs/algorithms/springs.md, "What sleeps". 0: none falls asleep; 1e-3
      */
     double sleep_speed;
     uint32_t sleep_steps;  /* 2..65535; 64 */
@@ -80,7 +82,7 @@ static inline void dpt_springs_def_init(dpt_springs_def *def)
     dpt_springs_def_defaults(def, sizeof *def);
 }
 
-/* The bytes that springs of this def need, in this version: about 150 a node, 110 more with IMPLICIT, 20 a vertex, and 32
+/* The bytes that springs of this def need, in this version: about 190 a node, 80 more with IMPLICIT, 20 a vertex, and 32
  * for each of max_loads. 0: the def is not valid, or its mesh has no springs. It takes time in proportion to the mesh. */
 DPT_API size_t dpt_springs_bytes(const dpt_springs_def *def);
 

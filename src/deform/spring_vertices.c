@@ -101,7 +101,7 @@ static void place_group(const struct dpt_springs *springs, uint32_t group, float
                 to[3 * i + k] = x[LANES * k + i];
 }
 
-/* Where most move, all are handed over at once: that takes less time than a list of them. */
+/* Those of which some have moved, in a list; or all, without a list, if they are most: that takes less time. */
 static uint32_t moved_groups(const struct spring_vertices *vertices, uint32_t groups,
                              uint32_t *list)
 {
@@ -109,37 +109,37 @@ static uint32_t moved_groups(const struct spring_vertices *vertices, uint32_t gr
     for (uint32_t group = 0; group < groups; group++)
         if (has_moved(vertices, group))
             list[count++] = group;
-    if ((uint64_t)4 * count < (uint64_t)3 * groups)
-        return count;
-    for (uint32_t group = 0; group < groups; group++)
-        list[group] = group;
-    return groups;
+    return (uint64_t)4 * count < (uint64_t)3 * groups ? count : groups;
+}
+
+/* From groups to their vertices, from the last one on: each takes the place of what was read already. */
+static uint32_t list_vertices(uint32_t *list, uint32_t groups, uint32_t all)
+{
+    uint32_t count = 0;
+    for (uint32_t i = groups; i-- > 0;) {
+        const uint32_t first = MOTION_GROUP * list[i];
+        for (uint32_t v = first; v < all && v < first + MOTION_GROUP; v++, count++)
+            list[MOTION_GROUP * i + v - first] = v;
+    }
+    return count;
 }
 
 uint32_t dpti_spring_vertices_gather(struct dpt_springs *springs)
 {
     struct spring_vertices *vertices = &springs->vertices;
     const struct spring_slice *state = springs->state[springs->now];
-    const uint32_t all = springs->def.mesh->vertices;
-    uint32_t *list = vertices->list, count = 0;
+    const uint32_t all = springs->def.mesh->vertices, whole = mesh_slices(all);
     if (!vertices->has_moved)
         return 0;
     for (uint32_t slice = 0; vertices->nodes && slice < springs->net.slices; slice++)
         if (vertices->moved[slice])
             springs->kernel.spring_points(state + slice, 0.0f,
                                           vertices->points + SPRING_POINTS * (size_t)slice);
-    /* Groups first; then, from the last on, each one's vertices take the place of what was read already. */
-    const uint32_t groups = moved_groups(vertices, mesh_slices(all), list);
+    const uint32_t groups = moved_groups(vertices, whole, vertices->list);
     for (uint32_t i = 0; i < groups; i++)
-        place_group(springs, list[i], vertices->positions + 3 * MOTION_GROUP * (size_t)i);
-    for (uint32_t i = groups; i-- > 0;) {
-        const uint32_t first = MOTION_GROUP * list[i];
-        const uint32_t here = all - first < MOTION_GROUP ? all - first : MOTION_GROUP;
-        for (uint32_t k = 0; k < here; k++)
-            list[MOTION_GROUP * i + k] = first + k;
-        count += here;
-    }
+        place_group(springs, groups < whole ? vertices->list[i] : i,
+                    vertices->positions + 3 * MOTION_GROUP * (size_t)i);
     memset(vertices->moved, 0, springs->net.slices);
     vertices->has_moved = 0;
-    return count;
+    return groups < whole ? list_vertices(vertices->list, groups, all) : all;
 }

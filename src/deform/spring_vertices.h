@@ -20,7 +20,7 @@ void dpti_spring_vertices_note(struct dpt_springs *springs);
 
 /*
  * Those whose nodes have moved since the last call: in vertices.list, ascending, and where they are in
- * vertices.positions. Returns how many.
+ * vertices.positions. If they are most, all vertices, without a list. Returns how many.
  */
 uint32_t dpti_spring_vertices_gather(struct dpt_springs *springs);
 
