@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "deform/spring_ball.h"
+
+#include "shape.h"
+
+static void compile_ball(struct ball *ball, uint32_t kind, uint64_t triangles, double spacing)
+{
+    dpt_spring_net_def net;
+    dpt_compile_def def;
+    struct shape shape;
+    shape_reason reason;
+    dpt_spring_net_def_init(&net);
+    dpt_compile_def_init(&def);
+    net.kind = kind;
+    net.drag = 5.0;
+    net.viscosity = 1e-3;
+    net.spacing = spacing;
+    def.springs = &net;
+    CHECK(!shape_make("sphere", triangles, 0, &shape, reason), "%s", reason);
+    CHECK(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
+                             shape.triangle_count, &def, &ball->compiled, NULL) == DPT_OK,
+          "not compiled");
+    shape_free(&shape);
+    CHECK(dpt_mesh_open(ball->compiled.bytes, ball->compiled.size, &ball->mesh) == DPT_OK, "bad");
+}
+
+int ball_open(struct ball *ball, uint32_t kind, uint64_t triangles, double spacing, uint32_t kernel)
+{
+    dpt_world_def world;
+    dpt_deform_def deform;
+    dpt_springs_def springs;
+    memset(ball, 0, sizeof *ball);
+    dpt_world_def_init(&world);
+    dpt_deform_def_init(&deform);
+    dpt_springs_def_init(&springs);
+    world.kernel = springs.kernel = kernel;
+    ball->world_block = malloc(dpt_world_bytes(&world));
+    if (dpt_world_create(ball->world_block, dpt_world_bytes(&world), &world, &ball->world) ==
+        DPT_E_UNSUPPORTED) {
+        free(ball->world_block);
+        return 0;
+    }
+    compile_ball(ball, kind, triangles, spacing);
+    deform.mesh = springs.mesh = ball->mesh;
+    ball->body_block = malloc(dpt_deform_bytes(&deform));
+    ball->springs_block = malloc(dpt_springs_bytes(&springs));
+    CHECK(dpt_deform_add(ball->world, ball->body_block, dpt_deform_bytes(&deform), &deform,
+                         &ball->body) == DPT_OK &&
+              dpt_springs_create(ball->springs_block, dpt_springs_bytes(&springs), &springs,
+                                 &ball->springs) == DPT_OK,
+          "not made");
+    return 1;
+}
+
+void ball_close(struct ball *ball)
+{
+    dpt_compiled_free(&ball->compiled);
+    free(ball->world_block);
+    free(ball->body_block);
+    free(ball->springs_block);
+}
+
+void ball_step(struct ball *ball, dpt_springs_report *report)
+{
+    const dpt_result result =
+        dpt_deform_step_springs(ball->world, ball->body, ball->springs, 1e-3, report);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+}
