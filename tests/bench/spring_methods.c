@@ -127,10 +127,12 @@ static void press(struct body *body)
         double square = 0.0;
         for (uint32_t k = 0; k < 3; k++)
             square += pow((double)rest[3 * i + k] - (double)rest[3 * top + k], 2.0);
-        if (square < PATCH * PATCH && body->net.mass[i] > 0.0f) {
+        /* By mass: a node of few springs, at a slant surface, gets a small load. */
+        const double share = (double)body->net.mass[i] * (1.0 - square / (PATCH * PATCH));
+        if (share > 0.0) {
             body->unit[body->load_count].vertex = i;
-            body->unit[body->load_count++].force[up] = 1.0 - square / (PATCH * PATCH);
-            sum += 1.0 - square / (PATCH * PATCH);
+            body->unit[body->load_count++].force[up] = share;
+            sum += share;
         }
     }
     for (uint32_t i = 0; i < body->load_count; i++)

@@ -105,6 +105,11 @@ static void set_tool(struct hand_loop *loop)
 
 static int add_body(struct hand_loop *loop)
 {
+    if (loop->springs) {
+        const int is_open = spring_body_open(loop->springs, loop->world);
+        loop->body = loop->springs->body;
+        return is_open;
+    }
     if (!loop->tissue)
         return dpt_body_add(loop->world, loop->place->mesh->mesh, NULL, &loop->body) == DPT_OK;
     if (!tissue_open(loop->tissue, loop->world))
@@ -138,6 +143,8 @@ void hand_loop_close(struct hand_loop *loop)
 {
     if (loop->tissue)
         tissue_close(loop->tissue);
+    if (loop->springs)
+        spring_body_close(loop->springs);
     free(loop->block);
     free(loop->track);
     loop->block = NULL;
@@ -220,6 +227,8 @@ static dpt_force_report step_to(struct hand_loop *loop, const double at[HAND_AXE
     if (loop->tissue)
         tissue_advance(loop->tissue);
     dpt_world_step(loop->world, dt, NULL);
+    if (loop->springs)
+        spring_body_step(loop->springs, dt);
     dpt_force_report report = felt(loop);
     to_components(at + 3, report.wrench.torque);
     return report;
@@ -309,8 +318,10 @@ void hand_loop_return(struct hand_loop *loop)
         hand_loop_ask(loop, at, 1e-3, loop->first);
     if (loop->tissue)
         loop->tissue->is_held = 0;
-    for (int i = 0; loop->tissue && loop->tissue->matter.foundation > 0.0 && i < TISSUE_SETTLING;
-         i++)
+    if (loop->springs)
+        loop->springs->is_free = 1;
+    const int gives_way = loop->springs || (loop->tissue && loop->tissue->matter.foundation > 0.0);
+    for (int i = 0; gives_way && i < TISSUE_SETTLING; i++)
         hand_loop_ask(loop, at, 1e-3, loop->first);
 }
 

@@ -20,6 +20,7 @@
 #include "dynpoint/world.h"
 #include "stability/hand_place.h"
 #include "stability/lab.h"
+#include "stability/spring_body.h"
 #include "stability/tissue.h"
 
 enum { HAND_AXES = 6 };
@@ -59,6 +60,7 @@ struct hand_loop {
         *place; /* NULL: a linear spring and damper at zero instead of a world */
     /* In place of the place's rigid body. While the tool is lowered it stands still. */
     struct tissue *tissue;
+    struct spring_body *springs; /* likewise; it stands still until the tool was lowered, once */
     int is_uncounted; /* hand_loop_choose does not count the delay of its interpolation */
     struct hand_tool tool;
     int method;                                      /* enum lab_method */

@@ -4,10 +4,13 @@
 #include <math.h>
 #include <string.h>
 
-static int compile(struct hand_mesh *mesh)
+static int compile(struct hand_mesh *mesh, const dpt_spring_net_def *springs)
 {
+    dpt_compile_def def;
+    dpt_compile_def_init(&def);
+    def.springs = springs;
     if (dpt_compile_arrays(mesh->shape.vertices, mesh->shape.vertex_count, mesh->shape.corners,
-                           mesh->shape.triangle_count, NULL, &mesh->compiled, NULL) == DPT_OK &&
+                           mesh->shape.triangle_count, &def, &mesh->compiled, NULL) == DPT_OK &&
         dpt_mesh_open(mesh->compiled.bytes, mesh->compiled.size, &mesh->mesh) == DPT_OK)
         return 1;
     hand_mesh_close(mesh);
@@ -22,7 +25,15 @@ int hand_mesh_open(struct hand_mesh *mesh, const char *name, uint64_t triangles,
         return 0;
     for (size_t i = 0; i < 3 * mesh->shape.vertex_count; i++)
         mesh->shape.vertices[i] *= scale;
-    return compile(mesh);
+    return compile(mesh, NULL);
+}
+
+int hand_mesh_open_springs(struct hand_mesh *mesh, const char *name, uint64_t triangles,
+                           const dpt_spring_net_def *springs)
+{
+    shape_reason reason;
+    memset(mesh, 0, sizeof *mesh);
+    return shape_make(name, triangles, 0, &mesh->shape, reason) == 0 && compile(mesh, springs);
 }
 
 int hand_mesh_warp(struct hand_mesh *mesh, void (*warp)(double x[3]))
@@ -30,7 +41,7 @@ int hand_mesh_warp(struct hand_mesh *mesh, void (*warp)(double x[3]))
     dpt_compiled_free(&mesh->compiled);
     for (size_t v = 0; v < mesh->shape.vertex_count; v++)
         warp(mesh->shape.vertices + 3 * v);
-    return compile(mesh);
+    return compile(mesh, NULL);
 }
 
 void hand_mesh_close(struct hand_mesh *mesh)

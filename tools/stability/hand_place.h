@@ -17,6 +17,10 @@ struct hand_mesh {
 int hand_mesh_open(struct hand_mesh *mesh, const char *name, uint64_t triangles, double scale);
 void hand_mesh_close(struct hand_mesh *mesh);
 
+/* The same in its own size, with masses and springs. */
+int hand_mesh_open_springs(struct hand_mesh *mesh, const char *name, uint64_t triangles,
+                           const dpt_spring_net_def *springs);
+
 /* Move each vertex of an open mesh. Returns 0 if memory runs out; it is closed then. */
 int hand_mesh_warp(struct hand_mesh *mesh, void (*warp)(double x[3]));
 

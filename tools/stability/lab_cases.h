@@ -46,7 +46,8 @@
     CASE(soft)                                                                                     \
     CASE(pulse)                                                                                    \
     CASE(reaction)                                                                                 \
-    CASE(displace)
+    CASE(displace)                                                                                 \
+    CASE(springs)
 
 #define LAB_CASES                                                                                  \
     LAB_GEOMETRY_CASES                                                                             \
