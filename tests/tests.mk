@@ -256,7 +256,8 @@ $(B)/tests/bench/strips $(B)/tests/bench/budgets: %: %.o $(CORE)
 $(B)/tests/bench/deform: %: %.o $(B)/tests/oracle/brute.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
-$(B)/tests/bench/springs $(B)/tests/bench/spring_methods: %: %.o $(B)/tests/deform/spring_rig.o $(CORE) $(TEST_LIB)
+$(B)/tests/bench/springs $(B)/tests/bench/spring_methods: %: %.o $(B)/tests/deform/spring_rig.o \
+                              $(B)/tests/oracle/spring_balance.o $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 $(B)/tests/bench/soft_liver $(B)/tests/bench/scenes: %: %.o $(B)/tools/scene_list.o $(B)/tools/shape.o $(B)/tools/shape_organs.o \
                              $(TEXT) $(COMPILE) $(CORE)

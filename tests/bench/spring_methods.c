@@ -19,6 +19,7 @@
 #include "bench/timing.h"
 #include "deform/spring_rig.h"
 #include "mesh/mesh_format.h"
+#include "oracle/spring_balance.h"
 
 #define PATCH 0.02 /* m */
 #define PUSH  0.3  /* N */
@@ -170,112 +171,30 @@ static double energy_of(const struct body *body)
     return sum;
 }
 
-/* Where a press ends: Newton's method in double, each step by conjugate gradients, and of at most so many m. */
-#define NEWTON_STEP 2e-3
-enum { NEWTON_ROUNDS = 60 };
-
-struct balance {
-    size_t n;
-    double *x, *right, *change, *left, *way, *product, *diagonal;
-};
-
-/* product = K way, where pressed springs count along themselves alone; or right = what is not in balance. */
-static void balance_sum(const struct body *body, struct balance *at, int is_force)
+/* Fills in where nodes are in the end (oracle/spring_balance.h). */
+static void true_end(const struct body *body, float *end)
 {
-    double *to = is_force ? at->right : at->product;
-    for (size_t i = 0; i < at->n; i++) {
-        to[i] = is_force ? (double)body->load[i] : 0.0;
-        at->diagonal[i] = is_force ? 0.0 : at->diagonal[i];
+    const size_t n = 3 * (size_t)body->nodes;
+    struct oracle_spring *list = room(body->springs, sizeof *list);
+    double *load = room(n, sizeof *load), *x = room(n, sizeof *x);
+    const struct oracle_springs springs = { body->nodes, body->springs, list, body->net.mass,
+                                            load };
+    for (uint32_t i = 0; i < body->springs; i++)
+        list[i] =
+            (struct oracle_spring){ body->list[i].a, body->list[i].b,
+                                    (double)body->list[i].stiffness, (double)body->list[i].length };
+    for (size_t i = 0; i < n; i++) {
+        load[i] = (double)body->load[i];
+        x[i] = (double)body->net.rest[i];
     }
-    for (uint32_t i = 0; i < body->springs; i++) {
-        const struct link *link = &body->list[i];
-        const size_t a = 3 * (size_t)link->a, b = 3 * (size_t)link->b;
-        double d[3], way[3], square = 0.0, inner = 0.0;
-        for (size_t k = 0; k < 3; k++) {
-            d[k] = at->x[b + k] - at->x[a + k];
-            way[k] = is_force ? d[k] : at->way[b + k] - at->way[a + k];
-            square += d[k] * d[k];
-            inner += d[k] * way[k];
-        }
-        const double turn = 1.0 - (double)link->length / sqrt(square);
-        const double across = is_force || turn > 0.0 ? turn : 0.0;
-        const double along = is_force ? 0.0 : (1.0 - across) * inner / square;
-        for (size_t k = 0; k < 3; k++) {
-            const double push = (double)link->stiffness * (across * way[k] + along * d[k]);
-            to[a + k] += is_force ? push : -push;
-            to[b + k] -= is_force ? push : -push;
-            const double more = turn > 0.0 ? turn : 0.0;
-            const double stiff =
-                (double)link->stiffness * (more + (1.0 - more) * d[k] * d[k] / square);
-            at->diagonal[a + k] += is_force ? stiff : 0.0;
-            at->diagonal[b + k] += is_force ? stiff : 0.0;
-        }
-    }
-    for (size_t i = 0; i < at->n; i++)
-        to[i] = body->net.mass[i / 3] > 0.0f ? to[i] : 0.0;
-}
-
-static double balance_norm(const struct balance *at)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < at->n; i++)
-        sum += at->left[i] * at->left[i] / at->diagonal[i];
-    return sum;
-}
-
-static void balance_solve(const struct body *body, struct balance *at)
-{
-    double norm;
-    for (size_t i = 0; i < at->n; i++) {
-        at->change[i] = 0.0;
-        at->left[i] = at->right[i];
-        at->way[i] = at->left[i] / at->diagonal[i];
-    }
-    norm = balance_norm(at);
-    const double goal = 1e-12 * norm;
-    for (int i = 0; i < 4000 && norm > goal; i++) {
-        double curvature = 0.0;
-        balance_sum(body, at, 0);
-        for (size_t k = 0; k < at->n; k++)
-            curvature += at->way[k] * at->product[k];
-        for (size_t k = 0; k < at->n; k++) {
-            at->change[k] += norm / curvature * at->way[k];
-            at->left[k] -= norm / curvature * at->product[k];
-        }
-        const double next = balance_norm(at);
-        for (size_t k = 0; k < at->n; k++)
-            at->way[k] = at->left[k] / at->diagonal[k] + next / norm * at->way[k];
-        norm = next;
-    }
-}
-
-/* Fills in where nodes are in the end. */
-static void true_end(struct body *body, float *end)
-{
-    struct balance at = { .n = 3 * (size_t)body->nodes };
-    double **const arrays[] = { &at.x,   &at.right,   &at.change,  &at.left,
-                                &at.way, &at.product, &at.diagonal };
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        *arrays[i] = room(at.n, sizeof(double));
-    for (size_t i = 0; i < at.n; i++)
-        at.x[i] = (double)body->net.rest[i];
-    for (int round = 0; round < NEWTON_ROUNDS; round++) {
-        double most = 0.0;
-        balance_sum(body, &at, 1);
-        balance_solve(body, &at);
-        for (size_t i = 0; i < at.n; i++)
-            most = fabs(at.change[i]) > most ? fabs(at.change[i]) : most;
-        for (size_t i = 0; i < at.n; i++)
-            at.x[i] += (most > NEWTON_STEP ? NEWTON_STEP / most : 1.0) * at.change[i];
-        if (most < 1e-9)
-            break;
-        if (round == NEWTON_ROUNDS - 1)
-            fprintf(stderr, "spring_methods: no balance: %g m\n", most);
-    }
-    for (size_t i = 0; i < at.n; i++)
-        end[i] = (float)at.x[i];
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        free(*arrays[i]);
+    const double left = oracle_spring_balance(&springs, 2e-3, x);
+    if (!(left >= 0.0 && left < 1e-8))
+        fprintf(stderr, "spring_methods: no balance: %g m\n", left);
+    for (size_t i = 0; i < n; i++)
+        end[i] = (float)x[i];
+    free(list);
+    free(load);
+    free(x);
 }
 
 /* A method on a body; `springs` are those of ours. */

@@ -4,6 +4,7 @@
  * energy. Whether steps are stable is for test_springs_stable.
  */
 #include "deform/spring_rig.h"
+#include "oracle/spring_balance.h"
 
 #define PI 3.14159265358979323846
 
@@ -227,65 +228,23 @@ static void plucked_membranes_sound(void)
     a_plucked_membrane_sounds(DPT_INTEGRATOR_IMPLICIT);
 }
 
-/* Where a net of a few nodes is in balance: Newton's method, in double, with Gaussian elimination. */
+/* Where a net is in balance under a load by mass (oracle/spring_balance.h). */
 static void balance(const struct rig *rig, const double load[3], double *x)
 {
-    const size_t n = 3 * (size_t)rig->nodes;
-    double *matrix = malloc(n * n * sizeof *matrix), *right = malloc(n * sizeof *right);
-    for (size_t i = 0; i < n; i++)
+    struct oracle_spring *list = malloc(rig->springs * sizeof *list);
+    double *force = malloc(3 * (size_t)rig->nodes * sizeof *force);
+    const struct oracle_springs springs = { rig->nodes, rig->springs, list, rig->mass, force };
+    for (uint32_t i = 0; i < rig->springs; i++)
+        list[i] = (struct oracle_spring){ rig->list[i].a, rig->list[i].b, rig->list[i].stiffness,
+                                          rig->list[i].length };
+    for (size_t i = 0; i < 3 * (size_t)rig->nodes; i++) {
+        force[i] = (double)rig->mass[i / 3] * load[i % 3];
         x[i] = (double)rig->rest[i];
-    for (int round = 0; round < 12; round++) {
-        memset(matrix, 0, n * n * sizeof *matrix);
-        for (size_t i = 0; i < n; i++)
-            right[i] = (double)rig->mass[i / 3] * load[i % 3];
-        for (uint32_t i = 0; i < rig->springs; i++) {
-            const struct rig_spring *spring = &rig->list[i];
-            const size_t end[2] = { 3 * (size_t)spring->a, 3 * (size_t)spring->b };
-            double d[3], size = 0.0;
-            for (size_t k = 0; k < 3; k++)
-                d[k] = x[end[1] + k] - x[end[0] + k], size += d[k] * d[k];
-            size = sqrt(size);
-            for (size_t k = 0; k < 3; k++) {
-                const double force = spring->stiffness * (size - spring->length) * d[k] / size;
-                right[end[0] + k] += force;
-                right[end[1] + k] -= force;
-                for (size_t l = 0; l < 3; l++) {
-                    const double turn = 1.0 - spring->length / size;
-                    const double stiffness =
-                        spring->stiffness *
-                        ((1.0 - turn) * d[k] * d[l] / (size * size) + (k == l ? turn : 0.0));
-                    for (size_t a = 0; a < 2; a++)
-                        for (size_t b = 0; b < 2; b++)
-                            matrix[(end[a] + k) * n + end[b] + l] +=
-                                a == b ? stiffness : -stiffness;
-                }
-            }
-        }
-        for (size_t i = 0; i < n; i++)
-            if (!(rig->mass[i / 3] > 0.0f)) {
-                memset(matrix + i * n, 0, n * sizeof *matrix);
-                matrix[i * n + i] = 1.0;
-                right[i] = 0.0;
-            }
-        for (size_t c = 0; c < n; c++)
-            for (size_t r = c + 1; r < n; r++) {
-                const double factor = matrix[r * n + c] / matrix[c * n + c];
-                if (factor == 0.0)
-                    continue;
-                for (size_t i = c; i < n; i++)
-                    matrix[r * n + i] -= factor * matrix[c * n + i];
-                right[r] -= factor * right[c];
-            }
-        for (size_t c = n; c-- > 0;) {
-            for (size_t i = c + 1; i < n; i++)
-                right[c] -= matrix[c * n + i] * right[i];
-            right[c] /= matrix[c * n + c];
-        }
-        for (size_t i = 0; i < n; i++)
-            x[i] += right[i];
     }
-    free(matrix);
-    free(right);
+    const double left = oracle_spring_balance(&springs, 1.0, x);
+    CHECK(left >= 0.0 && left < 1e-9, "the oracle's last step was %g m", left);
+    free(list);
+    free(force);
 }
 
 /* A bar that hangs from its top face, against what Newton's method finds. */
