@@ -77,13 +77,9 @@ void dpti_region_wake_loaded(struct dpt_springs *springs)
         const struct spring_loads *listed = which ? last : now;
         for (uint32_t i = 0; i < listed->count; i++) {
             const size_t slice = listed->slices[i], row = SPRING_ROWS * slice;
-            float *held = region->held + row;
-            const float change = sum_of_sizes(now->force + row, held);
-            if (!region->is_awake[slice] &&
-                !(change > LOAD_SHARE * (sum_of_sizes(held, none) + mean)))
-                continue;
-            memcpy(held, now->force + row, SPRING_ROWS * sizeof *held);
-            if (!region->is_awake[slice])
+            const float *held = region->held + row;
+            if (!region->is_awake[slice] && sum_of_sizes(now->force + row, held) >
+                                                LOAD_SHARE * (sum_of_sizes(held, none) + mean))
                 woken += wake(region, (uint32_t)slice);
         }
     }
@@ -144,6 +140,9 @@ static void fall_asleep(struct dpt_springs *springs, uint32_t slice)
     if (springs->solve.direction)
         memset(springs->solve.direction + SPRING_POINTS * (size_t)slice, 0,
                SPRING_POINTS * sizeof *springs->solve.direction);
+    memcpy(region->held + SPRING_ROWS * (size_t)slice,
+           springs->loads[springs->loaded].force + SPRING_ROWS * (size_t)slice,
+           SPRING_ROWS * sizeof *region->held);
     region->is_awake[slice] = 0;
     for (uint32_t i = region->first[slice]; i < region->first[slice + 1]; i++) {
         const size_t other = region->neighbours[i];

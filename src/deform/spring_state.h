@@ -45,7 +45,7 @@ struct active_region {
     uint32_t *neighbours; /* slices that springs lead to */
     uint8_t *is_told;     /* 1 a slice: a neighbour may be asleep since it was at `told` */
     float *told;          /* rows of 48 a slice */
-    float *held;          /* rows of 48 a slice: its load when it was awake last */
+    float *held;          /* rows of 48 a slice: its load when it fell asleep */
 };
 
 /* Nodes on tools (spring_contact.h); 1 a slice, NULL where the net is no mesh's. */
