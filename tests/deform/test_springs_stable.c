@@ -181,13 +181,13 @@ static double growth_at(const struct rig *rig, const double *mode, double h)
 
 /*
  * By what factor a small motion along a mode changes in a step, if it swings: of a(n) = r^n cos(n p + q), the numbers
- * a(n)^2 - a(n - 1) a(n + 1) are r^2n sin(p)^2.
+ * a(n)^2 - a(n - 1) a(n + 1) are r^2n sin(p)^2. A swing that fades is followed to a thirtieth: then others are left.
  */
 static double swing_at(const struct rig *rig, const double *mode, double h, double amount)
 {
     float start[81];
-    double a[3] = { amount, amount, amount }, first = 0.0, last = 0.0;
-    int counted = 0;
+    double a[3] = { amount, amount, amount }, first = 0.0, count = 0.0;
+    double n = 0.0, nn = 0.0, y = 0.0, ny = 0.0; /* sums, for the line through log(size) */
     for (size_t i = 0; i < 81; i++)
         start[i] = rig->rest[i] + (float)(amount * mode[i]);
     CHECK(dpt_springs_set_nodes(rig->made, 0, rig->nodes, start, NULL) == DPT_OK, "not moved");
@@ -200,12 +200,16 @@ static double swing_at(const struct rig *rig, const double *mode, double h, doub
         const double size = a[1] * a[1] - a[0] * a[2];
         if (i < 2 || !(size > 0.0))
             continue;
-        if (size > 1e-7 || size < 1e-12)
+        if (size > 1e-7 || size < 1e-3 * first)
             break;
-        first = counted++ ? first : size;
-        last = size;
+        first = count > 0.0 ? first : size;
+        count += 1.0;
+        n += i;
+        nn += (double)i * i;
+        y += log(size);
+        ny += i * log(size);
     }
-    return counted > 3 ? exp(0.5 * log(last / first) / (counted - 1)) : 0.0;
+    return count > 3.0 ? exp(0.5 * (count * ny - n * y) / (count * nn - n * n)) : 0.0;
 }
 
 /* Undamped; damped, and still swinging; damped so that it does not. The fastest mode has about 518 rad/s. */
@@ -272,7 +276,7 @@ static void others_grow_and_fade_as_their_matrix_says(void)
             implicit ? sqrt(1.0 - g) : mode_growth(DPT_INTEGRATOR_EULER, square, 0.0, 0.0, h);
         printf("    integrator %u, h w = %.2f: %.5f a step, expected %.5f\n", def.integrator,
                shares[i], seen, expected);
-        CHECK(fabs(log(seen) / log(expected) - 1.0) < 0.02 && fabs(seen / expected - 1.0) < 0.01,
+        CHECK(fabs(log(seen) / log(expected) - 1.0) < 0.04 && fabs(seen / expected - 1.0) < 0.01,
               "integrator %u, h %g: %g a step, not %g", def.integrator, h, seen, expected);
         rig_close(&rig);
     }
