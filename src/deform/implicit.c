@@ -23,6 +23,9 @@ void dpti_implicit_begin(struct dpt_springs *springs)
 {
     const struct spring_net *net = &springs->net;
     struct spring_solve *solve = &springs->solve;
+    solve->is_free = 1;
+    for (uint32_t node = 0; node < net->nodes; node++)
+        solve->is_free &= net->mass[node] > 0.0f;
     for (uint32_t slice = 0; slice < net->slices; slice++)
         for (uint32_t lane = 0; lane < LANES; lane++) {
             const uint32_t node = LANES * slice + lane;
@@ -177,7 +180,7 @@ static struct outcome try_step(struct dpt_springs *springs, const struct spring_
 
 /*
  * What a few passes leave of a motion that all nodes have in common, as in free fall, goes into the start of the next
- * step.
+ * step. A body with fixed nodes has none; there it would keep a press from its end.
  */
 static void note_common(struct dpt_springs *springs, double h)
 {
@@ -229,7 +232,7 @@ int dpti_implicit_step(struct dpt_springs *springs, double h, uint32_t *flags)
         if (outcome.bad)
             return 0;
     }
-    if (*flags)
+    if (*flags || !solve->is_free)
         memset(solve->common, 0, sizeof solve->common);
     else
         note_common(springs, h);

@@ -30,7 +30,9 @@ struct spring_solve {
     double *energy;   /* 1 a slice: of its nodes, when it was last stepped */
     double step;      /* for which the diagonals were made; 0: none */
     double account;   /* J: the energy is proven not to exceed it; below 0: not known */
-    double common[3]; /* m/s2: what all nodes that are awake had in common in the last step, but for drag */
+    int is_free;      /* 1: no node is fixed */
+    double common
+        [3]; /* m/s2: what all nodes that are awake had in common in the last step, but for drag */
 };
 
 /* Which slices are stepped. */
