@@ -16,7 +16,8 @@ static const char laparoscopic[] = "laparoscopic";
 static const char *const counts_text[] = { [SHAPE_ANY] = "any",
                                            [SHAPE_EVEN] = "even",
                                            [SHAPE_TWO_SQUARES] = "2 k^2",
-                                           [SHAPE_TWELVE_SQUARES] = "12 k^2" };
+                                           [SHAPE_TWELVE_SQUARES] = "12 k^2",
+                                           [SHAPE_RINGS] = "64 k" };
 
 static void print_help(void)
 {

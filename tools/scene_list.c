@@ -37,7 +37,7 @@ static const dpt_spring_region membrane_border[] = {
     FIXED_BOX(-0.11, 0.0999, -0.01, 0.11, 0.11, 0.01),
 };
 
-/* A liver hangs on its back. */
+/* A liver hangs on its back; in the scene laparoscopy the patient lies on it. */
 static const dpt_spring_region liver_bed[] = { FIXED_BOX(-0.2, -0.2, -0.1, 0.2, 0.2, -0.035) };
 
 #define REGIONS(of) .regions = (of), .region_count = sizeof(of) / sizeof *(of)
@@ -87,13 +87,16 @@ static const struct listed_scene scenes[] = {
                     .response = DPT_RESPONSE_DISPLACE } } },
     { .name = "laparoscopy",
       STYLUS,
+      .origin = { 0.0038, 0.0545, 0.0012 },
+      .has_origin = 1,
       .bodies = { { .shape = "liver",
                     .triangles = 2692,
-                    .pose = UPRIGHT,
+                    .pose = LYING(0.0),
                     .springs = LIVER_SPRINGS,
                     .load_radius = 0.02 },
-                  { .shape = "stomach", .triangles = 1619, .pose = UPRIGHT },
-                  { .shape = "spleen", .triangles = 1076, .pose = UPRIGHT } } },
+                  { .shape = "stomach", .triangles = 1619, .pose = LYING(0.0) },
+                  { .shape = "spleen", .triangles = 1076, .pose = LYING(0.0) },
+                  { .shape = "wall", .triangles = 1024, .pose = LYING(0.0) } } },
     { .name = "liver",
       STYLUS,
       .bodies = { { .shape = "liver", .triangles = 50332, .pose = UPRIGHT } } },

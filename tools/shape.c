@@ -435,6 +435,36 @@ static int make_hub(uint32_t count, uint64_t seed, struct shape *shape)
     return 0;
 }
 
+#define WALL_HOLE   0.008 /* m */
+#define WALL_RADIUS 0.12
+#define WALL_TOP    0.085
+enum { WALL_SECTORS = 32 };
+
+/* The wall of a belly that is blown up, over the organs, with a hole for an instrument: z = top - r^2 / 1 m. */
+static int make_wall(uint32_t count, uint64_t seed, struct shape *shape)
+{
+    const size_t rings = count / (2 * WALL_SECTORS);
+    (void)seed;
+    if (shape_begin(shape, (rings + 1) * WALL_SECTORS, count))
+        return -1;
+    for (size_t ring = 0; ring <= rings; ring++) {
+        const double r = WALL_HOLE + (WALL_RADIUS - WALL_HOLE) * ((double)ring / (double)rings);
+        for (size_t i = 0; i < WALL_SECTORS; i++) {
+            double sine, cosine;
+            turn_sincos((double)i / WALL_SECTORS, &sine, &cosine);
+            shape_add_vertex(shape, r * cosine, r * sine, WALL_TOP - r * r);
+        }
+    }
+    for (size_t ring = 0; ring < rings; ring++)
+        for (size_t i = 0; i < WALL_SECTORS; i++) {
+            const size_t a = ring * WALL_SECTORS + i;
+            const size_t b = ring * WALL_SECTORS + (i + 1) % WALL_SECTORS;
+            shape_add_triangle(shape, a, a + WALL_SECTORS, b + WALL_SECTORS);
+            shape_add_triangle(shape, a, b + WALL_SECTORS, b);
+        }
+    return 0;
+}
+
 const struct shape_kind shape_kinds[] = {
     { "torus", 0, 32, SHAPE_EVEN, make_torus, "ring 0.1 m, tube 0.04 m, axis z" },
     { "liver", 50332, 200, SHAPE_EVEN, shape_liver, "two lobes, 0.28 x 0.18 x 0.12 m" },
@@ -445,7 +475,8 @@ const struct shape_kind shape_kinds[] = {
     { "star", 20480, 2000, SHAPE_EVEN, shape_star, "sphere 0.06 m, 48 spikes to 0.15 m" },
     { "sphere", 0, 20, SHAPE_EVEN, shape_sphere, "radius 0.1 m" },
     { "box", 12, 12, SHAPE_TWELVE_SQUARES, make_box, "0.12 x 0.10 x 0.08 m" },
-    { "hub", 0, 3, SHAPE_ANY, make_hub, "cone of triangles about one vertex, open" }
+    { "hub", 0, 3, SHAPE_ANY, make_hub, "cone of triangles about one vertex, open" },
+    { "wall", 1024, 64, SHAPE_RINGS, make_wall, "dome over the organs, with a hole of 16 mm" }
 };
 const size_t shape_kind_count = sizeof shape_kinds / sizeof *shape_kinds;
 
@@ -461,6 +492,8 @@ static const char *wrong_count(const struct shape_kind *kind, uint64_t count)
         return "can only have 2 k^2 triangles, as 512";
     if (kind->counts == SHAPE_TWELVE_SQUARES && 12 * twelve * twelve != count)
         return "can only have 12 k^2 triangles, as 12 or 48";
+    if (kind->counts == SHAPE_RINGS && count % (2 * WALL_SECTORS))
+        return "can only have 64 k triangles, as 64 or 1024";
     return NULL;
 }
 

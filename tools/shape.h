@@ -25,8 +25,9 @@ void shape_free(struct shape *shape);
 enum shape_counts {
     SHAPE_ANY,
     SHAPE_EVEN,
-    SHAPE_TWO_SQUARES,   /* 2 k^2 */
-    SHAPE_TWELVE_SQUARES /* 12 k^2 */
+    SHAPE_TWO_SQUARES,    /* 2 k^2 */
+    SHAPE_TWELVE_SQUARES, /* 12 k^2 */
+    SHAPE_RINGS           /* 64 k */
 };
 
 /* Build a shape of `count` triangles, a number that the shape can have. Returns 0, or -1 if memory runs out. */

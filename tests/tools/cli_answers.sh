@@ -114,7 +114,7 @@ shapes()
 {
     for wanted in torus:5568 torus:32 liver::50332 liver:200 stomach::20000 stomach:201 \
         spleen::10000 membrane::512 membrane:2 cloth::2048 star::20480 sphere:1000 box::12 \
-        box:1200 hub:3 hub:5000; do
+        box:1200 hub:3 hub:5000 wall::1024 wall:64; do
         number=${wanted#*:}
         # shellcheck disable=SC2086
         succeeds "make $wanted" make ${wanted%%:*} ${number%:*} -o shape.ply
@@ -125,7 +125,7 @@ shapes()
     listed=$(run make --help && awk '/^  SHAPE/ { on = 1; next } on { print $1 }' stdout |
         tr '\n' ' ')
     check "shapes that are not tried here: $listed" test "$listed" = \
-        'torus liver stomach spleen membrane cloth star sphere box hub laparoscopic '
+        'torus liver stomach spleen membrane cloth star sphere box hub wall laparoscopic '
 
     succeeds 'make laparoscopic' make laparoscopic -o scene.ply
     sum=0

@@ -497,7 +497,7 @@ static void shapes_have_the_same_bits_everywhere(void)
         { "cloth", 2048, 0, 0x963a63d6ea3cfb74 },  { "cloth", 2048, 7, 0x4f0b3fb76ff1cc5d },
         { "star", 20480, 0, 0x7809cb561d9b5855 },  { "star", 20480, 7, 0x5469c87c207a0b6f },
         { "sphere", 5000, 0, 0x9df55c8072c5683b }, { "box", 1200, 0, 0x3449541ffbbd4e90 },
-        { "hub", 50000, 0, 0x174ce5597f860aa2 }
+        { "hub", 50000, 0, 0x174ce5597f860aa2 },   { "wall", 1024, 0, 0xadccf9052efb3655 }
     };
     for (size_t i = 0; i < sizeof golden / sizeof *golden; i++) {
         struct shape shape = build(golden[i].name, golden[i].count, golden[i].seed);
@@ -543,6 +543,7 @@ static void bad_usage_has_a_reason(void)
                   { "membrane", 500, "2 k^2" },
                   { "cloth", 2047, "2 k^2" },
                   { "box", 14, "12 k^2" },
+                  { "wall", 100, "64 k" },
                   { "torus", 10000002, "to 10000000" },
                   { "torus", UINT64_MAX - 1, "to " },
                   { "banana", 100, "no shape 'banana'" },
