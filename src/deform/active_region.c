@@ -32,13 +32,22 @@ void dpti_region_begin(struct dpt_springs *springs)
         region->first[slice + 1] =
             region->first[slice] +
             dpti_slice_neighbours(&springs->net, slice, region->neighbours + region->first[slice]);
-        region->is_awake[slice] = 1;
+        region->is_awake[slice] = region->is_fixed[slice] = 1;
+        for (int i = 0; i < LANES; i++)
+            if (springs->nodes[slice].per_mass[i] > 0.0f)
+                region->is_fixed[slice] = 0;
         for (int i = 0; i < LANES; i++)
             region->drag[slice] = springs->nodes[slice].drag[i] > region->drag[slice]
                                       ? springs->nodes[slice].drag[i]
                                       : region->drag[slice];
     }
     dpti_region_list(springs);
+}
+
+/* Whether a slice sleeps, and would move if it did not. */
+static int can_wake(const struct active_region *region, uint32_t slice)
+{
+    return !region->is_awake[slice] && !region->is_fixed[slice];
 }
 
 /* Returns 1 if it was asleep. */
@@ -78,8 +87,9 @@ void dpti_region_wake_loaded(struct dpt_springs *springs)
         for (uint32_t i = 0; i < listed->count; i++) {
             const size_t slice = listed->slices[i], row = SPRING_ROWS * slice;
             const float *held = region->held + row;
-            if (!region->is_awake[slice] && sum_of_sizes(now->force + row, held) >
-                                                LOAD_SHARE * (sum_of_sizes(held, none) + mean))
+            if (can_wake(region, (uint32_t)slice) &&
+                sum_of_sizes(now->force + row, held) >
+                    LOAD_SHARE * (sum_of_sizes(held, none) + mean))
                 woken += wake(region, (uint32_t)slice);
         }
     }
@@ -92,7 +102,7 @@ static uint32_t wake_neighbours(struct active_region *region, uint32_t slice)
 {
     uint32_t woken = 0;
     for (uint32_t i = region->first[slice]; i < region->first[slice + 1]; i++)
-        if (!region->is_awake[region->neighbours[i]])
+        if (can_wake(region, region->neighbours[i]))
             woken += wake(region, region->neighbours[i]);
     return woken;
 }
@@ -106,7 +116,7 @@ void dpti_region_disturb(struct dpt_springs *springs, uint32_t slice)
 static int has_sleeping_neighbour(const struct active_region *region, uint32_t slice)
 {
     for (uint32_t i = region->first[slice]; i < region->first[slice + 1]; i++)
-        if (!region->is_awake[region->neighbours[i]])
+        if (can_wake(region, region->neighbours[i]))
             return 1;
     return 0;
 }

@@ -40,6 +40,7 @@ struct active_region {
     uint32_t *slices; /* those awake, ascending */
     uint32_t count;
     uint8_t *is_awake;    /* 1 a slice */
+    uint8_t *is_fixed;    /* 1 a slice: all of its nodes are */
     uint16_t *quiet;      /* 1 a slice: for how many steps it has been slow */
     float *square;        /* 1 a slice: the largest squared speed after the last step */
     float *drag;          /* 1 a slice: the largest of its nodes */

@@ -124,6 +124,7 @@ static void place(struct dpt_springs *springs, struct block *block)
     }
     region->slices = take(block, slices, sizeof(uint32_t));
     region->is_awake = take(block, slices, 1);
+    region->is_fixed = take(block, slices, 1);
     region->quiet = take(block, slices, sizeof *region->quiet);
     region->square = take(block, slices, sizeof(float));
     region->drag = take(block, slices, sizeof(float));
