@@ -77,7 +77,7 @@ static void what_sleeps_is_not_felt(uint32_t integrator)
     struct press all, some;
     dpt_springs_report report;
     double worst = 0.0, deepest = 0.0, jump = 0.0, largest_step = 0.0, last[2] = { 0 }, share = 0.0;
-    uint32_t least = UINT32_MAX;
+    uint32_t least = UINT32_MAX, most = 0;
     open_press(&all, integrator, 0.0);
     open_press(&some, integrator, 1e-4);
     for (int i = 0; i < STEPS; i++) {
@@ -86,6 +86,7 @@ static void what_sleeps_is_not_felt(uint32_t integrator)
         const double part = push(&some, force_at(i), &report);
         share += (double)report.active / report.nodes / STEPS;
         least = report.active < least ? report.active : least;
+        most = i > 200 && report.active > most ? report.active : most;
         worst = fabs(full - part) > worst ? fabs(full - part) : worst;
         deepest = full > deepest ? full : deepest;
         largest_step = fabs(full - last[0]) > largest_step ? fabs(full - last[0]) : largest_step;
@@ -97,6 +98,8 @@ static void what_sleeps_is_not_felt(uint32_t integrator)
            integrator, 1e3 * deepest, 1e3 * worst, 100.0 * share, least, report.nodes);
     CHECK(worst < 0.05 * deepest, "off by %g m of %g", worst, deepest);
     CHECK(jump < 1.05 * largest_step, "a step of %g m, awake %g", jump, largest_step);
+    CHECK(most <= report.nodes - LAYER, "%u of %u awake, %u of them fixed", most, report.nodes,
+          LAYER);
     CHECK(least < report.nodes / 10, "at least %u of %u awake", least, report.nodes);
     rig_close(&all.rig);
     rig_close(&some.rig);
