@@ -179,6 +179,6 @@ const struct lab_case springs_case = {
     "sees what the hand gets: never more than one sample can be off by.",
     "Soft bodies need no softer coupling than rigid ones. The force of a tool that lies hums by 2 "
     "%: few points hold it in a tick, and not the same ones in the next, as in the case tissue. "
-    "That also keeps the body awake. A load_radius of 40 mm makes it five times less.",
+    "That keeps half of the body awake. A load_radius of 40 mm makes it five times less.",
     run
 };
