@@ -180,7 +180,7 @@ static struct outcome try_step(struct dpt_springs *springs, const struct spring_
 
 /*
  * What a few passes leave of a motion that all nodes have in common, as in free fall, goes into the start of the next
- * step. A body with fixed nodes has none; there it would keep a press from its end.
+ * step. A body that fixed nodes hold, or nodes that sleep, has none; there it would keep a press from its end.
  */
 static void note_common(struct dpt_springs *springs, double h)
 {
@@ -232,7 +232,7 @@ int dpti_implicit_step(struct dpt_springs *springs, double h, uint32_t *flags)
         if (outcome.bad)
             return 0;
     }
-    if (*flags || !solve->is_free)
+    if (*flags || !solve->is_free || springs->region.count < springs->net.slices)
         memset(solve->common, 0, sizeof solve->common);
     else
         note_common(springs, h);

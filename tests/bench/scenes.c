@@ -4,11 +4,12 @@
  *
  *     scenes [TICKS]      prints CSV, a row a scene and method
  *
- * The stylus comes down on the first body, presses 3 mm into it and goes to and fro by 1 cm at 1 Hz. In the cloth's scene
- * it is the sword, and rests. Methods: `exact` is what a world does by default; `brute` asks every triangle, `paper` is the
- * paper's dynamic point in one part. Both find contacts alone; brute's step begins no faster than this. A check is
- * dpt_world_step; with physics it is dpt_deform_step_springs as well, in the same thread, where the paper had four.
- * `wrong` counts ticks whose distance is off by more than 1 um from that of `brute` with the same vertices; -1: not asked.
+ * The stylus comes down on the first body, goes to and fro by 1 cm at 1 Hz and up and down by 3 mm at 0.7 Hz, so that it
+ * presses half of the time. In the cloth's scene it is the sword, and rests. Methods: `exact` is what a world does by
+ * default, with its force; `brute` asks every triangle, and `paper` is the paper's dynamic point in one part: both end at
+ * contact, with the tool where the device is and the vertices that `exact` has. A check is dpt_world_step; with physics it
+ * is dpt_deform_step_springs as well, in the same thread, where the paper had four. `wrong` counts ticks in which the
+ * distance is not that of `brute` within 1 um; that of `exact` is another tool's, and is not asked (tests/world hold it).
  */
 #include <math.h>
 #include <stdio.h>
@@ -20,7 +21,7 @@
 #include "scene_list.h"
 #include "shape.h"
 
-enum { BODIES = 3, TICKS_MAX = 100000, METHODS = 3 };
+enum { BODIES = LISTED_BODIES_MAX, TICKS_MAX = 100000, METHODS = 3 };
 
 static const char *const names[] = { "membrane", "cloth", "laparoscopy", "liver" };
 
@@ -168,7 +169,8 @@ static void place(const struct bench *bench, const struct stage *stage, int tick
     dpt_pose pose = DPT_POSE_IDENTITY;
     memcpy(pose.position, bench->touch, sizeof pose.position);
     if (!bench->displaces) {
-        pose.position[1] += tick < 200 ? 0.005 - 0.04 * t : -0.003;
+        pose.position[1] +=
+            tick < 200 ? 0.008 * (1.0 - 5.0 * t) : 0.003 * sin(4.398229715 * (t - 0.2));
         pose.position[0] += 0.01 * sin(6.2831853 * t);
     }
     if ((tick ? dpt_tool_set_pose(stage->world, stage->tool, &pose)
@@ -239,11 +241,10 @@ static void run(const struct bench *bench, int ticks)
 {
     static double step[METHODS][TICKS_MAX], whole[TICKS_MAX];
     struct stage stage[METHODS];
-    int is_there[METHODS], wrong[METHODS] = { 0 };
+    int is_there[METHODS], wrong = 0;
     for (int m = 0; m < METHODS; m++)
         is_there[m] = open_stage(bench, &stage[m], m);
     for (int tick = 0; tick < ticks; tick++) {
-        double truth = 0.0;
         for (int m = METHODS - 1; m >= 0; m--) {
             if (!is_there[m])
                 continue;
@@ -254,11 +255,8 @@ static void run(const struct bench *bench, int ticks)
             if (dpt_world_step(stage[m].world, 1e-3, NULL) != DPT_OK)
                 fail("a tick failed");
             step[m][tick] = whole[tick] = now() - begin;
-            truth = m == 1 ? distance_of(&stage[m]) : truth;
         }
-        for (int m = 0; m < METHODS; m++)
-            wrong[m] += is_there[m] && m != 1 && bench->scene->bodies[0].response == 0 && m == 2 &&
-                        fabs(distance_of(&stage[m]) - truth) > 1e-6;
+        wrong += is_there[2] && fabs(distance_of(&stage[2]) - distance_of(&stage[1])) > 1e-6;
         for (int i = 0; i < bench->bodies; i++) {
             const double begin = now();
             if (stage[0].soft[i].springs &&
@@ -272,7 +270,7 @@ static void run(const struct bench *bench, int ticks)
         if (is_there[m])
             printf("%s,%u,%u,%s,%.1f,%.1f,%d\n", bench->scene->name, bench->triangles,
                    bench->springs, methods[m].name, per_ms(step[m], ticks),
-                   m ? 0.0 : per_ms(whole, ticks), m == 2 ? wrong[m] : -1);
+                   m ? 0.0 : per_ms(whole, ticks), m == 2 ? wrong : 0);
         close_stage(&stage[m]);
     }
 }
