@@ -153,8 +153,8 @@ static void extent_of(const struct scene_body *body, int k, double *low, double 
         const double x = body->pose.position[k] + row[0] * (double)vertices[3 * v] +
                          row[1] * (double)vertices[3 * v + 1] +
                          row[2] * (double)vertices[3 * v + 2];
-        *low = fmin(*low, x);
-        *high = fmax(*high, x);
+        *low = x < *low ? x : *low;
+        *high = x > *high ? x : *high;
     }
 }
 

@@ -34,7 +34,7 @@ static uint64_t list_groups(const struct dpt_mesh *mesh, uint32_t *leaf_groups,
     const uint32_t *corners = mesh_words(mesh, MESH_TRIANGLES);
     uint64_t more = 0;
     for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++) {
-        uint32_t seen[3 * LANES], count = 0;
+        uint32_t seen[3 * LANES] = { 0 }, count = 0;
         const uint32_t begin = leaf * LANES, end = begin + LANES;
         for (uint32_t t = begin; t < end && t < mesh->triangles; t++)
             for (uint32_t k = 0; k < 3; k++) {
