@@ -337,7 +337,7 @@ static void defs_and_arguments_are_checked(void)
                                   .capacity = CAPACITY,
                                   .search = def.strip_search };
     CHECK(dpt_world_bytes(&def) ==
-              dpt_world_bytes(&none) + def.max_segments * (512 + dpt_strip_bytes(&strip)),
+              dpt_world_bytes(&none) + def.max_segments * (640 + dpt_strip_bytes(&strip)),
           "bytes");
     none.strip_capacity = 1 << 20;
     CHECK(dpt_world_bytes(&none) + 16 * dpt_strip_bytes(&strip) < dpt_world_bytes(&def),
