@@ -268,7 +268,7 @@ static void run(const struct bench *bench, int ticks)
     }
     for (int m = 0; m < METHODS; m++) {
         if (is_there[m])
-            printf("%s,%u,%u,%s,%.1f,%.1f,%d\n", bench->scene->name, bench->triangles,
+            printf("%s,%u,%u,%s,%.3g,%.3g,%d\n", bench->scene->name, bench->triangles,
                    bench->springs, methods[m].name, per_ms(step[m], ticks),
                    m ? 0.0 : per_ms(whole, ticks), m == 2 ? wrong : 0);
         close_stage(&stage[m]);
