@@ -172,7 +172,7 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  * With DPT_RESPONSE_LOAD the tools' loads act on the nodes. With DPT_RESPONSE_DISPLACE, which is for nodes that are the
  * vertices, nodes are where tools have moved them, and no longer go into the tool; the body's friction acts on what goes
  * along it (dpt_body_settings). Use it for a light sheet that lies on a tool: loads at single points do not carry that.
- * On a tool that does not move such a sheet comes to rest, and is then no longer felt.
+ * On a tool that does not move such a sheet comes to rest and sleeps, and is felt as before.
  *
  *   springs  made with the body's mesh
  *

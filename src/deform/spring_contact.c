@@ -36,10 +36,10 @@ static vec3 force_on(const struct dpt_springs *springs, uint32_t node)
     for (uint32_t entry = net->first[slice]; entry < net->first[slice + 1]; entry++) {
         const size_t i = LANES * (size_t)entry + node % LANES;
         const vec3 away = sub(place_of(springs, net->neighbour[i]), at);
-        const double now = length(away), stretch = now - (double)net->length[i];
-        if (now > 0.0)
-            sum = along(sum, springs->def.stiffness * (double)net->stiffness[i] * stretch / now,
-                        away);
+        const double rest = (double)net->length[i];
+        const double from = max_of(length(away), (double)SPRING_SHORTEST * rest);
+        sum = along(sum, springs->def.stiffness * (double)net->stiffness[i] * (1.0 - rest / from),
+                    away);
     }
     return sum;
 }
@@ -120,6 +120,7 @@ void dpti_spring_contact_hold(struct dpt_springs *springs, uint32_t node, vec3 t
     const vec3 push = sub(to, place_of(springs, node));
     const double depth = length(push);
     springs->vertices.moved[slice] = 1;
+    springs->vertices.has_moved = 1;
     if (!(springs->net.mass[node] > 0.0f) || !(depth > 0.0))
         return;
     if (!springs->region.is_awake[slice] && is_fixed(springs, node))
@@ -141,10 +142,10 @@ static int set_fixed(struct dpt_springs *springs, uint32_t slice)
         const uint32_t node = LANES * slice + lane;
         if (!(changed >> lane & 1))
             continue;
-        const int is_fixed = contact->next[slice] >> lane & 1;
-        springs->nodes[slice].per_mass[lane] = is_fixed ? 0.0f : 1.0f / springs->net.mass[node];
+        const float mass = contact->next[slice] >> lane & 1 ? 0.0f : springs->net.mass[node];
+        springs->nodes[slice].per_mass[lane] = mass > 0.0f ? 1.0f / mass : 0.0f;
         if (springs->solve.systems)
-            springs->solve.systems[slice].mass[lane] = is_fixed ? 0.0f : springs->net.mass[node];
+            springs->solve.systems[slice].mass[lane] = mass;
     }
     contact->fixed[slice] = contact->next[slice];
     return changed != 0;

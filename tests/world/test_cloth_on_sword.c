@@ -262,6 +262,7 @@ static void it_sleeps_until_the_sword_moves(void)
             tick(&sword, 0);
         dpt_tool_get_force_report(sword.world, sword.tool, &after);
         CHECK(energy_of(&sword) == held && sword.report.active == 0, "it moves");
+        CHECK(before.wrench.force[2] < -1e-3, "%g N: it is not felt", before.wrench.force[2]);
         for (int k = 0; k < 3; k++)
             CHECK(fabs(after.wrench.force[k] - before.wrench.force[k]) < 1e-9, "%g N, %g N before",
                   after.wrench.force[k], before.wrench.force[k]);
