@@ -314,9 +314,6 @@ static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *l
 {
     dpt_springs_report own = { .size = sizeof own };
     own.substeps = substeps_of(springs, dt);
-    if (!own.substeps)
-        return DPT_E_UNSTABLE;
-
     springs->loaded = 1 - springs->loaded;
     set_loads(&springs->loads[springs->loaded], loads, count, vertices);
     dpti_region_wake_loaded(springs);
@@ -341,13 +338,16 @@ static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *l
     return DPT_OK;
 }
 
-dpt_result dpti_springs_check_step(double dt, const dpt_springs_report *report)
+dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt,
+                                   const dpt_springs_report *report)
 {
     if (report)
         DPT_TRY(sized_check(report, sizeof *report, 0));
     if (!(fabs(dt) <= DBL_MAX))
         return DPT_E_FINITE;
-    return dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX ? DPT_OK : DPT_E_ARGUMENT;
+    if (!(dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX))
+        return DPT_E_ARGUMENT;
+    return substeps_of(springs, dt) ? DPT_OK : DPT_E_UNSTABLE;
 }
 
 dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
@@ -355,7 +355,7 @@ dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loa
 {
     if (!springs)
         return DPT_E_ARGUMENT;
-    DPT_TRY(dpti_springs_check_step(dt, report));
+    DPT_TRY(dpti_springs_check_step(springs, dt, report));
     DPT_TRY(check_loads(springs, loads, count));
     return step(springs, dt, loads, count, NULL, report);
 }
@@ -363,7 +363,7 @@ dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loa
 dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count,
                                     dpt_springs_report *report)
 {
-    DPT_TRY(dpti_springs_check_step(dt, report));
+    DPT_TRY(dpti_springs_check_step(springs, dt, report));
     return step(springs, dt, springs->vertices.loads, count, &springs->vertices, report);
 }
 

@@ -44,7 +44,7 @@ static int have_tools_moved(const struct dpt_world *world, const struct body *bo
             dpti_deform_displacing_strip(world, i, handle_index(body->id));
         if (!strip)
             continue;
-        has_moved |= memcmp(&strip->a, &strip->a_last, sizeof strip->a) != 0 ||
+        has_moved |= strip->is_new || memcmp(&strip->a, &strip->a_last, sizeof strip->a) != 0 ||
                      memcmp(&strip->u, &strip->u_last, sizeof strip->u) != 0;
         ++*count;
     }
@@ -84,7 +84,7 @@ dpt_result dpt_deform_step_springs(dpt_world *world, dpt_body id, dpt_springs *s
         return DPT_E_HANDLE;
     if (springs->def.mesh != body->surface.mesh)
         return DPT_E_ARGUMENT;
-    DPT_TRY(dpti_springs_check_step(dt, report));
+    DPT_TRY(dpti_springs_check_step(springs, dt, report));
     const struct spring_vertices *vertices = &springs->vertices;
     if (deform_of(body)->def.response == DPT_RESPONSE_LOAD)
         DPT_TRY(dpt_deform_get_loads(world, id, vertices->loads, springs->def.max_loads, &count));

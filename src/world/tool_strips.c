@@ -164,10 +164,11 @@ void dpti_strips_find(struct dpt_world *world, uint32_t segment_index)
         !(result->distance - segment->radius <= world->def.margin))
         return;
     const struct axis *axis = &segment->answer.track.axis;
-    const int is_new = segment_strip->body_slot != handle_index(body->id);
-    if (is_new)
+    const int is_other = segment_strip->body_slot != handle_index(body->id);
+    if (is_other)
         segment_strip->end_triangle[0] = segment_strip->end_triangle[1] = DPT_NONE;
-    const int was_near = !is_new && segment_strip->tick + 1 == world->ticks;
+    const int was_near = !is_other && segment_strip->tick + 1 == world->ticks;
+    segment_strip->is_new = !was_near;
     segment_strip->a_last = was_near ? segment_strip->a : axis->local_a;
     segment_strip->u_last = was_near ? segment_strip->u : axis->u;
     segment_strip->tick = world->ticks;

@@ -306,6 +306,27 @@ static void friction_holds_a_sheet_that_leans(void)
     }
 }
 
+/* A step that cannot be taken moves nothing, though the rod has moved vertices. */
+static void a_refused_step_moves_nothing(void)
+{
+    struct sword sword;
+    if (open_sword(&sword, &fall)) {
+        for (int i = 0; i < 200; i++)
+            tick(&sword, 0);
+        const size_t bytes = 3 * (size_t)sword.nodes * sizeof(float);
+        float *before = malloc(bytes);
+        dpt_world_step(sword.world, TICK, NULL);
+        dpt_springs_get_nodes(sword.springs, sword.nodes, before, sword.speeds);
+        const dpt_result result = dpt_deform_step_springs(sword.world, sword.body, sword.springs,
+                                                          2.0 * DPT_SPRINGS_STEP_MAX, NULL);
+        dpt_springs_get_nodes(sword.springs, sword.nodes, sword.positions, sword.speeds);
+        CHECK(result == DPT_E_ARGUMENT, "%s", dpt_result_name(result));
+        CHECK(!memcmp(before, sword.positions, bytes), "nodes have moved");
+        free(before);
+    }
+    close_sword(&sword);
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1)
@@ -313,5 +334,6 @@ int main(int argc, char **argv)
     TEST(a_cloth_falls_on_a_sword);
     TEST(it_sleeps_until_the_sword_moves);
     TEST(friction_holds_a_sheet_that_leans);
+    TEST(a_refused_step_moves_nothing);
     return check_report();
 }
