@@ -278,10 +278,9 @@ struct segment_strip {
     struct surface surface; /* of the body */
     struct frame frame;     /* of the body */
     vec3 a, u;              /* the axis in the body's frame: a + s u */
-    vec3 a_last,
-        u_last;    /* where it was in the step before; as now, if it was not near this body then */
-    int is_new;    /* 1: it was not near it then */
-    uint32_t tick; /* of the last step in which it was near a body */
+    vec3 a_last, u_last;    /* where it was in the step before; as now, if it is new */
+    int is_new;             /* 1: it was not near this body in the step before */
+    uint32_t tick;          /* of the last step in which it was near a body */
     double radius;
     uint32_t body_slot;       /* or DPT_NONE */
     int32_t side;             /* on which the tool is: +1 in front of the triangles, -1 behind */

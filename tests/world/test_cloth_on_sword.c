@@ -69,6 +69,7 @@ static int open_sheet(struct fixture *fixture, const char *name, uint64_t triang
 
 struct setup {
     const char *shape;
+    uint32_t integrator;
     uint64_t triangles;
     uint32_t rods; /* along y, side by side under the middle */
     double low;    /* m: how deep their surfaces lie */
@@ -100,7 +101,7 @@ static int open_sword(struct sword *sword, const struct setup *setup)
         deform.box_min[k] = -1.0;
         deform.box_max[k] = 1.0;
     }
-    springs.integrator = DPT_INTEGRATOR_IMPLICIT;
+    springs.integrator = setup->integrator;
     springs.gravity[1] = -GRAVITY * sin(setup->lean);
     springs.gravity[2] = -GRAVITY * cos(setup->lean);
     springs.sleep_speed = 0.01;
@@ -217,9 +218,13 @@ static double lowest_of(struct sword *sword)
 /* Of the rod's radius: so much of it may be left inside after the passes. */
 #define LEFT 0.05
 
-static const struct setup fall = {
-    .shape = "cloth", .triangles = 2048, .rods = 1, .low = HEIGHT, .friction = 0.5, .drag = 2.0
-};
+static const struct setup fall = { .shape = "cloth",
+                                   .integrator = DPT_INTEGRATOR_IMPLICIT,
+                                   .triangles = 2048,
+                                   .rods = 1,
+                                   .low = HEIGHT,
+                                   .friction = 0.5,
+                                   .drag = 2.0 };
 
 static void a_cloth_falls_on_a_sword(void)
 {
@@ -286,6 +291,7 @@ static void friction_holds_a_sheet_that_leans(void)
     const double lean = 0.3, friction[] = { 0.4, 0.1, 0.0 };
     for (size_t i = 0; i < sizeof friction / sizeof *friction; i++) {
         const struct setup setup = { .shape = "membrane",
+                                     .integrator = DPT_INTEGRATOR_IMPLICIT,
                                      .triangles = 512,
                                      .rods = RODS_MAX,
                                      .low = 0.0,
@@ -309,18 +315,20 @@ static void friction_holds_a_sheet_that_leans(void)
 /* A step that cannot be taken moves nothing, though the rod has moved vertices. */
 static void a_refused_step_moves_nothing(void)
 {
+    struct setup explicit = fall;
     struct sword sword;
-    if (open_sword(&sword, &fall)) {
+    explicit.integrator = DPT_INTEGRATOR_SYMPLECTIC;
+    if (open_sword(&sword, &explicit)) {
         for (int i = 0; i < 200; i++)
             tick(&sword, 0);
         const size_t bytes = 3 * (size_t)sword.nodes * sizeof(float);
         float *before = malloc(bytes);
         dpt_world_step(sword.world, TICK, NULL);
         dpt_springs_get_nodes(sword.springs, sword.nodes, before, sword.speeds);
-        const dpt_result result = dpt_deform_step_springs(sword.world, sword.body, sword.springs,
-                                                          2.0 * DPT_SPRINGS_STEP_MAX, NULL);
+        const dpt_result result =
+            dpt_deform_step_springs(sword.world, sword.body, sword.springs, 0.5, NULL);
         dpt_springs_get_nodes(sword.springs, sword.nodes, sword.positions, sword.speeds);
-        CHECK(result == DPT_E_ARGUMENT, "%s", dpt_result_name(result));
+        CHECK(result == DPT_E_UNSTABLE, "%s", dpt_result_name(result));
         CHECK(!memcmp(before, sword.positions, bytes), "nodes have moved");
         free(before);
     }
