@@ -126,11 +126,13 @@ command_line() {
     for script in tests/tools/cli_*.sh; do
         topic=${script#*/cli_}
         case $topic in devices.sh) run=run_waiting ;; *) run=run ;; esac
-        # Under sanitizers the laboratory runs for them alone.
+        # Under sanitizers the laboratory and the scenes run for them alone.
         set -- "$1"
         case $1-$topic in
         */*-stability.sh) set -- "$1" 0.01 ;;
         */*-stability_loops.sh) set -- "$1" 'wall organs delay phase zoom energy late rest beat' ;;
+        */*-stability_tissue.sh) set -- "$1" 'pulse reaction displace' ;;
+        */*-scenes.sh) set -- "$1" soft-liver ;;
         esac
         $run "the program $1, ${topic%.sh}" sh "$script" "$@"
     done
