@@ -22,6 +22,7 @@
 #include "dynpoint/query.h"
 #include "dynpoint/record.h"
 #include "dynpoint/result.h"
+#include "dynpoint/snapshot.h"
 #include "dynpoint/springs.h"
 #include "dynpoint/strip.h"
 #include "dynpoint/types.h"

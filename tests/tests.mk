@@ -94,7 +94,7 @@ $(B)/tests/test_calls: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=r
 TESTS += $(B)/tests/test_calls
 
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
-FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene) mesh forged arm wire record
+FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene) mesh forged arm wire record snapshot
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
                $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/serial/wire.o $(WIRE_DEVICE) \
                $(B)/drivers/csv.o $(B)/drivers/trace.o $(B)/drivers/settings.o \

@@ -254,8 +254,11 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
             sum_tool(world, &world->tools[t], dt);
     if (result == DPT_OK)
         dpti_deform_displace(world);
-    if (result == DPT_OK)
+    if (result == DPT_OK) {
         note_usage(world);
+        world->steps++;
+        world->time += dt;
+    }
     if (has_report)
         write_report(world, out);
     return result;

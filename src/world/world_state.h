@@ -304,6 +304,8 @@ struct dpt_world {
     struct work work;            /* this tick's, with its budget */
     uint32_t undone_segment;     /* index of the first segment that the budget left undone */
     dpt_world_usage usage;
+    uint64_t steps;             /* since it was created, that succeeded */
+    double time;                /* s: the sum of their dt */
     uint32_t ticks;             /* since the last reset; may wrap */
     uint32_t bodies_moved_tick; /* the tick before which a body last moved */
     double body_motion_max;     /* m: the largest motion_bound of the bodies that moved then */

@@ -42,7 +42,8 @@
     X(forged, 2, 2)                                                                                \
     X(arm, 4, 10)                                                                                  \
     X(wire, 10, 10)                                                                                \
-    X(record, 4, 10)
+    X(record, 4, 10)                                                                               \
+    X(snapshot, 3, 20)
 
 #define DECLARE(name, share, least) int fuzz_##name(const uint8_t *bytes, size_t size);
 TARGETS(DECLARE)

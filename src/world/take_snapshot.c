@@ -1,0 +1,344 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "base/return_if_error.h"
+#include "base/sized.h"
+#include "exchange/snapshot_format.h"
+#include "world/deform_body.h"
+#include "world/proxy_free.h"
+#include "world/proxy_state.h"
+
+enum {
+    SNAPSHOT_CONTACTS_MAX = 1 << 20,
+    SNAPSHOT_STRIP_MAX = 1 << 20,
+    SNAPSHOT_VERTICES_MAX = 1 << 28
+};
+
+/* Where each section of a snapshot goes, and how much of it is written. */
+struct taking {
+    const struct dpt_world *world;
+    unsigned char *to;
+    uint32_t count[SNAPSHOT_KINDS_END]; /* room */
+    uint32_t done[SNAPSHOT_KINDS_END];
+    uint64_t offset[SNAPSHOT_KINDS_END];
+    uint64_t bytes;
+    uint32_t flags;
+};
+
+void dpt_snapshot_def_defaults(dpt_snapshot_def *def, size_t size)
+{
+    const dpt_snapshot_def defaults = { .max_contacts = 256, .max_strip = 1024 };
+    sized_defaults(def, size, &defaults, sizeof defaults);
+}
+
+static dpt_result read_def(const dpt_snapshot_def *given, dpt_snapshot_def *def)
+{
+    dpt_snapshot_def_init(def);
+    if (given)
+        DPT_TRY(sized_read(given, sizeof *def, def, sizeof *def));
+    return def->max_contacts <= SNAPSHOT_CONTACTS_MAX && def->max_strip <= SNAPSHOT_STRIP_MAX &&
+                   def->max_vertices <= SNAPSHOT_VERTICES_MAX
+               ? DPT_OK
+               : DPT_E_LIMIT;
+}
+
+static int is_seen(const struct persistent_contact *item)
+{
+    return !item->is_unseen;
+}
+
+static uint32_t strip_count(const struct dpt_world *world, uint32_t segment_index)
+{
+    return world->def.strip ? world->segment_strips[segment_index].strip->count : 0;
+}
+
+/* Count what there is, at most as much as the def has room for. */
+static void count_sections(struct taking *taking, const dpt_snapshot_def *def)
+{
+    const struct dpt_world *world = taking->world;
+    const struct persistent_contacts *contacts = &world->contacts[world->contacts_index];
+    uint64_t strip = 0, vertices = 0;
+    uint32_t *count = taking->count, seen = 0;
+    for (uint32_t i = 0; i < contacts->count; i++)
+        seen += (uint32_t)is_seen(&contacts->items[i]);
+    for (uint32_t i = 0; i < world->segment_count; i++)
+        strip += strip_count(world, i);
+    for (uint32_t i = 0; i < world->body_slot_end; i++) {
+        const struct body *body = &world->bodies[i];
+        const uint32_t own = body->slot.used && deform_of(body) ? body->surface.mesh->vertices : 0;
+        if (vertices + own <= def->max_vertices)
+            vertices += own;
+        else
+            taking->flags |= DPT_SNAPSHOT_FLAG_VERTICES_CUT;
+    }
+    count[SNAPSHOT_BODIES] = world->body_count;
+    count[SNAPSHOT_TOOLS] = world->tool_count;
+    count[SNAPSHOT_SEGMENTS] = world->segment_count;
+    count[SNAPSHOT_CONTACTS] = seen < def->max_contacts ? seen : def->max_contacts;
+    count[SNAPSHOT_STRIPS] = strip < def->max_strip ? (uint32_t)strip : def->max_strip;
+    count[SNAPSHOT_VERTICES] = (uint32_t)vertices;
+    if (count[SNAPSHOT_CONTACTS] < seen)
+        taking->flags |= DPT_SNAPSHOT_FLAG_CONTACTS_CUT;
+    if (count[SNAPSHOT_STRIPS] < strip)
+        taking->flags |= DPT_SNAPSHOT_FLAG_STRIPS_CUT;
+}
+
+static void place_sections(struct taking *taking)
+{
+    uint64_t at = SNAPSHOT_HEADER_BYTES + (uint64_t)(SNAPSHOT_KINDS_END - 1) * SNAPSHOT_ENTRY_BYTES;
+    for (uint32_t kind = 1; kind < SNAPSHOT_KINDS_END; kind++) {
+        taking->offset[kind] = at;
+        at += ((uint64_t)taking->count[kind] * snapshot_stride[kind] + 7) / 8 * 8;
+    }
+    taking->bytes = at;
+}
+
+/* The place of the next item of a kind; NULL: there is no room for it. */
+static unsigned char *next_place(struct taking *taking, enum snapshot_kind kind)
+{
+    const uint32_t i = taking->done[kind];
+    if (i == taking->count[kind])
+        return NULL;
+    taking->done[kind]++;
+    return taking->to + taking->offset[kind] + (uint64_t)i * snapshot_stride[kind];
+}
+
+static void put(struct taking *taking, enum snapshot_kind kind, const void *item)
+{
+    unsigned char *to = next_place(taking, kind);
+    if (to)
+        dpti_snapshot_put_item(kind, item, to);
+}
+
+static void put_body(struct taking *taking, const struct body *body)
+{
+    const uint32_t own = deform_of(body) ? body->surface.mesh->vertices : 0;
+    const uint32_t first = taking->done[SNAPSHOT_VERTICES];
+    const int is_in = own && own <= taking->count[SNAPSHOT_VERTICES] - first;
+    const dpt_snapshot_body item = {
+        .id = body->id,
+        .flags = (own ? (uint32_t)DPT_SNAPSHOT_BODY_FLAG_DEFORMS : 0) |
+                 (body->slot.valid ? 0 : (uint32_t)DPT_SNAPSHOT_BODY_FLAG_STALE),
+        .first_vertex = is_in ? first : DPT_NONE,
+        .vertices = own,
+        .user = body->user,
+        .pose = body->pose
+    };
+    put(taking, SNAPSHOT_BODIES, &item);
+    if (!is_in)
+        return;
+    unsigned char *to = next_place(taking, SNAPSHOT_VERTICES);
+    dpti_snapshot_put_vertices(body->surface.positions, own, to);
+    taking->done[SNAPSHOT_VERTICES] = first + own;
+}
+
+/* The axis where the device has it, and where the proxy has it. */
+static void put_axes(const struct dpt_world *world, const struct tool *tool,
+                     const struct segment *segment, dpt_snapshot_segment *item)
+{
+    const int has_proxy = dpti_proxy_is_used(world, tool);
+    const struct proxy *proxy = has_proxy ? &world->proxies[tool - world->tools] : NULL;
+    struct frame frame;
+    frame_of_pose(&tool->pose, &frame);
+    vec3_store(frame_to_world(&frame, segment->a), item->a);
+    vec3_store(frame_to_world(&frame, segment->b), item->b);
+    item->radius = segment->radius;
+    if (has_proxy && tool->is_free) {
+        const dpt_segment given = dpti_proxy_given_segment(world, tool);
+        memcpy(item->a, given.a, sizeof item->a);
+        memcpy(item->b, given.b, sizeof item->b);
+        item->radius = given.radius;
+    }
+    memcpy(item->proxy_a, item->a, sizeof item->a);
+    memcpy(item->proxy_b, item->b, sizeof item->b);
+    if (!has_proxy || proxy->state == PROXY_NONE)
+        return;
+    frame_of_pose(&proxy->pose, &frame);
+    vec3_store(frame_to_world(&frame, segment->a), item->proxy_a);
+    vec3_store(frame_to_world(&frame, segment->b), item->proxy_b);
+}
+
+static void put_segment(struct taking *taking, const struct tool *tool, uint32_t index)
+{
+    const struct segment *segment = &taking->world->segments[index];
+    const dpt_hit *hit = &segment->hit;
+    dpt_snapshot_segment item = { .status = hit->status,
+                                  .contact = hit->contact,
+                                  .flags = hit->flags,
+                                  .triangle = hit->triangle,
+                                  .body = hit->body,
+                                  .work = hit->work,
+                                  .tool = taking->done[SNAPSHOT_TOOLS],
+                                  .distance = hit->distance,
+                                  .gap = hit->gap,
+                                  .depth = hit->depth,
+                                  .error_bound = hit->error_bound,
+                                  .lower_bound = hit->lower_bound };
+    memcpy(item.p, hit->p, sizeof item.p);
+    memcpy(item.q, hit->q, sizeof item.q);
+    put_axes(taking->world, tool, segment, &item);
+    put(taking, SNAPSHOT_SEGMENTS, &item);
+}
+
+static void put_contacts(struct taking *taking, uint32_t index)
+{
+    const struct dpt_world *world = taking->world;
+    const struct persistent_contacts *contacts = &world->contacts[world->contacts_index];
+    for (uint32_t i = 0; i < contacts->count; i++) {
+        const dpt_contact *contact = &contacts->items[i].contact;
+        if (contacts->items[i].segment_index != index || !is_seen(&contacts->items[i]))
+            continue;
+        dpt_snapshot_contact item = { .id = contact->id,
+                                      .body = contact->body,
+                                      .segment = contact->segment,
+                                      .triangle = contact->triangle,
+                                      .contact = contact->contact,
+                                      .flags = contact->flags,
+                                      .tool = taking->done[SNAPSHOT_TOOLS],
+                                      .s0 = contact->s0,
+                                      .s1 = contact->s1,
+                                      .s = contact->s,
+                                      .gap = contact->gap,
+                                      .overlap = contact->overlap };
+        memcpy(item.p, contact->p, sizeof item.p);
+        memcpy(item.q, contact->q, sizeof item.q);
+        memcpy(item.normal, contact->normal, sizeof item.normal);
+        put(taking, SNAPSHOT_CONTACTS, &item);
+    }
+}
+
+static void put_strip(struct taking *taking, uint32_t index, uint32_t number)
+{
+    const struct dpt_world *world = taking->world;
+    const uint32_t count = strip_count(world, index);
+    if (!count)
+        return;
+    const struct segment_strip *strip = &world->segment_strips[index];
+    const struct surface surface = surface_view(&strip->surface, world->ticks + 1, 0.0);
+    const uint32_t *places = mesh_words(strip->strip->mesh, MESH_PLACES);
+    const uint32_t body =
+        strip->body_slot < world->body_slot_end ? world->bodies[strip->body_slot].id : 0;
+    for (uint32_t i = 0; i < count; i++) {
+        dpt_overlap overlap;
+        unsigned char *to = next_place(taking, SNAPSHOT_STRIPS);
+        if (!to)
+            return;
+        dpti_strip_overlap(&surface, &strip->frame, strip->a, strip->u, strip->radius, strip->side,
+                           places[strip->strip->triangles[i]], &overlap);
+        const dpt_snapshot_strip item = { .triangle = overlap.triangle,
+                                          .body = body,
+                                          .segment = number,
+                                          .flags = overlap.flags,
+                                          .gap = overlap.gap,
+                                          .overlap = overlap.overlap };
+        dpti_snapshot_put_item(SNAPSHOT_STRIPS, &item, to);
+    }
+}
+
+static void put_tool(struct taking *taking, const struct tool *tool)
+{
+    const struct dpt_world *world = taking->world;
+    const int has_proxy = dpti_proxy_is_used(world, tool);
+    const struct proxy *proxy = &world->proxies[has_proxy ? tool - world->tools : 0];
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    dpt_snapshot_tool item = { .id = handle_make(HANDLE_TOOL, &tool->slot,
+                                                 (uint32_t)(tool - world->tools)),
+                               .law = tool->law,
+                               .reason = tool->force_reason,
+                               .flags = tool->force_flags,
+                               .first_segment = taking->done[SNAPSHOT_SEGMENTS],
+                               .segments = tool->segment_count,
+                               .first_contact = taking->done[SNAPSHOT_CONTACTS],
+                               .first_strip = taking->done[SNAPSHOT_STRIPS],
+                               .nearest_segment = tool->nearest_segment,
+                               .is_free = tool->is_free,
+                               .user = tool->user,
+                               .pose = tool->is_free ? identity : tool->pose,
+                               .wrench = tool->wrench,
+                               .energy = tool->energy,
+                               .body_work = tool->body_work };
+    item.proxy = has_proxy && proxy->state != PROXY_NONE ? proxy->pose : tool->pose;
+    if (has_proxy) {
+        item.lag = proxy->lag;
+        item.folds = proxy->folds;
+    }
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
+        put_segment(taking, tool, tool->first_segment + i);
+        put_contacts(taking, tool->first_segment + i);
+        put_strip(taking, tool->first_segment + i, i);
+    }
+    item.contacts = taking->done[SNAPSHOT_CONTACTS] - item.first_contact;
+    item.strip = taking->done[SNAPSHOT_STRIPS] - item.first_strip;
+    put(taking, SNAPSHOT_TOOLS, &item);
+}
+
+static void put_header(struct taking *taking)
+{
+    const struct dpt_world *world = taking->world;
+    unsigned char *to = taking->to;
+    uint64_t time;
+    memcpy(&time, &world->time, sizeof time);
+    memset(to, 0, (size_t)taking->offset[1]);
+    dpti_snapshot_put_magic(to);
+    snapshot_put4(to + SNAPSHOT_AT_HEADER_BYTES, SNAPSHOT_HEADER_BYTES);
+    snapshot_put8(to + SNAPSHOT_AT_BYTES, taking->bytes);
+    snapshot_put8(to + SNAPSHOT_AT_STEPS, world->steps);
+    snapshot_put8(to + SNAPSHOT_AT_TIME, time);
+    snapshot_put4(to + SNAPSHOT_AT_FLAGS, taking->flags);
+    snapshot_put4(to + SNAPSHOT_AT_SECTIONS, SNAPSHOT_KINDS_END - 1);
+    snapshot_put4(to + SNAPSHOT_AT_WORK, world->work.done);
+    for (uint32_t kind = 1; kind < SNAPSHOT_KINDS_END; kind++) {
+        unsigned char *entry = to + SNAPSHOT_HEADER_BYTES + (kind - 1) * SNAPSHOT_ENTRY_BYTES;
+        snapshot_put4(entry + SNAPSHOT_AT_KIND, kind);
+        snapshot_put4(entry + SNAPSHOT_AT_COUNT, taking->count[kind]);
+        snapshot_put4(entry + SNAPSHOT_AT_STRIDE, snapshot_stride[kind]);
+        snapshot_put8(entry + SNAPSHOT_AT_OFFSET, taking->offset[kind]);
+    }
+}
+
+static dpt_result begin(const dpt_world *world, const dpt_snapshot_def *given,
+                        struct taking *taking)
+{
+    dpt_snapshot_def def;
+    *taking = (struct taking){ .world = world };
+    if (!world)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(read_def(given, &def));
+    count_sections(taking, &def);
+    return DPT_OK;
+}
+
+size_t dpt_snapshot_bytes(const dpt_world *world, const dpt_snapshot_def *given)
+{
+    struct taking taking;
+    dpt_snapshot_def def;
+    if (begin(world, given, &taking) != DPT_OK)
+        return 0;
+    read_def(given, &def);
+    taking.count[SNAPSHOT_CONTACTS] = def.max_contacts;
+    taking.count[SNAPSHOT_STRIPS] = world->def.strip ? def.max_strip : 0;
+    place_sections(&taking);
+    return taking.bytes <= SIZE_MAX ? (size_t)taking.bytes : 0;
+}
+
+dpt_result dpt_world_take_snapshot(const dpt_world *world, const dpt_snapshot_def *given,
+                                   void *block, size_t capacity, size_t *bytes)
+{
+    struct taking taking;
+    if (!block || !bytes)
+        return DPT_E_ARGUMENT;
+    *bytes = 0;
+    DPT_TRY(begin(world, given, &taking));
+    place_sections(&taking);
+    if (capacity < taking.bytes)
+        return DPT_E_MEMORY;
+    taking.to = block;
+    memset(taking.to + taking.bytes - 8, 0, 8); /* the last section may end before the block */
+    put_header(&taking);
+    for (uint32_t i = 0; i < world->body_slot_end; i++)
+        if (world->bodies[i].slot.used)
+            put_body(&taking, &world->bodies[i]);
+    for (uint32_t i = 0; i < world->tool_slot_end; i++)
+        if (world->tools[i].slot.used)
+            put_tool(&taking, &world->tools[i]);
+    *bytes = (size_t)taking.bytes;
+    return DPT_OK;
+}
