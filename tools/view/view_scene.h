@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The first message to a viewer: what is to be seen, with the meshes of the bodies (docs/view.md, "Messages"). */
+#ifndef DPT_TOOLS_VIEW_SCENE_H
+#define DPT_TOOLS_VIEW_SCENE_H
+
+#include "dynpoint/mesh.h"
+
+struct view_scene_body {
+    const char *name;
+    const dpt_mesh *mesh; /* several bodies may share one; it is sent once */
+    uint32_t id;
+    dpt_pose pose;
+};
+
+/* Texts are of files and users: any bytes. */
+struct view_scene {
+    const char *title;
+    const char *mode;   /* "live", "recording" or "mesh" */
+    const char *device; /* its name; NULL: there is none */
+    int is_simulated, has_workspace;
+    double rate; /* Hz, of the device's loop */
+    double workspace
+        [6];         /* of the tool, in the scene's frame: three least coordinates, three largest */
+    int has_control; /* the simulated hand may be steered */
+    const char *up;  /* "y" or "z" */
+    double force_max; /* N; 0: not known */
+    const struct view_scene_body *bodies;
+    uint32_t body_count;
+};
+
+/* Make the message. Returns its bytes, for free(), or NULL: memory ran out, or the meshes have more than 2 GB. */
+void *view_scene_message(const struct view_scene *scene, size_t *size);
+
+#endif
