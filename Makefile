@@ -68,6 +68,8 @@ endif
 # Firmware copies wire_device.[ch] (docs/wire.md); no host needs it.
 WIRE_DEVICE := $(B)/drivers/serial/wire_device.o
 DRIVER_PARTS := $(filter-out $(WIRE_DEVICE),$(call objects,drivers/*.c $(DRIVERS:%=drivers/%/*.c)))
+comma := ,
+empty :=
 # Since make 4.3 a backslash before # stays where a function is called.
 HASH := \#
 # Robots' descriptions: where there are urdfdom and a C++ compiler. URDF=no leaves them out.
@@ -88,10 +90,31 @@ SCENE_FILE := $(call objects,tools/scene_file/*.c)
 JANSSON_CFLAGS := $(shell pkg-config --cflags jansson)
 JANSSON_LIBS := $(shell pkg-config --libs jansson)
 endif
-TOOLS := $(call objects,tools/*.c tools/stability/*.c) $(SCENE_FILE)
+# The viewer's server: where the program can be linked to libwebsockets. LWS=no leaves it out.
+LWS_HERE = $(shell printf '$(HASH)include <libwebsockets.h>\nint main(void) { lws_set_log_level(0, 0); return 0; }\n' | \
+  $(CC) $$(pkg-config --cflags libwebsockets 2>&1) -x c - $$(pkg-config --libs libwebsockets 2>&1) -o /dev/null >/dev/null 2>&1 && echo yes || echo no)
+LWS := $(or $(LWS),$(LWS_HERE))
+ifeq ($(LWS),yes)
+VIEW_SERVER := $(call objects,tools/view/server/*.c)
+LWS_CFLAGS := $(shell pkg-config --cflags libwebsockets)
+LWS_LIBS := $(shell pkg-config --libs libwebsockets)
+endif
+# The viewer's page: where node and three.js can make it. VIEW_PAGE=no leaves it out.
+NODE ?= node
+VIEW_PAGE_HERE = $(if $(and $(wildcard tools/view/make_page.js),$(wildcard build/view/node_modules/three/package.json),$(shell command -v $(NODE))),yes,no)
+VIEW_PAGE := $(or $(VIEW_PAGE),$(VIEW_PAGE_HERE))
+TOOLS := $(call objects,tools/*.c tools/stability/*.c tools/view/*.c) $(SCENE_FILE) $(VIEW_SERVER)
 # The other ends of a line, for `device simulate` and the tests: of the back ends that were chosen.
 SIMULATE := $(call objects,$(DRIVERS:%=tools/simulate/simulate_%.c)) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf)
+
+# What this machine lacks, for the last line of make; not what the user left out, and not with make -s.
+IS_SILENT := $(findstring s,$(filter-out --%,$(firstword -$(MAKEFLAGS))))
+lacks = $(if $(and $(filter file,$(origin $1)),$(filter no,$($1))),echo "built without $2: make deps $3";)
+LEFT_OUT = $(if $(IS_SILENT),,$(call lacks,URDF,robots in URDF (urdfdom and a C++ compiler),light) \
+  $(call lacks,JANSSON,scene files (jansson),light) \
+  $(call lacks,LWS,the viewer in a browser (libwebsockets),view) \
+  $(call lacks,VIEW_PAGE,the viewer's page (node and three.js),view))
 
 # For foreign-function interfaces: all headers, whichever libraries this build has (docs/ffi.md).
 CDEF := $(B)/include/dynpoint_cdef.h
@@ -99,6 +122,7 @@ CDEF := $(B)/include/dynpoint_cdef.h
 .PHONY: all amalgamation force demo test check firmware vm bench charts stability soak fuzz install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) $(CDEF) ## the program and the libraries (default)
+	@:; $(LEFT_OUT)
 
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
@@ -116,17 +140,28 @@ $(B)/src/exchange/latest.o: CONFIG_CFLAGS += $(shell $(CC) -mno-outline-atomics 
 $(B)/drivers/%.o: INCLUDES += -Idrivers
 $(B)/tools/%.o: INCLUDES += -Idrivers -Itools
 $(B)/tools/scene_file/%.o: INCLUDES += $(JANSSON_CFLAGS)
+$(B)/tools/view/server/%.o: INCLUDES += $(LWS_CFLAGS)
 
 # built_with.h says what was chosen for this build; it changes only when that does.
-CHOOSERS := $(B)/drivers/device.o $(B)/tools/arm_file.o $(B)/tools/cmd_device_simulate.o $(B)/tools/scene_def.o
+CHOOSERS := $(B)/drivers/device.o $(B)/tools/arm_file.o $(B)/tools/cmd_device_simulate.o $(B)/tools/scene_def.o \
+            $(B)/tools/view/page_bytes.o
 $(CHOOSERS): INCLUDES += -I$(B)
 $(CHOOSERS): $(B)/built_with.h
 $(B)/built_with.h: force
 	@mkdir -p $(@D)
 	@{ echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))'; \
-	   for part in $(DRIVERS) $(if $(URDF_PARTS),urdf) $(if $(SCENE_FILE),jansson); do \
+	   for part in $(DRIVERS) $(if $(URDF_PARTS),urdf) $(if $(SCENE_FILE),jansson) $(if $(VIEW_SERVER),lws) $(if $(filter yes,$(VIEW_PAGE)),view_page); do \
 	     echo "#define DPT_HAS_$$(echo $$part | tr a-z A-Z)"; done; } >$@.now
 	@cmp -s $@.now $@ && rm $@.now || mv $@.now $@
+
+# The page is the same in every configuration; its policy's line goes into a header, without the line's end.
+ifeq ($(VIEW_PAGE),yes)
+$(B)/tools/view/page_bytes.o: build/view/page.html build/view/page.csp.line
+build/view/page.csp.line: build/view/page.html
+	tr -d '\n' <build/view/page.csp >$@
+build/view/page.html: $(wildcard tools/view/*.js tools/view/*.html tools/view/*.css) build/view/node_modules/three/package.json
+	$(NODE) tools/view/make_page.js build/view
+endif
 
 # One object a library, its inner symbols local: a static library meets no one else's names.
 $(B)/libdynpoint.o: $(CORE)
@@ -161,10 +196,8 @@ $(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(TEXT) $(B)/libdynpoi
 	ln -sf $(@F) $*.so
 
 $(B)/dynpoint: $(TOOLS) $(SIMULATE) $(URDF_PARTS) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) $(JANSSON_LIBS) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) $(JANSSON_LIBS) $(LWS_LIBS) -o $@
 
-comma := ,
-empty :=
 folders = $(subst $(empty) $(empty),$(comma),$(strip $1))
 $(CDEF): include/dynpoint.h $(wildcard include/dynpoint/*.h) tools/packaging/cdef.sh
 	@mkdir -p $(@D)
@@ -215,7 +248,7 @@ uninstall: ## what install put there
 	-rmdir "$(DESTDIR)$(INCLUDEDIR)/dynpoint" 2>/dev/null
 
 help: ## this list
-	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no] [JANSSON=no]'
+	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no] [JANSSON=no] [LWS=no] [VIEW_PAGE=no]'
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  \1\t\2/p' Makefile tests/tests.mk | expand -t 16
 
 clean: ## remove build/

@@ -1,0 +1,348 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "view/server/view_server.h"
+
+#include <errno.h>
+#include <netinet/in.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "view/server/server_state.h"
+#include "view/view_request.h"
+
+/* How often another free port is tried, where ::1 does not have the one that 127.0.0.1 has. */
+enum { PORTS_TRIED = 16 };
+
+static const char *const no_port = "the port cannot be taken: it is in use, or not allowed";
+
+/* It wakes the thread when the time to close is over. */
+static void close_now(lws_sorted_usec_list_t *timer)
+{
+    (void)timer;
+}
+
+/* What was asked for from other threads. */
+static void asked(struct view_server *server)
+{
+    pthread_mutex_lock(&server->lock);
+    char *text = server->end_text;
+    server->end_text = NULL;
+    const int is_closing = server->is_closing;
+    pthread_mutex_unlock(&server->lock);
+    if (text && !server->end) {
+        const uint32_t kind = VIEW_MESSAGE_END, size = (uint32_t)strlen(text);
+        struct shared_message *end = malloc(sizeof *end + 8 + size);
+        frames_take(server);
+        if (end) {
+            *end = (struct shared_message){ .uses = 1, .size = 8 + (size_t)size };
+            for (int i = 0; i < 4; i++) {
+                end->bytes[i] = (unsigned char)(kind >> 8 * i);
+                end->bytes[4 + i] = (unsigned char)(size >> 8 * i);
+            }
+            memcpy(end->bytes + 8, text, size);
+            server->end = end;
+        }
+    }
+    free(text);
+    if (is_closing && !server->close_by) {
+        server->close_by = lws_now_usecs() + CLOSE_MILLISECONDS * LWS_US_PER_MS;
+        lws_sul_schedule(server->context, 0, &server->close_timer, close_now,
+                         CLOSE_MILLISECONDS * LWS_US_PER_MS);
+    }
+    lws_callback_on_writable_all_protocol(server->context, &server->protocols[0]);
+}
+
+static int late(struct view_server *server, struct lws *wsi, struct connection *connection)
+{
+    if (connection && connection->stage == STAGE_KNOWN)
+        return 0;
+    return connection && connection->stage == STAGE_NEEDS_TOKEN
+               ? client_late(server, wsi, connection)
+               : -1;
+}
+
+static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in,
+                    size_t size)
+{
+    struct view_server *server = server_of(wsi);
+    switch ((int)reason) {
+    case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
+        return server->connections >= VIEW_CONNECTIONS_MAX;
+    case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
+        server->connections++;
+        lws_set_opaque_user_data(wsi, server);
+        lws_set_timer_usecs(wsi, HEADERS_SECONDS * LWS_USEC_PER_SEC);
+        return 0;
+    case LWS_CALLBACK_WSI_DESTROY:
+        /* Those that listen were never counted. */
+        server->connections -= lws_get_opaque_user_data(wsi) != NULL;
+        return 0;
+    case LWS_CALLBACK_HTTP:
+        return page_requested(server, wsi, user, in);
+    case LWS_CALLBACK_HTTP_WRITEABLE:
+        return page_writeable(server, wsi, user);
+    case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
+        /* And not h2c, which it would take by itself. */
+        return strcmp(in, "websocket") != 0;
+    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
+        return upgrade_asked(server, wsi);
+    case LWS_CALLBACK_ESTABLISHED:
+        return client_came(server, wsi, user);
+    case LWS_CALLBACK_RECEIVE:
+        return client_heard(server, wsi, user, in, size);
+    case LWS_CALLBACK_SERVER_WRITEABLE:
+        return client_writeable(server, wsi, user);
+    case LWS_CALLBACK_CLOSED:
+        client_left(server, user);
+        return 0;
+    case LWS_CALLBACK_TIMER:
+        return late(server, wsi, user);
+    case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
+        /* It comes once for each of the two hosts, and once early. */
+        if (server->context)
+            asked(server);
+        return 0;
+    default:
+        return 0;
+    }
+}
+
+static void *serve(void *user)
+{
+    struct view_server *server = user;
+    while (lws_service(server->context, 0) >= 0)
+        if (server->close_by && (!server->web_sockets || lws_now_usecs() >= server->close_by))
+            break;
+    return NULL;
+}
+
+static void set_headers(struct view_server *server)
+{
+    const char *const lines[][2] = { { "content-security-policy:", server->def.csp },
+                                     { "x-content-type-options:", "nosniff" },
+                                     { "referrer-policy:", "no-referrer" },
+                                     { "cross-origin-resource-policy:", "same-origin" },
+                                     { "cross-origin-opener-policy:", "same-origin" },
+                                     { "cache-control:", "no-store" } };
+    const size_t count = sizeof lines / sizeof *lines;
+    for (size_t i = 0; i < count; i++)
+        server->headers[i] =
+            (struct lws_protocol_vhost_options){ .next =
+                                                     i + 1 < count ? &server->headers[i + 1] : NULL,
+                                                 .name = lines[i][0],
+                                                 .value = lines[i][1] };
+}
+
+/* Whether this machine has the address ::1 at all. */
+static int has_local_6(void)
+{
+    const struct sockaddr_in6 address = { .sin6_family = AF_INET6,
+                                          .sin6_addr = IN6ADDR_LOOPBACK_INIT };
+    const int probe = socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (probe < 0)
+        return 0;
+    const int result = bind(probe, (const struct sockaddr *)&address, sizeof address);
+    close(probe);
+    return result == 0;
+}
+
+/* Listens on one address. Returns the port, or 0. */
+static uint16_t listen_on(struct view_server *server, struct lws_context_creation_info *info,
+                          const char *address, const char *name)
+{
+    const int is_6 = view_address_kind(address) == VIEW_ADDRESS_6;
+    const uint64_t before = info->options;
+    info->iface = view_address_is_every(address) ? NULL : address;
+    info->vhost_name = name;
+    /* Without this libwebsockets 4.1.6 takes an address of version 4 for every address; with it, one of version 6. */
+    if (!is_6)
+        info->options |= LWS_SERVER_OPTION_DISABLE_IPV6;
+    struct lws_vhost *host = lws_create_vhost(server->context, info);
+    info->options = before;
+    const int port = host ? lws_get_vhost_listen_port(host) : 0;
+    return port > 0 ? (uint16_t)port : 0;
+}
+
+static void drop_context(struct view_server *server)
+{
+    struct lws_context *context = server->context;
+    server->context = NULL;
+    if (context)
+        lws_context_destroy(context);
+}
+
+/* libwebsockets lets the process ignore SIGPIPE; the program has its own way with that. */
+static struct lws_context *create_context(struct lws_context_creation_info *info)
+{
+    struct sigaction pipe;
+    sigaction(SIGPIPE, NULL, &pipe);
+    struct lws_context *context = lws_create_context(info);
+    sigaction(SIGPIPE, &pipe, NULL);
+    return context;
+}
+
+static const char *listen_once(struct view_server *server)
+{
+    static const lws_retry_bo_t patience = { .secs_since_valid_ping = 15,
+                                             .secs_since_valid_hangup = 40 };
+    const char *address = server->def.address ? server->def.address : "127.0.0.1";
+    struct lws_context_creation_info info = {
+        .port = server->def.port,
+        .protocols = server->protocols,
+        .headers = server->headers,
+        .server_string = "dynpoint",
+        .user = server,
+        .gid = -1,
+        .uid = -1,
+        .max_http_header_data = 4096,
+        .max_http_header_pool = VIEW_CONNECTIONS_MAX,
+        /* Some are its own. */
+        .fd_limit_per_thread = VIEW_CONNECTIONS_MAX + 16,
+        .timeout_secs = HEADERS_SECONDS,
+        .timeout_secs_ah_idle = PAGE_SECONDS,
+        .keepalive_timeout = PAGE_SECONDS,
+        .retry_and_idle_policy = &patience,
+        .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND
+    };
+    server->context = create_context(&info);
+    if (!server->context)
+        return "no memory for the server, or no file descriptors";
+    server->host.port = listen_on(server, &info, address, "first");
+    if (!server->host.port)
+        return no_port;
+    info.port = server->host.port;
+    return server->def.address || !has_local_6() || listen_on(server, &info, "::1", "second")
+               ? NULL
+               : no_port;
+}
+
+static const char *start(struct view_server *server)
+{
+    const char *fault = NULL;
+    sigset_t all, before;
+    if (view_token_make(&server->token))
+        return "the system gives no random numbers";
+    for (int tried = 0; tried < PORTS_TRIED; tried++) {
+        drop_context(server);
+        fault = listen_once(server);
+        if (fault != no_port || server->def.port)
+            break;
+    }
+    if (fault)
+        return fault;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int result = pthread_create(&server->thread, NULL, serve, server);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return result == 0 ? NULL : "no thread for the server";
+}
+
+static void free_server(struct view_server *server)
+{
+    drop_context(server);
+    shared_release(server->newest);
+    shared_release(server->end);
+    free(server->end_text);
+    pthread_mutex_destroy(&server->lock);
+    free(server);
+}
+
+const char *view_server_open(const struct view_server_def *def, struct view_server **server)
+{
+    struct view_server *made = NULL;
+    *server = NULL;
+    if (def->address && view_address_kind(def->address) == VIEW_ADDRESS_INVALID)
+        return "an address is wanted in numbers, as 192.0.2.1 or ::1";
+    made = calloc(1, sizeof *made);
+    if (!made)
+        return "no memory for the server";
+    made->def = *def;
+    made->host.address = def->address;
+    made->protocols[0] = (struct lws_protocols){ .name = "dynpoint",
+                                                 .callback = on_event,
+                                                 .per_session_data_size = sizeof(struct connection),
+                                                 .rx_buffer_size = VIEW_REQUEST_BYTES_MAX };
+    set_headers(made);
+    pthread_mutex_init(&made->lock, NULL);
+    lws_set_log_level(0, NULL);
+    const char *fault = start(made);
+    if (fault)
+        free_server(made);
+    else
+        *server = made;
+    return fault;
+}
+
+uint16_t view_server_port(const struct view_server *server)
+{
+    return server->host.port;
+}
+
+/* An address as a part of URLs. */
+static void url_host(const char *address, char text[64])
+{
+    snprintf(text, 64, view_address_kind(address) == VIEW_ADDRESS_6 ? "[%s]" : "%s", address);
+}
+
+void view_server_url(const struct view_server *server, char url[VIEW_URL_BYTES])
+{
+    const char *address = server->def.address;
+    char host[64];
+    url_host(!address || view_address_is_every(address) ? "127.0.0.1" : address, host);
+    snprintf(url, VIEW_URL_BYTES, "http://%s:%u/#%s", host, (unsigned)server->host.port,
+             server->token.digits);
+}
+
+void view_server_warning(const struct view_server *server, char text[VIEW_WARNING_BYTES])
+{
+    const char *address = server->def.address;
+    const unsigned port = server->host.port;
+    char machine[65] = "";
+    text[0] = '\0';
+    if (!address || view_address_is_local(address))
+        return;
+    if (gethostname(machine, sizeof machine - 1) || !machine[0])
+        snprintf(machine, sizeof machine, "THIS-MACHINE");
+    snprintf(
+        text, VIEW_WARNING_BYTES,
+        "warning: other machines reach %s port %u, and nothing is encrypted: who listens on the "
+        "way sees all of it.\n"
+        "Safer: here\n    %s\nand on the other machine\n    ssh -N -L %u:127.0.0.1:%u %s\n"
+        "and there a browser at the address that the first one prints.\n",
+        address, port, server->def.command, port, port, machine);
+}
+
+void view_server_counts(const struct view_server *server, struct view_server_counts *counts)
+{
+    *counts = (struct view_server_counts){
+        .clients = __atomic_load_n(&server->counts.clients, __ATOMIC_RELAXED),
+        .refused = __atomic_load_n(&server->counts.refused, __ATOMIC_RELAXED),
+        .sent = __atomic_load_n(&server->counts.sent, __ATOMIC_RELAXED),
+        .dropped = __atomic_load_n(&server->counts.dropped, __ATOMIC_RELAXED),
+        .messages = __atomic_load_n(&server->counts.messages, __ATOMIC_RELAXED)
+    };
+}
+
+void view_server_end_message(struct view_server *server, const char *text)
+{
+    pthread_mutex_lock(&server->lock);
+    if (!server->end_text)
+        server->end_text = strdup(text);
+    pthread_mutex_unlock(&server->lock);
+    lws_cancel_service(server->context);
+}
+
+void view_server_close(struct view_server *server)
+{
+    if (!server)
+        return;
+    pthread_mutex_lock(&server->lock);
+    server->is_closing = 1;
+    pthread_mutex_unlock(&server->lock);
+    lws_cancel_service(server->context);
+    pthread_join(server->thread, NULL);
+    free_server(server);
+}

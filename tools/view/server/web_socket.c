@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The page's web socket: what it says, and what is sent to it next. */
+#include "view/server/server_state.h"
+
+#include <string.h>
+
+#include "view/view_request.h"
+
+/* Offsets in a live frame's header. */
+enum { FRAME_TICKS = 8, FRAME_NUMBER = 16, FRAME_DROPPED = 24, FRAME_TICKS_LOST = 32 };
+
+static uint64_t read_field(const unsigned char *at, int bytes)
+{
+    uint64_t value = 0;
+    for (int i = bytes; i-- > 0;)
+        value = value << 8 | at[i];
+    return value;
+}
+
+static void write_field(unsigned char *at, uint64_t value)
+{
+    for (int i = 0; i < 8; i++)
+        at[i] = (unsigned char)(value >> 8 * i);
+}
+
+/* NULL: a free one. */
+static struct connection **place_of(struct view_server *server, const struct connection *connection)
+{
+    for (size_t i = 0; i < VIEW_CLIENTS_MAX; i++)
+        if (server->known[i] == connection)
+            return &server->known[i];
+    return NULL;
+}
+
+int upgrade_asked(struct view_server *server, struct lws *wsi)
+{
+    char host[128], origin[160], path[8];
+    if (!copy_header(wsi, WSI_TOKEN_HOST, host, sizeof host) ||
+        !copy_header(wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin) ||
+        !view_origin_is_own(&server->host, host, origin))
+        return request_refused(server, wsi, HTTP_STATUS_FORBIDDEN);
+    if (!copy_header(wsi, WSI_TOKEN_GET_URI, path, sizeof path) || strcmp(path, "/") != 0)
+        return request_refused(server, wsi, HTTP_STATUS_NOT_FOUND);
+    if (!place_of(server, NULL))
+        return request_refused(server, wsi, HTTP_STATUS_SERVICE_UNAVAILABLE);
+    return 0;
+}
+
+int client_came(struct view_server *server, struct lws *wsi, struct connection *connection)
+{
+    server->web_sockets++;
+    *connection = (struct connection){ .stage = STAGE_NEEDS_TOKEN, .wsi = wsi };
+    connection->allowance = VIEW_MESSAGES_A_SECOND;
+    connection->heard_at = lws_now_usecs();
+    lws_set_timer_usecs(wsi, TOKEN_SECONDS * LWS_USEC_PER_SEC);
+    return 0;
+}
+
+void clients_wake(struct view_server *server)
+{
+    for (size_t i = 0; i < VIEW_CLIENTS_MAX; i++)
+        if (server->known[i])
+            lws_callback_on_writable(server->known[i]->wsi);
+}
+
+/* Nothing is held for it any more; its place is free before the other side has answered the close. */
+static void let_go(struct view_server *server, struct connection *connection,
+                   enum connection_stage stage)
+{
+    if (connection->stage == STAGE_KNOWN) {
+        *place_of(server, connection) = NULL;
+        count_one(&server->counts.clients, (uint64_t)-1);
+    }
+    connection->stage = stage;
+    connection->message = NULL;
+    shared_release(connection->shared);
+    connection->shared = NULL;
+}
+
+static int client_refused(struct view_server *server, struct lws *wsi,
+                          struct connection *connection, enum lws_close_status status)
+{
+    count_one(&server->counts.refused, 1);
+    let_go(server, connection, STAGE_REFUSED);
+    lws_close_reason(wsi, status, NULL, 0);
+    return -1;
+}
+
+int client_late(struct view_server *server, struct lws *wsi, struct connection *connection)
+{
+    return client_refused(server, wsi, connection, LWS_CLOSE_STATUS_POLICY_VIOLATION);
+}
+
+void client_left(struct view_server *server, struct connection *connection)
+{
+    server->web_sockets--;
+    let_go(server, connection, STAGE_CLOSED);
+}
+
+static int is_allowed(struct connection *connection)
+{
+    const lws_usec_t now = lws_now_usecs();
+    connection->allowance += VIEW_MESSAGES_A_SECOND * 1e-6 * (double)(now - connection->heard_at);
+    if (connection->allowance > VIEW_MESSAGES_A_SECOND)
+        connection->allowance = VIEW_MESSAGES_A_SECOND;
+    connection->heard_at = now;
+    connection->allowance -= 1.0;
+    return connection->allowance >= 0.0;
+}
+
+/* 0 if the client may not say so. */
+static int obey(struct view_server *server, struct lws *wsi, struct connection *connection,
+                const void *bytes, size_t size)
+{
+    struct view_request request;
+    switch (view_request_parse(bytes, size, &request)) {
+    case VIEW_REQUEST_READY:
+        if (connection->is_ready)
+            return 0;
+        connection->is_ready = 1;
+        frames_look(server);
+        break;
+    case VIEW_REQUEST_DRAWN:
+        if (connection->undrawn == 0)
+            return 0;
+        connection->undrawn--;
+        break;
+    case VIEW_REQUEST_HAND:
+        if (!server->def.control)
+            return 0;
+        server->def.heard_hand(server->def.user, request.position);
+        return 1;
+    case VIEW_REQUEST_UNKNOWN:
+        return 0;
+    }
+    lws_callback_on_writable(wsi);
+    return 1;
+}
+
+int client_heard(struct view_server *server, struct lws *wsi, struct connection *connection,
+                 const void *bytes, size_t size)
+{
+    const int is_whole = lws_is_first_fragment(wsi) && lws_is_final_fragment(wsi) &&
+                         lws_remaining_packet_payload(wsi) == 0 && !lws_frame_is_binary(wsi);
+    if (connection->stage == STAGE_REFUSED)
+        return -1;
+    if (!is_whole || size > VIEW_REQUEST_BYTES_MAX || !is_allowed(connection))
+        return client_refused(server, wsi, connection, LWS_CLOSE_STATUS_POLICY_VIOLATION);
+    if (connection->stage == STAGE_KNOWN) {
+        count_one(&server->counts.messages, 1);
+        return obey(server, wsi, connection, bytes, size)
+                   ? 0
+                   : client_refused(server, wsi, connection, LWS_CLOSE_STATUS_POLICY_VIOLATION);
+    }
+    if (!view_token_is(&server->token, bytes, size))
+        return client_refused(server, wsi, connection, LWS_CLOSE_STATUS_POLICY_VIOLATION);
+    /* Others may have come since the handshake. 1013: try again later. */
+    struct connection **place = place_of(server, NULL);
+    if (!place)
+        return client_refused(server, wsi, connection, (enum lws_close_status)1013);
+    *place = connection;
+    connection->stage = STAGE_KNOWN;
+    count_one(&server->counts.clients, 1);
+    lws_set_timer_usecs(wsi, LWS_SET_TIMER_USEC_CANCEL);
+    lws_callback_on_writable(wsi);
+    return 0;
+}
+
+static int has_all_first(const struct view_server *server, const struct connection *connection)
+{
+    return connection->is_ready && connection->next_first == server->def.first_count;
+}
+
+int client_is_hungry(const struct view_server *server, const struct connection *connection)
+{
+    return connection->stage == STAGE_KNOWN && !connection->message &&
+           has_all_first(server, connection) && connection->undrawn < VIEW_UNDRAWN_MAX;
+}
+
+static void send_next(struct connection *connection, const void *bytes, size_t size,
+                      struct shared_message *shared)
+{
+    connection->message = bytes;
+    connection->size = size;
+    connection->sent = 0;
+    connection->shared = shared;
+    if (shared)
+        shared->uses++;
+}
+
+static void choose_frame(struct view_server *server, struct connection *connection)
+{
+    struct shared_message *frame = server->newest;
+    const uint64_t number = read_field(frame->bytes + FRAME_NUMBER, 8);
+    if (connection->serial == 0) {
+        connection->first_number = number;
+        connection->ticks_until = frame->ticks_before;
+    }
+    connection->ticks_missed += frame->ticks_before - connection->ticks_until;
+    connection->ticks_until = frame->ticks_before + read_field(frame->bytes + FRAME_TICKS, 4);
+    connection->ticks_lost =
+        read_field(frame->bytes + FRAME_TICKS_LOST, 8) + connection->ticks_missed;
+    const uint64_t dropped = number - connection->first_number - connection->frames;
+    count_one(&server->counts.dropped, dropped - connection->dropped);
+    count_one(&server->counts.sent, 1);
+    connection->dropped = dropped;
+    connection->serial = frame->serial;
+    connection->frames++;
+    connection->undrawn++;
+    send_next(connection, frame->bytes, frame->size, frame);
+}
+
+/* What is on its way next, if anything may be. */
+static void choose(struct view_server *server, struct connection *connection)
+{
+    if (!has_all_first(server, connection)) {
+        const size_t next = connection->next_first;
+        if (next == server->def.first_count || (next > 0 && !connection->is_ready))
+            return;
+        const struct view_message *message = &server->def.first[next];
+        const int is_frame = read_field(message->bytes, 4) == VIEW_MESSAGE_FRAME;
+        if (is_frame && connection->undrawn == VIEW_UNDRAWN_MAX)
+            return;
+        connection->undrawn += (unsigned)is_frame;
+        connection->next_first++;
+        send_next(connection, message->bytes, message->size, NULL);
+        return;
+    }
+    if (server->newest && connection->serial != server->newest->serial) {
+        if (connection->undrawn < VIEW_UNDRAWN_MAX)
+            choose_frame(server, connection);
+        return;
+    }
+    if (server->end && !connection->end_is_queued) {
+        connection->end_is_queued = 1;
+        send_next(connection, server->end->bytes, server->end->size, server->end);
+    }
+}
+
+static int send_piece(struct view_server *server, struct lws *wsi, struct connection *connection)
+{
+    unsigned char *start = server->room + LWS_PRE;
+    const size_t left = connection->size - connection->sent;
+    const size_t size = left < VIEW_CHUNK ? left : VIEW_CHUNK;
+    memcpy(start, connection->message + connection->sent, size);
+    if (connection->sent == 0 && connection->shared && connection->shared->serial) {
+        write_field(start + FRAME_DROPPED, connection->dropped);
+        write_field(start + FRAME_TICKS_LOST, connection->ticks_lost);
+    }
+    const int flags = lws_write_ws_flags(LWS_WRITE_BINARY, connection->sent == 0, size == left);
+    if (lws_write(wsi, start, size, (enum lws_write_protocol)flags) < (int)size)
+        return -1;
+    connection->sent += size;
+    if (size == left) {
+        shared_release(connection->shared);
+        connection->shared = NULL;
+        connection->message = NULL;
+    }
+    lws_callback_on_writable(wsi);
+    return 0;
+}
+
+int client_writeable(struct view_server *server, struct lws *wsi, struct connection *connection)
+{
+    if (connection->stage == STAGE_REFUSED)
+        return -1;
+    if (connection->stage == STAGE_KNOWN && !connection->message)
+        choose(server, connection);
+    if (connection->message)
+        return send_piece(server, wsi, connection);
+    /* The socket took all, the end too: it is called again only then. */
+    connection->end_is_sent = connection->end_is_queued;
+    if (server->close_by && (connection->end_is_sent || !server->end ||
+                             connection->stage != STAGE_KNOWN || !connection->is_ready)) {
+        let_go(server, connection, STAGE_CLOSED);
+        lws_close_reason(wsi, LWS_CLOSE_STATUS_GOINGAWAY, NULL, 0);
+        return -1;
+    }
+    return 0;
+}
