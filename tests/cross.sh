@@ -51,7 +51,7 @@ work()
 # build MACHINE: static, so that qemu needs no libraries of the machine; without the driver that loads one
 build()
 {
-    make -j"$(nproc 2>/dev/null || echo 2)" B="$folder" URDF=no JANSSON=no DRIVERS="sim replay serial can" CC="$1-linux-gnu-gcc" \
+    make -j"$(nproc 2>/dev/null || echo 2)" B="$folder" URDF=no JANSSON=no LWS=no VIEW_PAGE=no DRIVERS="sim replay serial can" CC="$1-linux-gnu-gcc" \
         LD="$1-linux-gnu-ld" AR="$1-linux-gnu-ar" OBJCOPY="$1-linux-gnu-objcopy" LDFLAGS=-static \
         "$folder/dynpoint" "$folder/libdynpoint.a" "$folder/libdynpoint_compile.a" \
         "$folder/tests/test_wire" "$folder/tests/test_wire_damage" "$folder/tests/test_wire_device" "$folder/tests/test_kinematics" \

@@ -181,6 +181,7 @@ else
         programs $config $config beside
     done
     [ -x build/tests/test_urdf_golden ] || skip "robots' descriptions" "no urdfdom with g++"
+    [ -x build/tests/test_view_server ] || skip "the viewer's server" "no libwebsockets"
     run "robots' kinematics" sh tests/oracle/urdf.sh build
     run "MuJoCo's soft bodies" sh tests/bench/soft.sh build
     run "the layers" sh tests/layers.sh build

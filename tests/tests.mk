@@ -3,9 +3,10 @@
 # in $(B)/tests. A program is linked with every other source of its folder, and with what it uses of tests/lib.
 
 # Those of other folders are linked in a way of their own, below.
-TOPICS := base mesh compile kernel nearest sweep contact strip query force deform exchange world arm drivers tools fuzz
+TOPICS := base mesh compile kernel nearest sweep contact strip query force deform exchange world arm drivers tools view fuzz
 EXACT_TESTS := test_sweep_exact test_sweep_moving
-TEST_SOURCES := $(filter-out $(EXACT_TESTS:%=tests/sweep/%.c),$(wildcard $(TOPICS:%=tests/%/test_*.c)))
+SERVER_TESTS := $(wildcard tests/view/test_view_server*.c)
+TEST_SOURCES := $(filter-out $(EXACT_TESTS:%=tests/sweep/%.c) $(if $(VIEW_SERVER),,$(SERVER_TESTS)),$(wildcard $(TOPICS:%=tests/%/test_*.c)))
 TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))
 TEST_PARTS := $(call objects,tests/oracle/*.c tests/data/*.c) \
               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
@@ -78,10 +79,17 @@ $(COUNTED_TESTS): private LDLIBS = $(patsubst %,-Wl$(comma)--wrap=%,memset memcp
 
 $(B)/tests/test_exactness: | $(B)/dynpoint
 
+# The viewer's parts; its server where there is libwebsockets.
+VIEW_PARTS := $(call objects,tools/view/*.c)
+VIEW_TESTS := $(patsubst tests/view/%.c,$(B)/tests/%,$(filter tests/view/%,$(TEST_SOURCES)))
+$(VIEW_TESTS): $(VIEW_PARTS)
+$(patsubst tests/view/%.c,$(B)/tests/%,$(SERVER_TESTS)): $(VIEW_SERVER)
+$(patsubst tests/view/%.c,$(B)/tests/%,$(SERVER_TESTS)): private LDLIBS = $(LWS_LIBS)
+
 # Scene files: where the program reads them.
 FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o),$(call objects,tests/fuzz/*.c))
 FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene_bodies.o $(B)/tools/command_options.o)
-$(B)/tests/test_fuzz: $(FUZZ_PARTS) $(FUZZ_SCENE)
+$(B)/tests/test_fuzz: $(FUZZ_PARTS) $(FUZZ_SCENE) $(B)/tools/view/view_request.o
 $(B)/tests/test_fuzz: private LDLIBS = $(JANSSON_LIBS)
 $(B)/tests/fuzz/test_fuzz.o: INCLUDES += -I$(B)
 $(B)/tests/fuzz/test_fuzz.o: $(B)/built_with.h
@@ -94,11 +102,11 @@ $(B)/tests/test_calls: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=r
 TESTS += $(B)/tests/test_calls
 
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
-FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene) mesh forged arm wire record snapshot
+FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene) mesh forged arm wire record snapshot request
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
                $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/serial/wire.o $(WIRE_DEVICE) \
                $(B)/drivers/csv.o $(B)/drivers/trace.o $(B)/drivers/settings.o \
-               $(B)/drivers/settings_file.o $(FUZZ_SCENE) $(CORE) $(TEXT) $(COMPILE)
+               $(B)/drivers/settings_file.o $(FUZZ_SCENE) $(B)/tools/view/view_request.o $(CORE) $(TEXT) $(COMPILE)
 $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
 	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $^ -lm $(THREADS) $(JANSSON_LIBS) -o $@
 fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)

@@ -29,7 +29,7 @@ done
 scene=
 [ ! -x build/fuzz/tests/fuzz/fuzz_scene ] || scene=scene=2 # it needs jansson
 [ $# -gt 0 ] ||
-    set -- obj=18 stl=12 ply=18 off=11 tetgen=2 regions=2 trace=5 $scene mesh=10 forged=2 arm=4 wire=10 record=4 snapshot=3
+    set -- obj=17 stl=12 ply=18 off=11 tetgen=2 regions=2 trace=5 $scene mesh=10 forged=2 arm=4 wire=10 record=4 snapshot=3 request=1
 
 # A piece of work is a target and a seed: so many that every core has some until the end.
 rm -f "$out"/log/*.run "$out"/log/*.merge "$out/log/found"

@@ -30,7 +30,7 @@
 
 /*      name    share  accepted, at least one in */
 #define TARGETS(X)                                                                                 \
-    X(obj, 18, 20)                                                                                 \
+    X(obj, 17, 20)                                                                                 \
     X(stl, 12, 20)                                                                                 \
     X(ply, 18, 100)                                                                                \
     X(off, 11, 40)                                                                                 \
@@ -43,7 +43,8 @@
     X(arm, 4, 10)                                                                                  \
     X(wire, 10, 10)                                                                                \
     X(record, 4, 10)                                                                               \
-    X(snapshot, 3, 20)
+    X(snapshot, 3, 20)                                                                             \
+    X(request, 1, 20)
 
 #define DECLARE(name, share, least) int fuzz_##name(const uint8_t *bytes, size_t size);
 TARGETS(DECLARE)
