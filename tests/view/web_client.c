@@ -122,7 +122,7 @@ int web_answer(struct web_client *client, int has_body, const char **body, size_
         if (read_more(client, until) <= 0)
             return 0;
     *body = (const char *)client->bytes + head;
-    return sscanf((const char *)client->bytes, "HTTP/1.1 %d", &status) == 1 ? status : 0;
+    return sscanf((const char *)client->bytes, "HTTP/1.%*1d %d", &status) == 1 ? status : 0;
 }
 
 int web_ends(struct web_client *client, double seconds)

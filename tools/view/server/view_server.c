@@ -264,7 +264,7 @@ const char *view_server_open(const struct view_server_def *def, struct view_serv
     made->protocols[0] = (struct lws_protocols){ .name = "dynpoint",
                                                  .callback = on_event,
                                                  .per_session_data_size = sizeof(struct connection),
-                                                 .rx_buffer_size = VIEW_REQUEST_BYTES_MAX };
+                                                 .rx_buffer_size = VIEW_REQUEST_BYTES_MAX + 64 };
     set_headers(made);
     pthread_mutex_init(&made->lock, NULL);
     lws_set_log_level(0, NULL);
