@@ -3,6 +3,7 @@
 #include "view/web_client.h"
 
 #include <arpa/inet.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,7 +30,9 @@ int web_open(struct web_client *client, const char *address, uint16_t port)
     if (!is_4 && inet_pton(AF_INET6, address, &six.sin6_addr) != 1)
         return 0;
     client->socket = socket(is_4 ? AF_INET : AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const int on = 1;
     if (client->socket >= 0 &&
+        setsockopt(client->socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on) == 0 &&
         connect(client->socket,
                 is_4 ? (const struct sockaddr *)&four : (const struct sockaddr *)&six,
                 is_4 ? sizeof four : sizeof six) == 0)
@@ -158,23 +161,44 @@ int web_upgrade(struct web_client *client, const char *host, const char *origin)
     return status;
 }
 
-int web_frame(struct web_client *client, unsigned first, const void *bytes, size_t size)
+/* Returns its size; the block is the caller's to free. */
+static size_t make_frame(unsigned first, const void *bytes, size_t size, unsigned char **frame)
 {
     static const unsigned char mask[4] = { 0x12, 0x9a, 0x5c, 0xe7 };
-    unsigned char *frame = malloc(size + 14);
     size_t at = 0;
-    if (!frame)
+    *frame = malloc(size + 14);
+    if (!*frame)
         abort();
-    frame[at++] = (unsigned char)first;
+    (*frame)[at++] = (unsigned char)first;
     const int wide = size < 126 ? 0 : size < 65536 ? 2 : 8;
-    frame[at++] = (unsigned char)(0x80 | (wide == 0 ? size : wide == 2 ? 126 : 127));
+    (*frame)[at++] = (unsigned char)(0x80 | (wide == 0 ? size : wide == 2 ? 126 : 127));
     for (int i = wide; i-- > 0;)
-        frame[at++] = (unsigned char)(size >> 8 * i);
-    memcpy(frame + at, mask, 4);
+        (*frame)[at++] = (unsigned char)(size >> 8 * i);
+    memcpy(*frame + at, mask, 4);
     at += 4;
     for (size_t i = 0; i < size; i++)
-        frame[at++] = (unsigned char)(((const unsigned char *)bytes)[i] ^ mask[i % 4]);
-    const int sent = web_send(client, frame, at);
+        (*frame)[at++] = (unsigned char)(((const unsigned char *)bytes)[i] ^ mask[i % 4]);
+    return at;
+}
+
+int web_frame(struct web_client *client, unsigned first, const void *bytes, size_t size)
+{
+    unsigned char *frame;
+    const size_t frame_size = make_frame(first, bytes, size, &frame);
+    const int sent = web_send(client, frame, frame_size);
+    free(frame);
+    return sent;
+}
+
+int web_text_slowly(struct web_client *client, const char *text)
+{
+    unsigned char *frame;
+    const size_t size = make_frame(0x81, text, strlen(text), &frame);
+    int sent = 1;
+    for (size_t i = 0; i < size && sent; i++) {
+        sent = web_send(client, frame + i, 1);
+        usleep(2000);
+    }
     free(frame);
     return sent;
 }

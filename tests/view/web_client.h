@@ -59,6 +59,8 @@ int web_upgrade(struct web_client *client, const char *host, const char *origin)
 /* One frame of the protocol, masked. `first` is its first byte: 0x81 is a whole text. */
 int web_frame(struct web_client *client, unsigned first, const void *bytes, size_t size);
 int web_text(struct web_client *client, const char *text);
+/* A whole text, of which each byte travels by itself. */
+int web_text_slowly(struct web_client *client, const char *text);
 
 /* The next whole message. */
 struct web_message web_receive(struct web_client *client, double seconds);

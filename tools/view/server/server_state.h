@@ -11,6 +11,7 @@
 
 #include "view/server/view_server.h"
 #include "view/view_host.h"
+#include "view/view_request.h"
 #include "view/view_token.h"
 
 /* What is given to a socket at once, bytes. */
@@ -49,6 +50,8 @@ struct connection {
         ticks_missed;    /* of the live frames so far */
     double allowance;    /* messages that may come */
     lws_usec_t heard_at; /* when it was counted */
+    size_t heard;        /* bytes of the message that comes */
+    char text[VIEW_REQUEST_BYTES_MAX];
 };
 
 struct view_server {

@@ -11,7 +11,6 @@
 #include <unistd.h>
 
 #include "view/server/server_state.h"
-#include "view/view_request.h"
 
 /* How often another free port is tried, where ::1 does not have the one that 127.0.0.1 has. */
 enum { PORTS_TRIED = 16 };
@@ -264,7 +263,7 @@ const char *view_server_open(const struct view_server_def *def, struct view_serv
     made->protocols[0] = (struct lws_protocols){ .name = "dynpoint",
                                                  .callback = on_event,
                                                  .per_session_data_size = sizeof(struct connection),
-                                                 .rx_buffer_size = VIEW_REQUEST_BYTES_MAX + 64 };
+                                                 .rx_buffer_size = VIEW_REQUEST_BYTES_MAX };
     set_headers(made);
     pthread_mutex_init(&made->lock, NULL);
     lws_set_log_level(0, NULL);

@@ -4,8 +4,6 @@
 
 #include <string.h>
 
-#include "view/view_request.h"
-
 /* Offsets in a live frame's header. */
 enum { FRAME_TICKS = 8, FRAME_NUMBER = 16, FRAME_DROPPED = 24, FRAME_TICKS_LOST = 32 };
 
@@ -110,10 +108,10 @@ static int is_allowed(struct connection *connection)
 
 /* 0 if the client may not say so. */
 static int obey(struct view_server *server, struct lws *wsi, struct connection *connection,
-                const void *bytes, size_t size)
+                size_t size)
 {
     struct view_request request;
-    switch (view_request_parse(bytes, size, &request)) {
+    switch (view_request_parse(connection->text, size, &request)) {
     case VIEW_REQUEST_READY:
         if (connection->is_ready)
             return 0;
@@ -137,25 +135,29 @@ static int obey(struct view_server *server, struct lws *wsi, struct connection *
     return 1;
 }
 
-int client_heard(struct view_server *server, struct lws *wsi, struct connection *connection,
-                 const void *bytes, size_t size)
+/* 1: a message is whole; 0: some of it is still to come; -1: it is none that is taken. */
+static int gather(struct lws *wsi, struct connection *connection, const void *bytes, size_t size)
 {
-    const int is_whole = lws_is_first_fragment(wsi) && lws_is_final_fragment(wsi) &&
-                         lws_remaining_packet_payload(wsi) == 0 && !lws_frame_is_binary(wsi);
-    if (connection->stage == STAGE_REFUSED)
+    const size_t left = lws_remaining_packet_payload(wsi);
+    const size_t room = sizeof connection->text - connection->heard;
+    if (lws_frame_is_binary(wsi) || size > room || left > room - size)
         return -1;
-    if (!is_whole || size > VIEW_REQUEST_BYTES_MAX || !is_allowed(connection))
-        return client_refused(server, wsi, connection, LWS_CLOSE_STATUS_POLICY_VIOLATION);
-    if (connection->stage == STAGE_KNOWN) {
-        count_one(&server->counts.messages, 1);
-        return obey(server, wsi, connection, bytes, size)
-                   ? 0
-                   : client_refused(server, wsi, connection, LWS_CLOSE_STATUS_POLICY_VIOLATION);
-    }
-    if (!view_token_is(&server->token, bytes, size))
+    memcpy(connection->text + connection->heard, bytes, size);
+    connection->heard += size;
+    if (left > 0)
+        return 0;
+    return lws_is_final_fragment(wsi) && (lws_is_first_fragment(wsi) || connection->heard > size)
+               ? 1
+               : -1;
+}
+
+static int token_heard(struct view_server *server, struct lws *wsi, struct connection *connection,
+                       size_t size)
+{
+    struct connection **place = place_of(server, NULL);
+    if (!view_token_is(&server->token, connection->text, size))
         return client_refused(server, wsi, connection, LWS_CLOSE_STATUS_POLICY_VIOLATION);
     /* Others may have come since the handshake. 1013: try again later. */
-    struct connection **place = place_of(server, NULL);
     if (!place)
         return client_refused(server, wsi, connection, (enum lws_close_status)1013);
     *place = connection;
@@ -164,6 +166,26 @@ int client_heard(struct view_server *server, struct lws *wsi, struct connection 
     lws_set_timer_usecs(wsi, LWS_SET_TIMER_USEC_CANCEL);
     lws_callback_on_writable(wsi);
     return 0;
+}
+
+int client_heard(struct view_server *server, struct lws *wsi, struct connection *connection,
+                 const void *bytes, size_t size)
+{
+    if (connection->stage == STAGE_REFUSED)
+        return -1;
+    const int gathered = gather(wsi, connection, bytes, size);
+    if (gathered == 0)
+        return 0;
+    const size_t whole = connection->heard;
+    connection->heard = 0;
+    if (gathered < 0 || !is_allowed(connection))
+        return client_refused(server, wsi, connection, LWS_CLOSE_STATUS_POLICY_VIOLATION);
+    if (connection->stage == STAGE_NEEDS_TOKEN)
+        return token_heard(server, wsi, connection, whole);
+    count_one(&server->counts.messages, 1);
+    return obey(server, wsi, connection, whole)
+               ? 0
+               : client_refused(server, wsi, connection, LWS_CLOSE_STATUS_POLICY_VIOLATION);
 }
 
 static int has_all_first(const struct view_server *server, const struct connection *connection)
