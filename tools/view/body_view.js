@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A body as it is drawn: its mesh at its pose, with its own vertices where it deforms, and highlighted triangles.
+"use strict";
+const bodyView = (() => {
+  const UNUSABLE = 2; // flag of a body whose pose cannot be used
+
+  class BodyView {
+    constructor(body, mesh, material) {
+      this.body = body;
+      this.mesh = mesh;
+      this.own = null;
+      this.positions = mesh.positions;
+      this.normals = new Float32Array(3 * mesh.vertices);
+      rays.makeNormals(mesh.positions, mesh.corners, this.normals);
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", new THREE.BufferAttribute(mesh.positions.slice(), 3).setUsage(THREE.DynamicDrawUsage));
+      geometry.setAttribute("normal", new THREE.BufferAttribute(this.normals, 3).setUsage(THREE.DynamicDrawUsage));
+      geometry.setIndex(new THREE.BufferAttribute(mesh.corners, 1));
+      this.object = new THREE.Mesh(geometry, material);
+      this.object.frustumCulled = false;
+      this.object.matrixAutoUpdate = false;
+      this.setPose(body.pose, 0);
+    }
+
+    setPose(pose, flags) {
+      this.rotation = flags & UNUSABLE ? null : rays.rotation(pose);
+      this.object.visible = this.rotation !== null;
+      if (!this.rotation) return;
+      const m = this.rotation, [x, y, z] = this.place = pose.slice(0, 3);
+      this.object.matrix.set(m[0], m[1], m[2], x, m[3], m[4], m[5], y, m[6], m[7], m[8], z, 0, 0, 0, 1);
+      this.object.matrixWorldNeedsUpdate = true;
+    }
+
+    // own: the body's vertices in its frame; undefined for the mesh's. As many as the mesh has, or nothing changes.
+    setVertices(own) {
+      const from = own ?? this.mesh.positions;
+      if (from === this.positions || from.length !== this.mesh.positions.length) return;
+      this.positions = from;
+      const { position, normal } = this.object.geometry.attributes;
+      position.array.set(from);
+      rays.makeNormals(from, this.mesh.corners, this.normals);
+      position.needsUpdate = normal.needsUpdate = true;
+    }
+
+    toScene(place) {
+      return rays.turn(this.rotation, place).map((value, k) => value + this.place[k]);
+    }
+
+    // The three corners in the scene's frame.
+    cornersOf(triangle) {
+      return [0, 1, 2].map(k => {
+        const at = 3 * this.mesh.corners[3 * triangle + k];
+        return this.toScene([this.positions[at], this.positions[at + 1], this.positions[at + 2]]);
+      });
+    }
+
+    // The triangle of this mesh that has this number in its source; undefined if there is none.
+    triangleOf(source) {
+      this.bySource ??= new Map(Array.from(this.mesh.sources, (number, triangle) => [number, triangle]));
+      return this.bySource.get(source);
+    }
+
+    pick(origin, direction) {
+      if (!this.rotation) return null;
+      return rays.firstTriangle(this.positions, this.mesh.corners,
+        rays.turnBack(this.rotation, rays.sub(origin, this.place)), rays.turnBack(this.rotation, direction));
+    }
+
+    // Grows the box [least, most] by the vertices, in the scene's frame.
+    growBox(least, most) {
+      if (!this.rotation) return;
+      for (let i = 0; i < this.positions.length; i += 3) {
+        const place = this.toScene(this.positions.subarray(i, i + 3));
+        for (let k = 0; k < 3; k++) {
+          least[k] = Math.min(least[k], place[k]);
+          most[k] = Math.max(most[k], place[k]);
+        }
+      }
+    }
+
+    dispose() {
+      this.object.geometry.dispose();
+    }
+  }
+
+  // Triangles that are drawn over the bodies that they belong to.
+  class Highlight {
+    constructor(material) {
+      this.geometry = new THREE.BufferGeometry();
+      this.object = new THREE.Mesh(this.geometry, material);
+      this.object.frustumCulled = false;
+      this.object.renderOrder = material.userData.order;
+      this.room = 0;
+    }
+
+    // list: [[body view, triangle]...]
+    show(list) {
+      if (list.length > this.room) {
+        this.room = 2 ** Math.ceil(Math.log2(list.length));
+        this.geometry.dispose();
+        this.array = new Float32Array(9 * this.room);
+        this.geometry.setAttribute("position", new THREE.BufferAttribute(this.array, 3).setUsage(THREE.DynamicDrawUsage));
+      }
+      list.forEach(([body, triangle], i) => this.array.set(body.cornersOf(triangle).flat(), 9 * i));
+      this.object.visible = list.length > 0;
+      if (list.length === 0) return;
+      this.geometry.setDrawRange(0, 3 * list.length);
+      this.geometry.attributes.position.needsUpdate = true;
+    }
+  }
+
+  return { BodyView, Highlight };
+})();

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Geometry on plain arrays: poses, the first triangle that a ray meets, normals of a mesh that deforms.
+"use strict";
+const rays = (() => {
+  const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const length = a => Math.hypot(a[0], a[1], a[2]);
+  const along = (a, b, s) => [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1]), a[2] + s * (b[2] - a[2])];
+  const isPlace = a => a.every(Number.isFinite);
+
+  // The part 0..1 of the stretch ab that is nearest to p.
+  function nearestPart(a, b, p) {
+    const ab = sub(b, a), square = dot(ab, ab);
+    return square > 0 ? Math.min(1, Math.max(0, dot(sub(p, a), ab) / square)) : 0;
+  }
+
+  // The rotation matrix, by rows, of a pose [x y z, w x y z]; null if the pose cannot be used.
+  function rotation(pose) {
+    const [w, x, y, z] = pose.slice(3), square = w * w + x * x + y * y + z * z;
+    if (!isPlace(pose) || !(square > 1e-12)) return null;
+    const s = 2 / square;
+    return [1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y),
+      s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x),
+      s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)];
+  }
+
+  const turn = (m, v) => [0, 3, 6].map(row => m[row] * v[0] + m[row + 1] * v[1] + m[row + 2] * v[2]);
+  const turnBack = (m, v) => [0, 1, 2].map(column => m[column] * v[0] + m[column + 3] * v[1] + m[column + 6] * v[2]);
+
+  // { triangle, t } of the nearest triangle on origin + t direction, t > 0, seen from either side; null if none is.
+  function firstTriangle(positions, corners, origin, direction) {
+    const [ox, oy, oz] = origin, [dx, dy, dz] = direction;
+    let nearest = Infinity, triangle = -1;
+    for (let i = 0; i < corners.length; i += 3) {
+      const a = 3 * corners[i], b = 3 * corners[i + 1], c = 3 * corners[i + 2];
+      const ax = positions[a], ay = positions[a + 1], az = positions[a + 2];
+      const ux = positions[b] - ax, uy = positions[b + 1] - ay, uz = positions[b + 2] - az;
+      const vx = positions[c] - ax, vy = positions[c + 1] - ay, vz = positions[c + 2] - az;
+      const px = dy * vz - dz * vy, py = dz * vx - dx * vz, pz = dx * vy - dy * vx;
+      const volume = ux * px + uy * py + uz * pz, tx = ox - ax, ty = oy - ay, tz = oz - az;
+      const first = (tx * px + ty * py + tz * pz) / volume;
+      if (!(first >= 0 && first <= 1)) continue;
+      const qx = ty * uz - tz * uy, qy = tz * ux - tx * uz, qz = tx * uy - ty * ux;
+      const second = (dx * qx + dy * qy + dz * qz) / volume, t = (vx * qx + vy * qy + vz * qz) / volume;
+      if (second >= 0 && first + second <= 1 && t > 0 && t < nearest) {
+        nearest = t;
+        triangle = i / 3;
+      }
+    }
+    return triangle >= 0 ? { triangle, t: nearest } : null;
+  }
+
+  // Each vertex' normal: the sum of its triangles' normals, which weighs them by area, of length 1.
+  function makeNormals(positions, corners, normals) {
+    normals.fill(0);
+    for (let i = 0; i < corners.length; i += 3) {
+      const a = 3 * corners[i], b = 3 * corners[i + 1], c = 3 * corners[i + 2];
+      const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
+      const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
+      const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+      normals[a] += x; normals[a + 1] += y; normals[a + 2] += z;
+      normals[b] += x; normals[b + 1] += y; normals[b + 2] += z;
+      normals[c] += x; normals[c + 1] += y; normals[c + 2] += z;
+    }
+    for (let i = 0; i < normals.length; i += 3) {
+      const x = normals[i], y = normals[i + 1], z = normals[i + 2], by = 1 / (Math.sqrt(x * x + y * y + z * z) || 1);
+      normals[i] = x * by; normals[i + 1] = y * by; normals[i + 2] = z * by;
+    }
+  }
+
+  return { sub, dot, length, along, isPlace, nearestPart, rotation, turn, turnBack, firstTriangle, makeNormals };
+})();

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The numbers beside the picture, of the frame that is shown. All text enters as text.
+"use strict";
+const readouts = (() => {
+  const CONTACT = ["unknown", "separated", "touching", "penetrating"];
+  const STATUS = ["stale", "local", "bounded", "exact"];
+  const REASON = ["acts", "free: nothing is near", "stale: there is no valid input", "undecided: on which side is not known",
+    "off: switched off", "inside: it began in a body"];
+  const LEFT_OUT = [[1, "contacts"], [2, "strip triangles"], [4, "vertices"]];
+  const HIT_KNOWN = 1;
+  const word = (words, number) => words[number] ?? `unknown (${number})`;
+  const fixed = (value, decimals, unit) => Number.isFinite(value) ? `${value.toFixed(decimals)} ${unit}` : "\u2013";
+  const millimetres = value => fixed(1e3 * value, 3, "mm");
+  const hertz = value => value > 0 ? fixed(value, 0, "Hz") : "\u2013";
+  const time = seconds => Number.isFinite(seconds) ? `${seconds.toFixed(3)} s` : "\u2013";
+  const coordinates = place => place.map(value => (1e3 * value).toFixed(2)).join("  ");
+
+  // The number in the list of all segments of the one that is nearest.
+  const segmentOf = (snapshot, tool) => tool && tool.nearestSegment < tool.segments ?
+    snapshot.segments[tool.firstSegment + tool.nearestSegment] : undefined;
+
+  // Name of a readout: its text, for a frame, one of its tools and what the page itself counts.
+  function texts(frame, index, page) {
+    const { snapshot } = frame, tool = snapshot.tools[index], segment = segmentOf(snapshot, tool);
+    const last = frame.ticks[frame.ticks.length - 1], force = tool ? rays.length(tool.wrench.slice(0, 3)) : NaN;
+    const known = segment && segment.flags & HIT_KNOWN;
+    const left = LEFT_OUT.filter(([bit]) => snapshot.flags & bit).map(([, what]) => what).join(", ");
+    return {
+      tick: snapshot.steps.toLocaleString("en"),
+      time: time(snapshot.time),
+      contact: segment ? word(CONTACT, segment.contact) : "\u2013",
+      gap: known ? millimetres(segment.gap) : "\u2013",
+      distance: segment ? millimetres(segment.distance) : "\u2013",
+      depth: known ? millimetres(segment.depth) : "\u2013",
+      force: fixed(force, 2, "N"),
+      torque: tool ? fixed(1e3 * rays.length(tool.wrench.slice(3)), 1, "mN m") : "\u2013",
+      reason: tool && tool.reason !== 0 ? word(REASON, tool.reason) : "",
+      spring: last ? millimetres(last.depth) : "\u2013",
+      energy: tool ? fixed(1e3 * tool.energy, 3, "mJ") : "\u2013",
+      triangle: segment && segment.triangle !== snapshotReader.NONE ? String(segment.triangle) : "\u2013",
+      status: segment ? word(STATUS, segment.status) : "\u2013",
+      haptics: hertz(frame.hapticRate),
+      physics: hertz(frame.physicsRate),
+      view: hertz(frame.viewRate),
+      drawn: hertz(page.drawnRate),
+      work: fixed(1e6 * frame.tickP99, 1, "\u00b5s"),
+      late: fixed(1e6 * frame.lateP99, 1, "\u00b5s"),
+      dropped: frame.dropped.toLocaleString("en"),
+      lost: frame.ticksLost.toLocaleString("en"),
+      left: left ? `Not in this picture for want of room: ${left}.` : "",
+    };
+  }
+
+  class Readouts {
+    constructor(root) {
+      this.fields = new Map([...root.querySelectorAll("[data-readout]")].map(field => [field.dataset.readout, field]));
+    }
+
+    show(all) {
+      for (const [name, text] of Object.entries(all)) {
+        const field = this.fields.get(name);
+        if (!field || field.textContent === text) continue;
+        field.textContent = text;
+        if (field.dataset.optional !== undefined) field.hidden = text === "";
+      }
+      const contact = this.fields.get("contact");
+      contact.dataset.word = all.contact;
+    }
+  }
+
+  return { Readouts, texts, coordinates, time };
+})();

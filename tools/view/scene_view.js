@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The picture: bodies, tools and the device's workspace, drawn by three.js when something has changed.
+"use strict";
+const sceneView = (() => {
+  const { BodyView, Highlight } = bodyView;
+  // Multisampling costs more than half of the frames a second where a processor draws: only small scenes have it.
+  const SMOOTH = 20000; // triangles
+  const COLOURS = ["background", "organ", "device", "proxy", "pair", "force", "strip", "picked", "workspace", "handle"];
+
+  // Throws where the browser has no WebGL.
+  class SceneView {
+    constructor(canvas, scene) {
+      this.canvas = canvas;
+      const triangles = scene.bodies.reduce((sum, body) => sum + scene.meshes[body.mesh].triangles, 0);
+      this.renderer = new THREE.WebGLRenderer({ canvas, antialias: triangles <= SMOOTH, powerPreference: "high-performance" });
+      this.three = new THREE.Scene();
+      this.camera = new camera.Camera(() => { this.dirty = true; });
+      this.sun = new THREE.DirectionalLight(0xffffff, 1.9);
+      this.three.add(new THREE.HemisphereLight(0xffffff, 0x8088a0, 1.25), this.sun, this.sun.target);
+      this.materials = { organ: new THREE.MeshLambertMaterial({ side: THREE.DoubleSide }),
+        strip: this.overlay(0.55, 1), picked: this.overlay(0.85, 2) };
+      this.tools = new toolView.ToolView();
+      this.strip = new Highlight(this.materials.strip);
+      this.pickedMark = new Highlight(this.materials.picked);
+      this.three.add(...this.tools.objects, this.strip.object, this.pickedMark.object);
+      this.bodies = new Map();
+      this.scales = { radius: 1, force: 1, depth: 1, control: false };
+      this.setScene(scene);
+    }
+
+    overlay(opacity, order) {
+      return Object.assign(new THREE.MeshBasicMaterial({ transparent: true, opacity, side: THREE.DoubleSide, depthWrite: false,
+        polygonOffset: true, polygonOffsetFactor: -2 * order, polygonOffsetUnits: -2 * order }), { userData: { order: order - 3 } });
+    }
+
+    setScene(scene) {
+      for (const view of this.bodies.values()) {
+        this.three.remove(view.object);
+        view.dispose();
+      }
+      this.bodies = new Map(scene.bodies.map(body =>
+        [body.id, new BodyView(body, scene.meshes[body.mesh], this.materials.organ)]));
+      for (const view of this.bodies.values()) this.three.add(view.object);
+      if (this.box) this.three.remove(this.box);
+      this.box = this.workspaceBox(scene.device?.workspace);
+      if (this.box) this.three.add(this.box);
+      this.scene = scene;
+      this.snapshot = null;
+      this.picked = null;
+      this.scales.control = scene.control;
+      this.camera.up = scene.up;
+      this.readColours();
+      this.show(null, new Map());
+      this.fit(false);
+    }
+
+    workspaceBox(box) {
+      if (!box) return null;
+      const [x, y, z, toX, toY, toZ] = box, lines = new THREE.LineSegments(new THREE.EdgesGeometry(
+        new THREE.BoxGeometry(toX - x, toY - y, toZ - z)), new THREE.LineBasicMaterial());
+      lines.position.set((x + toX) / 2, (y + toY) / 2, (z + toZ) / 2);
+      return lines;
+    }
+
+    // The page's style has the colours.
+    readColours() {
+      const style = getComputedStyle(document.documentElement);
+      const read = name => new THREE.Color(style.getPropertyValue(`--${name}`).trim());
+      const colours = Object.fromEntries(COLOURS.map(name => [name, read(name)]));
+      this.colours = Object.fromEntries(COLOURS.map(name => [name, colours[name].toArray()]));
+      this.three.background = colours.background;
+      for (const name of ["organ", "strip", "picked"]) this.materials[name].color = colours[name];
+      if (this.box) this.box.material.color = colours.workspace;
+      this.dirty = true;
+    }
+
+    // own: a body's number, and its vertices where it has its own.
+    show(snapshot, own) {
+      this.snapshot = snapshot;
+      for (const body of snapshot?.bodies ?? []) this.bodies.get(body.id)?.setPose(body.pose, body.flags);
+      for (const [id, view] of this.bodies) view.setVertices(own.get(id));
+      const strip = [];
+      for (const { body, triangle } of snapshot?.strips ?? []) {
+        const view = this.bodies.get(body), index = view?.triangleOf(triangle);
+        if (index !== undefined && view.rotation) strip.push([view, index]);
+      }
+      this.strip.show(strip);
+      this.showPicked();
+      this.dirty = true;
+    }
+
+    showPicked() {
+      const view = this.picked && this.bodies.get(this.picked.id);
+      this.pickedMark.show(view?.rotation ? [[view, this.picked.triangle]] : []);
+      this.dirty = true;
+    }
+
+    // The ball round all bodies and the workspace.
+    bounds() {
+      const least = [Infinity, Infinity, Infinity], most = least.map(() => -Infinity), box = this.scene.device?.workspace;
+      for (const view of this.bodies.values()) view.growBox(least, most);
+      for (const corner of box ? [box.slice(0, 3), box.slice(3)] : []) {
+        corner.forEach((value, k) => {
+          least[k] = Math.min(least[k], value);
+          most[k] = Math.max(most[k], value);
+        });
+      }
+      if (!(least[0] <= most[0])) return { centre: [0, 0, 0], radius: 1 };
+      return { centre: least.map((value, k) => (value + most[k]) / 2), radius: Math.max(1e-6, rays.length(rays.sub(most, least)) / 2) };
+    }
+
+    fit(smooth) {
+      const { centre, radius } = this.bounds();
+      this.scales.radius = radius;
+      this.camera.fit(centre, radius, smooth);
+    }
+
+    resize() {
+      const width = this.canvas.clientWidth, height = this.canvas.clientHeight, ratio = Math.min(2, devicePixelRatio);
+      if (width === 0 || height === 0 || (width === this.width && height === this.height && ratio === this.ratio)) return;
+      Object.assign(this, { width, height, ratio });
+      this.renderer.setPixelRatio(ratio);
+      this.renderer.setSize(width, height, false);
+      this.camera.resize(width, height);
+    }
+
+    // Draws if something has changed, or must be drawn for a reader of pixels. True if it drew.
+    draw(always) {
+      this.resize();
+      if (!(this.dirty || always) || !this.width) return false;
+      this.dirty = false;
+      this.tools.draw(this.snapshot, this.colours, this.camera, this.scales);
+      const { right, above, back } = this.camera.axes(), { radius } = this.scales, { target } = this.camera.state;
+      this.sun.target.position.set(...target);
+      this.sun.position.set(...target.map((value, k) => value + radius * (2 * back[k] + 1.1 * above[k] - 0.7 * right[k])));
+      this.renderer.render(this.three, this.camera.object);
+      return true;
+    }
+
+    // Pixels of the page from the picture's upper left corner; null behind the camera.
+    project(place) {
+      const p = new THREE.Vector3(...place).project(this.camera.object);
+      return p.z < 1 ? [(p.x + 1) / 2 * this.width, (1 - p.y) / 2 * this.height] : null;
+    }
+
+    ray([x, y]) {
+      const eye = this.camera.object.position.toArray();
+      const far = new THREE.Vector3(2 * x / this.width - 1, 1 - 2 * y / this.height, 0.5).unproject(this.camera.object).toArray();
+      return { origin: eye, direction: rays.sub(far, eye) };
+    }
+
+    // { id, triangle } of the nearest triangle at a pixel; null if there is none. The picked one is marked.
+    pick(at) {
+      const { origin, direction } = this.ray(at);
+      let nearest = null;
+      for (const [id, view] of this.bodies) {
+        const hit = view.pick(origin, direction);
+        if (hit && !(nearest?.t <= hit.t)) nearest = { id, triangle: hit.triangle, t: hit.t };
+      }
+      this.picked = nearest && { id: nearest.id, triangle: nearest.triangle };
+      this.showPicked();
+      return this.picked;
+    }
+
+    // [red, green, blue] as drawn at a pixel. The buffer is gone after its frame, hence it is drawn here.
+    pixel([x, y]) {
+      const gl = this.renderer.getContext(), rgba = new Uint8Array(4);
+      this.draw(true);
+      gl.readPixels(Math.floor(x * this.ratio), Math.floor((this.height - y) * this.ratio), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, rgba);
+      return [...rgba.subarray(0, 3)];
+    }
+
+    // A promise of a PNG.
+    picture() {
+      this.draw(true);
+      return new Promise(done => { this.canvas.toBlob(done, "image/png"); });
+    }
+  }
+
+  return { SceneView };
+})();

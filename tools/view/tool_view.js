@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is drawn of the tools: rods at the device's pose and at the proxy's, contacts as bands on the proxy, the nearest
+// pair as a line, the force as an arrow, the handle by which a simulated hand is dragged.
+"use strict";
+const toolView = (() => {
+  const { CapsuleBatch } = capsuleBatch;
+  const ARROW = 0.55; // its length at the largest force, in radii of the scene
+
+  const material = (Type, order, options) =>
+    Object.assign(new Type({ vertexColors: true, ...options }), { userData: { order } });
+
+  // Where the force is felt: on the proxy's axis, at the part of it that is nearest on the device's. Null without it.
+  function forcePlace(snapshot, tool) {
+    const segment = snapshot.segments[tool.firstSegment + tool.nearestSegment];
+    if (!segment || tool.nearestSegment >= tool.segments) return null;
+    const { a, b, p, proxyA, proxyB } = segment;
+    const place = rays.along(proxyA, proxyB, rays.isPlace(p) ? rays.nearestPart(a, b, p) : 0);
+    return rays.isPlace(place) ? place : null;
+  }
+
+  const depthOf = contact => Math.max(0, -contact.gap);
+
+  class ToolView {
+    constructor() {
+      // What lies behind the organ's surface is drawn again, fainter, without a test of depth.
+      const clear = { transparent: true, depthWrite: false };
+      const front = material(THREE.MeshLambertMaterial, 3, { ...clear, opacity: 0.4 });
+      const hidden = material(THREE.MeshBasicMaterial, 4, { ...clear, opacity: 0.16, depthFunc: THREE.GreaterDepth });
+      this.proxy = new CapsuleBatch([material(THREE.MeshLambertMaterial, 1)]);
+      this.bands = new CapsuleBatch([material(THREE.MeshBasicMaterial, 2),
+        material(THREE.MeshBasicMaterial, 4, { ...clear, opacity: 0.35, depthFunc: THREE.GreaterDepth })]);
+      this.device = new CapsuleBatch([front, hidden]);
+      this.marks = new CapsuleBatch([material(THREE.MeshBasicMaterial, 6, { transparent: true, depthTest: false, depthWrite: false })]);
+      this.batches = [this.proxy, this.bands, this.device, this.marks];
+      this.objects = this.batches.flatMap(batch => batch.meshes);
+      this.arrows = [];
+    }
+
+    // frame: { snapshot } or null; colours by name, linear; camera for lengths of pixels.
+    // scales: { radius of the scene, force, depth, control }
+    draw(snapshot, colours, camera, scales) {
+      for (const batch of this.batches) batch.begin();
+      this.arrows = [];
+      if (snapshot) {
+        for (const segment of snapshot.segments) this.addSegment(segment, colours, camera);
+        for (const contact of snapshot.contacts) this.addContact(snapshot, contact, camera, scales);
+        for (const tool of snapshot.tools) this.addTool(snapshot, tool, colours, camera, scales);
+      }
+      for (const batch of this.batches) batch.end();
+    }
+
+    addSegment({ a, b, radius, proxyA, proxyB, p, q }, colours, camera) {
+      const thick = place => Math.max(Math.max(0, radius || 0), 1.5 * camera.pixelSize(place));
+      this.device.add(a, b, thick(a), thick(b), 1, colours.device);
+      this.proxy.add(proxyA, proxyB, thick(proxyA), thick(proxyB), 1, colours.proxy);
+      if (!rays.isPlace(p) || !rays.isPlace(q)) return;
+      const line = 0.9 * camera.pixelSize(p);
+      this.marks.add(p, q, line, line, 1, colours.pair);
+      for (const end of [p, q]) this.marks.add(end, end, 2.6 * line, 2.6 * line, 1, colours.pair);
+    }
+
+    addContact(snapshot, contact, camera, scales) {
+      const segment = snapshot.segments[snapshot.tools[contact.tool].firstSegment + contact.segment];
+      const { proxyA, proxyB } = segment, middle = rays.along(proxyA, proxyB, (contact.s0 + contact.s1) / 2);
+      if (!rays.isPlace(middle)) return;
+      const pixel = camera.pixelSize(middle), long = rays.length(rays.sub(proxyB, proxyA));
+      const more = long > 0 ? 1.5 * pixel / long : 0; // a contact in one point is seen too
+      const thick = Math.max(0, segment.radius || 0) + 2 * pixel;
+      const rgb = new THREE.Color(`rgb(${scale.colour(depthOf(contact) / scales.depth).join(",")})`).toArray();
+      this.bands.add(rays.along(proxyA, proxyB, contact.s0 - more), rays.along(proxyA, proxyB, contact.s1 + more),
+        thick, thick, long > 0 ? 0 : 1, rgb);
+    }
+
+    addTool(snapshot, tool, colours, camera, scales) {
+      const handle = tool.pose.slice(0, 3);
+      if (scales.control && rays.isPlace(handle)) {
+        const size = 7 * camera.pixelSize(handle);
+        this.marks.add(handle, handle, size, size, 1, colours.handle);
+      }
+      const from = forcePlace(snapshot, tool), force = tool.wrench.slice(0, 3), newtons = rays.length(force);
+      if (!from || !(newtons > 0) || !Number.isFinite(newtons)) return;
+      const length = ARROW * scales.radius * Math.min(1.5, newtons / scales.force);
+      const to = from.map((value, k) => value + length * force[k] / newtons);
+      const thick = 2.4 * camera.pixelSize(from), head = Math.min(length, 6 * thick);
+      const neck = rays.along(to, from, head / length);
+      this.marks.add(from, neck, thick, thick, 0, colours.force);
+      this.marks.add(neck, to, 2.4 * thick, 0, 0, colours.force);
+      this.arrows.push({ from, to, newtons });
+    }
+  }
+
+  return { ToolView, depthOf };
+})();

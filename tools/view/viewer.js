@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Puts the parts together: messages come in, frames are kept, and with each picture of the browser the one that is due
+// is shown.
+"use strict";
+const viewer = (() => {
+  const { FrameHistory } = frameHistory, { TickHistory } = tickHistory, { Player } = player;
+  const LIVE = { mostBytes: 400e6, mostSeconds: 30 }, RECORDING = { mostBytes: 1.5e9, mostSeconds: Infinity };
+  const LIVE_TICKS = 1 << 17, RECORDING_TICKS = 1 << 22;
+  const WINDOW = 10; // s of the plots of a running world
+  const NUMBERS_EVERY = 100, PLOTS_EVERY = 33; // ms between two while it plays
+  const LEAST_DEPTH = 1e-4, LEAST_FORCE = 0.1; // m, N: the ends of the scales of colour and arrow
+  const THEMES = ["system", "dark", "light"];
+  const element = id => document.getElementById(id);
+
+  const picture = element("picture"), slider = element("slider"), toolChoice = element("tool");
+  const own = { scene: null, view: null, connection: null, frame: null, shown: null, owed: 0, refused: 0, ended: null, away: false,
+    theme: 0, drawnRate: 0, drawn: 0, picked: null, deepest: 0, strongest: 0, scrubs: 0 };
+  let history = new FrameHistory(RECORDING), ticks = new TickHistory(RECORDING_TICKS);
+  const play = new Player(history, () => { own.timeChanged = true; });
+  const plot = new plots.Plots(element("plots"), ticks), numbers = new readouts.Readouts(element("numbers"));
+  const calm = matchMedia("(prefers-reduced-motion: reduce)"), darkSystem = matchMedia("(prefers-color-scheme: dark)");
+  let drawings = [], numbersAt = 0, plotsAt = 0, plotsDirty = true;
+
+  // A sentence above the picture, or none; the live region says it once.
+  function notice(sentence) {
+    const place = element("notice");
+    if (place.textContent === sentence) return;
+    place.textContent = sentence;
+    place.hidden = sentence === "";
+    if (sentence) say(sentence);
+  }
+
+  function say(sentence) {
+    element("status").textContent = sentence;
+  }
+
+  const plural = (count, one) => `${count.toLocaleString("en")} ${one}${count === 1 ? "" : "s"}`;
+  const selectedTool = () => Math.max(0, toolChoice.selectedIndex);
+
+  function clearFrames() {
+    const live = own.scene.mode === "live";
+    history = play.history = new FrameHistory(live ? LIVE : RECORDING);
+    ticks = plot.history = new TickHistory(live ? LIVE_TICKS : RECORDING_TICKS);
+    Object.assign(own, { frame: null, shown: null, ended: null, deepest: 0, strongest: 0 });
+    play.reset(live);
+    if (!live) play.playing = !calm.matches;
+    plotsDirty = own.timeChanged = true;
+  }
+
+  function takeScene(scene) {
+    own.scene = scene;
+    document.body.dataset.mode = scene.mode;
+    document.title = `${scene.title} \u2013 dynpoint`;
+    element("title").textContent = scene.title;
+    element("program").textContent = scene.program;
+    element("device").textContent = scene.device ? `${scene.device.name}${scene.device.simulated ? ", simulated" : ""}` : "";
+    listMeshes(scene);
+    clearFrames();
+    unpick();
+    try {
+      if (own.view) own.view.setScene(scene);
+      else if (element("blind").hidden) own.view = new sceneView.SceneView(picture, scene);
+    } catch {
+      element("blind").hidden = false;
+      element("views").hidden = element("legend").hidden = element("save").hidden = picture.hidden = true;
+      say(element("blind").textContent);
+    }
+    own.connection?.send("ready");
+  }
+
+  function listMeshes(scene) {
+    const row = (name, value) => {
+      const line = document.createElement("div");
+      for (const [tag, text] of [["dt", name], ["dd", value]]) line.append(Object.assign(document.createElement(tag), { textContent: text }));
+      return line;
+    };
+    element("facts").querySelector("dl").replaceChildren(...scene.meshes.map(mesh =>
+      row(mesh.name, `${plural(mesh.triangles, "triangle")}, ${mesh.vertices.toLocaleString("en")} vertices`)));
+  }
+
+  function takeFrame(frame, bytes) {
+    // In a pause of a running world the frames at hand stay as they are.
+    if (play.live && !play.playing && history.size > 0) return;
+    history.add(frame, bytes);
+    for (const tick of frame.ticks) ticks.add(tick);
+    for (const contact of frame.snapshot.contacts) own.deepest = Math.max(own.deepest, toolView.depthOf(contact) || 0);
+    for (const { force } of frame.ticks) if (force > own.strongest && force < Infinity) own.strongest = force;
+    for (const { wrench } of frame.snapshot.tools) {
+      const force = rays.length(wrench.slice(0, 3));
+      if (force > own.strongest && force < Infinity) own.strongest = force;
+    }
+    plotsDirty = own.timeChanged = true;
+  }
+
+  function takeEnd(text) {
+    own.ended = text;
+    play.whole = true;
+    if (play.live) {
+      play.live = play.playing = false;
+      document.body.dataset.mode = "recording";
+      play.index = play.last;
+    }
+    own.timeChanged = plotsDirty = true;
+    own.connection?.end();
+    if (own.connection) say(text);
+  }
+
+  function refuse(sentence) {
+    own.refused++;
+    notice(`A message was refused. ${sentence}`);
+  }
+
+  function take(bytes) {
+    const message = messageReader.readMessage(bytes);
+    if (message.kind === "scene") {
+      own.away = false;
+      notice("");
+      takeScene(message);
+    } else if (message.kind === "end") takeEnd(message.text);
+    else if (!message.refused) {
+      const sentence = own.scene ? messageReader.misfit(message, own.scene) : "It came before the scene.";
+      if (sentence) refuse(sentence);
+      else takeFrame(message, bytes);
+    } else if (!own.scene) {
+      notice(`The scene was refused. ${message.refused}`);
+      own.connection?.end();
+    } else refuse(message.refused);
+    if (own.connection && bytes[0] === 2) answerFrame();
+  }
+
+  // Of a running world a frame is answered when the picture has been drawn, of a recording when it is kept.
+  function answerFrame() {
+    if (play.live) own.owed++;
+    else own.connection.send("drawn");
+  }
+
+  function showFrame() {
+    const entry = history.get(play.index);
+    if (!entry || entry === own.shown) return;
+    own.shown = entry;
+    own.frame = messageReader.readMessage(entry.bytes);
+    own.view?.show(own.frame.snapshot, entry.own);
+    listTools(own.frame.snapshot.tools);
+    showFound();
+    own.timeChanged = true;
+  }
+
+  function listTools(tools) {
+    element("which").hidden = tools.length < 2;
+    if (toolChoice.length === tools.length) return;
+    toolChoice.replaceChildren(...tools.map(({ id }) => new Option(String(id))));
+  }
+
+  function showNumbers(now) {
+    if (!own.frame || (play.playing && now - numbersAt < NUMBERS_EVERY)) return;
+    numbersAt = now;
+    numbers.show(readouts.texts(own.frame, selectedTool(), { drawnRate: own.drawnRate }));
+    element("deepest").textContent = `${(1e3 * own.view?.scales.depth).toPrecision(1)} mm`;
+  }
+
+  const modeWords = () => own.ended && own.scene.mode === "live" ? "Ended" : play.live ? (play.playing ? "Live" : "Paused: the run goes on")
+    : own.scene?.mode === "recording" ? "Recording" : own.scene ? "Mesh" : "";
+
+  function showTime() {
+    if (!own.timeChanged) return;
+    own.timeChanged = false;
+    const chip = element("mode"), words = own.away ? "Away" : modeWords(), total = history.last?.time ?? 0;
+    chip.textContent = words;
+    chip.title = own.ended ?? "";
+    chip.dataset.state = words === "Live" ? "live" : "";
+    element("play").textContent = play.playing ? "Pause" : "Play";
+    slider.max = String(play.last);
+    slider.value = String(play.index);
+    const at = own.shown?.time ?? 0, text = play.following ? readouts.time(at)
+      : play.live ? `${readouts.time(at)} (${(at - total).toFixed(2)} s)` : `${readouts.time(at)} of ${readouts.time(total)}`;
+    element("clock").textContent = text;
+    slider.setAttribute("aria-valuetext", `${readouts.time(at)}, frame ${play.index + 1} of ${history.size}`);
+    element("speed").value = String(play.speed);
+  }
+
+  function showPlots(now) {
+    if (document.body.dataset.mode === "mesh" || !own.scene) return;
+    if (play.live) {
+      const late = Math.max(ticks.to, own.shown?.time ?? 0), early = own.shown?.time ?? late;
+      const to = play.playing ? late : Math.min(late, Math.max(late - WINDOW, early) === early ? late : early + WINDOW / 2);
+      plot.setWindow(to - WINDOW, to);
+    } else plot.setWindow(Math.min(ticks.from, history.get(0)?.time ?? ticks.from), Math.max(ticks.to, history.last?.time ?? 0, ticks.from + 1e-3));
+    if (plotsDirty && now - plotsAt >= PLOTS_EVERY) {
+      plot.stale = true;
+      plotsDirty = false;
+      plotsAt = now;
+    }
+    plot.draw(own.shown && !play.following ? own.shown.time : null);
+  }
+
+  function showScales() {
+    if (!own.view) return;
+    const depth = scale.roundUp(Math.max(LEAST_DEPTH, own.deepest));
+    const force = own.scene.forceMax ?? scale.roundUp(Math.max(LEAST_FORCE, own.strongest));
+    const { scales } = own.view;
+    if (scales.depth === depth && scales.force === force) return;
+    Object.assign(scales, { depth, force });
+    own.view.dirty = true;
+  }
+
+  function countDrawing(now) {
+    own.drawn++;
+    drawings.push(now);
+    while (drawings[0] < now - 1000) drawings.shift();
+    own.drawnRate = drawings.length > 1 ? 1000 * (drawings.length - 1) / (now - drawings[0]) : 0;
+  }
+
+  function everyPicture(now) {
+    own.view?.camera.advance(now);
+    play.advance(now);
+    showFrame();
+    if (own.scene) showScales();
+    if (own.view?.draw(false)) countDrawing(now);
+    showPlots(now);
+    showNumbers(now);
+    showTime();
+    theHand.flush(now);
+    for (; own.owed > 0; own.owed--) own.connection.send("drawn");
+    requestAnimationFrame(everyPicture);
+  }
+
+  const handlePlace = () => own.scene?.control && play.following ? own.frame?.snapshot.tools[selectedTool()]?.pose.slice(0, 3) ?? null : null;
+  const theHand = new hand.Hand(handlePlace, text => own.connection?.send(text));
+
+  function pick(at) {
+    own.picked = own.view?.pick(at) ?? null;
+    showFound();
+    if (!own.picked) return;
+    say(`Body ${element("found-body").textContent}, triangle ${element("found-triangle").textContent}`);
+  }
+
+  function unpick() {
+    if (own.view) {
+      own.view.picked = null;
+      own.view.showPicked();
+    }
+    own.picked = null;
+    showFound();
+  }
+
+  function showFound() {
+    const body = own.picked && own.view.bodies.get(own.picked.id);
+    element("found").hidden = !body?.rotation;
+    if (!body?.rotation) return;
+    element("found-body").textContent = `${body.body.name} (${body.body.id})`;
+    element("found-triangle").textContent = String(body.mesh.sources[own.picked.triangle]);
+    element("found-corners").textContent = body.cornersOf(own.picked.triangle).map(readouts.coordinates).join("\n");
+  }
+
+  function setTheme(theme) {
+    own.theme = theme;
+    const name = THEMES[theme], dark = name === "dark" || (name === "system" && darkSystem.matches);
+    document.documentElement.dataset.theme = dark ? "dark" : "light";
+    element("theme").textContent = `Theme: ${name}`;
+    own.view?.readColours();
+    plot.readColours();
+  }
+
+  async function save() {
+    const blob = await own.view?.picture();
+    if (!blob) return;
+    const link = document.createElement("a"), address = URL.createObjectURL(blob);
+    link.href = address;
+    link.download = `${own.scene.title.replace(/[^\w.-]+/g, "-") || "picture"}-${play.index}.png`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(address), 1000);
+  }
+
+  const actions = {
+    camera: () => own.view?.camera ?? null, radius: () => own.view.scales.radius, hand: theHand, controls: () => handlePlace() !== null,
+    handle: () => handlePlace() && own.view?.project(handlePlace()),
+    pick, unpick, save, fit: () => own.view?.fit(!calm.matches), view: name => own.view?.camera.view(name, !calm.matches),
+    toggle: () => play.toggle(), back: () => play.step(-1), forward: () => play.step(1), begin: () => play.seek(0),
+    end: () => play.live ? play.play() : play.seek(play.last),
+    slower: () => changeSpeed(-1), faster: () => changeSpeed(1),
+    theme: () => setTheme((own.theme + 1) % THEMES.length), help: () => element("panel").showModal(),
+  };
+
+  function changeSpeed(by) {
+    const speeds = [...element("speed").options].map(option => Number(option.value));
+    play.setSpeed(speeds[Math.min(speeds.length - 1, Math.max(0, speeds.indexOf(play.speed) + by))]);
+  }
+
+  function listen() {
+    keys.attach({ ...actions, pick: () => own.view && pick([own.view.width / 2, own.view.height / 2]) });
+    pointers.attach(picture, actions);
+    for (const [id, name] of [["begin", "begin"], ["back", "back"], ["play", "toggle"], ["forward", "forward"], ["end", "end"],
+      ["save", "save"], ["theme", "theme"], ["help", "help"], ["unpick", "unpick"]]) element(id).addEventListener("click", () => actions[name]());
+    for (const button of element("views").children) {
+      const { view } = button.dataset;
+      button.addEventListener("click", () => view === "fit" ? actions.fit() : actions.view(view));
+    }
+    slider.addEventListener("input", () => play.seek(Number(slider.value)));
+    element("speed").addEventListener("change", event => play.setSpeed(Number(event.target.value)));
+    toolChoice.addEventListener("change", () => { numbersAt = -Infinity; });
+    const scrub = event => {
+      if (event.buttons & 1) play.seekTime(plot.timeAt(event.clientX - event.currentTarget.getBoundingClientRect().left));
+    };
+    element("plots").addEventListener("pointerdown", event => {
+      event.currentTarget.setPointerCapture(event.pointerId);
+      scrub(event);
+    });
+    element("plots").addEventListener("pointermove", scrub);
+    darkSystem.addEventListener("change", () => setTheme(own.theme));
+    addEventListener("resize", () => { plotsDirty = true; });
+  }
+
+  // The stream in the page's own data, if there is one; else the server that sent the page.
+  function start() {
+    element("ramp").style.background = scale.gradient();
+    setTheme(0);
+    listen();
+    requestAnimationFrame(everyPicture);
+    const text = element("data").textContent;
+    if (text !== "" && !text.startsWith("@")) return playData(text);
+    if (!location.protocol.startsWith("http")) return notice("This page has no data and no server. Open one that dynpoint view wrote.");
+    own.connection = new connection.Connection({
+      message: take,
+      refused: sentence => { own.away = own.timeChanged = true; notice(sentence); },
+      away: sentence => { own.owed = 0; own.away = own.timeChanged = true; notice(sentence); },
+    });
+  }
+
+  function playData(text) {
+    const { bytes, refused } = messageReader.decodeText(text), stream = bytes ? messageReader.splitStream(bytes) : { refused };
+    if (stream.refused) return notice(`The page's data were refused. ${stream.refused}`);
+    stream.messages.forEach(take);
+    play.whole = true;
+  }
+
+  start();
+  return { own, play, plot, element, theHand, get history() { return history; }, get ticks() { return ticks; } };
+})();
