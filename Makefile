@@ -144,7 +144,7 @@ $(B)/tools/view/server/%.o: INCLUDES += $(LWS_CFLAGS)
 
 # built_with.h says what was chosen for this build; it changes only when that does.
 CHOOSERS := $(B)/drivers/device.o $(B)/tools/arm_file.o $(B)/tools/cmd_device_simulate.o $(B)/tools/scene_def.o \
-            $(B)/tools/view/page_bytes.o
+            $(B)/tools/view/page_bytes.o $(B)/tools/view_serve.o
 $(CHOOSERS): INCLUDES += -I$(B)
 $(CHOOSERS): $(B)/built_with.h
 $(B)/built_with.h: force

@@ -38,10 +38,10 @@ const dpt_driver *dpt_driver_named(const char *name)
     return name ? find_driver(name, strlen(name)) : NULL;
 }
 
-/* A driver of this version has at least today's fields; only `find` may be NULL. */
+/* A driver of this version has at least the first release's fields; of these only `find` may be NULL. */
 static int is_complete(const dpt_driver *driver)
 {
-    return driver->size >= sizeof *driver && driver->size <= SIZED_MAX &&
+    return driver->size >= SIZED_FIRST(dpt_driver, steer) && driver->size <= SIZED_MAX &&
            driver->version == DPT_DRIVER_VERSION && driver->name && driver->open && driver->info &&
            driver->read && driver->write && driver->clear && driver->counts && driver->close;
 }
@@ -164,6 +164,21 @@ dpt_result dpt_device_write(dpt_device *device, const dpt_wrench *wrench)
 dpt_result dpt_device_clear(dpt_device *device)
 {
     return device ? device->driver->clear(device) : DPT_E_ARGUMENT;
+}
+
+static int can_be_steered(const dpt_driver *driver)
+{
+    return driver->size >= offsetof(dpt_driver, reserved_pointer) && driver->steer;
+}
+
+dpt_result dpt_device_steer(dpt_device *device, const double position[3])
+{
+    if (!device || !position)
+        return DPT_E_ARGUMENT;
+    if (!vec3_within(position, DPT_COORDINATE_MAX))
+        return DPT_E_FINITE;
+    return can_be_steered(device->driver) ? device->driver->steer(device, position)
+                                          : DPT_E_UNSUPPORTED;
 }
 
 dpt_result dpt_device_get_counts(const dpt_device *device, dpt_device_counts *counts)

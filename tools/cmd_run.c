@@ -12,6 +12,8 @@
 #include "open_device.h"
 #include "run_coupling.h"
 #include "run_record.h"
+#include "run_trace.h"
+#include "run_view.h"
 #include "scene.h"
 #include "stop.h"
 
@@ -70,11 +72,15 @@ static const char help[] =
     "With\n"
     "                   --for, a device with a time of its own, as sim, runs for S of that\n"
     "  --record F.csv   only how the tool moved, a trace; needs --ticks or --for\n"
+    "  --view           show it in a browser: prints the address of a page on this machine\n"
+    "  --open           and open it there\n"
+    "  --port N         of the page; default a free one\n"
+    "  --address A      serve the page on this address instead, to other machines, unencrypted\n"
+    "  --control        a simulated hand stands still until the page moves it\n"
     "  --json           what is said at the end as one JSON object\n";
 
 /* Deadlines that follow a device's samples come at most this much more often than its rate says. */
 #define RATE_FACTOR_MAX (16.0 / 15.0)
-#define RECORD_MAX      100000000
 
 /* From a sample to its command, by the clock: the deadline's phase behind the sample, and the tick's own time. */
 #define LOOP_DELAY_PERIODS 0.25
@@ -96,6 +102,7 @@ struct run_settings {
     double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
     uint64_t ticks, budget;          /* BUDGET_BY_RATE: not given */
     uint64_t clutch, cpu;            /* NO_NUMBER: not given */
+    struct run_view_options view;
     int json, reopen, is_active, awake;
 };
 
@@ -108,19 +115,10 @@ struct session {
     uint32_t reasons; /* why the device was not ready */
     double depth_max, force_peak;
     struct run_record recording;
-    double *rows; /* of the record, six numbers a tick, or NULL */
-    uint64_t record_count, record_capacity;
-    struct output record; /* opened before anything moves, so that an error shows at once */
+    struct run_trace trace;
+    struct run_view *view;
+    struct run_view_report viewed;
 };
-
-static void record(struct session *session, const dpt_segment *stylus)
-{
-    if (session->record_count == session->record_capacity)
-        return;
-    double *row = session->rows + 6 * session->record_count++;
-    memcpy(row, stylus->a, sizeof stylus->a);
-    memcpy(row + 3, stylus->b, sizeof stylus->b);
-}
 
 static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
@@ -128,12 +126,14 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     dpt_hit hit = DPT_HIT_INIT;
     double square = 0.0;
     run_record_begin(&session->recording);
+    run_view_begin(session->view);
     dpt_result result = scene_feel(&session->scene, sample, wrench);
     run_record_tick(&session->recording, &session->scene, sample, result, wrench);
     session->clutched += (uint64_t)session->scene.is_clutched;
     if (result != DPT_OK)
         return result;
-    record(session, &session->scene.stylus);
+    run_view_tick(session->view, &session->scene, sample);
+    run_trace_tick(&session->trace, &session->scene.stylus);
     dpt_tool_get_hit(session->scene.world, session->scene.tool, &hit);
     session->reasons |= sample->state->reasons;
     session->contacts += hit.contact != DPT_CONTACT_SEPARATED;
@@ -141,11 +141,8 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     session->unknown += hit.contact == DPT_CONTACT_UNKNOWN;
     for (int k = 0; k < 3; k++)
         square += wrench->force[k] * wrench->force[k];
-    /* A tool with a proxy is as deep as the spring is long. */
-    const struct force_options *options = &session->scene.force;
-    const int has_spring = options->law == DPT_LAW_PROXY && options->stiffness > 0.0;
     const double depth =
-        has_spring ? sqrt(square) / (options->stiffness * session->scene.force_scale) : hit.depth;
+        scene_depth(&session->scene, sqrt(square) / session->scene.force_scale, hit.depth);
     session->depth_max = fmax(session->depth_max, depth);
     session->force_peak = fmax(session->force_peak, sqrt(square));
     return DPT_OK;
@@ -170,7 +167,7 @@ static int open_record(const struct run_settings *settings, struct session *sess
         return complain(
             "run",
             "--record needs the stylus: a trace has one segment; a recording, F.dpr, may have any");
-    return output_open(&session->record, "run", settings->record);
+    return run_trace_open(&session->trace, settings->record);
 }
 
 /*
@@ -184,36 +181,10 @@ static int allocate_record(struct session *session, const struct run_settings *s
     const double ticks = info->flags & DPT_DEVICE_FLAG_DETERMINISTIC
                              ? ceil(settings->seconds * info->rate)
                              : ceil((settings->seconds * RATE_FACTOR_MAX + 1.0) * rate);
-    if (!settings->ticks && !(ticks <= RECORD_MAX))
-        return complain("run", "--record: at most %d ticks; --for %g has %.0f", RECORD_MAX,
+    if (!settings->ticks && !(ticks <= RUN_TRACE_MAX))
+        return complain("run", "--record: at most %d ticks; --for %g has %.0f", RUN_TRACE_MAX,
                         settings->seconds, ticks);
-    session->record_capacity = settings->ticks ? settings->ticks : (uint64_t)ticks;
-    session->rows = calloc(session->record_capacity, 6 * sizeof *session->rows);
-    return session->rows ? 0 : complain("run", "memory ran out");
-}
-
-static int write_record(struct session *session)
-{
-    struct output output = session->record;
-    FILE *file = output.file;
-    session->record.file = NULL;
-    fputs("tick,ax,ay,az,bx,by,bz\n", file);
-    for (uint64_t i = 0; i < session->record_count; i++) {
-        fprintf(file, "%" PRIu64, i);
-        for (int k = 0; k < 6; k++)
-            fprintf(file, ",%.17g", session->rows[6 * i + (uint64_t)k]);
-        fputc('\n', file);
-    }
-    return output_close(&output, "run");
-}
-
-static void close_record(struct session *session)
-{
-    if (session->record.file) {
-        fclose(session->record.file);
-        output_drop(&session->record);
-    }
-    free(session->rows);
+    return run_trace_allocate(&session->trace, settings->ticks ? settings->ticks : (uint64_t)ticks);
 }
 
 static void print_coupling_json(const struct session *session)
@@ -410,7 +381,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     def.awake = (uint32_t)settings->awake;
     if (is_traced(settings) && allocate_record(session, settings, &info))
         return 2;
-    def.ticks = is_traced(settings) ? session->record_capacity : settings->ticks;
+    def.ticks = is_traced(settings) ? session->trace.capacity : settings->ticks;
     double seconds = settings->seconds;
     if (settings->record && !def.ticks && is_by_own_time(settings, &info)) {
         def.ticks = (uint64_t)ceil(settings->seconds * info.rate);
@@ -433,11 +404,17 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
         status = run_record_open(&session->recording, settings->record, &session->scene,
                                  &settings->scene, settings->device, rate, guard.force_max,
                                  session->budget);
+    if (status == 0)
+        status =
+            run_view_open(&session->view, &settings->view, &session->scene, settings->scene.path,
+                          device, settings->device, rate, guard.force_max);
     if (status == 0) {
         stop_watch(loop, seconds);
         result = dpt_loop_run(loop, &stats);
         stop_watch(NULL, HUGE_VAL);
     }
+    run_view_close(session->view, result == DPT_OK ? "The run ended." : dpt_result_text(result),
+                   &session->viewed);
     dpt_loop_free(loop);
     if (status)
         return status;
@@ -446,7 +423,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     (settings->json ? print_json : print_report)(session, &stats, &counts);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));
-    return is_traced(settings) ? write_record(session) : status;
+    return is_traced(settings) ? run_trace_write(&session->trace) : status;
 }
 
 /* Check the record against all inputs. The device's name contains files, too. */
@@ -492,6 +469,11 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         { .name = "--ticks", .count = &settings->ticks },
         { .name = "--record", .text = &settings->record },
         { .name = "--reopen", .flag = &settings->reopen },
+        { .name = "--view", .flag = &settings->view.is_on },
+        { .name = "--open", .flag = &settings->view.open },
+        { .name = "--port", .count = &settings->view.port },
+        { .name = "--address", .text = &settings->view.address },
+        { .name = "--control", .flag = &settings->view.control },
         { .name = "--json", .flag = &settings->json },
     };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help,
@@ -513,6 +495,8 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
     if (status)
         return status;
     if (settings->record && check_record(settings))
+        return 2;
+    if (run_view_check("run", &settings->view))
         return 2;
     if (!(settings->scene.zoom > 0.0 && settings->scene.zoom <= 1000.0))
         return complain("run", "--zoom must be positive, at most 1000");
@@ -539,8 +523,8 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         return complain("run", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
     if (!(settings->seconds > 0.0))
         return complain("run", "--for must be positive");
-    if (is_traced(settings) && settings->ticks > RECORD_MAX)
-        return complain("run", "--record: at most %d --ticks", RECORD_MAX);
+    if (is_traced(settings) && settings->ticks > RUN_TRACE_MAX)
+        return complain("run", "--record: at most %d --ticks", RUN_TRACE_MAX);
     if (is_traced(settings) && !settings->ticks && !(settings->seconds < HUGE_VAL))
         return complain("run", "--record needs --ticks or --for");
     return -1;
@@ -548,7 +532,7 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
 
 static int run(const struct run_settings *settings)
 {
-    struct session session = { .record_count = 0 };
+    struct session session = { .contacts = 0 };
     int status = scene_open(&session.scene, &settings->scene);
     if (status == 0)
         status = open_record(settings, &session);
@@ -561,7 +545,7 @@ static int run(const struct run_settings *settings)
             dpt_device_close(device);
         }
     }
-    close_record(&session);
+    run_trace_close(&session.trace);
     scene_close(&session.scene);
     return status;
 }

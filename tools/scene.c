@@ -220,6 +220,26 @@ static int is_the_arm(const struct scene *scene)
            info.joints == scene->device.joints;
 }
 
+void scene_of_device(const struct scene *scene, const double point[3], double out[3])
+{
+    rotate(scene->device_to_scene, point, out);
+    for (int k = 0; k < 3; k++)
+        out[k] = scene->origin[k] + scene->zoom * out[k];
+}
+
+void scene_to_device(const struct scene *scene, const double point[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = (point[k] - scene->origin[k]) / scene->zoom;
+    rotate_back(scene->device_to_scene, out, out);
+}
+
+double scene_depth(const struct scene *scene, double force, double depth)
+{
+    const int has_spring = scene->force.law == DPT_LAW_PROXY && scene->force.stiffness > 0.0;
+    return has_spring ? force / scene->force.stiffness : depth;
+}
+
 /* The tool's pose in the scene's frame, and the rotation `axes` from the device's axes to the scene's. */
 static dpt_result find_pose(const struct scene *scene, const dpt_device_state *state,
                             dpt_pose *pose, double axes[4])
@@ -232,9 +252,7 @@ static dpt_result find_pose(const struct scene *scene, const dpt_device_state *s
         return result;
     }
     memcpy(axes, scene->device_to_scene, sizeof scene->device_to_scene);
-    rotate(axes, state->pose.position, pose->position);
-    for (int k = 0; k < 3; k++)
-        pose->position[k] = scene->origin[k] + scene->zoom * pose->position[k];
+    scene_of_device(scene, state->pose.position, pose->position);
     multiply_quaternions(axes, state->pose.orientation, pose->orientation);
     multiply_quaternions(scene->turned, pose->orientation, pose->orientation);
     return DPT_OK;

@@ -60,4 +60,14 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
  */
 dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wrench *wrench);
 
+/* A point of the device's frame in the scene, and back; not of a device that is the scene's arm. */
+void scene_of_device(const struct scene *scene, const double point[3], double out[3]);
+void scene_to_device(const struct scene *scene, const double point[3], double out[3]);
+
+/*
+ * How deep the tool is, m. With a proxy it is how long the spring is that pulls with this force, N; else `depth`, that of
+ * its hit.
+ */
+double scene_depth(const struct scene *scene, double force, double depth);
+
 #endif

@@ -363,6 +363,12 @@ static void sim_info(const dpt_device *device, dpt_device_info *info)
                                .name = "simulated device" };
 }
 
+static dpt_result sim_steer(dpt_device *device, const double position[3])
+{
+    struct sim *sim = (struct sim *)device;
+    return sim_hand_steer(&sim->hand, position) ? DPT_OK : DPT_E_UNSUPPORTED;
+}
+
 static void sim_close(dpt_device *device)
 {
     struct sim *sim = (struct sim *)device;
@@ -534,4 +540,5 @@ const dpt_driver sim_driver = {
     .counts = sim_counts,
     .close = sim_close,
     .find = sim_find,
+    .steer = sim_steer,
 };

@@ -33,6 +33,7 @@ dpt_result sim_hand_open(struct sim_hand *hand, const char *script, double reach
                          dpt_device_error *error)
 {
     *hand = (struct sim_hand){ .reach = reach, .cycle = cycle };
+    latest_value_init(&hand->steering);
     for (int i = 0; script_names[i]; i++) {
         if (strcmp(script, script_names[i]))
             continue;
@@ -74,6 +75,37 @@ static void interpolate_table(struct sim_hand *hand, double time, struct hand_ta
     target->is_position = table->header < FIRST_FORCE_HEADER;
 }
 
+int sim_hand_steer(struct sim_hand *hand, const double position[3])
+{
+    if (hand->kind == HAND_NONE ||
+        (hand->kind == HAND_TABLE && hand->table.header >= FIRST_FORCE_HEADER))
+        return 0;
+    memcpy(hand->wanted[hand->steering.writing], position, sizeof hand->wanted[0]);
+    latest_value_publish(&hand->steering);
+    return 1;
+}
+
+/* From where the script had it, or where it is, towards what is wanted. */
+static void steer(struct sim_hand *hand, double time, struct hand_target *target)
+{
+    if (latest_value_take(&hand->steering) && !hand->is_steered) {
+        hand->is_steered = 1;
+        hand->steered_time = time;
+        memcpy(hand->steered_at, target->value, sizeof hand->steered_at);
+    }
+    if (!hand->is_steered)
+        return;
+    const double *wanted = hand->wanted[hand->steering.reading];
+    const double reach = STEERING_SPEED * (time - hand->steered_time);
+    double square = 0.0;
+    for (int k = 0; k < 3; k++)
+        square += (wanted[k] - hand->steered_at[k]) * (wanted[k] - hand->steered_at[k]);
+    const double share = square > reach * reach ? reach / sqrt(square) : 1.0;
+    for (int k = 0; k < 3; k++)
+        target->value[k] = hand->steered_at[k] += share * (wanted[k] - hand->steered_at[k]);
+    hand->steered_time = time;
+}
+
 void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *target)
 {
     *target = (struct hand_target){ .is_position = hand->kind != HAND_NONE };
@@ -86,4 +118,5 @@ void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *target)
             -hand->reach * to_and_fro(time < hand->cycle ? 0.5 * time / hand->cycle : 0.5);
         target->value[0] = hand->reach * (2.0 * to_and_fro(0.5 * time / hand->cycle + 0.25) - 1.0);
     }
+    steer(hand, time, target);
 }

@@ -8,6 +8,7 @@
 #define DPT_DRIVERS_SIM_HAND_H
 
 #include "csv.h"
+#include "exchange/latest_value.h"
 
 enum hand_kind { HAND_NONE, HAND_HOLD, HAND_PRESS, HAND_WIPE, HAND_TABLE };
 
@@ -16,6 +17,12 @@ struct sim_hand {
     double reach, cycle; /* of HAND_PRESS and HAND_WIPE: m, s */
     struct csv_table table;
     size_t row; /* of the table: the last one used */
+    /* Steered from another thread. */
+    struct latest_value steering;
+    double wanted[LATEST_VALUE_PLACES][3];
+    int is_steered;
+    double steered_time;  /* s, of the last step towards what is wanted */
+    double steered_at[3]; /* m */
 };
 
 /* What the hand wants at one time. */
@@ -32,6 +39,13 @@ struct hand_target {
 dpt_result sim_hand_open(struct sim_hand *hand, const char *script, double reach, double cycle,
                          dpt_device_error *error);
 void sim_hand_close(struct sim_hand *hand);
+
+/*
+ * From now on the hand goes to a position, at STEERING_SPEED at most, whatever its script says; buttons stay the script's.
+ * In any one thread. 0: this hand pushes by a force, or there is none.
+ */
+#define STEERING_SPEED 0.5 /* m/s */
+int sim_hand_steer(struct sim_hand *hand, const double position[3]);
 
 /* The target at `time`, s, which must not decrease from call to call. */
 void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *target);

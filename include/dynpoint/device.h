@@ -164,6 +164,16 @@ DPT_API dpt_result dpt_device_get_counts(const dpt_device *device, dpt_device_co
 DPT_API void dpt_device_close(dpt_device *device);
 
 /*
+ * Steer the hand of a simulated device: from now on it goes to `position`, in the device's frame, at 0.5 m/s at most, and
+ * pulls the device there by its spring. For a person who has no device but a mouse. In any one thread, also while a loop
+ * serves the device.
+ *
+ * DPT_E_UNSUPPORTED: the device is real, or has no hand, or one that pushes by a force. DPT_E_FINITE: the position is not
+ * finite or is beyond DPT_COORDINATE_MAX.
+ */
+DPT_API dpt_result dpt_device_steer(dpt_device *device, const double position[3]);
+
+/*
  * Map the device's workspace onto a model so that the hand can reach the model's whole box. The middle of the workspace
  * is mapped to the middle of the box: a point p of the device is at offset + scale p in the model. Forces are not
  * scaled.

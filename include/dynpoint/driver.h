@@ -60,6 +60,9 @@ typedef void dpt_device_found_fn(void *user, const dpt_driver *driver, const cha
  * close   Frees the device. May block, but not for ever. When it returns the device gives no force, or the device's
  *         watchdog ends the force. This holds for a lost device too.
  * find    Reports the devices that are there. May block. The pointer is NULL if devices cannot be found.
+ * steer   Of a simulated device whose hand pulls it by a spring: the hand goes to `position`, in the device's frame, m.
+ *         Called in any one thread, also during the other calls. Never blocks. The pointer is NULL if nothing can be
+ *         steered. DPT_E_UNSUPPORTED: not by this hand.
  */
 struct dpt_driver {
     uint32_t size;     /* sizeof(dpt_driver), as the driver's headers have it */
@@ -75,6 +78,8 @@ struct dpt_driver {
     void (*counts)(const dpt_device *device, dpt_device_counts *counts);
     void (*close)(dpt_device *device);
     void (*find)(const dpt_driver *driver, dpt_device_found_fn *found, void *user);
+    dpt_result (*steer)(dpt_device *device, const double position[3]);
+    const void *reserved_pointer; /* NULL */
 };
 
 /* The beginning of every open device. It never grows, because the driver's own fields follow it. */

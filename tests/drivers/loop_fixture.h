@@ -171,7 +171,8 @@ static inline void flaky_close(dpt_device *device)
 static const dpt_driver flaky_driver = { sizeof(dpt_driver), DPT_DRIVER_VERSION, "flaky",
                                          "a bad line",       flaky_open,         flaky_info,
                                          flaky_read,         flaky_write,        flaky_clear,
-                                         flaky_counts,       flaky_close,        NULL };
+                                         flaky_counts,       flaky_close,        NULL,
+                                         NULL,               NULL };
 
 static inline struct flaky *flaky_over(const char *name)
 {
