@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "recording_scene.h"
+
+#include <inttypes.h>
+#include <math.h>
+
+#include "command_options.h"
+
+static int check_identity(const char *command, const char *path, const char *what,
+                          const struct file_identity *file, uint64_t bytes, uint64_t crc32)
+{
+    if (file->bytes == bytes && file->crc32 == crc32)
+        return 0;
+    return complain(command,
+                    "%s: this is another %s than the recording's, which has %" PRIu64
+                    " bytes and the CRC-32 %08" PRIx64,
+                    path, what, bytes, crc32);
+}
+
+static void observe(struct scene *scene, const struct scene_text *text)
+{
+    dpt_passivity_def def;
+    dpt_passivity_def_init(&def);
+    def.damping = text->passive_damping;
+    def.spin_damping = text->passive_spin_damping;
+    def.force_max = text->passive_force_max;
+    def.torque_max = text->passive_torque_max;
+    def.force_slew = text->passive_force_slew;
+    def.torque_slew = text->passive_torque_slew;
+    def.delay = text->passive_delay;
+    scene_passivity_begin(&scene->passivity, &def);
+}
+
+int recording_scene_open(struct scene *scene, const char *command, const struct scene_text *text,
+                         const char *scene_path, const char *tool_path)
+{
+    char origin[96];
+    const int has_own_friction = text->friction == SCENE_TEXT_OWN_FRICTION;
+    struct scene_def def = { .command = command,
+                             .path = scene_path ? scene_path : text->scene,
+                             .tool = tool_path       ? tool_path
+                                     : text->tool[0] ? text->tool
+                                                     : NULL,
+                             .origin = origin,
+                             .zoom = text->zoom,
+                             .force_scale = text->force_scale,
+                             .clutch = text->clutch < SCENE_TEXT_NO_CLUTCH ? (int)text->clutch : -1,
+                             .length = text->length,
+                             .radius = text->radius,
+                             .force = { .stiffness = text->stiffness,
+                                        .friction = has_own_friction ? NAN : text->friction,
+                                        .damping = text->damping } };
+    const dpt_device_info info = { .size = sizeof info,
+                                   .flags = (uint32_t)text->device_flags,
+                                   .pose_dofs = (uint32_t)text->pose_dofs,
+                                   .wrench_dofs = (uint32_t)text->wrench_dofs,
+                                   .joints = (uint32_t)text->joints };
+    snprintf(origin, sizeof origin, "%.17g,%.17g,%.17g", text->origin_x, text->origin_y,
+             text->origin_z);
+    int status = law_by_name(command, text->law, &def.force.law);
+    if (status == 0)
+        status = force_options_check(command, &def.force);
+    if (status == 0)
+        status = scene_def_read(&def);
+    if (status == 0)
+        status = scene_open(scene, &def);
+    if (status == 0)
+        status = check_identity(command, def.path, "scene", &scene->file, text->scene_bytes,
+                                text->scene_crc32);
+    if (status == 0)
+        status = check_identity(command, def.tool ? def.tool : "", "tool", &scene->tool_file,
+                                text->tool_bytes, text->tool_crc32);
+    if (status == 0)
+        status = scene_make_world(scene, &info, (uint32_t)text->budget);
+    if (status == 0 && text->passivity)
+        observe(scene, text);
+    scene_def_free(&def);
+    return status;
+}

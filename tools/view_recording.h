@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a viewer shows of a recording: its scene, felt again tick by tick, as frames of 60 a second. */
+#ifndef DPT_TOOLS_VIEW_RECORDING_H
+#define DPT_TOOLS_VIEW_RECORDING_H
+
+#include "view/view_stream.h"
+
+struct view_recording_files {
+    const char *recording;
+    const char *mesh; /* the file of its scene; NULL: it is one that the program knows by name */
+    const char *tool; /* of its tool's arm; NULL: there is none */
+};
+
+/*
+ * Add all messages to a stream. A recording that ends early or is damaged is shown as far as it goes, and its end says so.
+ * Returns 0, or 2 after a message.
+ */
+int view_recording(struct view_stream *stream, const struct view_recording_files *files);
+
+#endif
