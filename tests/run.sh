@@ -154,6 +154,7 @@ if [ "$whole" = test ]; then
     DPT_DATA=
     unset DPT_DATA
     programs test release beside
+    run "races of the exchange" sh tests/exchange/races.sh build 20000
     run "the layers" sh tests/layers.sh build
     if [ -x "$(command -v python3)" ]; then
         run "other languages" python3 tests/ffi/touch.py build
@@ -183,6 +184,7 @@ else
     [ -x build/tests/test_urdf_golden ] || skip "robots' descriptions" "no urdfdom with g++"
     [ -x build/tests/test_view_server ] || skip "the viewer's server" "no libwebsockets"
     run "robots' kinematics" sh tests/oracle/urdf.sh build
+    run "races of the exchange" sh tests/exchange/races.sh build
     run "MuJoCo's soft bodies" sh tests/bench/soft.sh build
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build

@@ -2,7 +2,8 @@
 /*
  * An exchange of the latest value between two threads, one writer and one reader. Neither waits for the other, and
  * neither sees half a value. Of three places one is the writer's, one the reader's, and the third changes hands in
- * one atomic exchange. A value that is not taken in time is overwritten.
+ * one atomic exchange. A value that is not taken in time is overwritten. docs/algorithms/exchange.md says why the memory
+ * orders are these.
  *
  *     writer: places[latest.writing] = value; latest_value_publish(&latest);
  *     reader: if (latest_value_take(&latest)) { places[latest.reading] is new }

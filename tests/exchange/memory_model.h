@@ -5,8 +5,8 @@
  *
  * - Each thread has a view: how many steps of each thread happened before its next one, and the oldest value of the
  *   word that it may still load.
- * - The word is the list of its values, in the order in which they were stored. An exchange takes the newest one. A load
- *   takes any that its view allows: memory_loads says how many there are.
+ * - The word is the list of its values, in the order in which they were stored. An exchange takes the newest one.
+ *   A load takes any that its view allows: memory_loads says how many there are.
  * - A step that releases leaves its thread's view beside the value; one that acquires takes over the view beside the
  *   value that it finds. An exchange passes on the view beside the value that it replaces (a release sequence).
  * - A plain step races if a plain step of the other thread, one of both a write, did not happen before it.

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * dpt_latest: the exchange of the latest value between a writer and a reader, in one thread and in two. Values are of
- * many words, so that one that is torn shows.
+ * 4 kB, so that one that is torn shows. The first argument is how many values the writer publishes
+ * at least; a twentieth of as many is taken.
  */
 #include <pthread.h>
 #include <sched.h>
@@ -10,10 +11,11 @@
 #include "lib/check.h"
 #include "lib/random.h"
 
-enum { TAKEN = 50000, WORDS = 64, ORDERS = 20000 };
+enum { WORDS = 512, ORDERS = 20000 };
 
 static dpt_latest latest;
 static uint64_t places[DPT_LATEST_PLACES][WORDS], counted;
+static unsigned long published_least = 1000000;
 static int is_enough;
 
 /* Three places, and each is somebody's. */
@@ -80,7 +82,8 @@ static void two_threads_see_whole_values_and_never_older_ones(void)
     CHECK(!dpt_latest_take(&latest), "something before there is anything");
     const int has_begun = pthread_create(&thread, NULL, count, NULL) == 0;
     CHECK(has_begun, "no thread");
-    for (int taken = 0; taken < TAKEN && has_begun;) {
+    for (unsigned long taken = 0;
+         (taken < published_least / 20 || last < published_least) && has_begun;) {
         if (!dpt_latest_take(&latest)) {
             sched_yield();
             continue;
@@ -100,8 +103,10 @@ static void two_threads_see_whole_values_and_never_older_ones(void)
     CHECK(!dpt_latest_take(&latest), "something after the last");
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    uint64_t unused;
+    take_count(argc, argv, &published_least, &unused);
     TEST(each_order_of_calls_gives_the_latest);
     TEST(nothing_is_done_without_an_exchange);
     TEST(two_threads_see_whole_values_and_never_older_ones);

@@ -5,8 +5,8 @@
  * together with their memory orders.
  *
  * A call runs until its first question without an answer, and leaves. When the scheduler has made that step, the call
- * runs again from its beginning, with one more answer. Each thread has a copy of the struct, in which the fields that it
- * must not touch are marked.
+ * runs again from its beginning, with one more answer. Each thread has a copy of the struct, in which the fields that
+ * it must not touch are marked.
  */
 #include <setjmp.h>
 
