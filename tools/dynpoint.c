@@ -18,6 +18,7 @@ static const struct {
       "move a tool along a trace, or prove that a recording gives the same bits" },
     { "device", command_device, "list, watch, test or simulate haptic devices" },
     { "run", command_run, "feel a mesh with a device, live" },
+    { "view", command_view, "show a mesh, a scene or a recording in a browser" },
     { "record", command_record, "show a recording of a run, or export it as CSV" },
     { "force-test", command_force_test,
       "test on a mesh whether a force can be held: turns, jumps, energy" },

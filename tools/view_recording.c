@@ -16,9 +16,9 @@
 #define FRAME_SECONDS (1.0 / 60.0)
 
 /* Vertices that move go with ten frames a second, until they fill this much. */
-#define VERTICES_EVERY  6u
-#define VERTICES_BYTES  ((uint64_t)256 << 20)
-#define ALL_BYTES       ((uint64_t)1 << 30)
+#define VERTICES_EVERY 6u
+#define VERTICES_BYTES ((uint64_t)256 << 20)
+#define ALL_BYTES      ((uint64_t)1 << 30)
 enum { TICKS_ROOM = 4096 };
 
 /* The frames of a recording as they are made. */
@@ -44,8 +44,7 @@ static int add_frame(struct filming *filming)
     size_t size;
     const int has_room = filming->vertices_sent < VERTICES_BYTES;
     const int is_due = filming->number % VERTICES_EVERY == 0;
-    filming->def.max_vertices =
-        filming->has_moved && has_room && is_due ? filming->vertices : 0;
+    filming->def.max_vertices = filming->has_moved && has_room && is_due ? filming->vertices : 0;
     if (dpt_world_take_snapshot(filming->scene->world, &filming->def, filming->snapshot,
                                 filming->capacity, &size) != DPT_OK)
         return 0;
@@ -64,8 +63,8 @@ static int add_frame(struct filming *filming)
     view_frame_put_header(&header, frame);
     memcpy(frame + VIEW_HEADER_BYTES, filming->snapshot, size);
     for (uint32_t i = 0; i < filming->ticks; i++)
-        view_frame_put_tick(&filming->tick[i], frame + VIEW_HEADER_BYTES + size +
-                                                   (size_t)i * VIEW_TICK_BYTES);
+        view_frame_put_tick(&filming->tick[i],
+                            frame + VIEW_HEADER_BYTES + size + (size_t)i * VIEW_TICK_BYTES);
     filming->ticks = 0;
     return view_stream_add(filming->stream, frame, bytes);
 }
@@ -137,10 +136,11 @@ static int check_mesh(const struct view_recording_files *files, const struct sce
 {
     if (files->mesh || scene_listed(text->scene))
         return 0;
-    return complain("view",
-                    "%s: of which scene it is must be said, by --mesh FILE: it was '%s', of %" PRIu64
-                    " bytes and the CRC-32 %08" PRIx64,
-                    files->recording, text->scene, text->scene_bytes, text->scene_crc32);
+    return complain(
+        "view",
+        "%s: of which scene it is must be said, by --mesh FILE: it was '%s', of %" PRIu64
+        " bytes and the CRC-32 %08" PRIx64,
+        files->recording, text->scene, text->scene_bytes, text->scene_crc32);
 }
 
 static int check_tool(const struct view_recording_files *files, const struct scene_text *text)
@@ -181,9 +181,8 @@ int view_recording(struct view_stream *stream, const struct view_recording_files
     char why[256] = "";
     int status = recording_open(&recording, "view", files->recording);
     if (status == 0)
-        status = text && filming
-                     ? scene_text_read(text, "view", files->recording, recording.text)
-                     : complain("view", "memory ran out");
+        status = text && filming ? scene_text_read(text, "view", files->recording, recording.text)
+                                 : complain("view", "memory ran out");
     if (status == 0)
         status = check_mesh(files, text);
     if (status == 0)

@@ -55,8 +55,8 @@ static void encode_waiting(struct encoder *to)
 {
     static const char letters[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const uint32_t bits = (uint32_t)to->waiting[0] << 16 | (uint32_t)to->waiting[1] << 8 |
-                          (uint32_t)to->waiting[2];
+    const uint32_t bits =
+        (uint32_t)to->waiting[0] << 16 | (uint32_t)to->waiting[1] << 8 | (uint32_t)to->waiting[2];
     char out[4];
     for (int i = 0; i < 4; i++)
         out[i] = letters[bits >> (18 - 6 * i) & 63];
