@@ -261,6 +261,26 @@ static void clear(void)
         of->has_state = 0;
 }
 
+static void steer(void)
+{
+    struct device_model *of = draw_device();
+    double position[3];
+    int is_good = 1;
+    for (int k = 0; k < 3; k++) {
+        position[k] = draw_one_in(20) ? draw_odd_number() : draw_in(-0.1, 0.1);
+        is_good &= fabs(position[k]) <= DPT_COORDINATE_MAX;
+    }
+    const int no_position = draw_one_in(30);
+    struct codes codes = { .count = 0 };
+    may_fail(&codes, !of || no_position, DPT_E_ARGUMENT);
+    may_fail(&codes, !codes.count && !is_good, DPT_E_FINITE);
+    codes.or_done = !codes.count;
+    may_fail(&codes, !codes.count, DPT_E_UNSUPPORTED);
+    expect(RESULT(dpt_device_steer, of ? of->open : NULL, no_position ? NULL : position), &codes);
+    if (of)
+        of->has_state = 0;
+}
+
 static void counts(void)
 {
     struct device_model *of = draw_device();
@@ -350,6 +370,6 @@ static const struct move moves[] = { { "open", open, 2 },       { "open with", o
                                      { "read", read, 14 },      { "write", write, 10 },
                                      { "clear", clear, 2 },     { "counts", counts, 2 },
                                      { "names", names, 1 },     { "units", units, 2 },
-                                     { NULL, NULL, 0 } };
+                                     { "steer", steer, 2 },     { NULL, NULL, 0 } };
 
 const struct noun device_noun = { "device", begin, end, moves };
