@@ -11,24 +11,44 @@
 set -u
 cd "$(dirname "$0")/.." || exit 2
 
-# Group, what a Debian 12 with a C compiler and make downloads for it alone (counted in packages; that of PyPI is
-# not), what it is for, packages.
+# Group, what a Debian 12 with a C compiler and make downloads for it alone (counted in packages; what comes from PyPI
+# or npm is not), what it is for, packages.
 groups='light|21 MB|the tests that anyone should run; reading URDF and scene files|python3 pkg-config g++ libgmp-dev python3-cffi liburdfdom-dev libexpat1-dev libjansson-dev
 peers|37 MB|FCL and CGAL, which answer the same questions|pkg-config g++ libfcl-dev libcgal-dev
 kinematics|9 MB, and more from PyPI|pinocchio, a second opinion on arms|python3 python3-venv
 soft|9 MB, and 26 more from PyPI|MuJoCo, a second opinion on soft bodies|python3 python3-venv
 cross|178 MB|the same bits on AArch64, ARM and s390x|gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
 firmware|123 MB|a Cortex-M7 in an emulator|gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
-vm|107 MB, 71 of them a kernel, and more from PyPI|CAN on a real kernel, with motor controllers|qemu-system-x86 xz-utils python3 python3-venv'
+vm|107 MB, 71 of them a kernel, and more from PyPI|CAN on a real kernel, with motor controllers|qemu-system-x86 xz-utils python3 python3-venv
+view|233 MB, and three.js from npm|the viewer in a browser: its server, its page, and a browser to test them|pkg-config libwebsockets-dev nodejs npm chromium'
 
 field() { echo "$groups" | awk -F'|' -v group="$1" -v n="$2" '$1 == group { print $n }'; }
 names=$(echo "$groups" | sed 's/|.*//' | tr '\n' ' ')
 
-# missing PACKAGE...: those that are not installed
+# missing PACKAGE...: those that are not installed. Of node there are other packages, with npm in them, which Debian's
+# npm would remove.
 missing() {
     for package; do
+        case $package in
+        nodejs) ! command -v node >/dev/null 2>&1 || continue ;;
+        npm) ! command -v npm >/dev/null 2>&1 || continue ;;
+        esac
         dpkg -s "$package" 2>/dev/null | grep -q '^Status: .* installed$' || printf '%s ' "$package"
     done
+}
+
+# three.js as it is locked, below build/view; not again while the lock is the same.
+fetch_three() {
+    if [ -e build/view/node_modules/three/package.json ] &&
+        cmp -s tools/view/package-lock.json build/view/package-lock.json; then
+        return 0
+    fi
+    mkdir -p build/view &&
+        cp tools/view/package.json tools/view/package-lock.json tools/view/.npmrc build/view &&
+        (cd build/view && npm ci --ignore-scripts --no-audit --no-fund >npm.log 2>&1) && return 0
+    echo "npm ci failed (build/view/npm.log): there is no three.js, and so no viewer's page"
+    rm -f build/view/package-lock.json
+    return 1
 }
 
 # fetch GROUP: what it has from elsewhere, into build/
@@ -36,6 +56,7 @@ fetch() {
     case $1 in
     kinematics) sh tests/lib/venv.sh build/venv-urdf tests/oracle/requirements.txt ;;
     soft) sh tests/lib/venv.sh build/venv-soft tests/bench/requirements.txt ;;
+    view) fetch_three ;;
     vm)
         sh tests/vm/kernel.sh fetch
         kernel=$?

@@ -7,10 +7,11 @@ here=$(cd "$(dirname "$0")/.." && pwd) || exit 2
 . "$here/tests/lib/verdict.sh"
 scratch=$1/deps_test
 rm -rf "$scratch"
-mkdir -p "$scratch/bin" "$scratch/tree/tests/lib" "$scratch/tree/tests/vm" "$scratch/tree/tests/oracle"
+mkdir -p "$scratch/bin" "$scratch/rest" "$scratch/tree/tools/view" "$scratch/tree/tests/lib" "$scratch/tree/tests/vm" "$scratch/tree/tests/oracle"
 scratch=$(cd "$scratch" && pwd) || exit 2
 (cd "$here" && cp Makefile "$scratch/tree" && cp tests/deps.sh tests/run.sh tests/programs.txt "$scratch/tree/tests" &&
     cp tests/lib/venv.sh "$scratch/tree/tests/lib" && cp tests/vm/kernel.sh "$scratch/tree/tests/vm")
+for file in package.json package-lock.json .npmrc; do : >"$scratch/tree/tools/view/$file"; done
 export INSTALLED="$scratch/installed" CALLS="$scratch/calls" USER_ID=0
 unset DEPS MAKEFLAGS MAKELEVEL 2>/dev/null
 
@@ -29,6 +30,9 @@ tool apt-cache 'echo "apt-cache $*" >>"$CALLS"'
 tool id 'echo "$USER_ID"'
 tool python3 'echo "python3 $*" >>"$CALLS"; exit 1'
 tool cc 'exit 1'
+# This machine's other commands, but for node and npm; of those that are there twice the first.
+echo "$PATH" | tr ':' '\n' | while read -r folder; do ln -s "$folder"/* "$scratch/rest" 2>/dev/null; done
+rm -f "$scratch/rest/node" "$scratch/rest/npm"
 MAKE=$(command -v make)
 tool make 'case $1 in deps) exec "$MAKE" "$@" ;; *) exit 1 ;; esac'
 export MAKE
@@ -37,7 +41,7 @@ export MAKE
 asks() {
     : >"$CALLS"
     : >"$INSTALLED"
-    (cd "$scratch/tree" && PATH="$scratch/bin:$PATH" "$@") >"$scratch/says" 2>&1 </dev/null
+    (cd "$scratch/tree" && PATH="$scratch/bin:$scratch/rest" "$@") >"$scratch/says" 2>&1 </dev/null
     status=$?
 }
 installed() { sort "$INSTALLED" | tr '\n' ' '; }
@@ -65,7 +69,7 @@ check "make test asks for nothing" test "$(grep -c '^apt' "$CALLS")" -eq 0 -a ! 
 
 asks make deps
 check "make deps installs nothing" untouched
-for group in light peers kinematics soft cross firmware vm; do
+for group in light peers kinematics soft cross firmware vm view; do
     check "it lists $group with what it downloads" grep -qE "^$group +[0-9]+ MB.* to download: " "$scratch/says"
 done
 asks make deps firmware
@@ -79,11 +83,28 @@ check "make deps all installs every package" test "$(installed)" = "$(tr '\n' ' 
 check "and tries PyPI" test "$(grep -c '^python3 -m venv' "$CALLS")" -eq 3
 check "and a kernel" grep -q '^apt-cache depends linux-image-amd64' "$CALLS"
 check "what could not be fetched gives status 2" test $status -eq 2
+view='chromium libwebsockets-dev nodejs npm pkg-config '
+asks make deps view
+check "make deps view installs view: $(installed)" test "$(installed)" = "$view"
+check "without npm there is no three.js" grep -q 'no three.js' "$scratch/says"
+check "that gives status 2" test $status -eq 2
+tool node 'exit 1'
+tool npm 'echo "npm $* in ${PWD##*/}" >>"$CALLS"; mkdir -p node_modules/three; : >node_modules/three/package.json'
+asks make deps view
+check "node and npm that are there are not asked for: $(installed)" test "$(installed)" = 'chromium libwebsockets-dev pkg-config '
+check "npm gets what is locked" grep -q '^npm ci .*in view$' "$CALLS"
+check "into build/view" test $status -eq 0 -a -e "$scratch/tree/build/view/node_modules/three/package.json"
+asks make deps view
+check "not twice" test "$(grep -c '^npm' "$CALLS")" -eq 0 -a $status -eq 0
+echo '{}' >"$scratch/tree/tools/view/package-lock.json"
+asks make deps view
+check "but when another is locked" test "$(grep -c '^npm ci' "$CALLS")" -eq 1
+rm "$scratch/bin/node" "$scratch/bin/npm"
 asks make deps nonesuch
 check "an unknown group is an error" test $status -eq 2
-check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm or all' "$scratch/says"
+check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm view or all' "$scratch/says"
 check "and installs nothing" untouched
-(cd "$scratch/tree" && PATH="$scratch/bin:$PATH" sh tests/vm/kernel.sh) >"$scratch/says" 2>&1
+(cd "$scratch/tree" && PATH="$scratch/bin:$scratch/rest" sh tests/vm/kernel.sh) >"$scratch/says" 2>&1
 check "a test alone fetches no kernel" test $? -eq 77 -a ! -s "$INSTALLED"
 check "and says what does" grep -q 'make deps vm' "$scratch/says"
 check "the project's own check asks for all" grep -q '^make deps all' "$here/.ci/run"

@@ -3,10 +3,9 @@
 # in $(B)/tests. A program is linked with every other source of its folder, and with what it uses of tests/lib.
 
 # Those of other folders are linked in a way of their own, below.
-TOPICS := base mesh compile kernel nearest sweep contact strip query force deform exchange world arm drivers tools view fuzz
+TOPICS := base mesh compile kernel nearest sweep contact strip query force deform exchange world arm drivers tools view $(if $(VIEW_SERVER),view/server) fuzz
 EXACT_TESTS := test_sweep_exact test_sweep_moving
-SERVER_TESTS := $(wildcard tests/view/test_view_server*.c)
-TEST_SOURCES := $(filter-out $(EXACT_TESTS:%=tests/sweep/%.c) $(if $(VIEW_SERVER),,$(SERVER_TESTS)),$(wildcard $(TOPICS:%=tests/%/test_*.c)))
+TEST_SOURCES := $(filter-out $(EXACT_TESTS:%=tests/sweep/%.c),$(wildcard $(TOPICS:%=tests/%/test_*.c)))
 TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))
 TEST_PARTS := $(call objects,tests/oracle/*.c tests/data/*.c) \
               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
@@ -80,11 +79,10 @@ $(COUNTED_TESTS): private LDLIBS = $(patsubst %,-Wl$(comma)--wrap=%,memset memcp
 $(B)/tests/test_exactness: | $(B)/dynpoint
 
 # The viewer's parts; its server where there is libwebsockets.
-VIEW_PARTS := $(call objects,tools/view/*.c)
-VIEW_TESTS := $(patsubst tests/view/%.c,$(B)/tests/%,$(filter tests/view/%,$(TEST_SOURCES)))
-$(VIEW_TESTS): $(VIEW_PARTS)
-$(patsubst tests/view/%.c,$(B)/tests/%,$(SERVER_TESTS)): $(VIEW_SERVER)
-$(patsubst tests/view/%.c,$(B)/tests/%,$(SERVER_TESTS)): private LDLIBS = $(LWS_LIBS)
+tests_of = $(patsubst $1/%.c,$(B)/tests/%,$(wildcard $1/test_*.c))
+$(call tests_of,tests/view) $(call tests_of,tests/view/server): $(call objects,tools/view/*.c)
+$(call tests_of,tests/view/server): $(VIEW_SERVER)
+$(call tests_of,tests/view/server): private LDLIBS = $(LWS_LIBS)
 
 # Scene files: where the program reads them.
 FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o),$(call objects,tests/fuzz/*.c))

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "lib/check.h"
-#include "view/view_fixture.h"
+#include "view/server/view_fixture.h"
 
 /* An address of this machine that is not its own loop, or 0. */
 static int outer_address(char text[INET_ADDRSTRLEN])

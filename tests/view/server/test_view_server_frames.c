@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "lib/check.h"
-#include "view/view_fixture.h"
+#include "view/server/view_fixture.h"
 
 enum { BIG = 1000000 };
 

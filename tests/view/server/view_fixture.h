@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 #include "view/server/view_server.h"
-#include "view/web_client.h"
+#include "view/server/web_client.h"
 
 enum { FIXTURE_PAGE_BYTES = 1500000, FIXTURE_TICKS = 2, FIXTURE_NUMBERS = 3, FIXTURE_LOST = 7 };
 

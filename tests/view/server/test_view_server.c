@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "lib/check.h"
-#include "view/view_fixture.h"
+#include "view/server/view_fixture.h"
 #include "view/view_request.h"
 
 static struct view_fixture fixture;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #define _GNU_SOURCE
-#include "view/web_client.h"
+#include "view/server/web_client.h"
 
 #include <arpa/inet.h>
 #include <netinet/tcp.h>

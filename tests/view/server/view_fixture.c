@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "view/view_fixture.h"
+#include "view/server/view_fixture.h"
 
 #include "lib/check.h"
 
