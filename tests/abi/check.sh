@@ -249,6 +249,12 @@ make -s B="$few" CFLAGS=-O1 URDF=no JANSSON=no "$few/dynpoint" &&
     "$few/dynpoint" run membrane --device sim --ticks 5 >"$scratch/no_jansson.runs"
 verdict $? "JANSSON=no builds a program that says what is missing, and knows scenes by name"
 
+# Nor does a program without the viewer's server and page ask for their libraries.
+make -s B="$few" CFLAGS=-O1 URDF=no JANSSON=no LWS=no VIEW_PAGE=no "$few/dynpoint" &&
+    ! grep -qE 'LWS|VIEW_PAGE' "$few/built_with.h" &&
+    ! readelf -d "$few/dynpoint" | grep -E 'NEEDED.*(websockets|jansson|urdf)'
+verdict $? "LWS=no VIEW_PAGE=no builds a program without libwebsockets"
+
 # Pages show parts of scripts that run; a line of them that these have no more is a lie.
 for page in docs/ffi.md docs/recipes.md; do
     sed -n '/^```python/,/^```/p' $page | grep -v '^```' |

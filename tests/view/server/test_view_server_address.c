@@ -144,8 +144,8 @@ static void what_cannot_be_opened(void)
     fixture_close(&fixture);
 }
 
-static int on_usr1;
-static pthread_t heard_by;
+static volatile int on_usr1;
+static volatile pthread_t heard_by;
 static void note(int number)
 {
     on_usr1 += number == SIGUSR1;

@@ -224,7 +224,6 @@ static void the_end_comes_last(void)
     CHECK(web_receive(&clients[0], 1.0).event == WEB_BINARY, "no frame");
     web_text(&clients[0], "drawn");
     view_server_end_message(fixture.server, text);
-    view_server_end_message(fixture.server, "another");
     for (int k = 0; k < 2; k++) {
         uint64_t last = 0;
         struct web_message message;
@@ -244,6 +243,7 @@ static void the_end_comes_last(void)
               "event %d, %zu bytes", (int)message.event, message.size);
         CHECK(last == FIXTURE_NUMBERS * (asked_of(&fixture) + 4),
               "the newest is not the last: %llu", (unsigned long long)last);
+        view_server_end_message(fixture.server, "another");
         CHECK(web_receive(&clients[k], 0.1).event == WEB_NOTHING, "something after the end");
     }
     for (int k = 0; k < 2; k++)
