@@ -254,12 +254,16 @@ static void wrong_messages(void)
     web_text(&client, "hand 1 2 inf");
     fixture_expect_close(&fixture, &client, 1008, "a hand that is nowhere");
     fixture_client(&fixture, &client);
-    web_frame(&client, 0x82, "drawn", 5);
+    web_frame(&client, 0x82, "hand 1 2 3", 10);
     fixture_expect_close(&fixture, &client, 1008, "a binary message");
     fixture_client(&fixture, &client);
     web_frame(&client, 0x01, "hand 1", 6);
     web_frame(&client, 0x80, " 2 3", 4);
     fixture_expect_close(&fixture, &client, 1008, "a message in fragments");
+    fixture_client(&fixture, &client);
+    web_frame(&client, 0x01, "hand 1 2 3", 10);
+    web_frame(&client, 0x80, "", 0);
+    fixture_expect_close(&fixture, &client, 1008, "a fragment that is whole");
     fixture_client(&fixture, &client);
     web_frame(&client, 0x81, huge, sizeof huge);
     fixture_expect_close(&fixture, &client, 1008, "4097 bytes");
@@ -410,11 +414,11 @@ static void connections_are_bounded(void)
 {
     struct web_client clients[VIEW_CONNECTIONS_MAX + 8];
     int ended = 0;
-    usleep(200000);
+    usleep(500000);
     for (int i = 0; i < VIEW_CONNECTIONS_MAX + 8; i++)
         CHECK(web_open(&clients[i], "127.0.0.1", fixture.port), "no connection");
     for (int i = 0; i < VIEW_CONNECTIONS_MAX + 8; i++)
-        ended += web_ends(&clients[i], i < VIEW_CONNECTIONS_MAX ? 0.0 : 0.2);
+        ended += web_ends(&clients[i], i < VIEW_CONNECTIONS_MAX ? 0.0 : 2.0);
     CHECK(ended == 8, "%d of %d were refused", ended, VIEW_CONNECTIONS_MAX + 8);
     for (int i = 0; i < VIEW_CONNECTIONS_MAX + 8; i++)
         web_close(&clients[i]);

@@ -192,6 +192,8 @@ static void recordings_are_sent_in_order(void)
     fixture.def.first = first;
     fixture.def.first_count = FRAMES + 2;
     fixture.def.next = NULL;
+    fixture.def.control = 0;
+    fixture.def.heard_hand = NULL;
     fixture_open(&fixture);
     CHECK(fixture_socket(&fixture, &client, 1) == 101, "no web socket");
     CHECK(web_receive(&client, 3.0).size == 3000, "no scene");
@@ -208,7 +210,8 @@ static void recordings_are_sent_in_order(void)
     const struct web_message message = web_receive(&client, 1.0);
     CHECK(message.size == 11 && message.bytes[0] == VIEW_MESSAGE_END, "%zu bytes, not the end",
           message.size);
-    web_close(&client);
+    web_text(&client, "hand 1 2 3");
+    fixture_expect_close(&fixture, &client, 1008, "a hand, where nothing is steered");
     fixture_close(&fixture);
 }
 
@@ -279,7 +282,8 @@ static void closes_with_clients(void)
     fixture_open(&fixture);
     __atomic_store_n(&fixture.paused, 1, __ATOMIC_RELAXED);
     fixture_client(&fixture, &client);
-    usleep(50000);
+    for (int i = 0; i < 200 && fixture_counts(&fixture).messages == 0; i++)
+        usleep(10000);
     view_server_end_message(fixture.server, "over");
     fixture_close(&fixture);
     struct web_message message = web_receive(&client, 1.0);
