@@ -2,6 +2,7 @@
 /* What the viewer's server sends, to clients that draw quickly, slowly or never; and how it ends. */
 #include "view/server/view_server.h"
 
+#include <pthread.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -295,6 +296,49 @@ static void closes_with_clients(void)
     web_close(&client);
 }
 
+struct slow_reader {
+    struct web_client client;
+    int frames, ends;
+    unsigned code; /* of the close */
+};
+
+/* A tenth of a second for each frame. */
+static void *read_slowly(void *user)
+{
+    struct slow_reader *reader = user;
+    struct web_message message;
+    while ((message = web_receive(&reader->client, 2.0)).event == WEB_BINARY) {
+        const int is_frame = field_of(message.bytes, 0, 4) == VIEW_MESSAGE_FRAME;
+        reader->frames += is_frame;
+        reader->ends += !is_frame;
+        usleep(100000);
+        if (is_frame)
+            web_text(&reader->client, "drawn");
+    }
+    reader->code = message.code;
+    return NULL;
+}
+
+/* Two frames are on their way when the run ends: the newest waits for one of them, and the close for that. */
+static void closes_after_the_newest_was_sent(void)
+{
+    struct view_fixture fixture;
+    struct slow_reader reader = { .frames = 0 };
+    pthread_t thread;
+    fixture_prepare(&fixture, 3000, 1000);
+    fixture_open(&fixture);
+    fixture_client(&fixture, &reader.client);
+    for (int i = 0; i < 200 && fixture_counts(&fixture).sent < 2; i++)
+        usleep(10000);
+    CHECK(pthread_create(&thread, NULL, read_slowly, &reader) == 0, "no thread");
+    view_server_end_message(fixture.server, "over");
+    fixture_close(&fixture);
+    pthread_join(thread, NULL);
+    CHECK(reader.frames == 3 && reader.ends == 1 && reader.code == 1001, "%d frames, %d ends, %u",
+          reader.frames, reader.ends, reader.code);
+    web_close(&reader.client);
+}
+
 /* Clients that come, take a part and go at any moment. */
 static void clients_come_and_go(void)
 {
@@ -338,6 +382,7 @@ int main(void)
     TEST(recordings_are_sent_in_order);
     TEST(the_end_comes_last);
     TEST(closes_with_clients);
+    TEST(closes_after_the_newest_was_sent);
     TEST(clients_come_and_go);
     return check_report();
 }
