@@ -73,6 +73,7 @@ static void tick(struct stage *stage, int has_moved)
     const struct view_tick numbers = tick_of(i);
     dpt_pose pose = DPT_POSE_IDENTITY;
     pose.position[0] = 1e-5 * (double)(i % 10000);
+    pose.position[1] = 1.0; /* far away, and so cheap */
     dpt_tool_set_pose(stage->world, stage->tool, &pose);
     dpt_world_step(stage->world, 0.001, NULL);
     view_feed_tick(stage->feed, &numbers, has_moved, 1000000 * i + 1);
