@@ -83,6 +83,10 @@ tests_of = $(patsubst $1/%.c,$(B)/tests/%,$(wildcard $1/test_*.c))
 $(call tests_of,tests/view) $(call tests_of,tests/view/server): $(call objects,tools/view/*.c)
 $(call tests_of,tests/view/server): $(VIEW_SERVER)
 $(call tests_of,tests/view/server): private LDLIBS = $(LWS_LIBS)
+# With all of the program but its main.
+$(B)/tests/test_view_loop: $(filter-out $(B)/tools/dynpoint.o $(B)/tools/view/% $(B)/tools/shape%,$(TOOLS)) $(URDF_PARTS)
+$(B)/tests/test_view_loop: private LDLIBS = $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) \
+  -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 # Scene files: where the program reads them.
 FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o),$(call objects,tests/fuzz/*.c))
