@@ -241,6 +241,7 @@ bench: all $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip
 	@$(B)/tests/bench/springs map >$(B)/bench/springs_map.csv
 	@$(B)/tests/bench/soft_liver | tee $(B)/bench/soft_liver.csv
 	@$(B)/tests/bench/scenes | tee $(B)/bench/scenes.csv
+	@$(PYTHON) -B tests/bench/viewer.py $(B) | tee $(B)/bench/viewer.csv
 
 BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes)
 test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(BENCH_PROGRAMS)

@@ -128,11 +128,12 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     run_record_begin(&session->recording);
     run_view_begin(session->view);
     dpt_result result = scene_feel(&session->scene, sample, wrench);
+    if (result == DPT_OK)
+        run_view_tick(session->view, &session->scene, sample);
     run_record_tick(&session->recording, &session->scene, sample, result, wrench);
     session->clutched += (uint64_t)session->scene.is_clutched;
     if (result != DPT_OK)
         return result;
-    run_view_tick(session->view, &session->scene, sample);
     run_trace_tick(&session->trace, &session->scene.stylus);
     dpt_tool_get_hit(session->scene.world, session->scene.tool, &hit);
     session->reasons |= sample->state->reasons;

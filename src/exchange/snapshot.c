@@ -4,6 +4,7 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
+#include "mesh/mesh_swap.h"
 
 /* Not text, and damaged by any transfer as text, as in a mesh's file. */
 static const unsigned char magic[8] = { 0x89, 'D', 'P', 'S', 0x0d, 0x0a, 0x1a, 0x0a };
@@ -75,6 +76,10 @@ void dpti_snapshot_put_item(enum snapshot_kind kind, const void *item, unsigned 
 
 void dpti_snapshot_put_vertices(const float *xyz, size_t count, unsigned char *to)
 {
+    if (mesh_host_is_little()) {
+        memcpy(to, xyz, 3 * count * sizeof *xyz);
+        return;
+    }
     for (size_t i = 0; i < 3 * count; i++) {
         uint32_t word;
         memcpy(&word, xyz + i, sizeof word);
