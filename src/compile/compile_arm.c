@@ -4,6 +4,7 @@
  * the numbers. So the finished bytes are verified with it, and its fault is explained in words.
  */
 #include "arm/arm_format.h"
+#include "base/byte_order.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/vec3.h"
@@ -325,7 +326,7 @@ static dpt_result compile_arm(soup *source, const dpt_arm_def *def, dpt_compiled
     arm->crc32 = arm_crc(arm, out->size);
     if (dpt_arm_verify(arm, out->size, &fault) != DPT_OK)
         return explain_fault(source, arm, &fault);
-    if (!mesh_host_is_little())
+    if (!host_is_little())
         arm_to_file_order(arm);
     return DPT_OK;
 }

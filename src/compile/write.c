@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/byte_order.h"
 #include "base/crc32.h"
 #include "base/vec3.h"
 #include "compile/model.h"
@@ -283,7 +284,7 @@ static void seal_sections(void *context, size_t first, size_t end)
             continue;
         if (content_of(writing->model, id))
             memcpy(bytes, content_of(writing->model, id), (size_t)section->bytes);
-        if (!mesh_host_is_little())
+        if (!host_is_little())
             mesh_swap4(bytes, section->bytes / 4);
         section->crc32 = crc32_of(&writing->crc, bytes, (size_t)section->bytes);
     }
@@ -291,7 +292,7 @@ static void seal_sections(void *context, size_t first, size_t end)
 
 static void seal_header(struct dpt_mesh *mesh, const struct crc32 *crc)
 {
-    int swap = !mesh_host_is_little();
+    int swap = !host_is_little();
     if (swap)
         mesh_swap_header(mesh, MESH_VERSION);
     uint32_t sum = crc32_of(crc, mesh, sizeof *mesh);

@@ -2,9 +2,9 @@
 /* Nothing is converted in place, so neither alignment nor byte order of the host matters. */
 #include "exchange/snapshot_format.h"
 
+#include "base/byte_order.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "mesh/mesh_swap.h"
 
 /* Not text, and damaged by any transfer as text, as in a mesh's file. */
 static const unsigned char magic[8] = { 0x89, 'D', 'P', 'S', 0x0d, 0x0a, 0x1a, 0x0a };
@@ -76,7 +76,7 @@ void dpti_snapshot_put_item(enum snapshot_kind kind, const void *item, unsigned 
 
 void dpti_snapshot_put_vertices(const float *xyz, size_t count, unsigned char *to)
 {
-    if (mesh_host_is_little()) {
+    if (host_is_little()) {
         memcpy(to, xyz, 3 * count * sizeof *xyz);
         return;
     }

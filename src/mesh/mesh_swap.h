@@ -58,13 +58,4 @@ static inline void mesh_swap_header(struct dpt_mesh *mesh, uint32_t version)
     }
 }
 
-/* 1 if the host is little-endian, like the file. */
-static inline int mesh_host_is_little(void)
-{
-    const uint32_t one = 1;
-    unsigned char first;
-    memcpy(&first, &one, 1);
-    return first == 1;
-}
-
 #endif

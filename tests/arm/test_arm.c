@@ -11,6 +11,7 @@
  * meshes were of version 3 and 4. They are to be kept: a new format, of an arm or of a mesh, gets a file beside them.
  */
 #include "arm/whole_arm.h"
+#include "base/byte_order.h"
 #include "lib/sites.h"
 
 static const char *golden = "tests/golden", *reader = "src/arm/arm_open.c";
@@ -399,7 +400,7 @@ static struct file read_golden(const char *name)
         fclose(stream);
     }
     CHECK(dpt_arm_verify(kept.bytes, kept.size, NULL) ==
-              (mesh_host_is_little() ? DPT_OK : DPT_E_BYTE_ORDER),
+              (host_is_little() ? DPT_OK : DPT_E_BYTE_ORDER),
           "%s as it lies", path);
     CHECK(dpt_arm_convert(kept.bytes, kept.size, &fault) == DPT_OK, "%s: %s at %llu (%s)", path,
           dpt_result_name(fault.code), (unsigned long long)fault.byte, fault.section);

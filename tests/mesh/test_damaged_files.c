@@ -15,6 +15,7 @@
  */
 #include <math.h>
 
+#include "base/byte_order.h"
 #include "lib/dpa.h"
 #include "lib/sites.h"
 #include "mesh/mesh_swap.h"
@@ -166,7 +167,7 @@ static void add_layout_rows(void)
     const uint32_t t = plain.triangles, v = plain.vertices, nan = bits_of(NAN);
     const int64_t size = (int64_t)wholes[PLAIN].size;
     const int64_t padding = (int64_t)(plain.section[0].offset + plain.section[0].bytes);
-    const int64_t upper = mesh_host_is_little() ? 4 : 0, lower = 4 - upper; /* of 8 bytes */
+    const int64_t upper = host_is_little() ? 4 : 0, lower = 4 - upper; /* of 8 bytes */
     const dpt_result layout = DPT_E_LAYOUT, index = DPT_E_INDEX, finite = DPT_E_FINITE;
     const struct damage rows[] = {
         /* check_layout: counts that fit no others, and each field of an entry */
@@ -289,7 +290,7 @@ static void add_spring_rows(void)
 {
     const struct dpt_mesh sheet = header_of(&wholes[SHEET]);
     const uint32_t nan = bits_of(NAN), entries = sheet.tail.spring_entries;
-    const int64_t upper = mesh_host_is_little() ? 4 : 0, last = last_spring(SHEET);
+    const int64_t upper = host_is_little() ? 4 : 0, last = last_spring(SHEET);
     const int64_t first_stiffness = (int64_t)sheet.section[MESH_SPRING_STIFFNESS].offset;
     const dpt_result layout = DPT_E_LAYOUT, index = DPT_E_INDEX, finite = DPT_E_FINITE;
     const struct damage rows[] = {
