@@ -140,6 +140,8 @@ static int open_bodies(struct scene *scene, const struct scene_def *def)
         return scene_bodies_of_list(&scene->bodies, scene->command, listed, &scene->file);
     if (def->file) {
         scene->file = def->file->identity;
+        scene->has_camera = def->file->has_camera;
+        memcpy(scene->camera, def->file->camera, sizeof scene->camera);
         return scene_bodies_of_file(&scene->bodies, scene->command, path, def->file, &scene->file);
     }
     scene->bytes = load_file(scene->command, path, &size);

@@ -35,6 +35,8 @@ struct scene {
     dpt_pose pose;             /* of the tool, moved last */
     struct scene_passivity passivity;
     dpt_device_info device;
+    int has_camera;
+    double camera[9]; /* as in scene_file */
     void *block, *bytes, *tool_bytes;
 };
 

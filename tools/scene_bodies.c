@@ -33,6 +33,9 @@ static void settle_body(struct scene_body *body, const struct listed_body *liste
     body->integrator = listed->integrator;
     body->iterations = listed->iterations;
     body->response = listed->response;
+    body->name = listed->shape;
+    body->has_colour = listed->has_colour;
+    memcpy(body->colour, listed->colour, sizeof body->colour);
     body->sleep_speed = listed->sleep_speed;
     if (listed->friction > 0.0)
         body->settings = (dpt_body_settings){ .size = sizeof body->settings,

@@ -23,6 +23,9 @@ struct scene_body {
     double sleep_speed, load_radius, period;
     int is_rigid;               /* springs of the mesh are not used */
     dpt_body_settings settings; /* its size is 0: those of new bodies */
+    const char *name;           /* of its shape, or NULL */
+    int has_colour;
+    double colour[3]; /* as in listed_body */
     /* Of one that gives way, in a world; else NULL. */
     dpt_springs *springs;
     void *block, *springs_block;

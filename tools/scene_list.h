@@ -22,6 +22,8 @@ struct listed_body {
     double load_radius;         /* dpt_deform_def; 0: a share of the mesh */
     double period;              /* dpt_deform_def */
     uint32_t response;          /* DPT_RESPONSE_... */
+    int has_colour;
+    double colour[3]; /* red, green and blue, 0 to 1: in the viewer */
 };
 
 /* A sleep_speed: no node falls asleep. */

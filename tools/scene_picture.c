@@ -54,16 +54,19 @@ void *scene_picture_message(const struct scene *scene, const struct scene_pictur
                                .rate = picture->rate,
                                .has_control = picture->has_control,
                                .up = scene->arm ? "z" : "y",
+                               .camera = scene->has_camera ? scene->camera : NULL,
                                .force_max = picture->force_max,
                                .bodies = list,
                                .body_count = bodies->count };
     map_workspace(scene, told.workspace);
     for (uint32_t i = 0; list && names && i < bodies->count; i++) {
+        const struct scene_body *body = &bodies->body[i];
         snprintf(names[i], sizeof names[i], "body %u", (unsigned)i);
-        list[i] = (struct view_scene_body){ .name = names[i],
-                                            .mesh = bodies->body[i].mesh,
-                                            .id = bodies->body[i].id,
-                                            .pose = bodies->body[i].pose };
+        list[i] = (struct view_scene_body){ .name = body->name ? body->name : names[i],
+                                            .mesh = body->mesh,
+                                            .id = body->id,
+                                            .pose = body->pose,
+                                            .colour = body->has_colour ? body->colour : NULL };
     }
     if (list && names)
         message = view_scene_message(&told, size);

@@ -97,8 +97,8 @@ static void read_device(struct scene_file *file, struct json_reader *reader,
     file->clutch = json_member(at, "clutch").value ? (int)clutch : -1;
 }
 
-/* What a viewer would show: it is right, and nothing here uses it. */
-static void check_view(struct json_reader *reader, const struct json_value *at)
+static void read_view(struct scene_file *file, struct json_reader *reader,
+                      const struct json_value *at)
 {
     static const char *const keys[] = { "position", "target", "up", NULL };
     double position[3] = { 0.0 }, target[3] = { 0.0 }, up[3] = { 0.0, 1.0, 0.0 }, ahead[3];
@@ -121,6 +121,12 @@ static void check_view(struct json_reader *reader, const struct json_value *at)
     squares *= up[0] * up[0] + up[1] * up[1] + up[2] * up[2];
     if (!(cross > 1e-12 * squares))
         json_refuse(reader, at, "looks nowhere, or up and ahead are one line");
+    for (int k = 0; k < 3; k++) {
+        file->camera[k] = position[k];
+        file->camera[3 + k] = target[k];
+        file->camera[6 + k] = up[k];
+    }
+    file->has_camera = 1;
 }
 
 /* So many triangles are made, as far as shapes have a usual number. */
@@ -168,7 +174,7 @@ static void read_scene(struct scene_file *file, struct json_reader *reader,
     if (device.value)
         read_device(file, reader, &device);
     if (view.value)
-        check_view(reader, &view);
+        read_view(file, reader, &view);
 }
 
 int scene_file_parse(struct scene_file *file, const char *path, const char *text, size_t size,

@@ -41,6 +41,8 @@ struct scene_file {
     char *device; /* as of --device */
     double zoom, force_scale, origin[3];
     int has_origin, clutch;
+    int has_camera;
+    double camera[9]; /* position and target, m, and what is up in the picture */
 };
 
 /*

@@ -210,14 +210,14 @@ static void check_response(struct json_reader *reader, const struct json_value *
         json_refuse(reader, &at, "displace is for a sheet");
 }
 
-/* Its colour is a viewer's. */
-static void check_colour(struct json_reader *reader, const struct json_value *at)
+static void read_colour(struct listed_body *listed, struct json_reader *reader,
+                        const struct json_value *at)
 {
     const struct json_value list = json_member(at, "colour");
-    double colour[3] = { 0.0 };
-    json_take_numbers(reader, at, "colour", 3, 1.0, colour);
+    listed->has_colour = list.value != NULL;
+    json_take_numbers(reader, at, "colour", 3, 1.0, listed->colour);
     for (int k = 0; k < 3; k++)
-        if (colour[k] < 0.0)
+        if (listed->colour[k] < 0.0)
             json_refuse(reader, &list, "has red, green and blue from 0 to 1");
 }
 
@@ -256,5 +256,5 @@ void scene_file_read_body(struct scene_file_body *body, struct json_reader *read
     if (surface.value)
         read_surface(&body->settings, reader, &surface);
     read_way(body, reader, at);
-    check_colour(reader, at);
+    read_colour(&body->listed, reader, at);
 }

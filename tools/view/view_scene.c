@@ -96,6 +96,14 @@ static void append_numbers(struct text *text, const double *numbers, int count)
     }
 }
 
+/* NULL is null. */
+static void append_list(struct text *text, const double *numbers, int count)
+{
+    append(text, numbers ? "[" : "null");
+    append_numbers(text, numbers, numbers ? count : 0);
+    append(text, numbers ? "]" : "");
+}
+
 static void append_named(struct text *text, const char *name, double number)
 {
     append(text, ",\"");
@@ -166,7 +174,9 @@ static void append_bodies(struct text *text, const struct view_scene *scene, str
         append_numbers(text, body->pose.position, 3);
         append(text, ",");
         append_numbers(text, body->pose.orientation, 4);
-        append(text, "]}");
+        append(text, "],\"colour\":");
+        append_list(text, body->colour, 3);
+        append(text, "}");
     }
     append(text, "]");
 }
@@ -183,9 +193,8 @@ static void append_device(struct text *text, const struct view_scene *scene)
     append(text, scene->is_simulated ? ",\"simulated\":true" : ",\"simulated\":false");
     append_named(text, "rate", scene->rate);
     append(text, ",\"workspace\":");
-    append(text, scene->has_workspace ? "[" : "null");
-    append_numbers(text, scene->workspace, scene->has_workspace ? 6 : 0);
-    append(text, scene->has_workspace ? "]}" : "}");
+    append_list(text, scene->has_workspace ? scene->workspace : NULL, 6);
+    append(text, "}");
 }
 
 static unsigned char *put_words(unsigned char *to, const void *words, size_t count)
@@ -238,6 +247,8 @@ void *view_scene_message(const struct view_scene *scene, size_t *size)
         append_number(&text, scene->force_max);
     else
         append(&text, "null");
+    append(&text, ",\"camera\":");
+    append_list(&text, scene->camera, 9);
     append_device(&text, scene);
     if (!text.is_bad) {
         append_bodies(&text, scene, &parts);

@@ -10,6 +10,7 @@ struct view_scene_body {
     const dpt_mesh *mesh; /* several bodies may share one; it is sent once */
     uint32_t id;
     dpt_pose pose;
+    const double *colour; /* red, green, blue, 0 to 1; NULL: the page's */
 };
 
 /* Texts are of files and users: any bytes. */
@@ -23,7 +24,8 @@ struct view_scene {
         [6];         /* of the tool, in the scene's frame: three least coordinates, three largest */
     int has_control; /* the simulated hand may be steered */
     const char *up;  /* "y" or "z" */
-    double force_max; /* N; 0: not known */
+    const double *camera; /* position, target, up: nine numbers; NULL: the page's */
+    double force_max;     /* N; 0: not known */
     const struct view_scene_body *bodies;
     uint32_t body_count;
 };
