@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #include "view/server/view_server.h"
 
+#include <pthread.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -61,7 +62,7 @@ static void page_by_head(void)
     const int status =
         ask(&client, "HEAD / HTTP/1.1\r\nHost: %h\r\nConnection: close\r\n\r\n", 0, &body, &size);
     CHECK(status == 200, "status %d", status);
-    CHECK(strcasestr((const char *)client.bytes, "\r\ncontent-length: 1500000\r\n") != NULL, "%s",
+    CHECK(strcasestr((const char *)client.bytes, "\r\ncontent-length: 8000000\r\n") != NULL, "%s",
           client.bytes);
     CHECK(web_ends(&client, 3.0), "the connection stays");
     CHECK(client.bytes + client.used ==
@@ -410,6 +411,52 @@ static void deadlines(void)
     web_close(&idle);
 }
 
+/* These two ask for the page when the program begins. */
+static struct web_client unread, slow;
+static double asked_at;
+static pthread_t slow_reader;
+
+/* Six seconds for all of it, a part each fiftieth of a second. */
+static void *read_page_slowly(void *user)
+{
+    static unsigned char part[FIXTURE_PAGE_BYTES / 300];
+    size_t *size = user;
+    ssize_t got;
+    while ((got = recv(slow.socket, part, sizeof part, MSG_WAITALL)) > 0) {
+        *size += (size_t)got;
+        usleep(20000);
+    }
+    return NULL;
+}
+
+static size_t read_slowly;
+
+static void ask_and_read_slowly(void)
+{
+    char request[128];
+    snprintf(request, sizeof request, "GET / HTTP/1.1\r\nHost: %s\r\n\r\n", fixture.host);
+    CHECK(web_open_narrow(&unread, "127.0.0.1", fixture.port) && web_say(&unread, request),
+          "nobody listens");
+    CHECK(web_open_narrow(&slow, "127.0.0.1", fixture.port) && web_say(&slow, request),
+          "nobody listens");
+    CHECK(pthread_create(&slow_reader, NULL, read_page_slowly, &read_slowly) == 0, "no thread");
+    asked_at = web_now();
+}
+
+/* A page that nobody reads is taken back after five seconds; who reads slowly gets all of it. */
+static void page_that_is_not_read(void)
+{
+    while (web_now() < asked_at + 8.0)
+        usleep(50000);
+    CHECK(web_ends(&unread, 2.0), "the connection stays");
+    CHECK(unread.used < FIXTURE_PAGE_BYTES / 2, "much of it came: %zu bytes", unread.used);
+    pthread_join(slow_reader, NULL);
+    CHECK(web_now() > asked_at + 6.0, "it was not slow");
+    CHECK(read_slowly > FIXTURE_PAGE_BYTES, "the slow one has %zu bytes", read_slowly);
+    web_close(&unread);
+    web_close(&slow);
+}
+
 static void connections_are_bounded(void)
 {
     struct web_client clients[VIEW_CONNECTIONS_MAX + 8];
@@ -435,6 +482,7 @@ int main(void)
 {
     fixture_prepare(&fixture, 200000, 1000);
     fixture_open(&fixture);
+    TEST(ask_and_read_slowly);
     TEST(page_by_get);
     TEST(page_by_head);
     TEST(two_requests_in_one_connection);
@@ -451,6 +499,7 @@ int main(void)
     TEST(fifth_client);
     TEST(strangers_take_no_place);
     TEST(deadlines);
+    TEST(page_that_is_not_read);
     TEST(connections_are_bounded);
     fixture_close(&fixture);
     return check_report();

@@ -3,6 +3,7 @@
 #include "view/server/view_server.h"
 
 #include <pthread.h>
+#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -82,8 +83,13 @@ static void sixty_frames_a_second(void)
     web_close(&client);
     usleep(100000);
     const uint64_t asked = asked_of(&fixture);
-    usleep(100000);
+    struct rusage before, after;
+    getrusage(RUSAGE_SELF, &before);
+    usleep(400000);
+    getrusage(RUSAGE_SELF, &after);
     CHECK(asked_of(&fixture) == asked, "frames are made for who has left");
+    CHECK(after.ru_nvcsw - before.ru_nvcsw < 12, "it woke %ld times for nobody",
+          after.ru_nvcsw - before.ru_nvcsw);
     fixture_close(&fixture);
 }
 

@@ -12,7 +12,7 @@
 #include "view/server/view_server.h"
 #include "view/server/web_client.h"
 
-enum { FIXTURE_PAGE_BYTES = 1500000, FIXTURE_TICKS = 2, FIXTURE_NUMBERS = 3, FIXTURE_LOST = 7 };
+enum { FIXTURE_PAGE_BYTES = 8000000, FIXTURE_TICKS = 2, FIXTURE_NUMBERS = 3, FIXTURE_LOST = 7 };
 
 #define FIXTURE_CSP "default-src 'none'; frame-ancestors 'none'"
 

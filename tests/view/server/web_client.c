@@ -21,7 +21,7 @@ double web_now(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-int web_open(struct web_client *client, const char *address, uint16_t port)
+static int open_with(struct web_client *client, const char *address, uint16_t port, int room)
 {
     struct sockaddr_in four = { .sin_family = AF_INET, .sin_port = htons(port) };
     struct sockaddr_in6 six = { .sin6_family = AF_INET6, .sin6_port = htons(port) };
@@ -31,6 +31,8 @@ int web_open(struct web_client *client, const char *address, uint16_t port)
         return 0;
     client->socket = socket(is_4 ? AF_INET : AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const int on = 1;
+    if (room > 0)
+        setsockopt(client->socket, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
     if (client->socket >= 0 &&
         setsockopt(client->socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on) == 0 &&
         connect(client->socket,
@@ -39,6 +41,16 @@ int web_open(struct web_client *client, const char *address, uint16_t port)
         return 1;
     web_close(client);
     return 0;
+}
+
+int web_open(struct web_client *client, const char *address, uint16_t port)
+{
+    return open_with(client, address, port, 0);
+}
+
+int web_open_narrow(struct web_client *client, const char *address, uint16_t port)
+{
+    return open_with(client, address, port, 4096);
 }
 
 void web_close(struct web_client *client)

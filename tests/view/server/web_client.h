@@ -38,6 +38,8 @@ double web_now(void); /* s */
 
 /* Returns 0 if nothing listens there. */
 int web_open(struct web_client *client, const char *address, uint16_t port);
+/* One whose system takes a few thousand bytes that are not read, no more. */
+int web_open_narrow(struct web_client *client, const char *address, uint16_t port);
 void web_close(struct web_client *client);
 
 /* All of it; returns 0 if the other side does not take it. */

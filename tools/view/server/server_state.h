@@ -17,7 +17,7 @@
 /* What is given to a socket at once, bytes. */
 #define VIEW_CHUNK 65536u
 
-enum { HEADERS_SECONDS = 2, TOKEN_SECONDS = 2, PAGE_SECONDS = 10, CLOSE_MILLISECONDS = 500 };
+enum { HEADERS_SECONDS = 2, TOKEN_SECONDS = 2, PAGE_SECONDS = 5, CLOSE_MILLISECONDS = 500 };
 
 /* A live frame, or the end message, of which several clients may have taken a part. */
 struct shared_message {

@@ -15,6 +15,12 @@
 /* How often another free port is tried, where ::1 does not have the one that 127.0.0.1 has. */
 enum { PORTS_TRIED = 16 };
 
+/*
+ * What the kernel keeps for a client, bytes. By itself it would take megabytes: pictures of long ago, and a socket
+ * that has room again only when a third of them is gone.
+ */
+enum { SOCKET_ROOM = 262144 };
+
 static const char *const no_port = "the port cannot be taken: it is in use, or not allowed";
 
 /* It wakes the thread when the time to close is over. */
@@ -54,6 +60,16 @@ static void asked(struct view_server *server)
     lws_callback_on_writable_all_protocol(server->context, &server->protocols[0]);
 }
 
+static int connected(struct view_server *server, struct lws *wsi)
+{
+    const int room = SOCKET_ROOM;
+    server->connections++;
+    lws_set_opaque_user_data(wsi, server);
+    setsockopt(lws_get_socket_fd(wsi), SOL_SOCKET, SO_SNDBUF, &room, sizeof room);
+    lws_set_timer_usecs(wsi, HEADERS_SECONDS * LWS_USEC_PER_SEC);
+    return 0;
+}
+
 static int late(struct view_server *server, struct lws *wsi, struct connection *connection)
 {
     if (connection && connection->stage == STAGE_KNOWN)
@@ -71,10 +87,7 @@ static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *use
     case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
         return server->connections >= VIEW_CONNECTIONS_MAX;
     case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
-        server->connections++;
-        lws_set_opaque_user_data(wsi, server);
-        lws_set_timer_usecs(wsi, HEADERS_SECONDS * LWS_USEC_PER_SEC);
-        return 0;
+        return connected(server, wsi);
     case LWS_CALLBACK_WSI_DESTROY:
         /* Those that listen were never counted. */
         server->connections -= lws_get_opaque_user_data(wsi) != NULL;
@@ -200,9 +213,10 @@ static const char *listen_once(struct view_server *server)
         .max_http_header_pool = VIEW_CONNECTIONS_MAX,
         /* Some are its own. */
         .fd_limit_per_thread = VIEW_CONNECTIONS_MAX + 16,
-        .timeout_secs = HEADERS_SECONDS,
-        .timeout_secs_ah_idle = PAGE_SECONDS,
-        .keepalive_timeout = PAGE_SECONDS,
+        /* Its own are longer than those of this file. */
+        .timeout_secs = 3 * PAGE_SECONDS,
+        .timeout_secs_ah_idle = 3 * PAGE_SECONDS,
+        .keepalive_timeout = 3 * PAGE_SECONDS,
         .retry_and_idle_policy = &patience,
         .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND
     };

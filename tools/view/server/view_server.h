@@ -23,7 +23,7 @@
  * with 1008 when its first message is not the token, or does not come in 2 s; when a message is longer than 4096
  * bytes, in fragments, binary, or none that view_request.h knows; when a hand comes without `control`, more frames
  * are said to be drawn than were sent, or more than VIEW_MESSAGES_A_SECOND messages come. A connection is closed when
- * its request's headers take more than 2 s, or when it takes nothing of the page for 10 s; from the 33rd on at once.
+ * its request's headers take more than 2 s, or when it takes nothing of the page for 5 s; from the 33rd on at once.
  *
  * A client that is slow, stopped or dead delays neither the thread nor another client. The server holds: one copy of the
  * newest frame for all, and for each client at most one older, of which it has taken a part; 64 KiB of what its socket did
