@@ -100,8 +100,8 @@ const camera = (() => {
     // The whole of a ball in the picture.
     fit(centre, radius, smooth) {
       this.radius = radius;
-      const narrow = Math.min(1, this.object.aspect);
-      this.move({ target: centre, distance: 1.05 * radius / Math.sin(VIEW_ANGLE * Math.PI / 360) / narrow }, smooth);
+      const up = VIEW_ANGLE * Math.PI / 360, aside = Math.atan(Math.tan(up) * this.object.aspect);
+      this.move({ target: centre, distance: radius / Math.sin(Math.min(up, aside)) }, smooth);
     }
 
     view(name, smooth) {

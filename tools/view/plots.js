@@ -76,8 +76,10 @@ const plots = (() => {
       context.drawImage(this.under, 0, 0);
       if (cursor === null || cursor < this.from || cursor > this.to) return;
       context.fillStyle = this.colours.cursor;
+      context.globalAlpha = 0.6;
       context.fillRect(Math.round(this.xOf(cursor) * this.ratio), TOP * this.ratio, Math.max(1, this.ratio),
         (this.height - TOP - BOTTOM) * this.ratio);
+      context.globalAlpha = 1;
     }
 
     drawUnder() {

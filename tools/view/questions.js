@@ -19,7 +19,7 @@ window.dynpoint = (() => {
     pixelAt: pictureOf(at => own.view.pixel(at)), // the colour at a pixel of the picture
     plotScale: name => ({ ...plot.scales[name], from: plot.from, to: plot.to }),
     plotPlace: (name, time, value) => plot.placeOf(name, time, value),
-    plotPixel: ([x, y]) => [...element("plots").getContext("2d").getImageData(x * plot.ratio, y * plot.ratio, 1, 1).data],
+    plotPixel,
     picture: async () => {
       const { width, height } = await createImageBitmap(await own.view.picture());
       return { width, height, wanted: [own.view.width * own.view.ratio, own.view.height * own.view.ratio] };
@@ -27,6 +27,12 @@ window.dynpoint = (() => {
     // ms a picture takes when each is waited for, over `count` pictures with the vertices that `change` wrote
     timeDrawing: (count, moving) => own.view && timeDrawing(count, moving),
   };
+
+  function plotPixel([x, y]) {
+    const context = Object.assign(document.createElement("canvas"), { width: 1, height: 1 }).getContext("2d");
+    context.drawImage(element("plots"), -Math.floor(x * plot.ratio), -Math.floor(y * plot.ratio));
+    return [...context.getImageData(0, 0, 1, 1).data];
+  }
 
   function timeDrawing(count, moving) {
     const { view } = own, bodies = [...view.bodies.values()], begun = performance.now();

@@ -68,5 +68,17 @@ const rays = (() => {
     }
   }
 
-  return { sub, dot, length, along, isPlace, nearestPart, rotation, turn, turnBack, firstTriangle, makeNormals };
+  // Whether each edge has one triangle on either side, wound alike: then no back of a triangle is seen from outside.
+  function isClosed(corners) {
+    const edges = new Set(), key = (a, b) => a * 4294967296 + b;
+    for (let i = 0; i < corners.length; i++) {
+      const edge = key(corners[i], corners[i % 3 === 2 ? i - 2 : i + 1]);
+      if (edges.has(edge)) return false;
+      edges.add(edge);
+    }
+    for (let i = 0; i < corners.length; i++) if (!edges.has(key(corners[i % 3 === 2 ? i - 2 : i + 1], corners[i]))) return false;
+    return true;
+  }
+
+  return { sub, dot, length, along, isPlace, nearestPart, rotation, turn, turnBack, firstTriangle, makeNormals, isClosed };
 })();

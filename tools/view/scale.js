@@ -14,7 +14,7 @@ const scale = (() => {
     const step = roundUp((to - from) / count);
     if (!(step > 0)) return { values: [], decimals: 0 };
     const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), values = [];
-    for (let i = Math.ceil(from / step - 1e-9); i * step <= to + 1e-9 * step && values.length < 50; i++) values.push(i * step);
+    for (let i = Math.ceil(from / step - 1e-9) || 0; i * step <= to + 1e-9 * step && values.length < 50; i++) values.push(i * step);
     return { values, decimals: Math.min(12, decimals) };
   }
 

@@ -15,9 +15,9 @@ const sceneView = (() => {
       this.renderer = new THREE.WebGLRenderer({ canvas, antialias: triangles <= SMOOTH, powerPreference: "high-performance" });
       this.three = new THREE.Scene();
       this.camera = new camera.Camera(() => { this.dirty = true; });
-      this.sun = new THREE.DirectionalLight(0xffffff, 1.9);
-      this.three.add(new THREE.HemisphereLight(0xffffff, 0x8088a0, 1.25), this.sun, this.sun.target);
-      this.materials = { organ: new THREE.MeshLambertMaterial({ side: THREE.DoubleSide }),
+      this.sun = new THREE.DirectionalLight(0xffffff, 2.1);
+      this.three.add(new THREE.HemisphereLight(0xffffff, 0x8c92a4, 1.6), this.sun, this.sun.target);
+      this.materials = { closed: new THREE.MeshLambertMaterial(), open: new THREE.MeshLambertMaterial({ side: THREE.DoubleSide }),
         strip: this.overlay(0.55, 1), picked: this.overlay(0.85, 2) };
       this.tools = new toolView.ToolView();
       this.strip = new Highlight(this.materials.strip);
@@ -38,8 +38,9 @@ const sceneView = (() => {
         this.three.remove(view.object);
         view.dispose();
       }
+      const materials = scene.meshes.map(({ corners }) => rays.isClosed(corners) ? this.materials.closed : this.materials.open);
       this.bodies = new Map(scene.bodies.map(body =>
-        [body.id, new BodyView(body, scene.meshes[body.mesh], this.materials.organ)]));
+        [body.id, new BodyView(body, scene.meshes[body.mesh], materials[body.mesh])]));
       for (const view of this.bodies.values()) this.three.add(view.object);
       if (this.box) this.three.remove(this.box);
       this.box = this.workspaceBox(scene.device?.workspace);
@@ -57,7 +58,7 @@ const sceneView = (() => {
     workspaceBox(box) {
       if (!box) return null;
       const [x, y, z, toX, toY, toZ] = box, lines = new THREE.LineSegments(new THREE.EdgesGeometry(
-        new THREE.BoxGeometry(toX - x, toY - y, toZ - z)), new THREE.LineBasicMaterial());
+        new THREE.BoxGeometry(toX - x, toY - y, toZ - z)), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.7 }));
       lines.position.set((x + toX) / 2, (y + toY) / 2, (z + toZ) / 2);
       return lines;
     }
@@ -69,7 +70,8 @@ const sceneView = (() => {
       const colours = Object.fromEntries(COLOURS.map(name => [name, read(name)]));
       this.colours = Object.fromEntries(COLOURS.map(name => [name, colours[name].toArray()]));
       this.three.background = colours.background;
-      for (const name of ["organ", "strip", "picked"]) this.materials[name].color = colours[name];
+      for (const name of ["strip", "picked"]) this.materials[name].color = colours[name];
+      this.materials.open.color = this.materials.closed.color = colours.organ;
       if (this.box) this.box.material.color = colours.workspace;
       this.dirty = true;
     }
@@ -110,6 +112,7 @@ const sceneView = (() => {
     }
 
     fit(smooth) {
+      this.resize();
       const { centre, radius } = this.bounds();
       this.scales.radius = radius;
       this.camera.fit(centre, radius, smooth);

@@ -22,14 +22,15 @@ const toolView = (() => {
 
   class ToolView {
     constructor() {
-      // What lies behind the organ's surface is drawn again, fainter, without a test of depth.
-      const clear = { transparent: true, depthWrite: false };
+      // All are among the translucent, to be drawn in this order: what of the device's tool is hidden shines through the
+      // organ, but not through the proxy and its bands, whose colours say something.
+      const clear = { transparent: true, depthWrite: false }, solid = { transparent: true };
+      const hidden = material(THREE.MeshBasicMaterial, 0, { ...clear, opacity: 0.16, depthFunc: THREE.GreaterDepth });
       const front = material(THREE.MeshLambertMaterial, 3, { ...clear, opacity: 0.4 });
-      const hidden = material(THREE.MeshBasicMaterial, 4, { ...clear, opacity: 0.16, depthFunc: THREE.GreaterDepth });
-      this.proxy = new CapsuleBatch([material(THREE.MeshLambertMaterial, 1)]);
-      this.bands = new CapsuleBatch([material(THREE.MeshBasicMaterial, 2),
+      this.proxy = new CapsuleBatch([material(THREE.MeshLambertMaterial, 1, solid)]);
+      this.bands = new CapsuleBatch([material(THREE.MeshBasicMaterial, 2, solid),
         material(THREE.MeshBasicMaterial, 4, { ...clear, opacity: 0.35, depthFunc: THREE.GreaterDepth })]);
-      this.device = new CapsuleBatch([front, hidden]);
+      this.device = new CapsuleBatch([hidden, front]);
       this.marks = new CapsuleBatch([material(THREE.MeshBasicMaterial, 6, { transparent: true, depthTest: false, depthWrite: false })]);
       this.batches = [this.proxy, this.bands, this.device, this.marks];
       this.objects = this.batches.flatMap(batch => batch.meshes);

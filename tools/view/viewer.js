@@ -155,7 +155,7 @@ const viewer = (() => {
     if (!own.frame || (play.playing && now - numbersAt < NUMBERS_EVERY)) return;
     numbersAt = now;
     numbers.show(readouts.texts(own.frame, selectedTool(), { drawnRate: own.drawnRate }));
-    element("deepest").textContent = `${(1e3 * own.view?.scales.depth).toPrecision(1)} mm`;
+    element("deepest").textContent = own.view ? `${Number((1e3 * own.view.scales.depth).toPrecision(1))} mm` : "";
   }
 
   const modeWords = () => own.ended && own.scene.mode === "live" ? "Ended" : play.live ? (play.playing ? "Live" : "Paused: the run goes on")
