@@ -8,7 +8,7 @@
 "use strict";
 const fs = require("fs"), path = require("path"), crypto = require("crypto"), vm = require("vm");
 const source = __dirname, folder = process.argv[2] ?? path.join(__dirname, "../../build/view");
-const MARKER = "@DATA@", VERSION = "0.187.0";
+const MARKER = "@DATA@", VERSION = "0.187.0", ENDING = /<\/(script|style)|<!--/i;
 
 function fail(sentence) {
   console.error(`make_page: ${sentence}`);
@@ -50,6 +50,7 @@ function threeAsScript() {
   } catch (error) {
     fail(`three.js does not become a classic script: ${error.message}`);
   }
+  if (ENDING.test(script)) fail("three.js has a tag that ends its element");
   return { script, notice: read(path.join(three, "LICENSE")) };
 }
 
@@ -63,7 +64,7 @@ function assemble() {
     if (slot === MARKER || slot === "@CSP@") return slot;
     const text = file ? withoutLicenceLine(read(path.join(source, file))) : texts[name];
     if (text === undefined) fail(`page.html has a slot ${slot} that nothing fills`);
-    if (file && /<\/(script|style)|<!--/i.test(text)) fail(`${file} has a tag that ends its element`);
+    if (file && ENDING.test(text)) fail(`${file} has a tag that ends its element`);
     return text;
   });
 }
@@ -76,8 +77,6 @@ function policyOf(page) {
 }
 
 const assembled = assemble();
-if (/<\/script|<!--/i.test(assembled.match(/<script>\s*const THREE[^]*?<\/script>/)[0].slice(8, -9)))
-  fail("three.js has a tag that ends its element");
 if (assembled.split(MARKER).length !== 2) fail(`${MARKER} must occur once in the page`);
 const policy = policyOf(assembled), page = assembled.replace("@CSP@", () => policy);
 fs.mkdirSync(folder, { recursive: true });

@@ -3,16 +3,24 @@
 "use strict";
 const sceneView = (() => {
   const { BodyView, Highlight } = bodyView;
-  // Multisampling costs more than half of the frames a second where a processor draws: only small scenes have it.
-  const SMOOTH = 20000; // triangles
+  // Multisampling costs more than half of the pictures a second where a processor draws.
+  const SMOOTH = 20000; // triangles: a larger scene has no multisampling anywhere
+  const PROCESSOR = /SwiftShader|llvmpipe|softpipe|Basic Render|Software/i;
   const COLOURS = ["background", "organ", "device", "proxy", "pair", "force", "strip", "picked", "workspace", "handle"];
+
+  function isDrawnByProcessor() {
+    const gl = document.createElement("canvas").getContext("webgl2"), names = gl?.getExtension("WEBGL_debug_renderer_info");
+    const name = names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
+    gl?.getExtension("WEBGL_lose_context")?.loseContext();
+    return PROCESSOR.test(name);
+  }
 
   // Throws where the browser has no WebGL.
   class SceneView {
     constructor(canvas, scene) {
       this.canvas = canvas;
       const triangles = scene.bodies.reduce((sum, body) => sum + scene.meshes[body.mesh].triangles, 0);
-      this.renderer = new THREE.WebGLRenderer({ canvas, antialias: triangles <= SMOOTH, powerPreference: "high-performance" });
+      this.renderer = new THREE.WebGLRenderer({ canvas, antialias: triangles <= SMOOTH && !isDrawnByProcessor(), powerPreference: "high-performance" });
       this.three = new THREE.Scene();
       this.camera = new camera.Camera(() => { this.dirty = true; });
       this.sun = new THREE.DirectionalLight(0xffffff, 2.1);

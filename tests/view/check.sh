@@ -1,0 +1,50 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# The viewer's page (tools/view/): its readers under node, the file that is made, and what it draws and does in a
+# headless Chromium, from its file and from a mock of the server. BUILD/view/node_modules has three.js.
+#
+#     sh tests/view/check.sh [BUILD=build]
+set -u
+cd "$(dirname "$0")/../.." || exit 2
+. tests/lib/verdict.sh
+view=${1:-build}/view
+room=$(mktemp -d) || exit 2
+trap 'rm -rf "$room"' EXIT
+
+# count WHAT COMMAND...: adds the checks that a program prints; one that ends badly without saying why is a failure
+count() {
+    what=$1
+    shift
+    "$@" >"$room/said" 2>"$room/errors"
+    status=$?
+    before=$failed
+    while read -r word rest; do
+        case $word in
+        ok) ok "$rest" ;;
+        FAIL) bad "$rest" ;;
+        note) echo "       $rest" ;;
+        esac
+    done <"$room/said"
+    [ $status -eq 0 ] || [ "$failed" -gt "$before" ] || bad "$what: status $status, $(tail -n 1 "$room/errors")"
+    grep -q '^ok\|^FAIL' "$room/said" || bad "$what: it checked nothing"
+}
+
+if ! command -v node >/dev/null; then
+    skip "the viewer's page: node is missing (Debian's nodejs)"
+    finish
+fi
+count "the readers" node tests/view/page_readers.js
+if [ ! -e "$view/node_modules/three/package.json" ]; then
+    skip "the page's file, and what it draws: three.js is missing (npm ci in $view)"
+    finish
+fi
+count "the page's file" node tests/view/page_file.js "$view" "$room"
+log=/dev/null
+check "the page is made" node tools/view/make_page.js "$view"
+if ! command -v chromium >/dev/null; then
+    skip "what the page draws and does: chromium is missing (Debian's chromium)"
+    finish
+fi
+count "a recording" node tests/view/page_recording.js "$view/page.html" "$room"
+count "a running world" node tests/view/page_live.js "$view" "$room"
+finish
