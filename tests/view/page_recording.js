@@ -221,7 +221,7 @@ async function picking(page) {
     await page.click(at.map((value, k) => value + box[k]));
     await sleep(80);
     assert.deepStrictEqual([await page.text("found-body"), await page.text("found-triangle")], ["ring (11)", String(sources[triangle])]);
-    assert.strictEqual(await page.text("found-corners"), [0, 1, 2].map(k => corner(k).map(value => (1000 * value).toFixed(2)).join("  ")).join("\n"));
+    assert.strictEqual(await page.text("found-corners"), [0, 1, 2].map(k => corner(k).map(value => (1000 * value).toFixed(2).padStart(9)).join("")).join("\n"));
     const marked = await pixel(page, middle);
     assert(likeness(marked, await colour(page, "picked")) > 0.97, `${marked}`);
     await page.key("Escape");
@@ -341,6 +341,34 @@ async function otherPages(browser) {
     assert.match(await page.text("facts"), /onerror.*4,816 triangles/);
     assert((await page.ask("document.title")).startsWith(evil));
     assert.deepStrictEqual(page.said, []);
+    await browser.leave(page);
+  });
+  await check("a mesh without frames has neither plots nor numbers; with y up, the top is there", async () => {
+    const page = await browser.visit(write("upright", fixture.streamOf([fixture.sceneMessage(known.meshes, { mode: "mesh", up: "y", device: null })])));
+    await until("the scene", async () => (await page.state()).mode === "mesh");
+    const shown = await page.ask("[...document.querySelectorAll('.of-frames')].filter(one => one.getClientRects().length > 0).map(one => one.id)");
+    assert.deepStrictEqual(shown, []);
+    await page.key("5");
+    await sleep(80);
+    const { target: [x, y, z], distance } = await camera(page), [eye, below, right] = await page.call(places => places.map(dynpoint.project), [[x, y + distance / 2, z], [x, y, z + 0.01], [x + 0.01, y, z]]);
+    const centre = await page.call(place => dynpoint.project(place), [x, y, z]);
+    near(eye, centre, 0.5, "a place above the target:");
+    assert(below[1] > centre[1] + 5 && Math.abs(below[0] - centre[0]) < 1 && right[0] > centre[0] + 5, JSON.stringify([centre, below, right]));
+    await browser.leave(page);
+  });
+  await check("where ticks are missing, the plots have a gap", async () => {
+    const frames = Array.from({ length: fixture.FRAMES }, (_, i) => {
+      const frame = known.frame(i);
+      if (i >= 30 && i < 60) frame.writeUInt32LE(0, 8);
+      return frame;
+    });
+    const page = await browser.visit(write("gap", fixture.streamOf([known.scene, ...frames, known.end])));
+    await until("frames", async () => (await page.state()).ended);
+    await until("the plots", async () => (await page.ask("dynpoint.plotScale('late')")).high > 0);
+    await page.key("End");
+    await sleep(100);
+    const drawn = await page.call(times => times.map(time => dynpoint.plotPixel(dynpoint.plotPlace("late", time, 1.6e-5))[3] > 60), [0.25, 0.75, 1.25]);
+    assert.deepStrictEqual(drawn, [true, false, true]);
     await browser.leave(page);
   });
   await check("damaged frames are shown or refused, and never stop the page", async () => {

@@ -20,7 +20,7 @@ const pointers = (() => {
     function begin(event) {
       if (!on.camera()) return;
       canvas.setPointerCapture(event.pointerId);
-      canvas.focus({ preventScroll: true });
+      canvas.focus({ preventScroll: true, focusVisible: false });
       down.set(event.pointerId, at(event));
       const [first, second] = [...down.values()];
       if (second) {

@@ -13,7 +13,7 @@ const readouts = (() => {
   const millimetres = value => fixed(1e3 * value, 3, "mm");
   const hertz = value => value > 0 ? fixed(value, 0, "Hz") : "\u2013";
   const time = seconds => Number.isFinite(seconds) ? `${seconds.toFixed(3)} s` : "\u2013";
-  const coordinates = place => place.map(value => (1e3 * value).toFixed(2)).join("  ");
+  const coordinates = place => place.map(value => (1e3 * value).toFixed(2).padStart(9)).join("");
 
   // The number in the list of all segments of the one that is nearest.
   const segmentOf = (snapshot, tool) => tool && tool.nearestSegment < tool.segments ?

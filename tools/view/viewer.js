@@ -256,7 +256,7 @@ const viewer = (() => {
     own.theme = theme;
     const name = THEMES[theme], dark = name === "dark" || (name === "system" && darkSystem.matches);
     document.documentElement.dataset.theme = dark ? "dark" : "light";
-    element("theme").textContent = `Theme: ${name}`;
+    element("theme-name").textContent = name;
     own.view?.readColours();
     plot.readColours();
   }
@@ -328,6 +328,7 @@ const viewer = (() => {
 
   function playData(text) {
     const { bytes, refused } = messageReader.decodeText(text), stream = bytes ? messageReader.splitStream(bytes) : { refused };
+    element("data").textContent = ""; // the bytes are kept, not their text
     if (stream.refused) return notice(`The page's data were refused. ${stream.refused}`);
     stream.messages.forEach(take);
     play.whole = true;
