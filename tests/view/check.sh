@@ -45,6 +45,7 @@ if ! command -v chromium >/dev/null; then
     skip "what the page draws and does: chromium is missing (Debian's chromium)"
     finish
 fi
+count "the picture" node tests/view/page_picture.js "$view/page.html" "$room"
 count "a recording" node tests/view/page_recording.js "$view/page.html" "$room"
 count "a running world" node tests/view/page_live.js "$view" "$room"
 finish

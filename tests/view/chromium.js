@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A headless Chromium, driven over a pipe by its own protocol: no port is open, and it ends when the pipe does.
 "use strict";
-const fs = require("fs"), path = require("path"), { spawn } = require("child_process");
+const fs = require("fs");
+const path = require("path");
+const { spawn } = require("child_process");
 const sleep = ms => new Promise(done => setTimeout(done, ms));
 
 async function until(what, ask, ms = 20000) {
@@ -14,8 +16,10 @@ async function until(what, ask, ms = 20000) {
 
 // Each message of the protocol is JSON that a zero byte ends.
 function pipe(child) {
-  const waiting = new Map(), listeners = new Map();
-  let last = 0, rest = [];
+  const waiting = new Map();
+  const listeners = new Map();
+  let last = 0;
+  let rest = [];
   const take = text => {
     const { id, error, result, sessionId, method, params } = JSON.parse(text);
     if (!id) return listeners.get(sessionId)?.(method, params);
@@ -31,10 +35,11 @@ function pipe(child) {
     }
     if (data.length > 0) rest.push(data);
   });
-  const send = (method, params, sessionId) => new Promise((resolve, reject) => {
-    waiting.set(++last, { resolve, reject });
-    child.stdio[3].write(`${JSON.stringify({ id: last, method, params, sessionId })}\0`);
-  });
+  const send = (method, params, sessionId) =>
+    new Promise((resolve, reject) => {
+      waiting.set(++last, { resolve, reject });
+      child.stdio[3].write(`${JSON.stringify({ id: last, method, params, sessionId })}\0`);
+    });
   return { send, listeners };
 }
 
@@ -44,23 +49,37 @@ class Page {
   }
 
   hear(method, params) {
-    if (method === "Runtime.exceptionThrown") this.said.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
+    if (method === "Runtime.exceptionThrown")
+      this.said.push(params.exceptionDetails.exception?.description ?? params.exceptionDetails.text);
     if (method === "Runtime.consoleAPICalled" && ["error", "warning", "assert"].includes(params.type))
       this.said.push(params.args.map(({ value, description }) => value ?? description).join(" "));
-    if (method === "Log.entryAdded" && params.entry.level !== "verbose") this.said.push(`${params.entry.source}: ${params.entry.text}`);
+    if (method === "Log.entryAdded" && params.entry.level !== "verbose")
+      this.said.push(`${params.entry.source}: ${params.entry.text}`);
     if (method === "Network.requestWillBeSent") this.asked.push(params.request.url);
     if (method === "Page.loadEventFired") this.loaded = true;
   }
 
   async ask(expression) {
-    const { result, exceptionDetails } = await this.send("Runtime.evaluate", { expression, awaitPromise: true, returnByValue: true });
-    if (exceptionDetails) throw new Error(`${expression.slice(0, 120)}: ${exceptionDetails.exception?.description ?? exceptionDetails.text}`);
+    const { result, exceptionDetails } = await this.send("Runtime.evaluate", {
+      expression,
+      awaitPromise: true,
+      returnByValue: true,
+    });
+    if (exceptionDetails)
+      throw new Error(
+        `${expression.slice(0, 120)}: ${exceptionDetails.exception?.description ?? exceptionDetails.text}`,
+      );
     return result.value;
   }
 
   // A function of the page with arguments that JSON can carry.
   call(work, ...given) {
     return this.ask(`(${work})(${given.map(value => JSON.stringify(value)).join(", ")})`);
+  }
+
+  // Until what was asked for is in the picture: two of them.
+  settle() {
+    return this.ask("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(0))))");
   }
 
   state() {
@@ -85,7 +104,12 @@ class Page {
   async drag(from, to, { button = "left", modifiers = 0 } = {}) {
     const buttons = { left: 1, right: 2 }[button];
     await this.mouse("mousePressed", from, { button, modifiers, buttons, clickCount: 1 });
-    for (let i = 1; i <= 4; i++) await this.mouse("mouseMoved", from.map((value, k) => value + i / 4 * (to[k] - value)), { button, modifiers, buttons });
+    for (let i = 1; i <= 4; i++)
+      await this.mouse(
+        "mouseMoved",
+        from.map((value, k) => value + (i / 4) * (to[k] - value)),
+        { button, modifiers, buttons },
+      );
     await this.mouse("mouseReleased", to, { button, modifiers, clickCount: 1 });
   }
 
@@ -101,7 +125,10 @@ class Page {
   // steps: for each step the places of all fingers
   async touch(steps) {
     for (const [i, places] of steps.entries())
-      await this.send("Input.dispatchTouchEvent", { type: i === 0 ? "touchStart" : "touchMove", touchPoints: places.map(([x, y], id) => ({ x, y, id })) });
+      await this.send("Input.dispatchTouchEvent", {
+        type: i === 0 ? "touchStart" : "touchMove",
+        touchPoints: places.map(([x, y], id) => ({ x, y, id })),
+      });
     await this.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
   }
 
@@ -110,7 +137,9 @@ class Page {
   }
 
   media(features) {
-    return this.send("Emulation.setEmulatedMedia", { features: Object.entries(features).map(([name, value]) => ({ name, value })) });
+    return this.send("Emulation.setEmulatedMedia", {
+      features: Object.entries(features).map(([name, value]) => ({ name, value })),
+    });
   }
 
   async shoot(file) {
@@ -121,10 +150,24 @@ class Page {
 
 // room: an empty folder for its profile
 function launch(room, ...flags) {
-  const child = spawn("chromium", ["--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--remote-debugging-pipe", "--no-first-run", `--user-data-dir=${fs.mkdtempSync(path.join(room, "profile-"))}`, ...flags],
-  { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
-  const { send, listeners } = pipe(child), gone = new Promise(done => { child.on("exit", done); });
+  const child = spawn(
+    "chromium",
+    [
+      "--headless",
+      "--no-sandbox",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--remote-debugging-pipe",
+      "--no-first-run",
+      `--user-data-dir=${fs.mkdtempSync(path.join(room, "profile-"))}`,
+      ...flags,
+    ],
+    { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] },
+  );
+  const { send, listeners } = pipe(child);
+  const gone = new Promise(done => {
+    child.on("exit", done);
+  });
 
   // A window of its own: a page behind another one draws nothing.
   async function visit(url, { width = 1280, height = 800, features = {} } = {}) {
@@ -140,8 +183,14 @@ function launch(room, ...flags) {
     return page;
   }
 
-  return { visit, leave: page => send("Target.closeTarget", { targetId: page.targetId }),
-    close: async () => { send("Browser.close").catch(() => {}); await gone; } };
+  return {
+    visit,
+    leave: page => send("Target.closeTarget", { targetId: page.targetId }),
+    close: async () => {
+      send("Browser.close").catch(() => {});
+      await gone;
+    },
+  };
 }
 
 module.exports = { launch, until, sleep };

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node page_file.js FOLDER ROOM: what tools/view/make_page.js writes, and how it fails. FOLDER has three.js.
 "use strict";
-const fs = require("fs"), path = require("path"), crypto = require("crypto"), { spawnSync } = require("child_process");
+const fs = require("fs");
+const path = require("path");
+const crypto = require("crypto");
+const { spawnSync } = require("child_process");
 const { check, finish, assert, tools } = require("./verdicts.js");
-const [, , folder, room] = process.argv, three = path.join(folder, "node_modules/three");
+const [, , folder, room] = process.argv;
+const three = path.join(folder, "node_modules/three");
 
 function make(where) {
-  const { status, stderr } = spawnSync(process.execPath, [path.join(tools, "make_page.js"), where], { encoding: "utf8" });
+  const { status, stderr } = spawnSync(process.execPath, [path.join(tools, "make_page.js"), where], {
+    encoding: "utf8",
+  });
   return { status, stderr };
 }
 
@@ -22,11 +28,18 @@ function altered(name, file, change) {
 }
 
 async function main() {
-  const same = altered("same", "", text => text), { status, stderr } = make(same);
-  const page = fs.readFileSync(path.join(same, "page.html"), "utf8"), policy = fs.readFileSync(path.join(same, "page.csp"), "utf8");
+  const same = altered("same", "", text => text);
+  const { status, stderr } = make(same);
+  const page = fs.readFileSync(path.join(same, "page.html"), "utf8");
+  const policy = fs.readFileSync(path.join(same, "page.csp"), "utf8");
   await check("the page is made, the same bytes each time", () => {
     assert.deepStrictEqual([status, stderr], [0, ""]);
-    const sum = () => crypto.createHash("sha256").update(fs.readFileSync(path.join(same, "page.html"))).digest("hex"), first = sum();
+    const sum = () =>
+      crypto
+        .createHash("sha256")
+        .update(fs.readFileSync(path.join(same, "page.html")))
+        .digest("hex");
+    const first = sum();
     assert.strictEqual(make(same).status, 0);
     assert.strictEqual(sum(), first);
   });
@@ -35,20 +48,24 @@ async function main() {
     assert(page.includes('<script type="text/plain" id="data">@DATA@</script>'));
     assert(!/@(CSP|THREE|NOTICE|FILE)/.test(page));
   });
-  await check("its policy names the hash of each script and style and nothing that is unsafe; the header adds frame-ancestors", () => {
-    const allowed = new Set(policy.match(/sha256-[A-Za-z0-9+/=]+/g)), found = new Set();
-    for (let at = 0; (at = page.indexOf("<s", at)) >= 0; at++) {
-      const [tag] = /^<(script|style)>|^/.exec(page.slice(at, at + 8));
-      if (!tag) continue;
-      const text = page.slice(at + tag.length, page.indexOf(`</${tag.slice(1)}`, at));
-      found.add(`sha256-${crypto.createHash("sha256").update(text).digest("base64")}`);
-    }
-    assert.deepStrictEqual([...allowed].sort(), [...found].sort());
-    assert.strictEqual(found.size, 3);
-    assert.match(policy, /^default-src 'none'; .*frame-ancestors 'none'$/);
-    assert(!/unsafe|http|\*/.test(policy));
-    assert(page.includes(`content="${policy.replace("; frame-ancestors 'none'", "")}"`));
-  });
+  await check(
+    "its policy names the hash of each script and style and nothing that is unsafe; the header adds frame-ancestors",
+    () => {
+      const allowed = new Set(policy.match(/sha256-[A-Za-z0-9+/=]+/g));
+      const found = new Set();
+      for (let at = 0; (at = page.indexOf("<s", at)) >= 0; at++) {
+        const [tag] = /^<(script|style)>|^/.exec(page.slice(at, at + 8));
+        if (!tag) continue;
+        const text = page.slice(at + tag.length, page.indexOf(`</${tag.slice(1)}`, at));
+        found.add(`sha256-${crypto.createHash("sha256").update(text).digest("base64")}`);
+      }
+      assert.deepStrictEqual([...allowed].sort(), [...found].sort());
+      assert.strictEqual(found.size, 3);
+      assert.match(policy, /^default-src 'none'; .*frame-ancestors 'none'$/);
+      assert(!/unsafe|http|\*/.test(policy));
+      assert(page.includes(`content="${policy.replace("; frame-ancestors 'none'", "")}"`));
+    },
+  );
   await check("it loads nothing, and carries three's notice", () => {
     const markup = page.replace(/<script[^]*?<\/script>|<style[^]*?<\/style>/g, "");
     assert.deepStrictEqual(markup.match(/\b(src|href|action|srcset|data)="(?!data:)[^"]*"|@import|url\(/g), null);
@@ -62,8 +79,18 @@ async function main() {
       assert.match(stderr, words);
     };
     fails("newer", "package.json", text => text.replace("0.187.0", "0.188.0"), /three\.js is 0\.188\.0/);
-    fails("bare", "build/three.core.js", text => text.replace(/^export \{/m, "module.exports = {"), /built otherwise/);
-    fails("far", "build/three.module.js", text => text.replace(/'\.\/three\.core\.js'/g, "'./other.js'"), /built otherwise/);
+    fails(
+      "bare",
+      "build/three.core.js",
+      text => text.replace(/^export \{/m, "module.exports = {"),
+      /built otherwise/,
+    );
+    fails(
+      "far",
+      "build/three.module.js",
+      text => text.replace(/'\.\/three\.core\.js'/g, "'./other.js'"),
+      /built otherwise/,
+    );
     fails("broken", "build/three.module.js", text => `${text}\nfunction {`, /classic script/);
     fails("ending", "build/three.module.js", text => `${text}\nconst tag = "</script>";`, /ends its element/);
     const { status, stderr } = make(path.join(room, "empty"));

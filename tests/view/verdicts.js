@@ -2,7 +2,9 @@
 // What the tests of the page share: checks that print a line each, random numbers that repeat, and the page's scripts
 // for use without a browser.
 "use strict";
-const fs = require("fs"), path = require("path"), assert = require("assert");
+const fs = require("fs");
+const path = require("path");
+const assert = require("assert");
 const tools = path.join(__dirname, "../../tools/view");
 let failed = 0;
 
@@ -18,7 +20,10 @@ async function check(what, work) {
 }
 
 const near = (got, wanted, within, what = "") =>
-  assert([got].flat().every((value, i) => Math.abs(value - [wanted].flat()[i]) <= within), `${what} ${got}, not ${wanted}`);
+  assert(
+    [got].flat().every((value, i) => Math.abs(value - [wanted].flat()[i]) <= within),
+    `${what} ${got}, not ${wanted}`,
+  );
 
 function random(seed) {
   let state = seed >>> 0;
@@ -50,11 +55,15 @@ function damage(bytes, { below, next }) {
     if (way < 2) copy[at] ^= 1 << below(8);
     else if (way === 2) copy[at] = below(256);
     else if (way === 3 && copy.length >= 4) {
-      const odd = [0xffffffff, 0x7fffffff, 0x80000000, 0, 1, copy.length, copy.length / 4 | 0, next()][below(8)];
+      const odd = [0xffffffff, 0x7fffffff, 0x80000000, 0, 1, copy.length, (copy.length / 4) | 0, next()][below(8)];
       new DataView(copy.buffer).setUint32(Math.min(at & ~3, copy.length - 4), odd, true);
     } else if (way === 4 && below(3) === 0) copy = copy.slice(0, below(copy.length + 1));
     else if (copy.length >= 8)
-      new DataView(copy.buffer).setFloat64(Math.min(at & ~7, copy.length - 8), [NaN, Infinity, -1e300, 1e-310, -0][below(5)], true);
+      new DataView(copy.buffer).setFloat64(
+        Math.min(at & ~7, copy.length - 8),
+        [NaN, Infinity, -1e300, 1e-310, -0][below(5)],
+        true,
+      );
   }
   return copy;
 }

@@ -13,7 +13,10 @@ const bodyView = (() => {
       this.normals = new Float32Array(3 * mesh.vertices);
       rays.makeNormals(mesh.positions, mesh.corners, this.normals);
       const geometry = new THREE.BufferGeometry();
-      geometry.setAttribute("position", new THREE.BufferAttribute(mesh.positions.slice(), 3).setUsage(THREE.DynamicDrawUsage));
+      geometry.setAttribute(
+        "position",
+        new THREE.BufferAttribute(mesh.positions.slice(), 3).setUsage(THREE.DynamicDrawUsage),
+      );
       geometry.setAttribute("normal", new THREE.BufferAttribute(this.normals, 3).setUsage(THREE.DynamicDrawUsage));
       geometry.setIndex(new THREE.BufferAttribute(mesh.corners, 1));
       this.object = new THREE.Mesh(geometry, material);
@@ -26,7 +29,8 @@ const bodyView = (() => {
       this.rotation = flags & UNUSABLE ? null : rays.rotation(pose);
       this.object.visible = this.rotation !== null;
       if (!this.rotation) return;
-      const m = this.rotation, [x, y, z] = this.place = pose.slice(0, 3);
+      const m = this.rotation;
+      const [x, y, z] = (this.place = pose.slice(0, 3));
       this.object.matrix.set(m[0], m[1], m[2], x, m[3], m[4], m[5], y, m[6], m[7], m[8], z, 0, 0, 0, 1);
       this.object.matrixWorldNeedsUpdate = true;
     }
@@ -62,8 +66,12 @@ const bodyView = (() => {
 
     pick(origin, direction) {
       if (!this.rotation) return null;
-      return rays.firstTriangle(this.positions, this.mesh.corners,
-        rays.turnBack(this.rotation, rays.sub(origin, this.place)), rays.turnBack(this.rotation, direction));
+      return rays.firstTriangle(
+        this.positions,
+        this.mesh.corners,
+        rays.turnBack(this.rotation, rays.sub(origin, this.place)),
+        rays.turnBack(this.rotation, direction),
+      );
     }
 
     // Grows the box [least, most] by the vertices, in the scene's frame.
@@ -99,7 +107,10 @@ const bodyView = (() => {
         this.room = 2 ** Math.ceil(Math.log2(list.length));
         this.geometry.dispose();
         this.array = new Float32Array(9 * this.room);
-        this.geometry.setAttribute("position", new THREE.BufferAttribute(this.array, 3).setUsage(THREE.DynamicDrawUsage));
+        this.geometry.setAttribute(
+          "position",
+          new THREE.BufferAttribute(this.array, 3).setUsage(THREE.DynamicDrawUsage),
+        );
       }
       list.forEach(([body, triangle], i) => this.array.set(body.cornersOf(triangle).flat(), 9 * i));
       this.object.visible = list.length > 0;

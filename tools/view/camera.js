@@ -2,10 +2,18 @@
 // A camera that looks at a target from a distance, with the scene's up axis upright.
 "use strict";
 const camera = (() => {
-  const VIEW_ANGLE = 35, STEEPEST = Math.PI / 2 - 1e-4, GLIDE = 220; // degrees, radians, ms
+  const VIEW_ANGLE = 35; // degrees
+  const STEEPEST = Math.PI / 2 - 1e-4; // radians
+  const GLIDE = 220; // ms
   // Azimuth and elevation of the views along the axes; azimuth 0 looks along +y with z up, along -z with y up.
-  const VIEWS = { front: [0, 0], back: [Math.PI, 0], right: [Math.PI / 2, 0], left: [-Math.PI / 2, 0],
-    top: [0, STEEPEST], bottom: [0, -STEEPEST] };
+  const VIEWS = {
+    front: [0, 0],
+    back: [Math.PI, 0],
+    right: [Math.PI / 2, 0],
+    left: [-Math.PI / 2, 0],
+    top: [0, STEEPEST],
+    bottom: [0, -STEEPEST],
+  };
 
   class Camera {
     constructor(changed) {
@@ -24,7 +32,8 @@ const camera = (() => {
     }
 
     apply() {
-      const { target, distance, azimuth, elevation } = this.state, flat = Math.cos(elevation);
+      const { target, distance, azimuth, elevation } = this.state;
+      const flat = Math.cos(elevation);
       const out = this.turned([Math.sin(azimuth) * flat, -Math.cos(azimuth) * flat, Math.sin(elevation)]);
       this.object.position.set(...target.map((value, k) => value + distance * out[k]));
       this.object.up.set(...this.turned([0, 0, 1]));
@@ -49,7 +58,8 @@ const camera = (() => {
         this.apply();
         return;
       }
-      const from = { ...this.state }, to = { ...this.state, ...change };
+      const from = { ...this.state };
+      const to = { ...this.state, ...change };
       const turns = Math.round((from.azimuth - to.azimuth) / (2 * Math.PI)); // the short way round
       to.azimuth += 2 * Math.PI * turns;
       this.glide = { from, to, begun: null };
@@ -59,10 +69,16 @@ const camera = (() => {
     // Moves on in a glide; true while it lasts.
     advance(now) {
       if (!this.glide) return false;
-      const { from, to } = this.glide, part = Math.min(1, (now - (this.glide.begun ??= now)) / GLIDE);
-      const s = part * part * (3 - 2 * part), mix = (a, b) => a + s * (b - a);
-      this.state = { target: from.target.map((value, k) => mix(value, to.target[k])), distance: mix(from.distance, to.distance),
-        azimuth: mix(from.azimuth, to.azimuth), elevation: mix(from.elevation, to.elevation) };
+      const { from, to } = this.glide;
+      const part = Math.min(1, (now - (this.glide.begun ??= now)) / GLIDE);
+      const s = part * part * (3 - 2 * part);
+      const mix = (a, b) => a + s * (b - a);
+      this.state = {
+        target: from.target.map((value, k) => mix(value, to.target[k])),
+        distance: mix(from.distance, to.distance),
+        azimuth: mix(from.azimuth, to.azimuth),
+        elevation: mix(from.elevation, to.elevation),
+      };
       if (part === 1) this.glide = null;
       this.apply();
       return true;
@@ -75,7 +91,8 @@ const camera = (() => {
 
     // By pixels of the picture, so that what is under the pointer stays there.
     pan(aside, up) {
-      const by = this.pixelSize(this.state.target), { right, above } = this.axes();
+      const by = this.pixelSize(this.state.target);
+      const { right, above } = this.axes();
       this.move({ target: this.state.target.map((value, k) => value - by * (aside * right[k] - up * above[k])) });
     }
 
@@ -92,15 +109,17 @@ const camera = (() => {
 
     // How long a pixel is at a place of the scene.
     pixelSize(place) {
-      const { back } = this.axes(), eye = this.object.position.toArray();
+      const { back } = this.axes();
+      const eye = this.object.position.toArray();
       const depth = Math.max(1e-9, rays.dot(rays.sub(eye, place), back));
-      return 2 * depth * Math.tan(VIEW_ANGLE * Math.PI / 360) / this.height;
+      return (2 * depth * Math.tan((VIEW_ANGLE * Math.PI) / 360)) / this.height;
     }
 
     // The whole of a ball in the picture.
     fit(centre, radius, smooth) {
       this.radius = radius;
-      const up = VIEW_ANGLE * Math.PI / 360, aside = Math.atan(Math.tan(up) * this.object.aspect);
+      const up = (VIEW_ANGLE * Math.PI) / 360;
+      const aside = Math.atan(Math.tan(up) * this.object.aspect);
       this.move({ target: centre, distance: radius / Math.sin(Math.min(up, aside)) }, smooth);
     }
 

@@ -3,12 +3,15 @@
 // `roundness` is the height of its caps in radii: 1 makes half balls, 0 flat ends. Radius 0 makes a tip.
 "use strict";
 const capsuleBatch = (() => {
-  const AROUND = 20, CAP = 4; // faces around the rod, rings of a cap
-  const RINGS = 2 * (CAP + 1), PER_ROD = RINGS * (AROUND + 1);
+  const AROUND = 20; // faces around the rod
+  const CAP = 4; // rings of a cap
+  const RINGS = 2 * (CAP + 1);
+  const PER_ROD = RINGS * (AROUND + 1);
 
   // A direction across another one.
   function across([x, y, z]) {
-    const other = Math.abs(x) < 0.6 ? [0, z, -y] : [-z, 0, x], by = 1 / Math.hypot(...other);
+    const other = Math.abs(x) < 0.6 ? [0, z, -y] : [-z, 0, x];
+    const by = 1 / Math.hypot(...other);
     return other.map(value => value * by);
   }
 
@@ -36,7 +39,8 @@ const capsuleBatch = (() => {
       for (let rod = 0; rod < rods; rod++) {
         for (let ring = 0; ring < RINGS - 1; ring++) {
           for (let i = 0; i < AROUND; i++) {
-            const at = rod * PER_ROD + ring * (AROUND + 1) + i, next = at + AROUND + 1;
+            const at = rod * PER_ROD + ring * (AROUND + 1) + i;
+            const next = at + AROUND + 1;
             index.push(at, next + 1, next, at, at + 1, next + 1);
           }
         }
@@ -56,14 +60,21 @@ const capsuleBatch = (() => {
 
     write({ a, b, radiusA, radiusB, roundness, colour }, rod) {
       const length = rays.length(rays.sub(b, a));
-      const w = length > 0 ? rays.sub(b, a).map(x => x / length) : [0, 0, 1], u = across(w);
+      const w = length > 0 ? rays.sub(b, a).map(x => x / length) : [0, 0, 1];
+      const u = across(w);
       const v = [w[1] * u[2] - w[2] * u[1], w[2] * u[0] - w[0] * u[2], w[0] * u[1] - w[1] * u[0]];
       let at = 3 * PER_ROD * rod;
       for (let ring = 0; ring < RINGS; ring++) {
-        const isB = ring > CAP, angle = Math.PI / 2 * (isB ? ring - CAP - 1 : ring - CAP) / CAP;
-        const end = isB ? b : a, radius = isB ? radiusB : radiusA, out = Math.cos(angle), up = Math.sin(angle);
+        const isB = ring > CAP;
+        const angle = ((Math.PI / 2) * (isB ? ring - CAP - 1 : ring - CAP)) / CAP;
+        const end = isB ? b : a;
+        const radius = isB ? radiusB : radiusA;
+        const out = Math.cos(angle);
+        const up = Math.sin(angle);
         for (let i = 0; i <= AROUND; i++) {
-          const turn = 2 * Math.PI * i / AROUND, c = Math.cos(turn), s = Math.sin(turn);
+          const turn = (2 * Math.PI * i) / AROUND;
+          const c = Math.cos(turn);
+          const s = Math.sin(turn);
           for (let k = 0; k < 3; k++, at++) {
             const side = c * u[k] + s * v[k];
             this.position[at] = end[k] + radius * (out * side + roundness * up * w[k]);

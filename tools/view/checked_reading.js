@@ -33,7 +33,8 @@ const checkedReading = (() => {
 
   // Typed numbers in place where their address allows it, else a copy.
   const typed = (Type, bytes, at, count) => {
-    const from = bytes.byteOffset + at, size = count * Type.BYTES_PER_ELEMENT;
+    const from = bytes.byteOffset + at;
+    const size = count * Type.BYTES_PER_ELEMENT;
     if (from % Type.BYTES_PER_ELEMENT === 0) return new Type(bytes.buffer, from, count);
     return new Type(bytes.slice(at, at + size).buffer);
   };

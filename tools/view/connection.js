@@ -3,7 +3,10 @@
 // refuses the token, and not after a run has ended.
 "use strict";
 const connection = (() => {
-  const REFUSED = 1008, FIRST_WAIT = 250, LONGEST_WAIT = 2000, PROTOCOL = "dynpoint"; // ms
+  const REFUSED = 1008;
+  const FIRST_WAIT = 250; // ms
+  const LONGEST_WAIT = 2000; // ms
+  const PROTOCOL = "dynpoint";
 
   class Connection {
     // on: { message(bytes), away(sentence), refused(sentence) }
@@ -17,7 +20,7 @@ const connection = (() => {
 
     join() {
       const address = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/`;
-      const socket = this.socket = new WebSocket(address, PROTOCOL);
+      const socket = (this.socket = new WebSocket(address, PROTOCOL));
       socket.binaryType = "arraybuffer";
       socket.onopen = () => {
         this.opened++;

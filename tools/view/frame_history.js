@@ -44,7 +44,8 @@ const frameHistory = (() => {
       }
       this.list.push({ bytes, time: snapshot.time, own: changed ? own : this.last.own });
       this.bytes += bytes.byteLength;
-      while (this.size > 1 && (this.bytes > this.mostBytes || this.last.time - this.get(0).time > this.mostSeconds)) this.drop();
+      while (this.size > 1 && (this.bytes > this.mostBytes || this.last.time - this.get(0).time > this.mostSeconds))
+        this.drop();
     }
 
     drop() {
@@ -58,7 +59,8 @@ const frameHistory = (() => {
 
     // The last frame that is not later than this time; 0 if all are.
     find(time) {
-      let low = 0, high = this.size;
+      let low = 0;
+      let high = this.size;
       while (low < high) {
         const middle = (low + high) >> 1;
         if (this.get(middle).time <= time) low = middle + 1;

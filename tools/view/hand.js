@@ -2,7 +2,8 @@
 // Steers a simulated hand: the last place that is wanted goes to the server, at most 60 times a second.
 "use strict";
 const hand = (() => {
-  const INTERVAL = 1000 / 60, FORGET = 1000; // ms
+  const INTERVAL = 1000 / 60; // ms
+  const FORGET = 1000; // ms
 
   class Hand {
     // place: () the tool's place now, or null; send(text)
@@ -29,7 +30,11 @@ const hand = (() => {
 
     moveBy(change, now) {
       const from = this.start(now);
-      if (from) this.want(from.map((value, k) => value + change[k]), now);
+      if (from)
+        this.want(
+          from.map((value, k) => value + change[k]),
+          now,
+        );
     }
 
     // Called with each picture too: the last place is never left unsent.

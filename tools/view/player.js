@@ -73,7 +73,7 @@ const player = (() => {
         return;
       }
       this.clock ??= { begun: now, time: this.history.get(this.index).time };
-      this.index = this.history.find(this.clock.time + (now - this.clock.begun) / 1000 * this.speed);
+      this.index = this.history.find(this.clock.time + ((now - this.clock.begun) / 1000) * this.speed);
       if (this.index === this.last && this.whole) this.pause();
     }
   }

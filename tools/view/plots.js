@@ -10,7 +10,12 @@ const plots = (() => {
     { name: "energy", label: "Energy", unit: "mJ", times: 1e3, least: 0.1 },
     { name: "late", label: "Lateness", unit: "ms", times: 1e3, least: 0.01 },
   ];
-  const LEFT = 46, RIGHT = 10, TOP = 22, GAP = 16, BOTTOM = 20; // pixels
+  // Pixels round the plots and between them.
+  const LEFT = 46;
+  const RIGHT = 10;
+  const TOP = 22;
+  const GAP = 16;
+  const BOTTOM = 20;
   const SILENCE = 0.05; // s: ticks further apart than this, and than three usual steps, are not joined
 
   class Plots {
@@ -41,11 +46,19 @@ const plots = (() => {
     layout() {
       const { width, height } = this;
       const each = Math.max(8, (height - BOTTOM - KINDS.length * TOP - (KINDS.length - 1) * GAP + 4) / KINDS.length);
-      return KINDS.map((kind, i) => ({ ...kind, x: LEFT, y: TOP + i * (each + TOP + GAP - 4), w: Math.max(1, width - LEFT - RIGHT), h: each }));
+      return KINDS.map((kind, i) => ({
+        ...kind,
+        x: LEFT,
+        y: TOP + i * (each + TOP + GAP - 4),
+        w: Math.max(1, width - LEFT - RIGHT),
+        h: each,
+      }));
     }
 
     resize() {
-      const width = this.canvas.clientWidth, height = this.canvas.clientHeight, ratio = Math.min(2, devicePixelRatio);
+      const width = this.canvas.clientWidth;
+      const height = this.canvas.clientHeight;
+      const ratio = Math.min(2, devicePixelRatio);
       if (width === this.width && height === this.height && ratio === this.ratio) return;
       Object.assign(this, { width, height, ratio, stale: true });
       this.canvas.width = Math.round(width * ratio);
@@ -56,7 +69,7 @@ const plots = (() => {
     }
 
     xOf(time) {
-      return LEFT + (time - this.from) / (this.to - this.from) * (this.width - LEFT - RIGHT);
+      return LEFT + ((time - this.from) / (this.to - this.from)) * (this.width - LEFT - RIGHT);
     }
 
     timeAt(x) {
@@ -77,8 +90,12 @@ const plots = (() => {
       if (cursor === null || cursor < this.from || cursor > this.to) return;
       context.fillStyle = this.colours.cursor;
       context.globalAlpha = 0.6;
-      context.fillRect(Math.round(this.xOf(cursor) * this.ratio), TOP * this.ratio, Math.max(1, this.ratio),
-        (this.height - TOP - BOTTOM) * this.ratio);
+      context.fillRect(
+        Math.round(this.xOf(cursor) * this.ratio),
+        TOP * this.ratio,
+        Math.max(1, this.ratio),
+        (this.height - TOP - BOTTOM) * this.ratio,
+      );
       context.globalAlpha = 1;
     }
 
@@ -96,7 +113,8 @@ const plots = (() => {
     drawPlot(context, plot) {
       const { name, label, unit, times, least, x, y, w, h } = plot;
       const columns = this.history.summary(name, this.from, this.to, Math.max(1, Math.round(w * this.ratio)));
-      let low = 0, high = 0;
+      let low = 0;
+      let high = 0;
       for (let i = 0; i < columns.most.length; i++) {
         if (columns.most[i] * times > high) high = columns.most[i] * times;
         if (columns.least[i] * times < low) low = columns.least[i] * times;
@@ -104,7 +122,8 @@ const plots = (() => {
       high = Math.max(scale.roundUp(high), low < 0 ? 0 : least);
       low = -scale.roundUp(-low);
       this.scales[name] = { low, high, x, y, w, h, times };
-      const { values, decimals } = scale.ticks(low, high, h > 60 ? 4 : 2), yOf = value => y + h * (1 - (value - low) / (high - low));
+      const { values, decimals } = scale.ticks(low, high, h > 60 ? 4 : 2);
+      const yOf = value => y + h * (1 - (value - low) / (high - low));
       context.textBaseline = "middle";
       context.textAlign = "right";
       for (const value of values) {
@@ -130,7 +149,8 @@ const plots = (() => {
 
     // Through each column's first, least, most and last value: the line looks as if every tick were joined.
     drawLine(context, { first, least, most, last, begins, ends }, yOf, { name, x, w }) {
-      const step = w / first.length, usual = (this.to - this.from) / Math.max(1, this.history.size);
+      const step = w / first.length;
+      const usual = (this.to - this.from) / Math.max(1, this.history.size);
       const silence = Math.max(SILENCE, 3 * Math.min(usual, 1));
       context.strokeStyle = this.colours[name];
       context.lineWidth = 1.25;
@@ -152,7 +172,8 @@ const plots = (() => {
       context.fillStyle = this.colours.text;
       context.textBaseline = "alphabetic";
       values.forEach((value, i) => {
-        const at = this.xOf(value), text = `${value.toFixed(decimals)}${i === values.length - 1 ? " s" : ""}`;
+        const at = this.xOf(value);
+        const text = `${value.toFixed(decimals)}${i === values.length - 1 ? " s" : ""}`;
         context.textAlign = at > x + w - 14 ? "right" : at < x + 14 ? "left" : "center";
         context.fillText(text, Math.min(at, x + w), y + h + 16);
       });

@@ -2,7 +2,11 @@
 // Mouse, pen and fingers on the picture: rotate, pan, zoom, pick, and drag the handle of a simulated hand.
 "use strict";
 const pointers = (() => {
-  const TURN = 0.007, STILL = 4, CLICK = 500, GRAB = 14, GRAB_FINGER = 26; // radians a pixel, pixels, ms, pixels
+  const TURN = 0.007; // radians a pixel
+  const STILL = 4; // pixels that a click may move
+  const CLICK = 500; // ms
+  const GRAB = 14; // pixels from the handle
+  const GRAB_FINGER = 26;
 
   const middle = (a, b) => [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
   const apart = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
@@ -27,19 +31,31 @@ const pointers = (() => {
         gesture = { kind: "pinch", at: middle(first, second), apart: apart(first, second) };
         return;
       }
-      const handle = on.handle(), near = event.pointerType === "touch" ? GRAB_FINGER : GRAB;
+      const handle = on.handle();
+      const near = event.pointerType === "touch" ? GRAB_FINGER : GRAB;
       const from = handle && apart(handle, first) <= near ? on.hand.start(event.timeStamp) : null;
       const pans = event.button !== 0 || event.shiftKey;
-      gesture = { kind: from ? "hand" : pans ? "pan" : "rotate", at: first, from, start: first, moved: false,
-        click: event.button === 0 && !from, begun: event.timeStamp };
+      gesture = {
+        kind: from ? "hand" : pans ? "pan" : "rotate",
+        at: first,
+        from,
+        start: first,
+        moved: false,
+        click: event.button === 0 && !from,
+        begun: event.timeStamp,
+      };
     }
 
     function move(event) {
       if (!down.has(event.pointerId) || !gesture) return;
-      const place = at(event), view = on.camera(), [x, y] = gesture.at;
+      const place = at(event);
+      const view = on.camera();
+      const [x, y] = gesture.at;
       down.set(event.pointerId, place);
       if (gesture.kind === "pinch") {
-        const [first, second] = [...down.values()], centre = middle(first, second), wide = apart(first, second);
+        const [first, second] = [...down.values()];
+        const centre = middle(first, second);
+        const wide = apart(first, second);
         view.pan(centre[0] - x, centre[1] - y);
         if (wide > 0 && gesture.apart > 0) view.zoom(gesture.apart / wide);
         gesture = { kind: "pinch", at: centre, apart: wide };
@@ -50,12 +66,15 @@ const pointers = (() => {
       gesture.at = place;
       if (gesture.kind === "rotate") view.rotate(-TURN * (place[0] - x), TURN * (place[1] - y));
       if (gesture.kind === "pan") view.pan(place[0] - x, place[1] - y);
-      if (gesture.kind === "hand") on.hand.want(moved(gesture.from, place[0] - gesture.start[0], place[1] - gesture.start[1]), event.timeStamp);
+      if (gesture.kind === "hand")
+        on.hand.want(moved(gesture.from, place[0] - gesture.start[0], place[1] - gesture.start[1]), event.timeStamp);
     }
 
     // A place moved by pixels, in the plane of the screen.
     function moved(place, aside, below) {
-      const view = on.camera(), by = view.pixelSize(place), { right, above } = view.axes();
+      const view = on.camera();
+      const by = view.pixelSize(place);
+      const { right, above } = view.axes();
       return place.map((value, k) => value + by * (aside * right[k] - below * above[k]));
     }
 
@@ -72,11 +91,15 @@ const pointers = (() => {
     canvas.addEventListener("pointerup", end);
     canvas.addEventListener("pointercancel", end);
     canvas.addEventListener("contextmenu", event => event.preventDefault());
-    canvas.addEventListener("wheel", event => {
-      event.preventDefault();
-      const lines = [1, 20, 400][event.deltaMode] ?? 1;
-      on.camera()?.zoom(Math.exp(0.0012 * Math.max(-400, Math.min(400, lines * event.deltaY))));
-    }, { passive: false });
+    canvas.addEventListener(
+      "wheel",
+      event => {
+        event.preventDefault();
+        const lines = [1, 20, 400][event.deltaMode] ?? 1;
+        on.camera()?.zoom(Math.exp(0.0012 * Math.max(-400, Math.min(400, lines * event.deltaY))));
+      },
+      { passive: false },
+    );
   }
 
   return { attach };

@@ -3,16 +3,33 @@
 "use strict";
 window.dynpoint = (() => {
   const { own, play, plot, element } = viewer;
-  const pictureOf = ask => place => own.view ? ask(place) : null;
+  const pictureOf = ask => place => (own.view ? ask(place) : null);
 
   return {
-    state: () => ({ mode: own.scene?.mode ?? null, frames: viewer.history.size, ticks: viewer.ticks.size, index: play.index,
-      playing: play.playing, live: play.live, steps: own.frame?.snapshot.steps ?? null, number: own.frame?.number ?? null,
-      time: own.shown?.time ?? null, drawn: own.drawn, drawnRate: own.drawnRate, refused: own.refused, ended: own.ended,
-      opened: own.connection?.opened ?? 0, picked: own.picked, theme: document.documentElement.dataset.theme,
-      notice: element("notice").textContent, bytes: viewer.history.bytes, speed: play.speed }),
+    state: () => ({
+      mode: own.scene?.mode ?? null,
+      frames: viewer.history.size,
+      ticks: viewer.ticks.size,
+      index: play.index,
+      playing: play.playing,
+      live: play.live,
+      steps: own.frame?.snapshot.steps ?? null,
+      number: own.frame?.number ?? null,
+      time: own.shown?.time ?? null,
+      drawn: own.drawn,
+      drawnRate: own.drawnRate,
+      refused: own.refused,
+      ended: own.ended,
+      opened: own.connection?.opened ?? 0,
+      picked: own.picked,
+      theme: document.documentElement.dataset.theme,
+      notice: element("notice").textContent,
+      bytes: viewer.history.bytes,
+      speed: play.speed,
+    }),
     scales: () => own.view && { ...own.view.scales },
-    camera: () => own.view && { ...own.view.camera.state, up: own.view.camera.up, gliding: own.view.camera.glide !== null },
+    camera: () =>
+      own.view && { ...own.view.camera.state, up: own.view.camera.up, gliding: own.view.camera.glide !== null },
     arrows: () => own.view?.tools.arrows ?? [],
     project: pictureOf(place => own.view.project(place)), // pixels of the picture from its upper left corner
     pixel: pictureOf(place => own.view.pixel(own.view.project(place))), // the colour at a place of the scene
@@ -35,7 +52,9 @@ window.dynpoint = (() => {
   }
 
   function timeDrawing(count, moving) {
-    const { view } = own, bodies = [...view.bodies.values()], begun = performance.now();
+    const { view } = own;
+    const bodies = [...view.bodies.values()];
+    const begun = performance.now();
     const before = bodies.map(body => body.positions);
     for (let i = 0; i < count; i++) {
       if (moving) bodies.forEach(body => body.setVertices(body.positions.slice()));

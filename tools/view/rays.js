@@ -10,18 +10,28 @@ const rays = (() => {
 
   // The part 0..1 of the stretch ab that is nearest to p.
   function nearestPart(a, b, p) {
-    const ab = sub(b, a), square = dot(ab, ab);
+    const ab = sub(b, a);
+    const square = dot(ab, ab);
     return square > 0 ? Math.min(1, Math.max(0, dot(sub(p, a), ab) / square)) : 0;
   }
 
   // The rotation matrix, by rows, of a pose [x y z, w x y z]; null if the pose cannot be used.
   function rotation(pose) {
-    const [w, x, y, z] = pose.slice(3), square = w * w + x * x + y * y + z * z;
+    const [w, x, y, z] = pose.slice(3);
+    const square = w * w + x * x + y * y + z * z;
     if (!isPlace(pose) || !(square > 1e-12)) return null;
     const s = 2 / square;
-    return [1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y),
-      s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x),
-      s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)];
+    return [
+      1 - s * (y * y + z * z),
+      s * (x * y - w * z),
+      s * (x * z + w * y),
+      s * (x * y + w * z),
+      1 - s * (x * x + z * z),
+      s * (y * z - w * x),
+      s * (x * z - w * y),
+      s * (y * z + w * x),
+      1 - s * (x * x + y * y),
+    ];
   }
 
   const turn = (m, v) => [0, 3, 6].map(row => m[row] * v[0] + m[row + 1] * v[1] + m[row + 2] * v[2]);
@@ -29,19 +39,37 @@ const rays = (() => {
 
   // { triangle, t } of the nearest triangle on origin + t direction, t > 0, seen from either side; null if none is.
   function firstTriangle(positions, corners, origin, direction) {
-    const [ox, oy, oz] = origin, [dx, dy, dz] = direction;
-    let nearest = Infinity, triangle = -1;
+    const [ox, oy, oz] = origin;
+    const [dx, dy, dz] = direction;
+    let nearest = Infinity;
+    let triangle = -1;
     for (let i = 0; i < corners.length; i += 3) {
-      const a = 3 * corners[i], b = 3 * corners[i + 1], c = 3 * corners[i + 2];
-      const ax = positions[a], ay = positions[a + 1], az = positions[a + 2];
-      const ux = positions[b] - ax, uy = positions[b + 1] - ay, uz = positions[b + 2] - az;
-      const vx = positions[c] - ax, vy = positions[c + 1] - ay, vz = positions[c + 2] - az;
-      const px = dy * vz - dz * vy, py = dz * vx - dx * vz, pz = dx * vy - dy * vx;
-      const volume = ux * px + uy * py + uz * pz, tx = ox - ax, ty = oy - ay, tz = oz - az;
+      const a = 3 * corners[i];
+      const b = 3 * corners[i + 1];
+      const c = 3 * corners[i + 2];
+      const ax = positions[a];
+      const ay = positions[a + 1];
+      const az = positions[a + 2];
+      const ux = positions[b] - ax;
+      const uy = positions[b + 1] - ay;
+      const uz = positions[b + 2] - az;
+      const vx = positions[c] - ax;
+      const vy = positions[c + 1] - ay;
+      const vz = positions[c + 2] - az;
+      const px = dy * vz - dz * vy;
+      const py = dz * vx - dx * vz;
+      const pz = dx * vy - dy * vx;
+      const volume = ux * px + uy * py + uz * pz;
+      const tx = ox - ax;
+      const ty = oy - ay;
+      const tz = oz - az;
       const first = (tx * px + ty * py + tz * pz) / volume;
       if (!(first >= 0 && first <= 1)) continue;
-      const qx = ty * uz - tz * uy, qy = tz * ux - tx * uz, qz = tx * uy - ty * ux;
-      const second = (dx * qx + dy * qy + dz * qz) / volume, t = (vx * qx + vy * qy + vz * qz) / volume;
+      const qx = ty * uz - tz * uy;
+      const qy = tz * ux - tx * uz;
+      const qz = tx * uy - ty * ux;
+      const second = (dx * qx + dy * qy + dz * qz) / volume;
+      const t = (vx * qx + vy * qy + vz * qz) / volume;
       if (second >= 0 && first + second <= 1 && t > 0 && t < nearest) {
         nearest = t;
         triangle = i / 3;
@@ -54,31 +82,77 @@ const rays = (() => {
   function makeNormals(positions, corners, normals) {
     normals.fill(0);
     for (let i = 0; i < corners.length; i += 3) {
-      const a = 3 * corners[i], b = 3 * corners[i + 1], c = 3 * corners[i + 2];
-      const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
-      const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
-      const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
-      normals[a] += x; normals[a + 1] += y; normals[a + 2] += z;
-      normals[b] += x; normals[b + 1] += y; normals[b + 2] += z;
-      normals[c] += x; normals[c + 1] += y; normals[c + 2] += z;
+      const a = 3 * corners[i];
+      const b = 3 * corners[i + 1];
+      const c = 3 * corners[i + 2];
+      const ux = positions[b] - positions[a];
+      const uy = positions[b + 1] - positions[a + 1];
+      const uz = positions[b + 2] - positions[a + 2];
+      const vx = positions[c] - positions[a];
+      const vy = positions[c + 1] - positions[a + 1];
+      const vz = positions[c + 2] - positions[a + 2];
+      const x = uy * vz - uz * vy;
+      const y = uz * vx - ux * vz;
+      const z = ux * vy - uy * vx;
+      normals[a] += x;
+      normals[a + 1] += y;
+      normals[a + 2] += z;
+      normals[b] += x;
+      normals[b + 1] += y;
+      normals[b + 2] += z;
+      normals[c] += x;
+      normals[c + 1] += y;
+      normals[c + 2] += z;
     }
     for (let i = 0; i < normals.length; i += 3) {
-      const x = normals[i], y = normals[i + 1], z = normals[i + 2], by = 1 / (Math.sqrt(x * x + y * y + z * z) || 1);
-      normals[i] = x * by; normals[i + 1] = y * by; normals[i + 2] = z * by;
+      const x = normals[i];
+      const y = normals[i + 1];
+      const z = normals[i + 2];
+      const by = 1 / (Math.sqrt(x * x + y * y + z * z) || 1);
+      normals[i] = x * by;
+      normals[i + 1] = y * by;
+      normals[i + 2] = z * by;
     }
+  }
+
+  // The lengths of the box that holds all places.
+  function extent(positions) {
+    const least = [Infinity, Infinity, Infinity];
+    const most = least.map(() => -Infinity);
+    positions.forEach((value, i) => {
+      least[i % 3] = Math.min(least[i % 3], value);
+      most[i % 3] = Math.max(most[i % 3], value);
+    });
+    return positions.length > 0 ? sub(most, least) : [0, 0, 0];
   }
 
   // Whether each edge has one triangle on either side, wound alike: then no back of a triangle is seen from outside.
   function isClosed(corners) {
-    const edges = new Set(), key = (a, b) => a * 4294967296 + b;
+    const edges = new Set();
+    const key = (a, b) => a * 4294967296 + b;
     for (let i = 0; i < corners.length; i++) {
       const edge = key(corners[i], corners[i % 3 === 2 ? i - 2 : i + 1]);
       if (edges.has(edge)) return false;
       edges.add(edge);
     }
-    for (let i = 0; i < corners.length; i++) if (!edges.has(key(corners[i % 3 === 2 ? i - 2 : i + 1], corners[i]))) return false;
+    for (let i = 0; i < corners.length; i++)
+      if (!edges.has(key(corners[i % 3 === 2 ? i - 2 : i + 1], corners[i]))) return false;
     return true;
   }
 
-  return { sub, dot, length, along, isPlace, nearestPart, rotation, turn, turnBack, firstTriangle, makeNormals, isClosed };
+  return {
+    sub,
+    dot,
+    length,
+    along,
+    isPlace,
+    nearestPart,
+    rotation,
+    turn,
+    turnBack,
+    firstTriangle,
+    makeNormals,
+    isClosed,
+    extent,
+  };
 })();

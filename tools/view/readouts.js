@@ -4,27 +4,44 @@
 const readouts = (() => {
   const CONTACT = ["unknown", "separated", "touching", "penetrating"];
   const STATUS = ["stale", "local", "bounded", "exact"];
-  const REASON = ["acts", "free: nothing is near", "stale: there is no valid input", "undecided: on which side is not known",
-    "off: switched off", "inside: it began in a body"];
-  const LEFT_OUT = [[1, "contacts"], [2, "strip triangles"], [4, "vertices"]];
+  const REASON = [
+    "acts",
+    "free: nothing is near",
+    "stale: there is no valid input",
+    "undecided: on which side is not known",
+    "off: switched off",
+    "inside: it began in a body",
+  ];
+  const LEFT_OUT = [
+    [1, "contacts"],
+    [2, "strip triangles"],
+    [4, "vertices"],
+  ];
   const HIT_KNOWN = 1;
   const word = (words, number) => words[number] ?? `unknown (${number})`;
-  const fixed = (value, decimals, unit) => Number.isFinite(value) ? `${value.toFixed(decimals)} ${unit}` : "\u2013";
+  const fixed = (value, decimals, unit) => (Number.isFinite(value) ? `${value.toFixed(decimals)} ${unit}` : "\u2013");
   const millimetres = value => fixed(1e3 * value, 3, "mm");
-  const hertz = value => value > 0 ? fixed(value, 0, "Hz") : "\u2013";
-  const time = seconds => Number.isFinite(seconds) ? `${seconds.toFixed(3)} s` : "\u2013";
+  const hertz = value => (value > 0 ? fixed(value, 0, "Hz") : "\u2013");
+  const time = seconds => (Number.isFinite(seconds) ? `${seconds.toFixed(3)} s` : "\u2013");
   const coordinates = place => place.map(value => (1e3 * value).toFixed(2).padStart(9)).join("");
 
   // The number in the list of all segments of the one that is nearest.
-  const segmentOf = (snapshot, tool) => tool && tool.nearestSegment < tool.segments ?
-    snapshot.segments[tool.firstSegment + tool.nearestSegment] : undefined;
+  const segmentOf = (snapshot, tool) =>
+    tool && tool.nearestSegment < tool.segments
+      ? snapshot.segments[tool.firstSegment + tool.nearestSegment]
+      : undefined;
 
   // Name of a readout: its text, for a frame, one of its tools and what the page itself counts.
   function texts(frame, index, page) {
-    const { snapshot } = frame, tool = snapshot.tools[index], segment = segmentOf(snapshot, tool);
-    const last = frame.ticks[frame.ticks.length - 1], force = tool ? rays.length(tool.wrench.slice(0, 3)) : NaN;
+    const { snapshot } = frame;
+    const tool = snapshot.tools[index];
+    const segment = segmentOf(snapshot, tool);
+    const last = frame.ticks[frame.ticks.length - 1];
+    const force = tool ? rays.length(tool.wrench.slice(0, 3)) : NaN;
     const known = segment && segment.flags & HIT_KNOWN;
-    const left = LEFT_OUT.filter(([bit]) => snapshot.flags & bit).map(([, what]) => what).join(", ");
+    const left = LEFT_OUT.filter(([bit]) => snapshot.flags & bit)
+      .map(([, what]) => what)
+      .join(", ");
     return {
       tick: snapshot.steps.toLocaleString("en"),
       time: time(snapshot.time),
@@ -53,7 +70,9 @@ const readouts = (() => {
 
   class Readouts {
     constructor(root) {
-      this.fields = new Map([...root.querySelectorAll("[data-readout]")].map(field => [field.dataset.readout, field]));
+      this.fields = new Map(
+        [...root.querySelectorAll("[data-readout]")].map(field => [field.dataset.readout, field]),
+      );
     }
 
     show(all) {

@@ -6,10 +6,22 @@ const sceneView = (() => {
   // Multisampling costs more than half of the pictures a second where a processor draws.
   const SMOOTH = 20000; // triangles: a larger scene has no multisampling anywhere
   const PROCESSOR = /SwiftShader|llvmpipe|softpipe|Basic Render|Software/i;
-  const COLOURS = ["background", "organ", "device", "proxy", "pair", "force", "strip", "picked", "workspace", "handle"];
+  const COLOURS = [
+    "background",
+    "organ",
+    "device",
+    "proxy",
+    "pair",
+    "force",
+    "strip",
+    "picked",
+    "workspace",
+    "handle",
+  ];
 
   function isDrawnByProcessor() {
-    const gl = document.createElement("canvas").getContext("webgl2"), names = gl?.getExtension("WEBGL_debug_renderer_info");
+    const gl = document.createElement("canvas").getContext("webgl2");
+    const names = gl?.getExtension("WEBGL_debug_renderer_info");
     const name = names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
     gl?.getExtension("WEBGL_lose_context")?.loseContext();
     return PROCESSOR.test(name);
@@ -20,13 +32,23 @@ const sceneView = (() => {
     constructor(canvas, scene) {
       this.canvas = canvas;
       const triangles = scene.bodies.reduce((sum, body) => sum + scene.meshes[body.mesh].triangles, 0);
-      this.renderer = new THREE.WebGLRenderer({ canvas, antialias: triangles <= SMOOTH && !isDrawnByProcessor(), powerPreference: "high-performance" });
+      this.renderer = new THREE.WebGLRenderer({
+        canvas,
+        antialias: triangles <= SMOOTH && !isDrawnByProcessor(),
+        powerPreference: "high-performance",
+      });
       this.three = new THREE.Scene();
-      this.camera = new camera.Camera(() => { this.dirty = true; });
+      this.camera = new camera.Camera(() => {
+        this.dirty = true;
+      });
       this.sun = new THREE.DirectionalLight(0xffffff, 2.1);
       this.three.add(new THREE.HemisphereLight(0xffffff, 0x8c92a4, 1.6), this.sun, this.sun.target);
-      this.materials = { closed: new THREE.MeshLambertMaterial(), open: new THREE.MeshLambertMaterial({ side: THREE.DoubleSide }),
-        strip: this.overlay(0.55, 1), picked: this.overlay(0.85, 2) };
+      this.materials = {
+        closed: new THREE.MeshLambertMaterial(),
+        open: new THREE.MeshLambertMaterial({ side: THREE.DoubleSide }),
+        strip: this.overlay(0.55, 1),
+        picked: this.overlay(0.85, 2),
+      };
       this.tools = new toolView.ToolView();
       this.strip = new Highlight(this.materials.strip);
       this.pickedMark = new Highlight(this.materials.picked);
@@ -34,21 +56,39 @@ const sceneView = (() => {
       this.bodies = new Map();
       this.scales = { radius: 1, force: 1, depth: 1, control: false };
       this.setScene(scene);
+      canvas.addEventListener("webglcontextrestored", () => {
+        this.dirty = true;
+      });
     }
 
     overlay(opacity, order) {
-      return Object.assign(new THREE.MeshBasicMaterial({ transparent: true, opacity, side: THREE.DoubleSide, depthWrite: false,
-        polygonOffset: true, polygonOffsetFactor: -2 * order, polygonOffsetUnits: -2 * order }), { userData: { order: order - 3 } });
+      return Object.assign(
+        new THREE.MeshBasicMaterial({
+          transparent: true,
+          opacity,
+          side: THREE.DoubleSide,
+          depthWrite: false,
+          polygonOffset: true,
+          polygonOffsetFactor: -2 * order,
+          polygonOffsetUnits: -2 * order,
+        }),
+        { userData: { order: order - 3 } },
+      );
     }
 
+    // The camera stays where it is if the same scene comes again, from a server that was away.
     setScene(scene) {
+      const again = this.scene?.title === scene.title && this.scene.up === scene.up;
       for (const view of this.bodies.values()) {
         this.three.remove(view.object);
         view.dispose();
       }
-      const materials = scene.meshes.map(({ corners }) => rays.isClosed(corners) ? this.materials.closed : this.materials.open);
-      this.bodies = new Map(scene.bodies.map(body =>
-        [body.id, new BodyView(body, scene.meshes[body.mesh], materials[body.mesh])]));
+      const materials = scene.meshes.map(({ corners }) =>
+        rays.isClosed(corners) ? this.materials.closed : this.materials.open,
+      );
+      this.bodies = new Map(
+        scene.bodies.map(body => [body.id, new BodyView(body, scene.meshes[body.mesh], materials[body.mesh])]),
+      );
       for (const view of this.bodies.values()) this.three.add(view.object);
       if (this.box) this.three.remove(this.box);
       this.box = this.workspaceBox(scene.device?.workspace);
@@ -60,13 +100,16 @@ const sceneView = (() => {
       this.camera.up = scene.up;
       this.readColours();
       this.show(null, new Map());
-      this.fit(false);
+      if (!again) this.fit(false);
     }
 
     workspaceBox(box) {
       if (!box) return null;
-      const [x, y, z, toX, toY, toZ] = box, lines = new THREE.LineSegments(new THREE.EdgesGeometry(
-        new THREE.BoxGeometry(toX - x, toY - y, toZ - z)), new THREE.LineBasicMaterial({ transparent: true, opacity: 0.7 }));
+      const [x, y, z, toX, toY, toZ] = box;
+      const lines = new THREE.LineSegments(
+        new THREE.EdgesGeometry(new THREE.BoxGeometry(toX - x, toY - y, toZ - z)),
+        new THREE.LineBasicMaterial({ transparent: true, opacity: 0.7 }),
+      );
       lines.position.set((x + toX) / 2, (y + toY) / 2, (z + toZ) / 2);
       return lines;
     }
@@ -91,7 +134,8 @@ const sceneView = (() => {
       for (const [id, view] of this.bodies) view.setVertices(own.get(id));
       const strip = [];
       for (const { body, triangle } of snapshot?.strips ?? []) {
-        const view = this.bodies.get(body), index = view?.triangleOf(triangle);
+        const view = this.bodies.get(body);
+        const index = view?.triangleOf(triangle);
         if (index !== undefined && view.rotation) strip.push([view, index]);
       }
       this.strip.show(strip);
@@ -107,7 +151,9 @@ const sceneView = (() => {
 
     // The ball round all bodies and the workspace.
     bounds() {
-      const least = [Infinity, Infinity, Infinity], most = least.map(() => -Infinity), box = this.scene.device?.workspace;
+      const least = [Infinity, Infinity, Infinity];
+      const most = least.map(() => -Infinity);
+      const box = this.scene.device?.workspace;
       for (const view of this.bodies.values()) view.growBox(least, most);
       for (const corner of box ? [box.slice(0, 3), box.slice(3)] : []) {
         corner.forEach((value, k) => {
@@ -116,7 +162,10 @@ const sceneView = (() => {
         });
       }
       if (!(least[0] <= most[0])) return { centre: [0, 0, 0], radius: 1 };
-      return { centre: least.map((value, k) => (value + most[k]) / 2), radius: Math.max(1e-6, rays.length(rays.sub(most, least)) / 2) };
+      return {
+        centre: least.map((value, k) => (value + most[k]) / 2),
+        radius: Math.max(1e-6, rays.length(rays.sub(most, least)) / 2),
+      };
     }
 
     fit(smooth) {
@@ -127,8 +176,11 @@ const sceneView = (() => {
     }
 
     resize() {
-      const width = this.canvas.clientWidth, height = this.canvas.clientHeight, ratio = Math.min(2, devicePixelRatio);
-      if (width === 0 || height === 0 || (width === this.width && height === this.height && ratio === this.ratio)) return;
+      const width = this.canvas.clientWidth;
+      const height = this.canvas.clientHeight;
+      const ratio = Math.min(2, devicePixelRatio);
+      if (width === 0 || height === 0 || (width === this.width && height === this.height && ratio === this.ratio))
+        return;
       Object.assign(this, { width, height, ratio });
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(width, height, false);
@@ -141,9 +193,13 @@ const sceneView = (() => {
       if (!(this.dirty || always) || !this.width) return false;
       this.dirty = false;
       this.tools.draw(this.snapshot, this.colours, this.camera, this.scales);
-      const { right, above, back } = this.camera.axes(), { radius } = this.scales, { target } = this.camera.state;
+      const { right, above, back } = this.camera.axes();
+      const { radius } = this.scales;
+      const { target } = this.camera.state;
       this.sun.target.position.set(...target);
-      this.sun.position.set(...target.map((value, k) => value + radius * (2 * back[k] + 1.1 * above[k] - 0.7 * right[k])));
+      this.sun.position.set(
+        ...target.map((value, k) => value + radius * (2 * back[k] + 1.1 * above[k] - 0.7 * right[k])),
+      );
       this.renderer.render(this.three, this.camera.object);
       return true;
     }
@@ -151,12 +207,14 @@ const sceneView = (() => {
     // Pixels of the page from the picture's upper left corner; null behind the camera.
     project(place) {
       const p = new THREE.Vector3(...place).project(this.camera.object);
-      return p.z < 1 ? [(p.x + 1) / 2 * this.width, (1 - p.y) / 2 * this.height] : null;
+      return p.z < 1 ? [((p.x + 1) / 2) * this.width, ((1 - p.y) / 2) * this.height] : null;
     }
 
     ray([x, y]) {
       const eye = this.camera.object.position.toArray();
-      const far = new THREE.Vector3(2 * x / this.width - 1, 1 - 2 * y / this.height, 0.5).unproject(this.camera.object).toArray();
+      const far = new THREE.Vector3((2 * x) / this.width - 1, 1 - (2 * y) / this.height, 0.5)
+        .unproject(this.camera.object)
+        .toArray();
       return { origin: eye, direction: rays.sub(far, eye) };
     }
 
@@ -175,16 +233,27 @@ const sceneView = (() => {
 
     // [red, green, blue] as drawn at a pixel. The buffer is gone after its frame, hence it is drawn here.
     pixel([x, y]) {
-      const gl = this.renderer.getContext(), rgba = new Uint8Array(4);
+      const gl = this.renderer.getContext();
+      const rgba = new Uint8Array(4);
       this.draw(true);
-      gl.readPixels(Math.floor(x * this.ratio), Math.floor((this.height - y) * this.ratio), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, rgba);
+      gl.readPixels(
+        Math.floor(x * this.ratio),
+        Math.floor((this.height - y) * this.ratio),
+        1,
+        1,
+        gl.RGBA,
+        gl.UNSIGNED_BYTE,
+        rgba,
+      );
       return [...rgba.subarray(0, 3)];
     }
 
     // A promise of a PNG.
     picture() {
       this.draw(true);
-      return new Promise(done => { this.canvas.toBlob(done, "image/png"); });
+      return new Promise(done => {
+        this.canvas.toBlob(done, "image/png");
+      });
     }
   }
 

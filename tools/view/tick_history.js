@@ -17,7 +17,8 @@ const tickHistory = (() => {
     }
 
     allocate(room) {
-      const before = this.columns, size = this.size;
+      const before = this.columns;
+      const size = this.size;
       const columns = { time: new Float64Array(room) };
       for (const name of NAMES) columns[name] = new Float32Array(room);
       if (before && size > 0) for (const name in columns) columns[name].set(before[name].subarray(0, size));
@@ -54,7 +55,8 @@ const tickHistory = (() => {
 
     // The first tick at this time or later; `size` if there is none.
     find(time) {
-      let low = 0, high = this.size;
+      let low = 0;
+      let high = this.size;
       while (low < high) {
         const middle = (low + high) >> 1;
         if (this.time(middle) < time) low = middle + 1;
@@ -66,12 +68,19 @@ const tickHistory = (() => {
     // For each of `count` equal stretches from `from` to `to`: first, least, most and last value, and the times of the
     // first and last; NaN where no tick has a number. The extremes of a column survive, however long it is.
     summary(name, from, to, count) {
-      const first = new Float32Array(count).fill(NaN), least = first.slice(), most = first.slice(), last = first.slice();
-      const begins = new Float64Array(count).fill(NaN), ends = begins.slice();
-      const values = this.columns[name], scale = count / (to - from);
+      const first = new Float32Array(count).fill(NaN);
+      const least = first.slice();
+      const most = first.slice();
+      const last = first.slice();
+      const begins = new Float64Array(count).fill(NaN);
+      const ends = begins.slice();
+      const values = this.columns[name];
+      const scale = count / (to - from);
       if (!(scale > 0)) return { first, least, most, last, begins, ends };
       for (let i = this.find(from); i < this.size; i++) {
-        const place = this.at(i), time = this.columns.time[place], value = values[place];
+        const place = this.at(i);
+        const time = this.columns.time[place];
+        const value = values[place];
         if (time > to) break;
         if (!Number.isFinite(value)) continue;
         const column = Math.min(count - 1, Math.floor((time - from) * scale));

@@ -24,14 +24,19 @@ const toolView = (() => {
     constructor() {
       // All are among the translucent, to be drawn in this order: what of the device's tool is hidden shines through the
       // organ, but not through the proxy and its bands, whose colours say something.
-      const clear = { transparent: true, depthWrite: false }, solid = { transparent: true };
+      const clear = { transparent: true, depthWrite: false };
+      const solid = { transparent: true };
       const hidden = material(THREE.MeshBasicMaterial, 0, { ...clear, opacity: 0.16, depthFunc: THREE.GreaterDepth });
       const front = material(THREE.MeshLambertMaterial, 3, { ...clear, opacity: 0.4 });
       this.proxy = new CapsuleBatch([material(THREE.MeshLambertMaterial, 1, solid)]);
-      this.bands = new CapsuleBatch([material(THREE.MeshBasicMaterial, 2, solid),
-        material(THREE.MeshBasicMaterial, 4, { ...clear, opacity: 0.35, depthFunc: THREE.GreaterDepth })]);
+      this.bands = new CapsuleBatch([
+        material(THREE.MeshBasicMaterial, 2, solid),
+        material(THREE.MeshBasicMaterial, 4, { ...clear, opacity: 0.35, depthFunc: THREE.GreaterDepth }),
+      ]);
       this.device = new CapsuleBatch([hidden, front]);
-      this.marks = new CapsuleBatch([material(THREE.MeshBasicMaterial, 6, { transparent: true, depthTest: false, depthWrite: false })]);
+      this.marks = new CapsuleBatch([
+        material(THREE.MeshBasicMaterial, 6, { transparent: true, depthTest: false, depthWrite: false }),
+      ]);
       this.batches = [this.proxy, this.bands, this.device, this.marks];
       this.objects = this.batches.flatMap(batch => batch.meshes);
       this.arrows = [];
@@ -62,14 +67,22 @@ const toolView = (() => {
 
     addContact(snapshot, contact, camera, scales) {
       const segment = snapshot.segments[snapshot.tools[contact.tool].firstSegment + contact.segment];
-      const { proxyA, proxyB } = segment, middle = rays.along(proxyA, proxyB, (contact.s0 + contact.s1) / 2);
+      const { proxyA, proxyB } = segment;
+      const middle = rays.along(proxyA, proxyB, (contact.s0 + contact.s1) / 2);
       if (!rays.isPlace(middle)) return;
-      const pixel = camera.pixelSize(middle), long = rays.length(rays.sub(proxyB, proxyA));
-      const more = long > 0 ? 1.5 * pixel / long : 0; // a contact in one point is seen too
+      const pixel = camera.pixelSize(middle);
+      const long = rays.length(rays.sub(proxyB, proxyA));
+      const more = long > 0 ? (1.5 * pixel) / long : 0; // a contact in one point is seen too
       const thick = Math.max(0, segment.radius || 0) + 2 * pixel;
       const rgb = new THREE.Color(`rgb(${scale.colour(depthOf(contact) / scales.depth).join(",")})`).toArray();
-      this.bands.add(rays.along(proxyA, proxyB, contact.s0 - more), rays.along(proxyA, proxyB, contact.s1 + more),
-        thick, thick, long > 0 ? 0 : 1, rgb);
+      this.bands.add(
+        rays.along(proxyA, proxyB, contact.s0 - more),
+        rays.along(proxyA, proxyB, contact.s1 + more),
+        thick,
+        thick,
+        long > 0 ? 0 : 1,
+        rgb,
+      );
     }
 
     addTool(snapshot, tool, colours, camera, scales) {
@@ -78,11 +91,14 @@ const toolView = (() => {
         const size = 7 * camera.pixelSize(handle);
         this.marks.add(handle, handle, size, size, 1, colours.handle);
       }
-      const from = forcePlace(snapshot, tool), force = tool.wrench.slice(0, 3), newtons = rays.length(force);
+      const from = forcePlace(snapshot, tool);
+      const force = tool.wrench.slice(0, 3);
+      const newtons = rays.length(force);
       if (!from || !(newtons > 0) || !Number.isFinite(newtons)) return;
       const length = ARROW * scales.radius * Math.min(1.5, newtons / scales.force);
-      const to = from.map((value, k) => value + length * force[k] / newtons);
-      const thick = 2.4 * camera.pixelSize(from), head = Math.min(length, 6 * thick);
+      const to = from.map((value, k) => value + (length * force[k]) / newtons);
+      const thick = 2.4 * camera.pixelSize(from);
+      const head = Math.min(length, 6 * thick);
       const neck = rays.along(to, from, head / length);
       this.marks.add(from, neck, thick, thick, 0, colours.force);
       this.marks.add(neck, to, 2.4 * thick, 0, 0, colours.force);

@@ -3,23 +3,54 @@
 // is shown.
 "use strict";
 const viewer = (() => {
-  const { FrameHistory } = frameHistory, { TickHistory } = tickHistory, { Player } = player;
-  const LIVE = { mostBytes: 400e6, mostSeconds: 30 }, RECORDING = { mostBytes: 1.5e9, mostSeconds: Infinity };
-  const LIVE_TICKS = 1 << 17, RECORDING_TICKS = 1 << 22;
+  const { FrameHistory } = frameHistory;
+  const { TickHistory } = tickHistory;
+  const { Player } = player;
+  const LIVE = { mostBytes: 400e6, mostSeconds: 30 };
+  const RECORDING = { mostBytes: 1.5e9, mostSeconds: Infinity };
+  const LIVE_TICKS = 1 << 17;
+  const RECORDING_TICKS = 1 << 22;
   const WINDOW = 10; // s of the plots of a running world
-  const NUMBERS_EVERY = 100, PLOTS_EVERY = 33; // ms between two while it plays
-  const LEAST_DEPTH = 1e-4, LEAST_FORCE = 0.1; // m, N: the ends of the scales of colour and arrow
+  const NUMBERS_EVERY = 100; // ms, while it plays
+  const PLOTS_EVERY = 33; // ms
+  const LEAST_DEPTH = 1e-4; // m: the least end of the scale of colours
+  const LEAST_FORCE = 0.1; // N: of the arrow's
   const THEMES = ["system", "dark", "light"];
   const element = id => document.getElementById(id);
 
-  const picture = element("picture"), slider = element("slider"), toolChoice = element("tool");
-  const own = { scene: null, view: null, connection: null, frame: null, shown: null, owed: 0, refused: 0, ended: null, away: false,
-    theme: 0, drawnRate: 0, drawn: 0, picked: null, deepest: 0, strongest: 0, scrubs: 0 };
-  let history = new FrameHistory(RECORDING), ticks = new TickHistory(RECORDING_TICKS);
-  const play = new Player(history, () => { own.timeChanged = true; });
-  const plot = new plots.Plots(element("plots"), ticks), numbers = new readouts.Readouts(element("numbers"));
-  const calm = matchMedia("(prefers-reduced-motion: reduce)"), darkSystem = matchMedia("(prefers-color-scheme: dark)");
-  let drawings = [], numbersAt = 0, plotsAt = 0, plotsDirty = true;
+  const picture = element("picture");
+  const slider = element("slider");
+  const toolChoice = element("tool");
+  const own = {
+    scene: null,
+    view: null,
+    connection: null,
+    frame: null,
+    shown: null,
+    owed: 0,
+    refused: 0,
+    ended: null,
+    away: false,
+    theme: 0,
+    drawnRate: 0,
+    drawn: 0,
+    picked: null,
+    deepest: 0,
+    strongest: 0,
+  };
+  let history = new FrameHistory(RECORDING);
+  let ticks = new TickHistory(RECORDING_TICKS);
+  const play = new Player(history, () => {
+    own.timeChanged = true;
+  });
+  const plot = new plots.Plots(element("plots"), ticks);
+  const numbers = new readouts.Readouts(element("numbers"));
+  const calm = matchMedia("(prefers-reduced-motion: reduce)");
+  const darkSystem = matchMedia("(prefers-color-scheme: dark)");
+  let drawings = [];
+  let numbersAt = 0;
+  let plotsAt = 0;
+  let plotsDirty = true;
 
   // A sentence above the picture, or none; the live region says it once.
   function notice(sentence) {
@@ -34,7 +65,6 @@ const viewer = (() => {
     element("status").textContent = sentence;
   }
 
-  const plural = (count, one) => `${count.toLocaleString("en")} ${one}${count === 1 ? "" : "s"}`;
   const selectedTool = () => Math.max(0, toolChoice.selectedIndex);
 
   function clearFrames() {
@@ -53,7 +83,9 @@ const viewer = (() => {
     document.title = `${scene.title} \u2013 dynpoint`;
     element("title").textContent = scene.title;
     element("program").textContent = scene.program;
-    element("device").textContent = scene.device ? `${scene.device.name}${scene.device.simulated ? ", simulated" : ""}` : "";
+    element("device").textContent = scene.device
+      ? `${scene.device.name}${scene.device.simulated ? ", simulated" : ""}`
+      : "";
     listMeshes(scene);
     clearFrames();
     unpick();
@@ -71,11 +103,30 @@ const viewer = (() => {
   function listMeshes(scene) {
     const row = (name, value) => {
       const line = document.createElement("div");
-      for (const [tag, text] of [["dt", name], ["dd", value]]) line.append(Object.assign(document.createElement(tag), { textContent: text }));
+      for (const [tag, text] of [
+        ["dt", name],
+        ["dd", value],
+      ])
+        line.append(Object.assign(document.createElement(tag), { textContent: text }));
       return line;
     };
-    element("facts").querySelector("dl").replaceChildren(...scene.meshes.map(mesh =>
-      row(mesh.name, `${plural(mesh.triangles, "triangle")}, ${mesh.vertices.toLocaleString("en")} vertices`)));
+    element("facts")
+      .querySelector("dl")
+      .replaceChildren(
+        ...scene.meshes.flatMap(mesh => [
+          row(
+            mesh.name,
+            `${mesh.triangles.toLocaleString("en")} triangles, ${mesh.vertices.toLocaleString("en")} vertices`,
+          ),
+          row(
+            "",
+            `${rays
+              .extent(mesh.positions)
+              .map(value => (1e3 * value).toFixed(1))
+              .join(" \u00d7 ")} mm`,
+          ),
+        ]),
+      );
   }
 
   function takeFrame(frame, bytes) {
@@ -83,7 +134,8 @@ const viewer = (() => {
     if (play.live && !play.playing && history.size > 0) return;
     history.add(frame, bytes);
     for (const tick of frame.ticks) ticks.add(tick);
-    for (const contact of frame.snapshot.contacts) own.deepest = Math.max(own.deepest, toolView.depthOf(contact) || 0);
+    for (const contact of frame.snapshot.contacts)
+      own.deepest = Math.max(own.deepest, toolView.depthOf(contact) || 0);
     for (const { force } of frame.ticks) if (force > own.strongest && force < Infinity) own.strongest = force;
     for (const { wrench } of frame.snapshot.tools) {
       const force = rays.length(wrench.slice(0, 3));
@@ -158,33 +210,57 @@ const viewer = (() => {
     element("deepest").textContent = own.view ? `${Number((1e3 * own.view.scales.depth).toPrecision(1))} mm` : "";
   }
 
-  const modeWords = () => own.ended && own.scene.mode === "live" ? "Ended" : play.live ? (play.playing ? "Live" : "Paused: the run goes on")
-    : own.scene?.mode === "recording" ? "Recording" : own.scene ? "Mesh" : "";
+  const modeWords = () =>
+    own.ended && own.scene.mode === "live"
+      ? "Ended"
+      : play.live
+        ? play.playing
+          ? "Live"
+          : "Paused: the run goes on"
+        : own.scene?.mode === "recording"
+          ? "Recording"
+          : own.scene
+            ? "Mesh"
+            : "";
 
   function showTime() {
     if (!own.timeChanged) return;
     own.timeChanged = false;
-    const chip = element("mode"), words = own.away ? "Away" : modeWords(), total = history.last?.time ?? 0;
+    const chip = element("mode");
+    const words = own.away ? "Away" : modeWords();
+    const total = history.last?.time ?? 0;
     chip.textContent = words;
     chip.title = own.ended ?? "";
     chip.dataset.state = words === "Live" ? "live" : "";
     element("play").textContent = play.playing ? "Pause" : "Play";
     slider.max = String(play.last);
     slider.value = String(play.index);
-    const at = own.shown?.time ?? 0, text = play.following ? readouts.time(at)
-      : play.live ? `${readouts.time(at)} (${(at - total).toFixed(2)} s)` : `${readouts.time(at)} of ${readouts.time(total)}`;
+    const at = own.shown?.time ?? 0;
+    const text = play.following
+      ? readouts.time(at)
+      : play.live
+        ? `${readouts.time(at)} (${(at - total).toFixed(2)} s)`
+        : `${readouts.time(at)} of ${readouts.time(total)}`;
     element("clock").textContent = text;
-    slider.setAttribute("aria-valuetext", `${readouts.time(at)}, frame ${play.index + 1} of ${history.size}`);
+    if (!play.playing)
+      slider.setAttribute("aria-valuetext", `${readouts.time(at)}, frame ${play.index + 1} of ${history.size}`);
     element("speed").value = String(play.speed);
   }
 
   function showPlots(now) {
     if (document.body.dataset.mode === "mesh" || !own.scene) return;
     if (play.live) {
-      const late = Math.max(ticks.to, own.shown?.time ?? 0), early = own.shown?.time ?? late;
-      const to = play.playing ? late : Math.min(late, Math.max(late - WINDOW, early) === early ? late : early + WINDOW / 2);
+      const late = Math.max(ticks.to, own.shown?.time ?? 0);
+      const early = own.shown?.time ?? late;
+      const to = play.playing
+        ? late
+        : Math.min(late, Math.max(late - WINDOW, early) === early ? late : early + WINDOW / 2);
       plot.setWindow(to - WINDOW, to);
-    } else plot.setWindow(Math.min(ticks.from, history.get(0)?.time ?? ticks.from), Math.max(ticks.to, history.last?.time ?? 0, ticks.from + 1e-3));
+    } else
+      plot.setWindow(
+        Math.min(ticks.from, history.get(0)?.time ?? ticks.from),
+        Math.max(ticks.to, history.last?.time ?? 0, ticks.from + 1e-3),
+      );
     if (plotsDirty && now - plotsAt >= PLOTS_EVERY) {
       plot.stale = true;
       plotsDirty = false;
@@ -207,7 +283,7 @@ const viewer = (() => {
     own.drawn++;
     drawings.push(now);
     while (drawings[0] < now - 1000) drawings.shift();
-    own.drawnRate = drawings.length > 1 ? 1000 * (drawings.length - 1) / (now - drawings[0]) : 0;
+    own.drawnRate = drawings.length > 1 ? (1000 * (drawings.length - 1)) / (now - drawings[0]) : 0;
   }
 
   function everyPicture(now) {
@@ -224,7 +300,10 @@ const viewer = (() => {
     requestAnimationFrame(everyPicture);
   }
 
-  const handlePlace = () => own.scene?.control && play.following ? own.frame?.snapshot.tools[selectedTool()]?.pose.slice(0, 3) ?? null : null;
+  const handlePlace = () =>
+    own.scene?.control && play.following
+      ? (own.frame?.snapshot.tools[selectedTool()]?.pose.slice(0, 3) ?? null)
+      : null;
   const theHand = new hand.Hand(handlePlace, text => own.connection?.send(text));
 
   function pick(at) {
@@ -254,9 +333,11 @@ const viewer = (() => {
 
   function setTheme(theme) {
     own.theme = theme;
-    const name = THEMES[theme], dark = name === "dark" || (name === "system" && darkSystem.matches);
+    const name = THEMES[theme];
+    const dark = name === "dark" || (name === "system" && darkSystem.matches);
     document.documentElement.dataset.theme = dark ? "dark" : "light";
     element("theme-name").textContent = name;
+    element("theme").setAttribute("aria-label", `Theme: ${name}`);
     own.view?.readColours();
     plot.readColours();
   }
@@ -264,7 +345,8 @@ const viewer = (() => {
   async function save() {
     const blob = await own.view?.picture();
     if (!blob) return;
-    const link = document.createElement("a"), address = URL.createObjectURL(blob);
+    const link = document.createElement("a");
+    const address = URL.createObjectURL(blob);
     link.href = address;
     link.download = `${own.scene.title.replace(/[^\w.-]+/g, "-") || "picture"}-${play.index}.png`;
     link.click();
@@ -272,13 +354,25 @@ const viewer = (() => {
   }
 
   const actions = {
-    camera: () => own.view?.camera ?? null, radius: () => own.view.scales.radius, hand: theHand, controls: () => handlePlace() !== null,
+    camera: () => own.view?.camera ?? null,
+    radius: () => own.view.scales.radius,
+    hand: theHand,
+    controls: () => handlePlace() !== null,
     handle: () => handlePlace() && own.view?.project(handlePlace()),
-    pick, unpick, save, fit: () => own.view?.fit(!calm.matches), view: name => own.view?.camera.view(name, !calm.matches),
-    toggle: () => play.toggle(), back: () => play.step(-1), forward: () => play.step(1), begin: () => play.seek(0),
-    end: () => play.live ? play.play() : play.seek(play.last),
-    slower: () => changeSpeed(-1), faster: () => changeSpeed(1),
-    theme: () => setTheme((own.theme + 1) % THEMES.length), help: () => element("panel").showModal(),
+    pick,
+    unpick,
+    save,
+    fit: () => own.view?.fit(!calm.matches),
+    view: name => own.view?.camera.view(name, !calm.matches),
+    toggle: () => play.toggle(),
+    back: () => play.step(-1),
+    forward: () => play.step(1),
+    begin: () => play.seek(0),
+    end: () => (play.live ? play.play() : play.seek(play.last)),
+    slower: () => changeSpeed(-1),
+    faster: () => changeSpeed(1),
+    theme: () => setTheme((own.theme + 1) % THEMES.length),
+    help: () => element("panel").showModal(),
   };
 
   function changeSpeed(by) {
@@ -289,17 +383,30 @@ const viewer = (() => {
   function listen() {
     keys.attach({ ...actions, pick: () => own.view && pick([own.view.width / 2, own.view.height / 2]) });
     pointers.attach(picture, actions);
-    for (const [id, name] of [["begin", "begin"], ["back", "back"], ["play", "toggle"], ["forward", "forward"], ["end", "end"],
-      ["save", "save"], ["theme", "theme"], ["help", "help"], ["unpick", "unpick"]]) element(id).addEventListener("click", () => actions[name]());
+    for (const [id, name] of [
+      ["begin", "begin"],
+      ["back", "back"],
+      ["play", "toggle"],
+      ["forward", "forward"],
+      ["end", "end"],
+      ["save", "save"],
+      ["theme", "theme"],
+      ["help", "help"],
+      ["unpick", "unpick"],
+    ])
+      element(id).addEventListener("click", () => actions[name]());
     for (const button of element("views").children) {
       const { view } = button.dataset;
-      button.addEventListener("click", () => view === "fit" ? actions.fit() : actions.view(view));
+      button.addEventListener("click", () => (view === "fit" ? actions.fit() : actions.view(view)));
     }
     slider.addEventListener("input", () => play.seek(Number(slider.value)));
     element("speed").addEventListener("change", event => play.setSpeed(Number(event.target.value)));
-    toolChoice.addEventListener("change", () => { numbersAt = -Infinity; });
+    toolChoice.addEventListener("change", () => {
+      numbersAt = -Infinity;
+    });
     const scrub = event => {
-      if (event.buttons & 1) play.seekTime(plot.timeAt(event.clientX - event.currentTarget.getBoundingClientRect().left));
+      if (event.buttons & 1)
+        play.seekTime(plot.timeAt(event.clientX - event.currentTarget.getBoundingClientRect().left));
     };
     element("plots").addEventListener("pointerdown", event => {
       event.currentTarget.setPointerCapture(event.pointerId);
@@ -307,7 +414,9 @@ const viewer = (() => {
     });
     element("plots").addEventListener("pointermove", scrub);
     darkSystem.addEventListener("change", () => setTheme(own.theme));
-    addEventListener("resize", () => { plotsDirty = true; });
+    addEventListener("resize", () => {
+      plotsDirty = true;
+    });
   }
 
   // The stream in the page's own data, if there is one; else the server that sent the page.
@@ -318,16 +427,25 @@ const viewer = (() => {
     requestAnimationFrame(everyPicture);
     const text = element("data").textContent;
     if (text !== "" && !text.startsWith("@")) return playData(text);
-    if (!location.protocol.startsWith("http")) return notice("This page has no data and no server. Open one that dynpoint view wrote.");
+    if (!location.protocol.startsWith("http"))
+      return notice("This page has no data and no server. Open one that dynpoint view wrote.");
     own.connection = new connection.Connection({
       message: take,
-      refused: sentence => { own.away = own.timeChanged = true; notice(sentence); },
-      away: sentence => { own.owed = 0; own.away = own.timeChanged = true; notice(sentence); },
+      refused: sentence => {
+        own.away = own.timeChanged = true;
+        notice(sentence);
+      },
+      away: sentence => {
+        own.owed = 0;
+        own.away = own.timeChanged = true;
+        notice(sentence);
+      },
     });
   }
 
   function playData(text) {
-    const { bytes, refused } = messageReader.decodeText(text), stream = bytes ? messageReader.splitStream(bytes) : { refused };
+    const { bytes, refused } = messageReader.decodeText(text);
+    const stream = bytes ? messageReader.splitStream(bytes) : { refused };
     element("data").textContent = ""; // the bytes are kept, not their text
     if (stream.refused) return notice(`The page's data were refused. ${stream.refused}`);
     stream.messages.forEach(take);
@@ -335,5 +453,17 @@ const viewer = (() => {
   }
 
   start();
-  return { own, play, plot, element, theHand, get history() { return history; }, get ticks() { return ticks; } };
+  return {
+    own,
+    play,
+    plot,
+    element,
+    theHand,
+    get history() {
+      return history;
+    },
+    get ticks() {
+      return ticks;
+    },
+  };
 })();
