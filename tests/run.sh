@@ -200,9 +200,10 @@ else
     [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact, test_sweep_moving" "no g++ with gmpxx"
     go "$jobs"
 
-    # The emulated machines look at the clock, and wait for much of their time: beside one other at a time.
+    # The emulated machines and the browser look at the clock, and wait for much of their time: beside one other at a time.
     run_waiting "a real kernel" sh tests/vm/check.sh build build/sanitize
     run "firmware" sh tests/firmware/run.sh build
+    run "the viewer's page" sh tests/view/check.sh build
     programs scalar scalar beside
     go 1
 

@@ -36,7 +36,7 @@ function reader(onText, onClose) {
   };
 }
 
-// on(text, send) hears what a client says after its token; send(message) sends, close(code) closes.
+// on(text, send) hears what a client says after its token; send(message) answers.
 function serve(folder, token, on, port = 0) {
   const page = fs.readFileSync(path.join(folder, "page.html"));
   const policy = fs.readFileSync(path.join(folder, "page.csp"), "utf8");
@@ -67,9 +67,9 @@ function serve(folder, token, on, port = 0) {
       "data",
       reader(
         text => {
-          if (known) return on(text, send, close);
+          if (known) return on(text, send);
           known = text === token;
-          if (known) on("token", send, close);
+          if (known) on("token", send);
           else close(1008);
         },
         () => socket.end(),

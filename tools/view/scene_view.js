@@ -27,16 +27,21 @@ const sceneView = (() => {
     return PROCESSOR.test(name);
   }
 
-  // Throws where the browser has no WebGL.
+  // null where the browser has no WebGL.
+  function rendererOf(canvas, scene) {
+    const triangles = scene.bodies.reduce((sum, body) => sum + scene.meshes[body.mesh].triangles, 0);
+    const antialias = triangles <= SMOOTH && !isDrawnByProcessor();
+    try {
+      return new THREE.WebGLRenderer({ canvas, antialias, powerPreference: "high-performance" });
+    } catch {
+      return null;
+    }
+  }
+
   class SceneView {
-    constructor(canvas, scene) {
+    constructor(canvas, renderer, scene) {
       this.canvas = canvas;
-      const triangles = scene.bodies.reduce((sum, body) => sum + scene.meshes[body.mesh].triangles, 0);
-      this.renderer = new THREE.WebGLRenderer({
-        canvas,
-        antialias: triangles <= SMOOTH && !isDrawnByProcessor(),
-        powerPreference: "high-performance",
-      });
+      this.renderer = renderer;
       this.three = new THREE.Scene();
       this.camera = new camera.Camera(() => {
         this.dirty = true;
@@ -257,5 +262,5 @@ const sceneView = (() => {
     }
   }
 
-  return { SceneView };
+  return { rendererOf, SceneView };
 })();

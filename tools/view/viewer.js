@@ -89,44 +89,34 @@ const viewer = (() => {
     listMeshes(scene);
     clearFrames();
     unpick();
-    try {
-      if (own.view) own.view.setScene(scene);
-      else if (element("blind").hidden) own.view = new sceneView.SceneView(picture, scene);
-    } catch {
-      element("blind").hidden = false;
-      element("views").hidden = element("legend").hidden = element("save").hidden = picture.hidden = true;
-      say(element("blind").textContent);
-    }
+    showScene(scene);
     own.connection?.send("ready");
   }
 
+  function showScene(scene) {
+    if (own.view) return own.view.setScene(scene);
+    const renderer = sceneView.rendererOf(picture, scene);
+    if (renderer) own.view = new sceneView.SceneView(picture, renderer, scene);
+    for (const id of ["views", "legend", "save", "picture"]) element(id).hidden = !renderer;
+    element("blind").hidden = renderer !== null;
+    if (!renderer) say(element("blind").textContent);
+  }
+
   function listMeshes(scene) {
-    const row = (name, value) => {
-      const line = document.createElement("div");
-      for (const [tag, text] of [
-        ["dt", name],
-        ["dd", value],
-      ])
-        line.append(Object.assign(document.createElement(tag), { textContent: text }));
-      return line;
+    const list = element("facts").querySelector("dl");
+    list.replaceChildren();
+    const add = (name, value) => {
+      const row = document.createElement("div");
+      row.append(document.createElement("dt"), document.createElement("dd"));
+      row.firstChild.textContent = name;
+      row.lastChild.textContent = value;
+      list.append(row);
     };
-    element("facts")
-      .querySelector("dl")
-      .replaceChildren(
-        ...scene.meshes.flatMap(mesh => [
-          row(
-            mesh.name,
-            `${mesh.triangles.toLocaleString("en")} triangles, ${mesh.vertices.toLocaleString("en")} vertices`,
-          ),
-          row(
-            "",
-            `${rays
-              .extent(mesh.positions)
-              .map(value => (1e3 * value).toFixed(1))
-              .join(" \u00d7 ")} mm`,
-          ),
-        ]),
-      );
+    for (const { name, triangles, vertices, positions } of scene.meshes) {
+      const lengths = rays.extent(positions).map(value => (1e3 * value).toFixed(1));
+      add(name, `${triangles.toLocaleString("en")} triangles, ${vertices.toLocaleString("en")} vertices`);
+      add("", `${lengths.join(" \u00d7 ")} mm`);
+    }
   }
 
   function takeFrame(frame, bytes) {
