@@ -36,6 +36,7 @@ async function playing(page) {
     }
     assert.deepStrictEqual(seen, [151, 150, 149, 0, 239]);
     await page.key("Home");
+    await page.settle();
     await page.key(" ");
     const begun = Date.now();
     await until("0.3 s of it", async () => (await page.state()).time > 0.3);
