@@ -5,6 +5,7 @@
 
 #include "built_with.h"
 #include "command_options.h"
+#include "view/kept_token.h"
 #include "view/open_browser.h"
 #include "view/page_bytes.h"
 
@@ -34,12 +35,15 @@ int view_serve(const char *command, const struct run_view_options *options,
     struct view_serving *serving = calloc(1, sizeof *serving);
     if (!serving)
         return complain(command, "memory ran out");
+    struct view_token token;
+    const int is_kept = options->port && view_token_keep((uint16_t)options->port, &token);
     const struct view_server_def def = { .command = command,
                                          .page = page.html,
                                          .page_size = page.size,
                                          .csp = page.csp,
                                          .address = options->address,
                                          .port = (uint16_t)options->port,
+                                         .token = is_kept ? &token : NULL,
                                          .control = source->heard_hand != NULL,
                                          .first = source->first,
                                          .first_count = source->first_count,

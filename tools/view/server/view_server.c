@@ -236,7 +236,9 @@ static const char *start(struct view_server *server)
 {
     const char *fault = NULL;
     sigset_t all, before;
-    if (view_token_make(&server->token))
+    if (server->def.token)
+        server->token = *server->def.token;
+    else if (view_token_make(&server->token))
         return "the system gives no random numbers";
     for (int tried = 0; tried < PORTS_TRIED; tried++) {
         drop_context(server);

@@ -39,6 +39,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "view/view_token.h"
+
 #define VIEW_CLIENTS_MAX       4
 #define VIEW_CONNECTIONS_MAX   32
 #define VIEW_UNDRAWN_MAX       2
@@ -66,6 +68,7 @@ struct view_server_def {
     const char *csp;                  /* the page's Content-Security-Policy */
     const char *address;              /* in numbers; NULL: 127.0.0.1 and, where there is one, ::1 */
     uint16_t port;                    /* 0: a free one */
+    const struct view_token *token;   /* read during the call; NULL: a new one */
     int control;                      /* "hand" is heard */
     const struct view_message *first; /* for each client */
     size_t first_count;
