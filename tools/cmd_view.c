@@ -126,7 +126,7 @@ static int show_source(const struct view_settings *settings)
     dpt_diag diag = { .size = sizeof diag };
     const dpt_mesh *mesh = NULL;
     if (dpt_compile_file(settings->path, NULL, &compiled, &diag) != DPT_OK)
-        return complain("view", "%s", diag.text);
+        return complain_of_file("view", settings->path, &diag);
     int status = dpt_mesh_open(compiled.bytes, compiled.size, &mesh) == DPT_OK
                      ? show_mesh(settings, mesh)
                      : complain("view", "%s: cannot be opened", settings->path);

@@ -60,9 +60,11 @@ static void what_is_no_token_is_replaced(void)
 static void what_others_see_is_not_used(void)
 {
     struct view_token token;
+    char good[128];
+    snprintf(good, sizeof good, "%s", file_of(4000));
     write_file(4003, "0123456789abcdef0123456789abcdef", 0644);
     CHECK(!keeps(4003, &token), "a file that others may read");
-    CHECK(symlink(file_of(4000), file_of(4004)) == 0 && !keeps(4004, &token), "a link");
+    CHECK(symlink(good, file_of(4004)) == 0 && !keeps(4004, &token), "a link");
     CHECK(mkfifo(file_of(4005), 0600) == 0 && !keeps(4005, &token), "a pipe");
     CHECK(mkdir(file_of(4006), 0700) == 0 && !keeps(4006, &token), "a folder");
     chmod(folder, 0755);
