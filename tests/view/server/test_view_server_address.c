@@ -122,6 +122,12 @@ static void an_address_that_is_given(void)
     fixture_open(&fixture);
     CHECK(answers("::1", fixture.port) && !answers("127.0.0.1", fixture.port), "not at ::1 alone");
     fixture_close(&fixture);
+    fixture_prepare(&fixture, 3000, 1000);
+    fixture.def.address = "::";
+    fixture_open(&fixture);
+    view_server_warning(fixture.server, warning);
+    CHECK(answers("::1", fixture.port) && strstr(warning, "nothing is encrypted"), "%s", warning);
+    fixture_close(&fixture);
 }
 
 static void what_cannot_be_opened(void)

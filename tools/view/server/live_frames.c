@@ -11,13 +11,6 @@ void shared_release(struct shared_message *message)
         free(message);
 }
 
-static uint32_t ticks_of(const void *bytes)
-{
-    const unsigned char *frame = bytes;
-    return (uint32_t)frame[8] | (uint32_t)frame[9] << 8 | (uint32_t)frame[10] << 16 |
-           (uint32_t)frame[11] << 24;
-}
-
 void frames_take(struct view_server *server)
 {
     struct view_message found;
@@ -25,7 +18,7 @@ void frames_take(struct view_server *server)
         found.size < VIEW_FRAME_HEADER_BYTES)
         return;
     const uint64_t ticks_before = server->ticks;
-    server->ticks += ticks_of(found.bytes);
+    server->ticks += read_field(found.bytes, FRAME_TICKS, 4);
     struct shared_message *frame = malloc(sizeof *frame + found.size);
     /* Without memory it is one more that nobody was sent. */
     if (!frame)

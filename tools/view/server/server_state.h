@@ -90,6 +90,25 @@ static inline void count_one(uint64_t *count, uint64_t more)
     __atomic_fetch_add(count, more, __ATOMIC_RELAXED);
 }
 
+/* Offsets in a live frame's header. */
+enum { FRAME_TICKS = 8, FRAME_NUMBER = 16, FRAME_DROPPED = 24, FRAME_TICKS_LOST = 32 };
+
+/* A field of a message: little-endian, of so many bytes. */
+static inline uint64_t read_field(const void *message, size_t offset, int bytes)
+{
+    const unsigned char *at = (const unsigned char *)message + offset;
+    uint64_t value = 0;
+    for (int i = bytes; i-- > 0;)
+        value = value << 8 | at[i];
+    return value;
+}
+
+static inline void write_field(unsigned char *message, size_t offset, int bytes, uint64_t value)
+{
+    for (int i = 0; i < bytes; i++)
+        message[offset + (size_t)i] = (unsigned char)(value >> 8 * i);
+}
+
 /* Copies a request's header. Returns 0 if there is none, or it is longer than the room. */
 static inline int copy_header(struct lws *wsi, enum lws_token_indexes header, char *text, int room)
 {

@@ -29,6 +29,19 @@ static void close_now(lws_sorted_usec_list_t *timer)
     (void)timer;
 }
 
+static struct shared_message *make_end(const char *text)
+{
+    const size_t size = strlen(text);
+    struct shared_message *end = malloc(sizeof *end + 8 + size);
+    if (!end)
+        return NULL;
+    *end = (struct shared_message){ .uses = 1, .size = 8 + size };
+    write_field(end->bytes, 0, 4, VIEW_MESSAGE_END);
+    write_field(end->bytes, 4, 4, size);
+    memcpy(end->bytes + 8, text, size);
+    return end;
+}
+
 /* What was asked for from other threads. */
 static void asked(struct view_server *server)
 {
@@ -38,18 +51,8 @@ static void asked(struct view_server *server)
     const int is_closing = server->is_closing;
     pthread_mutex_unlock(&server->lock);
     if (text && !server->end) {
-        const uint32_t kind = VIEW_MESSAGE_END, size = (uint32_t)strlen(text);
-        struct shared_message *end = malloc(sizeof *end + 8 + size);
         frames_take(server);
-        if (end) {
-            *end = (struct shared_message){ .uses = 1, .size = 8 + (size_t)size };
-            for (int i = 0; i < 4; i++) {
-                end->bytes[i] = (unsigned char)(kind >> 8 * i);
-                end->bytes[4 + i] = (unsigned char)(size >> 8 * i);
-            }
-            memcpy(end->bytes + 8, text, size);
-            server->end = end;
-        }
+        server->end = make_end(text);
     }
     free(text);
     if (is_closing && !server->close_by) {

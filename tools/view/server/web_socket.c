@@ -4,23 +4,6 @@
 
 #include <string.h>
 
-/* Offsets in a live frame's header. */
-enum { FRAME_TICKS = 8, FRAME_NUMBER = 16, FRAME_DROPPED = 24, FRAME_TICKS_LOST = 32 };
-
-static uint64_t read_field(const unsigned char *at, int bytes)
-{
-    uint64_t value = 0;
-    for (int i = bytes; i-- > 0;)
-        value = value << 8 | at[i];
-    return value;
-}
-
-static void write_field(unsigned char *at, uint64_t value)
-{
-    for (int i = 0; i < 8; i++)
-        at[i] = (unsigned char)(value >> 8 * i);
-}
-
 /* NULL: a free one. */
 static struct connection **place_of(struct view_server *server, const struct connection *connection)
 {
@@ -213,15 +196,15 @@ static void send_next(struct connection *connection, const void *bytes, size_t s
 static void choose_frame(struct view_server *server, struct connection *connection)
 {
     struct shared_message *frame = server->newest;
-    const uint64_t number = read_field(frame->bytes + FRAME_NUMBER, 8);
+    const uint64_t number = read_field(frame->bytes, FRAME_NUMBER, 8);
     if (connection->serial == 0) {
         connection->first_number = number;
         connection->ticks_until = frame->ticks_before;
     }
     connection->ticks_missed += frame->ticks_before - connection->ticks_until;
-    connection->ticks_until = frame->ticks_before + read_field(frame->bytes + FRAME_TICKS, 4);
+    connection->ticks_until = frame->ticks_before + read_field(frame->bytes, FRAME_TICKS, 4);
     connection->ticks_lost =
-        read_field(frame->bytes + FRAME_TICKS_LOST, 8) + connection->ticks_missed;
+        read_field(frame->bytes, FRAME_TICKS_LOST, 8) + connection->ticks_missed;
     const uint64_t dropped = number - connection->first_number - connection->frames;
     count_one(&server->counts.dropped, dropped - connection->dropped);
     count_one(&server->counts.sent, 1);
@@ -240,7 +223,7 @@ static void choose(struct view_server *server, struct connection *connection)
         if (next == server->def.first_count || (next > 0 && !connection->is_ready))
             return;
         const struct view_message *message = &server->def.first[next];
-        const int is_frame = read_field(message->bytes, 4) == VIEW_MESSAGE_FRAME;
+        const int is_frame = read_field(message->bytes, 0, 4) == VIEW_MESSAGE_FRAME;
         if (is_frame && connection->undrawn == VIEW_UNDRAWN_MAX)
             return;
         connection->undrawn += (unsigned)is_frame;
@@ -266,8 +249,8 @@ static int send_piece(struct view_server *server, struct lws *wsi, struct connec
     const size_t size = left < VIEW_CHUNK ? left : VIEW_CHUNK;
     memcpy(start, connection->message + connection->sent, size);
     if (connection->sent == 0 && connection->shared && connection->shared->serial) {
-        write_field(start + FRAME_DROPPED, connection->dropped);
-        write_field(start + FRAME_TICKS_LOST, connection->ticks_lost);
+        write_field(start, FRAME_DROPPED, 8, connection->dropped);
+        write_field(start, FRAME_TICKS_LOST, 8, connection->ticks_lost);
     }
     const int flags = lws_write_ws_flags(LWS_WRITE_BINARY, connection->sent == 0, size == left);
     if (lws_write(wsi, start, size, (enum lws_write_protocol)flags) < (int)size)
