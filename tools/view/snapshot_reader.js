@@ -9,114 +9,57 @@ const snapshotReader = (() => {
   const ENTRY = 24;
   const NONE = 0xffffffff;
 
-  // A section: its kind, the least bytes of an item, and of each field the type, the place and how many there are.
+  const fieldsOf = text =>
+    text.split(",").map(field => {
+      const [name, type, place, times] = field.trim().split(" ");
+      return { name, type, place: Number(place), times: Number(times ?? 0) };
+    });
+
+  // A section: its kind, the least bytes of an item, and its fields: name, type, place, and how many where not one.
   const SECTIONS = {
     bodies: {
       kind: 1,
       least: 80,
-      fields: {
-        id: ["u32", 0],
-        flags: ["u32", 4],
-        firstVertex: ["u32", 8],
-        vertices: ["u32", 12],
-        pose: ["f64", 24, 7],
-      },
+      fields: fieldsOf("id u32 0, flags u32 4, firstVertex u32 8, vertices u32 12, pose f64 24 7"),
     },
     tools: {
       kind: 2,
       least: 248,
-      fields: {
-        id: ["u32", 0],
-        law: ["u32", 4],
-        reason: ["u32", 8],
-        flags: ["u32", 12],
-        firstSegment: ["u32", 16],
-        segments: ["u32", 20],
-        firstContact: ["u32", 24],
-        contacts: ["u32", 28],
-        firstStrip: ["u32", 32],
-        strips: ["u32", 36],
-        nearestSegment: ["u32", 40],
-        isFree: ["u32", 44],
-        folds: ["u64", 56],
-        pose: ["f64", 64, 7],
-        proxy: ["f64", 120, 7],
-        wrench: ["f64", 176, 6],
-        energy: ["f64", 224],
-        lag: ["f64", 232],
-        bodyWork: ["f64", 240],
-      },
+      fields: fieldsOf(`id u32 0, law u32 4, reason u32 8, flags u32 12, firstSegment u32 16, segments u32 20,
+        firstContact u32 24, contacts u32 28, firstStrip u32 32, strips u32 36, nearestSegment u32 40, isFree u32 44,
+        folds u64 56, pose f64 64 7, proxy f64 120 7, wrench f64 176 6, energy f64 224, lag f64 232, bodyWork f64 240`),
     },
     segments: {
       kind: 3,
       least: 224,
-      fields: {
-        status: ["u32", 0],
-        contact: ["u32", 4],
-        flags: ["u32", 8],
-        triangle: ["u32", 12],
-        body: ["u32", 16],
-        work: ["u32", 20],
-        tool: ["u32", 24],
-        a: ["f64", 32, 3],
-        b: ["f64", 56, 3],
-        radius: ["f64", 80],
-        proxyA: ["f64", 88, 3],
-        proxyB: ["f64", 112, 3],
-        p: ["f64", 136, 3],
-        q: ["f64", 160, 3],
-        distance: ["f64", 184],
-        gap: ["f64", 192],
-        depth: ["f64", 200],
-        errorBound: ["f64", 208],
-        lowerBound: ["f64", 216],
-      },
+      fields:
+        fieldsOf(`status u32 0, contact u32 4, flags u32 8, triangle u32 12, body u32 16, work u32 20, tool u32 24,
+        a f64 32 3, b f64 56 3, radius f64 80, proxyA f64 88 3, proxyB f64 112 3, p f64 136 3, q f64 160 3,
+        distance f64 184, gap f64 192, depth f64 200, errorBound f64 208, lowerBound f64 216`),
     },
     contacts: {
       kind: 4,
       least: 144,
-      fields: {
-        id: ["u32", 0],
-        body: ["u32", 4],
-        segment: ["u32", 8],
-        triangle: ["u32", 12],
-        contact: ["u32", 16],
-        flags: ["u32", 20],
-        tool: ["u32", 24],
-        s0: ["f64", 32],
-        s1: ["f64", 40],
-        s: ["f64", 48],
-        gap: ["f64", 56],
-        p: ["f64", 64, 3],
-        q: ["f64", 88, 3],
-        normal: ["f64", 112, 3],
-        overlap: ["f64", 136],
-      },
+      fields:
+        fieldsOf(`id u32 0, body u32 4, segment u32 8, triangle u32 12, contact u32 16, flags u32 20, tool u32 24,
+        s0 f64 32, s1 f64 40, s f64 48, gap f64 56, p f64 64 3, q f64 88 3, normal f64 112 3, overlap f64 136`),
     },
     strips: {
       kind: 5,
       least: 32,
-      fields: {
-        triangle: ["u32", 0],
-        body: ["u32", 4],
-        segment: ["u32", 8],
-        flags: ["u32", 12],
-        gap: ["f64", 16],
-        overlap: ["f64", 24],
-      },
+      fields: fieldsOf("triangle u32 0, body u32 4, segment u32 8, flags u32 12, gap f64 16, overlap f64 24"),
     },
   };
   const VERTICES = { kind: 6, least: 12 };
 
-  function readItems(block, section, { least, fields }) {
-    const list = Object.entries(fields);
+  function readItems(block, section, fields) {
     const items = [];
     for (let i = 0; section && i < section.count; i++) {
       const at = section.offset + i * section.stride;
       const item = {};
-      for (const [name, [type, place, times]] of list) {
-        if (!times) item[name] = block[type](at + place);
-        else item[name] = Array.from({ length: times }, (_, k) => block[type](at + place + 8 * k));
+      for (const { name, type, place, times } of fields) {
+        const read = k => block[type](at + place + 8 * k);
+        item[name] = times ? Array.from({ length: times }, (_, k) => read(k)) : read(0);
       }
       items.push(item);
     }
@@ -205,7 +148,8 @@ const snapshotReader = (() => {
     demand(Number.isFinite(time), "The snapshot's time is no number.");
     const found = readTable(block, header, sections);
     const snapshot = { steps: block.u64(24), time, flags: block.u32(40), work: block.u32(48) };
-    for (const [name, section] of Object.entries(SECTIONS)) snapshot[name] = readItems(block, found[name], section);
+    for (const [name, section] of Object.entries(SECTIONS))
+      snapshot[name] = readItems(block, found[name], section.fields);
     snapshot.vertices = readVertices(block, found.vertices);
     checkRanges(snapshot);
     return snapshot;
