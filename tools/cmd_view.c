@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "arm_file.h"
+#include "cell_file.h"
 #include "command_options.h"
 #include "commands.h"
 #include "dynpoint/compile.h"
