@@ -10,7 +10,7 @@
 #include "commands.h"
 #include "dynpoint/device.h"
 #include "record_fields.h"
-#include "recording_file.h"
+#include "recording_embed.h"
 
 static const char help[] =
     "usage: dynpoint record info FILE.dpr [--json]\n"
@@ -18,7 +18,9 @@ static const char help[] =
     "\n"
     "What dynpoint run --record wrote.\n"
     "\n"
-    "  info    the scene, and counts; exit status 1 if bytes are damaged\n"
+    "  info    the scene, and counts; exit status 1 if bytes are damaged, or parts of a "
+    "file\n"
+    "          that it carries are missing\n"
     "  csv     a row for each record, with every digit (docs/format.md names the columns); - is\n"
     "          standard output. What is damaged is left out and told; exit status 1 then\n"
     "  --json  info as one JSON object on standard output\n";
@@ -33,6 +35,7 @@ struct record_counts {
     uint64_t first_ns, last_ns, late_max_ns, took_max_ns;
     double asked_max, sent_max; /* N */
     uint64_t next;              /* number of the next record */
+    struct recording_embed embed;
 };
 
 static double length_of(const double v[3])
@@ -81,7 +84,20 @@ static int count_item(struct record_counts *counts, const struct recording_file 
         counts->is_cut = 1;
         counts->cut_byte = recording->byte;
     }
-    return item == RECORDING_RECORD || item == RECORDING_DAMAGED;
+    recording_embed_take(&counts->embed, recording, item);
+    return item != RECORDING_END && item != RECORDING_CUT;
+}
+
+static void print_embedded(const struct recording_embed *embed)
+{
+    for (int i = 0; i < EMBED_FILES; i++) {
+        const struct embedded_file *file = &embed->file[i];
+        if (file->fault[0])
+            printf("  the %s that it carries is not whole: %s\n", embedded_names[i], file->fault);
+        else if (file->pieces)
+            printf("  it carries its %s: %" PRIu64 " bytes, CRC-32 %08" PRIx32 "\n",
+                   embedded_names[i], file->total, file->crc32);
+    }
 }
 
 static void print_text(const char *path, const dpt_record_header *header,
@@ -107,6 +123,7 @@ static void print_text(const char *path, const dpt_record_header *header,
                c->damages, c->first_damage, c->damaged_bytes);
     if (c->is_cut)
         printf("  cut off within a record, at byte %" PRIu64 "\n", c->cut_byte);
+    print_embedded(&c->embed);
     for (const char *line = header->text; *line;) {
         const size_t length = strcspn(line, "\n");
         printf("  %.*s\n", (int)length, line);
@@ -127,6 +144,26 @@ static void print_json_text(const char *text, size_t length)
             putchar(c);
     }
     putchar('"');
+}
+
+static void print_json_embedded(const struct recording_embed *embed)
+{
+    fputs(",\"embedded\":[", stdout);
+    for (int i = 0, printed = 0; i < EMBED_FILES; i++) {
+        const struct embedded_file *file = &embed->file[i];
+        if (!file->pieces)
+            continue;
+        printf("%s{\"file\":\"%s\",\"bytes\":%" PRIu64 ",\"held\":%" PRIu64 ",\"pieces\":%" PRIu32
+               ",\"crc32\":%" PRIu32 ",\"fault\":",
+               printed++ ? "," : "", embedded_names[i], file->total, file->held, file->pieces,
+               file->crc32);
+        if (file->fault[0])
+            print_json_text(file->fault, strlen(file->fault));
+        else
+            fputs("null", stdout);
+        putchar('}');
+    }
+    putchar(']');
 }
 
 static void print_json(const char *path, const dpt_record_header *header,
@@ -166,6 +203,7 @@ static void print_json(const char *path, const dpt_record_header *header,
         else
             printf(",\"%s\":null", forces[i].name);
     }
+    print_json_embedded(&c->embed);
     fputs(",\"scene\":[", stdout);
     for (const char *line = header->text; *line;) {
         const size_t length = strcspn(line, "\n");
@@ -181,11 +219,14 @@ static int info(struct recording_file *recording, const char *path, int json)
     struct record_counts counts = { .records = 0 };
     dpt_record record;
     enum recording_item item;
+    recording_embed_begin(&counts.embed, recording);
     do
         item = recording_next(recording, &record);
     while (count_item(&counts, recording, item, &record));
     (json ? print_json : print_text)(path, &recording->header, &counts);
-    return counts.damages ? 1 : 0;
+    const int is_whole =
+        !counts.embed.file[EMBED_SCENE].fault[0] && !counts.embed.file[EMBED_TOOL].fault[0];
+    return counts.damages || !is_whole;
 }
 
 static int write_csv(struct recording_file *recording, const char *path, const char *out)

@@ -10,6 +10,7 @@
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
 #include "open_device.h"
+#include "recording_embed.h"
 #include "run_coupling.h"
 #include "run_record.h"
 #include "run_trace.h"
@@ -71,6 +72,8 @@ static const char help[] =
     "                   proxy, energy. Written while it lasts, for dynpoint record and replay. "
     "With\n"
     "                   --for, a device with a time of its own, as sim, runs for S of that\n"
+    "  --embed          the recording carries MESH.dpa or ARM.dpa, and --tool: it needs no other "
+    "file\n"
     "  --record F.csv   only how the tool moved, a trace; needs --ticks or --for\n"
     "  --view           show it in a browser: prints the address of a page on this machine\n"
     "  --open           and open it there\n"
@@ -103,7 +106,8 @@ struct run_settings {
     uint64_t ticks, budget;          /* BUDGET_BY_RATE: not given */
     uint64_t clutch, cpu;            /* NO_NUMBER: not given */
     struct run_view_options view;
-    int json, reopen, is_active, awake;
+    struct recording_embed embed;
+    int json, reopen, is_active, awake, embeds;
 };
 
 /* What a tick needs, and what it counts. */
@@ -420,6 +424,8 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     if (status)
         return status;
     status = run_record_close(&session->recording);
+    if (status == 0 && settings->embeds)
+        status = recording_embed_write(&settings->embed, settings->record);
     dpt_device_get_counts(device, &counts);
     (settings->json ? print_json : print_report)(session, &stats, &counts);
     if (result != DPT_OK)
@@ -469,6 +475,7 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         { .name = "--for", .number = &settings->seconds },
         { .name = "--ticks", .count = &settings->ticks },
         { .name = "--record", .text = &settings->record },
+        { .name = "--embed", .flag = &settings->embeds },
         { .name = "--reopen", .flag = &settings->reopen },
         { .name = "--view", .flag = &settings->view.is_on },
         { .name = "--open", .flag = &settings->view.open },
@@ -497,6 +504,8 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         return status;
     if (settings->record && check_record(settings))
         return 2;
+    if (settings->embeds && (!settings->record || is_traced(settings)))
+        return complain("run", "--embed needs --record F.dpr");
     if (run_view_check("run", &settings->view))
         return 2;
     if (!(settings->scene.zoom > 0.0 && settings->scene.zoom <= 1000.0))
@@ -567,8 +576,12 @@ int command_run(int argc, char **argv)
                                      .seconds = HUGE_VAL,
                                      .budget = BUDGET_BY_RATE };
     int status = read_settings(argc, argv, &settings);
+    if (status < 0 && settings.embeds &&
+        recording_embed_load(&settings.embed, &settings.scene, settings.record))
+        status = 2;
     if (status < 0)
         status = run(&settings);
+    recording_embed_free(&settings.embed);
     scene_def_free(&settings.scene);
     return status;
 }

@@ -9,6 +9,9 @@
 
 #include "command_options.h"
 
+/* Of a record of any kind: where its length is, and the least that has one. */
+enum { AT_BYTES = 4, RECORD_BYTES_MIN = 24 };
+
 /* The rest of a record of any kind, and as much again, so that the buffer is seldom filled. */
 enum { BUFFER_BYTES = 2 * DPT_RECORD_BYTES_MAX };
 
@@ -85,15 +88,55 @@ static int find_sound_record(struct recording_file *recording)
     }
 }
 
+static uint32_t word_at(const unsigned char *from)
+{
+    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 |
+           (uint32_t)from[3] << 24;
+}
+
+static int is_piece(const struct recording_file *recording, size_t at)
+{
+    return word_at(recording->buffer + at) == RECORDING_KIND_PIECE;
+}
+
+/*
+ * Where to stop, so that no piece is passed over: before the next one, or behind it if it is first. A wrong length leads
+ * astray, but not before its own record was read and found damaged.
+ */
+static size_t end_of_run(const struct recording_file *recording)
+{
+    size_t at = recording->at;
+    for (int i = 0; recording->wants_pieces && i < RECORDING_BATCH; i++) {
+        const size_t left = recording->size - at;
+        const size_t bytes =
+            left >= RECORD_BYTES_MIN ? word_at(recording->buffer + at + AT_BYTES) : 0;
+        if (bytes < RECORD_BYTES_MIN || bytes > left)
+            return recording->size;
+        if (is_piece(recording, at))
+            return i ? at : at + bytes;
+        at += bytes;
+    }
+    return recording->wants_pieces ? at : recording->size;
+}
+
 enum recording_item recording_next(struct recording_file *recording, dpt_record *record)
 {
     while (recording->next == recording->count) {
+        const size_t begin = recording->at, end = end_of_run(recording);
         recording->next = 0;
         const dpt_result result =
-            dpt_record_read(recording->buffer, recording->size, &recording->at, recording->batch,
+            dpt_record_read(recording->buffer, end, &recording->at, recording->batch,
                             RECORDING_BATCH, &recording->count);
         if (recording->count)
             break;
+        if (recording->wants_pieces && recording->at > begin && is_piece(recording, begin)) {
+            recording->byte = recording->base + begin;
+            recording->piece = recording->buffer + begin;
+            recording->piece_bytes = recording->at - begin;
+            return RECORDING_PIECE;
+        }
+        if (recording->at > begin && end < recording->size)
+            continue;
         if ((result == DPT_OK || result == DPT_E_TRUNCATED) && fill(recording))
             continue;
         recording->byte = recording->base + recording->at;

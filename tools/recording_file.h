@@ -7,7 +7,7 @@
 
 #include "dynpoint/record.h"
 
-enum { RECORDING_BATCH = 64 };
+enum { RECORDING_BATCH = 64, RECORDING_KIND_PIECE = 2 };
 
 struct recording_file {
     FILE *file;
@@ -18,16 +18,20 @@ struct recording_file {
     uint64_t base;   /* byte of the file that is first in the buffer */
     int is_end;      /* the file has no more bytes than those in the buffer */
     dpt_record batch[RECORDING_BATCH];
-    uint32_t count, next; /* of the batch */
-    uint64_t byte;        /* of the last end, cut or damage */
-    uint64_t damaged;     /* bytes of that damage */
+    uint32_t count, next;       /* of the batch */
+    int wants_pieces;           /* recording_next also gives pieces of files (recording_embed.h) */
+    const unsigned char *piece; /* the last one, a whole record, until the next call */
+    size_t piece_bytes;
+    uint64_t byte;    /* of the last end, cut, damage or piece */
+    uint64_t damaged; /* bytes of that damage */
 };
 
 /* What comes next. */
 enum recording_item {
     RECORDING_RECORD,
-    RECORDING_END, /* the file ends with a whole record */
-    RECORDING_CUT, /* the file ends within a record, which begins at `byte` */
+    RECORDING_END,   /* the file ends with a whole record */
+    RECORDING_PIECE, /* `piece`, at `byte` */
+    RECORDING_CUT,   /* the file ends within a record, which begins at `byte` */
     RECORDING_DAMAGED /* `damaged` bytes from `byte` on are no sound records; what follows comes next */
 };
 

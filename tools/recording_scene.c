@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "command_options.h"
+#include "scene_list.h"
 
 static int check_identity(const char *command, const char *path, const char *what,
                           const struct file_identity *file, uint64_t bytes, uint64_t crc32)
@@ -31,9 +32,38 @@ static void observe(struct scene *scene, const struct scene_text *text)
     scene_passivity_begin(&scene->passivity, &def);
 }
 
-int recording_scene_open(struct scene *scene, const char *command, const struct scene_text *text,
-                         const char *scene_path, const char *tool_path)
+void recording_scene_embedded(const struct scene_text *text, const char *scene_path,
+                              const char *tool_path, int embedded[EMBED_FILES])
 {
+    embedded[EMBED_SCENE] = text->embedded && !scene_path && !scene_listed(text->scene);
+    embedded[EMBED_TOOL] = text->embedded && !tool_path && text->tool[0];
+}
+
+/* Let what comes from the recording be the scene's. Returns 0, or 2 after a message. */
+static int read_embedded(struct scene_def *def, struct recording_embed *embed, const char *path,
+                         const struct scene_text *text, const int embedded[EMBED_FILES])
+{
+    if (!embedded[EMBED_SCENE] && !embedded[EMBED_TOOL])
+        return 0;
+    const int status = recording_embed_read(embed, def->command, path, text, embedded);
+    const struct embedded_file *scene = &embed->file[EMBED_SCENE], *tool = &embed->file[EMBED_TOOL];
+    if (status == 0 && embedded[EMBED_SCENE]) {
+        def->path = path;
+        def->scene_bytes = (struct scene_bytes){ scene->bytes, (size_t)scene->total };
+    }
+    if (status == 0 && embedded[EMBED_TOOL]) {
+        def->tool = path;
+        def->tool_bytes = (struct scene_bytes){ tool->bytes, (size_t)tool->total };
+    }
+    return status;
+}
+
+int recording_scene_open(struct scene *scene, const char *command, const char *path,
+                         const struct scene_text *text, const char *scene_path,
+                         const char *tool_path)
+{
+    struct recording_embed embed = { .room = 0 };
+    int embedded[EMBED_FILES];
     char origin[96];
     const int has_own_friction = text->friction == SCENE_TEXT_OWN_FRICTION;
     struct scene_def def = { .command = command,
@@ -57,13 +87,17 @@ int recording_scene_open(struct scene *scene, const char *command, const struct 
                                    .joints = (uint32_t)text->joints };
     snprintf(origin, sizeof origin, "%.17g,%.17g,%.17g", text->origin_x, text->origin_y,
              text->origin_z);
-    int status = law_by_name(command, text->law, &def.force.law);
+    recording_scene_embedded(text, scene_path, tool_path, embedded);
+    int status = read_embedded(&def, &embed, path, text, embedded);
+    if (status == 0)
+        status = law_by_name(command, text->law, &def.force.law);
     if (status == 0)
         status = force_options_check(command, &def.force);
     if (status == 0)
         status = scene_def_read(&def);
     if (status == 0)
         status = scene_open(scene, &def);
+    recording_embed_free(&embed);
     if (status == 0)
         status = check_identity(command, def.path, "scene", &scene->file, text->scene_bytes,
                                 text->scene_crc32);

@@ -22,8 +22,9 @@ static const char help[] =
     "cannot\n"
     "be compared. A recording that is cut off is compared up to there.\n"
     "\n"
-    "  SCENE.json, MESH.dpa, --tool   where the files of the scene are now; default: where they "
-    "were\n"
+    "  SCENE.json, MESH.dpa, --tool   where the files of the scene are now; default: those that "
+    "the\n"
+    "                     recording carries, or where they were\n"
     "  --json             the summary as one JSON object on standard output\n";
 
 /* Why the comparison ended. */
@@ -159,8 +160,8 @@ int replay_recording(int argc, char **argv)
         status = text ? scene_text_read(text, "replay", operand[0], recording.text)
                       : complain("replay", "memory ran out");
     if (status == 0)
-        status =
-            recording_scene_open(&scene, "replay", text, operands > 1 ? operand[1] : NULL, tool);
+        status = recording_scene_open(&scene, "replay", operand[0], text,
+                                      operands > 1 ? operand[1] : NULL, tool);
     if (status == 0) {
         note_version(&recording, operand[0]);
         compared.ending = replay_all(&recording, &scene, &compared);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#define _POSIX_C_SOURCE 200809L
 #include "scene.h"
 
 #include <math.h>
@@ -99,13 +100,29 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
 }
 
+/* Those that are given, or those of the file. The caller frees them; NULL after a message. */
+static void *load_bytes(const struct scene *scene, const char *path,
+                        const struct scene_bytes *given, size_t *size)
+{
+    void *bytes;
+    if (!given->bytes)
+        return load_file(scene->command, path, size);
+    if (posix_memalign(&bytes, 64, given->size + 1)) {
+        complain(scene->command, "memory ran out");
+        return NULL;
+    }
+    memcpy(bytes, given->bytes, given->size);
+    *size = given->size;
+    return bytes;
+}
+
 /* Load the tool's segments, in its own frame. Returns their number, or 0 after a message. */
 static uint32_t load_tool(struct scene *scene, const struct scene_def *def, dpt_segment *segments)
 {
     const dpt_arm *arm = scene->arm;
     size_t size = 0;
     if (def->tool) {
-        scene->tool_bytes = load_file(scene->command, def->tool, &size);
+        scene->tool_bytes = load_bytes(scene, def->tool, &def->tool_bytes, &size);
         if (scene->tool_bytes)
             file_identity_add(&scene->tool_file, scene->tool_bytes, size);
         arm =
@@ -136,7 +153,7 @@ static int open_bodies(struct scene *scene, const struct scene_def *def)
     const char *path = def->path;
     const struct listed_scene *listed = scene_listed(path);
     size_t size = 0;
-    if (listed)
+    if (listed && !def->scene_bytes.bytes)
         return scene_bodies_of_list(&scene->bodies, scene->command, listed, &scene->file);
     if (def->file) {
         scene->file = def->file->identity;
@@ -144,7 +161,7 @@ static int open_bodies(struct scene *scene, const struct scene_def *def)
         memcpy(scene->camera, def->file->camera, sizeof scene->camera);
         return scene_bodies_of_file(&scene->bodies, scene->command, path, def->file, &scene->file);
     }
-    scene->bytes = load_file(scene->command, path, &size);
+    scene->bytes = load_bytes(scene, path, &def->scene_bytes, &size);
     if (!scene->bytes)
         return 2;
     file_identity_add(&scene->file, scene->bytes, size);

@@ -25,7 +25,7 @@ static int is_scene_file_name(const char *path)
 
 int scene_def_read(struct scene_def *def)
 {
-    if (!is_scene_file_name(def->path))
+    if (def->scene_bytes.bytes || !is_scene_file_name(def->path))
         return 0;
     def->file = calloc(1, sizeof *def->file);
     if (!def->file)
@@ -45,7 +45,7 @@ void scene_def_free(struct scene_def *def)
 
 int scene_def_read(struct scene_def *def)
 {
-    if (!is_scene_file_name(def->path))
+    if (def->scene_bytes.bytes || !is_scene_file_name(def->path))
         return 0;
     return complain(def->command,
                     "%s: this build reads no scene files: install libjansson-dev and pkg-config, "

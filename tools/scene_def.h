@@ -6,11 +6,19 @@
 #include "force_options.h"
 #include "scene_file/scene_file.h"
 
+/* A file's bytes, as they are in the file. */
+struct scene_bytes {
+    const void *bytes;
+    size_t size;
+};
+
 struct scene_def {
     const char *command; /* whose messages they are: "run" */
     const char *path;    /* of a compiled mesh or arm, of a scene file, or a name of scene_list.h */
     /* Path of a compiled arm whose tool is used. NULL: the scene's own tool, or the stylus if it has none. */
     const char *tool;
+    /* Of the path and of the tool. If there are any, the scene takes a copy, and no file is opened. */
+    struct scene_bytes scene_bytes, tool_bytes;
     /* Where the device's origin is in the scene's frame, "X,Y,Z" in m. NULL: above the bodies, or at the arm's middle. */
     const char *origin;
     double zoom;        /* metres of the scene for one metre of the hand */

@@ -28,6 +28,7 @@ static const struct key {
     KEY(TEXT, tool),
     KEY(COUNT, tool_bytes),
     KEY(COUNT, tool_crc32),
+    KEY(COUNT, embedded),
     KEY(NUMBER, origin_x),
     KEY(NUMBER, origin_y),
     KEY(NUMBER, origin_z),
@@ -70,6 +71,7 @@ void scene_text_of(struct scene_text *text, const struct scene *scene, const str
     text->scene_crc32 = scene->file.crc32;
     text->tool_bytes = scene->tool_file.bytes;
     text->tool_crc32 = scene->tool_file.crc32;
+    text->embedded = def->scene_bytes.bytes || def->tool_bytes.bytes;
     text->device_flags = scene->device.flags;
     text->pose_dofs = scene->device.pose_dofs;
     text->wrench_dofs = scene->device.wrench_dofs;

@@ -23,6 +23,8 @@ struct scene_text {
     double stiffness, friction, damping;
     double force_max; /* that the guard lets through, N */
     double force_scale;
+    uint64_t
+        embedded; /* 1: the recording carries the files of scene and tool, where they have some */
     uint64_t clutch;    /* button, or SCENE_TEXT_NO_CLUTCH */
     uint64_t passivity; /* 1: there was an observer, with these fields of its def */
     double passive_damping, passive_spin_damping, passive_force_max, passive_torque_max;

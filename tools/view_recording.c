@@ -134,7 +134,7 @@ static int film(struct filming *filming, struct recording_file *recording, char 
 /* The path in a recording is another person's: it is told, and not opened. */
 static int check_mesh(const struct view_recording_files *files, const struct scene_text *text)
 {
-    if (files->mesh || scene_listed(text->scene))
+    if (files->mesh || scene_listed(text->scene) || text->embedded)
         return 0;
     return complain(
         "view",
@@ -145,7 +145,7 @@ static int check_mesh(const struct view_recording_files *files, const struct sce
 
 static int check_tool(const struct view_recording_files *files, const struct scene_text *text)
 {
-    if (files->tool || !text->tool[0])
+    if (files->tool || !text->tool[0] || text->embedded)
         return 0;
     return complain("view", "%s: --tool ARM.dpa is needed: it was '%s'", files->recording,
                     text->tool);
@@ -188,7 +188,8 @@ int view_recording(struct view_stream *stream, const struct view_recording_files
     if (status == 0)
         status = check_tool(files, text);
     if (status == 0)
-        status = recording_scene_open(&scene, "view", text, files->mesh, files->tool);
+        status =
+            recording_scene_open(&scene, "view", files->recording, text, files->mesh, files->tool);
     if (status == 0) {
         filming->stream = stream;
         filming->scene = &scene;

@@ -7,8 +7,9 @@
 
 struct view_recording_files {
     const char *recording;
-    const char *mesh; /* the file of its scene; NULL: it is one that the program knows by name */
-    const char *tool; /* of its tool's arm; NULL: there is none */
+    /* NULL: there is none, the program knows it by name, or the recording carries it. */
+    const char *mesh; /* the file of its scene */
+    const char *tool; /* of its tool's arm */
 };
 
 /*
