@@ -255,11 +255,15 @@ async function ending(browser) {
       await until("the first", async () => (await page.state()).number === 0);
       await page.key("End");
       await until("the last", async () => (await page.state()).number === count - 1);
-      assert.strictEqual((await sight(page)).mode, mode === "live" ? "Ended" : "Recording");
+      await server.die();
+      await sleep(300);
+      assert.deepStrictEqual(
+        [(await sight(page)).mode, (await page.state()).notice],
+        [mode === "live" ? "Ended" : "Recording", ""],
+      );
       assert.deepStrictEqual(page.said, []);
     });
     await browser.leave(page);
-    await server.die();
   }
 }
 
