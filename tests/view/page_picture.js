@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node page_picture.js PAGE.html ROOM: what the page draws, moves and picks, from its file in a headless Chromium. What is drawn
-// is asked at places of the scene whose colour is known.
+// node page_picture.js PAGE.html ROOM: what the page draws, moves and picks, from its file in a headless Chromium. What
+// is drawn is asked at places of the scene whose colour is known.
 "use strict";
 const { launch, until, sleep } = require("./chromium.js");
 const { check, near, finish, assert, scripts } = require("./verdicts.js");

@@ -22,8 +22,8 @@ const toolView = (() => {
 
   class ToolView {
     constructor() {
-      // All are among the translucent, to be drawn in this order: what of the device's tool is hidden shines through the
-      // organ, but not through the proxy and its bands, whose colours say something.
+      // All are among the translucent, to be drawn in this order: what of the device's tool is hidden shines through
+      // the organ, but not through the proxy and its bands, whose colours say something.
       const clear = { transparent: true, depthWrite: false };
       const solid = { transparent: true };
       const hidden = material(THREE.MeshBasicMaterial, 0, { ...clear, opacity: 0.16, depthFunc: THREE.GreaterDepth });
@@ -42,7 +42,7 @@ const toolView = (() => {
       this.arrows = [];
     }
 
-    // frame: { snapshot } or null; colours by name, linear; camera for lengths of pixels.
+    // snapshot: or null; colours by name, linear; camera: for the length of a pixel
     // scales: { radius of the scene, force, depth, control }
     draw(snapshot, colours, camera, scales) {
       for (const batch of this.batches) batch.begin();
