@@ -154,7 +154,7 @@ async function deforming(page) {
       for (const i of [31, 30, 0, 1, 95, 94]) {
         await seek(page, i);
         const inside = await pixel(page, edge(fixture.swellAt(i) - 0.06));
-      assert(likeness(inside, organ) > 0.95 && inside[2] < background[2] - 40, `frame ${i}, inside: ${inside}`);
+        assert(likeness(inside, organ) > 0.95 && inside[2] < background[2] - 40, `frame ${i}, inside: ${inside}`);
         near(await pixel(page, edge(fixture.swellAt(i) + 0.06)), background, 3, `frame ${i}, outside:`);
       }
     },
