@@ -27,7 +27,8 @@ DPT_BEGIN
 
 /*
  * How much of a world a snapshot holds. Bodies, tools and segments are always in it. dpt_snapshot_def_init fills in the
- * defaults, which are given last below. Of what does not fit, the rest is left out, and dpt_snapshot_info.flags say so.
+ * defaults, which are given last below. Of what does not fit, the rest is left out, and dpt_snapshot_info.flags say so;
+ * not of what is not wanted at all.
  */
 typedef struct dpt_snapshot_def {
     uint32_t size;         /* sizeof(dpt_snapshot_def), set by dpt_snapshot_def_init */

@@ -66,7 +66,7 @@ static void count_sections(struct taking *taking, const dpt_snapshot_def *def)
         const uint32_t own = body->slot.used && deform_of(body) ? body->surface.mesh->vertices : 0;
         if (vertices + own <= def->max_vertices)
             vertices += own;
-        else
+        else if (def->max_vertices)
             taking->flags |= DPT_SNAPSHOT_FLAG_VERTICES_CUT;
     }
     count[SNAPSHOT_BODIES] = world->body_count;
@@ -75,9 +75,9 @@ static void count_sections(struct taking *taking, const dpt_snapshot_def *def)
     count[SNAPSHOT_CONTACTS] = seen < def->max_contacts ? seen : def->max_contacts;
     count[SNAPSHOT_STRIPS] = strip < def->max_strip ? (uint32_t)strip : def->max_strip;
     count[SNAPSHOT_VERTICES] = (uint32_t)vertices;
-    if (count[SNAPSHOT_CONTACTS] < seen)
+    if (count[SNAPSHOT_CONTACTS] < seen && def->max_contacts)
         taking->flags |= DPT_SNAPSHOT_FLAG_CONTACTS_CUT;
-    if (count[SNAPSHOT_STRIPS] < strip)
+    if (count[SNAPSHOT_STRIPS] < strip && def->max_strip)
         taking->flags |= DPT_SNAPSHOT_FLAG_STRIPS_CUT;
 }
 

@@ -200,6 +200,7 @@ async function whatIsRefused() {
     asScene({ bodies: [{ id: 1, mesh: 0, pose: [0, 0, 0, 1], name: "" }] }, /no pose/);
     asScene({ device: { name: "x", rate: 1, workspace: [1, 0, 0, 0, 0, 0] } }, /no box/);
     asScene({ force_max: -1 }, /force/);
+    asScene({ camera: [0, 0, 0] }, /camera/);
     asScene(
       { meshes: [{ name: "far", vertices: 4e9, triangles: 0, positions: 0, corners: 0, sources: 0 }], bodies: [] },
       /ends behind/,

@@ -187,6 +187,37 @@ async function looks(page) {
 }
 
 async function otherPages(browser) {
+  await check("a body has the colour, and the camera the place, that the scene gives", async () => {
+    const green = [0.1, 0.6, 0.2];
+    const bodies = [{ id: 11, mesh: 0, pose: [0, 0, 0, 1, 0, 0, 0], name: "ring", colour: green }];
+    for (const [up, position, azimuth, elevation] of [
+      ["z", [0, -0.3, 0.4], 0, Math.atan2(0.4, 0.3)],
+      ["y", [0.3, 0.4, 0], Math.PI / 2, Math.atan2(0.4, 0.3)],
+    ]) {
+      const page = await browser.visit(
+        write(
+          `coloured-${up}`,
+          fixture.streamOf([
+            fixture.sceneMessage(known.meshes.slice(0, 1), {
+              mode: "mesh",
+              device: null,
+              up,
+              bodies,
+              camera: [...position, 0, 0, 0, ...(up === "z" ? [0, 0, 1] : [0, 1, 0])],
+            }),
+          ]),
+        ),
+      );
+      await until("the scene", async () => (await page.state()).mode === "mesh");
+      const seen = await camera(page);
+      assert(Math.abs(seen.distance - 0.5) < 1e-9 && Math.abs(seen.azimuth - azimuth) < 1e-9, JSON.stringify(seen));
+      assert(Math.abs(seen.elevation - elevation) < 1e-9, JSON.stringify(seen));
+      await page.settle();
+      const got = await page.call(place => dynpoint.pixel(place), [0.06, 0, up === "z" ? 0.025 : 0.025]);
+      assert(got[1] > 1.5 * got[0] && got[1] > 1.5 * got[2], `${got} is not green`);
+      await browser.leave(page);
+    }
+  });
   await check("names with markup stay text", async () => {
     const evil = "<img src=x onerror=document.title='gone'><script>document.title='gone'</script>&amp;";
     const bodies = [11, 12].map((id, mesh) => ({ id, mesh, pose: [0, 0, 0, 1, 0, 0, 0], name: evil }));

@@ -10,28 +10,28 @@ const [program, room, out] = process.argv.slice(2);
 
 const run = (...words) => execFileSync(program, words, { cwd: room, stdio: ["ignore", "ignore", "inherit"] });
 const record = (scene, device, seconds, ...options) => {
-  run("run", scene, "--device", device, "--for", `${seconds}`, "--record", "run.dpr", ...options);
+  run("run", scene, "--device", device, "--for", `${seconds}`, "--record", "felt.dpr", ...options);
 };
 const sights = [
   {
     name: "laparoscopy",
     make: () => {
       record("laparoscopy", "sim:?hand=press", 4);
-      run("view", "run.dpr", "-o", "page.html");
+      run("view", "felt.dpr", "-o", "page.html");
     },
     time: 1.9,
-    turn: [0.5, -0.12],
-    zoom: 0.62,
+    turn: [-0.5, -0.1],
+    zoom: 0.6,
   },
   {
     name: "soft-liver",
     make: () => {
-      record("soft-liver", "sim:?hand=wipe&reach=0.02", 4, "--friction", "0.3");
-      run("view", "run.dpr", "-o", "page.html");
+      record("soft-liver", "sim:?hand=press&reach=0.025&cycle=4", 4);
+      run("view", "felt.dpr", "-o", "page.html");
     },
-    time: 2.5,
-    turn: [0.3, 0.1],
-    zoom: 0.45,
+    time: 2.0,
+    turn: [-0.35, -0.1],
+    zoom: 0.5,
     dark: true,
   },
   {
@@ -44,6 +44,17 @@ const sights = [
   },
 ];
 
+// In the page: turn, and come nearer to where the tool is held back.
+function look(turn, zoom) {
+  const { camera } = viewer.own.view;
+  const segment = viewer.own.frame?.snapshot.segments[0];
+  camera.rotate(...turn);
+  if (!segment) return;
+  const { target, distance } = camera.state;
+  const aim = target.map((value, k) => value + (1 - zoom) * (segment.q[k] - value));
+  camera.move({ target: aim, distance: zoom * distance });
+}
+
 async function picture(browser, sight) {
   sight.make();
   const features = { "prefers-color-scheme": sight.dark ? "dark" : "light", "prefers-reduced-motion": "reduce" };
@@ -54,8 +65,7 @@ async function picture(browser, sight) {
     const { frames } = await page.state();
     await page.ask(`viewer.play.seek(Math.min(${frames - 1}, Math.round(60 * ${sight.time}))), 0`);
   }
-  if (sight.turn) await page.ask(`viewer.own.view.camera.rotate(${sight.turn.join()}), 0`);
-  if (sight.zoom) await page.ask(`viewer.own.view.lookAtTool(${sight.zoom}), 0`);
+  await page.call(look, sight.turn ?? [0, 0], sight.zoom ?? 1);
   if (sight.pick) await page.key("Enter");
   await page.settle();
   const file = path.join(out, `${sight.name}.png`);

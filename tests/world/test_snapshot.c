@@ -343,8 +343,9 @@ static void what_does_not_fit_is_told(void)
     const dpt_snapshot_def none = { .size = sizeof none };
     take(&scene, &none);
     dpt_snapshot_get_info(block, bytes, &info);
-    CHECK(!info.contacts && !info.strip && !info.vertices && info.segments == SEGMENT_COUNT,
-          "none");
+    CHECK(!info.contacts && !info.strip && !info.vertices && info.segments == SEGMENT_COUNT &&
+              info.flags == 0,
+          "none: flags %u", (unsigned)info.flags);
     memset(block, 0xcc, sizeof block);
     size_t written = 7;
     CHECK(dpt_world_take_snapshot(scene.world, &none, block, bytes - 1, &written) == DPT_E_MEMORY &&

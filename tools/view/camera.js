@@ -123,6 +123,22 @@ const camera = (() => {
       this.move({ target: centre, distance: radius / Math.sin(Math.min(up, aside)) }, smooth);
     }
 
+    // From a place to a target: their numbers one behind the other. The scene's up axis stays upright.
+    place(numbers) {
+      const [position, target] = [numbers.slice(0, 3), numbers.slice(3, 6)];
+      const [x, y, z] = rays.sub(position, target);
+      const distance = rays.length([x, y, z]);
+      if (!(distance > 0)) return;
+      const [east, north, above] = this.up === "z" ? [x, y, z] : [x, -z, y];
+      const elevation = Math.asin(Math.min(1, Math.max(-1, above / distance)));
+      this.move({
+        target,
+        distance,
+        azimuth: Math.atan2(east, -north),
+        elevation: Math.min(STEEPEST, Math.max(-STEEPEST, elevation)),
+      });
+    }
+
     view(name, smooth) {
       const [azimuth, elevation] = VIEWS[name];
       this.move({ azimuth, elevation }, smooth);

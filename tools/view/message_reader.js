@@ -93,6 +93,8 @@ const messageReader = (() => {
       forceMax === null || (Number.isFinite(forceMax) && forceMax > 0),
       "The scene's largest force is no number above 0.",
     );
+    const camera = json.camera ?? null;
+    demand(camera === null || areNumbers(camera, 9), "The scene's camera is not nine numbers.");
     const meshes = json.meshes.map((mesh, i) => readMesh(mesh, blob, i));
     const ids = new Set();
     const bodies = json.bodies.map(body => {
@@ -102,8 +104,13 @@ const messageReader = (() => {
       );
       demand(isCount(body.mesh) && body.mesh < meshes.length, "A body's mesh is not in the scene.");
       demand(areNumbers(body.pose, POSE) && isText(body.name), "A body of the scene has no pose or no name.");
+      const colour = body.colour ?? null;
+      demand(
+        colour === null || (areNumbers(colour, 3) && colour.every(part => part >= 0 && part <= 1)),
+        "A body's colour is not three numbers from 0 to 1.",
+      );
       ids.add(body.id);
-      return { id: body.id, mesh: body.mesh, pose: body.pose, name: body.name };
+      return { id: body.id, mesh: body.mesh, pose: body.pose, name: body.name, colour };
     });
     return {
       kind: "scene",
@@ -114,6 +121,7 @@ const messageReader = (() => {
       device: readDevice(json.device),
       up: json.up === "y" ? "y" : "z",
       forceMax,
+      camera,
       meshes,
       bodies,
     };

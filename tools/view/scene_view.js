@@ -92,7 +92,10 @@ const sceneView = (() => {
         rays.isClosed(corners) ? this.materials.closed : this.materials.open,
       );
       this.bodies = new Map(
-        scene.bodies.map(body => [body.id, new BodyView(body, scene.meshes[body.mesh], materials[body.mesh])]),
+        scene.bodies.map(body => [
+          body.id,
+          new BodyView(body, scene.meshes[body.mesh], this.painted(materials[body.mesh], body.colour)),
+        ]),
       );
       for (const view of this.bodies.values()) this.three.add(view.object);
       if (this.box) this.three.remove(this.box);
@@ -105,7 +108,17 @@ const sceneView = (() => {
       this.camera.up = scene.up;
       this.readColours();
       this.show(null, new Map());
-      if (!again) this.fit(false);
+      if (again) return;
+      this.fit(false);
+      if (scene.camera) this.camera.place(scene.camera);
+    }
+
+    // A body without a colour of its own has the page's.
+    painted(material, colour) {
+      if (!colour) return material;
+      const own = material.clone();
+      own.color.setRGB(...colour, THREE.SRGBColorSpace);
+      return own;
     }
 
     workspaceBox(box) {
@@ -154,17 +167,15 @@ const sceneView = (() => {
       this.dirty = true;
     }
 
-    // The ball round all bodies and the workspace.
+    // The ball round all bodies; without any round the workspace.
     bounds() {
       const least = [Infinity, Infinity, Infinity];
       const most = least.map(() => -Infinity);
       const box = this.scene.device?.workspace;
       for (const view of this.bodies.values()) view.growBox(least, most);
-      for (const corner of box ? [box.slice(0, 3), box.slice(3)] : []) {
-        corner.forEach((value, k) => {
-          least[k] = Math.min(least[k], value);
-          most[k] = Math.max(most[k], value);
-        });
+      if (!(least[0] <= most[0]) && box) {
+        least.splice(0, 3, ...box.slice(0, 3));
+        most.splice(0, 3, ...box.slice(3));
       }
       if (!(least[0] <= most[0])) return { centre: [0, 0, 0], radius: 1 };
       return {

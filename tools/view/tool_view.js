@@ -18,7 +18,15 @@ const toolView = (() => {
     return rays.isPlace(place) ? place : null;
   }
 
-  const depthOf = contact => Math.max(0, -contact.gap);
+  const segmentOf = (snapshot, contact) =>
+    snapshot.segments[snapshot.tools[contact.tool].firstSegment + contact.segment];
+
+  // Of a contact at the proxy, which is outside: how far the device is behind it, along the normal.
+  function depthOf(snapshot, contact) {
+    const { a, b, proxyA, proxyB } = segmentOf(snapshot, contact);
+    const held = rays.sub(rays.along(proxyA, proxyB, contact.s), rays.along(a, b, contact.s));
+    return Math.max(0, -contact.gap, rays.dot(held, contact.normal) || 0);
+  }
 
   class ToolView {
     constructor() {
@@ -66,7 +74,7 @@ const toolView = (() => {
     }
 
     addContact(snapshot, contact, camera, scales) {
-      const segment = snapshot.segments[snapshot.tools[contact.tool].firstSegment + contact.segment];
+      const segment = segmentOf(snapshot, contact);
       const { proxyA, proxyB } = segment;
       const middle = rays.along(proxyA, proxyB, (contact.s0 + contact.s1) / 2);
       if (!rays.isPlace(middle)) return;
@@ -74,7 +82,8 @@ const toolView = (() => {
       const long = rays.length(rays.sub(proxyB, proxyA));
       const more = long > 0 ? (1.5 * pixel) / long : 0; // a contact in one point is seen too
       const thick = Math.max(0, segment.radius || 0) + 2 * pixel;
-      const rgb = new THREE.Color(`rgb(${scale.colour(depthOf(contact) / scales.depth).join(",")})`).toArray();
+      const depth = depthOf(snapshot, contact);
+      const rgb = new THREE.Color(`rgb(${scale.colour(depth / scales.depth).join(",")})`).toArray();
       this.bands.add(
         rays.along(proxyA, proxyB, contact.s0 - more),
         rays.along(proxyA, proxyB, contact.s1 + more),

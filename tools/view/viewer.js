@@ -125,7 +125,7 @@ const viewer = (() => {
     history.add(frame, bytes);
     for (const tick of frame.ticks) ticks.add(tick);
     for (const contact of frame.snapshot.contacts)
-      own.deepest = Math.max(own.deepest, toolView.depthOf(contact) || 0);
+      own.deepest = Math.max(own.deepest, toolView.depthOf(frame.snapshot, contact));
     for (const { force } of frame.ticks) if (force > own.strongest && force < Infinity) own.strongest = force;
     for (const { wrench } of frame.snapshot.tools) {
       const force = rays.length(wrench.slice(0, 3));
