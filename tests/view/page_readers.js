@@ -88,7 +88,7 @@ async function whatIsRead() {
     assert.deepStrictEqual(
       got.contacts.map(({ s0, s1, gap, body }) => [s0, s1, gap, body]),
       [
-        [0.3, 0.5, -0.008, 11],
+        [0.3, 0.5, -0.001, 11],
         [0.5, 0.7, -0.002, 11],
       ],
     );

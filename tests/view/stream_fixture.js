@@ -182,10 +182,10 @@ function toolSections(frame, stripSources) {
   const depth = depthAt(time);
   const contacts = pressed
     ? [
-        [0.3, 0.5, 1],
-        [0.5, 0.7, 0.25],
+        [0.3, 0.5, 0.125, [0, 0, 1]],
+        [0.5, 0.7, 0.25, [1, 0, 0]],
       ]
-    : []; // stretches, and how deep of the deepest
+    : []; // stretches, how deep of the deepest, normals: along the first the device is behind by `depth`
   const reason = pressed ? 0 : 1;
   const strip = pressed ? stripSources : [];
   const middle = ends => ends[0].map((value, k) => (value + ends[1][k]) / 2);
@@ -219,10 +219,10 @@ function toolSections(frame, stripSources) {
       ],
     ],
   ]);
-  const touching = contacts.map(([s0, s1, part], i) =>
+  const touching = contacts.map(([s0, s1, part, normal], i) =>
     pack([
       ["u32", [i, 11, 0, stripSources[0], 3, 0, 0, 0]],
-      ["f64", [s0, s1, (s0 + s1) / 2, -part * DEEPEST, ...middle(proxy), ...q, 0, 0, 1, 1e-6]],
+      ["f64", [s0, s1, (s0 + s1) / 2, -part * DEEPEST, ...middle(proxy), ...q, ...normal, 1e-6]],
     ]),
   );
   const shadow = strip.map(source =>
