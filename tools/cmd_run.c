@@ -12,6 +12,7 @@
 #include "open_device.h"
 #include "recording_embed.h"
 #include "run_coupling.h"
+#include "run_physics.h"
 #include "run_record.h"
 #include "run_trace.h"
 #include "run_view.h"
@@ -65,6 +66,9 @@ static const char help[] =
     "                   unknown, without force; default 3000 at 1 kHz, in proportion to the "
     "period,\n"
     "                   so that a tick keeps within one\n"
+    "  --physics HZ     what gives way is stepped in a thread of its own, 1 to 5000 times a "
+    "second;\n"
+    "                   default in each tick. With a device that has a time of its own, by that\n"
     "  --for S          seconds of the clock\n"
     "  --ticks N        or so many ticks\n"
     "  --reopen         while the device is lost, try once a second to open it again\n"
@@ -258,6 +262,7 @@ static void print_json(const struct session *session, const dpt_loop_stats *s,
         printf("%s\"%s\":%" PRIu64, i ? "," : "", numbers[i].name, numbers[i].value);
     printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->depth_max, session->force_peak);
     print_coupling_json(session);
+    run_physics_print(&session->scene, 1);
     printf(",\"spring_nodes\":%" PRIu64 ",\"spring_nodes_awake\":%" PRIu64,
            session->scene.bodies.nodes, session->scene.bodies.active);
     const struct {
@@ -298,6 +303,7 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
         printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->unknown,
                session->budget);
     print_coupling(session);
+    run_physics_print(&session->scene, 0);
     if (session->scene.bodies.nodes)
         printf("  springs: %.1f %% of the nodes were awake\n",
                100.0 * (double)session->scene.bodies.active / (double)session->scene.bodies.nodes);
@@ -372,9 +378,12 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     coupling.rate = rate;
     coupling.loop_delay =
         info.flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : LOOP_DELAY_PERIODS / rate;
-    if (run_coupling_choose(&session->scene, &info, &coupling, &session->coupling) ||
+    coupling.loop_delay += run_physics_delay(&session->scene);
+    if (run_physics_check(&session->scene, &info, settings->record && !is_traced(settings)) ||
+        run_coupling_choose(&session->scene, &info, &coupling, &session->coupling) ||
         scene_make_world(&session->scene, &info, session->budget) ||
-        scene_bodies_check_step(&session->scene.bodies, "run", settings->scene.path, 1.0 / rate))
+        scene_bodies_check_step(&session->scene.bodies, "run", settings->scene.path,
+                                run_physics_step(&session->scene, rate)))
         return 2;
     dpt_loop_def_init(&def);
     def.tick = feel;
@@ -413,11 +422,14 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
         status =
             run_view_open(&session->view, &settings->view, &session->scene, settings->scene.path,
                           device, settings->device, rate, guard.force_max);
+    if (status == 0)
+        status = run_physics_start(&session->scene, rate);
     if (status == 0) {
         stop_watch(loop, seconds);
         result = dpt_loop_run(loop, &stats);
         stop_watch(NULL, HUGE_VAL);
     }
+    scene_physics_stop(session->scene.physics);
     run_view_close(session->view, result == DPT_OK ? "The run ended." : dpt_result_text(result),
                    &session->viewed);
     dpt_loop_free(loop);
@@ -472,6 +484,7 @@ static int read_settings(int argc, char **argv, struct run_settings *settings)
         { .name = "--cpu", .count = &settings->cpu },
         { .name = "--awake", .flag = &settings->awake },
         { .name = "--budget", .count = &settings->budget },
+        { .name = "--physics", .number = &settings->scene.physics },
         { .name = "--for", .number = &settings->seconds },
         { .name = "--ticks", .count = &settings->ticks },
         { .name = "--record", .text = &settings->record },

@@ -77,6 +77,7 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
                              .clutch = text->clutch < SCENE_TEXT_NO_CLUTCH ? (int)text->clutch : -1,
                              .length = text->length,
                              .radius = text->radius,
+                             .physics = text->physics,
                              .force = { .stiffness = text->stiffness,
                                         .friction = has_own_friction ? NAN : text->friction,
                                         .damping = text->damping } };

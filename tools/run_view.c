@@ -16,7 +16,7 @@ struct run_view {
     struct view_message first; /* the scene, for free() */
     const struct scene *scene;
     dpt_device *device;
-    uint64_t began_ns, active_before;
+    uint64_t began_ns, moves_before;
     double time; /* s, of the scene */
 };
 
@@ -103,12 +103,13 @@ void run_view_tick(struct run_view *view, const struct scene *scene, const dpt_l
     if (!view)
         return;
     const uint64_t now = clock_now();
-    const int has_moved = scene->bodies.active != view->active_before;
-    view->active_before = scene->bodies.active;
+    const struct view_physics physics = { .has_moved = scene->bodies.moves != view->moves_before,
+                                          .steps = scene_physics_steps_taken(scene) };
+    view->moves_before = scene->bodies.moves;
     view->time += sample->dt;
     const struct view_tick tick =
         scene_picture_tick(scene, sample, view->time, 1e-9 * (double)(now - view->began_ns));
-    view_feed_tick(view->feed, &tick, has_moved, now);
+    view_feed_tick(view->feed, &tick, &physics, now);
 }
 
 void run_view_close(struct run_view *view, const char *why, struct run_view_report *report)

@@ -92,6 +92,8 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
         dpt_world_create(scene->block, dpt_world_bytes(&world), &world, &scene->world);
     if (result == DPT_OK)
         result = scene_bodies_add(&scene->bodies, scene->world, &scene->force);
+    if (result == DPT_OK && scene->physics_rate > 0.0)
+        result = scene_physics_open(&scene->physics, &scene->bodies, scene->physics_rate);
     if (result == DPT_OK)
         result = dpt_tool_add(scene->world, scene->segments, scene->segment_count, &scene->tool);
     if (result == DPT_OK)
@@ -208,7 +210,11 @@ int scene_open(struct scene *scene, const struct scene_def *def)
     memcpy(scene->turned, identity, sizeof scene->turned);
     scene->length = def->length;
     scene->force = def->force;
+    scene->physics_rate = def->physics;
     if (open_bodies(scene, def))
+        return 2;
+    if (def->physics != 0.0 &&
+        scene_physics_choose(&scene->bodies, def->command, def->path, def->physics))
         return 2;
     memcpy(scene->device_to_scene, scene->arm ? device_to_root : identity,
            sizeof scene->device_to_scene);
@@ -224,6 +230,8 @@ int scene_open(struct scene *scene, const struct scene_def *def)
 
 void scene_close(struct scene *scene)
 {
+    scene_physics_close(scene->physics);
+    scene->physics = NULL;
     free(scene->block);
     scene_bodies_close(&scene->bodies);
     free(scene->bytes);
@@ -328,6 +336,26 @@ static void to_hand(const struct scene *scene, const double axes[4], dpt_wrench 
         memset(wrench->torque, 0, sizeof wrench->torque);
 }
 
+/* A step of the world and of what is soft, by dt, s. */
+static dpt_result step(struct scene *scene, double dt)
+{
+    dpt_result result =
+        scene->physics ? scene_physics_begin_tick(scene->physics, scene->world) : DPT_OK;
+    if (result == DPT_OK)
+        result = dpt_world_step(scene->world, dt, NULL);
+    if (result != DPT_OK)
+        return result;
+    result = scene->physics ? scene_physics_end_tick(scene->physics, scene->world, dt)
+                            : scene_bodies_step(&scene->bodies, scene->world, dt);
+    scene_bodies_count_moves(&scene->bodies, dt);
+    return result;
+}
+
+uint64_t scene_physics_steps_taken(const struct scene *scene)
+{
+    return scene->physics ? scene_physics_steps(scene->physics) : scene->bodies.steps;
+}
+
 dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     dpt_pose pose;
@@ -345,14 +373,11 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
     if (result == DPT_OK)
         result = move_tool(scene, &pose);
     if (result == DPT_OK)
-        result = dpt_world_step(scene->world, sample->dt, NULL);
+        result = step(scene, sample->dt);
     if (result != DPT_OK)
         return result;
     scene->pose = pose;
     scene->has_pose = 1;
-    result = scene_bodies_step(&scene->bodies, scene->world, sample->dt);
-    if (result != DPT_OK)
-        return result;
     dpt_tool_get_force_report(scene->world, scene->tool, &report);
     *wrench = report.wrench;
     to_hand(scene, axes, wrench);

@@ -10,6 +10,7 @@
 #include "scene_bodies.h"
 #include "scene_def.h"
 #include "scene_passivity.h"
+#include "scene_physics.h"
 
 struct scene {
     const char *command;
@@ -19,6 +20,8 @@ struct scene {
     dpt_tool tool;
     const dpt_arm *arm; /* the arm of the scene; NULL: there is none */
     struct scene_bodies bodies;
+    double physics_rate;                        /* Hz; 0: what is soft is stepped in each tick */
+    struct scene_physics *physics;              /* of the world, if there is a rate */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
     uint32_t segment_count;
     struct force_options force;
@@ -61,6 +64,9 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
  * the hand wherever that is.
  */
 dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wrench *wrench);
+
+/* The steps of what is soft so far. */
+uint64_t scene_physics_steps_taken(const struct scene *scene);
 
 /* A point of the device's frame in the scene, and back; not of a device that is the scene's arm. */
 void scene_of_device(const struct scene *scene, const double point[3], double out[3]);

@@ -231,17 +231,21 @@ int scene_bodies_displace(const struct scene_bodies *bodies)
     return displaces;
 }
 
+int scene_body_is_soft(const struct scene_body *body)
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_mesh_get_info(body->mesh, &info);
+    return info.springs && !body->is_rigid;
+}
+
 dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world,
                             const struct force_options *options)
 {
     dpt_result result = DPT_OK;
     for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
         struct scene_body *body = &bodies->body[i];
-        dpt_mesh_info info = { .size = sizeof info };
-        dpt_mesh_get_info(body->mesh, &info);
-        result = info.springs && !body->is_rigid
-                     ? add_soft(bodies, body, world)
-                     : dpt_body_add(world, body->mesh, &body->pose, &body->id);
+        result = scene_body_is_soft(body) ? add_soft(bodies, body, world)
+                                          : dpt_body_add(world, body->mesh, &body->pose, &body->id);
         if (result == DPT_OK && body->settings.size)
             result = dpt_body_set_settings(world, body->id, &body->settings);
         if (result == DPT_OK && !isnan(options->friction))
@@ -274,6 +278,7 @@ int scene_bodies_check_step(const struct scene_bodies *bodies, const char *comma
 
 dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, double dt)
 {
+    uint64_t has_stepped = 0;
     dpt_result result = DPT_OK;
     for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
         const struct scene_body *body = &bodies->body[i];
@@ -283,6 +288,21 @@ dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, doub
         result = dpt_deform_step_springs(world, body->id, body->springs, dt, &report);
         bodies->nodes += report.nodes;
         bodies->active += report.active;
+        if (report.active)
+            scene_bodies_note_moving(bodies, fmax(body->period, dt));
+        has_stepped = 1;
     }
+    bodies->steps += has_stepped;
     return result;
+}
+
+void scene_bodies_note_moving(struct scene_bodies *bodies, double period)
+{
+    bodies->moving = fmax(bodies->moving, period);
+}
+
+void scene_bodies_count_moves(struct scene_bodies *bodies, double dt)
+{
+    bodies->moves += bodies->moving > 0.0;
+    bodies->moving = fmax(bodies->moving - dt, 0.0);
 }

@@ -37,8 +37,14 @@ struct scene_bodies {
     uint32_t count;
     double gravity; /* m/s^2, against y; what is soft feels it */
     uint64_t nodes,
-        active; /* of the springs, summed over all steps: those there are, and those awake */
+        active;     /* of the springs, summed over all steps: those there are, and those awake */
+    uint64_t steps; /* of the springs that were taken with the world's */
+    uint64_t moves; /* steps of the world in which vertices moved, or were set to */
+    double moving;  /* s: for so long after the last step they still move */
 };
+
+/* 1 if a body gives way. */
+int scene_body_is_soft(const struct scene_body *body);
 
 /* Make the list: of one mesh; of an arm, whose list may be empty. */
 void scene_bodies_of_mesh(struct scene_bodies *bodies, const dpt_mesh *mesh);
@@ -71,5 +77,9 @@ int scene_bodies_check_step(const struct scene_bodies *bodies, const char *comma
 
 /* After a step of the world: what is soft goes on by dt, s. */
 dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, double dt);
+
+/* Vertices were set, which arrive after `period`, s. And once a step: dt of that has passed. */
+void scene_bodies_note_moving(struct scene_bodies *bodies, double period);
+void scene_bodies_count_moves(struct scene_bodies *bodies, double dt);
 
 #endif

@@ -27,6 +27,7 @@ struct scene_def {
     double length;      /* of the stylus, m */
     double radius;      /* of the stylus, m */
     struct force_options force;
+    double physics; /* Hz, of what gives way, apart from the loop; 0: in each of its ticks */
     struct scene_file *file; /* of scene_def_read; NULL: the path is of no scene file */
 };
 

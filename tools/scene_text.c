@@ -57,6 +57,7 @@ static const struct key {
     KEY(NUMBER, passive_force_slew),
     KEY(NUMBER, passive_torque_slew),
     KEY(NUMBER, passive_delay),
+    KEY(NUMBER, physics),
 };
 enum { KEYS = sizeof keys / sizeof *keys };
 
@@ -93,6 +94,7 @@ void scene_text_of(struct scene_text *text, const struct scene *scene, const str
         text->passive_torque_slew = def_of->torque_slew;
         text->passive_delay = def_of->delay;
     }
+    text->physics = scene->physics_rate;
     text->length = def->length;
     text->radius = def->radius;
     text->stiffness = scene->force.stiffness;

@@ -29,6 +29,7 @@ struct scene_text {
     uint64_t passivity; /* 1: there was an observer, with these fields of its def */
     double passive_damping, passive_spin_damping, passive_force_max, passive_torque_max;
     double passive_force_slew, passive_torque_slew, passive_delay;
+    double physics; /* Hz, of what is soft, by the loop's time; 0: in each tick */
 };
 
 /* Of a scene whose world was made. */

@@ -32,7 +32,7 @@ struct filming {
     size_t capacity;
     struct view_tick tick[TICKS_ROOM];
     uint32_t ticks;
-    uint64_t number, ticks_lost, active_before;
+    uint64_t number, ticks_lost, moves_before;
     int has_moved;
     double time, next_time;
     uint64_t missing;
@@ -79,8 +79,8 @@ static int film_tick(struct filming *filming, const dpt_record *record)
     if (scene_feel(scene, &sample, &wrench) != DPT_OK)
         return 1;
     filming->time += sample.dt;
-    filming->has_moved |= scene->bodies.active != filming->active_before;
-    filming->active_before = scene->bodies.active;
+    filming->has_moved |= scene->bodies.moves != filming->moves_before;
+    filming->moves_before = scene->bodies.moves;
     struct view_tick tick =
         scene_picture_tick(scene, &sample, filming->time, 1e-9 * (double)record->took_ns);
     tick.late = (float)(1e-9 * (double)record->late_ns);

@@ -20,7 +20,7 @@ enum { PERCENTILE_TICKS = 1024 };
 struct place {
     unsigned char *bytes;
     size_t size;
-    uint64_t number, ns, steps;
+    uint64_t number, ns, steps, physics_steps;
 };
 
 struct view_feed {
@@ -37,8 +37,8 @@ struct view_feed {
     uint64_t made, steps, next_ns, moved_ns;
     int has_moved;
     /* Of the view thread. */
-    uint64_t taken, rate_ns, rate_steps, rate_taken;
-    double haptic_hz, view_hz;
+    uint64_t taken, rate_ns, rate_steps, rate_physics_steps, rate_taken;
+    double haptic_hz, physics_hz, view_hz;
     float late[PERCENTILE_TICKS], took[PERCENTILE_TICKS], sorted[PERCENTILE_TICKS];
     uint64_t heard;
     unsigned char *frame;
@@ -89,12 +89,12 @@ static void push_tick(struct view_feed *feed, const struct view_tick *tick)
     __atomic_store_n(&feed->ticks_written, at + 1, __ATOMIC_RELEASE);
 }
 
-void view_feed_tick(struct view_feed *feed, const struct view_tick *tick, int has_moved,
-                    uint64_t now_ns)
+void view_feed_tick(struct view_feed *feed, const struct view_tick *tick,
+                    const struct view_physics *physics, uint64_t now_ns)
 {
     feed->steps++;
     push_tick(feed, tick);
-    if (has_moved) {
+    if (physics->has_moved) {
         feed->has_moved = 1;
         feed->moved_ns = now_ns;
     }
@@ -110,6 +110,7 @@ void view_feed_tick(struct view_feed *feed, const struct view_tick *tick, int ha
     place->number = feed->made;
     place->ns = now_ns;
     place->steps = feed->steps;
+    place->physics_steps = physics->steps;
     dpt_latest_publish(&feed->latest);
     __atomic_store_n(&feed->made, feed->made + 1, __ATOMIC_RELAXED);
 }
@@ -153,10 +154,12 @@ static void measure_rates(struct view_feed *feed, const struct place *place)
     const double seconds = 1e-9 * (double)(place->ns - feed->rate_ns);
     if (feed->rate_ns && seconds > 0.0) {
         feed->haptic_hz = (double)(place->steps - feed->rate_steps) / seconds;
+        feed->physics_hz = (double)(place->physics_steps - feed->rate_physics_steps) / seconds;
         feed->view_hz = (double)(feed->taken - feed->rate_taken) / seconds;
     }
     feed->rate_ns = place->ns;
     feed->rate_steps = place->steps;
+    feed->rate_physics_steps = place->physics_steps;
     feed->rate_taken = feed->taken;
 }
 
@@ -172,7 +175,7 @@ int view_feed_next(void *user, struct view_message *frame)
                                         .number = place->number,
                                         .dropped = place->number + 1 - feed->taken,
                                         .haptic_hz = feed->haptic_hz,
-                                        .physics_hz = feed->max_vertices ? feed->haptic_hz : 0.0,
+                                        .physics_hz = feed->physics_hz,
                                         .view_hz = feed->view_hz };
     memcpy(feed->frame + VIEW_HEADER_BYTES, place->bytes, place->size);
     header.ticks = take_ticks(feed, feed->frame + VIEW_HEADER_BYTES + place->size);

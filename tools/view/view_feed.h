@@ -5,7 +5,7 @@
  * nothing but the time.
  *
  *     feed = view_feed_open(world, vertices);
- *     haptic thread:   after each step:   view_feed_tick(feed, &tick, moved, now);
+ *     haptic thread:   after each step:   view_feed_tick(feed, &tick, &physics, now);
  *     view thread:     if (view_feed_next(feed, &frame)) send(frame);
  *     view_feed_close(feed);                       when both are done
  *
@@ -29,13 +29,15 @@ struct view_message;
 struct view_feed *view_feed_open(const dpt_world *world, uint32_t max_vertices);
 void view_feed_close(struct view_feed *feed);
 
-/*
- * After a step of the world.
- *   has_moved   vertices have, in this step
- *   now_ns      of a clock that does not go back
- */
-void view_feed_tick(struct view_feed *feed, const struct view_tick *tick, int has_moved,
-                    uint64_t now_ns);
+/* What physics did until a tick. */
+struct view_physics {
+    int has_moved;  /* vertices have, in this step of the world */
+    uint64_t steps; /* of physics so far, wherever it is stepped */
+};
+
+/* After a step of the world. `now_ns` is of a clock that does not go back. */
+void view_feed_tick(struct view_feed *feed, const struct view_tick *tick,
+                    const struct view_physics *physics, uint64_t now_ns);
 
 /*
  * 1 and a frame, which stays valid until the next call; 0: there is no newer one. `user` is the feed (view_server_def).
