@@ -88,6 +88,10 @@ $(B)/tests/test_view_loop: $(filter-out $(B)/tools/dynpoint.o $(B)/tools/view/% 
 $(B)/tests/test_view_loop: private LDLIBS = $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) \
   -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
+# Scenes of soft bodies, without their files.
+SOFT_PARTS := $(patsubst %,$(B)/tools/%.o,scene_physics soft_exchange scene_bodies scene_list command_options stop)
+$(B)/tests/test_soft_exchange $(B)/tests/test_scene_physics: $(SOFT_PARTS)
+
 # Scene files: where the program reads them.
 FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o),$(call objects,tests/fuzz/*.c))
 FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene_bodies.o $(B)/tools/command_options.o)

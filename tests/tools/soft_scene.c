@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "tools/soft_scene.h"
+
+#include <math.h>
+
+#include "lib/check.h"
+#include "scene_list.h"
+#include "scene_physics.h"
+
+#define RADIUS 0.004 /* m, of the ball */
+
+static int open_world(struct soft_scene *scene)
+{
+    const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, RADIUS };
+    const struct force_options options = { .law = DPT_LAW_PROXY,
+                                           .stiffness = 100.0,
+                                           .friction = NAN };
+    dpt_world_def def;
+    dpt_world_def_init(&def);
+    def.max_bodies = scene->bodies.count;
+    scene->block = malloc(dpt_world_bytes(&def));
+    dpt_result result = dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world);
+    if (result == DPT_OK)
+        result = scene_bodies_add(&scene->bodies, scene->world, &options);
+    if (result == DPT_OK)
+        result = dpt_tool_add(scene->world, &ball, 1, &scene->tool);
+    if (result == DPT_OK)
+        result = force_options_set_tool(&options, scene->world, scene->tool, 1);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    return result == DPT_OK;
+}
+
+int soft_scene_open(struct soft_scene *scene, const char *name, double rate)
+{
+    struct file_identity identity = { .bytes = 0 };
+    memset(scene, 0, sizeof *scene);
+    if (scene_bodies_of_list(&scene->bodies, "test", scene_listed(name), &identity) ||
+        (rate > 0.0 && scene_physics_choose(&scene->bodies, "test", name, rate)) ||
+        !open_world(scene)) {
+        CHECK(0, "%s at %g Hz does not open", name, rate);
+        return 0;
+    }
+    scene_bodies_top(&scene->bodies, scene->top);
+    scene->pose = (dpt_pose)DPT_POSE_IDENTITY;
+    soft_scene_press(scene, -0.001);
+    dpt_tool_teleport(scene->world, scene->tool, &scene->pose);
+    return 1;
+}
+
+void soft_scene_close(struct soft_scene *scene)
+{
+    free(scene->block);
+    scene_bodies_close(&scene->bodies);
+}
+
+void soft_scene_press(struct soft_scene *scene, double depth)
+{
+    memcpy(scene->pose.position, scene->top, sizeof scene->top);
+    scene->pose.position[1] += RADIUS - depth;
+    if (scene->world)
+        dpt_tool_set_pose(scene->world, scene->tool, &scene->pose);
+}
+
+void soft_scene_step(struct soft_scene *scene)
+{
+    const dpt_result result = dpt_world_step(scene->world, SOFT_TICK, NULL);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+}
+
+const float *soft_scene_vertices(const struct soft_scene *scene, uint32_t *count)
+{
+    const float *vertices = NULL;
+    dpt_deform_get_vertices(scene->world, scene->bodies.body[0].id, &vertices, count);
+    return vertices;
+}

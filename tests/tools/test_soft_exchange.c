@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What passes between the haptic loop and physics: the loads of the last tick, which sum up to the tool's force, one way;
+ * vertices that arrive to the bit the other way. In each tick it is the same as springs that are stepped with the world.
+ */
+#include "soft_exchange.h"
+
+#include <math.h>
+
+#include "lib/check.h"
+#include "tools/soft_scene.h"
+
+enum { TICKS = 400, TICKS_ASLEEP_MOST = 20000, MAX_POINTS = 16 };
+
+struct rig {
+    struct soft_scene scene;
+    struct soft_exchange exchange;
+    uint64_t handed_over;
+};
+
+static struct scene_body *body_of(struct rig *rig)
+{
+    return &rig->scene.bodies.body[0];
+}
+
+static int open_rig(struct rig *rig, const char *name, double rate)
+{
+    memset(rig, 0, sizeof *rig);
+    if (!soft_scene_open(&rig->scene, name, rate))
+        return 0;
+    const dpt_result result = soft_exchange_open(&rig->exchange, body_of(rig)->mesh, MAX_POINTS);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    return result == DPT_OK;
+}
+
+static void close_rig(struct rig *rig)
+{
+    soft_exchange_close(&rig->exchange);
+    soft_scene_close(&rig->scene);
+}
+
+/* The ball goes down by 8 mm, slides on, and comes up again. */
+static void lead(struct rig *rig, int tick)
+{
+    soft_scene_press(&rig->scene, 0.01 * sin(3.1 * tick / TICKS) - 0.001);
+    rig->scene.pose.position[0] += 0.005 * tick / TICKS;
+    dpt_tool_set_pose(rig->scene.world, rig->scene.tool, &rig->scene.pose);
+}
+
+/* Returns whether there were new vertices. */
+static int haptic_tick(struct rig *rig)
+{
+    int is_new = 0;
+    dpt_world *world = rig->scene.world;
+    CHECK(soft_exchange_take_vertices(&rig->exchange, world, body_of(rig)->id, &is_new) == DPT_OK,
+          "vertices are refused");
+    soft_scene_step(&rig->scene);
+    CHECK(soft_exchange_give_loads(&rig->exchange, world, body_of(rig)->id) == DPT_OK, "no loads");
+    rig->handed_over += (uint64_t)is_new;
+    return is_new;
+}
+
+static uint32_t physics_step(struct rig *rig, double dt)
+{
+    dpt_springs_report report = { .size = sizeof report };
+    const dpt_result result =
+        soft_exchange_step(&rig->exchange, body_of(rig)->springs, dt, &report);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    return report.active;
+}
+
+/* A body of these scenes is turned by -90 degrees about x: (x, y, z) is (x, z, -y) in the world. */
+static void check_sums(struct rig *rig, int tick)
+{
+    const struct soft_loads *loads = &rig->exchange.loads[rig->exchange.latest_loads.reading];
+    dpt_force_report report = { .size = sizeof report };
+    double sum[3] = { 0.0, 0.0, 0.0 }, size = 1e-3, off = 0.0;
+    dpt_tool_get_force_report(rig->scene.world, rig->scene.tool, &report);
+    for (uint32_t i = 0; i < loads->count; i++) {
+        sum[0] += loads->load[i].force[0];
+        sum[1] += loads->load[i].force[2];
+        sum[2] -= loads->load[i].force[1];
+    }
+    for (int k = 0; k < 3; k++) {
+        off = fmax(off, fabs(sum[k] + report.wrench.force[k]));
+        size = fmax(size, fabs(report.wrench.force[k]));
+    }
+    CHECK(off <= 1e-6 * size, "tick %d: %u loads are off by %g N of %g", tick, loads->count, off,
+          size);
+}
+
+/* At half the loop's rate, of two ticks the later one's loads count. */
+static void sums_are_the_tools_force(void)
+{
+    static const char *const names[] = { "membrane", "laparoscopy" };
+    for (int n = 0; n < 2; n++) {
+        struct rig rig;
+        uint32_t loads_most = 0;
+        for (int tick = open_rig(&rig, names[n], 500.0) ? 0 : TICKS; tick < TICKS; tick++) {
+            lead(&rig, tick);
+            haptic_tick(&rig);
+            if (tick % 2 == 0)
+                continue;
+            physics_step(&rig, 2.0 * SOFT_TICK);
+            check_sums(&rig, tick);
+            const uint32_t count = rig.exchange.loads[rig.exchange.latest_loads.reading].count;
+            loads_most = count > loads_most ? count : loads_most;
+        }
+        CHECK(loads_most > 3, "%s: only %u loads", names[n], loads_most);
+        close_rig(&rig);
+    }
+}
+
+/* With a period of one tick they are there in the next step; with one of four, after four, and a part of the way before. */
+static void vertices_arrive(void)
+{
+    static const int periods[] = { 1, 4 };
+    for (int n = 0; n < 2; n++) {
+        struct rig rig;
+        int arrived = 0, under_way = 0;
+        for (int tick = open_rig(&rig, "laparoscopy", 1000.0 / periods[n]) ? 0 : TICKS;
+             tick < TICKS; tick++) {
+            uint32_t count = 0;
+            lead(&rig, tick);
+            const int is_new = haptic_tick(&rig);
+            const float *bound_for = rig.exchange.vertices[rig.exchange.latest_vertices.reading];
+            const float *now = soft_scene_vertices(&rig.scene, &count);
+            const int is_there = !memcmp(now, bound_for, 3 * sizeof *now * (size_t)count);
+            if (rig.handed_over && tick % periods[n] == periods[n] - 1) {
+                CHECK(is_there, "period of %d ticks: not there in tick %d", periods[n], tick);
+                arrived++;
+            }
+            under_way += is_new && !is_there;
+            if (tick % periods[n] == periods[n] - 1)
+                physics_step(&rig, periods[n] * SOFT_TICK);
+        }
+        CHECK(arrived > TICKS / 8, "they arrived %d times", arrived);
+        CHECK(!under_way == (periods[n] == 1), "period of %d ticks: %d times under way", periods[n],
+              under_way);
+        close_rig(&rig);
+    }
+}
+
+/* The nodes of two scenes; and how far vertices of the second one are from where they were at rest. In m. */
+static void compare_nodes(const struct soft_scene *a, const struct soft_scene *b, double *off,
+                          double *moved)
+{
+    const struct scene_body *body = &b->bodies.body[0];
+    const uint32_t count = dpt_springs_count(body->springs);
+    float *x = calloc(6 * (size_t)count, sizeof *x), *y = x + 3 * (size_t)count;
+    uint32_t vertices = 0;
+    const float *rest, *now = soft_scene_vertices(b, &vertices);
+    dpt_mesh_get_vertices(body->mesh, &rest, &vertices);
+    CHECK(dpt_springs_get_nodes(a->bodies.body[0].springs, count, x, NULL) == DPT_OK &&
+              dpt_springs_get_nodes(body->springs, count, y, NULL) == DPT_OK,
+          "no nodes");
+    for (size_t i = 0; i < 3 * (size_t)count; i++)
+        *off = fmax(*off, fabs((double)x[i] - (double)y[i]));
+    free(x);
+    for (size_t i = 0; i < 3 * (size_t)vertices; i++)
+        *moved = fmax(*moved, fabs((double)now[i] - (double)rest[i]));
+}
+
+static void is_as_with_the_world(void)
+{
+    static const char *const names[] = { "membrane", "laparoscopy" };
+    for (int n = 0; n < 2; n++) {
+        struct rig rig;
+        struct soft_scene with;
+        double off = 0.0, moved = 0.0;
+        const int is_open =
+            open_rig(&rig, names[n], 1000.0) & soft_scene_open(&with, names[n], 0.0);
+        for (int tick = is_open ? 0 : TICKS; tick < TICKS; tick++) {
+            lead(&rig, tick);
+            haptic_tick(&rig);
+            physics_step(&rig, SOFT_TICK);
+            with.pose = rig.scene.pose;
+            dpt_tool_set_pose(with.world, with.tool, &with.pose);
+            soft_scene_step(&with);
+            CHECK(scene_bodies_step(&with.bodies, with.world, SOFT_TICK) == DPT_OK, "no step");
+            compare_nodes(&rig.scene, &with, &off, &moved);
+        }
+        CHECK(off <= 1e-6 && moved > 3e-4, "%s: %g m off, of %g", names[n], off, moved);
+        soft_scene_close(&with);
+        close_rig(&rig);
+    }
+}
+
+/* What sleeps is not handed over, so that the haptic loop has nothing to do. */
+static void sleep_is_quiet(void)
+{
+    struct rig rig;
+    int tick = 0, awake = 1;
+    if (open_rig(&rig, "laparoscopy", 1000.0)) {
+        for (; tick < TICKS; tick++) {
+            lead(&rig, tick);
+            haptic_tick(&rig);
+            physics_step(&rig, SOFT_TICK);
+        }
+        soft_scene_press(&rig.scene, -0.02);
+        for (; awake && tick < TICKS_ASLEEP_MOST; tick++) {
+            haptic_tick(&rig);
+            awake = physics_step(&rig, SOFT_TICK) > 0;
+        }
+        CHECK(!awake, "it is awake after %d ticks", tick);
+        haptic_tick(&rig);
+        for (int i = 0; i < 100; i++) {
+            physics_step(&rig, SOFT_TICK);
+            CHECK(!haptic_tick(&rig), "vertices of what sleeps");
+        }
+    }
+    close_rig(&rig);
+}
+
+int main(void)
+{
+    TEST(sums_are_the_tools_force);
+    TEST(vertices_arrive);
+    TEST(is_as_with_the_world);
+    TEST(sleep_is_quiet);
+    return check_report();
+}
