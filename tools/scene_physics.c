@@ -183,7 +183,7 @@ static void *run(void *user)
         if (ticks_now != ticks)
             ticked_ns = now;
         ticks = ticks_now;
-        const int is_held = ticks == 0 || now - ticked_ns > physics->held_ns;
+        const int is_held = now - ticked_ns > physics->held_ns;
         if (!is_held && !step(physics))
             break;
         deadline += period;

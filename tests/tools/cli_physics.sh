@@ -1,0 +1,142 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# run --physics: tissue is as stiff as with springs in each tick, runs and replays give the same bits, a thread that is too
+# slow does not delay the loop, and what cannot be stepped apart is refused. `sh tests/tools/cli_physics.sh BUILD`.
+. "$(dirname "$0")/cli.sh"
+
+# number NAME: of the last report in JSON
+number()
+{
+    sed -n "s/.*\"$1\":\([-+.0-9e]*\).*/\1/p" stdout
+}
+
+# is_below A B
+is_below()
+{
+    awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && b != "" && a < b) }'
+}
+
+# A hand that comes down by 25 mm in half a second, and rests. 5 mm are above the tissue.
+hand()
+{
+    printf 't,x,y,z\n0,0,0,0\n0.5,0,-0.025,0\n' >hand.csv
+}
+
+# stiffness FILE: force by depth, the mean of what follows the 2000th tick
+stiffness()
+{
+    "$program" record csv "$1" -o - | awk -F, '
+        NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+        $at["number"] >= 2000 { force += $at["asked_fy"]; depth += -0.005 - $at["y"] }
+        END { print force / depth }'
+}
+
+# pressed FILE OPTION...: the hand at rest in soft-liver, recorded
+pressed()
+{
+    file=$1
+    shift
+    succeeds "pressed $*" run soft-liver --device 'sim:?hand=hand.csv' --stiffness 100 --ticks 3000 --json --record "$file" "$@"
+}
+
+felt()
+{
+    hand
+    pressed tick.dpr
+    check 'without --physics there is none in the report' test "$(grep -c '"physics"' stdout)" -eq 0
+    by_tick=$(stiffness tick.dpr)
+    check "it is soft: $by_tick N/m" is_below "$by_tick" 80
+    for rate in 1000 500; do
+        pressed physics.dpr --physics $rate
+        check "$rate Hz in the report: $(cat stdout)" grep -q \
+            "\"physics\":{\"rate\":$rate,\"asked\":$rate,\"steps\":$((3 * rate)),\"late\":0,\"thread\":false}" stdout
+        apart=$(stiffness physics.dpr)
+        check "$rate Hz: $apart N/m for $by_tick" awk -v a="$apart" -v b="$by_tick" \
+            'BEGIN { exit !(a > 0.95 * b && a < 1.05 * b) }'
+    done
+    check 'the delay is counted' grep -q '"delay":0.0025' stdout
+    pressed again.dpr --physics 500
+    check 'twice the same bytes' cmp -s physics.dpr again.dpr
+    check 'others than with springs in each tick' test "$(cmp -s physics.dpr tick.dpr; echo $?)" -eq 1
+    succeeds 'replay' replay physics.dpr --json
+    check "replayed: $(cat stdout)" grep -q '"ticks":3000,"same":true,"end":"whole"' stdout
+    succeeds 'record info' record info physics.dpr
+    check 'the rate is in the recording' grep -qx '  physics=500' stdout
+    succeeds 'in words' run membrane --device 'sim:?hand=press' --ticks 600 --physics 500
+    check "a line: $(cat stdout)" grep -qx "  physics 500 Hz, 300 steps, 0 late, by the device's own time" stdout
+}
+
+# The page of a recording has vertices for as long as they move: more for a hand that goes on than for one that is away.
+pages()
+{
+    [ -x "$(command -v python3)" ] || { skip 'frames with vertices: no python3'; return; }
+    printf 't,x,y,z\n0,0,0,0\n0.2,0,-0.01,0\n0.4,0,0.03,0\n' >touch.csv
+    succeeds 'a touch' run laparoscopy --device 'sim:?hand=touch.csv' --ticks 8000 --physics 250 --record touch.dpr
+    run view touch.dpr -o touch.html
+    if grep -q 'this build has no viewer' stderr; then skip 'frames with vertices: no page in this build'; return; fi
+    check "view: $(cat stderr)" test $status -eq 0
+    python3 - touch.html >moving.txt 2>&1 <<'END_OF_PYTHON'
+import base64, re, struct, sys
+text = open(sys.argv[1]).read()
+data = max(re.findall(r"[A-Za-z0-9+/=]{1000,}", text), key=lambda run: (base64.b64decode(run)[8:12] == b"\1\0\0\0", len(run)))
+data, at, frames, moving, last = base64.b64decode(data), 0, 0, 0, 0
+while at < len(data):
+    size, = struct.unpack_from("<Q", data, at)
+    message = data[at + 8:at + 8 + size]
+    at += 8 + (size + 7) // 8 * 8
+    if struct.unpack_from("<I", message)[0] != 2:
+        continue
+    sections, = struct.unpack_from("<I", message, 80 + 44)
+    counts = {struct.unpack_from("<I", message, 80 + 64 + 24 * s)[0]: struct.unpack_from("<I", message, 80 + 68 + 24 * s)[0] for s in range(sections)}
+    frames += 1
+    if counts.get(6):
+        moving, last = moving + 1, frames
+print(frames, moving, last)
+END_OF_PYTHON
+    read -r frames moving last <moving.txt
+    check "frames, with vertices, the last of those: $(cat moving.txt)" test "${moving:-0}" -ge 10 -a "${last:-0}" -lt "${frames:-0}"
+}
+
+# By the clock, with a hand. A step of 100,000 nodes in 64 iterations takes far longer than a tick.
+threads()
+{
+    succeeds 'a thread' run laparoscopy --device 'sim:?hand=press&cycle=1&live=1' --for 1 --physics 250 --json
+    check "it stepped: $(cat stdout)" is_below 20 "$(number steps)"
+    check 'in a thread' grep -q '"asked":250,.*"thread":true' stdout
+    check 'each tick felt' grep -q '"failed":0,' stdout
+    check 'no step after the end' is_below "$(number steps)" 260
+    if ! "$program" run no.json --device sim 2>&1 | grep -q 'this build reads no scene files'; then
+        sed -e '0,/"physics": {/s//"physics": { "integrator": "implicit", "iterations": 64, "sleep_speed": 0,/' \
+            -e 's/"viscosity": 0.001,/"viscosity": 0.001, "spacing": 0.003,/' "$tests/../docs/samples/scene.json" >slow.json
+        succeeds 'a slow thread' run slow.json --device 'sim:?hand=press&cycle=1&live=1' --for 2 --physics 1000 --json
+        check "it is late: $(cat stdout)" is_below 100 "$(number late)"
+        check "a step takes as long as 10 ticks or more" is_below "$(number rate)" 100
+        took=$(sed -n 's/.*"took_us":{"median":\([0-9.]*\),.*/\1/p' stdout)
+        check "half of the ticks take less than a tenth of that: $took us" is_below "$took" 1000
+        check 'the loop ran meanwhile' is_below 500 "$(number ticks)"
+        check 'and felt' grep -q '"failed":0,' stdout
+    fi
+    succeeds 'a trace of the tool can be had' run laparoscopy --device 'sim:?hand=press&live=1' --for 0.2 --physics 100 \
+        --record trace.csv
+}
+
+refusals()
+{
+    live='sim:?hand=press&live=1'
+    refuses 'a recording by the clock' 'is not in a recording' run laparoscopy --device "$live" --ticks 9 --physics 250 --record out/x.dpr
+    refuses 'a body that is displaced' 'bodies[0] is displaced by the tool' run cloth --device sim --ticks 9 --physics 500
+    refuses 'nothing soft' 'none of its bodies gives way' run tori --device sim --ticks 9 --physics 500
+    refuses 'no part of the rate' 'must divide the 1000 Hz' run membrane --device sim --ticks 9 --physics 300
+    refuses 'more than the rate' 'must divide the 1000 Hz' run membrane --device sim --ticks 9 --physics 2000
+    refuses 'too slow' '--physics must be 1 to 5000' run membrane --device sim --ticks 9 --physics 0.5
+    refuses 'too fast' '--physics must be 1 to 5000' run membrane --device "$live" --ticks 9 --physics 5001
+    refuses 'too stiff for it' 'bodies[0] is too stiff' run membrane --device sim --ticks 9 --physics 250
+    succeeds 'and stiff enough in each tick' run membrane --device sim --ticks 9
+    succeeds 'more than the rate by the clock' run membrane --device "$live" --for 0.2 --physics 2000
+}
+
+felt
+pages
+threads
+refusals
+finish
