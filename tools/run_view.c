@@ -104,7 +104,7 @@ void run_view_tick(struct run_view *view, const struct scene *scene, const dpt_l
         return;
     const uint64_t now = clock_now();
     const struct view_physics physics = { .has_moved = scene->bodies.moves != view->moves_before,
-                                          .steps = scene_physics_steps_taken(scene) };
+                                          .steps = scene_soft_steps(scene) };
     view->moves_before = scene->bodies.moves;
     view->time += sample->dt;
     const struct view_tick tick =

@@ -351,7 +351,7 @@ static dpt_result step(struct scene *scene, double dt)
     return result;
 }
 
-uint64_t scene_physics_steps_taken(const struct scene *scene)
+uint64_t scene_soft_steps(const struct scene *scene)
 {
     return scene->physics ? scene_physics_steps(scene->physics) : scene->bodies.steps;
 }

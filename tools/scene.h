@@ -66,7 +66,7 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
 dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wrench *wrench);
 
 /* The steps of what is soft so far. */
-uint64_t scene_physics_steps_taken(const struct scene *scene);
+uint64_t scene_soft_steps(const struct scene *scene);
 
 /* A point of the device's frame in the scene, and back; not of a device that is the scene's arm. */
 void scene_of_device(const struct scene *scene, const double point[3], double out[3]);

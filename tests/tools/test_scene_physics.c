@@ -8,7 +8,7 @@
 #include "clock.h"
 #include "lib/check.h"
 #include "stop.h"
-#include "tools/soft_scene.h"
+#include "lib/soft_scene.h"
 
 enum { TICKS = 1000, TICKS_ASLEEP_MOST = 20000 };
 #define LOOP_RATE 1000.0

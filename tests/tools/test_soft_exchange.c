@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "lib/check.h"
-#include "tools/soft_scene.h"
+#include "lib/soft_scene.h"
 
 enum { TICKS = 400, TICKS_ASLEEP_MOST = 20000, MAX_POINTS = 16 };
 

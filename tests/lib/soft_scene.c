@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "tools/soft_scene.h"
+#include "lib/soft_scene.h"
 
 #include <math.h>
 
