@@ -13,6 +13,9 @@
 
 enum { HEADER = 80, TICK = 40 };
 
+/* Physics takes a step every so many ticks. */
+enum { TICKS_A_STEP = 4 };
+
 struct stage {
     struct fixture fixture;
     void *memory, *deform;
@@ -71,12 +74,13 @@ static void tick(struct stage *stage, int has_moved)
 {
     const uint64_t i = stage->tick++;
     const struct view_tick numbers = tick_of(i);
+    const struct view_physics physics = { .has_moved = has_moved, .steps = i / TICKS_A_STEP };
     dpt_pose pose = DPT_POSE_IDENTITY;
     pose.position[0] = 1e-5 * (double)(i % 10000);
     pose.position[1] = 1.0; /* far away, and so cheap */
     dpt_tool_set_pose(stage->world, stage->tool, &pose);
     dpt_world_step(stage->world, 0.001, NULL);
-    view_feed_tick(stage->feed, &numbers, has_moved, 1000000 * i + 1);
+    view_feed_tick(stage->feed, &numbers, &physics, 1000000 * i + 1);
 }
 
 /* ---- a reader ---- */
@@ -179,6 +183,7 @@ static void each_tick_comes_once_and_in_order(void)
           (unsigned long long)seen.ticks);
     CHECK(fabs(seen.haptic - 1000.0) < 1.0 && fabs(seen.view - 59.0) < 2.0, "%g and %g Hz",
           seen.haptic, seen.view);
+    CHECK(fabs(seen.physics - 1000.0 / TICKS_A_STEP) < 5.0, "physics: %g Hz", seen.physics);
     CHECK(fabs(seen.late - 98e-6) < 2e-6 && fabs(seen.took - 49e-6) < 1e-6, "%g s late, %g s took",
           seen.late, seen.took);
     stage_close(&stage);
