@@ -232,6 +232,9 @@ fuzz: ## 10^8 random calls (CALLS_RUNS), then 10^8 executions (FUZZ_RUNS) of the
 	@sh tests/fuzz/calls.sh
 	@sh tests/fuzz/fuzz.sh
 
+check-view: all ## the viewer's page in a headless Chromium; make check does it too
+	@sh tests/view/check.sh $(B)
+
 pictures: all ## the pictures of README and docs, by a headless Chromium
 	@node tests/view/pictures.js $(abspath $(B)/dynpoint) $(B)/view/pictures docs/pictures
 

@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # The viewer's page (tools/view/): its readers under node, the file that is made, and what it draws and does in a
-# headless Chromium, from its file and from a mock of the server. BUILD/view/node_modules has three.js.
+# headless Chromium, from its file, from a mock of the server, and from the program itself. BUILD/view/node_modules has three.js.
 #
 #     sh tests/view/check.sh [BUILD=build]
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 . tests/lib/verdict.sh
-view=${1:-build}/view
+build=${1:-build} view=${1:-build}/view
 room=$(mktemp -d) || exit 2
 trap 'rm -rf "$room"' EXIT
 
@@ -48,4 +48,9 @@ fi
 count "the picture" node tests/view/page_picture.js "$view/page.html" "$room"
 count "a recording" node tests/view/page_recording.js "$view/page.html" "$room"
 count "a running world" node tests/view/page_live.js "$view" "$room"
+if grep -q HAS_LWS "$build/built_with.h" && grep -q HAS_VIEW_PAGE "$build/built_with.h"; then
+    count "the program" node tests/view/program.js "$build/dynpoint" "$room"
+else
+    skip "the program and its page: this build has no libwebsockets, or no page"
+fi
 finish

@@ -18,6 +18,10 @@ const toolView = (() => {
     return rays.isPlace(place) ? place : null;
   }
 
+  // Where the hand holds a tool: the origin of its frame, or end a of one whose segments are set in the scene.
+  const handleOf = (snapshot, tool) =>
+    tool.isFree ? snapshot.segments[tool.firstSegment].a : tool.pose.slice(0, 3);
+
   const segmentOf = (snapshot, contact) =>
     snapshot.segments[snapshot.tools[contact.tool].firstSegment + contact.segment];
 
@@ -95,7 +99,7 @@ const toolView = (() => {
     }
 
     addTool(snapshot, tool, colours, camera, scales) {
-      const handle = tool.pose.slice(0, 3);
+      const handle = handleOf(snapshot, tool);
       if (scales.control && rays.isPlace(handle)) {
         const size = 7 * camera.pixelSize(handle);
         this.marks.add(handle, handle, size, size, 1, colours.handle);
@@ -115,5 +119,5 @@ const toolView = (() => {
     }
   }
 
-  return { ToolView, depthOf };
+  return { ToolView, depthOf, handleOf };
 })();

@@ -290,10 +290,11 @@ const viewer = (() => {
     requestAnimationFrame(everyPicture);
   }
 
-  const handlePlace = () =>
-    own.scene?.control && play.following
-      ? (own.frame?.snapshot.tools[selectedTool()]?.pose.slice(0, 3) ?? null)
-      : null;
+  function handlePlace() {
+    const snapshot = own.frame?.snapshot;
+    const tool = snapshot?.tools[selectedTool()];
+    return own.scene?.control && play.following && tool ? toolView.handleOf(snapshot, tool) : null;
+  }
   const theHand = new hand.Hand(handlePlace, text => own.connection?.send(text));
 
   function pick(at) {
