@@ -89,6 +89,9 @@ told()
 {
     succeeds 'record info' record info tool.dpr
     check 'carries its scene' grep -q "^  it carries its scene: $(wc -c <kept.dpa) bytes, CRC-32 [0-9a-f]*\$" stdout
+    succeeds 'pieces of 64 KiB' record info carried.dpr --json
+    check "are counted: $(cat stdout)" grep -q "\"held\":$(wc -c <kept.dpa),\"pieces\":$((($(wc -c <kept.dpa) + 65535) / 65536))," stdout
+    succeeds 'record info' record info tool.dpr
     check 'and its tool' grep -q "^  it carries its tool: $(wc -c <"$arm") bytes" stdout
     succeeds 'record info --json' record info bare.dpr --json
     check "nothing carried: $(cat stdout)" grep -q '"embedded":\[\]' stdout
