@@ -11,7 +11,7 @@ arm=$tests/golden/arm_1_mesh_4.dpa
 # A path that blocks whoever opens it: a pipe without a writer.
 limited()
 {
-    timeout 20 "$program" "$@" >stdout 2>stderr </dev/null
+    timeout 10 "$program" "$@" >stdout 2>stderr </dev/null
     status=$?
 }
 
