@@ -167,7 +167,8 @@ static int begin_file(struct recording_embed *embed, struct embedded_file *file,
               byte, name, total);
         return 0;
     }
-    if (embed->keeps_bytes && posix_memalign(&bytes, 64, (size_t)total + 1)) {
+    if (embed->keeps_bytes &&
+        (total >= SIZE_MAX || posix_memalign(&bytes, 64, (size_t)total + 1))) {
         fault(file, "byte %" PRIu64 ": memory for the %s ran out", byte, name);
         return 0;
     }
