@@ -185,7 +185,7 @@ else
     [ -x build/tests/test_view_server ] || skip "the viewer's server" "no libwebsockets"
     run "robots' kinematics" sh tests/oracle/urdf.sh build
     run "races of the exchange" sh tests/exchange/races.sh build
-    run "races of physics" sh tests/tools/physics_races.sh build
+    run "races of threads" sh tests/tools/thread_races.sh build
     run "MuJoCo's soft bodies" sh tests/bench/soft.sh build
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build

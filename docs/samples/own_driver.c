@@ -86,10 +86,17 @@ static void rest_close(dpt_device *device)
     free(device);
 }
 
-static const dpt_driver rest_driver = {
-    sizeof(dpt_driver), DPT_DRIVER_VERSION, "rest",     "rests at one place", rest_open,  rest_info,
-    rest_read,          rest_write,         rest_clear, rest_counts,          rest_close, NULL
-};
+static const dpt_driver rest_driver = { .size = sizeof(dpt_driver),
+                                        .version = DPT_DRIVER_VERSION,
+                                        .name = "rest",
+                                        .about = "rests at one place",
+                                        .open = rest_open,
+                                        .info = rest_info,
+                                        .read = rest_read,
+                                        .write = rest_write,
+                                        .clear = rest_clear,
+                                        .counts = rest_counts,
+                                        .close = rest_close };
 
 /* A wall of 500 N/m at the height 0, for whoever is below. */
 static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
