@@ -130,9 +130,10 @@ command_line() {
         set -- "$1"
         case $1-$topic in
         */*-stability.sh) set -- "$1" 0.01 ;;
-        */*-stability_loops.sh) set -- "$1" 'wall organs delay phase zoom energy late rest beat' ;;
+        */*-stability_loops.sh) set -- "$1" 'wall delay late beat' ;;
         */*-stability_tissue.sh) set -- "$1" 'pulse reaction displace' ;;
         */*-scenes.sh) set -- "$1" soft-liver ;;
+        */*-physics.sh | */*-embed.sh) continue ;; # what they run is in programs and scripts that do
         esac
         $run "the program $1, ${topic%.sh}" sh "$script" "$@"
     done

@@ -140,7 +140,7 @@ static void incomplete_drivers_are_refused(void)
     for (int i = 0; i < 10; i++) {
         dpt_driver driver = probe_driver;
         if (i == 0)
-            driver.size--;
+            driver.size = offsetof(dpt_driver, steer) - 1;
         if (i == 1)
             driver.version++;
         if (i == 2)
