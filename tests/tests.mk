@@ -238,7 +238,7 @@ check-view: all ## the viewer's page in a headless Chromium; make check does it 
 pictures: all ## the pictures of README and docs, by a headless Chromium
 	@node tests/view/pictures.js $(abspath $(B)/dynpoint) $(B)/view/pictures docs/pictures
 
-bench: all $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes) ## time against peers, those whose packages are here
+bench: all $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes snapshots) ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
 	@sh tests/bench/budgets.sh $(B)
@@ -251,9 +251,10 @@ bench: all $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip
 	@$(B)/tests/bench/springs map >$(B)/bench/springs_map.csv
 	@$(B)/tests/bench/soft_liver | tee $(B)/bench/soft_liver.csv
 	@$(B)/tests/bench/scenes | tee $(B)/bench/scenes.csv
+	@$(B)/tests/bench/snapshots | tee $(B)/bench/snapshots.csv
 	@$(PYTHON) -B tests/bench/viewer.py $(B) | tee $(B)/bench/viewer.csv
 
-BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes)
+BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes snapshots)
 test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(BENCH_PROGRAMS)
 # What programs.txt, and the scripts, run of this configuration.
 COLUMN := $(subst release,3,$(subst scalar,4,$(subst sanitize,5,$(CONFIG))))
@@ -280,7 +281,7 @@ $(B)/tests/bench/deform: %: %.o $(B)/tests/oracle/brute.o $(CORE)
 $(B)/tests/bench/springs $(B)/tests/bench/spring_methods: %: %.o $(B)/tests/deform/spring_rig.o \
                               $(B)/tests/oracle/spring_balance.o $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
-$(B)/tests/bench/soft_liver $(B)/tests/bench/scenes: %: %.o $(B)/tools/scene_list.o $(B)/tools/shape.o $(B)/tools/shape_organs.o \
+$(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/snapshots: %: %.o $(B)/tools/scene_list.o $(B)/tools/shape.o $(B)/tools/shape_organs.o \
                              $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 $(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared_of,tests/strip/) $(TEST_PARTS) $(TEST_LIB)
