@@ -6,7 +6,7 @@
 
 record_bytes=504
 ticks=300
-arm=$tests/golden/arm_1_mesh_4.dpa
+arm=arm.dpa
 
 # A path that blocks whoever opens it: a pipe without a writer.
 limited()
@@ -22,6 +22,8 @@ prepare_scenes()
     succeeds 'make box' make box -o box.ply
     succeeds 'compile box' compile box.ply -o box.dpa
     cp liver.dpa kept.dpa
+    cp "$tests/golden/arm_1_mesh_4.dpa" "$arm"
+    cp "$arm" kept_arm.dpa
     for name in carried again; do
         succeeds "a run, $name" run liver.dpa --device 'sim:?dofs=6&hand=press&cycle=1' --ticks $ticks --embed \
             --record $name.dpr
@@ -54,8 +56,8 @@ has_page()
 # Without the files; a pipe stands where the path points.
 without_files()
 {
-    rm liver.dpa
-    mkfifo liver.dpa
+    rm liver.dpa "$arm"
+    mkfifo liver.dpa "$arm"
     mkdir -p elsewhere
     for name in carried tool arm name; do
         limited replay $name.dpr --json
@@ -92,7 +94,7 @@ told()
     succeeds 'pieces of 64 KiB' record info carried.dpr --json
     check "are counted: $(cat stdout)" grep -q "\"held\":$(wc -c <kept.dpa),\"pieces\":$((($(wc -c <kept.dpa) + 65535) / 65536))," stdout
     succeeds 'record info' record info tool.dpr
-    check 'and its tool' grep -q "^  it carries its tool: $(wc -c <"$arm") bytes" stdout
+    check 'and its tool' grep -q "^  it carries its tool: $(wc -c <kept_arm.dpa) bytes" stdout
     succeeds 'record info --json' record info bare.dpr --json
     check "nothing carried: $(cat stdout)" grep -q '"embedded":\[\]' stdout
     check 'and the text says so' grep -q '"embedded=0"' stdout
