@@ -274,6 +274,7 @@ static void print_json(const struct session *session, const dpt_loop_stats *s,
         printf(",\"%s_us\":{\"median\":%.1f,\"p99\":%.1f,\"max\":%.1f}", times[i].name,
                1e6 * dpt_loop_quantile(times[i].bins, 0.5),
                1e6 * dpt_loop_quantile(times[i].bins, 0.99), 1e6 * times[i].max);
+    run_view_print(&session->viewed, 1);
     printf(",\"real_time\":%s,\"locked\":%s,\"budget\":%" PRIu32 "}\n",
            s->notes & DPT_LOOP_NOTE_NO_PRIORITY ? "false" : "true",
            s->notes & DPT_LOOP_NOTE_NO_LOCK ? "false" : "true", session->budget);
@@ -307,6 +308,7 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
     if (session->scene.bodies.nodes)
         printf("  springs: %.1f %% of the nodes were awake\n",
                100.0 * (double)session->scene.bodies.active / (double)session->scene.bodies.nodes);
+    run_view_print(&session->viewed, 0);
     printf("  guard: %" PRIu64 " clamped, %" PRIu64 " slewed, %" PRIu64 " stops\n", s->clamped,
            s->slewed, s->stops);
     printf("  device: %" PRIu64 " samples, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64
@@ -413,15 +415,13 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     dpt_result result = dpt_loop_create(device, &def, &loop);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));
-    int status = 0;
-    if (settings->record && !is_traced(settings))
+    int status =
+        run_view_open(&session->view, &settings->view, &session->scene, settings->scene.path,
+                      device, settings->device, rate, guard.force_max);
+    if (status == 0 && settings->record && !is_traced(settings))
         status = run_record_open(&session->recording, settings->record, &session->scene,
                                  &settings->scene, settings->device, rate, guard.force_max,
                                  session->budget);
-    if (status == 0)
-        status =
-            run_view_open(&session->view, &settings->view, &session->scene, settings->scene.path,
-                          device, settings->device, rate, guard.force_max);
     if (status == 0)
         status = run_physics_start(&session->scene, rate);
     if (status == 0) {
@@ -433,10 +433,10 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     run_view_close(session->view, result == DPT_OK ? "The run ended." : dpt_result_text(result),
                    &session->viewed);
     dpt_loop_free(loop);
+    const int closed = run_record_close(&session->recording);
     if (status)
         return status;
-    status = run_record_close(&session->recording);
-    if (status == 0 && settings->embeds)
+    if ((status = closed) == 0 && settings->embeds)
         status = recording_embed_write(&settings->embed, settings->record);
     dpt_device_get_counts(device, &counts);
     (settings->json ? print_json : print_report)(session, &stats, &counts);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "run_view.h"
 
+#include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -92,6 +94,15 @@ int run_view_open(struct run_view **made, const struct run_view_options *options
     return status;
 }
 
+void run_view_print(const struct run_view_report *report, int json)
+{
+    if (report->made)
+        printf(json ? ",\"view\":{\"made\":%" PRIu64 ",\"taken\":%" PRIu64 ",\"sent\":%" PRIu64 "}"
+                    : "  viewers: %" PRIu64 " snapshots made, %" PRIu64 " taken, %" PRIu64
+                      " sent\n",
+               report->made, report->taken, report->sent);
+}
+
 void run_view_begin(struct run_view *view)
 {
     if (view)
@@ -120,7 +131,6 @@ void run_view_close(struct run_view *view, const char *why, struct run_view_repo
     if (report) {
         view_feed_counts(view->feed, &report->made, &report->taken);
         report->sent = served.sent;
-        report->refused = served.refused;
     }
     view_feed_close(view->feed);
     free((void *)view->first.bytes);

@@ -20,7 +20,7 @@ int run_view_check(const char *command, const struct run_view_options *options);
 
 struct run_view_report {
     uint64_t made, taken; /* snapshots, and those that the serving thread took */
-    uint64_t sent, refused;
+    uint64_t sent;        /* frames, to all pages */
 };
 
 struct run_view;
@@ -34,6 +34,9 @@ struct run_view;
 int run_view_open(struct run_view **view, const struct run_view_options *options,
                   const struct scene *scene, const char *title, dpt_device *device,
                   const char *name, double rate, double force_max);
+
+/* What became of the snapshots, if there were any: a line, or a key of a JSON object and the comma before it. */
+void run_view_print(const struct run_view_report *report, int json);
 
 /* Before and after a step of the scene. Without viewers (NULL) they do nothing. */
 void run_view_begin(struct run_view *view);
