@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * A haptic loop's own part of a tick, from the sample to the wrench, with the viewer's server running and a client that
- * draws: it makes no call of the system and allocates nothing. A child's haptic thread runs where the kernel kills the
- * process that calls it (seccomp, for that thread alone), while the server and a client run in others. That a call or an
- * allocation would be seen, other children show by making one.
+ * draws: it makes no call of the system and allocates nothing, with physics in the tick and with a thread for it. A
+ * child's haptic thread runs where the kernel kills the process that calls it (seccomp, for that thread alone), while the
+ * server and a client run in others. That a call or an allocation would be seen, other children show by making one.
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -72,7 +72,7 @@ void __wrap_free(void *block)
 #ifdef CAN_FORBID_CALLS
 
 struct report {
-    uint64_t ticks, frames, vertices, touches, allocations;
+    uint64_t ticks, frames, vertices, touches, allocations, steps;
 };
 
 /* What the child's threads share. */
@@ -82,6 +82,7 @@ static struct {
     dpt_device *device;
     dpt_device_info info;
     enum offence offence;
+    double physics; /* Hz, in a thread; 0: in the tick */
     uint16_t port;
     char token[40];
     uint64_t frames, vertices, touches; /* atomic */
@@ -186,10 +187,12 @@ static int open_lab(void)
     int ends[2];
     unsigned port = 0;
     lab.info.size = sizeof lab.info;
+    def.physics = lab.physics;
     if (dpt_device_open("sim:?hand=press&cycle=2", &lab.device, NULL) != DPT_OK || pipe(ends) != 0)
         return 0;
     dpt_device_get_info(lab.device, &lab.info);
-    if (scene_open(&lab.scene, &def) || scene_make_world(&lab.scene, &lab.info, 0))
+    if (scene_open(&lab.scene, &def) || scene_make_world(&lab.scene, &lab.info, 0) ||
+        (lab.physics > 0.0 && scene_physics_start(lab.scene.physics, 1000.0) != DPT_OK))
         return 0;
     dup2(ends[1], STDOUT_FILENO);
     if (run_view_open(&lab.view, &options, &lab.scene, "a test", lab.device, "sim", 1000.0, 5.0))
@@ -226,7 +229,8 @@ static void be_the_child(enum offence offence, int report_to)
                                    .frames = __atomic_load_n(&lab.frames, __ATOMIC_RELAXED),
                                    .vertices = __atomic_load_n(&lab.vertices, __ATOMIC_RELAXED),
                                    .touches = __atomic_load_n(&lab.touches, __ATOMIC_RELAXED),
-                                   .allocations = allocations };
+                                   .allocations = allocations,
+                                   .steps = scene_soft_steps(&lab.scene) };
     _exit(write(report_to, &report, sizeof report) == sizeof report ? 0 : 1);
 }
 
@@ -261,6 +265,20 @@ static void a_tick_calls_nothing(void)
           (unsigned long long)quiet.frames, (unsigned long long)quiet.vertices);
 }
 
+static void nor_beside_physics(void)
+{
+    struct report report;
+    lab.physics = 500.0;
+    const int status = run_child(NONE, &report);
+    lab.physics = 0.0;
+    CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 0, "status %x", status);
+    CHECK(report.ticks == TICKS && report.touches > TICKS / 10 && report.steps > 5 &&
+              report.steps < TICKS / 2,
+          "%llu ticks, %llu in contact, %llu steps", (unsigned long long)report.ticks,
+          (unsigned long long)report.touches, (unsigned long long)report.steps);
+    CHECK(report.allocations == 0, "%llu allocations", (unsigned long long)report.allocations);
+}
+
 static void a_tick_allocates_nothing(void)
 {
     struct report offence;
@@ -290,6 +308,7 @@ int main(void)
     }
     TEST(a_tick_calls_nothing);
     TEST(a_tick_allocates_nothing);
+    TEST(nor_beside_physics);
     TEST(a_call_would_be_seen);
 #else
     SKIP("the loop beside a viewer", "not on this system, or under a sanitizer");
