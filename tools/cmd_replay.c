@@ -62,8 +62,8 @@ static const char help[] =
     "  --limit              the wrench as a device's guard would let it through, not as it is\n"
     "  --until STAGE        track, contact or respond (default): how far a step goes\n"
     "  --dt T               length of a tick, s; default 0.001\n"
-    "  --kernel K           auto (default), scalar, sse2, avx2, avx512, neon: same answers, other "
-    "speed\n"
+    "  --kernel K           auto (default), scalar, sse2, avx2, avx512, neon, wasm128: same\n"
+    "                       answers, other speed\n"
     "  --repeat N           passes; the least time of each tick counts; default 1\n"
     "  --against M          compare every distance with another method's; exit status 1 if they "
     "differ\n"
@@ -73,7 +73,8 @@ static const char help[] =
 
 static const char *const methods[] = { "exact", "tree", "brute", "paper", NULL };
 static const char *const stages[] = { "respond", "track", "contact", NULL };
-static const char *const kernels[] = { "auto", "scalar", "sse2", "avx2", "avx512", "neon", NULL };
+static const char *const kernels[] = { "auto",   "scalar", "sse2",    "avx2",
+                                       "avx512", "neon",   "wasm128", NULL };
 
 static const char *const strips[] = { "none", "shadow", "routes", NULL };
 
@@ -340,7 +341,8 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
     if (chosen[1] < 0)
         return complain("replay", "--until takes track, contact or respond");
     if (chosen[2] < 0)
-        return complain("replay", "the kernels are auto, scalar, sse2, avx2, avx512 and neon");
+        return complain("replay",
+                        "the kernels are auto, scalar, sse2, avx2, avx512, neon and wasm128");
     if (word_index(strip, strips) < 0)
         return complain("replay", "--strip takes shadow or routes");
     if (!law)

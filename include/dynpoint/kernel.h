@@ -18,7 +18,8 @@ enum {
     DPT_KERNEL_SSE2 = 2,
     DPT_KERNEL_AVX2 = 3,
     DPT_KERNEL_AVX512 = 4,
-    DPT_KERNEL_NEON = 5
+    DPT_KERNEL_NEON = 5,
+    DPT_KERNEL_WASM128 = 6 /* WebAssembly's vectors of 128 bits */
 };
 
 /* The kernel's name, such as "avx2"; "none" for a number that is no kernel. */

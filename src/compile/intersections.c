@@ -530,8 +530,8 @@ dpt_result model_intersections(struct model *model, soup *source)
     uint32_t *all = model_alloc(source, model->part_count > 1 ? count : 0, sizeof *all);
     model->part_cuts_itself = model_alloc(source, model->part_count, 1);
     tree.star_is_simple = stars.is_simple;
-    tree.blocks = model_alloc(source, nodes, sizeof *tree.blocks);
-    tree.labels = model_alloc(source, nodes, sizeof *tree.labels);
+    tree.blocks = model_alloc(source, (size_t)nodes, sizeof *tree.blocks);
+    tree.labels = model_alloc(source, (size_t)nodes, sizeof *tree.labels);
     tree.results = model_alloc(source, levels[0], sizeof *tree.results);
     dpt_result result = list_parts(model, source);
     if (!stars.is_simple || !all || !model->part_cuts_itself || !tree.blocks || !tree.labels ||

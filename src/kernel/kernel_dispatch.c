@@ -7,6 +7,8 @@
 #include <cpuid.h>
 #elif defined(__aarch64__) && !defined(DPT_SCALAR)
 #define KERNELS_ARM 1
+#elif defined(__wasm_simd128__) && !defined(DPT_SCALAR)
+#define KERNELS_WASM 1
 #endif
 
 const char *dpt_kernel_name(uint32_t id)
@@ -22,6 +24,8 @@ const char *dpt_kernel_name(uint32_t id)
         return "avx512";
     case DPT_KERNEL_NEON:
         return "neon";
+    case DPT_KERNEL_WASM128:
+        return "wasm128";
     default:
         return "none";
     }
@@ -55,6 +59,11 @@ uint32_t dpt_kernel_best(void)
 uint32_t dpt_kernel_best(void)
 {
     return DPT_KERNEL_NEON;
+}
+#elif defined(KERNELS_WASM)
+uint32_t dpt_kernel_best(void)
+{
+    return DPT_KERNEL_WASM128;
 }
 #else
 uint32_t dpt_kernel_best(void)
@@ -101,6 +110,11 @@ int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
 #ifdef KERNELS_ARM
     case DPT_KERNEL_NEON:
         *kernel = KERNEL_TABLE(neon);
+        return 1;
+#endif
+#ifdef KERNELS_WASM
+    case DPT_KERNEL_WASM128:
+        *kernel = KERNEL_TABLE(wasm128);
         return 1;
 #endif
     default:

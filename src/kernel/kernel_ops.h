@@ -252,6 +252,8 @@ struct kernel {
 #define DPT_KERNEL_ALWAYS DPT_KERNEL_SSE2
 #elif defined(__aarch64__)
 #define DPT_KERNEL_ALWAYS DPT_KERNEL_NEON
+#elif defined(__wasm_simd128__)
+#define DPT_KERNEL_ALWAYS DPT_KERNEL_WASM128
 #else
 #define DPT_KERNEL_ALWAYS DPT_KERNEL_SCALAR
 #endif
@@ -289,6 +291,7 @@ KERNEL_DECLARE(sse2)
 KERNEL_DECLARE(avx2)
 KERNEL_DECLARE(avx512)
 KERNEL_DECLARE(neon)
+KERNEL_DECLARE(wasm128)
 #undef KERNEL_DECLARE
 
 #endif

@@ -327,7 +327,7 @@ int main(int argc, char **argv)
             "scene %zu: %u contacts, %u sweeps that met, %u triangles of strips, %u ticks bounded, "
             "%016" PRIx64 "\n",
             i, contacts_met, sweeps_met, strip_triangles, bounded, wanted);
-        for (uint32_t kernel = DPT_KERNEL_SCALAR + 1; kernel <= DPT_KERNEL_NEON; kernel++) {
+        for (uint32_t kernel = DPT_KERNEL_SCALAR + 1; kernel <= DPT_KERNEL_WASM128; kernel++) {
             const uint64_t other = run(&scenes[i], kernel, ticks);
             if (other && other != wanted) {
                 printf("scene %zu: %s differs\n", i, dpt_kernel_name(kernel));

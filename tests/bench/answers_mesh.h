@@ -11,7 +11,7 @@ static void kernels_find(void)
 {
     const double ends[6] = { 0, 0, 1, 0, 0, 2 };
     snprintf(place, sizeof place, "kernels");
-    for (uint32_t k = DPT_KERNEL_AUTO; k <= DPT_KERNEL_NEON; k++) {
+    for (uint32_t k = DPT_KERNEL_AUTO; k <= DPT_KERNEL_WASM128; k++) {
         dpt_query_def def = { .size = sizeof def, .kernel = k };
         dpt_hit hit = DPT_HIT_INIT;
         dpt_result result = dpt_query_segments(subjects[0].mesh, NULL, ends, NULL, 1, &hit, &def);

@@ -124,7 +124,7 @@ static int cost(uint32_t nx, uint32_t ny, uint32_t nz)
         return 1;
     struct plain plain = plain_of(&rig);
     uint32_t count = 0;
-    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++)
+    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_WASM128; id++)
         count += (uint32_t)open_subject(&subject[count], &rig, id, DPT_INTEGRATOR_SYMPLECTIC, 1, 0);
     const uint32_t best = dpt_kernel_best();
     for (uint32_t iterations = 1; iterations <= 8; iterations *= 2)

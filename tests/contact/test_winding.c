@@ -27,7 +27,7 @@ static double check_against_brute(const char *name, const struct mesh_builder *b
         CHECK(error <= WINDING_ERROR, "%s: off by %g at %g %g %g", name, error, x.x, x.y, x.z);
         worst = max_of(worst, error);
         most_work = work.done > most_work ? work.done : most_work;
-        for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
+        for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_WASM128; id++) {
             struct kernel other;
             struct work again = work_of(WORK_UNLIMITED);
             if (!dpti_kernel_get(id, &other, &chosen))

@@ -84,7 +84,7 @@ static uint64_t run(struct ball *ball)
 static void vertices_follow(uint32_t kind)
 {
     uint64_t first = 0;
-    for (uint32_t kernel = DPT_KERNEL_SCALAR; kernel <= DPT_KERNEL_NEON; kernel++) {
+    for (uint32_t kernel = DPT_KERNEL_SCALAR; kernel <= DPT_KERNEL_WASM128; kernel++) {
         struct ball ball;
         if (!ball_open(&ball, kind, 5120, 0.01, kernel))
             continue;

@@ -237,7 +237,7 @@ static void kernels_give_the_same_bits(void)
     uint32_t compared = 0;
     for (int of = 0; of < 8; of++) {
         float first[6 * NODES], now[6 * NODES];
-        for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
+        for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_WASM128; id++) {
             dpt_springs_def def =
                 def_of(of % 2 ? DPT_INTEGRATOR_IMPLICIT : DPT_INTEGRATOR_SYMPLECTIC);
             struct rig rig;

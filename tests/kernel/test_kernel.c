@@ -306,7 +306,7 @@ static void zero_planes_close_nothing(void)
     uint64_t random = 19;
     uint32_t chosen;
     struct kernel kernel;
-    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
+    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_WASM128; id++) {
         if (!dpti_kernel_get(id, &kernel, &chosen))
             continue;
         for (uint32_t i = 0; i < (uint32_t)BLOCKS; i++) {
@@ -341,7 +341,7 @@ static void bounds_that_are_no_number_leave_lanes_open(void)
     uint64_t random = 23;
     uint32_t chosen, closed = 0;
     struct kernel kernel;
-    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
+    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_WASM128; id++) {
         if (!dpti_kernel_get(id, &kernel, &chosen))
             continue;
         for (int i = 0; i < BLOCKS / 4; i++) {

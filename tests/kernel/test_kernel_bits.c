@@ -48,7 +48,7 @@ static void the_better_planes_are_kept(void)
     uint64_t random = 37;
     uint32_t chosen, taken = 0;
     struct kernel kernel;
-    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++) {
+    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_WASM128; id++) {
         if (!dpti_kernel_get(id, &kernel, &chosen))
             continue;
         for (int i = 0; i < BLOCKS / 10; i++) {
@@ -91,7 +91,7 @@ static void all_kernels_give_the_same_bits(void)
     uint32_t chosen, compared = 0;
     struct kernel plain, other;
     dpti_kernel_get(DPT_KERNEL_SCALAR, &plain, &chosen);
-    for (uint32_t id = DPT_KERNEL_SSE2; id <= DPT_KERNEL_NEON; id++) {
+    for (uint32_t id = DPT_KERNEL_SSE2; id <= DPT_KERNEL_WASM128; id++) {
         const char *name = dpt_kernel_name(id);
         if (!dpti_kernel_get(id, &other, &chosen)) {
             SKIP(name, "not on this machine or in this build");
@@ -174,7 +174,7 @@ static void all_kernels_give_the_same_windings(void)
     uint32_t chosen;
     struct kernel plain, other;
     dpti_kernel_get(DPT_KERNEL_SCALAR, &plain, &chosen);
-    for (uint32_t id = DPT_KERNEL_SSE2; id <= DPT_KERNEL_NEON; id++) {
+    for (uint32_t id = DPT_KERNEL_SSE2; id <= DPT_KERNEL_WASM128; id++) {
         const char *name = dpt_kernel_name(id);
         if (!dpti_kernel_get(id, &other, &chosen)) {
             SKIP(name, "not on this machine or in this build");

@@ -180,7 +180,7 @@ static void sweep_body(const char *name, struct body *body, int motions)
 {
     struct kernel kernel[8];
     uint32_t kernels = 0, chosen, hits = 0, unfinished = 0, most = 0, later = 0;
-    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++)
+    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_WASM128; id++)
         kernels += (uint32_t)dpti_kernel_get(id, &kernel[kernels], &chosen);
     for (int i = 0; i < motions; i++) {
         struct motion motion;
@@ -284,7 +284,7 @@ static void swept_bounds_are_sound(void)
     double worst = -HUGE_VAL;
     if (!soup_of(&body))
         return;
-    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_NEON; id++)
+    for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_WASM128; id++)
         kernels += (uint32_t)dpti_kernel_get(id, &kernel[kernels], &chosen);
     for (int i = 0; i < 10000; i++) {
         struct swept_hull hull;

@@ -229,7 +229,7 @@ static void no_kernel_hides_a_neighbour(void)
         { "torus", 400, 1.5, 1000, 1, 0, 0, 700 }, { "torus", 400, 1000, 1, 1, 0, 0, 700 },
         { "hub", 200, 1, 1000, 1, 0, 0, 400 },     { "hub", 200, 1000, 1, 2, 0, 0, 400 },
     };
-    for (uint32_t kernel = DPT_KERNEL_SCALAR; kernel <= DPT_KERNEL_NEON; kernel++) {
+    for (uint32_t kernel = DPT_KERNEL_SCALAR; kernel <= DPT_KERNEL_WASM128; kernel++) {
         struct kernel here;
         uint32_t chosen;
         if (!dpti_kernel_get(kernel, &here, &chosen))

@@ -130,7 +130,7 @@ static struct busy_tally run(enum offence offence, int report)
     planned = offence;
     report_to = report;
     uint64_t before = allocations;
-    for (uint32_t kernel = DPT_KERNEL_SCALAR; kernel <= DPT_KERNEL_NEON; kernel++)
+    for (uint32_t kernel = DPT_KERNEL_SCALAR; kernel <= DPT_KERNEL_WASM128; kernel++)
         for (int i = 0; i < BUSY_SCENES; i++)
             if ((offence == NONE || busy.tally.ticks <= OFFENCE_AT) &&
                 busy_world_open(&busy, &busy_scenes[i], kernel))

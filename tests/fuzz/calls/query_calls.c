@@ -32,11 +32,11 @@ static const void *draw_def(const dpt_query_def *good, uint32_t n, struct codes 
     struct codes of_def = { .count = 0 };
     const void *def = draw_input(2, good, draw_size(sizeof *good, sizeof *good), sizeof *good,
                                  sizeof *good, &of_def);
-    may_fail(&of_def, good->method > DPT_METHOD_BRUTE || good->pair > 1 || good->kernel > 5,
+    may_fail(&of_def, good->method > DPT_METHOD_BRUTE || good->pair > 1 || good->kernel > DPT_KERNEL_WASM128,
              DPT_E_ARGUMENT);
     may_fail(&of_def, good->kernel != DPT_KERNEL_AUTO, DPT_E_UNSUPPORTED);
     const int is_free = of_def.count == 1 && of_def.code[0] == DPT_E_UNSUPPORTED &&
-                        good->kernel != DPT_KERNEL_AUTO && good->kernel < 6;
+                        good->kernel != DPT_KERNEL_AUTO && good->kernel <= DPT_KERNEL_WASM128;
     for (int i = 0; n && i < of_def.count; i++)
         may_fail(codes, 1, of_def.code[i]);
     codes->or_done = n && is_free && codes->count == 1;
@@ -66,7 +66,7 @@ static void segments(void)
         may_fail(&codes, !is_good[i] && n, DPT_E_FINITE);
     }
     const dpt_query_def good = { .method = draw_one_in(30) ? draw_below(6) : draw_below(3),
-                                 .kernel = draw_one_in(20) ? draw_below(8) : DPT_KERNEL_AUTO,
+                                 .kernel = draw_one_in(20) ? draw_below(9) : DPT_KERNEL_AUTO,
                                  .pair = draw_one_in(30) ? 2 : draw_below(2) };
     const uint32_t size = draw_size(sizeof(dpt_hit), sizeof(dpt_hit));
     const uint32_t room = size > 4096 || size < 8 ? 8 : size;

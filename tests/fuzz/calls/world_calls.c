@@ -2,7 +2,7 @@
 /* Worlds: defs of all sorts, blocks that do and do not serve, a new world in a block in use, reset, usage. */
 #include "fuzz/calls/world_model.h"
 
-enum { GUARD = 64, PATTERN = 0xa5, BYTES_MAX = 3 << 20, KERNELS = 6 };
+enum { GUARD = 64, PATTERN = 0xa5, BYTES_MAX = 3 << 20, KERNELS = 7 };
 
 /* What this machine answered to each kernel: always the same. 0: not asked yet. */
 static int kernel_is_there[KERNELS], kernel_is_not[KERNELS];
@@ -75,7 +75,7 @@ static void draw_good_def(dpt_world_def *def, dpt_baseline_def *baseline)
         def->strip_width = draw_one_in(2) ? 0.0 : draw_in(0.0, 0.02);
         def->strip_depth = draw_one_in(2) ? 0.0 : draw_in(0.0, 0.05);
     }
-    def->kernel = draw_one_in(2) ? DPT_KERNEL_AUTO : draw_below(8);
+    def->kernel = draw_one_in(2) ? DPT_KERNEL_AUTO : draw_below(9);
     if (def->method == DPT_METHOD_PAPER) {
         baseline->parts = 1 + draw_below(3);
         baseline->one_step = draw_below(2);

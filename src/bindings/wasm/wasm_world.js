@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Worlds.
+"use strict";
+
+// A world and what it stands on. Bodies, tools: the numbers that addBody and addTool gave.
+class World {
+  constructor(core, def) {
+    this.core = core;
+    this.memory = core.memory;
+    this.call = core.exports;
+    this.meshes = new Map(); // of each body
+    this.blocks = new Map(); // of each body that deforms: places in the heap
+    this.springs = new Map();
+    this.room = { contacts: 0, at: 0 };
+    this.snapshot = { at: 0, bytes: 0 };
+    const from = core.def("dpt_world_def", def, 1);
+    const bytes = this.call.dpt_world_bytes(from);
+    this.block = core.heap.allocate(bytes);
+    const result = this.call.dpt_world_create(this.block, bytes, from, core.place(0));
+    if (result !== CONSTANTS.DPT_OK) core.heap.release(this.block);
+    core.check(result);
+    this.world = this.memory.look().view.getUint32(core.place(0), true);
+    this.kernel = core.kernelName(this.call.dpt_world_get_kernel(this.world));
+  }
+
+  // A call that gives a number, as of a body.
+  made(call) {
+    this.core.check(call(this.core.place(0)));
+    return this.memory.look().view.getUint32(this.core.place(0), true);
+  }
+
+  numbers(count, call) {
+    this.core.check(call(this.core.place(0)));
+    return Array.from(new Float64Array(this.memory.look().buffer, this.core.place(0), count));
+  }
+
+  pose(pose) {
+    return this.core.plain("dpt_pose", pose, 1);
+  }
+
+  addBody(mesh, pose) {
+    const body = this.made(at => this.call.dpt_body_add(this.world, mesh.pointer, this.pose(pose), at));
+    this.hold(body, mesh);
+    return body;
+  }
+
+  hold(body, mesh) {
+    mesh.users++;
+    this.meshes.set(body, mesh);
+  }
+
+  // def: the fields of dpt_deform_def but mesh and pose
+  addDeform(mesh, def = {}, pose) {
+    const { heap } = this.core;
+    const from = this.core.def("dpt_deform_def", { ...def, mesh: mesh.pointer }, 2);
+    this.memory.write("dpt_deform_def", from, { pose: this.pose(pose) });
+    const bytes = this.call.dpt_deform_bytes(from);
+    const block = heap.allocate(bytes);
+    try {
+      const body = this.made(at => this.call.dpt_deform_add(this.world, block, bytes, from, at));
+      this.hold(body, mesh);
+      this.blocks.set(body, [block]);
+      return body;
+    } catch (error) {
+      heap.release(block);
+      throw error;
+    }
+  }
+
+  // Springs of a mesh that was compiled with them; def: the fields of dpt_springs_def but mesh
+  addSprings(body, def = {}) {
+    const { heap } = this.core;
+    if (this.springs.has(body)) throw new DynpointError("DPT_E_ARGUMENT", "this body has springs");
+    if (!this.blocks.has(body)) throw new DynpointError("DPT_E_HANDLE", "no body that deforms has this id");
+    const from = this.core.def("dpt_springs_def", { ...def, mesh: this.meshes.get(body).pointer }, 1);
+    const bytes = this.call.dpt_springs_bytes(from);
+    const block = heap.allocate(bytes);
+    try {
+      this.springs.set(
+        body,
+        this.made(at => this.call.dpt_springs_create(block, bytes, from, at)),
+      );
+      this.blocks.get(body).push(block);
+    } catch (error) {
+      heap.release(block);
+      throw error;
+    }
+  }
+
+  springsOf(body) {
+    if (!this.springs.has(body)) throw new DynpointError("DPT_E_HANDLE", "this body has no springs");
+    return this.springs.get(body);
+  }
+
+  // After a step of the world; what dpt_springs_report has
+  stepSprings(body, dt) {
+    const springs = this.springsOf(body);
+    return this.core.get("dpt_springs_report", at =>
+      this.call.dpt_deform_step_springs(this.world, body, springs, dt, at),
+    );
+  }
+
+  getSpringsEnergy(body) {
+    const springs = this.springsOf(body);
+    const [elastic, kinetic] = this.numbers(2, at => this.call.dpt_springs_get_energy(springs, at, at + 8));
+    return { elastic, kinetic };
+  }
+
+  // positions: Float32Array, 3 a vertex, in the body's frame, from vertex `first` on. They move from where they were.
+  setVertices(body, positions, first = 0) {
+    const at = this.core.heap.allocate(positions.byteLength);
+    this.memory.put(at, positions);
+    const count = positions.length / 3;
+    const result = this.call.dpt_deform_set_vertices(this.world, body, first, count, at, -1);
+    this.core.heap.release(at);
+    this.core.check(result);
+  }
+
+  getVertices(body) {
+    const at = this.core.place(0);
+    this.core.check(this.call.dpt_deform_get_vertices(this.world, body, at, at + 4));
+    const [xyz, count] = new Uint32Array(this.memory.look().buffer, at, 2);
+    return new Float32Array(this.memory.buffer, xyz, 3 * count).slice();
+  }
+
+  removeBody(body) {
+    this.core.check(this.call.dpt_body_remove(this.world, body));
+    this.meshes.get(body).users--;
+    this.meshes.delete(body);
+    for (const block of this.blocks.get(body) ?? []) this.core.heap.release(block);
+    this.blocks.delete(body);
+    this.springs.delete(body);
+  }
+
+  setBodyPose(body, pose) {
+    this.core.check(this.call.dpt_body_set_pose(this.world, body, this.pose(pose)));
+  }
+
+  teleportBody(body, pose) {
+    this.core.check(this.call.dpt_body_teleport(this.world, body, this.pose(pose)));
+  }
+
+  getBodyPose(body) {
+    return this.numbers(7, at => this.call.dpt_body_get_pose(this.world, body, at));
+  }
+
+  getBodySettings(body) {
+    return this.core.get("dpt_body_settings", at => this.call.dpt_body_get_settings(this.world, body, at));
+  }
+
+  // Those fields that are given; the others stay.
+  setBodySettings(body, settings) {
+    this.getBodySettings(body);
+    this.memory.write("dpt_body_settings", this.core.place(0), settings);
+    this.core.check(this.call.dpt_body_set_settings(this.world, body, this.core.place(0)));
+  }
+
+  // segments: [ax, ay, az, bx, by, bz, radius] each, in the tool's frame, m
+  addTool(segments) {
+    return this.withSegments(segments, (from, count) =>
+      this.made(at => this.call.dpt_tool_add(this.world, from, count, at)),
+    );
+  }
+
+  setToolSegments(tool, segments) {
+    this.withSegments(segments, (from, count) =>
+      this.core.check(this.call.dpt_tool_set_segments(this.world, tool, from, count)),
+    );
+  }
+
+  withSegments(segments, call) {
+    const list = Float64Array.from(segments.flatMap(segment => Array.from(segment)));
+    if (list.length !== 7 * segments.length) throw new TypeError("a segment is 7 numbers");
+    const at = this.core.heap.allocate(list.byteLength);
+    this.memory.put(at, list);
+    try {
+      return call(at, segments.length);
+    } finally {
+      this.core.heap.release(at);
+    }
+  }
+
+  removeTool(tool) {
+    this.core.check(this.call.dpt_tool_remove(this.world, tool));
+  }
+
+  // pose: [x, y, z, qw, qx, qy, qz], m and a unit quaternion
+  setToolPose(tool, pose) {
+    this.core.check(this.call.dpt_tool_set_pose(this.world, tool, this.pose(pose)));
+  }
+
+  teleportTool(tool, pose) {
+    this.core.check(this.call.dpt_tool_teleport(this.world, tool, this.pose(pose)));
+  }
+
+  getToolPose(tool) {
+    return this.numbers(7, at => this.call.dpt_tool_get_pose(this.world, tool, at));
+  }
+
+  getToolProxy(tool) {
+    return this.numbers(7, at => this.call.dpt_tool_get_proxy(this.world, tool, at));
+  }
+
+  getToolSettings(tool) {
+    return this.core.get("dpt_tool_settings", at => this.call.dpt_tool_get_settings(this.world, tool, at));
+  }
+
+  setToolSettings(tool, settings) {
+    this.getToolSettings(tool);
+    this.memory.write("dpt_tool_settings", this.core.place(0), settings);
+    this.core.check(this.call.dpt_tool_set_settings(this.world, tool, this.core.place(0)));
+  }
+
+  // One tick of dt seconds; what dpt_step has
+  step(dt) {
+    return this.core.get("dpt_step", at => this.call.dpt_world_step(this.world, dt, at));
+  }
+
+  reset() {
+    this.core.check(this.call.dpt_world_reset(this.world));
+  }
+
+  getUsage() {
+    return this.core.get("dpt_world_usage", at => this.call.dpt_world_get_usage(this.world, at));
+  }
+
+  getHit(tool) {
+    return this.core.get("dpt_hit", at => this.call.dpt_tool_get_hit(this.world, tool, at));
+  }
+
+  getSegmentHit(tool, segment) {
+    return this.core.get("dpt_hit", at => this.call.dpt_tool_get_segment_hit(this.world, tool, segment, at));
+  }
+
+  // N and N m, at the origin of the tool's frame, along the world's axes
+  getWrench(tool) {
+    const six = this.numbers(6, at => this.call.dpt_tool_get_wrench(this.world, tool, at));
+    return { force: six.slice(0, 3), torque: six.slice(3) };
+  }
+
+  getForceReport(tool) {
+    return this.core.get("dpt_force_report", at => this.call.dpt_tool_get_force_report(this.world, tool, at));
+  }
+
+  getContacts(tool) {
+    const { bytes } = layouts.dpt_contact;
+    const count = this.made(at => this.call.dpt_tool_get_contacts(this.world, tool, 0, 0, at));
+    if (count > this.room.contacts) {
+      this.core.heap.release(this.room.at);
+      this.room = { contacts: 2 * count, at: this.core.heap.allocate(2 * count * bytes) };
+    }
+    if (count === 0) return [];
+    this.memory.begin("dpt_contact", this.room.at);
+    const there = this.made(at => this.call.dpt_tool_get_contacts(this.world, tool, this.room.at, count, at));
+    return Array.from({ length: there }, (_, k) => this.memory.read("dpt_contact", this.room.at + k * bytes));
+  }
+
+  // A Uint8Array in the core's memory, good until the next call: the block of snapshot.h, the same bytes everywhere
+  getSnapshot(def = {}) {
+    const from = this.core.def("dpt_snapshot_def", def, 1);
+    const bytes = this.call.dpt_snapshot_bytes(this.world, from);
+    if (bytes > this.snapshot.bytes) {
+      this.core.heap.release(this.snapshot.at);
+      this.snapshot = { at: this.core.heap.allocate(bytes), bytes };
+    }
+    const taken = this.made(at =>
+      this.call.dpt_world_take_snapshot(this.world, from, this.snapshot.at, this.snapshot.bytes, at),
+    );
+    return this.memory.look().bytes.subarray(this.snapshot.at, this.snapshot.at + taken);
+  }
+
+  // The world is gone after it; its meshes stay open.
+  close() {
+    for (const mesh of this.meshes.values()) mesh.users--;
+    for (const at of [this.block, this.room.at, this.snapshot.at, ...[...this.blocks.values()].flat()])
+      this.core.heap.release(at);
+    this.meshes.clear();
+    this.blocks.clear();
+    this.springs.clear();
+    this.world = 0;
+  }
+}
