@@ -206,6 +206,7 @@ else
     run_waiting "a real kernel" sh tests/vm/check.sh build build/sanitize
     run "firmware" sh tests/firmware/run.sh build
     run "the viewer's page" sh tests/view/check.sh build
+    run "WebAssembly" sh tests/wasm/check.sh build
     programs scalar scalar beside
     go 1
 

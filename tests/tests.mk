@@ -235,6 +235,9 @@ fuzz: ## 10^8 random calls (CALLS_RUNS), then 10^8 executions (FUZZ_RUNS) of the
 check-view: all ## the viewer's page in a headless Chromium; make check does it too
 	@sh tests/view/check.sh $(B)
 
+check-wasm: all $(B)/tests/wasm/native_answers ## WebAssembly against the native library; make check does it too
+	@sh tests/wasm/check.sh $(B)
+
 pictures: all ## the pictures of README and docs, by a headless Chromium
 	@node tests/view/pictures.js $(abspath $(B)/dynpoint) $(B)/view/pictures docs/pictures
 
@@ -261,7 +264,7 @@ COLUMN := $(subst release,3,$(subst scalar,4,$(subst sanitize,5,$(CONFIG))))
 NOT_RUN = $(patsubst %,$(B)/tests/test_%,$(shell awk '/^[a-z]/ && $$$(COLUMN) == "-" { print $$1 }' tests/programs.txt))
 check-programs: all $(filter-out $(NOT_RUN),$(TESTS)) $(if $(filter-out scalar,$(CONFIG)),$(VM_TESTS))
 ifeq ($(CONFIG),release)
-check-programs: $(B)/tests/firmware/link $(BENCH_PROGRAMS)
+check-programs: $(B)/tests/firmware/link $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS)
 endif
 .PHONY: test-programs check-programs
 -include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(wildcard $(TOPICS:%=$(B)/tests/%/*.d) $(B)/tests/lib/*.d) \
@@ -272,7 +275,7 @@ endif
 $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/command_options.o $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
-$(B)/tests/bench/strips $(B)/tests/bench/budgets: %: %.o $(CORE)
+$(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/wasm/native_answers: %: %.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
 $(B)/tests/bench/deform: %: %.o $(B)/tests/oracle/brute.o $(CORE)

@@ -7,27 +7,10 @@
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 . tests/lib/verdict.sh
+. tests/lib/count.sh
 build=${1:-build} view=${1:-build}/view
 room=$(mktemp -d) || exit 2
 trap 'rm -rf "$room"' EXIT
-
-# count WHAT COMMAND...: adds the checks that a program prints; one that ends badly without saying why is a failure
-count() {
-    what=$1
-    shift
-    "$@" >"$room/said" 2>"$room/errors"
-    status=$?
-    before=$failed
-    while read -r word rest; do
-        case $word in
-        ok) ok "$rest" ;;
-        FAIL) bad "$rest" ;;
-        note) echo "       $rest" ;;
-        esac
-    done <"$room/said"
-    [ $status -eq 0 ] || [ "$failed" -gt "$before" ] || bad "$what: status $status, $(tail -n 1 "$room/errors")"
-    grep -q '^ok\|^FAIL' "$room/said" || bad "$what: it checked nothing"
-}
 
 if ! command -v node >/dev/null; then
     skip "the viewer's page: node is missing (Debian's nodejs)"

@@ -32,6 +32,7 @@ for (const [name, [bytes, fields]] of Object.entries(STRUCTS)) {
 }
 
 const SIZE = { u32: 4, i32: 4, f32: 4, u64: 8, i64: 8, f64: 8, bits: 8, p: 4 };
+const isNumber = value => typeof value === "number" || typeof value === "bigint";
 const READ = {
   u32: (view, at) => view.getUint32(at, true),
   i32: (view, at) => view.getInt32(at, true),
@@ -109,7 +110,8 @@ class Memory {
       const field = layouts[name].byName.get(key);
       if (!field || field.type === "text") throw new TypeError(`${name} has no field ${key}`);
       const list = field.count === 1 ? [value] : value;
-      if (list.length !== field.count) throw new TypeError(`${name}.${key} takes ${field.count} numbers`);
+      if (list.length !== field.count || !Array.prototype.every.call(list, isNumber))
+        throw new TypeError(`${name}.${key} takes ${field.count === 1 ? "a number" : `${field.count} numbers`}`);
       for (let k = 0; k < field.count; k++)
         WRITE[field.type](view, at + field.offset + k * SIZE[field.type], list[k]);
     }

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# For scripts that have read in verdict.sh and made a folder $room: checks that another program prints, "ok WHAT" or
+# "FAIL WHAT" a line (tests/view/verdicts.js); "note TEXT" is shown.
+
+# count WHAT COMMAND...: adds the checks that a program prints; one that ends badly without saying why is a failure
+count() {
+    what=$1
+    shift
+    "$@" >"$room/said" 2>"$room/errors"
+    status=$?
+    before=$failed
+    while read -r word rest; do
+        case $word in
+        ok) ok "$rest" ;;
+        FAIL) bad "$rest" ;;
+        note) echo "       $rest" ;;
+        esac
+    done <"$room/said"
+    [ $status -eq 0 ] || [ "$failed" -gt "$before" ] || bad "$what: status $status, $(tail -n 1 "$room/errors")"
+    grep -q '^ok\|^FAIL' "$room/said" || bad "$what: it checked nothing"
+}
