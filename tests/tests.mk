@@ -241,7 +241,7 @@ check-wasm: all $(B)/tests/wasm/native_answers ## WebAssembly against the native
 pictures: all ## the pictures of README and docs, by a headless Chromium
 	@node tests/view/pictures.js $(abspath $(B)/dynpoint) $(B)/view/pictures docs/pictures
 
-bench: all $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes snapshots) ## time against peers, those whose packages are here
+bench: all $(B)/tests/wasm/native_answers $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes snapshots) ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
 	@sh tests/bench/budgets.sh $(B)
@@ -256,6 +256,7 @@ bench: all $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip
 	@$(B)/tests/bench/scenes | tee $(B)/bench/scenes.csv
 	@$(B)/tests/bench/snapshots | tee $(B)/bench/snapshots.csv
 	@$(PYTHON) -B tests/bench/viewer.py $(B) | tee $(B)/bench/viewer.csv
+	@sh tests/bench/wasm.sh $(B)
 
 BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes snapshots)
 test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(BENCH_PROGRAMS)

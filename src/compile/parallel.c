@@ -1,6 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "compile/parallel.h"
 
+#if defined(__wasm__) && !defined(_REENTRANT)
+/* WebAssembly without its threads. */
+void parallel_for(uint32_t threads, size_t count, size_t min_items, parallel_work *work,
+                  void *context)
+{
+    (void)threads;
+    (void)min_items;
+    work(context, 0, count);
+}
+#else
 #include <pthread.h>
 
 struct parallel_piece {
@@ -42,3 +52,4 @@ void parallel_for(uint32_t threads, size_t count, size_t min_items, parallel_wor
         if (pieces[i].has_thread)
             pthread_join(pieces[i].thread, NULL);
 }
+#endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node wasm_layer.js LAYOUTS.wasm IN.js: writes the JavaScript layer to standard output: IN.js, with the files that it
 // names in place of /*@FILE name@*/, and with the public structs and constants as the compiler has them
-// (src/bindings/wasm/layouts.c): those structs alone that the layer names.
+// (src/bindings/wasm/wasm_layouts.c): those structs alone that the layer names.
 "use strict";
 const fs = require("fs");
 const path = require("path");

@@ -8,8 +8,7 @@ WASM_LINK := -Wl,--gc-sections,--strip-all,--stack-first,-z,stack-size=1048576
 wasm_objects = $(patsubst %.c,$(WASM)/$1/%.o,$(wildcard $2))
 WASM_CORE := $(call wasm_objects,core,$(FOLDERS:%=src/%/*.c) src/bindings/wasm/memcmp.c)
 # The compiler uses folders of the core; the links leave out what is not called.
-WASM_COMPILE := $(filter-out %/parallel.o,$(call wasm_objects,compile,src/compile/*.c src/text/*.c src/base/*.c src/mesh/*.c \
-  src/arm/*.c src/bindings/wasm/parallel_alone.c src/bindings/wasm/no_files.c))
+WASM_COMPILE := $(call wasm_objects,compile,$(patsubst %,src/%/*.c,compile text base mesh arm) src/bindings/wasm/no_files.c)
 WASM_COMPILE_CALLS := malloc free dpt_version dpt_result_name dpt_compile_def_defaults dpt_compile_bytes dpt_compile_arrays \
   dpt_compiled_free dpt_spring_net_def_defaults
 
@@ -35,7 +34,7 @@ $(WASM)/dynpoint_compile.wasm: $(WASM_COMPILE)
 	$(CLANG) --target=wasm32-wasi -mexec-model=reactor $(WASM_LINK) $(WASM_COMPILE_CALLS:%=-Wl,--export=%) \
 	  $(patsubst %,-Wl$(comma)--wrap=__wasi_fd_%,close seek write) $^ -o $@
 
-$(WASM)/layouts.wasm: src/bindings/wasm/layouts.c tests/abi/layouts.txt $(wildcard include/*.h include/dynpoint/*.h)
+$(WASM)/layouts.wasm: src/bindings/wasm/wasm_layouts.c tests/abi/layouts.txt $(wildcard include/*.h include/dynpoint/*.h)
 	@mkdir -p $(@D)
 	$(CLANG) --target=wasm32-wasi -std=gnu11 -nostdlib -Iinclude -Itests/abi -Wl,--no-entry,--export=get_layout_rows $< -o $@
 

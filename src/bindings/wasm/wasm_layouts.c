@@ -35,7 +35,7 @@ struct layout_row {
 #define SIZE(type, bytes64, bytes32) { #type, 0, 0, sizeof(type), "", 0 },
 #define VALUE(name, number) { #name, 0, 0, 0, "", name },
 const struct layout_row layout_rows[] = {
-#include "layouts.txt"
+#include <layouts.txt>
     { 0, 0, 0, 0, 0, 0 }
 };
 /* clang-format on */
