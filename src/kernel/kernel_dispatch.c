@@ -72,8 +72,8 @@ uint32_t dpt_kernel_best(void)
 }
 #endif
 
+/* Objects, not literals: tuned for some processors, gcc keeps so large a literal in data that can be written. */
 #define KERNEL_TABLE(set)                                                                          \
-    (struct kernel)                                                                                \
     {                                                                                              \
         dpti_kernel_##set##_cached_boxes, dpti_kernel_##set##_cached_triangles,                    \
             dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles, dpti_kernel_##set##_better,  \
@@ -89,27 +89,37 @@ uint32_t dpt_kernel_best(void)
             dpti_kernel_##set##_spring_points, dpti_kernel_##set##_spring_follow                   \
     }
 
+static const struct kernel scalar_kernel = KERNEL_TABLE(scalar);
+#ifdef KERNELS_X86
+static const struct kernel sse2_kernel = KERNEL_TABLE(sse2);
+static const struct kernel avx2_kernel = KERNEL_TABLE(avx2);
+static const struct kernel avx512_kernel = KERNEL_TABLE(avx512);
+#endif
+#ifdef KERNELS_ARM
+static const struct kernel neon_kernel = KERNEL_TABLE(neon);
+#endif
+
 int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
 {
     *chosen = id == DPT_KERNEL_AUTO ? dpt_kernel_best() : id;
     switch (*chosen) {
     case DPT_KERNEL_SCALAR:
-        *kernel = KERNEL_TABLE(scalar);
+        *kernel = scalar_kernel;
         return 1;
 #ifdef KERNELS_X86
     case DPT_KERNEL_SSE2:
-        *kernel = KERNEL_TABLE(sse2);
+        *kernel = sse2_kernel;
         return 1;
     case DPT_KERNEL_AVX2:
-        *kernel = KERNEL_TABLE(avx2);
+        *kernel = avx2_kernel;
         return id == DPT_KERNEL_AUTO || dpt_kernel_best() >= DPT_KERNEL_AVX2;
     case DPT_KERNEL_AVX512:
-        *kernel = KERNEL_TABLE(avx512);
+        *kernel = avx512_kernel;
         return id == DPT_KERNEL_AUTO || dpt_kernel_best() == DPT_KERNEL_AVX512;
 #endif
 #ifdef KERNELS_ARM
     case DPT_KERNEL_NEON:
-        *kernel = KERNEL_TABLE(neon);
+        *kernel = neon_kernel;
         return 1;
 #endif
 #ifdef KERNELS_WASM
