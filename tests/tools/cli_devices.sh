@@ -186,10 +186,11 @@ faults()
     grep -q ',fault,' stdout
 }
 
-# host_ended_by SIGNAL SECONDS: of a host that runs for so long before; $code is its status
+# host_ended_by SIGNAL SECONDS: of a host that runs for so long before; $code is its status. It does not ignore a hang-up,
+# though what started the tests may have, as nohup does.
 host_ended_by()
 {
-    "$program" run torus.dpa --device "$name" --for 60 >killed 2>&1 &
+    $heeding "$program" run torus.dpa --device "$name" --for 60 >killed 2>&1 &
     host=$!
     sleep "$2"
     kill "-$1" $host
@@ -223,6 +224,8 @@ unread_report()
 
 serial_line()
 {
+    heeding=
+    ! env --default-signal=HUP true 2>/dev/null || heeding='env --default-signal=HUP'
     "$program" device simulate serial --for 300 >simulated 2>/dev/null &
     simulator=$!
     while [ ! -s simulated ] && kill -0 $simulator; do sleep 0.02; done
