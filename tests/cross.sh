@@ -8,7 +8,7 @@
 #     sh tests/cross.sh [BUILD_DIR]
 #
 # BUILD_DIR holds the program of this machine; the others go to build/cross-aarch64 and
-# build/cross-s390x.
+# build/cross-s390x. JOBS: how many compilers at a time.
 
 cd "$(dirname "$0")/.." || exit 2
 . tests/lib/verdict.sh
@@ -48,15 +48,25 @@ work()
         "$@" record csv "$out/torus.dpr" -o "$out/records.csv"
 }
 
-# build MACHINE: static, so that qemu needs no libraries of the machine; without the driver that loads one
+# made TARGET...: of this machine; static, so that qemu needs no libraries of it; without the driver that loads one
+made()
+{
+    make -j"${JOBS:-$(nproc 2>/dev/null || echo 2)}" B="$folder" URDF=no JANSSON=no LWS=no VIEW_PAGE=no DRIVERS="sim replay serial can" \
+        CC="$machine-linux-gnu-gcc" LD="$machine-linux-gnu-ld" AR="$machine-linux-gnu-ar" OBJCOPY="$machine-linux-gnu-objcopy" \
+        LDFLAGS=-static "$@"
+}
+
+# The libraries as they are shipped; what is around them is compiled quickly, and must not matter.
 build()
 {
-    make -j"$(nproc 2>/dev/null || echo 2)" B="$folder" URDF=no JANSSON=no LWS=no VIEW_PAGE=no DRIVERS="sim replay serial can" CC="$1-linux-gnu-gcc" \
-        LD="$1-linux-gnu-ld" AR="$1-linux-gnu-ar" OBJCOPY="$1-linux-gnu-objcopy" LDFLAGS=-static \
-        "$folder/dynpoint" "$folder/libdynpoint.a" "$folder/libdynpoint_compile.a" \
-        "$folder/tests/test_wire" "$folder/tests/test_wire_damage" "$folder/tests/test_wire_device" "$folder/tests/test_kinematics" \
-        "$folder/tests/test_arm" "$folder/tests/test_arm_compile" "$folder/tests/test_sim" "$folder/tests/test_record"
+    made "$folder/libdynpoint.a" "$folder/libdynpoint_compile.a" "$folder/libdynpoint_drivers.a" &&
+        made CFLAGS=-O1 "$folder/dynpoint" \
+            "$folder/tests/test_wire" "$folder/tests/test_wire_damage" "$folder/tests/test_wire_device" "$folder/tests/test_kinematics" \
+            "$folder/tests/test_arm" "$folder/tests/test_arm_compile" "$folder/tests/test_sim" "$folder/tests/test_record"
 }
+
+# Ticks of each scene: contacts, sweeps, strips and budgets are all met in these.
+walk=30
 
 # single PREFIX QEMU: the files of `make amalgamation` for $machine; answers_hash.c draws the same scenes everywhere
 single()
@@ -74,7 +84,7 @@ single()
     check "$machine: single files fuse $fused multiplies with an add" test "$fused" -eq 0
     "$1gcc" -O1 -ffp-contract=off -static -I"$alone" tests/amalgamation/answers_hash.c "$out/single/core.o" \
         "$out/single/compile.o" -lm -pthread -o "$out/single/hash" 2>>"$log"
-    "$2" "$out/single/hash" 30 >"$out/single/hashes" 2>>"$log"
+    "$2" "$out/single/hash" $walk >"$out/single/hashes" 2>>"$log"
     check "$machine: single files answer otherwise, see $out/single/hashes" cmp "$native/cross/hashes" "$out/single/hashes"
 }
 
@@ -91,7 +101,7 @@ try()
     mkdir -p "$folder"
     log=$folder/log out=$folder/work
     : >"$log"
-    check "$machine: build, see $log" build "$machine"
+    check "$machine: build, see $log" build
     [ -x "$folder/dynpoint" ] || return
     check "$machine: warnings, see $log" test "$(grep -c warning: "$log")" -eq 0
     "$1-linux-gnu-nm" -u "$folder/libdynpoint.o" | awk '{ print $2 }' |
@@ -161,7 +171,7 @@ C
 if command -v python3 >/dev/null; then
     check "single files are made" make -s amalgamation B="$native/cross"
     ${CC:-cc} -O1 -ffp-contract=off -I"$native/cross/amalgamation" tests/amalgamation/answers_hash.c "$native/libdynpoint_compile.a" \
-        "$native/libdynpoint.a" -lm -pthread -o "$native/cross/hash" 2>>"$log" && "$native/cross/hash" 30 >"$native/cross/hashes"
+        "$native/libdynpoint.a" -lm -pthread -o "$native/cross/hash" 2>>"$log" && "$native/cross/hash" $walk >"$native/cross/hashes"
     check "single files: the libraries here answer, see $log" test -s "$native/cross/hashes"
 else
     skip "single files on other machines: no python3"

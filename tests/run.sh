@@ -38,30 +38,53 @@ run() {
     for word; do printf "'%s' " "$word"; done >"$place.command"
 }
 
-# run_each PLACES [NICE...]: what stdin names, so many at a time. The last line of `times` is what a command computed.
-run_each() {
-    places=$1
-    shift
-    xargs -n 1 -P "$places" "$@" sh -c '
-        begin=$(date +%s)
-        eval "$(cat "$0.command")" >"$0.out" 2>&1 </dev/null
-        status=$?
-        times >"$0.times"
-        echo $status $(($(date +%s) - begin)) "$(tail -n 1 "$0.times" | tr " " +)" >"$0.status"'
+# run_waiting TITLE COMMAND...: likewise, for what waits more than it computes. run_clock: for what looks at the clock too
+# closely to run beside its like.
+run_waiting() {
+    run "$@"
+    : >"$place.waits"
+}
+run_clock() {
+    run "$@"
+    : >"$place.clock"
 }
 
-# go PLACES: runs what was named since the last go, so many at a time; what waits needs no place, and goes before.
+# run_one PLACE [NICE...]: the last line of `times` is what the command computed.
+cat >"$dir/run_one" <<'END'
+place=$1
+shift
+begin=$(date +%s)
+"$@" sh -c '. "$0"; code=$?; times >"$1"; exit $code' "$place.command" "$place.times" >"$place.out" 2>&1 </dev/null
+status=$?
+echo $status $(($(date +%s) - begin)) "$(tail -n 1 "$place.times" | tr " " +)" >"$place.status"
+END
+
+# lane [NICE...]: one after the other of what stdin names, but for what another lane has taken.
+lane() {
+    while read -r place; do
+        ! mkdir "$place.taken" 2>/dev/null || sh "$dir/run_one" "$place" "$@"
+    done
+}
+
+# go LANES: runs what was named since the last go. So many lanes are busy; one of them begins with what looks at the clock.
+# What waits needs no lane, and goes at once.
 go() {
     : >"$dir/computing"
     : >"$dir/waiting"
+    : >"$dir/clock"
     while [ "$next" -le "$count" ]; do
         place=$(printf %s/%03d "$dir" "$next")
-        if [ -e "$place.waits" ]; then list=waiting; else list=computing; fi
+        list=computing
+        [ ! -e "$place.waits" ] || list=waiting
+        [ ! -e "$place.clock" ] || list=clock
         echo "$place" >>"$dir/$list"
         next=$((next + 1))
     done
-    [ ! -s "$dir/waiting" ] || run_each 16 <"$dir/waiting" &
-    [ ! -s "$dir/computing" ] || run_each "$1" nice <"$dir/computing"
+    xargs -r -n 1 -P 16 sh "$dir/run_one" <"$dir/waiting" &
+    { lane <"$dir/clock"; lane nice <"$dir/computing"; } &
+    for other in $(seq 2 "$1"); do
+        lane nice <"$dir/computing" &
+    done
     wait
 }
 
@@ -97,20 +120,15 @@ build() {
     fi
 }
 
-# run_waiting TITLE COMMAND...: likewise, for what waits more than it computes.
-run_waiting() {
-    run "$@"
-    : >"$place.waits"
-}
-
-# The table's programs of one column that run beside others, or those that run alone.
-programs() { # column config beside|alone
+# The table's programs of one column: those that compute beside others, those that wait, or those that run alone.
+programs() { # column config beside|waits|alone
     if [ "$2" = release ]; then tests=build/tests title= ; else tests=build/$2/tests title=", $2"; fi
     while read -r name test release scalar sanitize how; do
         case $name in '' | '#'*) continue ;; esac
         eval "count_of=\$$1"
         [ "$count_of" != - ] || continue
-        case $3-$how in beside-) run=run ;; beside-waits) run=run_waiting ;; alone-alone) run=run ;; *) continue ;; esac
+        [ "$3" = "${how:-beside}" ] || continue
+        case $3 in waits) run=run_waiting ;; *) run=run ;; esac
         program=$tests/test_$name
         [ -x "$program" ] || continue
         case $count_of in
@@ -154,6 +172,7 @@ if [ "$whole" = test ]; then
     command_line build
     DPT_DATA=
     unset DPT_DATA
+    programs test release waits
     programs test release beside
     run "races of the exchange" sh tests/exchange/races.sh build 20000
     run "the layers" sh tests/layers.sh build
@@ -169,19 +188,28 @@ if [ "$whole" = test ]; then
     add_up
 else
     sh tests/deps.sh light
+    # An oracle and a peer are single files that take long: beside the builds.
+    (
+        sh tests/oracle/inside.sh build
+        mkdir -p build/bench
+        dir=build/bench PEERS=fcl
+        . tests/bench/peers.sh
+    ) &
     build all check-programs
     build CONFIG=scalar all check-programs
     build CONFIG=sanitize all check-programs
-    sh tests/oracle/inside.sh build
+    wait
     # The longest first.
-    run "other machines" sh tests/cross.sh
-    run "the libraries" sh tests/abi/check.sh build
+    run "other machines" env JOBS=1 sh tests/cross.sh build
     run "single files" sh tests/amalgamation.sh build
+    run "the libraries" sh tests/abi/check.sh build
+    run "WebAssembly" sh tests/wasm/check.sh build
     command_line build
     command_line build/sanitize
-    for config in sanitize release; do
-        programs $config $config beside
+    for config in release scalar sanitize; do
+        programs $config $config waits
     done
+    programs release release beside
     [ -x build/tests/test_urdf_golden ] || skip "robots' descriptions" "no urdfdom with g++"
     [ -x build/tests/test_view_server ] || skip "the viewer's server" "no libwebsockets"
     run "robots' kinematics" sh tests/oracle/urdf.sh build
@@ -202,13 +230,14 @@ else
     [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact, test_sweep_moving" "no g++ with gmpxx"
     go "$jobs"
 
-    # The emulated machines and the browser look at the clock, and wait for much of their time: beside one other at a time.
-    run_waiting "a real kernel" sh tests/vm/check.sh build build/sanitize
-    run "firmware" sh tests/firmware/run.sh build
-    run "the viewer's page" sh tests/view/check.sh build
-    run "WebAssembly" sh tests/wasm/check.sh build
-    programs scalar scalar beside
-    go 1
+    # The emulated machines and the browser look at the clock, and wait for much of their time: not beside what waits.
+    run_clock "a real kernel" sh tests/vm/check.sh build build/sanitize
+    run_clock "firmware" sh tests/firmware/run.sh build
+    run_clock "the viewer's page" sh tests/view/check.sh build
+    for config in sanitize scalar; do
+        programs $config $config beside
+    done
+    go "$jobs"
 
     # What looks at the clock, or compares times.
     for config in release scalar sanitize; do

@@ -10,24 +10,42 @@ TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))
 TEST_PARTS := $(call objects,tests/oracle/*.c tests/data/*.c) \
               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
 TEST_LIB := $(B)/tests/lib.a
-LINKED = $(filter-out %.a,$^) $(filter %.a,$^)
+PARTS_LIB := $(B)/tests/parts.a
+LINKED = $(filter-out %.a,$^) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group
 LINK_TEST = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(DL) $(LDLIBS) -o $@
 
 $(B)/tests/%.o: INCLUDES += -Itests -Itools -Idrivers
 # A sample as it stands.
 $(B)/tests/world/test_own_physics.o: INCLUDES += -Idocs
+# What a test program does itself takes longer to optimize than to run; under sanitizers so do the program and what reads
+# URDF.
+QUICKLY := $(filter-out tests/kernel/%,$(TEST_SOURCES) $(EXACT_TESTS:%=tests/sweep/%.c) \
+  $(wildcard tests/fuzz/*.c tests/fuzz/calls/*.c tests/vm/*.c tests/urdf/*.c))
+ifneq ($(filter release scalar sanitize,$(CONFIG)),)
+$(QUICKLY:%.c=$(B)/%.o): CONFIG_CFLAGS += -Og
+endif
 ifeq ($(CONFIG),sanitize)
 $(B)/tests/%.o: CONFIG_CFLAGS += -O1
+$(B)/tools/%.o: CONFIG_CFLAGS += -O1
+$(B)/tools/stability/%.o: CONFIG_CFLAGS += -O2
+$(B)/src/urdf/%.o: CONFIG_CFLAGS += -Og
 endif
-# The tests' own code is the same without vectors: release's objects, where they are, but for those that see the kernels.
-ifeq ($(CONFIG),scalar)
-build/tests/%.o: CONFIG_CFLAGS :=
-build/tests/%.o: tests/%.c
-	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -c $< -o $@
-KNOWN := $(shell find build/tests -name '*.d' 2>/dev/null)
-OF_RELEASE := $(if $(KNOWN),$(shell grep -L src/kernel/kernel_ops.h $(KNOWN)))
-$(patsubst build/%.d,$(B)/%.o,$(filter-out %_sites.d %/exact.d %/stand_in_3_0.d,$(OF_RELEASE))): $(B)/%.o: build/%.o
+# Objects that are the same in another configuration are release's, where they are. Scalar: the tests' own code, but for
+# what sees the kernels; for the tests alone also the program and the reader of URDF, which see what is public. Sanitize:
+# the oracles, for it is the library that is looked at.
+LIKE_RELEASE.scalar := tests $(if $(filter check-programs,$(MAKECMDGOALS)),tools src/urdf)
+LIKE_RELEASE.sanitize := tests/oracle tests/data
+LIKE_RELEASE := $(LIKE_RELEASE.$(CONFIG))
+ifneq ($(LIKE_RELEASE),)
+define MADE_BY_RELEASE
+build/$1/%.o:
+	$$(MAKE) CONFIG=release $$@
+endef
+$(foreach folder,$(LIKE_RELEASE),$(eval $(call MADE_BY_RELEASE,$(folder))))
+KNOWN := $(shell find $(LIKE_RELEASE:%=build/%) -name '*.d' 2>/dev/null)
+OF_RELEASE := $(filter-out %_sites.d %/stand_in_3_0.d,$(if $(KNOWN),$(shell grep -L -e src/kernel/kernel_ops.h -e /built_with.h $(KNOWN))))
+COPIED := $(patsubst build/%.d,$(B)/%.o,$(OF_RELEASE))
+$(COPIED): $(B)/%.o: build/%.o
 	@mkdir -p $(@D)
 	cp $< $@
 -include $(OF_RELEASE)
@@ -42,11 +60,14 @@ COUNTED_TESTS := $(B)/tests/test_linear_cost $(B)/tests/test_compile_cost $(B)/t
 ifneq ($(CONFIG),release)
 TESTS := $(filter-out $(COUNTED_TESTS),$(TESTS))
 endif
-$(filter-out $(SITED) $(COUNTED_TESTS),$(TESTS)): $(TEST_PARTS) $(TEST_LIB)
+$(filter-out $(SITED) $(COUNTED_TESTS),$(TESTS)): $(PARTS_LIB) $(TEST_LIB)
 	$(LINK_TEST)
 $(TEST_LIB): $(call objects,tests/lib/*.c)
+$(PARTS_LIB): $(TEST_PARTS)
+# q, for src and tests/oracle have files of the same name.
+$(TEST_LIB) $(PARTS_LIB):
 	rm -f $@
-	$(AR) rcs $@ $^
+	$(AR) qcs $@ $^
 $(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 # What several tests of one noun share.
@@ -102,7 +123,7 @@ $(B)/tests/fuzz/test_fuzz.o: $(B)/built_with.h
 
 # Random calls of everything public; what its own code takes from the heap is counted.
 CALLS_PARTS := $(call objects,tests/fuzz/calls/*.c)
-$(B)/tests/test_calls: $(CALLS_PARTS) $(TEST_PARTS) $(TEST_LIB)
+$(B)/tests/test_calls: $(CALLS_PARTS) $(PARTS_LIB) $(TEST_LIB)
 	$(LINK_TEST)
 $(B)/tests/test_calls: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 TESTS += $(B)/tests/test_calls
@@ -158,11 +179,11 @@ ifneq ($(EXACT_LIBS),)
 TESTS += $(EXACT_TESTS:%=$(B)/tests/%)
 endif
 EXACT_PARTS := $(patsubst %.cc,$(B)/%.o,$(wildcard tests/oracle/*.cc))
-$(EXACT_PARTS): $(B)/%.o: %.cc
+$(filter-out $(COPIED),$(EXACT_PARTS)): $(B)/%.o: %.cc
 	@mkdir -p $(@D)
 	$(CXX) -std=c++11 -O2 -g -Wall -Wextra -MMD -MP -Itests $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 $(EXACT_TESTS:%=$(B)/tests/%): $(B)/tests/%: $(B)/tests/sweep/%.o $(call shared_of,tests/sweep/) $(EXACT_PARTS) \
-                              $(TEST_PARTS) $(TEST_LIB)
+                              $(PARTS_LIB) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(DL) $(EXACT_LIBS) -o $@
 
 # Robots' descriptions: where the library reads them.
@@ -173,7 +194,7 @@ endif
 $(B)/tests/urdf/answers: $(B)/tests/urdf/answers.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 $(B)/tests/test_urdf_%: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
-$(B)/tests/test_urdf_%: $(B)/tests/urdf/test_urdf_%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(TEST_PARTS) $(TEST_LIB)
+$(B)/tests/test_urdf_%: $(B)/tests/urdf/test_urdf_%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(PARTS_LIB) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(LDLIBS) $(URDF_LIBS) -o $@
 
 $(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(TEXT) $(CORE) $(TEST_LIB)

@@ -161,11 +161,12 @@ for machine in aarch64-linux-gnu arm-linux-gnueabihf s390x-linux-gnu; do
     fi
 done
 
-# The build allows gnu99; the sources do not need it. Attributes are the compiler's own in either.
+# The build allows gnu99; the sources do not need it. Attributes are the compiler's own in either. What only optimizers
+# see, the build has been warned of.
 exact=$(sed -n 's/^EXACT := //p' Makefile)
 strict=0
 for source in $(find src drivers -name '*.c'); do
-    ${CC:-cc} $c99 -Iinclude -Isrc -Idrivers -I"$build" -O1 $exact -fPIC -c "$source" -o "$scratch/strict.o" || strict=1
+    ${CC:-cc} $c99 -Iinclude -Isrc -Idrivers -I"$build" -O1 $exact -fPIC -fsyntax-only "$source" || strict=1
 done
 verdict $strict "every source is pedantic C99"
 
@@ -177,8 +178,9 @@ cp drivers/serial/wire.[ch] drivers/serial/wire_device.[ch] "$scratch/copied"
     grep ' U ' | grep -vE ' U (wire_[a-z_]*|mem(cpy|set|move|cmp)|strlen|sqrt|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail)$'
 verdict $? "wire.[ch] and wire_device.[ch] compile alone, and call only mem*, strlen and sqrt"
 
-# Any choice of back ends builds, and is what the library then has.
+# Any choice of back ends builds, and is what the library then has. The core is this build's.
 few=$scratch/few
+mkdir "$few" && cp -pR "$build/src" "$few"
 make -s B="$few" CFLAGS=-O1 DRIVERS=replay "$few/libdynpoint_drivers.so.0" &&
     printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return !dpt_driver_named("replay") ||' \
         'dpt_driver_named("sim") || !dpt_driver_at(0) || dpt_driver_at(1); }' |
