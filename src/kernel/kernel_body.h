@@ -441,6 +441,7 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
     const float yx = hull->axis[1][0], yy = hull->axis[1][1], yz = hull->axis[1][2];               \
     const float zx = hull->axis[2][0], zy = hull->axis[2][1], zz = hull->axis[2][2];               \
     const float wx = hull->half[0], wy = hull->half[1], wz = hull->half[2];                        \
+    const float reach_a = hull->reach[0], reach_b = hull->reach[1];                                \
     const float limit = hull->limit;
 
 /* Declares n, the unit direction from the nearest point of that box to (cx, cy, cz); no number inside the box. */
@@ -465,8 +466,9 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
 #define ENDS_ALONG(n, x, y, z)                                                                     \
     float n##_0 = END_ALONG(0, x, y, z), n##_1 = END_ALONG(1, x, y, z);                            \
     float n##_2 = END_ALONG(2, x, y, z), n##_3 = END_ALONG(3, x, y, z);
-#define LOWEST_END(n)  AT_MOST(AT_MOST(n##_0, n##_1), AT_MOST(n##_2, n##_3))
-#define HIGHEST_END(n) AT_LEAST(AT_LEAST(n##_0, n##_1), AT_LEAST(n##_2, n##_3))
+#define LOWEST_END(n) AT_MOST(AT_MOST(n##_0, n##_2) - reach_a, AT_MOST(n##_1, n##_3) - reach_b)
+#define HIGHEST_END(n)                                                                             \
+    AT_LEAST(AT_LEAST(n##_0, n##_2) + reach_a, AT_LEAST(n##_1, n##_3) + reach_b)
 
 /* A second plane is tried: across tool and motion. Most of what a sliding tool passes lies beyond it. */
 KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,

@@ -51,6 +51,7 @@ struct filter_segment {
  */
 struct swept_hull {
     float end[4][3];
+    float reach[2]; /* end a of the tool's axis may be as far from its two positions' line; end b */
     /* A box around the hull, used only to choose directions: axes along the tool, along its motion, across both. */
     float axis[3][3]; /* orthonormal rows */
     float centre[3], half[3];

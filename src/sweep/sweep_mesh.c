@@ -74,9 +74,12 @@ static void swept_hull_of(const struct mesh_sweep *search, struct swept_hull *hu
         put_float(axis[k], hull->axis[k]);
     }
     put_float(centre, hull->centre);
+    const double *reach = search->sweep->reach;
+    for (int k = 0; k < 2; k++)
+        hull->reach[k] = (float)(reach[k] * scale * (1.0 + KERNEL_STRETCH));
+    const double farthest = sqrt(max_square) + scale * max_of(reach[0], reach[1]);
     double limit = search->sweep->no_hit_limit * scale * (1.0 + KERNEL_STRETCH);
-    hull->limit = (float)(limit + kernel_margin(sqrt(max_square), sqrt(max_square)) +
-                          surface_margin(surface));
+    hull->limit = (float)(limit + kernel_margin(farthest, farthest) + surface_margin(surface));
 }
 
 /* A triangle during the sweep. */
@@ -170,6 +173,61 @@ static void begin_search(struct mesh_sweep *search, uint32_t hint)
         evaluate_triangle(search, hint);
 }
 
+/* Visit what is left until a triangle is open. */
+static int continue_test(struct mesh_sweep *search, uint32_t *leaf)
+{
+    struct sweep_progress *progress = search->progress;
+    while (progress->level <= search->surface->levels || progress->path[progress->level].lanes) {
+        struct sweep_node *opened = &progress->path[progress->level];
+        if (!opened->lanes) {
+            progress->level++;
+            continue;
+        }
+        if (progress->level == 0) {
+            *leaf = opened->node;
+            return SWEEP_HIT;
+        }
+        if (work_is_spent(search->work))
+            return SWEEP_UNFINISHED;
+        uint32_t lane = lowest_lane(opened->bound, opened->lanes);
+        opened->lanes &= ~(1u << lane);
+        open_node(search, progress->level - 1, opened->node * LANES + lane);
+    }
+    return SWEEP_FREE;
+}
+
+int dpti_sweep_may_touch(const struct surface *surface, const struct kernel *kernel,
+                         const struct sweep *sweep, const struct surface_times *times, double from,
+                         struct work *work, struct sweep_progress *progress, uint32_t *leaf)
+{
+    struct mesh_sweep search = { .surface = surface,
+                                 .kernel = kernel,
+                                 .sweep = sweep,
+                                 .times = times,
+                                 .from_time = from,
+                                 .work = work,
+                                 .progress = progress };
+    if (from >= 1.0)
+        return SWEEP_FREE;
+    if (work_is_spent(work))
+        return SWEEP_UNFINISHED;
+    progress->until = 1.0;
+    swept_hull_of(&search, &search.hull);
+    if (!progress->has_begun) {
+        progress->has_begun = 1;
+        progress->path[surface->levels + 1] = (struct sweep_node){ .lanes = 1 };
+        progress->level = surface->levels + 1;
+        if (*leaf != DPT_NONE) {
+            open_node(&search, 0, *leaf);
+            if (!progress->path[0].lanes)
+                progress->level = surface->levels + 1;
+        }
+    }
+    int status = continue_test(&search, leaf);
+    progress->has_begun = status == SWEEP_UNFINISHED;
+    return status;
+}
+
 /* Visit the nodes and triangles that are left. Returns 0 if the work is spent before all are visited. */
 static int continue_search(struct mesh_sweep *search)
 {
@@ -199,14 +257,13 @@ int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
                     uint32_t hint, struct work *work, struct sweep_progress *progress,
                     struct impact *first)
 {
-    struct mesh_sweep search;
-    search.surface = surface;
-    search.kernel = kernel;
-    search.sweep = sweep;
-    search.times = times;
-    search.from_time = from;
-    search.work = work;
-    search.progress = progress;
+    struct mesh_sweep search = { .surface = surface,
+                                 .kernel = kernel,
+                                 .sweep = sweep,
+                                 .times = times,
+                                 .from_time = from,
+                                 .work = work,
+                                 .progress = progress };
     *first = (struct impact){ .time = 1.0, .triangle = DPT_NONE };
     if (from >= 1.0)
         return SWEEP_FREE;

@@ -62,4 +62,16 @@ int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
                     uint32_t hint, struct work *work, struct sweep_progress *progress,
                     struct impact *first);
 
+/*
+ * Whether a motion may touch the surface at all, by bounds alone: no triangle is evaluated. Much cheaper than the first touch
+ * where something is near. Arguments as above; the progress is for this motion alone.
+ *
+ *   leaf      in: a leaf to look at first, or DPT_NONE. out: the one that may be touched, if there is one
+ *
+ * SWEEP_FREE: nothing is touched at times from..1. SWEEP_HIT: something may be. SWEEP_UNFINISHED: call again.
+ */
+int dpti_sweep_may_touch(const struct surface *surface, const struct kernel *kernel,
+                         const struct sweep *sweep, const struct surface_times *times, double from,
+                         struct work *work, struct sweep_progress *progress, uint32_t *leaf);
+
 #endif

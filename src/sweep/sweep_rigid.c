@@ -7,7 +7,7 @@
 
 #include "nearest/side.h"
 
-enum { HALVINGS_MAX = 10 };
+enum { HALVINGS_MAX = 10, PIECE_TRIANGLES = 16 };
 
 struct ends {
     vec3 a, b;
@@ -48,12 +48,23 @@ static struct ends midpoint_of(const struct ends *from, const struct ends *to)
     return (struct ends){ scaled(add(from->a, to->a), 0.5), scaled(add(from->b, to->b), 0.5) };
 }
 
-/* How far the path of the ends deviates from its chord, plus a quarter for paths that are no even arc. */
-static double deviation_of(const struct ends *from, const struct ends *middle,
-                           const struct ends *to)
+/* How far the path of each end deviates from its chord, m. */
+struct deviation {
+    double a, b;
+};
+
+static double max_deviation(struct deviation deviation)
+{
+    return max_of(deviation.a, deviation.b);
+}
+
+/* A quarter more than in the middle, for paths that are no even arc. */
+static struct deviation deviation_of(const struct ends *from, const struct ends *middle,
+                                     const struct ends *to)
 {
     struct ends straight = midpoint_of(from, to);
-    return 1.25 * max_length(sub(middle->a, straight.a), sub(middle->b, straight.b));
+    return (struct deviation){ 1.25 * length(sub(middle->a, straight.a)),
+                               1.25 * length(sub(middle->b, straight.b)) };
 }
 
 /* A body that turns by more than 0.25 rad is cut in any case. This is the cosine of half that angle. */
@@ -72,11 +83,12 @@ static double body_turn_cosine(const struct placement *from, const struct placem
  * deviates most in its middle. Seen from a body that turns, a path can deviate to one side and then to the other, so
  * the quarters count too.
  */
-static double deviation_between(const struct placement *from, const struct ends *at_from,
-                                const struct placement *middle, const struct ends *at_middle,
-                                const struct placement *to, const struct ends *at_to)
+static struct deviation deviation_between(const struct placement *from, const struct ends *at_from,
+                                          const struct placement *middle,
+                                          const struct ends *at_middle, const struct placement *to,
+                                          const struct ends *at_to)
 {
-    double deviation = deviation_of(at_from, at_middle, at_to);
+    struct deviation deviation = deviation_of(at_from, at_middle, at_to);
     int body_turns = 0;
     for (int k = 0; k < 4; k++)
         body_turns |= from->body.orientation[k] != to->body.orientation[k];
@@ -87,9 +99,8 @@ static double deviation_between(const struct placement *from, const struct ends 
         struct placement quarter = half ? middle_of(middle, to) : middle_of(from, middle);
         struct ends at_quarter = ends_at(&quarter);
         struct ends chord = midpoint_of(&straight, half ? at_to : at_from);
-        double quarter_deviation =
-            max_length(sub(at_quarter.a, chord.a), sub(at_quarter.b, chord.b));
-        deviation = max_of(deviation, 1.25 * quarter_deviation);
+        deviation.a = max_of(deviation.a, 1.25 * length(sub(at_quarter.a, chord.a)));
+        deviation.b = max_of(deviation.b, 1.25 * length(sub(at_quarter.b, chord.b)));
     }
     return deviation;
 }
@@ -110,26 +121,73 @@ static double vertex_time(const struct rigid_sweep *sweep, double time)
     return sweep->tick_from + time * (1.0 - sweep->tick_from);
 }
 
-static int sweep_straight(struct rigid_sweep *sweep, const struct ends *from, const struct ends *to,
-                          double deviation, double t0, double t1)
+/* A piece of the motion: from a placement to another one at times t0 and t1, as a straight motion with a deviation. */
+struct piece {
+    const struct ends *from, *to;
+    struct deviation deviation;
+    double t0, t1;
+    struct motion motion;
+    struct sweep sweep;
+    struct surface_times times;
+};
+
+/* added: to the radius, m */
+static void begin_piece(const struct rigid_sweep *sweep, struct piece *piece, double added)
 {
-    const struct surface *surface = sweep->surface;
+    const struct ends *from = piece->from, *to = piece->to;
+    piece->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
+    dpti_sweep_begin(&piece->sweep, &piece->motion, sweep->radius + added, sweep->tolerance,
+                     dpti_surface_extent(sweep->surface));
+    piece->sweep.surface_speed = (piece->t1 - piece->t0) * surface_motion_max(sweep);
+    piece->times = (struct surface_times){ sweep->tick, vertex_time(sweep, piece->t0),
+                                           vertex_time(sweep, piece->t1) };
+}
+
+static double start_of(const struct rigid_sweep *sweep, const struct piece *piece, double beside)
+{
+    return piece->t0 > 0.0 ? 0.0 : dpti_sweep_start(&piece->sweep, sweep->distance_before - beside);
+}
+
+static int sweep_straight(struct rigid_sweep *sweep, struct piece *piece)
+{
     struct rigid_sweep_result *result = &sweep->result;
-    struct sweep straight;
-    result->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
-    dpti_sweep_begin(&straight, &result->motion, sweep->radius + deviation, sweep->tolerance,
-                     dpti_surface_extent(surface));
-    straight.surface_speed = (t1 - t0) * surface_motion_max(sweep);
-    const struct surface_times times = { sweep->tick, vertex_time(sweep, t0),
-                                         vertex_time(sweep, t1) };
-    double start = t0 > 0.0 ? 0.0 : dpti_sweep_start(&straight, sweep->distance_before);
-    int status = dpti_sweep_mesh(surface, sweep->kernel, &straight, &times, start, sweep->hint,
-                                 sweep->work, &sweep->progress->sweep, &result->impact);
-    result->from = t0;
-    result->time = t0 + result->impact.time * (t1 - t0);
-    if (status == SWEEP_FREE)
-        sweep->progress->free_until = t1;
+    begin_piece(sweep, piece, max_deviation(piece->deviation));
+    result->motion = piece->motion;
+    int status = dpti_sweep_mesh(sweep->surface, sweep->kernel, &piece->sweep, &piece->times,
+                                 start_of(sweep, piece, 0.0), sweep->hint, sweep->work,
+                                 &sweep->progress->sweep, &result->impact);
+    result->from = piece->t0;
+    result->time = piece->t0 + result->impact.time * (piece->t1 - piece->t0);
     return status;
+}
+
+/*
+ * Whether a piece that still deviates much may touch the surface, grown by the deviation. `halvings` made the piece. A
+ * piece that began before free_until was tested before its first half was.
+ */
+static int test_piece(struct rigid_sweep *sweep, struct piece *piece, uint32_t halvings)
+{
+    struct rigid_sweep_progress *progress = sweep->progress;
+    if (piece->t0 < progress->free_until || halvings < progress->tested)
+        return SWEEP_HIT;
+    uint32_t leaf = progress->leaves - 1;
+    begin_piece(sweep, piece, 0.0);
+    piece->sweep.reach[0] = piece->deviation.a;
+    piece->sweep.reach[1] = piece->deviation.b;
+    int status = dpti_sweep_may_touch(sweep->surface, sweep->kernel, &piece->sweep, &piece->times,
+                                      start_of(sweep, piece, max_deviation(piece->deviation)),
+                                      sweep->work, &progress->sweep, &leaf);
+    if (status == SWEEP_HIT) {
+        progress->tested = halvings + 1;
+        progress->leaves = leaf + 1;
+    }
+    return status;
+}
+
+/* m: a longer piece is cut, so that what a piece may touch is a few triangles. */
+static double piece_length_max(const struct surface *surface)
+{
+    return PIECE_TRIANGLES / (surface->filter_scale * sqrt((double)surface_triangles(surface)));
 }
 
 /*
@@ -138,25 +196,40 @@ static int sweep_straight(struct rigid_sweep *sweep, const struct ends *from, co
  */
 static int sweep_between(struct rigid_sweep *sweep, const struct placement *from,
                          const struct ends *at_from, const struct placement *to,
-                         const struct ends *at_to, double t0, double t1, int halvings)
+                         const struct ends *at_to, double t0, double t1, uint32_t halvings)
 {
-    if (t1 <= sweep->progress->free_until)
+    struct rigid_sweep_progress *progress = sweep->progress;
+    if (t1 <= progress->free_until)
         return SWEEP_FREE;
     struct placement middle = middle_of(from, to);
     struct ends at_middle = ends_at(&middle);
-    double deviation = deviation_between(from, at_from, &middle, &at_middle, to, at_to);
-    int is_straight =
-        deviation <= 0.5 * sweep->tolerance && body_turn_cosine(from, to) >= HALF_TURN_COSINE_MIN;
-    if (is_straight || halvings == 0)
-        return sweep_straight(sweep, at_from, at_to, deviation, t0, t1);
+    struct piece piece = { .from = at_from, .to = at_to, .t0 = t0, .t1 = t1 };
+    piece.deviation = deviation_between(from, at_from, &middle, &at_middle, to, at_to);
+    const int turns_little = body_turn_cosine(from, to) >= HALF_TURN_COSINE_MIN;
+    int is_straight = turns_little && max_deviation(piece.deviation) <= 0.5 * sweep->tolerance &&
+                      max_length(sub(at_to->a, at_from->a), sub(at_to->b, at_from->b)) <=
+                          piece_length_max(sweep->surface);
+    int status = SWEEP_HIT;
+    if (is_straight || halvings == HALVINGS_MAX)
+        status = sweep_straight(sweep, &piece);
+    else if (turns_little)
+        status = test_piece(sweep, &piece, halvings);
+    if (status == SWEEP_FREE) {
+        progress->free_until = t1;
+        progress->tested = 0;
+    }
+    if (status != SWEEP_HIT || is_straight || halvings == HALVINGS_MAX)
+        return status;
+    if (work_is_spent(sweep->work))
+        return SWEEP_UNFINISHED;
     double middle_time = 0.5 * (t0 + t1);
-    int status =
-        sweep_between(sweep, from, at_from, &middle, &at_middle, t0, middle_time, halvings - 1);
+    status =
+        sweep_between(sweep, from, at_from, &middle, &at_middle, t0, middle_time, halvings + 1);
     if (status != SWEEP_FREE)
         return status;
     if (work_is_spent(sweep->work))
         return SWEEP_UNFINISHED;
-    return sweep_between(sweep, &middle, &at_middle, to, at_to, middle_time, t1, halvings - 1);
+    return sweep_between(sweep, &middle, &at_middle, to, at_to, middle_time, t1, halvings + 1);
 }
 
 int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *from,
@@ -164,7 +237,7 @@ int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *fro
 {
     struct ends at_from = ends_at(from), at_to = ends_at(to);
     sweep->result.time = sweep->progress->free_until;
-    return sweep_between(sweep, from, &at_from, to, &at_to, 0.0, 1.0, HALVINGS_MAX);
+    return sweep_between(sweep, from, &at_from, to, &at_to, 0.0, 1.0, 0);
 }
 
 int dpti_rigid_sweep_cannot_meet(const struct rigid_sweep *sweep, const struct placement *from,
@@ -174,7 +247,8 @@ int dpti_rigid_sweep_cannot_meet(const struct rigid_sweep *sweep, const struct p
     struct ends at_from = ends_at(from), at_to = ends_at(to), at_middle = ends_at(&middle);
     double motion =
         max_length(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b)) + surface_motion_max(sweep);
-    double deviation = deviation_between(from, &at_from, &middle, &at_middle, to, &at_to);
+    double deviation =
+        max_deviation(deviation_between(from, &at_from, &middle, &at_middle, to, &at_to));
     if (motion == 0.0 && deviation == 0.0)
         return 1;
     return body_turn_cosine(from, to) >= HALF_TURN_COSINE_MIN &&
@@ -212,7 +286,7 @@ double dpti_rigid_sweep_displacement(const struct placement *from, const struct 
                                       .b = scaled(add(from->b, to->b), 0.5) };
     struct ends at_first = tool_ends(from), at_last = tool_ends(to), at_middle = tool_ends(&middle);
     return max_length(sub(at_last.a, at_first.a), sub(at_last.b, at_first.b)) +
-           deviation_of(&at_first, &at_middle, &at_last);
+           max_deviation(deviation_of(&at_first, &at_middle, &at_last));
 }
 
 dpt_pose dpti_rigid_sweep_pose(const dpt_pose *from, const dpt_pose *to, double time)

@@ -23,11 +23,20 @@ struct placement {
     vec3 a, b;           /* the segment's ends in the tool's frame */
 };
 
-/* How far a rigid sweep has come. All zeros: begin. */
+/* How far a rigid sweep has come; rigid_sweep_restart begins. */
 struct rigid_sweep_progress {
     double free_until;           /* no touch up to this time */
-    struct sweep_progress sweep; /* of the straight motion that begins there */
+    struct sweep_progress sweep; /* of the piece that begins there, or of its test */
+    uint32_t tested; /* pieces that begin there and may touch: how many, each half of the last */
+    uint32_t leaves; /* 1 and the leaf that may be touched; 0: none is known */
 };
+
+static inline void rigid_sweep_restart(struct rigid_sweep_progress *progress)
+{
+    progress->free_until = 0.0;
+    progress->sweep.has_begun = 0;
+    progress->tested = progress->leaves = 0;
+}
 
 /* The result of a rigid sweep. */
 struct rigid_sweep_result {

@@ -46,6 +46,7 @@ void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double r
     sweep->hit_limit = radius + 0.5 * tolerance;
     sweep->free_limit = radius + 128.0 * unit * (extent + radius);
     sweep->no_hit_limit = radius + tolerance;
+    sweep->reach[0] = sweep->reach[1] = 0.0;
     sweep->surface_speed = 0.0;
     vec3 middle = along(sweep->u, 0.5, sweep->du);
     double size = length(middle);

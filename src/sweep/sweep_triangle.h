@@ -41,6 +41,8 @@ struct sweep {
     double hit_limit;    /* a pair at this distance or less is a hit: radius + half the tolerance */
     double free_limit;   /* a plane must keep the axis farther away than this: radius + rounding */
     double no_hit_limit; /* nothing farther than this can be a hit: radius + tolerance */
+    double
+        reach[2]; /* m: what bounds of distances allow each end to be beside its line; 0 at first */
     double surface_speed; /* m per tick: no point of a triangle moves faster; 0 at first */
 };
 

@@ -45,7 +45,8 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
     struct placement from_place = { tick->at.pose, dpti_proxy_body_pose(tick, body), segment->a,
                                     segment->b };
     struct placement to_place = { *to, body->pose, segment->a, segment->b };
-    struct rigid_sweep_progress progress = { .free_until = 0.0 };
+    struct rigid_sweep_progress progress;
+    rigid_sweep_restart(&progress);
     struct rigid_sweep rigid = {
         .surface = &body->surface,
         .kernel = &world->kernel,

@@ -107,8 +107,7 @@ static int continue_sweep(struct rigid_sweep *rigid, const struct placement *fro
 static void begin_sweep(struct motion_backlog *backlog, uint32_t on_axis)
 {
     backlog->is_on_axis = on_axis;
-    backlog->progress.free_until = 0.0;
-    backlog->progress.sweep.has_begun = 0;
+    rigid_sweep_restart(&backlog->progress);
 }
 
 /* How the sweep of one body, or of a motion step, ended. */

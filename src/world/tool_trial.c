@@ -17,7 +17,8 @@ struct trial {
 static void try_body(struct trial *trial, const struct body *body, double radius,
                      uint32_t segment_in_tool, struct placement *from, struct placement *to)
 {
-    struct rigid_sweep_progress progress = { .free_until = 0.0 };
+    struct rigid_sweep_progress progress;
+    rigid_sweep_restart(&progress);
     struct work work = work_of(WORK_UNLIMITED);
     struct rigid_sweep rigid = { .surface = &body->surface,
                                  .kernel = &trial->world->kernel,
