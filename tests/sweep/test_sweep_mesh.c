@@ -239,7 +239,7 @@ static void meshes_are_met_as_their_triangles_are(void)
     }
 }
 
-/* A hull of four points, at the origin or far from it, and a box that is about right, or not. */
+/* A hull of four points, at the origin or far from it, with a reach or none, and a box that is about right, or not. */
 static void any_swath(struct swept_hull *hull, vec3 end[4])
 {
     double reach = one_in(&rng, 8) ? 50.0 : 1.5, span = power_in(&rng, -3.0, 0.0);
@@ -257,21 +257,36 @@ static void any_swath(struct swept_hull *hull, vec3 end[4])
     put_float(about, hull->centre);
     for (int k = 0; k < 3; k++)
         hull->half[k] = (float)(random_in(&rng, 0.0, 1.0) * span);
+    const int has_reach = one_in(&rng, 2);
+    for (int k = 0; k < 2; k++)
+        hull->reach[k] =
+            has_reach && !one_in(&rng, 3) ? (float)(random_in(&rng, 0.0, 1.0) * span) : 0.0f;
+}
+
+/* An end within its reach, often towards a place. */
+static vec3 beside(vec3 end, float reach, vec3 place)
+{
+    const vec3 way = one_in(&rng, 3) ? any_in(&rng, 1.0) : sub(place, end);
+    const double part = one_in(&rng, 2) ? 1.0 : random_in(&rng, 0.0, 1.0);
+    return along(end, part * (double)reach / length(way), way);
 }
 
 /* By how many margins a bound is above the distance of a triangle to a segment within the hull. */
-static double excess(const float *rows, int lane, float bound, const vec3 end[4])
+static double excess(const float *rows, int lane, float bound, const struct swept_hull *hull,
+                     const vec3 end[4])
 {
     double s = random_in(&rng, 0.0, 1.0), t = random_in(&rng, 0.0, 1.0), far = 0.0;
     vec3 a = along(end[0], t, sub(end[2], end[0])), b = along(end[1], t, sub(end[3], end[1])), v[3];
     if (one_in(&rng, 3))
-        a = end[random_bits(&rng) % 4], b = end[random_bits(&rng) % 4];
-    a = along(a, one_in(&rng, 2) ? s : 0.0, sub(b, a));
+        a = end[2 * (random_bits(&rng) % 2)], b = end[1 + 2 * (random_bits(&rng) % 2)];
     for (int k = 0; k < 3; k++)
         v[k] = (vec3){ rows[3 * k * LANES + lane], rows[(3 * k + 1) * LANES + lane],
                        rows[(3 * k + 2) * LANES + lane] };
+    a = beside(a, hull->reach[0], v[0]);
+    b = beside(b, hull->reach[1], v[random_bits(&rng) % 3]);
+    a = along(a, one_in(&rng, 2) ? s : 0.0, sub(b, a));
     for (int e = 0; e < 4; e++)
-        far = max_of(far, length(end[e]));
+        far = max_of(far, length(end[e]) + (double)hull->reach[e % 2]);
     double distance = sqrt(segment_triangle(a, sub(b, a), v[0], v[1], v[2]).distance2);
     return ((double)bound - distance) / kernel_margin(far, far);
 }
@@ -307,8 +322,9 @@ static void swept_bounds_are_sound(void)
         }
         closed += lanes[0] != 0xffff;
         for (int lane = 0; lane < LANES; lane++) {
-            double over = excess(rows, lane, first[0][lane], end);
-            worst = max_of(worst, max_of(over, excess(rows, lane, first[1][leaf % LANES], end)));
+            double over = excess(rows, lane, first[0][lane], &hull, end);
+            worst =
+                max_of(worst, max_of(over, excess(rows, lane, first[1][leaf % LANES], &hull, end)));
             CHECK(first[0][lane] <= hull.limit || !(lanes[0] >> lane & 1), "lane %d", lane);
         }
         CHECK(worst <= 1.0, "%g margins above the distance", worst);

@@ -5,6 +5,7 @@
  */
 #include <math.h>
 
+#include "dynpoint/compile.h"
 #include "lib/arm_random.h"
 #include "lib/fixture.h"
 #include "lib/random.h"
@@ -195,6 +196,58 @@ static void a_trial_stops_at_the_first_touch(void)
           farthest);
 }
 
+/*
+ * A speck, of 1 mm or less, lies where a point of the axis is at some time of a motion that jumps and turns: the motion meets it
+ * by then. Tool and speck may turn.
+ */
+static void nothing_in_the_way_of_a_turn_is_missed(void)
+{
+    enum { MOTIONS = 4000 };
+    static const double corners[9] = { 1e-3, 0, 0, -5e-4, 8e-4, 0, -5e-4, -8e-4, 0 };
+    static const uint32_t triangle[3] = { 0, 1, 2 };
+    uint64_t random = 5;
+    uint32_t late = 0;
+    dpt_world_def def;
+    dpt_compiled file;
+    const dpt_mesh *mesh;
+    dpt_world_def_init(&def);
+    def.law = DPT_LAW_POINT;
+    void *block = malloc(dpt_world_bytes(&def));
+    CHECK(dpt_compile_arrays(corners, 3, triangle, 1, NULL, &file, NULL) == DPT_OK &&
+              dpt_mesh_open(file.bytes, file.size, &mesh) == DPT_OK,
+          "the speck");
+    for (int i = 0; i < MOTIONS; i++) {
+        const double part = random_in(&random, 0.0, 1.0), s = random_in(&random, 0.0, 1.0);
+        const double jump = i % 3 ? 0.0 : i % 2 ? 0.02 : 0.3;
+        const dpt_segment axis = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.15 }, 0.0 };
+        const dpt_pose from = pose_random(&random, 0.1);
+        dpt_pose to = pose_random(&random, jump), at, reached, speck = pose_random(&random, 0.0);
+        dpt_sweep first = { .size = sizeof first };
+        dpt_world *world;
+        dpt_body body;
+        dpt_tool tool;
+        double ends[6];
+        for (int k = 0; k < 3; k++)
+            to.position[k] += from.position[k];
+        at = between(&from, &to, part);
+        ends_of(&at, &axis, ends);
+        for (int k = 0; k < 3; k++)
+            speck.position[k] = ends[k] + s * (ends[3 + k] - ends[k]);
+        CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK &&
+                  dpt_body_add(world, mesh, &speck, &body) == DPT_OK &&
+                  dpt_tool_add(world, &axis, 1, &tool) == DPT_OK &&
+                  dpt_tool_teleport(world, tool, &from) == DPT_OK &&
+                  dpt_tool_try_pose(world, tool, &to, 0.0, &first, &reached) == DPT_OK,
+              "a trial");
+        CHECK(first.status == DPT_SWEEP_HIT && first.time <= part + 1e-5,
+              "motion %d: %u at %.9f, not by %.9f", i, first.status, first.time, part);
+        late += first.time > part - 0.05;
+    }
+    CHECK(late > MOTIONS / 2, "%u were met about there", late);
+    free(block);
+    dpt_compiled_free(&file);
+}
+
 /* What a step says of the same motion. */
 static void a_step_meets_the_same(void)
 {
@@ -348,6 +401,7 @@ int main(void)
         diagonal[i] = sqrt(diagonal[i]);
     }
     TEST(a_trial_stops_at_the_first_touch);
+    TEST(nothing_in_the_way_of_a_turn_is_missed);
     TEST(a_step_meets_the_same);
     TEST(free_segments_too);
     TEST(what_cannot_be_tried);
