@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "deform/implicit.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -11,6 +12,12 @@
  */
 #define ACCOUNT_FLOOR 1e-9
 #define ACCOUNT_LEAK  1.0
+
+/*
+ * J: a node's share of a norm for which its square, a float, is out of underflow's reach. Passes that go on below would
+ * take steps that no longer fit the residual, and make it grow.
+ */
+#define NORM_PER_NODE ((double)FLT_MIN)
 
 /* What is known after a step. */
 struct outcome {
@@ -59,6 +66,7 @@ static void make_diagonal(struct dpt_springs *springs, double step)
 {
     struct spring_solve *solve = &springs->solve;
     const float h = (float)step, more = 1.0f + (float)springs->lead / h;
+    float loosest = 1.0f;
     if (solve->step == step)
         return;
     solve->step = step;
@@ -71,7 +79,10 @@ static void make_diagonal(struct dpt_springs *springs, double step)
             const float sum =
                 system->diagonal[lane] + more * solve->stiffness[LANES * slice + lane];
             system->per_diagonal[lane] = system->mass[lane] > 0.0f ? 1.0f / sum : 0.0f;
+            if (system->per_diagonal[lane] > loosest)
+                loosest = system->per_diagonal[lane];
         }
+    solve->least_norm = NORM_PER_NODE * (double)loosest * springs->net.nodes;
 }
 
 /* Conjugate gradients, preconditioned by the diagonal, for the change. norm: of the residual. */
@@ -81,7 +92,7 @@ static void solve_change(struct dpt_springs *springs, float h, double norm)
     const struct kernel *kernel = &springs->kernel;
     struct spring_solve *solve = &springs->solve;
     const float scale = (float)springs->def.stiffness * (1.0f + (float)springs->lead / h);
-    for (uint32_t n = 1; norm > 0.0; n++) {
+    for (uint32_t n = 1; norm > solve->least_norm; n++) {
         double lanes[LANES] = { 0.0 }, next[LANES] = { 0.0 };
         for (uint32_t i = 0; i < region->count; i++) {
             const size_t slice = region->slices[i];
