@@ -98,6 +98,9 @@ static const struct kernel avx512_kernel = KERNEL_TABLE(avx512);
 #ifdef KERNELS_ARM
 static const struct kernel neon_kernel = KERNEL_TABLE(neon);
 #endif
+#ifdef KERNELS_WASM
+static const struct kernel wasm128_kernel = KERNEL_TABLE(wasm128);
+#endif
 
 int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
 {
@@ -124,7 +127,7 @@ int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen)
 #endif
 #ifdef KERNELS_WASM
     case DPT_KERNEL_WASM128:
-        *kernel = KERNEL_TABLE(wasm128);
+        *kernel = wasm128_kernel;
         return 1;
 #endif
     default:
