@@ -7,6 +7,13 @@ const connection = (() => {
   const FIRST_WAIT = 250; // ms
   const LONGEST_WAIT = 2000; // ms
   const PROTOCOL = "dynpoint";
+  const handFirst = false; // gestures and keys are the camera's, and the hand has a handle
+
+  // Why there can be no connection: a sentence, or null.
+  const lack = () =>
+    location.protocol.startsWith("http")
+      ? null
+      : "This page has no data and no server. Open one that dynpoint view wrote.";
 
   class Connection {
     // on: { message(bytes), away(sentence), refused(sentence) }
@@ -57,5 +64,5 @@ const connection = (() => {
     }
   }
 
-  return { Connection };
+  return { Connection, lack, handFirst };
 })();

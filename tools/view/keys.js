@@ -45,14 +45,14 @@ const keys = (() => {
     (element.matches("input") && /^(Arrow|Page|Home|End)/.test(key)) ||
     (element.matches("button, summary") && (key === " " || key === "Enter"));
 
-  // on: { camera(), radius(), hand, controls(), view(name), and a function for each word above }
+  // on: { camera(), radius(), hand, handFirst, controls(), view(name), and a function for each word above }
   function attach(on) {
     addEventListener("keydown", event => {
       const { key } = event;
       const lower = key.length === 1 ? key.toLowerCase() : key;
       if (event.ctrlKey || event.metaKey || event.altKey || own(event.target, key)) return;
       const view = on.camera();
-      const axis = event.shiftKey && MOVES_HAND[key];
+      const axis = event.shiftKey !== on.handFirst && MOVES_HAND[key]; // with Shift, or where the hand is first without
       if (axis && on.controls() && view) {
         const direction = view.axes()[axis[0]];
         const by = axis[1] * HAND * on.radius();

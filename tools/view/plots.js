@@ -24,7 +24,14 @@ const plots = (() => {
       this.history = history;
       this.from = 0;
       this.to = 10;
+      this.kinds = KINDS;
       this.readColours();
+    }
+
+    // Only those of these names, in the usual order.
+    choose(names) {
+      this.kinds = KINDS.filter(({ name }) => names.includes(name));
+      this.stale = true;
     }
 
     readColours() {
@@ -44,9 +51,9 @@ const plots = (() => {
     }
 
     layout() {
-      const { width, height } = this;
-      const each = Math.max(8, (height - BOTTOM - KINDS.length * TOP - (KINDS.length - 1) * GAP + 4) / KINDS.length);
-      return KINDS.map((kind, i) => ({
+      const { width, height, kinds } = this;
+      const each = Math.max(8, (height - BOTTOM - kinds.length * TOP - (kinds.length - 1) * GAP + 4) / kinds.length);
+      return kinds.map((kind, i) => ({
         ...kind,
         x: LEFT,
         y: TOP + i * (each + TOP + GAP - 4),

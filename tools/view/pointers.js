@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mouse, pen and fingers on the picture: rotate, pan, zoom, pick, and drag the handle of a simulated hand.
+// Mouse, pen and fingers on the picture: rotate, pan, zoom, pick, and move a simulated hand: by its handle, or, where the
+// hand comes first, by any drag and by the wheel.
 "use strict";
 const pointers = (() => {
   const TURN = 0.007; // radians a pixel
@@ -7,11 +8,12 @@ const pointers = (() => {
   const CLICK = 500; // ms
   const GRAB = 14; // pixels from the handle
   const GRAB_FINGER = 26;
+  const WHEEL_HAND = 0.0004; // radii of the scene for a unit of the wheel
 
   const middle = (a, b) => [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
   const apart = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 
-  // on: { camera() or null, handle() in pixels or null, hand, pick(at) }
+  // on: { camera() or null, radius(), handle() in pixels or null, hand, handFirst, pick(at) }
   function attach(canvas, on) {
     const down = new Map(); // pointers that are down: where
     let gesture = null;
@@ -31,12 +33,9 @@ const pointers = (() => {
         gesture = { kind: "pinch", at: middle(first, second), apart: apart(first, second) };
         return;
       }
-      const handle = on.handle();
-      const near = event.pointerType === "touch" ? GRAB_FINGER : GRAB;
-      const from = handle && apart(handle, first) <= near ? on.hand.start(event.timeStamp) : null;
-      const pans = event.button !== 0 || event.shiftKey;
+      const from = isForHand(event, first) ? on.hand.start(event.timeStamp) : null;
       gesture = {
-        kind: from ? "hand" : pans ? "pan" : "rotate",
+        kind: from ? "hand" : cameraKind(event),
         at: first,
         from,
         start: first,
@@ -45,6 +44,16 @@ const pointers = (() => {
         begun: event.timeStamp,
       };
     }
+
+    function isForHand(event, place) {
+      const handle = on.handle();
+      if (on.handFirst) return handle && event.button === 0 && !event.shiftKey;
+      return handle && apart(handle, place) <= (event.pointerType === "touch" ? GRAB_FINGER : GRAB);
+    }
+
+    // The right button turns the camera where the left one has the hand.
+    const cameraKind = ({ button, shiftKey }) =>
+      shiftKey || (button !== 0 && !(on.handFirst && button === 2)) ? "pan" : "rotate";
 
     function move(event) {
       if (!down.has(event.pointerId) || !gesture) return;
@@ -56,7 +65,8 @@ const pointers = (() => {
         const [first, second] = [...down.values()];
         const centre = middle(first, second);
         const wide = apart(first, second);
-        view.pan(centre[0] - x, centre[1] - y);
+        if (on.handFirst) view.rotate(-TURN * (centre[0] - x), TURN * (centre[1] - y));
+        else view.pan(centre[0] - x, centre[1] - y);
         if (wide > 0 && gesture.apart > 0) view.zoom(gesture.apart / wide);
         gesture = { kind: "pinch", at: centre, apart: wide };
         return;
@@ -68,6 +78,16 @@ const pointers = (() => {
       if (gesture.kind === "pan") view.pan(place[0] - x, place[1] - y);
       if (gesture.kind === "hand")
         on.hand.want(moved(gesture.from, place[0] - gesture.start[0], place[1] - gesture.start[1]), event.timeStamp);
+    }
+
+    // Towards the viewer, or away; a drag goes on from there.
+    function wheelHand(by, now) {
+      const { back } = on.camera().axes();
+      on.hand.moveBy(
+        back.map(value => WHEEL_HAND * by * on.radius() * value),
+        now,
+      );
+      if (gesture?.kind === "hand") Object.assign(gesture, { from: on.hand.wanted, start: gesture.at });
     }
 
     // A place moved by pixels, in the plane of the screen.
@@ -96,7 +116,9 @@ const pointers = (() => {
       event => {
         event.preventDefault();
         const lines = [1, 20, 400][event.deltaMode] ?? 1;
-        on.camera()?.zoom(Math.exp(0.0012 * Math.max(-400, Math.min(400, lines * event.deltaY))));
+        const by = Math.max(-400, Math.min(400, lines * event.deltaY));
+        if (on.handFirst && !event.ctrlKey && on.handle()) wheelHand(by, event.timeStamp);
+        else on.camera()?.zoom(Math.exp(0.0012 * by));
       },
       { passive: false },
     );

@@ -348,6 +348,7 @@ const viewer = (() => {
     camera: () => own.view?.camera ?? null,
     radius: () => own.view.scales.radius,
     hand: theHand,
+    handFirst: connection.handFirst,
     controls: () => handlePlace() !== null,
     handle: () => handlePlace() && own.view?.project(handlePlace()),
     pick,
@@ -418,8 +419,8 @@ const viewer = (() => {
     requestAnimationFrame(everyPicture);
     const text = element("data").textContent;
     if (text !== "" && !text.startsWith("@")) return playData(text);
-    if (!location.protocol.startsWith("http"))
-      return notice("This page has no data and no server. Open one that dynpoint view wrote.");
+    const lacking = connection.lack();
+    if (lacking) return notice(lacking);
     own.connection = new connection.Connection({
       message: take,
       refused: sentence => {
@@ -446,6 +447,9 @@ const viewer = (() => {
   start();
   return {
     own,
+    actions,
+    notice,
+    say,
     play,
     plot,
     element,
