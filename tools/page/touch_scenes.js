@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The scenes of the page: shapes of `dynpoint make`, and of what they are. y is up.
+"use strict";
+const touchScenes = (() => {
+  const LYING = [Math.SQRT1_2, -Math.SQRT1_2, 0, 0]; // what lies in the plane z = 0 lies in y = 0
+  const LIVER_RED = [0.55, 0.15, 0.12];
+  const fixedBox = (...box) => ({ kind: 1, fixed: 1, box });
+
+  // shape, triangles: for `dynpoint make`; springs: options of the compiler; deform, net: of dpt_deform_def and
+  // dpt_springs_def. Materials are those of the program's scenes (tools/scene_list.c).
+  const SCENES = {
+    liver: { title: "Liver, rigid", shape: "liver", triangles: 10000, colour: LIVER_RED },
+    soft: {
+      title: "Liver, soft",
+      shape: "liver",
+      triangles: 2692,
+      colour: LIVER_RED,
+      springs: {
+        kind: "volume",
+        young: 5000,
+        density: 1000,
+        drag: 5,
+        viscosity: 1e-3,
+        spacing: 0.012,
+        regions: [fixedBox(-0.2, -0.2, -0.1, 0.2, 0.2, -0.035)],
+      },
+      deform: { loadRadius: 0.02 },
+    },
+    membrane: {
+      title: "Membrane",
+      shape: "membrane",
+      triangles: 512,
+      orientation: LYING,
+      springs: {
+        kind: "sheet",
+        young: 1e5,
+        thickness: 1e-3,
+        density: 1000,
+        drag: 10,
+        viscosity: 1e-3,
+        regions: [
+          fixedBox(-0.11, -0.11, -0.01, -0.0999, 0.11, 0.01),
+          fixedBox(0.0999, -0.11, -0.01, 0.11, 0.11, 0.01),
+          fixedBox(-0.11, -0.11, -0.01, 0.11, -0.0999, 0.01),
+          fixedBox(-0.11, 0.0999, -0.01, 0.11, 0.11, 0.01),
+        ],
+      },
+      deform: { loadRadius: 0.0375 },
+    },
+    torus: { title: "Torus", shape: "torus", triangles: 5568, colour: null },
+  };
+  const shapeOf = ({ shape, triangles }) => `${shape}-${triangles}.ply`; // its name in the page
+
+  return { SCENES, shapeOf };
+})();
