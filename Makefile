@@ -119,7 +119,7 @@ LEFT_OUT = $(if $(IS_SILENT),,$(call lacks,URDF,robots in URDF (urdfdom and a C+
 # For foreign-function interfaces: all headers, whichever libraries this build has (docs/ffi.md).
 CDEF := $(B)/include/dynpoint_cdef.h
 
-.PHONY: all amalgamation force demo test check check-view firmware vm bench charts pictures stability soak fuzz install uninstall help clean
+.PHONY: all amalgamation force demo test check check-view check-wasm check-page firmware vm bench charts pictures stability soak fuzz install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) $(CDEF) ## the program and the libraries (default)
 	@:; $(LEFT_OUT)

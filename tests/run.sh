@@ -234,6 +234,7 @@ else
     run_clock "a real kernel" sh tests/vm/check.sh build build/sanitize
     run_clock "firmware" sh tests/firmware/run.sh build
     run_clock "the viewer's page" sh tests/view/check.sh build
+    run_clock "the page of the core" sh tests/page/check.sh build
     for config in sanitize scalar; do
         programs $config $config beside
     done

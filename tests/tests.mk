@@ -259,6 +259,9 @@ check-view: all ## the viewer's page in a headless Chromium; make check does it 
 check-wasm: all $(B)/tests/wasm/native_answers ## WebAssembly against the native library; make check does it too
 	@sh tests/wasm/check.sh $(B)
 
+check-page: all $(B)/tests/page/feel_again ## the page with the core in it, against the native library; make check does it too
+	@sh tests/page/check.sh $(B)
+
 pictures: all ## the pictures of README and docs, by a headless Chromium
 	@node tests/view/pictures.js $(abspath $(B)/dynpoint) $(B)/view/pictures docs/pictures
 
@@ -287,7 +290,7 @@ COLUMN := $(subst release,3,$(subst scalar,4,$(subst sanitize,5,$(CONFIG))))
 NOT_RUN = $(patsubst %,$(B)/tests/test_%,$(shell awk '/^[a-z]/ && $$$(COLUMN) == "-" { print $$1 }' tests/programs.txt))
 check-programs: all $(filter-out $(NOT_RUN),$(TESTS)) $(if $(filter-out scalar,$(CONFIG)),$(VM_TESTS))
 ifeq ($(CONFIG),release)
-check-programs: $(B)/tests/firmware/link $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS)
+check-programs: $(B)/tests/firmware/link $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again $(BENCH_PROGRAMS)
 endif
 .PHONY: test-programs check-programs
 -include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(wildcard $(TOPICS:%=$(B)/tests/%/*.d) $(B)/tests/lib/*.d) \
@@ -298,7 +301,7 @@ endif
 $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/command_options.o $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
-$(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/wasm/native_answers: %: %.o $(CORE)
+$(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again: %: %.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
 $(B)/tests/bench/deform: %: %.o $(B)/tests/oracle/brute.o $(CORE)

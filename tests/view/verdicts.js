@@ -6,6 +6,7 @@ const fs = require("fs");
 const path = require("path");
 const assert = require("assert");
 const tools = path.join(__dirname, "../../tools/view");
+const folders = [tools, path.join(__dirname, "../../tools/page")];
 let failed = 0;
 
 // Runs a check; prints "ok" or "FAIL" and what is checked. Tests go on after one has failed.
@@ -36,10 +37,11 @@ function random(seed) {
   return { next, below: count => next() % count };
 }
 
-// The named scripts of the page, each of which declares one name of its own.
+// The named scripts of the pages, each of which declares one name of its own.
 function scripts(...names) {
   const declared = names.map(name => name.replace(/_(\w)/g, (_, letter) => letter.toUpperCase()));
-  const text = names.map(name => fs.readFileSync(path.join(tools, `${name}.js`), "utf8")).join("\n");
+  const place = name => folders.map(folder => path.join(folder, `${name}.js`)).find(file => fs.existsSync(file));
+  const text = names.map(name => fs.readFileSync(place(name), "utf8")).join("\n");
   return new Function(`${text}\nreturn { ${declared.join(", ")} };`)();
 }
 

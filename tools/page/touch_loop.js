@@ -147,7 +147,7 @@ const touchLoop = (() => {
       this.lateP99 = p99((this.late = this.late.slice(-SPAN)));
       this.tookP99 = p99((this.took = this.took.slice(-SPAN)));
       const micros = ticks > 0 ? (1000 * sum("busy")) / ticks : 0;
-      this.on.tell({ rate: this.rate, micros, lost: this.lost, ...this.changes.report() });
+      this.on.tell({ rate: this.rate, micros, ticks: this.touch.ticks, lost: this.lost, ...this.changes.report() });
       this.stretches = [...this.stretches.slice(1 - STRETCHES), { at: now, ticks: 0, busy: 0, frames: 0 }];
     }
 
