@@ -30,20 +30,25 @@ const sum = text => `'sha256-${crypto.createHash("sha256").update(text).digest("
   await check(`it has ${(page.length / 1e6).toFixed(2)} MB, at most ${MOST / 1e6}`, () => {
     assert(Buffer.byteLength(page) <= MOST);
   });
-  await check("its policy allows its own scripts by their hashes, WebAssembly, a worker of its own, and no connection", () => {
-    const [, boot] = /<script>([^]*?)<\/script>/.exec(page);
-    const [, style] = /<style>([^]*?)<\/style>/.exec(page);
-    assert.strictEqual(page.match(/<script>/g).length, 1);
-    assert.strictEqual(
-      policy,
-      `default-src 'none'; script-src ${[boot, parts["three.js"], parts["page.js"]].map(sum).join(" ")} 'wasm-unsafe-eval'; ` +
-        `style-src ${sum(style)}; worker-src blob:; connect-src 'none'; img-src data:; base-uri 'none'; form-action 'none'`,
-    );
-  });
+  await check(
+    "its policy allows its own scripts by their hashes, WebAssembly, a worker of its own, and no connection",
+    () => {
+      const [, boot] = /<script>([^]*?)<\/script>/.exec(page);
+      const [, style] = /<style>([^]*?)<\/style>/.exec(page);
+      assert.strictEqual(page.match(/<script>/g).length, 1);
+      assert.strictEqual(
+        policy,
+        `default-src 'none'; script-src ${[boot, parts["three.js"], parts["page.js"]].map(sum).join(" ")} 'wasm-unsafe-eval'; ` +
+          `style-src ${sum(style)}; worker-src blob:; connect-src 'none'; img-src data:; base-uri 'none'; form-action 'none'`,
+      );
+    },
+  );
   await check("it holds the modules as they were built, the layer, three.js and the meshes of its scenes", () => {
     for (const name of ["dynpoint.wasm", "dynpoint_compile.wasm"])
       assert(parts[name].equals(fs.readFileSync(path.join(root, "build/wasm", name))), name);
-    assert(parts["worker.js"].toString().startsWith(fs.readFileSync(path.join(root, "build/wasm/dynpoint.js"), "utf8")));
+    assert(
+      parts["worker.js"].toString().startsWith(fs.readFileSync(path.join(root, "build/wasm/dynpoint.js"), "utf8")),
+    );
     const meshes = Object.entries(parts).filter(([name]) => name.endsWith(".ply"));
     assert.strictEqual(meshes.length, 4);
     for (const [name, bytes] of meshes) {
@@ -54,7 +59,8 @@ const sum = text => `'sha256-${crypto.createHash("sha256").update(text).digest("
   await check("it links to nothing, and no slot is left open", () => {
     const markup = page.replace(/<script[^]*?<\/script>|<style[^]*?<\/style>/g, "");
     assert.deepStrictEqual(markup.match(/\b(src|href|action|srcset|data)="(?!data:)[^"]*"|@import|url\(/g), null);
-    for (const text of [markup, parts["page.js"].toString()]) assert(!/@(CSP|THREE|NOTICE|DATA|FILE|STAGE|PANEL)/.test(text));
+    for (const text of [markup, parts["page.js"].toString()])
+      assert(!/@(CSP|THREE|NOTICE|DATA|FILE|STAGE|PANEL)/.test(text));
   });
   await check("it carries the licences of what it is made of", () => {
     assert(page.includes("the dynpoint authors") && page.includes("three.js authors") && page.includes("Rich Felker"));

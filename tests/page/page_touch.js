@@ -2,6 +2,7 @@
 // node page_touch.js PAGE BUILD ROOM: the page in a headless Chromium, opened from its file: what a hand feels there is
 // what the native library says, tick by tick and byte by byte, and what is drawn is that.
 "use strict";
+const os = require("os");
 const path = require("path");
 const { check, near, scripts, finish, assert } = require("../view/verdicts.js");
 const { launch, until, sleep } = require("../view/chromium.js");
@@ -27,7 +28,10 @@ const SLIDE = [
 // Compares all ticks of a recording; returns what the native library said of each, read.
 function same(recorded) {
   const native = touch.feelAgain(build, room, recorded);
-  assert(native.length === recorded.snapshots.length && recorded.sizes.length * 56 === recorded.poses.length, "other lengths");
+  assert(
+    native.length === recorded.snapshots.length && recorded.sizes.length * 56 === recorded.poses.length,
+    "other lengths",
+  );
   const mine = touch.cut(recorded.snapshots, recorded.sizes);
   const theirs = touch.cut(native, recorded.sizes);
   mine.forEach((block, i) => assert(block.equals(theirs[i]), `other bytes in tick ${i + 1}`));
@@ -39,15 +43,24 @@ const forceOf = ({ tools }) => Math.hypot(...tools[0].wrench.slice(0, 3));
 async function checkOpening(browser) {
   const begun = Date.now();
   const page = await touch.visitPage(browser, file);
-  console.log(`note from its file to moving pictures: ${Date.now() - begun} ms, on ${require("os").loadavg()[0].toFixed(1)} busy of ${require("os").cpus().length} processors`);
+  const load = `${os.loadavg()[0].toFixed(1)} busy of ${os.cpus().length} processors`;
+  console.log(`note from its file to moving pictures: ${Date.now() - begun} ms, on ${load}`);
   await check("opened from its file it runs, asks the network for nothing, and complains of nothing", async () => {
-    assert.deepStrictEqual(page.asked.filter(url => !/^(file:\/\/[^?]*dynpoint\.html|blob:null\/)/.test(url)), []);
+    assert.deepStrictEqual(
+      page.asked.filter(url => !/^(file:\/\/[^?]*dynpoint\.html|blob:null\/)/.test(url)),
+      [],
+    );
     assert.strictEqual(page.asked.filter(url => url.startsWith("file:")).length, 1);
     assert.deepStrictEqual(page.said, []);
     assert.strictEqual((await page.state()).refused, 0);
   });
   await check("connections are refused by its policy", async () => {
-    const got = await page.call(() => fetch("data:,x").then(() => "connected", () => "refused"));
+    const got = await page.call(() =>
+      fetch("data:,x").then(
+        () => "connected",
+        () => "refused",
+      ),
+    );
     assert.strictEqual(got, "refused");
     page.said.length = 0; // the browser tells the console of that
   });
@@ -61,22 +74,30 @@ async function checkOpening(browser) {
 }
 
 async function checkMouse(page) {
-  await check("a drag presses the tool into the liver: every tick's snapshot has the native library's bytes", async () => {
-    const [x, y, width] = (await touch.shown(page)).picture;
-    const from = [x + 0.5 * width, y + 150];
-    const recording = touch.record(page, 2500, []);
-    await page.mouse("mousePressed", from, { button: "left", buttons: 1, clickCount: 1 });
-    for (let i = 1; i <= 14; i++) {
-      await page.mouse("mouseMoved", [from[0] - 4 * i, from[1] + 18 * Math.min(i, 10)], { button: "left", buttons: 1 });
-      await sleep(40);
-    }
-    const recorded = await recording;
-    const ticks = same(recorded);
-    const felt = ticks.filter(tick => forceOf(tick) > 0.3 && tick.segments[0].contact === 3 && tick.contacts.length > 0);
-    assert(felt.length > 300, `it was felt in ${felt.length} ticks`);
-    await page.mouse("mouseReleased", from, { button: "left", clickCount: 1 });
-    checkFrames(recorded);
-  });
+  await check(
+    "a drag presses the tool into the liver: every tick's snapshot has the native library's bytes",
+    async () => {
+      const [x, y, width] = (await touch.shown(page)).picture;
+      const from = [x + 0.5 * width, y + 150];
+      const recording = touch.record(page, 2500, []);
+      await page.mouse("mousePressed", from, { button: "left", buttons: 1, clickCount: 1 });
+      for (let i = 1; i <= 14; i++) {
+        await page.mouse("mouseMoved", [from[0] - 4 * i, from[1] + 18 * Math.min(i, 10)], {
+          button: "left",
+          buttons: 1,
+        });
+        await sleep(40);
+      }
+      const recorded = await recording;
+      const ticks = same(recorded);
+      const felt = ticks.filter(
+        tick => forceOf(tick) > 0.3 && tick.segments[0].contact === 3 && tick.contacts.length > 0,
+      );
+      assert(felt.length > 300, `it was felt in ${felt.length} ticks`);
+      await page.mouse("mouseReleased", from, { button: "left", clickCount: 1 });
+      checkFrames(recorded);
+    },
+  );
   await check("the hint goes away with the first touch", async () =>
     assert(!(await page.ask("document.getElementById('touch-hint').checkVisibility()"))),
   );
@@ -85,36 +106,46 @@ async function checkMouse(page) {
 // What the page took for drawing is of those bytes.
 function checkFrames({ frames, snapshots, sizes }) {
   const blocks = touch.cut(snapshots, sizes);
-  const drawn = frames.map(block => ({ block, steps: Number(block.readBigUInt64LE(24)) })).filter(({ steps }) => steps <= blocks.length);
+  const drawn = frames
+    .map(block => ({ block, steps: Number(block.readBigUInt64LE(24)) }))
+    .filter(({ steps }) => steps <= blocks.length);
   assert(drawn.length > 0, "no frame");
-  for (const { block, steps } of drawn) assert(block.equals(blocks[steps - 1]), `the frame of tick ${steps} is another`);
+  for (const { block, steps } of drawn)
+    assert(block.equals(blocks[steps - 1]), `the frame of tick ${steps} is another`);
 }
 
 async function checkPicture(page) {
-  await check("the picture has proxy and device where the snapshot has them, and the arrow points as the force does", async () => {
-    await page.key(" "); // hold the picture
-    await page.settle();
-    const { segment, wrench, arrow } = await page.call(() => ({
-      segment: viewer.own.frame.snapshot.segments[0],
-      wrench: viewer.own.frame.snapshot.tools[0].wrench,
-      arrow: dynpoint.arrows()[0],
-    }));
-    const force = wrench.slice(0, 3);
-    const by = Math.hypot(...force);
-    assert(by > 0.3, `${by} N`);
-    near(arrow.newtons, by, 1e-12);
-    const way = arrow.to.map((value, k) => value - arrow.from[k]);
-    near(way.map(value => value / Math.hypot(...way)), force.map(value => value / by), 1e-9);
-    const colour = await sights.colour(page, "proxy");
-    const seen = [];
-    for (const s of [0.7, 0.8, 0.9]) {
-      const place = sights.on([segment.proxyA, segment.proxyB], s);
-      const got = await sights.pixel(page, place);
-      seen.push(sights.likeness(got, colour));
-    }
-    assert(Math.max(...seen) > 0.97, `likeness ${seen}`);
-    await page.key(" ");
-  });
+  await check(
+    "the picture has proxy and device where the snapshot has them, and the arrow points as the force does",
+    async () => {
+      await page.key(" "); // hold the picture
+      await page.settle();
+      const { segment, wrench, arrow } = await page.call(() => ({
+        segment: viewer.own.frame.snapshot.segments[0],
+        wrench: viewer.own.frame.snapshot.tools[0].wrench,
+        arrow: dynpoint.arrows()[0],
+      }));
+      const force = wrench.slice(0, 3);
+      const by = Math.hypot(...force);
+      assert(by > 0.3, `${by} N`);
+      near(arrow.newtons, by, 1e-12);
+      const way = arrow.to.map((value, k) => value - arrow.from[k]);
+      near(
+        way.map(value => value / Math.hypot(...way)),
+        force.map(value => value / by),
+        1e-9,
+      );
+      const colour = await sights.colour(page, "proxy");
+      const seen = [];
+      for (const s of [0.7, 0.8, 0.9]) {
+        const place = sights.on([segment.proxyA, segment.proxyB], s);
+        const got = await sights.pixel(page, place);
+        seen.push(sights.likeness(got, colour));
+      }
+      assert(Math.max(...seen) > 0.97, `likeness ${seen}`);
+      await page.key(" ");
+    },
+  );
 }
 
 async function checkLaws(page) {
@@ -141,18 +172,21 @@ async function checkLaws(page) {
 }
 
 async function checkSoft(page, scene) {
-  await check(`${scene}: it gives way, springs stepped in each tick, and the native library's bytes with all vertices`, async () => {
-    await touch.choose(page, scene);
-    const slide = scene === "membrane" ? SLIDE.map(([x, y, z]) => [x, y - 0.02, z]) : SLIDE.slice(0, -2);
-    const recorded = await touch.record(page, 700, slide);
-    const last = same(recorded).at(-1);
-    assert(last.vertices.length > 0, "no vertices");
-    const moved = await page.call(() => {
-      const [body] = viewer.own.view.bodies.values();
-      return body.positions.reduce((most, value, i) => Math.max(most, Math.abs(value - body.mesh.positions[i])), 0);
-    });
-    assert(moved > 1e-3, `the drawn surface moved ${moved} m`);
-  });
+  await check(
+    `${scene}: it gives way, springs stepped in each tick, and the native library's bytes with all vertices`,
+    async () => {
+      await touch.choose(page, scene);
+      const slide = scene === "membrane" ? SLIDE.map(([x, y, z]) => [x, y - 0.02, z]) : SLIDE.slice(0, -2);
+      const recorded = await touch.record(page, 700, slide);
+      const last = same(recorded).at(-1);
+      assert(last.vertices.length > 0, "no vertices");
+      const moved = await page.call(() => {
+        const [body] = viewer.own.view.bodies.values();
+        return body.positions.reduce((most, value, i) => Math.max(most, Math.abs(value - body.mesh.positions[i])), 0);
+      });
+      assert(moved > 1e-3, `the drawn surface moved ${moved} m`);
+    },
+  );
 }
 
 async function checkReport(page) {
@@ -174,7 +208,9 @@ async function checkReport(page) {
     near(all.reduce((sum, { rate }) => sum + rate, 0) / all.length / counted, 1, 0.15, "rate reported and counted:");
     assert(report.micros > 0.5 && report.micros < 1e4, `${report.micros} us`);
     assert.strictEqual(/does not hold/.test(text), report.rate < 990, text);
-    console.log(`note the liver in the page: ${report.rate.toFixed(0)} ticks a second, ${report.micros.toFixed(1)} us each`);
+    console.log(
+      `note the liver in the page: ${report.rate.toFixed(0)} ticks a second, ${report.micros.toFixed(1)} us each`,
+    );
   });
 }
 

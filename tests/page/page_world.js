@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node page_world.js WASM PROGRAM ROOM: the parts of the page's workers without a browser: the simulated hand, the world,
-// the loop by a clock of the test's own, its messages as the viewer reads them, and compiling.
+// node page_world.js WASM PROGRAM ROOM: the parts of the page's workers without a browser: the simulated hand, the
+// world, the loop by a clock of the test's own, its messages as the viewer reads them, and compiling.
 "use strict";
 const fs = require("fs");
 const path = require("path");
@@ -121,6 +121,25 @@ async function checkWorld(core, meshes, limit) {
     near(Math.hypot(...touch.device.finger.map((value, k) => GRIP * (value - touch.device.x[k]))), forces[2999], 0.01);
     touch.close();
   });
+  for (const [name, scene] of Object.entries(SCENES).filter(([, { stiffest }]) => stiffest))
+    await check(`${name} stays calm at its slider's end, ${scene.stiffest} N/m: slowly pressed and led along`, () => {
+      const choices = { law: DPT_LAW_PROXY, stiffness: scene.stiffest };
+      const touch = new touchWorld.TouchWorld(core, meshes[name], scene, choices);
+      let [turned, jump, most] = [0, 0, 0];
+      let last = [0, 0, 0];
+      for (let tick = 0; tick < 6000; tick++) {
+        const down = Math.max(-0.05, 0.01 - 5e-5 * tick);
+        touch.device.want([0.04 * Math.sin(1e-3 * tick), touch.half[1] + down, 0.01]);
+        const { force } = touch.step();
+        const cosine = touch.force.reduce((sum, value, k) => sum + value * last[k], 0) / (force * Math.hypot(...last));
+        if (cosine < Math.cos(Math.PI / 6)) turned++;
+        jump = Math.max(jump, Math.hypot(...touch.force.map((value, k) => value - last[k])));
+        most = Math.max(most, force);
+        last = touch.force;
+      }
+      assert(most > 1 && turned === 0 && jump < 1, `${most} N, ${turned} ticks turned it, the largest step ${jump} N`);
+      touch.close();
+    });
   await check("a world that cannot be leaves nothing behind: a mesh that is none", () => {
     const used = core.heap.used.size;
     assert.throws(
@@ -199,23 +218,26 @@ async function checkLoop(core, meshes) {
     assert(heard.frames.length > 100, `${heard.frames.length} frames`);
     touch.close();
   });
-  await check("two frames at most are on their way, at most 60 a second are sent, and none before the scene was read", () => {
-    const { touch, loop, heard, run } = begin();
-    run(1000, false);
-    assert.strictEqual(heard.frames.length, 2);
-    loop.hear("drawn");
-    run(100, false);
-    assert.strictEqual(heard.frames.length, 3);
-    assert(heard.frames[2].ticks.length > 900 && heard.frames[2].dropped > 40, "ticks were not kept");
-    run(3000);
-    heard.sends.forEach((at, i) => assert(i < 60 || at - heard.sends[i - 60] > 930, "too many frames"));
-    const other = simulated(core, meshes.torus, SCENES.torus);
-    other.loop.away = 2;
-    other.run(500);
-    assert.strictEqual(other.heard.frames.length, 0);
-    touch.close();
-    other.touch.close();
-  });
+  await check(
+    "two frames at most are on their way, at most 60 a second are sent, and none before the scene was read",
+    () => {
+      const { touch, loop, heard, run } = begin();
+      run(1000, false);
+      assert.strictEqual(heard.frames.length, 2);
+      loop.hear("drawn");
+      run(100, false);
+      assert.strictEqual(heard.frames.length, 3);
+      assert(heard.frames[2].ticks.length > 900 && heard.frames[2].dropped > 40, "ticks were not kept");
+      run(3000);
+      heard.sends.forEach((at, i) => assert(i < 60 || at - heard.sends[i - 60] > 930, "too many frames"));
+      const other = simulated(core, meshes.torus, SCENES.torus);
+      other.loop.away = 2;
+      other.run(500);
+      assert.strictEqual(other.heard.frames.length, 0);
+      touch.close();
+      other.touch.close();
+    },
+  );
   await check("after a pause it goes on as if no time had passed", () => {
     const { touch, loop, clock, run } = begin();
     run(1000);
@@ -292,7 +314,16 @@ async function checkMessages(core, meshes) {
   await check("and its frames: every field of the header and of a tick", () => {
     const touch = new touchWorld.TouchWorld(core, meshes.torus, SCENES.torus, { law: 2, stiffness: 500 });
     touch.step();
-    const counts = { number: 7, dropped: 8, lost: 2 ** 40, hapticRate: 1, physicsRate: 2, viewRate: 3, lateP99: 4, tookP99: 5 };
+    const counts = {
+      number: 7,
+      dropped: 8,
+      lost: 2 ** 40,
+      hapticRate: 1,
+      physicsRate: 2,
+      viewRate: 3,
+      lateP99: 4,
+      tookP99: 5,
+    };
     const tick = { time: 0.125, force: 1.5, depth: 0.25, energy: 0.5, late: 0.75, took: 2, contact: 3, reason: 4 };
     const read = messageReader.readMessage(touchMessages.frame(touch.snapshot(), [tick, { ...tick, time: 1 }], counts));
     assert.deepStrictEqual(read.ticks, [tick, { ...tick, time: 1 }]);
@@ -308,7 +339,9 @@ async function checkMessages(core, meshes) {
 
 async function checkCompile(meshes) {
   await check("a mesh of any size is scaled to 200 mm, whatever its unit", async () => {
-    const source = new TextEncoder().encode("v 0 0 0\nv 4000 0 0\nv 0 1000 0\nv 0 0 2000\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    const source = new TextEncoder().encode(
+      "v 0 0 0\nv 4000 0 0\nv 0 1000 0\nv 0 0 2000\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+    );
     const { file, sides, scale } = await compileJob.run(dynpoint, { ...modules(), source, fits: true });
     assert.deepStrictEqual(sides, [4000, 1000, 2000]);
     near(scale, 0.2 / 4000, 1e-12);

@@ -11,7 +11,11 @@ const PATIENT = 120000; // ms: a machine may be busy
 const LAWS = ["point", "bed", "proxy"];
 
 const running = page =>
-  until("frames", () => page.ask("typeof dynpoint === 'object' && 'panel' in dynpoint && dynpoint.state().frames > 2"), PATIENT);
+  until(
+    "frames",
+    () => page.ask("typeof dynpoint === 'object' && 'panel' in dynpoint && dynpoint.state().frames > 2"),
+    PATIENT,
+  );
 
 async function visitPage(browser, file, options) {
   const page = await browser.visit(pathToFileURL(path.resolve(file)).href, options);
@@ -19,9 +23,10 @@ async function visitPage(browser, file, options) {
   return page;
 }
 
-// The last frame that the page shows: of its first tool and segment, and the bytes of its snapshot.
+// The last frame that the page shows, of its first tool and segment; it waits for the first of a scene.
 const shown = page =>
-  page.call(() => {
+  page.call(async () => {
+    while (!viewer.own.frame) await new Promise(done => setTimeout(done, 20));
     const { snapshot } = viewer.own.frame;
     const { x, y, width, height } = document.getElementById("picture").getBoundingClientRect();
     return {
@@ -36,8 +41,8 @@ const shown = page =>
     };
   });
 
-// The scene anew, and `ticks` of it, while the hand goes where `path` has it: [x, y, z] in half extents of the body's box,
-// a place each 100 ms; an empty path leaves the hand to others. Also the snapshots of the frames that the page took.
+// The scene anew, and `ticks` of it, while the hand goes to `places`: m from the body's middle, one each 100 ms; none
+// leave the hand to others. Also the snapshots of the frames that the page took.
 function recordInPage(ticks, places) {
   const base64 = bytes => {
     let text = "";
@@ -47,7 +52,14 @@ function recordInPage(ticks, places) {
   const done = dynpoint.record(ticks);
   const half = viewer.own.view.bounds();
   places.forEach((place, i) =>
-    setTimeout(() => viewer.theHand.want(place.map((part, k) => half.centre[k] + part), performance.now()), 100 * i),
+    setTimeout(
+      () =>
+        viewer.theHand.want(
+          place.map((part, k) => half.centre[k] + part),
+          performance.now(),
+        ),
+      100 * i,
+    ),
   );
   return done.then(told => {
     const all = new Uint8Array(told.snapshots.reduce((sum, one) => sum + one.length, 0));
@@ -105,7 +117,11 @@ async function choose(page, name) {
     list.value = name;
     list.dispatchEvent(new Event("change"));
   }, name);
-  await until(`the scene ${name}`, () => page.call(name => dynpoint.panel().scene === name && dynpoint.state().frames > 2, name), PATIENT);
+  await until(
+    `the scene ${name}`,
+    () => page.call(name => dynpoint.panel().scene === name && dynpoint.state().frames > 2, name),
+    PATIENT,
+  );
 }
 
 async function chooseLaw(page, law) {

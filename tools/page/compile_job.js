@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a mesh as a tool exported it to a .dpa, in a worker of its own, which ends after it: ticks do not wait for it, and
-// what memory it took is given back.
+// From a mesh as a tool exported it to a .dpa, in a worker of its own, which ends after it: ticks do not wait for it,
+// and what memory it took is given back.
 "use strict";
 const compileJob = (() => {
   const EXTENT = 0.2; // m: the longest side of a visitor's mesh, so that it fits the hand
@@ -13,7 +13,7 @@ const compileJob = (() => {
       ? "it needs more memory than this browser gives a page"
       : error.message;
 
-  // job: { core, compiler, source, options, fits }; fits: whether it is scaled. To { file, sides, scale } or { refused }
+  // job: { core, compiler, source, options, fits }; fits: it is scaled. To { file, sides, scale }, or { refused }
   async function run(dynpoint, { core, compiler, source, options = {}, fits = false }) {
     try {
       const made = await dynpoint.openCompiler(compiler);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A simulated device in a hand: a mass with damping, which a finger pulls by a spring, and a force that stands still for a
-// period, as a sampled device has it. Between two samples its motion is solved exactly, so that its limit of stability is
-// a real device's (dpt_stable_stiffness).
+// A simulated device in a hand: a mass with damping, which a finger pulls by a spring, and a force that stands still
+// for a period, as a sampled device has it. Between two samples its motion is solved exactly, so that its limit of
+// stability is a real device's (dpt_stable_stiffness).
 "use strict";
 const heldDevice = (() => {
   const MASS = 0.1; // kg

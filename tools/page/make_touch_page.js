@@ -80,7 +80,8 @@ function make() {
   });
   // The two scripts of the page go into the pack, and one that unpacks them stands in their place.
   const scripts = parts.textsOf(assembled, "script");
-  if (scripts.length !== 2 || scripts[0] !== "three") parts.fail("page.html has other scripts than three.js and its own");
+  if (scripts.length !== 2 || scripts[0] !== "three")
+    parts.fail("page.html has other scripts than three.js and its own");
   const boot = own("boot.js");
   const worker = [bytesOf(path.join(build, "wasm/dynpoint.js")).toString(), ...WORKER.map(name => own(`${name}.js`))];
   const pack = packed([

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The loop of the worker: as many ticks as are due, at 1 kHz of the browser's clock; frames for the page as it draws them;
-// and what rate was reached. It has neither clock nor channel of its own: tests give it others.
+// The loop of the worker: as many ticks as are due, at 1 kHz of the browser's clock; frames for the page as it draws
+// them; and what rate was reached. It has neither clock nor channel of its own: tests give it others.
 "use strict";
 const touchLoop = (() => {
   const TICK = 1; // ms

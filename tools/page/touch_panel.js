@@ -11,14 +11,14 @@ const touchPanel = (() => {
   const HOLDS = 0.99; // of 1,000 ticks a second
   const DEPTH_STEP = 0.012; // radii of the scene, 30 times a second
   const LAWS = {
-    proxy: "A spring to where the tool would be if it went through nothing. It does not buzz, and does not fall through.",
+    proxy: "A spring to where the tool would be if it went through nothing: no buzz, and no falling through.",
     bed: "The gradient of an energy along the tool. Smooth, but a tool that is pushed through comes out behind.",
     point: "A push out at the deepest point. Where two ways out are as long, the force jumps from one to the other.",
   };
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
   const compiled = new Map(); // by the scene's name: what the worker makes a world of
   let asked = 0; // which choice is the newest
-  const state = { scene: null, report: null, limit: null };
+  const state = { scene: null, report: null, limit: Infinity };
 
   const chosenLaw = () => document.querySelector('input[name="law"]:checked').value;
   const choices = () => ({ law: chosenLaw(), stiffness: Number(element("touch-stiffness").value) });
@@ -27,6 +27,7 @@ const touchPanel = (() => {
   function show(name) {
     const { file, scene, size } = compiled.get(name);
     state.scene = name;
+    showLimit(scene);
     element("touch-scene").value = name;
     element("touch-size").textContent = size;
     element("touch-size").hidden = size === "";
@@ -50,7 +51,8 @@ const touchPanel = (() => {
 
   function sizeOf({ sides, scale }) {
     const shown = millimetres(sides.map(side => side * scale));
-    return `${sides.map(side => Number(side.toPrecision(4))).join(" \u00d7 ")} units, shown as ${shown}. It stays in this page.`;
+    const own = sides.map(side => Number(side.toPrecision(4))).join(" \u00d7 ");
+    return `${own} units, shown as ${shown}. It stays in this page.`;
   }
 
   // What cannot be used is said in a sentence, and the scene at hand goes on.
@@ -83,13 +85,23 @@ const touchPanel = (() => {
     link.post({ kind: "force", choices: choices() });
   }
 
-  function showLimit({ limit }) {
-    state.limit = limit;
-    const slider = element("touch-stiffness");
-    slider.max = String(Math.floor(limit / MARGIN / 50) * 50);
+  // The slider ends below what is stable for the hand, and for a body that gives way.
+  function showLimit({ stiffest }) {
+    const { limit } = state;
+    const most = Math.floor(limit / MARGIN / 50) * 50;
+    if (!Number.isFinite(most)) return;
+    element("touch-stiffness").max = String(Math.min(most, stiffest ?? most));
     element("touch-limit").textContent =
-      `Stable below ${thousands(limit)} N/m for this hand (${heldDevice.MASS} kg, ${heldDevice.DAMPING} Ns/m, ` +
-      `a force each ms). The slider ends at ${thousands(slider.max)}.`;
+      `Stable below ${thousands(limit)} N/m for this hand (${heldDevice.MASS} kg, ` +
+      `${heldDevice.DAMPING} Ns/m, a force each ms). ` +
+      (stiffest ? "A body that gives way takes less: the " : "The ") +
+      `slider ends at ${thousands(element("touch-stiffness").max)}.`;
+    changeForce();
+  }
+
+  function takeLimit({ limit }) {
+    state.limit = limit;
+    showLimit(compiled.get(state.scene)?.scene ?? {});
   }
 
   function showReport(report) {
@@ -100,7 +112,8 @@ const touchPanel = (() => {
     reached.textContent = thousands(report.rate);
     micros.textContent = report.micros.toFixed(1);
     rate.dataset.state = holds ? "" : "bad";
-    rate.querySelector("span").textContent = holds ? "" : ". This browser does not hold 1,000 now; time in the scene runs slower.";
+    const slow = ". This browser does not hold 1,000 now; time in the scene runs slower.";
+    rate.querySelector("span").textContent = holds ? "" : slow;
     const [turned, jump] = element("touch-noise").querySelectorAll("b");
     turned.textContent = thousands(report.turned);
     jump.textContent = report.jump.toFixed(2);
@@ -113,7 +126,10 @@ const touchPanel = (() => {
       const move = () => {
         const by = Number(button.dataset.way) * DEPTH_STEP * actions.radius();
         theHand.moveBy(
-          actions.camera().axes().back.map(value => by * value),
+          actions
+            .camera()
+            .axes()
+            .back.map(value => by * value),
           performance.now(),
         );
       };
@@ -156,7 +172,7 @@ const touchPanel = (() => {
     listenFiles();
     listenDepth();
     document.addEventListener("visibilitychange", () => link.post({ kind: "pause", paused: document.hidden }));
-    link.hear("ready", showLimit);
+    link.hear("ready", takeLimit);
     link.hear("report", showReport);
     link.hear("refused", ({ reason }) => notice(`The scene cannot be made: ${reason}.`));
     link.hear("restarted", ({ reason }) => notice(`The scene began anew: ${reason}.`));

@@ -7,7 +7,8 @@ const touchScenes = (() => {
   const fixedBox = (...box) => ({ kind: 1, fixed: 1, box });
 
   // shape, triangles: for `dynpoint make`; springs: options of the compiler; deform, net: of dpt_deform_def and
-  // dpt_springs_def. Materials are those of the program's scenes (tools/scene_list.c).
+  // dpt_springs_def. Materials are those of the program's scenes (tools/scene_list.c). stiffest: N/m, above which what
+  // gives way shakes under the tool, as its springs and the tool's are stepped one after the other.
   const SCENES = {
     liver: { title: "Liver, rigid", shape: "liver", triangles: 10000, colour: LIVER_RED },
     soft: {
@@ -21,10 +22,11 @@ const touchScenes = (() => {
         density: 1000,
         drag: 5,
         viscosity: 1e-3,
-        spacing: 0.012,
+        spacing: 0.015,
         regions: [fixedBox(-0.2, -0.2, -0.1, 0.2, 0.2, -0.035)],
       },
-      deform: { loadRadius: 0.02 },
+      deform: { loadRadius: 0.03 },
+      stiffest: 700,
     },
     membrane: {
       title: "Membrane",
@@ -46,6 +48,7 @@ const touchScenes = (() => {
         ],
       },
       deform: { loadRadius: 0.0375 },
+      stiffest: 300,
     },
     torus: { title: "Torus", shape: "torus", triangles: 5568, colour: null },
   };

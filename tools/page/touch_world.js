@@ -72,10 +72,7 @@ const touchWorld = (() => {
       this.tool = this.world.addTool([tip]);
       this.world.setToolSettings(this.tool, { lockRotation: 1 }); // the hand takes no torque
       const room = this.half.map(value => value + ROOM);
-      this.device = new HeldDevice(
-        [0, this.half[1] + RADIUS + ABOVE, 0],
-        [...room.map(value => -value), ...room],
-      );
+      this.device = new HeldDevice([0, this.half[1] + RADIUS + ABOVE, 0], [...room.map(value => -value), ...room]);
       this.force = [0, 0, 0];
       this.ticks = 0;
       this.movedAt = 0;

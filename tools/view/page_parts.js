@@ -95,8 +95,7 @@ function assemble({ texts, instead = {}, folders = [__dirname] }) {
 }
 
 const hashOf = text => `'sha256-${crypto.createHash("sha256").update(text).digest("base64")}'`;
-const textsOf = (page, tag) =>
-  [...page.matchAll(new RegExp(`<${tag}>([^]*?)</${tag}>`, "g"))].map(([, text]) => text);
+const textsOf = (page, tag) => [...page.matchAll(new RegExp(`<${tag}>([^]*?)</${tag}>`, "g"))].map(([, text]) => text);
 
 // scripts, styles: texts; more: what script-src has besides; rest: what a page needs beyond them
 const policyOf = ({ scripts, styles, more = "", rest }) =>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mouse, pen and fingers on the picture: rotate, pan, zoom, pick, and move a simulated hand: by its handle, or, where the
-// hand comes first, by any drag and by the wheel.
+// Mouse, pen and fingers on the picture: rotate, pan, zoom, pick, and move a simulated hand: by its handle, or, where
+// the hand comes first, by any drag and by the wheel.
 "use strict";
 const pointers = (() => {
   const TURN = 0.007; // radians a pixel
