@@ -19,6 +19,20 @@ struct mesh_sweep {
     struct sweep_progress *progress;
 };
 
+static struct mesh_sweep mesh_sweep_of(const struct surface *surface, const struct kernel *kernel,
+                                       const struct sweep *sweep, const struct surface_times *times,
+                                       double from, struct work *work,
+                                       struct sweep_progress *progress)
+{
+    return (struct mesh_sweep){ .surface = surface,
+                                .kernel = kernel,
+                                .sweep = sweep,
+                                .times = times,
+                                .from_time = from,
+                                .work = work,
+                                .progress = progress };
+}
+
 /*
  * The axes of a box around the swept hull. end: the ends of the tool's axis at both times, in the filter's frame. The
  * last box axis makes bounds, so it must be of unit length: vectors too short to have a direction get any direction.
@@ -200,13 +214,7 @@ int dpti_sweep_may_touch(const struct surface *surface, const struct kernel *ker
                          const struct sweep *sweep, const struct surface_times *times, double from,
                          struct work *work, struct sweep_progress *progress, uint32_t *leaf)
 {
-    struct mesh_sweep search = { .surface = surface,
-                                 .kernel = kernel,
-                                 .sweep = sweep,
-                                 .times = times,
-                                 .from_time = from,
-                                 .work = work,
-                                 .progress = progress };
+    struct mesh_sweep search = mesh_sweep_of(surface, kernel, sweep, times, from, work, progress);
     if (from >= 1.0)
         return SWEEP_FREE;
     if (work_is_spent(work))
@@ -257,13 +265,7 @@ int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
                     uint32_t hint, struct work *work, struct sweep_progress *progress,
                     struct impact *first)
 {
-    struct mesh_sweep search = { .surface = surface,
-                                 .kernel = kernel,
-                                 .sweep = sweep,
-                                 .times = times,
-                                 .from_time = from,
-                                 .work = work,
-                                 .progress = progress };
+    struct mesh_sweep search = mesh_sweep_of(surface, kernel, sweep, times, from, work, progress);
     *first = (struct impact){ .time = 1.0, .triangle = DPT_NONE };
     if (from >= 1.0)
         return SWEEP_FREE;
