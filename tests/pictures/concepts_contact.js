@@ -15,8 +15,8 @@ function drawContact(library) {
   const { contacts, a, b } = standing(library, mesh, lying);
   const view = panel({
     height: 320,
-    scale: 5.2,
-    centre: [2, 8],
+    scale: 5,
+    centre: [2.5, 8],
     title: "Contacts: the stretches of the axis where the tool meets the body",
     description:
       `A tool lies on two hills and spans the valley between them. On ${contacts.length} stretches of its axis the surface is within the ` +
@@ -27,7 +27,7 @@ function drawContact(library) {
   drawTool(view, { a, b }, radius, { axis: false });
   drawing.capsule(place(a), place(b), (radius + margin) * scale, { stroke: COLOURS.tool, width: 1.2, "stroke-dasharray": DOTS });
   drawing.path([place(a), place(b)], { stroke: COLOURS.tool, width: 1.4, "stroke-dasharray": "8 4" });
-  drawEnds(view, { a, b }, { away: (radius + margin) * scale + 9 });
+  drawEnds(view, { a, b }, { away: (radius + margin) * scale + 7 });
   contacts.forEach(({ s0, s1, s, p, q, gap }, k) => {
     const [first, last] = [s0, s1].map(part => place(between(a, b, part)));
     drawing.path([first, last], { stroke: COLOURS.contact, width: 9, "stroke-linecap": "butt" });
@@ -41,7 +41,7 @@ function drawContact(library) {
     drawing.label(`contact ${k + 1}: s = ${number(s0, 3)} to ${number(s1, 3)}`, above, { anchor: "middle", kind: "strong" });
     drawing.label(`deepest at s = ${number(s, 3)}, gap ${inMm(gap)}`, add(above, [0, 20]), { anchor: "middle" });
   });
-  drawing.label(`dotted: the margin, ${number(margin, 1)} mm`, place(mm([7, -2])), { anchor: "middle", kind: "small" });
+  drawing.label(`dotted: margin ${number(margin, 1)} mm`, place(mm([8, -3.2])), { anchor: "middle", kind: "small" });
   mesh.close();
   return drawing;
 }
@@ -112,14 +112,17 @@ function drawEnvelope(library) {
     const low = curve.filter(([, y]) => y >= 262);
     drawing.path(low, { stroke: COLOURS.faint, width: 1, "stroke-dasharray": DOTS, "data-triangle": triangle });
   }
-  runs.forEach(({ from, to }, k) => {
+  runs.forEach(({ triangle, from, to }, k) => {
     const part = hits.map((hit, i) => [i / STEPS, hit]).filter(([s]) => s >= from && s <= to);
     drawing.path(part.map(([s, hit]) => at(s, hit.distance)), { stroke: k % 2 ? COLOURS.contact : COLOURS.tool, width: 3.6, "stroke-linecap": "butt" });
     const middle = part[Math.floor(part.length / 2)];
     drawing.path([place(between(a, b, middle[0])), place(middle[1].q)], { stroke: COLOURS.faint, width: 1 });
     drawing.dot(place(middle[1].q), { radius: 3.5, fill: k % 2 ? COLOURS.contact : COLOURS.tool });
-    if (to - from > 0.05) drawing.label(`triangle ${part[0][1].triangle}`, add(at(middle[0], middle[1].distance), [0, 24]), { anchor: "middle", kind: "small" });
-    if (k > 0) drawing.dot(at(from, part[0][1].distance), { radius: 3.5 });
+    if (to - from > 0.05) drawing.label(`triangle ${triangle}`, add(at((from + to) / 2, 0), [0, -10]), { anchor: "middle", kind: "small" });
+    if (k === 0) return;
+    const joint = at(from, part[0][1].distance);
+    drawing.path([joint, at(from, 0)], { stroke: COLOURS.faint, width: 1, "stroke-dasharray": DOTS });
+    drawing.dot(joint, { radius: 3.5 });
   });
   mesh.close();
   return drawing;
@@ -167,8 +170,8 @@ function drawMargin(library) {
   for (const s of [contact.s0, contact.s1])
     drawing.path([place(between(a, b, s)), at(s, 0)], { stroke: COLOURS.faint, width: 1, "stroke-dasharray": DOTS });
   const peak = at(narrow.contacts[0].s, 0);
-  drawing.callout(`onset 0: overlap ${number(1e6 * narrow.contacts[0].overlap, 1)} mm²`, [585, 362], [peak[0] + 30, 384], { anchor: "middle" });
-  drawing.callout(`onset = margin: overlap ${number(1e6 * contact.overlap, 1)} mm²`, [585, 306], [peak[0] + 58, 334], { anchor: "middle" });
+  drawing.callout(`onset 0: overlap ${number(1e6 * narrow.contacts[0].overlap, 1)} mm²`, [492, 366], [peak[0] + 40, 384], { side: "left" });
+  drawing.callout(`onset = margin: overlap ${number(1e6 * contact.overlap, 1)} mm²`, [466, 312], [peak[0] + 58, 336], { side: "left" });
   mesh.close();
   return drawing;
 }

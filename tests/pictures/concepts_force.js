@@ -56,7 +56,7 @@ function drawProxy(library) {
       `left side of the ridge, which it has not gone through, and turns along its flank. Their centres are ${inMm(shift, 1)} apart.`,
   });
   const { drawing, place } = view;
-  drawBody(view, mesh, { label: "body", at: [0, -13] });
+  drawBody(view, mesh, { label: "body", at: [-3, -14.5] });
   const [device, proxy] = [answer.device, answer.proxy].map(pose => endsAt(pose, length));
   const start = endsAt(answer.path[0].device, length);
   drawTool(view, start, radius, { stroke: COLOURS.faint, dash: "3 4", axis: false, fill: "none", width: 1.4 });
@@ -68,8 +68,10 @@ function drawProxy(library) {
   drawing.arrow([place(start.a)[0] + 30, y], [place(device.a)[0] - 30, y], { stroke: COLOURS.tool });
   drawing.label("the hand's motion", [(place(start.a)[0] + place(device.a)[0]) / 2, y - 10], { anchor: "middle", kind: "small" });
   drawing.label("start", add(place(start.a), [-26, 6]), { anchor: "end", kind: "small" });
-  drawing.callout("device (dashed)", add(place(between(device.a, device.b, 0.3)), [130, -10]), add(place(between(device.a, device.b, 0.3)), [20, 0]), {});
-  drawing.callout("proxy (solid)", add(place(between(proxy.a, proxy.b, 0.75)), [-130, 20]), add(place(between(proxy.a, proxy.b, 0.75)), [-20, 0]), {});
+  const inside = place(between(device.a, device.b, 0.86));
+  drawing.callout("device (dashed)", add(inside, [92, -40]), add(inside, [12, -6]), { side: "left", kind: "strong" });
+  const free = place(between(proxy.a, proxy.b, 0.12));
+  drawing.callout("proxy (solid)", add(free, [64, 24]), add(free, [15, 4]), { side: "left", kind: "strong" });
   mesh.close();
   return drawing;
 }
@@ -89,7 +91,7 @@ function drawCoupling(library) {
   const view = panel({
     height: 350,
     scale: 6,
-    centre: [-16, 5],
+    centre: [-15, 9],
     title: "The coupling: a spring from the device to the proxy, and the wrench that is felt",
     description:
       `The device is inside a hill, the proxy lies on it and has turned. A spring of ${number(answer.stiffness, 0)} N/m between ` +
@@ -105,11 +107,17 @@ function drawCoupling(library) {
   drawing.spring(d, p, { turns: 5, amplitude: 9 });
   drawing.dot(d, { radius: 5, fill: COLOURS.tool });
   drawing.dot(p, { radius: 5, fill: COLOURS.proxy });
-  drawing.label(`spring: ${number(answer.stiffness, 0)} N/m, ${inMm(lengthOf(shift))} long`, add(p, [34, -34]), { kind: "small" });
+  const coil = `spring of ${number(answer.stiffness, 0)} N/m, ${inMm(lengthOf(shift))} long`;
+  drawing.callout(coil, add(p, [58, -66]), add(between(d, p, 0.66), [10, 0]), { side: "left" });
   const foot = add(d, [-70, 0]);
   const up = toward([0, 0], [force[0], -force[1]]);
   drawing.arrow(foot, add(foot, up, 18 * lengthOf(force)), { stroke: COLOURS.force, width: 4, head: 15 });
-  drawing.label(`force ${number(lengthOf(force), 2)} N`, add(foot, [-12, -70]), { anchor: "end", kind: "strong" });
+  drawing.label(`force ${number(lengthOf(force), 2)} N`, add(add(foot, up, 18 * lengthOf(force)), [0, -12]), { anchor: "middle", kind: "strong" });
+  const turn = (ends, far, t) => add(d, toward(d, add(d, between(toward(place(ends.b), place(ends.a)), toward(place(proxy.b), place(proxy.a)), t))), far);
+  const arc = Array.from({ length: 9 }, (_, k) => turn(device, 190, (2.2 * k) / 8));
+  drawing.path(arc.slice(0, 8), { stroke: COLOURS.force, width: 3 });
+  drawing.arrow(arc[7], arc[8], { stroke: COLOURS.force, width: 3, head: 13 });
+  drawing.label(`torque ${number(1000 * torque[2], 1)} mN m`, add(arc[8], [-8, -12]), { anchor: "middle", kind: "strong" });
   drawing.label("device", add(place(device.b), [34, 5]), { kind: "strong" });
   drawing.label("proxy", add(place(proxy.b), [34, 5]), { kind: "strong" });
   mesh.close();

@@ -55,7 +55,7 @@ function drawStrip(library) {
   const inStrip = new Map(strip.map(item => [item.triangle, item]));
   const pressed = strip.filter(({ overlap }) => overlap > 0);
   const view = panel({
-    height: 400,
+    height: 420,
     title: "The strip: the triangles under a tool",
     description:
       `A tool lies over a surface of ${2 * CELLS[0] * CELLS[1]} triangles, seen from above at a slant. ${strip.length} of them are ` +
@@ -63,7 +63,7 @@ function drawStrip(library) {
   });
   const { drawing } = view;
   // From above at a slant of 3 : 4.
-  const place = ([x, y, z]) => [360 + 5000 * x, 226 - 5000 * (0.72 * y + 0.6 * z)];
+  const place = ([x, y, z]) => [360 + 5000 * x, 250 - 5000 * (0.72 * y + 0.6 * z)];
   drawing.parts.push(
     `<pattern id="hatch" width="5" height="5" patternUnits="userSpaceOnUse" patternTransform="rotate(45)">` +
       `<rect width="5" height="5" fill="${COLOURS.contact}"/><rect width="1.8" height="5" fill="${COLOURS.edge}"/></pattern>`,
@@ -86,7 +86,8 @@ function drawStrip(library) {
   drawing.label(`hatched: ${pressed.length} that the tool touches`, [24, 55]);
   const least = strip.reduce((one, other) => (other.overlap > one.overlap ? other : one));
   const target = place(least.q);
-  drawing.callout(`overlap ${inMm(least.overlap)}, the most`, [560, 46], target, {});
+  drawing.dot(target, { radius: 4 });
+  drawing.callout(`overlap ${inMm(least.overlap)}, the most`, [540, 52], target, { side: "left" });
   mesh.close();
   return drawing;
 }
@@ -103,7 +104,7 @@ function shade([a, b, c]) {
 
 const FLIGHT = { length: 44, radius: 0, ticks: 20, from: [[-6, 22], [38, 19]], to: [[-8, 17], [35, 20]] };
 
-// Work and hits of a tool that moves from place to place, a tick each, with what earlier ticks have proven.
+// The hits of a tool that moves from place to place, a tick each, with what earlier ticks have proven.
 function flight(library, mesh, { length, radius, ticks, from, to }) {
   const { world, tool } = worldOf(library, mesh, straight(length, radius), { until: library.constants.DPT_UNTIL_TRACK });
   const hits = [];
@@ -153,7 +154,7 @@ function drawCertificate(library) {
   drawing.path(line, { stroke: COLOURS.other, width: 2.4, "stroke-dasharray": "10 3 2 3" });
   drawing.label("separating plane", add(line[n[0] < 0 ? 0 : 1], [10, 4]), { kind: "strong" });
   drawing.path(piece.ends.map(place), { stroke: COLOURS.contact, width: 7 });
-  drawing.callout(`triangle ${piece.triangle}`, add(between(...piece.ends.map(place), 0.5), [-70, 70]), between(...piece.ends.map(place), 0.5), { below: true, kind: "strong" });
+  drawing.callout(`triangle ${piece.triangle}`, add(between(...piece.ends.map(place), 0.5), [-70, 70]), between(...piece.ends.map(place), 0.5), { side: "above", kind: "strong" });
   drawing.path([place(first.a), place(first.b)], { stroke: COLOURS.tool, width: 1.6, "stroke-dasharray": "3 5" });
   drawing.path([place(last.a), place(last.b)], { stroke: COLOURS.tool, width: 3 });
   const near = reach(last)[0] > reach(last)[1] ? last.a : last.b;
@@ -161,9 +162,9 @@ function drawCertificate(library) {
   drawing.label(`at least ${inMm(bound)}`, add(place(near), [-44, -18]), { anchor: "middle", kind: "strong" });
   drawing.path([place(last.p), place(last.q)], { width: 2.2 });
   for (const dot of [last.p, last.q]) drawing.dot(place(dot), { radius: 4.5 });
-  drawing.label(`nearest pair: ${inMm(last.distance)}`, add(between(place(last.p), place(last.q), 0.5), [12, 5]), { kind: "strong" });
-  drawing.label(`first tick: ${first.work} blocks of 16 searched`, add(place(first.b), [6, -12]), { anchor: "end", kind: "small" });
-  drawing.label(`tick ${FLIGHT.ticks}: ${last.work}`, add(place(last.b), [10, 5]), { kind: "small" });
+  drawing.label(`nearest pair: ${inMm(last.distance)}`, add(between(place(last.p), place(last.q), 0.5), [-12, 5]), { anchor: "end", kind: "strong" });
+  drawing.label("the axis when the plane was found", add(place(first.a), [30, -14]), { kind: "small" });
+  drawing.label(`${FLIGHT.ticks} ticks later`, add(place(between(last.a, last.b, 0.5)), [0, 26]), { anchor: "middle", kind: "small" });
   mesh.close();
   return drawing;
 }
@@ -172,8 +173,8 @@ function drawSweep(library) {
   const mesh = extrude(library, curve(HILLS.map(([x, y]) => [x, 0.6 * y]), 4));
   const [length, radius] = [60, 3];
   const [from, to] = [
-    [[-44, 20], [14, 29]],
-    [[-20, -22], [38, -13]],
+    [[-58, 18], [-2, 26]],
+    [[-44, -18], [12, -10]],
   ];
   const { constants } = library;
   const { world, tool } = worldOf(library, mesh, straight(length, radius), { law: constants.DPT_LAW_POINT });
@@ -194,11 +195,11 @@ function drawSweep(library) {
     description:
       `Within one tick of 1 ms a tool moves through a thin sheet, at ${number(speed, 1)} m/s. It does not touch the sheet where it was and ` +
       `not where it is. The sweep finds the first touch at ${number(100 * sweep.time, 1)} % of the motion, at the point q of triangle ${sweep.triangle}.`,
-    centre: [-3, 5],
+    centre: [2, 4],
   });
   const { drawing, place } = view;
   for (const { ends } of cut(mesh)) drawing.path(ends.map(place), { stroke: COLOURS.edge, width: 3 });
-  drawing.label("an open sheet", place(mm([52, -11])), { anchor: "middle", kind: "small" });
+  drawing.label("an open sheet", place(mm([60, 1])), { anchor: "middle", kind: "small" });
   drawTool(view, places[0], radius, { axis: false });
   drawTool(view, places[1], radius, { dash: "7 4", axis: false });
   drawTool(view, touch, radius, { stroke: COLOURS.contact, axis: false, fill: "#e69f0055", width: 2.6 });
@@ -206,12 +207,12 @@ function drawSweep(library) {
   drawing.arrow(place(between(places[0].a, places[1].a, 0.7)), place(between(places[0].a, places[1].a, 0.86)), { stroke: COLOURS.faint, width: 1.4 });
   drawing.label("last tick", add(place(places[0].b), [26, 0]), { kind: "strong" });
   drawing.label(`this tick, at ${number(speed, 1)} m/s`, add(place(places[1].b), [26, 12]), { kind: "strong" });
-  drawing.label(`first touch, at ${number(100 * sweep.time, 1)} % of the motion`, add(place(touch.b), [26, 2]), { kind: "strong" });
+  drawing.label(`first touch: ${number(100 * sweep.time, 1)} % of the motion`, add(place(touch.b), [26, 2]), { kind: "strong" });
   const q = place(sweep.q);
   drawing.dot(q, { radius: 5 });
   const out = [sweep.normal[0], -sweep.normal[1]];
   drawing.arrow(q, add(q, out, 52), { stroke: COLOURS.proxy, width: 2.5, head: 11 });
-  drawing.callout(`q, on triangle ${sweep.triangle}`, add(q, [-150, 62]), q, { below: true, kind: "strong" });
+  drawing.callout(`q, on triangle ${sweep.triangle}`, add(q, [-64, 78]), q, { side: "above", kind: "strong" });
   drawing.label("normal", add(add(q, out, 46), [-10, 0]), { anchor: "end" });
   mesh.close();
   return drawing;

@@ -27,9 +27,9 @@ function drawToolWords() {
   drawing.callout("radius 5 mm", add(radius, [0, -52]), add(radius, up, 5 * scale + 2));
   const point = between(from, to, 0.25);
   drawing.dot(point, { fill: "#ffffff", stroke: COLOURS.tool, width: 2 });
-  drawing.callout("the point at s = 0.25", add(point, [-6, 64]), add(point, [0, 5]), { below: true });
+  drawing.callout("the point at s = 0.25", add(point, [-6, 64]), add(point, [0, 5]), { side: "above" });
   const axis = between(from, to, 0.68);
-  drawing.callout("axis AB, 86 mm", add(axis, [0, 70]), add(axis, [0, 2]), { below: true });
+  drawing.callout("axis AB, 86 mm", add(axis, [0, 70]), add(axis, [0, 2]), { side: "above" });
   const middle = between(from, to, 0.5);
   drawing.arrow(middle, add(middle, way, 54), { width: 2 });
   drawing.arrow(middle, add(middle, up, 54), { width: 2 });
@@ -61,7 +61,7 @@ function drawPair(library) {
   drawing.dot(p, { radius: 5 });
   drawing.dot(q, { radius: 5 });
   drawing.label(`p, at s = ${number(hit.s, 3)}`, add(p, [0, -30]), { anchor: "middle", kind: "strong" });
-  drawing.label(`q, on triangle ${hit.triangle}`, add(q, [4, 34]), { anchor: "middle", kind: "strong" });
+  drawing.label(`q, on triangle ${hit.triangle}`, add(q, [22, 50]), { anchor: "middle", kind: "strong" });
   drawing.label(`distance ${inMm(hit.distance)}`, add(between(p, q, 0.68), [12, 2]));
   mesh.close();
   return drawing;
@@ -117,7 +117,7 @@ function drawDepth(library) {
       `the surface. Along it, the surface of the tool has to move ${inMm(hit.depth)} to be outside: that is the depth.`,
   });
   const { drawing, place, scale } = view;
-  drawBody(view, mesh, { label: "body", at: [-24, -12] });
+  drawBody(view, mesh, { label: "body", at: [-18, -13] });
   drawTool(view, { a, b }, 4);
   const [from, to] = [place(p), place(q)];
   const out = [normal[0], -normal[1]];
@@ -130,9 +130,9 @@ function drawDepth(library) {
   drawing.arrow(to, add(to, out, 46), { stroke: COLOURS.proxy, width: 2.5, head: 11 });
   drawing.label("way out", add(add(to, out, 40), [12, 2]));
   drawing.dimension(to, far, { offset: -58, stroke: COLOURS.force });
-  const beside = add(between(to, far, 0.5), [-out[1], out[0]], -58);
-  drawing.label(`depth ${inMm(hit.depth)}`, add(beside, [-8, 5]), { anchor: "end", kind: "strong" });
-  drawing.label(`gap ${inMm(hit.gap)}`, add(beside, [-8, 26]), { anchor: "end" });
+  const below = add(far, [-62, 40]);
+  drawing.callout(`depth ${inMm(hit.depth)}`, below, add(far, [-54, 6]), { side: "above", kind: "strong" });
+  drawing.label(`gap ${inMm(hit.gap)}`, add(below, [0, 21]), { anchor: "middle" });
   mesh.close();
   return drawing;
 }

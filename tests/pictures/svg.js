@@ -113,10 +113,16 @@ class Drawing {
     this.put("text", { x, y, "text-anchor": anchor, class: `halo ${kind}`.trim(), style }, escape(text));
   }
 
-  // A label that a thin line ties to what it names.
-  callout(text, place, target, options = {}) {
-    this.path([add(place, [0, options.below ? -14 : 6]), target], { stroke: COLOURS.faint, width: 1 });
-    this.label(text, place, { anchor: "middle", ...options });
+  // A label that a thin line ties to what it names. side: of the text where the line begins, below, above, left or right
+  callout(text, place, target, { side = "below", ...options } = {}) {
+    const [shift, anchor] = {
+      below: [[0, 6], "middle"],
+      above: [[0, -15], "middle"],
+      left: [[-5, -5], "start"],
+      right: [[5, -5], "end"],
+    }[side];
+    this.path([add(place, shift), target], { stroke: COLOURS.faint, width: 1 });
+    this.label(text, place, { anchor, ...options });
   }
 
   // A coil between two places.
