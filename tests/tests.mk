@@ -262,8 +262,8 @@ check-wasm: all $(B)/tests/wasm/native_answers ## WebAssembly against the native
 check-page: all $(B)/tests/page/feel_again ## the page with the core in it, against the native library; make check does it too
 	@sh tests/page/check.sh $(B)
 
-pictures: all ## the pictures of README and docs, by a headless Chromium
-	@node tests/view/pictures.js $(abspath $(B)/dynpoint) $(B)/view/pictures docs/pictures
+pictures: all ## the pictures of README and docs: drawings by the core itself, stills and a moving one by a headless Chromium
+	@sh tests/pictures/make.sh $(B)
 
 bench: all $(B)/tests/wasm/native_answers $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes snapshots sweeps) ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)

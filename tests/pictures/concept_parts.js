@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the drawings of docs/concepts.md share: a panel with a scale, the body, the tool, and the scene of hills.
 "use strict";
-const { Drawing, COLOURS, INK, number, add, toward } = require("./svg.js");
+const { Drawing, COLOURS, INK, number, add, toward, lineOf } = require("./svg.js");
 const { curve, extrude, cut, mm } = require("./section.js");
 
 const WIDTH = 720;
 
-// In mm: two hills and a valley, cut into 40 pieces; with a floor 328 triangles.
+// In mm: two hills and a valley, cut into 40 pieces; with a floor 324 triangles.
 const HILLS = [
   [-80, -15],
   [-62, -11],
@@ -75,4 +75,4 @@ function drawEnds({ drawing, place }, { a, b }, { stroke = COLOURS.tool, away = 
 const between = (a, b, t) => a.map((value, k) => value + t * (b[k] - value));
 const inMm = (value, decimals = 2) => `${number(1000 * value, decimals)} mm`;
 
-module.exports = { WIDTH, HILLS, hills, panel, outline, drawBody, drawTool, drawEnds, between, inMm, mm, COLOURS, INK, number, add, toward };
+module.exports = { WIDTH, HILLS, hills, panel, outline, drawBody, drawTool, drawEnds, between, inMm, mm, COLOURS, INK, number, add, toward, lineOf };

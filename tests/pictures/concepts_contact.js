@@ -41,7 +41,7 @@ function drawContact(library) {
     drawing.label(`contact ${k + 1}: s = ${number(s0, 3)} to ${number(s1, 3)}`, above, { anchor: "middle", kind: "strong" });
     drawing.label(`deepest at s = ${number(s, 3)}, gap ${inMm(gap)}`, add(above, [0, 20]), { anchor: "middle" });
   });
-  drawing.label(`dotted: margin ${number(margin, 1)} mm`, place(mm([8, -3.2])), { anchor: "middle", kind: "small" });
+  drawing.label(`margin ${number(margin, 1)} mm`, place(mm([10, -4.2])), { anchor: "middle", kind: "small" });
   mesh.close();
   return drawing;
 }
@@ -57,8 +57,8 @@ function plot({ drawing, place }, { a, b }, { zero, top, most, step, label }) {
     drawing.label(number(mark, 0), [left - 8, y + 4], { anchor: "end", kind: "small" });
   }
   drawing.label(label, [left - 8, top - 14], { kind: "small" });
-  for (const s of [0, 0.5, 1]) drawing.label(number(s, 1), [at(s, 0)[0], zero + 18], { anchor: "middle", kind: "small" });
-  drawing.label("s", [at(0.75, 0)[0], zero + 18], { anchor: "middle", kind: "small" });
+  for (const s of [0, 0.5, 1]) drawing.label(number(s, 1), [at(s, 0)[0], zero + 24], { anchor: "middle", kind: "small" });
+  drawing.label("s", [at(0.75, 0)[0], zero + 24], { anchor: "middle", kind: "small" });
   return at;
 }
 
@@ -144,8 +144,8 @@ function drawMargin(library) {
     title: "Margin and onset",
     description:
       `A tool presses on a hill. Its contact begins where the surface is within the margin of ${margin} mm. Below, the overlap ` +
-      `w along the axis: counted from the margin on its integral is ${number(1e6 * contact.overlap, 1)} mm2, counted from the ` +
-      `tool's surface on ${number(1e6 * narrow.contacts[0].overlap, 1)} mm2.`,
+      `w along the axis: counted from the margin on its integral is ${number(1e6 * contact.overlap, 1)} mm², counted from the ` +
+      `tool's surface on ${number(1e6 * narrow.contacts[0].overlap, 1)} mm².`,
   });
   const { drawing, place, scale } = view;
   drawBody(view, mesh, { label: "body", at: [-27, -3] });
@@ -159,7 +159,7 @@ function drawMargin(library) {
   const side = add(place(a), [40, -radius * scale]);
   drawing.dimension(side, add(side, [0, -margin * scale]), {});
   drawing.label(`margin ${number(margin, 0)} mm`, add(side, [8, -margin * scale - 8]));
-  const at = plot(view, { a, b }, { zero: 396, top: 276, most: 6, step: 2, label: "w, mm" });
+  const at = plot(view, { a, b }, { zero: 396, top: 276, most: 6, step: 2, label: "w, mm (its integral is the overlap)" });
   const area = (onset, fill, more) => {
     const places = hits.map(({ gap }, k) => at(k / STEPS, Math.max(0, onset - (gap - radius / 1000))));
     const inside = places.filter(([, y]) => y < 395.99);
@@ -170,8 +170,8 @@ function drawMargin(library) {
   for (const s of [contact.s0, contact.s1])
     drawing.path([place(between(a, b, s)), at(s, 0)], { stroke: COLOURS.faint, width: 1, "stroke-dasharray": DOTS });
   const peak = at(narrow.contacts[0].s, 0);
-  drawing.callout(`onset 0: overlap ${number(1e6 * narrow.contacts[0].overlap, 1)} mm²`, [492, 366], [peak[0] + 40, 384], { side: "left" });
-  drawing.callout(`onset = margin: overlap ${number(1e6 * contact.overlap, 1)} mm²`, [466, 312], [peak[0] + 58, 336], { side: "left" });
+  drawing.callout(`onset 0: ${number(1e6 * narrow.contacts[0].overlap, 1)} mm²`, [492, 366], [peak[0] + 40, 384], { side: "left" });
+  drawing.callout(`onset = margin: ${number(1e6 * contact.overlap, 1)} mm²`, [466, 312], [peak[0] + 58, 336], { side: "left" });
   mesh.close();
   return drawing;
 }

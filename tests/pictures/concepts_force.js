@@ -117,7 +117,7 @@ function drawCoupling(library) {
   const arc = Array.from({ length: 9 }, (_, k) => turn(device, 190, (2.2 * k) / 8));
   drawing.path(arc.slice(0, 8), { stroke: COLOURS.force, width: 3 });
   drawing.arrow(arc[7], arc[8], { stroke: COLOURS.force, width: 3, head: 13 });
-  drawing.label(`torque ${number(1000 * torque[2], 1)} mN m`, add(arc[8], [-8, -12]), { anchor: "middle", kind: "strong" });
+  drawing.callout(`torque ${number(1000 * torque[2], 1)} mN m`, add(arc[8], [-40, -98]), add(arc[8], [-2, -4]), { kind: "strong" });
   drawing.label("device", add(place(device.b), [34, 5]), { kind: "strong" });
   drawing.label("proxy", add(place(proxy.b), [34, 5]), { kind: "strong" });
   mesh.close();

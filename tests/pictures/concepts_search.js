@@ -2,7 +2,7 @@
 // Drawings of what a tick looks for: the strip, the certificate, the sweep.
 "use strict";
 const { curve, extrude, cut, straight, poseBetween, endsAt, worldOf, stripOf, sweepOf, distanceOf } = require("./section.js");
-const { HILLS, hills, panel, drawBody, drawTool, between, inMm, mm, COLOURS, number, add, toward } = require("./concept_parts.js");
+const { HILLS, hills, panel, drawBody, drawTool, between, inMm, mm, COLOURS, number, add, lineOf } = require("./concept_parts.js");
 
 const CELLS = [30, 20]; // of the field, each two triangles
 const SIZE = [132, 88]; // mm
@@ -55,7 +55,7 @@ function drawStrip(library) {
   const inStrip = new Map(strip.map(item => [item.triangle, item]));
   const pressed = strip.filter(({ overlap }) => overlap > 0);
   const view = panel({
-    height: 420,
+    height: 440,
     title: "The strip: the triangles under a tool",
     description:
       `A tool lies over a surface of ${2 * CELLS[0] * CELLS[1]} triangles, seen from above at a slant. ${strip.length} of them are ` +
@@ -63,7 +63,7 @@ function drawStrip(library) {
   });
   const { drawing } = view;
   // From above at a slant of 3 : 4.
-  const place = ([x, y, z]) => [360 + 5000 * x, 250 - 5000 * (0.72 * y + 0.6 * z)];
+  const place = ([x, y, z]) => [360 + 5000 * x, 246 - 5000 * (0.72 * y + 0.6 * z)];
   drawing.parts.push(
     `<pattern id="hatch" width="5" height="5" patternUnits="userSpaceOnUse" patternTransform="rotate(45)">` +
       `<rect width="5" height="5" fill="${COLOURS.contact}"/><rect width="1.8" height="5" fill="${COLOURS.edge}"/></pattern>`,
@@ -74,11 +74,13 @@ function drawStrip(library) {
     const three = [0, 1, 2].map(i => Array.from(xyz.subarray(3 * corners[3 * k + i], 3 * corners[3 * k + i] + 3)));
     return { triangle, three, far: three.reduce((sum, [, y]) => sum + y, 0) };
   }).sort((one, other) => other.far - one.far || one.triangle - other.triangle);
-  for (const { triangle, three } of faces) {
-    const item = inStrip.get(triangle);
-    const fill = !item ? shade(three) : item.overlap > 0 ? "url(#hatch)" : "#f3d28c";
-    drawing.path(three.map(place), { closed: true, fill, stroke: "#a8a297", width: 0.6 });
-  }
+  drawing.group({ stroke: "#a8a297", "stroke-width": 0.6, "stroke-linejoin": "round" }, () => {
+    for (const { triangle, three } of faces) {
+      const item = inStrip.get(triangle);
+      const fill = !item ? shade(three) : item.overlap > 0 ? "url(#hatch)" : "#f3d28c";
+      drawing.put("path", { d: lineOf(three.map(place)), fill });
+    }
+  });
   drawing.capsule(place(mm(a)), place(mm(b)), 5 * radius, { fill: "#0072b255", width: 2.2 });
   drawing.path([place(mm(a)), place(mm(b))], { stroke: COLOURS.tool, width: 1.4, "stroke-dasharray": "8 4" });
   drawing.label("tool", add(place(mm(a)), [-24, 0]), { anchor: "end", kind: "strong" });
@@ -87,7 +89,7 @@ function drawStrip(library) {
   const least = strip.reduce((one, other) => (other.overlap > one.overlap ? other : one));
   const target = place(least.q);
   drawing.dot(target, { radius: 4 });
-  drawing.callout(`overlap ${inMm(least.overlap)}, the most`, [540, 52], target, { side: "left" });
+  drawing.callout(`the most overlap: ${inMm(least.overlap)}`, [500, 52], target, { side: "left" });
   mesh.close();
   return drawing;
 }
@@ -144,7 +146,7 @@ function drawCertificate(library) {
     description:
       `Between a tool and a triangle that is far away lies a plane that was found when the tool was at its first place. ` +
       `${FLIGHT.ticks} ticks later the tool has moved, and is still ${inMm(bound)} in front of the plane, farther than the nearest pair, ` +
-      `${inMm(last.distance)}. So the triangle cannot be the nearest one, and nobody looks at it.`,
+      `${inMm(last.distance)}. So the triangle cannot be the nearest one, and it is not looked at.`,
   });
   const { drawing, place } = view;
   drawBody(view, mesh, { label: "body", at: [-27, -10] });
@@ -174,7 +176,7 @@ function drawSweep(library) {
   const [length, radius] = [60, 3];
   const [from, to] = [
     [[-58, 18], [-2, 26]],
-    [[-44, -18], [12, -10]],
+    [[-44, -22], [12, -14]],
   ];
   const { constants } = library;
   const { world, tool } = worldOf(library, mesh, straight(length, radius), { law: constants.DPT_LAW_POINT });
@@ -182,6 +184,7 @@ function drawSweep(library) {
   for (const pose of poses) {
     world.setToolPose(tool, pose);
     world.step(0.001);
+    if (!(world.getHit(tool).distance > radius / 1000)) throw new Error("the sweep's drawing: the tool touches at a tick");
   }
   const sweep = sweepOf(library, world, tool);
   world.close();
@@ -212,7 +215,7 @@ function drawSweep(library) {
   drawing.dot(q, { radius: 5 });
   const out = [sweep.normal[0], -sweep.normal[1]];
   drawing.arrow(q, add(q, out, 52), { stroke: COLOURS.proxy, width: 2.5, head: 11 });
-  drawing.callout(`q, on triangle ${sweep.triangle}`, add(q, [-64, 78]), q, { side: "above", kind: "strong" });
+  drawing.callout(`q, on triangle ${sweep.triangle}`, add(q, [44, 62]), q, { side: "above", kind: "strong" });
   drawing.label("normal", add(add(q, out, 46), [-10, 0]), { anchor: "end" });
   mesh.close();
   return drawing;

@@ -32,6 +32,8 @@ const number = (value, decimals) => {
 };
 const px = value => String(Number(value.toFixed(2)) || 0);
 const at = ([x, y]) => `${px(x)} ${px(y)}`;
+// A closed line, in SVG's words.
+const lineOf = places => `M${places.map(at).join("L")}Z`;
 const add = ([x, y], [u, v], by = 1) => [x + by * u, y + by * v];
 const toward = (from, to) => {
   const [x, y] = add(to, from, -1);
@@ -53,14 +55,19 @@ class Drawing {
     this.parts.push(content === undefined ? `<${tag}${list}/>` : `<${tag}${list}>${content}</${tag}>`);
   }
 
-  path(places, { closed = false, stroke = INK, width = 1.5, fill = "none", ...more } = {}) {
-    const d = `M${places.map(at).join("L")}${closed ? "Z" : ""}`;
-    this.put("path", { d, fill, stroke, "stroke-width": width, "stroke-linejoin": "round", "stroke-linecap": "round", ...more });
+  // What a function puts, with attributes that all of it shares.
+  group(attributes, fill) {
+    const outside = this.parts;
+    this.parts = [];
+    fill();
+    const content = this.parts.join("\n");
+    this.parts = outside;
+    this.put("g", attributes, content);
   }
 
-  // A line of SVG's own path commands, where a polyline is not enough.
-  curve(d, { stroke = INK, width = 1.5, fill = "none", ...more } = {}) {
-    this.put("path", { d, fill, stroke, "stroke-width": width, ...more });
+  path(places, { closed = false, stroke = INK, width = 1.5, fill = "none", ...more } = {}) {
+    const d = closed ? lineOf(places) : lineOf(places).slice(0, -1);
+    this.put("path", { d, fill, stroke, "stroke-width": width, "stroke-linejoin": "round", "stroke-linecap": "round", ...more });
   }
 
   // All points within a radius of a line from a to b.
@@ -158,4 +165,4 @@ class Drawing {
   }
 }
 
-module.exports = { Drawing, COLOURS, INK, number, add, toward };
+module.exports = { Drawing, COLOURS, INK, number, add, toward, lineOf };

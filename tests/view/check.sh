@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The viewer's page (tools/view/): its readers under node, the file that is made, and what it draws and does in a
 # headless Chromium, from its file, from a mock of the server, and from the program itself. BUILD/view/node_modules has three.js.
+# And the pictures of README and docs (tests/pictures).
 #
 #     sh tests/view/check.sh [BUILD=build]
 set -u
@@ -17,6 +18,15 @@ if ! command -v node >/dev/null; then
     finish
 fi
 count "the readers" node tests/view/page_readers.js
+count "the pictures' files" node tests/pictures/picture_files.js
+if command -v clang >/dev/null && command -v wasm-ld >/dev/null && make -s wasm >"$room/wasm" 2>&1; then
+    count "the drawings' numbers" node tests/pictures/drawings_again.js build/wasm "$room"
+else
+    skip "the drawings' numbers, asked again: no WebAssembly (make deps wasm)"
+fi
+if command -v chromium >/dev/null; then
+    count "the drawings" node tests/pictures/drawings.js docs/pictures "$room"
+fi
 if [ ! -e "$view/node_modules/three/package.json" ]; then
     skip "the page's file, and what it draws: three.js is missing (npm ci in $view)"
     finish
@@ -25,7 +35,7 @@ count "the page's file" node tests/view/page_file.js "$view" "$room"
 log=/dev/null
 check "the page is made" node tools/view/make_page.js "$view"
 if ! command -v chromium >/dev/null; then
-    skip "what the page draws and does: chromium is missing (Debian's chromium)"
+    skip "what the page draws and does, and the drawings' texts: chromium is missing (Debian's chromium)"
     finish
 fi
 count "the picture" node tests/view/page_picture.js "$view/page.html" "$room"

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// node stills.js PROGRAM ROOM OUT: the pictures of the viewer in README and docs, by a headless Chromium.
+"use strict";
+const fs = require("fs");
+const path = require("path");
+const { launch } = require("../view/chromium.js");
+const { runner, record, visitPage, seek, look } = require("./viewer_page.js");
+const [program, room, out] = process.argv.slice(2);
+const run = runner(program, room);
+
+const sights = [
+  {
+    name: "laparoscopy",
+    make: () => record(run, "laparoscopy", "sim:?hand=press", 4),
+    time: 1.9,
+    turn: [-0.5, -0.1],
+    zoom: 0.6,
+  },
+  {
+    name: "soft-liver",
+    make: () => record(run, "soft-liver", "sim:?hand=press&reach=0.025&cycle=4", 4),
+    time: 2.0,
+    turn: [-0.35, -0.1],
+    zoom: 0.5,
+    dark: true,
+  },
+  {
+    name: "mesh",
+    make: () => {
+      run("make", "liver", "8000", "-o", "liver.stl");
+      run("view", "liver.stl", "-o", "page.html");
+    },
+    pick: true,
+  },
+];
+
+async function picture(browser, sight) {
+  sight.make();
+  const page = await visitPage(browser, room, { width: 1200, height: 720, dark: sight.dark });
+  if (sight.time !== undefined) await seek(page, sight.time);
+  await look(page, sight.turn ?? [0, 0], sight.zoom ?? 1);
+  if (sight.pick) await page.key("Enter");
+  await page.settle();
+  const file = path.join(out, `${sight.name}.png`);
+  await page.shoot(file);
+  await browser.leave(page);
+  process.stdout.write(`${file}: ${Math.ceil(fs.statSync(file).size / 1024)} kB\n`);
+}
+
+(async () => {
+  fs.mkdirSync(room, { recursive: true });
+  fs.mkdirSync(out, { recursive: true });
+  const browser = launch(room);
+  try {
+    for (const sight of sights) await picture(browser, sight);
+  } finally {
+    await browser.close();
+  }
+})().catch(error => {
+  process.stderr.write(`${error.stack}\n`);
+  process.exit(1);
+});
