@@ -83,7 +83,7 @@ check "make deps all installs every package" test "$(installed)" = "$(tr '\n' ' 
 check "and tries PyPI" test "$(grep -c '^python3 -m venv' "$CALLS")" -eq 3
 check "and a kernel" grep -q '^apt-cache depends linux-image-amd64' "$CALLS"
 check "what could not be fetched gives status 2" test $status -eq 2
-view='chromium libwebsockets-dev nodejs npm pkg-config '
+view='chromium libwebsockets-dev nodejs npm pkg-config webp '
 asks make deps view
 check "make deps view installs view: $(installed)" test "$(installed)" = "$view"
 check "without npm there is no three.js" grep -q 'no three.js' "$scratch/says"
@@ -91,7 +91,7 @@ check "that gives status 2" test $status -eq 2
 tool node 'exit 1'
 tool npm 'echo "npm $* in ${PWD##*/}" >>"$CALLS"; mkdir -p node_modules/three; : >node_modules/three/package.json'
 asks make deps view
-check "node and npm that are there are not asked for: $(installed)" test "$(installed)" = 'chromium libwebsockets-dev pkg-config '
+check "node and npm that are there are not asked for: $(installed)" test "$(installed)" = 'chromium libwebsockets-dev pkg-config webp '
 check "npm gets what is locked" grep -q '^npm ci .*in view$' "$CALLS"
 check "into build/view" test $status -eq 0 -a -e "$scratch/tree/build/view/node_modules/three/package.json"
 asks make deps view
