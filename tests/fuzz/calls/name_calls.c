@@ -22,8 +22,8 @@ static void kernels(void)
 {
     const uint32_t any = draw_one_in(2) ? draw_below(8) : (uint32_t)draw_bits();
     const char *name = CALL(dpt_kernel_name, any);
-    HOLDS(name &&
-              (any >= 1 && any <= 5) == (strcmp(name, "none") != 0 && strcmp(name, "auto") != 0),
+    HOLDS(name && (any >= 1 && any <= DPT_KERNEL_WASM128) ==
+                      (strcmp(name, "none") != 0 && strcmp(name, "auto") != 0),
           "kernel %u is %s", any, name);
 }
 
