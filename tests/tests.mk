@@ -111,6 +111,7 @@ $(B)/tests/test_view_loop: private LDLIBS = $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_L
 
 # Scenes of soft bodies, without their files.
 SOFT_PARTS := $(patsubst %,$(B)/tools/%.o,scene_physics soft_exchange scene_bodies scene_list command_options stop)
+$(B)/tests/test_plot: $(B)/tools/plot/plot_axis.o $(B)/tools/plot/plot_line.o
 $(B)/tests/test_soft_exchange $(B)/tests/test_scene_physics $(B)/tests/test_springs_passes: $(SOFT_PARTS)
 
 # Scene files: where the program reads them.

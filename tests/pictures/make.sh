@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# `make pictures`: every picture of README and docs but the charts: the drawings, the viewer's stills, and the picture that
+# `make pictures`: every picture of README and docs but the charts: a plot, the drawings, the viewer's stills, and the picture that
 # moves. What is missing on this machine is named, with what it leaves out; status 1 then.
 #
 #     sh tests/pictures/make.sh [BUILD=build] [OUT=docs/pictures]
@@ -15,7 +15,8 @@ lacks() {
     status=1
 }
 
-lacks node "make deps view" "all pictures" && exit 1
+sh tests/pictures/draw_plot.sh "$build" "$out/plot-laws.svg" || exit 1
+lacks node "make deps view" "all others" && exit 1
 if lacks clang "make deps wasm" "the drawings" || lacks wasm-ld "make deps wasm" "the drawings"; then
     :
 elif make -s wasm; then

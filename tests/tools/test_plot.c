@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The parts of a chart: axes with round marks, and lines of any length in bounded memory that lose no peak. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lib/check.h"
+#include "plot/plot_axis.h"
+#include "plot/plot_line.h"
+
+enum { AXES = 20000, POINTS = 1000000 };
+
+/* A step is 1, 2 or 5 times a power of ten if a decimal of one digit names it. */
+static int is_round(double step)
+{
+    char digits[16];
+    snprintf(digits, sizeof digits, "%.9e", step);
+    return strchr("125", digits[0]) && strspn(digits + 2, "0") == 9;
+}
+
+static void one_axis(double low, double high, int is_whole)
+{
+    const struct plot_axis axis = plot_axis_make(low, high, 100.0, 700.0, 6, is_whole);
+    const double from = low / axis.scale, to = high / axis.scale;
+    const double slack = 1e-9 * (axis.high - axis.low) + 1e-12 * fmax(fabs(from), fabs(to));
+    char before[PLOT_LABEL_ROOM] = "", label[PLOT_LABEL_ROOM];
+    int marks = 0;
+    CHECK(axis.low <= from + slack && axis.high >= to - slack, "%g to %g: outside the axis", low,
+          high);
+    CHECK(is_whole || axis.low == from, "%g to %g: begins at %g", low, high, axis.low);
+    CHECK(is_round(axis.step), "%g to %g: step %.17g", low, high, axis.step);
+    CHECK(fabs(plot_axis_at(&axis, axis.low * axis.scale) - 100.0) < 1e-6 &&
+              fabs(plot_axis_at(&axis, axis.high * axis.scale) - 700.0) < 1e-6,
+          "%g to %g: not on its pixels", low, high);
+    for (double i = axis.first; i <= axis.last; i++) {
+        marks++;
+        CHECK(i * axis.step >= axis.low - slack && i * axis.step <= axis.high + slack,
+              "%g to %g: mark %g is outside", low, high, i * axis.step);
+        plot_axis_label(&axis, i, label);
+        CHECK(strcmp(label, before) && fabs(atof(label) - i * axis.step) < 1e-3 * axis.step,
+              "%g to %g: %s after %s", low, high, label, before);
+        memcpy(before, label, sizeof before);
+    }
+    CHECK(marks >= 2 && marks <= 8, "%g to %g: %d marks", low, high, marks);
+}
+
+static void axes_have_round_marks(void)
+{
+    uint64_t seed = 1;
+    for (int i = 0; i < AXES; i++) {
+        const double size = pow(10.0, random_in(&seed, -9.0, 9.0));
+        const double low = random_in(&seed, -size, size);
+        const double length = pow(10.0, random_in(&seed, -3.0, 0.0)) * size;
+        one_axis(low, low + length, i % 2);
+    }
+    one_axis(0.0, 1.0, 1);
+    one_axis(-1.0, 0.0, 1);
+    CHECK(!signbit(plot_axis_make(-1e-30, 8.0, 0.0, 1.0, 8, 0).first), "a mark at -0");
+}
+
+static void prefixes_follow_the_size(void)
+{
+    static const struct {
+        double max;
+        const char *prefix;
+    } cases[] = { { 1.0, "" },    { 0.999, "m" }, { 1e-3, "m" }, { 0.999e-3, "u" }, { 1e-9, "n" },
+                  { 1e-12, "p" }, { 1e-15, "p" }, { 1e6, "" },   { -0.05, "m" },    { 0.0, "m" } };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double max = cases[i].max;
+        const struct plot_axis axis = plot_axis_make(fmin(max, 0.0), fmax(max, 0.0), 0, 1, 4, 1);
+        CHECK(!strcmp(axis.prefix, cases[i].prefix), "%g has prefix '%s'", max, axis.prefix);
+    }
+}
+
+/* Steps of very different length, values with rare peaks; what is kept has all extremes of every block of points. */
+static void long_line(uint64_t seed)
+{
+    struct plot_line line;
+    double *x = malloc(POINTS * sizeof *x), *y = malloc(POINTS * sizeof *y);
+    if (!x || !y || !plot_line_init(&line))
+        abort();
+    double now = random_in(&seed, 0.0, 10.0);
+    uint64_t points = 0;
+    for (int i = 0; i < POINTS; i++) {
+        const int is_far = random_in(&seed, 0.0, 1.0) < 1e-5;
+        const int is_peak = random_in(&seed, 0.0, 1.0) < 1e-4;
+        now += is_far ? 50.0 : random_in(&seed, 0.0, 2e-3);
+        x[i] = now;
+        y[i] = random_in(&seed, -1.0, 1.0) * (is_peak ? 100.0 : 1.0);
+        plot_line_add(&line, x[i], y[i]);
+    }
+    const double length = x[POINTS - 1] - x[0];
+    CHECK(line.count <= PLOT_GROUPS_MAX, "%zu groups", line.count);
+    for (size_t i = 0, at = 0; i < line.count; i++) {
+        const struct plot_group *group = &line.groups[i];
+        double low = INFINITY, high = -INFINITY;
+        CHECK(group->first.x == x[at] && group->first.y == y[at], "group %zu begins elsewhere", i);
+        for (uint64_t k = 0; k < group->points; k++, at++) {
+            low = fmin(low, y[at]);
+            high = fmax(high, y[at]);
+        }
+        CHECK(group->low.y == low && group->high.y == high, "group %zu: %g to %g, not %g to %g", i,
+              group->low.y, group->high.y, low, high);
+        CHECK(group->last.x == x[at - 1], "group %zu ends elsewhere", i);
+        CHECK(group->points == 1 || group->last.x - group->first.x < length / 2000.0,
+              "group %zu is %g wide", i, group->last.x - group->first.x);
+        points += group->points;
+    }
+    CHECK(points == POINTS, "%llu points", (unsigned long long)points);
+    plot_line_free(&line);
+    free(x);
+    free(y);
+}
+
+static void what_is_no_number_breaks_a_line(void)
+{
+    struct plot_line line;
+    static const double values[] = { 1.0, NAN, 2.0, 3.0, INFINITY, -INFINITY, 2e30, 4.0, 1e30 };
+    static const int starts[] = { 1, 1, 0, 1, 0 };
+    if (!plot_line_init(&line))
+        abort();
+    for (int i = 0; i < 9; i++)
+        plot_line_add(&line, i, values[i]);
+    CHECK(line.count == 5, "%zu points", line.count);
+    for (size_t i = 0; i < line.count && i < 5; i++)
+        CHECK(line.groups[i].is_start == starts[i], "point %zu: %d", i, line.groups[i].is_start);
+    plot_line_free(&line);
+}
+
+static void long_lines_lose_no_peak(void)
+{
+    for (uint64_t seed = 1; seed <= 3; seed++)
+        long_line(seed);
+}
+
+int main(void)
+{
+    TEST(axes_have_round_marks);
+    TEST(prefixes_follow_the_size);
+    TEST(what_is_no_number_breaks_a_line);
+    TEST(long_lines_lose_no_peak);
+    return check_report();
+}
