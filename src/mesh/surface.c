@@ -43,3 +43,15 @@ double dpti_surface_extent(const struct surface *surface)
 {
     return max_of(extent_of(surface->box_min), extent_of(surface->box_max));
 }
+
+double dpti_surface_leaf_length(const struct surface *surface, uint32_t leaf)
+{
+    if (!surface->levels)
+        return 2.0 * dpti_surface_extent(surface);
+    const float *half = surface->level[1] + (size_t)(leaf / LANES) * MESH_BOX_WORDS + 3u * LANES;
+    float longest = 0.0f;
+    for (uint32_t k = 0; k < 3; k++)
+        if (half[k * LANES + leaf % LANES] > longest)
+            longest = half[k * LANES + leaf % LANES];
+    return 2.0 * (double)longest / surface->filter_scale;
+}

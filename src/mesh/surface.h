@@ -51,6 +51,9 @@ static inline double surface_diagonal(const struct surface *surface)
 /* m: its largest |coordinate|. */
 double dpti_surface_extent(const struct surface *surface);
 
+/* The longest edge of a leaf's box, m. On a deformable body the box may be an older one: for what needs no bound. */
+double dpti_surface_leaf_length(const struct surface *surface, uint32_t leaf);
+
 /* Where a vertex of a view is. */
 vec3 dpti_surface_between(const struct surface *view, uint32_t vertex);
 

@@ -184,10 +184,22 @@ static int test_piece(struct rigid_sweep *sweep, struct piece *piece, uint32_t h
     return status;
 }
 
-/* m: a longer piece is cut, so that what a piece may touch is a few triangles. */
+/* m: a piece that is no longer touches a few triangles, where they are as large as on a square. */
 static double piece_length_max(const struct surface *surface)
 {
     return PIECE_TRIANGLES / (surface->filter_scale * sqrt((double)surface_triangles(surface)));
+}
+
+/*
+ * Whether shorter pieces would touch as many triangles, after a test of the piece: the leaf that it found is as long, as
+ * where slivers stand side by side.
+ */
+static int touches_long_leaf(const struct rigid_sweep *sweep, double length, uint32_t halvings)
+{
+    const struct rigid_sweep_progress *progress = sweep->progress;
+    if (progress->tested != halvings + 1 || !progress->leaves)
+        return 0;
+    return length <= dpti_surface_leaf_length(sweep->surface, progress->leaves - 1);
 }
 
 /*
@@ -206,19 +218,24 @@ static int sweep_between(struct rigid_sweep *sweep, const struct placement *from
     struct piece piece = { .from = at_from, .to = at_to, .t0 = t0, .t1 = t1 };
     piece.deviation = deviation_between(from, at_from, &middle, &at_middle, to, at_to);
     const int turns_little = body_turn_cosine(from, to) >= HALF_TURN_COSINE_MIN;
-    int is_straight = turns_little && max_deviation(piece.deviation) <= 0.5 * sweep->tolerance &&
-                      max_length(sub(at_to->a, at_from->a), sub(at_to->b, at_from->b)) <=
-                          piece_length_max(sweep->surface);
+    const int deviates_little =
+        turns_little && max_deviation(piece.deviation) <= 0.5 * sweep->tolerance;
+    const double length = max_length(sub(at_to->a, at_from->a), sub(at_to->b, at_from->b));
+    int is_straight =
+        halvings == HALVINGS_MAX || (deviates_little && length <= piece_length_max(sweep->surface));
     int status = SWEEP_HIT;
-    if (is_straight || halvings == HALVINGS_MAX)
-        status = sweep_straight(sweep, &piece);
-    else if (turns_little)
+    if (turns_little && !is_straight) {
         status = test_piece(sweep, &piece, halvings);
+        is_straight =
+            status == SWEEP_HIT && deviates_little && touches_long_leaf(sweep, length, halvings);
+    }
+    if (is_straight)
+        status = sweep_straight(sweep, &piece);
     if (status == SWEEP_FREE) {
         progress->free_until = t1;
         progress->tested = 0;
     }
-    if (status != SWEEP_HIT || is_straight || halvings == HALVINGS_MAX)
+    if (status != SWEEP_HIT || is_straight)
         return status;
     if (work_is_spent(sweep->work))
         return SWEEP_UNFINISHED;
