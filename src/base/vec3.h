@@ -9,7 +9,8 @@
 #include <math.h>
 #include <stdint.h>
 
-#if FLT_EVAL_METHOD != 0
+/* 16: the same for float and double, on processors that compute in half precision too. */
+#if FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16
 #error "dynpoint needs arithmetic without excess precision (FLT_EVAL_METHOD == 0)"
 #endif
 
@@ -116,6 +117,11 @@ static inline double clamp01(double t)
 static inline int within(double value, double limit)
 {
     return fabs(value) <= limit;
+}
+
+static inline int vec3_is_same(vec3 v, const double *other)
+{
+    return v.x == other[0] && v.y == other[1] && v.z == other[2];
 }
 
 static inline int vec3_within(const double *v, double limit)

@@ -228,6 +228,8 @@ static int sweep_between(struct rigid_sweep *sweep, const struct placement *from
         status = test_piece(sweep, &piece, halvings);
         is_straight =
             status == SWEEP_HIT && deviates_little && touches_long_leaf(sweep, length, halvings);
+        if (is_straight && work_is_spent(sweep->work))
+            return SWEEP_UNFINISHED;
     }
     if (is_straight)
         status = sweep_straight(sweep, &piece);

@@ -67,6 +67,7 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     dpti_broad_phase_put_body(world, slot);
     world->largest_diagonal = max_of(world->largest_diagonal, made->diagonal);
     dpti_proxy_note_body(world, slot);
+    world->has_changed = 1;
     return made->id;
 }
 
@@ -105,6 +106,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
     world->invalid_body_count -= !removed->unfelt && !removed->slot.valid;
     measure_largest(world);
     forget_body(world, handle_index(body));
+    world->has_changed = 1;
     return DPT_OK;
 }
 
@@ -154,6 +156,7 @@ static void note_motion(struct dpt_world *world, struct body *body)
         deform_step(body, world->ticks + 1);
     if (body->unfelt)
         return;
+    world->has_changed = 1;
     if (world->bodies_moved_tick != body->moved_tick)
         world->body_motion_max = 0.0;
     world->bodies_moved_tick = body->moved_tick;
@@ -197,6 +200,7 @@ static dpt_result set_validity(struct dpt_world *world, struct body *body, const
     world->invalid_body_count -= !body->unfelt && !body->slot.valid;
     body->slot.valid = result == DPT_OK;
     world->invalid_body_count += !body->unfelt && !body->slot.valid;
+    world->has_changed |= result != DPT_OK;
     return result;
 }
 
@@ -219,6 +223,7 @@ dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *po
 static void begin_anew(struct dpt_world *world, struct body *body)
 {
     forget_body(world, handle_index(body->id));
+    world->has_changed = 1;
     body->moved_tick = 0;
     body->motion_bound = 0.0;
     body->added_tick = world->ticks + 1;
@@ -305,6 +310,7 @@ dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body
     found->static_friction = settings.static_friction;
     found->kinetic_friction = settings.kinetic_friction;
     found->stiffness = settings.stiffness;
+    world->has_changed = 1;
     if (found->unfelt != settings.unfelt)
         set_unfelt(world, found, settings.unfelt);
     return DPT_OK;

@@ -40,6 +40,8 @@ void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dp
 {
     struct proxy *proxy = &world->proxies[tool - world->tools];
     struct segment *segment = segment_of(world, tool);
+    const dpt_pose pose = tool->pose;
+    const double length_before = proxy->length, radius_before = proxy->radius;
     struct quaternion turn = quaternion_unit(quaternion_of(tool->pose.orientation));
     const vec3 u = sub(vec3_of(given->b), vec3_of(given->a));
     const double size = length(u);
@@ -51,6 +53,8 @@ void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dp
     memcpy(tool->pose.position, given->a, sizeof tool->pose.position);
     proxy->length = size;
     proxy->radius = given->radius;
+    tool->has_changed |= !pose_is_same(&pose, &tool->pose) || size != length_before ||
+                         given->radius != radius_before;
     segment->a = (vec3){ 0.0, 0.0, 0.0 };
     segment->tool_slot = (uint32_t)(tool - world->tools);
     if (proxy->state >= PROXY_DOUBTED)

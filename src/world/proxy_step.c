@@ -398,9 +398,28 @@ static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *pro
     proxy->gap = -HUGE_VAL;
 }
 
+/* Whether a tick left a proxy as it was, but for the clocks of what it remembers. */
+static int stood_still(const struct proxy *before, const struct proxy *now)
+{
+    struct proxy same = *before;
+    same.tick = now->tick;
+    same.clock = now->clock;
+    same.is_still = now->is_still;
+    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
+        same.memory[i].used = now->memory[i].used;
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
+        if (!same.contacts[i].body_id)
+            same.contacts[i].age = now->contacts[i].age;
+    return !memcmp(&same, now, sizeof same);
+}
+
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
 {
     struct proxy *proxy = proxy_of(world, tool);
+    const int is_unchanged = !tool->has_changed && !world->has_changed;
+    struct proxy before;
+    if (is_unchanged)
+        before = *proxy;
     struct proxy_tick tick;
     memset(&tick, 0, offsetof(struct proxy_tick, triangles));
     tick.world = world;
@@ -443,6 +462,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     world->segments[tool->first_segment].result.work = world->work.done - work_before;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick.goal, &tick.at);
     proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
+    proxy->is_still = is_unchanged && stood_still(&before, proxy);
 }
 
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)

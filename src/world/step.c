@@ -18,12 +18,13 @@
 #include "base/sized.h"
 #include "base/wrench_limit.h"
 #include "world/contacts.h"
+#include "world/deform_body.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
 #include "world/proxy_force.h"
 #include "world/proxy_step.h"
+#include "world/rest.h"
 #include "world/segment_track.h"
-#include "world/deform_body.h"
 #include "world/tool_force.h"
 #include "world/tool_loads.h"
 #include "world/tool_results.h"
@@ -77,7 +78,7 @@ static void step_proxies(struct dpt_world *world, double dt)
     const uint32_t slots = world->tool_slot_end;
     for (uint32_t i = 0; i < slots; i++) {
         struct tool *tool = &world->tools[(world->ticks / TURN_TICKS + i) % slots];
-        if (has_proxy(world, tool))
+        if (has_proxy(world, tool) && !tool->is_resting)
             dpti_proxy_step(world, tool, dt);
     }
 }
@@ -99,22 +100,26 @@ static void step_segments(struct dpt_world *world, double dt)
     step_proxies(world, dt);
     for (uint32_t i = 0; i < count; i++) {
         const struct segment *segment = &world->segments[(first + i) % count];
-        if (!has_proxy(world, &world->tools[segment->tool_slot]))
+        const struct tool *tool = &world->tools[segment->tool_slot];
+        if (!tool->is_resting && !has_proxy(world, tool))
             dpti_track_segment(world, (first + i) % count);
     }
     for (uint32_t i = 0; i < count; i++) {
         uint32_t segment_index = (first + i) % count;
         const struct tool *tool = &world->tools[world->segments[segment_index].tool_slot];
         const int is_of_proxy = has_proxy(world, tool);
-        if (is_of_proxy)
+        if (tool->is_resting)
+            dpti_rest_keep_contacts(world, segment_index);
+        else if (is_of_proxy)
             contact_proxy_segment(world, segment_index);
         else if (world->def.until != DPT_UNTIL_TRACK && world->def.method != DPT_METHOD_PAPER)
             contact_segment(world, segment_index);
-        if (world->def.strip && world->def.until != DPT_UNTIL_TRACK)
+        if (world->def.strip && world->def.until != DPT_UNTIL_TRACK && !tool->is_resting)
             dpti_strips_find(world, segment_index);
         if (world->def.until == DPT_UNTIL_RESPOND && !is_of_proxy)
             dpti_force_respond(world, segment_index, dt);
-        dpti_tool_write_hit(&world->segments[segment_index]);
+        if (!tool->is_resting)
+            dpti_tool_write_hit(&world->segments[segment_index]);
         const struct segment_result *result = &world->segments[segment_index].result;
         if (!has_undone && world->def.budget &&
             (result->status == DPT_STATUS_BOUNDED ||
@@ -148,11 +153,12 @@ static void sum_tool(struct dpt_world *world, struct tool *tool, double dt)
 {
     const struct segment *segments = &world->segments[tool->first_segment];
     const int is_of_proxy = has_proxy(world, tool);
-    if (is_of_proxy) {
+    if (is_of_proxy && !tool->is_resting)
         dpti_proxy_settle(world, tool);
+    if (is_of_proxy)
         dpti_proxy_respond(world, tool, dt);
+    if (is_of_proxy && !tool->is_resting)
         dpti_proxy_write_hits(world, tool);
-    }
     for (uint32_t i = 0; i < tool->segment_count; i++)
         if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest_segment]))
             tool->nearest_segment = i;
@@ -232,6 +238,17 @@ static void hide_answers(struct dpt_world *world)
         dpti_force_forget(&world->segments[s]);
 }
 
+/* Nothing of the last step counts as an answer of this one, but for a tool that rests. */
+static void begin_tool(struct dpt_world *world, struct tool *tool, int tracks_only)
+{
+    if (tool->is_resting)
+        dpti_rest_keep_answers(world, tool);
+    else if (tracks_only)
+        dpti_tool_clear_hits(world, tool);
+    else
+        dpti_tool_clear(world, tool);
+}
+
 dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
 {
     if (!world)
@@ -241,14 +258,20 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
     const int has_report = out && result == DPT_OK;
     if (result == DPT_OK && !(dt > 0.0 && within(dt, 1e6)))
         result = DPT_E_ARGUMENT;
+    if (result == DPT_OK)
+        dpti_rest_begin_step(world);
+    else
+        dpti_rest_forget(world);
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (world->tools[t].slot.used)
-            (tracks_only ? dpti_tool_clear_hits : dpti_tool_clear)(world, &world->tools[t]);
+            begin_tool(world, &world->tools[t], tracks_only);
     dpti_deform_begin_step(world, result == DPT_OK ? dt : 0.0);
-    if (result == DPT_OK)
+    if (result == DPT_OK) {
         step_segments(world, dt);
-    else
+        dpti_rest_end_step(world);
+    } else {
         hide_answers(world);
+    }
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (world->tools[t].slot.used && result == DPT_OK && !world->invalid_body_count)
             sum_tool(world, &world->tools[t], dt);

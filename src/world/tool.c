@@ -31,6 +31,7 @@ void dpti_tool_forget(struct dpt_world *world, struct tool *tool)
         forget_segment(world, tool->first_segment + i);
     dpti_proxy_forget(world, tool);
     dpti_tool_clear(world, tool);
+    tool->has_changed = 1;
 }
 
 dpt_result dpti_tool_check_segments(const dpt_segment *segments, uint32_t count)
@@ -44,12 +45,14 @@ dpt_result dpti_tool_check_segments(const dpt_segment *segments, uint32_t count)
 }
 
 /* Copy given segments into the world's. */
-static void put_segments(struct dpt_world *world, const struct tool *tool,
-                         const dpt_segment *segments)
+static void put_segments(struct dpt_world *world, struct tool *tool, const dpt_segment *segments)
 {
     uint32_t slot = (uint32_t)(tool - world->tools);
     for (uint32_t i = 0; i < tool->segment_count; i++) {
         struct segment *to = &world->segments[tool->first_segment + i];
+        const dpt_segment *given = &segments[i];
+        tool->has_changed = tool->has_changed || !vec3_is_same(to->a, given->a) ||
+                            !vec3_is_same(to->b, given->b) || to->radius != given->radius;
         to->a = vec3_of(segments[i].a);
         to->b = vec3_of(segments[i].b);
         to->radius = segments[i].radius;
@@ -85,6 +88,8 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->shape_user = NULL;
     made->law = world->def.law;
     made->is_free = 0;
+    made->has_changed = 1;
+    made->is_resting = made->still_ticks = 0;
     made->first_segment = world->segment_count;
     made->segment_count = count;
     world->segment_count += count;
@@ -116,6 +121,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
         if (world->tools[t].slot.used && world->tools[t].first_segment >= end)
             world->tools[t].first_segment -= removed->segment_count;
     world->segment_count -= removed->segment_count;
+    world->has_changed = 1;
     slot_release(&removed->slot, &world->freed_count[1]);
     world->tool_count--;
     return DPT_OK;
@@ -128,6 +134,7 @@ static void set_free(struct dpt_world *world, struct tool *tool, uint32_t is_fre
         dpti_force_forget(&world->segments[tool->first_segment + i]);
     if (tool->is_free != is_free)
         dpti_proxy_set_free(world, tool, is_free);
+    tool->has_changed |= tool->is_free != is_free;
     tool->is_free = is_free;
 }
 
@@ -142,6 +149,7 @@ dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *po
     if (result != DPT_OK)
         return result;
     set_free(world, moved, 0);
+    moved->has_changed |= !pose_is_same(&moved->pose, pose);
     moved->frame = frame;
     moved->pose = *pose;
     return DPT_OK;
@@ -175,6 +183,7 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
         return DPT_OK;
     }
     const dpt_pose identity = DPT_POSE_IDENTITY;
+    moved->has_changed |= !pose_is_same(&moved->pose, &identity);
     moved->frame = frame_identity;
     moved->pose = identity;
     put_segments(world, moved, segments);
@@ -267,6 +276,7 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
     found->rotational_stiffness = settings.rotational_stiffness;
     found->damping = settings.damping;
     found->lock_rotation = settings.lock_rotation;
+    found->has_changed = 1;
     if (found->law != settings.law)
         set_law(world, found, settings.law);
     return DPT_OK;

@@ -65,6 +65,9 @@ struct tool {
     uint32_t nearest_segment; /* the segment whose hit is the tool's; counts from first_segment */
     /* Its segments are given in the world, and its torque is about end a of the first one. */
     uint32_t is_free;
+    uint32_t has_changed; /* since the last step, in what it depends on (rest.h) */
+    uint32_t is_resting;  /* in this step */
+    uint32_t still_ticks; /* in a row, up to the last */
     /* What it does to rigid bodies in this tick, about where its torque is; only with deformable bodies in the world. */
     dpt_wrench on_rigid;
 };
@@ -138,6 +141,7 @@ struct proxy {
     /* A body that it remembers was removed or teleported since: its push ends at once. */
     uint32_t is_released;
     uint32_t reason; /* DPT_FORCE_... of this tick */
+    uint32_t is_still; /* the last tick left it as it was */
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
 };
@@ -217,7 +221,8 @@ struct segment {
     uint32_t may_have_crossed; /* in this tick's motion the axis may have gone through a surface */
     uint32_t last_body_slot;   /* the body that was nearest in the last tick, or DPT_NONE */
     uint32_t tool_slot;
-    uint32_t reserved;
+    uint32_t still_triangle; /* place: the nearest at the end of the last tick */
+    double still_distance2;  /* m^2: and how far it was */
 };
 
 /* With a budget: the distance that is proven between a segment and a body. */
@@ -314,6 +319,7 @@ struct dpt_world {
     uint32_t last_contact_id;   /* the newest id of a contact */
     uint32_t contacts_wanted;   /* contacts of this tick, carried over and dropped ones included */
     uint32_t contacts_overflowed; /* this tick had more than max_contacts */
+    uint32_t has_changed;         /* bodies or their settings, since the last step (rest.h) */
     struct body *bodies;          /* by slot */
     struct box *boxes;            /* of the bodies, in the world, by slot */
     struct tool *tools;           /* by slot */

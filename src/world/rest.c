@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/rest.h"
+
+#include "world/persistent_contacts.h"
+#include "world/proxy_free.h"
+#include "world/proxy_state.h"
+
+/* The first tick without a change may still end a motion; the second repeats it. */
+enum { STILL_TICKS = 2 };
+
+static int has_changed(const struct dpt_world *world, const struct tool *tool)
+{
+    return world->has_changed || tool->has_changed;
+}
+
+void dpti_rest_begin_step(struct dpt_world *world)
+{
+    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
+        struct tool *tool = &world->tools[t];
+        if (world
+                ->contacts_overflowed) /* in the last tick: its own contacts may be among those that were dropped */
+            tool->still_ticks = 0;
+        tool->is_resting = tool_is_active(world, tool) && !has_changed(world, tool) &&
+                           tool->still_ticks >= STILL_TICKS;
+    }
+}
+
+void dpti_rest_keep_answers(struct dpt_world *world, struct tool *tool)
+{
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
+        struct segment *segment = &world->segments[tool->first_segment + i];
+        segment->result.work = segment->hit.work = 0;
+        segment->pushing_part = segment->previous_pushing_part;
+    }
+    tool->energy = tool->body_work = 0.0;
+    if (dpti_proxy_is_used(world, tool))
+        world->proxies[tool - world->tools].tick = world->ticks + 1;
+}
+
+void dpti_rest_keep_contacts(struct dpt_world *world, uint32_t segment_index)
+{
+    const struct persistent_contacts *last = contacts_last_tick(world);
+    for (uint32_t i = 0; i < last->count; i++) {
+        struct persistent_contact *kept = last->items[i].segment_index == segment_index
+                                              ? dpti_persistent_contacts_add(world)
+                                              : NULL;
+        if (kept)
+            *kept = last->items[i];
+    }
+}
+
+/* Whether a segment has all answers that the world is asked for. Without a budget a contact that is unknown stays so. */
+static int is_known(const struct dpt_world *world, uint32_t segment_index)
+{
+    const struct segment *segment = &world->segments[segment_index];
+    if (!segment->answer.body || !segment->answer.is_exact)
+        return 0;
+    if (world->def.until == DPT_UNTIL_TRACK)
+        return 1;
+    return !world->def.budget ||
+           (segment->result.has_gap && !world->motion_backlogs[segment_index].count &&
+            !work_is_spent(&world->work));
+}
+
+/* The contacts of a segment in one of the two lists, one after the other; NULL at the end. */
+static const struct persistent_contact *next_of(const struct persistent_contacts *list,
+                                                uint32_t *at, uint32_t segment_index)
+{
+    while (*at < list->count)
+        if (list->items[(*at)++].segment_index == segment_index)
+            return &list->items[*at - 1];
+    return NULL;
+}
+
+static int has_same_contacts(const struct dpt_world *world, uint32_t segment_index)
+{
+    const struct persistent_contacts *now = &world->contacts[world->contacts_index];
+    const struct persistent_contacts *last = &world->contacts[1 - world->contacts_index];
+    uint32_t at = 0, at_last = 0;
+    for (;;) {
+        const struct persistent_contact *one = next_of(now, &at, segment_index);
+        const struct persistent_contact *other = next_of(last, &at_last, segment_index);
+        if (!one || !other)
+            return !one && !other;
+        struct persistent_contact same = *other;
+        same.is_in_front = one->is_in_front; /* the motion of this tick may have cleared it there */
+        if (memcmp(one, &same, sizeof same))
+            return 0;
+    }
+}
+
+/* Whether a search from where the last one ended found the same. Of triangles that are as near it names any. */
+static int has_same_nearest(struct segment *segment)
+{
+    const struct pair_search *nearest = &segment->answer.track.nearest;
+    const int is_same = segment->still_triangle == nearest->triangle &&
+                        segment->still_distance2 == nearest->pair.distance2;
+    segment->still_triangle = nearest->triangle;
+    segment->still_distance2 = nearest->pair.distance2;
+    return is_same;
+}
+
+/* Whether the tool ends the tick as it began it, and nothing is left to do. */
+static int stood_still(const struct dpt_world *world, const struct tool *tool)
+{
+    if (!tool_is_active(world, tool) || has_changed(world, tool) || world->deform_count ||
+        world->def.method == DPT_METHOD_PAPER)
+        return 0;
+    if (dpti_proxy_is_used(world, tool) &&
+        (!world->proxies[tool - world->tools].is_still || !dpti_proxy_has_size(world, tool)))
+        return 0;
+    int is_same = 1;
+    for (uint32_t s = tool->first_segment; s < tool->first_segment + tool->segment_count; s++)
+        is_same &= is_known(world, s) && has_same_nearest(&world->segments[s]) &&
+                   has_same_contacts(world, s);
+    return is_same;
+}
+
+void dpti_rest_end_step(struct dpt_world *world)
+{
+    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
+        struct tool *tool = &world->tools[t];
+        if (!tool->slot.used || tool->is_resting)
+            continue;
+        tool->still_ticks = stood_still(world, tool) ? tool->still_ticks + 1 : 0;
+        tool->has_changed = 0;
+    }
+    world->has_changed = 0;
+}
+
+void dpti_rest_forget(struct dpt_world *world)
+{
+    for (uint32_t t = 0; t < world->tool_slot_end; t++)
+        world->tools[t].still_ticks = world->tools[t].is_resting = 0;
+}
