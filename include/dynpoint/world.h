@@ -341,8 +341,9 @@ enum {
  * One tick of `dt` seconds, above 0 and at most 1e6. After an error all wrenches are zero and every answer is stale.
  * Input that cannot be used is no error of the step: it returns DPT_OK, and the answers concerned are stale.
  *
- * A tool that stands still, with all that it depends on, is not searched for again: its answers stay, and their `work` is 0.
- * Its force goes on, with fades and dampers (docs/algorithms/rest.md).
+ * A tool that stands still, with all that it depends on, is not searched for again: its answers stay, and their
+ * `work` is 0. Its force goes on, with fades and dampers (docs/algorithms/rest.md).
+ *
  *   out   may be NULL
  *
  * The functions below report the last step, whatever was set after it. They may name a body that was removed after it.

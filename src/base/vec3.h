@@ -119,6 +119,7 @@ static inline int within(double value, double limit)
     return fabs(value) <= limit;
 }
 
+/* 1 if all coordinates are equal. */
 static inline int vec3_is_same(vec3 v, const double *other)
 {
     return v.x == other[0] && v.y == other[1] && v.z == other[2];

@@ -191,8 +191,8 @@ static double piece_length_max(const struct surface *surface)
 }
 
 /*
- * Whether shorter pieces would touch as many triangles, after a test of the piece: the leaf that it found is as long, as
- * where slivers stand side by side.
+ * After a test of the piece: whether the leaf that it may touch is as long as the piece, as where slivers stand side by side.
+ * Then shorter pieces would touch as many triangles.
  */
 static int touches_long_leaf(const struct rigid_sweep *sweep, double length, uint32_t halvings)
 {

@@ -200,7 +200,6 @@ static dpt_result set_validity(struct dpt_world *world, struct body *body, const
     world->invalid_body_count -= !body->unfelt && !body->slot.valid;
     body->slot.valid = result == DPT_OK;
     world->invalid_body_count += !body->unfelt && !body->slot.valid;
-    world->has_changed |= result != DPT_OK;
     return result;
 }
 

@@ -416,7 +416,7 @@ static int stood_still(const struct proxy *before, const struct proxy *now)
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
 {
     struct proxy *proxy = proxy_of(world, tool);
-    const int is_unchanged = !tool->has_changed && !world->has_changed;
+    const int is_unchanged = !tool_has_changed(world, tool);
     struct proxy before;
     if (is_unchanged)
         before = *proxy;

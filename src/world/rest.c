@@ -8,19 +8,14 @@
 /* The first tick without a change may still end a motion; the second repeats it. */
 enum { STILL_TICKS = 2 };
 
-static int has_changed(const struct dpt_world *world, const struct tool *tool)
-{
-    return world->has_changed || tool->has_changed;
-}
-
 void dpti_rest_begin_step(struct dpt_world *world)
 {
     for (uint32_t t = 0; t < world->tool_slot_end; t++) {
         struct tool *tool = &world->tools[t];
-        if (world
-                ->contacts_overflowed) /* in the last tick: its own contacts may be among those that were dropped */
+        /* Its own contacts may be among those for which the last tick had no room. */
+        if (world->contacts_overflowed)
             tool->still_ticks = 0;
-        tool->is_resting = tool_is_active(world, tool) && !has_changed(world, tool) &&
+        tool->is_resting = tool_is_active(world, tool) && !tool_has_changed(world, tool) &&
                            tool->still_ticks >= STILL_TICKS;
     }
 }
@@ -103,7 +98,7 @@ static int has_same_nearest(struct segment *segment)
 /* Whether the tool ends the tick as it began it, and nothing is left to do. */
 static int stood_still(const struct dpt_world *world, const struct tool *tool)
 {
-    if (!tool_is_active(world, tool) || has_changed(world, tool) || world->deform_count ||
+    if (!tool_is_active(world, tool) || tool_has_changed(world, tool) || world->deform_count ||
         world->def.method == DPT_METHOD_PAPER)
         return 0;
     if (dpti_proxy_is_used(world, tool) &&

@@ -121,7 +121,6 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
         if (world->tools[t].slot.used && world->tools[t].first_segment >= end)
             world->tools[t].first_segment -= removed->segment_count;
     world->segment_count -= removed->segment_count;
-    world->has_changed = 1;
     slot_release(&removed->slot, &world->freed_count[1]);
     world->tool_count--;
     return DPT_OK;
@@ -183,7 +182,6 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
         return DPT_OK;
     }
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    moved->has_changed |= !pose_is_same(&moved->pose, &identity);
     moved->frame = frame_identity;
     moved->pose = identity;
     put_segments(world, moved, segments);

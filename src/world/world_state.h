@@ -347,6 +347,12 @@ static inline int tool_is_active(const struct dpt_world *world, const struct too
     return tool->slot.used && tool->slot.valid && !world->invalid_body_count;
 }
 
+/* 1 if anything has changed since the last step that the tool's answers depend on (rest.h). */
+static inline int tool_has_changed(const struct dpt_world *world, const struct tool *tool)
+{
+    return world->has_changed || tool->has_changed;
+}
+
 /* 1 if there is a body in this slot that tools can find. */
 static inline int body_is_there(const struct body *body)
 {

@@ -85,7 +85,7 @@ static void open_run(struct run *run, const struct setting *setting, uint32_t me
     run->block = malloc(dpt_world_bytes(&def));
     CHECK(dpt_world_create(run->block, dpt_world_bytes(&def), &def, &run->world) == DPT_OK,
           "world");
-    const dpt_pose beside = { { 0.2, 0.1, 0.2 }, { 1.0, 0.0, 0.0 } };
+    const dpt_pose beside = { { 0.2, 0.1, 0.2 }, { 1.0, 0.0, 0.0, 0.0 } };
     for (uint32_t i = 0; i < 2; i++) {
         dpt_body_settings body = { .size = sizeof body };
         CHECK(dpt_body_add(run->world, fixtures[(mesh + i) % MESHES].mesh, i ? &beside : NULL,
@@ -151,10 +151,11 @@ static void put_hand(struct run *run, const struct setting *setting, const dpt_p
 /* Something besides the hand changes, the same in both worlds. */
 static void change(struct run *run, const struct setting *setting, uint32_t kind, double amount)
 {
-    const dpt_pose pose = { { 0.2 + amount, 0.1, 0.2 }, { 1.0, 0.0, 0.0 } };
+    const dpt_pose pose = { { 0.2 + amount, 0.1, 0.2 }, { 1.0, 0.0, 0.0, 0.0 } };
     dpt_body_settings body = { .size = sizeof body };
     dpt_tool_settings tool = { .size = sizeof tool };
     dpt_segment longer = parts[0];
+    const dpt_pose identity = DPT_POSE_IDENTITY;
     switch (kind) {
     case 0:
         dpt_body_set_pose(run->world, run->body[1], &pose);
@@ -188,6 +189,9 @@ static void change(struct run *run, const struct setting *setting, uint32_t kind
             dpt_tool_teleport(run->world, run->tool[0], &pose);
         break;
     case 7:
+        dpt_tool_set_pose(run->world, run->tool[1], &identity);
+        break;
+    case 8:
         if (!dpt_body_is_valid(run->world, run->body[1]))
             dpt_body_add(run->world, fixtures[0].mesh, &pose, &run->body[1]);
         else
@@ -200,7 +204,7 @@ static void change(struct run *run, const struct setting *setting, uint32_t kind
     }
 }
 
-enum { CHANGES = 9 };
+enum { CHANGES = 10 };
 
 /* All that a tool answers; `work` alone may differ. */
 struct answers {
@@ -306,7 +310,7 @@ static uint64_t compared, rested, pressed, nudged, parted;
 static void compare_runs(const struct setting *setting, uint32_t mesh, uint64_t seed)
 {
     struct run runs[2];
-    struct hand hand = { .pose = { { 0.0, 0.0, 0.2 }, { 1.0, 0.0, 0.0 } } };
+    struct hand hand = { .pose = { { 0.0, 0.0, 0.2 }, { 1.0, 0.0, 0.0, 0.0 } } };
     int same = 1;
     for (int r = 0; r < 2; r++)
         open_run(&runs[r], setting, mesh);
