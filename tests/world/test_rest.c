@@ -372,12 +372,46 @@ static void nobody_can_tell(void)
     }
 }
 
+/* A free tool that rests on a box, and is rigid from now on where it is: its proxy begins anew. */
+static void a_free_tool_turns_rigid(void)
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    dpt_segment segment = { { 0.0, 0.0, 0.06 }, { 0.05, 0.0, 0.06 }, 0.002 };
+    dpt_force_report report = { .size = sizeof report };
+    dpt_hit hit = DPT_HIT_INIT;
+    dpt_world_def def;
+    dpt_world *world;
+    dpt_body body;
+    dpt_tool tool;
+    dpt_world_def_init(&def);
+    def.law = DPT_LAW_PROXY;
+    void *block = malloc(dpt_world_bytes(&def));
+    CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK, "world");
+    CHECK(dpt_body_add(world, fixtures[MESHES - 1].mesh, NULL, &body) == DPT_OK, "body");
+    CHECK(dpt_tool_add(world, &segment, 1, &tool) == DPT_OK, "tool");
+    for (int tick = 0; tick < 200; tick++) {
+        segment.a[2] = segment.b[2] = fmax(0.039, 0.06 - 2e-4 * tick);
+        dpt_tool_set_segments(world, tool, &segment, 1);
+        CHECK(dpt_world_step(world, 1e-3, NULL) == DPT_OK, "step");
+    }
+    dpt_tool_get_hit(world, tool, &hit);
+    dpt_tool_get_force_report(world, tool, &report);
+    CHECK(hit.work == 0 && report.reason == DPT_FORCE_ACTS, "work %u, reason %u", hit.work,
+          report.reason);
+    dpt_tool_set_pose(world, tool, &identity);
+    CHECK(dpt_world_step(world, 1e-3, NULL) == DPT_OK, "step");
+    dpt_tool_get_hit(world, tool, &hit);
+    CHECK(hit.work > 0, "it rests");
+    free(block);
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1)
         per_cent = (unsigned)strtoul(argv[1], NULL, 10);
     for (int i = 0; i < MESHES; i++)
         fixture_from_shape(&fixtures[i], shapes[i], counts[i]);
+    TEST(a_free_tool_turns_rigid);
     TEST(nobody_can_tell);
     for (int i = 0; i < MESHES; i++)
         fixture_free(&fixtures[i]);
