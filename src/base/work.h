@@ -33,6 +33,13 @@ static inline int work_is_spent(const struct work *work)
     return work->done >= work->limit;
 }
 
+/* Allow no more than `units` from now on, where more were left. */
+static inline void work_limit_to(struct work *work, uint32_t units)
+{
+    if (work_left(work) > units)
+        work->limit = work->done + units;
+}
+
 static inline void work_spend(struct work *work, uint32_t units)
 {
     work->done += units;

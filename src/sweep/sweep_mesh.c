@@ -116,20 +116,31 @@ static void triangle_during(const struct mesh_sweep *search, uint32_t triangle,
     }
 }
 
-/* Sweep one triangle, in double, and note its hit if it is the first so far. */
+/* Of triangles that are hit at one time, the first in the source counts. */
+static int comes_first(const struct mesh_sweep *search, uint32_t triangle)
+{
+    const struct sweep_progress *progress = search->progress;
+    const uint32_t *sources = search->surface->sources;
+    return progress->triangle == DPT_NONE || sources[triangle] < sources[progress->triangle];
+}
+
+/*
+ * Sweep one triangle, in double, and note its hit if it is the first so far. A tool that begins on many triangles need
+ * not be compared with all: nothing is sooner than time 0.
+ */
 static void evaluate_triangle(struct mesh_sweep *search, uint32_t triangle)
 {
-    const struct surface *surface = search->surface;
     struct sweep_progress *progress = search->progress;
     struct moving_triangle moving;
     double time;
     uint32_t evaluations = 0;
+    if (progress->until == 0.0 && !comes_first(search, triangle))
+        return;
     triangle_during(search, triangle, &moving);
     work_spend(search->work, 1);
     if (dpti_sweep_triangle(search->sweep, &moving, progress->until, &time, &evaluations) !=
             SWEEP_HIT ||
-        (time == progress->until && progress->triangle != DPT_NONE &&
-         surface->sources[triangle] >= surface->sources[progress->triangle]))
+        (time == progress->until && !comes_first(search, triangle)))
         return;
     int is_sooner = time < progress->until;
     progress->until = time;
@@ -187,7 +198,32 @@ static void begin_search(struct mesh_sweep *search, uint32_t hint)
         evaluate_triangle(search, hint);
 }
 
-/* Visit what is left until a triangle is open. */
+/* Whether the motion may touch a triangle that the bounds in float do not rule out. */
+static int may_touch_triangle(struct mesh_sweep *search, uint32_t triangle)
+{
+    struct moving_triangle moving;
+    uint32_t evaluations = 0;
+    triangle_during(search, triangle, &moving);
+    const int may_touch = dpti_sweep_may_touch_triangle(search->sweep, &moving, &evaluations);
+    work_spend(search->work, 1);
+    return may_touch;
+}
+
+/*
+ * Where so many triangles of a leaf, or of all leaves, are in doubt, the motion is too long for its test: a shorter one
+ * is cheaper than a proof of each.
+ */
+enum { DOUBTED_OF_LEAF = 8, DOUBTED_MAX = 32 };
+
+static int is_too_long(const struct sweep_progress *progress)
+{
+    uint32_t count = 0;
+    for (uint32_t lanes = progress->path[0].lanes; lanes; lanes &= lanes - 1)
+        count++;
+    return count >= DOUBTED_OF_LEAF || progress->ruled_out == DOUBTED_MAX;
+}
+
+/* Visit what is left until a triangle may be touched. */
 static int continue_test(struct mesh_sweep *search, uint32_t *leaf)
 {
     struct sweep_progress *progress = search->progress;
@@ -197,15 +233,19 @@ static int continue_test(struct mesh_sweep *search, uint32_t *leaf)
             progress->level++;
             continue;
         }
-        if (progress->level == 0) {
-            *leaf = opened->node;
-            return SWEEP_HIT;
-        }
         if (work_is_spent(search->work))
             return SWEEP_UNFINISHED;
         uint32_t lane = lowest_lane(opened->bound, opened->lanes);
+        uint32_t child = opened->node * LANES + lane;
         opened->lanes &= ~(1u << lane);
-        open_node(search, progress->level - 1, opened->node * LANES + lane);
+        if (progress->level) {
+            open_node(search, progress->level - 1, child);
+        } else if (is_too_long(progress) || may_touch_triangle(search, child)) {
+            *leaf = opened->node;
+            return SWEEP_HIT;
+        } else {
+            progress->ruled_out++;
+        }
     }
     return SWEEP_FREE;
 }
@@ -223,6 +263,7 @@ int dpti_sweep_may_touch(const struct surface *surface, const struct kernel *ker
     swept_hull_of(&search, &search.hull);
     if (!progress->has_begun) {
         progress->has_begun = 1;
+        progress->ruled_out = 0;
         progress->path[surface->levels + 1] = (struct sweep_node){ .lanes = 1 };
         progress->level = surface->levels + 1;
         if (*leaf != DPT_NONE) {

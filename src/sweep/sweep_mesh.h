@@ -40,6 +40,7 @@ struct sweep_progress {
     uint32_t hint;      /* the triangle that was evaluated first, or DPT_NONE */
     uint32_t has_begun; /* 0: no call was left unfinished */
     uint32_t level;     /* of the node being visited; 0: a leaf; levels + 1: above the root */
+    uint32_t ruled_out; /* triangles of a test that planes of their own ruled out */
     struct sweep_node path[MESH_LEVELS_MAX + 2]; /* by level */
 };
 
@@ -63,8 +64,9 @@ int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
                     struct impact *first);
 
 /*
- * Whether a motion may touch the surface at all, by bounds alone: no triangle is evaluated. Much cheaper than the first touch
- * where something is near. Arguments as above; the progress is for this motion alone.
+ * Whether a motion may touch the surface at all: by bounds, and of a few triangles that these leave in doubt by
+ * dpti_sweep_may_touch_triangle. Much cheaper than the first touch where something is near. Arguments as above; the
+ * progress is for this motion alone.
  *
  *   leaf      in: a leaf to look at first, or DPT_NONE. out: the one that may be touched, if there is one
  *

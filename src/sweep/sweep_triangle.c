@@ -183,7 +183,8 @@ static int trim(const struct sweep *sweep, const struct moving_triangle *triangl
 {
     vec3 x = sweep->middle_direction;
     vec3 a_end = add(sweep->a, sweep->da), u_end = add(sweep->u, sweep->du);
-    double margin = 2.0 * sweep->free_limit - sweep->radius;
+    double margin =
+        2.0 * sweep->free_limit - sweep->radius + max_of(sweep->reach[0], sweep->reach[1]);
     double min_along = HUGE_VAL, max_along = -HUGE_VAL;
     for (int k = 0; k < 3; k++) {
         const double from = dot(x, triangle->corner[k]);
@@ -370,4 +371,60 @@ int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle 
     }
     *time = until;
     return result;
+}
+
+/* m: farther than this from the line of the axis, at the place s, nothing is touched. */
+static double limit_at(const struct sweep *sweep, double s)
+{
+    return sweep->free_limit + sweep->reach[0] + s * (sweep->reach[1] - sweep->reach[0]);
+}
+
+/*
+ * Whether the ends of a piece, as it is at time 1/2, stay in front of the triangle from time 0 to 1, each by its limit: in
+ * the direction of the pair that is nearest then.
+ */
+static int stays_in_front(const struct moving_piece *moving, const vec3 corner[3],
+                          const pair *found, double limit_a, double limit_b)
+{
+    const vec3 normal = direction_of(moving, corner, found);
+    const double height_a = dot(normal, moving->a) - limit_a, rise_a = dot(normal, moving->va);
+    const double height_b = dot(normal, moving->b) - limit_b, rise_b = dot(normal, moving->vb);
+    for (int k = 0; k < 3; k++) {
+        const double height = dot(normal, corner[k]);
+        const double rise = moving->is_moving ? dot(normal, moving->shift[k]) : 0.0;
+        if (!(height_a - height > 0.5 * fabs(rise_a - rise) &&
+              height_b - height > 0.5 * fabs(rise_b - rise)))
+            return 0;
+    }
+    return 1;
+}
+
+int dpti_sweep_may_touch_triangle(const struct sweep *sweep, const struct moving_triangle *triangle,
+                                  uint32_t *evaluations)
+{
+    enum { PAIRS_MAX = 4 };
+    struct motion_piece pieces[PAIRS_MAX + 1];
+    struct moving_piece moving;
+    const vec3 *corner = triangle->is_moving ? moving.corner : triangle->corner;
+    int count = trim(sweep, triangle, pieces);
+    pieces[0].time = 0.5;
+    for (int pairs = 0; count; pairs++) {
+        struct motion_piece *piece = &pieces[count - 1];
+        if (pairs == PAIRS_MAX)
+            return 1;
+        ++*evaluations;
+        moving_piece_of(sweep, triangle, piece, &moving);
+        const vec3 u = sub(moving.b, moving.a);
+        const pair found = segment_triangle(moving.a, u, corner[0], corner[1], corner[2]);
+        const double limit = limit_at(sweep, piece->from + found.s * (piece->to - piece->from));
+        if (!(found.distance2 > limit * limit))
+            return 1;
+        if (stays_in_front(&moving, corner, &found, limit_at(sweep, piece->from),
+                           limit_at(sweep, piece->to))) {
+            count--;
+            continue;
+        }
+        cut_axis(piece, &pieces[count++]);
+    }
+    return 0;
 }

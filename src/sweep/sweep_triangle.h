@@ -77,4 +77,11 @@ void dpti_moving_triangle_at(const struct moving_triangle *triangle, double time
 int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle *triangle,
                         double until, double *time, uint32_t *evaluations);
 
+/*
+ * Whether a motion may touch a triangle at any time 0..1, each point of the axis beside its line by as much as
+ * sweep->reach allows. 0 is proven, by planes that stand still; 1 may be wrong. *evaluations as above.
+ */
+int dpti_sweep_may_touch_triangle(const struct sweep *sweep, const struct moving_triangle *triangle,
+                                  uint32_t *evaluations);
+
 #endif

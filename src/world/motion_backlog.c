@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The motion of one tick is a motion step. Most steps are done at once, because nothing is near. With a budget the
- * sweep of a step may take several ticks. Later steps wait in the backlog meanwhile, each with its own ends; if there
+ * The motion of one tick is a motion step. Most steps are done at once, because nothing is near. The sweep of a long
+ * one may take several ticks, as its work in one tick is limited. Later steps wait in the backlog meanwhile, each with its own ends; if there
  * is no room for one more, all are given up.
  */
 #include "world/motion_backlog.h"
@@ -15,7 +15,7 @@ typedef char motion_backlog_fits[sizeof(struct motion_backlog) <= BYTES_MOTION_B
 
 uint64_t dpti_backlog_bytes(const dpt_world_def *def)
 {
-    return def->budget ? BYTES_MOTION_BACKLOG * (uint64_t)def->max_segments : 0;
+    return BYTES_MOTION_BACKLOG * (uint64_t)def->max_segments;
 }
 
 char *dpti_backlog_place(struct dpt_world *world, char *at)
@@ -27,22 +27,19 @@ char *dpti_backlog_place(struct dpt_world *world, char *at)
 void dpti_backlog_forget(struct dpt_world *world, uint32_t segment_index)
 {
     world->segments[segment_index].previous.is_known = 0;
-    if (world->def.budget)
-        world->motion_backlogs[segment_index].count =
-            world->motion_backlogs[segment_index].body_id = 0;
+    world->motion_backlogs[segment_index].count = world->motion_backlogs[segment_index].body_id = 0;
 }
 
 void dpti_backlog_restart(struct dpt_world *world)
 {
-    for (uint32_t s = 0; world->def.budget && s < world->segment_count; s++)
+    for (uint32_t s = 0; s < world->segment_count; s++)
         world->motion_backlogs[s].body_id = 0;
 }
 
 void dpti_backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 {
-    if (world->def.budget)
-        memmove(&world->motion_backlogs[first], &world->motion_backlogs[end],
-                (world->segment_count - end) * sizeof *world->motion_backlogs);
+    memmove(&world->motion_backlogs[first], &world->motion_backlogs[end],
+            (world->segment_count - end) * sizeof *world->motion_backlogs);
 }
 
 /* Give up all steps, as if the tool had been teleported to where the segment is now. */
@@ -101,9 +98,12 @@ static int is_far_from_all(const struct dpt_world *world, const struct segment *
     return segment->result.lower_bound > reach + body_motion + segment->result.error_bound;
 }
 
-/* Sweep the steps in turn, until one hits or the budget ends. Returns 1 if no step is left, else 0. */
+/*
+ * Sweep the steps in turn, until one hits or a budget ends. The sweep's own does not end it where only this tick can
+ * sweep; the world's does, `limit`. Returns 1 if no step is left, else 0.
+ */
 static int sweep_steps(struct dpt_world *world, uint32_t segment_index,
-                       struct motion_backlog *backlog)
+                       struct motion_backlog *backlog, uint32_t limit)
 {
     struct segment *segment = &world->segments[segment_index];
     while (backlog->count) {
@@ -111,9 +111,14 @@ static int sweep_steps(struct dpt_world *world, uint32_t segment_index,
         double reach = reach_of_steps(segment, backlog, NULL);
         if (!dpti_motion_sweep_step(world, segment_index,
                                     dpti_motion_bodies(world, segment_index, reach), backlog)) {
+            const int meets_changed = may_meet_changed_body(world, segment_index, reach);
+            if (meets_changed && world->work.limit != limit) {
+                world->work.limit = limit;
+                continue;
+            }
             dpti_motion_set_no_sweep(segment, DPT_SWEEP_UNFINISHED);
             segment->sweep.age = age;
-            backlog->is_lost |= (uint32_t)may_meet_changed_body(world, segment_index, reach);
+            backlog->is_lost |= (uint32_t)meets_changed;
             return 0;
         }
         segment->sweep.age = age;
@@ -130,12 +135,11 @@ static int sweep_steps(struct dpt_world *world, uint32_t segment_index,
 int dpti_backlog_sweep(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
-    struct motion_backlog own_backlog,
-        *backlog = world->def.budget ? &world->motion_backlogs[segment_index] : &own_backlog;
-    if (!world->def.budget || !segment->previous.is_known)
+    struct motion_backlog *backlog = &world->motion_backlogs[segment_index];
+    if (!segment->previous.is_known) {
         backlog->count = backlog->body_id = 0;
-    if (!segment->previous.is_known)
         return 1;
+    }
     struct motion_state now = dpti_motion_state_now(world, segment);
     if (backlog->count && !can_follow(world, segment_index, backlog, &now)) {
         give_up(world, segment_index, backlog);
@@ -160,12 +164,17 @@ int dpti_backlog_sweep(struct dpt_world *world, uint32_t segment_index)
     if (backlog->radius != segment->radius)
         backlog->body_id = 0;
     backlog->radius = segment->radius;
-    return sweep_steps(world, segment_index, backlog);
+    /* Late is better than given up. */
+    const int is_full = backlog->count == MOTION_STEPS_MAX;
+    const struct work before = is_full ? world->work : world_begin_sweep(world);
+    const int is_done = sweep_steps(world, segment_index, backlog, before.limit);
+    world_end_sweep(world, &before);
+    return is_done;
 }
 
 void dpti_backlog_end_tick(struct dpt_world *world, uint32_t segment_index)
 {
-    if (!world->def.budget || !world->motion_backlogs[segment_index].count)
+    if (!world->motion_backlogs[segment_index].count)
         world->segments[segment_index].previous =
             dpti_motion_state_now(world, &world->segments[segment_index]);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a segment met in its motion from the last tick to this one and, with a budget, the motion steps that still
- * have to be swept: docs/algorithms/swept_motion.md.
+ * What a segment met in its motion from the last tick to this one, and the motion steps that still have to be
+ * swept because the work of a tick is limited: docs/algorithms/swept_motion.md.
  */
 #ifndef DPT_MOTION_BACKLOG_H
 #define DPT_MOTION_BACKLOG_H

@@ -81,6 +81,9 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
     /* Where the search was last elsewhere, its list tells nothing. */
     const struct near_bodies all = { .count = world->body_slot_end };
     struct tool_sweep sweep = { SWEEP_FREE, 1.0, 1 };
+    /* The shortest motion that is tried has no shorter one to wait for. */
+    const int is_limited = !tick->is_before && tick->proxy->trust > tick->clearance;
+    const struct work before = is_limited ? world_begin_sweep(world) : world->work;
     for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
         const struct segment *segment = &world->segments[tick->tool->first_segment + i];
         const vec3 a = frame_to_world(&tick->at.frame, segment->a);
@@ -111,6 +114,7 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
             sweep_body(tick, i, body, &to->pose, &sweep);
         }
     }
+    world_end_sweep(world, &before);
     return sweep;
 }
 

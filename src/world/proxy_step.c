@@ -305,6 +305,7 @@ static void place(struct proxy_tick *tick)
     dpti_proxy_find_nearest(tick);
     tick->proxy->trust = HUGE_VAL;
     tick->proxy->last_motion = 0.0;
+    tick->proxy->owed = 0.0;
     tick->proxy->lag = 0.0;
     tick->proxy->state = PROXY_PLACED;
 }
@@ -337,13 +338,18 @@ static void find_again(struct proxy_tick *tick)
 static void follow_all(struct proxy_tick *tick, double *allowed)
 {
     const struct work *work = &tick->world->work;
+    tick->proxy->owed = 0.0;
     for (int i = 0; i < ITERATIONS_MAX; i++) {
         int result = follow_once(tick, allowed);
         if (tick->is_before && (i + 1 >= PUSHES_MAX || work_is_spent(work)) &&
             dpti_proxy_carry(tick))
             result = FOLLOW_MOVED;
-        if (result == FOLLOW_DONE || work_is_spent(work))
+        if (result == FOLLOW_DONE)
             return;
+        if (work_is_spent(work) || (!tick->is_before && !tick->world->sweep_work_left)) {
+            tick->proxy->owed = *allowed;
+            return;
+        }
         if (!tick->is_before && *allowed <= CONVERGED_SMALL * tick->clearance)
             return;
     }
@@ -356,7 +362,9 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     const double others_moved = world_body_motion(tick->world);
     const int is_alone = tick->world->body_count == tick->world->unfelt_body_count;
     const int is_released = proxy->is_released || is_alone;
-    double allowed = is_released ? HUGE_VAL : 2.0 * device_moved + FOLD_SPEED * dt + others_moved;
+    const double owed = proxy->owed;
+    double allowed =
+        is_released ? HUGE_VAL : 2.0 * device_moved + FOLD_SPEED * dt + others_moved + owed;
     const double cap = allowed;
     if (is_released)
         proxy->trust = HUGE_VAL;
@@ -374,8 +382,9 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
     const double motion = displacement_norm(&proxy->coupling, &moved);
     const double far = displacement_norm(&proxy->coupling, &left);
+    proxy->owed = min_of(proxy->owed, 2.0 * far);
     const int is_capped = cap > 0.0 && allowed <= CONVERGED_SMALL * tick->clearance;
-    if (!is_released && (is_capped || motion > 2.0 * (device_moved + others_moved) + 0.1 * far)) {
+    if (!is_released && (is_capped || motion > 2.0 * (device_moved + others_moved) + owed + 0.1 * far)) {
         proxy->flags |= DPT_FORCE_FLAG_FOLD;
         proxy->folds++;
     }

@@ -44,7 +44,10 @@ void dpti_rest_keep_contacts(struct dpt_world *world, uint32_t segment_index)
     }
 }
 
-/* Whether a segment has all answers that the world is asked for. Without a budget a contact that is unknown stays so. */
+/*
+ * Whether a segment has all answers that the world is asked for. Without a budget a contact that is unknown stays so,
+ * once the motion is swept.
+ */
 static int is_known(const struct dpt_world *world, uint32_t segment_index)
 {
     const struct segment *segment = &world->segments[segment_index];
@@ -52,9 +55,9 @@ static int is_known(const struct dpt_world *world, uint32_t segment_index)
         return 0;
     if (world->def.until == DPT_UNTIL_TRACK)
         return 1;
-    return !world->def.budget ||
-           (segment->result.has_gap && !world->motion_backlogs[segment_index].count &&
-            !work_is_spent(&world->work));
+    if (world->motion_backlogs[segment_index].count)
+        return 0;
+    return !world->def.budget || (segment->result.has_gap && !work_is_spent(&world->work));
 }
 
 /* The contacts of a segment in one of the two lists, one after the other; NULL at the end. */

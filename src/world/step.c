@@ -95,6 +95,7 @@ static void step_segments(struct dpt_world *world, double dt)
     first = first < count ? first : 0;
     int has_undone = 0;
     world->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
+    world->sweep_work_left = world->def.sweep_budget ? world->def.sweep_budget : WORK_UNLIMITED;
     world->point_cache.tick = tick;
     dpti_persistent_contacts_begin_tick(world);
     step_proxies(world, dt);
@@ -121,9 +122,11 @@ static void step_segments(struct dpt_world *world, double dt)
         if (!tool->is_resting)
             dpti_tool_write_hit(&world->segments[segment_index]);
         const struct segment_result *result = &world->segments[segment_index].result;
-        if (!has_undone && world->def.budget &&
-            (result->status == DPT_STATUS_BOUNDED ||
-             (result->status == DPT_STATUS_EXACT && result->contact == DPT_CONTACT_UNKNOWN))) {
+        const int is_unknown =
+            result->status == DPT_STATUS_BOUNDED ||
+            (result->status == DPT_STATUS_EXACT && result->contact == DPT_CONTACT_UNKNOWN);
+        if (!has_undone && is_unknown &&
+            (world->def.budget || world->motion_backlogs[segment_index].count)) {
             world->undone_segment = segment_index;
             has_undone = 1;
         }

@@ -118,6 +118,7 @@ struct proxy {
     double min_gap; /* m: the least that is allowed */
     double trust;   /* m: the longest motion that is tried at once */
     double last_motion; /* m */
+    double owed;        /* m: how far it might have moved in the last tick, but for the limits of work */
     double lag;         /* m */
     double length;      /* m: of a free tool, the device's */
     double radius;      /* m: likewise */
@@ -170,7 +171,7 @@ struct motion_state {
 #define MOTION_STEPS_MAX 8
 
 /*
- * With a budget: the motion steps, of one tick each, that still have to be swept, and the progress of the first.
+ * The motion steps, of one tick each, that still have to be swept, and the progress of the first.
  * Bodies in lower slots than that of `body_id` are swept already.
  */
 struct motion_backlog {
@@ -307,6 +308,7 @@ struct dpt_world {
     uint32_t freed_count[2];     /* slots of bodies [0] and tools [1] freed so far; may wrap */
     uint32_t invalid_body_count; /* without a valid pose; above 0 every answer is stale */
     struct work work;            /* this tick's, with its budget */
+    uint32_t sweep_work_left;    /* units that the sweeps of this tick may still take */
     uint32_t undone_segment;     /* index of the first segment that the budget left undone */
     dpt_world_usage usage;
     uint64_t steps;             /* since it was created, that succeeded */
@@ -331,9 +333,9 @@ struct dpt_world {
     /* Only with a budget: */
     struct suspended_search *suspended_searches; /* two per segment */
     struct distance_bound *distance_bounds;      /* per segment and body slot */
-    struct motion_backlog *motion_backlogs;      /* per segment */
     struct point_cache point_cache;
 
+    struct motion_backlog *motion_backlogs; /* per segment */
     struct persistent_contacts contacts[2]; /* this tick's and last tick's */
     struct segment_strip *segment_strips;   /* per segment; only with strips */
     struct proxy *proxies;                  /* one a tool; only where the world responds */
@@ -369,6 +371,24 @@ static inline int body_has_moved(const struct dpt_world *world, const struct bod
 static inline double world_body_motion(const struct dpt_world *world)
 {
     return world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
+}
+
+/*
+ * Let a sweep have what is left to the sweeps of this tick. Returns the work before, for world_end_sweep. Without it a
+ * sweep may take all that is left of the tick's work.
+ */
+static inline struct work world_begin_sweep(struct dpt_world *world)
+{
+    const struct work before = world->work;
+    work_limit_to(&world->work, world->sweep_work_left);
+    return before;
+}
+
+static inline void world_end_sweep(struct dpt_world *world, const struct work *before)
+{
+    const uint32_t spent = world->work.done - before->done;
+    world->sweep_work_left -= spent < world->sweep_work_left ? spent : world->sweep_work_left;
+    world->work.limit = before->limit;
 }
 
 /* Raise a high-water mark of dpt_world_usage to `count`. */

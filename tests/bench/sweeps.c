@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a motion costs that is tried (dpt_tool_try_pose): random jumps and turns of a tool of 0.15 m with a radius of 2 mm, from
- * anywhere in a mesh's box, 0.1 m wider on every side. A CSV: mesh, triangles, jump in m, turn in rad (each from half of that
- * on), the share that touches something, and microseconds of processor time.
+ * What a motion costs: random jumps and turns of a tool of 0.15 m with a radius of 2 mm, from anywhere in a mesh's box,
+ * 0.1 m wider on every side. `try` is dpt_tool_try_pose; `point` and `proxy` are the step of a world with that law in which
+ * the tool has moved so, with the nearest pair, contact and force, and with sweep_budget as it is by default. A CSV: mesh,
+ * triangles, how, jump in m, turn in rad (each from half of that on), the share that touches something, and microseconds of
+ * processor time.
  *
  *     sweeps [MOTIONS=3000]
  */
@@ -10,6 +12,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "lib/arm_random.h"
@@ -68,7 +71,11 @@ static dpt_pose moved(const dpt_pose *from, double jump, double turn)
     return to;
 }
 
-static void measure(const char *name, const dpt_mesh *mesh, double jump, double turn, int motions)
+enum how { TRY, POINT, PROXY };
+static const char *const how_names[] = { "try", "point", "proxy" };
+
+static void measure(const char *name, const dpt_mesh *mesh, enum how how, double jump, double turn,
+                    int motions)
 {
     dpt_mesh_info info = { .size = sizeof info };
     dpt_world_def def;
@@ -79,7 +86,7 @@ static void measure(const char *name, const dpt_mesh *mesh, double jump, double 
     double *took = malloc((size_t)motions * sizeof *took);
     int met = 0;
     dpt_world_def_init(&def);
-    def.law = DPT_LAW_POINT;
+    def.law = how == PROXY ? DPT_LAW_PROXY : DPT_LAW_POINT;
     void *block = malloc(dpt_world_bytes(&def));
     if (!took || !block || dpt_mesh_get_info(mesh, &info) ||
         dpt_world_create(block, dpt_world_bytes(&def), &def, &world) ||
@@ -93,15 +100,22 @@ static void measure(const char *name, const dpt_mesh *mesh, double jump, double 
         const dpt_pose to =
             moved(&from, jump * random_in(&rng, 0.5, 1.0), turn * random_in(&rng, 0.5, 1.0));
         dpt_tool_teleport(world, tool, &from);
-        const double begin = processor_time();
-        if (dpt_tool_try_pose(world, tool, &to, 0.0, &first, &reached))
+        if (how != TRY &&
+            (dpt_world_step(world, 1e-3, NULL) || dpt_tool_set_pose(world, tool, &to)))
             exit(2);
+        const double begin = processor_time();
+        const dpt_result result = how == TRY
+                                      ? dpt_tool_try_pose(world, tool, &to, 0.0, &first, &reached)
+                                      : dpt_world_step(world, 1e-3, NULL);
         took[i] = 1e6 * (processor_time() - begin);
-        met += first.status == DPT_SWEEP_HIT;
+        if (result || (how == POINT && dpt_tool_get_sweep(world, tool, 0, &first)) ||
+            (how == PROXY && dpt_tool_get_proxy(world, tool, &reached)))
+            exit(2);
+        met += how == PROXY ? memcmp(&reached, &to, sizeof to) != 0 : first.status == DPT_SWEEP_HIT;
     }
     qsort(took, (size_t)motions, sizeof *took, compare);
-    printf("%s,%u,%g,%g,%.2f,%.1f,%.1f,%.1f,%.1f\n", name, info.triangles, jump, turn,
-           (double)met / motions, took[motions / 2], took[(int)(0.99 * motions)],
+    printf("%s,%u,%s,%g,%g,%.2f,%.1f,%.1f,%.1f,%.1f\n", name, info.triangles, how_names[how], jump,
+           turn, (double)met / motions, took[motions / 2], took[(int)(0.99 * motions)],
            took[(int)(0.999 * motions)], took[motions - 1]);
     free(took);
     free(block);
@@ -118,13 +132,14 @@ int main(int argc, char **argv)
         { "liver", 50332 }, { "torus", 61358 }, { "star", 20480 }, { "torus", 1000000 }
     };
     const int motions = argc > 1 ? atoi(argv[1]) : 3000;
-    puts("mesh,triangles,jump,turn,met,median_us,p99_us,p999_us,most_us");
+    puts("mesh,triangles,how,jump,turn,met,median_us,p99_us,p999_us,most_us");
     for (size_t i = 0; i < sizeof shapes / sizeof shapes[0]; i++) {
         struct fixture fixture;
         if (motions < 1 || !fixture_from_shape(&fixture, shapes[i].name, shapes[i].triangles))
             return 2;
-        for (size_t k = 0; k < sizeof jump / sizeof jump[0]; k++)
-            measure(shapes[i].name, fixture.mesh, jump[k], turn[k], motions);
+        for (enum how how = TRY; how <= PROXY; how++)
+            for (size_t k = 0; k < sizeof jump / sizeof jump[0]; k++)
+                measure(shapes[i].name, fixture.mesh, how, jump[k], turn[k], motions);
         fixture_free(&fixture);
     }
     return 0;

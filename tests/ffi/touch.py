@@ -31,7 +31,7 @@ WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_seg
                   (c_uint64, "certificate_bytes"), (c_double, "margin side_limit fade"),
                   (c_uint32, "max_contacts smooth_normals strip strip_capacity strip_search law"),
                   (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"),
-                  (c_double, "onset"))
+                  (c_double, "onset"), (c_uint32, "sweep_budget reserved"))
 Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"),
               (c_uint32, "contacts flags"))
 ToolSettings = struct("dpt_tool_settings", (c_uint32, "size law"),

@@ -179,6 +179,56 @@ static void a_free_segment_may_turn_back(void)
     }
 }
 
+/*
+ * The device jumps along a torus in one tick, and waits. With 50 units a tick for its sweeps a proxy gets to the device
+ * where one does that has all it needs, only later: some motions are tried in vain, and what it was allowed to move it
+ * still may. At the speed of a fold a jump would take 100 to 250 ticks. A few are caught by the surface on the way.
+ */
+static void little_for_sweeps_only_delays(void)
+{
+    enum { UNITS = 50, JUMPS = 1200, TICKS = 40 };
+    struct solid torus;
+    uint64_t seed = 9;
+    unsigned arrived = 0, later = 0, missing = 0;
+    if (!solid_from_shape(&torus, "torus", 60000))
+        return;
+    for (int i = 0; i < JUMPS; i++) {
+        int took[2] = { 0, 0 };
+        double from[3], to[3];
+        for (int k = 0; k < 3; k++) {
+            from[k] = random_in(&seed, -0.15, 0.15);
+            to[k] =
+                from[k] + (k == i % 3 ? (from[k] > 0.0 ? -1 : 1) * random_in(&seed, 0.1, 0.25) : 0);
+        }
+        for (int is_limited = 0; is_limited < 2; is_limited++) {
+            struct rig rig;
+            dpt_world_def def;
+            dpt_world_def_init(&def);
+            def.sweep_budget = is_limited ? UNITS : 0;
+            rig_open(&rig, &def, torus.mesh, &needle, 1);
+            memcpy(rig.device.position, from, sizeof from);
+            rig_place(&rig);
+            int is_straight = rig.force.reason == DPT_FORCE_FREE;
+            memcpy(rig.device.position, to, sizeof to);
+            do {
+                rig_step(&rig);
+                is_straight &= is_limited || !(rig.force.flags & DPT_FORCE_FLAG_REPLACED);
+            } while (++took[is_limited] < TICKS &&
+                     memcmp(&rig.proxy, &rig.device, sizeof rig.proxy));
+            took[is_limited] = is_straight ? took[is_limited] : TICKS;
+            rig_close(&rig);
+        }
+        if (took[0] == TICKS)
+            continue;
+        arrived++;
+        later += took[1] > took[0];
+        missing += took[1] == TICKS;
+    }
+    printf("    %u jumps, %u of them later, %u not in %d ticks\n", arrived, later, missing, TICKS);
+    CHECK(arrived > JUMPS / 4 && later > 5 && missing <= 5, "%u, %u, %u", arrived, later, missing);
+    solid_close(&torus);
+}
+
 int main(void)
 {
     if (!solid_from_shape(&box, "box", 1200))
@@ -190,6 +240,7 @@ int main(void)
     TEST(another_law_begins_where_the_device_is);
     TEST(a_pose_need_not_be_of_unit_length);
     TEST(a_free_segment_may_turn_back);
+    TEST(little_for_sweeps_only_delays);
     solid_close(&box);
     return check_report();
 }

@@ -334,7 +334,8 @@ void sweep_must_hold(const struct scene *scene, const struct model_tool *tool, u
     if (tool->answers == ANSWERS_NONE || has_proxy(scene, tool->law_then))
         HOLDS(sweep->status == DPT_SWEEP_NONE, "status %u without a step, or of a proxy",
               sweep->status);
-    HOLDS(scene->def.budget || (sweep->status != DPT_SWEEP_UNFINISHED && sweep->age == 0),
+    HOLDS(scene->def.budget || scene->def.sweep_budget ||
+              (sweep->status != DPT_SWEEP_UNFINISHED && sweep->age == 0),
           "status %u, age %u without a budget", sweep->status, sweep->age);
     met[MET_UNFINISHED] += sweep->status == DPT_SWEEP_UNFINISHED;
     if (sweep->status != DPT_SWEEP_HIT)
