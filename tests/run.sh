@@ -148,8 +148,8 @@ command_line() {
         set -- "$1"
         case $1-$topic in
         */*-stability.sh) set -- "$1" 0.01 ;;
-        */*-stability_loops.sh) set -- "$1" 'wall delay late beat' ;;
-        */*-stability_tissue.sh) set -- "$1" 'pulse reaction displace' ;;
+        */*-stability_loops.sh) set -- "$1" 'wall late' ;;
+        */*-stability_tissue.sh) set -- "$1" 'pulse' ;;
         */*-scenes.sh) set -- "$1" soft-liver ;;
         */*-physics.sh | */*-embed.sh) continue ;; # what they run is in programs and scripts that do
         esac
@@ -231,7 +231,7 @@ else
     go "$jobs"
 
     # The emulated machines and the browser look at the clock, and wait for much of their time: not beside what waits.
-    run_clock "a real kernel" sh tests/vm/check.sh build build/sanitize
+    run_clock "a real kernel" sh tests/vm/check.sh build
     run_clock "firmware" sh tests/firmware/run.sh build
     run_clock "the viewer's page" sh tests/view/check.sh build
     run_clock "the page of the core" sh tests/page/check.sh build
