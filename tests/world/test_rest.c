@@ -216,6 +216,7 @@ struct answers {
     dpt_wrench wrench;
     dpt_pose proxy;
     uint32_t count[4]; /* of contacts, of overlaps; flags of the strip, of the step */
+    uint32_t named[4]; /* triangles of the hits: where another one is named, the run ends */
 };
 
 /* Of pairs that are as near a hit may name any: which one depends on where the search began. */
@@ -250,6 +251,7 @@ static uint32_t read_answers(const struct run *run, const struct setting *settin
         dpt_tool_get_sweep(world, tool, i, &answers->sweep[i]);
         work += answers->hit[i].work;
         answers->hit[i].work = 0;
+        answers->named[i] = answers->hit[i].triangle;
         take_out_choice(&answers->hit[i]);
     }
     answers->contact[0].size = sizeof answers->contact[0];
