@@ -87,6 +87,7 @@ struct body_search {
     uint32_t followed_slot; /* the body whose dynamic point was followed */
     double axis_motion;     /* m: motion of the axis in that body's frame since its last update */
     uint32_t is_new;    /* no last tick: cached planes belong to another pose and are not used */
+    uint32_t is_jump;   /* the axis has moved so far that cached planes are neither of use nor renewed */
     uint32_t next_slot; /* the first body that the budget did not reach, or DPT_NONE */
 };
 
@@ -160,19 +161,36 @@ static void begin_track(struct body_search *search, uint32_t slot, double limit2
     work_spend(&world->work, share.done);
 }
 
+/*
+ * Of a mesh's diagonal: for an axis that has moved farther in a tick the boxes alone are searched. The planes of the
+ * last pose would fail, and to renew them costs more than a search does (docs/algorithms/certificate.md).
+ */
+#define JUMP_SHARE (1.0 / 64.0)
+
+static int has_jumped(const struct body *body, const struct axis *last, const struct axis *now)
+{
+    const vec3 moved_a = sub(now->local_a, last->local_a);
+    const vec3 moved_b = add(moved_a, sub(now->u, last->u));
+    const double jump = JUMP_SHARE * body->diagonal;
+    return max_of(dot(moved_a, moved_a), dot(moved_b, moved_b)) > jump * jump;
+}
+
 /* Follow the dynamic point on the body that was nearest. At rest it stays where it is. */
 static void follow_dynamic_point(struct body_search *search, uint32_t slot)
 {
     struct dpt_world *world = search->world;
     const struct body *body = &world->bodies[slot];
     struct dynamic_point *track = &search->best->track;
+    const struct axis last = track->axis;
     transform_axis(search, body, &track->axis);
+    search->is_jump = *world_last_triangles(world, search->segment_index, slot) != DPT_NONE &&
+                      has_jumped(body, &last, &track->axis);
     search->followed_slot = slot;
     search->axis_motion = 1.0;
     if (world->def.budget)
         search->axis_motion = dpti_bounds_update(world, search->segment_index, slot, &track->axis);
     enum descent_mode mode = DESCENT_NONE;
-    if (search->axis_motion > 0.0 && descent_share(world))
+    if (search->axis_motion > 0.0 && !search->is_jump && descent_share(world))
         mode = track->nearest.pair.distance2 == 0.0 ? DESCENT_CROSSED : DESCENT_NEIGHBOURS;
     begin_track(search, slot, HUGE_VAL, mode, track);
     search->is_new = track->last == DPT_NONE;
@@ -200,11 +218,12 @@ static int search_body(struct body_search *search, uint32_t slot, struct dynamic
     const struct body *body = &world->bodies[slot];
     if (track != &search->best->track)
         begin_track(search, slot, search->best->track.nearest.pair.distance2,
-                    descends ? DESCENT_NEIGHBOURS : DESCENT_NONE, track);
+                    descends && !search->is_jump ? DESCENT_NEIGHBOURS : DESCENT_NONE, track);
     const struct plane_cache_view cache = plane_cache_view_of(
         &world->plane_cache, world_plane_owner(world, search->segment_index, slot), is_fresh);
-    int is_done = dpti_dynamic_point_prove(track, &body->surface, &world->kernel, &cache, traversal,
-                                           &world->work);
+    int is_done =
+        dpti_dynamic_point_prove(track, &body->surface, &world->kernel,
+                                 search->is_jump ? NULL : &cache, traversal, &world->work);
     *excluded_bound = sqrt(track->nearest.pair.distance2);
     dpti_dynamic_point_settle(track);
     accept_if_nearer(search, body, track);

@@ -309,6 +309,61 @@ static void what_is_kept_saves_work(void)
     fixture_free(&fixture);
 }
 
+/*
+ * A tool that jumps by more than 1/64 of the diagonal on each tick does no more work than the tree, but for what a motion in
+ * which planes are of use takes: with planes on each tick it did up to three times as much.
+ */
+static void jumps_cost_what_the_tree_does(void)
+{
+    static const double jumps[] = { 0.02, 0.05, 0.2, 0.7 };
+    for (size_t i = 0; i < sizeof subjects / sizeof subjects[0]; i++) {
+        struct fixture fixture;
+        dpt_mesh_info info = { .size = sizeof info };
+        if (!subject_open(&subjects[i], &fixture))
+            continue;
+        dpt_mesh_get_info(fixture.mesh, &info);
+        const double diagonal = sqrt(pow(info.box_max[0] - info.box_min[0], 2) +
+                                     pow(info.box_max[1] - info.box_min[1], 2) +
+                                     pow(info.box_max[2] - info.box_min[2], 2));
+        for (size_t j = 0; j < sizeof jumps / sizeof jumps[0]; j++) {
+            uint64_t random = 5, work = 0, of_tree = 0;
+            struct twin exact, tree;
+            double x[3], way[3];
+            for (int k = 0; k < 3; k++)
+                x[k] = info.box_max[k];
+            dpt_segment segment = { { x[0], x[1], x[2] },
+                                    { x[0], x[1], x[2] + 0.5 * diagonal },
+                                    0 };
+            CHECK(twin_open(&exact, fixture.mesh, DPT_METHOD_EXACT, 1 << 20, &segment), "world");
+            CHECK(twin_open(&tree, fixture.mesh, DPT_METHOD_TREE, 0, &segment), "world");
+            for (uint32_t tick = 0; tick < 600; tick++) {
+                for (int k = 0; k < 3; k++)
+                    way[k] = one(&random);
+                unit(way);
+                for (int k = 0; k < 3; k++) {
+                    const double to = x[k] + jumps[j] * diagonal * way[k];
+                    const double room = 0.1 * diagonal;
+                    if (to < info.box_min[k] - room || to > info.box_max[k] + room)
+                        way[k] = -way[k];
+                    x[k] += jumps[j] * diagonal * way[k];
+                    segment.a[k] = x[k];
+                    segment.b[k] = x[k] + (k == 2 ? 0.5 * diagonal : 0.0);
+                }
+                const dpt_hit a = twin_step(&exact, &segment), b = twin_step(&tree, &segment);
+                agree(&a, &b, subjects[i].name, tick);
+                work += tick ? a.work : 0;
+                of_tree += tick ? b.work : 0;
+            }
+            CHECK((double)work < 1.1 * (double)of_tree,
+                  "%s, jumps of %g: %llu units, %llu of the tree", subjects[i].name, jumps[j],
+                  (unsigned long long)work, (unsigned long long)of_tree);
+            free(exact.block);
+            free(tree.block);
+        }
+        fixture_free(&fixture);
+    }
+}
+
 /* A tool that is pushed through a mesh: what it crosses next is found over edges, without a search. */
 static void crossings_are_walked_to(void)
 {
@@ -517,6 +572,7 @@ int main(int argc, char **argv)
         ticks = (uint32_t)strtoul(argv[1], NULL, 10);
     TEST(certificate_is_the_tree);
     TEST(what_is_kept_saves_work);
+    TEST(jumps_cost_what_the_tree_does);
     TEST(crossings_are_walked_to);
     TEST(owners_do_not_mix);
     TEST(keys_name_their_owner);

@@ -78,6 +78,7 @@ static void open_run(struct run *run, const struct setting *setting, uint32_t me
     def.method = setting->method;
     def.strip = setting->strip;
     def.budget = setting->budget;
+    def.sweep_budget = 0; /* how far it gets depends on which of two equally near triangles is asked first */
     def.max_tools = TOOLS_MAX;
     if (setting->until == DPT_UNTIL_CONTACT)
         def.max_contacts = 1;
