@@ -124,7 +124,7 @@ typedef struct dpt_world_def {
      * Units that the sweeps of a step may take, all segments and proxies together, within `budget`. A motion that needs
      * more is swept further in the next steps: contact is unknown until then, and a proxy is on its way. There is no such
      * limit past a body that moved before this step, as only this step can sweep it, nor for the eighth motion that
-     * waits, as a ninth would be given up. 0: unlimited; 500
+     * waits, as a ninth would be given up. Where a motion waits, a proxy may take another way round. 0: unlimited; 0
      */
     uint32_t sweep_budget;
     uint32_t reserved; /* 0 */

@@ -20,7 +20,6 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .strip_search = 16384,
         .law = DPT_LAW_PROXY,
         .onset = -1.0,
-        .sweep_budget = 500,
     };
     sized_defaults(def, size, &defaults, sizeof defaults);
 }

@@ -138,7 +138,8 @@ Hit = struct("dpt_hit", (c_uint32, "size status contact flags triangle segment b
 WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_segments method kernel until budget"),
                   (c_double, "stiffness"), (c_uint64, "certificate_bytes"), (c_double, "margin side_limit fade"),
                   (c_uint32, "max_contacts smooth_normals strip strip_capacity strip_search law"),
-                  (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"), (c_double, "onset"))
+                  (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"), (c_double, "onset"),
+                  (c_uint32, "sweep_budget reserved"))
 DeformDef = struct("dpt_deform_def", (c_uint32, "size max_points"), (c_void_p, "mesh pose"),
                    (double3, "box_min box_max"), (c_double, "period load_radius"), (c_uint32, "response passes"))
 
