@@ -344,9 +344,9 @@ static void follow_all(struct proxy_tick *tick, double *allowed)
         if (tick->is_before && (i + 1 >= PUSHES_MAX || work_is_spent(work)) &&
             dpti_proxy_carry(tick))
             result = FOLLOW_MOVED;
-        if (result == FOLLOW_DONE)
+        if (result == FOLLOW_DONE || work_is_spent(work))
             return;
-        if (work_is_spent(work) || (!tick->is_before && !tick->world->sweep_work_left)) {
+        if (!tick->is_before && !tick->world->sweep_work_left) {
             tick->proxy->owed = *allowed;
             return;
         }

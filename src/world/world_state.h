@@ -118,7 +118,7 @@ struct proxy {
     double min_gap; /* m: the least that is allowed */
     double trust;   /* m: the longest motion that is tried at once */
     double last_motion; /* m */
-    double owed;        /* m: how far it might have moved in the last tick, but for the limits of work */
+    double owed;        /* m: how far it might have moved in the last tick, but for the sweeps' limit */
     double lag;         /* m */
     double length;      /* m: of a free tool, the device's */
     double radius;      /* m: likewise */
