@@ -291,7 +291,7 @@ test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(BENCH_PROGRAM
 # What programs.txt, and the scripts, run of this configuration.
 COLUMN := $(subst release,3,$(subst scalar,4,$(subst sanitize,5,$(CONFIG))))
 NOT_RUN = $(patsubst %,$(B)/tests/test_%,$(shell awk '/^[a-z]/ && $$$(COLUMN) == "-" { print $$1 }' tests/programs.txt))
-check-programs: all $(filter-out $(NOT_RUN),$(TESTS)) $(if $(filter-out scalar,$(CONFIG)),$(VM_TESTS))
+check-programs: all $(filter-out $(NOT_RUN),$(TESTS)) $(if $(filter release,$(CONFIG)),$(VM_TESTS))
 ifeq ($(CONFIG),release)
 check-programs: $(B)/tests/firmware/link $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again $(BENCH_PROGRAMS)
 endif

@@ -202,11 +202,9 @@ static void begin_search(struct mesh_sweep *search, uint32_t hint)
 static int may_touch_triangle(struct mesh_sweep *search, uint32_t triangle)
 {
     struct moving_triangle moving;
-    uint32_t evaluations = 0;
     triangle_during(search, triangle, &moving);
-    const int may_touch = dpti_sweep_may_touch_triangle(search->sweep, &moving, &evaluations);
     work_spend(search->work, 1);
-    return may_touch;
+    return dpti_sweep_may_touch_triangle(search->sweep, &moving);
 }
 
 /*

@@ -399,8 +399,7 @@ static int stays_in_front(const struct moving_piece *moving, const vec3 corner[3
     return 1;
 }
 
-int dpti_sweep_may_touch_triangle(const struct sweep *sweep, const struct moving_triangle *triangle,
-                                  uint32_t *evaluations)
+int dpti_sweep_may_touch_triangle(const struct sweep *sweep, const struct moving_triangle *triangle)
 {
     enum { PAIRS_MAX = 4 };
     struct motion_piece pieces[PAIRS_MAX + 1];
@@ -412,7 +411,6 @@ int dpti_sweep_may_touch_triangle(const struct sweep *sweep, const struct moving
         struct motion_piece *piece = &pieces[count - 1];
         if (pairs == PAIRS_MAX)
             return 1;
-        ++*evaluations;
         moving_piece_of(sweep, triangle, piece, &moving);
         const vec3 u = sub(moving.b, moving.a);
         const pair found = segment_triangle(moving.a, u, corner[0], corner[1], corner[2]);

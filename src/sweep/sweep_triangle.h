@@ -79,9 +79,9 @@ int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle 
 
 /*
  * Whether a motion may touch a triangle at any time 0..1, each point of the axis beside its line by as much as
- * sweep->reach allows. 0 is proven, by planes that stand still; 1 may be wrong. *evaluations as above.
+ * sweep->reach allows. 0 is proven, by planes that stand still; 1 may be wrong.
  */
-int dpti_sweep_may_touch_triangle(const struct sweep *sweep, const struct moving_triangle *triangle,
-                                  uint32_t *evaluations);
+int dpti_sweep_may_touch_triangle(const struct sweep *sweep,
+                                  const struct moving_triangle *triangle);
 
 #endif

@@ -87,7 +87,7 @@ struct body_search {
     uint32_t followed_slot; /* the body whose dynamic point was followed */
     double axis_motion;     /* m: motion of the axis in that body's frame since its last update */
     uint32_t is_new;    /* no last tick: cached planes belong to another pose and are not used */
-    uint32_t is_jump;   /* the axis has moved so far that cached planes are neither of use nor renewed */
+    uint32_t is_jump;   /* the axis moved so far that cached planes are neither used nor renewed */
     uint32_t next_slot; /* the first body that the budget did not reach, or DPT_NONE */
 };
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The motion of one tick is a motion step. Most steps are done at once, because nothing is near. The sweep of a long
- * one may take several ticks, as its work in one tick is limited. Later steps wait in the backlog meanwhile, each with its own ends; if there
- * is no room for one more, all are given up.
+ * one may take several ticks, as its work in one tick is limited. Later steps wait in the backlog meanwhile, each with
+ * its own ends; if there is no room for one more, all are given up.
  */
 #include "world/motion_backlog.h"
 

@@ -384,7 +384,8 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     const double far = displacement_norm(&proxy->coupling, &left);
     proxy->owed = min_of(proxy->owed, 2.0 * far);
     const int is_capped = cap > 0.0 && allowed <= CONVERGED_SMALL * tick->clearance;
-    if (!is_released && (is_capped || motion > 2.0 * (device_moved + others_moved) + owed + 0.1 * far)) {
+    const double expected = 2.0 * (device_moved + others_moved) + owed;
+    if (!is_released && (is_capped || motion > expected + 0.1 * far)) {
         proxy->flags |= DPT_FORCE_FLAG_FOLD;
         proxy->folds++;
     }

@@ -9,29 +9,15 @@
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <time.h>
 
 #include "lib/arm_random.h"
 #include "lib/fixture.h"
 #include "lib/random.h"
+#include "timing.h"
 
 struct times {
     double median, p99;
 };
-
-static double processor_time(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
-static int compare(const void *one, const void *other)
-{
-    const double a = *(const double *)one, b = *(const double *)other;
-    return a < b ? -1 : a > b;
-}
 
 static struct times walk(const dpt_mesh *mesh, uint32_t method, double step, int steps)
 {
@@ -72,9 +58,9 @@ static struct times walk(const dpt_mesh *mesh, uint32_t method, double step, int
         const double begin = processor_time();
         if (dpt_tool_set_pose(world, tool, &pose) || dpt_world_step(world, 1e-3, NULL))
             exit(2);
-        took[i] = 1e6 * (processor_time() - begin);
+        took[i] = processor_time() - begin;
     }
-    qsort(took, (size_t)steps, sizeof *took, compare);
+    qsort(took, (size_t)steps, sizeof *took, by_size);
     const struct times times = { took[steps / 2], took[(int)(0.99 * steps)] };
     free(took);
     free(block);

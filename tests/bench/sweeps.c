@@ -11,28 +11,14 @@
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "lib/arm_random.h"
 #include "lib/fixture.h"
 #include "lib/random.h"
+#include "timing.h"
 
 static uint64_t rng = 7;
-
-static double processor_time(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
-static int compare(const void *one, const void *other)
-{
-    const double a = *(const double *)one, b = *(const double *)other;
-    return a < b ? -1 : a > b;
-}
 
 static void direction(double unit[3])
 {
@@ -107,13 +93,13 @@ static void measure(const char *name, const dpt_mesh *mesh, enum how how, double
         const dpt_result result = how == TRY
                                       ? dpt_tool_try_pose(world, tool, &to, 0.0, &first, &reached)
                                       : dpt_world_step(world, 1e-3, NULL);
-        took[i] = 1e6 * (processor_time() - begin);
+        took[i] = processor_time() - begin;
         if (result || (how == POINT && dpt_tool_get_sweep(world, tool, 0, &first)) ||
             (how == PROXY && dpt_tool_get_proxy(world, tool, &reached)))
             exit(2);
         met += how == PROXY ? memcmp(&reached, &to, sizeof to) != 0 : first.status == DPT_SWEEP_HIT;
     }
-    qsort(took, (size_t)motions, sizeof *took, compare);
+    qsort(took, (size_t)motions, sizeof *took, by_size);
     printf("%s,%u,%s,%g,%g,%.2f,%.1f,%.1f,%.1f,%.1f\n", name, info.triangles, how_names[how], jump,
            turn, (double)met / motions, took[motions / 2], took[(int)(0.99 * motions)],
            took[(int)(0.999 * motions)], took[motions - 1]);

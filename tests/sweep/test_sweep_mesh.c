@@ -409,11 +409,103 @@ static void sheets_are_crossed_at_any_speed(void)
     fixture_free(&body.fixture);
 }
 
+/*
+ * m: the largest radius with which the axis touches nothing, each point beside its line by its reach, at any of some
+ * places and times. It may be smaller between them.
+ */
+static double room_at_samples(const struct sweep *sweep, const vec3 corner[3])
+{
+    enum { TIMES = 24, PLACES = 16 };
+    double least = HUGE_VAL;
+    for (int t = 0; t <= TIMES; t++) {
+        vec3 a, u;
+        dpti_sweep_axis(sweep, (double)t / TIMES, &a, &u);
+        for (int k = 0; k <= PLACES; k++) {
+            const double s = (double)k / PLACES;
+            pair found;
+            point_triangle(along(a, s, u), corner, &found);
+            least = min_of(least, sqrt(found.distance2) - (1.0 - s) * sweep->reach[0] -
+                                      s * sweep->reach[1]);
+        }
+    }
+    return least;
+}
+
+/*
+ * A triangle that is ruled out is not touched: a radius that touches at one of the samples is never ruled out. One that is
+ * 0.7 of the room is, at times; it would be always, but for planes that stand still and for few cuts.
+ */
+static void what_is_ruled_out_is_not_touched(void)
+{
+    enum { MOTIONS = 20000 };
+    unsigned near = 0, ruled_out = 0;
+    for (int i = 0; i < MOTIONS; i++) {
+        struct scene scene;
+        struct sweep sweep;
+        make_any(&rng, (int)(random_bits(&rng) % 7), &scene);
+        struct motion m = scene.motion;
+        const double slow = power_in(&rng, -3.0, 0.0);
+        m.da = scaled(m.da, one_in(&rng, 3) ? 0.0 : slow);
+        m.db = scaled(m.db, slow);
+        dpti_sweep_begin(&sweep, &m, 0.0, 0.0, scene_extent(&scene));
+        const double reach[2] = { one_in(&rng, 2) ? 0.0 : random_in(&rng, 0.0, 0.2),
+                                  random_in(&rng, 0.0, 0.2) };
+        memcpy(sweep.reach, reach, sizeof reach);
+        const double room = room_at_samples(&sweep, scene.corner);
+        if (!(room > 1e-6))
+            continue;
+        const struct moving_triangle triangle = triangle_at_rest(scene.corner);
+        for (int touches = 0; touches < 2; touches++) {
+            dpti_sweep_begin(&sweep, &m, (touches ? 1.0 + 1e-9 : 0.7) * room, 0.0,
+                             scene_extent(&scene));
+            memcpy(sweep.reach, reach, sizeof reach);
+            const int may_touch = dpti_sweep_may_touch_triangle(&sweep, &triangle);
+            CHECK(may_touch || !touches, "ruled out, with %g: %s", room, scene_text(&scene));
+            ruled_out += !may_touch;
+        }
+        near++;
+    }
+    printf("    %u motions, %u ruled out\n", near, ruled_out);
+    CHECK(near > MOTIONS / 3 && ruled_out > near / 2, "%u of %u", ruled_out, near);
+}
+
+/*
+ * A tool that lies in a sheet touches hundreds of triangles when the motion begins. To find the one with the lowest number
+ * costs little more than to go through their boxes: without a look at the numbers, one evaluation each.
+ */
+static void many_that_touch_at_once_cost_little(void)
+{
+    struct body body;
+    struct kernel kernel;
+    uint32_t chosen;
+    if (!dpti_kernel_get(DPT_KERNEL_SCALAR, &kernel, &chosen) ||
+        !fixture_from_shape(&body.fixture, "membrane", 20000) || !body_of(&body))
+        return;
+    const struct motion m = {
+        { -0.05, 0.01, 0.0 }, { 0.05, -0.01, 0.0 }, { 0.0, 0.0, 0.01 }, { 0.0, 0.0, 0.01 }
+    };
+    struct sweep sweep;
+    struct impact found;
+    uint32_t work = 0, touched = 0;
+    dpti_sweep_begin(&sweep, &m, 0.01, 1e-6 * body.diagonal, dpti_surface_extent(&body.surface));
+    const int result = sweep_whole(&body, &kernel, &sweep, 0.0, DPT_NONE, &found, &work);
+    const struct impact truth = brute_sweep(&body.surface, &sweep);
+    check_strike("lying", &found, &truth, result);
+    for (uint32_t t = 0; t < body.surface.mesh->triangles; t++)
+        touched += dpti_triangle_pair(&body.surface, t, m.a, sub(m.b, m.a)).distance2 <= 1e-4;
+    printf("    %u units, %u triangles touched\n", work, touched);
+    CHECK(found.time == 0.0 && touched > 500 && work < touched / 2, "%u units, %u touched", work,
+          touched);
+    fixture_free(&body.fixture);
+}
+
 int main(int argc, char **argv)
 {
     take_count(argc, argv, &crossing_count, &rng);
     TEST(swept_bounds_are_sound);
     TEST(meshes_are_met_as_their_triangles_are);
+    TEST(what_is_ruled_out_is_not_touched);
+    TEST(many_that_touch_at_once_cost_little);
     TEST(sheets_are_crossed_at_any_speed);
     return check_report();
 }

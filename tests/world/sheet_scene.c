@@ -55,7 +55,6 @@ int scene_begin(struct scene *scene, struct sheet *sheet, uint32_t budget, const
     if (like)
         *def = like->def;
     def->budget = budget;
-    def->sweep_budget = 0;
     scene->block = malloc(dpt_world_bytes(def));
     int made = scene->block &&
                dpt_world_create(scene->block, dpt_world_bytes(def), def, &scene->world) == DPT_OK &&

@@ -335,7 +335,6 @@ static void world_open(void **block, dpt_world **world, dpt_tool *tool,
     dpt_world_def def;
     dpt_body body;
     dpt_world_def_init(&def);
-    def.sweep_budget = 0; /* contact is known on each tick */
     def.law = DPT_LAW_POINT;
     def.max_bodies = def.max_tools = def.max_segments = 1;
     def.method = DPT_METHOD_TREE;

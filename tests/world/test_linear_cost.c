@@ -346,7 +346,6 @@ static void scene_open(struct scene *scene, const char *name, uint64_t count, do
     dpt_world_def_init(&def);
     def.law = DPT_LAW_POINT;
     def.budget = budget;
-    def.sweep_budget = 0; /* all of a tick's work is to be seen in it */
     scene->block = malloc(dpt_world_bytes(&def));
     dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world);
     CHECK(dpt_body_add(scene->world, scene->fixture.mesh, NULL, &body) == DPT_OK, "%s", name);

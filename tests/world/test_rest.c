@@ -78,7 +78,6 @@ static void open_run(struct run *run, const struct setting *setting, uint32_t me
     def.method = setting->method;
     def.strip = setting->strip;
     def.budget = setting->budget;
-    def.sweep_budget = 0; /* how far it gets depends on which of two equally near triangles is asked first */
     def.max_tools = TOOLS_MAX;
     if (setting->until == DPT_UNTIL_CONTACT)
         def.max_contacts = 1;
@@ -217,7 +216,6 @@ struct answers {
     dpt_wrench wrench;
     dpt_pose proxy;
     uint32_t count[4]; /* of contacts, of overlaps; flags of the strip, of the step */
-    uint32_t named[4]; /* triangles of the hits: where another one is named, the run ends */
 };
 
 /* Of pairs that are as near a hit may name any: which one depends on where the search began. */
@@ -252,7 +250,6 @@ static uint32_t read_answers(const struct run *run, const struct setting *settin
         dpt_tool_get_sweep(world, tool, i, &answers->sweep[i]);
         work += answers->hit[i].work;
         answers->hit[i].work = 0;
-        answers->named[i] = answers->hit[i].triangle;
         take_out_choice(&answers->hit[i]);
     }
     answers->contact[0].size = sizeof answers->contact[0];

@@ -444,6 +444,26 @@ static void what_is_out_of_reach_is_not_waited_for(void)
     }
 }
 
+/* What motions took beside the work of a tick that goes nowhere. */
+struct costs {
+    uint64_t sum;
+    uint32_t most;
+};
+
+/* From where the tool has just been teleported, after a first tick there. */
+static dpt_sweep add_cost(const struct scene *scene, const dpt_pose *to, struct costs *costs)
+{
+    dpt_sweep sweep;
+    uint32_t rest, work;
+    tick(scene, &sweep, &rest);
+    dpt_tool_set_pose(scene->world, scene->tool, to);
+    tick(scene, &sweep, &work);
+    const uint32_t cost = work > rest ? work - rest : 0;
+    costs->most = cost > costs->most ? cost : costs->most;
+    costs->sum += cost;
+    return sweep;
+}
+
 /*
  * Jumps of up to 1 m and turns of up to half a circle in one tick, near a closed body: pieces are cut only where something
  * is near. Cut to the end they took 1590 units each, 5190 at most.
@@ -454,30 +474,21 @@ static void fast_motions_cost_little(void)
     const uint32_t torus = 2;
     const dpt_pose at_origin = DPT_POSE_IDENTITY;
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { 0.15, 0.0, 0.0 }, 0.002 };
-    uint32_t most = 0, met = 0;
-    uint64_t sum = 0;
+    struct costs costs = { 0, 0 };
+    uint32_t met = 0;
     struct scene scene;
-    dpt_sweep sweep;
     if (!scene_begin(&scene, unlimited, &segment, 1, &torus, &at_origin))
         return;
     for (int i = 0; i < MOTIONS; i++) {
-        uint32_t work;
-        dpt_pose pose = any_pose(0.25);
-        dpt_tool_teleport(scene.world, scene.tool, &pose);
-        tick(&scene, &sweep, &work);
-        tick(&scene, &sweep, &work); /* the work of a tick that goes nowhere */
-        const uint32_t rest = work;
-        pose = any_pose(0.5);
-        dpt_tool_set_pose(scene.world, scene.tool, &pose);
-        tick(&scene, &sweep, &work);
-        met += sweep.status == DPT_SWEEP_HIT;
-        most = work - rest > most && work > rest ? work - rest : most;
-        sum += work > rest ? work - rest : 0;
+        const dpt_pose from = any_pose(0.25), to = any_pose(0.5);
+        dpt_tool_teleport(scene.world, scene.tool, &from);
+        settle(&scene);
+        met += add_cost(&scene, &to, &costs).status == DPT_SWEEP_HIT;
     }
     printf("    %u of %d met the body; %.0f units each, %u at most\n", met, MOTIONS,
-           (double)sum / MOTIONS, most);
+           (double)costs.sum / MOTIONS, costs.most);
     CHECK(met > MOTIONS / 10, "%u met", met);
-    CHECK(sum < 150 * MOTIONS && most < 2000, "%u at most", most);
+    CHECK(costs.sum < 150 * MOTIONS && costs.most < 2000, "%u at most", costs.most);
     free(scene.block);
 }
 
@@ -491,15 +502,14 @@ static void turns_about_a_near_end_cost_little(void)
     const uint32_t torus = 2;
     const dpt_pose at_origin = DPT_POSE_IDENTITY;
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { 0.15, 0.0, 0.0 }, 0.002 };
-    uint32_t most = 0, tried = 0;
-    uint64_t sum = 0;
+    struct costs costs = { 0, 0 };
+    uint32_t tried = 0;
     struct scene scene;
-    dpt_sweep sweep;
     if (!scene_begin(&scene, unlimited, &segment, 1, &torus, &at_origin))
         return;
     while (tried < MOTIONS) {
-        uint32_t work;
-        dpt_pose pose = any_pose(0.2), to = any_pose(0.0);
+        dpt_pose pose = any_pose(0.2);
+        const dpt_pose turned = any_pose(0.0);
         const double ends[6] = { pose.position[0], pose.position[1], pose.position[2],
                                  pose.position[0], pose.position[1], pose.position[2] };
         dpt_hit hit = DPT_HIT_INIT;
@@ -510,20 +520,15 @@ static void turns_about_a_near_end_cost_little(void)
         for (int k = 0; k < 3; k++)
             pose.position[k] = hit.q[k] + near * (hit.p[k] - hit.q[k]) / hit.distance;
         dpt_tool_teleport(scene.world, scene.tool, &pose);
-        hit = tick(&scene, &sweep, &work);
+        hit = settle(&scene);
         if (!(hit.distance > segment.radius))
             continue;
-        tick(&scene, &sweep, &work);
-        const uint32_t rest = work;
-        memcpy(pose.orientation, to.orientation, sizeof pose.orientation);
-        dpt_tool_set_pose(scene.world, scene.tool, &pose);
-        tick(&scene, &sweep, &work);
-        most = work - rest > most && work > rest ? work - rest : most;
-        sum += work > rest ? work - rest : 0;
+        memcpy(pose.orientation, turned.orientation, sizeof pose.orientation);
+        add_cost(&scene, &pose, &costs);
         tried++;
     }
-    printf("    %.0f units each, %u at most\n", (double)sum / MOTIONS, most);
-    CHECK(sum < 800 * MOTIONS && most < 5000, "%u at most", most);
+    printf("    %.0f units each, %u at most\n", (double)costs.sum / MOTIONS, costs.most);
+    CHECK(costs.sum < 800 * MOTIONS && costs.most < 5000, "%u at most", costs.most);
     free(scene.block);
 }
 
