@@ -34,6 +34,9 @@ static const char help[] =
     "                   see what it costs; default 0: none\n"
     "  --places N       where it is tried; default 40\n"
     "  --paths N        closed paths; default 100\n"
+    "  --contacts N     that a tick lists, dpt_world_def.max_contacts; default 32; 0: none, to see "
+    "what the\n"
+    "                   force alone costs\n"
     "  --seed S         default 1\n"
     "  --json           one JSON object on standard output\n";
 
@@ -177,6 +180,8 @@ static int check_ranges(const struct force_trial_def *def)
         if (!(ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high))
             return complain("force-test", "%s must be %g to %g", ranges[i].name, ranges[i].low,
                             ranges[i].high);
+    if (def->contacts > 0xffff)
+        return complain("force-test", "--contacts must be 0 to 65535");
     if (!def->places || !def->paths || def->places > 100000 || def->paths > 100000)
         return complain("force-test", "--places and --paths must be 1 to 100000");
     return -1;
@@ -199,6 +204,7 @@ static int take_settings(int argc, char **argv, struct force_trial_def *def, con
         { .name = "--speed", .number = &def->speed },
         { .name = "--places", .count = &def->places },
         { .name = "--paths", .count = &def->paths },
+        { .name = "--contacts", .count = &def->contacts },
         { .name = "--seed", .count = &def->seed },
         { .name = "--json", .flag = json },
     };
@@ -226,6 +232,7 @@ int command_force_test(int argc, char **argv)
                                    .speed = 0.1,
                                    .places = 40,
                                    .paths = 100,
+                                   .contacts = 32,
                                    .seed = 1 };
     struct force_report report;
     struct bound bounds[BOUNDS];

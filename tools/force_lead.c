@@ -50,6 +50,7 @@ int force_lead_open(struct force_lead *lead, const struct force_trial_def *def)
     dpt_world_def_init(&world);
     world.law = def->law;
     world.stiffness = def->stiffness;
+    world.max_contacts = (uint32_t)def->contacts;
     world.max_bodies = world.max_tools = world.max_segments = 1;
     const size_t bytes = dpt_world_bytes(&world);
     *lead = (struct force_lead){

@@ -21,6 +21,7 @@ struct force_trial_def {
     uint64_t places; /* where on the mesh it is tried */
     uint64_t paths;  /* closed ones */
     uint64_t seed;
+    uint64_t contacts; /* dpt_world_def.max_contacts */
     double low_pass; /* s: of the first-order low-pass behind the law; 0: none */
 };
 

@@ -91,7 +91,8 @@ typedef struct dpt_world_def {
     double margin;     /* contact begins at this distance from the tool's surface, m, >= 0; 0.001 */
     double side_limit; /* of new bodies, see dpt_body_settings; 0 */
     double fade;       /* s, 0..1, see dpt_tool_get_force_report; 0.002 */
-    uint32_t max_contacts; /* of all tools together, 0..65535; 0: depth alone, no sides; 32 */
+    /* Of all tools together, 0..65535. 0: depth alone, no sides; the force of DPT_LAW_PROXY needs no more; 32. */
+    uint32_t max_contacts;
     /*
      * 1: the normals of contacts, and the direction of the force, are interpolated from the normals at the triangle's
      * corners, so that facets are not felt. Distances and contact are the same. 0: they are the true directions; 0.

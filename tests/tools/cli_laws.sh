@@ -74,6 +74,9 @@ trials()
     succeeds 'force-test again' force-test box.dpa --law proxy --places 4 --paths 4 --json
     sed 's/"us":{[^}]*},//' stdout >again.json
     check 'force-test: other figures' cmp -s first.json again.json
+    succeeds 'force-test --contacts' force-test box.dpa --law proxy --places 4 --paths 4 --json --contacts 0
+    sed 's/"us":{[^}]*},//' stdout >again.json
+    check 'force-test --contacts 0: the force is another' cmp -s first.json again.json
     run force-test box.dpa --places 4 --paths 4 --json --friction 0.4
     check 'force-test --friction: it is lost on closed paths' awk -F'"lost":' '{ exit !($2 + 0 > 0.01) }' stdout
     check 'force-test --friction: nothing is penetrated' grep -q '"penetrations":0,' stdout
@@ -111,7 +114,7 @@ refusals()
     refuses 'force-test: no such file' none.dpa force-test none.dpa
     for pair in law:soft friction:-1 friction:11 length:0 length:11 radius:-1 radius:nan stiffness:0 stiffness:hard depth:0 depth:2 speed:0 \
         speed:inf through:0 through:2 low-pass:-1 low-pass:nan low-pass:2 places:0 places:100001 \
-        places:-1 paths:0 paths:many seed:-1; do
+        places:-1 paths:0 paths:many seed:-1 contacts:65536 contacts:-1; do
         refuses "force-test --$pair" "--${pair%%:*}" force-test box.dpa --"${pair%%:*}" "${pair#*:}"
     done
 }
