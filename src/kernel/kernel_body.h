@@ -466,27 +466,56 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
 #define ENDS_ALONG(n, x, y, z)                                                                     \
     float n##_0 = END_ALONG(0, x, y, z), n##_1 = END_ALONG(1, x, y, z);                            \
     float n##_2 = END_ALONG(2, x, y, z), n##_3 = END_ALONG(3, x, y, z);
-#define LOWEST_END(n) AT_MOST(AT_MOST(n##_0, n##_2) - reach_a, AT_MOST(n##_1, n##_3) - reach_b)
+
+/*
+ * The part of the axis that can come near a lane, `from` and `to` in s. What stays before or behind the lane's range along
+ * the tool at both times is left out. Where the axis is not along the tool at both times, nothing is.
+ */
+#define PIECES                                                                                     \
+    ENDS_ALONG(x, xx, xy, xz)                                                                      \
+    const float first_length = x_1 - x_0, last_length = x_3 - x_2;                                 \
+    const int has_pieces = first_length > PIECE_AXIS_MIN && last_length > PIECE_AXIS_MIN;          \
+    const float per_first = has_pieces ? 1.0f / first_length : 0.0f;                               \
+    const float per_last = has_pieces ? 1.0f / last_length : 0.0f;                                 \
+    const float beside = hull->beside, whole = has_pieces ? 0.0f : 1.0f;                           \
+    const float reach_rise = reach_b - reach_a;
+#define PIECE_BESIDE(low, high)                                                                    \
+    const float before = (low)-beside, behind = (high) + beside;                                   \
+    float from = AT_MOST((before - x_0) * per_first, (before - x_2) * per_last) - whole;           \
+    float to = AT_LEAST((behind - x_0) * per_first, (behind - x_2) * per_last) + whole;            \
+    from = CLAMP(from, 1.0f);                                                                      \
+    to = CLAMP(to, 1.0f);                                                                          \
+    const float reach_from = reach_a + from * reach_rise, reach_to = reach_a + to * reach_rise;
+
+/* The least and the greatest height of that part, grown by its reach, along a direction of ENDS_ALONG. */
+#define AT_S(n, s, a, b) (n##_##a + (s) * (n##_##b - n##_##a))
+#define LOWEST_END(n)                                                                              \
+    AT_MOST(AT_MOST(AT_S(n, from, 0, 1), AT_S(n, from, 2, 3)) - reach_from,                        \
+            AT_MOST(AT_S(n, to, 0, 1), AT_S(n, to, 2, 3)) - reach_to)
 #define HIGHEST_END(n)                                                                             \
-    AT_LEAST(AT_LEAST(n##_0, n##_2) + reach_a, AT_LEAST(n##_1, n##_3) + reach_b)
+    AT_LEAST(AT_LEAST(AT_S(n, from, 0, 1), AT_S(n, from, 2, 3)) + reach_from,                      \
+             AT_LEAST(AT_S(n, to, 0, 1), AT_S(n, to, 2, 3)) + reach_to)
 
 /* A second plane is tried: across tool and motion. Most of what a sliding tool passes lies beyond it. */
 KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
                                            const struct swept_hull *restrict hull,
                                            float *restrict bound)
 {
-    HULL ENDS_ALONG(z, zx, zy, zz) const float z_low = LOWEST_END(z), z_high = HIGHEST_END(z);
+    HULL PIECES ENDS_ALONG(z, zx, zy, zz)
 
     for (int i = 0; i < LANES; i++) {
         float cx = block[i], cy = block[LANES + i], cz = block[2 * LANES + i];
         float hx = block[3 * LANES + i], hy = block[4 * LANES + i], hz = block[5 * LANES + i];
+        float along = xx * cx + xy * cy + xz * cz;
+        float half_along = fabsf(xx) * hx + fabsf(xy) * hy + fabsf(xz) * hz;
+        PIECE_BESIDE(along - half_along, along + half_along)
         AWAY_FROM_HULL(cx, cy, cz)
         ENDS_ALONG(n, nx, ny, nz)
         float value = nx * cx + ny * cy + nz * cz -
                       (fabsf(nx) * hx + fabsf(ny) * hy + fabsf(nz) * hz) - HIGHEST_END(n);
         float at = zx * cx + zy * cy + zz * cz;
         float half = fabsf(zx) * hx + fabsf(zy) * hy + fabsf(zz) * hz;
-        float above = at - half - z_high, below = z_low - (at + half);
+        float above = at - half - HIGHEST_END(z), below = LOWEST_END(z) - (at + half);
         float across = AT_LEAST(above, below);
         value = AT_LEAST(value, across);
         bound[i] = value;
@@ -500,20 +529,22 @@ KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
                                                float *restrict bound)
 {
     const float third = 1.0f / 3.0f;
-    HULL ENDS_ALONG(z, zx, zy, zz) const float z_low = LOWEST_END(z), z_high = HIGHEST_END(z);
+    HULL PIECES ENDS_ALONG(z, zx, zy, zz)
 
     for (int i = 0; i < LANES; i++) {
         float ax = block[i], ay = block[LANES + i], az = block[2 * LANES + i];
         float bx = block[3 * LANES + i], by = block[4 * LANES + i], bz = block[5 * LANES + i];
         float cx = block[6 * LANES + i], cy = block[7 * LANES + i], cz = block[8 * LANES + i];
+        CORNERS_ALONG(x, xx, xy, xz)
+        PIECE_BESIDE(AT_MOST(AT_MOST(x0, x1), x2), AT_LEAST(AT_LEAST(x0, x1), x2))
         AWAY_FROM_HULL((ax + bx + cx) * third, (ay + by + cy) * third, (az + bz + cz) * third)
         CORNERS_ALONG(n, nx, ny, nz)
         ENDS_ALONG(n, nx, ny, nz)
         float value = AT_MOST(AT_MOST(n0, n1), n2) - HIGHEST_END(n);
 
         CORNERS_ALONG(z, zx, zy, zz)
-        float above = AT_MOST(AT_MOST(z0, z1), z2) - z_high;
-        float below = z_low - AT_LEAST(AT_LEAST(z0, z1), z2);
+        float above = AT_MOST(AT_MOST(z0, z1), z2) - HIGHEST_END(z);
+        float below = LOWEST_END(z) - AT_LEAST(AT_LEAST(z0, z1), z2);
         float across = AT_LEAST(above, below);
 
         float ex = bx - ax, ey = by - ay, ez = bz - az;

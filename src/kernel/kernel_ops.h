@@ -28,6 +28,18 @@ static inline double kernel_margin(double a, double b)
 }
 #define KERNEL_STRETCH 0x1p-20
 
+/*
+ * The same for a swept hull, |X| that of its farthest end: at most 16 + 10 |X| units. PIECE_MARGIN, of `beside`, is far
+ * more than rounding takes off the part of the axis that is looked at. An axis that is shorter along the tool than
+ * PIECE_AXIS_MIN is looked at as a whole.
+ */
+static inline double kernel_swept_margin(double x)
+{
+    return (24.0 + 12.0 * x) * 0x1p-24;
+}
+#define PIECE_MARGIN   0x1p-15
+#define PIECE_AXIS_MIN 0x1p-16f
+
 /* 16 planes: all vertices v of a lane have n.v >= support. A lane of zeros has no plane. */
 struct planes {
     float x[LANES], y[LANES], z[LANES]; /* n, about unit length */
@@ -47,7 +59,8 @@ struct filter_segment {
 
 /*
  * The swept hull of a moving axis: the convex hull of the positions of its two ends at two times, which contains the
- * axis at all times between. Bounds of the distance to the hull have kernel_margin(|X|, |X|), for its farthest end X.
+ * axis at all times between. Bounds are of the distance to the part of it that can be near a lane: a bound beyond the
+ * limit says that the whole hull is, up to kernel_swept_margin.
  */
 struct swept_hull {
     float end[4][3];
@@ -56,6 +69,8 @@ struct swept_hull {
     float axis[3][3]; /* orthonormal rows */
     float centre[3], half[3];
     float limit;
+    /* No more than that before and behind a lane, along the tool, a point of the axis is near it. */
+    float beside;
 };
 
 /*

@@ -7,6 +7,11 @@
 
 #include "nearest/filter_segment.h"
 
+/* A plane beyond which nothing is touched: a triangle lies there if normal.v of its corners is more than the limit. */
+struct first_plane {
+    float normal[3], limit;
+};
+
 /* One call of dpti_sweep_mesh. */
 struct mesh_sweep {
     const struct surface *surface;
@@ -16,6 +21,8 @@ struct mesh_sweep {
     double from_time; /* the search is over from_time..progress->until */
     struct work *work;
     struct swept_hull hull;
+    struct first_plane first_planes[SWEEP_DIRECTIONS_MAX];
+    uint32_t first_plane_count;
     struct sweep_progress *progress;
 };
 
@@ -93,7 +100,35 @@ static void swept_hull_of(const struct mesh_sweep *search, struct swept_hull *hu
         hull->reach[k] = (float)(reach[k] * scale * (1.0 + KERNEL_STRETCH));
     const double farthest = sqrt(max_square) + scale * max_of(reach[0], reach[1]);
     double limit = search->sweep->no_hit_limit * scale * (1.0 + KERNEL_STRETCH);
-    hull->limit = (float)(limit + kernel_margin(farthest, farthest) + surface_margin(surface));
+    hull->limit = (float)(limit + kernel_swept_margin(farthest) + surface_margin(surface));
+    const struct surface_motion *motion = search->times->tick ? surface->motion : NULL;
+    const double surface_moves = motion ? (double)motion->step[motion->first[motion->levels]] : 0.0;
+    hull->beside = (float)(limit + scale * max_of(reach[0], reach[1]) + surface_moves +
+                           surface_margin(surface) + PIECE_MARGIN * (1.0 + farthest));
+}
+
+static float hull_support(const struct swept_hull *hull, const float n[3])
+{
+    float support = -INFINITY;
+    for (int k = 0; k < 4; k++) {
+        const float *end = hull->end[k];
+        const float at = n[0] * end[0] + n[1] * end[1] + n[2] * end[2] + hull->reach[k % 2];
+        support = at > support ? at : support;
+    }
+    return support;
+}
+
+/* Set the hull of what is left of the motion, and the planes that are tried first. */
+static void set_hull(struct mesh_sweep *search)
+{
+    const struct sweep *sweep = search->sweep;
+    swept_hull_of(search, &search->hull);
+    search->first_plane_count = search->times->tick ? 0 : sweep->direction_count;
+    for (uint32_t i = 0; i < search->first_plane_count; i++) {
+        struct first_plane *plane = &search->first_planes[i];
+        put_float(sweep->directions[i], plane->normal);
+        plane->limit = hull_support(&search->hull, plane->normal) + search->hull.limit;
+    }
 }
 
 /* A triangle during the sweep. */
@@ -146,7 +181,7 @@ static void evaluate_triangle(struct mesh_sweep *search, uint32_t triangle)
     progress->until = time;
     progress->triangle = triangle;
     if (is_sooner)
-        swept_hull_of(search, &search->hull);
+        set_hull(search);
 }
 
 /* What vertices below the children moved in the tick is taken off their bounds. Returns the open lanes. */
@@ -163,6 +198,17 @@ static uint32_t lower_bounds(const struct mesh_sweep *search, uint32_t level, ui
     return open;
 }
 
+/* The triangles of a leaf that neither the first planes nor bounds of their own rule out. */
+static uint32_t open_triangles(const struct mesh_sweep *search, const float *rows, float *bound)
+{
+    uint32_t open = lanes_of(LANES);
+    for (uint32_t i = 0; i < search->first_plane_count && open; i++) {
+        const struct first_plane *plane = &search->first_planes[i];
+        open &= search->kernel->common_triangles(rows, plane->normal, plane->limit, bound);
+    }
+    return open ? open & search->kernel->swept_triangles(rows, &search->hull, bound) : 0;
+}
+
 /* Put a node on the path and test its children. Level 0: a leaf, whose children are triangles. */
 static void open_node(struct mesh_sweep *search, uint32_t level, uint32_t node)
 {
@@ -176,8 +222,7 @@ static void open_node(struct mesh_sweep *search, uint32_t level, uint32_t node)
         open = search->kernel->swept_boxes(surface_node(surface, level, node, search->work),
                                            &search->hull, opened->bound);
     else
-        open = search->kernel->swept_triangles(surface_leaf(surface, node, search->work),
-                                               &search->hull, opened->bound);
+        open = open_triangles(search, surface_leaf(surface, node, search->work), opened->bound);
     if (search->times->tick)
         open = lower_bounds(search, level, node, opened->bound);
     opened->lanes = open & lanes_of(children - node * LANES);
@@ -193,7 +238,7 @@ static void begin_search(struct mesh_sweep *search, uint32_t hint)
     progress->until = 1.0;
     progress->level = search->surface->levels + 1;
     progress->path[progress->level] = (struct sweep_node){ .lanes = 1 };
-    swept_hull_of(search, &search->hull);
+    set_hull(search);
     if (hint < surface_triangles(search->surface))
         evaluate_triangle(search, hint);
 }
@@ -258,7 +303,7 @@ int dpti_sweep_may_touch(const struct surface *surface, const struct kernel *ker
     if (work_is_spent(work))
         return SWEEP_UNFINISHED;
     progress->until = 1.0;
-    swept_hull_of(&search, &search.hull);
+    set_hull(&search);
     if (!progress->has_begun) {
         progress->has_begun = 1;
         progress->ruled_out = 0;
@@ -309,7 +354,7 @@ int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
     if (from >= 1.0)
         return SWEEP_FREE;
     if (progress->has_begun)
-        swept_hull_of(&search, &search.hull);
+        set_hull(&search);
     else
         begin_search(&search, hint);
     int is_done = continue_search(&search);

@@ -138,6 +138,8 @@ static void begin_piece(const struct rigid_sweep *sweep, struct piece *piece, do
     piece->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
     dpti_sweep_begin(&piece->sweep, &piece->motion, sweep->radius + added, sweep->tolerance,
                      dpti_surface_extent(sweep->surface));
+    piece->sweep.directions = sweep->directions;
+    piece->sweep.direction_count = sweep->direction_count;
     piece->sweep.surface_speed = (piece->t1 - piece->t0) * surface_motion_max(sweep);
     piece->times = (struct surface_times){ sweep->tick, vertex_time(sweep, piece->t0),
                                            vertex_time(sweep, piece->t1) };

@@ -27,7 +27,7 @@ struct moving_piece {
 struct face {
     vec3 normal;
     double low, high;
-    int is_valid;
+    int is_known, is_valid;
 };
 
 void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double radius,
@@ -48,6 +48,8 @@ void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double r
     sweep->no_hit_limit = radius + tolerance;
     sweep->reach[0] = sweep->reach[1] = 0.0;
     sweep->surface_speed = 0.0;
+    sweep->directions = NULL;
+    sweep->direction_count = 0;
     vec3 middle = along(sweep->u, 0.5, sweep->du);
     double size = length(middle);
     sweep->middle_direction = size > 1e-120 ? scaled(middle, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
@@ -109,7 +111,7 @@ static struct face face_of(const vec3 corner[3])
     const vec3 edge[3] = { sub(corner[1], corner[0]), sub(corner[2], corner[1]),
                            sub(corner[0], corner[2]) };
     triangle_frame frame;
-    struct face face = { .is_valid = triangle_frame_set(edge, &frame) };
+    struct face face = { .is_known = 1, .is_valid = triangle_frame_set(edge, &frame) };
     if (!face.is_valid)
         return face;
     face.normal = scaled(frame.z, 1.0 / length(frame.z));
@@ -282,11 +284,17 @@ static vec3 shift_of_pair(const struct moving_piece *moving, const pair *found)
  * Returns what should be cut: the plane of the nearest pair is met much sooner than by the pair's own points. Either
  * other points are faster, or rounding tilts the plane, and more so the longer the piece is.
  */
-static enum cut advance(const struct sweep *sweep, const vec3 corner[3], const struct face *face,
+static enum cut advance(const struct sweep *sweep, const vec3 corner[3], struct face *face,
                         const struct moving_piece *moving, const pair *found,
                         struct motion_piece *piece, int *fast, int *slow)
 {
     double clearance = sqrt(found->distance2) - sweep->free_limit;
+    double time_left = 1.0 - piece->time;
+    double duration = clearance / max_approach(moving);
+    if (duration > time_left) {
+        piece->time += duration;
+        return CUT_NONE;
+    }
     vec3 normal = direction_of(moving, corner, found);
     double support =
         max_of(dot(normal, corner[0]), max_of(dot(normal, corner[1]), dot(normal, corner[2])));
@@ -295,12 +303,14 @@ static enum cut advance(const struct sweep *sweep, const vec3 corner[3], const s
     double approach_a = -dot(normal, moving->va), approach_b = -dot(normal, moving->vb);
     double approach = approach_a + found->s * (approach_b - approach_a) +
                       dot(normal, shift_of_pair(moving, found));
-    double time_left = 1.0 - piece->time;
-    double duration = clearance / max_approach(moving);
     duration = max_of(duration, moving->is_moving
                                     ? corners_duration(moving, normal, sweep->free_limit)
                                     : plane_duration(moving, normal, support, sweep->free_limit));
-    duration = max_of(duration, face_duration(moving, face, sweep->free_limit));
+    if (!(duration > time_left)) {
+        if (moving->is_moving || !face->is_known)
+            *face = face_of(corner);
+        duration = max_of(duration, face_duration(moving, face, sweep->free_limit));
+    }
     piece->time += duration;
     if (!(4.0 * duration < time_left && 2.0 * duration * approach < clearance))
         return CUT_NONE;
@@ -336,11 +346,9 @@ int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle 
     enum { PIECES_MAX = 64 };
     struct motion_piece pieces[PIECES_MAX];
     struct moving_piece moving;
-    struct face face = { .is_valid = 0 };
+    struct face face = { .is_known = 0 };
     const vec3 *corner = triangle->is_moving ? moving.corner : triangle->corner;
     int count = trim(sweep, triangle, pieces), result = SWEEP_FREE;
-    if (!triangle->is_moving)
-        face = face_of(triangle->corner);
     while (count) {
         struct motion_piece *piece = &pieces[count - 1];
         if (piece->time > until) {
@@ -358,8 +366,6 @@ int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle 
             continue;
         }
         int fast, slow;
-        if (triangle->is_moving)
-            face = face_of(corner);
         const enum cut cut = advance(sweep, corner, &face, &moving, &found, piece, &fast, &slow);
         if (cut == CUT_NONE || count == PIECES_MAX)
             continue;

@@ -33,6 +33,8 @@ struct moving_triangle {
     int is_moving;
 };
 
+enum { SWEEP_DIRECTIONS_MAX = 6 };
+
 /* A motion prepared for sweeping. */
 struct sweep {
     vec3 a, u, da, du;     /* the axis a + s u at time 0, and its change per tick */
@@ -44,6 +46,9 @@ struct sweep {
     double
         reach[2]; /* m: what bounds of distances allow each end to be beside its line; 0 at first */
     double surface_speed; /* m per tick: no point of a triangle moves faster; 0 at first */
+    /* Set with the first directions of a search (struct rigid_sweep); none at first. */
+    const vec3 *directions;
+    uint32_t direction_count;
 };
 
 /*

@@ -91,6 +91,7 @@ struct triangle_place {
     const struct frame *frame; /* that of the body, or before it moved in this tick */
     vec3 a, u;                 /* the axis in that frame */
     vec3 v[3];                 /* the corners, at that time */
+    double far2; /* m^2: a point that is farther than that from the first corner is out of reach */
 };
 
 /* How far the body has moved its point q, of the frame of the place, since. */
@@ -154,12 +155,30 @@ static int pair_at(int feature, double s, vec3 a, vec3 u, const vec3 v[3], pair 
     return 1;
 }
 
+/* Whether the axis' point at s is out of the triangle's reach: most ends are. */
+static int is_far(const struct triangle_place *place, double s)
+{
+    const vec3 offset = sub(along(place->a, s, place->u), place->v[0]);
+    return dot(offset, offset) > place->far2;
+}
+
+/* The place s on a + s u that is nearest to x. */
+static double nearest_s(vec3 a, vec3 u, vec3 x)
+{
+    const double uu = dot(u, u);
+    return uu > 0.0 ? clamp01(dot(sub(x, a), u) / uu) : 0.0;
+}
+
 /* A pair within reach becomes a constraint; 0 where there is none. */
 static int add_pair(struct proxy_tick *tick, uint32_t index, int feature, double s, double reach,
                     const struct triangle_place *place)
 {
     pair found;
-    if (!pair_at(feature, s, place->a, place->u, place->v, &found))
+    if (feature < PAIR_EDGE)
+        s = feature == PAIR_END_A ? 0.0 : 1.0;
+    const int is_of_point = feature < PAIR_EDGE || feature == PAIR_POINT;
+    if ((is_of_point && is_far(place, s)) ||
+        !pair_at(feature, s, place->a, place->u, place->v, &found))
         return 0;
     const double distance = sqrt(found.distance2);
     const double gap = distance - radius_of(tick, &tick->triangles[index]);
@@ -185,6 +204,12 @@ static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reac
         surface_corners(&body->surface, triangle->triangle, place.v);
     }
     axis_in_body(tick, &tick->at, triangle, place.frame, &place.a, &place.u);
+    const vec3 edge = sub(place.v[1], place.v[0]), other = sub(place.v[2], place.v[0]);
+    const double far = 1.000001 * (reach + radius_of(tick, triangle) +
+                                   sqrt(max_of(dot(edge, edge), dot(other, other))));
+    place.far2 = far > 0.0 ? far * far : 0.0;
+    if (is_far(&place, nearest_s(place.a, place.u, place.v[0])))
+        return;
     const int features = tick->proxy->shape == PROXY_BALL ? 1 : PAIR_FEATURES;
     int is_along_edge = 0;
     for (int feature = 0; feature < features; feature++)

@@ -33,6 +33,23 @@ struct tool_sweep {
     int is_alone; /* no body was near enough to be swept */
 };
 
+/*
+ * The directions from the tool to a body at the contacts that hold it there. Where the body was before this tick they
+ * were others: none then.
+ */
+static uint32_t list_directions(const struct proxy_tick *tick, const struct body *body,
+                                vec3 directions[SWEEP_DIRECTIONS_MAX])
+{
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < tick->solved.active_count && !tick->is_before; k++) {
+        const uint32_t space = tick->solved.active[k];
+        if (tick->triangles[tick->sources[space].triangle].body_id == body->id)
+            directions[count++] =
+                scaled(frame_turn_back(&body->frame, vec3_of(tick->spaces[space].normal)), -1.0);
+    }
+    return count;
+}
+
 /* One segment past one body; what is hit is remembered. */
 static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct body *body,
                        const dpt_pose *to, struct tool_sweep *sweep)
@@ -46,6 +63,7 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
                                     segment->b };
     struct placement to_place = { *to, body->pose, segment->a, segment->b };
     struct rigid_sweep_progress progress;
+    vec3 directions[SWEEP_DIRECTIONS_MAX];
     rigid_sweep_restart(&progress);
     struct rigid_sweep rigid = {
         .surface = &body->surface,
@@ -57,11 +75,13 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
         .hint = *world_last_triangles(world, index, handle_index(body->id)),
         .tick = has_moved && surface_has_moved(&body->surface, world->ticks) ? world->ticks : 0,
         .tick_from = tick->time,
+        .directions = directions,
         .work = &world->work,
         .progress = &progress
     };
     if (dpti_rigid_sweep_cannot_meet(&rigid, &from_place, &to_place, 0.0))
         return;
+    rigid.direction_count = list_directions(tick, body, directions);
     const int status = work_is_spent(&world->work)
                            ? SWEEP_UNFINISHED
                            : dpti_rigid_sweep_find(&rigid, &from_place, &to_place);

@@ -176,19 +176,56 @@ static void check_pair_of(const struct body *body, const struct sweep *sweep,
     CHECK(length(off) <= 1e-14, "q is %g off", length(off));
 }
 
+/* Directions that are tried first: from the axis to what is nearest to it at some time, and any. */
+static void any_directions(const struct body *body, const struct sweep *sweep,
+                           vec3 directions[SWEEP_DIRECTIONS_MAX])
+{
+    for (int i = 0; i < SWEEP_DIRECTIONS_MAX; i++) {
+        struct pair_search nearest = { .pair.distance2 = HUGE_VAL, .triangle = DPT_NONE };
+        vec3 a, u;
+        dpti_sweep_axis(sweep, 0.2 * i, &a, &u);
+        dpti_brute_search(&body->surface, a, u, &(struct work){ 0, WORK_UNLIMITED }, &nearest);
+        const double distance = sqrt(nearest.pair.distance2);
+        const vec3 any = any_in(&rng, 1.0);
+        directions[i] = distance > 0.0 && i < 4 ? scaled(nearest.pair.gap, -1.0 / distance)
+                                                : scaled(any, 1.0 / length(any));
+    }
+}
+
+/* What a radius touches, half of it and as much of reach may touch. */
+static void check_may_touch(const struct body *body, const struct kernel *kernel,
+                            const struct motion *motion, const struct sweep *directed,
+                            double tolerance)
+{
+    struct sweep sweep;
+    struct sweep_progress progress = { .has_begun = 0 };
+    struct work work = { 0, WORK_UNLIMITED };
+    uint32_t leaf = DPT_NONE;
+    const double half = 0.5 * directed->radius;
+    dpti_sweep_begin(&sweep, motion, half, tolerance, dpti_surface_extent(&body->surface));
+    sweep.reach[0] = sweep.reach[1] = half;
+    sweep.directions = directed->directions;
+    sweep.direction_count = directed->direction_count;
+    int status = dpti_sweep_may_touch(&body->surface, kernel, &sweep, &at_rest, 0.0, &work,
+                                      &progress, &leaf);
+    CHECK(status == SWEEP_HIT, "ruled out");
+}
+
 static void sweep_body(const char *name, struct body *body, int motions)
 {
     struct kernel kernel[8];
     uint32_t kernels = 0, chosen, hits = 0, unfinished = 0, most = 0, later = 0;
+    uint64_t all_work = 0, directed_work = 0;
     for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_WASM128; id++)
         kernels += (uint32_t)dpti_kernel_get(id, &kernel[kernels], &chosen);
     for (int i = 0; i < motions; i++) {
+        vec3 directions[SWEEP_DIRECTIONS_MAX];
         struct motion motion;
         struct sweep sweep;
         struct impact found;
         double tolerance = body->diagonal * (one_in(&rng, 2) ? 1e-6 : power_in(&rng, -11.0, -5.0));
-        double radius = one_in(&rng, 2) ? 0.0 : body->diagonal * power_in(&rng, -5.0, -1.0);
-        uint32_t work = 0, full = 0;
+        double radius = one_in(&rng, 2) ? 0.0 : body->diagonal * power_in(&rng, -5.0, -0.3);
+        uint32_t work = 0, full = 0, directed = 0;
         motion_near(body, &motion);
         dpti_sweep_begin(&sweep, &motion, radius, tolerance, dpti_surface_extent(&body->surface));
         struct impact truth = brute_sweep(&body->surface, &sweep);
@@ -210,12 +247,24 @@ static void sweep_body(const char *name, struct body *body, int motions)
             check_pair_of(body, &sweep, &found, tolerance);
         if (from < 1.0)
             check_budget(body, &kernel[0], &sweep, from, hint, &truth, work);
+        any_directions(body, &sweep, directions);
+        sweep.directions = directions;
+        sweep.direction_count = 1 + (uint32_t)(random_bits(&rng) % SWEEP_DIRECTIONS_MAX);
+        result = sweep_whole(body, &kernel[kernels - 1], &sweep, 0.0, DPT_NONE, &found, &directed);
+        check_strike("directions", &found, &truth, result);
+        if (result == SWEEP_HIT)
+            check_may_touch(body, &kernel[kernels - 1], &motion, &sweep, tolerance);
+        all_work += full;
+        directed_work += directed;
         hits += truth.triangle != DPT_NONE;
         later += from > 0.0;
     }
     printf("    %-10s %5d motions, %4u hits, %4u begun later, %4u ended, work at most %5u\n", name,
            motions, hits, later, unfinished, most);
     CHECK(hits > (uint32_t)motions / 10, "%u hits", hits);
+    const double share = (double)directed_work / (double)all_work;
+    printf("    with directions %.3f of the units\n", share);
+    CHECK(share < 1.0, "%g", share);
 }
 
 static void meshes_are_met_as_their_triangles_are(void)
@@ -239,16 +288,22 @@ static void meshes_are_met_as_their_triangles_are(void)
     }
 }
 
-/* A hull of four points, at the origin or far from it, with a reach or none, and a box that is about right, or not. */
+/* A hull of four points, with a reach or none. Half move by little beside their length, as tools do; others anyhow. */
 static void any_swath(struct swept_hull *hull, vec3 end[4])
 {
+    double far = 0.0;
     double reach = one_in(&rng, 8) ? 50.0 : 1.5, span = power_in(&rng, -3.0, 0.0);
     vec3 about = any_in(&rng, reach), x = any_in(&rng, 1.0), y;
+    const int is_slow = one_in(&rng, 2);
     hull->limit = (float)power_in(&rng, -4.0, 0.0);
     for (int e = 0; e < 4; e++) {
-        end[e] = add(about, any_in(&rng, span));
+        end[e] = e > 1 && is_slow ? add(end[e - 2], any_in(&rng, 0.01 * span))
+                                  : add(about, any_in(&rng, span));
+        far = max_of(far, length(end[e]));
         put_float(end[e], hull->end[e]);
     }
+    if (is_slow)
+        x = add(sub(end[1], end[0]), sub(end[3], end[2]));
     x = scaled(x, 1.0 / length(x));
     y = across_in(&rng, x);
     put_float(x, hull->axis[0]);
@@ -261,6 +316,9 @@ static void any_swath(struct swept_hull *hull, vec3 end[4])
     for (int k = 0; k < 2; k++)
         hull->reach[k] =
             has_reach && !one_in(&rng, 3) ? (float)(random_in(&rng, 0.0, 1.0) * span) : 0.0f;
+    hull->beside = hull->limit +
+                   (hull->reach[0] > hull->reach[1] ? hull->reach[0] : hull->reach[1]) +
+                   (float)(PIECE_MARGIN * (1.0 + far));
 }
 
 /* An end within its reach, often towards a place. */
@@ -271,24 +329,55 @@ static vec3 beside(vec3 end, float reach, vec3 place)
     return along(end, part * (double)reach / length(way), way);
 }
 
-/* By how many margins a bound is above the distance of a triangle to a segment within the hull. */
+/* The part *from..*to of the axis a, b that is beside a triangle, along the tool; 0 if there is none. */
+static int part_beside(const struct swept_hull *hull, const vec3 v[3], vec3 a, vec3 b, double *from,
+                       double *to)
+{
+    const vec3 x = vec3_of_float(hull->axis[0]);
+    const double low = min_of(dot(x, v[0]), min_of(dot(x, v[1]), dot(x, v[2])));
+    const double high = max_of(dot(x, v[0]), max_of(dot(x, v[1]), dot(x, v[2])));
+    const double rise = dot(x, sub(b, a)), beside = (double)hull->beside;
+    *from = 0.0;
+    *to = 1.0;
+    if (rise <= 0.0)
+        return 1;
+    *from = max_of(0.0, (low - beside - dot(x, a)) / rise);
+    *to = min_of(1.0, (high + beside - dot(x, a)) / rise);
+    return *from <= *to;
+}
+
+/*
+ * By how many margins a bound is above the distance of a triangle to a segment within the hull, as far as that is beside
+ * the triangle. A bound beyond the limit counts for the whole segment, with the limit.
+ */
 static double excess(const float *rows, int lane, float bound, const struct swept_hull *hull,
                      const vec3 end[4])
 {
     double s = random_in(&rng, 0.0, 1.0), t = random_in(&rng, 0.0, 1.0), far = 0.0;
     vec3 a = along(end[0], t, sub(end[2], end[0])), b = along(end[1], t, sub(end[3], end[1])), v[3];
-    if (one_in(&rng, 3))
-        a = end[2 * (random_bits(&rng) % 2)], b = end[1 + 2 * (random_bits(&rng) % 2)];
+    if (one_in(&rng, 3)) {
+        const uint64_t last = 2 * (random_bits(&rng) % 2);
+        a = end[last], b = end[1 + last];
+    }
     for (int k = 0; k < 3; k++)
         v[k] = (vec3){ rows[3 * k * LANES + lane], rows[(3 * k + 1) * LANES + lane],
                        rows[(3 * k + 2) * LANES + lane] };
+    double from, to, over = -HUGE_VAL;
+    const int has_part = part_beside(hull, v, a, b, &from, &to);
     a = beside(a, hull->reach[0], v[0]);
     b = beside(b, hull->reach[1], v[random_bits(&rng) % 3]);
-    a = along(a, one_in(&rng, 2) ? s : 0.0, sub(b, a));
+    const vec3 u = sub(b, a);
+    from += (one_in(&rng, 2) ? s : 0.0) * (to - from);
     for (int e = 0; e < 4; e++)
         far = max_of(far, length(end[e]) + (double)hull->reach[e % 2]);
-    double distance = sqrt(segment_triangle(a, sub(b, a), v[0], v[1], v[2]).distance2);
-    return ((double)bound - distance) / kernel_margin(far, far);
+    if (has_part)
+        over = (double)bound -
+               sqrt(segment_triangle(along(a, from, u), scaled(u, to - from), v[0], v[1], v[2])
+                        .distance2);
+    if (bound > hull->limit)
+        over = max_of(over, (double)hull->limit -
+                                sqrt(segment_triangle(a, u, v[0], v[1], v[2]).distance2));
+    return over / kernel_swept_margin(far);
 }
 
 static void swept_bounds_are_sound(void)
