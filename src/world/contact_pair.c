@@ -7,6 +7,27 @@
 
 #include "world/sheet_sides.h"
 
+/* Regions are for users, and for the force of a bed. */
+static int has_regions(const struct contact_pair *contact_pair)
+{
+    return contact_pair->world->def.max_contacts || contact_pair->bed_depth;
+}
+
+static struct depth_samples *depth_samples_of(const struct contact_pair *contact_pair)
+{
+    return &contact_pair->world->segments[contact_pair->segment_index].depth_samples;
+}
+
+static uint32_t load_depth_samples(const struct contact_pair *contact_pair,
+                                   struct warm_start warm_starts[PROFILE_WARM_STARTS])
+{
+    const struct depth_samples *samples = depth_samples_of(contact_pair);
+    if (samples->body_id != contact_pair->body->id)
+        return 0;
+    memcpy(warm_starts, samples->at, samples->count * sizeof *warm_starts);
+    return samples->count;
+}
+
 /*
  * Read last tick's contacts of the pair: set the sides of its sheets, and fill in where the profile's samples begin.
  * Returns how many warm starts there are.
@@ -17,6 +38,8 @@ static uint32_t load_warm_starts(struct contact_pair *contact_pair,
     const struct persistent_contacts *last_tick = contacts_last_tick(contact_pair->world);
     uint32_t count = 0;
     contact_pair->sides.count = 0;
+    if (!has_regions(contact_pair))
+        return load_depth_samples(contact_pair, warm_starts);
     for (uint32_t i = 0; i < last_tick->count; i++) {
         const struct persistent_contact *persistent = &last_tick->items[i];
         if (!persistent_contact_is_of(persistent, contact_pair->segment_index, contact_pair->body))
@@ -229,12 +252,6 @@ static void update_deepest(struct contact_pair *contact_pair, const struct regio
     }
 }
 
-/* Regions are for users, and for the force of a bed. */
-static int has_regions(const struct contact_pair *contact_pair)
-{
-    return contact_pair->world->def.max_contacts || contact_pair->bed_depth;
-}
-
 /* Add a region to what the tool's law needs. */
 static void add_bed_depth(const struct contact_pair *contact_pair, const struct region *region)
 {
@@ -261,6 +278,26 @@ static void add_bed_ends(const struct contact_pair *contact_pair)
         depth->end_square[e] += w * w;
         depth->end_thrust[e] =
             along(depth->end_thrust[e], w, frame_turn(&contact_pair->body->frame, sample->normal));
+    }
+}
+
+/*
+ * Keep the samples inside. One between two others with its own triangle tells nothing: the distance to a triangle is
+ * convex along the axis. Those at crossings are found with the crossings.
+ */
+static void keep_depth_samples(const struct contact_pair *contact_pair)
+{
+    const struct distance_profile *profile = contact_pair->profile;
+    struct depth_samples *samples = depth_samples_of(contact_pair);
+    samples->body_id = contact_pair->body->id;
+    samples->count = 0;
+    for (uint32_t i = 0; i < profile->sample_count && samples->count < DEPTH_SAMPLES_MAX; i++) {
+        const struct profile_sample *sample = &profile->sample[i];
+        const int is_between = i && i + 1 < profile->sample_count &&
+                               sample[-1].triangle == sample->triangle &&
+                               sample[1].triangle == sample->triangle;
+        if (sample->height < 0.0 && !is_between)
+            samples->at[samples->count++] = (struct warm_start){ sample->s, sample->triangle, 0.0f };
     }
 }
 
@@ -327,5 +364,7 @@ int dpti_contact_pair_find(struct contact_pair *contact_pair, double *gap)
     }
     if (count && status != CONTACT_UNKNOWN)
         add_bed_ends(contact_pair);
+    if (!has_regions(contact_pair) && status == CONTACT_PROFILE && !is_resting(contact_pair))
+        keep_depth_samples(contact_pair);
     return status;
 }

@@ -53,6 +53,11 @@ void dpti_persistent_contacts_forget(struct dpt_world *world, uint32_t first, ui
             current->items[kept_count++] = *persistent;
     }
     current->count = kept_count;
+    for (uint32_t s = first; s < end; s++) {
+        struct depth_samples *samples = &world->segments[s].depth_samples;
+        if (slot == DPT_NONE || handle_index(samples->body_id) == slot)
+            samples->body_id = 0;
+    }
 }
 
 void dpti_persistent_contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end)

@@ -80,8 +80,8 @@ void dpti_persistent_contacts_put_side(struct dpt_world *world, uint32_t segment
 void dpti_persistent_contacts_forget_sides(struct dpt_world *world, uint32_t segment_index);
 
 /*
- * Forget the contacts of the segments from `first` up to, not including, `end` with the body in `slot`, or with
- * DPT_NONE all.
+ * Forget the contacts and depths of the segments from `first` up to, not including, `end` with the body in `slot`, or
+ * with DPT_NONE all.
  */
 void dpti_persistent_contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end,
                                      uint32_t slot);

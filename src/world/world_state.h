@@ -197,6 +197,14 @@ struct pushing_part {
     uint32_t triangle; /* place: the nearest to the deepest point */
 };
 
+/* Where no contacts are kept: the samples of a segment's last profile with a body that decide how deep it is. */
+enum { DEPTH_SAMPLES_MAX = 16 };
+struct depth_samples {
+    uint32_t body_id; /* 0: there are none */
+    uint32_t count;
+    struct warm_start at[DEPTH_SAMPLES_MAX];
+};
+
 struct segment {
     vec3 a, b; /* in the tool's frame */
     double radius;
@@ -217,6 +225,7 @@ struct segment {
     struct penetration penetration;      /* at the deepest point, in the world */
     struct penetration felt_penetration; /* the force uses it: reduced near a sheet's border */
     struct bed_depth bed_depth;          /* for DPT_LAW_BED */
+    struct depth_samples depth_samples;
     struct motion_state previous;        /* where the next motion to be swept begins */
     dpt_sweep sweep;
     uint32_t may_have_crossed; /* in this tick's motion the axis may have gone through a surface */
