@@ -183,7 +183,8 @@ DPT_API uint32_t dpt_world_get_kernel(const dpt_world *world);
 
 /*
  * A rigid body is a mesh at a pose; NULL is the identity. The world keeps the pointer: the mesh and its bytes must stay
- * where they are until the body is removed.
+ * where they are until the body is removed. To add a mesh takes microseconds; one with holes is looked through for them,
+ * half a millisecond for 50,000 triangles.
  *
  * dpt_body_set_pose moves a body. The motion is swept, so a tool between the old and the new pose is not missed.
  * dpt_body_teleport jumps: nothing is swept, as if the body were removed and added, but it keeps its id. If the pose

@@ -2,6 +2,7 @@
 #include "contact/distance_profile.h"
 
 #include "contact/crossings.h"
+#include "contact/holes.h"
 
 /* 1: a triangle may be within reach of the axis at s. */
 static int is_in_reach_interval(const struct distance_profile *profile, double s)
@@ -10,6 +11,20 @@ static int is_in_reach_interval(const struct distance_profile *profile, double s
         if (s >= profile->reach_from[i] && s <= profile->reach_to[i])
             return 1;
     return 0;
+}
+
+/*
+ * The side of an axis that crosses nothing, at its nearest pair. With no hole near, it is the same all along the axis,
+ * and outside where one end is out of the mesh's box.
+ */
+static int side_of_axis(struct distance_profile *profile, const struct pair_search *nearest)
+{
+    const struct surface *surface = profile->surface;
+    if (!profile_has_side_per_sample(profile) && surface->moments &&
+        !(surface_box_holds(surface, profile_point(profile, 0.0)) &&
+          surface_box_holds(surface, profile_point(profile, 1.0))))
+        return 1;
+    return dpti_profile_side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair);
 }
 
 /*
@@ -23,8 +38,7 @@ static void find_sides(struct distance_profile *profile, const struct pair_searc
     if (profile_has_side_per_sample(profile))
         return;
     if (!profile->crossing_count) {
-        profile->sign[0] =
-            dpti_profile_side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair);
+        profile->sign[0] = side_of_axis(profile, nearest);
         return;
     }
     for (uint32_t k = 0; k <= profile->crossing_count; k++) {
@@ -96,7 +110,7 @@ static void put_inner_samples(struct distance_profile *profile)
  */
 static int is_outside(struct distance_profile *profile, const struct pair_search *nearest)
 {
-    if (dpti_profile_side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair) < 0)
+    if (side_of_axis(profile, nearest) < 0)
         return 0;
     return !profile->has_winding_parts ||
            !(dpti_profile_is_inside(profile, 0.0) || dpti_profile_is_inside(profile, 1.0));
@@ -116,7 +130,9 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
     profile->sample_count = 0;
     profile->deepest = 0;
     profile->unchanged_count = 0;
-    profile->has_winding_parts = profile->surface->moments ? 1 : 0;
+    const struct holes *holes = profile->surface->holes;
+    profile->has_winding_parts = profile->surface->moments &&
+                                 !(holes && dpti_holes_are_far_from(holes, axis->local_a, axis->u));
     int is_far = distance > profile->reach;
     if (is_far && !profile->sides->count && is_outside(profile, nearest))
         return 0;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/profile_samples.h"
 
+#include "contact/holes.h"
 #include "contact/winding_number.h"
 #include "nearest/point_search.h"
 
@@ -46,8 +47,7 @@ int dpti_profile_is_inside(struct distance_profile *profile, double s)
 {
     const struct surface *surface = profile->surface;
     vec3 x = profile_point(profile, s);
-    if (x.x < surface->box_min.x || x.y < surface->box_min.y || x.z < surface->box_min.z ||
-        x.x > surface->box_max.x || x.y > surface->box_max.y || x.z > surface->box_max.z)
+    if (!surface_box_holds(surface, x))
         return 0;
     const struct cached_point *cached =
         profile->point_cache ? dpti_point_cache_find(profile->point_cache, profile->body, x) : NULL;
@@ -75,7 +75,12 @@ int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t tr
         return 1;
     if (side)
         return side * dpti_side_of_pair(profile->surface, triangle, found);
-    if (flags & MESH_PART_WINDING)
+    const int needs_winding =
+        (flags & MESH_PART_WINDING) &&
+        (profile->has_winding_parts ||
+         !dpti_holes_are_beyond(profile->surface->holes, profile_point(profile, s),
+                                sqrt(found->distance2)));
+    if (needs_winding)
         return dpti_profile_is_inside(profile, s) ? -1 : 1;
     if (flags & MESH_PART_BURIED)
         return -1;

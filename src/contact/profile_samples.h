@@ -112,7 +112,7 @@ struct distance_profile {
     double tolerance;                /* of the depth, m */
     struct work work;                /* of this profile alone */
     uint32_t is_cut;                 /* the work was spent before the profile was complete */
-    uint32_t has_winding_parts;      /* parts whose inside only the winding number tells */
+    uint32_t has_winding_parts;      /* parts whose inside only the winding number tells, here */
     uint32_t is_full;                /* more than PROFILE_CROSSINGS crossings: some are missing */
     uint32_t is_sideless;            /* the axis crosses an open sheet whose side is not known */
     uint32_t crossing_count;

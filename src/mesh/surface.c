@@ -26,6 +26,7 @@ void dpti_surface_of_mesh(const struct dpt_mesh *mesh, struct surface *surface)
     surface->filter_centre = vec3_of(mesh->filter_centre);
     surface->filter_scale = mesh->filter_scale;
     surface->diagonal = length(sub(surface->box_max, surface->box_min));
+    surface->holes = NULL;
     surface->motion = NULL;
     surface->view_tick = 0;
     surface->view_time = 1.0;

@@ -28,10 +28,11 @@ struct surface {
     const float *leaves;    /* of MESH_LEAF_WORDS */
     /* Nodes of MESH_BOX_WORDS for each level; level 1: the parents of the leaves. */
     const float *level[MESH_LEVELS_MAX + 1];
-    const float *moments;  /* nodes of MESH_MOMENT_WORDS; or NULL */
-    vec3 box_min, box_max; /* hold all vertices; of a deformable body at all times */
-    double diagonal;       /* m: of the mesh's own box */
-    vec3 filter_centre;    /* boxes, leaves and moments hold (x - centre) * scale */
+    const float *moments;      /* nodes of MESH_MOMENT_WORDS; or NULL */
+    const struct holes *holes; /* src/contact/holes.h; NULL: not known */
+    vec3 box_min, box_max;     /* hold all vertices; of a deformable body at all times */
+    double diagonal;           /* m: of the mesh's own box */
+    vec3 filter_centre;        /* boxes, leaves and moments hold (x - centre) * scale */
     double filter_scale;
     struct surface_motion *motion; /* of a deformable body; NULL: the vertices are at rest */
     /* A view (surface_view): the vertices are where they were at a time of the motion before `view_tick`; 0: now. */
@@ -131,6 +132,13 @@ static inline vec3 surface_point(const struct surface *surface, uint32_t triangl
 static inline double surface_margin(const struct surface *surface)
 {
     return surface->motion ? MOTION_MARGIN : 0.0;
+}
+
+/* Whether x, in the body's frame, lies in the box of all vertices. */
+static inline int surface_box_holds(const struct surface *surface, vec3 x)
+{
+    return x.x >= surface->box_min.x && x.y >= surface->box_min.y && x.z >= surface->box_min.z &&
+           x.x <= surface->box_max.x && x.y <= surface->box_max.y && x.z <= surface->box_max.z;
 }
 
 static inline uint32_t surface_triangles(const struct surface *surface)

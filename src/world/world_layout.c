@@ -14,7 +14,7 @@
  */
 enum {
     BYTES_WORLD = 24576, /* the world itself, with one distance profile */
-    BYTES_BODY = 704,    /* with its box */
+    BYTES_BODY = 992,    /* with its box */
     BYTES_TOOL = 384,
     BYTES_SEGMENT = 1920,
     BYTES_POINT_CACHE = 21504, /* and for each segment BYTES_POINT_CACHE_SEGMENT */

@@ -11,6 +11,7 @@
 
 #include "base/frame.h"
 #include "base/handle.h"
+#include "contact/holes.h"
 #include "contact/sheet_border.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/world.h"
@@ -25,6 +26,7 @@
 
 struct body {
     struct surface surface;
+    struct holes holes; /* of the surface; count 0: not known */
     struct frame frame;
     uint64_t user;
     dpt_pose pose; /* the frame is made of it */
