@@ -329,6 +329,18 @@ static int find_gap_and_regions(struct contact_pair *contact_pair,
     return status;
 }
 
+/*
+ * Whether the work left is twice what the last tick took: then this one is done at once. Otherwise the depth goes first,
+ * and the point cache keeps what is found for later ticks. At rest these continue there.
+ */
+static int has_ample_work(const struct contact_pair *contact_pair)
+{
+    const struct dpt_world *world = contact_pair->world;
+    const uint32_t last = world->segments[contact_pair->segment_index].contact_work;
+    return !world->def.budget ||
+           (last && !is_resting(contact_pair) && 2 * (uint64_t)last <= work_left(&world->work));
+}
+
 int dpti_contact_pair_find(struct contact_pair *contact_pair, double *gap)
 {
     struct dpt_world *world = contact_pair->world;
@@ -340,8 +352,9 @@ int dpti_contact_pair_find(struct contact_pair *contact_pair, double *gap)
     profile->kernel = &world->kernel;
     profile->axis = &contact_pair->axis;
     profile->sides = &contact_pair->sides;
-    profile->point_cache = world->def.budget ? &world->point_cache : NULL;
-    profile->contacts_wanted = has_regions(contact_pair) && !world->def.budget;
+    const int is_ample = has_ample_work(contact_pair);
+    profile->point_cache = is_ample ? NULL : &world->point_cache;
+    profile->contacts_wanted = has_regions(contact_pair) && is_ample;
     profile->ends_wanted = contact_pair->bed_depth != NULL;
     profile->body = handle_index(contact_pair->body->id);
     profile->margin = has_regions(contact_pair) ? world->def.margin : 0.0;

@@ -136,6 +136,7 @@ void dpti_contacts_find(struct dpt_world *world, uint32_t segment_index,
                                          .segment_index = segment_index,
                                          .radius = segment->radius,
                                          .profile = &world->profile };
+    const uint32_t work_before = world->work.done;
     segment->bed_depth = (struct bed_depth){ .square = 0.0 };
     if (world->tools[segment->tool_slot].law == DPT_LAW_BED &&
         world->def.until == DPT_UNTIL_RESPOND)
@@ -153,6 +154,7 @@ void dpti_contacts_find(struct dpt_world *world, uint32_t segment_index,
         if (body_is_there(contact_pair.body) && is_near)
             add_body(&contact_pair, best, &sum);
     }
+    segment->contact_work = sum.is_known ? world->work.done - work_before : 0;
     if (!sum.is_known)
         return;
     dpti_segment_result_set_gap(result, min_of(sum.min_gap, result->distance - contact_pair.radius),

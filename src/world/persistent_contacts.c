@@ -57,6 +57,7 @@ void dpti_persistent_contacts_forget(struct dpt_world *world, uint32_t first, ui
         struct depth_samples *samples = &world->segments[s].depth_samples;
         if (slot == DPT_NONE || handle_index(samples->body_id) == slot)
             samples->body_id = 0;
+        world->segments[s].contact_work = 0;
     }
 }
 

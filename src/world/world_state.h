@@ -228,6 +228,7 @@ struct segment {
     struct penetration felt_penetration; /* the force uses it: reduced near a sheet's border */
     struct bed_depth bed_depth;          /* for DPT_LAW_BED */
     struct depth_samples depth_samples;
+    uint32_t contact_work; /* units, that the last tick's contact took in all; 0: it was not decided, or there was none */
     struct motion_state previous;        /* where the next motion to be swept begins */
     dpt_sweep sweep;
     uint32_t may_have_crossed; /* in this tick's motion the axis may have gone through a surface */

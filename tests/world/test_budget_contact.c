@@ -228,6 +228,41 @@ static void in_motion_the_gap_comes_first(void)
     }
 }
 
+/* With more than it needs, a tool in motion does the work of one without a budget. */
+static void what_is_ample_is_no_dearer(void)
+{
+    uint64_t seed = 4;
+    for (int which = 0; which < 2; which++) {
+        struct subject subject;
+        uint64_t work[2] = { 0, 0 };
+        if (!open_shape(&subject, which))
+            return;
+        dpt_segment axis = random_axis(&subject, &seed, 0.6), way = axis;
+        contact_world_open(&ample_world, subject.mesh, &axis, 0);
+        contact_world_open(&small_world, subject.mesh, &axis, 20000);
+        for (uint32_t tick = 0; tick < tick_count() / 4; tick++) {
+            if (tick % 400 == 0)
+                way = random_axis(&subject, &seed, 0.6);
+            for (int k = 0; k < 3; k++) {
+                axis.a[k] += (way.a[k] - axis.a[k]) / 300.0;
+                axis.b[k] += (way.b[k] - axis.b[k]) / 300.0;
+            }
+            dpt_tool_set_segments(ample_world.world, ample_world.tool, &axis, 1);
+            dpt_tool_set_segments(small_world.world, small_world.tool, &axis, 1);
+            contact_world_step(&ample_world);
+            contact_world_step(&small_world);
+            work[0] += ample_world.step.work;
+            work[1] += small_world.step.work;
+        }
+        const double ratio = (double)work[1] / (double)work[0];
+        printf("    %-12s %.4f of the work without a budget\n", subject.name, ratio);
+        CHECK(ratio < 1.01, "%g", ratio);
+        free(ample_world.block);
+        free(small_world.block);
+        subject_close(&subject);
+    }
+}
+
 /* Without a budget too: a region says when room or work for its samples ended before it was as right as the others. */
 static void what_is_not_coarse_is_right(void)
 {
@@ -344,6 +379,7 @@ int main(int argc, char **argv)
     TEST(a_rest_comes_to_its_contact);
     TEST(organs_at_rest);
     TEST(in_motion_the_gap_comes_first);
+    TEST(what_is_ample_is_no_dearer);
     TEST(what_is_not_coarse_is_right);
     TEST(of_several_bodies);
     TEST(what_was_found_leaves_with_its_body);
