@@ -114,8 +114,7 @@ static int is_as_near(const struct distance_profile *profile, const struct profi
                       const struct profile_sample *here)
 {
     double limit = fabs(here->height) + profile->axis->error;
-    double tangent = other->height + other->slope * (here->s - other->s);
-    return !((other->height < 0.0 ? -tangent : tangent) > limit) &&
+    return !(profile_tangent_distance(other, here->s) > limit) &&
            dpti_profile_distance_to(profile, other->triangle, here->s) <= limit;
 }
 

@@ -165,9 +165,9 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
         dpti_profile_put_sample(profile, &sample);
     }
     for (uint32_t i = 1; i < profile->sample_count; i++)
-        dpti_profile_share_triangle(profile, i, profile->sample[i - 1].triangle);
+        dpti_profile_share_triangle(profile, i, &profile->sample[i - 1]);
     for (uint32_t i = profile->sample_count - 1; i > 0; i--)
-        dpti_profile_share_triangle(profile, i - 1, profile->sample[i].triangle);
+        dpti_profile_share_triangle(profile, i - 1, &profile->sample[i]);
     put_inner_samples(profile);
     put_winding_samples(profile);
     profile->deepest = dpti_profile_prove_deepest(profile, 0.0, 1.0);

@@ -98,11 +98,11 @@ static uint32_t collect_edges(const struct surface *surface, struct hole_box box
 /* Whether the mesh is one part whose only defects are open edges. */
 static int has_holes_alone(const struct dpt_mesh *mesh)
 {
+    const uint32_t wanted = MESH_PART_WINDING | MESH_PART_WOUND | MESH_PART_MANIFOLD;
+    if (mesh->parts != 1 || (mesh_part_flags(mesh, 0) & wanted) != wanted)
+        return 0;
     const struct mesh_tail tail = mesh_tail(mesh);
-    const uint32_t flags = mesh_part_flags(mesh, 0);
-    return mesh->parts == 1 && (flags & MESH_PART_WINDING) && (flags & MESH_PART_WOUND) &&
-           (flags & MESH_PART_MANIFOLD) && mesh->open_edges && !tail.self_intersections &&
-           !tail.self_intersections_more;
+    return mesh->open_edges && !tail.self_intersections && !tail.self_intersections_more;
 }
 
 /* The share of the view that a hole fills at most, at that distance from its centre; more than a half within its ball. */

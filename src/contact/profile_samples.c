@@ -75,12 +75,11 @@ int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t tr
         return 1;
     if (side)
         return side * dpti_side_of_pair(profile->surface, triangle, found);
-    const int needs_winding =
-        (flags & MESH_PART_WINDING) &&
-        (profile->has_winding_parts ||
-         !dpti_holes_are_beyond(profile->surface->holes, profile_point(profile, s),
-                                sqrt(found->distance2)));
-    if (needs_winding)
+    const struct holes *holes = profile->surface->holes;
+    const int is_told_by_normal =
+        holes && !profile->has_winding_parts &&
+        dpti_holes_are_beyond(holes, profile_point(profile, s), sqrt(found->distance2));
+    if ((flags & MESH_PART_WINDING) && !is_told_by_normal)
         return dpti_profile_is_inside(profile, s) ? -1 : 1;
     if (flags & MESH_PART_BURIED)
         return -1;
@@ -281,14 +280,17 @@ static uint32_t triangle_beside(const struct distance_profile *profile, double s
     return right < profile->sample_count ? sample[right].triangle : 0;
 }
 
-int dpti_profile_share_triangle(struct distance_profile *profile, uint32_t i, uint32_t triangle)
+int dpti_profile_share_triangle(struct distance_profile *profile, uint32_t i,
+                                const struct profile_sample *other)
 {
     struct profile_sample *sample = &profile->sample[i];
-    if (sample->is_exact || sample->triangle == DPT_NONE || sample->triangle == triangle ||
-        !(dpti_profile_distance_to(profile, triangle, sample->s) < fabs(sample->height)))
+    const double distance = fabs(sample->height);
+    if (sample->is_exact || sample->triangle == DPT_NONE || sample->triangle == other->triangle ||
+        profile_tangent_distance(other, sample->s) >= distance ||
+        !(dpti_profile_distance_to(profile, other->triangle, sample->s) < distance))
         return 0;
     struct profile_sample improved;
-    dpti_profile_take_sample(profile, sample->s, triangle, 0, &improved);
+    dpti_profile_take_sample(profile, sample->s, other->triangle, 0, &improved);
     if (profile->is_cut)
         return 0;
     dpti_profile_put_sample(profile, &improved);
@@ -302,11 +304,10 @@ uint32_t dpti_profile_add_sample(struct distance_profile *profile, double s, int
     uint32_t index = profile->is_cut ? DPT_NONE : dpti_profile_put_sample(profile, &sample);
     if (index == DPT_NONE)
         return index;
-    for (uint32_t i = index; i > 0 && dpti_profile_share_triangle(profile, i - 1, sample.triangle);
-         i--)
+    for (uint32_t i = index; i > 0 && dpti_profile_share_triangle(profile, i - 1, &sample); i--)
         ;
     for (uint32_t i = index + 1;
-         i < profile->sample_count && dpti_profile_share_triangle(profile, i, sample.triangle); i++)
+         i < profile->sample_count && dpti_profile_share_triangle(profile, i, &sample); i++)
         ;
     return index;
 }

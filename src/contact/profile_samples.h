@@ -146,6 +146,13 @@ static inline double profile_square_distance(const struct distance_profile *prof
     return dot(offset, offset);
 }
 
+/* m: the axis at s is no nearer to a sample's triangle. That distance is convex along the axis, so above its tangent. */
+static inline double profile_tangent_distance(const struct profile_sample *sample, double s)
+{
+    const double tangent = sample->height + sample->slope * (s - sample->s);
+    return sample->height < 0.0 ? -tangent : tangent;
+}
+
 /* The stretch between crossings that holds s: an index into `sign`. */
 static inline uint32_t profile_stretch(const struct distance_profile *profile, double s)
 {
@@ -205,10 +212,11 @@ uint32_t dpti_profile_put_sample(struct distance_profile *profile,
                                  const struct profile_sample *sample);
 
 /*
- * Offer a triangle, a place, to sample i. If it is nearer than the sample's own, the sample is taken again, by descent
- * from there. Returns 1 if it was.
+ * Offer another sample's triangle to sample i. If it is nearer than the sample's own, the sample is taken again, by
+ * descent from there. Returns 1 if it was.
  */
-int dpti_profile_share_triangle(struct distance_profile *profile, uint32_t i, uint32_t triangle);
+int dpti_profile_share_triangle(struct distance_profile *profile, uint32_t i,
+                                const struct profile_sample *other);
 
 /*
  * Add a sample at s, by a search or by descent from a neighbour's triangle, and share its triangle with its neighbours.
