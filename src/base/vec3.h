@@ -113,6 +113,13 @@ static inline double clamp01(double t)
     return t > 0.0 ? low : 0.0;
 }
 
+/* The place s, 0..1, of the point a + s u that is nearest to x; 0 where u is 0. */
+static inline double nearest_on(vec3 a, vec3 u, vec3 x)
+{
+    double uu = dot(u, u);
+    return uu > 0.0 ? clamp01(dot(sub(x, a), u) / uu) : 0.0;
+}
+
 /* 1 if |value| <= limit; 0 for NaN. */
 static inline int within(double value, double limit)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/holes.h"
 
+#include "base/box.h"
 #include "contact/winding_number.h"
 
 /* Of a hole's radius: nearer than that to its centre a hole counts. */
@@ -16,59 +17,35 @@
 enum { SAMPLES = 64 };
 #define SAMPLE_HEIGHT 1e-6
 
-/* A box, while edges are collected. */
-struct hole_box {
-    vec3 low, high;
-};
-
-static struct hole_box joined(const struct hole_box *a, const struct hole_box *b)
-{
-    return (struct hole_box){
-        { min_of(a->low.x, b->low.x), min_of(a->low.y, b->low.y), min_of(a->low.z, b->low.z) },
-        { max_of(a->high.x, b->high.x), max_of(a->high.y, b->high.y), max_of(a->high.z, b->high.z) }
-    };
-}
-
-static int boxes_meet(const struct hole_box *a, const struct hole_box *b)
-{
-    return a->low.x <= b->high.x && b->low.x <= a->high.x && a->low.y <= b->high.y &&
-           b->low.y <= a->high.y && a->low.z <= b->high.z && b->low.z <= a->high.z;
-}
-
-static double box_size(const struct hole_box *box)
-{
-    return length(sub(box->high, box->low));
-}
-
-static void remove_box(struct hole_box *boxes, uint32_t *count, uint32_t i)
+static void remove_box(struct box *boxes, uint32_t *count, uint32_t i)
 {
     boxes[i] = boxes[--*count];
 }
 
 /* Join the two boxes whose common box is smallest. */
-static void join_nearest(struct hole_box *boxes, uint32_t *count)
+static void join_nearest(struct box *boxes, uint32_t *count)
 {
     uint32_t first = 0, second = 1;
     double least = HUGE_VAL;
     for (uint32_t i = 0; i < *count; i++)
         for (uint32_t k = i + 1; k < *count; k++) {
-            const struct hole_box both = joined(&boxes[i], &boxes[k]);
-            if (box_size(&both) < least) {
-                least = box_size(&both);
+            const struct box both = box_joined(&boxes[i], &boxes[k]);
+            if (box_diagonal(&both) < least) {
+                least = box_diagonal(&both);
                 first = i;
                 second = k;
             }
         }
-    boxes[first] = joined(&boxes[first], &boxes[second]);
+    boxes[first] = box_joined(&boxes[first], &boxes[second]);
     remove_box(boxes, count, second);
 }
 
 /* Add an edge: edges of one hole share vertices, so their boxes meet, if not at once then with edges between them. */
-static void add_edge(struct hole_box boxes[HOLES_MAX + 1], uint32_t *count, struct hole_box edge)
+static void add_edge(struct box boxes[HOLES_MAX + 1], uint32_t *count, struct box edge)
 {
     for (uint32_t i = 0; i < *count;)
-        if (boxes_meet(&boxes[i], &edge)) {
-            edge = joined(&boxes[i], &edge);
+        if (box_meets(&boxes[i], &edge)) {
+            edge = box_joined(&boxes[i], &edge);
             remove_box(boxes, count, i);
             i = 0;
         } else {
@@ -79,7 +56,7 @@ static void add_edge(struct hole_box boxes[HOLES_MAX + 1], uint32_t *count, stru
         join_nearest(boxes, count);
 }
 
-static uint32_t collect_edges(const struct surface *surface, struct hole_box boxes[HOLES_MAX + 1])
+static uint32_t collect_edges(const struct surface *surface, struct box boxes[HOLES_MAX + 1])
 {
     const uint32_t *neighbours = surface_neighbours(surface);
     uint32_t count = 0;
@@ -88,9 +65,7 @@ static uint32_t collect_edges(const struct surface *surface, struct hole_box box
         if (neighbours[i] != MESH_EDGE_OPEN)
             continue;
         surface_corners(surface, i / 3, v);
-        const struct hole_box from = { v[i % 3], v[i % 3] },
-                              to = { v[(i + 1) % 3], v[(i + 1) % 3] };
-        add_edge(boxes, &count, joined(&from, &to));
+        add_edge(boxes, &count, box_of_axis(v[i % 3], v[(i + 1) % 3]));
     }
     return count;
 }
@@ -138,26 +113,25 @@ static int samples_agree(const struct surface *surface, const struct kernel *ker
 void dpti_holes_find(const struct surface *surface, const struct kernel *kernel,
                      struct holes *holes)
 {
-    struct hole_box boxes[HOLES_MAX + 1];
+    struct box boxes[HOLES_MAX + 1];
     holes->count = holes->reserved = 0;
     if (!surface->moments || surface->motion || !has_holes_alone(surface->mesh))
         return;
     holes->count = collect_edges(surface, boxes);
     for (uint32_t i = 0; i < holes->count; i++)
         holes->ball[i] = (struct hole){ scaled(add(boxes[i].low, boxes[i].high), 0.5),
-                                        0.5 * box_size(&boxes[i]) };
+                                        0.5 * box_diagonal(&boxes[i]) };
     if (!samples_agree(surface, kernel, holes))
         holes->count = 0;
 }
 
 int dpti_holes_are_far_from(const struct holes *holes, vec3 a, vec3 u)
 {
-    const double uu = dot(u, u);
     double shares = 0.0;
     for (uint32_t i = 0; i < holes->count; i++) {
-        const vec3 offset = sub(holes->ball[i].centre, a);
-        const double s = uu > 0.0 ? clamp01(dot(offset, u) / uu) : 0.0;
-        shares += share_of_view(&holes->ball[i], length(sub(offset, scaled(u, s))));
+        const vec3 centre = holes->ball[i].centre;
+        const vec3 nearest = along(a, nearest_on(a, u, centre), u);
+        shares += share_of_view(&holes->ball[i], length(sub(centre, nearest)));
     }
     return holes->count && shares <= SHARES_MAX;
 }

@@ -49,11 +49,8 @@ static double edge_square_distance(const struct border_edges *border,
                                    const struct border_edge *edge, vec3 x)
 {
     vec3 from = surface_vertex(border->surface, edge->from);
-    vec3 along_edge = sub(surface_vertex(border->surface, edge->to), from), offset = sub(x, from);
-    double square_length = dot(along_edge, along_edge);
-    vec3 gap =
-        along(offset, square_length > 0.0 ? -clamp01(dot(offset, along_edge) / square_length) : 0.0,
-              along_edge);
+    vec3 along_edge = sub(surface_vertex(border->surface, edge->to), from);
+    vec3 gap = along(sub(x, from), -nearest_on(from, along_edge, x), along_edge);
     return dot(gap, gap);
 }
 

@@ -59,8 +59,8 @@ struct filter_segment {
 
 /*
  * The swept hull of a moving axis: the convex hull of the positions of its two ends at two times, which contains the
- * axis at all times between. Bounds are of the distance to the part of it that can be near a lane: a bound beyond the
- * limit says that the whole hull is, up to kernel_swept_margin.
+ * axis at all times between. Bounds are of the distance to the part of the axis that can be near a lane: where one
+ * is beyond the limit, so is the whole axis at all times between, up to kernel_swept_margin.
  */
 struct swept_hull {
     float end[4][3];

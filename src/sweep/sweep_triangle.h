@@ -33,6 +33,7 @@ struct moving_triangle {
     int is_moving;
 };
 
+/* As many contacts hold a rigid tool at most. */
 enum { SWEEP_DIRECTIONS_MAX = 6 };
 
 /* A motion prepared for sweeping. */

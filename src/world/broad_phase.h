@@ -8,13 +8,9 @@
 #ifndef DPT_BROAD_PHASE_H
 #define DPT_BROAD_PHASE_H
 
+#include "base/box.h"
 #include "base/frame.h"
 #include "dynpoint/world.h"
-
-/* An axis-aligned box, in the world. */
-struct box {
-    vec3 low, high;
-};
 
 /* A fat box and its list of bodies. */
 struct fat_box {
@@ -46,29 +42,6 @@ struct near_bodies {
     uint32_t reserved;
     double reach; /* m; negative: not determined in this tick yet */
 };
-
-/* The box of an axis. */
-static inline struct box box_of_axis(vec3 a, vec3 b)
-{
-    return (struct box){ { min_of(a.x, b.x), min_of(a.y, b.y), min_of(a.z, b.z) },
-                         { max_of(a.x, b.x), max_of(a.y, b.y), max_of(a.z, b.z) } };
-}
-
-/* The distance between two boxes, 0 if they overlap: a lower bound for what they hold. */
-static inline double box_distance(const struct box *a, const struct box *b)
-{
-    vec3 gap = { max_of(0.0, max_of(a->low.x - b->high.x, b->low.x - a->high.x)),
-                 max_of(0.0, max_of(a->low.y - b->high.y, b->low.y - a->high.y)),
-                 max_of(0.0, max_of(a->low.z - b->high.z, b->low.z - a->high.z)) };
-    return length(gap);
-}
-
-/* 1 if two boxes touch or overlap. */
-static inline int box_meets(const struct box *a, const struct box *b)
-{
-    return a->low.x <= b->high.x && b->low.x <= a->high.x && a->low.y <= b->high.y &&
-           b->low.y <= a->high.y && a->low.z <= b->high.z && b->low.z <= a->high.z;
-}
 
 /* Its share of dpt_world_bytes: two near lists for each segment. */
 uint64_t dpti_broad_phase_bytes(const dpt_world_def *def);

@@ -155,18 +155,14 @@ static int pair_at(int feature, double s, vec3 a, vec3 u, const vec3 v[3], pair 
     return 1;
 }
 
+/* Covers the rounding of squares. */
+#define ROUNDED_UP 1.000001
+
 /* Whether the axis' point at s is out of the triangle's reach: most ends are. */
 static int is_far(const struct triangle_place *place, double s)
 {
     const vec3 offset = sub(along(place->a, s, place->u), place->v[0]);
     return dot(offset, offset) > place->far2;
-}
-
-/* The place s on a + s u that is nearest to x. */
-static double nearest_s(vec3 a, vec3 u, vec3 x)
-{
-    const double uu = dot(u, u);
-    return uu > 0.0 ? clamp01(dot(sub(x, a), u) / uu) : 0.0;
 }
 
 /* A pair within reach becomes a constraint; 0 where there is none. */
@@ -205,10 +201,10 @@ static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reac
     }
     axis_in_body(tick, &tick->at, triangle, place.frame, &place.a, &place.u);
     const vec3 edge = sub(place.v[1], place.v[0]), other = sub(place.v[2], place.v[0]);
-    const double far = 1.000001 * (reach + radius_of(tick, triangle) +
-                                   sqrt(max_of(dot(edge, edge), dot(other, other))));
-    place.far2 = far > 0.0 ? far * far : 0.0;
-    if (is_far(&place, nearest_s(place.a, place.u, place.v[0])))
+    const double far =
+        reach + radius_of(tick, triangle) + sqrt(max_of(dot(edge, edge), dot(other, other)));
+    place.far2 = ROUNDED_UP * far * far;
+    if (is_far(&place, nearest_on(place.a, place.u, place.v[0])))
         return;
     const int features = tick->proxy->shape == PROXY_BALL ? 1 : PAIR_FEATURES;
     int is_along_edge = 0;

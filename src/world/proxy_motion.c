@@ -43,7 +43,8 @@ static uint32_t list_directions(const struct proxy_tick *tick, const struct body
     uint32_t count = 0;
     for (uint32_t k = 0; k < tick->solved.active_count && !tick->is_before; k++) {
         const uint32_t space = tick->solved.active[k];
-        if (tick->triangles[tick->sources[space].triangle].body_id == body->id)
+        if (tick->triangles[tick->sources[space].triangle].body_id == body->id &&
+            count < SWEEP_DIRECTIONS_MAX)
             directions[count++] =
                 scaled(frame_turn_back(&body->frame, vec3_of(tick->spaces[space].normal)), -1.0);
     }

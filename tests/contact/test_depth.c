@@ -233,8 +233,47 @@ static void closed_shapes(void)
     solid_close(&slab);
 }
 
+/*
+ * With the samples of the last tick the depth alone takes 0.08 of the work that contacts take, without them 0.36. A reset
+ * forgets them: the gap is that of a new world, bit for bit.
+ */
+static void depth_goes_on_from_the_last_tick(void)
+{
+    enum { TICKS = 1000, RESETS = 20 };
+    uint64_t work[2] = { 0, 0 };
+    struct solid liver;
+    struct drive drive;
+    if (!solid_from_shape(&liver, "liver", 20000) || !drive_begin(&drive, &liver, 0.002))
+        return;
+    for (int k = 0; k < 6; k++)
+        drive.ends[k] = 0.5 * (liver.place.low[k % 3] + liver.place.high[k % 3]);
+    drive.ends[0] -= 0.15;
+    drive.ends[3] += 0.15;
+    for (uint64_t i = 0; i < TICKS; i++) {
+        const double gap = stage_tick(&drive.depth_alone, drive.ends, drive.radius).gap;
+        stage_tick(&drive.stage, drive.ends, drive.radius);
+        work[0] += drive.stage.step.work;
+        work[1] += drive.depth_alone.step.work;
+        turn_about(drive.ends, 0.5, (const double[3]){ 0.6, 0.64, 0.48 }, 1e-3);
+        if (i % (TICKS / RESETS))
+            continue;
+        struct stage new;
+        dpt_world_reset(drive.depth_alone.world);
+        const double again = stage_tick(&drive.depth_alone, drive.ends, drive.radius).gap;
+        stage_open(&new, liver.mesh, NULL, drive.margin, 0, 0);
+        const double anew = stage_tick(&new, drive.ends, drive.radius).gap;
+        CHECK(gap < 0 && again == anew, "%.17g after a reset, %.17g in a new world", again, anew);
+        stage_close(&new);
+    }
+    const double ratio = (double)work[1] / (double)work[0];
+    printf("    %.3f of the work with contacts\n", ratio);
+    CHECK(ratio < 0.16, "%g", ratio);
+    drive_end(&drive);
+    solid_close(&liver);
+}
+
 /* Two bodies, each with a pose, and a tool of two segments: a segment's gap is the least of both bodies. */
-static void try_two_bodies(uint32_t max_contacts)
+static void try_two_bodies(uint32_t max_contacts, uint64_t liver_triangles)
 {
     const dpt_pose poses[2] = { { { 0.02, 0, 0 }, { 1, 0, 0, 0 } },
                                 { { -0.03, 0.05, 0.06 }, { 0.5, 0.5, -0.5, 0.5 } } };
@@ -245,7 +284,8 @@ static void try_two_bodies(uint32_t max_contacts)
     dpt_world_def def;
     dpt_body other;
     uint64_t seed = 17;
-    if (!solid_from_shape(&solid[0], "torus", 2000) || !solid_from_shape(&solid[1], "liver", 400))
+    if (!solid_from_shape(&solid[0], "torus", 2000) ||
+        !solid_from_shape(&solid[1], "liver", liver_triangles))
         return;
     dpt_world_def_init(&def);
     def.law = DPT_LAW_POINT;
@@ -293,8 +333,8 @@ static void try_two_bodies(uint32_t max_contacts)
 
 static void two_bodies(void)
 {
-    try_two_bodies(32);
-    try_two_bodies(0);
+    try_two_bodies(32, 2000);
+    try_two_bodies(0, 400);
 }
 
 /* Public meshes that are closed and do not cut themselves. */
@@ -513,6 +553,7 @@ int main(int argc, char **argv)
     }
     TEST(closed_shapes);
     TEST(two_bodies);
+    TEST(depth_goes_on_from_the_last_tick);
     if (data) {
         TEST(closed_organs);
         TEST(distance_on_all_meshes);

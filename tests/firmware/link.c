@@ -25,6 +25,8 @@ static struct relay_way out, back; /* to the firmware, from it */
 static volatile int out_line, back_line, ended;
 static uint64_t seed = 1;
 static uint32_t out_damaged, back_damaged;
+static uint64_t sample_ns;  /* when the last whole sample passed */
+static uint64_t silence_ns; /* the longest time without one */
 static pthread_t relay;
 static dpt_device *device;
 static dpt_device_error error = { .size = sizeof error };
@@ -35,6 +37,13 @@ static void pause_ms(long milliseconds)
 {
     const struct timespec wait = { milliseconds / 1000, milliseconds % 1000 * 1000000 };
     nanosleep(&wait, NULL);
+}
+
+static uint64_t now_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000000 + (uint64_t)now.tv_nsec;
 }
 
 /* The start of QEMU, and the name of the pty out of what it says. */
@@ -65,6 +74,28 @@ static int start_firmware(void)
     return theirs[0] != 0;
 }
 
+static void note_sample(void)
+{
+    const uint64_t now = now_ns(), silence = now - __atomic_load_n(&sample_ns, __ATOMIC_SEQ_CST);
+    if (silence > __atomic_load_n(&silence_ns, __ATOMIC_SEQ_CST))
+        __atomic_store_n(&silence_ns, silence, __ATOMIC_SEQ_CST);
+    __atomic_store_n(&sample_ns, now, __ATOMIC_SEQ_CST);
+}
+
+/* From now on, or where the link was opened anew. */
+static void begin_silence(void)
+{
+    __atomic_store_n(&sample_ns, now_ns(), __ATOMIC_SEQ_CST);
+    __atomic_store_n(&silence_ns, 0, __ATOMIC_SEQ_CST);
+}
+
+static double longest_silence(void)
+{
+    const uint64_t last = __atomic_load_n(&sample_ns, __ATOMIC_SEQ_CST);
+    const uint64_t longest = __atomic_load_n(&silence_ns, __ATOMIC_SEQ_CST), now = now_ns();
+    return 1e-9 * (double)(now - last > longest ? now - last : longest);
+}
+
 static int choose_fate(struct relay_way *way, uint8_t *frame, size_t size)
 {
     const int line = way == &out ? out_line : back_line;
@@ -76,8 +107,11 @@ static int choose_fate(struct relay_way *way, uint8_t *frame, size_t size)
         if (frame[at] != 1 << bit) {
             frame[at] = (uint8_t)(frame[at] ^ 1 << bit);
             *(way == &out ? &out_damaged : &back_damaged) += 1;
+            return RELAY_PASS;
         }
     }
+    if (way == &back && size > 30)
+        note_sample();
     return RELAY_PASS;
 }
 
@@ -92,13 +126,21 @@ static void *keep_relaying(void *unused)
     return unused;
 }
 
+/* A device is lost where no whole sample passed the relay for as long as `silent` says; a little less is allowed. */
+static void read_state(void)
+{
+    const dpt_result got = dpt_device_read(device, &state);
+    CHECK(got == DPT_OK || (got == DPT_E_LOST && state.status == DPT_DEVICE_STATUS_LOST &&
+                            (state.reasons & DPT_REASON_SILENT) && longest_silence() > 1.9),
+          "read: %d, reasons %u, %.2f s without a sample", got, state.reasons, longest_silence());
+}
+
 /* Answers every sample, until `enough` says so, at most a minute. */
 static int go_on(double force, int (*enough)(void))
 {
     const dpt_wrench wrench = { { force, 0, 0 }, { 0, 0, 0 } };
     for (int i = 0; i < 60000; i++) {
-        const dpt_result got = dpt_device_read(device, &state);
-        CHECK(got == DPT_OK || got == DPT_E_LOST, "read: %d", got);
+        read_state();
         if (enough())
             return 1;
         if (state.fresh > 0)
@@ -131,8 +173,11 @@ static int is_settled(void)
 /* On a busy machine the watchdog or the limit of silence may end the link besides. */
 static void clear_if_ended(void)
 {
-    if (is_fault() || is_lost())
-        CHECK(dpt_device_clear(device) == DPT_OK, "clear");
+    CHECK(!is_fault() || state.reasons == DPT_REASON_WATCHDOG, "fault, reasons %u", state.reasons);
+    if (!is_fault() && !is_lost())
+        return;
+    CHECK(dpt_device_clear(device) == DPT_OK, "clear");
+    begin_silence();
 }
 
 static int has_seen_much(void)
@@ -166,13 +211,13 @@ static void damage_is_counted_on_both_sides(void)
 {
     dpt_device_get_counts(device, &counts);
     const dpt_device_counts before = counts;
+    begin_silence();
     out_line = back_line = DAMAGED;
     CHECK(go_on(1.5, has_seen_much), "%u, %u frames damaged", out_damaged, back_damaged);
     out_line = back_line = GOOD;
     for (int i = 0; i < 500; i++) {
         const dpt_wrench wrench = { { 1.5, 0, 0 }, { 0, 0, 0 } };
-        const dpt_result got = dpt_device_read(device, &state);
-        CHECK(got == DPT_OK || got == DPT_E_LOST, "read: %d", got);
+        read_state();
         clear_if_ended();
         if (state.fresh > 0)
             dpt_device_write(device, &wrench);
@@ -214,6 +259,7 @@ static void silence_is_loss_and_is_cleared(void)
     CHECK(go_on(1.5, is_lost), "not lost");
     CHECK(state.reasons == DPT_REASON_SILENT, "%u", state.reasons);
     back_line = GOOD;
+    begin_silence();
     CHECK(dpt_device_clear(device) == DPT_OK, "clear");
     CHECK(go_on(1.5, is_settled), "at %g m", state.pose.position[0]);
 }
@@ -241,6 +287,7 @@ int main(int argc, char **argv)
         printf("    the firmware does not start\n1 failed\n");
         return 2;
     }
+    begin_silence();
     out.from = back.to = relay_pty(ours);
     out.to = back.from = relay_open(theirs);
     out.fate = back.fate = choose_fate;
