@@ -3,18 +3,20 @@
  * The file of an arm: for each check of the reader a damaged file that it alone refuses, with a code, a byte and a section;
  * files of the other byte order, and of versions before.
  *
- *     test_arm [GOLDEN [ARM_OPEN]]
+ *     test_arm [GOLDEN [ARM_OPEN [EVERY]]]
  *     test_arm write FILE
  *
  * GOLDEN is the folder golden, ARM_OPEN the source of the reader (sites.h); from the top of the tree they are found
- * without. golden/arm_1_mesh_6.dpa is what `write` wrote, `whole_arm`; arm_1.dpa and arm_1_mesh_4.dpa the same when
- * meshes were of version 3 and 4. They are to be kept: a new format, of an arm or of a mesh, gets a file beside them.
+ * without. Each byte of a file is damaged, or one in EVERY. golden/arm_1_mesh_6.dpa is what `write` wrote, `whole_arm`;
+ * arm_1.dpa and arm_1_mesh_4.dpa the same when meshes were of version 3 and 4. They are to be kept: a new format, of an
+ * arm or of a mesh, gets a file beside them.
  */
 #include "arm/whole_arm.h"
 #include "base/byte_order.h"
 #include "lib/sites.h"
 
 static const char *golden = "tests/golden", *reader = "src/arm/arm_open.c";
+static size_t every = 1; /* how many bytes further the next one is damaged */
 
 enum seal { AS_IT_IS, SEALED };
 enum change { SET, CUT, GROW, SHIFT, NO_BYTES };
@@ -297,7 +299,7 @@ static void no_check_is_forgotten(void)
 static void wrong_bytes_do_no_harm(void)
 {
     uint64_t random = 8, taken = 0, refused = 0;
-    for (size_t at = 0; at < whole.size; at++) {
+    for (size_t at = 0; at < whole.size; at += every) {
         struct file file = copy_of(&whole);
         dpt_mesh_fault fault = { .size = sizeof fault };
         file.bytes[at] ^= (unsigned char)(1 + random_bits(&random) % 255);
@@ -318,13 +320,13 @@ static void wrong_bytes_do_no_harm(void)
         }
         free(file.bytes);
     }
-    CHECK(taken > 200 && refused > whole.size / 2, "%llu taken, %llu refused",
+    CHECK(taken > 200 / every && refused > whole.size / every / 2, "%llu taken, %llu refused",
           (unsigned long long)taken, (unsigned long long)refused);
 }
 
 static void every_length_is_refused(void)
 {
-    for (size_t size = 0; size < whole.size; size += size < AT_END ? 1 : 61) {
+    for (size_t size = 0; size < whole.size; size += size < AT_END ? every : 61) {
         struct file file = file_of(whole.bytes, size);
         dpt_result result = dpt_arm_verify(file.bytes, size, NULL);
         CHECK(result == DPT_E_TRUNCATED, "%zu bytes: %s", size, dpt_result_name(result));
@@ -459,6 +461,10 @@ int main(int argc, char **argv)
         golden = argv[1];
     if (argc > 2)
         reader = argv[2];
+    if (argc > 3)
+        every = (size_t)strtoul(argv[3], NULL, 10);
+    if (every == 0)
+        return 2;
     TEST(each_check_has_its_damage);
     TEST(names_end);
     TEST(no_check_is_forgotten);
