@@ -69,7 +69,7 @@ enum {
 
 /* Whether the tool's surface touches the mesh. */
 enum {
-    /* not decided: the budget ran out, no side of an open sheet is known, too many crossings, or there is no mesh */
+    /* not decided: dpt_hit.flags says why; or there is no mesh, or it was not asked for */
     DPT_CONTACT_UNKNOWN = 0,
     DPT_CONTACT_SEPARATED = 1,  /* gap > error_bound */
     DPT_CONTACT_TOUCHING = 2,   /* |gap| <= error_bound */
@@ -78,8 +78,12 @@ enum {
 
 /* Bits of dpt_hit.flags. */
 enum {
-    DPT_HIT_FLAG_GAP = 1,     /* `gap` and `depth` are known */
-    DPT_HIT_FLAG_CROSSING = 2 /* the axis crosses the mesh: distance 0, p = q */
+    DPT_HIT_FLAG_GAP = 1,      /* `gap` and `depth` are known */
+    DPT_HIT_FLAG_CROSSING = 2, /* the axis crosses the mesh: distance 0, p = q */
+    /* Why contact is unknown, with all bodies that are near: */
+    DPT_HIT_FLAG_BUDGET = 4,         /* a budget ended first; later ticks go on */
+    DPT_HIT_FLAG_NO_SIDE = 8,        /* the axis crosses an open sheet and has no side of it yet */
+    DPT_HIT_FLAG_CROSSINGS_FULL = 16 /* the axis crosses a mesh more often than there is room for */
 };
 
 /*

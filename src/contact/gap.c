@@ -15,6 +15,13 @@ int dpti_contact_find(struct distance_profile *profile, const struct pair_search
     return CONTACT_PROFILE;
 }
 
+uint32_t dpti_contact_why_unknown(const struct distance_profile *profile)
+{
+    return (profile->is_cut ? DPT_HIT_FLAG_BUDGET : 0u) |
+           (profile->is_sideless ? DPT_HIT_FLAG_NO_SIDE : 0u) |
+           (profile->is_full ? DPT_HIT_FLAG_CROSSINGS_FULL : 0u);
+}
+
 vec3 dpti_contact_normal(const struct distance_profile *profile,
                          const struct profile_sample *sample, uint32_t smooth)
 {
@@ -53,4 +60,6 @@ void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
     profile.work = work_of(WORK_UNLIMITED);
     if (dpti_contact_find(&profile, nearest, NULL, 0, radius, &gap) != CONTACT_UNKNOWN)
         dpti_segment_result_set_gap(result, gap, result->error_bound);
+    else
+        result->unknown = dpti_contact_why_unknown(&profile);
 }

@@ -28,6 +28,7 @@ void dpti_segment_result_set_gap(struct segment_result *result, double gap, doub
     result->has_gap = 1;
     result->gap = gap;
     result->contact = dpti_contact_of_gap(gap, error);
+    result->unknown = 0;
 }
 
 void dpti_segment_result_write(const struct segment_result *result, const struct surface *surface,
@@ -37,7 +38,7 @@ void dpti_segment_result_write(const struct segment_result *result, const struct
     hit->status = result->status;
     hit->contact = result->contact;
     hit->flags = (nearest->pair.distance2 == 0.0 ? DPT_HIT_FLAG_CROSSING : 0u) |
-                 (result->has_gap ? DPT_HIT_FLAG_GAP : 0u);
+                 (result->has_gap ? DPT_HIT_FLAG_GAP : 0u) | result->unknown;
     hit->body = id;
     hit->triangle = surface->sources[nearest->triangle];
     hit->work = result->work;

@@ -18,6 +18,7 @@ struct segment_result {
     uint32_t has_gap; /* 1: the gap is known */
     uint32_t status;  /* DPT_STATUS_... */
     uint32_t contact; /* DPT_CONTACT_... */
+    uint32_t unknown; /* DPT_HIT_FLAG_...: why contact is unknown */
     uint32_t work;    /* units (base/work.h) */
 };
 

@@ -41,6 +41,7 @@ struct contact_sum {
     double min_gap;                      /* m */
     double min_felt_gap;      /* m; as min_gap, but reduced depths near a sheet's border */
     int is_known;             /* 0: contact with at least one body is unknown */
+    uint32_t unknown;         /* DPT_HIT_FLAG_...: why */
     int previous_part_pushes; /* last tick's pushing part still pushes, or motion ended its push */
 };
 
@@ -91,7 +92,10 @@ static void add_body(struct contact_pair *contact_pair, const struct body_answer
     }
     if (has_pair) {
         status = dpti_contact_pair_find(contact_pair, &gap);
+        if (status == CONTACT_UNKNOWN)
+            sum->unknown |= dpti_contact_why_unknown(contact_pair->profile);
     } else {
+        sum->unknown |= DPT_HIT_FLAG_BUDGET;
         dpti_persistent_contacts_carry_over_body(contact_pair->world, contact_pair->segment_index,
                                                  contact_pair->body);
     }
@@ -155,6 +159,7 @@ void dpti_contacts_find(struct dpt_world *world, uint32_t segment_index,
             add_body(&contact_pair, best, &sum);
     }
     segment->contact_work = sum.is_known ? world->work.done - work_before : 0;
+    result->unknown = sum.unknown;
     if (!sum.is_known)
         return;
     dpti_segment_result_set_gap(result, min_of(sum.min_gap, result->distance - contact_pair.radius),

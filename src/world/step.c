@@ -31,6 +31,15 @@
 #include "world/tool_strips.h"
 #include "world/world_state.h"
 
+/* Where a budget has ended the search or the sweep before contacts: they stay as they were. */
+static void leave_contacts(struct dpt_world *world, uint32_t segment_index)
+{
+    struct segment *segment = &world->segments[segment_index];
+    dpti_persistent_contacts_carry_over(world, segment_index);
+    if (segment->answer.body)
+        segment->result.unknown = DPT_HIT_FLAG_BUDGET;
+}
+
 /* Sweep a segment and find its contacts. */
 static void contact_segment(struct dpt_world *world, uint32_t segment_index)
 {
@@ -42,7 +51,7 @@ static void contact_segment(struct dpt_world *world, uint32_t segment_index)
         dpti_contacts_find(world, segment_index, &segment->answer, &segment->result,
                            &segment->penetration);
     else
-        dpti_persistent_contacts_carry_over(world, segment_index);
+        leave_contacts(world, segment_index);
     segment->result.work += world->work.done - work_before;
     dpti_backlog_end_tick(world, segment_index);
 }
@@ -57,7 +66,7 @@ static void contact_proxy_segment(struct dpt_world *world, uint32_t segment_inde
         dpti_contacts_find(world, segment_index, &segment->answer, &segment->result,
                            &segment->penetration);
     else
-        dpti_persistent_contacts_carry_over(world, segment_index);
+        leave_contacts(world, segment_index);
     segment->result.work += world->work.done - work_before;
 }
 

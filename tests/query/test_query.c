@@ -290,7 +290,8 @@ static void crossing_without_an_inside(void)
     if (fixture_from_shape(&fixture, "membrane", 0)) {
         dpt_query_segments(fixture.mesh, NULL, ends, &radius, 1, &hit, NULL);
         CHECK(hit.distance == 0.0 && hit.contact == DPT_CONTACT_UNKNOWN, "contact %u", hit.contact);
-        CHECK(hit.flags == DPT_HIT_FLAG_CROSSING && hit.gap == 0.0, "flags %u", hit.flags);
+        CHECK(hit.flags == (DPT_HIT_FLAG_CROSSING | DPT_HIT_FLAG_NO_SIDE) && hit.gap == 0.0,
+              "flags %u", hit.flags);
         fixture_free(&fixture);
     }
     /* Three triangles on one edge: not a manifold. */
@@ -305,6 +306,30 @@ static void crossing_without_an_inside(void)
               "gap %g", hit.gap);
         fixture_free(&fixture);
     }
+}
+
+/* 40 sheets: more crossings than there is room for. */
+static void more_crossings_than_there_is_room_for(void)
+{
+    enum { SHEETS = 40 };
+    struct fixture fixture;
+    double vertices[9 * SHEETS];
+    uint32_t corners[3 * SHEETS];
+    const double through[6] = { 0.2, 0.2, -1.0, 0.2, 0.2, SHEETS }, radius = 0.0;
+    dpt_hit hit = DPT_HIT_INIT;
+    for (uint32_t i = 0; i < SHEETS; i++) {
+        const double triangle[9] = { 0, 0, i, 1, 0, i, 0, 1, i };
+        memcpy(vertices + 9 * i, triangle, sizeof triangle);
+        for (uint32_t k = 0; k < 3; k++)
+            corners[3 * i + k] = 3 * i + k;
+    }
+    if (!fixture_from_arrays(&fixture, vertices, 3 * SHEETS, corners, SHEETS))
+        return;
+    dpt_query_segments(fixture.mesh, NULL, through, &radius, 1, &hit, NULL);
+    CHECK(hit.contact == DPT_CONTACT_UNKNOWN && (hit.flags & DPT_HIT_FLAG_CROSSINGS_FULL) &&
+              !(hit.flags & (DPT_HIT_FLAG_GAP | DPT_HIT_FLAG_BUDGET)),
+          "contact %u, flags %u", hit.contact, hit.flags);
+    fixture_free(&fixture);
 }
 
 static void answers_all_it_can(void)
@@ -437,6 +462,7 @@ int main(int argc, char **argv)
     TEST(sign_is_the_winding_number);
     TEST(ties_go_to_the_least_number);
     TEST(crossing_without_an_inside);
+    TEST(more_crossings_than_there_is_room_for);
     TEST(answers_all_it_can);
     TEST(pair_keeps_its_range);
     TEST(longer_hits_are_zero_behind);

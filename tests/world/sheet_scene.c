@@ -103,6 +103,9 @@ static void check_answer(const char *name, const struct tick_answer *answer)
     CHECK(hit->contact <= DPT_CONTACT_PENETRATING, "%s: contact %u", name, hit->contact);
     CHECK((hit->contact != DPT_CONTACT_UNKNOWN) == ((hit->flags & DPT_HIT_FLAG_GAP) != 0),
           "%s: contact %u, flags %u", name, hit->contact, hit->flags);
+    const uint32_t why = DPT_HIT_FLAG_BUDGET | DPT_HIT_FLAG_NO_SIDE | DPT_HIT_FLAG_CROSSINGS_FULL;
+    CHECK((hit->contact == DPT_CONTACT_UNKNOWN) == ((hit->flags & why) != 0),
+          "%s: contact %u, flags %u", name, hit->contact, hit->flags);
     CHECK(hit->depth == fmax(0.0, -hit->gap) || hit->contact == DPT_CONTACT_UNKNOWN,
           "%s: depth %g of gap %g", name, hit->depth, hit->gap);
     CHECK(hit->contact != DPT_CONTACT_PENETRATING || hit->gap < 0.0, "%s: gap %g", name, hit->gap);

@@ -116,7 +116,7 @@ static void answer_is_true(struct run *run, uint32_t i, int rests)
     run->before[i] = hit->lower_bound;
     run->after[i] = hit->distance;
     if (hit->status == DPT_STATUS_BOUNDED) {
-        CHECK(hit->contact == DPT_CONTACT_UNKNOWN && !(hit->flags & DPT_HIT_FLAG_GAP),
+        CHECK(hit->contact == DPT_CONTACT_UNKNOWN && hit->flags == DPT_HIT_FLAG_BUDGET,
               "%s, tick %u: contact %u, flags %u", what, run->tick, hit->contact, hit->flags);
         if (run->moved[i] > 0.0 && run->moved[i] < HUGE_VAL)
             all.loosest = fmax(all.loosest, hit->error_bound / most);

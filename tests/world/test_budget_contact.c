@@ -98,6 +98,8 @@ static void rest(const struct subject *subject, const dpt_segment *axis, uint32_
             contact_world_step(&small_world);
             CHECK(small_world.step.work <= budget, "%u of %u units", small_world.step.work, budget);
             if (!is_known(&small_world)) {
+                CHECK(small_world.hit.flags & DPT_HIT_FLAG_BUDGET, "flags %u",
+                      small_world.hit.flags);
                 CHECK(!known && small_world.hit.depth == 0.0, "%s: unknown at tick %u, known at %u",
                       subject->name, tick, known);
                 continue;
@@ -217,6 +219,8 @@ static void in_motion_the_gap_comes_first(void)
                 continue;
             crossing++;
             unknown += !is_known(&small_world);
+            CHECK(is_known(&small_world) != !!(small_world.hit.flags & DPT_HIT_FLAG_BUDGET),
+                  "flags %u", small_world.hit.flags);
             coarse += is_known(&small_world) && small_world.coarse;
             if (is_known(&small_world))
                 off = fmax(off, fabs(small_world.hit.gap - ample_world.hit.gap) / subject.diagonal);

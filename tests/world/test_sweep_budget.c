@@ -86,8 +86,9 @@ static dpt_hit tick(const struct scene *scene, dpt_sweep *sweep, uint32_t *work)
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     dpt_tool_get_hit(scene->world, scene->tool, &hit);
     dpt_tool_get_sweep(scene->world, scene->tool, 0, sweep);
-    CHECK(sweep->status != DPT_SWEEP_UNFINISHED || hit.contact == DPT_CONTACT_UNKNOWN,
-          "unfinished, contact %u", hit.contact);
+    CHECK(sweep->status != DPT_SWEEP_UNFINISHED ||
+              (hit.contact == DPT_CONTACT_UNKNOWN && (hit.flags & DPT_HIT_FLAG_BUDGET)),
+          "unfinished, contact %u, flags %u", hit.contact, hit.flags);
     *work = step.work;
     return hit;
 }

@@ -3,6 +3,10 @@
 
 #include "fuzz/calls/deform_model.h"
 
+static const uint32_t WHY_UNKNOWN =
+    DPT_HIT_FLAG_BUDGET | DPT_HIT_FLAG_NO_SIDE | DPT_HIT_FLAG_CROSSINGS_FULL;
+static const uint32_t NOT_WHY = DPT_HIT_FLAG_GAP | DPT_HIT_FLAG_CROSSING;
+
 /* Roundings of the test's own sums, per metre of the largest coordinate. */
 static const double ROUNDING = 1e-13;
 
@@ -56,8 +60,15 @@ static void gap_must_hold(const dpt_world_def *def, const dpt_hit *hit, double r
                           int is_held)
 {
     const int is_paper = def->method == DPT_METHOD_PAPER;
-    HOLDS(hit->contact <= DPT_CONTACT_PENETRATING && hit->flags <= 3, "contact %u, flags %x",
-          hit->contact, hit->flags);
+    const uint32_t why = hit->flags & WHY_UNKNOWN;
+    HOLDS(hit->contact <= DPT_CONTACT_PENETRATING && !(hit->flags & ~(WHY_UNKNOWN | NOT_WHY)),
+          "contact %u, flags %x", hit->contact, hit->flags);
+    HOLDS(!why || hit->contact == DPT_CONTACT_UNKNOWN, "contact %u, flags %x", hit->contact,
+          hit->flags);
+    HOLDS(why || hit->contact != DPT_CONTACT_UNKNOWN || is_paper || def->until == DPT_UNTIL_TRACK,
+          "contact is unknown and nothing says why, flags %x", hit->flags);
+    HOLDS(!(why & DPT_HIT_FLAG_BUDGET) || def->budget || def->sweep_budget,
+          "a budget ended that there is not, flags %x", hit->flags);
     HOLDS(hit->depth == fmax(0.0, -hit->gap), "gap %g, depth %g", hit->gap, hit->depth);
     if (!(hit->flags & DPT_HIT_FLAG_GAP)) {
         HOLDS(hit->gap == 0.0 && (hit->contact == DPT_CONTACT_UNKNOWN ||
