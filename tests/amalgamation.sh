@@ -110,7 +110,8 @@ fi
 $cc $strict -fsyntax-only dynpoint.c && $cc $strict -fsyntax-only dynpoint_compile.c
 verdict $? "both are pedantic C99"
 if command -v "$clang" >/dev/null 2>&1; then
-    try "clang -O3 -march=native" "$clang" -O3 -march=native $warnings
+    try "clang -O2" "$clang" -O2 $warnings
+    try "clang -O3 -march=native" "$clang" -O3 -march=native
 else
     skip "single files with clang: no $clang"
 fi

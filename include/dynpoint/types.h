@@ -80,7 +80,7 @@ enum {
 enum {
     DPT_HIT_FLAG_GAP = 1,      /* `gap` and `depth` are known */
     DPT_HIT_FLAG_CROSSING = 2, /* the axis crosses the mesh: distance 0, p = q */
-    /* Why contact is unknown, with all bodies that are near: */
+    /* Why contact is unknown; several may be set: */
     DPT_HIT_FLAG_BUDGET = 4,         /* a budget ended first; later ticks go on */
     DPT_HIT_FLAG_NO_SIDE = 8,        /* the axis crosses an open sheet and has no side of it yet */
     DPT_HIT_FLAG_CROSSINGS_FULL = 16 /* the axis crosses a mesh more often than there is room for */

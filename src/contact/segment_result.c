@@ -28,7 +28,6 @@ void dpti_segment_result_set_gap(struct segment_result *result, double gap, doub
     result->has_gap = 1;
     result->gap = gap;
     result->contact = dpti_contact_of_gap(gap, error);
-    result->unknown = 0;
 }
 
 void dpti_segment_result_write(const struct segment_result *result, const struct surface *surface,

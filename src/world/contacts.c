@@ -159,9 +159,10 @@ void dpti_contacts_find(struct dpt_world *world, uint32_t segment_index,
             add_body(&contact_pair, best, &sum);
     }
     segment->contact_work = sum.is_known ? world->work.done - work_before : 0;
-    result->unknown = sum.unknown;
-    if (!sum.is_known)
+    if (!sum.is_known) {
+        result->unknown = sum.unknown;
         return;
+    }
     dpti_segment_result_set_gap(result, min_of(sum.min_gap, result->distance - contact_pair.radius),
                                 result->error_bound);
     *penetration = sum.penetration;

@@ -15,6 +15,7 @@
 
 enum { CHUNK = 100, MEMORY = 4 << 20, LINE = 64 };
 #define PAUSE  1e6 /* ns */
+#define LENGTH 0.15
 #define RADIUS 0.002
 #define DEEP   0.005
 
@@ -34,21 +35,21 @@ static const struct row {
 
 static volatile unsigned char other[MEMORY];
 
-static void wait(enum pause pause)
+static void pass_time(enum pause pause)
 {
     const struct timespec sleep = { 0, (long)PAUSE };
     const double until = now() + PAUSE;
     if (pause == ASLEEP)
         nanosleep(&sleep, NULL);
-    for (unsigned sum = 0; pause == READING && now() < until; other[0] = (unsigned char)sum)
+    while (pause == READING && now() < until)
         for (int i = 0; i < MEMORY; i += LINE)
-            sum += other[i];
+            (void)other[i];
 }
 
 static void make_ways(const struct solid *solid, int ticks, double (*above)[6], double (*deep)[6])
 {
     struct slide slide;
-    slide_begin(&slide, solid, 3, 0.15, RADIUS);
+    slide_begin(&slide, solid, 3, LENGTH, RADIUS);
     slide.gap = 0.001;
     slide.step = 1e-4;
     slide.spin = 1e-3;
@@ -84,8 +85,8 @@ static void open_world(struct stage *stage, const dpt_mesh *mesh, const struct r
 /* One tick, from the ends as a pose of a tool along x; ns. */
 static double tick(const struct stage *stage, const double ends[6])
 {
-    const double u[3] = { (ends[3] - ends[0]) / 0.15, (ends[4] - ends[1]) / 0.15,
-                          (ends[5] - ends[2]) / 0.15 };
+    const double u[3] = { (ends[3] - ends[0]) / LENGTH, (ends[4] - ends[1]) / LENGTH,
+                          (ends[5] - ends[2]) / LENGTH };
     dpt_pose pose = { { ends[0], ends[1], ends[2] }, { 1.0 + u[0], 0.0, -u[2], u[1] } };
     const double size = sqrt(2.0 + 2.0 * u[0]);
     for (int k = 0; k < 4; k++)
@@ -100,7 +101,7 @@ static double tick(const struct stage *stage, const double ends[6])
 static void measure(const struct solid *solid, const struct row *row, int ticks, double (*way)[6],
                     double (*above)[6])
 {
-    const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { 0.15, 0.0, 0.0 }, RADIUS };
+    const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { LENGTH, 0.0, 0.0 }, RADIUS };
     struct stage stage[PAUSES];
     double *took[PAUSES];
     for (int p = 0; p < PAUSES; p++) {
@@ -118,7 +119,7 @@ static void measure(const struct solid *solid, const struct row *row, int ticks,
     for (int from = 0; from < ticks; from += CHUNK)
         for (enum pause p = BACK_TO_BACK; p < PAUSES; p++)
             for (int i = from; i < ticks && i < from + CHUNK; i++) {
-                wait(p);
+                pass_time(p);
                 took[p][i] = tick(&stage[p], way[i]);
             }
     for (int p = 0; p < PAUSES; p++) {

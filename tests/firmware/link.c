@@ -25,8 +25,9 @@ static struct relay_way out, back; /* to the firmware, from it */
 static volatile int out_line, back_line, ended;
 static uint64_t seed = 1;
 static uint32_t out_damaged, back_damaged;
-static uint64_t sample_ns;  /* when the last whole sample passed */
-static uint64_t silence_ns; /* the longest time without one */
+static pthread_mutex_t samples_lock = PTHREAD_MUTEX_INITIALIZER;
+static uint64_t sample_ns;     /* when the last whole sample passed */
+static double longest_silence; /* s, without one */
 static pthread_t relay;
 static dpt_device *device;
 static dpt_device_error error = { .size = sizeof error };
@@ -74,26 +75,35 @@ static int start_firmware(void)
     return theirs[0] != 0;
 }
 
+static double since(uint64_t then_ns)
+{
+    return 1e-9 * (double)(now_ns() - then_ns);
+}
+
 static void note_sample(void)
 {
-    const uint64_t now = now_ns(), silence = now - __atomic_load_n(&sample_ns, __ATOMIC_SEQ_CST);
-    if (silence > __atomic_load_n(&silence_ns, __ATOMIC_SEQ_CST))
-        __atomic_store_n(&silence_ns, silence, __ATOMIC_SEQ_CST);
-    __atomic_store_n(&sample_ns, now, __ATOMIC_SEQ_CST);
+    pthread_mutex_lock(&samples_lock);
+    longest_silence = fmax(longest_silence, since(sample_ns));
+    sample_ns = now_ns();
+    pthread_mutex_unlock(&samples_lock);
 }
 
 /* From now on, or where the link was opened anew. */
 static void begin_silence(void)
 {
-    __atomic_store_n(&sample_ns, now_ns(), __ATOMIC_SEQ_CST);
-    __atomic_store_n(&silence_ns, 0, __ATOMIC_SEQ_CST);
+    pthread_mutex_lock(&samples_lock);
+    longest_silence = 0.0;
+    sample_ns = now_ns();
+    pthread_mutex_unlock(&samples_lock);
 }
 
-static double longest_silence(void)
+/* s: the longest that there was, or the one that goes on. */
+static double silence(void)
 {
-    const uint64_t last = __atomic_load_n(&sample_ns, __ATOMIC_SEQ_CST);
-    const uint64_t longest = __atomic_load_n(&silence_ns, __ATOMIC_SEQ_CST), now = now_ns();
-    return 1e-9 * (double)(now - last > longest ? now - last : longest);
+    pthread_mutex_lock(&samples_lock);
+    const double longest = fmax(longest_silence, since(sample_ns));
+    pthread_mutex_unlock(&samples_lock);
+    return longest;
 }
 
 static int choose_fate(struct relay_way *way, uint8_t *frame, size_t size)
@@ -131,8 +141,8 @@ static void read_state(void)
 {
     const dpt_result got = dpt_device_read(device, &state);
     CHECK(got == DPT_OK || (got == DPT_E_LOST && state.status == DPT_DEVICE_STATUS_LOST &&
-                            (state.reasons & DPT_REASON_SILENT) && longest_silence() > 1.9),
-          "read: %d, reasons %u, %.2f s without a sample", got, state.reasons, longest_silence());
+                            (state.reasons & DPT_REASON_SILENT) && silence() > 1.9),
+          "read: %d, reasons %u, %.2f s without a sample", got, state.reasons, silence());
 }
 
 /* Answers every sample, until `enough` says so, at most a minute. */
