@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Whether a hull that moves meets a body within a tick, and until when it certainly does not. Hull and body may both move
+ * and turn, each along the shortest arc, and the body's vertices in straight lines. Lengths are in m, times in ticks, 0
+ * to 1. docs/algorithms/tips.md.
+ */
+#ifndef DPT_HULL_SWEEP_H
+#define DPT_HULL_SWEEP_H
+
+#include "hull/hull_triangle.h"
+#include "sweep/sweep_rigid.h"
+
+/* What a motion is of. Directions, tick and tick_from are those of struct rigid_sweep. */
+struct hull_sweep {
+    const struct surface *surface;
+    const struct kernel *kernel;
+    const struct dpt_hull *hull;
+    double clearance; /* m, added to the hull's radius, which stays at least 0 */
+    double tolerance; /* m, above 0: how near a motion must come to be a hit, at most */
+    uint32_t tick;
+    double tick_from;
+    const vec3 *directions;
+    uint32_t direction_count;
+    struct work *work;
+    /* The result. */
+    double time;       /* up to which the motion is free; 1 without a hit */
+    uint32_t triangle; /* place, of the hit */
+    vec3 normal;       /* unit, in the body's frame at that time, from the triangle to the hull; 0: unknown */
+};
+
+/*
+ * Sweep from one placement to another; a and b of the placements do not count. Returns a sweep_status. SWEEP_HIT: the
+ * hull, grown by the tolerance, may meet the triangle within the tolerance of motion after `time`. SWEEP_UNFINISHED: the
+ * work is spent; the motion is free up to `time`.
+ */
+int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,
+                    const struct placement *to);
+
+/*
+ * m: how far any corner was, at any time of the motion, from where it is at its end, at most; in the body's frame.
+ */
+double dpti_hull_displacement(const struct dpt_hull *hull, const struct placement *from,
+                              const struct placement *to);
+
+#endif

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Exact pairs of a hull's polyhedron and one triangle, in double; the hull's radius does not count here. All points are
+ * in the frame of the triangle's mesh, in m. docs/algorithms/tips.md.
+ *
+ * Two convex bodies that do not meet are nearest at a corner of one and a face of the other, or at an edge of each.
+ * These are the features below. Each gives a real pair of points, so no distance is below the true one by more than
+ * rounding.
+ */
+#ifndef DPT_HULL_TRIANGLE_H
+#define DPT_HULL_TRIANGLE_H
+
+#include "hull/hull_state.h"
+#include "nearest/segment_triangle.h"
+
+/*
+ * Numbers of features:
+ *     HULL_CORNER + c          corner c and the face of the triangle
+ *     HULL_EDGE + 3 e + k      edge e and the triangle's edge from corner k to the next
+ *     HULL_FACE + 3 f + k      face f and the triangle's corner k
+ */
+enum {
+    HULL_CORNER = 0,
+    HULL_EDGE = HULL_CORNERS_MAX,
+    HULL_FACE = HULL_EDGE + 3 * HULL_EDGES_MAX,
+    HULL_FEATURES = HULL_FACE + 3 * HULL_FACES_MAX
+};
+
+/* A pair: p on the hull, q on the triangle, q = the corners weighted by pair.weight, p = q + pair.gap. pair.s is 0. */
+struct hull_pair {
+    pair pair;
+    uint32_t feature; /* or DPT_NONE: none is nearer than the limit, or the two meet */
+};
+
+/*
+ * The pair of one feature. 0, and found->pair unset, where its nearest points are not inside both: then another feature
+ * has the pair. Corners of the hull count against the triangle's face alone.
+ */
+int dpti_hull_feature(const struct hull_place *place, uint32_t feature, const vec3 v[3],
+                      struct hull_pair *found);
+
+/*
+ * The nearest pair of hull and triangle, where their distance is below `limit`. Returns 1 if it is, 0 if not: then
+ * `found` is unset. If hull and triangle meet, the distance is 0, and the pair is a point of both; of one that lies inside
+ * the hull whole, its first corner.
+ */
+int dpti_hull_triangle(const struct hull_place *place, const vec3 v[3], double limit,
+                       struct hull_pair *found);
+
+/*
+ * Call `take` for each feature whose pair is within `limit`. Where hull and triangle meet, the pairs say little.
+ */
+typedef void hull_take_fn(void *user, const struct hull_pair *found);
+void dpti_hull_features(const struct hull_place *place, const vec3 v[3], double limit,
+                        hull_take_fn *take, void *user);
+
+#endif
