@@ -94,10 +94,12 @@ DPT_API dpt_result dpt_hull_get_face(const dpt_hull *hull, uint32_t face, uint32
 
 /* Shapes that corners can be made for. Each holds the shape that it stands for. */
 enum {
-    DPT_HULL_KIND_BOX = 0,      /* extent: its lengths along x, y and z, centre at the origin */
-    DPT_HULL_KIND_WEDGE = 1,    /* a blade: extent as for a box; at z = -extent[2] / 2 the face is the edge y = 0 */
-    DPT_HULL_KIND_CYLINDER = 2, /* along z, centre at the origin: extent[0] its diameter, extent[2] its length */
-    DPT_HULL_KIND_CONE = 3      /* as the cylinder, but at z = -extent[2] / 2 it is a point */
+    DPT_HULL_KIND_BOX = 0, /* extent: its lengths along x, y and z, centre at the origin */
+    DPT_HULL_KIND_WEDGE =
+        1, /* a blade: extent as for a box; at z = -extent[2] / 2 the face is the edge y = 0 */
+    DPT_HULL_KIND_CYLINDER =
+        2, /* along z, centre at the origin: extent[0] its diameter, extent[2] its length */
+    DPT_HULL_KIND_CONE = 3 /* as the cylinder, but at z = -extent[2] / 2 it is a point */
 };
 
 /*

@@ -22,10 +22,9 @@ struct hull_sweep {
     const vec3 *directions;
     uint32_t direction_count;
     struct work *work;
-    /* The result. */
-    double time;       /* up to which the motion is free; 1 without a hit */
-    uint32_t triangle; /* place, of the hit */
-    vec3 normal;       /* unit, in the body's frame at that time, from the triangle to the hull; 0: unknown */
+    uint32_t
+        triangle; /* place: in, one that is likely to be hit, or DPT_NONE; out, the one that was */
+    double time;  /* out: up to which the motion is free; 1 without a hit */
 };
 
 /*
@@ -36,10 +35,8 @@ struct hull_sweep {
 int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,
                     const struct placement *to);
 
-/*
- * m: how far any corner was, at any time of the motion, from where it is at its end, at most; in the body's frame.
- */
-double dpti_hull_displacement(const struct dpt_hull *hull, const struct placement *from,
-                              const struct placement *to);
+/* m: how far any corner was, at any time of a tool's motion in the world, from where it is at its end, at most. */
+double dpti_hull_displacement(const struct dpt_hull *hull, const dpt_pose *from,
+                              const dpt_pose *to);
 
 #endif

@@ -15,9 +15,9 @@
 
 /*
  * Numbers of features:
- *     HULL_CORNER + c          corner c and the face of the triangle
- *     HULL_EDGE + 3 e + k      edge e and the triangle's edge from corner k to the next
- *     HULL_FACE + 3 f + k      face f and the triangle's corner k
+ *     HULL_CORNER + c          corner c of the hull and the triangle
+ *     HULL_EDGE + 3 e + k      edge e of the hull and the triangle's edge from corner k to the next
+ *     HULL_FACE + 3 f + k      face f of the hull and the triangle's corner k
  */
 enum {
     HULL_CORNER = 0,
@@ -29,26 +29,26 @@ enum {
 /* A pair: p on the hull, q on the triangle, q = the corners weighted by pair.weight, p = q + pair.gap. pair.s is 0. */
 struct hull_pair {
     pair pair;
-    uint32_t feature; /* or DPT_NONE: none is nearer than the limit, or the two meet */
+    uint32_t feature; /* or DPT_NONE: the two meet */
 };
 
 /*
- * The pair of one feature. 0, and found->pair unset, where its nearest points are not inside both: then another feature
- * has the pair. Corners of the hull count against the triangle's face alone.
+ * The pair of one feature. Returns 0, and leaves `found` undefined, where another feature has the pair: where an edge's
+ * nearest point is at its end, or the triangle's corner is not above the face.
  */
 int dpti_hull_feature(const struct hull_place *place, uint32_t feature, const vec3 v[3],
                       struct hull_pair *found);
 
 /*
  * The nearest pair of hull and triangle, where their distance is below `limit`. Returns 1 if it is, 0 if not: then
- * `found` is unset. If hull and triangle meet, the distance is 0, and the pair is a point of both; of one that lies inside
- * the hull whole, its first corner.
+ * `found` is undefined. If hull and triangle meet, the distance is 0, and the pair is a point of both.
  */
 int dpti_hull_triangle(const struct hull_place *place, const vec3 v[3], double limit,
                        struct hull_pair *found);
 
 /*
- * Call `take` for each feature whose pair is within `limit`. Where hull and triangle meet, the pairs say little.
+ * Call `take` for each feature whose pair is not farther apart than `limit`. Where hull and triangle meet, the pairs say
+ * little.
  */
 typedef void hull_take_fn(void *user, const struct hull_pair *found);
 void dpti_hull_features(const struct hull_place *place, const vec3 v[3], double limit,

@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "hull/hull_triangle.h"
+
+#include "hull/separate.h"
+
+/* A triangle, and a ball that holds it. */
+struct ball {
+    const vec3 *v;
+    vec3 edge[3], middle;
+    double radius;
+    struct triangle_frame frame;
+    int has_face;
+    vec3 normal; /* unit; 0 without a face */
+};
+
+static struct ball ball_of(const vec3 v[3])
+{
+    struct ball ball = { .v = v, .edge = { sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2]) } };
+    ball.middle = scaled(add(add(v[0], v[1]), v[2]), 1.0 / 3.0);
+    for (int k = 0; k < 3; k++)
+        ball.radius = max_of(ball.radius, length(sub(v[k], ball.middle)));
+    ball.has_face = triangle_frame_set(ball.edge, &ball.frame);
+    ball.normal = ball.has_face ? unit_of(ball.frame.z) : (vec3){ 0.0, 0.0, 0.0 };
+    return ball;
+}
+
+/* Which of the hull's features are too far from the ball to count. */
+static int corner_is_far(const struct hull_place *place, const struct ball *ball, uint32_t corner,
+                         double limit)
+{
+    const vec3 offset = sub(place->corner[corner], ball->middle);
+    const double reach = limit + ball->radius;
+    return fabs(dot(offset, ball->normal)) > limit || dot(offset, offset) > reach * reach;
+}
+
+static int edge_is_far(const struct hull_place *place, const struct ball *ball, uint32_t edge,
+                       double limit)
+{
+    const vec3 a = sub(place->corner[place->hull->edge[edge][0]], ball->middle);
+    const vec3 b = sub(place->corner[place->hull->edge[edge][1]], ball->middle);
+    const vec3 u = sub(b, a);
+    const double height_a = dot(a, ball->normal), height_b = dot(b, ball->normal);
+    const double reach = limit + ball->radius;
+    if (min_of(height_a, height_b) > limit || max_of(height_a, height_b) < -limit)
+        return 1;
+    const double s = nearest_on(a, u, (vec3){ 0.0, 0.0, 0.0 });
+    const vec3 nearest = along(a, s, u);
+    return dot(nearest, nearest) > reach * reach;
+}
+
+static int try_corner(const struct hull_place *place, uint32_t corner, const vec3 v[3],
+                      struct hull_pair *found)
+{
+    point_triangle(place->corner[corner], v, &found->pair);
+    found->pair.s = 0.0;
+    found->feature = HULL_CORNER + corner;
+    return 1;
+}
+
+static int try_edges(const struct hull_place *place, uint32_t edge, uint32_t k, const vec3 v[3],
+                     struct hull_pair *found)
+{
+    const uint8_t *ends = place->hull->edge[edge];
+    const vec3 a = place->corner[ends[0]], u = sub(place->corner[ends[1]], a);
+    const vec3 e = sub(v[(k + 1) % 3], v[k]), from = sub(a, v[k]);
+    double s, t;
+    segment_edge(u, 1.0 / dot(u, u), from, e, &s, &t);
+    /* The triangle's corner at t = 1 belongs to the next edge. */
+    if (!(s > 0.0 && s < 1.0 && t < 1.0))
+        return 0;
+    pair *made = &found->pair;
+    made->gap = sub(along(from, s, u), scaled(e, t));
+    made->distance2 = dot(made->gap, made->gap);
+    made->weight[k] = 1.0 - t;
+    made->weight[(k + 1) % 3] = t;
+    made->weight[(k + 2) % 3] = 0.0;
+    made->s = 0.0;
+    found->feature = HULL_EDGE + 3 * edge + k;
+    return 1;
+}
+
+static int is_over_face(const struct hull_place *place, uint32_t face, vec3 x)
+{
+    const struct hull_face *of = &place->hull->face[face];
+    const uint8_t *loop = place->hull->loop + of->first;
+    vec3 from = place->corner[loop[of->count - 1]];
+    for (uint32_t i = 0; i < of->count; i++) {
+        const vec3 to = place->corner[loop[i]];
+        if (!(dot(cross(sub(to, from), sub(x, from)), place->normal[face]) >= 0.0))
+            return 0;
+        from = to;
+    }
+    return 1;
+}
+
+static double height_over(const struct hull_place *place, uint32_t face, vec3 x)
+{
+    const uint8_t first = place->hull->loop[place->hull->face[face].first];
+    return dot(sub(x, place->corner[first]), place->normal[face]);
+}
+
+static int try_face(const struct hull_place *place, uint32_t face, uint32_t k, const vec3 v[3],
+                    struct hull_pair *found)
+{
+    const double height = height_over(place, face, v[k]);
+    if (!(height >= 0.0 && is_over_face(place, face, v[k])))
+        return 0;
+    found->pair =
+        (pair){ .distance2 = height * height, .gap = scaled(place->normal[face], -height) };
+    found->pair.weight[k] = 1.0;
+    found->feature = HULL_FACE + 3 * face + k;
+    return 1;
+}
+
+int dpti_hull_feature(const struct hull_place *place, uint32_t feature, const vec3 v[3],
+                      struct hull_pair *found)
+{
+    if (feature < HULL_EDGE)
+        return try_corner(place, feature - HULL_CORNER, v, found);
+    const uint32_t number = feature < HULL_FACE ? feature - HULL_EDGE : feature - HULL_FACE;
+    return feature < HULL_FACE ? try_edges(place, number / 3, number % 3, v, found)
+                               : try_face(place, number / 3, number % 3, v, found);
+}
+
+/* Call `take` for the features that are near; *limit may shrink meanwhile. */
+static void visit_features(const struct hull_place *place, const struct ball *ball,
+                           const double *limit, hull_take_fn *take, void *user)
+{
+    const struct dpt_hull *hull = place->hull;
+    struct hull_pair found;
+    for (uint32_t c = 0; c < hull->corner_count; c++)
+        if (!corner_is_far(place, ball, c, *limit) && try_corner(place, c, ball->v, &found))
+            take(user, &found);
+    for (uint32_t e = 0; e < hull->edge_count; e++)
+        for (uint32_t k = 0; k < 3 && (k || !edge_is_far(place, ball, e, *limit)); k++)
+            if (try_edges(place, e, k, ball->v, &found))
+                take(user, &found);
+    for (uint32_t f = 0; f < hull->face_count; f++)
+        for (uint32_t k = 0; k < 3; k++) {
+            const double height = height_over(place, f, ball->v[k]);
+            if (height >= 0.0 && height <= *limit && try_face(place, f, k, ball->v, &found))
+                take(user, &found);
+        }
+}
+
+struct taken {
+    hull_take_fn *take;
+    void *user;
+    double limit2;
+};
+
+static void take_within(void *user, const struct hull_pair *found)
+{
+    const struct taken *taken = user;
+    if (found->pair.distance2 <= taken->limit2)
+        taken->take(taken->user, found);
+}
+
+void dpti_hull_features(const struct hull_place *place, const vec3 v[3], double limit,
+                        hull_take_fn *take, void *user)
+{
+    const struct ball ball = ball_of(v);
+    struct taken taken = { take, user, limit * limit };
+    visit_features(place, &ball, &limit, take_within, &taken);
+}
+
+struct best {
+    struct hull_pair pair;
+    double limit; /* m: the distance of the pair, or what it must be below */
+};
+
+static void take_best(void *user, const struct hull_pair *found)
+{
+    struct best *best = user;
+    if (!(found->pair.distance2 < best->pair.pair.distance2))
+        return;
+    best->pair = *found;
+    best->limit = sqrt(found->pair.distance2);
+}
+
+/* Whether the plane across the pair parts the two: then they do not meet, and nothing is nearer. */
+static int is_parted(const struct hull_place *place, const vec3 v[3], const pair *nearest,
+                     double distance)
+{
+    const vec3 n = scaled(nearest->gap, 1.0 / distance);
+    const double low = -support_of(place->corner, place->hull->corner_count, scaled(n, -1.0));
+    const double gap = low - support_of(v, 3, n);
+    const double rounding = 0x1p-46 * (extent_of(place->corner[0]) + extent_of(v[0]) + distance);
+    return distance > 0.0 && gap >= distance - rounding && gap > 0.0;
+}
+
+static int crosses_face(const struct hull_place *place, uint32_t face, const vec3 v[3], uint32_t k,
+                        struct hull_pair *found)
+{
+    const vec3 from = v[k], to = v[(k + 1) % 3];
+    const double low = height_over(place, face, from), high = height_over(place, face, to);
+    if (!((low <= 0.0 && high >= 0.0) || (low >= 0.0 && high <= 0.0)) || low == high)
+        return 0;
+    const double t = clamp01(low / (low - high));
+    if (!is_over_face(place, face, along(from, t, sub(to, from))))
+        return 0;
+    found->pair.weight[k] = 1.0 - t;
+    found->pair.weight[(k + 1) % 3] = t;
+    return 1;
+}
+
+/* Whether hull and triangle meet, and where: an edge of one goes through the other, or the hull holds a corner. */
+static int meets(const struct hull_place *place, const struct ball *ball, struct hull_pair *found)
+{
+    const struct dpt_hull *hull = place->hull;
+    const vec3 *v = ball->v;
+    *found = (struct hull_pair){ .feature = DPT_NONE };
+    int is_inside = !hull->is_flat;
+    for (uint32_t f = 0; f < hull->face_count; f++)
+        for (uint32_t k = 0; k < 3; k++) {
+            is_inside &= k != 0 || height_over(place, f, v[0]) <= 0.0;
+            if (crosses_face(place, f, v, k, found))
+                return 1;
+        }
+    found->pair.weight[0] = 1.0;
+    if (is_inside)
+        return 1;
+    for (uint32_t e = 0; e < hull->edge_count; e++) {
+        const vec3 a = place->corner[hull->edge[e][0]];
+        const vec3 u = sub(place->corner[hull->edge[e][1]], a);
+        found->pair = segment_triangle(a, u, v[0], v[1], v[2]);
+        found->pair.s = 0.0;
+        if (found->pair.distance2 == 0.0)
+            return 1;
+    }
+    return 0;
+}
+
+int dpti_hull_triangle(const struct hull_place *place, const vec3 v[3], double limit,
+                       struct hull_pair *found)
+{
+    const struct ball ball = ball_of(v);
+    struct best best = { .pair.pair.distance2 = limit * limit, .pair.feature = DPT_NONE };
+    vec3 n = ball.normal;
+    best.limit = limit;
+    visit_features(place, &ball, &best.limit, take_best, &best);
+    const int has_pair = best.pair.feature != DPT_NONE;
+    if (has_pair)
+        pair_snap_to_zero(&best.pair.pair, extent_of(place->corner[0]) + extent_of(v[0]) +
+                                               extent_of(ball.edge[0]) + extent_of(ball.edge[2]));
+    *found = best.pair;
+    if (has_pair && (best.pair.pair.distance2 == 0.0 ||
+                     is_parted(place, v, &best.pair.pair, sqrt(best.pair.pair.distance2))))
+        return 1;
+    if (!has_pair && dpti_separate(v, 3, place->corner, place->hull->corner_count, 0.0, &n))
+        return 0;
+    struct hull_pair met;
+    if (meets(place, &ball, &met)) {
+        *found = met;
+        return limit > 0.0;
+    }
+    return has_pair;
+}
