@@ -19,7 +19,7 @@ DPT_BEGIN
 
 /* One tip. The world keeps the pointer: the hull must stay where it is while the tool has the tip. */
 typedef struct dpt_tip {
-    uint32_t size;     /* sizeof(dpt_tip), set by the caller; in an array, set that of the first item */
+    uint32_t size; /* sizeof(dpt_tip), set by the caller; in an array, set that of the first item */
     uint32_t reserved; /* 0 */
     const dpt_hull *hull;
     const void *reserved_pointer; /* NULL */

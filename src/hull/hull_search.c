@@ -22,6 +22,7 @@ struct hull_query {
     vec3 planes[DIRECTIONS];     /* unit, from the hull to the surface */
     double supports[DIRECTIONS]; /* of the hull */
     vec3 last;                   /* the direction that last parted a triangle from the hull */
+    double slack;                /* m: what is nearer by less counts as no nearer */
     int has_planes;
 };
 
@@ -75,12 +76,12 @@ static void set_leaf_planes(struct hull_query *query)
 /* Whether a plane parts a triangle from the hull by more than the best distance. */
 static int is_beyond(struct hull_query *query, const vec3 v[3])
 {
-    const double distance = query->nearest->distance;
-    const struct hull_place *place = query->place;
+    const double distance = query->nearest->distance - query->slack;
     for (int i = 0; i < DIRECTIONS; i++)
         if (-support_of(v, 3, scaled(query->planes[i], -1.0)) - query->supports[i] > distance)
             return 1;
-    return dpti_separate(place->corner, place->hull->corner_count, v, 3, distance, &query->last);
+    return dpti_separate(query->place->corner, query->place->hull->corner_count, v, 3,
+                         max_of(0.0, distance), &query->last);
 }
 
 static int take(struct hull_query *query, uint32_t triangle)
@@ -131,6 +132,8 @@ int dpti_hull_search(const struct surface *surface, const struct kernel *kernel,
     struct hull_query query = {
         .surface = surface, .kernel = kernel, .place = place, .work = work, .nearest = nearest
     };
+    query.slack = DISTANCE_ERROR * DISTANCE_ERROR_SLACK *
+                  max_of(extent_of(place->a), dpti_surface_extent(surface));
     memset(&nearest->found, 0, sizeof nearest->found);
     nearest->triangle = DPT_NONE;
     nearest->distance = limit;

@@ -332,8 +332,8 @@ static double piece_length_max(const struct dpt_hull *hull)
     return PIECE_LENGTH_MAX * (length(sub(hull->axis_b, hull->axis_a)) + hull->reach);
 }
 
-/* A piece between two instants: is it free, may it touch, or is it to be halved at `middle`? */
-enum { PIECE_HALVED = PIECE_UNFINISHED + 1 };
+/* A piece between two instants; PIECE_LONG: it is to be halved at `middle` before it can be tested. */
+enum { PIECE_LONG = PIECE_UNFINISHED + 1 };
 
 static int sweep_piece(struct hull_sweep *sweep, const struct instant *from,
                        const struct instant *to, struct instant *middle)
@@ -343,9 +343,29 @@ static int sweep_piece(struct hull_sweep *sweep, const struct instant *from,
     set_piece(sweep, from, middle, to, &piece);
     if (!body_turns_little(&from->placement, &to->placement) ||
         piece.motion > piece_length_max(sweep->hull))
-        return PIECE_HALVED;
-    const int status = test_piece(sweep, &piece);
-    return status == PIECE_TOUCHES && piece.motion > sweep->tolerance ? PIECE_HALVED : status;
+        return PIECE_LONG;
+    return test_piece(sweep, &piece);
+}
+
+/*
+ * Up to when a piece is free of sweep->triangle alone, which it may touch: no piece from there on that is longer than the
+ * tolerance, or than the wanted share of the whole piece, is parted from it.
+ */
+static struct instant free_until(const struct hull_sweep *sweep, const struct instant *from,
+                                 const struct instant *to)
+{
+    struct instant low = *from, high = *to, middle, quarter;
+    struct piece piece;
+    const double shortest = sweep->resolution * (to->time - from->time);
+    for (int k = 0; k < HALVINGS_MAX && high.time - low.time > shortest; k++) {
+        set_middle(&low, &high, sweep->hull, &middle);
+        set_middle(&low, &middle, sweep->hull, &quarter);
+        set_piece(sweep, &low, &quarter, &middle, &piece);
+        if (2.0 * piece.motion <= sweep->tolerance)
+            break;
+        *(is_parted(sweep, &piece, sweep->triangle) ? &low : &high) = middle;
+    }
+    return low;
 }
 
 /* Where the pieces end that are still to be swept, the last one first. */
@@ -354,10 +374,9 @@ struct pending {
     double time;
 };
 
-static struct instant instant_of(const struct hull_sweep *sweep, const struct placement *placement,
-                                 double time)
+static struct instant instant_of(const struct hull_sweep *sweep, const struct pending *pending)
 {
-    struct instant made = { .placement = *placement, .time = time };
+    struct instant made = { .placement = pending->placement, .time = pending->time };
     set_instant(&made, sweep->hull);
     return made;
 }
@@ -365,27 +384,37 @@ static struct instant instant_of(const struct hull_sweep *sweep, const struct pl
 int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,
                     const struct placement *to)
 {
-    struct pending pending[HALVINGS_MAX + 1] = { { *to, 1.0 } };
-    struct instant at = instant_of(sweep, from, 0.0);
+    struct pending pending[HALVINGS_MAX + 2] = { { *to, 1.0 } };
+    const struct pending begin = { *from, 0.0 };
+    struct instant at = instant_of(sweep, &begin);
+    int ends_with_hit = 0;
     sweep->time = 0.0;
     for (int count = 1; count > 0;) {
-        const struct pending *next = &pending[count - 1];
-        const struct instant end = instant_of(sweep, &next->placement, next->time);
-        struct instant middle;
+        struct instant end = instant_of(sweep, &pending[count - 1]), middle;
         const int status = sweep_piece(sweep, &at, &end, &middle);
         if (status == PIECE_UNFINISHED)
             return SWEEP_UNFINISHED;
-        if (status == PIECE_TOUCHES || (status == PIECE_HALVED && count > HALVINGS_MAX))
-            return SWEEP_HIT;
-        if (status == PIECE_HALVED) {
-            pending[count++] = (struct pending){ middle.placement, middle.time };
+        if (status == PIECE_FREE) {
+            at = end;
+            sweep->time = end.time;
+            count--;
             continue;
         }
-        at = end;
-        sweep->time = end.time;
-        count--;
+        if (status == PIECE_TOUCHES) {
+            /* Nothing after the touch counts any more. */
+            end = free_until(sweep, &at, &end);
+            if (end.time == at.time)
+                return SWEEP_HIT;
+            pending[0] = (struct pending){ end.placement, end.time };
+            count = 1;
+            ends_with_hit = 1;
+            set_middle(&at, &end, sweep->hull, &middle);
+        }
+        if (count > HALVINGS_MAX)
+            return SWEEP_HIT;
+        pending[count++] = (struct pending){ middle.placement, middle.time };
     }
-    return SWEEP_FREE;
+    return ends_with_hit ? SWEEP_HIT : SWEEP_FREE;
 }
 
 double dpti_hull_displacement(const struct dpt_hull *hull, const dpt_pose *from, const dpt_pose *to)

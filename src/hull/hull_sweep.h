@@ -17,6 +17,8 @@ struct hull_sweep {
     const struct dpt_hull *hull;
     double clearance; /* m, added to the hull's radius, which stays at least 0 */
     double tolerance; /* m, above 0: how near a motion must come to be a hit, at most */
+    /* How well the time of a hit need be known beside that, as a share of the time of its piece; 0: no coarser. */
+    double resolution;
     uint32_t tick;
     double tick_from;
     const vec3 *directions;
@@ -29,7 +31,7 @@ struct hull_sweep {
 
 /*
  * Sweep from one placement to another; a and b of the placements do not count. Returns a sweep_status. SWEEP_HIT: the
- * hull, grown by the tolerance, may meet the triangle within the tolerance of motion after `time`. SWEEP_UNFINISHED: the
+ * hull may meet the triangle within the tolerance of motion, or the resolution, after `time`. SWEEP_UNFINISHED: the
  * work is spent; the motion is free up to `time`.
  */
 int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,

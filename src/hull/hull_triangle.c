@@ -226,15 +226,11 @@ static void take_best(void *user, const struct hull_pair *found)
     best->limit = sqrt(found->pair.distance2);
 }
 
-/* Whether the plane across the pair parts the two: then they do not meet, and nothing is nearer. */
-static int is_parted(const struct hull_place *place, const vec3 v[3], const pair *nearest,
-                     double distance)
+/* Whether a plane across the pair parts the two: then they do not meet. */
+static int is_parted(const struct hull_place *place, const vec3 v[3], vec3 gap)
 {
-    const vec3 n = scaled(nearest->gap, 1.0 / distance);
-    const double low = -support_of(place->corner, place->hull->corner_count, scaled(n, -1.0));
-    const double gap = low - support_of(v, 3, n);
-    const double rounding = 0x1p-46 * (extent_of(place->corner[0]) + extent_of(v[0]) + distance);
-    return distance > 0.0 && gap >= distance - rounding && gap > 0.0;
+    const double low = -support_of(place->corner, place->hull->corner_count, scaled(gap, -1.0));
+    return low > support_of(v, 3, gap);
 }
 
 static int crosses_face(const struct hull_place *place, uint32_t face, const vec3 v[3], uint32_t k,
@@ -279,28 +275,42 @@ static int meets(const struct hull_place *place, const struct ball *ball, struct
     return 0;
 }
 
+/* The nearest of all features that are nearer than `limit`; 0: there is none. */
+static int find_best(const struct hull_place *place, const struct ball *ball, double limit,
+                     struct hull_pair *found)
+{
+    struct best best = { { { .distance2 = limit * limit }, DPT_NONE }, limit };
+    visit_features(place, ball, &best.limit, take_best, &best);
+    *found = best.pair;
+    if (found->feature == DPT_NONE)
+        return 0;
+    pair_snap_to_zero(&found->pair, extent_of(place->corner[0]) + extent_of(ball->v[0]) +
+                                        extent_of(ball->edge[0]) + extent_of(ball->edge[2]));
+    return 1;
+}
+
+/* Of the upper bound, and of the coordinates: what the features' own rounding may add to it. */
+#define BOUND_SPARE    1e-6
+#define BOUND_ROUNDING 0x1p-40
+
 int dpti_hull_triangle(const struct hull_place *place, const vec3 v[3], double limit,
                        struct hull_pair *found)
 {
     const struct ball ball = ball_of(v);
-    struct best best = { .pair.pair.distance2 = limit * limit, .pair.feature = DPT_NONE };
-    vec3 n = ball.normal;
-    best.limit = limit;
-    visit_features(place, &ball, &best.limit, take_best, &best);
-    const int has_pair = best.pair.feature != DPT_NONE;
-    if (has_pair)
-        pair_snap_to_zero(&best.pair.pair, extent_of(place->corner[0]) + extent_of(v[0]) +
-                                               extent_of(ball.edge[0]) + extent_of(ball.edge[2]));
-    *found = best.pair;
-    if (has_pair && (best.pair.pair.distance2 == 0.0 ||
-                     is_parted(place, v, &best.pair.pair, sqrt(best.pair.pair.distance2))))
-        return 1;
-    if (!has_pair && dpti_separate(v, 3, place->corner, place->hull->corner_count, 0.0, &n))
-        return 0;
+    const uint32_t count = place->hull->corner_count;
     struct hull_pair met;
+    vec3 n = { 0.0, 0.0, 0.0 };
+    const double upper = dpti_distance_upper(place->corner, count, v, 3, limit, &n);
+    if (upper == HUGE_VAL)
+        return 0;
+    const double rounding = BOUND_ROUNDING * (extent_of(place->corner[0]) + extent_of(v[0]));
+    const double likely = min_of(limit, upper * (1.0 + BOUND_SPARE) + rounding);
+    int has_pair = find_best(place, &ball, likely, found);
+    if (has_pair && (found->pair.distance2 == 0.0 || is_parted(place, v, found->pair.gap)))
+        return 1;
     if (meets(place, &ball, &met)) {
         *found = met;
         return limit > 0.0;
     }
-    return has_pair;
+    return has_pair || find_best(place, &ball, limit, found);
 }

@@ -3,7 +3,7 @@
 
 enum { ITERATIONS_MAX = 32 };
 
-/* Of the squared distance: what an iteration must gain, or it is the last. */
+/* Of the distance: what an iteration must gain, or it is the last. */
 #define GAIN_MIN 1e-14
 
 /* Up to four points of the difference of two sets, whose hull is searched for the point nearest to the origin. */
@@ -127,33 +127,87 @@ static vec3 farthest_along(const vec3 *points, uint32_t count, vec3 n)
     return points[best];
 }
 
+/* What an iteration tells: the distance is at least `low`, along the unit vector n, and at most `high`. */
+struct bracket {
+    double low, high;
+    vec3 n;
+    struct simplex simplex;
+};
+
+static void begin_bracket(struct bracket *bracket, vec3 n)
+{
+    bracket->low = 0.0;
+    bracket->high = HUGE_VAL;
+    bracket->n = unit_of(n);
+    bracket->simplex.count = 0;
+}
+
+/*
+ * One iteration, from the direction bracket->n. Returns 0 where none can follow: the sets meet, as far as rounding tells,
+ * or nothing is gained any more.
+ */
+static int narrow(struct bracket *bracket, const vec3 *a, uint32_t a_count, const vec3 *b,
+                  uint32_t b_count)
+{
+    vec3 v = { 0.0, 0.0, 0.0 };
+    const vec3 w = sub(farthest_along(b, b_count, scaled(bracket->n, -1.0)),
+                       farthest_along(a, a_count, bracket->n));
+    bracket->low = dot(w, bracket->n);
+    if (bracket->simplex.count == 4)
+        return 0;
+    bracket->simplex.w[bracket->simplex.count++] = w;
+    if (!reduce(&bracket->simplex, &v)) {
+        bracket->high = 0.0;
+        return 0;
+    }
+    /* v is the difference of two points of the sets: they are no farther apart. */
+    const double size = length(v), last = bracket->high;
+    bracket->high = size;
+    bracket->n = scaled(v, 1.0 / size);
+    return size > 0.0 && size < last * (1.0 - GAIN_MIN);
+}
+
+/* A direction to begin with, of any length but 0. */
+static vec3 direction_of(const vec3 *a, const vec3 *b, vec3 n)
+{
+    return dot(n, n) > 0.0 ? n : sub(b[0], a[0]);
+}
+
 int dpti_separate(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count, double apart,
                   vec3 *n)
 {
-    struct simplex simplex = { .count = 0 };
-    vec3 v = dot(*n, *n) > 0.0 ? *n : sub(b[0], a[0]);
-    double last2 = HUGE_VAL;
+    struct bracket bracket;
+    begin_bracket(&bracket, direction_of(a, b, *n));
     for (int k = 0; k < ITERATIONS_MAX; k++) {
-        const double size = length(v);
-        if (!(size > 0.0))
-            return 0;
-        const vec3 unit = scaled(v, 1.0 / size);
-        const vec3 w =
-            sub(farthest_along(b, b_count, scaled(unit, -1.0)), farthest_along(a, a_count, unit));
-        if (dot(w, unit) > apart) {
-            *n = unit;
+        const vec3 along_it = bracket.n;
+        const int goes_on = narrow(&bracket, a, a_count, b, b_count);
+        if (bracket.low > apart) {
+            *n = along_it;
             return 1;
         }
-        if (simplex.count == 4)
+        if (!goes_on || bracket.high <= apart)
             return 0;
-        simplex.w[simplex.count++] = w;
-        if (!reduce(&simplex, &v))
-            return 0;
-        /* v is the difference of two points of the sets: they are no farther apart. */
-        const double now2 = dot(v, v);
-        if (now2 <= apart * apart || now2 > last2 * (1.0 - GAIN_MIN))
-            return 0;
-        last2 = now2;
     }
     return 0;
+}
+
+/* Of the distance: a bracket that is so narrow will do. */
+#define NARROW 1e-6
+
+double dpti_distance_upper(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count,
+                           double limit, vec3 *n)
+{
+    struct bracket bracket;
+    begin_bracket(&bracket, direction_of(a, b, *n));
+    for (int k = 0; k < ITERATIONS_MAX; k++) {
+        const vec3 along_it = bracket.n;
+        const int goes_on = narrow(&bracket, a, a_count, b, b_count);
+        if (bracket.low > limit) {
+            *n = along_it;
+            return HUGE_VAL;
+        }
+        if (!goes_on || bracket.low >= bracket.high * (1.0 - NARROW))
+            break;
+    }
+    return bracket.high;
 }

@@ -110,6 +110,9 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
     note_sweep(tick, number, body, status, rigid.result.time, rigid.result.impact.triangle, sweep);
 }
 
+/* A motion that meets something is shortened by more than that. */
+#define TIP_RESOLUTION 0.03
+
 /* One tip past one body, likewise. */
 static void sweep_tip(struct proxy_tick *tick, uint32_t number, const struct body *body,
                       const dpt_pose *to, struct tool_sweep *sweep)
@@ -126,6 +129,7 @@ static void sweep_tip(struct proxy_tick *tick, uint32_t number, const struct bod
         .kernel = &world->kernel,
         .hull = tip->hull,
         .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * min_of(body->diagonal, PROXY_SCALE_MAX),
+        .resolution = TIP_RESOLUTION,
         .tick = has_moved && surface_has_moved(&body->surface, world->ticks) ? world->ticks : 0,
         .tick_from = tick->time,
         .directions = directions,

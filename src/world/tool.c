@@ -3,6 +3,7 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
+#include "dynpoint/tip.h"
 #include "world/body_search.h"
 #include "world/distance_bounds.h"
 #include "world/motion_backlog.h"
@@ -190,6 +191,39 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
     moved->frame = frame_identity;
     moved->pose = identity;
     put_segments(world, moved, segments);
+    return DPT_OK;
+}
+
+/* A caller's tip, from an array. */
+static dpt_result read_tip(const dpt_tip *tips, uint32_t i, dpt_tip *tip)
+{
+    *tip = (dpt_tip){ .size = sizeof *tip };
+    DPT_TRY(sized_take(sized_item(tips, i), sized_of(tips), sizeof *tip, tip, sizeof *tip));
+    return tip->hull && !tip->reserved && !tip->reserved_pointer ? DPT_OK : DPT_E_ARGUMENT;
+}
+
+dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_tip *tips, uint32_t count)
+{
+    dpt_tip tip;
+    if (!world || (!tips && count))
+        return DPT_E_ARGUMENT;
+    struct tool *found = world_find_tool(world, tool);
+    if (!found)
+        return DPT_E_HANDLE;
+    for (uint32_t i = 0; i < count; i++)
+        DPT_TRY(read_tip(tips, i, &tip));
+    if (count && (found->is_free ||
+                  (world->def.until == DPT_UNTIL_RESPOND && !dpti_proxy_is_used(world, found))))
+        return DPT_E_UNSUPPORTED;
+    if (count > world->def.max_tips - (world->tip_count - found->tip_count))
+        return DPT_E_FULL;
+    dpti_tips_remove(world, found);
+    struct tip *added = dpti_tips_add(world, found, count);
+    for (uint32_t i = 0; i < count; i++) {
+        read_tip(tips, i, &tip);
+        added[i] = (struct tip){ .hull = tip.hull };
+    }
+    dpti_tool_forget(world, found);
     return DPT_OK;
 }
 

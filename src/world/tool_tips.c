@@ -1,13 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/tool_tips.h"
 
-#include "base/return_if_error.h"
 #include "base/sized.h"
-#include "dynpoint/tip.h"
 #include "nearest/side.h"
 #include "world/persistent_contacts.h"
-#include "world/proxy_state.h"
-#include "world/tool.h"
 
 struct box dpti_tip_box(const struct dpt_hull *hull, const struct frame *tool)
 {
@@ -252,33 +248,10 @@ void dpti_tips_remove(struct dpt_world *world, struct tool *tool)
     tool->tip_count = 0;
 }
 
-dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_tip *tips, uint32_t count)
+struct tip *dpti_tips_add(struct dpt_world *world, struct tool *tool, uint32_t count)
 {
-    struct tool *found = world ? world_find_tool(world, tool) : NULL;
-    if (!world || (!tips && count))
-        return DPT_E_ARGUMENT;
-    if (!found)
-        return DPT_E_HANDLE;
-    for (uint32_t i = 0; i < count; i++) {
-        dpt_tip tip = { .size = sizeof tip };
-        DPT_TRY(sized_take(sized_item(tips, i), sized_of(tips), sizeof tip, &tip, sizeof tip));
-        if (!tip.hull || tip.reserved || tip.reserved_pointer)
-            return DPT_E_ARGUMENT;
-    }
-    if (count && (found->is_free ||
-                  (world->def.until == DPT_UNTIL_RESPOND && !dpti_proxy_is_used(world, found))))
-        return DPT_E_UNSUPPORTED;
-    if (count > world->def.max_tips - (world->tip_count - found->tip_count))
-        return DPT_E_FULL;
-    dpti_tips_remove(world, found);
-    found->first_tip = world->tip_count;
-    found->tip_count = count;
+    tool->first_tip = world->tip_count;
+    tool->tip_count = count;
     world->tip_count += count;
-    for (uint32_t i = 0; i < count; i++) {
-        dpt_tip tip = { .size = sizeof tip };
-        sized_take(sized_item(tips, i), sized_of(tips), sizeof tip, &tip, sizeof tip);
-        *tool_tip(world, found, i) = (struct tip){ .hull = tip.hull };
-    }
-    dpti_tool_forget(world, found);
-    return DPT_OK;
+    return tool_tip(world, tool, 0);
 }

@@ -59,6 +59,9 @@ void dpti_tips_forget(struct dpt_world *world, struct tool *tool);
 /* The same of a body, by its id, for all tools. */
 void dpti_tips_forget_body(struct dpt_world *world, uint32_t body_id);
 
+/* Room for so many tips of a tool that has none, behind those of all others; the world has it. */
+struct tip *dpti_tips_add(struct dpt_world *world, struct tool *tool, uint32_t count);
+
 /* Remove the tool's tips; those of other tools move up. */
 void dpti_tips_remove(struct dpt_world *world, struct tool *tool);
 
