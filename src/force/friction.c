@@ -113,10 +113,56 @@ static void invert(struct friction_contact *contact, uint32_t n)
     contact->per_square = about > 0.0 ? 1.0 / about : 0.0;
 }
 
-void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
-                         const double *goal, int is_first)
+/* sum += share * more */
+static void add_share(double *sum, double share, const double *more, uint32_t n)
 {
-    const uint32_t n = dimensions;
+    for (uint32_t k = 0; k < n; k++)
+        sum[k] += share * more[k];
+}
+
+/* The contacts of a place as one: their mean by what they hold, and all of that. */
+static void merge_place(const struct friction_contact *contacts, uint32_t count, uint32_t place,
+                        uint32_t n, struct friction_contact *merged)
+{
+    double limit = 0.0;
+    *merged = (struct friction_contact){ .torsion_arm = contacts[place].torsion_arm };
+    for (uint32_t i = place; i < count; i++) {
+        const struct friction_contact *contact = &contacts[i];
+        const double share = contact->share;
+        if (contact->place != place)
+            continue;
+        limit += limit_of(contact);
+        merged->multiplier += contact->multiplier;
+        add_share(merged->normal, share, contact->normal, n);
+        add_share(merged->across[0], share, contact->across[0], n);
+        add_share(merged->across[1], share, contact->across[1], n);
+        add_share(merged->about, share, contact->about, n);
+        add_share(merged->slip, share, contact->slip, 2);
+        add_share(merged->pull, 1.0, contact->pull, 2);
+        merged->turned += share * contact->turned;
+        merged->torsion += contact->torsion;
+    }
+    merged->coefficient = merged->multiplier > 0.0 ? limit / merged->multiplier : 0.0;
+}
+
+/* What the contacts of a place pull with. */
+static void divide_place(const struct friction_contact *merged, struct friction_contact *contacts,
+                         uint32_t count, uint32_t place)
+{
+    for (uint32_t i = place; i < count; i++) {
+        struct friction_contact *contact = &contacts[i];
+        if (contact->place != place)
+            continue;
+        contact->pull[0] = contact->share * merged->pull[0];
+        contact->pull[1] = contact->share * merged->pull[1];
+        contact->torsion = contact->share * merged->torsion;
+        contact->is_slipping = merged->is_slipping;
+    }
+}
+
+static void pulls_of_places(struct friction_contact *contacts, uint32_t count, uint32_t n,
+                            const double *goal, int is_first)
+{
     double y[HALF_SPACE_DIMENSIONS], largest = 0.0;
     memcpy(y, goal, n * sizeof *y);
     for (uint32_t i = 0; i < count; i++) {
@@ -140,6 +186,53 @@ void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint
         if (changed <= SETTLED * largest)
             break;
     }
+}
+
+void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
+                         const double *goal, int is_first)
+{
+    struct friction_contact merged[HALF_SPACE_DIMENSIONS];
+    uint32_t places[HALF_SPACE_DIMENSIONS], place_count = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (contacts[i].place == i)
+            places[place_count++] = i;
+    if (place_count == count) {
+        pulls_of_places(contacts, count, dimensions, goal, is_first);
+        return;
+    }
+    for (uint32_t p = 0; p < place_count; p++)
+        merge_place(contacts, count, places[p], dimensions, &merged[p]);
+    pulls_of_places(merged, place_count, dimensions, goal, is_first);
+    for (uint32_t p = 0; p < place_count; p++)
+        divide_place(&merged[p], contacts, count, places[p]);
+}
+
+uint32_t dpti_friction_planes(const struct friction_contact *contacts, uint32_t count,
+                              uint32_t dimensions, const double *goal,
+                              struct half_space planes[FRICTION_PLANES_MAX], double *pulled)
+{
+    struct friction_contact merged;
+    uint32_t plane_count = 2;
+    for (uint32_t i = 0; i < count; i++)
+        if (contacts[i].place != 0 || contacts[i].is_slipping)
+            return 0;
+    if (!count)
+        return 0;
+    merge_place(contacts, count, 0, dimensions, &merged);
+    memset(planes, 0, FRICTION_PLANES_MAX * sizeof *planes);
+    memcpy(pulled, goal, dimensions * sizeof *goal);
+    for (int d = 0; d < 2; d++) {
+        memcpy(planes[d].normal, merged.across[d], sizeof merged.across[d]);
+        planes[d].bound = -merged.slip[d];
+    }
+    const double limit = limit_of(&merged) * merged.torsion_arm;
+    if (fabs(merged.torsion) < limit && product_of(merged.about, merged.about, dimensions) > 0.0) {
+        memcpy(planes[2].normal, merged.about, sizeof merged.about);
+        planes[plane_count++].bound = -merged.turned;
+    } else {
+        add_share(pulled, merged.torsion, merged.about, dimensions);
+    }
+    return plane_count;
 }
 
 void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count,

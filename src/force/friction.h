@@ -11,6 +11,9 @@
 
 /* One contact; all lengths in m. */
 struct friction_contact {
+    uint32_t
+        place; /* the number of the first contact at the same place: its own where it is alone, or the first */
+    double share; /* of all that its place holds, 0..1: 1 where it is alone */
     double normal[HALF_SPACE_DIMENSIONS];    /* of its constraint */
     double across[2][HALF_SPACE_DIMENSIONS]; /* how the contact point moves along two tangents */
     double multiplier;                       /* of the constraint, >= 0 */
@@ -28,6 +31,9 @@ struct friction_contact {
 };
 
 /*
+ * Contacts of one place, as where a tip lies on two flat triangles, are one: they pull as one, at the mean of where they
+ * touch, up to the sum of their limits; each has its share. Their tangents point the same ways.
+ *
  * The pulls of all contacts, at given multipliers, by projected Gauss-Seidel: with
  *     y = goal + sum of multiplier * normal + sum of pull . across + torsion about
  * each contact is to move by -slip and turn by -turned, as far as its limits allow. It begins with the contacts' pulls;
@@ -35,6 +41,15 @@ struct friction_contact {
  */
 void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
                          const double *goal, int is_first);
+
+/*
+ * Where all contacts are at one place, and stick there: the planes on which they hold the motion, and in `pulled` the goal
+ * with what they pull with beside. Returns how many planes there are; 0 otherwise.
+ */
+enum { FRICTION_PLANES_MAX = 3 };
+uint32_t dpti_friction_planes(const struct friction_contact *contacts, uint32_t count,
+                              uint32_t dimensions, const double *goal,
+                              struct half_space planes[FRICTION_PLANES_MAX], double *pulled);
 
 /* sum += share * (pull . across + torsion about) */
 void dpti_friction_add(const struct friction_contact *contact, double share, uint32_t dimensions,

@@ -14,6 +14,7 @@ enum { ITERATIONS_MAX = 64 };
 struct solver {
     const struct half_space *spaces;
     uint32_t count, n;
+    uint32_t held_count; /* of the active ones, the first: equations, which never leave */
     struct half_spaces_result *result;
     /* Orthonormal rows q and the upper triangle r with normal[active[k]] = sum over j <= k of r[j][k] q[j]. */
     double q[HALF_SPACE_DIMENSIONS][HALF_SPACE_DIMENSIONS];
@@ -110,7 +111,7 @@ static int satisfy(struct solver *solver, uint32_t space, int *left)
         shares_of(solver, along, share);
         double step = DBL_MAX;
         uint32_t leaves = HALF_SPACE_DIMENSIONS;
-        for (uint32_t k = 0; k < result->active_count; k++)
+        for (uint32_t k = solver->held_count; k < result->active_count; k++)
             if (share[k] > 0.0 && result->multiplier[k] / share[k] < step) {
                 step = result->multiplier[k] / share[k];
                 leaves = k;
@@ -136,19 +137,73 @@ static int satisfy(struct solver *solver, uint32_t space, int *left)
     return 0;
 }
 
+/* An equation holds whatever its multiplier's sign is. One that depends on others is left out. */
+static void hold(struct solver *solver, const struct half_space *plane)
+{
+    struct half_spaces_result *result = solver->result;
+    double along[HALF_SPACE_DIMENSIONS], rest[HALF_SPACE_DIMENSIONS], share[HALF_SPACE_DIMENSIONS];
+    const uint32_t at = result->active_count;
+    const double square = split(solver, plane->normal, along, rest);
+    if (at == solver->n ||
+        !(square > DEPENDENCE * product_of(plane->normal, plane->normal, solver->n)))
+        return;
+    const double step = (plane->bound - product_of(plane->normal, result->y, solver->n)) / square;
+    shares_of(solver, along, share);
+    for (uint32_t k = 0; k < solver->n; k++)
+        result->y[k] += step * rest[k];
+    for (uint32_t k = 0; k < at; k++)
+        result->multiplier[k] -= step * share[k];
+    result->multiplier[at] = step;
+    append(solver, solver->count, along, rest, square);
+    solver->held_count++;
+}
+
+/* The equations are no part of the answer but for what they hold. */
+static void take_out_held(const struct solver *solver, double *held)
+{
+    struct half_spaces_result *result = solver->result;
+    const uint32_t first = solver->held_count;
+    memcpy(held, result->multiplier, first * sizeof *held);
+    result->active_count -= first;
+    memmove(result->active, result->active + first, result->active_count * sizeof *result->active);
+    memmove(result->multiplier, result->multiplier + first,
+            result->active_count * sizeof *result->multiplier);
+}
+
+static int satisfy_all(struct solver *solver, double tolerance)
+{
+    int left = ITERATIONS_MAX;
+    for (;;) {
+        const uint32_t space = most_violated(solver, tolerance);
+        if (space == solver->count)
+            return 1;
+        if (!satisfy(solver, space, &left))
+            return 0;
+    }
+}
+
 int dpti_half_spaces_nearest(const struct half_space *spaces, uint32_t count, uint32_t dimensions,
                              const double *goal, double tolerance,
                              struct half_spaces_result *result)
 {
     struct solver solver = { .spaces = spaces, .count = count, .n = dimensions, .result = result };
-    int left = ITERATIONS_MAX;
     memset(result, 0, sizeof *result);
     memcpy(result->y, goal, dimensions * sizeof *goal);
-    for (;;) {
-        const uint32_t space = most_violated(&solver, tolerance);
-        if (space == count)
-            return 1;
-        if (!satisfy(&solver, space, &left))
-            return 0;
-    }
+    return satisfy_all(&solver, tolerance);
+}
+
+int dpti_half_spaces_nearest_on(const struct half_space *planes, uint32_t plane_count, double *held,
+                                const struct half_space *spaces, uint32_t count,
+                                uint32_t dimensions, const double *goal, double tolerance,
+                                struct half_spaces_result *result)
+{
+    struct solver solver = { .spaces = spaces, .count = count, .n = dimensions, .result = result };
+    memset(result, 0, sizeof *result);
+    memcpy(result->y, goal, dimensions * sizeof *goal);
+    for (uint32_t i = 0; i < plane_count; i++)
+        hold(&solver, &planes[i]);
+    if (solver.held_count < plane_count || !satisfy_all(&solver, tolerance))
+        return 0;
+    take_out_held(&solver, held);
+    return 1;
 }

@@ -13,6 +13,9 @@ enum { PASSES_MAX = 6 };
 /* Ticks for which a contact that holds nothing is kept: features change under a tool that is led along. */
 #define AGE_MAX 2
 
+/* Contacts at the same place whose normals have a larger cosine are one. */
+#define ALIKE 0.9
+
 /* Two contacts of a segment and a body are the same where they are within that share of its length, or its radius. */
 #define SAME_PLACE 0.02
 
@@ -54,18 +57,43 @@ static struct proxy_contact *nearest_contact(const struct proxy_tick *tick, uint
     return best;
 }
 
-/* The contact that was here in the last solution, or NULL. */
-static struct proxy_contact *find_contact(const struct proxy_tick *tick, uint32_t space)
+/* How far two contacts of a segment, or a tip, may be apart, as a share of it, to be the same. */
+static double near_share(const struct proxy_tick *tick, const struct proxy_triangle *triangle)
 {
-    const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
     const struct tip *tip = proxy_tip_of(tick, triangle);
     const struct segment *segment =
         tip ? NULL : &tick->world->segments[tick->tool->first_segment + triangle->segment];
     const double size = tip ? size_of_tip(tip) : length(sub(segment->b, segment->a));
-    const double near = size > 0.0 ? max_of(SAME_PLACE, proxy_radius_of(tick, space) / size) : 1.0;
+    const double radius = tool_part_radius(tick->world, tick->tool, triangle->segment);
+    return size > 0.0 ? max_of(SAME_PLACE, radius / size) : 1.0;
+}
+
+/* The contact that was here in the last solution, or NULL. */
+static struct proxy_contact *find_contact(const struct proxy_tick *tick, uint32_t space)
+{
+    const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
     double apart;
     struct proxy_contact *found = nearest_contact(tick, space, &apart);
-    return found && apart <= near ? found : NULL;
+    return found && apart <= near_share(tick, triangle) ? found : NULL;
+}
+
+/* How far the places of two constraints of one segment, or tip, are apart, as a share of it. */
+static double apart_of(const struct proxy_tick *tick, uint32_t one, uint32_t other)
+{
+    const struct proxy_source *a = &tick->sources[one], *b = &tick->sources[other];
+    const struct tip *tip = proxy_tip_of(tick, &tick->triangles[a->triangle]);
+    return tip ? length(sub(a->p, b->p)) / size_of_tip(tip) : fabs(a->s - b->s);
+}
+
+/* Whether two constraints hold the tool at one place, as where flat triangles meet under its tip. */
+static int are_at_one_place(const struct proxy_tick *tick, uint32_t one, uint32_t other)
+{
+    const struct proxy_source *a = &tick->sources[one], *b = &tick->sources[other];
+    const struct proxy_triangle *first = &tick->triangles[a->triangle];
+    const struct proxy_triangle *second = &tick->triangles[b->triangle];
+    return first->segment == second->segment && first->body_id == second->body_id &&
+           apart_of(tick, one, other) <= near_share(tick, first) &&
+           dot(vec3_of(tick->spaces[one].normal), vec3_of(tick->spaces[other].normal)) > ALIKE;
 }
 
 static struct proxy_contact *find_or_make_contact(struct proxy_tick *tick, uint32_t space)
@@ -90,7 +118,22 @@ static vec3 arm_of(const struct proxy_tick *tick, uint32_t space)
     return sub(proxy_touch_of(tick, space), tick->at.centre);
 }
 
-static void fill_contact(struct proxy_tick *tick, uint32_t space, double multiplier,
+/* Which way a place's contacts push the tool, each as much as it holds. */
+static vec3 normal_of_place(const struct proxy_tick *tick, uint32_t count, uint32_t place)
+{
+    const vec3 first = vec3_of(tick->spaces[tick->contact_spaces[place]].normal);
+    vec3 sum = scaled(first, tick->contacts[place].share);
+    uint32_t others = 0;
+    for (uint32_t i = place + 1; i < count; i++)
+        if (tick->contacts[i].place == place) {
+            sum = along(sum, tick->contacts[i].share,
+                        vec3_of(tick->spaces[tick->contact_spaces[i]].normal));
+            others++;
+        }
+    return others ? unit_of(sum) : first;
+}
+
+static void fill_contact(struct proxy_tick *tick, uint32_t space, vec3 place_normal,
                          const struct proxy_contact *kept, const struct body *body,
                          struct friction_contact *contact)
 {
@@ -98,9 +141,8 @@ static void fill_contact(struct proxy_tick *tick, uint32_t space, double multipl
     const struct proxy_source *source = &tick->sources[space];
     const vec3 slip = kept ? sub(kept->slip, source->carried) : scaled(source->carried, -1.0);
     vec3 tangents[2];
-    unit_across(normal, tangents);
+    unit_across(place_normal, tangents);
     memcpy(contact->normal, tick->spaces[space].normal, sizeof contact->normal);
-    contact->multiplier = multiplier;
     /* A contact that is new beside one that slips does not stick. */
     double apart;
     const struct proxy_contact *beside = nearest_contact(tick, space, &apart);
@@ -127,19 +169,21 @@ static void fill_contact(struct proxy_tick *tick, uint32_t space, double multipl
 static void set_torsion_arms(const struct proxy_tick *tick, struct friction_contact *contacts,
                              uint32_t count)
 {
-    double sum = 0.0;
+    double sum = 0.0, depths[HALF_SPACE_DIMENSIONS] = { 0.0 }; /* of each place */
     for (uint32_t k = 0; k < tick->solved.active_count; k++)
         sum += tick->solved.multiplier[k];
+    for (uint32_t i = 0; i < count; i++)
+        depths[contacts[i].place] += contacts[i].multiplier;
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t space = tick->contact_spaces[i];
         const double radius = proxy_radius_of(tick, space);
-        const double depth = contacts[i].multiplier;
+        const double depth = depths[contacts[i].place];
         const double alone = sum > 0.0 ? max_of(0.0, 2.0 * depth / sum - 1.0) : 0.0;
         contacts[i].torsion_arm = alone * (2.0 / 3.0) * min_of(radius, sqrt(2.0 * radius * depth));
     }
 }
 
-/* The wanted motion, and what friction pulled with in the last tick: this tick's is about the same. */
+/* The wanted motion, and what friction pulled with in the last motion that was solved for: it is about the same. */
 static void begin_pulled(const struct proxy_tick *tick, const double *wanted, double *pulled)
 {
     const struct proxy *proxy = tick->proxy;
@@ -150,23 +194,59 @@ static void begin_pulled(const struct proxy_tick *tick, const double *wanted, do
         pulled[k] += dot(proxy->pull_turn, tick->axes[k - 3]) / proxy_rho_of(proxy, k);
 }
 
+static const struct body *rough_body(const struct proxy_tick *tick, uint32_t space)
+{
+    const struct body *body =
+        world_find_body(tick->world, tick->triangles[tick->sources[space].triangle].body_id);
+    return body && body->static_friction > 0.0 ? body : NULL;
+}
+
+static void share_places(struct friction_contact *contacts, uint32_t count)
+{
+    double wholes[HALF_SPACE_DIMENSIONS] = { 0.0 };
+    for (uint32_t i = 0; i < count; i++)
+        wholes[contacts[i].place] += contacts[i].multiplier;
+    for (uint32_t i = 0; i < count; i++) {
+        const double whole = wholes[contacts[i].place];
+        contacts[i].share = whole > 0.0 ? contacts[i].multiplier / whole : contacts[i].place == i;
+    }
+}
+
+/* Which constraints of the present solution have friction, and which of them are one contact. Returns how many. */
+static uint32_t list_places(struct proxy_tick *tick)
+{
+    const struct half_spaces_result *solved = &tick->solved;
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < solved->active_count; k++) {
+        const uint32_t space = solved->active[k];
+        if (!rough_body(tick, space))
+            continue;
+        uint32_t place = 0;
+        while (place < count && (tick->contacts[place].place != place ||
+                                 !are_at_one_place(tick, tick->contact_spaces[place], space)))
+            place++;
+        tick->contacts[count].place = place;
+        tick->contacts[count].multiplier = solved->multiplier[k];
+        tick->contact_spaces[count++] = space;
+    }
+    share_places(tick->contacts, count);
+    return count;
+}
+
 /* The contacts with friction of the present solution; those that the last one had keep their pulls. Returns how many. */
 static uint32_t list_contacts(struct proxy_tick *tick, uint32_t before)
 {
-    const struct half_spaces_result *solved = &tick->solved;
     struct friction_contact last[HALF_SPACE_DIMENSIONS];
-    uint32_t last_spaces[HALF_SPACE_DIMENSIONS], count = 0;
+    uint32_t last_spaces[HALF_SPACE_DIMENSIONS];
     memcpy(last, tick->contacts, before * sizeof *last);
     memcpy(last_spaces, tick->contact_spaces, before * sizeof *last_spaces);
-    for (uint32_t k = 0; k < solved->active_count; k++) {
-        const uint32_t space = solved->active[k];
-        const struct body *body =
-            world_find_body(tick->world, tick->triangles[tick->sources[space].triangle].body_id);
-        if (!body || !(body->static_friction > 0.0))
-            continue;
-        struct friction_contact *contact = &tick->contacts[count];
-        tick->contact_spaces[count++] = space;
-        fill_contact(tick, space, solved->multiplier[k], find_contact(tick, space), body, contact);
+    const uint32_t count = list_places(tick);
+    for (uint32_t k = 0; k < count; k++) {
+        struct friction_contact *contact = &tick->contacts[k];
+        const uint32_t space = tick->contact_spaces[k];
+        fill_contact(tick, space, normal_of_place(tick, count, contact->place),
+                     find_contact(tick, tick->contact_spaces[contact->place]),
+                     rough_body(tick, space), contact);
         contact->pull[0] = contact->pull[1] = contact->torsion = 0.0;
         for (uint32_t i = 0; i < before; i++)
             if (last_spaces[i] == space) {
@@ -187,10 +267,83 @@ static double apart(const double *a, const double *b, uint32_t n)
     return most;
 }
 
+/* What the last passes tried and found, so that the next one can begin where these lead. */
+struct passes {
+    double found[HALF_SPACE_DIMENSIONS];  /* the last goal that was found */
+    double missed[HALF_SPACE_DIMENSIONS]; /* by how much it differed from the one that was tried */
+    int is_known;
+};
+
+/* Passes that come nearer by less than half each would lead too far: the next one begins where the last one ended. */
+#define LED_MAX 1.0
+
+/* The goal to try next: where a line through this pass and the last one meets no difference. */
+static void lead_on(struct passes *passes, const double *found, double *pulled, uint32_t n)
+{
+    double missed[HALF_SPACE_DIMENSIONS], step[HALF_SPACE_DIMENSIONS], part = 0.0;
+    for (uint32_t k = 0; k < n; k++) {
+        missed[k] = found[k] - pulled[k];
+        step[k] = missed[k] - passes->missed[k];
+    }
+    const double square = product_of(step, step, n);
+    if (passes->is_known && square > 0.0)
+        part = product_of(missed, step, n) / square;
+    if (fabs(part) > LED_MAX)
+        part = 0.0;
+    for (uint32_t k = 0; k < n; k++)
+        pulled[k] = found[k] - part * (found[k] - passes->found[k]);
+    memcpy(passes->found, found, n * sizeof *found);
+    memcpy(passes->missed, missed, n * sizeof *missed);
+    passes->is_known = 1;
+}
+
+/*
+ * The next motion, with what friction pulls with. A place that sticks is held on planes, so that what it pulls with and
+ * what pushes it are found at once: by turns, load would creep from one triangle under it to another.
+ */
+static int solve_pulled(struct proxy_tick *tick, const double *wanted, uint32_t count,
+                        double *pulled)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    struct half_space planes[FRICTION_PLANES_MAX];
+    double goal[HALF_SPACE_DIMENSIONS], held[HALF_SPACE_DIMENSIONS];
+    const uint32_t plane_count =
+        dpti_friction_planes(tick->contacts, count, n, wanted, planes, goal);
+    if (!plane_count || !dpti_proxy_solve_stuck(tick, goal, planes, plane_count, held))
+        return dpti_proxy_solve(tick, pulled);
+    for (uint32_t i = 0; i < plane_count; i++)
+        for (uint32_t k = 0; k < n; k++)
+            goal[k] += held[i] * planes[i].normal[k];
+    memcpy(pulled, goal, n * sizeof *goal);
+    return 1;
+}
+
+/* What a contact pulls with, for the next motion. */
+static void note_pull(const struct proxy_tick *tick, uint32_t i)
+{
+    const struct friction_contact *contact = &tick->contacts[i];
+    const vec3 arm = arm_of(tick, tick->contact_spaces[i]);
+    const vec3 pull = along(scaled(vec3_of(contact->across[0]), contact->pull[0]), contact->pull[1],
+                            vec3_of(contact->across[1]));
+    struct proxy *proxy = tick->proxy;
+    proxy->pull_shift = add(proxy->pull_shift, pull);
+    proxy->pull_turn =
+        add(proxy->pull_turn, along(cross(arm, pull), contact->torsion, vec3_of(contact->normal)));
+}
+
+static void note_pulls(const struct proxy_tick *tick)
+{
+    const vec3 none = { 0.0, 0.0, 0.0 };
+    tick->proxy->pull_shift = tick->proxy->pull_turn = none;
+    for (uint32_t i = 0; i < tick->contact_count; i++)
+        note_pull(tick, i);
+}
+
 int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
 {
     const uint32_t n = proxy_unknowns(tick->proxy);
     double pulled[HALF_SPACE_DIMENSIONS], next[HALF_SPACE_DIMENSIONS];
+    struct passes passes = { .is_known = 0 };
     uint32_t count = 0;
     tick->contact_count = 0;
     begin_pulled(tick, wanted, pulled);
@@ -202,11 +355,12 @@ int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
         dpti_friction_goal(tick->contacts, count, n, wanted, next);
         if (apart(next, pulled, n) <= SETTLED * tick->clearance)
             break;
-        memcpy(pulled, next, n * sizeof *pulled);
-        if (!dpti_proxy_solve(tick, pulled))
+        lead_on(&passes, next, pulled, n);
+        if (!solve_pulled(tick, wanted, count, pulled))
             return 0;
     }
     tick->contact_count = count;
+    note_pulls(tick);
     return 1;
 }
 
@@ -230,27 +384,48 @@ int dpti_proxy_solve_held(struct proxy_tick *tick, double *left)
     return tick->held == PROXY_HELD_SOLVED;
 }
 
+/* Of its limit: a torsion that is larger is at it, whatever rounding makes of the shares of a place. */
+#define TURNING (1.0 - 1e-9)
+
 /* rad: what is left to make good of a turn about the normal; a torsion at its limit has nothing. */
 static double turned_after(const struct friction_contact *solved,
                            const struct proxy_contact *contact, vec3 normal, vec3 turn)
 {
     const double limit = solved->coefficient * solved->multiplier * solved->torsion_arm;
-    return fabs(solved->torsion) < limit ? contact->turned + dot(turn, normal) : 0.0;
+    return fabs(solved->torsion) < TURNING * limit ? contact->turned + dot(turn, normal) : 0.0;
+}
+
+/* How far a place slipped where the tool moved by that: the mean of its contacts by what they hold. */
+static vec3 slip_of_place(const struct proxy_tick *tick, uint32_t place, vec3 shift, vec3 turn)
+{
+    vec3 sum = { 0.0, 0.0, 0.0 };
+    for (uint32_t i = place; i < tick->contact_count; i++) {
+        const uint32_t space = tick->contact_spaces[i];
+        const vec3 moved = add(shift, cross(turn, arm_of(tick, space)));
+        const vec3 carried = scaled(tick->sources[space].carried, tick->made);
+        if (tick->contacts[i].place == place)
+            sum = along(sum, tick->contacts[i].share, sub(moved, carried));
+    }
+    return sum;
+}
+
+/* What is kept of a place, by its first contact; NULL for the others, and where there is no room. */
+static struct proxy_contact *kept_of_place(struct proxy_tick *tick, uint32_t i)
+{
+    return tick->contacts[i].place == i ? find_or_make_contact(tick, tick->contact_spaces[i])
+                                        : NULL;
 }
 
 void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn)
 {
     for (uint32_t i = 0; i < tick->contact_count; i++) {
-        const uint32_t space = tick->contact_spaces[i];
-        struct proxy_contact *contact = find_or_make_contact(tick, space);
+        struct proxy_contact *contact = kept_of_place(tick, i);
         if (!contact)
             continue;
-        const vec3 normal = vec3_of(tick->spaces[space].normal);
-        const vec3 moved = add(shift, cross(turn, arm_of(tick, space)));
-        const vec3 carried = scaled(tick->sources[space].carried, tick->made);
-        const vec3 slip = add(contact->slip, sub(moved, carried));
-        contact->s = tick->sources[space].s;
-        contact->at = place_of(tick, space);
+        const vec3 normal = normal_of_place(tick, tick->contact_count, i);
+        const vec3 slip = add(contact->slip, slip_of_place(tick, i, shift, turn));
+        contact->s = tick->sources[tick->contact_spaces[i]].s;
+        contact->at = place_of(tick, tick->contact_spaces[i]);
         contact->turned = turned_after(&tick->contacts[i], contact, normal, turn);
         contact->is_slipping = (uint32_t)tick->contacts[i].is_slipping;
         contact->has_slipped |= contact->is_slipping;
@@ -259,30 +434,15 @@ void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn)
     }
 }
 
-/* What a contact pulls with, for the next tick. */
-static void note_pull(const struct proxy_tick *tick, uint32_t i)
-{
-    const struct friction_contact *contact = &tick->contacts[i];
-    const vec3 arm = arm_of(tick, tick->contact_spaces[i]);
-    const vec3 pull = along(scaled(vec3_of(contact->across[0]), contact->pull[0]), contact->pull[1],
-                            vec3_of(contact->across[1]));
-    struct proxy *proxy = tick->proxy;
-    proxy->pull_shift = add(proxy->pull_shift, pull);
-    proxy->pull_turn =
-        add(proxy->pull_turn, along(cross(arm, pull), contact->torsion, vec3_of(contact->normal)));
-}
-
 void dpti_proxy_keep_contacts(struct proxy_tick *tick)
 {
-    const vec3 none = { 0.0, 0.0, 0.0 };
     tick->proxy->sticking = tick->proxy->slipping = 0;
-    tick->proxy->pull_shift = tick->proxy->pull_turn = none;
-    for (uint32_t i = 0; i < tick->contact_count; i++)
-        note_pull(tick, i);
+    if (!tick->contact_count)
+        note_pulls(tick);
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
         tick->proxy->contacts[i].age++;
     for (uint32_t i = 0; i < tick->contact_count; i++) {
-        struct proxy_contact *contact = find_or_make_contact(tick, tick->contact_spaces[i]);
+        struct proxy_contact *contact = kept_of_place(tick, i);
         if (!contact)
             continue;
         contact->age = 0;

@@ -11,4 +11,11 @@
  */
 int dpti_proxy_solve(struct proxy_tick *tick, const double *wanted);
 
+/*
+ * The motion nearest to the wanted one on some planes (half_spaces.h) that meets all constraints. 0, and nothing is
+ * changed, if there is none.
+ */
+int dpti_proxy_solve_stuck(struct proxy_tick *tick, const double *wanted,
+                           const struct half_space *planes, uint32_t plane_count, double *held);
+
 #endif

@@ -84,11 +84,11 @@ void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot)
 }
 
 /* The displacement that is wanted, as unknowns; returns its length. */
-static double wanted_motion(const struct proxy_tick *tick, double *wanted)
+static double wanted_motion(const struct proxy_tick *tick, const struct displacement *left,
+                            double *wanted)
 {
-    const struct displacement left = dpti_proxy_displacement(tick->proxy, &tick->at, &tick->goal);
-    dpti_proxy_to_unknowns(tick->proxy, tick->axes, &left, wanted);
-    return displacement_norm(&tick->proxy->coupling, &left);
+    dpti_proxy_to_unknowns(tick->proxy, tick->axes, left, wanted);
+    return displacement_norm(&tick->proxy->coupling, left);
 }
 
 /* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
@@ -195,14 +195,13 @@ static int is_goal(const struct proxy_tick *tick, double share)
 }
 
 /* In the open: where nothing can be met, however the tool gets there, it goes to the device at once. */
-static int go_to_goal(struct proxy_tick *tick, double allowed)
+static int go_to_goal(struct proxy_tick *tick, const struct displacement *left, double allowed)
 {
     struct proxy *proxy = tick->proxy;
-    const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    const double longest = length(left.shift) + proxy->extent * length(left.turn);
+    const double longest = length(left->shift) + proxy->extent * length(left->turn);
     const double gap = tick->gap - longest;
     if (tick->is_before || !(gap > tick->clearance) ||
-        displacement_norm(&proxy->coupling, &left) > allowed)
+        displacement_norm(&proxy->coupling, left) > allowed)
         return 0;
     proxy->lag = 0.0;
     if (!memcmp(&tick->at.pose, &tick->goal.pose, sizeof tick->at.pose))
@@ -234,13 +233,14 @@ struct proxy_motion {
 };
 
 /* FOLLOW_MOVED: there is one. FOLLOW_DONE: nothing is left to move. FOLLOW_STUCK: there is no way. */
-static int choose_motion(struct proxy_tick *tick, double allowed, struct proxy_motion *motion)
+static int choose_motion(struct proxy_tick *tick, const struct displacement *way, double allowed,
+                         struct proxy_motion *motion)
 {
     struct proxy *proxy = tick->proxy;
     const uint32_t n = proxy_unknowns(proxy);
     double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 }, straight[HALF_SPACE_DIMENSIONS], share;
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
-    const double left = wanted_motion(tick, wanted);
+    const double left = wanted_motion(tick, way, wanted);
     proxy->lag = left;
     if (left == 0.0 && !tick->is_before)
         return FOLLOW_DONE;
@@ -284,9 +284,10 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     const struct proxy_pose from = tick->at;
     struct proxy_motion motion;
     double met;
-    if (go_to_goal(tick, *allowed))
+    const struct displacement left = dpti_proxy_displacement(proxy, &from, &tick->goal);
+    if (go_to_goal(tick, &left, *allowed))
         return FOLLOW_DONE;
-    const int choice = choose_motion(tick, *allowed, &motion);
+    const int choice = choose_motion(tick, &left, *allowed, &motion);
     if (choice != FOLLOW_MOVED)
         return choice;
     const double made = dpti_proxy_move(tick, &motion.to, &met);
@@ -391,6 +392,8 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     const double motion = displacement_norm(&proxy->coupling, &moved);
     const double far = displacement_norm(&proxy->coupling, &left);
     proxy->owed = min_of(proxy->owed, 2.0 * far);
+    /* The next tick's first motion will be about as long as all of this one's. */
+    proxy->last_motion = max_of(proxy->last_motion, 1.5 * motion);
     const int is_capped = cap > 0.0 && allowed <= CONVERGED_SMALL * tick->clearance;
     const double expected = 2.0 * (device_moved + others_moved) + owed;
     if (!is_released && (is_capped || motion > expected + 0.1 * far)) {

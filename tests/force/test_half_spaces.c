@@ -40,6 +40,29 @@ static uint32_t random_spaces(uint64_t *seed, uint32_t n, double outward, struct
     return count;
 }
 
+/* The active constraints hold the answer, which is their sum and `sum`: the goal, and what planes hold. */
+static void check_active(int i, uint32_t n, const struct half_space *spaces, uint32_t count,
+                         const struct half_spaces_result *result, double *sum)
+{
+    CHECK(result->active_count <= n, "case %d: %u active of %u", i, result->active_count, n);
+    for (uint32_t c = 0; c < count; c++)
+        CHECK(product(spaces[c].normal, result->y, n) >= spaces[c].bound - 2e-9,
+              "case %d: constraint %u is missed by %g", i, c,
+              spaces[c].bound - product(spaces[c].normal, result->y, n));
+    for (uint32_t a = 0; a < result->active_count; a++) {
+        const struct half_space *space = &spaces[result->active[a]];
+        CHECK(result->multiplier[a] >= 0, "case %d: a multiplier of %g", i, result->multiplier[a]);
+        CHECK(fabs(product(space->normal, result->y, n) - space->bound) < 1e-6,
+              "case %d: an active constraint is off by %g", i,
+              product(space->normal, result->y, n) - space->bound);
+        for (uint32_t k = 0; k < n; k++)
+            sum[k] += result->multiplier[a] * space->normal[k];
+    }
+    for (uint32_t k = 0; k < n; k++)
+        CHECK(fabs(sum[k] - result->y[k]) < 1e-6 * (1 + fabs(sum[k])),
+              "case %d: the sum of normals is off by %g", i, sum[k] - result->y[k]);
+}
+
 static void answers_are_optimal(void)
 {
     uint64_t seed = 1;
@@ -59,26 +82,53 @@ static void answers_are_optimal(void)
             continue;
         solved++;
         held += result.active_count > 1;
-        CHECK(result.active_count <= n, "case %d: %u active of %u", i, result.active_count, n);
-        for (uint32_t c = 0; c < count; c++)
-            CHECK(product(spaces[c].normal, result.y, n) >= spaces[c].bound - 2e-9,
-                  "case %d: constraint %u is missed by %g", i, c,
-                  spaces[c].bound - product(spaces[c].normal, result.y, n));
-        for (uint32_t a = 0; a < result.active_count; a++) {
-            const struct half_space *space = &spaces[result.active[a]];
-            CHECK(result.multiplier[a] >= 0, "case %d: a multiplier of %g", i,
-                  result.multiplier[a]);
-            CHECK(fabs(product(space->normal, result.y, n) - space->bound) < 1e-6,
-                  "case %d: an active constraint is off by %g", i,
-                  product(space->normal, result.y, n) - space->bound);
-            for (uint32_t k = 0; k < n; k++)
-                sum[k] += result.multiplier[a] * space->normal[k];
-        }
-        for (uint32_t k = 0; k < n; k++)
-            CHECK(fabs(sum[k] - result.y[k]) < 1e-6 * (1 + fabs(sum[k])),
-                  "case %d: the sum of normals is off by %g", i, sum[k] - result.y[k]);
+        check_active(i, n, spaces, count, &result, sum);
     }
     CHECK(solved > 100000 && held > 50000, "%u solved, %u with several active", solved, held);
+}
+
+/* The same on planes. Their normals are of other directions, or one is the sum of two, and then there is no answer. */
+static void answers_on_planes_are_optimal(void)
+{
+    uint64_t seed = 3;
+    uint32_t solved = 0, refused = 0;
+    for (int i = 0; i < 100000; i++) {
+        const uint32_t n = 2 + (uint32_t)(random_bits(&seed) % (HALF_SPACE_DIMENSIONS - 1));
+        const uint32_t plane_count = 1 + (uint32_t)(random_bits(&seed) % (n - 1));
+        const int is_dependent = plane_count > 2 && i % 5 == 0;
+        struct half_space spaces[SPACES], planes[HALF_SPACE_DIMENSIONS] = { { { 0 }, 0 } };
+        struct half_spaces_result result;
+        double goal[HALF_SPACE_DIMENSIONS], sum[HALF_SPACE_DIMENSIONS];
+        double held[HALF_SPACE_DIMENSIONS];
+        const uint32_t count = random_spaces(&seed, n, i % 2 ? 0.0 : 0.4, spaces);
+        for (uint32_t p = 0; p < plane_count; p++) {
+            planes[p].bound = i % 2 ? 0.0 : random_in(&seed, -0.2, 0.2);
+            for (uint32_t k = 0; k < n; k++)
+                planes[p].normal[k] = is_dependent && p == 2
+                                          ? planes[0].normal[k] + planes[1].normal[k]
+                                          : (k == p) + random_in(&seed, -0.3, 0.3);
+        }
+        for (uint32_t k = 0; k < n; k++)
+            sum[k] = goal[k] = random_in(&seed, -3, 3);
+        const int is_solved = dpti_half_spaces_nearest_on(planes, plane_count, held, spaces, count,
+                                                          n, goal, 1e-9, &result);
+        CHECK(!is_dependent || !is_solved, "case %d: a plane too many, but there is an answer", i);
+        CHECK(is_solved || is_dependent || i % 2 == 0,
+              "case %d: 0 is on the planes and meets all %u, but there is no answer", i, count);
+        refused += (uint32_t)is_dependent;
+        if (!is_solved)
+            continue;
+        solved++;
+        for (uint32_t p = 0; p < plane_count; p++) {
+            CHECK(fabs(product(planes[p].normal, result.y, n) - planes[p].bound) < 1e-6,
+                  "case %d: off plane %u by %g", i, p,
+                  product(planes[p].normal, result.y, n) - planes[p].bound);
+            for (uint32_t k = 0; k < n; k++)
+                sum[k] += held[p] * planes[p].normal[k];
+        }
+        check_active(i, n, spaces, count, &result, sum);
+    }
+    CHECK(solved > 40000 && refused > 5000, "%u solved, %u refused", solved, refused);
 }
 
 /* Where there is no answer, a point may still meet all: looked for by projecting onto the worst one again and again. */
@@ -117,6 +167,7 @@ static void no_answer_means_that_there_is_none(void)
 int main(void)
 {
     TEST(answers_are_optimal);
+    TEST(answers_on_planes_are_optimal);
     TEST(no_answer_means_that_there_is_none);
     return check_report();
 }

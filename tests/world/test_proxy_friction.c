@@ -72,11 +72,12 @@ static double off_the_cones(const double force[3], const double torque[3], const
     return sqrt(dot3(left, left) + dot3(left + 3, left + 3)) / whole;
 }
 
-/* A groove along y, of two planes at 45 degrees. */
-static int open_groove(struct solid *groove)
+/* A groove along y, of two planes of that slope. */
+static int open_groove(struct solid *groove, double slope)
 {
-    const double v[] = { -0.1, -0.2, 0.1, 0, -0.2, 0, 0.1, -0.2, 0.1,
-                         -0.1, 0.2,  0.1, 0, 0.2,  0, 0.1, 0.2,  0.1 };
+    const double h = 0.1 * slope;
+    const double v[] = { -0.1, -0.2, h, 0, -0.2, 0, 0.1, -0.2, h,
+                         -0.1, 0.2,  h, 0, 0.2,  0, 0.1, 0.2,  h };
     const uint32_t corners[] = { 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4 };
     return solid_from_arrays(groove, "groove", v, 6, corners, 4);
 }
@@ -137,7 +138,7 @@ static void pull_in_groove(const struct solid *groove, const dpt_segment *segmen
 static void wrenches_are_in_the_cones(void)
 {
     struct solid groove;
-    if (!open_groove(&groove))
+    if (!open_groove(&groove, 1))
         return;
     for (uint64_t seed = 1; seed <= part_of(3); seed++) {
         pull_in_groove(&groove, &ball, 0, 0.3, seed);
@@ -260,6 +261,78 @@ static void contacts_that_change_keep_the_cone(void)
     solid_close(&box);
 }
 
+/*
+ * A tip that lies on two triangles which are nearly flat has one contact: it slips at the cone, and held below it stays,
+ * whichever of the two takes the load. The proxy is at rest in each tick.
+ */
+static void two_triangles_under_a_tip_are_one_contact(void)
+{
+    static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.1 }, 0.002 };
+    const double friction = 0.3, depth = 0.005;
+    uint64_t seed = 7;
+    for (uint64_t turn = 0; turn < part_of(24); turn++) {
+        struct solid groove;
+        struct rig rig;
+        double tremor[3] = { 0, 0, 0 }, stuck[6], tip[6];
+        uint64_t lagging = 0;
+        if (!open_groove(&groove, random_in(&seed, 0.01, 0.12)))
+            return;
+        rig_open(&rig, NULL, groove.mesh, &needle, 1);
+        rig_set_body(
+            &rig, (dpt_body_settings){ .static_friction = friction, .kinetic_friction = friction });
+        rig_orient(&rig.device, (const double[3]){ 1, 0, 0 }, random_in(&seed, -0.3, 0.3));
+        rig.device.position[2] = needle.radius + 0.001;
+        rig_place(&rig);
+        for (int i = 0; i < 60; i++) {
+            rig.device.position[2] -= depth / 50;
+            rig_step(&rig);
+        }
+        for (int i = 0; i < 400; i++) {
+            rig.device.position[1] += 1e-4;
+            for (int k = 0; k < 3; k++) {
+                rig.device.position[k] -= tremor[k];
+                tremor[k] = 0.9 * tremor[k] + random_in(&seed, -6e-5, 6e-5);
+                rig.device.position[k] += tremor[k];
+            }
+            rig_step(&rig);
+            const double *f = rig.force.wrench.force;
+            lagging += rig.force.lag > 0.01 * rig_force(&rig) / RIG_STIFFNESS;
+            CHECK(rig.force.sticking + rig.force.slipping == 1, "turn %llu, tick %d: %u and %u",
+                  (unsigned long long)turn, i, rig.force.sticking, rig.force.slipping);
+            CHECK(fabs(f[1]) <= 1.01 * friction * hypot(f[0], f[2]),
+                  "turn %llu, tick %d: %g N across, %g out", (unsigned long long)turn, i, f[1],
+                  f[2]);
+            CHECK(i < 100 || f[1] <= -0.9 * friction * f[2], "turn %llu, tick %d: %g N across",
+                  (unsigned long long)turn, i, f[1]);
+        }
+        CHECK(!lagging, "turn %llu: %llu of 400 ticks lag", (unsigned long long)turn,
+              (unsigned long long)lagging);
+        for (int k = 0; k < 3; k++) {
+            rig.device.position[k] -= tremor[k];
+            tremor[k] = 0;
+        }
+        for (int i = 0; i < 20; i++) {
+            rig.device.position[1] += 1e-4;
+            rig_step(&rig);
+        }
+        rig.device.position[1] -= 0.1 * friction * depth;
+        for (int i = 0; i < 4000; i++) {
+            for (int k = 0; k < 3; k++)
+                rig.device.position[k] += i % 2 ? -tremor[k] : 0;
+            for (int k = 1; k < 3 && i % 2 == 0; k++) {
+                tremor[k] = random_in(&seed, -1e-5, 1e-5);
+                rig.device.position[k] += tremor[k];
+            }
+            rig_step(&rig);
+            rig_proxy_ends(&rig, 0, i < 200 ? stuck : tip);
+        }
+        CHECK(fabs(tip[1] - stuck[1]) < 1e-6, "turn %llu: it crept by %g m",
+              (unsigned long long)turn, tip[1] - stuck[1]);
+        rig_close(&rig);
+        solid_close(&groove);
+    }
+}
+
 /* Without friction a lying tool that is spun about its own axis goes nowhere, and its proxy spins with it. */
 static void a_spin_moves_nothing(void)
 {
@@ -297,6 +370,7 @@ int main(int argc, char **argv)
     TEST(a_slope_is_held_up_to_its_angle);
     TEST(a_body_that_moves_takes_it_along);
     TEST(contacts_that_change_keep_the_cone);
+    TEST(two_triangles_under_a_tip_are_one_contact);
     TEST(a_spin_moves_nothing);
     return check_report();
 }
