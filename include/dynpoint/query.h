@@ -7,6 +7,7 @@
 #ifndef DYNPOINT_QUERY_H
 #define DYNPOINT_QUERY_H
 
+#include "dynpoint/hull.h"
 #include "dynpoint/kernel.h"
 #include "dynpoint/mesh.h"
 #include "dynpoint/types.h"
@@ -86,6 +87,33 @@ enum { DPT_SEGMENT_PAIRS_MAX = 5 };
  */
 DPT_API uint32_t dpt_segment_triangle_pairs(const double segment[6], const double triangle[9],
                                             dpt_segment_pair *pairs);
+
+/*
+ * Find the nearest pair of a hull and the mesh.
+ *
+ *   pose       of the mesh in the world; NULL: the identity
+ *   hull_pose  of the hull's frame in the world; NULL: the identity
+ *   hit        set hit->size. p is on the hull's polyhedron, distance that of the polyhedron, and gap that less the
+ *              hull's radius; segment and s are 0. Where hull and mesh meet, distance is 0 and the contact is
+ *              DPT_CONTACT_PENETRATING; how deep is not known. A hull inside the mesh, without meeting it, counts as
+ *              outside
+ */
+DPT_API dpt_result dpt_query_hull(const dpt_mesh *mesh, const dpt_pose *pose, const dpt_hull *hull,
+                                  const dpt_pose *hull_pose, dpt_hit *hit);
+
+/*
+ * List the triangles that may be within reach of a segment, for a response of your own: none within reach is left out;
+ * some that are a little farther may be listed.
+ *
+ *   pose       of the mesh in the world; NULL: the identity
+ *   ends       ax, ay, az, bx, by, bz, in the world, m
+ *   reach      m, >= 0
+ *   triangles  their source numbers, at most `capacity`; may be NULL if capacity is 0
+ *   count      how many there are, which may be more than `capacity`
+ */
+DPT_API dpt_result dpt_query_triangles(const dpt_mesh *mesh, const dpt_pose *pose,
+                                       const double ends[6], double reach, uint32_t *triangles,
+                                       uint32_t capacity, uint32_t *count);
 
 DPT_END
 
