@@ -16,7 +16,7 @@
 #define ON_PLANE_MAX  1e-9
 
 struct build {
-    struct dpt_hull *hull;
+    struct dpt_hull hull;
     double size;                         /* m: the longest side of the corners' box */
     uint64_t on_face[HULL_FACES_MAX];    /* corners that lie on a face, as bits */
     uint64_t leads_to[HULL_CORNERS_MAX]; /* corners that a loop leads to from this one, as bits */
@@ -47,30 +47,38 @@ size_t dpt_hull_bytes(const dpt_hull_def *given)
     return read_def(given, &def) == DPT_OK ? sizeof(struct dpt_hull) : 0;
 }
 
-/* Copy the corners, equal ones once. */
+/* m: the longest side of the corners' box. */
+static double size_of(const dpt_hull_def *def)
+{
+    vec3 low = vec3_of(def->corners), high = low;
+    for (uint32_t i = 1; i < def->corner_count; i++) {
+        const vec3 at = vec3_of(def->corners + 3 * (size_t)i);
+        low = (vec3){ min_of(low.x, at.x), min_of(low.y, at.y), min_of(low.z, at.z) };
+        high = (vec3){ max_of(high.x, at.x), max_of(high.y, at.y), max_of(high.z, at.z) };
+    }
+    return extent_of(sub(high, low));
+}
+
+/* Copy the corners; those that rounding alone tells apart once. */
 static void copy_corners(struct build *build, const dpt_hull_def *def)
 {
-    struct dpt_hull *hull = build->hull;
-    vec3 low = vec3_of(def->corners), high = low;
+    struct dpt_hull *hull = &build->hull;
+    build->size = size_of(def);
     for (uint32_t i = 0; i < def->corner_count; i++) {
         const vec3 corner = vec3_of(def->corners + 3 * (size_t)i);
         int is_new = 1;
         for (uint32_t k = 0; k < hull->corner_count; k++)
-            is_new &= !vec3_is_same(hull->corner[k], def->corners + 3 * (size_t)i);
-        low = (vec3){ min_of(low.x, corner.x), min_of(low.y, corner.y), min_of(low.z, corner.z) };
-        high =
-            (vec3){ max_of(high.x, corner.x), max_of(high.y, corner.y), max_of(high.z, corner.z) };
+            is_new &= extent_of(sub(hull->corner[k], corner)) > ON_PLANE * build->size;
         if (is_new)
             hull->corner[hull->corner_count++] = corner;
     }
-    build->size = extent_of(sub(high, low));
 }
 
 /* The plane of three corners: a unit normal, and how far corners may be from it that lie on it. 0: too thin. */
 static int plane_of(const struct build *build, uint32_t i, uint32_t j, uint32_t k, vec3 *normal,
                     double *tolerance)
 {
-    const vec3 *corner = build->hull->corner;
+    const vec3 *corner = build->hull.corner;
     const vec3 e = sub(corner[j], corner[i]), f = sub(corner[k], corner[i]), g = sub(f, e);
     const vec3 across = cross(e, f);
     const double twice_area = length(across);
@@ -87,9 +95,9 @@ static int plane_of(const struct build *build, uint32_t i, uint32_t j, uint32_t 
 static uint32_t next_on_loop(const struct build *build, uint64_t on_face, vec3 normal, uint32_t at,
                              double tolerance)
 {
-    const vec3 *corner = build->hull->corner;
+    const vec3 *corner = build->hull.corner;
     uint32_t next = DPT_NONE;
-    for (uint32_t i = 0; i < build->hull->corner_count; i++) {
+    for (uint32_t i = 0; i < build->hull.corner_count; i++) {
         if (!(on_face >> i & 1) || i == at)
             continue;
         if (next == DPT_NONE) {
@@ -108,7 +116,7 @@ static uint32_t next_on_loop(const struct build *build, uint64_t on_face, vec3 n
 /* Corners of a face in order, and the edges that they make. */
 static void add_face(struct build *build, uint64_t on_face, vec3 normal, double tolerance)
 {
-    struct dpt_hull *hull = build->hull;
+    struct dpt_hull *hull = &build->hull;
     vec3 middle = { 0.0, 0.0, 0.0 };
     double farthest = -1.0, count = 0.0;
     uint32_t start = 0;
@@ -149,7 +157,7 @@ static void add_face(struct build *build, uint64_t on_face, vec3 normal, double 
 /* Add the plane of three corners as a face, or as the two faces of a flat hull, if it is one that is not there yet. */
 static void try_plane(struct build *build, uint32_t i, uint32_t j, uint32_t k)
 {
-    struct dpt_hull *hull = build->hull;
+    struct dpt_hull *hull = &build->hull;
     const uint64_t three = (uint64_t)1 << i | (uint64_t)1 << j | (uint64_t)1 << k;
     uint64_t on_face = 0;
     double tolerance;
@@ -179,7 +187,7 @@ static void try_plane(struct build *build, uint32_t i, uint32_t j, uint32_t k)
 /* Each edge leads one way on one face and back on another, and the numbers are those of a polyhedron. */
 static int is_polyhedron(struct build *build)
 {
-    struct dpt_hull *hull = build->hull;
+    struct dpt_hull *hull = &build->hull;
     uint32_t used = 0;
     for (uint32_t i = 0; i < hull->corner_count; i++) {
         used += build->leads_to[i] != 0;
@@ -216,7 +224,7 @@ static void set_edge_faces(struct dpt_hull *hull)
 /* Corners that no loop leads to are inside the hull of the others. */
 static void leave_out_inner(struct build *build)
 {
-    struct dpt_hull *hull = build->hull;
+    struct dpt_hull *hull = &build->hull;
     uint8_t now[HULL_CORNERS_MAX];
     uint32_t count = 0;
     for (uint32_t i = 0; i < hull->corner_count; i++)
@@ -246,11 +254,11 @@ dpt_result dpt_hull_create(void *block, size_t bytes, const dpt_hull_def *given,
         return DPT_E_ALIGN;
     if (bytes < sizeof(struct dpt_hull))
         return DPT_E_MEMORY;
-    struct build build = { .hull = block };
-    memset(build.hull, 0, sizeof *build.hull);
-    build.hull->radius = def.radius;
+    struct build build;
+    memset(&build, 0, sizeof build);
+    build.hull.radius = def.radius;
     copy_corners(&build, &def);
-    const uint32_t count = build.hull->corner_count;
+    const uint32_t count = build.hull.corner_count;
     for (uint32_t i = 0; i < count; i++)
         for (uint32_t j = i + 1; j < count; j++)
             for (uint32_t k = j + 1; k < count && !build.is_bad; k++)
@@ -258,9 +266,10 @@ dpt_result dpt_hull_create(void *block, size_t bytes, const dpt_hull_def *given,
     if (build.is_bad || !is_polyhedron(&build))
         return DPT_E_ARGUMENT;
     leave_out_inner(&build);
-    set_edge_faces(build.hull);
-    dpti_hull_set_axis(build.hull);
-    *hull = build.hull;
+    set_edge_faces(&build.hull);
+    dpti_hull_set_axis(&build.hull);
+    memcpy(block, &build.hull, sizeof build.hull);
+    *hull = block;
     return DPT_OK;
 }
 

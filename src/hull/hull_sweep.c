@@ -41,6 +41,7 @@ struct piece {
     vec3 corner[PATH_POINTS * HULL_CORNERS_MAX]; /* at the beginning, at the end, between */
     uint32_t corner_count;
     double motion; /* m: no point of the hull moves farther from where it begins */
+    double way;    /* m: the same of hull and surface together */
     double apart;  /* m: what a plane must part them by */
     struct turning_plane plane[PLANES];
     uint32_t plane_count;
@@ -174,6 +175,7 @@ static void set_piece(const struct hull_sweep *sweep, const struct instant *from
                                                      length(sub(bend, from->corner[i]))));
     }
     piece->motion += deviation;
+    piece->way = piece->motion + (to->time - from->time) * surface_motion_of(sweep);
     piece->apart = max_of(0.0, sweep->hull->radius + sweep->clearance) + deviation;
     piece->plane_count = 0;
     for (uint32_t i = 0; i < sweep->direction_count; i++) {
@@ -361,7 +363,7 @@ static struct instant free_until(const struct hull_sweep *sweep, const struct in
         set_middle(&low, &high, sweep->hull, &middle);
         set_middle(&low, &middle, sweep->hull, &quarter);
         set_piece(sweep, &low, &quarter, &middle, &piece);
-        if (2.0 * piece.motion <= sweep->tolerance)
+        if (2.0 * piece.way <= sweep->tolerance)
             break;
         *(is_parted(sweep, &piece, sweep->triangle) ? &low : &high) = middle;
     }

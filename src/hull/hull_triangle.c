@@ -185,31 +185,38 @@ static int corner_is_local(const struct hull_place *place, uint32_t corner, vec3
     return 1;
 }
 
+/* From a corner of the triangle both of its edges lead on. */
+static int triangle_corner_is_local(const vec3 v[3], uint32_t k, vec3 toward, double lean)
+{
+    return !leads_nearer(sub(v[(k + 1) % 3], v[k]), toward, lean) &&
+           !leads_nearer(sub(v[(k + 2) % 3], v[k]), toward, lean);
+}
+
 /* An edge's neighbours are the faces beside it, and beside the triangle's edge the triangle. */
 static int edges_are_local(const struct hull_place *place, uint32_t edge, uint32_t k,
-                           const vec3 v[3], vec3 toward, double lean)
+                           const vec3 v[3], const struct hull_pair *found, double lean)
 {
+    const vec3 gap = found->pair.gap, toward = scaled(gap, -1.0);
     const uint8_t *ends = place->hull->edge[edge], *faces = place->hull->edge_face[edge];
     const vec3 u = sub(place->corner[ends[1]], place->corner[ends[0]]);
     const vec3 e = sub(v[(k + 1) % 3], v[k]), across = sub(v[(k + 2) % 3], v[k]);
     const vec3 inward = along(across, -dot(across, e) / dot(e, e), e);
     return !leads_nearer(cross(place->normal[faces[0]], u), toward, lean) &&
            !leads_nearer(cross(u, place->normal[faces[1]]), toward, lean) &&
-           !leads_nearer(inward, scaled(toward, -1.0), lean);
+           (found->pair.weight[k] == 1.0 ? triangle_corner_is_local(v, k, gap, lean)
+                                         : !leads_nearer(inward, gap, lean));
 }
 
 int dpti_hull_pair_is_local(const struct hull_place *place, const vec3 v[3],
                             const struct hull_pair *found, double lean)
 {
-    const vec3 gap = found->pair.gap, toward = scaled(gap, -1.0);
+    const vec3 gap = found->pair.gap;
     if (found->feature < HULL_EDGE)
-        return corner_is_local(place, found->feature - HULL_CORNER, toward, lean);
+        return corner_is_local(place, found->feature - HULL_CORNER, scaled(gap, -1.0), lean);
     if (found->feature < HULL_FACE)
         return edges_are_local(place, (found->feature - HULL_EDGE) / 3,
-                               (found->feature - HULL_EDGE) % 3, v, toward, lean);
-    const uint32_t k = (found->feature - HULL_FACE) % 3;
-    return !leads_nearer(sub(v[(k + 1) % 3], v[k]), gap, lean) &&
-           !leads_nearer(sub(v[(k + 2) % 3], v[k]), gap, lean);
+                               (found->feature - HULL_EDGE) % 3, v, found, lean);
+    return triangle_corner_is_local(v, (found->feature - HULL_FACE) % 3, gap, lean);
 }
 
 struct best {
