@@ -19,20 +19,36 @@ void oracle_triangle_at(const struct oracle_triangles *triangles, uint32_t which
     }
 }
 
+static double size_of(const double a[3])
+{
+    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+}
+
+/* Where a triangle's corners are in the mean; returns how far the farthest is from there. */
+static double ball_of(const double triangle[9], double centre[3])
+{
+    double radius = 0.0;
+    for (int k = 0; k < 3; k++)
+        centre[k] = (triangle[k] + triangle[3 + k] + triangle[6 + k]) / 3.0;
+    for (int i = 0; i < 9; i += 3) {
+        const double off[3] = { triangle[i] - centre[0], triangle[i + 1] - centre[1],
+                                triangle[i + 2] - centre[2] };
+        radius = fmax(radius, size_of(off));
+    }
+    return radius;
+}
+
 /* A lower bound of the distance: to the ball around the triangle, along the way there from the hull's middle. */
 static double ball_bound(const double *corners, uint32_t count, const double middle[3],
                          const double triangle[9])
 {
-    double centre[3], way[3], radius = 0.0, extent = 0.0, most = -INFINITY;
+    double centre[3], way[3], extent = 0.0, most = -INFINITY;
+    const double radius = ball_of(triangle, centre);
     for (int k = 0; k < 3; k++) {
-        centre[k] = (triangle[k] + triangle[3 + k] + triangle[6 + k]) / 3.0;
         way[k] = centre[k] - middle[k];
         extent = fmax(extent, fmax(fabs(centre[k]), fabs(middle[k])));
     }
-    for (int i = 0; i < 9; i += 3)
-        radius = fmax(radius, hypot(hypot(triangle[i] - centre[0], triangle[i + 1] - centre[1]),
-                                    triangle[i + 2] - centre[2]));
-    const double size = hypot(hypot(way[0], way[1]), way[2]);
+    const double size = size_of(way);
     if (!(size > 0.0))
         return 0.0;
     for (uint32_t i = 0; i < count; i++)
@@ -40,6 +56,24 @@ static double ball_bound(const double *corners, uint32_t count, const double mid
                               way[1] * (corners[3 * i + 1] - centre[1]) +
                               way[2] * (corners[3 * i + 2] - centre[2]));
     return -most / size - radius - 1e-12 * (extent + size + radius);
+}
+
+/* The triangle whose middle is nearest to a point: not the answer, but something to begin with. */
+static uint32_t likely(const struct oracle_triangles *triangles, double time, const double x[3])
+{
+    uint32_t nearest = 0;
+    double least = INFINITY;
+    for (uint32_t t = 0; t < triangles->count; t++) {
+        double triangle[9], off[3];
+        oracle_triangle_at(triangles, t, time, triangle);
+        for (int k = 0; k < 3; k++)
+            off[k] = (triangle[k] + triangle[3 + k] + triangle[6 + k]) / 3.0 - x[k];
+        if (size_of(off) < least) {
+            least = size_of(off);
+            nearest = t;
+        }
+    }
+    return nearest;
 }
 
 struct oracle_interval oracle_hull_surface(const double *corners, uint32_t count,
@@ -51,10 +85,13 @@ struct oracle_interval oracle_hull_surface(const double *corners, uint32_t count
     double middle[3] = { 0.0, 0.0, 0.0 };
     for (uint32_t i = 0; i < 3 * count; i++)
         middle[i % 3] += corners[i] / count;
-    for (uint32_t t = 0; t < triangles->count; t++) {
+    const uint32_t first = likely(triangles, time, middle);
+    for (uint32_t i = 0; i <= triangles->count && triangles->count; i++) {
+        const uint32_t t = i ? i - 1 : first;
         double triangle[9];
         oracle_triangle_at(triangles, t, time, triangle);
-        if (ball_bound(corners, count, middle, triangle) > fmin(limit, best.upper))
+        if ((i && t == first) ||
+            ball_bound(corners, count, middle, triangle) > fmin(limit, best.upper))
             continue;
         const struct oracle_interval one = oracle_hull_triangle(corners, count, triangle, NULL);
         best.lower = fmin(best.lower, one.lower);
@@ -64,7 +101,8 @@ struct oracle_interval oracle_hull_surface(const double *corners, uint32_t count
         }
     }
     /* What was passed over is farther than the limit. */
-    best.lower = fmin(best.lower, best.upper < limit ? best.upper : fmax(limit, 0.0));
+    if (!(best.upper < limit))
+        best.lower = fmin(best.lower, limit);
     if (nearest)
         *nearest = found;
     return best;
@@ -142,11 +180,6 @@ void oracle_motion_at(const struct oracle_motion *motion, double time, const dou
         for (int k = 0; k < 3; k++)
             out[3 * i + (uint32_t)k] = (double)x[k];
     }
-}
-
-static double size_of(const double a[3])
-{
-    return hypot(hypot(a[0], a[1]), a[2]);
 }
 
 double oracle_motion_speed(const struct oracle_motion *motion, const double *points, uint32_t count)
