@@ -128,10 +128,14 @@ static void check_limit(const struct hull_body *body, const struct walker *walke
 
 /* With little work it says so, and what it says is no less than the truth; with twice as much it comes to an end. */
 static unsigned long check_budget(const struct hull_body *body, const struct walker *walker,
-                                  double distance, uint32_t full, double bound)
+                                  double distance, double bound)
 {
     uint32_t most = 1, hint = DPT_NONE;
     unsigned long ended = 0;
+    int is_whole;
+    struct work whole = work_of(WORK_UNLIMITED);
+    ask(body, walker, DPT_NONE, HUGE_VAL, &whole, &is_whole);
+    const uint32_t full = whole.done;
     for (;; most += 1 + most / 2) {
         int is_proven;
         struct work work = { 7, 7 + most };
@@ -189,7 +193,7 @@ static void check_pose(const struct hull_body *body, struct walker *walker, stru
     if (one_in(&rng, 4))
         check_limit(body, walker, one_in(&rng, 2) ? nearest.triangle : DPT_NONE, distance, bound);
     if (one_in(&rng, 16))
-        tally->ended += check_budget(body, walker, distance, work.done, bound);
+        tally->ended += check_budget(body, walker, distance, bound);
     walker->last = nearest.triangle;
     tally->poses++;
     tally->meet += distance == 0.0;
