@@ -16,6 +16,7 @@
 #include "dynpoint/deform.h"
 #include "dynpoint/exchange.h"
 #include "dynpoint/guard.h"
+#include "dynpoint/hull.h"
 #include "dynpoint/kernel.h"
 #include "dynpoint/mesh.h"
 #include "dynpoint/passivity.h"
@@ -25,6 +26,7 @@
 #include "dynpoint/snapshot.h"
 #include "dynpoint/springs.h"
 #include "dynpoint/strip.h"
+#include "dynpoint/tip.h"
 #include "dynpoint/types.h"
 #include "dynpoint/world.h"
 

@@ -128,7 +128,7 @@ typedef struct dpt_world_def {
      * waits, as a ninth would be given up. Where a motion waits, a proxy may take another way round. 0: unlimited; 0
      */
     uint32_t sweep_budget;
-    uint32_t reserved; /* 0 */
+    uint32_t max_tips; /* of all tools together (tip.h), 0..65535; 4 */
 } dpt_world_def;
 
 /* Fill in the first `size` bytes; what dpt_world_def_init calls with its own caller's sizeof. */

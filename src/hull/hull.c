@@ -198,6 +198,21 @@ static int is_polyhedron(struct build *build)
     return used >= 3 && used + hull->face_count == hull->edge_count + 2;
 }
 
+/* Which faces meet at each edge. */
+static void set_edge_faces(struct dpt_hull *hull)
+{
+    for (uint32_t f = 0; f < hull->face_count; f++) {
+        const uint8_t *loop = hull->loop + hull->face[f].first;
+        for (uint32_t i = 0; i < hull->face[f].count; i++) {
+            const uint8_t from = loop[i], to = loop[(i + 1) % hull->face[f].count];
+            for (uint32_t e = 0; e < hull->edge_count; e++)
+                for (uint32_t way = 0; way < 2; way++)
+                    if (hull->edge[e][way] == from && hull->edge[e][1 - way] == to)
+                        hull->edge_face[e][way] = (uint8_t)f;
+        }
+    }
+}
+
 /* Corners that no loop leads to are inside the hull of the others. */
 static void leave_out_inner(struct build *build)
 {
@@ -243,6 +258,7 @@ dpt_result dpt_hull_create(void *block, size_t bytes, const dpt_hull_def *given,
     if (build.is_bad || !is_polyhedron(&build))
         return DPT_E_ARGUMENT;
     leave_out_inner(&build);
+    set_edge_faces(build.hull);
     dpti_hull_set_axis(build.hull);
     *hull = build.hull;
     return DPT_OK;

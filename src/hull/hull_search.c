@@ -5,13 +5,12 @@
  */
 #include "hull/hull_search.h"
 
+#include "hull/hull_range.h"
 #include "hull/separate.h"
-#include "nearest/filter_segment.h"
-#include "nearest/range_search.h"
 
 #include <string.h>
 
-enum { DIRECTIONS = 4 };
+enum { DIRECTIONS = HULL_RANGE_PLANES };
 
 struct hull_query {
     const struct surface *surface;
@@ -62,22 +61,15 @@ static void set_planes(struct hull_query *query)
     query->has_planes = 1;
 }
 
-/* What is farther along a plane's normal than the hull and the best distance is no nearer: in the filter's frame. */
+/* What is farther along a plane's normal than the hull and the best distance is no nearer. */
 static void set_leaf_planes(struct hull_query *query)
 {
-    const struct surface *surface = query->surface;
-    struct range *range = &query->range;
-    const double scale = surface->filter_scale;
-    const double reach = query->nearest->distance * (1.0 + KERNEL_STRETCH);
-    for (int i = 0; i < DIRECTIONS; i++) {
-        const vec3 n = query->planes[i];
-        put_float(n, range->directions[i]);
-        const double support = query->supports[i] - dot(n, surface->filter_centre);
-        const double farthest = fabs(support) + reach + query->place->hull->reach;
-        range->limits[i] =
-            (float)((support + reach) * scale + kernel_margin(farthest * scale, farthest * scale) +
-                    range->segment.margin);
-    }
+    const double distance = query->nearest->distance;
+    const double size = length(sub(query->place->a, query->surface->filter_centre)) +
+                        length(query->place->u) + query->place->hull->reach + distance;
+    for (uint32_t i = 0; i < DIRECTIONS; i++)
+        hull_range_set_plane(&query->range, i, query->planes[i], query->supports[i] + distance,
+                             size);
 }
 
 /* Whether a plane parts a triangle from the hull by more than the best distance. */

@@ -29,6 +29,8 @@ struct dpt_hull {
     vec3 corner[HULL_CORNERS_MAX];
     struct hull_face face[HULL_FACES_MAX];
     uint8_t edge[HULL_EDGES_MAX][2];
+    /* The face whose loop leads from the edge's first corner to the second one, and that with the way back. */
+    uint8_t edge_face[HULL_EDGES_MAX][2];
     uint8_t loop[HULL_LOOPS_MAX]; /* counter-clockwise as seen from outside */
 };
 

@@ -1,18 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A motion is halved until, in each piece, corners move so nearly in straight lines that a little more clearance covers
- * the rest. A plane that has both ends of all corners' motions on one side and a triangle on the other then keeps them
- * apart at all times between. A piece that no plane parts from some triangle is halved as well, until it is shorter than
- * the tolerance: there the hull may touch.
+ * In each piece of a motion a corner's path is nearly a parabola, and what it deviates is added to the clearance. A plane
+ * between hull and triangle may turn during the piece: its normal goes in a straight line from one vector to another. The
+ * height of a corner, or of the triangle, along that normal is a polynomial of the third degree in time. Where its Bernstein
+ * coefficients are in order, corners and triangle are apart at all times of the piece. That is exact to the second order of
+ * the turn, where a plane at rest would be lost in the first: a tip may roll and turn on what it rests on in few pieces.
+ *
+ * A piece that no plane parts from some triangle is halved, until it is shorter than the tolerance: there the hull may
+ * touch.
  */
 #include "hull/hull_sweep.h"
 
+#include "hull/hull_range.h"
 #include "hull/separate.h"
-#include "nearest/range_search.h"
 
 #include <string.h>
 
-enum { HALVINGS_MAX = 40, PLANES = SWEEP_DIRECTIONS_MAX + 2 };
+enum { HALVINGS_MAX = 40, PLANES = SWEEP_DIRECTIONS_MAX + 4, COEFFICIENTS = 4 };
 
 /* A place of a hull during a motion, in the body's frame then. */
 struct instant {
@@ -22,15 +26,23 @@ struct instant {
     double time;
 };
 
-/* A piece of a motion: its two ends' corners in one list, and the planes that are tried first. */
+/* A plane that may turn during a piece: its normal at both ends, unit, and how high the hull is along it. */
+struct turning_plane {
+    vec3 from, to;
+    double support[COEFFICIENTS]; /* the greatest Bernstein coefficients of all corners */
+};
+
+/* The points that hold a corner's path: its ends, and where the tangents there meet. */
+enum { PATH_POINTS = 3 };
+
+/* A piece of a motion: what holds its corners' paths, and the planes that are tried first. */
 struct piece {
     const struct instant *from, *to;
-    vec3 corner[2 * HULL_CORNERS_MAX];
+    vec3 corner[PATH_POINTS * HULL_CORNERS_MAX]; /* at the beginning, at the end, between */
     uint32_t corner_count;
-    double motion; /* m: of the corner that moves most */
+    double motion; /* m: no point of the hull moves farther from where it begins */
     double apart;  /* m: what a plane must part them by */
-    vec3 plane[PLANES];
-    double support[PLANES];
+    struct turning_plane plane[PLANES];
     uint32_t plane_count;
 };
 
@@ -45,6 +57,16 @@ static void set_instant(struct instant *instant, const struct dpt_hull *hull)
     instant->b = frame_to_local(&body, frame_to_world(&tool, hull->axis_b));
 }
 
+/* The hull at an instant, for its pairs. */
+static void place_at(const struct dpt_hull *hull, const struct instant *instant,
+                     struct hull_place *place)
+{
+    struct frame tool, body;
+    frame_of_pose(&instant->placement.tool, &tool);
+    frame_of_pose(&instant->placement.body, &body);
+    hull_place_set(place, hull, &tool, &body);
+}
+
 static void set_middle(const struct instant *from, const struct instant *to,
                        const struct dpt_hull *hull, struct instant *middle)
 {
@@ -54,44 +76,30 @@ static void set_middle(const struct instant *from, const struct instant *to,
     set_instant(middle, hull);
 }
 
-/* m: how far corners move at most. */
-static double motion_between(const struct dpt_hull *hull, const struct instant *from,
-                             const struct instant *to)
+static int is_same_turn(const double *from, const double *to)
 {
-    double most = 0.0;
-    for (uint32_t i = 0; i < hull->corner_count; i++)
-        most = max_of(most, length(sub(to->corner[i], from->corner[i])));
-    return most;
+    return memcmp(from, to, 4 * sizeof *from) == 0;
 }
 
-/* The corners of a straight motion in its middle. */
-static void set_chord(const struct dpt_hull *hull, const struct instant *from,
-                      const struct instant *to, struct instant *chord)
-{
-    for (uint32_t i = 0; i < hull->corner_count; i++)
-        chord->corner[i] = scaled(add(from->corner[i], to->corner[i]), 0.5);
-}
+/* Of the deviation at the quarters: the most that it is elsewhere, for cubic and quartic terms, and half as much again. */
+#define UNEVEN 2.0
 
-/* Of the deviation in the middle: for paths that are no even arc. */
-#define UNEVEN 1.25
-
-/*
- * m: how far the corners' paths deviate from straight ones. Seen from a body that turns, a path can deviate to one side
- * and then to the other, so the quarters count too.
- */
+/* m: how far corners' paths deviate from the parabolas through their ends and middles. */
 static double deviation_between(const struct dpt_hull *hull, const struct instant *from,
                                 const struct instant *middle, const struct instant *to)
 {
-    struct instant straight, quarter, chord;
-    set_chord(hull, from, to, &straight);
-    double most = motion_between(hull, &straight, middle);
-    if (memcmp(from->placement.body.orientation, to->placement.body.orientation,
-               sizeof from->placement.body.orientation) == 0)
-        return UNEVEN * most;
+    struct instant quarter;
+    double most = 0.0;
+    if (is_same_turn(from->placement.tool.orientation, to->placement.tool.orientation) &&
+        is_same_turn(from->placement.body.orientation, to->placement.body.orientation))
+        return 0.0;
     for (int half = 0; half < 2; half++) {
         set_middle(half ? middle : from, half ? to : middle, hull, &quarter);
-        set_chord(hull, half ? &straight : from, half ? to : &straight, &chord);
-        most = max_of(most, motion_between(hull, &chord, &quarter));
+        for (uint32_t i = 0; i < hull->corner_count; i++) {
+            const vec3 near = (half ? to : from)->corner[i], far = (half ? from : to)->corner[i];
+            const vec3 at = along(along(scaled(near, 0.375), 0.75, middle->corner[i]), -0.125, far);
+            most = max_of(most, length(sub(quarter.corner[i], at)));
+        }
     }
     return UNEVEN * most;
 }
@@ -122,61 +130,166 @@ static double surface_motion_of(const struct hull_sweep *sweep)
                : 0.0;
 }
 
+static struct turning_plane plane_of(const struct piece *piece, vec3 from, vec3 to)
+{
+    const uint32_t count = piece->corner_count / PATH_POINTS;
+    struct turning_plane plane = { from, to, { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
+    for (uint32_t i = 0; i < count; i++) {
+        const vec3 first = piece->corner[i], last = piece->corner[count + i];
+        const vec3 bend = piece->corner[2 * count + i];
+        const double at[COEFFICIENTS] = { dot(from, first),
+                                          (dot(to, first) + 2.0 * dot(from, bend)) / 3.0,
+                                          (2.0 * dot(to, bend) + dot(from, last)) / 3.0,
+                                          dot(to, last) };
+        for (int k = 0; k < COEFFICIENTS; k++)
+            plane.support[k] = max_of(plane.support[k], at[k]);
+    }
+    return plane;
+}
+
 /* The newest plane takes the place of the last one, where there is no room. */
-static void add_plane(struct piece *piece, vec3 n)
+static void add_plane(struct piece *piece, const struct turning_plane *plane)
 {
     if (piece->plane_count == PLANES)
         piece->plane_count--;
-    piece->support[piece->plane_count] = support_of(piece->corner, piece->corner_count, n);
-    piece->plane[piece->plane_count++] = n;
+    piece->plane[piece->plane_count++] = *plane;
 }
 
 static void set_piece(const struct hull_sweep *sweep, const struct instant *from,
-                      const struct instant *to, double deviation, struct piece *piece)
+                      const struct instant *middle, const struct instant *to, struct piece *piece)
 {
     const uint32_t count = sweep->hull->corner_count;
-    memcpy(piece->corner, from->corner, count * sizeof *piece->corner);
-    memcpy(piece->corner + count, to->corner, count * sizeof *piece->corner);
+    const double deviation = deviation_between(sweep->hull, from, middle, to);
     piece->from = from;
     piece->to = to;
-    piece->corner_count = 2 * count;
-    piece->motion = motion_between(sweep->hull, from, to);
+    piece->corner_count = PATH_POINTS * count;
+    piece->motion = 0.0;
+    for (uint32_t i = 0; i < count; i++) {
+        const vec3 chord = scaled(add(from->corner[i], to->corner[i]), 0.5);
+        const vec3 bend = along(chord, 2.0, sub(middle->corner[i], chord));
+        piece->corner[i] = from->corner[i];
+        piece->corner[count + i] = to->corner[i];
+        piece->corner[2 * count + i] = bend;
+        piece->motion = max_of(piece->motion, max_of(length(sub(to->corner[i], from->corner[i])),
+                                                     length(sub(bend, from->corner[i]))));
+    }
+    piece->motion += deviation;
     piece->apart = max_of(0.0, sweep->hull->radius + sweep->clearance) + deviation;
     piece->plane_count = 0;
-    for (uint32_t i = 0; i < sweep->direction_count; i++)
-        add_plane(piece, sweep->directions[i]);
+    for (uint32_t i = 0; i < sweep->direction_count; i++) {
+        const struct turning_plane plane =
+            plane_of(piece, sweep->directions[i], sweep->directions[i]);
+        add_plane(piece, &plane);
+    }
 }
 
-/* The corners of a triangle during a piece: 3, or 6 where it moves. */
-static uint32_t corners_during(const struct hull_sweep *sweep, const struct piece *piece,
-                               uint32_t triangle, vec3 v[6])
+/* A triangle during a piece: its corners at the beginning, and then at the end. */
+struct moving_corners {
+    vec3 v[6];
+    uint32_t count; /* 3: it does not move */
+};
+
+static void set_corners(const struct hull_sweep *sweep, const struct piece *piece,
+                        uint32_t triangle, struct moving_corners *corners)
 {
-    surface_corners(sweep->surface, triangle, v);
+    corners->count = sweep->tick ? 6 : 3;
     if (!sweep->tick)
-        return 3;
-    for (int k = 0; k < 2; k++) {
+        surface_corners(sweep->surface, triangle, corners->v);
+    for (int k = 0; k < 2 && sweep->tick; k++) {
         const double time = vertex_time(sweep, (k ? piece->to : piece->from)->time);
         const struct surface then = surface_view(sweep->surface, sweep->tick, time);
-        surface_corners(&then, triangle, v + 3 * (size_t)k);
+        surface_corners(&then, triangle, corners->v + 3 * (size_t)k);
     }
-    return 6;
+}
+
+/* Whether a plane parts a triangle from the piece's hull: its coefficients are all higher. */
+static int plane_parts(const struct piece *piece, const struct turning_plane *plane,
+                       const struct moving_corners *corners)
+{
+    double low[COEFFICIENTS] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL };
+    for (uint32_t k = 0; k < 3; k++) {
+        const vec3 first = corners->v[k], last = corners->v[k + corners->count - 3];
+        const double begin = dot(plane->from, first), end = dot(plane->to, last);
+        const double middle = 0.5 * (dot(plane->from, last) + dot(plane->to, first));
+        const double at[COEFFICIENTS] = { begin, (begin + 2.0 * middle) / 3.0,
+                                          (2.0 * middle + end) / 3.0, end };
+        for (int i = 0; i < COEFFICIENTS; i++)
+            low[i] = min_of(low[i], at[i]);
+    }
+    for (int i = 0; i < COEFFICIENTS; i++)
+        if (!(low[i] - plane->support[i] > piece->apart))
+            return 0;
+    return 1;
+}
+
+/* The direction from hull to triangle at one end of a piece; 0: they meet, or are farther apart than needs looking at. */
+static vec3 direction_at(const struct hull_sweep *sweep, const struct instant *instant,
+                         const vec3 v[3], double limit)
+{
+    const vec3 none = { 0.0, 0.0, 0.0 };
+    struct hull_place place;
+    struct hull_pair found;
+    place_at(sweep->hull, instant, &place);
+    return dpti_hull_triangle(&place, v, limit, &found) ? unit_of(scaled(found.pair.gap, -1.0))
+                                                        : none;
+}
+
+/* The plane across the nearest pairs at both ends of a piece. 0: there is none. */
+static int find_turning_plane(const struct hull_sweep *sweep, const struct piece *piece,
+                              const struct moving_corners *corners, struct turning_plane *plane)
+{
+    const double limit = piece->apart + 4.0 * (piece->motion + surface_motion_of(sweep));
+    const vec3 from = direction_at(sweep, piece->from, corners->v, limit);
+    const vec3 to = direction_at(sweep, piece->to, corners->v + corners->count - 3, limit);
+    /* Normals that are far from each other would make a short one between them. */
+    if (!(dot(from, to) > 0.5))
+        return 0;
+    *plane = plane_of(piece, from, to);
+    return 1;
 }
 
 /* Whether a plane parts the piece from a triangle; one that is found is tried first from now on. */
 static int is_parted(const struct hull_sweep *sweep, struct piece *piece, uint32_t triangle)
 {
-    vec3 v[6], n = { 0.0, 0.0, 0.0 };
-    const uint32_t count = corners_during(sweep, piece, triangle, v);
+    struct moving_corners corners;
+    struct turning_plane plane;
+    vec3 n = { 0.0, 0.0, 0.0 };
+    set_corners(sweep, piece, triangle, &corners);
     for (uint32_t i = piece->plane_count; i-- > 0;) {
-        n = piece->plane[i];
-        if (-support_of(v, count, scaled(n, -1.0)) - piece->support[i] > piece->apart)
+        n = piece->plane[i].from;
+        if (plane_parts(piece, &piece->plane[i], &corners))
             return 1;
     }
     work_spend(sweep->work, 1);
-    if (!dpti_separate(piece->corner, piece->corner_count, v, count, piece->apart, &n))
+    if (dpti_separate(piece->corner, piece->corner_count, corners.v, corners.count, piece->apart,
+                      &n)) {
+        plane = plane_of(piece, n, n);
+        add_plane(piece, &plane);
+        return 1;
+    }
+    if (!find_turning_plane(sweep, piece, &corners, &plane) ||
+        !plane_parts(piece, &plane, &corners))
         return 0;
-    add_plane(piece, n);
+    add_plane(piece, &plane);
     return 1;
+}
+
+/* Planes of the piece that do not turn, for whole leaves: those from `first` on. */
+static void set_leaf_planes(const struct hull_sweep *sweep, const struct piece *piece,
+                            uint32_t first, struct range *range)
+{
+    const struct instant *from = piece->from;
+    const double reach = piece->apart + surface_motion_of(sweep);
+    const double size = length(sub(from->a, sweep->surface->filter_centre)) +
+                        length(sub(from->b, from->a)) + sweep->hull->reach + piece->motion + reach;
+    for (uint32_t i = first; i < piece->plane_count && i < HULL_RANGE_PLANES; i++) {
+        const struct turning_plane *plane = &piece->plane[i];
+        double most = plane->support[0];
+        for (int k = 1; k < COEFFICIENTS; k++)
+            most = max_of(most, plane->support[k]);
+        if (memcmp(&plane->from, &plane->to, sizeof plane->from) == 0)
+            hull_range_set_plane(range, i, plane->from, most + reach, size);
+    }
 }
 
 enum { PIECE_FREE, PIECE_TOUCHES, PIECE_UNFINISHED };
@@ -195,11 +308,19 @@ static int test_piece(struct hull_sweep *sweep, struct piece *piece)
     dpti_range_begin(&range, sweep->surface, sweep->kernel, from->a, sub(from->b, from->a),
                      sweep->hull->reach + piece->motion + piece->apart + surface_motion_of(sweep),
                      sweep->work);
-    while ((triangle = dpti_range_next(&range, &may_touch)) != DPT_NONE)
+    uint32_t planes = 0;
+    for (;;) {
+        if (planes < piece->plane_count)
+            set_leaf_planes(sweep, piece, planes, &range);
+        planes = piece->plane_count;
+        triangle = dpti_range_next(&range, &may_touch);
+        if (triangle == DPT_NONE)
+            break;
         if (!is_parted(sweep, piece, triangle)) {
             sweep->triangle = triangle;
             return PIECE_TOUCHES;
         }
+    }
     return range.level > sweep->surface->levels ? PIECE_FREE : PIECE_UNFINISHED;
 }
 
@@ -219,14 +340,12 @@ static int sweep_piece(struct hull_sweep *sweep, const struct instant *from,
 {
     struct piece piece;
     set_middle(from, to, sweep->hull, middle);
-    const double deviation = deviation_between(sweep->hull, from, middle, to);
-    set_piece(sweep, from, to, deviation, &piece);
+    set_piece(sweep, from, middle, to, &piece);
     if (!body_turns_little(&from->placement, &to->placement) ||
-        piece.motion + deviation > piece_length_max(sweep->hull))
+        piece.motion > piece_length_max(sweep->hull))
         return PIECE_HALVED;
     const int status = test_piece(sweep, &piece);
-    return status == PIECE_TOUCHES && piece.motion + deviation > sweep->tolerance ? PIECE_HALVED
-                                                                                  : status;
+    return status == PIECE_TOUCHES && piece.motion > sweep->tolerance ? PIECE_HALVED : status;
 }
 
 /* Where the pieces end that are still to be swept, the last one first. */
@@ -272,10 +391,16 @@ int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,
 double dpti_hull_displacement(const struct dpt_hull *hull, const dpt_pose *from, const dpt_pose *to)
 {
     struct instant first = { .placement = { .tool = *from, .body = DPT_POSE_IDENTITY } };
-    struct instant last = { .placement = { .tool = *to, .body = DPT_POSE_IDENTITY } };
-    struct instant middle;
+    struct instant last = { .placement = { .tool = *to, .body = DPT_POSE_IDENTITY } }, middle;
+    double most = 0.0;
     set_instant(&first, hull);
     set_instant(&last, hull);
     set_middle(&first, &last, hull, &middle);
-    return motion_between(hull, &first, &last) + deviation_between(hull, &first, &middle, &last);
+    for (uint32_t i = 0; i < hull->corner_count; i++) {
+        const vec3 chord = scaled(add(first.corner[i], last.corner[i]), 0.5);
+        const vec3 bend = along(chord, 2.0, sub(middle.corner[i], chord));
+        most = max_of(most, max_of(length(sub(last.corner[i], first.corner[i])),
+                                   length(sub(last.corner[i], bend))));
+    }
+    return most + deviation_between(hull, &first, &middle, &last);
 }

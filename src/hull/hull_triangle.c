@@ -164,6 +164,54 @@ void dpti_hull_features(const struct hull_place *place, const vec3 v[3], double 
     visit_features(place, &ball, &limit, take_within, &taken);
 }
 
+/* Whether a way along `way` leads nearer than the lean allows; toward: from where it begins to the other point. */
+static int leads_nearer(vec3 way, vec3 toward, double lean)
+{
+    const double rise = dot(way, toward);
+    return rise > 0.0 && rise * rise > lean * lean * dot(way, way) * dot(toward, toward);
+}
+
+static int corner_is_local(const struct hull_place *place, uint32_t corner, vec3 toward,
+                           double lean)
+{
+    for (uint32_t e = 0; e < place->hull->edge_count; e++) {
+        const uint8_t *ends = place->hull->edge[e];
+        if (ends[0] != corner && ends[1] != corner)
+            continue;
+        const uint8_t other = ends[0] == corner ? ends[1] : ends[0];
+        if (leads_nearer(sub(place->corner[other], place->corner[corner]), toward, lean))
+            return 0;
+    }
+    return 1;
+}
+
+/* An edge's neighbours are the faces beside it, and beside the triangle's edge the triangle. */
+static int edges_are_local(const struct hull_place *place, uint32_t edge, uint32_t k,
+                           const vec3 v[3], vec3 toward, double lean)
+{
+    const uint8_t *ends = place->hull->edge[edge], *faces = place->hull->edge_face[edge];
+    const vec3 u = sub(place->corner[ends[1]], place->corner[ends[0]]);
+    const vec3 e = sub(v[(k + 1) % 3], v[k]), across = sub(v[(k + 2) % 3], v[k]);
+    const vec3 inward = along(across, -dot(across, e) / dot(e, e), e);
+    return !leads_nearer(cross(place->normal[faces[0]], u), toward, lean) &&
+           !leads_nearer(cross(u, place->normal[faces[1]]), toward, lean) &&
+           !leads_nearer(inward, scaled(toward, -1.0), lean);
+}
+
+int dpti_hull_pair_is_local(const struct hull_place *place, const vec3 v[3],
+                            const struct hull_pair *found, double lean)
+{
+    const vec3 gap = found->pair.gap, toward = scaled(gap, -1.0);
+    if (found->feature < HULL_EDGE)
+        return corner_is_local(place, found->feature - HULL_CORNER, toward, lean);
+    if (found->feature < HULL_FACE)
+        return edges_are_local(place, (found->feature - HULL_EDGE) / 3,
+                               (found->feature - HULL_EDGE) % 3, v, toward, lean);
+    const uint32_t k = (found->feature - HULL_FACE) % 3;
+    return !leads_nearer(sub(v[(k + 1) % 3], v[k]), gap, lean) &&
+           !leads_nearer(sub(v[(k + 2) % 3], v[k]), gap, lean);
+}
+
 struct best {
     struct hull_pair pair;
     double limit; /* m: the distance of the pair, or what it must be below */

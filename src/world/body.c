@@ -12,6 +12,7 @@
 #include "world/proxy_step.h"
 #include "world/tool_force.h"
 #include "world/tool_strips.h"
+#include "world/tool_tips.h"
 #include "world/world_def.h"
 
 /* Forget what earlier ticks know of the body in a slot. */
@@ -26,6 +27,7 @@ static void forget_body(struct dpt_world *world, uint32_t slot)
     for (uint32_t s = 0; s < world->segment_count; s++)
         dpti_force_forget_body(&world->segments[s], world->bodies[slot].id);
     dpti_proxy_forget_body(world, world->bodies[slot].id);
+    dpti_tips_forget_body(world, world->bodies[slot].id);
     dpti_body_search_forget_body(world, slot);
 }
 

@@ -41,21 +41,12 @@ static const struct body *moved_body(const struct proxy_tick *tick, uint32_t spa
     return body && body_has_moved(tick->world, body) ? body : NULL;
 }
 
-/* m: where the tool's surface touches. */
-static vec3 touch_of(const struct proxy_tick *tick, uint32_t space)
-{
-    const struct proxy_source *source = &tick->sources[space];
-    const struct segment *segments = &tick->world->segments[tick->tool->first_segment];
-    const double radius = segments[tick->triangles[source->triangle].segment].radius;
-    return along(source->p, -radius, vec3_of(tick->spaces[space].normal));
-}
-
 /* m: how far the body moved what the tool touches. */
 static vec3 carried(const struct proxy_tick *tick, uint32_t space, const struct body *body)
 {
     return dpti_body_carried(tick->world, body,
                              tick->triangles[tick->sources[space].triangle].triangle,
-                             touch_of(tick, space));
+                             proxy_touch_of(tick, space));
 }
 
 /* m^2: work by unit of stiffness, of the normal forces and of friction. */

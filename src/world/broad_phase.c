@@ -129,7 +129,8 @@ static void continue_scan(struct dpt_world *world, uint32_t segment_index)
         work_spend(&world->work, 1);
         for (int i = 0; i < LANES && broad_phase->next_slot < world->body_slot_end; i++) {
             uint32_t slot = broad_phase->next_slot++;
-            if (body_is_there(&world->bodies[slot]) && box_meets(&fat_box->box, &world->boxes[slot]))
+            if (body_is_there(&world->bodies[slot]) &&
+                box_meets(&fat_box->box, &world->boxes[slot]))
                 list[fat_box->count++] = slot;
         }
     }

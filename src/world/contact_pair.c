@@ -297,7 +297,8 @@ static void keep_depth_samples(const struct contact_pair *contact_pair)
                                sample[-1].triangle == sample->triangle &&
                                sample[1].triangle == sample->triangle;
         if (sample->height < 0.0 && !is_between)
-            samples->at[samples->count++] = (struct warm_start){ sample->s, sample->triangle, 0.0f };
+            samples->at[samples->count++] =
+                (struct warm_start){ sample->s, sample->triangle, 0.0f };
     }
 }
 

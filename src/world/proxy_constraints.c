@@ -60,6 +60,16 @@ static void list_triangles(struct proxy_tick *tick, double reach)
                                                 0 };
         add_triangle(tick, &nearest);
     }
+    for (uint32_t i = 0; i < tool->tip_count; i++) {
+        const struct tip *tip = tool_tip(tick->world, tool, i);
+        const struct hull_nearest *found = &tip->answer.nearest;
+        if (!tip->answer.body || found->triangle == DPT_NONE ||
+            found->distance - tip->hull->radius > reach)
+            continue;
+        const struct proxy_triangle nearest = { tool->segment_count + i, tip->answer.body->id,
+                                                found->triangle, 0 };
+        add_triangle(tick, &nearest);
+    }
 }
 
 /* An axis in a body's frame. */
@@ -75,7 +85,7 @@ static void axis_in_body(const struct proxy_tick *tick, const struct proxy_pose 
 
 static double radius_of(const struct proxy_tick *tick, const struct proxy_triangle *triangle)
 {
-    return tick->world->segments[tick->tool->first_segment + triangle->segment].radius;
+    return tool_part_radius(tick->world, tick->tool, triangle->segment);
 }
 
 dpt_pose dpti_proxy_body_pose(const struct proxy_tick *tick, const struct body *body)
@@ -107,23 +117,37 @@ static vec3 carried_since(const struct proxy_tick *tick, uint32_t index,
     return sub(frame_to_world(&place->body->frame, now), frame_to_world(place->frame, q));
 }
 
-/* One pair of a triangle, as a constraint. */
+/* The number for a constraint with that gap. Where there is no room it takes the place of the widest one, if any is wider. */
+static uint32_t number_for(struct proxy_tick *tick, double gap)
+{
+    uint32_t widest = 0;
+    if (tick->space_count < HALF_SPACES_MAX)
+        return tick->space_count++;
+    for (uint32_t i = 1; i < HALF_SPACES_MAX; i++)
+        if (tick->sources[i].gap > tick->sources[widest].gap)
+            widest = i;
+    return tick->sources[widest].gap > gap ? widest : HALF_SPACES_MAX;
+}
+
+/* One pair of a triangle, as a constraint; local_p: its point on the tool, in the place's frame. */
 static void add_space(struct proxy_tick *tick, uint32_t index, int feature, const pair *found,
-                      double distance, double gap, const struct triangle_place *place)
+                      vec3 local_p, double distance, double gap, const struct triangle_place *place)
 {
     const struct frame *before = place->frame;
-    if (tick->space_count == HALF_SPACES_MAX)
+    const uint32_t number = number_for(tick, gap);
+    if (number == HALF_SPACES_MAX)
         return;
-    struct half_space *space = &tick->spaces[tick->space_count];
-    const vec3 local_p = along(place->a, found->s, place->u);
+    struct half_space *space = &tick->spaces[number];
     const vec3 normal = frame_turn(before, scaled(found->gap, 1.0 / distance));
     const vec3 p = frame_to_world(before, local_p);
     const vec3 lever = cross(sub(p, tick->at.centre), normal);
     vec3_store(normal, space->normal);
     for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
         space->normal[k] = dot(lever, tick->axes[k - 3]) / proxy_rho_of(tick->proxy, k);
-    struct proxy_source *source = &tick->sources[tick->space_count++];
-    *source = (struct proxy_source){ index, feature, found->s, p, { 0.0, 0.0, 0.0 } };
+    struct proxy_source *source = &tick->sources[number];
+    *source = (struct proxy_source){
+        .triangle = index, .feature = feature, .s = found->s, .gap = gap, .p = p
+    };
     if (before != &place->body->frame)
         source->carried = carried_since(tick, index, place, sub(local_p, found->gap));
     const double wanted = tick->clearance + (tick->is_before ? tick->lift : 0.0);
@@ -180,8 +204,62 @@ static int add_pair(struct proxy_tick *tick, uint32_t index, int feature, double
     const double gap = distance - radius_of(tick, &tick->triangles[index]);
     if (!(gap <= reach && distance > 0.0))
         return 0;
-    add_space(tick, index, feature, &found, distance, gap, place);
+    add_space(tick, index, feature, &found, along(place->a, found.s, place->u), distance, gap,
+              place);
     return 1;
+}
+
+/* Of two pairs of neighbouring triangles that are the same: what their points and unit normals differ by, at most. */
+#define TWIN 1e-9
+
+/* Whether a constraint of the same tip has the same points, of a triangle beside this one. */
+static int has_twin(const struct proxy_tick *tick, uint32_t index, vec3 p, vec3 normal)
+{
+    const struct proxy_triangle *triangle = &tick->triangles[index];
+    for (uint32_t i = 0; i < tick->space_count; i++) {
+        const struct proxy_triangle *other = &tick->triangles[tick->sources[i].triangle];
+        if (other->segment == triangle->segment && other->body_id == triangle->body_id &&
+            extent_of(sub(tick->sources[i].p, p)) <= TWIN &&
+            extent_of(sub(vec3_of(tick->spaces[i].normal), normal)) <= TWIN)
+            return 1;
+    }
+    return 0;
+}
+
+/* What the gathering of a tip's pairs with a triangle needs. */
+struct tip_gather {
+    struct proxy_tick *tick;
+    uint32_t index;
+    double radius;
+    const struct triangle_place *place;
+    const struct hull_place *hull;
+};
+
+/* The sine of the largest turn of a motion: features that are not nearest even then hold no tip. */
+#define LEAN_MAX 0.3
+
+static void add_tip_pair(void *user, const struct hull_pair *found)
+{
+    const struct tip_gather *gather = user;
+    struct proxy_tick *tick = gather->tick;
+    const vec3 *v = gather->place->v;
+    const double distance = sqrt(found->pair.distance2), *weight = found->pair.weight;
+    const vec3 q = along(along(scaled(v[0], weight[0]), weight[1], v[1]), weight[2], v[2]);
+    const vec3 p = add(q, found->pair.gap);
+    if (distance > 0.0 && dpti_hull_pair_is_local(gather->hull, v, found, LEAN_MAX) &&
+        !has_twin(tick, gather->index, frame_to_world(gather->place->frame, p),
+                  frame_turn(gather->place->frame, scaled(found->pair.gap, 1.0 / distance))))
+        add_space(tick, gather->index, (int)found->feature, &found->pair, p, distance,
+                  distance - gather->radius, gather->place);
+}
+
+static void gather_tip(struct proxy_tick *tick, uint32_t index, const struct tip *tip, double reach,
+                       const struct triangle_place *place)
+{
+    struct hull_place hull;
+    struct tip_gather gather = { tick, index, tip->hull->radius, place, &hull };
+    hull_place_set(&hull, tip->hull, &tick->at.frame, place->frame);
+    dpti_hull_features(&hull, place->v, reach + tip->hull->radius, add_tip_pair, &gather);
 }
 
 static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reach)
@@ -198,6 +276,10 @@ static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reac
         surface_corners(&then, triangle->triangle, place.v);
     } else {
         surface_corners(&body->surface, triangle->triangle, place.v);
+    }
+    if (proxy_tip_of(tick, triangle)) {
+        gather_tip(tick, index, proxy_tip_of(tick, triangle), reach, &place);
+        return;
     }
     axis_in_body(tick, &tick->at, triangle, place.frame, &place.a, &place.u);
     const vec3 edge = sub(place.v[1], place.v[0]), other = sub(place.v[2], place.v[0]);
@@ -228,22 +310,52 @@ void dpti_proxy_gather(struct proxy_tick *tick, double reach)
     work_spend(work, units < work_left(work) ? units : work_left(work));
 }
 
+/* The gap of one feature of a tip; where its points are not inside both any more, another one counts. */
+static double tip_gap_of(const struct tip *tip, uint32_t feature, const vec3 v[3],
+                         const struct proxy_pose *pose, const struct frame *body)
+{
+    struct hull_place place;
+    struct hull_pair found;
+    hull_place_set(&place, tip->hull, &pose->frame, body);
+    return dpti_hull_feature(&place, feature, v, &found)
+               ? sqrt(found.pair.distance2) - tip->hull->radius
+               : HUGE_VAL;
+}
+
 double dpti_proxy_gap_of(const struct proxy_tick *tick, uint32_t space,
                          const struct proxy_pose *pose)
 {
     const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
     const struct body *body = world_find_body(tick->world, triangle->body_id);
+    const struct tip *tip = proxy_tip_of(tick, triangle);
     vec3 a, u, v[3];
     pair found;
-    axis_in_body(tick, pose, triangle, &body->frame, &a, &u);
     surface_corners(&body->surface, triangle->triangle, v);
+    if (tip)
+        return tip_gap_of(tip, (uint32_t)tick->sources[space].feature, v, pose, &body->frame);
+    axis_in_body(tick, pose, triangle, &body->frame, &a, &u);
     pair_at(tick->sources[space].feature, tick->sources[space].s, a, u, v, &found);
     return sqrt(found.distance2) - radius_of(tick, triangle);
 }
 
-double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct proxy_pose *pose)
+/* The gap of a tip and one triangle, where it is below `limit`; else the limit. */
+static double tip_gap(const struct tip *tip, const struct surface *surface, uint32_t triangle,
+                      const struct proxy_pose *pose, const struct frame *body, double limit)
 {
-    double least = HUGE_VAL;
+    struct hull_place place;
+    struct hull_pair found;
+    vec3 v[3];
+    surface_corners(surface, triangle, v);
+    hull_place_set(&place, tip->hull, &pose->frame, body);
+    return dpti_hull_triangle(&place, v, limit + tip->hull->radius, &found)
+               ? sqrt(found.pair.distance2) - tip->hull->radius
+               : limit;
+}
+
+double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct proxy_pose *pose,
+                                    double enough)
+{
+    double least = enough;
     for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
         const struct proxy_triangle *triangle = &tick->proxy->memory[i];
         const struct body *body =
@@ -256,6 +368,11 @@ double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct 
         const struct surface then =
             surface_view(&body->surface, tick->world->ticks, tick->is_before ? tick->time : 1.0);
         frame_of_pose(&body_pose, &frame);
+        if (proxy_tip_of(tick, triangle)) {
+            least = min_of(least, tip_gap(proxy_tip_of(tick, triangle), &then, triangle->triangle,
+                                          pose, &frame, least));
+            continue;
+        }
         axis_in_body(tick, pose, triangle, &frame, &a, &u);
         const pair found = dpti_triangle_pair(&then, triangle->triangle, a, u);
         least = min_of(least, sqrt(found.distance2) - radius_of(tick, triangle));

@@ -16,20 +16,39 @@ enum { PASSES_MAX = 6 };
 /* Two contacts of a segment and a body are the same where they are within that share of its length, or its radius. */
 #define SAME_PLACE 0.02
 
-/* The contact of the same segment and body that is nearest along the axis, or NULL; *apart is how far that is. */
+/* The tool's point of a constraint, in its frame. */
+static vec3 place_of(const struct proxy_tick *tick, uint32_t space)
+{
+    return frame_to_local(&tick->at.frame, tick->sources[space].p);
+}
+
+/* m: what places on a tip are told apart by. */
+static double size_of_tip(const struct tip *tip)
+{
+    return length(sub(tip->hull->axis_b, tip->hull->axis_a)) + 2.0 * tip->hull->reach;
+}
+
+/*
+ * The contact of the same segment and body that is nearest along the axis, or NULL; *apart is how far that is, as a share
+ * of its length. Of a tip: nearest to the place on it, as a share of its size.
+ */
 static struct proxy_contact *nearest_contact(const struct proxy_tick *tick, uint32_t space,
                                              double *apart)
 {
     const struct proxy_source *source = &tick->sources[space];
     const struct proxy_triangle *triangle = &tick->triangles[source->triangle];
+    const struct tip *tip = proxy_tip_of(tick, triangle);
     struct proxy_contact *best = NULL;
     *apart = HUGE_VAL;
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++) {
         struct proxy_contact *contact = &tick->proxy->contacts[i];
-        if (contact->body_id == triangle->body_id && contact->segment == triangle->segment &&
-            fabs(contact->s - source->s) < *apart) {
+        if (contact->body_id != triangle->body_id || contact->segment != triangle->segment)
+            continue;
+        const double away = tip ? length(sub(contact->at, place_of(tick, space))) / size_of_tip(tip)
+                                : fabs(contact->s - source->s);
+        if (away < *apart) {
             best = contact;
-            *apart = fabs(contact->s - source->s);
+            *apart = away;
         }
     }
     return best;
@@ -39,10 +58,11 @@ static struct proxy_contact *nearest_contact(const struct proxy_tick *tick, uint
 static struct proxy_contact *find_contact(const struct proxy_tick *tick, uint32_t space)
 {
     const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
+    const struct tip *tip = proxy_tip_of(tick, triangle);
     const struct segment *segment =
-        &tick->world->segments[tick->tool->first_segment + triangle->segment];
-    const double size = length(sub(segment->b, segment->a));
-    const double near = size > 0.0 ? max_of(SAME_PLACE, segment->radius / size) : 1.0;
+        tip ? NULL : &tick->world->segments[tick->tool->first_segment + triangle->segment];
+    const double size = tip ? size_of_tip(tip) : length(sub(segment->b, segment->a));
+    const double near = size > 0.0 ? max_of(SAME_PLACE, proxy_radius_of(tick, space) / size) : 1.0;
     double apart;
     struct proxy_contact *found = nearest_contact(tick, space, &apart);
     return found && apart <= near ? found : NULL;
@@ -58,7 +78,8 @@ static struct proxy_contact *find_or_make_contact(struct proxy_tick *tick, uint3
             found = &tick->proxy->contacts[i];
             *found = (struct proxy_contact){ .body_id = triangle->body_id,
                                              .segment = triangle->segment,
-                                             .s = source->s };
+                                             .s = source->s,
+                                             .at = place_of(tick, space) };
         }
     return found;
 }
@@ -66,12 +87,7 @@ static struct proxy_contact *find_or_make_contact(struct proxy_tick *tick, uint3
 /* Where the tool's surface touches, from its centre. */
 static vec3 arm_of(const struct proxy_tick *tick, uint32_t space)
 {
-    const struct proxy_source *source = &tick->sources[space];
-    const struct proxy_triangle *triangle = &tick->triangles[source->triangle];
-    const double radius =
-        tick->world->segments[tick->tool->first_segment + triangle->segment].radius;
-    const vec3 normal = vec3_of(tick->spaces[space].normal);
-    return sub(along(source->p, -radius, normal), tick->at.centre);
+    return sub(proxy_touch_of(tick, space), tick->at.centre);
 }
 
 static void fill_contact(struct proxy_tick *tick, uint32_t space, double multiplier,
@@ -116,9 +132,7 @@ static void set_torsion_arms(const struct proxy_tick *tick, struct friction_cont
         sum += tick->solved.multiplier[k];
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t space = tick->contact_spaces[i];
-        const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
-        const double radius =
-            tick->world->segments[tick->tool->first_segment + triangle->segment].radius;
+        const double radius = proxy_radius_of(tick, space);
         const double depth = contacts[i].multiplier;
         const double alone = sum > 0.0 ? max_of(0.0, 2.0 * depth / sum - 1.0) : 0.0;
         contacts[i].torsion_arm = alone * (2.0 / 3.0) * min_of(radius, sqrt(2.0 * radius * depth));
@@ -212,8 +226,7 @@ int dpti_proxy_solve_held(struct proxy_tick *tick, double *left)
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
     dpti_proxy_to_unknowns(proxy, tick->axes, &away, left);
     dpti_proxy_gather(tick, HOLDING * tick->clearance);
-    tick->held =
-        dpti_proxy_solve_rubbing(tick, left) ? PROXY_HELD_SOLVED : PROXY_HELD_NOT;
+    tick->held = dpti_proxy_solve_rubbing(tick, left) ? PROXY_HELD_SOLVED : PROXY_HELD_NOT;
     return tick->held == PROXY_HELD_SOLVED;
 }
 
@@ -237,6 +250,7 @@ void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn)
         const vec3 carried = scaled(tick->sources[space].carried, tick->made);
         const vec3 slip = add(contact->slip, sub(moved, carried));
         contact->s = tick->sources[space].s;
+        contact->at = place_of(tick, space);
         contact->turned = turned_after(&tick->contacts[i], contact, normal, turn);
         contact->is_slipping = (uint32_t)tick->contacts[i].is_slipping;
         contact->has_slipped |= contact->is_slipping;

@@ -74,10 +74,16 @@ static void write_hit(struct dpt_world *world, const struct tool *tool, uint32_t
                               &best.track.nearest, &segment->hit);
 }
 
+int dpti_proxy_is_away(const struct dpt_world *world, const struct tool *tool)
+{
+    return dpti_proxy_is_used(world, tool) &&
+           (world->proxies[tool - world->tools].is_held || !dpti_proxy_has_size(world, tool));
+}
+
 void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool)
 {
     struct frame device;
-    if (!world->proxies[tool - world->tools].is_held && dpti_proxy_has_size(world, tool))
+    if (!dpti_proxy_is_away(world, tool))
         return;
     frame_of_pose(&tool->pose, &device);
     for (uint32_t i = 0; i < tool->segment_count; i++)

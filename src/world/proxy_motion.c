@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/proxy_motion.h"
 
+#include "hull/hull_sweep.h"
 #include "world/body_search.h"
 #include "world/proxy_constraints.h"
 #include "world/segment_track.h"
@@ -24,6 +25,14 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick)
         const double distance =
             segment->answer.is_exact ? segment->result.distance : segment->result.lower_bound;
         tick->gap = min_of(tick->gap, distance - segment->radius);
+    }
+    dpti_tips_track(world, tick->tool);
+    for (uint32_t i = 0; i < tick->tool->tip_count; i++) {
+        const struct tip *tip = tool_tip(world, tick->tool, i);
+        const double distance =
+            tip->answer.is_exact ? tip->answer.nearest.distance : tip->answer.lower_bound;
+        if (tip->answer.body)
+            tick->gap = min_of(tick->gap, distance - tip->hull->radius);
     }
 }
 
@@ -49,6 +58,18 @@ static uint32_t list_directions(const struct proxy_tick *tick, const struct body
                 scaled(frame_turn_back(&body->frame, vec3_of(tick->spaces[space].normal)), -1.0);
     }
     return count;
+}
+
+/* What the sweep of one segment or tip past one body gave; what is hit is remembered. */
+static void note_sweep(struct proxy_tick *tick, uint32_t number, const struct body *body,
+                       int status, double time, uint32_t triangle, struct tool_sweep *sweep)
+{
+    if (status == SWEEP_HIT) {
+        dpti_proxy_remember(tick->proxy, number, body->id, triangle);
+        sweep->time = min_of(sweep->time, time);
+    }
+    if (status != SWEEP_FREE && sweep->status != SWEEP_UNFINISHED)
+        sweep->status = status;
 }
 
 /* One segment past one body; what is hit is remembered. */
@@ -86,12 +107,61 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
     const int status = work_is_spent(&world->work)
                            ? SWEEP_UNFINISHED
                            : dpti_rigid_sweep_find(&rigid, &from_place, &to_place);
-    if (status == SWEEP_HIT) {
-        dpti_proxy_remember(tick->proxy, number, body->id, rigid.result.impact.triangle);
-        sweep->time = min_of(sweep->time, rigid.result.time);
+    note_sweep(tick, number, body, status, rigid.result.time, rigid.result.impact.triangle, sweep);
+}
+
+/* One tip past one body, likewise. */
+static void sweep_tip(struct proxy_tick *tick, uint32_t number, const struct body *body,
+                      const dpt_pose *to, struct tool_sweep *sweep)
+{
+    struct dpt_world *world = tick->world;
+    const struct tip *tip = tool_tip(world, tick->tool, number - tick->tool->segment_count);
+    const int has_moved = tick->is_before && body_has_moved(world, body);
+    const struct placement from_place = { .tool = tick->at.pose,
+                                          .body = dpti_proxy_body_pose(tick, body) };
+    const struct placement to_place = { .tool = *to, .body = body->pose };
+    vec3 directions[SWEEP_DIRECTIONS_MAX];
+    struct hull_sweep hull = {
+        .surface = &body->surface,
+        .kernel = &world->kernel,
+        .hull = tip->hull,
+        .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * min_of(body->diagonal, PROXY_SCALE_MAX),
+        .tick = has_moved && surface_has_moved(&body->surface, world->ticks) ? world->ticks : 0,
+        .tick_from = tick->time,
+        .directions = directions,
+        .direction_count = list_directions(tick, body, directions),
+        .work = &world->work,
+        .triangle = body->id == tip->last_body_id ? tip->last_triangle : DPT_NONE
+    };
+    const int status = dpti_hull_sweep(&hull, &from_place, &to_place);
+    note_sweep(tick, number, body, status, hull.time, hull.triangle, sweep);
+}
+
+/* All tips, past all bodies that they may meet but the one in the slot `carrier`. */
+static void sweep_tips(struct proxy_tick *tick, const struct proxy_pose *to, uint32_t carrier,
+                       struct tool_sweep *sweep)
+{
+    struct dpt_world *world = tick->world;
+    const struct tool *tool = tick->tool;
+    for (uint32_t i = 0; i < tool->tip_count; i++) {
+        const struct tip *tip = tool_tip(world, tool, i);
+        const double moved = dpti_hull_displacement(tip->hull, &to->pose, &tick->at.pose);
+        const double known = tick->is_lost ? 0.0 : tip->answer.lower_bound - tip->hull->radius;
+        const double reach = tip->hull->radius + moved + tick->clearance;
+        const struct box box = dpti_tip_box(tip->hull, &tick->at.frame);
+        if (max_of(tick->gap, known) > moved + tick->clearance && !tick->is_before)
+            continue;
+        for (uint32_t slot = 0; slot < world->body_slot_end; slot++) {
+            const struct body *body = &world->bodies[slot];
+            const double far =
+                reach + (tick->is_before && body_has_moved(world, body) ? body->motion_bound : 0.0);
+            if (!body_is_there(body) || slot == carrier ||
+                box_distance(&box, &world->boxes[slot]) > far)
+                continue;
+            sweep->is_alone = 0;
+            sweep_tip(tick, tool->segment_count + i, body, &to->pose, sweep);
+        }
     }
-    if (status != SWEEP_FREE && sweep->status != SWEEP_UNFINISHED)
-        sweep->status = status;
 }
 
 /* The whole tool, past all bodies that it may meet but the one in the slot `carrier`. */
@@ -135,6 +205,7 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
             sweep_body(tick, i, body, &to->pose, &sweep);
         }
     }
+    sweep_tips(tick, to, carrier, &sweep);
     world_end_sweep(world, &before);
     return sweep;
 }
@@ -154,6 +225,14 @@ static int has_room(struct proxy_tick *tick, double gap_before)
             dpti_proxy_remember(tick->proxy, i, segment->answer.body->id,
                                 segment->answer.track.nearest.triangle);
     }
+    for (uint32_t i = 0; i < tick->tool->tip_count; i++) {
+        const struct tip *tip = tool_tip(tick->world, tick->tool, i);
+        const struct hull_nearest *nearest = &tip->answer.nearest;
+        if (tip->answer.body && nearest->triangle != DPT_NONE &&
+            nearest->distance - tip->hull->radius < tick->clearance)
+            dpti_proxy_remember(tick->proxy, tick->tool->segment_count + i, tip->answer.body->id,
+                                nearest->triangle);
+    }
     return 0;
 }
 
@@ -162,7 +241,7 @@ static double gap_with_bodies(struct proxy_tick *tick, const struct proxy_pose *
 {
     const double time = tick->time;
     tick->time += share * (1.0 - time);
-    const double gap = dpti_proxy_gap_of_remembered(tick, pose);
+    const double gap = dpti_proxy_gap_of_remembered(tick, pose, tick->min_gap);
     tick->time = time;
     return gap;
 }
@@ -213,7 +292,7 @@ double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, dou
         share *= k < SHORTEN_LITTLE ? SHORTER_LITTLE : SHORTER;
         const dpt_pose pose = dpti_rigid_sweep_pose(&from.pose, &to->pose, share);
         const struct proxy_pose shorter = dpti_proxy_pose_of(tick->proxy, &pose);
-        if (!(dpti_proxy_gap_of_remembered(tick, &shorter) >= wanted))
+        if (!(dpti_proxy_gap_of_remembered(tick, &shorter, wanted) >= wanted))
             continue;
         tick->at = shorter;
         dpti_proxy_find_nearest(tick);
@@ -271,9 +350,12 @@ static int carry_with(struct proxy_tick *tick, const struct body *body)
 int dpti_proxy_carry(struct proxy_tick *tick)
 {
     const struct dpt_world *world = tick->world;
+    const struct tool *tool = tick->tool;
     const struct body *tried = NULL;
-    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
-        const struct body *body = world->segments[tick->tool->first_segment + i].answer.body;
+    for (uint32_t i = 0; i < tool->segment_count + tool->tip_count; i++) {
+        const struct body *body = i < tool->segment_count
+                                      ? world->segments[tool->first_segment + i].answer.body
+                                      : tool_tip(world, tool, i - tool->segment_count)->answer.body;
         if (!body || body == tried || !body_has_moved(world, body) ||
             surface_has_moved(&body->surface, world->ticks))
             continue;

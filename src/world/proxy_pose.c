@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/proxy_pose.h"
 
+#include "world/tool_tips.h"
+
 /* A tool is straight if no end is farther from the line of its longest segment than that share of its length. */
 #define STRAIGHT 1e-9
 
@@ -53,30 +55,64 @@ static double largest_radius(const struct segment *segments, uint32_t count)
     return largest;
 }
 
+/* The ends of a segment, or of a tip's axis: tips are numbered after the segments. */
+static void ends_of(const struct dpt_world *world, const struct tool *tool, uint32_t number,
+                    vec3 *a, vec3 *b)
+{
+    if (number < tool->segment_count) {
+        *a = world->segments[tool->first_segment + number].a;
+        *b = world->segments[tool->first_segment + number].b;
+        return;
+    }
+    const struct dpt_hull *hull = tool_tip(world, tool, number - tool->segment_count)->hull;
+    *a = hull->axis_a;
+    *b = hull->axis_b;
+}
+
+/* How far a tip's corners are from the centre. */
+static double tip_extent(const struct dpt_hull *hull, vec3 centre)
+{
+    double farthest = 0.0;
+    for (uint32_t i = 0; i < hull->corner_count; i++)
+        farthest = max_of(farthest, length(sub(hull->corner[i], centre)));
+    return farthest;
+}
+
 /* The mean of |x - centre|^2 over a segment is that of its middle and a twelfth of its square. Points count alike. */
 void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, struct proxy *proxy)
 {
     const struct segment *segments = &world->segments[tool->first_segment];
+    const uint32_t count = tool->segment_count + tool->tip_count;
     double whole = 0.0, weights = 0.0, square = 0.0;
-    vec3 sum = { 0.0, 0.0, 0.0 };
-    for (uint32_t i = 0; i < tool->segment_count; i++)
-        whole += length(sub(segments[i].b, segments[i].a));
-    for (uint32_t i = 0; i < tool->segment_count; i++) {
-        const double weight = whole > BALL ? length(sub(segments[i].b, segments[i].a)) : 1.0;
-        sum = along(sum, 0.5 * weight, add(segments[i].a, segments[i].b));
+    vec3 sum = { 0.0, 0.0, 0.0 }, a, b;
+    for (uint32_t i = 0; i < count; i++) {
+        ends_of(world, tool, i, &a, &b);
+        whole += length(sub(b, a));
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        ends_of(world, tool, i, &a, &b);
+        const double weight = whole > BALL ? length(sub(b, a)) : 1.0;
+        sum = along(sum, 0.5 * weight, add(a, b));
         weights += weight;
     }
     proxy->centre = scaled(sum, 1.0 / weights);
     proxy->extent = 0.0;
-    for (uint32_t i = 0; i < tool->segment_count; i++) {
-        const vec3 u = sub(segments[i].b, segments[i].a);
-        const vec3 a = sub(segments[i].a, proxy->centre), b = sub(segments[i].b, proxy->centre);
+    for (uint32_t i = 0; i < count; i++) {
+        ends_of(world, tool, i, &a, &b);
+        const vec3 u = sub(b, a);
+        a = sub(a, proxy->centre);
+        b = sub(b, proxy->centre);
         const vec3 middle = scaled(add(a, b), 0.5);
         square += (whole > BALL ? length(u) : 1.0) * (dot(middle, middle) + dot(u, u) / 12.0);
         proxy->extent = max_of(proxy->extent, max_of(length(a), length(b)));
     }
+    for (uint32_t i = 0; i < tool->tip_count; i++)
+        proxy->extent =
+            max_of(proxy->extent, tip_extent(tool_tip(world, tool, i)->hull, proxy->centre));
     const double own = max_of(sqrt(square / weights), BALL);
-    if (!(proxy->extent > BALL))
+    if (tool->tip_count)
+        proxy->shape = PROXY_BENT;
+    else if (!(proxy->extent > BALL))
         proxy->shape = PROXY_BALL;
     else
         proxy->shape =

@@ -72,6 +72,14 @@ void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot)
             if (away <= 0.0)
                 proxy->state = PROXY_DOUBTED;
         }
+        for (uint32_t i = 0; proxy->state >= PROXY_DOUBTED && i < tool->tip_count; i++) {
+            const struct dpt_hull *hull = tool_tip(world, tool, i)->hull;
+            const struct box box = dpti_tip_box(hull, &frame);
+            const double away = box_distance(&box, &world->boxes[slot]) - hull->radius;
+            proxy->gap = min_of(proxy->gap, away);
+            if (away <= 0.0)
+                proxy->state = PROXY_DOUBTED;
+        }
     }
 }
 
@@ -487,6 +495,14 @@ void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
             continue;
         is_known &= segment->answer.is_exact && segment->result.has_gap;
         is_outside &= segment->result.gap > 0.0;
+    }
+    for (uint32_t i = 0; i < tool->tip_count; i++) {
+        const struct tip *tip = tool_tip(world, tool, i);
+        if (!tip->answer.body)
+            continue;
+        is_known &= tip->answer.is_exact != 0;
+        is_outside &= tip->answer.is_exact && tip->answer.nearest.distance > tip->hull->radius &&
+                      dpti_tip_is_outside(tip);
     }
     if (!is_known)
         return;

@@ -17,7 +17,10 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt);
 /* After contact: whether a proxy that was placed, or doubted, is outside of everything. */
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool);
 
-/* The hits of a tool with a proxy, which are at the device's pose. */
+/* Whether a tool has a proxy that is not where its device is. */
+int dpti_proxy_is_away(const struct dpt_world *world, const struct tool *tool);
+
+/* The hits of a tool with a proxy, which are at the device's pose; not those of its tips. */
 void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool);
 
 #endif

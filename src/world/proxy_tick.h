@@ -6,6 +6,7 @@
 #include "force/friction.h"
 #include "nearest/pair_features.h"
 #include "world/proxy_pose.h"
+#include "world/tool_tips.h"
 
 /* Triangles that are looked at together: those that are remembered, and the nearest of each of so many segments. */
 enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
@@ -22,8 +23,9 @@ enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
 /* What a constraint is of. */
 struct proxy_source {
     uint32_t triangle; /* in proxy_tick.triangles */
-    int feature;       /* of the pair (nearest/pair_features.h) */
-    double s;          /* of its point on the axis */
+    int feature;       /* of the pair: nearest/pair_features.h, of a tip hull/hull_triangle.h */
+    double s;          /* of its point on the axis; of a tip 0 */
+    double gap;        /* m */
     vec3 p;            /* that point, in the world */
     vec3
         carried; /* how far the body moved its point on the mesh before this tick, while that counts */
@@ -59,5 +61,28 @@ struct proxy_tick {
     struct friction_contact contacts[HALF_SPACE_DIMENSIONS];
     uint32_t contact_spaces[HALF_SPACE_DIMENSIONS]; /* the constraints of the contacts */
 };
+
+/* m: of the segment or tip that a constraint is of. */
+static inline double proxy_radius_of(const struct proxy_tick *tick, uint32_t space)
+{
+    return tool_part_radius(tick->world, tick->tool,
+                            tick->triangles[tick->sources[space].triangle].segment);
+}
+
+/* m: where the tool's surface touches, in the world. */
+static inline vec3 proxy_touch_of(const struct proxy_tick *tick, uint32_t space)
+{
+    return along(tick->sources[space].p, -proxy_radius_of(tick, space),
+                 vec3_of(tick->spaces[space].normal));
+}
+
+/* The tip that a triangle is near; NULL: it is a segment. */
+static inline const struct tip *proxy_tip_of(const struct proxy_tick *tick,
+                                             const struct proxy_triangle *triangle)
+{
+    return triangle->segment < tick->tool->segment_count
+               ? NULL
+               : tool_tip(tick->world, tick->tool, triangle->segment - tick->tool->segment_count);
+}
 
 #endif

@@ -4,6 +4,7 @@
 #include "world/persistent_contacts.h"
 #include "world/proxy_free.h"
 #include "world/proxy_state.h"
+#include "world/tool_tips.h"
 
 /* The first tick without a change may still end a motion; the second repeats it. */
 enum { STILL_TICKS = 2 };
@@ -111,6 +112,9 @@ static int stood_still(const struct dpt_world *world, const struct tool *tool)
     for (uint32_t s = tool->first_segment; s < tool->first_segment + tool->segment_count; s++)
         is_same &= is_known(world, s) && has_same_nearest(&world->segments[s]) &&
                    has_same_contacts(world, s);
+    for (uint32_t i = 0; i < tool->tip_count; i++)
+        is_same &=
+            tool_tip(world, tool, i)->answer.body && tool_tip(world, tool, i)->answer.is_exact;
     return is_same;
 }
 

@@ -29,6 +29,7 @@
 #include "world/tool_loads.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
+#include "world/tool_tips.h"
 #include "world/world_state.h"
 
 /* Where a budget has ended the search or the sweep before contacts: they stay as they were. */
@@ -114,6 +115,12 @@ static void step_segments(struct dpt_world *world, double dt)
         if (!tool->is_resting && !has_proxy(world, tool))
             dpti_track_segment(world, (first + i) % count);
     }
+    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
+        struct tool *tool = &world->tools[t];
+        if (tool->tip_count && tool_is_active(world, tool) && !tool->is_resting &&
+            !has_proxy(world, tool))
+            dpti_tips_track(world, tool);
+    }
     for (uint32_t i = 0; i < count; i++) {
         uint32_t segment_index = (first + i) % count;
         const struct tool *tool = &world->tools[world->segments[segment_index].tool_slot];
@@ -160,10 +167,39 @@ static void shape_wrench(const struct dpt_world *world, struct tool *tool, doubl
     tool->force_reason = DPT_FORCE_UNDECIDED;
 }
 
+/* Tips have their hits, and their contacts where the world has any. */
+static void write_tips(struct dpt_world *world, struct tool *tool)
+{
+    struct frame device;
+    frame_of_pose(&tool->pose, &device);
+    dpti_tips_write_hits(world, tool, dpti_proxy_is_away(world, tool) ? &device : NULL);
+    if (world->def.until != DPT_UNTIL_TRACK && world->def.max_contacts)
+        dpti_tips_find_contacts(world, tool);
+}
+
+/* The segment, or tip, whose hit is the tool's. */
+static void choose_nearest(const struct dpt_world *world, struct tool *tool)
+{
+    const struct segment *segments = &world->segments[tool->first_segment];
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < tool->segment_count; i++)
+        if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest_segment]))
+            tool->nearest_segment = i;
+    if (tool->tip_count)
+        least = surface_distance(&segments[tool->nearest_segment]);
+    for (uint32_t i = 0; i < tool->tip_count; i++) {
+        const struct tip *tip = tool_tip(world, tool, i);
+        const double distance = tip->hit.distance - tip->hull->radius;
+        if (tip->hit.status == DPT_STATUS_STALE || !(distance < least))
+            continue;
+        least = distance;
+        tool->nearest_segment = tool->segment_count + i;
+    }
+}
+
 /* Choose the segment whose hit is the tool's, and sum the wrench. */
 static void sum_tool(struct dpt_world *world, struct tool *tool, double dt)
 {
-    const struct segment *segments = &world->segments[tool->first_segment];
     const int is_of_proxy = has_proxy(world, tool);
     if (is_of_proxy && !tool->is_resting)
         dpti_proxy_settle(world, tool);
@@ -171,9 +207,10 @@ static void sum_tool(struct dpt_world *world, struct tool *tool, double dt)
         dpti_proxy_respond(world, tool, dt);
     if (is_of_proxy && !tool->is_resting)
         dpti_proxy_write_hits(world, tool);
-    for (uint32_t i = 0; i < tool->segment_count; i++)
-        if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest_segment]))
-            tool->nearest_segment = i;
+    if (tool->tip_count && tool_is_active(world, tool) && !tool->is_resting)
+        write_tips(world, tool);
+    if (!tool->is_resting)
+        choose_nearest(world, tool);
     if (tool_is_active(world, tool) && !is_of_proxy) {
         dpti_force_sum(world, tool);
         dpti_loads_note_segments(world, tool);
@@ -196,6 +233,21 @@ static int severity(uint32_t contact)
     default:
         return 0;
     }
+}
+
+/* A tip's part of the report. */
+static void add_tip(const struct tip *tip, dpt_step *out, int *has_answer)
+{
+    const dpt_hit *hit = &tip->hit;
+    out->contacts += tip->contact.id != 0;
+    if (hit->status < out->status)
+        out->status = hit->status;
+    if (severity(hit->contact) > severity(out->contact))
+        out->contact = hit->contact;
+    if (hit->status == DPT_STATUS_STALE || (*has_answer && hit->distance >= out->distance))
+        return;
+    out->distance = hit->distance;
+    *has_answer = 1;
 }
 
 /* Write what a step has found over all tools, for the caller. */
@@ -225,6 +277,8 @@ static void write_report(const struct dpt_world *world, dpt_step *to)
                 has_answer = 1;
             }
         }
+        for (uint32_t i = 0; tool->slot.used && i < tool->tip_count; i++)
+            add_tip(tool_tip(world, tool, i), out, &has_answer);
     }
     if (!has_answer) {
         out->status = DPT_STATUS_STALE;

@@ -11,6 +11,7 @@
 #include "world/tool_force.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
+#include "world/tool_tips.h"
 #include "world/world_def.h"
 
 /* Forget what earlier ticks know of a segment. */
@@ -29,6 +30,7 @@ void dpti_tool_forget(struct dpt_world *world, struct tool *tool)
 {
     for (uint32_t i = 0; i < tool->segment_count; i++)
         forget_segment(world, tool->first_segment + i);
+    dpti_tips_forget(world, tool);
     dpti_proxy_forget(world, tool);
     dpti_tool_clear(world, tool);
     tool->has_changed = 1;
@@ -92,6 +94,8 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->is_resting = made->still_ticks = 0;
     made->first_segment = world->segment_count;
     made->segment_count = count;
+    made->first_tip = world->tip_count;
+    made->tip_count = 0;
     world->segment_count += count;
     put_segments(world, made, segments);
     world_note_max(&world->usage.tools, ++world->tool_count);
@@ -116,6 +120,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     dpti_backlog_remove(world, removed->first_segment, end);
     dpti_persistent_contacts_remove(world, removed->first_segment, end);
     dpti_strips_remove(world, removed->first_segment, end);
+    dpti_tips_remove(world, removed);
     world->undone_segment = 0;
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (world->tools[t].slot.used && world->tools[t].first_segment >= end)
@@ -171,7 +176,7 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
     dpt_result result = segments && count == moved->segment_count
                             ? dpti_tool_check_segments(segments, count)
                             : DPT_E_ARGUMENT;
-    if (result == DPT_OK && count > 1 && dpti_proxy_is_used(world, moved))
+    if (result == DPT_OK && ((count > 1 && dpti_proxy_is_used(world, moved)) || moved->tip_count))
         result = DPT_E_UNSUPPORTED;
     moved->slot.valid = result == DPT_OK;
     if (result != DPT_OK)
@@ -268,7 +273,8 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
         !dpti_stiffness_is_valid(settings.damping) || settings.lock_rotation > 1 ||
         settings.reserved)
         return DPT_E_ARGUMENT;
-    if (found->is_free && found->segment_count > 1 && dpti_proxy_is_of(world, settings.law))
+    if ((found->is_free && found->segment_count > 1 && dpti_proxy_is_of(world, settings.law)) ||
+        (found->tip_count && settings.law != found->law))
         return DPT_E_UNSUPPORTED;
     found->stiffness = settings.stiffness;
     found->rotational_stiffness = settings.rotational_stiffness;

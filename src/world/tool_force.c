@@ -62,11 +62,11 @@ void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double 
         !is_zero(vec3_of(fade->felt.force)) || !is_zero(vec3_of(fade->felt.torque));
     segment->energy = 0.0;
     if (tool->law == DPT_LAW_BED && reason == DPT_FORCE_ACTS)
-        segment->energy =
-            dpti_tool_bed_respond(world, tool, segment_index, dpti_torque_origin(world, tool), &truth);
+        segment->energy = dpti_tool_bed_respond(world, tool, segment_index,
+                                                dpti_torque_origin(world, tool), &truth);
     if (tool->law != DPT_LAW_BED && segment->felt_penetration.depth > 0.0)
-        respond_penalty(&segment->felt_penetration, tool->stiffness, dpti_torque_origin(world, tool),
-                        &truth);
+        respond_penalty(&segment->felt_penetration, tool->stiffness,
+                        dpti_torque_origin(world, tool), &truth);
     if (was_felt && (became_undecided || segment->has_given_up_push)) {
         if (!(fade->time_left > 0.0))
             segment->fading_body_id = segment->previous_pushing_part.body_id;

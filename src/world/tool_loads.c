@@ -73,15 +73,6 @@ static void note_point(struct dpt_world *world, struct tool *tool, uint32_t body
     load->count++;
 }
 
-/* m: where the tool's surface touches. */
-static vec3 touch_of(const struct proxy_tick *tick, uint32_t space)
-{
-    const struct proxy_source *source = &tick->sources[space];
-    const struct segment *segments = &tick->world->segments[tick->tool->first_segment];
-    const double radius = segments[tick->triangles[source->triangle].segment].radius;
-    return along(source->p, -radius, vec3_of(tick->spaces[space].normal));
-}
-
 /* What friction pulls a contact with, in m. */
 static vec3 pull_at(const struct proxy_tick *tick, uint32_t space)
 {
@@ -104,7 +95,8 @@ void dpti_loads_note_proxy(struct proxy_tick *tick)
         const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
         const vec3 push = scaled(vec3_of(tick->spaces[space].normal), tick->solved.multiplier[k]);
         note_point(tick->world, tick->tool, triangle->body_id, triangle->triangle,
-                   touch_of(tick, space), scaled(add(push, pull_at(tick, space)), -stiffness));
+                   proxy_touch_of(tick, space),
+                   scaled(add(push, pull_at(tick, space)), -stiffness));
     }
 }
 

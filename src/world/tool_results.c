@@ -4,6 +4,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "world/proxy_state.h"
+#include "world/tool_tips.h"
 
 void dpti_tool_write_hit(struct segment *segment)
 {
@@ -19,6 +20,7 @@ void dpti_tool_clear_hits(struct dpt_world *world, struct tool *tool)
         world->segments[tool->first_segment + i].hit = (dpt_hit){
             .size = sizeof(dpt_hit), .status = DPT_STATUS_STALE, .triangle = DPT_NONE, .segment = i
         };
+    dpti_tips_clear(world, tool);
     tool->nearest_segment = 0;
     tool->force_reason = DPT_FORCE_STALE;
     tool->force_flags = 0;
@@ -62,6 +64,13 @@ dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint3
     const dpt_hit stale = { .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
     DPT_TRY(sized_check(hit, sizeof *hit, 0));
     sized_write(hit, hit->size, &stale, sizeof stale);
+    const struct tool *owner = world_find_tool(world, tool);
+    if (owner && segment >= owner->segment_count &&
+        segment - owner->segment_count < owner->tip_count) {
+        const struct tip *tip = tool_tip(world, owner, segment - owner->segment_count);
+        sized_write(hit, hit->size, &tip->hit, sizeof tip->hit);
+        return DPT_OK;
+    }
     DPT_TRY(find_segment(world, tool, segment, &found));
     sized_write(hit, hit->size, &found->hit, sizeof found->hit);
     return DPT_OK;
@@ -97,6 +106,10 @@ dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_cont
                             &current->items[i].contact, sizeof(dpt_contact));
             found++;
         }
+    const uint32_t written = found < capacity ? found : capacity;
+    found += dpti_tips_get_contacts(world, owner,
+                                    contacts ? (char *)contacts + (size_t)written * size : NULL,
+                                    capacity - written, size);
     *count = found;
     return DPT_OK;
 }

@@ -20,6 +20,7 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .strip_search = 16384,
         .law = DPT_LAW_PROXY,
         .onset = -1.0,
+        .max_tips = 4,
     };
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
@@ -106,5 +107,5 @@ int dpti_world_def_is_valid(const dpt_world_def *def)
            def->certificate_bytes <= CERTIFICATE_BYTES_MAX && def->margin >= 0.0 &&
            within(def->margin, DPT_COORDINATE_MAX) && def->onset <= def->margin &&
            within(def->onset, DPT_COORDINATE_MAX) && def->max_contacts <= 0xffff &&
-           def->smooth_normals <= 1 && !def->reserved && strips_are_valid(def);
+           def->smooth_normals <= 1 && def->max_tips <= 0xffff && strips_are_valid(def);
 }

@@ -18,6 +18,7 @@
 #include "force/bed.h"
 #include "force/fade.h"
 #include "force/spring.h"
+#include "hull/hull_search.h"
 #include "nearest/bvh.h"
 #include "nearest/dynamic_point.h"
 #include "strip/strip_state.h"
@@ -64,7 +65,10 @@ struct tool {
     struct slot slot;
     uint32_t first_segment; /* index in the world's segments; its others follow */
     uint32_t segment_count;
-    uint32_t nearest_segment; /* the segment whose hit is the tool's; counts from first_segment */
+    uint32_t first_tip; /* index in the world's tips; its others follow */
+    uint32_t tip_count;
+    /* The segment whose hit is the tool's; counts from first_segment, and tips go on from segment_count. */
+    uint32_t nearest_segment;
     /* Its segments are given in the world, and its torque is about end a of the first one. */
     uint32_t is_free;
     uint32_t has_changed; /* since the last step, in what it depends on (rest.h) */
@@ -74,11 +78,34 @@ struct tool {
     dpt_wrench on_rigid;
 };
 
+/* The nearest pair of a tip and all bodies. */
+struct tip_answer {
+    const struct body *body; /* NULL: no pair */
+    struct hull_nearest nearest;
+    vec3 p, q; /* in the world */
+    double lower_bound;
+    uint32_t is_exact;
+    uint32_t reserved;
+};
+
+/* A convex part of a tool, in the tool's frame. */
+struct tip {
+    const struct dpt_hull *hull;
+    struct tip_answer answer;  /* this tick's */
+    struct frame answer_frame; /* where the tool's frame was for it */
+    uint32_t answer_tick;      /* in which it was found */
+    uint32_t reserved;
+    dpt_hit hit;
+    dpt_contact contact;    /* id 0: it has none */
+    uint32_t last_body_id;  /* the nearest in the last search; 0: none */
+    uint32_t last_triangle; /* place, on that body */
+};
+
 enum { PROXY_MEMORY = 8, PROXY_CONTACTS_MAX = 6 };
 
 /* A triangle that a proxy remembers. */
 struct proxy_triangle {
-    uint32_t segment;  /* of the tool, from 0 */
+    uint32_t segment;  /* of the tool, from 0; tips go on from its segment_count */
     uint32_t body_id;  /* 0: the entry is empty */
     uint32_t triangle; /* place */
     uint32_t used;     /* the proxy's clock when it was used last */
@@ -88,8 +115,9 @@ struct proxy_triangle {
 struct proxy_contact {
     vec3 slip;            /* m, in the world: from where it stuck to where it is */
     double s;             /* on the segment, 0..1 */
+    vec3 at;              /* of a tip's: where, in the tool's frame */
     uint32_t body_id;     /* 0: the entry is empty */
-    uint32_t segment;     /* of the tool, from 0 */
+    uint32_t segment;     /* of the tool, from 0; tips go on from its segment_count */
     double turned;        /* rad, about the normal: from where it stuck */
     uint32_t is_slipping; /* in the last motion */
     uint32_t age;         /* ticks in which it has held nothing */
@@ -120,10 +148,10 @@ struct proxy {
     double min_gap; /* m: the least that is allowed */
     double trust;   /* m: the longest motion that is tried at once */
     double last_motion; /* m */
-    double owed;        /* m: how far it might have moved in the last tick, but for the sweeps' limit */
-    double lag;         /* m */
-    double length;      /* m: of a free tool, the device's */
-    double radius;      /* m: likewise */
+    double owed;   /* m: how far it might have moved in the last tick, but for the sweeps' limit */
+    double lag;    /* m */
+    double length; /* m: of a free tool, the device's */
+    double radius; /* m: likewise */
     /* Of the displacement from the device to the proxy, the part that surfaces yield, and the energy they store, J. */
     struct displacement yielded;
     double yielded_energy;
@@ -143,7 +171,7 @@ struct proxy {
     uint32_t tick;    /* the world's, of its last step */
     /* A body that it remembers was removed or teleported since: its push ends at once. */
     uint32_t is_released;
-    uint32_t reason; /* DPT_FORCE_... of this tick */
+    uint32_t reason;   /* DPT_FORCE_... of this tick */
     uint32_t is_still; /* the last tick left it as it was */
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
@@ -228,8 +256,9 @@ struct segment {
     struct penetration felt_penetration; /* the force uses it: reduced near a sheet's border */
     struct bed_depth bed_depth;          /* for DPT_LAW_BED */
     struct depth_samples depth_samples;
-    uint32_t contact_work; /* units, that the last tick's contact took in all; 0: it was not decided, or there was none */
-    struct motion_state previous;        /* where the next motion to be swept begins */
+    uint32_t
+        contact_work; /* units, that the last tick's contact took in all; 0: it was not decided, or there was none */
+    struct motion_state previous; /* where the next motion to be swept begins */
     dpt_sweep sweep;
     uint32_t may_have_crossed; /* in this tick's motion the axis may have gone through a surface */
     uint32_t last_body_slot;   /* the body that was nearest in the last tick, or DPT_NONE */
@@ -317,6 +346,7 @@ struct dpt_world {
     uint32_t deform_count;      /* of them, those with vertices of their own */
     uint32_t tool_count;
     uint32_t segment_count;
+    uint32_t tip_count;
     uint32_t freed_count[2];     /* slots of bodies [0] and tools [1] freed so far; may wrap */
     uint32_t invalid_body_count; /* without a valid pose; above 0 every answer is stale */
     struct work work;            /* this tick's, with its budget */
@@ -338,6 +368,7 @@ struct dpt_world {
     struct box *boxes;            /* of the bodies, in the world, by slot */
     struct tool *tools;           /* by slot */
     struct segment *segments;     /* of all tools, without gaps */
+    struct tip *tips;             /* likewise */
     struct plane_cache plane_cache;
     /* Per segment, body slot and part: the place of the triangle of the last answer, or DPT_NONE. */
     uint32_t *last_triangles;

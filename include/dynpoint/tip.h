@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Tips of tools: convex bodies at the end of a tool's segments, such as a blade, a needle's bevel or a jaw
+ * (docs/algorithms/tips.md). A tip is a hull in the tool's frame. It moves with the tool, and the tool's proxy goes
+ * through nothing with its tips either.
+ *
+ * Tips are numbered after the tool's segments: in hits and contacts `segment` of the first tip is the number of the
+ * tool's segments. dpt_tool_get_segment_hit takes that number too.
+ *
+ * Threads: as all calls on a world (world.h).
+ */
+#ifndef DYNPOINT_TIP_H
+#define DYNPOINT_TIP_H
+
+#include "dynpoint/hull.h"
+#include "dynpoint/world.h"
+
+DPT_BEGIN
+
+/* One tip. The world keeps the pointer: the hull must stay where it is while the tool has the tip. */
+typedef struct dpt_tip {
+    uint32_t size;     /* sizeof(dpt_tip), set by the caller; in an array, set that of the first item */
+    uint32_t reserved; /* 0 */
+    const dpt_hull *hull;
+    const void *reserved_pointer; /* NULL */
+} dpt_tip;
+
+/*
+ * Give a tool its tips, in place of those that it has; count 0: none. Then the tool is as if it had just been placed
+ * where it is, as after dpt_tool_teleport.
+ *
+ * A tool needs at least one segment beside its tips. Where the tip is all there is, give it a segment of no length inside
+ * the tip. A tip counts as a segment along its hull's axis for the tool's centre and for what its turns weigh
+ * (docs/algorithms/force.md), and the tool turns in all directions then.
+ *
+ *   hits      of a tip: distance is that of the hull's polyhedron, gap that of its surface; p is on the polyhedron, and s
+ *             is 0. Where tip and body meet, distance is 0, and how deep is not known
+ *   contacts  a tip has at most one, its nearest pair, while that is within the world's margin. s0, s1 and the integrals
+ *             are 0
+ *
+ * A search for a tip's nearest pair that the budget ends begins anew in the next step. A strip is not made of a tip.
+ *
+ * DPT_E_FULL: the world's max_tips. DPT_E_UNSUPPORTED: the tool has no proxy (DPT_LAW_PROXY) in a world that responds, or
+ * is free. While a tool has tips, its law stays, and it cannot be made free.
+ */
+DPT_API dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_tip *tips,
+                                     uint32_t count);
+
+DPT_END
+
+#endif
