@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "hull/hull_maker.h"
 
-const char *const cloud_names[CLOUDS] = { "cube",     "sphere",  "lattice", "stretched",
-                                          "inside",   "repeated", "polygon", "box",
-                                          "wedge",    "cylinder", "cone" };
+const char *const cloud_names[CLOUDS] = { "cube",   "sphere",   "lattice", "stretched",
+                                          "inside", "repeated", "polygon", "box",
+                                          "wedge",  "cylinder", "cone" };
 
 static void put(struct made_hull *made, vec3 x)
 {

@@ -67,9 +67,9 @@ static const char *throw_text(const struct hull_throw *thrown)
     size_t length = 0;
     for (int i = 0; i < 4; i++) {
         const double *p = poses[i].position, *q = poses[i].orientation;
-        length += (size_t)snprintf(text + length, sizeof text - length,
-                                   "pose %a,%a,%a, %a,%a,%a,%a; ", p[0], p[1], p[2], q[0], q[1],
-                                   q[2], q[3]);
+        length +=
+            (size_t)snprintf(text + length, sizeof text - length, "pose %a,%a,%a, %a,%a,%a,%a; ",
+                             p[0], p[1], p[2], q[0], q[1], q[2], q[3]);
     }
     snprintf(text + length, sizeof text - length, "radius %a, clearance %a, tolerance %a, hull %s",
              thrown->made->hull->radius, thrown->clearance, thrown->tolerance,
@@ -120,8 +120,8 @@ static void check_status(const struct hull_throw *thrown)
 }
 
 /*
- * m: how far the triangle's corners may go while the hull moves on by the tolerance. A hull at rest stays where it is for
- * as long as the vertices move.
+ * m: how far the triangle's corners may go while the hull moves on by the tolerance. A hull at rest stays where it is
+ * for as long as the vertices move.
  */
 static double way_after(const struct hull_throw *thrown)
 {
@@ -130,8 +130,8 @@ static double way_after(const struct hull_throw *thrown)
     const double left = min_of(1.0 - thrown->time, thrown->tolerance / max_of(speed, 1e-300));
     double fastest = 0.0;
     for (uint32_t k = 0; k < 9 && thrown->triangles->shift; k += 3)
-        fastest = max_of(fastest, length(vec3_of(thrown->triangles->shift +
-                                                 9 * (size_t)thrown->triangle + k)));
+        fastest = max_of(
+            fastest, length(vec3_of(thrown->triangles->shift + 9 * (size_t)thrown->triangle + k)));
     return fastest * left;
 }
 

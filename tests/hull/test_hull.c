@@ -100,7 +100,8 @@ static void clouds_have_their_convex_hull(void)
         const uint64_t count = part_of(600);
         for (uint64_t i = 0; i < count; i++) {
             struct made_hull made;
-            const double factor = one_in(&rng, 3) ? 1.0 : ldexp(1.0, (int)whole_in(&rng, 0, 20) - 10);
+            const double factor =
+                one_in(&rng, 3) ? 1.0 : ldexp(1.0, (int)whole_in(&rng, 0, 20) - 10);
             double offset[3] = { 0.0, 0.0, 0.0 };
             if (kind != CLOUD_LATTICE && one_in(&rng, 4))
                 vec3_store(any_in(&rng, factor * power_in(&rng, 0.0, 3.0)), offset);
@@ -117,8 +118,8 @@ static void clouds_have_their_convex_hull(void)
             check_made(&made, cloud_names[kind], CLOUD_OFF);
             if (kind == CLOUD_LATTICE)
                 check_exact_corners(&made);
-            CHECK(kind != CLOUD_SPHERE || made.as.corner_count == made.count, "%u of %u on a sphere",
-                  made.as.corner_count, made.count);
+            CHECK(kind != CLOUD_SPHERE || made.as.corner_count == made.count,
+                  "%u of %u on a sphere", made.as.corner_count, made.count);
             CHECK(kind != CLOUD_POLYGON || made.as.face_count == 2, "%u faces", made.as.face_count);
             corners += made.as.corner_count;
             faces += made.as.face_count;
@@ -182,8 +183,8 @@ static void nearly_flat_clouds_are_refused_or_right(void)
                 check_made(&made, "nearly flat", FLAT_OFF);
             refused += result != DPT_OK;
             flat += result == DPT_OK && made.as.face_count == 2;
-            CHECK(power < -4 || (result == DPT_OK && made.as.face_count > 2),
-                  "1e%d: %s, %u faces", power, dpt_result_name(result), made.as.face_count);
+            CHECK(power < -4 || (result == DPT_OK && made.as.face_count > 2), "1e%d: %s, %u faces",
+                  power, dpt_result_name(result), made.as.face_count);
         }
         printf("    thickness 1e%-3d of %3u: %3u refused, %3u polygons\n", power, (unsigned)count,
                (unsigned)refused, (unsigned)flat);
@@ -254,8 +255,8 @@ static void defs_that_are_none_are_refused(void)
             const double was = corners[k];
             def = good;
             corners[k] = wrong[i];
-            CHECK(create_from(&def) == DPT_E_FINITE && dpt_hull_bytes(&def) == 0, "%g: %s", wrong[i],
-                  dpt_result_name(create_from(&def)));
+            CHECK(create_from(&def) == DPT_E_FINITE && dpt_hull_bytes(&def) == 0, "%g: %s",
+                  wrong[i], dpt_result_name(create_from(&def)));
             corners[k] = was;
         }
     static const double radii[] = { NAN, INFINITY, -1e-300, -1.0, 1.001e6 };

@@ -101,7 +101,8 @@ static vec3 near_vertex(const struct soft_body *soft, double off)
     return along(vec3_of_float(x + 3 * (size_t)v), off, any_unit(&rng));
 }
 
-static void check_search(struct soft_body *soft, const struct made_hull *made, struct hull_place *place)
+static void check_search(struct soft_body *soft, const struct made_hull *made,
+                         struct hull_place *place)
 {
     const dpt_pose pose = any_pose(&rng, 0.0);
     struct frame tool;
@@ -119,8 +120,8 @@ static void check_search(struct soft_body *soft, const struct made_hull *made, s
                          one_in(&rng, 2) ? whole_in(&rng, 0, soft->triangles.count - 1) : DPT_NONE,
                          HUGE_VAL, &work, &nearest);
     const double bound = dpti_hull_error(place, &soft->body.surface, &tool, &frame_identity);
-    const struct oracle_interval truth = oracle_hull_surface(
-        corners, made->as.corner_count, &soft->triangles, 0.0, HUGE_VAL, NULL);
+    const struct oracle_interval truth =
+        oracle_hull_surface(corners, made->as.corner_count, &soft->triangles, 0.0, HUGE_VAL, NULL);
     CHECK(is_proven && nearest.distance >= truth.lower - bound &&
               nearest.distance <= truth.upper + bound,
           "%d, %.17g, not %.17g..%.17g", is_proven, nearest.distance, truth.lower, truth.upper);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * A hull and one triangle against the oracle, on families of pairs that have gone wrong in someone's code: touching,
- * flat on a face, edge on edge, corner on corner, slivers, inside, through. Sizes from 1 mm to 1 km. Errors are in units
- * of 2^-53 of the largest |coordinate|. The table names the worst of each family, and how wide the oracle's own interval
- * was at most.
+ * flat on a face, edge on edge, corner on corner, slivers, inside, through. Sizes from 1 mm to 1 km. Errors are in
+ * units of 2^-53 of the largest |coordinate|. The table names the worst of each family, and how wide the oracle's own
+ * interval was at most.
  *
  *     test_hull_pair [PAIRS = 100000] [SEED = 1]
  */
@@ -32,7 +32,8 @@ struct scene {
 static const char *text_of(const struct scene *scene)
 {
     static char text[12000];
-    snprintf(text, sizeof text, "hull %s; ", points_text(scene->corners, scene->place.hull->corner_count));
+    snprintf(text, sizeof text, "hull %s; ",
+             points_text(scene->corners, scene->place.hull->corner_count));
     const size_t length = strlen(text);
     snprintf(text + length, sizeof text - length, "triangle %s", points_text(scene->triangle, 3));
     return text;
@@ -86,7 +87,8 @@ static void make_far(struct scene *scene)
 static void make_near(struct scene *scene)
 {
     const double reach = scene->size * power_in(&rng, -2.0, 0.5);
-    const vec3 at = along(any_inside(scene), scene->size * random_in(&rng, 0.0, 0.6), any_unit(&rng));
+    const vec3 at =
+        along(any_inside(scene), scene->size * random_in(&rng, 0.0, 0.6), any_unit(&rng));
     for (int k = 0; k < 3; k++)
         scene->v[k] = add(at, any_in(&rng, reach));
 }
@@ -98,7 +100,8 @@ static void make_flat_on_face(struct scene *scene)
     const struct hull_face *face = &hull->face[whole_in(&rng, 0, hull->face_count - 1)];
     const vec3 n = scene->place.normal[face - hull->face];
     const double gap = any_gap(scene), reach = scene->size * power_in(&rng, -2.0, 0.5);
-    const vec3 from = corner_of(scene, hull->loop[face->first + whole_in(&rng, 0, face->count - 1)]);
+    const vec3 from =
+        corner_of(scene, hull->loop[face->first + whole_in(&rng, 0, face->count - 1)]);
     vec3 across[2];
     unit_across(n, across);
     for (int k = 0; k < 3; k++)
@@ -165,7 +168,8 @@ static void make_edge_on_edge(struct scene *scene)
     const vec3 d = add(scaled(u, cos(angle)), scaled(w, sin(angle)));
     scene->v[0] = along(q, -reach * random_in(&rng, -0.1, 1.0), d);
     scene->v[1] = along(q, reach * random_in(&rng, 0.0, 1.0), d);
-    scene->v[2] = along(along(q, random_in(&rng, 0.0, reach), n), random_in(&rng, -reach, reach), d);
+    scene->v[2] =
+        along(along(q, random_in(&rng, 0.0, reach), n), random_in(&rng, -reach, reach), d);
 }
 
 static void make_corner_on_edge(struct scene *scene)
@@ -185,7 +189,8 @@ static void make_sliver(struct scene *scene)
     const vec3 e = sub(scene->v[1], scene->v[0]);
     const double thin = one_in(&rng, 5) ? 0.0 : power_in(&rng, -16.0, -2.0);
     const vec3 off = scaled(any_in(&rng, scene->size), thin);
-    scene->v[2] = add(along(scene->v[0], one_in(&rng, 3) ? 0.0 : random_in(&rng, -0.2, 1.2), e), off);
+    scene->v[2] =
+        add(along(scene->v[0], one_in(&rng, 3) ? 0.0 : random_in(&rng, -0.2, 1.2), e), off);
     if (thin == 0.0 && one_in(&rng, 3))
         scene->v[1] = scene->v[0];
 }
@@ -304,7 +309,8 @@ static void check_pair(const struct scene *scene, const struct hull_pair *found,
     CHECK(found->pair.s == 0.0, "s %g", found->pair.s);
     /* Where they meet, a crossing at a small angle is known less well. */
     const double off = off_hull(scene, add(q, found->pair.gap));
-    CHECK(off <= (found->feature == DPT_NONE ? 16.0 : 1.0) * bound, "p is %g units off the hull, feature %u: %s", off / (scene->extent * UNIT),
+    CHECK(off <= (found->feature == DPT_NONE ? 16.0 : 1.0) * bound,
+          "p is %g units off the hull, feature %u: %s", off / (scene->extent * UNIT),
           found->feature, text_of(scene));
 }
 
@@ -380,7 +386,8 @@ static void check_limit(const struct scene *scene, const struct oracle_interval 
     const double limit = distance * (1.0 + power_in(&rng, -12.0, 0.0) * (one_in(&rng, 2) ? 1 : -1));
     const int is_near = dpti_hull_triangle(&scene->place, scene->v, limit, &found);
     if (is_near)
-        CHECK(sqrt(found.pair.distance2) <= limit && sqrt(found.pair.distance2) <= truth->upper + bound,
+        CHECK(sqrt(found.pair.distance2) <= limit &&
+                  sqrt(found.pair.distance2) <= truth->upper + bound,
               "%g, limit %g: %s", sqrt(found.pair.distance2), limit, text_of(scene));
     CHECK(!is_near || truth->lower - bound < limit, "found nearer than %g, at %g: %s", limit,
           truth->lower, text_of(scene));
@@ -415,7 +422,8 @@ static void check_scene(struct row *row, const struct scene *scene)
               "feature %u by itself: %s", found.feature, text_of(scene));
         check_limit(scene, &truth, distance, bound);
     }
-    check_features(scene, &truth, (distance + 1e-3 * scene->size) * random_in(&rng, 0.5, 3.0), bound);
+    check_features(scene, &truth, (distance + 1e-3 * scene->size) * random_in(&rng, 0.5, 3.0),
+                   bound);
     row->meet += truth.upper <= unit;
     row->apart += truth.lower > 0.0;
     row->open += truth.upper - truth.lower > 4.0 * max_of(unit, UNIT * truth.upper);
@@ -489,8 +497,8 @@ static void planes_lie_between(void)
                   truth.upper, wanted, text_of(&scene));
             claimed++;
         }
-        const double size = scene.size + length(sub(scene.v[1], scene.v[0])) +
-                            length(sub(scene.v[2], scene.v[0]));
+        const double size =
+            scene.size + length(sub(scene.v[1], scene.v[0])) + length(sub(scene.v[2], scene.v[0]));
         if (truth.lower - wanted > 1e-6 * size + 16.0 * unit) {
             apart++;
             missed += !is_found;

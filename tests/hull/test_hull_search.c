@@ -165,25 +165,26 @@ static void check_pose(const struct hull_body *body, struct walker *walker, stru
 {
     int is_proven;
     struct work work = work_of(WORK_UNLIMITED);
-    const double bound = dpti_hull_error(&walker->place, &body->surface, &walker->tool_frame,
-                                         &walker->body_frame);
+    const double bound =
+        dpti_hull_error(&walker->place, &body->surface, &walker->tool_frame, &walker->body_frame);
     const uint32_t hint = walker->last;
     const struct hull_nearest nearest = ask(body, walker, hint, HUGE_VAL, &work, &is_proven);
     const double distance = nearest.distance;
     CHECK(is_proven, "not proven");
     CHECK(bound > 0.0 && bound < 1e-12 * (body->diagonal + walker->made.size +
-                                         extent_of(walker->tool_frame.origin) +
-                                         extent_of(walker->body_frame.origin) +
-                                         dpti_surface_extent(&body->surface)),
+                                          extent_of(walker->tool_frame.origin) +
+                                          extent_of(walker->body_frame.origin) +
+                                          dpti_surface_extent(&body->surface)),
           "error %g", bound);
     const struct oracle_interval truth = oracle_hull_surface(
         walker->exact, walker->made.as.corner_count, &body->triangles, 0.0, HUGE_VAL, NULL);
     const double error = max_of(truth.lower - distance, distance - truth.upper);
-    CHECK(error <= bound, "%s: %.17g, not %.17g..%.17g: %g bounds; hint %u", body->name,
-          distance, truth.lower, truth.upper, error / bound, hint);
+    CHECK(error <= bound, "%s: %.17g, not %.17g..%.17g: %g bounds; hint %u", body->name, distance,
+          truth.lower, truth.upper, error / bound, hint);
     check_found(body, walker, &nearest, bound);
     if (hint != DPT_NONE || one_in(&rng, 4)) {
-        const uint32_t other = one_in(&rng, 2) ? whole_in(&rng, 0, body->triangles.count - 1) : DPT_NONE;
+        const uint32_t other =
+            one_in(&rng, 2) ? whole_in(&rng, 0, body->triangles.count - 1) : DPT_NONE;
         struct work again = work_of(WORK_UNLIMITED);
         const struct hull_nearest same = ask(body, walker, other, HUGE_VAL, &again, &is_proven);
         CHECK(is_proven && fabs(same.distance - distance) <= bound, "%g, with hint %u %g", distance,
@@ -224,7 +225,7 @@ static void meshes_are_searched_exactly(void)
     static const struct {
         const char *shape;
         uint64_t count;
-    } subjects[] = { { "liver", 1500 }, { "torus", 5568 }, { "star", 2000 },
+    } subjects[] = { { "liver", 1500 }, { "torus", 5568 },   { "star", 2000 },
                      { "cloth", 1800 }, { "membrane", 512 }, { "box", 12 } };
     const size_t count = sizeof subjects / sizeof *subjects;
     for (size_t i = 0; i < count; i++) {

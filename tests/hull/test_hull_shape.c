@@ -33,9 +33,9 @@ static int make_shape(struct shaped *shaped, uint32_t kind, uint32_t sides)
     if (result == DPT_OK)
         result = make_hull(made, 0.0);
     CHECK(result == DPT_OK, "kind %u, %u sides: %s", kind, sides, dpt_result_name(result));
-    const char *fault = result == DPT_OK
-                            ? oracle_hull_fault(&made->as, made->point, made->count, 1e-14 * made->size)
-                            : NULL;
+    const char *fault = result == DPT_OK ? oracle_hull_fault(&made->as, made->point, made->count,
+                                                             1e-14 * made->size)
+                                         : NULL;
     CHECK(!fault, "kind %u, %u sides: %s", kind, sides, fault);
     return result == DPT_OK && !fault;
 }
@@ -131,11 +131,10 @@ static void shapes_without_an_extent(void)
     for (uint32_t kind = 0; kind < 4; kind++)
         for (int zero = 0; zero < 8; zero++) {
             struct made_hull made = { .count = 0 };
-            const dpt_hull_shape shape = {
-                .size = sizeof shape,
-                .kind = kind,
-                .extent = { zero & 1 ? 0.0 : 0.1, zero & 2 ? 0.0 : 0.2, zero & 4 ? 0.0 : 0.3 }
-            };
+            const dpt_hull_shape shape = { .size = sizeof shape,
+                                           .kind = kind,
+                                           .extent = { zero & 1 ? 0.0 : 0.1, zero & 2 ? 0.0 : 0.2,
+                                                       zero & 4 ? 0.0 : 0.3 } };
             const dpt_result result =
                 dpt_hull_shape_corners(&shape, made.point, DPT_HULL_CORNERS_MAX, &made.count);
             const int is_round = kind >= DPT_HULL_KIND_CYLINDER;
@@ -165,9 +164,9 @@ static void shapes_that_are_none_are_refused(void)
 {
     static const double wrong[] = { NAN, INFINITY, -INFINITY, 1.001e6, -1e-9 };
     for (uint32_t kind = 0; kind < 4; kind++) {
-        const dpt_hull_shape good = {
-            .size = sizeof good, .kind = kind, .extent = { 0.1, 0.1, 0.1 }
-        };
+        const dpt_hull_shape good = { .size = sizeof good,
+                                      .kind = kind,
+                                      .extent = { 0.1, 0.1, 0.1 } };
         dpt_hull_shape shape = good;
         CHECK(corners_of(&shape) == DPT_OK, "kind %u", kind);
         for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
@@ -184,8 +183,8 @@ static void shapes_that_are_none_are_refused(void)
             shape = good;
             shape.sides = sides;
             const int is_good = sides == 0 || (sides >= 3 && sides <= most);
-            CHECK(corners_of(&shape) == (is_good ? DPT_OK : DPT_E_ARGUMENT), "kind %u, %u sides: %s",
-                  kind, sides, dpt_result_name(corners_of(&shape)));
+            CHECK(corners_of(&shape) == (is_good ? DPT_OK : DPT_E_ARGUMENT),
+                  "kind %u, %u sides: %s", kind, sides, dpt_result_name(corners_of(&shape)));
         }
         shape = good;
         shape.sides = UINT32_MAX;
@@ -202,9 +201,9 @@ static void shapes_that_are_none_are_refused(void)
 static void as_many_corners_are_written_as_there_is_room_for(void)
 {
     for (uint32_t kind = 0; kind < 4; kind++) {
-        const dpt_hull_shape shape = {
-            .size = sizeof shape, .kind = kind, .extent = { 0.1, 0.2, 0.3 }
-        };
+        const dpt_hull_shape shape = { .size = sizeof shape,
+                                       .kind = kind,
+                                       .extent = { 0.1, 0.2, 0.3 } };
         double all[3 * DPT_HULL_CORNERS_MAX], some[3 * DPT_HULL_CORNERS_MAX];
         uint32_t count = 0, told = 0;
         CHECK(dpt_hull_shape_corners(&shape, all, DPT_HULL_CORNERS_MAX, &count) == DPT_OK, "all");

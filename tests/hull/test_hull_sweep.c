@@ -230,8 +230,8 @@ static void what_grazes_is_told_apart(void)
         put_motion(&thrown, x, along(x, 1.0, (vec3){ way.x, way.y, 0.0 }), 0.0, 0.0, 0.0);
         double low, high;
         heights_at(&thrown, 0.0, &low, &high);
-        const double lift = side * (throw_radius(&thrown) + part * thrown.tolerance) -
-                            (side > 0.0 ? low : high);
+        const double lift =
+            side * (throw_radius(&thrown) + part * thrown.tolerance) - (side > 0.0 ? low : high);
         thrown.motion.tool_from.position[2] += lift;
         thrown.motion.tool_to.position[2] += lift;
         if (is_moving) {
