@@ -378,6 +378,36 @@ static void check_features(const struct scene *scene, const struct oracle_interv
           text_of(scene));
 }
 
+/*
+ * The nearest pair is one of its neighbours' nearest; and as both are convex, a pair that is nearest among its neighbours
+ * is nearest of all. With a lean that is small beside what makes pairs differ, where they are not too near for a
+ * direction.
+ */
+static void check_local(const struct scene *scene)
+{
+    struct hull_pair nearest;
+    const struct oracle_interval truth = interval_of(scene);
+    const double lean = 1e-7, reach = scene->size + length(sub(scene->v[1], scene->v[0])) +
+                                      length(sub(scene->v[2], scene->v[0]));
+    if (!(truth.lower > 1e8 * UNIT * scene->extent && truth.lower > 1e-6 * reach) ||
+        !dpti_hull_triangle(&scene->place, scene->v, HUGE_VAL, &nearest))
+        return;
+    CHECK(dpti_hull_pair_is_local(&scene->place, scene->v, &nearest, 1e-4),
+          "the nearest pair, feature %u, weights %g, %g, %g, is not: %s", nearest.feature,
+          nearest.pair.weight[0], nearest.pair.weight[1], nearest.pair.weight[2], text_of(scene));
+    for (uint32_t f = 0; f < HULL_FEATURES; f++) {
+        struct hull_pair found;
+        if (!has_feature(scene->place.hull, f) ||
+            !dpti_hull_feature(&scene->place, f, scene->v, &found) ||
+            !dpti_hull_pair_is_local(&scene->place, scene->v, &found, lean))
+            continue;
+        const double distance = sqrt(found.pair.distance2);
+        CHECK(distance <= truth.upper + 1e-3 * reach,
+              "feature %u at %g is no local pair, the distance is %g: %s", f, distance, truth.upper,
+              text_of(scene));
+    }
+}
+
 /* A nearer limit finds nothing, a farther one the same. */
 static void check_limit(const struct scene *scene, const struct oracle_interval *truth,
                         double distance, double bound)
@@ -510,10 +540,24 @@ static void planes_lie_between(void)
     CHECK(apart > pair_count / 4, "%lu of %lu are apart", apart, pair_count);
 }
 
+static void local_pairs_are_nearest_of_all(void)
+{
+    static struct scene scene;
+    for (unsigned long i = 0; i < pair_count; i++) {
+        const size_t count = sizeof families / sizeof *families;
+        if (i % 8 == 0)
+            put_hull(&scene);
+        families[random_bits(&rng) % count].make(&scene);
+        end_scene(&scene);
+        check_local(&scene);
+    }
+}
+
 int main(int argc, char **argv)
 {
     take_count(argc, argv, &pair_count, &rng);
     TEST(pairs_are_the_nearest);
     TEST(planes_lie_between);
+    TEST(local_pairs_are_nearest_of_all);
     return check_report();
 }
