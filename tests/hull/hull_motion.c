@@ -40,6 +40,7 @@ void throw_sweep(uint64_t *random, struct hull_throw *thrown, uint32_t work)
                                 .hull = thrown->made->hull,
                                 .clearance = thrown->clearance,
                                 .tolerance = thrown->tolerance,
+                                .resolution = thrown->resolution,
                                 .tick = thrown->tick,
                                 .tick_from = thrown->tick_from,
                                 .directions = directions,
@@ -119,56 +120,34 @@ static void check_status(const struct hull_throw *thrown)
           thrown->triangle);
 }
 
-/*
- * m: how far the triangle's corners may go while the hull moves on by the tolerance. A hull at rest stays where it is
- * for as long as the vertices move.
- */
-static double way_after(const struct hull_throw *thrown)
+/* m: how far hull and triangle may go in the time that the resolution leaves open. */
+static double way_left_open(const struct hull_throw *thrown)
 {
     const struct oracle_hull *as = &thrown->made->as;
     const double speed = oracle_motion_speed(&thrown->motion, as->corner[0], as->corner_count);
-    const double left = min_of(1.0 - thrown->time, thrown->tolerance / max_of(speed, 1e-300));
     double fastest = 0.0;
     for (uint32_t k = 0; k < 9 && thrown->triangles->shift; k += 3)
         fastest = max_of(
             fastest, length(vec3_of(thrown->triangles->shift + 9 * (size_t)thrown->triangle + k)));
-    return fastest * left;
+    return thrown->resolution * (speed + fastest);
 }
 
-/* How far the triangle of a hit is beyond the radius, in tolerances; its own way does not count. */
+/* How far the triangle of a hit is beyond the radius, and what the resolution leaves open, in tolerances. */
 static double check_hit(const struct hull_throw *thrown)
 {
     if (thrown->status != SWEEP_HIT || thrown->triangle >= thrown->triangles->count)
         return 0.0;
-    const double way = way_after(thrown);
     const double apart = throw_distance(thrown, thrown->time, thrown->triangle, HUGE_VAL).lower;
-    const double beyond = apart - throw_radius(thrown) - way;
+    const double beyond = apart - throw_radius(thrown) - way_left_open(thrown);
     CHECK(beyond <= 2.0 * thrown->tolerance + thrown->noise,
           "hit at %.17g, %g tolerances beyond: %s", thrown->time, beyond / thrown->tolerance,
           throw_text(thrown));
     return beyond / thrown->tolerance;
 }
 
-/*
- * Of a hit on a surface whose vertices move: 1 if its triangle does not come near while the hull moves on by the
- * tolerance, at any of many times, so that the sweep was too careful.
- */
-static int is_careful(const struct hull_throw *thrown)
-{
-    enum { TIMES = 200 };
-    const double way = way_after(thrown), limit = throw_radius(thrown) + 2.0 * thrown->tolerance;
-    const struct oracle_hull *as = &thrown->made->as;
-    const double speed = oracle_motion_speed(&thrown->motion, as->corner[0], as->corner_count);
-    const double left = min_of(1.0 - thrown->time, thrown->tolerance / max_of(speed, 1e-300));
-    for (int i = 0; i <= TIMES; i++)
-        if (throw_distance(thrown, thrown->time + left * i / TIMES, thrown->triangle, HUGE_VAL)
-                .lower < limit + way / TIMES)
-            return 0;
-    return 1;
-}
-
 void check_throw(uint64_t *random, struct hull_throw *thrown, struct throw_tally *tally)
 {
+    thrown->resolution = one_in(random, 3) ? power_in(random, -4.0, -0.3) : 0.0;
     throw_sweep(random, thrown, WORK_UNLIMITED);
     CHECK(thrown->status != SWEEP_UNFINISHED, "unfinished, of any work");
     check_status(thrown);
@@ -178,7 +157,6 @@ void check_throw(uint64_t *random, struct hull_throw *thrown, struct throw_tally
     tally->hits += thrown->status == SWEEP_HIT;
     tally->at_once += thrown->status == SWEEP_HIT && thrown->time == 0.0;
     tally->near_misses += thrown->status == SWEEP_FREE && is_near;
-    tally->careful += thrown->status == SWEEP_HIT && thrown->triangles->shift && is_careful(thrown);
     tally->work += thrown->work;
     if (!one_in(random, 4))
         return;

@@ -5,8 +5,8 @@
  *   - Before the time that the sweep tells, nothing is as near as the hull's radius. The oracle looks at times all over
  *     that stretch, and from where the two first come near, at steps that grow from next to nothing.
  *   - Where it says HIT, the triangle is no farther away at that time than the radius and twice the tolerance: one for
- *     the hull that is grown, and one for the motion that follows. Where vertices move, it may be farther by what they
- *     go on while the hull goes on by the tolerance: all the way, if the hull is at rest.
+ *     the motion that follows, and one for what holds the paths. With a resolution, it may be farther by what hull and
+ *     vertices go in that share of the time.
  *
  * `noise`: m, rounding of poses and of distances, that either may be off by.
  */
@@ -22,7 +22,7 @@ struct hull_throw {
     const struct oracle_triangles *triangles;
     const struct made_hull *made;
     struct oracle_motion motion;
-    double clearance, tolerance, noise;
+    double clearance, tolerance, resolution, noise;
     uint32_t tick; /* of a body whose vertices move; `triangles` are those from tick_from on */
     double tick_from;
     /* The answer. */
@@ -33,7 +33,7 @@ struct hull_throw {
 };
 
 struct throw_tally {
-    unsigned long throws, hits, at_once, near_misses, unfinished, careful;
+    unsigned long throws, hits, at_once, near_misses, unfinished;
     double worst; /* of a hit: how far its triangle was beyond the radius, in tolerances */
     double work;
 };

@@ -182,8 +182,6 @@ static void what_moves_is_met_in_time(void)
                 check_sweep(&soft, &made, &tally);
         }
         print_throws(shapes[s], &tally);
-        printf("    %lu hits of triangles that do not come near\n", tally.careful);
-        CHECK(tally.careful * 50 <= tally.hits, "%lu of %lu hits", tally.careful, tally.hits);
         CHECK(tally.hits > tally.throws / 10 && tally.hits < tally.throws, "%lu hits", tally.hits);
         close_soft(&soft);
     }

@@ -381,7 +381,7 @@ static void check_features(const struct scene *scene, const struct oracle_interv
 /*
  * The nearest pair is one of its neighbours' nearest; and as both are convex, a pair that is nearest among its neighbours
  * is nearest of all. With a lean that is small beside what makes pairs differ, where they are not too near for a
- * direction.
+ * direction, and of triangles that have a face: of two edges in one place it is chance which one has the pair.
  */
 static void check_local(const struct scene *scene)
 {
@@ -389,7 +389,9 @@ static void check_local(const struct scene *scene)
     const struct oracle_interval truth = interval_of(scene);
     const double lean = 1e-7, reach = scene->size + length(sub(scene->v[1], scene->v[0])) +
                                       length(sub(scene->v[2], scene->v[0]));
-    if (!(truth.lower > 1e8 * UNIT * scene->extent && truth.lower > 1e-6 * reach) ||
+    const vec3 e = sub(scene->v[1], scene->v[0]), g = sub(scene->v[2], scene->v[0]);
+    if (!(length(cross(e, g)) > 1e-9 * max_of(dot(e, e), dot(g, g))) ||
+        !(truth.lower > 1e8 * UNIT * scene->extent && truth.lower > 1e-6 * reach) ||
         !dpti_hull_triangle(&scene->place, scene->v, HUGE_VAL, &nearest))
         return;
     CHECK(dpti_hull_pair_is_local(&scene->place, scene->v, &nearest, 1e-4),
