@@ -122,6 +122,27 @@ int dpti_hull_feature(const struct hull_place *place, uint32_t feature, const ve
                                : try_face(place, number / 3, number % 3, v, found);
 }
 
+void dpti_hull_place_feature(struct hull_place *place, const struct dpt_hull *hull,
+                             uint32_t feature, const struct frame *tool, const struct frame *body)
+{
+    const uint32_t number = feature < HULL_FACE ? feature - HULL_EDGE : feature - HULL_FACE;
+    place->hull = hull;
+    if (feature < HULL_EDGE) {
+        const uint32_t corner = feature - HULL_CORNER;
+        place->corner[corner] = hull_corner_at(hull, corner, tool, body);
+    } else if (feature < HULL_FACE) {
+        for (int k = 0; k < 2; k++) {
+            const uint32_t corner = hull->edge[number / 3][k];
+            place->corner[corner] = hull_corner_at(hull, corner, tool, body);
+        }
+    } else {
+        const struct hull_face *face = &hull->face[number / 3];
+        for (uint32_t i = face->first; i < face->first + face->count; i++)
+            place->corner[hull->loop[i]] = hull_corner_at(hull, hull->loop[i], tool, body);
+        place->normal[number / 3] = frame_turn_back(body, frame_turn(tool, face->normal));
+    }
+}
+
 /* Call `take` for the features that are near; *limit may shrink meanwhile. */
 static void visit_features(const struct hull_place *place, const struct ball *ball,
                            const double *limit, hull_take_fn *take, void *user)
@@ -306,7 +327,8 @@ int dpti_hull_triangle(const struct hull_place *place, const vec3 v[3], double l
     const struct ball ball = ball_of(v);
     const uint32_t count = place->hull->corner_count;
     struct hull_pair met;
-    vec3 n = { 0.0, 0.0, 0.0 };
+    const double s = nearest_on(place->a, place->u, ball.middle);
+    vec3 n = sub(ball.middle, along(place->a, s, place->u));
     const double upper = dpti_distance_upper(place->corner, count, v, 3, limit, &n);
     if (upper == HUGE_VAL)
         return 0;

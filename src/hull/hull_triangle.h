@@ -39,6 +39,10 @@ struct hull_pair {
 int dpti_hull_feature(const struct hull_place *place, uint32_t feature, const vec3 v[3],
                       struct hull_pair *found);
 
+/* The place of a hull, as hull_place_set, but only of the corners and faces that a feature's pair needs. */
+void dpti_hull_place_feature(struct hull_place *place, const struct dpt_hull *hull,
+                             uint32_t feature, const struct frame *tool, const struct frame *body);
+
 /*
  * The nearest pair of hull and triangle, where their distance is below `limit`. Returns 1 if it is, 0 if not: then
  * `found` is undefined. If hull and triangle meet, the distance is 0, and the pair is a point of both.

@@ -316,7 +316,7 @@ static double tip_gap_of(const struct tip *tip, uint32_t feature, const vec3 v[3
 {
     struct hull_place place;
     struct hull_pair found;
-    hull_place_set(&place, tip->hull, &pose->frame, body);
+    dpti_hull_place_feature(&place, tip->hull, feature, &pose->frame, body);
     return dpti_hull_feature(&place, feature, v, &found)
                ? sqrt(found.pair.distance2) - tip->hull->radius
                : HUGE_VAL;
