@@ -142,7 +142,11 @@ typedef struct dpt_snapshot_tool {
     double body_work;
 } dpt_snapshot_tool;
 
-/* A segment where the device has it, and where the proxy has it, both in the world; and its hit (dpt_hit). */
+/*
+ * A segment where the device has it, and where the proxy has it, both in the world; and its hit (dpt_hit). A tool's tips
+ * (tip.h) follow its segments as their edges, each with the tip's hit. What names a tip elsewhere, a contact or the nearest
+ * segment, names its first edge here.
+ */
 typedef struct dpt_snapshot_segment {
     uint32_t size; /* sizeof(dpt_snapshot_segment), set by the caller */
     uint32_t status;

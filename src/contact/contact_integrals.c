@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * Between two samples the height lies between its chord and its two tangents. Where it bends once, at the edge between
- * two walls, it follows the tangents. Where it curves evenly, it lies a third of the way from them to the chord. The
- * integrals use five sixths of the way from the chord to the tangents. The area between chord and tangents gives an
- * error estimate, which decides where the next sample goes.
- */
 #include "contact/contact_integrals.h"
+
+#include "contact/spans.h"
 
 /*
  * Accepted error estimates, as shares of the overlap: of all spans together, and of one span, whose own estimate may be
@@ -15,56 +11,11 @@
 #define ERROR_SPAN_MAX 0.001
 #define ERROR_IGNORED  0.001
 
-/* Differences of two unit ways out. A smaller one is ignored; a larger one does not come from one curved wall. */
-#define TURN_SMALL 0.01
-#define TURN_LARGE 0.15
-
-/* If chord and tangents differ by at most this share of the area, the tangents are nearly one line. */
-#define STRAIGHT_SHARE 0.001
-
-/* How far the height at the end of a region may differ from the reach, as a share of the reach. */
-#define END_SHARE 0.04
-
 enum {
     REFINE_MAX = PROFILE_SAMPLES, /* samples added */
     SPANS_WITHIN_MIN = 12,        /* no span is wider than this part of all that is within reach */
     CHEAP_SAMPLE_WORK = 40        /* units for a sample, on average */
 };
-
-/* A piece of the profile on which the height is linear and the way out is that of one sample. */
-struct profile_piece {
-    double s0, s1;
-    double w0, w1; /* reach - height at s0 and s1, m */
-    vec3 normal;   /* the way out, in the body's frame */
-};
-
-/* Cut off the part of a piece that is beyond reach. Returns 0 if nothing is left. */
-static int clip_to_reach(struct profile_piece *piece)
-{
-    double w0 = piece->w0, w1 = piece->w1;
-    if (!(w0 > 0.0) && !(w1 > 0.0))
-        return 0;
-    if (w0 >= 0.0 && w1 >= 0.0)
-        return 1;
-    double zero = piece->s0 + (piece->s1 - piece->s0) * (w0 / (w0 - w1));
-    if (w0 < 0.0) {
-        piece->s0 = zero;
-        piece->w0 = 0.0;
-    } else if (w1 < 0.0) {
-        piece->s1 = zero;
-        piece->w1 = 0.0;
-    }
-    return 1;
-}
-
-/* The integral over s of the positive part of w, which is linear from w0 at s0 to w1 at s1. */
-static inline double area_within_reach(double s0, double w0, double s1, double w1)
-{
-    if (w0 >= 0.0 && w1 >= 0.0)
-        return 0.5 * (w0 + w1) * (s1 - s0);
-    struct profile_piece piece = { s0, s1, w0, w1, { 0.0, 0.0, 0.0 } };
-    return clip_to_reach(&piece) ? 0.5 * (piece.w0 + piece.w1) * (piece.s1 - piece.s0) : 0.0;
-}
 
 /* Add the integrals over what of a piece is within reach by more than `inset`. */
 static void integrate(struct region_integrals *sum, struct profile_piece piece, double inset,
@@ -90,169 +41,11 @@ static void integrate_piece(struct region *region, const struct profile_piece *p
 {
     region->within +=
         0.5 * (piece->w0 + piece->w1) * ((piece->s1 - piece->s0) * profile->axis_length);
-    region->to = piece->s1;
     region->end_within[1] = piece->w1;
     region->end_normal[1] = piece->normal;
     integrate(&region->beyond_onset, *piece, profile->inset, profile->axis_length);
-    integrate(&region->depth, *piece, profile->margin, profile->axis_length);
-}
-
-/* For a span between a mark and a sample: how far the sample's tangent is still within reach at s. */
-static double reach_left_at_mark(const struct distance_profile *profile,
-                                 const struct profile_sample *from, const struct profile_sample *to,
-                                 double s)
-{
-    const struct profile_sample *sample = from->triangle == DPT_NONE ? to : from;
-    return profile->reach - sample->height - sample->slope * (s - sample->s);
-}
-
-/*
- * 1: at sample `here` the triangle of `other` is as near as the sample's own. The distance to one triangle is convex
- * along the axis, so it is never below its tangent. The tangent alone mostly rules it out.
- */
-static int is_as_near(const struct distance_profile *profile, const struct profile_sample *other,
-                      const struct profile_sample *here)
-{
-    double limit = fabs(here->height) + profile->axis->error;
-    return !(profile_tangent_distance(other, here->s) > limit) &&
-           dpti_profile_distance_to(profile, other->triangle, here->s) <= limit;
-}
-
-/*
- * 1: one triangle is nearest at both samples. Between them the way out turns evenly, except at a sample where other
- * triangles are as near.
- */
-static int is_one_wall(const struct distance_profile *profile, const struct profile_sample *from,
-                       const struct profile_sample *to)
-{
-    return from->triangle == to->triangle || is_as_near(profile, to, from) ||
-           is_as_near(profile, from, to);
-}
-
-/* Compute the span between two samples, or a sample and a mark, but for the error of its ways out. */
-static void measure_span(const struct distance_profile *profile, const struct profile_sample *from,
-                         const struct profile_sample *to, struct span *span)
-{
-    struct bend bend = dpti_profile_bend(profile, from, to);
-    double width = to->s - from->s, w0 = profile->reach - from->height;
-    double w1 = profile->reach - to->height, tangent = profile->reach - bend.height;
-    double share = width > 0.0 ? (bend.s - from->s) / width : 0.0;
-    double chord = w0 + (w1 - w0) * share;
-    int has_mark = from->triangle == DPT_NONE || to->triangle == DPT_NONE;
-    double w = has_mark ? tangent : chord + (tangent - chord) * (5.0 / 6.0);
-    double chord_area = area_within_reach(from->s, w0, to->s, w1);
-    double tangent_area = area_within_reach(from->s, w0, bend.s, tangent) +
-                          area_within_reach(bend.s, tangent, to->s, w1);
-    double area =
-        area_within_reach(from->s, w0, bend.s, w) + area_within_reach(bend.s, w, to->s, w1);
-    double error = 0.25 * fabs(tangent_area - chord_area);
-    /* The height changes by no more than the length along the axis, so a short span has no loose end. */
-    double end_tolerance = END_SHARE * profile->reach;
-    int is_partly_within =
-        (w0 > 0.0) != (w1 > 0.0) && fabs(w0) > end_tolerance && fabs(w1) > end_tolerance;
-    span->s = bend.s;
-    span->w0 = w0;
-    span->w = w;
-    span->w1 = w1;
-    span->area = area;
-    span->error_estimate = has_mark ? error + 0.5 * area : error;
-    span->has_loose_end = width * profile->axis_length > end_tolerance &&
-                          (has_mark ? reach_left_at_mark(profile, from, to, bend.s) > end_tolerance
-                                    : is_partly_within && fabs(tangent - chord) > end_tolerance);
-}
-
-/*
- * A wall may be nearest between two samples and at neither of them: for example when both have just passed from that
- * wall to another one about as far away. If `wall` is such a triangle at the span's bend, returns how much the way out
- * turns between it and the samples, else 0.
- *
- *   wall          place of a triangle
- *   max_distance  the nearer of the samples' triangles is no farther than this at the bend, m
- */
-static double hidden_wall_turn(const struct distance_profile *profile,
-                               const struct profile_sample *from, const struct profile_sample *to,
-                               uint32_t wall, double max_distance)
-{
-    if (wall == from->triangle || wall == to->triangle)
-        return 0.0;
-    double s = from->span.s, error = profile->axis->error;
-    double wall_distance = dpti_profile_distance_to(profile, wall, s);
-    const uint32_t own[2] = { from->triangle, to->triangle };
-    for (int k = 0; k < 2 && wall_distance <= max_distance + error; k++)
-        max_distance = min_of(max_distance, dpti_profile_distance_to(profile, own[k], s));
-    if (wall_distance > max_distance + error)
-        return 0.0;
-    pair found;
-    dpti_triangle_point_pair(profile->surface, wall, profile_point(profile, s), &found);
-    double distance = sqrt(found.distance2);
-    if (!(distance > error && distance < max_distance))
-        return 0.0;
-    double sign = from->height + to->height < 0.0 ? -1.0 : 1.0;
-    vec3 exit_direction = scaled(found.gap, sign / distance);
-    return max_of(length(sub(exit_direction, from->normal)),
-                  length(sub(exit_direction, to->normal)));
-}
-
-/*
- * How far the way out may be off between a sample whose span is known and the next, as a length of unit vectors. It is
- * largest where the two tangents are nearly one line, since they do not show where they meet.
- */
-static double normal_error(const struct distance_profile *profile,
-                           const struct profile_sample *from, const struct profile_sample *to)
-{
-    double turn = length(sub(from->normal, to->normal)), factor = 0.25;
-    if (turn > TURN_SMALL && is_one_wall(profile, from, to))
-        factor = 0.03;
-    else if (turn > TURN_LARGE && from->span.error_estimate <= STRAIGHT_SHARE * from->span.area)
-        factor = 1.0;
-    double error = factor * turn;
-    if (from->start_triangle != from->triangle || to->start_triangle != to->triangle) {
-        double s = from->span.s;
-        double max_distance = sqrt(min_of(profile_square_distance(profile, from, s),
-                                          profile_square_distance(profile, to, s)));
-        error +=
-            0.25 * max_of(hidden_wall_turn(profile, from, to, from->start_triangle, max_distance),
-                          hidden_wall_turn(profile, from, to, to->start_triangle, max_distance));
-    }
-    return error;
-}
-
-/* Compute the span between a sample and the next, with the error of its ways out. */
-static void store_span(const struct distance_profile *profile, struct profile_sample *from)
-{
-    const struct profile_sample *to = from + 1;
-    measure_span(profile, from, to, &from->span);
-    if (from->span.area > 0.0 && from->triangle != DPT_NONE && to->triangle != DPT_NONE)
-        from->span.error_estimate += from->span.area * normal_error(profile, from, to);
-    from->has_span = 1;
-}
-
-/* The span between sample i and the next, computed once. */
-static inline const struct span *span_at(struct distance_profile *profile, uint32_t i)
-{
-    if (!profile->sample[i].has_span)
-        store_span(profile, &profile->sample[i]);
-    return &profile->sample[i].span;
-}
-
-/* The place s in a span where another sample shows most: where the surface goes out of reach, or at the bend. */
-static double next_sample_place(const struct distance_profile *profile, uint32_t i,
-                                const struct span *span)
-{
-    const struct profile_sample *from = &profile->sample[i], *to = from + 1;
-    struct profile_piece piece = { from->s, span->s, span->w0, span->w, { 0.0, 0.0, 0.0 } };
-    if (span->w0 < 0.0 && span->w > 0.0 && clip_to_reach(&piece))
-        return piece.s0;
-    if (span->w0 > 0.0 && span->w < 0.0 && clip_to_reach(&piece))
-        return piece.s1;
-    piece = (struct profile_piece){ span->s, to->s, span->w, span->w1, { 0.0, 0.0, 0.0 } };
-    if (span->w < 0.0 && span->w1 > 0.0 && clip_to_reach(&piece))
-        return piece.s0;
-    if (span->w > 0.0 && span->w1 < 0.0 && clip_to_reach(&piece))
-        return piece.s1;
-    double end_gap = 0.0625 * (to->s - from->s);
-    return span->s > from->s + end_gap && span->s < to->s - end_gap ? span->s
-                                                                    : 0.5 * (from->s + to->s);
+    if (profile->ends_wanted)
+        integrate(&region->depth, *piece, profile->margin, profile->axis_length);
 }
 
 /*
@@ -354,12 +147,10 @@ static int find_next_sample(const struct distance_profile *profile,
         next->wide_span = totals->max_width_at;
         next->s = 0.5 * (sample[totals->max_width_at].s + sample[totals->max_width_at + 1].s);
     } else if (totals->loose_end_at != DPT_NONE) {
-        next->s =
-            next_sample_place(profile, totals->loose_end_at, &sample[totals->loose_end_at].span);
+        next->s = dpti_span_next_sample(profile, totals->loose_end_at);
     } else if (totals->error > ERROR_SUM_MAX * totals->area ||
                totals->max_error > ERROR_SPAN_MAX * totals->area) {
-        next->s =
-            next_sample_place(profile, totals->max_error_at, &sample[totals->max_error_at].span);
+        next->s = dpti_span_next_sample(profile, totals->max_error_at);
     } else {
         return 0;
     }
@@ -402,7 +193,8 @@ struct region_builder {
     const struct distance_profile *profile;
     struct region *regions; /* room for REGION_MAX */
     uint32_t count;
-    int is_open; /* the last region continues with the next piece */
+    int is_open;       /* the last region continues with the next piece */
+    int has_integrals; /* 0: only what tells where the regions are, and their deepest samples */
 };
 
 /* Add a piece, whose way out is that of the profile's sample `sample`, to the last region or to a new one. */
@@ -429,14 +221,19 @@ static void add_region_piece(struct region_builder *builder, uint32_t sample,
     }
     if (profile->sample[sample].height < profile->sample[region->deepest].height)
         region->deepest = sample;
-    integrate_piece(region, &piece, profile);
+    region->to = piece.s1;
+    if (builder->has_integrals)
+        integrate_piece(region, &piece, profile);
     builder->is_open = piece.s1 >= to;
 }
 
-/* Compute the regions from the samples. Returns their number. */
-static uint32_t build_regions(struct distance_profile *profile, struct region regions[REGION_MAX])
+/* Compute the regions from the samples, with or without integrals. Returns their number. */
+static uint32_t build_regions(struct distance_profile *profile, int has_integrals,
+                              struct region regions[REGION_MAX])
 {
-    struct region_builder builder = { .profile = profile, .regions = regions };
+    struct region_builder builder = { .profile = profile,
+                                      .regions = regions,
+                                      .has_integrals = has_integrals };
     for (uint32_t i = 0; i + 1 < profile->sample_count; i++) {
         const struct profile_sample *from = &profile->sample[i], *to = from + 1;
         const struct span *span = span_at(profile, i);
@@ -496,12 +293,16 @@ uint32_t dpti_contact_regions(struct distance_profile *profile, struct region re
 {
     dpti_profile_find_reach(profile);
     profile->is_coarse = !refine_integrals(profile);
-    uint32_t count = build_regions(profile, regions), kept_count = 0;
+    uint32_t count = build_regions(profile, 1, regions), kept_count = 0;
+    int has_changed = 0;
     for (int steps = 0; steps < 2 * REGION_MAX && !profile->is_cut; steps++) {
         if (!improve_region(profile, regions, count))
             break;
-        count = build_regions(profile, regions);
+        count = build_regions(profile, 0, regions);
+        has_changed = 1;
     }
+    if (has_changed)
+        count = build_regions(profile, 1, regions);
     profile->is_coarse |= profile->is_cut;
     for (uint32_t i = 0; i < count; i++)
         if (has_sample(profile, &regions[i]))
@@ -519,34 +320,47 @@ static vec3 thrust_between(const struct profile_sample *from, const struct profi
                  area_within_reach(span->s, span->w, to->s, span->w1), right->normal);
 }
 
+/* What is known of how much the integrals show of a sample, m; threshold by threshold the same is asked again. */
+struct removal {
+    const struct profile_sample *before; /* the sample kept before it; NULL: nothing is known */
+    double error, change;                /* change < 0: not known */
+};
+
 /*
- * 1: without `sample`, the integrals over s from `before` to `after` would change by more than `threshold`, in m. All
- * spans have been computed by then.
+ * 1: without `sample`, the integrals over s from `before` to the sample after it would change by more than `threshold`,
+ * in m. All spans have been computed by then.
  */
 static int is_worth_keeping(const struct distance_profile *profile,
                             const struct profile_sample *before,
-                            const struct profile_sample *sample, const struct profile_sample *after,
-                            double threshold)
+                            const struct profile_sample *sample, double threshold,
+                            struct removal *removal)
 {
+    const struct profile_sample *after = sample + 1;
+    if (removal->before == before && (removal->error > threshold || removal->change >= 0.0))
+        return removal->error > threshold || removal->error + removal->change > threshold;
     struct span joined, measured;
     const struct span *left_span = &before->span;
-    measure_span(profile, before, after, &joined);
-    double error =
+    dpti_span_measure(profile, before, after, &joined);
+    removal->before = before;
+    removal->change = -1.0;
+    removal->error =
         joined.error_estimate + 0.25 * length(sub(before->normal, after->normal)) * joined.area;
-    if (error > threshold)
+    if (removal->error > threshold)
         return 1;
     if (before + 1 != sample) {
-        measure_span(profile, before, sample, &measured);
+        dpti_span_measure(profile, before, sample, &measured);
         left_span = &measured;
     }
     vec3 parts = add(thrust_between(before, sample, left_span),
                      thrust_between(sample, after, &sample->span));
-    return error + length(sub(thrust_between(before, after, &joined), parts)) > threshold;
+    removal->change = length(sub(thrust_between(before, after, &joined), parts));
+    return removal->error + removal->change > threshold;
 }
 
 /* Select the samples that change the integrals by more than `threshold`, m. Returns how many; max_count are written. */
 static uint32_t select_warm_starts(const struct distance_profile *profile,
                                    const struct region *region, double threshold,
+                                   struct removal removals[PROFILE_SAMPLES],
                                    struct warm_start *warm_starts, uint32_t max_count)
 {
     uint32_t count = 0;
@@ -559,7 +373,7 @@ static uint32_t select_warm_starts(const struct distance_profile *profile,
             break;
         double next_s = i + 1 < profile->sample_count ? sample[1].s : sample->s;
         int must_keep = !previous || i + 1 == profile->sample_count || i == region->deepest;
-        if (!must_keep && !is_worth_keeping(profile, previous, sample, sample + 1, threshold))
+        if (!must_keep && !is_worth_keeping(profile, previous, sample, threshold, &removals[i]))
             continue;
         double share =
             (profile->reach - sample->height) * (next_s - (previous ? previous->s : next_s));
@@ -581,10 +395,14 @@ uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile,
     enum { THRESHOLD_STEPS = 32 };
     double threshold =
         profile->axis_length > 0.0 ? ERROR_IGNORED * region->within / profile->axis_length : 0.0;
-    uint32_t count = select_warm_starts(profile, region, threshold, warm_starts, max_count);
+    struct removal removals[PROFILE_SAMPLES];
+    for (uint32_t i = 0; i < profile->sample_count; i++)
+        removals[i].before = NULL;
+    uint32_t count =
+        select_warm_starts(profile, region, threshold, removals, warm_starts, max_count);
     for (int i = 0; i < THRESHOLD_STEPS && count > max_count; i++) {
         threshold *= 1.25;
-        count = select_warm_starts(profile, region, threshold, warm_starts, max_count);
+        count = select_warm_starts(profile, region, threshold, removals, warm_starts, max_count);
     }
     return count < max_count ? count : max_count;
 }

@@ -349,38 +349,51 @@ static int sweep_piece(struct hull_sweep *sweep, const struct instant *from,
     return test_piece(sweep, &piece);
 }
 
-/*
- * Up to when a piece is free of sweep->triangle alone, which it may touch: no piece from there on that is longer than the
- * tolerance, or than the wanted share of the whole piece, is parted from it.
- */
-static struct instant free_until(const struct hull_sweep *sweep, const struct instant *from,
-                                 const struct instant *to)
-{
-    struct instant low = *from, high = *to, middle, quarter;
-    struct piece piece;
-    const double shortest = sweep->resolution * (to->time - from->time);
-    for (int k = 0; k < HALVINGS_MAX && high.time - low.time > shortest; k++) {
-        set_middle(&low, &high, sweep->hull, &middle);
-        set_middle(&low, &middle, sweep->hull, &quarter);
-        set_piece(sweep, &low, &quarter, &middle, &piece);
-        if (2.0 * piece.way <= sweep->tolerance)
-            break;
-        *(is_parted(sweep, &piece, sweep->triangle) ? &low : &high) = middle;
-    }
-    return low;
-}
-
 /* Where the pieces end that are still to be swept, the last one first. */
 struct pending {
     struct placement placement;
     double time;
 };
 
+static struct pending pending_of(const struct instant *instant)
+{
+    return (struct pending){ instant->placement, instant->time };
+}
+
 static struct instant instant_of(const struct hull_sweep *sweep, const struct pending *pending)
 {
     struct instant made = { .placement = pending->placement, .time = pending->time };
     set_instant(&made, sweep->hull);
     return made;
+}
+
+/*
+ * Whether a piece that is not parted from sweep->triangle as a whole touches it, by halves: then *until is the end of
+ * what is parted. What touches is shorter than the tolerance, or than the wanted share of the whole.
+ */
+static int touches_alone(const struct hull_sweep *sweep, const struct instant *from,
+                         const struct instant *to, struct instant *until)
+{
+    struct pending pending[HALVINGS_MAX + 1] = { pending_of(to) };
+    const double shortest = sweep->resolution * (to->time - from->time);
+    struct piece piece;
+    *until = *from;
+    for (int count = 1; count > 0;) {
+        const struct instant end = instant_of(sweep, &pending[count - 1]);
+        struct instant middle;
+        set_middle(until, &end, sweep->hull, &middle);
+        set_piece(sweep, until, &middle, &end, &piece);
+        if (is_parted(sweep, &piece, sweep->triangle)) {
+            *until = end;
+            count--;
+        } else if (piece.way <= sweep->tolerance || end.time - until->time <= shortest ||
+                   count > HALVINGS_MAX) {
+            return 1;
+        } else {
+            pending[count++] = pending_of(&middle);
+        }
+    }
+    return 0;
 }
 
 int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,
@@ -392,7 +405,8 @@ int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,
     int ends_with_hit = 0;
     sweep->time = 0.0;
     for (int count = 1; count > 0;) {
-        struct instant end = instant_of(sweep, &pending[count - 1]), middle;
+        const struct instant end = instant_of(sweep, &pending[count - 1]);
+        struct instant middle;
         const int status = sweep_piece(sweep, &at, &end, &middle);
         if (status == PIECE_UNFINISHED)
             return SWEEP_UNFINISHED;
@@ -402,19 +416,19 @@ int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,
             count--;
             continue;
         }
-        if (status == PIECE_TOUCHES) {
-            /* Nothing after the touch counts any more. */
-            end = free_until(sweep, &at, &end);
-            if (end.time == at.time)
+        struct instant until;
+        if (status == PIECE_TOUCHES && touches_alone(sweep, &at, &end, &until)) {
+            if (until.time == at.time)
                 return SWEEP_HIT;
-            pending[0] = (struct pending){ end.placement, end.time };
+            /* Nothing after the touch counts any more. */
+            pending[0] = pending_of(&until);
             count = 1;
             ends_with_hit = 1;
-            set_middle(&at, &end, sweep->hull, &middle);
+            set_middle(&at, &until, sweep->hull, &middle);
         }
         if (count > HALVINGS_MAX)
             return SWEEP_HIT;
-        pending[count++] = (struct pending){ middle.placement, middle.time };
+        pending[count++] = pending_of(&middle);
     }
     return ends_with_hit ? SWEEP_HIT : SWEEP_FREE;
 }

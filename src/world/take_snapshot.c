@@ -5,6 +5,7 @@
 #include "world/deform_body.h"
 #include "world/proxy_free.h"
 #include "world/proxy_state.h"
+#include "world/tool_tips.h"
 
 enum {
     SNAPSHOT_CONTACTS_MAX = 1 << 20,
@@ -56,11 +57,15 @@ static void count_sections(struct taking *taking, const dpt_snapshot_def *def)
     const struct dpt_world *world = taking->world;
     const struct persistent_contacts *contacts = &world->contacts[world->contacts_index];
     uint64_t strip = 0, vertices = 0;
-    uint32_t *count = taking->count, seen = 0;
+    uint32_t *count = taking->count, seen = 0, edges = 0;
     for (uint32_t i = 0; i < contacts->count; i++)
         seen += (uint32_t)is_seen(&contacts->items[i]);
     for (uint32_t i = 0; i < world->segment_count; i++)
         strip += strip_count(world, i);
+    for (uint32_t i = 0; i < world->tip_count; i++) {
+        edges += world->tips[i].hull->edge_count;
+        seen += world->tips[i].contact.id != 0;
+    }
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         const struct body *body = &world->bodies[i];
         const uint32_t own = body->slot.used && deform_of(body) ? body->surface.mesh->vertices : 0;
@@ -71,7 +76,7 @@ static void count_sections(struct taking *taking, const dpt_snapshot_def *def)
     }
     count[SNAPSHOT_BODIES] = world->body_count;
     count[SNAPSHOT_TOOLS] = world->tool_count;
-    count[SNAPSHOT_SEGMENTS] = world->segment_count;
+    count[SNAPSHOT_SEGMENTS] = world->segment_count + edges;
     count[SNAPSHOT_CONTACTS] = seen < def->max_contacts ? seen : def->max_contacts;
     count[SNAPSHOT_STRIPS] = strip < def->max_strip ? (uint32_t)strip : def->max_strip;
     count[SNAPSHOT_VERTICES] = (uint32_t)vertices;
@@ -130,17 +135,17 @@ static void put_body(struct taking *taking, const struct body *body)
     taking->done[SNAPSHOT_VERTICES] = first + own;
 }
 
-/* The axis where the device has it, and where the proxy has it. */
-static void put_axes(const struct dpt_world *world, const struct tool *tool,
-                     const struct segment *segment, dpt_snapshot_segment *item)
+/* An axis of the tool's frame, where the device has it, and where the proxy has it. */
+static void put_axes(const struct dpt_world *world, const struct tool *tool, vec3 a, vec3 b,
+                     double radius, dpt_snapshot_segment *item)
 {
     const int has_proxy = dpti_proxy_is_used(world, tool);
     const struct proxy *proxy = has_proxy ? &world->proxies[tool - world->tools] : NULL;
     struct frame frame;
     frame_of_pose(&tool->pose, &frame);
-    vec3_store(frame_to_world(&frame, segment->a), item->a);
-    vec3_store(frame_to_world(&frame, segment->b), item->b);
-    item->radius = segment->radius;
+    vec3_store(frame_to_world(&frame, a), item->a);
+    vec3_store(frame_to_world(&frame, b), item->b);
+    item->radius = radius;
     if (has_proxy && tool->is_free) {
         const dpt_segment given = dpti_proxy_given_segment(world, tool);
         memcpy(item->a, given.a, sizeof item->a);
@@ -152,14 +157,13 @@ static void put_axes(const struct dpt_world *world, const struct tool *tool,
     if (!has_proxy || proxy->state == PROXY_NONE)
         return;
     frame_of_pose(&proxy->pose, &frame);
-    vec3_store(frame_to_world(&frame, segment->a), item->proxy_a);
-    vec3_store(frame_to_world(&frame, segment->b), item->proxy_b);
+    vec3_store(frame_to_world(&frame, a), item->proxy_a);
+    vec3_store(frame_to_world(&frame, b), item->proxy_b);
 }
 
-static void put_segment(struct taking *taking, const struct tool *tool, uint32_t index)
+static void put_segment(struct taking *taking, const struct tool *tool, vec3 a, vec3 b,
+                        double radius, const dpt_hit *hit)
 {
-    const struct segment *segment = &taking->world->segments[index];
-    const dpt_hit *hit = &segment->hit;
     dpt_snapshot_segment item = { .status = hit->status,
                                   .contact = hit->contact,
                                   .flags = hit->flags,
@@ -174,8 +178,28 @@ static void put_segment(struct taking *taking, const struct tool *tool, uint32_t
                                   .lower_bound = hit->lower_bound };
     memcpy(item.p, hit->p, sizeof item.p);
     memcpy(item.q, hit->q, sizeof item.q);
-    put_axes(taking->world, tool, segment, &item);
+    put_axes(taking->world, tool, a, b, radius, &item);
     put(taking, SNAPSHOT_SEGMENTS, &item);
+}
+
+static void put_contact(struct taking *taking, const dpt_contact *contact, uint32_t segment)
+{
+    dpt_snapshot_contact item = { .id = contact->id,
+                                  .body = contact->body,
+                                  .segment = segment,
+                                  .triangle = contact->triangle,
+                                  .contact = contact->contact,
+                                  .flags = contact->flags,
+                                  .tool = taking->done[SNAPSHOT_TOOLS],
+                                  .s0 = contact->s0,
+                                  .s1 = contact->s1,
+                                  .s = contact->s,
+                                  .gap = contact->gap,
+                                  .overlap = contact->overlap };
+    memcpy(item.p, contact->p, sizeof item.p);
+    memcpy(item.q, contact->q, sizeof item.q);
+    memcpy(item.normal, contact->normal, sizeof item.normal);
+    put(taking, SNAPSHOT_CONTACTS, &item);
 }
 
 static void put_contacts(struct taking *taking, uint32_t index)
@@ -183,25 +207,8 @@ static void put_contacts(struct taking *taking, uint32_t index)
     const struct dpt_world *world = taking->world;
     const struct persistent_contacts *contacts = &world->contacts[world->contacts_index];
     for (uint32_t i = 0; i < contacts->count; i++) {
-        const dpt_contact *contact = &contacts->items[i].contact;
-        if (contacts->items[i].segment_index != index || !is_seen(&contacts->items[i]))
-            continue;
-        dpt_snapshot_contact item = { .id = contact->id,
-                                      .body = contact->body,
-                                      .segment = contact->segment,
-                                      .triangle = contact->triangle,
-                                      .contact = contact->contact,
-                                      .flags = contact->flags,
-                                      .tool = taking->done[SNAPSHOT_TOOLS],
-                                      .s0 = contact->s0,
-                                      .s1 = contact->s1,
-                                      .s = contact->s,
-                                      .gap = contact->gap,
-                                      .overlap = contact->overlap };
-        memcpy(item.p, contact->p, sizeof item.p);
-        memcpy(item.q, contact->q, sizeof item.q);
-        memcpy(item.normal, contact->normal, sizeof item.normal);
-        put(taking, SNAPSHOT_CONTACTS, &item);
+        if (contacts->items[i].segment_index == index && is_seen(&contacts->items[i]))
+            put_contact(taking, &contacts->items[i].contact, contacts->items[i].contact.segment);
     }
 }
 
@@ -233,6 +240,23 @@ static void put_strip(struct taking *taking, uint32_t index, uint32_t number)
     }
 }
 
+/* The edges of a tool's tips, as further segments with the tip's hit; what names a tip names its first edge. */
+static void put_tips(struct taking *taking, const struct tool *tool, dpt_snapshot_tool *item)
+{
+    for (uint32_t i = 0; i < tool->tip_count; i++) {
+        const struct tip *tip = tool_tip(taking->world, tool, i);
+        const struct dpt_hull *hull = tip->hull;
+        if (tool->nearest_segment == tool->segment_count + i)
+            item->nearest_segment = item->segments;
+        if (tip->contact.id)
+            put_contact(taking, &tip->contact, item->segments);
+        for (uint32_t e = 0; e < hull->edge_count; e++)
+            put_segment(taking, tool, hull->corner[hull->edge[e][0]],
+                        hull->corner[hull->edge[e][1]], hull->radius, &tip->hit);
+        item->segments += hull->edge_count;
+    }
+}
+
 static void put_tool(struct taking *taking, const struct tool *tool)
 {
     const struct dpt_world *world = taking->world;
@@ -261,10 +285,12 @@ static void put_tool(struct taking *taking, const struct tool *tool)
         item.folds = proxy->folds;
     }
     for (uint32_t i = 0; i < tool->segment_count; i++) {
-        put_segment(taking, tool, tool->first_segment + i);
+        const struct segment *segment = &world->segments[tool->first_segment + i];
+        put_segment(taking, tool, segment->a, segment->b, segment->radius, &segment->hit);
         put_contacts(taking, tool->first_segment + i);
         put_strip(taking, tool->first_segment + i, i);
     }
+    put_tips(taking, tool, &item);
     item.contacts = taking->done[SNAPSHOT_CONTACTS] - item.first_contact;
     item.strip = taking->done[SNAPSHOT_STRIPS] - item.first_strip;
     put(taking, SNAPSHOT_TOOLS, &item);

@@ -2,9 +2,11 @@
 /* Trying a motion: the sweep of a tick, without the tick. The world stays as it is. */
 #include "base/return_if_error.h"
 #include "base/sized.h"
+#include "hull/hull_sweep.h"
 #include "world/proxy_free.h"
 #include "world/swept_motion.h"
 #include "world/tool.h"
+#include "world/tool_tips.h"
 
 /* A motion that is tried. */
 struct trial {
@@ -55,6 +57,63 @@ static void try_segment(struct trial *trial, const struct segment *segment,
     for (uint32_t i = 0; i < world->body_slot_end; i++)
         if (body_is_there(&world->bodies[i]) && box_distance(&box, &world->boxes[i]) <= reach)
             try_body(trial, &world->bodies[i], radius, segment_in_tool, from, to);
+}
+
+/* Where a tip that met a triangle is nearest to it, at the time of the touch. */
+static void write_tip_touch(struct trial *trial, const struct hull_sweep *sweep,
+                            const struct body *body, uint32_t number, const dpt_pose *pose)
+{
+    dpt_sweep *first = &trial->first;
+    struct frame tool;
+    struct hull_place place;
+    struct hull_pair found;
+    vec3 v[3];
+    frame_of_pose(pose, &tool);
+    hull_place_set(&place, sweep->hull, &tool, &body->frame);
+    surface_corners(&body->surface, sweep->triangle, v);
+    dpti_hull_triangle(&place, v, HUGE_VAL, &found);
+    const vec3 q = surface_point(&body->surface, sweep->triangle, found.pair.weight);
+    first->status = DPT_SWEEP_HIT;
+    first->segment = number;
+    first->body = body->id;
+    first->triangle = body->surface.sources[sweep->triangle];
+    first->time = sweep->time;
+    first->s = 0.0;
+    vec3_store(frame_to_world(&body->frame, q), first->q);
+    vec3_store(frame_turn(&body->frame, unit_of(found.pair.gap)), first->normal);
+}
+
+/* Sweep one tip past all bodies that it may reach. `number`: after the tool's segments. */
+static void try_tip(struct trial *trial, const struct tip *tip, uint32_t number,
+                    const dpt_pose *from, const dpt_pose *to)
+{
+    const struct dpt_world *world = trial->world;
+    const double reach = max_of(0.0, tip->hull->radius + trial->clearance) +
+                         dpti_hull_displacement(tip->hull, from, to);
+    struct frame frame;
+    frame_of_pose(to, &frame);
+    const struct box box = dpti_tip_box(tip->hull, &frame);
+    for (uint32_t i = 0; i < world->body_slot_end; i++) {
+        const struct body *body = &world->bodies[i];
+        if (!body_is_there(body) || box_distance(&box, &world->boxes[i]) > reach)
+            continue;
+        const struct placement at_from = { .tool = *from, .body = body->pose };
+        const struct placement at_to = { .tool = *to, .body = body->pose };
+        struct work work = work_of(WORK_UNLIMITED);
+        struct hull_sweep sweep = { .surface = &body->surface,
+                                    .kernel = &world->kernel,
+                                    .hull = tip->hull,
+                                    .clearance = trial->clearance,
+                                    .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE *
+                                                 surface_diagonal(&body->surface),
+                                    .work = &work,
+                                    .triangle = DPT_NONE };
+        if (dpti_hull_sweep(&sweep, &at_from, &at_to) != SWEEP_HIT ||
+            (trial->first.status == DPT_SWEEP_HIT && sweep.time >= trial->first.time))
+            continue;
+        const dpt_pose pose = dpti_rigid_sweep_pose(from, to, sweep.time);
+        write_tip_touch(trial, &sweep, body, number, &pose);
+    }
 }
 
 /* Check the arguments and set up a trial. Without a valid tool and valid bodies its `first` has DPT_SWEEP_NONE. */
@@ -126,6 +185,8 @@ dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_po
         struct placement to = { .tool = *pose, .a = segment->a, .b = segment->b };
         try_segment(&trial, segment, i, &from, &to);
     }
+    for (uint32_t i = 0; trial.first.status != DPT_SWEEP_NONE && i < found->tip_count; i++)
+        try_tip(&trial, tool_tip(world, found, i), found->segment_count + i, &found->pose, pose);
     end_trial(&trial, first);
     find_origin(world, found, 0, &origin);
     if (reached)
@@ -147,6 +208,8 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
     DPT_TRY(begin_trial(&trial, world, tool, clearance, first, &found));
     if (count != found->segment_count)
         return DPT_E_ARGUMENT;
+    if (found->tip_count)
+        return DPT_E_UNSUPPORTED;
     DPT_TRY(dpti_tool_check_segments(segments, count));
     find_origin(world, found, 0, &origin);
     frame_of_pose(&origin.pose, &frame);
