@@ -3,6 +3,9 @@
 
 #include "base/quaternion.h"
 
+/* Units that a sweep may spend at a time: those that find out when a hit begins. */
+enum { NOT_DIVIDED = 64 };
+
 double throw_radius(const struct hull_throw *thrown)
 {
     return max_of(thrown->made->hull->radius + thrown->clearance, 0.0);
@@ -164,7 +167,7 @@ void check_throw(uint64_t *random, struct hull_throw *thrown, struct throw_tally
     const uint32_t most = whole_in(random, 1, thrown->work);
     throw_sweep(random, &little, most);
     check_status(&little);
-    CHECK(little.work <= most + WORK_COUNTED_ON, "%u units of %u", little.work, most);
+    CHECK(little.work <= most + NOT_DIVIDED, "%u units of %u", little.work, most);
     check_free(&little);
     check_hit(&little);
     tally->unfinished += little.status == SWEEP_UNFINISHED;

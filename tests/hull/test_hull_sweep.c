@@ -244,7 +244,8 @@ static void what_grazes_is_told_apart(void)
         check_throw(&rng, &thrown, &tally);
         const int is_over = heights_at(&thrown, 0.0, &low, &high);
         const double off = thrown.noise / thrown.tolerance;
-        CHECK(part < 2.0 + off || thrown.status == SWEEP_FREE, "%g tolerances over it: hit", part);
+        CHECK(part < 2.0 + off || thrown.resolution > 0.0 || thrown.status == SWEEP_FREE,
+              "%g tolerances over it: hit", part);
         CHECK(part > -off || !is_over || thrown.status == SWEEP_HIT, "%g tolerances over it: free",
               part);
     }
@@ -295,9 +296,50 @@ static void lift(struct oracle_motion *motion, double by)
     vec3_store(along(vec3_of(motion->tool_to.position), by, to.z), motion->tool_to.position);
 }
 
+/* A corner of the hull, turned, that lies lowest. */
+static vec3 lowest_corner(const struct made_hull *made, const dpt_pose *pose)
+{
+    struct frame frame;
+    vec3 lowest = { 0.0, 0.0, HUGE_VAL };
+    frame_of_pose(pose, &frame);
+    for (uint32_t i = 0; i < made->as.corner_count; i++) {
+        const vec3 x = frame_turn(&frame, vec3_of(made->as.corner[i]));
+        if (x.z < lowest.z)
+            lowest = x;
+    }
+    return lowest;
+}
+
+/*
+ * A turn by an angle in whose middle, or thereabouts, that corner is lowest which is lowest then: the axis is at right
+ * angles to the way that would sink it.
+ */
+static void put_arc(struct hull_throw *thrown, double angle)
+{
+    dpt_pose middle = any_pose(&rng, 0.0), *const ends[2] = { &thrown->motion.tool_from,
+                                                              &thrown->motion.tool_to };
+    vec3 p = lowest_corner(thrown->made, &middle);
+    for (int k = 0; k < 50 && !(p.z < 0.0); k++) {
+        middle = any_pose(&rng, 0.0);
+        p = lowest_corner(thrown->made, &middle);
+    }
+    const vec3 sinks = unit_of((vec3){ p.y, -p.x, 0.0 }), any = any_unit(&rng);
+    const vec3 axis = unit_of(along(any, -dot(any, sinks), sinks));
+    const double part = random_in(&rng, 0.1, 0.9);
+    for (int e = 0; e < 2; e++) {
+        const dpt_pose *body = e ? &thrown->motion.body_to : &thrown->motion.body_from;
+        dpt_pose turn = DPT_POSE_IDENTITY, at = DPT_POSE_IDENTITY;
+        pose_turn(axis, angle * (e ? 1.0 - part : -part), &turn);
+        at = pose_in(&turn, &middle);
+        const dpt_pose there = pose_in(body, &at);
+        memcpy(ends[e]->orientation, there.orientation, sizeof there.orientation);
+    }
+}
+
 /*
  * Turns whose lowest point comes a little too near to a sheet, or not quite: paths are arcs, and what the library takes
- * for them must hold them. Tools are up to four times as long as their tips, and turn by up to half a circle.
+ * for them must hold them. Tools are up to four times as long as their tips, and turn by up to half a circle. With a
+ * resolution, what is not quite too near may be a hit.
  */
 static void arcs_that_dip_are_hits(void)
 {
@@ -317,34 +359,106 @@ static void arcs_that_dip_are_hits(void)
                                      .made = &made,
                                      .tolerance = power_in(&rng, -9.0, -5.0) };
         const vec3 x = { random_in(&rng, -0.1, 0.1), random_in(&rng, -0.1, 0.1), 0.0 };
-        const vec3 way = scaled(any_in(&rng, size), one_in(&rng, 3) ? 0.0 : random_in(&rng, 0, 1));
+        const vec3 way =
+            scaled(any_in(&rng, size), one_in(&rng, 2) ? 0.0 : 0.3 * random_in(&rng, 0, 1));
         const int is_moving = one_in(&rng, 3);
-        put_motion(&thrown, x, add(x, way), one_in(&rng, 2) ? angle : 0.1 * angle,
-                   is_moving ? 0.3 * random_in(&rng, -1.0, 1.0) : 0.0,
+        put_motion(&thrown, x, add(x, way), 0.0, is_moving ? 0.3 * random_in(&rng, -1.0, 1.0) : 0.0,
                    is_moving ? power_in(&rng, -2.0, 0.0) : 0.0);
+        put_arc(&thrown, angle);
         const double wanted = throw_radius(&thrown) -
-                              made.size * power_in(&rng, -9.0, -2.0) * (one_in(&rng, 3) ? -1 : 1);
+                              made.size * power_in(&rng, -8.0, -2.0) * (one_in(&rng, 3) ? -1 : 1);
         double when, low = lowest_of(&thrown, &when), high;
-        for (int k = 0; k < 6; k++) {
+        for (int k = 0; k < 6 && when > 0.005 && when < 0.995; k++) {
             lift(&thrown.motion, wanted - low);
             low = lowest_of(&thrown, &when);
         }
-        if (!heights_at(&thrown, when, &low, &high))
+        if (when < 0.01 || when > 0.99 || !heights_at(&thrown, when, &low, &high))
             continue;
         check_throw(&rng, &thrown, &tally);
         const double over = low - throw_radius(&thrown);
         CHECK(over > -thrown.noise || (thrown.status == SWEEP_HIT && thrown.time <= when),
               "%g too near at %g: status %d, time %g", -over, when, thrown.status, thrown.time);
-        CHECK(over < 2.0 * thrown.tolerance + thrown.noise || thrown.status == SWEEP_FREE,
+        CHECK(over < 2.0 * thrown.tolerance + thrown.noise || thrown.resolution > 0.0 ||
+                  thrown.status == SWEEP_FREE,
               "no nearer than %g beyond: hit at %g", over, thrown.time);
         dips += over < -thrown.noise;
         misses += over > 2.0 * thrown.tolerance + thrown.noise;
     }
     print_throws("arcs", &tally);
     printf("    %lu dips, %lu near misses\n", dips, misses);
-    CHECK(dips > throw_count / 16 && misses > throw_count / 32, "%lu dips, %lu misses", dips,
+    CHECK(dips > throw_count / 16 && misses > throw_count / 64, "%lu dips, %lu misses", dips,
           misses);
     body_close(&sheet);
+}
+
+/* The least distance during a motion: at many times, and then at more about the least one. */
+static double least_distance(const struct hull_throw *thrown, double *when)
+{
+    enum { TIMES = 24 };
+    double from = 0.0, to = 1.0, least = HUGE_VAL;
+    for (int zoom = 0; zoom < 5; zoom++) {
+        const double step = (to - from) / TIMES;
+        for (int i = 0; i <= TIMES; i++) {
+            const double time = min_of(1.0, from + i * step);
+            const double upper = throw_distance(thrown, time, DPT_NONE, HUGE_VAL).upper;
+            if (upper < least) {
+                least = upper;
+                *when = time;
+            }
+        }
+        from = max_of(0.0, *when - step);
+        to = min_of(1.0, *when + step);
+    }
+    return least;
+}
+
+/*
+ * A hull that turns beside a mesh and slides, and a radius that is a little more than what it comes near, or a little
+ * less: here planes must turn with the hull. Of several times that are about as near, the least may be missed: so what
+ * is a little less is not asked to be free.
+ */
+static void what_just_comes_near_is_a_hit(void)
+{
+    static const char *const shapes[] = { "box", "membrane", "star" };
+    static const uint64_t counts[] = { 12, 128, 2000 };
+    static struct made_hull made;
+    for (int s = 0; s < 3; s++) {
+        struct hull_body body;
+        struct throw_tally tally = { .throws = 0 };
+        unsigned long dips = 0;
+        if (!body_from_shape(&body, shapes[s], counts[s]))
+            continue;
+        for (unsigned long i = 0; i < 1 + throw_count / (s == 2 ? 40 : 10); i++) {
+            vec3 n;
+            const vec3 x = body_place(&body, &rng, &n);
+            const double size = body.diagonal * power_in(&rng, -1.5, 0.0);
+            if (i % 4 == 0)
+                long_tool(&made, size);
+            struct hull_throw thrown = { .surface = &body.surface,
+                                         .kernel = &body.kernel,
+                                         .triangles = &body.triangles,
+                                         .made = &made,
+                                         .tolerance = body.diagonal * power_in(&rng, -8.0, -5.0) };
+            const vec3 at = along(x, made.size * random_in(&rng, 0.2, 4.0), n);
+            const vec3 way = scaled(any_in(&rng, made.size), power_in(&rng, -3.0, -0.3));
+            double when;
+            put_motion(&thrown, at, add(at, way), any_angle(), one_in(&rng, 3) ? 0.3 : 0.0,
+                       one_in(&rng, 3) ? body.diagonal : 0.0);
+            const double least = least_distance(&thrown, &when);
+            const double deep = made.size * power_in(&rng, -8.0, -2.0) * (one_in(&rng, 3) ? -1 : 1);
+            if (least < 1e-4 * made.size || least > 3.0 * made.size || least + deep < 0.0)
+                continue;
+            thrown.clearance = least + deep - made.hull->radius;
+            check_throw(&rng, &thrown, &tally);
+            CHECK(deep < thrown.noise || (thrown.status == SWEEP_HIT && thrown.time <= when),
+                  "%s: %g too near at %g: status %d, time %g", shapes[s], deep, when, thrown.status,
+                  thrown.time);
+            dips += deep > thrown.noise;
+        }
+        print_throws(shapes[s], &tally);
+        CHECK(dips > throw_count / 200, "%lu dips", dips);
+        body_close(&body);
+    }
 }
 
 /* No corner is farther from where it ends than is said; where nothing turns, that is the way. */
@@ -390,6 +504,7 @@ int main(int argc, char **argv)
     TEST(sheets_are_not_passed_unseen);
     TEST(what_grazes_is_told_apart);
     TEST(arcs_that_dip_are_hits);
+    TEST(what_just_comes_near_is_a_hit);
     TEST(displacements_hold_every_corner);
     return check_report();
 }
