@@ -368,8 +368,8 @@ static struct instant instant_of(const struct hull_sweep *sweep, const struct pe
 }
 
 /*
- * Whether a piece that is not parted from sweep->triangle as a whole touches it, by halves: then *until is the end of
- * what is parted. What touches is shorter than the tolerance, or than the wanted share of the whole.
+ * Whether a piece that is not parted from sweep->triangle as a whole touches it, by halves: PIECE_TOUCHES, and *until is the
+ * end of what is parted. What touches is shorter than the tolerance, or than the wanted share of the whole.
  */
 static int touches_alone(const struct hull_sweep *sweep, const struct instant *from,
                          const struct instant *to, struct instant *until)
@@ -381,6 +381,8 @@ static int touches_alone(const struct hull_sweep *sweep, const struct instant *f
     for (int count = 1; count > 0;) {
         const struct instant end = instant_of(sweep, &pending[count - 1]);
         struct instant middle;
+        if (work_is_spent(sweep->work))
+            return PIECE_UNFINISHED;
         set_middle(until, &end, sweep->hull, &middle);
         set_piece(sweep, until, &middle, &end, &piece);
         if (is_parted(sweep, &piece, sweep->triangle)) {
@@ -388,12 +390,12 @@ static int touches_alone(const struct hull_sweep *sweep, const struct instant *f
             count--;
         } else if (piece.way <= sweep->tolerance || end.time - until->time <= shortest ||
                    count > HALVINGS_MAX) {
-            return 1;
+            return PIECE_TOUCHES;
         } else {
             pending[count++] = pending_of(&middle);
         }
     }
-    return 0;
+    return PIECE_FREE;
 }
 
 int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,
@@ -407,17 +409,19 @@ int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,
     for (int count = 1; count > 0;) {
         const struct instant end = instant_of(sweep, &pending[count - 1]);
         struct instant middle;
-        const int status = sweep_piece(sweep, &at, &end, &middle);
-        if (status == PIECE_UNFINISHED)
-            return SWEEP_UNFINISHED;
+        struct instant until;
+        int status = sweep_piece(sweep, &at, &end, &middle);
         if (status == PIECE_FREE) {
             at = end;
             sweep->time = end.time;
             count--;
             continue;
         }
-        struct instant until;
-        if (status == PIECE_TOUCHES && touches_alone(sweep, &at, &end, &until)) {
+        if (status == PIECE_TOUCHES)
+            status = touches_alone(sweep, &at, &end, &until);
+        if (status == PIECE_UNFINISHED)
+            return SWEEP_UNFINISHED;
+        if (status == PIECE_TOUCHES) {
             if (until.time == at.time)
                 return SWEEP_HIT;
             /* Nothing after the touch counts any more. */
