@@ -156,6 +156,9 @@ static void add_plane(struct piece *piece, const struct turning_plane *plane)
     piece->plane[piece->plane_count++] = *plane;
 }
 
+/* Of the tolerance: where a pose at a time is made by fewer halvings than found it, it is still free. */
+#define KEPT_APART 0.25
+
 static void set_piece(const struct hull_sweep *sweep, const struct instant *from,
                       const struct instant *middle, const struct instant *to, struct piece *piece)
 {
@@ -176,7 +179,8 @@ static void set_piece(const struct hull_sweep *sweep, const struct instant *from
     }
     piece->motion += deviation;
     piece->way = piece->motion + (to->time - from->time) * surface_motion_of(sweep);
-    piece->apart = max_of(0.0, sweep->hull->radius + sweep->clearance) + deviation;
+    piece->apart = max_of(0.0, sweep->hull->radius + sweep->clearance) + deviation +
+                   KEPT_APART * sweep->tolerance;
     piece->plane_count = 0;
     for (uint32_t i = 0; i < sweep->direction_count; i++) {
         const struct turning_plane plane =
