@@ -150,6 +150,94 @@ static void moving_bodies_push_a_tip(void)
     free((void *)triangles.corners);
 }
 
+/*
+ * A tip that is inside a body gives no force, though its segment is outside; not where it begins there, and not where it is
+ * given to a tool that stands there. Once it has been outside it is felt.
+ */
+static void a_tip_that_begins_inside_is_not_felt(void)
+{
+    static const dpt_segment above = { { 0, 0, 0.05 }, { 0, 0, 0.06 }, 0.001 };
+    for (int is_given = 0; is_given < 2; is_given++) {
+        struct tip_rig tip;
+        rig_open(&tip.rig, NULL, box.mesh, &above, 1);
+        struct rig *rig = &tip.rig;
+        if (!is_given)
+            tip_rig_give(&tip, DPT_HULL_KIND_BOX, cube, 0);
+        rig->device.position[2] = TOP - 0.02;
+        rig_place(rig);
+        if (is_given) {
+            CHECK(rig->force.reason == DPT_FORCE_FREE, "reason %u", rig->force.reason);
+            tip_rig_give(&tip, DPT_HULL_KIND_BOX, cube, 0);
+        }
+        for (int tick = 0; tick < 5; tick++) {
+            rig->device.position[2] += 1e-4;
+            rig_step(rig);
+            CHECK(rig->force.reason == DPT_FORCE_INSIDE && rig_force(rig) == 0, "reason %u, %g N",
+                  rig->force.reason, rig_force(rig));
+        }
+        rig->device.position[2] = TOP + 0.02;
+        rig_step(rig);
+        rig_step(rig);
+        CHECK(rig->force.reason == DPT_FORCE_FREE, "outside: reason %u", rig->force.reason);
+        while (rig->device.position[2] > TOP) {
+            rig->device.position[2] -= 2e-4;
+            rig_step(rig);
+        }
+        CHECK(rig->force.reason == DPT_FORCE_ACTS && rig->force.wrench.force[2] > 1,
+              "pressed: reason %u, %g N", rig->force.reason, rig->force.wrench.force[2]);
+        rig_close(rig);
+    }
+}
+
+/* A body that jumps while the tool stands still: the next answers are of where it is. */
+static void a_body_that_jumps_is_seen(void)
+{
+    struct tip_rig tip;
+    tip_rig_open(&tip, NULL, box.mesh, DPT_HULL_KIND_BOX, plate, 0);
+    struct rig *rig = &tip.rig;
+    rig->device.position[2] = TOP + 0.01;
+    rig_place(rig);
+    for (int tick = 0; tick < 5; tick++) {
+        dpt_pose body = DPT_POSE_IDENTITY;
+        dpt_hit hit = DPT_HIT_INIT;
+        const double down = 0.002 * tick;
+        body.position[2] = -down;
+        dpt_body_teleport(rig->world, rig->body, &body);
+        rig_step(rig);
+        dpt_tool_get_segment_hit(rig->world, rig->tool, 1, &hit);
+        CHECK(fabs(hit.distance - (0.01 + down - plate[2] / 2)) < 1e-9, "%g m lower: %g", down,
+              hit.distance);
+    }
+    dpt_body_settings unfelt = { .size = sizeof unfelt };
+    dpt_body_get_settings(rig->world, rig->body, &unfelt);
+    unfelt.unfelt = 1;
+    dpt_body_set_settings(rig->world, rig->body, &unfelt);
+    rig_step(rig);
+    dpt_hit hit = DPT_HIT_INIT;
+    dpt_tool_get_segment_hit(rig->world, rig->tool, 1, &hit);
+    CHECK(hit.status == DPT_STATUS_STALE, "status %u of no body", hit.status);
+    rig_close(rig);
+}
+
+/* Half a turn within a tick, whose ends would go through a sheet that both poses are far from. */
+static void a_turn_through_a_sheet_is_not_free(void)
+{
+    struct solid sheet;
+    struct tip_rig tip;
+    if (!solid_from_shape(&sheet, "membrane", 512))
+        return;
+    tip_rig_open(&tip, NULL, sheet.mesh, DPT_HULL_KIND_BOX, plate, 0);
+    struct rig *rig = &tip.rig;
+    rig->device.position[2] = -0.006;
+    rig_place(rig);
+    rig_orient(&rig->device, (const double[3]){ 0, 1, 0 }, 3);
+    rig_step(rig);
+    CHECK(rig->force.reason == DPT_FORCE_ACTS || (rig->force.flags & DPT_FORCE_FLAG_REPLACED),
+          "reason %u, flags %u", rig->force.reason, rig->force.flags);
+    rig_close(rig);
+    solid_close(&sheet);
+}
+
 /* Coulomb on a flat face: a plate that is led sideways sticks up to the cone, and then the pull is what the cone allows. */
 static void a_plate_sticks_and_slips(void)
 {
@@ -382,6 +470,9 @@ int main(int argc, char **argv)
         return check_report();
     TEST(what_cannot_be_is_refused);
     TEST(tools_keep_their_tips);
+    TEST(a_tip_that_begins_inside_is_not_felt);
+    TEST(a_body_that_jumps_is_seen);
+    TEST(a_turn_through_a_sheet_is_not_free);
     TEST(a_plate_sticks_and_slips);
     TEST(moving_bodies_push_a_tip);
     TEST(kernels_give_the_same_bits);

@@ -227,9 +227,9 @@ void loads_are_due(struct scene *scene)
             !(report.flags & DPT_FORCE_FLAG_FADING) &&
             (tool->law_then != DPT_LAW_BED || scene->contacts_then < scene->def.max_contacts);
         /* A proxy on its way may be held by nothing where it is, and what a budget ends does not tell what holds it. */
-        due->is_known &= !(has_proxy(scene, tool->law_then) && report.lag > 0.0) &&
-                         ((!scene->def.budget && !scene->def.sweep_budget) ||
-                          tool->law_then == DPT_LAW_POINT);
+        due->is_known &=
+            !(has_proxy(scene, tool->law_then) && report.lag > 0.0) &&
+            ((!scene->def.budget && !scene->def.sweep_budget) || tool->law_then == DPT_LAW_POINT);
         add_turned(tool->origin, report.wrench.force, due->wrench);
         for (int k = 0; k < 3; k++)
             due->wrench[3 + k] += report.wrench.torque[k];

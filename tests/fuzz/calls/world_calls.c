@@ -59,6 +59,7 @@ static void draw_good_def(dpt_world_def *def, dpt_baseline_def *baseline)
     if (def->method == DPT_METHOD_EXACT && draw_one_in(2))
         def->budget = budgets[draw_below(6)];
     def->sweep_budget = draw_one_in(2) ? 0 : budgets[draw_below(6)];
+    def->max_tips = draw_below(5);
     def->stiffness = draw_one_in(8) ? 0.0 : draw_in(1.0, 2000.0);
     def->certificate_bytes = caches[draw_below(5)];
     def->margin = margins[draw_below(5)];
