@@ -219,7 +219,7 @@ test: ## a part of every test in about a minute: no network, nothing installed
 check: ## all tests; as root on Debian installs 21 MB of packages (DEPS=no: nothing); STRICT=1 lets skips fail
 	@sh tests/run.sh check
 
-SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair parallel no_system_calls loop
+SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair hull_pair hull_search hull_sweep parallel no_system_calls loop
 soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of the proxy; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
@@ -240,6 +240,9 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of 
 	@$(B)/tests/test_strip_memory 40
 	@$(B)/tests/test_overlap 1000
 	@$(B)/tests/test_pair 10000000
+	@$(B)/tests/test_hull_pair 2000000
+	@$(B)/tests/test_hull_search
+	@$(B)/tests/test_hull_sweep 100000
 	@$(B)/tests/test_bed_organs
 	@$(B)/tests/test_parallel
 	@$(B)/tests/test_no_system_calls

@@ -3,9 +3,6 @@
 
 #include "base/quaternion.h"
 
-/* Units that a sweep may spend at a time: those that find out when a hit begins. */
-enum { NOT_DIVIDED = 64 };
-
 double throw_radius(const struct hull_throw *thrown)
 {
     return max_of(thrown->made->hull->radius + thrown->clearance, 0.0);
@@ -94,11 +91,11 @@ static void check_free_at(const struct hull_throw *thrown, double time)
           thrown->time, time, apart.upper, radius, throw_text(thrown));
 }
 
-/* Returns 1 if the two come as near as a tenth of the tolerance before that time. */
+/* Returns 1 if the two come as near as half of the tolerance before that time. */
 static int check_free(const struct hull_throw *thrown)
 {
     const struct oracle_hull *as = &thrown->made->as;
-    const double slack = max_of(0.1 * thrown->tolerance, thrown->noise);
+    const double slack = max_of(0.5 * thrown->tolerance, thrown->noise);
     for (int i = 0; i < 9; i++)
         check_free_at(thrown, thrown->time * i / 9.0);
     for (int i = 1; i < 14; i += 3)
@@ -167,7 +164,7 @@ void check_throw(uint64_t *random, struct hull_throw *thrown, struct throw_tally
     const uint32_t most = whole_in(random, 1, thrown->work);
     throw_sweep(random, &little, most);
     check_status(&little);
-    CHECK(little.work <= most + NOT_DIVIDED, "%u units of %u", little.work, most);
+    CHECK(little.work <= most + WORK_COUNTED_ON, "%u units of %u", little.work, most);
     check_free(&little);
     check_hit(&little);
     tally->unfinished += little.status == SWEEP_UNFINISHED;

@@ -155,8 +155,8 @@ static unsigned long check_budget(const struct hull_body *body, const struct wal
         ended++;
         CHECK(work_left(&work) == 0 || most <= WORK_COUNTED_ON, "%u of %u units left",
               work_left(&work), most);
-        CHECK(most <= 4 * full + 64, "%u units do not suffice, %u did", most, full);
-        if (most > 4 * full + 64)
+        CHECK(most <= 4 * full + 4000, "%u units do not suffice, %u did", most, full);
+        if (most > 4 * full + 4000)
             return ended;
     }
 }
