@@ -208,6 +208,16 @@ static void a_body_that_jumps_is_seen(void)
         CHECK(fabs(hit.distance - (0.01 + down - plate[2] / 2)) < 1e-9, "%g m lower: %g", down,
               hit.distance);
     }
+    for (int tick = 0; tick < 5; tick++) {
+        dpt_pose body = DPT_POSE_IDENTITY;
+        dpt_hit hit = DPT_HIT_INIT;
+        body.position[2] = -0.01 - 0.001 * tick;
+        dpt_body_set_pose(rig->world, rig->body, &body);
+        rig_step(rig);
+        dpt_tool_get_segment_hit(rig->world, rig->tool, 1, &hit);
+        CHECK(fabs(hit.distance - (0.01 - body.position[2] - plate[2] / 2)) < 1e-9,
+              "moved to %g: %g", body.position[2], hit.distance);
+    }
     dpt_body_settings unfelt = { .size = sizeof unfelt };
     dpt_body_get_settings(rig->world, rig->body, &unfelt);
     unfelt.unfelt = 1;
@@ -217,6 +227,120 @@ static void a_body_that_jumps_is_seen(void)
     dpt_tool_get_segment_hit(rig->world, rig->tool, 1, &hit);
     CHECK(hit.status == DPT_STATUS_STALE, "status %u of no body", hit.status);
     rig_close(rig);
+}
+
+/* A body that appears round a tip that was outside: no force until it has been outside again. */
+static void a_body_that_appears_round_a_tip_is_not_felt(void)
+{
+    static const dpt_segment above = { { 0, 0, 0.1 }, { 0, 0, 0.11 }, 0.001 };
+    struct tip_rig tip;
+    dpt_body made;
+    rig_open(&tip.rig, NULL, NULL, &above, 1);
+    tip_rig_give(&tip, DPT_HULL_KIND_BOX, cube, 0);
+    struct rig *rig = &tip.rig;
+    rig_place(rig);
+    dpt_body_add(rig->world, box.mesh, NULL, &made);
+    for (int tick = 0; tick < 5; tick++) {
+        rig->device.position[2] += 1e-4;
+        rig_step(rig);
+        CHECK(rig->force.reason != DPT_FORCE_ACTS && rig_force(rig) == 0, "reason %u, %g N",
+              rig->force.reason, rig_force(rig));
+    }
+    rig_close(rig);
+}
+
+/* Tools with tips come and go: each time there is room for them. */
+static void removed_tools_give_their_tips_back(void)
+{
+    static const dpt_segment point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
+    struct tip_rig tip;
+    tip_rig_open(&tip, NULL, box.mesh, DPT_HULL_KIND_BOX, plate, 0);
+    dpt_tip three[3];
+    for (int i = 0; i < 3; i++)
+        three[i] = (dpt_tip){ .size = sizeof *three, .hull = tip.hull };
+    for (int round = 0; round < 5; round++) {
+        dpt_tool tool;
+        dpt_tool_add(tip.rig.world, &point, 1, &tool);
+        CHECK(dpt_tool_set_tips(tip.rig.world, tool, three, 3) == DPT_OK, "round %d", round);
+        dpt_world_step(tip.rig.world, RIG_DT, NULL);
+        dpt_tool_remove(tip.rig.world, tool);
+    }
+    rig_close(&tip.rig);
+}
+
+/* The lowest corner of a tip above a height. */
+static double lowest_over(const struct tip_rig *tip, double height)
+{
+    double corners[3 * ORACLE_CORNERS], lowest = HUGE_VAL;
+    tip_rig_corners(tip, &tip->rig.proxy, corners);
+    for (uint32_t c = 0; c < tip->as.corner_count; c++)
+        lowest = fmin(lowest, corners[3 * c + 2] - height);
+    return lowest;
+}
+
+/*
+ * A sheet that comes up by as much as 0.2 m a tick takes a tip along, whether its body moves or its vertices do. It starts
+ * below the tip and ends above where the device holds it. The tool does not turn: it would lie down, and start again.
+ */
+static void sheets_that_come_up_are_not_passed(void)
+{
+    static const double steps[] = { 1e-3, 1e-2, 5e-2, 0.2 };
+    struct solid sheet;
+    if (!solid_from_shape(&sheet, "membrane", 128))
+        return;
+    const float *rest;
+    uint32_t vertices;
+    dpt_mesh_get_vertices(sheet.mesh, &rest, &vertices);
+    for (int i = 0; i < 8; i++) {
+        const double step = steps[i / 2];
+        const int is_soft = i % 2;
+        struct tip_rig tip;
+        dpt_pose pose = DPT_POSE_IDENTITY;
+        dpt_body soft = 0;
+        tip_rig_open(&tip, NULL, is_soft ? NULL : sheet.mesh, DPT_HULL_KIND_WEDGE, blade, 0);
+        struct rig *rig = &tip.rig;
+        dpt_deform_def def;
+        dpt_deform_def_init(&def);
+        def.mesh = sheet.mesh;
+        for (int k = 0; k < 3; k++) {
+            def.box_min[k] = -1;
+            def.box_max[k] = 1;
+        }
+        void *block = malloc(dpt_deform_bytes(&def));
+        float *at = malloc(3 * vertices * sizeof *at);
+        memcpy(at, rest, 3 * vertices * sizeof *at);
+        if (is_soft) {
+            const dpt_result result =
+                dpt_deform_add(rig->world, block, dpt_deform_bytes(&def), &def, &soft);
+            CHECK(result == DPT_OK, "soft: %s", dpt_result_name(result));
+        }
+        dpt_tool_settings settings = { .size = sizeof settings };
+        dpt_tool_get_settings(rig->world, rig->tool, &settings);
+        settings.lock_rotation = 1;
+        dpt_tool_set_settings(rig->world, rig->tool, &settings);
+        rig_orient(&rig->device, (const double[3]){ 0.6, 0.8, 0 }, 0.2);
+        rig->device.position[2] = 0.4 * step + 0.006;
+        rig_place(rig);
+        for (int tick = 1; tick <= 3; tick++) {
+            const double height = tick * step;
+            pose.position[2] = height;
+            for (uint32_t v = 0; v < vertices; v++)
+                at[3 * v + 2] = (float)height;
+            if (is_soft)
+                dpt_deform_set_vertices(rig->world, soft, 0, vertices, at, -1.0);
+            else
+                dpt_body_set_pose(rig->world, rig->body, &pose);
+            rig_step(rig);
+            const double lowest = lowest_over(&tip, is_soft ? (double)(float)height : height);
+            CHECK(lowest > 0 && (tick == 1 || rig->force.reason == DPT_FORCE_ACTS),
+                  "soft %d, %g m a tick, tick %d: %g over it, reason %u, flags %u", is_soft, step,
+                  tick, lowest, rig->force.reason, rig->force.flags);
+        }
+        rig_close(rig);
+        free(block);
+        free(at);
+    }
+    solid_close(&sheet);
 }
 
 /* Half a turn within a tick, whose ends would go through a sheet that both poses are far from. */
@@ -473,6 +597,9 @@ int main(int argc, char **argv)
     TEST(a_tip_that_begins_inside_is_not_felt);
     TEST(a_body_that_jumps_is_seen);
     TEST(a_turn_through_a_sheet_is_not_free);
+    TEST(a_body_that_appears_round_a_tip_is_not_felt);
+    TEST(removed_tools_give_their_tips_back);
+    TEST(sheets_that_come_up_are_not_passed);
     TEST(a_plate_sticks_and_slips);
     TEST(moving_bodies_push_a_tip);
     TEST(kernels_give_the_same_bits);
