@@ -25,7 +25,7 @@ DPT_BEGIN
 typedef struct dpt_hull dpt_hull;
 
 /* The most corners that a hull is made of. This number never changes. */
-#define DPT_HULL_CORNERS_MAX 64
+enum { DPT_HULL_CORNERS_MAX = 64 };
 
 /*
  * What a hull is made of.
