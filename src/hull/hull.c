@@ -139,6 +139,7 @@ static void add_face(struct build *build, uint64_t on_face, vec3 normal, double 
             start = i;
         }
     uint32_t at = start;
+    vec3 area = { 0.0, 0.0, 0.0 };
     do {
         const uint32_t next = next_on_loop(build, on_face, normal, at, tolerance);
         if (build->loop_count == HULL_LOOPS_MAX || face->count == hull->corner_count ||
@@ -149,8 +150,14 @@ static void add_face(struct build *build, uint64_t on_face, vec3 normal, double 
         build->leads_to[at] |= (uint64_t)1 << next;
         hull->loop[build->loop_count++] = (uint8_t)at;
         face->count++;
+        area = add(area, cross(sub(hull->corner[at], middle), sub(hull->corner[next], middle)));
         at = next;
     } while (at != start);
+    /* The three corners that found the plane may make a thin triangle: the whole face tells its normal better. */
+    area = unit_of(area);
+    if (support_of(hull->corner, hull->corner_count, area) - dot(area, hull->corner[start]) <=
+        tolerance)
+        face->normal = area;
     build->is_bad |= face->count < 3;
 }
 

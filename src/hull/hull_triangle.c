@@ -99,11 +99,17 @@ static double height_over(const struct hull_place *place, uint32_t face, vec3 x)
     return dot(sub(x, place->corner[first]), place->normal[face]);
 }
 
+/* Below a face by no more than rounding: what lies in the plane of a flat hull may be below both of its faces. */
+static int is_above(vec3 x, double height)
+{
+    return height >= -0x1p-50 * extent_of(x);
+}
+
 static int try_face(const struct hull_place *place, uint32_t face, uint32_t k, const vec3 v[3],
                     struct hull_pair *found)
 {
     const double height = height_over(place, face, v[k]);
-    if (!(height >= 0.0 && is_over_face(place, face, v[k])))
+    if (!(is_above(v[k], height) && is_over_face(place, face, v[k])))
         return 0;
     found->pair =
         (pair){ .distance2 = height * height, .gap = scaled(place->normal[face], -height) };
@@ -159,7 +165,8 @@ static void visit_features(const struct hull_place *place, const struct ball *ba
     for (uint32_t f = 0; f < hull->face_count; f++)
         for (uint32_t k = 0; k < 3; k++) {
             const double height = height_over(place, f, ball->v[k]);
-            if (height >= 0.0 && height <= *limit && try_face(place, f, k, ball->v, &found))
+            if (is_above(ball->v[k], height) && height <= *limit &&
+                try_face(place, f, k, ball->v, &found))
                 take(user, &found);
         }
 }
@@ -295,10 +302,14 @@ static int meets(const struct hull_place *place, const struct ball *ball, struct
     for (uint32_t e = 0; e < hull->edge_count; e++) {
         const vec3 a = place->corner[hull->edge[e][0]];
         const vec3 u = sub(place->corner[hull->edge[e][1]], a);
-        found->pair = segment_triangle(a, u, v[0], v[1], v[2]);
-        found->pair.s = 0.0;
-        if (found->pair.distance2 == 0.0)
-            return 1;
+        const pair through = segment_triangle(a, u, v[0], v[1], v[2]);
+        if (through.distance2 > 0.0)
+            continue;
+        /* Where the edge nearly lies in the triangle's plane, its own point is the more accurate one. */
+        point_triangle(along(a, through.s, u), v, &found->pair);
+        found->pair.s = found->pair.distance2 = 0.0;
+        found->pair.gap = (vec3){ 0.0, 0.0, 0.0 };
+        return 1;
     }
     return 0;
 }
