@@ -87,9 +87,8 @@ static int open_record(const struct run_settings *settings, struct session *sess
     if (!run_is_traced(settings))
         return 0;
     if (!session->scene.has_stylus)
-        return complain(
-            "run",
-            "--record needs the stylus: a trace has one segment; a recording, F.dpr, may have any");
+        return complain("run", "--record needs the stylus, without tips: a trace has one segment; "
+                               "a recording, F.dpr, may have any");
     return run_trace_open(&session->trace, settings->record);
 }
 

@@ -28,6 +28,14 @@ static const char help[] =
     "limits. A\n"
     "                   device that is the arm needs neither this nor --zoom: its joints tell\n"
     "  --tool ARM.dpa   the tool is that of an arm\n"
+    "  --tip SHAPE:X,Y,Z[,RADIUS]\n"
+    "                   a tip at the tool's origin, beside the tool: box, wedge, cylinder or cone "
+    "of these\n"
+    "                   lengths, m, its edges rounded by the radius. A wedge's edge lies along x, "
+    "at\n"
+    "                   z = -Z / 2; a cone's point lies there too. Up to 16 tips; with the law "
+    "proxy;\n"
+    "                   they replace those of the file\n"
     "  --zoom Z         metres of the mesh for one of the hand; default 1\n"
     "  --force-scale S  newtons at the hand for one of the mesh; default 1. The hand feels S Z "
     "times the "
@@ -94,14 +102,28 @@ static int check_record(const struct run_settings *settings)
     return device_output_check("run", settings->record, settings->device);
 }
 
+/* As many as one option has. */
+typedef char tip_options_fit[(int)OPTION_TEXTS_MAX <= (int)TIP_SHAPES_MAX ? 1 : -1];
+
+static int read_tips(struct tip_shapes *tips, const struct option_texts *texts)
+{
+    for (size_t i = 0; i < texts->count; i++)
+        if (tip_shape_of_option(&tips->shape[i], "run", texts->text[i]))
+            return 2;
+    tips->count = (uint32_t)texts->count;
+    return 0;
+}
+
 int run_settings_read(struct run_settings *settings, int argc, char **argv)
 {
     const char *law = NULL;
+    struct option_texts tips = { .count = 0 };
     size_t operands = 0;
     const struct option_def options[] = {
         { .name = "--device", .text = &settings->device },
         { .name = "--at", .text = &settings->scene.origin },
         { .name = "--tool", .text = &settings->scene.tool },
+        { .name = "--tip", .texts = &tips },
         { .name = "--identified", .text = &settings->identified },
         { .name = "--zoom", .number = &settings->scene.zoom },
         { .name = "--length", .number = &settings->scene.length },
@@ -157,6 +179,8 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
     if (operands != 1 || !settings->device)
         return complain("run", "a scene, SCENE.json, MESH.dpa or ARM.dpa, and --device NAME are "
                                "needed (see --help)");
+    if (read_tips(&settings->scene.tips, &tips))
+        return 2;
     status = scene_def_complete(&settings->scene, law);
     settings->scene.force.stiffness =
         isnan(settings->coupling.stiffness) ? 0.0 : settings->coupling.stiffness;
