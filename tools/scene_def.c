@@ -78,8 +78,7 @@ static int complete_tool(struct scene_def *def)
     if (file && file->arm && !def->tool)
         def->tool = file->arm;
     if (def->tips.count && def->force.law != DPT_LAW_PROXY)
-        return complain(def->command,
-                        "%s: tips are felt by the law proxy alone (tool.law, --law)",
+        return complain(def->command, "%s: tips are felt by the law proxy alone (tool.law, --law)",
                         def->path);
     return 0;
 }
