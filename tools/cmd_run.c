@@ -14,77 +14,11 @@
 #include "run_coupling.h"
 #include "run_physics.h"
 #include "run_record.h"
+#include "run_settings.h"
 #include "run_trace.h"
 #include "run_view.h"
 #include "scene.h"
 #include "stop.h"
-
-static const char help[] =
-    "usage: dynpoint run SCENE|SCENE.json|MESH.dpa|ARM.dpa --device NAME [options]\n"
-    "\n"
-    "Feel a scene by name (membrane, cloth, laparoscopy, liver, soft-liver, tori), a scene file\n"
-    "(docs/scene.md), a mesh, or the scene of an arm, with a haptic device: DRIVER or\n"
-    "DRIVER:WHERE, as sim or serial:/dev/ttyACM0. The tool is a stylus, a capsule from the\n"
-    "device's point along its z axis, or that of an arm, or of the file. What a file says of tool\n"
-    "and device, an option overrides. Ends on an interrupt, after --for or --ticks, or when the\n"
-    "device is lost; always with zero force. Then says how it went.\n"
-    "\n"
-    "  --device NAME    which one; default the scene file's\n"
-    "  --at X,Y,Z       where the device's origin lies in the mesh's frame, m; default: 5 mm above "
-    "the\n"
-    "                   middle of the top of its box, y being up. Of an arm's scene, whose z is "
-    "up, in the\n"
-    "                   root's frame; default: where the tool is in the middle of the joints' "
-    "limits. A\n"
-    "                   device that is the arm needs neither this nor --zoom: its joints tell\n"
-    "  --tool ARM.dpa   the tool is that of an arm\n"
-    "  --zoom Z         metres of the mesh for one of the hand; default 1\n"
-    "  --force-scale S  newtons at the hand for one of the mesh; default 1. The hand feels S Z "
-    "times the "
-    "stiffness\n"
-    "  --clutch N       while button N is down, from 0, the tool stands still and gives no force: "
-    "move "
-    "the hand\n"
-    "                   to a better place\n"
-    "  --length L       of the stylus, m of the mesh; default the scene's, or 0.1\n"
-    "  --radius R       of it; default the scene's, or 0.002\n"
-    "  --law LAW        of the force: proxy (default) pulls to where the tool would be if it went "
-    "through\n"
-    "                   nothing; bed: along the tool and at its ends; point: at the deepest point\n"
-    "  --stiffness K    of the force, N/m, at most what the device can hold; default just that\n"
-    "  --gain-margin G  how much stiffer the loop could be before it shakes; default 1.5\n"
-    "  --unstable       take --stiffness even if the device cannot hold it\n"
-    "  --active         do not take away force where the scene gives the hand energy\n"
-    "  --friction MU    of all bodies, with a proxy; default the scene's, or 0\n"
-    "  --damping B      of the proxy's spring, Ns/m; default 0\n"
-    "  --identified F   the device's dynamics are those of a file that device identify wrote\n"
-    "  --force-max F    N; default the guard's, 5, or the device's if that is less\n"
-    "  --rate HZ        of the loop; default the device's\n"
-    "  --cpu N          the loop runs on this processor alone, from 0\n"
-    "  --awake          keep processors from deep sleep while it runs; needs the right to do so\n"
-    "  --budget N       at most N units of work a tick, 0: unlimited; what is not decided then is\n"
-    "                   unknown, without force; default 3000 at 1 kHz, in proportion to the "
-    "period,\n"
-    "                   so that a tick keeps within one\n"
-    "  --physics HZ     what gives way is stepped in a thread of its own, 1 to 5000 times a "
-    "second;\n"
-    "                   default in each tick. With a device that has a time of its own, by that\n"
-    "  --for S          seconds of the clock\n"
-    "  --ticks N        or so many ticks\n"
-    "  --reopen         while the device is lost, try once a second to open it again\n"
-    "  --record F.dpr   every tick: what the device told, what was asked and what acted, contact,\n"
-    "                   proxy, energy. Written while it lasts, for dynpoint record and replay. "
-    "With\n"
-    "                   --for, a device with a time of its own, as sim, runs for S of that\n"
-    "  --embed          the recording carries MESH.dpa or ARM.dpa, and --tool: it needs no other "
-    "file\n"
-    "  --record F.csv   only how the tool moved, a trace; needs --ticks or --for\n"
-    "  --view           show it in a browser: prints the address of a page on this machine\n"
-    "  --open           and open it there\n"
-    "  --port N         of the page; default a free one\n"
-    "  --address A      serve the page on this address instead, to other machines, unencrypted\n"
-    "  --control        a simulated hand stands still until the page moves it\n"
-    "  --json           what is said at the end as one JSON object\n";
 
 /* Deadlines that follow a device's samples come at most this much more often than its rate says. */
 #define RATE_FACTOR_MAX (16.0 / 15.0)
@@ -92,27 +26,12 @@ static const char help[] =
 /* From a sample to its command, by the clock: the deadline's phase behind the sample, and the tick's own time. */
 #define LOOP_DELAY_PERIODS 0.25
 
-#define NO_NUMBER UINT64_MAX
-
 /*
  * The default budget in units of work a second (docs/drivers.md has the time of a unit), and its minimum a tick: with
  * less, a tool at rest may stay undecided.
  */
-#define BUDGET_RATE    3e6
-#define BUDGET_MIN     200.0
-#define BUDGET_BY_RATE UINT64_MAX
-
-struct run_settings {
-    struct scene_def scene;
-    const char *device, *record, *identified;
-    struct coupling_options coupling;
-    double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
-    uint64_t ticks, budget;          /* BUDGET_BY_RATE: not given */
-    uint64_t clutch, cpu;            /* NO_NUMBER: not given */
-    struct run_view_options view;
-    struct recording_embed embed;
-    int json, reopen, is_active, awake, embeds;
-};
+#define BUDGET_RATE 3e6
+#define BUDGET_MIN  200.0
 
 /* What a tick needs, and what it counts. */
 struct session {
@@ -163,19 +82,13 @@ static void idle(void *user, const dpt_loop_sample *sample)
     run_record_idle(&session->recording, sample);
 }
 
-static int is_traced(const struct run_settings *settings)
-{
-    return settings->record && is_trace_name(settings->record);
-}
-
 static int open_record(const struct run_settings *settings, struct session *session)
 {
-    if (!is_traced(settings))
+    if (!run_is_traced(settings))
         return 0;
     if (!session->scene.has_stylus)
-        return complain(
-            "run",
-            "--record needs the stylus: a trace has one segment; a recording, F.dpr, may have any");
+        return complain("run", "--record needs the stylus, without tips: a trace has one segment; "
+                               "a recording, F.dpr, may have any");
     return run_trace_open(&session->trace, settings->record);
 }
 
@@ -373,7 +286,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
             return complain("run", "%s", error.text);
     }
     const double rate = settings->rate > 0.0 ? settings->rate : info.rate;
-    session->budget = settings->budget == BUDGET_BY_RATE
+    session->budget = settings->budget == RUN_BUDGET_BY_RATE
                           ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_MIN)
                           : (uint32_t)settings->budget;
     struct coupling_options coupling = settings->coupling;
@@ -381,7 +294,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     coupling.loop_delay =
         info.flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : LOOP_DELAY_PERIODS / rate;
     coupling.loop_delay += run_physics_delay(&session->scene);
-    if (run_physics_check(&session->scene, &info, settings->record && !is_traced(settings)) ||
+    if (run_physics_check(&session->scene, &info, settings->record && !run_is_traced(settings)) ||
         run_coupling_choose(&session->scene, &info, &coupling, &session->coupling) ||
         scene_make_world(&session->scene, &info, session->budget) ||
         scene_bodies_check_step(&session->scene.bodies, "run", settings->scene.path,
@@ -393,11 +306,11 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     def.idle = idle;
     def.rate = settings->rate;
     def.reopen = (uint32_t)settings->reopen;
-    def.cpu = settings->cpu == NO_NUMBER ? 0 : (uint32_t)settings->cpu + 1;
+    def.cpu = settings->cpu == RUN_NO_NUMBER ? 0 : (uint32_t)settings->cpu + 1;
     def.awake = (uint32_t)settings->awake;
-    if (is_traced(settings) && allocate_record(session, settings, &info))
+    if (run_is_traced(settings) && allocate_record(session, settings, &info))
         return 2;
-    def.ticks = is_traced(settings) ? session->trace.capacity : settings->ticks;
+    def.ticks = run_is_traced(settings) ? session->trace.capacity : settings->ticks;
     double seconds = settings->seconds;
     if (settings->record && !def.ticks && is_by_own_time(settings, &info)) {
         def.ticks = (uint64_t)ceil(settings->seconds * info.rate);
@@ -418,7 +331,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     int status =
         run_view_open(&session->view, &settings->view, &session->scene, settings->scene.path,
                       device, settings->device, rate, guard.force_max);
-    if (status == 0 && settings->record && !is_traced(settings))
+    if (status == 0 && settings->record && !run_is_traced(settings))
         status = run_record_open(&session->recording, settings->record, &session->scene,
                                  &settings->scene, settings->device, rate, guard.force_max,
                                  session->budget);
@@ -442,115 +355,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     (settings->json ? print_json : print_report)(session, &stats, &counts);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));
-    return is_traced(settings) ? run_trace_write(&session->trace) : status;
-}
-
-/* Check the record against all inputs. The device's name contains files, too. */
-static int check_record(const struct run_settings *settings)
-{
-    const char *const inputs[] = { settings->identified, NULL };
-    if (!strcmp(settings->record, "-"))
-        return complain("run",
-                        "--record needs a file: what is said at the end is on standard output");
-    if (scene_def_check_output(&settings->scene, settings->record) ||
-        output_check("run", settings->record, inputs))
-        return 2;
-    return device_output_check("run", settings->record, settings->device);
-}
-
-static int read_settings(int argc, char **argv, struct run_settings *settings)
-{
-    const char *law = NULL;
-    size_t operands = 0;
-    const struct option_def options[] = {
-        { .name = "--device", .text = &settings->device },
-        { .name = "--at", .text = &settings->scene.origin },
-        { .name = "--tool", .text = &settings->scene.tool },
-        { .name = "--identified", .text = &settings->identified },
-        { .name = "--zoom", .number = &settings->scene.zoom },
-        { .name = "--length", .number = &settings->scene.length },
-        { .name = "--radius", .number = &settings->scene.radius },
-        { .name = "--law", .text = &law },
-        { .name = "--stiffness", .number = &settings->coupling.stiffness },
-        { .name = "--gain-margin", .number = &settings->coupling.gain_margin },
-        { .name = "--unstable", .flag = &settings->coupling.is_unstable },
-        { .name = "--active", .flag = &settings->is_active },
-        { .name = "--force-scale", .number = &settings->scene.force_scale },
-        { .name = "--clutch", .count = &settings->clutch },
-        { .name = "--friction", .number = &settings->scene.force.friction },
-        { .name = "--damping", .number = &settings->scene.force.damping },
-        { .name = "--force-max", .number = &settings->force_max },
-        { .name = "--rate", .number = &settings->rate },
-        { .name = "--cpu", .count = &settings->cpu },
-        { .name = "--awake", .flag = &settings->awake },
-        { .name = "--budget", .count = &settings->budget },
-        { .name = "--physics", .number = &settings->scene.physics },
-        { .name = "--for", .number = &settings->seconds },
-        { .name = "--ticks", .count = &settings->ticks },
-        { .name = "--record", .text = &settings->record },
-        { .name = "--embed", .flag = &settings->embeds },
-        { .name = "--reopen", .flag = &settings->reopen },
-        { .name = "--view", .flag = &settings->view.is_on },
-        { .name = "--open", .flag = &settings->view.open },
-        { .name = "--port", .count = &settings->view.port },
-        { .name = "--address", .text = &settings->view.address },
-        { .name = "--control", .flag = &settings->view.control },
-        { .name = "--json", .flag = &settings->json },
-    };
-    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help,
-                               &settings->scene.path, 1, &operands);
-    if (status >= 0)
-        return status;
-    if (operands == 1 && scene_def_read(&settings->scene))
-        return 2;
-    if (!settings->device && settings->scene.file)
-        settings->device = settings->scene.file->device;
-    if (operands != 1 || !settings->device)
-        return complain("run", "a scene, SCENE.json, MESH.dpa or ARM.dpa, and --device NAME are "
-                               "needed (see --help)");
-    status = scene_def_complete(&settings->scene, law);
-    settings->scene.force.stiffness =
-        isnan(settings->coupling.stiffness) ? 0.0 : settings->coupling.stiffness;
-    if (status == 0)
-        status = force_options_check("run", &settings->scene.force);
-    if (status)
-        return status;
-    if (settings->record && check_record(settings))
-        return 2;
-    if (settings->embeds && (!settings->record || is_traced(settings)))
-        return complain("run", "--embed needs --record F.dpr");
-    if (run_view_check("run", &settings->view))
-        return 2;
-    if (!(settings->scene.zoom > 0.0 && settings->scene.zoom <= 1000.0))
-        return complain("run", "--zoom must be positive, at most 1000");
-    if (!(settings->scene.force_scale >= 1e-3 && settings->scene.force_scale <= 1000.0))
-        return complain("run", "--force-scale must be 0.001 to 1000");
-    if (!(settings->coupling.gain_margin >= 1.0 && settings->coupling.gain_margin <= 100.0))
-        return complain("run", "--gain-margin must be 1 to 100");
-    if (settings->coupling.is_unstable && isnan(settings->coupling.stiffness))
-        return complain("run", "--unstable needs --stiffness");
-    if (settings->cpu > 65535 && settings->cpu != NO_NUMBER)
-        return complain("run", "--cpu must be 0 to 65535");
-    if (settings->clutch > 31 && settings->clutch != NO_NUMBER)
-        return complain("run", "--clutch must be 0 to 31");
-    if (settings->clutch != NO_NUMBER)
-        settings->scene.clutch = (int)settings->clutch;
-    if (!(settings->scene.length >= 0.0 && settings->scene.length <= 10.0) ||
-        !(settings->scene.radius >= 0.0 && settings->scene.radius <= 1.0))
-        return complain("run", "--length must be 0 to 10, --radius 0 to 1");
-    if (settings->force_max < 0.0 || settings->force_max > 1000.0)
-        return complain("run", "--force-max must be 0 to 1000");
-    if (settings->rate != 0.0 && !(settings->rate >= 1.0 && settings->rate <= 1e5))
-        return complain("run", "--rate must be 1 to 100000");
-    if (settings->budget > UINT32_MAX && settings->budget != BUDGET_BY_RATE)
-        return complain("run", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
-    if (!(settings->seconds > 0.0))
-        return complain("run", "--for must be positive");
-    if (is_traced(settings) && settings->ticks > RUN_TRACE_MAX)
-        return complain("run", "--record: at most %d --ticks", RUN_TRACE_MAX);
-    if (is_traced(settings) && !settings->ticks && !(settings->seconds < HUGE_VAL))
-        return complain("run", "--record needs --ticks or --for");
-    return -1;
+    return run_is_traced(settings) ? run_trace_write(&session->trace) : status;
 }
 
 static int run(const struct run_settings *settings)
@@ -575,20 +380,8 @@ static int run(const struct run_settings *settings)
 
 int command_run(int argc, char **argv)
 {
-    struct run_settings settings = { .scene = { .command = "run",
-                                                .zoom = NAN,
-                                                .force_scale = NAN,
-                                                .clutch = -1,
-                                                .length = NAN,
-                                                .radius = NAN,
-                                                .force = { .friction = NAN } },
-                                     .coupling = { .stiffness = NAN, .gain_margin = 1.5 },
-                                     .clutch = NO_NUMBER,
-                                     .cpu = NO_NUMBER,
-                                     .force_max = NAN,
-                                     .seconds = HUGE_VAL,
-                                     .budget = BUDGET_BY_RATE };
-    int status = read_settings(argc, argv, &settings);
+    struct run_settings settings;
+    int status = run_settings_read(&settings, argc, argv);
     if (status < 0 && settings.embeds &&
         recording_embed_load(&settings.embed, &settings.scene, settings.record))
         status = 2;

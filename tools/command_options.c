@@ -45,6 +45,10 @@ static int read_value(const char *command, const struct option_def *option, cons
         if (parse_int(value, end, &whole) != end || whole < 0)
             return complain(command, "%s: '%s' is not a count", option->name, value);
         *option->count = (uint64_t)whole;
+    } else if (option->texts) {
+        if (option->texts->count == OPTION_TEXTS_MAX)
+            return complain(command, "%s: at most %d of them", option->name, OPTION_TEXTS_MAX);
+        option->texts->text[option->texts->count++] = value;
     }
     return -1;
 }

@@ -18,6 +18,13 @@ int complain(const char *command, const char *format, ...)
 #endif
     ;
 
+/* The values of an option that may be given several times, in their order. */
+enum { OPTION_TEXTS_MAX = 16 };
+struct option_texts {
+    const char *text[OPTION_TEXTS_MAX];
+    size_t count;
+};
+
 /* An option of a command, and where its value goes: exactly one of the pointers is not NULL. */
 struct option_def {
     const char *name; /* "--scale", "-o" */
@@ -25,6 +32,7 @@ struct option_def {
     double *number;
     uint64_t *count;
     int *flag;
+    struct option_texts *texts;
 };
 
 /*

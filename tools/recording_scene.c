@@ -77,6 +77,7 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
                              .clutch = text->clutch < SCENE_TEXT_NO_CLUTCH ? (int)text->clutch : -1,
                              .length = text->length,
                              .radius = text->radius,
+                             .tips = text->tips,
                              .physics = text->physics,
                              .force = { .stiffness = text->stiffness,
                                         .friction = has_own_friction ? NAN : text->friction,
@@ -94,6 +95,8 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
         status = law_by_name(command, text->law, &def.force.law);
     if (status == 0)
         status = force_options_check(command, &def.force);
+    if (status == 0 && def.tips.count && def.force.law != DPT_LAW_PROXY)
+        status = complain(command, "%s: its header has tips, and another law than proxy", path);
     if (status == 0)
         status = scene_def_read(&def);
     if (status == 0)

@@ -12,27 +12,45 @@ const char *coupling_limit_word(uint32_t limit)
     return limit < sizeof words / sizeof *words ? words[limit] : "?";
 }
 
+/* What counts for the tool's turns: its segments, then the axes of its tips. Returns how many there are. */
+static uint32_t list_parts(const struct scene *scene, dpt_segment *parts)
+{
+    const uint32_t segments = scene->segment_count;
+    for (uint32_t i = 0; i < segments; i++) {
+        parts[i] = scene->segments[i];
+        if (scene->has_stylus)
+            parts[i].b[2] = scene->length;
+    }
+    for (uint32_t i = 0; i < scene->tips.count; i++) {
+        dpt_hull_info info = { .size = sizeof info };
+        dpt_hull_get_info(scene->hulls[i], &info);
+        for (int k = 0; k < 3; k++) {
+            parts[segments + i].a[k] = info.axis[0][k];
+            parts[segments + i].b[k] = info.axis[1][k];
+        }
+    }
+    return segments + scene->tips.count;
+}
+
 /* The tool's root mean squared distance from its centre, and how far that is from the pose's origin. */
 static void measure_tool(const struct scene *scene, double *rho, double *lever)
 {
     double whole = 0.0, centre[3] = { 0.0 }, square = 0.0;
-    dpt_segment segments[DPT_ARM_SEGMENTS_MAX];
-    double weight[DPT_ARM_SEGMENTS_MAX];
-    for (uint32_t i = 0; i < scene->segment_count; i++) {
-        segments[i] = scene->segments[i];
-        if (scene->has_stylus)
-            segments[i].b[2] = scene->length;
-        const double *a = segments[i].a, *b = segments[i].b;
+    dpt_segment parts[DPT_ARM_SEGMENTS_MAX + TIP_SHAPES_MAX];
+    double weight[DPT_ARM_SEGMENTS_MAX + TIP_SHAPES_MAX];
+    const uint32_t count = list_parts(scene, parts);
+    for (uint32_t i = 0; i < count; i++) {
+        const double *a = parts[i].a, *b = parts[i].b;
         weight[i] = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) +
                          (b[2] - a[2]) * (b[2] - a[2]));
         whole += weight[i];
     }
-    for (uint32_t i = 0; i < scene->segment_count; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         const double length = weight[i];
-        weight[i] = whole > 0.0 ? length / whole : 1.0 / scene->segment_count;
+        weight[i] = whole > 0.0 ? length / whole : 1.0 / count;
         square += weight[i] * length * length / 12.0;
         for (int k = 0; k < 3; k++) {
-            const double middle = 0.5 * (segments[i].a[k] + segments[i].b[k]);
+            const double middle = 0.5 * (parts[i].a[k] + parts[i].b[k]);
             centre[k] += weight[i] * middle;
             square += weight[i] * middle * middle;
         }

@@ -74,6 +74,15 @@ static uint32_t copy_tool_segments(const dpt_arm *arm, dpt_segment *segments)
     return count;
 }
 
+/* To the tool in the world; it has its law. */
+static dpt_result add_tips(struct scene *scene)
+{
+    dpt_tip tips[TIP_SHAPES_MAX];
+    for (uint32_t i = 0; i < scene->tips.count; i++)
+        tips[i] = (dpt_tip){ .size = sizeof tips[i], .hull = scene->hulls[i] };
+    return dpt_tool_set_tips(scene->world, scene->tool, tips, scene->tips.count);
+}
+
 int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget)
 {
     dpt_world_def world;
@@ -82,6 +91,7 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     world.max_bodies = scene->bodies.count;
     world.max_tools = 1;
     world.max_segments = scene->segment_count;
+    world.max_tips = scene->tips.count;
     world.budget = budget;
     if (scene_bodies_displace(&scene->bodies))
         world.strip = DPT_STRIP_KIND_SHADOW;
@@ -99,6 +109,8 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     if (result == DPT_OK)
         result = force_options_set_tool(&scene->force, scene->world, scene->tool,
                                         scene->device.wrench_dofs < 6);
+    if (result == DPT_OK)
+        result = add_tips(scene);
     return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
 }
 
@@ -143,9 +155,11 @@ static uint32_t load_tool(struct scene *scene, const struct scene_def *def, dpt_
         complain(scene->command, "%s: its tool has no capsule", def->tool);
         return 0;
     }
-    scene->has_stylus = 1;
     scene->stylus.radius = def->radius;
     segments[0] = scene->stylus;
+    scene->has_stylus = def->tips.count == 0;
+    if (!scene->has_stylus)
+        segments[0].b[2] = def->length;
     return 1;
 }
 
@@ -179,6 +193,30 @@ static int open_bodies(struct scene *scene, const struct scene_def *def)
     return mesh ? 0 : 2;
 }
 
+/* Returns 0, or 2 after a message. */
+static int make_hulls(struct scene *scene, const struct scene_def *def)
+{
+    scene->tips = def->tips;
+    for (uint32_t i = 0; i < scene->tips.count; i++) {
+        const dpt_result result =
+            tip_shape_make(&scene->tips.shape[i], &scene->hull_blocks[i], &scene->hulls[i]);
+        if (result != DPT_OK)
+            return complain(scene->command, "%s: tip %u: %s", def->path, (unsigned)i + 1,
+                            dpt_result_text(result));
+    }
+    return 0;
+}
+
+/* m: how far the tips reach below the tool's origin while it is not turned, y being up; at least `least`. */
+static double tips_drop(const struct scene *scene, double least)
+{
+    double corner[3], drop = least;
+    for (uint32_t i = 0; i < scene->tips.count; i++)
+        for (uint32_t k = 0; dpt_hull_get_corner(scene->hulls[i], k, corner) == DPT_OK; k++)
+            drop = fmax(drop, scene->tips.shape[i].radius - corner[1]);
+    return drop;
+}
+
 /* Where the device's origin is: above the bodies, or where an arm's tool is in the middle of its limits. */
 static int place_device(struct scene *scene, const struct scene_def *def)
 {
@@ -190,7 +228,7 @@ static int place_device(struct scene *scene, const struct scene_def *def)
         memcpy(scene->origin, listed->origin, sizeof scene->origin);
     } else if (!scene->arm) {
         scene_bodies_top(&scene->bodies, scene->origin);
-        scene->origin[1] += def->radius + 0.005;
+        scene->origin[1] += tips_drop(scene, def->radius) + 0.005;
     } else if (middle_position(scene->arm, scene->origin) != DPT_OK) {
         return complain(scene->command, "%s: the arm's joints have no middle", def->path);
     }
@@ -222,7 +260,7 @@ int scene_open(struct scene *scene, const struct scene_def *def)
         return complain(scene->command,
                         "%s: an arm whose scene has no body: name a mesh, and this one as --tool",
                         def->path);
-    if (place_device(scene, def))
+    if (make_hulls(scene, def) || place_device(scene, def))
         return 2;
     scene->segment_count = load_tool(scene, def, scene->segments);
     return scene->segment_count ? 0 : 2;
@@ -234,6 +272,8 @@ void scene_close(struct scene *scene)
     scene->physics = NULL;
     free(scene->block);
     scene_bodies_close(&scene->bodies);
+    for (uint32_t i = 0; i < scene->tips.count; i++)
+        free(scene->hull_blocks[i]);
     free(scene->bytes);
     free(scene->tool_bytes);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * What a hand feels: a mesh, the bodies of a scene by name or of a scene file, or those of an arm's scene; and with what: a
- * stylus, segments, or an arm's tool. The scene's frame is the mesh's frame, or that of the arm's root.
+ * stylus, segments, or an arm's tool, each with tips or without. The scene's frame is the mesh's frame, or that of the arm's root.
  */
 #ifndef DPT_TOOLS_SCENE_H
 #define DPT_TOOLS_SCENE_H
@@ -24,8 +24,11 @@ struct scene {
     struct scene_physics *physics;              /* of the world, if there is a rate */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
     uint32_t segment_count;
+    struct tip_shapes tips;                /* of the tool, in its own frame */
+    const dpt_hull *hulls[TIP_SHAPES_MAX]; /* of the tips, and their memory */
+    void *hull_blocks[TIP_SHAPES_MAX];
     struct force_options force;
-    int has_stylus;     /* the tool is the stylus: free, so that a trace of it can be replayed */
+    int has_stylus; /* the tool is the stylus, without tips: free, so that a trace of it can be replayed */
     dpt_segment stylus; /* in the scene's frame, as moved last */
     double length;
     double zoom;

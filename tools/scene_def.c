@@ -73,8 +73,13 @@ static int complete_tool(struct scene_def *def)
     if (has_own && !def->tool && (!isnan(def->length) || !isnan(def->radius)))
         return complain(def->command, "%s: --length and --radius are for a stylus; its tool is %s",
                         def->path, file->arm ? "an arm's" : "segments");
+    if (file && !def->tips.count && !def->tool)
+        def->tips = file->tips;
     if (file && file->arm && !def->tool)
         def->tool = file->arm;
+    if (def->tips.count && def->force.law != DPT_LAW_PROXY)
+        return complain(def->command, "%s: tips are felt by the law proxy alone (tool.law, --law)",
+                        def->path);
     return 0;
 }
 

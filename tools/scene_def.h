@@ -26,6 +26,8 @@ struct scene_def {
     int clutch;         /* number of the button that holds the tool where it is; -1: none */
     double length;      /* of the stylus, m */
     double radius;      /* of the stylus, m */
+    /* Of the tool, beside its segments. Given as a count above 0; after scene_def_complete those of the file count too. */
+    struct tip_shapes tips;
     struct force_options force;
     double physics; /* Hz, of what gives way, apart from the loop; 0: in each of its ticks */
     struct scene_file *file; /* of scene_def_read; NULL: the path is of no scene file */

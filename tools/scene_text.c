@@ -61,6 +61,9 @@ static const struct key {
 };
 enum { KEYS = sizeof keys / sizeof *keys };
 
+/* A line for each tip. */
+#define TIP_KEY "tip="
+
 void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def)
 {
     memset(text, 0, sizeof *text);
@@ -177,6 +180,11 @@ int scene_text_write(const struct scene_text *text, const struct scene *scene,
             append(&writer, "%.17g,", segment.b[k]);
         append(&writer, "%.17g\n", segment.radius);
     }
+    for (uint32_t i = 0; i < scene->tips.count; i++) {
+        char line[TIP_SHAPE_LINE];
+        tip_shape_write(&scene->tips.shape[i], line);
+        append(&writer, TIP_KEY "%s\n", line);
+    }
     return writer.is_full ? complain(scene->command, "the names are too long to record") : 0;
 }
 
@@ -224,6 +232,16 @@ static int read_value(struct scene_text *text, const struct key *key, const char
     return 1;
 }
 
+/* Returns 0 for the line of a tip that is none, or is one too many. */
+static int read_tip_line(struct tip_shapes *tips, const char *line, const char *end)
+{
+    const size_t key = sizeof TIP_KEY - 1;
+    if ((size_t)(end - line) < key || memcmp(line, TIP_KEY, key))
+        return 1;
+    return tips->count < TIP_SHAPES_MAX &&
+           tip_shape_read(&tips->shape[tips->count++], line + key, end);
+}
+
 int scene_text_read(struct scene_text *text, const char *command, const char *path, const char *in)
 {
     memset(text, 0, sizeof *text);
@@ -233,11 +251,13 @@ int scene_text_read(struct scene_text *text, const char *command, const char *pa
         if (!value)
             return complain(command, "%s: line %d of its header is not 'key=value'", path, line);
         const size_t length = (size_t)(value - in);
+        int is_good = read_tip_line(&text->tips, in, end);
         for (int i = 0; i < KEYS; i++)
-            if (strlen(keys[i].name) == length && !memcmp(keys[i].name, in, length) &&
-                !read_value(text, &keys[i], value + 1, end))
-                return complain(command, "%s: line %d of its header: '%.*s' is none", path, line,
-                                (int)(end - in), in);
+            if (strlen(keys[i].name) == length && !memcmp(keys[i].name, in, length))
+                is_good &= read_value(text, &keys[i], value + 1, end);
+        if (!is_good)
+            return complain(command, "%s: line %d of its header: '%.*s' is none", path, line,
+                            (int)(end - in), in);
         in = *end ? end + 1 : end;
     }
     return text->scene[0] ? 0 : complain(command, "%s: its header names no scene", path);

@@ -29,13 +29,14 @@ struct scene_text {
     uint64_t passivity; /* 1: there was an observer, with these fields of its def */
     double passive_damping, passive_spin_damping, passive_force_max, passive_torque_max;
     double passive_force_slew, passive_torque_slew, passive_delay;
-    double physics; /* Hz, of what is soft, by the loop's time; 0: in each tick */
+    double physics;         /* Hz, of what is soft, by the loop's time; 0: in each tick */
+    struct tip_shapes tips; /* of the tool; each has a line of its own */
 };
 
 /* Of a scene whose world was made. */
 void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def);
 
-/* Write it into `out`, the tool's segments at its end. Returns 0, or 2 after a message. */
+/* Write it into `out`, the tool's segments and tips at its end. Returns 0, or 2 after a message. */
 int scene_text_write(const struct scene_text *text, const struct scene *scene,
                      char out[DPT_RECORD_TEXT_MAX + 1]);
 

@@ -54,7 +54,7 @@ DPT_API size_t dpt_hull_bytes(const dpt_hull_def *def);
  *
  * Corners within 1e-12 of the hull's size of each other count as one, and lie on one face where they are so near to a
  * plane. DPT_E_ARGUMENT: the corners lie on one line; or, without lying in one plane, so near to a line or a plane that
- * their faces cannot be told apart. A hull that is thicker than 1e-5 of its size is always made. DPT_E_MEMORY: the block
+ * their faces cannot be told apart. A hull that is thicker than 1e-3 of its size is always made. DPT_E_MEMORY: the block
  * is too small.
  */
 DPT_API dpt_result dpt_hull_create(void *block, size_t bytes, const dpt_hull_def *def,

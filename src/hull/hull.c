@@ -113,6 +113,12 @@ static uint32_t next_on_loop(const struct build *build, uint64_t on_face, vec3 n
     return next;
 }
 
+/* m: how far corners are beyond the plane through one of them. */
+static double beyond(const struct dpt_hull *hull, uint32_t corner, vec3 normal)
+{
+    return support_of(hull->corner, hull->corner_count, normal) - dot(normal, hull->corner[corner]);
+}
+
 /* Corners of a face in order, and the edges that they make. */
 static void add_face(struct build *build, uint64_t on_face, vec3 normal, double tolerance)
 {
@@ -155,8 +161,7 @@ static void add_face(struct build *build, uint64_t on_face, vec3 normal, double 
     } while (at != start);
     /* The three corners that found the plane may make a thin triangle: the whole face tells its normal better. */
     area = unit_of(area);
-    if (support_of(hull->corner, hull->corner_count, area) - dot(area, hull->corner[start]) <=
-        tolerance)
+    if (beyond(hull, start, area) <= beyond(hull, start, normal))
         face->normal = area;
     build->is_bad |= face->count < 3;
 }

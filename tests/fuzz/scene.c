@@ -67,6 +67,21 @@ static void check_body(const struct scene_file_body *body)
     MUST(is_in(springs->spacing, 0.0, 1e6));
 }
 
+/* A hull can be made of it. */
+static void check_tip(const struct tip_shape *tip)
+{
+    void *block;
+    const dpt_hull *hull;
+    for (int k = 0; k < 3; k++) {
+        MUST(is_in(tip->extent[k], 0.0, TIP_EXTENT_MAX));
+        MUST(is_in(tip->pose.position[k], -TIP_EXTENT_MAX, TIP_EXTENT_MAX));
+    }
+    MUST(is_in(tip->radius, 0.0, TIP_RADIUS_MAX));
+    MUST(!tip_is_round(tip->kind) || !tip->extent[1] || tip->extent[1] == tip->extent[0]);
+    MUST(tip_shape_make(tip, &block, &hull) == DPT_OK);
+    free(block);
+}
+
 static void check_numbers(const struct scene_file *file)
 {
     MUST(file->body_count >= 1 && file->body_count <= DPT_ARM_BODIES_MAX);
@@ -76,6 +91,9 @@ static void check_numbers(const struct scene_file *file)
     MUST(isnan(file->force_scale) || (file->force_scale >= 1e-3 && file->force_scale <= 1000.0));
     MUST(isnan(file->length) || (file->length >= 0.0 && file->length <= 10.0));
     MUST(isnan(file->radius) || (file->radius >= 0.0 && file->radius <= 1.0));
+    MUST(file->tips.count <= TIP_SHAPES_MAX);
+    for (uint32_t i = 0; i < file->tips.count; i++)
+        check_tip(&file->tips.shape[i]);
     MUST(file->law >= -1 && file->law <= DPT_LAW_PROXY);
     MUST(file->clutch >= -1 && file->clutch <= 31);
     for (int k = 0; k < 3; k++)
@@ -129,9 +147,23 @@ static int make_body(struct scene_body *body, const struct scene_file_body *from
     return 1;
 }
 
+/* Give the tool the file's tips; `blocks` holds them. */
+static void add_tips(dpt_world *world, dpt_tool tool, const struct scene_file *file,
+                     void *blocks[TIP_SHAPES_MAX])
+{
+    dpt_tip tips[TIP_SHAPES_MAX];
+    for (uint32_t i = 0; i < file->tips.count; i++) {
+        tips[i] = (dpt_tip){ .size = sizeof tips[i] };
+        MUST(tip_shape_make(&file->tips.shape[i], &blocks[i], &tips[i].hull) == DPT_OK);
+    }
+    MUST(dpt_tool_set_tips(world, tool, tips, file->tips.count) == DPT_OK);
+}
+
 static void take_steps(struct scene_bodies *bodies, const struct scene_file *file)
 {
-    const struct force_options force = { .law = DPT_LAW_BED, .friction = NAN };
+    const uint32_t law = file->tips.count ? DPT_LAW_PROXY : DPT_LAW_BED;
+    const struct force_options force = { .law = law, .friction = NAN };
+    void *tips[TIP_SHAPES_MAX] = { NULL };
     const dpt_segment stylus = { { 0.0, 0.01, 0.0 }, { 0.0, 0.1, 0.0 }, 0.002 };
     dpt_world_def def;
     dpt_world *world;
@@ -141,19 +173,23 @@ static void take_steps(struct scene_bodies *bodies, const struct scene_file *fil
     def.max_tools = 1;
     def.max_segments = file->segment_count ? file->segment_count : 1;
     def.budget = 1000;
-    def.law = DPT_LAW_BED;
+    def.law = law;
+    def.max_tips = file->tips.count;
     def.strip = scene_bodies_displace(bodies) ? DPT_STRIP_KIND_SHADOW : DPT_STRIP_KIND_NONE;
     void *block = malloc(dpt_world_bytes(&def));
     MUST(block && dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK);
     MUST(scene_bodies_add(bodies, world, &force) == DPT_OK);
     MUST(dpt_tool_add(world, file->segment_count ? file->segments : &stylus, def.max_segments,
                       &tool) == DPT_OK);
+    add_tips(world, tool, file, tips);
     for (int i = 0; i < STEPS; i++) {
         MUST(dpt_world_step(world, 1e-3, NULL) == DPT_OK);
         const dpt_result stepped = scene_bodies_step(bodies, world, 1e-3);
         MUST(stepped == DPT_OK || stepped == DPT_E_UNSTABLE || stepped == DPT_E_FINITE);
     }
     free(block);
+    for (uint32_t i = 0; i < file->tips.count; i++)
+        free(tips[i]);
 }
 
 FUZZ_TARGET(scene)

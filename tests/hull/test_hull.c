@@ -183,7 +183,7 @@ static void nearly_flat_clouds_are_refused_or_right(void)
                 check_made(&made, "nearly flat", FLAT_OFF);
             refused += result != DPT_OK;
             flat += result == DPT_OK && made.as.face_count == 2;
-            CHECK(power < -4 || (result == DPT_OK && made.as.face_count > 2), "1e%d: %s, %u faces",
+            CHECK(power < -3 || (result == DPT_OK && made.as.face_count > 2), "1e%d: %s, %u faces",
                   power, dpt_result_name(result), made.as.face_count);
         }
         printf("    thickness 1e%-3d of %3u: %3u refused, %3u polygons\n", power, (unsigned)count,

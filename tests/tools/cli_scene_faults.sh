@@ -169,7 +169,7 @@ in_surface '.stiffness: must be 0 to 1e+09' '"stiffness": -1'
 in_surface '.side_limit: must be 0 to 1e+06' '"side_limit": -1'
 in_surface '.unfelt: must be true or false; it is a text' '"unfelt": "yes"'
 
-# --- Tool, device, view.
+# --- Tool.
 in_scene 'tool: must be an object; it is a text' '"tool": "stylus"'
 in_scene 'tool.length: must be 0 to 10' '"tool": { "length": -1 }'
 in_scene 'tool.radius: must be 0 to 1; it is 2' '"tool": { "radius": 2 }'
@@ -182,6 +182,50 @@ in_scene 'tool.segments[0].radius: must be 0 to 1' \
 echo '{ "bodies": [ { "shape": "box" } ], "tool": { "segments": [ { "a": [0,0,0], "b": [0,0,1], "radius": 0.01 } ] } }' >wrong.json
 refuses 'a radius of segments' '--length and --radius are for a stylus; its tool is segments' \
     run wrong.json --device sim --ticks 5 --radius 0.1
+# --- Its tips.
+in_tips() { in_scene "tool.tips$1" "\"tool\": { \"tips\": $2 }"; }
+in_tip() { in_tips "[1]$1" "[ { $cone }, { $2 } ]"; }
+cone='"shape": "cone", "extent": [0.01, 0, 0.02]'
+in_tips ': must be a list; it is an object' "{ $cone }"
+in_tips ': has 0 items; there must be 1 to 16' '[]'
+in_tips ': has 17 items; there must be 1 to 16' "[ $(awk 'BEGIN { for (i = 0; i < 16; i++) printf "0," }')0 ]"
+in_tips '[0]: must be an object; it is a text' '[ "box" ]'
+in_tip ': needs a shape and an extent' ''
+in_tip ': needs a shape and an extent' '"shape": "box"'
+in_tip ': needs a shape and an extent' '"extent": [0.01, 0.01, 0.01]'
+in_tip ": there is no key 'size'" "$cone, \"size\": 1"
+in_tip ".shape: 'ball' is none of: box, wedge, cylinder, cone" '"shape": "ball", "extent": [0.01, 0.01, 0.01]'
+in_tip '.shape: must be a text; it is a number' '"shape": 1, "extent": [0.01, 0.01, 0.01]'
+in_tip '.extent: must be a list; it is a number' '"shape": "box", "extent": 0.01'
+in_tip '.extent: has 2 items; there must be 3' '"shape": "box", "extent": [0.01, 0.01]'
+in_tip '.extent[2]: must be a number; it is null' '"shape": "box", "extent": [0.01, 0.01, null]'
+in_tip '.extent[0]: must be 0 to 10; it is -0.01' '"shape": "box", "extent": [-0.01, 0.01, 0.01]'
+in_tip '.extent[1]: must be 0 to 10; it is 11' '"shape": "wedge", "extent": [0.01, 11, 0.01]'
+in_tip '.extent[2]: must be 0 to 10; it is 1e+300' '"shape": "box", "extent": [0.01, 0.01, 1e300]'
+in_tip '.extent[1]: is the diameter, as along x, or 0: a cone is round' '"shape": "cone", "extent": [0.01, 0.02, 0.02]'
+in_tip '.extent[1]: is the diameter, as along x, or 0: a cylinder is round' '"shape": "cylinder", "extent": [0, 0.02, 0.02]'
+in_tip '.radius: must be 0 to 1; it is -0.001' "$cone, \"radius\": -0.001"
+in_tip '.radius: must be 0 to 1; it is 2' "$cone, \"radius\": 2"
+in_tip '.radius: must be a number; it is a text' "$cone, \"radius\": \"0\""
+in_tip '.sides: is for a cylinder or a cone' '"shape": "box", "extent": [0.01, 0.01, 0.01], "sides": 4'
+in_tip '.sides: is for a cylinder or a cone' '"shape": "wedge", "extent": [0.01, 0.01, 0.01], "sides": 4'
+in_tip '.sides: must be 3 to 63; it is 2' "$cone, \"sides\": 2"
+in_tip '.sides: must be 3 to 63; it is 64' "$cone, \"sides\": 64"
+in_tip '.sides: must be 3 to 32; it is 33' '"shape": "cylinder", "extent": [0.01, 0.01, 0.02], "sides": 33'
+in_tip '.sides: must be a whole number' "$cone, \"sides\": 8.0"
+in_tip '.at: has 2 items; there must be 3' "$cone, \"at\": [0, 0]"
+in_tip '.at[2]: must be -10 to 10; it is 11' "$cone, \"at\": [0, 0, 11]"
+in_tip '.orientation: has 3 items; there must be 4' "$cone, \"orientation\": [1, 0, 0]"
+in_tip '.orientation: a quaternion w, x, y, z has the length 1; this has 1.41421' "$cone, \"orientation\": [1, 1, 0, 0]"
+in_tip ': it is too thin' '"shape": "box", "extent": [0.01, 0, 0]'
+in_tip ': it is too thin' '"shape": "box", "extent": [0, 0, 0], "radius": 0.01'
+in_tip ': it is too thin' '"shape": "cylinder", "extent": [0, 0, 0.01]'
+in_scene 'tips are felt by the law proxy alone (tool.law, --law)' "\"tool\": { \"tips\": [ { $cone } ], \"law\": \"bed\" }"
+wrong ":2:87: duplicate object key near '\"at\"'" "{ \"bodies\": [ { \"shape\": \"box\" } ],
+\"tool\": { \"tips\": [ { $cone, \"at\": [0, 0, 0], \"at\": [0, 0, 0] } ] } }"
+wrong ": bodies[0]: there is no key 'tips'" "{ \"bodies\": [ { \"shape\": \"box\", \"tips\": [] } ] }"
+
+# --- Device and view.
 in_scene 'device.url: must be a text' '"device": { "url": 1 }'
 in_scene "device: there is no key 'name'" '"device": { "name": "sim" }'
 in_scene 'device.zoom: must be above 0, at most 1000' '"device": { "zoom": 0 }'

@@ -63,10 +63,13 @@ static void read_segments(struct scene_file *file, struct json_reader *reader,
 static void read_tool(struct scene_file *file, struct json_reader *reader,
                       const struct json_value *at, const char *path)
 {
-    static const char *const keys[] = { "length", "radius", "segments", "arm", "law", NULL };
+    static const char *const keys[] = {
+        "length", "radius", "segments", "arm", "tips", "law", NULL
+    };
     if (!json_check_object(reader, at, keys))
         return;
-    const struct json_value segments = json_member(at, "segments"), arm = json_member(at, "arm");
+    const struct json_value segments = json_member(at, "segments"), arm = json_member(at, "arm"),
+                            tips = json_member(at, "tips");
     const int is_stylus = json_member(at, "length").value || json_member(at, "radius").value;
     if (is_stylus + (segments.value != NULL) + (arm.value != NULL) > 1)
         json_refuse(reader, at,
@@ -76,6 +79,8 @@ static void read_tool(struct scene_file *file, struct json_reader *reader,
     if (segments.value)
         read_segments(file, reader, &segments);
     file->arm = scene_file_take_path(reader, at, "arm", path);
+    if (tips.value)
+        scene_file_read_tips(&file->tips, reader, &tips);
     file->law = json_take_word(reader, at, "law", law_names, -1);
 }
 

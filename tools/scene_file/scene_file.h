@@ -8,6 +8,7 @@
 #include "file_identity.h"
 #include "scene_file/json_value.h"
 #include "scene_list.h"
+#include "tip_shape.h"
 
 enum {
     SCENE_FILE_BYTES_MAX = 1 << 20,
@@ -36,6 +37,7 @@ struct scene_file {
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX];
     uint32_t segment_count;
     char *arm;
+    struct tip_shapes tips; /* beside these */
     double length, radius;
     int law;
     char *device; /* as of --device */
@@ -59,9 +61,16 @@ void scene_file_free(struct scene_file *file);
 int scene_file_parse(struct scene_file *file, const char *path, const char *text, size_t size,
                      struct json_fault *fault);
 
-/* For the parts of the reader: a body, and a path of its own from the file's folder; NULL after a fault. */
+/*
+ * For the parts of the reader: a body, tips, a pose that has its place, of at most `most` m, under the key `place`; and a
+ * path of its own from the file's folder, NULL after a fault.
+ */
 void scene_file_read_body(struct scene_file_body *body, struct json_reader *reader,
                           const struct json_value *at, const char *path);
+void scene_file_read_tips(struct tip_shapes *tips, struct json_reader *reader,
+                          const struct json_value *list);
+void scene_file_read_pose(dpt_pose *pose, struct json_reader *reader, const struct json_value *at,
+                          const char *place, double most);
 char *scene_file_take_path(struct json_reader *reader, const struct json_value *object,
                            const char *key, const char *path);
 

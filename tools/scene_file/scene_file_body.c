@@ -152,11 +152,12 @@ static void read_surface(dpt_body_settings *settings, struct json_reader *reader
 }
 
 /* Decimals of the user's own are seldom exact; those of a unit quaternion are taken as they are. */
-static void read_pose(dpt_pose *pose, struct json_reader *reader, const struct json_value *at)
+void scene_file_read_pose(dpt_pose *pose, struct json_reader *reader, const struct json_value *at,
+                          const char *place, double most)
 {
     const struct json_value member = json_member(at, "orientation");
     double *q = pose->orientation, square = 0.0;
-    json_take_numbers(reader, at, "position", 3, DPT_COORDINATE_MAX, pose->position);
+    json_take_numbers(reader, at, place, 3, most, pose->position);
     json_take_numbers(reader, at, "orientation", 4, 2.0, q);
     for (int k = 0; k < 4; k++)
         square += q[k] * q[k];
@@ -247,7 +248,7 @@ void scene_file_read_body(struct scene_file_body *body, struct json_reader *read
     body->mesh = scene_file_take_path(reader, at, "mesh", path);
     body->listed.shape = read_shape(reader, at);
     json_take_count(reader, at, "triangles", 1, SHAPE_TRIANGLES_MAX, &body->listed.triangles);
-    read_pose(&body->listed.pose, reader, at);
+    scene_file_read_pose(&body->listed.pose, reader, at, "position", DPT_COORDINATE_MAX);
     if (material.value)
         read_material(body, reader, &material);
     if (physics.value)

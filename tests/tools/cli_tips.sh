@@ -1,0 +1,298 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# Tips of tools: in scene files, by run --tip, in recordings; and the tools of docs/recipes.md.
+# `sh tests/tools/cli_tips.sh BUILD`.
+. "$(dirname "$0")/cli.sh"
+
+docs=$tests/../docs
+arm=$tests/golden/arm_1_mesh_4.dpa
+press='sim:?hand=press'
+still='sim:?hand=hold'
+
+# felt NAME ARGUMENT...: a run, recorded; all records as text in NAME.csv. It replays with the same bits.
+felt()
+{
+    name=$1
+    shift
+    rm -f "$name.dpr" "$name.csv"
+    succeeds "$name: run $*" run "$@" --ticks 1100 --record "$name.dpr" --json
+    cp stdout "$name.says"
+    check "$name is touched: $(cat stdout)" grep -q '"contacts":[1-9][0-9]' "$name.says"
+    check "$name: all ticks are felt: $(cat stdout)" grep -q '"failed":0,' "$name.says"
+    check "$name: nothing is unknown: $(cat stdout)" grep -q '"unknown":0,' "$name.says"
+    succeeds "$name: record csv" record csv "$name.dpr" -o "$name.csv"
+    replays "$name"
+}
+
+# replays NAME [ARGUMENT...]
+replays()
+{
+    replayed=$1
+    shift
+    run replay "$replayed.dpr" "$@"
+    check "$replayed: other bits: exit $status, $(cat stdout stderr)" grep -q 'ticks, all the same bits$' stdout
+}
+
+is_same()
+{
+    check "$1 and $2: the same bits" cmp -s "$1.csv" "$2.csv"
+}
+differs()
+{
+    if cmp -s "$1.csv" "$2.csv"; then bad "$1 and $2: the same bits"; else ok; fi
+}
+
+# tips_of NAME: the lines of a recording's tips
+tips_of()
+{
+    run record info "$1.dpr"
+    sed -n 's/^ *tip=//p' stdout
+}
+
+# first_gap ARGUMENT...: of the first tick, over the box, with a hand that rests
+first_gap()
+{
+    run "$@" --device "$still" --ticks 2 --record gap.dpr
+    run record csv gap.dpr -o gap.csv
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "gap") n = i } NR == 2 { print $n }' gap.csv
+}
+
+# is_gap WHAT WANTED ARGUMENT...
+is_gap()
+{
+    what=$1 wanted=$2
+    shift 2
+    gap=$(first_gap "$@")
+    check "$what: a gap of $gap, not $wanted" \
+        awk -v a="$gap" -v b="$wanted" 'BEGIN { exit !(a != "" && (a - b) ^ 2 < 1e-16) }'
+}
+
+# The box's top is at y = 0.05. The tool's origin is where it is told to be.
+places()
+{
+    at='--at 0,0.1,0'
+    # shellcheck disable=SC2086
+    for row in 'box:0.02,0.04,0.03 0.03' 'box:0.02,0.04,0.03,0.005 0.025' 'wedge:0.02,0.04,0.03 0.03' \
+        'cylinder:0.04,0.04,0.03 0.03' 'cylinder:0.04,0,0.03,0.001 0.029' 'box:0.04,0,0.04,0.001 0.048'; do
+        is_gap "--tip ${row% *}" "${row#* }" run box.dpa $at --tip "${row% *}"
+    done
+    is_gap 'the lowest of two' 0.02 run box.dpa $at --tip box:0.01,0.02,0.01 --tip box:0.01,0.06,0.01
+    is_gap 'the stylus is there too' 0.048 run box.dpa $at --tip box:0.01,0.001,0.01
+    is_gap 'and has its radius' 0.04 run box.dpa $at --tip box:0.01,0.001,0.01 --radius 0.01
+
+    # z upwards; then the edge and the point are below.
+    up='"orientation": [0.70710678118654752, -0.70710678118654752, 0, 0]'
+    for tip in '"box", "extent": [0.02, 0.01, 0.04]' '"wedge", "extent": [0.02, 0.01, 0.04]' \
+        '"cylinder", "extent": [0.02, 0.02, 0.04]' '"cone", "extent": [0.02, 0.02, 0.04]'; do
+        echo "{ \"bodies\": [ { \"shape\": \"box\" } ], \"tool\": { \"tips\": [ { \"shape\": $tip, $up } ] } }" >up.json
+        is_gap "$tip, upright" 0.03 run up.json $at
+    done
+    echo "{ \"bodies\": [ { \"shape\": \"box\" } ], \"tool\": { \"length\": 0, \"radius\": 0,
+        \"tips\": [ { \"shape\": \"cone\", \"extent\": [0.02, 0, 0.02], \"radius\": 0.002, \"at\": [0.005, 0.03, 0], $up } ] } }" >up.json
+    is_gap 'the rest of it is higher: the segment of no length' 0.05 run up.json $at
+    sed 's/0.03, 0\], "or/-0.03, 0], "or/' up.json >down.json
+    is_gap 'a place below' 0.008 run down.json $at
+    is_gap 'an origin that was not given is 5 mm above what is lowest' 0.005 run down.json
+    is_gap 'the same of --tip' 0.005 run box.dpa --tip box:0.02,0.04,0.03,0.003
+}
+
+# with NAME MEMBERS: a scene of a box, with this tool
+with()
+{
+    echo "{ \"bodies\": [ { \"shape\": \"box\" } ], \"tool\": { $2 } }" >"$1.json"
+}
+
+same_by_file_and_option()
+{
+    wedge='"shape": "wedge", "extent": [0.03, 0.02, 0.02]'
+    with none '"length": 0.1'
+    with file "\"tips\": [ { $wedge } ]"
+    with full "\"length\": 0.1, \"radius\": 0.002, \"law\": \"proxy\", \"tips\": [ { $wedge, \"radius\": 0, \"at\": [0, 0, 0],
+        \"orientation\": [1, 0, 0, 0] } ]"
+    felt none none.json --device "$press"
+    felt file file.json --device "$press"
+    felt full full.json --device "$press"
+    felt option none.json --device "$press" --tip wedge:0.03,0.02,0.02
+    felt mesh box.dpa --device "$press" --tip wedge:0.03,0.02,0.02
+    is_same full file
+    is_same option file
+    is_same mesh file
+    differs file none
+    felt override file.json --device "$press" --tip box:0.03,0.02,0.02,0.004
+    felt other none.json --device "$press" --tip box:0.03,0.02,0.02,0.004
+    is_same override other
+    differs override file
+    check "the tip in the recording: $(tips_of mesh)" test "$(tips_of mesh)" = \
+        'wedge,0.029999999999999999,0.02,0.02,0,0,0,0,0,1,0,0,0'
+    check "no tip: $(tips_of none)" test -z "$(tips_of none)"
+    felt wiped box.dpa --device 'sim:?hand=wipe&cycle=0.5' --friction 0.4 --tip box:0.03,0.02,0.02,0.002
+    felt free box.dpa --device 'sim:?hand=press&dofs=6' --tip cone:0.01,0,0.04 --tip box:0.02,0.005,0.001
+    felt embedded box.dpa --device "$press" --tip wedge:0.03,0.02,0.02 --embed
+    is_same embedded mesh
+    felt clutched box.dpa --device "$press" --tip wedge:0.03,0.02,0.02 --clutch 0 --zoom 2
+
+    round='"shape": "cylinder", "extent": [0.02, 0, 0.03]'
+    with round "\"tips\": [ { $round } ]"
+    with sixteen "\"tips\": [ { $round, \"sides\": 16 } ]"
+    with five "\"tips\": [ { $round, \"sides\": 5 } ]"
+    felt round round.json --device "$press"
+    felt sixteen sixteen.json --device "$press"
+    felt five five.json --device "$press"
+    is_same sixteen round
+    differs five round
+}
+
+# An arm's tool takes the place of the file's, tips too; --tip is beside it.
+arms()
+{
+    felt arm none.json --device "$press" --tool "$arm"
+    felt arm_for_tips file.json --device "$press" --tool "$arm"
+    is_same arm_for_tips arm
+    check "no tip: $(tips_of arm_for_tips)" test -z "$(tips_of arm_for_tips)"
+    felt arm_with_tip none.json --device "$press" --tool "$arm" --tip box:0.1,0.1,0.1
+    differs arm_with_tip arm
+    cp "$arm" arm.dpa
+    with arm_file '"arm": "arm.dpa", "tips": [ { "shape": "box", "extent": [0.1, 0.1, 0.1] } ]'
+    felt arm_file arm_file.json --device "$press"
+    is_same arm_file arm_with_tip
+}
+
+# A device with torque is coupled as weakly as the tool is long, whether a segment or a tip is.
+coupled()
+{
+    with bar '"segments": [ { "a": [0, 0, 0], "b": [0, 0, 0.1], "radius": 0.002 },
+                            { "a": [-0.15, 0, 0], "b": [0.15, 0, 0], "radius": 0.001 } ]'
+    for tool in 'bar.json' 'box.dpa' 'box.dpa --tip box:0.3,0.0002,0.0002'; do
+        # shellcheck disable=SC2086
+        run run $tool --device 'sim:?dofs=6&hand=press' --ticks 5 --json
+        sed -n 's/.*"stiffness":\([0-9.]*\).*/\1/p' stdout
+    done >stiffness
+    check "as stiff as with a segment, not as without: $(cat stiffness)" awk '{ k[NR] = $1 }
+        END { exit !(k[1] > 0 && (k[3] / k[1] - 1) ^ 2 < 1e-6 && k[2] > 1.1 * k[1]) }' stiffness
+}
+
+# What docs ship.
+samples()
+{
+    felt scalpel "$docs/samples/scalpel.json"
+    sed 's/"tips": \[/"tip": [/' "$docs/samples/scalpel.json" >misspelt.json
+    refuses 'a misspelt key' "misspelt.json: tool: there is no key 'tip'" run misspelt.json --ticks 5
+    check "tissue gives way to a tip: $(cat scalpel.says)" grep -q '"spring_nodes_awake":[1-9]' scalpel.says
+    run run "$docs/samples/scalpel.json" --ticks 2000
+    check "the sample: $(cat stdout stderr)" grep -q '^  in contact on 1[0-9][0-9][0-9], deepest 1\.[0-9]* mm' stdout
+    sed -n '/^## Tools with tips$/,$p' "$docs/recipes.md" | sed '2,${/^## /,$d;}' >tools.md
+    awk '/^```json$/ { n++; f = "recipe" n ".part"; next } /^```$/ { f = "" } f { print > f }' tools.md
+    count=0
+    for part in recipe*.part; do
+        count=$((count + 1))
+        { echo '{ "bodies": [ { "shape": "liver", "triangles": 2692,
+              "orientation": [0.70710678118654752, -0.70710678118654752, 0, 0] } ],'; cat "$part"; echo '}'; } >"${part%.part}.json"
+        felt "${part%.part}" "${part%.part}.json" --device "$press"
+    done
+    check "recipes of tools: $count" test "$count" -eq 4
+    sed -n '/"tool"/,/^  },/p' "$docs/samples/scalpel.json" | sed 's/^  //; $s/,$//' >scalpel.part
+    check 'docs/recipes.md shows the scalpel of the sample' cmp -s scalpel.part recipe2.part
+}
+
+# forge FROM TO PATTERN REPLACEMENT: another text in a recording's header
+forge()
+{
+    python3 - "$@" <<'END_OF_PYTHON'
+import re, struct, sys, zlib
+data = open(sys.argv[1] + ".dpr", "rb").read()
+begin, size = struct.unpack_from("<I", data, 12)[0], struct.unpack_from("<I", data, 40)[0]
+text = re.sub(sys.argv[3].encode(), sys.argv[4].encode(), data[48:48 + size])
+header = bytearray(data[:48] + text + b"\0" * (8 - (48 + len(text)) % 8))
+struct.pack_into("<I", header, 12, len(header))
+struct.pack_into("<I", header, 40, len(text))
+struct.pack_into("<I", header, 16, 0)
+struct.pack_into("<I", header, 16, zlib.crc32(header))
+open(sys.argv[2] + ".dpr", "wb").write(bytes(header) + data[begin:])
+END_OF_PYTHON
+}
+
+recordings()
+{
+    if ! python3 -c 'import zlib' 2>python.log; then
+        skip 'forged tips: no python3'
+        return
+    fi
+    forge mesh forged 'nothing' ''
+    check 'a header that is made again is the same' cmp -s mesh.dpr forged.dpr
+    forge mesh forged 'tip=[^\n]*\n' ''
+    run replay forged.dpr
+    check "without its tip it differs: exit $status" test $status -eq 1
+    forge mesh forged 'tip=wedge' 'tip=box'
+    run replay forged.dpr
+    check "with another tip it differs: exit $status" test $status -eq 1
+    forge file forged 'tip=[^\n]*\n' ''
+    run replay forged.dpr
+    check "what the recording says counts, not the file: exit $status" test $status -eq 1
+    refuses 'another file' 'none.json: this is another scene' replay file.dpr none.json
+    good=wedge,0.03,0.02,0.02,0,0,0,0,0,1,0,0,0
+    for bad in '' wedge wedge, ball,${good#*,} "$good,0" "${good%,0}" wedge,-0.03,0.02,0.02,0,0,0,0,0,1,0,0,0 \
+        wedge,11,0.02,0.02,0,0,0,0,0,1,0,0,0 wedge,0.03,0,0,0,0,0,0,0,1,0,0,0 \
+        wedge,0.03,0.02,0.02,2,0,0,0,0,1,0,0,0 wedge,0.03,0.02,0.02,0,3,0,0,0,1,0,0,0 \
+        wedge,0.03,0.02,0.02,0,0.5,0,0,0,1,0,0,0 wedge,0.03,0.02,0.02,0,-1,0,0,0,1,0,0,0 \
+        cylinder,0.03,0.02,0.02,0,0,0,0,0,1,0,0,0 cylinder,0.03,0,0.02,0,2,0,0,0,1,0,0,0 \
+        cylinder,0.03,0,0.02,0,33,0,0,0,1,0,0,0 cylinder,0.03,0,0.02,0,1e300,0,0,0,1,0,0,0 \
+        wedge,0.03,0.02,0.02,0,0,0,0,0,2,0,0,0 wedge,0.03,0.02,0.02,0,0,0,11,0,1,0,0,0 \
+        wedge,nan,0.02,0.02,0,0,0,0,0,1,0,0,0 wedge,0.03,0.02,0.02,0,0,0,0,0,inf,0,0,0; do
+        forge mesh forged 'tip=[^\n]*\n' "tip=$bad\n"
+        refuses "a line tip=$bad" "of its header: 'tip=" replay forged.dpr
+    done
+    forge mesh forged 'tip=[^\n]*\n' "$(for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17; do printf 'tip=%s\\n' "$good"; done)"
+    refuses 'seventeen tips' "of its header: 'tip=" replay forged.dpr
+    forge mesh forged 'law=proxy' 'law=bed'
+    refuses 'tips with another law' 'forged.dpr: its header has tips, and another law than proxy' replay forged.dpr
+}
+
+refusals()
+{
+    for value in '' box box: box:1 box:1,1 'box:1,1,1,1,1' 'box:1,1,1,' 'box:,1,1' ball:1,1,1 BOX:1,1,1 'box 1,1,1' box:1,1,x \
+        box:nan,1,1 box:0x1,1,1 'box:1, 1,1' :1,1,1; do
+        refuses "--tip '$value'" "dynpoint run: --tip takes SHAPE:X,Y,Z or SHAPE:X,Y,Z,RADIUS, with the shape box" \
+            run box.dpa --device sim --ticks 5 --tip "$value"
+    done
+    refuses 'a negative length' '--tip box:-1,1,1: its lengths must be 0 to 10' run box.dpa --device sim --tip box:-1,1,1
+    refuses 'a huge one' '--tip box:1,1,11: its lengths must be 0 to 10' run box.dpa --device sim --tip box:1,1,11
+    refuses 'a negative radius' ': its radius must be 0 to 1' run box.dpa --device sim --tip box:1,1,1,-0.1
+    refuses 'a huge one' ': its radius must be 0 to 1' run box.dpa --device sim --tip box:1,1,1,1.1
+    refuses 'a line' '--tip box:1,0,0: it is too thin' run box.dpa --device sim --tip box:1,0,0
+    refuses 'a point' '--tip cone:0,0,0,0.1: it is too thin' run box.dpa --device sim --tip cone:0,0,0,0.1
+    refuses 'an oval' '--tip cone:1,2,1: it is round' run box.dpa --device sim --tip cone:1,2,1
+    refuses 'the second one' '--tip box:1,0,0' run box.dpa --device sim --tip box:1,1,1 --tip box:1,0,0
+    refuses 'no value' '--tip needs a value' run box.dpa --device sim --tip
+    # shellcheck disable=SC2046
+    refuses 'seventeen' '--tip: at most 16 of them' run box.dpa --device sim --ticks 5 \
+        $(for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17; do echo --tip box:1,1,1; done)
+    # shellcheck disable=SC2046
+    succeeds 'sixteen' run box.dpa --device sim --ticks 5 --at 0,9,0 \
+        $(for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16; do echo --tip box:0.1,0.1,0.1; done)
+    for law in bed point; do
+        refuses "the law $law" 'box.dpa: tips are felt by the law proxy alone (tool.law, --law)' \
+            run box.dpa --device sim --ticks 5 --tip box:0.1,0.1,0.1 --law $law
+        refuses "a file's tips, the law $law" 'file.json: tips are felt by the law proxy alone (tool.law, --law)' \
+            run file.json --device sim --ticks 5 --law $law
+    done
+    refuses 'a scene that is displaced' 'tips are felt by the law proxy alone' run cloth --device sim --ticks 5 --tip box:0.1,0.1,0.1
+    refuses 'a trace' '--record needs the stylus, without tips' \
+        run box.dpa --device sim --ticks 5 --tip box:0.1,0.1,0.1 --record out/trace.csv
+    refuses 'replay has none' 'unknown option --tip' replay box.dpa trace.csv --tip box:1,1,1 -o out/x.csv
+}
+
+echo '{ "bodies": [ { "shape": "box" } ] }' >probe.json
+run run probe.json --device sim --ticks 1
+if grep -q 'this build reads no scene files' stderr; then
+    skip "tips: no jansson"
+    finish
+fi
+prepare
+places
+same_by_file_and_option
+arms
+coupled
+samples
+recordings
+refusals
+finish
