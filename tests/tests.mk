@@ -20,7 +20,7 @@ $(B)/tests/world/test_own_physics.o: INCLUDES += -Idocs
 # What a test program does itself takes longer to optimize than to run; under sanitizers so do the program and what reads
 # URDF.
 QUICKLY := $(filter-out tests/kernel/%,$(TEST_SOURCES) $(EXACT_TESTS:%=tests/sweep/%.c) \
-  $(wildcard tests/fuzz/*.c tests/fuzz/calls/*.c tests/vm/*.c tests/urdf/*.c))
+  $(wildcard tests/fuzz/*.c tests/fuzz/calls/*.c tests/vm/*.c tests/urdf/*.c tests/convex/*.c))
 ifneq ($(filter release scalar sanitize,$(CONFIG)),)
 $(QUICKLY:%.c=$(B)/%.o): CONFIG_CFLAGS += -Og
 endif
@@ -197,6 +197,15 @@ $(B)/tests/urdf/answers: $(B)/tests/urdf/answers.o $(CORE)
 $(B)/tests/test_urdf_%: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 $(B)/tests/test_urdf_%: $(B)/tests/urdf/test_urdf_%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(PARTS_LIB) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(LDLIBS) $(URDF_LIBS) -o $@
+
+# Curved tips: where the library is built. malloc is the test's own (tests/convex/no_memory.c).
+CONVEX_TESTS := $(patsubst tests/convex/%.c,$(B)/tests/%,$(wildcard tests/convex/test_*.c))
+ifneq ($(CONVEX_PARTS),)
+TESTS += $(CONVEX_TESTS)
+endif
+$(CONVEX_TESTS): $(B)/tests/%: $(B)/tests/convex/%.o $(call shared_of,tests/convex/) $(CONVEX_PARTS) $(PARTS_LIB) $(TEST_LIB)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(LDLIBS) $(CONVEX_LIBS) -o $@
+$(B)/tests/test_convex_faults: private LDLIBS = $(patsubst %,-Wl$(comma)--wrap=%,ccdGJKPenetration ccdMPRPenetration ccdGJKIntersect ccdMPRIntersect)
 
 $(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(TEXT) $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -lpthread $(DL) -o $@

@@ -83,7 +83,7 @@ DPT_API dpt_result dpt_convex_corners(const dpt_convex_shape *shape, uint32_t si
  *                wholly behind a surface without meeting it counts as separated
  *   triangle     the deepest one's source number; DPT_NONE
  *   candidates   triangles that were near enough to be looked at
- *   met          those that meet the shape
+ *   met          those that were found to meet the shape; the search ends where no other can be deeper
  *   asked        how many answers libccd gave
  *   refused      how many of these did not stand their check
  *   own          how many triangles have an answer of our own, as libccd had none that stood

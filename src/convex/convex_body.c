@@ -42,7 +42,12 @@ static vec3 support_of_ellipsoid(const struct convex_body *body, vec3 d)
 static vec3 support_of_section(const struct convex_body *body, vec3 d)
 {
     const vec3 n = body->cut;
-    const vec3 level = along(d, -dot(d, n), n), e = unit_of(level);
+    vec3 level = along(d, -dot(d, n), n);
+    level = along(level, -dot(level, n), n);
+    /* Along n all of the section is as far, and what is left of d across n is rounding. */
+    if (dot(level, level) < 1e-20 * dot(d, d))
+        level = (vec3){ 0.0, 0.0, 0.0 };
+    const vec3 e = unit_of(level);
     const double r = body->x, steep = length(level), slope = level.z;
     double z = slope < 0.0 ? -body->z : body->z;
     if (fabs(n.z) > 1e-12) {

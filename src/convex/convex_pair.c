@@ -8,7 +8,7 @@
  * libccd's penetration has no limit on the points that it asks for: after so many it is told the origin, which ends its
  * search. What it has by then is refused.
  */
-enum { POINTS_MAX = 400, ITERATIONS_MAX = 100, DESCENTS = 24 };
+enum { POINTS_MAX = 400, ITERATIONS_MAX = 100, DESCENTS = 24, PARTINGS = 100 };
 
 /*
  * libccd's own, in its units: those of EPA are lengths times the depth, so that it must be far below what is asked of the
@@ -47,6 +47,14 @@ double dpti_convex_width(const struct convex_place *place, const struct convex_p
 {
     const vec3 back = scaled(n, -1.0);
     return dot(n, sub(support_of_piece(piece, n), dpti_convex_place_support(place, back)));
+}
+
+/* The unit vector along n; one that leads behind a piece is turned as far as its border. 0 where there is none. */
+static vec3 turned_ahead(const struct convex_piece *piece, vec3 n)
+{
+    const vec3 unit = unit_of(n);
+    const double ahead = dot(unit, piece->front);
+    return piece->has_front && ahead < 0.0 ? unit_of(along(unit, -ahead, piece->front)) : unit;
 }
 
 /* ---- libccd ---- */
@@ -118,10 +126,9 @@ static void check(const struct convex_place *place, const struct convex_piece *p
     said->is_refused = 1;
     if (!(fabs(size - 1.0) <= 1e-6) || !(depth >= 0.0 && depth <= DEPTH_MAX))
         return;
-    said->direction = scaled(n, 1.0 / size);
-    if (piece->has_front && dot(said->direction, piece->front) < 0.0)
-        said->direction = unit_of(along(
-            said->direction, -dot(said->direction, piece->front), piece->front));
+    said->direction = turned_ahead(piece, n);
+    if (!(dot(said->direction, said->direction) > 0.0))
+        return;
     said->depth = dpti_convex_width(place, piece, said->direction);
     said->is_refused = !(said->depth <= depth + 10.0 * CONVEX_TOLERANCE);
     said->depth = max_of(said->depth, 0.0);
@@ -183,11 +190,9 @@ static double descend(const struct convex_place *place, const struct convex_piec
     for (int i = 0; i < steps && width > 0.0 && stride > 1e-6; i++) {
         const vec3 gap = sub(support_of_piece(piece, *n),
                              dpti_convex_place_support(place, scaled(*n, -1.0)));
-        vec3 next = unit_of(along(*n, -stride, along(gap, -dot(gap, *n), *n)));
-        if (piece->has_front && dot(next, piece->front) < 0.0)
-            next = unit_of(along(next, -dot(next, piece->front), piece->front));
+        const vec3 next = turned_ahead(piece, along(*n, -stride, along(gap, -dot(gap, *n), *n)));
         const double there = dpti_convex_width(place, piece, next);
-        if (there < width) {
+        if (there < width && dot(next, next) > 0.0) {
             width = there;
             *n = next;
             stride *= 1.5;
@@ -213,20 +218,43 @@ static vec3 first_of(int turn, vec3 towards)
                  across[1]);
 }
 
+/*
+ * Whether a plane parts the two, by the nearest point to the origin among their differences (Gilbert, 1966): a step leads
+ * to the nearest point on the way to the farthest difference. It needs no simplex, so that nothing in it is degenerate.
+ * Sets *n to the way out that it was led to, and *distance to what they are apart at most.
+ */
+static int part(const struct convex_place *place, const struct convex_piece *piece, vec3 *n,
+                double *distance)
+{
+    vec3 v = sub(support_of_piece(piece, *n), dpti_convex_place_support(place, scaled(*n, -1.0)));
+    for (int i = 0; i < PARTINGS && dot(v, v) > 1e-20; i++) {
+        const vec3 w =
+            sub(support_of_piece(piece, scaled(v, -1.0)), dpti_convex_place_support(place, v));
+        if (dot(v, w) > 0.0)
+            return 1;
+        const vec3 way = sub(w, v);
+        v = along(v, nearest_on(v, way, (vec3){ 0.0, 0.0, 0.0 }), way);
+    }
+    *distance = length(v);
+    if (*distance > 1e-10)
+        *n = scaled(v, -1.0 / *distance);
+    return 0;
+}
+
 int dpti_convex_meets(const struct convex_place *place, const struct convex_piece *piece,
                       vec3 towards, struct convex_tally *tally)
 {
     vec3 n = towards;
-    const double width = descend(place, piece, DESCENTS, &n);
-    if (!(width > 0.0))
+    double distance = 0.0;
+    if (part(place, piece, &n, &distance))
         return 0;
     for (int i = 0; i < TURNS; i++) {
         tally->asked++;
         if (says_that_they_meet(place, piece, turns[i].algorithm, first_of(i, n)))
             return 1;
     }
-    /* All say no, and no plane was found: what is as near to it as this is taken for apart. */
-    if (width <= CONVEX_TOLERANCE)
+    /* All say no, and no plane was found. They do meet if they came as near as that. */
+    if (distance > CONVEX_TOLERANCE)
         return 0;
     tally->refused += TURNS;
     return 1;
@@ -259,8 +287,7 @@ static void guess(const struct convex_place *place, const struct convex_piece *p
     vec3 across[2];
     unit_across(piece->front, across);
     guesses->direction[0] = piece->front;
-    guesses->direction[1] =
-        unit_of(along(towards, max_of(0.0, -dot(towards, piece->front)), piece->front));
+    guesses->direction[1] = turned_ahead(piece, towards);
     if (!(dot(guesses->direction[1], guesses->direction[1]) > 0.0))
         guesses->direction[1] = piece->front;
     for (int i = 0; i < LEANS * AROUND; i++) {

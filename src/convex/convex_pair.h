@@ -16,12 +16,8 @@ struct convex_place {
     vec3 centre;        /* in the world, m */
 };
 
-/*
- * How far an answer may be off its check, and how far its depth may be off the least, as shares of the shape's size:
- * docs/algorithms/convex.md has the measurements that they were chosen by.
- */
+/* How far libccd's answers may be off, as a share of the shape's size; docs/algorithms/convex.md has the measurements. */
 #define CONVEX_TOLERANCE 1e-4
-#define CONVEX_ERROR     3e-3
 
 /*
  * A piece of a surface: the convex hull of some points. Where it has a front, it goes on behind it by CONVEX_BEHIND, so

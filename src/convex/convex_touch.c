@@ -154,14 +154,12 @@ static void find_deepest(struct touching *touching, dpt_convex_contact *found)
         const struct near_triangle *triangle = &touching->triangles[i];
         const struct convex_piece flat = { .points = triangle->corner, .count = triangle->corners };
         struct convex_way way;
-        if (!(triangle->behind > 0.0))
+        /* Nor is any of the others deeper than this one reaches behind. */
+        if (!(triangle->behind > max_of(0.0, deepest.depth)))
             break;
         if (!dpti_convex_meets(&touching->place, &flat, triangle->towards, &touching->tally))
             continue;
         found->met++;
-        /* None is deeper than it reaches behind. */
-        if (triangle->behind <= deepest.depth)
-            continue;
         const struct convex_piece piece = piece_of(touching, triangle);
         dpti_convex_way_out(&touching->place, &piece, triangle->towards, &touching->tally, &way);
         found->own += (uint32_t)way.is_own;
@@ -176,7 +174,7 @@ static void find_deepest(struct touching *touching, dpt_convex_contact *found)
         return;
     found->contact = DPT_CONTACT_PENETRATING;
     found->depth = size * deepest.depth;
-    found->error_bound = min_of(found->depth, size * (deepest.error + CONVEX_ERROR)) +
+    found->error_bound = min_of(found->depth, size * (deepest.error + CONVEX_TOLERANCE)) +
                          size * touching->rounding;
     vec3_store(deepest.direction, found->direction);
     vec3_store(deepest_point(&touching->place, deepest.direction), found->point);
