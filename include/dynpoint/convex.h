@@ -83,7 +83,8 @@ DPT_API dpt_result dpt_convex_corners(const dpt_convex_shape *shape, uint32_t si
  *                wholly behind a surface without meeting it counts as separated
  *   triangle     the deepest one's source number; DPT_NONE
  *   candidates   triangles that were near enough to be looked at
- *   met          those that were found to meet the shape; the search ends where no other can be deeper
+ *   met          those that were found to meet the shape. One that cannot be the deepest, but by 1e-4 of the shape's
+ *                size, is not looked at
  *   asked        how many answers libccd gave
  *   refused      how many of these did not stand their check
  *   own          how many triangles have an answer of our own, as libccd had none that stood
@@ -123,13 +124,14 @@ typedef struct dpt_convex_contact {
  *   out towards that side only: the direction never points to the other side of the triangle's plane. If the tool may be
  *   deeper than the shape's centre, set `outside` to a point that stays out, such as one up the tool's shaft. A point that
  *   lies in the plane counts as on the front.
- * - The surface around. A shape that is over an edge between triangles does not slip out sideways: the triangles near it
- *   that lie behind the triangle count as part of it.
+ * - Flat faces. A shape that is over an edge between triangles of one plane, within 1e-3 rad, does not slip out sideways
+ *   there: they count as one.
  * - Where it ends. The least motion out of a surface is along its normal only while the shape is less deep than wide. One
  *   that has gone through a thin place may leave sideways. A law with a proxy has no such limit.
  *
- * `error_bound` is that of the motion out of one triangle with what lies behind it. It is small where libccd proved its
- * answer, and as large as the depth for an answer of our own.
+ * `error_bound` is 1e-4 of the shape's size and less where an answer of libccd stood that its other ways prove, and as
+ * large as the depth for one of our own. While less deep than wide, the depth changes by no more than the shape moves, and
+ * the two bounds.
  *
  * DPT_E_MEMORY: there is no memory for the list of near triangles; a failed allocation within libccd is no error, but a
  * refused answer. DPT_E_LIMIT: more than 65,536 triangles are near.
@@ -162,7 +164,7 @@ typedef struct dpt_convex_body {
  *
  * The force is continuous in the depth. Its direction is that of the deepest triangle: where another one takes over it
  * may turn at once, so that a step of the tool by d changes the force by at most stiffness times (d + depth times the
- * turn).
+ * turn + error_bound).
  */
 typedef struct dpt_convex_shaper {
     uint32_t size; /* sizeof(dpt_convex_shaper), set by the caller */

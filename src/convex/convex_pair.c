@@ -8,7 +8,7 @@
  * libccd's penetration has no limit on the points that it asks for: after so many it is told the origin, which ends its
  * search. What it has by then is refused.
  */
-enum { POINTS_MAX = 400, ITERATIONS_MAX = 100, DESCENTS = 24, PARTINGS = 100 };
+enum { POINTS_MAX = 400, ITERATIONS_MAX = 100, DESCENTS = 24, PARTINGS = 100, LONG_PARTINGS = 4000 };
 
 /*
  * libccd's own, in its units: those of EPA are lengths times the depth, so that it must be far below what is asked of the
@@ -221,13 +221,13 @@ static vec3 first_of(int turn, vec3 towards)
 /*
  * Whether a plane parts the two, by the nearest point to the origin among their differences (Gilbert, 1966): a step leads
  * to the nearest point on the way to the farthest difference. It needs no simplex, so that nothing in it is degenerate.
- * Sets *n to the way out that it was led to, and *distance to what they are apart at most.
+ * Sets *n to the way out that it was led to.
  */
-static int part(const struct convex_place *place, const struct convex_piece *piece, vec3 *n,
-                double *distance)
+static int part(const struct convex_place *place, const struct convex_piece *piece, int steps,
+                vec3 *n)
 {
     vec3 v = sub(support_of_piece(piece, *n), dpti_convex_place_support(place, scaled(*n, -1.0)));
-    for (int i = 0; i < PARTINGS && dot(v, v) > 1e-20; i++) {
+    for (int i = 0; i < steps && dot(v, v) > 1e-20; i++) {
         const vec3 w =
             sub(support_of_piece(piece, scaled(v, -1.0)), dpti_convex_place_support(place, v));
         if (dot(v, w) > 0.0)
@@ -235,9 +235,8 @@ static int part(const struct convex_place *place, const struct convex_piece *pie
         const vec3 way = sub(w, v);
         v = along(v, nearest_on(v, way, (vec3){ 0.0, 0.0, 0.0 }), way);
     }
-    *distance = length(v);
-    if (*distance > 1e-10)
-        *n = scaled(v, -1.0 / *distance);
+    if (dot(v, v) > 1e-20)
+        *n = scaled(unit_of(v), -1.0);
     return 0;
 }
 
@@ -245,16 +244,15 @@ int dpti_convex_meets(const struct convex_place *place, const struct convex_piec
                       vec3 towards, struct convex_tally *tally)
 {
     vec3 n = towards;
-    double distance = 0.0;
-    if (part(place, piece, &n, &distance))
+    if (part(place, piece, PARTINGS, &n))
         return 0;
     for (int i = 0; i < TURNS; i++) {
         tally->asked++;
         if (says_that_they_meet(place, piece, turns[i].algorithm, first_of(i, n)))
             return 1;
     }
-    /* All say no, and no plane was found. They do meet if they came as near as that. */
-    if (distance > CONVEX_TOLERANCE)
+    /* All say no, and no plane was found: it is looked for at length, before they are wrong. */
+    if (part(place, piece, LONG_PARTINGS, &n))
         return 0;
     tally->refused += TURNS;
     return 1;

@@ -15,7 +15,7 @@ enum { NEAR_ON_STACK = 256, NEAR_MAX = 65536 };
  */
 #define NEARBY 4.0
 
-/* By so much a triangle may rise above another one's plane and count as behind it: the file's rounding of vertices. */
+/* By so much a triangle may rise above another one's plane and be of the same face: the file's rounding of vertices. */
 #define LEVEL 1e-5
 
 /* A triangle that is near, in the shape's lengths (convex_pair.h). */
@@ -27,6 +27,12 @@ struct near_triangle {
     vec3 towards;  /* unit, from the triangle's nearest point to the shape's centre, or its front */
     double behind; /* how far the shape reaches behind its plane: no way out is longer */
 };
+
+/*
+ * Triangles whose normals differ by more than 1e-3 rad are not of one flat face; the cosine. Were more of the surface
+ * taken for one piece, a triangle would be deep at once where it is first met, by what lies behind it.
+ */
+#define ALIKE 0.9999995
 
 /* One question. */
 struct touching {
@@ -107,7 +113,7 @@ static int by_depth(const void *one, const void *other)
     return a->number < b->number ? -1 : a->number > b->number;
 }
 
-/* The triangle, and those near it that lie behind its plane. */
+/* The triangle, and those near it of the same flat face. */
 static struct convex_piece piece_of(struct touching *touching, const struct near_triangle *triangle)
 {
     struct convex_piece piece = { .points = touching->points, .has_front = 1 };
@@ -118,10 +124,10 @@ static struct convex_piece piece_of(struct touching *touching, const struct near
     piece.front = n;
     for (uint32_t i = 0; i < touching->count; i++) {
         const struct near_triangle *other = &touching->triangles[i];
-        int is_behind = 1;
+        int is_level = dot(n, other->front) >= ALIKE;
         for (uint32_t k = 0; k < other->corners; k++)
-            is_behind &= dot(n, other->corner[k]) <= plane + LEVEL;
-        if (!is_behind && other != triangle)
+            is_level &= dot(n, other->corner[k]) <= plane + LEVEL;
+        if (!is_level && other != triangle)
             continue;
         for (uint32_t k = 0; k < other->corners; k++)
             touching->points[piece.count++] = other->corner[k];
@@ -145,6 +151,15 @@ static vec3 deepest_point(const struct convex_place *place, vec3 direction)
     return along(place->centre, place->body->size, sum);
 }
 
+/* Whether a piece is left by the way that is known, or a way as long: then it is no deeper. */
+static int is_left_by(const struct touching *touching, const struct convex_piece *piece,
+                      const struct convex_way *way)
+{
+    return way->depth > 0.0 && dot(way->direction, piece->front) >= 0.0 &&
+           dpti_convex_width(&touching->place, piece, way->direction) <=
+               way->depth + CONVEX_TOLERANCE;
+}
+
 static void find_deepest(struct touching *touching, dpt_convex_contact *found)
 {
     struct convex_way deepest = { .depth = -1.0 };
@@ -157,10 +172,11 @@ static void find_deepest(struct touching *touching, dpt_convex_contact *found)
         /* Nor is any of the others deeper than this one reaches behind. */
         if (!(triangle->behind > max_of(0.0, deepest.depth)))
             break;
-        if (!dpti_convex_meets(&touching->place, &flat, triangle->towards, &touching->tally))
+        const struct convex_piece piece = piece_of(touching, triangle);
+        if (is_left_by(touching, &piece, &deepest) ||
+            !dpti_convex_meets(&touching->place, &flat, triangle->towards, &touching->tally))
             continue;
         found->met++;
-        const struct convex_piece piece = piece_of(touching, triangle);
         dpti_convex_way_out(&touching->place, &piece, triangle->towards, &touching->tally, &way);
         found->own += (uint32_t)way.is_own;
         if (way.depth > deepest.depth) {
