@@ -190,9 +190,15 @@ static dpt_result take_bevel(const dpt_convex_shape *shape, struct convex_body *
     if (!body->is_cut)
         return DPT_OK;
     for (int k = 0; k < 8; k++) {
-        const vec3 d = k < 6 ? (vec3){ k == 0 ? 1.0 : k == 1 ? -1.0 : 0.0,
-                                       k == 2 ? 1.0 : k == 3 ? -1.0 : 0.0,
-                                       k == 4 ? 1.0 : k == 5 ? -1.0 : 0.0 }
+        const vec3 d = k < 6 ? (vec3){ k == 0   ? 1.0
+                                       : k == 1 ? -1.0
+                                                : 0.0,
+                                       k == 2   ? 1.0
+                                       : k == 3 ? -1.0
+                                                : 0.0,
+                                       k == 4   ? 1.0
+                                       : k == 5 ? -1.0
+                                                : 0.0 }
                              : scaled(body->cut, k == 6 ? 1.0 : -1.0);
         sum = along(sum, 0.125, dpti_convex_support(body, d));
     }

@@ -143,7 +143,8 @@ static double from_bevelled(const struct convex_body *body, vec3 p)
     const double off = length(sub(p, axis)) - body->x;
     if (off <= 0.0)
         return 0.0;
-    if (!body->is_cut || dot(along(axis, body->x, unit_of(sub(p, axis))), body->cut) <= body->cut_at)
+    if (!body->is_cut ||
+        dot(along(axis, body->x, unit_of(sub(p, axis))), body->cut) <= body->cut_at)
         return off;
     /* Then its nearest point is in the plane: the discs there are looked at by thirds, as the distance has one dip. */
     const double level = body->cut_at - dot(p, body->cut);
@@ -201,9 +202,9 @@ static void around_capsule(const struct convex_body *body, uint32_t sides, struc
     if (body->is_cut)
         cut(body, around);
     for (uint32_t i = 0; i < around->count; i++)
-        around->error = max_of(around->error,
-                               body->is_cut ? from_bevelled(body, around->corner[i])
-                                            : distance_from_axis(body, around->corner[i]) - body->x);
+        around->error = max_of(
+            around->error, body->is_cut ? from_bevelled(body, around->corner[i])
+                                        : distance_from_axis(body, around->corner[i]) - body->x);
 }
 
 /* The distance from a convex set is greatest at a corner, so that the error need not be asked elsewhere. */

@@ -4,17 +4,22 @@
 #include <ccd/ccd.h>
 #include <string.h>
 
+#include "dynpoint/query.h"
+
 /*
  * libccd's penetration has no limit on the points that it asks for: after so many it is told the origin, which ends its
  * search. What it has by then is refused.
  */
-enum { POINTS_MAX = 400, ITERATIONS_MAX = 100, DESCENTS = 24, PARTINGS = 100, LONG_PARTINGS = 4000 };
+enum { POINTS_MAX = 400, ITERATIONS_MAX = 100, DESCENTS = 24, PARTINGS = 60 };
 
 /*
  * libccd's own, in its units: those of EPA are lengths times the depth, so that it must be far below what is asked of the
  * depth.
  */
 #define TOLERANCE 1e-7
+
+/* The square of a distance that is rounding. */
+#define SAME 1e-24
 
 /* No shape is deeper than its own width, 2 sizes. */
 #define DEPTH_MAX 2.0
@@ -42,8 +47,7 @@ static vec3 support_of_piece(const struct convex_piece *piece, vec3 d)
                      : piece->points[best];
 }
 
-double dpti_convex_width(const struct convex_place *place, const struct convex_piece *piece,
-                         vec3 n)
+double dpti_convex_width(const struct convex_place *place, const struct convex_piece *piece, vec3 n)
 {
     const vec3 back = scaled(n, -1.0);
     return dot(n, sub(support_of_piece(piece, n), dpti_convex_place_support(place, back)));
@@ -164,10 +168,9 @@ void dpti_convex_ask(const struct convex_place *place, const struct convex_piece
     ccdVec3Set(&direction, NAN, NAN, NAN);
     ccdVec3Set(&point, NAN, NAN, NAN);
     memset(said, 0, sizeof *said);
-    const int result =
-        algorithm == CONVEX_MPR
-            ? ccdMPRPenetration(&surface, &shape, &ccd, &depth, &direction, &point)
-            : ccdGJKPenetration(&surface, &shape, &ccd, &depth, &direction, &point);
+    const int result = algorithm == CONVEX_MPR
+                           ? ccdMPRPenetration(&surface, &shape, &ccd, &depth, &direction, &point)
+                           : ccdGJKPenetration(&surface, &shape, &ccd, &depth, &direction, &point);
     said->meets = result == 0;
     said->is_refused = result == -2 || points > POINTS_MAX;
     if (result != 0 || said->is_refused)
@@ -183,13 +186,13 @@ void dpti_convex_ask(const struct convex_place *place, const struct convex_piece
  * A direction that needs a shorter motion than n, by steps down the width's slope, which across n is that of the two
  * farthest points; at most `steps` of them. Ends where the width is 0 or less.
  */
-static double descend(const struct convex_place *place, const struct convex_piece *piece,
-                      int steps, vec3 *n)
+static double descend(const struct convex_place *place, const struct convex_piece *piece, int steps,
+                      vec3 *n)
 {
     double width = dpti_convex_width(place, piece, *n), stride = 1.0;
     for (int i = 0; i < steps && width > 0.0 && stride > 1e-6; i++) {
-        const vec3 gap = sub(support_of_piece(piece, *n),
-                             dpti_convex_place_support(place, scaled(*n, -1.0)));
+        const vec3 gap =
+            sub(support_of_piece(piece, *n), dpti_convex_place_support(place, scaled(*n, -1.0)));
         const vec3 next = turned_ahead(piece, along(*n, -stride, along(gap, -dot(gap, *n), *n)));
         const double there = dpti_convex_width(place, piece, next);
         if (there < width && dot(next, next) > 0.0) {
@@ -218,44 +221,82 @@ static vec3 first_of(int turn, vec3 towards)
                  across[1]);
 }
 
+/* What a search for a plane between the two ends with. */
+enum parting { PARTED, MET, OPEN };
+
+/* Whether the origin is in a tetrahedron that has a volume. */
+static int holds_origin(const vec3 p[4])
+{
+    int signs = 0;
+    for (int i = 0; i < 4; i++) {
+        const vec3 a = p[(i + 1) % 4], b = p[(i + 2) % 4], c = p[(i + 3) % 4];
+        const vec3 n = cross(sub(b, a), sub(c, a));
+        const double here = -dot(n, a), there = dot(n, sub(p[i], a));
+        signs += (here > 0.0 && there > 0.0) || (here < 0.0 && there < 0.0);
+    }
+    return signs == 4;
+}
+
+/* The nearest point to the origin of a triangle, which may be flat. */
+static vec3 nearest_of(const vec3 p[3])
+{
+    const double origin[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    double corners[9], q[3];
+    for (int k = 0; k < 3; k++)
+        vec3_store(p[k], corners + 3 * k);
+    dpt_segment_triangle(origin, corners, NULL, NULL, q);
+    return vec3_of(q);
+}
+
 /*
- * Whether a plane parts the two, by the nearest point to the origin among their differences (Gilbert, 1966): a step leads
- * to the nearest point on the way to the farthest difference. It needs no simplex, so that nothing in it is degenerate.
- * Sets *n to the way out that it was led to.
+ * Look for a plane between the two, by the nearest point to the origin among their differences (as Gilbert, Johnson and
+ * Keerthi, 1988): three of these are kept, each step adds the farthest one towards the origin, and the nearest of the
+ * triangles with it stays. Degenerate ones do no harm, as dpt_segment_triangle takes any. PARTED is proven by the plane,
+ * MET by four differences around the origin, or one at it; OPEN is left where rounding ends it. *n becomes the way out that it was led to.
  */
-static int part(const struct convex_place *place, const struct convex_piece *piece, int steps,
-                vec3 *n)
+static enum parting part(const struct convex_place *place, const struct convex_piece *piece,
+                         vec3 *n)
 {
     vec3 v = sub(support_of_piece(piece, *n), dpti_convex_place_support(place, scaled(*n, -1.0)));
-    for (int i = 0; i < steps && dot(v, v) > 1e-20; i++) {
-        const vec3 w =
-            sub(support_of_piece(piece, scaled(v, -1.0)), dpti_convex_place_support(place, v));
-        if (dot(v, w) > 0.0)
-            return 1;
-        const vec3 way = sub(w, v);
-        v = along(v, nearest_on(v, way, (vec3){ 0.0, 0.0, 0.0 }), way);
-    }
-    if (dot(v, v) > 1e-20)
+    vec3 p[4] = { v, v, v, v };
+    for (int i = 0; i < PARTINGS && dot(v, v) > SAME; i++) {
+        vec3 nearest = v;
+        int dropped = -1;
         *n = scaled(unit_of(v), -1.0);
-    return 0;
+        p[3] = sub(support_of_piece(piece, *n), dpti_convex_place_support(place, unit_of(v)));
+        if (dot(v, p[3]) > 0.0)
+            return PARTED;
+        if (holds_origin(p))
+            return MET;
+        for (int k = 0; k < 3; k++) {
+            const vec3 with[3] = { p[3], p[(k + 1) % 3], p[(k + 2) % 3] };
+            const vec3 q = nearest_of(with);
+            if (dot(q, q) < dot(nearest, nearest)) {
+                nearest = q;
+                dropped = k;
+            }
+        }
+        if (dropped < 0)
+            break;
+        p[dropped] = p[3];
+        v = nearest;
+    }
+    return dot(v, v) > SAME ? OPEN : MET;
 }
 
 int dpti_convex_meets(const struct convex_place *place, const struct convex_piece *piece,
                       vec3 towards, struct convex_tally *tally)
 {
     vec3 n = towards;
-    if (part(place, piece, PARTINGS, &n))
-        return 0;
+    const enum parting parting = part(place, piece, &n);
+    if (parting != OPEN)
+        return parting == MET;
     for (int i = 0; i < TURNS; i++) {
         tally->asked++;
         if (says_that_they_meet(place, piece, turns[i].algorithm, first_of(i, n)))
             return 1;
     }
-    /* All say no, and no plane was found: it is looked for at length, before they are wrong. */
-    if (part(place, piece, LONG_PARTINGS, &n))
-        return 0;
-    tally->refused += TURNS;
-    return 1;
+    return 0;
 }
 
 static void take(struct convex_way *way, vec3 direction, double depth)
@@ -278,10 +319,10 @@ static void guess(const struct convex_place *place, const struct convex_piece *p
                   struct guesses *guesses)
 {
     static const double lean[LEANS][2] = { { 0.866, 0.5 }, { 0.5, 0.866 }, { 0.0, 1.0 } };
-    static const double around[AROUND][2] = { { 1, 0 },    { 0.7071, 0.7071 },
-                                              { 0, 1 },    { -0.7071, 0.7071 },
-                                              { -1, 0 },   { -0.7071, -0.7071 },
-                                              { 0, -1 },   { 0.7071, -0.7071 } };
+    static const double around[AROUND][2] = { { 1, 0 },  { 0.7071, 0.7071 },
+                                              { 0, 1 },  { -0.7071, 0.7071 },
+                                              { -1, 0 }, { -0.7071, -0.7071 },
+                                              { 0, -1 }, { 0.7071, -0.7071 } };
     vec3 across[2];
     unit_across(piece->front, across);
     guesses->direction[0] = piece->front;

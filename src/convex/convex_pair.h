@@ -41,7 +41,8 @@ struct convex_said {
     int is_refused;
     vec3 direction; /* unit: the shape's way out */
     double depth;   /* of the motion along it that the planes of both prove */
-    double least;   /* no way out is shorter than that, by what libccd said; 0 where it says nothing of it */
+    double
+        least; /* no way out is shorter than that, by what libccd said; 0 where it says nothing of it */
 };
 
 /* What is counted of libccd's answers. */
@@ -68,8 +69,8 @@ void dpti_convex_ask(const struct convex_place *place, const struct convex_piece
                      int algorithm, vec3 first, struct convex_said *said);
 
 /*
- * Whether a triangle, a piece without a front, meets the shape. `towards` is a first guess at the way out. A plane between
- * the two decides where one is found, else libccd; where its algorithms do not agree, it counts as met.
+ * Whether a triangle, a piece without a front, meets the shape; `towards` is a first guess at the way out. A plane between
+ * the two, or differences around the origin, prove it; where rounding leaves it open, libccd is asked.
  */
 int dpti_convex_meets(const struct convex_place *place, const struct convex_piece *piece,
                       vec3 towards, struct convex_tally *tally);

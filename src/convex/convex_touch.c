@@ -7,7 +7,7 @@
 #include "convex/convex_pair.h"
 #include "dynpoint/query.h"
 
-enum { NEAR_ON_STACK = 256, NEAR_MAX = 65536 };
+enum { NEAR_ON_STACK = 256, NEAR_MAX = 4096 };
 
 /*
  * What of a triangle is farther from the shape's centre than that does not count, in the shape's lengths: no way out is
@@ -26,6 +26,7 @@ struct near_triangle {
     vec3 front;    /* unit, towards where the shape comes from; 0: the triangle has no plane */
     vec3 towards;  /* unit, from the triangle's nearest point to the shape's centre, or its front */
     double behind; /* how far the shape reaches behind its plane: no way out is longer */
+    double within; /* nor is a way out of it alone longer than that */
 };
 
 /*
@@ -79,6 +80,21 @@ static void set_sides(const struct touching *touching, const vec3 corner[3],
         triangle->towards = triangle->front;
 }
 
+/* The least width of a triangle, or of its piece, along a few directions that do not lead behind it. */
+static double shallowest_guess(const struct touching *touching,
+                               const struct near_triangle *triangle,
+                               const struct convex_piece *piece)
+{
+    const vec3 up = unit_of(touching->outside);
+    const vec3 guesses[4] = { triangle->front, triangle->towards, up,
+                              unit_of(add(triangle->front, triangle->towards)) };
+    double least = HUGE_VAL;
+    for (int i = 0; i < 4; i++)
+        if (dot(guesses[i], guesses[i]) > 0.0 && dot(guesses[i], triangle->front) >= 0.0)
+            least = min_of(least, dpti_convex_width(&touching->place, piece, guesses[i]));
+    return least;
+}
+
 /* Reads what is near; triangles of which nothing is are left out. */
 static dpt_result read_triangles(struct touching *touching, const dpt_mesh *mesh,
                                  const uint32_t *numbers)
@@ -90,8 +106,8 @@ static dpt_result read_triangles(struct touching *touching, const dpt_mesh *mesh
         vec3 corner[3];
         DPT_TRY(dpt_mesh_get_triangle(mesh, numbers[i], corners));
         for (int k = 0; k < 3; k++)
-            corner[k] = in_lengths(touching,
-                                   frame_to_world(&touching->body, vec3_of(corners + 3 * k)));
+            corner[k] =
+                in_lengths(touching, frame_to_world(&touching->body, vec3_of(corners + 3 * k)));
         triangle->corners = dpti_convex_clip(corner, NEARBY, triangle->corner);
         if (!triangle->corners)
             continue;
@@ -99,6 +115,7 @@ static dpt_result read_triangles(struct touching *touching, const dpt_mesh *mesh
         set_sides(touching, corner, triangle);
         const struct convex_piece flat = { .points = triangle->corner, .count = triangle->corners };
         triangle->behind = dpti_convex_width(&touching->place, &flat, triangle->front);
+        triangle->within = shallowest_guess(touching, triangle, &flat);
         kept++;
     }
     touching->count = kept;
@@ -108,8 +125,8 @@ static dpt_result read_triangles(struct touching *touching, const dpt_mesh *mesh
 static int by_depth(const void *one, const void *other)
 {
     const struct near_triangle *a = one, *b = other;
-    if (a->behind != b->behind)
-        return a->behind > b->behind ? -1 : 1;
+    if (a->within != b->within)
+        return a->within > b->within ? -1 : 1;
     return a->number < b->number ? -1 : a->number > b->number;
 }
 
@@ -138,14 +155,14 @@ static struct convex_piece piece_of(struct touching *touching, const struct near
 /* The middle of what is about as deep as the deepest point: of points along directions that lean a little. */
 static vec3 deepest_point(const struct convex_place *place, vec3 direction)
 {
-    static const double lean[8][2] = { { 1, 0 },    { 0.7, 0.7 },   { 0, 1 },  { -0.7, 0.7 },
-                                       { -1, 0 },   { -0.7, -0.7 }, { 0, -1 }, { 0.7, -0.7 } };
+    static const double lean[8][2] = { { 1, 0 },  { 0.7, 0.7 },   { 0, 1 },  { -0.7, 0.7 },
+                                       { -1, 0 }, { -0.7, -0.7 }, { 0, -1 }, { 0.7, -0.7 } };
     const vec3 back = scaled(direction, -1.0);
     vec3 across[2], sum = { 0.0, 0.0, 0.0 };
     unit_across(back, across);
     for (int i = 0; i < 8; i++) {
-        const vec3 d = along(along(back, 0.02 * lean[i][0], across[0]), 0.02 * lean[i][1],
-                             across[1]);
+        const vec3 d =
+            along(along(back, 0.02 * lean[i][0], across[0]), 0.02 * lean[i][1], across[1]);
         sum = along(sum, 0.125, dpti_convex_place_support(place, d));
     }
     return along(place->centre, place->body->size, sum);
@@ -169,15 +186,15 @@ static void find_deepest(struct touching *touching, dpt_convex_contact *found)
         const struct near_triangle *triangle = &touching->triangles[i];
         const struct convex_piece flat = { .points = triangle->corner, .count = triangle->corners };
         struct convex_way way;
-        /* Nor is any of the others deeper than this one reaches behind. */
         if (!(triangle->behind > max_of(0.0, deepest.depth)))
-            break;
+            continue;
         const struct convex_piece piece = piece_of(touching, triangle);
-        if (is_left_by(touching, &piece, &deepest) ||
+        if (shallowest_guess(touching, triangle, &piece) <= deepest.depth ||
+            is_left_by(touching, &piece, &deepest) ||
             !dpti_convex_meets(&touching->place, &flat, triangle->towards, &touching->tally))
             continue;
-        found->met++;
         dpti_convex_way_out(&touching->place, &piece, triangle->towards, &touching->tally, &way);
+        found->met++;
         found->own += (uint32_t)way.is_own;
         if (way.depth > deepest.depth) {
             deepest = way;
@@ -190,8 +207,8 @@ static void find_deepest(struct touching *touching, dpt_convex_contact *found)
         return;
     found->contact = DPT_CONTACT_PENETRATING;
     found->depth = size * deepest.depth;
-    found->error_bound = min_of(found->depth, size * (deepest.error + CONVEX_TOLERANCE)) +
-                         size * touching->rounding;
+    found->error_bound =
+        min_of(found->depth, size * (deepest.error + CONVEX_TOLERANCE)) + size * touching->rounding;
     vec3_store(deepest.direction, found->direction);
     vec3_store(deepest_point(&touching->place, deepest.direction), found->point);
 }

@@ -90,9 +90,8 @@ void curved_random(struct curved *curved, uint32_t kind, int is_cut, double size
         return;
     shape->flags = DPT_CONVEX_FLAG_BEVEL;
     random_direction(seed, shape->bevel);
-    shape->bevel[3] =
-        random_in(seed, -0.7, 0.9) *
-        (0.5 * shape->extent[0] + 0.5 * shape->extent[2] * fabs(shape->bevel[2]));
+    shape->bevel[3] = random_in(seed, -0.7, 0.9) *
+                      (0.5 * shape->extent[0] + 0.5 * shape->extent[2] * fabs(shape->bevel[2]));
 }
 
 /* ---- how far it reaches ---- */
@@ -169,7 +168,8 @@ int curved_holds(const struct curved *curved, const double x[3], double slack)
     const double off = fmax(0.0, fabs(x[2]) - c);
     switch (shape->kind) {
     case DPT_CONVEX_KIND_CONE:
-        return fabs(x[2]) <= c + slack && across <= a * (x[2] + c) / (2.0 * c) + slack * (1 + a / c);
+        return fabs(x[2]) <= c + slack &&
+               across <= a * (x[2] + c) / (2.0 * c) + slack * (1 + a / c);
     case DPT_CONVEX_KIND_CYLINDER:
         return fabs(x[2]) <= c + slack && across <= a + slack;
     case DPT_CONVEX_KIND_ELLIPSOID:
@@ -249,7 +249,9 @@ static vec3 least_difference(const struct convex_body *body, const dpt_pose *too
         if (dot3(triangle + 3 * k, d) < dot3(triangle + 3 * best, d))
             best = k;
     turn_back(tool, d, own);
-    vec3_store(frame_to_world(&body->frame, dpti_convex_support(body, frame_turn_back(&body->frame, vec3_of(own)))), x);
+    vec3_store(frame_to_world(&body->frame, dpti_convex_support(
+                                                body, frame_turn_back(&body->frame, vec3_of(own)))),
+               x);
     place_by(tool, x, x);
     return sub(sub(vec3_of(triangle + 3 * best), vec3_of(x)), vec3_of(by));
 }

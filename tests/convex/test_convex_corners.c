@@ -60,8 +60,8 @@ static void a_polyhedron_holds_its_shape(void)
         curved_random(&curved, kind, i % 5 == 4, 1.0, &seed);
         if (random_bits(&seed) % 2)
             sides = 3 + (uint32_t)(random_bits(&seed) % (sides_max[kind] - 2));
-        const dpt_result result = dpt_convex_corners(&curved.shape, sides, corners,
-                                                     DPT_HULL_CORNERS_MAX, &count, &error);
+        const dpt_result result =
+            dpt_convex_corners(&curved.shape, sides, corners, DPT_HULL_CORNERS_MAX, &count, &error);
         CHECK(result == DPT_OK || (result == DPT_E_LIMIT && i % 5 == 4 && sides),
               "kind %u with %u sides: %s", kind, sides, dpt_result_name(result));
         if (result != DPT_OK)
@@ -85,7 +85,8 @@ static void a_polyhedron_holds_its_shape(void)
         dpt_hull_def def = { .size = sizeof def, .corner_count = count, .corners = corners };
         static _Alignas(8) unsigned char block[65536];
         const dpt_hull *hull;
-        CHECK(dpt_hull_create(block, sizeof block, &def, &hull) == DPT_OK, "kind %u: no hull", kind);
+        CHECK(dpt_hull_create(block, sizeof block, &def, &hull) == DPT_OK, "kind %u: no hull",
+              kind);
     }
     printf("    errors are used up to %.3f of what is said; at most %u corners\n", tightest, most);
 }
@@ -99,7 +100,8 @@ static void hulls_give_their_own_corners(void)
     curved_random(&curved, DPT_CONVEX_KIND_HULL, 0, 1.0, &seed);
     dpt_hull_get_info(curved.shape.hull, &info);
     CHECK(dpt_convex_corners(&curved.shape, 0, corners, DPT_HULL_CORNERS_MAX, &count, &error) ==
-              DPT_OK && count == info.corners && error == 0.0,
+                  DPT_OK &&
+              count == info.corners && error == 0.0,
           "%u corners", count);
     CHECK(dpt_convex_corners(&curved.shape, 3, corners, DPT_HULL_CORNERS_MAX, &count, &error) ==
               DPT_E_ARGUMENT,
@@ -192,8 +194,8 @@ static void arguments_are_checked(void)
     REFUSED(DPT_E_FINITE, shape.pose.position[1] = INFINITY);
     REFUSED(DPT_E_POSE, shape.flags = DPT_CONVEX_FLAG_BEVEL);
     REFUSED(DPT_E_FINITE, (shape.flags = DPT_CONVEX_FLAG_BEVEL, shape.bevel[3] = NAN));
-    REFUSED(DPT_E_ARGUMENT, (shape.flags = DPT_CONVEX_FLAG_BEVEL, shape.bevel[2] = 1.0,
-                             shape.bevel[3] = -0.0999));
+    REFUSED(DPT_E_ARGUMENT,
+            (shape.flags = DPT_CONVEX_FLAG_BEVEL, shape.bevel[2] = 1.0, shape.bevel[3] = -0.0999));
     REFUSED(DPT_E_ARGUMENT, (shape.flags = DPT_CONVEX_FLAG_BEVEL, shape.bevel[2] = 1.0,
                              shape.kind = DPT_CONVEX_KIND_CYLINDER));
     REFUSED(DPT_E_FINITE, (shape.flags = DPT_CONVEX_FLAG_OUTSIDE, shape.outside[0] = NAN));

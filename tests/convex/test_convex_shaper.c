@@ -80,16 +80,19 @@ static void a_plate_pushes_by_stiffness_times_depth(void)
     for (uint32_t law = DPT_LAW_POINT; law <= DPT_LAW_BED; law++) {
         struct scene scene;
         const double k = law == DPT_LAW_BED ? 200.0 : 400.0;
+        double strongest = 0.0;
         open_scene(&scene, plate.mesh, DPT_LAW_POINT, law);
         for (int i = 0; i < 200; i++) {
-            const double depth = random_in(&seed, -1e-3, 2e-3);
+            const double depth = random_in(&seed, -1e-3, 2e-3), tilt = random_in(&seed, -0.8, 0.8);
+            /* Half of the ellipsoid's height, as it is tilted about x. */
+            const double y = 0.002 * sin(tilt), z = 0.005 * cos(tilt);
             const dpt_pose at = { { random_in(&seed, -0.1, 0.1), random_in(&seed, -0.5, 0.0),
-                                    0.005 - depth },
-                                  { 1.0, 0.0, 0.0, 0.0 } };
+                                    sqrt(y * y + z * z) - depth },
+                                  { cos(0.5 * tilt), sin(0.5 * tilt), 0.0, 0.0 } };
             double origin[3], up[3], arm[3];
-            const double z[3] = { 0.0, 0.0, 1.0 };
+            const double normal[3] = { 0.0, 0.0, 1.0 };
             const dpt_wrench wrench = step_at(&scene, &at, origin);
-            turn_by(&scene.body_pose, z, up);
+            turn_by(&scene.body_pose, normal, up);
             const double force = dot3(wrench.force, up), wanted = k * fmax(0.0, depth);
             CHECK(fabs(force - wanted) <= k * 2e-6 &&
                       fabs(sqrt(dot3(wrench.force, wrench.force)) - wanted) <= k * 2e-6,
@@ -105,8 +108,10 @@ static void a_plate_pushes_by_stiffness_times_depth(void)
                                        arm[0] * wrench.force[1] - arm[1] * wrench.force[0] };
             for (int j = 0; j < 3; j++)
                 CHECK(fabs(torque[j] - wrench.torque[j]) <= 1e-12, "torque");
+            strongest = fmax(strongest, sqrt(dot3(torque, torque)));
         }
         CHECK(scene.shaper.errors == 0, "%u errors", scene.shaper.errors);
+        CHECK(strongest > 1e-4, "no torque: %g Nm", strongest);
         free(scene.block);
     }
 }
@@ -165,7 +170,8 @@ static void a_liver_pushes_outward_and_without_jumps(void)
             double jump = 0.0, turn = 0.0;
             for (int j = 0; j < 3; j++) {
                 jump += (wrench.force[j] - before[j]) * (wrench.force[j] - before[j]);
-                turn += (scene.contact.direction[j] - way[j]) * (scene.contact.direction[j] - way[j]);
+                turn +=
+                    (scene.contact.direction[j] - way[j]) * (scene.contact.direction[j] - way[j]);
             }
             jump = sqrt(jump);
             turn = last > 0.0 && scene.contact.depth > 0.0 ? sqrt(turn) : 0.0;
@@ -188,7 +194,8 @@ static void a_liver_pushes_outward_and_without_jumps(void)
         CHECK(scene.shaper.errors == 0, "%u errors", scene.shaper.errors);
         free(scene.block);
     }
-    printf("    felt in %llu steps, up to %g N; the depth changed by up to %.3f of the motion; %llu turns of over 0.1 rad, %llu jumps\n",
+    printf("    felt in %llu steps, up to %g N; the depth changed by up to %.3f of the motion; "
+           "%llu turns of over 0.1 rad, %llu jumps\n",
            (unsigned long long)felt, strongest, worst, (unsigned long long)turns,
            (unsigned long long)jumps);
     CHECK(felt >= 100 * paths, "%llu felt", (unsigned long long)felt);
