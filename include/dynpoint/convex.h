@@ -133,9 +133,8 @@ typedef struct dpt_convex_contact {
  * - Where it ends. The least motion out of a surface is along its normal only while the shape is less deep than wide. One
  *   that has gone through a thin place may leave sideways. A law with a proxy has no such limit.
  *
- * `error_bound` is about 1e-4 of the shape's size where EPA's answer stood, as for 99 of 100, and as
- * large as the depth for one of our own. While less deep than wide, the depth changes by no more than the shape moves, and
- * the two bounds.
+ * `error_bound` is about 1e-4 of the shape's size where EPA's answer stood, as for 99 of 100, and as large as the depth for
+ * one of our own. While less deep than wide, the depth changes by no more than the shape moves, and the two bounds.
  *
  * DPT_E_MEMORY: there is no memory for the list of near triangles; a failed allocation within libccd is no error, but a
  * refused answer. DPT_E_LIMIT: more than 4,096 triangles are near.

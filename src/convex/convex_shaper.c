@@ -7,7 +7,8 @@
 
 static int is_valid(const dpt_convex_shaper *shaper)
 {
-    return sized_of(shaper) >= sizeof *shaper && sized_of(shaper) <= SIZED_MAX && shaper->shape &&
+    dpt_convex_shaper known;
+    return sized_read(shaper, sizeof known, &known, sizeof known) == DPT_OK && shaper->shape &&
            (shaper->bodies || !shaper->body_count) &&
            (shaper->law == DPT_LAW_POINT || shaper->law == DPT_LAW_BED) &&
            shaper->stiffness >= 0.0 && shaper->stiffness <= STIFFNESS_MAX;
