@@ -81,6 +81,15 @@ URDF_PARTS := $(patsubst %.cc,$(B)/%.o,$(wildcard src/urdf/*.cc))
 URDF_CFLAGS := $(shell pkg-config --cflags urdfdom console_bridge expat)
 URDF_LIBS := -Wl,--as-needed $(shell pkg-config --libs urdfdom console_bridge expat) -lstdc++
 endif
+# Curved tips: where a library can be linked to libccd. CONVEX=no leaves them out.
+CONVEX_HERE = $(if $(filter fuzz fuzz-fast,$(CONFIG)),no,$(shell printf '$(HASH)include <ccd/ccd.h>\nint main(void) { ccd_t ccd; CCD_INIT(&ccd); return ccdMPRIntersect(0, 0, &ccd); }\n' | \
+  $(CC) $$(pkg-config --cflags ccd 2>&1) -x c - $$(pkg-config --libs ccd 2>&1) -o /dev/null >/dev/null 2>&1 && echo yes || echo no))
+CONVEX := $(or $(CONVEX),$(CONVEX_HERE))
+ifeq ($(CONVEX),yes)
+CONVEX_PARTS := $(call objects,src/convex/*.c)
+CONVEX_CFLAGS := $(shell pkg-config --cflags ccd)
+CONVEX_LIBS := $(shell pkg-config --libs ccd)
+endif
 # Scene files: where the program can be linked to jansson. JANSSON=no leaves them out.
 JANSSON_HERE = $(shell printf '$(HASH)include <jansson.h>\nint main(void) { return !json_null(); }\n' | \
   $(CC) $$(pkg-config --cflags jansson 2>&1) -x c - $$(pkg-config --libs jansson 2>&1) -o /dev/null >/dev/null 2>&1 && echo yes || echo no)
@@ -106,12 +115,13 @@ VIEW_PAGE := $(or $(VIEW_PAGE),$(VIEW_PAGE_HERE))
 TOOLS := $(call objects,tools/*.c tools/plot/*.c tools/stability/*.c tools/view/*.c) $(SCENE_FILE) $(VIEW_SERVER)
 # The other ends of a line, for `device simulate` and the tests: of the back ends that were chosen.
 SIMULATE := $(call objects,$(DRIVERS:%=tools/simulate/simulate_%.c)) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
-LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf)
+LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf) $(if $(CONVEX_PARTS),$(B)/libdynpoint_convex)
 
 # What this machine lacks, for the last line of make; not what the user left out, and not with make -s.
 IS_SILENT := $(findstring s,$(filter-out --%,$(firstword -$(MAKEFLAGS))))
 lacks = $(if $(and $(filter file,$(origin $1)),$(filter no,$($1))),echo "built without $2: make deps $3";)
 LEFT_OUT = $(if $(IS_SILENT),,$(call lacks,URDF,robots in URDF (urdfdom and a C++ compiler),light) \
+  $(call lacks,CONVEX,curved tips (libccd),light) \
   $(call lacks,JANSSON,scene files (jansson),light) \
   $(call lacks,LWS,the viewer in a browser (libwebsockets),view) \
   $(call lacks,VIEW_PAGE,the viewer's page (node and three.js),view))
@@ -137,6 +147,7 @@ $(B)/src/kernel/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
 # For aarch64, compilers call a helper for an atomic exchange; the core calls nothing. Others do not know the option.
 $(B)/src/exchange/latest.o: CONFIG_CFLAGS += $(shell $(CC) -mno-outline-atomics -Werror -E -x c /dev/null >/dev/null 2>&1 && echo -mno-outline-atomics)
 
+$(B)/src/convex/%.o: INCLUDES += $(CONVEX_CFLAGS)
 $(B)/drivers/%.o: INCLUDES += -Idrivers
 $(B)/tools/%.o: INCLUDES += -Idrivers -Itools
 $(B)/tools/scene_file/%.o: INCLUDES += $(JANSSON_CFLAGS)
@@ -167,7 +178,8 @@ endif
 $(B)/libdynpoint.o: $(CORE)
 $(B)/libdynpoint_compile.o: $(COMPILE) $(TEXT)
 $(B)/libdynpoint_drivers.o: $(DRIVER_PARTS) $(TEXT)
-$(B)/libdynpoint.o $(B)/libdynpoint_compile.o $(B)/libdynpoint_drivers.o:
+$(B)/libdynpoint_convex.o: $(CONVEX_PARTS)
+$(B)/libdynpoint.o $(B)/libdynpoint_compile.o $(B)/libdynpoint_drivers.o $(B)/libdynpoint_convex.o:
 	$(LD) -r $^ -o $@
 	$(OBJCOPY) --localize-hidden $@
 
@@ -188,9 +200,11 @@ THREADS := -pthread
 DL := -ldl
 $(B)/libdynpoint_compile.so.$(SOVERSION): private LDLIBS = $(THREADS)
 $(B)/libdynpoint_drivers.so.$(SOVERSION): private LDLIBS = $(THREADS) $(DL)
+$(B)/libdynpoint_convex.so.$(SOVERSION): private LDLIBS = $(CONVEX_LIBS)
 $(B)/libdynpoint.so.$(SOVERSION): $(CORE)
 $(B)/libdynpoint_compile.so.$(SOVERSION): $(COMPILE) $(TEXT) $(B)/libdynpoint.so.$(SOVERSION)
 $(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(TEXT) $(B)/libdynpoint.so.$(SOVERSION)
+$(B)/libdynpoint_convex.so.$(SOVERSION): $(CONVEX_PARTS) $(B)/libdynpoint.so.$(SOVERSION)
 %.so.$(SOVERSION):
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) -Wl,--version-script=src/symbols.map $^ -lm $(LDLIBS) -o $@
 	ln -sf $(@F) $*.so
@@ -202,7 +216,8 @@ folders = $(subst $(empty) $(empty),$(comma),$(strip $1))
 $(CDEF): include/dynpoint.h $(wildcard include/dynpoint/*.h) tools/packaging/cdef.sh
 	@mkdir -p $(@D)
 	CC='$(CC)' sh tools/packaging/cdef.sh include $@ libdynpoint=$(call folders,$(FOLDERS:%=src/%)) \
-	  libdynpoint_compile=src/compile libdynpoint_drivers=drivers libdynpoint_urdf=src/urdf
+	  libdynpoint_compile=src/compile libdynpoint_drivers=drivers libdynpoint_urdf=src/urdf \
+	  libdynpoint_convex=src/convex
 
 amalgamation: ## the core and the compiler as single files, for firmware, crates, packages (needs python3)
 	@rm -rf $(B)/amalgamation && mkdir -p $(B)/amalgamation
@@ -234,27 +249,28 @@ install: all ## into PREFIX, or DESTDIR and the directory variables
 	    echo 'Version: $(VERSION)'; echo 'Cflags: -I$${includedir}'; \
 	    case $$lib in \
 	      *_urdf) echo 'Requires: libdynpoint_compile'; echo 'Requires.private: urdfdom console_bridge expat';; \
-	      *_*) echo 'Requires: libdynpoint';; esac; \
+	      *_convex) echo 'Requires: libdynpoint'; echo 'Requires.private: ccd';; \
+      *_*) echo 'Requires: libdynpoint';; esac; \
 	    echo "Libs: -L\$${libdir} -l$${lib#lib}"; \
-	    case $$lib in *_urdf) echo 'Libs.private: -lm -lstdc++';; *_drivers) echo 'Libs.private: -lm $(THREADS) $(DL)';; *_*) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \
+	    case $$lib in *_urdf) echo 'Libs.private: -lm -lstdc++';; *_drivers) echo 'Libs.private: -lm $(THREADS) $(DL)';; *_convex) echo 'Libs.private: -lm';; *_*) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \
 	  } > "$(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc" || exit 1; \
 	done
 
 uninstall: ## what install put there
 	rm -f "$(DESTDIR)$(BINDIR)/dynpoint" "$(DESTDIR)$(INCLUDEDIR)/dynpoint.h" "$(DESTDIR)$(INCLUDEDIR)/$(notdir $(CDEF))"
 	rm -f $(patsubst include/%,"$(DESTDIR)$(INCLUDEDIR)"/%,$(wildcard include/dynpoint/*.h))
-	for lib in $(notdir $(LIBS)) libdynpoint_urdf; do \
+	for lib in $(notdir $(LIBS)) libdynpoint_urdf libdynpoint_convex; do \
 	  rm -f "$(DESTDIR)$(LIBDIR)/$$lib.a" "$(DESTDIR)$(LIBDIR)/$$lib.so" "$(DESTDIR)$(LIBDIR)/$$lib.so.$(SOVERSION)" \
 	    "$(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc"; \
 	done
 	-rmdir "$(DESTDIR)$(INCLUDEDIR)/dynpoint" 2>/dev/null
 
 help: ## this list
-	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no] [JANSSON=no] [LWS=no] [VIEW_PAGE=no]'
+	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no] [CONVEX=no] [JANSSON=no] [LWS=no] [VIEW_PAGE=no]'
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1\t\2/p' Makefile src/bindings/wasm/wasm.mk tools/page/page.mk tests/tests.mk | expand -t 16
 
 clean: ## remove build/
 	rm -rf build
 
--include $(patsubst %.o,%.d,$(CORE) $(TEXT) $(COMPILE) $(URDF_PARTS) $(DRIVER_PARTS) $(TOOLS) $(SIMULATE))
+-include $(patsubst %.o,%.d,$(CORE) $(TEXT) $(COMPILE) $(URDF_PARTS) $(CONVEX_PARTS) $(DRIVER_PARTS) $(TOOLS) $(SIMULATE))
 endif

@@ -51,7 +51,7 @@ work()
 # made TARGET...: of this machine; static, so that qemu needs no libraries of it; without the driver that loads one
 made()
 {
-    make -j"${JOBS:-$(nproc 2>/dev/null || echo 2)}" B="$folder" URDF=no JANSSON=no LWS=no VIEW_PAGE=no DRIVERS="sim replay serial can" \
+    make -j"${JOBS:-$(nproc 2>/dev/null || echo 2)}" B="$folder" URDF=no CONVEX=no JANSSON=no LWS=no VIEW_PAGE=no DRIVERS="sim replay serial can" \
         CC="$machine-linux-gnu-gcc" LD="$machine-linux-gnu-ld" AR="$machine-linux-gnu-ar" OBJCOPY="$machine-linux-gnu-objcopy" \
         LDFLAGS=-static "$@"
 }

@@ -211,6 +211,7 @@ else
     done
     programs release release beside
     [ -x build/tests/test_urdf_golden ] || skip "robots' descriptions" "no urdfdom with g++"
+    [ -x build/tests/test_convex ] || skip "curved tips" "no libccd"
     [ -x build/tests/test_view_server ] || skip "the viewer's server" "no libwebsockets"
     run "robots' kinematics" sh tests/oracle/urdf.sh build
     run "races of the exchange" sh tests/exchange/races.sh build

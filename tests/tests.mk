@@ -20,7 +20,7 @@ $(B)/tests/world/test_own_physics.o: INCLUDES += -Idocs
 # What a test program does itself takes longer to optimize than to run; under sanitizers so do the program and what reads
 # URDF.
 QUICKLY := $(filter-out tests/kernel/%,$(TEST_SOURCES) $(EXACT_TESTS:%=tests/sweep/%.c) \
-  $(wildcard tests/fuzz/*.c tests/fuzz/calls/*.c tests/vm/*.c tests/urdf/*.c))
+  $(wildcard tests/fuzz/*.c tests/fuzz/calls/*.c tests/vm/*.c tests/urdf/*.c tests/convex/*.c))
 ifneq ($(filter release scalar sanitize,$(CONFIG)),)
 $(QUICKLY:%.c=$(B)/%.o): CONFIG_CFLAGS += -Og
 endif
@@ -198,6 +198,15 @@ $(B)/tests/test_urdf_%: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=
 $(B)/tests/test_urdf_%: $(B)/tests/urdf/test_urdf_%.o $(B)/tests/urdf/surroundings.o $(URDF_PARTS) $(PARTS_LIB) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(LDLIBS) $(URDF_LIBS) -o $@
 
+# Curved tips: where the library is built.
+CONVEX_TESTS := $(patsubst tests/convex/%.c,$(B)/tests/%,$(wildcard tests/convex/test_*.c))
+ifneq ($(CONVEX_PARTS),)
+TESTS += $(CONVEX_TESTS)
+endif
+$(CONVEX_TESTS): $(B)/tests/%: $(B)/tests/convex/%.o $(call shared_of,tests/convex/) $(CONVEX_PARTS) $(PARTS_LIB) $(TEST_LIB)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(LDLIBS) $(CONVEX_LIBS) -o $@
+$(B)/tests/test_convex_faults: private LDLIBS = $(patsubst %,-Wl$(comma)--wrap=%,ccdGJKPenetration ccdMPRPenetration ccdGJKIntersect ccdMPRIntersect)
+
 $(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(TEXT) $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -lpthread $(DL) -o $@
 
@@ -219,7 +228,7 @@ test: ## a part of every test in about a minute: no network, nothing installed
 check: ## all tests; as root on Debian installs 21 MB of packages (DEPS=no: nothing); STRICT=1 lets skips fail
 	@sh tests/run.sh check
 
-SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair hull_pair hull_search hull_sweep parallel no_system_calls loop
+SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair hull_pair hull_search hull_sweep parallel no_system_calls loop $(if $(CONVEX_PARTS),convex)
 soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of the proxy; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
@@ -251,6 +260,7 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of 
 	@$(B)/tests/test_surface_motion 5000
 	@$(B)/tests/test_deform 8400
 	@$(B)/tests/test_deform_push 8400
+	@$(if $(CONVEX_PARTS),$(B)/tests/test_convex,:)
 	@$(B)/tests/test_exactness soak
 
 fuzz: ## 10^8 random calls (CALLS_RUNS), then 10^8 executions (FUZZ_RUNS) of the fuzz targets by libFuzzer

@@ -15,7 +15,9 @@ mkdir -p "$scratch"
 LC_ALL=C sort "$here"/*.symbols >"$scratch/all.symbols"
 urdf=
 [ ! -e "$build/libdynpoint_urdf.a" ] || urdf=libdynpoint_urdf
-for lib in libdynpoint libdynpoint_compile libdynpoint_drivers $urdf; do
+convex=
+[ ! -e "$build/libdynpoint_convex.a" ] || convex=libdynpoint_convex
+for lib in libdynpoint libdynpoint_compile libdynpoint_drivers $urdf $convex; do
     nm -D --with-symbol-versions --defined-only "$build/$lib.so.0" >"$scratch/$lib.versions"
     awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' "$scratch/$lib.versions" | LC_ALL=C sort >"$scratch/$lib.symbols"
     diff "$here/$lib.symbols" "$scratch/$lib.symbols"
@@ -133,7 +135,7 @@ verdict $? "it names every public struct and constant"
 awk '/^typedef struct dpt_[a-z_]+ {$|^struct dpt_[a-z_]+ {$/ { sub(/ {$/, ""); sub(/.* /, ""); name = $0; next }
     name != "" && /^ *uint32_t size;/ { print name } { name = "" }' "$scratch/public.h" >"$scratch/sized"
 for name in $(grep -vxE 'dpt_loop_sample|dpt_selftest_line|dpt_identify_progress|dpt_driver' "$scratch/sized"); do
-    grep -rqE "\"(its )?$name[ \"]" tests/base tests/compile tests/deform tests/drivers tests/hull tests/urdf tests/world || echo "  $name"
+    grep -rqE "\"(its )?$name[ \"]" tests/base tests/compile tests/convex tests/deform tests/drivers tests/hull tests/urdf tests/world || echo "  $name"
 done >"$scratch/unasked"
 cat "$scratch/unasked"
 [ "$(wc -l <"$scratch/sized")" -gt 30 ] && [ ! -s "$scratch/unasked" ]
@@ -165,7 +167,8 @@ done
 # see, the build has been warned of. What only WebAssembly has is clang's, and in no library.
 exact=$(sed -n 's/^EXACT := //p' Makefile)
 strict=0
-for source in $(find src drivers -name '*.c' ! -path 'src/bindings/*'); do
+[ -n "$convex" ] && optional= || optional="! -path src/convex/*"
+for source in $(set -f; find src drivers -name '*.c' ! -path 'src/bindings/*' $optional); do
     ${CC:-cc} $c99 -Iinclude -Isrc -Idrivers -I"$build" -O1 $exact -fPIC -fsyntax-only "$source" || strict=1
 done
 verdict $strict "every source is pedantic C99"
@@ -211,7 +214,7 @@ verdict $foreign "a back end's headers are included by itself and by its end in 
 mkdir -p "$scratch/hidden/linux"
 echo '#error "not outside of drivers/can and tools/simulate/simulate_can.c"' >"$scratch/hidden/linux/can.h"
 hidden=0
-for source in $(find src drivers tools -name '*.c' ! -path 'src/bindings/*' ! -path 'drivers/can/*' ! -path tools/simulate/simulate_can.c ! -path tools/scene_file/json_value.c); do
+for source in $(set -f; find src drivers tools -name '*.c' ! -path 'src/bindings/*' $optional ! -path 'drivers/can/*' ! -path tools/simulate/simulate_can.c ! -path tools/scene_file/json_value.c); do
     ${CC:-cc} -std=gnu99 -I"$scratch/hidden" -Iinclude -Isrc -Idrivers -Itools -I"$build" -fsyntax-only "$source" || hidden=1
 done
 verdict $hidden "no source but those of CAN needs linux/can.h"
@@ -274,7 +277,10 @@ fi
 root=$PWD/$scratch/root
 make -s install DESTDIR="$root" PREFIX=/opt/dp LIBDIR=/opt/dp/lib64 >/dev/null
 find "$root" -type f -o -type l | sed "s|^$root||" | LC_ALL=C sort >"$scratch/installed"
-if [ -n "$urdf" ]; then cat "$here/installed"; else grep -v libdynpoint_urdf "$here/installed"; fi | diff - "$scratch/installed"
+for lib in libdynpoint_urdf libdynpoint_convex; do
+    [ -e "$build/$lib.a" ] || echo "$lib\."
+done >"$scratch/left_out"
+grep -vf "$scratch/left_out" "$here/installed" | diff - "$scratch/installed"
 verdict $? "install puts what $here/installed lists"
 cat >"$scratch/user.c" <<'END'
 #include <dynpoint.h>
@@ -314,6 +320,18 @@ if command -v pkg-config >/dev/null 2>&1; then
         verdict $? "and with the static ones"
     else
         skip "a program with a robot's description: this build has none"
+    fi
+    if [ -n "$convex" ]; then
+        ${CC:-cc} $c99 "$here/curved_tip.c" $(pkg-config --cflags --libs libdynpoint_convex libdynpoint_compile libdynpoint) \
+            -o "$scratch/curved_tip" && LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/curved_tip"
+        verdict $? "a program with a curved tip, too"
+        flags=$(PKG_CONFIG_SYSROOT_DIR= pkg-config --static --libs libdynpoint_convex | sed "s|/opt/dp|$root/opt/dp|g; s|-ldynpoint[a-z_]*||g")
+        ${CC:-cc} $c99 "$here/curved_tip.c" -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint_convex.a" \
+            "$root/opt/dp/lib64/libdynpoint_compile.a" "$root/opt/dp/lib64/libdynpoint.a" $flags -pthread -o "$scratch/curved_tip" &&
+            "$scratch/curved_tip"
+        verdict $? "and with the static ones"
+    else
+        skip "a program with a curved tip: this build has none"
     fi
     pkg-config --static --libs libdynpoint_compile | grep -q -- -pthread &&
         ! pkg-config --static --libs libdynpoint | grep -q -- -pthread

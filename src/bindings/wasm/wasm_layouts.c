@@ -6,6 +6,7 @@
 #include <dynpoint.h>
 #include <dynpoint/baseline.h>
 #include <dynpoint/compile.h>
+#include <dynpoint/convex.h>
 #include <dynpoint/driver.h>
 #include <dynpoint/identify.h>
 #include <dynpoint/loop.h>
