@@ -60,6 +60,16 @@ static uint32_t list_directions(const struct proxy_tick *tick, const struct body
     return count;
 }
 
+/* Whether a body is there that may be within reach of a box, m, at any time of its motion. */
+static int is_in_reach(const struct proxy_tick *tick, uint32_t slot, const struct box *box,
+                       double reach)
+{
+    const struct dpt_world *world = tick->world;
+    const struct body *body = &world->bodies[slot];
+    const double moved = tick->is_before && body_has_moved(world, body) ? body->motion_bound : 0.0;
+    return body_is_there(body) && box_distance(box, &world->boxes[slot]) <= reach + moved;
+}
+
 /* What the sweep of one segment or tip past one body gave; what is hit is remembered. */
 static void note_sweep(struct proxy_tick *tick, uint32_t number, const struct body *body,
                        int status, double time, uint32_t triangle, struct tool_sweep *sweep)
@@ -157,10 +167,7 @@ static void sweep_tips(struct proxy_tick *tick, const struct proxy_pose *to, uin
             continue;
         for (uint32_t slot = 0; slot < world->body_slot_end; slot++) {
             const struct body *body = &world->bodies[slot];
-            const double far =
-                reach + (tick->is_before && body_has_moved(world, body) ? body->motion_bound : 0.0);
-            if (!body_is_there(body) || slot == carrier ||
-                box_distance(&box, &world->boxes[slot]) > far)
+            if (slot == carrier || !is_in_reach(tick, slot, &box, reach))
                 continue;
             sweep->is_alone = 0;
             sweep_tip(tick, tool->segment_count + i, body, &to->pose, sweep);
@@ -200,10 +207,7 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
         for (uint32_t k = 0; k < nearby->count; k++) {
             const uint32_t slot = nearby->slots ? nearby->slots[k] : k;
             const struct body *body = &world->bodies[slot];
-            const double far =
-                reach + (tick->is_before && body_has_moved(world, body) ? body->motion_bound : 0.0);
-            if (!body_is_there(body) || slot == carrier ||
-                box_distance(&box, &world->boxes[slot]) > far)
+            if (slot == carrier || !is_in_reach(tick, slot, &box, reach))
                 continue;
             sweep.is_alone = 0;
             sweep_body(tick, i, body, &to->pose, &sweep);
