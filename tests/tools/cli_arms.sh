@@ -123,7 +123,7 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     succeeds 'an arm of six joints' compile six.urdf -o six.dpa
     run run six.dpa --device 'sim:?hand=press&dofs=6' --at 0,0,0.03 --ticks 3000 --json
     check "another device's six joints are not its own: $(cat stdout)" grep -q '"penetrating":[1-9]' stdout
-    refuses 'a record of the arm' '--record needs the stylus: a trace has one segment' \
+    refuses 'a record of the arm' '--record needs the stylus, without tips: a trace has one segment' \
         run arm.dpa --device sim --ticks 5 --record out/r.csv
     refuses 'a scene without a body' 'whose scene has no body' run noted.dpa --device sim --ticks 5
     refuses 'a tool without a capsule' 'its tool has no capsule' \
