@@ -72,16 +72,7 @@ static vec3 support_of_capsule(const struct convex_body *body, vec3 d)
 
 static vec3 support_of_hull(const struct convex_body *body, vec3 d)
 {
-    uint32_t best = 0;
-    double most = dot(body->corner[0], d);
-    for (uint32_t i = 1; i < body->corner_count; i++) {
-        const double here = dot(body->corner[i], d);
-        if (here > most) {
-            most = here;
-            best = i;
-        }
-    }
-    return along(body->corner[best], body->round, unit_of(d));
+    return along(convex_farthest(body->corner, body->corner_count, d), body->round, unit_of(d));
 }
 
 vec3 dpti_convex_support(const struct convex_body *body, vec3 d)

@@ -27,6 +27,21 @@ struct convex_body {
 /* Check a caller's shape, and make a body of it. */
 dpt_result dpti_convex_body_of(const dpt_convex_shape *given, struct convex_body *body);
 
+/* The point of a list that is farthest along d; the first of equal ones. At least one point. */
+static inline vec3 convex_farthest(const vec3 *points, uint32_t count, vec3 d)
+{
+    uint32_t best = 0;
+    double most = dot(points[0], d);
+    for (uint32_t i = 1; i < count; i++) {
+        const double here = dot(points[i], d);
+        if (here > most) {
+            most = here;
+            best = i;
+        }
+    }
+    return points[best];
+}
+
 /* A point of the body that is farthest along d, which need not be of unit length. */
 vec3 dpti_convex_support(const struct convex_body *body, vec3 d);
 

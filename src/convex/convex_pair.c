@@ -33,18 +33,9 @@ vec3 dpti_convex_place_support(const struct convex_place *place, vec3 d)
 
 static vec3 support_of_piece(const struct convex_piece *piece, vec3 d)
 {
-    uint32_t best = 0;
-    double most = dot(piece->points[0], d);
-    for (uint32_t i = 1; i < piece->count; i++) {
-        const double here = dot(piece->points[i], d);
-        if (here > most) {
-            most = here;
-            best = i;
-        }
-    }
+    const vec3 far = convex_farthest(piece->points, piece->count, d);
     const int is_behind = piece->has_front && dot(piece->front, d) < 0.0;
-    return is_behind ? along(piece->points[best], -CONVEX_BEHIND, piece->front)
-                     : piece->points[best];
+    return is_behind ? along(far, -CONVEX_BEHIND, piece->front) : far;
 }
 
 double dpti_convex_width(const struct convex_place *place, const struct convex_piece *piece, vec3 n)

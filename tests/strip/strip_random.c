@@ -21,13 +21,7 @@ const char *shadow_text(const struct scene *scene, const dpt_shadow *s)
 
 void random_pose(const struct scene *scene, uint64_t *seed, dpt_pose *pose)
 {
-    double square = 0;
-    for (int k = 0; k < 4; k++) {
-        pose->orientation[k] = random_in(seed, -1, 1);
-        square += pose->orientation[k] * pose->orientation[k];
-    }
-    for (int k = 0; k < 4; k++)
-        pose->orientation[k] /= sqrt(square);
+    random_turn(seed, pose->orientation);
     for (int k = 0; k < 3; k++)
         pose->position[k] = random_in(seed, -2, 2) * scene->subject->diagonal;
 }

@@ -136,13 +136,7 @@ static int random_path(const struct solid *solid, uint64_t *seed, dpt_pose *pose
     for (int k = 0; k < 3; k++)
         path->normal[k] = e[(k + 1) % 3] * f[(k + 2) % 3] - e[(k + 2) % 3] * f[(k + 1) % 3];
     memcpy(path->along, e, sizeof e);
-    double square = 0;
-    for (int k = 0; k < 4; k++) {
-        pose->orientation[k] = random_in(seed, -1, 1);
-        square += pose->orientation[k] * pose->orientation[k];
-    }
-    for (int k = 0; k < 4; k++)
-        pose->orientation[k] /= sqrt(square);
+    random_turn(seed, pose->orientation);
     path->depth = random_in(seed, 0.001, 0.005);
     return unit3(path->normal) > 0 && unit3(path->along) > 0 && unit3(path->turn) > 0;
 }
