@@ -17,6 +17,7 @@
 #include "command_options.h"
 #include "lib/check.h"
 #include "run_view.h"
+#include "view/page_bytes.h"
 #include "view/server/web_client.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -301,6 +302,10 @@ static void a_call_would_be_seen(void)
 int main(void)
 {
 #ifdef CAN_FORBID_CALLS
+    if (!view_page_bytes().html) {
+        SKIP("the loop beside a viewer", "this build has no viewer's page");
+        return check_report();
+    }
     quiet_status = run_child(NONE, &quiet);
     if (WIFEXITED(quiet_status) && WEXITSTATUS(quiet_status) == REFUSED) {
         SKIP("the loop beside a viewer", "the system has no filter of calls");
