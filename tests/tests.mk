@@ -279,7 +279,7 @@ check-page: all $(B)/tests/page/feel_again ## the page with the core in it, agai
 pictures: all ## the pictures of README and docs: drawings by the core itself, stills and a moving one by a headless Chromium
 	@sh tests/pictures/make.sh $(B)
 
-BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes snapshots sweeps rests jumps pauses tips)
+BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes snapshots sweeps rests jumps pauses tips joined)
 bench: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS) ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
@@ -296,6 +296,7 @@ bench: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS) ## time against peer
 	@$(B)/tests/bench/sweeps | tee $(B)/bench/sweeps.csv
 	@$(B)/tests/bench/rests | tee $(B)/bench/rests.csv
 	@$(B)/tests/bench/tips | tee $(B)/bench/tips.csv
+	@$(B)/tests/bench/joined | tee $(B)/bench/joined.csv
 	@$(B)/tests/bench/jumps | tee $(B)/bench/jumps.csv
 	@$(B)/tests/bench/pauses | tee $(B)/bench/pauses.csv
 	@$(B)/tests/bench/snapshots | tee $(B)/bench/snapshots.csv
@@ -331,7 +332,7 @@ $(B)/tests/bench/springs $(B)/tests/bench/spring_methods: %: %.o $(B)/tests/defo
 $(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/snapshots: %: %.o $(B)/tools/scene_list.o $(B)/tools/shape.o $(B)/tools/shape_organs.o \
                              $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
-$(B)/tests/bench/sweeps $(B)/tests/bench/rests $(B)/tests/bench/jumps $(B)/tests/bench/pauses $(B)/tests/bench/tips: %: %.o $(PARTS_LIB) $(TEST_LIB)
+$(B)/tests/bench/sweeps $(B)/tests/bench/rests $(B)/tests/bench/jumps $(B)/tests/bench/pauses $(B)/tests/bench/tips $(B)/tests/bench/joined: %: %.o $(PARTS_LIB) $(TEST_LIB)
 	$(LINK_TEST)
 $(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared_of,tests/strip/) $(TEST_PARTS) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@

@@ -35,7 +35,7 @@ static inline dpt_result force_options_set_body(const struct force_options *opti
     return result == DPT_OK ? dpt_body_set_settings(world, body, &settings) : result;
 }
 
-/* `lock_rotation` for a device that gives no torque. */
+/* `lock_rotation` for a device that gives no torque. Segments that are far are not searched for: nobody is shown them. */
 static inline dpt_result force_options_set_tool(const struct force_options *options,
                                                 dpt_world *world, dpt_tool tool,
                                                 uint32_t lock_rotation)
@@ -46,6 +46,7 @@ static inline dpt_result force_options_set_tool(const struct force_options *opti
     settings.stiffness = options->stiffness;
     settings.damping = options->damping;
     settings.lock_rotation = lock_rotation;
+    settings.near_only = 1;
     return result == DPT_OK ? dpt_tool_set_settings(world, tool, &settings) : result;
 }
 

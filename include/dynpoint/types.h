@@ -63,7 +63,7 @@ enum {
 enum {
     DPT_STATUS_STALE = 0,   /* there was no valid input: ignore the rest of the answer */
     DPT_STATUS_LOCAL = 1,   /* found without proof; lower_bound is 0 */
-    DPT_STATUS_BOUNDED = 2, /* the budget ended the search: the best pair so far, and lower_bound */
+    DPT_STATUS_BOUNDED = 2, /* a pair, and lower_bound: a budget ended the search, or near_only */
     DPT_STATUS_EXACT = 3    /* proven within error_bound */
 };
 
@@ -71,7 +71,7 @@ enum {
 enum {
     /* not decided: dpt_hit.flags says why; or there is no mesh, or it was not asked for */
     DPT_CONTACT_UNKNOWN = 0,
-    DPT_CONTACT_SEPARATED = 1,  /* gap > error_bound */
+    DPT_CONTACT_SEPARATED = 1,  /* gap > error_bound; of a far segment no gap is told */
     DPT_CONTACT_TOUCHING = 2,   /* |gap| <= error_bound */
     DPT_CONTACT_PENETRATING = 3 /* gap < -error_bound */
 };

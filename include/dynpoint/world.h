@@ -308,7 +308,13 @@ typedef struct dpt_tool_settings {
     double damping;
     /* 1: the proxy does not turn away from the device, for devices that give no torque; 0 */
     uint32_t lock_rotation;
-    uint32_t reserved; /* 0 */
+    /*
+     * 1: of the tool's segments, those alone are searched for that may be nearest, or within the margin of a body. The
+     * hit of each other is DPT_STATUS_BOUNDED, with a pair that was nearest before and a true lower bound, and without a
+     * gap; dpt_step.status does not count it. For tools of many segments. With DPT_METHOD_EXACT alone, the others search
+     * for all; docs/algorithms/near_only.md; 0
+     */
+    uint32_t near_only;
 } dpt_tool_settings;
 
 DPT_API dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool,

@@ -6,6 +6,7 @@
 #include "world/body_search.h"
 #include "world/deform_body.h"
 #include "world/distance_bounds.h"
+#include "world/far_segment.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
 #include "world/proxy_state.h"
@@ -29,6 +30,7 @@ static void forget_body(struct dpt_world *world, uint32_t slot)
     dpti_proxy_forget_body(world, world->bodies[slot].id);
     dpti_tips_forget_body(world, world->bodies[slot].id);
     dpti_body_search_forget_body(world, slot);
+    dpti_far_forget_all(world);
 }
 
 static uint32_t free_slot(const struct dpt_world *world)
@@ -71,6 +73,7 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     dpti_broad_phase_put_body(world, slot);
     world->largest_diagonal = max_of(world->largest_diagonal, made->diagonal);
     dpti_proxy_note_body(world, slot);
+    dpti_far_forget_all(world);
     world->has_changed = 1;
     return made->id;
 }

@@ -393,6 +393,7 @@ void dpti_body_search_find(struct dpt_world *world, uint32_t segment_index, cons
     best->body = NULL;
     best->lower_bound = HUGE_VAL;
     best->error_bound = 0.0;
+    best->is_far = 0;
     const uint32_t work_before = world->work.done;
     if (world->def.method == DPT_METHOD_EXACT) {
         find_exact(&search);

@@ -131,6 +131,13 @@ static void add_body(struct contact_pair *contact_pair, const struct body_answer
     }
 }
 
+void dpti_contacts_set_none(struct segment *segment)
+{
+    segment->result.contact = DPT_CONTACT_SEPARATED;
+    segment->bed_depth = (struct bed_depth){ .square = 0.0 };
+    segment->contact_work = 0;
+}
+
 void dpti_contacts_find(struct dpt_world *world, uint32_t segment_index,
                         const struct body_answer *best, struct segment_result *result,
                         struct penetration *penetration)

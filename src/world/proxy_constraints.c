@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/proxy_constraints.h"
 
+#include "world/segment_track.h"
+
 void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle)
 {
     struct proxy_triangle *oldest = &proxy->memory[0];
@@ -53,6 +55,9 @@ static void list_triangles(struct proxy_tick *tick, double reach)
          i++) {
         const struct segment *segment = &tick->world->segments[tool->first_segment + i];
         const struct body_answer *answer = &segment->answer;
+        if (answer->is_far && !tick->is_lost && !tick->is_before &&
+            segment->result.lower_bound - segment->radius <= reach)
+            dpti_track_far(tick->world, tool->first_segment + i);
         if (!answer->body || answer->track.nearest.triangle == DPT_NONE ||
             segment->result.distance - segment->radius > reach)
             continue;

@@ -3,6 +3,7 @@
 
 #include "hull/hull_sweep.h"
 #include "world/body_search.h"
+#include "world/far_segment.h"
 #include "world/proxy_constraints.h"
 #include "world/segment_track.h"
 
@@ -17,9 +18,13 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick)
     tick->tool->frame = tick->at.frame;
     tick->is_lost = 0;
     tick->gap = HUGE_VAL;
+    if (far_is_used(world, tick->tool))
+        dpti_track_near(world, tick->tool, tick->proxy->state == PROXY_OUTSIDE);
+    else
+        for (uint32_t i = 0; i < tick->tool->segment_count; i++)
+            dpti_track_segment(world, tick->tool->first_segment + i);
     for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
-        struct segment *segment = &world->segments[tick->tool->first_segment + i];
-        dpti_track_segment(world, tick->tool->first_segment + i);
+        const struct segment *segment = &world->segments[tick->tool->first_segment + i];
         if (!segment->answer.body)
             continue;
         const double distance =
@@ -195,8 +200,9 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
         const struct box box = box_of_axis(a, b);
         /* An arc is longer than its chord, for the turns that are made by at most a tenth. */
         const double moved = 1.1 * max_of(length(sub(to_a, a)), length(sub(to_b, b)));
+        const double known = tick->is_lost ? 0.0 : segment->result.lower_bound - segment->radius;
         const double reach = segment->radius + moved + tick->clearance;
-        if (tick->gap > moved + tick->clearance && !tick->is_before)
+        if (max_of(tick->gap, known) > moved + tick->clearance && !tick->is_before)
             continue;
         world->near_bodies.reach = -1.0;
         const double bodies_moved = tick->is_before ? world_body_motion(world) : 0.0;

@@ -311,12 +311,12 @@ static void place(struct proxy_tick *tick)
 {
     tick->at = tick->goal;
     tick->is_before = 0;
+    tick->proxy->state = PROXY_PLACED;
     dpti_proxy_find_nearest(tick);
     tick->proxy->trust = HUGE_VAL;
     tick->proxy->last_motion = 0.0;
     tick->proxy->owed = 0.0;
     tick->proxy->lag = 0.0;
-    tick->proxy->state = PROXY_PLACED;
 }
 
 /* The same by decision, with a force that fades. */

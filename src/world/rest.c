@@ -52,13 +52,14 @@ void dpti_rest_keep_contacts(struct dpt_world *world, uint32_t segment_index)
 static int is_known(const struct dpt_world *world, uint32_t segment_index)
 {
     const struct segment *segment = &world->segments[segment_index];
-    if (!segment->answer.body || !segment->answer.is_exact)
+    if (!segment->answer.body || !(segment->answer.is_exact || segment->answer.is_far))
         return 0;
     if (world->def.until == DPT_UNTIL_TRACK)
         return 1;
     if (world->motion_backlogs[segment_index].count)
         return 0;
-    return !world->def.budget || (segment->result.has_gap && !work_is_spent(&world->work));
+    return !world->def.budget ||
+           (segment->result.contact != DPT_CONTACT_UNKNOWN && !work_is_spent(&world->work));
 }
 
 /* The contacts of a segment in one of the two lists, one after the other; NULL at the end. */

@@ -19,6 +19,7 @@
 #include "base/wrench_limit.h"
 #include "world/contacts.h"
 #include "world/deform_body.h"
+#include "world/far_segment.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
 #include "world/proxy_force.h"
@@ -48,12 +49,18 @@ static void contact_segment(struct dpt_world *world, uint32_t segment_index)
     const uint32_t work_before = world->work.done;
     world->near_bodies.reach = -1.0;
     int is_swept = segment->answer.body && dpti_backlog_sweep(world, segment_index);
-    if (is_swept && segment->answer.is_exact)
+    const int is_free = is_swept && segment->sweep.status == DPT_SWEEP_FREE;
+    if (segment->answer.is_far && !is_free)
+        dpti_track_far(world, segment_index);
+    if (segment->answer.is_far)
+        dpti_contacts_set_none(segment);
+    else if (is_swept && segment->answer.is_exact)
         dpti_contacts_find(world, segment_index, &segment->answer, &segment->result,
                            &segment->penetration);
     else
         leave_contacts(world, segment_index);
     segment->result.work += world->work.done - work_before;
+    segment->proven.is_outside = segment->result.contact == DPT_CONTACT_SEPARATED;
     dpti_backlog_end_tick(world, segment_index);
 }
 
@@ -63,7 +70,9 @@ static void contact_proxy_segment(struct dpt_world *world, uint32_t segment_inde
     struct segment *segment = &world->segments[segment_index];
     const uint32_t work_before = world->work.done;
     world->near_bodies.reach = -1.0;
-    if (segment->answer.body && segment->answer.is_exact)
+    if (segment->answer.is_far)
+        dpti_contacts_set_none(segment);
+    else if (segment->answer.body && segment->answer.is_exact)
         dpti_contacts_find(world, segment_index, &segment->answer, &segment->result,
                            &segment->penetration);
     else
@@ -93,6 +102,18 @@ static void step_proxies(struct dpt_world *world, double dt)
     }
 }
 
+/* A tool whose far segments are left out is searched for as a whole, in the turn of its first segment. */
+static void track(struct dpt_world *world, uint32_t segment_index)
+{
+    struct tool *tool = &world->tools[world->segments[segment_index].tool_slot];
+    if (tool->is_resting || has_proxy(world, tool))
+        return;
+    if (!far_is_used(world, tool) || !tool_is_active(world, tool))
+        dpti_track_segment(world, segment_index);
+    else if (segment_index == tool->first_segment)
+        dpti_track_near(world, tool, world->def.until == DPT_UNTIL_TRACK);
+}
+
 /*
  * All segments share the budget: first for their nearest pairs, then what is left for their contacts. Every other
  * tick begins with the first segment that the tick before left undone. The ticks between begin with each segment in
@@ -109,12 +130,8 @@ static void step_segments(struct dpt_world *world, double dt)
     world->point_cache.tick = tick;
     dpti_persistent_contacts_begin_tick(world);
     step_proxies(world, dt);
-    for (uint32_t i = 0; i < count; i++) {
-        const struct segment *segment = &world->segments[(first + i) % count];
-        const struct tool *tool = &world->tools[segment->tool_slot];
-        if (!tool->is_resting && !has_proxy(world, tool))
-            dpti_track_segment(world, (first + i) % count);
-    }
+    for (uint32_t i = 0; i < count; i++)
+        track(world, (first + i) % count);
     for (uint32_t t = 0; t < world->tool_slot_end; t++) {
         struct tool *tool = &world->tools[t];
         if (tool->tip_count && tool_is_active(world, tool) && !tool->is_resting &&
@@ -139,7 +156,8 @@ static void step_segments(struct dpt_world *world, double dt)
             dpti_tool_write_hit(&world->segments[segment_index]);
         const struct segment_result *result = &world->segments[segment_index].result;
         const int is_unknown =
-            result->status == DPT_STATUS_BOUNDED ||
+            (result->status == DPT_STATUS_BOUNDED &&
+             !world->segments[segment_index].answer.is_far) ||
             (result->status == DPT_STATUS_EXACT && result->contact == DPT_CONTACT_UNKNOWN);
         if (!has_undone && is_unknown &&
             (world->def.budget || world->motion_backlogs[segment_index].count)) {
@@ -268,7 +286,8 @@ static void write_report(const struct dpt_world *world, dpt_step *to)
         for (uint32_t i = 0; tool->slot.used && i < tool->segment_count; i++) {
             const dpt_hit *hit = &world->segments[tool->first_segment + i].hit;
             out->work += hit->work;
-            if (hit->status < out->status)
+            if (hit->status < out->status &&
+                !world->segments[tool->first_segment + i].answer.is_far)
                 out->status = hit->status;
             if (severity(hit->contact) > severity(out->contact))
                 out->contact = hit->contact;

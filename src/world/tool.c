@@ -6,6 +6,7 @@
 #include "dynpoint/tip.h"
 #include "world/body_search.h"
 #include "world/distance_bounds.h"
+#include "world/far_segment.h"
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
 #include "world/proxy_free.h"
@@ -19,6 +20,7 @@
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
     dpti_body_search_forget(world, segment);
+    dpti_far_forget(&world->segments[segment]);
     dpti_broad_phase_forget(world, segment);
     dpti_bounds_forget(world, segment, DPT_NONE);
     dpti_backlog_forget(world, segment);
@@ -86,7 +88,8 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->user = 0;
     made->stiffness = world->def.stiffness;
     made->rotational_stiffness = made->damping = 0.0;
-    made->lock_rotation = 0;
+    made->lock_rotation = made->near_only = 0;
+    made->closest = 0;
     made->shape = NULL;
     made->shape_user = NULL;
     made->law = world->def.law;
@@ -300,12 +303,13 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
                                    .stiffness = found->stiffness,
                                    .rotational_stiffness = found->rotational_stiffness,
                                    .damping = found->damping,
-                                   .lock_rotation = found->lock_rotation };
+                                   .lock_rotation = found->lock_rotation,
+                                   .near_only = found->near_only };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
     if (!dpti_law_is_valid(settings.law) || !dpti_stiffness_is_valid(settings.stiffness) ||
         !dpti_stiffness_is_valid(settings.rotational_stiffness) ||
         !dpti_stiffness_is_valid(settings.damping) || settings.lock_rotation > 1 ||
-        settings.reserved)
+        settings.near_only > 1)
         return DPT_E_ARGUMENT;
     if ((found->is_free && found->segment_count > 1 && dpti_proxy_is_of(world, settings.law)) ||
         (found->tip_count && settings.law != found->law))
@@ -314,6 +318,9 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
     found->rotational_stiffness = settings.rotational_stiffness;
     found->damping = settings.damping;
     found->lock_rotation = settings.lock_rotation;
+    for (uint32_t i = 0; i < found->segment_count && found->near_only != settings.near_only; i++)
+        dpti_far_forget(&world->segments[found->first_segment + i]);
+    found->near_only = settings.near_only;
     found->has_changed = 1;
     if (found->law != settings.law)
         set_law(world, found, settings.law);
@@ -333,6 +340,7 @@ dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, dpt_tool
         now.rotational_stiffness = found->rotational_stiffness;
         now.damping = found->damping;
         now.lock_rotation = found->lock_rotation;
+        now.near_only = found->near_only;
     }
     sized_write(settings, settings->size, &now, sizeof now);
     return found ? DPT_OK : DPT_E_HANDLE;

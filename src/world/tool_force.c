@@ -34,11 +34,11 @@ void dpti_force_forget_body(struct segment *segment, uint32_t body_id)
         dpti_force_forget(segment);
 }
 
-/* DPT_FORCE_... of one segment in this tick. Without a gap its contact is unknown. */
+/* DPT_FORCE_... of one segment in this tick. */
 static uint32_t reason_of(const struct segment *segment)
 {
     const struct penetration *penetration = &segment->felt_penetration;
-    if (segment->answer.body && !segment->result.has_gap)
+    if (segment->answer.body && segment->result.contact == DPT_CONTACT_UNKNOWN)
         return DPT_FORCE_UNDECIDED;
     if (!(penetration->depth > 0.0))
         return DPT_FORCE_FREE;

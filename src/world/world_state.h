@@ -74,6 +74,8 @@ struct tool {
     uint32_t has_changed; /* since the last step, in what it depends on (rest.h) */
     uint32_t is_resting;  /* in this step */
     uint32_t still_ticks; /* in a row, up to the last */
+    uint32_t near_only;   /* segments that are far are not searched for (far_segment.h) */
+    uint32_t closest; /* the segment, from 0, that was nearest in the last search; with near_only */
     /* What it does to rigid bodies in this tick, about where its torque is; only with deformable bodies in the world. */
     dpt_wrench on_rigid;
 };
@@ -184,7 +186,18 @@ struct body_answer {
     double lower_bound; /* m: the distance is at least the smaller of this and the pair's */
     double error_bound; /* m: the largest of the searched bodies */
     uint32_t is_exact;
-    uint32_t work; /* units */
+    uint32_t work;   /* units */
+    uint32_t is_far; /* it was not searched for (far_segment.h) */
+    uint32_t reserved;
+};
+
+/* What is known of a segment's distance from all bodies, with near_only. */
+struct proven_distance {
+    vec3 a, b;           /* the ends of the axis, in the world */
+    double distance;     /* m: there no body is nearer; 0: nothing is known */
+    double error;        /* m: of lengths near it */
+    uint32_t tick;       /* up to which it counts what bodies moved */
+    uint32_t is_outside; /* at the end of that tick it was outside of everything */
 };
 
 /* A segment at the end of a tick: one end of a motion. */
@@ -250,6 +263,7 @@ struct segment {
     /* A decision, not the motion, ended the previous part's push in this tick. */
     uint32_t has_given_up_push;
     struct broad_phase broad_phase;
+    struct proven_distance proven;
     struct body_answer answer;           /* this tick's */
     struct segment_result result;        /* this tick's */
     struct penetration penetration;      /* at the deepest point, in the world */

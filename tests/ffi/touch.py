@@ -35,7 +35,7 @@ WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_seg
 Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"),
               (c_uint32, "contacts flags"))
 ToolSettings = struct("dpt_tool_settings", (c_uint32, "size law"),
-                      (c_double, "stiffness rotational_stiffness damping"), (c_uint32, "lock_rotation reserved"))
+                      (c_double, "stiffness rotational_stiffness damping"), (c_uint32, "lock_rotation near_only"))
 BodySettings = struct("dpt_body_settings", (c_uint32, "size unfelt"),
                       (c_double, "side_limit static_friction kinetic_friction stiffness"))
 ForceReport = struct("dpt_force_report", (c_uint32, "size reason flags law"), (Wrench, "wrench"),

@@ -32,7 +32,8 @@ static const void *draw_def(const dpt_query_def *good, uint32_t n, struct codes 
     struct codes of_def = { .count = 0 };
     const void *def = draw_input(2, good, draw_size(sizeof *good, sizeof *good), sizeof *good,
                                  sizeof *good, &of_def);
-    may_fail(&of_def, good->method > DPT_METHOD_BRUTE || good->pair > 1 || good->kernel > DPT_KERNEL_WASM128,
+    may_fail(&of_def,
+             good->method > DPT_METHOD_BRUTE || good->pair > 1 || good->kernel > DPT_KERNEL_WASM128,
              DPT_E_ARGUMENT);
     may_fail(&of_def, good->kernel != DPT_KERNEL_AUTO, DPT_E_UNSUPPORTED);
     const int is_free = of_def.count == 1 && of_def.code[0] == DPT_E_UNSUPPORTED &&

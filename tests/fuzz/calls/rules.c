@@ -44,20 +44,28 @@ void hit_must_be_stale(const dpt_hit *hit)
           hit->triangle);
 }
 
-static void status_must_hold(const dpt_world_def *def, const dpt_hit *hit)
+/* Whether a hit may be of a segment that was left out, as it was far. */
+static int may_be_far(const dpt_world_def *def, const struct model_tool *tool, const dpt_hit *hit)
+{
+    return tool->near_only_then && tool->count > 1 && def->method == DPT_METHOD_EXACT &&
+           hit->status == DPT_STATUS_BOUNDED;
+}
+
+static void status_must_hold(const dpt_world_def *def, const struct model_tool *tool,
+                             const dpt_hit *hit)
 {
     if (def->method == DPT_METHOD_PAPER)
         HOLDS(hit->status == DPT_STATUS_LOCAL && hit->lower_bound == 0.0, "status %u, bound %g",
               hit->status, hit->lower_bound);
     else
         HOLDS(hit->status == DPT_STATUS_EXACT ||
-                  (hit->status == DPT_STATUS_BOUNDED && def->budget != 0),
+                  (hit->status == DPT_STATUS_BOUNDED && def->budget != 0) ||
+                  may_be_far(def, tool, hit),
               "status %u of method %u, budget %u", hit->status, def->method, def->budget);
 }
 
-/* `is_held`: of a tool with a proxy, whose hit does not tell how deep the device is. */
-static void gap_must_hold(const dpt_world_def *def, const dpt_hit *hit, double radius, double slack,
-                          int is_held)
+static void gap_must_hold(const dpt_world_def *def, const struct model_tool *tool,
+                          const dpt_hit *hit, double radius, double slack, int has_proxy)
 {
     const int is_paper = def->method == DPT_METHOD_PAPER;
     const uint32_t why = hit->flags & WHY_UNKNOWN;
@@ -71,8 +79,11 @@ static void gap_must_hold(const dpt_world_def *def, const dpt_hit *hit, double r
           "a budget ended that there is not, flags %x", hit->flags);
     HOLDS(hit->depth == fmax(0.0, -hit->gap), "gap %g, depth %g", hit->gap, hit->depth);
     if (!(hit->flags & DPT_HIT_FLAG_GAP)) {
-        HOLDS(hit->gap == 0.0 && (hit->contact == DPT_CONTACT_UNKNOWN ||
-                                  (is_held && hit->contact == DPT_CONTACT_PENETRATING)),
+        /* A proxy that is held does not tell how deep the device is, and what is far not how far. */
+        HOLDS(hit->gap == 0.0 &&
+                  (hit->contact == DPT_CONTACT_UNKNOWN ||
+                   (has_proxy && hit->contact == DPT_CONTACT_PENETRATING) ||
+                   (may_be_far(def, tool, hit) && hit->contact == DPT_CONTACT_SEPARATED)),
               "contact %u, gap %g that is not known", hit->contact, hit->gap);
         return;
     }
@@ -159,9 +170,9 @@ void hit_must_hold(const struct scene *scene, const struct model_tool *tool, uin
     met[MET_TOUCHING] += hit->contact == DPT_CONTACT_TOUCHING;
     met[MET_PENETRATING] += hit->contact == DPT_CONTACT_PENETRATING;
     met[MET_UNKNOWN] += hit->contact == DPT_CONTACT_UNKNOWN;
-    status_must_hold(&scene->def, hit);
+    status_must_hold(&scene->def, tool, hit);
     pair_must_hold(scene, at, hit, slack);
-    gap_must_hold(&scene->def, hit, at->radius, slack, has_proxy(scene, tool->law_then));
+    gap_must_hold(&scene->def, tool, hit, at->radius, slack, has_proxy(scene, tool->law_then));
 }
 
 double true_distance(const struct scene *scene, const dpt_segment *at)

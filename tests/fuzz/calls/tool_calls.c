@@ -262,7 +262,9 @@ static void set_settings(void)
                                          .lock_rotation = draw_one_in(30)  ? 2u
                                                           : draw_one_in(5) ? 1u
                                                                            : 0u,
-                                         .reserved = draw_one_in(60) ? 1u : 0u };
+                                         .near_only = draw_one_in(60)  ? 2u
+                                                      : draw_one_in(3) ? 1u
+                                                                       : 0u };
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
     may_fail(&codes, no_world || no_settings, DPT_E_ARGUMENT);
@@ -277,7 +279,7 @@ static void set_settings(void)
                 !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9) ||
                 !(settings.rotational_stiffness >= 0.0 && settings.rotational_stiffness <= 1e9) ||
                 !(settings.damping >= 0.0 && settings.damping <= 1e9) ||
-                settings.lock_rotation > 1 || settings.reserved,
+                settings.lock_rotation > 1 || settings.near_only > 1,
             DPT_E_ARGUMENT);
         may_fail(&codes, tool && tool->is_free && tool->count > 1 && has_proxy(scene, settings.law),
                  DPT_E_UNSUPPORTED);
@@ -293,6 +295,7 @@ static void set_settings(void)
     tool->rotational_stiffness = settings.rotational_stiffness;
     tool->damping = settings.damping;
     tool->lock_rotation = settings.lock_rotation;
+    tool->near_only = settings.near_only;
     scene->is_as_stepped = 0;
     if (tool->law == settings.law)
         return;
@@ -331,7 +334,8 @@ static void get_settings(void)
     if (result == DPT_OK && output_read(0, size, sizeof now, 8, &now))
         HOLDS(now.stiffness == tool->stiffness && now.law == tool->law &&
                   now.rotational_stiffness == tool->rotational_stiffness &&
-                  now.damping == tool->damping && now.lock_rotation == tool->lock_rotation,
+                  now.damping == tool->damping && now.lock_rotation == tool->lock_rotation &&
+                  now.near_only == tool->near_only,
               "law %u, stiffness %g, %g, and not %u, %g, %g", now.law, now.stiffness,
               now.rotational_stiffness, tool->law, tool->stiffness, tool->rotational_stiffness);
 }

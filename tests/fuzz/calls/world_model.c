@@ -202,6 +202,7 @@ void scene_has_stepped(struct scene *scene, double dt)
         tool->answers = is_usable && tool->is_usable ? ANSWERS_THERE : ANSWERS_NONE;
         tool->stiffness_then = tool->stiffness;
         tool->law_then = tool->law;
+        tool->near_only_then = tool->near_only;
         tool->was_shaped = tool->is_shaped;
         for (uint32_t i = 0; i < tool->count; i++) {
             to_world(&tool->pose, tool->segment[i].a, tool->at[i].a);

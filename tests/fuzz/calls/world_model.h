@@ -41,14 +41,14 @@ struct model_tool {
     dpt_pose pose;
     uint32_t law;
     double stiffness, rotational_stiffness, damping;
-    uint32_t lock_rotation;
+    uint32_t lock_rotation, near_only;
     int is_shaped, was_shaped;         /* it has a function of its own; and at the last step */
     dpt_segment segment[SEGMENTS_MAX]; /* of a free one in the world, else in its frame */
     enum answers answers;
     dpt_segment at[SEGMENTS_MAX]; /* in the world, at the last step */
     double origin[3];             /* what its torque is about, then */
     double stiffness_then;
-    uint32_t law_then;
+    uint32_t law_then, near_only_then;
     /* Of one with a proxy: where that was at the last step, and its segments there. */
     dpt_pose proxy;
     dpt_segment proxy_at[SEGMENTS_MAX];
