@@ -242,8 +242,8 @@ static void write_mesh(const struct play *play, const char *dir)
     for (int i = 0; i < play->bodies; i++) {
         const uint32_t count = vertices_of(play->mesh[i], &xyz);
         const uint32_t of_them = triangles_of(play->mesh[i], &corners, NULL);
-        if (!i && play->positions)
-            xyz = play->positions(play->self, 0);
+        if (!i && play->first)
+            xyz = play->first;
         memcpy(all_xyz + 3 * (size_t)base, xyz, 3 * (size_t)count * sizeof *xyz);
         for (size_t c = 0; c < 3 * (size_t)of_them; c++)
             all_corners[at++] = base + corners[c];

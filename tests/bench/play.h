@@ -28,6 +28,7 @@ struct play {
     /* The positions of all vertices of the first body in a tick; NULL: no vertex moves. */
     const float *(*positions)(void *self, int tick);
     void *self;
+    const float *first; /* where MESH.tri has the first body's vertices; NULL: where its mesh has them */
 };
 
 /*
@@ -38,8 +39,8 @@ struct play {
 void play_all(const struct play *play, FILE *rows, const char *dir);
 
 /*
- * For the peers: DIR/NAME.tri, all bodies as one mesh with the first one's vertices where they are in tick 0, and
- * DIR/NAME.csv, the trace. play_write_motion writes DIR/NAME.motion, where vertices move (vertex_motion.h).
+ * For the peers: DIR/NAME.tri, all bodies as one mesh, and DIR/NAME.csv, the trace. play_write_motion writes
+ * DIR/NAME.motion, where vertices move (vertex_motion.h).
  */
 void play_write(const struct play *play, const char *dir);
 void play_write_motion(const struct play *play, const char *dir);

@@ -324,7 +324,8 @@ static void play_methods(struct bench *bench, const char *dir)
                          .ends = bench->ends,
                          .ticks = bench->ticks,
                          .positions = bench->record ? recorded_at : NULL,
-                         .self = bench };
+                         .self = bench,
+                         .first = bench->record };
     for (int i = 0; i < bench->bodies; i++)
         play.mesh[i] = bench->body[i].placed;
     play_all(&play, stdout, dir);
