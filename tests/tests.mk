@@ -344,3 +344,4 @@ stability: all ## run the laboratory of force, and make docs/stability.md and it
 
 charts: bench ## draw docs/charts from the bench's results
 	$(PYTHON) tests/bench/chart.py $(B)/bench docs/charts
+	$(PYTHON) -B tests/bench/chart_paper.py $(B)/bench docs/charts
