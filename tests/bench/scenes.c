@@ -8,7 +8,8 @@
  * it presses half of the time. In the cloth's scene it is the sword, and rests. First the scene runs with what a world
  * does by default, its force and its physics in one thread: the rows `scene`, until `respond` for dpt_world_step, and
  * `physics` for dpt_deform_step_springs as well. The motion of tool and vertices is recorded in the world's frame,
- * vertices in float, and played through all methods: these rows are play.c's.
+ * vertices in float, and played through all methods: these rows are play.c's. DIR/NAME.scene has the distances of the
+ * scene itself, as OUT.csv has them, but without names of triangles.
  */
 #include <math.h>
 #include <stdio.h>
@@ -52,6 +53,7 @@ struct bench {
     double touch[3];
     int ticks;
     double *ends; /* 6 a tick */
+    double *distances;
     float *
         record; /* the positions of the first body's vertices in the world's frame, where it is soft */
     uint32_t vertices;
@@ -286,6 +288,7 @@ static void run(struct bench *bench)
     struct stage stage;
     const float *rest;
     bench->ends = array(6 * (size_t)bench->ticks * sizeof *bench->ends);
+    bench->distances = array((size_t)bench->ticks * sizeof *bench->distances);
     dpt_mesh_get_vertices(bench->body[0].mesh, &rest, &bench->vertices);
     if (bench->body[0].info.springs)
         bench->record =
@@ -298,6 +301,9 @@ static void run(struct bench *bench)
         if (dpt_world_step(stage.world, 1e-3, NULL) != DPT_OK)
             fail("a tick failed");
         step[tick] = now() - begin;
+        dpt_hit hit = DPT_HIT_INIT;
+        dpt_tool_get_hit(stage.world, stage.tool, &hit);
+        bench->distances[tick] = hit.distance;
         if (stage.soft[0].springs &&
             dpt_deform_step_springs(stage.world, stage.soft[0].id, stage.soft[0].springs, 1e-3,
                                     NULL) != DPT_OK)
@@ -307,6 +313,20 @@ static void run(struct bench *bench)
     close_stage(&stage);
     print_row(bench, "respond", step);
     print_row(bench, "physics", whole);
+}
+
+static void write_distances(const struct bench *bench, const char *dir)
+{
+    char path[500];
+    snprintf(path, sizeof path, "%s/%s.scene", dir, bench->scene->name);
+    FILE *file = fopen(path, "w");
+    if (!file)
+        fail("DIR cannot be written to");
+    fprintf(file, "tick,distance,triangle\n");
+    for (int tick = 0; tick < bench->ticks; tick++)
+        fprintf(file, "%d,%.17g,0\n", tick, bench->distances[tick]);
+    if (fclose(file))
+        fail("DIR cannot be written to");
 }
 
 static const float *recorded_at(void *self, int tick)
@@ -348,8 +368,10 @@ int main(int argc, char **argv)
                 bench.springs);
         find_touch(&bench);
         run(&bench);
+        write_distances(&bench, argv[1]);
         play_methods(&bench, argv[1]);
         free(bench.ends);
+        free(bench.distances);
         free(bench.record);
         for (int k = 0; k < bench.bodies; k++) {
             dpt_compiled_free(&bench.body[k].compiled);
