@@ -37,7 +37,7 @@ BEGIN {
     drawn = renderer
     sub(/ .*/, "", drawn)
     titles["brute"] = "every triangle"
-    titles["z-buffer"] = "z-buffer on " (drawn ? drawn : "nothing")
+    titles["z-buffer"] = "z-buffer" (drawn ? " on " drawn : "")
     titles["z-buffer-512"] = titles["z-buffer"] ", 512 pixels across the tool"
     titles["ray"] = "a ray, Embree"
     titles["fcl"] = "RSS trees, FCL"
@@ -91,7 +91,13 @@ END {
                     per_ms(most[scenes[k], method, "check"]) "," per_ms(least[scenes[k], method, "detection"]) "," \
                     per_ms(most[scenes[k], method, "detection"]) >table
     }
-    print "\nthe z-buffer is drawn by " (renderer ? renderer : "nothing: Mesa is not here")
+    for (key in least)
+        if (split(key, part, SUBSEP) == 3 && most[key] > spread * least[key]) {
+            spread = most[key] / least[key]
+            where = part[1] ", " titles[part[2]]
+        }
+    printf "\nthe slowest of the runs takes up to %.0f %% longer than the fastest (%s)\n", 100 * (spread - 1), where
+    print "the z-buffer is drawn by " (renderer ? renderer : "nothing: it is not here")
 
     print "mesh,triangles,moving,method,check,check_most,detection,detection_most" >figure
     print "\nms a check (detection alone)\n"
