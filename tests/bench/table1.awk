@@ -13,10 +13,16 @@ function cell(scene, method,    check, detection) {
     return digits(1e6 / check) (detection ? " (" digits(1e6 / detection) ")" : "")
 }
 
-function row(title, method,    i, line) {
-    line = "| " title " |"
-    for (i = 1; i <= 4; i++)
+# A row of a method here; into the table too.
+function here(method,    i, line) {
+    line = "| here: " titles[method] " |"
+    for (i = 1; i <= 4; i++) {
         line = line " " cell(scenes[i], method) " |"
+        if (least[scenes[i], method, "check"])
+            print "here," scenes[i] ",\"" titles[method] "\"," per_ms(least[scenes[i], method, "check"]) "," \
+                per_ms(most[scenes[i], method, "check"]) "," per_ms(least[scenes[i], method, "detection"]) "," \
+                per_ms(most[scenes[i], method, "detection"]) >table
+    }
     print line
 }
 
@@ -38,7 +44,7 @@ BEGIN {
     sub(/ .*/, "", drawn)
     titles["brute"] = "every triangle"
     titles["z-buffer"] = "z-buffer" (drawn ? " on " drawn : "")
-    titles["z-buffer-512"] = titles["z-buffer"] ", 512 pixels across the tool"
+    titles["z-buffer-2e-3"] = titles["z-buffer"] ", 512 pixels across the tool"
     titles["ray"] = "a ray, Embree"
     titles["fcl"] = "RSS trees, FCL"
     titles["exact"] = "exact, nearest pair"
@@ -73,24 +79,26 @@ END {
     print "checks a millisecond (detection alone)\n"
     print "| | membrane 512 | cloth 2,048 | laparoscopy | liver, rigid |\n|---|---|---|---|---|"
     paper("Brute force", "1.5|0.5|0.12|0.018")
+    here("brute")
     paper("Z-buffer", "0.22|0.26|0.22|0.015")
+    here("z-buffer")
+    here("ray")
     paper("PQP", "0.43 (3.6)|0.33 (2.8)|0.28 (2.5)|0.18 (0.8)")
+    here("fcl")
     paper("Dynamic point (1)", "8.0 (37.0)|4.0 (36.0)|3.2 (8.6)|21.0 (26.0)")
+    here("paper-1")
     paper("Dynamic point (2)", "5.2 (19.5)|2.4 (19.0)|2.0 (4.7)|12.5 (14.3)")
+    here("paper-2")
     paper("Dynamic point (4)", "3.2 (8.7)|2.1 (9.0)|1.3 (2.4)|7.0 (8.1)")
+    here("paper-4")
     paper("Dynamic point (8)", "1.9 (4.3)|1.8 (4.3)|0.65 (1.3)|3.7 (4.0)")
+    here("paper-8")
     paper("Dynamic point (16)", "1.5 (2.2)|1.3 (2.1)|0.38 (0.63)|1.9 (2.1)")
-    split("brute z-buffer ray fcl paper-1 paper-2 paper-4 paper-8 paper-16 " \
-          "exact exact-contact exact-force exact-physics", order, " ")
-    for (i = 1; i in order; i++) {
-        method = order[i]
-        row("here: " titles[method], method)
-        for (k = 1; k <= 4; k++)
-            if ((scenes[k], method, "check") in least)
-                print "here," scenes[k] ",\"" titles[method] "\"," per_ms(least[scenes[k], method, "check"]) "," \
-                    per_ms(most[scenes[k], method, "check"]) "," per_ms(least[scenes[k], method, "detection"]) "," \
-                    per_ms(most[scenes[k], method, "detection"]) >table
-    }
+    here("paper-16")
+    here("exact")
+    here("exact-contact")
+    here("exact-force")
+    here("exact-physics")
     for (key in least)
         if (split(key, part, SUBSEP) == 3 && most[key] > spread * least[key]) {
             spread = most[key] / least[key]
@@ -120,7 +128,7 @@ END {
 
     print "\ncrossings missed, invented, misnamed (0: none of them);"
     print "of methods that tell distances, % of the ticks with a wrong one\n"
-    split("exact fcl paper-1 paper-16 ray z-buffer z-buffer-512", order, " ")
+    split("exact fcl paper-1 paper-16 ray z-buffer z-buffer-2e-3", order, " ")
     line = "| mesh | ticks | crossing |"
     rule = "|---|---|---|"
     for (i = 1; i <= 7; i++) {
@@ -145,5 +153,12 @@ END {
         for (i = 1; i <= 7; i++)
             line = line " " ((meshes[n], order[i]) in judged ? judged[meshes[n], order[i]] : "-") " |"
         print line
+    }
+    print "\nthe z-buffer on the membrane by its pixel, a share of the tool's length\n"
+    print "| pixel | missed | invented | misnamed |\n|---|---|---|---|"
+    for (i = 1; i <= verdicts; i++) {
+        split(verdict[i], v, ",")
+        if (v[1] == "membrane-512" && v[3] ~ /^z-buffer/)
+            print "| " (v[3] == "z-buffer" ? "1e-5" : substr(v[3], 10)) " | " v[6] " | " v[7] " | " v[8] " |"
     }
 }

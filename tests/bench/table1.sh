@@ -14,8 +14,8 @@
 #                the paper's methods, the force as well
 #     detection  the query alone
 #
-# crossings.csv: what crossings.cpp says of each method's answers. There z-buffer-512 has the pixel of a picture of 512
-# pixels across the tool's length.
+# crossings.csv: what crossings.cpp says of each method's answers. There z-buffer-2e-3 has a pixel of that share of the
+# tool's length, as a picture of 512 pixels across it; on the membrane there are narrower and wider ones.
 set -u
 build=$1
 ticks=${TICKS:-3000} slides=${SLIDES:-5000} moves=${MOVES:-1000} repeats=${REPEATS:-3}
@@ -70,7 +70,11 @@ peers_of() { # NAME TICKS MOTION
 
 judge() { # NAME MOTION TICKS: all answers that are there
     [ -x "$dir/crossings" ] || return
-    ask z-buffer-512 zbuffer "$1" "$3" "$2" --pixel 2e-3
+    pixels=2e-3
+    [ "$1" != membrane-512 ] || pixels='1 1e-1 1e-2 2e-3 1e-3 1e-4'
+    for pixel in $pixels; do
+        ask z-buffer-$pixel zbuffer "$1" "$3" "$2" --pixel $pixel
+    done
     "$dir/crossings" "$work/$1.tri" "$work/$1.csv" ${2:+--motion "$2"} "$work/$1".*.csv |
         sed -n "s,^$work/$1\.\(.*\)\.csv,$1\,${2:-rigid}\,\1,p" | sed 's/recorded:[^,]*/recorded/' >>"$verdicts"
 }
