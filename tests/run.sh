@@ -192,7 +192,7 @@ else
     (
         sh tests/oracle/inside.sh build
         mkdir -p build/bench
-        dir=build/bench PEERS=fcl
+        dir=build/bench PEERS='fcl zbuffer'
         . tests/bench/peers.sh
     ) &
     build all check-programs
@@ -217,6 +217,7 @@ else
     run "races of the exchange" sh tests/exchange/races.sh build
     run "races of threads" sh tests/tools/thread_races.sh build
     run "MuJoCo's soft bodies" sh tests/bench/soft.sh build
+    run "crossings, and a z-buffer's" sh tests/bench/crossings.sh build
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build
     run "packages for tests" sh tests/deps_test.sh build

@@ -279,7 +279,7 @@ check-page: all $(B)/tests/page/feel_again ## the page with the core in it, agai
 pictures: all ## the pictures of README and docs: drawings by the core itself, stills and a moving one by a headless Chromium
 	@sh tests/pictures/make.sh $(B)
 
-BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes snapshots sweeps rests jumps pauses tips joined)
+BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes tori snapshots sweeps rests jumps pauses tips joined)
 bench: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS) ## time against peers, those whose packages are here
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
@@ -292,7 +292,7 @@ bench: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS) ## time against peer
 	@$(B)/tests/bench/springs cost | tee $(B)/bench/springs.csv
 	@$(B)/tests/bench/springs map >$(B)/bench/springs_map.csv
 	@$(B)/tests/bench/soft_liver | tee $(B)/bench/soft_liver.csv
-	@$(B)/tests/bench/scenes | tee $(B)/bench/scenes.csv
+	@sh tests/bench/table1.sh $(B)
 	@$(B)/tests/bench/sweeps | tee $(B)/bench/sweeps.csv
 	@$(B)/tests/bench/rests | tee $(B)/bench/rests.csv
 	@$(B)/tests/bench/tips | tee $(B)/bench/tips.csv
@@ -329,7 +329,8 @@ $(B)/tests/bench/deform: %: %.o $(B)/tests/oracle/brute.o $(CORE)
 $(B)/tests/bench/springs $(B)/tests/bench/spring_methods: %: %.o $(B)/tests/deform/spring_rig.o \
                               $(B)/tests/oracle/spring_balance.o $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
-$(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/snapshots: %: %.o $(B)/tools/scene_list.o $(B)/tools/shape.o $(B)/tools/shape_organs.o \
+$(B)/tests/bench/scenes $(B)/tests/bench/tori: $(B)/tests/bench/play.o
+$(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/tori $(B)/tests/bench/snapshots: %: %.o $(B)/tools/scene_list.o $(B)/tools/shape.o $(B)/tools/shape_organs.o \
                              $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 $(B)/tests/bench/sweeps $(B)/tests/bench/rests $(B)/tests/bench/jumps $(B)/tests/bench/pauses $(B)/tests/bench/tips $(B)/tests/bench/joined: %: %.o $(PARTS_LIB) $(TEST_LIB)
@@ -344,3 +345,4 @@ stability: all ## run the laboratory of force, and make docs/stability.md and it
 
 charts: bench ## draw docs/charts from the bench's results
 	$(PYTHON) tests/bench/chart.py $(B)/bench docs/charts
+	$(PYTHON) -B tests/bench/chart_paper.py $(B)/bench docs/charts

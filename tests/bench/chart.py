@@ -3,8 +3,8 @@
 """make charts: draw docs/charts/*.svg, and keep their data, from what the bench wrote.
 
 chart.py BENCH_DIR OUT_DIR   reads results.csv, histograms.csv, budgets.csv, paper.csv, strip_coverage.csv,
-                             needle.csv, deform.csv, soft_liver.csv, springs.csv, scenes.csv and springs_map.csv, and
-                             names those that are not there; standard library only
+                             needle.csv, deform.csv, soft_liver.csv, springs.csv and springs_map.csv, and names
+                             those that are not there; standard library only
 """
 import csv
 import math
@@ -525,7 +525,7 @@ def main(bench, folder):
         if is_there(source + ".csv"):
             write(f"{folder}/{name}.svg", chart(read(f"{bench}/{source}.csv")))
             shutil.copyfile(f"{bench}/{source}.csv", f"{folder}/{name}.csv")
-    for source, name in (("soft_liver", "soft-liver"), ("springs", "springs"), ("scenes", "scenes")):
+    for source, name in (("soft_liver", "soft-liver"), ("springs", "springs")):
         if is_there(source + ".csv"):
             shutil.copyfile(f"{bench}/{source}.csv", f"{folder}/{name}.csv")
     if is_there("histograms.csv"):

@@ -19,6 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/plain_files.h"
 #include "bench/timing.h"
 #include "bench/vertex_motion.h"
 #include "dynpoint.h"
@@ -63,62 +64,6 @@ static void *array(size_t count, size_t bytes)
     if (!made)
         fail("no memory");
     return made;
-}
-
-static const dpt_mesh *open_mesh(const char *path)
-{
-    FILE *file = fopen(path, "rb");
-    void *bytes = NULL;
-    const dpt_mesh *mesh;
-    long size = -1;
-    int here = file && fseek(file, 0, SEEK_END) == 0 && (size = ftell(file)) > 0 &&
-               fseek(file, 0, SEEK_SET) == 0 && !posix_memalign(&bytes, 64, (size_t)size);
-    if (!here || fread(bytes, (size_t)size, 1, file) != 1 ||
-        dpt_mesh_open(bytes, (size_t)size, &mesh) != DPT_OK)
-        fail("the mesh cannot be read");
-    fclose(file);
-    return mesh;
-}
-
-static void read_trace(const char *path, struct bench *bench)
-{
-    FILE *file = fopen(path, "r");
-    char line[512];
-    bench->trace = array(6 * (size_t)TICKS_MAX, sizeof *bench->trace);
-    while (file && bench->ticks < TICKS_MAX && fgets(line, sizeof line, file)) {
-        double *x = bench->trace + 6 * bench->ticks;
-        bench->ticks += sscanf(line, "%*[^,],%lf,%lf,%lf,%lf,%lf,%lf", x, x + 1, x + 2, x + 3,
-                               x + 4, x + 5) == 6;
-    }
-    if (file)
-        fclose(file);
-    if (bench->ticks < 2)
-        fail("the trace holds no motion");
-}
-
-static void put_word(FILE *file, uint32_t word)
-{
-    for (int i = 0; i < 4; i++)
-        fputc((int)(word >> (8 * i) & 255), file);
-}
-
-/* In the format of peer.h. */
-static void write_tri(const struct bench *bench, const char *path)
-{
-    FILE *file = fopen(path, "wb");
-    if (!file)
-        fail("MESH.tri cannot be written");
-    put_word(file, bench->vertices);
-    put_word(file, bench->triangles);
-    for (size_t i = 0; i < 3 * (size_t)bench->vertices; i++) {
-        uint32_t bits;
-        memcpy(&bits, &bench->rest[i], sizeof bits);
-        put_word(file, bits);
-    }
-    for (size_t i = 0; i < 3 * (size_t)bench->triangles; i++)
-        put_word(file, bench->corners[i]);
-    if (fclose(file))
-        fail("MESH.tri cannot be written");
 }
 
 static void set_tool(const struct bench *bench, struct subject *subject, size_t tick)
@@ -334,14 +279,14 @@ int main(int argc, char **argv)
     int count = 0;
     if (argc != 3 && argc != 6)
         fail("MESH.dpa TRACE.csv modes|dent STEP OUT.csv, or MESH.dpa MESH.tri");
-    bench.mesh = open_mesh(argv[1]);
+    bench.mesh = plain_open_mesh(argv[1]);
     dpt_mesh_get_vertices(bench.mesh, &bench.rest, &bench.vertices);
     dpt_mesh_get_triangles(bench.mesh, &bench.corners, NULL, &bench.triangles);
     if (argc == 3) {
-        write_tri(&bench, argv[2]);
+        plain_write_tri(argv[2], bench.rest, bench.vertices, bench.corners, bench.triangles);
         return 0;
     }
-    read_trace(argv[2], &bench);
+    bench.trace = plain_read_trace(argv[2], TICKS_MAX, &bench.ticks);
     if (!vertex_motion_open(&bench.motion, argv[3], atof(argv[4]), bench.rest, bench.vertices,
                             bench.trace))
         fail("no such motion");

@@ -7,20 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench/plain_files.h"
 #include "command_options.h"
-
-static void put_word(FILE *file, uint32_t word)
-{
-    for (int i = 0; i < 4; i++)
-        fputc((int)(word >> (8 * i) & 255), file);
-}
 
 static void put_float(FILE *file, double value)
 {
     float rounded = (float)value;
     uint32_t bits;
     memcpy(&bits, &rounded, sizeof bits);
-    put_word(file, bits);
+    plain_put_word(file, bits);
 }
 
 int main(int argc, char **argv)
@@ -35,14 +30,14 @@ int main(int argc, char **argv)
     if (!mesh || output_open(&output, "dump_mesh", argv[2]))
         return 2;
     dpt_mesh_get_info(mesh, &info);
-    put_word(output.file, 3 * info.triangles);
-    put_word(output.file, info.triangles);
+    plain_put_word(output.file, 3 * info.triangles);
+    plain_put_word(output.file, info.triangles);
     for (uint32_t t = 0; t < info.source_triangles; t++)
         if (dpt_mesh_get_triangle(mesh, t, corners) == DPT_OK)
             for (int i = 0; i < 9; i++)
                 put_float(output.file, corners[i]);
     for (uint32_t c = 0; c < 3 * info.triangles; c++)
-        put_word(output.file, c);
+        plain_put_word(output.file, c);
     free(bytes);
     return output_close(&output, "dump_mesh");
 }

@@ -404,8 +404,8 @@ inline void print_usage(const About &about, bool with_help)
         std::printf("  %-12s  %s\n", (std::string(about.option) + " " + about.option_value).c_str(),
                     about.option_help);
     if (about.moves)
-        std::printf(
-            "  --motion NAME:STEP  vertices move in each tick, as vertex_motion.h has it\n");
+        std::printf("  --motion NAME:STEP  vertices move in each tick, as vertex_motion.h has it; "
+                    "or recorded:FILE\n");
     std::printf(
         "  --cold        start each tick from triangle 0 and not from the last tick's nearest\n"
         "  --json        a summary on standard output\n"

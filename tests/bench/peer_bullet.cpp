@@ -182,8 +182,7 @@ Measured measure_bullet(const Mesh &mesh, const std::vector<Tick> &trace, const 
     double begin = now_ns();
     Peer<GJK> peer(mesh, !options.motion.empty());
     double build_ns = now_ns() - begin;
-    Measured measured = options.motion.empty() ? measure_peer(peer, trace, options)
-                                               : measure_moving(peer, mesh, trace, options);
+    Measured measured = measure_any(peer, mesh, trace, options);
     measured.build_ns = build_ns;
     return measured;
 }

@@ -3,7 +3,7 @@
  * The peer Embree: distance from a moving segment to a triangle mesh by point queries. A program
  * of its own, never installed; it needs neither our headers nor our library.
  *
- *     peer_embree MESH.tri TRACE.csv -o OUT.csv [--repeat N] [--parts N] [--cold] [--json]
+ *     peer_embree MESH.tri TRACE.csv -o OUT.csv [--repeat N] [--parts N|ray] [--cold] [--json]
  *
  * The files' formats are in peer.h. Embree asks for what lies within a radius of a point, so the
  * segment is cut into 64 parts, and each asks about its middle with half its length and the best
@@ -11,6 +11,9 @@
  * of the whole segment and a triangle, in double, and does not take a triangle twice in a tick.
  * Each tick starts from the distance to the last tick's nearest triangle. Embree walks in float;
  * the radius is widened by more than its rounding, so that no triangle is missed.
+ *
+ * With --parts ray it is asked for one ray along the segment instead, as one would who wants crossings alone: the first
+ * triangle from end a on, with distance 0, or none, with no distance.
  *
  * With --motion, vertices move and Embree refits: a scene of low quality, which keeps a tree for each geometry, and a
  * geometry of quality REFIT.
@@ -79,6 +82,7 @@ class Peer
         rtcReleaseDevice(device_);
     }
 
+    /* 0: one ray. */
     void set_parts(int parts)
     {
         parts_ = parts;
@@ -105,6 +109,8 @@ class Peer
     {
         RTCPointQueryContext context;
 
+        if (!parts_)
+            return ask_ray(tick);
         a_ = vec(tick.a);
         b_ = vec(tick.b);
         Vec u = b_ - a_;
@@ -147,6 +153,37 @@ class Peer
 
   private:
     Peer(const Peer &) = delete;
+
+    Answer ask_ray(const Tick &tick)
+    {
+        RTCRayHit ray;
+        Vec u = vec(tick.b) - vec(tick.a);
+
+        leaves_ = 0;
+        ray.ray.org_x = (float)tick.a[0];
+        ray.ray.org_y = (float)tick.a[1];
+        ray.ray.org_z = (float)tick.a[2];
+        ray.ray.dir_x = (float)u.x;
+        ray.ray.dir_y = (float)u.y;
+        ray.ray.dir_z = (float)u.z;
+        ray.ray.tnear = 0;
+        ray.ray.tfar = 1;
+        ray.ray.time = 0;
+        ray.ray.mask = ~0u;
+        ray.ray.flags = 0;
+        ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+        rtcIntersect1(scene_, &ray);
+#else
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        rtcIntersect1(scene_, &context, &ray);
+#endif
+        if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+            return Answer{ std::numeric_limits<double>::quiet_NaN(), -1 };
+        return Answer{ 0, (long)ray.hit.primID };
+    }
 
     static bool visit(RTCPointQueryFunctionArguments *found)
     {
@@ -208,17 +245,17 @@ class Peer
 Measured ask_embree(const Mesh &mesh, const std::vector<Tick> &trace, const Options &options,
                     std::string &name)
 {
-    int parts = options.choice.empty() ? 64 : std::atoi(options.choice.c_str());
+    bool is_ray = options.choice == "ray";
+    int parts = is_ray ? 0 : options.choice.empty() ? 64 : std::atoi(options.choice.c_str());
 
-    if (parts < 1 || parts > 1000)
-        fail("--parts takes a number from 1 to 1000");
-    name = "embree point queries, " + std::to_string(parts) + " parts";
+    if (!is_ray && (parts < 1 || parts > 1000))
+        fail("--parts takes a number from 1 to 1000, or ray");
+    name = is_ray ? "embree ray" : "embree point queries, " + std::to_string(parts) + " parts";
     double begin = now_ns();
     Peer peer(mesh, !options.motion.empty());
     double build_ns = now_ns() - begin;
     peer.set_parts(parts);
-    Measured measured = options.motion.empty() ? measure_peer(peer, trace, options)
-                                               : measure_moving(peer, mesh, trace, options);
+    Measured measured = measure_any(peer, mesh, trace, options);
     measured.build_ns = build_ns;
     return measured;
 }
@@ -233,7 +270,7 @@ int main(int argc, char **argv)
                     "Distance from the segment of each tick to the mesh",
                     "--parts",
                     "N",
-                    "that the segment is cut into (64)",
+                    "that the segment is cut into (64); ray: one ray, for crossings alone",
                     true };
 
     return peer_main(argc, argv, about, ask_embree);

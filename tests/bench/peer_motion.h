@@ -12,7 +12,7 @@
 namespace peer
 {
 
-/* The vertices and the trace as plain arrays, and the motion that Options::motion names: NAME:STEP. */
+/* The vertices and the trace as plain arrays, and the motion that Options::motion names: NAME:STEP or recorded:FILE. */
 class Motion
 {
   public:
@@ -20,7 +20,7 @@ class Motion
     {
         size_t colon = options.motion.find(':');
         if (colon == std::string::npos)
-            fail("--motion takes NAME:STEP");
+            fail("--motion takes NAME:STEP or recorded:FILE");
         for (const Point &p : mesh.vertices)
             for (double x : p)
                 rest_.push_back((float)x);
@@ -28,9 +28,13 @@ class Motion
             ends_.insert(ends_.end(), tick.a, tick.a + 3);
             ends_.insert(ends_.end(), tick.b, tick.b + 3);
         }
-        if (!vertex_motion_open(&now, options.motion.substr(0, colon).c_str(),
-                                std::atof(options.motion.c_str() + colon + 1), rest_.data(),
-                                (uint32_t)mesh.vertices.size(), ends_.data()))
+        std::string name = options.motion.substr(0, colon),
+                    value = options.motion.substr(colon + 1);
+        uint32_t vertices = (uint32_t)mesh.vertices.size();
+        if (!(name == "recorded"
+                  ? vertex_motion_open_recorded(&now, value.c_str(), rest_.data(), vertices)
+                  : vertex_motion_open(&now, name.c_str(), std::atof(value.c_str()), rest_.data(),
+                                       vertices, ends_.data())))
             fail("no such motion: " + options.motion);
     }
 
@@ -73,6 +77,14 @@ Measured measure_moving(Peer &peer, const Mesh &mesh, const std::vector<Tick> &t
         }
     }
     return measured;
+}
+
+template <typename Peer>
+Measured measure_any(Peer &peer, const Mesh &mesh, const std::vector<Tick> &trace,
+                     const Options &options)
+{
+    return options.motion.empty() ? measure_peer(peer, trace, options)
+                                  : measure_moving(peer, mesh, trace, options);
 }
 
 } // namespace peer

@@ -9,7 +9,8 @@ coal coal(PyPI) peer_coal.cpp Coal OBBRSS
 cgal libcgal-dev peer_cgal.cpp CGAL AABB_tree
 embree libembree-dev peer_embree.cpp Embree points
 bullet libbullet-dev peer_bullet.cpp Bullet swept-box
-libccd libccd-dev peer_libccd.cpp libccd MPR'
+libccd libccd-dev peer_libccd.cpp libccd MPR
+zbuffer libegl-dev,libgles-dev peer_zbuffer.cpp z-buffer Mesa'
 
 has_header() { echo "#include <$1>" | g++ -std=c++17 -E -x c++ - >/dev/null 2>&1; }
 
@@ -51,7 +52,19 @@ flags_of() {
         pkg-config --exists ccd 2>/dev/null || return 1
         cflags=$(pkg-config --cflags ccd) libs=$(pkg-config --libs ccd)
         ;;
+    zbuffer)
+        pkg-config --exists egl glesv2 2>/dev/null || return 1
+        cflags=$(pkg-config --cflags egl glesv2) libs=$(pkg-config --libs egl glesv2)
+        ;;
     esac
+}
+
+# The judge of crossings as $dir/crossings; fails where there is no g++. $build has the tests' oracle.
+build_judge() {
+    [ -x "$dir/crossings" ] && [ -z "$(find tests/bench/crossings.cpp tests/bench/*.h "$build/tests/oracle/brute.o" -newer "$dir/crossings")" ] &&
+        return 0
+    command -v g++ >/dev/null 2>&1 &&
+        g++ -O2 -std=c++17 tests/bench/crossings.cpp "$build/tests/oracle/brute.o" -lm -o "$dir/crossings"
 }
 
 ready= out=

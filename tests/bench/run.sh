@@ -42,6 +42,8 @@ histogram() { # method kernel json; a peer that counts none gives no rows
     done >>"$histograms"
 }
 
+# Not the z-buffer, which is asked for crossings alone (table1.sh).
+PEERS=${PEERS-fcl coal cgal embree bullet libccd}
 . tests/bench/peers.sh
 
 against() { # OUT.csv, its column of the distance: the largest difference from ours, and the ticks that are wrong

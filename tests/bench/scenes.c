@@ -1,40 +1,34 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The scenes of the paper's Table 1: full checks a millisecond, which is a thousand over the median time in us.
+ * The scenes of the paper's Table 1.
  *
- *     scenes [TICKS]      prints CSV, a row a scene and method
+ *     scenes DIR [TICKS]      prints CSV, a row a scene, method and stage (play.h); writes what the peers need into DIR
  *
- * The stylus comes down on the first body, goes to and fro by 1 cm at 1 Hz and up and down by 3 mm at 0.7 Hz, so that it
- * presses half of the time. In the cloth's scene it is the sword, and rests. Methods: `exact` is what a world does by
- * default, with its force; `brute` asks every triangle, and `paper` is the paper's dynamic point in one part: both end at
- * contact, with the tool where the device is and the vertices that `exact` has. A check is dpt_world_step; with physics it
- * is dpt_deform_step_springs as well, in the same thread, where the paper had four. `wrong` counts ticks in which the
- * distance is not that of `brute` within 1 um; that of `exact` is another tool's, and is not asked (tests/world hold it).
+ * The stylus comes down on the first body, goes to and fro by 1 cm at 1 Hz and up and down by 3 mm at 0.7 Hz, so that
+ * it presses half of the time. In the cloth's scene it is the sword, and rests. First the scene runs with what a world
+ * does by default, its force and its physics in one thread: the rows `scene`, until `respond` for dpt_world_step, and
+ * `physics` for dpt_deform_step_springs as well. The motion of tool and vertices is recorded in the world's frame,
+ * vertices in float, and played through all methods: these rows are play.c's. DIR/NAME.scene has the distances of the
+ * scene itself, as OUT.csv has them, but without names of triangles.
  */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "bench/play.h"
 #include "bench/timing.h"
-#include "dynpoint.h"
 #include "dynpoint/compile.h"
 #include "scene_list.h"
 #include "shape.h"
 
-enum { BODIES = LISTED_BODIES_MAX, TICKS_MAX = 100000, METHODS = 3 };
+enum { BODIES = LISTED_BODIES_MAX, TICKS_MAX = 10000 };
 
 static const char *const names[] = { "membrane", "cloth", "laparoscopy", "liver" };
 
-static const struct {
-    const char *name;
-    uint32_t method, until;
-} methods[METHODS] = { { "exact", DPT_METHOD_EXACT, DPT_UNTIL_RESPOND },
-                       { "brute", DPT_METHOD_BRUTE, DPT_UNTIL_CONTACT },
-                       { "paper", DPT_METHOD_PAPER, DPT_UNTIL_CONTACT } };
-
 struct body {
-    dpt_compiled compiled;
+    dpt_compiled compiled, placed_compiled;
     const dpt_mesh *mesh;
+    const dpt_mesh *placed; /* of a rigid body: in the world's frame */
     dpt_mesh_info info;
 };
 
@@ -57,6 +51,12 @@ struct bench {
     int bodies, displaces;
     uint32_t triangles, springs;
     double touch[3];
+    int ticks;
+    double *ends; /* 6 a tick */
+    double *distances;
+    float *
+        record; /* the positions of the first body's vertices in the world's frame, where it is soft */
+    uint32_t vertices;
 };
 
 static void fail(const char *what)
@@ -73,6 +73,31 @@ static void *array(size_t bytes)
     return made;
 }
 
+static void compile(const struct shape *shape, const dpt_compile_def *def, dpt_compiled *compiled,
+                    const dpt_mesh **mesh)
+{
+    if (dpt_compile_arrays(shape->vertices, shape->vertex_count, shape->corners,
+                           shape->triangle_count, def, compiled, NULL) != DPT_OK ||
+        dpt_mesh_open(compiled->bytes, compiled->size, mesh) != DPT_OK)
+        fail("a body cannot be compiled");
+}
+
+/* From the frame of a body into the world's; in place. */
+static void to_world(const dpt_pose *pose, double x[3])
+{
+    const double w = pose->orientation[0], *v = pose->orientation + 1;
+    double t[3], out[3];
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        t[k] = 2.0 * (v[i] * x[j] - v[j] * x[i]);
+    }
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        out[k] = x[k] + w * t[k] + v[i] * t[j] - v[j] * t[i] + pose->position[k];
+    }
+    memcpy(x, out, sizeof out);
+}
+
 static void make_body(struct bench *bench, const struct listed_body *listed)
 {
     struct body *body = &bench->body[bench->bodies++];
@@ -81,13 +106,21 @@ static void make_body(struct bench *bench, const struct listed_body *listed)
     dpt_compile_def def;
     dpt_compile_def_init(&def);
     def.springs = listed->springs.kind ? &listed->springs : NULL;
+    if (shape_make(listed->shape, listed->triangles, 0, &shape, reason))
+        fail(reason);
+    compile(&shape, &def, &body->compiled, &body->mesh);
     body->info.size = sizeof body->info;
-    if (shape_make(listed->shape, listed->triangles, 0, &shape, reason) ||
-        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
-                           &def, &body->compiled, NULL) != DPT_OK ||
-        dpt_mesh_open(body->compiled.bytes, body->compiled.size, &body->mesh) != DPT_OK ||
-        dpt_mesh_get_info(body->mesh, &body->info) != DPT_OK)
-        fail("a body cannot be made");
+    if (dpt_mesh_get_info(body->mesh, &body->info) != DPT_OK)
+        fail("a body has no info");
+    if (body->info.springs && bench->bodies > 1)
+        fail("only the first body may be soft");
+    body->placed = body->mesh;
+    if (!body->info.springs) {
+        for (size_t i = 0; i < shape.vertex_count; i++)
+            to_world(&listed->pose, shape.vertices + 3 * i);
+        def.springs = NULL;
+        compile(&shape, &def, &body->placed_compiled, &body->placed);
+    }
     shape_free(&shape);
     bench->triangles += body->info.triangles;
     bench->springs += body->info.springs;
@@ -123,20 +156,24 @@ static dpt_result add_soft(const struct bench *bench, struct stage *stage, int i
                                                  &springs, &soft->springs);
 }
 
-/* Returns 0 if the library has no such world. */
-static int open_stage(const struct bench *bench, struct stage *stage, int method)
+static dpt_segment stylus_of(const struct bench *bench)
+{
+    const struct listed_scene *scene = bench->scene;
+    return bench->displaces ? (dpt_segment){ { 0, 0, -0.25 }, { 0, 0, 0.25 }, scene->radius }
+                            : (dpt_segment){ { 0, 0, 0 }, { 0, scene->length, 0 }, scene->radius };
+}
+
+/* The default world, or one that looks for the nearest pair alone. */
+static void open_stage(const struct bench *bench, struct stage *stage, int tracks)
 {
     const struct listed_scene *scene = bench->scene;
     dpt_world_def world;
-    const dpt_segment stylus =
-        bench->displaces ? (dpt_segment){ { 0, 0, -0.25 }, { 0, 0, 0.25 }, scene->radius }
-                         : (dpt_segment){ { 0, 0, 0 }, { 0, scene->length, 0 }, scene->radius };
+    const dpt_segment stylus = stylus_of(bench);
     memset(stage, 0, sizeof *stage);
     dpt_world_def_init(&world);
-    world.method = methods[method].method;
-    world.until = methods[method].until;
-    world.law = bench->displaces || method ? DPT_LAW_POINT : DPT_LAW_PROXY;
-    if (bench->displaces && !method) {
+    world.until = tracks ? DPT_UNTIL_TRACK : DPT_UNTIL_RESPOND;
+    if (bench->displaces) {
+        world.law = DPT_LAW_POINT;
         world.strip = DPT_STRIP_KIND_SHADOW;
         world.strip_width = 0.01;
         world.strip_capacity = 4096;
@@ -151,7 +188,8 @@ static int open_stage(const struct bench *bench, struct stage *stage, int method
                                     &stage->soft[i].id);
     if (result == DPT_OK)
         result = dpt_tool_add(stage->world, &stylus, 1, &stage->tool);
-    return result == DPT_OK;
+    if (result != DPT_OK)
+        fail(dpt_result_text(result));
 }
 
 static void close_stage(struct stage *stage)
@@ -163,7 +201,7 @@ static void close_stage(struct stage *stage)
     }
 }
 
-static void place(const struct bench *bench, const struct stage *stage, int tick)
+static dpt_pose pose_at(const struct bench *bench, int tick)
 {
     const double t = 1e-3 * tick;
     dpt_pose pose = DPT_POSE_IDENTITY;
@@ -173,6 +211,12 @@ static void place(const struct bench *bench, const struct stage *stage, int tick
             tick < 200 ? 0.008 * (1.0 - 5.0 * t) : 0.003 * sin(4.398229715 * (t - 0.2));
         pose.position[0] += 0.01 * sin(6.2831853 * t);
     }
+    return pose;
+}
+
+static void place(const struct bench *bench, const struct stage *stage, int tick)
+{
+    const dpt_pose pose = pose_at(bench, tick);
     if ((tick ? dpt_tool_set_pose(stage->world, stage->tool, &pose)
               : dpt_tool_teleport(stage->world, stage->tool, &pose)) != DPT_OK)
         fail("the tool does not move");
@@ -191,8 +235,7 @@ static void find_touch(struct bench *bench)
         bench->touch[1] = -0.05;
         return;
     }
-    if (!open_stage(bench, &stage, 1))
-        fail("no world");
+    open_stage(bench, &stage, 1);
     for (int i = 0; i < 100; i++) {
         dpt_pose pose = DPT_POSE_IDENTITY;
         dpt_hit hit = DPT_HIT_INIT;
@@ -206,89 +249,134 @@ static void find_touch(struct bench *bench)
     close_stage(&stage);
 }
 
-static double distance_of(const struct stage *stage)
+static void record(struct bench *bench, const struct stage *stage, int tick)
 {
-    dpt_hit hit = DPT_HIT_INIT;
-    dpt_tool_get_hit(stage->world, stage->tool, &hit);
-    return hit.distance;
-}
-
-/* What the leader's vertices are, the follower's are. */
-static void follow(const struct bench *bench, const struct stage *leader,
-                   const struct stage *follower)
-{
-    for (int i = 0; i < bench->bodies; i++) {
-        const float *positions;
-        uint32_t count;
-        if (!leader->soft[i].springs)
-            continue;
-        if (dpt_deform_get_vertices(leader->world, leader->soft[i].id, &positions, &count) !=
-                DPT_OK ||
-            dpt_deform_set_vertices(follower->world, follower->soft[i].id, 0, count, positions,
-                                    -1.0) != DPT_OK)
-            fail("vertices");
+    const dpt_pose pose = pose_at(bench, tick);
+    const dpt_segment stylus = stylus_of(bench);
+    const float *positions;
+    uint32_t count;
+    for (int k = 0; k < 3; k++) {
+        bench->ends[6 * tick + k] = stylus.a[k] + pose.position[k];
+        bench->ends[6 * tick + 3 + k] = stylus.b[k] + pose.position[k];
+    }
+    if (!bench->record)
+        return;
+    if (dpt_deform_get_vertices(stage->world, stage->soft[0].id, &positions, &count) != DPT_OK)
+        fail("vertices");
+    float *to = bench->record + 3 * (size_t)bench->vertices * (size_t)tick;
+    for (uint32_t v = 0; v < count; v++) {
+        double x[3];
+        for (uint32_t k = 0; k < 3; k++)
+            x[k] = (double)positions[3 * v + k];
+        to_world(&bench->scene->bodies[0].pose, x);
+        for (uint32_t k = 0; k < 3; k++)
+            to[3 * v + k] = (float)x[k];
     }
 }
 
-static double per_ms(double *times, int count)
+static void print_row(const struct bench *bench, const char *until, double *times)
 {
-    qsort(times, (size_t)count, sizeof *times, by_size);
-    return 1e6 / times[count / 2];
+    qsort(times, (size_t)bench->ticks, sizeof *times, by_size);
+    printf("%s,scene,%s,%d,0,%.0f,%.0f\n", bench->scene->name, until, bench->ticks,
+           times[bench->ticks / 2], times[99 * bench->ticks / 100]);
 }
 
-/* All methods in turn, tick by tick, with the tool and the vertices of the first. */
-static void run(const struct bench *bench, int ticks)
+/* The scene as it is, with force and physics. */
+static void run(struct bench *bench)
 {
-    static double step[METHODS][TICKS_MAX], whole[TICKS_MAX];
-    struct stage stage[METHODS];
-    int is_there[METHODS], wrong = 0;
-    for (int m = 0; m < METHODS; m++)
-        is_there[m] = open_stage(bench, &stage[m], m);
-    for (int tick = 0; tick < ticks; tick++) {
-        for (int m = METHODS - 1; m >= 0; m--) {
-            if (!is_there[m])
-                continue;
-            if (m)
-                follow(bench, &stage[0], &stage[m]);
-            place(bench, &stage[m], tick);
-            const double begin = now();
-            if (dpt_world_step(stage[m].world, 1e-3, NULL) != DPT_OK)
-                fail("a tick failed");
-            step[m][tick] = whole[tick] = now() - begin;
-        }
-        wrong += is_there[2] && fabs(distance_of(&stage[2]) - distance_of(&stage[1])) > 1e-6;
-        for (int i = 0; i < bench->bodies; i++) {
-            const double begin = now();
-            if (stage[0].soft[i].springs &&
-                dpt_deform_step_springs(stage[0].world, stage[0].soft[i].id,
-                                        stage[0].soft[i].springs, 1e-3, NULL) != DPT_OK)
-                fail("physics failed");
-            whole[tick] += now() - begin;
-        }
+    static double step[TICKS_MAX], whole[TICKS_MAX];
+    struct stage stage;
+    const float *rest;
+    bench->ends = array(6 * (size_t)bench->ticks * sizeof *bench->ends);
+    bench->distances = array((size_t)bench->ticks * sizeof *bench->distances);
+    dpt_mesh_get_vertices(bench->body[0].mesh, &rest, &bench->vertices);
+    if (bench->body[0].info.springs)
+        bench->record =
+            array(3 * (size_t)bench->vertices * (size_t)bench->ticks * sizeof *bench->record);
+    open_stage(bench, &stage, 0);
+    for (int tick = 0; tick < bench->ticks; tick++) {
+        record(bench, &stage, tick);
+        place(bench, &stage, tick);
+        const double begin = now();
+        if (dpt_world_step(stage.world, 1e-3, NULL) != DPT_OK)
+            fail("a tick failed");
+        step[tick] = now() - begin;
+        dpt_hit hit = DPT_HIT_INIT;
+        dpt_tool_get_hit(stage.world, stage.tool, &hit);
+        bench->distances[tick] = hit.distance;
+        if (stage.soft[0].springs &&
+            dpt_deform_step_springs(stage.world, stage.soft[0].id, stage.soft[0].springs, 1e-3,
+                                    NULL) != DPT_OK)
+            fail("physics failed");
+        whole[tick] = now() - begin;
     }
-    for (int m = 0; m < METHODS; m++) {
-        if (is_there[m])
-            printf("%s,%u,%u,%s,%.3g,%.3g,%d\n", bench->scene->name, bench->triangles,
-                   bench->springs, methods[m].name, per_ms(step[m], ticks),
-                   m ? 0.0 : per_ms(whole, ticks), m == 2 ? wrong : 0);
-        close_stage(&stage[m]);
-    }
+    close_stage(&stage);
+    print_row(bench, "respond", step);
+    print_row(bench, "physics", whole);
+}
+
+static void write_distances(const struct bench *bench, const char *dir)
+{
+    char path[500];
+    snprintf(path, sizeof path, "%s/%s.scene", dir, bench->scene->name);
+    FILE *file = fopen(path, "w");
+    if (!file)
+        fail("DIR cannot be written to");
+    fprintf(file, "tick,distance,triangle\n");
+    for (int tick = 0; tick < bench->ticks; tick++)
+        fprintf(file, "%d,%.17g,0\n", tick, bench->distances[tick]);
+    if (fclose(file))
+        fail("DIR cannot be written to");
+}
+
+static const float *recorded_at(void *self, int tick)
+{
+    const struct bench *bench = self;
+    return bench->record + 3 * (size_t)bench->vertices * (size_t)tick;
+}
+
+static void play_methods(struct bench *bench, const char *dir)
+{
+    struct play play = { .name = bench->scene->name,
+                         .bodies = bench->bodies,
+                         .with_brute = 1,
+                         .radius = bench->scene->radius,
+                         .ends = bench->ends,
+                         .ticks = bench->ticks,
+                         .positions = bench->record ? recorded_at : NULL,
+                         .self = bench,
+                         .first = bench->record };
+    for (int i = 0; i < bench->bodies; i++)
+        play.mesh[i] = bench->body[i].placed;
+    play_all(&play, stdout, dir);
+    play_write(&play, dir);
+    if (play.positions)
+        play_write_motion(&play, dir);
 }
 
 int main(int argc, char **argv)
 {
-    const int ticks = argc > 1 ? atoi(argv[1]) : 3000;
-    if (argc > 2 || ticks < 1 || ticks > TICKS_MAX)
-        fail("TICKS is 1 to 100000");
-    printf("scene,triangles,springs,method,checks_per_ms,with_physics_per_ms,wrong\n");
+    const int ticks = argc > 2 ? atoi(argv[2]) : 3000;
+    if (argc < 2 || argc > 3 || ticks < 2 || ticks > TICKS_MAX)
+        fail("DIR and TICKS, 2 to 10000, are needed");
+    printf("scene,method,until,ticks,positions,step,step_p99\n");
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        struct bench bench = { .scene = scene_listed(names[i]) };
+        struct bench bench = { .scene = scene_listed(names[i]), .ticks = ticks };
         for (const struct listed_body *body = bench.scene->bodies; body->shape; body++)
             make_body(&bench, body);
+        fprintf(stderr, "%s: %u triangles, %u springs\n", bench.scene->name, bench.triangles,
+                bench.springs);
         find_touch(&bench);
-        run(&bench, ticks);
-        for (int k = 0; k < bench.bodies; k++)
+        run(&bench);
+        write_distances(&bench, argv[1]);
+        play_methods(&bench, argv[1]);
+        free(bench.ends);
+        free(bench.distances);
+        free(bench.record);
+        for (int k = 0; k < bench.bodies; k++) {
             dpt_compiled_free(&bench.body[k].compiled);
+            dpt_compiled_free(&bench.body[k].placed_compiled);
+        }
     }
     return 0;
 }

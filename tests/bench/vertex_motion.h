@@ -5,6 +5,9 @@
  *
  *   modes   every vertex, every tick: waves about as long as the mesh, which run through it
  *   dent    DENT_VERTICES vertices near the tool sink in and rise again, for DENT_TICKS ticks; then others do
+ *
+ * vertex_motion_open_recorded plays back what was written to a file: uint32 count, and for each tick the positions of
+ * the first `count` vertices, 3 floats each, in the byte order of the machine. After its last tick the vertices stay.
  */
 #ifndef DPT_BENCH_VERTEX_MOTION_H
 #define DPT_BENCH_VERTEX_MOTION_H
@@ -12,6 +15,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,6 +42,10 @@ struct vertex_motion {
     float *listed;
     double inwards[3];
     struct dent_vertex *dent;
+    /* Of what was recorded. */
+    float *recorded;
+    size_t recorded_ticks;
+    uint32_t recorded_count;
 };
 
 /* 0 where there is no memory or no motion of this name. The arrays given are kept. */
@@ -86,8 +94,39 @@ static inline int vertex_motion_open(struct vertex_motion *motion, const char *n
     return 1;
 }
 
+/* What was recorded in a file; 0 where there is no such file, or it is none of this mesh. */
+static inline int vertex_motion_open_recorded(struct vertex_motion *motion, const char *path,
+                                              const float *rest, uint32_t vertices)
+{
+    FILE *file = fopen(path, "rb");
+    long size = -1;
+    memset(motion, 0, sizeof *motion);
+    motion->rest = rest;
+    motion->vertices = vertices;
+    if (!file || fseek(file, 0, SEEK_END) || (size = ftell(file)) < 4 || fseek(file, 0, SEEK_SET) ||
+        fread(&motion->recorded_count, 4, 1, file) != 1 || !motion->recorded_count ||
+        motion->recorded_count > vertices) {
+        if (file)
+            fclose(file);
+        return 0;
+    }
+    const size_t floats = 3 * (size_t)motion->recorded_count;
+    motion->recorded_ticks = ((size_t)size - 4) / (floats * sizeof(float));
+    motion->recorded = (float *)malloc((size_t)size);
+    motion->positions = (float *)malloc(3 * (size_t)vertices * sizeof(float));
+    const int whole = motion->recorded && motion->positions && motion->recorded_ticks &&
+                      fread(motion->recorded, floats * sizeof(float), motion->recorded_ticks,
+                            file) == motion->recorded_ticks;
+    fclose(file);
+    if (!whole)
+        return 0;
+    memcpy(motion->positions, rest, 3 * (size_t)vertices * sizeof(float));
+    return 1;
+}
+
 static inline void vertex_motion_close(struct vertex_motion *motion)
 {
+    free(motion->recorded);
     free(motion->cosine);
     free(motion->sine);
     free(motion->positions);
@@ -182,6 +221,12 @@ static inline void vertex_motion_at(struct vertex_motion *motion, size_t tick)
     const size_t floats = 3 * (size_t)motion->vertices;
     const double turn = motion->is_dent ? 2.0 * 3.14159265358979323846 / DENT_TICKS : 0.05;
     const double amplitude = motion->step / turn;
+    if (motion->recorded) {
+        const size_t count = 3 * (size_t)motion->recorded_count;
+        const size_t at = tick < motion->recorded_ticks ? tick : motion->recorded_ticks - 1;
+        memcpy(motion->positions, motion->recorded + count * at, count * sizeof(float));
+        return;
+    }
     if (!motion->is_dent) {
         const float c = (float)(amplitude * cos(turn * (double)tick));
         const float s = (float)(amplitude * sin(turn * (double)tick));
