@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "chart/chart_csv.h"
+#include "chart/chart_peers.h"
 #include "chart/chart_picture.h"
 #include "command_options.h"
 #include "commands.h"
@@ -31,13 +32,16 @@ static const char help[] =
     "  --stiffness K   of the force, N/m; default 500\n"
     "  --friction MU   of all bodies, with a proxy; default the scene's, or 0\n"
     "  --passes N      times are the least of N passes; default 3\n"
+    "  --peers DIR     other libraries too: programs peer_NAME there, of tests/bench/peers.sh; for "
+    "a "
+    "mesh alone\n"
     "  --title TEXT    above the picture; the scene's name if not given\n";
 
 enum { LEAST_TICKS = 10000, MOST_TICKS = 10000000, MOST_PASSES = 1000, NAME_ROOM = 4096 };
 
 struct chart_request {
     struct scene_def scene;
-    const char *trace, *name, *title;
+    const char *trace, *name, *title, *peers;
     uint64_t ticks, seed, passes;
     double stylus; /* m, of a trace that is made; 0: as of make trace */
     char csv[NAME_ROOM], svg[NAME_ROOM];
@@ -88,6 +92,9 @@ static int measure(const struct chart_request *request, const struct scene *scen
     measure_setting_init(&base, scene);
     chart_rows_list(rows, scene, &base);
     status = chart_rows_measure(rows, scene, trace, head->passes);
+    if (status == 0 && request->peers)
+        status =
+            chart_peers_measure(rows, scene, trace, request->peers, request->name, head->passes);
     for (uint32_t i = 0; status == 0 && i < head->body_count; i++)
         status = chart_body_measure(&head->body[i], scene, i);
     measure_machine_read(&head->machine, rows->truth.kernel);
@@ -110,8 +117,11 @@ static int chart(const struct chart_request *request, const struct scene *scene)
     struct output csv, svg;
     struct chart_rows *rows = calloc(1, sizeof *rows);
     struct chart_head *head = calloc(1, sizeof *head);
-    int status =
-        rows && head ? open_trace(request, scene, &trace) : complain("chart", "memory ran out");
+    int status = rows && head ? 0 : complain("chart", "memory ran out");
+    if (status == 0 && request->peers)
+        status = chart_peers_check(scene, request->peers);
+    if (status == 0)
+        status = open_trace(request, scene, &trace);
     if (status == 0 && (status = output_open(&csv, "chart", request->csv)) == 0) {
         status = output_open(&svg, "chart", request->svg);
         if (status)
@@ -123,6 +133,8 @@ static int chart(const struct chart_request *request, const struct scene *scene)
             status = write_files(request, head, rows, &csv, &svg);
     }
     csv_table_free(&trace);
+    if (rows)
+        chart_rows_free(rows);
     free(rows);
     free(head);
     return status;
@@ -179,6 +191,7 @@ int command_chart(int argc, char **argv)
         { .name = "--stiffness", .number = &request.scene.force.stiffness },
         { .name = "--friction", .number = &request.scene.force.friction },
         { .name = "--passes", .count = &request.passes },
+        { .name = "--peers", .text = &request.peers },
         { .name = "--title", .text = &request.title }
     };
     scene_def_init(&request.scene, "chart");

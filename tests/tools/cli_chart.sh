@@ -19,11 +19,50 @@ cell_is()
     check "$1, $2, $3: $4 is '$got', not $5 $6" awk "BEGIN { exit !(\"$got\" != \"\" && $got + 0 $5 $6) }"
 }
 
+# Peers that answer as we do but for two ticks, or only whether they meet, or not at all.
+make_peers()
+{
+    mkdir peers
+    succeeds 'our answers' replay star.dpa star.trace.csv --until track -o ours.csv
+    awk -F, -v CONVFMT=%.17g 'NR == 1 { print "tick,distance,triangle"; next } NR == 9 { $4 += 0.003 }
+        $4 == 0 && !missed { $4 = 0.001; missed = 1 } { print $1 "," $4 ",0" }' ours.csv >near.answers
+    awk -F, 'NR == 1 { print "tick,distance,triangle"; next } { print $1 "," ($4 == 0 && NR != 2 ? 0 : "") ",0" }' \
+        ours.csv >meets.answers
+    for peer in near meets; do
+        cat >peers/peer_$peer <<END
+#!/bin/sh
+[ "\$(wc -l <"\$2")" -eq 10001 ] && [ "\$(wc -c <"\$1")" -eq $((8 + 1002 * 12 + 2000 * 12)) ] && [ "\$3" = -o ] &&
+    cp $peer.answers "\$4" && echo '{"first_ns":9,"build_ns":2000000,"ns":{"median":400,"p99":900,"p999":950,"max":999}}'
+END
+    done
+    printf '#!/bin/sh\nexit 1\n' >peers/peer_broken
+    chmod +x peers/peer_*
+}
+
+peers()
+{
+    check 'one that fails is named' grep -qx 'dynpoint chart: peers/peer_broken: it failed, and is left out' star.stderr
+    cell_is star.csv pair near wrong '==' 2
+    cell_is star.csv pair near missed_crossings '==' 1
+    cell_is star.csv pair near distance_error_m '==' 0.003
+    cell_is star.csv pair near p99_us '==' 0.9
+    cell_is star.csv pair meets wrong '<=' 1
+    check 'one that tells no distance has none' test -z "$(cell star.csv pair meets distance_error_m)"
+    check 'how long they take to begin' grep -qx '# peer near: takes the mesh in in 2 ms' star.csv
+    check 'nothing of theirs is left' test -z "$(ls star.peer.* 2>/dev/null)"
+    refuses 'none there' 'there is no program peer_NAME' chart star.dpa --peers out -o out/x
+    refuses 'no folder of them' 'nowhere: cannot be read' chart star.dpa --peers nowhere -o out/x
+    refuses 'of a scene' 'they know a single rigid mesh' chart membrane --peers peers -o out/x
+}
+
 prepare_star()
 {
     succeeds 'a star' make star 2000 -o star.ply
     succeeds 'compiled' compile star.ply -o star.dpa
-    succeeds 'its chart' chart star.dpa --length 0.1 --passes 1 -o star
+    succeeds 'the trace that a chart makes' make trace --mesh star.dpa --length 0.1 --ticks 10000 -o star.trace.csv
+    make_peers
+    succeeds 'its chart' chart star.dpa --length 0.1 --passes 1 --peers peers -o star
+    mv stderr star.stderr
     check 'two files, and nothing beside them' test "$(ls star.csv star.svg star.*.part 2>/dev/null | wc -l)" -eq 2
 }
 
@@ -62,7 +101,6 @@ as_replay_counts()
         cell_is star.csv pair "$name" wrong '==' 0
     done
     cell_is star.csv pair 'paper in 64 parts' wrong '>' 100
-    succeeds 'the trace of its own' make trace --mesh star.dpa --length 0.1 --ticks 10000 -o star.trace.csv
     run replay star.dpa star.trace.csv --method paper --until track --against brute --json -o /dev/null
     counts=$(sed -n 's/.*"against":{[^}]*"wrong":\([0-9]*\),"missed":\([0-9]*\),.*/\1 \2/p' stdout)
     check "replay has $counts wrong and missed" test "$(cell star.csv pair 'paper in 1 part' wrong) $(cell star.csv pair \
@@ -76,7 +114,7 @@ pictures()
     [ -x "$(command -v python3)" ] || { skip 'charts read back: no python3'; return; }
     python3 -B "$tests/tools/read_chart.py" star >read.log 2>&1
     check "the picture: $(tail -n 3 read.log)" test $? -eq 0
-    check "its panels: $(head -n 1 read.log)" grep -qx 'Nearest pair 10, Contact 7, Force 22, Force 22' read.log
+    check "its panels: $(head -n 1 read.log)" grep -qx 'Nearest pair 11, Contact 7, Force 22, Force 22' read.log
 }
 
 # A sheet that gives way, by a scene file and a trace of a file.
@@ -137,6 +175,7 @@ faults()
 prepare_star
 every_row
 as_replay_counts
+peers
 pictures
 soft
 faults

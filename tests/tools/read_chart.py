@@ -91,7 +91,8 @@ def segment_meets(box, x0, y0, x1, y1):
 def read_panel(panel, rows, part, error_of):
     title = panel.find(SVG + "text")
     name = "".join(title.itertext())
-    rows = {row["name"]: row for row in rows if row["part"] == part and not row["failure"]}
+    rows = {row["name"]: row for row in rows if row["part"] == part and not row["failure"]
+            and (part != "pair" or row["distance_error_m"])}
     bottom = max(y for _, y, _ in texts(panel, "middle"))
     x_axis = LogAxis([(x, text) for x, y, text in texts(panel, "middle") if y == bottom])
     y_marks = [(y - 4, text) for x, y, text in texts(panel, "end")]

@@ -110,7 +110,8 @@ static struct scatter_panel *add_panel(struct picture *picture, const struct cha
     panel->x_unit = "s";
     for (int i = 0; i < rows->count; i++) {
         const struct chart_row *row = &rows->row[i];
-        if (row->part == part && row->failure == DPT_OK && panel->count < SCATTER_MARKS_MAX)
+        if (row->part == part && row->failure == DPT_OK && !isnan(error(row)) &&
+            panel->count < SCATTER_MARKS_MAX)
             add_mark(picture, panel, row, error);
     }
     name_kinds(panel, part);

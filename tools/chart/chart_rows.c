@@ -189,15 +189,21 @@ static int judge_brute(struct chart_row *row, const struct measure_check *check)
     return 0;
 }
 
-static void note_truth(struct chart_truth *truth, const struct measure_run *run)
+/* Returns 0, or -1 if memory ran out. */
+static int note_truth(struct chart_truth *truth, const struct measure_run *run)
 {
     truth->check = run->check;
     truth->check.ns = NULL;
     truth->kernel = run->kernel;
     truth->diagonal = run->diagonal;
     truth->mesh_bytes = run->mesh_bytes;
-    for (size_t i = 0; i < run->ticks; i++)
+    truth->ticks = run->ticks;
+    truth->distance = malloc(run->ticks * sizeof *truth->distance);
+    for (size_t i = 0; truth->distance && i < run->ticks; i++) {
+        truth->distance[i] = run->tick[i].distance;
         truth->crossings += run->tick[i].distance == 0.0;
+    }
+    return truth->distance ? 0 : -1;
 }
 
 /* What this run judges: itself, once, and its rows, so that no more than two are held at a time. */
@@ -223,8 +229,8 @@ static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struc
             if (index == TRUTH_WITHOUT_FORCE)
                 richest.world.until = DPT_UNTIL_CONTACT;
             status = measure_run(&truth, scene, trace, &richest, &once);
-            if (status == 0 && index == TRUTH_WITHOUT_FORCE)
-                note_truth(&rows->truth, &truth);
+            if (status == 0 && index == TRUTH_WITHOUT_FORCE && note_truth(&rows->truth, &truth))
+                status = complain(scene->command, "memory ran out");
         }
         effort->begin = (double)*done / rows->count;
         effort->end = (double)++*done / rows->count;
@@ -248,4 +254,10 @@ int chart_rows_measure(struct chart_rows *rows, const struct scene *scene,
                                   &done);
     meter_show(&meter, "", 1.0);
     return status;
+}
+
+void chart_rows_free(struct chart_rows *rows)
+{
+    free(rows->truth.distance);
+    rows->truth.distance = NULL;
 }

@@ -21,8 +21,9 @@ struct chart_row {
     char name[CHART_NAME]; /* what tells it from its like, without commas: "exact at 8 units" */
     enum chart_part part;
     struct measure_setting setting;
-    int is_peer;  /* another library: of the setting nothing holds */
-    size_t every; /* it was run on each so manieth tick alone: brute force */
+    int is_peer;     /* another library: of the setting nothing holds */
+    double build_ns; /* what that took to take in the mesh */
+    size_t every;    /* it was run on each so manieth tick alone: brute force */
     /* After chart_rows_measure. */
     dpt_result
         failure; /* not DPT_OK: it did not get through the trace, and the rest does not hold */
@@ -37,6 +38,8 @@ struct chart_truth {
     double diagonal;
     size_t mesh_bytes;
     size_t crossings; /* ticks in which the axis crosses */
+    double *distance; /* of each of the ticks, m */
+    size_t ticks;
 };
 
 struct chart_rows {
@@ -55,5 +58,8 @@ void chart_rows_list(struct chart_rows *rows, const struct scene *scene,
  */
 int chart_rows_measure(struct chart_rows *rows, const struct scene *scene,
                        const struct csv_table *trace, uint32_t passes);
+
+/* What was measured is not there any more. */
+void chart_rows_free(struct chart_rows *rows);
 
 #endif
