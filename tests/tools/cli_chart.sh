@@ -69,7 +69,7 @@ prepare_star()
 every_row()
 {
     for name in exact 'exact at 8 units' 'exact without cache' tree 'brute force' 'paper in 1 part' \
-        'paper in 64 parts'; do
+        'paper in 64 parts' 'paper one step'; do
         cell_is star.csv pair "$name" median_us '>' 0
         check "pair, $name: contact was not asked for" test -z "$(cell star.csv pair "$name" missed)"
     done
@@ -85,6 +85,11 @@ every_row()
         cell_is star.csv force "$law" wrench_peak_N '>' 1
         cell_is star.csv force "$law at 400 units" max_units '<=' 400
         cell_is star.csv force "$law" world_bytes '>' 1000000
+    done
+    cell_is star.csv force 'proxy sweeps at 50 units' jump_N '>' 0
+    for kernel in avx2 sse2 scalar; do
+        [ -z "$(cell star.csv pair "exact by $kernel" kernel)" ] ||
+            cell_is star.csv pair "exact by $kernel" max_units '==' "$(cell star.csv pair exact max_units)"
     done
     cell_is star.csv force 'proxy at 400 units' wrench_max_N '>' 1
     cell_is star.csv force 'proxy at 400 units' bounded '>' 100
@@ -114,7 +119,7 @@ pictures()
     [ -x "$(command -v python3)" ] || { skip 'charts read back: no python3'; return; }
     python3 -B "$tests/tools/read_chart.py" star >read.log 2>&1
     check "the picture: $(tail -n 3 read.log)" test $? -eq 0
-    check "its panels: $(head -n 1 read.log)" grep -qx 'Nearest pair 11, Contact 7, Force 22, Force 22' read.log
+    check "its panels: $(head -n 1 read.log)" grep -qxE 'Nearest pair 1[2-5], Contact 7, Force 23, Force 23' read.log
 }
 
 # A sheet that gives way, by a scene file and a trace of a file.

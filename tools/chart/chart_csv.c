@@ -29,14 +29,16 @@ static void write_knobs(FILE *file, const struct chart_row *row)
     const dpt_world_def *world = &row->setting.world;
     const int is_force = row->part == CHART_FORCE;
     if (row->is_peer) {
-        fprintf(file, "%s,%s,peer,,,,,,", row->name, parts[row->part]);
+        fprintf(file, "%s,%s,peer,,,,,,,,", row->name, parts[row->part]);
         return;
     }
-    fprintf(file, "%s,%s,%s,%s", row->name, parts[row->part], methods[world->method],
+    fprintf(file, "%s,%s,%s,%s,%s", row->name, parts[row->part], methods[world->method],
+            dpt_kernel_name(world->kernel == DPT_KERNEL_AUTO ? dpt_kernel_best() : world->kernel),
             is_force ? law_name(world->law) : "");
     write_number(file, world->method == DPT_METHOD_PAPER, row->setting.parts);
     write_number(file, row->part != CHART_PAIR, world->max_contacts);
     write_number(file, world->budget != 0, world->budget);
+    write_number(file, world->sweep_budget != 0, world->sweep_budget);
     write_number(file, world->method == DPT_METHOD_EXACT, (double)world->certificate_bytes);
     write_number(file, 1, row->setting.rigid ? 1.0 : 0.0);
 }
@@ -117,7 +119,8 @@ static void write_head(FILE *file, const struct chart_head *head, const struct c
 void chart_csv_write(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
 {
     write_head(file, head, rows);
-    fputs("name,part,method,law,parts,contacts,budget_units,cache_bytes,rigid,failure,ticks,exact,"
+    fputs("name,part,method,kernel,law,parts,contacts,budget_units,sweep_units,cache_bytes,rigid,"
+          "failure,ticks,exact,"
           "bounded,local,"
           "median_us,p99_us,p999_us,max_us,first_us,whole_median_us,whole_p99_us,median_units,"
           "p99_units,max_units,wrong,missed_crossings,distance_error_m,missed,invented,unknown,"

@@ -7,6 +7,9 @@
 
 #include "law_name.h"
 
+/* Of a step's sweeps, in the row that limits them. */
+enum { SWEEP_UNITS = 50 };
+
 /* Runs to judge by: of each law, and the one without a force. */
 enum { TRUTHS = 4, TRUTH_WITHOUT_FORCE = 3 };
 
@@ -57,12 +60,30 @@ static void add_papers(struct chart_rows *rows, const struct scene *scene, enum 
     }
 }
 
+/* Narrower kernels than the one that is used: the same answers, other times. */
+static void add_kernels(struct chart_rows *rows, const struct scene *scene,
+                        const struct measure_setting *base)
+{
+    static const uint32_t kernels[] = { DPT_KERNEL_AVX2, DPT_KERNEL_SSE2, DPT_KERNEL_SCALAR };
+    const uint32_t best = dpt_kernel_best();
+    char name[CHART_NAME];
+    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++) {
+        struct measure_setting setting = *base;
+        setting.world.kernel = kernels[i];
+        snprintf(name, sizeof name, "exact by %s", dpt_kernel_name(kernels[i]));
+        const int is_here = kernels[i] == DPT_KERNEL_SCALAR || best <= DPT_KERNEL_AVX512;
+        if (is_here && kernels[i] < best)
+            add_row(rows, scene, CHART_PAIR, &setting, name);
+    }
+}
+
 static void list_pairs(struct chart_rows *rows, const struct scene *scene,
                        const struct measure_setting *base)
 {
     struct measure_setting setting = *base;
     setting.world.law = DPT_LAW_POINT;
     add_row(rows, scene, CHART_PAIR, &setting, "exact");
+    add_kernels(rows, scene, &setting);
     add_budgets(rows, scene, CHART_PAIR, &setting, "exact");
     setting.world.certificate_bytes = 0;
     add_row(rows, scene, CHART_PAIR, &setting, "exact without cache");
@@ -73,6 +94,9 @@ static void list_pairs(struct chart_rows *rows, const struct scene *scene,
     setting.world.method = DPT_METHOD_BRUTE;
     add_row(rows, scene, CHART_PAIR, &setting, "brute force");
     add_papers(rows, scene, CHART_PAIR, base);
+    setting.world.method = DPT_METHOD_PAPER;
+    setting.one_step = 1;
+    add_row(rows, scene, CHART_PAIR, &setting, "paper one step");
 }
 
 static void list_contacts(struct chart_rows *rows, const struct scene *scene,
@@ -113,6 +137,16 @@ static void list_soft(struct chart_rows *rows, const struct scene *scene,
     add_row(rows, scene, CHART_FORCE, &setting, name);
 }
 
+static void add_sweep_budget(struct chart_rows *rows, const struct scene *scene,
+                             const struct measure_setting *base)
+{
+    struct measure_setting setting = *base;
+    char name[CHART_NAME];
+    setting.world.sweep_budget = SWEEP_UNITS;
+    snprintf(name, sizeof name, "proxy sweeps at %d units", SWEEP_UNITS);
+    add_row(rows, scene, CHART_FORCE, &setting, name);
+}
+
 static void list_forces(struct chart_rows *rows, const struct scene *scene,
                         const struct measure_setting *base, uint32_t law)
 {
@@ -121,6 +155,8 @@ static void list_forces(struct chart_rows *rows, const struct scene *scene,
     setting.world.law = law;
     add_row(rows, scene, CHART_FORCE, &setting, law_name(law));
     add_budgets(rows, scene, CHART_FORCE, &setting, law_name(law));
+    if (law == DPT_LAW_PROXY)
+        add_sweep_budget(rows, scene, &setting);
     list_soft(rows, scene, &setting, law_name(law));
     setting.world.max_contacts = 0;
     snprintf(name, sizeof name, "%s without contacts", law_name(law));
