@@ -147,6 +147,13 @@ END
     check 'brute force found nothing wrong on it' grep -q '^# truth: .* 0 of [1-9][0-9]* wrong' soft.csv
     check 'its title' grep -qF '<title>a &lt;sheet&gt;</title>' soft.svg
     check 'its physics is in the times' grep -q '>Time of a tick with its physics' soft.svg
+    run chart sheet.json star.trace.csv --passes 1 -o torn
+    check "a trace that tears it: $(cat stderr)" test $status -eq 0
+    check 'what judges it failed, too' test "$(cell torn.csv force 'proxy rigid' failure)" = DPT_E_FINITE
+    check 'a row of it has all its cells' test "$(grep -v '^#' torn.csv | awk -F, '{ print NF }' | sort -u | wc -l)" -eq 1
+    check 'and is not drawn' test "$(grep -c 'class="mark"' torn.svg)" -eq "$(grep -v '^#' torn.csv | awk -F, '
+        NR == 1 { for (i = 1; i <= NF; i++) if ($i == "failure") at = i; next }
+        $at == "" { n += $2 == "force" ? 2 : 1 } END { print n + 0 }')"
     [ ! -x "$(command -v python3)" ] || check "read back: $(python3 -B "$tests/tools/read_chart.py" soft 2>&1 | tail -n 3)" \
         python3 -B "$tests/tools/read_chart.py" soft
 }

@@ -9,6 +9,15 @@
 static const char *const methods[] = { "exact", "tree", "brute", "paper" };
 static const char *const parts[] = { "pair", "contact", "force" };
 
+static const char setting_columns[] =
+    "name,part,method,kernel,law,parts,contacts,budget_units,sweep_units,cache_bytes,rigid"
+    ",failure";
+static const char result_columns[] =
+    ",ticks,exact,bounded,local,median_us,p99_us,p999_us,max_us,first_us,whole_median_us"
+    ",whole_p99_us,median_units,p99_units,max_units,wrong,missed_crossings,distance_error_m"
+    ",missed,invented,unknown,wrench_median_N,wrench_p99_N,wrench_p999_N,wrench_max_N"
+    ",wrench_peak_N,jump_N,calm_jump_N,folds,world_bytes,body_bytes";
+
 /* A number, or nothing. */
 static void write_number(FILE *file, int is_there, double value)
 {
@@ -49,7 +58,11 @@ static void write_row(FILE *file, const struct chart_row *row)
     const int has_contact = judged->has_contact, has_wrench = judged->has_wrench;
     write_knobs(file, row);
     if (row->failure != DPT_OK) {
-        fprintf(file, ",%s\n", dpt_result_name(row->failure));
+        fprintf(file, ",%s", dpt_result_name(row->failure));
+        for (const char *c = result_columns; *c; c++)
+            if (*c == ',')
+                fputc(',', file);
+        fputc('\n', file);
         return;
     }
     fprintf(file, ",,%zu,%zu,%zu,%zu", judged->ticks, judged->exact, judged->bounded,
@@ -119,14 +132,7 @@ static void write_head(FILE *file, const struct chart_head *head, const struct c
 void chart_csv_write(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
 {
     write_head(file, head, rows);
-    fputs("name,part,method,kernel,law,parts,contacts,budget_units,sweep_units,cache_bytes,rigid,"
-          "failure,ticks,exact,"
-          "bounded,local,"
-          "median_us,p99_us,p999_us,max_us,first_us,whole_median_us,whole_p99_us,median_units,"
-          "p99_units,max_units,wrong,missed_crossings,distance_error_m,missed,invented,unknown,"
-          "wrench_median_N,wrench_p99_N,wrench_p999_N,wrench_max_N,wrench_peak_N,jump_N,"
-          "calm_jump_N,folds,world_bytes,body_bytes\n",
-          file);
+    fprintf(file, "%s%s\n", setting_columns, result_columns);
     for (int i = 0; i < rows->count; i++)
         write_row(file, &rows->row[i]);
 }

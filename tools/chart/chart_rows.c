@@ -274,6 +274,8 @@ static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struc
             status = measure_row(row, scene, trace, &truth, effort);
         else if (status == 0 && judge_brute(row, &truth.check))
             status = complain(scene->command, "memory ran out");
+        if (truth.failure != DPT_OK)
+            row->failure = truth.failure;
     }
     measure_run_free(&truth);
     return status;
