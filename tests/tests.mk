@@ -109,6 +109,9 @@ $(B)/tests/test_view_loop: $(filter-out $(B)/tools/dynpoint.o $(B)/tools/view/% 
 $(B)/tests/test_view_loop: private LDLIBS = $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) \
   -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
+$(B)/tests/test_measure: $(filter-out $(B)/tools/dynpoint.o $(B)/tools/shape%,$(TOOLS)) $(URDF_PARTS)
+$(B)/tests/test_measure: private LDLIBS = $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS)
+
 # Scenes of soft bodies, without their files.
 SOFT_PARTS := $(patsubst %,$(B)/tools/%.o,scene_physics soft_exchange scene_bodies scene_list command_options stop)
 $(B)/tests/test_plot: $(B)/tools/plot/plot_axis.o $(B)/tools/plot/plot_line.o
@@ -346,3 +349,4 @@ stability: all ## run the laboratory of force, and make docs/stability.md and it
 charts: bench ## draw docs/charts from the bench's results
 	$(PYTHON) tests/bench/chart.py $(B)/bench docs/charts
 	$(PYTHON) -B tests/bench/chart_paper.py $(B)/bench docs/charts
+	$(B)/dynpoint chart liver --ticks 20000 -o docs/charts/chart-liver
