@@ -121,13 +121,25 @@ int scene_bodies_of_file(struct scene_bodies *bodies, const char *command, const
     return 0;
 }
 
+void scene_bodies_leave(struct scene_bodies *bodies)
+{
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        struct scene_body *body = &bodies->body[i];
+        free(body->block);
+        free(body->springs_block);
+        body->block = body->springs_block = NULL;
+        body->block_bytes = body->springs_bytes = 0;
+        body->springs = NULL;
+        body->id = 0;
+    }
+}
+
 void scene_bodies_close(struct scene_bodies *bodies)
 {
+    scene_bodies_leave(bodies);
     for (uint32_t i = 0; i < bodies->count; i++) {
         dpt_compiled_free(&bodies->body[i].compiled);
         free(bodies->body[i].file_bytes);
-        free(bodies->body[i].block);
-        free(bodies->body[i].springs_block);
     }
     bodies->count = 0;
 }
@@ -212,14 +224,16 @@ static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body,
         row_of(body->pose.orientation, 1, row);
         springs.gravity[k] = -bodies->gravity * row[k];
     }
-    body->block = malloc(dpt_deform_bytes(&deform));
-    body->springs_block = malloc(dpt_springs_bytes(&springs));
+    body->block_bytes = dpt_deform_bytes(&deform);
+    body->springs_bytes = dpt_springs_bytes(&springs);
+    body->block = malloc(body->block_bytes);
+    body->springs_block = malloc(body->springs_bytes);
     if (!body->block || !body->springs_block)
         return DPT_E_MEMORY;
     const dpt_result result =
-        dpt_deform_add(world, body->block, dpt_deform_bytes(&deform), &deform, &body->id);
-    return result == DPT_OK ? dpt_springs_create(body->springs_block, dpt_springs_bytes(&springs),
-                                                 &springs, &body->springs)
+        dpt_deform_add(world, body->block, body->block_bytes, &deform, &body->id);
+    return result == DPT_OK ? dpt_springs_create(body->springs_block, body->springs_bytes, &springs,
+                                                 &body->springs)
                             : result;
 }
 

@@ -29,6 +29,7 @@ struct scene_body {
     /* Of one that gives way, in a world; else NULL. */
     dpt_springs *springs;
     void *block, *springs_block;
+    size_t block_bytes, springs_bytes;
     dpt_body id;
 };
 
@@ -67,6 +68,9 @@ int scene_bodies_displace(const struct scene_bodies *bodies);
 /* Add them to a world, with what the options say of bodies. */
 dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world,
                             const struct force_options *options);
+
+/* The world is gone: give back what they had in it. They may be added to another one, as they were at first. */
+void scene_bodies_leave(struct scene_bodies *bodies);
 
 /*
  * Refuse bodies that are too stiff for steps of dt, s: no step of theirs would succeed. `path` is the scene's. Returns 0, or

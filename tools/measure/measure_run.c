@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "measure/measure_run.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "clock.h"
+#include "measure/measure_check.h"
+#include "mesh_size.h"
+
+/* Of the diagonal: by how much distances may differ and be the same. */
+#define TOLERANCE 1e-9
+
+/* Pairs of a segment and a triangle that brute force looks at in about a second. */
+#define CHECKED_PAIRS 6e7
+
+/* A world with the scene's bodies and its tool. */
+struct stage {
+    void *block;
+    dpt_world *world;
+    dpt_tool id;
+    struct scene_bodies
+        bodies; /* the scene's, with what the setting changes; memory in the world is their own */
+    struct scene_physics *physics;
+    struct measure_tool tool;
+    struct measure_brute brute;
+};
+
+static void change_bodies(struct scene_bodies *bodies, const struct measure_setting *setting)
+{
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        struct scene_body *body = &bodies->body[i];
+        if (setting->rigid >> i & 1)
+            body->is_rigid = 1;
+        if (setting->integrator >= 0)
+            body->integrator = (uint32_t)setting->integrator;
+        if (setting->iterations)
+            body->iterations = setting->iterations;
+        if (!isnan(setting->sleep_speed))
+            body->sleep_speed = setting->sleep_speed > 0.0 ? setting->sleep_speed : -1.0;
+    }
+}
+
+static int has_soft(const struct scene_bodies *bodies)
+{
+    int is_soft = 0;
+    for (uint32_t i = 0; i < bodies->count; i++)
+        is_soft |= scene_body_is_soft(&bodies->body[i]);
+    return is_soft;
+}
+
+static dpt_result add_tool(struct stage *stage, const struct scene *scene,
+                           const struct force_options *force)
+{
+    dpt_tip tips[TIP_SHAPES_MAX];
+    for (uint32_t i = 0; i < scene->tips.count; i++)
+        tips[i] = (dpt_tip){ .size = sizeof tips[i], .hull = scene->hulls[i] };
+    dpt_result result =
+        dpt_tool_add(stage->world, scene->segments, scene->segment_count, &stage->id);
+    if (result == DPT_OK)
+        result = force_options_set_tool(force, stage->world, stage->id, 0);
+    if (result == DPT_OK && scene->tips.count)
+        result = dpt_tool_set_tips(stage->world, stage->id, tips, scene->tips.count);
+    return result;
+}
+
+/* Physics apart from the ticks: before the bodies are added. Returns 0, or 2 after a message. */
+static int choose_physics(struct stage *stage, const struct measure_run *run,
+                          const struct scene *scene)
+{
+    const double rate = run->setting.physics;
+    if (!(rate > 0.0) || !has_soft(&stage->bodies))
+        return 0;
+    return scene_physics_choose(&stage->bodies, scene->command, "the scene", rate) ||
+                   scene_physics_check_loop(scene->command, rate, 1.0 / run->setting.dt)
+               ? 2
+               : 0;
+}
+
+/* Returns 0, or 2 after a message. */
+static int stage_open(struct stage *stage, struct measure_run *run, const struct scene *scene)
+{
+    const struct measure_setting *setting = &run->setting;
+    const struct force_options force = { .law = setting->world.law,
+                                         .stiffness = setting->world.stiffness,
+                                         .friction = setting->friction,
+                                         .damping = setting->damping };
+    const dpt_baseline_def baseline = { .size = sizeof baseline,
+                                        .parts = setting->parts,
+                                        .one_step = setting->one_step };
+    dpt_world_def def = setting->world;
+    memset(stage, 0, sizeof *stage);
+    stage->bodies = scene->bodies;
+    change_bodies(&stage->bodies, setting);
+    measure_tool_begin(&stage->tool, scene);
+    def.max_bodies = scene->bodies.count;
+    def.max_tools = 1;
+    def.max_segments = scene->segment_count;
+    def.max_tips = scene->tips.count;
+    def.baseline = &baseline;
+    if (choose_physics(stage, run, scene))
+        return 2;
+    run->world_bytes = dpt_world_bytes(&def);
+    stage->block = malloc(run->world_bytes ? run->world_bytes : 1);
+    dpt_result result = stage->block
+                            ? dpt_world_create(stage->block, run->world_bytes, &def, &stage->world)
+                            : DPT_E_MEMORY;
+    if (result == DPT_OK)
+        result = scene_bodies_add(&stage->bodies, stage->world, &force);
+    if (result == DPT_OK && setting->physics > 0.0 && has_soft(&stage->bodies))
+        result = scene_physics_open(&stage->physics, &stage->bodies, setting->physics);
+    if (result == DPT_OK)
+        result = add_tool(stage, scene, &force);
+    return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
+}
+
+static void stage_close(struct stage *stage)
+{
+    measure_brute_close(&stage->brute);
+    scene_physics_close(stage->physics);
+    free(stage->block);
+    scene_bodies_leave(&stage->bodies);
+}
+
+static uint32_t ns_since(uint64_t begin)
+{
+    const uint64_t ns = clock_now() - begin;
+    return ns < UINT32_MAX ? (uint32_t)ns : UINT32_MAX;
+}
+
+static void read_answers(const struct stage *stage, const dpt_step *step, struct measure_tick *tick)
+{
+    dpt_hit hit = DPT_HIT_INIT;
+    dpt_force_report force = { .size = sizeof force };
+    dpt_tool_get_hit(stage->world, stage->id, &hit);
+    dpt_tool_get_force_report(stage->world, stage->id, &force);
+    tick->distance = hit.distance;
+    tick->gap = hit.flags & DPT_HIT_FLAG_GAP ? hit.gap : NAN;
+    measure_tool_weigh(&stage->tool, &force.wrench, tick->wrench);
+    tick->lag = force.lag;
+    tick->work = step->work;
+    tick->status = (uint8_t)hit.status;
+    tick->contact = (uint8_t)hit.contact;
+    tick->hit_flags = (uint8_t)hit.flags;
+    tick->force_reason = (uint8_t)force.reason;
+    tick->force_flags = (uint8_t)force.flags;
+    tick->is_jump = (uint8_t)stage->tool.is_jump;
+    tick->contacts = (uint16_t)(step->contacts < UINT16_MAX ? step->contacts : UINT16_MAX);
+}
+
+static dpt_result check(struct stage *stage, struct measure_run *run, size_t row)
+{
+    struct measure_check *check = &run->check;
+    double error;
+    if (!check->every || row % check->every)
+        return DPT_OK;
+    dpt_result result =
+        row ? DPT_OK : measure_brute_open(&stage->brute, &stage->bodies, &stage->tool);
+    if (result == DPT_OK)
+        result = measure_brute_compare(&stage->brute, &stage->bodies, &stage->tool, stage->world,
+                                       stage->id, &error);
+    if (result != DPT_OK)
+        return result;
+    check->ticks++;
+    check->wrong += error <= check->tolerance ? 0 : 1;
+    check->error = fmax(check->error, error);
+    return DPT_OK;
+}
+
+/* A step of the world and of what gives way, and what both took. */
+static dpt_result step(struct stage *stage, struct measure_run *run, size_t row, int is_first)
+{
+    const double dt = run->setting.dt;
+    struct measure_tick *tick = &run->tick[row];
+    dpt_step told = { .size = sizeof told };
+    uint64_t begin = clock_now();
+    dpt_result result =
+        stage->physics ? scene_physics_begin_tick(stage->physics, stage->world) : DPT_OK;
+    if (result == DPT_OK)
+        result = dpt_world_step(stage->world, dt, &told);
+    const uint32_t ns = ns_since(begin);
+    if (result != DPT_OK)
+        return result;
+    if (is_first) {
+        read_answers(stage, &told, tick);
+        result = check(stage, run, row);
+    }
+    begin = clock_now();
+    if (result == DPT_OK)
+        result = stage->physics ? scene_physics_end_tick(stage->physics, stage->world, dt)
+                                : scene_bodies_step(&stage->bodies, stage->world, dt);
+    const uint32_t soft_ns = stage->bodies.steps || stage->physics ? ns_since(begin) : 0;
+    tick->ns = is_first || ns < tick->ns ? ns : tick->ns;
+    tick->soft_ns = is_first || soft_ns < tick->soft_ns ? soft_ns : tick->soft_ns;
+    return result;
+}
+
+static void run_pass(struct stage *stage, struct measure_run *run, const struct csv_table *trace,
+                     const struct measure_effort *effort, uint32_t pass)
+{
+    for (size_t row = 0; row < run->ticks; row++) {
+        const double done = ((double)pass + (double)row / (double)run->ticks) / effort->passes;
+        if (effort->meter && row % 64 == 0)
+            meter_show(effort->meter, effort->name,
+                       effort->begin + done * (effort->end - effort->begin));
+        measure_tool_lead(&stage->tool, trace, row);
+        dpt_result result = measure_tool_move(&stage->tool, stage->world, stage->id);
+        if (result == DPT_OK)
+            result = step(stage, run, row, pass == 0);
+        if (result == DPT_OK)
+            continue;
+        run->failure = result;
+        run->failed_tick = row;
+        memset(run->tick + row, 0, (run->ticks - row) * sizeof *run->tick);
+        return;
+    }
+}
+
+static void note_memory(const struct stage *stage, struct measure_run *run)
+{
+    run->body_bytes = run->mesh_bytes = 0;
+    for (uint32_t i = 0; i < stage->bodies.count; i++) {
+        const struct scene_body *body = &stage->bodies.body[i];
+        dpt_mesh_info info = { .size = sizeof info };
+        dpt_mesh_get_info(body->mesh, &info);
+        run->mesh_bytes += info.bytes;
+        run->body_bytes += body->block_bytes + body->springs_bytes;
+        run->diagonal = fmax(run->diagonal, box_diagonal(&info));
+    }
+    run->check.tolerance = TOLERANCE * run->diagonal;
+    run->kernel = dpt_world_get_kernel(stage->world);
+}
+
+int measure_run(struct measure_run *run, const struct scene *scene, const struct csv_table *trace,
+                const struct measure_setting *setting, const struct measure_effort *effort)
+{
+    const char *fault = measure_setting_fault(setting, scene);
+    memset(run, 0, sizeof *run);
+    run->setting = *setting;
+    run->setting.world.baseline = NULL;
+    /* Where a tool moves triangles out of its way, they lie elsewhere after the step than it found them. */
+    run->check.every = scene_bodies_displace(&scene->bodies) ? 0 : effort->every;
+    run->usage.size = sizeof run->usage;
+    if (fault)
+        return complain(scene->command, "%s", fault);
+    struct stage *stage = calloc(1, sizeof *stage);
+    run->tick = calloc(trace->rows, sizeof *run->tick);
+    run->ticks = trace->rows;
+    int status = stage && run->tick ? 0 : complain(scene->command, "memory ran out");
+    for (uint32_t pass = 0; status == 0 && pass < effort->passes; pass++) {
+        status = stage_open(stage, run, scene);
+        if (status == 0) {
+            note_memory(stage, run);
+            run_pass(stage, run, trace, effort, pass);
+            dpt_world_get_usage(stage->world, &run->usage);
+        }
+        stage_close(stage);
+        if (run->failure != DPT_OK)
+            break;
+    }
+    free(stage);
+    return status;
+}
+
+void measure_run_free(struct measure_run *run)
+{
+    free(run->tick);
+    run->tick = NULL;
+    run->ticks = 0;
+}
+
+size_t measure_check_every(const struct scene *scene, const struct csv_table *trace)
+{
+    double triangles = 0.0;
+    for (uint32_t i = 0; i < scene->bodies.count; i++) {
+        dpt_mesh_info info = { .size = sizeof info };
+        dpt_mesh_get_info(scene->bodies.body[i].mesh, &info);
+        triangles += info.triangles;
+    }
+    const double every =
+        ceil(triangles * scene->segment_count * (double)trace->rows / CHECKED_PAIRS);
+    return (size_t)fmax(1.0, fmin(every, (double)trace->rows));
+}
+
+double measure_wrench_size(const double wrench[6])
+{
+    double square = 0.0;
+    for (int k = 0; k < 6; k++)
+        square += wrench[k] * wrench[k];
+    return sqrt(square);
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A setting over a scene and a trace: what the tool was told in every tick, and what that cost.
+ *
+ *     struct measure_setting setting;
+ *     struct measure_run run;
+ *     measure_setting_init(&setting, &scene);          a scene that scene_open opened; it needs no world
+ *     setting.world.budget = 800;
+ *     status = measure_run(&run, &scene, &trace, &setting, &(struct measure_effort){ .passes = 3 });
+ *     ... run.tick[i], run.work ...
+ *     measure_run_free(&run);
+ *
+ * The same arguments give the same answers, bit for bit, in every pass and on every machine; only times differ.
+ */
+#ifndef DPT_TOOLS_MEASURE_RUN_H
+#define DPT_TOOLS_MEASURE_RUN_H
+
+#include "command_options.h"
+#include "measure/measure_setting.h"
+#include "trace.h"
+
+/* What a tick told. Answers are those of dpt_hit and dpt_force_report after its step; a stale one counts for nothing. */
+struct measure_tick {
+    double distance; /* of the device's axis, m */
+    double
+        gap; /* of its surface, m; NAN where it is not known, as under a proxy that is held back */
+    /* N: the force, and the torque about the tool's centre over rho: |W| is its length. Zeros without a response. */
+    double wrench[6];
+    double lag;       /* of the proxy, m */
+    uint32_t work;    /* units of the whole step */
+    uint32_t ns;      /* of the step alone; the least of all passes */
+    uint32_t soft_ns; /* of physics behind it, likewise; 0 where nothing gives way */
+    uint8_t status;   /* DPT_STATUS_... */
+    uint8_t contact;  /* DPT_CONTACT_... */
+    uint8_t hit_flags, force_reason, force_flags;
+    uint8_t is_jump;   /* the trace jumps to this tick */
+    uint16_t contacts; /* 65535: so many, or more */
+};
+
+/* Distances against brute force in double, over the triangles as they lie in that tick, by another world. */
+struct measure_check {
+    size_t every; /* that many ticks; 0: nothing was checked */
+    size_t ticks, wrong;
+    double tolerance, error; /* m: beyond the first an answer is wrong; the largest of all */
+};
+
+struct measure_run {
+    struct measure_setting setting;
+    struct measure_tick *tick;
+    size_t ticks;
+    /* Not DPT_OK: this tick failed, as physics does that is too stiff, and it and all that follow are stale. */
+    dpt_result failure;
+    size_t failed_tick;
+    size_t world_bytes;
+    size_t body_bytes;     /* of what gives way: shape and physics */
+    size_t mesh_bytes;     /* of all meshes, used in place */
+    dpt_world_usage usage; /* for capacities */
+    uint32_t kernel;       /* DPT_KERNEL_... */
+    double diagonal;       /* of the largest mesh's box, m */
+    struct measure_check check;
+};
+
+/* How much to spend on a run. */
+struct measure_effort {
+    uint32_t passes; /* times are the least of so many; at least 1 */
+    size_t every;    /* check each so manieth tick by brute force; 0: none */
+    /* Progress on a terminal, from `begin` to `end` of all, 0..1, under this name; NULL: none. */
+    struct meter *meter;
+    const char *name;
+    double begin, end;
+};
+
+/*
+ * Returns 0, or 2 after a message: memory ran out, or the scene cannot be felt like that (measure_setting_fault). Free the
+ * run also then.
+ */
+int measure_run(struct measure_run *run, const struct scene *scene, const struct csv_table *trace,
+                const struct measure_setting *setting, const struct measure_effort *effort);
+void measure_run_free(struct measure_run *run);
+
+/* An `every` for which brute force on a trace of this scene takes about a second. */
+size_t measure_check_every(const struct scene *scene, const struct csv_table *trace);
+
+/* |W| of a wrench as it is told above, N. */
+double measure_wrench_size(const double wrench[6]);
+
+#endif
