@@ -123,15 +123,15 @@ static void print_json(const struct replay_plan_options *options, const struct v
     printf("{\"plan\":");
     json_write_text(stdout, options->plan);
     printf(",\"ticks\":%" PRIu64 ",\"failed\":%" PRIu64
-           ",\"distance_error\":%.17g,\"force_error\":%.17g,\"near_folds\":%" PRIu64
-           ",\"unknown\":%" PRIu64 ",\"contacts\":%" PRIu32 ",\"strip\":%" PRIu32
-           ",\"work\":%" PRIu32 ",\"work_p999\":%.17g,\"work_total\":%" PRIu64
+           ",\"distance_error\":%.17g,\"force_error\":%.17g,\"felt\":%" PRIu64
+           ",\"near_folds\":%" PRIu64 ",\"unknown\":%" PRIu64 ",\"contacts\":%" PRIu32
+           ",\"strip\":%" PRIu32 ",\"work\":%" PRIu32 ",\"work_p999\":%.17g,\"work_total\":%" PRIu64
            ",\"time_median\":%.17g,\"time_p999\":%.17g,\"bytes\":%" PRIu64
            ",\"speed\":%.17g,\"speed_limit\":%.17g",
            figures->ticks, figures->failed, figures->distance_error, figures->force_error,
-           figures->near_folds, figures->unknown, figures->contacts, figures->strip, figures->work,
-           figures->work_p999, figures->work_total, figures->time_median, figures->time_p999,
-           figures->bytes, verdict->speed, verdict->speed_limit);
+           figures->felt, figures->near_folds, figures->unknown, figures->contacts, figures->strip,
+           figures->work, figures->work_p999, figures->work_total, figures->time_median,
+           figures->time_p999, figures->bytes, verdict->speed, verdict->speed_limit);
     if (options->check)
         printf(",\"broken\":\"%s\"", plan_bound_words[verdict->broken]);
     printf(",\"times_count\":%s}\n", verdict->not_measured ? "false" : "true");

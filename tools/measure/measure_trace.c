@@ -24,6 +24,7 @@ int measure_trace_make(struct csv_table *trace, const struct scene *scene,
         return complain(scene->command, "memory ran out");
     trace->rows = def->ticks;
     trace_hand_begin(&hand, body->mesh, def->seed, def->length, def->band, def->speed);
+    hand.stands = def->stands;
     for (size_t i = 0; i < trace->rows; i++) {
         double *row = trace->values + COLUMNS * i, ends[6];
         trace_hand_move(&hand, ends);

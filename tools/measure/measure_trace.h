@@ -12,6 +12,7 @@ struct measure_hand {
     uint64_t seed;
     size_t ticks;               /* at least 1; 1 ms each */
     double length, band, speed; /* as for trace_hand_begin; 0: its defaults, for the body's size */
+    int stands;                 /* the tool stands on its tip */
 };
 
 /*

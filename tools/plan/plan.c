@@ -104,6 +104,7 @@ void plan_figures_join(struct plan_figures *figures, const struct plan_figures *
 {
     figures->ticks += other->ticks;
     figures->failed += other->failed;
+    figures->felt += other->felt;
     figures->near_folds += other->near_folds;
     figures->unknown += other->unknown;
     figures->work_total += other->work_total;

@@ -65,6 +65,7 @@ struct plan_figures {
     uint64_t ticks;
     uint64_t failed; /* ticks from the first step that failed on */
     double distance_error, force_error;
+    uint64_t felt;       /* ticks with a force, of this setting or the richest, that are judged */
     uint64_t near_folds; /* ticks that are not in the force error, as they are within 5 of a fold */
     uint64_t unknown;    /* ticks that are not decided, where the richest setting is */
     uint32_t contacts, strip, work;           /* the most in one tick */

@@ -15,6 +15,7 @@ static void figures_of(struct plan_figures *figures, const struct judgement *jud
         .failed = run->failure == DPT_OK ? 0 : run->ticks - run->failed_tick,
         .distance_error = judgement->distance_error,
         .force_error = judgement->has_wrench ? judgement->wrench.max : bench->wrench_peak,
+        .felt = judgement->wrench_ticks,
         .near_folds = judgement->near_fold_ticks,
         .unknown = undecided > bench->unknown ? undecided - bench->unknown : 0,
         .contacts = run->usage.contacts,

@@ -53,13 +53,14 @@ static void write_figures(FILE *file, const char *indent, const struct plan_figu
 {
     fprintf(file,
             "{ \"ticks\": %" PRIu64 ", \"failed\": %" PRIu64
-            ", \"distance_error\": %.17g, \"force_error\": %.17g,\n%s  \"near_folds\": %" PRIu64
-            ", \"unknown\": %" PRIu64 ", \"contacts\": %" PRIu32 ", \"strip\": %" PRIu32
-            ", \"work\": %" PRIu32 ", \"work_p999\": %.17g,\n%s  \"work_total\": %" PRIu64
+            ", \"distance_error\": %.17g, \"force_error\": %.17g,\n%s  \"felt\": %" PRIu64
+            ", \"near_folds\": %" PRIu64 ", \"unknown\": %" PRIu64 ", \"contacts\": %" PRIu32
+            ", \"strip\": %" PRIu32 ", \"work\": %" PRIu32
+            ", \"work_p999\": %.17g,\n%s  \"work_total\": %" PRIu64
             ", \"time_median\": %.17g, \"time_p999\": %.17g, \"bytes\": %" PRIu64 " }",
             figures->ticks, figures->failed, figures->distance_error, figures->force_error, indent,
-            figures->near_folds, figures->unknown, figures->contacts, figures->strip, figures->work,
-            figures->work_p999, indent, figures->work_total, figures->time_median,
+            figures->felt, figures->near_folds, figures->unknown, figures->contacts, figures->strip,
+            figures->work, figures->work_p999, indent, figures->work_total, figures->time_median,
             figures->time_p999, figures->bytes);
 }
 

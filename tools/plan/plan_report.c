@@ -25,7 +25,7 @@ void plan_report_figures(FILE *file, const char *what, const struct plan_figures
             figures->bytes);
 }
 
-static void report_asked(FILE *file, const struct plan *plan)
+static void report_asked(FILE *file, const struct plan *plan, const struct plan_figures *richest)
 {
     fprintf(file, "  asked for: distances within %g mm", 1e3 * plan->asked.error);
     if (plan->asked.force_error < INFINITY)
@@ -42,8 +42,12 @@ static void report_asked(FILE *file, const struct plan *plan)
         fprintf(file, "a made trace, seed %" PRIu64, plan->motion.seed);
     fprintf(file,
             ", up to %.3g m/s: the first half to choose by,\n  the second and that one backwards "
-            "%g times as fast to verify\n",
-            plan->motion.speed, PLAN_SPEED_FACTOR);
+            "%g times as fast%s to verify\n",
+            plan->motion.speed, PLAN_SPEED_FACTOR,
+            plan->motion.file ? "" : ", and two of other seeds");
+    if (plan->asked.force_error < INFINITY)
+        fprintf(file, "  a force is felt in %" PRIu64 " of %" PRIu64 " ticks there\n",
+                richest->felt, richest->ticks);
 }
 
 static void report_coupling(FILE *file, const struct plan *plan)
@@ -108,7 +112,7 @@ void plan_report(FILE *file, const struct plan *plan, const struct plan_search *
     char what[120];
     fprintf(file, "%s, law %s, at %g Hz\n", plan->scene, law_name(plan->setting.world.law),
             plan->asked.rate);
-    report_asked(file, plan);
+    report_asked(file, plan, &search->richest);
     report_knobs(file, plan, search, scene);
     plan_report_head(file);
     plan_report_figures(file, "chosen", &plan->figures);

@@ -23,6 +23,7 @@ struct climb {
     const struct plan_asked *asked;
     const struct scene *scene;
     struct measure_setting setting;
+    int is_richest;              /* everything was given back */
     struct plan_figures figures; /* of it, on the first half */
     struct taken taken[TAKEN_MAX];
     size_t taken_count;
@@ -167,8 +168,13 @@ static int find_fault(struct climb *climb, const struct plan_neighbour *tried)
             break;
         }
     }
-    if (last == climb->taken_count)
-        return 1;
+    if (last == climb->taken_count) {
+        /* Capacities, too. */
+        const int was_richest = climb->is_richest;
+        climb->setting = plan_richest(&tried->setting, climb->scene);
+        climb->is_richest = 1;
+        return was_richest;
+    }
     give_back(climb, last, tried);
     return 0;
 }
@@ -325,6 +331,9 @@ int plan_search(struct plan_search *search, struct plan *plan, const struct scen
     memset(search, 0, sizeof *search);
     int status = open_benches(search, plan, scene, whole);
     climb.figures = search->bench[PLAN_FIRST_HALF].richest;
+    if (status == 0 && plan->asked.force_error < INFINITY && !climb.figures.felt)
+        status = complain(scene->command, "no tick in the first half of the trace feels a force: "
+                                          "--force-error needs another one (--trace, --seed)");
     if (status == 0)
         status = climb_down(&climb);
     if (status == 0)

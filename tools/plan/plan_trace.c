@@ -51,6 +51,16 @@ static int slide(struct csv_table *trace, const struct scene *scene,
     return status;
 }
 
+/* m: how far the tool reaches from the point that is led; 0: not at all. */
+static double reach_of(const struct scene *scene)
+{
+    double reach = scene->has_stylus ? scene->length : 0.0;
+    for (uint32_t i = 0; !scene->has_stylus && i < scene->segment_count; i++)
+        reach = fmax(reach, fmax(length(vec3_of(scene->segments[i].a)),
+                                 length(vec3_of(scene->segments[i].b))));
+    return reach;
+}
+
 int plan_trace_make(struct csv_table *trace, const struct scene *scene, uint64_t seed,
                     uint64_t ticks, double rate, double speed)
 {
@@ -65,8 +75,9 @@ int plan_trace_make(struct csv_table *trace, const struct scene *scene, uint64_t
         const struct measure_hand hand = { .body = i % scene->bodies.count,
                                            .seed = seed + (uint64_t)i * STRETCH_SEED,
                                            .ticks = (size_t)(to - from),
-                                           .length = scene->has_stylus ? scene->length : 0.0,
-                                           .speed = speed };
+                                           .length = reach_of(scene),
+                                           .speed = speed,
+                                           .stands = !scene->has_stylus };
         status = slide(&slow, scene, &hand);
     }
     /* The hand moves at its own speed, whatever the rate. */

@@ -8,7 +8,8 @@
 
 /*
  * Let a hand (measure_trace.h) slide the tool over the scene: over each body in turn, and over each once more, so that both
- * halves meet all of them. Where it goes on to the next one, the motion jumps. Bodies count as they lie at first.
+ * halves meet all of them. Where it goes on to the next one, the motion jumps. Bodies count as they lie at first. A stylus
+ * lies on the surface, and any other tool stands on its tip.
  *   ticks   at the rate, Hz; at least 4 a body
  *   speed   mean over the surface, m/s; 0: as it scales it
  *

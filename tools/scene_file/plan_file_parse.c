@@ -144,16 +144,17 @@ static void take_setting(struct json_reader *reader, const struct json_value *ob
 static void take_figures(struct json_reader *reader, const struct json_value *object,
                          const char *key, struct plan_figures *figures)
 {
-    static const char *const keys[] = { "ticks",       "failed",     "distance_error",
-                                        "force_error", "near_folds", "unknown",
-                                        "contacts",    "strip",      "work",
-                                        "work_p999",   "work_total", "time_median",
-                                        "time_p999",   "bytes",      NULL };
+    static const char *const keys[] = {
+        "ticks",       "failed",    "distance_error", "force_error", "felt",      "near_folds",
+        "unknown",     "contacts",  "strip",          "work",        "work_p999", "work_total",
+        "time_median", "time_p999", "bytes",          NULL
+    };
     const struct json_value at = json_member(object, key);
     if (!json_check_object(reader, &at, keys))
         return;
     json_take_count(reader, &at, "ticks", 0, INT64_MAX, &figures->ticks);
     json_take_count(reader, &at, "failed", 0, INT64_MAX, &figures->failed);
+    json_take_count(reader, &at, "felt", 0, INT64_MAX, &figures->felt);
     json_take_count(reader, &at, "near_folds", 0, INT64_MAX, &figures->near_folds);
     json_take_count(reader, &at, "unknown", 0, INT64_MAX, &figures->unknown);
     json_take_count(reader, &at, "work_total", 0, INT64_MAX, &figures->work_total);
