@@ -15,8 +15,11 @@
 /* Of a period: what 999 ticks of 1000 may take. */
 #define PLAN_TIME_SHARE 0.5
 
-/* What was seen counts so many times for a capacity, a budget, and units at 99.9 %. */
+/* What was seen counts so many times for a capacity. */
 #define PLAN_HEADROOM 1.5
+
+/* And for a budget: so much larger may the largest tick of another trace be (docs/plan.md). It costs only that tick. */
+#define PLAN_BUDGET_HEADROOM 3.0
 
 /* From a budget that breaks a bound to the next one. */
 #define PLAN_BUDGET_RAISE 1.4142135623730951

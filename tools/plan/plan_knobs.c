@@ -13,9 +13,14 @@
 /* Iterations of an implicit step where neither the setting nor the scene says how many. */
 #define ITERATIONS_USUAL 2
 
+uint32_t plan_times(double seen, double factor)
+{
+    return (uint32_t)fmin(ceil(factor * seen), (double)UINT32_MAX);
+}
+
 uint32_t plan_with_headroom(double seen)
 {
-    return (uint32_t)fmin(ceil(PLAN_HEADROOM * seen), (double)UINT32_MAX);
+    return plan_times(seen, PLAN_HEADROOM);
 }
 
 /* Contacts are told on the way to a force; nobody asked for them alone. */

@@ -50,6 +50,19 @@ static void report_asked(FILE *file, const struct plan *plan, const struct plan_
                 richest->felt, richest->ticks);
 }
 
+static void report_margin(FILE *file, const struct plan *plan)
+{
+    const double margin = plan->setting.world.margin;
+    fprintf(file, "  %-20s %-12.3g ", "margin, mm", 1e3 * margin);
+    if (plan->thinnest > 0.0 && 3.0 * margin >= plan->thinnest * (1.0 - 1e-9))
+        fprintf(file, "a third of the thinnest wall, %.3g mm; motion asks for more\n",
+                1e3 * plan->thinnest);
+    else
+        fprintf(file, "a tick at %g times the speed%s%s\n", PLAN_SPEED_FACTOR,
+                plan->quantum > 0.0 ? ", and a step of the device" : "",
+                plan->thinnest > 0.0 ? "; below a third of the thinnest wall" : "");
+}
+
 static void report_coupling(FILE *file, const struct plan *plan)
 {
     fprintf(file, "  %-20s %-12g ", "stiffness, N/m", plan->setting.world.stiffness);
@@ -97,12 +110,7 @@ static void report_knobs(FILE *file, const struct plan *plan, const struct plan_
             fprintf(file, "\n");
         }
     }
-    fprintf(file, "  %-20s %-12.3g a tick of the fastest motion%s", "margin, mm",
-            1e3 * plan->setting.world.margin,
-            plan->quantum > 0.0 ? ", and a step of the device" : "");
-    if (plan->thinnest > 0.0)
-        fprintf(file, "; below a third of the thinnest wall, %.3g mm", 1e3 * plan->thinnest);
-    fprintf(file, "\n");
+    report_margin(file, plan);
     report_coupling(file, plan);
 }
 

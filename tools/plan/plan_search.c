@@ -245,7 +245,7 @@ static int time_it(const struct climb *climb, struct plan *plan, struct plan_tex
 /* What held is what was seen: others may need more. */
 static void leave_headroom(dpt_world_def *world)
 {
-    world->budget = plan_with_headroom(world->budget);
+    world->budget = plan_times(world->budget, PLAN_BUDGET_HEADROOM);
     world->certificate_bytes = (uint64_t)(PLAN_HEADROOM * (double)world->certificate_bytes);
 }
 
