@@ -112,7 +112,7 @@ endif
 NODE ?= node
 VIEW_PAGE_HERE = $(if $(and $(wildcard tools/view/make_page.js),$(wildcard build/view/node_modules/three/package.json),$(shell command -v $(NODE))),yes,no)
 VIEW_PAGE := $(or $(VIEW_PAGE),$(VIEW_PAGE_HERE))
-TOOLS := $(call objects,tools/*.c tools/measure/*.c tools/plan/*.c tools/plot/*.c tools/stability/*.c tools/view/*.c) $(SCENE_FILE) $(VIEW_SERVER)
+TOOLS := $(call objects,tools/*.c tools/chart/*.c tools/measure/*.c tools/plan/*.c tools/plot/*.c tools/stability/*.c tools/view/*.c) $(SCENE_FILE) $(VIEW_SERVER)
 # The other ends of a line, for `device simulate` and the tests: of the back ends that were chosen.
 SIMULATE := $(call objects,$(DRIVERS:%=tools/simulate/simulate_%.c)) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf) $(if $(CONVEX_PARTS),$(B)/libdynpoint_convex)

@@ -21,6 +21,7 @@ int command_run(int argc, char **argv);
 int command_record(int argc, char **argv);
 int command_plan(int argc, char **argv);
 int command_plot(int argc, char **argv);
+int command_chart(int argc, char **argv);
 int command_force_test(int argc, char **argv);
 int command_stability(int argc, char **argv);
 int command_view(int argc, char **argv);

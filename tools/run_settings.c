@@ -184,19 +184,13 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
         { .name = "--control", .flag = &settings->view.control },
         { .name = "--json", .flag = &settings->json },
     };
-    *settings = (struct run_settings){ .scene = { .command = "run",
-                                                  .zoom = NAN,
-                                                  .force_scale = NAN,
-                                                  .clutch = -1,
-                                                  .length = NAN,
-                                                  .radius = NAN,
-                                                  .force = { .friction = NAN } },
-                                       .coupling = { .stiffness = NAN, .gain_margin = 1.5 },
+    *settings = (struct run_settings){ .coupling = { .stiffness = NAN, .gain_margin = 1.5 },
                                        .clutch = RUN_NO_NUMBER,
                                        .cpu = RUN_NO_NUMBER,
                                        .force_max = NAN,
                                        .seconds = HUGE_VAL,
                                        .budget = RUN_BUDGET_BY_RATE };
+    scene_def_init(&settings->scene, "run");
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help,
                                &settings->scene.path, 1, &operands);
     if (status >= 0)

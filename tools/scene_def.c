@@ -9,6 +9,17 @@
 #include "built_with.h"
 #include "command_options.h"
 
+void scene_def_init(struct scene_def *def, const char *command)
+{
+    *def = (struct scene_def){ .command = command,
+                               .zoom = NAN,
+                               .force_scale = NAN,
+                               .clutch = -1,
+                               .length = NAN,
+                               .radius = NAN,
+                               .force = { .friction = NAN } };
+}
+
 static int is_scene_file_name(const char *path)
 {
     static const char ending[] = ".json";

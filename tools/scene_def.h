@@ -33,6 +33,9 @@ struct scene_def {
     struct scene_file *file; /* of scene_def_read; NULL: the path is of no scene file */
 };
 
+/* A def in which nothing is given, of a command. */
+void scene_def_init(struct scene_def *def, const char *command);
+
 /*
  * Read the file if the path ends in .json. Returns 0, or 2 after a message; always 2 for such a path in a build without
  * jansson. Call scene_def_free also after a failure.

@@ -6,7 +6,7 @@
 
 help_and_version()
 {
-    for command in '' make compile info replay record run plan force-test 'make trace'; do
+    for command in '' make compile info replay record run plan chart force-test 'make trace'; do
         for option in --help --version; do
             # shellcheck disable=SC2086
             run $command $option
@@ -15,7 +15,7 @@ help_and_version()
             check "$command $option: $(cat stderr)" test ! -s stderr
         done
     done
-    for command in make compile info replay record 'make trace'; do
+    for command in make compile info replay record chart 'make trace'; do
         # shellcheck disable=SC2086
         run $command --help
         check "$command --help: whose?" grep -q "^usage:.*dynpoint $command" stdout

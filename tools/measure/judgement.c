@@ -25,6 +25,11 @@ static double soft_ns_of(const struct measure_tick *tick)
     return tick->soft_ns;
 }
 
+static double whole_ns_of(const struct measure_tick *tick)
+{
+    return ns_of(tick) + soft_ns_of(tick);
+}
+
 static int crosses(const struct measure_tick *tick)
 {
     return tick->status != DPT_STATUS_STALE && tick->distance == 0.0;
@@ -35,7 +40,7 @@ static double crossing_ns_of(const struct measure_tick *tick)
     return crosses(tick) ? ns_of(tick) : NAN;
 }
 
-static struct judgement_spread spread_of(double *numbers, size_t count)
+struct judgement_spread judgement_spread_of(double *numbers, size_t count)
 {
     sort_numbers(numbers, count);
     return (struct judgement_spread){ .median = percentile(numbers, count, 0.5),
@@ -54,7 +59,7 @@ static struct judgement_spread spread_over(const struct measure_run *run, pick_n
         if (!isnan(number))
             room[(*count)++] = number;
     }
-    return spread_of(room, *count);
+    return judgement_spread_of(room, *count);
 }
 
 static int is_in_contact(const struct measure_tick *tick)
@@ -135,7 +140,7 @@ static void judge_wrenches(struct judgement *judgement, const struct measure_run
             judgement->wrench_tick = i;
         }
     }
-    judgement->wrench = spread_of(room, judgement->wrench_ticks);
+    judgement->wrench = judgement_spread_of(room, judgement->wrench_ticks);
 }
 
 /* Of the run alone. */
@@ -179,6 +184,7 @@ static void judge_cost(struct judgement *judgement, const struct measure_run *ru
     judgement->work = spread_over(run, work_of, room, &count);
     judgement->ns = spread_over(run, ns_of, room, &count);
     judgement->soft_ns = spread_over(run, soft_ns_of, room, &count);
+    judgement->whole_ns = spread_over(run, whole_ns_of, room, &count);
     judgement->crossing_ns = spread_over(run, crossing_ns_of, room, &judgement->crossings);
     judgement->first_ns = run->tick[0].ns;
     judgement->first_work = run->tick[0].work;

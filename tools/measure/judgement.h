@@ -57,6 +57,7 @@ struct judgement {
 
     struct judgement_spread work;        /* units */
     struct judgement_spread ns, soft_ns; /* the step, and physics behind it */
+    struct judgement_spread whole_ns;    /* both together */
     struct judgement_spread crossing_ns; /* the step where the axis crosses, as this run says */
     double first_ns, first_work;
     size_t crossings; /* of these ticks */
@@ -68,5 +69,8 @@ struct judgement {
  */
 int measure_judge(struct judgement *judgement, const struct measure_run *run,
                   const struct measure_run *reference);
+
+/* Sort numbers, and tell how they are spread. */
+struct judgement_spread judgement_spread_of(double *numbers, size_t count);
 
 #endif

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clock.h"
 #include "mesh_size.h"
 
 /* Its box is wider than the mesh's by this many diagonals: what gives way stays within. */
@@ -65,6 +66,16 @@ void measure_brute_close(struct measure_brute *brute)
         free(brute->body_block[i]);
 }
 
+static dpt_result search(struct measure_brute *brute)
+{
+    dpt_step step = { .size = sizeof step };
+    const uint64_t begin = clock_now();
+    const dpt_result result = dpt_world_step(brute->world, 1e-3, &step);
+    brute->ns = (uint32_t)(clock_now() - begin);
+    brute->work = step.work;
+    return result;
+}
+
 dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene_bodies *bodies,
                                  const struct measure_tool *tool, const dpt_world *world,
                                  dpt_tool id, double *error)
@@ -82,7 +93,7 @@ dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene
     if (result == DPT_OK)
         result = dpt_tool_set_segments(brute->world, brute->tool, tool->segments, brute->segments);
     if (result == DPT_OK)
-        result = dpt_world_step(brute->world, 1e-3, NULL);
+        result = search(brute);
     *error = 0.0;
     for (uint32_t i = 0; result == DPT_OK && i < brute->segments; i++) {
         dpt_hit hit = DPT_HIT_INIT, true_hit = DPT_HIT_INIT;

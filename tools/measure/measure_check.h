@@ -11,6 +11,7 @@ struct measure_brute {
     dpt_tool tool;
     uint32_t segments;
     uint32_t body_count;
+    uint32_t ns, work; /* of the last search */
     /* Of each body: its id, and its memory if it gives way. */
     dpt_body id[DPT_ARM_BODIES_MAX];
     void *body_block[DPT_ARM_BODIES_MAX];

@@ -42,6 +42,8 @@ struct measure_check {
     size_t every; /* that many ticks; 0: nothing was checked */
     size_t ticks, wrong;
     double tolerance, error; /* m: beyond the first an answer is wrong; the largest of all */
+    uint32_t *ns;            /* what brute force took for each of these ticks; the run's own */
+    uint32_t work;           /* its units in one of them, the most */
 };
 
 struct measure_run {

@@ -5,15 +5,12 @@
 #include <stdlib.h>
 
 #include "plot/plot_axis.h"
+#include "plot/svg_draw.h"
 #include "plot/svg_text.h"
 
 /* Pixels. */
 enum {
-    WIDTH = 760,
-    LEFT = 76,
-    RIGHT = 24,
-    TITLE_AT = 28, /* the title's line, and the first one of the legend */
-    LEGEND_AT = 52,
+    LEGEND_AT = 52, /* the first line of the legend */
     LEGEND_LINE = 20,
     SAMPLE = 30, /* of a line, in the legend */
     NAME = 24,   /* a panel's name */
@@ -21,7 +18,6 @@ enum {
     BELOW = 14, /* each panel */
     FOOT = 40
 };
-enum { TITLE_SIZE = 16, TEXT_SIZE = 13, LABEL_SIZE = 12 };
 enum { X_MARKS = 9, Y_MARKS = 4 };
 enum { COLUMN_POINTS = 8 }; /* a column with more of them is drawn in its middle */
 
@@ -35,40 +31,6 @@ static const struct {
 static int style_of(const struct plot_chart *chart, int series)
 {
     return series + PLOT_SERIES_MAX - chart->series_count;
-}
-
-/* With one decimal at most, whatever the locale. */
-static void write_pixel(FILE *file, double value)
-{
-    const long tenths = (long)floor(value * 10.0 + 0.5);
-    fprintf(file, "%s%ld", tenths < 0 ? "-" : "", labs(tenths) / 10);
-    if (tenths % 10)
-        fprintf(file, ".%ld", labs(tenths) % 10);
-}
-
-static void write_place(FILE *file, char command, double x, double y)
-{
-    fputc(command, file);
-    write_pixel(file, x);
-    fputc(' ', file);
-    write_pixel(file, y);
-}
-
-static void begin_text(FILE *file, double x, double y, int size, const char *anchor)
-{
-    fputs("<text x=\"", file);
-    write_pixel(file, x);
-    fputs("\" y=\"", file);
-    write_pixel(file, y);
-    fprintf(file, "\" font-size=\"%d\" text-anchor=\"%s\">", size, anchor);
-}
-
-static void write_text(FILE *file, double x, double y, int size, const char *anchor,
-                       const char *text)
-{
-    begin_text(file, x, y, size, anchor);
-    svg_write(file, text);
-    fputs("</text>\n", file);
 }
 
 /* A pen that draws one line. */
@@ -93,9 +55,9 @@ static void draw_to(struct pen *pen, double x, double y)
         return;
     if (pen->places && x == pen->at_x) {
         fputc('V', pen->file);
-        write_pixel(pen->file, y);
+        svg_pixel(pen->file, y);
     } else {
-        write_place(pen->file, pen->places ? 'L' : 'M', x, y);
+        svg_place(pen->file, pen->places ? 'L' : 'M', x, y);
     }
     pen->at_x = x;
     pen->at_y = y;
@@ -148,7 +110,7 @@ static void begin_stroke(FILE *file, const struct plot_chart *chart, int series)
             "<path fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\" "
             "stroke=\"%s\" stroke-width=\"",
             styles[style].colour);
-    write_pixel(file, styles[style].width);
+    svg_pixel(file, styles[style].width);
     fputs("\" d=\"", file);
 }
 
@@ -169,16 +131,16 @@ static void write_grid(FILE *file, const struct plot_axis *x, const struct plot_
 {
     fputs("<path stroke=\"#ddd\" d=\"", file);
     for (double i = x->first; i <= x->last; i++) {
-        write_place(file, 'M', plot_axis_at(x, i * x->step * x->scale), top);
+        svg_place(file, 'M', plot_axis_at(x, i * x->step * x->scale), top);
         fprintf(file, "v%d", PANEL);
     }
     for (double i = y->first; i <= y->last; i++) {
-        write_place(file, 'M', LEFT, plot_axis_at(y, i * y->step * y->scale));
-        fprintf(file, "H%d", WIDTH - RIGHT);
+        svg_place(file, 'M', SVG_LEFT, plot_axis_at(y, i * y->step * y->scale));
+        fprintf(file, "H%d", SVG_WIDTH - SVG_RIGHT);
     }
     fputs("\"/>\n<path stroke=\"#888\" d=\"", file);
-    write_place(file, 'M', LEFT, plot_axis_at(y, 0.0));
-    fprintf(file, "H%d\"/>\n", WIDTH - RIGHT);
+    svg_place(file, 'M', SVG_LEFT, plot_axis_at(y, 0.0));
+    fprintf(file, "H%d\"/>\n", SVG_WIDTH - SVG_RIGHT);
 }
 
 static void write_panel(FILE *file, const struct plot_chart *chart, const struct plot_panel *panel,
@@ -187,14 +149,14 @@ static void write_panel(FILE *file, const struct plot_chart *chart, const struct
     const struct plot_axis y = vertical_axis(panel, chart->series_count, top);
     char label[PLOT_LABEL_ROOM];
     fputs("<g class=\"panel\">\n", file);
-    begin_text(file, LEFT, top - 8, TEXT_SIZE, "start");
+    svg_begin_text(file, SVG_LEFT, top - 8, SVG_TEXT_SIZE, "start");
     svg_write(file, panel->name);
     fprintf(file, ", %s%s</text>\n", y.prefix, panel->unit);
     write_grid(file, x, &y, top);
     for (double i = y.first; i <= y.last; i++) {
         plot_axis_label(&y, i, label);
-        write_text(file, LEFT - 8, plot_axis_at(&y, i * y.step * y.scale) + 4, LABEL_SIZE, "end",
-                   label);
+        svg_text_at(file, SVG_LEFT - 8, plot_axis_at(&y, i * y.step * y.scale) + 4, SVG_LABEL_SIZE,
+                    "end", label);
     }
     for (int i = 0; i < chart->series_count; i++) {
         begin_stroke(file, chart, i);
@@ -211,10 +173,11 @@ static void write_x_axis(FILE *file, const struct plot_chart *chart, const struc
     fputs("<g class=\"x\">\n", file);
     for (double i = x->first; i <= x->last; i++) {
         plot_axis_label(x, i, label);
-        write_text(file, plot_axis_at(x, i * x->step * x->scale), bottom + 16, LABEL_SIZE, "middle",
-                   label);
+        svg_text_at(file, plot_axis_at(x, i * x->step * x->scale), bottom + 16, SVG_LABEL_SIZE,
+                    "middle", label);
     }
-    begin_text(file, (LEFT + WIDTH - RIGHT) / 2.0, bottom + 34, TEXT_SIZE, "middle");
+    svg_begin_text(file, (SVG_LEFT + SVG_WIDTH - SVG_RIGHT) / 2.0, bottom + 34, SVG_TEXT_SIZE,
+                   "middle");
     svg_write(file, chart->x_name);
     fprintf(file, ", %s%s</text>\n</g>\n", x->prefix, chart->x_unit);
 }
@@ -224,32 +187,16 @@ static void write_legend(FILE *file, const struct plot_chart *chart)
     for (int i = 0; i < chart->series_count; i++) {
         const struct plot_series *series = &chart->series[i];
         const double at = LEGEND_AT + i * LEGEND_LINE;
-        const double room =
-            WIDTH - RIGHT - LEFT - SAMPLE - 8 - svg_width(series->detail, TEXT_SIZE);
+        const double room = SVG_WIDTH - SVG_RIGHT - SVG_LEFT - SAMPLE - 8 -
+                            svg_width(series->detail, SVG_TEXT_SIZE);
         begin_stroke(file, chart, i);
-        write_place(file, 'M', LEFT, at - 4.5);
+        svg_place(file, 'M', SVG_LEFT, at - 4.5);
         fprintf(file, "h%d\"/>\n", SAMPLE);
-        begin_text(file, LEFT + SAMPLE + 8, at, TEXT_SIZE, "start");
-        svg_write_cut(file, series->name, room, TEXT_SIZE, 1);
+        svg_begin_text(file, SVG_LEFT + SAMPLE + 8, at, SVG_TEXT_SIZE, "start");
+        svg_write_cut(file, series->name, room, SVG_TEXT_SIZE, 1);
         svg_write(file, series->detail);
         fputs("</text>\n", file);
     }
-}
-
-static void write_head(FILE *file, const struct plot_chart *chart, int height)
-{
-    fprintf(file,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" "
-            "viewBox=\"0 0 %d %d\" role=\"img\" font-family=\"sans-serif\" fill=\"#222\">\n<title>",
-            WIDTH, height, WIDTH, height);
-    svg_write(file, chart->title);
-    fputs("</title>\n<desc>", file);
-    svg_write(file, chart->description);
-    fprintf(file, "</desc>\n<rect width=\"%d\" height=\"%d\" fill=\"#fff\"/>\n", WIDTH, height);
-    fprintf(file, "<text x=\"%d\" y=\"%d\" font-size=\"%d\" font-weight=\"bold\">", LEFT, TITLE_AT,
-            TITLE_SIZE);
-    svg_write_cut(file, chart->title, WIDTH - RIGHT - LEFT, TITLE_SIZE * 1.05, 0);
-    fputs("</text>\n", file);
 }
 
 void plot_chart_write(FILE *file, const struct plot_chart *chart)
@@ -257,11 +204,11 @@ void plot_chart_write(FILE *file, const struct plot_chart *chart)
     const int top = LEGEND_AT + (chart->series_count - 1) * LEGEND_LINE + 10;
     const int bottom = top + chart->panel_count * (NAME + PANEL + BELOW) - BELOW;
     const struct plot_axis x =
-        plot_axis_make(chart->x_low, chart->x_high, LEFT, WIDTH - RIGHT, X_MARKS, 0);
-    write_head(file, chart, bottom + FOOT);
+        plot_axis_make(chart->x_low, chart->x_high, SVG_LEFT, SVG_WIDTH - SVG_RIGHT, X_MARKS, 0);
+    svg_begin(file, bottom + FOOT, chart->title, chart->description);
     write_legend(file, chart);
     for (int i = 0; i < chart->panel_count; i++)
         write_panel(file, chart, &chart->panel[i], &x, top + i * (NAME + PANEL + BELOW) + NAME);
     write_x_axis(file, chart, &x, bottom);
-    fputs("</svg>\n", file);
+    svg_end(file);
 }

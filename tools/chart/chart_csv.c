@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chart/chart_csv.h"
+
+#include <inttypes.h>
+#include <math.h>
+
+#include "law_name.h"
+
+static const char *const methods[] = { "exact", "tree", "brute", "paper" };
+static const char *const parts[] = { "pair", "contact", "force" };
+
+/* A number, or nothing. */
+static void write_number(FILE *file, int is_there, double value)
+{
+    if (is_there)
+        fprintf(file, ",%.9g", value);
+    else
+        fputc(',', file);
+}
+
+static void write_spread(FILE *file, const struct judgement_spread *spread, double scale)
+{
+    fprintf(file, ",%.4g,%.4g,%.4g,%.4g", spread->median * scale, spread->p99 * scale,
+            spread->p999 * scale, spread->max * scale);
+}
+
+static void write_knobs(FILE *file, const struct chart_row *row)
+{
+    const dpt_world_def *world = &row->setting.world;
+    const int is_force = row->part == CHART_FORCE;
+    if (row->is_peer) {
+        fprintf(file, "%s,%s,peer,,,,,,,,", row->name, parts[row->part]);
+        return;
+    }
+    fprintf(file, "%s,%s,%s,%s,%s", row->name, parts[row->part], methods[world->method],
+            dpt_kernel_name(world->kernel == DPT_KERNEL_AUTO ? dpt_kernel_best() : world->kernel),
+            is_force ? law_name(world->law) : "");
+    write_number(file, world->method == DPT_METHOD_PAPER, row->setting.parts);
+    write_number(file, row->part != CHART_PAIR, world->max_contacts);
+    write_number(file, world->budget != 0, world->budget);
+    write_number(file, world->sweep_budget != 0, world->sweep_budget);
+    write_number(file, world->method == DPT_METHOD_EXACT, (double)world->certificate_bytes);
+    write_number(file, 1, row->setting.rigid ? 1.0 : 0.0);
+}
+
+static void write_row(FILE *file, const struct chart_row *row)
+{
+    const struct judgement *judged = &row->judged;
+    const int has_contact = judged->has_contact, has_wrench = judged->has_wrench;
+    write_knobs(file, row);
+    if (row->failure != DPT_OK) {
+        fprintf(file, ",%s\n", dpt_result_name(row->failure));
+        return;
+    }
+    fprintf(file, ",,%zu,%zu,%zu,%zu", judged->ticks, judged->exact, judged->bounded,
+            judged->local);
+    write_spread(file, &judged->ns, 1e-3);
+    fprintf(file, ",%.4g,%.4g,%.4g", judged->first_ns * 1e-3, judged->whole_ns.median * 1e-3,
+            judged->whole_ns.p99 * 1e-3);
+    write_number(file, !row->is_peer, judged->work.median);
+    write_number(file, !row->is_peer, judged->work.p99);
+    write_number(file, !row->is_peer, judged->work.max);
+    fprintf(file, ",%zu,%zu", judged->wrong, judged->missed_crossings);
+    write_number(file, !isnan(judged->distance_error), judged->distance_error);
+    write_number(file, has_contact, (double)judged->missed);
+    write_number(file, has_contact, (double)judged->invented);
+    write_number(file, has_contact, (double)judged->unknown);
+    write_number(file, has_wrench, judged->wrench.median);
+    write_number(file, has_wrench, judged->wrench.p99);
+    write_number(file, has_wrench, judged->wrench.p999);
+    write_number(file, has_wrench, judged->wrench.max);
+    write_number(file, has_wrench, judged->wrench_peak);
+    write_number(file, has_wrench, judged->jump);
+    write_number(file, has_wrench, judged->calm_jump);
+    write_number(file, has_wrench, (double)judged->folds);
+    write_number(file, !row->is_peer, (double)row->world_bytes);
+    write_number(file, !row->is_peer, (double)row->body_bytes);
+    fputc('\n', file);
+}
+
+static void write_head(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
+{
+    const struct measure_machine *machine = &head->machine;
+    const struct measure_check *check = &rows->truth.check;
+    fprintf(file, "# dynpoint chart %s: %zu ticks", head->scene, head->ticks);
+    if (head->trace)
+        fprintf(file, " of %s", head->trace);
+    else
+        fprintf(file, " of a trace that was made, seed %" PRIu64, head->seed);
+    fprintf(file, ", %.1f %% cross; times are the least of %u passes\n",
+            100.0 * (double)rows->truth.crossings / (double)head->ticks, (unsigned)head->passes);
+    fprintf(file, "# machine: %s, %s; %s; dynpoint %s, kernel %s\n", machine->processor,
+            machine->system, machine->compiler, machine->version, machine->kernel);
+    if (check->every)
+        fprintf(file,
+                "# truth: the exact method; brute force in double on every %zuth tick: %zu of %zu "
+                "wrong, largest difference %.3g m, beyond %.3g m is wrong\n",
+                check->every, check->wrong, check->ticks, check->error, check->tolerance);
+    else
+        fputs(
+            "# truth: the exact method; not held against brute force, as the tool moves triangles "
+            "in each step\n",
+            file);
+    for (uint32_t i = 0; i < head->body_count; i++) {
+        const struct chart_body *body = &head->body[i];
+        fprintf(file,
+                "# body %u: %u triangles, %" PRIu64
+                " bytes; compiled in %.3g ms, added in %.3g us; as one whose vertices move %zu "
+                "bytes more, refit and search %.3g us\n",
+                (unsigned)i, (unsigned)body->triangles, body->mesh_bytes, 1e3 * body->compile,
+                1e6 * body->add, body->deform_bytes, 1e6 * body->refit);
+    }
+    for (int i = 0; i < rows->count; i++)
+        if (rows->row[i].is_peer)
+            fprintf(file, "# peer %s: takes the mesh in in %.3g ms\n", rows->row[i].name,
+                    1e-6 * rows->row[i].build_ns);
+}
+
+void chart_csv_write(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
+{
+    write_head(file, head, rows);
+    fputs("name,part,method,kernel,law,parts,contacts,budget_units,sweep_units,cache_bytes,rigid,"
+          "failure,ticks,exact,"
+          "bounded,local,"
+          "median_us,p99_us,p999_us,max_us,first_us,whole_median_us,whole_p99_us,median_units,"
+          "p99_units,max_units,wrong,missed_crossings,distance_error_m,missed,invented,unknown,"
+          "wrench_median_N,wrench_p99_N,wrench_p999_N,wrench_max_N,wrench_peak_N,jump_N,"
+          "calm_jump_N,folds,world_bytes,body_bytes\n",
+          file);
+    for (int i = 0; i < rows->count; i++)
+        write_row(file, &rows->row[i]);
+}
+
+/* A count or a size, or a blank. */
+static void print_cell(FILE *file, int is_there, const char *format, double value)
+{
+    char text[32] = "";
+    if (is_there)
+        snprintf(text, sizeof text, format, value);
+    fprintf(file, " %8s", text);
+}
+
+void chart_table_print(FILE *file, const struct chart_rows *rows)
+{
+    fprintf(file, "  %-8s%-22s %8s %8s %8s %8s %8s %8s %8s %8s %8s %8s\n", "", "", "median",
+            "99 % us", "worst", "wrong", "error mm", "missed", "invented", "unknown", "error N",
+            "jump N");
+    for (int i = 0; i < rows->count; i++) {
+        const struct chart_row *row = &rows->row[i];
+        const struct judgement *judged = &row->judged;
+        const int is_new = i == 0 || row->part != rows->row[i - 1].part;
+        fprintf(file, "  %-8s%-22s", is_new ? parts[row->part] : "", row->name);
+        if (row->failure != DPT_OK) {
+            fprintf(file, " %s\n", dpt_result_text(row->failure));
+            continue;
+        }
+        fprintf(file, " %8.2f %8.2f %8.1f %8zu", 1e-3 * judged->ns.median, 1e-3 * judged->ns.p99,
+                1e-3 * judged->ns.max, judged->wrong);
+        print_cell(file, !isnan(judged->distance_error), "%.2g", 1e3 * judged->distance_error);
+        print_cell(file, judged->has_contact, "%.0f", (double)judged->missed);
+        print_cell(file, judged->has_contact, "%.0f", (double)judged->invented);
+        print_cell(file, judged->has_contact, "%.0f", (double)judged->unknown);
+        print_cell(file, judged->has_wrench, "%.2g", judged->wrench.max);
+        print_cell(file, judged->has_wrench, "%.3g", judged->jump);
+        fputc('\n', file);
+    }
+}

@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "chart/chart_rows.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "law_name.h"
+
+/* Of a step's sweeps, in the row that limits them. */
+enum { SWEEP_UNITS = 50 };
+
+/* Runs to judge by: of each law, and the one without a force. */
+enum { TRUTHS = 4, TRUTH_WITHOUT_FORCE = 3 };
+
+static struct chart_row *add_row(struct chart_rows *rows, const struct scene *scene,
+                                 enum chart_part part, const struct measure_setting *setting,
+                                 const char *name)
+{
+    static const uint32_t untils[] = { DPT_UNTIL_TRACK, DPT_UNTIL_CONTACT, DPT_UNTIL_RESPOND };
+    if (rows->count == CHART_ROWS_MAX)
+        return NULL;
+    struct chart_row *row = &rows->row[rows->count];
+    *row = (struct chart_row){ .part = part, .setting = *setting };
+    row->setting.world.until = untils[part];
+    if (measure_setting_fault(&row->setting, scene))
+        return NULL;
+    snprintf(row->name, sizeof row->name, "%s", name);
+    rows->count++;
+    return row;
+}
+
+static void add_budgets(struct chart_rows *rows, const struct scene *scene, enum chart_part part,
+                        const struct measure_setting *base, const char *name)
+{
+    static const uint32_t budgets[][3] = { { 8, 32, 0 }, { 0, 0, 0 }, { 400, 800, 1600 } };
+    for (int i = 0; i < 3; i++) {
+        struct measure_setting setting = *base;
+        char whole[CHART_NAME];
+        setting.world.budget = budgets[part][i];
+        snprintf(whole, sizeof whole, "%s at %u units", name, (unsigned)budgets[part][i]);
+        if (setting.world.budget)
+            add_row(rows, scene, part, &setting, whole);
+    }
+}
+
+static void add_papers(struct chart_rows *rows, const struct scene *scene, enum chart_part part,
+                       const struct measure_setting *base)
+{
+    static const uint32_t parts[] = { 1, 4, 16, 64 };
+    struct measure_setting setting = *base;
+    char name[CHART_NAME];
+    setting.world.method = DPT_METHOD_PAPER;
+    setting.world.law = DPT_LAW_POINT;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        setting.parts = parts[i];
+        snprintf(name, sizeof name, "paper in %u part%s", (unsigned)parts[i],
+                 parts[i] == 1 ? "" : "s");
+        add_row(rows, scene, part, &setting, name);
+    }
+}
+
+/* Narrower kernels than the one that is used: the same answers, other times. */
+static void add_kernels(struct chart_rows *rows, const struct scene *scene,
+                        const struct measure_setting *base)
+{
+    static const uint32_t kernels[] = { DPT_KERNEL_AVX2, DPT_KERNEL_SSE2, DPT_KERNEL_SCALAR };
+    const uint32_t best = dpt_kernel_best();
+    char name[CHART_NAME];
+    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++) {
+        struct measure_setting setting = *base;
+        setting.world.kernel = kernels[i];
+        snprintf(name, sizeof name, "exact by %s", dpt_kernel_name(kernels[i]));
+        const int is_here = kernels[i] == DPT_KERNEL_SCALAR || best <= DPT_KERNEL_AVX512;
+        if (is_here && kernels[i] < best)
+            add_row(rows, scene, CHART_PAIR, &setting, name);
+    }
+}
+
+static void list_pairs(struct chart_rows *rows, const struct scene *scene,
+                       const struct measure_setting *base)
+{
+    struct measure_setting setting = *base;
+    setting.world.law = DPT_LAW_POINT;
+    add_row(rows, scene, CHART_PAIR, &setting, "exact");
+    add_kernels(rows, scene, &setting);
+    add_budgets(rows, scene, CHART_PAIR, &setting, "exact");
+    setting.world.certificate_bytes = 0;
+    add_row(rows, scene, CHART_PAIR, &setting, "exact without cache");
+    setting = *base;
+    setting.world.law = DPT_LAW_POINT;
+    setting.world.method = DPT_METHOD_TREE;
+    add_row(rows, scene, CHART_PAIR, &setting, "tree");
+    setting.world.method = DPT_METHOD_BRUTE;
+    add_row(rows, scene, CHART_PAIR, &setting, "brute force");
+    add_papers(rows, scene, CHART_PAIR, base);
+    setting.world.method = DPT_METHOD_PAPER;
+    setting.one_step = 1;
+    add_row(rows, scene, CHART_PAIR, &setting, "paper one step");
+}
+
+static void list_contacts(struct chart_rows *rows, const struct scene *scene,
+                          const struct measure_setting *base)
+{
+    struct measure_setting setting = *base;
+    setting.world.law = DPT_LAW_POINT;
+    add_row(rows, scene, CHART_CONTACT, &setting, "exact");
+    setting.world.max_contacts = 0;
+    add_row(rows, scene, CHART_CONTACT, &setting, "exact depth alone");
+    setting.world.max_contacts = base->world.max_contacts;
+    setting.world.method = DPT_METHOD_TREE;
+    add_row(rows, scene, CHART_CONTACT, &setting, "tree");
+    add_papers(rows, scene, CHART_CONTACT, base);
+}
+
+/* What gives way may be stepped otherwise, or not give way. */
+static void list_soft(struct chart_rows *rows, const struct scene *scene,
+                      const struct measure_setting *base, const char *law)
+{
+    static const char *const integrators[] = { "symplectic", "euler", "implicit" };
+    const struct scene_body *soft = NULL;
+    char name[CHART_NAME];
+    for (uint32_t i = 0; !soft && i < scene->bodies.count; i++)
+        soft = scene_body_is_soft(&scene->bodies.body[i]) ? &scene->bodies.body[i] : NULL;
+    if (!soft)
+        return;
+    for (uint32_t i = 0; i < sizeof integrators / sizeof *integrators; i++) {
+        struct measure_setting setting = *base;
+        setting.integrator = (int32_t)i;
+        snprintf(name, sizeof name, "%s %s", law, integrators[i]);
+        if (i != soft->integrator)
+            add_row(rows, scene, CHART_FORCE, &setting, name);
+    }
+    struct measure_setting setting = *base;
+    setting.rigid = UINT64_MAX;
+    snprintf(name, sizeof name, "%s rigid", law);
+    add_row(rows, scene, CHART_FORCE, &setting, name);
+}
+
+static void add_sweep_budget(struct chart_rows *rows, const struct scene *scene,
+                             const struct measure_setting *base)
+{
+    struct measure_setting setting = *base;
+    char name[CHART_NAME];
+    setting.world.sweep_budget = SWEEP_UNITS;
+    snprintf(name, sizeof name, "proxy sweeps at %d units", SWEEP_UNITS);
+    add_row(rows, scene, CHART_FORCE, &setting, name);
+}
+
+static void list_forces(struct chart_rows *rows, const struct scene *scene,
+                        const struct measure_setting *base, uint32_t law)
+{
+    struct measure_setting setting = *base;
+    char name[CHART_NAME];
+    setting.world.law = law;
+    add_row(rows, scene, CHART_FORCE, &setting, law_name(law));
+    add_budgets(rows, scene, CHART_FORCE, &setting, law_name(law));
+    if (law == DPT_LAW_PROXY)
+        add_sweep_budget(rows, scene, &setting);
+    list_soft(rows, scene, &setting, law_name(law));
+    setting.world.max_contacts = 0;
+    snprintf(name, sizeof name, "%s without contacts", law_name(law));
+    add_row(rows, scene, CHART_FORCE, &setting, name);
+    setting.world.method = DPT_METHOD_TREE;
+    snprintf(name, sizeof name, "%s by tree", law_name(law));
+    add_row(rows, scene, CHART_FORCE, &setting, name);
+    if (law == DPT_LAW_POINT)
+        add_papers(rows, scene, CHART_FORCE, base);
+}
+
+void chart_rows_list(struct chart_rows *rows, const struct scene *scene,
+                     const struct measure_setting *base)
+{
+    static const uint32_t laws[] = { DPT_LAW_PROXY, DPT_LAW_BED, DPT_LAW_POINT };
+    memset(rows, 0, sizeof *rows);
+    list_pairs(rows, scene, base);
+    list_contacts(rows, scene, base);
+    for (size_t i = 0; i < sizeof laws / sizeof *laws; i++)
+        list_forces(rows, scene, base, laws[i]);
+}
+
+/* The run that judges a row. */
+static uint32_t truth_of(const struct chart_row *row)
+{
+    return row->part == CHART_FORCE ? row->setting.world.law : TRUTH_WITHOUT_FORCE;
+}
+
+static int measure_row(struct chart_row *row, const struct scene *scene,
+                       const struct csv_table *trace, const struct measure_run *truth,
+                       const struct measure_effort *effort)
+{
+    struct measure_run run;
+    int status = measure_run(&run, scene, trace, &row->setting, effort);
+    row->failure = run.failure;
+    row->world_bytes = run.world_bytes;
+    row->body_bytes = run.body_bytes;
+    if (status == 0 && measure_judge(&row->judged, &run, truth))
+        status = complain(scene->command, "memory ran out");
+    measure_run_free(&run);
+    return status;
+}
+
+/* Brute force has looked at some ticks of the run that it is judged by. */
+static int judge_brute(struct chart_row *row, const struct measure_check *check)
+{
+    struct judgement *judged = &row->judged;
+    if (!check->ticks) {
+        row->failure = DPT_E_UNSUPPORTED;
+        return 0;
+    }
+    double *ns = malloc(check->ticks * sizeof *ns);
+    if (!ns)
+        return -1;
+    for (size_t i = 0; i < check->ticks; i++)
+        ns[i] = check->ns[i];
+    *judged = (struct judgement){ .ticks = check->ticks,
+                                  .exact = check->ticks,
+                                  .wrong = check->wrong,
+                                  .distance_error = check->error,
+                                  .ns = judgement_spread_of(ns, check->ticks),
+                                  .first_ns = check->ns[0] };
+    judged->whole_ns = judged->ns;
+    judged->work.median = judged->work.p99 = judged->work.max = check->work;
+    free(ns);
+    return 0;
+}
+
+/* Returns 0, or -1 if memory ran out. */
+static int note_truth(struct chart_truth *truth, const struct measure_run *run)
+{
+    truth->check = run->check;
+    truth->check.ns = NULL;
+    truth->kernel = run->kernel;
+    truth->diagonal = run->diagonal;
+    truth->mesh_bytes = run->mesh_bytes;
+    truth->ticks = run->ticks;
+    truth->distance = malloc(run->ticks * sizeof *truth->distance);
+    for (size_t i = 0; truth->distance && i < run->ticks; i++) {
+        truth->distance[i] = run->tick[i].distance;
+        truth->crossings += run->tick[i].distance == 0.0;
+    }
+    return truth->distance ? 0 : -1;
+}
+
+/* What this run judges: itself, once, and its rows, so that no more than two are held at a time. */
+static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struct scene *scene,
+                            const struct csv_table *trace, struct measure_effort *effort, int *done)
+{
+    const struct measure_effort once = { .passes = 1,
+                                         .every = index == TRUTH_WITHOUT_FORCE
+                                                      ? measure_check_every(scene, trace)
+                                                      : 0,
+                                         .meter = effort->meter,
+                                         .name = "chart",
+                                         .begin = effort->end,
+                                         .end = effort->end };
+    struct measure_run truth = { .tick = NULL };
+    int status = 0;
+    for (int i = 0; status == 0 && i < rows->count; i++) {
+        struct chart_row *row = &rows->row[i];
+        if (row->is_peer || truth_of(row) != index)
+            continue;
+        if (!truth.tick) {
+            struct measure_setting richest = measure_setting_richest(&row->setting, scene);
+            if (index == TRUTH_WITHOUT_FORCE)
+                richest.world.until = DPT_UNTIL_CONTACT;
+            status = measure_run(&truth, scene, trace, &richest, &once);
+            if (status == 0 && index == TRUTH_WITHOUT_FORCE && note_truth(&rows->truth, &truth))
+                status = complain(scene->command, "memory ran out");
+        }
+        effort->begin = (double)*done / rows->count;
+        effort->end = (double)++*done / rows->count;
+        if (status == 0 && row->setting.world.method != DPT_METHOD_BRUTE)
+            status = measure_row(row, scene, trace, &truth, effort);
+        else if (status == 0 && judge_brute(row, &truth.check))
+            status = complain(scene->command, "memory ran out");
+    }
+    measure_run_free(&truth);
+    return status;
+}
+
+int chart_rows_measure(struct chart_rows *rows, const struct scene *scene,
+                       const struct csv_table *trace, uint32_t passes)
+{
+    struct meter meter = { .began = 0 };
+    struct measure_effort effort = { .passes = passes, .meter = &meter, .name = "chart" };
+    int status = 0, done = 0;
+    for (uint32_t i = 0; status == 0 && i < TRUTHS; i++)
+        status = measure_by_truth(rows, (i + TRUTH_WITHOUT_FORCE) % TRUTHS, scene, trace, &effort,
+                                  &done);
+    meter_show(&meter, "", 1.0);
+    return status;
+}
+
+void chart_rows_free(struct chart_rows *rows)
+{
+    free(rows->truth.distance);
+    rows->truth.distance = NULL;
+}

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The rows of a chart: every method, law and setting that a scene can be felt with, and what came of each. A row is judged
+ * by a run of the same law with every knob at its richest; one that gives no force, by one without a force.
+ */
+#ifndef DPT_TOOLS_CHART_ROWS_H
+#define DPT_TOOLS_CHART_ROWS_H
+
+#include "measure/judgement.h"
+
+enum { CHART_ROWS_MAX = 96, CHART_NAME = 48 };
+
+/* What a row is asked for; it is judged among its like. */
+enum chart_part {
+    CHART_PAIR,    /* the nearest pair alone */
+    CHART_CONTACT, /* contact, without a force */
+    CHART_FORCE    /* all */
+};
+
+struct chart_row {
+    char name[CHART_NAME]; /* what tells it from its like, without commas: "exact at 8 units" */
+    enum chart_part part;
+    struct measure_setting setting;
+    int is_peer;     /* another library: of the setting nothing holds */
+    double build_ns; /* what that took to take in the mesh */
+    size_t every;    /* it was run on each so manieth tick alone: brute force */
+    /* After chart_rows_measure. */
+    dpt_result
+        failure; /* not DPT_OK: it did not get through the trace, and the rest does not hold */
+    struct judgement judged;
+    size_t world_bytes, body_bytes;
+};
+
+/* What the run at its richest was found to be, by brute force. */
+struct chart_truth {
+    struct measure_check check;
+    uint32_t kernel;
+    double diagonal;
+    size_t mesh_bytes;
+    size_t crossings; /* ticks in which the axis crosses */
+    double *distance; /* of each of the ticks, m */
+    size_t ticks;
+};
+
+struct chart_rows {
+    struct chart_row row[CHART_ROWS_MAX];
+    int count;
+    struct chart_truth truth;
+};
+
+/* List what this scene can be felt with. `base` gives stiffness, friction, damping, margin and dt. */
+void chart_rows_list(struct chart_rows *rows, const struct scene *scene,
+                     const struct measure_setting *base);
+
+/*
+ * Run and judge all rows, and the runs that they are judged by. Times are the least of so many passes. Returns 0, or 2
+ * after a message.
+ */
+int chart_rows_measure(struct chart_rows *rows, const struct scene *scene,
+                       const struct csv_table *trace, uint32_t passes);
+
+/* What was measured is not there any more. */
+void chart_rows_free(struct chart_rows *rows);
+
+#endif

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint chart: speed against accuracy of every method, law and setting over a scene. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "chart/chart_csv.h"
+#include "chart/chart_peers.h"
+#include "chart/chart_picture.h"
+#include "command_options.h"
+#include "commands.h"
+#include "measure/measure_trace.h"
+
+static const char help[] =
+    "usage: dynpoint chart SCENE|SCENE.json|MESH.dpa|ARM.dpa [TRACE.csv] -o NAME [options]\n"
+    "\n"
+    "Leads the tool through a scene by every method, law and setting, and writes what each took "
+    "and "
+    "what\n"
+    "it got wrong: NAME.csv, one row a setting, and NAME.svg, time against error with the "
+    "frontier\n"
+    "(docs/chart.md). A scene is one that dynpoint run knows. Without a trace a hand slides over "
+    "the\n"
+    "scene's first body, as of dynpoint make trace. A trace has at least 10000 ticks.\n"
+    "\n"
+    "  -o NAME         what NAME.csv and NAME.svg are called\n"
+    "  --ticks N       of the trace that is made; default 10000\n"
+    "  --seed S        of it; default 1\n"
+    "  --length L      of the stylus, m; default the scene's; of a mesh alone, as of make trace\n"
+    "  --radius R      of it, m; default the scene's, or 0.002\n"
+    "  --tool ARM.dpa  the tool is that of an arm\n"
+    "  --stiffness K   of the force, N/m; default 500\n"
+    "  --friction MU   of all bodies, with a proxy; default the scene's, or 0\n"
+    "  --passes N      times are the least of N passes; default 3\n"
+    "  --peers DIR     other libraries too: programs peer_NAME there, of tests/bench/peers.sh; for "
+    "a "
+    "mesh alone\n"
+    "  --title TEXT    above the picture; the scene's name if not given\n";
+
+enum { LEAST_TICKS = 10000, MOST_TICKS = 10000000, MOST_PASSES = 1000, NAME_ROOM = 4096 };
+
+struct chart_request {
+    struct scene_def scene;
+    const char *trace, *name, *title, *peers;
+    uint64_t ticks, seed, passes;
+    double stylus; /* m, of a trace that is made; 0: as of make trace */
+    char csv[NAME_ROOM], svg[NAME_ROOM];
+};
+
+/* Both files, or none. */
+static int write_files(const struct chart_request *request, const struct chart_head *head,
+                       const struct chart_rows *rows, struct output *csv, struct output *svg)
+{
+    char subtitle[512];
+    const struct measure_machine *machine = &head->machine;
+    snprintf(subtitle, sizeof subtitle, "%zu ticks. %s, dynpoint %s, %s", head->ticks,
+             machine->processor, machine->version, machine->kernel);
+    chart_csv_write(csv->file, head, rows);
+    int status =
+        chart_picture_write(svg->file, rows, request->title ? request->title : request->scene.path,
+                            subtitle)
+            ? complain("chart", "memory ran out")
+            : 0;
+    chart_table_print(stdout, rows);
+    if (status) {
+        output_drop(csv);
+        output_drop(svg);
+        return status;
+    }
+    status = output_complete(csv, "chart");
+    if (status)
+        output_drop(svg);
+    if (status == 0 && (status = output_complete(svg, "chart")) != 0)
+        output_drop(csv);
+    if (status == 0 && (status = output_keep(csv, "chart")) != 0)
+        output_drop(svg);
+    return status ? status : output_keep(svg, "chart");
+}
+
+/* Measure all that is to be told. */
+static int measure(const struct chart_request *request, const struct scene *scene,
+                   const struct csv_table *trace, struct chart_head *head, struct chart_rows *rows)
+{
+    struct measure_setting base;
+    int status = 0;
+    *head = (struct chart_head){ .scene = request->scene.path,
+                                 .trace = request->trace,
+                                 .seed = request->seed,
+                                 .ticks = trace->rows,
+                                 .passes = (uint32_t)request->passes,
+                                 .body_count = scene->bodies.count };
+    measure_setting_init(&base, scene);
+    chart_rows_list(rows, scene, &base);
+    status = chart_rows_measure(rows, scene, trace, head->passes);
+    if (status == 0 && request->peers)
+        status =
+            chart_peers_measure(rows, scene, trace, request->peers, request->name, head->passes);
+    for (uint32_t i = 0; status == 0 && i < head->body_count; i++)
+        status = chart_body_measure(&head->body[i], scene, i);
+    measure_machine_read(&head->machine, rows->truth.kernel);
+    return status;
+}
+
+static int open_trace(const struct chart_request *request, const struct scene *scene,
+                      struct csv_table *trace)
+{
+    const struct measure_hand hand = { .seed = request->seed,
+                                       .ticks = (size_t)request->ticks,
+                                       .length = request->stylus };
+    return request->trace ? measure_trace_read(trace, "chart", request->trace, LEAST_TICKS)
+                          : measure_trace_make(trace, scene, &hand);
+}
+
+static int chart(const struct chart_request *request, const struct scene *scene)
+{
+    struct csv_table trace = { .rows = 0 };
+    struct output csv, svg;
+    struct chart_rows *rows = calloc(1, sizeof *rows);
+    struct chart_head *head = calloc(1, sizeof *head);
+    int status = rows && head ? 0 : complain("chart", "memory ran out");
+    if (status == 0 && request->peers)
+        status = chart_peers_check(scene, request->peers);
+    if (status == 0)
+        status = open_trace(request, scene, &trace);
+    if (status == 0 && (status = output_open(&csv, "chart", request->csv)) == 0) {
+        status = output_open(&svg, "chart", request->svg);
+        if (status)
+            output_drop(&csv);
+        else if ((status = measure(request, scene, &trace, head, rows)) != 0) {
+            output_drop(&csv);
+            output_drop(&svg);
+        } else
+            status = write_files(request, head, rows, &csv, &svg);
+    }
+    csv_table_free(&trace);
+    if (rows)
+        chart_rows_free(rows);
+    free(rows);
+    free(head);
+    return status;
+}
+
+/* After scene_def_read. Returns 0, or 2 after a message. */
+static int check_request(struct chart_request *request)
+{
+    struct scene_def *scene = &request->scene;
+    const int is_mesh = !scene->file && !scene_listed(scene->path);
+    const int has_length = !isnan(scene->length);
+    const double stiffness = scene->force.stiffness;
+    if (!request->trace && (request->ticks < LEAST_TICKS || request->ticks > MOST_TICKS))
+        return complain("chart", "--ticks must be %d to %d", LEAST_TICKS, MOST_TICKS);
+    if (request->passes < 1 || request->passes > MOST_PASSES)
+        return complain("chart", "--passes must be 1 to %d", MOST_PASSES);
+    if (!(stiffness >= 0.0 && stiffness <= 1e9))
+        return complain("chart", "--stiffness must be 0 to 1e9");
+    if (scene->force.friction < 0.0 || scene->force.friction > 10.0)
+        return complain("chart", "--friction must be 0 to 10");
+    if (has_length && !(scene->length >= 0.0 && scene->length <= DPT_COORDINATE_MAX))
+        return complain("chart", "--length must be 0 to 1e6");
+    if (!isnan(scene->radius) && !(scene->radius >= 0.0 && scene->radius <= 1.0))
+        return complain("chart", "--radius must be 0 to 1");
+    const int csv = snprintf(request->csv, sizeof request->csv, "%s.csv", request->name);
+    const int svg = snprintf(request->svg, sizeof request->svg, "%s.svg", request->name);
+    if (csv >= NAME_ROOM || svg >= NAME_ROOM || !strcmp(request->name, "-"))
+        return complain("chart", "-o takes a name, of two files");
+    if (scene_def_complete(scene, NULL))
+        return 2;
+    request->stylus = is_mesh && !has_length ? 0.0 : scene->length;
+    const char *const traces[] = { request->trace, NULL };
+    return scene_def_check_output(scene, request->csv) ||
+                   scene_def_check_output(scene, request->svg) ||
+                   output_check("chart", request->csv, traces) ||
+                   output_check("chart", request->svg, traces)
+               ? 2
+               : 0;
+}
+
+int command_chart(int argc, char **argv)
+{
+    struct chart_request request = { .ticks = LEAST_TICKS, .seed = 1, .passes = 3 };
+    const char *operand[2] = { NULL, NULL };
+    size_t operands;
+    struct scene scene;
+    const struct option_def options[] = {
+        { .name = "-o", .text = &request.name },
+        { .name = "--ticks", .count = &request.ticks },
+        { .name = "--seed", .count = &request.seed },
+        { .name = "--length", .number = &request.scene.length },
+        { .name = "--radius", .number = &request.scene.radius },
+        { .name = "--tool", .text = &request.scene.tool },
+        { .name = "--stiffness", .number = &request.scene.force.stiffness },
+        { .name = "--friction", .number = &request.scene.force.friction },
+        { .name = "--passes", .count = &request.passes },
+        { .name = "--peers", .text = &request.peers },
+        { .name = "--title", .text = &request.title }
+    };
+    scene_def_init(&request.scene, "chart");
+    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand,
+                               2, &operands);
+    if (status >= 0)
+        return status;
+    if (!operands || !request.name)
+        return complain("chart", "a scene, SCENE.json, MESH.dpa or ARM.dpa, and -o NAME are needed "
+                                 "(see --help)");
+    request.scene.path = operand[0];
+    request.trace = operand[1];
+    status = scene_def_read(&request.scene) || check_request(&request) ? 2 : 0;
+    if (status == 0) {
+        status = scene_open(&scene, &request.scene);
+        if (status == 0)
+            status = chart(&request, &scene);
+        scene_close(&scene);
+    }
+    scene_def_free(&request.scene);
+    return status;
+}

@@ -1,0 +1,330 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "plot/plot_scatter.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "plot/label_places.h"
+#include "plot/plot_log_axis.h"
+#include "plot/svg_draw.h"
+#include "plot/svg_text.h"
+
+/* Pixels. */
+enum {
+    SUBTITLE_AT = 50,
+    FIRST_PANEL = 66,
+    NAME = 24,   /* a panel's name */
+    LEGEND = 22, /* below it */
+    PLOT = 200,  /* where errors are above 0 */
+    LANE = 17,   /* of the band */
+    BAND_PAD = 8,
+    X_AXIS = 42,
+    BELOW = 16,   /* each panel */
+    TOP_PAD = 26, /* above the largest error, for its name */
+    RADIUS = 5,
+    X_ROOM = 52, /* of a mark of an axis */
+    Y_ROOM = 22
+};
+
+/* Than estimated: a name that is cut off or covered is worse than a gap. */
+#define WIDER 1.08
+
+static const char *const colours[SCATTER_KINDS] = { "#0072b2", "#009e73", "#d55e00", "#e69f00",
+                                                    "#000000" };
+
+/* A mark where it is drawn. */
+struct placed {
+    const struct scatter_mark *mark;
+    double x, worse_x, y;
+    int in_band;
+};
+
+/* A panel as it is laid out. */
+struct layout {
+    const struct scatter_panel *panel;
+    struct placed placed[SCATTER_MARKS_MAX]; /* by cost */
+    struct plot_log_axis x, y;
+    double top, bottom; /* of all that is plotted; the band is at its lower end */
+    double band;        /* where it begins; equal to the bottom if there is none */
+    int lanes;
+};
+
+static int by_cost(const void *a, const void *b)
+{
+    const struct scatter_mark *x = ((const struct placed *)a)->mark;
+    const struct scatter_mark *y = ((const struct placed *)b)->mark;
+    if (x->cost != y->cost)
+        return x->cost < y->cost ? -1 : 1;
+    return (x > y) - (x < y);
+}
+
+static void lay_out(struct layout *layout, const struct scatter_panel *panel, double top)
+{
+    double low_x = HUGE_VAL, high_x = 0.0, low_y = HUGE_VAL, high_y = 0.0;
+    *layout = (struct layout){ .panel = panel, .top = top };
+    for (int i = 0; i < panel->count; i++) {
+        const struct scatter_mark *mark = &panel->mark[i];
+        const int in_band = panel->band && mark->error <= panel->least;
+        layout->placed[i] = (struct placed){ .mark = mark, .in_band = in_band };
+        layout->lanes += in_band;
+        low_x = fmin(low_x, mark->cost);
+        high_x = fmax(high_x, fmax(mark->cost, mark->worse_cost));
+        if (!in_band) {
+            low_y = fmin(low_y, mark->error);
+            high_y = fmax(high_y, mark->error);
+        }
+    }
+    qsort(layout->placed, (size_t)panel->count, sizeof *layout->placed, by_cost);
+    layout->band = top + (layout->lanes < panel->count ? PLOT : 0);
+    layout->bottom = layout->band + (layout->lanes ? LANE * layout->lanes + 2 * BAND_PAD : 0);
+    layout->x =
+        plot_log_axis_make(low_x, high_x, SVG_LEFT + 12, SVG_WIDTH - SVG_RIGHT - 12, X_ROOM);
+    if (high_y > 0.0)
+        layout->y = plot_log_axis_make(low_y, high_y, layout->band - 12, top + TOP_PAD, Y_ROOM);
+    for (int i = 0, lane = 0; i < panel->count; i++) {
+        struct placed *placed = &layout->placed[i];
+        placed->x = plot_log_axis_at(&layout->x, placed->mark->cost);
+        placed->worse_x =
+            plot_log_axis_at(&layout->x, fmax(placed->mark->cost, placed->mark->worse_cost));
+        placed->y = placed->in_band ? layout->band + BAND_PAD + LANE * (0.5 + lane++)
+                                    : plot_log_axis_at(&layout->y, placed->mark->error);
+    }
+}
+
+static void write_shape(FILE *file, enum scatter_kind kind, double x, double y)
+{
+    const double r = RADIUS;
+    fprintf(file, "<path fill=\"%s\" stroke=\"%s\" stroke-width=\"%s\" d=\"",
+            kind == SCATTER_CROSS ? "none" : colours[kind], kind == SCATTER_CROSS ? "#000" : "#fff",
+            kind == SCATTER_CROSS ? "2" : "0.8");
+    switch (kind) {
+    case SCATTER_SQUARE:
+        svg_place(file, 'M', x - 0.9 * r, y - 0.9 * r);
+        fputs("h9v9h-9z", file);
+        break;
+    case SCATTER_TRIANGLE:
+        svg_place(file, 'M', x, y - 1.2 * r);
+        svg_place(file, 'L', x + 1.15 * r, y + 0.8 * r);
+        svg_place(file, 'L', x - 1.15 * r, y + 0.8 * r);
+        fputc('z', file);
+        break;
+    case SCATTER_DIAMOND:
+        svg_place(file, 'M', x, y - 1.3 * r);
+        svg_place(file, 'L', x + 1.3 * r, y);
+        svg_place(file, 'L', x, y + 1.3 * r);
+        svg_place(file, 'L', x - 1.3 * r, y);
+        fputc('z', file);
+        break;
+    case SCATTER_CROSS:
+        svg_place(file, 'M', x - 0.8 * r, y - 0.8 * r);
+        fputs("l8 8m0 -8l-8 8", file);
+        break;
+    default:
+        svg_place(file, 'M', x - r, y);
+        fputs("a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z", file);
+    }
+    fputs("\"/>", file);
+}
+
+static void write_mark(FILE *file, const struct placed *placed)
+{
+    fputs("<g class=\"mark\"><title>", file);
+    svg_write(file, placed->mark->title);
+    fputs("</title>", file);
+    if (placed->worse_x > placed->x) {
+        fprintf(file, "<path stroke=\"%s\" stroke-width=\"1.4\" d=\"", colours[placed->mark->kind]);
+        svg_place(file, 'M', placed->x, placed->y);
+        fputc('H', file);
+        svg_pixel(file, placed->worse_x);
+        svg_place(file, 'M', placed->worse_x, placed->y - 3.0);
+        fputs("v6\"/>", file);
+    }
+    write_shape(file, placed->mark->kind, placed->x, placed->y);
+    fputs("</g>\n", file);
+}
+
+/* The steps from place to place of the frontier. */
+static void write_frontier(FILE *file, const struct layout *layout, struct label_places *places)
+{
+    double y = layout->top, best = HUGE_VAL;
+    double x = layout->placed[0].x;
+    fputs("<path class=\"frontier\" fill=\"none\" stroke=\"#999\" stroke-width=\"1.5\" d=\"", file);
+    svg_place(file, 'M', x, y);
+    for (int i = 0; i < layout->panel->count; i++) {
+        const struct placed *placed = &layout->placed[i];
+        const double error = placed->in_band ? -1.0 : placed->mark->error;
+        if (!(error < best))
+            continue;
+        best = error;
+        label_places_take_line(places, x, y, placed->x, y);
+        label_places_take_line(places, placed->x, y, placed->x, placed->y);
+        fputc('H', file);
+        svg_pixel(file, placed->x);
+        fputc('V', file);
+        svg_pixel(file, placed->y);
+        x = placed->x;
+        y = placed->y;
+    }
+    fputs("\"/>\n", file);
+}
+
+static void write_axes(FILE *file, const struct layout *layout)
+{
+    const struct scatter_panel *panel = layout->panel;
+    const double right = SVG_WIDTH - SVG_RIGHT;
+    char text[PLOT_MARK_ROOM];
+    if (layout->lanes) {
+        fputs("<path class=\"band\" fill=\"#f0f0f0\" d=\"", file);
+        svg_place(file, 'M', SVG_LEFT, layout->band);
+        fputc('H', file);
+        svg_pixel(file, right);
+        fputc('V', file);
+        svg_pixel(file, layout->bottom);
+        fprintf(file, "H%dz\"/>\n", SVG_LEFT);
+        svg_text_at(file, SVG_LEFT - 8, 0.5 * (layout->band + layout->bottom) + 4, SVG_LABEL_SIZE,
+                    "end", panel->band);
+    }
+    fputs("<path fill=\"none\" stroke=\"#ddd\" d=\"", file);
+    for (double i = 0.0; (i = plot_log_axis_next(&layout->x, i)) > 0.0;) {
+        svg_place(file, 'M', plot_log_axis_at(&layout->x, i), layout->top);
+        fputc('V', file);
+        svg_pixel(file, layout->bottom);
+    }
+    for (double i = 0.0; layout->y.low > 0.0 && (i = plot_log_axis_next(&layout->y, i)) > 0.0;) {
+        svg_place(file, 'M', SVG_LEFT, plot_log_axis_at(&layout->y, i));
+        fputc('H', file);
+        svg_pixel(file, right);
+    }
+    fputs("\"/>\n<path fill=\"none\" stroke=\"#888\" d=\"", file);
+    svg_place(file, 'M', SVG_LEFT, layout->top);
+    fputc('V', file);
+    svg_pixel(file, layout->bottom);
+    fputc('H', file);
+    svg_pixel(file, right);
+    fputs("\"/>\n", file);
+    for (double i = 0.0; (i = plot_log_axis_next(&layout->x, i)) > 0.0;) {
+        plot_log_axis_label(i, panel->x_unit, text);
+        svg_text_at(file, plot_log_axis_at(&layout->x, i), layout->bottom + 16, SVG_LABEL_SIZE,
+                    "middle", text);
+    }
+    for (double i = 0.0; layout->y.low > 0.0 && (i = plot_log_axis_next(&layout->y, i)) > 0.0;) {
+        plot_log_axis_label(i, panel->y_unit, text);
+        svg_text_at(file, SVG_LEFT - 8, plot_log_axis_at(&layout->y, i) + 4, SVG_LABEL_SIZE, "end",
+                    text);
+    }
+    svg_text_at(file, 0.5 * (SVG_LEFT + right), layout->bottom + 34, SVG_TEXT_SIZE, "middle",
+                panel->x_name);
+}
+
+static void write_legend(FILE *file, const struct scatter_panel *panel, double y)
+{
+    double x = SVG_LEFT + RADIUS;
+    for (int kind = 0; kind < SCATTER_KINDS; kind++) {
+        if (!panel->kind_name[kind])
+            continue;
+        fputs("<g class=\"legend\">", file);
+        write_shape(file, (enum scatter_kind)kind, x, y - 4.5);
+        svg_text_at(file, x + RADIUS + 6, y, SVG_LABEL_SIZE, "start", panel->kind_name[kind]);
+        fputs("</g>\n", file);
+        x += 2 * RADIUS + 26 + svg_width(panel->kind_name[kind], SVG_LABEL_SIZE);
+    }
+}
+
+static void take_mark(struct label_places *places, const struct placed *placed)
+{
+    const double r = RADIUS + 2.0;
+    label_places_take(
+        places, (struct label_box){ placed->x - r, placed->y - r, placed->x + r, placed->y + r });
+    if (placed->worse_x > placed->x)
+        label_places_take(places, (struct label_box){ placed->x, placed->y - 3.0,
+                                                      placed->worse_x + 1.0, placed->y + 3.0 });
+}
+
+/* In its lane: behind the whisker, or before the mark. */
+static int find_in_lane(struct label_places *places, const struct placed *placed, double width,
+                        double height, struct label_box *box)
+{
+    const double lefts[] = { placed->worse_x + 6.0, placed->x - RADIUS - 6.0 - width };
+    for (int i = 0; i < 2; i++) {
+        *box = (struct label_box){ lefts[i], placed->y - 0.5 * height, lefts[i] + width,
+                                   placed->y + 0.5 * height };
+        if (box->left < places->room.left || box->right > places->room.right)
+            continue;
+        label_places_take(places, *box);
+        return 1;
+    }
+    return 0;
+}
+
+static void write_names(FILE *file, const struct layout *layout, struct label_places *places)
+{
+    const double height = SVG_LABEL_SIZE + 1.0;
+    for (int i = 0; i < layout->panel->count; i++) {
+        const struct placed *placed = &layout->placed[i];
+        struct label_box box;
+        double leader[2] = { placed->x, placed->y };
+        if (!placed->mark->name)
+            continue;
+        const double width = WIDER * svg_width(placed->mark->name, SVG_LABEL_SIZE);
+        if (!(placed->in_band ? find_in_lane(places, placed, width, height, &box)
+                              : label_places_find(places, placed->x, placed->y, RADIUS, width,
+                                                  height, &box, leader)))
+            continue;
+        fputs("<g class=\"name\">", file);
+        if (leader[0] != placed->x || leader[1] != placed->y) {
+            fputs("<path stroke=\"#777\" stroke-width=\"0.7\" d=\"", file);
+            svg_place(file, 'M', placed->x, placed->y);
+            svg_place(file, 'L', leader[0], leader[1]);
+            fputs("\"/>", file);
+        }
+        svg_text_at(file, box.left, box.bottom - 3.0, SVG_LABEL_SIZE, "start", placed->mark->name);
+        fputs("</g>\n", file);
+    }
+}
+
+static void write_panel(FILE *file, const struct layout *layout, double name_at)
+{
+    struct label_places *places = calloc(1, sizeof *places);
+    const int count = layout->panel->count;
+    fputs("<g class=\"panel\">\n", file);
+    svg_begin_text(file, SVG_LEFT, name_at, SVG_TEXT_SIZE, "start");
+    fputs("<tspan font-weight=\"bold\">", file);
+    svg_write(file, layout->panel->name);
+    fputs("</tspan> ", file);
+    svg_write(file, layout->panel->y_name);
+    fputs("</text>\n", file);
+    write_legend(file, layout->panel, name_at + LEGEND);
+    write_axes(file, layout);
+    if (places) {
+        places->room =
+            (struct label_box){ SVG_LEFT + 2, layout->top, SVG_WIDTH - SVG_RIGHT, layout->band };
+        for (int i = 0; i < count; i++)
+            take_mark(places, &layout->placed[i]);
+        write_frontier(file, layout, places);
+        write_names(file, layout, places);
+    }
+    for (int i = 0; i < count; i++)
+        write_mark(file, &layout->placed[i]);
+    fputs("</g>\n", file);
+    free(places);
+}
+
+void plot_scatter_write(FILE *file, const struct plot_scatter *chart)
+{
+    struct layout *layouts = calloc(SCATTER_PANELS_MAX, sizeof *layouts);
+    double at = FIRST_PANEL;
+    if (!layouts)
+        return;
+    for (int i = 0; i < chart->panel_count; i++) {
+        lay_out(&layouts[i], &chart->panel[i], at + NAME + LEGEND + 6);
+        at = layouts[i].bottom + X_AXIS + BELOW;
+    }
+    svg_begin(file, (int)at, chart->title, chart->description);
+    svg_begin_text(file, SVG_LEFT, SUBTITLE_AT, SVG_LABEL_SIZE, "start");
+    svg_write_cut(file, chart->subtitle, SVG_WIDTH - SVG_RIGHT - SVG_LEFT, SVG_LABEL_SIZE, 0);
+    fputs("</text>\n", file);
+    for (int i = 0; i < chart->panel_count; i++)
+        write_panel(file, &layouts[i], layouts[i].top - LEGEND - 6 - 6);
+    svg_end(file);
+    free(layouts);
+}

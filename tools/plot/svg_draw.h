@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What every chart writes into its SVG: the document's head, numbers of pixels, and text at a place. */
+#ifndef DPT_TOOLS_SVG_DRAW_H
+#define DPT_TOOLS_SVG_DRAW_H
+
+#include <stdio.h>
+
+/* Pixels: the margins of a chart, and the line of its title. */
+enum { SVG_WIDTH = 760, SVG_LEFT = 76, SVG_RIGHT = 24, SVG_TITLE_AT = 28 };
+enum { SVG_TITLE_SIZE = 16, SVG_TEXT_SIZE = 13, SVG_LABEL_SIZE = 12 };
+
+/*
+ * Begin a document on opaque white, with its title at the top. The title may be any bytes; it is cut at its end if it is
+ * too long, but whole for a screen reader, as the description is.
+ */
+void svg_begin(FILE *file, int height, const char *title, const char *description);
+void svg_end(FILE *file);
+
+/* A number with one decimal at most, whatever the locale. And a command of a path with its place. */
+void svg_pixel(FILE *file, double value);
+void svg_place(FILE *file, char command, double x, double y);
+
+/* Text at a place; `anchor` is start, middle or end. Begun, it needs its content and "</text>". */
+void svg_begin_text(FILE *file, double x, double y, int size, const char *anchor);
+void svg_text_at(FILE *file, double x, double y, int size, const char *anchor, const char *text);
+
+#endif
