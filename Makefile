@@ -112,7 +112,7 @@ endif
 NODE ?= node
 VIEW_PAGE_HERE = $(if $(and $(wildcard tools/view/make_page.js),$(wildcard build/view/node_modules/three/package.json),$(shell command -v $(NODE))),yes,no)
 VIEW_PAGE := $(or $(VIEW_PAGE),$(VIEW_PAGE_HERE))
-TOOLS := $(call objects,tools/*.c tools/chart/*.c tools/measure/*.c tools/plot/*.c tools/stability/*.c tools/view/*.c) $(SCENE_FILE) $(VIEW_SERVER)
+TOOLS := $(call objects,tools/*.c tools/chart/*.c tools/measure/*.c tools/plan/*.c tools/plot/*.c tools/stability/*.c tools/view/*.c) $(SCENE_FILE) $(VIEW_SERVER)
 # The other ends of a line, for `device simulate` and the tests: of the back ends that were chosen.
 SIMULATE := $(call objects,$(DRIVERS:%=tools/simulate/simulate_%.c)) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf) $(if $(CONVEX_PARTS),$(B)/libdynpoint_convex)
@@ -155,6 +155,7 @@ $(B)/tools/view/server/%.o: INCLUDES += $(LWS_CFLAGS)
 
 # built_with.h says what was chosen for this build; it changes only when that does.
 CHOOSERS := $(B)/drivers/device.o $(B)/tools/arm_file.o $(B)/tools/cmd_device_simulate.o $(B)/tools/scene_def.o \
+            $(B)/tools/plan/plan_file_read.o \
             $(B)/tools/view/page_bytes.o $(B)/tools/view_serve.o
 $(CHOOSERS): INCLUDES += -I$(B)
 $(CHOOSERS): $(B)/built_with.h

@@ -241,6 +241,7 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of 
 	@$(B)/tests/test_sheet_touches 10000000
 	@$(B)/tests/test_gap_continuity 10000000
 	@sh tests/oracle/inside.sh $(B)
+	@sh tests/tools/plan_soak.sh $(B)
 	@$(B)/tests/test_depth 1000
 	@$(B)/tests/test_depth_forms 1000
 	@$(B)/tests/test_contact_life

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "built_with.h"
+#include "json_text.h"
 
 #ifdef DPT_HAS_URDF
 #include "dynpoint/urdf.h"
@@ -183,19 +184,11 @@ void print_arm_text(const char *path, const dpt_arm *arm)
                info.source_hash);
 }
 
-/* Print a name in quotes, escaped for JSON. */
+/* Print a key and its name. */
 static void print_name(const char *key, const char *name)
 {
-    printf("\"%s\":\"", key);
-    for (; *name; name++) {
-        if (*name == '"' || *name == '\\')
-            printf("\\%c", *name);
-        else if ((unsigned char)*name < 0x20)
-            printf("\\u%04x", (unsigned)*name);
-        else
-            putchar(*name);
-    }
-    putchar('"');
+    printf("\"%s\":", key);
+    json_write_text(stdout, name);
 }
 
 static void print_numbers(const char *key, const double *number, int count)

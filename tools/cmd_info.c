@@ -8,18 +8,23 @@
 #include "command_options.h"
 #include "commands.h"
 #include "mesh_size.h"
+#include "mesh_thickness.h"
 
 static const char help[] =
-    "usage: dynpoint info FILE.dpa [--json] [--verify]\n"
+    "usage: dynpoint info FILE.dpa [--json] [--verify] [--thickness]\n"
     "\n"
     "Shows what a compiled mesh holds, what was wrong with its source, and its sections; or the "
     "joints,\n"
     "links, tool and bodies of an arm.\n"
     "\n"
-    "  --json    one JSON object on standard output\n"
-    "  --verify  check every byte; exit status 1, with the place, when the file is damaged\n";
+    "  --json       one JSON object on standard output\n"
+    "  --verify     check every byte; exit status 1, with the place, when the file is damaged\n"
+    "  --thickness  of a mesh: how thick its walls are, by a ray inward from each triangle; takes\n"
+    "               a second for 50,000 triangles\n";
 
-static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
+/* `thickness` NULL: it was not asked for. */
+static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info,
+                       const struct mesh_thickness *thickness)
 {
     printf("{\"triangles\":%" PRIu32 ",\"vertices\":%" PRIu32
            ",\"scale\":%.17g,\"rounding\":%.17g,",
@@ -56,6 +61,12 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info)
            info->box_min[2], info->box_max[0], info->box_max[1], info->box_max[2]);
     printf("\"crease_edges\":%" PRIu32 ",\"normalless_vertices\":%" PRIu32 ",\"crease\":%.17g,",
            info->crease_edges, info->normalless_vertices, info->crease);
+    if (thickness && thickness->walls)
+        printf("\"thickness\":{\"walls\":%" PRIu32
+               ",\"least\":%.17g,\"low\":%.17g,\"triangle\":%" PRIu32 "},",
+               thickness->walls, thickness->least, thickness->low, thickness->triangle);
+    else if (thickness)
+        printf("\"thickness\":{\"walls\":0,\"least\":null,\"low\":null,\"triangle\":null},");
     printf("\"format\":%" PRIu32 ",\"tree_levels\":%" PRIu32 ",\"bytes\":%" PRIu64
            ",\"sections\":[",
            info->format_version, info->tree_levels, info->bytes);
@@ -102,7 +113,19 @@ static void print_counts(const dpt_mesh_info *info)
                info->self_intersections_more ? " or more" : "");
 }
 
-static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_info *info)
+static void print_thickness(const struct mesh_thickness *thickness)
+{
+    if (thickness->walls)
+        printf("  %-24s %10.6g m at triangle %" PRIu32 "; a hundredth of %" PRIu32
+               " walls have at most %.6g m\n",
+               "thinnest wall", thickness->least, thickness->triangle, thickness->walls,
+               thickness->low);
+    else
+        printf("  %-24s %10s\n", "thinnest wall", "none");
+}
+
+static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_info *info,
+                       const struct mesh_thickness *thickness)
 {
     printf("%s: dynpoint mesh, format %" PRIu32 ", %" PRIu64 " bytes, %.1f a triangle\n", path,
            info->format_version, info->bytes, (double)info->bytes / info->triangles);
@@ -115,6 +138,8 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
            info->box_min[2]);
     if (size_hint(info))
         printf("  %-24s %s, of dynpoint compile\n", "", size_hint(info));
+    if (thickness)
+        print_thickness(thickness);
     if (info->crease > 0.0)
         printf("  %-24s %10.6g degrees\n", "crease",
                info->crease * (180.0 / 3.14159265358979323846));
@@ -162,19 +187,23 @@ static int verify(const char *path)
 int command_info(int argc, char **argv)
 {
     const char *path;
-    int json = 0, check = 0;
+    int json = 0, check = 0, is_measured = 0;
     size_t operands;
     const struct option_def options[] = { { .name = "--json", .flag = &json },
-                                          { .name = "--verify", .flag = &check } };
+                                          { .name = "--verify", .flag = &check },
+                                          { .name = "--thickness", .flag = &is_measured } };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, &path,
                                1, &operands);
     if (status >= 0)
         return status;
     if (operands != 1)
         return complain("info", "a file is needed (see --help)");
+    if (check && is_measured)
+        return complain("info", "--verify does not go with --thickness");
     if (check && !json)
         return verify(path);
     size_t size;
+    struct mesh_thickness thickness;
     dpt_mesh_info info = { .size = sizeof info };
     void *bytes = load_file("info", path, &size);
     if (!bytes)
@@ -185,6 +214,14 @@ int command_info(int argc, char **argv)
         arm = open_arm("info", path, bytes, size);
     else
         mesh = open_mesh("info", path, bytes, size);
+    if (arm && is_measured) {
+        free(bytes);
+        return complain("info", "%s: --thickness is of a mesh; this is an arm", path);
+    }
+    if (mesh && is_measured && mesh_thickness_measure("info", mesh, &thickness)) {
+        free(bytes);
+        return 2;
+    }
     if (arm && json) {
         print_arm_json(arm);
     } else if (arm) {
@@ -192,9 +229,9 @@ int command_info(int argc, char **argv)
     } else if (mesh) {
         dpt_mesh_get_info(mesh, &info);
         if (json)
-            print_json(mesh, &info);
+            print_json(mesh, &info, is_measured ? &thickness : NULL);
         else
-            print_text(path, mesh, &info);
+            print_text(path, mesh, &info, is_measured ? &thickness : NULL);
     }
     free(bytes);
     return arm || mesh ? 0 : check ? 1 : 2;

@@ -16,6 +16,7 @@
 #include "force_options.h"
 #include "mesh_size.h"
 #include "recording_file.h"
+#include "replay_plan.h"
 #include "replay_recording.h"
 #include "replay_report.h"
 #include "trace.h"
@@ -23,6 +24,7 @@
 static const char help[] =
     "usage: dynpoint replay FILE.dpa TRACE.csv -o OUT.csv [options]\n"
     "       dynpoint replay FILE.dpr [FILE.dpa] [--tool ARM.dpa] [--json]\n"
+    "       dynpoint replay --plan PLAN.json [TRACE.csv] [--check] [--json]\n"
     "\n"
     "Moves a tool along a trace (tick,ax,ay,az,bx,by,bz in m) and writes, for every tick, the "
     "nearest\n"
@@ -33,7 +35,9 @@ static const char help[] =
     "the last one plus 1 is a jump. One of the inputs may be -, standard input.\n"
     "\n"
     "With a recording (FILE.dpr, of dynpoint run --record) it makes that scene again and compares\n"
-    "every answer with the recorded one, bit for bit; replay FILE.dpr --help tells more.\n"
+    "every answer with the recorded one, bit for bit; replay FILE.dpr --help tells more. With\n"
+    "a plan (of dynpoint plan -o) it says whether what the plan promises holds; so does\n"
+    "replay --plan PLAN.json --help.\n"
     "\n"
     "  -o FILE              OUT.csv; - is standard output\n"
     "  --method M           exact (default), tree, brute; paper: dynamic points by neighbour "
@@ -421,6 +425,8 @@ int command_replay(int argc, char **argv)
     /* It has options of its own. */
     if (argc > 1 && is_recording(argv[1]))
         return replay_recording(argc, argv);
+    if (replay_has_plan(argc, argv))
+        return replay_plan(argc, argv);
     dpt_world_def_init(&settings.def);
     dpt_baseline_def_init(&settings.baseline);
     settings.def.max_bodies = settings.def.max_tools = settings.def.max_segments = 1;

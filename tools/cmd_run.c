@@ -10,6 +10,7 @@
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
 #include "open_device.h"
+#include "plan/plan_scene.h"
 #include "recording_embed.h"
 #include "run_coupling.h"
 #include "run_physics.h"
@@ -22,9 +23,6 @@
 
 /* Deadlines that follow a device's samples come at most this much more often than its rate says. */
 #define RATE_FACTOR_MAX (16.0 / 15.0)
-
-/* From a sample to its command, by the clock: the deadline's phase behind the sample, and the tick's own time. */
-#define LOOP_DELAY_PERIODS 0.25
 
 /*
  * The default budget in units of work a second (docs/drivers.md has the time of a unit), and its minimum a tick: with
@@ -286,13 +284,16 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
             return complain("run", "%s", error.text);
     }
     const double rate = settings->rate > 0.0 ? settings->rate : info.rate;
+    if (settings->plan_path && fabs(rate - settings->plan.asked.rate) > 1e-3 * rate)
+        complain("run", "%s is for %g Hz, and the loop runs at %g: what it promises does not count",
+                 settings->plan_path, settings->plan.asked.rate, rate);
     session->budget = settings->budget == RUN_BUDGET_BY_RATE
                           ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_MIN)
                           : (uint32_t)settings->budget;
     struct coupling_options coupling = settings->coupling;
     coupling.rate = rate;
     coupling.loop_delay =
-        info.flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : LOOP_DELAY_PERIODS / rate;
+        info.flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : RUN_LOOP_DELAY_PERIODS / rate;
     coupling.loop_delay += run_physics_delay(&session->scene);
     if (run_physics_check(&session->scene, &info, settings->record && !run_is_traced(settings)) ||
         run_coupling_choose(&session->scene, &info, &coupling, &session->coupling) ||
@@ -358,10 +359,20 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     return run_is_traced(settings) ? run_trace_write(&session->trace) : status;
 }
 
+/* Returns 0, or 2 after a message. */
+static int take_plan(struct scene *scene, const struct run_settings *settings)
+{
+    scene->planned = &settings->plan.setting.world;
+    measure_setting_change(&settings->plan.setting, &scene->bodies);
+    return plan_scene_check(&settings->plan, scene, settings->plan_path);
+}
+
 static int run(const struct run_settings *settings)
 {
     struct session session = { .contacts = 0 };
     int status = scene_open(&session.scene, &settings->scene);
+    if (status == 0 && settings->plan_path)
+        status = take_plan(&session.scene, settings);
     if (status == 0)
         status = open_record(settings, &session);
     if (status == 0) {
@@ -388,6 +399,7 @@ int command_run(int argc, char **argv)
     if (status < 0)
         status = run(&settings);
     recording_embed_free(&settings.embed);
+    plan_free(&settings.plan);
     scene_def_free(&settings.scene);
     return status;
 }

@@ -19,6 +19,7 @@ int command_replay(int argc, char **argv);
 int command_device(int argc, char **argv);
 int command_run(int argc, char **argv);
 int command_record(int argc, char **argv);
+int command_plan(int argc, char **argv);
 int command_plot(int argc, char **argv);
 int command_chart(int argc, char **argv);
 int command_force_test(int argc, char **argv);

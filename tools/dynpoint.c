@@ -21,6 +21,7 @@ static const struct {
     { "view", command_view, "show a mesh, a scene or a recording in a browser" },
     { "record", command_record, "show a recording of a run, or export it as CSV" },
     { "plot", command_plot, "draw force, depth and energy of a run, or of two, as an SVG" },
+    { "plan", command_plan, "find the cheapest setting that keeps a scene within bounds" },
     { "chart", command_chart, "draw speed against accuracy of every method and law over a scene" },
     { "force-test", command_force_test,
       "test on a mesh whether a force can be held: turns, jumps, energy" },

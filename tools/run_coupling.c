@@ -93,11 +93,10 @@ static void say_why(const struct scene *scene, const dpt_coupling *coupling, dou
     }
 }
 
-int run_coupling_choose(struct scene *scene, const dpt_device_info *device,
-                        const struct coupling_options *options, dpt_coupling *coupling)
+int run_coupling_find(const struct scene *scene, const dpt_device_info *device,
+                      const struct coupling_options *options, dpt_coupling *coupling)
 {
     dpt_coupling_def def;
-    const int is_asked = !isnan(options->stiffness);
     *coupling = (dpt_coupling){ .size = sizeof *coupling };
     dpt_coupling_def_init(&def);
     dpt_device_fill_coupling(device, &def);
@@ -108,10 +107,19 @@ int run_coupling_choose(struct scene *scene, const dpt_device_info *device,
     def.force_scale = scene->force_scale;
     def.tool_damping = scene->force.damping;
     def.gain_margin = options->gain_margin;
-    def.stiffness = is_asked ? options->stiffness : 0.0;
+    def.stiffness = isnan(options->stiffness) ? 0.0 : options->stiffness;
     const dpt_result result = dpt_coupling_for_device(&def, coupling);
     if (result != DPT_OK)
         return complain(scene->command, "no coupling for this device: %s", dpt_result_text(result));
+    return 0;
+}
+
+int run_coupling_choose(struct scene *scene, const dpt_device_info *device,
+                        const struct coupling_options *options, dpt_coupling *coupling)
+{
+    const int is_asked = !isnan(options->stiffness);
+    if (run_coupling_find(scene, device, options, coupling))
+        return 2;
     /* A stiffness of 0 is asked for by those who want no force. */
     if (is_asked && (options->is_unstable || options->stiffness == 0.0)) {
         coupling->limit = DPT_COUPLING_ASKED;

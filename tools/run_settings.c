@@ -6,11 +6,14 @@
 
 #include "command_options.h"
 #include "open_device.h"
+#include "plan/plan_file.h"
+#include "plan/plan_scene.h"
 #include "run_record.h"
 #include "run_trace.h"
 
 static const char help[] =
     "usage: dynpoint run SCENE|SCENE.json|MESH.dpa|ARM.dpa --device NAME [options]\n"
+    "       dynpoint run --plan PLAN.json --device NAME [options]\n"
     "\n"
     "Feel a scene by name (membrane, cloth, laparoscopy, liver, soft-liver, tori), a scene file\n"
     "(docs/scene.md), a mesh, or the scene of an arm, with a haptic device: DRIVER or\n"
@@ -20,6 +23,7 @@ static const char help[] =
     "device is lost; always with zero force. Then says how it went.\n"
     "\n"
     "  --device NAME    which one; default the scene file's\n"
+    "  --plan F         scene and setting are those of a plan (dynpoint plan -o)\n"
     "  --at X,Y,Z       where the device's origin lies in the mesh's frame, m; default: 5 mm above "
     "the\n"
     "                   middle of the top of its box, y being up. Of an arm's scene, whose z is "
@@ -114,6 +118,30 @@ static int read_tips(struct tip_shapes *tips, const struct option_texts *texts)
     return 0;
 }
 
+/* The plan's scene, and what the options do not say. Returns 0, or 2 after a message. */
+static int read_plan(struct run_settings *settings, size_t operands, const char **law)
+{
+    const struct measure_setting *planned = &settings->plan.setting;
+    if (operands || settings->scene.tool)
+        return complain("run", "--plan names a scene and its tool: give no other");
+    if (settings->record && !run_is_traced(settings))
+        return complain("run",
+                        "--record F.dpr does not go with --plan: a recording does not tell a "
+                        "plan's setting");
+    if (plan_file_read(&settings->plan, "run", settings->plan_path))
+        return 2;
+    if (*law && strcmp(*law, law_name(planned->world.law)))
+        return complain("run", "--law: the plan %s is of the law %s", settings->plan_path,
+                        law_name(planned->world.law));
+    *law = law_name(planned->world.law);
+    plan_scene_def(&settings->plan, &settings->scene);
+    if (isnan(settings->coupling.stiffness))
+        settings->coupling.stiffness = planned->world.stiffness;
+    if (settings->budget == RUN_BUDGET_BY_RATE)
+        settings->budget = planned->world.budget;
+    return 0;
+}
+
 int run_settings_read(struct run_settings *settings, int argc, char **argv)
 {
     const char *law = NULL;
@@ -121,6 +149,7 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
     size_t operands = 0;
     const struct option_def options[] = {
         { .name = "--device", .text = &settings->device },
+        { .name = "--plan", .text = &settings->plan_path },
         { .name = "--at", .text = &settings->scene.origin },
         { .name = "--tool", .text = &settings->scene.tool },
         { .name = "--tip", .texts = &tips },
@@ -166,6 +195,9 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
                                &settings->scene.path, 1, &operands);
     if (status >= 0)
         return status;
+    if (settings->plan_path && read_plan(settings, operands, &law))
+        return 2;
+    operands += settings->plan_path != NULL;
     if (operands == 1 && scene_def_read(&settings->scene))
         return 2;
     if (!settings->device && settings->scene.file)

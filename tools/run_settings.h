@@ -3,6 +3,7 @@
 #ifndef DPT_TOOLS_RUN_SETTINGS_H
 #define DPT_TOOLS_RUN_SETTINGS_H
 
+#include "plan/plan.h"
 #include "recording_embed.h"
 #include "run_coupling.h"
 #include "run_view.h"
@@ -21,6 +22,8 @@ struct run_settings {
     uint64_t clutch, cpu;            /* RUN_NO_NUMBER: not given */
     struct run_view_options view;
     struct recording_embed embed;
+    const char *plan_path; /* NULL: there is no plan */
+    struct plan plan;
     int json, reopen, is_active, awake, embeds;
 };
 
@@ -28,8 +31,8 @@ struct run_settings {
 int run_is_traced(const struct run_settings *settings);
 
 /*
- * Read and check the options. Returns -1 to go on, else the exit status. Free settings->scene and settings->embed in
- * either case.
+ * Read and check the options. Returns -1 to go on, else the exit status. Free settings->scene, settings->embed and
+ * settings->plan in either case.
  */
 int run_settings_read(struct run_settings *settings, int argc, char **argv);
 

@@ -88,6 +88,8 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     dpt_world_def world;
     scene->device = *device;
     dpt_world_def_init(&world);
+    if (scene->planned)
+        world = *scene->planned;
     world.max_bodies = scene->bodies.count;
     world.max_tools = 1;
     world.max_segments = scene->segment_count;

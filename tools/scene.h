@@ -20,6 +20,8 @@ struct scene {
     dpt_tool tool;
     const dpt_arm *arm; /* the arm of the scene; NULL: there is none */
     struct scene_bodies bodies;
+    /* Of a plan: until, memory, margin, contacts and strips of the world; NULL: the defaults. */
+    const dpt_world_def *planned;
     double physics_rate;                        /* Hz; 0: what is soft is stepped in each tick */
     struct scene_physics *physics;              /* of the world, if there is a rate */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */

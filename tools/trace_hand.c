@@ -56,6 +56,15 @@ static void place_hand(struct trace_hand *hand, const dpt_mesh_info *info)
     hand->axis = unit_or(cross(hand->heading, hand->normal), (vec3){ 0.0, 1.0, 0.0 });
 }
 
+/*
+ * A tool that stands begins so many bands above the surface, comes down to it in this time, s, leans by this slope, and
+ * follows the surface's normal by this share a tick.
+ */
+#define LIFTED   8.0
+#define LOWERING 0.3
+#define LEANING  0.6
+#define RIGHTING 0.003
+
 static void wander(struct trace_hand *hand, double time)
 {
     vec3 face;
@@ -70,6 +79,10 @@ static void wander(struct trace_hand *hand, double time)
     double tilt = 0.04 * wave(0.19 * time + hand->phase[3]);
     vec3 lifted = along(along(hand->axis, turn, drift), 0.02 * tilt, hand->normal);
     hand->axis = unit_or(flattened(lifted, hand->normal, 0.02), drift);
+    const vec3 leant = unit_or(along(hand->normal, LEANING, hand->axis), hand->normal);
+    hand->up = hand->ticks > 1
+                   ? unit_or(along(scaled(hand->up, 1.0 - RIGHTING), RIGHTING, leant), leant)
+                   : leant;
 }
 
 static void find_ends(const struct trace_hand *hand, double time, double ends[6])
@@ -77,6 +90,13 @@ static void find_ends(const struct trace_hand *hand, double time, double ends[6]
     double height = hand->band * (0.35 + 0.65 * wave(0.71 * time + hand->phase[3]));
     double share = 0.5 + 0.45 * wave(0.13 * time + hand->phase[1]);
     vec3 touching = along(hand->at, height, hand->normal);
+    if (hand->stands) {
+        const double above = time < LOWERING ? hand->band * LIFTED * (1.0 - time / LOWERING) : 0.0;
+        const vec3 tip = along(touching, above, hand->normal);
+        vec3_store(tip, ends);
+        vec3_store(along(tip, hand->length, hand->up), ends + 3);
+        return;
+    }
     vec3_store(along(touching, -share * hand->length, hand->axis), ends);
     vec3_store(along(touching, (1.0 - share) * hand->length, hand->axis), ends + 3);
 }

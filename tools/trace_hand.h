@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * A hand slides a tool over a mesh. A point wanders over the surface. The tool is roughly tangent and follows the point with
- * some part of its length, a little above or below the surface. The tool moves in every tick. Only arithmetic is used, so a
- * seed gives the same bits on every machine.
+ * some part of its length, a little above or below the surface. Or it stands on its tip, end a, and comes down from above
+ * first. The tool moves in every tick. Only arithmetic is used, so a seed gives the same bits on every machine.
  */
 #ifndef DPT_TOOLS_TRACE_HAND_H
 #define DPT_TOOLS_TRACE_HAND_H
@@ -17,8 +17,10 @@ struct trace_hand {
     vec3 at, normal; /* the point on the surface, in the mesh's frame, and the smoothed normal */
     vec3 heading;    /* direction in which the point wanders */
     vec3 axis;       /* direction of the tool */
+    vec3 up;         /* and of one that stands */
     double phase[4]; /* of the slow changes, in turns */
     uint64_t ticks;  /* so far */
+    int stands;      /* on its tip; set it after trace_hand_begin */
 };
 
 /*

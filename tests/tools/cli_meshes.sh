@@ -82,6 +82,59 @@ self_intersections()
     check "info --json: format 3" grep -q '"self_intersections":null,' stdout
 }
 
+# is_thick FILE LEAST MOST WALLS: the thinnest wall, m, and how many there are
+is_thick()
+{
+    run info "$1" --thickness --json
+    check "thickness of $1: $(cat stdout stderr)" python3 -c '
+import json, sys
+found = json.load(open("stdout"))["thickness"]
+least, most, walls = (float(word) for word in sys.argv[1:])
+assert least <= found["least"] <= found["low"] <= most and found["walls"] == walls, found
+' "$2" "$3" "$4" 2>python.log
+}
+
+# Rays inward: closed forms, within what facets leave.
+thickness()
+{
+    succeeds 'make sphere' make sphere 1280 -o sphere.ply
+    succeeds 'compile sphere' compile sphere.ply -o sphere.dpa
+    is_thick box.dpa 0.0799999 0.0800001 12
+    is_thick sphere.dpa 0.199 0.2 1280
+    is_thick torus.dpa 0.0785 0.08 2000
+    # A box of 2 m with a void of 1.6 in it, shifted by 0.1: 0.1 m of wall at the thinnest. Then that box as a part of its
+    # own that is wound outward: rays end at it. Then the two beside each other: the room between them is no wall.
+    cube='f 1 3 2|f 1 4 3|f 5 6 7|f 5 7 8|f 1 2 6|f 1 6 5|f 2 3 7|f 2 7 6|f 3 4 8|f 3 8 7|f 4 1 5|f 4 5 8'
+    cubes()
+    {
+        awk -v way="$2" -v at="$3" -v faces="$cube" 'BEGIN {
+            split("-1 1 1 -1 -1 1 1 -1", X, " "); split("-1 -1 1 1 -1 -1 1 1", Y, " ")
+            for (i = 1; i <= 8; i++) print "v", X[i], Y[i], (i > 4 ? 1 : -1)
+            for (i = 1; i <= 8; i++) print "v", at + 0.8 * X[i], 0.8 * Y[i], (i > 4 ? 0.8 : -0.8)
+            n = split(faces, F, "|")
+            for (k = 0; k < 2; k++) for (i = 1; i <= n; i++) { split(F[i], c, " ")
+                a = c[2] + 8 * k; b = c[3] + 8 * k; d = c[4] + 8 * k
+                print "f", a, (k && way ? d : b), (k && way ? b : d) } }' >"$1.obj"
+        succeeds "compile $1" compile "$1.obj" -o "$1.dpa"
+    }
+    cubes void 1 0.1
+    is_thick void.dpa 0.0999999 0.1000001 24
+    cubes beside 0 2
+    is_thick beside.dpa 1.5999999 1.6000001 24
+    printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 1 4 3 2\nf 5 6 7 8\n' >sheets.obj
+    for sheet in cloth membrane sheets; do
+        test -e $sheet.obj || succeeds "make $sheet" make $sheet 512 -o $sheet.obj
+        succeeds "compile $sheet" compile $sheet.obj -o $sheet.dpa
+        run info $sheet.dpa --thickness --json
+        check "no thickness of $sheet" grep -q '"thickness":{"walls":0,"least":null,"low":null,"triangle":null}' stdout
+        run info $sheet.dpa --thickness
+        check "no thickness of $sheet, for people" grep -q '^  thinnest wall *none$' stdout
+    done
+    run info box.dpa --json
+    check 'only where it is asked for' test "$(grep -c thickness stdout)" -eq 0
+    refuses 'a file that is verified' '--verify does not go with --thickness' info box.dpa --verify --thickness
+}
+
 # What is read comes once, from whatever it is: more than a buffer of it, and nothing is lost.
 pipes()
 {
@@ -193,6 +246,7 @@ units()
 prepare
 bad_inputs
 self_intersections
+thickness
 pipes
 golden_files
 units

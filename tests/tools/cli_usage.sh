@@ -6,7 +6,7 @@
 
 help_and_version()
 {
-    for command in '' make compile info replay record run chart force-test 'make trace'; do
+    for command in '' make compile info replay record run plan chart force-test 'make trace'; do
         for option in --help --version; do
             # shellcheck disable=SC2086
             run $command $option

@@ -27,21 +27,6 @@ struct stage {
     struct measure_brute brute;
 };
 
-static void change_bodies(struct scene_bodies *bodies, const struct measure_setting *setting)
-{
-    for (uint32_t i = 0; i < bodies->count; i++) {
-        struct scene_body *body = &bodies->body[i];
-        if (setting->rigid >> i & 1)
-            body->is_rigid = 1;
-        if (setting->integrator >= 0)
-            body->integrator = (uint32_t)setting->integrator;
-        if (setting->iterations)
-            body->iterations = setting->iterations;
-        if (!isnan(setting->sleep_speed))
-            body->sleep_speed = setting->sleep_speed > 0.0 ? setting->sleep_speed : -1.0;
-    }
-}
-
 static int has_soft(const struct scene_bodies *bodies)
 {
     int is_soft = 0;
@@ -92,7 +77,7 @@ static int stage_open(struct stage *stage, struct measure_run *run, const struct
     dpt_world_def def = setting->world;
     memset(stage, 0, sizeof *stage);
     stage->bodies = scene->bodies;
-    change_bodies(&stage->bodies, setting);
+    measure_setting_change(setting, &stage->bodies);
     measure_tool_begin(&stage->tool, scene);
     def.max_bodies = scene->bodies.count;
     def.max_tools = 1;

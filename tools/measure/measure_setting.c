@@ -64,3 +64,18 @@ const char *measure_setting_fault(const struct measure_setting *setting, const s
         return "what a tool moves out of its way is felt by the laws point and bed";
     return NULL;
 }
+
+void measure_setting_change(const struct measure_setting *setting, struct scene_bodies *bodies)
+{
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        struct scene_body *body = &bodies->body[i];
+        if (setting->rigid >> i & 1)
+            body->is_rigid = 1;
+        if (setting->integrator >= 0)
+            body->integrator = (uint32_t)setting->integrator;
+        if (setting->iterations)
+            body->iterations = setting->iterations;
+        if (!isnan(setting->sleep_speed))
+            body->sleep_speed = setting->sleep_speed > 0.0 ? setting->sleep_speed : -1.0;
+    }
+}

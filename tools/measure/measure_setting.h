@@ -43,4 +43,7 @@ struct measure_setting measure_setting_richest(const struct measure_setting *set
 /* NULL if the scene can be felt like that; else why not, as "the paper's method has no proxy". */
 const char *measure_setting_fault(const struct measure_setting *setting, const struct scene *scene);
 
+/* What it says of bodies, before they are added to a world. */
+void measure_setting_change(const struct measure_setting *setting, struct scene_bodies *bodies);
+
 #endif

@@ -12,7 +12,7 @@ enum { COLUMNS = 7 };
 int measure_trace_make(struct csv_table *trace, const struct scene *scene,
                        const struct measure_hand *def)
 {
-    const struct scene_body *body = &scene->bodies.body[0];
+    const struct scene_body *body = &scene->bodies.body[def->body];
     const struct quaternion turn = quaternion_unit(quaternion_of(body->pose.orientation));
     const vec3 origin = vec3_of(body->pose.position);
     struct trace_hand hand;
@@ -24,6 +24,7 @@ int measure_trace_make(struct csv_table *trace, const struct scene *scene,
         return complain(scene->command, "memory ran out");
     trace->rows = def->ticks;
     trace_hand_begin(&hand, body->mesh, def->seed, def->length, def->band, def->speed);
+    hand.stands = def->stands;
     for (size_t i = 0; i < trace->rows; i++) {
         double *row = trace->values + COLUMNS * i, ends[6];
         trace_hand_move(&hand, ends);

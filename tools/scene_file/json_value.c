@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "command_options.h"
+
 /* What a file says may be anything; a message is one line. */
 static void make_printable(char *text)
 {
@@ -35,6 +37,14 @@ void json_free(struct json_reader *reader)
 {
     json_decref(reader->tree);
     reader->tree = NULL;
+}
+
+int json_fault_complain(const char *command, const char *path, const struct json_fault *fault)
+{
+    if (fault->line)
+        return complain(command, "%s:%d:%d: %s", path, fault->line, fault->column, fault->reason);
+    return complain(command, "%s: %s%s%s", path, fault->place, fault->place[0] ? ": " : "",
+                    fault->reason);
 }
 
 int json_has_failed(const struct json_reader *reader)
@@ -195,20 +205,26 @@ void json_take_numbers(struct json_reader *reader, const struct json_value *obje
     }
 }
 
+void json_whole(struct json_reader *reader, const struct json_value *at, uint64_t least,
+                uint64_t most, uint64_t *to)
+{
+    if (!is_there(reader, at))
+        return;
+    if (!json_is_integer(at->value))
+        json_refuse(reader, at, "must be a whole number, without a point or an exponent");
+    const json_int_t number = json_integer_value(at->value);
+    if (number >= 0 && (uint64_t)number >= least && (uint64_t)number <= most)
+        *to = (uint64_t)number;
+    else
+        json_refuse(reader, at, "must be %llu to %llu; it is %lld", (unsigned long long)least,
+                    (unsigned long long)most, (long long)number);
+}
+
 void json_take_count(struct json_reader *reader, const struct json_value *object, const char *key,
                      uint64_t least, uint64_t most, uint64_t *to)
 {
     const struct json_value at = json_member(object, key);
-    if (!is_there(reader, &at))
-        return;
-    if (!json_is_integer(at.value))
-        json_refuse(reader, &at, "must be a whole number, without a point or an exponent");
-    const json_int_t number = json_integer_value(at.value);
-    if (number >= 0 && (uint64_t)number >= least && (uint64_t)number <= most)
-        *to = (uint64_t)number;
-    else
-        json_refuse(reader, &at, "must be %llu to %llu; it is %lld", (unsigned long long)least,
-                    (unsigned long long)most, (long long)number);
+    json_whole(reader, &at, least, most, to);
 }
 
 void json_take_flag(struct json_reader *reader, const struct json_value *object, const char *key,

@@ -16,6 +16,9 @@ struct json_fault {
     char reason[200]; /* "": there is no fault */
 };
 
+/* Say in one line what is wrong with a file; returns 2. */
+int json_fault_complain(const char *command, const char *path, const struct json_fault *fault);
+
 struct json_reader {
     struct json_t *tree;
     struct json_fault fault;
@@ -53,6 +56,10 @@ int json_check_object(struct json_reader *reader, const struct json_value *at,
 /* The length of a list; 0 with a fault if it is no list of `least` to `most` items. */
 size_t json_check_list(struct json_reader *reader, const struct json_value *at, size_t least,
                        size_t most);
+
+/* A whole number. A value that is not there leaves `to` as it is. */
+void json_whole(struct json_reader *reader, const struct json_value *at, uint64_t least,
+                uint64_t most, uint64_t *to);
 
 /*
  * Members of an object. A member that is missing leaves `to` as it is. json_take_above takes numbers above 0.

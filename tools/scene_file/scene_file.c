@@ -225,10 +225,7 @@ int scene_file_load(struct scene_file *file, const char *command, const char *pa
         return complain(command, "%s: memory ran out", path);
     int status = read_bytes(command, path, bytes, &size);
     if (status == 0 && !scene_file_parse(file, path, bytes, size, &fault))
-        status = fault.line ? complain(command, "%s:%d:%d: %s", path, fault.line, fault.column,
-                                       fault.reason)
-                            : complain(command, "%s: %s%s%s", path, fault.place,
-                                       fault.place[0] ? ": " : "", fault.reason);
+        status = json_fault_complain(command, path, &fault);
     free(bytes);
     return status;
 }

@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "plan/plan_knobs.h"
+
+#include <inttypes.h>
+#include <math.h>
+
+/* From one budget to the next cheaper one: the square root of a half. */
+#define BUDGET_STEP 0.70710678118654752
+
+/* Less memory for certificates than this is none. */
+#define CERTIFICATES_LEAST 16384
+
+/* Iterations of an implicit step where neither the setting nor the scene says how many. */
+#define ITERATIONS_USUAL 2
+
+uint32_t plan_times(double seen, double factor)
+{
+    return (uint32_t)fmin(ceil(factor * seen), (double)UINT32_MAX);
+}
+
+uint32_t plan_with_headroom(double seen)
+{
+    return plan_times(seen, PLAN_HEADROOM);
+}
+
+/* Contacts are told on the way to a force; nobody asked for them alone. */
+static int reduce_until(struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                        const struct plan_figures *seen)
+{
+    const int may_less = setting->world.until == DPT_UNTIL_RESPOND && !scene->tips.count;
+    (void)body, (void)seen;
+    setting->world.until = DPT_UNTIL_TRACK;
+    return may_less;
+}
+
+static void print_until(const struct measure_setting *setting, const struct scene *scene,
+                        uint32_t body, char *text, size_t room)
+{
+    static const char *const words[] = { "respond", "track", "contact" };
+    (void)scene, (void)body;
+    snprintf(text, room, "%s", words[setting->world.until]);
+}
+
+static int is_soft(const struct measure_setting *setting, const struct scene *scene, uint32_t body)
+{
+    return scene_body_is_soft(&scene->bodies.body[body]) && !(setting->rigid >> body & 1);
+}
+
+static int reduce_rigid(struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                        const struct plan_figures *seen)
+{
+    (void)seen;
+    if (!is_soft(setting, scene, body))
+        return 0;
+    setting->rigid |= (uint64_t)1 << body;
+    return 1;
+}
+
+static void print_rigid(const struct measure_setting *setting, const struct scene *scene,
+                        uint32_t body, char *text, size_t room)
+{
+    snprintf(text, room, "%s", is_soft(setting, scene, body) ? "gives way" : "rigid");
+}
+
+static uint32_t integrator_of(const struct measure_setting *setting, const struct scene_body *body)
+{
+    return setting->integrator >= 0 ? (uint32_t)setting->integrator : body->integrator;
+}
+
+/* The most iterations of a body that is stepped implicitly; 0: none is. */
+static uint32_t iterations_of(const struct measure_setting *setting, const struct scene *scene)
+{
+    uint32_t most = 0;
+    for (uint32_t i = 0; i < scene->bodies.count; i++) {
+        const struct scene_body *body = &scene->bodies.body[i];
+        if (!is_soft(setting, scene, i) || integrator_of(setting, body) != DPT_INTEGRATOR_IMPLICIT)
+            continue;
+        const uint32_t count = setting->iterations ? setting->iterations
+                               : body->iterations  ? body->iterations
+                                                   : ITERATIONS_USUAL;
+        most = count > most ? count : most;
+    }
+    return most;
+}
+
+static int reduce_integrator(struct measure_setting *setting, const struct scene *scene,
+                             uint32_t body, const struct plan_figures *seen)
+{
+    (void)body, (void)seen;
+    if (!iterations_of(setting, scene))
+        return 0;
+    setting->integrator = DPT_INTEGRATOR_SYMPLECTIC;
+    return 1;
+}
+
+static void print_integrator(const struct measure_setting *setting, const struct scene *scene,
+                             uint32_t body, char *text, size_t room)
+{
+    (void)body;
+    int soft = 0;
+    for (uint32_t i = 0; i < scene->bodies.count; i++)
+        soft |= is_soft(setting, scene, i);
+    snprintf(text, room, "%s",
+             !soft                           ? "none"
+             : iterations_of(setting, scene) ? "implicit"
+             : setting->integrator >= 0      ? "symplectic"
+                                             : "the scene's");
+}
+
+static int reduce_iterations(struct measure_setting *setting, const struct scene *scene,
+                             uint32_t body, const struct plan_figures *seen)
+{
+    const uint32_t now = iterations_of(setting, scene);
+    (void)body, (void)seen;
+    setting->iterations = now / 2;
+    return now > 1;
+}
+
+static void print_iterations(const struct measure_setting *setting, const struct scene *scene,
+                             uint32_t body, char *text, size_t room)
+{
+    (void)body;
+    snprintf(text, room, "%" PRIu32, iterations_of(setting, scene));
+}
+
+static int reduce_smooth(struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                         const struct plan_figures *seen)
+{
+    const int was = (int)setting->world.smooth_normals;
+    (void)scene, (void)body, (void)seen;
+    setting->world.smooth_normals = 0;
+    return was;
+}
+
+static void print_smooth(const struct measure_setting *setting, const struct scene *scene,
+                         uint32_t body, char *text, size_t room)
+{
+    (void)scene, (void)body;
+    snprintf(text, room, "%" PRIu32, setting->world.smooth_normals);
+}
+
+static int reduce_contacts(struct measure_setting *setting, const struct scene *scene,
+                           uint32_t body, const struct plan_figures *seen)
+{
+    const uint32_t needed = plan_with_headroom(seen->contacts), now = setting->world.max_contacts;
+    (void)scene, (void)body;
+    setting->world.max_contacts = needed < now ? needed : 0;
+    return now > 0;
+}
+
+static void print_contacts(const struct measure_setting *setting, const struct scene *scene,
+                           uint32_t body, char *text, size_t room)
+{
+    (void)scene, (void)body;
+    snprintf(text, room, "%" PRIu32, setting->world.max_contacts);
+}
+
+static int reduce_certificates(struct measure_setting *setting, const struct scene *scene,
+                               uint32_t body, const struct plan_figures *seen)
+{
+    const uint64_t now = setting->world.certificate_bytes;
+    (void)scene, (void)body, (void)seen;
+    setting->world.certificate_bytes = now / 4 >= CERTIFICATES_LEAST ? now / 4 : 0;
+    return now > 0;
+}
+
+static void print_certificates(const struct measure_setting *setting, const struct scene *scene,
+                               uint32_t body, char *text, size_t room)
+{
+    (void)scene, (void)body;
+    snprintf(text, room, "%" PRIu64, setting->world.certificate_bytes);
+}
+
+/* The first budget is what the largest tick took; a step's least is one unit. */
+static int reduce_budget(struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                         const struct plan_figures *seen)
+{
+    const uint32_t now = setting->world.budget;
+    (void)scene, (void)body;
+    setting->world.budget = now != PLAN_BUDGET_AMPLE ? (uint32_t)(BUDGET_STEP * now)
+                            : seen->work             ? seen->work
+                                                     : 1;
+    return setting->world.budget > 0;
+}
+
+static void print_budget(const struct measure_setting *setting, const struct scene *scene,
+                         uint32_t body, char *text, size_t room)
+{
+    (void)scene, (void)body;
+    if (setting->world.budget != PLAN_BUDGET_AMPLE)
+        snprintf(text, room, "%" PRIu32, setting->world.budget);
+    else
+        snprintf(text, room, "none");
+}
+
+/* Restore one field. */
+#define RESTORE(name, field)                                                                       \
+    static void restore_##name(struct measure_setting *setting,                                    \
+                               const struct measure_setting *from, uint32_t body)                  \
+    {                                                                                              \
+        (void)body;                                                                                \
+        setting->field = from->field;                                                              \
+    }
+RESTORE(until, world.until)
+RESTORE(integrator, integrator)
+RESTORE(iterations, iterations)
+RESTORE(smooth, world.smooth_normals)
+RESTORE(contacts, world.max_contacts)
+RESTORE(certificates, world.certificate_bytes)
+RESTORE(budget, world.budget)
+
+static void restore_rigid(struct measure_setting *setting, const struct measure_setting *from,
+                          uint32_t body)
+{
+    const uint64_t bit = (uint64_t)1 << body;
+    setting->rigid = (setting->rigid & ~bit) | (from->rigid & bit);
+}
+
+const struct plan_knob plan_knobs[] = {
+    { "certificate_bytes", 0, 1, reduce_certificates, restore_certificates, print_certificates },
+    { "rigid", 1, 0, reduce_rigid, restore_rigid, print_rigid },
+    { "until", 0, 0, reduce_until, restore_until, print_until },
+    { "integrator", 0, 0, reduce_integrator, restore_integrator, print_integrator },
+    { "iterations", 0, 0, reduce_iterations, restore_iterations, print_iterations },
+    { "smooth_normals", 0, 0, reduce_smooth, restore_smooth, print_smooth },
+    { "max_contacts", 0, 0, reduce_contacts, restore_contacts, print_contacts },
+    { "budget", 0, 0, reduce_budget, restore_budget, print_budget },
+};
+const size_t plan_knob_count = sizeof plan_knobs / sizeof *plan_knobs;
+
+void plan_knob_name(const struct plan_knob *knob, uint32_t body, char *text, size_t room)
+{
+    if (knob->of_bodies)
+        snprintf(text, room, "bodies[%u] %s", (unsigned)body, knob->name);
+    else
+        snprintf(text, room, "%s", knob->name);
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What can be taken away from a setting, in the order in which it is tried. Memory goes first, as it must not be felt, and
+ * that shows while nothing else is taken; then what saves most; the budget last, as it bounds what the others left.
+ */
+#ifndef DPT_TOOLS_PLAN_KNOBS_H
+#define DPT_TOOLS_PLAN_KNOBS_H
+
+#include "plan/plan.h"
+
+struct plan_knob {
+    const char *name; /* as in world.h */
+    /* Of each body that gives way, apart; else once. */
+    int of_bodies;
+    int same_bits; /* 1: it goes as far as no answer changes */
+    /*
+     * The next cheaper value. Returns 0 where there is none.
+     *   body    its number, of a knob of bodies
+     *   seen    what the setting did on the trace by which is chosen
+     */
+    int (*reduce)(struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                  const struct plan_figures *seen);
+    /* Its value as it is in `from`. */
+    void (*restore)(struct measure_setting *setting, const struct measure_setting *from,
+                    uint32_t body);
+    /* The value, as text. */
+    void (*print)(const struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                  char *text, size_t room);
+};
+
+extern const struct plan_knob plan_knobs[];
+extern const size_t plan_knob_count;
+
+/* What it is called: "budget", "bodies[2] rigid". */
+void plan_knob_name(const struct plan_knob *knob, uint32_t body, char *text, size_t room);
+
+/* Whole, at most UINT32_MAX: a capacity with what is to be left above what was seen, and any number so many times. */
+uint32_t plan_with_headroom(double seen);
+uint32_t plan_times(double seen, double factor);
+
+#endif

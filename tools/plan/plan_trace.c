@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "plan/plan_trace.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vec3.h"
+#include "command_options.h"
+#include "measure/measure_trace.h"
+
+/* Of a row: the tick, and two ends. */
+enum { COLUMNS = 7 };
+
+/* s: of the hand. */
+#define HAND_TICK 1e-3
+
+/* From the seed of one stretch to that of the next. */
+#define STRETCH_SEED 1000003
+
+/* And of a trace to another one's. */
+#define OTHER_SEED 68718952447u
+
+static int make_room(struct csv_table *trace, const char *command, size_t rows)
+{
+    *trace = (struct csv_table){ .columns = COLUMNS };
+    trace->values = malloc((rows ? rows : 1) * COLUMNS * sizeof *trace->values);
+    return trace->values ? 0 : complain(command, "memory ran out");
+}
+
+/* Add a row. One that does not go on from the last one leaves a tick out. */
+static double *add_row(struct csv_table *trace, int is_jump)
+{
+    double *row = trace->values + trace->rows * COLUMNS;
+    row[0] = trace->rows ? row[-COLUMNS] + (is_jump ? 2.0 : 1.0) : 0.0;
+    trace->rows++;
+    return row;
+}
+
+/* Slide over a body for as many of the hand's ticks. Returns 0, or 2 after a message. */
+static int slide(struct csv_table *trace, const struct scene *scene,
+                 const struct measure_hand *hand)
+{
+    struct csv_table slid;
+    const int status = measure_trace_make(&slid, scene, hand);
+    for (size_t i = 0; status == 0 && i < slid.rows; i++)
+        memcpy(add_row(trace, i == 0) + 1, csv_table_row(&slid, i) + 1,
+               (COLUMNS - 1) * sizeof *slid.values);
+    if (status == 0)
+        csv_table_free(&slid);
+    return status;
+}
+
+/* m: how far the tool reaches from the point that is led; 0: not at all. */
+static double reach_of(const struct scene *scene)
+{
+    double reach = scene->has_stylus ? scene->length : 0.0;
+    for (uint32_t i = 0; !scene->has_stylus && i < scene->segment_count; i++)
+        reach = fmax(reach, fmax(length(vec3_of(scene->segments[i].a)),
+                                 length(vec3_of(scene->segments[i].b))));
+    return reach;
+}
+
+int plan_trace_make(struct csv_table *trace, const struct scene *scene, uint64_t seed,
+                    uint64_t ticks, double rate, double speed)
+{
+    struct csv_table slow;
+    const double pace = 1.0 / (rate * HAND_TICK);
+    const uint32_t stretches = 2 * scene->bodies.count;
+    const uint64_t hand_ticks = (uint64_t)ceil((double)ticks * pace) + stretches;
+    *trace = (struct csv_table){ .rows = 0 };
+    int status = make_room(&slow, scene->command, (size_t)hand_ticks);
+    for (uint32_t i = 0; status == 0 && i < stretches; i++) {
+        const uint64_t from = hand_ticks * i / stretches, to = hand_ticks * (i + 1) / stretches;
+        const struct measure_hand hand = { .body = i % scene->bodies.count,
+                                           .seed = seed + (uint64_t)i * STRETCH_SEED,
+                                           .ticks = (size_t)(to - from),
+                                           .length = reach_of(scene),
+                                           .speed = speed,
+                                           .stands = !scene->has_stylus };
+        status = slide(&slow, scene, &hand);
+    }
+    /* The hand moves at its own speed, whatever the rate. */
+    if (status == 0)
+        status = plan_trace_play(trace, scene->command, &slow, pace);
+    csv_table_free(&slow);
+    return status;
+}
+
+struct csv_table plan_trace_part(const struct csv_table *trace, size_t from, size_t to)
+{
+    struct csv_table part = *trace;
+    part.values = trace->values + from * trace->columns;
+    part.rows = to - from;
+    return part;
+}
+
+/* Rows `from` to `to`, without a jump between them, from one end or from the other. */
+static void play_stretch(struct csv_table *out, const struct csv_table *trace, size_t from,
+                         size_t to, double pace)
+{
+    const double last = (double)(to - 1 - from);
+    for (double at = 0.0; at <= last; at += fabs(pace)) {
+        const double place = pace > 0.0 ? at : last - at;
+        const size_t before = from + (size_t)floor(place);
+        const size_t after = before + 1 < to ? before + 1 : before;
+        const double share = place - floor(place);
+        const double *a = csv_table_row(trace, before), *b = csv_table_row(trace, after);
+        double *row = add_row(out, at == 0.0);
+        for (int k = 1; k < COLUMNS; k++)
+            row[k] = a[k] + share * (b[k] - a[k]);
+    }
+}
+
+int plan_trace_play(struct csv_table *out, const char *command, const struct csv_table *trace,
+                    double pace)
+{
+    size_t jumps = 0;
+    for (size_t i = 0; i < trace->rows; i++)
+        jumps += (size_t)trace_is_jump(trace, i);
+    if (make_room(out, command, (size_t)((double)trace->rows / fabs(pace)) + 2 * jumps + 2))
+        return 2;
+    for (size_t from = 0, to; from < trace->rows; from = to) {
+        for (to = from + 1; to < trace->rows && !trace_is_jump(trace, to); to++) {
+        }
+        play_stretch(out, trace, from, to, pace);
+    }
+    return 0;
+}
+
+int plan_trace_of(struct csv_table *out, const struct scene *scene, const struct plan *plan,
+                  const struct csv_table *whole, int which)
+{
+    const size_t middle = whole->rows / 2;
+    const struct csv_table second = plan_trace_part(whole, middle, whole->rows);
+    if (which >= PLAN_OTHER)
+        return plan_trace_make(out, scene,
+                               plan->motion.seed + OTHER_SEED * (uint64_t)(which - PLAN_BACKWARDS),
+                               plan->motion.ticks / 2, plan->asked.rate, 0.0);
+    if (which == PLAN_BACKWARDS)
+        return plan_trace_play(out, scene->command, &second, -PLAN_SPEED_FACTOR);
+    *out = which == PLAN_FIRST_HALF ? plan_trace_part(whole, 0, middle) : second;
+    return 0;
+}
+
+void plan_trace_leave(struct csv_table *trace, int which)
+{
+    if (which >= PLAN_BACKWARDS)
+        csv_table_free(trace);
+}
+
+double plan_trace_speed(const struct csv_table *trace, double dt)
+{
+    double fastest = 0.0;
+    for (size_t i = 1; i < trace->rows; i++) {
+        const double *before = csv_table_row(trace, i - 1), *now = csv_table_row(trace, i);
+        if (trace_is_jump(trace, i))
+            continue;
+        for (int end = 1; end < COLUMNS; end += 3)
+            fastest = fmax(fastest, length(sub(vec3_of(now + end), vec3_of(before + end))));
+    }
+    return fastest / dt;
+}
