@@ -105,22 +105,29 @@ void report_arm(FILE *file, const dpt_compiled *compiled, const char *out)
     if (dpt_arm_open(compiled->bytes, compiled->size, &arm) != DPT_OK ||
         dpt_arm_get_info(arm, &info) != DPT_OK)
         return;
-    fprintf(file,
-            "%s: arm %s, %" PRIu32 " joint%s, tool %s of %" PRIu32 " capsule%s, %" PRIu32
-            " bod%s, %.6g kg, %.1f kB\n",
-            out, info.name, info.joints, info.joints == 1 ? "" : "s", info.tool_name, info.segments,
-            info.segments == 1 ? "" : "s", info.bodies, info.bodies == 1 ? "y" : "ies", info.mass,
-            (double)info.bytes / 1e3);
+    fprintf(file, "%s: arm %s, %" PRIu32 " joint%s, tool %s of %" PRIu32 " capsule%s", out,
+            info.name, info.joints, info.joints == 1 ? "" : "s", info.tool_name, info.segments,
+            info.segments == 1 ? "" : "s");
+    if (info.tips)
+        fprintf(file, " and %" PRIu32 " tip%s", info.tips, info.tips == 1 ? "" : "s");
+    if (info.jaws)
+        fprintf(file, " with %" PRIu32 " jaw%s", info.jaws, info.jaws == 1 ? "" : "s");
+    fprintf(file, ", %" PRIu32 " bod%s, %.6g kg, %.1f kB\n", info.bodies,
+            info.bodies == 1 ? "y" : "ies", info.mass, (double)info.bytes / 1e3);
 }
 
 static const char *const kinds[] = { "revolute", "continuous", "prismatic" };
 
-static void print_joints(const dpt_arm *arm)
+/* Joints are coordinates of the arm or jaws; links are the arm's, or jaw links. */
+typedef dpt_result get_joint_fn(const dpt_arm *arm, uint32_t index, dpt_arm_joint *joint);
+typedef dpt_result get_link_fn(const dpt_arm *arm, uint32_t index, dpt_arm_link *link);
+
+static void print_joints(const dpt_arm *arm, const char *what, get_joint_fn *get_joint)
 {
     const double degree = 3.14159265358979323846 / 180.0;
     dpt_arm_joint joint = { .size = sizeof joint };
-    for (uint32_t i = 0; dpt_arm_get_joint(arm, i, &joint) == DPT_OK; i++) {
-        printf("  joint %" PRIu32 " %-20s %-10s", i, joint.name, kinds[joint.kind]);
+    for (uint32_t i = 0; get_joint(arm, i, &joint) == DPT_OK; i++) {
+        printf("  %s %" PRIu32 " %-20s %-10s", what, i, joint.name, kinds[joint.kind]);
         if (joint.kind == DPT_JOINT_REVOLUTE)
             printf(" %.6g .. %.6g degrees", joint.lower / degree, joint.upper / degree);
         else if (joint.kind == DPT_JOINT_PRISMATIC)
@@ -134,17 +141,18 @@ static void print_joints(const dpt_arm *arm)
     }
 }
 
-static void print_links(const dpt_arm *arm, const dpt_arm_info *info)
+static void print_links(const dpt_arm *arm, const char *what, const char *root,
+                        get_link_fn *get_link, get_joint_fn *get_joint)
 {
     dpt_arm_link link = { .size = sizeof link };
-    for (uint32_t i = 0; dpt_arm_get_link(arm, i, &link) == DPT_OK; i++) {
+    for (uint32_t i = 0; get_link(arm, i, &link) == DPT_OK; i++) {
         dpt_arm_joint joint = { .size = sizeof joint };
-        dpt_arm_get_joint(arm, link.joint, &joint);
-        printf("  link %-2" PRIu32 " on ", i);
+        get_joint(arm, link.joint, &joint);
+        printf("  %s %-2" PRIu32 " on ", what, i);
         if (link.parent == DPT_NONE)
-            printf("%s", info->root_name);
+            printf("%s", root);
         else
-            printf("link %" PRIu32, link.parent);
+            printf("%s %" PRIu32, what, link.parent);
         printf(", %s (%.6g, %.6g, %.6g) by ", link.slides ? "slides along" : "turns about",
                link.axis[0], link.axis[1], link.axis[2]);
         if (link.factor < 1.0 || link.factor > 1.0)
@@ -156,6 +164,18 @@ static void print_links(const dpt_arm *arm, const dpt_arm_info *info)
     }
 }
 
+static void print_tips(const dpt_arm *arm)
+{
+    dpt_arm_tip tip = { .size = sizeof tip };
+    for (uint32_t i = 0; dpt_arm_get_tip(arm, i, &tip) == DPT_OK; i++) {
+        printf("    tip %s, %" PRIu32 " corners, radius %.6g m", tip.name, tip.corner_count,
+               tip.radius);
+        if (tip.link != DPT_NONE)
+            printf(", on jaw link %" PRIu32, tip.link);
+        putchar('\n');
+    }
+}
+
 void print_arm_text(const char *path, const dpt_arm *arm)
 {
     dpt_arm_info info = { .size = sizeof info };
@@ -164,8 +184,8 @@ void print_arm_text(const char *path, const dpt_arm *arm)
     dpt_arm_get_info(arm, &info);
     printf("%s: dynpoint arm %s, format %" PRIu32 ", %" PRIu64 " bytes\n", path, info.name,
            info.format_version, info.bytes);
-    print_joints(arm);
-    print_links(arm, &info);
+    print_joints(arm, "joint", dpt_arm_get_joint);
+    print_links(arm, "link", info.root_name, dpt_arm_get_link, dpt_arm_get_joint);
     printf("  mass %.6g kg\n", info.mass);
     printf("  tool %s on link %" PRIu32 " at (%.6g, %.6g, %.6g) m\n", info.tool_name,
            info.tool_link, info.tool.position[0], info.tool.position[1], info.tool.position[2]);
@@ -173,6 +193,9 @@ void print_arm_text(const char *path, const dpt_arm *arm)
         printf("    capsule (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g) m, radius %.6g m\n",
                segment.a[0], segment.a[1], segment.a[2], segment.b[0], segment.b[1], segment.b[2],
                segment.radius);
+    print_tips(arm);
+    print_joints(arm, "jaw", dpt_arm_get_jaw);
+    print_links(arm, "jaw link", info.tool_name, dpt_arm_get_jaw_link, dpt_arm_get_jaw);
     for (uint32_t i = 0; dpt_arm_get_body(arm, i, &body) == DPT_OK; i++) {
         dpt_mesh_info mesh = { .size = sizeof mesh };
         dpt_mesh_get_info(body.mesh, &mesh);
@@ -206,20 +229,11 @@ static void print_pose(const dpt_pose *pose)
     print_numbers("orientation", pose->orientation, 4);
 }
 
-void print_arm_json(const dpt_arm *arm)
+static void print_joints_json(const dpt_arm *arm, const char *key, get_joint_fn *get_joint)
 {
-    dpt_arm_info info = { .size = sizeof info };
     dpt_arm_joint joint = { .size = sizeof joint };
-    dpt_arm_link link = { .size = sizeof link };
-    dpt_arm_body body = { .size = sizeof body };
-    dpt_segment segment;
-    dpt_arm_get_info(arm, &info);
-    putchar('{');
-    print_name("arm", info.name);
-    putchar(',');
-    print_name("root", info.root_name);
-    printf(",\"joints\":[");
-    for (uint32_t i = 0; dpt_arm_get_joint(arm, i, &joint) == DPT_OK; i++) {
+    printf(",\"%s\":[", key);
+    for (uint32_t i = 0; get_joint(arm, i, &joint) == DPT_OK; i++) {
         fputs(i ? ",{" : "{", stdout);
         print_name("name", joint.name);
         printf(",\"kind\":\"%s\",\"lower\":%.17g,\"upper\":%.17g,\"velocity\":%.17g,"
@@ -227,8 +241,14 @@ void print_arm_json(const dpt_arm *arm)
                kinds[joint.kind], joint.lower, joint.upper, joint.velocity, joint.effort,
                joint.damping, joint.friction);
     }
-    printf("],\"links\":[");
-    for (uint32_t i = 0; dpt_arm_get_link(arm, i, &link) == DPT_OK; i++) {
+    putchar(']');
+}
+
+static void print_links_json(const dpt_arm *arm, const char *key, get_link_fn *get_link)
+{
+    dpt_arm_link link = { .size = sizeof link };
+    printf(",\"%s\":[", key);
+    for (uint32_t i = 0; get_link(arm, i, &link) == DPT_OK; i++) {
         printf("%s{\"parent\":%" PRId64 ",\"joint\":%" PRIu32 ",\"slides\":%s,", i ? "," : "",
                link.parent == DPT_NONE ? (int64_t)-1 : (int64_t)link.parent, link.joint,
                link.slides ? "true" : "false");
@@ -240,7 +260,37 @@ void print_arm_json(const dpt_arm *arm)
         print_numbers("centre", link.centre, 3);
         putchar('}');
     }
-    printf("],\"tool\":{");
+    putchar(']');
+}
+
+static void print_tips_json(const dpt_arm *arm)
+{
+    dpt_arm_tip tip = { .size = sizeof tip };
+    printf("],\"tips\":[");
+    for (uint32_t i = 0; dpt_arm_get_tip(arm, i, &tip) == DPT_OK; i++) {
+        fputs(i ? ",{" : "{", stdout);
+        print_name("name", tip.name);
+        printf(",\"jaw_link\":%" PRId64 ",\"radius\":%.17g,",
+               tip.link == DPT_NONE ? (int64_t)-1 : (int64_t)tip.link, tip.radius);
+        print_numbers("corners", tip.corners, 3 * (int)tip.corner_count);
+        putchar('}');
+    }
+    putchar(']');
+}
+
+void print_arm_json(const dpt_arm *arm)
+{
+    dpt_arm_info info = { .size = sizeof info };
+    dpt_arm_body body = { .size = sizeof body };
+    dpt_segment segment;
+    dpt_arm_get_info(arm, &info);
+    putchar('{');
+    print_name("arm", info.name);
+    putchar(',');
+    print_name("root", info.root_name);
+    print_joints_json(arm, "joints", dpt_arm_get_joint);
+    print_links_json(arm, "links", dpt_arm_get_link);
+    printf(",\"tool\":{");
     print_name("name", info.tool_name);
     printf(",\"link\":%" PRIu32 ",", info.tool_link);
     print_pose(&info.tool);
@@ -252,7 +302,10 @@ void print_arm_json(const dpt_arm *arm)
         print_numbers("b", segment.b, 3);
         printf(",\"radius\":%.17g}", segment.radius);
     }
-    printf("]},\"bodies\":[");
+    print_tips_json(arm);
+    print_joints_json(arm, "jaws", dpt_arm_get_jaw);
+    print_links_json(arm, "jaw_links", dpt_arm_get_jaw_link);
+    printf("},\"bodies\":[");
     for (uint32_t i = 0; dpt_arm_get_body(arm, i, &body) == DPT_OK; i++) {
         dpt_mesh_info mesh = { .size = sizeof mesh };
         dpt_mesh_get_info(body.mesh, &mesh);

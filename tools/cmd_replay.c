@@ -19,6 +19,7 @@
 #include "replay_plan.h"
 #include "replay_recording.h"
 #include "replay_report.h"
+#include "replay_tool.h"
 #include "trace.h"
 
 static const char help[] =
@@ -52,6 +53,16 @@ static const char help[] =
     "                       truth; default 1048576\n"
     "  --one-step           one move of the descent a tick (paper)\n"
     "  --radius R           of the tool, m; default 0: a line\n"
+    "  --tip SHAPE:X,Y,Z[,RADIUS]\n"
+    "                       a tip beside the line, up to 16, as run --tip. Then the tool has a "
+    "frame:\n"
+    "                       a is its origin, its z axis leads to b, and from tick to tick it turns "
+    "as\n"
+    "                       little as that takes, without a spin about the line; after a jump "
+    "from\n"
+    "                       world axes. The trace's line keeps its length. With the law proxy and "
+    "the\n"
+    "                       method exact; the proxy that is written is the frame's\n"
     "  --law LAW            of the force: proxy (default) pulls to where the tool would be if it "
     "went\n"
     "                       through nothing; bed: along the tool and at its ends; point pushes at "
@@ -89,7 +100,8 @@ struct replay_settings {
     dpt_world_def def;
     dpt_baseline_def baseline;
     struct force_options force;
-    double radius, dt;
+    struct replay_tool tool;
+    double dt;
     uint64_t repeat, every, parts, budget;
     int against; /* a method, or -1 */
     int json, one_step, limit;
@@ -104,20 +116,11 @@ struct stage {
     size_t bytes;
 };
 
-static dpt_segment segment_of(const struct csv_table *trace, size_t row, double radius)
-{
-    const double *ends = csv_table_row(trace, row) + 1;
-    dpt_segment segment;
-    memcpy(segment.a, ends, sizeof segment.a);
-    memcpy(segment.b, ends + 3, sizeof segment.b);
-    segment.radius = radius;
-    return segment;
-}
-
 static int stage_open(struct stage *stage, const dpt_world_def *def,
-                      const struct force_options *force, const dpt_mesh *mesh,
-                      const dpt_segment *segment)
+                      const struct replay_settings *settings, const dpt_mesh *mesh,
+                      const struct csv_table *trace)
 {
+    const struct replay_tool *tool = &settings->tool;
     dpt_body body;
     stage->bytes = dpt_world_bytes(def);
     stage->block = malloc(stage->bytes ? stage->bytes : 1);
@@ -129,23 +132,14 @@ static int stage_open(struct stage *stage, const dpt_world_def *def,
     if (result == DPT_OK)
         result = dpt_body_add(stage->world, mesh, NULL, &body);
     if (result == DPT_OK)
-        result = force_options_set_body(force, stage->world, body);
+        result = force_options_set_body(&settings->force, stage->world, body);
     if (result == DPT_OK)
-        result = dpt_tool_add(stage->world, segment, 1, &stage->tool);
+        result = replay_tool_add(tool, trace, stage->world, &stage->tool);
     if (result == DPT_OK)
-        result = force_options_set_tool(force, stage->world, stage->tool, 0);
+        result = force_options_set_tool(&settings->force, stage->world, stage->tool, 0);
+    if (result == DPT_OK)
+        result = replay_tool_add_tips(tool, stage->world, stage->tool);
     return result == DPT_OK ? 0 : complain("replay", "%s", dpt_result_text(result));
-}
-
-/* Place the tool for a row. A jump is a teleport. */
-static void place_tool(struct stage *stage, const struct csv_table *trace, size_t row,
-                       double radius)
-{
-    const dpt_pose identity = DPT_POSE_IDENTITY;
-    dpt_segment segment = segment_of(trace, row, radius);
-    if (trace_is_jump(trace, row))
-        dpt_tool_teleport(stage->world, stage->tool, &identity);
-    dpt_tool_set_segments(stage->world, stage->tool, &segment, 1);
 }
 
 /* Replace the wrench by what a guard lets through; its time is the row's. A stale answer switches the guard off. */
@@ -156,7 +150,7 @@ static void limit_wrench(dpt_guard *guard, uint64_t row, double dt, struct repla
     dpt_guard_step(guard, now, &command, tick->hit.status != DPT_STATUS_STALE, &tick->wrench);
 }
 
-static void run_pass(struct stage *stage, const struct replay_settings *settings,
+static void run_pass(struct stage *stage, struct replay_settings *settings,
                      struct replayed *replayed, int is_first)
 {
     struct meter meter = { .began = 0 };
@@ -167,7 +161,7 @@ static void run_pass(struct stage *stage, const struct replay_settings *settings
         if (i % 256 == 0)
             meter_show(&meter, "replay", (double)i / (double)replayed->trace->rows);
         struct replayed_tick *tick = &replayed->ticks[i];
-        place_tool(stage, replayed->trace, i, settings->radius);
+        replay_tool_place(&settings->tool, replayed->trace, i, stage->world, stage->tool);
         const uint64_t begin = clock_now();
         dpt_world_step(stage->world, settings->dt, NULL);
         double ns = (double)(clock_now() - begin);
@@ -189,7 +183,7 @@ static void run_pass(struct stage *stage, const struct replay_settings *settings
     meter_show(&meter, "", 1.0);
 }
 
-static int compare(const struct replay_settings *settings, const dpt_mesh *mesh,
+static int compare(struct replay_settings *settings, const dpt_mesh *mesh,
                    struct replayed *replayed)
 {
     struct comparison *against = &replayed->against;
@@ -201,15 +195,14 @@ static int compare(const struct replay_settings *settings, const dpt_mesh *mesh,
     def.baseline = NULL;
     def.budget = 0;
     def.until = DPT_UNTIL_TRACK;
-    dpt_segment segment = segment_of(trace, 0, settings->radius);
     double *ns = malloc(trace->rows * sizeof *ns);
-    int status = ns ? stage_open(&stage, &def, &settings->force, mesh, &segment)
-                    : complain("replay", "memory ran out");
+    int status =
+        ns ? stage_open(&stage, &def, settings, mesh, trace) : complain("replay", "memory ran out");
     for (size_t i = 0; status == 0 && i < trace->rows; i += settings->every) {
         dpt_hit hit = DPT_HIT_INIT;
         if (against->ticks % 64 == 0)
             meter_show(&meter, "compare", (double)i / (double)trace->rows);
-        place_tool(&stage, trace, i, settings->radius);
+        replay_tool_place(&settings->tool, trace, i, stage.world, stage.tool);
         const uint64_t begin = clock_now();
         dpt_world_step(stage.world, settings->dt, NULL);
         ns[against->ticks++] = (double)(clock_now() - begin);
@@ -253,7 +246,7 @@ static void note_lengths(const struct replay_settings *settings, const dpt_mesh_
     const struct {
         const char *name;
         double length;
-    } lengths[] = { { "--radius", settings->radius },
+    } lengths[] = { { "--radius", settings->tool.radius },
                     { "--strip-width", settings->def.strip_width } };
     for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++)
         if (lengths[i].length > 0.5 * box_diagonal(info))
@@ -261,7 +254,7 @@ static void note_lengths(const struct replay_settings *settings, const dpt_mesh_
                     lengths[i].name, lengths[i].length, size_text(info).text);
 }
 
-static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
+static int run(struct replay_settings *settings, const dpt_mesh *mesh,
                const struct csv_table *trace)
 {
     dpt_mesh_info info = { .size = sizeof info };
@@ -270,11 +263,11 @@ static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
                                  .until = settings->def.until,
                                  .law = settings->force.law,
                                  .strip_kind = settings->def.strip };
-    dpt_segment segment = segment_of(trace, 0, settings->radius);
     replayed.ticks = calloc(trace->rows, sizeof *replayed.ticks);
-    int status = replayed.ticks
-                     ? stage_open(&stage, &settings->def, &settings->force, mesh, &segment)
-                     : complain("replay", "memory ran out");
+    int status = replayed.ticks ? replay_tool_open(&settings->tool, settings->trace, trace)
+                                : complain("replay", "memory ran out");
+    if (status == 0)
+        status = stage_open(&stage, &settings->def, settings, mesh, trace);
     if (status == 0) {
         dpt_mesh_get_info(mesh, &info);
         note_lengths(settings, &info);
@@ -291,6 +284,7 @@ static int run(const struct replay_settings *settings, const dpt_mesh *mesh,
     }
     if (status == 0)
         status = write_results(settings, &replayed);
+    replay_tool_close(&settings->tool);
     free(stage.block);
     free(replayed.ticks);
     return status;
@@ -301,11 +295,13 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
 {
     const char *operand[2], *method = "exact", *until = "respond", *kernel = "auto";
     const char *against = NULL, *strip = "none", *law = NULL;
+    struct option_texts tips = { .count = 0 };
     size_t operands;
     const struct option_def options[] = {
         { .name = "-o", .text = &settings->out },
         { .name = "--method", .text = &method },
-        { .name = "--radius", .number = &settings->radius },
+        { .name = "--radius", .number = &settings->tool.radius },
+        { .name = "--tip", .texts = &tips },
         { .name = "--law", .text = &law },
         { .name = "--stiffness", .number = &settings->force.stiffness },
         { .name = "--friction", .number = &settings->force.friction },
@@ -356,6 +352,13 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
         status = force_options_check("replay", &settings->force);
     if (status)
         return status;
+    if (tip_shapes_of_options(&settings->tool.tips, "replay", &tips))
+        return 2;
+    if (tips.count &&
+        (chosen[0] != DPT_METHOD_EXACT || against || settings->force.law != DPT_LAW_PROXY))
+        return complain("replay",
+                        "--tip is for the method exact and the law proxy, without --against");
+    settings->def.max_tips = (uint32_t)tips.count;
     settings->def.strip = (uint32_t)word_index(strip, strips);
     settings->def.method = (uint32_t)chosen[0];
     settings->def.until = (uint32_t)chosen[1];
@@ -377,7 +380,7 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
     settings->baseline.parts = (uint32_t)settings->parts;
     settings->baseline.one_step = (uint32_t)settings->one_step;
     settings->def.baseline = &settings->baseline;
-    if (!(settings->radius >= 0.0 && settings->radius <= DPT_COORDINATE_MAX))
+    if (!(settings->tool.radius >= 0.0 && settings->tool.radius <= DPT_COORDINATE_MAX))
         return complain("replay", "--radius must be 0 to 1e6");
     if (!(settings->def.strip_width >= 0.0 && settings->def.strip_width <= DPT_COORDINATE_MAX))
         return complain("replay", "--strip-width must be 0 to 1e6");

@@ -106,18 +106,6 @@ static int check_record(const struct run_settings *settings)
     return device_output_check("run", settings->record, settings->device);
 }
 
-/* As many as one option has. */
-typedef char tip_options_fit[(int)OPTION_TEXTS_MAX <= (int)TIP_SHAPES_MAX ? 1 : -1];
-
-static int read_tips(struct tip_shapes *tips, const struct option_texts *texts)
-{
-    for (size_t i = 0; i < texts->count; i++)
-        if (tip_shape_of_option(&tips->shape[i], "run", texts->text[i]))
-            return 2;
-    tips->count = (uint32_t)texts->count;
-    return 0;
-}
-
 /* The plan's scene, and what the options do not say. Returns 0, or 2 after a message. */
 static int read_plan(struct run_settings *settings, size_t operands, const char **law)
 {
@@ -205,7 +193,7 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
     if (operands != 1 || !settings->device)
         return complain("run", "a scene, SCENE.json, MESH.dpa or ARM.dpa, and --device NAME are "
                                "needed (see --help)");
-    if (read_tips(&settings->scene.tips, &tips))
+    if (tip_shapes_of_options(&settings->scene.tips, "run", &tips))
         return 2;
     status = scene_def_complete(&settings->scene, law);
     settings->scene.force.stiffness =

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/frame.h"
-#include "command_options.h"
 #include "text/parse_number.h"
 
 const char *const tip_shape_words[] = { "box", "wedge", "cylinder", "cone", NULL };
@@ -107,7 +106,7 @@ static int read_kind(const char *word, size_t length)
     return -1;
 }
 
-int tip_shape_of_option(struct tip_shape *shape, const char *command, const char *text)
+static int read_option(struct tip_shape *shape, const char *command, const char *text)
 {
     static const dpt_pose identity = DPT_POSE_IDENTITY;
     const char *end = text + strlen(text), *colon = strchr(text, ':');
@@ -124,6 +123,19 @@ int tip_shape_of_option(struct tip_shape *shape, const char *command, const char
                                  .pose = identity };
     const char *fault = tip_shape_fault(shape);
     return fault ? complain(command, "--tip %s: %s", text, fault) : 0;
+}
+
+/* As many as one option has. */
+typedef char tip_options_fit[(int)OPTION_TEXTS_MAX <= (int)TIP_SHAPES_MAX ? 1 : -1];
+
+int tip_shapes_of_options(struct tip_shapes *tips, const char *command,
+                          const struct option_texts *texts)
+{
+    for (size_t i = 0; i < texts->count; i++)
+        if (read_option(&tips->shape[i], command, texts->text[i]))
+            return 2;
+    tips->count = (uint32_t)texts->count;
+    return 0;
 }
 
 /* The numbers of a line in their order. */

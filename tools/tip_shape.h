@@ -8,6 +8,7 @@
 
 #include <stddef.h>
 
+#include "command_options.h"
 #include "dynpoint/hull.h"
 
 enum { TIP_SHAPES_MAX = 16 }; /* of one tool */
@@ -41,8 +42,9 @@ const char *tip_shape_fault(const struct tip_shape *shape);
 /* Make the hull. *block is what to free once no tool uses it; NULL after a failure. */
 dpt_result tip_shape_make(const struct tip_shape *shape, void **block, const dpt_hull **hull);
 
-/* Read the value of --tip, "SHAPE:X,Y,Z" or "SHAPE:X,Y,Z,RADIUS". Returns 0, or 2 after a message. */
-int tip_shape_of_option(struct tip_shape *shape, const char *command, const char *text);
+/* Read the values of --tip, "SHAPE:X,Y,Z" or "SHAPE:X,Y,Z,RADIUS". Returns 0, or 2 after a message. */
+int tip_shapes_of_options(struct tip_shapes *tips, const char *command,
+                          const struct option_texts *texts);
 
 /* Its line in a recording: write all but the key, at most `room` bytes with a zero; read from `text` to `end`. */
 enum { TIP_SHAPE_LINE = 400 };

@@ -16,11 +16,13 @@
 #ifndef DYNPOINT_ARM_H
 #define DYNPOINT_ARM_H
 
+#include "dynpoint/hull.h"
 #include "dynpoint/mesh.h"
 
 #define DPT_ARM_LINKS_MAX    64
 #define DPT_ARM_SEGMENTS_MAX 64
 #define DPT_ARM_BODIES_MAX   64
+#define DPT_ARM_TIPS_MAX     64
 #define DPT_ARM_NAME         64 /* bytes of a name, including the zeros after it; at least one */
 
 DPT_BEGIN
@@ -77,6 +79,22 @@ typedef struct dpt_arm_body {
     char name[DPT_ARM_NAME];
 } dpt_arm_body;
 
+/*
+ * A convex part of the tool (hull.h, tip.h): a box, a wide cylinder or a mesh's hull. It is fixed to the tool, or to a jaw
+ * link, which a jaw moves in the tool.
+ */
+typedef struct dpt_arm_tip {
+    uint32_t size;         /* sizeof(dpt_arm_tip) */
+    uint32_t link;         /* index of the jaw link that it is fixed to; DPT_NONE: the tool */
+    uint32_t corner_count; /* 3..DPT_HULL_CORNERS_MAX */
+    uint32_t reserved;     /* 0 */
+    const double *
+        corners; /* 3 coordinates each, m, in the frame of `link` or of the tool; in the arm's bytes */
+    const void *reserved_pointer; /* NULL */
+    double radius;                /* m, >= 0: as that of a dpt_hull_def */
+    char name[DPT_ARM_NAME];      /* of its link in the URDF */
+} dpt_arm_tip;
+
 /* What an arm holds. */
 typedef struct dpt_arm_info {
     uint32_t size;                /* sizeof(dpt_arm_info) */
@@ -95,6 +113,10 @@ typedef struct dpt_arm_info {
     char name[DPT_ARM_NAME];      /* of the robot */
     char root_name[DPT_ARM_NAME]; /* of the root link */
     char tool_name[DPT_ARM_NAME]; /* of the tool's link */
+    uint32_t jaws;                /* joints that move parts of the tool, 0..DPT_JOINTS_MAX */
+    uint32_t jaw_links;           /* 0..DPT_ARM_LINKS_MAX */
+    uint32_t tips;                /* of the tool, 0..DPT_ARM_TIPS_MAX */
+    uint32_t reserved_word;       /* 0 */
 } dpt_arm_info;
 
 /*
@@ -115,6 +137,23 @@ DPT_API dpt_result dpt_arm_get_body(const dpt_arm *arm, uint32_t index, dpt_arm_
 
 /* Get a capsule of the tool, in the tool's frame, as dpt_tool_add takes it. */
 DPT_API dpt_result dpt_arm_get_segment(const dpt_arm *arm, uint32_t index, dpt_segment *segment);
+
+/*
+ * What the tool has beside its capsules: tips, and the jaws that move some of them. A jaw is a joint, and a jaw link a link
+ * whose parent is a jaw link, or DPT_NONE: the tool. Jaws are no coordinates of the arm, and do not move the tool's frame.
+ * A tip becomes a hull by its corners and radius.
+ */
+DPT_API dpt_result dpt_arm_get_jaw(const dpt_arm *arm, uint32_t index, dpt_arm_joint *jaw);
+DPT_API dpt_result dpt_arm_get_jaw_link(const dpt_arm *arm, uint32_t index, dpt_arm_link *link);
+DPT_API dpt_result dpt_arm_get_tip(const dpt_arm *arm, uint32_t index, dpt_arm_tip *tip);
+
+/*
+ * Compute where a tip's corners are, for dpt_tool_set_tip_pose: the pose of their frame in the tool's frame.
+ *   jaws   the jaws' coordinates, rad or m: dpt_arm_info.jaws numbers, in the order of dpt_arm_get_jaw; NULL if there are
+ *          none. They may lie outside of their limits
+ */
+DPT_API dpt_result dpt_arm_tip_pose(const dpt_arm *arm, uint32_t index, const double *jaws,
+                                    dpt_pose *pose);
 
 /*
  * Compute the pose of the tool's frame. Its quaternion is continuous in the joints: a full turn of a joint changes the

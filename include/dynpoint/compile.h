@@ -193,6 +193,7 @@ DPT_API dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_coun
  * - Quaternions and axes are of unit length within 1e-6; the compiler normalises them.
  * - Lengths, limits of position, factors and masses are at most DPT_COORDINATE_MAX.
  * - `mesh` of a body is an open mesh. It is copied. `mesh_bytes` is not read.
+ * - Jaws and their links are as joints and links. Without a tip there are none.
  */
 typedef struct dpt_arm_def {
     uint32_t size; /* sizeof(dpt_arm_def) */
@@ -212,6 +213,14 @@ typedef struct dpt_arm_def {
     const void *reserved; /* NULL */
     uint64_t source_bytes;
     uint64_t source_hash;
+    uint32_t jaw_count;
+    uint32_t jaw_link_count;
+    uint32_t tip_count;
+    uint32_t reserved_word; /* 0 */
+    const dpt_arm_joint *jaws;
+    const dpt_arm_link *jaw_links;
+    const dpt_arm_tip *tips;
+    const void *reserved_pointer; /* NULL */
 } dpt_arm_def;
 
 /* Compile an arm. As the functions above; the diag's text names a joint, link, segment or body by its index, from 0. */

@@ -8,7 +8,7 @@ dpt_result dpt_arm_get_info(const dpt_arm *arm, dpt_arm_info *info)
 {
     if (!arm || !info)
         return DPT_E_ARGUMENT;
-    DPT_TRY(sized_check(info, sizeof *info, 0));
+    DPT_TRY(sized_check(info, SIZED_FIRST(dpt_arm_info, jaws), 0));
     dpt_arm_info own = {
         .format_version = arm->version,
         .joints = arm->joints,
@@ -20,6 +20,9 @@ dpt_result dpt_arm_get_info(const dpt_arm *arm, dpt_arm_info *info)
         .source_bytes = arm->source_bytes,
         .source_hash = arm->source_hash,
         .bytes = arm->bytes,
+        .jaws = arm_jaw_count(arm),
+        .jaw_links = arm_jaw_link_count(arm),
+        .tips = arm_tip_count(arm),
     };
     for (uint32_t i = 0; i < arm->links; i++)
         own.mass += arm_links(arm)[i].mass;
@@ -30,12 +33,9 @@ dpt_result dpt_arm_get_info(const dpt_arm *arm, dpt_arm_info *info)
     return DPT_OK;
 }
 
-dpt_result dpt_arm_get_joint(const dpt_arm *arm, uint32_t index, dpt_arm_joint *joint)
+static dpt_result write_joint(const struct arm_joint *record, dpt_arm_joint *joint)
 {
-    if (!arm || !joint || index >= arm->joints)
-        return DPT_E_ARGUMENT;
     DPT_TRY(sized_check(joint, sizeof *joint, 0));
-    const struct arm_joint *record = &arm_joints(arm)[index];
     dpt_arm_joint own = {
         .kind = record->kind,
         .lower = record->lower,
@@ -50,12 +50,21 @@ dpt_result dpt_arm_get_joint(const dpt_arm *arm, uint32_t index, dpt_arm_joint *
     return DPT_OK;
 }
 
-dpt_result dpt_arm_get_link(const dpt_arm *arm, uint32_t index, dpt_arm_link *link)
+dpt_result dpt_arm_get_joint(const dpt_arm *arm, uint32_t index, dpt_arm_joint *joint)
 {
-    if (!arm || !link || index >= arm->links)
-        return DPT_E_ARGUMENT;
+    return arm && joint && index < arm->joints ? write_joint(&arm_joints(arm)[index], joint)
+                                               : DPT_E_ARGUMENT;
+}
+
+dpt_result dpt_arm_get_jaw(const dpt_arm *arm, uint32_t index, dpt_arm_joint *jaw)
+{
+    return arm && jaw && index < arm_jaw_count(arm) ? write_joint(&arm_jaws(arm)[index], jaw)
+                                                    : DPT_E_ARGUMENT;
+}
+
+static dpt_result write_link(const struct arm_link *record, dpt_arm_link *link)
+{
     DPT_TRY(sized_check(link, sizeof *link, 0));
-    const struct arm_link *record = &arm_links(arm)[index];
     dpt_arm_link own = {
         .parent = record->parent,
         .joint = record->joint,
@@ -68,6 +77,34 @@ dpt_result dpt_arm_get_link(const dpt_arm *arm, uint32_t index, dpt_arm_link *li
     memcpy(own.axis, record->axis, sizeof own.axis);
     memcpy(own.centre, record->centre, sizeof own.centre);
     sized_write(link, link->size, &own, sizeof own);
+    return DPT_OK;
+}
+
+dpt_result dpt_arm_get_link(const dpt_arm *arm, uint32_t index, dpt_arm_link *link)
+{
+    return arm && link && index < arm->links ? write_link(&arm_links(arm)[index], link)
+                                             : DPT_E_ARGUMENT;
+}
+
+dpt_result dpt_arm_get_jaw_link(const dpt_arm *arm, uint32_t index, dpt_arm_link *link)
+{
+    return arm && link && index < arm_jaw_link_count(arm)
+               ? write_link(&arm_jaw_links(arm)[index], link)
+               : DPT_E_ARGUMENT;
+}
+
+dpt_result dpt_arm_get_tip(const dpt_arm *arm, uint32_t index, dpt_arm_tip *tip)
+{
+    if (!arm || !tip || index >= arm_tip_count(arm))
+        return DPT_E_ARGUMENT;
+    DPT_TRY(sized_check(tip, sizeof *tip, 0));
+    const struct arm_tip *record = &arm_tips(arm)[index];
+    dpt_arm_tip own = { .link = record->link,
+                        .corner_count = record->corner_count,
+                        .corners = arm_corners(arm)[record->first_corner].at,
+                        .radius = record->radius };
+    memcpy(own.name, record->name, sizeof own.name);
+    sized_write(tip, tip->size, &own, sizeof own);
     return DPT_OK;
 }
 

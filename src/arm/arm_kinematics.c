@@ -58,7 +58,7 @@ static void find_frame(const struct dpt_arm *arm, const double *joints, uint32_t
                        uint32_t link, const double *point, struct moving_frame *frame)
 {
     uint8_t path[DPT_ARM_LINKS_MAX];
-    const uint32_t count = arm_path(arm, link, path);
+    const uint32_t count = arm_path(arm_links(arm), link, path);
     *frame = (struct moving_frame){ .orientation = { .w = 1.0 } };
     for (uint32_t i = 0; i < count; i++) {
         const struct arm_link *next = &arm_links(arm)[path[i]];
@@ -94,6 +94,23 @@ dpt_result dpt_arm_forward(const dpt_arm *arm, const double *joints, dpt_pose *t
     vec3_store(frame.origin, tool->position);
     tool->orientation[0] = orientation.w;
     vec3_store(orientation.v, tool->orientation + 1);
+    return DPT_OK;
+}
+
+dpt_result dpt_arm_tip_pose(const dpt_arm *arm, uint32_t index, const double *jaws, dpt_pose *pose)
+{
+    uint8_t path[DPT_ARM_LINKS_MAX];
+    struct moving_frame frame = { .orientation = { .w = 1.0 } };
+    if (!arm || !pose || index >= arm_tip_count(arm) || (!jaws && arm_jaw_count(arm)))
+        return DPT_E_ARGUMENT;
+    DPT_TRY(check_numbers(jaws, arm_jaw_count(arm)));
+    const uint32_t count = arm_path(arm_jaw_links(arm), arm_tips(arm)[index].link, path);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct arm_link *next = &arm_jaw_links(arm)[path[i]];
+        apply_link(&frame, 0, next, jaws[next->joint]);
+    }
+    vec3_store(frame.origin, pose->position);
+    quaternion_store(quaternion_unit(frame.orientation), pose->orientation);
     return DPT_OK;
 }
 

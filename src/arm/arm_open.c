@@ -17,9 +17,8 @@
 /* Fill `fault`, which may be NULL, and return `code`. `byte` counts from the beginning of the file. */
 static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, int section)
 {
-    static const char names[][16] = {
-        "header", "joints", "links", "segments", "bodies", "padding"
-    };
+    static const char names[][16] = { "header", "joints",    "links", "segments", "bodies",
+                                      "jaws",   "jaw_links", "tips",  "corners",  "padding" };
     if (fault) {
         dpt_mesh_fault own = { .code = code, .byte = byte };
         memcpy(own.section, names[section], sizeof own.section);
@@ -44,7 +43,7 @@ static dpt_result check_header(const struct dpt_arm *arm, size_t size, dpt_mesh_
         return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->version);
     if (size < sizeof *arm)
         return fail(fault, DPT_E_TRUNCATED, size, ARM_HEADER);
-    if (arm->header_bytes != sizeof *arm)
+    if (arm->header_bytes != (arm->version < 2 ? ARM_HEADER_1 : sizeof *arm))
         return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->header_bytes);
     if (size < arm->bytes)
         return fail(fault, DPT_E_TRUNCATED, size, ARM_HEADER);
@@ -58,6 +57,14 @@ static dpt_result check_header(const struct dpt_arm *arm, size_t size, dpt_mesh_
         return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->segments);
     if (arm->bodies > DPT_ARM_BODIES_MAX)
         return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->bodies);
+    if (arm_jaw_count(arm) > DPT_JOINTS_MAX)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->jaws);
+    if (arm_jaw_link_count(arm) > DPT_ARM_LINKS_MAX)
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->jaw_links);
+    if (arm_tip_count(arm) > DPT_ARM_TIPS_MAX || (arm->version > 1 && !arm->tips))
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->tips);
+    if (arm_corner_count(arm) > DPT_HULL_CORNERS_MAX * arm_tip_count(arm))
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->corners);
     if (arm->bytes < arm_records_end(arm))
         return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->bytes);
     return DPT_OK;
@@ -138,68 +145,106 @@ static dpt_result check_name(const struct dpt_arm *arm, int section, const char 
     return DPT_OK;
 }
 
-static dpt_result check_joint(const struct dpt_arm *arm, const struct arm_joint *joint,
+static dpt_result check_joint(const struct dpt_arm *arm, int section, const struct arm_joint *joint,
                               dpt_mesh_fault *fault)
 {
     if (joint->bytes != sizeof *joint)
-        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_JOINTS, &joint->bytes);
+        return fail_at(fault, DPT_E_LAYOUT, arm, section, &joint->bytes);
     if (joint->kind > DPT_JOINT_PRISMATIC)
-        return fail_at(fault, DPT_E_INDEX, arm, ARM_JOINTS, &joint->kind);
-    DPT_TRY(check_coordinates(arm, ARM_JOINTS, &joint->lower, 1, fault));
-    DPT_TRY(
-        check_range(arm, ARM_JOINTS, &joint->upper, 1, joint->lower, DPT_COORDINATE_MAX, fault));
+        return fail_at(fault, DPT_E_INDEX, arm, section, &joint->kind);
+    DPT_TRY(check_coordinates(arm, section, &joint->lower, 1, fault));
+    DPT_TRY(check_range(arm, section, &joint->upper, 1, joint->lower, DPT_COORDINATE_MAX, fault));
     if (joint->kind == DPT_JOINT_CONTINUOUS && (joint->lower != 0.0 || joint->upper != 0.0))
-        return fail_at(fault, DPT_E_FINITE, arm, ARM_JOINTS, &joint->lower);
-    DPT_TRY(check_range(arm, ARM_JOINTS, &joint->velocity, 1, 0.0, LIMIT_MAX, fault));
-    DPT_TRY(check_range(arm, ARM_JOINTS, &joint->effort, 1, 0.0, LIMIT_MAX, fault));
-    DPT_TRY(check_range(arm, ARM_JOINTS, &joint->damping, 1, 0.0, LIMIT_MAX, fault));
-    DPT_TRY(check_range(arm, ARM_JOINTS, &joint->friction, 1, 0.0, LIMIT_MAX, fault));
-    return check_name(arm, ARM_JOINTS, joint->name, fault);
+        return fail_at(fault, DPT_E_FINITE, arm, section, &joint->lower);
+    DPT_TRY(check_range(arm, section, &joint->velocity, 1, 0.0, LIMIT_MAX, fault));
+    DPT_TRY(check_range(arm, section, &joint->effort, 1, 0.0, LIMIT_MAX, fault));
+    DPT_TRY(check_range(arm, section, &joint->damping, 1, 0.0, LIMIT_MAX, fault));
+    DPT_TRY(check_range(arm, section, &joint->friction, 1, 0.0, LIMIT_MAX, fault));
+    return check_name(arm, section, joint->name, fault);
 }
 
-static dpt_result check_link(const struct dpt_arm *arm, uint32_t index, dpt_mesh_fault *fault)
+/* One of some links, which so many joints move. */
+static dpt_result check_link(const struct dpt_arm *arm, int section, const struct arm_link *links,
+                             uint32_t index, uint32_t joints, dpt_mesh_fault *fault)
 {
-    const struct arm_link *link = &arm_links(arm)[index];
+    const struct arm_link *link = &links[index];
     if (link->bytes != sizeof *link)
-        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_LINKS, &link->bytes);
+        return fail_at(fault, DPT_E_LAYOUT, arm, section, &link->bytes);
     if (link->parent != DPT_NONE && link->parent >= index)
-        return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->parent);
-    if (link->joint >= arm->joints)
-        return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->joint);
+        return fail_at(fault, DPT_E_INDEX, arm, section, &link->parent);
+    if (link->joint >= joints)
+        return fail_at(fault, DPT_E_INDEX, arm, section, &link->joint);
     if (link->slides > 1)
-        return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->slides);
-    DPT_TRY(check_pose(arm, ARM_LINKS, &link->pose, fault));
-    DPT_TRY(check_unit(arm, ARM_LINKS, link->axis, 3, fault));
-    DPT_TRY(check_coordinates(arm, ARM_LINKS, &link->factor, 1, fault));
+        return fail_at(fault, DPT_E_INDEX, arm, section, &link->slides);
+    DPT_TRY(check_pose(arm, section, &link->pose, fault));
+    DPT_TRY(check_unit(arm, section, link->axis, 3, fault));
+    DPT_TRY(check_coordinates(arm, section, &link->factor, 1, fault));
     if (link->factor == 0.0)
-        return fail_at(fault, DPT_E_FINITE, arm, ARM_LINKS, &link->factor);
-    DPT_TRY(check_coordinates(arm, ARM_LINKS, &link->offset, 1, fault));
-    DPT_TRY(check_range(arm, ARM_LINKS, &link->mass, 1, 0.0, DPT_COORDINATE_MAX, fault));
-    return check_coordinates(arm, ARM_LINKS, link->centre, 3, fault);
+        return fail_at(fault, DPT_E_FINITE, arm, section, &link->factor);
+    DPT_TRY(check_coordinates(arm, section, &link->offset, 1, fault));
+    DPT_TRY(check_range(arm, section, &link->mass, 1, 0.0, DPT_COORDINATE_MAX, fault));
+    return check_coordinates(arm, section, link->centre, 3, fault);
 }
 
-/*
- * Check the order of joints: those on the path to the tool come first, in the order of the path. Check that each joint
- * moves at least one link in the way of its kind.
- */
+/* Check that each of some joints moves at least one of the links in the way of its kind. */
+static dpt_result check_moved(const struct dpt_arm *arm, int section,
+                              const struct arm_joint *joints, uint32_t joint_count,
+                              const struct arm_link *links, uint32_t link_count,
+                              dpt_mesh_fault *fault)
+{
+    uint32_t moved = 0;
+    for (uint32_t i = 0; i < link_count; i++)
+        if (links[i].slides == (joints[links[i].joint].kind == DPT_JOINT_PRISMATIC))
+            moved |= 1u << links[i].joint;
+    for (uint32_t i = 0; i < joint_count; i++)
+        if (!(moved >> i & 1))
+            return fail_at(fault, DPT_E_INDEX, arm, section, &joints[i]);
+    return DPT_OK;
+}
+
+/* Check the order of joints: those on the path to the tool come first, in the order of the path. */
 static dpt_result check_order(const struct dpt_arm *arm, dpt_mesh_fault *fault)
 {
     const struct arm_link *links = arm_links(arm);
     uint8_t path[DPT_ARM_LINKS_MAX];
-    uint32_t count = arm_path(arm, arm->tool_link, path), joints_met = 0, moved_joints = 0;
+    uint32_t count = arm_path(links, arm->tool_link, path), joints_met = 0;
     for (uint32_t i = 0; i < count; i++) {
         const struct arm_link *link = &links[path[i]];
         if (link->joint > joints_met)
             return fail_at(fault, DPT_E_INDEX, arm, ARM_LINKS, &link->joint);
         joints_met += link->joint == joints_met;
     }
-    for (uint32_t i = 0; i < arm->links; i++)
-        if (links[i].slides == (arm_joints(arm)[links[i].joint].kind == DPT_JOINT_PRISMATIC))
-            moved_joints |= 1u << links[i].joint;
-    for (uint32_t i = 0; i < arm->joints; i++)
-        if (!(moved_joints >> i & 1))
-            return fail_at(fault, DPT_E_INDEX, arm, ARM_JOINTS, &arm_joints(arm)[i]);
     return DPT_OK;
+}
+
+/* Check the tips, and the jaws that move them. */
+static dpt_result check_tips(const struct dpt_arm *arm, dpt_mesh_fault *fault)
+{
+    uint32_t corners = 0;
+    for (uint32_t i = 0; i < arm_jaw_count(arm); i++)
+        DPT_TRY(check_joint(arm, ARM_JAWS, &arm_jaws(arm)[i], fault));
+    for (uint32_t i = 0; i < arm_jaw_link_count(arm); i++)
+        DPT_TRY(check_link(arm, ARM_JAW_LINKS, arm_jaw_links(arm), i, arm_jaw_count(arm), fault));
+    DPT_TRY(check_moved(arm, ARM_JAWS, arm_jaws(arm), arm_jaw_count(arm), arm_jaw_links(arm),
+                        arm_jaw_link_count(arm), fault));
+    for (uint32_t i = 0; i < arm_tip_count(arm); i++) {
+        const struct arm_tip *tip = &arm_tips(arm)[i];
+        if (tip->bytes != sizeof *tip)
+            return fail_at(fault, DPT_E_LAYOUT, arm, ARM_TIPS, &tip->bytes);
+        if (tip->link != DPT_NONE && tip->link >= arm_jaw_link_count(arm))
+            return fail_at(fault, DPT_E_INDEX, arm, ARM_TIPS, &tip->link);
+        if (tip->first_corner != corners)
+            return fail_at(fault, DPT_E_INDEX, arm, ARM_TIPS, &tip->first_corner);
+        if (tip->corner_count < 3 || tip->corner_count > DPT_HULL_CORNERS_MAX ||
+            tip->corner_count > arm_corner_count(arm) - corners)
+            return fail_at(fault, DPT_E_INDEX, arm, ARM_TIPS, &tip->corner_count);
+        DPT_TRY(check_range(arm, ARM_TIPS, &tip->radius, 1, 0.0, DPT_COORDINATE_MAX, fault));
+        DPT_TRY(check_name(arm, ARM_TIPS, tip->name, fault));
+        corners += tip->corner_count;
+    }
+    if (corners != arm_corner_count(arm))
+        return fail_at(fault, DPT_E_LAYOUT, arm, ARM_HEADER, &arm->corners);
+    return check_coordinates(arm, ARM_CORNERS, arm_corners(arm)->at, 3 * (int)corners, fault);
 }
 
 /* Check all but the lengths and the meshes of a file in the host's byte order. */
@@ -207,12 +252,14 @@ static dpt_result check_content(const struct dpt_arm *arm, dpt_mesh_fault *fault
 {
     DPT_TRY(check_meshes_place(arm, fault));
     for (uint32_t i = 0; i < arm->joints; i++)
-        DPT_TRY(check_joint(arm, &arm_joints(arm)[i], fault));
+        DPT_TRY(check_joint(arm, ARM_JOINTS, &arm_joints(arm)[i], fault));
     for (uint32_t i = 0; i < arm->links; i++)
-        DPT_TRY(check_link(arm, i, fault));
+        DPT_TRY(check_link(arm, ARM_LINKS, arm_links(arm), i, arm->joints, fault));
     if (arm->tool_link >= arm->links)
         return fail_at(fault, DPT_E_INDEX, arm, ARM_HEADER, &arm->tool_link);
     DPT_TRY(check_order(arm, fault));
+    DPT_TRY(check_moved(arm, ARM_JOINTS, arm_joints(arm), arm->joints, arm_links(arm), arm->links,
+                        fault));
     DPT_TRY(check_pose(arm, ARM_HEADER, &arm->tool, fault));
     DPT_TRY(check_name(arm, ARM_HEADER, arm->name, fault));
     DPT_TRY(check_name(arm, ARM_HEADER, arm->root_name, fault));
@@ -228,7 +275,7 @@ static dpt_result check_content(const struct dpt_arm *arm, dpt_mesh_fault *fault
         DPT_TRY(check_pose(arm, ARM_BODIES, &arm_bodies(arm)[i].pose, fault));
         DPT_TRY(check_name(arm, ARM_BODIES, arm_bodies(arm)[i].name, fault));
     }
-    return DPT_OK;
+    return check_tips(arm, fault);
 }
 
 /*
@@ -306,10 +353,10 @@ dpt_result dpt_arm_convert(void *bytes, size_t size, dpt_mesh_fault *fault)
     DPT_TRY(check_header(&header, size, fault));
     DPT_TRY(check_crc(&header, bytes, fault));
     arm_swap_records(&header, bytes);
-    memcpy(bytes, &header, sizeof header);
+    memcpy(bytes, &header, header.header_bytes);
     DPT_TRY(check_content(bytes, fault));
     DPT_TRY(check_meshes(bytes, bytes, fault));
     header.crc32 = arm_crc(bytes, size);
-    memcpy(bytes, &header, sizeof header);
+    memcpy(bytes, &header, header.header_bytes);
     return DPT_OK;
 }

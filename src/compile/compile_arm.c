@@ -50,6 +50,9 @@ static const struct reason {
     { "bodies", offsetof(struct arm_body, pose.position), "its position is not within 1e6 m" },
     { "bodies", offsetof(struct arm_body, pose.orientation),
       "its orientation (w, x, y, z) is not of unit length" },
+    { "tips", offsetof(struct arm_tip, link), "it is fixed to no jaw link" },
+    { "tips", offsetof(struct arm_tip, radius), "its radius is negative, or above 1e6 m" },
+    { "corners", 0, "it is not within 1e6 m" },
 };
 
 static const char *reason_at(const char *section, size_t field)
@@ -61,39 +64,67 @@ static const char *reason_at(const char *section, size_t field)
     return text;
 }
 
-/* The name of record `index` of a section; for a link, that of its joint. "" if there is none. */
-static const char *name_of(const struct dpt_arm *arm, const char *section, size_t index)
+/* The records of a file, in their order. */
+struct records {
+    const char *what, *section; /* in words; of the reasons */
+    const void *first;
+    size_t count, width;
+    const struct arm_joint *joints; /* of links */
+    size_t joint_count;
+    size_t name; /* offset in a record; 0: it has none */
+};
+enum { RECORD_KINDS = 8 };
+
+static void list_records(const struct dpt_arm *arm, struct records records[RECORD_KINDS])
 {
-    if (!strcmp(section, "joints"))
-        return arm_joints(arm)[index].name;
-    if (!strcmp(section, "bodies"))
-        return arm_bodies(arm)[index].name;
-    if (strcmp(section, "links") || arm_links(arm)[index].joint >= arm->joints)
-        return "";
-    return arm_joints(arm)[arm_links(arm)[index].joint].name;
+    const struct records all[RECORD_KINDS] = {
+        { "joint", "joints", arm_joints(arm), arm->joints, sizeof(struct arm_joint), NULL, 0,
+          offsetof(struct arm_joint, name) },
+        { "link", "links", arm_links(arm), arm->links, sizeof(struct arm_link), arm_joints(arm),
+          arm->joints, 0 },
+        { "segment", "segments", arm_segments(arm), arm->segments, sizeof(dpt_segment), NULL, 0,
+          0 },
+        { "body", "bodies", arm_bodies(arm), arm->bodies, sizeof(struct arm_body), NULL, 0,
+          offsetof(struct arm_body, name) },
+        { "jaw", "joints", arm_jaws(arm), arm_jaw_count(arm), sizeof(struct arm_joint), NULL, 0,
+          offsetof(struct arm_joint, name) },
+        { "jaw link", "links", arm_jaw_links(arm), arm_jaw_link_count(arm), sizeof(struct arm_link),
+          arm_jaws(arm), arm_jaw_count(arm), 0 },
+        { "tip", "tips", arm_tips(arm), arm_tip_count(arm), sizeof(struct arm_tip), NULL, 0,
+          offsetof(struct arm_tip, name) },
+        { "corner", "corners", arm_corners(arm), arm_corner_count(arm), sizeof(struct arm_corner),
+          NULL, 0, 0 },
+    };
+    memcpy(records, all, sizeof all);
+}
+
+/* The name of a record; for a link, that of its joint. "" if there is none. */
+static const char *name_of(const struct records *records, size_t index)
+{
+    const char *record = (const char *)records->first + index * records->width;
+    const struct arm_link *link = (const void *)record;
+    if (records->name)
+        return record + records->name;
+    return records->joints && link->joint < records->joint_count ? records->joints[link->joint].name
+                                                                 : "";
 }
 
 /* Fill the diag with the reader's fault, in words. `arm` is the file in the host's byte order. */
 static dpt_result explain_fault(soup *source, const struct dpt_arm *arm,
                                 const dpt_mesh_fault *fault)
 {
-    const struct {
-        const char *section, *what;
-        size_t count, width;
-    } records[] = { { "joints", "joint", arm->joints, sizeof(struct arm_joint) },
-                    { "links", "link", arm->links, sizeof(struct arm_link) },
-                    { "segments", "segment", arm->segments, sizeof(dpt_segment) },
-                    { "bodies", "body", arm->bodies, sizeof(struct arm_body) } };
+    struct records records[RECORD_KINDS];
     uint64_t byte = fault->byte;
-    if (byte < sizeof *arm)
+    list_records(arm, records);
+    if (byte < arm->header_bytes)
         return soup_fail(source, fault->code, nowhere, "the tool: %s",
                          reason_at("header", (size_t)byte));
-    byte -= sizeof *arm;
-    for (size_t i = 0; i < sizeof records / sizeof *records; i++) {
+    byte -= arm->header_bytes;
+    for (size_t i = 0; i < RECORD_KINDS; i++) {
         const size_t bytes = records[i].count * records[i].width;
         if (byte < bytes) {
             const size_t index = (size_t)byte / records[i].width;
-            const char *name = name_of(arm, records[i].section, index);
+            const char *name = name_of(&records[i], index);
             char printable[WORD_SHOWN];
             return soup_fail(source, fault->code, nowhere, "%s %zu%s%s: %s", records[i].what, index,
                              *name ? ", " : "",
@@ -124,14 +155,9 @@ static dpt_result read_item(soup *source, const char *what, const void *array, u
     return DPT_OK;
 }
 
-static dpt_result read_joint(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_joint *joint)
+static dpt_result read_tip(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_tip *tip)
 {
-    return read_item(source, "joint", def->joints, i, joint, sizeof *joint);
-}
-
-static dpt_result read_link(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_link *link)
-{
-    return read_item(source, "link", def->links, i, link, sizeof *link);
+    return read_item(source, "tip", def->tips, i, tip, sizeof *tip);
 }
 
 static dpt_result read_body(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_body *body)
@@ -151,6 +177,9 @@ static dpt_result check_def(soup *source, const dpt_arm_def *def)
         { "links", def->link_count, 1, DPT_ARM_LINKS_MAX, def->links },
         { "segments", def->segment_count, 0, DPT_ARM_SEGMENTS_MAX, def->segments },
         { "bodies", def->body_count, 0, DPT_ARM_BODIES_MAX, def->bodies },
+        { "jaws", def->jaw_count, 0, DPT_JOINTS_MAX, def->jaws },
+        { "jaw links", def->jaw_link_count, 0, DPT_ARM_LINKS_MAX, def->jaw_links },
+        { "tips", def->tip_count, 0, DPT_ARM_TIPS_MAX, def->tips },
     };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         if (arrays[i].count < arrays[i].min || arrays[i].count > arrays[i].max)
@@ -164,6 +193,17 @@ static dpt_result check_def(soup *source, const dpt_arm_def *def)
         DPT_TRY(read_body(source, def, i, &body));
         if (!body.mesh)
             return soup_fail(source, DPT_E_ARGUMENT, nowhere, "body %u: it has no mesh", i);
+    }
+    if (!def->tip_count && (def->jaw_count || def->jaw_link_count))
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "jaws, and no tip that they move");
+    for (uint32_t i = 0; i < def->tip_count; i++) {
+        dpt_arm_tip tip;
+        DPT_TRY(read_tip(source, def, i, &tip));
+        if (!tip.corners || tip.reserved || tip.reserved_pointer || tip.corner_count < 3 ||
+            tip.corner_count > DPT_HULL_CORNERS_MAX)
+            return soup_fail(source, DPT_E_ARGUMENT, nowhere,
+                             "tip %u: it has no corners, or not 3 to %d of them", i,
+                             DPT_HULL_CORNERS_MAX);
     }
     return DPT_OK;
 }
@@ -196,16 +236,13 @@ static void make_unit(double *number, int count)
         number[i] /= sqrt(square);
 }
 
-static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_arm *arm)
+/* Write joints; `what` they are, for a message. */
+static dpt_result put_joints(soup *source, const char *what, const dpt_arm_joint *given,
+                             uint32_t count, struct arm_joint *joints)
 {
-    struct arm_joint *joints = (void *)(arm + 1);
-    struct arm_link *links = (void *)(joints + arm->joints);
-    dpt_segment *segments = (void *)(links + arm->links);
-    struct arm_body *bodies = (void *)(segments + arm->segments);
-    uint64_t end = arm_records_end(arm);
-    for (uint32_t i = 0; i < arm->joints; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         dpt_arm_joint from;
-        DPT_TRY(read_joint(source, def, i, &from));
+        DPT_TRY(read_item(source, what, given, i, &from, sizeof from));
         joints[i] = (struct arm_joint){ .bytes = sizeof *joints,
                                         .kind = from.kind,
                                         .lower = from.lower,
@@ -215,11 +252,17 @@ static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_a
                                         .damping = from.damping,
                                         .friction = from.friction };
         if (!put_name(joints[i].name, from.name))
-            return fail_name_length(source, "joint", i);
+            return fail_name_length(source, what, i);
     }
-    for (uint32_t i = 0; i < arm->links; i++) {
+    return DPT_OK;
+}
+
+static dpt_result put_links(soup *source, const char *what, const dpt_arm_link *given,
+                            uint32_t count, struct arm_link *links)
+{
+    for (uint32_t i = 0; i < count; i++) {
         dpt_arm_link from;
-        DPT_TRY(read_link(source, def, i, &from));
+        DPT_TRY(read_item(source, what, given, i, &from, sizeof from));
         links[i] = (struct arm_link){ .bytes = sizeof *links,
                                       .parent = from.parent,
                                       .joint = from.joint,
@@ -233,6 +276,45 @@ static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_a
         make_unit(links[i].pose.orientation, 4);
         make_unit(links[i].axis, 3);
     }
+    return DPT_OK;
+}
+
+/* Jaws, jaw links, tips and corners, from `at` on. */
+static dpt_result put_tips(soup *source, const dpt_arm_def *def, void *at)
+{
+    struct arm_joint *jaws = at;
+    struct arm_link *links = (void *)(jaws + def->jaw_count);
+    struct arm_tip *tips = (void *)(links + def->jaw_link_count);
+    struct arm_corner *corners = (void *)(tips + def->tip_count);
+    uint32_t corner_count = 0;
+    DPT_TRY(put_joints(source, "jaw", def->jaws, def->jaw_count, jaws));
+    DPT_TRY(put_links(source, "jaw link", def->jaw_links, def->jaw_link_count, links));
+    for (uint32_t i = 0; i < def->tip_count; i++) {
+        dpt_arm_tip from;
+        DPT_TRY(read_tip(source, def, i, &from));
+        tips[i] = (struct arm_tip){ .bytes = sizeof *tips,
+                                    .link = from.link,
+                                    .first_corner = corner_count,
+                                    .corner_count = from.corner_count,
+                                    .radius = from.radius };
+        if (!put_name(tips[i].name, from.name))
+            return fail_name_length(source, "tip", i);
+        memcpy(corners + corner_count, from.corners, from.corner_count * sizeof *corners);
+        corner_count += from.corner_count;
+    }
+    return DPT_OK;
+}
+
+static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_arm *arm)
+{
+    struct arm_joint *joints = (void *)((char *)arm + arm->header_bytes);
+    struct arm_link *links = (void *)(joints + arm->joints);
+    dpt_segment *segments = (void *)(links + arm->links);
+    struct arm_body *bodies = (void *)(segments + arm->segments);
+    uint64_t end = arm_records_end(arm);
+    DPT_TRY(put_joints(source, "joint", def->joints, arm->joints, joints));
+    DPT_TRY(put_links(source, "link", def->links, arm->links, links));
+    DPT_TRY(put_tips(source, def, bodies + arm->bodies));
     if (arm->segments)
         memcpy(segments, def->segments, arm->segments * sizeof *segments);
     for (uint32_t i = 0; i < arm->bodies; i++) {
@@ -255,8 +337,8 @@ static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_ar
 {
     memcpy(arm->magic, ARM_MAGIC, sizeof arm->magic);
     arm->byte_order = MESH_BYTE_ORDER;
-    arm->version = ARM_VERSION;
-    arm->header_bytes = sizeof *arm;
+    arm->version = def->tip_count ? ARM_VERSION : 1;
+    arm->header_bytes = def->tip_count ? sizeof *arm : ARM_HEADER_1;
     arm->writer_version = DPT_VERSION_NUMBER;
     arm->joints = def->joint_count;
     arm->links = def->link_count;
@@ -271,6 +353,14 @@ static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_ar
         !put_name(arm->tool_name, def->tool_name))
         return soup_fail(source, DPT_E_LIMIT, nowhere,
                          "name, root_name or tool_name has more than %d bytes", DPT_ARM_NAME - 1);
+    for (uint32_t i = 0; i < def->tip_count; i++) {
+        dpt_arm_tip tip;
+        DPT_TRY(read_tip(source, def, i, &tip));
+        arm->corners += tip.corner_count;
+    }
+    arm->jaws = def->jaw_count;
+    arm->jaw_links = def->jaw_link_count;
+    arm->tips = def->tip_count;
     arm->bytes = arm_records_end(arm);
     for (uint32_t i = 0; i < arm->bodies; i++) {
         dpt_arm_body body;
@@ -321,7 +411,7 @@ static dpt_result compile_arm(soup *source, const dpt_arm_def *def, dpt_compiled
     if (!arm)
         return soup_fail(source, DPT_E_MEMORY, nowhere, "memory ran out");
     *out = (dpt_compiled){ arm, (size_t)header.bytes };
-    *arm = header;
+    memcpy(arm, &header, header.header_bytes);
     DPT_TRY(put_records(source, def, arm));
     arm->crc32 = arm_crc(arm, out->size);
     if (dpt_arm_verify(arm, out->size, &fault) != DPT_OK)
@@ -338,13 +428,14 @@ static dpt_result check_call(soup *source, const dpt_arm_def *given, dpt_arm_def
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no place for the bytes");
     if (!given)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no def");
-    dpt_result result = sized_read(given, sizeof *def, def, sizeof *def);
+    *def = (dpt_arm_def){ .size = sizeof *def };
+    dpt_result result = sized_read(given, SIZED_FIRST(dpt_arm_def, jaw_count), def, sizeof *def);
     if (result == DPT_E_UNSUPPORTED)
         return soup_fail(source, result, nowhere, "the def has fields of a newer version");
     if (result != DPT_OK)
         return soup_fail(source, result, nowhere, "the def's size field is not set");
-    if (def->reserved)
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the def's reserved field is not NULL");
+    if (def->reserved || def->reserved_word || def->reserved_pointer)
+        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the def's reserved fields are not 0");
     return DPT_OK;
 }
 

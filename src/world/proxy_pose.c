@@ -55,7 +55,10 @@ static double largest_radius(const struct segment *segments, uint32_t count)
     return largest;
 }
 
-/* The ends of a segment, or of a tip's axis: tips are numbered after the segments. */
+/*
+ * The ends of a segment, or of a tip's axis where the tool was given it: a jaw that opens changes no force. Tips are
+ * numbered after the segments.
+ */
 static void ends_of(const struct dpt_world *world, const struct tool *tool, uint32_t number,
                     vec3 *a, vec3 *b)
 {
@@ -64,9 +67,9 @@ static void ends_of(const struct dpt_world *world, const struct tool *tool, uint
         *b = world->segments[tool->first_segment + number].b;
         return;
     }
-    const struct dpt_hull *hull = tool_tip(world, tool, number - tool->segment_count)->hull;
-    *a = hull->axis_a;
-    *b = hull->axis_b;
+    const struct tip *tip = tool_tip(world, tool, number - tool->segment_count);
+    *a = tip->home_a;
+    *b = tip->home_b;
 }
 
 /* How far a tip's corners are from the centre. */

@@ -8,6 +8,7 @@
 #include "world/proxy_friction.h"
 #include "world/proxy_motion.h"
 #include "world/segment_track.h"
+#include "world/tip_pose.h"
 #include "world/tool_loads.h"
 
 enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2 };
@@ -368,7 +369,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
 {
     struct proxy *proxy = tick->proxy;
     const struct proxy_pose from = tick->at;
-    const double others_moved = world_body_motion(tick->world);
+    const double others_moved = world_body_motion(tick->world) + proxy->tip_motion;
     const int is_alone = tick->world->body_count == tick->world->unfelt_body_count;
     const int is_released = proxy->is_released || is_alone;
     const double owed = proxy->owed;
@@ -457,6 +458,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     tick.goal = dpti_proxy_pose_of(proxy, &tool->pose);
     proxy->flags = 0;
     if (proxy->state < PROXY_DOUBTED) {
+        dpti_tips_put_all(world, tool);
         place(&tick);
     } else {
         const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
@@ -472,6 +474,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     dpti_proxy_yield(&tick);
     proxy->body_work = dpti_proxy_body_work(&tick);
     dpti_loads_note_proxy(&tick);
+    const int is_done = dpti_tips_follow(&tick);
     proxy->pose = tick.at.pose;
     proxy->device_pose = tool->pose;
     proxy->tick = world->ticks;
@@ -483,7 +486,8 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     world->segments[tool->first_segment].result.work = world->work.done - work_before;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick.goal, &tick.at);
     proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
-    proxy->is_still = is_unchanged && stood_still(&before, proxy);
+    proxy->is_still =
+        is_unchanged && is_done && proxy->tip_motion == 0.0 && stood_still(&before, proxy);
 }
 
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)

@@ -10,10 +10,10 @@
 #include "world/motion_backlog.h"
 #include "world/persistent_contacts.h"
 #include "world/proxy_free.h"
+#include "world/tip_pose.h"
 #include "world/tool_force.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
-#include "world/tool_tips.h"
 #include "world/world_def.h"
 
 /* Forget what earlier ticks know of a segment. */
@@ -202,11 +202,15 @@ static dpt_result read_tip(const dpt_tip *tips, uint32_t i, dpt_tip *tip)
 {
     *tip = (dpt_tip){ .size = sizeof *tip };
     DPT_TRY(sized_take(sized_item(tips, i), sized_of(tips), sizeof *tip, tip, sizeof *tip));
-    return tip->hull && !tip->reserved && !tip->reserved_pointer ? DPT_OK : DPT_E_ARGUMENT;
+    if (!tip->hull || tip->reserved)
+        return DPT_E_ARGUMENT;
+    struct frame frame;
+    return frame_of_pose(tip->pose, &frame);
 }
 
 dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_tip *tips, uint32_t count)
 {
+    const dpt_pose identity = DPT_POSE_IDENTITY;
     dpt_tip tip;
     if (!world || (!tips && count))
         return DPT_E_ARGUMENT;
@@ -224,10 +228,55 @@ dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_tip *tip
     struct tip *added = dpti_tips_add(world, found, count);
     for (uint32_t i = 0; i < count; i++) {
         read_tip(tips, i, &tip);
-        added[i] = (struct tip){ .hull = tip.hull };
+        added[i] = (struct tip){ .given = tip.hull,
+                                 .trust = HUGE_VAL,
+                                 .wanted = tip.pose ? *tip.pose : identity };
+        dpti_tip_put(world, &added[i], &added[i].wanted);
+        added[i].home_a = added[i].hull->axis_a;
+        added[i].home_b = added[i].hull->axis_b;
     }
     dpti_tool_forget(world, found);
     return DPT_OK;
+}
+
+/* A tool's tip, or NULL with the error of a call. */
+static struct tip *find_tip(const dpt_world *world, dpt_tool tool, uint32_t tip, dpt_result *result)
+{
+    const struct tool *found = world ? world_find_tool(world, tool) : NULL;
+    *result = DPT_OK;
+    if (found && tip < found->tip_count)
+        return tool_tip(world, found, tip);
+    *result = world && !found ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    return NULL;
+}
+
+dpt_result dpt_tool_set_tip_pose(dpt_world *world, dpt_tool tool, uint32_t tip,
+                                 const dpt_pose *pose)
+{
+    dpt_result result;
+    struct frame frame;
+    struct tip *moved = find_tip(world, tool, tip, &result);
+    if (!moved)
+        return result;
+    DPT_TRY(pose ? frame_of_pose(pose, &frame) : DPT_E_ARGUMENT);
+    struct tool *owner = world_find_tool(world, tool);
+    owner->has_changed |= !pose_is_same(&moved->wanted, pose);
+    moved->wanted = *pose;
+    if (!dpti_proxy_is_used(world, owner))
+        dpti_tips_put_all(world, owner);
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_get_tip_pose(const dpt_world *world, dpt_tool tool, uint32_t tip,
+                                 dpt_pose *pose)
+{
+    dpt_result result;
+    const struct tip *found = find_tip(world, tool, tip, &result);
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    if (!pose)
+        return DPT_E_ARGUMENT;
+    *pose = found ? found->pose : identity;
+    return result;
 }
 
 int dpt_tool_is_valid(const dpt_world *world, dpt_tool tool)

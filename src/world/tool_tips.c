@@ -65,19 +65,27 @@ static int is_known(const struct dpt_world *world, const struct tool *tool, cons
            memcmp(&tip->answer_frame, &tool->frame, sizeof tool->frame) == 0;
 }
 
+void dpti_tip_know(const struct dpt_world *world, struct tip *tip, const struct frame *frame,
+                   const struct tip_answer *answer)
+{
+    tip->answer = *answer;
+    tip->answer_frame = *frame;
+    tip->answer_tick = world->ticks;
+    if (!answer->body)
+        return;
+    tip->last_body_id = answer->body->id;
+    tip->last_triangle = answer->nearest.triangle;
+}
+
 void dpti_tips_track(struct dpt_world *world, struct tool *tool)
 {
+    struct tip_answer answer;
     for (uint32_t i = 0; i < tool->tip_count; i++) {
         struct tip *tip = tool_tip(world, tool, i);
         if (is_known(world, tool, tip))
             continue;
-        dpti_tip_find(world, tip, &tool->frame, &tip->answer);
-        tip->answer_frame = tool->frame;
-        tip->answer_tick = world->ticks;
-        if (!tip->answer.body)
-            continue;
-        tip->last_body_id = tip->answer.body->id;
-        tip->last_triangle = tip->answer.nearest.triangle;
+        dpti_tip_find(world, tip, &tool->frame, &answer);
+        dpti_tip_know(world, tip, &tool->frame, &answer);
     }
 }
 
@@ -241,10 +249,15 @@ void dpti_tips_remove(struct dpt_world *world, struct tool *tool)
     const uint32_t end = tool->first_tip + tool->tip_count;
     memmove(&world->tips[tool->first_tip], &world->tips[end],
             (world->tip_count - end) * sizeof *world->tips);
+    memmove(&world->tip_hulls[tool->first_tip], &world->tip_hulls[end],
+            (world->tip_count - end) * sizeof *world->tip_hulls);
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (world->tools[t].slot.used && world->tools[t].first_tip >= end)
             world->tools[t].first_tip -= tool->tip_count;
     world->tip_count -= tool->tip_count;
+    for (uint32_t i = tool->first_tip; i < world->tip_count; i++)
+        if (world->tips[i].hull != world->tips[i].given)
+            world->tips[i].hull = &world->tip_hulls[i];
     tool->tip_count = 0;
 }
 

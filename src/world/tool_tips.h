@@ -31,7 +31,11 @@ struct box dpti_tip_box(const struct dpt_hull *hull, const struct frame *tool);
 void dpti_tip_find(struct dpt_world *world, const struct tip *tip, const struct frame *frame,
                    struct tip_answer *answer);
 
-/* The same of all tips of a tool where it is, into their answers. */
+/* Let a tip have an answer, with the tool's frame at `frame`, in this tick. */
+void dpti_tip_know(const struct dpt_world *world, struct tip *tip, const struct frame *frame,
+                   const struct tip_answer *answer);
+
+/* Find the nearest pairs of all tips of a tool where it is, into their answers. */
 void dpti_tips_track(struct dpt_world *world, struct tool *tool);
 
 /*

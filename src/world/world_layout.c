@@ -17,7 +17,8 @@ enum {
     BYTES_BODY = 992,    /* with its box */
     BYTES_TOOL = 384,
     BYTES_SEGMENT = 1920,
-    BYTES_TIP = 960,
+    BYTES_TIP = 1088,
+    BYTES_HULL = 6784,
     BYTES_POINT_CACHE = 21504, /* and for each segment BYTES_POINT_CACHE_SEGMENT */
     BYTES_POINT_CACHE_SEGMENT = 3072
 };
@@ -25,6 +26,7 @@ typedef char world_fits[sizeof(struct dpt_world) <= BYTES_WORLD ? 1 : -1];
 typedef char body_fits[sizeof(struct body) + sizeof(struct box) <= BYTES_BODY ? 1 : -1];
 typedef char tool_fits[sizeof(struct tool) <= BYTES_TOOL ? 1 : -1];
 typedef char tip_fits[sizeof(struct tip) <= BYTES_TIP ? 1 : -1];
+typedef char hull_fits[sizeof(struct dpt_hull) <= BYTES_HULL ? 1 : -1];
 typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
 
 static uint64_t point_cache_bytes(const dpt_world_def *def)
@@ -38,7 +40,7 @@ size_t dpti_world_layout_bytes(const dpt_world_def *def)
     uint64_t bytes =
         BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
         BYTES_TOOL * (uint64_t)def->max_tools + BYTES_SEGMENT * (uint64_t)def->max_segments +
-        BYTES_TIP * (uint64_t)def->max_tips + point_cache_bytes(def) + dpti_bounds_bytes(def) +
+        (BYTES_TIP + BYTES_HULL) * (uint64_t)def->max_tips + point_cache_bytes(def) + dpti_bounds_bytes(def) +
         dpti_backlog_bytes(def) + dpti_persistent_contacts_bytes(def) + dpti_strips_bytes(def) +
         dpti_proxy_bytes(def) + dpti_broad_phase_bytes(def) + dpti_body_search_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
@@ -57,6 +59,8 @@ void dpti_world_layout_place(struct dpt_world *world)
     at += BYTES_SEGMENT * (size_t)def->max_segments;
     world->tips = (void *)at;
     at += BYTES_TIP * (size_t)def->max_tips;
+    world->tip_hulls = (void *)at;
+    at += BYTES_HULL * (size_t)def->max_tips;
     world->point_cache.entries = (void *)at;
     world->point_cache.sets = (uint32_t)(point_cache_bytes(def) /
                                          (POINT_CACHE_WAYS * sizeof *world->point_cache.entries));

@@ -92,10 +92,15 @@ struct tip_answer {
 
 /* A convex part of a tool, in the tool's frame. */
 struct tip {
-    const struct dpt_hull *hull;
-    struct tip_answer answer;  /* this tick's */
-    struct frame answer_frame; /* where the tool's frame was for it */
-    uint32_t answer_tick;      /* in which it was found */
+    const struct dpt_hull *given; /* in a frame of its own */
+    const struct dpt_hull *hull;  /* the same at `pose`: itself, or the world's tip_hulls has it */
+    dpt_pose pose;                /* where it is in the tool's frame */
+    dpt_pose wanted;              /* and where it goes */
+    double trust;                 /* m: the longest motion there that is tried at once */
+    vec3 home_a, home_b;          /* its axis in the tool's frame where the tool was given it */
+    struct tip_answer answer;     /* this tick's */
+    struct frame answer_frame;    /* where the tool's frame was for it */
+    uint32_t answer_tick;         /* in which it was found */
     uint32_t reserved;
     dpt_hit hit;
     dpt_contact contact;    /* id 0: it has none */
@@ -150,10 +155,11 @@ struct proxy {
     double min_gap; /* m: the least that is allowed */
     double trust;   /* m: the longest motion that is tried at once */
     double last_motion; /* m */
-    double owed;   /* m: how far it might have moved in the last tick, but for the sweeps' limit */
-    double lag;    /* m */
-    double length; /* m: of a free tool, the device's */
-    double radius; /* m: likewise */
+    double owed; /* m: how far it might have moved in the last tick, but for the sweeps' limit */
+    double lag;  /* m */
+    double tip_motion; /* m: how far tips moved in the tool's frame in the last tick, at most */
+    double length;     /* m: of a free tool, the device's */
+    double radius;     /* m: likewise */
     /* Of the displacement from the device to the proxy, the part that surfaces yield, and the energy they store, J. */
     struct displacement yielded;
     double yielded_energy;
@@ -383,6 +389,7 @@ struct dpt_world {
     struct tool *tools;           /* by slot */
     struct segment *segments;     /* of all tools, without gaps */
     struct tip *tips;             /* likewise */
+    struct dpt_hull *tip_hulls;   /* one a tip: its hull, where that is moved in the tool's frame */
     struct plane_cache plane_cache;
     /* Per segment, body slot and part: the place of the triangle of the last answer, or DPT_NONE. */
     uint32_t *last_triangles;

@@ -7,9 +7,9 @@
  *     test_arm write FILE
  *
  * GOLDEN is the folder golden, ARM_OPEN the source of the reader (sites.h); from the top of the tree they are found
- * without. Each byte of a file is damaged, or one in EVERY. golden/arm_1_mesh_6.dpa is what `write` wrote, `whole_arm`;
- * arm_1.dpa and arm_1_mesh_4.dpa the same when meshes were of version 3 and 4. They are to be kept: a new format, of an
- * arm or of a mesh, gets a file beside them.
+ * without. Each byte of a file is damaged, or one in EVERY. golden/arm_2_mesh_6.dpa is what `write` wrote, `whole_arm`;
+ * arm_1_mesh_6.dpa the same before there were tips, arm_1.dpa and arm_1_mesh_4.dpa when meshes were of version 3 and 4.
+ * They are to be kept: a new format, of an arm or of a mesh, gets a file beside them.
  */
 #include "arm/whole_arm.h"
 #include "base/byte_order.h"
@@ -87,6 +87,7 @@ static struct file other_arm(const struct file *file)
     }
     reverse(other.bytes + 8, 4, 10);
     reverse(other.bytes + 48, 8, 10);
+    reverse(other.bytes + 320, 4, 4);
     for (int i = 0; i < JOINTS; i++, at += JOINT) {
         reverse(at, 4, 2);
         reverse(at + 8, 8, 6);
@@ -99,6 +100,19 @@ static struct file other_arm(const struct file *file)
     at += SEGMENTS * SEGMENT;
     for (int i = 0; i < BODIES; i++, at += BODY)
         reverse(at, 8, 9);
+    for (int i = 0; i < JAWS; i++, at += JOINT) {
+        reverse(at, 4, 2);
+        reverse(at + 8, 8, 6);
+    }
+    for (int i = 0; i < JAW_LINKS; i++, at += LINK) {
+        reverse(at, 4, 4);
+        reverse(at + 16, 8, 16);
+    }
+    for (int i = 0; i < TIPS; i++, at += TIP) {
+        reverse(at, 4, 4);
+        reverse(at + 16, 8, 1);
+    }
+    reverse(at, 8, 3 * CORNERS);
     seal_arm(&other);
     reverse(other.bytes + 20, 4, 1);
     return other;
@@ -128,7 +142,7 @@ static void expect_row(const struct damage *damage, size_t row)
               row);
     /* In the other byte order it is refused for the same reason. */
     if (damage->seal == SEALED && damage->change == SET && damage->at >= AT_JOINTS &&
-        damage->at < AT_BODIES) {
+        damage->at < AT_END && (damage->at < AT_BODIES || damage->at >= AT_JAWS)) {
         struct file other = other_arm(&file);
         fault = (dpt_mesh_fault){ .size = sizeof fault };
         CHECK(dpt_arm_convert(other.bytes, other.size, &fault) == damage->code &&
@@ -144,6 +158,10 @@ static void expect_row(const struct damage *damage, size_t row)
 #define L(i, field)    (AT_LINKS + (i)*LINK + (int64_t)offsetof(dpt_arm_link, field))
 #define S(i, field)    (AT_SEGMENTS + (i)*SEGMENT + (int64_t)offsetof(dpt_segment, field))
 #define B(i, field)    (AT_BODIES + (i)*BODY + (int64_t)offsetof(struct arm_body, field))
+#define M(i, field)    (AT_JAWS + (i)*JOINT + (int64_t)offsetof(dpt_arm_joint, field))
+#define N(i, field)    (AT_JAW_LINKS + (i)*LINK + (int64_t)offsetof(dpt_arm_link, field))
+#define T(i, field)    (AT_TIPS + (i)*TIP + (int64_t)offsetof(struct arm_tip, field))
+#define C(i, k)        (AT_CORNERS + (i)*CORNER + 8 * (k))
 #define H(field)       (int64_t) offsetof(struct dpt_arm, field)
 #define WORD(at, to)   SET, at, 4, to, SEALED
 #define WIDE(at, to)   SET, at, 8, to, SEALED
@@ -169,7 +187,8 @@ static void damage_of_header_and_places(void)
         /* dpt_arm_verify */
         { WORD(H(byte_order), MESH_BYTE_ORDER_SWAPPED), DPT_E_BYTE_ORDER, "header", THERE },
         /* check_header */
-        { WORD(H(version), 2), DPT_E_VERSION, "header", THERE },
+        { WORD(H(version), 3), DPT_E_VERSION, "header", THERE },
+        { WORD(H(version), 1), layout, "header", H(header_bytes) },
         { WORD(H(version), 0), layout, "header", THERE },
         { CUT, size - HEADER + 1, 0, 0, AS_IT_IS, DPT_E_TRUNCATED, "header", HEADER - 1 },
         { WORD(H(header_bytes), 312), layout, "header", THERE },
@@ -181,6 +200,11 @@ static void damage_of_header_and_places(void)
         { WORD(H(links), 65), layout, "header", THERE },
         { WORD(H(segments), 65), layout, "header", THERE },
         { WORD(H(bodies), 65), layout, "header", THERE },
+        { WORD(H(jaws), 9), layout, "header", THERE },
+        { WORD(H(jaw_links), 65), layout, "header", THERE },
+        { WORD(H(tips), 65), layout, "header", THERE },
+        { WORD(H(tips), 0), layout, "header", THERE },
+        { WORD(H(corners), 64 * TIPS + 1), layout, "header", THERE },
         { CUT, size - AT_END + 8, 0, 0, SEALED, layout, "header", H(bytes) },
         /* check_crc */
         { SET, H(source_hash), 4, 1, AS_IT_IS, DPT_E_CHECKSUM, "header", H(crc32) },
@@ -257,6 +281,26 @@ static void damage_of_the_rest(void)
         { NUMBER(B(1, pose.position[2]), -INFINITY), finite, "bodies", THERE },
         { NUMBER(B(1, pose.orientation), 1.0), unit, "bodies", THERE },
         { WORD(B(0, name) + 16, 1), layout, "bodies", B(0, name) },
+        /* check_tips */
+        { WORD(M(1, kind), 3), index, "jaws", THERE },
+        { NUMBER(M(0, upper), -0.1), finite, "jaws", THERE },
+        { WORD(M(0, name) + 8, 1), layout, "jaws", M(0, name) },
+        { WORD(N(2, parent), 2), index, "jaw_links", THERE },
+        { WORD(N(1, joint), JAWS), index, "jaw_links", THERE },
+        { WORD(N(2, slides), 2), index, "jaw_links", THERE },
+        { NUMBER(N(1, pose.position[2]), NAN), finite, "jaw_links", THERE },
+        { WORD(N(2, slides), 0), index, "jaws", M(1, size) },
+        { WORD(T(1, bytes), 80), layout, "tips", THERE },
+        { WORD(T(1, link), JAW_LINKS), index, "tips", THERE },
+        { WORD(T(1, first_corner), 3), index, "tips", THERE },
+        { WORD(T(0, corner_count), 2), index, "tips", THERE },
+        { WORD(T(0, corner_count), 65), index, "tips", THERE },
+        { WORD(T(2, corner_count), 5), index, "tips", THERE },
+        { WORD(T(2, corner_count), 3), layout, "header", H(corners) },
+        { NUMBER(T(1, radius), -1e-9), finite, "tips", THERE },
+        { WORD(T(2, name) + 8, 1), layout, "tips", T(2, name) },
+        { NUMBER(C(0, 2), NAN), finite, "corners", THERE },
+        { NUMBER(C(CORNERS - 1, 1), 1.1e6), finite, "corners", THERE },
         /* The mesh's reader, of the second mesh: a section of its own, a byte of the arm's */
         { WORD((int64_t)(whole.size - meshes[1].size) + 1536, 1), DPT_E_CHECKSUM, "vertices",
           THERE },
@@ -274,7 +318,7 @@ static void each_check_has_its_damage(void)
 /* 63 bytes and a zero are a name, 64 bytes are none. */
 static void names_end(void)
 {
-    const int64_t names[] = { H(name), J(1, name), B(1, name) };
+    const int64_t names[] = { H(name), J(1, name), B(1, name), M(0, name), T(2, name) };
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         struct file file = copy_of(&whole);
         dpt_mesh_fault fault = { .size = sizeof fault };
@@ -353,7 +397,8 @@ static void either_byte_order_converts(void)
 /* Counts that leave the file, in the other byte order, are not followed. */
 static void other_order_is_checked_first(void)
 {
-    const int64_t counts[] = { H(joints), H(links), H(segments), H(bodies), H(bytes), H(version) };
+    const int64_t counts[] = { H(joints), H(links),   H(segments),  H(bodies), H(bytes),
+                               H(tips),   H(version), H(jaw_links), H(jaws),   H(corners) };
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
         struct file other = other_arm(&whole);
         memset(other.bytes + counts[i], 0x7f, 4);
@@ -418,26 +463,42 @@ static void arms_with_older_meshes_open(void)
     free(of_4.bytes);
 }
 
-/* The compiler writes the same bytes, but for its own version. */
-static void golden_file_is_what_we_write(void)
+/* The compiler writes the bytes of a kept file, but for its own version. */
+static void expect_golden(const char *name, const struct file *wrote)
 {
-    struct file kept = read_golden("arm_1_mesh_6.dpa");
-    CHECK(kept.size == whole.size, "%zu bytes, not %zu", whole.size, kept.size);
-    if (kept.size == whole.size) {
-        memcpy(kept.bytes + H(writer_version), whole.bytes + H(writer_version), 4);
-        for (int i = 0; i < BODIES; i++) {
-            uint64_t at;
-            memcpy(&at, whole.bytes + B(i, mesh_offset), 8);
-            struct file mesh = file_of(kept.bytes + at, meshes[i].size);
-            memcpy(mesh.bytes + 28, whole.bytes + at + 28, 4);
+    struct file kept = read_golden(name);
+    const dpt_arm *arm;
+    dpt_arm_body body = { .size = sizeof body };
+    CHECK(kept.size == wrote->size && dpt_arm_open(wrote->bytes, wrote->size, &arm) == DPT_OK,
+          "%s: %zu bytes, not %zu", name, wrote->size, kept.size);
+    if (kept.size == wrote->size) {
+        memcpy(kept.bytes + H(writer_version), wrote->bytes + H(writer_version), 4);
+        for (uint32_t i = 0; dpt_arm_get_body(arm, i, &body) == DPT_OK; i++) {
+            const size_t at = (size_t)((const unsigned char *)body.mesh - wrote->bytes);
+            struct file mesh = file_of(kept.bytes + at, body.mesh_bytes);
+            memcpy(mesh.bytes + 28, wrote->bytes + at + 28, 4);
             seal_header(&mesh);
             memcpy(kept.bytes + at, mesh.bytes, mesh.size);
             free(mesh.bytes);
         }
         seal_arm(&kept);
-        CHECK(!memcmp(kept.bytes, whole.bytes, whole.size), "the compiler writes other bytes");
+        CHECK(!memcmp(kept.bytes, wrote->bytes, wrote->size), "%s: other bytes", name);
     }
     free(kept.bytes);
+}
+
+/* An arm without tips is written as it was before there were any. */
+static void golden_files_are_what_we_write(void)
+{
+    struct arm_arrays arrays;
+    whole_arm(&arrays);
+    arrays.def.jaw_count = arrays.def.jaw_link_count = arrays.def.tip_count = 0;
+    struct arm without = arm_of(&arrays.def);
+    struct file file = file_of(without.file.bytes, without.file.size);
+    expect_golden("arm_2_mesh_6.dpa", &whole);
+    expect_golden("arm_1_mesh_6.dpa", &file);
+    free(file.bytes);
+    dpt_compiled_free(&without.file);
 }
 
 static int write_arm(const char *path)
@@ -474,7 +535,7 @@ int main(int argc, char **argv)
     TEST(other_order_is_checked_first);
     TEST(meshes_are_no_arms);
     TEST(arms_with_older_meshes_open);
-    TEST(golden_file_is_what_we_write);
+    TEST(golden_files_are_what_we_write);
     free_whole();
     return check_report();
 }

@@ -30,8 +30,9 @@ static void what_is_compiled_comes_back(void)
     CHECK(dpt_arm_open(whole.bytes, whole.size, &arm) == DPT_OK && (const void *)arm == whole.bytes,
           "it opens");
     CHECK(dpt_arm_get_info(arm, &info) == DPT_OK, "info");
-    CHECK(info.format_version == 1 && info.joints == JOINTS && info.links == LINKS &&
-              info.segments == SEGMENTS && info.bodies == BODIES && info.tool_link == 2 &&
+    CHECK(info.format_version == 2 && info.joints == JOINTS && info.links == LINKS &&
+              info.segments == SEGMENTS && info.bodies == BODIES && info.jaws == JAWS &&
+              info.jaw_links == JAW_LINKS && info.tips == TIPS && info.tool_link == 2 &&
               info.mass == 5.5 && info.source_bytes == 1234 &&
               info.source_hash == 0x0123456789abcdefu && info.bytes == whole.size,
           "another info");
@@ -46,6 +47,24 @@ static void what_is_compiled_comes_back(void)
     for (uint32_t i = 0; i < LINKS; i++) {
         CHECK(dpt_arm_get_link(arm, i, &link) == DPT_OK, "link %u", i);
         expect_link(&link, &arrays.links[i]);
+    }
+    for (uint32_t i = 0; i < JAWS; i++) {
+        CHECK(dpt_arm_get_jaw(arm, i, &joint) == DPT_OK, "jaw %u", i);
+        CHECK(!memcmp(&joint, &arrays.jaws[i], sizeof joint), "jaw %u", i);
+    }
+    for (uint32_t i = 0; i < JAW_LINKS; i++) {
+        CHECK(dpt_arm_get_jaw_link(arm, i, &link) == DPT_OK, "jaw link %u", i);
+        expect_link(&link, &arrays.jaw_links[i]);
+    }
+    for (uint32_t i = 0; i < TIPS; i++) {
+        dpt_arm_tip tip = { .size = sizeof tip };
+        const dpt_arm_tip *from = &arrays.tips[i];
+        CHECK(dpt_arm_get_tip(arm, i, &tip) == DPT_OK, "tip %u", i);
+        CHECK(tip.link == from->link && tip.corner_count == from->corner_count &&
+                  tip.radius == from->radius && !strcmp(tip.name, from->name) &&
+                  !memcmp(tip.corners, from->corners, 24 * from->corner_count) &&
+                  (const unsigned char *)tip.corners > whole.bytes,
+              "tip %u", i);
     }
     for (uint32_t i = 0; i < SEGMENTS; i++) {
         CHECK(dpt_arm_get_segment(arm, i, &segment) == DPT_OK, "segment %u", i);
@@ -91,7 +110,26 @@ static void what_is_not_there_is_refused(void)
               dpt_arm_get_body(NULL, 0, &body) == DPT_E_ARGUMENT &&
               dpt_arm_get_body(arm, 0, NULL) == DPT_E_ARGUMENT,
           "NULL");
-    info.size--;
+    dpt_arm_tip tip = { .size = sizeof tip };
+    const double two_jaws[JAWS] = { 0.0 }, no_number[JAWS] = { 0.0, NAN };
+    dpt_pose pose;
+    CHECK(dpt_arm_get_jaw(arm, JAWS, &joint) == DPT_E_ARGUMENT &&
+              dpt_arm_get_jaw(NULL, 0, &joint) == DPT_E_ARGUMENT &&
+              dpt_arm_get_jaw(arm, 0, NULL) == DPT_E_ARGUMENT &&
+              dpt_arm_get_jaw_link(arm, JAW_LINKS, &link) == DPT_E_ARGUMENT &&
+              dpt_arm_get_jaw_link(NULL, 0, &link) == DPT_E_ARGUMENT &&
+              dpt_arm_get_jaw_link(arm, 0, NULL) == DPT_E_ARGUMENT &&
+              dpt_arm_get_tip(arm, TIPS, &tip) == DPT_E_ARGUMENT &&
+              dpt_arm_get_tip(NULL, 0, &tip) == DPT_E_ARGUMENT &&
+              dpt_arm_get_tip(arm, 0, NULL) == DPT_E_ARGUMENT,
+          "tips");
+    CHECK(dpt_arm_tip_pose(arm, TIPS, two_jaws, &pose) == DPT_E_ARGUMENT &&
+              dpt_arm_tip_pose(NULL, 0, two_jaws, &pose) == DPT_E_ARGUMENT &&
+              dpt_arm_tip_pose(arm, 0, NULL, &pose) == DPT_E_ARGUMENT &&
+              dpt_arm_tip_pose(arm, 0, two_jaws, NULL) == DPT_E_ARGUMENT &&
+              dpt_arm_tip_pose(arm, 0, no_number, &pose) == DPT_E_FINITE,
+          "poses of tips");
+    info.size = offsetof(dpt_arm_info, jaws) - 1;
     joint.size--;
     link.size--;
     body.size--;
@@ -100,6 +138,38 @@ static void what_is_not_there_is_refused(void)
               dpt_arm_get_link(arm, 0, &link) == DPT_E_SIZE &&
               dpt_arm_get_body(arm, 0, &body) == DPT_E_SIZE,
           "sizes");
+}
+
+/* A fixed tip, one that turns about an oblique axis, and one that slides on one that turns about y: closed forms. */
+static void tips_go_with_their_jaws(void)
+{
+    static const double identity[7] = { 0, 0, 0, 1, 0, 0, 0 };
+    const dpt_arm *arm;
+    dpt_pose pose;
+    dpt_arm_open(whole.bytes, whole.size, &arm);
+    for (int i = 0; i < 20; i++) {
+        const double jaws[JAWS] = { 0.1 * i - 0.4, 0.001 * i };
+        CHECK(dpt_arm_tip_pose(arm, 0, jaws, &pose) == DPT_OK &&
+                  !memcmp(&pose, identity, sizeof pose),
+              "the fixed tip moves");
+        CHECK(dpt_arm_tip_pose(arm, 1, jaws, &pose) == DPT_OK, "the second");
+        const double half = 0.5 * (0.1 - jaws[0]);
+        const double *q = pose.orientation, *p = pose.position;
+        CHECK(fabs(q[0] - cos(half)) < 1e-14 && fabs(q[1]) < 1e-14 &&
+                  fabs(q[2] - 0.6 * sin(half)) < 1e-14 && fabs(q[3] + 0.8 * sin(half)) < 1e-14 &&
+                  p[0] == 0 && p[1] == 0.01 && p[2] == 0.1,
+              "coordinate %g: turned %g %g %g %g", jaws[0], q[0], q[1], q[2], q[3]);
+        CHECK(dpt_arm_tip_pose(arm, 2, jaws, &pose) == DPT_OK, "the third");
+        const double turn = 2 * atan2(0.8, 0.6) + jaws[0];
+        CHECK(fabs(p[0] - (0.02 * cos(turn) + jaws[1] * sin(turn))) < 1e-14 && p[1] == 0 &&
+                  fabs(p[2] - (0.1 - 0.02 * sin(turn) + jaws[1] * cos(turn))) < 1e-14,
+              "coordinates %g, %g: at %g %g %g", jaws[0], jaws[1], p[0], p[1], p[2]);
+        /* about y, then by (0.5, 0.5, -0.5, 0.5) */
+        const double w = 0.5 * cos(turn / 2), s = 0.5 * sin(turn / 2);
+        CHECK(fabs(q[0] - (w + s)) < 1e-14 && fabs(q[1] - (w + s)) < 1e-14 &&
+                  fabs(q[2] - (s - w)) < 1e-14 && fabs(q[3] - (w - s)) < 1e-14,
+              "turned %g %g %g %g", q[0], q[1], q[2], q[3]);
+    }
 }
 
 /* A change to the arrays of `whole_arm`, and what is then said. */
@@ -132,7 +202,7 @@ static const struct refusal refusals[] = {
     { CHANGED(def.links, null), DPT_E_ARGUMENT, "no array of links" },
     { CHANGED(def.segments, null), DPT_E_ARGUMENT, "no array of segments" },
     { CHANGED(def.bodies, null), DPT_E_ARGUMENT, "no array of bodies" },
-    { CHANGED(def.reserved, long_name), DPT_E_ARGUMENT, "the def's reserved field is not NULL" },
+    { CHANGED(def.reserved, long_name), DPT_E_ARGUMENT, "the def's reserved fields are not 0" },
     { CHANGED(def.tool_link, three), DPT_E_INDEX, "the tool: tool_link is no link" },
     { CHANGED(def.tool.position[1], nan_value), DPT_E_FINITE,
       "the tool: its position is not within 1e6 m" },
@@ -192,6 +262,37 @@ static const struct refusal refusals[] = {
     { CHANGED(bodies[0].pose.orientation[0], near), DPT_E_POSE,
       "body 0, table: its orientation (w, x, y, z) is not of unit length" },
     { CHANGED(bodies[0].name, unended), DPT_E_LIMIT, "body 0: its name has more than 63 bytes" },
+    { CHANGED(def.reserved_word, one), DPT_E_ARGUMENT, "the def's reserved fields are not 0" },
+    { CHANGED(def.reserved_pointer, long_name), DPT_E_ARGUMENT,
+      "the def's reserved fields are not 0" },
+    { CHANGED(def.jaw_count, many), DPT_E_LIMIT, "65 jaws: an arm has 0 to 8" },
+    { CHANGED(def.jaw_link_count, many), DPT_E_LIMIT, "65 jaw links: an arm has 0 to 64" },
+    { CHANGED(def.tip_count, many), DPT_E_LIMIT, "65 tips: an arm has 0 to 64" },
+    { CHANGED(def.tip_count, zeros), DPT_E_ARGUMENT, "jaws, and no tip that they move" },
+    { CHANGED(def.jaws, null), DPT_E_ARGUMENT, "no array of jaws" },
+    { CHANGED(def.jaw_links, null), DPT_E_ARGUMENT, "no array of jaw links" },
+    { CHANGED(def.tips, null), DPT_E_ARGUMENT, "no array of tips" },
+    { CHANGED(jaws[0].size, three), DPT_E_SIZE, "jaw 0: its size is not set" },
+    { CHANGED(jaws[1].kind, three), DPT_E_INDEX, "jaw 1, slide: there is no such kind" },
+    { CHANGED(jaws[1].kind, zeros), DPT_E_INDEX,
+      "jaw 1, slide: no link moves by it as its kind says" },
+    { CHANGED(jaws[1].name, unended), DPT_E_LIMIT, "jaw 1: its name has more than 63 bytes" },
+    { CHANGED(jaw_links[0].size, three), DPT_E_SIZE, "jaw link 0: its size is not set" },
+    { CHANGED(jaw_links[1].parent, two), DPT_E_INDEX,
+      "jaw link 1, squeeze: its parent is no link before it" },
+    { CHANGED(jaw_links[2].factor, zero), DPT_E_FINITE,
+      "jaw link 2, slide: its factor is 0 or not within 1e6" },
+    { CHANGED(tips[0].size, three), DPT_E_SIZE, "tip 0: its size is not set" },
+    { CHANGED(tips[1].link, three), DPT_E_INDEX, "tip 1, jaw: it is fixed to no jaw link" },
+    { CHANGED(tips[1].corners, null), DPT_E_ARGUMENT,
+      "tip 1: it has no corners, or not 3 to 64 of them" },
+    { CHANGED(tips[1].corner_count, two), DPT_E_ARGUMENT,
+      "tip 1: it has no corners, or not 3 to 64 of them" },
+    { CHANGED(tips[2].corner_count, many), DPT_E_ARGUMENT,
+      "tip 2: it has no corners, or not 3 to 64 of them" },
+    { CHANGED(tips[1].radius, minus), DPT_E_FINITE,
+      "tip 1, jaw: its radius is negative, or above 1e6 m" },
+    { CHANGED(tips[2].name, unended), DPT_E_LIMIT, "tip 2: its name has more than 63 bytes" },
 };
 
 static void refusals_name_what_is_wrong(void)
@@ -289,6 +390,7 @@ int main(void)
     make_whole();
     TEST(what_is_compiled_comes_back);
     TEST(what_is_not_there_is_refused);
+    TEST(tips_go_with_their_jaws);
     TEST(refusals_name_what_is_wrong);
     TEST(nearly_right_is_made_right);
     TEST(no_memory_is_an_error);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * An arm with all that the format has, as arrays and compiled. golden/arm_1_mesh_6.dpa holds it.
+ * An arm with all that the format has, as arrays and compiled. golden/arm_2_mesh_6.dpa holds it, arm_1_mesh_6.dpa the
+ * same without tips.
  */
 #ifndef DPT_TESTS_WHOLE_ARM_H
 #define DPT_TESTS_WHOLE_ARM_H
@@ -10,20 +11,32 @@
 #include "lib/dpa.h"
 
 /* As the format has them: not by the library's structs. */
-enum { HEADER = 320, JOINT = 120, LINK = 144, SEGMENT = 56, BODY = 136 };
-enum { JOINTS = 2, LINKS = 3, SEGMENTS = 2, BODIES = 2 };
+enum { HEADER = 336, JOINT = 120, LINK = 144, SEGMENT = 56, BODY = 136, TIP = 88, CORNER = 24 };
+enum { JOINTS = 2, LINKS = 3, SEGMENTS = 2, BODIES = 2, JAWS = 2, JAW_LINKS = 3, TIPS = 3 };
 enum {
     AT_JOINTS = HEADER,
     AT_LINKS = AT_JOINTS + JOINTS * JOINT,
     AT_SEGMENTS = AT_LINKS + LINKS * LINK,
     AT_BODIES = AT_SEGMENTS + SEGMENTS * SEGMENT,
-    AT_END = AT_BODIES + BODIES * BODY
+    AT_JAWS = AT_BODIES + BODIES * BODY,
+    AT_JAW_LINKS = AT_JAWS + JAWS * JOINT,
+    AT_TIPS = AT_JAW_LINKS + JAW_LINKS * LINK,
+    AT_CORNERS = AT_TIPS + TIPS * TIP,
+    CORNERS = 4 + 3 + 4,
+    AT_END = AT_CORNERS + CORNERS * CORNER
 };
 
 static struct file meshes[BODIES]; /* in the host's byte order, as all here */
 static struct file whole;
 
-/* A lift that turns a bar, at whose end a link mimics the turn; two meshes around. */
+/* A wedge-like tip, a flat one, and one at the end of a finger that slides on a jaw. */
+static const double tip_corners[3 * CORNERS] = {
+    0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01, 0.0,  0.0, 0.0,   0.02, /* of the first */
+    0.0, 0.0, 0.0, 0.03, 0.0, 0.0, 0.0, 0.0,  0.01,                   /* of the second */
+    0.0, 0.0, 0.0, 0.02, 0.0, 0.0, 0.0, 0.02, 0.0,  0.0, 0.003, 0.004 /* of the third */
+};
+
+/* A lift that turns a bar, at whose end a link mimics the turn; two meshes around. At its tool two jaws. */
 static const struct arm_arrays lift = {
     .def = { .size = sizeof(dpt_arm_def),
              .joint_count = JOINTS,
@@ -36,7 +49,10 @@ static const struct arm_arrays lift = {
              .root_name = "floor",
              .tool_name = "tip",
              .source_bytes = 1234,
-             .source_hash = 0x0123456789abcdefu },
+             .source_hash = 0x0123456789abcdefu,
+             .jaw_count = JAWS,
+             .jaw_link_count = JAW_LINKS,
+             .tip_count = TIPS },
     .joints = { { .size = sizeof(dpt_arm_joint),
                   .kind = DPT_JOINT_PRISMATIC,
                   .lower = -0.25,
@@ -76,6 +92,53 @@ static const struct arm_arrays lift = {
                 { .size = sizeof(dpt_arm_body),
                   .pose = { { 1.0, -2.0, 3.0 }, { 0.0, 0.0, 0.0, -1.0 } },
                   .name = "lamp" } },
+    .jaws = { { .size = sizeof(dpt_arm_joint),
+                .kind = DPT_JOINT_REVOLUTE,
+                .upper = 0.7,
+                .velocity = 3.0,
+                .name = "squeeze" },
+              { .size = sizeof(dpt_arm_joint),
+                .kind = DPT_JOINT_PRISMATIC,
+                .lower = -0.01,
+                .upper = 0.01,
+                .name = "slide" } },
+    .jaw_links = { { .size = sizeof(dpt_arm_link),
+                     .parent = DPT_NONE,
+                     .joint = 0,
+                     .pose = { { 0.0, 0.0, 0.1 }, { 0.6, 0.0, 0.8, 0.0 } },
+                     .axis = { 0.0, 1.0, 0.0 },
+                     .factor = 1.0 },
+                   { .size = sizeof(dpt_arm_link),
+                     .parent = DPT_NONE,
+                     .joint = 0,
+                     .pose = { { 0.0, 0.01, 0.1 }, { 1.0, 0.0, 0.0, 0.0 } },
+                     .axis = { 0.0, 0.6, -0.8 },
+                     .factor = -1.0,
+                     .offset = 0.1 },
+                   { .size = sizeof(dpt_arm_link),
+                     .parent = 0,
+                     .joint = 1,
+                     .slides = 1,
+                     .pose = { { 0.02, 0.0, 0.0 }, { 0.5, 0.5, -0.5, 0.5 } },
+                     .axis = { 1.0, 0.0, 0.0 },
+                     .factor = 1.0 } },
+    .tips = { { .size = sizeof(dpt_arm_tip),
+                .link = DPT_NONE,
+                .corner_count = 4,
+                .corners = tip_corners,
+                .name = "palm" },
+              { .size = sizeof(dpt_arm_tip),
+                .link = 1,
+                .corner_count = 3,
+                .corners = tip_corners + 12,
+                .radius = 0.001,
+                .name = "jaw" },
+              { .size = sizeof(dpt_arm_tip),
+                .link = 2,
+                .corner_count = 4,
+                .corners = tip_corners + 21,
+                .radius = 0.0,
+                .name = "finger" } },
 };
 
 static inline void whole_arm(struct arm_arrays *arm)
@@ -85,6 +148,9 @@ static inline void whole_arm(struct arm_arrays *arm)
     arm->def.links = arm->links;
     arm->def.segments = arm->segments;
     arm->def.bodies = arm->bodies;
+    arm->def.jaws = arm->jaws;
+    arm->def.jaw_links = arm->jaw_links;
+    arm->def.tips = arm->tips;
     for (int i = 0; i < BODIES; i++)
         arm->bodies[i].mesh = (const void *)meshes[i].bytes;
 }

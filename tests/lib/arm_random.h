@@ -18,6 +18,9 @@ struct arm_arrays {
     dpt_arm_link links[DPT_ARM_LINKS_MAX];
     dpt_segment segments[4];
     dpt_arm_body bodies[4];
+    dpt_arm_joint jaws[2];
+    dpt_arm_link jaw_links[4];
+    dpt_arm_tip tips[4];
 };
 
 struct arm {

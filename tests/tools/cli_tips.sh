@@ -278,7 +278,65 @@ refusals()
     refuses 'a scene that is displaced' 'tips are felt by the law proxy alone' run cloth --device sim --ticks 5 --tip box:0.1,0.1,0.1
     refuses 'a trace' '--record needs the stylus, without tips' \
         run box.dpa --device sim --ticks 5 --tip box:0.1,0.1,0.1 --record out/trace.csv
-    refuses 'replay has none' 'unknown option --tip' replay box.dpa trace.csv --tip box:1,1,1 -o out/x.csv
+}
+
+# replay_gaps WANTED ARGUMENT...: each tick's gap is the one in the file WANTED, of a trace over the box
+replay_gaps()
+{
+    wanted=$1
+    shift
+    succeeds "replay $*" replay box.dpa "$@" -o gaps.csv
+    column gaps.csv 5 | paste -d' ' - "$wanted" >both
+    check "replay $*: $(awk '($1 - $2) ^ 2 > 1e-16 || $1 == "" { print NR ": " $1 " not " $2; exit }' both)" \
+        awk 'NF != 2 || ($1 - $2) ^ 2 > 1e-16 { wrong++ } END { exit wrong || NR < 3 }' both
+}
+
+# The line goes round an eighth of a sphere: z, y, x, z. A tip that does not spin about it comes back turned by 90 degrees.
+traces()
+{
+    awk -v OFMT=%.17g 'function row(tick, x, y, z) { printf "%d,0,0.1,0,%.17g,%.17g,%.17g\n", tick, 0.1 * x, 0.1 + 0.1 * y, 0.1 * z }
+        BEGIN { print "tick,ax,ay,az,bx,by,bz"
+            for (i = 0; i <= 30; i++) { t = i * atan2(0, -1) / 60; row(i, 0, sin(t), cos(t)); print 0.05 - 0.02 * cos(t) - 0.015 * sin(t) >"wanted" }
+            for (i = 1; i <= 30; i++) { t = i * atan2(0, -1) / 60; row(30 + i, sin(t), cos(t), 0); print 0.05 - 0.015 * cos(t) - 0.01 * sin(t) >"wanted" }
+            for (i = 1; i <= 30; i++) { t = i * atan2(0, -1) / 60; row(60 + i, cos(t), 0, sin(t)); print 0.05 - 0.01 >"wanted" }
+            row(95, 0, 0, 1); print 0.03 >"wanted"; row(96, 0, 0, 1); print 0.03 >"wanted" }' >round.csv
+    replay_gaps wanted round.csv --tip box:0.02,0.04,0.03
+    sed 's/$/ - 0.004/' wanted | bc -l >wanted_round
+    replay_gaps wanted_round round.csv --tip box:0.02,0.04,0.03,0.004
+    sed 's/.*/0.048/' wanted >wanted_line
+    awk -F, 'NR == 1 || $6 >= 0.1 { print }' round.csv >above.csv
+    sed 1d above.csv | sed 's/.*/0.048/' >wanted_line
+    replay_gaps wanted_line above.csv --tip box:0.001,0.001,0.001 --radius 0.002
+
+    trace grown.csv 0,0,0.1,0,0,0.1,0.1 1,0,0.1,0,0,0.2,0 2,0,0.1,0,0,0.3,0
+
+    # What run does with its stylus and a tip, replay does with a trace of the same motion. The hand turns about x.
+    felt pressed box.dpa --device 'sim:?hand=press&dofs=6' --at 0,0.065,0 --tip wedge:0.03,0.02,0.02 --budget 0 --stiffness 300
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; print "tick,ax,ay,az,bx,by,bz"; next }
+        { x = $at["x"]; y = 0.065 + $at["y"]; z = $at["z"]; w = $at["qw"]; q = $at["qx"]
+            printf "%d,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", NR - 2, x, y, z, x, y - 0.2 * w * q, z + 0.1 * (w * w - q * q) }' \
+        pressed.csv >pressed_trace.csv
+    succeeds 'replay of the trace' replay box.dpa pressed_trace.csv --tip wedge:0.03,0.02,0.02 --stiffness 300 \
+        --radius 0.002 -o replayed.csv
+    for names in 'pressed asked_fx asked_fy asked_fz asked_tx energy proxy_x proxy_y proxy_z proxy_qw proxy_qx distance' \
+        'replayed fx fy fz tx energy ox oy oz qw qi distance'; do
+        awk -F, -v names="${names#* }" 'NR == 1 { n = split(names, name, " "); for (i = 1; i <= NF; i++) at[$i] = i; next }
+            { for (i = 1; i <= n; i++) printf "%s%s", $at[name[i]], i < n ? " " : "\n" }' "${names%% *}.csv" >"${names%% *}.as"
+    done
+    check "replay of the trace is as run: $(paste -d' ' pressed.as replayed.as | tail -1)" \
+        awk 'BEGIN { while ((getline <"pressed.as") > 0) { n++; for (i = 1; i <= 11; i++) run[n, i] = $i } }
+            { for (i = 1; i <= 11; i++) wrong += ($i - run[NR, i]) ^ 2 > 1e-16 }
+            END { exit !(!wrong && NR == n && n > 1000 && run[n, 2] > 0.5) }' replayed.as
+
+    refuses 'a trace whose line grows' "grown.csv: tick 2: --tip needs a tool of one length; it is 0.2 m, and 0.1 m in the first row" \
+        replay box.dpa grown.csv --tip box:1,1,1 -o out/x.csv
+    for bad in '--law bed' '--law point' '--method tree' '--method brute' '--method paper' '--against brute'; do
+        # shellcheck disable=SC2086
+        refuses "replay --tip $bad" 'dynpoint replay: --tip is for the method exact and the law proxy, without --against' \
+            replay box.dpa above.csv --tip box:0.01,0.01,0.01 $bad -o out/x.csv
+    done
+    refuses 'replay: no such shape' 'dynpoint replay: --tip takes SHAPE' replay box.dpa above.csv --tip ball:1,1,1 -o out/x.csv
+    refuses 'replay: a thin one' 'dynpoint replay: --tip box:1,0,0: it is too thin' replay box.dpa above.csv --tip box:1,0,0 -o out/x.csv
 }
 
 echo '{ "bodies": [ { "shape": "box" } ] }' >probe.json
@@ -295,4 +353,5 @@ coupled
 samples
 recordings
 refusals
+traces
 finish

@@ -22,10 +22,11 @@ static void info(void)
 {
     struct asked of = draw_arm();
     dpt_arm_info now;
-    const uint32_t size = draw_size(sizeof now, sizeof now);
+    const size_t first = offsetof(dpt_arm_info, jaws);
+    const uint32_t size = draw_size(first, sizeof now);
     void *out = output_sized(0, size);
     if (!of.no_out)
-        size_codes_of_output(size, sizeof now, 0, &of.codes);
+        size_codes_of_output(size, first, 0, &of.codes);
     const dpt_result result = RESULT(dpt_arm_get_info, of.arm, of.no_out ? NULL : out);
     expect(result, &of.codes);
     outputs_are_guarded(0, 1);
@@ -42,24 +43,29 @@ static void info(void)
 static void item(void)
 {
     struct asked of = draw_arm();
-    const int kind = (int)draw_below(4);
-    const uint32_t counts[] = { of.subject->joints, of.subject->links, of.subject->bodies,
-                                of.subject->segments };
-    const size_t todays[] = { sizeof(dpt_arm_joint), sizeof(dpt_arm_link), sizeof(dpt_arm_body),
-                              sizeof(dpt_segment) };
+    const int kind = (int)draw_below(7);
+    const uint32_t counts[] = { of.subject->joints,   of.subject->links, of.subject->bodies,
+                                of.subject->segments, of.subject->jaws,  of.subject->jaw_links,
+                                of.subject->tips };
+    const size_t todays[] = { sizeof(dpt_arm_joint), sizeof(dpt_arm_link),  sizeof(dpt_arm_body),
+                              sizeof(dpt_segment),   sizeof(dpt_arm_joint), sizeof(dpt_arm_link),
+                              sizeof(dpt_arm_tip) };
     const uint32_t index =
         draw_one_in(8) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(counts[kind] + 1);
     const size_t today = todays[kind];
     const uint32_t size = draw_size(today, today);
     void *out = kind == 3 ? output_of(0, today) : output_sized(0, size);
     may_fail(&of.codes, index >= counts[kind], DPT_E_ARGUMENT);
-    if (!of.no_out && kind < 3)
+    if (!of.no_out && kind != 3)
         size_codes_of_output(size, today, 0, &of.codes);
     call_with("number %llu of %llu, size %llu", index, counts[kind], size, 0);
     out = of.no_out ? NULL : out;
     const dpt_result result = kind == 0   ? RESULT(dpt_arm_get_joint, of.arm, index, out)
                               : kind == 1 ? RESULT(dpt_arm_get_link, of.arm, index, out)
                               : kind == 2 ? RESULT(dpt_arm_get_body, of.arm, index, out)
+                              : kind == 4 ? RESULT(dpt_arm_get_jaw, of.arm, index, out)
+                              : kind == 5 ? RESULT(dpt_arm_get_jaw_link, of.arm, index, out)
+                              : kind == 6 ? RESULT(dpt_arm_get_tip, of.arm, index, out)
                                           : RESULT(dpt_arm_get_segment, of.arm, index, out);
     expect(result, &of.codes);
     outputs_are_guarded(0, 1);
@@ -147,6 +153,22 @@ static void kinematics(void)
     }
 }
 
+/* Where a tip is, by its jaws. */
+static void tip_pose(void)
+{
+    struct asked of = draw_arm();
+    const uint32_t index = draw_below(of.subject->tips + 1), n = of.subject->jaws;
+    double jaws[DPT_JOINTS_MAX];
+    const int no_jaws = draw_one_in(40);
+    may_fail(&of.codes, index >= of.subject->tips || (no_jaws && n), DPT_E_ARGUMENT);
+    draw_numbers(jaws, n, &of.codes);
+    dpt_pose *out = output_of(0, sizeof *out);
+    answers(RESULT(dpt_arm_tip_pose, of.arm, index, no_jaws ? NULL : jaws, of.no_out ? NULL : out),
+            &of.codes, 1);
+    if (!of.codes.count)
+        numbers_are_finite(out->position, 7, "a tip's pose");
+}
+
 static void refuse_null(void)
 {
     const dpt_arm *arm;
@@ -162,6 +184,7 @@ static void refuse_null(void)
 static const struct move moves[] = { { "info", info, 2 },
                                      { "item", item, 5 },
                                      { "kinematics", kinematics, 8 },
+                                     { "tip pose", tip_pose, 4 },
                                      { "refuse NULL", refuse_null, 1 },
                                      { NULL, NULL, 0 } };
 

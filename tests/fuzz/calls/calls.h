@@ -190,7 +190,7 @@ struct arm_subject {
     const dpt_arm *arm;
     const void *bytes;
     size_t size;
-    uint32_t joints, links, segments, bodies;
+    uint32_t joints, links, segments, bodies, jaws, jaw_links, tips;
 };
 
 extern struct arm_subject arm_subjects[ARMS];

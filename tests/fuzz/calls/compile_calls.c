@@ -350,8 +350,9 @@ static void arm(void)
             may_fail(&codes, 1, DPT_E_SIZE);
         }
     dpt_diag *diag = draw_diag(&of, &codes);
-    const void *given = draw_input(2, good, draw_size(sizeof *good, sizeof *good), sizeof *good,
-                                   sizeof *good, &codes);
+    const size_t first = offsetof(dpt_arm_def, jaw_count);
+    const void *given =
+        draw_input(2, good, draw_size(first, sizeof *good), first, sizeof *good, &codes);
     may_fail(&codes, no_out || no_def, DPT_E_ARGUMENT);
     const dpt_result result =
         RESULT(dpt_compile_arm, no_def ? NULL : given, no_out ? NULL : &of.out, diag);

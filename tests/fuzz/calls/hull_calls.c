@@ -242,6 +242,36 @@ static void near(void)
         HOLDS(triangles[i] < subject->source_triangles, "triangle %u", triangles[i]);
 }
 
+/* A tip is sent elsewhere in its tool. Without a proxy it is there at once, else after a step. */
+static void move_tip(struct scene *scene, uint32_t id, const struct model_tool *tool,
+                     uint32_t count, const dpt_pose *given)
+{
+    const uint32_t tip = draw_below(count + 1);
+    const int no_world = draw_one_in(60), no_pose = draw_one_in(60), no_tool = draw_one_in(60);
+    const dpt_pose pose = draw_pose(NULL);
+    const uint32_t of = no_tool ? 0 : id;
+    struct codes codes = { .count = 0 };
+    dpt_result result = DPT_OK;
+    may_fail(&codes, no_world || no_pose || tip >= count, DPT_E_ARGUMENT);
+    may_fail(&codes, no_tool, DPT_E_HANDLE);
+    if (!no_pose)
+        pose_codes(&pose, &codes);
+    call_with("scene %llu, id %llx, tip %llu", (uint64_t)(scene - scenes), of, tip, 0);
+    EACH_WORLD(scene, i)
+    SAME_RESULT(i, result,
+                RESULT(dpt_tool_set_tip_pose, world_or_null(scene, i, no_world), of, tip,
+                       no_pose ? NULL : &pose));
+    expect(result, &codes);
+    EACH_WORLD(scene, i)
+    {
+        dpt_pose now;
+        const dpt_result found = RESULT(dpt_tool_get_tip_pose, scene->world[i], id, tip, &now);
+        HOLDS(found == (tip < count ? DPT_OK : DPT_E_ARGUMENT), "%s", dpt_result_name(found));
+        const dpt_pose *wanted = result == DPT_OK && !has_proxy(scene, tool->law) ? &pose : given;
+        HOLDS(found != DPT_OK || !memcmp(&now, wanted, sizeof now), "tip %u is elsewhere", tip);
+    }
+}
+
 /* Tips come and go again: the tool is as if it had been placed anew. */
 static void give_tips(void)
 {
@@ -251,16 +281,21 @@ static void give_tips(void)
     const uint32_t id = draw_tool_id(scene), count = draw_below(6);
     struct model_tool *tool = scene_tool(scene, id);
     const int no_world = draw_one_in(60), no_tips = draw_one_in(60), no_hull = draw_one_in(30);
-    const int is_reserved = draw_one_in(60);
+    const int is_reserved = draw_one_in(60), has_pose = draw_one_in(2);
+    const dpt_pose identity = DPT_POSE_IDENTITY, drawn = draw_pose(NULL);
+    const dpt_pose pose = has_pose ? drawn : identity;
     struct codes codes = { .count = 0 };
     dpt_tip tips[6];
     dpt_result result = DPT_OK;
     for (uint32_t i = 0; i < count; i++)
         tips[i] = (dpt_tip){ .size = sizeof *tips,
                              .reserved = (uint32_t)is_reserved,
-                             .hull = no_hull ? NULL : lasting[draw_below(HULLS)].hull };
+                             .hull = no_hull ? NULL : lasting[draw_below(HULLS)].hull,
+                             .pose = has_pose ? &pose : NULL };
     may_fail(&codes, no_world || (count && (no_tips || no_hull || is_reserved)), DPT_E_ARGUMENT);
     may_fail(&codes, !tool, DPT_E_HANDLE);
+    if (count && !no_tips)
+        pose_codes(&pose, &codes);
     may_fail(&codes, count > scene->def.max_tips, DPT_E_FULL);
     may_fail(&codes,
              count && tool &&
@@ -275,6 +310,7 @@ static void give_tips(void)
     expect(result, &codes);
     if (result != DPT_OK)
         return;
+    move_tip(scene, id, tool, count, &pose);
     EACH_WORLD(scene, i)
     HOLDS(RESULT(dpt_tool_set_tips, scene->world[i], id, NULL, 0) == DPT_OK, "tips stay");
     scene->is_as_stepped = 0;

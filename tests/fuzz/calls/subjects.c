@@ -91,6 +91,7 @@ static int open_soup(int i)
 
 static int open_arm(int i)
 {
+    static const double tip_corners[12] = { 0, 0, 0, 0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01 };
     static struct arm_arrays arrays;
     struct arm_subject *arm = &arm_subjects[i];
     dpt_compiled *bytes = &compiled[MESHES + 1 + i];
@@ -99,11 +100,29 @@ static int open_arm(int i)
     arrays.def.segment_count = (uint32_t)i;
     for (int k = 0; k < i; k++)
         arrays.segments[k] = (dpt_segment){ { 0, 0, 0 }, { 0, 0, 0.1 }, 0.01 };
+    arrays.def.jaws = arrays.jaws;
+    arrays.def.jaw_links = arrays.jaw_links;
+    arrays.def.tips = arrays.tips;
     arrays.def.body_count = i == 1;
     arrays.bodies[0] = (dpt_arm_body){ .size = sizeof(dpt_arm_body),
                                        .pose = DPT_POSE_IDENTITY,
                                        .mesh = subjects[0].mesh,
                                        .name = "box" };
+    /* The second arm has jaws: what moves its own first joint, once more at the tool. */
+    if (i == 1) {
+        arrays.jaws[0] = arrays.joints[0];
+        arrays.jaw_links[0] = arrays.links[0];
+        arrays.jaw_links[0].parent = DPT_NONE;
+        arrays.jaw_links[0].slides = arrays.jaws[0].kind == DPT_JOINT_PRISMATIC;
+        arrays.jaw_links[0].joint = 0;
+        arrays.def.jaw_count = arrays.def.jaw_link_count = 1;
+        arrays.def.tip_count = 2;
+        for (int k = 0; k < 2; k++)
+            arrays.tips[k] = (dpt_arm_tip){ .size = sizeof *arrays.tips,
+                                            .link = k ? 0 : DPT_NONE,
+                                            .corner_count = 4,
+                                            .corners = tip_corners };
+    }
     if (dpt_compile_arm(&arrays.def, bytes, NULL) != DPT_OK ||
         dpt_arm_convert(bytes->bytes, bytes->size, NULL) != DPT_OK ||
         dpt_arm_open(bytes->bytes, bytes->size, &arm->arm) != DPT_OK)
@@ -114,6 +133,9 @@ static int open_arm(int i)
     arm->links = arrays.def.link_count;
     arm->segments = arrays.def.segment_count;
     arm->bodies = arrays.def.body_count;
+    arm->jaws = arrays.def.jaw_count;
+    arm->jaw_links = arrays.def.jaw_link_count;
+    arm->tips = arrays.def.tip_count;
     return 1;
 }
 
