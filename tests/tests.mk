@@ -119,7 +119,7 @@ $(B)/tests/test_soft_exchange $(B)/tests/test_scene_physics $(B)/tests/test_spri
 
 # Scene files: where the program reads them.
 FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o),$(call objects,tests/fuzz/*.c))
-FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene_bodies.o $(B)/tools/tip_shape.o $(B)/tools/command_options.o)
+FUZZ_SCENE := $(if $(SCENE_FILE),$(filter-out %/plan_file_parse.o,$(SCENE_FILE)) $(B)/tools/scene_bodies.o $(B)/tools/tip_shape.o $(B)/tools/command_options.o)
 $(B)/tests/test_fuzz: $(FUZZ_PARTS) $(FUZZ_SCENE) $(B)/tools/view/view_request.o
 $(B)/tests/test_fuzz: private LDLIBS = $(JANSSON_LIBS)
 $(B)/tests/fuzz/test_fuzz.o: INCLUDES += -I$(B)
