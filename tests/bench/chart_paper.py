@@ -17,10 +17,10 @@ COMPARED = [
     ("RSS trees, FCL", "check", "RSS trees, FCL", "#d55e00", "6 4"),
     ("RSS trees, FCL", "detection", "FCL, refit left out", "#d55e00", "1 3"),
     ("z-buffer on ", "check", "", "#aa4499", "9 3 2 3"),
-    ("a ray, Embree", "check", "a ray, Embree", "#009e73", "9 3"),
     ("dynamic point (1)", "check", "dynamic point (1), force", "#000000", "2 3"),
     ("exact, proxy's force", "check", "exact, proxy's force", "#0072b2", ""),
     ("exact, nearest pair", "check", "exact, nearest pair", "#4d9fd6", ""),
+    ("a ray, Embree", "check", "a ray, Embree", "#009e73", "9 3"),
 ]
 SCENES = {"membrane": "#d55e00", "cloth": "#009e73", "laparoscopy": "#000000", "liver": "#0072b2"}
 

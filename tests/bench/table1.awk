@@ -158,7 +158,12 @@ END {
     print "| pixel | missed | invented | misnamed |\n|---|---|---|---|"
     for (i = 1; i <= verdicts; i++) {
         split(verdict[i], v, ",")
+        pixel = v[3] == "z-buffer" ? "1e-5" : substr(v[3], 10)
         if (v[1] == "membrane-512" && v[3] ~ /^z-buffer/)
-            print "| " (v[3] == "z-buffer" ? "1e-5" : substr(v[3], 10)) " | " v[6] " | " v[7] " | " v[8] " |"
+            wrong_by[pixel] = pixel " | " v[6] " | " v[7] " | " v[8]
     }
+    split("1e-5 1e-4 1e-3 2e-3 1e-2 1e-1 1", order, " ")
+    for (i = 1; i in order; i++)
+        if (order[i] in wrong_by)
+            print "| " wrong_by[order[i]] " |"
 }
