@@ -86,7 +86,7 @@ every_row()
         cell_is star.csv force "$law at 400 units" max_units '<=' 400
         cell_is star.csv force "$law" world_bytes '>' 1000000
     done
-    cell_is star.csv force 'proxy sweeps at 50 units' jump_N '>' 0
+    cell_is star.csv force 'proxy sweeps at 200 units' jump_N '>' 0
     for kernel in avx2 sse2 scalar; do
         [ -z "$(cell star.csv pair "exact by $kernel" kernel)" ] ||
             cell_is star.csv pair "exact by $kernel" max_units '==' "$(cell star.csv pair exact max_units)"
@@ -106,6 +106,10 @@ as_replay_counts()
         cell_is star.csv pair "$name" wrong '==' 0
     done
     cell_is star.csv pair 'paper in 64 parts' wrong '>' 100
+    cell_is star.csv pair 'exact at 8 units' wrong '>' 10
+    for name in 'pair,exact at 8 units' 'force,proxy at 400 units' 'pair,paper in 64 parts'; do
+        cell_is star.csv "${name%,*}" "${name#*,}" wrong_exact '==' 0
+    done
     run replay star.dpa star.trace.csv --method paper --until track --against brute --json -o /dev/null
     counts=$(sed -n 's/.*"against":{[^}]*"wrong":\([0-9]*\),"missed":\([0-9]*\),.*/\1 \2/p' stdout)
     check "replay has $counts wrong and missed" test "$(cell star.csv pair 'paper in 1 part' wrong) $(cell star.csv pair \
@@ -180,6 +184,8 @@ faults()
     run chart star.dpa star.trace.csv -o taken
     check "a folder in the way: exit $status" test $status -eq 2
     check 'and nothing is left' test ! -e taken.csv -a ! -e taken.csv.part
+    timeout -s TERM 1 "$program" chart star.dpa star.trace.csv --passes 1000 -o cut >stdout 2>stderr
+    check 'an interrupt leaves nothing' test -z "$(ls cut.* 2>/dev/null)"
     run chart --help
     check '--help' grep -q '^usage: dynpoint chart ' stdout
 }

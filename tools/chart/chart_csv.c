@@ -14,7 +14,8 @@ static const char setting_columns[] =
     ",failure";
 static const char result_columns[] =
     ",ticks,exact,bounded,local,median_us,p99_us,p999_us,max_us,first_us,whole_median_us"
-    ",whole_p99_us,median_units,p99_units,max_units,wrong,missed_crossings,distance_error_m"
+    ",whole_p99_us,median_units,p99_units,max_units,wrong,wrong_exact,missed_crossings,distance_"
+    "error_m"
     ",missed,invented,unknown,wrench_median_N,wrench_p99_N,wrench_p999_N,wrench_max_N"
     ",wrench_peak_N,jump_N,calm_jump_N,folds,world_bytes,body_bytes";
 
@@ -73,7 +74,7 @@ static void write_row(FILE *file, const struct chart_row *row)
     write_number(file, !row->is_peer, judged->work.median);
     write_number(file, !row->is_peer, judged->work.p99);
     write_number(file, !row->is_peer, judged->work.max);
-    fprintf(file, ",%zu,%zu", judged->wrong, judged->missed_crossings);
+    fprintf(file, ",%zu,%zu,%zu", judged->wrong, judged->wrong_exact, judged->missed_crossings);
     write_number(file, !isnan(judged->distance_error), judged->distance_error);
     write_number(file, has_contact, (double)judged->missed);
     write_number(file, has_contact, (double)judged->invented);

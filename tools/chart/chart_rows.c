@@ -8,7 +8,7 @@
 #include "law_name.h"
 
 /* Of a step's sweeps, in the row that limits them. */
-enum { SWEEP_UNITS = 50 };
+enum { SWEEP_UNITS = 200 };
 
 /* Runs to judge by: of each law, and the one without a force. */
 enum { TRUTHS = 4, TRUTH_WITHOUT_FORCE = 3 };
@@ -247,6 +247,7 @@ static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struc
                             const struct csv_table *trace, struct measure_effort *effort, int *done)
 {
     const struct measure_effort once = { .passes = 1,
+                                         .searches = effort->passes,
                                          .every = index == TRUTH_WITHOUT_FORCE
                                                       ? measure_check_every(scene, trace)
                                                       : 0,

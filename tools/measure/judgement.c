@@ -73,6 +73,7 @@ static void judge_distance(struct judgement *judgement, size_t i, const struct m
     const double error = fabs(tick->distance - truth->distance);
     const int is_wrong = !(error <= tolerance);
     judgement->wrong += (size_t)is_wrong;
+    judgement->wrong_exact += is_wrong && tick->status == DPT_STATUS_EXACT;
     judgement->missed_crossings += is_wrong && crosses(truth);
     if (error > judgement->distance_error) {
         judgement->distance_error = error;

@@ -29,6 +29,7 @@ struct judgement {
 
     /* Distances, in all of them that are not stale. Wrong: off by more than the reference's check.tolerance. */
     size_t wrong;
+    size_t wrong_exact;      /* wrong, though said to be exact: never, or the library is at fault */
     size_t missed_crossings; /* wrong, where the reference's axis crosses */
     double distance_error;   /* the largest, m */
     size_t distance_tick;    /* where that is */
