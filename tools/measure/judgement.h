@@ -60,6 +60,7 @@ struct judgement {
     struct judgement_spread ns, soft_ns; /* the step, and physics behind it */
     struct judgement_spread whole_ns;    /* both together */
     struct judgement_spread crossing_ns; /* the step where the axis crosses, as this run says */
+    struct judgement_spread other_ns;    /* and where it does not */
     double first_ns, first_work;
     size_t crossings; /* of these ticks */
 };
