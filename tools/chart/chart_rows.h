@@ -29,7 +29,7 @@ struct chart_row {
     size_t world_bytes, body_bytes;
 };
 
-/* What the run at its richest was found to be, by brute force. */
+/* What the first run that judges was found to be, by brute force: the one without a force, if there is one. */
 struct chart_truth {
     struct measure_check check;
     uint32_t kernel;
