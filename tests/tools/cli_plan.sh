@@ -57,6 +57,7 @@ chosen()
         'abs(p["setting"]["margin"] - 1.5e-3 * p["motion"]["speed"]) < 1e-12'
     check 'the budget is 3 times one that held' json torus.json \
         'p["setting"]["budget"] >= 3 * p["measured"]["work"] * 2 ** -0.5'
+    check 'the next cheaper is the last that was refused' json torus.json 'p["cheaper"]["knob"] == "budget"'
     check 'within what was asked for' json torus.json 'p["measured"]["force_error"] <= 0.05 and
 p["measured"]["distance_error"] <= 1e-4 and p["measured"]["unknown"] <= p["measured"]["ticks"] / 10000 and
 p["measured"]["time_p999"] <= 0.0005'
