@@ -52,7 +52,7 @@ chosen()
     check 'next better' grep -q '^  next better: max_contacts [0-9]*, ' torus.txt
     check "what is in it: $(cat python.log)" has_keys_of torus.json scene scene_crc32 meshes motion.speed asked.error \
         setting.budget setting.margin promises.time_p999 promises.speed does_not_promise measured.work_p999 \
-        machine.processor machine.kernel machine.compiler machine.version cheaper.knob better.figures.bytes
+        machine.processor machine.system machine.kernel machine.compiler machine.version cheaper.knob better.figures.bytes
     check 'margin: a tick of 1.5 times the fastest motion' json torus.json \
         'abs(p["setting"]["margin"] - 1.5e-3 * p["motion"]["speed"]) < 1e-12'
     check 'the budget is 3 times one that held' json torus.json \

@@ -124,7 +124,7 @@ static void write_promise(FILE *file, const struct plan *plan)
 
 void plan_file_write(FILE *file, const struct plan *plan)
 {
-    const struct plan_machine *machine = &plan->machine;
+    const struct measure_machine *machine = &plan->machine;
     fprintf(file, "{\n  \"dynpoint_plan\": %d,\n", PLAN_FORMAT);
     write_scene(file, plan);
     fprintf(file, "  \"asked\": { \"error\": %.17g, ", plan->asked.error);
@@ -144,6 +144,7 @@ void plan_file_write(FILE *file, const struct plan *plan)
     fprintf(file, "  \"measured\": ");
     write_figures(file, "  ", &plan->figures);
     write_pair(file, ",\n  \"machine\": { ", "processor", machine->processor);
+    write_pair(file, ", ", "system", machine->system);
     write_pair(file, ", ", "kernel", machine->kernel);
     write_pair(file, ", ", "compiler", machine->compiler);
     write_pair(file, ", ", "version", machine->version);

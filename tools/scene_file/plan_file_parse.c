@@ -255,14 +255,17 @@ static void take_limits(struct json_reader *reader, const struct json_value *obj
 }
 
 static void take_machine(struct json_reader *reader, const struct json_value *object,
-                         struct plan_machine *machine)
+                         struct measure_machine *machine)
 {
-    static const char *const keys[] = { "processor", "kernel", "compiler", "version", NULL };
+    static const char *const keys[] = {
+        "processor", "system", "kernel", "compiler", "version", NULL
+    };
     const struct json_value at = json_member(object, "machine");
     if (!json_check_object(reader, &at, keys))
         return;
     require(reader, &at, keys);
     take_short_text(reader, &at, "processor", machine->processor, sizeof machine->processor);
+    take_short_text(reader, &at, "system", machine->system, sizeof machine->system);
     take_short_text(reader, &at, "kernel", machine->kernel, sizeof machine->kernel);
     take_short_text(reader, &at, "compiler", machine->compiler, sizeof machine->compiler);
     take_short_text(reader, &at, "version", machine->version, sizeof machine->version);
