@@ -193,6 +193,7 @@ static int choose_stiffness(struct plan *plan, const struct scene *scene, const 
         return 1;
     }
     plan->setting.world.stiffness = coupling.stiffness;
+    plan->setting.lock_rotation = info.wrench_dofs < 6;
     plan->stable = coupling.stable;
     plan->quantum = info.position_step * scene->zoom;
     plan->device = copy_text(device);

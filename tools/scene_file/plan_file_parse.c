@@ -88,6 +88,7 @@ static void take_setting(struct json_reader *reader, const struct json_value *ob
     static const char *const keys[] = { "law",
                                         "stiffness",
                                         "damping",
+                                        "lock_rotation",
                                         "dt",
                                         "until",
                                         "budget",
@@ -129,13 +130,15 @@ static void take_setting(struct json_reader *reader, const struct json_value *ob
     take_u32(reader, &at, "budget", &world->budget);
     json_take_count(reader, &at, "certificate_bytes", 0, (uint64_t)1 << 40,
                     &world->certificate_bytes);
-    uint64_t contacts = 0, smooth = 0, strip = world->strip_capacity, iterations = 0;
+    uint64_t contacts = 0, smooth = 0, lock = 0, strip = world->strip_capacity, iterations = 0;
     json_take_count(reader, &at, "max_contacts", 0, 65535, &contacts);
+    json_take_count(reader, &at, "lock_rotation", 0, 1, &lock);
     json_take_count(reader, &at, "smooth_normals", 0, 1, &smooth);
     json_take_count(reader, &at, "strip_capacity", 1, 1 << 20, &strip);
     json_take_count(reader, &at, "iterations", 0, 1024, &iterations);
     world->max_contacts = (uint32_t)contacts;
     world->smooth_normals = (uint32_t)smooth;
+    setting->lock_rotation = (uint32_t)lock;
     world->strip_capacity = (uint32_t)strip;
     setting->iterations = (uint32_t)iterations;
     take_rigid(reader, &at, &setting->rigid);
