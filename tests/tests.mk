@@ -118,8 +118,8 @@ $(B)/tests/test_plot: $(B)/tools/plot/plot_axis.o $(B)/tools/plot/plot_line.o
 $(B)/tests/test_soft_exchange $(B)/tests/test_scene_physics $(B)/tests/test_springs_passes: $(SOFT_PARTS)
 
 # Scene files: where the program reads them.
-FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o),$(call objects,tests/fuzz/*.c))
-FUZZ_SCENE := $(if $(SCENE_FILE),$(filter-out %/plan_file_parse.o,$(SCENE_FILE)) $(B)/tools/scene_bodies.o $(B)/tools/tip_shape.o $(B)/tools/command_options.o)
+FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o $(B)/tests/fuzz/plan.o),$(call objects,tests/fuzz/*.c))
+FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene_bodies.o $(B)/tools/tip_shape.o $(B)/tools/command_options.o $(B)/tools/plan/plan.o $(B)/tools/plan/plan_file.o)
 $(B)/tests/test_fuzz: $(FUZZ_PARTS) $(FUZZ_SCENE) $(B)/tools/view/view_request.o
 $(B)/tests/test_fuzz: private LDLIBS = $(JANSSON_LIBS)
 $(B)/tests/fuzz/test_fuzz.o: INCLUDES += -I$(B)
@@ -133,7 +133,7 @@ $(B)/tests/test_calls: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=r
 TESTS += $(B)/tests/test_calls
 
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
-FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene) mesh forged arm wire record snapshot request
+FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene plan) mesh forged arm wire record snapshot request
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
                $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/serial/wire.o $(WIRE_DEVICE) \
                $(B)/drivers/csv.o $(B)/drivers/trace.o $(B)/drivers/settings.o \

@@ -11,6 +11,7 @@
 #include "plan/plan_file.h"
 #include "plan/plan_header.h"
 #include "plan/plan_report.h"
+#include "plan/plan_scene.h"
 #include "plan/plan_trace.h"
 #include "quantity.h"
 #include "run_coupling.h"
@@ -192,6 +193,7 @@ static int choose_stiffness(struct plan *plan, const struct scene *scene, const 
         return 1;
     }
     plan->setting.world.stiffness = coupling.stiffness;
+    plan->setting.lock_rotation = info.wrench_dofs < 6;
     plan->stable = coupling.stable;
     plan->quantum = info.position_step * scene->zoom;
     plan->device = copy_text(device);
@@ -295,7 +297,7 @@ static int make_plan(const struct plan_options *options, struct plan *plan, doub
             printf("no setting keeps all bounds: %s\n", limit.text);
     }
     if (status == 0) {
-        plan_machine_of_here(&plan->machine, search.bench[0].reference.kernel);
+        measure_machine_read(&plan->machine, search.bench[0].reference.kernel);
         status = finish(options, plan, &search, &scene);
     }
     plan_search_close(&search);

@@ -98,10 +98,12 @@ static int open_trace(const struct replay_plan_options *options, const struct pl
 /* NULL, or why times are not judged. */
 static const char *other_machine(const struct plan *plan, uint32_t kernel)
 {
-    struct plan_machine here;
-    plan_machine_of_here(&here, kernel);
+    struct measure_machine here;
+    measure_machine_read(&here, kernel);
     if (strcmp(here.processor, plan->machine.processor))
         return "another processor";
+    if (strcmp(here.system, plan->machine.system))
+        return "another system";
     if (strcmp(here.kernel, plan->machine.kernel))
         return "another kernel";
     if (strcmp(here.compiler, plan->machine.compiler))

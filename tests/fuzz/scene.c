@@ -8,31 +8,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "fuzz/target.h"
+#include "fuzz/fault_check.h"
 #include "scene_bodies.h"
 #include "shape.h"
 
 /* What is quick enough. */
 enum { FEW_TRIANGLES = 300, FEW_REGIONS = 64, STEPS = 3 };
-
-static void check_line(const char *text, size_t room)
-{
-    MUST(memchr(text, 0, room) != NULL);
-    for (; *text; text++)
-        MUST(*text >= ' ' && *text <= '~');
-}
-
-static void check_fault(const struct json_fault *fault, const uint8_t *bytes, size_t size)
-{
-    int lines = 1;
-    for (size_t i = 0; i < size; i++)
-        lines += bytes[i] == '\n';
-    check_line(fault->place, sizeof fault->place);
-    check_line(fault->reason, sizeof fault->reason);
-    MUST(fault->reason[0] != '\0');
-    MUST(fault->line >= 0 && fault->line <= lines);
-    MUST(fault->line ? fault->column > 0 && !fault->place[0] : fault->column == 0);
-}
 
 static int is_in(double x, double least, double most)
 {

@@ -23,7 +23,7 @@
 #define MEMORY_MAX ((rlim_t)256 << 20)
 
 #ifdef DPT_HAS_JANSSON
-#define SCENE(X) X(scene, 2, 20)
+#define SCENE(X) X(scene, 2, 20) X(plan, 1, 20)
 #else
 #define SCENE(X)
 #endif

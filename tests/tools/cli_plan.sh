@@ -50,13 +50,18 @@ chosen()
     check 'a proxy needs no contacts' grep -q '^  max_contacts  *0 ' torus.txt
     check 'next cheaper' grep -q "^  next cheaper: [a-z_]* [0-9a-z]* breaks the bound '[a-z]*' (" torus.txt
     check 'next better' grep -q '^  next better: max_contacts [0-9]*, ' torus.txt
-    check "what is in it: $(cat python.log)" has_keys_of torus.json scene scene_crc32 meshes motion.speed asked.error \
+    check 'what is in it' has_keys_of torus.json scene scene_crc32 meshes motion.speed asked.error \
         setting.budget setting.margin promises.time_p999 promises.speed does_not_promise measured.work_p999 \
-        machine.processor machine.kernel machine.compiler machine.version cheaper.knob better.figures.bytes
+        machine.processor machine.system machine.kernel machine.compiler machine.version cheaper.knob better.figures.bytes
     check 'margin: a tick of 1.5 times the fastest motion' json torus.json \
         'abs(p["setting"]["margin"] - 1.5e-3 * p["motion"]["speed"]) < 1e-12'
     check 'the budget is 3 times one that held' json torus.json \
         'p["setting"]["budget"] >= 3 * p["measured"]["work"] * 2 ** -0.5'
+    succeeds 'a thin torus' compile torus.obj -o thin.dpa --scale 0.05
+    succeeds 'plan a thin torus' plan thin.dpa --error 0.1mm --ticks 10000 -o thin.json
+    check 'margin: a third of the thinnest wall' json thin.json '0.0038 < p["thinnest_wall"] < 0.004 and
+abs(p["setting"]["margin"] - p["thinnest_wall"] / 3) < 1e-15'
+    check 'the next cheaper is the last that was refused' json torus.json 'p["cheaper"]["knob"] == "budget"'
     check 'within what was asked for' json torus.json 'p["measured"]["force_error"] <= 0.05 and
 p["measured"]["distance_error"] <= 1e-4 and p["measured"]["unknown"] <= p["measured"]["ticks"] / 10000 and
 p["measured"]["time_p999"] <= 0.0005'
@@ -220,7 +225,7 @@ devices()
     succeeds 'as stiff as it holds' plan torus.dpa --error 0.1mm --ticks 10000 --device slow.txt -o held.json
     # With T/2 + t_d = 1.75 ms it shakes from 0.5 / 1.75e-3 = 286 N/m on, nearly.
     check "with a margin of 1.5: $(cat held.json)" json held.json '185 < p["setting"]["stiffness"] < 195 and
-abs(p["stable"] / p["setting"]["stiffness"] - 1.5) < 1e-3 and p["promises"]["gain_margin"] == 1.5'
+abs(p["stable"] / p["setting"]["stiffness"] - 1.5) < 1e-3 and p["promises"]["gain_margin"] == 1.5 and p["setting"]["lock_rotation"] == 1'
     printf 'mass=0.1\nposition_step=0.0005\n' >unknown.txt
     run plan torus.dpa --error 0.1mm --stiffness 800 --device unknown.txt
     check "exit $status, not known: $(cat stdout)" grep -q '^K 800: the device.s mass or damping is not known' stdout

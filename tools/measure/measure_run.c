@@ -36,7 +36,7 @@ static int has_soft(const struct scene_bodies *bodies)
 }
 
 static dpt_result add_tool(struct stage *stage, const struct scene *scene,
-                           const struct force_options *force)
+                           const struct force_options *force, uint32_t lock_rotation)
 {
     dpt_tip tips[TIP_SHAPES_MAX];
     for (uint32_t i = 0; i < scene->tips.count; i++)
@@ -44,7 +44,7 @@ static dpt_result add_tool(struct stage *stage, const struct scene *scene,
     dpt_result result =
         dpt_tool_add(stage->world, scene->segments, scene->segment_count, &stage->id);
     if (result == DPT_OK)
-        result = force_options_set_tool(force, stage->world, stage->id, 0);
+        result = force_options_set_tool(force, stage->world, stage->id, lock_rotation);
     if (result == DPT_OK && scene->tips.count)
         result = dpt_tool_set_tips(stage->world, stage->id, tips, scene->tips.count);
     return result;
@@ -96,7 +96,7 @@ static int stage_open(struct stage *stage, struct measure_run *run, const struct
     if (result == DPT_OK && setting->physics > 0.0 && has_soft(&stage->bodies))
         result = scene_physics_open(&stage->physics, &stage->bodies, setting->physics);
     if (result == DPT_OK)
-        result = add_tool(stage, scene, &force);
+        result = add_tool(stage, scene, &force, setting->lock_rotation);
     return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
 }
 

@@ -46,6 +46,7 @@ struct measure_setting measure_setting_richest(const struct measure_setting *set
     richest.world.certificate_bytes = CERTIFICATES_BYTES;
     richest.friction = setting->friction;
     richest.damping = setting->damping;
+    richest.lock_rotation = setting->lock_rotation;
     richest.dt = setting->dt;
     return richest;
 }

@@ -19,6 +19,7 @@ struct measure_setting {
     uint32_t parts, one_step; /* of DPT_METHOD_PAPER, as in dpt_baseline_def */
     double friction;          /* of all bodies; NAN: each has its own */
     double damping;           /* of the proxy's spring, Ns/m */
+    uint32_t lock_rotation;   /* 1: for a device without torque, as in dpt_tool_settings; 0 */
     uint64_t rigid;           /* bit i: body i of the scene does not give way, though it could */
     /* Of all bodies that give way: DPT_INTEGRATOR_..., or -1: the scene's; dpt_springs_def, or 0 and NAN: the scene's. */
     int32_t integrator;

@@ -8,6 +8,7 @@
 
 #include "file_identity.h"
 #include "measure/judgement.h"
+#include "measure/measure_machine.h"
 
 /* Of ticks, at most one in so many may be unknown. */
 #define PLAN_UNKNOWN_ONE_IN 10000
@@ -107,10 +108,6 @@ struct plan_neighbour {
     struct plan_figures figures;
 };
 
-struct plan_machine {
-    char processor[80], kernel[16], compiler[80], version[24];
-};
-
 enum { PLAN_MESHES_MAX = 64 };
 
 /* Of a mesh: its triangles, and the CRC-32 of its vertices and corners. */
@@ -141,7 +138,7 @@ struct plan {
     struct plan_limits limits;
     struct plan_figures figures; /* the worst over the traces by which it was verified */
     struct plan_neighbour cheaper, better;
-    struct plan_machine machine;
+    struct measure_machine machine;
 };
 
 void plan_free(struct plan *plan);
@@ -188,9 +185,5 @@ int plan_bench_open(struct plan_bench *bench, const struct scene *scene,
 int plan_bench_measure(const struct plan_bench *bench, const struct measure_setting *setting,
                        uint32_t passes, struct plan_figures *figures);
 void plan_bench_close(struct plan_bench *bench);
-
-/* What this machine is, and what a scene's meshes are. */
-void plan_machine_of_here(struct plan_machine *machine, uint32_t kernel);
-void plan_meshes_of(struct plan *plan, const struct scene *scene);
 
 #endif

@@ -27,15 +27,17 @@ static void write_setting(FILE *file, const char *indent, const struct measure_s
     const dpt_world_def *world = &setting->world;
     const int scene = setting->integrator < 0;
     const char *between = "";
-    fprintf(file,
-            "{ \"law\": \"%s\", \"stiffness\": %.17g, \"damping\": %.17g, \"dt\": %.17g,\n%s  "
-            "\"until\": \"%s\", \"budget\": %" PRIu32 ", \"certificate_bytes\": %" PRIu64
-            ", \"margin\": %.17g,\n%s  \"max_contacts\": %" PRIu32 ", \"smooth_normals\": %" PRIu32
-            ", \"strip\": \"%s\", \"strip_capacity\": %" PRIu32 ",\n%s  ",
-            law_name(world->law), world->stiffness, setting->damping, setting->dt, indent,
-            plan_until_words[world->until], world->budget, world->certificate_bytes, world->margin,
-            indent, world->max_contacts, world->smooth_normals, plan_strip_words[world->strip],
-            world->strip_capacity, indent);
+    fprintf(
+        file,
+        "{ \"law\": \"%s\", \"stiffness\": %.17g, \"damping\": %.17g, \"lock_rotation\": %" PRIu32
+        ", \"dt\": %.17g,\n%s  "
+        "\"until\": \"%s\", \"budget\": %" PRIu32 ", \"certificate_bytes\": %" PRIu64
+        ", \"margin\": %.17g,\n%s  \"max_contacts\": %" PRIu32 ", \"smooth_normals\": %" PRIu32
+        ", \"strip\": \"%s\", \"strip_capacity\": %" PRIu32 ",\n%s  ",
+        law_name(world->law), world->stiffness, setting->damping, setting->lock_rotation,
+        setting->dt, indent, plan_until_words[world->until], world->budget,
+        world->certificate_bytes, world->margin, indent, world->max_contacts, world->smooth_normals,
+        plan_strip_words[world->strip], world->strip_capacity, indent);
     if (!isnan(setting->friction))
         fprintf(file, "\"friction\": %.17g, ", setting->friction);
     fprintf(file, "\"integrator\": \"%s\", \"iterations\": %" PRIu32 ", \"rigid\": [",
@@ -124,7 +126,7 @@ static void write_promise(FILE *file, const struct plan *plan)
 
 void plan_file_write(FILE *file, const struct plan *plan)
 {
-    const struct plan_machine *machine = &plan->machine;
+    const struct measure_machine *machine = &plan->machine;
     fprintf(file, "{\n  \"dynpoint_plan\": %d,\n", PLAN_FORMAT);
     write_scene(file, plan);
     fprintf(file, "  \"asked\": { \"error\": %.17g, ", plan->asked.error);
@@ -144,6 +146,7 @@ void plan_file_write(FILE *file, const struct plan *plan)
     fprintf(file, "  \"measured\": ");
     write_figures(file, "  ", &plan->figures);
     write_pair(file, ",\n  \"machine\": { ", "processor", machine->processor);
+    write_pair(file, ", ", "system", machine->system);
     write_pair(file, ", ", "kernel", machine->kernel);
     write_pair(file, ", ", "compiler", machine->compiler);
     write_pair(file, ", ", "version", machine->version);

@@ -30,11 +30,12 @@ static void write_intro(FILE *file, const struct plan *plan)
         fprintf(file, " *   the wrench is within %g N of that of the richest setting\n",
                 plan->limits.force_error);
     fprintf(file,
-            " *\n * Measured on %s, kernel %s, %s, dynpoint %s.\n"
+            " *\n * Measured on %s, %s, kernel %s, %s, dynpoint %s.\n"
             " * Not promised: other speeds, bodies that its trace has not met, other machines%s.\n"
             " */\n",
-            plan->machine.processor, plan->machine.kernel, plan->machine.compiler,
-            plan->machine.version, plan->stable > 0.0 ? ", another device" : ", stability");
+            plan->machine.processor, plan->machine.system, plan->machine.kernel,
+            plan->machine.compiler, plan->machine.version,
+            plan->stable > 0.0 ? ", another device" : ", stability");
 }
 
 static void write_world(FILE *file, const struct plan *plan, const struct scene *scene)
@@ -90,9 +91,9 @@ static void write_tool(FILE *file, const struct plan *plan)
             "/* The tool, after it was added. */\n"
             "static inline void plan_fill_tool(dpt_tool_settings *settings)\n{\n"
             "    settings->law = %s;\n    settings->stiffness = %.17g;\n"
-            "    settings->damping = %.17g;\n}\n\n",
+            "    settings->damping = %.17g;\n    settings->lock_rotation = %" PRIu32 ";\n}\n\n",
             law_constants[plan->setting.world.law], plan->setting.world.stiffness,
-            plan->setting.damping);
+            plan->setting.damping, plan->setting.lock_rotation);
 }
 
 /* Which bodies give way, and how they are stepped. */

@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 
+#include "base/crc32.h"
 #include "command_options.h"
 
 void plan_scene_def(const struct plan *plan, struct scene_def *def)
@@ -17,6 +18,25 @@ void plan_scene_def(const struct plan *plan, struct scene_def *def)
         def->force.friction = plan->setting.friction;
     if (def->force.damping == 0.0)
         def->force.damping = plan->setting.damping;
+}
+
+void plan_meshes_of(struct plan *plan, const struct scene *scene)
+{
+    plan->mesh_count = scene->bodies.count;
+    for (uint32_t i = 0; i < plan->mesh_count; i++) {
+        const dpt_mesh *mesh = scene->bodies.body[i].mesh;
+        const float *vertices;
+        const uint32_t *corners, *numbers;
+        uint32_t count;
+        struct crc32 crc;
+        crc32_init(&crc);
+        dpt_mesh_get_vertices(mesh, &vertices, &count);
+        plan->mesh[i].crc32 = crc32_more(&crc, 0, vertices, (size_t)count * 3 * sizeof *vertices);
+        dpt_mesh_get_triangles(mesh, &corners, &numbers, &count);
+        plan->mesh[i].crc32 =
+            crc32_more(&crc, plan->mesh[i].crc32, corners, (size_t)count * 3 * sizeof *corners);
+        plan->mesh[i].triangles = count;
+    }
 }
 
 int plan_scene_check(const struct plan *plan, const struct scene *scene, const char *path)

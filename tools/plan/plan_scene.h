@@ -11,6 +11,9 @@
  */
 void plan_scene_def(const struct plan *plan, struct scene_def *def);
 
+/* Note what a scene's meshes are. */
+void plan_meshes_of(struct plan *plan, const struct scene *scene);
+
 /* Refuse a scene whose files are not those of the plan. Returns 0, or 2 after a message. */
 int plan_scene_check(const struct plan *plan, const struct scene *scene, const char *path);
 

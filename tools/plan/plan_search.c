@@ -86,6 +86,13 @@ static struct plan_limits limits_on(const struct climb *climb, const struct plan
                           same_bits);
 }
 
+/* What a setting breaks. */
+static struct plan_text text_of(const struct climb *climb, const struct plan_neighbour *tried)
+{
+    const struct plan_limits limits = limits_on(climb, tried, 0);
+    return plan_broken_text(&limits, &tried->figures, tried->broken);
+}
+
 /* Measure a setting on its trace, and judge: with times if there is more than one pass. Returns 0, or 2 after a message. */
 static int measure(const struct climb *climb, struct plan_neighbour *tried, uint32_t passes,
                    int same_bits)
@@ -119,6 +126,16 @@ static int turn(struct climb *climb, const struct plan_knob *knob, uint32_t body
     return 0;
 }
 
+/* Memory is not to be felt on other traces either: one step more than is needed, which was seen to give the same bits. */
+static void leave_memory(struct climb *climb, const struct plan_knob *knob)
+{
+    const size_t last = climb->taken_count - 1;
+    if (!knob->same_bits || !climb->taken_count || climb->taken[last].knob != knob)
+        return;
+    climb->setting = climb->taken[last].before;
+    climb->taken_count--;
+}
+
 static int climb_down(struct climb *climb)
 {
     int status = 0;
@@ -126,6 +143,7 @@ static int climb_down(struct climb *climb)
         const uint32_t bodies = plan_knobs[i].of_bodies ? climb->scene->bodies.count : 1;
         for (uint32_t body = 0; status == 0 && body < bodies; body++)
             status = turn(climb, &plan_knobs[i], body);
+        leave_memory(climb, &plan_knobs[i]);
     }
     if (climb->setting.world.strip && climb->figures.strip)
         climb->setting.world.strip_capacity = plan_with_headroom(climb->figures.strip + 1);
@@ -221,36 +239,28 @@ static int mend(struct climb *climb, const struct plan_neighbour *tried)
     return find_fault(climb, has_budget ? &unlimited : tried);
 }
 
-/* What the chosen setting does, and takes, where it was not chosen by. As plan_search. */
-static int time_it(const struct climb *climb, struct plan *plan, struct plan_text *limit)
+/*
+ * What the chosen setting does, and takes, where it was not chosen by, and which bound that breaks, if any. Returns 0, or 2
+ * after a message.
+ */
+static int time_it(const struct climb *climb, struct plan *plan, struct plan_neighbour *tried)
 {
     plan->figures = (struct plan_figures){ .ticks = 0 };
-    for (int i = PLAN_SECOND_HALF; i < climb->search->traces; i++) {
-        struct plan_neighbour tried = { .setting = climb->setting, .trace = i };
-        if (measure(climb, &tried, PASSES, 0))
+    tried->broken = PLAN_HOLDS;
+    for (int i = PLAN_SECOND_HALF; tried->broken == PLAN_HOLDS && i < climb->search->traces; i++) {
+        *tried = (struct plan_neighbour){ .setting = climb->setting, .trace = i };
+        if (measure(climb, tried, PASSES, 0))
             return 2;
         /* Other programs may have been at work. */
-        if (tried.broken == PLAN_TIME && measure(climb, &tried, 3 * PASSES, 0))
+        if (tried->broken == PLAN_TIME && measure(climb, tried, 3 * PASSES, 0))
             return 2;
-        plan_figures_join(&plan->figures, &tried.figures);
-        if (tried.broken == PLAN_HOLDS)
-            continue;
-        const struct plan_limits limits = limits_on(climb, &tried, 0);
-        *limit = plan_broken_text(&limits, &tried.figures, tried.broken);
-        return 1;
+        plan_figures_join(&plan->figures, &tried->figures);
     }
     return 0;
 }
 
-/* What held is what was seen: others may need more. */
-static void leave_headroom(dpt_world_def *world)
-{
-    world->budget = plan_times(world->budget, PLAN_BUDGET_HEADROOM);
-    world->certificate_bytes = (uint64_t)(PLAN_HEADROOM * (double)world->certificate_bytes);
-}
-
-/* Hold the setting against all traces, and give back until it holds. As plan_search. */
-static int verify(struct climb *climb, struct plan *plan, struct plan_text *limit)
+/* Give back until the setting holds on all traces, times apart. Returns 0, 1 with the limit, or 2 after a message. */
+static int hold(struct climb *climb, struct plan_text *limit)
 {
     for (int i = PLAN_SECOND_HALF; i < climb->search->traces;) {
         struct plan_neighbour tried = { .setting = climb->setting, .trace = i };
@@ -260,15 +270,37 @@ static int verify(struct climb *climb, struct plan *plan, struct plan_text *limi
             i++;
             continue;
         }
-        const struct plan_limits limits = limits_on(climb, &tried, 0);
-        *limit = plan_broken_text(&limits, &tried.figures, tried.broken);
+        *limit = text_of(climb, &tried);
         const int status = mend(climb, &tried);
         if (status)
             return status;
         i = PLAN_SECOND_HALF;
     }
-    leave_headroom(&climb->setting.world);
-    return time_it(climb, plan, limit);
+    return 0;
+}
+
+/* Hold the setting against all traces, leave headroom above the budget, and see what it takes. As plan_search. */
+static int verify(struct climb *climb, struct plan *plan, struct plan_text *limit)
+{
+    uint32_t *budget = &climb->setting.world.budget;
+    for (;;) {
+        struct plan_neighbour tried;
+        int status = hold(climb, limit);
+        if (status)
+            return status;
+        const uint32_t held = *budget;
+        *budget = plan_times(held, PLAN_BUDGET_HEADROOM);
+        if (time_it(climb, plan, &tried))
+            return 2;
+        if (tried.broken == PLAN_HOLDS)
+            return 0;
+        /* A larger budget may lead a proxy elsewhere. */
+        *limit = text_of(climb, &tried);
+        *budget = held;
+        status = mend(climb, &tried);
+        if (status)
+            return status;
+    }
 }
 
 /* 1 if what a setting tells becomes less, and not only what it may hold. */

@@ -88,6 +88,7 @@ static void take_setting(struct json_reader *reader, const struct json_value *ob
     static const char *const keys[] = { "law",
                                         "stiffness",
                                         "damping",
+                                        "lock_rotation",
                                         "dt",
                                         "until",
                                         "budget",
@@ -129,13 +130,15 @@ static void take_setting(struct json_reader *reader, const struct json_value *ob
     take_u32(reader, &at, "budget", &world->budget);
     json_take_count(reader, &at, "certificate_bytes", 0, (uint64_t)1 << 40,
                     &world->certificate_bytes);
-    uint64_t contacts = 0, smooth = 0, strip = world->strip_capacity, iterations = 0;
+    uint64_t contacts = 0, smooth = 0, lock = 0, strip = world->strip_capacity, iterations = 0;
     json_take_count(reader, &at, "max_contacts", 0, 65535, &contacts);
+    json_take_count(reader, &at, "lock_rotation", 0, 1, &lock);
     json_take_count(reader, &at, "smooth_normals", 0, 1, &smooth);
     json_take_count(reader, &at, "strip_capacity", 1, 1 << 20, &strip);
     json_take_count(reader, &at, "iterations", 0, 1024, &iterations);
     world->max_contacts = (uint32_t)contacts;
     world->smooth_normals = (uint32_t)smooth;
+    setting->lock_rotation = (uint32_t)lock;
     world->strip_capacity = (uint32_t)strip;
     setting->iterations = (uint32_t)iterations;
     take_rigid(reader, &at, &setting->rigid);
@@ -255,14 +258,17 @@ static void take_limits(struct json_reader *reader, const struct json_value *obj
 }
 
 static void take_machine(struct json_reader *reader, const struct json_value *object,
-                         struct plan_machine *machine)
+                         struct measure_machine *machine)
 {
-    static const char *const keys[] = { "processor", "kernel", "compiler", "version", NULL };
+    static const char *const keys[] = {
+        "processor", "system", "kernel", "compiler", "version", NULL
+    };
     const struct json_value at = json_member(object, "machine");
     if (!json_check_object(reader, &at, keys))
         return;
     require(reader, &at, keys);
     take_short_text(reader, &at, "processor", machine->processor, sizeof machine->processor);
+    take_short_text(reader, &at, "system", machine->system, sizeof machine->system);
     take_short_text(reader, &at, "kernel", machine->kernel, sizeof machine->kernel);
     take_short_text(reader, &at, "compiler", machine->compiler, sizeof machine->compiler);
     take_short_text(reader, &at, "version", machine->version, sizeof machine->version);
