@@ -267,7 +267,22 @@ samples()
     run run "$docs/samples/scalpel.json" --ticks 2000
     check "the sample: $(cat stdout stderr)" grep -q '^  in contact on 1[0-9][0-9][0-9], deepest 1\.[0-9]* mm' stdout
     sed -n '/^## Tools with tips$/,$p' "$docs/recipes.md" | sed '2,${/^## /,$d;}' >tools.md
-    awk '/^```json$/ { n++; f = "recipe" n ".part"; next } /^```$/ { f = "" } f { print > f }' tools.md
+    awk '/^```json$/ { n++; f = "recipe" n ".part"; next } /^```sh$/ { f = "catheter.sh"; next }
+        /^```c$/ { f = "jaws.c"; next } /^```$/ { f = "" } f { print > f }' tools.md
+    run compile "$docs/samples/forceps.urdf" -o forceps.dpa --tool shaft
+    if grep -q 'reads no URDF' stderr; then
+        rm recipe5.part
+        skip 'forceps: no urdfdom'
+    else
+        check "forceps: $(cat stdout stderr)" grep -q 'tool shaft of 1 capsule and 2 tips with 1 jaw,' stdout
+    fi
+    sh catheter.sh
+    felt catheter catheter.json --device "$press"
+    check "a catheter of 64 segments: $(grep -c radius catheter.json)" test "$(grep -c radius catheter.json)" -eq 64
+    printf '#include "dynpoint.h"\nvoid move(const dpt_arm *arm, double opening, dpt_world *world, dpt_tool tool);\n%s\n{\n%s\n}\n' \
+        'void move(const dpt_arm *arm, double opening, dpt_world *world, dpt_tool tool)' "$(cat jaws.c)" >jaws_whole.c
+    if cc -std=c99 -Wall -Wextra -Werror -I"$tests/../include" -fsyntax-only jaws_whole.c 2>cc.log; then ok
+    else bad "the recipe's C: $(cat cc.log)"; fi
     count=0
     for part in recipe*.part; do
         count=$((count + 1))
@@ -275,7 +290,7 @@ samples()
               "orientation": [0.70710678118654752, -0.70710678118654752, 0, 0] } ],'; cat "$part"; echo '}'; } >"${part%.part}.json"
         felt "${part%.part}" "${part%.part}.json" --device "$press"
     done
-    check "recipes of tools: $count" test "$count" -eq 4
+    check "recipes of tools: $count" test "$count" -eq "$(ls recipe*.part | wc -l)" -a "$count" -ge 4
     sed -n '/"tool"/,/^  },/p' "$docs/samples/scalpel.json" | sed 's/^  //; $s/,$//' >scalpel.part
     check 'docs/recipes.md shows the scalpel of the sample' cmp -s scalpel.part recipe2.part
 }
