@@ -78,6 +78,7 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
                              .length = text->length,
                              .radius = text->radius,
                              .tips = text->tips,
+                             .jaw = text->jaw,
                              .physics = text->physics,
                              .force = { .stiffness = text->stiffness,
                                         .friction = has_own_friction ? NAN : text->friction,

@@ -22,12 +22,8 @@ static uint32_t list_parts(const struct scene *scene, dpt_segment *parts)
             parts[i].b[2] = scene->length;
     }
     for (uint32_t i = 0; i < scene->tips.count; i++) {
-        dpt_hull_info info = { .size = sizeof info };
-        dpt_hull_get_info(scene->hulls[i], &info);
-        for (int k = 0; k < 3; k++) {
-            parts[segments + i].a[k] = info.axis[0][k];
-            parts[segments + i].b[k] = info.axis[1][k];
-        }
+        dpt_segment *part = &parts[segments + i];
+        scene_tips_axis(&scene->tips, i, part->a, part->b);
     }
     return segments + scene->tips.count;
 }
@@ -36,8 +32,8 @@ static uint32_t list_parts(const struct scene *scene, dpt_segment *parts)
 static void measure_tool(const struct scene *scene, double *rho, double *lever)
 {
     double whole = 0.0, centre[3] = { 0.0 }, square = 0.0;
-    dpt_segment parts[DPT_ARM_SEGMENTS_MAX + TIP_SHAPES_MAX];
-    double weight[DPT_ARM_SEGMENTS_MAX + TIP_SHAPES_MAX];
+    dpt_segment parts[DPT_ARM_SEGMENTS_MAX + SCENE_TIPS_MAX];
+    double weight[DPT_ARM_SEGMENTS_MAX + SCENE_TIPS_MAX];
     const uint32_t count = list_parts(scene, parts);
     for (uint32_t i = 0; i < count; i++) {
         const double *a = parts[i].a, *b = parts[i].b;

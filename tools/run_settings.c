@@ -31,7 +31,7 @@ static const char help[] =
     "                   root's frame; default: where the tool is in the middle of the joints' "
     "limits. A\n"
     "                   device that is the arm needs neither this nor --zoom: its joints tell\n"
-    "  --tool ARM.dpa   the tool is that of an arm\n"
+    "  --tool ARM.dpa   the tool is that of an arm, with its tips and jaws\n"
     "  --tip SHAPE:X,Y,Z[,RADIUS]\n"
     "                   a tip at the tool's origin, beside the tool: box, wedge, cylinder or cone "
     "of these\n"
@@ -40,6 +40,10 @@ static const char help[] =
     "                   z = -Z / 2; a cone's point lies there too. Up to 16 tips; with the law "
     "proxy;\n"
     "                   they replace those of the file\n"
+    "  --jaw SHARE      where the jaws of an arm's tool stand: 0 at their lower limits, 1 at their "
+    "upper\n"
+    "                   ones. FROM:TO:SECONDS: they go from one to the other in that time of the "
+    "loop\n"
     "  --zoom Z         metres of the mesh for one of the hand; default 1\n"
     "  --force-scale S  newtons at the hand for one of the mesh; default 1. The hand feels S Z "
     "times the "
@@ -130,9 +134,18 @@ static int read_plan(struct run_settings *settings, size_t operands, const char 
     return 0;
 }
 
+static int read_jaw(struct jaw_motion *motion, const char *text)
+{
+    if (!jaw_motion_parse(motion, text, text + strlen(text)))
+        return complain("run", "--jaw takes SHARE or FROM:TO:SECONDS; it is '%s'", text);
+    const char *fault = jaw_motion_fault(motion);
+    return fault ? complain("run", "--jaw %s: %s", text, fault) : 0;
+}
+
 int run_settings_read(struct run_settings *settings, int argc, char **argv)
 {
     const char *law = NULL;
+    const char *jaw = NULL;
     struct option_texts tips = { .count = 0 };
     size_t operands = 0;
     const struct option_def options[] = {
@@ -141,6 +154,7 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
         { .name = "--at", .text = &settings->scene.origin },
         { .name = "--tool", .text = &settings->scene.tool },
         { .name = "--tip", .texts = &tips },
+        { .name = "--jaw", .text = &jaw },
         { .name = "--identified", .text = &settings->identified },
         { .name = "--zoom", .number = &settings->scene.zoom },
         { .name = "--length", .number = &settings->scene.length },
@@ -193,6 +207,8 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
     if (operands != 1 || !settings->device)
         return complain("run", "a scene, SCENE.json, MESH.dpa or ARM.dpa, and --device NAME are "
                                "needed (see --help)");
+    if (jaw && read_jaw(&settings->scene.jaw, jaw))
+        return 2;
     if (tip_shapes_of_options(&settings->scene.tips, "run", &tips))
         return 2;
     status = scene_def_complete(&settings->scene, law);

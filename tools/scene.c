@@ -74,15 +74,6 @@ static uint32_t copy_tool_segments(const dpt_arm *arm, dpt_segment *segments)
     return count;
 }
 
-/* To the tool in the world; it has its law. */
-static dpt_result add_tips(struct scene *scene)
-{
-    dpt_tip tips[TIP_SHAPES_MAX];
-    for (uint32_t i = 0; i < scene->tips.count; i++)
-        tips[i] = (dpt_tip){ .size = sizeof tips[i], .hull = scene->hulls[i] };
-    return dpt_tool_set_tips(scene->world, scene->tool, tips, scene->tips.count);
-}
-
 int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget)
 {
     dpt_world_def world;
@@ -112,7 +103,7 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
         result = force_options_set_tool(&scene->force, scene->world, scene->tool,
                                         scene->device.wrench_dofs < 6);
     if (result == DPT_OK)
-        result = add_tips(scene);
+        result = scene_tips_add(&scene->tips, scene->world, scene->tool);
     return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
 }
 
@@ -132,29 +123,51 @@ static void *load_bytes(const struct scene *scene, const char *path,
     return bytes;
 }
 
-/* Load the tool's segments, in its own frame. Returns their number, or 0 after a message. */
-static uint32_t load_tool(struct scene *scene, const struct scene_def *def, dpt_segment *segments)
+/* Open the arm whose tool is used, if there is one. Returns 0, or 2 after a message. */
+static int load_tool_arm(struct scene *scene, const struct scene_def *def)
 {
-    const dpt_arm *arm = scene->arm;
     size_t size = 0;
-    if (def->tool) {
-        scene->tool_bytes = load_bytes(scene, def->tool, &def->tool_bytes, &size);
-        if (scene->tool_bytes)
-            file_identity_add(&scene->tool_file, scene->tool_bytes, size);
-        arm =
-            scene->tool_bytes ? open_arm(scene->command, def->tool, scene->tool_bytes, size) : NULL;
-        if (!arm)
-            return 0;
-    }
-    uint32_t count = arm ? copy_tool_segments(arm, segments) : 0;
-    if (!arm && def->file) {
+    scene->tool_arm = scene->arm;
+    if (!def->tool)
+        return 0;
+    scene->tool_bytes = load_bytes(scene, def->tool, &def->tool_bytes, &size);
+    if (!scene->tool_bytes)
+        return 2;
+    file_identity_add(&scene->tool_file, scene->tool_bytes, size);
+    scene->tool_arm = open_arm(scene->command, def->tool, scene->tool_bytes, size);
+    return scene->tool_arm ? 0 : 2;
+}
+
+/* The tips, the arm's only where they are felt. Returns 0, or 2 after a message. */
+static int make_tips(struct scene *scene, const struct scene_def *def)
+{
+    const char *path = def->tool ? def->tool : def->path;
+    const dpt_arm *arm = def->force.law == DPT_LAW_PROXY ? scene->tool_arm : NULL;
+    dpt_arm_info info = { .size = sizeof info };
+    if (scene->tool_arm && !arm && dpt_arm_get_info(scene->tool_arm, &info) == DPT_OK &&
+        info.tips && info.segments)
+        fprintf(stderr, "%s: note: its tool's tips are felt by the law proxy alone: left out\n",
+                path);
+    return scene_tips_make(&scene->tips, scene->command, path, &def->tips, arm, &def->jaw);
+}
+
+/* The tool's segments, in its own frame. Returns their number, or 0 after a message. */
+static uint32_t load_segments(struct scene *scene, const struct scene_def *def,
+                              dpt_segment *segments)
+{
+    uint32_t count = scene->tool_arm ? copy_tool_segments(scene->tool_arm, segments) : 0;
+    if (!scene->tool_arm && def->file) {
         count = def->file->segment_count;
         memcpy(segments, def->file->segments, count * sizeof *segments);
     }
     if (count > 0)
         return count;
+    if (scene->tips.arm) {
+        segments[0] = (dpt_segment){ .radius = 0.0 }; /* the point that a tool has at least */
+        return 1;
+    }
     if (def->tool) {
-        complain(scene->command, "%s: its tool has no capsule", def->tool);
+        complain(scene->command, "%s: its tool has no capsule, and no tip that is felt", def->tool);
         return 0;
     }
     scene->stylus.radius = def->radius;
@@ -195,30 +208,6 @@ static int open_bodies(struct scene *scene, const struct scene_def *def)
     return mesh ? 0 : 2;
 }
 
-/* Returns 0, or 2 after a message. */
-static int make_hulls(struct scene *scene, const struct scene_def *def)
-{
-    scene->tips = def->tips;
-    for (uint32_t i = 0; i < scene->tips.count; i++) {
-        const dpt_result result =
-            tip_shape_make(&scene->tips.shape[i], &scene->hull_blocks[i], &scene->hulls[i]);
-        if (result != DPT_OK)
-            return complain(scene->command, "%s: tip %u: %s", def->path, (unsigned)i + 1,
-                            dpt_result_text(result));
-    }
-    return 0;
-}
-
-/* m: how far the tips reach below the tool's origin while it is not turned, y being up; at least `least`. */
-static double tips_drop(const struct scene *scene, double least)
-{
-    double corner[3], drop = least;
-    for (uint32_t i = 0; i < scene->tips.count; i++)
-        for (uint32_t k = 0; dpt_hull_get_corner(scene->hulls[i], k, corner) == DPT_OK; k++)
-            drop = fmax(drop, scene->tips.shape[i].radius - corner[1]);
-    return drop;
-}
-
 /* Where the device's origin is: above the bodies, or where an arm's tool is in the middle of its limits. */
 static int place_device(struct scene *scene, const struct scene_def *def)
 {
@@ -230,7 +219,7 @@ static int place_device(struct scene *scene, const struct scene_def *def)
         memcpy(scene->origin, listed->origin, sizeof scene->origin);
     } else if (!scene->arm) {
         scene_bodies_top(&scene->bodies, scene->origin);
-        scene->origin[1] += tips_drop(scene, def->radius) + 0.005;
+        scene->origin[1] += scene_tips_drop(&scene->tips, def->radius) + 0.005;
     } else if (middle_position(scene->arm, scene->origin) != DPT_OK) {
         return complain(scene->command, "%s: the arm's joints have no middle", def->path);
     }
@@ -262,9 +251,9 @@ int scene_open(struct scene *scene, const struct scene_def *def)
         return complain(scene->command,
                         "%s: an arm whose scene has no body: name a mesh, and this one as --tool",
                         def->path);
-    if (make_hulls(scene, def) || place_device(scene, def))
+    if (load_tool_arm(scene, def) || make_tips(scene, def) || place_device(scene, def))
         return 2;
-    scene->segment_count = load_tool(scene, def, scene->segments);
+    scene->segment_count = load_segments(scene, def, scene->segments);
     return scene->segment_count ? 0 : 2;
 }
 
@@ -274,8 +263,7 @@ void scene_close(struct scene *scene)
     scene->physics = NULL;
     free(scene->block);
     scene_bodies_close(&scene->bodies);
-    for (uint32_t i = 0; i < scene->tips.count; i++)
-        free(scene->hull_blocks[i]);
+    scene_tips_close(&scene->tips);
     free(scene->bytes);
     free(scene->tool_bytes);
 }
@@ -414,6 +402,8 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
     }
     if (result == DPT_OK)
         result = move_tool(scene, &pose);
+    if (result == DPT_OK)
+        result = scene_tips_move(&scene->tips, scene->world, scene->tool, sample->dt);
     if (result == DPT_OK)
         result = step(scene, sample->dt);
     if (result != DPT_OK)

@@ -11,6 +11,7 @@
 #include "scene_def.h"
 #include "scene_passivity.h"
 #include "scene_physics.h"
+#include "scene_tips.h"
 
 struct scene {
     const char *command;
@@ -18,7 +19,8 @@ struct scene {
         tool_file; /* of the scene and all of its meshes; of the tool's arm, zeros if none was named */
     dpt_world *world;
     dpt_tool tool;
-    const dpt_arm *arm; /* the arm of the scene; NULL: there is none */
+    const dpt_arm *arm;      /* the arm of the scene; NULL: there is none */
+    const dpt_arm *tool_arm; /* the arm whose tool is used; NULL: there is none */
     struct scene_bodies bodies;
     /* Of a plan: until, memory, margin, contacts and strips of the world; NULL: the defaults. */
     const dpt_world_def *planned;
@@ -26,9 +28,7 @@ struct scene {
     struct scene_physics *physics;              /* of the world, if there is a rate */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
     uint32_t segment_count;
-    struct tip_shapes tips;                /* of the tool, in its own frame */
-    const dpt_hull *hulls[TIP_SHAPES_MAX]; /* of the tips, and their memory */
-    void *hull_blocks[TIP_SHAPES_MAX];
+    struct scene_tips tips; /* of the tool */
     struct force_options force;
     int has_stylus; /* the tool is the stylus, without tips: free, so that a trace of it can be replayed */
     dpt_segment stylus; /* in the scene's frame, as moved last */

@@ -86,6 +86,8 @@ static int complete_tool(struct scene_def *def)
                         def->path, file->arm ? "an arm's" : "segments");
     if (file && !def->tips.count && !def->tool)
         def->tips = file->tips;
+    if (file && !def->jaw.is_given && !def->tool)
+        def->jaw = file->jaw;
     if (file && file->arm && !def->tool)
         def->tool = file->arm;
     if (def->tips.count && def->force.law != DPT_LAW_PROXY)

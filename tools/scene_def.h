@@ -4,6 +4,7 @@
 #define DPT_TOOLS_SCENE_DEF_H
 
 #include "force_options.h"
+#include "jaw_motion.h"
 #include "scene_file/scene_file.h"
 
 /* A file's bytes, as they are in the file. */
@@ -28,6 +29,7 @@ struct scene_def {
     double radius;      /* of the stylus, m */
     /* Of the tool, beside its segments. Given as a count above 0; after scene_def_complete those of the file count too. */
     struct tip_shapes tips;
+    struct jaw_motion jaw; /* of the arm's tool */
     struct force_options force;
     double physics; /* Hz, of what gives way, apart from the loop; 0: in each of its ticks */
     struct scene_file *file; /* of scene_def_read; NULL: the path is of no scene file */

@@ -64,6 +64,9 @@ enum { KEYS = sizeof keys / sizeof *keys };
 /* A line for each tip. */
 #define TIP_KEY "tip="
 
+/* A line for the jaws, where their motion was given. */
+#define JAW_KEY "jaw="
+
 void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def)
 {
     memset(text, 0, sizeof *text);
@@ -180,11 +183,14 @@ int scene_text_write(const struct scene_text *text, const struct scene *scene,
             append(&writer, "%.17g,", segment.b[k]);
         append(&writer, "%.17g\n", segment.radius);
     }
-    for (uint32_t i = 0; i < scene->tips.count; i++) {
+    for (uint32_t i = 0; i < scene->tips.shapes.count; i++) {
         char line[TIP_SHAPE_LINE];
-        tip_shape_write(&scene->tips.shape[i], line);
+        tip_shape_write(&scene->tips.shapes.shape[i], line);
         append(&writer, TIP_KEY "%s\n", line);
     }
+    if (scene->tips.motion.is_given)
+        append(&writer, JAW_KEY "%.17g:%.17g:%.17g\n", scene->tips.motion.from,
+               scene->tips.motion.to, scene->tips.motion.seconds);
     return writer.is_full ? complain(scene->command, "the names are too long to record") : 0;
 }
 
@@ -242,6 +248,15 @@ static int read_tip_line(struct tip_shapes *tips, const char *line, const char *
            tip_shape_read(&tips->shape[tips->count++], line + key, end);
 }
 
+/* Returns 0 for the line of a motion of jaws that is none. */
+static int read_jaw_line(struct jaw_motion *motion, const char *line, const char *end)
+{
+    const size_t key = sizeof JAW_KEY - 1;
+    if ((size_t)(end - line) < key || memcmp(line, JAW_KEY, key))
+        return 1;
+    return jaw_motion_parse(motion, line + key, end) && !jaw_motion_fault(motion);
+}
+
 int scene_text_read(struct scene_text *text, const char *command, const char *path, const char *in)
 {
     memset(text, 0, sizeof *text);
@@ -251,7 +266,7 @@ int scene_text_read(struct scene_text *text, const char *command, const char *pa
         if (!value)
             return complain(command, "%s: line %d of its header is not 'key=value'", path, line);
         const size_t length = (size_t)(value - in);
-        int is_good = read_tip_line(&text->tips, in, end);
+        int is_good = read_tip_line(&text->tips, in, end) && read_jaw_line(&text->jaw, in, end);
         for (int i = 0; i < KEYS; i++)
             if (strlen(keys[i].name) == length && !memcmp(keys[i].name, in, length))
                 is_good &= read_value(text, &keys[i], value + 1, end);

@@ -31,6 +31,7 @@ struct scene_text {
     double passive_force_slew, passive_torque_slew, passive_delay;
     double physics;         /* Hz, of what is soft, by the loop's time; 0: in each tick */
     struct tip_shapes tips; /* of the tool; each has a line of its own */
+    struct jaw_motion jaw;
 };
 
 /* Of a scene whose world was made. */

@@ -226,6 +226,20 @@ typedef struct dpt_arm_def {
 /* Compile an arm. As the functions above; the diag's text names a joint, link, segment or body by its index, from 0. */
 DPT_API dpt_result dpt_compile_arm(const dpt_arm_def *def, dpt_compiled *out, dpt_diag *diag);
 
+/*
+ * The corners of a hull (hull.h) that holds many points, as those of a mesh: what becomes a tool's tip (tip.h).
+ *   points    3 coordinates each, m, at most DPT_COORDINATE_MAX; 3 points or more
+ *   corners   room for `capacity` corners, 4..DPT_HULL_CORNERS_MAX; each is one of the points, or near one of them where
+ *             they are thinner than 1e-3 of their size: such a set becomes flat
+ *   radius    m, for the hull's def. 0: the corners are those of the points' hull, within 1e-8 of its size. Else points
+ *             stand out of the corners' hull by so much: they are flat but for that, or their hull has more corners
+ *
+ * It takes up to a second for 10^5 points. DPT_E_ARGUMENT: the points lie on one line, or nearly. DPT_E_FINITE.
+ * DPT_E_MEMORY.
+ */
+DPT_API dpt_result dpt_compile_hull(const double *points, size_t point_count, double *corners,
+                                    uint32_t capacity, uint32_t *corner_count, double *radius);
+
 /* Free the bytes, and set the struct to {NULL, 0}. NULL and {NULL, 0} are allowed. */
 DPT_API void dpt_compiled_free(dpt_compiled *compiled);
 

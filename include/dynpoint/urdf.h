@@ -9,11 +9,13 @@
  * Arm: the revolute, continuous and prismatic joints between the root and the tool's link, and the joints that these
  * mimic: 1 to 8 in all. Fixed joints make one link of two. A floating or planar joint between root and tool is an
  * error. Links elsewhere that move with the arm are in it too, because their masses must be held up. Any other joint is
- * held still and noted: at 0, or at its limit nearest to 0.
+ * held still and noted: at 0, or at its limit nearest to 0; so is a joint below the tool, if no collision shape is behind
+ * it.
  *
  * Tool: the collision cylinders, capsules and spheres of all links that fixed joints join to the tool's link, as
- * capsules in its frame. A cylinder has flat ends; it becomes the capsule of the same radius within it. A cylinder that
- * is wider than long becomes the ball within it, and is noted.
+ * capsules in its frame. A cylinder has flat ends; it becomes the capsule of the same radius within it. Boxes, meshes and
+ * cylinders that are wider than long become tips: convex bodies. Joints below the tool's link with collision shapes behind
+ * them are jaws; all of these shapes become tips, which the jaws move in the tool's frame.
  *
  * Scene: the collision meshes and boxes of all links that fixed joints join to the root, as bodies with the link's
  * name. All other collision shapes are left out, and noted.

@@ -20,6 +20,30 @@ void put_name(char to[DPT_ARM_NAME], const std::string &name, const char *what, 
     std::memcpy(to, name.data(), name.size());
 }
 
+dpt_arm_joint arm_joint(const Joint &from)
+{
+    dpt_arm_joint joint = {};
+    joint.size = sizeof joint;
+    joint.kind = from.kind == Joint::PRISMATIC    ? DPT_JOINT_PRISMATIC
+                 : from.kind == Joint::CONTINUOUS ? DPT_JOINT_CONTINUOUS
+                                                  : DPT_JOINT_REVOLUTE;
+    joint.lower = from.lower;
+    joint.upper = from.upper;
+    joint.velocity = from.velocity;
+    joint.effort = from.effort;
+    joint.damping = from.damping;
+    joint.friction = from.friction;
+    put_name(joint.name, from.name, "joint", from.line);
+    return joint;
+}
+
+bool is_segment(const Shape &shape, const ToolPart &part)
+{
+    return part.jaw_link == none &&
+           (shape.kind == Shape::SPHERE || shape.kind == Shape::CAPSULE ||
+            (shape.kind == Shape::CYLINDER && 2.0 * shape.radius <= shape.length));
+}
+
 namespace
 {
 
@@ -53,6 +77,11 @@ struct ChainBuilder {
     Motion resolve_mimics(size_t index) const;
     void find_coordinates();
     void add_coordinate(size_t index);
+    void find_tool_parts();
+    void add_tool_part(size_t link);
+    bool has_shape(size_t link) const;
+    bool add_jaw(size_t link, const ToolPart &parent);
+    bool is_jaw(const Joint &joint) const;
     void attach_links();
     Attachment attach(size_t child, const Attachment &parent);
     Frame held_frame(const Joint &joint, double value, bool mimics) const;
@@ -139,20 +168,8 @@ void ChainBuilder::add_coordinate(size_t index)
         refuse(DPT_E_LIMIT, from.line,
                "%s is the ninth on the way to the tool: an arm has at most %d",
                joint_text(from).c_str(), DPT_JOINTS_MAX);
-    dpt_arm_joint joint = {};
-    joint.size = sizeof joint;
-    joint.kind = from.kind == Joint::PRISMATIC    ? DPT_JOINT_PRISMATIC
-                 : from.kind == Joint::CONTINUOUS ? DPT_JOINT_CONTINUOUS
-                                                  : DPT_JOINT_REVOLUTE;
-    joint.lower = from.lower;
-    joint.upper = from.upper;
-    joint.velocity = from.velocity;
-    joint.effort = from.effort;
-    joint.damping = from.damping;
-    joint.friction = from.friction;
-    put_name(joint.name, from.name, "joint", from.line);
     chain.coordinates.push_back(index);
-    chain.joints.push_back(joint);
+    chain.joints.push_back(arm_joint(from));
     if (from.kind != Joint::CONTINUOUS && from.lower == from.upper)
         notes.add(from.line, joint_text(from) + " cannot move: its limits are equal");
 }
@@ -191,6 +208,80 @@ void ChainBuilder::check_mimics()
     }
 }
 
+/* Whether any link from this one on has a collision shape. */
+bool ChainBuilder::has_shape(size_t link) const
+{
+    std::vector<size_t> queue(1, link);
+    for (size_t i = 0; i < queue.size(); i++) {
+        const Link &at = robot.links[queue[i]];
+        if (!at.shapes.empty())
+            return true;
+        queue.insert(queue.end(), at.children.begin(), at.children.end());
+    }
+    return false;
+}
+
+/* A link that its joint moves in the tool, if there is room for another jaw. */
+bool ChainBuilder::add_jaw(size_t link, const ToolPart &parent)
+{
+    const size_t index = robot.links[link].joint;
+    const Motion &motion = motions[index];
+    size_t coordinate = std::find(chain.jaws.begin(), chain.jaws.end(), motion.base) -
+                        chain.jaws.begin();
+    if (chain.jaw_links.size() == DPT_ARM_LINKS_MAX || coordinate == DPT_JOINTS_MAX)
+        return false;
+    /* A jaw moves a link in the way of its kind; one that is mimicked by others alone does not. */
+    if (coordinate == chain.jaws.size())
+        chain.jaws.push_back(motion.base);
+    chain.jaw_links.push_back({ index, parent.jaw_link, coordinate,
+                                parent.pose * robot.joints[index].origin, motion.factor,
+                                motion.offset });
+    chain.tool_parts[link] = { true, chain.jaw_links.size() - 1, identity };
+    return true;
+}
+
+bool ChainBuilder::is_jaw(const Joint &joint) const
+{
+    return chain.tool_parts[joint.child].is_part &&
+           chain.tool_parts[joint.child].jaw_link != none &&
+           robot.joints[chain.jaw_links[chain.tool_parts[joint.child].jaw_link].joint].child ==
+               joint.child;
+}
+
+void ChainBuilder::add_tool_part(size_t link)
+{
+    const Joint &joint = robot.joints[robot.links[link].joint];
+    const Motion &motion = motions[robot.links[link].joint];
+    const ToolPart &parent = chain.tool_parts[joint.parent];
+    if (!parent.is_part)
+        return;
+    if (joint.kind == Joint::FIXED)
+        chain.tool_parts[link] = { true, parent.jaw_link, parent.pose * joint.origin };
+    else if (motion.base != none && !is_coordinate(motion.base) && is_movable(joint) &&
+             is_movable(robot.joints[motion.base]) && has_shape(link))
+        add_jaw(link, ToolPart(parent));
+}
+
+/* All that is fixed to the tool's link, and what joints below move. */
+void ChainBuilder::find_tool_parts()
+{
+    size_t top = chain.tool_link;
+    Frame pose = identity;
+    while (robot.links[top].joint != none &&
+           robot.joints[robot.links[top].joint].kind == Joint::FIXED) {
+        pose = pose * inverse(robot.joints[robot.links[top].joint].origin);
+        top = robot.joints[robot.links[top].joint].parent;
+    }
+    chain.tool_parts.assign(robot.links.size(), ToolPart{ false, none, identity });
+    chain.tool_parts[top] = { true, none, pose };
+    std::vector<size_t> queue(1, top);
+    for (size_t i = 0; i < queue.size(); i++)
+        for (size_t child : robot.links[queue[i]].children) {
+            add_tool_part(child);
+            queue.push_back(child);
+        }
+}
+
 /* The frame of a joint that is no part of the arm, held at `value` (rad or m), in its parent link's frame. Notes it. */
 Frame ChainBuilder::held_frame(const Joint &joint, double value, bool mimics) const
 {
@@ -199,7 +290,8 @@ Frame ChainBuilder::held_frame(const Joint &joint, double value, bool mimics) co
             notes.add(joint.line, joint_text(joint) + " is no part of the arm: held at its origin");
         return joint.origin;
     }
-    notes.add(joint.line, joint_text(joint) + " is no part of the arm: held" +
+    if (!is_jaw(joint))
+        notes.add(joint.line, joint_text(joint) + " is no part of the arm: held" +
                               (value == 0.0 ? " at 0"
                                : mimics     ? " where what it mimics puts it"
                                             : " at its limit nearest to 0"));
@@ -291,61 +383,43 @@ void ChainBuilder::add_masses()
                       " on has a mass: the arm is not held up against its weight");
 }
 
-/* The capsule of a shape, along z of the shape's frame: half length of its axis, and radius. False for other shapes. */
-bool make_capsule(const Shape &shape, double *half_length, double *radius)
+/* Half the length of the axis of a shape that is a segment, along z of the shape's frame. */
+double half_length_of(const Shape &shape)
 {
-    *radius = shape.radius;
-    *half_length = 0.0;
-    if (shape.kind == Shape::CAPSULE)
-        *half_length = 0.5 * shape.length;
-    if (shape.kind == Shape::CYLINDER) {
-        *radius = std::min(shape.radius, 0.5 * shape.length);
-        *half_length = 0.5 * shape.length - *radius;
-    }
-    return shape.kind == Shape::CAPSULE || shape.kind == Shape::CYLINDER ||
-           shape.kind == Shape::SPHERE;
+    if (shape.kind == Shape::SPHERE)
+        return 0.0;
+    return 0.5 * shape.length - (shape.kind == Shape::CYLINDER ? shape.radius : 0.0);
 }
 
 void ChainBuilder::collect_capsules()
 {
-    const Attachment &tool = chain.attachments[chain.tool_link];
-    const Frame to_tool = inverse(tool.pose);
     for (size_t i = 0; i < robot.links.size(); i++) {
         const Link &link = robot.links[i];
+        const ToolPart &part = chain.tool_parts[i];
         size_t ignored_shapes = 0;
         for (const Shape &shape : link.shapes) {
-            const Attachment &attachment = chain.attachments[i];
-            double half_length, radius;
-            if (attachment.fixed_group == robot.root &&
-                (shape.kind == Shape::BOX || shape.kind == Shape::MESH))
-                continue;
-            if (attachment.fixed_group != tool.fixed_group ||
-                !make_capsule(shape, &half_length, &radius)) {
-                ignored_shapes++;
+            if (!part.is_part) {
+                ignored_shapes += chain.attachments[i].fixed_group != robot.root ||
+                                  (shape.kind != Shape::BOX && shape.kind != Shape::MESH);
                 continue;
             }
+            if (!is_segment(shape, part))
+                continue;
             if (chain.segments.size() == DPT_ARM_SEGMENTS_MAX)
                 refuse(DPT_E_LIMIT, link.line, "link %s: the tool has more than %d capsules",
                        quoted(link.name).c_str(), DPT_ARM_SEGMENTS_MAX);
-            const Frame in_tool = to_tool * attachment.pose * shape.origin;
-            const Vec a = in_tool * Vec{ 0.0, 0.0, -half_length },
-                      b = in_tool * Vec{ 0.0, 0.0, half_length };
-            chain.segments.push_back({ { a.x, a.y, a.z }, { b.x, b.y, b.z }, radius });
-            if (radius < shape.radius)
-                notes.add(link.line, "link " + quoted(link.name) +
-                                         ": a cylinder wider than long is felt as the ball in it");
+            const Frame in_tool = part.pose * shape.origin;
+            const Vec a = in_tool * Vec{ 0.0, 0.0, -half_length_of(shape) },
+                      b = in_tool * Vec{ 0.0, 0.0, half_length_of(shape) };
+            chain.segments.push_back({ { a.x, a.y, a.z }, { b.x, b.y, b.z }, shape.radius });
         }
         if (ignored_shapes)
             notes.add(link.line,
                       line_of_text("link %s: %zu collision shape%s left out: neither the "
-                                   "tool's capsules nor the scene's meshes and boxes",
+                                   "tool's nor meshes and boxes of the scene",
                                    quoted(link.name).c_str(), ignored_shapes,
                                    ignored_shapes > 1 ? "s" : ""));
     }
-    if (chain.segments.empty())
-        notes.add(robot.links[chain.tool_link].line,
-                  "link " + quoted(robot.links[chain.tool_link].name) +
-                      ": the tool has no cylinder, capsule or sphere to touch with");
 }
 
 } // namespace
@@ -357,6 +431,7 @@ Chain chain_of(const Robot &robot, const char *tool, Notes &notes)
     builder.find_path();
     builder.find_coordinates();
     builder.check_mimics();
+    builder.find_tool_parts();
     builder.attach_links();
     builder.add_masses();
     builder.collect_capsules();

@@ -7,7 +7,7 @@
 #include <new>
 
 #include "base/sized.h"
-#include "urdf/urdf_scene.h"
+#include "urdf/urdf_tips.h"
 
 namespace
 {
@@ -57,6 +57,8 @@ void compile(const char *path, const dpt_urdf_def &def, const dpt_compile_def &m
     const std::string bytes = read_all(path);
     const Robot robot = read_robot(bytes, notes);
     const Chain chain = chain_of(robot, def.tool, notes);
+    Tips tips;
+    read_tips(robot, chain, path, def.packages, mesh, notes, &tips);
     std::stable_sort(notes.list.begin(), notes.list.end(),
                      [](const Note &a, const Note &b) { return a.line < b.line; });
     Scene scene;
@@ -83,6 +85,12 @@ void compile(const char *path, const dpt_urdf_def &def, const dpt_compile_def &m
     arm.tool_name = tool;
     arm.source_bytes = bytes.size();
     arm.source_hash = hash_of(bytes);
+    arm.jaw_count = static_cast<uint32_t>(tips.jaws.size());
+    arm.jaw_link_count = static_cast<uint32_t>(tips.jaw_links.size());
+    arm.tip_count = static_cast<uint32_t>(tips.tips.size());
+    arm.jaws = tips.jaws.data();
+    arm.jaw_links = tips.jaw_links.data();
+    arm.tips = tips.tips.data();
     dpt_diag diag = {};
     diag.size = sizeof diag;
     dpt_result result = dpt_compile_arm(&arm, out, &diag);

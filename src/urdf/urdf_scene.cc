@@ -2,6 +2,7 @@
 #include "urdf/urdf_scene.h"
 
 #include <cinttypes>
+#include <utility>
 
 namespace
 {
@@ -72,6 +73,18 @@ void SceneBuilder::add_box(const Link &link, const Frame &pose, const Shape &sha
 
 void SceneBuilder::add_mesh(const Link &link, const Frame &pose, const Shape &shape)
 {
+    CompiledMesh compiled;
+    compile_mesh(link, shape, file, packages, mesh, &compiled);
+    scene->meshes.push_back(dpt_compiled());
+    std::swap(scene->meshes.back(), compiled.file);
+    add_body(link, pose, scene->meshes.back());
+}
+
+} // namespace
+
+void compile_mesh(const Link &link, const Shape &shape, const std::string &file,
+                  const char *packages, const dpt_compile_def &mesh, CompiledMesh *compiled)
+{
     const std::string owner = "link " + quoted(link.name);
     const std::string path = mesh_path(shape.file, file, packages, link.line, owner);
     const Vec &scale = shape.size;
@@ -85,22 +98,18 @@ void SceneBuilder::add_mesh(const Link &link, const Frame &pose, const Shape &sh
     if (ending == "dae")
         refuse_path(DPT_E_UNSUPPORTED, link.line, owner, shape.file,
                     " is COLLADA: convert it to STL, OBJ, PLY or OFF");
-    dpt_compile_def scaled_def = def_with_scale((mesh.scale > 0.0 ? mesh.scale : 1.0) * scale.x);
-    dpt_compiled compiled;
+    dpt_compile_def scaled_def = mesh;
+    scaled_def.scale = (mesh.scale > 0.0 ? mesh.scale : 1.0) * scale.x;
     dpt_diag diag = {};
     diag.size = sizeof diag;
-    scene->meshes.push_back(dpt_compiled());
-    dpt_result result = dpt_compile_file(path.c_str(), &scaled_def, &compiled, &diag);
+    dpt_result result = dpt_compile_file(path.c_str(), &scaled_def, &compiled->file, &diag);
     if (result != DPT_OK) {
         std::string where = diag.line   ? line_of_text(": line %" PRIu64, diag.line)
                             : diag.byte ? line_of_text(": byte %" PRIu64, diag.byte)
                                         : "";
         refuse_path(result, link.line, owner, shape.file, where + ": " + diag.text);
     }
-    add_body(link, pose, compiled);
 }
-
-} // namespace
 
 Scene::~Scene()
 {

@@ -17,6 +17,25 @@ struct Scene {
     Scene &operator=(const Scene &) = delete;
 };
 
+/* A mesh, compiled. */
+struct CompiledMesh {
+    dpt_compiled file;
+
+    CompiledMesh() : file()
+    {
+    }
+    ~CompiledMesh()
+    {
+        dpt_compiled_free(&file);
+    }
+    CompiledMesh(const CompiledMesh &) = delete;
+    CompiledMesh &operator=(const CompiledMesh &) = delete;
+};
+
+/* Compile the mesh that a shape of a link names. Throws a fault. The parameters are those of read_scene. */
+void compile_mesh(const Link &link, const Shape &shape, const std::string &file,
+                  const char *packages, const dpt_compile_def &mesh, CompiledMesh *compiled);
+
 /*
  * Compile the scene. Throws a fault.
  *

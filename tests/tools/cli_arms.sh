@@ -126,8 +126,8 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     refuses 'a record of the arm' '--record needs the stylus, without tips: a trace has one segment' \
         run arm.dpa --device sim --ticks 5 --record out/r.csv
     refuses 'a scene without a body' 'whose scene has no body' run noted.dpa --device sim --ticks 5
-    refuses 'a tool without a capsule' 'its tool has no capsule' \
-        run box.dpa --tool forearm.dpa --device sim --ticks 5
+    refuses 'a tool without a shape' 'its tool has no capsule, and no tip that is felt' \
+        run box.dpa --tool plate.dpa --device sim --ticks 5
     refuses 'a URDF that is not compiled' 'dynpoint compile makes one' run "$sample" --device sim
     refuses 'a mesh as tool' 'box.dpa: byte 0 (header): not a dynpoint file' \
         run box.dpa --tool box.dpa --device sim --ticks 5

@@ -157,6 +157,92 @@ arms()
     is_same arm_file arm_with_tip
 }
 
+# A gripper: a palm, and below it two jaws that one joint turns about z, the other one by a mimic.
+grippers()
+{
+    cat >grip.urdf <<'END_OF_URDF'
+<robot name="grip">
+  <link name="base"/><link name="wrist"/>
+  <link name="palm"><collision><geometry><box size="0.02 0.04 0.03"/></geometry></collision></link>
+  <link name="left"><collision><origin xyz="0 -0.02 0"/><geometry><box size="0.01 0.04 0.01"/></geometry></collision></link>
+  <link name="right"><collision><origin xyz="0 -0.02 0"/><geometry><box size="0.01 0.04 0.01"/></geometry></collision></link>
+  <joint name="turn" type="revolute"><parent link="base"/><child link="wrist"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+  <joint name="hold" type="fixed"><parent link="wrist"/><child link="palm"/></joint>
+  <joint name="squeeze" type="revolute"><parent link="palm"/><child link="left"/><origin xyz="0.005 -0.02 0"/>
+    <axis xyz="0 0 1"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint>
+  <joint name="follow" type="revolute"><parent link="palm"/><child link="right"/><origin xyz="-0.005 -0.02 0"/>
+    <axis xyz="0 0 1"/><mimic joint="squeeze" multiplier="-1"/><limit lower="-1" upper="0" effort="1" velocity="1"/></joint>
+</robot>
+END_OF_URDF
+    succeeds 'compile a gripper' compile grip.urdf -o grip.dpa --tool palm
+    if grep -q 'reads no URDF' stderr; then
+        skip 'grippers: no urdfdom'
+        return
+    fi
+    check "its tips and jaws: $(cat stdout)" grep -q 'tool palm of 0 capsules and 3 tips with 1 jaw,' stdout
+    at='--at 0,0.15,0'
+    for share in 0 0.25 0.5 1; do
+        lowest=$(awk -v q=$share 'BEGIN { printf "%.17g", 0.08 - 0.04 * cos(q) - 0.005 * sin(q) }')
+        # shellcheck disable=SC2086
+        is_gap "--jaw $share" "$lowest" run box.dpa $at --tool grip.dpa --jaw $share
+    done
+    # shellcheck disable=SC2086
+    is_gap 'jaws at 0' 0.04 run box.dpa $at --tool grip.dpa
+    # shellcheck disable=SC2086
+    is_gap 'a tip beside them' 0.03 run box.dpa $at --tool grip.dpa --tip box:0.01,0.14,0.01
+    is_gap 'an origin that was not given' 0.005 run box.dpa --tool grip.dpa
+    with grip '"arm": "grip.dpa", "jaw": { "to": 0.5 }'
+    # shellcheck disable=SC2086
+    is_gap "a file's jaw" "$(awk 'BEGIN { printf "%.17g", 0.08 - 0.04 * cos(0.5) - 0.005 * sin(0.5) }')" run grip.json $at
+    # shellcheck disable=SC2086
+    is_gap '--jaw replaces it' 0.04 run grip.json $at --jaw 0
+
+    # From wide open, the hand at rest: the jaws turn down on to the box and stop there. Nothing is felt.
+    with closing '"arm": "grip.dpa", "jaw": { "from": 1, "to": 0, "seconds": 0.4 }'
+    for run in 'file closing.json' 'option box.dpa --tool grip.dpa --jaw 1:0:0.4'; do
+        succeeds "jaws close: $run" run ${run#* } --device "$still" --at 0,0.1,0 --ticks 600 --record "close_${run%% *}.dpr"
+        run record csv "close_${run%% *}.dpr" -o "close_${run%% *}.csv"
+        replays "close_${run%% *}"
+    done
+    is_same close_file close_option
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+        { gap = $at["gap"]; through += gap < 0; felt += $at["asked_fx"] ^ 2 + $at["asked_fy"] ^ 2 > 0; if (NR == 2) first = gap }
+        END { print NR - 1, through + 0, felt + 0, first, gap }' close_file.csv >closed
+    check "jaws that close on the box: $(cat closed)" awk '{ exit !($1 == 600 && !$2 && !$3 && $4 > 0.001 && $5 > 0 && $5 < 2e-6) }' closed
+    # In the open they go on.
+    succeeds 'jaws close in the open' run box.dpa --tool grip.dpa --jaw 1:0:0.4 --device "$still" --at 0,0.15,0 --ticks 600 --record open.dpr
+    run record csv open.dpr -o open.csv
+    check "they arrive: $(tail -1 open.csv | cut -c1-40)" awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "gap") n = i }
+        NR == 601 { exit !(($n - 0.04) ^ 2 < 1e-16) }' open.csv
+    # A hand that presses feels the jaw that stands on the box.
+    felt pressed_jaw box.dpa --tool grip.dpa --jaw 0.2 --device "$press"
+    felt closed_jaw box.dpa --tool grip.dpa --jaw 0.1 --device "$press"
+    differs pressed_jaw closed_jaw
+    if python3 -c 'import zlib' 2>python.log; then
+        forge close_file forged 'jaw=[^\n]*\n' ''
+        run replay forged.dpr
+        check "without its jaws it differs: exit $status" test $status -eq 1
+        for bad in '' 1 1: 1:0 1:0:x 2:0:1 0:-1:1 0:1:-1 0:1:1:1 nan:0:1; do
+            [ "$bad" = 1 ] && continue
+            forge close_file forged 'jaw=[^\n]*\n' "jaw=$bad\n"
+            refuses "a line jaw=$bad" "of its header: 'jaw=" replay forged.dpr
+        done
+    fi
+    for bad in '' x 1: 0:1 0:1: 0:1:1:1 1,1 0:1:1x; do
+        refuses "--jaw '$bad'" "dynpoint run: --jaw takes SHARE or FROM:TO:SECONDS; it is '$bad'" \
+            run box.dpa --tool grip.dpa --device sim --ticks 5 --jaw "$bad"
+    done
+    refuses 'a share above 1' '--jaw 0:1.5:1: its shares must be 0 to 1' run box.dpa --tool grip.dpa --device sim --ticks 5 --jaw 0:1.5:1
+    refuses 'a time below 0' '--jaw 0:1:-1: its time must be 0 to 1e6 s' run box.dpa --tool grip.dpa --device sim --ticks 5 --jaw 0:1:-1
+    refuses 'no jaws' 'its tool has no jaws to move (--jaw)' run box.dpa --device sim --ticks 5 --jaw 1
+    with stylus_jaw '"length": 0.1, "jaw": { "to": 1 }'
+    refuses 'a stylus with jaws' 'tool.jaw: is for the tool of an arm' run stylus_jaw.json --device sim --ticks 5
+    with jaw_to '"arm": "grip.dpa", "jaw": { "from": 1 }'
+    refuses 'no end' 'tool.jaw: needs to' run jaw_to.json --device sim --ticks 5
+    refuses 'tips alone with another law' 'its tool has no capsule, and no tip that is felt' \
+        run box.dpa --tool grip.dpa --device sim --ticks 5 --law bed
+}
+
 # A device with torque is coupled as weakly as the tool is long, whether a segment or a tip is.
 coupled()
 {
@@ -181,7 +267,22 @@ samples()
     run run "$docs/samples/scalpel.json" --ticks 2000
     check "the sample: $(cat stdout stderr)" grep -q '^  in contact on 1[0-9][0-9][0-9], deepest 1\.[0-9]* mm' stdout
     sed -n '/^## Tools with tips$/,$p' "$docs/recipes.md" | sed '2,${/^## /,$d;}' >tools.md
-    awk '/^```json$/ { n++; f = "recipe" n ".part"; next } /^```$/ { f = "" } f { print > f }' tools.md
+    awk '/^```json$/ { n++; f = "recipe" n ".part"; next } /^```sh$/ { f = "catheter.sh"; next }
+        /^```c$/ { f = "jaws.c"; next } /^```$/ { f = "" } f { print > f }' tools.md
+    run compile "$docs/samples/forceps.urdf" -o forceps.dpa --tool shaft
+    if grep -q 'reads no URDF' stderr; then
+        rm recipe5.part
+        skip 'forceps: no urdfdom'
+    else
+        check "forceps: $(cat stdout stderr)" grep -q 'tool shaft of 1 capsule and 2 tips with 1 jaw,' stdout
+    fi
+    sh catheter.sh
+    felt catheter catheter.json --device "$press"
+    check "a catheter of 64 segments: $(grep -c radius catheter.json)" test "$(grep -c radius catheter.json)" -eq 64
+    printf '#include "dynpoint.h"\nvoid move(const dpt_arm *arm, double opening, dpt_world *world, dpt_tool tool);\n%s\n{\n%s\n}\n' \
+        'void move(const dpt_arm *arm, double opening, dpt_world *world, dpt_tool tool)' "$(cat jaws.c)" >jaws_whole.c
+    if cc -std=c99 -Wall -Wextra -Werror -I"$tests/../include" -fsyntax-only jaws_whole.c 2>cc.log; then ok
+    else bad "the recipe's C: $(cat cc.log)"; fi
     count=0
     for part in recipe*.part; do
         count=$((count + 1))
@@ -189,7 +290,7 @@ samples()
               "orientation": [0.70710678118654752, -0.70710678118654752, 0, 0] } ],'; cat "$part"; echo '}'; } >"${part%.part}.json"
         felt "${part%.part}" "${part%.part}.json" --device "$press"
     done
-    check "recipes of tools: $count" test "$count" -eq 4
+    check "recipes of tools: $count" test "$count" -eq "$(ls recipe*.part | wc -l)" -a "$count" -ge 4
     sed -n '/"tool"/,/^  },/p' "$docs/samples/scalpel.json" | sed 's/^  //; $s/,$//' >scalpel.part
     check 'docs/recipes.md shows the scalpel of the sample' cmp -s scalpel.part recipe2.part
 }
@@ -349,6 +450,7 @@ prepare
 places
 same_by_file_and_option
 arms
+grippers
 coupled
 samples
 recordings

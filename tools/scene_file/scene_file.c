@@ -60,12 +60,29 @@ static void read_segments(struct scene_file *file, struct json_reader *reader,
     file->segment_count = (uint32_t)count;
 }
 
+/* Without a time it stands at `to`. */
+static void read_jaw(struct jaw_motion *jaw, struct json_reader *reader,
+                     const struct json_value *tool)
+{
+    static const char *const keys[] = { "from", "to", "seconds", NULL };
+    const struct json_value at = json_member(tool, "jaw");
+    if (!json_check_object(reader, &at, keys))
+        return;
+    if (!json_member(tool, "arm").value)
+        json_refuse(reader, &at, "is for the tool of an arm");
+    if (!json_member(&at, "to").value)
+        json_refuse(reader, &at, "needs to");
+    *jaw = (struct jaw_motion){ .is_given = 1 };
+    json_take_number(reader, &at, "from", 0.0, 1.0, &jaw->from);
+    json_take_number(reader, &at, "to", 0.0, 1.0, &jaw->to);
+    json_take_number(reader, &at, "seconds", 0.0, 1e6, &jaw->seconds);
+}
+
 static void read_tool(struct scene_file *file, struct json_reader *reader,
                       const struct json_value *at, const char *path)
 {
-    static const char *const keys[] = {
-        "length", "radius", "segments", "arm", "tips", "law", NULL
-    };
+    static const char *const keys[] = { "length", "radius", "segments", "arm",
+                                        "jaw",    "tips",   "law",      NULL };
     if (!json_check_object(reader, at, keys))
         return;
     const struct json_value segments = json_member(at, "segments"), arm = json_member(at, "arm"),
@@ -81,6 +98,8 @@ static void read_tool(struct scene_file *file, struct json_reader *reader,
     file->arm = scene_file_take_path(reader, at, "arm", path);
     if (tips.value)
         scene_file_read_tips(&file->tips, reader, &tips);
+    if (json_member(at, "jaw").value)
+        read_jaw(&file->jaw, reader, at);
     file->law = json_take_word(reader, at, "law", law_names, -1);
 }
 

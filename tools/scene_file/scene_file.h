@@ -6,6 +6,7 @@
 #include "dynpoint/arm.h"
 #include "dynpoint/world.h"
 #include "file_identity.h"
+#include "jaw_motion.h"
 #include "scene_file/json_value.h"
 #include "scene_list.h"
 #include "tip_shape.h"
@@ -38,6 +39,7 @@ struct scene_file {
     uint32_t segment_count;
     char *arm;
     struct tip_shapes tips; /* beside these */
+    struct jaw_motion jaw;  /* of the arm's tool */
     double length, radius;
     int law;
     char *device; /* as of --device */

@@ -400,6 +400,40 @@ static void scales(void)
     CALL(dpt_compiled_free, &of.out);
 }
 
+/* Any points: what comes out is a hull's corners. */
+static void hull_of_points(void)
+{
+    double points[60], corners[3 * DPT_HULL_CORNERS_MAX], radius = 0.0;
+    uint64_t block[2048];
+    const uint32_t count = draw_below(21), capacity = draw_below(70), flat = draw_below(4);
+    uint32_t corner_count = 0;
+    const int no_points = draw_one_in(40), no_out = draw_one_in(40);
+    struct codes codes = { .count = 0 };
+    for (uint32_t i = 0; i < 3 * count; i++)
+        points[i] = i % 3 < flat || draw_one_in(30) ? draw_in(-0.1, 0.1) : 0.0;
+    if (draw_one_in(20))
+        points[draw_below(60)] = draw_odd_number();
+    may_fail(&codes, no_points || no_out || count < 3 || capacity < 4 || capacity > 64,
+             DPT_E_ARGUMENT);
+    for (uint32_t i = 0; i < 3 * count; i++)
+        may_fail(&codes, !(fabs(points[i]) <= DPT_COORDINATE_MAX), DPT_E_FINITE);
+    /* What lies on one line is the compiler's to say. */
+    codes.or_done |= !codes.count;
+    may_fail(&codes, 1, DPT_E_ARGUMENT);
+    const dpt_result result = RESULT(dpt_compile_hull, no_points ? NULL : points, count,
+                                     no_out ? NULL : corners, capacity, &corner_count, &radius);
+    expect(result, &codes);
+    if (result != DPT_OK)
+        return;
+    const dpt_hull_def def = {
+        .size = sizeof def, .corner_count = corner_count, .corners = corners, .radius = radius
+    };
+    const dpt_hull *hull;
+    HOLDS(corner_count <= capacity && radius >= 0.0 &&
+              dpt_hull_create(block, sizeof block, &def, &hull) == DPT_OK,
+          "%u corners, radius %g", corner_count, radius);
+}
+
 static void defaults(void)
 {
     dpt_compile_def whole;
@@ -442,6 +476,7 @@ static void end(void)
 }
 
 static const struct move moves[] = { { "arrays", arrays, 3 },
+                                     { "hull of points", hull_of_points, 1 },
                                      { "bytes", bytes, 1 },
                                      { "arm", arm, 1 },
                                      { "scales", scales, 1 },
