@@ -38,15 +38,12 @@ static int has_soft(const struct scene_bodies *bodies)
 static dpt_result add_tool(struct stage *stage, const struct scene *scene,
                            const struct force_options *force, uint32_t lock_rotation)
 {
-    dpt_tip tips[TIP_SHAPES_MAX];
-    for (uint32_t i = 0; i < scene->tips.count; i++)
-        tips[i] = (dpt_tip){ .size = sizeof tips[i], .hull = scene->hulls[i] };
     dpt_result result =
         dpt_tool_add(stage->world, scene->segments, scene->segment_count, &stage->id);
     if (result == DPT_OK)
         result = force_options_set_tool(force, stage->world, stage->id, lock_rotation);
     if (result == DPT_OK && scene->tips.count)
-        result = dpt_tool_set_tips(stage->world, stage->id, tips, scene->tips.count);
+        result = scene_tips_add(&scene->tips, stage->world, stage->id);
     return result;
 }
 

@@ -32,17 +32,13 @@ static double spread_of(const dpt_segment *lines, uint32_t count, double centre[
 
 void measure_tool_begin(struct measure_tool *tool, const struct scene *scene)
 {
-    dpt_segment lines[DPT_ARM_SEGMENTS_MAX + TIP_SHAPES_MAX];
+    dpt_segment lines[DPT_ARM_SEGMENTS_MAX + SCENE_TIPS_MAX];
     uint32_t count = scene->segment_count;
     memset(tool, 0, sizeof *tool);
     tool->scene = scene;
     memcpy(lines, scene->segments, count * sizeof *lines);
-    for (uint32_t i = 0; i < scene->tips.count; i++) {
-        dpt_hull_info info = { .size = sizeof info };
-        dpt_hull_get_info(scene->hulls[i], &info);
-        memcpy(lines[count].a, info.axis[0], sizeof lines[count].a);
-        memcpy(lines[count++].b, info.axis[1], sizeof lines[count].b);
-    }
+    for (uint32_t i = 0; i < scene->tips.count; i++, count++)
+        scene_tips_axis(&scene->tips, i, lines[count].a, lines[count].b);
     tool->rho = spread_of(lines, count, tool->own_centre);
 }
 
