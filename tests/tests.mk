@@ -347,4 +347,6 @@ stability: all ## run the laboratory of force, and make docs/stability.md and it
 
 charts: bench ## draw docs/charts from the bench's results
 	$(PYTHON) tests/bench/chart.py $(B)/bench docs/charts
-	$(B)/dynpoint chart liver --ticks 20000 -o docs/charts/chart-liver
+	$(B)/dynpoint chart liver --ticks 20000 -o docs/charts/chart-liver \
+	  $$(ls $(B)/bench | grep -q '^peer_[a-z]*$$' && echo --peers $(B)/bench)
+	$(B)/dynpoint chart laparoscopy -o docs/charts/chart-laparoscopy

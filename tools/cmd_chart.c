@@ -49,32 +49,39 @@ struct chart_request {
 
 /* Both files, or none. */
 static int write_files(const struct chart_request *request, const struct chart_head *head,
-                       const struct chart_rows *rows, struct output *csv, struct output *svg)
+                       const struct chart_rows *rows)
 {
     char subtitle[512];
+    struct output csv, svg;
     const struct measure_machine *machine = &head->machine;
+    const char *title = request->title ? request->title : request->scene.path;
     snprintf(subtitle, sizeof subtitle, "%zu ticks. %s, dynpoint %s, %s", head->ticks,
              machine->processor, machine->version, machine->kernel);
-    chart_csv_write(csv->file, head, rows);
-    int status =
-        chart_picture_write(svg->file, rows, request->title ? request->title : request->scene.path,
-                            subtitle)
-            ? complain("chart", "memory ran out")
-            : 0;
-    chart_table_print(stdout, rows);
+    int status = output_open(&csv, "chart", request->csv);
+    if (status)
+        return status;
+    chart_csv_write(csv.file, head, rows);
+    status = output_complete(&csv, "chart");
+    if (status)
+        return status;
+    status = output_open(&svg, "chart", request->svg);
+    if (status == 0) {
+        if (chart_picture_write(svg.file, rows, title, subtitle))
+            status = complain("chart", "memory ran out");
+        const int is_complete = output_complete(&svg, "chart") == 0;
+        if (status && is_complete)
+            output_drop(&svg);
+        status = is_complete ? status : 2;
+    }
     if (status) {
-        output_drop(csv);
-        output_drop(svg);
+        output_drop(&csv);
         return status;
     }
-    status = output_complete(csv, "chart");
+    chart_table_print(stdout, rows);
+    status = output_keep(&csv, "chart");
     if (status)
-        output_drop(svg);
-    if (status == 0 && (status = output_complete(svg, "chart")) != 0)
-        output_drop(csv);
-    if (status == 0 && (status = output_keep(csv, "chart")) != 0)
-        output_drop(svg);
-    return status ? status : output_keep(svg, "chart");
+        output_drop(&svg);
+    return status ? status : output_keep(&svg, "chart");
 }
 
 /* Measure all that is to be told. */
@@ -111,10 +118,21 @@ static int open_trace(const struct chart_request *request, const struct scene *s
                           : measure_trace_make(trace, scene, &hand);
 }
 
+/* Opened before anything is measured, so that an error shows at once, and not kept: an interrupt leaves nothing. */
+static int check_output(const char *path)
+{
+    struct output output;
+    const int status = output_open(&output, "chart", path);
+    if (status == 0) {
+        fclose(output.file);
+        output_drop(&output);
+    }
+    return status;
+}
+
 static int chart(const struct chart_request *request, const struct scene *scene)
 {
     struct csv_table trace = { .rows = 0 };
-    struct output csv, svg;
     struct chart_rows *rows = calloc(1, sizeof *rows);
     struct chart_head *head = calloc(1, sizeof *head);
     int status = rows && head ? 0 : complain("chart", "memory ran out");
@@ -122,16 +140,12 @@ static int chart(const struct chart_request *request, const struct scene *scene)
         status = chart_peers_check(scene, request->peers);
     if (status == 0)
         status = open_trace(request, scene, &trace);
-    if (status == 0 && (status = output_open(&csv, "chart", request->csv)) == 0) {
-        status = output_open(&svg, "chart", request->svg);
-        if (status)
-            output_drop(&csv);
-        else if ((status = measure(request, scene, &trace, head, rows)) != 0) {
-            output_drop(&csv);
-            output_drop(&svg);
-        } else
-            status = write_files(request, head, rows, &csv, &svg);
-    }
+    if (status == 0 && (check_output(request->csv) || check_output(request->svg)))
+        status = 2;
+    if (status == 0)
+        status = measure(request, scene, &trace, head, rows);
+    if (status == 0)
+        status = write_files(request, head, rows);
     csv_table_free(&trace);
     if (rows)
         chart_rows_free(rows);

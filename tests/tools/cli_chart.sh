@@ -32,7 +32,8 @@ make_peers()
         cat >peers/peer_$peer <<END
 #!/bin/sh
 [ "\$(wc -l <"\$2")" -eq 10001 ] && [ "\$(wc -c <"\$1")" -eq $((8 + 1002 * 12 + 2000 * 12)) ] && [ "\$3" = -o ] &&
-    cp $peer.answers "\$4" && echo '{"first_ns":9,"build_ns":2000000,"ns":{"median":400,"p99":900,"p999":950,"max":999}}'
+    cp $peer.answers "\$4" && echo '{"first_ns":9,"build_ns":2000000,"ns":{"median":400,"p99":900,"p999":950,"max":999},
+"ns_crossing":{"median":200,"p99":300,"p999":300,"max":300}}'
 END
     done
     printf '#!/bin/sh\nexit 1\n' >peers/peer_broken
@@ -46,6 +47,10 @@ peers()
     cell_is star.csv pair near missed_crossings '==' 1
     cell_is star.csv pair near distance_error_m '==' 0.003
     cell_is star.csv pair near p99_us '==' 0.9
+    cell_is star.csv pair near crossing_median_us '==' 0.2
+    check 'times that a peer does not tell are empty' test -z "$(cell star.csv pair near other_p99_us)"
+    cell_is star.csv pair exact crossing_median_us '>' 0
+    cell_is star.csv pair exact other_median_us '>' 0
     cell_is star.csv pair meets wrong '<=' 1
     check 'one that tells no distance has none' test -z "$(cell star.csv pair meets distance_error_m)"
     check 'how long they take to begin' grep -qx '# peer near: takes the mesh in in 2 ms' star.csv
@@ -86,7 +91,7 @@ every_row()
         cell_is star.csv force "$law at 400 units" max_units '<=' 400
         cell_is star.csv force "$law" world_bytes '>' 1000000
     done
-    cell_is star.csv force 'proxy sweeps at 50 units' jump_N '>' 0
+    cell_is star.csv force 'proxy sweeps at 200 units' jump_N '>' 0
     for kernel in avx2 sse2 scalar; do
         [ -z "$(cell star.csv pair "exact by $kernel" kernel)" ] ||
             cell_is star.csv pair "exact by $kernel" max_units '==' "$(cell star.csv pair exact max_units)"
@@ -106,6 +111,10 @@ as_replay_counts()
         cell_is star.csv pair "$name" wrong '==' 0
     done
     cell_is star.csv pair 'paper in 64 parts' wrong '>' 100
+    cell_is star.csv pair 'exact at 8 units' wrong '>' 10
+    for name in 'pair,exact at 8 units' 'force,proxy at 400 units' 'pair,paper in 64 parts'; do
+        cell_is star.csv "${name%,*}" "${name#*,}" wrong_exact '==' 0
+    done
     run replay star.dpa star.trace.csv --method paper --until track --against brute --json -o /dev/null
     counts=$(sed -n 's/.*"against":{[^}]*"wrong":\([0-9]*\),"missed":\([0-9]*\),.*/\1 \2/p' stdout)
     check "replay has $counts wrong and missed" test "$(cell star.csv pair 'paper in 1 part' wrong) $(cell star.csv pair \
@@ -147,6 +156,22 @@ END
     check 'brute force found nothing wrong on it' grep -q '^# truth: .* 0 of [1-9][0-9]* wrong' soft.csv
     check 'its title' grep -qF '<title>a &lt;sheet&gt;</title>' soft.svg
     check 'its physics is in the times' grep -q '>Time of a tick with its physics' soft.svg
+    cat >tip.json <<'END'
+{ "bodies": [ { "shape": "membrane", "triangles": 50 } ],
+  "tool": { "length": 0.1, "tips": [ { "shape": "box", "extent": [0.004, 0.004, 0.01] } ] } }
+END
+    run chart tip.json --passes 1 -o tip
+    check "a tool with a tip: $(cat stderr)" test $status -eq 0
+    check 'is felt by a proxy alone' test "$(grep -v '^#' tip.csv | cut -d, -f2,5 | sort -u)" = "$(printf 'force,proxy\npart,law')"
+    check 'what judges it is held against brute force' grep -q '^# truth: .* 0 of [1-9][0-9]* wrong' tip.csv
+    check 'its panels' test "$(grep -c 'class="panel"' tip.svg)" -eq 2
+    run chart sheet.json star.trace.csv --passes 1 -o torn
+    check "a trace that tears it: $(cat stderr)" test $status -eq 0
+    check 'what judges it failed, too' test "$(cell torn.csv force 'proxy rigid' failure)" = DPT_E_FINITE
+    check 'a row of it has all its cells' test "$(grep -v '^#' torn.csv | awk -F, '{ print NF }' | sort -u | wc -l)" -eq 1
+    check 'and is not drawn' test "$(grep -c 'class="mark"' torn.svg)" -eq "$(grep -v '^#' torn.csv | awk -F, '
+        NR == 1 { for (i = 1; i <= NF; i++) if ($i == "failure") at = i; next }
+        $at == "" { n += $2 == "force" ? 2 : 1 } END { print n + 0 }')"
     [ ! -x "$(command -v python3)" ] || check "read back: $(python3 -B "$tests/tools/read_chart.py" soft 2>&1 | tail -n 3)" \
         python3 -B "$tests/tools/read_chart.py" soft
 }
@@ -173,6 +198,8 @@ faults()
     run chart star.dpa star.trace.csv -o taken
     check "a folder in the way: exit $status" test $status -eq 2
     check 'and nothing is left' test ! -e taken.csv -a ! -e taken.csv.part
+    timeout -s TERM 1 "$program" chart star.dpa star.trace.csv --passes 1000 -o cut >stdout 2>stderr
+    check 'an interrupt leaves nothing' test -z "$(ls cut.* 2>/dev/null)"
     run chart --help
     check '--help' grep -q '^usage: dynpoint chart ' stdout
 }

@@ -186,6 +186,7 @@ static void errors_are_found(void)
     const size_t force_ticks = judged.wrench_ticks;
     run.tick[5].distance += 3e-4;
     run.tick[6].distance -= 1e-4;
+    run.tick[6].status = DPT_STATUS_BOUNDED;
     run.tick[crossing].distance += 2e-4;
     run.tick[free_at].contact = DPT_CONTACT_PENETRATING;
     run.tick[held].contact = run.tick[held_before].contact = DPT_CONTACT_SEPARATED;
@@ -195,6 +196,7 @@ static void errors_are_found(void)
     judged = judge(&run, &truth);
     CHECK(judged.wrong == 3 && judged.missed_crossings == 1, "%zu, %zu", judged.wrong,
           judged.missed_crossings);
+    CHECK(judged.wrong_exact == 2, "%zu said to be exact", judged.wrong_exact);
     CHECK(fabs(judged.distance_error - 3e-4) < 1e-12 && judged.distance_tick == 5, "%g at %zu",
           judged.distance_error, judged.distance_tick);
     CHECK(judged.missed == 2 && judged.invented == 1 && judged.unknown == 1, "%zu, %zu, %zu",

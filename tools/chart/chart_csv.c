@@ -9,6 +9,18 @@
 static const char *const methods[] = { "exact", "tree", "brute", "paper" };
 static const char *const parts[] = { "pair", "contact", "force" };
 
+static const char setting_columns[] =
+    "name,part,method,kernel,law,parts,contacts,budget_units,sweep_units,cache_bytes,rigid"
+    ",failure";
+static const char result_columns[] =
+    ",ticks,exact,bounded,local,median_us,p99_us,p999_us,max_us,first_us,crossing_median_us,"
+    "crossing_p99_us"
+    ",other_median_us,other_p99_us,whole_median_us"
+    ",whole_p99_us,median_units,p99_units,max_units,wrong,wrong_exact,missed_crossings,distance_"
+    "error_m"
+    ",missed,invented,unknown,wrench_median_N,wrench_p99_N,wrench_p999_N,wrench_max_N"
+    ",wrench_peak_N,jump_N,calm_jump_N,folds,world_bytes,body_bytes";
+
 /* A number, or nothing. */
 static void write_number(FILE *file, int is_there, double value)
 {
@@ -22,6 +34,15 @@ static void write_spread(FILE *file, const struct judgement_spread *spread, doub
 {
     fprintf(file, ",%.4g,%.4g,%.4g,%.4g", spread->median * scale, spread->p99 * scale,
             spread->p999 * scale, spread->max * scale);
+}
+
+/* Median and 99 % of times in us, or nothing where there were no such ticks. */
+static void write_pair(FILE *file, const struct judgement_spread *ns)
+{
+    if (ns->max > 0.0)
+        fprintf(file, ",%.4g,%.4g", ns->median * 1e-3, ns->p99 * 1e-3);
+    else
+        fputs(",,", file);
 }
 
 static void write_knobs(FILE *file, const struct chart_row *row)
@@ -49,18 +70,24 @@ static void write_row(FILE *file, const struct chart_row *row)
     const int has_contact = judged->has_contact, has_wrench = judged->has_wrench;
     write_knobs(file, row);
     if (row->failure != DPT_OK) {
-        fprintf(file, ",%s\n", dpt_result_name(row->failure));
+        fprintf(file, ",%s", dpt_result_name(row->failure));
+        for (const char *c = result_columns; *c; c++)
+            if (*c == ',')
+                fputc(',', file);
+        fputc('\n', file);
         return;
     }
     fprintf(file, ",,%zu,%zu,%zu,%zu", judged->ticks, judged->exact, judged->bounded,
             judged->local);
     write_spread(file, &judged->ns, 1e-3);
-    fprintf(file, ",%.4g,%.4g,%.4g", judged->first_ns * 1e-3, judged->whole_ns.median * 1e-3,
-            judged->whole_ns.p99 * 1e-3);
+    fprintf(file, ",%.4g", judged->first_ns * 1e-3);
+    write_pair(file, &judged->crossing_ns);
+    write_pair(file, &judged->other_ns);
+    write_pair(file, &judged->whole_ns);
     write_number(file, !row->is_peer, judged->work.median);
     write_number(file, !row->is_peer, judged->work.p99);
     write_number(file, !row->is_peer, judged->work.max);
-    fprintf(file, ",%zu,%zu", judged->wrong, judged->missed_crossings);
+    fprintf(file, ",%zu,%zu,%zu", judged->wrong, judged->wrong_exact, judged->missed_crossings);
     write_number(file, !isnan(judged->distance_error), judged->distance_error);
     write_number(file, has_contact, (double)judged->missed);
     write_number(file, has_contact, (double)judged->invented);
@@ -119,14 +146,7 @@ static void write_head(FILE *file, const struct chart_head *head, const struct c
 void chart_csv_write(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
 {
     write_head(file, head, rows);
-    fputs("name,part,method,kernel,law,parts,contacts,budget_units,sweep_units,cache_bytes,rigid,"
-          "failure,ticks,exact,"
-          "bounded,local,"
-          "median_us,p99_us,p999_us,max_us,first_us,whole_median_us,whole_p99_us,median_units,"
-          "p99_units,max_units,wrong,missed_crossings,distance_error_m,missed,invented,unknown,"
-          "wrench_median_N,wrench_p99_N,wrench_p999_N,wrench_max_N,wrench_peak_N,jump_N,"
-          "calm_jump_N,folds,world_bytes,body_bytes\n",
-          file);
+    fprintf(file, "%s%s\n", setting_columns, result_columns);
     for (int i = 0; i < rows->count; i++)
         write_row(file, &rows->row[i]);
 }

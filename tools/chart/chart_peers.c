@@ -121,6 +121,15 @@ static double number_after(const char *at, const char *key)
     return found ? strtod(found + strlen(key), NULL) : 0.0;
 }
 
+static struct judgement_spread read_times(const char *text, const char *key)
+{
+    const char *at = strstr(text, key);
+    return (struct judgement_spread){ .median = number_after(at, "\"median\":"),
+                                      .p99 = number_after(at, "\"p99\":"),
+                                      .p999 = number_after(at, "\"p999\":"),
+                                      .max = number_after(at, "\"max\":") };
+}
+
 static int read_report(struct chart_row *row, const char *path)
 {
     char text[REPORT_ROOM];
@@ -130,11 +139,9 @@ static int read_report(struct chart_row *row, const char *path)
     if (file)
         fclose(file);
     text[size] = '\0';
-    const char *times = strstr(text, "\"ns\":{");
-    judged->ns.median = number_after(times, "\"median\":");
-    judged->ns.p99 = number_after(times, "\"p99\":");
-    judged->ns.p999 = number_after(times, "\"p999\":");
-    judged->ns.max = number_after(times, "\"max\":");
+    judged->ns = read_times(text, "\"ns\":{");
+    judged->crossing_ns = read_times(text, "\"ns_crossing\":{");
+    judged->other_ns = read_times(text, "\"ns_other\":{");
     judged->first_ns = number_after(text, "\"first_ns\":");
     judged->whole_ns = judged->ns;
     row->build_ns = number_after(text, "\"build_ns\":");

@@ -8,7 +8,7 @@
 #include "law_name.h"
 
 /* Of a step's sweeps, in the row that limits them. */
-enum { SWEEP_UNITS = 50 };
+enum { SWEEP_UNITS = 200 };
 
 /* Runs to judge by: of each law, and the one without a force. */
 enum { TRUTHS = 4, TRUTH_WITHOUT_FORCE = 3 };
@@ -246,10 +246,10 @@ static int note_truth(struct chart_truth *truth, const struct measure_run *run)
 static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struct scene *scene,
                             const struct csv_table *trace, struct measure_effort *effort, int *done)
 {
+    const int is_first = rows->truth.ticks == 0;
     const struct measure_effort once = { .passes = 1,
-                                         .every = index == TRUTH_WITHOUT_FORCE
-                                                      ? measure_check_every(scene, trace)
-                                                      : 0,
+                                         .searches = effort->passes,
+                                         .every = is_first ? measure_check_every(scene, trace) : 0,
                                          .meter = effort->meter,
                                          .name = "chart",
                                          .begin = effort->end,
@@ -265,7 +265,7 @@ static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struc
             if (index == TRUTH_WITHOUT_FORCE)
                 richest.world.until = DPT_UNTIL_CONTACT;
             status = measure_run(&truth, scene, trace, &richest, &once);
-            if (status == 0 && index == TRUTH_WITHOUT_FORCE && note_truth(&rows->truth, &truth))
+            if (status == 0 && is_first && note_truth(&rows->truth, &truth))
                 status = complain(scene->command, "memory ran out");
         }
         effort->begin = (double)*done / rows->count;
@@ -274,6 +274,8 @@ static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struc
             status = measure_row(row, scene, trace, &truth, effort);
         else if (status == 0 && judge_brute(row, &truth.check))
             status = complain(scene->command, "memory ran out");
+        if (truth.failure != DPT_OK)
+            row->failure = truth.failure;
     }
     measure_run_free(&truth);
     return status;

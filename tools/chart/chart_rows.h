@@ -23,15 +23,13 @@ struct chart_row {
     struct measure_setting setting;
     int is_peer;     /* another library: of the setting nothing holds */
     double build_ns; /* what that took to take in the mesh */
-    size_t every;    /* it was run on each so manieth tick alone: brute force */
-    /* After chart_rows_measure. */
-    dpt_result
-        failure; /* not DPT_OK: it did not get through the trace, and the rest does not hold */
+    /* After chart_rows_measure. A failure is of this run or of the one that judges it: there is no judgement. */
+    dpt_result failure;
     struct judgement judged;
     size_t world_bytes, body_bytes;
 };
 
-/* What the run at its richest was found to be, by brute force. */
+/* What the first run that judges was found to be, by brute force: the one without a force, if there is one. */
 struct chart_truth {
     struct measure_check check;
     uint32_t kernel;

@@ -49,6 +49,11 @@ struct judgement_spread judgement_spread_of(double *numbers, size_t count)
                                       .max = percentile(numbers, count, 1.0) };
 }
 
+static double other_ns_of(const struct measure_tick *tick)
+{
+    return crosses(tick) ? NAN : ns_of(tick);
+}
+
 /* Over all ticks but the first. */
 static struct judgement_spread spread_over(const struct measure_run *run, pick_number *pick,
                                            double *room, size_t *count)
@@ -73,6 +78,7 @@ static void judge_distance(struct judgement *judgement, size_t i, const struct m
     const double error = fabs(tick->distance - truth->distance);
     const int is_wrong = !(error <= tolerance);
     judgement->wrong += (size_t)is_wrong;
+    judgement->wrong_exact += is_wrong && tick->status == DPT_STATUS_EXACT;
     judgement->missed_crossings += is_wrong && crosses(truth);
     if (error > judgement->distance_error) {
         judgement->distance_error = error;
@@ -186,6 +192,7 @@ static void judge_cost(struct judgement *judgement, const struct measure_run *ru
     judgement->soft_ns = spread_over(run, soft_ns_of, room, &count);
     judgement->whole_ns = spread_over(run, whole_ns_of, room, &count);
     judgement->crossing_ns = spread_over(run, crossing_ns_of, room, &judgement->crossings);
+    judgement->other_ns = spread_over(run, other_ns_of, room, &count);
     judgement->first_ns = run->tick[0].ns;
     judgement->first_work = run->tick[0].work;
 }

@@ -29,6 +29,7 @@ struct judgement {
 
     /* Distances, in all of them that are not stale. Wrong: off by more than the reference's check.tolerance. */
     size_t wrong;
+    size_t wrong_exact;      /* wrong, though said to be exact: never, or the library is at fault */
     size_t missed_crossings; /* wrong, where the reference's axis crosses */
     double distance_error;   /* the largest, m */
     size_t distance_tick;    /* where that is */
@@ -59,6 +60,7 @@ struct judgement {
     struct judgement_spread ns, soft_ns; /* the step, and physics behind it */
     struct judgement_spread whole_ns;    /* both together */
     struct judgement_spread crossing_ns; /* the step where the axis crosses, as this run says */
+    struct judgement_spread other_ns;    /* and where it does not */
     double first_ns, first_work;
     size_t crossings; /* of these ticks */
 };

@@ -11,7 +11,8 @@ struct measure_brute {
     dpt_tool tool;
     uint32_t segments;
     uint32_t body_count;
-    uint32_t ns, work; /* of the last search */
+    uint32_t searches; /* a comparison; the least time counts */
+    uint32_t ns, work; /* of the last comparison */
     /* Of each body: its id, and its memory if it gives way. */
     dpt_body id[DPT_ARM_BODIES_MAX];
     void *body_block[DPT_ARM_BODIES_MAX];
@@ -19,7 +20,7 @@ struct measure_brute {
 
 /* After the bodies were added to the world that is checked. Close it also after a failure. */
 dpt_result measure_brute_open(struct measure_brute *brute, const struct scene_bodies *bodies,
-                              const struct measure_tool *tool);
+                              const struct measure_tool *tool, uint32_t searches);
 void measure_brute_close(struct measure_brute *brute);
 
 /*

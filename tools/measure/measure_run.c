@@ -141,7 +141,8 @@ static dpt_result check(struct stage *stage, struct measure_run *run, size_t row
     if (!check->every || row % check->every)
         return DPT_OK;
     dpt_result result =
-        row ? DPT_OK : measure_brute_open(&stage->brute, &stage->bodies, &stage->tool);
+        row ? DPT_OK
+            : measure_brute_open(&stage->brute, &stage->bodies, &stage->tool, run->check.searches);
     if (result == DPT_OK)
         result = measure_brute_compare(&stage->brute, &stage->bodies, &stage->tool, stage->world,
                                        stage->id, &error);
@@ -225,6 +226,7 @@ int measure_run(struct measure_run *run, const struct scene *scene, const struct
     memset(run, 0, sizeof *run);
     run->setting = *setting;
     run->setting.world.baseline = NULL;
+    run->check.searches = effort->searches ? effort->searches : 1;
     /* Where a tool moves triangles out of its way, they lie elsewhere after the step than it found them. */
     run->check.every = scene_bodies_displace(&scene->bodies) ? 0 : effort->every;
     run->usage.size = sizeof run->usage;

@@ -44,6 +44,7 @@ struct measure_check {
     double tolerance, error; /* m: beyond the first an answer is wrong; the largest of all */
     uint32_t *ns;            /* what brute force took for each of these ticks; the run's own */
     uint32_t work;           /* its units in one of them, the most */
+    uint32_t searches;       /* of which the least time counts */
 };
 
 struct measure_run {
@@ -64,8 +65,9 @@ struct measure_run {
 
 /* How much to spend on a run. */
 struct measure_effort {
-    uint32_t passes; /* times are the least of so many; at least 1 */
-    size_t every;    /* check each so manieth tick by brute force; 0: none */
+    uint32_t passes;   /* times are the least of so many; at least 1 */
+    size_t every;      /* check each so manieth tick by brute force; 0: none */
+    uint32_t searches; /* brute force's times are the least of so many; 0: one */
     /* Progress on a terminal, from `begin` to `end` of all, 0..1, under this name; NULL: none. */
     struct meter *meter;
     const char *name;
