@@ -151,7 +151,7 @@ command_line() {
         */*-stability_loops.sh) set -- "$1" 'wall late' ;;
         */*-stability_tissue.sh) set -- "$1" 'pulse' ;;
         */*-scenes.sh) set -- "$1" soft-liver ;;
-        */*-physics.sh | */*-embed.sh | */*-chart.sh) continue ;; # what they run is in programs and scripts that do
+        */*-physics.sh | */*-embed.sh | */*-chart.sh | */*-plan.sh) continue ;; # what they run is in programs and scripts that do
         esac
         $run "the program $1, ${topic%.sh}" sh "$script" "$@"
     done

@@ -288,6 +288,7 @@ bench: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS) ## time against peer
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
 	@sh tests/bench/budgets.sh $(B)
+	@sh tests/bench/plans.sh $(B)
 	@sh tests/bench/paper.sh $(B)
 	@sh tests/bench/strips.sh $(B)
 	@$(B)/tests/bench/strip_coverage >$(B)/bench/strip_coverage.csv

@@ -42,10 +42,10 @@ sys.exit(not eval("(" + sys.argv[2] + ")"))' "$1" "$2" 2>python.log
 
 chosen()
 {
-    succeeds 'plan torus' plan torus.dpa --error 0.1mm --force-error 0.05N --rate 1kHz --ticks 10000 \
+    succeeds 'plan torus' plan torus.dpa --error 0.1mm --force-error 0.05N --rate 0.5kHz --ticks 10000 \
         -o torus.json --header torus.h
     cp stdout torus.txt
-    check "the first thing: $(head -n 1 torus.txt)" grep -qx 'torus.dpa, law proxy, at 1000 Hz' torus.txt
+    check "the first thing: $(head -n 1 torus.txt)" grep -qx 'torus.dpa, law proxy, at 500 Hz' torus.txt
     check 'a force is needed' grep -q '^  until  *respond  *track: the force is [0-9.]* N off, at most 0.05 N$' torus.txt
     check 'a proxy needs no contacts' grep -q '^  max_contacts  *0 ' torus.txt
     check 'next cheaper' grep -q "^  next cheaper: [a-z_]* [0-9a-z]* breaks the bound '[a-z]*' (" torus.txt
@@ -54,7 +54,7 @@ chosen()
         setting.budget setting.margin promises.time_p999 promises.speed does_not_promise measured.work_p999 \
         machine.processor machine.system machine.kernel machine.compiler machine.version cheaper.knob better.figures.bytes
     check 'margin: a tick of 1.5 times the fastest motion' json torus.json \
-        'abs(p["setting"]["margin"] - 1.5e-3 * p["motion"]["speed"]) < 1e-12'
+        'abs(p["setting"]["margin"] - 3e-3 * p["motion"]["speed"]) < 1e-12'
     check 'the budget is 3 times one that held' json torus.json \
         'p["setting"]["budget"] >= 3 * p["measured"]["work"] * 2 ** -0.5'
     succeeds 'a thin torus' compile torus.obj -o thin.dpa --scale 0.05
@@ -64,10 +64,10 @@ abs(p["setting"]["margin"] - p["thinnest_wall"] / 3) < 1e-15'
     check 'the next cheaper is the last that was refused' json torus.json 'p["cheaper"]["knob"] == "budget"'
     check 'within what was asked for' json torus.json 'p["measured"]["force_error"] <= 0.05 and
 p["measured"]["distance_error"] <= 1e-4 and p["measured"]["unknown"] <= p["measured"]["ticks"] / 10000 and
-p["measured"]["time_p999"] <= 0.0005'
+p["measured"]["time_p999"] <= 0.001'
     check 'no stability without a device' json torus.json '"stability: no identified device was given" in p["does_not_promise"]'
     check 'half of the trace, backwards, and two others' json torus.json 'p["measured"]["ticks"] > 17000'
-    succeeds 'the same again' plan torus.dpa --error 0.1mm --force-error 0.05N --ticks 10000 -o again.json
+    succeeds 'the same again' plan torus.dpa --error 0.1mm --force-error 0.05N --rate 500 --ticks 10000 -o again.json
     check 'the same setting' sh -c 'for f in torus again; do sed -n "/\"setting\": {/,/}/p" $f.json >$f.set; done; cmp -s torus.set again.set'
 }
 
@@ -112,7 +112,7 @@ broken()
     edited '"max_contacts": 0' '"max_contacts": 9'
     sed 's/"contacts": [0-9]*, "strip"/"contacts": 1, "strip"/' edited.json >looser.json
     breaks 'less room' contacts --plan looser.json
-    edited '"time_p999": 0.000[0-9]*, "speed"' '"time_p999": 1e-9, "speed"'
+    edited '"time_p999": 0.001[0-9]*, "speed"' '"time_p999": 1e-9, "speed"'
     holds 'times are not looked at' --plan edited.json --seed 4 --ticks 500
     breaks 'with times' time --plan edited.json --seed 4 --ticks 500 --check=time
     sed 's/"processor": "[^"]*"/"processor": "a better one"/' edited.json >elsewhere.json
@@ -197,19 +197,19 @@ soft()
                    { "box": [0.0999, -0.11, -0.01, 0.11, 0.11, 0.01], "fixed": true } ] },
     "physics": { "integrator": "implicit", "iterations": 8, "load_radius": 0.05 } } ] }
 J
-    succeeds 'plan a soft sheet' plan sheet.scene.json --error 0.1mm --force-error 0.05N --ticks 10000 -o soft.json
+    succeeds 'plan a soft sheet' plan sheet.scene.json --error 0.1mm --force-error 0.05N --rate 500 --ticks 10000 -o soft.json
     check "it gives way: $(grep rigid stdout)" grep -q '^  bodies\[0\] rigid  *gives way  *rigid: ' stdout
     check 'with fewer iterations than 8, or why not' grep -q '^  iterations ' stdout
     check 'in the file' json soft.json 'p["setting"]["rigid"] == []'
     holds 'on another trace' --plan soft.json --seed 5 --ticks 3000
-    succeeds 'run --plan' run --plan soft.json --device 'sim:?hand=press' --ticks 300 --json
+    succeeds 'run --plan' run --plan soft.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
     check "what gives way does: $(cat stdout)" grep -q '"spring_nodes":[1-9]' stdout
-    succeeds 'plan a soft sheet coarsely' plan sheet.scene.json --error 10cm --ticks 10000 -o stiff.json
+    succeeds 'plan a soft sheet coarsely' plan sheet.scene.json --error 10cm --rate 500 --ticks 10000 -o stiff.json
     check 'then it is rigid' json stiff.json 'p["setting"]["rigid"] == [0]'
     check 'and no force is needed' json stiff.json 'p["setting"]["until"] == "track"'
-    succeeds 'run --plan' run --plan stiff.json --device 'sim:?hand=press' --ticks 300 --json
+    succeeds 'run --plan' run --plan stiff.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
     check "it is rigid: $(cat stdout)" test "$(grep -c "\"spring_nodes\":[1-9]" stdout)" -eq 0
-    succeeds 'run --plan, the torus' run --plan torus.json --device 'sim:?hand=press' --ticks 300 --json
+    succeeds 'run --plan, the torus' run --plan torus.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
     budget=$(sed -n 's/.*"budget": \([0-9]*\).*/\1/p' torus.json | head -n 1)
     check "its budget: $(cat stdout)" grep -q "\"budget\":$budget}" stdout
     notes 'at another rate' 'what it promises does not count' run --plan torus.json --device 'sim:?hand=press&rate=2000' --ticks 50 --json
