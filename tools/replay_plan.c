@@ -221,13 +221,8 @@ int replay_plan(int argc, char **argv)
     struct replay_plan_options options;
     struct plan plan;
     struct scene scene;
-    struct scene_def def = { .command = "replay",
-                             .zoom = NAN,
-                             .force_scale = NAN,
-                             .clutch = -1,
-                             .length = NAN,
-                             .radius = NAN,
-                             .force = { .friction = NAN } };
+    struct scene_def def;
+    scene_def_init(&def, "replay");
     int status = read_options(argc, argv, &options);
     if (status >= 0)
         return status;
