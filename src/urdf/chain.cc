@@ -226,8 +226,8 @@ bool ChainBuilder::add_jaw(size_t link, const ToolPart &parent)
 {
     const size_t index = robot.links[link].joint;
     const Motion &motion = motions[index];
-    size_t coordinate = std::find(chain.jaws.begin(), chain.jaws.end(), motion.base) -
-                        chain.jaws.begin();
+    size_t coordinate =
+        std::find(chain.jaws.begin(), chain.jaws.end(), motion.base) - chain.jaws.begin();
     if (chain.jaw_links.size() == DPT_ARM_LINKS_MAX || coordinate == DPT_JOINTS_MAX)
         return false;
     /* A jaw moves a link in the way of its kind; one that is mimicked by others alone does not. */
@@ -292,9 +292,9 @@ Frame ChainBuilder::held_frame(const Joint &joint, double value, bool mimics) co
     }
     if (!is_jaw(joint))
         notes.add(joint.line, joint_text(joint) + " is no part of the arm: held" +
-                              (value == 0.0 ? " at 0"
-                               : mimics     ? " where what it mimics puts it"
-                                            : " at its limit nearest to 0"));
+                                  (value == 0.0 ? " at 0"
+                                   : mimics     ? " where what it mimics puts it"
+                                                : " at its limit nearest to 0"));
     Frame motion = identity;
     if (joint.kind == Joint::PRISMATIC) {
         motion.position = value * joint.axis;

@@ -132,7 +132,8 @@ void read_defs(const dpt_urdf_def *given, dpt_urdf_def *def, dpt_compile_def *me
     if (!(mesh->scale >= 0.0))
         refuse(DPT_E_ARGUMENT, 0, "the scale of the def for meshes must be positive");
     if (mesh->node_count || mesh->cell_count || mesh->springs)
-        refuse(DPT_E_ARGUMENT, 0, "the def for meshes has cells or springs: bodies of an arm are rigid");
+        refuse(DPT_E_ARGUMENT, 0,
+               "the def for meshes has cells or springs: bodies of an arm are rigid");
 }
 
 } // namespace

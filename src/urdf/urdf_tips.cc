@@ -167,13 +167,13 @@ void TipBuilder::add_mesh(size_t link, const Shape &shape)
     }
     corners.resize(3 * static_cast<size_t>(corner_count));
     add_tip(link, shape.origin, corners, radius);
-    notes.add(line, name_of(link) +
-                        (radius > 0.0
-                             ? line_of_text(": a mesh is felt as the hull of %u of its corners, "
-                                            "round by %.3g m, which holds it",
-                                            static_cast<unsigned>(corner_count), radius)
-                             : line_of_text(": a mesh is felt as its hull, of %u corners",
-                                            static_cast<unsigned>(corner_count))));
+    notes.add(line,
+              name_of(link) +
+                  (radius > 0.0 ? line_of_text(": a mesh is felt as the hull of %u of its corners, "
+                                               "round by %.3g m, which holds it",
+                                               static_cast<unsigned>(corner_count), radius)
+                                : line_of_text(": a mesh is felt as its hull, of %u corners",
+                                               static_cast<unsigned>(corner_count))));
 }
 
 void TipBuilder::add_shape(size_t link, const Shape &shape)

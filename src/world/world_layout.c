@@ -40,9 +40,10 @@ size_t dpti_world_layout_bytes(const dpt_world_def *def)
     uint64_t bytes =
         BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
         BYTES_TOOL * (uint64_t)def->max_tools + BYTES_SEGMENT * (uint64_t)def->max_segments +
-        (BYTES_TIP + BYTES_HULL) * (uint64_t)def->max_tips + point_cache_bytes(def) + dpti_bounds_bytes(def) +
-        dpti_backlog_bytes(def) + dpti_persistent_contacts_bytes(def) + dpti_strips_bytes(def) +
-        dpti_proxy_bytes(def) + dpti_broad_phase_bytes(def) + dpti_body_search_bytes(def);
+        (BYTES_TIP + BYTES_HULL) * (uint64_t)def->max_tips + point_cache_bytes(def) +
+        dpti_bounds_bytes(def) + dpti_backlog_bytes(def) + dpti_persistent_contacts_bytes(def) +
+        dpti_strips_bytes(def) + dpti_proxy_bytes(def) + dpti_broad_phase_bytes(def) +
+        dpti_body_search_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 

@@ -148,7 +148,8 @@ static double label_value(const char *label, const char *unit)
     const char *prefix = strchr(prefixes, end[1]);
     for (const char *p = prefixes; rest == 2 && p <= prefix; p++)
         value *= 1e-3;
-    return end[0] == ' ' && atof(label) >= 1.0 && !strcmp(end + rest, unit) && rest <= 2 ? value : NAN;
+    return end[0] == ' ' && atof(label) >= 1.0 && !strcmp(end + rest, unit) && rest <= 2 ? value
+                                                                                         : NAN;
 }
 
 static void log_axes_have_round_marks(void)
