@@ -192,7 +192,7 @@ $(EXACT_TESTS:%=$(B)/tests/%): $(B)/tests/%: $(B)/tests/sweep/%.o $(call shared_
 
 # Robots' descriptions: where the library reads them.
 ifneq ($(URDF_PARTS),)
-TESTS += $(B)/tests/test_urdf_golden $(B)/tests/test_urdf_sizes $(B)/tests/test_urdf_arm
+TESTS += $(B)/tests/test_urdf_golden $(B)/tests/test_urdf_sizes $(B)/tests/test_urdf_arm $(B)/tests/test_urdf_tips
 test-programs check-programs: $(B)/tests/urdf/answers
 endif
 $(B)/tests/urdf/answers: $(B)/tests/urdf/answers.o $(CORE)

@@ -43,7 +43,8 @@ static const char help[] =
     "  --jaw SHARE      where the jaws of an arm's tool stand: 0 at their lower limits, 1 at their "
     "upper\n"
     "                   ones. FROM:TO:SECONDS: they go from one to the other in that time of the "
-    "loop\n"
+    "loop;\n"
+    "                   FROM:TO:SECONDS:N: while the device's button N is down, and else back\n"
     "  --zoom Z         metres of the mesh for one of the hand; default 1\n"
     "  --force-scale S  newtons at the hand for one of the mesh; default 1. The hand feels S Z "
     "times the "
@@ -137,7 +138,7 @@ static int read_plan(struct run_settings *settings, size_t operands, const char 
 static int read_jaw(struct jaw_motion *motion, const char *text)
 {
     if (!jaw_motion_parse(motion, text, text + strlen(text)))
-        return complain("run", "--jaw takes SHARE or FROM:TO:SECONDS; it is '%s'", text);
+        return complain("run", "--jaw takes SHARE or FROM:TO:SECONDS[:BUTTON]; it is '%s'", text);
     const char *fault = jaw_motion_fault(motion);
     return fault ? complain("run", "--jaw %s: %s", text, fault) : 0;
 }

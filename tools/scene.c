@@ -403,7 +403,8 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
     if (result == DPT_OK)
         result = move_tool(scene, &pose);
     if (result == DPT_OK)
-        result = scene_tips_move(&scene->tips, scene->world, scene->tool, sample->dt);
+        result = scene_tips_move(&scene->tips, scene->world, scene->tool, sample->dt,
+                                 sample->state->buttons);
     if (result == DPT_OK)
         result = step(scene, sample->dt);
     if (result != DPT_OK)

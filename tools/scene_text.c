@@ -189,8 +189,12 @@ int scene_text_write(const struct scene_text *text, const struct scene *scene,
         append(&writer, TIP_KEY "%s\n", line);
     }
     if (scene->tips.motion.is_given)
-        append(&writer, JAW_KEY "%.17g:%.17g:%.17g\n", scene->tips.motion.from,
-               scene->tips.motion.to, scene->tips.motion.seconds);
+        append(&writer, JAW_KEY "%.17g:%.17g:%.17g", scene->tips.motion.from, scene->tips.motion.to,
+               scene->tips.motion.seconds);
+    if (scene->tips.motion.is_given && scene->tips.motion.button >= 0.0)
+        append(&writer, ":%g", scene->tips.motion.button);
+    if (scene->tips.motion.is_given)
+        append(&writer, "\n");
     return writer.is_full ? complain(scene->command, "the names are too long to record") : 0;
 }
 

@@ -99,12 +99,13 @@ dpt_result scene_tips_add(const struct scene_tips *tips, dpt_world *world, dpt_t
     return dpt_tool_set_tips(world, tool, all, tips->count);
 }
 
-dpt_result scene_tips_move(struct scene_tips *tips, dpt_world *world, dpt_tool tool, double dt)
+dpt_result scene_tips_move(struct scene_tips *tips, dpt_world *world, dpt_tool tool, double dt,
+                           uint32_t buttons)
 {
     double jaws[DPT_JOINTS_MAX];
     if (!tips->jaws)
         return DPT_OK;
-    tips->time += dt;
+    tips->time = jaw_motion_time(&tips->motion, tips->time, dt, buttons);
     find_jaws(tips, jaws);
     dpt_result result = find_poses(tips, jaws);
     for (uint32_t i = tips->shapes.count; result == DPT_OK && i < tips->count; i++)

@@ -20,7 +20,7 @@ struct scene_tips {
     const dpt_arm *arm; /* NULL: there are shapes alone */
     uint32_t jaws;      /* of the arm */
     struct jaw_motion motion;
-    double time; /* s, since the first tick */
+    double time; /* s, on the way of the motion */
 };
 
 /* Returns 0, or 2 after a message that names `path`. `arm` may be NULL. */
@@ -32,8 +32,9 @@ void scene_tips_close(struct scene_tips *tips);
 /* Give them to the tool. */
 dpt_result scene_tips_add(const struct scene_tips *tips, dpt_world *world, dpt_tool tool);
 
-/* Before a step by dt, s: send the tips to where their jaws are. */
-dpt_result scene_tips_move(struct scene_tips *tips, dpt_world *world, dpt_tool tool, double dt);
+/* Before a step by dt, s, with these of the device's buttons down: send the tips to where their jaws are. */
+dpt_result scene_tips_move(struct scene_tips *tips, dpt_world *world, dpt_tool tool, double dt,
+                           uint32_t buttons);
 
 /* The ends of a tip's axis, in the tool's frame. */
 void scene_tips_axis(const struct scene_tips *tips, uint32_t tip, double a[3], double b[3]);

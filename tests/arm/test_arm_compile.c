@@ -2,6 +2,7 @@
 /* What dpt_compile_arm writes of an arm comes back when it is opened; what it refuses, it says in words. */
 #include "arm/whole_arm.h"
 #include "lib/check.h"
+#include "lib/size_checks.h"
 
 static void expect_link(const dpt_arm_link *is, const dpt_arm_link *should)
 {
@@ -138,6 +139,36 @@ static void what_is_not_there_is_refused(void)
               dpt_arm_get_link(arm, 0, &link) == DPT_E_SIZE &&
               dpt_arm_get_body(arm, 0, &body) == DPT_E_SIZE,
           "sizes");
+}
+
+static dpt_result get_tip(void *out)
+{
+    const dpt_arm *arm;
+    dpt_arm_open(whole.bytes, whole.size, &arm);
+    return dpt_arm_get_tip(arm, 1, out);
+}
+
+static dpt_result compile_tip(void *given)
+{
+    struct arm_arrays arrays;
+    dpt_compiled out;
+    whole_arm(&arrays);
+    arrays.def.jaw_count = arrays.def.jaw_link_count = 0;
+    arrays.def.tip_count = 1;
+    arrays.def.tips = given;
+    const dpt_result result = dpt_compile_arm(&arrays.def, &out, NULL);
+    dpt_compiled_free(&out);
+    return result;
+}
+
+static void tips_go_by_their_size(void)
+{
+    const struct sized taken = { "dpt_arm_tip", sizeof(dpt_arm_tip), sizeof(dpt_arm_tip),
+                                 compile_tip };
+    const struct sized filled = { "dpt_arm_tip", sizeof(dpt_arm_tip), sizeof(dpt_arm_tip),
+                                  get_tip };
+    check_input(&taken, &lift.tips[0]);
+    check_output(&filled);
 }
 
 /* A fixed tip, one that turns about an oblique axis, and one that slides on one that turns about y: closed forms. */
@@ -391,6 +422,7 @@ int main(void)
     TEST(what_is_compiled_comes_back);
     TEST(what_is_not_there_is_refused);
     TEST(tips_go_with_their_jaws);
+    TEST(tips_go_by_their_size);
     TEST(refusals_name_what_is_wrong);
     TEST(nearly_right_is_made_right);
     TEST(no_memory_is_an_error);

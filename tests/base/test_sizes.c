@@ -74,11 +74,6 @@ static dpt_result arm_body(void *out)
     return dpt_arm_get_body(arm, 0, out);
 }
 
-static dpt_result arm_tip(void *out)
-{
-    return dpt_arm_get_tip(arm, 0, out);
-}
-
 static dpt_result step(void *out)
 {
     return dpt_world_step(world, 0.001, out);
@@ -199,7 +194,6 @@ static const struct sized outputs[] = {
     { "dpt_arm_joint", sizeof(dpt_arm_joint), sizeof(dpt_arm_joint), arm_joint },
     { "dpt_arm_link", sizeof(dpt_arm_link), sizeof(dpt_arm_link), arm_link },
     { "dpt_arm_body", sizeof(dpt_arm_body), sizeof(dpt_arm_body), arm_body },
-    { "dpt_arm_tip", sizeof(dpt_arm_tip), sizeof(dpt_arm_tip), arm_tip },
     { "dpt_step", offsetof(dpt_step, contacts), sizeof(dpt_step), step },
     { "dpt_world_usage", sizeof(dpt_world_usage), sizeof(dpt_world_usage), usage },
     { "dpt_hit", sizeof(dpt_hit), sizeof(dpt_hit), hit },
@@ -322,18 +316,11 @@ static dpt_result query_def(void *given)
     return dpt_query_segments(fixture.mesh, NULL, ends, NULL, 1, &answer, given);
 }
 
-static const double tip_corners[9] = { 0.0, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.1, 0.0 };
-static dpt_arm_tip a_tip = {
-    .size = sizeof a_tip, .link = DPT_NONE, .corner_count = 3, .corners = tip_corners
-};
-
 static dpt_arm_def arm_of(const dpt_arm_joint *joint, const dpt_arm_link *link,
                           const dpt_arm_body *scene)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     return (dpt_arm_def){ .size = sizeof(dpt_arm_def),
-                          .tip_count = 1,
-                          .tips = &a_tip,
                           .joint_count = 1,
                           .link_count = 1,
                           .body_count = 1,
@@ -375,13 +362,6 @@ static dpt_result given_link(void *given)
 static dpt_result given_body(void *given)
 {
     const dpt_arm_def def = arm_of(&a_joint, &a_link, given);
-    return compile_arm(&def);
-}
-
-static dpt_result given_tip(void *given)
-{
-    dpt_arm_def def = arm_of(&a_joint, &a_link, &a_body);
-    def.tips = given;
     return compile_arm(&def);
 }
 
@@ -454,7 +434,6 @@ static const struct {
     { { "dpt_arm_joint", sizeof(dpt_arm_joint), sizeof(dpt_arm_joint), given_joint }, &a_joint },
     { { "dpt_arm_link", sizeof(dpt_arm_link), sizeof(dpt_arm_link), given_link }, &a_link },
     { { "dpt_arm_body", sizeof(dpt_arm_body), sizeof(dpt_arm_body), given_body }, &a_body },
-    { { "dpt_arm_tip", sizeof(dpt_arm_tip), sizeof(dpt_arm_tip), given_tip }, &a_tip },
 };
 
 static void inputs_are_taken_as_far_as_they_go(void)

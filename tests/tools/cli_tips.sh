@@ -214,6 +214,21 @@ END_OF_URDF
     run record csv open.dpr -o open.csv
     check "they arrive: $(tail -1 open.csv | cut -c1-40)" awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "gap") n = i }
         NR == 601 { exit !(($n - 0.04) ^ 2 < 1e-16) }' open.csv
+    # By a button: closed a while after it went down, and open again after it went up.
+    { echo 't,x,y,z,buttons'; echo '0,0,0,0,0'; echo '0.1,0,0,0,4'; echo '0.35,0,0,0,0'; echo '1,0,0,0,0'; } >button.csv
+    for run in 'by_option --tool grip.dpa --jaw 1:0:0.2:2 box.dpa' 'by_file by_button.json'; do
+        with by_button '"arm": "grip.dpa", "jaw": { "from": 1, "to": 0, "seconds": 0.2, "button": 2 }'
+        succeeds "a button: $run" run ${run#* } --device 'sim:?hand=button.csv' --at 0,0.15,0 --ticks 700 --record "${run%% *}.dpr"
+        run record csv "${run%% *}.dpr" -o "${run%% *}.csv"
+        replays "${run%% *}"
+    done
+    is_same by_option by_file
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "gap") n = i; next }
+        NR % 100 == 52 { print $n }' by_file.csv >opening
+    # It is down from 0.1 to 0.35 s; they take 0.2 s there, and as long back.
+    check "jaws by a button: $(cat opening | tr '\n' ' ')" awk 'BEGIN { split("1 0.75 0.25 0 0.5 1 1", share, " ") }
+        { q = share[NR]; off = $1 - (0.08 - 0.04 * cos(q) - 0.005 * sin(q)); wrong += off ^ 2 > (3e-4) ^ 2 }
+        END { exit !(NR == 7 && !wrong) }' opening
     # A hand that presses feels the jaw that stands on the box.
     felt pressed_jaw box.dpa --tool grip.dpa --jaw 0.2 --device "$press"
     felt closed_jaw box.dpa --tool grip.dpa --jaw 0.1 --device "$press"
@@ -222,18 +237,23 @@ END_OF_URDF
         forge close_file forged 'jaw=[^\n]*\n' ''
         run replay forged.dpr
         check "without its jaws it differs: exit $status" test $status -eq 1
-        for bad in '' 1 1: 1:0 1:0:x 2:0:1 0:-1:1 0:1:-1 0:1:1:1 nan:0:1; do
+        for bad in '' 1 1: 1:0 1:0:x 2:0:1 0:-1:1 0:1:-1 0:1:1:32 0:1:1:0.5 0:1:0:1 0:1:1:1:1 nan:0:1; do
             [ "$bad" = 1 ] && continue
             forge close_file forged 'jaw=[^\n]*\n' "jaw=$bad\n"
             refuses "a line jaw=$bad" "of its header: 'jaw=" replay forged.dpr
         done
     fi
-    for bad in '' x 1: 0:1 0:1: 0:1:1:1 1,1 0:1:1x; do
-        refuses "--jaw '$bad'" "dynpoint run: --jaw takes SHARE or FROM:TO:SECONDS; it is '$bad'" \
+    for bad in '' x 1: 0:1 0:1: 0:1:1:1:1 1,1 0:1:1x; do
+        refuses "--jaw '$bad'" "dynpoint run: --jaw takes SHARE or FROM:TO:SECONDS[:BUTTON]; it is '$bad'" \
             run box.dpa --tool grip.dpa --device sim --ticks 5 --jaw "$bad"
     done
     refuses 'a share above 1' '--jaw 0:1.5:1: its shares must be 0 to 1' run box.dpa --tool grip.dpa --device sim --ticks 5 --jaw 0:1.5:1
     refuses 'a time below 0' '--jaw 0:1:-1: its time must be 0 to 1e6 s' run box.dpa --tool grip.dpa --device sim --ticks 5 --jaw 0:1:-1
+    refuses 'no such button' '--jaw 0:1:1:32: its button must be 0 to 31' run box.dpa --tool grip.dpa --device sim --ticks 5 --jaw 0:1:1:32
+    refuses 'a button at once' '--jaw 0:1:0:1: with a button its time must be above 0' \
+        run box.dpa --tool grip.dpa --device sim --ticks 5 --jaw 0:1:0:1
+    with at_once '"arm": "grip.dpa", "jaw": { "to": 1, "button": 1 }'
+    refuses "a file's button at once" 'tool.jaw: needs seconds above 0 with a button' run at_once.json --device sim --ticks 5
     refuses 'no jaws' 'its tool has no jaws to move (--jaw)' run box.dpa --device sim --ticks 5 --jaw 1
     with stylus_jaw '"length": 0.1, "jaw": { "to": 1 }'
     refuses 'a stylus with jaws' 'tool.jaw: is for the tool of an arm' run stylus_jaw.json --device sim --ticks 5

@@ -64,7 +64,8 @@ static void read_segments(struct scene_file *file, struct json_reader *reader,
 static void read_jaw(struct jaw_motion *jaw, struct json_reader *reader,
                      const struct json_value *tool)
 {
-    static const char *const keys[] = { "from", "to", "seconds", NULL };
+    static const char *const keys[] = { "from", "to", "seconds", "button", NULL };
+    uint64_t button = 0;
     const struct json_value at = json_member(tool, "jaw");
     if (!json_check_object(reader, &at, keys))
         return;
@@ -72,10 +73,16 @@ static void read_jaw(struct jaw_motion *jaw, struct json_reader *reader,
         json_refuse(reader, &at, "is for the tool of an arm");
     if (!json_member(&at, "to").value)
         json_refuse(reader, &at, "needs to");
-    *jaw = (struct jaw_motion){ .is_given = 1 };
+    *jaw = (struct jaw_motion){ .is_given = 1, .button = -1.0 };
     json_take_number(reader, &at, "from", 0.0, 1.0, &jaw->from);
     json_take_number(reader, &at, "to", 0.0, 1.0, &jaw->to);
     json_take_number(reader, &at, "seconds", 0.0, 1e6, &jaw->seconds);
+    json_take_count(reader, &at, "button", 0, 31, &button);
+    if (!json_member(&at, "button").value)
+        return;
+    jaw->button = (double)button;
+    if (!(jaw->seconds > 0.0))
+        json_refuse(reader, &at, "needs seconds above 0 with a button");
 }
 
 static void read_tool(struct scene_file *file, struct json_reader *reader,
