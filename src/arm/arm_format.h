@@ -225,7 +225,7 @@ static inline void arm_swap_header(struct dpt_arm *arm)
     mesh_swap4((char *)arm + first4, (first8 - first4) / 4);
     mesh_swap8((char *)arm + first8, (offsetof(struct dpt_arm, name) - first8) / 8);
     if (is_long)
-        mesh_swap4(&arm->jaws, 4);
+        mesh_swap4((char *)arm + ARM_HEADER_1, (sizeof *arm - ARM_HEADER_1) / 4);
 }
 
 static inline void arm_swap_joint(char *at)

@@ -442,7 +442,7 @@ static dpt_result check_call(soup *source, const dpt_arm_def *given, dpt_arm_def
 dpt_result dpt_compile_arm(const dpt_arm_def *given, dpt_compiled *out, dpt_diag *diag)
 {
     soup source;
-    dpt_arm_def def;
+    dpt_arm_def def = { .size = sizeof def };
     dpt_diag own = { .size = sizeof own };
     if (out)
         *out = (dpt_compiled){ NULL, 0 };
