@@ -35,7 +35,7 @@ static int run_and_judge(const struct plan_bench *bench, const struct measure_se
 {
     struct meter meter = { .began = 0 };
     const struct measure_effort effort = {
-        .passes = passes, .meter = &meter, .name = "a setting over the trace", .end = 1.0
+        .passes = passes, .meter = &meter, .name = "a setting", .end = 1.0
     };
     int status = measure_run(run, bench->scene, bench->trace, setting, &effort);
     meter_show(&meter, "", 1.0);
