@@ -114,7 +114,7 @@ $(B)/tests/test_measure: private LDLIBS = $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIB
 
 # Scenes of soft bodies, without their files.
 SOFT_PARTS := $(patsubst %,$(B)/tools/%.o,scene_physics soft_exchange scene_bodies scene_list command_options stop)
-$(B)/tests/test_plot: $(B)/tools/plot/plot_axis.o $(B)/tools/plot/plot_line.o
+$(B)/tests/test_plot: $(patsubst %,$(B)/tools/plot/%.o,label_places plot_axis plot_line plot_log_axis)
 $(B)/tests/test_soft_exchange $(B)/tests/test_scene_physics $(B)/tests/test_springs_passes: $(SOFT_PARTS)
 
 # Scene files: where the program reads them.

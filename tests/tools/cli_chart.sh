@@ -162,6 +162,12 @@ END
 END
     run chart tip.json --passes 1 -o tip
     check "a tool with a tip: $(cat stderr)" test $status -eq 0
+    run chart tip.json --passes 2 -o again
+    for run in tip again; do
+        grep -v '^#' $run.csv | awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) time[i] = $i ~ /_us$/ }
+            { for (i = 1; i <= NF; i++) printf "%s,", time[i] ? "" : $i; print "" }' >$run.answers
+    done
+    check 'another run, of two passes: other answers' cmp tip.answers again.answers
     check 'is felt by a proxy alone' test "$(grep -v '^#' tip.csv | cut -d, -f2,5 | sort -u)" = "$(printf 'force,proxy\npart,law')"
     check 'what judges it is held against brute force' grep -q '^# truth: .* 0 of [1-9][0-9]* wrong' tip.csv
     check 'its panels' test "$(grep -c 'class="panel"' tip.svg)" -eq 2

@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The parts of a chart: axes with round marks, and lines of any length in bounded memory that lose no peak. */
+/*
+ * The parts of a chart: axes with round marks, lines of any length in bounded memory that lose no peak, and labels that
+ * cover nothing.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "lib/check.h"
+#include "plot/label_places.h"
 #include "plot/plot_axis.h"
 #include "plot/plot_line.h"
+#include "plot/plot_log_axis.h"
 
 enum { AXES = 20000, POINTS = 1000000 };
 
@@ -133,11 +138,110 @@ static void long_lines_lose_no_peak(void)
         long_line(seed);
 }
 
+/* What a label of a logarithmic axis says. */
+static double label_value(const char *label, const char *unit)
+{
+    static const char prefixes[] = "munpfa";
+    char *end;
+    double value = strtod(label, &end);
+    const size_t rest = strlen(end) - strlen(unit);
+    const char *prefix = strchr(prefixes, end[1]);
+    for (const char *p = prefixes; rest == 2 && p <= prefix; p++)
+        value *= 1e-3;
+    return end[0] == ' ' && atof(label) >= 1.0 && !strcmp(end + rest, unit) && rest <= 2 ? value : NAN;
+}
+
+static void log_axes_have_round_marks(void)
+{
+    uint64_t seed = 1;
+    for (int i = 0; i < AXES; i++) {
+        const double low = pow(10.0, random_in(&seed, -14.0, 2.0));
+        const double high = low * pow(10.0, random_in(&seed, 0.0, 9.0));
+        const double room = random_in(&seed, 20.0, 60.0);
+        const struct plot_log_axis axis = plot_log_axis_make(low, high, 600.0, 50.0, room);
+        double before = 0.0, at_before = NAN;
+        int marks = 0;
+        CHECK(axis.low <= low * (1.0 + 1e-8) && axis.high >= high * (1.0 - 1e-8) &&
+                  axis.high >= 9.99 * axis.low,
+              "%g to %g: the axis is %g to %g", low, high, axis.low, axis.high);
+        CHECK(fabs(plot_log_axis_at(&axis, axis.low) - 600.0) < 1e-6 &&
+                  fabs(plot_log_axis_at(&axis, axis.high) - 50.0) < 1e-6 &&
+                  fabs(plot_log_axis_at(&axis, sqrt(axis.low * axis.high)) - 325.0) < 1e-6,
+              "%g to %g: not on its pixels", low, high);
+        for (double mark = 0.0; (mark = plot_log_axis_next(&axis, mark)) > 0.0; before = mark) {
+            char label[PLOT_MARK_ROOM];
+            const double at = plot_log_axis_at(&axis, mark);
+            marks++;
+            CHECK(is_round(mark) && mark > before && at <= 600.0 + 1e-6 && at >= 50.0 - 1e-6,
+                  "%g to %g: a mark at %g", low, high, mark);
+            /* 1 to 2, of 1, 2 and 5, is the least step. */
+            CHECK(isnan(at_before) || at_before - at > 0.9 * room, "%g px for %g", at_before - at,
+                  room);
+            at_before = at;
+            plot_log_axis_label(mark, "m", label);
+            CHECK(fabs(label_value(label, "m") - mark) < 1e-6 * mark, "%g is '%s'", mark, label);
+        }
+        CHECK(marks >= 1, "%g to %g: no mark", low, high);
+    }
+}
+
+static int boxes_meet(const struct label_box *a, const struct label_box *b)
+{
+    return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
+}
+
+/* Marks here and there, and a line: what is placed covers nothing, and most is placed. */
+static void labels_cover_nothing(void)
+{
+    enum { PICTURES = 300, MARKS = 20, LINE_Y = 100 };
+    uint64_t seed = 7;
+    int placed = 0;
+    struct label_places *places = malloc(sizeof *places);
+    for (int i = 0; places && i < PICTURES; i++) {
+        struct label_box marks[MARKS], boxes[MARKS];
+        const struct label_box line = { 0.0, LINE_Y, 600.0, LINE_Y };
+        int count = 0;
+        *places = (struct label_places){ .room = { 0.0, 0.0, 600.0, 200.0 } };
+        label_places_take_line(places, line.left, line.top, line.right, line.bottom);
+        for (int k = 0; k < MARKS; k++) {
+            const double x = random_in(&seed, 10.0, 590.0), y = random_in(&seed, 10.0, 190.0);
+            marks[k] = (struct label_box){ x - 5.0, y - 5.0, x + 5.0, y + 5.0 };
+            label_places_take(places, marks[k]);
+        }
+        for (int k = 0; k < MARKS; k++) {
+            double leader[2];
+            const double x = marks[k].left + 5.0, y = marks[k].top + 5.0;
+            if (!label_places_find(places, x, y, 5.0, random_in(&seed, 20.0, 90.0), 13.0,
+                                   &boxes[count], leader))
+                continue;
+            const struct label_box *box = &boxes[count++];
+            CHECK(box->left >= 0.0 && box->right <= 600.0 && box->top >= 0.0 &&
+                      box->bottom <= 200.0,
+                  "a label outside");
+            CHECK(!(box->top < LINE_Y && box->bottom > LINE_Y), "a label on the line");
+            CHECK((leader[0] == x && leader[1] == y) ||
+                      (leader[0] >= box->left && leader[0] <= box->right && leader[1] >= box->top &&
+                       leader[1] <= box->bottom),
+                  "a leader that ends nowhere");
+            for (int j = 0; j < MARKS; j++)
+                CHECK(!boxes_meet(box, &marks[j]), "a label on a mark");
+            for (int j = 0; j + 1 < count; j++)
+                CHECK(!boxes_meet(box, &boxes[j]), "a label on a label");
+        }
+        placed += count;
+    }
+    CHECK(placed > PICTURES * MARKS * 9 / 10, "%d of %d labels found room", placed,
+          PICTURES * MARKS);
+    free(places);
+}
+
 int main(void)
 {
     TEST(axes_have_round_marks);
     TEST(prefixes_follow_the_size);
     TEST(what_is_no_number_breaks_a_line);
     TEST(long_lines_lose_no_peak);
+    TEST(log_axes_have_round_marks);
+    TEST(labels_cover_nothing);
     return check_report();
 }
