@@ -93,6 +93,12 @@ promised()
     holds 'a trace of a file' --plan torus.json other.csv
     bound=$(sed -n "s/^  next cheaper: .* breaks the bound '\([a-z]*\)'.*/\1/p" torus.txt)
     breaks "the next cheaper breaks $bound" "$bound" --plan torus.json --cheaper
+    run replay --plan torus.json --cheaper --json
+    check 'over the trace by which it was measured, tick for tick' python3 -c '
+import json
+told, was = json.load(open("stdout")), json.load(open("torus.json"))["cheaper"]["figures"]
+assert all(told[key] == was[key] for key in ("ticks", "work_total", "distance_error", "force_error"))'
+    run replay --plan torus.json --cheaper
     figure=$(awk '/there /{ f = $4 } END { print f }' torus.txt)
     check "the figures that were printed ($figure)" grep -q "^  the next cheaper *$figure " stdout
 }
