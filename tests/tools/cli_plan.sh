@@ -215,6 +215,7 @@ J
     check 'and no force is needed' json stiff.json 'p["setting"]["until"] == "track"'
     succeeds 'run --plan' run --plan stiff.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
     check "it is rigid: $(cat stdout)" test "$(grep -c "\"spring_nodes\":[1-9]" stdout)" -eq 0
+    check "and no contact is looked for: $(cat stdout)" grep -q '"unknown":300,' stdout
     succeeds 'run --plan, the torus' run --plan torus.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
     budget=$(sed -n 's/.*"budget": \([0-9]*\).*/\1/p' torus.json | head -n 1)
     check "its budget: $(cat stdout)" grep -q "\"budget\":$budget}" stdout
