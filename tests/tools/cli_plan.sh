@@ -97,7 +97,7 @@ promised()
     check 'over the trace by which it was measured, tick for tick' python3 -c '
 import json
 told, was = json.load(open("stdout")), json.load(open("torus.json"))["cheaper"]["figures"]
-assert all(told[key] == was[key] for key in ("ticks", "work_total", "distance_error", "force_error"))'
+assert all(told[key] == was[key] for key in ("ticks", "work_total", "distance_error", "force_error"))' 2>python.log
     run replay --plan torus.json --cheaper
     figure=$(awk '/there /{ f = $4 } END { print f }' torus.txt)
     check "the figures that were printed ($figure)" grep -q "^  the next cheaper *$figure " stdout
