@@ -109,8 +109,8 @@ $(B)/tests/test_view_loop: $(filter-out $(B)/tools/dynpoint.o $(B)/tools/view/% 
 $(B)/tests/test_view_loop: private LDLIBS = $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) \
   -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
-$(B)/tests/test_measure: $(filter-out $(B)/tools/dynpoint.o $(B)/tools/shape%,$(TOOLS)) $(URDF_PARTS)
-$(B)/tests/test_measure: private LDLIBS = $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS)
+$(B)/tests/test_measure $(B)/tests/test_plan_trace: $(filter-out $(B)/tools/dynpoint.o $(B)/tools/shape%,$(TOOLS)) $(URDF_PARTS)
+$(B)/tests/test_measure $(B)/tests/test_plan_trace: private LDLIBS = $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS)
 
 # Scenes of soft bodies, without their files.
 SOFT_PARTS := $(patsubst %,$(B)/tools/%.o,scene_physics soft_exchange scene_bodies scene_list command_options stop)

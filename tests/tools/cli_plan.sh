@@ -93,6 +93,12 @@ promised()
     holds 'a trace of a file' --plan torus.json other.csv
     bound=$(sed -n "s/^  next cheaper: .* breaks the bound '\([a-z]*\)'.*/\1/p" torus.txt)
     breaks "the next cheaper breaks $bound" "$bound" --plan torus.json --cheaper
+    run replay --plan torus.json --cheaper --json
+    check 'over the trace by which it was measured, tick for tick' python3 -c '
+import json
+told, was = json.load(open("stdout")), json.load(open("torus.json"))["cheaper"]["figures"]
+assert all(told[key] == was[key] for key in ("ticks", "work_total", "distance_error", "force_error"))' 2>python.log
+    run replay --plan torus.json --cheaper
     figure=$(awk '/there /{ f = $4 } END { print f }' torus.txt)
     check "the figures that were printed ($figure)" grep -q "^  the next cheaper *$figure " stdout
 }
@@ -209,6 +215,7 @@ J
     check 'and no force is needed' json stiff.json 'p["setting"]["until"] == "track"'
     succeeds 'run --plan' run --plan stiff.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
     check "it is rigid: $(cat stdout)" test "$(grep -c "\"spring_nodes\":[1-9]" stdout)" -eq 0
+    check "and no contact is looked for: $(cat stdout)" grep -q '"unknown":300,' stdout
     succeeds 'run --plan, the torus' run --plan torus.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
     budget=$(sed -n 's/.*"budget": \([0-9]*\).*/\1/p' torus.json | head -n 1)
     check "its budget: $(cat stdout)" grep -q "\"budget\":$budget}" stdout

@@ -33,8 +33,12 @@ static void figures_of(struct plan_figures *figures, const struct judgement *jud
 static int run_and_judge(const struct plan_bench *bench, const struct measure_setting *setting,
                          uint32_t passes, struct measure_run *run, struct judgement *judgement)
 {
-    struct measure_effort effort = { .passes = passes };
+    struct meter meter = { .began = 0 };
+    const struct measure_effort effort = {
+        .passes = passes, .meter = &meter, .name = "a setting", .end = 1.0
+    };
     int status = measure_run(run, bench->scene, bench->trace, setting, &effort);
+    meter_show(&meter, "", 1.0);
     const struct measure_run *reference = bench->reference.tick ? &bench->reference : run;
     if (status == 0 && measure_judge(judgement, run, reference))
         status = complain(bench->scene->command, "memory ran out");
