@@ -136,6 +136,7 @@ void use_mesh(const dpt_mesh *mesh, uint64_t *random)
     dpt_world_def_init(&def);
     def.law = DPT_LAW_POINT;
     def.max_bodies = def.max_tools = def.max_segments = 1;
+    def.max_tips = 0;
     def.certificate_bytes = 2048;
     def.smooth_normals = 1;
     CHECK(dpt_world_bytes(&def) <= sizeof block, "%zu bytes", dpt_world_bytes(&def));

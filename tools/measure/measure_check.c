@@ -84,6 +84,17 @@ static dpt_result search(struct measure_brute *brute)
     return result;
 }
 
+/*
+ * m: how far a segment's hit is off. Of one that is not the tool's only a bound may be told, where it is far (near_only):
+ * then it is how far the truth is outside of that.
+ */
+static double off_by(const dpt_hit *hit, uint32_t nearest, double truth)
+{
+    if (hit->status == DPT_STATUS_BOUNDED && hit->segment != nearest)
+        return fmax(0.0, fmax(hit->lower_bound - truth, truth - hit->distance));
+    return fabs(hit->distance - truth);
+}
+
 dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene_bodies *bodies,
                                  const struct measure_tool *tool, const dpt_world *world,
                                  dpt_tool id, double *error)
@@ -102,12 +113,14 @@ dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene
         result = dpt_tool_set_segments(brute->world, brute->tool, tool->segments, brute->segments);
     if (result == DPT_OK)
         result = search(brute);
+    dpt_hit nearest = DPT_HIT_INIT;
+    dpt_tool_get_hit(world, id, &nearest);
     *error = 0.0;
     for (uint32_t i = 0; result == DPT_OK && i < brute->segments; i++) {
         dpt_hit hit = DPT_HIT_INIT, true_hit = DPT_HIT_INIT;
         dpt_tool_get_segment_hit(world, id, i, &hit);
         result = dpt_tool_get_segment_hit(brute->world, brute->tool, i, &true_hit);
-        *error = fmax(*error, fabs(hit.distance - true_hit.distance));
+        *error = fmax(*error, off_by(&hit, nearest.segment, true_hit.distance));
     }
     return result;
 }
