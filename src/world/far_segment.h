@@ -20,10 +20,10 @@ struct least_distance {
     double gap, distance;
 };
 
-#define LEAST_DISTANCE_NONE                                                                        \
-    {                                                                                              \
-        HUGE_VAL, HUGE_VAL                                                                         \
-    }
+static inline struct least_distance least_none(void)
+{
+    return (struct least_distance){ HUGE_VAL, HUGE_VAL };
+}
 
 /* Whether a segment of that radius whose axis is farther than `distance` is neither the nearest by its surface nor its axis. */
 static inline int least_is_below(const struct least_distance *least, double distance, double radius)

@@ -102,7 +102,7 @@ int dpti_proxy_is_away(const struct dpt_world *world, const struct tool *tool)
 void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool)
 {
     struct frame device;
-    struct least_distance nearest = LEAST_DISTANCE_NONE;
+    struct least_distance nearest = least_none();
     if (!dpti_proxy_is_away(world, tool))
         return;
     frame_of_pose(&tool->pose, &device);

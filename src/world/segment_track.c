@@ -66,7 +66,7 @@ static int answer_if_far(struct dpt_world *world, struct segment *segment, vec3 
 void dpti_track_near(struct dpt_world *world, struct tool *tool, int all_outside)
 {
     const uint32_t begin = tool->closest < tool->segment_count ? tool->closest : 0;
-    struct least_distance least = LEAST_DISTANCE_NONE;
+    struct least_distance least = least_none();
     for (uint32_t k = 0; k < tool->segment_count; k++) {
         const uint32_t number = (begin + k) % tool->segment_count;
         struct segment *segment = &world->segments[tool->first_segment + number];

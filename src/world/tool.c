@@ -14,6 +14,7 @@
 #include "world/tool_force.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
+#include "world/tool_tips.h"
 #include "world/world_def.h"
 
 /* Forget what earlier ticks know of a segment. */

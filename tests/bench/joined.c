@@ -47,17 +47,17 @@ static void fail(const char *what)
     exit(2);
 }
 
-/* The point of the arc at that share of its length: it begins at the origin along z. */
-static void arc_point(double share, double x[3])
+/* The point of the arc at that share of its length: it begins along z. The point at `origin` is at the origin. */
+static void arc_point(double share, double origin, double x[3])
 {
-    const double r = LENGTH / BEND, angle = BEND * share;
-    x[0] = r * (1 - cos(angle));
+    const double r = LENGTH / BEND;
+    x[0] = r * (cos(BEND * origin) - cos(BEND * share));
     x[1] = 0;
-    x[2] = r * sin(angle);
+    x[2] = r * (sin(BEND * share) - sin(BEND * origin));
 }
 
 static void open_tool(struct stage_of_tool *stage, const struct solid *solid,
-                      const struct tool_kind *kind, uint32_t until, uint32_t ticks)
+                      const struct tool_kind *kind, uint32_t until, double origin, uint32_t ticks)
 {
     dpt_segment segments[LOOSE];
     dpt_world_def def;
@@ -73,8 +73,8 @@ static void open_tool(struct stage_of_tool *stage, const struct solid *solid,
         dpt_body_add(stage->world, solid->mesh, NULL, &body))
         fail("no world");
     for (uint32_t i = 0; i < kind->segments; i++) {
-        arc_point(i / (double)kind->segments, segments[i].a);
-        arc_point((i + 1) / (double)kind->segments, segments[i].b);
+        arc_point(i / (double)kind->segments, origin, segments[i].a);
+        arc_point((i + 1) / (double)kind->segments, origin, segments[i].b);
         segments[i].radius = RADIUS;
     }
     for (uint32_t t = 0; t < kind->tools; t++) {
@@ -116,22 +116,10 @@ static void turn_to(const double to[3], double q[4])
         q[k] = size > 1e-9 ? q[k] / size : (double)(k == 1);
 }
 
-static void turn(const double q[4], double v[3])
-{
-    double c[3], d[3];
-    for (int k = 0; k < 3; k++)
-        c[k] =
-            q[1 + (k + 1) % 3] * v[(k + 2) % 3] - q[1 + (k + 2) % 3] * v[(k + 1) % 3] + q[0] * v[k];
-    for (int k = 0; k < 3; k++)
-        d[k] = q[1 + (k + 1) % 3] * c[(k + 2) % 3] - q[1 + (k + 2) % 3] * c[(k + 1) % 3];
-    for (int k = 0; k < 3; k++)
-        v[k] += 2 * d[k];
-}
-
 static void run(struct stage_of_tool *stages, const struct solid *solid, int motion, uint64_t *seed)
 {
     const float *v = solid->corners + 9 * (random_bits(seed) % solid->info.triangles);
-    double at[3], e[3], f[3], out[3], middle[3];
+    double at[3], e[3], f[3], out[3];
     dpt_pose pose;
     for (int k = 0; k < 3; k++) {
         at[k] = (v[k] + v[3 + k] + v[6 + k]) / 3.0;
@@ -143,13 +131,11 @@ static void run(struct stage_of_tool *stages, const struct solid *solid, int mot
     unit3(out);
     unit3(e);
     turn_to(motion == 2 ? e : out, pose.orientation);
-    arc_point(motion == 2 ? 0.5 : 0, middle);
-    turn(pose.orientation, middle);
     for (int number = 0; number < TICKS; number++) {
         const double height = motion ? fmax(-0.005, 0.003 - 1e-4 * number) : 0.02;
         const double slid = 1e-4 * number;
         for (int k = 0; k < 3; k++)
-            pose.position[k] = at[k] - middle[k] + height * out[k] + slid * e[k];
+            pose.position[k] = at[k] + height * out[k] + slid * e[k];
         for (int t = 0; t < TOOLS; t++)
             tick(&stages[t], &kinds[t], &pose, number);
     }
@@ -165,7 +151,8 @@ static void measure(const char *name, uint64_t count, uint32_t until, int motion
     if (!solid_from_shape(&solid, name, count))
         fail(name);
     for (int t = 0; t < TOOLS; t++)
-        open_tool(&stages[t], &solid, &kinds[t], until, (uint32_t)runs * TICKS);
+        open_tool(&stages[t], &solid, &kinds[t], until, motion == 2 ? 0.5 : 0,
+                  (uint32_t)runs * TICKS);
     for (int i = 0; i < runs; i++)
         run(stages, &solid, motion, &seed);
     for (int t = 0; t < TOOLS; t++) {

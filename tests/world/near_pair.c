@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/near_pair.h"
 
+#include "dynpoint/deform.h"
+#include "world/proxy_rig.h"
+
 static const struct {
     const char *name;
     uint64_t triangles;
@@ -90,29 +93,66 @@ void near_pair_open(struct near_pair *pair, const struct solid *solids, const dp
     open_world(pair, &pair->near, &given, 1);
 }
 
+/* The sheet in one world, as a body whose vertices move. */
+static void soften_sheet(const struct near_pair *pair, struct near_world *one)
+{
+    dpt_deform_def def;
+    dpt_mesh_info info = pair->solids[NEAR_SHEET].info;
+    dpt_deform_def_init(&def);
+    def.mesh = pair->solids[NEAR_SHEET].mesh;
+    def.pose = &pair->body_pose[NEAR_SHEET];
+    for (int k = 0; k < 3; k++) {
+        def.box_min[k] = info.box_min[k] - 0.1;
+        def.box_max[k] = info.box_max[k] + 0.1;
+    }
+    one->sheet_block = malloc(dpt_deform_bytes(&def));
+    dpt_body_remove(one->world, one->body[NEAR_SHEET]);
+    CHECK(dpt_deform_add(one->world, one->sheet_block, dpt_deform_bytes(&def), &def,
+                         &one->body[NEAR_SHEET]) == DPT_OK,
+          "a sheet whose vertices move");
+}
+
+void near_pair_soften(struct near_pair *pair)
+{
+    pair->is_soft = 1;
+    soften_sheet(pair, &pair->all);
+    soften_sheet(pair, &pair->near);
+}
+
+/* A wave runs through the sheet, which stands still for some ticks. */
+static void move_vertices(struct near_pair *pair)
+{
+    static float moved[3 * SHEET_VERTICES_MAX];
+    const float *rest;
+    uint32_t count;
+    dpt_mesh_get_vertices(pair->solids[NEAR_SHEET].mesh, &rest, &count);
+    CHECK(count <= SHEET_VERTICES_MAX, "%u vertices", count);
+    pair->wave += random_bits(&pair->seed) % 3 ? 0.02 : 0;
+    for (uint32_t v = 0; v < count && count <= SHEET_VERTICES_MAX; v++) {
+        memcpy(moved + 3 * v, rest + 3 * v, 3 * sizeof *moved);
+        moved[3 * v + 2] += (float)(0.03 * sin(pair->wave + 20 * (double)rest[3 * v]));
+    }
+    dpt_deform_set_vertices(pair->all.world, pair->all.body[NEAR_SHEET], 0, count, moved, -1);
+    dpt_deform_set_vertices(pair->near.world, pair->near.body[NEAR_SHEET], 0, count, moved, -1);
+}
+
 void near_pair_close(struct near_pair *pair)
 {
     free(pair->all.block);
+    free(pair->all.sheet_block);
     free(pair->near.block);
-}
-
-static void turn_pose(dpt_pose *pose, const double spin[4])
-{
-    const double *d = spin, o[4] = { pose->orientation[0], pose->orientation[1],
-                                     pose->orientation[2], pose->orientation[3] };
-    double *q = pose->orientation, square = 0;
-    q[0] = d[0] * o[0] - d[1] * o[1] - d[2] * o[2] - d[3] * o[3];
-    q[1] = d[0] * o[1] + d[1] * o[0] + d[2] * o[3] - d[3] * o[2];
-    q[2] = d[0] * o[2] - d[1] * o[3] + d[2] * o[0] + d[3] * o[1];
-    q[3] = d[0] * o[3] + d[1] * o[2] - d[2] * o[1] + d[3] * o[0];
-    for (int k = 0; k < 4; k++)
-        square += q[k] * q[k];
-    for (int k = 0; k < 4; k++)
-        q[k] /= sqrt(square);
+    free(pair->near.sheet_block);
 }
 
 /* Numbers of what happens beside motion: so many, the first of which give a body a new place. */
-enum { BODY_JUMPS = 1, BODY_MOVES = 3, SETTINGS_CHANGE = 8, DISTURBANCES = 9 };
+enum {
+    BODY_JUMPS = 1,
+    BODY_COMES_AND_GOES = 2,
+    BODY_MOVES = 3,
+    TOOL_JUMPS = 4,
+    SETTINGS_CHANGE = 8,
+    DISTURBANCES = 9
+};
 
 /* In one world, what happens beside motion; `what` is a kind of it, `pose` a place near the tool. */
 static void disturb(struct near_pair *pair, struct near_world *one, uint64_t what, int which,
@@ -130,7 +170,7 @@ static void disturb(struct near_pair *pair, struct near_world *one, uint64_t wha
     case BODY_JUMPS:
         dpt_body_set_pose(one->world, body, pose);
         break;
-    case 2:
+    case BODY_COMES_AND_GOES:
         dpt_body_remove(one->world, body);
         dpt_body_add(one->world, pair->solids[which].mesh, pose, &one->body[which]);
         break;
@@ -139,7 +179,7 @@ static void disturb(struct near_pair *pair, struct near_world *one, uint64_t wha
         settings.unfelt = !settings.unfelt;
         dpt_body_set_settings(one->world, body, &settings);
         break;
-    case 4:
+    case TOOL_JUMPS:
         dpt_tool_teleport(one->world, one->tool, pose);
         break;
     case 5:
@@ -169,20 +209,15 @@ static void disturb(struct near_pair *pair, struct near_world *one, uint64_t wha
 /* The tool's segments in the world, with its frame at a pose. */
 static void place_segments(const struct near_pair *pair, const dpt_pose *pose, dpt_segment *placed)
 {
-    const double *q = pose->orientation;
-    for (int i = 0; i < NEAR_SEGMENTS; i++)
-        for (int end = 0; end < 2; end++) {
-            const double *v = end ? pair->segments[i].b : pair->segments[i].a;
-            double *x = end ? placed[i].b : placed[i].a, c[3];
-            for (int k = 0; k < 3; k++)
-                c[k] = q[1 + (k + 1) % 3] * v[(k + 2) % 3] - q[1 + (k + 2) % 3] * v[(k + 1) % 3] +
-                       q[0] * v[k];
-            for (int k = 0; k < 3; k++)
-                x[k] =
-                    pose->position[k] + v[k] +
-                    2 * (q[1 + (k + 1) % 3] * c[(k + 2) % 3] - q[1 + (k + 2) % 3] * c[(k + 1) % 3]);
-            placed[i].radius = pair->segments[i].radius;
+    for (int i = 0; i < NEAR_SEGMENTS; i++) {
+        placed[i].radius = pair->segments[i].radius;
+        rig_turn(pose->orientation, pair->segments[i].a, placed[i].a);
+        rig_turn(pose->orientation, pair->segments[i].b, placed[i].b);
+        for (int k = 0; k < 3; k++) {
+            placed[i].a[k] += pose->position[k];
+            placed[i].b[k] += pose->position[k];
         }
+    }
 }
 
 void near_pair_ends(const struct near_pair *pair, uint32_t segment, double ends[6])
@@ -211,24 +246,28 @@ void near_pair_tick(struct near_pair *pair)
     if (what == BODY_JUMPS && pair->bodies_are_slow)
         what = DISTURBANCES;
     const int which = (int)(random_bits(&pair->seed) % NEAR_BODIES);
+    if (what == BODY_COMES_AND_GOES && pair->is_soft && which == NEAR_SHEET)
+        what = DISTURBANCES;
     const dpt_pose place = any_pose(pair, pair->pose.position, 0.2);
     if (random_bits(&pair->seed) % 30 == 0)
         choose_motion(pair);
     for (int k = 0; k < 3; k++)
         pair->pose.position[k] += pair->speed[k];
-    turn_pose(&pair->pose, pair->spin);
+    rig_turn_by(&pair->pose, pair->spin);
     const int moves_body = random_bits(&pair->seed) % 4 == 0;
     if (moves_body) {
         static const double little[4] = { 1, 2e-4, -1e-4, 1e-4 };
         pair->body_pose[1].position[2] += 1e-4;
-        turn_pose(&pair->body_pose[1], little);
+        rig_turn_by(&pair->body_pose[1], little);
     }
     if (what == SETTINGS_CHANGE)
         pair->body_pose[1].position[0] += 0.01;
     if (what < BODY_MOVES)
         pair->body_pose[which] = place;
-    if (what == 4)
+    if (what == TOOL_JUMPS)
         pair->pose = place;
+    if (pair->is_soft)
+        move_vertices(pair);
     for (int w = 0; w < 2; w++) {
         struct near_world *one = worlds[w];
         if (moves_body)
@@ -246,7 +285,7 @@ static void check_point(const struct near_pair *pair, const dpt_hit *hit)
     for (int i = 0; i < NEAR_BODIES; i++) {
         dpt_hit at = DPT_HIT_INIT;
         double ends[6];
-        if (pair->near.body[i] != hit->body)
+        if (pair->near.body[i] != hit->body || (pair->is_soft && i == NEAR_SHEET))
             continue;
         memcpy(ends, hit->q, sizeof hit->q);
         memcpy(ends + 3, hit->q, sizeof hit->q);

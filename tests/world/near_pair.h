@@ -8,10 +8,10 @@
 
 #include "lib/solid.h"
 
-enum { NEAR_SEGMENTS = 24, NEAR_BODIES = 3 };
+enum { NEAR_SEGMENTS = 24, NEAR_BODIES = 3, NEAR_SHEET = 2, SHEET_VERTICES_MAX = 1024 };
 
 struct near_world {
-    void *block;
+    void *block, *sheet_block;
     dpt_world *world;
     dpt_body body[NEAR_BODIES];
     dpt_tool tool;
@@ -28,6 +28,8 @@ struct near_pair {
     double speed[3], spin[4];        /* of a tick */
     int is_free;                     /* the tool's segments are given in the world */
     int bodies_are_slow; /* none jumps with its motion swept, which no tool can follow in a tick */
+    int is_soft;         /* the sheet's vertices move */
+    double wave;         /* rad */
     int has_budget;
     double force_error; /* N, allowed */
     uint64_t seed;
@@ -41,6 +43,10 @@ int near_solids_open(struct solid solids[NEAR_BODIES]);
 /* `def`: of both worlds; `near_budget`: of the one that leaves segments out. */
 void near_pair_open(struct near_pair *pair, const struct solid *solids, const dpt_world_def *def,
                     uint32_t near_budget, uint64_t seed);
+
+/* From the first tick on a wave runs through the sheet. */
+void near_pair_soften(struct near_pair *pair);
+
 void near_pair_close(struct near_pair *pair);
 
 /* Move the tool, and let something else happen now and then. Then step both worlds. */

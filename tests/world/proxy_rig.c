@@ -65,6 +65,19 @@ void rig_turn(const double q[4], const double v[3], double turned[3])
                     u[(k + 2) % 3] * twice[(k + 1) % 3];
 }
 
+void rig_turn_by(dpt_pose *pose, const double t[4])
+{
+    const double *q = pose->orientation;
+    const double made[4] = { t[0] * q[0] - t[1] * q[1] - t[2] * q[2] - t[3] * q[3],
+                             t[0] * q[1] + t[1] * q[0] + t[2] * q[3] - t[3] * q[2],
+                             t[0] * q[2] - t[1] * q[3] + t[2] * q[0] + t[3] * q[1],
+                             t[0] * q[3] + t[1] * q[2] - t[2] * q[1] + t[3] * q[0] };
+    const double size =
+        sqrt(made[0] * made[0] + made[1] * made[1] + made[2] * made[2] + made[3] * made[3]);
+    for (int k = 0; k < 4; k++)
+        pose->orientation[k] = made[k] / size;
+}
+
 void rig_proxy_ends(const struct rig *rig, uint32_t segment, double ends[6])
 {
     rig_turn(rig->proxy.orientation, rig->segments[segment].a, ends);

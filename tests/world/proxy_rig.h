@@ -39,6 +39,9 @@ void rig_proxy_ends(const struct rig *rig, uint32_t segment, double ends[6]);
 /* The rotation of a pose, applied. */
 void rig_turn(const double orientation[4], const double v[3], double turned[3]);
 
+/* Turn a pose about its position by a quaternion of any length. */
+void rig_turn_by(dpt_pose *pose, const double turn[4]);
+
 /* Set the orientation: `angle` rad about a unit axis. */
 void rig_orient(dpt_pose *pose, const double axis[3], double angle);
 

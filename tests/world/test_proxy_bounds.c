@@ -29,20 +29,6 @@ static double away_of(const struct rig *rig)
     return rig->force.reason == DPT_FORCE_ACTS ? sqrt(2 * rig->force.energy / RIG_STIFFNESS) : 0;
 }
 
-static void turn_by(dpt_pose *pose, const double v[3])
-{
-    const double *q = pose->orientation;
-    const double t[4] = { 1, v[0] / 2, v[1] / 2, v[2] / 2 };
-    const double made[4] = { t[0] * q[0] - t[1] * q[1] - t[2] * q[2] - t[3] * q[3],
-                             t[0] * q[1] + t[1] * q[0] + t[2] * q[3] - t[3] * q[2],
-                             t[0] * q[2] - t[1] * q[3] + t[2] * q[0] + t[3] * q[1],
-                             t[0] * q[3] + t[1] * q[2] - t[2] * q[1] + t[3] * q[0] };
-    const double size =
-        sqrt(made[0] * made[0] + made[1] * made[1] + made[2] * made[2] + made[3] * made[3]);
-    for (int k = 0; k < 4; k++)
-        pose->orientation[k] = made[k] / size;
-}
-
 static void open_lead(struct lead *lead, const struct solid *solid, double deep, uint64_t seed)
 {
     *lead = (struct lead){ .seed = seed, .deep = deep };
@@ -73,7 +59,7 @@ static double lead_on(struct lead *lead, const struct solid *solid)
         turn[k] = lead->axis[k] - spun * x[k];
         rig->device.position[k] += shift[k];
     }
-    turn_by(&rig->device, turn);
+    rig_turn_by(&rig->device, (const double[4]){ 1, turn[0] / 2, turn[1] / 2, turn[2] / 2 });
     lead->wrench = rig->force.wrench;
     lead->away = away_of(rig);
     rig_step(rig);

@@ -144,13 +144,8 @@ static int random_path(const struct solid *solid, uint64_t *seed, dpt_pose *pose
 /* Turn a pose by a small angle about a unit axis. */
 static void turn_by(dpt_pose *pose, const double axis[3], double angle)
 {
-    const double w = cos(angle / 2), s = sin(angle / 2), *q = pose->orientation;
-    const double d[4] = { w, s * axis[0], s * axis[1], s * axis[2] };
-    const double turned[4] = { d[0] * q[0] - d[1] * q[1] - d[2] * q[2] - d[3] * q[3],
-                               d[0] * q[1] + d[1] * q[0] + d[2] * q[3] - d[3] * q[2],
-                               d[0] * q[2] - d[1] * q[3] + d[2] * q[0] + d[3] * q[1],
-                               d[0] * q[3] + d[1] * q[2] - d[2] * q[1] + d[3] * q[0] };
-    memcpy(pose->orientation, turned, sizeof turned);
+    const double w = cos(angle / 2), s = sin(angle / 2);
+    rig_turn_by(pose, (const double[4]){ w, s * axis[0], s * axis[1], s * axis[2] });
 }
 
 struct counts {
