@@ -20,6 +20,7 @@
 #include "replay_recording.h"
 #include "replay_report.h"
 #include "replay_tool.h"
+#include "setting_words.h"
 #include "trace.h"
 
 static const char help[] =
@@ -87,11 +88,8 @@ static const char help[] =
     "  --json               the summary as one JSON object on standard output\n";
 
 static const char *const methods[] = { "exact", "tree", "brute", "paper", NULL };
-static const char *const stages[] = { "respond", "track", "contact", NULL };
 static const char *const kernels[] = { "auto",   "scalar", "sse2",    "avx2",
                                        "avx512", "neon",   "wasm128", NULL };
-
-static const char *const strips[] = { "none", "shadow", "routes", NULL };
 
 /* Larger than any count that an option takes. */
 #define NOT_GIVEN UINT64_MAX
@@ -334,7 +332,7 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
     if (output_check("replay", settings->out,
                      (const char *const[]){ settings->mesh, settings->trace, NULL }))
         return 2;
-    int chosen[4] = { word_index(method, methods), word_index(until, stages),
+    int chosen[4] = { word_index(method, methods), word_index(until, until_words),
                       word_index(kernel, kernels), against ? word_index(against, methods) : -1 };
     if (chosen[0] < 0 || (against && chosen[3] < 0))
         return complain("replay", "the methods are exact, tree, brute and paper");
@@ -343,7 +341,7 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
     if (chosen[2] < 0)
         return complain("replay",
                         "the kernels are auto, scalar, sse2, avx2, avx512, neon and wasm128");
-    if (word_index(strip, strips) < 0)
+    if (word_index(strip, strip_words) < 0)
         return complain("replay", "--strip takes shadow or routes");
     if (!law)
         law = chosen[0] == DPT_METHOD_PAPER ? "point" : "proxy";
@@ -359,7 +357,7 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
         return complain("replay",
                         "--tip is for the method exact and the law proxy, without --against");
     settings->def.max_tips = (uint32_t)tips.count;
-    settings->def.strip = (uint32_t)word_index(strip, strips);
+    settings->def.strip = (uint32_t)word_index(strip, strip_words);
     settings->def.method = (uint32_t)chosen[0];
     settings->def.until = (uint32_t)chosen[1];
     settings->def.kernel = (uint32_t)chosen[2];

@@ -166,7 +166,7 @@ int main(void)
     plan_fill_body(0, &surface);
     plan_fill_tool(&held);
     if (plan_fill_springs(0, &springs) || dpt_body_set_settings(world, body, &surface) ||
-        dpt_tool_set_settings(world, tool, &held))
+        dpt_tool_set_settings(world, tool, &held) || !held.near_only)
         return 2;
     stream = fopen("other.csv", "r");
     if (!stream || !fgets(line, sizeof line, stream))

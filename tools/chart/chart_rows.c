@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "law_name.h"
+#include "setting_words.h"
 
 /* Of a step's sweeps, in the row that limits them. */
 enum { SWEEP_UNITS = 200 };
@@ -117,17 +118,16 @@ static void list_contacts(struct chart_rows *rows, const struct scene *scene,
 static void list_soft(struct chart_rows *rows, const struct scene *scene,
                       const struct measure_setting *base, const char *law)
 {
-    static const char *const integrators[] = { "symplectic", "euler", "implicit" };
     const struct scene_body *soft = NULL;
     char name[CHART_NAME];
     for (uint32_t i = 0; !soft && i < scene->bodies.count; i++)
         soft = scene_body_is_soft(&scene->bodies.body[i]) ? &scene->bodies.body[i] : NULL;
     if (!soft)
         return;
-    for (uint32_t i = 0; i < sizeof integrators / sizeof *integrators; i++) {
+    for (uint32_t i = 0; integrator_words[i]; i++) {
         struct measure_setting setting = *base;
         setting.integrator = (int32_t)i;
-        snprintf(name, sizeof name, "%s %s", law, integrators[i]);
+        snprintf(name, sizeof name, "%s %s", law, integrator_words[i]);
         if (i != soft->integrator)
             add_row(rows, scene, CHART_FORCE, &setting, name);
     }

@@ -22,8 +22,8 @@ static void figures_of(struct plan_figures *figures, const struct judgement *jud
         .strip = run->usage.strip,
         .work = run->usage.work,
         .work_p999 = judgement->work.p999,
-        .time_median = 1e-9 * (judgement->ns.median + judgement->soft_ns.median),
-        .time_p999 = 1e-9 * (judgement->ns.p999 + judgement->soft_ns.p999),
+        .time_median = 1e-9 * judgement->whole_ns.median,
+        .time_p999 = 1e-9 * judgement->whole_ns.p999,
         .bytes = run->world_bytes + run->body_bytes,
     };
     for (size_t i = 0; i < run->ticks; i++)

@@ -6,10 +6,9 @@
 
 #include "json_text.h"
 #include "law_name.h"
+#include "setting_words.h"
 
-const char *const plan_until_words[] = { "respond", "track", "contact", NULL };
 const char *const plan_integrator_words[] = { "symplectic", "euler", "implicit", "scene", NULL };
-const char *const plan_strip_words[] = { "none", "shadow", "routes", NULL };
 const char *const plan_bound_words[] = { "none",  "steps",   "bits",     "distance",
                                          "force", "unknown", "contacts", "strip",
                                          "work",  "time",    NULL };
@@ -35,9 +34,9 @@ static void write_setting(FILE *file, const char *indent, const struct measure_s
         ", \"margin\": %.17g,\n%s  \"max_contacts\": %" PRIu32 ", \"smooth_normals\": %" PRIu32
         ", \"strip\": \"%s\", \"strip_capacity\": %" PRIu32 ",\n%s  ",
         law_name(world->law), world->stiffness, setting->damping, setting->lock_rotation,
-        setting->dt, indent, plan_until_words[world->until], world->budget,
-        world->certificate_bytes, world->margin, indent, world->max_contacts, world->smooth_normals,
-        plan_strip_words[world->strip], world->strip_capacity, indent);
+        setting->dt, indent, until_words[world->until], world->budget, world->certificate_bytes,
+        world->margin, indent, world->max_contacts, world->smooth_normals,
+        strip_words[world->strip], world->strip_capacity, indent);
     if (!isnan(setting->friction))
         fprintf(file, "\"friction\": %.17g, ", setting->friction);
     fprintf(file, "\"integrator\": \"%s\", \"iterations\": %" PRIu32 ", \"rigid\": [",

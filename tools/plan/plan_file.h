@@ -6,9 +6,7 @@
 #include "plan/plan.h"
 
 /* Words of the file, each list ended with NULL, in the order of their numbers. */
-extern const char *const plan_until_words[];      /* DPT_UNTIL_... */
 extern const char *const plan_integrator_words[]; /* DPT_INTEGRATOR_... and last "scene" */
-extern const char *const plan_strip_words[];      /* DPT_STRIP_KIND_... */
 extern const char *const plan_bound_words[];      /* enum plan_bound */
 extern const char *const plan_trace_words[];      /* PLAN_FIRST_HALF, ... */
 

@@ -91,7 +91,8 @@ static void write_tool(FILE *file, const struct plan *plan)
             "/* The tool, after it was added. */\n"
             "static inline void plan_fill_tool(dpt_tool_settings *settings)\n{\n"
             "    settings->law = %s;\n    settings->stiffness = %.17g;\n"
-            "    settings->damping = %.17g;\n    settings->lock_rotation = %" PRIu32 ";\n}\n\n",
+            "    settings->damping = %.17g;\n    settings->lock_rotation = %" PRIu32
+            ";\n    settings->near_only = 1;\n}\n\n",
             law_constants[plan->setting.world.law], plan->setting.world.stiffness,
             plan->setting.damping, plan->setting.lock_rotation);
 }

@@ -4,6 +4,8 @@
 #include <inttypes.h>
 #include <math.h>
 
+#include "setting_words.h"
+
 /* From one budget to the next cheaper one: the square root of a half. */
 #define BUDGET_STEP 0.70710678118654752
 
@@ -36,9 +38,8 @@ static int reduce_until(struct measure_setting *setting, const struct scene *sce
 static void print_until(const struct measure_setting *setting, const struct scene *scene,
                         uint32_t body, char *text, size_t room)
 {
-    static const char *const words[] = { "respond", "track", "contact" };
     (void)scene, (void)body;
-    snprintf(text, room, "%s", words[setting->world.until]);
+    snprintf(text, room, "%s", until_words[setting->world.until]);
 }
 
 static int is_soft(const struct measure_setting *setting, const struct scene *scene, uint32_t body)

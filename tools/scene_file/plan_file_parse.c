@@ -7,6 +7,7 @@
 #include "law_name.h"
 #include "plan/plan_file.h"
 #include "scene_file/json_value.h"
+#include "setting_words.h"
 
 /* Numbers that are not negative have this as their largest one. */
 #define HUGE_NUMBER 1e300
@@ -117,8 +118,8 @@ static void take_setting(struct json_reader *reader, const struct json_value *ob
         return;
     require(reader, &at, needed);
     world->law = (uint32_t)json_take_word(reader, &at, "law", law_names, DPT_LAW_PROXY);
-    world->until = (uint32_t)json_take_word(reader, &at, "until", plan_until_words, 0);
-    world->strip = (uint32_t)json_take_word(reader, &at, "strip", plan_strip_words, 0);
+    world->until = (uint32_t)json_take_word(reader, &at, "until", until_words, 0);
+    world->strip = (uint32_t)json_take_word(reader, &at, "strip", strip_words, 0);
     setting->integrator = json_take_word(reader, &at, "integrator", plan_integrator_words, -1);
     if (setting->integrator > DPT_INTEGRATOR_IMPLICIT)
         setting->integrator = -1;

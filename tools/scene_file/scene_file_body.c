@@ -5,6 +5,7 @@
 
 #include "dynpoint/springs.h"
 #include "scene_file/scene_file.h"
+#include "setting_words.h"
 #include "shape.h"
 
 /* A box or a sphere. */
@@ -112,14 +113,13 @@ static void read_physics(struct listed_body *listed, struct json_reader *reader,
 {
     static const char *const keys[] = { "integrator",  "iterations", "sleep_speed", "response",
                                         "load_radius", "period",     NULL };
-    static const char *const integrators[] = { "symplectic", "euler", "implicit", NULL };
     static const char *const responses[] = { "load", "displace", NULL };
     uint64_t iterations = 0;
     double sleep_speed = NAN;
     if (!json_check_object(reader, at, keys))
         return;
-    listed->integrator =
-        (uint32_t)json_take_word(reader, at, "integrator", integrators, DPT_INTEGRATOR_SYMPLECTIC);
+    listed->integrator = (uint32_t)json_take_word(reader, at, "integrator", integrator_words,
+                                                  DPT_INTEGRATOR_SYMPLECTIC);
     check_kind(reader, at, "iterations", listed->integrator == DPT_INTEGRATOR_IMPLICIT,
                "body with \"integrator\": \"implicit\"");
     json_take_count(reader, at, "iterations", 1, 1024, &iterations);
