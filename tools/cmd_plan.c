@@ -308,18 +308,11 @@ static int make_plan(const struct plan_options *options, struct plan *plan, doub
 
 int command_plan(int argc, char **argv)
 {
-    struct plan_options options = { .scene = { .command = "plan",
-                                               .zoom = NAN,
-                                               .force_scale = NAN,
-                                               .clutch = -1,
-                                               .length = NAN,
-                                               .radius = NAN,
-                                               .force = { .friction = NAN } },
-                                    .seed = 1,
-                                    .ticks = 20000 };
+    struct plan_options options = { .seed = 1, .ticks = 20000 };
     struct plan plan;
     double stiffness;
     memset(&plan, 0, sizeof plan);
+    scene_def_init(&options.scene, "plan");
     int status = read_options(argc, argv, &options, &plan, &stiffness);
     if (status < 0)
         status = make_plan(&options, &plan, stiffness);

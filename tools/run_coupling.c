@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "command_options.h"
+#include "tool_spread.h"
 
 const char *coupling_limit_word(uint32_t limit)
 {
@@ -31,28 +32,11 @@ static uint32_t list_parts(const struct scene *scene, dpt_segment *parts)
 /* The tool's root mean squared distance from its centre, and how far that is from the pose's origin. */
 static void measure_tool(const struct scene *scene, double *rho, double *lever)
 {
-    double whole = 0.0, centre[3] = { 0.0 }, square = 0.0;
     dpt_segment parts[DPT_ARM_SEGMENTS_MAX + SCENE_TIPS_MAX];
-    double weight[DPT_ARM_SEGMENTS_MAX + SCENE_TIPS_MAX];
+    double centre[3];
     const uint32_t count = list_parts(scene, parts);
-    for (uint32_t i = 0; i < count; i++) {
-        const double *a = parts[i].a, *b = parts[i].b;
-        weight[i] = sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) +
-                         (b[2] - a[2]) * (b[2] - a[2]));
-        whole += weight[i];
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        const double length = weight[i];
-        weight[i] = whole > 0.0 ? length / whole : 1.0 / count;
-        square += weight[i] * length * length / 12.0;
-        for (int k = 0; k < 3; k++) {
-            const double middle = 0.5 * (parts[i].a[k] + parts[i].b[k]);
-            centre[k] += weight[i] * middle;
-            square += weight[i] * middle * middle;
-        }
-    }
+    *rho = tool_spread(parts, count, centre);
     *lever = sqrt(centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2]);
-    *rho = sqrt(fmax(0.0, square - *lever * *lever));
 }
 
 static void say_why(const struct scene *scene, const dpt_coupling *coupling, double asked)

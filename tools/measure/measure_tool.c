@@ -4,31 +4,7 @@
 #include <string.h>
 
 #include "base/quaternion.h"
-
-/* The middle of lines, weighted by their lengths, and the root mean square distance from it; of points alone, all alike. */
-static double spread_of(const dpt_segment *lines, uint32_t count, double centre[3])
-{
-    double whole = 0.0, square = 0.0;
-    vec3 sum = { 0.0, 0.0, 0.0 };
-    for (uint32_t i = 0; i < count; i++)
-        whole += length(sub(vec3_of(lines[i].b), vec3_of(lines[i].a)));
-    const int are_points = !(whole > 0.0);
-    for (int turn = 0; turn < 2; turn++)
-        for (uint32_t i = 0; i < count; i++) {
-            const vec3 a = vec3_of(lines[i].a), b = vec3_of(lines[i].b);
-            const vec3 middle = scaled(add(a, b), 0.5);
-            const double size = length(sub(b, a));
-            const double share = are_points ? 1.0 / count : size / whole;
-            if (turn == 0) {
-                sum = along(sum, share, middle);
-                continue;
-            }
-            const vec3 from = sub(middle, sum);
-            square += share * (dot(from, from) + size * size / 12.0);
-        }
-    vec3_store(sum, centre);
-    return sqrt(square);
-}
+#include "tool_spread.h"
 
 void measure_tool_begin(struct measure_tool *tool, const struct scene *scene)
 {
@@ -39,7 +15,7 @@ void measure_tool_begin(struct measure_tool *tool, const struct scene *scene)
     memcpy(lines, scene->segments, count * sizeof *lines);
     for (uint32_t i = 0; i < scene->tips.count; i++, count++)
         scene_tips_axis(&scene->tips, i, lines[count].a, lines[count].b);
-    tool->rho = spread_of(lines, count, tool->own_centre);
+    tool->rho = tool_spread(lines, count, tool->own_centre);
 }
 
 static void lead_whole(struct measure_tool *tool, const double *ends)
@@ -80,7 +56,7 @@ void measure_tool_lead(struct measure_tool *tool, const struct csv_table *trace,
     memcpy(stylus->b, ends + 3, sizeof stylus->b);
     stylus->radius = tool->scene->stylus.radius;
     memcpy(tool->pose.position, stylus->a, sizeof stylus->a);
-    tool->rho = spread_of(stylus, 1, tool->centre);
+    tool->rho = tool_spread(stylus, 1, tool->centre);
 }
 
 dpt_result measure_tool_move(const struct measure_tool *tool, dpt_world *world, dpt_tool id)
