@@ -25,12 +25,17 @@ static void put_crossing(struct distance_profile *profile, uint32_t triangle, co
             surface_part_flags(profile->surface, surface_part(profile->surface, triangle));
         crossing->side_after = along_axis > 0.0 ? 1 : -1;
         crossing->side_before = -crossing->side_after;
+        crossing->winding = flags & MESH_PART_SOLID ? -crossing->side_after : 0;
+        crossing->is_counted = 1;
         if (flags & MESH_PART_BURIED)
             crossing->side_before = crossing->side_after = -1;
     }
 }
 
-/* Join crossings at one place: of both triangles at an edge, or of a vertex' fan. Their sides are unknown then. */
+/*
+ * Join crossings at one place: of both triangles at an edge, or of a vertex' fan. Their sides are unknown then, and so
+ * is what they count.
+ */
 static void join_crossings(struct distance_profile *profile)
 {
     double tolerance = 4.0 * profile->axis->error;
@@ -38,10 +43,12 @@ static void join_crossings(struct distance_profile *profile)
     for (uint32_t i = 0; i < profile->crossing_count; i++) {
         const struct crossing *crossing = &profile->crossing[i];
         struct crossing *previous = &profile->crossing[joined_count ? joined_count - 1 : 0];
-        if (joined_count && (crossing->s - previous->s) * profile->axis_length <= tolerance)
+        if (joined_count && (crossing->s - previous->s) * profile->axis_length <= tolerance) {
             previous->side_before = previous->side_after = 0;
-        else
+            previous->is_counted = 0;
+        } else {
             profile->crossing[joined_count++] = *crossing;
+        }
     }
     profile->crossing_count = joined_count;
 }

@@ -3,6 +3,7 @@
 
 #include "contact/crossings.h"
 #include "contact/holes.h"
+#include "contact/stretch_winding.h"
 
 /* 1: a triangle may be within reach of the axis at s. */
 static int is_in_reach_interval(const struct distance_profile *profile, double s)
@@ -27,14 +28,33 @@ static int side_of_axis(struct distance_profile *profile, const struct pair_sear
     return dpti_profile_side_of(profile, nearest->pair.s, nearest->triangle, &nearest->pair);
 }
 
+/* Find the side of each stretch by its winding number, where that is known and decides. */
+static void find_sides_by_winding(struct distance_profile *profile)
+{
+    const uint32_t has_sheets = profile->surface->holes->has_sheets;
+    profile->has_winding_parts = !dpti_stretch_windings_find(profile) || has_sheets;
+    profile->has_windings = 1;
+    if (has_sheets)
+        return;
+    for (uint32_t k = 0; k <= profile->crossing_count; k++)
+        if (profile->winding[k] != WINDING_UNKNOWN)
+            profile->sign[k] = profile->winding[k] > 0 ? -1 : 1;
+}
+
 /*
  * Find the side of each stretch between crossings. Where the crossings at its ends do not know it, or disagree, a
  * search in its middle decides.
  */
 static void find_sides(struct distance_profile *profile, const struct pair_search *nearest)
 {
+    const struct holes *holes = profile->surface->holes;
     for (uint32_t k = 0; k <= profile->crossing_count; k++)
         profile->sign[k] = 0;
+    if (profile->surface->moments && holes &&
+        (profile->has_winding_parts || !holes->normals_tell)) {
+        find_sides_by_winding(profile);
+        return;
+    }
     if (profile_has_side_per_sample(profile))
         return;
     if (!profile->crossing_count) {
@@ -131,8 +151,10 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
     profile->deepest = 0;
     profile->unchanged_count = 0;
     const struct holes *holes = profile->surface->holes;
-    profile->has_winding_parts = profile->surface->moments &&
-                                 !(holes && dpti_holes_are_far_from(holes, axis->local_a, axis->u));
+    profile->has_windings = 0;
+    profile->has_winding_parts =
+        profile->surface->moments &&
+        !(holes && !holes->has_sheets && dpti_holes_are_far_from(holes, axis->local_a, axis->u));
     int is_far = distance > profile->reach;
     if (is_far && !profile->sides->count && is_outside(profile, nearest))
         return 0;

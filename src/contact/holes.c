@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/holes.h"
 
+#include "base/angle.h"
 #include "base/box.h"
 #include "contact/winding_number.h"
-
-/* Of a hole's radius: nearer than that to its centre a hole counts. */
-#define NEAR_HOLE 1.05
 
 /*
  * Seen from outside its ball a hole fills less than half of the view. The winding number is off by the sum of these
@@ -13,61 +11,130 @@
  */
 #define SHARES_MAX 0.45
 
+/* Rounding of a ball to float. */
+#define ROUND_UP (1.0 + 0x1p-20)
+
+/* The triangles at a vertex that are looked at to see whether one of its edges is a rim. */
+enum { FAN_MAX = 64 };
+
 /* The number of triangles whose two sides are looked at, and how far from them, as a share of the diagonal. */
 enum { SAMPLES = 64 };
 #define SAMPLE_HEIGHT 1e-6
 
-static void remove_box(struct box *boxes, uint32_t *count, uint32_t i)
+/* Edges of rims, by where they lie. */
+struct rims {
+    uint32_t count;
+    double grain; /* m: boxes whose common box is no larger are one */
+    struct rim {
+        struct box box;
+        double length; /* m: of all its edges */
+    } rim[HOLES_MAX + 1];
+};
+
+static int are_one(const struct rims *rims, const struct rim *a, const struct rim *b)
 {
-    boxes[i] = boxes[--*count];
+    const struct box both = box_joined(&a->box, &b->box);
+    return box_meets(&a->box, &b->box) || box_diagonal(&both) <= rims->grain;
 }
 
-/* Join the two boxes whose common box is smallest. */
-static void join_nearest(struct box *boxes, uint32_t *count)
+/* Add a rim: edges of one hole share vertices, so their boxes meet, if not at once then with edges between them. */
+static void add_rim(struct rims *rims, struct rim rim)
 {
-    uint32_t first = 0, second = 1;
-    double least = HUGE_VAL;
-    for (uint32_t i = 0; i < *count; i++)
-        for (uint32_t k = i + 1; k < *count; k++) {
-            const struct box both = box_joined(&boxes[i], &boxes[k]);
-            if (box_diagonal(&both) < least) {
-                least = box_diagonal(&both);
-                first = i;
-                second = k;
-            }
-        }
-    boxes[first] = box_joined(&boxes[first], &boxes[second]);
-    remove_box(boxes, count, second);
-}
-
-/* Add an edge: edges of one hole share vertices, so their boxes meet, if not at once then with edges between them. */
-static void add_edge(struct box boxes[HOLES_MAX + 1], uint32_t *count, struct box edge)
-{
-    for (uint32_t i = 0; i < *count;)
-        if (box_meets(&boxes[i], &edge)) {
-            edge = box_joined(&boxes[i], &edge);
-            remove_box(boxes, count, i);
-            i = 0;
-        } else {
+    for (uint32_t i = 0; i < rims->count;) {
+        if (!are_one(rims, &rims->rim[i], &rim)) {
             i++;
+            continue;
         }
-    boxes[(*count)++] = edge;
-    if (*count > HOLES_MAX)
-        join_nearest(boxes, count);
+        rim.box = box_joined(&rims->rim[i].box, &rim.box);
+        rim.length += rims->rim[i].length;
+        rims->rim[i] = rims->rim[--rims->count];
+        i = 0;
+    }
+    rims->rim[rims->count++] = rim;
 }
 
-static uint32_t collect_edges(const struct surface *surface, struct box boxes[HOLES_MAX + 1])
+/* The least diagonal of a box around two rims. */
+static double nearest_two(const struct rims *rims)
 {
-    const uint32_t *neighbours = surface_neighbours(surface);
-    uint32_t count = 0;
-    vec3 v[3];
-    for (uint32_t i = 0; i < 3 * surface_triangles(surface); i++) {
-        if (neighbours[i] != MESH_EDGE_OPEN)
-            continue;
-        surface_corners(surface, i / 3, v);
-        add_edge(boxes, &count, box_of_axis(v[i % 3], v[(i + 1) % 3]));
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < rims->count; i++)
+        for (uint32_t k = i + 1; k < rims->count; k++) {
+            const struct box both = box_joined(&rims->rim[i].box, &rims->rim[k].box);
+            least = min_of(least, box_diagonal(&both));
+        }
+    return least;
+}
+
+/* Make room for another rim: coarser and coarser, until some are one. */
+static void join_rims(struct rims *rims)
+{
+    while (rims->count > HOLES_MAX) {
+        const uint32_t count = rims->count;
+        rims->grain = max_of(2.0 * rims->grain, nearest_two(rims));
+        rims->count = 0;
+        for (uint32_t i = 0; i < count; i++)
+            add_rim(rims, rims->rim[i]);
     }
-    return count;
+}
+
+/* How often a triangle leads from one vertex to another, less how often back: 1, 0 or -1. */
+static int leads(const uint32_t *corners, uint32_t triangle, uint32_t from, uint32_t to)
+{
+    const uint32_t *corner = corners + 3 * (size_t)triangle;
+    int sum = 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        const uint32_t here = corner[k], next = corner[(k + 1) % 3];
+        sum += (here == from && next == to) - (here == to && next == from);
+    }
+    return sum;
+}
+
+/* 1: the triangles at edge k of a triangle, a place, do not cancel there, or are too many to tell. */
+static int is_rim(const struct surface *surface, uint32_t triangle, uint32_t k)
+{
+    const uint32_t *corners = surface->corners, *first,
+                   neighbour = surface_neighbours(surface)[3 * (size_t)triangle + k];
+    const uint32_t from = surface_corner(surface, triangle, k),
+                   to = surface_corner(surface, triangle, (k + 1) % 3);
+    if (neighbour < MESH_EDGE_MANY)
+        return leads(corners, neighbour, from, to) != -1;
+    const uint32_t *fans = surface_fans(surface, &first);
+    if (first[from + 1] - first[from] > FAN_MAX)
+        return 1;
+    int sum = 0;
+    for (uint32_t i = first[from]; i < first[from + 1]; i++)
+        sum += leads(corners, fans[i], from, to);
+    return sum != 0;
+}
+
+static void collect_rims(const struct surface *surface, struct rims *rims)
+{
+    vec3 v[3];
+    rims->count = 0;
+    rims->grain = 0.0;
+    for (uint32_t t = 0; t < surface_triangles(surface); t++) {
+        if (!(surface_part_flags(surface, surface_part(surface, t)) & MESH_PART_SOLID))
+            continue;
+        for (uint32_t k = 0; k < 3; k++) {
+            if (!is_rim(surface, t, k))
+                continue;
+            surface_corners(surface, t, v);
+            const vec3 a = v[k], b = v[(k + 1) % 3];
+            add_rim(rims, (struct rim){ box_of_axis(a, b), length(sub(b, a)) });
+            join_rims(rims);
+        }
+    }
+}
+
+/* A ball that holds a rim, and whose own rim is no shorter. */
+static struct hole ball_of(const struct rim *rim)
+{
+    const vec3 centre = scaled(add(rim->box.low, rim->box.high), 0.5);
+    struct hole ball = { { (float)centre.x, (float)centre.y, (float)centre.z }, 0.0f };
+    const double farthest =
+        0.5 * box_diagonal(&rim->box) + length(sub(centre, vec3_of_float(ball.centre)));
+    ball.radius = (float)(ROUND_UP * max_of(farthest, rim->length / ANGLE_TURN));
+    return ball;
 }
 
 /* Whether the mesh is one part whose only defects are open edges. */
@@ -78,13 +145,6 @@ static int has_holes_alone(const struct dpt_mesh *mesh)
         return 0;
     const struct mesh_tail tail = mesh_tail(mesh);
     return mesh->open_edges && !tail.self_intersections && !tail.self_intersections_more;
-}
-
-/* The share of the view that a hole fills at most, at that distance from its centre; more than a half within its ball. */
-static double share_of_view(const struct hole *hole, double distance)
-{
-    const double sine = hole->radius / distance;
-    return distance > NEAR_HOLE * hole->radius ? 0.5 * (1.0 - sqrt(1.0 - sine * sine)) : 1.0;
 }
 
 /* Whether sample triangles that are away from the holes have the material behind them. */
@@ -110,36 +170,59 @@ static int samples_agree(const struct surface *surface, const struct kernel *ker
     return 1;
 }
 
-void dpti_holes_find(const struct surface *surface, const struct kernel *kernel,
-                     struct holes *holes)
+static uint32_t has_sheets(const struct dpt_mesh *mesh)
 {
-    struct box boxes[HOLES_MAX + 1];
-    holes->count = holes->reserved = 0;
-    if (!surface->moments || surface->motion || !has_holes_alone(surface->mesh))
-        return;
-    holes->count = collect_edges(surface, boxes);
-    for (uint32_t i = 0; i < holes->count; i++)
-        holes->ball[i] = (struct hole){ scaled(add(boxes[i].low, boxes[i].high), 0.5),
-                                        0.5 * box_diagonal(&boxes[i]) };
-    if (!samples_agree(surface, kernel, holes))
-        holes->count = 0;
+    for (uint32_t part = 0; part < mesh->parts; part++)
+        if (!(mesh_part_flags(mesh, part) & (MESH_PART_SOLID | MESH_PART_BURIED)))
+            return 1;
+    return 0;
+}
+
+int dpti_holes_find(const struct surface *surface, const struct kernel *kernel, struct holes *holes)
+{
+    struct rims rims;
+    collect_rims(surface, &rims);
+    if (surface->motion && rims.count)
+        return 0;
+    holes->count = rims.count;
+    for (uint32_t i = 0; i < rims.count; i++)
+        holes->ball[i] = ball_of(&rims.rim[i]);
+    holes->has_sheets = has_sheets(surface->mesh);
+    holes->normals_tell = has_holes_alone(surface->mesh) && samples_agree(surface, kernel, holes);
+    holes->reserved = 0;
+    return 1;
+}
+
+/*
+ * The share of the view that surfaces which close a hole fill at most. Its rims, no longer than 2 pi r, are at least
+ * d - r away: on a sphere they are curves of length l = 2 pi r / (d - r), and a curve of that length surrounds no more
+ * than a circle does, 2 pi - sqrt(4 pi^2 - l^2). Nearer than 2 r it may be anything.
+ */
+static double share_of_view(const struct hole *hole, double distance)
+{
+    const double r = (double)hole->radius;
+    if (!(distance > 2.0 * r))
+        return 1.0;
+    const double sine = r / (distance - r);
+    return 0.5 * (1.0 - sqrt(1.0 - sine * sine));
 }
 
 int dpti_holes_are_far_from(const struct holes *holes, vec3 a, vec3 u)
 {
     double shares = 0.0;
-    for (uint32_t i = 0; i < holes->count; i++) {
-        const vec3 centre = holes->ball[i].centre;
+    for (uint32_t i = 0; i < holes->count && shares <= SHARES_MAX; i++) {
+        const vec3 centre = vec3_of_float(holes->ball[i].centre);
         const vec3 nearest = along(a, nearest_on(a, u, centre), u);
         shares += share_of_view(&holes->ball[i], length(sub(centre, nearest)));
     }
-    return holes->count && shares <= SHARES_MAX;
+    return shares <= SHARES_MAX;
 }
 
 int dpti_holes_are_beyond(const struct holes *holes, vec3 x, double distance)
 {
     for (uint32_t i = 0; i < holes->count; i++)
-        if (!(length(sub(holes->ball[i].centre, x)) > distance + NEAR_HOLE * holes->ball[i].radius))
+        if (!(length(sub(vec3_of_float(holes->ball[i].centre), x)) >
+              distance + (double)holes->ball[i].radius))
             return 0;
     return 1;
 }

@@ -18,9 +18,9 @@ struct cached_point {
     uint32_t body;     /* slot + 1; 0: the entry is empty */
     uint32_t triangle; /* place of the nearest triangle, or DPT_NONE: not known */
     uint32_t descent;  /* place of the triangle at which a descent ended, or DPT_NONE: not known */
-    int32_t side;      /* +1 outside, -1 inside, 0: not known */
-    uint32_t tick;     /* in which it was last used */
-    uint32_t reserved;
+    int32_t winding;   /* the winding number, rounded */
+    uint32_t has_winding;
+    uint32_t tick; /* in which it was last used */
 };
 
 struct point_cache {

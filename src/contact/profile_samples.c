@@ -43,7 +43,7 @@ vec3 dpti_profile_exit_direction(const struct distance_profile *profile, uint32_
     return normal_length > 0.0 ? scaled(normal, side / normal_length) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
-int dpti_profile_is_inside(struct distance_profile *profile, double s)
+int32_t dpti_profile_winding(struct distance_profile *profile, double s)
 {
     const struct surface *surface = profile->surface;
     vec3 x = profile_point(profile, s);
@@ -51,18 +51,33 @@ int dpti_profile_is_inside(struct distance_profile *profile, double s)
         return 0;
     const struct cached_point *cached =
         profile->point_cache ? dpti_point_cache_find(profile->point_cache, profile->body, x) : NULL;
-    if (cached && cached->side)
-        return cached->side < 0;
+    if (cached && cached->has_winding)
+        return cached->winding;
     double winding = HUGE_VAL;
     if (!work_is_spent(&profile->work))
         winding = dpti_winding_number(profile->surface, profile->kernel, x, &profile->work);
-    profile->is_cut |= winding == HUGE_VAL;
-    struct cached_point *entry = profile->point_cache && winding != HUGE_VAL
-                                     ? dpti_point_cache_put(profile->point_cache, profile->body, x)
-                                     : NULL;
-    if (entry)
-        entry->side = winding > 0.5 ? -1 : 1;
-    return winding > 0.5;
+    if (winding == HUGE_VAL) {
+        profile->is_cut = 1;
+        return 0;
+    }
+    const int32_t rounded = (int32_t)ceil(winding - 0.5);
+    struct cached_point *entry =
+        profile->point_cache ? dpti_point_cache_put(profile->point_cache, profile->body, x) : NULL;
+    if (entry) {
+        entry->winding = rounded;
+        entry->has_winding = 1;
+    }
+    return rounded;
+}
+
+int dpti_profile_is_inside(struct distance_profile *profile, double s)
+{
+    if (profile->has_windings) {
+        const int32_t winding = profile->winding[profile_stretch(profile, s)];
+        if (winding != WINDING_UNKNOWN)
+            return winding > 0;
+    }
+    return dpti_profile_winding(profile, s) > 0;
 }
 
 int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t triangle,
@@ -77,7 +92,7 @@ int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t tr
         return side * dpti_side_of_pair(profile->surface, triangle, found);
     const struct holes *holes = profile->surface->holes;
     const int is_told_by_normal =
-        holes && !profile->has_winding_parts &&
+        holes && holes->normals_tell && !profile->has_winding_parts &&
         dpti_holes_are_beyond(holes, profile_point(profile, s), sqrt(found->distance2));
     if ((flags & MESH_PART_WINDING) && !is_told_by_normal)
         return dpti_profile_is_inside(profile, s) ? -1 : 1;

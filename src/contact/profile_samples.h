@@ -6,6 +6,7 @@
 #ifndef DPT_PROFILE_SAMPLES_H
 #define DPT_PROFILE_SAMPLES_H
 
+#include "contact/holes.h"
 #include "contact/point_cache.h"
 #include "nearest/dynamic_point.h"
 #include "nearest/side.h"
@@ -77,7 +78,12 @@ struct crossing {
     uint32_t triangle;   /* place */
     int32_t side_before; /* of the axis at smaller s */
     int32_t side_after;  /* at larger s */
+    int32_t winding;     /* by how much the winding number grows here, along the axis */
+    uint32_t is_counted; /* `winding` is known from this triangle */
 };
+
+/* In place of a winding number: each place of the stretch has its own. */
+#define WINDING_UNKNOWN INT32_MIN
 
 #define SIDES_MAX 4
 
@@ -112,7 +118,8 @@ struct distance_profile {
     double tolerance;                /* of the depth, m */
     struct work work;                /* of this profile alone */
     uint32_t is_cut;                 /* the work was spent before the profile was complete */
-    uint32_t has_winding_parts;      /* parts whose inside only the winding number tells, here */
+    uint32_t has_winding_parts;      /* holes or sheets: a side may change without a crossing */
+    uint32_t has_windings;           /* stretches have winding numbers: `winding` */
     uint32_t is_full;                /* more than PROFILE_CROSSINGS crossings: some are missing */
     uint32_t is_sideless;            /* the axis crosses an open sheet whose side is not known */
     uint32_t crossing_count;
@@ -123,6 +130,8 @@ struct distance_profile {
     struct crossing crossing[PROFILE_CROSSINGS]; /* in order of s */
     /* Side of the axis before crossing k, after the last one for k = crossing_count; 0: each sample has its own. */
     int32_t sign[PROFILE_CROSSINGS + 1];
+    int32_t winding[PROFILE_CROSSINGS +
+                    1]; /* of the stretch before crossing k, rounded; or WINDING_UNKNOWN */
     /* Stretches of the axis, in s, outside of which no surface is within reach. */
     double reach_from[PROFILE_REACH_INTERVALS];
     double reach_to[PROFILE_REACH_INTERVALS];
@@ -182,9 +191,12 @@ static inline int profile_has_side_per_sample(const struct distance_profile *pro
 }
 
 /*
- * 1: the axis at s is inside, by the winding number. Outside of the mesh's box it never is. If the work is spent, the
- * profile is cut and the answer does not count.
+ * The winding number at s, rounded; 0 outside of the mesh's box. If the work is spent, the profile is cut and the answer
+ * does not count.
  */
+int32_t dpti_profile_winding(struct distance_profile *profile, double s);
+
+/* 1: the axis at s is inside, by the winding number: that of its stretch, or of the place itself. */
 int dpti_profile_is_inside(struct distance_profile *profile, double s);
 
 /* The side of the axis at s: +1 outside, -1 inside. `found` is the nearest pair there, with `triangle`, a place. */

@@ -66,8 +66,9 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     made->slot.valid = 1;
     world_note_max(&world->usage.bodies, ++world->body_count);
     made->surface = *surface;
-    dpti_holes_find(surface, &world->kernel, &made->holes);
-    made->surface.holes = made->holes.count ? &made->holes : NULL;
+    made->surface.holes = surface->moments && dpti_holes_find(surface, &world->kernel, &made->holes)
+                              ? &made->holes
+                              : NULL;
     world->deform_count += surface->motion ? 1 : 0;
     made->diagonal = surface_diagonal(&made->surface);
     dpti_broad_phase_put_body(world, slot);

@@ -27,7 +27,7 @@
 
 struct body {
     struct surface surface;
-    struct holes holes; /* of the surface; count 0: not known */
+    struct holes holes; /* of the surface, if it refers to them */
     struct frame frame;
     uint64_t user;
     dpt_pose pose; /* the frame is made of it */

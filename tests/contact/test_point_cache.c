@@ -15,7 +15,7 @@ static void a_tick_keeps_its_points(void)
     const vec3 point = { 0.5, -0.0, 1.0 }, beside = { 0.5, 0.0, 1.0 + 0x1p-52 };
     for (uint32_t i = 0; i < POINT_CACHE_WAYS; i++) {
         struct cached_point *entry = dpti_point_cache_put(&cache, i, point);
-        CHECK(entry && entry->triangle == DPT_NONE && !entry->side, "%u", i);
+        CHECK(entry && entry->triangle == DPT_NONE && !entry->has_winding, "%u", i);
         entry->triangle = 10 + i;
     }
     CHECK(!dpti_point_cache_put(&cache, POINT_CACHE_WAYS, point),

@@ -215,27 +215,17 @@ static void public_meshes_are_what_they_seem(void)
     for (size_t i = 0; i < sizeof meshes / sizeof *meshes; i++) {
         char path[1024];
         const struct expected *wanted = &meshes[i];
-        struct mesh_builder builder = { .info = { .size = sizeof builder.info } };
-        uint32_t chosen;
+        struct mesh_builder builder;
         snprintf(path, sizeof path, "%s/meshes/%s", getenv("DPT_DATA"), wanted->path);
-        dpt_result result = dpt_compile_file(path, NULL, &builder.compiled, NULL);
-        if (result == DPT_OK)
-            result = dpt_mesh_convert(builder.compiled.bytes, builder.compiled.size, NULL);
-        if (result == DPT_OK)
-            result = dpt_mesh_open(builder.compiled.bytes, builder.compiled.size, &builder.mesh);
-        CHECK(result == DPT_OK, "%s: %s", wanted->path, dpt_result_name(result));
-        if (result != DPT_OK)
+        if (!builder_compile_file(&builder, path))
             continue;
         const dpt_mesh_info *info = &builder.info;
-        dpt_mesh_get_info(builder.mesh, &builder.info);
         CHECK(info->solid_components == wanted->solid && info->cavities == wanted->cavities &&
                   info->winding_components == wanted->winding &&
                   info->buried_components == wanted->buried,
               "%s: %u solid, %u cavities, %u by winding, %u buried", wanted->path,
               info->solid_components, info->cavities, info->winding_components,
               info->buried_components);
-        dpti_surface_of_mesh(builder.mesh, &builder.surface);
-        dpti_kernel_get(DPT_KERNEL_AUTO, &builder.kernel, &chosen);
         if (info->winding_components)
             check_against_brute(strrchr(wanted->path, '/') + 1, &builder, 60);
         builder_free(&builder);

@@ -52,25 +52,39 @@ void builder_add_ball(struct mesh_builder *builder, vec3 at, double radius, doub
         }
 }
 
-int builder_compile(struct mesh_builder *builder)
+/* Open what was compiled. */
+static int take_compiled(struct mesh_builder *builder, dpt_result result, const char *text)
 {
     uint32_t chosen;
-    dpt_diag diag = { .size = sizeof diag };
     builder->info.size = sizeof builder->info;
-    dpt_result result =
-        dpt_compile_arrays(builder->vertices, builder->vertex_count, builder->corners,
-                           builder->triangle_count, NULL, &builder->compiled, &diag);
     if (result == DPT_OK)
         result = dpt_mesh_convert(builder->compiled.bytes, builder->compiled.size, NULL);
     if (result == DPT_OK)
         result = dpt_mesh_open(builder->compiled.bytes, builder->compiled.size, &builder->mesh);
-    CHECK(result == DPT_OK, "%s %s", dpt_result_name(result), diag.text);
+    CHECK(result == DPT_OK, "%s %s", dpt_result_name(result), text);
     if (result != DPT_OK)
         return 0;
     dpt_mesh_get_info(builder->mesh, &builder->info);
     dpti_surface_of_mesh(builder->mesh, &builder->surface);
     dpti_kernel_get(DPT_KERNEL_AUTO, &builder->kernel, &chosen);
     return 1;
+}
+
+int builder_compile(struct mesh_builder *builder)
+{
+    dpt_diag diag = { .size = sizeof diag };
+    const dpt_result result =
+        dpt_compile_arrays(builder->vertices, builder->vertex_count, builder->corners,
+                           builder->triangle_count, NULL, &builder->compiled, &diag);
+    return take_compiled(builder, result, diag.text);
+}
+
+int builder_compile_file(struct mesh_builder *builder, const char *path)
+{
+    dpt_diag diag = { .size = sizeof diag };
+    *builder = (struct mesh_builder){ .mesh = NULL };
+    const dpt_result result = dpt_compile_file(path, NULL, &builder->compiled, &diag);
+    return take_compiled(builder, result, diag.text);
 }
 
 double brute_winding_at(const struct mesh_builder *builder, vec3 x)

@@ -68,6 +68,9 @@ static inline void builder_add_beacon(struct mesh_builder *builder)
 
 int builder_compile(struct mesh_builder *builder);
 
+/* A mesh file in place of shapes. */
+int builder_compile_file(struct mesh_builder *builder, const char *path);
+
 static inline void builder_free(struct mesh_builder *builder)
 {
     dpt_compiled_free(&builder->compiled);
