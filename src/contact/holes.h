@@ -18,8 +18,7 @@ enum { HOLES_MAX = 256 };
 struct holes {
     uint32_t count;
     uint32_t normals_tell; /* away from holes the normal of the nearest triangle tells the side */
-    uint32_t
-        has_sheets; /* some parts are neither solid nor buried: beside them, sides are theirs */
+    uint32_t has_sheets; /* parts that are neither solid nor buried: beside them sides are theirs */
     uint32_t reserved;
     struct hole {
         float centre[3];

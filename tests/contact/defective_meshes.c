@@ -76,6 +76,16 @@ static int many_balls(struct mesh_builder *builder, int count, size_t missing)
     return builder_compile(builder);
 }
 
+int sieve(struct mesh_builder *builder)
+{
+    *builder = (struct mesh_builder){ .mesh = NULL };
+    builder_add_shape(builder, "sphere", 20000, (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0, 0);
+    for (size_t t = builder->triangle_count; t > 40; t -= 40)
+        memmove(builder->corners + 3 * (t - 1), builder->corners + 3 * --builder->triangle_count,
+                3 * sizeof *builder->corners);
+    return builder_compile(builder);
+}
+
 int onion(struct mesh_builder *builder)
 {
     *builder = (struct mesh_builder){ .mesh = NULL };
