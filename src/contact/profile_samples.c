@@ -70,14 +70,20 @@ int32_t dpti_profile_winding(struct distance_profile *profile, double s)
     return rounded;
 }
 
+/* The winding number of the stretch, or the part of a stretch, that holds s; or WINDING_UNKNOWN. */
+static int32_t known_winding(const struct distance_profile *profile, double s)
+{
+    int32_t winding = profile->winding[profile_stretch(profile, s)];
+    for (uint32_t i = 0; i < profile->winding_range_count && winding == WINDING_UNKNOWN; i++)
+        if (s >= profile->winding_range[i].from && s <= profile->winding_range[i].to)
+            winding = profile->winding_range[i].winding;
+    return winding;
+}
+
 int dpti_profile_is_inside(struct distance_profile *profile, double s)
 {
-    if (profile->has_windings) {
-        const int32_t winding = profile->winding[profile_stretch(profile, s)];
-        if (winding != WINDING_UNKNOWN)
-            return winding > 0;
-    }
-    return dpti_profile_winding(profile, s) > 0;
+    const int32_t known = profile->has_windings ? known_winding(profile, s) : WINDING_UNKNOWN;
+    return (known != WINDING_UNKNOWN ? known : dpti_profile_winding(profile, s)) > 0;
 }
 
 int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t triangle,

@@ -18,6 +18,7 @@ enum {
     PROFILE_SAMPLES = 96,
     PROFILE_CROSSINGS = 31,
     PROFILE_REACH_INTERVALS = 8,
+    PROFILE_WINDING_RANGES = 16,
     PROFILE_WARM_STARTS = 48
 };
 
@@ -119,9 +120,9 @@ struct distance_profile {
     struct work work;                /* of this profile alone */
     uint32_t is_cut;                 /* the work was spent before the profile was complete */
     uint32_t has_winding_parts;      /* holes or sheets: a side may change without a crossing */
-    uint32_t has_windings;           /* stretches have winding numbers: `winding` */
-    uint32_t is_full;                /* more than PROFILE_CROSSINGS crossings: some are missing */
-    uint32_t is_sideless;            /* the axis crosses an open sheet whose side is not known */
+    uint32_t has_windings; /* stretches have winding numbers: `winding`, `winding_range` */
+    uint32_t is_full;      /* more than PROFILE_CROSSINGS crossings: some are missing */
+    uint32_t is_sideless;  /* the axis crosses an open sheet whose side is not known */
     uint32_t crossing_count;
     uint32_t reach_interval_count;
     uint32_t sample_count;
@@ -130,8 +131,14 @@ struct distance_profile {
     struct crossing crossing[PROFILE_CROSSINGS]; /* in order of s */
     /* Side of the axis before crossing k, after the last one for k = crossing_count; 0: each sample has its own. */
     int32_t sign[PROFILE_CROSSINGS + 1];
-    int32_t winding[PROFILE_CROSSINGS +
-                    1]; /* of the stretch before crossing k, rounded; or WINDING_UNKNOWN */
+    int32_t winding[PROFILE_CROSSINGS + 1]; /* of the same stretches, rounded; or WINDING_UNKNOWN */
+    /* Parts of stretches without a winding number that have one. */
+    uint32_t winding_range_count;
+    struct winding_range {
+        double from, to; /* s */
+        int32_t winding;
+        uint32_t reserved;
+    } winding_range[PROFILE_WINDING_RANGES];
     /* Stretches of the axis, in s, outside of which no surface is within reach. */
     double reach_from[PROFILE_REACH_INTERVALS];
     double reach_to[PROFILE_REACH_INTERVALS];

@@ -10,8 +10,8 @@
 
 /*
  * Find the winding number of each stretch of a profile whose crossings and holes are known; WINDING_UNKNOWN where a hole
- * is near, or where rounding may have missed a crossing. If the work is spent, the profile is cut. Returns 1 if all are
- * known.
+ * is near, or where rounding may have missed a crossing. Parts of a stretch that are far from its holes become winding
+ * ranges. If the work is spent, the profile is cut. Returns 1 if all stretches are known.
  */
 int dpti_stretch_windings_find(struct distance_profile *profile);
 

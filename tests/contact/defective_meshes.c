@@ -220,3 +220,39 @@ int defective(struct mesh_builder *builder, int kind, const char **name)
         return many_balls(builder, kind == 8 ? 9 : 112, 1);
     }
 }
+
+void any_axis(const struct mesh_builder *builder, uint64_t *random, double ends[6])
+{
+    vec3 a = point_in_box(builder, random), b = point_in_box(builder, random);
+    if (random_bits(random) % 4 == 0)
+        b = along(a, 0.05, sub(b, a));
+    if (builder->info.open_edges && random_bits(random) % 3 == 0) {
+        const uint32_t *neighbours = surface_neighbours(&builder->surface);
+        uint32_t i = (uint32_t)(random_bits(random) % (3 * builder->info.triangles));
+        while (neighbours[i] != MESH_EDGE_OPEN)
+            i = (i + 1) % (3 * builder->info.triangles);
+        vec3 v[3];
+        surface_corners(&builder->surface, i / 3, v);
+        a = along(v[i % 3], 0.1, sub(a, v[i % 3]));
+    }
+    vec3_store(a, ends);
+    vec3_store(b, ends + 3);
+}
+
+int defective_file(struct mesh_builder *builder, const char *data, int i, const char **name)
+{
+    static const char *const files[DEFECTIVE_FILES] = { "organs/liver_dirty_low.stl",
+                                                        "organs/liver_dirty_fine.stl",
+                                                        "organs/openhelp_scene_low.stl",
+                                                        "organs/skull_and_teeth_sofa.obj",
+                                                        "hard/spider.stl",
+                                                        "hard/offset1_nonmanifold.obj",
+                                                        "hard/3dsmax_nonmanifold.stl",
+                                                        "hard/chair_double_sided.obj",
+                                                        "tools/pliers_sofa.stl",
+                                                        "tools/laparoscope_30deg.stl" };
+    char path[1024];
+    *name = files[i];
+    snprintf(path, sizeof path, "%s/meshes/%s", data, files[i]);
+    return builder_compile_file(builder, path);
+}

@@ -25,4 +25,11 @@ int balls_and_a_sheet(struct mesh_builder *builder, int has_sheet);
 enum { DEFECTS = 10 };
 int defective(struct mesh_builder *builder, int kind, const char **name);
 
+/* One of the public meshes with defects, edges that are wound against each other among them. */
+enum { DEFECTIVE_FILES = 10 };
+int defective_file(struct mesh_builder *builder, const char *data, int i, const char **name);
+
+/* A segment that ends anywhere in the box, or half of the time beside a hole's rim. */
+void any_axis(const struct mesh_builder *builder, uint64_t *random, double ends[6]);
+
 #endif
