@@ -222,6 +222,49 @@ J
     notes 'at another rate' 'what it promises does not count' run --plan torus.json --device 'sim:?hand=press&rate=2000' --ticks 50 --json
 }
 
+# A tool that presses now here, now there, and flies across in one tick: the sweeps of that may wait, as nothing is met on
+# the way. The slides of the torus' own plan need theirs.
+sweeps()
+{
+    check 'slides are swept at once' json torus.json 'p["setting"]["sweep_budget"] == 0'
+    check "and why: $(grep sweep_budget torus.txt)" grep -q '^  sweep_budget  *none  *[0-9]*: ' torus.txt
+    awk 'function row(z, off) {
+            printf "%d,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n", tick++, x + off - 0.005 * side, -0.05, z,
+                x + off + 0.005 * side, 0.05, z
+        }
+        BEGIN {
+            print "tick,ax,ay,az,bx,by,bz"
+            for (side = 1; tick < 10080; side = -side) {
+                x = 0.1 * side
+                for (i = 0; i < 40; i++) row(0.06 - 0.0195 * i / 39)
+                for (i = 0; i < 60; i++) row(0.0405, 0.0005 * sin(0.05 * i))
+                for (i = 0; i < 40; i++) row(0.0405 + 0.0195 * i / 39)
+            }
+        }' </dev/null >flights.csv
+    succeeds 'a finer torus' make torus 61358 -o fine.obj
+    succeeds 'compiled' compile fine.obj -o fine.dpa
+    succeeds 'plan flights' plan fine.dpa --error 0.1mm --force-error 0.05N --trace flights.csv -o flights.json --header flights.h
+    check "flights wait: $(grep sweep_budget stdout)" json flights.json 'p["setting"]["sweep_budget"] >= 64'
+    check 'the richest and the next better have none' json flights.json 'p["better"]["setting"]["sweep_budget"] == 0'
+    units=$(sed -n 's/.*"sweep_budget": \([0-9]*\).*/\1/p' flights.json | head -n 1)
+    check "in the header: $(grep sweep_budget flights.h)" grep -qx "    def->sweep_budget = $units;" flights.h
+    holds 'flights' --plan flights.json
+    run replay --plan flights.json --json
+    mv stdout waits.out
+    sed "s/\"sweep_budget\": $units/\"sweep_budget\": 0/" flights.json >unlimited.json
+    run replay --plan unlimited.json --json
+    check "a tenth of the largest tick is saved: $(cat waits.out stdout)" python3 -c '
+import json
+waits, unlimited = json.load(open("waits.out")), json.load(open("stdout"))
+assert unlimited["force_error"] == 0 and waits["work"] <= 0.9 * unlimited["work"]' 2>python.log
+    sed "s/\"sweep_budget\": $units/\"sweep_budget\": 10/" flights.json >few.json
+    breaks 'too few' force --plan few.json
+    edited '"sweep_budget": 0' '"sweep_budget": -1'
+    refuses 'no units' 'edited.json: setting.sweep_budget: must be 0 to 4294967295; it is -1' replay --plan edited.json
+    sed 's/"sweep_budget": [0-9]*, //' torus.json >older.json
+    holds 'a plan that says nothing of sweeps' --plan older.json
+}
+
 # A device, a stiffness that it cannot hold, and the bound that limits.
 devices()
 {
@@ -291,6 +334,7 @@ promised
 broken
 header
 soft
+sweeps
 devices
 refused
 finish

@@ -8,11 +8,18 @@
 
 #include "plan/plan.h"
 
+/* What a knob must do beside holding all bounds, to stay turned. Then it is turned back by one step, which was seen to hold. */
+enum plan_must {
+    KNOB_HOLDS,     /* nothing else; it is not turned back */
+    KNOB_SAME_BITS, /* change no answer */
+    KNOB_SAVES      /* save a tenth of the largest tick's units, or of those at 99.9 % */
+};
+
 struct plan_knob {
     const char *name; /* as in world.h */
     /* Of each body that gives way, apart; else once. */
     int of_bodies;
-    int same_bits; /* 1: it goes as far as no answer changes */
+    enum plan_must must;
     /*
      * The next cheaper value. Returns 0 where there is none.
      *   body    its number, of a knob of bodies
