@@ -8,7 +8,7 @@
 
 #include "plan/plan.h"
 
-/* What a knob must do beside holding all bounds, to stay turned. Then it is turned back by one step, which was seen to hold. */
+/* What a knob must do beside holding all bounds, to stay turned. Then it is turned back by a step, which was seen to hold. */
 enum plan_must {
     KNOB_HOLDS,     /* nothing else; it is not turned back */
     KNOB_SAME_BITS, /* change no answer */
