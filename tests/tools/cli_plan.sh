@@ -207,11 +207,15 @@ J
     check "it gives way: $(grep rigid stdout)" grep -q '^  bodies\[0\] rigid  *gives way  *rigid: ' stdout
     check 'with fewer iterations than 8, or why not' grep -q '^  iterations ' stdout
     check 'in the file' json soft.json 'p["setting"]["rigid"] == []'
+    check 'with no tick that ends early' json soft.json 'p["setting"]["budget"] == 4294967295'
+    check 'with room for 3 times the contacts' json soft.json 'p["setting"]["max_contacts"] == 3 * p["measured"]["contacts"] > 0'
+    check "and why: $(grep '^  budget' stdout)" grep -q '^  budget  *none  *of what gives way, ' stdout
     holds 'on another trace' --plan soft.json --seed 5 --ticks 3000
     succeeds 'run --plan' run --plan soft.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
     check "what gives way does: $(cat stdout)" grep -q '"spring_nodes":[1-9]' stdout
     succeeds 'plan a soft sheet coarsely' plan sheet.scene.json --error 10cm --rate 500 --ticks 10000 -o stiff.json
     check 'then it is rigid' json stiff.json 'p["setting"]["rigid"] == [0]'
+    check 'and has a budget' json stiff.json 'p["setting"]["budget"] < 1000000'
     check 'and no force is needed' json stiff.json 'p["setting"]["until"] == "track"'
     succeeds 'run --plan' run --plan stiff.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
     check "it is rigid: $(cat stdout)" test "$(grep -c "\"spring_nodes\":[1-9]" stdout)" -eq 0

@@ -23,9 +23,23 @@ uint32_t plan_times(double seen, double factor)
     return (uint32_t)fmin(ceil(factor * seen), (double)UINT32_MAX);
 }
 
-uint32_t plan_with_headroom(double seen)
+static int is_soft(const struct measure_setting *setting, const struct scene *scene, uint32_t body)
 {
-    return plan_times(seen, PLAN_HEADROOM);
+    return scene_body_is_soft(&scene->bodies.body[body]) && !(setting->rigid >> body & 1);
+}
+
+int plan_gives_way(const struct measure_setting *setting, const struct scene *scene)
+{
+    int gives_way = 0;
+    for (uint32_t i = 0; i < scene->bodies.count; i++)
+        gives_way |= is_soft(setting, scene, i);
+    return gives_way;
+}
+
+uint32_t plan_capacity(double seen, const struct measure_setting *setting,
+                       const struct scene *scene)
+{
+    return plan_times(seen, plan_gives_way(setting, scene) ? PLAN_SOFT_HEADROOM : PLAN_HEADROOM);
 }
 
 /* Contacts are told on the way to a force; nobody asked for them alone. */
@@ -43,11 +57,6 @@ static void print_until(const struct measure_setting *setting, const struct scen
 {
     (void)scene, (void)body;
     snprintf(text, room, "%s", until_words[setting->world.until]);
-}
-
-static int is_soft(const struct measure_setting *setting, const struct scene *scene, uint32_t body)
-{
-    return scene_body_is_soft(&scene->bodies.body[body]) && !(setting->rigid >> body & 1);
 }
 
 static int reduce_rigid(struct measure_setting *setting, const struct scene *scene, uint32_t body,
@@ -101,11 +110,8 @@ static void print_integrator(const struct measure_setting *setting, const struct
                              uint32_t body, char *text, size_t room)
 {
     (void)body;
-    int soft = 0;
-    for (uint32_t i = 0; i < scene->bodies.count; i++)
-        soft |= is_soft(setting, scene, i);
     snprintf(text, room, "%s",
-             !soft                           ? "none"
+             !plan_gives_way(setting, scene) ? "none"
              : iterations_of(setting, scene) ? "implicit"
              : setting->integrator >= 0      ? "symplectic"
                                              : "the scene's");
@@ -146,8 +152,9 @@ static void print_smooth(const struct measure_setting *setting, const struct sce
 static int reduce_contacts(struct measure_setting *setting, const struct scene *scene,
                            uint32_t body, const struct plan_figures *seen)
 {
-    const uint32_t needed = plan_with_headroom(seen->contacts), now = setting->world.max_contacts;
-    (void)scene, (void)body;
+    const uint32_t needed = plan_capacity(seen->contacts, setting, scene);
+    const uint32_t now = setting->world.max_contacts;
+    (void)body;
     setting->world.max_contacts = needed < now ? needed : 0;
     return now > 0;
 }
@@ -195,12 +202,17 @@ static void print_sweeps(const struct measure_setting *setting, const struct sce
         snprintf(text, room, "none");
 }
 
-/* The first budget is what the largest tick took; a step's least is one unit. */
+/*
+ * The first budget is what the largest tick took; a step's least is one unit. Where something gives way, rare ticks take
+ * more than any multiple of what was seen, and one that ends early is felt ever after: none then.
+ */
 static int reduce_budget(struct measure_setting *setting, const struct scene *scene, uint32_t body,
                          const struct plan_figures *seen)
 {
     const uint32_t now = setting->world.budget;
-    (void)scene, (void)body;
+    (void)body;
+    if (plan_gives_way(setting, scene))
+        return 0;
     setting->world.budget = now != PLAN_BUDGET_AMPLE ? (uint32_t)(BUDGET_STEP * now)
                             : seen->work             ? seen->work
                                                      : 1;

@@ -41,8 +41,12 @@ extern const size_t plan_knob_count;
 /* What it is called: "budget", "bodies[2] rigid". */
 void plan_knob_name(const struct plan_knob *knob, uint32_t body, char *text, size_t room);
 
+/* Whether a body of the scene is left to give way. */
+int plan_gives_way(const struct measure_setting *setting, const struct scene *scene);
+
 /* Whole, at most UINT32_MAX: a capacity with what is to be left above what was seen, and any number so many times. */
-uint32_t plan_with_headroom(double seen);
+uint32_t plan_capacity(double seen, const struct measure_setting *setting,
+                       const struct scene *scene);
 uint32_t plan_times(double seen, double factor);
 
 #endif

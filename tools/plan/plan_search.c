@@ -172,7 +172,8 @@ static int climb_down(struct climb *climb)
             status = turn_back(climb, &plan_knobs[i], &before, taken_before);
     }
     if (climb->setting.world.strip && climb->figures.strip)
-        climb->setting.world.strip_capacity = plan_with_headroom(climb->figures.strip + 1);
+        climb->setting.world.strip_capacity =
+            plan_capacity(climb->figures.strip + 1, &climb->setting, climb->scene);
     return status;
 }
 
@@ -242,10 +243,11 @@ static int mend(struct climb *climb, const struct plan_neighbour *tried)
     struct plan_neighbour unlimited = *tried;
     switch (tried->broken) {
     case PLAN_CONTACTS:
-        world->max_contacts = plan_with_headroom(tried->figures.contacts);
+        world->max_contacts = plan_capacity(tried->figures.contacts, &climb->setting, climb->scene);
         return 0;
     case PLAN_STRIP:
-        world->strip_capacity = plan_with_headroom(tried->figures.strip + 1);
+        world->strip_capacity =
+            plan_capacity(tried->figures.strip + 1, &climb->setting, climb->scene);
         return 0;
     case PLAN_TIME:
         return 1;
@@ -406,7 +408,7 @@ int plan_search(struct plan_search *search, struct plan *plan, const struct scen
     if (status == 0)
         status = find_better(&climb, plan);
     plan->limits = plan_limits_of(&plan->asked, &plan->setting, &search->bench[0], 0);
-    plan->limits.work = plan_with_headroom(plan->figures.work);
+    plan->limits.work = plan_capacity(plan->figures.work, &plan->setting, scene);
     return status;
 }
 
