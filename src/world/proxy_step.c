@@ -431,13 +431,14 @@ static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *pro
     proxy->gap = -HUGE_VAL;
 }
 
-/* Whether a tick left a proxy as it was, but for the clocks of what it remembers. */
+/* Whether a tick left a proxy as it was, but for the clocks of what it remembers, and a pace that nothing waits for. */
 static int stood_still(const struct proxy *before, const struct proxy *now)
 {
     struct proxy same = *before;
     same.tick = now->tick;
     same.clock = now->clock;
     same.is_still = now->is_still;
+    same.pace = now->pace;
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
         same.memory[i].used = now->memory[i].used;
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)

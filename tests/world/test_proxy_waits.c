@@ -260,6 +260,7 @@ static void slide_over_all(const struct limits *limits, size_t count,
 }
 
 static unsigned rested, rested_elsewhere;
+static double error, off; /* N, sums over all ticks that are behind */
 
 static void judge_few(const struct solid *solid, const struct tally *tally)
 {
@@ -267,8 +268,8 @@ static void judge_few(const struct solid *solid, const struct tally *tally)
           tally->jump);
     CHECK(tally->growth <= 1e-9, "%s: grows by %g N", solid->name, tally->growth);
     CHECK(tally->gap > 0, "%s: gap %g", solid->name, tally->gap);
-    CHECK(tally->behind < 20 || tally->error < 0.5 * tally->off,
-          "%s: off by %g N where the spring is by %g", solid->name, tally->error, tally->off);
+    error += tally->error;
+    off += tally->off;
     rested += tally->rested;
     rested_elsewhere += tally->elsewhere;
 }
@@ -277,6 +278,7 @@ static void no_budget_makes_the_force_jump(void)
 {
     static const struct limits few[] = { { 0, 20 }, { 0, 60 }, { 0, 150 }, { 60, 0 }, { 200, 0 } };
     slide_over_all(few, sizeof few / sizeof *few, judge_few);
+    CHECK(error < 0.2 * off, "off by %g N in all, where the spring is by %g", error, off);
     CHECK(rested > 0 && rested_elsewhere * 20 <= rested, "%u of %u rest elsewhere",
           rested_elsewhere, rested);
 }
@@ -384,6 +386,59 @@ static void a_push_ends_in_pace(void)
     solid_close(&box);
 }
 
+/* m: of a wall's waves. No plane of one triangle keeps a tool in front of them all. */
+#define WAVE 0.02
+
+static void place_wall(double u, double v, double x[3])
+{
+    x[0] = u - 0.5;
+    x[1] = v - 0.5;
+    x[2] = WAVE * sin(60 * u) * sin(60 * v);
+}
+
+/* The device jumps through a wall and shakes behind it. What no sweep has come to the end of is no way. */
+static void no_wall_is_passed(void)
+{
+    enum { JUMPS = 400, TICKS = 30 };
+    struct solid wall;
+    uint64_t seed = 11;
+    unsigned behind = 0, replaced = 0;
+    if (!solid_from_net(&wall, "wall", 120, 120, 0, place_wall))
+        return;
+    for (uint64_t i = 0; i < part_of(JUMPS); i++) {
+        double ends[6], at[6], lowest = INFINITY;
+        int is_replaced = 0;
+        struct hand hand;
+        open_hand(&hand, &wall, (struct limits){ 0, 10 + 10 * (uint32_t)(i % 8) });
+        for (int k = 0; k < 3; k++) {
+            ends[k] = random_in(&seed, k < 2 ? -0.1 : 0.03, k < 2 ? 0.1 : 0.05);
+            ends[k + 3] = ends[k] + random_in(&seed, k == 0 ? 0.06 : 0.0, k == 2 ? 0.05 : 0.1);
+        }
+        pose_of(ends, &hand.rig.device);
+        rig_place(&hand.rig);
+        const double deep = random_in(&seed, 0.15, 0.3);
+        for (int t = 0; t < TICKS; t++) {
+            for (int k = 0; k < 3; k++) {
+                const double shift = random_in(&seed, -0.002, 0.002) - (k == 2 ? deep : 0);
+                at[k] = ends[k] + shift;
+                at[k + 3] = ends[k + 3] + shift;
+            }
+            step_hand(&hand, at);
+            behind += (unsigned)is_behind(&hand);
+            rig_proxy_ends(&hand.rig, 0, at);
+            is_replaced |= (hand.rig.force.flags & DPT_FORCE_FLAG_REPLACED) != 0;
+            if (!is_replaced && hand.rig.force.reason <= DPT_FORCE_FREE)
+                lowest = fmin(lowest, fmin(at[2], at[5]));
+        }
+        replaced += (unsigned)is_replaced;
+        CHECK(lowest > -WAVE, "jump %u: an end of the proxy is at %g", (unsigned)i, lowest);
+        rig_close(&hand.rig);
+    }
+    printf("    %u ticks behind, %u jumps end 1 rad off\n", behind, replaced);
+    CHECK(behind >= part_of(JUMPS) && replaced * 20 <= part_of(JUMPS), "%u, %u", behind, replaced);
+    solid_close(&wall);
+}
+
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
@@ -391,5 +446,6 @@ int main(int argc, char **argv)
     TEST(an_ample_budget_is_none);
     TEST(nothing_pulls_in_the_open);
     TEST(a_push_ends_in_pace);
+    TEST(no_wall_is_passed);
     return check_report();
 }
