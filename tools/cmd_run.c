@@ -362,7 +362,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
 /* Returns 0, or 2 after a message. */
 static int take_plan(struct scene *scene, const struct run_settings *settings)
 {
-    scene->planned = &settings->plan.setting.world;
+    scene->planned = &settings->plan.setting;
     measure_setting_change(&settings->plan.setting, &scene->bodies);
     return plan_scene_check(&settings->plan, scene, settings->plan_path);
 }

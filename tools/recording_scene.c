@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "command_options.h"
+#include "measure/measure_setting.h"
 #include "scene_list.h"
 
 static int check_identity(const char *command, const char *path, const char *what,
@@ -58,12 +59,32 @@ static int read_embedded(struct scene_def *def, struct recording_embed *embed, c
     return status;
 }
 
+/* What a plan left, before the world is made of it. Returns 0, or 2 after a message. */
+static int take_plan(struct scene *scene, const struct scene_text *text, const char *path,
+                     struct measure_setting *setting)
+{
+    const uint64_t most = UINT32_MAX;
+    if (!text->planned)
+        return 0;
+    if (text->plan_until > DPT_UNTIL_CONTACT ||
+        text->plan_integrator > 1 + DPT_INTEGRATOR_IMPLICIT || text->plan_iterations > most ||
+        text->plan_max_contacts > most || text->plan_smooth_normals > 1 ||
+        text->plan_sweep_budget > most || text->plan_strip_capacity > most ||
+        text->plan_rigid_low > most || text->plan_rigid_high > most)
+        return complain(scene->command, "%s: its header has a plan's setting that is none", path);
+    *setting = scene_text_setting(text);
+    measure_setting_change(setting, &scene->bodies);
+    scene->planned = setting;
+    return 0;
+}
+
 int recording_scene_open(struct scene *scene, const char *command, const char *path,
                          const struct scene_text *text, const char *scene_path,
                          const char *tool_path)
 {
     struct recording_embed embed = { .room = 0 };
     int embedded[EMBED_FILES];
+    struct measure_setting setting;
     char origin[96];
     const int has_own_friction = text->friction == SCENE_TEXT_OWN_FRICTION;
     struct scene_def def = { .command = command,
@@ -110,7 +131,10 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
         status = check_identity(command, def.tool ? def.tool : "", "tool", &scene->tool_file,
                                 text->tool_bytes, text->tool_crc32);
     if (status == 0)
+        status = take_plan(scene, text, path, &setting);
+    if (status == 0)
         status = scene_make_world(scene, &info, (uint32_t)text->budget);
+    scene->planned = NULL;
     if (status == 0 && text->passivity)
         observe(scene, text);
     scene_def_free(&def);

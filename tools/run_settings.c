@@ -117,10 +117,6 @@ static int read_plan(struct run_settings *settings, size_t operands, const char 
     const struct measure_setting *planned = &settings->plan.setting;
     if (operands || settings->scene.tool)
         return complain("run", "--plan names a scene and its tool: give no other");
-    if (settings->record && !run_is_traced(settings))
-        return complain("run",
-                        "--record F.dpr does not go with --plan: a recording does not tell a "
-                        "plan's setting");
     if (plan_file_read(&settings->plan, "run", settings->plan_path))
         return 2;
     if (*law && strcmp(*law, law_name(planned->world.law)))

@@ -8,6 +8,7 @@
 
 #include "arm_file.h"
 #include "command_options.h"
+#include "measure/measure_setting.h"
 
 /* Device to root: a URDF's z is up and its x ahead; a device's y is up and its z towards the user. */
 static const double device_to_root[4] = { 0.5, 0.5, -0.5, -0.5 };
@@ -80,7 +81,7 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     scene->device = *device;
     dpt_world_def_init(&world);
     if (scene->planned)
-        world = *scene->planned;
+        world = scene->planned->world;
     world.max_bodies = scene->bodies.count;
     world.max_tools = 1;
     world.max_segments = scene->segment_count;

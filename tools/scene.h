@@ -13,6 +13,8 @@
 #include "scene_physics.h"
 #include "scene_tips.h"
 
+struct measure_setting; /* measure/measure_setting.h */
+
 struct scene {
     const char *command;
     struct file_identity file,
@@ -22,8 +24,8 @@ struct scene {
     const dpt_arm *arm;      /* the arm of the scene; NULL: there is none */
     const dpt_arm *tool_arm; /* the arm whose tool is used; NULL: there is none */
     struct scene_bodies bodies;
-    /* Of a plan: until, memory, margin, contacts and strips of the world; NULL: the defaults. */
-    const dpt_world_def *planned;
+    /* Of a plan: until, memory, margin, contacts, sweeps and strips of the world; NULL: the defaults. */
+    const struct measure_setting *planned;
     double physics_rate;                        /* Hz; 0: what is soft is stepped in each tick */
     struct scene_physics *physics;              /* of the world, if there is a rate */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "command_options.h"
+#include "measure/measure_setting.h"
 #include "text/parse_number.h"
 
 enum kind { TEXT, COUNT, NUMBER };
@@ -58,6 +59,18 @@ static const struct key {
     KEY(NUMBER, passive_torque_slew),
     KEY(NUMBER, passive_delay),
     KEY(NUMBER, physics),
+    KEY(COUNT, planned),
+    KEY(COUNT, plan_until),
+    KEY(COUNT, plan_certificate_bytes),
+    KEY(NUMBER, plan_margin),
+    KEY(COUNT, plan_max_contacts),
+    KEY(COUNT, plan_smooth_normals),
+    KEY(COUNT, plan_sweep_budget),
+    KEY(COUNT, plan_strip_capacity),
+    KEY(COUNT, plan_rigid_low),
+    KEY(COUNT, plan_rigid_high),
+    KEY(COUNT, plan_integrator),
+    KEY(COUNT, plan_iterations),
 };
 enum { KEYS = sizeof keys / sizeof *keys };
 
@@ -66,6 +79,43 @@ enum { KEYS = sizeof keys / sizeof *keys };
 
 /* A line for the jaws, where their motion was given. */
 #define JAW_KEY "jaw="
+
+static void note_plan(struct scene_text *text, const struct measure_setting *setting)
+{
+    const dpt_world_def *world = &setting->world;
+    text->planned = 1;
+    text->plan_until = world->until;
+    text->plan_certificate_bytes = world->certificate_bytes;
+    text->plan_margin = world->margin;
+    text->plan_max_contacts = world->max_contacts;
+    text->plan_smooth_normals = world->smooth_normals;
+    text->plan_sweep_budget = world->sweep_budget;
+    text->plan_strip_capacity = world->strip_capacity;
+    text->plan_rigid_low = setting->rigid & UINT32_MAX;
+    text->plan_rigid_high = setting->rigid >> 32;
+    text->plan_integrator = (uint64_t)(setting->integrator + 1);
+    text->plan_iterations = setting->iterations;
+}
+
+struct measure_setting scene_text_setting(const struct scene_text *text)
+{
+    struct measure_setting setting = { .parts = 1,
+                                       .friction = NAN,
+                                       .rigid = text->plan_rigid_low | text->plan_rigid_high << 32,
+                                       .integrator = (int32_t)text->plan_integrator - 1,
+                                       .iterations = (uint32_t)text->plan_iterations,
+                                       .sleep_speed = NAN };
+    dpt_world_def *world = &setting.world;
+    dpt_world_def_init(world);
+    world->until = (uint32_t)text->plan_until;
+    world->certificate_bytes = text->plan_certificate_bytes;
+    world->margin = text->plan_margin;
+    world->max_contacts = (uint32_t)text->plan_max_contacts;
+    world->smooth_normals = (uint32_t)text->plan_smooth_normals;
+    world->sweep_budget = (uint32_t)text->plan_sweep_budget;
+    world->strip_capacity = (uint32_t)text->plan_strip_capacity;
+    return setting;
+}
 
 void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def)
 {
@@ -100,6 +150,8 @@ void scene_text_of(struct scene_text *text, const struct scene *scene, const str
         text->passive_torque_slew = def_of->torque_slew;
         text->passive_delay = def_of->delay;
     }
+    if (scene->planned)
+        note_plan(text, scene->planned);
     text->physics = scene->physics_rate;
     text->length = def->length;
     text->radius = def->radius;

@@ -29,6 +29,13 @@ struct scene_text {
     uint64_t passivity; /* 1: there was an observer, with these fields of its def */
     double passive_damping, passive_spin_damping, passive_force_max, passive_torque_max;
     double passive_force_slew, passive_torque_slew, passive_delay;
+    /* 1: the setting is that of a plan, with these fields of it (struct measure_setting). */
+    uint64_t planned;
+    uint64_t plan_until, plan_certificate_bytes, plan_max_contacts, plan_smooth_normals;
+    uint64_t plan_sweep_budget, plan_strip_capacity, plan_iterations;
+    uint64_t plan_rigid_low, plan_rigid_high; /* bodies 0 to 31, and 32 to 63, as bits */
+    uint64_t plan_integrator;                 /* 0: the scene's; else 1 + DPT_INTEGRATOR_... */
+    double plan_margin;
     double physics;         /* Hz, of what is soft, by the loop's time; 0: in each tick */
     struct tip_shapes tips; /* of the tool; each has a line of its own */
     struct jaw_motion jaw;
@@ -36,6 +43,9 @@ struct scene_text {
 
 /* Of a scene whose world was made. */
 void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def);
+
+/* The setting of a plan, as far as a scene's text has it; law, stiffness and the like are the text's own. */
+struct measure_setting scene_text_setting(const struct scene_text *text);
 
 /* Write it into `out`, the tool's segments and tips at its end. Returns 0, or 2 after a message. */
 int scene_text_write(const struct scene_text *text, const struct scene *scene,

@@ -125,7 +125,8 @@ typedef struct dpt_world_def {
      * Units that the sweeps of a step may take, all segments and proxies together, within `budget`. A motion that needs
      * more is swept further in the next steps: contact is unknown until then, and a proxy is on its way. There is no such
      * limit past a body that moved before this step, as only this step can sweep it, nor for the eighth motion that
-     * waits, as a ninth would be given up. Where a motion waits, a proxy may take another way round. 0: unlimited; 0
+     * waits, as a ninth would be given up. Where a motion waits, a proxy may take another way round, and
+     * DPT_FORCE_FLAG_BEHIND says that its wrench is a guess. 0: unlimited; 0
      */
     uint32_t sweep_budget;
     uint32_t max_tips; /* of all tools together (tip.h), 0..65535; 4 */
@@ -434,7 +435,13 @@ enum {
     /* The proxy was more than 1 rad from the device, and starts again there. The step's contacts are those before. */
     DPT_FORCE_FLAG_REPLACED = 16,
     /* A function of the program's own has had the wrench; see dpt_tool_set_shaper. */
-    DPT_FORCE_FLAG_SHAPED = 32
+    DPT_FORCE_FLAG_SHAPED = 32,
+    /*
+     * A budget made the proxy wait, or what is felt of it has not caught up since. The wrench is what the surfaces that
+     * hold the proxy would give if it had gone on along them, and changes no faster than without a budget:
+     * docs/algorithms/force.md.
+     */
+    DPT_FORCE_FLAG_BEHIND = 64
 };
 
 /*

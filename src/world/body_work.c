@@ -82,8 +82,13 @@ double dpti_proxy_body_work(struct proxy_tick *tick)
         return 0.0;
     const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
     const struct displacement now = displacement_sum(&left, 1.0, &proxy->yielded);
-    const double size = displacement_norm(&proxy->coupling, &left);
     if (!dpti_proxy_solve_held(tick, wanted))
+        return 0.0;
+    /* Of a proxy that waits, the contacts hold but a part of the way. */
+    for (uint32_t k = 0; k < proxy_unknowns(proxy) && proxy->is_behind; k++)
+        wanted[k] -= tick->solved.y[k];
+    const double size = norm_of(wanted, proxy_unknowns(proxy));
+    if (!(size > 0.0))
         return 0.0;
     /* The mean of this tick's force and the last one's. */
     const double mean = 0.5 *

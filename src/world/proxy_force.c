@@ -87,10 +87,57 @@ void dpti_proxy_yield(struct proxy_tick *tick)
     proxy->yielded = dpti_proxy_of_unknowns(proxy, tick->axes, yielded);
 }
 
+void dpti_proxy_wait(struct proxy_tick *tick)
+{
+    struct proxy *proxy = tick->proxy;
+    const uint32_t n = proxy_unknowns(proxy);
+    double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 };
+    const int is_solved = dpti_proxy_solve_held(tick, wanted);
+    const double *left = is_solved ? tick->solved.y : wanted;
+    const double size = norm_of(left, n);
+    if (size < PROXY_MOTION_SMALL * tick->clearance || size < PROXY_CONVERGED * norm_of(wanted, n))
+        return;
+    const struct displacement way = dpti_proxy_of_unknowns(proxy, tick->axes, left);
+    proxy->yielded = displacement_sum(&proxy->yielded, -1.0, &way);
+    proxy->lag = size;
+    proxy->flags |= DPT_FORCE_FLAG_BEHIND;
+    proxy->is_behind = 1;
+}
+
 void dpti_proxy_end_force(struct proxy *proxy)
 {
+    proxy->is_behind = 0;
     proxy->felt = none;
     memset(&proxy->fade, 0, sizeof proxy->fade);
+}
+
+/* Where the proxy has reached its device after it waited: whether more is still felt than may end in one tick. */
+static int is_pulled_back(const struct proxy *proxy)
+{
+    return proxy->is_behind && displacement_norm(&proxy->coupling, &proxy->felt) > proxy->pace;
+}
+
+/*
+ * What is felt of a proxy that waits, or has waited, changes no faster than that of one that never does. The surfaces that
+ * hold it tell nothing of where a long way ends: what is felt does not grow on it.
+ */
+static struct displacement in_pace(struct proxy *proxy, const struct displacement *felt)
+{
+    const struct coupling *coupling = &proxy->coupling;
+    const int is_waiting = (proxy->flags & DPT_FORCE_FLAG_BEHIND) != 0;
+    const double now = displacement_norm(coupling, felt);
+    const double last = displacement_norm(coupling, &proxy->felt);
+    if (!proxy->is_behind)
+        return *felt;
+    const double share = is_waiting && proxy->lag > proxy->pace && now > last ? last / now : 1.0;
+    const struct displacement goal = displacement_sum(&none, share, felt);
+    const struct displacement grown = displacement_sum(&goal, -1.0, &proxy->felt);
+    const double size = displacement_norm(coupling, &grown);
+    proxy->is_behind = is_waiting || size > proxy->pace;
+    if (!(size > proxy->pace))
+        return goal;
+    proxy->flags |= DPT_FORCE_FLAG_BEHIND;
+    return displacement_sum(&proxy->felt, proxy->pace / size, &grown);
 }
 
 static uint32_t reason_of(const struct tool *tool, const struct proxy *proxy)
@@ -101,7 +148,7 @@ static uint32_t reason_of(const struct tool *tool, const struct proxy *proxy)
         return DPT_FORCE_UNDECIDED;
     if (proxy->state != PROXY_OUTSIDE)
         return DPT_FORCE_INSIDE;
-    return proxy->is_held ? DPT_FORCE_ACTS : DPT_FORCE_FREE;
+    return proxy->is_held || is_pulled_back(proxy) ? DPT_FORCE_ACTS : DPT_FORCE_FREE;
 }
 
 /*
@@ -124,7 +171,8 @@ static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
     const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
     const struct proxy_pose device = dpti_proxy_pose_of(proxy, &tool->pose);
     const struct displacement away = dpti_proxy_displacement(proxy, &device, &at);
-    const struct displacement felt = displacement_sum(&away, -1.0, &proxy->yielded);
+    const struct displacement goal = displacement_sum(&away, -1.0, &proxy->yielded);
+    const struct displacement felt = in_pace(proxy, &goal);
     vec3 spin_axis = { 0.0, 0.0, 0.0 };
     dpt_wrench wrench;
     if (proxy->coupling.spin_rho > 0.0)
@@ -158,6 +206,7 @@ void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt)
         tool->body_work = proxy->body_work;
     } else {
         proxy->felt = none;
+        proxy->is_behind = (proxy->flags & DPT_FORCE_FLAG_BEHIND) != 0;
     }
     if ((proxy->reason == DPT_FORCE_UNDECIDED || proxy->reason == DPT_FORCE_INSIDE) &&
         last_reason == DPT_FORCE_ACTS)

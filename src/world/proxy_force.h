@@ -8,6 +8,12 @@
 /* The proxy has moved: how far the surfaces that hold it yield to the force. */
 void dpti_proxy_yield(struct proxy_tick *tick);
 
+/*
+ * After that: a proxy that waits for a budget is felt as if it had gone the way that is left to it, as far as the surfaces
+ * that hold it tell. So it does not pull back what nothing holds.
+ */
+void dpti_proxy_wait(struct proxy_tick *tick);
+
 /* The wrench and the report of a tool with a proxy. */
 void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt);
 

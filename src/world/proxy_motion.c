@@ -79,10 +79,10 @@ static int is_in_reach(const struct proxy_tick *tick, uint32_t slot, const struc
 static void note_sweep(struct proxy_tick *tick, uint32_t number, const struct body *body,
                        int status, double time, uint32_t triangle, struct tool_sweep *sweep)
 {
-    if (status == SWEEP_HIT) {
+    if (status == SWEEP_HIT)
         dpti_proxy_remember(tick->proxy, number, body->id, triangle);
+    if (status != SWEEP_FREE)
         sweep->time = min_of(sweep->time, time);
-    }
     if (status != SWEEP_FREE && sweep->status != SWEEP_UNFINISHED)
         sweep->status = status;
 }
@@ -122,7 +122,9 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
     const int status = work_is_spent(&world->work)
                            ? SWEEP_UNFINISHED
                            : dpti_rigid_sweep_find(&rigid, &from_place, &to_place);
-    note_sweep(tick, number, body, status, rigid.result.time, rigid.result.impact.triangle, sweep);
+    const double free_until =
+        status == SWEEP_HIT ? rigid.result.time : max_of(rigid.result.time, progress.free_until);
+    note_sweep(tick, number, body, status, free_until, rigid.result.impact.triangle, sweep);
 }
 
 /* A motion that meets something is shortened by more than that. */
@@ -287,8 +289,8 @@ double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, dou
     const struct tool_sweep sweep = sweep_tool(tick, to, DPT_NONE);
     int has_searched = 0;
     double share = sweep.time;
-    *met = sweep.status == SWEEP_UNFINISHED ? -1.0 : share;
-    if (sweep.status == SWEEP_UNFINISHED)
+    *met = share;
+    if (sweep.status == SWEEP_UNFINISHED && share == 0.0)
         return 0.0;
     if (sweep.status == SWEEP_FREE) {
         tick->at = *to;
@@ -303,7 +305,9 @@ double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, dou
         min_of(PROXY_GAP_KEPT * tick->clearance, max_of(tick->min_gap, 0.98 * gap));
     for (int k = 0; k < SHORTEN_MAX && !tick->is_before && !work_is_spent(&tick->world->work);
          k++) {
-        share *= k < SHORTEN_LITTLE ? SHORTER_LITTLE : SHORTER;
+        /* Where a budget ended the sweep, nothing was touched. */
+        if (k > 0 || sweep.status != SWEEP_UNFINISHED)
+            share *= k < SHORTEN_LITTLE ? SHORTER_LITTLE : SHORTER;
         const dpt_pose pose = dpti_rigid_sweep_pose(&from.pose, &to->pose, share);
         const struct proxy_pose shorter = dpti_proxy_pose_of(tick->proxy, &pose);
         if (!(dpti_proxy_gap_of_remembered(tick, &shorter, wanted) >= wanted))

@@ -20,10 +20,6 @@ enum { PUSHES_MAX = 4 };
 #define CLEARANCE 2e-6
 #define GAP_MIN   0.75e-6
 
-/* A motion below this share of what is left to the device is none; below that of the clearance, too. */
-#define CONVERGED       3e-4
-#define CONVERGED_SMALL 1e-3
-
 /*
  * How much wider than the clearance contacts are left after a body that moves was met: a share of the motion, then
  * twice as much each time. A straight motion beside a surface that turns comes nearer to it in between.
@@ -214,13 +210,23 @@ static int go_to_goal(struct proxy_tick *tick, const struct displacement *left, 
     return 1;
 }
 
-/* How long a motion may be that is tried next, after one of that length was free up to `met`. */
-static double next_trust(const struct proxy_tick *tick, double met, double motion)
+/* Whether no motion can be swept any more in this tick. */
+static int is_spent(const struct proxy_tick *tick)
+{
+    const struct dpt_world *world = tick->world;
+    return work_is_spent(&world->work) || (!tick->is_before && !world->sweep_work_left);
+}
+
+/*
+ * How long a motion may be that is tried next, after one of that length that was free up to `met`, and the share made. One
+ * for which only the rest of a budget was left is tried once more with all of it.
+ */
+static double next_trust(const struct proxy_tick *tick, double met, double made, double motion)
 {
     const double least = tick->clearance;
-    if (met < 0.0)
-        return max_of(least, 0.25 * motion);
-    if (met < 0.25)
+    if (is_spent(tick) && !(made > 0.0))
+        return max_of(least, tick->is_moved ? motion : 0.25 * motion);
+    if (is_spent(tick) || met < 0.25)
         return max_of(least, 2.0 * max_of(met, 0.1) * motion);
     return 4.0 * max_of(tick->proxy->trust, motion);
 }
@@ -253,8 +259,8 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *way
     proxy->lag = size;
     remember_active(tick);
     if (!tick->is_before &&
-        (size < CONVERGED_SMALL * tick->clearance ||
-         (size < CONVERGED * left && tick->gap > PROXY_GAP_KEPT * tick->clearance)))
+        (size < PROXY_MOTION_SMALL * tick->clearance ||
+         (size < PROXY_CONVERGED * left && tick->gap > PROXY_GAP_KEPT * tick->clearance)))
         return FOLLOW_DONE;
     /* While a body pushes, neither the trust nor a gap on the way keeps it waiting. */
     const double longest = tick->is_before ? allowed : min_of(proxy->trust, allowed);
@@ -295,10 +301,11 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     if (tick->is_before && made < 1.0)
         tick->lift = max_of(2.0 * tick->lift, LIFT_SHARE * motion.size + tick->clearance);
     if (!tick->is_before)
-        proxy->trust = next_trust(tick, met, motion.size);
+        proxy->trust = next_trust(tick, met, made, motion.size);
     if (!(made > 0.0))
         return tick->is_before ? FOLLOW_MOVED : FOLLOW_STUCK;
     tick->made = made;
+    tick->is_moved = 1;
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
     dpti_proxy_note_slip(tick, moved.shift, proxy_whole_turn(&moved, &from));
     tick->is_before = tick->is_before && made < 1.0;
@@ -311,8 +318,9 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
 static void place(struct proxy_tick *tick)
 {
     tick->at = tick->goal;
-    tick->is_before = 0;
+    tick->is_before = tick->is_waiting = 0;
     tick->proxy->state = PROXY_PLACED;
+    tick->proxy->is_behind = 0;
     dpti_proxy_find_nearest(tick);
     tick->proxy->trust = HUGE_VAL;
     tick->proxy->last_motion = 0.0;
@@ -349,18 +357,20 @@ static void follow_all(struct proxy_tick *tick, double *allowed)
 {
     const struct work *work = &tick->world->work;
     tick->proxy->owed = 0.0;
+    tick->is_waiting = 0;
     for (int i = 0; i < ITERATIONS_MAX; i++) {
         int result = follow_once(tick, allowed);
         if (tick->is_before && (i + 1 >= PUSHES_MAX || work_is_spent(work)) &&
             dpti_proxy_carry(tick))
             result = FOLLOW_MOVED;
-        if (result == FOLLOW_DONE || work_is_spent(work))
+        if (result == FOLLOW_DONE)
             return;
-        if (!tick->is_before && !tick->world->sweep_work_left) {
+        if (is_spent(tick)) {
+            tick->is_waiting = 1;
             tick->proxy->owed = *allowed;
             return;
         }
-        if (!tick->is_before && *allowed <= CONVERGED_SMALL * tick->clearance)
+        if (!tick->is_before && *allowed <= PROXY_MOTION_SMALL * tick->clearance)
             return;
     }
 }
@@ -376,6 +386,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     double allowed =
         is_released ? HUGE_VAL : 2.0 * device_moved + FOLD_SPEED * dt + others_moved + owed;
     const double cap = allowed;
+    proxy->pace = is_released ? HUGE_VAL : 3.0 * device_moved + FOLD_SPEED * dt + others_moved;
     if (is_released)
         proxy->trust = HUGE_VAL;
     proxy->is_released = 0;
@@ -395,7 +406,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     proxy->owed = min_of(proxy->owed, 2.0 * far);
     /* The next tick's first motion will be about as long as all of this one's. */
     proxy->last_motion = max_of(proxy->last_motion, 1.5 * motion);
-    const int is_capped = cap > 0.0 && allowed <= CONVERGED_SMALL * tick->clearance;
+    const int is_capped = cap > 0.0 && allowed <= PROXY_MOTION_SMALL * tick->clearance;
     const double expected = 2.0 * (device_moved + others_moved) + owed;
     if (!is_released && (is_capped || motion > expected + 0.1 * far)) {
         proxy->flags |= DPT_FORCE_FLAG_FOLD;
@@ -420,13 +431,14 @@ static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *pro
     proxy->gap = -HUGE_VAL;
 }
 
-/* Whether a tick left a proxy as it was, but for the clocks of what it remembers. */
+/* Whether a tick left a proxy as it was, but for the clocks of what it remembers, and a pace that nothing waits for. */
 static int stood_still(const struct proxy *before, const struct proxy *now)
 {
     struct proxy same = *before;
     same.tick = now->tick;
     same.clock = now->clock;
     same.is_still = now->is_still;
+    same.pace = now->pace;
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
         same.memory[i].used = now->memory[i].used;
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
@@ -472,6 +484,8 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     }
     dpti_proxy_keep_contacts(&tick);
     dpti_proxy_yield(&tick);
+    if (tick.is_waiting)
+        dpti_proxy_wait(&tick);
     proxy->body_work = dpti_proxy_body_work(&tick);
     dpti_loads_note_proxy(&tick);
     const int is_done = dpti_tips_follow(&tick);
@@ -486,8 +500,8 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     world->segments[tool->first_segment].result.work = world->work.done - work_before;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick.goal, &tick.at);
     proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
-    proxy->is_still =
-        is_unchanged && is_done && proxy->tip_motion == 0.0 && stood_still(&before, proxy);
+    proxy->is_still = is_unchanged && is_done && !proxy->is_behind && proxy->tip_motion == 0.0 &&
+                      stood_still(&before, proxy);
 }
 
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)

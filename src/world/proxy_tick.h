@@ -17,6 +17,10 @@ enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
  */
 #define PROXY_SCALE_MAX 1.0
 
+/* A motion below this share of what is left to the device is none; below that of the clearance, too. */
+#define PROXY_CONVERGED    3e-4
+#define PROXY_MOTION_SMALL 1e-3
+
 /* Of the clearance: a gap that is kept well enough. */
 #define PROXY_GAP_KEPT 0.7
 
@@ -45,11 +49,13 @@ struct proxy_tick {
     double
         gap; /* the least of the tool's surface at `at`; a lower bound where a budget ended the search */
     int is_before; /* `at` is proven only for where bodies were at `time` of their motion before this tick */
-    double time; /* 0..1 */
-    double made; /* the share that was made of the last motion that was solved for */
-    double lift; /* m: while is_before, contacts are left so much wider than the clearance */
-    int is_lost; /* the segments' nearest pairs are of another pose than `at` */
-    int held;    /* PROXY_HELD_... */
+    double time;    /* 0..1 */
+    double made;    /* the share that was made of the last motion that was solved for */
+    double lift;    /* m: while is_before, contacts are left so much wider than the clearance */
+    int is_lost;    /* the segments' nearest pairs are of another pose than `at` */
+    int held;       /* PROXY_HELD_... */
+    int is_moved;   /* a motion was made in this tick */
+    int is_waiting; /* a budget ended the tick's motions, with a way left to go */
     uint32_t triangle_count;
     uint32_t space_count;
     uint32_t contact_count; /* of the solution, contacts with friction */

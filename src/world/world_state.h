@@ -155,12 +155,16 @@ struct proxy {
     double min_gap; /* m: the least that is allowed */
     double trust;   /* m: the longest motion that is tried at once */
     double last_motion; /* m */
-    double owed; /* m: how far it might have moved in the last tick, but for the sweeps' limit */
+    double owed;        /* m: how far it might have moved in the last tick, but for a budget */
+    double pace; /* m: by how much what is felt of it may change in this tick, once it has waited */
     double lag;  /* m */
     double tip_motion; /* m: how far tips moved in the tool's frame in the last tick, at most */
     double length;     /* m: of a free tool, the device's */
     double radius;     /* m: likewise */
-    /* Of the displacement from the device to the proxy, the part that surfaces yield, and the energy they store, J. */
+    /*
+     * Of the displacement from the device to the proxy, what is not felt: the part that surfaces yield, and the way that
+     * only a budget ends. And the energy that the surfaces store, J.
+     */
     struct displacement yielded;
     double yielded_energy;
     double body_work; /* J, in this tick */
@@ -179,8 +183,9 @@ struct proxy {
     uint32_t tick;    /* the world's, of its last step */
     /* A body that it remembers was removed or teleported since: its push ends at once. */
     uint32_t is_released;
-    uint32_t reason;   /* DPT_FORCE_... of this tick */
-    uint32_t is_still; /* the last tick left it as it was */
+    uint32_t reason;    /* DPT_FORCE_... of this tick */
+    uint32_t is_still;  /* the last tick left it as it was */
+    uint32_t is_behind; /* a budget made it wait, or what is felt of it has not caught up since */
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
 };

@@ -207,11 +207,15 @@ J
     check "it gives way: $(grep rigid stdout)" grep -q '^  bodies\[0\] rigid  *gives way  *rigid: ' stdout
     check 'with fewer iterations than 8, or why not' grep -q '^  iterations ' stdout
     check 'in the file' json soft.json 'p["setting"]["rigid"] == []'
+    check 'with no tick that ends early' json soft.json 'p["setting"]["budget"] == 4294967295'
+    check 'with room for 3 times the contacts' json soft.json 'p["setting"]["max_contacts"] == 3 * p["measured"]["contacts"] > 0'
+    check "and why: $(grep '^  budget' stdout)" grep -q '^  budget  *none  *of what gives way, ' stdout
     holds 'on another trace' --plan soft.json --seed 5 --ticks 3000
     succeeds 'run --plan' run --plan soft.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
     check "what gives way does: $(cat stdout)" grep -q '"spring_nodes":[1-9]' stdout
     succeeds 'plan a soft sheet coarsely' plan sheet.scene.json --error 10cm --rate 500 --ticks 10000 -o stiff.json
     check 'then it is rigid' json stiff.json 'p["setting"]["rigid"] == [0]'
+    check 'and has a budget' json stiff.json 'p["setting"]["budget"] < 1000000'
     check 'and no force is needed' json stiff.json 'p["setting"]["until"] == "track"'
     succeeds 'run --plan' run --plan stiff.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
     check "it is rigid: $(cat stdout)" test "$(grep -c "\"spring_nodes\":[1-9]" stdout)" -eq 0
@@ -220,6 +224,80 @@ J
     budget=$(sed -n 's/.*"budget": \([0-9]*\).*/\1/p' torus.json | head -n 1)
     check "its budget: $(cat stdout)" grep -q "\"budget\":$budget}" stdout
     notes 'at another rate' 'what it promises does not count' run --plan torus.json --device 'sim:?hand=press&rate=2000' --ticks 50 --json
+}
+
+# A tool that presses now here, now there, and flies across in one tick: the sweeps of that may wait, as nothing is met on
+# the way. The slides of the torus' own plan need theirs.
+sweeps()
+{
+    check 'slides are swept at once' json torus.json 'p["setting"]["sweep_budget"] == 0'
+    check "and why: $(grep sweep_budget torus.txt)" grep -q '^  sweep_budget  *none  *[0-9]*: ' torus.txt
+    awk 'function row(z, off) {
+            printf "%d,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n", tick++, x + off - 0.005 * side, -0.05, z,
+                x + off + 0.005 * side, 0.05, z
+        }
+        BEGIN {
+            print "tick,ax,ay,az,bx,by,bz"
+            for (side = 1; tick < 10080; side = -side) {
+                x = 0.1 * side
+                for (i = 0; i < 40; i++) row(0.06 - 0.0195 * i / 39)
+                for (i = 0; i < 60; i++) row(0.0405, 0.0005 * sin(0.05 * i))
+                for (i = 0; i < 40; i++) row(0.0405 + 0.0195 * i / 39)
+            }
+        }' </dev/null >flights.csv
+    succeeds 'a finer torus' make torus 61358 -o fine.obj
+    succeeds 'compiled' compile fine.obj -o fine.dpa
+    succeeds 'plan flights' plan fine.dpa --error 0.1mm --force-error 0.05N --trace flights.csv -o flights.json --header flights.h
+    check "flights wait: $(grep sweep_budget stdout)" json flights.json 'p["setting"]["sweep_budget"] >= 64'
+    check 'the richest and the next better have none' json flights.json 'p["better"]["setting"]["sweep_budget"] == 0'
+    units=$(sed -n 's/.*"sweep_budget": \([0-9]*\).*/\1/p' flights.json | head -n 1)
+    check "in the header: $(grep sweep_budget flights.h)" grep -qx "    def->sweep_budget = $units;" flights.h
+    holds 'flights' --plan flights.json
+    run replay --plan flights.json --json
+    mv stdout waits.out
+    sed "s/\"sweep_budget\": $units/\"sweep_budget\": 0/" flights.json >unlimited.json
+    run replay --plan unlimited.json --json
+    check "a tenth of the largest tick is saved: $(cat waits.out stdout)" python3 -c '
+import json
+waits, unlimited = json.load(open("waits.out")), json.load(open("stdout"))
+assert unlimited["force_error"] == 0 and waits["work"] <= 0.9 * unlimited["work"]' 2>python.log
+    sed "s/\"sweep_budget\": $units/\"sweep_budget\": 10/" flights.json >few.json
+    breaks 'too few' force --plan few.json
+    edited '"sweep_budget": 0' '"sweep_budget": -1'
+    refuses 'no units' 'edited.json: setting.sweep_budget: must be 0 to 4294967295; it is -1' replay --plan edited.json
+    sed 's/"sweep_budget": [0-9]*, //' torus.json >older.json
+    holds 'a plan that says nothing of sweeps' --plan older.json
+}
+
+# recorded PLAN KEY=VALUE...: a run with a plan, whose recording tells that, and replays to the same bits
+recorded()
+{
+    plan=$1
+    shift
+    succeeds "run --plan $plan --record" run --plan "$plan" --device 'sim:?hand=wipe&cycle=1' --ticks 1500 --record run.dpr
+    for line; do
+        check "$plan: $line in $(grep -a '^plan' run.dpr)" grep -aqx "$line" run.dpr
+    done
+    succeeds "replay of $plan" replay run.dpr
+    check "the same bits: $(cat stdout)" grep -qx 'run.dpr: 1500 ticks, all the same bits' stdout
+}
+
+# A recording tells a plan's setting, so that it is made again.
+recordings()
+{
+    recorded torus.json planned=1 plan_until=0 plan_max_contacts=0 plan_integrator=0 plan_sweep_budget=0
+    recorded flights.json "plan_sweep_budget=$(sed -n 's/.*"sweep_budget": \([0-9]*\).*/\1/p' flights.json | head -n 1)"
+    recorded soft.json plan_rigid_low=0 "plan_iterations=$(sed -n 's/.*"iterations": \([0-9]*\).*/\1/p' soft.json | head -n 1)"
+    recorded stiff.json plan_rigid_low=1 plan_until=1
+    # Settings that are felt: with another margin, other contacts, normals or sweeps the bits would be others.
+    sed 's/"law": "proxy"/"law": "bed"/' torus.json >bed.json
+    recorded bed.json law=bed
+    sed 's/"law": "proxy"/"law": "point"/; s/"smooth_normals": 0/"smooth_normals": 1/' torus.json >point.json
+    recorded point.json law=point plan_smooth_normals=1 plan_max_contacts=0
+    sed 's/"sweep_budget": 0/"sweep_budget": 20/' torus.json >waits.json
+    recorded waits.json plan_sweep_budget=20
+    succeeds 'without a plan' run torus.dpa --device 'sim:?hand=wipe&cycle=1' --ticks 50 --record run.dpr
+    check 'none is told' grep -aqx 'planned=0' run.dpr
 }
 
 # A device, a stiffness that it cannot hold, and the bound that limits.
@@ -275,7 +353,6 @@ refused()
     edited '"crc32": "[0-9a-f]*" }]' '"crc32": "00000000" }]'
     refuses 'another mesh' 'edited.json: meshes[0]: another mesh than now in torus.dpa' replay --plan edited.json
     refuses 'a plan and a scene' '--plan names a scene and its tool' run torus.dpa --plan torus.json --device sim
-    refuses 'a recording' '--record F.dpr does not go with --plan' run --plan torus.json --device sim --record out/x.dpr
     refuses 'another law' '--law: the plan torus.json is of the law proxy' run --plan torus.json --device sim --law bed
     refuses 'two traces' '--seed, --ticks and --speed are for a trace that is made' replay --plan torus.json torus.csv --seed 2
 }
@@ -291,6 +368,8 @@ promised
 broken
 header
 soft
+sweeps
+recordings
 devices
 refused
 finish

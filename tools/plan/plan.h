@@ -19,6 +19,9 @@
 /* What was seen counts so many times for a capacity. */
 #define PLAN_HEADROOM 1.5
 
+/* Where something gives way. */
+#define PLAN_SOFT_HEADROOM 3.0
+
 /* And for a budget: so much larger may the largest tick of another trace be (docs/plan.md). It costs only that tick. */
 #define PLAN_BUDGET_HEADROOM 3.0
 

@@ -46,12 +46,13 @@ static void write_world(FILE *file, const struct plan *plan, const struct scene 
             "    dpt_world_def_init(def);\n    def->max_bodies = PLAN_BODIES;\n"
             "    def->max_tools = 1;\n    def->max_segments = %" PRIu32 ";\n    def->max_tips = "
             "%" PRIu32 ";\n    def->until = %s;\n    def->law = %s;\n    def->budget = %" PRIu32
-            ";\n    def->certificate_bytes = %" PRIu64 "u;\n    def->max_contacts = %" PRIu32
-            ";\n    def->smooth_normals = %" PRIu32 ";\n    def->margin = %.17g;\n"
+            ";\n    def->sweep_budget = %" PRIu32 ";\n    def->certificate_bytes = %" PRIu64
+            "u;\n    def->max_contacts = %" PRIu32 ";\n    def->smooth_normals = %" PRIu32
+            ";\n    def->margin = %.17g;\n"
             "    def->stiffness = %.17g;\n",
             scene->segment_count, scene->tips.count, until_name(world->until),
-            law_constants[world->law], world->budget, world->certificate_bytes, world->max_contacts,
-            world->smooth_normals, world->margin, world->stiffness);
+            law_constants[world->law], world->budget, world->sweep_budget, world->certificate_bytes,
+            world->max_contacts, world->smooth_normals, world->margin, world->stiffness);
     if (world->strip)
         fprintf(file,
                 "    def->strip = DPT_STRIP_KIND_SHADOW;\n    def->strip_capacity = %" PRIu32 ";\n",

@@ -12,6 +12,9 @@
 /* Less memory for certificates than this is none. */
 #define CERTIFICATES_LEAST 16384
 
+/* Units of a step's sweeps with which hardly one comes to its end. */
+#define SWEEPS_LEAST 64
+
 /* Iterations of an implicit step where neither the setting nor the scene says how many. */
 #define ITERATIONS_USUAL 2
 
@@ -20,9 +23,23 @@ uint32_t plan_times(double seen, double factor)
     return (uint32_t)fmin(ceil(factor * seen), (double)UINT32_MAX);
 }
 
-uint32_t plan_with_headroom(double seen)
+static int is_soft(const struct measure_setting *setting, const struct scene *scene, uint32_t body)
 {
-    return plan_times(seen, PLAN_HEADROOM);
+    return scene_body_is_soft(&scene->bodies.body[body]) && !(setting->rigid >> body & 1);
+}
+
+int plan_gives_way(const struct measure_setting *setting, const struct scene *scene)
+{
+    int gives_way = 0;
+    for (uint32_t i = 0; i < scene->bodies.count; i++)
+        gives_way |= is_soft(setting, scene, i);
+    return gives_way;
+}
+
+uint32_t plan_capacity(double seen, const struct measure_setting *setting,
+                       const struct scene *scene)
+{
+    return plan_times(seen, plan_gives_way(setting, scene) ? PLAN_SOFT_HEADROOM : PLAN_HEADROOM);
 }
 
 /* Contacts are told on the way to a force; nobody asked for them alone. */
@@ -40,11 +57,6 @@ static void print_until(const struct measure_setting *setting, const struct scen
 {
     (void)scene, (void)body;
     snprintf(text, room, "%s", until_words[setting->world.until]);
-}
-
-static int is_soft(const struct measure_setting *setting, const struct scene *scene, uint32_t body)
-{
-    return scene_body_is_soft(&scene->bodies.body[body]) && !(setting->rigid >> body & 1);
 }
 
 static int reduce_rigid(struct measure_setting *setting, const struct scene *scene, uint32_t body,
@@ -98,11 +110,8 @@ static void print_integrator(const struct measure_setting *setting, const struct
                              uint32_t body, char *text, size_t room)
 {
     (void)body;
-    int soft = 0;
-    for (uint32_t i = 0; i < scene->bodies.count; i++)
-        soft |= is_soft(setting, scene, i);
     snprintf(text, room, "%s",
-             !soft                           ? "none"
+             !plan_gives_way(setting, scene) ? "none"
              : iterations_of(setting, scene) ? "implicit"
              : setting->integrator >= 0      ? "symplectic"
                                              : "the scene's");
@@ -143,8 +152,9 @@ static void print_smooth(const struct measure_setting *setting, const struct sce
 static int reduce_contacts(struct measure_setting *setting, const struct scene *scene,
                            uint32_t body, const struct plan_figures *seen)
 {
-    const uint32_t needed = plan_with_headroom(seen->contacts), now = setting->world.max_contacts;
-    (void)scene, (void)body;
+    const uint32_t needed = plan_capacity(seen->contacts, setting, scene);
+    const uint32_t now = setting->world.max_contacts;
+    (void)body;
     setting->world.max_contacts = needed < now ? needed : 0;
     return now > 0;
 }
@@ -172,12 +182,37 @@ static void print_certificates(const struct measure_setting *setting, const stru
     snprintf(text, room, "%" PRIu64, setting->world.certificate_bytes);
 }
 
-/* The first budget is what the largest tick took; a step's least is one unit. */
+/* The first may end a sweep that takes half of the largest tick. */
+static int reduce_sweeps(struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                         const struct plan_figures *seen)
+{
+    const uint32_t now = setting->world.sweep_budget;
+    (void)scene, (void)body;
+    setting->world.sweep_budget = (now ? now : seen->work) / 2;
+    return setting->world.until != DPT_UNTIL_TRACK && setting->world.sweep_budget >= SWEEPS_LEAST;
+}
+
+static void print_sweeps(const struct measure_setting *setting, const struct scene *scene,
+                         uint32_t body, char *text, size_t room)
+{
+    (void)scene, (void)body;
+    if (setting->world.sweep_budget)
+        snprintf(text, room, "%" PRIu32, setting->world.sweep_budget);
+    else
+        snprintf(text, room, "none");
+}
+
+/*
+ * The first budget is what the largest tick took; a step's least is one unit. Where something gives way, rare ticks take
+ * more than any multiple of what was seen, and one that ends early is felt ever after: none then.
+ */
 static int reduce_budget(struct measure_setting *setting, const struct scene *scene, uint32_t body,
                          const struct plan_figures *seen)
 {
     const uint32_t now = setting->world.budget;
-    (void)scene, (void)body;
+    (void)body;
+    if (plan_gives_way(setting, scene))
+        return 0;
     setting->world.budget = now != PLAN_BUDGET_AMPLE ? (uint32_t)(BUDGET_STEP * now)
                             : seen->work             ? seen->work
                                                      : 1;
@@ -208,6 +243,7 @@ RESTORE(iterations, iterations)
 RESTORE(smooth, world.smooth_normals)
 RESTORE(contacts, world.max_contacts)
 RESTORE(certificates, world.certificate_bytes)
+RESTORE(sweeps, world.sweep_budget)
 RESTORE(budget, world.budget)
 
 static void restore_rigid(struct measure_setting *setting, const struct measure_setting *from,
@@ -218,14 +254,21 @@ static void restore_rigid(struct measure_setting *setting, const struct measure_
 }
 
 const struct plan_knob plan_knobs[] = {
-    { "certificate_bytes", 0, 1, reduce_certificates, restore_certificates, print_certificates },
-    { "rigid", 1, 0, reduce_rigid, restore_rigid, print_rigid },
-    { "until", 0, 0, reduce_until, restore_until, print_until },
-    { "integrator", 0, 0, reduce_integrator, restore_integrator, print_integrator },
-    { "iterations", 0, 0, reduce_iterations, restore_iterations, print_iterations },
-    { "smooth_normals", 0, 0, reduce_smooth, restore_smooth, print_smooth },
-    { "max_contacts", 0, 0, reduce_contacts, restore_contacts, print_contacts },
-    { "budget", 0, 0, reduce_budget, restore_budget, print_budget },
+    { "certificate_bytes", .must = KNOB_SAME_BITS, .reduce = reduce_certificates,
+      .restore = restore_certificates, .print = print_certificates },
+    { "rigid", .of_bodies = 1, .reduce = reduce_rigid, .restore = restore_rigid,
+      .print = print_rigid },
+    { "until", .reduce = reduce_until, .restore = restore_until, .print = print_until },
+    { "integrator", .reduce = reduce_integrator, .restore = restore_integrator,
+      .print = print_integrator },
+    { "iterations", .reduce = reduce_iterations, .restore = restore_iterations,
+      .print = print_iterations },
+    { "smooth_normals", .reduce = reduce_smooth, .restore = restore_smooth, .print = print_smooth },
+    { "max_contacts", .reduce = reduce_contacts, .restore = restore_contacts,
+      .print = print_contacts },
+    { "sweep_budget", .must = KNOB_SAVES, .reduce = reduce_sweeps, .restore = restore_sweeps,
+      .print = print_sweeps },
+    { "budget", .reduce = reduce_budget, .restore = restore_budget, .print = print_budget },
 };
 const size_t plan_knob_count = sizeof plan_knobs / sizeof *plan_knobs;
 

@@ -8,11 +8,18 @@
 
 #include "plan/plan.h"
 
+/* What a knob must do beside holding all bounds, to stay turned. Then it is turned back by a step, which was seen to hold. */
+enum plan_must {
+    KNOB_HOLDS,     /* nothing else; it is not turned back */
+    KNOB_SAME_BITS, /* change no answer */
+    KNOB_SAVES      /* save a tenth of the largest tick's units, or of those at 99.9 % */
+};
+
 struct plan_knob {
     const char *name; /* as in world.h */
     /* Of each body that gives way, apart; else once. */
     int of_bodies;
-    int same_bits; /* 1: it goes as far as no answer changes */
+    enum plan_must must;
     /*
      * The next cheaper value. Returns 0 where there is none.
      *   body    its number, of a knob of bodies
@@ -34,8 +41,12 @@ extern const size_t plan_knob_count;
 /* What it is called: "budget", "bodies[2] rigid". */
 void plan_knob_name(const struct plan_knob *knob, uint32_t body, char *text, size_t room);
 
+/* Whether a body of the scene is left to give way. */
+int plan_gives_way(const struct measure_setting *setting, const struct scene *scene);
+
 /* Whole, at most UINT32_MAX: a capacity with what is to be left above what was seen, and any number so many times. */
-uint32_t plan_with_headroom(double seen);
+uint32_t plan_capacity(double seen, const struct measure_setting *setting,
+                       const struct scene *scene);
 uint32_t plan_times(double seen, double factor);
 
 #endif

@@ -90,7 +90,10 @@ static void report_refused(FILE *file, const struct plan *plan, const struct pla
                 plan_broken_text(&limits, &refused->figures, refused->broken).text);
         return;
     }
-    fprintf(file, "-");
+    if (!strcmp(knob, "budget") && plan->setting.world.budget == PLAN_BUDGET_AMPLE)
+        fprintf(file, "of what gives way, rare ticks take many times more than was seen");
+    else
+        fprintf(file, "-");
 }
 
 static void report_knobs(FILE *file, const struct plan *plan, const struct plan_search *search,

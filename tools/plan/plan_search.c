@@ -10,6 +10,9 @@
 /* Of the chosen setting, and of those beside it: times are the least of so many passes. */
 enum { PASSES = 3 };
 
+/* Of units: a knob that leaves more saves nothing. */
+#define SAVED 0.9
+
 /* What was taken away, so that it can be given back. */
 enum { TAKEN_MAX = 512 };
 struct taken {
@@ -73,9 +76,10 @@ static int is_budget(const struct plan_knob *knob)
     return knob == &plan_knobs[plan_knob_count - 1];
 }
 
-static int is_memory(const struct plan_knob *knob)
+/* What it leaves is told as it was. */
+static int is_thrift(const struct plan_knob *knob)
 {
-    return !strcmp(knob->name, "certificate_bytes");
+    return is_budget(knob) || knob->must != KNOB_HOLDS;
 }
 
 /* What a setting has to keep on a trace, while it is looked for. */
@@ -112,7 +116,7 @@ static int turn(struct climb *climb, const struct plan_knob *knob, uint32_t body
         if (!knob->reduce(&tried.setting, climb->scene, body, &climb->figures) ||
             measure_setting_fault(&tried.setting, climb->scene))
             return 0;
-        if (measure(climb, &tried, 1, knob->same_bits))
+        if (measure(climb, &tried, 1, knob->must == KNOB_SAME_BITS))
             return 2;
         if (tried.broken != PLAN_HOLDS) {
             refuse(climb, knob, body, &tried);
@@ -126,14 +130,33 @@ static int turn(struct climb *climb, const struct plan_knob *knob, uint32_t body
     return 0;
 }
 
-/* Memory is not to be felt on other traces either: one step more than is needed, which was seen to give the same bits. */
-static void leave_memory(struct climb *climb, const struct plan_knob *knob)
+static int saves(const struct plan_figures *before, const struct plan_figures *now)
 {
-    const size_t last = climb->taken_count - 1;
-    if (!knob->same_bits || !climb->taken_count || climb->taken[last].knob != knob)
-        return;
-    climb->setting = climb->taken[last].before;
-    climb->taken_count--;
+    return now->work <= SAVED * before->work || now->work_p999 <= SAVED * before->work_p999;
+}
+
+/*
+ * Memory is not to be felt on other traces either, and a sweep is to end there: one step more than is needed. Returns 0, or
+ * 2 after a message.
+ */
+static int turn_back(struct climb *climb, const struct plan_knob *knob,
+                     const struct plan_figures *before, size_t taken_before)
+{
+    if (knob->must == KNOB_HOLDS || climb->taken_count == taken_before)
+        return 0;
+    climb->setting = climb->taken[--climb->taken_count].before;
+    if (knob->must != KNOB_SAVES)
+        return 0;
+    struct plan_neighbour tried = { .setting = climb->setting };
+    if (measure(climb, &tried, 1, 0))
+        return 2;
+    climb->figures = tried.figures;
+    if (climb->taken_count == taken_before || saves(before, &tried.figures))
+        return 0;
+    climb->setting = climb->taken[taken_before].before;
+    climb->taken_count = taken_before;
+    climb->figures = *before;
+    return 0;
 }
 
 static int climb_down(struct climb *climb)
@@ -141,12 +164,16 @@ static int climb_down(struct climb *climb)
     int status = 0;
     for (size_t i = 0; status == 0 && i < plan_knob_count; i++) {
         const uint32_t bodies = plan_knobs[i].of_bodies ? climb->scene->bodies.count : 1;
+        const struct plan_figures before = climb->figures;
+        const size_t taken_before = climb->taken_count;
         for (uint32_t body = 0; status == 0 && body < bodies; body++)
             status = turn(climb, &plan_knobs[i], body);
-        leave_memory(climb, &plan_knobs[i]);
+        if (status == 0)
+            status = turn_back(climb, &plan_knobs[i], &before, taken_before);
     }
     if (climb->setting.world.strip && climb->figures.strip)
-        climb->setting.world.strip_capacity = plan_with_headroom(climb->figures.strip + 1);
+        climb->setting.world.strip_capacity =
+            plan_capacity(climb->figures.strip + 1, &climb->setting, climb->scene);
     return status;
 }
 
@@ -216,10 +243,11 @@ static int mend(struct climb *climb, const struct plan_neighbour *tried)
     struct plan_neighbour unlimited = *tried;
     switch (tried->broken) {
     case PLAN_CONTACTS:
-        world->max_contacts = plan_with_headroom(tried->figures.contacts);
+        world->max_contacts = plan_capacity(tried->figures.contacts, &climb->setting, climb->scene);
         return 0;
     case PLAN_STRIP:
-        world->strip_capacity = plan_with_headroom(tried->figures.strip + 1);
+        world->strip_capacity =
+            plan_capacity(tried->figures.strip + 1, &climb->setting, climb->scene);
         return 0;
     case PLAN_TIME:
         return 1;
@@ -306,7 +334,7 @@ static int verify(struct climb *climb, struct plan *plan, struct plan_text *limi
 /* 1 if what a setting tells becomes less, and not only what it may hold. */
 static int tells_less(const struct taken *taken, const struct measure_setting *chosen)
 {
-    if (is_budget(taken->knob) || is_memory(taken->knob))
+    if (is_thrift(taken->knob))
         return 0;
     return strcmp(taken->knob->name, "max_contacts") ||
            (chosen->world.until == DPT_UNTIL_RESPOND && !chosen->world.max_contacts);
@@ -324,6 +352,7 @@ static int find_better(struct climb *climb, struct plan *plan)
     climb->taken[last - 1].knob->restore(&better.setting, &climb->taken[last - 1].before,
                                          climb->taken[last - 1].body);
     better.setting.world.budget = PLAN_BUDGET_AMPLE;
+    better.setting.world.sweep_budget = 0;
     describe(&better, climb->taken[last - 1].knob, climb->taken[last - 1].body, climb->scene);
     for (int i = PLAN_SECOND_HALF; i < climb->search->traces; i++) {
         struct plan_figures figures;
@@ -379,7 +408,7 @@ int plan_search(struct plan_search *search, struct plan *plan, const struct scen
     if (status == 0)
         status = find_better(&climb, plan);
     plan->limits = plan_limits_of(&plan->asked, &plan->setting, &search->bench[0], 0);
-    plan->limits.work = plan_with_headroom(plan->figures.work);
+    plan->limits.work = plan_capacity(plan->figures.work, &plan->setting, scene);
     return status;
 }
 

@@ -93,6 +93,7 @@ static void take_setting(struct json_reader *reader, const struct json_value *ob
                                         "dt",
                                         "until",
                                         "budget",
+                                        "sweep_budget",
                                         "margin",
                                         "max_contacts",
                                         "certificate_bytes",
@@ -129,6 +130,7 @@ static void take_setting(struct json_reader *reader, const struct json_value *ob
     json_take_number(reader, &at, "margin", 0.0, DPT_COORDINATE_MAX, &world->margin);
     json_take_above(reader, &at, "dt", 1.0, &setting->dt);
     take_u32(reader, &at, "budget", &world->budget);
+    take_u32(reader, &at, "sweep_budget", &world->sweep_budget);
     json_take_count(reader, &at, "certificate_bytes", 0, (uint64_t)1 << 40,
                     &world->certificate_bytes);
     uint64_t contacts = 0, smooth = 0, lock = 0, strip = world->strip_capacity, iterations = 0;

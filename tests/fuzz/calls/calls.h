@@ -244,6 +244,7 @@ extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_nou
     X(BEGAN_INSIDE, "a tool with a proxy that began inside")          X(FOLD, "a fold")             \
     X(SHAPED, "a wrench that a function of its own was given")                                                    \
     X(SQUEEZED, "a proxy that was squeezed")                          X(REPLACED, "a proxy that was placed anew") \
+    X(BEHIND, "a proxy that a budget made wait")                      \
     X(STARTING, "a guard that starts")   X(RUNNING, "a guard that runs") X(STOPPING, "a guard that stops") \
     X(CLAMPED, "a command that was clamped")                          X(SLEWED, "a wrench that was slewed") \
     X(SENT, "a tick that is told what acted")                         X(DROPPED, "a command that was dropped") \

@@ -56,7 +56,8 @@ static int is_spring_alone(const struct scene *scene, const struct model_tool *t
     int yields = 0;
     for (uint32_t i = 0; i < scene->body_count; i++)
         yields |= scene->body[i].stiffness > 0.0;
-    return !yields && !(tool->damping > 0.0) && !(report->flags & DPT_FORCE_FLAG_FADING);
+    return !yields && !(tool->damping > 0.0) &&
+           !(report->flags & (DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_BEHIND));
 }
 
 /* rad */
@@ -165,6 +166,7 @@ void proxy_must_hold(const struct scene *scene, const struct model_tool *tool,
     met[MET_BEGAN_INSIDE] += report->reason == DPT_FORCE_INSIDE;
     met[MET_FOLD] += (report->flags & DPT_FORCE_FLAG_FOLD) != 0;
     met[MET_SQUEEZED] += (report->flags & DPT_FORCE_FLAG_SQUEEZED) != 0;
+    met[MET_BEHIND] += (report->flags & DPT_FORCE_FLAG_BEHIND) != 0;
     met[MET_REPLACED] += (report->flags & DPT_FORCE_FLAG_REPLACED) != 0;
     if (report->reason == DPT_FORCE_FREE)
         it_must_be_the_device(scene, tool);

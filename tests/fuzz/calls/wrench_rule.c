@@ -25,8 +25,10 @@ void report_must_hold(const struct scene *scene, const struct model_tool *tool,
     const int is_off = scene->def.until != DPT_UNTIL_RESPOND || tool->stiffness_then == 0.0;
     const int fades = (report->flags & DPT_FORCE_FLAG_FADING) != 0;
     const int is_felt = has_proxy(scene, tool->law_then);
+    const uint32_t waits =
+        scene->def.budget || scene->def.sweep_budget ? DPT_FORCE_FLAG_BEHIND : 0u;
     const uint32_t flags = is_felt ? DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_FOLD |
-                                         DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED
+                                         DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED | waits
                                    : DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_PARTIAL;
     const int shapes =
         tool->was_shaped && tool->answers == ANSWERS_THERE && scene->def.until == DPT_UNTIL_RESPOND;
