@@ -7,9 +7,11 @@
 #include "chart/chart_csv.h"
 #include "chart/chart_peers.h"
 #include "chart/chart_picture.h"
+#include "chart/chart_repeats.h"
 #include "command_options.h"
 #include "commands.h"
 #include "measure/measure_trace.h"
+#include "setting_words.h"
 
 static const char help[] =
     "usage: dynpoint chart SCENE|SCENE.json|MESH.dpa|ARM.dpa [TRACE.csv] -o NAME [options]\n"
@@ -31,7 +33,14 @@ static const char help[] =
     "  --tool ARM.dpa  the tool is that of an arm\n"
     "  --stiffness K   of the force, N/m; default 500\n"
     "  --friction MU   of all bodies, with a proxy; default the scene's, or 0\n"
+    "  --until STAGE   track: the nearest pair alone; contact: contact too; respond: force too, "
+    "the "
+    "default\n"
     "  --passes N      times are the least of N passes; default 3\n"
+    "  --repeats N     measure all N times in turn: times are the middle ones, with the least and "
+    "the "
+    "largest;\n"
+    "                  default 1\n"
     "  --peers DIR     other libraries too: programs peer_NAME there, of tests/bench/peers.sh; for "
     "a "
     "mesh alone\n"
@@ -41,8 +50,9 @@ enum { LEAST_TICKS = 10000, MOST_TICKS = 10000000, MOST_PASSES = 1000, NAME_ROOM
 
 struct chart_request {
     struct scene_def scene;
-    const char *trace, *name, *title, *peers;
-    uint64_t ticks, seed, passes;
+    const char *trace, *name, *title, *peers, *until;
+    enum chart_part last;
+    uint64_t ticks, seed, passes, repeats;
     double stylus; /* m, of a trace that is made; 0: as of make trace */
     char csv[NAME_ROOM], svg[NAME_ROOM];
 };
@@ -66,7 +76,7 @@ static int write_files(const struct chart_request *request, const struct chart_h
         return status;
     status = output_open(&svg, "chart", request->svg);
     if (status == 0) {
-        if (chart_picture_write(svg.file, rows, title, subtitle))
+        if (chart_picture_write(svg.file, rows, head->repeats, title, subtitle))
             status = complain("chart", "memory ran out");
         const int is_complete = output_complete(&svg, "chart") == 0;
         if (status && is_complete)
@@ -77,34 +87,59 @@ static int write_files(const struct chart_request *request, const struct chart_h
         output_drop(&csv);
         return status;
     }
-    chart_table_print(stdout, rows);
+    chart_table_print(stdout, head, rows);
     status = output_keep(&csv, "chart");
     if (status)
         output_drop(&svg);
     return status ? status : output_keep(&svg, "chart");
 }
 
-/* Measure all that is to be told. */
-static int measure(const struct chart_request *request, const struct scene *scene,
-                   const struct csv_table *trace, struct chart_head *head, struct chart_rows *rows)
+/* All rows once. */
+static int measure_once(const struct chart_request *request, const struct scene *scene,
+                        const struct csv_table *trace, const struct measure_effort *effort,
+                        struct chart_rows *rows)
 {
     struct measure_setting base;
+    measure_setting_init(&base, scene);
+    chart_rows_list(rows, scene, &base, request->last);
+    if (!rows->count)
+        return complain("chart", "%s: nothing feels it with --until %s", request->scene.path,
+                        request->until);
+    const int status = chart_rows_measure(rows, scene, trace, effort);
+    return status || !request->peers ? status
+                                     : chart_peers_measure(rows, scene, trace, request->peers,
+                                                           request->name, effort->passes);
+}
+
+/* Measure all that is to be told; the first of the repeats becomes the chart. */
+static int measure(const struct chart_request *request, const struct scene *scene,
+                   const struct csv_table *trace, struct chart_head *head,
+                   struct chart_rows *repeats)
+{
+    const double count = (double)request->repeats;
+    struct meter meter = { .began = 0 };
     int status = 0;
     *head = (struct chart_head){ .scene = request->scene.path,
                                  .trace = request->trace,
                                  .seed = request->seed,
                                  .ticks = trace->rows,
                                  .passes = (uint32_t)request->passes,
+                                 .repeats = (uint32_t)request->repeats,
                                  .body_count = scene->bodies.count };
-    measure_setting_init(&base, scene);
-    chart_rows_list(rows, scene, &base);
-    status = chart_rows_measure(rows, scene, trace, head->passes);
-    if (status == 0 && request->peers)
-        status =
-            chart_peers_measure(rows, scene, trace, request->peers, request->name, head->passes);
+    for (uint32_t i = 0; status == 0 && i < head->repeats; i++) {
+        const struct measure_effort effort = { .passes = head->passes,
+                                               .meter = &meter,
+                                               .name = "chart",
+                                               .begin = i / count,
+                                               .end = (i + 1) / count };
+        status = measure_once(request, scene, trace, &effort, &repeats[i]);
+    }
+    meter_show(&meter, "", 1.0);
+    if (status == 0)
+        chart_repeats_join(repeats, head->repeats);
     for (uint32_t i = 0; status == 0 && i < head->body_count; i++)
         status = chart_body_measure(&head->body[i], scene, i);
-    measure_machine_read(&head->machine, rows->truth.kernel);
+    measure_machine_read(&head->machine, repeats->truth.kernel);
     return status;
 }
 
@@ -133,7 +168,7 @@ static int check_output(const char *path)
 static int chart(const struct chart_request *request, const struct scene *scene)
 {
     struct csv_table trace = { .rows = 0 };
-    struct chart_rows *rows = calloc(1, sizeof *rows);
+    struct chart_rows *rows = calloc((size_t)request->repeats, sizeof *rows);
     struct chart_head *head = calloc(1, sizeof *head);
     int status = rows && head ? 0 : complain("chart", "memory ran out");
     if (status == 0 && request->peers)
@@ -147,8 +182,8 @@ static int chart(const struct chart_request *request, const struct scene *scene)
     if (status == 0)
         status = write_files(request, head, rows);
     csv_table_free(&trace);
-    if (rows)
-        chart_rows_free(rows);
+    for (uint64_t i = 0; rows && i < request->repeats; i++)
+        chart_rows_free(&rows[i]);
     free(rows);
     free(head);
     return status;
@@ -159,12 +194,19 @@ static int check_request(struct chart_request *request)
 {
     struct scene_def *scene = &request->scene;
     const int is_mesh = !scene->file && !scene_listed(scene->path);
+    static const enum chart_part parts[] = { CHART_FORCE, CHART_PAIR, CHART_CONTACT };
     const int has_length = !isnan(scene->length);
     const double stiffness = scene->force.stiffness;
     if (!request->trace && (request->ticks < LEAST_TICKS || request->ticks > MOST_TICKS))
         return complain("chart", "--ticks must be %d to %d", LEAST_TICKS, MOST_TICKS);
     if (request->passes < 1 || request->passes > MOST_PASSES)
         return complain("chart", "--passes must be 1 to %d", MOST_PASSES);
+    const int until = word_index(request->until, until_words);
+    if (until < 0)
+        return complain("chart", "--until takes track, contact or respond");
+    request->last = parts[until];
+    if (request->repeats < 1 || request->repeats > CHART_REPEATS_MAX)
+        return complain("chart", "--repeats must be 1 to %d", CHART_REPEATS_MAX);
     if (!(stiffness >= 0.0 && stiffness <= 1e9))
         return complain("chart", "--stiffness must be 0 to 1e9");
     if (scene->force.friction < 0.0 || scene->force.friction > 10.0)
@@ -191,7 +233,9 @@ static int check_request(struct chart_request *request)
 
 int command_chart(int argc, char **argv)
 {
-    struct chart_request request = { .ticks = LEAST_TICKS, .seed = 1, .passes = 3 };
+    struct chart_request request = {
+        .ticks = LEAST_TICKS, .seed = 1, .passes = 3, .repeats = 1, .until = until_words[0]
+    };
     const char *operand[2] = { NULL, NULL };
     size_t operands;
     struct scene scene;
@@ -204,7 +248,9 @@ int command_chart(int argc, char **argv)
         { .name = "--tool", .text = &request.scene.tool },
         { .name = "--stiffness", .number = &request.scene.force.stiffness },
         { .name = "--friction", .number = &request.scene.force.friction },
+        { .name = "--until", .text = &request.until },
         { .name = "--passes", .count = &request.passes },
+        { .name = "--repeats", .count = &request.repeats },
         { .name = "--peers", .text = &request.peers },
         { .name = "--title", .text = &request.title }
     };

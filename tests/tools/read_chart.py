@@ -103,7 +103,8 @@ def read_panel(panel, rows):
     taken, lines, places, seen = [], [], {}, []
     for mark in (g for g in panel.findall(SVG + "g") if g.get("class") == "mark"):
         label = mark.find(SVG + "title").text.split(":")[0]
-        paths = mark.findall(SVG + "path")
+        paths = [p for p in mark.findall(SVG + "path") if p.get("class") != "range"]
+        bars = [numbers(p.get("d")) for p in mark.findall(SVG + "path") if p.get("class") == "range"]
         x, y = centre(paths[-1])
         seen.append(label)
         taken.append((x - 5, y - 5, x + 5, y + 5))
@@ -114,6 +115,8 @@ def read_panel(panel, rows):
         places[label] = (x, y)
         if abs(x - x_axis.pixel(1e-6 * float(row["whole_median_us"]))) > CLOSE:
             fault(f"{name} {label}: at {x}, not at its median")
+        check_ranges(name + " " + label, row, bars, x_axis)
+        lines += [(bar[0], bar[1], bar[2], bar[1]) for bar in bars]
         if len(paths) == 2:
             line = numbers(paths[0].get("d"))
             if abs(line[2] - x_axis.pixel(1e-6 * float(row["whole_p99_us"]))) > CLOSE:
@@ -131,6 +134,17 @@ def read_panel(panel, rows):
     check_frontier(panel, name, places, band_top)
     check_names(panel, name, taken, lines)
     return f"{name.split(':')[0]} {len(seen)}"
+
+
+def check_ranges(name, row, bars, x_axis):
+    """A bar for the median and one for the 99 %, each from the least of the repeats to the largest."""
+    ends = [[1e-6 * float(row[f"whole_{of}_{end}_us"]) for end in ("least", "most")] for of in ("median", "p99")]
+    clear = [[x_axis.pixel(value) for value in pair] for pair in ends if pair[1] > 1.002 * pair[0]]
+    for pair in clear:
+        if not any(abs(bar[0] - pair[0]) < CLOSE and abs(bar[2] - pair[1]) < CLOSE for bar in bars):
+            fault(f"{name}: no bar from {pair[0]} to {pair[1]}")
+    if len(bars) > sum(pair[1] > pair[0] for pair in ends):
+        fault(f"{name}: {len(bars)} bars")
 
 
 def check_frontier(panel, name, places, band_top):

@@ -36,6 +36,7 @@ static const char *const colours[SCATTER_KINDS] = { "#0072b2", "#009e73", "#d55e
 struct placed {
     const struct scatter_mark *mark;
     double x, worse_x, y;
+    double left, right; /* of its line and its bars */
     int in_band;
 };
 
@@ -58,6 +59,17 @@ static int by_cost(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+static double least_cost(const struct scatter_mark *mark)
+{
+    return mark->cost_range[0] > 0.0 ? fmin(mark->cost, mark->cost_range[0]) : mark->cost;
+}
+
+static double most_cost(const struct scatter_mark *mark)
+{
+    return fmax(fmax(mark->cost, mark->worse_cost),
+                fmax(mark->cost_range[1], mark->worse_range[1]));
+}
+
 static void lay_out(struct layout *layout, const struct scatter_panel *panel, double top)
 {
     double low_x = HUGE_VAL, high_x = 0.0, low_y = HUGE_VAL, high_y = 0.0;
@@ -67,8 +79,8 @@ static void lay_out(struct layout *layout, const struct scatter_panel *panel, do
         const int in_band = panel->band && mark->error <= panel->least;
         layout->placed[i] = (struct placed){ .mark = mark, .in_band = in_band };
         layout->lanes += in_band;
-        low_x = fmin(low_x, mark->cost);
-        high_x = fmax(high_x, fmax(mark->cost, mark->worse_cost));
+        low_x = fmin(low_x, least_cost(mark));
+        high_x = fmax(high_x, most_cost(mark));
         if (!in_band) {
             low_y = fmin(low_y, mark->error);
             high_y = fmax(high_y, mark->error);
@@ -86,6 +98,8 @@ static void lay_out(struct layout *layout, const struct scatter_panel *panel, do
         placed->x = plot_log_axis_at(&layout->x, placed->mark->cost);
         placed->worse_x =
             plot_log_axis_at(&layout->x, fmax(placed->mark->cost, placed->mark->worse_cost));
+        placed->left = plot_log_axis_at(&layout->x, least_cost(placed->mark));
+        placed->right = plot_log_axis_at(&layout->x, most_cost(placed->mark));
         placed->y = placed->in_band ? layout->band + BAND_PAD + LANE * (0.5 + lane++)
                                     : plot_log_axis_at(&layout->y, placed->mark->error);
     }
@@ -126,11 +140,28 @@ static void write_shape(FILE *file, enum scatter_kind kind, double x, double y)
     fputs("\"/>", file);
 }
 
-static void write_mark(FILE *file, const struct placed *placed)
+/* Of measuring again, behind the mark. */
+static void write_range(FILE *file, const struct layout *layout, const struct placed *placed,
+                        const double range[2])
+{
+    if (!(range[0] > 0.0 && range[1] > range[0]))
+        return;
+    fprintf(file,
+            "<path class=\"range\" stroke=\"%s\" stroke-width=\"8\" stroke-opacity=\"0.3\" d=\"",
+            colours[placed->mark->kind]);
+    svg_place(file, 'M', plot_log_axis_at(&layout->x, range[0]), placed->y);
+    fputc('H', file);
+    svg_pixel(file, plot_log_axis_at(&layout->x, range[1]));
+    fputs("\"/>", file);
+}
+
+static void write_mark(FILE *file, const struct layout *layout, const struct placed *placed)
 {
     fputs("<g class=\"mark\"><title>", file);
     svg_write(file, placed->mark->title);
     fputs("</title>", file);
+    write_range(file, layout, placed, placed->mark->cost_range);
+    write_range(file, layout, placed, placed->mark->worse_range);
     if (placed->worse_x > placed->x) {
         fprintf(file, "<path stroke=\"%s\" stroke-width=\"1.4\" d=\"", colours[placed->mark->kind]);
         svg_place(file, 'M', placed->x, placed->y);
@@ -235,16 +266,17 @@ static void take_mark(struct label_places *places, const struct placed *placed)
     const double r = RADIUS + 2.0;
     label_places_take(
         places, (struct label_box){ placed->x - r, placed->y - r, placed->x + r, placed->y + r });
-    if (placed->worse_x > placed->x)
-        label_places_take(places, (struct label_box){ placed->x, placed->y - 3.0,
-                                                      placed->worse_x + 1.0, placed->y + 3.0 });
+    if (placed->right > placed->left)
+        label_places_take(places, (struct label_box){ placed->left - 1.0, placed->y - 4.0,
+                                                      placed->right + 1.0, placed->y + 4.0 });
 }
 
 /* In its lane: behind the whisker, or before the mark. */
 static int find_in_lane(struct label_places *places, const struct placed *placed, double width,
                         double height, struct label_box *box)
 {
-    const double lefts[] = { placed->worse_x + 6.0, placed->x - RADIUS - 6.0 - width };
+    const double lefts[] = { placed->right + 6.0,
+                             fmin(placed->left, placed->x - RADIUS) - 6.0 - width };
     for (int i = 0; i < 2; i++) {
         *box = (struct label_box){ lefts[i], placed->y - 0.5 * height, lefts[i] + width,
                                    placed->y + 0.5 * height };
@@ -304,7 +336,7 @@ static void write_panel(FILE *file, const struct layout *layout, double name_at)
         write_names(file, layout, places);
     }
     for (int i = 0; i < count; i++)
-        write_mark(file, &layout->placed[i]);
+        write_mark(file, layout, &layout->placed[i]);
     fputs("</g>\n", file);
     free(places);
 }
