@@ -289,7 +289,6 @@ bench: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS) ## time against peer
 	@sh tests/bench/deform.sh $(B)
 	@sh tests/bench/budgets.sh $(B)
 	@sh tests/bench/plans.sh $(B)
-	@sh tests/bench/paper.sh $(B)
 	@sh tests/bench/strips.sh $(B)
 	@$(B)/tests/bench/strip_coverage >$(B)/bench/strip_coverage.csv
 	@sh tests/bench/needle.sh $(B)
@@ -348,9 +347,10 @@ stability: all ## run the laboratory of force, and make docs/stability.md and it
 	$(B)/dynpoint stability --json >$(B)/bench/stability.json || [ $$? -eq 1 ]
 	$(PYTHON) -B tests/bench/stability.py $(B)/bench/stability.json docs
 
-charts: bench ## draw docs/charts from the bench's results
-	$(PYTHON) tests/bench/chart.py $(B)/bench docs/charts
+charts: bench ## run the bench, and draw docs/charts and keep their data
+	$(PYTHON) -B tests/bench/chart.py $(B)/bench docs/charts
 	$(PYTHON) -B tests/bench/chart_paper.py $(B)/bench docs/charts
-	$(B)/dynpoint chart liver --ticks 20000 -o docs/charts/chart-liver \
-	  $$(ls $(B)/bench | grep -q '^peer_[a-z]*$$' && echo --peers $(B)/bench)
-	$(B)/dynpoint chart laparoscopy -o docs/charts/chart-laparoscopy
+	$(B)/dynpoint chart liver --ticks 20000 --repeats 3 -o $(B)/bench/chart-liver \
+	  $$(ls $(B)/bench/peers | grep -q . && echo --peers $(B)/bench/peers)
+	$(B)/dynpoint chart laparoscopy --repeats 3 -o $(B)/bench/chart-laparoscopy
+	cp $(foreach scene,liver laparoscopy,$(B)/bench/chart-$(scene).csv $(B)/bench/chart-$(scene).svg) docs/charts

@@ -16,16 +16,13 @@
 static const char help[] =
     "usage: dynpoint chart SCENE|SCENE.json|MESH.dpa|ARM.dpa [TRACE.csv] -o NAME [options]\n"
     "\n"
-    "Leads the tool through a scene by every method, law and setting, and writes what each took "
-    "and "
-    "what\n"
-    "it got wrong: NAME.csv, one row a setting, and NAME.svg, time against error with the "
-    "frontier\n"
-    "(docs/chart.md). A scene is one that dynpoint run knows. Without a trace a hand slides over "
-    "the\n"
-    "scene's first body, as of dynpoint make trace. A trace has at least 10000 ticks.\n"
+    "Leads the tool through a scene by every method, law and setting, and says what each took\n"
+    "and what it got wrong: NAME.csv, one row a setting; NAME.svg, time against error with the\n"
+    "frontier; and NAME.histograms.csv, how often a tick took how long (docs/chart.md). A scene\n"
+    "is one that dynpoint run knows. Without a trace a hand slides over the scene's first body,\n"
+    "as of dynpoint make trace. A trace has at least 10000 ticks.\n"
     "\n"
-    "  -o NAME         what NAME.csv and NAME.svg are called\n"
+    "  -o NAME         what the three files are called\n"
     "  --ticks N       of the trace that is made; default 10000\n"
     "  --seed S        of it; default 1\n"
     "  --length L      of the stylus, m; default the scene's; of a mesh alone, as of make trace\n"
@@ -33,20 +30,20 @@ static const char help[] =
     "  --tool ARM.dpa  the tool is that of an arm\n"
     "  --stiffness K   of the force, N/m; default 500\n"
     "  --friction MU   of all bodies, with a proxy; default the scene's, or 0\n"
-    "  --until STAGE   track: the nearest pair alone; contact: contact too; respond: force too, "
-    "the "
-    "default\n"
-    "  --passes N      times are the least of N passes; default 3\n"
-    "  --repeats N     measure all N times in turn: times are the middle ones, with the least and "
-    "the "
-    "largest;\n"
-    "                  default 1\n"
-    "  --peers DIR     other libraries too: programs peer_NAME there, of tests/bench/peers.sh; for "
-    "a "
-    "mesh alone\n"
+    "  --until STAGE   track: the nearest pair alone; contact: contact too; respond, the\n"
+    "                  default: force too\n"
+    "  --passes N      a tick's time is the least of N passes; default 3\n"
+    "  --repeats N     measure all N times, in turn: times are the middle ones, with the least\n"
+    "                  and the largest beside them; default 1\n"
+    "  --peers DIR     other libraries too: programs peer_NAME there, as tests/bench/peers.sh\n"
+    "                  builds them; for a mesh alone\n"
     "  --title TEXT    above the picture; the scene's name if not given\n";
 
 enum { LEAST_TICKS = 10000, MOST_TICKS = 10000000, MOST_PASSES = 1000, NAME_ROOM = 4096 };
+
+/* What is written, and how it is called behind -o. */
+enum { FILE_CSV, FILE_HISTOGRAMS, FILE_SVG, FILES };
+static const char *const endings[FILES] = { ".csv", ".histograms.csv", ".svg" };
 
 struct chart_request {
     struct scene_def scene;
@@ -54,44 +51,59 @@ struct chart_request {
     enum chart_part last;
     uint64_t ticks, seed, passes, repeats;
     double stylus; /* m, of a trace that is made; 0: as of make trace */
-    char csv[NAME_ROOM], svg[NAME_ROOM];
+    char path[FILES][NAME_ROOM];
 };
 
-/* Both files, or none. */
-static int write_files(const struct chart_request *request, const struct chart_head *head,
-                       const struct chart_rows *rows)
+static int write_picture(FILE *file, const struct chart_request *request,
+                         const struct chart_head *head, const struct chart_rows *rows)
 {
     char subtitle[512];
-    struct output csv, svg;
     const struct measure_machine *machine = &head->machine;
     const char *title = request->title ? request->title : request->scene.path;
     snprintf(subtitle, sizeof subtitle, "%zu ticks. %s, dynpoint %s, %s", head->ticks,
              machine->processor, machine->version, machine->kernel);
-    int status = output_open(&csv, "chart", request->csv);
+    return chart_picture_write(file, rows, head->repeats, title, subtitle)
+               ? complain("chart", "memory ran out")
+               : 0;
+}
+
+/* Write one of the files, to be kept. */
+static int write_file(struct output *output, int which, const struct chart_request *request,
+                      const struct chart_head *head, const struct chart_rows *rows)
+{
+    int status = output_open(output, "chart", request->path[which]);
     if (status)
         return status;
-    chart_csv_write(csv.file, head, rows);
-    status = output_complete(&csv, "chart");
+    if (which == FILE_CSV)
+        chart_csv_write(output->file, head, rows);
+    else if (which == FILE_HISTOGRAMS)
+        chart_histograms_write(output->file, rows);
+    else
+        status = write_picture(output->file, request, head, rows);
+    if (output_complete(output, "chart"))
+        return 2;
     if (status)
-        return status;
-    status = output_open(&svg, "chart", request->svg);
-    if (status == 0) {
-        if (chart_picture_write(svg.file, rows, head->repeats, title, subtitle))
-            status = complain("chart", "memory ran out");
-        const int is_complete = output_complete(&svg, "chart") == 0;
-        if (status && is_complete)
-            output_drop(&svg);
-        status = is_complete ? status : 2;
+        output_drop(output);
+    return status;
+}
+
+/* All files, or none. */
+static int write_files(const struct chart_request *request, const struct chart_head *head,
+                       const struct chart_rows *rows)
+{
+    struct output output[FILES];
+    int written = 0, kept = 0, status = 0;
+    while (status == 0 && written < FILES) {
+        status = write_file(&output[written], written, request, head, rows);
+        written += status == 0;
     }
-    if (status) {
-        output_drop(&csv);
-        return status;
-    }
-    chart_table_print(stdout, head, rows);
-    status = output_keep(&csv, "chart");
-    if (status)
-        output_drop(&svg);
-    return status ? status : output_keep(&svg, "chart");
+    if (status == 0)
+        chart_table_print(stdout, head, rows);
+    while (status == 0 && kept < FILES)
+        status = output_keep(&output[kept++], "chart");
+    for (; kept < written; kept++)
+        output_drop(&output[kept]);
+    return status;
 }
 
 /* All rows once. */
@@ -175,8 +187,8 @@ static int chart(const struct chart_request *request, const struct scene *scene)
         status = chart_peers_check(scene, request->peers);
     if (status == 0)
         status = open_trace(request, scene, &trace);
-    if (status == 0 && (check_output(request->csv) || check_output(request->svg)))
-        status = 2;
+    for (int i = 0; status == 0 && i < FILES; i++)
+        status = check_output(request->path[i]);
     if (status == 0)
         status = measure(request, scene, &trace, head, rows);
     if (status == 0)
@@ -215,20 +227,21 @@ static int check_request(struct chart_request *request)
         return complain("chart", "--length must be 0 to 1e6");
     if (!isnan(scene->radius) && !(scene->radius >= 0.0 && scene->radius <= 1.0))
         return complain("chart", "--radius must be 0 to 1");
-    const int csv = snprintf(request->csv, sizeof request->csv, "%s.csv", request->name);
-    const int svg = snprintf(request->svg, sizeof request->svg, "%s.svg", request->name);
-    if (csv >= NAME_ROOM || svg >= NAME_ROOM || !strcmp(request->name, "-"))
-        return complain("chart", "-o takes a name, of two files");
+    if (!strcmp(request->name, "-") || strlen(request->name) + 20 > NAME_ROOM)
+        return complain("chart", "-o takes a name, of %d files", FILES);
     if (scene_def_complete(scene, NULL))
         return 2;
     request->stylus = is_mesh && !has_length ? 0.0 : scene->length;
     const char *const traces[] = { request->trace, NULL };
-    return scene_def_check_output(scene, request->csv) ||
-                   scene_def_check_output(scene, request->svg) ||
-                   output_check("chart", request->csv, traces) ||
-                   output_check("chart", request->svg, traces)
-               ? 2
-               : 0;
+    int status = 0;
+    for (int i = 0; status == 0 && i < FILES; i++) {
+        snprintf(request->path[i], NAME_ROOM, "%s%s", request->name, endings[i]);
+        status = scene_def_check_output(scene, request->path[i]) ||
+                         output_check("chart", request->path[i], traces)
+                     ? 2
+                     : 0;
+    }
+    return status;
 }
 
 int command_chart(int argc, char **argv)

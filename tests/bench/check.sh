@@ -5,15 +5,35 @@
 set -u
 . "$(dirname "$0")/../lib/verdict.sh"
 build=$1
-csv=$build/bench/results.csv
-median() { awk -F, -v m="$1" -v k="$2" '$3 == m && $4 == k { print $7 }' "$csv"; }
+csv=$build/bench/meshes.csv
+cell() { # NAME COLUMN, of the nearest pair
+    awk -F, -v name="$1" -v column="$2" 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+        $at["part"] == "pair" && $at["name"] == name { print $at[column] }' "$csv"
+}
 
-TICKS=6000 PEERS=fcl sh tests/bench/run.sh "$build" liver >"$build/bench.out" 2>&1
+TICKS=10000 REPEATS=1 UNTIL=track PEERS=fcl sh tests/bench/run.sh "$build" liver >"$build/bench.out" 2>&1
 status=$?
 cat "$build/bench.out"
 if [ $status -ne 0 ]; then
     bad "the bench ended with status $status"
     finish
+fi
+fcl=$(cell fcl median_us)
+if [ -z "$fcl" ]; then
+    skip "FCL: libfcl-dev is not here"
+    finish
+fi
+ours=$(cell exact median_us)
+case $(cell exact kernel) in
+avx*)
+    awk "BEGIN { exit !($fcl >= 2 * $ours) }"
+    verdict $? "FCL takes $(awk "BEGIN { printf \"%.1f\", $fcl / $ours }") times as long at the median: $fcl us, ours $ours"
+    ;;
+*) skip "ratio to FCL: the machine has neither AVX2 nor AVX-512" ;;
+esac
+awk "BEGIN { exit !($(cell fcl distance_error_m) < 1e-10) }"
+verdict $? "FCL's distances are ours within 1e-10 m"
+finish
 fi
 fcl=$(median FCL OBBRSS)
 if [ -z "$fcl" ]; then

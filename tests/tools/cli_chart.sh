@@ -33,7 +33,7 @@ make_peers()
 #!/bin/sh
 [ "\$(wc -l <"\$2")" -eq 10001 ] && [ "\$(wc -c <"\$1")" -eq $((8 + 1002 * 12 + 2000 * 12)) ] && [ "\$3" = -o ] &&
     cp $peer.answers "\$4" && echo '{"first_ns":9,"build_ns":2000000,"ns":{"median":400,"p99":900,"p999":950,"max":999},
-"ns_crossing":{"median":200,"p99":300,"p999":300,"max":300}}'
+"ns_crossing":{"median":200,"p99":300,"p999":300,"max":300},"ns_histogram":{"edges":[16,17],"counts":[0,3,9996]}}'
 END
     done
     printf '#!/bin/sh\nexit 1\n' >peers/peer_broken
@@ -68,7 +68,7 @@ prepare_star()
     make_peers
     succeeds 'its chart' chart star.dpa --length 0.1 --passes 1 --peers peers -o star
     mv stderr star.stderr
-    check 'two files, and nothing beside them' test "$(ls star.csv star.svg star.*.part 2>/dev/null | wc -l)" -eq 2
+    check 'three files, and nothing beside them' test "$(ls star.csv star.svg star.histograms.csv star.*.part 2>/dev/null | wc -l)" -eq 3
 }
 
 # One that takes another time in each repeat, and one that fails in the second.
@@ -171,6 +171,35 @@ as_replay_counts()
     check 'its units are those of replay' grep -q "\"median\":$(cell star.csv contact exact median_units),\"p99\":" stdout
 }
 
+# histogram FILE PART NAME OF: "ticks", and the bins in which their median, 99 % and largest are
+histogram()
+{
+    awk -F, -v part="$2" -v name="$3" -v of="$4" '$1 != name || $2 != part || $3 != of { next }
+        { total += $6; low[++n] = $4; high[n] = $5 == "" ? 1e300 : $5; until[n] = total }
+        function bin(share,  i) { for (i = 1; until[i] < share * total; i++); return low[i] " " high[i] " " }
+        END { print total + 0, n ? bin(0.5) bin(0.99) bin(1) : "" }' "$1"
+}
+
+histograms()
+{
+    check "the histograms' head" test "$(head -n 1 star.histograms.csv)" = name,part,of,from,to,ticks
+    for row in 'pair,exact' 'pair,tree' 'pair,paper in 16 parts' 'contact,exact' 'force,proxy' 'force,bed at 400 units'; do
+        for of in work:units:1 ns:us:1000; do # times are told in four digits
+            unit=${of#*:}
+            set -- $(histogram star.histograms.csv "${row%%,*}" "${row#*,}" "${of%%:*}")
+            check "$row, ${of%%:*}: all ticks but the first" test "$1" -eq 9999
+            for which in median p99 max; do
+                check "$row, ${of%%:*}: its $which is in its bin, from $2 to $3" awk -v low="$2" -v high="$3" -v scale="${unit#*:}" \
+                    -v value="$(cell star.csv "${row%%,*}" "${row#*,}" "${which}_${unit%:*}")" \
+                    'BEGIN { v = value * scale; near = scale > 1 ? 6e-4 : 0; exit !(v >= low * (1 - near) && v < high * (1 + near)) }'
+                shift 2
+            done
+        done
+    done
+    check "a peer's are its own" test "$(grep '^near,' star.histograms.csv)" = "$(printf 'near,pair,ns,16,17,3\nnear,pair,ns,17,19,9996')"
+    check 'one that counts none has none' test -z "$(grep '^other,' thrice.histograms.csv)"
+}
+
 pictures()
 {
     [ -x "$(command -v python3)" ] || { skip 'charts read back: no python3'; return; }
@@ -266,6 +295,7 @@ every_row
 as_replay_counts
 peers
 repeats
+histograms
 pictures
 soft
 faults

@@ -153,7 +153,7 @@ static void write_head(FILE *file, const struct chart_head *head, const struct c
             machine->system, machine->compiler, machine->version, machine->kernel);
     if (check->every)
         fprintf(file,
-                "# truth: the exact method; brute force in double on every %zuth tick: %zu of %zu "
+                "# truth: the exact method; brute force in double on one tick in %zu: %zu of %zu "
                 "wrong, largest difference %.3g m, beyond %.3g m is wrong\n",
                 check->every, check->wrong, check->ticks, check->error, check->tolerance);
     else
@@ -182,6 +182,30 @@ void chart_csv_write(FILE *file, const struct chart_head *head, const struct cha
     fprintf(file, "%s%s\n", setting_columns, result_columns);
     for (int i = 0; i < rows->count; i++)
         write_row(file, &rows->row[i]);
+}
+
+static void write_histogram(FILE *file, const struct chart_row *row, enum tick_histogram_of of)
+{
+    double edges[TICK_HISTOGRAM_EDGES];
+    const int count = tick_histogram_edges(of, edges);
+    for (int i = 0; i <= count; i++) {
+        const uint32_t ticks = row->judged.histogram[of].bin[i];
+        if (!ticks)
+            continue;
+        fprintf(file, "%s,%s,%s,%.0f,", row->name, parts[row->part], tick_histogram_words[of],
+                i ? edges[i - 1] : 0.0);
+        if (i < count)
+            fprintf(file, "%.0f", edges[i]);
+        fprintf(file, ",%" PRIu32 "\n", ticks);
+    }
+}
+
+void chart_histograms_write(FILE *file, const struct chart_rows *rows)
+{
+    fputs("name,part,of,from,to,ticks\n", file);
+    for (int i = 0; i < rows->count; i++)
+        for (int of = 0; of < TICK_HISTOGRAMS; of++)
+            write_histogram(file, &rows->row[i], (enum tick_histogram_of)of);
 }
 
 /* A count or a size, or a blank. */

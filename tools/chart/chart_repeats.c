@@ -40,6 +40,7 @@ static struct chart_row *find(struct chart_rows *rows, const struct chart_row *l
     return NULL;
 }
 
+/* `row` has what is the same in all. */
 static void join_row(struct chart_row *row, struct chart_row *const *again, uint32_t count)
 {
     double values[CHART_REPEATS_MAX];
@@ -51,8 +52,11 @@ static void join_row(struct chart_row *row, struct chart_row *const *again, uint
             *number_of(&row->least[time], n) = values[0];
             *number_of(&row->most[time], n) = values[count - 1];
         }
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
         values[i] = again[i]->judged.first_ns;
+        if (again[i]->judged.ns.median == row->judged.ns.median)
+            memcpy(row->judged.histogram, again[i]->judged.histogram, sizeof row->judged.histogram);
+    }
     row->judged.first_ns = middle(values, count);
 }
 
@@ -60,7 +64,7 @@ void chart_repeats_join(struct chart_rows *repeats, uint32_t count)
 {
     int kept = 0;
     for (int i = 0; i < repeats->count; i++) {
-        struct chart_row row = repeats->row[i], *again[CHART_REPEATS_MAX] = { &row };
+        struct chart_row row = repeats->row[i], *again[CHART_REPEATS_MAX] = { &repeats->row[i] };
         uint32_t found = 1;
         while (found < count && (again[found] = find(&repeats[found], &row)))
             found++;

@@ -15,8 +15,8 @@ enum { CHART_REPEATS_MAX = 99 };
 
 /*
  * Join `count` repeats, 1 to CHART_REPEATS_MAX, into the first: each of its times becomes the middle one of the repeats (of
- * an even number the lower), and its row's `least` and `most` are set. Answers are the same in all. A peer that is not in
- * each of them, as it failed, is left out.
+ * an even number the lower), its row's `least` and `most` are set, and its histograms are those of a repeat with the middle
+ * median. Answers are the same in all. A peer that is not in each of them, as it failed, is left out.
  */
 void chart_repeats_join(struct chart_rows *repeats, uint32_t count);
 

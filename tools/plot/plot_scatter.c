@@ -16,7 +16,9 @@ enum {
     NAME = 24,   /* a panel's name */
     LEGEND = 22, /* below it */
     PLOT = 200,  /* where errors are above 0 */
-    LANE = 17,   /* of the band */
+    EASY = 10,   /* so many marks there have room for their names; each more makes it higher */
+    HIGHER = 8,
+    LANE = 17, /* of the band */
     BAND_PAD = 8,
     X_AXIS = 42,
     BELOW = 16,   /* each panel */
@@ -87,7 +89,8 @@ static void lay_out(struct layout *layout, const struct scatter_panel *panel, do
         }
     }
     qsort(layout->placed, (size_t)panel->count, sizeof *layout->placed, by_cost);
-    layout->band = top + (layout->lanes < panel->count ? PLOT : 0);
+    const int above = panel->count - layout->lanes;
+    layout->band = top + (above ? PLOT + HIGHER * (above > EASY ? above - EASY : 0) : 0);
     layout->bottom = layout->band + (layout->lanes ? LANE * layout->lanes + 2 * BAND_PAD : 0);
     layout->x =
         plot_log_axis_make(low_x, high_x, SVG_LEFT + 12, SVG_WIDTH - SVG_RIGHT - 12, X_ROOM);
