@@ -293,17 +293,12 @@ bench: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS) ## time against peer
 	@$(B)/tests/bench/strip_coverage >$(B)/bench/strip_coverage.csv
 	@sh tests/bench/needle.sh $(B)
 	@sh tests/bench/soft.sh $(B)
-	@$(B)/tests/bench/springs cost | tee $(B)/bench/springs.csv
+	@sh tests/bench/repeats.sh $(B)/bench/springs.csv $(B)/tests/bench/springs cost
 	@$(B)/tests/bench/springs map >$(B)/bench/springs_map.csv
-	@$(B)/tests/bench/soft_liver | tee $(B)/bench/soft_liver.csv
+	@sh tests/bench/repeats.sh $(B)/bench/soft_liver.csv $(B)/tests/bench/soft_liver
 	@sh tests/bench/table1.sh $(B)
-	@$(B)/tests/bench/sweeps | tee $(B)/bench/sweeps.csv
-	@$(B)/tests/bench/rests | tee $(B)/bench/rests.csv
-	@$(B)/tests/bench/tips | tee $(B)/bench/tips.csv
-	@$(B)/tests/bench/joined | tee $(B)/bench/joined.csv
-	@$(B)/tests/bench/jumps | tee $(B)/bench/jumps.csv
-	@$(B)/tests/bench/pauses | tee $(B)/bench/pauses.csv
-	@$(B)/tests/bench/snapshots | tee $(B)/bench/snapshots.csv
+	@for program in sweeps rests tips joined jumps pauses snapshots; do \
+	  sh tests/bench/repeats.sh $(B)/bench/$$program.csv $(B)/tests/bench/$$program || exit; done
 	@$(PYTHON) -B tests/bench/viewer.py $(B) | tee $(B)/bench/viewer.csv
 	@sh tests/bench/wasm.sh $(B)
 

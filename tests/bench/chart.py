@@ -26,11 +26,11 @@ METHODS = {  # rows of dynpoint chart, without kernels that are not here
     "tree": ("tree, widest kernel", "#009e73", "9 3"),
 }
 MESHES = {
-    "star": ("star, 20,480", "#d55e00"),
-    "torus-61358": ("torus, 61,358", "#e69f00"),
-    "liver": ("liver, 50,332", "#154360"),
-    "torus-5568": ("torus, 5,568", "#7fb3d5"),
-    "membrane": ("membrane, 512", "#009e73"),
+    "star": ("star, 20,480", "#d55e00", ""),
+    "torus-61358": ("torus, 61,358", "#e69f00", "6 4"),
+    "liver": ("liver, 50,332", "#154360", ""),
+    "torus-5568": ("torus, 5,568", "#7fb3d5", "6 4"),
+    "membrane": ("membrane, 512", "#009e73", "2 3"),
 }
 
 STRIPS = {
@@ -167,9 +167,11 @@ def draw(title, subtitle, x_title, y_title, series, x_axis=Axis, y_axis=Axis):
                 for a, b in s["points"]]
         out += [f'<rect x="{x.at(a) - 4:.1f}" y="{y.at(b) - 4:.1f}" width="8" height="8" fill="white" '
                 f'stroke="{s["colour"]}" stroke-width="2"/>' for a, b in s.get("apart", [])]
-        labels.append([y.at(s["points"][-1][1]), s["name"], s["colour"]])
-    for height, name, colour in spread(labels, 16, HEIGHT - BOTTOM):
-        out.append(text(WIDTH - RIGHT + 8, height + 4, name, "start", 13, f'fill="{colour}"'))
+        labels.append([y.at(s["points"][-1][1]), s["name"], s["colour"], s["dash"]])
+    for height, name, colour, dash in spread(labels, 16, HEIGHT - BOTTOM):
+        left = WIDTH - RIGHT + 8
+        out.append(f'<path d="M{left},{height:.1f}h20" stroke="{colour}" stroke-width="2.5" stroke-dasharray="{dash}"/>')
+        out.append(text(left + 26, height + 4, name, "start", 12, f'fill="{colour}"'))
     out.append("</svg>")
     return "\n".join(out) + "\n"
 
@@ -252,7 +254,7 @@ def time_histogram(rows):
 def work_histogram(rows):
     """How often a tick of the exact method looked at how many blocks, a panel a mesh."""
     series = [{"name": name, "colour": colour, "bins": bins}
-              for mesh, (name, colour) in MESHES.items() if (bins := read_bins(rows, mesh, "exact", "work"))]
+              for mesh, (name, colour, _) in MESHES.items() if (bins := read_bins(rows, mesh, "exact", "work"))]
     return draw_histograms("Work of a tick: the exact method on five meshes",
                            "Each number up to 8, then 4 bins a doubling. Dashed: median and 99 %.",
                            "blocks of 16 boxes or triangles looked at in a tick", series)
@@ -284,8 +286,8 @@ def parts(rows, title, subtitle, y_title, value, is_there=lambda row: True):
         here = [r for r in rows if (r["mesh"], r["part"]) == (mesh, "pair") and r["name"].startswith("paper in")]
         return sorted((int(r["parts"]), value(r)) for r in here if is_there(r))
 
-    series = [{"name": name, "colour": colour, "dash": "", "thin": [], "points": here}
-              for mesh, (name, colour) in MESHES.items() if (here := points(mesh))]
+    series = [{"name": name, "colour": colour, "dash": dash, "thin": [], "points": here}
+              for mesh, (name, colour, dash) in MESHES.items() if (here := points(mesh))]
     return draw("The paper's method: " + title, subtitle, "parts, each with its own dynamic point", y_title, series, Doublings)
 
 
@@ -328,7 +330,7 @@ def strip_recall(rows):
 def contact_budget(rows):
     """What share of the ticks in reach has its contact, against what a tick takes, by budget."""
     series = []
-    for mesh, (name, colour) in MESHES.items():
+    for mesh, (name, colour, dash) in MESHES.items():
         here = sorted((r for r in rows if r["mesh"] == mesh and r["budget"] != "0"),
                       key=lambda r: int(r["budget"]))
         if here:
@@ -336,7 +338,7 @@ def contact_budget(rows):
                       for r in here] for column in ("unknown", "off")]
             whole = [(float(r["p99"]) / 1e3, 100) for r in rows
                      if r["mesh"] == mesh and r["budget"] == "0"]
-            series.append({"name": name, "colour": colour, "dash": "", "points": lines[0],
+            series.append({"name": name, "colour": colour, "dash": dash, "points": lines[0],
                            "thin": lines[1], "apart": whole})
     return draw("Contact with a budget of 25, 50, 100 ... 3,200 units (squares: none)",
                 "Thick: ticks in reach whose contact is known; thin: and whose thrust is within 2 % of the peak.",

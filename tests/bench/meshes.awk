@@ -25,11 +25,6 @@ NR == 1 {
         part[rows] = $at["part"]
     }
     for (column in at) cell[seen[row], mesh, column] = $at[column]
-    for (i = split("crossing_ other_", kinds, " "); i; i--)
-        for (k = split("median p99", of, " "); k; k--) {
-            least = $at[kinds[i] of[k] "_least_us"]
-            if (least > 0) apart[of[k], ++count[of[k]]] = $at[kinds[i] of[k] "_most_us"] / least
-        }
 }
 
 function short(x) { return sprintf(x < 9.95 ? "%#.2g" : "%.0f", x) }
@@ -63,7 +58,7 @@ function table(which, kind, title,   r, m, c, line, text, exact, is_pair, is_fas
             }
             line = line " " text " |"
         }
-        print line (is_pair ? " " (is_faster ? why[called[r]] : "") " |" : "")
+        print line (is_pair ? (is_faster ? " " why[called[r]] : "") " |" : "")
     }
 }
 
@@ -82,17 +77,6 @@ function papers(   r, m, c, line) {
     }
 }
 
-# The middle and the largest of what lies apart.
-function spread(of,   i, k, n, x) {
-    n = count[of]
-    for (i = 2; i <= n; i++) {
-        x = apart[of, i]
-        for (k = i; k > 1 && apart[of, k - 1] > x; k--) apart[of, k] = apart[of, k - 1]
-        apart[of, k] = x
-    }
-    return sprintf("%.2f in the middle cell and %.2f at most", apart[of, int((n + 1) / 2)], apart[of, n])
-}
-
 END {
     table("pair", "other_", "Nearest pair, ticks that do not cross:")
     table("pair", "crossing_", "Nearest pair, ticks that cross:")
@@ -100,5 +84,4 @@ END {
     papers()
     table("contact", "other_", "Contact, ticks that do not cross:")
     table("contact", "crossing_", "Contact, ticks that cross:")
-    print "\nThe largest of the repeats by the least: of medians " spread("median") "; of the 99 % " spread("p99") "."
 }

@@ -30,7 +30,7 @@ for name in $meshes; do
     esac >/dev/null 2>&1 || exit 2
     "$build/dynpoint" chart "$file.dpa" --ticks "${TICKS:-20000}" --repeats "${REPEATS:-3}" --until "${UNTIL:-contact}" --radius 0 \
         ${ready:+--peers "$dir/peers"} --title "$mesh" -o "$file.chart" >"$file.chart.txt" || exit 2
-    grep -m 2 -E '^# (dynpoint|truth)' "$file.chart.csv" | sed "s,^# ,,; s,$dir/,,"
+    sed -n "s,^# \\(dynpoint\\|times\\|truth\\),\\1,; s,$dir/,,; /^[dt]/p; /^truth/q" "$file.chart.csv"
     triangles=$(sed -n 's/^# body 0: \([0-9]*\) triangles.*/\1/p' "$file.chart.csv")
     for kind in chart chart.histograms; do
         all=$dir/$([ $kind = chart ] && echo meshes || echo histograms).csv
