@@ -7,13 +7,13 @@
 
 #include "replay_report.h"
 
-/* The numbers of a spread, and of a judgement all spreads that are times. */
+/* The numbers of a spread. */
 static const size_t numbers[] = { offsetof(struct judgement_spread, median),
                                   offsetof(struct judgement_spread, p99),
                                   offsetof(struct judgement_spread, p999),
                                   offsetof(struct judgement_spread, max) };
 
-struct judgement_spread *chart_time(struct judgement *judged, enum chart_time time)
+static struct judgement_spread *time_of(struct judgement *judged, enum chart_time time)
 {
     struct judgement_spread *const times[CHART_TIMES] = { &judged->ns, &judged->crossing_ns,
                                                           &judged->other_ns, &judged->whole_ns };
@@ -47,8 +47,8 @@ static void join_row(struct chart_row *row, struct chart_row *const *again, uint
     for (int time = 0; time < CHART_TIMES; time++)
         for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {
             for (uint32_t i = 0; i < count; i++)
-                values[i] = *number_of(chart_time(&again[i]->judged, (enum chart_time)time), n);
-            *number_of(chart_time(&row->judged, (enum chart_time)time), n) = middle(values, count);
+                values[i] = *number_of(time_of(&again[i]->judged, (enum chart_time)time), n);
+            *number_of(time_of(&row->judged, (enum chart_time)time), n) = middle(values, count);
             *number_of(&row->least[time], n) = values[0];
             *number_of(&row->most[time], n) = values[count - 1];
         }

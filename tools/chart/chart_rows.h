@@ -34,9 +34,6 @@ struct chart_row {
     struct judgement_spread least[CHART_TIMES], most[CHART_TIMES];
 };
 
-/* The spread in a judgement that a time is. */
-struct judgement_spread *chart_time(struct judgement *judged, enum chart_time time);
-
 /* What the first run that judges was found to be, by brute force: the one without a force, if there is one. */
 struct chart_truth {
     struct measure_check check;
