@@ -5,8 +5,8 @@
 read_chart.py NAME      reads NAME.svg and NAME.csv
 
 Each row that got through the trace has one mark in the panel of its part, at its median, with a line to its 99 %, and as high
-as its error, or in the band; the frontier goes through the marks that nothing beats, and no others; names cover neither marks
-nor lines nor each other. Prints the panels with their marks, and what is wrong; exit status 1 then.
+as its error, or in the band; the frontier goes through the marks that nothing beats, and no others; names, and numbers
+in their place, cover neither marks nor lines nor each other. Prints the panels with their marks, and what is wrong; exit status 1 then.
 """
 import csv
 import re
@@ -168,9 +168,11 @@ def check_frontier(panel, name, places, band_top):
 
 
 def check_names(panel, name, taken, lines):
-    boxes = []
-    for group in (g for g in panel.findall(SVG + "g") if g.get("class") == "name"):
+    """Names, and numbers in their place, cover nothing; each number has its mark's name below the axis, once."""
+    boxes, texts_of = [], {"name": [], "number": []}
+    for group in (g for g in panel.findall(SVG + "g") if g.get("class") in texts_of):
         text = group.find(SVG + "text")
+        texts_of[group.get("class")].append(text.text)
         x, y = float(text.get("x")), float(text.get("y"))
         box = (x, y - 9, x + 0.5 * 12 * len(text.text), y)
         boxes.append(box)
@@ -186,6 +188,12 @@ def check_names(panel, name, taken, lines):
         for b in boxes[:i]:
             if boxes_meet(a, b):
                 fault(f"{name} names cover each other")
+    keys = [g.find(SVG + "text").text.split(" ", 1) for g in panel.findall(SVG + "g") if g.get("class") == "key"]
+    titles = {g.find(SVG + "title").text.split(":")[0] for g in panel.findall(SVG + "g") if g.get("class") == "mark"}
+    if [number for number, _ in keys] != [str(i + 1) for i in range(len(keys))] or texts_of["number"] != [n for n, _ in keys]:
+        fault(f"{name} numbers {texts_of['number']}, keys {keys}")
+    if not {key for _, key in keys} <= titles - set(texts_of["name"]):
+        fault(f"{name} keys {keys} are of marks that have names, or of none")
     if 2 * len(boxes) < len(taken) and "jump" not in name:
         fault(f"{name} only {len(boxes)} of {len(taken)} marks have a name beside them")
 

@@ -21,7 +21,10 @@ enum {
     LANE = 17, /* of the band */
     BAND_PAD = 8,
     X_AXIS = 42,
-    BELOW = 16,   /* each panel */
+    BELOW = 16, /* each panel */
+    KEYS = 4,   /* names of numbers in a line below the axis */
+    KEY_WIDTH = 165,
+    KEY_LINE = 15,
     TOP_PAD = 26, /* above the largest error, for its name */
     RADIUS = 5,
     X_ROOM = 52, /* of a mark of an axis */
@@ -50,6 +53,7 @@ struct layout {
     double top, bottom; /* of all that is plotted; the band is at its lower end */
     double band;        /* where it begins; equal to the bottom if there is none */
     int lanes;
+    int key_lines; /* below its axis */
 };
 
 static int by_cost(const void *a, const void *b)
@@ -90,6 +94,7 @@ static void lay_out(struct layout *layout, const struct scatter_panel *panel, do
     }
     qsort(layout->placed, (size_t)panel->count, sizeof *layout->placed, by_cost);
     const int above = panel->count - layout->lanes;
+    layout->key_lines = above > EASY ? 2 : 1;
     layout->band = top + (above ? PLOT + HIGHER * (above > EASY ? above - EASY : 0) : 0);
     layout->bottom = layout->band + (layout->lanes ? LANE * layout->lanes + 2 * BAND_PAD : 0);
     layout->x =
@@ -291,30 +296,59 @@ static int find_in_lane(struct label_places *places, const struct placed *placed
     return 0;
 }
 
-static void write_names(FILE *file, const struct layout *layout, struct label_places *places)
+/* Text beside a mark, or at the end of a leader. Returns 0 if there is no room. */
+static int write_beside(FILE *file, const struct placed *placed, struct label_places *places,
+                        const char *class, const char *text)
 {
     const double height = SVG_LABEL_SIZE + 1.0;
+    const double width = WIDER * svg_width(text, SVG_LABEL_SIZE);
+    struct label_box box;
+    double leader[2] = { placed->x, placed->y };
+    if (!(placed->in_band ? find_in_lane(places, placed, width, height, &box)
+                          : label_places_find(places, placed->x, placed->y, RADIUS, width, height,
+                                              &box, leader)))
+        return 0;
+    fprintf(file, "<g class=\"%s\">", class);
+    if (leader[0] != placed->x || leader[1] != placed->y) {
+        fputs("<path stroke=\"#777\" stroke-width=\"0.7\" d=\"", file);
+        svg_place(file, 'M', placed->x, placed->y);
+        svg_place(file, 'L', leader[0], leader[1]);
+        fputs("\"/>", file);
+    }
+    svg_text_at(file, box.left, box.bottom - 3.0, SVG_LABEL_SIZE, "start", text);
+    fputs("</g>\n", file);
+    return 1;
+}
+
+/* Where a name has no room, a number may; what it means stands below the axis. */
+static void write_number(FILE *file, const struct layout *layout, const struct placed *placed,
+                         struct label_places *places, int *numbered)
+{
+    const int at = *numbered;
+    char number[16];
+    snprintf(number, sizeof number, "%d", at + 1);
+    if (at == KEYS * layout->key_lines || !write_beside(file, placed, places, "number", number))
+        return;
+    fputs("<g class=\"key\">", file);
+    svg_begin_text(file, SVG_LEFT + at % KEYS * KEY_WIDTH,
+                   layout->bottom + X_AXIS + KEY_LINE * (at / KEYS) + 10, SVG_LABEL_SIZE, "start");
+    fprintf(file, "%s ", number);
+    svg_write(file, placed->mark->name);
+    fputs("</text></g>\n", file);
+    ++*numbered;
+}
+
+static void write_names(FILE *file, const struct layout *layout, struct label_places *places)
+{
+    int has_name[SCATTER_MARKS_MAX] = { 0 }, numbered = 0;
     for (int i = 0; i < layout->panel->count; i++) {
         const struct placed *placed = &layout->placed[i];
-        struct label_box box;
-        double leader[2] = { placed->x, placed->y };
-        if (!placed->mark->name)
-            continue;
-        const double width = WIDER * svg_width(placed->mark->name, SVG_LABEL_SIZE);
-        if (!(placed->in_band ? find_in_lane(places, placed, width, height, &box)
-                              : label_places_find(places, placed->x, placed->y, RADIUS, width,
-                                                  height, &box, leader)))
-            continue;
-        fputs("<g class=\"name\">", file);
-        if (leader[0] != placed->x || leader[1] != placed->y) {
-            fputs("<path stroke=\"#777\" stroke-width=\"0.7\" d=\"", file);
-            svg_place(file, 'M', placed->x, placed->y);
-            svg_place(file, 'L', leader[0], leader[1]);
-            fputs("\"/>", file);
-        }
-        svg_text_at(file, box.left, box.bottom - 3.0, SVG_LABEL_SIZE, "start", placed->mark->name);
-        fputs("</g>\n", file);
+        has_name[i] =
+            !placed->mark->name || write_beside(file, placed, places, "name", placed->mark->name);
     }
+    for (int i = 0; i < layout->panel->count; i++)
+        if (!has_name[i])
+            write_number(file, layout, &layout->placed[i], places, &numbered);
 }
 
 static void write_panel(FILE *file, const struct layout *layout, double name_at)
@@ -352,7 +386,7 @@ void plot_scatter_write(FILE *file, const struct plot_scatter *chart)
         return;
     for (int i = 0; i < chart->panel_count; i++) {
         lay_out(&layouts[i], &chart->panel[i], at + NAME + LEGEND + 6);
-        at = layouts[i].bottom + X_AXIS + BELOW;
+        at = layouts[i].bottom + X_AXIS + KEY_LINE * layouts[i].key_lines + BELOW;
     }
     svg_begin(file, (int)at, chart->title, chart->description);
     svg_begin_text(file, SVG_LEFT, SUBTITLE_AT, SVG_LABEL_SIZE, "start");

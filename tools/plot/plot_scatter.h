@@ -7,8 +7,8 @@
  * own, the cheapest on top. Steps show the frontier: nothing is both cheaper and more accurate than what lies on it.
  *
  * Marks are told apart by shape and by the colours of Okabe and Ito, so also in grey. Each has its name beside it, at the
- * end of a thin line where there is no room, and in a <title>; names cover nothing: one for which there is no place has the
- * <title> alone. All is on an opaque white ground.
+ * end of a thin line where there is no room, and in a <title>; names cover nothing: one for which there is no place has a
+ * number there, and stands below the axis. All is on an opaque white ground.
  */
 #ifndef DPT_TOOLS_PLOT_SCATTER_H
 #define DPT_TOOLS_PLOT_SCATTER_H
