@@ -2,9 +2,9 @@
 /*
  * A chart of speed against accuracy as an SVG: panels below each other, in each a mark for everything that was measured. A
  * mark stands at its cost, and a line leads on to its worse cost; a pale bar behind either says from where to where it was
- * when it was measured again. It stands as high as its error. Both axes are logarithmic;
- * an error of 0, or below what can be told from it, has no place there: such marks lie in a band below, each in a lane of its
- * own, the cheapest on top. Steps show the frontier: nothing is both cheaper and more accurate than what lies on it.
+ * when it was measured again. It stands as high as its error. Both axes are logarithmic; an error of 0, or below what can
+ * be told from it, has no place there: such marks lie in a band below, each in a lane of its own, the cheapest on top.
+ * Steps show the frontier: nothing is both cheaper and more accurate than what lies on it.
  *
  * Marks are told apart by shape and by the colours of Okabe and Ito, so also in grey. Each has its name beside it, at the
  * end of a thin line where there is no room, and in a <title>; names cover nothing: one for which there is no place has a
