@@ -169,7 +169,7 @@ def check_frontier(panel, name, places, band_top):
 
 def check_names(panel, name, taken, lines):
     """Names, and numbers in their place, cover nothing; each number has its mark's name below the axis, once."""
-    boxes, texts_of = [], {"name": [], "number": []}
+    boxes, texts_of = [], {"name": [], "number": [], "key": []}
     for group in (g for g in panel.findall(SVG + "g") if g.get("class") in texts_of):
         text = group.find(SVG + "text")
         texts_of[group.get("class")].append(text.text)
@@ -188,14 +188,14 @@ def check_names(panel, name, taken, lines):
         for b in boxes[:i]:
             if boxes_meet(a, b):
                 fault(f"{name} names cover each other")
-    keys = [g.find(SVG + "text").text.split(" ", 1) for g in panel.findall(SVG + "g") if g.get("class") == "key"]
+    keys = [text.split(" ", 1) for text in texts_of["key"]]
     titles = {g.find(SVG + "title").text.split(":")[0] for g in panel.findall(SVG + "g") if g.get("class") == "mark"}
     if [number for number, _ in keys] != [str(i + 1) for i in range(len(keys))] or texts_of["number"] != [n for n, _ in keys]:
         fault(f"{name} numbers {texts_of['number']}, keys {keys}")
     if not {key for _, key in keys} <= titles - set(texts_of["name"]):
         fault(f"{name} keys {keys} are of marks that have names, or of none")
-    if 2 * len(boxes) < len(taken) and "jump" not in name:
-        fault(f"{name} only {len(boxes)} of {len(taken)} marks have a name beside them")
+    if 2 * len(texts_of["name"]) < len(taken) and "jump" not in name:
+        fault(f"{name} only {len(texts_of['name'])} of {len(taken)} marks have a name beside them")
 
 
 def main():

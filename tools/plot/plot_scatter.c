@@ -22,8 +22,8 @@ enum {
     BAND_PAD = 8,
     X_AXIS = 42,
     BELOW = 16, /* each panel */
-    KEYS = 4,   /* names of numbers in a line below the axis */
-    KEY_WIDTH = 165,
+    KEYS = 3,   /* names of numbers in a line below the axis */
+    KEY_WIDTH = 220,
     KEY_LINE = 15,
     TOP_PAD = 26, /* above the largest error, for its name */
     RADIUS = 5,
