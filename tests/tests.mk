@@ -284,29 +284,26 @@ pictures: all ## the pictures of README and docs: drawings by the core itself, s
 	@sh tests/pictures/make.sh $(B)
 
 BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes tori snapshots sweeps rests jumps pauses tips joined)
-bench: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS) ## time against peers, those whose packages are here
+measured: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS)
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
 	@sh tests/bench/budgets.sh $(B)
-	@sh tests/bench/plans.sh $(B)
-	@sh tests/bench/paper.sh $(B)
 	@sh tests/bench/strips.sh $(B)
 	@$(B)/tests/bench/strip_coverage >$(B)/bench/strip_coverage.csv
 	@sh tests/bench/needle.sh $(B)
 	@sh tests/bench/soft.sh $(B)
-	@$(B)/tests/bench/springs cost | tee $(B)/bench/springs.csv
+	@sh tests/bench/repeats.sh $(B)/bench/springs.csv $(B)/tests/bench/springs cost
 	@$(B)/tests/bench/springs map >$(B)/bench/springs_map.csv
-	@$(B)/tests/bench/soft_liver | tee $(B)/bench/soft_liver.csv
+	@sh tests/bench/repeats.sh $(B)/bench/soft_liver.csv $(B)/tests/bench/soft_liver
 	@sh tests/bench/table1.sh $(B)
-	@$(B)/tests/bench/sweeps | tee $(B)/bench/sweeps.csv
-	@$(B)/tests/bench/rests | tee $(B)/bench/rests.csv
-	@$(B)/tests/bench/tips | tee $(B)/bench/tips.csv
-	@$(B)/tests/bench/joined | tee $(B)/bench/joined.csv
-	@$(B)/tests/bench/jumps | tee $(B)/bench/jumps.csv
-	@$(B)/tests/bench/pauses | tee $(B)/bench/pauses.csv
-	@$(B)/tests/bench/snapshots | tee $(B)/bench/snapshots.csv
+	@for program in sweeps rests tips joined jumps pauses snapshots; do \
+	  sh tests/bench/repeats.sh $(B)/bench/$$program.csv $(B)/tests/bench/$$program || exit; done
 	@$(PYTHON) -B tests/bench/viewer.py $(B) | tee $(B)/bench/viewer.csv
 	@sh tests/bench/wasm.sh $(B)
+
+bench: measured ## time against peers, those whose packages are here, and whether plans hold
+	@sh tests/bench/plans.sh $(B)
+.PHONY: measured
 
 test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(BENCH_PROGRAMS)
 # What programs.txt, and the scripts, run of this configuration.
@@ -348,9 +345,10 @@ stability: all ## run the laboratory of force, and make docs/stability.md and it
 	$(B)/dynpoint stability --json >$(B)/bench/stability.json || [ $$? -eq 1 ]
 	$(PYTHON) -B tests/bench/stability.py $(B)/bench/stability.json docs
 
-charts: bench ## draw docs/charts from the bench's results
-	$(PYTHON) tests/bench/chart.py $(B)/bench docs/charts
+charts: measured ## measure as bench does, draw docs/charts and keep their data
+	$(PYTHON) -B tests/bench/chart.py $(B)/bench docs/charts
 	$(PYTHON) -B tests/bench/chart_paper.py $(B)/bench docs/charts
-	$(B)/dynpoint chart liver --ticks 20000 -o docs/charts/chart-liver \
-	  $$(ls $(B)/bench | grep -q '^peer_[a-z]*$$' && echo --peers $(B)/bench)
-	$(B)/dynpoint chart laparoscopy -o docs/charts/chart-laparoscopy
+	$(B)/dynpoint chart liver --ticks 20000 --repeats 3 -o $(B)/bench/chart-liver \
+	  $$(ls $(B)/bench/peers | grep -q . && echo --peers $(B)/bench/peers)
+	$(B)/dynpoint chart laparoscopy --repeats 3 -o $(B)/bench/chart-laparoscopy
+	cp $(foreach scene,liver laparoscopy,$(B)/bench/chart-$(scene).csv $(B)/bench/chart-$(scene).svg) docs/charts

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "replay_report.h"
+#include "tick_histogram.h"
 
 static const char *const status_words[] = { "stale", "local", "bounded", "exact" };
 static const char *const contact_words[] = { "unknown", "separated", "touching", "penetrating" };
@@ -139,47 +140,18 @@ static void json_times(FILE *file, const char *name, const double *sorted, size_
             percentile(sorted, count, 0.999), percentile(sorted, count, 1.0));
 }
 
-/* Edges of bins: `steps` to a doubling, rounded to whole numbers, each of them once. */
-struct bins {
-    const char *name;
-    double first;
-    int steps, doublings;
-};
-static const struct bins ns_bins = { "ns_histogram", 16.0, 8, 16 };
-static const struct bins work_bins = { "work_histogram", 1.0, 4, 16 };
-
-enum { EDGES_MAX = 8 * 16 + 1 };
-
-static int make_edges(const struct bins *bins, double edges[EDGES_MAX])
+static void json_histogram(FILE *file, enum tick_histogram_of of, const double *sorted,
+                           size_t count)
 {
-    int count = 0;
-    for (int i = 0; i <= bins->steps * bins->doublings; i++) {
-        double edge = floor(bins->first * pow(2.0, (double)i / bins->steps) + 0.5);
-        if (!count || edge > edges[count - 1])
-            edges[count++] = edge;
-    }
-    return count;
-}
-
-/*
- * Print a histogram. It has one count more than edges: the first counts values below the first edge, each other one the
- * values from its edge up to the next. So the counts add up to all values.
- */
-static void json_histogram(FILE *file, const struct bins *bins, const double *sorted, size_t count)
-{
-    double edges[EDGES_MAX];
-    int edge_count = make_edges(bins, edges);
-    fprintf(file, ",\"%s\":{\"edges\":[", bins->name);
+    double edges[TICK_HISTOGRAM_EDGES];
+    const int edge_count = tick_histogram_edges(of, edges);
+    const struct tick_histogram histogram = tick_histogram_count(of, sorted, count);
+    fprintf(file, ",\"%s_histogram\":{\"edges\":[", tick_histogram_words[of]);
     for (int i = 0; i < edge_count; i++)
         fprintf(file, i ? ",%.0f" : "%.0f", edges[i]);
     fputs("],\"counts\":[", file);
-    for (size_t i = 0, from = 0; i <= (size_t)edge_count; i++) {
-        size_t to = from;
-        while (to < count && (i == (size_t)edge_count || sorted[to] < edges[i]))
-            to++;
-        fprintf(file, i ? ",%zu" : "%zu", to - from);
-        from = to;
-    }
+    for (int i = 0; i <= edge_count; i++)
+        fprintf(file, i ? ",%" PRIu32 : "%" PRIu32, histogram.bin[i]);
     fputs("]}", file);
 }
 
@@ -203,8 +175,8 @@ void replay_print_json(FILE *file, const struct replayed *replayed)
     fprintf(file, ",\"work\":{\"median\":%.0f,\"p99\":%.0f,\"max\":%.0f}",
             percentile(s.work, s.count, 0.5), percentile(s.work, s.count, 0.99),
             percentile(s.work, s.count, 1.0));
-    json_histogram(file, &ns_bins, s.ns, s.count);
-    json_histogram(file, &work_bins, s.work, s.count);
+    json_histogram(file, TICK_HISTOGRAM_NS, s.ns, s.count);
+    json_histogram(file, TICK_HISTOGRAM_WORK, s.work, s.count);
     fprintf(file, ",\"bytes\":%zu,\"mesh_bytes\":%" PRIu64 ",\"kernel\":\"%s\"",
             replayed->world_bytes, replayed->mesh_bytes, dpt_kernel_name(replayed->kernel));
     if (replayed->strip_kind)

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """make charts: draw docs/charts/*.svg, and keep their data, from what the bench wrote.
 
-chart.py BENCH_DIR OUT_DIR   reads results.csv, histograms.csv, budgets.csv, paper.csv, strip_coverage.csv,
-                             needle.csv, deform.csv, soft_liver.csv, springs.csv and springs_map.csv, and names
-                             those that are not there; standard library only
+chart.py BENCH_DIR OUT_DIR   draws what no scene's chart is (dynpoint chart): growth over meshes and parts, histograms, and
+                             what programs of the bench measure, and names the files that are not there; standard
+                             library only
 """
 import csv
 import math
@@ -15,41 +15,36 @@ import sys
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 420, 70, 190, 50, 60
 PANEL, GAP, ZERO = 84, 16, 56  # of histograms: a panel's height, the gap below it, the place of 0
 
-METHODS = {
-    ("FCL", "OBBRSS"): ("FCL, OBBRSS, warm", "#b03a2e", "6 4"),
-    ("CGAL", "AABB_tree"): ("CGAL, AABB tree", "#7d3c98", "6 4"),
-    ("paper", "K=1"): ("paper, K = 1 (inexact)", "#d4ac0d", "2 3"),
-    ("exact", "scalar"): ("exact, scalar", "#95a5a6", ""),
-    ("exact", "sse2"): ("exact, SSE2", "#7fb3d5", ""),
-    ("exact", "avx2"): ("exact, AVX2", "#2e86c1", ""),
-    ("exact", "avx512"): ("exact, AVX-512", "#154360", ""),
-    ("exact", "neon"): ("exact, NEON", "#117864", ""),
-    ("tree", "warm"): ("tree, widest kernel", "#a569bd", ""),
+METHODS = {  # rows of dynpoint chart, without kernels that are not here
+    "fcl": ("FCL, OBBRSS, warm", "#d55e00", "6 4"),
+    "cgal": ("CGAL, AABB tree", "#aa4499", "6 4"),
+    "paper in 1 part": ("paper, 1 part (inexact)", "#e69f00", "2 3"),
+    "exact by scalar": ("exact, scalar", "#999999", ""),
+    "exact by sse2": ("exact, SSE2", "#56b4e9", ""),
+    "exact by avx2": ("exact, AVX2", "#2e86c1", ""),
+    "exact": ("exact, widest kernel", "#154360", ""),
+    "tree": ("tree, widest kernel", "#009e73", "9 3"),
 }
 MESHES = {
-    "star": ("star, 20,480", "#b03a2e"),
-    "torus-61358": ("torus, 61,358", "#ca6f1e"),
-    "liver": ("liver, 50,332", "#154360"),
-    "torus-5568": ("torus, 5,568", "#7fb3d5"),
-    "membrane": ("membrane, 512", "#117864"),
+    "star": ("star, 20,480", "#d55e00", ""),
+    "torus-61358": ("torus, 61,358", "#e69f00", "6 4"),
+    "liver": ("liver, 50,332", "#154360", ""),
+    "torus-5568": ("torus, 5,568", "#7fb3d5", "6 4"),
+    "membrane": ("membrane, 512", "#009e73", "2 3"),
 }
 
 STRIPS = {
-    "routes": ("routes, as the paper", "#d4ac0d"),
+    "routes": ("routes, as the paper", "#e69f00"),
     "narrow": ("shadow, width 0", "#7fb3d5"),
     "wide": ("shadow, width margin", "#154360"),
 }
 
-TIMED = {
-    ("exact", "auto"): ("exact", "#154360"),
-    ("tree", "warm"): ("tree", "#a569bd"),
-    ("FCL", "OBBRSS"): ("FCL, OBBRSS, warm", "#b03a2e"),
-}
+TIMED = {"exact": ("exact", "#154360"), "tree": ("tree", "#009e73"), "fcl": ("FCL, OBBRSS, warm", "#d55e00")}
 
 MOVING = {
-    "fcl": ("FCL, RSS", "#b03a2e"),
-    "bullet": ("Bullet, swept box", "#ca6f1e"),
-    "embree": ("Embree, 64 points", "#7d3c98"),
+    "fcl": ("FCL, RSS", "#d55e00"),
+    "bullet": ("Bullet, swept box", "#e69f00"),
+    "embree": ("Embree, 64 points", "#aa4499"),
     "sse2": ("dynpoint, SSE2", "#7fb3d5"),
     "avx512": ("dynpoint, AVX-512", "#154360"),
     "rigid": ("dynpoint, rigid body", "#95a5a6"),
@@ -59,13 +54,13 @@ MAP_KINDS = {
     "one": ("stable in one step", "#7fb3d5"),
     "cut": ("cut into substeps", "#d4e6f1"),
     "refused": ("refused", "#d5d8dc"),
-    "grown": ("energy grows", "#b03a2e"),
+    "grown": ("energy grows", "#d55e00"),
 }
 MAP_GROWN = 2  # times the energy at the start: rounding and swings of a stable step stay below
 
 LAWS = {
-    "point": ("#b03a2e", 0.9),
-    "bed": ("#ca6f1e", 1.8),
+    "point": ("#d55e00", 0.9),
+    "bed": ("#e69f00", 1.8),
     "proxy": ("#154360", 2.2),
 }
 ZOOM = (700, 750)  # ms of the needle that its lower panel shows
@@ -143,7 +138,7 @@ def spread(labels, least, bottom=math.inf):
 
 
 def draw(title, subtitle, x_title, y_title, series, x_axis=Axis, y_axis=Axis):
-    """series: name, colour, dash, points, thin points beside them, and points apart (squares)."""
+    """series: name, colour, dash, points, thin points beside them, points apart (squares), and (x, low, high) of bars."""
     x = x_axis([p[0] for s in series for p in s["points"]], LEFT, WIDTH - RIGHT)
     y = y_axis([p[1] for s in series for p in s["points"] + s["thin"]], HEIGHT - BOTTOM, TOP)
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
@@ -166,20 +161,24 @@ def draw(title, subtitle, x_title, y_title, series, x_axis=Axis, y_axis=Axis):
         out.append(polyline(x, y, s["points"], s["colour"], 2.5, s["dash"]))
         if s["thin"]:
             out.append(polyline(x, y, s["thin"], s["colour"], 0.9, s["dash"]))
+        out += [f'<path d="M{x.at(a):.1f},{y.at(low):.1f}V{y.at(high):.1f}" stroke="{s["colour"]}" stroke-width="8" '
+                'stroke-opacity="0.3"/>' for a, low, high in s.get("ranges", [])]
         out += [f'<circle cx="{x.at(a):.1f}" cy="{y.at(b):.1f}" r="3" fill="{s["colour"]}"/>'
                 for a, b in s["points"]]
         out += [f'<rect x="{x.at(a) - 4:.1f}" y="{y.at(b) - 4:.1f}" width="8" height="8" fill="white" '
                 f'stroke="{s["colour"]}" stroke-width="2"/>' for a, b in s.get("apart", [])]
-        labels.append([y.at(s["points"][-1][1]), s["name"], s["colour"]])
-    for height, name, colour in spread(labels, 16, HEIGHT - BOTTOM):
-        out.append(text(WIDTH - RIGHT + 8, height + 4, name, "start", 13, f'fill="{colour}"'))
+        labels.append([y.at(s["points"][-1][1]), s["name"], s["colour"], s["dash"]])
+    for height, name, colour, dash in spread(labels, 16, HEIGHT - BOTTOM):
+        left = WIDTH - RIGHT + 8
+        out.append(f'<path d="M{left},{height:.1f}h20" stroke="{colour}" stroke-width="2.5" stroke-dasharray="{dash}"/>')
+        out.append(text(left + 26, height + 4, name, "start", 12, f'fill="{colour}"'))
     out.append("</svg>")
     return "\n".join(out) + "\n"
 
 
-def read_bins(rows, key):
-    """[from, to, share of the ticks in %] of one histogram, key being mesh, method, kernel, of."""
-    rows = [r for r in rows if (r["mesh"], r["method"], r["kernel"], r["of"]) == key]
+def read_bins(rows, mesh, name, of):
+    """[from, to, share of the ticks in %] of one histogram."""
+    rows = [r for r in rows if (r["mesh"], r["name"], r["of"]) == (mesh, name, of)]
     ticks = sum(int(r["ticks"]) for r in rows)
     return [(float(r["from"]), float(r["to"] or 2 * float(r["from"])),
              100 * int(r["ticks"]) / ticks) for r in rows]
@@ -246,8 +245,7 @@ def time_histogram(rows):
     """How often a tick on the liver took how long."""
     series = [{"name": name, "colour": colour, "bins":
                [(low / 1e3, high / 1e3, share) for low, high, share in bins]}
-              for key, (name, colour) in TIMED.items()
-              if (bins := read_bins(rows, ("liver", *key, "ns")))]
+              for row, (name, colour) in TIMED.items() if (bins := read_bins(rows, "liver", row, "ns"))]
     return draw_histograms("Time of a tick on the liver (50,332 triangles)",
                            "All ticks, crossing or not; 8 bins a doubling. Dashed: median and 99 %.",
                            "microseconds a tick", series)
@@ -256,77 +254,58 @@ def time_histogram(rows):
 def work_histogram(rows):
     """How often a tick of the exact method looked at how many blocks, a panel a mesh."""
     series = [{"name": name, "colour": colour, "bins": bins}
-              for mesh, (name, colour) in MESHES.items()
-              if (bins := read_bins(rows, (mesh, "exact", "auto", "work")))]
+              for mesh, (name, colour, _) in MESHES.items() if (bins := read_bins(rows, mesh, "exact", "work"))]
     return draw_histograms("Work of a tick: the exact method on five meshes",
                            "Each number up to 8, then 4 bins a doubling. Dashed: median and 99 %.",
                            "blocks of 16 boxes or triangles looked at in a tick", series)
 
 
-def is_drawn(row):
-    if row["of"] == "ns":
-        return row["mesh"] == "liver" and (row["method"], row["kernel"]) in TIMED
-    return row["mesh"] in MESHES and row["method"] == "exact"
-
-
-def tick_time(results, paper):
+def tick_time(rows):
     """Time against triangles, ticks that do not cross, on tori and liver (the paper's Figure 10)."""
-    series = []
-    for key, (name, colour, dash) in METHODS.items():
-        rows = sorted((r for r in results if (r["method"], r["kernel"]) == key
-                       and r["mesh"].startswith("torus")), key=lambda r: int(r["triangles"]))
-        liver = [r for r in results if (r["method"], r["kernel"]) == key and r["mesh"] == "liver"]
-        if rows:
-            series.append({"name": name, "colour": colour, "dash": dash, "points":
-                           [(int(r["triangles"]), float(r["other_median"]) / 1e3) for r in rows],
-                           "thin": [(int(r["triangles"]), float(r["other_p99"]) / 1e3) for r in rows],
-                           "apart": [(int(r["triangles"]), float(r["other_median"]) / 1e3)
-                                     for r in liver]})
+    def points(mesh, row, column):
+        return sorted((int(r["triangles"]), float(r[column])) for r in rows
+                      if r["mesh"].startswith(mesh) and (r["part"], r["name"]) == ("pair", row) and r[column])
+
+    def ranges(row):
+        return [(a[0], a[1], b[1]) for a, b in zip(points("", row, "other_median_least_us"),
+                                                   points("", row, "other_median_most_us")) if a[0] in tori]
+
+    tori = {int(r["triangles"]) for r in rows if r["mesh"].startswith("torus")}
+    series = [{"name": name, "colour": colour, "dash": dash, "points": medians,
+               "thin": points("torus", row, "other_p99_us"), "apart": points("liver", row, "other_median_us"),
+               "ranges": ranges(row)}
+              for row, (name, colour, dash) in METHODS.items() if (medians := points("torus", row, "other_median_us"))]
     return draw("Nearest pair of a sliding tool and a torus (squares: the liver)",
-                "Ticks whose axis does not cross. Thick: median; thin: 99 %. All but the paper's are exact on every tick.",
+                "Ticks that do not cross. Thick: median, bars: of the repeats; thin: 99 %. All but the paper's are exact.",
                 "triangles", "microseconds a tick", series)
 
 
-def paper_rows(paper, mesh):
-    rows = [r for r in paper if r["mesh"] == mesh and r["one_step"] == "0"]
-    return sorted(rows, key=lambda r: int(r["parts"]))
+def parts(rows, title, subtitle, y_title, value, is_there=lambda row: True):
+    """A line a mesh: the paper's method against the number of parts."""
+    def points(mesh):
+        here = [r for r in rows if (r["mesh"], r["part"]) == (mesh, "pair") and r["name"].startswith("paper in")]
+        return sorted((int(r["parts"]), value(r)) for r in here if is_there(r))
+
+    series = [{"name": name, "colour": colour, "dash": dash, "thin": [], "points": here}
+              for mesh, (name, colour, dash) in MESHES.items() if (here := points(mesh))]
+    return draw("The paper's method: " + title, subtitle, "parts, each with its own dynamic point", y_title, series, Doublings)
 
 
-def parts_time(results, paper):
-    """Time against the number of parts (the paper's Figure 11)."""
-    series = [{"name": name, "colour": colour, "dash": "", "thin": [], "points":
-               [(int(r["parts"]), float(r["median"]) / 1e3) for r in paper_rows(paper, mesh)]}
-              for mesh, (name, colour) in MESHES.items() if paper_rows(paper, mesh)]
-    return draw("The paper's method: time against parts of the tool",
-                "Median of all ticks. It grows with the parts, hardly with the mesh.",
-                "parts, each with its own dynamic point", "microseconds a tick", series, Doublings)
+def parts_time(rows):
+    return parts(rows, "time against parts of the tool", "Median of all ticks. It grows with the parts, hardly with the mesh.",
+                 "microseconds a tick", lambda r: float(r["median_us"]))
 
 
-def wrong_series(paper, value):
-    """A line a mesh with any wrong tick: value(row) against the number of parts."""
-    series = []
-    for mesh, (name, colour) in MESHES.items():
-        rows = [r for r in paper_rows(paper, mesh) if int(r["wrong"])]
-        if rows:
-            series.append({"name": name, "colour": colour, "dash": "", "thin": [],
-                           "points": [(int(r["parts"]), value(r)) for r in rows]})
-    return series
+def parts_error(rows):
+    return parts(rows, "largest error of the nearest distance",
+                 "The meshes are about 0.35 m large. No point: no tick is wrong, as on the flat membrane.",
+                 "mm", lambda r: 1e3 * float(r["distance_error_m"]), lambda r: int(r["wrong"]))
 
 
-def parts_error(results, paper):
-    """Largest error of a distance against the number of parts."""
-    return draw("The paper's method: largest error of the nearest distance",
-                "The meshes are about 0.35 m large. Rounding alone on the flat membrane; the exact method has rounding alone on all.",
-                "parts, each with its own dynamic point", "mm",
-                wrong_series(paper, lambda r: 1e3 * float(r["largest_error"])), Doublings)
-
-
-def parts_wrong(results, paper):
-    """Share of ticks whose distance is not the least, against the number of parts."""
-    series = wrong_series(paper, lambda r: 100 * int(r["wrong"]) / int(r["ticks"]))
-    return draw("The paper's method: ticks with a wrong nearest pair",
-                "Local minima hold the dynamic points. None wrong on the flat membrane; the exact method has none at all.",
-                "parts, each with its own dynamic point", "% of 20,000 ticks", series, Doublings)
+def parts_wrong(rows):
+    return parts(rows, "ticks with a wrong nearest pair",
+                 "Local minima hold the dynamic points. No point: no tick is wrong, as of the exact method.",
+                 "% of the ticks", lambda r: 100 * int(r["wrong"]) / int(r["ticks"]), lambda r: int(r["wrong"]))
 
 
 def strip_recall(rows):
@@ -351,7 +330,7 @@ def strip_recall(rows):
 def contact_budget(rows):
     """What share of the ticks in reach has its contact, against what a tick takes, by budget."""
     series = []
-    for mesh, (name, colour) in MESHES.items():
+    for mesh, (name, colour, dash) in MESHES.items():
         here = sorted((r for r in rows if r["mesh"] == mesh and r["budget"] != "0"),
                       key=lambda r: int(r["budget"]))
         if here:
@@ -359,7 +338,7 @@ def contact_budget(rows):
                       for r in here] for column in ("unknown", "off")]
             whole = [(float(r["p99"]) / 1e3, 100) for r in rows
                      if r["mesh"] == mesh and r["budget"] == "0"]
-            series.append({"name": name, "colour": colour, "dash": "", "points": lines[0],
+            series.append({"name": name, "colour": colour, "dash": dash, "points": lines[0],
                            "thin": lines[1], "apart": whole})
     return draw("Contact with a budget of 25, 50, 100 ... 3,200 units (squares: none)",
                 "Thick: ticks in reach whose contact is known; thin: and whose thrust is within 2 % of the peak.",
@@ -497,42 +476,30 @@ def write(path, content):
         file.write(content)
 
 
-def keep_histograms(path, rows):
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+# Of each file of the bench: how its copy is called, and what is drawn from it.
+DRAWN = {
+    "meshes": ("meshes", {"tick-time": tick_time, "parts-time": parts_time, "parts-wrong": parts_wrong,
+                          "parts-error": parts_error}),
+    "histograms": ("histograms", {"time-histogram": time_histogram, "work-histogram": work_histogram}),
+    "strip_coverage": ("strip-recall", {"strip-recall": strip_recall}),
+    "budgets": ("contact-budget", {"contact-budget": contact_budget}),
+    "needle": ("needle-force", {"needle-force": needle_force}),
+    "deform": ("deform", {"deform": moving_mesh}),
+    "springs_map": ("springs-map", {"springs-map": springs_map}),
+    "soft_liver": ("soft-liver", {}),
+    "springs": ("springs", {}),
+}
 
 
 def main(bench, folder):
-    def is_there(*names):
-        missing = [name for name in names if not os.path.exists(f"{bench}/{name}")]
-        for name in missing:
-            print(f"chart.py: no {bench}/{name}: what is drawn from it stays as it is", file=sys.stderr)
-        return not missing
-
-    if is_there("results.csv", "paper.csv"):
-        results, paper = read(bench + "/results.csv"), read(bench + "/paper.csv")
-        for name, chart in (("tick-time", tick_time), ("parts-time", parts_time),
-                            ("parts-wrong", parts_wrong), ("parts-error", parts_error)):
-            write(f"{folder}/{name}.svg", chart(results, paper))
-        shutil.copyfile(bench + "/results.csv", folder + "/tick-time.csv")
-        shutil.copyfile(bench + "/paper.csv", folder + "/parts.csv")
-    for source, name, chart in (("strip_coverage", "strip-recall", strip_recall),
-                                ("budgets", "contact-budget", contact_budget),
-                                ("needle", "needle-force", needle_force), ("deform", "deform", moving_mesh),
-                                ("springs_map", "springs-map", springs_map)):
-        if is_there(source + ".csv"):
-            write(f"{folder}/{name}.svg", chart(read(f"{bench}/{source}.csv")))
-            shutil.copyfile(f"{bench}/{source}.csv", f"{folder}/{name}.csv")
-    for source, name in (("soft_liver", "soft-liver"), ("springs", "springs")):
-        if is_there(source + ".csv"):
-            shutil.copyfile(f"{bench}/{source}.csv", f"{folder}/{name}.csv")
-    if is_there("histograms.csv"):
-        rows = [row for row in read(bench + "/histograms.csv") if is_drawn(row)]
-        for name, chart in (("time-histogram", time_histogram), ("work-histogram", work_histogram)):
-            write(f"{folder}/{name}.svg", chart(rows))
-        keep_histograms(folder + "/histograms.csv", rows)
+    for source, (copy, charts) in DRAWN.items():
+        path = f"{bench}/{source}.csv"
+        if not os.path.exists(path):
+            print(f"chart.py: no {path}: what is drawn from it stays as it is", file=sys.stderr)
+            continue
+        for name, chart in charts.items():
+            write(f"{folder}/{name}.svg", chart(read(path)))
+        shutil.copyfile(path, f"{folder}/{copy}.csv")
 
 
 if __name__ == "__main__":

@@ -11,7 +11,8 @@
 #     error           the largest against brute force over the positions of that tick, of the first 50 ticks and each 20th
 #     wrong           of ours, those off by more than their error bound; of peers, by more than 1e-9 of the diagonal
 #
-# Refits take up to 0.1 s, so all peers but Embree get SLOW_TICKS of the ticks (30). PEERS is as in peers.sh.
+# Ours are the middle of REPEATS runs (3). Refits take up to 0.1 s, so all peers but Embree get SLOW_TICKS of the ticks (30),
+# once. PEERS is as in peers.sh.
 set -u
 build=$1
 shift
@@ -54,9 +55,9 @@ for mesh in $meshes; do
     vertices=$(od -A n -t u4 -N 4 "$file.tri" | tr -d ' ')
     for motion in $motions; do
         key=$name,$triangles,$vertices,${motion%:*},${motion#*:}
-        "$build/tests/bench/deform" "$file.dpa" "$file.csv" "${motion%:*}" "${motion#*:}" "$file.moved.csv" \
-            >"$file.rows" || exit 1
-        sed "s/^/$key,/" "$file.rows" >>"$csv"
+        sh tests/bench/repeats.sh "$file.rows" "$build/tests/bench/deform" "$file.dpa" "$file.csv" "${motion%:*}" \
+            "${motion#*:}" "$file.moved.csv" >/dev/null || exit 1
+        sed -n "/^#/!s/^/$key,/p" "$file.rows" >>"$csv"
         for peer in $ready; do
             few=$ticks option=
             [ "$peer" = embree ] || few=${SLOW_TICKS:-30}
@@ -86,6 +87,7 @@ for mesh in $meshes; do
                 printf "  %-8s %s %7s %s %7s %9.1f %6s %6s  %-9s %s\n", $6, positions, of_set, asked, of_query,
                     $15 / 1e3, $16, $17, $20, $19 " of " $18
             }' "$csv"
+        sed -n 's/^#/  of ours:/p' "$file.rows"
     done
     motions=${MOTIONS:-modes:1e-4}
 done

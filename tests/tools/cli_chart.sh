@@ -33,7 +33,7 @@ make_peers()
 #!/bin/sh
 [ "\$(wc -l <"\$2")" -eq 10001 ] && [ "\$(wc -c <"\$1")" -eq $((8 + 1002 * 12 + 2000 * 12)) ] && [ "\$3" = -o ] &&
     cp $peer.answers "\$4" && echo '{"first_ns":9,"build_ns":2000000,"ns":{"median":400,"p99":900,"p999":950,"max":999},
-"ns_crossing":{"median":200,"p99":300,"p999":300,"max":300}}'
+"ns_crossing":{"median":200,"p99":300,"p999":300,"max":300},"ns_histogram":{"edges":[16,17],"counts":[0,3,9996]}}'
 END
     done
     printf '#!/bin/sh\nexit 1\n' >peers/peer_broken
@@ -68,7 +68,55 @@ prepare_star()
     make_peers
     succeeds 'its chart' chart star.dpa --length 0.1 --passes 1 --peers peers -o star
     mv stderr star.stderr
-    check 'two files, and nothing beside them' test "$(ls star.csv star.svg star.*.part 2>/dev/null | wc -l)" -eq 2
+    check 'three files, and nothing beside them' test "$(ls star.csv star.svg star.histograms.csv star.*.part 2>/dev/null | wc -l)" -eq 3
+}
+
+# One that takes another time in each repeat, and one that fails in the second.
+repeats()
+{
+    mkdir again
+    cat >again/peer_other <<'END'
+#!/bin/sh
+echo >>calls
+case $(wc -l <calls) in 1) ns=500 p99=2000 ;; 2) ns=900 p99=1000 ;; *) ns=400 p99=1100 ;; esac
+cp near.answers "$4"
+echo "{\"first_ns\":9,\"ns\":{\"median\":$ns,\"p99\":$p99,\"p999\":$p99,\"max\":$p99},
+\"ns_other\":{\"median\":1$ns,\"p99\":1$p99,\"p999\":1$p99,\"max\":1$p99}}"
+END
+    cat >again/peer_second <<'END'
+#!/bin/sh
+[ -e second ] && exit 1
+touch second
+cp near.answers "$4" && echo '{"first_ns":9,"ns":{"median":400,"p99":900,"p999":950,"max":999}}'
+END
+    chmod +x again/peer_*
+    run chart star.dpa star.trace.csv --until track --passes 1 --repeats 3 --peers again -o thrice
+    check "three repeats: $(cat stderr)" test $status -eq 0
+    check 'each ran all' test "$(wc -l <calls)" -eq 3
+    for pair in median_us:0.5 median_least_us:0.4 median_most_us:0.9 p99_us:1.1 p99_least_us:1 p99_most_us:2 max_us:1.1 \
+        other_median_us:1.5 other_median_least_us:1.4 other_median_most_us:1.9 other_p99_most_us:12 whole_p99_least_us:1; do
+        cell_is thrice.csv pair other "${pair%:*}" '==' "${pair#*:}"
+    done
+    check 'what a peer does not tell has no spread' test -z "$(cell thrice.csv pair other crossing_median_most_us)"
+    check 'one that fails once is left out' test -z "$(cell thrice.csv pair second median_us)"
+    check 'the spread is told' grep -qE '^# times are the middle of 3 repeats; in the middle row the largest median is 1[.0-9]* times the least, in the worst [2-9]' thrice.csv
+    check 'of itself' grep -q '^  times are the middle of 3 repeats; ' stdout
+    check 'the nearest pair alone' test "$(grep -v '^#' thrice.csv | cut -d, -f2 | sort -u)" = "$(printf 'pair\npart')"
+    check 'least, middle and largest are in order' test "$(grep -v '^#' thrice.csv | awk -F, '
+        NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+        { for (i in at) if (i ~ /_least_us$/) { name = i; sub("_least_us", "", name)
+            if ($at[i] + 0 > $at[name "_us"] + 0 || $at[name "_us"] + 0 > $at[name "_most_us"] + 0) wrong++
+            if (name == "median") apart += $at[i] + 0 < $at[name "_most_us"] + 0 } }
+        END { print wrong + 0, (apart > 1) }')" = '0 1'
+    for file in star thrice; do
+        grep -v '^#' $file.csv | awk -F, '$2 == "pair" && $3 != "peer" || NR == 1 { if (NR == 1) for (i = 1; i <= NF; i++) time[i] = $i ~ /_us$/
+            for (i = 1; i <= NF; i++) printf "%s,", time[i] ? "" : $i; print "" }' >$file.answers
+    done
+    check 'the answers are those of one' cmp star.answers thrice.answers
+    check 'one repeat has no spread' test "$(cell star.csv pair exact median_least_us)" = "$(cell star.csv pair exact median_most_us)"
+    check 'nor a bar' test "$(grep -c 'class="range"' star.svg)" -eq 0
+    [ ! -x "$(command -v python3)" ] || check "read back: $(python3 -B "$tests/tools/read_chart.py" thrice 2>&1 | tail -n 3)" \
+        python3 -B "$tests/tools/read_chart.py" thrice
 }
 
 every_row()
@@ -123,12 +171,41 @@ as_replay_counts()
     check 'its units are those of replay' grep -q "\"median\":$(cell star.csv contact exact median_units),\"p99\":" stdout
 }
 
+# histogram FILE PART NAME OF: "ticks", and the bins in which their median, 99 % and largest are
+histogram()
+{
+    awk -F, -v part="$2" -v name="$3" -v of="$4" '$1 != name || $2 != part || $3 != of { next }
+        { total += $6; low[++n] = $4; high[n] = $5 == "" ? 1e300 : $5; until[n] = total }
+        function bin(share,  i) { for (i = 1; until[i] < share * total; i++); return low[i] " " high[i] " " }
+        END { print total + 0, n ? bin(0.5) bin(0.99) bin(1) : "" }' "$1"
+}
+
+histograms()
+{
+    check "the histograms' head" test "$(head -n 1 star.histograms.csv)" = name,part,of,from,to,ticks
+    for row in 'pair,exact' 'pair,tree' 'pair,paper in 16 parts' 'contact,exact' 'force,proxy' 'force,bed at 400 units'; do
+        for of in work:units:1 ns:us:1000; do # times are told in four digits
+            unit=${of#*:}
+            set -- $(histogram star.histograms.csv "${row%%,*}" "${row#*,}" "${of%%:*}")
+            check "$row, ${of%%:*}: all ticks but the first" test "$1" -eq 9999
+            for which in median p99 max; do
+                check "$row, ${of%%:*}: its $which is in its bin, from $2 to $3" awk -v low="$2" -v high="$3" -v scale="${unit#*:}" \
+                    -v value="$(cell star.csv "${row%%,*}" "${row#*,}" "${which}_${unit%:*}")" \
+                    'BEGIN { v = value * scale; near = scale > 1 ? 6e-4 : 0; exit !(v >= low * (1 - near) && v < high * (1 + near)) }'
+                shift 2
+            done
+        done
+    done
+    check "a peer's are its own" test "$(grep '^near,' star.histograms.csv)" = "$(printf 'near,pair,ns,16,17,3\nnear,pair,ns,17,19,9996')"
+    check 'one that counts none has none' test -z "$(grep '^other,' thrice.histograms.csv)"
+}
+
 pictures()
 {
     [ -x "$(command -v python3)" ] || { skip 'charts read back: no python3'; return; }
     python3 -B "$tests/tools/read_chart.py" star >read.log 2>&1
     check "the picture: $(tail -n 3 read.log)" test $? -eq 0
-    check "its panels: $(head -n 1 read.log)" grep -qxE 'Nearest pair 1[2-5], Contact 7, Force 23, Force 23' read.log
+    check "its panels: $(head -n 1 read.log)" grep -qxE 'Nearest pair 1[4-7], Contact 7, Force 23, Force 23' read.log
 }
 
 # A sheet that gives way, by a scene file and a trace of a file.
@@ -195,6 +272,9 @@ faults()
     refuses 'into no folder' 'nowhere/x.csv: cannot be written' chart star.dpa -o nowhere/x
     refuses 'standard output' '-o takes a name' chart star.dpa -o -
     refuses 'onto its trace' 'star.trace.csv: it is an input too' chart star.dpa star.trace.csv -o star.trace
+    refuses 'no repeats' '--repeats must be' chart star.dpa --repeats 0 -o out/x
+    refuses 'no such stage' '--until takes' chart star.dpa --until never -o out/x
+    refuses 'a tip without a force' 'tip.json: nothing feels it with --until contact' chart tip.json --until contact -o out/x
     refuses 'no passes' '--passes must be' chart star.dpa --passes 0 -o out/x
     refuses 'unknown option' --frob chart --frob
     for pair in length:-1 radius:2 stiffness:-1 friction:11; do
@@ -214,6 +294,8 @@ prepare_star
 every_row
 as_replay_counts
 peers
+repeats
+histograms
 pictures
 soft
 faults

@@ -5,8 +5,8 @@
 read_chart.py NAME      reads NAME.svg and NAME.csv
 
 Each row that got through the trace has one mark in the panel of its part, at its median, with a line to its 99 %, and as high
-as its error, or in the band; the frontier goes through the marks that nothing beats, and no others; names cover neither marks
-nor lines nor each other. Prints the panels with their marks, and what is wrong; exit status 1 then.
+as its error, or in the band; the frontier goes through the marks that nothing beats, and no others; names, and numbers
+in their place, cover neither marks nor lines nor each other. Prints the panels with their marks, and what is wrong; exit status 1 then.
 """
 import csv
 import re
@@ -103,7 +103,8 @@ def read_panel(panel, rows):
     taken, lines, places, seen = [], [], {}, []
     for mark in (g for g in panel.findall(SVG + "g") if g.get("class") == "mark"):
         label = mark.find(SVG + "title").text.split(":")[0]
-        paths = mark.findall(SVG + "path")
+        paths = [p for p in mark.findall(SVG + "path") if p.get("class") != "range"]
+        bars = [numbers(p.get("d")) for p in mark.findall(SVG + "path") if p.get("class") == "range"]
         x, y = centre(paths[-1])
         seen.append(label)
         taken.append((x - 5, y - 5, x + 5, y + 5))
@@ -114,6 +115,8 @@ def read_panel(panel, rows):
         places[label] = (x, y)
         if abs(x - x_axis.pixel(1e-6 * float(row["whole_median_us"]))) > CLOSE:
             fault(f"{name} {label}: at {x}, not at its median")
+        check_ranges(name + " " + label, row, bars, x_axis)
+        lines += [(bar[0], bar[1], bar[2], bar[1]) for bar in bars]
         if len(paths) == 2:
             line = numbers(paths[0].get("d"))
             if abs(line[2] - x_axis.pixel(1e-6 * float(row["whole_p99_us"]))) > CLOSE:
@@ -131,6 +134,17 @@ def read_panel(panel, rows):
     check_frontier(panel, name, places, band_top)
     check_names(panel, name, taken, lines)
     return f"{name.split(':')[0]} {len(seen)}"
+
+
+def check_ranges(name, row, bars, x_axis):
+    """A bar for the median and one for the 99 %, each from the least of the repeats to the largest."""
+    ends = [[1e-6 * float(row[f"whole_{of}_{end}_us"]) for end in ("least", "most")] for of in ("median", "p99")]
+    clear = [[x_axis.pixel(value) for value in pair] for pair in ends if pair[1] > 1.002 * pair[0]]
+    for pair in clear:
+        if not any(abs(bar[0] - pair[0]) < CLOSE and abs(bar[2] - pair[1]) < CLOSE for bar in bars):
+            fault(f"{name}: no bar from {pair[0]} to {pair[1]}")
+    if len(bars) > sum(pair[1] > pair[0] for pair in ends):
+        fault(f"{name}: {len(bars)} bars")
 
 
 def check_frontier(panel, name, places, band_top):
@@ -154,9 +168,11 @@ def check_frontier(panel, name, places, band_top):
 
 
 def check_names(panel, name, taken, lines):
-    boxes = []
-    for group in (g for g in panel.findall(SVG + "g") if g.get("class") == "name"):
+    """Names, and numbers in their place, cover nothing; each number has its mark's name below the axis, once."""
+    boxes, texts_of = [], {"name": [], "number": [], "key": []}
+    for group in (g for g in panel.findall(SVG + "g") if g.get("class") in texts_of):
         text = group.find(SVG + "text")
+        texts_of[group.get("class")].append(text.text)
         x, y = float(text.get("x")), float(text.get("y"))
         box = (x, y - 9, x + 0.5 * 12 * len(text.text), y)
         boxes.append(box)
@@ -172,8 +188,14 @@ def check_names(panel, name, taken, lines):
         for b in boxes[:i]:
             if boxes_meet(a, b):
                 fault(f"{name} names cover each other")
-    if 2 * len(boxes) < len(taken) and "jump" not in name:
-        fault(f"{name} only {len(boxes)} of {len(taken)} marks have a name beside them")
+    keys = [text.split(" ", 1) for text in texts_of["key"]]
+    titles = {g.find(SVG + "title").text.split(":")[0] for g in panel.findall(SVG + "g") if g.get("class") == "mark"}
+    if [number for number, _ in keys] != [str(i + 1) for i in range(len(keys))] or texts_of["number"] != [n for n, _ in keys]:
+        fault(f"{name} numbers {texts_of['number']}, keys {keys}")
+    if not {key for _, key in keys} <= titles - set(texts_of["name"]):
+        fault(f"{name} keys {keys} are of marks that have names, or of none")
+    if 2 * len(texts_of["name"]) < len(taken) and "jump" not in name:
+        fault(f"{name} only {len(texts_of['name'])} of {len(taken)} marks have a name beside them")
 
 
 def main():

@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 
+#include "chart/chart_repeats.h"
 #include "law_name.h"
 
 static const char *const methods[] = { "exact", "tree", "brute", "paper" };
@@ -19,7 +20,11 @@ static const char result_columns[] =
     ",whole_p99_us,median_units,p99_units,max_units,wrong,wrong_exact,missed_crossings,distance_"
     "error_m"
     ",missed,invented,unknown,wrench_median_N,wrench_p99_N,wrench_p999_N,wrench_max_N"
-    ",wrench_peak_N,jump_N,calm_jump_N,folds,world_bytes,body_bytes";
+    ",wrench_peak_N,jump_N,calm_jump_N,folds,world_bytes,body_bytes"
+    ",median_least_us,median_most_us,p99_least_us,p99_most_us"
+    ",crossing_median_least_us,crossing_median_most_us,crossing_p99_least_us,crossing_p99_most_us"
+    ",other_median_least_us,other_median_most_us,other_p99_least_us,other_p99_most_us"
+    ",whole_median_least_us,whole_median_most_us,whole_p99_least_us,whole_p99_most_us";
 
 /* A number, or nothing. */
 static void write_number(FILE *file, int is_there, double value)
@@ -34,6 +39,17 @@ static void write_spread(FILE *file, const struct judgement_spread *spread, doub
 {
     fprintf(file, ",%.4g,%.4g,%.4g,%.4g", spread->median * scale, spread->p99 * scale,
             spread->p999 * scale, spread->max * scale);
+}
+
+/* Of the repeats' medians and 99 % in us, the least and the largest, or nothing. */
+static void write_range(FILE *file, const struct judgement_spread *least,
+                        const struct judgement_spread *most)
+{
+    if (most->max > 0.0)
+        fprintf(file, ",%.4g,%.4g,%.4g,%.4g", least->median * 1e-3, most->median * 1e-3,
+                least->p99 * 1e-3, most->p99 * 1e-3);
+    else
+        fputs(",,,,", file);
 }
 
 /* Median and 99 % of times in us, or nothing where there were no such ticks. */
@@ -102,7 +118,20 @@ static void write_row(FILE *file, const struct chart_row *row)
     write_number(file, has_wrench, (double)judged->folds);
     write_number(file, !row->is_peer, (double)row->world_bytes);
     write_number(file, !row->is_peer, (double)row->body_bytes);
+    for (int time = 0; time < CHART_TIMES; time++)
+        write_range(file, &row->least[time], &row->most[time]);
     fputc('\n', file);
+}
+
+static void write_apart(FILE *file, uint32_t repeats, const struct chart_rows *rows)
+{
+    const struct chart_apart apart = chart_repeats_apart(rows);
+    fprintf(
+        file,
+        "times are the middle of %u repeats; in the middle row the largest median is %.3g times "
+        "the least, in the worst %.3g; of the 99 %% %.3g and %.3g\n",
+        (unsigned)repeats, apart.median_middle, apart.median_most, apart.p99_middle,
+        apart.p99_most);
 }
 
 static void write_head(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
@@ -116,11 +145,15 @@ static void write_head(FILE *file, const struct chart_head *head, const struct c
         fprintf(file, " of a trace that was made, seed %" PRIu64, head->seed);
     fprintf(file, ", %.1f %% cross; times are the least of %u passes\n",
             100.0 * (double)rows->truth.crossings / (double)head->ticks, (unsigned)head->passes);
+    if (head->repeats > 1) {
+        fputs("# ", file);
+        write_apart(file, head->repeats, rows);
+    }
     fprintf(file, "# machine: %s, %s; %s; dynpoint %s, kernel %s\n", machine->processor,
             machine->system, machine->compiler, machine->version, machine->kernel);
     if (check->every)
         fprintf(file,
-                "# truth: the exact method; brute force in double on every %zuth tick: %zu of %zu "
+                "# truth: the exact method; brute force in double on one tick in %zu: %zu of %zu "
                 "wrong, largest difference %.3g m, beyond %.3g m is wrong\n",
                 check->every, check->wrong, check->ticks, check->error, check->tolerance);
     else
@@ -151,6 +184,30 @@ void chart_csv_write(FILE *file, const struct chart_head *head, const struct cha
         write_row(file, &rows->row[i]);
 }
 
+static void write_histogram(FILE *file, const struct chart_row *row, enum tick_histogram_of of)
+{
+    double edges[TICK_HISTOGRAM_EDGES];
+    const int count = tick_histogram_edges(of, edges);
+    for (int i = 0; i <= count; i++) {
+        const uint32_t ticks = row->judged.histogram[of].bin[i];
+        if (!ticks)
+            continue;
+        fprintf(file, "%s,%s,%s,%.0f,", row->name, parts[row->part], tick_histogram_words[of],
+                i ? edges[i - 1] : 0.0);
+        if (i < count)
+            fprintf(file, "%.0f", edges[i]);
+        fprintf(file, ",%" PRIu32 "\n", ticks);
+    }
+}
+
+void chart_histograms_write(FILE *file, const struct chart_rows *rows)
+{
+    fputs("name,part,of,from,to,ticks\n", file);
+    for (int i = 0; i < rows->count; i++)
+        for (int of = 0; of < TICK_HISTOGRAMS; of++)
+            write_histogram(file, &rows->row[i], (enum tick_histogram_of)of);
+}
+
 /* A count or a size, or a blank. */
 static void print_cell(FILE *file, int is_there, const char *format, double value)
 {
@@ -160,7 +217,7 @@ static void print_cell(FILE *file, int is_there, const char *format, double valu
     fprintf(file, " %8s", text);
 }
 
-void chart_table_print(FILE *file, const struct chart_rows *rows)
+void chart_table_print(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
 {
     fprintf(file, "  %-8s%-22s %8s %8s %8s %8s %8s %8s %8s %8s %8s %8s\n", "", "", "median",
             "99 % us", "worst", "wrong", "error mm", "missed", "invented", "unknown", "error N",
@@ -183,5 +240,9 @@ void chart_table_print(FILE *file, const struct chart_rows *rows)
         print_cell(file, judged->has_wrench, "%.2g", judged->wrench.max);
         print_cell(file, judged->has_wrench, "%.3g", judged->jump);
         fputc('\n', file);
+    }
+    if (head->repeats > 1) {
+        fputs("  ", file);
+        write_apart(file, head->repeats, rows);
     }
 }

@@ -14,7 +14,7 @@ struct chart_head {
     const char *scene, *trace; /* as they were named; NULL: the trace was made */
     uint64_t seed;             /* of that */
     size_t ticks;
-    uint32_t passes;
+    uint32_t passes, repeats;
     struct measure_machine machine;
     struct chart_body body[DPT_ARM_BODIES_MAX];
     uint32_t body_count;
@@ -23,6 +23,9 @@ struct chart_head {
 /* docs/chart.md says what the columns mean. A cell that does not apply is empty. */
 void chart_csv_write(FILE *file, const struct chart_head *head, const struct chart_rows *rows);
 
-void chart_table_print(FILE *file, const struct chart_rows *rows);
+/* How often a tick of a row took how long and how much work; bins without a tick are left out. */
+void chart_histograms_write(FILE *file, const struct chart_rows *rows);
+
+void chart_table_print(FILE *file, const struct chart_head *head, const struct chart_rows *rows);
 
 #endif

@@ -130,6 +130,19 @@ static struct judgement_spread read_times(const char *text, const char *key)
                                       .max = number_after(at, "\"max\":") };
 }
 
+/* In the bins of ours; one that counts none has none. */
+static void read_histogram(struct tick_histogram *histogram, const char *text)
+{
+    const char *at = strstr(text, "\"ns_histogram\":{");
+    at = at ? strstr(at, "\"counts\":[") : NULL;
+    at = at ? strchr(at, '[') : NULL;
+    for (int i = 0; at && *at && *at != ']' && i <= TICK_HISTOGRAM_EDGES; i++) {
+        char *end;
+        histogram->bin[i] = (uint32_t)strtoul(at + 1, &end, 10);
+        at = end;
+    }
+}
+
 static int read_report(struct chart_row *row, const char *path)
 {
     char text[REPORT_ROOM];
@@ -144,6 +157,7 @@ static int read_report(struct chart_row *row, const char *path)
     judged->other_ns = read_times(text, "\"ns_other\":{");
     judged->first_ns = number_after(text, "\"first_ns\":");
     judged->whole_ns = judged->ns;
+    read_histogram(&judged->histogram[TICK_HISTOGRAM_NS], text);
     row->build_ns = number_after(text, "\"build_ns\":");
     return judged->ns.median > 0.0;
 }

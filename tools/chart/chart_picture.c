@@ -44,6 +44,7 @@ struct picture {
     struct plot_scatter chart;
     char titles[SCATTER_PANELS_MAX][SCATTER_MARKS_MAX][TITLE];
     char description[DESCRIPTION];
+    char x_name[TITLE];
 };
 
 static enum scatter_kind kind_of(const struct chart_row *row)
@@ -70,19 +71,33 @@ static void name_kinds(struct scatter_panel *panel, enum chart_part part)
                 panel->kind_name[kinds[i]] = (part == CHART_FORCE ? laws : methods)[i];
 }
 
+/* Of ns; with how far repeats lie apart, where they do. */
+static void write_time(char text[TITLE / 4], double ns, double least, double most)
+{
+    const int length = snprintf(text, TITLE / 4, "%.3g us", ns * 1e-3);
+    if (most > least)
+        snprintf(text + length, TITLE / 4 - (size_t)length, " (%.3g to %.3g)", least * 1e-3,
+                 most * 1e-3);
+}
+
 static void add_mark(struct picture *picture, struct scatter_panel *panel,
                      const struct chart_row *row, row_error *error)
 {
     char *title = picture->titles[panel - picture->chart.panel][panel->count];
     const struct judgement *judged = &row->judged;
-    char text[TITLE];
-    snprintf(text, sizeof text, "%s: %.3g us, 99 %% %.3g us; error %.3g %s", row->name,
-             judged->whole_ns.median * 1e-3, judged->whole_ns.p99 * 1e-3, error(row),
-             panel->y_unit);
+    const struct judgement_spread *least = &row->least[CHART_WHOLE],
+                                  *most = &row->most[CHART_WHOLE];
+    char text[TITLE], times[2][TITLE / 4];
+    write_time(times[0], judged->whole_ns.median, least->median, most->median);
+    write_time(times[1], judged->whole_ns.p99, least->p99, most->p99);
+    snprintf(text, sizeof text, "%s: %s, 99 %% %s; error %.3g %s", row->name, times[0], times[1],
+             error(row), panel->y_unit);
     memcpy(title, text, sizeof text);
     panel->mark[panel->count++] =
         (struct scatter_mark){ .cost = fmax(1e-9 * judged->whole_ns.median, 1e-9),
                                .worse_cost = 1e-9 * judged->whole_ns.p99,
+                               .cost_range = { 1e-9 * least->median, 1e-9 * most->median },
+                               .worse_range = { 1e-9 * least->p99, 1e-9 * most->p99 },
                                .error = error(row),
                                .kind = kind_of(row),
                                .name = row->name,
@@ -104,9 +119,7 @@ static struct scatter_panel *add_panel(struct picture *picture, const struct cha
 {
     struct scatter_panel *panel = &picture->chart.panel[picture->chart.panel_count];
     *panel = *like;
-    panel->x_name = has_physics(rows)
-                        ? "Time of a tick with its physics: the median, and a line to the 99 %"
-                        : "Time of a tick: the median, and a line to the 99 %";
+    panel->x_name = picture->x_name;
     panel->x_unit = "s";
     for (int i = 0; i < rows->count; i++) {
         const struct chart_row *row = &rows->row[i];
@@ -158,14 +171,20 @@ static void describe(struct picture *picture)
     picture->chart.description = picture->description;
 }
 
-int chart_picture_write(FILE *file, const struct chart_rows *rows, const char *title,
-                        const char *subtitle)
+int chart_picture_write(FILE *file, const struct chart_rows *rows, uint32_t repeats,
+                        const char *title, const char *subtitle)
 {
+    char apart[TITLE / 4] = "";
     struct picture *picture = calloc(1, sizeof *picture);
     if (!picture)
         return -1;
     picture->chart.title = title;
     picture->chart.subtitle = subtitle;
+    if (repeats > 1)
+        snprintf(apart, sizeof apart, ", pale: least to most of %u repeats", (unsigned)repeats);
+    snprintf(picture->x_name, sizeof picture->x_name,
+             "Time of a tick%s: median, line to the 99 %%%s",
+             has_physics(rows) ? " with its physics" : "", apart);
     add_panel(picture, rows, CHART_PAIR,
               &(struct scatter_panel){ .name = "Nearest pair:",
                                        .y_name = "the largest error of the distance",

@@ -48,15 +48,16 @@ static void add_budgets(struct chart_rows *rows, const struct scene *scene, enum
 static void add_papers(struct chart_rows *rows, const struct scene *scene, enum chart_part part,
                        const struct measure_setting *base)
 {
-    static const uint32_t parts[] = { 1, 4, 16, 64 };
+    static const uint32_t parts[][7] = { { 1, 2, 4, 8, 16, 64 },
+                                         { 1, 4, 16, 64 },
+                                         { 1, 4, 16, 64 } };
     struct measure_setting setting = *base;
     char name[CHART_NAME];
     setting.world.method = DPT_METHOD_PAPER;
     setting.world.law = DPT_LAW_POINT;
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-        setting.parts = parts[i];
-        snprintf(name, sizeof name, "paper in %u part%s", (unsigned)parts[i],
-                 parts[i] == 1 ? "" : "s");
+    for (const uint32_t *count = parts[part]; *count; count++) {
+        setting.parts = *count;
+        snprintf(name, sizeof name, "paper in %u part%s", (unsigned)*count, *count == 1 ? "" : "s");
         add_row(rows, scene, part, &setting, name);
     }
 }
@@ -169,13 +170,14 @@ static void list_forces(struct chart_rows *rows, const struct scene *scene,
 }
 
 void chart_rows_list(struct chart_rows *rows, const struct scene *scene,
-                     const struct measure_setting *base)
+                     const struct measure_setting *base, enum chart_part last)
 {
     static const uint32_t laws[] = { DPT_LAW_PROXY, DPT_LAW_BED, DPT_LAW_POINT };
     memset(rows, 0, sizeof *rows);
     list_pairs(rows, scene, base);
-    list_contacts(rows, scene, base);
-    for (size_t i = 0; i < sizeof laws / sizeof *laws; i++)
+    if (last >= CHART_CONTACT)
+        list_contacts(rows, scene, base);
+    for (size_t i = 0; last >= CHART_FORCE && i < sizeof laws / sizeof *laws; i++)
         list_forces(rows, scene, base, laws[i]);
 }
 
@@ -244,16 +246,19 @@ static int note_truth(struct chart_truth *truth, const struct measure_run *run)
 
 /* What this run judges: itself, once, and its rows, so that no more than two are held at a time. */
 static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struct scene *scene,
-                            const struct csv_table *trace, struct measure_effort *effort, int *done)
+                            const struct csv_table *trace, const struct measure_effort *all,
+                            int *done)
 {
+    struct measure_effort of_row = *all;
+    const double share = (all->end - all->begin) / rows->count;
     const int is_first = rows->truth.ticks == 0;
     const struct measure_effort once = { .passes = 1,
-                                         .searches = effort->passes,
+                                         .searches = all->passes,
                                          .every = is_first ? measure_check_every(scene, trace) : 0,
-                                         .meter = effort->meter,
-                                         .name = "chart",
-                                         .begin = effort->end,
-                                         .end = effort->end };
+                                         .meter = all->meter,
+                                         .name = all->name,
+                                         .begin = all->begin + share * *done,
+                                         .end = all->begin + share * *done };
     struct measure_run truth = { .tick = NULL };
     int status = 0;
     for (int i = 0; status == 0 && i < rows->count; i++) {
@@ -268,10 +273,10 @@ static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struc
             if (status == 0 && is_first && note_truth(&rows->truth, &truth))
                 status = complain(scene->command, "memory ran out");
         }
-        effort->begin = (double)*done / rows->count;
-        effort->end = (double)++*done / rows->count;
+        of_row.begin = all->begin + share * *done;
+        of_row.end = all->begin + share * ++*done;
         if (status == 0 && row->setting.world.method != DPT_METHOD_BRUTE)
-            status = measure_row(row, scene, trace, &truth, effort);
+            status = measure_row(row, scene, trace, &truth, &of_row);
         else if (status == 0 && judge_brute(row, &truth.check))
             status = complain(scene->command, "memory ran out");
         if (truth.failure != DPT_OK)
@@ -282,15 +287,12 @@ static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struc
 }
 
 int chart_rows_measure(struct chart_rows *rows, const struct scene *scene,
-                       const struct csv_table *trace, uint32_t passes)
+                       const struct csv_table *trace, const struct measure_effort *effort)
 {
-    struct meter meter = { .began = 0 };
-    struct measure_effort effort = { .passes = passes, .meter = &meter, .name = "chart" };
     int status = 0, done = 0;
     for (uint32_t i = 0; status == 0 && i < TRUTHS; i++)
-        status = measure_by_truth(rows, (i + TRUTH_WITHOUT_FORCE) % TRUTHS, scene, trace, &effort,
-                                  &done);
-    meter_show(&meter, "", 1.0);
+        status =
+            measure_by_truth(rows, (i + TRUTH_WITHOUT_FORCE) % TRUTHS, scene, trace, effort, &done);
     return status;
 }
 

@@ -17,6 +17,9 @@ enum chart_part {
     CHART_FORCE    /* all */
 };
 
+/* Times of a judgement: of the step, where the axis crosses and where it does not, and with physics behind it. */
+enum chart_time { CHART_STEP, CHART_CROSSING, CHART_OTHER, CHART_WHOLE, CHART_TIMES };
+
 struct chart_row {
     char name[CHART_NAME]; /* what tells it from its like, without commas: "exact at 8 units" */
     enum chart_part part;
@@ -27,6 +30,8 @@ struct chart_row {
     dpt_result failure;
     struct judgement judged;
     size_t world_bytes, body_bytes;
+    /* After chart_repeats_join: of each of these times, ns, the least and the largest of the repeats. */
+    struct judgement_spread least[CHART_TIMES], most[CHART_TIMES];
 };
 
 /* What the first run that judges was found to be, by brute force: the one without a force, if there is one. */
@@ -46,16 +51,19 @@ struct chart_rows {
     struct chart_truth truth;
 };
 
-/* List what this scene can be felt with. `base` gives stiffness, friction, damping, margin and dt. */
+/*
+ * List what this scene can be felt with, of the parts up to `last`. `base` gives stiffness, friction, damping, margin and dt.
+ * There may be none, as tips are felt by a proxy alone.
+ */
 void chart_rows_list(struct chart_rows *rows, const struct scene *scene,
-                     const struct measure_setting *base);
+                     const struct measure_setting *base, enum chart_part last);
 
 /*
- * Run and judge all rows, and the runs that they are judged by. Times are the least of so many passes. Returns 0, or 2
- * after a message.
+ * Run and judge all rows, and the runs that they are judged by. Of the effort `passes` and what shows progress count. Returns
+ * 0, or 2 after a message.
  */
 int chart_rows_measure(struct chart_rows *rows, const struct scene *scene,
-                       const struct csv_table *trace, uint32_t passes);
+                       const struct csv_table *trace, const struct measure_effort *effort);
 
 /* What was measured is not there any more. */
 void chart_rows_free(struct chart_rows *rows);

@@ -188,7 +188,10 @@ static void judge_cost(struct judgement *judgement, const struct measure_run *ru
 {
     size_t count;
     judgement->work = spread_over(run, work_of, room, &count);
+    judgement->histogram[TICK_HISTOGRAM_WORK] =
+        tick_histogram_count(TICK_HISTOGRAM_WORK, room, count);
     judgement->ns = spread_over(run, ns_of, room, &count);
+    judgement->histogram[TICK_HISTOGRAM_NS] = tick_histogram_count(TICK_HISTOGRAM_NS, room, count);
     judgement->soft_ns = spread_over(run, soft_ns_of, room, &count);
     judgement->whole_ns = spread_over(run, whole_ns_of, room, &count);
     judgement->crossing_ns = spread_over(run, crossing_ns_of, room, &judgement->crossings);

@@ -14,6 +14,7 @@
 #define DPT_TOOLS_JUDGEMENT_H
 
 #include "measure/measure_run.h"
+#include "tick_histogram.h"
 
 /* Ticks before and behind a fold of either run that are apart: when a proxy lets go is not the same to the tick. */
 enum { JUDGEMENT_FOLD_TICKS = 5 };
@@ -62,7 +63,8 @@ struct judgement {
     struct judgement_spread crossing_ns; /* the step where the axis crosses, as this run says */
     struct judgement_spread other_ns;    /* and where it does not */
     double first_ns, first_work;
-    size_t crossings; /* of these ticks */
+    size_t crossings;                                 /* of these ticks */
+    struct tick_histogram histogram[TICK_HISTOGRAMS]; /* of ns and work */
 };
 
 /*

@@ -16,10 +16,15 @@ enum {
     NAME = 24,   /* a panel's name */
     LEGEND = 22, /* below it */
     PLOT = 200,  /* where errors are above 0 */
-    LANE = 17,   /* of the band */
+    EASY = 10,   /* so many marks there have room for their names; each more makes it higher */
+    HIGHER = 8,
+    LANE = 17, /* of the band */
     BAND_PAD = 8,
     X_AXIS = 42,
-    BELOW = 16,   /* each panel */
+    BELOW = 16, /* each panel */
+    KEYS = 3,   /* names of numbers in a line below the axis */
+    KEY_WIDTH = 220,
+    KEY_LINE = 15,
     TOP_PAD = 26, /* above the largest error, for its name */
     RADIUS = 5,
     X_ROOM = 52, /* of a mark of an axis */
@@ -36,6 +41,7 @@ static const char *const colours[SCATTER_KINDS] = { "#0072b2", "#009e73", "#d55e
 struct placed {
     const struct scatter_mark *mark;
     double x, worse_x, y;
+    double left, right; /* of its line and its bars */
     int in_band;
 };
 
@@ -47,6 +53,7 @@ struct layout {
     double top, bottom; /* of all that is plotted; the band is at its lower end */
     double band;        /* where it begins; equal to the bottom if there is none */
     int lanes;
+    int key_lines; /* below its axis */
 };
 
 static int by_cost(const void *a, const void *b)
@@ -58,6 +65,17 @@ static int by_cost(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+static double least_cost(const struct scatter_mark *mark)
+{
+    return mark->cost_range[0] > 0.0 ? fmin(mark->cost, mark->cost_range[0]) : mark->cost;
+}
+
+static double most_cost(const struct scatter_mark *mark)
+{
+    return fmax(fmax(mark->cost, mark->worse_cost),
+                fmax(mark->cost_range[1], mark->worse_range[1]));
+}
+
 static void lay_out(struct layout *layout, const struct scatter_panel *panel, double top)
 {
     double low_x = HUGE_VAL, high_x = 0.0, low_y = HUGE_VAL, high_y = 0.0;
@@ -67,15 +85,17 @@ static void lay_out(struct layout *layout, const struct scatter_panel *panel, do
         const int in_band = panel->band && mark->error <= panel->least;
         layout->placed[i] = (struct placed){ .mark = mark, .in_band = in_band };
         layout->lanes += in_band;
-        low_x = fmin(low_x, mark->cost);
-        high_x = fmax(high_x, fmax(mark->cost, mark->worse_cost));
+        low_x = fmin(low_x, least_cost(mark));
+        high_x = fmax(high_x, most_cost(mark));
         if (!in_band) {
             low_y = fmin(low_y, mark->error);
             high_y = fmax(high_y, mark->error);
         }
     }
     qsort(layout->placed, (size_t)panel->count, sizeof *layout->placed, by_cost);
-    layout->band = top + (layout->lanes < panel->count ? PLOT : 0);
+    const int above = panel->count - layout->lanes;
+    layout->key_lines = above > EASY ? 2 : 1;
+    layout->band = top + (above ? PLOT + HIGHER * (above > EASY ? above - EASY : 0) : 0);
     layout->bottom = layout->band + (layout->lanes ? LANE * layout->lanes + 2 * BAND_PAD : 0);
     layout->x =
         plot_log_axis_make(low_x, high_x, SVG_LEFT + 12, SVG_WIDTH - SVG_RIGHT - 12, X_ROOM);
@@ -86,6 +106,8 @@ static void lay_out(struct layout *layout, const struct scatter_panel *panel, do
         placed->x = plot_log_axis_at(&layout->x, placed->mark->cost);
         placed->worse_x =
             plot_log_axis_at(&layout->x, fmax(placed->mark->cost, placed->mark->worse_cost));
+        placed->left = plot_log_axis_at(&layout->x, least_cost(placed->mark));
+        placed->right = plot_log_axis_at(&layout->x, most_cost(placed->mark));
         placed->y = placed->in_band ? layout->band + BAND_PAD + LANE * (0.5 + lane++)
                                     : plot_log_axis_at(&layout->y, placed->mark->error);
     }
@@ -126,11 +148,28 @@ static void write_shape(FILE *file, enum scatter_kind kind, double x, double y)
     fputs("\"/>", file);
 }
 
-static void write_mark(FILE *file, const struct placed *placed)
+/* Of measuring again, behind the mark. */
+static void write_range(FILE *file, const struct layout *layout, const struct placed *placed,
+                        const double range[2])
+{
+    if (!(range[0] > 0.0 && range[1] > range[0]))
+        return;
+    fprintf(file,
+            "<path class=\"range\" stroke=\"%s\" stroke-width=\"8\" stroke-opacity=\"0.3\" d=\"",
+            colours[placed->mark->kind]);
+    svg_place(file, 'M', plot_log_axis_at(&layout->x, range[0]), placed->y);
+    fputc('H', file);
+    svg_pixel(file, plot_log_axis_at(&layout->x, range[1]));
+    fputs("\"/>", file);
+}
+
+static void write_mark(FILE *file, const struct layout *layout, const struct placed *placed)
 {
     fputs("<g class=\"mark\"><title>", file);
     svg_write(file, placed->mark->title);
     fputs("</title>", file);
+    write_range(file, layout, placed, placed->mark->cost_range);
+    write_range(file, layout, placed, placed->mark->worse_range);
     if (placed->worse_x > placed->x) {
         fprintf(file, "<path stroke=\"%s\" stroke-width=\"1.4\" d=\"", colours[placed->mark->kind]);
         svg_place(file, 'M', placed->x, placed->y);
@@ -235,16 +274,17 @@ static void take_mark(struct label_places *places, const struct placed *placed)
     const double r = RADIUS + 2.0;
     label_places_take(
         places, (struct label_box){ placed->x - r, placed->y - r, placed->x + r, placed->y + r });
-    if (placed->worse_x > placed->x)
-        label_places_take(places, (struct label_box){ placed->x, placed->y - 3.0,
-                                                      placed->worse_x + 1.0, placed->y + 3.0 });
+    if (placed->right > placed->left)
+        label_places_take(places, (struct label_box){ placed->left - 1.0, placed->y - 4.0,
+                                                      placed->right + 1.0, placed->y + 4.0 });
 }
 
 /* In its lane: behind the whisker, or before the mark. */
 static int find_in_lane(struct label_places *places, const struct placed *placed, double width,
                         double height, struct label_box *box)
 {
-    const double lefts[] = { placed->worse_x + 6.0, placed->x - RADIUS - 6.0 - width };
+    const double lefts[] = { placed->right + 6.0,
+                             fmin(placed->left, placed->x - RADIUS) - 6.0 - width };
     for (int i = 0; i < 2; i++) {
         *box = (struct label_box){ lefts[i], placed->y - 0.5 * height, lefts[i] + width,
                                    placed->y + 0.5 * height };
@@ -256,30 +296,59 @@ static int find_in_lane(struct label_places *places, const struct placed *placed
     return 0;
 }
 
-static void write_names(FILE *file, const struct layout *layout, struct label_places *places)
+/* Text beside a mark, or at the end of a leader. Returns 0 if there is no room. */
+static int write_beside(FILE *file, const struct placed *placed, struct label_places *places,
+                        const char *class, const char *text)
 {
     const double height = SVG_LABEL_SIZE + 1.0;
+    const double width = WIDER * svg_width(text, SVG_LABEL_SIZE);
+    struct label_box box;
+    double leader[2] = { placed->x, placed->y };
+    if (!(placed->in_band ? find_in_lane(places, placed, width, height, &box)
+                          : label_places_find(places, placed->x, placed->y, RADIUS, width, height,
+                                              &box, leader)))
+        return 0;
+    fprintf(file, "<g class=\"%s\">", class);
+    if (leader[0] != placed->x || leader[1] != placed->y) {
+        fputs("<path stroke=\"#777\" stroke-width=\"0.7\" d=\"", file);
+        svg_place(file, 'M', placed->x, placed->y);
+        svg_place(file, 'L', leader[0], leader[1]);
+        fputs("\"/>", file);
+    }
+    svg_text_at(file, box.left, box.bottom - 3.0, SVG_LABEL_SIZE, "start", text);
+    fputs("</g>\n", file);
+    return 1;
+}
+
+/* Where a name has no room, a number may; what it means stands below the axis. */
+static void write_number(FILE *file, const struct layout *layout, const struct placed *placed,
+                         struct label_places *places, int *numbered)
+{
+    const int at = *numbered;
+    char number[16];
+    snprintf(number, sizeof number, "%d", at + 1);
+    if (at == KEYS * layout->key_lines || !write_beside(file, placed, places, "number", number))
+        return;
+    fputs("<g class=\"key\">", file);
+    svg_begin_text(file, SVG_LEFT + at % KEYS * KEY_WIDTH,
+                   layout->bottom + X_AXIS + KEY_LINE * (at / KEYS) + 10, SVG_LABEL_SIZE, "start");
+    fprintf(file, "%s ", number);
+    svg_write(file, placed->mark->name);
+    fputs("</text></g>\n", file);
+    ++*numbered;
+}
+
+static void write_names(FILE *file, const struct layout *layout, struct label_places *places)
+{
+    int has_name[SCATTER_MARKS_MAX] = { 0 }, numbered = 0;
     for (int i = 0; i < layout->panel->count; i++) {
         const struct placed *placed = &layout->placed[i];
-        struct label_box box;
-        double leader[2] = { placed->x, placed->y };
-        if (!placed->mark->name)
-            continue;
-        const double width = WIDER * svg_width(placed->mark->name, SVG_LABEL_SIZE);
-        if (!(placed->in_band ? find_in_lane(places, placed, width, height, &box)
-                              : label_places_find(places, placed->x, placed->y, RADIUS, width,
-                                                  height, &box, leader)))
-            continue;
-        fputs("<g class=\"name\">", file);
-        if (leader[0] != placed->x || leader[1] != placed->y) {
-            fputs("<path stroke=\"#777\" stroke-width=\"0.7\" d=\"", file);
-            svg_place(file, 'M', placed->x, placed->y);
-            svg_place(file, 'L', leader[0], leader[1]);
-            fputs("\"/>", file);
-        }
-        svg_text_at(file, box.left, box.bottom - 3.0, SVG_LABEL_SIZE, "start", placed->mark->name);
-        fputs("</g>\n", file);
+        has_name[i] =
+            !placed->mark->name || write_beside(file, placed, places, "name", placed->mark->name);
     }
+    for (int i = 0; i < layout->panel->count; i++)
+        if (!has_name[i])
+            write_number(file, layout, &layout->placed[i], places, &numbered);
 }
 
 static void write_panel(FILE *file, const struct layout *layout, double name_at)
@@ -304,7 +373,7 @@ static void write_panel(FILE *file, const struct layout *layout, double name_at)
         write_names(file, layout, places);
     }
     for (int i = 0; i < count; i++)
-        write_mark(file, &layout->placed[i]);
+        write_mark(file, layout, &layout->placed[i]);
     fputs("</g>\n", file);
     free(places);
 }
@@ -317,7 +386,7 @@ void plot_scatter_write(FILE *file, const struct plot_scatter *chart)
         return;
     for (int i = 0; i < chart->panel_count; i++) {
         lay_out(&layouts[i], &chart->panel[i], at + NAME + LEGEND + 6);
-        at = layouts[i].bottom + X_AXIS + BELOW;
+        at = layouts[i].bottom + X_AXIS + KEY_LINE * layouts[i].key_lines + BELOW;
     }
     svg_begin(file, (int)at, chart->title, chart->description);
     svg_begin_text(file, SVG_LEFT, SUBTITLE_AT, SVG_LABEL_SIZE, "start");

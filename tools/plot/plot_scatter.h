@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * A chart of speed against accuracy as an SVG: panels below each other, in each a mark for everything that was measured. A
- * mark stands at its cost, and a line leads on to its worse cost. It stands as high as its error. Both axes are logarithmic;
- * an error of 0, or below what can be told from it, has no place there: such marks lie in a band below, each in a lane of its
- * own, the cheapest on top. Steps show the frontier: nothing is both cheaper and more accurate than what lies on it.
+ * mark stands at its cost, and a line leads on to its worse cost; a pale bar behind either says from where to where it was
+ * when it was measured again. It stands as high as its error. Both axes are logarithmic; an error of 0, or below what can
+ * be told from it, has no place there: such marks lie in a band below, each in a lane of its own, the cheapest on top.
+ * Steps show the frontier: nothing is both cheaper and more accurate than what lies on it.
  *
  * Marks are told apart by shape and by the colours of Okabe and Ito, so also in grey. Each has its name beside it, at the
- * end of a thin line where there is no room, and in a <title>; names cover nothing: one for which there is no place has the
- * <title> alone. All is on an opaque white ground.
+ * end of a thin line where there is no room, and in a <title>; names cover nothing: one for which there is no place has a
+ * number there, and stands below the axis. All is on an opaque white ground.
  */
 #ifndef DPT_TOOLS_PLOT_SCATTER_H
 #define DPT_TOOLS_PLOT_SCATTER_H
@@ -27,6 +28,8 @@ enum scatter_kind {
 
 struct scatter_mark {
     double cost, worse_cost; /* above 0, in the unit of x */
+    /* From the least to the largest of these when measured again; equal, or 0: no bar. */
+    double cost_range[2], worse_range[2];
     double error; /* in the unit of y; at most the panel's `least`: it lies in the band */
     enum scatter_kind kind;
     const char *name;  /* beside it; NULL: in its title alone */
