@@ -11,8 +11,11 @@
  */
 #define SHARES_MAX 0.45
 
-/* Rounding of a ball to float. */
-#define ROUND_UP (1.0 + 0x1p-20)
+/* Units in the mesh's diagonal. A radius has at most twice as many: nothing that is farther is in the mesh's box. */
+#define UNITS 32000.0
+
+/* Of a ball's radius, for rounding. */
+#define ROUND_UP (1.0 + 0x1p-40)
 
 /* The triangles at a vertex that are looked at to see whether one of its edges is a rim. */
 enum { FAN_MAX = 64 };
@@ -126,15 +129,30 @@ static void collect_rims(const struct surface *surface, struct rims *rims)
     }
 }
 
-/* A ball that holds a rim, and whose own rim is no shorter. */
-static struct hole ball_of(const struct rim *rim)
+/* Steps of the unit up to a length, rounded up. */
+static uint16_t steps_of(double length, double unit)
 {
-    const vec3 centre = scaled(add(rim->box.low, rim->box.high), 0.5);
-    struct hole ball = { { (float)centre.x, (float)centre.y, (float)centre.z }, 0.0f };
-    const double farthest =
-        0.5 * box_diagonal(&rim->box) + length(sub(centre, vec3_of_float(ball.centre)));
-    ball.radius = (float)(ROUND_UP * max_of(farthest, rim->length / ANGLE_TURN));
-    return ball;
+    return (uint16_t)min_of(ceil(length / unit), UINT16_MAX);
+}
+
+/* Balls that hold the rims, and are as long around. */
+static void make_balls(const struct surface *surface, const struct rims *rims, struct holes *holes)
+{
+    holes->origin = surface->box_min;
+    holes->unit = surface_diagonal(surface) / UNITS;
+    holes->count = rims->count;
+    for (uint32_t i = 0; i < rims->count; i++) {
+        const struct rim *rim = &rims->rim[i];
+        struct hole *ball = &holes->ball[i];
+        const vec3 centre = scaled(add(rim->box.low, rim->box.high), 0.5);
+        const vec3 from_origin = sub(centre, holes->origin);
+        ball->centre[0] = steps_of(from_origin.x, holes->unit);
+        ball->centre[1] = steps_of(from_origin.y, holes->unit);
+        ball->centre[2] = steps_of(from_origin.z, holes->unit);
+        const double farthest =
+            0.5 * box_diagonal(&rim->box) + length(sub(centre, hole_centre(holes, i)));
+        ball->radius = steps_of(ROUND_UP * max_of(farthest, rim->length / ANGLE_TURN), holes->unit);
+    }
 }
 
 /* Whether the mesh is one part whose only defects are open edges. */
@@ -184,9 +202,7 @@ int dpti_holes_find(const struct surface *surface, const struct kernel *kernel, 
     collect_rims(surface, &rims);
     if (surface->motion && rims.count)
         return 0;
-    holes->count = rims.count;
-    for (uint32_t i = 0; i < rims.count; i++)
-        holes->ball[i] = ball_of(&rims.rim[i]);
+    make_balls(surface, &rims, holes);
     holes->has_sheets = has_sheets(surface->mesh);
     holes->normals_tell = has_holes_alone(surface->mesh) && samples_agree(surface, kernel, holes);
     holes->reserved = 0;
@@ -198,9 +214,8 @@ int dpti_holes_find(const struct surface *surface, const struct kernel *kernel, 
  * d - r away: on a sphere they are curves of length l = 2 pi r / (d - r), and a curve of that length surrounds no more
  * than a circle does, 2 pi - sqrt(4 pi^2 - l^2). Nearer than 2 r it may be anything.
  */
-static double share_of_view(const struct hole *hole, double distance)
+static double share_of_view(double r, double distance)
 {
-    const double r = (double)hole->radius;
     if (!(distance > 2.0 * r))
         return 1.0;
     const double sine = r / (distance - r);
@@ -211,9 +226,9 @@ int dpti_holes_are_far_from(const struct holes *holes, vec3 a, vec3 u)
 {
     double shares = 0.0;
     for (uint32_t i = 0; i < holes->count && shares <= SHARES_MAX; i++) {
-        const vec3 centre = vec3_of_float(holes->ball[i].centre);
+        const vec3 centre = hole_centre(holes, i);
         const vec3 nearest = along(a, nearest_on(a, u, centre), u);
-        shares += share_of_view(&holes->ball[i], length(sub(centre, nearest)));
+        shares += share_of_view(hole_radius(holes, i), length(sub(centre, nearest)));
     }
     return shares <= SHARES_MAX;
 }
@@ -221,8 +236,7 @@ int dpti_holes_are_far_from(const struct holes *holes, vec3 a, vec3 u)
 int dpti_holes_are_beyond(const struct holes *holes, vec3 x, double distance)
 {
     for (uint32_t i = 0; i < holes->count; i++)
-        if (!(length(sub(vec3_of_float(holes->ball[i].centre), x)) >
-              distance + (double)holes->ball[i].radius))
+        if (!(length(sub(hole_centre(holes, i), x)) > distance + hole_radius(holes, i)))
             return 0;
     return 1;
 }

@@ -8,7 +8,7 @@
 
 #include "nearest/bvh.h"
 
-enum { HOLES_MAX = 256 };
+enum { HOLES_MAX = 152 };
 
 /*
  * A rim is what the edges of the solid parts' triangles add up to, each taken in its own direction: where a surface
@@ -20,11 +20,24 @@ struct holes {
     uint32_t normals_tell; /* away from holes the normal of the nearest triangle tells the side */
     uint32_t has_sheets; /* parts that are neither solid nor buried: beside them sides are theirs */
     uint32_t reserved;
+    vec3 origin; /* of the balls */
+    double unit; /* m */
     struct hole {
-        float centre[3];
-        float radius;
+        uint16_t centre[3], radius; /* in units */
     } ball[HOLES_MAX];
 };
+
+static inline vec3 hole_centre(const struct holes *holes, uint32_t i)
+{
+    const uint16_t *centre = holes->ball[i].centre;
+    const vec3 steps = { centre[0], centre[1], centre[2] };
+    return along(holes->origin, holes->unit, steps);
+}
+
+static inline double hole_radius(const struct holes *holes, uint32_t i)
+{
+    return holes->unit * holes->ball[i].radius;
+}
 
 /*
  * Find the holes of a mesh that has moments: only winding numbers tell its sides. Returns 0 if they cannot be known: a

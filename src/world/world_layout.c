@@ -14,7 +14,7 @@
  */
 enum {
     BYTES_WORLD = 24576, /* the world itself, with one distance profile */
-    BYTES_BODY = 4840,   /* with its box */
+    BYTES_BODY = 2048,   /* with its box */
     BYTES_TOOL = 384,
     BYTES_SEGMENT = 1920,
     BYTES_TIP = 1088,

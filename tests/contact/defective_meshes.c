@@ -80,7 +80,7 @@ int sieve(struct mesh_builder *builder)
 {
     *builder = (struct mesh_builder){ .mesh = NULL };
     builder_add_shape(builder, "sphere", 20000, (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0, 0);
-    for (size_t t = builder->triangle_count; t > 40; t -= 40)
+    for (size_t t = builder->triangle_count; t > 120; t -= 120)
         memmove(builder->corners + 3 * (t - 1), builder->corners + 3 * --builder->triangle_count,
                 3 * sizeof *builder->corners);
     return builder_compile(builder);

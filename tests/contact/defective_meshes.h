@@ -9,7 +9,7 @@
 int holed_shape(struct mesh_builder *builder, const char *name, uint64_t count, int holes,
                 double radius);
 
-/* A ball of 20,000 triangles of which each 40th is missing. */
+/* A ball of 20,000 triangles of which each 120th is missing. */
 int sieve(struct mesh_builder *builder);
 
 /* Four balls in each other, all wound outward, whose holes lie in one plane: four rims around one way in. */

@@ -129,7 +129,7 @@ static void rims_lie_in_balls(const struct mesh_builder *builder, const struct h
     const uint32_t *neighbours = surface_neighbours(&builder->surface);
     double rims = 0.0, around = 0.0;
     for (uint32_t k = 0; k < holes->count; k++)
-        around += 2.0 * PI * (double)holes->ball[k].radius;
+        around += 2.0 * PI * hole_radius(holes, k);
     for (uint32_t i = 0; i < 3 * builder->info.triangles; i++) {
         vec3 v[3];
         int is_held = 0;
@@ -137,8 +137,7 @@ static void rims_lie_in_balls(const struct mesh_builder *builder, const struct h
             continue;
         surface_corners(&builder->surface, i / 3, v);
         for (uint32_t k = 0; k < holes->count; k++)
-            is_held |= length(sub(v[i % 3], vec3_of_float(holes->ball[k].centre))) <=
-                       holes->ball[k].radius;
+            is_held |= length(sub(v[i % 3], hole_centre(holes, k))) <= hole_radius(holes, k);
         CHECK(is_held, "a rim outside of the balls");
         rims += length(sub(v[(i + 1) % 3], v[i % 3]));
     }
