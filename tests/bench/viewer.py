@@ -88,7 +88,10 @@ def measure(program, scene, seconds, folder, with_viewer):
     run = subprocess.Popen(command + ["--view"] * with_viewer, stdout=subprocess.PIPE, text=True)
     client = None
     if with_viewer:
-        client = Client(run.stdout.readline().split()[-1])
+        address = run.stdout.readline().split()
+        if not address:
+            sys.exit(f"{program} run --view ended with status {run.wait()}")
+        client = Client(address[-1])
         client.start()
     run.communicate()
     assert run.returncode == 0
