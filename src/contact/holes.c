@@ -132,7 +132,7 @@ static void collect_rims(const struct surface *surface, struct rims *rims)
 /* Steps of the unit up to a length, rounded up. */
 static uint16_t steps_of(double length, double unit)
 {
-    return (uint16_t)min_of(ceil(length / unit), UINT16_MAX);
+    return (uint16_t)min_of(-floor(-length / unit), UINT16_MAX);
 }
 
 /* Balls that hold the rims, and are as long around. */

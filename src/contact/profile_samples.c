@@ -60,7 +60,7 @@ int32_t dpti_profile_winding(struct distance_profile *profile, double s)
         profile->is_cut = 1;
         return 0;
     }
-    const int32_t rounded = (int32_t)ceil(winding - 0.5);
+    const int32_t rounded = (int32_t)-floor(0.5 - winding);
     struct cached_point *entry =
         profile->point_cache ? dpti_point_cache_put(profile->point_cache, profile->body, x) : NULL;
     if (entry) {
