@@ -80,6 +80,7 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     dpt_world_def world;
     scene->device = *device;
     dpt_world_def_init(&world);
+    world.sweep_budget = 0; /* `budget` bounds them, too; recordings tell no other but a plan's */
     if (scene->planned)
         world = scene->planned->world;
     world.max_bodies = scene->bodies.count;

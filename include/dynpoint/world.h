@@ -126,7 +126,8 @@ typedef struct dpt_world_def {
      * more is swept further in the next steps: contact is unknown until then, and a proxy is on its way. There is no such
      * limit past a body that moved before this step, as only this step can sweep it, nor for the eighth motion that
      * waits, as a ninth would be given up. Where a motion waits, a proxy may take another way round, and
-     * DPT_FORCE_FLAG_BEHIND says that its wrench is a guess. 0: unlimited; 0
+     * DPT_FORCE_FLAG_BEHIND says that its wrench is a guess. The default is about 1 ms; hardly a motion but a jump
+     * takes as long. 0: unlimited; 4000
      */
     uint32_t sweep_budget;
     uint32_t max_tips; /* of all tools together (tip.h), 0..65535; 4 */

@@ -20,6 +20,7 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .strip_search = 16384,
         .law = DPT_LAW_PROXY,
         .onset = -1.0,
+        .sweep_budget = 4000,
         .max_tips = 4,
     };
     sized_defaults(def, size, &defaults, sizeof defaults);

@@ -115,6 +115,7 @@ static void take_setting(struct json_reader *reader, const struct json_value *ob
         .parts = 1, .friction = NAN, .integrator = -1, .sleep_speed = NAN, .dt = 1e-3
     };
     dpt_world_def_init(world);
+    world->sweep_budget = 0;
     if (!json_check_object(reader, &at, keys))
         return;
     require(reader, &at, needed);
