@@ -129,7 +129,7 @@ static void collect_rims(const struct surface *surface, struct rims *rims)
     }
 }
 
-/* Steps of the unit up to a length, rounded up. */
+/* Steps of the unit up to a length, rounded up. The core takes sqrt and floor alone from libm. */
 static uint16_t steps_of(double length, double unit)
 {
     return (uint16_t)min_of(-floor(-length / unit), UINT16_MAX);

@@ -286,6 +286,7 @@ recorded()
 recordings()
 {
     recorded torus.json planned=1 plan_until=0 plan_max_contacts=0 plan_integrator=0 plan_sweep_budget=0
+    recorded older.json plan_sweep_budget=0
     recorded flights.json "plan_sweep_budget=$(sed -n 's/.*"sweep_budget": \([0-9]*\).*/\1/p' flights.json | head -n 1)"
     recorded soft.json plan_rigid_low=0 "plan_iterations=$(sed -n 's/.*"iterations": \([0-9]*\).*/\1/p' soft.json | head -n 1)"
     recorded stiff.json plan_rigid_low=1 plan_until=1

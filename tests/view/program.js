@@ -6,8 +6,9 @@ const fs = require("fs");
 const path = require("path");
 const { spawn, execFileSync } = require("child_process");
 const { launch, until, sleep } = require("./chromium.js");
-const { check, finish, assert } = require("./verdicts.js");
+const { check, finish, assert, scripts } = require("./verdicts.js");
 const { likeness, colour, pixel, on } = require("./page_sights.js");
+const { scale } = scripts("scale");
 const [program, room] = process.argv.slice(2).map(name => path.resolve(name));
 const runtime = path.join(room, "runtime");
 
@@ -61,17 +62,19 @@ async function running(browser) {
     const shaft = arrow.to.map((value, k) => value - arrow.from[k]);
     const cosine = shaft.reduce((sum, value, k) => sum + value * wrench[k], 0) / force / Math.hypot(...shaft);
     assert(cosine > 0.999999 && Math.abs(arrow.newtons - force) < 1e-9, `${cosine}, ${arrow.newtons} N`);
-    // From the top: from the side the rim of the dent may hide the tool. Contacts are bands in colours of their own.
+    // From the top: from the side the rim of the dent may hide the tool. Contacts are bands, coloured by their depth.
     await page.key("5");
     await page.key("f");
     await page.settle();
-    const [proxy, organ] = [await colour(page, "proxy"), await colour(page, "organ")];
+    const proxy = await colour(page, "proxy");
+    const depths = Array.from({ length: 65 }, (_, i) => scale.colour(i / 64));
+    const isDepth = got => depths.some(rgb => rgb.every((value, k) => Math.abs(value - got[k]) <= 6));
     const seen = [];
     let right = 0;
     for (const s of [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]) {
       const got = await pixel(page, on(ends, s));
       const isBare = bands.every(([s0, s1]) => s < s0 - 0.05 || s > s1 + 0.05);
-      right += isBare ? likeness(got, proxy) > 0.95 : likeness(got, organ) < 0.95;
+      right += likeness(got, proxy) > 0.95 || (!isBare && isDepth(got));
       seen.push(`${got}${isBare ? "" : " (contact)"}`);
     }
     assert(right >= 7, seen.join("; "));

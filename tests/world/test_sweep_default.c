@@ -21,7 +21,7 @@ struct scene {
 static struct fixture torus;
 static uint64_t rng = 1;
 
-/* Half of the segments lead to each side, so that the turn sweeps all that is round its axis. */
+/* Spokes all round: whichever way they turn, many pass close to the torus. */
 static void make_fan(dpt_segment *fan)
 {
     for (int i = 0; i < SEGMENTS; i++) {
