@@ -54,7 +54,7 @@ CONFIG_CFLAGS := --coverage
 endif
 
 # The folders of the core, in the order of their layers (docs/design.md).
-FOLDERS := base mesh kernel nearest sweep hull contact strip query force deform exchange world arm
+FOLDERS := base mesh kernel nearest sweep hull contact strip query force deform exchange track proxy world arm
 objects = $(patsubst %.c,$(B)/%.o,$(wildcard $1))
 CORE := $(call objects,$(FOLDERS:%=src/%/*.c))
 TEXT := $(call objects,src/text/*.c)
@@ -90,12 +90,13 @@ CONVEX_PARTS := $(call objects,src/convex/*.c)
 CONVEX_CFLAGS := $(shell pkg-config --cflags ccd)
 CONVEX_LIBS := $(shell pkg-config --libs ccd)
 endif
-# Scene files: where the program can be linked to jansson. JANSSON=no leaves them out.
+# Scene files and plans: where the program can be linked to jansson. JANSSON=no leaves them out.
+JSON_SOURCES := $(wildcard tools/scene/json_*.c tools/scene/scene_file*.c tools/plan/plan_file_parse.c)
 JANSSON_HERE = $(shell printf '$(HASH)include <jansson.h>\nint main(void) { return !json_null(); }\n' | \
   $(CC) $$(pkg-config --cflags jansson 2>&1) -x c - $$(pkg-config --libs jansson 2>&1) -o /dev/null >/dev/null 2>&1 && echo yes || echo no)
 JANSSON := $(or $(JANSSON),$(JANSSON_HERE))
 ifeq ($(JANSSON),yes)
-SCENE_FILE := $(call objects,tools/scene_file/*.c)
+SCENE_FILE := $(JSON_SOURCES:%.c=$(B)/%.o)
 JANSSON_CFLAGS := $(shell pkg-config --cflags jansson)
 JANSSON_LIBS := $(shell pkg-config --libs jansson)
 endif
@@ -110,9 +111,11 @@ LWS_LIBS := $(shell pkg-config --libs libwebsockets)
 endif
 # The viewer's page: where node and three.js can make it. VIEW_PAGE=no leaves it out.
 NODE ?= node
-VIEW_PAGE_HERE = $(if $(and $(wildcard tools/view/make_page.js),$(wildcard build/view/node_modules/three/package.json),$(shell command -v $(NODE))),yes,no)
+VIEW_PAGE_HERE = $(if $(and $(wildcard tools/view/page/make_page.js),$(wildcard build/view/node_modules/three/package.json),$(shell command -v $(NODE))),yes,no)
 VIEW_PAGE := $(or $(VIEW_PAGE),$(VIEW_PAGE_HERE))
-TOOLS := $(call objects,tools/*.c tools/chart/*.c tools/measure/*.c tools/plan/*.c tools/plot/*.c tools/stability/*.c tools/view/*.c) $(SCENE_FILE) $(VIEW_SERVER)
+# The rooms of the program, but for what is built where a library is found.
+ROOMS := cli shape scene record run view plot chart measure plan lab
+TOOLS := $(filter-out $(JSON_SOURCES:%.c=$(B)/%.o),$(call objects,$(ROOMS:%=tools/%/*.c))) $(SCENE_FILE) $(VIEW_SERVER)
 # The other ends of a line, for `device simulate` and the tests: of the back ends that were chosen.
 SIMULATE := $(call objects,$(DRIVERS:%=tools/simulate/simulate_%.c)) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf) $(if $(CONVEX_PARTS),$(B)/libdynpoint_convex)
@@ -150,13 +153,13 @@ $(B)/src/exchange/latest.o: CONFIG_CFLAGS += $(shell $(CC) -mno-outline-atomics 
 $(B)/src/convex/%.o: INCLUDES += $(CONVEX_CFLAGS)
 $(B)/drivers/%.o: INCLUDES += -Idrivers
 $(B)/tools/%.o: INCLUDES += -Idrivers -Itools
-$(B)/tools/scene_file/%.o: INCLUDES += $(JANSSON_CFLAGS)
+$(JSON_SOURCES:%.c=$(B)/%.o): INCLUDES += $(JANSSON_CFLAGS)
 $(B)/tools/view/server/%.o: INCLUDES += $(LWS_CFLAGS)
 
 # built_with.h says what was chosen for this build; it changes only when that does.
-CHOOSERS := $(B)/drivers/device.o $(B)/tools/arm_file.o $(B)/tools/cmd_device_simulate.o $(B)/tools/scene_def.o \
+CHOOSERS := $(B)/drivers/device.o $(B)/tools/cli/arm_file.o $(B)/tools/cli/cmd_device_simulate.o $(B)/tools/scene/scene_def.o \
             $(B)/tools/plan/plan_file_read.o \
-            $(B)/tools/view/page_bytes.o $(B)/tools/view_serve.o
+            $(B)/tools/view/page_bytes.o $(B)/tools/view/view_serve.o
 $(CHOOSERS): INCLUDES += -I$(B)
 $(CHOOSERS): $(B)/built_with.h
 $(B)/built_with.h: force
@@ -171,8 +174,8 @@ ifeq ($(VIEW_PAGE),yes)
 $(B)/tools/view/page_bytes.o: build/view/page.html build/view/page.csp.line
 build/view/page.csp.line: build/view/page.html
 	tr -d '\n' <build/view/page.csp >$@
-build/view/page.html: $(wildcard tools/view/*.js tools/view/*.html tools/view/*.css) build/view/node_modules/three/package.json
-	$(NODE) tools/view/make_page.js build/view
+build/view/page.html: $(wildcard tools/view/page/*.js tools/view/page/*.html tools/view/page/*.css) build/view/node_modules/three/package.json
+	$(NODE) tools/view/page/make_page.js build/view
 endif
 
 # One object a library, its inner symbols local: a static library meets no one else's names.

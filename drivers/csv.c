@@ -140,8 +140,8 @@ static dpt_result parse_last_line(struct parser *parser, const char *at, const c
     return result;
 }
 
-dpt_result csv_table_parse(struct csv_table *table, const char *at, const char *end,
-                           const struct csv_format *format, uint64_t *line, const char **line_error)
+dpt_result csv_table_parse(struct csv_table *table, const char *at, const char *end, const struct csv_format *format,
+                           uint64_t *line, const char **line_error)
 {
     struct parser parser = { .table = table, .format = format };
     dpt_result result = parse_lines(&parser, &at, end);
@@ -185,9 +185,8 @@ static dpt_result parse_text(struct parser *parser, struct unparsed_text *text)
     return result;
 }
 
-dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t max_bytes,
-                            const struct csv_format *format, uint64_t *line,
-                            const char **line_error)
+dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t max_bytes, const struct csv_format *format,
+                            uint64_t *line, const char **line_error)
 {
     struct parser parser = { .table = table, .format = format };
     struct unparsed_text text = { .count = 0 };
@@ -217,8 +216,8 @@ dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t max_byte
     return result;
 }
 
-dpt_result csv_table_read(struct csv_table *table, const char *path,
-                          const struct csv_format *format, dpt_device_error *error)
+dpt_result csv_table_read(struct csv_table *table, const char *path, const struct csv_format *format,
+                          dpt_device_error *error)
 {
     uint64_t line;
     const char *line_error;
@@ -233,8 +232,7 @@ dpt_result csv_table_read(struct csv_table *table, const char *path,
         return DPT_OK;
     csv_table_free(table);
     if (line_error)
-        return device_error(error, result, "%.160s:%" PRIu64 ": %s", path, line ? line : 1,
-                            line_error);
+        return device_error(error, result, "%.160s:%" PRIu64 ": %s", path, line ? line : 1, line_error);
     return device_error(error, result, "%.160s: %s", path,
                         result == DPT_E_OPEN ? strerror(saved_errno) : dpt_result_text(result));
 }

@@ -30,9 +30,8 @@ struct csv_format {
  *
  * DPT_E_SYNTAX, DPT_E_MEMORY
  */
-dpt_result csv_table_parse(struct csv_table *table, const char *at, const char *end,
-                           const struct csv_format *format, uint64_t *line,
-                           const char **line_error);
+dpt_result csv_table_parse(struct csv_table *table, const char *at, const char *end, const struct csv_format *format,
+                           uint64_t *line, const char **line_error);
 
 /*
  * The same from an open file, which may be a pipe. Each row is checked as soon as its line is complete; the first bad
@@ -40,16 +39,15 @@ dpt_result csv_table_parse(struct csv_table *table, const char *at, const char *
  *
  * DPT_E_LIMIT: the file has more than `max_bytes`. DPT_E_OPEN: it cannot be read; errno says why.
  */
-dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t max_bytes,
-                            const struct csv_format *format, uint64_t *line,
-                            const char **line_error);
+dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t max_bytes, const struct csv_format *format,
+                            uint64_t *line, const char **line_error);
 
 /*
  * The same from the file at `path`, of at most 1 GiB. After an error there is nothing to free; `error` names file and
  * line.
  */
-dpt_result csv_table_read(struct csv_table *table, const char *path,
-                          const struct csv_format *format, dpt_device_error *error);
+dpt_result csv_table_read(struct csv_table *table, const char *path, const struct csv_format *format,
+                          dpt_device_error *error);
 void csv_table_free(struct csv_table *table);
 
 /* The numbers of a row, counted from 0. */

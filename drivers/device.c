@@ -42,17 +42,17 @@ const dpt_driver *dpt_driver_named(const char *name)
 static int is_complete(const dpt_driver *driver)
 {
     return driver->size >= SIZED_FIRST(dpt_driver, steer) && driver->size <= SIZED_MAX &&
-           driver->version == DPT_DRIVER_VERSION && driver->name && driver->open && driver->info &&
-           driver->read && driver->write && driver->clear && driver->counts && driver->close;
+           driver->version == DPT_DRIVER_VERSION && driver->name && driver->open && driver->info && driver->read &&
+           driver->write && driver->clear && driver->counts && driver->close;
 }
 
 /* Room for the struct that a driver fills in: a newer driver's is longer than ours. */
 enum { DRIVER_STRUCT_MAX = 1024 };
 
-#define WITH_ROOM(type)                                                                            \
-    union {                                                                                        \
-        type own;                                                                                  \
-        unsigned char room[DRIVER_STRUCT_MAX];                                                     \
+#define WITH_ROOM(type)                                                                                                \
+    union {                                                                                                            \
+        type own;                                                                                                      \
+        unsigned char room[DRIVER_STRUCT_MAX];                                                                         \
     }
 
 /* Complete `own` and copy it to the caller's `error`, whose size was checked. Returns `result`. */
@@ -67,16 +67,14 @@ static dpt_result finish_open(dpt_result result, dpt_device_error *own, dpt_devi
     return result;
 }
 
-static dpt_result open_with(const dpt_driver *driver, const char *where, dpt_device **device,
-                            dpt_device_error *error)
+static dpt_result open_with(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
 {
     if (!device)
         return device_error(error, DPT_E_ARGUMENT, "there is no place for the device");
     if (!driver)
         return device_error(error, DPT_E_ARGUMENT, "there is no driver");
     if (!is_complete(driver))
-        return device_error(error, DPT_E_UNSUPPORTED,
-                            "the driver is of another version, or lacks a function");
+        return device_error(error, DPT_E_UNSUPPORTED, "the driver is of another version, or lacks a function");
     if (where && !*where)
         where = NULL;
     dpt_device *opened = NULL;
@@ -177,8 +175,7 @@ dpt_result dpt_device_steer(dpt_device *device, const double position[3])
         return DPT_E_ARGUMENT;
     if (!vec3_within(position, DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
-    return can_be_steered(device->driver) ? device->driver->steer(device, position)
-                                          : DPT_E_UNSUPPORTED;
+    return can_be_steered(device->driver) ? device->driver->steer(device, position) : DPT_E_UNSUPPORTED;
 }
 
 dpt_result dpt_device_get_counts(const dpt_device *device, dpt_device_counts *counts)
@@ -198,8 +195,8 @@ void dpt_device_close(dpt_device *device)
         device->driver->close(device);
 }
 
-dpt_result dpt_device_map(const dpt_device_info *given, const double box_min[3],
-                          const double box_max[3], double *scale, double offset[3])
+dpt_result dpt_device_map(const dpt_device_info *given, const double box_min[3], const double box_max[3], double *scale,
+                          double offset[3])
 {
     dpt_device_info info = { .size = sizeof info };
     if (!given || !box_min || !box_max || !scale || !offset)
@@ -208,16 +205,14 @@ dpt_result dpt_device_map(const dpt_device_info *given, const double box_min[3],
     const double *workspace_min = info.workspace_min, *workspace_max = info.workspace_max;
     double max_ratio = 0.0, workspace_middle[3];
     if (!vec3_within(box_min, DPT_COORDINATE_MAX) || !vec3_within(box_max, DPT_COORDINATE_MAX) ||
-        !vec3_within(workspace_min, DPT_COORDINATE_MAX) ||
-        !vec3_within(workspace_max, DPT_COORDINATE_MAX))
+        !vec3_within(workspace_min, DPT_COORDINATE_MAX) || !vec3_within(workspace_max, DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
     for (int k = 0; k < 3; k++) {
         if (box_min[k] > box_max[k])
             return DPT_E_ARGUMENT;
         if (!(workspace_max[k] - workspace_min[k] > 1e-6))
             return DPT_E_FINITE;
-        max_ratio =
-            max_of(max_ratio, (box_max[k] - box_min[k]) / (workspace_max[k] - workspace_min[k]));
+        max_ratio = max_of(max_ratio, (box_max[k] - box_min[k]) / (workspace_max[k] - workspace_min[k]));
         workspace_middle[k] = 0.5 * (workspace_min[k] + workspace_max[k]);
     }
     *scale = max_ratio > 0.0 ? max_ratio : 1.0;
@@ -261,9 +256,8 @@ const char *dpt_device_status_name(uint32_t status)
 
 const char *dpt_device_reason_name(uint32_t reasons)
 {
-    static const char *const names[] = { "unplugged",  "silent",       "watchdog", "overheated",
-                                         "overloaded", "uncalibrated", "estop",    "link",
-                                         "version",    "device",       "docked" };
+    static const char *const names[] = { "unplugged", "silent", "watchdog", "overheated", "overloaded", "uncalibrated",
+                                         "estop",     "link",   "version",  "device",     "docked" };
     for (uint32_t bit = 0; bit < sizeof names / sizeof *names; bit++)
         if (reasons >> bit & 1)
             return names[bit];

@@ -35,9 +35,7 @@ static const double DELAY_TIME_MAX = 0.02, DELAY_PERIODS_MAX = 20.0;
 
 void dpt_identify_def_defaults(dpt_identify_def *def, size_t size)
 {
-    const dpt_identify_def defaults = {
-        .button = DPT_IDENTIFY_NO_BUTTON, .blocks = 8, .seed = 1, .seconds = 1.0
-    };
+    const dpt_identify_def defaults = { .button = DPT_IDENTIFY_NO_BUTTON, .blocks = 8, .seed = 1, .seconds = 1.0 };
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
@@ -64,8 +62,7 @@ static int goes_on(const struct identify_server *server)
 
 /* ---- at rest ---- */
 
-static void measure_times(const struct identify_store *store, double period,
-                          dpt_identify_result *result)
+static void measure_times(const struct identify_store *store, double period, dpt_identify_result *result)
 {
     const struct identify_sample *samples = store->samples;
     const uint32_t count = store->sample_count;
@@ -93,10 +90,8 @@ static void measure_times(const struct identify_store *store, double period,
 
 static double step_of(const struct identify_server *server, uint32_t space)
 {
-    const double reported =
-        space == IDENTIFY_ANGLES ? server->info.angle_step : server->info.position_step;
-    const double seen =
-        space == IDENTIFY_ANGLES ? server->result->angle_step : server->result->position_step;
+    const double reported = space == IDENTIFY_ANGLES ? server->info.angle_step : server->info.position_step;
+    const double seen = space == IDENTIFY_ANGLES ? server->result->angle_step : server->result->position_step;
     return fmax(0.0, seen > 0.0 ? seen : reported);
 }
 
@@ -106,10 +101,8 @@ static void measure_step(struct identify_server *server, uint32_t space)
     const double step = identify_step(store->samples, store->sample_count);
     if (!(step > 0.0))
         return;
-    *(space == IDENTIFY_ANGLES ? &server->result->angle_step : &server->result->position_step) =
-        step;
-    server->result->measured |=
-        space == IDENTIFY_ANGLES ? DPT_IDENTIFIED_ANGLE_STEP : DPT_IDENTIFIED_POSITION_STEP;
+    *(space == IDENTIFY_ANGLES ? &server->result->angle_step : &server->result->position_step) = step;
+    server->result->measured |= space == IDENTIFY_ANGLES ? DPT_IDENTIFIED_ANGLE_STEP : DPT_IDENTIFIED_POSITION_STEP;
 }
 
 static int moves_at_rest(const struct identify_server *server, uint32_t space)
@@ -189,12 +182,11 @@ static dpt_result find_strength(struct identify_server *server, struct identify_
         const double sign = i % 2 ? 1.0 : -1.0;
         level = bound / (double)(1u << (i > 0 ? i : 0));
         DPT_TRY(run_trial(server, sign * level, i < 0 ? TRIAL_LONG : shortest));
-        moves =
-            trial->peak >= least_motion(server) && trial->peak_speed > (i < 0 ? 0.0 : speed / 3.0);
+        moves = trial->peak >= least_motion(server) && trial->peak_speed > (i < 0 ? 0.0 : speed / 3.0);
     }
     if (!moves || !goes_on(server)) {
-        if (trial->peak > 2.0 * step_of(server, server->space) &&
-            trial->peak > 1e-3 * server->range[server->space] && trial->last < 0.5 * trial->peak)
+        if (trial->peak > 2.0 * step_of(server, server->space) && trial->peak > 1e-3 * server->range[server->space] &&
+            trial->last < 0.5 * trial->peak)
             server->result->flags |= DPT_IDENTIFY_FLAG_HELD;
         return DPT_OK;
     }
@@ -206,42 +198,38 @@ static dpt_result find_strength(struct identify_server *server, struct identify_
     return DPT_OK;
 }
 
-static void add_block(struct identify_server *server, uint32_t number, uint32_t first_sample,
-                      uint32_t first_command, struct identify_record *record)
+static void add_block(struct identify_server *server, uint32_t number, uint32_t first_sample, uint32_t first_command,
+                      struct identify_record *record)
 {
     const struct identify_store *store = &server->store[server->space];
-    record->blocks[record->count++] =
-        (struct identify_block){ .samples = store->samples + first_sample,
-                                 .commands = store->commands + first_command,
-                                 .sample_count = store->sample_count - first_sample,
-                                 .command_count = store->command_count - first_command,
-                                 .axis = server->axis,
-                                 .number = number };
+    record->blocks[record->count++] = (struct identify_block){ .samples = store->samples + first_sample,
+                                                               .commands = store->commands + first_command,
+                                                               .sample_count = store->sample_count - first_sample,
+                                                               .command_count = store->command_count - first_command,
+                                                               .axis = server->axis,
+                                                               .number = number };
 }
 
-static dpt_result push_axis(struct identify_server *server, struct identify_record *record,
-                            double *level)
+static dpt_result push_axis(struct identify_server *server, struct identify_record *record, double *level)
 {
     struct identify_strength strength;
     DPT_TRY(run_return(server));
     DPT_TRY(find_strength(server, &strength));
     if (goes_on(server) && !(strength.level > 0.0))
-        server->result->flags |= server->space == IDENTIFY_ANGLES ? DPT_IDENTIFY_FLAG_TURN_STUCK
-                                                                  : DPT_IDENTIFY_FLAG_STUCK;
+        server->result->flags |=
+            server->space == IDENTIFY_ANGLES ? DPT_IDENTIFY_FLAG_TURN_STUCK : DPT_IDENTIFY_FLAG_STUCK;
     *level = fmax(*level, strength.level);
-    for (uint32_t number = 0;
-         number < server->def.blocks && strength.level > 0.0 && goes_on(server); number++) {
+    for (uint32_t number = 0; number < server->def.blocks && strength.level > 0.0 && goes_on(server); number++) {
         const struct identify_store *store = &server->store[server->space];
         const uint32_t first_sample = store->sample_count, first_command = store->command_count;
         DPT_TRY(run_return(server));
         server->stage = IDENTIFY_BLOCK;
         server->duration = BLOCK_TIME;
-        server->pushes = (struct identify_pushes){
-            .strength = strength,
-            .dwell_min = fmax(0.008, 6.0 / server->info.rate),
-            .random = server->def.seed * 0x9e3779b97f4a7c15u +
-                      (((uint64_t)server->space * 3 + server->axis) << 32 | number)
-        };
+        server->pushes =
+            (struct identify_pushes){ .strength = strength,
+                                      .dwell_min = fmax(0.008, 6.0 / server->info.rate),
+                                      .random = server->def.seed * 0x9e3779b97f4a7c15u +
+                                                (((uint64_t)server->space * 3 + server->axis) << 32 | number) };
         if (!goes_on(server))
             break;
         DPT_TRY(identify_serve(server));
@@ -263,8 +251,7 @@ static void take_positions(dpt_identify_result *result, const struct identify_fi
     memcpy(result->damping_matrix, fit->damping_matrix, sizeof fit->damping_matrix);
     memcpy(result->mass_direction, fit->mass_direction, sizeof fit->mass_direction);
     memcpy(result->damping_direction, fit->damping_direction, sizeof fit->damping_direction);
-    result->measured |= DPT_IDENTIFIED_MASS | DPT_IDENTIFIED_DAMPING | DPT_IDENTIFIED_FRICTION |
-                        DPT_IDENTIFIED_DELAY;
+    result->measured |= DPT_IDENTIFIED_MASS | DPT_IDENTIFIED_DAMPING | DPT_IDENTIFIED_FRICTION | DPT_IDENTIFIED_DELAY;
 }
 
 static void take_angles(dpt_identify_result *result, const struct identify_fit *fit)
@@ -277,16 +264,13 @@ static void take_angles(dpt_identify_result *result, const struct identify_fit *
     memcpy(result->spin_damping_matrix, fit->damping_matrix, sizeof fit->damping_matrix);
     memcpy(result->inertia_direction, fit->mass_direction, sizeof fit->mass_direction);
     memcpy(result->spin_damping_direction, fit->damping_direction, sizeof fit->damping_direction);
-    result->measured |=
-        DPT_IDENTIFIED_INERTIA | DPT_IDENTIFIED_SPIN_DAMPING | DPT_IDENTIFIED_SPIN_FRICTION;
+    result->measured |= DPT_IDENTIFIED_INERTIA | DPT_IDENTIFIED_SPIN_DAMPING | DPT_IDENTIFIED_SPIN_FRICTION;
 }
 
-static dpt_result push_space(struct identify_server *server, uint32_t space,
-                             struct identify_record *record)
+static dpt_result push_space(struct identify_server *server, uint32_t space, struct identify_record *record)
 {
     const double period = 1.0 / server->info.rate;
-    const uint32_t stuck =
-        space == IDENTIFY_ANGLES ? DPT_IDENTIFY_FLAG_TURN_STUCK : DPT_IDENTIFY_FLAG_STUCK;
+    const uint32_t stuck = space == IDENTIFY_ANGLES ? DPT_IDENTIFY_FLAG_TURN_STUCK : DPT_IDENTIFY_FLAG_STUCK;
     struct identify_fit_def def = { .period = period,
                                     .speed = server->speed[space],
                                     .range = server->range[space],
@@ -295,8 +279,7 @@ static dpt_result push_space(struct identify_server *server, uint32_t space,
     record->count = 0;
     record->numbers = server->def.blocks;
     server->space = space;
-    for (server->axis = 0; server->axis < 3 && goes_on(server) && !(server->result->flags & stuck);
-         server->axis++)
+    for (server->axis = 0; server->axis < 3 && goes_on(server) && !(server->result->flags & stuck); server->axis++)
         DPT_TRY(push_axis(server, record, &def.force));
     server->axis = 2;
     if (goes_on(server))
@@ -350,9 +333,8 @@ static dpt_result read_def(const dpt_identify_def *given, dpt_identify_def *def)
     dpt_identify_def_init(def);
     if (given)
         DPT_TRY(sized_read(given, sizeof *def, def, sizeof *def));
-    return def->may_move <= 1 && (def->button < 32 || def->button == DPT_IDENTIFY_NO_BUTTON) &&
-                   def->blocks >= 4 && def->blocks <= IDENTIFY_BLOCKS_MAX &&
-                   is_within(def->seconds, 0.1, 60.0)
+    return def->may_move <= 1 && (def->button < 32 || def->button == DPT_IDENTIFY_NO_BUTTON) && def->blocks >= 4 &&
+                   def->blocks <= IDENTIFY_BLOCKS_MAX && is_within(def->seconds, 0.1, 60.0)
                ? DPT_OK
                : DPT_E_ARGUMENT;
 }
@@ -361,9 +343,8 @@ static void set_limits(struct identify_server *server)
 {
     const dpt_device_info *info = &server->info;
     const double strongest[IDENTIFY_SPACES] = { info->wrench_dofs >= 3 ? info->force_max : 0.0,
-                                                info->wrench_dofs == 6 && info->pose_dofs == 6
-                                                    ? info->torque_max
-                                                    : 0.0 };
+                                                info->wrench_dofs == 6 && info->pose_dofs == 6 ? info->torque_max
+                                                                                               : 0.0 };
     for (int space = 0; space < IDENTIFY_SPACES; space++) {
         server->bound[space] = fmax(0.0, fmin(BOUND[space], BOUND_PART * strongest[space]));
         server->speed[space] = SPEED_PART * identify_speed_max[space];
@@ -407,8 +388,7 @@ static dpt_result identify(struct identify_server *server)
     return result;
 }
 
-dpt_result dpt_device_identify(dpt_device *device, const dpt_identify_def *given,
-                               dpt_identify_result *out)
+dpt_result dpt_device_identify(dpt_device *device, const dpt_identify_def *given, dpt_identify_result *out)
 {
     dpt_identify_result result = { .size = sizeof result };
     dpt_identify_def def;

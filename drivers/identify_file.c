@@ -20,8 +20,8 @@ struct dynamics_file {
     int is_set[DYNAMICS_SETTINGS][KINDS];
 };
 
-static dpt_result complain(const struct settings_line *line, dpt_device_error *error,
-                           const char *what, size_t length, const char *reason)
+static dpt_result complain(const struct settings_line *line, dpt_device_error *error, const char *what, size_t length,
+                           const char *reason)
 {
     return device_error(error, DPT_E_SYNTAX, "%.100s: line %d: '%.*s' %s", line->path, line->number,
                         (int)(length < 40 ? length : 40), what, reason);
@@ -71,22 +71,19 @@ static dpt_result check_intervals(const struct dynamics_file *file, dpt_device_e
     for (int i = 0; i < DYNAMICS_SETTINGS; i++) {
         const double *value = file->value[i];
         const int *is_set = file->is_set[i];
-        if (((is_set[LOW] || is_set[HIGH]) && !is_set[VALUE]) ||
-            (is_set[LOW] && value[LOW] > value[VALUE]) ||
+        if (((is_set[LOW] || is_set[HIGH]) && !is_set[VALUE]) || (is_set[LOW] && value[LOW] > value[VALUE]) ||
             (is_set[HIGH] && value[HIGH] < value[VALUE]))
-            return device_error(error, DPT_E_SYNTAX, "%.100s: %s is not within its interval",
-                                file->path, file->settings[i].name);
+            return device_error(error, DPT_E_SYNTAX, "%.100s: %s is not within its interval", file->path,
+                                file->settings[i].name);
     }
     return DPT_OK;
 }
 
 static void replace(const struct dynamics_file *file, dpt_device_info *info)
 {
-    double *const fields[DYNAMICS_SETTINGS] = { &info->mass,      &info->inertia,
-                                                &info->damping,   &info->spin_damping,
-                                                &info->friction,  &info->spin_friction,
-                                                &info->delay,     &info->position_step,
-                                                &info->angle_step };
+    double *const fields[DYNAMICS_SETTINGS] = { &info->mass,         &info->inertia,       &info->damping,
+                                                &info->spin_damping, &info->friction,      &info->spin_friction,
+                                                &info->delay,        &info->position_step, &info->angle_step };
     for (int i = 0; i < DYNAMICS_SETTINGS; i++)
         if (file->is_set[i][VALUE])
             *fields[i] = file->value[i][VALUE];
@@ -107,8 +104,7 @@ static dpt_result read_file(const char *path, dpt_device_info *info, dpt_device_
     return DPT_OK;
 }
 
-dpt_result dpt_device_dynamics_read(const char *path, dpt_device_info *info,
-                                    dpt_device_error *error)
+dpt_result dpt_device_dynamics_read(const char *path, dpt_device_info *info, dpt_device_error *error)
 {
     dpt_device_error own = { .size = sizeof own };
     if (error)

@@ -66,8 +66,7 @@ static void solve_coordinate(const double sums[3][TERMS][TERMS], int coordinate,
 }
 
 /* Fit the blocks of all numbers but `without` (-1: all). */
-static struct solution solve(const struct identify_sums *sums, uint32_t numbers, int without,
-                             int with_spring)
+static struct solution solve(const struct identify_sums *sums, uint32_t numbers, int without, int with_spring)
 {
     static const double none[TERMS][TERMS];
     struct solution solution = { .is_whole = 1 };
@@ -160,8 +159,7 @@ static double find_lag(struct search *search, double sum)
 /* Assume what the sums of the present delay tell. */
 static void know(struct search *search)
 {
-    const struct solution solution =
-        solve(&search->sums[1], search->view.record->numbers, -1, search->with_spring);
+    const struct solution solution = solve(&search->sums[1], search->view.record->numbers, -1, search->with_spring);
     memcpy(search->known, solution.x, sizeof search->known);
     search->view.known = search->known;
 }
@@ -252,8 +250,8 @@ static double error_of(const struct outcome *without, uint32_t count, int value,
 }
 
 /* `margin`: what the model leaves out. Returns whether the directions are alike. */
-static int set_value(const struct outcome *all, const struct outcome *without, uint32_t count,
-                     int value, double margin, dpt_identified *out)
+static int set_value(const struct outcome *all, const struct outcome *without, uint32_t count, int value, double margin,
+                     dpt_identified *out)
 {
     const double *kinds = all->value[value];
     const double chance = 3.0 * error_of(without, count, value, SPREAD);
@@ -298,8 +296,7 @@ static void set_fit(const struct outcome *all, const struct outcome *without, ui
  * The outcome of all blocks, and of all but each of them, from the sums around this delay. Returns 0 if the record does
  * not tell.
  */
-static int find_outcomes(const struct search *search, double delay, struct outcome *all,
-                         struct outcome *without)
+static int find_outcomes(const struct search *search, double delay, struct outcome *all, struct outcome *without)
 {
     const uint32_t numbers = search->view.record->numbers;
     const double lag = search->view.lag;
@@ -328,8 +325,7 @@ static dpt_result fit_with(struct search *search, struct identify_fit *fit)
     if (find_outcomes(search, rough, &all, without)) {
         const double at_end = model_error(def) * def->force / def->range;
         set_value(&all, without, numbers, STIFFNESS, at_end, &fit->stiffness);
-        fit->is_held =
-            fit->stiffness.low > 0.0 && fit->stiffness.value * def->range > HELD_FORCE * def->force;
+        fit->is_held = fit->stiffness.low > 0.0 && fit->stiffness.value * def->range > HELD_FORCE * def->force;
     }
     search->with_spring = fit->is_held;
     const double delay = find_delay(search, rough);
@@ -352,8 +348,7 @@ dpt_result identify_fit(const struct identify_record *record, const struct ident
             samples = record->blocks[b].sample_count;
     search.sums = malloc(3 * sizeof *search.sums);
     search.view.predicted = malloc(samples * sizeof *search.view.predicted);
-    const dpt_result result =
-        search.sums && search.view.predicted ? fit_with(&search, fit) : DPT_E_MEMORY;
+    const dpt_result result = search.sums && search.view.predicted ? fit_with(&search, fit) : DPT_E_MEMORY;
     free(search.view.predicted);
     free(search.sums);
     return result;

@@ -9,8 +9,7 @@ enum { IDENTIFY_UNKNOWNS_MAX = 13 };
  * Solve the normal equations a x = b of n unknowns; `a` is symmetric and not negative. An unknown that the equations do
  * not determine becomes 0. Returns the number of unknowns that they determine.
  */
-int identify_solve(int n, const double a[IDENTIFY_UNKNOWNS_MAX][IDENTIFY_UNKNOWNS_MAX],
-                   const double *b, double *x);
+int identify_solve(int n, const double a[IDENTIFY_UNKNOWNS_MAX][IDENTIFY_UNKNOWNS_MAX], const double *b, double *x);
 
 /* The inverse of a matrix of 3 rows. Returns 0 if there is none; then it is zero. */
 int identify_inverse(const double *a, double *inverse);

@@ -30,22 +30,18 @@ void identify_motion_add(struct identify_motion *motion, const dpt_device_state 
         motion->start = state->pose;
     motion->has_start = 1;
     for (int k = 0; k < 3; k++)
-        motion->displacement[IDENTIFY_POSITIONS][k] =
-            state->pose.position[k] - motion->start.position[k];
-    rotation_between(motion->start.orientation, state->pose.orientation,
-                     motion->displacement[IDENTIFY_ANGLES]);
+        motion->displacement[IDENTIFY_POSITIONS][k] = state->pose.position[k] - motion->start.position[k];
+    rotation_between(motion->start.orientation, state->pose.orientation, motion->displacement[IDENTIFY_ANGLES]);
     motion->ring_ns[to] = state->time_ns;
     memcpy(motion->ring[to], motion->displacement, sizeof motion->ring[to]);
     const double dt = (double)(int64_t)(motion->ring_ns[to] - motion->ring_ns[from]) * 1e-9;
     for (uint32_t space = 0; space < motion->spaces; space++) {
         double *speed = motion->speed[space];
         for (int k = 0; k < 3; k++)
-            speed[k] = newest >= window && dt > 0.0
-                           ? (motion->ring[to][space][k] - motion->ring[from][space][k]) / dt
-                           : 0.0;
+            speed[k] =
+                newest >= window && dt > 0.0 ? (motion->ring[to][space][k] - motion->ring[from][space][k]) / dt : 0.0;
         motion->fastest[space] = max_of(motion->fastest[space], length(vec3_of(speed)));
-        motion->furthest[space] =
-            max_of(motion->furthest[space], length(vec3_of(motion->displacement[space])));
+        motion->furthest[space] = max_of(motion->furthest[space], length(vec3_of(motion->displacement[space])));
     }
     motion->samples++;
 }

@@ -13,8 +13,7 @@ static const double TOO_FAST = 1.2;
 
 static const double TRIAL_REST = 0.03; /* s */
 
-double identify_trial_force(struct identify_trial *trial, double time, double y, double v,
-                            int *is_over)
+double identify_trial_force(struct identify_trial *trial, double time, double y, double v, int *is_over)
 {
     const double sign = trial->level < 0.0 ? -1.0 : 1.0, t = time;
     const double moved = sign * (y - trial->y0), speed = sign * v;
@@ -26,8 +25,7 @@ double identify_trial_force(struct identify_trial *trial, double time, double y,
         trial->peak_time = t;
     }
     if (trial->brake < 0.0) {
-        if (t < trial->push_time && !(speed > trial->speed && moved > trial->least) &&
-            !(moved > trial->range))
+        if (t < trial->push_time && !(speed > trial->speed && moved > trial->least) && !(moved > trial->range))
             return trial->level;
         trial->brake = t;
     }

@@ -18,17 +18,16 @@ struct identify_strength {
  * then none. It tells how strong the pushes must be.
  */
 struct identify_trial {
-    double level, push_time; /* N, with sign; s */
-    double speed, range;     /* at which the push ends */
-    double least;            /* but not before the device moved so far, m */
-    double y0;               /* where it began */
-    double brake, rest;      /* when braking and when rest began; negative: not yet */
+    double level, push_time;                  /* N, with sign; s */
+    double speed, range;                      /* at which the push ends */
+    double least;                             /* but not before the device moved so far, m */
+    double y0;                                /* where it began */
+    double brake, rest;                       /* when braking and when rest began; negative: not yet */
     double peak_speed, peak_time, peak, last; /* along the push */
 };
 
 /* The force at this time, s, of a device at y that moves at v. *is_over is set when the trial has ended. */
-double identify_trial_force(struct identify_trial *trial, double time, double y, double v,
-                            int *is_over);
+double identify_trial_force(struct identify_trial *trial, double time, double y, double v, int *is_over);
 
 /* Random pushes of random duration, which keep within speed and range. */
 struct identify_pushes {

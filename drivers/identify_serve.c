@@ -59,8 +59,7 @@ static int samples_are_missing(struct identify_server *server, const dpt_loop_sa
 }
 
 /* Why the measurement must end now; DPT_IDENTIFY_END_COMPLETE: it need not. */
-static uint32_t reason_to_end(struct identify_server *server, const dpt_loop_sample *sample,
-                              double time)
+static uint32_t reason_to_end(struct identify_server *server, const dpt_loop_sample *sample, double time)
 {
     const dpt_device_state *state = sample->state;
     const struct identify_motion *motion = &server->motion;
@@ -101,15 +100,12 @@ static void record_sample(struct identify_server *server, uint32_t space, double
 static void record_command(struct identify_server *server, const dpt_loop_sample *sample)
 {
     struct identify_store *store = &server->store[server->space];
-    const double *sent =
-        server->space == IDENTIFY_ANGLES ? sample->sent.torque : sample->sent.force;
-    if (!sample->sent_ns || sample->sent_ns == server->sent_ns ||
-        store->command_count == store->capacity)
+    const double *sent = server->space == IDENTIFY_ANGLES ? sample->sent.torque : sample->sent.force;
+    if (!sample->sent_ns || sample->sent_ns == server->sent_ns || store->command_count == store->capacity)
         return;
     server->sent_ns = sample->sent_ns;
     store->commands[store->command_count++] =
-        (struct identify_command){ (double)(int64_t)(sample->sent_ns - server->begin_ns) * 1e-9,
-                                   sent[server->axis] };
+        (struct identify_command){ (double)(int64_t)(sample->sent_ns - server->begin_ns) * 1e-9, sent[server->axis] };
 }
 
 /* ---- the force of each stage ---- */
@@ -124,8 +120,8 @@ static void return_wrench(struct identify_server *server, double time, dpt_wrenc
             const double y = motion->displacement[space][k], v = motion->speed[space][k];
             double *out = space == IDENTIFY_ANGLES ? wrench->torque : wrench->force;
             out[k] = -back->stiffness * y - back->damping * v;
-            is_back &= !(back->stiffness > 0.0) || (fabs(y) < BACK_RANGE * server->range[space] &&
-                                                    fabs(v) < BACK_SPEED * server->speed[space]);
+            is_back &= !(back->stiffness > 0.0) ||
+                       (fabs(y) < BACK_RANGE * server->range[space] && fabs(v) < BACK_SPEED * server->speed[space]);
         }
     server->settled = !is_back ? -1.0 : server->settled < 0.0 ? time : server->settled;
     if (server->settled >= 0.0 && time > server->settled + BACK_TIME)
@@ -138,9 +134,8 @@ static void push_wrench(struct identify_server *server, double time, dpt_wrench 
     const double v = server->motion.speed[server->space][server->axis];
     double *out = server->space == IDENTIFY_ANGLES ? wrench->torque : wrench->force;
     int is_over = 0;
-    out[server->axis] = server->stage == IDENTIFY_TRIAL
-                            ? identify_trial_force(&server->trial, time, y, v, &is_over)
-                            : identify_pushes_force(&server->pushes, time, y, v);
+    out[server->axis] = server->stage == IDENTIFY_TRIAL ? identify_trial_force(&server->trial, time, y, v, &is_over)
+                                                        : identify_pushes_force(&server->pushes, time, y, v);
     if (is_over)
         end_stage(server);
 }
@@ -184,8 +179,7 @@ static dpt_result tick(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
 
 /* ---- a stage ---- */
 
-static dpt_result note_run(struct identify_server *server, const dpt_loop_stats *stats,
-                           dpt_result result)
+static dpt_result note_run(struct identify_server *server, const dpt_loop_stats *stats, dpt_result result)
 {
     const int pushes = server->stage != IDENTIFY_REST;
     server->result->lost += stats->skipped;

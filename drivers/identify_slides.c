@@ -45,8 +45,7 @@ static void integral_move(struct push_integral *integral, double time)
 static void integral_to(struct push_integral *integral, double time)
 {
     const struct identify_block *block = integral->block;
-    for (; integral->next < block->command_count &&
-           block->commands[integral->next].time + integral->delay <= time;
+    for (; integral->next < block->command_count && block->commands[integral->next].time + integral->delay <= time;
          integral->next++) {
         const struct identify_command *command = &block->commands[integral->next];
         if (command->time + integral->delay > integral->time)
@@ -68,14 +67,11 @@ struct slide_terms {
     double of[ALL_TERMS];
 };
 
-static void terms_begin(struct slide_terms *terms, const struct slide *slide,
-                        const struct identify_view *view)
+static void terms_begin(struct slide_terms *terms, const struct slide *slide, const struct identify_view *view)
 {
     memset(terms, 0, sizeof *terms);
     terms->slide = slide;
-    terms->push = (struct push_integral){
-        .block = slide->block, .delay = view->delay, .lag = view->lag, .time = -1.0
-    };
+    terms->push = (struct push_integral){ .block = slide->block, .delay = view->delay, .lag = view->lag, .time = -1.0 };
     integral_to(&terms->push, slide->block->samples[slide->first].time);
     terms->push.once = terms->push.twice = 0.0;
 }
@@ -109,9 +105,8 @@ static double shared_part(const struct slide_terms *terms, const double *known, 
 {
     const double *shared = terms->of + OWN;
     const uint32_t axis = terms->slide->block->axis;
-    double sum =
-        known[UNKNOWN_W + axis] * shared[TERM_U] - known[UNKNOWN_P + axis] * shared[TERM_FRICTION] +
-        known[UNKNOWN_H + axis] * shared[TERM_CONSTANT] - known[UNKNOWN_K] * shared[TERM_S + k];
+    double sum = known[UNKNOWN_W + axis] * shared[TERM_U] - known[UNKNOWN_P + axis] * shared[TERM_FRICTION] +
+                 known[UNKNOWN_H + axis] * shared[TERM_CONSTANT] - known[UNKNOWN_K] * shared[TERM_S + k];
     for (int j = 0; j < 3; j++)
         sum -= known[UNKNOWN_C + j] * shared[TERM_I + j];
     return sum;
@@ -138,8 +133,7 @@ static void predict(const struct slide *slide, const struct identify_view *view)
         }
     }
     for (int k = 0; k < 3; k++) {
-        const double slope =
-            (count * sum_by_t[k] - sum_t * sum[k]) / (count * sum_tt - sum_t * sum_t);
+        const double slope = (count * sum_by_t[k] - sum_t * sum[k]) / (count * sum_tt - sum_t * sum_t);
         const double offset = (sum[k] - slope * sum_t) / count;
         for (uint32_t n = slide->first; n < slide->end; n++)
             view->predicted[n][k] += offset + slope * (samples[n].time - begin);
@@ -171,8 +165,7 @@ static void add_slide(double products[ALL_TERMS][ALL_TERMS], double sums[TERMS][
             sums[i][j] += products[OWN + i][OWN + j];
 }
 
-static void sum_slide(const struct identify_view *view, const struct slide *slide,
-                      struct identify_sums *sums)
+static void sum_slide(const struct identify_view *view, const struct slide *slide, struct identify_sums *sums)
 {
     const struct identify_block *block = slide->block;
     double products[ALL_TERMS][ALL_TERMS] = { { 0.0 } };
@@ -188,8 +181,7 @@ static void sum_slide(const struct identify_view *view, const struct slide *slid
 }
 
 /* The same in pieces, so that what the model leaves out does not add up. */
-static void sum_pieces(const struct identify_view *view, const struct slide *whole,
-                       struct identify_sums *sums)
+static void sum_pieces(const struct identify_view *view, const struct slide *whole, struct identify_sums *sums)
 {
     const struct identify_sample *samples = whole->block->samples;
     const double time = samples[whole->end - 1].time - samples[whole->first].time;
@@ -204,8 +196,7 @@ static void sum_pieces(const struct identify_view *view, const struct slide *who
 }
 
 /* The direction of a slide at a sample: 1 or -1; 0 if the device may not slide there. */
-static double slide_sign(const struct identify_block *block, uint32_t n, uint32_t half,
-                         double speed_min)
+static double slide_sign(const struct identify_block *block, uint32_t n, uint32_t half, double speed_min)
 {
     if (n < half || n + half >= block->sample_count)
         return 0.0;

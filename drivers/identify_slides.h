@@ -15,15 +15,7 @@
 #include "identify_matrix.h"
 
 /* The terms of the equation that slides share: U, I of each coordinate, sign t^2/2, t^2/2, S and y of each. */
-enum {
-    TERM_U,
-    TERM_I,
-    TERM_FRICTION = TERM_I + 3,
-    TERM_CONSTANT,
-    TERM_S,
-    TERM_Y = TERM_S + 3,
-    TERMS = TERM_Y + 3
-};
+enum { TERM_U, TERM_I, TERM_FRICTION = TERM_I + 3, TERM_CONSTANT, TERM_S, TERM_Y = TERM_S + 3, TERMS = TERM_Y + 3 };
 
 /*
  * The unknowns of one coordinate: W, p and h of each pushed axis, C, k. A constant force is one of a pushed axis, for

@@ -36,9 +36,7 @@ static double grid_step(const struct identify_sample *samples, uint32_t count, i
         sum += size;
         steps += whole;
     }
-    return small >= CHANGES_MIN && still >= CHANGES_MIN && (double)fitting > 0.95 * (double)small
-               ? sum / steps
-               : 0.0;
+    return small >= CHANGES_MIN && still >= CHANGES_MIN && (double)fitting > 0.95 * (double)small ? sum / steps : 0.0;
 }
 
 enum { NEAR = 5, BINS = 400 };

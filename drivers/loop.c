@@ -35,9 +35,8 @@ struct dpt_loop {
 struct run {
     struct dpt_loop *loop;
     struct loop_line lines[LINES_MAX];
-    uint64_t now; /* ns, of the monotonic clock, or the time of a deterministic device */
-    int64_t
-        suspended_ns; /* how long the machine was suspended since boot: the largest value read */
+    uint64_t now;         /* ns, of the monotonic clock, or the time of a deterministic device */
+    int64_t suspended_ns; /* how long the machine was suspended since boot: the largest value read */
 };
 
 void dpt_loop_def_defaults(dpt_loop_def *def, size_t size)
@@ -62,9 +61,8 @@ static dpt_result open_lines(struct dpt_loop *loop, dpt_device *device)
         return def->other_guard ? DPT_E_ARGUMENT : DPT_OK;
     DPT_TRY(loop_line_open(&loop->lines[1], def->other, def->other_guard, loop->period_ns));
     loop->line_count = 2;
-    return def->other == device || is_deterministic(&loop->lines[1]) != loop->is_deterministic
-               ? DPT_E_ARGUMENT
-               : DPT_OK;
+    return def->other == device || is_deterministic(&loop->lines[1]) != loop->is_deterministic ? DPT_E_ARGUMENT
+                                                                                               : DPT_OK;
 }
 
 dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *given, dpt_loop **out)
@@ -79,9 +77,8 @@ dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *given, dpt_lo
     DPT_TRY(sized_read(given, sizeof loop.def, &loop.def, sizeof loop.def));
     DPT_TRY(dpt_device_get_info(device, &info));
     const double rate = loop.def.rate != 0.0 ? loop.def.rate : info.rate;
-    if (!loop.def.tick || loop.def.reserved_pointer || loop.def.reserved_pointer_2 ||
-        loop.def.priority > 99 || loop.def.lock > 1 || loop.def.reopen > 1 || loop.def.awake > 1 ||
-        !(rate >= 1.0 && rate <= 100000.0))
+    if (!loop.def.tick || loop.def.reserved_pointer || loop.def.reserved_pointer_2 || loop.def.priority > 99 ||
+        loop.def.lock > 1 || loop.def.reopen > 1 || loop.def.awake > 1 || !(rate >= 1.0 && rate <= 100000.0))
         return DPT_E_ARGUMENT;
     loop.period = 1.0 / rate;
     loop.period_ns = (uint64_t)(1e9 / rate + 0.5);
@@ -112,8 +109,7 @@ static int must_stop(const dpt_loop *loop)
 
 static dpt_result sleep_until(const dpt_loop *loop, uint64_t deadline)
 {
-    struct timespec time = { .tv_sec = (time_t)(deadline / SECOND),
-                             .tv_nsec = (long)(deadline % SECOND) };
+    struct timespec time = { .tv_sec = (time_t)(deadline / SECOND), .tv_nsec = (long)(deadline % SECOND) };
     int error;
     do
         error = clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, NULL);
@@ -121,8 +117,7 @@ static dpt_result sleep_until(const dpt_loop *loop, uint64_t deadline)
     return error == 0 || error == EINTR ? DPT_OK : DPT_E_SYSTEM;
 }
 
-static const double quarter_powers[4] = { 1.0, 1.189207115002721, 1.4142135623730951,
-                                          1.681792830507429 };
+static const double quarter_powers[4] = { 1.0, 1.189207115002721, 1.4142135623730951, 1.681792830507429 };
 
 static uint32_t bin_index(uint64_t ns)
 {
@@ -182,9 +177,8 @@ static int read_lines(struct run *run)
     for (int i = 0; i < run->loop->line_count; i++)
         loop_line_read(&run->lines[i]);
     if (run->loop->is_deterministic)
-        run->now = first->is_fresh && first->state.time_ns > run->now
-                       ? first->state.time_ns
-                       : run->now + run->loop->period_ns;
+        run->now =
+            first->is_fresh && first->state.time_ns > run->now ? first->state.time_ns : run->now + run->loop->period_ns;
     for (int i = 0; i < run->loop->line_count; i++)
         there += !loop_line_check_loss(&run->lines[i], run->now, (int)run->loop->def.reopen);
     return there;
@@ -262,8 +256,7 @@ static void phase_start_window(struct phase *phase, int64_t period)
 
 static int64_t phase_stale(struct phase *phase, int64_t period)
 {
-    const int64_t shift =
-        phase->ticks_since_stale ? period / 16 : 0; /* but no more while samples are missing */
+    const int64_t shift = phase->ticks_since_stale ? period / 16 : 0; /* but no more while samples are missing */
     if (phase->ticks_since_stale >= PHASE_TICKS && phase->target_age < period / 2)
         phase->target_age += period / 16;
     phase->ticks_since_stale = 0;
@@ -283,10 +276,7 @@ static int64_t phase_fresh(struct phase *phase, int64_t period, int64_t age)
     if (++phase->ticks < PHASE_TICKS && !is_far)
         return 0;
     phase_start_window(phase, period);
-    return is_far          ? (age < period / 2 ? step : -step)
-           : shift > step  ? step
-           : shift < -step ? -step
-                           : shift;
+    return is_far ? (age < period / 2 ? step : -step) : shift > step ? step : shift < -step ? -step : shift;
 }
 
 static int64_t phase_shift(struct run *run, struct phase *phase, int is_stale, uint64_t deadline)
@@ -320,8 +310,7 @@ static dpt_result run_by_clock(struct run *run)
         DPT_TRY(tick(run));
         DPT_TRY(clock_read(&end));
         note_time(&stats->took_max, stats->took, end > begin ? end - begin : 0);
-        deadline +=
-            period + (uint64_t)phase_shift(run, &phase, stats->stale != stale_before, deadline);
+        deadline += period + (uint64_t)phase_shift(run, &phase, stats->stale != stale_before, deadline);
         if (end < deadline)
             continue;
         uint64_t missed = (end - deadline) / period + 1;
@@ -363,8 +352,7 @@ static void write_stats(struct run *run, dpt_loop_stats *stats)
 {
     const uint32_t size = stats->size;
     for (int i = 0; i < run->loop->line_count; i++)
-        sized_write((unsigned char *)stats + (size_t)i * size, size, &run->lines[i].stats,
-                    sizeof run->lines[i].stats);
+        sized_write((unsigned char *)stats + (size_t)i * size, size, &run->lines[i].stats, sizeof run->lines[i].stats);
 }
 
 dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
@@ -382,8 +370,7 @@ dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats)
         run.lines[0].sample.other = &run.lines[1].sample;
 
     if (!loop->is_deterministic)
-        *notes = urgent_begin(&saved, loop->def.priority, loop->def.lock, loop->def.cpu,
-                              loop->def.awake);
+        *notes = urgent_begin(&saved, loop->def.priority, loop->def.lock, loop->def.cpu, loop->def.awake);
     dpt_result result = loop->is_deterministic ? run_by_device(&run) : run_by_clock(&run);
     for (int i = 0; i < loop->line_count; i++) {
         const dpt_result zero_result = send_zero(&run, i);

@@ -9,8 +9,8 @@
 
 static const uint64_t RETRY_NS = 1000000000u;
 
-dpt_result loop_line_open(struct loop_line_def *line, dpt_device *device,
-                          const dpt_guard_def *given, uint64_t period_ns)
+dpt_result loop_line_open(struct loop_line_def *line, dpt_device *device, const dpt_guard_def *given,
+                          uint64_t period_ns)
 {
     dpt_guard_def *def = &line->guard;
     dpt_guard guard = { .size = sizeof guard };
@@ -73,8 +73,7 @@ void loop_line_read(struct loop_line *line)
     const dpt_result result = dpt_device_read(line->def->device, &line->state);
     line->stats.ticks++;
     line->is_fresh = result == DPT_OK && accept_sample(line);
-    line->is_ready =
-        line->state.status == DPT_DEVICE_STATUS_READY && pose_is_sound(&line->state.pose);
+    line->is_ready = line->state.status == DPT_DEVICE_STATUS_READY && pose_is_sound(&line->state.pose);
     line->is_served = 0;
     if (result == DPT_E_LOST)
         line->state.status = DPT_DEVICE_STATUS_LOST;
@@ -156,8 +155,7 @@ static void send(struct loop_line *line, const dpt_wrench *wrench, uint64_t time
         clear_sent(line);
 }
 
-void loop_line_send(struct loop_line *line, const dpt_wrench *command, uint64_t now,
-                    uint64_t time_ns)
+void loop_line_send(struct loop_line *line, const dpt_wrench *command, uint64_t now, uint64_t time_ns)
 {
     dpt_wrench wrench;
     const int is_ready = line->is_ready && !line->is_lost;

@@ -54,8 +54,7 @@ void loop_line_count(struct loop_line *line, int is_answered);
  *   command   of the host; not used if it is not served
  *   time_ns   of what is sent, as the host is told it
  */
-void loop_line_send(struct loop_line *line, const dpt_wrench *command, uint64_t now,
-                    uint64_t time_ns);
+void loop_line_send(struct loop_line *line, const dpt_wrench *command, uint64_t now, uint64_t time_ns);
 
 /* Stop the guard at once: the machine was suspended. */
 void loop_line_stop(struct loop_line *line, uint64_t now);

@@ -30,7 +30,7 @@ static const struct timespec push_pause = { .tv_nsec = 100000 };
 struct dpt_recorder {
     dpt_recorder_def def;
     int file;
-    int is_broken; /* the end of the file is no longer that of a record, and cannot be made so */
+    int is_broken;        /* the end of the file is no longer that of a record, and cannot be made so */
     unsigned char *block; /* bytes to write */
     size_t block_bytes;   /* of the header at first, then of some records */
     dpt_record *ring;     /* def.capacity places */
@@ -70,9 +70,7 @@ static int write_all(int file, const unsigned char *bytes, size_t size)
 static void write_block(dpt_recorder *recorder, uint32_t records)
 {
     dpt_recorder_counts *counts = &recorder->counts;
-    int error = recorder->is_broken
-                    ? EPIPE
-                    : write_all(recorder->file, recorder->block, recorder->block_bytes);
+    int error = recorder->is_broken ? EPIPE : write_all(recorder->file, recorder->block, recorder->block_bytes);
     if (!error) {
         counts->written += records;
         counts->bytes += recorder->block_bytes;
@@ -98,8 +96,8 @@ static int drain(dpt_recorder *recorder)
         count = BLOCK_RECORDS;
     if (count == 0)
         return 0;
-    dpt_record_write(recorder->ring + begin, count, recorder->block,
-                     BLOCK_RECORDS * dpt_record_bytes(), &recorder->block_bytes);
+    dpt_record_write(recorder->ring + begin, count, recorder->block, BLOCK_RECORDS * dpt_record_bytes(),
+                     &recorder->block_bytes);
     __atomic_store_n(&recorder->tail, tail + count, __ATOMIC_RELEASE);
     write_block(recorder, count);
     return 1;
@@ -189,8 +187,8 @@ static dpt_result begin(dpt_recorder *recorder, const char *path)
     return result;
 }
 
-dpt_result dpt_recorder_open(const char *path, const dpt_record_header *header,
-                             const dpt_recorder_def *given, dpt_recorder **out)
+dpt_result dpt_recorder_open(const char *path, const dpt_record_header *header, const dpt_recorder_def *given,
+                             dpt_recorder **out)
 {
     dpt_recorder_def def;
     size_t ignored;
@@ -202,8 +200,8 @@ dpt_result dpt_recorder_open(const char *path, const dpt_record_header *header,
     dpt_recorder_def_init(&def);
     if (given)
         DPT_TRY(sized_read(given, sizeof def, &def, sizeof def));
-    if (def.capacity < 2 || def.capacity > CAPACITY_MAX || (def.capacity & (def.capacity - 1)) ||
-        def.wait > 1 || def.reserved)
+    if (def.capacity < 2 || def.capacity > CAPACITY_MAX || (def.capacity & (def.capacity - 1)) || def.wait > 1 ||
+        def.reserved)
         return DPT_E_ARGUMENT;
     /* There is no room, so this only says what is wrong with the header. */
     const dpt_result of_header = dpt_record_header_write(header, &none, 0, &ignored);

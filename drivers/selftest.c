@@ -34,8 +34,7 @@ struct selftest {
 
 /* ---- the report ---- */
 
-static void report_line(struct selftest *test, uint32_t verdict, const char *what, double measured,
-                        const char *unit)
+static void report_line(struct selftest *test, uint32_t verdict, const char *what, double measured, const char *unit)
 {
     const dpt_selftest_line line = {
         .size = sizeof line, .verdict = verdict, .measured = measured, .what = what, .unit = unit
@@ -49,8 +48,7 @@ static void report_line(struct selftest *test, uint32_t verdict, const char *wha
         test->result = DPT_E_CANCELLED;
 }
 
-static void judge(struct selftest *test, int passed, const char *what, double measured,
-                  const char *unit)
+static void judge(struct selftest *test, int passed, const char *what, double measured, const char *unit)
 {
     report_line(test, passed ? DPT_SELFTEST_PASSED : DPT_SELFTEST_FAILED, what, measured, unit);
 }
@@ -81,8 +79,7 @@ static double difference(const double *a, const double *b)
     return length(sub(vec3_of(a), vec3_of(b)));
 }
 
-static void add_motion(struct selftest_motion *motion, const dpt_device_state *from,
-                       const dpt_device_state *to)
+static void add_motion(struct selftest_motion *motion, const dpt_device_state *from, const dpt_device_state *to)
 {
     const double dt = (double)(int64_t)(to->time_ns - from->time_ns) * 1e-9;
     double rotation[3];
@@ -95,11 +92,9 @@ static void add_motion(struct selftest_motion *motion, const dpt_device_state *f
     }
     motion->displacement_max = fmax(motion->displacement_max, length_of(motion->displacement));
     motion->displacement_error_max =
-        fmax(motion->displacement_error_max,
-             difference(motion->displacement, motion->velocity_integral));
+        fmax(motion->displacement_error_max, difference(motion->displacement, motion->velocity_integral));
     motion->rotation_max = fmax(motion->rotation_max, length_of(motion->rotation));
-    motion->rotation_error_max =
-        fmax(motion->rotation_error_max, difference(motion->rotation, motion->spin_integral));
+    motion->rotation_error_max = fmax(motion->rotation_error_max, difference(motion->rotation, motion->spin_integral));
 }
 
 /* What observe() saw. */
@@ -137,8 +132,7 @@ static void add_state(struct observed *seen, const dpt_device_state *now)
         seen->not_finite++;
         return;
     }
-    seen->quaternion_error_max =
-        fmax(seen->quaternion_error_max, unit_length_error(now->pose.orientation));
+    seen->quaternion_error_max = fmax(seen->quaternion_error_max, unit_length_error(now->pose.orientation));
     if (seen->fresh) {
         seen->misnumbered += now->sequence - before->sequence != now->fresh;
         seen->misnumbered += now->fresh > 0 && now->time_ns < before->time_ns;
@@ -157,14 +151,12 @@ static void add_state(struct observed *seen, const dpt_device_state *now)
 
 static void sleep_for(double seconds)
 {
-    const struct timespec time = { .tv_sec = (time_t)seconds,
-                                   .tv_nsec = (long)(1e9 * (seconds - floor(seconds))) };
+    const struct timespec time = { .tv_sec = (time_t)seconds, .tv_nsec = (long)(1e9 * (seconds - floor(seconds))) };
     nanosleep(&time, NULL);
 }
 
 /* Read for so many seconds and write this wrench after each read; NULL: write nothing. */
-static void observe(struct selftest *test, double seconds, const dpt_wrench *wrench,
-                    struct observed *seen)
+static void observe(struct selftest *test, double seconds, const dpt_wrench *wrench, struct observed *seen)
 {
     const int is_real_time = !(test->info.flags & DPT_DEVICE_FLAG_DETERMINISTIC);
     const double period = 1.0 / test->info.rate;
@@ -194,8 +186,7 @@ static void observe(struct selftest *test, double seconds, const dpt_wrench *wre
         if (is_real_time)
             sleep_for(read_period);
     }
-    test->displacement_error_max =
-        fmax(test->displacement_error_max, seen->motion.displacement_error_max);
+    test->displacement_error_max = fmax(test->displacement_error_max, seen->motion.displacement_error_max);
     test->displacement_max = fmax(test->displacement_max, seen->motion.displacement_max);
     test->rotation_error_max = fmax(test->rotation_error_max, seen->motion.rotation_error_max);
     test->rotation_max = fmax(test->rotation_max, seen->motion.rotation_max);
@@ -229,8 +220,7 @@ static int test_info(struct selftest *test)
           (info->pose_dofs == 3 || info->pose_dofs == 6) &&
               (info->wrench_dofs == 0 || info->wrench_dofs == 3 || info->wrench_dofs == 6),
           "degrees of freedom are 3 or 6", info->pose_dofs, "");
-    judge(test, info->rate >= 100.0 && info->rate <= 1e5, "a rate of a haptic loop", info->rate,
-          "Hz");
+    judge(test, info->rate >= 100.0 && info->rate <= 1e5, "a rate of a haptic loop", info->rate, "Hz");
     return test->counts.failed == failed;
 }
 
@@ -238,12 +228,9 @@ static void test_times(struct selftest *test, const struct observed *seen)
 {
     const double rate = test->info.rate;
     const double steps = (double)(seen->last.sequence - seen->first.sequence);
-    const double by_time =
-        1e9 * steps / fmax((double)(int64_t)(seen->last.time_ns - seen->first.time_ns), 1.0);
-    judge(test, seen->misnumbered == 0, "samples are numbered as `fresh` says",
-          (double)seen->misnumbered, "are not");
-    judge(test, by_time > 0.9 * rate && by_time < 1.1 * rate, "its rate by time_ns too", by_time,
-          "Hz");
+    const double by_time = 1e9 * steps / fmax((double)(int64_t)(seen->last.time_ns - seen->first.time_ns), 1.0);
+    judge(test, seen->misnumbered == 0, "samples are numbered as `fresh` says", (double)seen->misnumbered, "are not");
+    judge(test, by_time > 0.9 * rate && by_time < 1.1 * rate, "its rate by time_ns too", by_time, "Hz");
     if (!(test->info.flags & DPT_DEVICE_FLAG_DETERMINISTIC))
         judge(test, fabs(seen->age) < 1.0, "time_ns is of the monotonic clock", seen->age, "s old");
 }
@@ -251,20 +238,18 @@ static void test_times(struct selftest *test, const struct observed *seen)
 static void test_orientation(struct selftest *test, const struct observed *seen)
 {
     const double *q = seen->last.pose.orientation;
-    judge(test, seen->quaternion_error_max < 1e-6, "quaternions of unit length",
-          seen->quaternion_error_max, "off");
+    judge(test, seen->quaternion_error_max < 1e-6, "quaternions of unit length", seen->quaternion_error_max, "off");
     if (test->info.pose_dofs == 3)
-        judge(test, fabs(q[0] - 1.0) < 1e-6, "no orientation with 3 degrees of freedom", q[0],
-              "is w");
+        judge(test, fabs(q[0] - 1.0) < 1e-6, "no orientation with 3 degrees of freedom", q[0], "is w");
 }
 
 static void test_waiting(struct selftest *test, const struct observed *seen)
 {
     const double percent = 100.0 / fmax((double)seen->reads, 1.0);
-    judge(test, 2 * seen->slow_reads <= seen->reads, "reads do not wait",
-          percent * (double)seen->slow_reads, "% took a quarter of a period");
-    judge(test, 2 * seen->slow_writes <= seen->reads, "writes do not wait",
-          percent * (double)seen->slow_writes, "% took a quarter of a period");
+    judge(test, 2 * seen->slow_reads <= seen->reads, "reads do not wait", percent * (double)seen->slow_reads,
+          "% took a quarter of a period");
+    judge(test, 2 * seen->slow_writes <= seen->reads, "writes do not wait", percent * (double)seen->slow_writes,
+          "% took a quarter of a period");
 }
 
 static void test_samples(struct selftest *test)
@@ -277,24 +262,20 @@ static void test_samples(struct selftest *test)
     judge(test, seen.result == DPT_OK, "reads and writes for a second", seen.seconds, "s");
     judge(test, seen.is_ready, "ready all the time", (double)seen.last.reasons, "reasons");
     const double measured = (double)(seen.fresh + seen.skipped) / fmax(seen.seconds, 1e-9);
-    judge(test, measured > 0.9 * rate && measured < 1.1 * rate, "samples at its rate", measured,
-          "Hz");
+    judge(test, measured > 0.9 * rate && measured < 1.1 * rate, "samples at its rate", measured, "Hz");
     test_times(test, &seen);
-    judge(test, seen.not_finite == 0, "each number of a sample is finite", (double)seen.not_finite,
-          "samples are not");
-    judge(test, seen.fresh && is_inside(&test->info, &seen.last), "within its workspace",
-          seen.last.pose.position[0], "m in x");
+    judge(test, seen.not_finite == 0, "each number of a sample is finite", (double)seen.not_finite, "samples are not");
+    judge(test, seen.fresh && is_inside(&test->info, &seen.last), "within its workspace", seen.last.pose.position[0],
+          "m in x");
     test_orientation(test, &seen);
     test_waiting(test, &seen);
     dpt_device_get_counts(test->device, &counts);
     judge(test, counts.damaged == 0, "no frame damaged", (double)counts.damaged, "frames");
-    judge(test, counts.lost * 100 <= counts.samples, "at most 1 % of samples lost",
-          (double)counts.lost, "samples");
+    judge(test, counts.lost * 100 <= counts.samples, "at most 1 % of samples lost", (double)counts.lost, "samples");
     const dpt_result result = dpt_device_write(test->device, &not_finite);
     judge(test, result == DPT_E_FINITE, "a force that is not finite is refused", result, "(code)");
     if (is_half_turn_about_z(seen.last.pose.orientation))
-        note(test, "turned by half a turn about z: is it sent as x, y, z, w? The order is w, x, "
-                   "y, z");
+        note(test, "turned by half a turn about z: is it sent as x, y, z, w? The order is w, x, y, z");
 }
 
 /* ---- how it moves ---- */
@@ -303,8 +284,7 @@ static void test_samples(struct selftest *test)
 static double driven_displacement(const struct observed *seen, int axis)
 {
     const double time = (double)(int64_t)(seen->last.time_ns - seen->first.time_ns) * 1e-9;
-    return seen->last.pose.position[axis] - seen->first.pose.position[axis] -
-           seen->first.velocity[axis] * time;
+    return seen->last.pose.position[axis] - seen->first.pose.position[axis] - seen->first.velocity[axis] * time;
 }
 
 static dpt_wrench push_along(const struct selftest *test, int axis, double sign)
@@ -328,8 +308,7 @@ static void test_pushes(struct selftest *test)
              * A hand that holds it stops it, so the displacement counts; nothing brakes a free one, so the drive
              * counts.
              */
-            const double displacement =
-                sign * (pushed.last.pose.position[axis] - pushed.first.pose.position[axis]);
+            const double displacement = sign * (pushed.last.pose.position[axis] - pushed.first.pose.position[axis]);
             const double moved = fmax(displacement, sign * driven_displacement(&pushed, axis));
             snprintf(what, sizeof what, "%.2g N along %c%c moves the hand that way",
                      test->def.push * test->info.force_max, sign > 0.0 ? '+' : '-', "xyz"[axis]);
@@ -367,13 +346,12 @@ static void test_watchdog(struct selftest *test)
         note(test, "its watchdog is slower than 0.1 s, and is not tested");
         return;
     }
-    const double pushed =
-        push_and_wait(test, 1.5 * watchdog + 5.0 / test->info.rate, &after_silence);
+    const double pushed = push_and_wait(test, 1.5 * watchdog + 5.0 / test->info.rate, &after_silence);
     const double driven_after = driven_displacement(&after_silence, 0);
     if (dpt_device_write(test->device, &zero) == DPT_E_NOT_READY)
         dpt_device_clear(test->device);
-    judge(test, pushed > 0.0 && driven_after < 0.5 * pushed,
-          "without commands its watchdog ends a force", 1e3 * driven_after, "mm driven on");
+    judge(test, pushed > 0.0 && driven_after < 0.5 * pushed, "without commands its watchdog ends a force",
+          1e3 * driven_after, "mm driven on");
 }
 
 /* Checks velocity and spin by all motions that were observed. */
@@ -382,16 +360,15 @@ static void test_velocity(struct selftest *test)
     const double displacement_min = fmax(DISPLACEMENT_MIN, 10.0 * test->info.position_step);
     const double rotation_min = fmax(ROTATION_MIN, 10.0 * test->info.angle_step);
     if (test->displacement_max > displacement_min)
-        judge(test, test->displacement_error_max < 0.3 * test->displacement_max,
-              "moves as its velocity says", 1e3 * test->displacement_error_max, "mm off");
+        judge(test, test->displacement_error_max < 0.3 * test->displacement_max, "moves as its velocity says",
+              1e3 * test->displacement_error_max, "mm off");
     else
         note(test, "it did not move by a millimetre: its velocity is not tested");
     if (test->info.pose_dofs == 6 && test->rotation_max > rotation_min)
         judge(test, test->rotation_error_max < 0.3 * test->rotation_max, "turns as its spin says",
               test->rotation_error_max, "rad off");
     else if (test->info.pose_dofs == 6)
-        note(test, "it did not turn by a degree: neither its spin nor the order of its quaternions "
-                   "is tested");
+        note(test, "it did not turn by a degree: neither its spin nor the order of its quaternions is tested");
 }
 
 static int gives_force(const struct selftest *test)
@@ -411,8 +388,7 @@ static int test_device(struct selftest *test)
         test_pushes(test);
         test_watchdog(test);
     } else {
-        note(test, gives_force(test) ? "its forces are not tested without may_move, --move"
-                                     : "it gives no force");
+        note(test, gives_force(test) ? "its forces are not tested without may_move, --move" : "it gives no force");
     }
     test_velocity(test);
     return 1;
@@ -420,8 +396,7 @@ static int test_device(struct selftest *test)
 
 /* ---- from open to close ---- */
 
-static dpt_result open_device(struct selftest *test, const dpt_driver *driver, const char *where,
-                              const char *what)
+static dpt_result open_device(struct selftest *test, const dpt_driver *driver, const char *where, const char *what)
 {
     dpt_device_error error = { .size = sizeof error };
     const dpt_result result = dpt_device_open_with(driver, where, &test->device, &error);
@@ -443,8 +418,8 @@ static dpt_result test_close(struct selftest *test, const dpt_driver *driver, co
     if (may_push) {
         observe(test, test->def.push_seconds, NULL, &after);
         const double driven_after = driven_displacement(&after, 0);
-        judge(test, pushed > 0.0 && driven_after < 0.5 * pushed, "gives no force after close",
-              1e3 * driven_after, "mm driven on");
+        judge(test, pushed > 0.0 && driven_after < 0.5 * pushed, "gives no force after close", 1e3 * driven_after,
+              "mm driven on");
     }
     dpt_device_close(test->device);
     return test->result;
@@ -463,8 +438,7 @@ static int in_range(double value, double min, double max)
     return value >= min && value <= max;
 }
 
-static dpt_result begin(struct selftest *test, const dpt_selftest_def *given,
-                        const dpt_selftest_counts *counts)
+static dpt_result begin(struct selftest *test, const dpt_selftest_def *given, const dpt_selftest_counts *counts)
 {
     dpt_selftest_def *def = &test->def;
     memset(test, 0, sizeof *test);
@@ -476,14 +450,13 @@ static dpt_result begin(struct selftest *test, const dpt_selftest_def *given,
     if (given)
         DPT_TRY(sized_read(given, sizeof *def, def, sizeof *def));
     return def->may_move <= 1 && in_range(def->seconds, 0.1, 3600.0) &&
-                   (def->rate == 0.0 || in_range(def->rate, 1.0, 1e6)) &&
-                   in_range(def->push, 0.001, 1.0) && in_range(def->push_seconds, 0.01, 1.0)
+                   (def->rate == 0.0 || in_range(def->rate, 1.0, 1e6)) && in_range(def->push, 0.001, 1.0) &&
+                   in_range(def->push_seconds, 0.01, 1.0)
                ? DPT_OK
                : DPT_E_ARGUMENT;
 }
 
-dpt_result dpt_device_selftest(dpt_device *device, const dpt_selftest_def *def,
-                               dpt_selftest_counts *counts)
+dpt_result dpt_device_selftest(dpt_device *device, const dpt_selftest_def *def, dpt_selftest_counts *counts)
 {
     struct selftest test;
     DPT_TRY(begin(&test, def, counts));
@@ -495,8 +468,8 @@ dpt_result dpt_device_selftest(dpt_device *device, const dpt_selftest_def *def,
     return test.result;
 }
 
-dpt_result dpt_driver_selftest(const dpt_driver *driver, const char *where,
-                               const dpt_selftest_def *def, dpt_selftest_counts *counts)
+dpt_result dpt_driver_selftest(const dpt_driver *driver, const char *where, const dpt_selftest_def *def,
+                               dpt_selftest_counts *counts)
 {
     struct selftest test;
     DPT_TRY(begin(&test, def, counts));

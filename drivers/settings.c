@@ -25,8 +25,7 @@ dpt_result device_error(dpt_device_error *error, dpt_result code, const char *fo
     return code;
 }
 
-static dpt_result set_value(const struct setting *setting, const char *value, const char *end,
-                            dpt_device_error *error)
+static dpt_result set_value(const struct setting *setting, const char *value, const char *end, dpt_device_error *error)
 {
     const size_t bytes = (size_t)(end - value);
     if (setting->text) {
@@ -38,17 +37,15 @@ static dpt_result set_value(const struct setting *setting, const char *value, co
     }
     double number;
     if (parse_double(value, end, &number) != end)
-        return device_error(error, DPT_E_SETTING, "%s: '%.*s' is not a number", setting->name,
-                            (int)bytes, value);
+        return device_error(error, DPT_E_SETTING, "%s: '%.*s' is not a number", setting->name, (int)bytes, value);
     if (!(number >= setting->min && number <= setting->max))
-        return device_error(error, DPT_E_SETTING, "%s is not within %g and %g", setting->name,
-                            setting->min, setting->max);
+        return device_error(error, DPT_E_SETTING, "%s is not within %g and %g", setting->name, setting->min,
+                            setting->max);
     *setting->number = number;
     return DPT_OK;
 }
 
-static const struct setting *find_setting(const struct setting *settings, size_t count,
-                                          const char *name, size_t length)
+static const struct setting *find_setting(const struct setting *settings, size_t count, const char *name, size_t length)
 {
     for (size_t i = 0; i < count; i++)
         if (strlen(settings[i].name) == length && !memcmp(settings[i].name, name, length))
@@ -79,13 +76,11 @@ struct known_settings {
     struct dynamics *dynamics; /* NULL: the driver has such settings of its own */
 };
 
-static dpt_result set_one(const struct known_settings *known, const char *at, const char *end,
-                          dpt_device_error *error)
+static dpt_result set_one(const struct known_settings *known, const char *at, const char *end, dpt_device_error *error)
 {
     const char *equals = memchr(at, '=', (size_t)(end - at));
     const size_t length = (size_t)((equals ? equals : end) - at);
-    const struct setting *setting =
-        equals ? find_setting(known->settings, known->count, at, length) : NULL;
+    const struct setting *setting = equals ? find_setting(known->settings, known->count, at, length) : NULL;
     struct setting common[DYNAMICS_SETTINGS];
     if (equals && !setting && known->dynamics) {
         dynamics_settings(known->dynamics, common);
@@ -125,8 +120,7 @@ static int is_name(const char *at, const char *end, const char *name)
 static int is_interval(const struct settings_line *line)
 {
     const char *name = line->text, *end = line->equals;
-    return end && ((end - name > 4 && !memcmp(end - 4, "_low", 4)) ||
-                   (end - name > 5 && !memcmp(end - 5, "_high", 5)));
+    return end && ((end - name > 4 && !memcmp(end - 4, "_low", 4)) || (end - name > 5 && !memcmp(end - 5, "_high", 5)));
 }
 
 static dpt_result take_line(void *user, const struct settings_line *line, dpt_device_error *error)
@@ -137,13 +131,11 @@ static dpt_result take_line(void *user, const struct settings_line *line, dpt_de
     const dpt_result result = set_one(user, line->text, line->end, &own);
     if (result == DPT_OK)
         return result;
-    return device_error(error, result, "%.100s: line %d: %.100s", line->path, line->number,
-                        own.text);
+    return device_error(error, result, "%.100s: line %d: %.100s", line->path, line->number, own.text);
 }
 
 /* settings=FILE: all of its lines. */
-static dpt_result set_all(struct known_settings *known, const char *value, const char *end,
-                          dpt_device_error *error)
+static dpt_result set_all(struct known_settings *known, const char *value, const char *end, dpt_device_error *error)
 {
     char path[PATH_ROOM];
     const size_t length = (size_t)(end - value);
@@ -154,9 +146,8 @@ static dpt_result set_all(struct known_settings *known, const char *value, const
     return settings_file_read(path, take_line, known, error);
 }
 
-dpt_result settings_read(const char *where, char *address, size_t address_bytes,
-                         const struct setting *settings, size_t count, struct dynamics *dynamics,
-                         dpt_device_error *error)
+dpt_result settings_read(const char *where, char *address, size_t address_bytes, const struct setting *settings,
+                         size_t count, struct dynamics *dynamics, dpt_device_error *error)
 {
     struct known_settings known = { settings, count, dynamics };
     where = where ? where : "";
@@ -169,9 +160,8 @@ dpt_result settings_read(const char *where, char *address, size_t address_bytes,
     while (*at) {
         at++;
         const char *end = at + strcspn(at, "&");
-        dpt_result result = is_name(at, end, FILE_SETTING)
-                                ? set_all(&known, at + sizeof FILE_SETTING, end, error)
-                                : set_one(&known, at, end, error);
+        dpt_result result = is_name(at, end, FILE_SETTING) ? set_all(&known, at + sizeof FILE_SETTING, end, error)
+                                                           : set_one(&known, at, end, error);
         if (result != DPT_OK)
             return result;
         at = end;

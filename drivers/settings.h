@@ -43,9 +43,8 @@ void dynamics_override(const struct dynamics *dynamics, dpt_device_info *info);
  * DPT_E_SETTING: a setting is unknown, not a number, out of range or too long; `error` says which. Errors of the file are
  * those of settings_file.h.
  */
-dpt_result settings_read(const char *where, char *address, size_t address_bytes,
-                         const struct setting *settings, size_t count, struct dynamics *dynamics,
-                         dpt_device_error *error);
+dpt_result settings_read(const char *where, char *address, size_t address_bytes, const struct setting *settings,
+                         size_t count, struct dynamics *dynamics, dpt_device_error *error);
 
 /* Write code and text into `error`, unless it is NULL, and return `code`. */
 dpt_result device_error(dpt_device_error *error, dpt_result code, const char *format, ...)

@@ -13,8 +13,7 @@ struct settings_line {
 };
 
 /* Takes one line; what it returns ends the reading unless it is DPT_OK. */
-typedef dpt_result settings_line_fn(void *user, const struct settings_line *line,
-                                    dpt_device_error *error);
+typedef dpt_result settings_line_fn(void *user, const struct settings_line *line, dpt_device_error *error);
 
 /*
  * Read a file, line by line.
@@ -22,7 +21,6 @@ typedef dpt_result settings_line_fn(void *user, const struct settings_line *line
  * DPT_E_OPEN: it cannot be opened or read. DPT_E_LIMIT: it has more than 64 KiB. DPT_E_SYNTAX: a line has more than 510
  * characters.
  */
-dpt_result settings_file_read(const char *path, settings_line_fn *take, void *user,
-                              dpt_device_error *error);
+dpt_result settings_file_read(const char *path, settings_line_fn *take, void *user, dpt_device_error *error);
 
 #endif

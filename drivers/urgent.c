@@ -156,8 +156,7 @@ static int keep_awake(void)
     return -1;
 }
 
-uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock, uint32_t cpu,
-                      uint32_t awake)
+uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock, uint32_t cpu, uint32_t awake)
 {
     uint32_t notes = 0;
     memset(saved, 0, sizeof *saved);
@@ -188,8 +187,7 @@ uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock, ui
 uint32_t urgent_end(const struct urgent *saved)
 {
     uint32_t notes = 0;
-    if (saved->is_scheduled &&
-        pthread_setschedparam(pthread_self(), saved->policy, &saved->param) != 0)
+    if (saved->is_scheduled && pthread_setschedparam(pthread_self(), saved->policy, &saved->param) != 0)
         notes |= DPT_LOOP_NOTE_NO_RETURN;
     /* After the priority, because restoring that may change the slack. */
     if (saved->slack)

@@ -28,8 +28,7 @@ struct urgent {
  *   cpu        the only processor to run on, from 1; 0: any
  *   awake      1: keep processors awake
  */
-uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock, uint32_t cpu,
-                      uint32_t awake);
+uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock, uint32_t cpu, uint32_t awake);
 
 /*
  * Undo it, in the same thread. The last loop unlocks the memory, if none was locked before the first loop. Returns

@@ -41,11 +41,11 @@ missing() {
 # three.js as it is locked, below build/view; not again while the lock is the same.
 fetch_three() {
     if [ -e build/view/node_modules/three/package.json ] &&
-        cmp -s tools/view/package-lock.json build/view/package-lock.json; then
+        cmp -s tools/view/page/package-lock.json build/view/package-lock.json; then
         return 0
     fi
     mkdir -p build/view &&
-        cp tools/view/package.json tools/view/package-lock.json tools/view/.npmrc build/view &&
+        cp tools/view/page/package.json tools/view/page/package-lock.json tools/view/page/.npmrc build/view &&
         (cd build/view && npm ci --ignore-scripts --no-audit --no-fund >npm.log 2>&1) && return 0
     echo "npm ci failed (build/view/npm.log): there is no three.js, and so no viewer's page"
     rm -f build/view/package-lock.json

@@ -7,11 +7,11 @@ here=$(cd "$(dirname "$0")/.." && pwd) || exit 2
 . "$here/tests/lib/verdict.sh"
 scratch=$1/deps_test
 rm -rf "$scratch"
-mkdir -p "$scratch/bin" "$scratch/rest" "$scratch/tree/tools/view" "$scratch/tree/tests/lib" "$scratch/tree/tests/vm" "$scratch/tree/tests/oracle"
+mkdir -p "$scratch/bin" "$scratch/rest" "$scratch/tree/tools/view/page" "$scratch/tree/tests/lib" "$scratch/tree/tests/vm" "$scratch/tree/tests/oracle"
 scratch=$(cd "$scratch" && pwd) || exit 2
 (cd "$here" && cp Makefile "$scratch/tree" && cp tests/deps.sh tests/run.sh tests/programs.txt "$scratch/tree/tests" &&
     cp tests/lib/venv.sh "$scratch/tree/tests/lib" && cp tests/vm/kernel.sh "$scratch/tree/tests/vm")
-for file in package.json package-lock.json .npmrc; do : >"$scratch/tree/tools/view/$file"; done
+for file in package.json package-lock.json .npmrc; do : >"$scratch/tree/tools/view/page/$file"; done
 export INSTALLED="$scratch/installed" CALLS="$scratch/calls" USER_ID=0
 unset DEPS MAKEFLAGS MAKELEVEL 2>/dev/null
 
@@ -96,7 +96,7 @@ check "npm gets what is locked" grep -q '^npm ci .*in view$' "$CALLS"
 check "into build/view" test $status -eq 0 -a -e "$scratch/tree/build/view/node_modules/three/package.json"
 asks make deps view
 check "not twice" test "$(grep -c '^npm' "$CALLS")" -eq 0 -a $status -eq 0
-echo '{}' >"$scratch/tree/tools/view/package-lock.json"
+echo '{}' >"$scratch/tree/tools/view/page/package-lock.json"
 asks make deps view
 check "but when another is locked" test "$(grep -c '^npm ci' "$CALLS")" -eq 1
 rm "$scratch/bin/node" "$scratch/bin/npm"

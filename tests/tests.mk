@@ -3,12 +3,12 @@
 # in $(B)/tests. A program is linked with every other source of its folder, and with what it uses of tests/lib.
 
 # Those of other folders are linked in a way of their own, below.
-TOPICS := base mesh compile kernel nearest sweep hull contact strip query force deform exchange world arm drivers tools view $(if $(VIEW_SERVER),view/server) fuzz
+TOPICS := base mesh compile kernel nearest sweep hull contact strip query force deform exchange track proxy world arm drivers tools view $(if $(VIEW_SERVER),view/server) fuzz
 EXACT_TESTS := test_sweep_exact test_sweep_moving
 TEST_SOURCES := $(filter-out $(EXACT_TESTS:%=tests/sweep/%.c),$(wildcard $(TOPICS:%=tests/%/test_*.c)))
 TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))
 TEST_PARTS := $(call objects,tests/oracle/*.c tests/data/*.c) \
-              $(B)/tools/shape.o $(B)/tools/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
+              $(B)/tools/shape/shape.o $(B)/tools/shape/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
 TEST_LIB := $(B)/tests/lib.a
 PARTS_LIB := $(B)/tests/parts.a
 LINKED = $(filter-out %.a,$^) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group
@@ -27,7 +27,7 @@ endif
 ifeq ($(CONFIG),sanitize)
 $(B)/tests/%.o: CONFIG_CFLAGS += -O1
 $(B)/tools/%.o: CONFIG_CFLAGS += -O1
-$(B)/tools/stability/%.o: CONFIG_CFLAGS += -O2
+$(B)/tools/lab/%.o: CONFIG_CFLAGS += -O2
 $(B)/src/urdf/%.o: CONFIG_CFLAGS += -Og
 endif
 # Objects that are the same in another configuration are release's, where they are. Scalar: the tests' own code, but for
@@ -65,13 +65,11 @@ $(filter-out $(SITED) $(COUNTED_TESTS),$(TESTS)): $(PARTS_LIB) $(TEST_LIB)
 $(TEST_LIB): $(call objects,tests/lib/*.c)
 $(PARTS_LIB): $(TEST_PARTS)
 # q, for src and tests/oracle have files of the same name.
-$(TEST_LIB) $(PARTS_LIB):
+$(TEST_LIB) $(PARTS_LIB) $(B)/tests/tools.a:
 	rm -f $@
 	$(AR) qcs $@ $^
 $(B)/tests/test_parallel: private LDLIBS = -Wl,--wrap=pthread_create,--wrap=pthread_join,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
-# What several tests of one noun share.
-$(B)/tests/test_proxy_loop: $(B)/tests/world/proxy_rig.o
 
 # The readers, with the line of each check that refuses (tests/lib/sites.h).
 $(B)/tests/%_sites.c: src/%.c
@@ -99,29 +97,20 @@ $(COUNTED_TESTS): private LDLIBS = $(patsubst %,-Wl$(comma)--wrap=%,memset memcp
 
 $(B)/tests/test_exactness: | $(B)/dynpoint
 
-# The viewer's parts; its server where there is libwebsockets.
+# Tests of the program's parts: linked with what they use of it, all but its main.
 tests_of = $(patsubst $1/%.c,$(B)/tests/%,$(wildcard $1/test_*.c))
-$(call tests_of,tests/view) $(call tests_of,tests/view/server): $(call objects,tools/view/*.c)
-$(call tests_of,tests/view/server): $(VIEW_SERVER)
-$(call tests_of,tests/view/server): private LDLIBS = $(LWS_LIBS)
-# With all of the program but its main.
-$(B)/tests/test_view_loop: $(filter-out $(B)/tools/dynpoint.o $(B)/tools/view/% $(B)/tools/shape%,$(TOOLS)) $(URDF_PARTS)
-$(B)/tests/test_view_loop: private LDLIBS = $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) \
-  -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
-
-$(B)/tests/test_measure $(B)/tests/test_plan_trace: $(filter-out $(B)/tools/dynpoint.o $(B)/tools/shape%,$(TOOLS)) $(URDF_PARTS)
-$(B)/tests/test_measure $(B)/tests/test_plan_trace: private LDLIBS = $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS)
-
-# Scenes of soft bodies, without their files.
-SOFT_PARTS := $(patsubst %,$(B)/tools/%.o,scene_physics soft_exchange scene_bodies scene_list command_options stop)
-$(B)/tests/test_plot: $(patsubst %,$(B)/tools/plot/%.o,label_places plot_axis plot_line plot_log_axis)
-$(B)/tests/test_soft_exchange $(B)/tests/test_scene_physics $(B)/tests/test_springs_passes: $(SOFT_PARTS)
+TOOLS_LIB := $(B)/tests/tools.a
+$(TOOLS_LIB): $(filter-out $(B)/tools/cli/dynpoint.o $(B)/tools/shape/shape%,$(TOOLS)) $(URDF_PARTS)
+TOOLS_TESTS := $(call tests_of,tests/tools) $(call tests_of,tests/view) $(call tests_of,tests/view/server) $(B)/tests/test_springs_passes $(B)/tests/test_fuzz
+$(TOOLS_TESTS): $(TOOLS_LIB)
+TOOLS_TEST_LIBS := -Wl,--as-needed $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS)
+$(TOOLS_TESTS): private LDLIBS = $(TOOLS_TEST_LIBS)
+$(B)/tests/test_view_loop: private LDLIBS = $(TOOLS_TEST_LIBS) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 # Scene files: where the program reads them.
 FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o $(B)/tests/fuzz/plan.o),$(call objects,tests/fuzz/*.c))
-FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene_bodies.o $(B)/tools/tip_shape.o $(B)/tools/command_options.o $(B)/tools/plan/plan.o $(B)/tools/plan/plan_file.o)
-$(B)/tests/test_fuzz: $(FUZZ_PARTS) $(FUZZ_SCENE) $(B)/tools/view/view_request.o
-$(B)/tests/test_fuzz: private LDLIBS = $(JANSSON_LIBS)
+FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene/scene_bodies.o $(B)/tools/scene/tip_shape.o $(B)/tools/cli/command_options.o $(B)/tools/plan/plan.o $(B)/tools/plan/plan_file.o)
+$(B)/tests/test_fuzz: $(FUZZ_PARTS)
 $(B)/tests/fuzz/test_fuzz.o: INCLUDES += -I$(B)
 $(B)/tests/fuzz/test_fuzz.o: $(B)/built_with.h
 
@@ -135,7 +124,7 @@ TESTS += $(B)/tests/test_calls
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
 FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene plan) mesh forged arm wire record snapshot request
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
-               $(B)/tools/shape.o $(B)/tools/shape_organs.o $(B)/drivers/serial/wire.o $(WIRE_DEVICE) \
+               $(B)/tools/shape/shape.o $(B)/tools/shape/shape_organs.o $(B)/drivers/serial/wire.o $(WIRE_DEVICE) \
                $(B)/drivers/csv.o $(B)/drivers/trace.o $(B)/drivers/settings.o \
                $(B)/drivers/settings_file.o $(FUZZ_SCENE) $(B)/tools/view/view_request.o $(CORE) $(TEXT) $(COMPILE)
 $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
@@ -319,7 +308,7 @@ endif
 -include $(wildcard $(EXACT_TESTS:%=$(B)/tests/sweep/%.d) $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
            $(B)/tests/firmware/*.d $(B)/tests/oracle/*.d $(B)/tests/drivers/hd/*.d)
 
-$(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/command_options.o $(TEXT) $(COMPILE) $(CORE)
+$(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/cli/command_options.o $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
 $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again: %: %.o $(CORE)
@@ -332,7 +321,7 @@ $(B)/tests/bench/springs $(B)/tests/bench/spring_methods: %: %.o $(B)/tests/defo
                               $(B)/tests/oracle/spring_balance.o $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 $(B)/tests/bench/scenes $(B)/tests/bench/tori: $(B)/tests/bench/play.o
-$(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/tori $(B)/tests/bench/snapshots: %: %.o $(B)/tools/scene_list.o $(B)/tools/shape.o $(B)/tools/shape_organs.o \
+$(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/tori $(B)/tests/bench/snapshots: %: %.o $(B)/tools/scene/scene_list.o $(B)/tools/shape/shape.o $(B)/tools/shape/shape_organs.o \
                              $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 $(B)/tests/bench/sweeps $(B)/tests/bench/rests $(B)/tests/bench/jumps $(B)/tests/bench/pauses $(B)/tests/bench/tips $(B)/tests/bench/joined: %: %.o $(PARTS_LIB) $(TEST_LIB)

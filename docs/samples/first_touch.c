@@ -24,8 +24,7 @@ int main(int argc, char **argv)
     FILE *file = argc == 2 ? fopen(argv[1], "rb") : NULL;
     long size = file != NULL && fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
     void *bytes = size > 0 ? malloc((size_t)size) : NULL;
-    if (bytes == NULL || fseek(file, 0, SEEK_SET) != 0 ||
-        fread(bytes, 1, (size_t)size, file) != (size_t)size) {
+    if (bytes == NULL || fseek(file, 0, SEEK_SET) != 0 || fread(bytes, 1, (size_t)size, file) != (size_t)size) {
         fprintf(stderr, "usage: first_touch FILE.dpa\n");
         return 2;
     }
@@ -69,9 +68,8 @@ int main(int argc, char **argv)
         must("dpt_world_step", dpt_world_step(world, 0.001, &step));
         must("dpt_tool_get_wrench", dpt_tool_get_wrench(world, tool, &wrench));
         if (tick % 20 == 0)
-            printf("tick %3d  distance %6.3f mm  %-11s  force %6.3f %6.3f %6.3f N\n", tick,
-                   1e3 * step.distance, words[step.contact], wrench.force[0], wrench.force[1],
-                   wrench.force[2]);
+            printf("tick %3d  distance %6.3f mm  %-11s  force %6.3f %6.3f %6.3f N\n", tick, 1e3 * step.distance,
+                   words[step.contact], wrench.force[0], wrench.force[1], wrench.force[2]);
     }
     free(block);
     free(bytes);

@@ -18,8 +18,7 @@ struct rest {
     uint64_t commands;
 };
 
-static dpt_result rest_open(const dpt_driver *driver, const char *where, dpt_device **device,
-                            dpt_device_error *error)
+static dpt_result rest_open(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
 {
     struct rest *rest;
     (void)driver;
@@ -114,8 +113,7 @@ int main(int argc, char **argv)
     dpt_loop_def def;
     dpt_loop *loop;
     dpt_loop_stats stats;
-    dpt_result result =
-        dpt_device_open_with(&rest_driver, argc > 1 ? argv[1] : NULL, &device, &error);
+    dpt_result result = dpt_device_open_with(&rest_driver, argc > 1 ? argv[1] : NULL, &device, &error);
     if (result != DPT_OK) {
         fprintf(stderr, "%s\n", error.text);
         return 2;
@@ -128,8 +126,7 @@ int main(int argc, char **argv)
     if (result == DPT_OK)
         result = dpt_loop_run(loop, &stats);
     if (result == DPT_OK)
-        printf("ticks %d commands %d clamped %d\n", (int)stats.ticks, (int)stats.sent,
-               (int)stats.clamped);
+        printf("ticks %d commands %d clamped %d\n", (int)stats.ticks, (int)stats.sent, (int)stats.clamped);
     dpt_loop_free(loop);
     dpt_device_close(device);
     return result == DPT_OK ? 0 : 1;

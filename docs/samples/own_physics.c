@@ -147,16 +147,14 @@ static void open_haptics(struct scene *scene, const dpt_mesh_info *info)
 
     dpt_world_def_init(&world_def);
     scene->world_block = must_allocate(dpt_world_bytes(&world_def));
-    MUST(dpt_world_create(scene->world_block, dpt_world_bytes(&world_def), &world_def,
-                          &scene->world));
+    MUST(dpt_world_create(scene->world_block, dpt_world_bytes(&world_def), &world_def, &scene->world));
 
     dpt_deform_def_init(&body_def);
     body_def.mesh = scene->mesh;
     body_def.period = PERIOD;    /* vertices move smoothly from one step of physics to the next */
     body_def.load_radius = 0.01; /* m: the needle's force is spread over a patch */
     scene->body_block = must_allocate(dpt_deform_bytes(&body_def));
-    MUST(dpt_deform_add(scene->world, scene->body_block, dpt_deform_bytes(&body_def), &body_def,
-                        &scene->body));
+    MUST(dpt_deform_add(scene->world, scene->body_block, dpt_deform_bytes(&body_def), &body_def, &scene->body));
 
     MUST(dpt_tool_add(scene->world, &needle, 1, &scene->tool));
 

@@ -34,11 +34,9 @@ static void update_pose(struct can_device *device)
 {
     struct can_session *session = &device->session;
     double speeds[DPT_JOINTS_MAX];
-    can_arm_joints(&session->arm, session->monitor.position, session->monitor.velocity,
-                   device->joint, speeds);
+    can_arm_joints(&session->arm, session->monitor.position, session->monitor.velocity, device->joint, speeds);
     if (can_arm_pose(&session->arm, device->joint, speeds, &device->last) != DPT_OK)
-        can_monitor_set_status(&session->monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED,
-                               0);
+        can_monitor_set_status(&session->monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED, 0);
 }
 
 /* Call after connecting or switching on. All that came meanwhile counts as one sample, not yet read. */
@@ -50,8 +48,7 @@ static void restart_samples(struct can_device *device)
     update_pose(device);
 }
 
-static dpt_result can_open(const dpt_driver *driver, const char *where, dpt_device **opened,
-                           dpt_device_error *error)
+static dpt_result can_open(const dpt_driver *driver, const char *where, dpt_device **opened, dpt_device_error *error)
 {
     (void)driver;
     struct can_device *device = calloc(1, sizeof *device);
@@ -60,9 +57,8 @@ static dpt_result can_open(const dpt_driver *driver, const char *where, dpt_devi
     device->session.socketcan.fd = -1;
     dpt_result result = can_settings_read(where, &device->session.settings, error);
     if (result == DPT_OK && !device->session.settings.interface[0])
-        result =
-            device_error(error, DPT_E_SETTING,
-                         "which interface? As in can:can0?arm=arm.dpa&gear=8,-8,10&watchdog=0.05");
+        result = device_error(error, DPT_E_SETTING,
+                              "which interface? As in can:can0?arm=arm.dpa&gear=8,-8,10&watchdog=0.05");
     if (result == DPT_OK)
         result = can_arm_open(&device->session.arm, &device->session.settings, error);
     if (result == DPT_OK) {
@@ -122,9 +118,8 @@ static void stop_all(struct can_device *device, uint64_t now)
         return;
     device->stopped_ns = now;
     can_session_put_all(&device->session, can_no_torque);
-    can_session_put_all(&device->session, device->session.monitor.status == DPT_DEVICE_STATUS_LOST
-                                              ? can_estop
-                                              : can_idle);
+    can_session_put_all(&device->session,
+                        device->session.monitor.status == DPT_DEVICE_STATUS_LOST ? can_estop : can_idle);
 }
 
 /* Feed the controllers' watchdogs with zero torque while the host does not write. */
@@ -132,8 +127,7 @@ static void keep_alive(struct can_device *device, uint64_t now)
 {
     const uint64_t period = device->session.monitor.period_ns;
     uint64_t feed = FEED_EVERY_IDLE;
-    if (device->session.settings.watchdog > 0.0 &&
-        0.25e9 * device->session.settings.watchdog < (double)feed)
+    if (device->session.settings.watchdog > 0.0 && 0.25e9 * device->session.settings.watchdog < (double)feed)
         feed = (uint64_t)(0.25e9 * device->session.settings.watchdog);
     if (device->is_driving && now - device->written_ns > HOST_SILENT_AFTER + 5 * period)
         device->is_driving = 0;
@@ -147,8 +141,7 @@ static void keep_alive(struct can_device *device, uint64_t now)
 static void request_estimates(struct can_device *device, uint64_t now)
 {
     const uint64_t period = device->session.monitor.period_ns;
-    if (device->session.settings.request == 0.0 ||
-        now - device->session.requested_ns < period - period / 8)
+    if (device->session.settings.request == 0.0 || now - device->session.requested_ns < period - period / 8)
         return;
     device->session.requested_ns = now;
     can_session_put_all(&device->session, can_request_estimates);
@@ -220,13 +213,11 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
         wrench = &no_force;
         weight_share = 0.0;
     }
-    const dpt_result result =
-        can_arm_torques(&device->session.arm, device->joint, wrench, weight_share, torques);
+    const dpt_result result = can_arm_torques(&device->session.arm, device->joint, wrench, weight_share, torques);
     if (result != DPT_OK)
         return result;
     for (uint32_t i = 0; i < monitor->count; i++) {
-        const struct odrive_message command = { .command = ODRIVE_SET_TORQUE,
-                                                .as.torque = torques[i] };
+        const struct odrive_message command = { .command = ODRIVE_SET_TORQUE, .as.torque = torques[i] };
         can_session_put(&device->session, i, command);
     }
     monitor->counts.commands++;
@@ -251,8 +242,7 @@ static dpt_result can_clear(dpt_device *base)
         if (can_session_connect(&device->session, NULL) != DPT_OK)
             return DPT_E_LOST;
         monitor->counts.resets++;
-    } else if (device->session.socketcan.is_error_passive ||
-               can_session_switch_on(&device->session, NULL) != DPT_OK ||
+    } else if (device->session.socketcan.is_error_passive || can_session_switch_on(&device->session, NULL) != DPT_OK ||
                can_session_first_sample(&device->session, NULL) != DPT_OK) {
         return DPT_E_NOT_READY;
     }
@@ -308,8 +298,7 @@ const dpt_driver can_driver = {
     .size = sizeof can_driver,
     .version = DPT_DRIVER_VERSION,
     .name = "can",
-    .about = "arms of ODrive motor controllers on a CAN bus: "
-             "can:can0?arm=arm.dpa&gear=8,-8,10&watchdog=0.05",
+    .about = "arms of ODrive motor controllers on a CAN bus: can:can0?arm=arm.dpa&gear=8,-8,10&watchdog=0.05",
     .open = can_open,
     .info = can_info,
     .read = can_read,

@@ -17,8 +17,7 @@
 #define FORCE_MAX      1e6 /* N, Nm; above it efforts might not be finite */
 
 /* Read the watchdog: a number of seconds, "none", or "" if it was not given. */
-static dpt_result read_watchdog(struct can_settings *settings, const char *text,
-                                dpt_device_error *error)
+static dpt_result read_watchdog(struct can_settings *settings, const char *text, dpt_device_error *error)
 {
     const char *end = text + strlen(text);
     settings->gives_force = *text != '\0';
@@ -60,9 +59,8 @@ dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_devi
         { .name = "heartbeat", .number = &s->heartbeat, .min = 0.001, .max = 1 },
         { .name = "watchdog", .text = watchdog, .text_bytes = sizeof watchdog },
     };
-    const dpt_result result =
-        settings_read(where, s->interface, sizeof s->interface, settings,
-                      sizeof settings / sizeof *settings, &s->dynamics, error);
+    const dpt_result result = settings_read(where, s->interface, sizeof s->interface, settings,
+                                            sizeof settings / sizeof *settings, &s->dynamics, error);
     if (result != DPT_OK)
         return result;
     if (strcmp(s->firmware, "auto") && strcmp(s->firmware, "0.5") && strcmp(s->firmware, "0.6"))
@@ -84,8 +82,7 @@ static dpt_result read_list(const char *name, const char *text, uint32_t count, 
     for (uint32_t i = 0; i < count; i++) {
         at = parse_double(at, end, &numbers[i]);
         if (!at || *at != (i + 1 < count ? ',' : '\0') || !within(numbers[i], 1e6))
-            return device_error(error, DPT_E_SETTING,
-                                "%s: '%.60s' is not %u numbers with commas between", name, text,
+            return device_error(error, DPT_E_SETTING, "%s: '%.60s' is not %u numbers with commas between", name, text,
                                 (unsigned)count);
         at++;
     }
@@ -102,8 +99,7 @@ static dpt_result read_nodes(struct can_arm *arm, const char *text, dpt_device_e
     for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
         if (!(nodes[i] >= 0.0 && nodes[i] < 64.0) || nodes[i] != floor(nodes[i]) ||
             used_nodes >> (uint32_t)nodes[i] & 1)
-            return device_error(error, DPT_E_SETTING,
-                                "nodes are numbers of 0 to 63, another one for each joint");
+            return device_error(error, DPT_E_SETTING, "nodes are numbers of 0 to 63, another one for each joint");
         arm->nodes[i] = (uint8_t)nodes[i];
         used_nodes |= (uint64_t)1 << arm->nodes[i];
     }
@@ -114,8 +110,7 @@ static dpt_result read_nodes(struct can_arm *arm, const char *text, dpt_device_e
  * One turn of the motor is 1 / gear turns of a rotary joint, and 1 / gear metres of a slider. Power is the same
  * on both sides: effort * d joint = torque * 2 pi * d turns.
  */
-static dpt_result read_gears(struct can_arm *arm, const struct can_settings *settings,
-                             dpt_device_error *error)
+static dpt_result read_gears(struct can_arm *arm, const struct can_settings *settings, dpt_device_error *error)
 {
     double gear[DPT_JOINTS_MAX];
     for (uint32_t i = 0; i < arm->joints; i++)
@@ -160,12 +155,10 @@ static dpt_result read_axes(struct can_arm *arm, const char *text, dpt_device_er
                                m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
                                m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
     if (!at || *at || determinant != 1.0)
-        return device_error(error, DPT_E_SETTING,
-                            "axes: '%.10s' is no right-handed choice of x, y and z, as -y+z-x is",
+        return device_error(error, DPT_E_SETTING, "axes: '%.10s' is no right-handed choice of x, y and z, as -y+z-x is",
                             text);
     const double square[4] = { 1.0 + m[0][0] + m[1][1] + m[2][2], 1.0 + m[0][0] - m[1][1] - m[2][2],
-                               1.0 - m[0][0] + m[1][1] - m[2][2],
-                               1.0 - m[0][0] - m[1][1] + m[2][2] };
+                               1.0 - m[0][0] + m[1][1] - m[2][2], 1.0 - m[0][0] - m[1][1] + m[2][2] };
     for (int i = 0; i < 4; i++)
         arm->root_to_device[i] = 0.5 * sqrt(square[i]);
     /* The signs of the components, relative to the first that is not 0: w, or else the first of x, y, z. */
@@ -206,9 +199,8 @@ static void device_position(const struct can_arm *arm, const dpt_pose *tool, dou
 
 static double coordinate_at(const dpt_arm_joint *joint, double weight_share)
 {
-    return joint->kind == DPT_JOINT_CONTINUOUS
-               ? 0.5 * TURN * (2.0 * weight_share - 1.0)
-               : joint->lower + weight_share * (joint->upper - joint->lower);
+    return joint->kind == DPT_JOINT_CONTINUOUS ? 0.5 * TURN * (2.0 * weight_share - 1.0)
+                                               : joint->lower + weight_share * (joint->upper - joint->lower);
 }
 
 /* The workspace: the box, in the device's frame, around the tool's positions on a coarse grid of all joints. */
@@ -252,8 +244,7 @@ static double max_along_axes(const struct can_arm *arm, int is_torque)
     return min_strength;
 }
 
-static dpt_result set_up(struct can_arm *arm, const struct can_settings *settings,
-                         dpt_device_error *error)
+static dpt_result set_up(struct can_arm *arm, const struct can_settings *settings, dpt_device_error *error)
 {
     dpt_arm_joint joint[DPT_JOINTS_MAX];
     dpt_arm_info info = { .size = sizeof info };
@@ -281,8 +272,7 @@ static dpt_result set_up(struct can_arm *arm, const struct can_settings *setting
         result = read_list("centre", settings->centre, 3, arm->centre, error);
     if (result != DPT_OK)
         return result;
-    const double down[3] = { 0.0, settings->weight != 0.0 && info.mass > 0.0 ? -GRAVITY : 0.0,
-                             0.0 };
+    const double down[3] = { 0.0, settings->weight != 0.0 && info.mass > 0.0 ? -GRAVITY : 0.0, 0.0 };
     can_arm_to_root(arm, down, arm->gravity);
     measure_workspace(arm, joint);
     arm->force_max = max_along_axes(arm, 0);
@@ -300,9 +290,7 @@ static dpt_result read_file(const char *path, void **bytes, size_t *size, dpt_de
     if (length > 0 && length <= FILE_BYTES_MAX && !fseek(file, 0, SEEK_SET)) {
         *bytes = malloc((size_t)length);
         *size = (size_t)length;
-        result = !*bytes                                           ? DPT_E_MEMORY
-                 : fread(*bytes, 1, *size, file) == (size_t)length ? DPT_OK
-                                                                   : DPT_E_OPEN;
+        result = !*bytes ? DPT_E_MEMORY : fread(*bytes, 1, *size, file) == (size_t)length ? DPT_OK : DPT_E_OPEN;
     }
     fclose(file);
     return result == DPT_OK ? DPT_OK
@@ -310,23 +298,20 @@ static dpt_result read_file(const char *path, void **bytes, size_t *size, dpt_de
                                            result == DPT_E_MEMORY ? "no memory" : "cannot be read");
 }
 
-dpt_result can_arm_open(struct can_arm *arm, const struct can_settings *settings,
-                        dpt_device_error *error)
+dpt_result can_arm_open(struct can_arm *arm, const struct can_settings *settings, dpt_device_error *error)
 {
     size_t size = 0;
     memset(arm, 0, sizeof *arm);
     if (!settings->arm[0])
         return device_error(error, DPT_E_SETTING,
-                            "which arm? Name its compiled file by ?arm=FILE.dpa (dynpoint compile "
-                            "makes it of a URDF)");
+                            "which arm? Name its compiled file by ?arm=FILE.dpa (dynpoint compile makes it of a URDF)");
     dpt_result result = read_file(settings->arm, &arm->bytes, &size, error);
     if (result == DPT_OK) {
         result = dpt_arm_open(arm->bytes, size, &arm->arm);
         if (result == DPT_E_BYTE_ORDER && dpt_arm_convert(arm->bytes, size, NULL) == DPT_OK)
             result = dpt_arm_open(arm->bytes, size, &arm->arm);
         if (result != DPT_OK)
-            device_error(error, result, "%.120s is no compiled arm: %.100s", settings->arm,
-                         dpt_result_text(result));
+            device_error(error, result, "%.120s is no compiled arm: %.100s", settings->arm, dpt_result_text(result));
     }
     if (result == DPT_OK)
         result = set_up(arm, settings, error);
@@ -341,8 +326,7 @@ void can_arm_close(struct can_arm *arm)
     arm->bytes = NULL;
 }
 
-void can_arm_joints(const struct can_arm *arm, const float *turns, const float *rates,
-                    double *joints, double *speeds)
+void can_arm_joints(const struct can_arm *arm, const float *turns, const float *rates, double *joints, double *speeds)
 {
     for (uint32_t i = 0; i < arm->joints; i++) {
         joints[i] = arm->zero[i] + (double)turns[i] * arm->joint_per_turn[i];
@@ -350,8 +334,7 @@ void can_arm_joints(const struct can_arm *arm, const float *turns, const float *
     }
 }
 
-dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const double *speeds,
-                        dpt_device_state *state)
+dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const double *speeds, dpt_device_state *state)
 {
     dpt_pose tool;
     double velocity[3], spin[3];
@@ -372,8 +355,8 @@ dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const d
     return DPT_OK;
 }
 
-dpt_result can_arm_torques(const struct can_arm *arm, const double *joints,
-                           const dpt_wrench *wrench, double weight_share, float *torques)
+dpt_result can_arm_torques(const struct can_arm *arm, const double *joints, const dpt_wrench *wrench,
+                           double weight_share, float *torques)
 {
     dpt_wrench root;
     double efforts[DPT_JOINTS_MAX], weight[DPT_JOINTS_MAX] = { 0.0 };
@@ -389,9 +372,8 @@ dpt_result can_arm_torques(const struct can_arm *arm, const double *joints,
         result = dpt_arm_weight(arm->arm, joints, arm->gravity, weight);
     for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
         weight[i] *= weight_share;
-        weight_scale = fabs(weight[i]) > arm->limit[i]
-                           ? min_of(weight_scale, arm->limit[i] / fabs(weight[i]))
-                           : weight_scale;
+        weight_scale =
+            fabs(weight[i]) > arm->limit[i] ? min_of(weight_scale, arm->limit[i] / fabs(weight[i])) : weight_scale;
     }
     if (result != DPT_OK)
         return result;

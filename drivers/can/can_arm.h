@@ -34,28 +34,26 @@ struct can_arm {
     uint32_t wrench_dofs;
     uint8_t nodes[DPT_JOINTS_MAX];
     uint8_t is_slider[DPT_JOINTS_MAX];
-    double joint_per_turn[DPT_JOINTS_MAX];    /* rad or m of the joint for a turn of its motor */
-    double torque_per_effort[DPT_JOINTS_MAX]; /* Nm of the motor for an Nm or N of its joint */
-    double zero[DPT_JOINTS_MAX];   /* the joint's coordinate where its motor is at 0 turns */
-    double limit[DPT_JOINTS_MAX];  /* largest effort of the joint, Nm or N */
-    double middle[DPT_JOINTS_MAX]; /* the joint's coordinate in the middle of its limits */
-    uint8_t root_axis[3];     /* axis of the root's frame that the device's x, y, z lies along */
-    double sign[3];           /* 1, or -1 if the two point in opposite directions */
-    double root_to_device[4]; /* the same rotation as a quaternion (w, x, y, z) */
-    double centre[3];         /* the device's origin in the root's frame, m */
-    double gravity[3];        /* in the root's frame, m/s^2; 0: no weight is held up */
-    double force_max;         /* smallest along the device's three axes, joints in the middle, N */
-    double torque_max;        /* likewise, Nm; 0 if wrench_dofs is not 6 */
+    double joint_per_turn[DPT_JOINTS_MAX];     /* rad or m of the joint for a turn of its motor */
+    double torque_per_effort[DPT_JOINTS_MAX];  /* Nm of the motor for an Nm or N of its joint */
+    double zero[DPT_JOINTS_MAX];               /* the joint's coordinate where its motor is at 0 turns */
+    double limit[DPT_JOINTS_MAX];              /* largest effort of the joint, Nm or N */
+    double middle[DPT_JOINTS_MAX];             /* the joint's coordinate in the middle of its limits */
+    uint8_t root_axis[3];                      /* axis of the root's frame that the device's x, y, z lies along */
+    double sign[3];                            /* 1, or -1 if the two point in opposite directions */
+    double root_to_device[4];                  /* the same rotation as a quaternion (w, x, y, z) */
+    double centre[3];                          /* the device's origin in the root's frame, m */
+    double gravity[3];                         /* in the root's frame, m/s^2; 0: no weight is held up */
+    double force_max;                          /* smallest along the device's three axes, joints in the middle, N */
+    double torque_max;                         /* likewise, Nm; 0 if wrench_dofs is not 6 */
     double workspace_min[3], workspace_max[3]; /* in the device's frame, m */
 };
 
 /* Read the settings in `where`; those that it does not name get their defaults. */
-dpt_result can_settings_read(const char *where, struct can_settings *settings,
-                             dpt_device_error *error);
+dpt_result can_settings_read(const char *where, struct can_settings *settings, dpt_device_error *error);
 
 /* Open the arm that the settings describe; reads its file. After a failure nothing is left to close. */
-dpt_result can_arm_open(struct can_arm *arm, const struct can_settings *settings,
-                        dpt_device_error *error);
+dpt_result can_arm_open(struct can_arm *arm, const struct can_settings *settings, dpt_device_error *error);
 void can_arm_close(struct can_arm *arm);
 
 /* Convert a vector from the device's frame to the root's. */
@@ -66,22 +64,20 @@ void can_arm_to_root(const struct can_arm *arm, const double *device, double *ro
  *   turns, rates     of the motors, turns and turns/s
  *   joints, speeds   of the joints, rad and rad/s, or m and m/s
  */
-void can_arm_joints(const struct can_arm *arm, const float *turns, const float *rates,
-                    double *joints, double *speeds);
+void can_arm_joints(const struct can_arm *arm, const float *turns, const float *rates, double *joints, double *speeds);
 
 /*
  * Fill in the tool's pose, velocity and spin in the device's frame, and the joints. Other fields of `state` stay.
  * DPT_E_FINITE: a number is not finite; `state` is as it was.
  */
-dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const double *speeds,
-                        dpt_device_state *state);
+dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const double *speeds, dpt_device_state *state);
 
 /*
  * Compute the torques of the motors, Nm, that hold up `weight_share` (0..1) of the arm's weight and give `wrench` (in
  * the device's frame) on the hand. The weight takes its part of each joint's limit first. The wrench is then scaled
  * down as a whole so that no joint exceeds its limit.
  */
-dpt_result can_arm_torques(const struct can_arm *arm, const double *joints,
-                           const dpt_wrench *wrench, double weight_share, float *torques);
+dpt_result can_arm_torques(const struct can_arm *arm, const double *joints, const dpt_wrench *wrench,
+                           double weight_share, float *torques);
 
 #endif

@@ -7,7 +7,7 @@
 
 enum {
     CAN_MESSAGE_REMOTE = 1, /* a remote frame: requests the frame of this id, has no data */
-    CAN_MESSAGE_OWN = 2 /* a frame that this socket sent; it comes back once it was on the bus */
+    CAN_MESSAGE_OWN = 2     /* a frame that this socket sent; it comes back once it was on the bus */
 };
 
 struct can_message {

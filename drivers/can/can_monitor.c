@@ -28,8 +28,7 @@ static uint64_t max_time(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-void can_monitor_init(struct can_monitor *monitor, const struct can_arm *arm,
-                      const struct can_settings *settings)
+void can_monitor_init(struct can_monitor *monitor, const struct can_arm *arm, const struct can_settings *settings)
 {
     memset(monitor, 0, sizeof *monitor);
     memset(monitor->index, 0xff, sizeof monitor->index);
@@ -40,8 +39,7 @@ void can_monitor_init(struct can_monitor *monitor, const struct can_arm *arm,
     for (uint32_t i = 0; i < monitor->count; i++) {
         monitor->nodes[i].node = arm->nodes[i];
         monitor->nodes[i].speed_allowance =
-            (arm->is_slider[i] ? SLIDER_ALLOWANCE : ROTARY_ALLOWANCE) /
-            fabs(arm->joint_per_turn[i]);
+            (arm->is_slider[i] ? SLIDER_ALLOWANCE : ROTARY_ALLOWANCE) / fabs(arm->joint_per_turn[i]);
         monitor->index[arm->nodes[i]] = (uint8_t)i;
     }
     can_monitor_forget(monitor);
@@ -66,8 +64,7 @@ void can_monitor_restart_counts(struct can_monitor *monitor)
         monitor->nodes[i].estimates = monitor->nodes[i].heartbeats = 0;
 }
 
-void can_monitor_set_status(struct can_monitor *monitor, uint32_t status, uint32_t reasons,
-                            uint32_t code)
+void can_monitor_set_status(struct can_monitor *monitor, uint32_t status, uint32_t reasons, uint32_t code)
 {
     if (!monitor->is_armed)
         return;
@@ -80,8 +77,8 @@ void can_monitor_set_status(struct can_monitor *monitor, uint32_t status, uint32
 
 int can_node_is_active(const struct can_node *node)
 {
-    return node->has_heartbeat && node->heartbeat.state == ODRIVE_STATE_CLOSED_LOOP &&
-           !node->heartbeat.errors && !node->heartbeat.failed;
+    return node->has_heartbeat && node->heartbeat.state == ODRIVE_STATE_CLOSED_LOOP && !node->heartbeat.errors &&
+           !node->heartbeat.failed;
 }
 
 /*
@@ -89,8 +86,8 @@ int can_node_is_active(const struct can_node *node)
  * period. A message that was held up may catch up. A rate a little too high leaks away, by 1 / leak of *ahead_ns each
  * time. Two nodes with one number gain half a period each time, and so reach the limit.
  */
-static void check_rate(struct can_monitor *monitor, const struct can_node *node, int64_t *ahead_ns,
-                       uint64_t elapsed_ns, uint64_t period, int max_quarters, int leak)
+static void check_rate(struct can_monitor *monitor, const struct can_node *node, int64_t *ahead_ns, uint64_t elapsed_ns,
+                       uint64_t period, int max_quarters, int leak)
 {
     const int64_t limit = max_quarters * (int64_t)period / 4;
     *ahead_ns += (int64_t)period - (int64_t)elapsed_ns - *ahead_ns / leak;
@@ -122,26 +119,25 @@ static uint32_t reasons_of(const struct can_node *node)
     return reasons;
 }
 
-static void take_heartbeat(struct can_monitor *monitor, struct can_node *node,
-                           const struct odrive_heartbeat *heartbeat, uint64_t time)
+static void take_heartbeat(struct can_monitor *monitor, struct can_node *node, const struct odrive_heartbeat *heartbeat,
+                           uint64_t time)
 {
     if (node->has_heartbeat)
-        check_rate(monitor, node, &node->heartbeats_ahead_ns, time - node->heartbeat_ns,
-                   monitor->heartbeat_period_ns, HEARTBEATS_AHEAD, HEARTBEATS_LEAK);
+        check_rate(monitor, node, &node->heartbeats_ahead_ns, time - node->heartbeat_ns, monitor->heartbeat_period_ns,
+                   HEARTBEATS_AHEAD, HEARTBEATS_LEAK);
     node->heartbeat = *heartbeat;
     node->has_heartbeat = 1;
     node->heartbeat_ns = time;
     node->heartbeats++;
-    node->errors[node->generation == ODRIVE_0_5 ? ODRIVE_AXIS_ERRORS : ODRIVE_ERRORS_0_6] =
-        heartbeat->errors;
+    node->errors[node->generation == ODRIVE_0_5 ? ODRIVE_AXIS_ERRORS : ODRIVE_ERRORS_0_6] = heartbeat->errors;
     if (heartbeat->failed)
         monitor->failed_nodes |= 1u << (node - monitor->nodes);
     if (!monitor->is_armed || can_node_is_active(node))
         return;
     const uint32_t reasons = reasons_of(node);
     if (reasons || heartbeat->failed)
-        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT,
-                               reasons ? reasons : DPT_REASON_DEVICE, heartbeat->errors);
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, reasons ? reasons : DPT_REASON_DEVICE,
+                               heartbeat->errors);
     else if (monitor->status == DPT_DEVICE_STATUS_READY) {
         monitor->counts.resets++;
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_DEVICE,
@@ -153,13 +149,11 @@ static void take_heartbeat(struct can_monitor *monitor, struct can_node *node,
  * Find a jump: a position that the motor cannot have reached since the last estimate, even if that was two periods
  * late.
  */
-static void check_jump(struct can_monitor *monitor, const struct can_node *node, float position,
-                       float velocity, int64_t elapsed_ns)
+static void check_jump(struct can_monitor *monitor, const struct can_node *node, float position, float velocity,
+                       int64_t elapsed_ns)
 {
-    const double seconds =
-        1e-9 * ((elapsed_ns > 0 ? (double)elapsed_ns : 0.0) + 2.0 * (double)monitor->period_ns);
-    const double speed =
-        node->speed_allowance + max_of(fabs((double)velocity), fabs((double)node->velocity));
+    const double seconds = 1e-9 * ((elapsed_ns > 0 ? (double)elapsed_ns : 0.0) + 2.0 * (double)monitor->period_ns);
+    const double speed = node->speed_allowance + max_of(fabs((double)velocity), fabs((double)node->velocity));
     if (fabs((double)position - (double)node->position) > speed * seconds)
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_UNCALIBRATED,
                                CAN_CODE(CAN_CODE_JUMPED, node->node));
@@ -169,8 +163,8 @@ static void check_jump(struct can_monitor *monitor, const struct can_node *node,
 static void complete_sample(struct can_monitor *monitor, uint64_t time)
 {
     for (uint32_t i = 0; i < monitor->count; i++)
-        if (!monitor->nodes[i].is_fresh || (int64_t)(time - monitor->nodes[i].estimate_ns) >
-                                               SPREAD_PERIODS * (int64_t)monitor->period_ns)
+        if (!monitor->nodes[i].is_fresh ||
+            (int64_t)(time - monitor->nodes[i].estimate_ns) > SPREAD_PERIODS * (int64_t)monitor->period_ns)
             return;
     for (uint32_t i = 0; i < monitor->count; i++) {
         monitor->position[i] = monitor->nodes[i].position;
@@ -206,8 +200,7 @@ static void remove_sent(struct can_node *node, uint32_t at)
  * in a row cannot be told apart: it counts as late if it is late even for the last of them, and a lost one is left over
  * when the row ends.
  */
-static void confirm_torque(struct can_monitor *monitor, struct can_node *node,
-                           const struct can_message *message)
+static void confirm_torque(struct can_monitor *monitor, struct can_node *node, const struct can_message *message)
 {
     const uint32_t bits = (uint32_t)message->data[0] | (uint32_t)message->data[1] << 8 |
                           (uint32_t)message->data[2] << 16 | (uint32_t)message->data[3] << 24;
@@ -222,13 +215,11 @@ static void confirm_torque(struct can_monitor *monitor, struct can_node *node,
     while (last + 1 < node->sent_count && node->sent[last + 1].bits == bits)
         last++;
     const int64_t late = (int64_t)(message->time_ns - node->sent[last].time_ns);
-    monitor->counts.missed +=
-        node->sent[at].is_overtaken || late > (int64_t)(2 * monitor->period_ns);
+    monitor->counts.missed += node->sent[at].is_overtaken || late > (int64_t)(2 * monitor->period_ns);
     remove_sent(node, at);
 }
 
-static void take_confirmation(struct can_monitor *monitor, struct can_node *node,
-                              const struct can_message *message)
+static void take_confirmation(struct can_monitor *monitor, struct can_node *node, const struct can_message *message)
 {
     monitor->unconfirmed_ns = 0;
     monitor->has_confirmed = 1;
@@ -236,8 +227,7 @@ static void take_confirmation(struct can_monitor *monitor, struct can_node *node
         confirm_torque(monitor, node, message);
 }
 
-static void report_foreign_order(struct can_monitor *monitor, const struct can_node *node,
-                                 unsigned command)
+static void report_foreign_order(struct can_monitor *monitor, const struct can_node *node, unsigned command)
 {
     monitor->foreign_orders++;
     can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT,
@@ -246,14 +236,12 @@ static void report_foreign_order(struct can_monitor *monitor, const struct can_n
 }
 
 /* Take a word of error bits, which was requested or comes cyclically, and so before the next heartbeat. */
-static void take_errors(struct can_monitor *monitor, struct can_node *node, unsigned word,
-                        uint64_t errors)
+static void take_errors(struct can_monitor *monitor, struct can_node *node, unsigned word, uint64_t errors)
 {
     node->errors[word] = errors;
     if (!errors)
         return;
-    can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, odrive_reasons(word, errors),
-                           (uint32_t)errors);
+    can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, odrive_reasons(word, errors), (uint32_t)errors);
     /* A heartbeat of 0.5 said only that there are errors. */
     monitor->code = monitor->code ? monitor->code : (uint32_t)errors;
 }
@@ -295,8 +283,7 @@ void can_monitor_take(struct can_monitor *monitor, const struct can_message *mes
         take_heartbeat(monitor, node, &decoded.as.heartbeat, message->time_ns);
         break;
     case ODRIVE_ERROR:
-        take_errors(monitor, node,
-                    node->generation == ODRIVE_0_5 ? ODRIVE_MOTOR_ERRORS : ODRIVE_ERRORS_0_6,
+        take_errors(monitor, node, node->generation == ODRIVE_0_5 ? ODRIVE_MOTOR_ERRORS : ODRIVE_ERRORS_0_6,
                     decoded.as.error.active);
         break;
     case ODRIVE_ENCODER_ERROR:
@@ -316,8 +303,8 @@ void can_monitor_take(struct can_monitor *monitor, const struct can_message *mes
     case ODRIVE_ESTIMATES:
         if (node->has_estimate) {
             const uint64_t elapsed_ns = message->time_ns - node->estimate_ns;
-            check_rate(monitor, node, &node->estimates_ahead_ns, elapsed_ns, monitor->period_ns,
-                       SAMPLES_AHEAD, SAMPLES_LEAK);
+            check_rate(monitor, node, &node->estimates_ahead_ns, elapsed_ns, monitor->period_ns, SAMPLES_AHEAD,
+                       SAMPLES_LEAK);
             check_jump(monitor, node, decoded.as.estimates.position, decoded.as.estimates.velocity,
                        (int64_t)elapsed_ns);
         }
@@ -371,20 +358,16 @@ void can_monitor_check(struct can_monitor *monitor, uint64_t now, int is_drained
             can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_SILENT,
                                    CAN_CODE(CAN_CODE_NO_HEARTBEAT, node->node));
     }
-    if (monitor->unconfirmed_ns &&
-        (int64_t)(now - monitor->unconfirmed_ns) > (int64_t)monitor->silent_ns)
+    if (monitor->unconfirmed_ns && (int64_t)(now - monitor->unconfirmed_ns) > (int64_t)monitor->silent_ns)
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK,
                                CAN_CODE(CAN_CODE_STUCK, CAN_CODE_BUS));
 }
 
 void can_node_describe(const struct can_node *node, char *text, size_t size)
 {
-    static const char *const part[ODRIVE_ERROR_WORDS] = { "", "", "motor ", "encoder ",
-                                                          "controller " };
-    size_t used = (size_t)snprintf(text, size, "node %u: %s", node->node,
-                                   odrive_state_name(node->heartbeat.state));
+    static const char *const part[ODRIVE_ERROR_WORDS] = { "", "", "motor ", "encoder ", "controller " };
+    size_t used = (size_t)snprintf(text, size, "node %u: %s", node->node, odrive_state_name(node->heartbeat.state));
     for (unsigned word = 0; word < ODRIVE_ERROR_WORDS; word++)
         for (uint64_t left = node->errors[word]; left && used < size; left &= left - 1)
-            used += (size_t)snprintf(text + used, size - used, ", %s%s", part[word],
-                                     odrive_error_name(word, left));
+            used += (size_t)snprintf(text + used, size - used, ", %s%s", part[word], odrive_error_name(word, left));
 }

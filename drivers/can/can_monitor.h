@@ -56,13 +56,13 @@ struct can_node {
     uint64_t serial; /* 0: not reported */
     uint64_t heartbeat_ns, estimate_ns;
     float position, velocity; /* of the motor: turns, turns/s */
-    double speed_allowance; /* turns/s by which its motor may move faster than its velocity says */
+    double speed_allowance;   /* turns/s by which its motor may move faster than its velocity says */
     /* By how much its estimates and heartbeats are ahead of their periods, see check_rate. */
     int64_t estimates_ahead_ns;
     int64_t heartbeats_ahead_ns;
     uint64_t window_ns; /* when `frames` was last 0 */
     uint32_t frames;
-    uint64_t first_ns; /* when the first estimate since can_monitor_restart_counts came */
+    uint64_t first_ns;              /* when the first estimate since can_monitor_restart_counts came */
     uint32_t estimates, heartbeats; /* number of them since then */
     uint32_t sent_count;
     struct can_sent sent[CAN_SENT_MAX]; /* the oldest first */
@@ -75,8 +75,8 @@ struct can_monitor {
     uint64_t period_ns, heartbeat_period_ns, silent_ns;
     uint8_t is_armed; /* 1: all nodes are in closed loop, and whatever ends that is a fault */
     uint8_t has_confirmed;
-    uint32_t failed_nodes;   /* bit k: parts of node k have errors that are to be requested */
-    uint32_t foreign_orders; /* control messages that someone else sent to our nodes */
+    uint32_t failed_nodes;          /* bit k: parts of node k have errors that are to be requested */
+    uint32_t foreign_orders;        /* control messages that someone else sent to our nodes */
     uint32_t status, reasons, code; /* of the device */
     uint64_t unconfirmed_ns;        /* since when nothing that we send comes back; 0: it does */
     uint32_t dropped;
@@ -89,8 +89,7 @@ struct can_monitor {
 };
 
 /* Start to monitor the nodes of `arm`, with nothing known. */
-void can_monitor_init(struct can_monitor *monitor, const struct can_arm *arm,
-                      const struct can_settings *settings);
+void can_monitor_init(struct can_monitor *monitor, const struct can_arm *arm, const struct can_settings *settings);
 
 /* Forget all messages, but not the counts and the nodes' generations: the line was opened again. */
 void can_monitor_forget(struct can_monitor *monitor);
@@ -117,8 +116,7 @@ void can_monitor_check(struct can_monitor *monitor, uint64_t now, int is_drained
  * Lower the device's status to this one, unless it is lower already, and add the reasons. Does nothing while not
  * armed.
  */
-void can_monitor_set_status(struct can_monitor *monitor, uint32_t status, uint32_t reasons,
-                            uint32_t code);
+void can_monitor_set_status(struct can_monitor *monitor, uint32_t status, uint32_t reasons, uint32_t code);
 
 /* 1 if the node's last heartbeat says closed loop and no error. */
 int can_node_is_active(const struct can_node *node);

@@ -29,12 +29,9 @@ void can_session_put_all(struct can_session *session, struct odrive_message mess
         can_session_put(session, i, message);
 }
 
-const struct odrive_message can_no_torque = { .command = ODRIVE_SET_TORQUE },
-                            can_estop = { .command = ODRIVE_ESTOP },
-                            can_idle = { .command = ODRIVE_SET_STATE,
-                                         .as.state = ODRIVE_STATE_IDLE },
-                            can_request_estimates = { .command = ODRIVE_ESTIMATES,
-                                                      .is_request = 1 };
+const struct odrive_message can_no_torque = { .command = ODRIVE_SET_TORQUE }, can_estop = { .command = ODRIVE_ESTOP },
+                            can_idle = { .command = ODRIVE_SET_STATE, .as.state = ODRIVE_STATE_IDLE },
+                            can_request_estimates = { .command = ODRIVE_ESTIMATES, .is_request = 1 };
 
 int can_session_send(struct can_session *session)
 {
@@ -49,8 +46,7 @@ int can_session_send(struct can_session *session)
         struct odrive_message message;
         if (odrive_decode(&session->out[i], ODRIVE_ANY, &message) == ODRIVE_MESSAGE &&
             message.command == ODRIVE_SET_TORQUE)
-            can_monitor_note_sent(&session->monitor, session->monitor.index[message.node],
-                                  message.as.torque, now);
+            can_monitor_note_sent(&session->monitor, session->monitor.index[message.node], message.as.torque, now);
     }
     return sent == count;
 }
@@ -64,11 +60,9 @@ void can_session_check_line(struct can_session *session)
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_UNPLUGGED,
                                CAN_CODE(CAN_CODE_GONE, CAN_CODE_BUS));
     if (socketcan->is_down)
-        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK,
-                               CAN_CODE(CAN_CODE_DOWN, CAN_CODE_BUS));
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DOWN, CAN_CODE_BUS));
     if (socketcan->is_bus_off)
-        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK,
-                               CAN_CODE(CAN_CODE_OFF, CAN_CODE_BUS));
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_LOST, DPT_REASON_LINK, CAN_CODE(CAN_CODE_OFF, CAN_CODE_BUS));
     if (socketcan->is_error_passive)
         can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
                                CAN_CODE(CAN_CODE_PASSIVE, CAN_CODE_BUS));
@@ -92,8 +86,7 @@ int can_session_receive(struct can_session *session)
 
 int can_session_is_dead(const struct can_session *session)
 {
-    return session->socketcan.is_gone || session->socketcan.is_down ||
-           session->socketcan.is_bus_off;
+    return session->socketcan.is_gone || session->socketcan.is_down || session->socketcan.is_bus_off;
 }
 
 void can_session_wait(struct can_session *session, uint64_t deadline)
@@ -106,15 +99,12 @@ void can_session_wait(struct can_session *session, uint64_t deadline)
 
 static const char *line_trouble(const struct can_session *session)
 {
-    return session->socketcan.is_gone   ? "it went away"
-           : session->socketcan.is_down ? "it was shut down"
-           : session->socketcan.is_bus_off
-               ? "the bus is off: too many errors, look at wires, ends (120 Ohm) "
-                 "and bit rate"
-           : session->socketcan.is_error_passive
-               ? "the bus has many errors: look at wires, ends (120 Ohm) and "
-                 "bit rate"
-               : NULL;
+    return session->socketcan.is_gone            ? "it went away"
+           : session->socketcan.is_down          ? "it was shut down"
+           : session->socketcan.is_bus_off       ? "the bus is off: too many errors, look at wires, ends (120 Ohm) "
+                                                   "and bit rate"
+           : session->socketcan.is_error_passive ? "the bus has many errors: look at wires, ends (120 Ohm) and bit rate"
+                                                 : NULL;
 }
 
 /*
@@ -176,9 +166,7 @@ static dpt_result identify_nodes(struct can_session *session, dpt_device_error *
 {
     const uint64_t start = clock_now();
     const uint64_t deadline = start + (uint64_t)(1e9 * session->settings.answer);
-    uint64_t heard_ns[DPT_JOINTS_MAX] = {
-        0
-    }; /* when the first heartbeat came: from then on it can answer */
+    uint64_t heard_ns[DPT_JOINTS_MAX] = { 0 }; /* when the first heartbeat came: from then on it can answer */
     uint64_t next = start, now = start;
     uint32_t identified = 0;
     while (identified < session->monitor.count && !can_session_is_dead(session)) {
@@ -206,46 +194,38 @@ static dpt_result identify_nodes(struct can_session *session, dpt_device_error *
 }
 
 /* Check that each node has the expected firmware, sends at the expected rates, and has a number of its own. */
-static dpt_result check_nodes(const struct can_session *session, uint32_t requests,
-                              dpt_device_error *error)
+static dpt_result check_nodes(const struct can_session *session, uint32_t requests, dpt_device_error *error)
 {
     const double rate = session->settings.rate;
     for (uint32_t i = 0; i < session->monitor.count; i++) {
         const struct can_node *node = &session->monitor.nodes[i];
         if (node->proven_generation != ODRIVE_ANY && node->proven_generation != node->generation)
-            return device_error(error, DPT_E_PROTOCOL,
-                                "node %u has firmware 0.%u: leave ?firmware= away", node->node,
+            return device_error(error, DPT_E_PROTOCOL, "node %u has firmware 0.%u: leave ?firmware= away", node->node,
                                 node->proven_generation);
         const double seconds = 1e-9 * (double)(node->estimate_ns - node->first_ns);
-        const double estimate_rate =
-            node->estimates > 1 && seconds > 0.0 ? (node->estimates - 1) / seconds : 0.0;
+        const double estimate_rate = node->estimates > 1 && seconds > 0.0 ? (node->estimates - 1) / seconds : 0.0;
         const double heartbeats = (double)node->heartbeats;
-        const double heartbeats_expected = 1.0 + 1e-9 *
-                                                     (double)(clock_now() - session->requested_ns) /
-                                                     session->settings.heartbeat;
+        const double heartbeats_expected =
+            1.0 + 1e-9 * (double)(clock_now() - session->requested_ns) / session->settings.heartbeat;
         if (node->is_duplicate || heartbeats > 1.4 * heartbeats_expected)
             return device_error(error, DPT_E_DEVICE,
                                 "there are two controllers with the number %u: give each its own "
-                                "axis.config.can.node_id (or their heartbeat is not every %g s: "
-                                "?heartbeat=)",
+                                "axis.config.can.node_id (or their heartbeat is not every %g s: ?heartbeat=)",
                                 node->node, session->settings.heartbeat);
         if (heartbeats < 0.45 * heartbeats_expected)
             return device_error(error, DPT_E_DEVICE,
                                 "node %u has a heartbeat less often than every %g s: set axis."
                                 "config.can.heartbeat_rate_ms (0.5) or heartbeat_msg_rate_ms (0.6) "
                                 "to %.3g, or ?heartbeat=",
-                                node->node, session->settings.heartbeat,
-                                1000.0 * session->settings.heartbeat);
+                                node->node, session->settings.heartbeat, 1000.0 * session->settings.heartbeat);
         if (session->settings.request != 0.0 && (double)node->estimates > 1.15 * requests + 2.0)
             return device_error(error, DPT_E_DEVICE,
                                 "node %u says where it is %u times, asked %u times: two "
-                                "controllers have that number, or it does so by itself and "
-                                "?request=1 is needless",
+                                "controllers have that number, or it does so by itself and ?request=1 is needless",
                                 node->node, (unsigned)node->estimates, (unsigned)requests);
         if (session->settings.request != 0.0 && 5 * node->estimates < 4 * requests)
             return device_error(error, DPT_E_DEVICE,
-                                "node %u answers %u of %u requests: the bus or the adapter is too "
-                                "slow for ?rate=%g",
+                                "node %u answers %u of %u requests: the bus or the adapter is too slow for ?rate=%g",
                                 node->node, (unsigned)node->estimates, (unsigned)requests, rate);
         if (session->settings.request == 0.0 && estimate_rate < 0.8 * rate)
             return device_error(error, DPT_E_DEVICE,
@@ -262,8 +242,7 @@ static dpt_result check_nodes(const struct can_session *session, uint32_t reques
     return session->monitor.foreign_orders == 0
                ? DPT_OK
                : device_error(error, DPT_E_DEVICE,
-                              "someone else on %.20s gives our controllers orders: end that "
-                              "program first",
+                              "someone else on %.20s gives our controllers orders: end that program first",
                               session->settings.interface);
 }
 
@@ -274,8 +253,8 @@ static double max_seconds(double a, double b)
 
 static dpt_result measure_rates(struct can_session *session, dpt_device_error *error)
 {
-    const double seconds = max_seconds(
-        0.3, max_seconds(3.2 * session->settings.heartbeat, 30.0 / session->settings.rate));
+    const double seconds =
+        max_seconds(0.3, max_seconds(3.2 * session->settings.heartbeat, 30.0 / session->settings.rate));
     const struct odrive_message address = { .command = ODRIVE_ADDRESS, .is_request = 1 };
     uint32_t requests = 0;
     can_session_receive(session);
@@ -295,8 +274,7 @@ static dpt_result measure_rates(struct can_session *session, dpt_device_error *e
         }
         can_session_wait(session, now + session->monitor.period_ns);
     }
-    return can_session_is_dead(session) ? explain_silence(session, error)
-                                        : check_nodes(session, requests, error);
+    return can_session_is_dead(session) ? explain_silence(session, error) : check_nodes(session, requests, error);
 }
 
 static dpt_result explain_not_active(const struct can_session *session, dpt_device_error *error)
@@ -309,19 +287,15 @@ static dpt_result explain_not_active(const struct can_session *session, dpt_devi
         if (!can_node_is_active(&session->monitor.nodes[i]))
             can_node_describe(&session->monitor.nodes[i], text, sizeof text);
     return device_error(error, DPT_E_NOT_READY,
-                        "%s, where closed loop is needed: calibrate it, and end the cause of "
-                        "errors",
-                        text);
+                        "%s, where closed loop is needed: calibrate it, and end the cause of errors", text);
 }
 
 dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *error)
 {
     const struct odrive_message clear = { .command = ODRIVE_CLEAR_ERRORS },
                                 mode = { .command = ODRIVE_SET_MODE,
-                                         .as.mode = { ODRIVE_CONTROL_TORQUE,
-                                                      ODRIVE_INPUT_PASSTHROUGH } },
-                                loop = { .command = ODRIVE_SET_STATE,
-                                         .as.state = ODRIVE_STATE_CLOSED_LOOP };
+                                         .as.mode = { ODRIVE_CONTROL_TORQUE, ODRIVE_INPUT_PASSTHROUGH } },
+                                loop = { .command = ODRIVE_SET_STATE, .as.state = ODRIVE_STATE_CLOSED_LOOP };
     struct can_monitor *monitor = &session->monitor;
     const uint64_t start = clock_now(), deadline = start + SWITCH_WITHIN;
     uint64_t next[DPT_JOINTS_MAX], now = start;
@@ -332,8 +306,7 @@ dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *
         monitor->nodes[i].has_heartbeat = monitor->nodes[i].is_fresh = 0;
         memset(monitor->nodes[i].errors, 0, sizeof monitor->nodes[i].errors);
     }
-    while (active < monitor->count && (now = clock_now()) < deadline &&
-           !can_session_is_dead(session)) {
+    while (active < monitor->count && (now = clock_now()) < deadline && !can_session_is_dead(session)) {
         active = 0;
         for (uint32_t i = 0; i < monitor->count; i++) {
             struct can_node *node = &monitor->nodes[i];
@@ -356,8 +329,7 @@ dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *
         }
         can_session_wait(session, now + FEED_EVERY);
     }
-    if (active < monitor->count || can_session_is_dead(session) ||
-        session->socketcan.is_error_passive) {
+    if (active < monitor->count || can_session_is_dead(session) || session->socketcan.is_error_passive) {
         can_session_put_all(session, can_idle);
         can_session_send(session);
         return explain_not_active(session, error);
@@ -392,8 +364,7 @@ dpt_result can_session_connect(struct can_session *session, dpt_device_error *er
     uint64_t nodes = 0;
     for (uint32_t i = 0; i < session->arm.joints; i++)
         nodes |= (uint64_t)1 << session->arm.nodes[i];
-    dpt_result result =
-        socketcan_open(&session->socketcan, session->settings.interface, nodes, error);
+    dpt_result result = socketcan_open(&session->socketcan, session->settings.interface, nodes, error);
     if (result != DPT_OK)
         return result;
     const dpt_device_counts counts = session->monitor.counts;

@@ -14,10 +14,10 @@ struct can_session {
     struct can_arm arm;
     struct socketcan socketcan;
     struct can_monitor monitor;
-    uint64_t requested_ns; /* when estimates were requested last */
-    uint32_t dropped;      /* frames dropped by kernel or adapter, at the last check */
-    uint8_t was_connected; /* 1: motors may still give the torque of an earlier connection */
-    int out_count;         /* messages in `out` */
+    uint64_t requested_ns;                   /* when estimates were requested last */
+    uint32_t dropped;                        /* frames dropped by kernel or adapter, at the last check */
+    uint8_t was_connected;                   /* 1: motors may still give the torque of an earlier connection */
+    int out_count;                           /* messages in `out` */
     struct can_message out[SOCKETCAN_BATCH]; /* queued, not sent yet */
     struct can_message in[SOCKETCAN_BATCH];  /* of the last receive */
 };

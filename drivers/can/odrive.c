@@ -29,8 +29,7 @@ static const struct {
 static int has_command(unsigned command, unsigned generation)
 {
     const unsigned flags = commands[command].flags;
-    return flags && !(flags & ONLY_0_5 && generation != ODRIVE_0_5) &&
-           !(flags & ONLY_0_6 && generation == ODRIVE_0_5);
+    return flags && !(flags & ONLY_0_5 && generation != ODRIVE_0_5) && !(flags & ONLY_0_6 && generation == ODRIVE_0_5);
 }
 
 static void put(uint8_t *at, unsigned bytes, uint64_t value)
@@ -63,16 +62,15 @@ static int get_float(const uint8_t *at, float *value)
     return (bits >> 23 & 0xff) != 0xff;
 }
 
-static void put_heartbeat(uint8_t *data, const struct odrive_heartbeat *heartbeat,
-                          unsigned generation)
+static void put_heartbeat(uint8_t *data, const struct odrive_heartbeat *heartbeat, unsigned generation)
 {
     put(data, 4, heartbeat->errors);
     data[4] = heartbeat->state;
     if (generation == ODRIVE_0_5) {
         data[5] = (heartbeat->failed & ODRIVE_FAILED_MOTOR) != 0;
         data[6] = (heartbeat->failed & ODRIVE_FAILED_ENCODER) != 0;
-        data[7] = (uint8_t)((heartbeat->failed & ODRIVE_FAILED_CONTROLLER) != 0) |
-                  (uint8_t)((heartbeat->is_done & 1) << 7);
+        data[7] =
+            (uint8_t)((heartbeat->failed & ODRIVE_FAILED_CONTROLLER) != 0) | (uint8_t)((heartbeat->is_done & 1) << 7);
     } else {
         data[5] = heartbeat->result;
         data[6] = heartbeat->is_done & 1;
@@ -80,15 +78,14 @@ static void put_heartbeat(uint8_t *data, const struct odrive_heartbeat *heartbea
     }
 }
 
-static void get_heartbeat(const uint8_t *data, unsigned generation,
-                          struct odrive_heartbeat *heartbeat)
+static void get_heartbeat(const uint8_t *data, unsigned generation, struct odrive_heartbeat *heartbeat)
 {
     heartbeat->errors = (uint32_t)get(data, 4);
     heartbeat->state = data[4];
     if (generation == ODRIVE_0_5) {
-        heartbeat->failed = (uint8_t)((data[5] & 1 ? ODRIVE_FAILED_MOTOR : 0) |
-                                      (data[6] & 1 ? ODRIVE_FAILED_ENCODER : 0) |
-                                      (data[7] & 1 ? ODRIVE_FAILED_CONTROLLER : 0));
+        heartbeat->failed =
+            (uint8_t)((data[5] & 1 ? ODRIVE_FAILED_MOTOR : 0) | (data[6] & 1 ? ODRIVE_FAILED_ENCODER : 0) |
+                      (data[7] & 1 ? ODRIVE_FAILED_CONTROLLER : 0));
         heartbeat->is_done = data[7] >> 7;
     } else {
         heartbeat->result = data[5];
@@ -97,12 +94,10 @@ static void get_heartbeat(const uint8_t *data, unsigned generation,
     }
 }
 
-int odrive_encode(const struct odrive_message *message, unsigned generation,
-                  struct can_message *frame)
+int odrive_encode(const struct odrive_message *message, unsigned generation, struct can_message *frame)
 {
     memset(frame, 0, sizeof *frame);
-    if (message->node >= ODRIVE_NODES || message->command >= 32 ||
-        !has_command(message->command, generation))
+    if (message->node >= ODRIVE_NODES || message->command >= 32 || !has_command(message->command, generation))
         return 0;
     frame->id = (uint16_t)(message->node << 5 | message->command);
     if (message->is_request) {
@@ -140,8 +135,7 @@ int odrive_encode(const struct odrive_message *message, unsigned generation,
         put(data, 4, message->as.state);
         break;
     case ODRIVE_ESTIMATES:
-        return put_float(data, message->as.estimates.position) &
-               put_float(data + 4, message->as.estimates.velocity);
+        return put_float(data, message->as.estimates.position) & put_float(data + 4, message->as.estimates.velocity);
     case ODRIVE_SET_MODE:
         put(data, 4, message->as.mode.control);
         put(data + 4, 4, message->as.mode.input);
@@ -154,8 +148,7 @@ int odrive_encode(const struct odrive_message *message, unsigned generation,
     return 1;
 }
 
-int odrive_decode(const struct can_message *frame, unsigned generation,
-                  struct odrive_message *message)
+int odrive_decode(const struct can_message *frame, unsigned generation, struct odrive_message *message)
 {
     const uint8_t *data = frame->data;
     memset(message, 0, sizeof *message);
@@ -195,8 +188,8 @@ int odrive_decode(const struct can_message *frame, unsigned generation,
         message->as.state = (uint32_t)get(data, 4);
         break;
     case ODRIVE_ESTIMATES:
-        is_finite = get_float(data, &message->as.estimates.position) &
-                    get_float(data + 4, &message->as.estimates.velocity);
+        is_finite =
+            get_float(data, &message->as.estimates.position) & get_float(data + 4, &message->as.estimates.velocity);
         break;
     case ODRIVE_SET_MODE:
         message->as.mode.control = (uint32_t)get(data, 4);
@@ -221,9 +214,8 @@ unsigned odrive_heartbeat_generation(const struct can_message *frame)
 int odrive_is_control(unsigned command)
 {
     /* Besides our own: inputs, limits, trajectories, reboot, the encoder's position, gains, new firmware. */
-    return (command >= 0x0c && command <= 0x13) || command == 0x16 ||
-           (command >= 0x19 && command <= 0x1b) || command == 0x1f ||
-           (command < 32 && commands[command].flags & TO_CONTROLLER);
+    return (command >= 0x0c && command <= 0x13) || command == 0x16 || (command >= 0x19 && command <= 0x1b) ||
+           command == 0x1f || (command < 32 && commands[command].flags & TO_CONTROLLER);
 }
 
 struct odrive_error {
@@ -292,9 +284,8 @@ static const struct odrive_error controller_errors[] = {
 };
 /* clang-format on */
 
-static const struct odrive_error *const words[ODRIVE_ERROR_WORDS] = { errors_0_6, axis_errors,
-                                                                      motor_errors, encoder_errors,
-                                                                      controller_errors };
+static const struct odrive_error *const words[ODRIVE_ERROR_WORDS] = { errors_0_6, axis_errors, motor_errors,
+                                                                      encoder_errors, controller_errors };
 
 const char *odrive_error_name(unsigned word, uint64_t errors)
 {

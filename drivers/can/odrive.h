@@ -85,8 +85,7 @@ struct odrive_message {
  * message that must not be sent: unknown command or node, or a number that is not finite. A torque is sent with 4 bytes
  * of data: more bytes would carry nothing and cost a fifth of a bus.
  */
-int odrive_encode(const struct odrive_message *message, unsigned generation,
-                  struct can_message *frame);
+int odrive_encode(const struct odrive_message *message, unsigned generation, struct can_message *frame);
 
 enum { ODRIVE_OTHER = 0, ODRIVE_MESSAGE = 1, ODRIVE_DAMAGED = 2 };
 
@@ -95,8 +94,7 @@ enum { ODRIVE_OTHER = 0, ODRIVE_MESSAGE = 1, ODRIVE_DAMAGED = 2 };
  * generation; ODRIVE_DAMAGED for a frame that is too short or has a number that is not finite. The generation
  * ODRIVE_ANY decodes what both have in common, and heartbeats as those of 0.6.
  */
-int odrive_decode(const struct can_message *frame, unsigned generation,
-                  struct odrive_message *message);
+int odrive_decode(const struct can_message *frame, unsigned generation, struct odrive_message *message);
 
 /* The generation that a heartbeat's bytes prove; ODRIVE_ANY if both could have sent them. */
 unsigned odrive_heartbeat_generation(const struct can_message *frame);

@@ -43,14 +43,12 @@ static dpt_result explain_error(const char *name, int reason, dpt_device_error *
                             "shows those that there are",
                             name);
     case ENETDOWN:
-        return device_error(
-            error, DPT_E_DEVICE,
-            "%.20s is down: sudo ip link set %.20s up type can bitrate 1000000 (vcan: up alone)",
-            name, name);
+        return device_error(error, DPT_E_DEVICE,
+                            "%.20s is down: sudo ip link set %.20s up type can bitrate 1000000 (vcan: up alone)", name,
+                            name);
     case EPERM:
     case EACCES:
-        return device_error(error, DPT_E_PERMISSION, "no permission for %.20s: %.60s", name,
-                            strerror(reason));
+        return device_error(error, DPT_E_PERMISSION, "no permission for %.20s: %.60s", name, strerror(reason));
     default:
         return device_error(error, DPT_E_SYSTEM, "%.20s: %.80s", name, strerror(reason));
     }
@@ -69,16 +67,14 @@ static int set_options(int fd, uint64_t nodes)
     const int on = 1, bytes = RECEIVE_BUFFER_BYTES;
     /* The larger buffer is optional; the other options are required. */
     setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
-    return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters,
-                      count * (socklen_t)sizeof *filters) ||
+    return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters, count * (socklen_t)sizeof *filters) ||
            setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) ||
            setsockopt(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &on, sizeof on) ||
            setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) ||
            setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
 }
 
-static dpt_result attach(struct socketcan *socketcan, int fd, const char *name, uint64_t nodes,
-                         dpt_device_error *error)
+static dpt_result attach(struct socketcan *socketcan, int fd, const char *name, uint64_t nodes, dpt_device_error *error)
 {
     struct ifreq request;
     struct sockaddr_can address;
@@ -162,12 +158,11 @@ static void take_link_state(struct socketcan *socketcan, const struct nlmsghdr *
     const size_t before = NLMSG_LENGTH(sizeof(struct ifinfomsg));
     if (size < before || head->nlmsg_type != RTM_NEWLINK)
         return;
-    const struct rtattr *info = find_attribute(
-        (const void *)((const char *)head + NLMSG_ALIGN(before)), size - before, IFLA_LINKINFO);
+    const struct rtattr *info =
+        find_attribute((const void *)((const char *)head + NLMSG_ALIGN(before)), size - before, IFLA_LINKINFO);
     const struct rtattr *kind = within_attribute(info, IFLA_INFO_KIND);
     /* The kind may be sent with or without its final zero. */
-    if (!kind || RTA_PAYLOAD(kind) < 3 || RTA_PAYLOAD(kind) > 4 ||
-        memcmp(RTA_DATA(kind), "can", RTA_PAYLOAD(kind)))
+    if (!kind || RTA_PAYLOAD(kind) < 3 || RTA_PAYLOAD(kind) > 4 || memcmp(RTA_DATA(kind), "can", RTA_PAYLOAD(kind)))
         return;
     const struct rtattr *data = within_attribute(info, IFLA_INFO_DATA);
     const struct rtattr *state = within_attribute(data, IFLA_CAN_STATE);
@@ -204,8 +199,7 @@ void socketcan_query(struct socketcan *socketcan)
     request.head.nlmsg_flags = NLM_F_REQUEST;
     request.link.ifi_index = socketcan->index;
     struct pollfd waiting = { fd, POLLIN, 0 };
-    if (send(fd, &request, sizeof request, MSG_DONTWAIT) == (ssize_t)sizeof request &&
-        poll(&waiting, 1, 100) > 0) {
+    if (send(fd, &request, sizeof request, MSG_DONTWAIT) == (ssize_t)sizeof request && poll(&waiting, 1, 100) > 0) {
         const ssize_t size = recv(fd, &answer, sizeof answer, MSG_DONTWAIT);
         if (size >= (ssize_t)sizeof answer.head)
             take_link_state(socketcan, &answer.head, (size_t)size);
@@ -213,14 +207,12 @@ void socketcan_query(struct socketcan *socketcan)
     close(fd);
 }
 
-dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes,
-                          dpt_device_error *error)
+dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes, dpt_device_error *error)
 {
     memset(socketcan, 0, sizeof *socketcan);
     socketcan->fd = -1;
     if (!name[0] || strlen(name) >= IFNAMSIZ)
-        return device_error(error, DPT_E_SETTING, "'%.20s' is no name of an interface, as can0 is",
-                            name);
+        return device_error(error, DPT_E_SETTING, "'%.20s' is no name of an interface, as can0 is", name);
     const int fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
     if (fd < 0)
         return explain_error(name, errno, error);
@@ -239,8 +231,7 @@ dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_
 #define CONTROL_WORDS ((CONTROL_BYTES + 7) / 8)
 
 /* Returns when a frame came, on the monotonic clock, and updates the count of dropped frames. */
-static uint64_t read_control(struct socketcan *socketcan, struct msghdr *header, uint64_t now,
-                             uint64_t wall)
+static uint64_t read_control(struct socketcan *socketcan, struct msghdr *header, uint64_t now, uint64_t wall)
 {
     uint64_t time = now;
     for (struct cmsghdr *at = CMSG_FIRSTHDR(header); at; at = CMSG_NXTHDR(header, at)) {
@@ -254,8 +245,7 @@ static uint64_t read_control(struct socketcan *socketcan, struct msghdr *header,
         } else if (at->cmsg_type == SO_TIMESTAMPNS) {
             struct timespec timestamp;
             memcpy(&timestamp, CMSG_DATA(at), sizeof timestamp);
-            const uint64_t stamped =
-                (uint64_t)timestamp.tv_sec * 1000000000u + (uint64_t)timestamp.tv_nsec;
+            const uint64_t stamped = (uint64_t)timestamp.tv_sec * 1000000000u + (uint64_t)timestamp.tv_nsec;
             /* The time of day may have been set meanwhile: ignore an impossible age. */
             if (stamped < wall && wall - stamped < 1000000000u)
                 time = now - (wall - stamped);
@@ -303,9 +293,8 @@ int socketcan_receive(struct socketcan *socketcan, struct can_message *messages)
         message->time_ns = time;
         message->id = (uint16_t)(frame->can_id & CAN_SFF_MASK);
         message->size = frame->can_dlc;
-        message->flags =
-            (uint8_t)((frame->can_id & CAN_RTR_FLAG ? CAN_MESSAGE_REMOTE : 0) |
-                      (headers[i].msg_hdr.msg_flags & MSG_CONFIRM ? CAN_MESSAGE_OWN : 0));
+        message->flags = (uint8_t)((frame->can_id & CAN_RTR_FLAG ? CAN_MESSAGE_REMOTE : 0) |
+                                   (headers[i].msg_hdr.msg_flags & MSG_CONFIRM ? CAN_MESSAGE_OWN : 0));
         memcpy(message->data, frame->data, 8);
     }
     return received;
@@ -321,8 +310,7 @@ int socketcan_send(struct socketcan *socketcan, const struct can_message *messag
     memset(headers, 0, sizeof headers);
     memset(frames, 0, sizeof frames);
     for (int i = 0; i < count; i++) {
-        frames[i].can_id =
-            messages[i].id | (messages[i].flags & CAN_MESSAGE_REMOTE ? CAN_RTR_FLAG : 0);
+        frames[i].can_id = messages[i].id | (messages[i].flags & CAN_MESSAGE_REMOTE ? CAN_RTR_FLAG : 0);
         frames[i].can_dlc = messages[i].size;
         memcpy(frames[i].data, messages[i].data, 8);
         parts[i].iov_base = &frames[i];
@@ -362,8 +350,7 @@ void socketcan_find(void (*found)(void *user, const char *name, const char *abou
         snprintf(path, sizeof path, "/sys/class/net/%s/type", entry->d_name);
         FILE *file = entry->d_name[0] == '.' ? NULL : fopen(path, "r");
         if (file && fscanf(file, "%d", &type) == 1 && type == ARPHRD_CAN)
-            found(user, entry->d_name,
-                  "CAN interface; settings are needed: ?arm=FILE.dpa&gear=...");
+            found(user, entry->d_name, "CAN interface; settings are needed: ?arm=FILE.dpa&gear=...");
         if (file)
             fclose(file);
     }
@@ -372,8 +359,7 @@ void socketcan_find(void (*found)(void *user, const char *name, const char *abou
 
 #else
 
-dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes,
-                          dpt_device_error *error)
+dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes, dpt_device_error *error)
 {
     (void)name, (void)nodes;
     socketcan->fd = -1;

@@ -35,8 +35,7 @@ struct socketcan {
  *
  * After a failure fd is -1 and `error` says what to do.
  */
-dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes,
-                          dpt_device_error *error);
+dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes, dpt_device_error *error);
 
 /*
  * Query the interface's state and bit rate from the kernel by rtnetlink. This finds what error frames did not tell

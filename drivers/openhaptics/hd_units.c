@@ -50,10 +50,9 @@ static void quaternion_of(vec3 x, vec3 y, vec3 z, double q[4])
     const double root = sqrt(square[largest]), part = 0.5 / root;
     const double wx = part * (y.z - z.y), wy = part * (z.x - x.z), wz = part * (x.y - y.x);
     const double xy = part * (y.x + x.y), xz = part * (z.x + x.z), yz = part * (z.y + y.z);
-    const double rows[4][4] = { { 0.5 * root, wx, wy, wz },
-                                { wx, 0.5 * root, xy, xz },
-                                { wy, xy, 0.5 * root, yz },
-                                { wz, xz, yz, 0.5 * root } };
+    const double rows[4][4] = {
+        { 0.5 * root, wx, wy, wz }, { wx, 0.5 * root, xy, xz }, { wy, xy, 0.5 * root, yz }, { wz, xz, yz, 0.5 * root }
+    };
     for (int i = 0; i < 4; i++)
         q[i] = rows[largest][0] < 0.0 ? -rows[largest][i] : rows[largest][i];
 }
@@ -72,8 +71,7 @@ dpt_result dpt_hd_to_pose(const double transform[16], dpt_pose *pose)
         return result;
     if (!within(length(x) - 1.0, AXES_ERROR_MAX) || !within(length(y) - 1.0, AXES_ERROR_MAX) ||
         !within(length(z) - 1.0, AXES_ERROR_MAX) || !within(dot(x, y), AXES_ERROR_MAX) ||
-        !within(dot(y, z), AXES_ERROR_MAX) || !within(dot(z, x), AXES_ERROR_MAX) ||
-        dot(cross(x, y), z) < 0.0)
+        !within(dot(y, z), AXES_ERROR_MAX) || !within(dot(z, x), AXES_ERROR_MAX) || dot(cross(x, y), z) < 0.0)
         return DPT_E_POSE;
     z = unit_of(z);
     x = unit_of(along(x, -dot(x, z), z));

@@ -61,8 +61,7 @@ static int is_forbidden(char path[32])
             continue;
         text[fread(text, 1, sizeof text - 1, file)] = '\0';
         fclose(file);
-        if ((strstr(text, "PRODUCT=2988/") || strstr(text, ":00002988:")) &&
-            access(path, R_OK | W_OK) != 0)
+        if ((strstr(text, "PRODUCT=2988/") || strstr(text, ":00002988:")) && access(path, R_OK | W_OK) != 0)
             return 1;
     }
     return 0;
@@ -85,20 +84,17 @@ static dpt_result explain_no_answer(const struct haptics *device, dpt_device_err
                         "no device answers: has it power and cable, does the vendor's "
                         "Touch_Diagnostic see it, may this user open its port?%s",
                         getenv("GTDD_HOME") ? ""
-                                            : " GTDD_HOME is not set: log in again after the "
-                                              "driver was installed");
+                                            : " GTDD_HOME is not set: log in again after the driver was installed");
 }
 
-static dpt_result explain_failure(const struct haptics *device, hd_error failure,
-                                  dpt_device_error *error)
+static dpt_result explain_failure(const struct haptics *device, hd_error failure, dpt_device_error *error)
 {
     switch (failure.code) {
     case HD_DEVICE_FAULT:
         return explain_no_answer(device, error);
     case HD_DEVICE_ALREADY_INITIATED:
         return device_error(error, DPT_E_DEVICE,
-                            "the device is open already: close it there, or name another one as in "
-                            "openhaptics:NAME");
+                            "the device is open already: close it there, or name another one as in openhaptics:NAME");
     case HD_COMM_ERROR:
     case HD_COMM_CONFIG_ERROR:
         return device_error(error, DPT_E_DEVICE,
@@ -118,8 +114,7 @@ static dpt_result explain_failure(const struct haptics *device, hd_error failure
                             "anew, or the licence that the vendor gave for this machine");
     default:
         return device_error(error, DPT_E_DEVICE, "OpenHaptics says %.80s (0x%x, %d)",
-                            device->servo.hd->hdGetErrorString(failure.code), failure.code,
-                            failure.internal);
+                            device->servo.hd->hdGetErrorString(failure.code), failure.code, failure.internal);
     }
 }
 
@@ -188,8 +183,7 @@ static dpt_result read_info(struct haptics *device, dpt_device_error *error)
     dpt_device_info *info = &device->info;
     int inputs = 0, outputs = 0, rate = 0;
     double stiffness = 0.0, torque = 0.0, box[6];
-    const int is_known = read_count(hd, HD_INPUT_DOF, &inputs) &&
-                         read_count(hd, HD_OUTPUT_DOF, &outputs) &&
+    const int is_known = read_count(hd, HD_INPUT_DOF, &inputs) && read_count(hd, HD_OUTPUT_DOF, &outputs) &&
                          read_number(hd, HD_NOMINAL_MAX_FORCE, &info->force_max) &&
                          (read_workspace(hd, HD_USABLE_WORKSPACE_DIMENSIONS, box) ||
                           read_workspace(hd, HD_MAX_WORKSPACE_DIMENSIONS, box));
@@ -231,8 +225,7 @@ static dpt_result read_info(struct haptics *device, dpt_device_error *error)
 static dpt_result calibrate(const struct haptics *device, dpt_device_error *error)
 {
     const struct hd_library *hd = device->servo.hd;
-    if (device->servo.style != HD_CALIBRATION_ENCODER_RESET ||
-        hd->hdCheckCalibration() == HD_CALIBRATION_OK)
+    if (device->servo.style != HD_CALIBRATION_ENCODER_RESET || hd->hdCheckCalibration() == HD_CALIBRATION_OK)
         return DPT_OK;
     hd->hdUpdateCalibration(HD_CALIBRATION_ENCODER_RESET);
     const unsigned status = hd->hdCheckCalibration();
@@ -252,9 +245,7 @@ static dpt_result set_rate(struct haptics *device, dpt_device_error *error)
                             "out, or close the others first",
                             common_rate);
     if (scheduler_devices() == 0) {
-        common_rate = device->rate != 0.0     ? device->rate
-                      : requested_rate != 0.0 ? requested_rate
-                                              : device->info.rate;
+        common_rate = device->rate != 0.0 ? device->rate : requested_rate != 0.0 ? requested_rate : device->info.rate;
         if (device->rate != 0.0)
             hd->hdSetSchedulerRate((unsigned long)device->rate);
         if (!has_no_error(hd))
@@ -315,8 +306,7 @@ static dpt_result wait_for_sample(struct haptics *device, dpt_device_error *erro
     if (device->last.status == DPT_DEVICE_STATUS_LOST)
         return explain_failure(device, failure, error);
     return device_error(error, DPT_E_DEVICE,
-                        "the device is open, but no sample comes within %g s: does another program "
-                        "use it?",
+                        "the device is open, but no sample comes within %g s: does another program use it?",
                         ANSWER_MS * 1e-3);
 }
 
@@ -394,18 +384,15 @@ static void advise(const struct haptics *device, dpt_device_error *error)
     const uint32_t reasons = device->last.reasons;
     if (reasons & DPT_REASON_UNCALIBRATED && device->servo.style == HD_CALIBRATION_INKWELL)
         device_error(error, DPT_OK,
-                     "not calibrated, no force yet: put the stylus into the inkwell for "
-                     "a moment, then take it out");
+                     "not calibrated, no force yet: put the stylus into the inkwell for a moment, then take it out");
     else if (reasons & DPT_REASON_UNCALIBRATED)
         device_error(error, DPT_OK,
                      "not calibrated, no force yet: move it slowly through its workspace, or run "
                      "the vendor's Touch_Diagnostic");
     else if (reasons & DPT_REASON_DOCKED)
-        device_error(error, DPT_OK,
-                     "the stylus is in the inkwell, no force there: take it out and hold it");
+        device_error(error, DPT_OK, "the stylus is in the inkwell, no force there: take it out and hold it");
     else if (device->last.status == DPT_DEVICE_STATUS_FAULT)
-        device_error(error, DPT_OK,
-                     "the device has a fault, no force (0x%x): let it rest, and open it again",
+        device_error(error, DPT_OK, "the device has a fault, no force (0x%x): let it rest, and open it again",
                      device->last.code);
 }
 

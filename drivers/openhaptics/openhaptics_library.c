@@ -11,15 +11,14 @@
 
 /* What packagers look for: https://uapi-group.org/specifications/specs/elf_dlopen_metadata/ */
 #ifdef __ELF__
-#define NOTE                                                                                       \
-    "[{\"feature\":\"openhaptics\",\"description\":\"Touch and Phantom haptic devices\","          \
+#define NOTE                                                                                                           \
+    "[{\"feature\":\"openhaptics\",\"description\":\"Touch and Phantom haptic devices\","                              \
     "\"priority\":\"suggested\",\"soname\":[\"libHD.so.3.4\",\"libHD.so.3.0\",\"libHD.so\"]}]"
 static const struct {
     uint32_t owner_size, text_size, type;
     char owner[4];
     char text[sizeof NOTE];
-} note __attribute__((used, aligned(4), section(".note.dlopen"))) = { 4, sizeof NOTE, 0x407c0c0a,
-                                                                      "FDO", NOTE };
+} note __attribute__((used, aligned(4), section(".note.dlopen"))) = { 4, sizeof NOTE, 0x407c0c0a, "FDO", NOTE };
 #endif
 
 enum { ERRORS_MAX = 256 };
@@ -45,8 +44,7 @@ static const struct {
 static int is_missing(const char *file, const char *text)
 {
     const size_t length = strlen(file);
-    return !strncmp(text, file, length) && text[length] == ':' &&
-           strstr(text, "No such file or directory");
+    return !strncmp(text, file, length) && text[length] == ':' && strstr(text, "No such file or directory");
 }
 
 static dpt_result explain_failure(const char *name, const char *text, dpt_device_error *error)
@@ -63,10 +61,8 @@ static dpt_result explain_failure(const char *name, const char *text, dpt_device
         const char *what =
             strstr(needed, "PHANToMIO") || strstr(needed, "PhantomIO")
                 ? "the device driver of 3D Systems that belongs to it"
-                : (strstr(needed, "libncurses") ? "the package libncurses5 of your system"
-                                                : "the package that has it");
-        return device_error(error, DPT_E_UNSUPPORTED,
-                            "%.60s is here, but not %.60s, which it needs: install %s", name,
+                : (strstr(needed, "libncurses") ? "the package libncurses5 of your system" : "the package that has it");
+        return device_error(error, DPT_E_UNSUPPORTED, "%.60s is here, but not %.60s, which it needs: install %s", name,
                             needed, what);
     }
     if (strstr(text, "undefined symbol"))
@@ -82,9 +78,8 @@ static dpt_result find_functions(void *handle, const char *name, dpt_device_erro
     for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {
         void *symbol = dlsym(handle, functions[i].name);
         if (!symbol && !functions[i].is_optional)
-            return device_error(error, DPT_E_UNSUPPORTED,
-                                "%.60s has no %s: it is not OpenHaptics, or older than 3.0", name,
-                                functions[i].name);
+            return device_error(error, DPT_E_UNSUPPORTED, "%.60s has no %s: it is not OpenHaptics, or older than 3.0",
+                                name, functions[i].name);
         memcpy((char *)&loaded.library + functions[i].at, &symbol, sizeof symbol);
     }
     return DPT_OK;
@@ -98,8 +93,7 @@ hd_error hd_take_error(const struct hd_library *library)
     return last;
 }
 
-dpt_result hd_library_load(const char *name, const struct hd_library **library,
-                           dpt_device_error *error)
+dpt_result hd_library_load(const char *name, const struct hd_library **library, dpt_device_error *error)
 {
     static const char *const default_names[] = { "libHD.so", "libHD.so.3.4", "libHD.so.3.0" };
     const char *requested_name = *name ? name : getenv("DPT_HD_LIBRARY");

@@ -23,7 +23,6 @@ hd_error hd_take_error(const struct hd_library *library);
  *
  * DPT_E_UNSUPPORTED: it cannot be loaded; `error` says what to install. DPT_E_SETTING: another one is loaded already.
  */
-dpt_result hd_library_load(const char *name, const struct hd_library **library,
-                           dpt_device_error *error);
+dpt_result hd_library_load(const char *name, const struct hd_library **library, dpt_device_error *error);
 
 #endif

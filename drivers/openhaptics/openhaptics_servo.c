@@ -12,8 +12,7 @@
 enum { CALIBRATE_EVERY = 50, ERRORS_A_TICK = 32, START_MS = 100, LEAVE_MS = 1000 };
 
 static const uint64_t FAULT_CLEAR_NS = 100000000; /* after this long without the error */
-static const double WARM_TEMPERATURE =
-    0.7; /* of 1, the limit: from here on forces are scaled down */
+static const double WARM_TEMPERATURE = 0.7;       /* of 1, the limit: from here on forces are scaled down */
 
 enum { STOPPED, PAUSED, RUNNING };
 enum { FORCES_ON, ZERO_REQUESTED, ZERO_SENT }; /* scheduler.zero_state */
@@ -47,8 +46,8 @@ static void set_servo(int i, struct servo *servo)
 
 static void note_error(struct servo *servo, unsigned code, uint64_t now)
 {
-    const int is_fatal = dpt_hd_is_scheduler_error(code) || code == HD_DEVICE_FAULT ||
-                         code == HD_BAD_HANDLE || code == HD_INVALID_LICENSE;
+    const int is_fatal = dpt_hd_is_scheduler_error(code) || code == HD_DEVICE_FAULT || code == HD_BAD_HANDLE ||
+                         code == HD_INVALID_LICENSE;
     if (!servo->fault || (is_fatal && !servo->is_lost))
         servo->fault = code;
     servo->is_lost |= is_fatal;
@@ -131,10 +130,8 @@ static void read_motion(struct servo *servo, struct servo_sample *sample)
     if (servo->has_spin)
         hd->hdGetDoublev(HD_CURRENT_ANGULAR_VELOCITY, read.spin);
     servo->is_valid = dpt_hd_to_pose(transform, &read.pose) == DPT_OK &&
-                      dpt_hd_to_metres(speed, read.velocity) == DPT_OK &&
-                      vec3_within(read.spin, DPT_COORDINATE_MAX) &&
-                      vec3_within(read.joint, DPT_COORDINATE_MAX) &&
-                      vec3_within(read.joint + 3, DPT_COORDINATE_MAX);
+                      dpt_hd_to_metres(speed, read.velocity) == DPT_OK && vec3_within(read.spin, DPT_COORDINATE_MAX) &&
+                      vec3_within(read.joint, DPT_COORDINATE_MAX) && vec3_within(read.joint + 3, DPT_COORDINATE_MAX);
     if (servo->is_valid)
         *sample = read;
 }
@@ -164,31 +161,27 @@ static void read_sample(struct servo *servo, struct servo_sample *sample, uint64
 
 static int is_ready(const struct servo *servo)
 {
-    return !servo->is_lost && !servo->fault && servo->is_valid && servo->is_calibrated &&
-           !servo->is_docked;
+    return !servo->is_lost && !servo->fault && servo->is_valid && servo->is_calibrated && !servo->is_docked;
 }
 
 /* The factor by which forces of warm motors are scaled: 1 up to WARM_TEMPERATURE, 0 at the limit. */
 static double heat_scale(double temperature)
 {
-    return temperature <= WARM_TEMPERATURE
-               ? 1.0
-               : 1.0 - clamp01((temperature - WARM_TEMPERATURE) / (1.0 - WARM_TEMPERATURE));
+    return temperature <= WARM_TEMPERATURE ? 1.0
+                                           : 1.0 - clamp01((temperature - WARM_TEMPERATURE) / (1.0 - WARM_TEMPERATURE));
 }
 
 /*
  * Send the latest command, if it is younger than the watchdog. After silence, a fault or a stop of this thread in a
  * debugger the force returns along a ramp, so that nothing kicks.
  */
-static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now,
-                  int must_send_zero)
+static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now, int must_send_zero)
 {
     static const double zero[3];
     const int is_new = latest_value_take(&servo->commands);
     const struct servo_command *command = &servo->command[servo->commands.reading];
     servo->is_armed = is_ready(servo) && (servo->is_armed || is_new);
-    const int is_young =
-        now != 0 && command->time_ns != 0 && now < command->time_ns + servo->watchdog_ns;
+    const int is_young = now != 0 && command->time_ns != 0 && now < command->time_ns + servo->watchdog_ns;
     if (now - servo->last.time_ns > servo->watchdog_ns)
         servo->live_ticks = 0;
     const int is_live = servo->is_armed && is_young && !servo->is_leaving && !must_send_zero;
@@ -199,8 +192,7 @@ static void drive(struct servo *servo, struct servo_sample *sample, uint64_t now
     servo->gives_force = 0;
     if (servo->output_dofs < 3)
         return;
-    const double scale =
-        (double)servo->live_ticks / servo->ramp_ticks * heat_scale(sample->temperature);
+    const double scale = (double)servo->live_ticks / servo->ramp_ticks * heat_scale(sample->temperature);
     double out[2][3];
     vec3_store(scaled(vec3_of(is_live ? command->wrench.force : zero), scale), out[0]);
     vec3_store(scaled(vec3_of(is_live ? command->wrench.torque : zero), 1000.0 * scale), out[1]);
@@ -235,15 +227,13 @@ static void calibrate(struct servo *servo)
 static uint32_t reasons_of(const struct servo *servo)
 {
     if (servo->is_lost)
-        return servo->fault == HD_COMM_ERROR || servo->fault == HD_COMM_CONFIG_ERROR
-                   ? DPT_REASON_LINK
-                   : DPT_REASON_DEVICE;
+        return servo->fault == HD_COMM_ERROR || servo->fault == HD_COMM_CONFIG_ERROR ? DPT_REASON_LINK
+                                                                                     : DPT_REASON_DEVICE;
     if (servo->fault == HD_WARM_MOTORS)
         return DPT_REASON_OVERHEATED;
     if (servo->fault)
-        return dpt_hd_is_force_error(servo->fault) && servo->fault != HD_FORCE_ERROR
-                   ? DPT_REASON_OVERLOADED
-                   : DPT_REASON_DEVICE;
+        return dpt_hd_is_force_error(servo->fault) && servo->fault != HD_FORCE_ERROR ? DPT_REASON_OVERLOADED
+                                                                                     : DPT_REASON_DEVICE;
     return (servo->is_calibrated && servo->is_valid ? 0u : DPT_REASON_UNCALIBRATED) |
            (servo->is_docked ? DPT_REASON_DOCKED : 0u);
 }
@@ -281,8 +271,8 @@ static void publish_sample(struct servo *servo, uint64_t now)
 static int claim_errors(int claimant)
 {
     int reader = NOBODY;
-    return __atomic_compare_exchange_n(&scheduler.error_reader, &reader, claimant, 0,
-                                       __ATOMIC_ACQ_REL, __ATOMIC_ACQUIRE) ||
+    return __atomic_compare_exchange_n(&scheduler.error_reader, &reader, claimant, 0, __ATOMIC_ACQ_REL,
+                                       __ATOMIC_ACQUIRE) ||
            reader == claimant;
 }
 
@@ -290,8 +280,7 @@ static unsigned serve(void *unused)
 {
     (void)unused;
     const struct hd_library *hd = scheduler.hd;
-    const int must_send_zero =
-        __atomic_load_n(&scheduler.zero_state, __ATOMIC_RELAXED) != FORCES_ON;
+    const int must_send_zero = __atomic_load_n(&scheduler.zero_state, __ATOMIC_RELAXED) != FORCES_ON;
     struct servo *servos[SERVOS_MAX];
     struct servo_sample next[SERVOS_MAX];
     const uint64_t now = clock_now();
@@ -329,8 +318,8 @@ static unsigned serve(void *unused)
     }
     int requested = ZERO_REQUESTED;
     if (must_send_zero)
-        __atomic_compare_exchange_n(&scheduler.zero_state, &requested, ZERO_SENT, 0,
-                                    __ATOMIC_RELEASE, __ATOMIC_RELAXED);
+        __atomic_compare_exchange_n(&scheduler.zero_state, &requested, ZERO_SENT, 0, __ATOMIC_RELEASE,
+                                    __ATOMIC_RELAXED);
     return HD_CALLBACK_CONTINUE;
 }
 
@@ -359,8 +348,7 @@ static int send_zero_to_all(void)
 {
     __atomic_store_n(&scheduler.zero_state, ZERO_REQUESTED, __ATOMIC_RELAXED);
     for (int i = 0; i < LEAVE_MS; i++) {
-        if (__atomic_load_n(&scheduler.zero_state, __ATOMIC_ACQUIRE) == ZERO_SENT ||
-            scheduler_is_dead())
+        if (__atomic_load_n(&scheduler.zero_state, __ATOMIC_ACQUIRE) == ZERO_SENT || scheduler_is_dead())
             return 1;
         servo_wait();
     }
@@ -441,8 +429,7 @@ hd_error scheduler_resume(struct servo *servo)
     }
     hd_take_error(hd);
     __atomic_store_n(&scheduler.error_reader, NOBODY, __ATOMIC_RELAXED);
-    __atomic_store_n(&scheduler.callback,
-                     hd->hdScheduleAsynchronous(serve, NULL, HD_MAX_SCHEDULER_PRIORITY),
+    __atomic_store_n(&scheduler.callback, hd->hdScheduleAsynchronous(serve, NULL, HD_MAX_SCHEDULER_PRIORITY),
                      __ATOMIC_RELAXED);
     failure = hd_take_error(hd);
     if (failure.code == HD_SUCCESS) {
@@ -486,8 +473,8 @@ int scheduler_is_dead(void)
         return scheduler_state() == STOPPED;
     const unsigned long callback = __atomic_load_n(&scheduler.callback, __ATOMIC_RELAXED);
     /* It is not dead if it was paused and resumed meanwhile. */
-    return !scheduler.hd->hdWaitForCompletion(callback, HD_WAIT_CHECK_STATUS) &&
-           scheduler_state() == RUNNING && scheduler_since() == since;
+    return !scheduler.hd->hdWaitForCompletion(callback, HD_WAIT_CHECK_STATUS) && scheduler_state() == RUNNING &&
+           scheduler_since() == since;
 }
 
 uint64_t scheduler_since(void)

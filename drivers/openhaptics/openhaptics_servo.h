@@ -33,7 +33,7 @@ struct servo {
     const struct hd_library *hd;
     unsigned device, style;      /* style: HD_CALIBRATION_..., one bit, or 0 */
     int input_dofs, output_dofs; /* degrees of freedom, 0, 3 or 6 */
-    double centre_mm[3]; /* of the workspace in the library's frame, mm: the origin of poses */
+    double centre_mm[3];         /* of the workspace in the library's frame, mm: the origin of poses */
     uint64_t watchdog_ns;
     uint32_t ramp_ticks; /* ticks from no force to all of it */
 

@@ -47,8 +47,7 @@ static void shortest_turn(vec3 from, vec3 to, double *q)
     vec3 axis = cross(from, to);
     if (w < 1e-12) {
         w = 0.0;
-        axis = fabs(from.x) < 0.7 ? cross(from, (vec3){ 1.0, 0.0, 0.0 })
-                                  : cross(from, (vec3){ 0.0, 1.0, 0.0 });
+        axis = fabs(from.x) < 0.7 ? cross(from, (vec3){ 1.0, 0.0, 0.0 }) : cross(from, (vec3){ 0.0, 1.0, 0.0 });
     }
     double size = sqrt(w * w + dot(axis, axis));
     q[0] = w / size;
@@ -81,8 +80,7 @@ static void take_sample(struct replay *replay, int is_jump)
 {
     dpt_device_state *sample = &replay->sample;
     const double *ends = csv_table_row(&replay->table, replay->row) + 1;
-    vec3 a = vec3_of(ends), along_tool = sub(vec3_of(ends + 3), a),
-         direction_before = { 0.0, 0.0, 1.0 };
+    vec3 a = vec3_of(ends), along_tool = sub(vec3_of(ends + 3), a), direction_before = { 0.0, 0.0, 1.0 };
     double size = length(along_tool), rotation[4];
     static const double identity[4] = { 1.0, 0.0, 0.0, 0.0 };
     memset(sample->velocity, 0, sizeof sample->velocity);
@@ -93,8 +91,7 @@ static void take_sample(struct replay *replay, int is_jump)
         vec3_store(scaled(sub(a, vec3_of(sample->pose.position)), replay->rate), sample->velocity);
     vec3_store(a, sample->pose.position);
     sample->sequence = replay->past_ticks + tick_at(replay, replay->row);
-    sample->time_ns =
-        replay->began_ns + (uint64_t)((double)sample->sequence * 1e9 / replay->rate + 0.5);
+    sample->time_ns = replay->began_ns + (uint64_t)((double)sample->sequence * 1e9 / replay->rate + 0.5);
     sample->temperature = -1.0;
     if (size == 0.0)
         return;
@@ -103,8 +100,7 @@ static void take_sample(struct replay *replay, int is_jump)
     shortest_turn(direction_before, direction, rotation);
     const double half_sine = length(vec3_of(rotation + 1));
     if (!is_jump && half_sine > 0.0)
-        vec3_store(scaled(vec3_of(rotation + 1),
-                          replay->rate * angle_between(direction_before, direction) / half_sine),
+        vec3_store(scaled(vec3_of(rotation + 1), replay->rate * angle_between(direction_before, direction) / half_sine),
                    sample->spin);
     multiply_quaternions(rotation, sample->pose.orientation, sample->pose.orientation);
 }
@@ -125,9 +121,8 @@ static void next_row(struct replay *replay)
 
 static uint64_t next_sequence(const struct replay *replay)
 {
-    return replay->row + 1 < replay->table.rows
-               ? replay->past_ticks + tick_at(replay, replay->row + 1)
-               : replay->past_ticks + ticks_of(replay);
+    return replay->row + 1 < replay->table.rows ? replay->past_ticks + tick_at(replay, replay->row + 1)
+                                                : replay->past_ticks + ticks_of(replay);
 }
 
 static dpt_result catch_up(struct replay *replay)
@@ -229,20 +224,17 @@ static void replay_close(dpt_device *device)
     free(replay);
 }
 
-static dpt_result check_length(const struct replay *replay, const char *path,
-                               dpt_device_error *error)
+static dpt_result check_length(const struct replay *replay, const char *path, dpt_device_error *error)
 {
     const struct csv_table *table = &replay->table;
     const double ticks = csv_table_row(table, table->rows - 1)[0] - csv_table_row(table, 0)[0];
     if (ticks > SECONDS_MAX * replay->rate)
-        return device_error(error, DPT_E_LIMIT,
-                            "%.160s: its ticks, at %g Hz, are more than 100 years", path,
+        return device_error(error, DPT_E_LIMIT, "%.160s: its ticks, at %g Hz, are more than 100 years", path,
                             replay->rate);
     return DPT_OK;
 }
 
-static dpt_result replay_open(const dpt_driver *driver, const char *where, dpt_device **device,
-                              dpt_device_error *error)
+static dpt_result replay_open(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
 {
     (void)driver;
     char path[1024];
@@ -255,8 +247,8 @@ static dpt_result replay_open(const dpt_driver *driver, const char *where, dpt_d
         { .name = "live", .number = &replay->live, .max = 1.0 },
         { .name = "again", .number = &replay->again, .max = 1.0 },
     };
-    dpt_result result = settings_read(where, path, sizeof path, settings,
-                                      sizeof settings / sizeof *settings, &replay->dynamics, error);
+    dpt_result result =
+        settings_read(where, path, sizeof path, settings, sizeof settings / sizeof *settings, &replay->dynamics, error);
     if (result == DPT_OK && !path[0])
         result = device_error(error, DPT_E_SETTING, "name a trace, as in replay:slide.csv");
     if (result == DPT_OK)

@@ -24,8 +24,7 @@ typedef char joints_are_the_same[WIRE_JOINTS_MAX == DPT_JOINTS_MAX ? 1 : -1];
 #define HEARTBEAT_EVERY (SECOND / 10)
 #define READ_AT_ONCE    1024
 #define READS           4
-#define DRIFT_PER_TICK                                                                             \
-    200 /* ns a sample by which the two clocks may drift apart: 200 ppm at 1 kHz */
+#define DRIFT_PER_TICK  200 /* ns a sample by which the two clocks may drift apart: 200 ppm at 1 kHz */
 
 struct serial_device {
     dpt_device base;
@@ -39,8 +38,7 @@ struct serial_device {
     struct wire_state last; /* the newest sample */
     uint16_t session;       /* 0: the device has ended it */
     uint8_t has_info, has_sample, is_gone;
-    uint32_t
-        lost_reasons; /* DPT_REASON_..., from the first read that finds the device lost until clear */
+    uint32_t lost_reasons;     /* DPT_REASON_..., from the first read that finds the device lost until clear */
     uint32_t command_sequence; /* number of the last command */
     uint64_t sequence;         /* of the newest sample, from the open, without wrapping */
     uint64_t sequence_read;    /* of the last sample that was read */
@@ -90,8 +88,7 @@ static void update_time(struct serial_device *device, uint32_t device_us, uint64
 
 static void accept_state(struct serial_device *device, const struct wire_state *state)
 {
-    if (!device->has_info || state->pose_dofs != device->info.pose_dofs ||
-        state->joints != device->info.joints)
+    if (!device->has_info || state->pose_dofs != device->info.pose_dofs || state->joints != device->info.joints)
         return;
     if (!device->has_sample) {
         wire_sequence_start(&device->samples, state->sequence - 1);
@@ -271,8 +268,8 @@ static int is_plausible(const struct wire_info *info)
         if (info->workspace_min[i] > info->workspace_max[i])
             return 0;
     return (info->pose_dofs == 3 || info->pose_dofs == 6) && info->joints <= WIRE_JOINTS_MAX &&
-           (info->wrench_dofs == 0 || info->wrench_dofs == 3 || info->wrench_dofs == 6) &&
-           info->buttons <= 16 && info->rate > 0.0f && info->rate <= 1e5f;
+           (info->wrench_dofs == 0 || info->wrench_dofs == 3 || info->wrench_dofs == 6) && info->buttons <= 16 &&
+           info->rate > 0.0f && info->rate <= 1e5f;
 }
 
 static dpt_result explain_no_answer(const struct serial_device *device, dpt_device_error *error)
@@ -281,38 +278,34 @@ static dpt_result explain_no_answer(const struct serial_device *device, dpt_devi
     if (device->is_gone)
         return device_error(error, DPT_E_LOST, "%.60s went away while it was asked", device->path);
     if (reader->foreign > 0)
-        return device_error(
-            error, DPT_E_PROTOCOL,
-            "%.60s speaks version %u of the protocol, this library %u: renew the older "
-            "one of firmware and library",
-            device->path, reader->version, WIRE_VERSION);
+        return device_error(error, DPT_E_PROTOCOL,
+                            "%.60s speaks version %u of the protocol, this library %u: renew the older "
+                            "one of firmware and library",
+                            device->path, reader->version, WIRE_VERSION);
     if (reader->damaged > 0 || reader->count > 0)
         return device_error(error, DPT_E_DEVICE,
                             "%.60s sends what is none of ours at %u baud: is it another device, or "
                             "another speed (?speed=)?",
                             device->path, (unsigned)device->speed);
-    return device_error(
-        error, DPT_E_DEVICE,
-        "no answer from %.60s at %u baud within %g s: is it the right port and speed "
-        "(?speed=), and has the device power?%s%.80s",
-        device->path, (unsigned)device->speed, device->answer_within,
-        device->log[0] ? " It says: " : "", device->log);
+    return device_error(error, DPT_E_DEVICE,
+                        "no answer from %.60s at %u baud within %g s: is it the right port and speed "
+                        "(?speed=), and has the device power?%s%.80s",
+                        device->path, (unsigned)device->speed, device->answer_within,
+                        device->log[0] ? " It says: " : "", device->log);
 }
 
 static dpt_result check_info(const struct serial_device *device, dpt_device_error *error)
 {
     if (!is_plausible(&device->info))
-        return device_error(error, DPT_E_DEVICE,
-                            "what %.60s says of itself makes no sense: repair its firmware",
+        return device_error(error, DPT_E_DEVICE, "what %.60s says of itself makes no sense: repair its firmware",
                             device->path);
-    const double needed = 10.0 * device->info.rate *
-                          (double)wire_state_bytes(device->info.pose_dofs, device->info.joints);
+    const double needed =
+        10.0 * device->info.rate * (double)wire_state_bytes(device->info.pose_dofs, device->info.joints);
     if (needed > device->speed)
-        return device_error(
-            error, DPT_E_SETTING,
-            "%.60s needs at least %.0f baud for its %g samples a second: set a higher "
-            "?speed=, also where the line is USB and ignores it",
-            device->path, needed, (double)device->info.rate);
+        return device_error(error, DPT_E_SETTING,
+                            "%.60s needs at least %.0f baud for its %g samples a second: set a higher "
+                            "?speed=, also where the line is USB and ignores it",
+                            device->path, needed, (double)device->info.rate);
     return DPT_OK;
 }
 
@@ -344,8 +337,7 @@ static void use_first_port(void *user, const char *path, const char *about)
         snprintf(device->path, sizeof device->path, "%s", path);
 }
 
-static dpt_result serial_open(const dpt_driver *driver, const char *where, dpt_device **opened,
-                              dpt_device_error *error)
+static dpt_result serial_open(const dpt_driver *driver, const char *where, dpt_device **opened, dpt_device_error *error)
 {
     (void)driver;
     struct serial_device *device = calloc(1, sizeof *device);
@@ -365,10 +357,9 @@ static dpt_result serial_open(const dpt_driver *driver, const char *where, dpt_d
     if (result == DPT_OK && !device->path[0])
         serial_line_find(use_first_port, device);
     if (result == DPT_OK && !device->path[0])
-        result =
-            device_error(error, DPT_E_DEVICE,
-                         "no serial port is there: is the device plugged in? Others are named as "
-                         "in serial:/dev/ttyS0");
+        result = device_error(error, DPT_E_DEVICE,
+                              "no serial port is there: is the device plugged in? Others are named as "
+                              "in serial:/dev/ttyS0");
     if (result == DPT_OK)
         result = connect_line(device, error);
     if (result == DPT_OK) {
@@ -437,8 +428,7 @@ static uint32_t find_loss(struct serial_device *device)
 {
     if (device->is_gone) {
         device->lost_reasons = DPT_REASON_UNPLUGGED;
-    } else if (device->session == 0 ||
-               clock_now() - device->heard_ns > to_ns(device->silent_after)) {
+    } else if (device->session == 0 || clock_now() - device->heard_ns > to_ns(device->silent_after)) {
         device->lost_reasons |= DPT_REASON_SILENT;
         if (device->reader.damaged != device->damaged_at_sample)
             device->lost_reasons |= DPT_REASON_LINK;
@@ -452,8 +442,7 @@ static dpt_result serial_read(dpt_device *base, dpt_device_state *state)
 {
     struct serial_device *device = (struct serial_device *)base;
     receive_all(device);
-    if (!device->is_gone && device->session != 0 &&
-        clock_now() - device->sent_ns > HEARTBEAT_EVERY) {
+    if (!device->is_gone && device->session != 0 && clock_now() - device->sent_ns > HEARTBEAT_EVERY) {
         struct wire_message heartbeat = { .type = WIRE_HEARTBEAT };
         heartbeat.as.heartbeat.sequence = device->last.sequence;
         send_message(device, &heartbeat);
@@ -468,9 +457,8 @@ static dpt_result serial_read(dpt_device *base, dpt_device_state *state)
     state->fresh = fresh < UINT32_MAX ? (uint32_t)fresh : UINT32_MAX;
     state->sequence = device->sequence;
     state->time_ns = device->time_ns;
-    state->temperature = last->temperature == WIRE_TEMPERATURE_UNKNOWN
-                             ? -1.0
-                             : (double)last->temperature / WIRE_TEMPERATURE_LIMIT;
+    state->temperature =
+        last->temperature == WIRE_TEMPERATURE_UNKNOWN ? -1.0 : (double)last->temperature / WIRE_TEMPERATURE_LIMIT;
     copy_pose(last, state);
     const uint32_t reasons = find_loss(device);
     if (reasons == 0)
@@ -490,8 +478,7 @@ static dpt_result serial_write(dpt_device *base, const dpt_wrench *wrench)
         return DPT_E_NOT_READY;
     dpt_wrench limited = *wrench;
     limit_length(limited.force, device->info.wrench_dofs >= 3 ? (double)device->info.force_max : 0);
-    limit_length(limited.torque,
-                 device->info.wrench_dofs >= 6 ? (double)device->info.torque_max : 0);
+    limit_length(limited.torque, device->info.wrench_dofs >= 6 ? (double)device->info.torque_max : 0);
     struct wire_message message = { .type = WIRE_COMMAND };
     message.as.command.sequence = device->command_sequence + 1;
     message.as.command.answers = device->last.sequence;

@@ -71,23 +71,20 @@ static dpt_result explain_open_error(const char *path, int reason, dpt_device_er
     case ENODEV:
     case ENXIO:
     case EIO:
-        return device_error(
-            error, DPT_E_DEVICE,
-            "%.60s is not there: is the device plugged in and switched on? Ports are "
-            "/dev/ttyACM*, /dev/ttyUSB* and /dev/serial/by-id/*",
-            path);
+        return device_error(error, DPT_E_DEVICE,
+                            "%.60s is not there: is the device plugged in and switched on? Ports are "
+                            "/dev/ttyACM*, /dev/ttyUSB* and /dev/serial/by-id/*",
+                            path);
     case EACCES:
     case EPERM:
         return device_error(error, DPT_E_PERMISSION,
-                            "no permission for %.60s: join its group and log in again: "
-                            "sudo usermod -aG dialout $USER",
+                            "no permission for %.60s: join its group and log in again: sudo usermod -aG dialout $USER",
                             path);
     case EBUSY:
     case EWOULDBLOCK:
         return device_error(error, DPT_E_SYSTEM,
-                            "%.60s is in use by another program: end that one first; "
-                            "fuser -v %.60s names it",
-                            path, path);
+                            "%.60s is in use by another program: end that one first; fuser -v %.60s names it", path,
+                            path);
     default:
         return device_error(error, DPT_E_SYSTEM, "%.60s: %.80s", path, strerror(reason));
     }
@@ -96,8 +93,8 @@ static dpt_result explain_open_error(const char *path, int reason, dpt_device_er
 /* 1 for an error of an optional request: a pty and many USB adapters do not have it. */
 static int is_optional_failure(int reason)
 {
-    return reason == ENOTTY || reason == EINVAL || reason == EOPNOTSUPP || reason == ENOSYS ||
-           reason == EPERM || reason == EACCES;
+    return reason == ENOTTY || reason == EINVAL || reason == EOPNOTSUPP || reason == ENOSYS || reason == EPERM ||
+           reason == EACCES;
 }
 
 /*
@@ -148,22 +145,18 @@ static dpt_result set_up_port(int fd, const char *path, size_t speed, dpt_device
     if (cfsetispeed(&settings, speeds[speed].code) || cfsetospeed(&settings, speeds[speed].code) ||
         tcsetattr(fd, TCSANOW, &settings))
         return device_error(error, DPT_E_SYSTEM,
-                            "%.60s does not take %u baud (%.60s): choose another by ?speed=, "
-                            "the same as the device's",
+                            "%.60s does not take %u baud (%.60s): choose another by ?speed=, the same as the device's",
                             path, (unsigned)baud, strerror(errno));
     if (tcgetattr(fd, &read_back))
         return explain_open_error(path, errno, error);
-    if (cfgetospeed(&read_back) != speeds[speed].code ||
-        cfgetispeed(&read_back) != speeds[speed].code)
+    if (cfgetospeed(&read_back) != speeds[speed].code || cfgetispeed(&read_back) != speeds[speed].code)
         return device_error(error, DPT_E_SYSTEM,
                             "%.60s runs at %u baud where %u were asked for: it does not have that "
                             "speed; choose one by ?speed=, the same as the device's",
                             path, (unsigned)baud_of(cfgetospeed(&read_back)), (unsigned)baud);
-    if ((read_back.c_cflag & (CSIZE | PARENB | CSTOPB)) != CS8 ||
-        read_back.c_iflag & (ISTRIP | IXON | ICRNL) || read_back.c_lflag & (ICANON | ECHO) ||
-        read_back.c_oflag & OPOST)
-        return device_error(error, DPT_E_SYSTEM, "%.60s does not carry plain bytes of 8 bits",
-                            path);
+    if ((read_back.c_cflag & (CSIZE | PARENB | CSTOPB)) != CS8 || read_back.c_iflag & (ISTRIP | IXON | ICRNL) ||
+        read_back.c_lflag & (ICANON | ECHO) || read_back.c_oflag & OPOST)
+        return device_error(error, DPT_E_SYSTEM, "%.60s does not carry plain bytes of 8 bits", path);
     if (set_optional(fd) || (tcflush(fd, TCIOFLUSH) && !is_optional_failure(errno)))
         return explain_open_error(path, errno, error);
     return DPT_OK;
@@ -177,8 +170,7 @@ dpt_result serial_line_open(const char *path, uint32_t speed, int *fd, dpt_devic
         index++;
     if (index == SPEEDS)
         return device_error(error, DPT_E_SETTING,
-                            "%u baud is not a speed that this system has; 115200, 921600 and "
-                            "1000000 are common",
+                            "%u baud is not a speed that this system has; 115200, 921600 and 1000000 are common",
                             (unsigned)speed);
     const int opened = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (opened < 0)

@@ -9,9 +9,8 @@
 static uint32_t crc32c(const uint8_t *bytes, size_t size)
 {
     static const uint32_t table[16] = {
-        0x00000000, 0x105ec76f, 0x20bd8ede, 0x30e349b1, 0x417b1dbc, 0x5125dad3,
-        0x61c69362, 0x7198540d, 0x82f63b78, 0x92a8fc17, 0xa24bb5a6, 0xb21572c9,
-        0xc38d26c4, 0xd3d3e1ab, 0xe330a81a, 0xf36e6f75,
+        0x00000000, 0x105ec76f, 0x20bd8ede, 0x30e349b1, 0x417b1dbc, 0x5125dad3, 0x61c69362, 0x7198540d,
+        0x82f63b78, 0x92a8fc17, 0xa24bb5a6, 0xb21572c9, 0xc38d26c4, 0xd3d3e1ab, 0xe330a81a, 0xf36e6f75,
     };
     uint32_t crc = 0xffffffffu;
     while (size--) {
@@ -61,8 +60,7 @@ static void transfer_u16(struct cursor *cursor, uint16_t *field)
 
 static void transfer_u32(struct cursor *cursor, uint32_t *field)
 {
-    uint8_t b[4] = { (uint8_t)*field, (uint8_t)(*field >> 8), (uint8_t)(*field >> 16),
-                     (uint8_t)(*field >> 24) };
+    uint8_t b[4] = { (uint8_t)*field, (uint8_t)(*field >> 8), (uint8_t)(*field >> 16), (uint8_t)(*field >> 24) };
     transfer_bytes(cursor, b, 4);
     *field = (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
 }

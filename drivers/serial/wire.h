@@ -83,8 +83,8 @@ struct wire_state {
     uint16_t reasons;
     uint16_t code;
     uint16_t buttons;
-    uint16_t lost; /* commands of the session that never came, modulo 2^16 */
-    uint16_t late; /* commands that answer a sample older than the watchdog's time, modulo 2^16 */
+    uint16_t lost;     /* commands of the session that never came, modulo 2^16 */
+    uint16_t late;     /* commands that answer a sample older than the watchdog's time, modulo 2^16 */
     uint32_t sequence; /* of the sample, from the device's start */
     uint32_t time;     /* us, from the device's start, modulo 2^32 */
     uint32_t echo;     /* sequence of the newest command that came; 0: none yet */

@@ -26,8 +26,7 @@ uint8_t wire_device_status(const struct wire_device *device)
 {
     if (device->reasons)
         return WIRE_STATUS_FAULT;
-    return device->is_enabled && !(device->causes & WIRE_REASON_UNCALIBRATED) ? WIRE_STATUS_READY
-                                                                              : WIRE_STATUS_UNREADY;
+    return device->is_enabled && !(device->causes & WIRE_REASON_UNCALIBRATED) ? WIRE_STATUS_READY : WIRE_STATUS_UNREADY;
 }
 
 /* Copy a vector, scaled down to the length `max`. In double no square of a float overflows. */
@@ -137,8 +136,7 @@ static void update_status(struct wire_device *device, const struct wire_sample *
     }
 }
 
-static size_t encode_state(struct wire_device *device, const struct wire_sample *sample,
-                           uint8_t *out)
+static size_t encode_state(struct wire_device *device, const struct wire_sample *sample, uint8_t *out)
 {
     struct wire_message message = { .type = WIRE_STATE, .session = device->session };
     struct wire_state *state = &message.as.state;
@@ -163,8 +161,7 @@ static size_t encode_state(struct wire_device *device, const struct wire_sample 
     return wire_encode(&message, out);
 }
 
-static size_t encode_heartbeat(const struct wire_device *device, const struct wire_sample *sample,
-                               uint8_t *out)
+static size_t encode_heartbeat(const struct wire_device *device, const struct wire_sample *sample, uint8_t *out)
 {
     struct wire_message message = { .type = WIRE_HEARTBEAT };
     message.as.heartbeat.status = wire_device_status(device);
@@ -174,8 +171,7 @@ static size_t encode_heartbeat(const struct wire_device *device, const struct wi
     return wire_encode(&message, out);
 }
 
-size_t wire_device_sample(struct wire_device *device, const struct wire_sample *sample,
-                          uint8_t out[WIRE_OUT_MAX])
+size_t wire_device_sample(struct wire_device *device, const struct wire_sample *sample, uint8_t out[WIRE_OUT_MAX])
 {
     struct wire_message message = { .session = device->session };
     size_t size = 0;

@@ -80,7 +80,6 @@ uint8_t wire_device_status(const struct wire_device *device);
  * Returns their number. A device with a session sends its state with every sample; without a session it sends a
  * heartbeat ten times a second.
  */
-size_t wire_device_sample(struct wire_device *device, const struct wire_sample *sample,
-                          uint8_t out[WIRE_OUT_MAX]);
+size_t wire_device_sample(struct wire_device *device, const struct wire_sample *sample, uint8_t out[WIRE_OUT_MAX]);
 
 #endif

@@ -32,12 +32,12 @@ struct sim {
     double delay, jitter, loss, doubled, seed, dofs, live, reach, cycle;
     char script[256], fault[32];
     struct sim_hand hand;
-    struct sim_axis axes[2];              /* with the hand */
-    struct sim_transition transitions[2]; /* over a whole period */
-    double duration;                      /* of a period, s */
-    double weight;                        /* N */
-    uint64_t period;                      /* number of the present period */
-    struct sim_motion motion[DOFS];       /* from index 3 on the components of a rotation vector */
+    struct sim_axis axes[2];                      /* with the hand */
+    struct sim_transition transitions[2];         /* over a whole period */
+    double duration;                              /* of a period, s */
+    double weight;                                /* N */
+    uint64_t period;                              /* number of the present period */
+    struct sim_motion motion[DOFS];               /* from index 3 on the components of a rotation vector */
     double encoders[DOFS], encoders_before[DOFS]; /* readings now and a period before */
     double commands[SLOTS][DOFS];                 /* ring by period: N, from index 3 on Nm */
     double acting[DOFS];                          /* the command that acts */
@@ -86,14 +86,12 @@ static void end_commands(struct sim *sim)
         sim->periods_without_command++;
     }
     sim->has_command = 0;
-    int is_off =
-        sim->watchdog > 0.0 && (double)sim->periods_without_command / sim->rate >= sim->watchdog;
+    int is_off = sim->watchdog > 0.0 && (double)sim->periods_without_command / sim->rate >= sim->watchdog;
     if (is_off || sim->has_fault) {
         memset(sim->commands, 0, sizeof sim->commands);
         memset(sim->acting, 0, sizeof sim->acting);
     }
-    memcpy(sim->commands[(sim->period + 1) % SLOTS], sim->commands[sim->period % SLOTS],
-           sizeof sim->acting);
+    memcpy(sim->commands[(sim->period + 1) % SLOTS], sim->commands[sim->period % SLOTS], sizeof sim->acting);
 }
 
 /*
@@ -113,8 +111,7 @@ static void advance(struct sim *sim, double time, const struct hand_target *targ
 {
     struct sim_transition over[2];
     for (int kind = 0; kind < (int)sim->dofs / 3; kind++)
-        over[kind] = time == sim->duration ? sim->transitions[kind]
-                                           : sim_axis_transition(&sim->axes[kind], time);
+        over[kind] = time == sim->duration ? sim->transitions[kind] : sim_axis_transition(&sim->axes[kind], time);
     for (int i = 0; i < (int)sim->dofs; i++) {
         const double weight = i == 1 ? sim->weight : 0.0;
         const struct sim_load load = {
@@ -163,8 +160,7 @@ static uint32_t status_of(const struct sim *sim)
     case DPT_REASON_UNPLUGGED:
         return DPT_DEVICE_STATUS_LOST;
     case DPT_REASON_SILENT:
-        return sim->period - sim->fault_period < PERIODS_TO_LOST ? DPT_DEVICE_STATUS_READY
-                                                                 : DPT_DEVICE_STATUS_LOST;
+        return sim->period - sim->fault_period < PERIODS_TO_LOST ? DPT_DEVICE_STATUS_READY : DPT_DEVICE_STATUS_LOST;
     case DPT_REASON_UNCALIBRATED:
     case DPT_REASON_VERSION:
     case DPT_REASON_DOCKED:
@@ -188,9 +184,8 @@ static void take_sample(struct sim *sim)
     dpt_device_state *sample = &sim->sample;
     double velocity[DOFS];
     for (int i = 0; i < DOFS; i++) {
-        velocity[i] = sim->step[i / 3] > 0.0
-                          ? (sim->encoders[i] - sim->encoders_before[i]) * sim->rate
-                          : sim->motion[i].v;
+        velocity[i] =
+            sim->step[i / 3] > 0.0 ? (sim->encoders[i] - sim->encoders_before[i]) * sim->rate : sim->motion[i].v;
     }
     sample->sequence = sim->period;
     sample->time_ns = sim->began_ns + ns_of(sim, sim->period);
@@ -205,8 +200,7 @@ static void take_sample(struct sim *sim)
 
 static int is_silent(const struct sim *sim)
 {
-    return sim->has_fault &&
-           (status_of(sim) == DPT_DEVICE_STATUS_LOST || sim->fault_reason == DPT_REASON_SILENT);
+    return sim->has_fault && (status_of(sim) == DPT_DEVICE_STATUS_LOST || sim->fault_reason == DPT_REASON_SILENT);
 }
 
 /* The present period's sample goes through the line. */
@@ -218,8 +212,8 @@ static void send_sample(struct sim *sim)
         sim->counts.lost++;
         return;
     }
-    sim->is_repeated = sim->has_sample && sim->doubled > 0.0 &&
-                       draw(sim, sim->period, DRAW_SAMPLE_DOUBLED) < sim->doubled;
+    sim->is_repeated =
+        sim->has_sample && sim->doubled > 0.0 && draw(sim, sim->period, DRAW_SAMPLE_DOUBLED) < sim->doubled;
     if (sim->is_repeated)
         return;
     sim->has_sample = 1;
@@ -338,29 +332,29 @@ static void sim_info(const dpt_device *device, dpt_device_info *info)
 {
     const struct sim *sim = (const struct sim *)device;
     const int has_orientation = sim->dofs > 3.0;
-    *info = (dpt_device_info){ .pose_dofs = (uint32_t)sim->dofs,
-                               .wrench_dofs = (uint32_t)sim->dofs,
-                               .joints = (uint32_t)sim->dofs,
-                               .buttons = 32,
-                               .flags = DPT_DEVICE_FLAG_SIMULATED |
-                                        (sim->live != 0.0 ? 0 : DPT_DEVICE_FLAG_DETERMINISTIC),
-                               .rate = sim->rate,
-                               .force_max = sim->force_max,
-                               .force_continuous = sim->force_max,
-                               .torque_max = has_orientation ? sim->torque_max : 0.0,
-                               .position_step = sim->step[0],
-                               .angle_step = has_orientation ? sim->step[1] : 0.0,
-                               .mass = sim->mass[0],
-                               .inertia = has_orientation ? sim->mass[1] : 0.0,
-                               .damping = sim->damping[0],
-                               .spin_damping = has_orientation ? sim->damping[1] : 0.0,
-                               .friction = sim->friction[0],
-                               .spin_friction = has_orientation ? sim->friction[1] : 0.0,
-                               .delay = sim->delay / sim->rate + sim->lag + 0.5 * sim->jitter,
-                               .watchdog = sim->watchdog,
-                               .workspace_min = { -0.2, -0.2, -0.2 },
-                               .workspace_max = { 0.2, 0.2, 0.2 },
-                               .name = "simulated device" };
+    *info =
+        (dpt_device_info){ .pose_dofs = (uint32_t)sim->dofs,
+                           .wrench_dofs = (uint32_t)sim->dofs,
+                           .joints = (uint32_t)sim->dofs,
+                           .buttons = 32,
+                           .flags = DPT_DEVICE_FLAG_SIMULATED | (sim->live != 0.0 ? 0 : DPT_DEVICE_FLAG_DETERMINISTIC),
+                           .rate = sim->rate,
+                           .force_max = sim->force_max,
+                           .force_continuous = sim->force_max,
+                           .torque_max = has_orientation ? sim->torque_max : 0.0,
+                           .position_step = sim->step[0],
+                           .angle_step = has_orientation ? sim->step[1] : 0.0,
+                           .mass = sim->mass[0],
+                           .inertia = has_orientation ? sim->mass[1] : 0.0,
+                           .damping = sim->damping[0],
+                           .spin_damping = has_orientation ? sim->damping[1] : 0.0,
+                           .friction = sim->friction[0],
+                           .spin_friction = has_orientation ? sim->friction[1] : 0.0,
+                           .delay = sim->delay / sim->rate + sim->lag + 0.5 * sim->jitter,
+                           .watchdog = sim->watchdog,
+                           .workspace_min = { -0.2, -0.2, -0.2 },
+                           .workspace_max = { 0.2, 0.2, 0.2 },
+                           .name = "simulated device" };
 }
 
 static dpt_result sim_steer(dpt_device *device, const double position[3])
@@ -388,8 +382,7 @@ static dpt_result plan_fault(struct sim *sim, dpt_device_error *error)
         for (uint32_t bit = 1; dpt_device_reason_name(bit); bit <<= 1)
             if (!strcmp(dpt_device_reason_name(bit), sim->fault))
                 sim->fault_reason = bit;
-        if (sim->fault_reason && parse_double(at, end, &sim->fault_time) == end &&
-            sim->fault_time >= 0.0)
+        if (sim->fault_reason && parse_double(at, end, &sim->fault_time) == end && sim->fault_time >= 0.0)
             return DPT_OK;
     }
     return device_error(error, DPT_E_SETTING, "fault is not a reason and a time, as estop@1.5");
@@ -397,8 +390,7 @@ static dpt_result plan_fault(struct sim *sim, dpt_device_error *error)
 
 static dpt_result check(const struct sim *sim, dpt_device_error *error)
 {
-    if ((sim->dofs != 3.0 && sim->dofs != 6.0) || sim->live != floor(sim->live) ||
-        sim->seed != floor(sim->seed))
+    if ((sim->dofs != 3.0 && sim->dofs != 6.0) || sim->live != floor(sim->live) || sim->seed != floor(sim->seed))
         return device_error(error, DPT_E_SETTING, "dofs is 3 or 6, live 0 or 1, seed an integer");
     if (sim->jitter * sim->rate >= 1.0)
         return device_error(error, DPT_E_SETTING, "jitter is not below a period");
@@ -406,8 +398,8 @@ static dpt_result check(const struct sim *sim, dpt_device_error *error)
         return device_error(error, DPT_E_SETTING, "lag is neither 0 nor within 1e-5 and 1");
     for (int kind = 0; kind < 2; kind++)
         if (sim->stiction[kind] < sim->friction[kind])
-            return device_error(error, DPT_E_SETTING, "%sstiction is below %sfriction",
-                                kind ? "turn_" : "", kind ? "turn_" : "");
+            return device_error(error, DPT_E_SETTING, "%sstiction is below %sfriction", kind ? "turn_" : "",
+                                kind ? "turn_" : "");
     return DPT_OK;
 }
 
@@ -451,8 +443,7 @@ static dpt_result prepare(struct sim *sim, dpt_device_error *error)
     return DPT_OK;
 }
 
-static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_device **device,
-                           dpt_device_error *error)
+static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
 {
     (void)driver;
     struct sim *sim = calloc(1, sizeof *sim);
@@ -508,8 +499,8 @@ static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_devi
         { .name = "fault", .text = sim->fault, .text_bytes = sizeof sim->fault },
     };
     char address[64];
-    dpt_result result = settings_read(where, address, sizeof address, settings,
-                                      sizeof settings / sizeof *settings, NULL, error);
+    dpt_result result =
+        settings_read(where, address, sizeof address, settings, sizeof settings / sizeof *settings, NULL, error);
     if (result == DPT_OK && address[0])
         result = device_error(error, DPT_E_SETTING, "only settings, as in sim:?live=1");
     if (result == DPT_OK)

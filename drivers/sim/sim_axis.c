@@ -41,8 +41,8 @@ struct sim_transition sim_axis_transition(const struct sim_axis *axis, double ti
         memcpy(unsquared, sum, sizeof unsquared);
         for (int row = 0; row < 2; row++) {
             for (int column = 0; column < COLUMNS; column++)
-                sum[row][column] = unsquared[row][POSITION] * unsquared[0][column] +
-                                   unsquared[row][VELOCITY] * unsquared[1][column];
+                sum[row][column] =
+                    unsquared[row][POSITION] * unsquared[0][column] + unsquared[row][VELOCITY] * unsquared[1][column];
             sum[row][CONSTANT] += unsquared[row][CONSTANT];
             sum[row][DECAYING] += unsquared[row][DECAYING] * left;
         }
@@ -67,14 +67,13 @@ struct stretch {
     const struct sim_transition *whole; /* one that is known */
     double direction;                   /* 1 or -1: of the velocity, or at rest of the force */
     double v;                           /* m/s */
-    double force;    /* the constant one at time 0, with friction if it moves, N */
-    double decaying; /* the decaying one at time 0, N */
+    double force;                       /* the constant one at time 0, with friction if it moves, N */
+    double decaying;                    /* the decaying one at time 0, N */
 };
 
 static struct sim_transition over_time(const struct stretch *stretch, double time)
 {
-    return time == stretch->whole->time ? *stretch->whole
-                                        : sim_axis_transition(stretch->axis, time);
+    return time == stretch->whole->time ? *stretch->whole : sim_axis_transition(stretch->axis, time);
 }
 
 static double x_after(const struct stretch *stretch, const struct sim_transition *over)
@@ -109,16 +108,15 @@ static double rise_at(const struct stretch *stretch, double time)
         v = v_after(stretch, &over);
         decaying *= over.dd;
     }
-    return stretch->direction * (stretch->force + decaying - axis->spring * x - axis->damping * v +
-                                 axis->mass / axis->lag * v);
+    return stretch->direction *
+           (stretch->force + decaying - axis->spring * x - axis->damping * v + axis->mass / axis->lag * v);
 }
 
 /* By how much the force on an axis at rest is above stiction. */
 static double excess_at(const struct stretch *stretch, double time)
 {
     const struct sim_transition over = over_time(stretch, time);
-    return stretch->direction * (stretch->force + stretch->decaying * over.dd) -
-           stretch->axis->stiction;
+    return stretch->direction * (stretch->force + stretch->decaying * over.dd) - stretch->axis->stiction;
 }
 
 /*
@@ -126,9 +124,8 @@ static double excess_at(const struct stretch *stretch, double time)
  * the sign of `high`. If `low` has that sign too, about `low`. Of three steps two are false position, with the weight of
  * the end that stays halved, and one is a bisection.
  */
-static double locate(const struct stretch *stretch,
-                     double (*value)(const struct stretch *stretch, double time), double low,
-                     double high)
+static double locate(const struct stretch *stretch, double (*value)(const struct stretch *stretch, double time),
+                     double low, double high)
 {
     const double resolution = RESOLUTION * high;
     double at_low = value(stretch, low), at_high = value(stretch, high);
@@ -192,8 +189,7 @@ static void advance_with_friction(const struct sim_axis *axis, const struct sim_
     double left = whole->time, decaying = axis->lag > 0.0 ? motion->f - load->command : 0.0;
     while (left > 0.0) {
         const double force = load->command + load->push - axis->spring * (motion->x - load->centre);
-        struct stretch stretch = { axis,      whole, force + decaying > 0.0 ? 1.0 : -1.0,
-                                   motion->v, force, decaying };
+        struct stretch stretch = { axis, whole, force + decaying > 0.0 ? 1.0 : -1.0, motion->v, force, decaying };
         double time = 0.0;
         if (motion->v == 0.0)
             time = time_at_rest(&stretch, left);
@@ -218,8 +214,8 @@ static void advance_with_friction(const struct sim_axis *axis, const struct sim_
     motion->f = load->command + decaying;
 }
 
-void sim_axis_advance(const struct sim_axis *axis, const struct sim_transition *over,
-                      const struct sim_load *load, struct sim_motion *motion)
+void sim_axis_advance(const struct sim_axis *axis, const struct sim_transition *over, const struct sim_load *load,
+                      struct sim_motion *motion)
 {
     if (axis->stiction > 0.0) {
         advance_with_friction(axis, over, load, motion);

@@ -49,7 +49,7 @@ struct sim_transition {
 struct sim_transition sim_axis_transition(const struct sim_axis *axis, double time);
 
 /* Move the axis by the time of `over`, which is a transition of this axis. */
-void sim_axis_advance(const struct sim_axis *axis, const struct sim_transition *over,
-                      const struct sim_load *load, struct sim_motion *motion);
+void sim_axis_advance(const struct sim_axis *axis, const struct sim_transition *over, const struct sim_load *load,
+                      struct sim_motion *motion);
 
 #endif

@@ -29,8 +29,7 @@ static const struct csv_format hand_format = {
     .check_row = check_row,
 };
 
-dpt_result sim_hand_open(struct sim_hand *hand, const char *script, double reach, double cycle,
-                         dpt_device_error *error)
+dpt_result sim_hand_open(struct sim_hand *hand, const char *script, double reach, double cycle, dpt_device_error *error)
 {
     *hand = (struct sim_hand){ .reach = reach, .cycle = cycle };
     latest_value_init(&hand->steering);
@@ -77,8 +76,7 @@ static void interpolate_table(struct sim_hand *hand, double time, struct hand_ta
 
 int sim_hand_steer(struct sim_hand *hand, const double position[3])
 {
-    if (hand->kind == HAND_NONE ||
-        (hand->kind == HAND_TABLE && hand->table.header >= FIRST_FORCE_HEADER))
+    if (hand->kind == HAND_NONE || (hand->kind == HAND_TABLE && hand->table.header >= FIRST_FORCE_HEADER))
         return 0;
     memcpy(hand->wanted[hand->steering.writing], position, sizeof hand->wanted[0]);
     latest_value_publish(&hand->steering);
@@ -114,8 +112,7 @@ void sim_hand_at(struct sim_hand *hand, double time, struct hand_target *target)
     if (hand->kind == HAND_PRESS)
         target->value[1] = -hand->reach * to_and_fro(time / hand->cycle);
     if (hand->kind == HAND_WIPE) {
-        target->value[1] =
-            -hand->reach * to_and_fro(time < hand->cycle ? 0.5 * time / hand->cycle : 0.5);
+        target->value[1] = -hand->reach * to_and_fro(time < hand->cycle ? 0.5 * time / hand->cycle : 0.5);
         target->value[0] = hand->reach * (2.0 * to_and_fro(0.5 * time / hand->cycle + 0.25) - 1.0);
     }
     steer(hand, time, target);

@@ -84,12 +84,11 @@ typedef struct dpt_arm_body {
  * link, which a jaw moves in the tool.
  */
 typedef struct dpt_arm_tip {
-    uint32_t size;         /* sizeof(dpt_arm_tip) */
-    uint32_t link;         /* index of the jaw link that it is fixed to; DPT_NONE: the tool */
-    uint32_t corner_count; /* 3..DPT_HULL_CORNERS_MAX */
-    uint32_t reserved;     /* 0 */
-    const double *
-        corners; /* 3 coordinates each, m, in the frame of `link` or of the tool; in the arm's bytes */
+    uint32_t size;                /* sizeof(dpt_arm_tip) */
+    uint32_t link;                /* index of the jaw link that it is fixed to; DPT_NONE: the tool */
+    uint32_t corner_count;        /* 3..DPT_HULL_CORNERS_MAX */
+    uint32_t reserved;            /* 0 */
+    const double *corners;        /* 3 coordinates each, m, in the frame of `link` or of the tool; in the arm's bytes */
     const void *reserved_pointer; /* NULL */
     double radius;                /* m, >= 0: as that of a dpt_hull_def */
     char name[DPT_ARM_NAME];      /* of its link in the URDF */
@@ -152,8 +151,7 @@ DPT_API dpt_result dpt_arm_get_tip(const dpt_arm *arm, uint32_t index, dpt_arm_t
  *   jaws   the jaws' coordinates, rad or m: dpt_arm_info.jaws numbers, in the order of dpt_arm_get_jaw; NULL if there are
  *          none. They may lie outside of their limits
  */
-DPT_API dpt_result dpt_arm_tip_pose(const dpt_arm *arm, uint32_t index, const double *jaws,
-                                    dpt_pose *pose);
+DPT_API dpt_result dpt_arm_tip_pose(const dpt_arm *arm, uint32_t index, const double *jaws, dpt_pose *pose);
 
 /*
  * Compute the pose of the tool's frame. Its quaternion is continuous in the joints: a full turn of a joint changes the
@@ -165,8 +163,8 @@ DPT_API dpt_result dpt_arm_forward(const dpt_arm *arm, const double *joints, dpt
  * Compute how the tool's frame moves when the joints move at `rates` (rad/s or m/s): the velocity of its origin, m/s,
  * and its spin, rad/s.
  */
-DPT_API dpt_result dpt_arm_velocity(const dpt_arm *arm, const double *joints, const double *rates,
-                                    double velocity[3], double spin[3]);
+DPT_API dpt_result dpt_arm_velocity(const dpt_arm *arm, const double *joints, const double *rates, double velocity[3],
+                                    double spin[3]);
 
 /*
  * Compute the Jacobian, which maps rates to velocity and spin: 6 rows, first velocity x, y, z, then spin x, y, z, with
@@ -178,15 +176,13 @@ DPT_API dpt_result dpt_arm_jacobian(const dpt_arm *arm, const double *joints, do
  * Compute the efforts of the joints' motors, Nm or N, with which the tool exerts `wrench` on the hand; its torque is
  * about the tool's origin. This is the Jacobian's transpose (virtual work), at rest and without the arm's own weight.
  */
-DPT_API dpt_result dpt_arm_efforts(const dpt_arm *arm, const double *joints,
-                                   const dpt_wrench *wrench, double *efforts);
+DPT_API dpt_result dpt_arm_efforts(const dpt_arm *arm, const double *joints, const dpt_wrench *wrench, double *efforts);
 
 /*
  * Compute the efforts of the joints' motors, Nm or N, that hold up the arm's own weight at rest.
  *   gravity   acceleration in the root's frame, m/s^2: { 0, 0, -9.81 } if z is up
  */
-DPT_API dpt_result dpt_arm_weight(const dpt_arm *arm, const double *joints, const double gravity[3],
-                                  double *efforts);
+DPT_API dpt_result dpt_arm_weight(const dpt_arm *arm, const double *joints, const double gravity[3], double *efforts);
 
 DPT_END
 

@@ -46,8 +46,7 @@ DPT_API dpt_result dpt_route_table_create(void *block, size_t bytes, const dpt_m
                                           const dpt_route_table **table);
 
 /* As dpt_strip_route, with the table instead of a search. def.search may be 0. */
-DPT_API dpt_result dpt_strip_route_by_table(dpt_strip *strip, const dpt_route_table *table,
-                                            uint32_t from, uint32_t to);
+DPT_API dpt_result dpt_strip_route_by_table(dpt_strip *strip, const dpt_route_table *table, uint32_t from, uint32_t to);
 
 DPT_END
 

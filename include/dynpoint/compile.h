@@ -55,11 +55,10 @@ enum { DPT_REGION_BOX = 1, DPT_REGION_SPHERE = 2 };
 
 /* Where the body is of another material, or fixed. Lengths in m, in the compiled mesh's frame. Its size is final. */
 typedef struct dpt_spring_region {
-    uint32_t kind; /* DPT_REGION_... */
-    uint32_t
-        fixed; /* 1: nodes in it do not move, and young, density and drag are not read; else 0 */
-    double box[6]; /* a box: lowest x, y, z, highest x, y, z. A sphere: x, y, z, its radius, 0, 0 */
-    double young;  /* Pa */
+    uint32_t kind;  /* DPT_REGION_... */
+    uint32_t fixed; /* 1: nodes in it do not move, and young, density and drag are not read; else 0 */
+    double box[6];  /* a box: lowest x, y, z, highest x, y, z. A sphere: x, y, z, its radius, 0, 0 */
+    double young;   /* Pa */
     double density; /* kg/m^3 */
     double drag;    /* 1/s */
 } dpt_spring_region;
@@ -78,16 +77,15 @@ typedef struct dpt_spring_region {
  * its own place. In a volume, a vertex is fixed by fixing the nodes that it follows.
  */
 typedef struct dpt_spring_net_def {
-    uint32_t size;  /* sizeof(dpt_spring_net_def) */
-    uint32_t kind;  /* DPT_NET_... */
-    double young;   /* Young's modulus, Pa, at most 1e12; default 5000 */
-    double density; /* kg/m^3, at most 1e9; default 1000 */
-    double drag;    /* 1/s, at most 1e9: damps motion against the body's frame; default none */
-    double
-        viscosity; /* s, at most 1e9: a spring's damping is that times its stiffness; default none */
-    double thickness; /* of a sheet, at most 1e6; default 0.001 */
-    double bending;   /* of a sheet: Young's modulus of the bending springs, Pa; default none */
-    double spacing;   /* of the lattice; default: the box of the closed parts holds 20,000 cells */
+    uint32_t size;                    /* sizeof(dpt_spring_net_def) */
+    uint32_t kind;                    /* DPT_NET_... */
+    double young;                     /* Young's modulus, Pa, at most 1e12; default 5000 */
+    double density;                   /* kg/m^3, at most 1e9; default 1000 */
+    double drag;                      /* 1/s, at most 1e9: damps motion against the body's frame; default none */
+    double viscosity;                 /* s, at most 1e9: a spring's damping is that times its stiffness; default none */
+    double thickness;                 /* of a sheet, at most 1e6; default 0.001 */
+    double bending;                   /* of a sheet: Young's modulus of the bending springs, Pa; default none */
+    double spacing;                   /* of the lattice; default: the box of the closed parts holds 20,000 cells */
     const dpt_spring_region *regions; /* region_count of them */
     const uint32_t *fixed;            /* fixed_count vertices, by their number in the source */
     uint32_t region_count;
@@ -113,7 +111,7 @@ typedef struct dpt_compile_def {
 
     /* An edge is a crease if the normals of its triangles differ by more than this; rad; 0: pi / 3; pi: no creases. */
     double crease;
-    uint32_t threads; /* the most threads to use, the calling one included; at most 64; 0 means 1 */
+    uint32_t threads;  /* the most threads to use, the calling one included; at most 64; 0 means 1 */
     uint32_t reserved; /* 0 */
 
     /*
@@ -175,13 +173,11 @@ typedef struct dpt_compiled {
  *   vertices  vertex_count times x, y, z
  *   corners   triangle_count times three vertex numbers, from 0
  */
-DPT_API dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_compiled *out,
-                                    dpt_diag *diag);
-DPT_API dpt_result dpt_compile_bytes(const void *source, size_t size, const dpt_compile_def *def,
-                                     dpt_compiled *out, dpt_diag *diag);
-DPT_API dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count,
-                                      const uint32_t *corners, size_t triangle_count,
-                                      const dpt_compile_def *def, dpt_compiled *out,
+DPT_API dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag);
+DPT_API dpt_result dpt_compile_bytes(const void *source, size_t size, const dpt_compile_def *def, dpt_compiled *out,
+                                     dpt_diag *diag);
+DPT_API dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const uint32_t *corners,
+                                      size_t triangle_count, const dpt_compile_def *def, dpt_compiled *out,
                                       dpt_diag *diag);
 
 /*
@@ -237,8 +233,8 @@ DPT_API dpt_result dpt_compile_arm(const dpt_arm_def *def, dpt_compiled *out, dp
  * It takes up to a second for 10^5 points. DPT_E_ARGUMENT: the points lie on one line, or nearly. DPT_E_FINITE.
  * DPT_E_MEMORY.
  */
-DPT_API dpt_result dpt_compile_hull(const double *points, size_t point_count, double *corners,
-                                    uint32_t capacity, uint32_t *corner_count, double *radius);
+DPT_API dpt_result dpt_compile_hull(const double *points, size_t point_count, double *corners, uint32_t capacity,
+                                    uint32_t *corner_count, double *radius);
 
 /* Free the bytes, and set the struct to {NULL, 0}. NULL and {NULL, 0} are allowed. */
 DPT_API void dpt_compiled_free(dpt_compiled *compiled);

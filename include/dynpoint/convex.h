@@ -20,21 +20,17 @@ DPT_BEGIN
 
 /* Shapes. All but the hull lie along z, with their centre at the origin of their own frame. */
 enum {
-    DPT_CONVEX_KIND_CONE =
-        0, /* extent: its base's diameter, 0, its length; at z = -extent[2] / 2 it is a point */
+    DPT_CONVEX_KIND_CONE = 0,      /* extent: its base's diameter, 0, its length; at z = -extent[2] / 2 it is a point */
     DPT_CONVEX_KIND_CYLINDER = 1,  /* extent: its diameter, 0, its length */
     DPT_CONVEX_KIND_ELLIPSOID = 2, /* extent: its diameters along x, y and z */
-    DPT_CONVEX_KIND_CAPSULE =
-        3, /* extent: its diameter, 0, the length between the centres of its ends */
-    DPT_CONVEX_KIND_HULL = 4 /* extent: 0, 0, 0; a hull, with its radius */
+    DPT_CONVEX_KIND_CAPSULE = 3,   /* extent: its diameter, 0, the length between the centres of its ends */
+    DPT_CONVEX_KIND_HULL = 4       /* extent: 0, 0, 0; a hull, with its radius */
 };
 
 /* Bits of dpt_convex_shape.flags. */
 enum {
-    DPT_CONVEX_FLAG_BEVEL =
-        1, /* a capsule is cut: of it only what lies at bevel.x <= bevel[3] is there */
-    DPT_CONVEX_FLAG_OUTSIDE =
-        2 /* `outside` says where the tool comes from; else it is the shape's centre */
+    DPT_CONVEX_FLAG_BEVEL = 1,  /* a capsule is cut: of it only what lies at bevel.x <= bevel[3] is there */
+    DPT_CONVEX_FLAG_OUTSIDE = 2 /* `outside` says where the tool comes from; else it is the shape's centre */
 };
 
 /*
@@ -75,9 +71,8 @@ typedef struct dpt_convex_shape {
  *
  * The corners of a hull are its own, and error is 0: its radius is not in them, give it to the dpt_hull_def.
  */
-DPT_API dpt_result dpt_convex_corners(const dpt_convex_shape *shape, uint32_t sides,
-                                      double *corners, uint32_t capacity, uint32_t *count,
-                                      double *error);
+DPT_API dpt_result dpt_convex_corners(const dpt_convex_shape *shape, uint32_t sides, double *corners, uint32_t capacity,
+                                      uint32_t *count, double *error);
 
 /*
  * How deep a shape is in a mesh.
@@ -139,9 +134,8 @@ typedef struct dpt_convex_contact {
  * DPT_E_MEMORY: there is no memory for the list of near triangles; a failed allocation within libccd is no error, but a
  * refused answer. DPT_E_LIMIT: more than 4,096 triangles are near.
  */
-DPT_API dpt_result dpt_convex_touch(const dpt_convex_shape *shape, const dpt_pose *tool_pose,
-                                    const dpt_mesh *mesh, const dpt_pose *body_pose,
-                                    dpt_convex_contact *out);
+DPT_API dpt_result dpt_convex_touch(const dpt_convex_shape *shape, const dpt_pose *tool_pose, const dpt_mesh *mesh,
+                                    const dpt_pose *body_pose, dpt_convex_contact *out);
 
 /* A body that a curved tip feels. The pose is the caller's: a shaper may not ask the world for it. Its size is final. */
 typedef struct dpt_convex_body {
@@ -185,8 +179,7 @@ typedef struct dpt_convex_shaper {
 } dpt_convex_shaper;
 
 /* A dpt_force_fn; `user` is a dpt_convex_shaper. One that is not valid adds nothing. */
-DPT_API void dpt_convex_shape_wrench(void *user, const dpt_force_report *report, double dt,
-                                     dpt_wrench *wrench);
+DPT_API void dpt_convex_shape_wrench(void *user, const dpt_force_report *report, double dt, dpt_wrench *wrench);
 
 DPT_END
 

@@ -146,8 +146,7 @@ DPT_API dpt_result dpt_coupling_for_device(const dpt_coupling_def *def, dpt_coup
  *   virtual_damping  on the difference of two samples, Ns/m
  * 0 if no stiffness is stable, or an argument is not finite, negative, or its mass or period is 0.
  */
-DPT_API double dpt_stable_stiffness(double mass, double damping, double period, double delay,
-                                    double virtual_damping);
+DPT_API double dpt_stable_stiffness(double mass, double damping, double period, double delay, double virtual_damping);
 
 DPT_END
 

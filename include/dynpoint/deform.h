@@ -37,9 +37,8 @@ DPT_BEGIN
 enum { DPT_RESPONSE_LOAD = 0, DPT_RESPONSE_DISPLACE = 1 };
 
 typedef struct dpt_deform_def {
-    uint32_t size; /* sizeof(dpt_deform_def), set by dpt_deform_def_init */
-    uint32_t
-        max_points; /* where tools push it at one time, for dpt_deform_get_loads; 1..65535; 16 */
+    uint32_t size;        /* sizeof(dpt_deform_def), set by dpt_deform_def_init */
+    uint32_t max_points;  /* where tools push it at one time, for dpt_deform_get_loads; 1..65535; 16 */
     const dpt_mesh *mesh; /* its topology, and where the vertices are at first; it must stay open */
     const dpt_pose *pose; /* of the body; read during the call; NULL: the identity */
     /*
@@ -88,8 +87,8 @@ DPT_API size_t dpt_deform_bytes(const dpt_deform_def *def);
  * Where the inside of a part can be told by winding number alone (dpt_mesh_info.winding_components), contact looks at
  * all triangles of the mesh for each point in doubt: some 100 us for 50,000 triangles. A budget counts that.
  */
-DPT_API dpt_result dpt_deform_add(dpt_world *world, void *block, size_t bytes,
-                                  const dpt_deform_def *def, dpt_body *body);
+DPT_API dpt_result dpt_deform_add(dpt_world *world, void *block, size_t bytes, const dpt_deform_def *def,
+                                  dpt_body *body);
 
 /*
  * Move `count` vertices from vertex `first` on, or those of a list, before the next step. In the step they move in
@@ -106,10 +105,9 @@ DPT_API dpt_result dpt_deform_add(dpt_world *world, void *block, size_t bytes,
  * A call on all vertices takes time in proportion to their number. One on a few takes time in proportion to the leaves
  * of the mesh's tree too, which is a hundredth of it.
  */
-DPT_API dpt_result dpt_deform_set_vertices(dpt_world *world, dpt_body body, uint32_t first,
-                                           uint32_t count, const float *positions, double bound);
-DPT_API dpt_result dpt_deform_set_vertex_list(dpt_world *world, dpt_body body,
-                                              const uint32_t *vertices, uint32_t count,
+DPT_API dpt_result dpt_deform_set_vertices(dpt_world *world, dpt_body body, uint32_t first, uint32_t count,
+                                           const float *positions, double bound);
+DPT_API dpt_result dpt_deform_set_vertex_list(dpt_world *world, dpt_body body, const uint32_t *vertices, uint32_t count,
                                               const float *positions, double bound);
 
 /*
@@ -126,8 +124,8 @@ DPT_API dpt_result dpt_deform_set_nodes(dpt_world *world, dpt_body body, const f
  * Where the vertices are: *count of them, 3 floats each, in the body's frame, m. The array is the body's own, and valid
  * until vertices move.
  */
-DPT_API dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body body,
-                                           const float **positions, uint32_t *count);
+DPT_API dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body body, const float **positions,
+                                           uint32_t *count);
 
 /* A force on a vertex, N, in the body's frame. This struct never changes. */
 typedef struct dpt_load {
@@ -153,16 +151,16 @@ typedef struct dpt_load {
  * where all the triangles at a point have collapsed: then no forces there have the wrench's moment. A tool that was
  * removed or teleported has its loads until the next step.
  */
-DPT_API dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body body, dpt_load *loads,
-                                        uint32_t capacity, uint32_t *count);
+DPT_API dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body body, dpt_load *loads, uint32_t capacity,
+                                        uint32_t *count);
 
 /*
  * The same loads on the nodes in which the vertices are embedded: four for each load on a vertex, as it is weighted.
  * `vertex` is a node then. Their moments are as exact as the vertices follow the nodes, in float. DPT_E_UNSUPPORTED: the
  * mesh was compiled without an embedding.
  */
-DPT_API dpt_result dpt_deform_get_node_loads(const dpt_world *world, dpt_body body, dpt_load *loads,
-                                             uint32_t capacity, uint32_t *count);
+DPT_API dpt_result dpt_deform_get_node_loads(const dpt_world *world, dpt_body body, dpt_load *loads, uint32_t capacity,
+                                             uint32_t *count);
 
 DPT_END
 

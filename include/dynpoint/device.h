@@ -184,8 +184,8 @@ DPT_API dpt_result dpt_device_steer(dpt_device *device, const double position[3]
  * DPT_E_FINITE: a number is not finite or is beyond DPT_COORDINATE_MAX, or the device reports no workspace.
  * DPT_E_ARGUMENT: box_max is below box_min.
  */
-DPT_API dpt_result dpt_device_map(const dpt_device_info *info, const double box_min[3],
-                                  const double box_max[3], double *scale, double offset[3]);
+DPT_API dpt_result dpt_device_map(const dpt_device_info *info, const double box_min[3], const double box_max[3],
+                                  double *scale, double offset[3]);
 
 /*
  * Fill in what a device and its rate say of a coupling (coupling.h); the fields of loop_delay, zoom, force_scale, tool and

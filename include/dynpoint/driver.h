@@ -26,8 +26,7 @@ DPT_BEGIN
 typedef struct dpt_driver dpt_driver;
 
 /* Called for each device that a driver finds: `where` as `open` takes it, and a line about the device. */
-typedef void dpt_device_found_fn(void *user, const dpt_driver *driver, const char *where,
-                                 const char *about);
+typedef void dpt_device_found_fn(void *user, const dpt_driver *driver, const char *where, const char *about);
 
 /*
  * The contract. A driver allocates its own struct, which begins with a struct dpt_device. dpt_device_open fills in that
@@ -69,8 +68,7 @@ struct dpt_driver {
     uint32_t version;  /* DPT_DRIVER_VERSION */
     const char *name;  /* one word, as "sim" or "serial" */
     const char *about; /* one line for people */
-    dpt_result (*open)(const dpt_driver *driver, const char *where, dpt_device **device,
-                       dpt_device_error *error);
+    dpt_result (*open)(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error);
     void (*info)(const dpt_device *device, dpt_device_info *info);
     dpt_result (*read)(dpt_device *device, dpt_device_state *state);
     dpt_result (*write)(dpt_device *device, const dpt_wrench *wrench);
@@ -101,8 +99,8 @@ DPT_API const dpt_driver *dpt_driver_named(const char *name);
  *
  * DPT_E_UNSUPPORTED: the driver's version or size is not served (see DPT_DRIVER_VERSION), or a function is missing.
  */
-DPT_API dpt_result dpt_device_open_with(const dpt_driver *driver, const char *where,
-                                        dpt_device **device, dpt_device_error *error);
+DPT_API dpt_result dpt_device_open_with(const dpt_driver *driver, const char *where, dpt_device **device,
+                                        dpt_device_error *error);
 
 DPT_END
 

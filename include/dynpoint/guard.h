@@ -101,8 +101,7 @@ DPT_API dpt_result dpt_guard_get_info(const dpt_guard *guard, dpt_guard_info *in
  *   ready    0: the device or its pose cannot be trusted
  *   out      zero if the guard is NULL or was not initialised, such as one whose bytes are all zero
  */
-DPT_API void dpt_guard_step(dpt_guard *guard, uint64_t now_ns, const dpt_wrench *command, int ready,
-                            dpt_wrench *out);
+DPT_API void dpt_guard_step(dpt_guard *guard, uint64_t now_ns, const dpt_wrench *command, int ready, dpt_wrench *out);
 
 DPT_END
 

@@ -57,8 +57,7 @@ DPT_API size_t dpt_hull_bytes(const dpt_hull_def *def);
  * their faces cannot be told apart. A hull that is thicker than 1e-3 of its size is always made. DPT_E_MEMORY: the block
  * is too small.
  */
-DPT_API dpt_result dpt_hull_create(void *block, size_t bytes, const dpt_hull_def *def,
-                                   const dpt_hull **hull);
+DPT_API dpt_result dpt_hull_create(void *block, size_t bytes, const dpt_hull_def *def, const dpt_hull **hull);
 
 /*
  * What a hull has.
@@ -91,17 +90,15 @@ DPT_API dpt_result dpt_hull_get_edge(const dpt_hull *hull, uint32_t edge, uint32
  *   corners  at most `capacity` are written; may be NULL if capacity is 0
  *   count    how many there are
  */
-DPT_API dpt_result dpt_hull_get_face(const dpt_hull *hull, uint32_t face, uint32_t *corners,
-                                     uint32_t capacity, uint32_t *count);
+DPT_API dpt_result dpt_hull_get_face(const dpt_hull *hull, uint32_t face, uint32_t *corners, uint32_t capacity,
+                                     uint32_t *count);
 
 /* Shapes that corners can be made for. Each holds the shape that it stands for. */
 enum {
-    DPT_HULL_KIND_BOX = 0, /* extent: its lengths along x, y and z, centre at the origin */
-    DPT_HULL_KIND_WEDGE =
-        1, /* a blade: extent as for a box; at z = -extent[2] / 2 the face is the edge y = 0 */
-    DPT_HULL_KIND_CYLINDER =
-        2, /* along z, centre at the origin: extent[0] its diameter, extent[2] its length */
-    DPT_HULL_KIND_CONE = 3 /* as the cylinder, but at z = -extent[2] / 2 it is a point */
+    DPT_HULL_KIND_BOX = 0,      /* extent: its lengths along x, y and z, centre at the origin */
+    DPT_HULL_KIND_WEDGE = 1,    /* a blade: extent as for a box; at z = -extent[2] / 2 the face is the edge y = 0 */
+    DPT_HULL_KIND_CYLINDER = 2, /* along z, centre at the origin: extent[0] its diameter, extent[2] its length */
+    DPT_HULL_KIND_CONE = 3      /* as the cylinder, but at z = -extent[2] / 2 it is a point */
 };
 
 /*
@@ -125,8 +122,8 @@ typedef struct dpt_hull_shape {
  *   corners   3 coordinates each; at most `capacity` corners are written
  *   count     how many there are; DPT_E_FULL if that is more than `capacity`
  */
-DPT_API dpt_result dpt_hull_shape_corners(const dpt_hull_shape *shape, double *corners,
-                                          uint32_t capacity, uint32_t *count);
+DPT_API dpt_result dpt_hull_shape_corners(const dpt_hull_shape *shape, double *corners, uint32_t capacity,
+                                          uint32_t *count);
 
 DPT_END
 

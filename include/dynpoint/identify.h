@@ -55,10 +55,9 @@ typedef int dpt_identify_report_fn(void *user, const dpt_identify_progress *prog
 
 /* How to measure. dpt_identify_def_init fills in the defaults, which are given last below. */
 typedef struct dpt_identify_def {
-    uint32_t size;     /* sizeof(dpt_identify_def), set by dpt_identify_def_init */
-    uint32_t may_move; /* 1: it may push the device; 0: only what needs no force is measured; 0 */
-    uint32_t
-        button; /* number of a dead man's button, as of a pedal: released, it ends the measurement;
+    uint32_t size;                  /* sizeof(dpt_identify_def), set by dpt_identify_def_init */
+    uint32_t may_move;              /* 1: it may push the device; 0: only what needs no force is measured; 0 */
+    uint32_t button;                /* number of a dead man's button, as of a pedal: released, it ends the measurement;
                           DPT_IDENTIFY_NO_BUTTON */
     uint32_t blocks;                /* seconds of pushes along each axis, 4..32; 8 */
     uint64_t seed;                  /* of the pushes' order; 1 */
@@ -74,9 +73,9 @@ enum {
     DPT_IDENTIFY_END_RELEASED = 2,     /* the dead man's button was not held */
     DPT_IDENTIFY_END_SPEED = 3,        /* faster than 0.2 m/s or 2 rad/s, over 4 ms */
     DPT_IDENTIFY_END_DISPLACEMENT = 4, /* further than 20 mm or 0.35 rad from where it began */
-    DPT_IDENTIFY_END_SAMPLES = 5,   /* more than 4 samples or commands in a row were lost or late */
-    DPT_IDENTIFY_END_NOT_READY = 6, /* the device was not ready */
-    DPT_IDENTIFY_END_LOST = 7,      /* the device was lost */
+    DPT_IDENTIFY_END_SAMPLES = 5,      /* more than 4 samples or commands in a row were lost or late */
+    DPT_IDENTIFY_END_NOT_READY = 6,    /* the device was not ready */
+    DPT_IDENTIFY_END_LOST = 7,         /* the device was lost */
     /* It was not pushed, for nothing would end a force if this program died. */
     DPT_IDENTIFY_END_NO_WATCHDOG = 8
 };
@@ -177,8 +176,7 @@ static inline void dpt_identify_def_init(dpt_identify_def *def)
  * DPT_E_MEMORY  memory ran out
  * DPT_E_SYSTEM  there is no usable clock, or the device failed to take zero force at the end
  */
-DPT_API dpt_result dpt_device_identify(dpt_device *device, const dpt_identify_def *def,
-                                       dpt_identify_result *result);
+DPT_API dpt_result dpt_device_identify(dpt_device *device, const dpt_identify_def *def, dpt_identify_result *result);
 
 /* One line of English for a DPT_IDENTIFY_END_...; "?" for any other number. */
 DPT_API const char *dpt_identify_end_text(uint32_t end);
@@ -192,8 +190,7 @@ DPT_API const char *dpt_identify_end_text(uint32_t end);
  *
  * DPT_E_OPEN, DPT_E_SYNTAX. DPT_E_LIMIT: the file has more than 64 KiB.
  */
-DPT_API dpt_result dpt_device_dynamics_read(const char *path, dpt_device_info *info,
-                                            dpt_device_error *error);
+DPT_API dpt_result dpt_device_dynamics_read(const char *path, dpt_device_info *info, dpt_device_error *error);
 
 DPT_END
 

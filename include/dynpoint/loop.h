@@ -80,22 +80,21 @@ typedef void dpt_loop_idle_fn(void *user, const dpt_loop_sample *sample);
 
 /* dpt_loop_def_init fills in the defaults, which are given last below. */
 typedef struct dpt_loop_def {
-    uint32_t size;     /* sizeof(dpt_loop_def), set by dpt_loop_def_init */
-    uint32_t priority; /* of the thread, by SCHED_FIFO, 1..99; 0: unchanged; 80 */
-    uint32_t lock;     /* 1: lock the process in memory while the loop runs, see dpt_loop_run; 1 */
-    uint32_t
-        reopen;     /* 1: call dpt_device_clear once a second while the device is lost; 0: end; 0 */
-    double rate;    /* Hz, 1..100000; 0: the device's rate, each tick soon after a sample; 0 */
-    uint64_t ticks; /* number of ticks to run; 0: until dpt_loop_stop; 0 */
-    dpt_loop_tick_fn *tick;         /* not NULL */
-    void *user;                     /* first argument of `tick` and `idle`; NULL */
-    const dpt_guard_def *guard;     /* read by dpt_loop_create; NULL: the guard's defaults; NULL */
-    const void *reserved_pointer;   /* NULL */
-    dpt_loop_idle_fn *idle;         /* called on each tick that does not call `tick`; NULL */
-    const void *reserved_pointer_2; /* NULL */
-    uint32_t cpu;      /* the thread runs on this processor alone, counted from 1; 0: on any; 0 */
-    uint32_t awake;    /* 1: processors stay out of sleep from which they wake late (Linux); 0 */
-    dpt_device *other; /* a second device, served in the same ticks; NULL */
+    uint32_t size;                    /* sizeof(dpt_loop_def), set by dpt_loop_def_init */
+    uint32_t priority;                /* of the thread, by SCHED_FIFO, 1..99; 0: unchanged; 80 */
+    uint32_t lock;                    /* 1: lock the process in memory while the loop runs, see dpt_loop_run; 1 */
+    uint32_t reopen;                  /* 1: call dpt_device_clear once a second while the device is lost; 0: end; 0 */
+    double rate;                      /* Hz, 1..100000; 0: the device's rate, each tick soon after a sample; 0 */
+    uint64_t ticks;                   /* number of ticks to run; 0: until dpt_loop_stop; 0 */
+    dpt_loop_tick_fn *tick;           /* not NULL */
+    void *user;                       /* first argument of `tick` and `idle`; NULL */
+    const dpt_guard_def *guard;       /* read by dpt_loop_create; NULL: the guard's defaults; NULL */
+    const void *reserved_pointer;     /* NULL */
+    dpt_loop_idle_fn *idle;           /* called on each tick that does not call `tick`; NULL */
+    const void *reserved_pointer_2;   /* NULL */
+    uint32_t cpu;                     /* the thread runs on this processor alone, counted from 1; 0: on any; 0 */
+    uint32_t awake;                   /* 1: processors stay out of sleep from which they wake late (Linux); 0 */
+    dpt_device *other;                /* a second device, served in the same ticks; NULL */
     const dpt_guard_def *other_guard; /* its guard, as `guard`; NULL */
 } dpt_loop_def;
 

@@ -59,17 +59,17 @@ typedef struct dpt_mesh_info {
     uint32_t dropped_degenerate; /* triangles with two equal corners, or without area */
     uint32_t dropped_duplicate;  /* triangles with the same three corners as one of lower number */
     uint32_t unused_vertices;    /* vertices of the source that no polygon uses */
-    uint32_t concave_polygons; /* polygons that are concave, and were cut into a fan all the same */
-    uint32_t open_edges;       /* edges with one triangle, counted after the dropping */
-    uint32_t nonmanifold_edges; /* edges with three triangles or more */
-    uint32_t wrong_way_edges;   /* edges that two triangles run through in the same direction */
-    uint32_t components;        /* parts: sets of triangles connected by edges */
-    uint32_t closed_components; /* parts without open and non-manifold edges, wound one way */
-    uint32_t inward_components; /* closed parts that were wound inward in the source, and turned */
-    uint32_t turned_triangles;  /* triangles whose winding the compiler reversed */
-    uint32_t tree_levels;       /* levels of boxes in the box tree */
-    double scale;               /* vertex = (float)(scale * source) */
-    double rounding;            /* largest |vertex - scale * source| of a coordinate, m */
+    uint32_t concave_polygons;   /* polygons that are concave, and were cut into a fan all the same */
+    uint32_t open_edges;         /* edges with one triangle, counted after the dropping */
+    uint32_t nonmanifold_edges;  /* edges with three triangles or more */
+    uint32_t wrong_way_edges;    /* edges that two triangles run through in the same direction */
+    uint32_t components;         /* parts: sets of triangles connected by edges */
+    uint32_t closed_components;  /* parts without open and non-manifold edges, wound one way */
+    uint32_t inward_components;  /* closed parts that were wound inward in the source, and turned */
+    uint32_t turned_triangles;   /* triangles whose winding the compiler reversed */
+    uint32_t tree_levels;        /* levels of boxes in the box tree */
+    double scale;                /* vertex = (float)(scale * source) */
+    double rounding;             /* largest |vertex - scale * source| of a coordinate, m */
     double box_min[3];
     double box_max[3];
     uint64_t source_bytes; /* length of the source file; 0 if compiled from arrays */
@@ -81,7 +81,7 @@ typedef struct dpt_mesh_info {
     uint32_t winding_components; /* of these, parts whose inside only the winding number tells */
     uint32_t buried_components;  /* of these, parts that lie wholly within another one */
     /* Since format 3. 0 for an older file. */
-    uint32_t crease_edges; /* edges with two triangles whose normals differ by more than `crease` */
+    uint32_t crease_edges;        /* edges with two triangles whose normals differ by more than `crease` */
     uint32_t normalless_vertices; /* vertices where parts meet in a point, or face normals cancel */
     double crease;                /* limit of the angle between face normals, rad */
     /* Since format 4. DPT_NONE, 0 and DPT_NONE for an older file: not known. */
@@ -100,7 +100,7 @@ typedef struct dpt_mesh_info {
     double viscosity;        /* s: the damping of a spring is that times its stiffness */
     double spring_mass;      /* of the body, kg: fixed nodes counted as if they were free */
     double poisson;          /* Poisson's ratio of the net: 1/3 of a sheet, 1/4 of a volume */
-    double stable_step; /* largest stable step of symplectic Euler without damping, s; a bound */
+    double stable_step;      /* largest stable step of symplectic Euler without damping, s; a bound */
 } dpt_mesh_info;
 
 /*
@@ -122,8 +122,7 @@ typedef struct dpt_mesh_section {
 } dpt_mesh_section;
 
 /* Get section `index`, from 0. DPT_E_ARGUMENT if there is no such section. */
-DPT_API dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index,
-                                        dpt_mesh_section *section);
+DPT_API dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index, dpt_mesh_section *section);
 
 /*
  * Get the three corners of a triangle, x, y, z each, in the mesh's frame, m. `number` is its source number. It is wound
@@ -139,8 +138,8 @@ DPT_API dpt_result dpt_mesh_get_triangle(const dpt_mesh *mesh, uint32_t number, 
  *   numbers   the source number of each of these triangles; NULL if you do not need them
  */
 DPT_API dpt_result dpt_mesh_get_vertices(const dpt_mesh *mesh, const float **xyz, uint32_t *count);
-DPT_API dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t **corners,
-                                          const uint32_t **numbers, uint32_t *count);
+DPT_API dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t **corners, const uint32_t **numbers,
+                                          uint32_t *count);
 
 /*
  * Get the number in the source of each vertex, for a program that moves its own array of the source's vertices:
@@ -152,8 +151,7 @@ DPT_API dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t *
  * those that a polygon uses. A vertex that no polygon uses has none here. An STL has three vertices for each triangle,
  * in the order of the file. DPT_E_UNSUPPORTED for a file before format 5.
  */
-DPT_API dpt_result dpt_mesh_get_vertex_sources(const dpt_mesh *mesh, const uint32_t **sources,
-                                               uint32_t *count);
+DPT_API dpt_result dpt_mesh_get_vertex_sources(const dpt_mesh *mesh, const uint32_t **sources, uint32_t *count);
 
 /*
  * Get the embedding of the vertices in a mesh of tetrahedra, usually a coarser one that somebody's physics moves. It is
@@ -171,8 +169,8 @@ DPT_API dpt_result dpt_mesh_get_vertex_sources(const dpt_mesh *mesh, const uint3
  * weights of 0..1, but for rounding. One outside of all cells has some below 0. The arrays lie in the mesh's bytes.
  * Without an embedding, also in a file before format 5, both are NULL and *node_count is 0.
  */
-DPT_API dpt_result dpt_mesh_get_embedding(const dpt_mesh *mesh, const uint32_t **nodes,
-                                          const float **weights, uint32_t *node_count);
+DPT_API dpt_result dpt_mesh_get_embedding(const dpt_mesh *mesh, const uint32_t **nodes, const float **weights,
+                                          uint32_t *node_count);
 
 /* Masses and springs of a mesh that was compiled with dpt_compile_def.springs. The arrays lie in the mesh's bytes. */
 typedef struct dpt_mesh_springs {
@@ -210,8 +208,7 @@ DPT_API dpt_result dpt_mesh_get_springs(const dpt_mesh *mesh, dpt_mesh_springs *
  * The file holds the normals, in float. Where it holds none (an older file, loose triangles, a vertex that several
  * parts share), the call computes them, in time linear in the triangles at the vertex.
  */
-DPT_API dpt_result dpt_mesh_get_vertex_normals(const dpt_mesh *mesh, uint32_t number,
-                                               double normals[9]);
+DPT_API dpt_result dpt_mesh_get_vertex_normals(const dpt_mesh *mesh, uint32_t number, double normals[9]);
 
 /*
  * Flags of edge and corner k = 0, 1, 2 of a triangle: a bit below, shifted left by k. Edge k runs from corner k to the
@@ -220,13 +217,12 @@ DPT_API dpt_result dpt_mesh_get_vertex_normals(const dpt_mesh *mesh, uint32_t nu
 enum {
     DPT_EDGE_BORDER = 0x1,      /* one triangle */
     DPT_EDGE_NONMANIFOLD = 0x8, /* three triangles or more */
-    DPT_EDGE_CREASE = 0x40 /* two triangles; normals differ by more than dpt_mesh_info.crease */
+    DPT_EDGE_CREASE = 0x40      /* two triangles; normals differ by more than dpt_mesh_info.crease */
 };
 enum { DPT_CORNER_BORDER = 0x200, DPT_CORNER_NONMANIFOLD = 0x1000, DPT_CORNER_CREASE = 0x8000 };
 
 /* Get the flags of a triangle by its source number. DPT_E_UNSUPPORTED for a file before format 3. */
-DPT_API dpt_result dpt_mesh_get_triangle_flags(const dpt_mesh *mesh, uint32_t number,
-                                               uint32_t *flags);
+DPT_API dpt_result dpt_mesh_get_triangle_flags(const dpt_mesh *mesh, uint32_t number, uint32_t *flags);
 
 DPT_END
 

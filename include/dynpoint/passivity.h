@@ -26,15 +26,15 @@ DPT_BEGIN
 typedef struct dpt_passivity_def {
     uint32_t size;         /* sizeof(dpt_passivity_def), set by dpt_passivity_def_init */
     uint32_t observe_only; /* 1: the wrench stays as it is; 0 */
-    double damping;      /* of the device, Ns/m, 0..1e6; 0.8 of what it takes away is credited; 0 */
-    double spin_damping; /* likewise, Nms/rad; 0 */
-    double force_max;    /* of the guard, N, 0..1000; 5 */
-    double torque_max;   /* of the guard, Nm, 0..1000; 0.2 */
-    double force_slew;   /* of the guard, N/s; 0: unlimited; 2000 */
-    double torque_slew;  /* of the guard, Nm/s; 0: unlimited; 80 */
-    double delay;      /* s: from a command to its effect; counted in whole samples, at most 7; 0 */
-    double reserve;    /* J, 0..1: what the account holds at most above the law's energy; 0.01 */
-    double body_power; /* W, 0..1000: what moving bodies are credited at most; 1 */
+    double damping;        /* of the device, Ns/m, 0..1e6; 0.8 of what it takes away is credited; 0 */
+    double spin_damping;   /* likewise, Nms/rad; 0 */
+    double force_max;      /* of the guard, N, 0..1000; 5 */
+    double torque_max;     /* of the guard, Nm, 0..1000; 0.2 */
+    double force_slew;     /* of the guard, N/s; 0: unlimited; 2000 */
+    double torque_slew;    /* of the guard, Nm/s; 0: unlimited; 80 */
+    double delay;          /* s: from a command to its effect; counted in whole samples, at most 7; 0 */
+    double reserve;        /* J, 0..1: what the account holds at most above the law's energy; 0.01 */
+    double body_power;     /* W, 0..1000: what moving bodies are credited at most; 1 */
 } dpt_passivity_def;
 
 /* The memory of an observer, used like dpt_guard. dpt_passivity_get_info reports what it saw. */
@@ -114,8 +114,7 @@ DPT_API dpt_result dpt_passivity_get_info(const dpt_passivity *passivity, dpt_pa
  *
  * DPT_E_ARGUMENT, DPT_E_FINITE, DPT_E_POSE: the wrench is zero, and the sample is not booked.
  */
-DPT_API dpt_result dpt_passivity_step(dpt_passivity *passivity, const dpt_passivity_sample *sample,
-                                      dpt_wrench *wrench);
+DPT_API dpt_result dpt_passivity_step(dpt_passivity *passivity, const dpt_passivity_sample *sample, dpt_wrench *wrench);
 
 DPT_END
 

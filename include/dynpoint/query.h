@@ -45,9 +45,8 @@ typedef struct dpt_query_def {
  * call returns DPT_E_FINITE. In the same way it returns DPT_E_LAYOUT if the boxes of a forged mesh do not hold its
  * triangles. Any other forged mesh gives wrong answers, but no unsafe reads.
  */
-DPT_API dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose,
-                                      const double *ends, const double *radii, size_t n,
-                                      dpt_hit *hits, const dpt_query_def *def);
+DPT_API dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const double *ends,
+                                      const double *radii, size_t n, dpt_hit *hits, const dpt_query_def *def);
 
 /*
  * Find the nearest pair of one segment and one triangle, in double. Every method computes its answers by this function.
@@ -60,8 +59,8 @@ DPT_API dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose
  * the call returns infinity and writes safe outputs. Lengths below 1e-60 count as 0. The error is a few units in the
  * last place of the largest coordinate; docs/algorithms/distance.md has its bound.
  */
-DPT_API double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s,
-                                    double p[3], double q[3]);
+DPT_API double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s, double p[3],
+                                    double q[3]);
 
 /* A point p of a segment, at s in 0..1 of it, a point q of a triangle, and how far they are apart. */
 typedef struct dpt_segment_pair {
@@ -85,8 +84,7 @@ enum { DPT_SEGMENT_PAIRS_MAX = 5 };
  * their distances is that of the segment and the triangle, unless the segment goes through the triangle. So a capsule
  * whose axis does not is free of the triangle if all of them are farther apart than its radius.
  */
-DPT_API uint32_t dpt_segment_triangle_pairs(const double segment[6], const double triangle[9],
-                                            dpt_segment_pair *pairs);
+DPT_API uint32_t dpt_segment_triangle_pairs(const double segment[6], const double triangle[9], dpt_segment_pair *pairs);
 
 /*
  * Find the nearest pair of a hull and the mesh.
@@ -111,9 +109,8 @@ DPT_API dpt_result dpt_query_hull(const dpt_mesh *mesh, const dpt_pose *pose, co
  *   triangles  their source numbers, at most `capacity`; may be NULL if capacity is 0
  *   count      how many there are, which may be more than `capacity`
  */
-DPT_API dpt_result dpt_query_triangles(const dpt_mesh *mesh, const dpt_pose *pose,
-                                       const double ends[6], double reach, uint32_t *triangles,
-                                       uint32_t capacity, uint32_t *count);
+DPT_API dpt_result dpt_query_triangles(const dpt_mesh *mesh, const dpt_pose *pose, const double ends[6], double reach,
+                                       uint32_t *triangles, uint32_t capacity, uint32_t *count);
 
 DPT_END
 

@@ -36,11 +36,10 @@ DPT_BEGIN
  *          has no zero. NULL is no text. Of a header that was read it points into the recording, and a zero follows it
  */
 typedef struct dpt_record_header {
-    uint32_t size; /* sizeof(dpt_record_header), set by the caller */
-    uint32_t
-        writer_version; /* DPT_VERSION_NUMBER of the library that wrote it; not used for writing */
-    double rate;        /* ticks a second, Hz, 0..1e9; 0: not known */
-    uint64_t began_ns;  /* time of day of its beginning, ns since 1970, UTC; 0: not known */
+    uint32_t size;           /* sizeof(dpt_record_header), set by the caller */
+    uint32_t writer_version; /* DPT_VERSION_NUMBER of the library that wrote it; not used for writing */
+    double rate;             /* ticks a second, Hz, 0..1e9; 0: not known */
+    uint64_t began_ns;       /* time of day of its beginning, ns since 1970, UTC; 0: not known */
     const char *text;
     size_t text_bytes; /* length of the text, at most DPT_RECORD_TEXT_MAX */
 } dpt_record_header;
@@ -122,8 +121,8 @@ DPT_API size_t dpt_record_header_bytes(const dpt_record_header *header);
  * DPT_E_FINITE: the rate is out of range. DPT_E_LIMIT: the text is too long. DPT_E_ARGUMENT: it has a zero in it.
  * DPT_E_MEMORY: it does not fit into `capacity` bytes.
  */
-DPT_API dpt_result dpt_record_header_write(const dpt_record_header *header, void *bytes,
-                                           size_t capacity, size_t *written);
+DPT_API dpt_result dpt_record_header_write(const dpt_record_header *header, void *bytes, size_t capacity,
+                                           size_t *written);
 
 /*
  * Read a header. The bytes may be aligned anyhow, and go on with records or not.
@@ -132,8 +131,7 @@ DPT_API dpt_result dpt_record_header_write(const dpt_record_header *header, void
  * DPT_E_MAGIC: this is no recording. DPT_E_VERSION: it is newer than this library. DPT_E_TRUNCATED: it is cut off within
  * the header. DPT_E_LAYOUT, DPT_E_CHECKSUM, DPT_E_FINITE: it is damaged.
  */
-DPT_API dpt_result dpt_record_header_read(const void *bytes, size_t size, dpt_record_header *header,
-                                          size_t *at);
+DPT_API dpt_result dpt_record_header_read(const void *bytes, size_t size, dpt_record_header *header, size_t *at);
 
 /* The bytes of one record as this release writes it, a multiple of 8. */
 DPT_API size_t dpt_record_bytes(void);
@@ -145,8 +143,8 @@ DPT_API size_t dpt_record_bytes(void);
  *
  * DPT_E_MEMORY: they do not fit into `capacity` bytes; nothing was written.
  */
-DPT_API dpt_result dpt_record_write(const dpt_record *records, uint32_t count, void *bytes,
-                                    size_t capacity, size_t *written);
+DPT_API dpt_result dpt_record_write(const dpt_record *records, uint32_t count, void *bytes, size_t capacity,
+                                    size_t *written);
 
 /*
  * Read records from byte *at on, until `capacity` are read or one is not sound. Records of kinds that this release does
@@ -159,8 +157,8 @@ DPT_API dpt_result dpt_record_write(const dpt_record *records, uint32_t count, v
  *   DPT_E_LAYOUT, DPT_E_CHECKSUM   it is damaged. To find those behind it, try from each next byte on
  * A damaged length can look like a cut. It is damage if a sound record follows.
  */
-DPT_API dpt_result dpt_record_read(const void *bytes, size_t size, size_t *at, dpt_record *records,
-                                   uint32_t capacity, uint32_t *count);
+DPT_API dpt_result dpt_record_read(const void *bytes, size_t size, size_t *at, dpt_record *records, uint32_t capacity,
+                                   uint32_t *count);
 
 DPT_END
 

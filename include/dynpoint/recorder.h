@@ -26,9 +26,8 @@ typedef struct dpt_recorder dpt_recorder;
 
 /* dpt_recorder_def_init fills in the defaults, which are given last below. */
 typedef struct dpt_recorder_def {
-    uint32_t size; /* sizeof(dpt_recorder_def), set by dpt_recorder_def_init */
-    uint32_t
-        capacity; /* records that the ring holds, a power of two, 2..2^20; 4096: 4 s at 1 kHz, 2 MB */
+    uint32_t size;     /* sizeof(dpt_recorder_def), set by dpt_recorder_def_init */
+    uint32_t capacity; /* records that the ring holds, a power of two, 2..2^20; 4096: 4 s at 1 kHz, 2 MB */
     /* 1: a push waits until there is room. For a device with a time of its own, to which nothing is late; 0 */
     uint32_t wait;
     uint32_t reserved; /* 0 */
@@ -61,8 +60,8 @@ static inline void dpt_recorder_def_init(dpt_recorder_def *def)
  * DPT_E_OPEN: the file cannot be opened. DPT_E_WRITE: the header cannot be written; a new file is removed. For both,
  * errno says why. DPT_E_SYSTEM: there is no thread. Those of dpt_record_header_write.
  */
-DPT_API dpt_result dpt_recorder_open(const char *path, const dpt_record_header *header,
-                                     const dpt_recorder_def *def, dpt_recorder **recorder);
+DPT_API dpt_result dpt_recorder_open(const char *path, const dpt_record_header *header, const dpt_recorder_def *def,
+                                     dpt_recorder **recorder);
 
 /*
  * Hand over a record. The recorder sets its running number. It never blocks, allocates or calls the system, unless

@@ -79,8 +79,7 @@ static inline void dpt_selftest_def_init(dpt_selftest_def *def)
  * DPT_E_CANCELLED  the report function ended the test; there is no force
  * DPT_E_SYSTEM     there is no usable clock
  */
-DPT_API dpt_result dpt_device_selftest(dpt_device *device, const dpt_selftest_def *def,
-                                       dpt_selftest_counts *counts);
+DPT_API dpt_result dpt_device_selftest(dpt_device *device, const dpt_selftest_def *def, dpt_selftest_counts *counts);
 
 /*
  * The same from open to close, by a driver. It also tests that the device opens again and, if may_move is 1, that close
@@ -89,8 +88,8 @@ DPT_API dpt_result dpt_device_selftest(dpt_device *device, const dpt_selftest_de
  *
  * If the device does not open, the last line is that failure, and the result is that of dpt_device_open_with.
  */
-DPT_API dpt_result dpt_driver_selftest(const dpt_driver *driver, const char *where,
-                                       const dpt_selftest_def *def, dpt_selftest_counts *counts);
+DPT_API dpt_result dpt_driver_selftest(const dpt_driver *driver, const char *where, const dpt_selftest_def *def,
+                                       dpt_selftest_counts *counts);
 
 DPT_END
 

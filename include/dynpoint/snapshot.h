@@ -65,8 +65,8 @@ DPT_API size_t dpt_snapshot_bytes(const dpt_world *world, const dpt_snapshot_def
  *
  * DPT_E_MEMORY: it does not fit into `capacity` bytes; nothing was written. DPT_E_LIMIT: a field of def is out of range.
  */
-DPT_API dpt_result dpt_world_take_snapshot(const dpt_world *world, const dpt_snapshot_def *def,
-                                           void *block, size_t capacity, size_t *bytes);
+DPT_API dpt_result dpt_world_take_snapshot(const dpt_world *world, const dpt_snapshot_def *def, void *block,
+                                           size_t capacity, size_t *bytes);
 
 /* Bits of dpt_snapshot_info.flags: there was no room for all of them. */
 enum {
@@ -210,16 +210,13 @@ typedef struct dpt_snapshot_strip {
  * Read one item. DPT_E_ARGUMENT: there is none with this index; the item is empty then. The errors of
  * dpt_snapshot_get_info.
  */
-DPT_API dpt_result dpt_snapshot_get_body(const void *block, size_t bytes, uint32_t index,
-                                         dpt_snapshot_body *body);
-DPT_API dpt_result dpt_snapshot_get_tool(const void *block, size_t bytes, uint32_t index,
-                                         dpt_snapshot_tool *tool);
+DPT_API dpt_result dpt_snapshot_get_body(const void *block, size_t bytes, uint32_t index, dpt_snapshot_body *body);
+DPT_API dpt_result dpt_snapshot_get_tool(const void *block, size_t bytes, uint32_t index, dpt_snapshot_tool *tool);
 DPT_API dpt_result dpt_snapshot_get_segment(const void *block, size_t bytes, uint32_t index,
                                             dpt_snapshot_segment *segment);
 DPT_API dpt_result dpt_snapshot_get_contact(const void *block, size_t bytes, uint32_t index,
                                             dpt_snapshot_contact *contact);
-DPT_API dpt_result dpt_snapshot_get_strip(const void *block, size_t bytes, uint32_t index,
-                                          dpt_snapshot_strip *strip);
+DPT_API dpt_result dpt_snapshot_get_strip(const void *block, size_t bytes, uint32_t index, dpt_snapshot_strip *strip);
 
 /*
  * Copy vertices, in the frame of their body, in the order of dpt_mesh_get_vertices.
@@ -227,8 +224,8 @@ DPT_API dpt_result dpt_snapshot_get_strip(const void *block, size_t bytes, uint3
  *
  * DPT_E_ARGUMENT: there are not so many; nothing is copied.
  */
-DPT_API dpt_result dpt_snapshot_get_vertices(const void *block, size_t bytes, uint32_t first,
-                                             uint32_t count, float *xyz);
+DPT_API dpt_result dpt_snapshot_get_vertices(const void *block, size_t bytes, uint32_t first, uint32_t count,
+                                             float *xyz);
 
 DPT_END
 

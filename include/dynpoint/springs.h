@@ -92,8 +92,7 @@ DPT_API size_t dpt_springs_bytes(const dpt_springs_def *def);
  *
  * DPT_E_UNSUPPORTED: the mesh has no springs, or this machine does not have the kernel.
  */
-DPT_API dpt_result dpt_springs_create(void *block, size_t bytes, const dpt_springs_def *def,
-                                      dpt_springs **springs);
+DPT_API dpt_result dpt_springs_create(void *block, size_t bytes, const dpt_springs_def *def, dpt_springs **springs);
 
 /* How many nodes there are; 0 for NULL. */
 DPT_API uint32_t dpt_springs_count(const dpt_springs *springs);
@@ -137,15 +136,14 @@ typedef struct dpt_springs_report {
  *   DPT_E_FINITE    a load is not finite or too large; or a coordinate would exceed DPT_COORDINATE_MAX, or a speed 1e9
  *   DPT_E_ARGUMENT  dt or a node is out of range
  */
-DPT_API dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads,
-                                    uint32_t count, dpt_springs_report *report);
+DPT_API dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
+                                    dpt_springs_report *report);
 
 /*
  * Where the nodes are and how fast: 3 floats each, m and m/s; `count` is dpt_springs_count. `speeds` may be NULL.
  * DPT_E_ARGUMENT: another count.
  */
-DPT_API dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count,
-                                         float *positions, float *speeds);
+DPT_API dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count, float *positions, float *speeds);
 
 /*
  * Put `count` nodes, from `first` on, somewhere else, and wake them and their neighbours. Nodes that are fixed are fixed
@@ -156,14 +154,13 @@ DPT_API dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t co
  *
  * DPT_E_FINITE, DPT_E_ARGUMENT: nothing has changed.
  */
-DPT_API dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, uint32_t count,
-                                         const float *positions, const float *speeds);
+DPT_API dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, uint32_t count, const float *positions,
+                                         const float *speeds);
 
 /*
  * J: what the springs hold, and what moves. Neither may be NULL. It costs as much as a substep.
  */
-DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *elastic,
-                                          double *kinetic);
+DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *elastic, double *kinetic);
 
 /*
  * After a step of the world: springs take what tools did to the body, go on by dt, and the body's vertices are where the
@@ -181,8 +178,8 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  * dpt_springs_step; or a vertex would leave the body's box, and none has moved. In the last case alone the springs have
  * gone on.
  */
-DPT_API dpt_result dpt_deform_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs,
-                                           double dt, dpt_springs_report *report);
+DPT_API dpt_result dpt_deform_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs, double dt,
+                                           dpt_springs_report *report);
 
 DPT_END
 

@@ -29,8 +29,7 @@ typedef struct dpt_strip_def {
 DPT_API size_t dpt_strip_bytes(const dpt_strip_def *def);
 
 /* Make an empty strip in `block`, which is aligned to 8 and has at least dpt_strip_bytes(def) bytes. */
-DPT_API dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *def,
-                                    dpt_strip **strip);
+DPT_API dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *def, dpt_strip **strip);
 
 /* Bits of a strip's flags. */
 enum {
@@ -45,8 +44,7 @@ enum {
  * NULL, and *count is 0.
  *   flags   DPT_STRIP_FLAG_...; may be NULL
  */
-DPT_API const uint32_t *dpt_strip_get_triangles(const dpt_strip *strip, uint32_t *count,
-                                                uint32_t *flags);
+DPT_API const uint32_t *dpt_strip_get_triangles(const dpt_strip *strip, uint32_t *count, uint32_t *flags);
 
 /*
  * Fill the strip with the route from one triangle to another, both included. A route is a shortest path over triangles
@@ -63,15 +61,13 @@ DPT_API const uint32_t *dpt_strip_get_triangles(const dpt_strip *strip, uint32_t
  *
  * On an error the strip is empty. A route of more triangles than the capacity is cut, with DPT_STRIP_FLAG_FULL.
  */
-DPT_API dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint32_t from,
-                                   uint32_t to);
+DPT_API dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint32_t from, uint32_t to);
 
 /*
  * Fill the strip with the paper's strip: the route from a to p and the route from b to p, each triangle once. a and b
  * are the triangles nearest to the tool's ends, p is the triangle nearest to the tool.
  */
-DPT_API dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b,
-                                    uint32_t p);
+DPT_API dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b, uint32_t p);
 
 /*
  * The shadow of a segment AB: all points
@@ -142,10 +138,9 @@ typedef struct dpt_overlap {
  *   overlaps  set overlaps[0].size: it is the stride of the array
  *   count     becomes the number of triangles in the strip, which may be above `capacity`
  */
-DPT_API dpt_result dpt_strip_overlaps(const dpt_strip *strip, const dpt_mesh *mesh,
-                                      const dpt_pose *pose, const dpt_segment *segment,
-                                      int32_t side, dpt_overlap *overlaps, uint32_t capacity,
-                                      uint32_t *count);
+DPT_API dpt_result dpt_strip_overlaps(const dpt_strip *strip, const dpt_mesh *mesh, const dpt_pose *pose,
+                                      const dpt_segment *segment, int32_t side, dpt_overlap *overlaps,
+                                      uint32_t capacity, uint32_t *count);
 
 DPT_END
 

@@ -19,7 +19,7 @@ DPT_BEGIN
 
 /* One tip. The world keeps the pointer: the hull must stay where it is while the tool has the tip. */
 typedef struct dpt_tip {
-    uint32_t size; /* sizeof(dpt_tip), set by the caller; in an array, set that of the first item */
+    uint32_t size;     /* sizeof(dpt_tip), set by the caller; in an array, set that of the first item */
     uint32_t reserved; /* 0 */
     const dpt_hull *hull;
     /* Where the hull's frame is in the tool's; read by the call. NULL: the same frame. */
@@ -45,8 +45,7 @@ typedef struct dpt_tip {
  * proxy (DPT_LAW_PROXY) in a world that responds, or is free. While a tool has tips, its law stays, and it cannot be made
  * free.
  */
-DPT_API dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_tip *tips,
-                                     uint32_t count);
+DPT_API dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_tip *tips, uint32_t count);
 
 /*
  * Say where a tip is to be in its tool's frame from the next step on, as a jaw that opens or closes. It moves there: its
@@ -69,12 +68,10 @@ DPT_API dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_
  *
  * For the tool's centre and for what its turns weigh, a tip counts where dpt_tool_set_tips put it.
  */
-DPT_API dpt_result dpt_tool_set_tip_pose(dpt_world *world, dpt_tool tool, uint32_t tip,
-                                         const dpt_pose *pose);
+DPT_API dpt_result dpt_tool_set_tip_pose(dpt_world *world, dpt_tool tool, uint32_t tip, const dpt_pose *pose);
 
 /* Where a tip stood in its tool's frame at the end of the last step; hits, contacts and snapshots are of that place. */
-DPT_API dpt_result dpt_tool_get_tip_pose(const dpt_world *world, dpt_tool tool, uint32_t tip,
-                                         dpt_pose *pose);
+DPT_API dpt_result dpt_tool_get_tip_pose(const dpt_world *world, dpt_tool tool, uint32_t tip, dpt_pose *pose);
 
 DPT_END
 

@@ -81,8 +81,7 @@ static inline void dpt_urdf_def_init(dpt_urdf_def *def)
  *   DPT_E_LIMIT        too many joints, links, capsules, bodies or bytes, or a name that is too long
  *   DPT_E_ARGUMENT     the tool is not in the file, or is one of several links and was not named; def is out of range
  */
-DPT_API dpt_result dpt_urdf_compile_file(const char *path, const dpt_urdf_def *def,
-                                         dpt_compiled *out, dpt_diag *diag);
+DPT_API dpt_result dpt_urdf_compile_file(const char *path, const dpt_urdf_def *def, dpt_compiled *out, dpt_diag *diag);
 
 DPT_END
 

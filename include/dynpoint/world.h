@@ -154,8 +154,7 @@ DPT_API size_t dpt_world_bytes(const dpt_world_def *def);
  *
  * DPT_E_UNSUPPORTED: this machine does not have the kernel.
  */
-DPT_API dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *def,
-                                    dpt_world **world);
+DPT_API dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *def, dpt_world **world);
 
 /* Forget all earlier steps: every tool is as if it had just been added. Poses, settings and user values stay. */
 DPT_API dpt_result dpt_world_reset(dpt_world *world);
@@ -195,8 +194,7 @@ DPT_API uint32_t dpt_world_get_kernel(const dpt_world *world);
  *
  * dpt_body_get_pose returns the last valid pose. `user` is a value of the caller's own, 0 at first.
  */
-DPT_API dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
-                                dpt_body *body);
+DPT_API dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose, dpt_body *body);
 DPT_API dpt_result dpt_body_remove(dpt_world *world, dpt_body body);
 DPT_API dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *pose);
 DPT_API dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *pose);
@@ -232,10 +230,8 @@ typedef struct dpt_body_settings {
     double stiffness;
 } dpt_body_settings;
 
-DPT_API dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body,
-                                         const dpt_body_settings *settings);
-DPT_API dpt_result dpt_body_get_settings(const dpt_world *world, dpt_body body,
-                                         dpt_body_settings *settings);
+DPT_API dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body_settings *settings);
+DPT_API dpt_result dpt_body_get_settings(const dpt_world *world, dpt_body body, dpt_body_settings *settings);
 
 /* 1 if the world has a body with this id, else 0. Any number is allowed. */
 DPT_API int dpt_body_is_valid(const dpt_world *world, dpt_body body);
@@ -254,12 +250,10 @@ DPT_API int dpt_body_is_valid(const dpt_world *world, dpt_body body);
  * dpt_tool_get_pose returns the last valid pose, or the identity while the tool is free. `user` is a value of the
  * caller's own, 0 at first.
  */
-DPT_API dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count,
-                                dpt_tool *tool);
+DPT_API dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count, dpt_tool *tool);
 DPT_API dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool);
 DPT_API dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *pose);
-DPT_API dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool,
-                                         const dpt_segment *segments, uint32_t count);
+DPT_API dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segment *segments, uint32_t count);
 DPT_API dpt_result dpt_tool_teleport(dpt_world *world, dpt_tool tool, const dpt_pose *pose);
 DPT_API dpt_result dpt_tool_get_pose(const dpt_world *world, dpt_tool tool, dpt_pose *pose);
 DPT_API dpt_result dpt_tool_set_user(dpt_world *world, dpt_tool tool, uint64_t user);
@@ -283,11 +277,10 @@ DPT_API dpt_result dpt_tool_get_user(const dpt_world *world, dpt_tool tool, uint
  * Errors are those of dpt_tool_set_pose and dpt_tool_set_segments. They leave outputs and the tool as they were. A
  * clearance that is not finite or beyond DPT_COORDINATE_MAX is DPT_E_FINITE.
  */
-DPT_API dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_pose *pose,
-                                     double clearance, dpt_sweep *first, dpt_pose *reached);
-DPT_API dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool,
-                                         const dpt_segment *segments, uint32_t count,
-                                         double clearance, dpt_sweep *first, dpt_segment *reached);
+DPT_API dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_pose *pose, double clearance,
+                                     dpt_sweep *first, dpt_pose *reached);
+DPT_API dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dpt_segment *segments,
+                                         uint32_t count, double clearance, dpt_sweep *first, dpt_segment *reached);
 
 /*
  * Settings of a tool; used like dpt_body_settings. DPT_LAW_PROXY for a free tool of several segments is
@@ -319,10 +312,8 @@ typedef struct dpt_tool_settings {
     uint32_t near_only;
 } dpt_tool_settings;
 
-DPT_API dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool,
-                                         const dpt_tool_settings *settings);
-DPT_API dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool,
-                                         dpt_tool_settings *settings);
+DPT_API dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool_settings *settings);
+DPT_API dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, dpt_tool_settings *settings);
 
 /*
  * The pose of the tool's proxy, from the last step: of its frame, in the world; of a free tool that of a frame whose
@@ -375,8 +366,7 @@ DPT_API dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out);
 DPT_API dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit);
 
 /* The same of one segment of the tool, from 0. */
-DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint32_t segment,
-                                            dpt_hit *hit);
+DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint32_t segment, dpt_hit *hit);
 
 /*
  * The tool's contacts, from the last step. They are sorted by segment. Within a segment they are grouped by body, in no
@@ -384,12 +374,11 @@ DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool too
  *   contacts   at most `capacity` are written. contacts[0].size must be set. May be NULL if capacity is 0
  *   count      how many there are, which may be more than `capacity`
  */
-DPT_API dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool,
-                                         dpt_contact *contacts, uint32_t capacity, uint32_t *count);
+DPT_API dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_contact *contacts,
+                                         uint32_t capacity, uint32_t *count);
 
 /* The first touch of a segment of the tool (counted from 0) between the last two steps. A proxy has none. */
-DPT_API dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment,
-                                      dpt_sweep *sweep);
+DPT_API dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment, dpt_sweep *sweep);
 
 /*
  * The strip of a segment (counted from 0), and the overlap of the segment with each of its triangles, as
@@ -398,9 +387,8 @@ DPT_API dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uin
  * connected.
  *   flags   DPT_STRIP_FLAG_...; may be NULL
  */
-DPT_API dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t segment,
-                                      dpt_overlap *overlaps, uint32_t capacity, uint32_t *count,
-                                      uint32_t *flags);
+DPT_API dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t segment, dpt_overlap *overlaps,
+                                      uint32_t capacity, uint32_t *count, uint32_t *flags);
 
 /*
  * Whether a tool feels a force in the last step, and if not, why. The first of these that holds:
@@ -484,8 +472,7 @@ typedef struct dpt_force_report {
 } dpt_force_report;
 
 /* On an error, `reason` is DPT_FORCE_STALE and the wrench is zero. */
-DPT_API dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool,
-                                             dpt_force_report *force);
+DPT_API dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool, dpt_force_report *force);
 
 /*
  * A function of the program's own that shapes a tool's wrench: a guide, a vibration, another law. It is called in each
@@ -497,11 +484,9 @@ DPT_API dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool to
  * takes is its own affair: the report's energy is that of the law. A NULL function ends it. It stays through
  * dpt_world_reset and changes of settings.
  */
-typedef void (*dpt_force_fn)(void *user, const dpt_force_report *report, double dt,
-                             dpt_wrench *wrench);
+typedef void (*dpt_force_fn)(void *user, const dpt_force_report *report, double dt, dpt_wrench *wrench);
 
-DPT_API dpt_result dpt_tool_set_shaper(dpt_world *world, dpt_tool tool, dpt_force_fn shape,
-                                       void *user);
+DPT_API dpt_result dpt_tool_set_shaper(dpt_world *world, dpt_tool tool, dpt_force_fn shape, void *user);
 
 /* The wrench of dpt_tool_get_force_report alone; zero on an error. */
 DPT_API dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench *wrench);

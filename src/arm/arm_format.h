@@ -181,12 +181,10 @@ static inline const struct arm_corner *arm_corners(const struct dpt_arm *arm)
 /* The offset at which the records end, by the header's counts. */
 static inline uint64_t arm_records_end(const struct dpt_arm *arm)
 {
-    return arm->header_bytes + arm->joints * sizeof(struct arm_joint) +
-           arm->links * sizeof(struct arm_link) + arm->segments * sizeof(dpt_segment) +
-           arm->bodies * sizeof(struct arm_body) + arm_jaw_count(arm) * sizeof(struct arm_joint) +
-           arm_jaw_link_count(arm) * sizeof(struct arm_link) +
-           arm_tip_count(arm) * sizeof(struct arm_tip) +
-           arm_corner_count(arm) * sizeof(struct arm_corner);
+    return arm->header_bytes + arm->joints * sizeof(struct arm_joint) + arm->links * sizeof(struct arm_link) +
+           arm->segments * sizeof(dpt_segment) + arm->bodies * sizeof(struct arm_body) +
+           arm_jaw_count(arm) * sizeof(struct arm_joint) + arm_jaw_link_count(arm) * sizeof(struct arm_link) +
+           arm_tip_count(arm) * sizeof(struct arm_tip) + arm_corner_count(arm) * sizeof(struct arm_corner);
 }
 
 /* The checksum that a file of these bytes should have. `bytes` may be in either byte order. */
@@ -197,13 +195,12 @@ static inline uint32_t arm_crc(const void *bytes, size_t size)
     crc32_init(&crc);
     memcpy(&header, bytes, sizeof header);
     header.crc32 = 0;
-    return crc32_more(&crc, crc32_of(&crc, &header, sizeof header),
-                      (const char *)bytes + sizeof header, size - sizeof header);
+    return crc32_more(&crc, crc32_of(&crc, &header, sizeof header), (const char *)bytes + sizeof header,
+                      size - sizeof header);
 }
 
 /* List some links from the first without a parent to `link`; `link` is the last one. Returns their number. */
-static inline uint32_t arm_path(const struct arm_link *links, uint32_t link,
-                                uint8_t path[DPT_ARM_LINKS_MAX])
+static inline uint32_t arm_path(const struct arm_link *links, uint32_t link, uint8_t path[DPT_ARM_LINKS_MAX])
 {
     uint32_t count = 0, at = 0;
     for (uint32_t i = link; i != DPT_NONE; i = links[i].parent)

@@ -52,14 +52,12 @@ static dpt_result write_joint(const struct arm_joint *record, dpt_arm_joint *joi
 
 dpt_result dpt_arm_get_joint(const dpt_arm *arm, uint32_t index, dpt_arm_joint *joint)
 {
-    return arm && joint && index < arm->joints ? write_joint(&arm_joints(arm)[index], joint)
-                                               : DPT_E_ARGUMENT;
+    return arm && joint && index < arm->joints ? write_joint(&arm_joints(arm)[index], joint) : DPT_E_ARGUMENT;
 }
 
 dpt_result dpt_arm_get_jaw(const dpt_arm *arm, uint32_t index, dpt_arm_joint *jaw)
 {
-    return arm && jaw && index < arm_jaw_count(arm) ? write_joint(&arm_jaws(arm)[index], jaw)
-                                                    : DPT_E_ARGUMENT;
+    return arm && jaw && index < arm_jaw_count(arm) ? write_joint(&arm_jaws(arm)[index], jaw) : DPT_E_ARGUMENT;
 }
 
 static dpt_result write_link(const struct arm_link *record, dpt_arm_link *link)
@@ -82,15 +80,13 @@ static dpt_result write_link(const struct arm_link *record, dpt_arm_link *link)
 
 dpt_result dpt_arm_get_link(const dpt_arm *arm, uint32_t index, dpt_arm_link *link)
 {
-    return arm && link && index < arm->links ? write_link(&arm_links(arm)[index], link)
-                                             : DPT_E_ARGUMENT;
+    return arm && link && index < arm->links ? write_link(&arm_links(arm)[index], link) : DPT_E_ARGUMENT;
 }
 
 dpt_result dpt_arm_get_jaw_link(const dpt_arm *arm, uint32_t index, dpt_arm_link *link)
 {
-    return arm && link && index < arm_jaw_link_count(arm)
-               ? write_link(&arm_jaw_links(arm)[index], link)
-               : DPT_E_ARGUMENT;
+    return arm && link && index < arm_jaw_link_count(arm) ? write_link(&arm_jaw_links(arm)[index], link)
+                                                          : DPT_E_ARGUMENT;
 }
 
 dpt_result dpt_arm_get_tip(const dpt_arm *arm, uint32_t index, dpt_arm_tip *tip)

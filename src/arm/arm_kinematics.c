@@ -30,13 +30,11 @@ static void shift(struct moving_frame *frame, uint32_t joint_count, vec3 displac
 }
 
 /* Move the frame from the parent of `link` to `link`, whose joint has the coordinate `joint`. */
-static void apply_link(struct moving_frame *frame, uint32_t joint_count,
-                       const struct arm_link *link, double joint)
+static void apply_link(struct moving_frame *frame, uint32_t joint_count, const struct arm_link *link, double joint)
 {
     const double motion = link->factor * joint + link->offset;
     shift(frame, joint_count, quaternion_turn(frame->orientation, vec3_of(link->pose.position)));
-    frame->orientation =
-        quaternion_product(frame->orientation, quaternion_of(link->pose.orientation));
+    frame->orientation = quaternion_product(frame->orientation, quaternion_of(link->pose.orientation));
     const vec3 axis = quaternion_turn(frame->orientation, vec3_of(link->axis));
     if (link->slides) {
         shift(frame, joint_count, scaled(axis, motion));
@@ -44,8 +42,8 @@ static void apply_link(struct moving_frame *frame, uint32_t joint_count,
     } else {
         double sine, cosine;
         turn_sincos(motion / FOUR_PI, &sine, &cosine);
-        frame->orientation = quaternion_product(
-            frame->orientation, (struct quaternion){ cosine, scaled(vec3_of(link->axis), sine) });
+        frame->orientation =
+            quaternion_product(frame->orientation, (struct quaternion){ cosine, scaled(vec3_of(link->axis), sine) });
         frame->spin[link->joint] = along(frame->spin[link->joint], link->factor, axis);
     }
 }
@@ -54,8 +52,8 @@ static void apply_link(struct moving_frame *frame, uint32_t joint_count,
  * Find the frame of link number `link`, shifted to `point` in that link's frame, and how it moves with the first
  * joint_count joints.
  */
-static void find_frame(const struct dpt_arm *arm, const double *joints, uint32_t joint_count,
-                       uint32_t link, const double *point, struct moving_frame *frame)
+static void find_frame(const struct dpt_arm *arm, const double *joints, uint32_t joint_count, uint32_t link,
+                       const double *point, struct moving_frame *frame)
 {
     uint8_t path[DPT_ARM_LINKS_MAX];
     const uint32_t count = arm_path(arm_links(arm), link, path);
@@ -68,8 +66,7 @@ static void find_frame(const struct dpt_arm *arm, const double *joints, uint32_t
 }
 
 /* Find the frame at the tool's origin. It has the orientation of the tool's link. */
-static void find_tool(const struct dpt_arm *arm, const double *joints, uint32_t joint_count,
-                      struct moving_frame *frame)
+static void find_tool(const struct dpt_arm *arm, const double *joints, uint32_t joint_count, struct moving_frame *frame)
 {
     find_frame(arm, joints, joint_count, arm->tool_link, arm->tool.position, frame);
 }
@@ -89,8 +86,7 @@ dpt_result dpt_arm_forward(const dpt_arm *arm, const double *joints, dpt_pose *t
     DPT_TRY(check_numbers(joints, arm->joints));
     struct moving_frame frame;
     find_tool(arm, joints, 0, &frame);
-    const struct quaternion orientation =
-        quaternion_product(frame.orientation, quaternion_of(arm->tool.orientation));
+    const struct quaternion orientation = quaternion_product(frame.orientation, quaternion_of(arm->tool.orientation));
     vec3_store(frame.origin, tool->position);
     tool->orientation[0] = orientation.w;
     vec3_store(orientation.v, tool->orientation + 1);
@@ -114,8 +110,8 @@ dpt_result dpt_arm_tip_pose(const dpt_arm *arm, uint32_t index, const double *ja
     return DPT_OK;
 }
 
-dpt_result dpt_arm_velocity(const dpt_arm *arm, const double *joints, const double *rates,
-                            double velocity[3], double spin[3])
+dpt_result dpt_arm_velocity(const dpt_arm *arm, const double *joints, const double *rates, double velocity[3],
+                            double spin[3])
 {
     if (!arm || !joints || !rates || !velocity || !spin)
         return DPT_E_ARGUMENT;
@@ -150,8 +146,7 @@ dpt_result dpt_arm_jacobian(const dpt_arm *arm, const double *joints, double *ja
     return DPT_OK;
 }
 
-dpt_result dpt_arm_efforts(const dpt_arm *arm, const double *joints, const dpt_wrench *wrench,
-                           double *efforts)
+dpt_result dpt_arm_efforts(const dpt_arm *arm, const double *joints, const dpt_wrench *wrench, double *efforts)
 {
     if (!arm || !joints || !wrench || !efforts)
         return DPT_E_ARGUMENT;
@@ -166,8 +161,7 @@ dpt_result dpt_arm_efforts(const dpt_arm *arm, const double *joints, const dpt_w
     return DPT_OK;
 }
 
-dpt_result dpt_arm_weight(const dpt_arm *arm, const double *joints, const double gravity[3],
-                          double *efforts)
+dpt_result dpt_arm_weight(const dpt_arm *arm, const double *joints, const double gravity[3], double *efforts)
 {
     if (!arm || !joints || !gravity || !efforts)
         return DPT_E_ARGUMENT;

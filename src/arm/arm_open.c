@@ -28,8 +28,8 @@ static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, in
 }
 
 /* The same for a damaged field. `field` points into the file at `arm`. */
-static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct dpt_arm *arm,
-                          int section, const void *field)
+static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct dpt_arm *arm, int section,
+                          const void *field)
 {
     return fail(fault, code, (uint64_t)((const char *)field - (const char *)arm), section);
 }
@@ -98,8 +98,8 @@ static dpt_result check_meshes_place(const struct dpt_arm *arm, dpt_mesh_fault *
     return DPT_OK;
 }
 
-static dpt_result check_range(const struct dpt_arm *arm, int section, const double *number,
-                              int count, double min, double max, dpt_mesh_fault *fault)
+static dpt_result check_range(const struct dpt_arm *arm, int section, const double *number, int count, double min,
+                              double max, dpt_mesh_fault *fault)
 {
     for (int i = 0; i < count; i++)
         if (!(number[i] >= min && number[i] <= max))
@@ -108,14 +108,14 @@ static dpt_result check_range(const struct dpt_arm *arm, int section, const doub
 }
 
 /* Check coordinates, in m or rad. */
-static dpt_result check_coordinates(const struct dpt_arm *arm, int section, const double *number,
-                                    int count, dpt_mesh_fault *fault)
+static dpt_result check_coordinates(const struct dpt_arm *arm, int section, const double *number, int count,
+                                    dpt_mesh_fault *fault)
 {
     return check_range(arm, section, number, count, -DPT_COORDINATE_MAX, DPT_COORDINATE_MAX, fault);
 }
 
-static dpt_result check_unit(const struct dpt_arm *arm, int section, const double *number,
-                             int count, dpt_mesh_fault *fault)
+static dpt_result check_unit(const struct dpt_arm *arm, int section, const double *number, int count,
+                             dpt_mesh_fault *fault)
 {
     double square = 0.0;
     for (int i = 0; i < count; i++)
@@ -125,16 +125,14 @@ static dpt_result check_unit(const struct dpt_arm *arm, int section, const doubl
     return DPT_OK;
 }
 
-static dpt_result check_pose(const struct dpt_arm *arm, int section, const dpt_pose *pose,
-                             dpt_mesh_fault *fault)
+static dpt_result check_pose(const struct dpt_arm *arm, int section, const dpt_pose *pose, dpt_mesh_fault *fault)
 {
     DPT_TRY(check_coordinates(arm, section, pose->position, 3, fault));
     return check_unit(arm, section, pose->orientation, 4, fault);
 }
 
 /* Check that a name ends in a zero and that only zeros follow: the same name is then the same bytes. */
-static dpt_result check_name(const struct dpt_arm *arm, int section, const char *name,
-                             dpt_mesh_fault *fault)
+static dpt_result check_name(const struct dpt_arm *arm, int section, const char *name, dpt_mesh_fault *fault)
 {
     int has_ended = 0;
     for (int i = 0; i < DPT_ARM_NAME; i++) {
@@ -164,8 +162,8 @@ static dpt_result check_joint(const struct dpt_arm *arm, int section, const stru
 }
 
 /* One of some links, which so many joints move. */
-static dpt_result check_link(const struct dpt_arm *arm, int section, const struct arm_link *links,
-                             uint32_t index, uint32_t joints, dpt_mesh_fault *fault)
+static dpt_result check_link(const struct dpt_arm *arm, int section, const struct arm_link *links, uint32_t index,
+                             uint32_t joints, dpt_mesh_fault *fault)
 {
     const struct arm_link *link = &links[index];
     if (link->bytes != sizeof *link)
@@ -187,9 +185,8 @@ static dpt_result check_link(const struct dpt_arm *arm, int section, const struc
 }
 
 /* Check that each of some joints moves at least one of the links in the way of its kind. */
-static dpt_result check_moved(const struct dpt_arm *arm, int section,
-                              const struct arm_joint *joints, uint32_t joint_count,
-                              const struct arm_link *links, uint32_t link_count,
+static dpt_result check_moved(const struct dpt_arm *arm, int section, const struct arm_joint *joints,
+                              uint32_t joint_count, const struct arm_link *links, uint32_t link_count,
                               dpt_mesh_fault *fault)
 {
     uint32_t moved = 0;
@@ -225,8 +222,8 @@ static dpt_result check_tips(const struct dpt_arm *arm, dpt_mesh_fault *fault)
         DPT_TRY(check_joint(arm, ARM_JAWS, &arm_jaws(arm)[i], fault));
     for (uint32_t i = 0; i < arm_jaw_link_count(arm); i++)
         DPT_TRY(check_link(arm, ARM_JAW_LINKS, arm_jaw_links(arm), i, arm_jaw_count(arm), fault));
-    DPT_TRY(check_moved(arm, ARM_JAWS, arm_jaws(arm), arm_jaw_count(arm), arm_jaw_links(arm),
-                        arm_jaw_link_count(arm), fault));
+    DPT_TRY(check_moved(arm, ARM_JAWS, arm_jaws(arm), arm_jaw_count(arm), arm_jaw_links(arm), arm_jaw_link_count(arm),
+                        fault));
     for (uint32_t i = 0; i < arm_tip_count(arm); i++) {
         const struct arm_tip *tip = &arm_tips(arm)[i];
         if (tip->bytes != sizeof *tip)
@@ -258,8 +255,7 @@ static dpt_result check_content(const struct dpt_arm *arm, dpt_mesh_fault *fault
     if (arm->tool_link >= arm->links)
         return fail_at(fault, DPT_E_INDEX, arm, ARM_HEADER, &arm->tool_link);
     DPT_TRY(check_order(arm, fault));
-    DPT_TRY(check_moved(arm, ARM_JOINTS, arm_joints(arm), arm->joints, arm_links(arm), arm->links,
-                        fault));
+    DPT_TRY(check_moved(arm, ARM_JOINTS, arm_joints(arm), arm->joints, arm_links(arm), arm->links, fault));
     DPT_TRY(check_pose(arm, ARM_HEADER, &arm->tool, fault));
     DPT_TRY(check_name(arm, ARM_HEADER, arm->name, fault));
     DPT_TRY(check_name(arm, ARM_HEADER, arm->root_name, fault));
@@ -268,8 +264,7 @@ static dpt_result check_content(const struct dpt_arm *arm, dpt_mesh_fault *fault
         const dpt_segment *segment = &arm_segments(arm)[i];
         DPT_TRY(check_coordinates(arm, ARM_SEGMENTS, segment->a, 3, fault));
         DPT_TRY(check_coordinates(arm, ARM_SEGMENTS, segment->b, 3, fault));
-        DPT_TRY(
-            check_range(arm, ARM_SEGMENTS, &segment->radius, 1, 0.0, DPT_COORDINATE_MAX, fault));
+        DPT_TRY(check_range(arm, ARM_SEGMENTS, &segment->radius, 1, 0.0, DPT_COORDINATE_MAX, fault));
     }
     for (uint32_t i = 0; i < arm->bodies; i++) {
         DPT_TRY(check_pose(arm, ARM_BODIES, &arm_bodies(arm)[i].pose, fault));
@@ -300,8 +295,7 @@ static dpt_result check_meshes(const struct dpt_arm *arm, void *bytes, dpt_mesh_
  * Check all up to the byte order, and copy the header to `arm` in the file's byte order. If the file is shorter than
  * the header, the rest of `arm` is zero.
  */
-static dpt_result read_header(const void *bytes, size_t size, struct dpt_arm *arm,
-                              dpt_mesh_fault *fault)
+static dpt_result read_header(const void *bytes, size_t size, struct dpt_arm *arm, dpt_mesh_fault *fault)
 {
     const size_t min_bytes = sizeof arm->magic + 8;
     if (!bytes)

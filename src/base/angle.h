@@ -39,8 +39,7 @@ static inline double solid_turns(vec3 a, vec3 b, vec3 c)
     double height = fabs(volume), width = fabs(sides);
     if (!(height > 0.0))
         return 0.0;
-    double angle = height > width ? 0.25 * ANGLE_TURN - arctangent(width / height)
-                                  : arctangent(height / width);
+    double angle = height > width ? 0.25 * ANGLE_TURN - arctangent(width / height) : arctangent(height / width);
     if (sides < 0.0)
         angle = 0.5 * ANGLE_TURN - angle;
     return (volume < 0.0 ? -angle : angle) / ANGLE_TURN;

@@ -28,8 +28,8 @@ static inline double box_distance(const struct box *a, const struct box *b)
 /* 1 if two boxes touch or overlap. */
 static inline int box_meets(const struct box *a, const struct box *b)
 {
-    return a->low.x <= b->high.x && b->low.x <= a->high.x && a->low.y <= b->high.y &&
-           b->low.y <= a->high.y && a->low.z <= b->high.z && b->low.z <= a->high.z;
+    return a->low.x <= b->high.x && b->low.x <= a->high.x && a->low.y <= b->high.y && b->low.y <= a->high.y &&
+           a->low.z <= b->high.z && b->low.z <= a->high.z;
 }
 
 /* The least box that holds both. */

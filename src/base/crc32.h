@@ -30,17 +30,15 @@ static inline void crc32_init(struct crc32 *crc)
 }
 
 /* Continue a checksum: `before` is that of the bytes in front, 0 where there are none. Returns that of all bytes. */
-static inline uint32_t crc32_more(const struct crc32 *crc, uint32_t before, const void *bytes,
-                                  size_t size)
+static inline uint32_t crc32_more(const struct crc32 *crc, uint32_t before, const void *bytes, size_t size)
 {
     const unsigned char *b = bytes;
     uint32_t c = ~before;
     for (; size >= 8; size -= 8, b += 8) {
-        uint32_t low = c ^ ((uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 |
-                            (uint32_t)b[3] << 24);
-        c = crc->table[7][low & 255] ^ crc->table[6][low >> 8 & 255] ^
-            crc->table[5][low >> 16 & 255] ^ crc->table[4][low >> 24] ^ crc->table[3][b[4]] ^
-            crc->table[2][b[5]] ^ crc->table[1][b[6]] ^ crc->table[0][b[7]];
+        uint32_t low = c ^ ((uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24);
+        c = crc->table[7][low & 255] ^ crc->table[6][low >> 8 & 255] ^ crc->table[5][low >> 16 & 255] ^
+            crc->table[4][low >> 24] ^ crc->table[3][b[4]] ^ crc->table[2][b[5]] ^ crc->table[1][b[6]] ^
+            crc->table[0][b[7]];
     }
     while (size--)
         c = (c >> 8) ^ crc->table[0][(c ^ *b++) & 255];

@@ -68,8 +68,7 @@ static inline dpt_pose pose_middle(const dpt_pose *from, const dpt_pose *to)
         square += sum * sum;
     }
     for (int k = 0; k < 4; k++)
-        middle.orientation[k] =
-            square > 0.25 ? middle.orientation[k] / sqrt(square) : from->orientation[k];
+        middle.orientation[k] = square > 0.25 ? middle.orientation[k] / sqrt(square) : from->orientation[k];
     return middle;
 }
 

@@ -43,8 +43,7 @@ static inline int handle_fits(uint32_t handle, uint32_t kind, const struct slot 
  * The index of the free slot, of `count` that are `stride` bytes apart, that was freed longest ago; `count` if none
  * is free.
  */
-static inline uint32_t slot_to_use(const struct slot *first, size_t stride, uint32_t count,
-                                   uint32_t freed_count)
+static inline uint32_t slot_to_use(const struct slot *first, size_t stride, uint32_t count, uint32_t freed_count)
 {
     uint32_t best = count, longest = 0;
     for (uint32_t i = 0; i < count; i++) {
@@ -61,8 +60,7 @@ static inline uint32_t slot_to_use(const struct slot *first, size_t stride, uint
 static inline void slot_release(struct slot *slot, uint32_t *freed_count)
 {
     slot->used = 0;
-    slot->generation =
-        (uint16_t)(slot->generation == HANDLE_GENERATION_MAX ? 1 : slot->generation + 1);
+    slot->generation = (uint16_t)(slot->generation == HANDLE_GENERATION_MAX ? 1 : slot->generation + 1);
     slot->freed_order = ++*freed_count;
 }
 

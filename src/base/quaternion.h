@@ -64,8 +64,7 @@ static inline vec3 quaternion_rotation_vector(struct quaternion q)
     const double sine = length(q.v), cosine = fabs(q.w);
     if (!(sine > 0.0))
         return (vec3){ 0.0, 0.0, 0.0 };
-    const double half =
-        sine <= cosine ? arctangent(sine / cosine) : 0.25 * ANGLE_TURN - arctangent(cosine / sine);
+    const double half = sine <= cosine ? arctangent(sine / cosine) : 0.25 * ANGLE_TURN - arctangent(cosine / sine);
     return scaled(q.v, (q.w < 0.0 ? -2.0 : 2.0) * half / sine);
 }
 
@@ -81,8 +80,7 @@ static inline struct quaternion quaternion_of_turn(vec3 a, vec3 b)
     const vec3 other = fabs(a.x) < 0.6 ? (vec3){ 1.0, 0.0, 0.0 } : (vec3){ 0.0, 1.0, 0.0 };
     const struct quaternion half = { 0.0, unit_of(cross(a, other)) };
     const vec3 back = scaled(a, -1.0);
-    return quaternion_product(
-        quaternion_unit((struct quaternion){ 1.0 + dot(back, b), cross(back, b) }), half);
+    return quaternion_product(quaternion_unit((struct quaternion){ 1.0 + dot(back, b), cross(back, b) }), half);
 }
 
 /* The least turn that takes the unit vector a to the unit vector b; about any axis across a where they are opposite. */

@@ -5,11 +5,11 @@
 #include "dynpoint/result.h"
 
 /* Return the code of a call that failed. */
-#define DPT_TRY(call)                                                                              \
-    do {                                                                                           \
-        dpt_result try_result = (call);                                                            \
-        if (try_result != DPT_OK)                                                                  \
-            return try_result;                                                                     \
+#define DPT_TRY(call)                                                                                                  \
+    do {                                                                                                               \
+        dpt_result try_result = (call);                                                                                \
+        if (try_result != DPT_OK)                                                                                      \
+            return try_result;                                                                                         \
     } while (0)
 
 #endif

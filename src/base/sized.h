@@ -41,8 +41,7 @@ static inline const void *sized_item(const void *array, size_t i)
  * Copy a caller's input of `size` bytes into `own`, which has `today` bytes and holds the defaults and its own size.
  * first: the size in the first release. On an error `own` stays as it was.
  */
-static inline dpt_result sized_take(const void *given, uint32_t size, size_t first, void *own,
-                                    size_t today)
+static inline dpt_result sized_take(const void *given, uint32_t size, size_t first, void *own, size_t today)
 {
     const size_t known = size < today ? size : today;
     if (size < first || size > SIZED_MAX)
@@ -50,8 +49,7 @@ static inline dpt_result sized_take(const void *given, uint32_t size, size_t fir
     for (size_t i = today; i < size; i++)
         if (((const unsigned char *)given)[i])
             return DPT_E_UNSUPPORTED;
-    memcpy((unsigned char *)own + sizeof size, (const unsigned char *)given + sizeof size,
-           known - sizeof size);
+    memcpy((unsigned char *)own + sizeof size, (const unsigned char *)given + sizeof size, known - sizeof size);
     return DPT_OK;
 }
 
@@ -76,8 +74,7 @@ static inline void sized_write(void *out, uint32_t size, const void *own, size_t
 {
     const size_t known = size < today ? size : today;
     memcpy(out, &size, sizeof size);
-    memcpy((unsigned char *)out + sizeof size, (const unsigned char *)own + sizeof size,
-           known - sizeof size);
+    memcpy((unsigned char *)out + sizeof size, (const unsigned char *)own + sizeof size, known - sizeof size);
     memset((unsigned char *)out + known, 0, size - known);
 }
 

@@ -31,13 +31,11 @@ static uint32_t edge_end(const struct model *model, uint32_t half, int higher)
 
 static int same_edge(const struct model *model, uint32_t a, uint32_t b)
 {
-    return edge_end(model, a, 0) == edge_end(model, b, 0) &&
-           edge_end(model, a, 1) == edge_end(model, b, 1);
+    return edge_end(model, a, 0) == edge_end(model, b, 0) && edge_end(model, a, 1) == edge_end(model, b, 1);
 }
 
 /* Sort half-edges by one end: a stable counting sort. `first` is scratch of vertex_count + 1 words. */
-static void sort_by_end(const struct model *model, const uint32_t *in, uint32_t *out,
-                        uint32_t *first, int higher)
+static void sort_by_end(const struct model *model, const uint32_t *in, uint32_t *out, uint32_t *first, int higher)
 {
     size_t count = 3 * (size_t)model->triangle_count;
     memset(first, 0, ((size_t)model->vertex_count + 1) * sizeof *first);
@@ -184,13 +182,11 @@ static void wind_part(struct model *model, struct part *part, uint32_t start, ui
 {
     uint32_t turned_count = 0;
     size_t reached_count;
-    int is_orientable =
-        find_turned(model, start, model->is_turned, queue, &turned_count, &reached_count);
+    int is_orientable = find_turned(model, start, model->is_turned, queue, &turned_count, &reached_count);
     int is_consistent = is_orientable && reached_count == part->triangles;
     uint8_t minority = 2 * (uint64_t)turned_count <= part->triangles ? TURNED : AS_READ;
     for (size_t i = 0; i < reached_count; i++)
-        model->is_turned[queue[i]] =
-            is_consistent && model->is_turned[queue[i]] == minority ? TURNED : AS_READ;
+        model->is_turned[queue[i]] = is_consistent && model->is_turned[queue[i]] == minority ? TURNED : AS_READ;
     if (!part->nonmanifold_edges)
         part->flags |= MESH_PART_MANIFOLD;
     if (part->open_edges || part->nonmanifold_edges || !is_orientable)
@@ -243,8 +239,7 @@ dpt_result model_adjacency(struct model *model, soup *source)
     model->neighbours = model_alloc(source, count, sizeof *model->neighbours);
     model->fans = model_alloc(source, count, sizeof *model->fans);
     model->part_of = model_alloc(source, model->triangle_count, sizeof *model->part_of);
-    model->fan_first =
-        model_alloc(source, (size_t)model->vertex_count + 1, sizeof *model->fan_first);
+    model->fan_first = model_alloc(source, (size_t)model->vertex_count + 1, sizeof *model->fan_first);
     dpt_result result = DPT_E_MEMORY;
     if (half && spare && model->neighbours && model->fans && model->part_of && model->fan_first) {
         for (uint32_t h = 0; h < count; h++)

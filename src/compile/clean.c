@@ -150,8 +150,7 @@ static dpt_result keep_triangles(struct model *model, soup *source, const uint32
     }
     uint32_t kept_count = 0;
     for (uint32_t t = 0; t < source->triangle_count; t++) {
-        uint32_t *corner = model->corners + 3 * (size_t)kept_count,
-                 *key = sorted + 3 * (size_t)kept_count;
+        uint32_t *corner = model->corners + 3 * (size_t)kept_count, *key = sorted + 3 * (size_t)kept_count;
         for (int k = 0; k < 3; k++)
             key[k] = corner[k] = joined[source->corners[3 * (size_t)t + (size_t)k]];
         sort3(key);
@@ -190,7 +189,6 @@ dpt_result model_clean(struct model *model, soup *source)
     free(joined);
     if (result == DPT_OK && !model->triangle_count)
         return soup_fail(source, DPT_E_EMPTY, (source_location){ 0, 0 },
-                         "no triangle with an area: %zu read, %u degenerate", triangles,
-                         model->dropped_degenerate);
+                         "no triangle with an area: %zu read, %u degenerate", triangles, model->dropped_degenerate);
     return result;
 }

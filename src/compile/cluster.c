@@ -46,9 +46,8 @@ struct bounds bounds_join(struct bounds a, struct bounds b)
 
 int bounds_meet(const struct bounds *a, const struct bounds *b, double distance)
 {
-    return a->low.x <= b->high.x + distance && b->low.x <= a->high.x + distance &&
-           a->low.y <= b->high.y + distance && b->low.y <= a->high.y + distance &&
-           a->low.z <= b->high.z + distance && b->low.z <= a->high.z + distance;
+    return a->low.x <= b->high.x + distance && b->low.x <= a->high.x + distance && a->low.y <= b->high.y + distance &&
+           b->low.y <= a->high.y + distance && a->low.z <= b->high.z + distance && b->low.z <= a->high.z + distance;
 }
 
 static uint32_t min_count(uint32_t count, uint32_t limit)
@@ -66,8 +65,8 @@ static void fill_leaf(struct cluster *cluster, uint32_t leaf)
         model_corners(cluster->model, t, c);
         struct bounds box = bounds_of_corners(c);
         cluster->node_boxes[leaf] = i ? bounds_join(cluster->node_boxes[leaf], box) : box;
-        sets[i] = cluster->model->is_turned[t] ? moment_of_triangle(c[0], c[2], c[1])
-                                               : moment_of_triangle(c[0], c[1], c[2]);
+        sets[i] =
+            cluster->model->is_turned[t] ? moment_of_triangle(c[0], c[2], c[1]) : moment_of_triangle(c[0], c[1], c[2]);
     }
     cluster->node_moments[leaf] = moment_of_sets(sets, count);
 }
@@ -81,20 +80,17 @@ static void fill_level(struct cluster *cluster, uint32_t level)
         cluster->node_moments[at] = moment_of_sets(cluster->node_moments + below, count);
         cluster->node_boxes[at] = cluster->node_boxes[below];
         for (uint32_t i = 1; i < count; i++)
-            cluster->node_boxes[at] =
-                bounds_join(cluster->node_boxes[at], cluster->node_boxes[below + i]);
+            cluster->node_boxes[at] = bounds_join(cluster->node_boxes[at], cluster->node_boxes[below + i]);
     }
 }
 
-dpt_result cluster_build(struct cluster *cluster, const struct model *model,
-                         const uint32_t *triangles, uint32_t count)
+dpt_result cluster_build(struct cluster *cluster, const struct model *model, const uint32_t *triangles, uint32_t count)
 {
     *cluster = (struct cluster){ .model = model, .triangles = triangles, .triangle_count = count };
     cluster->level_count[0] = (count + LEAF - 1) / LEAF;
     uint32_t sets = cluster->level_count[0];
     for (cluster->levels = 1; cluster->level_count[cluster->levels - 1] > 1; cluster->levels++) {
-        cluster->level_count[cluster->levels] =
-            (cluster->level_count[cluster->levels - 1] + WIDTH - 1) / WIDTH;
+        cluster->level_count[cluster->levels] = (cluster->level_count[cluster->levels - 1] + WIDTH - 1) / WIDTH;
         cluster->level_first[cluster->levels] = sets;
         sets += cluster->level_count[cluster->levels];
     }
@@ -133,8 +129,8 @@ static double leaf_winding(const struct cluster *cluster, uint32_t leaf, vec3 x,
     return sum;
 }
 
-static double node_winding(const struct cluster *cluster, uint32_t level, uint32_t node, vec3 x,
-                           uint32_t excluded, uint64_t *work)
+static double node_winding(const struct cluster *cluster, uint32_t level, uint32_t node, vec3 x, uint32_t excluded,
+                           uint64_t *work)
 {
     const uint32_t at = cluster->level_first[level] + node;
     double error, far_field = moment_winding(&cluster->node_moments[at], x, &error);
@@ -168,8 +164,8 @@ static int triangles_touch(const vec3 a[3], const vec3 b[3], double distance)
     return 0;
 }
 
-static int node_touches(const struct cluster *cluster, uint32_t level, uint32_t node,
-                        const vec3 c[3], const struct bounds *box, double distance)
+static int node_touches(const struct cluster *cluster, uint32_t level, uint32_t node, const vec3 c[3],
+                        const struct bounds *box, double distance)
 {
     if (!bounds_meet(&cluster->node_boxes[cluster->level_first[level] + node], box, distance))
         return 0;

@@ -32,8 +32,7 @@ struct cluster {
  * Build a cluster of `count` triangles of the model; a triangle counts as turned where model->is_turned says so.
  * Returns DPT_OK or DPT_E_MEMORY, and fills no diag. Call cluster_free in either case.
  */
-dpt_result cluster_build(struct cluster *cluster, const struct model *model,
-                         const uint32_t *triangles, uint32_t count);
+dpt_result cluster_build(struct cluster *cluster, const struct model *model, const uint32_t *triangles, uint32_t count);
 void cluster_free(struct cluster *cluster);
 
 /*

@@ -97,8 +97,7 @@ static dpt_result take_springs(struct compile_call *call)
     const dpt_spring_net_def *given = call->def.springs;
     call->springs.size = sizeof call->springs;
     call->def.springs = &call->springs;
-    dpt_result result =
-        sized_read(given, sizeof call->springs, &call->springs, sizeof call->springs);
+    dpt_result result = sized_read(given, sizeof call->springs, &call->springs, sizeof call->springs);
     if (result == DPT_E_UNSUPPORTED)
         return soup_fail(source, result, nowhere, "the def of the springs has newer fields");
     if (result != DPT_OK)
@@ -109,8 +108,8 @@ static dpt_result take_springs(struct compile_call *call)
 }
 
 /* Check the arguments and fill in `call`. end_call must follow, whatever is returned. */
-static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *given,
-                             dpt_compiled *out, const dpt_diag *diag)
+static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *given, dpt_compiled *out,
+                             const dpt_diag *diag)
 {
     soup *source = &call->source;
     dpt_compile_def *def = &call->def;
@@ -122,8 +121,7 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
         DPT_TRY(sized_check(diag, sizeof *diag, 0));
     if (!out)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no place for the bytes");
-    dpt_result result =
-        given ? sized_read(given, SIZED_FIRST(dpt_compile_def, crease), def, sizeof *def) : DPT_OK;
+    dpt_result result = given ? sized_read(given, SIZED_FIRST(dpt_compile_def, crease), def, sizeof *def) : DPT_OK;
     if (result == DPT_E_UNSUPPORTED)
         return soup_fail(source, result, nowhere, "the def has fields of a newer version");
     if (result != DPT_OK)
@@ -174,8 +172,8 @@ static void read_and_hash(void *context, size_t first, size_t end)
         job->hash = hash_of(job->bytes, job->size);
 }
 
-static dpt_result compile_bytes(struct compile_call *call, const char *path,
-                                const unsigned char *bytes, size_t size, dpt_compiled *out)
+static dpt_result compile_bytes(struct compile_call *call, const char *path, const unsigned char *bytes, size_t size,
+                                dpt_compiled *out)
 {
     soup *source = &call->source;
     uint32_t format = call->def.format;
@@ -188,8 +186,8 @@ static dpt_result compile_bytes(struct compile_call *call, const char *path,
     return build(source, size, job.hash, out);
 }
 
-dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_def *def,
-                             dpt_compiled *out, dpt_diag *diag)
+dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_def *def, dpt_compiled *out,
+                             dpt_diag *diag)
 {
     struct compile_call call;
     dpt_result result = begin_call(&call, def, out, diag);
@@ -222,8 +220,7 @@ static dpt_result read_all(soup *source, FILE *file, unsigned char **bytes, size
     }
 }
 
-dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_compiled *out,
-                            dpt_diag *diag)
+dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag)
 {
     struct compile_call call;
     unsigned char *bytes = NULL;
@@ -233,8 +230,7 @@ dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_co
         result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no name of a file");
     FILE *file = result == DPT_OK ? fopen(path, "rb") : NULL;
     if (result == DPT_OK && !file)
-        result = soup_fail(&call.source, DPT_E_OPEN, nowhere, "it cannot be opened: %s",
-                           strerror(errno));
+        result = soup_fail(&call.source, DPT_E_OPEN, nowhere, "it cannot be opened: %s", strerror(errno));
     if (result == DPT_OK)
         result = read_all(&call.source, file, &bytes, &size);
     if (result == DPT_OK)
@@ -246,20 +242,17 @@ dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_co
 }
 
 dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const uint32_t *corners,
-                              size_t triangle_count, const dpt_compile_def *def, dpt_compiled *out,
-                              dpt_diag *diag)
+                              size_t triangle_count, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag)
 {
     struct compile_call call;
     dpt_result result = begin_call(&call, def, out, diag);
     if (result == DPT_OK && ((!vertices && vertex_count) || (!corners && triangle_count)))
         result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no vertices or no corners");
     for (size_t v = 0; result == DPT_OK && v < vertex_count; v++)
-        result =
-            soup_add_vertex(&call.source, vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2],
-                            (source_location){ 0, 3 * sizeof *vertices * v });
+        result = soup_add_vertex(&call.source, vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2],
+                                 (source_location){ 0, 3 * sizeof *vertices * v });
     for (size_t t = 0; result == DPT_OK && t < triangle_count; t++)
-        result = soup_add_polygon(&call.source, corners + 3 * t, 3,
-                                  (source_location){ 0, 3 * sizeof *corners * t });
+        result = soup_add_polygon(&call.source, corners + 3 * t, 3, (source_location){ 0, 3 * sizeof *corners * t });
     if (result == DPT_OK)
         result = build(&call.source, 0, 0, out);
     return end_call(&call, result, diag);

@@ -21,25 +21,21 @@ static const struct reason {
 } reasons[] = {
     { "header", offsetof(struct dpt_arm, tool_link), "tool_link is no link" },
     { "header", offsetof(struct dpt_arm, tool.position), "its position is not within 1e6 m" },
-    { "header", offsetof(struct dpt_arm, tool.orientation),
-      "its orientation (w, x, y, z) is not of unit length" },
+    { "header", offsetof(struct dpt_arm, tool.orientation), "its orientation (w, x, y, z) is not of unit length" },
     { "joints", 0, "no link moves by it as its kind says" },
     { "joints", offsetof(struct arm_joint, kind), "there is no such kind" },
     { "joints", offsetof(struct arm_joint, lower),
       "its lower limit is not within 1e6, or not 0 though it is continuous" },
-    { "joints", offsetof(struct arm_joint, upper),
-      "its upper limit is below the lower, or above 1e6" },
+    { "joints", offsetof(struct arm_joint, upper), "its upper limit is below the lower, or above 1e6" },
     { "joints", offsetof(struct arm_joint, velocity), "its velocity is negative or not finite" },
     { "joints", offsetof(struct arm_joint, effort), "its effort is negative or not finite" },
     { "joints", offsetof(struct arm_joint, damping), "its damping is negative or not finite" },
     { "joints", offsetof(struct arm_joint, friction), "its friction is negative or not finite" },
     { "links", offsetof(struct arm_link, parent), "its parent is no link before it" },
-    { "links", offsetof(struct arm_link, joint),
-      "its joint is not there, or comes too early on the way to the tool" },
+    { "links", offsetof(struct arm_link, joint), "its joint is not there, or comes too early on the way to the tool" },
     { "links", offsetof(struct arm_link, slides), "slides is neither 0 nor 1" },
     { "links", offsetof(struct arm_link, pose.position), "its position is not within 1e6 m" },
-    { "links", offsetof(struct arm_link, pose.orientation),
-      "its orientation (w, x, y, z) is not of unit length" },
+    { "links", offsetof(struct arm_link, pose.orientation), "its orientation (w, x, y, z) is not of unit length" },
     { "links", offsetof(struct arm_link, axis), "its axis is not of unit length" },
     { "links", offsetof(struct arm_link, factor), "its factor is 0 or not within 1e6" },
     { "links", offsetof(struct arm_link, offset), "its offset is not within 1e6" },
@@ -48,8 +44,7 @@ static const struct reason {
     { "segments", offsetof(dpt_segment, a), "an end is not within 1e6 m" },
     { "segments", offsetof(dpt_segment, radius), "its radius is negative, or above 1e6 m" },
     { "bodies", offsetof(struct arm_body, pose.position), "its position is not within 1e6 m" },
-    { "bodies", offsetof(struct arm_body, pose.orientation),
-      "its orientation (w, x, y, z) is not of unit length" },
+    { "bodies", offsetof(struct arm_body, pose.orientation), "its orientation (w, x, y, z) is not of unit length" },
     { "tips", offsetof(struct arm_tip, link), "it is fixed to no jaw link" },
     { "tips", offsetof(struct arm_tip, radius), "its radius is negative, or above 1e6 m" },
     { "corners", 0, "it is not within 1e6 m" },
@@ -80,20 +75,17 @@ static void list_records(const struct dpt_arm *arm, struct records records[RECOR
     const struct records all[RECORD_KINDS] = {
         { "joint", "joints", arm_joints(arm), arm->joints, sizeof(struct arm_joint), NULL, 0,
           offsetof(struct arm_joint, name) },
-        { "link", "links", arm_links(arm), arm->links, sizeof(struct arm_link), arm_joints(arm),
-          arm->joints, 0 },
-        { "segment", "segments", arm_segments(arm), arm->segments, sizeof(dpt_segment), NULL, 0,
-          0 },
+        { "link", "links", arm_links(arm), arm->links, sizeof(struct arm_link), arm_joints(arm), arm->joints, 0 },
+        { "segment", "segments", arm_segments(arm), arm->segments, sizeof(dpt_segment), NULL, 0, 0 },
         { "body", "bodies", arm_bodies(arm), arm->bodies, sizeof(struct arm_body), NULL, 0,
           offsetof(struct arm_body, name) },
         { "jaw", "joints", arm_jaws(arm), arm_jaw_count(arm), sizeof(struct arm_joint), NULL, 0,
           offsetof(struct arm_joint, name) },
-        { "jaw link", "links", arm_jaw_links(arm), arm_jaw_link_count(arm), sizeof(struct arm_link),
-          arm_jaws(arm), arm_jaw_count(arm), 0 },
+        { "jaw link", "links", arm_jaw_links(arm), arm_jaw_link_count(arm), sizeof(struct arm_link), arm_jaws(arm),
+          arm_jaw_count(arm), 0 },
         { "tip", "tips", arm_tips(arm), arm_tip_count(arm), sizeof(struct arm_tip), NULL, 0,
           offsetof(struct arm_tip, name) },
-        { "corner", "corners", arm_corners(arm), arm_corner_count(arm), sizeof(struct arm_corner),
-          NULL, 0, 0 },
+        { "corner", "corners", arm_corners(arm), arm_corner_count(arm), sizeof(struct arm_corner), NULL, 0, 0 },
     };
     memcpy(records, all, sizeof all);
 }
@@ -105,20 +97,17 @@ static const char *name_of(const struct records *records, size_t index)
     const struct arm_link *link = (const void *)record;
     if (records->name)
         return record + records->name;
-    return records->joints && link->joint < records->joint_count ? records->joints[link->joint].name
-                                                                 : "";
+    return records->joints && link->joint < records->joint_count ? records->joints[link->joint].name : "";
 }
 
 /* Fill the diag with the reader's fault, in words. `arm` is the file in the host's byte order. */
-static dpt_result explain_fault(soup *source, const struct dpt_arm *arm,
-                                const dpt_mesh_fault *fault)
+static dpt_result explain_fault(soup *source, const struct dpt_arm *arm, const dpt_mesh_fault *fault)
 {
     struct records records[RECORD_KINDS];
     uint64_t byte = fault->byte;
     list_records(arm, records);
     if (byte < arm->header_bytes)
-        return soup_fail(source, fault->code, nowhere, "the tool: %s",
-                         reason_at("header", (size_t)byte));
+        return soup_fail(source, fault->code, nowhere, "the tool: %s", reason_at("header", (size_t)byte));
     byte -= arm->header_bytes;
     for (size_t i = 0; i < RECORD_KINDS; i++) {
         const size_t bytes = records[i].count * records[i].width;
@@ -126,8 +115,7 @@ static dpt_result explain_fault(soup *source, const struct dpt_arm *arm,
             const size_t index = (size_t)byte / records[i].width;
             const char *name = name_of(&records[i], index);
             char printable[WORD_SHOWN];
-            return soup_fail(source, fault->code, nowhere, "%s %zu%s%s: %s", records[i].what, index,
-                             *name ? ", " : "",
+            return soup_fail(source, fault->code, nowhere, "%s %zu%s%s: %s", records[i].what, index, *name ? ", " : "",
                              word_printable(&(source_word){ name, name + strlen(name) }, printable),
                              reason_at(records[i].section, (size_t)byte % records[i].width));
         }
@@ -140,16 +128,13 @@ static dpt_result explain_fault(soup *source, const struct dpt_arm *arm,
  * Copy item i of one of the def's arrays into `own`. The caller's struct may be older or newer than this library's, of
  * current_size bytes: base/sized.h has the rule.
  */
-static dpt_result read_item(soup *source, const char *what, const void *array, uint32_t i,
-                            void *own, size_t current_size)
+static dpt_result read_item(soup *source, const char *what, const void *array, uint32_t i, void *own,
+                            size_t current_size)
 {
     const uint32_t size = sized_of(array);
-    dpt_result result =
-        size % 8 ? DPT_E_SIZE
-                 : sized_take(sized_item(array, i), size, current_size, own, current_size);
+    dpt_result result = size % 8 ? DPT_E_SIZE : sized_take(sized_item(array, i), size, current_size, own, current_size);
     if (result == DPT_E_UNSUPPORTED)
-        return soup_fail(source, result, nowhere, "%s %u: it has fields of a newer version", what,
-                         i);
+        return soup_fail(source, result, nowhere, "%s %u: it has fields of a newer version", what, i);
     if (result != DPT_OK)
         return soup_fail(source, result, nowhere, "%s 0: its size is not set", what);
     return DPT_OK;
@@ -183,8 +168,8 @@ static dpt_result check_def(soup *source, const dpt_arm_def *def)
     };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         if (arrays[i].count < arrays[i].min || arrays[i].count > arrays[i].max)
-            return soup_fail(source, DPT_E_LIMIT, nowhere, "%u %s: an arm has %u to %u",
-                             arrays[i].count, arrays[i].what, arrays[i].min, arrays[i].max);
+            return soup_fail(source, DPT_E_LIMIT, nowhere, "%u %s: an arm has %u to %u", arrays[i].count,
+                             arrays[i].what, arrays[i].min, arrays[i].max);
         if (arrays[i].count && !arrays[i].array)
             return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no array of %s", arrays[i].what);
     }
@@ -201,8 +186,7 @@ static dpt_result check_def(soup *source, const dpt_arm_def *def)
         DPT_TRY(read_tip(source, def, i, &tip));
         if (!tip.corners || tip.reserved || tip.reserved_pointer || tip.corner_count < 3 ||
             tip.corner_count > DPT_HULL_CORNERS_MAX)
-            return soup_fail(source, DPT_E_ARGUMENT, nowhere,
-                             "tip %u: it has no corners, or not 3 to %d of them", i,
+            return soup_fail(source, DPT_E_ARGUMENT, nowhere, "tip %u: it has no corners, or not 3 to %d of them", i,
                              DPT_HULL_CORNERS_MAX);
     }
     return DPT_OK;
@@ -222,8 +206,8 @@ static int put_name(char to[DPT_ARM_NAME], const char *name)
 
 static dpt_result fail_name_length(soup *source, const char *what, uint32_t index)
 {
-    return soup_fail(source, DPT_E_LIMIT, nowhere, "%s %u: its name has more than %d bytes", what,
-                     index, DPT_ARM_NAME - 1);
+    return soup_fail(source, DPT_E_LIMIT, nowhere, "%s %u: its name has more than %d bytes", what, index,
+                     DPT_ARM_NAME - 1);
 }
 
 /* Scale a vector to unit length if it is so within 1e-6. The reader refuses any other. */
@@ -237,8 +221,8 @@ static void make_unit(double *number, int count)
 }
 
 /* Write joints; `what` they are, for a message. */
-static dpt_result put_joints(soup *source, const char *what, const dpt_arm_joint *given,
-                             uint32_t count, struct arm_joint *joints)
+static dpt_result put_joints(soup *source, const char *what, const dpt_arm_joint *given, uint32_t count,
+                             struct arm_joint *joints)
 {
     for (uint32_t i = 0; i < count; i++) {
         dpt_arm_joint from;
@@ -257,8 +241,8 @@ static dpt_result put_joints(soup *source, const char *what, const dpt_arm_joint
     return DPT_OK;
 }
 
-static dpt_result put_links(soup *source, const char *what, const dpt_arm_link *given,
-                            uint32_t count, struct arm_link *links)
+static dpt_result put_links(soup *source, const char *what, const dpt_arm_link *given, uint32_t count,
+                            struct arm_link *links)
 {
     for (uint32_t i = 0; i < count; i++) {
         dpt_arm_link from;
@@ -351,8 +335,8 @@ static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_ar
     make_unit(arm->tool.orientation, 4);
     if (!put_name(arm->name, def->name) || !put_name(arm->root_name, def->root_name) ||
         !put_name(arm->tool_name, def->tool_name))
-        return soup_fail(source, DPT_E_LIMIT, nowhere,
-                         "name, root_name or tool_name has more than %d bytes", DPT_ARM_NAME - 1);
+        return soup_fail(source, DPT_E_LIMIT, nowhere, "name, root_name or tool_name has more than %d bytes",
+                         DPT_ARM_NAME - 1);
     for (uint32_t i = 0; i < def->tip_count; i++) {
         dpt_arm_tip tip;
         DPT_TRY(read_tip(source, def, i, &tip));
@@ -406,8 +390,7 @@ static dpt_result compile_arm(soup *source, const dpt_arm_def *def, dpt_compiled
     dpt_mesh_fault fault = { .size = sizeof fault };
     DPT_TRY(check_def(source, def));
     DPT_TRY(put_header(source, def, &header));
-    struct dpt_arm *arm =
-        header.bytes <= SIZE_MAX / 2 ? (void *)compiled_block((size_t)header.bytes) : NULL;
+    struct dpt_arm *arm = header.bytes <= SIZE_MAX / 2 ? (void *)compiled_block((size_t)header.bytes) : NULL;
     if (!arm)
         return soup_fail(source, DPT_E_MEMORY, nowhere, "memory ran out");
     *out = (dpt_compiled){ arm, (size_t)header.bytes };
@@ -421,8 +404,7 @@ static dpt_result compile_arm(soup *source, const dpt_arm_def *def, dpt_compiled
     return DPT_OK;
 }
 
-static dpt_result check_call(soup *source, const dpt_arm_def *given, dpt_arm_def *def,
-                             dpt_compiled *out)
+static dpt_result check_call(soup *source, const dpt_arm_def *given, dpt_arm_def *def, dpt_compiled *out)
 {
     if (!out)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no place for the bytes");

@@ -76,15 +76,13 @@ static struct frame_of_cell frame_of(const double *nodes, const uint32_t cell[4]
     return frame;
 }
 
-dpt_result embed_check_node(soup *source, const double x[3], int64_t number,
-                            source_location location)
+dpt_result embed_check_node(soup *source, const double x[3], int64_t number, source_location location)
 {
     for (int k = 0; k < 3; k++)
         if (!within(source->scale * x[k], DPT_COORDINATE_MAX))
             return soup_fail(source, DPT_E_FINITE, location,
-                             "%c of node %lld is %.9g (times %.9g): not finite, or beyond %.0f m",
-                             "xyz"[k], (long long)number, x[k], source -> scale,
-                             DPT_COORDINATE_MAX);
+                             "%c of node %lld is %.9g (times %.9g): not finite, or beyond %.0f m", "xyz"[k],
+                             (long long)number, x[k], source -> scale, DPT_COORDINATE_MAX);
     return DPT_OK;
 }
 
@@ -96,17 +94,16 @@ static vec3 cross_sizes(vec3 a, vec3 b)
 }
 
 /* The bound of the rounding is Shewchuk's (1997) for the same determinant. */
-dpt_result embed_check_cell(soup *source, const double *nodes, const uint32_t cell[4],
-                            int64_t number, source_location location)
+dpt_result embed_check_cell(soup *source, const double *nodes, const uint32_t cell[4], int64_t number,
+                            source_location location)
 {
     const struct frame_of_cell frame = frame_of(nodes, cell, source->scale);
     const vec3 e = frame.edge[0], sizes = cross_sizes(frame.edge[1], frame.edge[2]);
-    const double rounding =
-        8.0 * 0x1p-53 * (fabs(e.x) * sizes.x + fabs(e.y) * sizes.y + fabs(e.z) * sizes.z);
+    const double rounding = 8.0 * 0x1p-53 * (fabs(e.x) * sizes.x + fabs(e.y) * sizes.y + fabs(e.z) * sizes.z);
     if (fabs(frame.volume) > rounding)
         return DPT_OK;
-    return soup_fail(source, DPT_E_FINITE, location,
-                     "cell %lld has no volume: its four nodes lie in one plane", (long long)number);
+    return soup_fail(source, DPT_E_FINITE, location, "cell %lld has no volume: its four nodes lie in one plane",
+                     (long long)number);
 }
 
 /* Check the def's nodes and cells, which other readers may have brought. */
@@ -121,9 +118,8 @@ static dpt_result check_cells(soup *source)
         const uint32_t *cell = def->cells + 4 * i;
         for (int k = 0; k < 4; k++)
             if (cell[k] >= def->node_count)
-                return soup_fail(source, DPT_E_INDEX, nowhere,
-                                 "cell %zu names node %u, and there are only %u", i, cell[k],
-                                 def->node_count);
+                return soup_fail(source, DPT_E_INDEX, nowhere, "cell %zu names node %u, and there are only %u", i,
+                                 cell[k], def->node_count);
         DPT_TRY(embed_check_cell(source, def->nodes, cell, (int64_t)i, nowhere));
     }
     return DPT_OK;
@@ -137,8 +133,7 @@ static void box_add(struct box *box, const double *low, const double *high)
     }
 }
 
-static const struct box empty_box = { { HUGE_VAL, HUGE_VAL, HUGE_VAL },
-                                      { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
+static const struct box empty_box = { { HUGE_VAL, HUGE_VAL, HUGE_VAL }, { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
 
 static struct box box_of_cell(const struct cell_tree *tree, uint32_t cell)
 {
@@ -273,16 +268,14 @@ static double cell_distance2(const struct frame_of_cell *frame, vec3 x, const do
     for (int k = 0; k < 4; k++) {
         if (weight[k] >= 0.0)
             continue;
-        const vec3 face[3] = { frame->corner[(k + 1) % 4], frame->corner[(k + 2) % 4],
-                               frame->corner[(k + 3) % 4] };
+        const vec3 face[3] = { frame->corner[(k + 1) % 4], frame->corner[(k + 2) % 4], frame->corner[(k + 3) % 4] };
         point_triangle(x, face, &found);
         distance2 = min_of(distance2, found.distance2);
     }
     return distance2;
 }
 
-static void take_cell(struct search *search, uint32_t cell, double distance2,
-                      const double weight[4])
+static void take_cell(struct search *search, uint32_t cell, double distance2, const double weight[4])
 {
     const double limit = sqrt(distance2) * (1.0 + 0x1p-40) + search->tree->rounding;
     search->best2 = distance2;
@@ -435,8 +428,8 @@ static dpt_result count_outside(struct model *model, soup *source, const double 
     return DPT_OK;
 }
 
-static dpt_result embed(struct model *model, soup *source, const struct embed_cells *given,
-                        struct cell_tree *tree, double *nodes, double *distance2)
+static dpt_result embed(struct model *model, soup *source, const struct embed_cells *given, struct cell_tree *tree,
+                        double *nodes, double *distance2)
 {
     double extent = 0.0;
     for (size_t i = 0; i < 3 * (size_t)given->node_count; i++) {
@@ -448,8 +441,7 @@ static dpt_result embed(struct model *model, soup *source, const struct embed_ce
     tree->rounding = 0x1p-46 * extent; /* more than pair_snap_to_zero takes away, too */
     DPT_TRY(build_tree(tree, source, given->cell_count));
     const struct embedding embedding = { tree, model, distance2 };
-    parallel_for(source->threads, model->vertex_count, EMBED_MIN, embed_vertices,
-                 (void *)&embedding);
+    parallel_for(source->threads, model->vertex_count, EMBED_MIN, embed_vertices, (void *)&embedding);
     return count_outside(model, source, distance2);
 }
 
@@ -458,10 +450,8 @@ dpt_result embed_in(struct model *model, soup *source, const struct embed_cells 
     double *nodes = model_alloc(source, cells->node_count, 3 * sizeof *nodes);
     double *distance2 = model_alloc(source, model->vertex_count, sizeof *distance2);
     struct cell_tree tree = { .nodes = nodes, .cells = cells->cells };
-    model->embedding_nodes =
-        model_alloc(source, model->vertex_count, 4 * sizeof *model->embedding_nodes);
-    model->embedding_weights =
-        model_alloc(source, model->vertex_count, 4 * sizeof *model->embedding_weights);
+    model->embedding_nodes = model_alloc(source, model->vertex_count, 4 * sizeof *model->embedding_nodes);
+    model->embedding_weights = model_alloc(source, model->vertex_count, 4 * sizeof *model->embedding_weights);
     dpt_result result = DPT_E_MEMORY;
     if (nodes && distance2 && model->embedding_nodes && model->embedding_weights)
         result = embed(model, source, cells, &tree, nodes, distance2);
@@ -479,7 +469,6 @@ dpt_result model_embed(struct model *model, soup *source)
     if (!def || !def->cell_count)
         return DPT_OK;
     DPT_TRY(check_cells(source));
-    const struct embed_cells cells = { def->nodes, def->cells, def->node_count, def->cell_count,
-                                       source->scale };
+    const struct embed_cells cells = { def->nodes, def->cells, def->node_count, def->cell_count, source->scale };
     return embed_in(model, source, &cells);
 }

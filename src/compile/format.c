@@ -36,17 +36,17 @@ static int is_binary_stl(const unsigned char *bytes, size_t size)
 {
     if (size < 84)
         return 0;
-    uint64_t count = (uint64_t)bytes[80] | (uint64_t)bytes[81] << 8 | (uint64_t)bytes[82] << 16 |
-                     (uint64_t)bytes[83] << 24;
+    uint64_t count =
+        (uint64_t)bytes[80] | (uint64_t)bytes[81] << 8 | (uint64_t)bytes[82] << 16 | (uint64_t)bytes[83] << 24;
     return size == 84 + 50 * count;
 }
 
 static int is_ascii_stl(source_text text)
 {
     source_word word;
-    return text_seek_word(&text) && text_next_word(&text, &word) &&
-           word_is_any_case(&word, "solid") && text_next_line(&text) && text_seek_word(&text) &&
-           text_next_word(&text, &word) && word_is_any_case(&word, "facet");
+    return text_seek_word(&text) && text_next_word(&text, &word) && word_is_any_case(&word, "solid") &&
+           text_next_line(&text) && text_seek_word(&text) && text_next_word(&text, &word) &&
+           word_is_any_case(&word, "facet");
 }
 
 static int has_vertex_line(source_text text)
@@ -64,10 +64,9 @@ static uint32_t format_of_extension(const char *path)
     static const struct {
         const char *ending;
         uint32_t format;
-    } extensions[] = { { "obj", DPT_FORMAT_OBJ },
-                       { "stl", DPT_FORMAT_STL },
-                       { "ply", DPT_FORMAT_PLY },
-                       { "off", DPT_FORMAT_OFF } };
+    } extensions[] = {
+        { "obj", DPT_FORMAT_OBJ }, { "stl", DPT_FORMAT_STL }, { "ply", DPT_FORMAT_PLY }, { "off", DPT_FORMAT_OFF }
+    };
     const char *dot = path ? strrchr(path, '.') : NULL;
     if (!dot)
         return DPT_FORMAT_AUTO;
@@ -100,8 +99,7 @@ uint32_t source_format(const char *path, const unsigned char *bytes, size_t size
 dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes, size_t size)
 {
     if (format != DPT_FORMAT_STL && is_compiled(bytes, size))
-        return soup_fail(source, DPT_E_FORMAT, (source_location){ 0, 0 },
-                         "this is compiled already: a .dpa file");
+        return soup_fail(source, DPT_E_FORMAT, (source_location){ 0, 0 }, "this is compiled already: a .dpa file");
     switch (format) {
     case DPT_FORMAT_OBJ:
         return read_obj(source, bytes, size);
@@ -114,7 +112,6 @@ dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes
     default:
         if (!size)
             return soup_fail(source, DPT_E_EMPTY, (source_location){ 0, 0 }, "the file is empty");
-        return soup_fail(source, DPT_E_FORMAT, (source_location){ 0, 0 },
-                         "neither OBJ, STL, PLY nor OFF");
+        return soup_fail(source, DPT_E_FORMAT, (source_location){ 0, 0 }, "neither OBJ, STL, PLY nor OFF");
     }
 }

@@ -31,8 +31,7 @@ struct growing {
     uint32_t *outside; /* points that may stand out */
     size_t outside_count;
     double size; /* m */
-    vec3
-        plane; /* of a flat set: the normal of its plane, which goes through its first corner; else 0 */
+    vec3 plane;  /* of a flat set: the normal of its plane, which goes through its first corner; else 0 */
     vec3 corner[CORNERS_MAX];
     uint32_t corner_count;
     void *block; /* of the hull */
@@ -67,9 +66,7 @@ static uint32_t face_of(const struct growing *growing, uint32_t face, vec3 corne
 static int make_hull(struct growing *growing)
 {
     double corners[3 * CORNERS_MAX];
-    dpt_hull_def def = { .size = sizeof def,
-                         .corner_count = growing->corner_count,
-                         .corners = corners };
+    dpt_hull_def def = { .size = sizeof def, .corner_count = growing->corner_count, .corners = corners };
     dpt_hull_info info = { .size = sizeof info };
     vec3 face[CORNERS_MAX];
     for (uint32_t i = 0; i < growing->corner_count; i++)
@@ -123,8 +120,7 @@ static double excess_of(const struct growing *growing, vec3 point)
 }
 
 /* The farthest of the points that may stand out by a measure, or DPT_NONE. */
-static uint32_t farthest_by(const struct growing *growing,
-                            double measure(const struct growing *growing, vec3 point))
+static uint32_t farthest_by(const struct growing *growing, double measure(const struct growing *growing, vec3 point))
 {
     const double same = AS_FAR * growing->size;
     uint32_t farthest = DPT_NONE;
@@ -243,16 +239,14 @@ static dpt_result check_points(const double *points, size_t count)
     return DPT_OK;
 }
 
-dpt_result dpt_compile_hull(const double *points, size_t point_count, double *corners,
-                            uint32_t capacity, uint32_t *corner_count, double *radius)
+dpt_result dpt_compile_hull(const double *points, size_t point_count, double *corners, uint32_t capacity,
+                            uint32_t *corner_count, double *radius)
 {
     struct growing growing = { .points = points, .point_count = point_count };
     double any[3 * CORNERS_MAX] = { 0.0 };
-    const dpt_hull_def largest = { .size = sizeof largest,
-                                   .corner_count = CORNERS_MAX,
-                                   .corners = any };
-    if (!points || !corners || !corner_count || !radius || point_count < 3 ||
-        point_count >= DPT_NONE || capacity < 4 || capacity > CORNERS_MAX)
+    const dpt_hull_def largest = { .size = sizeof largest, .corner_count = CORNERS_MAX, .corners = any };
+    if (!points || !corners || !corner_count || !radius || point_count < 3 || point_count >= DPT_NONE || capacity < 4 ||
+        capacity > CORNERS_MAX)
         return DPT_E_ARGUMENT;
     dpt_result result = check_points(points, point_count);
     if (result != DPT_OK)
@@ -262,8 +256,7 @@ dpt_result dpt_compile_hull(const double *points, size_t point_count, double *co
     result = growing.block && growing.outside ? grow(&growing, capacity, radius) : DPT_E_MEMORY;
     if (result == DPT_OK) {
         *corner_count = 0;
-        while (dpt_hull_get_corner(growing.hull, *corner_count,
-                                   corners + 3 * (size_t)*corner_count) == DPT_OK)
+        while (dpt_hull_get_corner(growing.hull, *corner_count, corners + 3 * (size_t)*corner_count) == DPT_OK)
             ++*corner_count;
     }
     free(growing.block);

@@ -74,8 +74,7 @@ static void load_facet_corners(const struct model *model, uint32_t triangle, str
 {
     const uint32_t *corner = model->corners + 3 * (size_t)triangle;
     for (int k = 0; k < 3; k++)
-        facet->corner[k] =
-            (struct corner){ vec3_of_float(model->positions + 3 * (size_t)corner[k]), corner[k] };
+        facet->corner[k] = (struct corner){ vec3_of_float(model->positions + 3 * (size_t)corner[k]), corner[k] };
     facet_finish(facet);
 }
 
@@ -111,8 +110,7 @@ static void step_to(struct star_walk *walk, vec3 from, vec3 to)
 {
     const vec3 d = walk->direction, across = walk->across;
     const double side_from = dot(across, from);
-    walk->is_uneven |= !(dot(cross(from, to), d) >
-                         STAR_MARGIN * dot(cross_magnitude(from, to), magnitude_of(d))) ||
+    walk->is_uneven |= !(dot(cross(from, to), d) > STAR_MARGIN * dot(cross_magnitude(from, to), magnitude_of(d))) ||
                        !(fabs(side_from) > STAR_MARGIN * extent_of(across) * extent_of(from));
     walk->turns += side_from < 0.0 && dot(across, to) > 0.0;
 }
@@ -194,8 +192,7 @@ static void clear_block(struct box_block *block)
  * Boxes meet only if they overlap; boxes that touch do not. So a flat box is widened by one float on either side:
  * triangles in one axis-aligned plane must meet.
  */
-static void put_triangle_box(struct box_block *block, uint32_t lane, const struct model *model,
-                             uint32_t triangle)
+static void put_triangle_box(struct box_block *block, uint32_t lane, const struct model *model, uint32_t triangle)
 {
     const uint32_t *corner = model->corners + 3 * (size_t)triangle;
     for (uint32_t axis = 0; axis < 3; axis++) {
@@ -233,8 +230,7 @@ static int has_vertex(const struct model *model, uint32_t triangle, uint32_t ver
 /* Does the triangle lie in the part `label`, or have the vertex `label`? */
 static int label_holds(const struct box_tree *tree, uint32_t label, uint32_t triangle)
 {
-    return tree->is_between_parts ? tree->model->part_of[triangle] == label
-                                  : has_vertex(tree->model, triangle, label);
+    return tree->is_between_parts ? tree->model->part_of[triangle] == label : has_vertex(tree->model, triangle, label);
 }
 
 /* The label of a leaf: what all of its triangles share, their part or a vertex with a simple star. */
@@ -287,8 +283,7 @@ static void fill_level(const struct box_tree *tree, uint32_t level)
     }
 }
 
-static void fill_tree(struct box_tree *tree, const uint32_t *triangles, uint32_t count,
-                      uint32_t threads)
+static void fill_tree(struct box_tree *tree, const uint32_t *triangles, uint32_t count, uint32_t threads)
 {
     uint64_t nodes;
     tree->triangles = triangles;
@@ -303,20 +298,16 @@ static void fill_tree(struct box_tree *tree, const uint32_t *triangles, uint32_t
 }
 
 /* Which of the 16 boxes of `block` meet the box in one lane of `other`? Returns a bit for each lane. */
-static uint32_t lanes_meeting(const struct box_block *block, const struct box_block *other,
-                              uint32_t lane)
+static uint32_t lanes_meeting(const struct box_block *block, const struct box_block *other, uint32_t lane)
 {
-    static const uint32_t bit[LANES] = {
-        0x1,   0x2,   0x4,   0x8,   0x10,   0x20,   0x40,   0x80,
-        0x100, 0x200, 0x400, 0x800, 0x1000, 0x2000, 0x4000, 0x8000
-    };
+    static const uint32_t bit[LANES] = { 0x1,   0x2,   0x4,   0x8,   0x10,   0x20,   0x40,   0x80,
+                                         0x100, 0x200, 0x400, 0x800, 0x1000, 0x2000, 0x4000, 0x8000 };
     const float low[3] = { other->low[0][lane], other->low[1][lane], other->low[2][lane] };
     const float high[3] = { other->high[0][lane], other->high[1][lane], other->high[2][lane] };
     uint32_t lanes = 0;
     for (uint32_t k = 0; k < LANES; k++) {
-        const int meets = (block->low[0][k] < high[0]) & (low[0] < block->high[0][k]) &
-                          (block->low[1][k] < high[1]) & (low[1] < block->high[1][k]) &
-                          (block->low[2][k] < high[2]) & (low[2] < block->high[2][k]);
+        const int meets = (block->low[0][k] < high[0]) & (low[0] < block->high[0][k]) & (block->low[1][k] < high[1]) &
+                          (low[1] < block->high[1][k]) & (block->low[2][k] < high[2]) & (low[2] < block->high[2][k]);
         lanes |= bit[k] & (uint32_t)-meets;
     }
     return lanes;
@@ -363,8 +354,7 @@ static void test_pair(struct leaf_search *search, uint32_t a, const struct facet
  * Test the triangles of the search's leaf against those of leaf `other`, which may be the same. The box of `other` is
  * in `lane` of `parent`.
  */
-static void search_leaf(struct leaf_search *search, uint32_t other, const struct box_block *parent,
-                        uint32_t lane)
+static void search_leaf(struct leaf_search *search, uint32_t other, const struct box_block *parent, uint32_t lane)
 {
     const struct box_tree *tree = search->tree;
     const struct box_block *own = &tree->blocks[search->leaf], *block = &tree->blocks[other];
@@ -400,8 +390,8 @@ static void search_node(struct leaf_search *search, uint32_t level, uint32_t nod
     const struct box_block *block = &tree->blocks[tree->level_first[level] + node];
     const uint32_t label = tree->labels[search->leaf];
     search->work++;
-    for (uint32_t lanes = lanes_meeting(block, own_parent, search->leaf % LANES);
-         lanes && !stop_if_spent(search); lanes &= lanes - 1) {
+    for (uint32_t lanes = lanes_meeting(block, own_parent, search->leaf % LANES); lanes && !stop_if_spent(search);
+         lanes &= lanes - 1) {
         const uint32_t lane = first_lane(lanes), child = node * LANES + lane;
         if (child < search->leaf >> 4 * (level - 1))
             continue;
@@ -451,14 +441,12 @@ static void add_leaf_result(struct model *model, const struct leaf_result *resul
  * Search from every leaf of the tree, and add the pairs to the model's. Returns 1 if there are pairs, or may be because
  * a search stopped. Once that is so and the model has its full number of pairs, no further batch is searched.
  */
-static int search_leaves(struct box_tree *tree, struct model *model, uint32_t threads,
-                         uint64_t *shared_work)
+static int search_leaves(struct box_tree *tree, struct model *model, uint32_t threads, uint64_t *shared_work)
 {
     const uint32_t leaves = tree->level_count[0];
     int has_pairs = 0;
     for (struct batch batch = { tree, 0 }; batch.first < leaves; batch.first += BATCH) {
-        const uint32_t remaining = leaves - batch.first,
-                       count = remaining < BATCH ? remaining : BATCH;
+        const uint32_t remaining = leaves - batch.first, count = remaining < BATCH ? remaining : BATCH;
         if (has_pairs && model->self_intersections == MESH_SELF_INTERSECTIONS_MAX)
             break;
         parallel_for(threads, count, LEAVES_MIN, search_batch, &batch);
@@ -478,10 +466,8 @@ static int search_leaves(struct box_tree *tree, struct model *model, uint32_t th
 /* List the triangles of each part, ascending. */
 static dpt_result list_parts(struct model *model, soup *source)
 {
-    uint32_t *list = model->part_list =
-        model_alloc(source, model->triangle_count, sizeof *model->part_list);
-    uint32_t *first = model->part_first =
-        model_alloc(source, (size_t)model->part_count + 1, sizeof *model->part_first);
+    uint32_t *list = model->part_list = model_alloc(source, model->triangle_count, sizeof *model->part_list);
+    uint32_t *first = model->part_first = model_alloc(source, (size_t)model->part_count + 1, sizeof *model->part_first);
     if (!list || !first)
         return DPT_E_MEMORY;
     uint32_t end = 0;
@@ -534,8 +520,7 @@ dpt_result model_intersections(struct model *model, soup *source)
     tree.labels = model_alloc(source, (size_t)nodes, sizeof *tree.labels);
     tree.results = model_alloc(source, levels[0], sizeof *tree.results);
     dpt_result result = list_parts(model, source);
-    if (!stars.is_simple || !all || !model->part_cuts_itself || !tree.blocks || !tree.labels ||
-        !tree.results)
+    if (!stars.is_simple || !all || !model->part_cuts_itself || !tree.blocks || !tree.labels || !tree.results)
         result = DPT_E_MEMORY;
     model->self_intersection[0] = model->self_intersection[1] = DPT_NONE;
     if (result == DPT_OK) {

@@ -51,10 +51,9 @@ struct model {
     uint8_t *is_turned; /* 1: reverse this triangle's winding, so that its part is wound one way */
 
     /* model_intersections */
-    uint32_t *part_list;  /* triangles by part, ascending in each */
-    uint32_t *part_first; /* part_count + 1: where a part's triangles begin in `part_list` */
-    uint8_t *
-        part_cuts_itself; /* 1: triangles of the part cut each other, or the search stopped early */
+    uint32_t *part_list;       /* triangles by part, ascending in each */
+    uint32_t *part_first;      /* part_count + 1: where a part's triangles begin in `part_list` */
+    uint8_t *part_cuts_itself; /* 1: triangles of the part cut each other, or the search stopped early */
     uint32_t self_intersections;
     uint32_t self_intersections_more; /* 1: there may be more */
     uint32_t self_intersection[2];    /* one pair, by source numbers; DPT_NONE: none */
@@ -129,8 +128,8 @@ dpt_result model_embed(struct model *model, soup *source);
 dpt_result model_springs(struct model *model, soup *source);
 
 /* Write the bytes of the file. source_size and source_hash are those of dpt_mesh_info. */
-dpt_result model_write(const struct model *model, soup *source, uint64_t source_size,
-                       uint64_t source_hash, dpt_compiled *out);
+dpt_result model_write(const struct model *model, soup *source, uint64_t source_size, uint64_t source_hash,
+                       dpt_compiled *out);
 
 /* Allocate zeroed bytes, aligned to MESH_ALIGN; dpt_compiled_free frees them. NULL when memory runs out. */
 char *compiled_block(size_t size);

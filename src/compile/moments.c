@@ -9,12 +9,9 @@
 #define PER_SPHERE (1.0 / (2.0 * ANGLE_TURN)) /* 1 / (4 pi) */
 
 /* The axes of each component, and the component of a pair of axes. */
-static const uint8_t quad_axes[6][2] = {
-    { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 }
-};
-static const uint8_t oct_axes[10][3] = { { 0, 0, 0 }, { 1, 1, 1 }, { 2, 2, 2 }, { 0, 0, 1 },
-                                         { 0, 0, 2 }, { 1, 1, 0 }, { 1, 1, 2 }, { 2, 2, 0 },
-                                         { 2, 2, 1 }, { 0, 1, 2 } };
+static const uint8_t quad_axes[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+static const uint8_t oct_axes[10][3] = { { 0, 0, 0 }, { 1, 1, 1 }, { 2, 2, 2 }, { 0, 0, 1 }, { 0, 0, 2 },
+                                         { 1, 1, 0 }, { 1, 1, 2 }, { 2, 2, 0 }, { 2, 2, 1 }, { 0, 1, 2 } };
 static const uint8_t quad_at[3][3] = { { 0, 3, 4 }, { 3, 1, 5 }, { 4, 5, 2 } };
 
 static double trace_of(const double tensor[6])
@@ -48,9 +45,7 @@ struct winding_moment moment_of_triangle(vec3 a, vec3 b, vec3 c)
     }
     for (int k = 0; k < 10; k++) {
         int x = oct_axes[k][0], y = oct_axes[k][1], z = oct_axes[k][2];
-        m.oct[k] = (n[x] * second[quad_at[y][z]] + n[y] * second[quad_at[x][z]] +
-                    n[z] * second[quad_at[x][y]]) /
-                   3.0;
+        m.oct[k] = (n[x] * second[quad_at[y][z]] + n[y] * second[quad_at[x][z]] + n[z] * second[quad_at[x][y]]) / 3.0;
     }
     for (int i = 0; i < 6; i++)
         m.second[i] = m.area * second[i];
@@ -72,19 +67,18 @@ static void add_set(struct winding_moment *sum, const struct winding_moment *set
     }
     for (int k = 0; k < 10; k++) {
         int x = oct_axes[k][0], y = oct_axes[k][1], z = oct_axes[k][2];
-        sum->oct[k] += set->oct[k] +
-                       2.0 / 3.0 *
-                           (set->quad[quad_at[x][y]] * s[z] + set->quad[quad_at[x][z]] * s[y] +
-                            set->quad[quad_at[y][z]] * s[x]) +
-                       (n[x] * s[y] * s[z] + n[y] * s[x] * s[z] + n[z] * s[x] * s[y]) / 3.0;
+        sum->oct[k] +=
+            set->oct[k] +
+            2.0 / 3.0 *
+                (set->quad[quad_at[x][y]] * s[z] + set->quad[quad_at[x][z]] * s[y] + set->quad[quad_at[y][z]] * s[x]) +
+            (n[x] * s[y] * s[z] + n[y] * s[x] * s[z] + n[z] * s[x] * s[y]) / 3.0;
     }
     double along_s = 0.0, third = 0.0;
     for (int i = 0; i < 3; i++) {
         double second_s = 0.0;
         for (int j = 0; j < 3; j++)
             second_s += set->second[quad_at[i][j]] * s[j];
-        sum->third[i] +=
-            set->third[i] + 2.0 * second_s + (spread + set->area * shift_square) * s[i];
+        sum->third[i] += set->third[i] + 2.0 * second_s + (spread + set->area * shift_square) * s[i];
         along_s += second_s * s[i];
         third += set->third[i] * s[i];
     }
@@ -123,8 +117,7 @@ double moment_winding(const struct winding_moment *m, vec3 x, double *error)
     if (!(gap > 0.0) || !(m->area > 0.0))
         return 0.0;
     double inverse = 1.0 / distance;
-    *error = PER_SPHERE * cubic_bound(m) * (distance + 3.0 * gap) * inverse * inverse * inverse *
-             inverse / (gap * gap);
+    *error = PER_SPHERE * cubic_bound(m) * (distance + 3.0 * gap) * inverse * inverse * inverse * inverse / (gap * gap);
     const double e[3] = { d.x * inverse, d.y * inverse, d.z * inverse };
     const double *q = m->quad, *o = m->oct;
     double area = dot(m->area_vector, d) * inverse;
@@ -136,8 +129,7 @@ double moment_winding(const struct winding_moment *m, vec3 x, double *error)
         const uint8_t *axis = oct_axes[k];
         cubic += (k < 3 ? 1.0 : 3.0) * o[k] * e[axis[0]] * e[axis[1]] * e[axis[2]];
     }
-    double trace =
-        (o[0] + o[5] + o[7]) * e[0] + (o[1] + o[3] + o[8]) * e[1] + (o[2] + o[4] + o[6]) * e[2];
+    double trace = (o[0] + o[5] + o[7]) * e[0] + (o[1] + o[3] + o[8]) * e[1] + (o[2] + o[4] + o[6]) * e[2];
     double oct = 7.5 * cubic - 4.5 * trace;
     return PER_SPHERE * inverse * inverse * (area + inverse * (quad + inverse * oct));
 }
@@ -147,8 +139,7 @@ void moment_store(const struct winding_moment *m, float *block)
 {
     const double *q = m->quad, *o = m->oct;
     const double third = (q[0] + q[1] + q[2]) / 3.0;
-    const double tx = (o[0] + o[5] + o[7]) / 5.0, ty = (o[1] + o[3] + o[8]) / 5.0,
-                 tz = (o[2] + o[4] + o[6]) / 5.0;
+    const double tx = (o[0] + o[5] + o[7]) / 5.0, ty = (o[1] + o[3] + o[8]) / 5.0, tz = (o[2] + o[4] + o[6]) / 5.0;
     const double rows[MESH_MOMENT_ROWS] = {
         PER_SPHERE * m->area_vector.x,
         PER_SPHERE * m->area_vector.y,

@@ -31,8 +31,7 @@ static void measure_faces(void *context, size_t first, size_t end)
         for (int k = 0; k < 3; k++)
             edge[k] = unit_of(sub(c[(k + 1) % 3], c[k]));
         for (size_t k = 0; k < 3; k++)
-            work->corner_angles[3 * t + k] =
-                angle_between(edge[k], scaled(edge[(k + 2) % 3], -1.0));
+            work->corner_angles[3 * t + k] = angle_between(edge[k], scaled(edge[(k + 2) % 3], -1.0));
     }
 }
 
@@ -119,16 +118,15 @@ static void flag_corners(void *context, size_t first, size_t end)
     const struct normals *work = context;
     for (size_t t = first; t < end; t++)
         for (uint32_t k = 0; k < 3; k++)
-            work->model->flags[t] |= work->vertex_edges[work->model->corners[3 * t + k]] * corner
-                                     << k;
+            work->model->flags[t] |= work->vertex_edges[work->model->corners[3 * t + k]] * corner << k;
 }
 
 /* Count creases, once for each pair of triangles, and vertices without a normal. */
 static void count_results(struct model *model)
 {
     for (uint32_t half = 0; half < 3 * model->triangle_count; half++)
-        model->crease_edges += (model->flags[half / 3] >> half % 3 & DPT_EDGE_CREASE) != 0 &&
-                               half / 3 < model->neighbours[half];
+        model->crease_edges +=
+            (model->flags[half / 3] >> half % 3 & DPT_EDGE_CREASE) != 0 && half / 3 < model->neighbours[half];
     for (uint32_t v = 0; v < model->vertex_count; v++) {
         const float *n = model->normals + 3 * (size_t)v;
         model->normalless_vertices += n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f;
@@ -147,8 +145,7 @@ dpt_result model_normals(struct model *model, soup *source, double crease)
     model->normals = model_alloc(source, model->vertex_count, 3 * sizeof *model->normals);
     dpt_result result = DPT_E_MEMORY;
     model->crease = crease;
-    if (work.face_normals && work.corner_angles && work.vertex_edges && model->flags &&
-        model->normals) {
+    if (work.face_normals && work.corner_angles && work.vertex_edges && model->flags && model->normals) {
         parallel_for(threads, triangles, PARALLEL_MIN, measure_faces, &work);
         parallel_for(threads, triangles, PARALLEL_MIN, flag_edges, &work);
         parallel_for(threads, model->vertex_count, PARALLEL_MIN, add_normals, &work);

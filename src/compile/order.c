@@ -126,8 +126,7 @@ static void split_half(void *context, size_t first, size_t end)
  * Split both halves of first..first + left + right further. They get threads in proportion to their items, and run in
  * parallel if the right half gets at least one.
  */
-static dpt_result split_large(struct ordering *order, size_t first, size_t left, size_t right,
-                              size_t capacity)
+static dpt_result split_large(struct ordering *order, size_t first, size_t left, size_t right, size_t capacity)
 {
     const uint32_t threads = order->threads;
     uint64_t share = ((uint64_t)threads * right + (left + right) / 2) / (left + right);
@@ -252,11 +251,9 @@ dpt_result model_order(struct model *model, soup *source)
         size_t capacity = LANES;
         while (capacity < count)
             capacity *= LANES;
-        struct ordering order = { .items = items,
-                                  .source = source,
-                                  .total = count,
-                                  .random = SEED,
-                                  .threads = source->threads };
+        struct ordering order = {
+            .items = items, .source = source, .total = count, .random = SEED, .threads = source->threads
+        };
         fill_items(model, source->positions, items);
         result = split(&order, 0, count, capacity);
         if (result == DPT_OK)

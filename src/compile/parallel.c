@@ -3,8 +3,7 @@
 
 #if defined(__wasm__) && !defined(_REENTRANT)
 /* WebAssembly without its threads. */
-void parallel_for(uint32_t threads, size_t count, size_t min_items, parallel_work *work,
-                  void *context)
+void parallel_for(uint32_t threads, size_t count, size_t min_items, parallel_work *work, void *context)
 {
     (void)threads;
     (void)min_items;
@@ -28,8 +27,7 @@ static void *do_piece(void *argument)
     return NULL;
 }
 
-void parallel_for(uint32_t threads, size_t count, size_t min_items, parallel_work *work,
-                  void *context)
+void parallel_for(uint32_t threads, size_t count, size_t min_items, parallel_work *work, void *context)
 {
     struct parallel_piece pieces[PARALLEL_MAX];
     size_t max_pieces = threads < PARALLEL_MAX ? threads : PARALLEL_MAX;

@@ -25,7 +25,6 @@ typedef void parallel_work(void *context, size_t first, size_t end);
  *
  * The calling thread does the first piece, then every piece for which the system made no thread.
  */
-void parallel_for(uint32_t threads, size_t count, size_t min_items, parallel_work *work,
-                  void *context);
+void parallel_for(uint32_t threads, size_t count, size_t min_items, parallel_work *work, void *context);
 
 #endif

@@ -32,16 +32,14 @@ static dpt_result read_corner(obj_reader *reader, const source_word *word)
     char printable[WORD_SHOWN];
     int64_t number;
     if (!parse_corner(word, &number))
-        return soup_fail(source, DPT_E_SYNTAX, text_location(&reader->text),
-                         "'%s' is no corner of a face", word_printable(word, printable));
+        return soup_fail(source, DPT_E_SYNTAX, text_location(&reader->text), "'%s' is no corner of a face",
+                         word_printable(word, printable));
     int64_t index = number > 0 ? number - 1 : (int64_t)source->vertex_count + number;
     if (number == 0)
-        return soup_fail(source, DPT_E_INDEX, text_location(&reader->text),
-                         "vertex 0: they are counted from 1");
+        return soup_fail(source, DPT_E_INDEX, text_location(&reader->text), "vertex 0: they are counted from 1");
     if (index < 0 || index >= INT32_MAX)
-        return soup_fail(source, DPT_E_INDEX, text_location(&reader->text),
-                         "vertex %s of a face, after %zu vertices", word_printable(word, printable),
-                         source->vertex_count);
+        return soup_fail(source, DPT_E_INDEX, text_location(&reader->text), "vertex %s of a face, after %zu vertices",
+                         word_printable(word, printable), source->vertex_count);
     return corner_list_add(&reader->corners, source, (uint32_t)index);
 }
 
@@ -53,10 +51,9 @@ static dpt_result read_face(obj_reader *reader)
     while (text_next_word(&reader->text, &word))
         DPT_TRY(read_corner(reader, &word));
     if (reader->corners.count < 3)
-        return soup_fail(reader->source, DPT_E_SYNTAX, location,
-                         "a face of %zu corners: three are the least", reader->corners.count);
-    return soup_add_polygon(reader->source, reader->corners.numbers, reader->corners.count,
-                            location);
+        return soup_fail(reader->source, DPT_E_SYNTAX, location, "a face of %zu corners: three are the least",
+                         reader->corners.count);
+    return soup_add_polygon(reader->source, reader->corners.numbers, reader->corners.count, location);
 }
 
 /* Only v and f lines may continue after a backslash. On other lines it may be the end of a name. */
@@ -82,8 +79,7 @@ static dpt_result read_lines(obj_reader *reader, size_t size)
     DPT_TRY(text_refuse_utf16(text));
     for (uint64_t lines = 0; text->at < text->end; lines++) {
         if (lines % PROGRESS_STRIDE == 0)
-            DPT_TRY(soup_report_progress(reader->source, "read",
-                                         1.0 - (double)(text->end - text->at) / (double)size));
+            DPT_TRY(soup_report_progress(reader->source, "read", 1.0 - (double)(text->end - text->at) / (double)size));
         DPT_TRY(read_line(reader));
         text_next_line(text);
     }

@@ -28,8 +28,7 @@ static dpt_result read_keyword(off_reader *reader)
     source_text *text = &reader->text;
     source_word word;
     if (!text_seek_word(text) || !text_next_word(text, &word))
-        return soup_fail(reader->source, DPT_E_TRUNCATED, (source_location){ 0, 0 },
-                         "the file holds no word");
+        return soup_fail(reader->source, DPT_E_TRUNCATED, (source_location){ 0, 0 }, "the file holds no word");
     const char *at = word.begin;
     while (at < word.end && memchr("STCN4n", *at, 6))
         at++;
@@ -49,26 +48,22 @@ static dpt_result read_keyword(off_reader *reader)
 
 static dpt_result read_counts(off_reader *reader)
 {
-    static const char *const names[3] = { "the number of vertices", "the number of faces",
-                                          "the number of edges" };
+    static const char *const names[3] = { "the number of vertices", "the number of faces", "the number of edges" };
     source_text *text = &reader->text;
     int64_t counts[3];
     if (!text_seek_word(text))
-        return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(text),
-                         "the file ends before its counts");
+        return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(text), "the file ends before its counts");
     for (int i = 0; i < 3; i++) {
         DPT_TRY(text_read_int(text, names[i], &counts[i]));
         if (counts[i] < 0)
-            return soup_fail(reader->source, DPT_E_SYNTAX, text_location(text), "%s is negative",
-                             names[i]);
+            return soup_fail(reader->source, DPT_E_SYNTAX, text_location(text), "%s is negative", names[i]);
     }
     /* The shortest lines are "0 0 0" and "0", each after the end of another. */
     int64_t bytes_after = (int64_t)(text->end - text->at);
     if (counts[0] > bytes_after / 6 || counts[1] > (bytes_after - 6 * counts[0]) / 2)
         return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(text),
-                         "%" PRId64 " vertices and %" PRId64 " faces do not fit in %" PRId64
-                         " bytes",
-                         counts[0], counts[1], bytes_after);
+                         "%" PRId64 " vertices and %" PRId64 " faces do not fit in %" PRId64 " bytes", counts[0],
+                         counts[1], bytes_after);
     reader->vertices = counts[0];
     reader->faces = counts[1];
     return DPT_OK;
@@ -84,8 +79,7 @@ static dpt_result begin_item(off_reader *reader, const char *items, int64_t numb
     if (number % PROGRESS_STRIDE != 0)
         return DPT_OK;
     return soup_report_progress(reader->source, "read",
-                                (double)(text->at - reader->begin) /
-                                    (double)(text->end - reader->begin));
+                                (double)(text->at - reader->begin) / (double)(text->end - reader->begin));
 }
 
 static dpt_result read_corners(off_reader *reader, int64_t n)
@@ -96,8 +90,8 @@ static dpt_result read_corners(off_reader *reader, int64_t n)
         DPT_TRY(text_read_int(&reader->text, "a corner", &number));
         if (number < 0 || number >= reader->vertices)
             return soup_fail(reader->source, DPT_E_INDEX, text_location(&reader->text),
-                             "vertex %" PRId64 " of a face: there are %" PRId64 ", counted from 0",
-                             number, reader->vertices);
+                             "vertex %" PRId64 " of a face: there are %" PRId64 ", counted from 0", number,
+                             reader->vertices);
         DPT_TRY(corner_list_add(&reader->corners, reader->source, (uint32_t)number));
     }
     return DPT_OK;
@@ -109,11 +103,10 @@ static dpt_result read_face(off_reader *reader)
     int64_t n;
     DPT_TRY(text_read_int(&reader->text, "the number of corners", &n));
     if (n < 3)
-        return soup_fail(reader->source, DPT_E_SYNTAX, location,
-                         "a face of %" PRId64 " corners: three are the least", n);
+        return soup_fail(reader->source, DPT_E_SYNTAX, location, "a face of %" PRId64 " corners: three are the least",
+                         n);
     DPT_TRY(read_corners(reader, n));
-    return soup_add_polygon(reader->source, reader->corners.numbers, reader->corners.count,
-                            location);
+    return soup_add_polygon(reader->source, reader->corners.numbers, reader->corners.count, location);
 }
 
 static dpt_result read_all(off_reader *reader)

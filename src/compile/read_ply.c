@@ -16,12 +16,10 @@ enum { NO_TYPE, INT8, UINT8, INT16, UINT16, INT32, UINT32, FLOAT32, FLOAT64 };
 static const struct {
     const char *name;
     uint8_t type;
-} type_names[] = { { "char", INT8 },      { "uchar", UINT8 },    { "short", INT16 },
-                   { "ushort", UINT16 },  { "int", INT32 },      { "uint", UINT32 },
-                   { "float", FLOAT32 },  { "double", FLOAT64 }, { "int8", INT8 },
-                   { "uint8", UINT8 },    { "int16", INT16 },    { "uint16", UINT16 },
-                   { "int32", INT32 },    { "uint32", UINT32 },  { "float32", FLOAT32 },
-                   { "float64", FLOAT64 } };
+} type_names[] = { { "char", INT8 },   { "uchar", UINT8 },   { "short", INT16 },     { "ushort", UINT16 },
+                   { "int", INT32 },   { "uint", UINT32 },   { "float", FLOAT32 },   { "double", FLOAT64 },
+                   { "int8", INT8 },   { "uint8", UINT8 },   { "int16", INT16 },     { "uint16", UINT16 },
+                   { "int32", INT32 }, { "uint32", UINT32 }, { "float32", FLOAT32 }, { "float64", FLOAT64 } };
 
 static const uint8_t type_bytes[] = { 0, 1, 1, 2, 2, 4, 4, 4, 8 };
 
@@ -89,8 +87,7 @@ static dpt_result header_word(ply_reader *reader, source_word *word)
 {
     if (text_next_word(&reader->text, word))
         return DPT_OK;
-    return soup_fail(reader->source, DPT_E_SYNTAX, text_location(&reader->text),
-                     "a line of the header lacks a word");
+    return soup_fail(reader->source, DPT_E_SYNTAX, text_location(&reader->text), "a line of the header lacks a word");
 }
 
 static dpt_result header_type(ply_reader *reader, uint8_t *type)
@@ -134,11 +131,11 @@ static const ply_element *find_element(const ply_reader *reader, int kind)
 static dpt_result add_element(ply_reader *reader, const ply_element *element)
 {
     if (reader->element_count == reader->element_capacity) {
-        ply_element *bigger = grow_array(reader->elements, &reader->element_capacity,
-                                         reader->element_count + 1, sizeof *bigger);
+        ply_element *bigger =
+            grow_array(reader->elements, &reader->element_capacity, reader->element_count + 1, sizeof *bigger);
         if (!bigger)
-            return soup_fail(reader->source, DPT_E_MEMORY, text_location(&reader->text),
-                             "no memory for %zu elements", reader->element_count + 1);
+            return soup_fail(reader->source, DPT_E_MEMORY, text_location(&reader->text), "no memory for %zu elements",
+                             reader->element_count + 1);
         reader->elements = bigger;
     }
     reader->elements[reader->element_count++] = *element;
@@ -169,11 +166,9 @@ static dpt_result header_element(ply_reader *reader)
 
 static uint8_t role_of(const ply_element *element, const source_word *name, int is_list)
 {
-    if (element->kind == VERTEX && name->end - name->begin == 1 && *name->begin >= 'x' &&
-        *name->begin <= 'z')
+    if (element->kind == VERTEX && name->end - name->begin == 1 && *name->begin >= 'x' && *name->begin <= 'z')
         return (uint8_t)(X + (*name->begin - 'x'));
-    if (element->kind == FACE && is_list &&
-        (word_is(name, "vertex_indices") || word_is(name, "vertex_index")))
+    if (element->kind == FACE && is_list && (word_is(name, "vertex_indices") || word_is(name, "vertex_index")))
         return CORNERS;
     return SKIPPED;
 }
@@ -190,17 +185,16 @@ static int has_role(const ply_reader *reader, const ply_element *element, uint8_
 static dpt_result add_property(ply_reader *reader, ply_element *element, ply_property property)
 {
     if (reader->property_count == reader->property_capacity) {
-        ply_property *bigger = grow_array(reader->properties, &reader->property_capacity,
-                                          reader->property_count + 1, sizeof *bigger);
+        ply_property *bigger =
+            grow_array(reader->properties, &reader->property_capacity, reader->property_count + 1, sizeof *bigger);
         if (!bigger)
-            return soup_fail(reader->source, DPT_E_MEMORY, text_location(&reader->text),
-                             "no memory for %zu properties", reader->property_count + 1);
+            return soup_fail(reader->source, DPT_E_MEMORY, text_location(&reader->text), "no memory for %zu properties",
+                             reader->property_count + 1);
         reader->properties = bigger;
     }
     reader->properties[reader->property_count++] = property;
     element->property_count++;
-    element->row_bytes +=
-        type_bytes[property.count_type != NO_TYPE ? property.count_type : property.type];
+    element->row_bytes += type_bytes[property.count_type != NO_TYPE ? property.count_type : property.type];
     return DPT_OK;
 }
 
@@ -243,8 +237,7 @@ static dpt_result header_line(ply_reader *reader, const source_word *keyword)
 static int is_at_bare_cr(const ply_reader *reader)
 {
     const source_text *text = &reader->text;
-    return text->at < text->end && *text->at == '\r' &&
-           !(text->end - text->at > 1 && text->at[1] == '\n');
+    return text->at < text->end && *text->at == '\r' && !(text->end - text->at > 1 && text->at[1] == '\n');
 }
 
 /* One end of line separates the header from the data. If the header's lines end in CR, a LF is already data. */
@@ -268,8 +261,7 @@ static dpt_result read_header(ply_reader *reader)
     if (bytes_left(reader) == 0)
         return soup_fail(reader->source, DPT_E_TRUNCATED, end_of_file(reader), "the file is empty");
     if (!text_next_word(&reader->text, &word) || !word_is(&word, "ply"))
-        return soup_fail(reader->source, DPT_E_FORMAT, text_location(&reader->text),
-                         "the first line is not 'ply'");
+        return soup_fail(reader->source, DPT_E_FORMAT, text_location(&reader->text), "the first line is not 'ply'");
     if (text_next_word(&reader->text, &word))
         return fail_header(reader, &word, "a word after 'ply'");
     int has_bare_cr = is_at_bare_cr(reader);
@@ -280,15 +272,14 @@ static dpt_result read_header(ply_reader *reader)
             return end_header(reader, has_bare_cr);
         DPT_TRY(header_line(reader, &word));
     }
-    return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(&reader->text),
-                     "the file ends within its header");
+    return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(&reader->text), "the file ends within its header");
 }
 
 static dpt_result check_element(ply_reader *reader, const ply_element *element)
 {
     source_location location = { element->line, 0 };
-    if (element->kind == VERTEX && !(has_role(reader, element, X) && has_role(reader, element, Y) &&
-                                     has_role(reader, element, Z)))
+    if (element->kind == VERTEX &&
+        !(has_role(reader, element, X) && has_role(reader, element, Y) && has_role(reader, element, Z)))
         return soup_fail(reader->source, DPT_E_SYNTAX, location, "the vertices lack x, y or z");
     if (element->kind == FACE && element->rows > 0 && !has_role(reader, element, CORNERS))
         return soup_fail(reader->source, DPT_E_SYNTAX, location,
@@ -306,8 +297,7 @@ static dpt_result check_element(ply_reader *reader, const ply_element *element)
 static dpt_result check_header(ply_reader *reader)
 {
     int is_ascii = reader->encoding == ASCII;
-    uint64_t bytes_after =
-        (uint64_t)bytes_left(reader) + (uint64_t)is_ascii; /* the last line may lack its end */
+    uint64_t bytes_after = (uint64_t)bytes_left(reader) + (uint64_t)is_ascii; /* the last line may lack its end */
     char printable[WORD_SHOWN];
     if (reader->encoding == NO_ENCODING)
         return soup_fail(reader->source, DPT_E_SYNTAX, text_location(&reader->text),
@@ -319,9 +309,8 @@ static dpt_result check_header(ply_reader *reader)
         if (min_row_bytes > 0 && element->rows > bytes_after / min_row_bytes)
             return soup_fail(reader->source, DPT_E_TRUNCATED,
                              is_ascii ? (source_location){ element->line, 0 } : end_of_file(reader),
-                             "%" PRIu64 " rows of %s announced, there are bytes for %" PRIu64,
-                             element->rows, word_printable(&element->name, printable),
-                             bytes_after / min_row_bytes);
+                             "%" PRIu64 " rows of %s announced, there are bytes for %" PRIu64, element->rows,
+                             word_printable(&element->name, printable), bytes_after / min_row_bytes);
         bytes_after -= min_row_bytes * element->rows;
     }
     return DPT_OK;
@@ -404,8 +393,7 @@ static dpt_result skip_values(ply_reader *reader, uint8_t type, size_t count)
     }
     for (size_t i = 0; i < count; i++) {
         if (!text_next_word(&reader->text, &word))
-            return soup_fail(reader->source, DPT_E_SYNTAX, location_of(reader),
-                             "the line ends before its values do");
+            return soup_fail(reader->source, DPT_E_SYNTAX, location_of(reader), "the line ends before its values do");
     }
     return DPT_OK;
 }
@@ -436,8 +424,7 @@ static dpt_result read_corners(ply_reader *reader, const ply_property *property,
         if (!(value >= 0.0 && value < (double)reader->vertices && value < INT32_MAX) ||
             value != (double)(uint32_t)value)
             return soup_fail(reader->source, DPT_E_INDEX, location,
-                             "vertex %.9g of a face: there are %" PRIu64 ", counted from 0", value,
-                             reader->vertices);
+                             "vertex %.9g of a face: there are %" PRIu64 ", counted from 0", value, reader->vertices);
         DPT_TRY(corner_list_add(&reader->corners, reader->source, (uint32_t)value));
     }
     return DPT_OK;
@@ -457,24 +444,22 @@ static dpt_result read_property(ply_reader *reader, const ply_property *property
     return read_value(reader, property->type, names[axis], &xyz[axis]);
 }
 
-static dpt_result end_row(ply_reader *reader, const ply_element *element, const double xyz[3],
-                          source_location location)
+static dpt_result end_row(ply_reader *reader, const ply_element *element, const double xyz[3], source_location location)
 {
     source_word word;
     char printable[WORD_SHOWN];
     const corner_list *corners = &reader->corners;
     reader->rows_read++;
     if (reader->encoding == ASCII && text_next_word(&reader->text, &word))
-        return soup_fail(reader->source, DPT_E_SYNTAX, location,
-                         "'%s' is one value more than the header announces",
+        return soup_fail(reader->source, DPT_E_SYNTAX, location, "'%s' is one value more than the header announces",
                          word_printable(&word, printable));
     if (element->kind == VERTEX)
         return soup_add_vertex(reader->source, xyz[0], xyz[1], xyz[2], location);
     if (element->kind != FACE)
         return DPT_OK;
     if (corners->count < 3)
-        return soup_fail(reader->source, DPT_E_SYNTAX, location,
-                         "a face of %zu corners: three are the least", corners->count);
+        return soup_fail(reader->source, DPT_E_SYNTAX, location, "a face of %zu corners: three are the least",
+                         corners->count);
     return soup_add_polygon(reader->source, corners->numbers, corners->count, location);
 }
 
@@ -484,8 +469,8 @@ static dpt_result read_row(ply_reader *reader, const ply_element *element, uint6
     char printable[WORD_SHOWN];
     if (reader->encoding == ASCII && !text_seek_word(&reader->text))
         return soup_fail(reader->source, DPT_E_TRUNCATED, location_of(reader),
-                         "the file ends after %" PRIu64 " of %" PRIu64 " rows of %s", row,
-                         element->rows, word_printable(&element->name, printable));
+                         "the file ends after %" PRIu64 " of %" PRIu64 " rows of %s", row, element->rows,
+                         word_printable(&element->name, printable));
     source_location location = location_of(reader);
     for (size_t i = 0; i < element->property_count; i++)
         DPT_TRY(read_property(reader, &reader->properties[element->first_property + i], xyz));
@@ -512,8 +497,7 @@ static dpt_result check_end(ply_reader *reader)
     if (!text_seek_word(&reader->text))
         return DPT_OK;
     return soup_fail(reader->source, DPT_E_TRAILING, location_of(reader),
-                     "data follow the %" PRIu64 " rows that the header announces",
-                     reader->rows_read);
+                     "data follow the %" PRIu64 " rows that the header announces", reader->rows_read);
 }
 
 static dpt_result read_all(ply_reader *reader)

@@ -30,10 +30,10 @@ static void *grown(const source_text *text, void *list, size_t *capacity, size_t
 
 static dpt_result read_place(source_text *text, dpt_spring_region *region)
 {
-    static const char *const names[2][6] = { { "the lowest x", "the lowest y", "the lowest z",
-                                               "the highest x", "the highest y", "the highest z" },
-                                             { "x of the centre", "y of the centre",
-                                               "z of the centre", "the radius", NULL, NULL } };
+    static const char *const names[2][6] = {
+        { "the lowest x", "the lowest y", "the lowest z", "the highest x", "the highest y", "the highest z" },
+        { "x of the centre", "y of the centre", "z of the centre", "the radius", NULL, NULL }
+    };
     const int is_sphere = region->kind == DPT_REGION_SPHERE;
     for (int k = 0; k < (is_sphere ? 4 : 6); k++)
         DPT_TRY(text_read_double(text, names[is_sphere][k], &region->box[k]));
@@ -45,12 +45,10 @@ static dpt_result read_region(source_text *text, dpt_spring_region *region)
     source_word word;
     char shown[WORD_SHOWN];
     text_next_word(text, &word);
-    region->kind = word_is(&word, "box")      ? DPT_REGION_BOX
-                   : word_is(&word, "sphere") ? DPT_REGION_SPHERE
-                                              : 0;
+    region->kind = word_is(&word, "box") ? DPT_REGION_BOX : word_is(&word, "sphere") ? DPT_REGION_SPHERE : 0;
     if (!region->kind)
-        return soup_fail(text->source, DPT_E_SYNTAX, text_location(text),
-                         "'%s' is not box or sphere", word_printable(&word, shown));
+        return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "'%s' is not box or sphere",
+                         word_printable(&word, shown));
     DPT_TRY(read_place(text, region));
     source_text ahead = *text;
     region->fixed = text_next_word(&ahead, &word) && word_is(&word, "fixed");
@@ -67,35 +65,30 @@ static dpt_result read_region(source_text *text, dpt_spring_region *region)
     return DPT_OK;
 }
 
-dpt_result regions_read(struct spring_regions *read, soup *source, const unsigned char *bytes,
-                        size_t size)
+dpt_result regions_read(struct spring_regions *read, soup *source, const unsigned char *bytes, size_t size)
 {
     source_text text;
     DPT_TRY(begin(&text, source, bytes, size));
     while (text_seek_word(&text)) {
         dpt_spring_region region = { .kind = 0 };
-        dpt_spring_region *list =
-            grown(&text, read->regions, &read->region_capacity, read->region_count, sizeof *list);
+        dpt_spring_region *list = grown(&text, read->regions, &read->region_capacity, read->region_count, sizeof *list);
         if (!list)
             return DPT_E_MEMORY;
         read->regions = list;
         DPT_TRY(read_region(&text, &region));
-        DPT_TRY(springs_check_region(source, &region, (uint32_t)read->region_count + 1,
-                                     text_location(&text)));
+        DPT_TRY(springs_check_region(source, &region, (uint32_t)read->region_count + 1, text_location(&text)));
         list[read->region_count++] = region;
     }
     return DPT_OK;
 }
 
-dpt_result fixed_read(struct spring_regions *read, soup *source, const unsigned char *bytes,
-                      size_t size)
+dpt_result fixed_read(struct spring_regions *read, soup *source, const unsigned char *bytes, size_t size)
 {
     source_text text;
     DPT_TRY(begin(&text, source, bytes, size));
     while (text_seek_word(&text)) {
         int64_t number;
-        uint32_t *list =
-            grown(&text, read->fixed, &read->fixed_capacity, read->fixed_count, sizeof *list);
+        uint32_t *list = grown(&text, read->fixed, &read->fixed_capacity, read->fixed_count, sizeof *list);
         if (!list)
             return DPT_E_MEMORY;
         read->fixed = list;

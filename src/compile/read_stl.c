@@ -13,8 +13,7 @@ enum { HEADER_BYTES = 84, FACET_BYTES = 50, NORMAL_BYTES = 12, VERTEX_BYTES = 12
 
 static uint32_t load_u32(const unsigned char *bytes)
 {
-    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
-           (uint32_t)bytes[3] << 24;
+    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }
 
 static double load_float(const unsigned char *bytes)
@@ -37,19 +36,16 @@ static dpt_result check_length(soup *source, const unsigned char *bytes, size_t 
 {
     if (size < HEADER_BYTES)
         return soup_fail(source, DPT_E_TRUNCATED, (source_location){ 0, size },
-                         "neither ASCII STL nor the %d bytes that a binary one begins with",
-                         HEADER_BYTES);
+                         "neither ASCII STL nor the %d bytes that a binary one begins with", HEADER_BYTES);
     uint64_t announced = load_u32(bytes + 80), held = (size - HEADER_BYTES) / FACET_BYTES;
     uint64_t length = HEADER_BYTES + FACET_BYTES * announced;
     if (size < length)
         return soup_fail(source, DPT_E_TRUNCATED, (source_location){ 0, size },
-                         "binary STL announces %" PRIu64 " triangles and holds %" PRIu64, announced,
-                         held);
+                         "binary STL announces %" PRIu64 " triangles and holds %" PRIu64, announced, held);
     if (size > length)
         return soup_fail(source, DPT_E_TRAILING, (source_location){ 0, length },
-                         "%" PRIu64 " bytes follow the %" PRIu64 " triangles that binary STL "
-                         "announces",
-                         size - length, announced);
+                         "%" PRIu64 " bytes follow the %" PRIu64 " triangles that binary STL announces", size - length,
+                         announced);
     return DPT_OK;
 }
 
@@ -80,8 +76,7 @@ static dpt_result next_keyword(source_text *text, source_word *word, const char 
 {
     if (text_seek_word(text) && text_next_word(text, word))
         return DPT_OK;
-    return soup_fail(text->source, DPT_E_TRUNCATED, text_location(text),
-                     "the file ends where '%s' should be", wanted);
+    return soup_fail(text->source, DPT_E_TRUNCATED, text_location(text), "the file ends where '%s' should be", wanted);
 }
 
 static dpt_result refuse_keyword(source_text *text, const source_word *word, const char *wanted)
@@ -135,8 +130,7 @@ static dpt_result read_loop(source_text *text)
         if (!is_end && !word_is_any_case(&word, "vertex"))
             return refuse_keyword(text, &word, "vertex");
         if (is_end != (vertices == 3))
-            return soup_fail(text->source, DPT_E_SYNTAX, text_location(text),
-                             "a facet of %s vertices",
+            return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "a facet of %s vertices",
                              is_end ? "fewer than three" : "more than three");
         if (is_end)
             return DPT_OK;
@@ -168,8 +162,8 @@ static dpt_result read_solid(source_text *text, const char *begin)
         if (!word_is_any_case(&word, "facet"))
             return refuse_keyword(text, &word, "facet");
         if (text->source->triangle_count % PROGRESS_STRIDE == 0)
-            DPT_TRY(soup_report_progress(text->source, "read",
-                                         (double)(text->at - begin) / (double)(text->end - begin)));
+            DPT_TRY(
+                soup_report_progress(text->source, "read", (double)(text->at - begin) / (double)(text->end - begin)));
         DPT_TRY(read_facet(text));
     }
 }
@@ -190,8 +184,7 @@ static int is_ascii(const source_text *text, const unsigned char *bytes, size_t 
 {
     source_text ahead = *text;
     source_word word;
-    return text_seek_word(&ahead) && text_next_word(&ahead, &word) &&
-           word_is_any_case(&word, "solid") &&
+    return text_seek_word(&ahead) && text_next_word(&ahead, &word) && word_is_any_case(&word, "solid") &&
            !memchr(bytes, 0, size < HEADER_BYTES ? size : HEADER_BYTES);
 }
 
@@ -199,8 +192,7 @@ dpt_result read_stl(soup *source, const unsigned char *bytes, size_t size)
 {
     source_text text;
     text_begin(&text, source, bytes, size);
-    int length_fits =
-        size >= HEADER_BYTES && size == HEADER_BYTES + FACET_BYTES * (uint64_t)load_u32(bytes + 80);
+    int length_fits = size >= HEADER_BYTES && size == HEADER_BYTES + FACET_BYTES * (uint64_t)load_u32(bytes + 80);
     if (!length_fits && is_ascii(&text, bytes, size))
         return read_ascii(&text);
     return read_binary(source, bytes, size);

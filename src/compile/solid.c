@@ -127,8 +127,7 @@ static dpt_result ensure_cluster(struct solids *all, struct solid *solid)
 {
     if (solid->cluster.node_moments)
         return DPT_OK;
-    return cluster_build(&solid->cluster, all->model, all->part_list + solid->first_in_list,
-                         solid->triangle_count);
+    return cluster_build(&solid->cluster, all->model, all->part_list + solid->first_in_list, solid->triangle_count);
 }
 
 /* The centroid of a triangle. *area becomes twice its area; it may be NULL. */
@@ -142,13 +141,10 @@ static vec3 centroid_of(const struct model *model, uint32_t triangle, double *ar
 }
 
 /* Sample triangle k of `samples`. The golden section spreads any first k of them over the part. Returns a place. */
-static uint32_t sample_triangle(const struct solids *all, const struct solid *solid, uint32_t k,
-                                uint32_t samples)
+static uint32_t sample_triangle(const struct solids *all, const struct solid *solid, uint32_t k, uint32_t samples)
 {
     uint32_t spread = k * 2654435769u;
-    uint32_t at = samples == solid->triangle_count
-                      ? k
-                      : (uint32_t)((uint64_t)spread * solid->triangle_count >> 32);
+    uint32_t at = samples == solid->triangle_count ? k : (uint32_t)((uint64_t)spread * solid->triangle_count >> 32);
     return all->part_list[solid->first_in_list + at];
 }
 
@@ -241,12 +237,11 @@ static dpt_result find_solids(struct solids *all)
     for (uint32_t p = 0; p < model->part_count; p++) {
         const struct part *part = &model->parts[p];
         if (may_be_solid(part))
-            all->solids[all->count++] =
-                (struct solid){ .part = p,
-                                .first_in_list = all->part_first[p],
-                                .triangle_count = part->triangles,
-                                .is_closed = (part->flags & MESH_PART_CLOSED) != 0,
-                                .needs_winding = model->part_cuts_itself[p] };
+            all->solids[all->count++] = (struct solid){ .part = p,
+                                                        .first_in_list = all->part_first[p],
+                                                        .triangle_count = part->triangles,
+                                                        .is_closed = (part->flags & MESH_PART_CLOSED) != 0,
+                                                        .needs_winding = model->part_cuts_itself[p] };
     }
     parallel_for(threads, candidates, 1, classify_solids, all);
     for (uint32_t i = 0; i < candidates; i++)
@@ -262,13 +257,11 @@ static dpt_result find_solids(struct solids *all)
 /* Do two surfaces touch? Sets *touch. Tests the triangles of the smaller part against the cluster of the larger one. */
 static dpt_result surfaces_touch(struct solids *all, struct solid *a, struct solid *b, int *touch)
 {
-    struct solid *smaller = a->triangle_count < b->triangle_count ? a : b,
-                 *larger = smaller == a ? b : a;
+    struct solid *smaller = a->triangle_count < b->triangle_count ? a : b, *larger = smaller == a ? b : a;
     DPT_TRY(ensure_cluster(all, larger));
     *touch = 0;
     for (uint32_t i = 0; i < smaller->triangle_count && !*touch; i++)
-        *touch = cluster_touches(&larger->cluster, all->part_list[smaller->first_in_list + i],
-                                 all->touch_distance);
+        *touch = cluster_touches(&larger->cluster, all->part_list[smaller->first_in_list + i], all->touch_distance);
     return DPT_OK;
 }
 
@@ -440,8 +433,8 @@ static void wind_solids(struct solids *all)
         model->cavities += (uint32_t)is_inward_at_last(solid);
         model->winding_parts += (flags & MESH_PART_WINDING) != 0;
         model->buried_parts += (flags & MESH_PART_BURIED) != 0;
-        model->inward_parts += (uint32_t)(solid->is_closed && !solid->is_mixed &&
-                                          solid->is_inward && solid->is_flipped);
+        model->inward_parts +=
+            (uint32_t)(solid->is_closed && !solid->is_mixed && solid->is_inward && solid->is_flipped);
     }
 }
 
@@ -449,12 +442,10 @@ static void wind_solids(struct solids *all)
  * Find where a part without an inside (a sheet) lies: *inside is 1 wholly inside of the solid, 0 wholly outside, else
  * -1.
  */
-static dpt_result locate_sheet(struct solids *all, struct solid *sheet, struct solid *solid,
-                               int *inside)
+static dpt_result locate_sheet(struct solids *all, struct solid *sheet, struct solid *solid, int *inside)
 {
     int touch;
-    uint32_t samples =
-        sheet->triangle_count < INSIDE_SAMPLES ? sheet->triangle_count : INSIDE_SAMPLES;
+    uint32_t samples = sheet->triangle_count < INSIDE_SAMPLES ? sheet->triangle_count : INSIDE_SAMPLES;
     uint32_t inside_count = 0, outside_count = 0;
     uint64_t work = 0;
     DPT_TRY(surfaces_touch(all, sheet, solid, &touch));
@@ -476,8 +467,7 @@ static dpt_result locate_sheet(struct solids *all, struct solid *sheet, struct s
  * Does a sheet lie wholly in the material of solids, not in a void? The work is added to *work. *is_inside_material
  * stays 0 for a sheet that is partly inside of a solid.
  */
-static dpt_result is_buried(struct solids *all, struct solid *sheet, uint64_t *work,
-                            int *is_inside_material)
+static dpt_result is_buried(struct solids *all, struct solid *sheet, uint64_t *work, int *is_inside_material)
 {
     int32_t layers = 0;
     *is_inside_material = 0;
@@ -510,9 +500,7 @@ static dpt_result mark_buried_sheets(struct solids *all)
         struct part *part = &model->parts[p];
         if (part->flags & MESH_PART_SOLID)
             continue;
-        struct solid sheet = { .part = p,
-                               .first_in_list = all->part_first[p],
-                               .triangle_count = part->triangles };
+        struct solid sheet = { .part = p, .first_in_list = all->part_first[p], .triangle_count = part->triangles };
         int is_inside_material;
         measure(all, &sheet);
         dpt_result result = is_buried(all, &sheet, &work, &is_inside_material);
@@ -564,9 +552,7 @@ static double touch_distance_of(const struct model *model)
 
 dpt_result model_solid(struct model *model, soup *source)
 {
-    struct solids all = { .model = model,
-                          .source = source,
-                          .touch_distance = touch_distance_of(model) };
+    struct solids all = { .model = model, .source = source, .touch_distance = touch_distance_of(model) };
     all.part_list = model->part_list;
     all.part_first = model->part_first;
     dpt_result result = find_solids(&all);

@@ -34,8 +34,7 @@ void soup_free(soup *source)
     memset(source, 0, sizeof *source);
 }
 
-dpt_result soup_fail(soup *source, dpt_result code, source_location location, const char *format,
-                     ...)
+dpt_result soup_fail(soup *source, dpt_result code, source_location location, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -49,9 +48,8 @@ dpt_result soup_fail(soup *source, dpt_result code, source_location location, co
 
 static dpt_result no_memory(soup *source, source_location location)
 {
-    return soup_fail(source, DPT_E_MEMORY, location,
-                     "memory ran out after %zu vertices and %zu triangles", source->vertex_count,
-                     source->triangle_count);
+    return soup_fail(source, DPT_E_MEMORY, location, "memory ran out after %zu vertices and %zu triangles",
+                     source->vertex_count, source->triangle_count);
 }
 
 dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_location location)
@@ -60,8 +58,8 @@ dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_lo
     if (source->vertex_count >= COUNT_MAX)
         return soup_fail(source, DPT_E_LIMIT, location, "more than %zu vertices", COUNT_MAX);
     if (source->vertex_count == source->vertex_capacity) {
-        float *bigger = grow_array(source->positions, &source->vertex_capacity,
-                                   source->vertex_count + 1, 3 * sizeof *bigger);
+        float *bigger =
+            grow_array(source->positions, &source->vertex_capacity, source->vertex_count + 1, 3 * sizeof *bigger);
         if (!bigger)
             return no_memory(source, location);
         source->positions = bigger;
@@ -70,9 +68,8 @@ dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_lo
     for (int i = 0; i < 3; i++) {
         double scaled = scale * source_xyz[i];
         if (!(fabs(scaled) <= DPT_COORDINATE_MAX))
-            return soup_fail(source, DPT_E_FINITE, location,
-                             "%c is %.9g (times %.9g): not finite, or beyond %.0f m", "xyz"[i],
-                             source_xyz[i], scale, DPT_COORDINATE_MAX);
+            return soup_fail(source, DPT_E_FINITE, location, "%c is %.9g (times %.9g): not finite, or beyond %.0f m",
+                             "xyz"[i], source_xyz[i], scale, DPT_COORDINATE_MAX);
         position[i] = (float)scaled;
         if (position[i] == 0.0f)
             position[i] = 0.0f; /* -0 becomes 0: positions are compared by their bits later */
@@ -96,8 +93,8 @@ static dpt_result reserve_polygon(soup *source, size_t added_triangles, source_l
         source->corners = bigger;
     }
     if (added_triangles > 1 && source->polygon_count == source->polygon_capacity) {
-        soup_polygon_span *bigger = grow_array(source->polygons, &source->polygon_capacity,
-                                               source->polygon_count + 1, sizeof *bigger);
+        soup_polygon_span *bigger =
+            grow_array(source->polygons, &source->polygon_capacity, source->polygon_count + 1, sizeof *bigger);
         if (!bigger)
             return no_memory(source, location);
         source->polygons = bigger;
@@ -105,8 +102,7 @@ static dpt_result reserve_polygon(soup *source, size_t added_triangles, source_l
     return DPT_OK;
 }
 
-dpt_result soup_add_polygon(soup *source, const uint32_t *corners, size_t n,
-                            source_location location)
+dpt_result soup_add_polygon(soup *source, const uint32_t *corners, size_t n, source_location location)
 {
     DPT_TRY(reserve_polygon(source, n - 2, location));
     if (source->triangle_count == 0) {
@@ -137,8 +133,7 @@ dpt_result soup_check_corners(soup *source)
         return DPT_OK;
     return soup_fail(source, DPT_E_INDEX, source->highest_location,
                      "a polygon names vertex %u, counted from %u, and there are only %zu",
-                     (unsigned)(source->highest_corner + source->base), (unsigned)source->base,
-                     source->vertex_count);
+                     (unsigned)(source->highest_corner + source->base), (unsigned)source->base, source->vertex_count);
 }
 
 /* The position of corner `k` of a polygon, read from its fan. */

@@ -34,16 +34,15 @@ typedef struct soup {
     size_t vertex_count, vertex_capacity;
     size_t triangle_count, triangle_capacity;
     size_t polygon_count, polygon_capacity;
-    double scale;            /* metres per unit of the source */
-    double crease;           /* rad */
-    uint32_t threads;        /* 1..PARALLEL_MAX */
-    double rounding;         /* largest |stored - scale * source| of a coordinate, m */
-    uint32_t highest_corner; /* the highest vertex number in any polygon */
-    source_location
-        highest_location;       /* of that polygon, for the message if there is no such vertex */
-    uint32_t base;              /* number of the first vertex in the file's own counting, 0 or 1 */
-    const dpt_compile_def *def; /* for its progress callback; may be NULL */
-    dpt_diag *diag;             /* never NULL */
+    double scale;                     /* metres per unit of the source */
+    double crease;                    /* rad */
+    uint32_t threads;                 /* 1..PARALLEL_MAX */
+    double rounding;                  /* largest |stored - scale * source| of a coordinate, m */
+    uint32_t highest_corner;          /* the highest vertex number in any polygon */
+    source_location highest_location; /* of that polygon, for the message if there is no such vertex */
+    uint32_t base;                    /* number of the first vertex in the file's own counting, 0 or 1 */
+    const dpt_compile_def *def;       /* for its progress callback; may be NULL */
+    dpt_diag *diag;                   /* never NULL */
 } soup;
 
 /* Make an empty soup with the settings of `def`; NULL for the defaults. Both pointers are kept. */
@@ -54,8 +53,7 @@ void soup_free(soup *soup);
 dpt_result soup_add_vertex(soup *soup, double x, double y, double z, source_location location);
 
 /* Add a polygon of n >= 3 corners, vertex numbers from 0. Returns as soup_add_vertex. */
-dpt_result soup_add_polygon(soup *soup, const uint32_t *corners, size_t n,
-                            source_location location);
+dpt_result soup_add_polygon(soup *soup, const uint32_t *corners, size_t n, source_location location);
 
 /* Call after the last polygon. DPT_E_INDEX if a corner is no vertex; the diag names where the highest one stands. */
 dpt_result soup_check_corners(soup *soup);

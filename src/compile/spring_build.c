@@ -13,9 +13,7 @@
 
 static const source_location nowhere = { 0, 0 };
 
-static const dpt_spring_net_def spring_defaults = { .young = 5000.0,
-                                                    .density = 1000.0,
-                                                    .thickness = 1e-3 };
+static const dpt_spring_net_def spring_defaults = { .young = 5000.0, .density = 1000.0, .thickness = 1e-3 };
 
 void dpt_spring_net_def_defaults(dpt_spring_net_def *def, size_t size)
 {
@@ -38,19 +36,17 @@ dpt_result springs_check_region(soup *source, const dpt_spring_region *region, u
         good &= within(box[k], far) && within(box[3 + k], far) &&
                 (region->kind == DPT_REGION_SPHERE || box[k] <= box[3 + k]);
     if (!good || (region->kind == DPT_REGION_SPHERE && !(box[3] > 0.0)))
-        return soup_fail(source, DPT_E_ARGUMENT, location, "region %u is empty, or too far",
-                         number);
+        return soup_fail(source, DPT_E_ARGUMENT, location, "region %u is empty, or too far", number);
     if (region->fixed)
         return DPT_OK;
     if (!(region->young > 0.0 && region->young <= 1e12))
         return soup_fail(source, DPT_E_ARGUMENT, location,
                          "region %u: Young's modulus must be above 0, at most 1e12 Pa", number);
     if (!(region->density > 0.0 && region->density <= 1e9))
-        return soup_fail(source, DPT_E_ARGUMENT, location,
-                         "region %u: the density must be above 0, at most 1e9 kg/m^3", number);
+        return soup_fail(source, DPT_E_ARGUMENT, location, "region %u: the density must be above 0, at most 1e9 kg/m^3",
+                         number);
     if (!is_in(region->drag, 1e9))
-        return soup_fail(source, DPT_E_ARGUMENT, location,
-                         "region %u: the drag must be 0 to 1e9 1/s", number);
+        return soup_fail(source, DPT_E_ARGUMENT, location, "region %u: the drag must be 0 to 1e9 1/s", number);
     return DPT_OK;
 }
 
@@ -72,8 +68,8 @@ dpt_result springs_check(soup *source, dpt_spring_net_def *def)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such kind of springs");
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         if (!is_in(*numbers[i].value, numbers[i].most))
-            return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the %s must be 0 to %g",
-                             numbers[i].name, numbers[i].most);
+            return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the %s must be 0 to %g", numbers[i].name,
+                             numbers[i].most);
         if (*numbers[i].value == 0.0)
             *numbers[i].value = numbers[i].usual;
     }
@@ -116,16 +112,14 @@ dpt_result spring_add(struct net *net, uint32_t a, uint32_t b, double stiffness)
     if (net->share_count == UINT32_MAX)
         return soup_fail(net->source, DPT_E_LIMIT, nowhere, "more springs than can be numbered");
     if (net->share_count == net->share_capacity) {
-        struct spring_share *grown =
-            grow_array(net->shares, &net->share_capacity, net->share_count + 1, sizeof *grown);
+        struct spring_share *grown = grow_array(net->shares, &net->share_capacity, net->share_count + 1, sizeof *grown);
         if (!grown)
             return soup_fail(net->source, DPT_E_MEMORY, nowhere, "memory ran out");
         net->shares = grown;
     }
-    net->shares[net->share_count] = (struct spring_share){ .low = a < b ? a : b,
-                                                           .high = a < b ? b : a,
-                                                           .order = (uint32_t)net->share_count,
-                                                           .stiffness = stiffness };
+    net->shares[net->share_count] = (struct spring_share){
+        .low = a < b ? a : b, .high = a < b ? b : a, .order = (uint32_t)net->share_count, .stiffness = stiffness
+    };
     net->share_count++;
     return DPT_OK;
 }
@@ -195,13 +189,12 @@ static dpt_result fix_vertices(struct net *net, const struct model *model, uint8
         const uint32_t number = def->fixed[i];
         const struct placed *found = NULL;
         if (number >= source->vertex_count) {
-            result = soup_fail(net->source, DPT_E_INDEX, nowhere,
-                               "vertex %u is to be fixed, and there are only %zu", number,
-                               source->vertex_count);
+            result = soup_fail(net->source, DPT_E_INDEX, nowhere, "vertex %u is to be fixed, and there are only %zu",
+                               number, source->vertex_count);
             break;
         }
-        found = bsearch(source->positions + 3 * (size_t)number, placed, model->vertex_count,
-                        sizeof *placed, compare_place);
+        found =
+            bsearch(source->positions + 3 * (size_t)number, placed, model->vertex_count, sizeof *placed, compare_place);
         if (found)
             fix_vertex(model, found->vertex, is_fixed);
         else
@@ -220,9 +213,7 @@ static dpt_result fix(struct net *net, const struct model *model, uint8_t *is_fi
     for (uint32_t i = 0; i < net->def->region_count; i++)
         if (!net->is_used[i])
             return soup_fail(net->source, DPT_E_ARGUMENT, nowhere,
-                             "region %u holds nothing of the body: a triangle or a cell is where "
-                             "its centre is",
-                             i + 1);
+                             "region %u holds nothing of the body: a triangle or a cell is where its centre is", i + 1);
     DPT_TRY(fix_vertices(net, model, is_fixed));
     for (uint32_t v = 0; v < net->node_count; v++)
         fixed += is_fixed[v];

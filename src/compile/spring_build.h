@@ -16,14 +16,13 @@ struct net {
     const dpt_spring_net_def *def;
     soup *source;
     uint32_t node_count;
-    const float *rest; /* 3 each, m */
-    const int32_t
-        *grid; /* 3 each: whole coordinates in the lattice, ascending by z, y, x; NULL: a sheet */
-    double *mass; /* kg */
+    const float *rest;   /* 3 each, m */
+    const int32_t *grid; /* 3 each: whole coordinates in the lattice, ascending by z, y, x; NULL: a sheet */
+    double *mass;        /* kg */
     struct spring_share *shares;
     size_t share_count, share_capacity;
     uint8_t *is_used; /* of each region: something of the body is in it */
-    double square; /* 1/s^2: no part of the net that has its own mass moves faster; 0: not known */
+    double square;    /* 1/s^2: no part of the net that has its own mass moves faster; 0: not known */
 };
 
 /* What a material is made of, at a point. */
@@ -52,23 +51,21 @@ struct spring_lattice {
     double low[3];     /* its lowest corner, m */
     double spacing;    /* m */
     uint32_t cells[3]; /* along x, y and z */
-    float *share; /* of each cell, x fastest: how much of it is inside, 0: it is none of the body */
-    uint32_t *node; /* of each corner of a cell, x fastest: its number, or DPT_NONE */
-    float *rest;    /* 3 a node, m */
-    int32_t *grid;  /* 3 a node */
+    float *share;      /* of each cell, x fastest: how much of it is inside, 0: it is none of the body */
+    uint32_t *node;    /* of each corner of a cell, x fastest: its number, or DPT_NONE */
+    float *rest;       /* 3 a node, m */
+    int32_t *grid;     /* 3 a node */
     uint32_t node_count, cell_count;
 };
 
 /* Find the cells, their shares and the nodes. spacing 0: the default. */
-dpt_result spring_lattice_make(struct spring_lattice *lattice, const struct model *model,
-                               soup *source, double spacing);
+dpt_result spring_lattice_make(struct spring_lattice *lattice, const struct model *model, soup *source, double spacing);
 
 /* Fill in masses and springs of the lattice. */
 dpt_result spring_lattice_springs(struct net *net, const struct spring_lattice *lattice);
 
 /* Embed the model's vertices in the lattice: each cell is cut into six tetrahedra about a diagonal. */
-dpt_result spring_lattice_embed(const struct spring_lattice *lattice, struct model *model,
-                                soup *source);
+dpt_result spring_lattice_embed(const struct spring_lattice *lattice, struct model *model, soup *source);
 
 void spring_lattice_free(struct spring_lattice *lattice);
 

@@ -52,8 +52,7 @@ static int is_closed(const struct model *model, uint32_t t)
 static void corners_of(const struct model *model, uint32_t t, vec3 corner[3])
 {
     for (int k = 0; k < 3; k++)
-        corner[k] =
-            vec3_of_float(model->positions + 3 * (size_t)model->corners[3 * (size_t)t + (size_t)k]);
+        corner[k] = vec3_of_float(model->positions + 3 * (size_t)model->corners[3 * (size_t)t + (size_t)k]);
 }
 
 static double coordinate(vec3 v, int axis)
@@ -62,8 +61,7 @@ static double coordinate(vec3 v, int axis)
 }
 
 /* Which places first, first + 1, ... of a grid with this step lie in an interval: *begin..*end, within 0..count. */
-static void span(double low, double high, double first, double step, uint32_t count,
-                 uint32_t *begin, uint32_t *end)
+static void span(double low, double high, double first, double step, uint32_t count, uint32_t *begin, uint32_t *end)
 {
     const double b = floor((low - first) / step) - 1.0, e = ceil((high - first) / step) + 2.0;
     *begin = b < 0.0 ? 0 : b > count ? count : (uint32_t)b;
@@ -80,8 +78,7 @@ static double cube_root(double x)
 }
 
 /* Choose the lattice about the box of the closed parts. */
-static dpt_result choose_cells(struct spring_lattice *lattice, const struct model *model,
-                               soup *source, double spacing)
+static dpt_result choose_cells(struct spring_lattice *lattice, const struct model *model, soup *source, double spacing)
 {
     double low[3] = { HUGE_VAL, HUGE_VAL, HUGE_VAL }, high[3] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
     double longest = 0.0, volume = 1.0, cells = 1.0;
@@ -106,9 +103,8 @@ static dpt_result choose_cells(struct spring_lattice *lattice, const struct mode
         const double count = max_of(ceil((high[k] - low[k]) / spacing - TOUCH), 1.0);
         cells *= count;
         if (!(cells <= CELLS_MAX))
-            return soup_fail(source, DPT_E_LIMIT, nowhere,
-                             "a lattice with a spacing of %.3g m has more than %u cells", spacing,
-                             CELLS_MAX);
+            return soup_fail(source, DPT_E_LIMIT, nowhere, "a lattice with a spacing of %.3g m has more than %u cells",
+                             spacing, CELLS_MAX);
         lattice->cells[k] = (uint32_t)count;
         lattice->low[k] = 0.5 * (low[k] + high[k]) - 0.5 * count * spacing;
     }
@@ -151,8 +147,7 @@ static double plane_x(const vec3 corner[3], double y, double z)
 }
 
 /* Count the crossings of each ray in first[ray + 1], or write them at first[ray]++ if there is a list. */
-static void cross_rays(struct crossings *crossings, const struct spring_lattice *lattice,
-                       const struct model *model)
+static void cross_rays(struct crossings *crossings, const struct spring_lattice *lattice, const struct model *model)
 {
     const double step = lattice->spacing / RAYS;
     const double y0 = lattice->low[1] + 0.5 * step, z0 = lattice->low[2] + 0.5 * step;
@@ -162,21 +157,20 @@ static void cross_rays(struct crossings *crossings, const struct spring_lattice 
         if (!is_closed(model, t))
             continue;
         corners_of(model, t, c);
-        span(min_of(min_of(c[0].y, c[1].y), c[2].y), max_of(max_of(c[0].y, c[1].y), c[2].y), y0,
-             step, crossings->rays[0], &j, &j_end);
-        span(min_of(min_of(c[0].z, c[1].z), c[2].z), max_of(max_of(c[0].z, c[1].z), c[2].z), z0,
-             step, crossings->rays[1], &k_begin, &k_end);
+        span(min_of(min_of(c[0].y, c[1].y), c[2].y), max_of(max_of(c[0].y, c[1].y), c[2].y), y0, step,
+             crossings->rays[0], &j, &j_end);
+        span(min_of(min_of(c[0].z, c[1].z), c[2].z), max_of(max_of(c[0].z, c[1].z), c[2].z), z0, step,
+             crossings->rays[1], &k_begin, &k_end);
         for (; j < j_end; j++)
             for (k = k_begin; k < k_end; k++) {
                 const double y = y0 + step * j, z = z0 + step * k;
-                const int turn = edge_turn(c[0], c[1], y, z) + edge_turn(c[1], c[2], y, z) +
-                                 edge_turn(c[2], c[0], y, z);
+                const int turn =
+                    edge_turn(c[0], c[1], y, z) + edge_turn(c[1], c[2], y, z) + edge_turn(c[2], c[0], y, z);
                 const uint32_t ray = k * crossings->rays[0] + j;
                 if (!turn)
                     continue;
                 if (crossings->list)
-                    crossings->list[crossings->first[ray]++] =
-                        (struct crossing){ plane_x(c, y, z), turn };
+                    crossings->list[crossings->first[ray]++] = (struct crossing){ plane_x(c, y, z), turn };
                 else
                     crossings->first[ray + 1]++;
             }
@@ -190,8 +184,7 @@ static int compare_crossings(const void *a, const void *b)
 }
 
 /* Add a ray's stretch inside, from..to along x, to the cells that it runs through. */
-static void add_stretch(struct spring_lattice *lattice, double from, double to, uint32_t j,
-                        uint32_t k)
+static void add_stretch(struct spring_lattice *lattice, double from, double to, uint32_t j, uint32_t k)
 {
     const double each = 1.0 / (RAYS * RAYS);
     uint32_t i, end;
@@ -279,14 +272,13 @@ static void touch(struct spring_lattice *lattice, const struct model *model, uin
         corners_of(model, t, c);
         for (int k = 0; k < 3; k++) {
             const double a = coordinate(c[0], k), b = coordinate(c[1], k), d = coordinate(c[2], k);
-            span(min_of(min_of(a, b), d), max_of(max_of(a, b), d), lattice->low[k], s,
-                 lattice->cells[k], &begin[k], &end[k]);
+            span(min_of(min_of(a, b), d), max_of(max_of(a, b), d), lattice->low[k], s, lattice->cells[k], &begin[k],
+                 &end[k]);
         }
         for (uint32_t k = begin[2]; k < end[2]; k++)
             for (uint32_t j = begin[1]; j < end[1]; j++)
                 for (uint32_t i = begin[0]; i < end[0]; i++) {
-                    const vec3 centre = { lattice->low[0] + s * (i + 0.5),
-                                          lattice->low[1] + s * (j + 0.5),
+                    const vec3 centre = { lattice->low[0] + s * (i + 0.5), lattice->low[1] + s * (j + 0.5),
                                           lattice->low[2] + s * (k + 0.5) };
                     uint8_t *touched = &is_touched[cell_at(lattice, i, j, k)];
                     *touched |= !*touched && meets_cube(c, centre, half);
@@ -297,9 +289,7 @@ static void touch(struct spring_lattice *lattice, const struct model *model, uin
     for (size_t i = 0; i < cells; i++) {
         const float share = lattice->share[i];
         if (is_touched[i])
-            lattice->share[i] = share < (float)SHARE_MIN ? (float)SHARE_MIN
-                                : share > 1.0f           ? 1.0f
-                                                         : share;
+            lattice->share[i] = share < (float)SHARE_MIN ? (float)SHARE_MIN : share > 1.0f ? 1.0f : share;
         else
             lattice->share[i] = share > 0.5f ? 1.0f : 0.0f;
     }
@@ -321,8 +311,7 @@ static dpt_result number_nodes(struct spring_lattice *lattice, soup *source)
                 if (lattice->share[cell_at(lattice, i, j, k)] > 0.0f) {
                     lattice->cell_count++;
                     for (uint32_t c = 0; c < 8; c++)
-                        lattice->node[corner_at(lattice, i + (c & 1), j + (c >> 1 & 1),
-                                                k + (c >> 2))] = 0;
+                        lattice->node[corner_at(lattice, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2))] = 0;
                 }
     for (size_t i = 0; i < corners; i++)
         if (lattice->node[i] != DPT_NONE)
@@ -334,19 +323,16 @@ static dpt_result number_nodes(struct spring_lattice *lattice, soup *source)
     for (uint32_t k = 0; k <= n[2]; k++)
         for (uint32_t j = 0; j <= n[1]; j++)
             for (uint32_t i = 0; i <= n[0]; i++) {
-                const uint32_t node = lattice->node[corner_at(lattice, i, j, k)],
-                               at[3] = { i, j, k };
+                const uint32_t node = lattice->node[corner_at(lattice, i, j, k)], at[3] = { i, j, k };
                 for (size_t axis = 0; axis < 3 && node != DPT_NONE; axis++) {
                     lattice->grid[3 * (size_t)node + axis] = (int32_t)at[axis];
-                    lattice->rest[3 * (size_t)node + axis] =
-                        (float)(lattice->low[axis] + lattice->spacing * at[axis]);
+                    lattice->rest[3 * (size_t)node + axis] = (float)(lattice->low[axis] + lattice->spacing * at[axis]);
                 }
             }
     return DPT_OK;
 }
 
-dpt_result spring_lattice_make(struct spring_lattice *lattice, const struct model *model,
-                               soup *source, double spacing)
+dpt_result spring_lattice_make(struct spring_lattice *lattice, const struct model *model, soup *source, double spacing)
 {
     DPT_TRY(choose_cells(lattice, model, source, spacing));
     const size_t cells = (size_t)lattice->cells[0] * lattice->cells[1] * lattice->cells[2];
@@ -375,8 +361,7 @@ void spring_lattice_free(struct spring_lattice *lattice)
 }
 
 /* Call `work` for each cell of the body, with the numbers of its corners: bit k of a corner is axis k. */
-typedef dpt_result cell_work(void *context, const uint32_t node[8], const double centre[3],
-                             double share);
+typedef dpt_result cell_work(void *context, const uint32_t node[8], const double centre[3], double share);
 
 static dpt_result each_cell(const struct spring_lattice *lattice, cell_work *work, void *context)
 {
@@ -385,16 +370,13 @@ static dpt_result each_cell(const struct spring_lattice *lattice, cell_work *wor
         for (uint32_t j = 0; j < lattice->cells[1]; j++)
             for (uint32_t i = 0; i < lattice->cells[0]; i++) {
                 const double share = (double)lattice->share[cell_at(lattice, i, j, k)];
-                const double centre[3] = { lattice->low[0] + s * (i + 0.5),
-                                           lattice->low[1] + s * (j + 0.5),
+                const double centre[3] = { lattice->low[0] + s * (i + 0.5), lattice->low[1] + s * (j + 0.5),
                                            lattice->low[2] + s * (k + 0.5) };
                 uint32_t node[8];
                 if (!(share > 0.0))
                     continue;
                 for (uint32_t c = 0; c < 8; c++)
-                    node[c] =
-                        lattice
-                            ->node[corner_at(lattice, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2))];
+                    node[c] = lattice->node[corner_at(lattice, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2))];
                 DPT_TRY(work(context, node, centre, share));
             }
     return DPT_OK;
@@ -412,8 +394,7 @@ struct cell_springs {
  * Of a cell by itself, each coordinate free at its corners, the largest eigenvalue of the stiffness is 3 k: corners
  * whose signs along two axes agree move one way, the others the other way.
  */
-static dpt_result add_cell(void *context, const uint32_t node[8], const double centre[3],
-                           double share)
+static dpt_result add_cell(void *context, const uint32_t node[8], const double centre[3], double share)
 {
     const struct cell_springs *cell = context;
     const double s = cell->spacing;
@@ -427,8 +408,7 @@ static dpt_result add_cell(void *context, const uint32_t node[8], const double c
             const uint32_t axes = a ^ b;
             const uint32_t apart = (axes & 1) + (axes >> 1 & 1) + (axes >> 2);
             if (apart < 3)
-                DPT_TRY(spring_add(cell->net, node[a], node[b],
-                                   apart == 1 ? 0.25 * stiffness : 0.5 * stiffness));
+                DPT_TRY(spring_add(cell->net, node[a], node[b], apart == 1 ? 0.25 * stiffness : 0.5 * stiffness));
         }
     }
     return DPT_OK;
@@ -441,12 +421,9 @@ dpt_result spring_lattice_springs(struct net *net, const struct spring_lattice *
 }
 
 /* The six tetrahedra about the diagonal from corner 0 to corner 7 (Kuhn 1960). Neighbouring cells' faces agree. */
-static dpt_result cut_cell(void *context, const uint32_t node[8], const double centre[3],
-                           double share)
+static dpt_result cut_cell(void *context, const uint32_t node[8], const double centre[3], double share)
 {
-    static const uint8_t steps[6][2] = {
-        { 1, 3 }, { 1, 5 }, { 2, 3 }, { 2, 6 }, { 4, 5 }, { 4, 6 }
-    };
+    static const uint8_t steps[6][2] = { { 1, 3 }, { 1, 5 }, { 2, 3 }, { 2, 6 }, { 4, 5 }, { 4, 6 } };
     uint32_t **next = context;
     (void)centre, (void)share;
     for (int i = 0; i < 6; i++) {
@@ -457,8 +434,7 @@ static dpt_result cut_cell(void *context, const uint32_t node[8], const double c
     return DPT_OK;
 }
 
-dpt_result spring_lattice_embed(const struct spring_lattice *lattice, struct model *model,
-                                soup *source)
+dpt_result spring_lattice_embed(const struct spring_lattice *lattice, struct model *model, soup *source)
 {
     double *nodes = model_alloc(source, lattice->node_count, 3 * sizeof *nodes);
     uint32_t *cells = model_alloc(source, lattice->cell_count, 24 * sizeof *cells), *next = cells;
@@ -467,8 +443,7 @@ dpt_result spring_lattice_embed(const struct spring_lattice *lattice, struct mod
         for (size_t i = 0; i < 3 * (size_t)lattice->node_count; i++)
             nodes[i] = (double)lattice->rest[i];
         each_cell(lattice, cut_cell, &next);
-        const struct embed_cells given = { nodes, cells, lattice->node_count,
-                                           6 * lattice->cell_count, 1.0 };
+        const struct embed_cells given = { nodes, cells, lattice->node_count, 6 * lattice->cell_count, 1.0 };
         result = embed_in(model, source, &given);
     }
     free(nodes);

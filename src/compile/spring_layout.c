@@ -63,9 +63,8 @@ static int is_spring_number(double x)
 static dpt_result number_fails(const struct net *net, const char *what, uint32_t node, double x)
 {
     const float *at = net->rest + 3 * (size_t)node;
-    return soup_fail(net->source, DPT_E_FINITE, nowhere,
-                     "the %s at (%.6g, %.6g, %.6g) is %.3g, not within 1e-15..1e15", what,
-                     (double)at[0], (double)at[1], (double)at[2], x);
+    return soup_fail(net->source, DPT_E_FINITE, nowhere, "the %s at (%.6g, %.6g, %.6g) is %.3g, not within 1e-15..1e15",
+                     what, (double)at[0], (double)at[1], (double)at[2], x);
 }
 
 /*
@@ -84,8 +83,8 @@ static dpt_result fill_rows(const struct net *net, const struct rows *rows)
         rows->row[v] += rows->row[v - 1];
     for (uint32_t i = 0; i < net->share_count; i++) {
         const uint32_t node[2] = { net->shares[i].low, net->shares[i].high };
-        const vec3 along = sub(vec3_of_float(net->rest + 3 * (size_t)node[1]),
-                               vec3_of_float(net->rest + 3 * (size_t)node[0]));
+        const vec3 along =
+            sub(vec3_of_float(net->rest + 3 * (size_t)node[1]), vec3_of_float(net->rest + 3 * (size_t)node[0]));
         const double length = sqrt(dot(along, along)), stiffness = net->shares[i].stiffness;
         if (!is_spring_number(length))
             return number_fails(net, "length of a spring", node[0], length);
@@ -109,8 +108,8 @@ static uint32_t direction_of(const struct net *net, uint32_t node, uint32_t end)
 }
 
 /* Which entry of its slice a spring takes. `ranks`: that of each direction. */
-static uint32_t entry_of(const struct net *net, const struct rows *rows, const uint32_t *ranks,
-                         uint32_t node, uint32_t i)
+static uint32_t entry_of(const struct net *net, const struct rows *rows, const uint32_t *ranks, uint32_t node,
+                         uint32_t i)
 {
     return net->grid ? ranks[direction_of(net, node, rows->end[i])] : i - rows->row[node];
 }
@@ -143,9 +142,8 @@ static dpt_result fill_first(const struct net *net, const struct rows *rows, str
     const uint32_t slices = mesh_slices(net->node_count);
     for (uint32_t v = 0; v < net->node_count; v++)
         if (rows->row[v + 1] - rows->row[v] > MESH_SLICE_ENTRIES_MAX)
-            return soup_fail(net->source, DPT_E_LIMIT, nowhere,
-                             "vertex %u has more than %u springs", model->vertex_sources[v],
-                             MESH_SLICE_ENTRIES_MAX);
+            return soup_fail(net->source, DPT_E_LIMIT, nowhere, "vertex %u has more than %u springs",
+                             model->vertex_sources[v], MESH_SLICE_ENTRIES_MAX);
     for (uint32_t s = 0; s <= slices; s++) {
         if (sum > MESH_SPRING_ENTRIES_MAX)
             return soup_fail(net->source, DPT_E_LIMIT, nowhere, "more than %u entries of springs",
@@ -179,8 +177,7 @@ static void fill_entries(const struct net *net, const struct rows *rows, struct 
 }
 
 /* Masses, drags, and the stable step: from the numbers as the file has them. */
-static dpt_result fill_nodes(struct net *net, const struct rows *rows, struct model *model,
-                             const uint8_t *is_fixed)
+static dpt_result fill_nodes(struct net *net, const struct rows *rows, struct model *model, const uint8_t *is_fixed)
 {
     double omega2 = 0.0;
     for (uint32_t v = 0; v < net->node_count; v++) {
@@ -203,8 +200,7 @@ static dpt_result fill_nodes(struct net *net, const struct rows *rows, struct mo
     return DPT_OK;
 }
 
-static dpt_result lay_out(struct net *net, const struct rows *rows, struct model *model,
-                          const uint8_t *is_fixed)
+static dpt_result lay_out(struct net *net, const struct rows *rows, struct model *model, const uint8_t *is_fixed)
 {
     soup *source = net->source;
     DPT_TRY(fill_rows(net, rows));
@@ -212,8 +208,7 @@ static dpt_result lay_out(struct net *net, const struct rows *rows, struct model
     model->spring_count = (uint32_t)net->share_count;
     model->spring_mass = model_alloc(source, net->node_count, sizeof *model->spring_mass);
     model->spring_drag = model_alloc(source, net->node_count, sizeof *model->spring_drag);
-    model->spring_first =
-        model_alloc(source, (size_t)mesh_slices(net->node_count) + 1, sizeof *model->spring_first);
+    model->spring_first = model_alloc(source, (size_t)mesh_slices(net->node_count) + 1, sizeof *model->spring_first);
     if (!model->spring_mass || !model->spring_drag || !model->spring_first)
         return DPT_E_MEMORY;
     DPT_TRY(fill_nodes(net, rows, model, is_fixed));

@@ -78,8 +78,7 @@ static struct material material_of(const struct sheet *sheet, uint32_t t)
 {
     const uint32_t *corner = sheet->model->corners + 3 * (size_t)t;
     double centroid[3];
-    vec3_store(scaled(add(add(vertex_at(sheet, corner[0]), vertex_at(sheet, corner[1])),
-                          vertex_at(sheet, corner[2])),
+    vec3_store(scaled(add(add(vertex_at(sheet, corner[0]), vertex_at(sheet, corner[1])), vertex_at(sheet, corner[2])),
                       1.0 / 3.0),
                centroid);
     return spring_material(sheet->net, centroid);

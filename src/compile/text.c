@@ -128,8 +128,7 @@ static int begins_any_case(const char *at, const char *end, const char *name)
 
 int word_is_any_case(const source_word *word, const char *name)
 {
-    return (size_t)(word->end - word->begin) == strlen(name) &&
-           begins_any_case(word->begin, word->end, name);
+    return (size_t)(word->end - word->begin) == strlen(name) && begins_any_case(word->begin, word->end, name);
 }
 
 const char *word_printable(const source_word *word, char printable[WORD_SHOWN])
@@ -157,8 +156,7 @@ static int is_not_finite_word(const source_word *word)
 
 static dpt_result fail_no_word(source_text *text, const char *what)
 {
-    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text),
-                     "the line ends where %s should be", what);
+    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "the line ends where %s should be", what);
 }
 
 dpt_result text_read_double(source_text *text, const char *what, double *value)
@@ -170,10 +168,10 @@ dpt_result text_read_double(source_text *text, const char *what, double *value)
     if (parse_double(word.begin, word.end, value) == word.end)
         return DPT_OK;
     if (is_not_finite_word(&word))
-        return soup_fail(text->source, DPT_E_FINITE, text_location(text),
-                         "%s is %s: not a finite number", what, word_printable(&word, printable));
-    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "%s is '%s': not a number",
-                     what, word_printable(&word, printable));
+        return soup_fail(text->source, DPT_E_FINITE, text_location(text), "%s is %s: not a finite number", what,
+                         word_printable(&word, printable));
+    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "%s is '%s': not a number", what,
+                     word_printable(&word, printable));
 }
 
 dpt_result text_read_int(source_text *text, const char *what, int64_t *value)
@@ -184,8 +182,8 @@ dpt_result text_read_int(source_text *text, const char *what, int64_t *value)
         return fail_no_word(text, what);
     if (parse_int(word.begin, word.end, value) == word.end)
         return DPT_OK;
-    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "%s is '%s': not an integer",
-                     what, word_printable(&word, printable));
+    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "%s is '%s': not an integer", what,
+                     word_printable(&word, printable));
 }
 
 dpt_result text_read_vertex(source_text *text)
@@ -194,18 +192,16 @@ dpt_result text_read_vertex(source_text *text)
     double position[3];
     for (int i = 0; i < 3; i++)
         DPT_TRY(text_read_double(text, names[i], &position[i]));
-    return soup_add_vertex(text->source, position[0], position[1], position[2],
-                           text_location(text));
+    return soup_add_vertex(text->source, position[0], position[1], position[2], text_location(text));
 }
 
 dpt_result corner_list_add(corner_list *list, soup *source, uint32_t number)
 {
     if (list->count == list->capacity) {
-        uint32_t *bigger =
-            grow_array(list->numbers, &list->capacity, list->count + 1, sizeof *bigger);
+        uint32_t *bigger = grow_array(list->numbers, &list->capacity, list->count + 1, sizeof *bigger);
         if (!bigger)
-            return soup_fail(source, DPT_E_MEMORY, (source_location){ 0, 0 },
-                             "no memory for a polygon of %zu corners", list->count + 1);
+            return soup_fail(source, DPT_E_MEMORY, (source_location){ 0, 0 }, "no memory for a polygon of %zu corners",
+                             list->count + 1);
         list->numbers = bigger;
     }
     list->numbers[list->count++] = number;

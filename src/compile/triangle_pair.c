@@ -49,8 +49,7 @@ static int exact_sum_sign(const struct exact_sum *sum)
  */
 static void add_product(struct exact_sum *sum, double a, double b, double c)
 {
-    const double product = a * b, split = 0x1.0000002p27 * product,
-                 upper = split - (split - product);
+    const double product = a * b, split = 0x1.0000002p27 * product, upper = split - (split - product);
     exact_sum_add(sum, upper * c);
     exact_sum_add(sum, (product - upper) * c);
 }
@@ -100,19 +99,16 @@ static void find_sides(const struct facet *facet, const struct facet *other, int
         const vec3 w = sub(other->corner[k].position, own[0].position);
         side[k] = vertex == own[0].vertex || vertex == own[1].vertex || vertex == own[2].vertex
                       ? 0
-                      : sign_or_unsure(dot(facet->normal, w),
-                                       ROUNDING * dot(facet->normal_magnitude, magnitude_of(w)));
+                      : sign_or_unsure(dot(facet->normal, w), ROUNDING * dot(facet->normal_magnitude, magnitude_of(w)));
     }
 }
 
-static void resolve_sides(const struct facet *facet, const struct facet *other, int side[3],
-                          uint64_t *work)
+static void resolve_sides(const struct facet *facet, const struct facet *other, int side[3], uint64_t *work)
 {
     const struct corner *own = facet->corner;
     for (int k = 0; k < 3; k++)
         if (side[k] == UNSURE) {
-            side[k] = exact_volume_sign(own[0].position, own[1].position, own[2].position,
-                                        other->corner[k].position);
+            side[k] = exact_volume_sign(own[0].position, own[1].position, own[2].position, other->corner[k].position);
             *work += EXACT_WORK;
         }
 }
@@ -136,8 +132,7 @@ static int edge_separates(const struct facet *facet, int edge, const struct face
     const vec3 size = magnitude_of(out);
     double max_own = -HUGE_VAL, min_other = HUGE_VAL;
     for (int k = 0; k < 3; k++) {
-        const vec3 w = sub(facet->corner[k].position, from),
-                   x = sub(other->corner[k].position, from);
+        const vec3 w = sub(facet->corner[k].position, from), x = sub(other->corner[k].position, from);
         max_own = max_of(max_own, dot(out, w) + ROUNDING * dot(size, magnitude_of(w)));
         min_other = min_of(min_other, dot(out, x) - ROUNDING * dot(size, magnitude_of(x)));
     }
@@ -167,10 +162,8 @@ static int area_sign(vec3 p, vec3 q, vec3 r, int axis, uint64_t *work)
         x[k] = coordinate(points[k], i);
         y[k] = coordinate(points[k], j);
     }
-    const double product_a = (x[1] - x[0]) * (y[2] - y[0]),
-                 product_b = (y[1] - y[0]) * (x[2] - x[0]);
-    const int sign =
-        sign_or_unsure(product_a - product_b, ROUNDING * (fabs(product_a) + fabs(product_b)));
+    const double product_a = (x[1] - x[0]) * (y[2] - y[0]), product_b = (y[1] - y[0]) * (x[2] - x[0]);
+    const int sign = sign_or_unsure(product_a - product_b, ROUNDING * (fabs(product_a) + fabs(product_b)));
     if (sign != UNSURE)
         return sign;
     struct exact_sum sum = { .count = 0 };
@@ -183,12 +176,12 @@ static int area_sign(vec3 p, vec3 q, vec3 r, int axis, uint64_t *work)
 }
 
 /* For two triangles in one plane: does no corner of `other` lie on the inner side of this edge? */
-static int edge_excludes(const struct facet *facet, int edge, const struct facet *other, int axis,
-                         int winding, uint64_t *work)
+static int edge_excludes(const struct facet *facet, int edge, const struct facet *other, int axis, int winding,
+                         uint64_t *work)
 {
     for (int k = 0; k < 3; k++)
-        if (area_sign(facet->corner[edge].position, facet->corner[(edge + 1) % 3].position,
-                      other->corner[k].position, axis, work) == winding)
+        if (area_sign(facet->corner[edge].position, facet->corner[(edge + 1) % 3].position, other->corner[k].position,
+                      axis, work) == winding)
             return 0;
     return 1;
 }
@@ -198,31 +191,25 @@ static int overlap_in_plane(const struct facet *a, const struct facet *b, uint64
     int axis = 0, winding_a = 0, winding_b = 0;
     *work += PLANE_WORK;
     for (; axis < 3 && !winding_a; axis++)
-        winding_a = area_sign(a->corner[0].position, a->corner[1].position, a->corner[2].position,
-                              axis, work);
+        winding_a = area_sign(a->corner[0].position, a->corner[1].position, a->corner[2].position, axis, work);
     axis--;
     if (winding_a)
-        winding_b = area_sign(b->corner[0].position, b->corner[1].position, b->corner[2].position,
-                              axis, work);
+        winding_b = area_sign(b->corner[0].position, b->corner[1].position, b->corner[2].position, axis, work);
     if (!winding_b)
         return 0;
     for (int edge = 0; edge < 3; edge++)
-        if (edge_excludes(a, edge, b, axis, winding_a, work) ||
-            edge_excludes(b, edge, a, axis, winding_b, work))
+        if (edge_excludes(a, edge, b, axis, winding_a, work) || edge_excludes(b, edge, a, axis, winding_b, work))
             return 0;
     return 1;
 }
 
-static int volume_sign(const struct corner *p, const struct corner *q, const struct corner *r,
-                       const struct corner *x, uint64_t *work)
+static int volume_sign(const struct corner *p, const struct corner *q, const struct corner *r, const struct corner *x,
+                       uint64_t *work)
 {
-    if (p->vertex == r->vertex || p->vertex == x->vertex || q->vertex == r->vertex ||
-        q->vertex == x->vertex)
+    if (p->vertex == r->vertex || p->vertex == x->vertex || q->vertex == r->vertex || q->vertex == x->vertex)
         return 0;
-    const vec3 u = sub(q->position, p->position), v = sub(r->position, p->position),
-               w = sub(x->position, p->position);
-    const int sign =
-        sign_or_unsure(dot(cross(u, v), w), ROUNDING * dot(cross_magnitude(u, v), magnitude_of(w)));
+    const vec3 u = sub(q->position, p->position), v = sub(r->position, p->position), w = sub(x->position, p->position);
+    const int sign = sign_or_unsure(dot(cross(u, v), w), ROUNDING * dot(cross_magnitude(u, v), magnitude_of(w)));
     if (sign != UNSURE)
         return sign;
     *work += EXACT_WORK;
@@ -242,16 +229,14 @@ static int lone_corner(const int side[3])
  * stretches overlap? Order the corners of both so that the first one is alone, and in front of the other's plane. Then
  * the stretches overlap if each begins before the other one ends (Guigue and Devillers 2003).
  */
-static int stretches_overlap(const struct facet *a, const struct facet *b, const int side_a[3],
-                             const int side_b[3], uint64_t *work)
+static int stretches_overlap(const struct facet *a, const struct facet *b, const int side_a[3], const int side_b[3],
+                             uint64_t *work)
 {
     const int i = lone_corner(side_a), j = lone_corner(side_b);
     const int swaps_a = side_b[j] < 0, swaps_b = side_a[i] < 0;
     const struct corner *p = &a->corner[i], *x = &b->corner[j];
-    const struct corner *q = &a->corner[(i + 1 + swaps_a) % 3],
-                        *r = &a->corner[(i + 2 - swaps_a) % 3];
-    const struct corner *y = &b->corner[(j + 1 + swaps_b) % 3],
-                        *z = &b->corner[(j + 2 - swaps_b) % 3];
+    const struct corner *q = &a->corner[(i + 1 + swaps_a) % 3], *r = &a->corner[(i + 2 - swaps_a) % 3];
+    const struct corner *y = &b->corner[(j + 1 + swaps_b) % 3], *z = &b->corner[(j + 2 - swaps_b) % 3];
     return volume_sign(p, q, x, y, work) < 0 && volume_sign(p, r, x, z, work) > 0;
 }
 

@@ -31,8 +31,7 @@ struct writing {
     struct crc32 crc;
 };
 
-static const struct node_box empty_box = { { HUGE_VAL, HUGE_VAL, HUGE_VAL },
-                                           { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
+static const struct node_box empty_box = { { HUGE_VAL, HUGE_VAL, HUGE_VAL }, { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
 
 static void box_add(struct node_box *box, const double *low, const double *high)
 {
@@ -149,8 +148,7 @@ static void fill_leaves(void *context, size_t first, size_t end)
             t = t < mesh->triangles ? t : mesh->triangles - 1;
             for (uint32_t k = 0; k < 3; k++) {
                 double x[3];
-                to_filter_frame(
-                    mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x);
+                to_filter_frame(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x);
                 box_add(&box, x, x);
                 for (uint32_t axis = 0; axis < 3; axis++)
                     block[(3 * k + axis) * LANES + lane] = (float)x[axis];
@@ -176,8 +174,7 @@ static void put_box(float *block, uint32_t lane, const struct node_box *box)
 /*
  * Write the boxes of all levels, from the leaves up. `boxes` holds the level below, and is overwritten level by level.
  */
-static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct node_box *boxes,
-                       const uint32_t *count)
+static void fill_boxes(const struct dpt_mesh *mesh, float *nodes, struct node_box *boxes, const uint32_t *count)
 {
     for (uint32_t level = 1; level <= mesh->levels; level++)
         for (uint32_t node = 0; node < count[level]; node++, nodes += MESH_BOX_WORDS) {
@@ -204,8 +201,7 @@ static uint32_t solid_lanes(const struct dpt_mesh *mesh, const struct model *mod
         if (!(model->parts[model->part_of[t]].flags & MESH_PART_SOLID))
             continue;
         for (uint32_t k = 0; k < 3; k++)
-            to_filter_frame(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k],
-                            x[k]);
+            to_filter_frame(mesh, model->positions + 3 * (size_t)model->corners[3 * (size_t)t + k], x[k]);
         moments[count++] = moment_of_triangle(vec3_of(x[0]), vec3_of(x[1]), vec3_of(x[2]));
         lanes |= 1u << lane;
     }
@@ -323,8 +319,8 @@ void dpt_compiled_free(dpt_compiled *compiled)
     compiled->size = 0;
 }
 
-dpt_result model_write(const struct model *model, soup *source, uint64_t source_size,
-                       uint64_t source_hash, dpt_compiled *out)
+dpt_result model_write(const struct model *model, soup *source, uint64_t source_size, uint64_t source_hash,
+                       dpt_compiled *out)
 {
     struct writing writing;
     struct dpt_mesh *mesh = &writing.mesh;
@@ -343,9 +339,7 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     struct node_box *boxes = writing.boxes = model_alloc(source, mesh->leaves, sizeof *boxes);
     struct winding_moment *moments = writing.leaf_moments =
         model_alloc(source, winding ? mesh->leaves : 0, sizeof *moments);
-    char *bytes = boxes && moments && mesh->bytes <= SIZE_MAX / 2
-                      ? compiled_block((size_t)mesh->bytes)
-                      : NULL;
+    char *bytes = boxes && moments && mesh->bytes <= SIZE_MAX / 2 ? compiled_block((size_t)mesh->bytes) : NULL;
     if (!bytes) {
         free(boxes);
         free(moments);
@@ -356,8 +350,7 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     fill_boxes(mesh, (float *)(void *)(bytes + mesh->section[MESH_BOXES].offset), boxes, count);
     if (winding) {
         parallel_for(threads, mesh->leaves, LEAVES_MIN, fill_solid_lanes, &writing);
-        fill_moments(mesh, (float *)(void *)(bytes + mesh->section[MESH_MOMENTS].offset), moments,
-                     count);
+        fill_moments(mesh, (float *)(void *)(bytes + mesh->section[MESH_MOMENTS].offset), moments, count);
     }
     free(boxes);
     free(moments);

@@ -18,8 +18,7 @@ enum {
 };
 
 /* Add the integrals over what of a piece is within reach by more than `inset`. */
-static void integrate(struct region_integrals *sum, struct profile_piece piece, double inset,
-                      double axis_length)
+static void integrate(struct region_integrals *sum, struct profile_piece piece, double inset, double axis_length)
 {
     piece.w0 -= inset;
     piece.w1 -= inset;
@@ -39,8 +38,7 @@ static void integrate(struct region_integrals *sum, struct profile_piece piece, 
 static void integrate_piece(struct region *region, const struct profile_piece *piece,
                             const struct distance_profile *profile)
 {
-    region->within +=
-        0.5 * (piece->w0 + piece->w1) * ((piece->s1 - piece->s0) * profile->axis_length);
+    region->within += 0.5 * (piece->w0 + piece->w1) * ((piece->s1 - piece->s0) * profile->axis_length);
     region->end_within[1] = piece->w1;
     region->end_normal[1] = piece->normal;
     integrate(&region->beyond_onset, *piece, profile->inset, profile->axis_length);
@@ -54,17 +52,14 @@ static void integrate_piece(struct region *region, const struct profile_piece *p
  */
 static int must_stop_refining(const struct distance_profile *profile)
 {
-    uint32_t extra =
-        profile->work.done < CHEAP_SAMPLE_WORK * profile->sample_count ? PROFILE_WORK_MAX / 2 : 0;
+    uint32_t extra = profile->work.done < CHEAP_SAMPLE_WORK * profile->sample_count ? PROFILE_WORK_MAX / 2 : 0;
     return profile->is_cut || profile->work.done >= PROFILE_WORK_MAX + extra;
 }
 
 /* An end counts by itself, as much as half of the axis does. */
-static int is_wanted_end(const struct distance_profile *profile,
-                         const struct profile_sample *sample)
+static int is_wanted_end(const struct distance_profile *profile, const struct profile_sample *sample)
 {
-    return profile->ends_wanted && (sample->s == 0.0 || sample->s == 1.0) &&
-           sample->height < profile->reach;
+    return profile->ends_wanted && (sample->s == 0.0 || sample->s == 1.0) && sample->height < profile->reach;
 }
 
 /* Search for the samples that decide on much and only descended: a descent may have been trapped. */
@@ -102,12 +97,10 @@ struct span_totals {
 /*
  * The totals of all spans. before[i] gets those of the spans before span i; entries before the first change are reused.
  */
-static struct span_totals sum_spans(struct distance_profile *profile,
-                                    struct span_totals before[PROFILE_SAMPLES])
+static struct span_totals sum_spans(struct distance_profile *profile, struct span_totals before[PROFILE_SAMPLES])
 {
     uint32_t first = profile->unchanged_count ? profile->unchanged_count - 1 : 0;
-    struct span_totals totals =
-        first ? before[first] : (struct span_totals){ .loose_end_at = DPT_NONE };
+    struct span_totals totals = first ? before[first] : (struct span_totals){ .loose_end_at = DPT_NONE };
     for (uint32_t i = first; i + 1 < profile->sample_count; i++) {
         const struct span *span = span_at(profile, i);
         double width = profile->sample[i + 1].s - profile->sample[i].s;
@@ -137,8 +130,8 @@ static struct span_totals sum_spans(struct distance_profile *profile,
  * it exceeds both the reach and a twelfth of all that is within reach. Then come ends of regions, then error estimates.
  * Returns 0 if no sample is needed.
  */
-static int find_next_sample(const struct distance_profile *profile,
-                            const struct span_totals *totals, struct next_sample *next)
+static int find_next_sample(const struct distance_profile *profile, const struct span_totals *totals,
+                            struct next_sample *next)
 {
     double reach = profile->axis_length > 0.0 ? profile->reach / profile->axis_length : 1.0;
     const struct profile_sample *sample = profile->sample;
@@ -148,8 +141,7 @@ static int find_next_sample(const struct distance_profile *profile,
         next->s = 0.5 * (sample[totals->max_width_at].s + sample[totals->max_width_at + 1].s);
     } else if (totals->loose_end_at != DPT_NONE) {
         next->s = dpti_span_next_sample(profile, totals->loose_end_at);
-    } else if (totals->error > ERROR_SUM_MAX * totals->area ||
-               totals->max_error > ERROR_SPAN_MAX * totals->area) {
+    } else if (totals->error > ERROR_SUM_MAX * totals->area || totals->max_error > ERROR_SPAN_MAX * totals->area) {
         next->s = dpti_span_next_sample(profile, totals->max_error_at);
     } else {
         return 0;
@@ -169,15 +161,14 @@ static int refine_integrals(struct distance_profile *profile)
         const struct span_totals totals = sum_spans(profile, before);
         if (!find_next_sample(profile, &totals, &next))
             return 1;
-        int is_predicted = next.wide_span != DPT_NONE &&
-                           !dpti_profile_find_undecided(profile, next.wide_span, &from, &to);
+        int is_predicted =
+            next.wide_span != DPT_NONE && !dpti_profile_find_undecided(profile, next.wide_span, &from, &to);
         uint32_t at = dpti_profile_add_sample(profile, next.s, 1);
         if (at == DPT_NONE)
             return 0;
         /* The surface does not follow the samples' tangents, so what they ruled out must be searched. */
         if (is_predicted && profile->sample[at].height >= profile->reach)
-            dpti_profile_search_undecided(profile, profile->sample[at - 1].s,
-                                          profile->sample[at + 1].s);
+            dpti_profile_search_undecided(profile, profile->sample[at - 1].s, profile->sample[at + 1].s);
     }
     return 0;
 }
@@ -198,8 +189,7 @@ struct region_builder {
 };
 
 /* Add a piece, whose way out is that of the profile's sample `sample`, to the last region or to a new one. */
-static void add_region_piece(struct region_builder *builder, uint32_t sample,
-                             struct profile_piece piece)
+static void add_region_piece(struct region_builder *builder, uint32_t sample, struct profile_piece piece)
 {
     const struct distance_profile *profile = builder->profile;
     uint32_t part = part_of_sample(profile, sample);
@@ -228,23 +218,18 @@ static void add_region_piece(struct region_builder *builder, uint32_t sample,
 }
 
 /* Compute the regions from the samples, with or without integrals. Returns their number. */
-static uint32_t build_regions(struct distance_profile *profile, int has_integrals,
-                              struct region regions[REGION_MAX])
+static uint32_t build_regions(struct distance_profile *profile, int has_integrals, struct region regions[REGION_MAX])
 {
-    struct region_builder builder = { .profile = profile,
-                                      .regions = regions,
-                                      .has_integrals = has_integrals };
+    struct region_builder builder = { .profile = profile, .regions = regions, .has_integrals = has_integrals };
     for (uint32_t i = 0; i + 1 < profile->sample_count; i++) {
         const struct profile_sample *from = &profile->sample[i], *to = from + 1;
         const struct span *span = span_at(profile, i);
         uint32_t left = from->triangle == DPT_NONE ? i + 1 : i;
         uint32_t right = to->triangle == DPT_NONE ? i : i + 1;
         add_region_piece(&builder, left,
-                         (struct profile_piece){ from->s, span->s, span->w0, span->w,
-                                                 profile->sample[left].normal });
+                         (struct profile_piece){ from->s, span->s, span->w0, span->w, profile->sample[left].normal });
         add_region_piece(&builder, right,
-                         (struct profile_piece){ span->s, to->s, span->w, span->w1,
-                                                 profile->sample[right].normal });
+                         (struct profile_piece){ span->s, to->s, span->w, span->w1, profile->sample[right].normal });
     }
     return builder.count;
 }
@@ -253,8 +238,7 @@ static uint32_t build_regions(struct distance_profile *profile, int has_integral
 static int has_sample(const struct distance_profile *profile, const struct region *region)
 {
     const struct profile_sample *deepest = &profile->sample[region->deepest];
-    return deepest->s >= region->from && deepest->s <= region->to &&
-           deepest->height < profile->reach;
+    return deepest->s >= region->from && deepest->s <= region->to && deepest->height < profile->reach;
 }
 
 /* Prove that a region's deepest sample is its deepest point, or add the sample that is. */
@@ -274,8 +258,7 @@ static void prove_deepest(struct distance_profile *profile, const struct region 
 }
 
 /* Add a sample to the first region without one, or prove the first that lacks a proof. Returns 0 if all are done. */
-static int improve_region(struct distance_profile *profile, const struct region *regions,
-                          uint32_t count)
+static int improve_region(struct distance_profile *profile, const struct region *regions, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         double middle = 0.5 * (regions[i].from + regions[i].to);
@@ -311,8 +294,7 @@ uint32_t dpti_contact_regions(struct distance_profile *profile, struct region re
 }
 
 /* A span's integral of w n over s, m. If one end is a mark, the way out is that of the other end. */
-static vec3 thrust_between(const struct profile_sample *from, const struct profile_sample *to,
-                           const struct span *span)
+static vec3 thrust_between(const struct profile_sample *from, const struct profile_sample *to, const struct span *span)
 {
     const struct profile_sample *left = from->triangle == DPT_NONE ? to : from;
     const struct profile_sample *right = to->triangle == DPT_NONE ? from : to;
@@ -330,10 +312,8 @@ struct removal {
  * 1: without `sample`, the integrals over s from `before` to the sample after it would change by more than `threshold`,
  * in m. All spans have been computed by then.
  */
-static int is_worth_keeping(const struct distance_profile *profile,
-                            const struct profile_sample *before,
-                            const struct profile_sample *sample, double threshold,
-                            struct removal *removal)
+static int is_worth_keeping(const struct distance_profile *profile, const struct profile_sample *before,
+                            const struct profile_sample *sample, double threshold, struct removal *removal)
 {
     const struct profile_sample *after = sample + 1;
     if (removal->before == before && (removal->error > threshold || removal->change >= 0.0))
@@ -343,30 +323,26 @@ static int is_worth_keeping(const struct distance_profile *profile,
     dpti_span_measure(profile, before, after, &joined);
     removal->before = before;
     removal->change = -1.0;
-    removal->error =
-        joined.error_estimate + 0.25 * length(sub(before->normal, after->normal)) * joined.area;
+    removal->error = joined.error_estimate + 0.25 * length(sub(before->normal, after->normal)) * joined.area;
     if (removal->error > threshold)
         return 1;
     if (before + 1 != sample) {
         dpti_span_measure(profile, before, sample, &measured);
         left_span = &measured;
     }
-    vec3 parts = add(thrust_between(before, sample, left_span),
-                     thrust_between(sample, after, &sample->span));
+    vec3 parts = add(thrust_between(before, sample, left_span), thrust_between(sample, after, &sample->span));
     removal->change = length(sub(thrust_between(before, after, &joined), parts));
     return removal->error + removal->change > threshold;
 }
 
 /* Select the samples that change the integrals by more than `threshold`, m. Returns how many; max_count are written. */
-static uint32_t select_warm_starts(const struct distance_profile *profile,
-                                   const struct region *region, double threshold,
-                                   struct removal removals[PROFILE_SAMPLES],
+static uint32_t select_warm_starts(const struct distance_profile *profile, const struct region *region,
+                                   double threshold, struct removal removals[PROFILE_SAMPLES],
                                    struct warm_start *warm_starts, uint32_t max_count)
 {
     uint32_t count = 0;
     const struct profile_sample *previous = NULL;
-    double share_per_area =
-        region->within > 0.0 ? 0.5 * profile->axis_length / region->within : 0.0;
+    double share_per_area = region->within > 0.0 ? 0.5 * profile->axis_length / region->within : 0.0;
     for (uint32_t i = 0; i < profile->sample_count; i++) {
         const struct profile_sample *sample = &profile->sample[i];
         if (sample->s > region->to)
@@ -375,31 +351,26 @@ static uint32_t select_warm_starts(const struct distance_profile *profile,
         int must_keep = !previous || i + 1 == profile->sample_count || i == region->deepest;
         if (!must_keep && !is_worth_keeping(profile, previous, sample, threshold, &removals[i]))
             continue;
-        double share =
-            (profile->reach - sample->height) * (next_s - (previous ? previous->s : next_s));
+        double share = (profile->reach - sample->height) * (next_s - (previous ? previous->s : next_s));
         previous = sample;
         if (sample->s < region->from || sample->height == 0.0 || sample->triangle == DPT_NONE)
             continue;
         if (count < max_count)
-            warm_starts[count] =
-                (struct warm_start){ sample->s, sample->triangle, (float)(share * share_per_area) };
+            warm_starts[count] = (struct warm_start){ sample->s, sample->triangle, (float)(share * share_per_area) };
         count++;
     }
     return count;
 }
 
-uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile,
-                                         const struct region *region,
+uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile, const struct region *region,
                                          struct warm_start *warm_starts, uint32_t max_count)
 {
     enum { THRESHOLD_STEPS = 32 };
-    double threshold =
-        profile->axis_length > 0.0 ? ERROR_IGNORED * region->within / profile->axis_length : 0.0;
+    double threshold = profile->axis_length > 0.0 ? ERROR_IGNORED * region->within / profile->axis_length : 0.0;
     struct removal removals[PROFILE_SAMPLES];
     for (uint32_t i = 0; i < profile->sample_count; i++)
         removals[i].before = NULL;
-    uint32_t count =
-        select_warm_starts(profile, region, threshold, removals, warm_starts, max_count);
+    uint32_t count = select_warm_starts(profile, region, threshold, removals, warm_starts, max_count);
     for (int i = 0; i < THRESHOLD_STEPS && count > max_count; i++) {
         threshold *= 1.25;
         count = select_warm_starts(profile, region, threshold, removals, warm_starts, max_count);

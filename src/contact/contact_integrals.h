@@ -29,10 +29,9 @@ struct region {
     vec3 end_normal[2];                   /* n there */
     double within;                        /* integral of reach - height, m^2 */
     struct region_integrals beyond_onset; /* w = max(0, reach - inset - height) */
-    struct region_integrals
-        depth;        /* w = max(0, reach - margin - height): inside the tool's surface */
-    uint32_t deepest; /* index of the profile's sample with the least height */
-    uint32_t part;    /* of the mesh */
+    struct region_integrals depth;        /* w = max(0, reach - margin - height): inside the tool's surface */
+    uint32_t deepest;                     /* index of the profile's sample with the least height */
+    uint32_t part;                        /* of the mesh */
 };
 
 /*
@@ -47,8 +46,7 @@ uint32_t dpti_contact_regions(struct distance_profile *profile, struct region re
  * Choose the samples of a region from which the next tick starts: those without which its integrals would change
  * noticeably. Writes at most `max_count`, in order of s. Returns how many.
  */
-uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile,
-                                         const struct region *region,
+uint32_t dpti_contact_region_warm_starts(const struct distance_profile *profile, const struct region *region,
                                          struct warm_start *warm_starts, uint32_t max_count);
 
 #endif

@@ -21,8 +21,7 @@ static void put_crossing(struct distance_profile *profile, uint32_t triangle, co
     double along_axis = dot(normal, profile->axis->u);
     int on_face = found->weight[0] > 0.0 && found->weight[1] > 0.0 && found->weight[2] > 0.0;
     if (on_face && fabs(along_axis) > 1e-6 * profile->axis_length) {
-        uint32_t flags =
-            surface_part_flags(profile->surface, surface_part(profile->surface, triangle));
+        uint32_t flags = surface_part_flags(profile->surface, surface_part(profile->surface, triangle));
         crossing->side_after = along_axis > 0.0 ? 1 : -1;
         crossing->side_before = -crossing->side_after;
         crossing->winding = flags & MESH_PART_SOLID ? -crossing->side_after : 0;
@@ -60,8 +59,7 @@ static void join_crossings(struct distance_profile *profile)
  *   inverse_uu  1 / (u.u), 1/m^2; 0 for an axis without length
  *   reach_s     the reach, in s
  */
-static void put_reach_interval(struct distance_profile *profile, uint32_t triangle,
-                               double inverse_uu, double reach_s)
+static void put_reach_interval(struct distance_profile *profile, uint32_t triangle, double inverse_uu, double reach_s)
 {
     const struct surface *surface = profile->surface;
     const struct axis *axis = profile->axis;
@@ -141,8 +139,7 @@ void dpti_profile_find_crossings(struct distance_profile *profile)
     }
     double inverse_uu = profile->axis_length > 0.0 ? 1.0 / dot(axis->u, axis->u) : 0.0;
     double reach_s = profile->axis_length > 0.0 ? profile->reach / profile->axis_length : 1.0;
-    dpti_range_begin(&range, profile->surface, profile->kernel, axis->local_a, axis->u,
-                     profile->reach, &profile->work);
+    dpti_range_begin(&range, profile->surface, profile->kernel, axis->local_a, axis->u, profile->reach, &profile->work);
     for (uint32_t triangle; (triangle = dpti_range_next(&range, &may_cross)) != DPT_NONE;) {
         put_reach_interval(profile, triangle, inverse_uu, reach_s);
         if (!may_cross)

@@ -11,13 +11,12 @@
  */
 #include "contact/deepest_point.h"
 
-struct bend dpti_profile_bend(const struct distance_profile *profile,
-                              const struct profile_sample *from, const struct profile_sample *to)
+struct bend dpti_profile_bend(const struct distance_profile *profile, const struct profile_sample *from,
+                              const struct profile_sample *to)
 {
     double width = to->s - from->s, turn = to->slope - from->slope;
-    double offset = fabs(turn) * width > profile->axis->error
-                        ? (from->height - to->height + to->slope * width) / turn
-                        : 0.5 * width;
+    double offset = fabs(turn) * width > profile->axis->error ? (from->height - to->height + to->slope * width) / turn
+                                                              : 0.5 * width;
     /*
      * Tangents that meet a little beyond an end meet at that end. If they meet far beyond it, there is no bend
      * between.
@@ -32,8 +31,7 @@ struct bend dpti_profile_bend(const struct distance_profile *profile,
  * A bound of the depth between sample i and the next, one of which is inside. A bound of at most `enough`, in m, need
  * not be tighter.
  */
-static struct depth_bound bound_depth(const struct distance_profile *profile, uint32_t i,
-                                      double enough)
+static struct depth_bound bound_depth(const struct distance_profile *profile, uint32_t i, double enough)
 {
     const struct profile_sample *from = &profile->sample[i], *to = from + 1;
     double width = (to->s - from->s) * profile->axis_length, middle = 0.5 * (from->s + to->s);
@@ -50,15 +48,13 @@ static struct depth_bound bound_depth(const struct distance_profile *profile, ui
         bound = dpti_profile_distance_to(profile, from->triangle, to->s);
     } else {
         double s_try = dpti_profile_bend(profile, from, to).s;
-        double square = max_of(profile_square_distance(profile, from, s_try),
-                               profile_square_distance(profile, to, s_try));
+        double square =
+            max_of(profile_square_distance(profile, from, s_try), profile_square_distance(profile, to, s_try));
         if (square <= enough * enough)
             return (struct depth_bound){ max_of(ends, sqrt(square)), s_try, 1, 0 };
         for (int tries = 0; tries < 3 && bound > enough; tries++) {
             double from_distance = dpti_profile_distance_to(profile, from->triangle, s_try);
-            double to_distance = from_distance < bound
-                                     ? dpti_profile_distance_to(profile, to->triangle, s_try)
-                                     : 0.0;
+            double to_distance = from_distance < bound ? dpti_profile_distance_to(profile, to->triangle, s_try) : 0.0;
             if (max_of(from_distance, to_distance) < bound) {
                 bound = max_of(from_distance, to_distance);
                 s = s_try;
@@ -72,8 +68,7 @@ static struct depth_bound bound_depth(const struct distance_profile *profile, ui
 }
 
 /* The index of the lowest sample between two places, in s, or DPT_NONE. With exact_only, of the exact samples. */
-static uint32_t lowest_sample(const struct distance_profile *profile, double from, double to,
-                              uint32_t exact_only)
+static uint32_t lowest_sample(const struct distance_profile *profile, double from, double to, uint32_t exact_only)
 {
     uint32_t best = DPT_NONE;
     for (uint32_t i = 0; i < profile->sample_count; i++) {
@@ -96,8 +91,7 @@ static int is_stretch_inside(const struct distance_profile *profile, uint32_t i)
     if (profile->sign[k])
         return profile->sign[k] < 0;
     const struct crossing *next = &profile->crossing[k];
-    return from->height < 0.0 || to->height < 0.0 ||
-           (k > 0 && next[-1].s == from->s && next[-1].side_after < 0) ||
+    return from->height < 0.0 || to->height < 0.0 || (k > 0 && next[-1].s == from->s && next[-1].side_after < 0) ||
            (k < profile->crossing_count && next->s == to->s && next->side_before < 0);
 }
 
@@ -105,19 +99,17 @@ static int is_stretch_inside(const struct distance_profile *profile, uint32_t i)
  * The sample that begins the stretch with the largest bound of the depth, of the stretches that overlap min_s to max_s.
  * NULL if no bound exceeds `enough`, in m.
  */
-static const struct profile_sample *deepest_stretch(struct distance_profile *profile, double min_s,
-                                                    double max_s, double enough)
+static const struct profile_sample *deepest_stretch(struct distance_profile *profile, double min_s, double max_s,
+                                                    double enough)
 {
     const struct profile_sample *stretch = NULL;
     double bound = enough;
     for (uint32_t i = 0; i + 1 < profile->sample_count; i++) {
         struct profile_sample *sample = &profile->sample[i];
         if (sample[1].s <= min_s || sample->s >= max_s ||
-            (sample->has_depth_bound && !(sample->depth_bound.depth > bound)) ||
-            !is_stretch_inside(profile, i))
+            (sample->has_depth_bound && !(sample->depth_bound.depth > bound)) || !is_stretch_inside(profile, i))
             continue;
-        if (!sample->has_depth_bound ||
-            (sample->depth_bound.can_tighten && sample->depth_bound.depth > enough)) {
+        if (!sample->has_depth_bound || (sample->depth_bound.can_tighten && sample->depth_bound.depth > enough)) {
             sample->depth_bound = bound_depth(profile, i, enough);
             sample->has_depth_bound = 1;
         }
@@ -134,21 +126,17 @@ uint32_t dpti_profile_prove_deepest(struct distance_profile *profile, double fro
     enum { DESCENTS_MAX = 16 };
     uint32_t lowest = lowest_sample(profile, from, to, 0);
     int is_full = 0;
-    for (int steps = 0; steps < PROFILE_SAMPLES && lowest != DPT_NONE && !profile->is_cut;
-         steps++) {
+    for (int steps = 0; steps < PROFILE_SAMPLES && lowest != DPT_NONE && !profile->is_cut; steps++) {
         const struct profile_sample *stretch = NULL;
         if (!is_full)
-            stretch = deepest_stretch(profile, from, to,
-                                      profile->tolerance - profile->sample[lowest].height);
+            stretch = deepest_stretch(profile, from, to, profile->tolerance - profile->sample[lowest].height);
         /*
          * A descent suffices at first. After many of them a search gets further. If regions follow, they would search
          * for most of these samples anyway.
          */
-        int by_search =
-            profile->has_winding_parts || profile->contacts_wanted || steps >= DESCENTS_MAX;
+        int by_search = profile->has_winding_parts || profile->contacts_wanted || steps >= DESCENTS_MAX;
         if (stretch)
-            is_full =
-                dpti_profile_add_sample(profile, stretch->depth_bound.s, by_search) == DPT_NONE;
+            is_full = dpti_profile_add_sample(profile, stretch->depth_bound.s, by_search) == DPT_NONE;
         else if (!profile->sample[lowest].is_exact)
             dpti_profile_add_sample(profile, profile->sample[lowest].s, 1);
         else
@@ -156,8 +144,7 @@ uint32_t dpti_profile_prove_deepest(struct distance_profile *profile, double fro
         lowest = lowest_sample(profile, from, to, 0);
     }
     /* If the proof is incomplete, a sample that only descended may seem too deep. */
-    if (lowest != DPT_NONE && !profile->sample[lowest].is_exact &&
-        lowest_sample(profile, from, to, 1) != DPT_NONE)
+    if (lowest != DPT_NONE && !profile->sample[lowest].is_exact && lowest_sample(profile, from, to, 1) != DPT_NONE)
         lowest = lowest_sample(profile, from, to, 1);
     if (lowest != DPT_NONE)
         profile->sample[lowest].is_proven = 1;

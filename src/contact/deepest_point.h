@@ -19,7 +19,7 @@ struct bend {
 };
 
 /* The bend between two samples; at one of them, or halfway, where the tangents do not meet between them. */
-struct bend dpti_profile_bend(const struct distance_profile *profile,
-                              const struct profile_sample *from, const struct profile_sample *to);
+struct bend dpti_profile_bend(const struct distance_profile *profile, const struct profile_sample *from,
+                              const struct profile_sample *to);
 
 #endif

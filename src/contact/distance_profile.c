@@ -50,8 +50,7 @@ static void find_sides(struct distance_profile *profile, const struct pair_searc
     const struct holes *holes = profile->surface->holes;
     for (uint32_t k = 0; k <= profile->crossing_count; k++)
         profile->sign[k] = 0;
-    if (profile->surface->moments && holes &&
-        (profile->has_winding_parts || !holes->normals_tell)) {
+    if (profile->surface->moments && holes && (profile->has_winding_parts || !holes->normals_tell)) {
         find_sides_by_winding(profile);
         return;
     }
@@ -63,8 +62,7 @@ static void find_sides(struct distance_profile *profile, const struct pair_searc
     }
     for (uint32_t k = 0; k <= profile->crossing_count; k++) {
         const struct crossing *here = &profile->crossing[k];
-        int before = k ? here[-1].side_after : 0,
-            after = k < profile->crossing_count ? here->side_before : 0;
+        int before = k ? here[-1].side_after : 0, after = k < profile->crossing_count ? here->side_before : 0;
         double from = k ? here[-1].s : 0.0, to = k < profile->crossing_count ? here->s : 1.0;
         int sign = before ? before : after;
         if (before * after < 0 || !sign) {
@@ -81,10 +79,9 @@ static void put_crossing_samples(struct distance_profile *profile)
 {
     for (uint32_t k = 0; k < profile->crossing_count; k++) {
         const struct crossing *crossing = &profile->crossing[k];
-        struct profile_sample sample = { .s = crossing->s,
-                                         .triangle = crossing->triangle,
-                                         .start_triangle = crossing->triangle,
-                                         .is_exact = 1 };
+        struct profile_sample sample = {
+            .s = crossing->s, .triangle = crossing->triangle, .start_triangle = crossing->triangle, .is_exact = 1
+        };
         memcpy(sample.weight, crossing->weight, sizeof sample.weight);
         sample.normal = dpti_profile_exit_direction(profile, crossing->triangle, crossing->weight);
         sample.slope = dot(sample.normal, profile->axis->u);
@@ -152,9 +149,8 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
     profile->unchanged_count = 0;
     const struct holes *holes = profile->surface->holes;
     profile->has_windings = 0;
-    profile->has_winding_parts =
-        profile->surface->moments &&
-        !(holes && !holes->has_sheets && dpti_holes_are_far_from(holes, axis->local_a, axis->u));
+    profile->has_winding_parts = profile->surface->moments && !(holes && !holes->has_sheets &&
+                                                                dpti_holes_are_far_from(holes, axis->local_a, axis->u));
     int is_far = distance > profile->reach;
     if (is_far && !profile->sides->count && is_outside(profile, nearest))
         return 0;
@@ -178,12 +174,10 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
         if (sign > 0 && !is_in_reach_interval(profile, warm_starts[i].s))
             continue;
         /* A budget goes to the depth first: the regions search for important samples later. */
-        int is_important =
-            warm_starts[i].share > PROFILE_SEARCH_SHARE && profile->work.done < PROFILE_WORK_MAX;
+        int is_important = warm_starts[i].share > PROFILE_SEARCH_SHARE && profile->work.done < PROFILE_WORK_MAX;
         int by_search = profile->has_winding_parts || (is_important && !profile->point_cache);
         struct profile_sample sample;
-        dpti_profile_take_sample(profile, warm_starts[i].s, warm_starts[i].triangle, by_search,
-                                 &sample);
+        dpti_profile_take_sample(profile, warm_starts[i].s, warm_starts[i].triangle, by_search, &sample);
         dpti_profile_put_sample(profile, &sample);
     }
     for (uint32_t i = 1; i < profile->sample_count; i++)
@@ -203,24 +197,20 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
  *
  *   sign  the direction along the axis: +1 or -1
  */
-static double exit_beyond(const struct distance_profile *profile,
-                          const struct profile_sample *sample, double sign)
+static double exit_beyond(const struct distance_profile *profile, const struct profile_sample *sample, double sign)
 {
     double slope = sign * sample->slope;
     double min_length = 0.25 * profile->reach, reach_left = profile->reach - sample->height;
     if (!(reach_left > 0.0))
         return 0.0;
-    return slope > 0.0 ? max_of(min_length / profile->axis_length, 1.5 * reach_left / slope)
-                       : HUGE_VAL;
+    return slope > 0.0 ? max_of(min_length / profile->axis_length, 1.5 * reach_left / slope) : HUGE_VAL;
 }
 
-int dpti_profile_find_undecided(const struct distance_profile *profile, uint32_t i, double *from,
-                                double *to)
+int dpti_profile_find_undecided(const struct distance_profile *profile, uint32_t i, double *from, double *to)
 {
     const struct profile_sample *left = &profile->sample[i], *right = left + 1;
     double middle = 0.5 * (left->s + right->s);
-    if (!(profile->sign[profile_stretch(profile, middle)] > 0 &&
-          is_in_reach_interval(profile, middle)))
+    if (!(profile->sign[profile_stretch(profile, middle)] > 0 && is_in_reach_interval(profile, middle)))
         return 0;
     *from = left->s + exit_beyond(profile, left, 1.0);
     *to = right->s - exit_beyond(profile, right, -1.0);
@@ -234,15 +224,13 @@ void dpti_profile_search_undecided(struct distance_profile *profile, double min_
     uint32_t searched = 0;
     double from, to;
     for (int pass = 0; pass < 2; pass++)
-        for (uint32_t i = 0;
-             i + 1 < profile->sample_count && searched < UNDECIDED_MAX && !profile->is_cut;) {
+        for (uint32_t i = 0; i + 1 < profile->sample_count && searched < UNDECIDED_MAX && !profile->is_cut;) {
             const struct profile_sample *here = &profile->sample[i];
             int is_within = here->height < profile->reach || here[1].height < profile->reach;
             int is_undecided = is_within == pass && here->s >= min_s && here[1].s <= max_s &&
                                dpti_profile_find_undecided(profile, i, &from, &to);
             searched += (uint32_t)is_undecided;
-            if (!is_undecided ||
-                dpti_profile_add_nearest(profile, from, to, profile->reach) == DPT_NONE)
+            if (!is_undecided || dpti_profile_add_nearest(profile, from, to, profile->reach) == DPT_NONE)
                 i++;
         }
 }

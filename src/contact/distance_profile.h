@@ -38,7 +38,6 @@ void dpti_profile_search_undecided(struct distance_profile *profile, double min_
  * Find the undecided stretch between sample i and the next: the axis is outside there, a triangle can be within reach,
  * and neither sample's tangent reaches so far. Returns 0 if there is none, else 1 and its ends *from < *to, in s.
  */
-int dpti_profile_find_undecided(const struct distance_profile *profile, uint32_t i, double *from,
-                                double *to);
+int dpti_profile_find_undecided(const struct distance_profile *profile, uint32_t i, double *from, double *to);
 
 #endif

@@ -2,8 +2,7 @@
 #include "contact/gap.h"
 
 int dpti_contact_find(struct distance_profile *profile, const struct pair_search *nearest,
-                      const struct warm_start *warm_starts, uint32_t warm_start_count,
-                      double radius, double *gap)
+                      const struct warm_start *warm_starts, uint32_t warm_start_count, double radius, double *gap)
 {
     *gap = sqrt(nearest->pair.distance2) - radius;
     if (!dpti_profile_make(profile, nearest, warm_starts, warm_start_count))
@@ -17,13 +16,11 @@ int dpti_contact_find(struct distance_profile *profile, const struct pair_search
 
 uint32_t dpti_contact_why_unknown(const struct distance_profile *profile)
 {
-    return (profile->is_cut ? DPT_HIT_FLAG_BUDGET : 0u) |
-           (profile->is_sideless ? DPT_HIT_FLAG_NO_SIDE : 0u) |
+    return (profile->is_cut ? DPT_HIT_FLAG_BUDGET : 0u) | (profile->is_sideless ? DPT_HIT_FLAG_NO_SIDE : 0u) |
            (profile->is_full ? DPT_HIT_FLAG_CROSSINGS_FULL : 0u);
 }
 
-vec3 dpti_contact_normal(const struct distance_profile *profile,
-                         const struct profile_sample *sample, uint32_t smooth)
+vec3 dpti_contact_normal(const struct distance_profile *profile, const struct profile_sample *sample, uint32_t smooth)
 {
     if (!smooth)
         return sample->normal;
@@ -32,19 +29,17 @@ vec3 dpti_contact_normal(const struct distance_profile *profile,
     return agreement != 0.0 ? scaled(normal, agreement < 0.0 ? -1.0 : 1.0) : sample->normal;
 }
 
-struct penetration dpti_contact_penetration(const struct distance_profile *profile,
-                                            const struct frame *body, double gap, uint32_t smooth)
+struct penetration dpti_contact_penetration(const struct distance_profile *profile, const struct frame *body,
+                                            double gap, uint32_t smooth)
 {
     const struct axis *axis = profile->axis;
     const struct profile_sample *deepest = &profile->sample[profile->deepest];
     return (struct penetration){ frame_turn(body, dpti_contact_normal(profile, deepest, smooth)),
-                                 along(axis->a, deepest->s, sub(axis->b, axis->a)),
-                                 max_of(0.0, -gap) };
+                                 along(axis->a, deepest->s, sub(axis->b, axis->a)), max_of(0.0, -gap) };
 }
 
-void dpti_contact_of(const struct surface *surface, const struct kernel *kernel,
-                     const struct axis *axis, const struct pair_search *nearest, double radius,
-                     struct segment_result *result)
+void dpti_contact_of(const struct surface *surface, const struct kernel *kernel, const struct axis *axis,
+                     const struct pair_search *nearest, double radius, struct segment_result *result)
 {
     const struct sides no_sides = { .count = 0 };
     struct distance_profile profile;

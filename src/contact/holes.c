@@ -97,8 +97,7 @@ static int is_rim(const struct surface *surface, uint32_t triangle, uint32_t k)
 {
     const uint32_t *corners = surface->corners, *first,
                    neighbour = surface_neighbours(surface)[3 * (size_t)triangle + k];
-    const uint32_t from = surface_corner(surface, triangle, k),
-                   to = surface_corner(surface, triangle, (k + 1) % 3);
+    const uint32_t from = surface_corner(surface, triangle, k), to = surface_corner(surface, triangle, (k + 1) % 3);
     if (neighbour < MESH_EDGE_MANY)
         return leads(corners, neighbour, from, to) != -1;
     const uint32_t *fans = surface_fans(surface, &first);
@@ -149,8 +148,7 @@ static void make_balls(const struct surface *surface, const struct rims *rims, s
         ball->centre[0] = steps_of(from_origin.x, holes->unit);
         ball->centre[1] = steps_of(from_origin.y, holes->unit);
         ball->centre[2] = steps_of(from_origin.z, holes->unit);
-        const double farthest =
-            0.5 * box_diagonal(&rim->box) + length(sub(centre, hole_centre(holes, i)));
+        const double farthest = 0.5 * box_diagonal(&rim->box) + length(sub(centre, hole_centre(holes, i)));
         ball->radius = steps_of(ROUND_UP * max_of(farthest, rim->length / ANGLE_TURN), holes->unit);
     }
 }
@@ -166,8 +164,7 @@ static int has_holes_alone(const struct dpt_mesh *mesh)
 }
 
 /* Whether sample triangles that are away from the holes have the material behind them. */
-static int samples_agree(const struct surface *surface, const struct kernel *kernel,
-                         const struct holes *holes)
+static int samples_agree(const struct surface *surface, const struct kernel *kernel, const struct holes *holes)
 {
     const uint32_t triangles = surface_triangles(surface);
     const double height = SAMPLE_HEIGHT * surface_diagonal(surface);

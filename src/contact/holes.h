@@ -18,7 +18,7 @@ enum { HOLES_MAX = 152 };
 struct holes {
     uint32_t count;
     uint32_t normals_tell; /* away from holes the normal of the nearest triangle tells the side */
-    uint32_t has_sheets; /* parts that are neither solid nor buried: beside them sides are theirs */
+    uint32_t has_sheets;   /* parts that are neither solid nor buried: beside them sides are theirs */
     uint32_t reserved;
     vec3 origin; /* of the balls */
     double unit; /* m */
@@ -43,8 +43,7 @@ static inline double hole_radius(const struct holes *holes, uint32_t i)
  * Find the holes of a mesh that has moments: only winding numbers tell its sides. Returns 0 if they cannot be known: a
  * body with holes deforms. Takes time in proportion to the triangles, more for rims, and about a millisecond.
  */
-int dpti_holes_find(const struct surface *surface, const struct kernel *kernel,
-                    struct holes *holes);
+int dpti_holes_find(const struct surface *surface, const struct kernel *kernel, struct holes *holes);
 
 /* 1: the axis a + s u is so far from all holes that its winding number, rounded, changes at crossings alone. */
 int dpti_holes_are_far_from(const struct holes *holes, vec3 a, vec3 u);

@@ -4,17 +4,15 @@
 #include "mesh/surface_normal.h"
 
 /* The height of the axis' lower end over the triangle's plane, m. The axis crosses that plane at the nearest pair. */
-static double lower_end_height(const struct axis *axis, const struct pair_search *nearest,
-                               vec3 normal)
+static double lower_end_height(const struct axis *axis, const struct pair_search *nearest, vec3 normal)
 {
     double height_a = -nearest->pair.s * dot(axis->u, normal);
     double height_b = (1.0 - nearest->pair.s) * dot(axis->u, normal);
     return min_of(height_a, height_b);
 }
 
-double dpti_contact_paper(const struct surface *surface, const struct frame *body,
-                          const struct axis *part, const struct pair_search *nearest, double radius,
-                          struct penetration *penetration)
+double dpti_contact_paper(const struct surface *surface, const struct frame *body, const struct axis *part,
+                          const struct pair_search *nearest, double radius, struct penetration *penetration)
 {
     vec3 normal = dpti_surface_face_normal(surface, nearest->triangle);
     double distance = sqrt(nearest->pair.distance2), gap;

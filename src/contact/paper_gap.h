@@ -10,8 +10,7 @@
  * crosses the triangle is as deep as its lower end is below that plane. *penetration gets the penetration in the world;
  * `body` is the body's frame.
  */
-double dpti_contact_paper(const struct surface *surface, const struct frame *body,
-                          const struct axis *part, const struct pair_search *nearest, double radius,
-                          struct penetration *penetration);
+double dpti_contact_paper(const struct surface *surface, const struct frame *body, const struct axis *part,
+                          const struct pair_search *nearest, double radius, struct penetration *penetration);
 
 #endif

@@ -28,8 +28,7 @@ static int is_entry_of(const struct cached_point *entry, uint32_t body, vec3 x)
 }
 
 /* Move entry `index` of a set to the front, the ones before it back by one, and mark it as used in this tick. */
-static struct cached_point *move_to_front(const struct point_cache *cache, struct cached_point *set,
-                                          int index)
+static struct cached_point *move_to_front(const struct point_cache *cache, struct cached_point *set, int index)
 {
     struct cached_point entry = set[index];
     memmove(set + 1, set, (size_t)index * sizeof *set);
@@ -38,8 +37,7 @@ static struct cached_point *move_to_front(const struct point_cache *cache, struc
     return set;
 }
 
-const struct cached_point *dpti_point_cache_find(const struct point_cache *cache, uint32_t body,
-                                                 vec3 x)
+const struct cached_point *dpti_point_cache_find(const struct point_cache *cache, uint32_t body, vec3 x)
 {
     struct cached_point *set = set_of(cache, body, x);
     for (int i = 0; i < POINT_CACHE_WAYS; i++)
@@ -64,8 +62,8 @@ struct cached_point *dpti_point_cache_put(const struct point_cache *cache, uint3
     return set;
 }
 
-int dpti_point_cache_resume(const struct point_cache *cache, uint32_t body, vec3 x,
-                            uint32_t *triangle, struct bvh_traversal *traversal)
+int dpti_point_cache_resume(const struct point_cache *cache, uint32_t body, vec3 x, uint32_t *triangle,
+                            struct bvh_traversal *traversal)
 {
     if (cache->body != body + 1 || !is_same(cache->x, x))
         return 0;

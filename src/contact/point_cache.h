@@ -35,8 +35,7 @@ struct point_cache {
 };
 
 /* The entry of point x, in the frame of the body at slot `body`; NULL if there is none. */
-const struct cached_point *dpti_point_cache_find(const struct point_cache *cache, uint32_t body,
-                                                 vec3 x);
+const struct cached_point *dpti_point_cache_find(const struct point_cache *cache, uint32_t body, vec3 x);
 
 /*
  * The entry of point x, for the caller to fill in. A new entry replaces the oldest of its set, unless the current tick
@@ -48,8 +47,8 @@ struct cached_point *dpti_point_cache_put(const struct point_cache *cache, uint3
  * Resume the suspended search if it was for x: *triangle gets the place of the nearest triangle so far, *traversal
  * where the search stopped. Returns 0 if there is none or it was for another point.
  */
-int dpti_point_cache_resume(const struct point_cache *cache, uint32_t body, vec3 x,
-                            uint32_t *triangle, struct bvh_traversal *traversal);
+int dpti_point_cache_resume(const struct point_cache *cache, uint32_t body, vec3 x, uint32_t *triangle,
+                            struct bvh_traversal *traversal);
 
 /* Store a search that the budget stopped, in place of the one stored before. */
 void dpti_point_cache_suspend(struct point_cache *cache, uint32_t body, vec3 x, uint32_t triangle,

@@ -9,8 +9,7 @@ double dpti_profile_distance_to(const struct distance_profile *profile, uint32_t
 {
     const struct surface *surface = profile->surface;
     const uint32_t *corner = surface->corners + 3 * (size_t)triangle;
-    return point_distance_upper(profile_point(profile, s),
-                                vec3_of_float(surface->positions + 3 * (size_t)corner[0]),
+    return point_distance_upper(profile_point(profile, s), vec3_of_float(surface->positions + 3 * (size_t)corner[0]),
                                 vec3_of_float(surface->positions + 3 * (size_t)corner[1]),
                                 vec3_of_float(surface->positions + 3 * (size_t)corner[2]));
 }
@@ -31,8 +30,7 @@ void dpti_sides_put(struct sides *sides, uint32_t part, int32_t side)
     sides->side[sides->count++] = side;
 }
 
-vec3 dpti_profile_exit_direction(const struct distance_profile *profile, uint32_t triangle,
-                                 const double weight[3])
+vec3 dpti_profile_exit_direction(const struct distance_profile *profile, uint32_t triangle, const double weight[3])
 {
     uint32_t part = surface_part(profile->surface, triangle);
     vec3 normal = dpti_surface_feature_normal(profile->surface, triangle, weight);
@@ -86,20 +84,17 @@ int dpti_profile_is_inside(struct distance_profile *profile, double s)
     return (known != WINDING_UNKNOWN ? known : dpti_profile_winding(profile, s)) > 0;
 }
 
-int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t triangle,
-                         const pair *found)
+int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t triangle, const pair *found)
 {
-    uint32_t part = surface_part(profile->surface, triangle),
-             flags = surface_part_flags(profile->surface, part);
+    uint32_t part = surface_part(profile->surface, triangle), flags = surface_part_flags(profile->surface, part);
     int side = dpti_sides_get(profile->sides, part);
     if (side && dpti_side_is_border(profile->surface, triangle, found->weight))
         return 1;
     if (side)
         return side * dpti_side_of_pair(profile->surface, triangle, found);
     const struct holes *holes = profile->surface->holes;
-    const int is_told_by_normal =
-        holes && holes->normals_tell && !profile->has_winding_parts &&
-        dpti_holes_are_beyond(holes, profile_point(profile, s), sqrt(found->distance2));
+    const int is_told_by_normal = holes && holes->normals_tell && !profile->has_winding_parts &&
+                                  dpti_holes_are_beyond(holes, profile_point(profile, s), sqrt(found->distance2));
     if ((flags & MESH_PART_WINDING) && !is_told_by_normal)
         return dpti_profile_is_inside(profile, s) ? -1 : 1;
     if (flags & MESH_PART_BURIED)
@@ -131,8 +126,7 @@ static int take_if_nearer(const struct distance_profile *profile, vec3 x, uint32
 static void search_point(struct distance_profile *profile, vec3 x, struct pair_search *nearest)
 {
     struct point_cache *cache = profile->point_cache;
-    const struct cached_point *cached =
-        cache ? dpti_point_cache_find(cache, profile->body, x) : NULL;
+    const struct cached_point *cached = cache ? dpti_point_cache_find(cache, profile->body, x) : NULL;
     struct bvh_traversal traversal;
     uint32_t triangle;
     traversal.level = 0;
@@ -144,13 +138,11 @@ static void search_point(struct distance_profile *profile, vec3 x, struct pair_s
         return;
     if (cache && dpti_point_cache_resume(cache, profile->body, x, &triangle, &traversal))
         take_if_nearer(profile, x, triangle, nearest);
-    int is_done = dpti_point_search(profile->surface, profile->kernel, x, &traversal,
-                                    &profile->work, nearest);
+    int is_done = dpti_point_search(profile->surface, profile->kernel, x, &traversal, &profile->work, nearest);
     profile->is_cut |= !is_done;
     if (cache && !is_done)
         dpti_point_cache_suspend(cache, profile->body, x, nearest->triangle, &traversal);
-    struct cached_point *entry =
-        cache && is_done ? dpti_point_cache_put(cache, profile->body, x) : NULL;
+    struct cached_point *entry = cache && is_done ? dpti_point_cache_put(cache, profile->body, x) : NULL;
     if (entry)
         entry->triangle = nearest->triangle;
 }
@@ -159,15 +151,12 @@ static void search_point(struct distance_profile *profile, vec3 x, struct pair_s
  * Descend from the triangle in *nearest. The cache holds the end of the first descent to each point, so that the next
  * tick gets the same answer, and all that follows from it.
  */
-static void descend_to_point(struct distance_profile *profile, const struct axis *point,
-                             struct pair_search *nearest)
+static void descend_to_point(struct distance_profile *profile, const struct axis *point, struct pair_search *nearest)
 {
     struct cached_point *entry =
-        profile->point_cache
-            ? dpti_point_cache_put(profile->point_cache, profile->body, point->local_a)
-            : NULL;
-    int is_continued = entry && entry->descent != DPT_NONE &&
-                       take_if_nearer(profile, point->local_a, entry->descent, nearest);
+        profile->point_cache ? dpti_point_cache_put(profile->point_cache, profile->body, point->local_a) : NULL;
+    int is_continued =
+        entry && entry->descent != DPT_NONE && take_if_nearer(profile, point->local_a, entry->descent, nearest);
     if (!has_work_left(profile))
         return;
     dpti_dynamic_point_descend(profile->surface, point, &profile->work, nearest);
@@ -186,8 +175,8 @@ static void find_nearest(struct distance_profile *profile, const struct axis *po
         descend_to_point(profile, point, nearest);
 }
 
-void dpti_profile_take_sample(struct distance_profile *profile, double s, uint32_t triangle,
-                              int by_search, struct profile_sample *sample)
+void dpti_profile_take_sample(struct distance_profile *profile, double s, uint32_t triangle, int by_search,
+                              struct profile_sample *sample)
 {
     struct axis point;
     struct pair_search nearest;
@@ -202,9 +191,8 @@ void dpti_profile_take_sample(struct distance_profile *profile, double s, uint32
     int sign = profile->sign[profile_stretch(profile, s)];
     if (!sign)
         sign = dpti_profile_side_of(profile, s, nearest.triangle, found);
-    vec3 normal = distance > 1e3 * point.error
-                      ? scaled(found->gap, sign / distance)
-                      : dpti_profile_exit_direction(profile, nearest.triangle, found->weight);
+    vec3 normal = distance > 1e3 * point.error ? scaled(found->gap, sign / distance)
+                                               : dpti_profile_exit_direction(profile, nearest.triangle, found->weight);
     sample->s = s;
     sample->height = sign * distance;
     sample->normal = normal;
@@ -236,8 +224,7 @@ static int drop_sample(struct distance_profile *profile)
         const struct profile_sample *sample = &profile->sample[i];
         double width = sample[1].s - sample[-1].s;
         if (sample[-1].triangle == sample->triangle && sample[1].triangle == sample->triangle &&
-            i != profile->deepest && !sample->is_proven && sample->height != 0.0 &&
-            width < min_width) {
+            i != profile->deepest && !sample->is_proven && sample->height != 0.0 && width < min_width) {
             min_width = width;
             dropped = i;
         }
@@ -253,8 +240,7 @@ static int drop_sample(struct distance_profile *profile)
     return 1;
 }
 
-uint32_t dpti_profile_put_sample(struct distance_profile *profile,
-                                 const struct profile_sample *sample)
+uint32_t dpti_profile_put_sample(struct distance_profile *profile, const struct profile_sample *sample)
 {
     uint32_t i = profile->sample_count;
     while (i > 0 && profile->sample[i - 1].s >= sample->s)
@@ -295,14 +281,12 @@ static uint32_t triangle_beside(const struct distance_profile *profile, double s
         right++;
     while (left > 0 && sample[left - 1].triangle == DPT_NONE)
         left--;
-    if (left > 0 &&
-        (right == profile->sample_count || s - sample[left - 1].s <= sample[right].s - s))
+    if (left > 0 && (right == profile->sample_count || s - sample[left - 1].s <= sample[right].s - s))
         return sample[left - 1].triangle;
     return right < profile->sample_count ? sample[right].triangle : 0;
 }
 
-int dpti_profile_share_triangle(struct distance_profile *profile, uint32_t i,
-                                const struct profile_sample *other)
+int dpti_profile_share_triangle(struct distance_profile *profile, uint32_t i, const struct profile_sample *other)
 {
     struct profile_sample *sample = &profile->sample[i];
     const double distance = fabs(sample->height);
@@ -327,14 +311,12 @@ uint32_t dpti_profile_add_sample(struct distance_profile *profile, double s, int
         return index;
     for (uint32_t i = index; i > 0 && dpti_profile_share_triangle(profile, i - 1, &sample); i--)
         ;
-    for (uint32_t i = index + 1;
-         i < profile->sample_count && dpti_profile_share_triangle(profile, i, &sample); i++)
+    for (uint32_t i = index + 1; i < profile->sample_count && dpti_profile_share_triangle(profile, i, &sample); i++)
         ;
     return index;
 }
 
-uint32_t dpti_profile_add_nearest(struct distance_profile *profile, double from, double to,
-                                  double limit)
+uint32_t dpti_profile_add_nearest(struct distance_profile *profile, double from, double to, double limit)
 {
     const struct axis *axis = profile->axis;
     struct axis piece = { .local_a = profile_point(profile, from),
@@ -346,21 +328,18 @@ uint32_t dpti_profile_add_nearest(struct distance_profile *profile, double from,
     nearest.pair.distance2 = limit * limit;
     traversal.level = 0;
     if (has_work_left(profile)) {
-        profile->is_cut |=
-            !dpti_bvh_traverse(profile->surface, profile->kernel, NULL, piece.local_a, piece.u, 0.0,
-                               &traversal, &profile->work, &nearest);
+        profile->is_cut |= !dpti_bvh_traverse(profile->surface, profile->kernel, NULL, piece.local_a, piece.u, 0.0,
+                                              &traversal, &profile->work, &nearest);
     }
     if (nearest.triangle == DPT_NONE || profile->is_cut)
         return DPT_NONE;
     struct profile_sample sample;
-    dpti_profile_take_sample(profile, from + nearest.pair.s * (to - from), nearest.triangle, 0,
-                             &sample);
+    dpti_profile_take_sample(profile, from + nearest.pair.s * (to - from), nearest.triangle, 0, &sample);
     sample.is_exact = 1;
     return dpti_profile_put_sample(profile, &sample);
 }
 
-const struct profile_sample *dpti_profile_lowest_on(const struct distance_profile *profile,
-                                                    uint32_t part)
+const struct profile_sample *dpti_profile_lowest_on(const struct distance_profile *profile, uint32_t part)
 {
     const struct profile_sample *lowest = NULL;
     for (uint32_t i = 0; i < profile->sample_count; i++) {

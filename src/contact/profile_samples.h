@@ -120,14 +120,14 @@ struct distance_profile {
     struct work work;                /* of this profile alone */
     uint32_t is_cut;                 /* the work was spent before the profile was complete */
     uint32_t has_winding_parts;      /* holes or sheets: a side may change without a crossing */
-    uint32_t has_windings; /* stretches have winding numbers: `winding`, `winding_range` */
-    uint32_t is_full;      /* more than PROFILE_CROSSINGS crossings: some are missing */
-    uint32_t is_sideless;  /* the axis crosses an open sheet whose side is not known */
+    uint32_t has_windings;           /* stretches have winding numbers: `winding`, `winding_range` */
+    uint32_t is_full;                /* more than PROFILE_CROSSINGS crossings: some are missing */
+    uint32_t is_sideless;            /* the axis crosses an open sheet whose side is not known */
     uint32_t crossing_count;
     uint32_t reach_interval_count;
     uint32_t sample_count;
-    uint32_t unchanged_count; /* so many samples, from the first, are as at the last sum_spans */
-    uint32_t deepest;         /* index of the sample with the least height; it is exact */
+    uint32_t unchanged_count;                    /* so many samples, from the first, are as at the last sum_spans */
+    uint32_t deepest;                            /* index of the sample with the least height; it is exact */
     struct crossing crossing[PROFILE_CROSSINGS]; /* in order of s */
     /* Side of the axis before crossing k, after the last one for k = crossing_count; 0: each sample has its own. */
     int32_t sign[PROFILE_CROSSINGS + 1];
@@ -184,12 +184,10 @@ static inline uint32_t profile_stretch(const struct distance_profile *profile, d
  *
  *   triangle  place; `weight` of its corners, at the point
  */
-vec3 dpti_profile_exit_direction(const struct distance_profile *profile, uint32_t triangle,
-                                 const double weight[3]);
+vec3 dpti_profile_exit_direction(const struct distance_profile *profile, uint32_t triangle, const double weight[3]);
 
 /* The distance of the axis at s to a triangle, a place, m: never below the true one, and above it by rounding alone. */
-double dpti_profile_distance_to(const struct distance_profile *profile, uint32_t triangle,
-                                double s);
+double dpti_profile_distance_to(const struct distance_profile *profile, uint32_t triangle, double s);
 
 /* 1: the side may change without a crossing, so each sample determines its own. */
 static inline int profile_has_side_per_sample(const struct distance_profile *profile)
@@ -207,8 +205,7 @@ int32_t dpti_profile_winding(struct distance_profile *profile, double s);
 int dpti_profile_is_inside(struct distance_profile *profile, double s);
 
 /* The side of the axis at s: +1 outside, -1 inside. `found` is the nearest pair there, with `triangle`, a place. */
-int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t triangle,
-                         const pair *found);
+int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t triangle, const pair *found);
 
 /*
  * Take a sample of the axis at s, without putting it into the profile.
@@ -219,23 +216,21 @@ int dpti_profile_side_of(struct distance_profile *profile, double s, uint32_t tr
  *
  * If the work is spent, the profile is cut, and the sample's triangle may not be the nearest.
  */
-void dpti_profile_take_sample(struct distance_profile *profile, double s, uint32_t triangle,
-                              int by_search, struct profile_sample *sample);
+void dpti_profile_take_sample(struct distance_profile *profile, double s, uint32_t triangle, int by_search,
+                              struct profile_sample *sample);
 
 /*
  * Put a sample into the profile, in order of s. Of two samples at one place the exact one stays, or the newer one. If
  * there is no room, a sample between two others with its own triangle is dropped. Returns the index, or DPT_NONE: no
  * room.
  */
-uint32_t dpti_profile_put_sample(struct distance_profile *profile,
-                                 const struct profile_sample *sample);
+uint32_t dpti_profile_put_sample(struct distance_profile *profile, const struct profile_sample *sample);
 
 /*
  * Offer another sample's triangle to sample i. If it is nearer than the sample's own, the sample is taken again, by
  * descent from there. Returns 1 if it was.
  */
-int dpti_profile_share_triangle(struct distance_profile *profile, uint32_t i,
-                                const struct profile_sample *other);
+int dpti_profile_share_triangle(struct distance_profile *profile, uint32_t i, const struct profile_sample *other);
 
 /*
  * Add a sample at s, by a search or by descent from a neighbour's triangle, and share its triangle with its neighbours.
@@ -248,11 +243,9 @@ uint32_t dpti_profile_add_sample(struct distance_profile *profile, double s, int
  * there. The axis must be outside between them. Returns the sample's index, or DPT_NONE if no surface is nearer than
  * `limit`, in m, or the work was spent.
  */
-uint32_t dpti_profile_add_nearest(struct distance_profile *profile, double from, double to,
-                                  double limit);
+uint32_t dpti_profile_add_nearest(struct distance_profile *profile, double from, double to, double limit);
 
 /* The sample with the least height on a part, if it is inside or behind; NULL otherwise. */
-const struct profile_sample *dpti_profile_lowest_on(const struct distance_profile *profile,
-                                                    uint32_t part);
+const struct profile_sample *dpti_profile_lowest_on(const struct distance_profile *profile, uint32_t part);
 
 #endif

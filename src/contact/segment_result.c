@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/segment_result.h"
 
-void dpti_segment_result_of_pair(const struct axis *axis, const pair *found,
-                                 struct segment_result *result)
+void dpti_segment_result_of_pair(const struct axis *axis, const pair *found, struct segment_result *result)
 {
     const double distance = sqrt(found->distance2);
     *result = (struct segment_result){
@@ -31,8 +30,7 @@ void dpti_segment_result_set_gap(struct segment_result *result, double gap, doub
 }
 
 void dpti_segment_result_write(const struct segment_result *result, const struct surface *surface,
-                               const struct frame *body, uint32_t id,
-                               const struct pair_search *nearest, dpt_hit *hit)
+                               const struct frame *body, uint32_t id, const struct pair_search *nearest, dpt_hit *hit)
 {
     hit->status = result->status;
     hit->contact = result->contact;

@@ -23,8 +23,7 @@ struct segment_result {
 };
 
 /* Start a result from an exact nearest pair, within the axis' error bound. Contact is unknown, and work is 0. */
-void dpti_segment_result_of_pair(const struct axis *axis, const pair *found,
-                                 struct segment_result *result);
+void dpti_segment_result_of_pair(const struct axis *axis, const pair *found, struct segment_result *result);
 
 /* Set the gap, in m, known within `error`, and the contact that follows from it. */
 void dpti_segment_result_set_gap(struct segment_result *result, double gap, double error);
@@ -37,7 +36,6 @@ uint32_t dpti_contact_of_gap(double gap, double error);
  * frame and `id` its id. The hit gets the triangle's source number.
  */
 void dpti_segment_result_write(const struct segment_result *result, const struct surface *surface,
-                               const struct frame *body, uint32_t id,
-                               const struct pair_search *nearest, dpt_hit *hit);
+                               const struct frame *body, uint32_t id, const struct pair_search *nearest, dpt_hit *hit);
 
 #endif

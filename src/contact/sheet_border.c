@@ -45,8 +45,7 @@ static double border_reach(double height, double radius, double share)
 }
 
 /* The square of the distance from x, in the body's frame, to an edge, m^2. */
-static double edge_square_distance(const struct border_edges *border,
-                                   const struct border_edge *edge, vec3 x)
+static double edge_square_distance(const struct border_edges *border, const struct border_edge *edge, vec3 x)
 {
     vec3 from = surface_vertex(border->surface, edge->from);
     vec3 along_edge = sub(surface_vertex(border->surface, edge->to), from);
@@ -65,8 +64,7 @@ static double border_distance(const struct border_edges *border, uint32_t part, 
 }
 
 /* Add an edge. If there are too many, every other one is dropped: so many edges are short compared to the reach. */
-static void put_edge(struct border_edges *border, uint32_t edge_number,
-                     const struct border_edge *edge)
+static void put_edge(struct border_edges *border, uint32_t edge_number, const struct border_edge *edge)
 {
     if (edge_number % border->stride)
         return;
@@ -83,8 +81,8 @@ static void put_edge(struct border_edges *border, uint32_t edge_number,
  * Add the border edges of a leaf's triangles that are within reach of x, in the body's frame, if they are of a sheet
  * whose side is known. *seen_count counts all such edges of the search.
  */
-static void add_leaf_edges(const struct distance_profile *profile, uint32_t leaf, vec3 x,
-                           double reach, uint32_t *seen_count, struct border_edges *border)
+static void add_leaf_edges(const struct distance_profile *profile, uint32_t leaf, vec3 x, double reach,
+                           uint32_t *seen_count, struct border_edges *border)
 {
     const struct surface *surface = profile->surface;
     const uint32_t *neighbour = surface_neighbours(surface);
@@ -96,21 +94,18 @@ static void add_leaf_edges(const struct distance_profile *profile, uint32_t leaf
         const struct border_edge edge = { surface_corner(surface, triangle, corner),
                                           surface_corner(surface, triangle, (corner + 1) % 3),
                                           surface_part(surface, triangle) };
-        if (dpti_sides_get(profile->sides, edge.part) &&
-            edge_square_distance(border, &edge, x) <= reach * reach)
+        if (dpti_sides_get(profile->sides, edge.part) && edge_square_distance(border, &edge, x) <= reach * reach)
             put_edge(border, (*seen_count)++, &edge);
     }
 }
 
 /* Find the border edges within reach, m, of x, in the body's frame. Returns 0 if that is too much work. */
-static int gather_edges(const struct distance_profile *profile, vec3 x, double reach,
-                        struct border_edges *border)
+static int gather_edges(const struct distance_profile *profile, vec3 x, double reach, struct border_edges *border)
 {
     const struct surface *surface = profile->surface;
     const vec3 x_filter = scaled(sub(x, surface->filter_centre), surface->filter_scale);
-    const double filter_reach = reach * surface->filter_scale +
-                                kernel_margin(length(x_filter), length(x_filter)) +
-                                surface_margin(surface);
+    const double filter_reach =
+        reach * surface->filter_scale + kernel_margin(length(x_filter), length(x_filter)) + surface_margin(surface);
     const float limit = (float)(filter_reach * filter_reach * (1.0 + 4.0 * KERNEL_STRETCH));
     uint32_t node[MESH_LEVELS_MAX + 1], lanes[MESH_LEVELS_MAX + 1], seen_count = 0, blocks = 0;
     uint32_t level = surface->levels;
@@ -123,10 +118,9 @@ static int gather_edges(const struct distance_profile *profile, vec3 x, double r
     node[level] = 0;
     for (int is_new = 1; level <= surface->levels; is_new = 0) {
         if (is_new || lanes[level] == UINT32_MAX)
-            lanes[level] =
-                lanes_of(surface->count[level - 1] - node[level] * LANES) &
-                profile->kernel->point_boxes(surface_node(surface, level, node[level], &uncounted),
-                                             x_float, limit, bound);
+            lanes[level] = lanes_of(surface->count[level - 1] - node[level] * LANES) &
+                           profile->kernel->point_boxes(surface_node(surface, level, node[level], &uncounted), x_float,
+                                                        limit, bound);
         if (!lanes[level]) {
             level++;
             continue;
@@ -149,9 +143,8 @@ static int gather_edges(const struct distance_profile *profile, vec3 x, double r
  * 1: a border is within reach, m, of the deepest sample. The search goes twice as far, so that most ticks need none:
  * *view tells. If a search is too much work, borders do not count until the tool has moved by the reach.
  */
-static int is_border_near(const struct distance_profile *profile,
-                          const struct profile_sample *deepest, double reach, uint32_t id,
-                          struct border_view *view, struct border_edges *border)
+static int is_border_near(const struct distance_profile *profile, const struct profile_sample *deepest, double reach,
+                          uint32_t id, struct border_view *view, struct border_edges *border)
 {
     const uint32_t part = surface_part(profile->surface, deepest->triangle);
     vec3 x = profile_point(profile, deepest->s);
@@ -201,8 +194,7 @@ static double reduced_depth(const struct border_search *search, const struct pro
     const double depth = search->radius - sample->height;
     if (depth <= search->best_depth || !dpti_sides_get(profile->sides, part))
         return depth; /* it may be less, but it cannot be the best */
-    if (sample->height >= 0.0 &&
-        dpti_side_is_border(profile->surface, sample->triangle, sample->weight))
+    if (sample->height >= 0.0 && dpti_side_is_border(profile->surface, sample->triangle, sample->weight))
         return -HUGE_VAL;
     double distance = border_distance(search->border, part, profile_point(profile, sample->s));
     return min_of(depth, search->share * depth_left_by_border(fabs(sample->height), distance));
@@ -285,8 +277,7 @@ static void search_stretch(struct border_search *search, double from, double to,
         depth[i] = try_place(search, from + i * step);
     for (int i = 0; i <= steps; i++) {
         double before = i ? depth[i - 1] : -HUGE_VAL, after = i < steps ? depth[i + 1] : -HUGE_VAL;
-        double left = max_of(from, from + (i - 1) * step),
-               right = min_of(to, from + (i + 1) * step);
+        double left = max_of(from, from + (i - 1) * step), right = min_of(to, from + (i + 1) * step);
         /* The depth changes by at most twice the distance along the axis. */
         if (!(depth[i] >= before && depth[i] > after &&
               depth[i] + 2.0 * step * search->profile->axis_length > search->best_depth))
@@ -301,8 +292,7 @@ static void search_stretch(struct border_search *search, double from, double to,
 /* 1: the sample's nearest point is on a border. */
 static int is_on_border(const struct distance_profile *profile, const struct profile_sample *sample)
 {
-    return sample->triangle != DPT_NONE &&
-           dpti_side_is_border(profile->surface, sample->triangle, sample->weight);
+    return sample->triangle != DPT_NONE && dpti_side_is_border(profile->surface, sample->triangle, sample->weight);
 }
 
 /*
@@ -320,11 +310,9 @@ static double stretch_end(const struct border_search *search, const struct profi
 }
 
 /* 1: at this sample the axis is behind the sheet, or the tool's surface reaches into it from the front. */
-static int is_on_sheet_or_behind(const struct border_search *search,
-                                 const struct profile_sample *sample)
+static int is_on_sheet_or_behind(const struct border_search *search, const struct profile_sample *sample)
 {
-    return sample->height <= 0.0 ||
-           (sample->height < search->radius && !is_on_border(search->profile, sample));
+    return sample->height <= 0.0 || (sample->height < search->radius && !is_on_border(search->profile, sample));
 }
 
 /*
@@ -352,8 +340,7 @@ static int next_stretch(const struct border_search *search, uint32_t *i, double 
 }
 
 /* Find the border edges within reach, m, of all stretches together. Returns 0 if there are none, or too much work. */
-static int gather_stretches(const struct border_search *search, double reach,
-                            struct border_edges *border)
+static int gather_stretches(const struct border_search *search, double reach, struct border_edges *border)
 {
     double from = 1.0, to = 0.0, first, last;
     for (uint32_t i = 0; next_stretch(search, &i, &first, &last);) {
@@ -361,9 +348,8 @@ static int gather_stretches(const struct border_search *search, double reach,
         to = max_of(to, last);
     }
     const double half_length = 0.5 * (to - from) * search->profile->axis_length;
-    return from <= to &&
-           gather_edges(search->profile, profile_point(search->profile, 0.5 * (from + to)),
-                        half_length + reach, border);
+    return from <= to && gather_edges(search->profile, profile_point(search->profile, 0.5 * (from + to)),
+                                      half_length + reach, border);
 }
 
 /* Try the profile's samples, then search all stretches. The profile itself stays as it is. */
@@ -398,20 +384,18 @@ static double max_depth_behind(const struct distance_profile *profile)
 }
 
 /* How far the axis reaches through the sheet's plane at the deepest sample, m, also beyond the sheet's border. */
-static double depth_through_plane(const struct distance_profile *profile,
-                                  const struct profile_sample *deepest)
+static double depth_through_plane(const struct distance_profile *profile, const struct profile_sample *deepest)
 {
     vec3 a = along(deepest->gap, -deepest->s, profile->axis->u);
     return max_of(-dot(a, deepest->normal), -dot(add(a, profile->axis->u), deepest->normal));
 }
 
-int dpti_sheet_border_reduce(struct distance_profile *profile, const struct frame *body,
-                             uint32_t id, double radius, uint32_t smooth, struct border_view *view,
-                             struct penetration *penetration, struct warm_start *found)
+int dpti_sheet_border_reduce(struct distance_profile *profile, const struct frame *body, uint32_t id, double radius,
+                             uint32_t smooth, struct border_view *view, struct penetration *penetration,
+                             struct warm_start *found)
 {
     const struct profile_sample deepest = profile->sample[profile->deepest];
-    const double max_depth = max_depth_behind(profile),
-                 through = depth_through_plane(profile, &deepest);
+    const double max_depth = max_depth_behind(profile), through = depth_through_plane(profile, &deepest);
     const double share = max_of(1.0, radius / max_of(max_of(max_depth, through), DBL_MIN));
     const double reach = border_reach(max_depth, radius, share);
     struct border_edges border;
@@ -441,8 +425,7 @@ int dpti_sheet_border_reduce(struct distance_profile *profile, const struct fram
     profile->work = work;
     profile->is_cut = cut;
     penetration->direction = frame_turn(body, dpti_contact_normal(profile, &search.best, smooth));
-    penetration->at =
-        along(profile->axis->a, search.best.s, sub(profile->axis->b, profile->axis->a));
+    penetration->at = along(profile->axis->a, search.best.s, sub(profile->axis->b, profile->axis->a));
     penetration->depth = max_of(0.0, reduced_depth(&search, &search.best));
     *found = (struct warm_start){ search.best.s, search.best.triangle, 1.0f };
     return 1;

@@ -30,8 +30,8 @@ struct border_view {
  * Returns 1 where a border is so near that the point was searched for. The profile itself stays the same. Its work is
  * not part of a budget.
  */
-int dpti_sheet_border_reduce(struct distance_profile *profile, const struct frame *body,
-                             uint32_t id, double radius, uint32_t smooth, struct border_view *view,
-                             struct penetration *penetration, struct warm_start *found);
+int dpti_sheet_border_reduce(struct distance_profile *profile, const struct frame *body, uint32_t id, double radius,
+                             uint32_t smooth, struct border_view *view, struct penetration *penetration,
+                             struct warm_start *found);
 
 #endif

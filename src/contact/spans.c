@@ -20,9 +20,8 @@
 #define END_SHARE 0.04
 
 /* For a span between a mark and a sample: how far the sample's tangent is still within reach at s. */
-static double reach_left_at_mark(const struct distance_profile *profile,
-                                 const struct profile_sample *from, const struct profile_sample *to,
-                                 double s)
+static double reach_left_at_mark(const struct distance_profile *profile, const struct profile_sample *from,
+                                 const struct profile_sample *to, double s)
 {
     const struct profile_sample *sample = from->triangle == DPT_NONE ? to : from;
     return profile->reach - sample->height - sample->slope * (s - sample->s);
@@ -47,8 +46,7 @@ static int is_as_near(const struct distance_profile *profile, const struct profi
 static int is_one_wall(const struct distance_profile *profile, const struct profile_sample *from,
                        const struct profile_sample *to)
 {
-    return from->triangle == to->triangle || is_as_near(profile, to, from) ||
-           is_as_near(profile, from, to);
+    return from->triangle == to->triangle || is_as_near(profile, to, from) || is_as_near(profile, from, to);
 }
 
 void dpti_span_measure(const struct distance_profile *profile, const struct profile_sample *from,
@@ -62,15 +60,13 @@ void dpti_span_measure(const struct distance_profile *profile, const struct prof
     int has_mark = from->triangle == DPT_NONE || to->triangle == DPT_NONE;
     double w = has_mark ? tangent : chord + (tangent - chord) * (5.0 / 6.0);
     double chord_area = area_within_reach(from->s, w0, to->s, w1);
-    double tangent_area = area_within_reach(from->s, w0, bend.s, tangent) +
-                          area_within_reach(bend.s, tangent, to->s, w1);
-    double area =
-        area_within_reach(from->s, w0, bend.s, w) + area_within_reach(bend.s, w, to->s, w1);
+    double tangent_area =
+        area_within_reach(from->s, w0, bend.s, tangent) + area_within_reach(bend.s, tangent, to->s, w1);
+    double area = area_within_reach(from->s, w0, bend.s, w) + area_within_reach(bend.s, w, to->s, w1);
     double error = 0.25 * fabs(tangent_area - chord_area);
     /* The height changes by no more than the length along the axis, so a short span has no loose end. */
     double end_tolerance = END_SHARE * profile->reach;
-    int is_partly_within =
-        (w0 > 0.0) != (w1 > 0.0) && fabs(w0) > end_tolerance && fabs(w1) > end_tolerance;
+    int is_partly_within = (w0 > 0.0) != (w1 > 0.0) && fabs(w0) > end_tolerance && fabs(w1) > end_tolerance;
     span->s = bend.s;
     span->w0 = w0;
     span->w = w;
@@ -90,9 +86,8 @@ void dpti_span_measure(const struct distance_profile *profile, const struct prof
  *   wall          place of a triangle
  *   max_distance  the nearer of the samples' triangles is no farther than this at the bend, m
  */
-static double hidden_wall_turn(const struct distance_profile *profile,
-                               const struct profile_sample *from, const struct profile_sample *to,
-                               uint32_t wall, double max_distance)
+static double hidden_wall_turn(const struct distance_profile *profile, const struct profile_sample *from,
+                               const struct profile_sample *to, uint32_t wall, double max_distance)
 {
     if (wall == from->triangle || wall == to->triangle)
         return 0.0;
@@ -110,16 +105,15 @@ static double hidden_wall_turn(const struct distance_profile *profile,
         return 0.0;
     double sign = from->height + to->height < 0.0 ? -1.0 : 1.0;
     vec3 exit_direction = scaled(found.gap, sign / distance);
-    return max_of(length(sub(exit_direction, from->normal)),
-                  length(sub(exit_direction, to->normal)));
+    return max_of(length(sub(exit_direction, from->normal)), length(sub(exit_direction, to->normal)));
 }
 
 /*
  * How far the way out may be off between a sample whose span is known and the next, as a length of unit vectors. It is
  * largest where the two tangents are nearly one line, since they do not show where they meet.
  */
-static double normal_error(const struct distance_profile *profile,
-                           const struct profile_sample *from, const struct profile_sample *to)
+static double normal_error(const struct distance_profile *profile, const struct profile_sample *from,
+                           const struct profile_sample *to)
 {
     double turn = length(sub(from->normal, to->normal)), factor = 0.25;
     if (turn > TURN_SMALL && is_one_wall(profile, from, to))
@@ -129,11 +123,10 @@ static double normal_error(const struct distance_profile *profile,
     double error = factor * turn;
     if (from->start_triangle != from->triangle || to->start_triangle != to->triangle) {
         double s = from->span.s;
-        double max_distance = sqrt(min_of(profile_square_distance(profile, from, s),
-                                          profile_square_distance(profile, to, s)));
-        error +=
-            0.25 * max_of(hidden_wall_turn(profile, from, to, from->start_triangle, max_distance),
-                          hidden_wall_turn(profile, from, to, to->start_triangle, max_distance));
+        double max_distance =
+            sqrt(min_of(profile_square_distance(profile, from, s), profile_square_distance(profile, to, s)));
+        error += 0.25 * max_of(hidden_wall_turn(profile, from, to, from->start_triangle, max_distance),
+                               hidden_wall_turn(profile, from, to, to->start_triangle, max_distance));
     }
     return error;
 }
@@ -162,6 +155,5 @@ double dpti_span_next_sample(const struct distance_profile *profile, uint32_t i)
     if (span->w > 0.0 && span->w1 < 0.0 && clip_to_reach(&piece))
         return piece.s1;
     double end_gap = 0.0625 * (to->s - from->s);
-    return span->s > from->s + end_gap && span->s < to->s - end_gap ? span->s
-                                                                    : 0.5 * (from->s + to->s);
+    return span->s > from->s + end_gap && span->s < to->s - end_gap ? span->s : 0.5 * (from->s + to->s);
 }

@@ -29,8 +29,8 @@ static int is_far_from_holes(const struct distance_profile *profile, double from
 static int32_t ask(struct distance_profile *profile, uint32_t k)
 {
     const double from = start_of(profile, k), to = end_of(profile, k);
-    const int is_free = (from == 0.0 && is_outside_of_box(profile, 0.0)) ||
-                        (to == 1.0 && is_outside_of_box(profile, 1.0));
+    const int is_free =
+        (from == 0.0 && is_outside_of_box(profile, 0.0)) || (to == 1.0 && is_outside_of_box(profile, 1.0));
     return is_free ? 0 : dpti_profile_winding(profile, 0.5 * (from + to));
 }
 
@@ -82,8 +82,7 @@ static void put_range(struct distance_profile *profile, double from, double to, 
 }
 
 /* Find the ranges of a part of a stretch that is near holes: its halves, down to so many levels. */
-static void put_ranges(struct distance_profile *profile, double from, double to, uint32_t first,
-                       int levels)
+static void put_ranges(struct distance_profile *profile, double from, double to, uint32_t first, int levels)
 {
     const double middle = 0.5 * (from + to), ends[3] = { from, middle, to };
     for (int i = 0; i < 2; i++)
@@ -104,8 +103,7 @@ int dpti_stretch_windings_find(struct distance_profile *profile)
         if (end > first && count(profile, first, end - 1))
             continue;
         if (end == first) {
-            put_ranges(profile, start_of(profile, end), end_of(profile, end),
-                       profile->winding_range_count, HALVINGS);
+            put_ranges(profile, start_of(profile, end), end_of(profile, end), profile->winding_range_count, HALVINGS);
             end++;
         }
         are_known = 0;

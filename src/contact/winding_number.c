@@ -26,7 +26,7 @@ struct winding_traversal {
     vec3 x;                             /* in the mesh's frame */
     float x_filter[3];                  /* in the filter's frame */
     float winding[LANES], error[LANES]; /* sums by lane, in turns */
-    double exact; /* sum over the triangles that are evaluated in double, in turns */
+    double exact;                       /* sum over the triangles that are evaluated in double, in turns */
     struct work *work;
 };
 
@@ -56,23 +56,20 @@ static void sum_leaf(struct winding_traversal *traversal, uint32_t leaf)
     work_spend(traversal->work, 1);
     for (; open; open &= open - 1) {
         uint32_t triangle = leaf * LANES + first_lane(open);
-        traversal->exact += solid_turns(corner_from_x(traversal, triangle, 0),
-                                        corner_from_x(traversal, triangle, 1),
+        traversal->exact += solid_turns(corner_from_x(traversal, triangle, 0), corner_from_x(traversal, triangle, 1),
                                         corner_from_x(traversal, triangle, 2));
     }
 }
 
 /* Add the series of a node's children whose error is at most max_error. Returns the lanes of the others. */
-static uint32_t sum_node(struct winding_traversal *traversal, uint32_t level, uint32_t node,
-                         float max_error)
+static uint32_t sum_node(struct winding_traversal *traversal, uint32_t level, uint32_t node, float max_error)
 {
     const struct surface *surface = traversal->surface;
     size_t row = surface->first[level] - surface->first[1] + node;
     uint32_t children = lanes_of(surface->count[level - 1] - node * LANES);
     work_spend(traversal->work, 1);
-    return children & traversal->kernel->moments(traversal->moments + row * MESH_MOMENT_WORDS,
-                                                 traversal->x_filter, max_error, traversal->winding,
-                                                 traversal->error);
+    return children & traversal->kernel->moments(traversal->moments + row * MESH_MOMENT_WORDS, traversal->x_filter,
+                                                 max_error, traversal->winding, traversal->error);
 }
 
 /* Sum over the whole tree. Returns a bound of the error, or HUGE_VAL if the work was spent before. */
@@ -129,16 +126,13 @@ static double sum_leaves(struct winding_traversal *traversal)
 }
 
 /* The comparisons turn NaN, which a forged file can yield, into 0. */
-double dpti_winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                           struct work *work)
+double dpti_winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x, struct work *work)
 {
-    struct winding_traversal traversal = {
-        .surface = surface, .kernel = kernel, .x = x, .work = work
-    };
+    struct winding_traversal traversal = { .surface = surface, .kernel = kernel, .x = x, .work = work };
     traversal.moments = surface_moments(surface, &traversal.solid_lanes);
     vec3 x_filter = scaled(sub(x, surface->filter_centre), surface->filter_scale);
-    if (!traversal.moments || !within(x_filter.x, DISTANCE_MAX) ||
-        !within(x_filter.y, DISTANCE_MAX) || !within(x_filter.z, DISTANCE_MAX))
+    if (!traversal.moments || !within(x_filter.x, DISTANCE_MAX) || !within(x_filter.y, DISTANCE_MAX) ||
+        !within(x_filter.z, DISTANCE_MAX))
         return 0.0;
     traversal.x_filter[0] = (float)x_filter.x;
     traversal.x_filter[1] = (float)x_filter.y;
@@ -147,8 +141,7 @@ double dpti_winding_number(const struct surface *surface, const struct kernel *k
         return sum_leaves(&traversal);
     float max_node_error = FIRST_NODE_ERROR / (float)surface->levels;
     double error = sum_tree(&traversal, max_node_error);
-    for (int pass = 1; !(error <= SERIES_ERROR) && pass < PASSES_MAX && !work_is_spent(work);
-         pass++) {
+    for (int pass = 1; !(error <= SERIES_ERROR) && pass < PASSES_MAX && !work_is_spent(work); pass++) {
         float share = (float)(SERIES_ERROR / error);
         max_node_error *= share * share < NODE_ERROR_SHRINK ? share * share : NODE_ERROR_SHRINK;
         error = sum_tree(&traversal, max_node_error);

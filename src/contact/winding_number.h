@@ -18,7 +18,6 @@
  * It is 0 for a mesh without moments, which is one without a part that is MESH_PART_WINDING, and for an x that is not
  * finite. Time grows with the logarithm of the number of triangles.
  */
-double dpti_winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                           struct work *work);
+double dpti_winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x, struct work *work);
 
 #endif

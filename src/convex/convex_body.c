@@ -207,8 +207,8 @@ dpt_result dpti_convex_body_of(const dpt_convex_shape *given, struct convex_body
     if (!given)
         return DPT_E_ARGUMENT;
     DPT_TRY(sized_read(given, sizeof shape, &shape, sizeof shape));
-    if (shape.kind > DPT_CONVEX_KIND_HULL || (shape.flags & ~flags) || shape.reserved ||
-        shape.reserved_pointer || (shape.kind == DPT_CONVEX_KIND_HULL) != (shape.hull != NULL))
+    if (shape.kind > DPT_CONVEX_KIND_HULL || (shape.flags & ~flags) || shape.reserved || shape.reserved_pointer ||
+        (shape.kind == DPT_CONVEX_KIND_HULL) != (shape.hull != NULL))
         return DPT_E_ARGUMENT;
     DPT_TRY(frame_of_pose(&shape.pose, &body->frame));
     body->kind = shape.kind;

@@ -10,7 +10,7 @@
 struct convex_body {
     uint32_t kind;
     uint32_t corner_count; /* of a hull */
-    double x, y, z; /* half of its extents: of the round kinds x is the radius, z half the length */
+    double x, y, z;        /* half of its extents: of the round kinds x is the radius, z half the length */
     int is_cut;
     vec3 cut; /* unit: what lies at cut.p <= cut_at is there */
     double cut_at;

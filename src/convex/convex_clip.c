@@ -9,8 +9,7 @@ static double along_axis(vec3 p, int axis)
 }
 
 /* What of a polygon lies at sign * p[axis] <= limit (Sutherland and Hodgman, 1974). */
-static uint32_t clip_by_plane(const vec3 *in, uint32_t count, int axis, double sign, double limit,
-                              vec3 *out)
+static uint32_t clip_by_plane(const vec3 *in, uint32_t count, int axis, double sign, double limit, vec3 *out)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++) {

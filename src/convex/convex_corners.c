@@ -5,11 +5,7 @@
 
 #include <string.h>
 
-enum {
-    CORNERS_MAX = DPT_HULL_CORNERS_MAX,
-    EDGES_MAX = 3 * DPT_HULL_CORNERS_MAX,
-    CUT_MAX = CORNERS_MAX + EDGES_MAX
-};
+enum { CORNERS_MAX = DPT_HULL_CORNERS_MAX, EDGES_MAX = 3 * DPT_HULL_CORNERS_MAX, CUT_MAX = CORNERS_MAX + EDGES_MAX };
 
 /* A polyhedron around a shape, in the shape's frame. */
 struct around {
@@ -35,8 +31,7 @@ static void join(struct around *around, uint32_t a, uint32_t b)
 }
 
 /* A ring of corners at z, and its edges; it is joined to the ring that is before it, if one is. */
-static void put_ring(struct around *around, uint32_t sides, double radius_x, double radius_y,
-                     double z, int is_joined)
+static void put_ring(struct around *around, uint32_t sides, double radius_x, double radius_y, double z, int is_joined)
 {
     const uint32_t first = around->count;
     for (uint32_t i = 0; i < sides; i++) {
@@ -111,8 +106,7 @@ static void around_ellipsoid(const struct convex_body *body, uint32_t sides, str
     for (uint32_t j = 1; j <= rings; j++) {
         double sine, cosine;
         turn_sincos(-0.25 + 0.5 * j / (rings + 1), &sine, &cosine);
-        put_ring(around, sides, wide * cosine * body->x, wide * cosine * body->y,
-                 wide * sine * body->z, j > 1);
+        put_ring(around, sides, wide * cosine * body->x, wide * cosine * body->y, wide * sine * body->z, j > 1);
     }
     put_pole(around, sides, -wide * body->z, 0);
     put_pole(around, sides, wide * body->z, (rings - 1) * sides);
@@ -143,8 +137,7 @@ static double from_bevelled(const struct convex_body *body, vec3 p)
     const double off = length(sub(p, axis)) - body->x;
     if (off <= 0.0)
         return 0.0;
-    if (!body->is_cut ||
-        dot(along(axis, body->x, unit_of(sub(p, axis))), body->cut) <= body->cut_at)
+    if (!body->is_cut || dot(along(axis, body->x, unit_of(sub(p, axis))), body->cut) <= body->cut_at)
         return off;
     /* Then its nearest point is in the plane: the discs there are looked at by thirds, as the distance has one dip. */
     const double level = body->cut_at - dot(p, body->cut);
@@ -202,9 +195,8 @@ static void around_capsule(const struct convex_body *body, uint32_t sides, struc
     if (body->is_cut)
         cut(body, around);
     for (uint32_t i = 0; i < around->count; i++)
-        around->error = max_of(
-            around->error, body->is_cut ? from_bevelled(body, around->corner[i])
-                                        : distance_from_axis(body, around->corner[i]) - body->x);
+        around->error = max_of(around->error, body->is_cut ? from_bevelled(body, around->corner[i])
+                                                           : distance_from_axis(body, around->corner[i]) - body->x);
 }
 
 /* The distance from a convex set is greatest at a corner, so that the error need not be asked elsewhere. */
@@ -230,8 +222,8 @@ static void make(const struct convex_body *body, uint32_t sides, struct around *
     }
 }
 
-dpt_result dpt_convex_corners(const dpt_convex_shape *shape, uint32_t sides, double *corners,
-                              uint32_t capacity, uint32_t *count, double *error)
+dpt_result dpt_convex_corners(const dpt_convex_shape *shape, uint32_t sides, double *corners, uint32_t capacity,
+                              uint32_t *count, double *error)
 {
     struct convex_body body;
     struct around around;

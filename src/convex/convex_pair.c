@@ -68,8 +68,7 @@ static void give_point(const void *user, const ccd_vec3_t *direction, ccd_vec3_t
     const vec3 d = { direction->v[0], direction->v[1], direction->v[2] };
     vec3 p = { 0.0, 0.0, 0.0 };
     if (++*side->points <= POINTS_MAX && vec3_within(direction->v, HUGE_VAL))
-        p = side->place ? dpti_convex_place_support(side->place, d)
-                        : support_of_piece(side->piece, d);
+        p = side->place ? dpti_convex_place_support(side->place, d) : support_of_piece(side->piece, d);
     else
         *side->points = POINTS_MAX + 1;
     ccdVec3Set(point, p.x, p.y, p.z);
@@ -130,38 +129,32 @@ static void check(const struct convex_place *place, const struct convex_piece *p
 }
 
 /* Whether the two meet, as one algorithm says. */
-static int says_that_they_meet(const struct convex_place *place, const struct convex_piece *piece,
-                               int algorithm, vec3 first)
+static int says_that_they_meet(const struct convex_place *place, const struct convex_piece *piece, int algorithm,
+                               vec3 first)
 {
     ccd_t ccd;
     uint32_t points = 0;
     const struct side shape = { .place = place, .points = &points };
-    const struct side surface = {
-        .piece = piece, .centre = middle_of(piece), .first = first, .points = &points
-    };
+    const struct side surface = { .piece = piece, .centre = middle_of(piece), .first = first, .points = &points };
     prepare(&ccd);
-    return algorithm == CONVEX_MPR ? ccdMPRIntersect(&surface, &shape, &ccd)
-                                   : ccdGJKIntersect(&surface, &shape, &ccd);
+    return algorithm == CONVEX_MPR ? ccdMPRIntersect(&surface, &shape, &ccd) : ccdGJKIntersect(&surface, &shape, &ccd);
 }
 
-void dpti_convex_ask(const struct convex_place *place, const struct convex_piece *piece,
-                     int algorithm, vec3 first, struct convex_said *said)
+void dpti_convex_ask(const struct convex_place *place, const struct convex_piece *piece, int algorithm, vec3 first,
+                     struct convex_said *said)
 {
     ccd_t ccd;
     ccd_real_t depth = NAN;
     ccd_vec3_t direction, point;
     uint32_t points = 0;
     const struct side shape = { .place = place, .points = &points };
-    const struct side surface = {
-        .piece = piece, .centre = middle_of(piece), .first = first, .points = &points
-    };
+    const struct side surface = { .piece = piece, .centre = middle_of(piece), .first = first, .points = &points };
     prepare(&ccd);
     ccdVec3Set(&direction, NAN, NAN, NAN);
     ccdVec3Set(&point, NAN, NAN, NAN);
     memset(said, 0, sizeof *said);
-    const int result = algorithm == CONVEX_MPR
-                           ? ccdMPRPenetration(&surface, &shape, &ccd, &depth, &direction, &point)
-                           : ccdGJKPenetration(&surface, &shape, &ccd, &depth, &direction, &point);
+    const int result = algorithm == CONVEX_MPR ? ccdMPRPenetration(&surface, &shape, &ccd, &depth, &direction, &point)
+                                               : ccdGJKPenetration(&surface, &shape, &ccd, &depth, &direction, &point);
     said->meets = result == 0;
     said->is_refused = result == -2 || points > POINTS_MAX;
     if (result != 0 || said->is_refused)
@@ -177,13 +170,11 @@ void dpti_convex_ask(const struct convex_place *place, const struct convex_piece
  * A direction that needs a shorter motion than n, by steps down the width's slope, which across n is that of the two
  * farthest points; at most `steps` of them. Ends where the width is 0 or less.
  */
-static double descend(const struct convex_place *place, const struct convex_piece *piece, int steps,
-                      vec3 *n)
+static double descend(const struct convex_place *place, const struct convex_piece *piece, int steps, vec3 *n)
 {
     double width = dpti_convex_width(place, piece, *n), stride = 1.0;
     for (int i = 0; i < steps && width > 0.0 && stride > 1e-6; i++) {
-        const vec3 gap =
-            sub(support_of_piece(piece, *n), dpti_convex_place_support(place, scaled(*n, -1.0)));
+        const vec3 gap = sub(support_of_piece(piece, *n), dpti_convex_place_support(place, scaled(*n, -1.0)));
         const vec3 next = turned_ahead(piece, along(*n, -stride, along(gap, -dot(gap, *n), *n)));
         const double there = dpti_convex_width(place, piece, next);
         if (there < width && dot(next, next) > 0.0) {
@@ -208,8 +199,7 @@ static vec3 first_of(int turn, vec3 towards)
 {
     vec3 across[2];
     unit_across(towards, across);
-    return along(along(towards, turns[turn].across, across[0]), 0.7 * turns[turn].across,
-                 across[1]);
+    return along(along(towards, turns[turn].across, across[0]), 0.7 * turns[turn].across, across[1]);
 }
 
 /* What a search for a plane between the two ends with. */
@@ -245,8 +235,7 @@ static vec3 nearest_of(const vec3 p[3])
  * triangles with it stays. Degenerate ones do no harm, as dpt_segment_triangle takes any. PARTED is proven by the plane,
  * MET by four differences around the origin, or one at it; OPEN is left where rounding ends it. *n becomes the way out that it was led to.
  */
-static enum parting part(const struct convex_place *place, const struct convex_piece *piece,
-                         vec3 *n)
+static enum parting part(const struct convex_place *place, const struct convex_piece *piece, vec3 *n)
 {
     vec3 v = sub(support_of_piece(piece, *n), dpti_convex_place_support(place, scaled(*n, -1.0)));
     vec3 p[4] = { v, v, v, v };
@@ -275,8 +264,8 @@ static enum parting part(const struct convex_place *place, const struct convex_p
     return dot(v, v) > SAME ? OPEN : MET;
 }
 
-int dpti_convex_meets(const struct convex_place *place, const struct convex_piece *piece,
-                      vec3 towards, struct convex_tally *tally)
+int dpti_convex_meets(const struct convex_place *place, const struct convex_piece *piece, vec3 towards,
+                      struct convex_tally *tally)
 {
     vec3 n = towards;
     const enum parting parting = part(place, piece, &n);
@@ -310,10 +299,8 @@ static void guess(const struct convex_place *place, const struct convex_piece *p
                   struct guesses *guesses)
 {
     static const double lean[LEANS][2] = { { 0.866, 0.5 }, { 0.5, 0.866 }, { 0.0, 1.0 } };
-    static const double around[AROUND][2] = { { 1, 0 },  { 0.7071, 0.7071 },
-                                              { 0, 1 },  { -0.7071, 0.7071 },
-                                              { -1, 0 }, { -0.7071, -0.7071 },
-                                              { 0, -1 }, { 0.7071, -0.7071 } };
+    static const double around[AROUND][2] = { { 1, 0 },  { 0.7071, 0.7071 },   { 0, 1 },  { -0.7071, 0.7071 },
+                                              { -1, 0 }, { -0.7071, -0.7071 }, { 0, -1 }, { 0.7071, -0.7071 } };
     vec3 across[2];
     unit_across(piece->front, across);
     guesses->direction[0] = piece->front;
@@ -336,8 +323,7 @@ static void go_down(const struct convex_place *place, const struct convex_piece 
     for (int k = 0; k < starts; k++) {
         int best = -1;
         for (int i = 0; i < GUESSES; i++)
-            if (guesses->width[i] < HUGE_VAL &&
-                (best < 0 || guesses->width[i] < guesses->width[best]))
+            if (guesses->width[i] < HUGE_VAL && (best < 0 || guesses->width[i] < guesses->width[best]))
                 best = i;
         if (best < 0)
             return;
@@ -351,8 +337,8 @@ static void go_down(const struct convex_place *place, const struct convex_piece 
     }
 }
 
-void dpti_convex_way_out(const struct convex_place *place, const struct convex_piece *piece,
-                         vec3 towards, struct convex_tally *tally, struct convex_way *way)
+void dpti_convex_way_out(const struct convex_place *place, const struct convex_piece *piece, vec3 towards,
+                         struct convex_tally *tally, struct convex_way *way)
 {
     struct convex_said said = { 0 };
     struct guesses guesses;

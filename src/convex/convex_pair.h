@@ -41,8 +41,7 @@ struct convex_said {
     int is_refused;
     vec3 direction; /* unit: the shape's way out */
     double depth;   /* of the motion along it that the planes of both prove */
-    double
-        least; /* no way out is shorter than that, by what libccd said; 0 where it says nothing of it */
+    double least;   /* no way out is shorter than that, by what libccd said; 0 where it says nothing of it */
 };
 
 /* What is counted of libccd's answers. */
@@ -61,22 +60,21 @@ struct convex_way {
 vec3 dpti_convex_place_support(const struct convex_place *place, vec3 d);
 
 /* How far a motion along the unit vector n must be for a plane across n to part the two; below 0: they are apart. */
-double dpti_convex_width(const struct convex_place *place, const struct convex_piece *piece,
-                         vec3 n);
+double dpti_convex_width(const struct convex_place *place, const struct convex_piece *piece, vec3 n);
 
 /* Ask libccd, by one algorithm that begins along `first`, and check the answer. */
-void dpti_convex_ask(const struct convex_place *place, const struct convex_piece *piece,
-                     int algorithm, vec3 first, struct convex_said *said);
+void dpti_convex_ask(const struct convex_place *place, const struct convex_piece *piece, int algorithm, vec3 first,
+                     struct convex_said *said);
 
 /*
  * Whether a triangle, a piece without a front, meets the shape; `towards` is a first guess at the way out. A plane between
  * the two, or differences around the origin, prove it; where rounding leaves it open, libccd is asked.
  */
-int dpti_convex_meets(const struct convex_place *place, const struct convex_piece *piece,
-                      vec3 towards, struct convex_tally *tally);
+int dpti_convex_meets(const struct convex_place *place, const struct convex_piece *piece, vec3 towards,
+                      struct convex_tally *tally);
 
 /* The shortest way out of a piece with a front that is met; `towards` as above. */
-void dpti_convex_way_out(const struct convex_place *place, const struct convex_piece *piece,
-                         vec3 towards, struct convex_tally *tally, struct convex_way *way);
+void dpti_convex_way_out(const struct convex_place *place, const struct convex_piece *piece, vec3 towards,
+                         struct convex_tally *tally, struct convex_way *way);
 
 #endif

@@ -9,14 +9,12 @@ static int is_valid(const dpt_convex_shaper *shaper)
 {
     dpt_convex_shaper known;
     return sized_read(shaper, sizeof known, &known, sizeof known) == DPT_OK && shaper->shape &&
-           (shaper->bodies || !shaper->body_count) &&
-           (shaper->law == DPT_LAW_POINT || shaper->law == DPT_LAW_BED) &&
+           (shaper->bodies || !shaper->body_count) && (shaper->law == DPT_LAW_POINT || shaper->law == DPT_LAW_BED) &&
            shaper->stiffness >= 0.0 && shaper->stiffness <= STIFFNESS_MAX;
 }
 
 /* Add a force of `stiffness` times the depth. */
-static void push(const dpt_convex_contact *contact, const dpt_pose *tool, double stiffness,
-                 dpt_wrench *wrench)
+static void push(const dpt_convex_contact *contact, const dpt_pose *tool, double stiffness, dpt_wrench *wrench)
 {
     const vec3 force = scaled(vec3_of(contact->direction), stiffness * contact->depth);
     const vec3 arm = sub(vec3_of(contact->point), vec3_of(tool->position));
@@ -24,21 +22,17 @@ static void push(const dpt_convex_contact *contact, const dpt_pose *tool, double
     vec3_store(add(vec3_of(wrench->torque), cross(arm, force)), wrench->torque);
 }
 
-void dpt_convex_shape_wrench(void *user, const dpt_force_report *report, double dt,
-                             dpt_wrench *wrench)
+void dpt_convex_shape_wrench(void *user, const dpt_force_report *report, double dt, dpt_wrench *wrench)
 {
     dpt_convex_shaper *shaper = user;
-    dpt_convex_contact deepest = { .size = sizeof deepest,
-                                   .contact = DPT_CONTACT_UNKNOWN,
-                                   .triangle = DPT_NONE };
+    dpt_convex_contact deepest = { .size = sizeof deepest, .contact = DPT_CONTACT_UNKNOWN, .triangle = DPT_NONE };
     dpt_pose tool;
     (void)report;
     (void)dt;
     if (!shaper || !wrench || !is_valid(shaper))
         return;
     /* A bed's end has half of the tool's stiffness (docs/algorithms/force.md). */
-    const double stiffness =
-        shaper->law == DPT_LAW_BED ? 0.5 * shaper->stiffness : shaper->stiffness;
+    const double stiffness = shaper->law == DPT_LAW_BED ? 0.5 * shaper->stiffness : shaper->stiffness;
     shaper->body = DPT_NONE;
     shaper->energy = 0.0;
     const int has_pose = dpt_tool_get_pose(shaper->world, shaper->tool, &tool) == DPT_OK;

@@ -53,13 +53,11 @@ static vec3 in_lengths(const struct touching *touching, vec3 world)
 }
 
 /* A triangle's plane, and where the shape's centre is from it; `corner` are those of all of it. */
-static void set_sides(const struct touching *touching, const vec3 corner[3],
-                      struct near_triangle *triangle)
+static void set_sides(const struct touching *touching, const vec3 corner[3], struct near_triangle *triangle)
 {
     const vec3 across = cross(sub(corner[1], corner[0]), sub(corner[2], corner[0]));
-    const double longest =
-        max_of(length(sub(corner[1], corner[0])),
-               max_of(length(sub(corner[2], corner[0])), length(sub(corner[2], corner[1]))));
+    const double longest = max_of(length(sub(corner[1], corner[0])),
+                                  max_of(length(sub(corner[2], corner[0])), length(sub(corner[2], corner[1]))));
     const double origin[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
     double corners[9], q[3];
     for (int k = 0; k < 3; k++)
@@ -81,8 +79,7 @@ static void set_sides(const struct touching *touching, const vec3 corner[3],
 }
 
 /* The least width of a triangle, or of its piece, along a few directions that do not lead behind it. */
-static double shallowest_guess(const struct touching *touching,
-                               const struct near_triangle *triangle,
+static double shallowest_guess(const struct touching *touching, const struct near_triangle *triangle,
                                const struct convex_piece *piece)
 {
     const vec3 up = unit_of(touching->outside);
@@ -96,8 +93,7 @@ static double shallowest_guess(const struct touching *touching,
 }
 
 /* Reads what is near; triangles of which nothing is are left out. */
-static dpt_result read_triangles(struct touching *touching, const dpt_mesh *mesh,
-                                 const uint32_t *numbers)
+static dpt_result read_triangles(struct touching *touching, const dpt_mesh *mesh, const uint32_t *numbers)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < touching->count; i++) {
@@ -106,8 +102,7 @@ static dpt_result read_triangles(struct touching *touching, const dpt_mesh *mesh
         vec3 corner[3];
         DPT_TRY(dpt_mesh_get_triangle(mesh, numbers[i], corners));
         for (int k = 0; k < 3; k++)
-            corner[k] =
-                in_lengths(touching, frame_to_world(&touching->body, vec3_of(corners + 3 * k)));
+            corner[k] = in_lengths(touching, frame_to_world(&touching->body, vec3_of(corners + 3 * k)));
         triangle->corners = dpti_convex_clip(corner, NEARBY, triangle->corner);
         if (!triangle->corners)
             continue;
@@ -161,20 +156,17 @@ static vec3 deepest_point(const struct convex_place *place, vec3 direction)
     vec3 across[2], sum = { 0.0, 0.0, 0.0 };
     unit_across(back, across);
     for (int i = 0; i < 8; i++) {
-        const vec3 d =
-            along(along(back, 0.02 * lean[i][0], across[0]), 0.02 * lean[i][1], across[1]);
+        const vec3 d = along(along(back, 0.02 * lean[i][0], across[0]), 0.02 * lean[i][1], across[1]);
         sum = along(sum, 0.125, dpti_convex_place_support(place, d));
     }
     return along(place->centre, place->body->size, sum);
 }
 
 /* Whether a piece is left by the way that is known, or a way as long: then it is no deeper. */
-static int is_left_by(const struct touching *touching, const struct convex_piece *piece,
-                      const struct convex_way *way)
+static int is_left_by(const struct touching *touching, const struct convex_piece *piece, const struct convex_way *way)
 {
     return way->depth > 0.0 && dot(way->direction, piece->front) >= 0.0 &&
-           dpti_convex_width(&touching->place, piece, way->direction) <=
-               way->depth + CONVEX_TOLERANCE;
+           dpti_convex_width(&touching->place, piece, way->direction) <= way->depth + CONVEX_TOLERANCE;
 }
 
 static void find_deepest(struct touching *touching, dpt_convex_contact *found)
@@ -189,8 +181,7 @@ static void find_deepest(struct touching *touching, dpt_convex_contact *found)
         if (!(triangle->behind > max_of(0.0, deepest.depth)))
             continue;
         const struct convex_piece piece = piece_of(touching, triangle);
-        if (shallowest_guess(touching, triangle, &piece) <= deepest.depth ||
-            is_left_by(touching, &piece, &deepest) ||
+        if (shallowest_guess(touching, triangle, &piece) <= deepest.depth || is_left_by(touching, &piece, &deepest) ||
             !dpti_convex_meets(&touching->place, &flat, triangle->towards, &touching->tally))
             continue;
         dpti_convex_way_out(&touching->place, &piece, triangle->towards, &touching->tally, &way);
@@ -207,14 +198,13 @@ static void find_deepest(struct touching *touching, dpt_convex_contact *found)
         return;
     found->contact = DPT_CONTACT_PENETRATING;
     found->depth = size * deepest.depth;
-    found->error_bound =
-        min_of(found->depth, size * (deepest.error + CONVEX_TOLERANCE)) + size * touching->rounding;
+    found->error_bound = min_of(found->depth, size * (deepest.error + CONVEX_TOLERANCE)) + size * touching->rounding;
     vec3_store(deepest.direction, found->direction);
     vec3_store(deepest_point(&touching->place, deepest.direction), found->point);
 }
 
-static dpt_result touch_near(struct touching *touching, const dpt_mesh *mesh,
-                             const uint32_t *numbers, dpt_convex_contact *found)
+static dpt_result touch_near(struct touching *touching, const dpt_mesh *mesh, const uint32_t *numbers,
+                             dpt_convex_contact *found)
 {
     touching->triangles = malloc(touching->count * sizeof *touching->triangles);
     touching->points = malloc(touching->count * CLIPPED_MAX * sizeof *touching->points);
@@ -229,16 +219,15 @@ static dpt_result touch_near(struct touching *touching, const dpt_mesh *mesh,
 }
 
 /* List what is near, and ask. */
-static dpt_result list_and_touch(struct touching *touching, const dpt_mesh *mesh,
-                                 const dpt_pose *body_pose, dpt_convex_contact *found)
+static dpt_result list_and_touch(struct touching *touching, const dpt_mesh *mesh, const dpt_pose *body_pose,
+                                 dpt_convex_contact *found)
 {
     const struct convex_place *place = &touching->place;
     uint32_t few[NEAR_ON_STACK], *many = NULL;
     double ends[6];
     for (int k = 0; k < 2; k++)
         vec3_store(frame_to_world(&place->frame, place->body->axis[k]), ends + 3 * k);
-    DPT_TRY(dpt_query_triangles(mesh, body_pose, ends, place->body->reach, few, NEAR_ON_STACK,
-                                &touching->count));
+    DPT_TRY(dpt_query_triangles(mesh, body_pose, ends, place->body->reach, few, NEAR_ON_STACK, &touching->count));
     found->candidates = touching->count;
     if (!touching->count)
         return DPT_OK;
@@ -249,16 +238,16 @@ static dpt_result list_and_touch(struct touching *touching, const dpt_mesh *mesh
     many = malloc(touching->count * sizeof *many);
     if (!many)
         return DPT_E_MEMORY;
-    dpt_result result = dpt_query_triangles(mesh, body_pose, ends, place->body->reach, many,
-                                            touching->count, &touching->count);
+    dpt_result result =
+        dpt_query_triangles(mesh, body_pose, ends, place->body->reach, many, touching->count, &touching->count);
     if (result == DPT_OK)
         result = touch_near(touching, mesh, many, found);
     free(many);
     return result;
 }
 
-static dpt_result place_shape(const struct convex_body *body, const dpt_pose *tool_pose,
-                              const dpt_pose *body_pose, struct touching *touching)
+static dpt_result place_shape(const struct convex_body *body, const dpt_pose *tool_pose, const dpt_pose *body_pose,
+                              struct touching *touching)
 {
     struct frame tool;
     DPT_TRY(frame_of_pose(tool_pose, &tool));
@@ -276,15 +265,12 @@ static dpt_result place_shape(const struct convex_body *body, const dpt_pose *to
     return DPT_OK;
 }
 
-dpt_result dpt_convex_touch(const dpt_convex_shape *shape, const dpt_pose *tool_pose,
-                            const dpt_mesh *mesh, const dpt_pose *body_pose,
-                            dpt_convex_contact *out)
+dpt_result dpt_convex_touch(const dpt_convex_shape *shape, const dpt_pose *tool_pose, const dpt_mesh *mesh,
+                            const dpt_pose *body_pose, dpt_convex_contact *out)
 {
     struct convex_body body;
     struct touching touching = { .count = 0 };
-    dpt_convex_contact found = { .status = DPT_STATUS_STALE,
-                                 .contact = DPT_CONTACT_UNKNOWN,
-                                 .triangle = DPT_NONE };
+    dpt_convex_contact found = { .status = DPT_STATUS_STALE, .contact = DPT_CONTACT_UNKNOWN, .triangle = DPT_NONE };
     const dpt_convex_contact stale = found;
     if (!shape || !mesh || !out)
         return DPT_E_ARGUMENT;

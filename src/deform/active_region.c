@@ -37,9 +37,8 @@ void dpti_region_begin(struct dpt_springs *springs)
             if (springs->nodes[slice].per_mass[i] > 0.0f)
                 region->is_fixed[slice] = 0;
         for (int i = 0; i < LANES; i++)
-            region->drag[slice] = springs->nodes[slice].drag[i] > region->drag[slice]
-                                      ? springs->nodes[slice].drag[i]
-                                      : region->drag[slice];
+            region->drag[slice] = springs->nodes[slice].drag[i] > region->drag[slice] ? springs->nodes[slice].drag[i]
+                                                                                      : region->drag[slice];
     }
     dpti_region_list(springs);
 }
@@ -88,8 +87,7 @@ void dpti_region_wake_loaded(struct dpt_springs *springs)
             const size_t slice = listed->slices[i], row = SPRING_ROWS * slice;
             const float *held = region->held + row;
             if (can_wake(region, (uint32_t)slice) &&
-                sum_of_sizes(now->force + row, held) >
-                    LOAD_SHARE * (sum_of_sizes(held, none) + mean))
+                sum_of_sizes(now->force + row, held) > LOAD_SHARE * (sum_of_sizes(held, none) + mean))
                 woken += wake(region, (uint32_t)slice);
         }
     }
@@ -145,14 +143,12 @@ static void fall_asleep(struct dpt_springs *springs, uint32_t slice)
     memset(now->v, 0, sizeof now->v);
     memcpy(springs->state[1 - springs->now] + slice, now, sizeof *now);
     for (int i = 0; i < 2; i++)
-        springs->kernel.spring_points(now, 0.0f,
-                                      springs->points[i] + SPRING_POINTS * (size_t)slice);
+        springs->kernel.spring_points(now, 0.0f, springs->points[i] + SPRING_POINTS * (size_t)slice);
     if (springs->solve.direction)
         memset(springs->solve.direction + SPRING_POINTS * (size_t)slice, 0,
                SPRING_POINTS * sizeof *springs->solve.direction);
     memcpy(region->held + SPRING_ROWS * (size_t)slice,
-           springs->loads[springs->loaded].force + SPRING_ROWS * (size_t)slice,
-           SPRING_ROWS * sizeof *region->held);
+           springs->loads[springs->loaded].force + SPRING_ROWS * (size_t)slice, SPRING_ROWS * sizeof *region->held);
     region->is_awake[slice] = 0;
     for (uint32_t i = region->first[slice]; i < region->first[slice + 1]; i++) {
         const size_t other = region->neighbours[i];

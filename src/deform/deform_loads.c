@@ -45,8 +45,8 @@ static double area_of(const struct surface *surface, uint32_t vertex)
 }
 
 /* A vertex is met a dozen times, once for each corner of the triangles at it. */
-static void add_if_near(const struct surface *surface, const struct load_point *point,
-                        double radius, uint32_t vertex, struct load_patch *patch)
+static void add_if_near(const struct surface *surface, const struct load_point *point, double radius, uint32_t vertex,
+                        struct load_patch *patch)
 {
     if (patch->count == LOAD_PATCH_MAX)
         return;
@@ -65,8 +65,8 @@ static void add_if_near(const struct surface *surface, const struct load_point *
 }
 
 /* From the point's triangle over the triangles round each vertex that is near enough. */
-static void gather_patch(const struct surface *surface, const struct load_point *point,
-                         double radius, struct load_patch *patch)
+static void gather_patch(const struct surface *surface, const struct load_point *point, double radius,
+                         struct load_patch *patch)
 {
     const uint32_t *first, *fans = surface_fans(surface, &first);
     memset(patch->known, 0, sizeof patch->known);
@@ -82,8 +82,7 @@ static void gather_patch(const struct surface *surface, const struct load_point 
 }
 
 /* The corners alone, as the point lies between them. */
-static void take_corners(const struct surface *surface, const struct load_point *point,
-                         struct load_patch *patch)
+static void take_corners(const struct surface *surface, const struct load_point *point, struct load_patch *patch)
 {
     pair nearest;
     dpti_triangle_point_pair(surface, point->triangle, point->at, &nearest);
@@ -175,8 +174,7 @@ static vec3 turn_for(const double m[6], vec3 torque)
     const double determinant = m[0] * xx + m[3] * xy + m[4] * xz, trace = m[0] + m[1] + m[2];
     if (!(determinant > FLAT * trace * trace * trace))
         return (vec3){ 0.0, 0.0, 0.0 };
-    return scaled((vec3){ xx * torque.x + xy * torque.y + xz * torque.z,
-                          xy * torque.x + yy * torque.y + yz * torque.z,
+    return scaled((vec3){ xx * torque.x + xy * torque.y + xz * torque.z, xy * torque.x + yy * torque.y + yz * torque.z,
                           xz * torque.x + yz * torque.y + zz * torque.z },
                   1.0 / determinant);
 }
@@ -195,14 +193,12 @@ static void balance(const struct spread *spread, const dpt_wrench *whole)
     for (uint32_t i = 0; i < spread->count; i++) {
         dpt_load *load = &spread->loads[i];
         const vec3 r = sub(place_of(spread, i), spread->centre);
-        vec3_store(along(vec3_of(load->force), weight_of(load), add(shift, cross(turn, r))),
-                   load->force);
+        vec3_store(along(vec3_of(load->force), weight_of(load), add(shift, cross(turn, r))), load->force);
     }
 }
 
-uint32_t dpti_deform_spread(const struct surface *surface, const struct load_point *points,
-                            uint32_t point_count, double radius, const dpt_wrench *whole,
-                            dpt_load *loads, uint32_t capacity)
+uint32_t dpti_deform_spread(const struct surface *surface, const struct load_point *points, uint32_t point_count,
+                            double radius, const dpt_wrench *whole, dpt_load *loads, uint32_t capacity)
 {
     struct spread spread = { .surface = surface, .loads = loads };
     struct load_patch patch;

@@ -27,8 +27,7 @@ enum { LOAD_PATCH_MAX = 256 };
  *   loads   at most `capacity` are written; a vertex near two points occurs twice
  * Returns how many there are, which may be more than `capacity`: then the loads do not count.
  */
-uint32_t dpti_deform_spread(const struct surface *surface, const struct load_point *points,
-                            uint32_t point_count, double radius, const dpt_wrench *whole,
-                            dpt_load *loads, uint32_t capacity);
+uint32_t dpti_deform_spread(const struct surface *surface, const struct load_point *points, uint32_t point_count,
+                            double radius, const dpt_wrench *whole, dpt_load *loads, uint32_t capacity);
 
 #endif

@@ -11,8 +11,7 @@ typedef char groups_agree[(int)MOTION_GROUP == (int)KERNEL_GROUP ? 1 : -1];
 #define LACK_MAX 2.0f
 
 /* The box's ends, once for each vertex of a group. */
-static void repeat_box(const struct surface *surface, float low[MOTION_GROUP_FLOATS],
-                       float high[MOTION_GROUP_FLOATS])
+static void repeat_box(const struct surface *surface, float low[MOTION_GROUP_FLOATS], float high[MOTION_GROUP_FLOATS])
 {
     double min[3], max[3];
     vec3_store(surface->box_min, min);
@@ -23,8 +22,8 @@ static void repeat_box(const struct surface *surface, float low[MOTION_GROUP_FLO
     }
 }
 
-int dpti_deform_is_inside(const struct surface *surface, const struct kernel *kernel,
-                          const float *positions, uint32_t count)
+int dpti_deform_is_inside(const struct surface *surface, const struct kernel *kernel, const float *positions,
+                          uint32_t count)
 {
     float low[MOTION_GROUP_FLOATS], high[MOTION_GROUP_FLOATS];
     const uint32_t groups = count / MOTION_GROUP, rest = count % MOTION_GROUP;
@@ -47,8 +46,8 @@ static void begin_tick(struct surface_motion *motion, uint32_t tick)
 }
 
 /* Move whole groups. moved: how far, the squares in m^2; with a bound they are not measured. */
-static void move_groups(const struct kernel *kernel, const float *next, const float *last,
-                        float *to, uint32_t groups, double bound, float *square)
+static void move_groups(const struct kernel *kernel, const float *next, const float *last, float *to, uint32_t groups,
+                        double bound, float *square)
 {
     if (bound < 0.0) {
         kernel->move(next, last, to, groups, square);
@@ -60,8 +59,7 @@ static void move_groups(const struct kernel *kernel, const float *next, const fl
 }
 
 /* All vertices, none of which has moved in this tick: the old positions stay where they are, as the last tick's. */
-static void move_all(struct surface_motion *motion, const struct kernel *kernel,
-                     const struct vertex_update *update)
+static void move_all(struct surface_motion *motion, const struct kernel *kernel, const struct vertex_update *update)
 {
     const uint32_t vertices = motion->mesh->vertices, whole = motion->groups - 1;
     const size_t floats = (size_t)MOTION_GROUP_FLOATS * whole;
@@ -69,8 +67,7 @@ static void move_all(struct surface_motion *motion, const struct kernel *kernel,
     move_groups(kernel, update->positions, last, to, whole, update->bound, motion->group_moved);
     float next[MOTION_GROUP_FLOATS] = { 0.0f };
     memcpy(next, update->positions + floats, (3 * (size_t)vertices - floats) * sizeof *next);
-    move_groups(kernel, next, last + floats, to + floats, 1, update->bound,
-                motion->group_moved + whole);
+    move_groups(kernel, next, last + floats, to + floats, 1, update->bound, motion->group_moved + whole);
     motion->positions = to;
     motion->previous = last;
     for (uint32_t group = 0; group < motion->groups; group++)
@@ -81,13 +78,12 @@ static void move_all(struct surface_motion *motion, const struct kernel *kernel,
 static void add_to_group(struct surface_motion *motion, uint32_t group, float square)
 {
     const float before = sqrtf(motion->group_moved[group]), now = before + sqrtf(square);
-    motion->group_moved[group] =
-        before > 0.0f ? ROUND_UP_LENGTH * now * now : ROUND_UP_LENGTH * square;
+    motion->group_moved[group] = before > 0.0f ? ROUND_UP_LENGTH * now * now : ROUND_UP_LENGTH * square;
 }
 
 /* Move one group; the last tick's positions are put aside once a tick. In a list it may be moved again. */
-static void move_group(struct surface_motion *motion, const struct kernel *kernel, uint32_t group,
-                       const float *next, const struct vertex_update *update)
+static void move_group(struct surface_motion *motion, const struct kernel *kernel, uint32_t group, const float *next,
+                       const struct vertex_update *update)
 {
     const size_t at = (size_t)MOTION_GROUP_FLOATS * group;
     float last[MOTION_GROUP_FLOATS] = { 0.0f }, square;
@@ -106,14 +102,12 @@ static int is_whole_group(const struct vertex_update *update, uint32_t i, uint32
     if (update->count - i < MOTION_GROUP)
         return 0;
     for (uint32_t k = 0; k < MOTION_GROUP; k++)
-        same += (update->list ? update->list[i + k] : update->first + i + k) ==
-                MOTION_GROUP * group + k;
+        same += (update->list ? update->list[i + k] : update->first + i + k) == MOTION_GROUP * group + k;
     return same == MOTION_GROUP;
 }
 
 /* The vertices of an update that follow each other in one group are moved together. */
-static void move_some(struct surface_motion *motion, const struct kernel *kernel,
-                      const struct vertex_update *update)
+static void move_some(struct surface_motion *motion, const struct kernel *kernel, const struct vertex_update *update)
 {
     for (uint32_t i = 0; i < update->count;) {
         const uint32_t group = (update->list ? update->list[i] : update->first + i) / MOTION_GROUP;
@@ -123,14 +117,12 @@ static void move_some(struct surface_motion *motion, const struct kernel *kernel
             i += MOTION_GROUP;
             continue;
         }
-        memcpy(next, motion->positions + (size_t)MOTION_GROUP_FLOATS * group,
-               MOTION_GROUP_FLOATS * sizeof *next);
+        memcpy(next, motion->positions + (size_t)MOTION_GROUP_FLOATS * group, MOTION_GROUP_FLOATS * sizeof *next);
         for (; i < update->count; i++) {
             const uint32_t vertex = update->list ? update->list[i] : update->first + i;
             if (vertex / MOTION_GROUP != group)
                 break;
-            memcpy(next + 3 * (size_t)(vertex % MOTION_GROUP), update->positions + 3 * (size_t)i,
-                   3 * sizeof *next);
+            memcpy(next + 3 * (size_t)(vertex % MOTION_GROUP), update->positions + 3 * (size_t)i, 3 * sizeof *next);
         }
         move_group(motion, kernel, group, next, update);
     }
@@ -156,8 +148,8 @@ static void gather_moved(struct surface_motion *motion)
     float *restrict by_leaf = motion->moved;
     for (uint32_t leaf = 0; leaf < motion->count[0]; leaf++) {
         const uint32_t *group = motion->leaf_groups + MOTION_LEAF_GROUPS * (size_t)leaf;
-        by_leaf[leaf] = larger(larger(by_group[group[0]], by_group[group[1]]),
-                               larger(by_group[group[2]], by_group[group[3]]));
+        by_leaf[leaf] =
+            larger(larger(by_group[group[0]], by_group[group[1]]), larger(by_group[group[2]], by_group[group[3]]));
     }
     for (uint64_t i = 0; i < motion->more_count; i++) {
         const uint32_t leaf = motion->more_groups[2 * i];
@@ -217,8 +209,8 @@ static double finish_update(struct surface *surface, int *has_begun_anew)
     return (double)motion->moved[root] / surface->filter_scale;
 }
 
-double dpti_deform_move(struct surface *surface, const struct kernel *kernel,
-                        const struct vertex_update *update, int *has_begun_anew)
+double dpti_deform_move(struct surface *surface, const struct kernel *kernel, const struct vertex_update *update,
+                        int *has_begun_anew)
 {
     struct surface_motion *motion = surface->motion;
     const int is_whole = !update->list && update->count == motion->mesh->vertices;
@@ -250,12 +242,10 @@ void dpti_deform_put(struct surface *surface, uint32_t vertex, vec3 to)
     const float next[3] = { (float)to.x, (float)to.y, (float)to.z };
     const vec3 rounded = vec3_of_float(next);
     const vec3 low = sub(rounded, surface->box_min), high = sub(surface->box_max, rounded);
-    if (!(low.x >= 0.0 && low.y >= 0.0 && low.z >= 0.0 && high.x >= 0.0 && high.y >= 0.0 &&
-          high.z >= 0.0))
+    if (!(low.x >= 0.0 && low.y >= 0.0 && low.z >= 0.0 && high.x >= 0.0 && high.y >= 0.0 && high.z >= 0.0))
         return;
     if (motion->group_tick[group] != motion->tick)
-        memcpy(motion->previous + at, motion->positions + at,
-               MOTION_GROUP_FLOATS * sizeof *motion->positions);
+        memcpy(motion->previous + at, motion->positions + at, MOTION_GROUP_FLOATS * sizeof *motion->positions);
     motion->group_tick[group] = motion->tick;
     const vec3 moved = sub(rounded, vec3_of_float(position));
     add_to_group(motion, group, (float)dot(moved, moved));

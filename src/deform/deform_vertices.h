@@ -10,8 +10,8 @@
 #include "mesh/surface.h"
 
 /* 1 if all positions are numbers and lie in the surface's box. */
-int dpti_deform_is_inside(const struct surface *surface, const struct kernel *kernel,
-                          const float *positions, uint32_t count);
+int dpti_deform_is_inside(const struct surface *surface, const struct kernel *kernel, const float *positions,
+                          uint32_t count);
 
 /* An update: `count` vertices, from `first` on or, if it is not NULL, those of a list. */
 struct vertex_update {
@@ -26,8 +26,8 @@ struct vertex_update {
  * Move vertices; they are inside the surface's box. Sets *has_begun_anew if travels begin anew: what was cached of the
  * surface does not hold then. Returns how far any vertex of the body moved in this update at most, m.
  */
-double dpti_deform_move(struct surface *surface, const struct kernel *kernel,
-                        const struct vertex_update *update, int *has_begun_anew);
+double dpti_deform_move(struct surface *surface, const struct kernel *kernel, const struct vertex_update *update,
+                        int *has_begun_anew);
 
 /*
  * Move vertices one by one: begin, put each where it is to be, end. A vertex that would leave the surface's box stays

@@ -14,8 +14,7 @@
  * Where the axis goes through the triangle or is behind it, it moves against the normal on the tool's side. Normals alone
  * would not do: triangles of a crater's wall may fold over.
  */
-static vec3 way_out(const struct surface *surface, const struct displacing_tool *tool,
-                    uint32_t place, double weight[3])
+static vec3 way_out(const struct surface *surface, const struct displacing_tool *tool, uint32_t place, double weight[3])
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     const vec3 none = { 0.0, 0.0, 0.0 };
@@ -27,18 +26,14 @@ static vec3 way_out(const struct surface *surface, const struct displacing_tool 
     for (int k = 0; k < 3; k++)
         weight[k] = found.weight[k];
     if (distance > 0.0 && (!tool->is_behind || dot(found.gap, normal) >= 0.0))
-        return distance < tool->radius
-                   ? scaled(found.gap, -BEYOND * (tool->radius - distance) / distance)
-                   : none;
+        return distance < tool->radius ? scaled(found.gap, -BEYOND * (tool->radius - distance) / distance) : none;
     frame_of_pose(&identity, &frame);
-    dpti_strip_overlap(surface, &frame, tool->a, tool->u, tool->radius, (double)tool->side, place,
-                       &overlap);
+    dpti_strip_overlap(surface, &frame, tool->a, tool->u, tool->radius, (double)tool->side, place, &overlap);
     return scaled(normal, -BEYOND * overlap.overlap);
 }
 
 /* By a ball about its middle: most of a strip is beside the tool. */
-static int is_clear(const struct surface *surface, const struct displacing_tool *tool,
-                    uint32_t place)
+static int is_clear(const struct surface *surface, const struct displacing_tool *tool, uint32_t place)
 {
     vec3 v[3];
     double square = 0.0;
@@ -59,8 +54,7 @@ static int is_clear(const struct surface *surface, const struct displacing_tool 
 }
 
 /* Returns 1 if it was moved. */
-static int displace_triangle(struct surface *surface, const struct displacing_tool *tool,
-                             uint32_t place)
+static int displace_triangle(struct surface *surface, const struct displacing_tool *tool, uint32_t place)
 {
     double weight[3], square = 0.0;
     if (is_clear(surface, tool, place))
@@ -73,14 +67,13 @@ static int displace_triangle(struct surface *surface, const struct displacing_to
     for (uint32_t k = 0; k < 3; k++) {
         const uint32_t vertex = surface_corner(surface, place, k);
         if (weight[k] > 0.0)
-            dpti_deform_put(surface, vertex,
-                            along(surface_vertex(surface, vertex), weight[k] / square, way));
+            dpti_deform_put(surface, vertex, along(surface_vertex(surface, vertex), weight[k] / square, way));
     }
     return 1;
 }
 
-void dpti_displace(struct surface *surface, const struct dpt_strip *strip,
-                   const struct displacing_tool *tool, uint32_t passes)
+void dpti_displace(struct surface *surface, const struct dpt_strip *strip, const struct displacing_tool *tool,
+                   uint32_t passes)
 {
     const uint32_t *places = mesh_words(surface->mesh, MESH_PLACES);
     int is_moved = 1;

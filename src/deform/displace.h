@@ -21,7 +21,7 @@ struct displacing_tool {
  * dpti_deform_end. In each pass a triangle's nearest point is moved out of the tool, and the corners with it as they
  * are weighted there.
  */
-void dpti_displace(struct surface *surface, const struct dpt_strip *strip,
-                   const struct displacing_tool *tool, uint32_t passes);
+void dpti_displace(struct surface *surface, const struct dpt_strip *strip, const struct displacing_tool *tool,
+                   uint32_t passes);
 
 #endif

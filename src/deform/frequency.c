@@ -52,9 +52,7 @@ static void begin_swing(struct dpt_springs *springs)
         for (uint32_t i = 0; i < SPRING_POINTS; i++) {
             random = 1664525u * random + 1013904223u;
             springs->points[0][SPRING_POINTS * (size_t)slice + i] =
-                springs->nodes[slice].per_mass[i / 4] > 0.0f && i % 4 < 3
-                    ? (random >> 31 ? 1.0f : -1.0f)
-                    : 0.0f;
+                springs->nodes[slice].per_mass[i / 4] > 0.0f && i % 4 < 3 ? (random >> 31 ? 1.0f : -1.0f) : 0.0f;
         }
 }
 
@@ -63,8 +61,7 @@ static double size_of(const struct dpt_springs *springs)
 {
     double sum = 0.0;
     for (size_t i = 0; i < 4 * (size_t)springs->net.nodes; i++)
-        sum += (double)springs->net.mass[i / 4] * (double)springs->points[0][i] *
-               (double)springs->points[0][i];
+        sum += (double)springs->net.mass[i / 4] * (double)springs->points[0][i] * (double)springs->points[0][i];
     return sum;
 }
 
@@ -114,8 +111,8 @@ static double least_drag(const struct spring_net *net)
 static void use(struct dpt_springs *springs, double square)
 {
     springs->square = square;
-    springs->stable_step = dpti_springs_limit(springs->def.integrator, square,
-                                              springs->net.viscosity, least_drag(&springs->net));
+    springs->stable_step =
+        dpti_springs_limit(springs->def.integrator, square, springs->net.viscosity, least_drag(&springs->net));
 }
 
 void dpti_springs_find_step(struct dpt_springs *springs)

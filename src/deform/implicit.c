@@ -76,8 +76,7 @@ static void make_diagonal(struct dpt_springs *springs, double step)
             const float drag = 1.0f + h * springs->nodes[slice].drag[lane];
             system->diagonal[lane] = system->mass[lane] * drag / (h * h);
             system->glide[lane] = system->mass[lane] > 0.0f ? 1.0f / drag : 0.0f;
-            const float sum =
-                system->diagonal[lane] + more * solve->stiffness[LANES * slice + lane];
+            const float sum = system->diagonal[lane] + more * solve->stiffness[LANES * slice + lane];
             system->per_diagonal[lane] = system->mass[lane] > 0.0f ? 1.0f / sum : 0.0f;
             if (system->per_diagonal[lane] > loosest)
                 loosest = system->per_diagonal[lane];
@@ -96,18 +95,16 @@ static void solve_change(struct dpt_springs *springs, float h, double norm)
         double lanes[LANES] = { 0.0 }, next[LANES] = { 0.0 };
         for (uint32_t i = 0; i < region->count; i++) {
             const size_t slice = region->slices[i];
-            kernel->spring_product(&springs->rows, (uint32_t)slice, scale,
-                                   solve->systems[slice].diagonal, solve->direction,
-                                   solve->product + SPRING_ROWS * slice, lanes);
+            kernel->spring_product(&springs->rows, (uint32_t)slice, scale, solve->systems[slice].diagonal,
+                                   solve->direction, solve->product + SPRING_ROWS * slice, lanes);
         }
         const double curvature = spring_sum(lanes);
         if (!(curvature > 0.0))
             return;
         for (uint32_t i = 0; i < region->count; i++) {
             const size_t slice = region->slices[i];
-            kernel->spring_descend(
-                (float)(norm / curvature), solve->direction + SPRING_POINTS * slice,
-                solve->product + SPRING_ROWS * slice, solve->systems + slice, next);
+            kernel->spring_descend((float)(norm / curvature), solve->direction + SPRING_POINTS * slice,
+                                   solve->product + SPRING_ROWS * slice, solve->systems + slice, next);
         }
         if (n == springs->def.iterations)
             return;
@@ -144,9 +141,9 @@ static double excess_by_way(struct dpt_springs *springs, const struct spring_tri
         }
     }
     for (uint32_t i = 0; i < region->count; i++)
-        springs->kernel.spring_product(
-            &springs->rows, region->slices[i], (float)springs->def.stiffness, none,
-            solve->direction, solve->product + SPRING_ROWS * (size_t)region->slices[i], lanes);
+        springs->kernel.spring_product(&springs->rows, region->slices[i], (float)springs->def.stiffness, none,
+                                       solve->direction, solve->product + SPRING_ROWS * (size_t)region->slices[i],
+                                       lanes);
     return 0.5 * spring_sum(lanes);
 }
 
@@ -169,18 +166,16 @@ static struct outcome try_step(struct dpt_springs *springs, const struct spring_
         double energy[LANES] = { 0.0 };
         kernel->spring_energy(&springs->rows, (uint32_t)slice, points, solve->force + row, energy);
         solve->energy[slice] = 0.25 * springs->def.stiffness * spring_sum(energy);
-        kernel->spring_begin(trial, from + slice, solve->force + row, load + row,
-                             solve->systems + slice, solve->direction + SPRING_POINTS * slice,
-                             norm);
+        kernel->spring_begin(trial, from + slice, solve->force + row, load + row, solve->systems + slice,
+                             solve->direction + SPRING_POINTS * slice, norm);
     }
     solve_change(springs, trial->step, spring_sum(norm));
     if (trial->has_lead)
         outcome.bound = excess_by_way(springs, trial);
     for (uint32_t i = 0; i < region->count; i++) {
         const size_t slice = region->slices[i], row = SPRING_ROWS * slice;
-        outcome.bad |= kernel->spring_end(trial, from + slice, solve->force + row, load + row,
-                                          solve->systems + slice, to + slice, bound, work,
-                                          springs->region.square + slice);
+        outcome.bad |= kernel->spring_end(trial, from + slice, solve->force + row, load + row, solve->systems + slice,
+                                          to + slice, bound, work, springs->region.square + slice);
     }
     outcome.work = spring_sum(work);
     outcome.bound += spring_sum(bound);
@@ -206,8 +201,7 @@ static void note_common(struct dpt_springs *springs, double h)
             const float mass = system->mass[lane];
             const float kept = mass > 0.0f ? system->glide[lane] : 1.0f;
             for (int row = 0; row < 3; row++)
-                lanes[row][lane] +=
-                    (double)(mass * (v1[LANES * row + lane] / kept - v0[LANES * row + lane]));
+                lanes[row][lane] += (double)(mass * (v1[LANES * row + lane] / kept - v0[LANES * row + lane]));
             lanes[3][lane] += (double)mass;
         }
     }
@@ -249,8 +243,7 @@ int dpti_implicit_step(struct dpt_springs *springs, double h, uint32_t *flags)
         note_common(springs, h);
     const double allowed = solve->account + outcome.work;
     const double kept = 1.0 - (ACCOUNT_LEAK * h < 1.0 ? ACCOUNT_LEAK * h : 1.0);
-    solve->account =
-        outcome.bound + (allowed > outcome.bound ? kept * (allowed - outcome.bound) : 0.0);
+    solve->account = outcome.bound + (allowed > outcome.bound ? kept * (allowed - outcome.bound) : 0.0);
     springs->now = 1 - springs->now;
     return 1;
 }

@@ -36,9 +36,9 @@ static uint32_t substep(struct dpt_springs *springs, const struct spring_motion 
     for (uint32_t i = 0; i < region->count; i++) {
         const size_t slice = region->slices[i];
         springs->kernel.spring_forces(&springs->rows, (uint32_t)slice, points, force);
-        bad |= springs->kernel.spring_move(motion, springs->nodes + slice, force,
-                                           load + SPRING_ROWS * slice, from + slice, to + slice,
-                                           next + SPRING_POINTS * slice, region->square + slice);
+        bad |=
+            springs->kernel.spring_move(motion, springs->nodes + slice, force, load + SPRING_ROWS * slice, from + slice,
+                                        to + slice, next + SPRING_POINTS * slice, region->square + slice);
     }
     springs->at = 1 - springs->at;
     return bad;
@@ -65,8 +65,7 @@ int dpti_springs_substeps(struct dpt_springs *springs, double h, uint32_t count)
     }
     for (uint32_t i = 0; i < springs->region.count; i++) {
         const size_t slice = springs->region.slices[i];
-        springs->kernel.spring_points(last + slice, motion.lead,
-                                      springs->points[springs->at] + SPRING_POINTS * slice);
+        springs->kernel.spring_points(last + slice, motion.lead, springs->points[springs->at] + SPRING_POINTS * slice);
     }
     return 0;
 }

@@ -38,8 +38,7 @@ static vec3 force_on(const struct dpt_springs *springs, uint32_t node)
         const vec3 away = sub(place_of(springs, net->neighbour[i]), at);
         const double rest = (double)net->length[i];
         const double from = max_of(length(away), (double)SPRING_SHORTEST * rest);
-        sum = along(sum, springs->def.stiffness * (double)net->stiffness[i] * (1.0 - rest / from),
-                    away);
+        sum = along(sum, springs->def.stiffness * (double)net->stiffness[i] * (1.0 - rest / from), away);
     }
     return sum;
 }
@@ -65,8 +64,7 @@ struct stop {
     double into; /* m/s */
 };
 
-static struct stop stop_of(const struct dpt_springs *springs, uint32_t node, vec3 normal,
-                           vec3 tool_speed)
+static struct stop stop_of(const struct dpt_springs *springs, uint32_t node, vec3 normal, vec3 tool_speed)
 {
     const struct spring_slice *state = slice_of(springs, node / LANES);
     const vec3 speed = sub(node_row(state->v, node % LANES), tool_speed);
@@ -78,17 +76,15 @@ static struct stop stop_of(const struct dpt_springs *springs, uint32_t node, vec
  * On a tool at rest: one step's friction stops the node; or it stands already, and friction holds what pushes it against
  * the tool.
  */
-static int is_stuck(const struct dpt_springs *springs, uint32_t node, vec3 normal,
-                    const struct tool_touch *touch)
+static int is_stuck(const struct dpt_springs *springs, uint32_t node, vec3 normal, const struct tool_touch *touch)
 {
     const vec3 still = { 0.0, 0.0, 0.0 };
     const vec3 force = force_on(springs, node);
     const double inward = -dot(force, normal);
     const vec3 across = along(force, inward, normal);
     const struct stop stop = stop_of(springs, node, normal, still);
-    return inward > 0.0 &&
-           (is_fixed(springs, node) ? length(across) <= touch->static_friction * inward
-                                    : length(stop.across) <= touch->static_friction * stop.into);
+    return inward > 0.0 && (is_fixed(springs, node) ? length(across) <= touch->static_friction * inward
+                                                    : length(stop.across) <= touch->static_friction * stop.into);
 }
 
 /* Positions and speeds: of the way along the tool in this step, friction takes the share it takes of the speed. */
@@ -104,8 +100,7 @@ static void slide(struct dpt_springs *springs, uint32_t node, vec3 push, vec3 no
     if (slip > touch->static_friction * stop.into)
         share = min_of(touch->kinetic_friction * stop.into / slip, 1.0);
     const vec3 taken = along(scaled(stop.across, share), -stop.into, normal);
-    put_row(state->x, lane,
-            along(add(place_of(springs, node), push), -share * touch->dt, stop.across));
+    put_row(state->x, lane, along(add(place_of(springs, node), push), -share * touch->dt, stop.across));
     put_row(state->rest, lane, (vec3){ 0.0, 0.0, 0.0 });
     put_row(state->v, lane, add(tool_speed, sub(stop.speed, taken)));
     springs->contact.moved[node / LANES] = 1;
@@ -158,8 +153,7 @@ void dpti_spring_contact_end(struct dpt_springs *springs)
     for (uint32_t slice = 0; slice < springs->net.slices; slice++) {
         if (contact->moved[slice]) {
             springs->kernel.spring_points(slice_of(springs, slice), (float)springs->lead,
-                                          springs->points[springs->at] +
-                                              SPRING_POINTS * (size_t)slice);
+                                          springs->points[springs->at] + SPRING_POINTS * (size_t)slice);
             if (!springs->region.is_awake[slice])
                 dpti_region_disturb(springs, slice);
             contact->moved[slice] = 0;

@@ -18,7 +18,7 @@
 
 struct tool_touch {
     double static_friction, kinetic_friction;
-    double dt; /* s: the step in which nodes went into the tool */
+    double dt;     /* s: the step in which nodes went into the tool */
     int has_moved; /* 1: some tool is not where it was in the step before, or touches for the first time, or lets go */
 };
 

@@ -19,14 +19,12 @@ double dpti_springs_elastic(const struct dpt_springs *springs, uint32_t slice)
     for (uint32_t entry = net->first[slice]; entry < net->first[slice + 1]; entry++)
         for (uint32_t lane = 0; lane < LANES && LANES * slice + lane < net->nodes; lane++) {
             const size_t at = LANES * (size_t)entry + lane;
-            const vec3 to =
-                sub(place_of(state, net->neighbour[at]), place_of(state, LANES * slice + lane));
+            const vec3 to = sub(place_of(state, net->neighbour[at]), place_of(state, LANES * slice + lane));
             const double square = dot(to, to), length = (double)net->length[at];
             const double shortest = (double)SPRING_SHORTEST * length;
             const double distance = sqrt(square) > shortest ? sqrt(square) : shortest;
-            sum += (double)net->stiffness[at] *
-                   ((distance - length) * (distance - length) +
-                    (distance > shortest ? 0.0 : shortest * shortest - square));
+            sum += (double)net->stiffness[at] * ((distance - length) * (distance - length) +
+                                                 (distance > shortest ? 0.0 : shortest * shortest - square));
         }
     return 0.25 * springs->def.stiffness * sum;
 }

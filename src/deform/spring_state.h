@@ -32,8 +32,7 @@ struct spring_solve {
     double least_norm; /* J: a residual whose norm is no larger has converged */
     double account;    /* J: the energy is proven not to exceed it; below 0: not known */
     int is_free;       /* 1: no node is fixed */
-    double common
-        [3]; /* m/s2: what all nodes that are awake had in common in the last step, but for drag */
+    double common[3];  /* m/s2: what all nodes that are awake had in common in the last step, but for drag */
 };
 
 /* Which slices are stepped. */
@@ -54,11 +53,10 @@ struct active_region {
 
 /* Nodes on tools (spring_contact.h); 1 a slice, NULL where the net is no mesh's. */
 struct spring_contact {
-    uint16_t *
-        fixed; /* bits of the nodes that count as fixed because they lie on a tool that does not move */
-    uint16_t *next; /* those of the step to come; only in slices that are awake */
-    uint8_t *moved; /* 1: tools have moved nodes since the last step */
-    uint32_t tools; /* that touched in the last step */
+    uint16_t *fixed; /* bits of the nodes that count as fixed because they lie on a tool that does not move */
+    uint16_t *next;  /* those of the step to come; only in slices that are awake */
+    uint8_t *moved;  /* 1: tools have moved nodes since the last step */
+    uint32_t tools;  /* that touched in the last step */
 };
 
 /* The mesh's vertices; all NULL where the net is no mesh's. */

@@ -9,13 +9,11 @@
 typedef char groups_are_slices[(int)MOTION_GROUP == (int)LANES ? 1 : -1];
 
 /* The slices of nodes that a group of vertices follows, each once. Returns how many. */
-static uint32_t slices_of_group(const struct dpt_mesh *mesh, uint32_t group,
-                                uint32_t slices[4 * MOTION_GROUP])
+static uint32_t slices_of_group(const struct dpt_mesh *mesh, uint32_t group, uint32_t slices[4 * MOTION_GROUP])
 {
     const uint32_t *nodes = mesh_words(mesh, MESH_EMBED_NODES);
     const size_t first = (size_t)MOTION_GROUP * group;
-    const size_t end =
-        first + MOTION_GROUP < mesh->vertices ? first + MOTION_GROUP : mesh->vertices;
+    const size_t end = first + MOTION_GROUP < mesh->vertices ? first + MOTION_GROUP : mesh->vertices;
     uint32_t count = 0;
     for (size_t i = 4 * first; i < 4 * end; i++) {
         const uint32_t slice = nodes[i] / LANES;
@@ -47,8 +45,7 @@ void dpti_spring_vertices_begin(struct dpt_springs *springs)
     vertices->weights = mesh_floats(mesh, MESH_EMBED_WEIGHTS);
     for (uint32_t group = 0; group < mesh_slices(mesh->vertices); group++)
         vertices->first[group + 1] =
-            vertices->first[group] +
-            slices_of_group(mesh, group, vertices->slices + vertices->first[group]);
+            vertices->first[group] + slices_of_group(mesh, group, vertices->slices + vertices->first[group]);
     for (uint32_t slice = 0; slice < springs->net.slices; slice++)
         springs->kernel.spring_points(springs->state[springs->now] + slice, 0.0f,
                                       vertices->points + SPRING_POINTS * (size_t)slice);
@@ -73,8 +70,7 @@ static int has_moved(const struct spring_vertices *vertices, uint32_t group)
 }
 
 /* Of the last group: what is missing there follows the first node, without weight. */
-static void follow_some(const struct dpt_springs *springs, uint32_t first, uint32_t count,
-                        float *to)
+static void follow_some(const struct dpt_springs *springs, uint32_t first, uint32_t count, float *to)
 {
     const struct spring_vertices *vertices = &springs->vertices;
     uint32_t nodes[4 * MOTION_GROUP] = { 0 };
@@ -102,8 +98,7 @@ static void place_group(const struct dpt_springs *springs, uint32_t group, float
 }
 
 /* Those of which some have moved, in a list; or all, without a list, if they are most: that takes less time. */
-static uint32_t moved_groups(const struct spring_vertices *vertices, uint32_t groups,
-                             uint32_t *list)
+static uint32_t moved_groups(const struct spring_vertices *vertices, uint32_t groups, uint32_t *list)
 {
     uint32_t count = 0;
     for (uint32_t group = 0; group < groups; group++)
@@ -133,8 +128,7 @@ uint32_t dpti_spring_vertices_gather(struct dpt_springs *springs)
         return 0;
     for (uint32_t slice = 0; vertices->nodes && slice < springs->net.slices; slice++)
         if (vertices->moved[slice])
-            springs->kernel.spring_points(state + slice, 0.0f,
-                                          vertices->points + SPRING_POINTS * (size_t)slice);
+            springs->kernel.spring_points(state + slice, 0.0f, vertices->points + SPRING_POINTS * (size_t)slice);
     const uint32_t groups = moved_groups(vertices, whole, vertices->list);
     for (uint32_t i = 0; i < groups; i++)
         place_group(springs, groups < whole ? vertices->list[i] : i,

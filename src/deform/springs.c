@@ -39,12 +39,9 @@ typedef char first_release[sizeof(dpt_springs_def) % 8 == 0 ? 1 : -1];
 
 void dpt_springs_def_defaults(dpt_springs_def *def, size_t size)
 {
-    const dpt_springs_def defaults = { .max_loads = 4096,
-                                       .stiffness = 1.0,
-                                       .sleep_speed = 1e-3,
-                                       .sleep_steps = 64,
-                                       .iterations = 2,
-                                       .max_substeps = 16 };
+    const dpt_springs_def defaults = {
+        .max_loads = 4096, .stiffness = 1.0, .sleep_speed = 1e-3, .sleep_steps = 64, .iterations = 2, .max_substeps = 16
+    };
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
@@ -67,12 +64,10 @@ dpt_result dpti_springs_read_def(const dpt_springs_def *given, dpt_springs_def *
     for (int k = 0; k < 3; k++)
         if (!is_in(def->gravity[k], -GRAVITY_MAX, GRAVITY_MAX))
             return DPT_E_ARGUMENT;
-    if (def->reserved || def->reserved_pointer || def->max_loads < 1 ||
-        def->max_loads > LOADS_MAX || def->integrator > DPT_INTEGRATOR_IMPLICIT ||
-        !is_in(def->stiffness, SCALE_MIN, SCALE_MAX) ||
-        !is_in(def->contact_stiffness, 0.0, CONTACT_MAX) ||
-        !is_in(def->sleep_speed, 0.0, SLEEP_MAX) || def->sleep_steps < 2 ||
-        def->sleep_steps > COUNT_MAX || def->iterations < 1 || def->iterations > ITERATIONS ||
+    if (def->reserved || def->reserved_pointer || def->max_loads < 1 || def->max_loads > LOADS_MAX ||
+        def->integrator > DPT_INTEGRATOR_IMPLICIT || !is_in(def->stiffness, SCALE_MIN, SCALE_MAX) ||
+        !is_in(def->contact_stiffness, 0.0, CONTACT_MAX) || !is_in(def->sleep_speed, 0.0, SLEEP_MAX) ||
+        def->sleep_steps < 2 || def->sleep_steps > COUNT_MAX || def->iterations < 1 || def->iterations > ITERATIONS ||
         def->max_substeps < 1 || def->max_substeps > COUNT_MAX)
         return DPT_E_ARGUMENT;
     return DPT_OK;
@@ -98,8 +93,7 @@ static void place_vertices(struct dpt_springs *springs, struct block *block)
     const uint64_t links = dpti_spring_links(mesh), groups = mesh_slices(mesh->vertices);
     vertices->first = take(block, links ? groups + 1 : 0, sizeof(uint32_t));
     vertices->slices = take(block, links, sizeof(uint32_t));
-    vertices->points =
-        take(block, links ? SPRING_POINTS * (uint64_t)springs->net.slices : 0, sizeof(float));
+    vertices->points = take(block, links ? SPRING_POINTS * (uint64_t)springs->net.slices : 0, sizeof(float));
     vertices->moved = take(block, springs->net.slices, 1);
     vertices->list = take(block, mesh->vertices, sizeof(uint32_t));
     vertices->positions = take(block, 3 * LANES * groups + 1, sizeof(float));
@@ -169,13 +163,11 @@ static void begin_nodes(struct dpt_springs *springs)
     const struct spring_net *net = &springs->net;
     for (uint32_t node = 0; node < net->nodes; node++)
         for (uint32_t row = 0; row < 3; row++)
-            springs->state[0][node / LANES].x[LANES * row + node % LANES] =
-                net->rest[3 * (size_t)node + row];
+            springs->state[0][node / LANES].x[LANES * row + node % LANES] = net->rest[3 * (size_t)node + row];
     memcpy(springs->state[1], springs->state[0], net->slices * sizeof *springs->state[0]);
     for (size_t slice = 0; slice < net->slices; slice++)
         for (int i = 0; i < 2; i++)
-            springs->kernel.spring_points(springs->state[0] + slice, 0.0f,
-                                          springs->points[i] + SPRING_POINTS * slice);
+            springs->kernel.spring_points(springs->state[0] + slice, 0.0f, springs->points[i] + SPRING_POINTS * slice);
 }
 
 dpt_result dpti_springs_create_net(void *block, size_t bytes, const dpt_springs_def *given,
@@ -223,23 +215,20 @@ size_t dpt_springs_bytes(const dpt_springs_def *given)
 {
     dpt_springs_def def;
     struct spring_net net;
-    return dpti_springs_read_def(given, &def) == DPT_OK && def.mesh &&
-                   mesh_spring_net(def.mesh, &net)
+    return dpti_springs_read_def(given, &def) == DPT_OK && def.mesh && mesh_spring_net(def.mesh, &net)
                ? dpti_springs_net_bytes(&def, &net)
                : 0;
 }
 
-dpt_result dpt_springs_create(void *block, size_t bytes, const dpt_springs_def *given,
-                              dpt_springs **springs)
+dpt_result dpt_springs_create(void *block, size_t bytes, const dpt_springs_def *given, dpt_springs **springs)
 {
     dpt_springs_def def;
     struct spring_net net;
     DPT_TRY(dpti_springs_read_def(given, &def));
     if (!def.mesh)
         return DPT_E_ARGUMENT;
-    return mesh_spring_net(def.mesh, &net)
-               ? dpti_springs_create_net(block, bytes, &def, &net, springs)
-               : DPT_E_UNSUPPORTED;
+    return mesh_spring_net(def.mesh, &net) ? dpti_springs_create_net(block, bytes, &def, &net, springs)
+                                           : DPT_E_UNSUPPORTED;
 }
 
 uint32_t dpt_springs_count(const dpt_springs *springs)
@@ -280,8 +269,7 @@ static void set_loads(struct spring_loads *to, const dpt_load *loads, uint32_t c
     }
 }
 
-static dpt_result check_loads(const struct dpt_springs *springs, const dpt_load *loads,
-                              uint32_t count)
+static dpt_result check_loads(const struct dpt_springs *springs, const dpt_load *loads, uint32_t count)
 {
     if (count && !loads)
         return DPT_E_ARGUMENT;
@@ -308,9 +296,8 @@ static uint32_t substeps_of(const struct dpt_springs *springs, double dt)
 }
 
 /* vertices: loads are on those; NULL: on nodes. They are valid. */
-static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *loads,
-                       uint32_t count, const struct spring_vertices *vertices,
-                       dpt_springs_report *report)
+static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
+                       const struct spring_vertices *vertices, dpt_springs_report *report)
 {
     dpt_springs_report own = { .size = sizeof own };
     own.substeps = substeps_of(springs, dt);
@@ -338,8 +325,7 @@ static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *l
     return DPT_OK;
 }
 
-dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt,
-                                   const dpt_springs_report *report)
+dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt, const dpt_springs_report *report)
 {
     if (report)
         DPT_TRY(sized_check(report, sizeof *report, 0));
@@ -360,15 +346,13 @@ dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loa
     return step(springs, dt, loads, count, NULL, report);
 }
 
-dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count,
-                                    dpt_springs_report *report)
+dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count, dpt_springs_report *report)
 {
     DPT_TRY(dpti_springs_check_step(springs, dt, report));
     return step(springs, dt, springs->vertices.loads, count, &springs->vertices, report);
 }
 
-dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count, float *positions,
-                                 float *speeds)
+dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count, float *positions, float *speeds)
 {
     if (!springs || !positions || count != springs->net.nodes)
         return DPT_E_ARGUMENT;
@@ -383,11 +367,10 @@ dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count, flo
     return DPT_OK;
 }
 
-dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, uint32_t count,
-                                 const float *positions, const float *speeds)
+dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, uint32_t count, const float *positions,
+                                 const float *speeds)
 {
-    if (!springs || first > springs->net.nodes || count > springs->net.nodes - first ||
-        (count && !positions))
+    if (!springs || first > springs->net.nodes || count > springs->net.nodes - first || (count && !positions))
         return DPT_E_ARGUMENT;
     for (size_t i = 0; i < 3 * (size_t)count; i++)
         if (!(fabsf(positions[i]) <= (float)DPT_COORDINATE_MAX) ||
@@ -405,8 +388,7 @@ dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, uint32_t 
         }
         if (lane == LANES - 1 || i == count - 1) {
             springs->kernel.spring_points(state, (float)springs->lead,
-                                          springs->points[springs->at] +
-                                              SPRING_POINTS * (size_t)slice);
+                                          springs->points[springs->at] + SPRING_POINTS * (size_t)slice);
             dpti_region_disturb(springs, slice);
         }
     }

@@ -30,8 +30,7 @@ static inline void latest_value_init(struct latest_value *latest)
 /* By the writer: hand over places[writing]; `writing` is another place then. */
 static inline void latest_value_publish(struct latest_value *latest)
 {
-    latest->writing = __atomic_exchange_n(&latest->between, latest->writing | LATEST_VALUE_NEW,
-                                          __ATOMIC_ACQ_REL) &
+    latest->writing = __atomic_exchange_n(&latest->between, latest->writing | LATEST_VALUE_NEW, __ATOMIC_ACQ_REL) &
                       ~(uint32_t)LATEST_VALUE_NEW;
 }
 
@@ -40,8 +39,8 @@ static inline int latest_value_take(struct latest_value *latest)
 {
     if (!(__atomic_load_n(&latest->between, __ATOMIC_RELAXED) & LATEST_VALUE_NEW))
         return 0;
-    latest->reading = __atomic_exchange_n(&latest->between, latest->reading, __ATOMIC_ACQ_REL) &
-                      ~(uint32_t)LATEST_VALUE_NEW;
+    latest->reading =
+        __atomic_exchange_n(&latest->between, latest->reading, __ATOMIC_ACQ_REL) & ~(uint32_t)LATEST_VALUE_NEW;
     return 1;
 }
 

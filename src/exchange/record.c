@@ -59,8 +59,7 @@ static uint32_t get4(const unsigned char *from)
 }
 
 /* The checksum of `size` bytes, as if the word at `hole` were 0. */
-static uint32_t crc_around(const struct crc32 *crc, const unsigned char *bytes, size_t size,
-                           size_t hole)
+static uint32_t crc_around(const struct crc32 *crc, const unsigned char *bytes, size_t size, size_t hole)
 {
     static const unsigned char zeros[4];
     uint32_t sum = crc32_more(crc, 0, bytes, hole);
@@ -108,8 +107,7 @@ size_t dpt_record_header_bytes(const dpt_record_header *given)
     return check_header(given, &header) == DPT_OK ? header_bytes_of(header.text_bytes) : 0;
 }
 
-dpt_result dpt_record_header_write(const dpt_record_header *given, void *bytes, size_t capacity,
-                                   size_t *written)
+dpt_result dpt_record_header_write(const dpt_record_header *given, void *bytes, size_t capacity, size_t *written)
 {
     dpt_record_header header;
     struct crc32 crc;
@@ -138,8 +136,7 @@ dpt_result dpt_record_header_write(const dpt_record_header *given, void *bytes, 
     return DPT_OK;
 }
 
-dpt_result dpt_record_header_read(const void *bytes, size_t size, dpt_record_header *header,
-                                  size_t *at)
+dpt_result dpt_record_header_read(const void *bytes, size_t size, dpt_record_header *header, size_t *at)
 {
     const unsigned char *from = bytes;
     dpt_record_header read = { .size = sizeof read };
@@ -226,8 +223,7 @@ static void get_tick(const unsigned char *from, dpt_record *record)
     }
 }
 
-dpt_result dpt_record_write(const dpt_record *records, uint32_t count, void *bytes, size_t capacity,
-                            size_t *written)
+dpt_result dpt_record_write(const dpt_record *records, uint32_t count, void *bytes, size_t capacity, size_t *written)
 {
     struct crc32 crc;
     unsigned char *to = bytes;
@@ -262,8 +258,8 @@ static dpt_result check_layout(const unsigned char *from, size_t size)
     return size < bytes ? DPT_E_TRUNCATED : DPT_OK;
 }
 
-dpt_result dpt_record_read(const void *bytes, size_t size, size_t *at, dpt_record *records,
-                           uint32_t capacity, uint32_t *count)
+dpt_result dpt_record_read(const void *bytes, size_t size, size_t *at, dpt_record *records, uint32_t capacity,
+                           uint32_t *count)
 {
     const unsigned char *from = bytes;
     struct crc32 crc;
@@ -283,16 +279,14 @@ dpt_result dpt_record_read(const void *bytes, size_t size, size_t *at, dpt_recor
         if (!has_tables)
             crc32_init(&crc);
         has_tables = 1;
-        if (get4(from + next + AT_CRC) !=
-            crc_around(&crc, from + next, get4(from + next + AT_BYTES), AT_CRC)) {
+        if (get4(from + next + AT_CRC) != crc_around(&crc, from + next, get4(from + next + AT_BYTES), AT_CRC)) {
             result = DPT_E_CHECKSUM;
             break;
         }
         if (get4(from + next + AT_KIND) == KIND_TICK) {
             dpt_record record = { .size = sizeof record };
             get_tick(from + next, &record);
-            sized_write((unsigned char *)records + (size_t)*count * stride, stride, &record,
-                        sizeof record);
+            sized_write((unsigned char *)records + (size_t)*count * stride, stride, &record, sizeof record);
             ++*count;
         }
         next += get4(from + next + AT_BYTES);

@@ -21,12 +21,8 @@ static const struct {
     struct words narrow, wide;
 } items[SNAPSHOT_KINDS_END] = {
     { 0, { 0, 0 }, { 0, 0 } },
-    { sizeof(dpt_snapshot_body),
-      { offsetof(dpt_snapshot_body, id), 4 },
-      { offsetof(dpt_snapshot_body, user), 8 } },
-    { sizeof(dpt_snapshot_tool),
-      { offsetof(dpt_snapshot_tool, id), 12 },
-      { offsetof(dpt_snapshot_tool, user), 25 } },
+    { sizeof(dpt_snapshot_body), { offsetof(dpt_snapshot_body, id), 4 }, { offsetof(dpt_snapshot_body, user), 8 } },
+    { sizeof(dpt_snapshot_tool), { offsetof(dpt_snapshot_tool, id), 12 }, { offsetof(dpt_snapshot_tool, user), 25 } },
     { sizeof(dpt_snapshot_segment),
       { offsetof(dpt_snapshot_segment, status), 8 },
       { offsetof(dpt_snapshot_segment, a), 24 } },
@@ -108,15 +104,12 @@ struct block {
     } section[SNAPSHOT_KINDS_END];
 };
 
-static dpt_result open_section(const unsigned char *entry, uint64_t begin, uint64_t end,
-                               struct block *block)
+static dpt_result open_section(const unsigned char *entry, uint64_t begin, uint64_t end, struct block *block)
 {
     const uint32_t kind = get4(entry + SNAPSHOT_AT_KIND);
-    const uint32_t count = get4(entry + SNAPSHOT_AT_COUNT),
-                   stride = get4(entry + SNAPSHOT_AT_STRIDE);
+    const uint32_t count = get4(entry + SNAPSHOT_AT_COUNT), stride = get4(entry + SNAPSHOT_AT_STRIDE);
     const uint64_t offset = get8(entry + SNAPSHOT_AT_OFFSET);
-    if (offset < begin || offset > end || offset % 8 != 0 ||
-        (uint64_t)count * stride > end - offset)
+    if (offset < begin || offset > end || offset % 8 != 0 || (uint64_t)count * stride > end - offset)
         return DPT_E_LAYOUT;
     if (kind == 0 || kind >= SNAPSHOT_KINDS_END)
         return kind ? DPT_OK : DPT_E_LAYOUT;
@@ -140,31 +133,26 @@ static dpt_result open_block(const void *bytes, size_t size, struct block *block
         return DPT_E_TRUNCATED;
     if (get4(from + SNAPSHOT_AT_VERSION) > SNAPSHOT_VERSION)
         return DPT_E_VERSION;
-    const uint64_t header = get4(from + SNAPSHOT_AT_HEADER_BYTES),
-                   whole = get8(from + SNAPSHOT_AT_BYTES);
+    const uint64_t header = get4(from + SNAPSHOT_AT_HEADER_BYTES), whole = get8(from + SNAPSHOT_AT_BYTES);
     const uint32_t sections = get4(from + SNAPSHOT_AT_SECTIONS);
     const uint64_t begin = header + (uint64_t)sections * SNAPSHOT_ENTRY_BYTES;
-    if (get4(from + SNAPSHOT_AT_VERSION) != SNAPSHOT_VERSION || header < SNAPSHOT_HEADER_BYTES ||
-        header % 8 != 0 || sections > SNAPSHOT_SECTIONS_MAX || whole % 8 != 0 || begin > whole)
+    if (get4(from + SNAPSHOT_AT_VERSION) != SNAPSHOT_VERSION || header < SNAPSHOT_HEADER_BYTES || header % 8 != 0 ||
+        sections > SNAPSHOT_SECTIONS_MAX || whole % 8 != 0 || begin > whole)
         return DPT_E_LAYOUT;
     if (size < whole)
         return DPT_E_TRUNCATED;
     for (uint32_t i = 0; i < sections; i++)
-        DPT_TRY(
-            open_section(from + header + (uint64_t)i * SNAPSHOT_ENTRY_BYTES, begin, whole, block));
+        DPT_TRY(open_section(from + header + (uint64_t)i * SNAPSHOT_ENTRY_BYTES, begin, whole, block));
     return DPT_OK;
 }
 
-static const unsigned char *item_at(const struct block *block, enum snapshot_kind kind,
-                                    uint32_t index)
+static const unsigned char *item_at(const struct block *block, enum snapshot_kind kind, uint32_t index)
 {
-    return block->bytes + block->section[kind].offset +
-           (uint64_t)index * block->section[kind].stride;
+    return block->bytes + block->section[kind].offset + (uint64_t)index * block->section[kind].stride;
 }
 
 /* 1 if `count` items of a kind from `first` on are there. */
-static int are_there(const struct block *block, enum snapshot_kind kind, uint32_t first,
-                     uint32_t count)
+static int are_there(const struct block *block, enum snapshot_kind kind, uint32_t first, uint32_t count)
 {
     return (uint64_t)first + count <= block->section[kind].count;
 }
@@ -175,8 +163,7 @@ static int holds_together(const struct block *block)
     for (uint32_t i = 0; i < block->section[SNAPSHOT_BODIES].count; i++) {
         dpt_snapshot_body body;
         get_item(SNAPSHOT_BODIES, item_at(block, SNAPSHOT_BODIES, i), (void *)&body);
-        if (body.first_vertex != DPT_NONE &&
-            !are_there(block, SNAPSHOT_VERTICES, body.first_vertex, body.vertices))
+        if (body.first_vertex != DPT_NONE && !are_there(block, SNAPSHOT_VERTICES, body.first_vertex, body.vertices))
             return 0;
     }
     for (uint32_t i = 0; i < block->section[SNAPSHOT_TOOLS].count; i++) {
@@ -184,8 +171,7 @@ static int holds_together(const struct block *block)
         get_item(SNAPSHOT_TOOLS, item_at(block, SNAPSHOT_TOOLS, i), (void *)&tool);
         if (!are_there(block, SNAPSHOT_SEGMENTS, tool.first_segment, tool.segments) ||
             !are_there(block, SNAPSHOT_CONTACTS, tool.first_contact, tool.contacts) ||
-            !are_there(block, SNAPSHOT_STRIPS, tool.first_strip, tool.strip) ||
-            tool.nearest_segment >= tool.segments)
+            !are_there(block, SNAPSHOT_STRIPS, tool.first_strip, tool.strip) || tool.nearest_segment >= tool.segments)
             return 0;
     }
     for (uint32_t i = 0; i < block->section[SNAPSHOT_SEGMENTS].count; i++) {
@@ -231,8 +217,7 @@ dpt_result dpt_snapshot_get_info(const void *bytes, size_t size, dpt_snapshot_in
 }
 
 /* The body of the getters. `item` is zeros of the struct's size. */
-static dpt_result get(const void *bytes, size_t size, enum snapshot_kind kind, uint32_t index,
-                      void *item, void *out)
+static dpt_result get(const void *bytes, size_t size, enum snapshot_kind kind, uint32_t index, void *item, void *out)
 {
     struct block block;
     if (!out)
@@ -247,43 +232,37 @@ static dpt_result get(const void *bytes, size_t size, enum snapshot_kind kind, u
     return DPT_OK;
 }
 
-dpt_result dpt_snapshot_get_body(const void *block, size_t bytes, uint32_t index,
-                                 dpt_snapshot_body *body)
+dpt_result dpt_snapshot_get_body(const void *block, size_t bytes, uint32_t index, dpt_snapshot_body *body)
 {
     dpt_snapshot_body item = { .size = sizeof item };
     return get(block, bytes, SNAPSHOT_BODIES, index, &item, body);
 }
 
-dpt_result dpt_snapshot_get_tool(const void *block, size_t bytes, uint32_t index,
-                                 dpt_snapshot_tool *tool)
+dpt_result dpt_snapshot_get_tool(const void *block, size_t bytes, uint32_t index, dpt_snapshot_tool *tool)
 {
     dpt_snapshot_tool item = { .size = sizeof item };
     return get(block, bytes, SNAPSHOT_TOOLS, index, &item, tool);
 }
 
-dpt_result dpt_snapshot_get_segment(const void *block, size_t bytes, uint32_t index,
-                                    dpt_snapshot_segment *segment)
+dpt_result dpt_snapshot_get_segment(const void *block, size_t bytes, uint32_t index, dpt_snapshot_segment *segment)
 {
     dpt_snapshot_segment item = { .size = sizeof item };
     return get(block, bytes, SNAPSHOT_SEGMENTS, index, &item, segment);
 }
 
-dpt_result dpt_snapshot_get_contact(const void *block, size_t bytes, uint32_t index,
-                                    dpt_snapshot_contact *contact)
+dpt_result dpt_snapshot_get_contact(const void *block, size_t bytes, uint32_t index, dpt_snapshot_contact *contact)
 {
     dpt_snapshot_contact item = { .size = sizeof item };
     return get(block, bytes, SNAPSHOT_CONTACTS, index, &item, contact);
 }
 
-dpt_result dpt_snapshot_get_strip(const void *block, size_t bytes, uint32_t index,
-                                  dpt_snapshot_strip *strip)
+dpt_result dpt_snapshot_get_strip(const void *block, size_t bytes, uint32_t index, dpt_snapshot_strip *strip)
 {
     dpt_snapshot_strip item = { .size = sizeof item };
     return get(block, bytes, SNAPSHOT_STRIPS, index, &item, strip);
 }
 
-dpt_result dpt_snapshot_get_vertices(const void *bytes, size_t size, uint32_t first, uint32_t count,
-                                     float *xyz)
+dpt_result dpt_snapshot_get_vertices(const void *bytes, size_t size, uint32_t first, uint32_t count, float *xyz)
 {
     struct block block;
     if (!xyz)

@@ -25,9 +25,8 @@ struct bed_stiffness {
 };
 
 /* Adds a segment's share to a wrench, with the torque about `origin`; a and b are its ends. Returns its energy, J. */
-static inline double bed_respond(const struct bed_depth *depth,
-                                 const struct bed_stiffness *stiffness, vec3 a, vec3 b, vec3 origin,
-                                 dpt_wrench *sum)
+static inline double bed_respond(const struct bed_depth *depth, const struct bed_stiffness *stiffness, vec3 a, vec3 b,
+                                 vec3 origin, dpt_wrench *sum)
 {
     const vec3 at[2] = { a, b };
     double energy = 0.5 * stiffness->line * depth->square;

@@ -57,25 +57,19 @@ static int single_holds(const void *of, double stiffness)
     return dpti_sampled_loop_holds(&single->loop, 1, &spring);
 }
 
-double dpt_stable_stiffness(double mass, double damping, double period, double delay,
-                            double virtual_damping)
+double dpt_stable_stiffness(double mass, double damping, double period, double delay, double virtual_damping)
 {
-    if (!(mass > 0.0 && period > 0.0 && damping >= 0.0 && delay >= 0.0 && virtual_damping >= 0.0 &&
-          mass <= DBL_MAX && period <= DBL_MAX && damping <= DBL_MAX && delay <= DBL_MAX &&
-          virtual_damping <= DBL_MAX))
+    if (!(mass > 0.0 && period > 0.0 && damping >= 0.0 && delay >= 0.0 && virtual_damping >= 0.0 && mass <= DBL_MAX &&
+          period <= DBL_MAX && damping <= DBL_MAX && delay <= DBL_MAX && virtual_damping <= DBL_MAX))
         return 0.0;
-    const struct single single = { dpti_sampled_loop(&mass, &damping, 1, period, delay),
-                                   virtual_damping };
+    const struct single single = { dpti_sampled_loop(&mass, &damping, 1, period, delay), virtual_damping };
     const double half = 0.5 * period + delay, all = damping + virtual_damping;
-    return largest(single_holds, &single, LEAST * all / half,
-                   MOST * (mass / period / period + all / period));
+    return largest(single_holds, &single, LEAST * all / half, MOST * (mass / period / period + all / period));
 }
 
 void dpt_coupling_def_defaults(dpt_coupling_def *def, size_t size)
 {
-    const dpt_coupling_def defaults = {
-        .rate = 1000.0, .zoom = 1.0, .force_scale = 1.0, .gain_margin = 1.5
-    };
+    const dpt_coupling_def defaults = { .rate = 1000.0, .zoom = 1.0, .force_scale = 1.0, .gain_margin = 1.5 };
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
@@ -147,8 +141,7 @@ static struct wish wish_of(const dpt_coupling_def *def)
 }
 
 /* The limit with the margin: the stiffness that holds when it and the virtual damping are so many times higher. */
-static double limit_of(const struct wish *wish, double mass, double damping, double virtual_damping,
-                       double time)
+static double limit_of(const struct wish *wish, double mass, double damping, double virtual_damping, double time)
 {
     return dpt_stable_stiffness(mass, damping, wish->period * time, wish->delay * time,
                                 virtual_damping * wish->margin) /
@@ -166,18 +159,16 @@ struct pair {
  * Where a tool is held: by one contact at `place` of its half length from the centre, with a normal that is turned away
  * from the plane of lever and tool so that `share` of it is left there.
  */
-static const double places[] = { -1.0, -0.5, 0.0, 0.5, 1.0 },
-                    shares[] = { 0.0, 1.0 / 3, 2.0 / 3, 1.0 };
+static const double places[] = { -1.0, -0.5, 0.0, 0.5, 1.0 }, shares[] = { 0.0, 1.0 / 3, 2.0 / 3, 1.0 };
 
 enum { PLACES = sizeof places / sizeof *places, SHARES = sizeof shares / sizeof *shares };
 
 /* What one contact leaves of the coupling: stiffness k along the direction (1, lever). */
 static struct sampled_spring spring_of(double k, double lever, double damping_time)
 {
-    return (struct sampled_spring){ .along = { k, k * lever * lever },
-                                    .between = k * lever,
-                                    .damping_time = damping_time,
-                                    .leaves_free = 1 };
+    return (struct sampled_spring){
+        .along = { k, k * lever * lever }, .between = k * lever, .damping_time = damping_time, .leaves_free = 1
+    };
 }
 
 /* The tool fixed altogether, or held by one contact anywhere. */
@@ -187,8 +178,7 @@ static int pair_holds(const void *of, double stiffness)
     const struct wish *wish = held->wish;
     const double k = stiffness * wish->margin, time = wish->damping / stiffness;
     const double half_length = sqrt(3.0) * wish->rho;
-    const double turn = held->turn_stiffness > 0.0 ? held->turn_stiffness * wish->margin
-                                                   : k * wish->rho * wish->rho;
+    const double turn = held->turn_stiffness > 0.0 ? held->turn_stiffness * wish->margin : k * wish->rho * wish->rho;
     struct sampled_spring spring = spring_of(k, wish->lever, time);
     spring.along[1] += turn;
     spring.leaves_free = 0;
@@ -207,8 +197,7 @@ static int pair_holds(const void *of, double stiffness)
 /* An explicit rotational stiffness is kept below its own limit. */
 static double turn_stiffness_of(const struct wish *wish, const dpt_coupling_def *def, double time)
 {
-    return min_of(wish->turn_stiffness,
-                  TURN_SHARE * limit_of(wish, def->inertia, def->spin_damping, 0.0, time));
+    return min_of(wish->turn_stiffness, TURN_SHARE * limit_of(wish, def->inertia, def->spin_damping, 0.0, time));
 }
 
 /* N/m at the hand: what the device allows with all times so many times as long. */
@@ -219,9 +208,8 @@ static double allowed_at(const struct wish *wish, const dpt_coupling_def *def, d
         return translation;
     const double mass[2] = { def->mass, def->inertia };
     const double damping[2] = { def->damping, def->spin_damping };
-    const struct pair held = { dpti_sampled_loop(mass, damping, 2, wish->period * time,
-                                                 wish->delay * time),
-                               wish, turn_stiffness_of(wish, def, time) };
+    const struct pair held = { dpti_sampled_loop(mass, damping, 2, wish->period * time, wish->delay * time), wish,
+                               turn_stiffness_of(wish, def, time) };
     if (pair_holds(&held, (1.0 - 1e-6) * translation))
         return translation;
     return largest(pair_holds, &held, LEAST * translation, translation);
@@ -258,8 +246,7 @@ static int is_known(const dpt_coupling_def *def)
 }
 
 /* By what stops the device: translation and, if there is torque, rotation, K rho^2 and the lever's part together. */
-static int comes_to_rest(const dpt_coupling_def *def, const struct wish *wish, double stiffness,
-                         double turn_stiffness)
+static int comes_to_rest(const dpt_coupling_def *def, const struct wish *wish, double stiffness, double turn_stiffness)
 {
     const double turn = turn_stiffness + stiffness * wish->lever * wish->lever;
     return def->friction >= 0.5 * stiffness * def->position_step &&
@@ -273,15 +260,12 @@ static void choose(const dpt_coupling_def *def, const struct wish *wish, dpt_cou
     out->stiffness = wish->stiffness > 0.0 ? wish->stiffness : HUGE_VAL;
     double turn_stiffness = wish->turn_stiffness;
     if (is_known(def)) {
-        out->stable =
-            dpt_stable_stiffness(def->mass, def->damping, wish->period, wish->delay, wish->damping);
-        limit_to(out, limit_of(wish, def->mass, def->damping, wish->damping, 1.0),
-                 DPT_COUPLING_STABILITY);
+        out->stable = dpt_stable_stiffness(def->mass, def->damping, wish->period, wish->delay, wish->damping);
+        limit_to(out, limit_of(wish, def->mass, def->damping, wish->damping, 1.0), DPT_COUPLING_STABILITY);
         if (def->has_torque) {
             turn_stiffness = turn_stiffness_of(wish, def, 1.0);
-            out->stable_turn =
-                dpt_stable_stiffness(def->inertia, def->spin_damping, wish->period, wish->delay,
-                                     wish->damping * wish->rho * wish->rho);
+            out->stable_turn = dpt_stable_stiffness(def->inertia, def->spin_damping, wish->period, wish->delay,
+                                                    wish->damping * wish->rho * wish->rho);
             limit_to(out, allowed_at(wish, def, 1.0), DPT_COUPLING_ROTATION);
         }
         if (wish->stiffness > 0.0)
@@ -294,16 +278,14 @@ static void choose(const dpt_coupling_def *def, const struct wish *wish, dpt_cou
         limit_to(out, def->stiffness_max, DPT_COUPLING_MAKER);
     if (def->force_max > 0.0 && def->position_step > 0.0)
         limit_to(out, STEP_SHARE * def->force_max / def->position_step, DPT_COUPLING_STEP);
-    const double felt_turn =
-        turn_stiffness > 0.0 ? turn_stiffness : out->stiffness * wish->rho * wish->rho;
+    const double felt_turn = turn_stiffness > 0.0 ? turn_stiffness : out->stiffness * wish->rho * wish->rho;
     if (comes_to_rest(def, wish, out->stiffness, felt_turn))
         out->flags |= DPT_COUPLING_FLAG_RESTS;
     out->stiffness = min_of(out->stiffness / wish->scale, 1e9);
     out->rotational_stiffness = turn_stiffness / wish->turn_scale;
     out->damping = def->tool_damping;
     if (def->force_max > 0.0 && out->stiffness > 0.0)
-        out->depth =
-            min_of(def->force_max / (def->force_scale * out->stiffness), DPT_COORDINATE_MAX);
+        out->depth = min_of(def->force_max / (def->force_scale * out->stiffness), DPT_COORDINATE_MAX);
 }
 
 dpt_result dpt_coupling_for_device(const dpt_coupling_def *given, dpt_coupling *coupling)

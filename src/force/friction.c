@@ -20,14 +20,12 @@ static double limit_of(const struct friction_contact *contact)
 }
 
 /* The pull that brings a contact to rest, with all others as they are; returns its size. */
-static double pull_to_rest(const struct friction_contact *contact, uint32_t n, const double *y,
-                           double wanted[2])
+static double pull_to_rest(const struct friction_contact *contact, uint32_t n, const double *y, double wanted[2])
 {
     const double moves[2] = { product_of(contact->across[0], y, n) + contact->slip[0],
                               product_of(contact->across[1], y, n) + contact->slip[1] };
     for (int d = 0; d < 2; d++)
-        wanted[d] = contact->pull[d] - contact->inverse[d][0] * moves[0] -
-                    contact->inverse[d][1] * moves[1];
+        wanted[d] = contact->pull[d] - contact->inverse[d][0] * moves[0] - contact->inverse[d][1] * moves[1];
     return sqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1]);
 }
 
@@ -49,13 +47,11 @@ static double relax(struct friction_contact *contact, uint32_t n, double *y)
     return changed;
 }
 
-void dpti_friction_add(const struct friction_contact *contact, double share, uint32_t dimensions,
-                       double *sum)
+void dpti_friction_add(const struct friction_contact *contact, double share, uint32_t dimensions, double *sum)
 {
     for (uint32_t k = 0; k < dimensions; k++)
-        sum[k] += share *
-                  (contact->pull[0] * contact->across[0][k] +
-                   contact->pull[1] * contact->across[1][k] + contact->torsion * contact->about[k]);
+        sum[k] += share * (contact->pull[0] * contact->across[0][k] + contact->pull[1] * contact->across[1][k] +
+                           contact->torsion * contact->about[k]);
 }
 
 /*
@@ -89,8 +85,7 @@ static double relax_torsion(struct friction_contact *contact, uint32_t n, double
         contact->torsion = 0.0;
         return 0.0;
     }
-    const double wanted = contact->torsion - (product_of(contact->about, y, n) + contact->turned) *
-                                                 contact->per_square;
+    const double wanted = contact->torsion - (product_of(contact->about, y, n) + contact->turned) * contact->per_square;
     const double torsion = min_of(max_of(wanted, -limit), limit);
     const double more = torsion - contact->torsion;
     for (uint32_t k = 0; k < n; k++)
@@ -121,8 +116,8 @@ static void add_share(double *sum, double share, const double *more, uint32_t n)
 }
 
 /* The contacts of a place as one: their mean by what they hold, and all of that. */
-static void merge_place(const struct friction_contact *contacts, uint32_t count, uint32_t place,
-                        uint32_t n, struct friction_contact *merged)
+static void merge_place(const struct friction_contact *contacts, uint32_t count, uint32_t place, uint32_t n,
+                        struct friction_contact *merged)
 {
     double limit = 0.0;
     *merged = (struct friction_contact){ .torsion_arm = contacts[place].torsion_arm };
@@ -146,8 +141,8 @@ static void merge_place(const struct friction_contact *contacts, uint32_t count,
 }
 
 /* What the contacts of a place pull with. */
-static void divide_place(const struct friction_contact *merged, struct friction_contact *contacts,
-                         uint32_t count, uint32_t place)
+static void divide_place(const struct friction_contact *merged, struct friction_contact *contacts, uint32_t count,
+                         uint32_t place)
 {
     for (uint32_t i = place; i < count; i++) {
         struct friction_contact *contact = &contacts[i];
@@ -160,8 +155,8 @@ static void divide_place(const struct friction_contact *merged, struct friction_
     }
 }
 
-static void pulls_of_places(struct friction_contact *contacts, uint32_t count, uint32_t n,
-                            const double *goal, int is_first)
+static void pulls_of_places(struct friction_contact *contacts, uint32_t count, uint32_t n, const double *goal,
+                            int is_first)
 {
     double y[HALF_SPACE_DIMENSIONS], largest = 0.0;
     memcpy(y, goal, n * sizeof *y);
@@ -188,8 +183,8 @@ static void pulls_of_places(struct friction_contact *contacts, uint32_t count, u
     }
 }
 
-void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
-                         const double *goal, int is_first)
+void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions, const double *goal,
+                         int is_first)
 {
     struct friction_contact merged[HALF_SPACE_DIMENSIONS];
     uint32_t places[HALF_SPACE_DIMENSIONS], place_count = 0;
@@ -207,9 +202,8 @@ void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint
         divide_place(&merged[p], contacts, count, places[p]);
 }
 
-uint32_t dpti_friction_planes(const struct friction_contact *contacts, uint32_t count,
-                              uint32_t dimensions, const double *goal,
-                              struct half_space planes[FRICTION_PLANES_MAX], double *pulled)
+uint32_t dpti_friction_planes(const struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
+                              const double *goal, struct half_space planes[FRICTION_PLANES_MAX], double *pulled)
 {
     struct friction_contact merged;
     uint32_t plane_count = 2;
@@ -235,8 +229,8 @@ uint32_t dpti_friction_planes(const struct friction_contact *contacts, uint32_t 
     return plane_count;
 }
 
-void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count,
-                        uint32_t dimensions, const double *goal, double *pulled)
+void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
+                        const double *goal, double *pulled)
 {
     memcpy(pulled, goal, dimensions * sizeof *goal);
     for (uint32_t i = 0; i < count; i++)

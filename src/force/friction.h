@@ -11,16 +11,15 @@
 
 /* One contact; all lengths in m. */
 struct friction_contact {
-    uint32_t
-        place; /* the number of the first contact at the same place: its own where it is alone, or the first */
-    double share; /* of all that its place holds, 0..1: 1 where it is alone */
+    uint32_t place; /* the number of the first contact at the same place: its own where it is alone, or the first */
+    double share;   /* of all that its place holds, 0..1: 1 where it is alone */
     double normal[HALF_SPACE_DIMENSIONS];    /* of its constraint */
     double across[2][HALF_SPACE_DIMENSIONS]; /* how the contact point moves along two tangents */
     double multiplier;                       /* of the constraint, >= 0 */
     double coefficient;                      /* of friction, >= 0 */
-    double slip[2];  /* that is to be made good: how far it is off where it stuck */
-    double pull[2];  /* in and out: what friction adds along the tangents */
-    int is_slipping; /* out: the pull is at its limit */
+    double slip[2];                          /* that is to be made good: how far it is off where it stuck */
+    double pull[2];                          /* in and out: what friction adds along the tangents */
+    int is_slipping;                         /* out: the pull is at its limit */
     /* Torsion, about the normal: how the tool turns about it, in 1/m; the limit's arm; the turn that is to be made good;
        in and out: what friction adds, in m^2. */
     double about[HALF_SPACE_DIMENSIONS];
@@ -39,24 +38,22 @@ struct friction_contact {
  * each contact is to move by -slip and turn by -turned, as far as its limits allow. It begins with the contacts' pulls;
  * if `is_first`, with pulls that share what is to be held as the limits are.
  */
-void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
-                         const double *goal, int is_first);
+void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions, const double *goal,
+                         int is_first);
 
 /*
  * Where all contacts are at one place, and stick there: the planes on which they hold the motion, and in `pulled` the goal
  * with what they pull with beside. Returns how many planes there are; 0 otherwise.
  */
 enum { FRICTION_PLANES_MAX = 3 };
-uint32_t dpti_friction_planes(const struct friction_contact *contacts, uint32_t count,
-                              uint32_t dimensions, const double *goal,
-                              struct half_space planes[FRICTION_PLANES_MAX], double *pulled);
+uint32_t dpti_friction_planes(const struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
+                              const double *goal, struct half_space planes[FRICTION_PLANES_MAX], double *pulled);
 
 /* sum += share * (pull . across + torsion about) */
-void dpti_friction_add(const struct friction_contact *contact, double share, uint32_t dimensions,
-                       double *sum);
+void dpti_friction_add(const struct friction_contact *contact, double share, uint32_t dimensions, double *sum);
 
 /* goal + sum of pull . across + torsion about */
-void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count,
-                        uint32_t dimensions, const double *goal, double *pulled);
+void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
+                        const double *goal, double *pulled);
 
 #endif

@@ -64,9 +64,8 @@ static int in_range(double value, double max_change)
 static int def_is_valid(const dpt_guard_def *def)
 {
     return in_range(def->force_max, 1000.0) && in_range(def->torque_max, 1000.0) &&
-           in_range(def->force_slew, DBL_MAX) && in_range(def->torque_slew, DBL_MAX) &&
-           in_range(def->hold, 10.0) && in_range(def->stop, 10.0) && in_range(def->start, 100.0) &&
-           !def->reserved;
+           in_range(def->force_slew, DBL_MAX) && in_range(def->torque_slew, DBL_MAX) && in_range(def->hold, 10.0) &&
+           in_range(def->stop, 10.0) && in_range(def->start, 100.0) && !def->reserved;
 }
 
 dpt_result dpt_guard_init(dpt_guard *to, const dpt_guard_def *given)
@@ -180,8 +179,8 @@ static void ramp_up(struct guard *guard, double dt)
  * Move `sent` towards gain * command, by at most max_change if is_limited, up to `limit` in length. 1 if max_change
  * limited it.
  */
-static int slew_towards(double *sent, const double *command, double gain, double max_change,
-                        int is_limited, double limit)
+static int slew_towards(double *sent, const double *command, double gain, double max_change, int is_limited,
+                        double limit)
 {
     double change[3];
     vec3_store(sub(scaled(vec3_of(command), gain), vec3_of(sent)), change);
@@ -193,10 +192,10 @@ static int slew_towards(double *sent, const double *command, double gain, double
 
 static void advance(struct guard *guard, double dt)
 {
-    int slewed = slew_towards(guard->sent.force, guard->command.force, guard->gain,
-                              guard->force_slew * dt, guard->force_slew > 0.0, guard->force_max);
-    slewed |= slew_towards(guard->sent.torque, guard->command.torque, guard->gain,
-                           guard->torque_slew * dt, guard->torque_slew > 0.0, guard->torque_max);
+    int slewed = slew_towards(guard->sent.force, guard->command.force, guard->gain, guard->force_slew * dt,
+                              guard->force_slew > 0.0, guard->force_max);
+    slewed |= slew_towards(guard->sent.torque, guard->command.torque, guard->gain, guard->torque_slew * dt,
+                           guard->torque_slew > 0.0, guard->torque_max);
     guard->slewed += (uint64_t)slewed;
 }
 
@@ -229,8 +228,7 @@ static void step(struct guard *guard, uint64_t now_ns, const dpt_wrench *command
         advance(guard, dt);
 }
 
-void dpt_guard_step(dpt_guard *at, uint64_t now_ns, const dpt_wrench *command, int ready,
-                    dpt_wrench *out)
+void dpt_guard_step(dpt_guard *at, uint64_t now_ns, const dpt_wrench *command, int ready, dpt_wrench *out)
 {
     struct guard guard;
     if (out)

@@ -38,8 +38,7 @@ static double split(const struct solver *solver, const double *normal, double *a
     return product_of(rest, rest, n);
 }
 
-static void append(struct solver *solver, uint32_t space, const double *along, const double *rest,
-                   double square)
+static void append(struct solver *solver, uint32_t space, const double *along, const double *rest, double square)
 {
     const uint32_t at = solver->result->active_count++;
     const double size = sqrt(square);
@@ -74,8 +73,7 @@ static uint32_t most_violated(const struct solver *solver, double tolerance)
     for (uint32_t i = 0; i < solver->count; i++) {
         const struct half_space *space = &solver->spaces[i];
         const double size = norm_of(space->normal, solver->n);
-        const double slack =
-            (product_of(space->normal, solver->result->y, solver->n) - space->bound) / size;
+        const double slack = (product_of(space->normal, solver->result->y, solver->n) - space->bound) / size;
         if (slack < lowest) {
             lowest = slack;
             worst = i;
@@ -106,8 +104,7 @@ static int satisfy(struct solver *solver, uint32_t space, int *left)
         double along[HALF_SPACE_DIMENSIONS], rest[HALF_SPACE_DIMENSIONS];
         double share[HALF_SPACE_DIMENSIONS];
         const double square = split(solver, added->normal, along, rest);
-        const int is_dependent =
-            !(square > DEPENDENCE * whole) || result->active_count == solver->n;
+        const int is_dependent = !(square > DEPENDENCE * whole) || result->active_count == solver->n;
         shares_of(solver, along, share);
         double step = DBL_MAX;
         uint32_t leaves = HALF_SPACE_DIMENSIONS;
@@ -144,8 +141,7 @@ static void hold(struct solver *solver, const struct half_space *plane)
     double along[HALF_SPACE_DIMENSIONS], rest[HALF_SPACE_DIMENSIONS], share[HALF_SPACE_DIMENSIONS];
     const uint32_t at = result->active_count;
     const double square = split(solver, plane->normal, along, rest);
-    if (at == solver->n ||
-        !(square > DEPENDENCE * product_of(plane->normal, plane->normal, solver->n)))
+    if (at == solver->n || !(square > DEPENDENCE * product_of(plane->normal, plane->normal, solver->n)))
         return;
     const double step = (plane->bound - product_of(plane->normal, result->y, solver->n)) / square;
     shares_of(solver, along, share);
@@ -166,8 +162,7 @@ static void take_out_held(const struct solver *solver, double *held)
     memcpy(held, result->multiplier, first * sizeof *held);
     result->active_count -= first;
     memmove(result->active, result->active + first, result->active_count * sizeof *result->active);
-    memmove(result->multiplier, result->multiplier + first,
-            result->active_count * sizeof *result->multiplier);
+    memmove(result->multiplier, result->multiplier + first, result->active_count * sizeof *result->multiplier);
 }
 
 static int satisfy_all(struct solver *solver, double tolerance)
@@ -182,9 +177,8 @@ static int satisfy_all(struct solver *solver, double tolerance)
     }
 }
 
-int dpti_half_spaces_nearest(const struct half_space *spaces, uint32_t count, uint32_t dimensions,
-                             const double *goal, double tolerance,
-                             struct half_spaces_result *result)
+int dpti_half_spaces_nearest(const struct half_space *spaces, uint32_t count, uint32_t dimensions, const double *goal,
+                             double tolerance, struct half_spaces_result *result)
 {
     struct solver solver = { .spaces = spaces, .count = count, .n = dimensions, .result = result };
     memset(result, 0, sizeof *result);
@@ -193,9 +187,8 @@ int dpti_half_spaces_nearest(const struct half_space *spaces, uint32_t count, ui
 }
 
 int dpti_half_spaces_nearest_on(const struct half_space *planes, uint32_t plane_count, double *held,
-                                const struct half_space *spaces, uint32_t count,
-                                uint32_t dimensions, const double *goal, double tolerance,
-                                struct half_spaces_result *result)
+                                const struct half_space *spaces, uint32_t count, uint32_t dimensions,
+                                const double *goal, double tolerance, struct half_spaces_result *result)
 {
     struct solver solver = { .spaces = spaces, .count = count, .n = dimensions, .result = result };
     memset(result, 0, sizeof *result);

@@ -68,11 +68,10 @@ static int in_range(double value, double most)
 
 static int def_is_valid(const dpt_passivity_def *def)
 {
-    return def->observe_only <= 1 && in_range(def->damping, 1e6) &&
-           in_range(def->spin_damping, 1e6) && in_range(def->force_max, 1e3) &&
-           in_range(def->torque_max, 1e3) && in_range(def->force_slew, DBL_MAX) &&
-           in_range(def->torque_slew, DBL_MAX) && in_range(def->delay, 10.0) &&
-           in_range(def->reserve, 1.0) && in_range(def->body_power, 1e3);
+    return def->observe_only <= 1 && in_range(def->damping, 1e6) && in_range(def->spin_damping, 1e6) &&
+           in_range(def->force_max, 1e3) && in_range(def->torque_max, 1e3) && in_range(def->force_slew, DBL_MAX) &&
+           in_range(def->torque_slew, DBL_MAX) && in_range(def->delay, 10.0) && in_range(def->reserve, 1.0) &&
+           in_range(def->body_power, 1e3);
 }
 
 dpt_result dpt_passivity_init(dpt_passivity *to, const dpt_passivity_def *given)
@@ -117,10 +116,9 @@ struct motion {
 
 static struct motion motion_between(const dpt_pose *from, const dpt_pose *to)
 {
-    const struct quaternion turn = quaternion_product(
-        quaternion_of(to->orientation), quaternion_inverse(quaternion_of(from->orientation)));
-    return (struct motion){ sub(vec3_of(to->position), vec3_of(from->position)),
-                            quaternion_rotation_vector(turn) };
+    const struct quaternion turn =
+        quaternion_product(quaternion_of(to->orientation), quaternion_inverse(quaternion_of(from->orientation)));
+    return (struct motion){ sub(vec3_of(to->position), vec3_of(from->position)), quaternion_rotation_vector(turn) };
 }
 
 /* J, that the wrench gives. */
@@ -147,9 +145,7 @@ static int note_sent(struct observer *observer, const dpt_wrench *sent, double d
 /* Of a wrench that acts for `time` at the expected speeds, at most, J. */
 static double work_expected(const struct observer *observer, const dpt_wrench *wrench, double time)
 {
-    return (length(vec3_of(wrench->force)) * observer->speed +
-            length(vec3_of(wrench->torque)) * observer->spin) *
-           time;
+    return (length(vec3_of(wrench->force)) * observer->speed + length(vec3_of(wrench->torque)) * observer->spin) * time;
 }
 
 /* What cannot be prevented any more: wrenches under way, and the guard's ramp from the newest to zero, J. */
@@ -172,16 +168,14 @@ static double work_committed(const struct observer *observer, int under_way, dou
  * Book what happened since the last sample. Bodies that draw back take no more than there is: what they did to the tool
  * has gone from the law's energy already.
  */
-static void book(struct observer *observer, const dpt_passivity_sample *sample,
-                 const struct motion *motion, const dpt_wrench *acting)
+static void book(struct observer *observer, const dpt_passivity_sample *sample, const struct motion *motion,
+                 const dpt_wrench *acting)
 {
     const dpt_passivity_def *def = &observer->def;
     dpt_passivity_info *info = &observer->info;
     const double shift = length(motion->shift), turn = length(motion->turn), dt = sample->dt;
-    const double damped =
-        CREDITED * (def->damping * shift * shift + def->spin_damping * turn * turn) / dt;
-    const double body_work =
-        max_of(min_of(sample->body_work, def->body_power * dt), -max_of(0.0, info->account));
+    const double damped = CREDITED * (def->damping * shift * shift + def->spin_damping * turn * turn) / dt;
+    const double body_work = max_of(min_of(sample->body_work, def->body_power * dt), -max_of(0.0, info->account));
     info->damped += damped;
     info->body_work += body_work;
     info->taken += work_of(&observer->withheld, motion);
@@ -195,8 +189,8 @@ static void book(struct observer *observer, const dpt_passivity_sample *sample,
 }
 
 /* Whether the wrench that is asked for may go on. */
-static int is_allowed(const struct observer *observer, const dpt_wrench *asked,
-                      const struct motion *motion, double committed)
+static int is_allowed(const struct observer *observer, const dpt_wrench *asked, const struct motion *motion,
+                      double committed)
 {
     const double account = observer->info.account;
     if (account < -observer->info.eps)
@@ -239,8 +233,7 @@ static void step(struct observer *observer, const dpt_passivity_sample *sample, 
     *wrench = zero;
 }
 
-dpt_result dpt_passivity_step(dpt_passivity *at, const dpt_passivity_sample *given,
-                              dpt_wrench *wrench)
+dpt_result dpt_passivity_step(dpt_passivity *at, const dpt_passivity_sample *given, dpt_wrench *wrench)
 {
     struct observer observer;
     dpt_passivity_sample sample = { .size = sizeof sample };

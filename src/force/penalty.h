@@ -9,8 +9,8 @@
 /*
  * Add the wrench of one penetration to `sum`, its torque about `origin`. stiffness: N/m. docs/algorithms/penalty.md.
  */
-static inline void respond_penalty(const struct penetration *penetration, double stiffness,
-                                   vec3 origin, dpt_wrench *sum)
+static inline void respond_penalty(const struct penetration *penetration, double stiffness, vec3 origin,
+                                   dpt_wrench *sum)
 {
     vec3 force = scaled(penetration->direction, stiffness * penetration->depth);
     vec3 torque = cross(sub(penetration->at, origin), force);

@@ -56,8 +56,7 @@ static struct sampled_axis axis_of(double mass, double damping, double period, d
                                   .unit = period * period / mass };
 }
 
-struct sampled_loop dpti_sampled_loop(const double *mass, const double *damping, int axes,
-                                      double period, double delay)
+struct sampled_loop dpti_sampled_loop(const double *mass, const double *damping, int axes, double period, double delay)
 {
     struct sampled_loop loop;
     if (delay > SAMPLED_PERIODS_MAX * period) {
@@ -119,14 +118,12 @@ static void add_scaled(double *sum, double scale, const double *a, int degree)
  * e is the decay and phi1 the gliding of the velocity, d the delay, g and h what two commands add to position and
  * velocity, and b the damping time in periods. `response` is N c.
  */
-static void polynomials_of(const struct sampled_loop *loop, int i, double b, double *own,
-                           double *response)
+static void polynomials_of(const struct sampled_loop *loop, int i, double b, double *own, double *response)
 {
     const struct sampled_axis *axis = &loop->axis[i];
     const double *g = axis->position, *h = axis->velocity;
     const double e = axis->decay;
-    const double n[3] = { axis->gliding * h[1] - e * g[1], g[1] - e * g[0] + axis->gliding * h[0],
-                          g[0] };
+    const double n[3] = { axis->gliding * h[1] - e * g[1], g[1] - e * g[0] + axis->gliding * h[0], g[0] };
     const double c[2] = { -b, 1.0 + b };
     const int d = loop->delay + 2;
     multiply(n, 2, c, 1, response);
@@ -137,8 +134,7 @@ static void polynomials_of(const struct sampled_loop *loop, int i, double b, dou
 }
 
 /* Two coordinates: the determinant of diag(D) + diag(N c) K. */
-int dpti_sampled_loop_holds(const struct sampled_loop *loop, int axes,
-                            const struct sampled_spring *spring)
+int dpti_sampled_loop_holds(const struct sampled_loop *loop, int axes, const struct sampled_spring *spring)
 {
     enum { RESPONSE_DEGREE = 3 };
     const int degree = loop->delay + 4;
@@ -162,8 +158,7 @@ int dpti_sampled_loop_holds(const struct sampled_loop *loop, int axes,
         divide_by_root_of_one(p, 2 * degree);
         return is_stable(p, 2 * degree - 1);
     }
-    const double between =
-        spring->between * spring->between * loop->axis[0].unit * loop->axis[1].unit;
+    const double between = spring->between * spring->between * loop->axis[0].unit * loop->axis[1].unit;
     multiply(response[0], RESPONSE_DEGREE, response[1], RESPONSE_DEGREE, product);
     add_scaled(p, k[0] * k[1] - between, product, 2 * RESPONSE_DEGREE);
     return is_stable(p, 2 * degree);

@@ -32,11 +32,9 @@ struct sampled_spring {
 };
 
 /* Masses above 0 and dampings of `axes` coordinates, 1 or 2; the period, above 0, and the delay, in s. */
-struct sampled_loop dpti_sampled_loop(const double *mass, const double *damping, int axes,
-                                      double period, double delay);
+struct sampled_loop dpti_sampled_loop(const double *mass, const double *damping, int axes, double period, double delay);
 
 /* 1 if all motion dies away, but for a drift in a direction that is left free. One coordinate: `along[0]` alone counts. */
-int dpti_sampled_loop_holds(const struct sampled_loop *loop, int axes,
-                            const struct sampled_spring *spring);
+int dpti_sampled_loop_holds(const struct sampled_loop *loop, int axes, const struct sampled_spring *spring);
 
 #endif

@@ -37,15 +37,13 @@ static inline double displacement_dot(const struct coupling *coupling, const str
            coupling->spin_rho * coupling->spin_rho * a->spin * b->spin;
 }
 
-static inline double displacement_norm(const struct coupling *coupling,
-                                       const struct displacement *displacement)
+static inline double displacement_norm(const struct coupling *coupling, const struct displacement *displacement)
 {
     return sqrt(displacement_dot(coupling, displacement, displacement));
 }
 
 /* What the spring stores, J. */
-static inline double coupling_energy(const struct coupling *coupling,
-                                     const struct displacement *from_device)
+static inline double coupling_energy(const struct coupling *coupling, const struct displacement *from_device)
 {
     return 0.5 * coupling->stiffness * displacement_dot(coupling, from_device, from_device);
 }
@@ -56,8 +54,7 @@ static inline double coupling_energy(const struct coupling *coupling,
  */
 static inline struct displacement coupling_damped(const struct coupling *coupling,
                                                   const struct displacement *from_device,
-                                                  const struct displacement *last, double time,
-                                                  double dt)
+                                                  const struct displacement *last, double time, double dt)
 {
     const struct displacement grown = displacement_sum(from_device, -1.0, last);
     const double length2 = displacement_dot(coupling, from_device, from_device);
@@ -70,16 +67,14 @@ static inline struct displacement coupling_damped(const struct coupling *couplin
  * The wrench on the tool, about `origin`; `centre` is the device's. `spin_axis` is (u + v) / (1 + u . v), u and v the
  * device's and the proxy's unit axes: so much the spin changes with a turn of the device.
  */
-static inline dpt_wrench coupling_wrench(const struct coupling *coupling,
-                                         const struct displacement *from_device, vec3 spin_axis,
-                                         vec3 centre, vec3 origin)
+static inline dpt_wrench coupling_wrench(const struct coupling *coupling, const struct displacement *from_device,
+                                         vec3 spin_axis, vec3 centre, vec3 origin)
 {
     dpt_wrench wrench;
     const double k = coupling->stiffness;
     const vec3 force = scaled(from_device->shift, k);
-    const vec3 torque =
-        along(scaled(from_device->turn, k * coupling->rho * coupling->rho),
-              k * coupling->spin_rho * coupling->spin_rho * from_device->spin, spin_axis);
+    const vec3 torque = along(scaled(from_device->turn, k * coupling->rho * coupling->rho),
+                              k * coupling->spin_rho * coupling->spin_rho * from_device->spin, spin_axis);
     vec3_store(force, wrench.force);
     vec3_store(add(torque, cross(sub(centre, origin), force)), wrench.torque);
     return wrench;

@@ -77,8 +77,8 @@ static int solve(const struct system *system, double *m)
     return 0;
 }
 
-double dpti_yield(const struct half_space *spaces, const struct half_spaces_result *hard,
-                  uint32_t dimensions, const double *compliance, double *share, double *yielded)
+double dpti_yield(const struct half_space *spaces, const struct half_spaces_result *hard, uint32_t dimensions,
+                  const double *compliance, double *share, double *yielded)
 {
     struct system system = { .count = hard->active_count };
     double m[HALF_SPACE_DIMENSIONS], stored = 0.0;

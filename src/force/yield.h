@@ -16,7 +16,7 @@
  * Adds sum of (m - m') normal to `yielded`, and sets each share = m' / m, of the active constraints in their order.
  * Compliances are >= 0. Returns what the constraints store, sum of c m'^2 / 2.
  */
-double dpti_yield(const struct half_space *spaces, const struct half_spaces_result *hard,
-                  uint32_t dimensions, const double *compliance, double *share, double *yielded);
+double dpti_yield(const struct half_space *spaces, const struct half_spaces_result *hard, uint32_t dimensions,
+                  const double *compliance, double *share, double *yielded);
 
 #endif

@@ -30,8 +30,7 @@ static dpt_result read_def(const dpt_hull_def *given, dpt_hull_def *def)
     if (!given)
         return DPT_E_ARGUMENT;
     DPT_TRY(sized_read(given, sizeof *def, def, sizeof *def));
-    if (def->corner_count < 3 || def->corner_count > HULL_CORNERS_MAX || !def->corners ||
-        def->reserved_pointer)
+    if (def->corner_count < 3 || def->corner_count > HULL_CORNERS_MAX || !def->corners || def->reserved_pointer)
         return DPT_E_ARGUMENT;
     if (!(def->radius >= 0.0 && def->radius <= DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
@@ -75,8 +74,7 @@ static void copy_corners(struct build *build, const dpt_hull_def *def)
 }
 
 /* The plane of three corners: a unit normal, and how far corners may be from it that lie on it. 0: too thin. */
-static int plane_of(const struct build *build, uint32_t i, uint32_t j, uint32_t k, vec3 *normal,
-                    double *tolerance)
+static int plane_of(const struct build *build, uint32_t i, uint32_t j, uint32_t k, vec3 *normal, double *tolerance)
 {
     const vec3 *corner = build->hull.corner;
     const vec3 e = sub(corner[j], corner[i]), f = sub(corner[k], corner[i]), g = sub(f, e);
@@ -92,8 +90,7 @@ static int plane_of(const struct build *build, uint32_t i, uint32_t j, uint32_t 
 }
 
 /* The corner that the loop of a face leads to from `at`: all others of the face are to the left, or nearer. */
-static uint32_t next_on_loop(const struct build *build, uint64_t on_face, vec3 normal, uint32_t at,
-                             double tolerance)
+static uint32_t next_on_loop(const struct build *build, uint64_t on_face, vec3 normal, uint32_t at, double tolerance)
 {
     const vec3 *corner = build->hull.corner;
     uint32_t next = DPT_NONE;
@@ -252,8 +249,7 @@ static void leave_out_inner(struct build *build)
             hull->edge[i][k] = now[hull->edge[i][k]];
 }
 
-dpt_result dpt_hull_create(void *block, size_t bytes, const dpt_hull_def *given,
-                           const dpt_hull **hull)
+dpt_result dpt_hull_create(void *block, size_t bytes, const dpt_hull_def *given, const dpt_hull **hull)
 {
     dpt_hull_def def;
     if (!hull)
@@ -318,8 +314,7 @@ dpt_result dpt_hull_get_edge(const dpt_hull *hull, uint32_t edge, uint32_t corne
     return DPT_OK;
 }
 
-dpt_result dpt_hull_get_face(const dpt_hull *hull, uint32_t face, uint32_t *corners,
-                             uint32_t capacity, uint32_t *count)
+dpt_result dpt_hull_get_face(const dpt_hull *hull, uint32_t face, uint32_t *corners, uint32_t capacity, uint32_t *count)
 {
     if (count)
         *count = 0;

@@ -48,8 +48,7 @@ void dpti_hull_set_axis(struct dpt_hull *hull)
 {
     hull->reach = HUGE_VAL;
     for (uint32_t i = 0; i < hull->edge_count; i++)
-        try_direction(hull,
-                      unit_of(sub(hull->corner[hull->edge[i][1]], hull->corner[hull->edge[i][0]])));
+        try_direction(hull, unit_of(sub(hull->corner[hull->edge[i][1]], hull->corner[hull->edge[i][0]])));
     for (uint32_t i = 0; i < hull->corner_count; i++)
         for (uint32_t k = i + 1; k < hull->corner_count; k++)
             try_direction(hull, unit_of(sub(hull->corner[k], hull->corner[i])));

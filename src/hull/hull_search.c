@@ -26,8 +26,8 @@ struct hull_query {
     int has_planes;
 };
 
-double dpti_hull_error(const struct hull_place *place, const struct surface *surface,
-                       const struct frame *tool, const struct frame *body)
+double dpti_hull_error(const struct hull_place *place, const struct surface *surface, const struct frame *tool,
+                       const struct frame *body)
 {
     const vec3 middle = scaled(add(place->hull->axis_a, place->hull->axis_b), 0.5);
     const double size = length(sub(place->hull->axis_b, middle)) + place->hull->reach;
@@ -66,11 +66,10 @@ static void set_planes(struct hull_query *query)
 static void set_leaf_planes(struct hull_query *query)
 {
     const double distance = query->nearest->distance;
-    const double size = length(sub(query->place->a, query->surface->filter_centre)) +
-                        length(query->place->u) + query->place->hull->reach + distance;
+    const double size = length(sub(query->place->a, query->surface->filter_centre)) + length(query->place->u) +
+                        query->place->hull->reach + distance;
     for (uint32_t i = 0; i < DIRECTIONS; i++)
-        hull_range_set_plane(&query->range, i, query->planes[i], query->supports[i] + distance,
-                             size);
+        hull_range_set_plane(&query->range, i, query->planes[i], query->supports[i] + distance, size);
 }
 
 /* Whether a plane parts a triangle from the hull by more than the best distance. */
@@ -80,8 +79,8 @@ static int is_beyond(struct hull_query *query, const vec3 v[3])
     for (int i = 0; i < DIRECTIONS; i++)
         if (-support_of(v, 3, scaled(query->planes[i], -1.0)) - query->supports[i] > distance)
             return 1;
-    return dpti_separate(query->place->corner, query->place->hull->corner_count, v, 3,
-                         max_of(0.0, distance), &query->last);
+    return dpti_separate(query->place->corner, query->place->hull->corner_count, v, 3, max_of(0.0, distance),
+                         &query->last);
 }
 
 static int take(struct hull_query *query, uint32_t triangle)
@@ -109,8 +108,8 @@ static int find_start(struct hull_query *query)
     traversal.level = 0;
     pair_search_begin(&start, DPT_NONE);
     start.pair.distance2 = limit * limit;
-    const int is_done = dpti_bvh_traverse(query->surface, query->kernel, NULL, place->a, place->u,
-                                          0.0, &traversal, query->work, &start);
+    const int is_done = dpti_bvh_traverse(query->surface, query->kernel, NULL, place->a, place->u, 0.0, &traversal,
+                                          query->work, &start);
     if (start.triangle != DPT_NONE)
         take(query, start.triangle);
     return is_done;
@@ -125,15 +124,13 @@ static void begin_range(struct hull_query *query)
     set_leaf_planes(query);
 }
 
-int dpti_hull_search(const struct surface *surface, const struct kernel *kernel,
-                     const struct hull_place *place, uint32_t hint, double limit, struct work *work,
-                     struct hull_nearest *nearest)
+int dpti_hull_search(const struct surface *surface, const struct kernel *kernel, const struct hull_place *place,
+                     uint32_t hint, double limit, struct work *work, struct hull_nearest *nearest)
 {
     struct hull_query query = {
         .surface = surface, .kernel = kernel, .place = place, .work = work, .nearest = nearest
     };
-    query.slack = DISTANCE_ERROR * DISTANCE_ERROR_SLACK *
-                  max_of(extent_of(place->a), dpti_surface_extent(surface));
+    query.slack = DISTANCE_ERROR * DISTANCE_ERROR_SLACK * max_of(extent_of(place->a), dpti_surface_extent(surface));
     memset(&nearest->found, 0, sizeof nearest->found);
     nearest->triangle = DPT_NONE;
     nearest->distance = limit;
@@ -154,8 +151,7 @@ int dpti_hull_search(const struct surface *surface, const struct kernel *kernel,
         if (take(&query, triangle)) {
             set_planes(&query);
             set_leaf_planes(&query);
-            filter_segment_set_limit(&query.range.segment, surface,
-                                     nearest->distance + place->hull->reach);
+            filter_segment_set_limit(&query.range.segment, surface, nearest->distance + place->hull->reach);
         }
     }
     return 1;

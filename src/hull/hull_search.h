@@ -18,8 +18,8 @@ struct hull_nearest {
  * m: the error bound of a distance between hull and surface, as that of an axis (nearest/nearest_pair.h); `tool` and
  * `body` are the frames that the place was made of.
  */
-double dpti_hull_error(const struct hull_place *place, const struct surface *surface,
-                       const struct frame *tool, const struct frame *body);
+double dpti_hull_error(const struct hull_place *place, const struct surface *surface, const struct frame *tool,
+                       const struct frame *body);
 
 /*
  * Find the nearest pair.
@@ -30,8 +30,7 @@ double dpti_hull_error(const struct hull_place *place, const struct surface *sur
  *
  * Returns 1 if the pair is proven. 0: the work is spent; `nearest` has the best pair so far, or none.
  */
-int dpti_hull_search(const struct surface *surface, const struct kernel *kernel,
-                     const struct hull_place *place, uint32_t hint, double limit, struct work *work,
-                     struct hull_nearest *nearest);
+int dpti_hull_search(const struct surface *surface, const struct kernel *kernel, const struct hull_place *place,
+                     uint32_t hint, double limit, struct work *work, struct hull_nearest *nearest);
 
 #endif

@@ -51,8 +51,7 @@ static void put_polygon(struct corner_list *list, uint32_t sides, double radius,
     }
 }
 
-dpt_result dpt_hull_shape_corners(const dpt_hull_shape *given, double *corners, uint32_t capacity,
-                                  uint32_t *count)
+dpt_result dpt_hull_shape_corners(const dpt_hull_shape *given, double *corners, uint32_t capacity, uint32_t *count)
 {
     dpt_hull_shape shape = { .size = sizeof shape };
     if (count)

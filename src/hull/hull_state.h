@@ -52,15 +52,15 @@ static inline double support_of(const vec3 *points, uint32_t count, vec3 n)
 }
 
 /* A corner of a hull whose frame is at `tool`, in the frame of a body that is at `body`. */
-static inline vec3 hull_corner_at(const struct dpt_hull *hull, uint32_t corner,
-                                  const struct frame *tool, const struct frame *body)
+static inline vec3 hull_corner_at(const struct dpt_hull *hull, uint32_t corner, const struct frame *tool,
+                                  const struct frame *body)
 {
     return frame_to_local(body, frame_to_world(tool, hull->corner[corner]));
 }
 
 /* The place of a hull whose frame is at `tool`, in the frame of a body that is at `body`; both in the world. */
-static inline void hull_place_set(struct hull_place *place, const struct dpt_hull *hull,
-                                  const struct frame *tool, const struct frame *body)
+static inline void hull_place_set(struct hull_place *place, const struct dpt_hull *hull, const struct frame *tool,
+                                  const struct frame *body)
 {
     place->hull = hull;
     for (uint32_t i = 0; i < hull->corner_count; i++)

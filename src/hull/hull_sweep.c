@@ -59,8 +59,7 @@ static void set_instant(struct instant *instant, const struct dpt_hull *hull)
 }
 
 /* The hull at an instant, for its pairs. */
-static void place_at(const struct dpt_hull *hull, const struct instant *instant,
-                     struct hull_place *place)
+static void place_at(const struct dpt_hull *hull, const struct instant *instant, struct hull_place *place)
 {
     struct frame tool, body;
     frame_of_pose(&instant->placement.tool, &tool);
@@ -68,8 +67,8 @@ static void place_at(const struct dpt_hull *hull, const struct instant *instant,
     hull_place_set(place, hull, &tool, &body);
 }
 
-static void set_middle(const struct instant *from, const struct instant *to,
-                       const struct dpt_hull *hull, struct instant *middle)
+static void set_middle(const struct instant *from, const struct instant *to, const struct dpt_hull *hull,
+                       struct instant *middle)
 {
     middle->placement.tool = pose_middle(&from->placement.tool, &to->placement.tool);
     middle->placement.body = pose_middle(&from->placement.body, &to->placement.body);
@@ -86,8 +85,8 @@ static int is_same_turn(const double *from, const double *to)
 #define UNEVEN 2.0
 
 /* m: how far corners' paths deviate from the parabolas through their ends and middles. */
-static double deviation_between(const struct dpt_hull *hull, const struct instant *from,
-                                const struct instant *middle, const struct instant *to)
+static double deviation_between(const struct dpt_hull *hull, const struct instant *from, const struct instant *middle,
+                                const struct instant *to)
 {
     struct instant quarter;
     double most = 0.0;
@@ -125,10 +124,9 @@ static double vertex_time(const struct hull_sweep *sweep, double time)
 static double surface_motion_of(const struct hull_sweep *sweep)
 {
     const struct surface_motion *motion = sweep->surface->motion;
-    return sweep->tick
-               ? (1.0 - sweep->tick_from) * (double)motion->step[motion->first[motion->levels]] /
-                     sweep->surface->filter_scale
-               : 0.0;
+    return sweep->tick ? (1.0 - sweep->tick_from) * (double)motion->step[motion->first[motion->levels]] /
+                             sweep->surface->filter_scale
+                       : 0.0;
 }
 
 static struct turning_plane plane_of(const struct piece *piece, vec3 from, vec3 to)
@@ -138,10 +136,8 @@ static struct turning_plane plane_of(const struct piece *piece, vec3 from, vec3 
     for (uint32_t i = 0; i < count; i++) {
         const vec3 first = piece->corner[i], last = piece->corner[count + i];
         const vec3 bend = piece->corner[2 * count + i];
-        const double at[COEFFICIENTS] = { dot(from, first),
-                                          (dot(to, first) + 2.0 * dot(from, bend)) / 3.0,
-                                          (2.0 * dot(to, bend) + dot(from, last)) / 3.0,
-                                          dot(to, last) };
+        const double at[COEFFICIENTS] = { dot(from, first), (dot(to, first) + 2.0 * dot(from, bend)) / 3.0,
+                                          (2.0 * dot(to, bend) + dot(from, last)) / 3.0, dot(to, last) };
         for (int k = 0; k < COEFFICIENTS; k++)
             plane.support[k] = max_of(plane.support[k], at[k]);
     }
@@ -159,8 +155,8 @@ static void add_plane(struct piece *piece, const struct turning_plane *plane)
 /* Of the tolerance: where a pose at a time is made by fewer halvings than found it, it is still free. */
 #define KEPT_APART 0.25
 
-static void set_piece(const struct hull_sweep *sweep, const struct instant *from,
-                      const struct instant *middle, const struct instant *to, struct piece *piece)
+static void set_piece(const struct hull_sweep *sweep, const struct instant *from, const struct instant *middle,
+                      const struct instant *to, struct piece *piece)
 {
     const uint32_t count = sweep->hull->corner_count;
     const double deviation = deviation_between(sweep->hull, from, middle, to);
@@ -174,17 +170,15 @@ static void set_piece(const struct hull_sweep *sweep, const struct instant *from
         piece->corner[i] = from->corner[i];
         piece->corner[count + i] = to->corner[i];
         piece->corner[2 * count + i] = bend;
-        piece->motion = max_of(piece->motion, max_of(length(sub(to->corner[i], from->corner[i])),
-                                                     length(sub(bend, from->corner[i]))));
+        piece->motion = max_of(piece->motion,
+                               max_of(length(sub(to->corner[i], from->corner[i])), length(sub(bend, from->corner[i]))));
     }
     piece->motion += deviation;
     piece->way = piece->motion + (to->time - from->time) * surface_motion_of(sweep);
-    piece->apart = max_of(0.0, sweep->hull->radius + sweep->clearance) + deviation +
-                   KEPT_APART * sweep->tolerance;
+    piece->apart = max_of(0.0, sweep->hull->radius + sweep->clearance) + deviation + KEPT_APART * sweep->tolerance;
     piece->plane_count = 0;
     for (uint32_t i = 0; i < sweep->direction_count; i++) {
-        const struct turning_plane plane =
-            plane_of(piece, sweep->directions[i], sweep->directions[i]);
+        const struct turning_plane plane = plane_of(piece, sweep->directions[i], sweep->directions[i]);
         add_plane(piece, &plane);
     }
 }
@@ -195,8 +189,8 @@ struct moving_corners {
     uint32_t count; /* 3: it does not move */
 };
 
-static void set_corners(const struct hull_sweep *sweep, const struct piece *piece,
-                        uint32_t triangle, struct moving_corners *corners)
+static void set_corners(const struct hull_sweep *sweep, const struct piece *piece, uint32_t triangle,
+                        struct moving_corners *corners)
 {
     corners->count = sweep->tick ? 6 : 3;
     if (!sweep->tick)
@@ -217,8 +211,7 @@ static int plane_parts(const struct piece *piece, const struct turning_plane *pl
         const vec3 first = corners->v[k], last = corners->v[k + corners->count - 3];
         const double begin = dot(plane->from, first), end = dot(plane->to, last);
         const double middle = 0.5 * (dot(plane->from, last) + dot(plane->to, first));
-        const double at[COEFFICIENTS] = { begin, (begin + 2.0 * middle) / 3.0,
-                                          (2.0 * middle + end) / 3.0, end };
+        const double at[COEFFICIENTS] = { begin, (begin + 2.0 * middle) / 3.0, (2.0 * middle + end) / 3.0, end };
         for (int i = 0; i < COEFFICIENTS; i++)
             low[i] = min_of(low[i], at[i]);
     }
@@ -229,15 +222,13 @@ static int plane_parts(const struct piece *piece, const struct turning_plane *pl
 }
 
 /* The direction from hull to triangle at one end of a piece; 0: they meet, or are farther apart than needs looking at. */
-static vec3 direction_at(const struct hull_sweep *sweep, const struct instant *instant,
-                         const vec3 v[3], double limit)
+static vec3 direction_at(const struct hull_sweep *sweep, const struct instant *instant, const vec3 v[3], double limit)
 {
     const vec3 none = { 0.0, 0.0, 0.0 };
     struct hull_place place;
     struct hull_pair found;
     place_at(sweep->hull, instant, &place);
-    return dpti_hull_triangle(&place, v, limit, &found) ? unit_of(scaled(found.pair.gap, -1.0))
-                                                        : none;
+    return dpti_hull_triangle(&place, v, limit, &found) ? unit_of(scaled(found.pair.gap, -1.0)) : none;
 }
 
 /* The plane across the nearest pairs at both ends of a piece. 0: there is none. */
@@ -267,27 +258,25 @@ static int is_parted(const struct hull_sweep *sweep, struct piece *piece, uint32
             return 1;
     }
     work_spend(sweep->work, 1);
-    if (dpti_separate(piece->corner, piece->corner_count, corners.v, corners.count, piece->apart,
-                      &n)) {
+    if (dpti_separate(piece->corner, piece->corner_count, corners.v, corners.count, piece->apart, &n)) {
         plane = plane_of(piece, n, n);
         add_plane(piece, &plane);
         return 1;
     }
-    if (!find_turning_plane(sweep, piece, &corners, &plane) ||
-        !plane_parts(piece, &plane, &corners))
+    if (!find_turning_plane(sweep, piece, &corners, &plane) || !plane_parts(piece, &plane, &corners))
         return 0;
     add_plane(piece, &plane);
     return 1;
 }
 
 /* Planes of the piece that do not turn, for whole leaves: those from `first` on. */
-static void set_leaf_planes(const struct hull_sweep *sweep, const struct piece *piece,
-                            uint32_t first, struct range *range)
+static void set_leaf_planes(const struct hull_sweep *sweep, const struct piece *piece, uint32_t first,
+                            struct range *range)
 {
     const struct instant *from = piece->from;
     const double reach = piece->apart + surface_motion_of(sweep);
-    const double size = length(sub(from->a, sweep->surface->filter_centre)) +
-                        length(sub(from->b, from->a)) + sweep->hull->reach + piece->motion + reach;
+    const double size = length(sub(from->a, sweep->surface->filter_centre)) + length(sub(from->b, from->a)) +
+                        sweep->hull->reach + piece->motion + reach;
     for (uint32_t i = first; i < piece->plane_count && i < HULL_RANGE_PLANES; i++) {
         const struct turning_plane *plane = &piece->plane[i];
         double most = plane->support[0];
@@ -312,8 +301,7 @@ static int test_piece(struct hull_sweep *sweep, struct piece *piece)
     if (sweep->triangle != DPT_NONE && !is_parted(sweep, piece, sweep->triangle))
         return PIECE_TOUCHES;
     dpti_range_begin(&range, sweep->surface, sweep->kernel, from->a, sub(from->b, from->a),
-                     sweep->hull->reach + piece->motion + piece->apart + surface_motion_of(sweep),
-                     sweep->work);
+                     sweep->hull->reach + piece->motion + piece->apart + surface_motion_of(sweep), sweep->work);
     uint32_t planes = 0;
     for (;;) {
         if (planes < piece->plane_count)
@@ -341,14 +329,13 @@ static double piece_length_max(const struct dpt_hull *hull)
 /* A piece between two instants; PIECE_LONG: it is to be halved at `middle` before it can be tested. */
 enum { PIECE_LONG = PIECE_UNFINISHED + 1 };
 
-static int sweep_piece(struct hull_sweep *sweep, const struct instant *from,
-                       const struct instant *to, struct instant *middle)
+static int sweep_piece(struct hull_sweep *sweep, const struct instant *from, const struct instant *to,
+                       struct instant *middle)
 {
     struct piece piece;
     set_middle(from, to, sweep->hull, middle);
     set_piece(sweep, from, middle, to, &piece);
-    if (!body_turns_little(&from->placement, &to->placement) ||
-        piece.motion > piece_length_max(sweep->hull))
+    if (!body_turns_little(&from->placement, &to->placement) || piece.motion > piece_length_max(sweep->hull))
         return PIECE_LONG;
     return test_piece(sweep, &piece);
 }
@@ -375,8 +362,8 @@ static struct instant instant_of(const struct hull_sweep *sweep, const struct pe
  * Whether a piece that is not parted from sweep->triangle as a whole touches it, by halves: PIECE_TOUCHES, and *until is the
  * end of what is parted. What touches is shorter than the tolerance, or than the wanted share of the whole.
  */
-static int touches_alone(const struct hull_sweep *sweep, const struct instant *from,
-                         const struct instant *to, struct instant *until)
+static int touches_alone(const struct hull_sweep *sweep, const struct instant *from, const struct instant *to,
+                         struct instant *until)
 {
     struct pending pending[HALVINGS_MAX + 1] = { pending_of(to) };
     const double shortest = sweep->resolution * (to->time - from->time);
@@ -392,8 +379,7 @@ static int touches_alone(const struct hull_sweep *sweep, const struct instant *f
         if (is_parted(sweep, &piece, sweep->triangle)) {
             *until = end;
             count--;
-        } else if (piece.way <= sweep->tolerance || end.time - until->time <= shortest ||
-                   count > HALVINGS_MAX) {
+        } else if (piece.way <= sweep->tolerance || end.time - until->time <= shortest || count > HALVINGS_MAX) {
             return PIECE_TOUCHES;
         } else {
             pending[count++] = pending_of(&middle);
@@ -402,8 +388,7 @@ static int touches_alone(const struct hull_sweep *sweep, const struct instant *f
     return PIECE_FREE;
 }
 
-int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,
-                    const struct placement *to)
+int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from, const struct placement *to)
 {
     struct pending pending[HALVINGS_MAX + 2] = { { *to, 1.0 } };
     const struct pending begin = { *from, 0.0 };
@@ -452,8 +437,7 @@ double dpti_hull_displacement(const struct dpt_hull *hull, const dpt_pose *from,
     for (uint32_t i = 0; i < hull->corner_count; i++) {
         const vec3 chord = scaled(add(first.corner[i], last.corner[i]), 0.5);
         const vec3 bend = along(chord, 2.0, sub(middle.corner[i], chord));
-        most = max_of(most, max_of(length(sub(last.corner[i], first.corner[i])),
-                                   length(sub(last.corner[i], bend))));
+        most = max_of(most, max_of(length(sub(last.corner[i], first.corner[i])), length(sub(last.corner[i], bend))));
     }
     return most + deviation_between(hull, &first, &middle, &last);
 }

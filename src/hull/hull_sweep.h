@@ -24,9 +24,8 @@ struct hull_sweep {
     const vec3 *directions;
     uint32_t direction_count;
     struct work *work;
-    uint32_t
-        triangle; /* place: in, one that is likely to be hit, or DPT_NONE; out, the one that was */
-    double time;  /* out: up to which the motion is free; 1 without a hit */
+    uint32_t triangle; /* place: in, one that is likely to be hit, or DPT_NONE; out, the one that was */
+    double time;       /* out: up to which the motion is free; 1 without a hit */
 };
 
 /*
@@ -34,11 +33,9 @@ struct hull_sweep {
  * hull may meet the triangle within the tolerance of motion, or the resolution, after `time`. SWEEP_UNFINISHED: the
  * work is spent; the motion is free up to `time`.
  */
-int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from,
-                    const struct placement *to);
+int dpti_hull_sweep(struct hull_sweep *sweep, const struct placement *from, const struct placement *to);
 
 /* m: how far any corner was, at any time of a tool's motion in the world, from where it is at its end, at most. */
-double dpti_hull_displacement(const struct dpt_hull *hull, const dpt_pose *from,
-                              const dpt_pose *to);
+double dpti_hull_displacement(const struct dpt_hull *hull, const dpt_pose *from, const dpt_pose *to);
 
 #endif

@@ -25,16 +25,14 @@ static struct ball ball_of(const vec3 v[3])
 }
 
 /* Which of the hull's features are too far from the ball to count. */
-static int corner_is_far(const struct hull_place *place, const struct ball *ball, uint32_t corner,
-                         double limit)
+static int corner_is_far(const struct hull_place *place, const struct ball *ball, uint32_t corner, double limit)
 {
     const vec3 offset = sub(place->corner[corner], ball->middle);
     const double reach = limit + ball->radius;
     return fabs(dot(offset, ball->normal)) > limit || dot(offset, offset) > reach * reach;
 }
 
-static int edge_is_far(const struct hull_place *place, const struct ball *ball, uint32_t edge,
-                       double limit)
+static int edge_is_far(const struct hull_place *place, const struct ball *ball, uint32_t edge, double limit)
 {
     const vec3 a = sub(place->corner[place->hull->edge[edge][0]], ball->middle);
     const vec3 b = sub(place->corner[place->hull->edge[edge][1]], ball->middle);
@@ -48,8 +46,7 @@ static int edge_is_far(const struct hull_place *place, const struct ball *ball, 
     return dot(nearest, nearest) > reach * reach;
 }
 
-static int try_corner(const struct hull_place *place, uint32_t corner, const vec3 v[3],
-                      struct hull_pair *found)
+static int try_corner(const struct hull_place *place, uint32_t corner, const vec3 v[3], struct hull_pair *found)
 {
     point_triangle(place->corner[corner], v, &found->pair);
     found->pair.s = 0.0;
@@ -105,21 +102,18 @@ static int is_above(vec3 x, double height)
     return height >= -0x1p-50 * extent_of(x);
 }
 
-static int try_face(const struct hull_place *place, uint32_t face, uint32_t k, const vec3 v[3],
-                    struct hull_pair *found)
+static int try_face(const struct hull_place *place, uint32_t face, uint32_t k, const vec3 v[3], struct hull_pair *found)
 {
     const double height = height_over(place, face, v[k]);
     if (!(is_above(v[k], height) && is_over_face(place, face, v[k])))
         return 0;
-    found->pair =
-        (pair){ .distance2 = height * height, .gap = scaled(place->normal[face], -height) };
+    found->pair = (pair){ .distance2 = height * height, .gap = scaled(place->normal[face], -height) };
     found->pair.weight[k] = 1.0;
     found->feature = HULL_FACE + 3 * face + k;
     return 1;
 }
 
-int dpti_hull_feature(const struct hull_place *place, uint32_t feature, const vec3 v[3],
-                      struct hull_pair *found)
+int dpti_hull_feature(const struct hull_place *place, uint32_t feature, const vec3 v[3], struct hull_pair *found)
 {
     if (feature < HULL_EDGE)
         return try_corner(place, feature - HULL_CORNER, v, found);
@@ -128,8 +122,8 @@ int dpti_hull_feature(const struct hull_place *place, uint32_t feature, const ve
                                : try_face(place, number / 3, number % 3, v, found);
 }
 
-void dpti_hull_place_feature(struct hull_place *place, const struct dpt_hull *hull,
-                             uint32_t feature, const struct frame *tool, const struct frame *body)
+void dpti_hull_place_feature(struct hull_place *place, const struct dpt_hull *hull, uint32_t feature,
+                             const struct frame *tool, const struct frame *body)
 {
     const uint32_t number = feature < HULL_FACE ? feature - HULL_EDGE : feature - HULL_FACE;
     place->hull = hull;
@@ -150,8 +144,8 @@ void dpti_hull_place_feature(struct hull_place *place, const struct dpt_hull *hu
 }
 
 /* Call `take` for the features that are near; *limit may shrink meanwhile. */
-static void visit_features(const struct hull_place *place, const struct ball *ball,
-                           const double *limit, hull_take_fn *take, void *user)
+static void visit_features(const struct hull_place *place, const struct ball *ball, const double *limit,
+                           hull_take_fn *take, void *user)
 {
     const struct dpt_hull *hull = place->hull;
     struct hull_pair found;
@@ -165,8 +159,7 @@ static void visit_features(const struct hull_place *place, const struct ball *ba
     for (uint32_t f = 0; f < hull->face_count; f++)
         for (uint32_t k = 0; k < 3; k++) {
             const double height = height_over(place, f, ball->v[k]);
-            if (is_above(ball->v[k], height) && height <= *limit &&
-                try_face(place, f, k, ball->v, &found))
+            if (is_above(ball->v[k], height) && height <= *limit && try_face(place, f, k, ball->v, &found))
                 take(user, &found);
         }
 }
@@ -184,8 +177,7 @@ static void take_within(void *user, const struct hull_pair *found)
         taken->take(taken->user, found);
 }
 
-void dpti_hull_features(const struct hull_place *place, const vec3 v[3], double limit,
-                        hull_take_fn *take, void *user)
+void dpti_hull_features(const struct hull_place *place, const vec3 v[3], double limit, hull_take_fn *take, void *user)
 {
     const struct ball ball = ball_of(v);
     struct taken taken = { take, user, limit * limit };
@@ -199,8 +191,7 @@ static int leads_nearer(vec3 way, vec3 toward, double lean)
     return rise > 0.0 && rise * rise > lean * lean * dot(way, way) * dot(toward, toward);
 }
 
-static int corner_is_local(const struct hull_place *place, uint32_t corner, vec3 toward,
-                           double lean)
+static int corner_is_local(const struct hull_place *place, uint32_t corner, vec3 toward, double lean)
 {
     for (uint32_t e = 0; e < place->hull->edge_count; e++) {
         const uint8_t *ends = place->hull->edge[e];
@@ -221,8 +212,8 @@ static int triangle_corner_is_local(const vec3 v[3], uint32_t k, vec3 toward, do
 }
 
 /* An edge's neighbours are the faces beside it, and beside the triangle's edge the triangle. */
-static int edges_are_local(const struct hull_place *place, uint32_t edge, uint32_t k,
-                           const vec3 v[3], const struct hull_pair *found, double lean)
+static int edges_are_local(const struct hull_place *place, uint32_t edge, uint32_t k, const vec3 v[3],
+                           const struct hull_pair *found, double lean)
 {
     const vec3 gap = found->pair.gap, toward = scaled(gap, -1.0);
     const uint8_t *ends = place->hull->edge[edge], *faces = place->hull->edge_face[edge];
@@ -235,15 +226,14 @@ static int edges_are_local(const struct hull_place *place, uint32_t edge, uint32
                                          : !leads_nearer(inward, gap, lean));
 }
 
-int dpti_hull_pair_is_local(const struct hull_place *place, const vec3 v[3],
-                            const struct hull_pair *found, double lean)
+int dpti_hull_pair_is_local(const struct hull_place *place, const vec3 v[3], const struct hull_pair *found, double lean)
 {
     const vec3 gap = found->pair.gap;
     if (found->feature < HULL_EDGE)
         return corner_is_local(place, found->feature - HULL_CORNER, scaled(gap, -1.0), lean);
     if (found->feature < HULL_FACE)
-        return edges_are_local(place, (found->feature - HULL_EDGE) / 3,
-                               (found->feature - HULL_EDGE) % 3, v, found, lean);
+        return edges_are_local(place, (found->feature - HULL_EDGE) / 3, (found->feature - HULL_EDGE) % 3, v, found,
+                               lean);
     return triangle_corner_is_local(v, (found->feature - HULL_FACE) % 3, gap, lean);
 }
 
@@ -315,16 +305,15 @@ static int meets(const struct hull_place *place, const struct ball *ball, struct
 }
 
 /* The nearest of all features that are nearer than `limit`; 0: there is none. */
-static int find_best(const struct hull_place *place, const struct ball *ball, double limit,
-                     struct hull_pair *found)
+static int find_best(const struct hull_place *place, const struct ball *ball, double limit, struct hull_pair *found)
 {
     struct best best = { { { .distance2 = limit * limit }, DPT_NONE }, limit };
     visit_features(place, ball, &best.limit, take_best, &best);
     *found = best.pair;
     if (found->feature == DPT_NONE)
         return 0;
-    pair_snap_to_zero(&found->pair, extent_of(place->corner[0]) + extent_of(ball->v[0]) +
-                                        extent_of(ball->edge[0]) + extent_of(ball->edge[2]));
+    pair_snap_to_zero(&found->pair, extent_of(place->corner[0]) + extent_of(ball->v[0]) + extent_of(ball->edge[0]) +
+                                        extent_of(ball->edge[2]));
     return 1;
 }
 
@@ -332,8 +321,7 @@ static int find_best(const struct hull_place *place, const struct ball *ball, do
 #define BOUND_SPARE    1e-6
 #define BOUND_ROUNDING 0x1p-40
 
-int dpti_hull_triangle(const struct hull_place *place, const vec3 v[3], double limit,
-                       struct hull_pair *found)
+int dpti_hull_triangle(const struct hull_place *place, const vec3 v[3], double limit, struct hull_pair *found)
 {
     const struct ball ball = ball_of(v);
     const uint32_t count = place->hull->corner_count;

@@ -36,34 +36,31 @@ struct hull_pair {
  * The pair of one feature. Returns 0, and leaves `found` undefined, where another feature has the pair: where an edge's
  * nearest point is at its end, or the triangle's corner is not above the face.
  */
-int dpti_hull_feature(const struct hull_place *place, uint32_t feature, const vec3 v[3],
-                      struct hull_pair *found);
+int dpti_hull_feature(const struct hull_place *place, uint32_t feature, const vec3 v[3], struct hull_pair *found);
 
 /* The place of a hull, as hull_place_set, but only of the corners and faces that a feature's pair needs. */
-void dpti_hull_place_feature(struct hull_place *place, const struct dpt_hull *hull,
-                             uint32_t feature, const struct frame *tool, const struct frame *body);
+void dpti_hull_place_feature(struct hull_place *place, const struct dpt_hull *hull, uint32_t feature,
+                             const struct frame *tool, const struct frame *body);
 
 /*
  * The nearest pair of hull and triangle, where their distance is below `limit`. Returns 1 if it is, 0 if not: then
  * `found` is undefined. If hull and triangle meet, the distance is 0, and the pair is a point of both.
  */
-int dpti_hull_triangle(const struct hull_place *place, const vec3 v[3], double limit,
-                       struct hull_pair *found);
+int dpti_hull_triangle(const struct hull_place *place, const vec3 v[3], double limit, struct hull_pair *found);
 
 /*
  * Call `take` for each feature whose pair is not farther apart than `limit`. Where hull and triangle meet, the pairs say
  * little.
  */
 typedef void hull_take_fn(void *user, const struct hull_pair *found);
-void dpti_hull_features(const struct hull_place *place, const vec3 v[3], double limit,
-                        hull_take_fn *take, void *user);
+void dpti_hull_features(const struct hull_place *place, const vec3 v[3], double limit, hull_take_fn *take, void *user);
 
 /*
  * Whether a feature's pair is nearest among its neighbours: no way from its points along the hull and the triangle leads
  * nearer, by more than the sine `lean` of an angle to the pair. Pairs that are not tell nothing of a motion that turns the
  * hull by less.
  */
-int dpti_hull_pair_is_local(const struct hull_place *place, const vec3 v[3],
-                            const struct hull_pair *found, double lean);
+int dpti_hull_pair_is_local(const struct hull_place *place, const vec3 v[3], const struct hull_pair *found,
+                            double lean);
 
 #endif

@@ -24,8 +24,7 @@ static void keep(struct simplex *simplex, uint32_t count, const uint32_t *kept)
 }
 
 /* The point of the segment w[i] w[j] that is nearest to the origin; kept: the ends that it needs. */
-static vec3 nearest_of_two(const struct simplex *simplex, const uint32_t at[2], uint32_t *count,
-                           uint32_t *kept)
+static vec3 nearest_of_two(const struct simplex *simplex, const uint32_t at[2], uint32_t *count, uint32_t *kept)
 {
     const vec3 a = simplex->w[at[0]], u = sub(simplex->w[at[1]], a);
     const double s = nearest_on(a, u, (vec3){ 0.0, 0.0, 0.0 });
@@ -38,8 +37,7 @@ static vec3 nearest_of_two(const struct simplex *simplex, const uint32_t at[2], 
 }
 
 /* The same of a triangle. */
-static vec3 nearest_of_three(const struct simplex *simplex, const uint32_t at[3], uint32_t *count,
-                             uint32_t *kept)
+static vec3 nearest_of_three(const struct simplex *simplex, const uint32_t at[3], uint32_t *count, uint32_t *kept)
 {
     const vec3 a = simplex->w[at[0]], b = simplex->w[at[1]], c = simplex->w[at[2]];
     const vec3 normal = cross(sub(b, a), sub(c, a));
@@ -75,9 +73,7 @@ static vec3 nearest_of_three(const struct simplex *simplex, const uint32_t at[3]
 /* Reduce a simplex to the points that its nearest point needs. 0: it holds the origin. */
 static int reduce(struct simplex *simplex, vec3 *nearest)
 {
-    static const uint32_t faces[4][4] = {
-        { 0, 1, 2, 3 }, { 0, 2, 3, 1 }, { 0, 3, 1, 2 }, { 1, 3, 2, 0 }
-    };
+    static const uint32_t faces[4][4] = { { 0, 1, 2, 3 }, { 0, 2, 3, 1 }, { 0, 3, 1, 2 }, { 1, 3, 2, 0 } };
     uint32_t count = 1, kept[3] = { 0 };
     if (simplex->count == 1) {
         *nearest = simplex->w[0];
@@ -89,8 +85,7 @@ static int reduce(struct simplex *simplex, vec3 *nearest)
         double best2 = HUGE_VAL;
         for (int f = 0; f < 4; f++) {
             const vec3 a = simplex->w[faces[f][0]];
-            const vec3 normal =
-                cross(sub(simplex->w[faces[f][1]], a), sub(simplex->w[faces[f][2]], a));
+            const vec3 normal = cross(sub(simplex->w[faces[f][1]], a), sub(simplex->w[faces[f][2]], a));
             const double fourth = dot(normal, sub(simplex->w[faces[f][3]], a));
             /* The origin is beyond a face, or nobody knows, as the four lie in a plane. */
             if (-dot(normal, a) * fourth > 0.0)
@@ -146,12 +141,10 @@ static void begin_bracket(struct bracket *bracket, vec3 n)
  * One iteration, from the direction bracket->n. Returns 0 where none can follow: the sets meet, as far as rounding tells,
  * or nothing is gained any more.
  */
-static int narrow(struct bracket *bracket, const vec3 *a, uint32_t a_count, const vec3 *b,
-                  uint32_t b_count)
+static int narrow(struct bracket *bracket, const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count)
 {
     vec3 v = { 0.0, 0.0, 0.0 };
-    const vec3 w = sub(farthest_along(b, b_count, scaled(bracket->n, -1.0)),
-                       farthest_along(a, a_count, bracket->n));
+    const vec3 w = sub(farthest_along(b, b_count, scaled(bracket->n, -1.0)), farthest_along(a, a_count, bracket->n));
     bracket->low = dot(w, bracket->n);
     if (bracket->simplex.count == 4)
         return 0;
@@ -173,8 +166,7 @@ static vec3 direction_of(const vec3 *a, const vec3 *b, vec3 n)
     return dot(n, n) > 0.0 ? n : sub(b[0], a[0]);
 }
 
-int dpti_separate(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count, double apart,
-                  vec3 *n)
+int dpti_separate(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count, double apart, vec3 *n)
 {
     struct bracket bracket;
     begin_bracket(&bracket, direction_of(a, b, *n));
@@ -194,8 +186,7 @@ int dpti_separate(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_cou
 /* Of the distance: a bracket that is so narrow will do. */
 #define NARROW 1e-6
 
-double dpti_distance_upper(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count,
-                           double limit, vec3 *n)
+double dpti_distance_upper(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count, double limit, vec3 *n)
 {
     struct bracket bracket;
     begin_bracket(&bracket, direction_of(a, b, *n));

@@ -14,14 +14,12 @@
  *   apart  m, >= 0
  *   n      in: a direction to begin with, of any length
  */
-int dpti_separate(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count, double apart,
-                  vec3 *n);
+int dpti_separate(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count, double apart, vec3 *n);
 
 /*
  * An upper bound of the distance of two sets, near it as a rule; 0 where they meet, as far as rounding tells. HUGE_VAL if
  * a plane proves that they are farther apart than `limit`, m: then *n is its normal, as above.
  */
-double dpti_distance_upper(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count,
-                           double limit, vec3 *n);
+double dpti_distance_upper(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count, double limit, vec3 *n);
 
 #endif

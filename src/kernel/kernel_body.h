@@ -26,9 +26,9 @@
 #define PER_ROOT(square) ((square) > 0x1p-100f ? 1.0f / sqrtf(square) : NAN)
 
 /* Declares n0, n1, n2, for a name n: the dot products of a triangle's three corners with (x, y, z). */
-#define CORNERS_ALONG(n, x, y, z)                                                                  \
-    float n##0 = x * block[i] + y * block[LANES + i] + z * block[2 * LANES + i];                   \
-    float n##1 = x * block[3 * LANES + i] + y * block[4 * LANES + i] + z * block[5 * LANES + i];   \
+#define CORNERS_ALONG(n, x, y, z)                                                                                      \
+    float n##0 = x * block[i] + y * block[LANES + i] + z * block[2 * LANES + i];                                       \
+    float n##1 = x * block[3 * LANES + i] + y * block[4 * LANES + i] + z * block[5 * LANES + i];                       \
     float n##2 = x * block[6 * LANES + i] + y * block[7 * LANES + i] + z * block[8 * LANES + i];
 
 /* Each lane's bit. It is a table because not every instruction set can shift lanes by different amounts. */
@@ -55,17 +55,15 @@ KERNEL_TARGET static inline uint32_t KERNEL(open)(const float *bound, float limi
  * there must the axis be in front of the plane. When a long tool turns by an angle, its ends swing across the plane by
  * half the length times the angle; the part beside the piece hardly moves.
  */
-#define LOCAL_BOUND(from, to)                                                                      \
-    float nx = planes->x[i], ny = planes->y[i], nz = planes->z[i];                                 \
-    float at_a = nx * ax + ny * ay + nz * az;                                                      \
-    float rise = nx * ux + ny * uy + nz * uz;                                                      \
-    float rise_from = CLAMP(from, length) * rise, rise_to = CLAMP(to, length) * rise;              \
+#define LOCAL_BOUND(from, to)                                                                                          \
+    float nx = planes->x[i], ny = planes->y[i], nz = planes->z[i];                                                     \
+    float at_a = nx * ax + ny * ay + nz * az;                                                                          \
+    float rise = nx * ux + ny * uy + nz * uz;                                                                          \
+    float rise_from = CLAMP(from, length) * rise, rise_to = CLAMP(to, length) * rise;                                  \
     float value = planes->support[i] - at_a - AT_LEAST(rise_from, rise_to);
 
-KERNEL_TARGET uint32_t KERNEL(cached_boxes)(const float *restrict block,
-                                            const struct filter_segment *restrict segment,
-                                            const struct planes *restrict planes,
-                                            float *restrict bound)
+KERNEL_TARGET uint32_t KERNEL(cached_boxes)(const float *restrict block, const struct filter_segment *restrict segment,
+                                            const struct planes *restrict planes, float *restrict bound)
 {
     const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
     const float ux = segment->x[0], uy = segment->x[1], uz = segment->x[2];
@@ -75,8 +73,7 @@ KERNEL_TARGET uint32_t KERNEL(cached_boxes)(const float *restrict block,
     for (int i = 0; i < LANES; i++) {
         float dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
         float s = dx * ux + dy * uy + dz * uz;
-        float half =
-            wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i];
+        float half = wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i];
         float from = s - half, to = s + half;
         LOCAL_BOUND(from, to)
         bound[i] = value;
@@ -87,8 +84,7 @@ KERNEL_TARGET uint32_t KERNEL(cached_boxes)(const float *restrict block,
 /* For a triangle a second plane is tried: the cached one turned parallel to the axis, with a support of its own. */
 KERNEL_TARGET uint32_t KERNEL(cached_triangles)(const float *restrict block,
                                                 const struct filter_segment *restrict segment,
-                                                const struct planes *restrict planes,
-                                                float *restrict bound)
+                                                const struct planes *restrict planes, float *restrict bound)
 {
     const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
     const float ux = segment->x[0], uy = segment->x[1], uz = segment->x[2];
@@ -110,21 +106,20 @@ KERNEL_TARGET uint32_t KERNEL(cached_triangles)(const float *restrict block,
 }
 
 /* Store the plane (nx, ny, nz) with support `low` in lane i, and its bound. */
-#define PUT_PLANE                                                                                  \
-    {                                                                                              \
-        float at_a = nx * ax + ny * ay + nz * az;                                                  \
-        float at_b = nx * bx + ny * by + nz * bz;                                                  \
-        float value = low - AT_LEAST(at_a, at_b);                                                  \
-        planes->x[i] = nx;                                                                         \
-        planes->y[i] = ny;                                                                         \
-        planes->z[i] = nz;                                                                         \
-        planes->support[i] = low;                                                                  \
-        bound[i] = value;                                                                          \
+#define PUT_PLANE                                                                                                      \
+    {                                                                                                                  \
+        float at_a = nx * ax + ny * ay + nz * az;                                                                      \
+        float at_b = nx * bx + ny * by + nz * bz;                                                                      \
+        float value = low - AT_LEAST(at_a, at_b);                                                                      \
+        planes->x[i] = nx;                                                                                             \
+        planes->y[i] = ny;                                                                                             \
+        planes->z[i] = nz;                                                                                             \
+        planes->support[i] = low;                                                                                      \
+        bound[i] = value;                                                                                              \
     }
 
 /* The direction leads from the axis' point nearest to the box's centre to that centre. */
-KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
-                                     const struct filter_segment *restrict segment,
+KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block, const struct filter_segment *restrict segment,
                                      struct planes *restrict planes, float *restrict bound)
 {
     const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
@@ -142,9 +137,9 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
         nx *= unit;
         ny *= unit;
         nz *= unit;
-        float low = nx * cx + ny * cy + nz * cz -
-                    (fabsf(nx) * block[3 * LANES + i] + fabsf(ny) * block[4 * LANES + i] +
-                     fabsf(nz) * block[5 * LANES + i]);
+        float low =
+            nx * cx + ny * cy + nz * cz -
+            (fabsf(nx) * block[3 * LANES + i] + fabsf(ny) * block[4 * LANES + i] + fabsf(nz) * block[5 * LANES + i]);
         PUT_PLANE
     }
     return KERNEL_OPEN(bound, limit);
@@ -155,51 +150,50 @@ KERNEL_TARGET uint32_t KERNEL(boxes)(const float *restrict block,
  * set (nx, ny, nz) to the shortest connection and min_square to its square. Beside the segment the distance is that to
  * the segment's line, which is two-dimensional; beyond an end it is that to the end.
  */
-#define TRY_EDGE(px, py, pz, ex, ey, ez)                                                           \
-    {                                                                                              \
-        float flat = ey * ey + ez * ez;                                                            \
-        float lean = -(py * ey + pz * ez);                                                         \
-        float t = CLAMP(lean / flat, 1.0f);                                                        \
-        float x = px + t * ex;                                                                     \
-        float end = CLAMP(x, length);                                                              \
-        float t_end = CLAMP((lean + (end - px) * ex) / (flat + ex * ex), 1.0f);                    \
-        t = x == end ? t : t_end;                                                                  \
-        float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                \
-        qx = qx - CLAMP(qx, length);                                                               \
-        float square = qx * qx + qy * qy + qz * qz;                                                \
-        int nearer = square < min_square;                                                          \
-        min_square = nearer ? square : min_square;                                                 \
-        nx = nearer ? qx : nx;                                                                     \
-        ny = nearer ? qy : ny;                                                                     \
-        nz = nearer ? qz : nz;                                                                     \
+#define TRY_EDGE(px, py, pz, ex, ey, ez)                                                                               \
+    {                                                                                                                  \
+        float flat = ey * ey + ez * ez;                                                                                \
+        float lean = -(py * ey + pz * ez);                                                                             \
+        float t = CLAMP(lean / flat, 1.0f);                                                                            \
+        float x = px + t * ex;                                                                                         \
+        float end = CLAMP(x, length);                                                                                  \
+        float t_end = CLAMP((lean + (end - px) * ex) / (flat + ex * ex), 1.0f);                                        \
+        t = x == end ? t : t_end;                                                                                      \
+        float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                                    \
+        qx = qx - CLAMP(qx, length);                                                                                   \
+        float square = qx * qx + qy * qy + qz * qz;                                                                    \
+        int nearer = square < min_square;                                                                              \
+        min_square = nearer ? square : min_square;                                                                     \
+        nx = nearer ? qx : nx;                                                                                         \
+        ny = nearer ? qy : ny;                                                                                         \
+        nz = nearer ? qz : nz;                                                                                         \
     }
 
 /* f . ((p - s) x (q - s)) for the point s on the x axis: the sign says on which side of edge pq s projects. */
-#define SIDE(px, py, pz, qx, qy, qz)                                                               \
-    (fx * (py * qz - pz * qy) + fy * (pz * (qx - s) - (px - s) * qz) +                             \
-     fz * ((px - s) * qy - py * (qx - s)))
+#define SIDE(px, py, pz, qx, qy, qz)                                                                                   \
+    (fx * (py * qz - pz * qy) + fy * (pz * (qx - s) - (px - s) * qz) + fz * ((px - s) * qy - py * (qx - s)))
 
 /*
  * Test one edge, from (p, q) along (e, f) in the plane across the axis. If it is nearer to the axis' line than the
  * edges before, set (y, z) to the shortest connection and min_square to its square.
  */
-#define TRY_EDGE_BESIDE(p, q, e, f)                                                                \
-    {                                                                                              \
-        float t = CLAMP(-(p * e + q * f) / (e * e + f * f), 1.0f);                                 \
-        float py = p + t * e, pz = q + t * f, square = py * py + pz * pz;                          \
-        int nearer = square < min_square;                                                          \
-        min_square = nearer ? square : min_square;                                                 \
-        y = nearer ? py : y;                                                                       \
-        z = nearer ? pz : z;                                                                       \
+#define TRY_EDGE_BESIDE(p, q, e, f)                                                                                    \
+    {                                                                                                                  \
+        float t = CLAMP(-(p * e + q * f) / (e * e + f * f), 1.0f);                                                     \
+        float py = p + t * e, pz = q + t * f, square = py * py + pz * pz;                                              \
+        int nearer = square < min_square;                                                                              \
+        min_square = nearer ? square : min_square;                                                                     \
+        y = nearer ? py : y;                                                                                           \
+        z = nearer ? pz : z;                                                                                           \
     }
 
 /*
  * The loop `triangles` for a block whose triangles all lie between the axis' ends. There the axis can be replaced by
  * its line: the problem is two-dimensional, and a face is nearest only if the line crosses it.
  */
-KERNEL_TARGET static uint32_t
-KERNEL(triangles_beside)(const float *restrict block, const struct filter_segment *restrict segment,
-                         struct planes *restrict planes, float *restrict bound)
+KERNEL_TARGET static uint32_t KERNEL(triangles_beside)(const float *restrict block,
+                                                       const struct filter_segment *restrict segment,
+                                                       struct planes *restrict planes, float *restrict bound)
 {
     const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
     const float bx = segment->b[0], by = segment->b[1], bz = segment->b[2];
@@ -228,8 +222,7 @@ KERNEL(triangles_beside)(const float *restrict block, const struct filter_segmen
     return KERNEL_OPEN(bound, limit);
 }
 
-KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
-                                         const struct filter_segment *restrict segment,
+KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block, const struct filter_segment *restrict segment,
                                          struct planes *restrict planes, float *restrict bound)
 {
     const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
@@ -279,8 +272,7 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
         float height = fx * ax0 + fy * ay0 + fz * az0;
         float s = CLAMP(height / fx, length);
         float above = height - fx * s;
-        int inside = (SIDE(ax0, ay0, az0, ax1, ay1, az1) > 0.0f) &
-                     (SIDE(ax1, ay1, az1, ax2, ay2, az2) > 0.0f) &
+        int inside = (SIDE(ax0, ay0, az0, ax1, ay1, az1) > 0.0f) & (SIDE(ax1, ay1, az1, ax2, ay2, az2) > 0.0f) &
                      (SIDE(ax2, ay2, az2, ax0, ay0, az0) > 0.0f);
         float sign = above < 0.0f ? -1.0f : 1.0f;
         nx = inside ? sign * fx : nx;
@@ -301,9 +293,8 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block,
 }
 
 /* A plane with a greater bound lasts longer. */
-KERNEL_TARGET void KERNEL(better)(const struct planes *restrict made,
-                                  const float *restrict made_bound, struct planes *restrict planes,
-                                  float *restrict bound)
+KERNEL_TARGET void KERNEL(better)(const struct planes *restrict made, const float *restrict made_bound,
+                                  struct planes *restrict planes, float *restrict bound)
 {
     for (int i = 0; i < LANES; i++) {
         int better = (made_bound[i] > bound[i]) | (bound[i] != bound[i]);
@@ -315,8 +306,8 @@ KERNEL_TARGET void KERNEL(better)(const struct planes *restrict made,
     }
 }
 
-KERNEL_TARGET uint32_t KERNEL(point_boxes)(const float *restrict block, const float *restrict at,
-                                           float limit, float *restrict bound)
+KERNEL_TARGET uint32_t KERNEL(point_boxes)(const float *restrict block, const float *restrict at, float limit,
+                                           float *restrict bound)
 {
     const float ax = at[0], ay = at[1], az = at[2];
 
@@ -333,26 +324,25 @@ KERNEL_TARGET uint32_t KERNEL(point_boxes)(const float *restrict block, const fl
  * Test one edge, from p along e, seen from the point. If it is nearer than the edges before, set (nx, ny, nz) to the
  * shortest connection and min_square to its square.
  */
-#define TRY_POINT_EDGE(px, py, pz, ex, ey, ez)                                                     \
-    {                                                                                              \
-        float lean = -(px * ex + py * ey + pz * ez);                                               \
-        float t = CLAMP(lean / (ex * ex + ey * ey + ez * ez), 1.0f);                               \
-        float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                \
-        float square = qx * qx + qy * qy + qz * qz;                                                \
-        int nearer = square < min_square;                                                          \
-        min_square = nearer ? square : min_square;                                                 \
-        nx = nearer ? qx : nx;                                                                     \
-        ny = nearer ? qy : ny;                                                                     \
-        nz = nearer ? qz : nz;                                                                     \
+#define TRY_POINT_EDGE(px, py, pz, ex, ey, ez)                                                                         \
+    {                                                                                                                  \
+        float lean = -(px * ex + py * ey + pz * ez);                                                                   \
+        float t = CLAMP(lean / (ex * ex + ey * ey + ez * ez), 1.0f);                                                   \
+        float qx = px + t * ex, qy = py + t * ey, qz = pz + t * ez;                                                    \
+        float square = qx * qx + qy * qy + qz * qz;                                                                    \
+        int nearer = square < min_square;                                                                              \
+        min_square = nearer ? square : min_square;                                                                     \
+        nx = nearer ? qx : nx;                                                                                         \
+        ny = nearer ? qy : ny;                                                                                         \
+        nz = nearer ? qz : nz;                                                                                         \
     }
 
 /* f . (p x q): the sign says on which side of edge pq the point lies, seen along f. */
-#define POINT_SIDE(px, py, pz, qx, qy, qz)                                                         \
+#define POINT_SIDE(px, py, pz, qx, qy, qz)                                                                             \
     (fx * (py * qz - pz * qy) + fy * (pz * qx - px * qz) + fz * (px * qy - py * qx))
 
 /* n need not be of unit length, only long enough to divide by. A first pass tries the direction to the centroid. */
-KERNEL_TARGET uint32_t KERNEL(point_triangles)(const float *restrict block,
-                                               const float *restrict at, float limit,
+KERNEL_TARGET uint32_t KERNEL(point_triangles)(const float *restrict block, const float *restrict at, float limit,
                                                float *restrict bound)
 {
     const float ax = at[0], ay = at[1], az = at[2];
@@ -406,23 +396,22 @@ KERNEL_TARGET uint32_t KERNEL(point_triangles)(const float *restrict block,
     return KERNEL_OPEN(bound, limit);
 }
 
-KERNEL_TARGET uint32_t KERNEL(common_boxes)(const float *restrict block, const float normal[3],
-                                            float limit, float *restrict support)
+KERNEL_TARGET uint32_t KERNEL(common_boxes)(const float *restrict block, const float normal[3], float limit,
+                                            float *restrict support)
 {
     const float nx = normal[0], ny = normal[1], nz = normal[2];
     const float wx = fabsf(nx), wy = fabsf(ny), wz = fabsf(nz);
 
     for (int i = 0; i < LANES; i++) {
-        float value =
-            nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i] -
-            (wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i]);
+        float value = nx * block[i] + ny * block[LANES + i] + nz * block[2 * LANES + i] -
+                      (wx * block[3 * LANES + i] + wy * block[4 * LANES + i] + wz * block[5 * LANES + i]);
         support[i] = value;
     }
     return KERNEL_OPEN(support, limit);
 }
 
-KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, const float normal[3],
-                                                float limit, float *restrict support)
+KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, const float normal[3], float limit,
+                                                float *restrict support)
 {
     const float nx = normal[0], ny = normal[1], nz = normal[2];
 
@@ -435,75 +424,75 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
 }
 
 /* The box around a hull, as local numbers that stay in registers. */
-#define HULL                                                                                       \
-    const float ox = hull->centre[0], oy = hull->centre[1], oz = hull->centre[2];                  \
-    const float xx = hull->axis[0][0], xy = hull->axis[0][1], xz = hull->axis[0][2];               \
-    const float yx = hull->axis[1][0], yy = hull->axis[1][1], yz = hull->axis[1][2];               \
-    const float zx = hull->axis[2][0], zy = hull->axis[2][1], zz = hull->axis[2][2];               \
-    const float wx = hull->half[0], wy = hull->half[1], wz = hull->half[2];                        \
-    const float reach_a = hull->reach[0], reach_b = hull->reach[1];                                \
+#define HULL                                                                                                           \
+    const float ox = hull->centre[0], oy = hull->centre[1], oz = hull->centre[2];                                      \
+    const float xx = hull->axis[0][0], xy = hull->axis[0][1], xz = hull->axis[0][2];                                   \
+    const float yx = hull->axis[1][0], yy = hull->axis[1][1], yz = hull->axis[1][2];                                   \
+    const float zx = hull->axis[2][0], zy = hull->axis[2][1], zz = hull->axis[2][2];                                   \
+    const float wx = hull->half[0], wy = hull->half[1], wz = hull->half[2];                                            \
+    const float reach_a = hull->reach[0], reach_b = hull->reach[1];                                                    \
     const float limit = hull->limit;
 
 /* Declares n, the unit direction from the nearest point of that box to (cx, cy, cz); no number inside the box. */
-#define AWAY_FROM_HULL(cx, cy, cz)                                                                 \
-    float dx = (cx)-ox, dy = (cy)-oy, dz = (cz)-oz;                                                \
-    float px = dx * xx + dy * xy + dz * xz;                                                        \
-    float py = dx * yx + dy * yy + dz * yz;                                                        \
-    float pz = dx * zx + dy * zy + dz * zz;                                                        \
-    px -= AT_MOST(AT_LEAST(px, -wx), wx);                                                          \
-    py -= AT_MOST(AT_LEAST(py, -wy), wy);                                                          \
-    pz -= AT_MOST(AT_LEAST(pz, -wz), wz);                                                          \
-    float nx = px * xx + py * yx + pz * zx;                                                        \
-    float ny = px * xy + py * yy + pz * zy;                                                        \
-    float nz = px * xz + py * yz + pz * zz;                                                        \
-    float unit = PER_ROOT(nx * nx + ny * ny + nz * nz);                                            \
-    nx *= unit;                                                                                    \
-    ny *= unit;                                                                                    \
+#define AWAY_FROM_HULL(cx, cy, cz)                                                                                     \
+    float dx = (cx)-ox, dy = (cy)-oy, dz = (cz)-oz;                                                                    \
+    float px = dx * xx + dy * xy + dz * xz;                                                                            \
+    float py = dx * yx + dy * yy + dz * yz;                                                                            \
+    float pz = dx * zx + dy * zy + dz * zz;                                                                            \
+    px -= AT_MOST(AT_LEAST(px, -wx), wx);                                                                              \
+    py -= AT_MOST(AT_LEAST(py, -wy), wy);                                                                              \
+    pz -= AT_MOST(AT_LEAST(pz, -wz), wz);                                                                              \
+    float nx = px * xx + py * yx + pz * zx;                                                                            \
+    float ny = px * xy + py * yy + pz * zy;                                                                            \
+    float nz = px * xz + py * yz + pz * zz;                                                                            \
+    float unit = PER_ROOT(nx * nx + ny * ny + nz * nz);                                                                \
+    nx *= unit;                                                                                                        \
+    ny *= unit;                                                                                                        \
     nz *= unit;
 
 /* ENDS_ALONG declares n_0 to n_3, for a name n: the dot products of the hull's four ends with (x, y, z). */
 #define END_ALONG(e, x, y, z) ((x)*hull->end[e][0] + (y)*hull->end[e][1] + (z)*hull->end[e][2])
-#define ENDS_ALONG(n, x, y, z)                                                                     \
-    float n##_0 = END_ALONG(0, x, y, z), n##_1 = END_ALONG(1, x, y, z);                            \
+#define ENDS_ALONG(n, x, y, z)                                                                                         \
+    float n##_0 = END_ALONG(0, x, y, z), n##_1 = END_ALONG(1, x, y, z);                                                \
     float n##_2 = END_ALONG(2, x, y, z), n##_3 = END_ALONG(3, x, y, z);
 
 /*
  * The part of the axis that can come near a lane, `from` and `to` in s. What stays before or behind the lane's range along
  * the tool at both times is left out. Where the axis is not along the tool at both times, nothing is.
  */
-#define PIECES                                                                                     \
-    ENDS_ALONG(x, xx, xy, xz)                                                                      \
-    const float first_length = x_1 - x_0, last_length = x_3 - x_2;                                 \
-    const int has_pieces = first_length > PIECE_AXIS_MIN && last_length > PIECE_AXIS_MIN;          \
-    const float per_first = has_pieces ? 1.0f / first_length : 0.0f;                               \
-    const float per_last = has_pieces ? 1.0f / last_length : 0.0f;                                 \
-    const float beside = hull->beside, whole = has_pieces ? 0.0f : 1.0f;                           \
+#define PIECES                                                                                                         \
+    ENDS_ALONG(x, xx, xy, xz)                                                                                          \
+    const float first_length = x_1 - x_0, last_length = x_3 - x_2;                                                     \
+    const int has_pieces = first_length > PIECE_AXIS_MIN && last_length > PIECE_AXIS_MIN;                              \
+    const float per_first = has_pieces ? 1.0f / first_length : 0.0f;                                                   \
+    const float per_last = has_pieces ? 1.0f / last_length : 0.0f;                                                     \
+    const float beside = hull->beside, whole = has_pieces ? 0.0f : 1.0f;                                               \
     const float reach_rise = reach_b - reach_a;
-#define PIECE_BESIDE(low, high)                                                                    \
-    const float before = (low)-beside, behind = (high) + beside;                                   \
-    float from = AT_MOST((before - x_0) * per_first, (before - x_2) * per_last) - whole;           \
-    float to = AT_LEAST((behind - x_0) * per_first, (behind - x_2) * per_last) + whole;            \
-    from = CLAMP(from, 1.0f);                                                                      \
-    to = CLAMP(to, 1.0f);                                                                          \
+#define PIECE_BESIDE(low, high)                                                                                        \
+    const float before = (low)-beside, behind = (high) + beside;                                                       \
+    float from = AT_MOST((before - x_0) * per_first, (before - x_2) * per_last) - whole;                               \
+    float to = AT_LEAST((behind - x_0) * per_first, (behind - x_2) * per_last) + whole;                                \
+    from = CLAMP(from, 1.0f);                                                                                          \
+    to = CLAMP(to, 1.0f);                                                                                              \
     const float reach_from = reach_a + from * reach_rise, reach_to = reach_a + to * reach_rise;
 
 /* The least and the greatest height of that part, grown by its reach, along a direction of ENDS_ALONG. */
 #define AT_S(n, s, a, b) (n##_##a + (s) * (n##_##b - n##_##a))
-#define LOWEST_END(n)                                                                              \
-    AT_MOST(AT_MOST(AT_S(n, from, 0, 1), AT_S(n, from, 2, 3)) - reach_from,                        \
+#define LOWEST_END(n)                                                                                                  \
+    AT_MOST(AT_MOST(AT_S(n, from, 0, 1), AT_S(n, from, 2, 3)) - reach_from,                                            \
             AT_MOST(AT_S(n, to, 0, 1), AT_S(n, to, 2, 3)) - reach_to)
-#define HIGHEST_END(n)                                                                             \
-    AT_LEAST(AT_LEAST(AT_S(n, from, 0, 1), AT_S(n, from, 2, 3)) + reach_from,                      \
+#define HIGHEST_END(n)                                                                                                 \
+    AT_LEAST(AT_LEAST(AT_S(n, from, 0, 1), AT_S(n, from, 2, 3)) + reach_from,                                          \
              AT_LEAST(AT_S(n, to, 0, 1), AT_S(n, to, 2, 3)) + reach_to)
 
 /* A second plane is tried: across tool and motion. Most of what a sliding tool passes lies beyond it. */
-KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
-                                           const struct swept_hull *restrict hull,
+KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block, const struct swept_hull *restrict hull,
                                            float *restrict bound)
 {
     HULL PIECES ENDS_ALONG(z, zx, zy, zz)
 
-    for (int i = 0; i < LANES; i++) {
+        for (int i = 0; i < LANES; i++)
+    {
         float cx = block[i], cy = block[LANES + i], cz = block[2 * LANES + i];
         float hx = block[3 * LANES + i], hy = block[4 * LANES + i], hz = block[5 * LANES + i];
         float along = xx * cx + xy * cy + xz * cz;
@@ -511,8 +500,7 @@ KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
         PIECE_BESIDE(along - half_along, along + half_along)
         AWAY_FROM_HULL(cx, cy, cz)
         ENDS_ALONG(n, nx, ny, nz)
-        float value = nx * cx + ny * cy + nz * cz -
-                      (fabsf(nx) * hx + fabsf(ny) * hy + fabsf(nz) * hz) - HIGHEST_END(n);
+        float value = nx * cx + ny * cy + nz * cz - (fabsf(nx) * hx + fabsf(ny) * hy + fabsf(nz) * hz) - HIGHEST_END(n);
         float at = zx * cx + zy * cy + zz * cz;
         float half = fabsf(zx) * hx + fabsf(zy) * hy + fabsf(zz) * hz;
         float above = at - half - HIGHEST_END(z), below = LOWEST_END(z) - (at + half);
@@ -524,14 +512,14 @@ KERNEL_TARGET uint32_t KERNEL(swept_boxes)(const float *restrict block,
 }
 
 /* A third plane is tried: the triangle's own. */
-KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block,
-                                               const struct swept_hull *restrict hull,
+KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block, const struct swept_hull *restrict hull,
                                                float *restrict bound)
 {
     const float third = 1.0f / 3.0f;
     HULL PIECES ENDS_ALONG(z, zx, zy, zz)
 
-    for (int i = 0; i < LANES; i++) {
+        for (int i = 0; i < LANES; i++)
+    {
         float ax = block[i], ay = block[LANES + i], az = block[2 * LANES + i];
         float bx = block[3 * LANES + i], by = block[4 * LANES + i], bz = block[5 * LANES + i];
         float cx = block[6 * LANES + i], cy = block[7 * LANES + i], cz = block[8 * LANES + i];

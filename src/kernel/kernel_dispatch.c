@@ -73,20 +73,17 @@ uint32_t dpt_kernel_best(void)
 #endif
 
 /* Objects, not literals: tuned for some processors, gcc keeps so large a literal in data that can be written. */
-#define KERNEL_TABLE(set)                                                                          \
-    {                                                                                              \
-        dpti_kernel_##set##_cached_boxes, dpti_kernel_##set##_cached_triangles,                    \
-            dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles, dpti_kernel_##set##_better,  \
-            dpti_kernel_##set##_common_boxes, dpti_kernel_##set##_common_triangles,                \
-            dpti_kernel_##set##_swept_boxes, dpti_kernel_##set##_swept_triangles,                  \
-            dpti_kernel_##set##_point_boxes, dpti_kernel_##set##_point_triangles,                  \
-            dpti_kernel_##set##_moments, dpti_kernel_##set##_angles, dpti_kernel_##set##_move,     \
-            dpti_kernel_##set##_outside, dpti_kernel_##set##_spring_forces,                        \
-            dpti_kernel_##set##_spring_energy, dpti_kernel_##set##_spring_product,                 \
-            dpti_kernel_##set##_spring_move, dpti_kernel_##set##_spring_descend,                   \
-            dpti_kernel_##set##_spring_turn, dpti_kernel_##set##_spring_aim,                       \
-            dpti_kernel_##set##_spring_begin, dpti_kernel_##set##_spring_end,                      \
-            dpti_kernel_##set##_spring_points, dpti_kernel_##set##_spring_follow                   \
+#define KERNEL_TABLE(set)                                                                                              \
+    {                                                                                                                  \
+        dpti_kernel_##set##_cached_boxes, dpti_kernel_##set##_cached_triangles, dpti_kernel_##set##_boxes,             \
+            dpti_kernel_##set##_triangles, dpti_kernel_##set##_better, dpti_kernel_##set##_common_boxes,               \
+            dpti_kernel_##set##_common_triangles, dpti_kernel_##set##_swept_boxes,                                     \
+            dpti_kernel_##set##_swept_triangles, dpti_kernel_##set##_point_boxes, dpti_kernel_##set##_point_triangles, \
+            dpti_kernel_##set##_moments, dpti_kernel_##set##_angles, dpti_kernel_##set##_move,                         \
+            dpti_kernel_##set##_outside, dpti_kernel_##set##_spring_forces, dpti_kernel_##set##_spring_energy,         \
+            dpti_kernel_##set##_spring_product, dpti_kernel_##set##_spring_move, dpti_kernel_##set##_spring_descend,   \
+            dpti_kernel_##set##_spring_turn, dpti_kernel_##set##_spring_aim, dpti_kernel_##set##_spring_begin,         \
+            dpti_kernel_##set##_spring_end, dpti_kernel_##set##_spring_points, dpti_kernel_##set##_spring_follow       \
     }
 
 static const struct kernel scalar_kernel = KERNEL_TABLE(scalar);

@@ -90,14 +90,12 @@ struct swept_hull {
  * A block of boxes has 6 rows of 16 numbers: centre x, y, z, half width x, y, z. A block of triangles has 9 rows of 16:
  * x, y, z of corner 0, then of corner 1, then of corner 2.
  */
-typedef uint32_t kernel_cached(const float *block, const struct filter_segment *segment,
-                               const struct planes *planes, float *bound);
-typedef uint32_t kernel_new_planes(const float *block, const struct filter_segment *segment,
-                                   struct planes *planes, float *bound);
-typedef void kernel_better(const struct planes *made, const float *made_bound,
-                           struct planes *planes, float *bound);
-typedef uint32_t kernel_common(const float *block, const float normal[3], float limit,
-                               float *support);
+typedef uint32_t kernel_cached(const float *block, const struct filter_segment *segment, const struct planes *planes,
+                               float *bound);
+typedef uint32_t kernel_new_planes(const float *block, const struct filter_segment *segment, struct planes *planes,
+                                   float *bound);
+typedef void kernel_better(const struct planes *made, const float *made_bound, struct planes *planes, float *bound);
+typedef uint32_t kernel_common(const float *block, const float normal[3], float limit, float *support);
 typedef uint32_t kernel_swept(const float *block, const struct swept_hull *hull, float *bound);
 typedef uint32_t kernel_point(const float *block, const float at[3], float limit, float *bound);
 
@@ -110,10 +108,9 @@ typedef uint32_t kernel_point(const float *block, const float at[3], float limit
  *   angles    those of a leaf's 16 triangles that are in `lanes`. A triangle is open if it fills so much of the view,
  *             or is so near, that float is not accurate enough
  */
-typedef uint32_t kernel_moments(const float *block, const float at[3], float max_error,
-                                float *winding, float *error_sum);
-typedef uint32_t kernel_angles(const float *block, const float at[3], uint32_t lanes,
-                               float *winding);
+typedef uint32_t kernel_moments(const float *block, const float at[3], float max_error, float *winding,
+                                float *error_sum);
+typedef uint32_t kernel_angles(const float *block, const float at[3], uint32_t lanes, float *winding);
 
 /*
  * When a triangle's solid angle is accurate in float. a, b, c lead from the point to its corners. The denominator of
@@ -131,10 +128,8 @@ typedef uint32_t kernel_angles(const float *block, const float at[3], uint32_t l
  *   outside   1 if any coordinate is below `low`, above `high` or no number; both are a group's, of one vertex repeated
  */
 enum { KERNEL_GROUP = 16 };
-typedef void kernel_move(const float *next, const float *last, float *to, uint32_t groups,
-                         float *square);
-typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const float *low,
-                                const float *high);
+typedef void kernel_move(const float *next, const float *last, float *to, uint32_t groups, float *square);
+typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const float *low, const float *high);
 
 /*
  * Springs (docs/algorithms/springs.md). 16 nodes make a slice. Rows of 16 entries for each slice, as in
@@ -204,33 +199,26 @@ struct spring_system {
     float residual[SPRING_ROWS], change[SPRING_ROWS];
 };
 
-typedef void kernel_spring_forces(const struct spring_rows *rows, uint32_t slice,
-                                  const float *points, float *force);
-typedef void kernel_spring_energy(const struct spring_rows *rows, uint32_t slice,
-                                  const float *points, float *force, double *sum);
-typedef void kernel_spring_product(const struct spring_rows *rows, uint32_t slice, float scale,
-                                   const float *diagonal, const float *points, float *out,
-                                   double *sum);
-typedef uint32_t kernel_spring_move(const struct spring_motion *motion,
-                                    const struct spring_nodes *nodes, const float *force,
-                                    const float *load, const struct spring_slice *from,
+typedef void kernel_spring_forces(const struct spring_rows *rows, uint32_t slice, const float *points, float *force);
+typedef void kernel_spring_energy(const struct spring_rows *rows, uint32_t slice, const float *points, float *force,
+                                  double *sum);
+typedef void kernel_spring_product(const struct spring_rows *rows, uint32_t slice, float scale, const float *diagonal,
+                                   const float *points, float *out, double *sum);
+typedef uint32_t kernel_spring_move(const struct spring_motion *motion, const struct spring_nodes *nodes,
+                                    const float *force, const float *load, const struct spring_slice *from,
                                     struct spring_slice *to, float *points, float *square);
-typedef void kernel_spring_descend(float by, const float *direction, const float *product,
-                                   struct spring_system *system, double *sum);
+typedef void kernel_spring_descend(float by, const float *direction, const float *product, struct spring_system *system,
+                                   double *sum);
 typedef void kernel_spring_turn(float by, const struct spring_system *system, float *direction);
 typedef void kernel_spring_aim(const struct spring_trial *trial, const struct spring_slice *state,
                                const struct spring_system *system, float *points);
-typedef void kernel_spring_begin(const struct spring_trial *trial, const struct spring_slice *state,
-                                 const float *force, const float *load,
-                                 struct spring_system *system, float *direction, double *sum);
-typedef uint32_t kernel_spring_end(const struct spring_trial *trial,
-                                   const struct spring_slice *from, const float *force,
-                                   const float *load, const struct spring_system *system,
-                                   struct spring_slice *to, double *bound, double *work,
-                                   float *square);
+typedef void kernel_spring_begin(const struct spring_trial *trial, const struct spring_slice *state, const float *force,
+                                 const float *load, struct spring_system *system, float *direction, double *sum);
+typedef uint32_t kernel_spring_end(const struct spring_trial *trial, const struct spring_slice *from,
+                                   const float *force, const float *load, const struct spring_system *system,
+                                   struct spring_slice *to, double *bound, double *work, float *square);
 typedef void kernel_spring_points(const struct spring_slice *slice, float lead, float *points);
-typedef void kernel_spring_follow(const float *points, const uint32_t *nodes, const float *weights,
-                                  float *to);
+typedef void kernel_spring_follow(const float *points, const uint32_t *nodes, const float *weights, float *to);
 
 struct kernel {
     kernel_cached *cached_boxes;
@@ -280,27 +268,27 @@ struct kernel {
  */
 int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
 
-#define KERNEL_DECLARE(set)                                                                        \
-    kernel_cached dpti_kernel_##set##_cached_boxes, dpti_kernel_##set##_cached_triangles;          \
-    kernel_new_planes dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles;                    \
-    kernel_better dpti_kernel_##set##_better;                                                      \
-    kernel_common dpti_kernel_##set##_common_boxes, dpti_kernel_##set##_common_triangles;          \
-    kernel_swept dpti_kernel_##set##_swept_boxes, dpti_kernel_##set##_swept_triangles;             \
-    kernel_point dpti_kernel_##set##_point_boxes, dpti_kernel_##set##_point_triangles;             \
-    kernel_moments dpti_kernel_##set##_moments;                                                    \
-    kernel_angles dpti_kernel_##set##_angles;                                                      \
-    kernel_move dpti_kernel_##set##_move;                                                          \
-    kernel_outside dpti_kernel_##set##_outside;                                                    \
-    kernel_spring_forces dpti_kernel_##set##_spring_forces;                                        \
-    kernel_spring_energy dpti_kernel_##set##_spring_energy;                                        \
-    kernel_spring_product dpti_kernel_##set##_spring_product;                                      \
-    kernel_spring_move dpti_kernel_##set##_spring_move;                                            \
-    kernel_spring_descend dpti_kernel_##set##_spring_descend;                                      \
-    kernel_spring_turn dpti_kernel_##set##_spring_turn;                                            \
-    kernel_spring_aim dpti_kernel_##set##_spring_aim;                                              \
-    kernel_spring_begin dpti_kernel_##set##_spring_begin;                                          \
-    kernel_spring_end dpti_kernel_##set##_spring_end;                                              \
-    kernel_spring_points dpti_kernel_##set##_spring_points;                                        \
+#define KERNEL_DECLARE(set)                                                                                            \
+    kernel_cached dpti_kernel_##set##_cached_boxes, dpti_kernel_##set##_cached_triangles;                              \
+    kernel_new_planes dpti_kernel_##set##_boxes, dpti_kernel_##set##_triangles;                                        \
+    kernel_better dpti_kernel_##set##_better;                                                                          \
+    kernel_common dpti_kernel_##set##_common_boxes, dpti_kernel_##set##_common_triangles;                              \
+    kernel_swept dpti_kernel_##set##_swept_boxes, dpti_kernel_##set##_swept_triangles;                                 \
+    kernel_point dpti_kernel_##set##_point_boxes, dpti_kernel_##set##_point_triangles;                                 \
+    kernel_moments dpti_kernel_##set##_moments;                                                                        \
+    kernel_angles dpti_kernel_##set##_angles;                                                                          \
+    kernel_move dpti_kernel_##set##_move;                                                                              \
+    kernel_outside dpti_kernel_##set##_outside;                                                                        \
+    kernel_spring_forces dpti_kernel_##set##_spring_forces;                                                            \
+    kernel_spring_energy dpti_kernel_##set##_spring_energy;                                                            \
+    kernel_spring_product dpti_kernel_##set##_spring_product;                                                          \
+    kernel_spring_move dpti_kernel_##set##_spring_move;                                                                \
+    kernel_spring_descend dpti_kernel_##set##_spring_descend;                                                          \
+    kernel_spring_turn dpti_kernel_##set##_spring_turn;                                                                \
+    kernel_spring_aim dpti_kernel_##set##_spring_aim;                                                                  \
+    kernel_spring_begin dpti_kernel_##set##_spring_begin;                                                              \
+    kernel_spring_end dpti_kernel_##set##_spring_end;                                                                  \
+    kernel_spring_points dpti_kernel_##set##_spring_points;                                                            \
     kernel_spring_follow dpti_kernel_##set##_spring_follow;
 KERNEL_DECLARE(scalar)
 KERNEL_DECLARE(sse2)

@@ -2,49 +2,48 @@
 /* The loops for springs (docs/algorithms/springs.md): a part of kernel_body.h, for each instruction set. */
 
 #ifndef KERNEL_TAKE
-#define KERNEL_TAKE(points, at, x, y, z)                                                           \
-    for (int i = 0; i < LANES; i++) {                                                              \
-        const float *point = (points) + 4 * (size_t)(at)[i];                                       \
-        (x)[i] = point[0];                                                                         \
-        (y)[i] = point[1];                                                                         \
-        (z)[i] = point[2];                                                                         \
+#define KERNEL_TAKE(points, at, x, y, z)                                                                               \
+    for (int i = 0; i < LANES; i++) {                                                                                  \
+        const float *point = (points) + 4 * (size_t)(at)[i];                                                           \
+        (x)[i] = point[0];                                                                                             \
+        (y)[i] = point[1];                                                                                             \
+        (z)[i] = point[2];                                                                                             \
     }
 #endif
 
 #ifndef KERNEL_PUT
-#define KERNEL_PUT(points, x, y, z)                                                                \
-    for (int i = 0; i < LANES; i++) {                                                              \
-        (points)[4 * i] = (x)[i];                                                                  \
-        (points)[4 * i + 1] = (y)[i];                                                              \
-        (points)[4 * i + 2] = (z)[i];                                                              \
-        (points)[4 * i + 3] = 0.0f;                                                                \
+#define KERNEL_PUT(points, x, y, z)                                                                                    \
+    for (int i = 0; i < LANES; i++) {                                                                                  \
+        (points)[4 * i] = (x)[i];                                                                                      \
+        (points)[4 * i + 1] = (y)[i];                                                                                  \
+        (points)[4 * i + 2] = (z)[i];                                                                                  \
+        (points)[4 * i + 3] = 0.0f;                                                                                    \
     }
 #endif
 
 /* The sum of four weighted points, in double, in their order. May write a fourth number. */
 #ifndef KERNEL_WEIGH
-#define KERNEL_WEIGH(points, nodes, weights, to)                                                   \
-    for (int row = 0; row < 3; row++) {                                                            \
-        double sum = 0.0;                                                                          \
-        for (int k = 0; k < 4; k++)                                                                \
-            sum += (double)(weights)[k] * (double)(points)[4 * (size_t)(nodes)[k] + (size_t)row];  \
-        (to)[row] = (float)sum;                                                                    \
+#define KERNEL_WEIGH(points, nodes, weights, to)                                                                       \
+    for (int row = 0; row < 3; row++) {                                                                                \
+        double sum = 0.0;                                                                                              \
+        for (int k = 0; k < 4; k++)                                                                                    \
+            sum += (double)(weights)[k] * (double)(points)[4 * (size_t)(nodes)[k] + (size_t)row];                      \
+        (to)[row] = (float)sum;                                                                                        \
     }
 #endif
 
 /* Nodes that follow each other. */
-static const uint32_t KERNEL(in_turn)[LANES] = { 0, 1, 2,  3,  4,  5,  6,  7,
-                                                 8, 9, 10, 11, 12, 13, 14, 15 };
+static const uint32_t KERNEL(in_turn)[LANES] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15 };
 
 /* A slice's own points, in lanes. */
-#define OWN_POINTS(points, slice)                                                                  \
-    const float *own = (points) + SPRING_POINTS * (size_t)(slice);                                 \
-    float ax[LANES], ay[LANES], az[LANES];                                                         \
+#define OWN_POINTS(points, slice)                                                                                      \
+    const float *own = (points) + SPRING_POINTS * (size_t)(slice);                                                     \
+    float ax[LANES], ay[LANES], az[LANES];                                                                             \
     KERNEL_TAKE(own, KERNEL(in_turn), ax, ay, az)
 
 KERNEL_TARGET static inline __attribute__((always_inline)) void
-KERNEL(spring_sums)(const struct spring_rows *restrict rows, uint32_t slice,
-                    const float *restrict points, float *restrict force, float *restrict energy)
+KERNEL(spring_sums)(const struct spring_rows *restrict rows, uint32_t slice, const float *restrict points,
+                    float *restrict force, float *restrict energy)
 {
     const uint32_t end = rows->first[slice + 1];
     float fx[LANES] = { 0 }, fy[LANES] = { 0 }, fz[LANES] = { 0 }, x[LANES], y[LANES], z[LANES];
@@ -83,8 +82,7 @@ KERNEL_TARGET void KERNEL(spring_forces)(const struct spring_rows *restrict rows
 }
 
 KERNEL_TARGET void KERNEL(spring_energy)(const struct spring_rows *restrict rows, uint32_t slice,
-                                         const float *restrict points, float *restrict force,
-                                         double *restrict sum)
+                                         const float *restrict points, float *restrict force, double *restrict sum)
 {
     float energy[LANES] = { 0 };
     KERNEL(spring_sums)(rows, slice, points, force, energy);
@@ -92,10 +90,9 @@ KERNEL_TARGET void KERNEL(spring_energy)(const struct spring_rows *restrict rows
         sum[i] += (double)energy[i];
 }
 
-KERNEL_TARGET void KERNEL(spring_product)(const struct spring_rows *restrict rows, uint32_t slice,
-                                          float scale, const float *restrict diagonal,
-                                          const float *restrict points, float *restrict out,
-                                          double *restrict sum)
+KERNEL_TARGET void KERNEL(spring_product)(const struct spring_rows *restrict rows, uint32_t slice, float scale,
+                                          const float *restrict diagonal, const float *restrict points,
+                                          float *restrict out, double *restrict sum)
 {
     const uint32_t end = rows->first[slice + 1];
     float px[LANES] = { 0 }, py[LANES] = { 0 }, pz[LANES] = { 0 }, x[LANES], y[LANES], z[LANES];
@@ -123,8 +120,7 @@ KERNEL_TARGET void KERNEL(spring_product)(const struct spring_rows *restrict row
         sum[i] += (double)((ax[i] * px[i] + ay[i] * py[i]) + az[i] * pz[i]);
 }
 
-KERNEL_TARGET static inline __attribute__((always_inline)) float
-KERNEL(largest)(const float *restrict of)
+KERNEL_TARGET static inline __attribute__((always_inline)) float KERNEL(largest)(const float *restrict of)
 {
     float eight[8], four[4];
     for (int i = 0; i < 8; i++)
@@ -135,8 +131,7 @@ KERNEL(largest)(const float *restrict of)
     return AT_LEAST(one, other);
 }
 
-KERNEL_TARGET static inline __attribute__((always_inline)) uint32_t
-KERNEL(any)(const uint32_t *restrict of)
+KERNEL_TARGET static inline __attribute__((always_inline)) uint32_t KERNEL(any)(const uint32_t *restrict of)
 {
     uint32_t any = 0;
     for (int i = 0; i < LANES; i++)
@@ -145,10 +140,9 @@ KERNEL(any)(const uint32_t *restrict of)
 }
 
 KERNEL_TARGET uint32_t KERNEL(spring_move)(const struct spring_motion *restrict motion,
-                                           const struct spring_nodes *restrict nodes,
-                                           const float *restrict force, const float *restrict load,
-                                           const struct spring_slice *from, struct spring_slice *to,
-                                           float *restrict points, float *restrict square)
+                                           const struct spring_nodes *restrict nodes, const float *restrict force,
+                                           const float *restrict load, const struct spring_slice *from,
+                                           struct spring_slice *to, float *restrict points, float *restrict square)
 {
     const float step = motion->step, scale = motion->scale, lead = motion->lead;
     const float far = motion->far, fast = motion->fast;
@@ -185,18 +179,16 @@ KERNEL_TARGET uint32_t KERNEL(spring_move)(const struct spring_motion *restrict 
 }
 
 /* How far coordinate k of lane i flies, m. */
-#define SPRING_FLIGHT(k, i, common)                                                                \
+#define SPRING_FLIGHT(k, i, common)                                                                                    \
     (trial->flies * system->glide[i] * (trial->step * (state->v[k] + trial->step * (common))))
 
 /* The right-hand side of coordinate k of lane i. What a node has of its flight is not in it. */
-#define SPRING_RIGHT(k, i, gravity, common)                                                        \
-    (scale * force[k] + load[k] +                                                                  \
-     system->mass[i] * (((gravity)-trial->flies * (common)) + rests * state->v[k]))
+#define SPRING_RIGHT(k, i, gravity, common)                                                                            \
+    (scale * force[k] + load[k] + system->mass[i] * (((gravity)-trial->flies * (common)) + rests * state->v[k]))
 
 KERNEL_TARGET void KERNEL(spring_aim)(const struct spring_trial *restrict trial,
                                       const struct spring_slice *restrict state,
-                                      const struct spring_system *restrict system,
-                                      float *restrict points)
+                                      const struct spring_system *restrict system, float *restrict points)
 {
     float place[SPRING_ROWS];
     for (int row = 0; row < 3; row++) {
@@ -211,9 +203,8 @@ KERNEL_TARGET void KERNEL(spring_aim)(const struct spring_trial *restrict trial,
 }
 
 KERNEL_TARGET void KERNEL(spring_begin)(const struct spring_trial *restrict trial,
-                                        const struct spring_slice *restrict state,
-                                        const float *restrict force, const float *restrict load,
-                                        struct spring_system *restrict system,
+                                        const struct spring_slice *restrict state, const float *restrict force,
+                                        const float *restrict load, struct spring_system *restrict system,
                                         float *restrict direction, double *restrict sum)
 {
     const float scale = trial->scale, rests = (1.0f - trial->flies) * trial->per_step;
@@ -240,9 +231,8 @@ KERNEL_TARGET void KERNEL(spring_begin)(const struct spring_trial *restrict tria
  * side without the residual, and A is the diagonal and L.
  */
 KERNEL_TARGET uint32_t KERNEL(spring_end)(const struct spring_trial *restrict trial,
-                                          const struct spring_slice *restrict state,
-                                          const float *restrict force, const float *restrict load,
-                                          const struct spring_system *restrict system,
+                                          const struct spring_slice *restrict state, const float *restrict force,
+                                          const float *restrict load, const struct spring_system *restrict system,
                                           struct spring_slice *restrict to, double *restrict bound,
                                           double *restrict work, float *restrict square)
 {
@@ -262,8 +252,7 @@ KERNEL_TARGET uint32_t KERNEL(spring_end)(const struct spring_trial *restrict tr
             const float moved = flown + change, v1 = moved * per_step;
             const float way = moved + state->rest[k], x1 = x0 + way;
             const float right = SPRING_RIGHT(k, i, gravity, common);
-            const float bend =
-                change * (right - system->residual[k]) - change * change * system->diagonal[i];
+            const float bend = change * (right - system->residual[k]) - change * change * system->diagonal[i];
             to->x[k] = x1;
             to->rest[k] = way - (x1 - x0);
             to->v[k] = v1;
@@ -283,10 +272,8 @@ KERNEL_TARGET uint32_t KERNEL(spring_end)(const struct spring_trial *restrict tr
     return KERNEL(any)(bad);
 }
 
-KERNEL_TARGET void KERNEL(spring_descend)(float by, const float *restrict direction,
-                                          const float *restrict product,
-                                          struct spring_system *restrict system,
-                                          double *restrict sum)
+KERNEL_TARGET void KERNEL(spring_descend)(float by, const float *restrict direction, const float *restrict product,
+                                          struct spring_system *restrict system, double *restrict sum)
 {
     float square[LANES] = { 0 }, along[SPRING_ROWS];
     KERNEL_TAKE(direction, KERNEL(in_turn), along, along + LANES, along + 2 * LANES)
@@ -301,8 +288,7 @@ KERNEL_TARGET void KERNEL(spring_descend)(float by, const float *restrict direct
         sum[i] += (double)(square[i] * system->per_diagonal[i]);
 }
 
-KERNEL_TARGET void KERNEL(spring_turn)(float by, const struct spring_system *restrict system,
-                                       float *restrict direction)
+KERNEL_TARGET void KERNEL(spring_turn)(float by, const struct spring_system *restrict system, float *restrict direction)
 {
     float last[SPRING_ROWS], next[SPRING_ROWS];
     KERNEL_TAKE(direction, KERNEL(in_turn), last, last + LANES, last + 2 * LANES)
@@ -314,8 +300,7 @@ KERNEL_TARGET void KERNEL(spring_turn)(float by, const struct spring_system *res
     KERNEL_PUT(direction, next, next + LANES, next + 2 * LANES)
 }
 
-KERNEL_TARGET void KERNEL(spring_points)(const struct spring_slice *restrict slice, float lead,
-                                         float *restrict points)
+KERNEL_TARGET void KERNEL(spring_points)(const struct spring_slice *restrict slice, float lead, float *restrict points)
 {
     float place[SPRING_ROWS];
     for (int k = 0; k < SPRING_ROWS; k++)
@@ -323,8 +308,7 @@ KERNEL_TARGET void KERNEL(spring_points)(const struct spring_slice *restrict sli
     KERNEL_PUT(points, place, place + LANES, place + 2 * LANES)
 }
 
-KERNEL_TARGET void KERNEL(spring_follow)(const float *restrict points,
-                                         const uint32_t *restrict nodes,
+KERNEL_TARGET void KERNEL(spring_follow)(const float *restrict points, const uint32_t *restrict nodes,
                                          const float *restrict weights, float *restrict to)
 {
     for (int i = 0; i < LANES; i++)

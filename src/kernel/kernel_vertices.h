@@ -7,9 +7,10 @@ enum { KERNEL(group_floats) = 3 * KERNEL_GROUP, KERNEL(groups_at_once) = 4 };
  * Some groups; `groups` is a constant. The largest of each is found in halves of all groups at once: compilers make
  * vectors of loops that are so long, and would take the lanes of one group apart.
  */
-KERNEL_TARGET static inline __attribute__((always_inline)) void
-KERNEL(move_groups)(const float *restrict next, const float *restrict last, float *restrict to,
-                    int groups, float *restrict square)
+KERNEL_TARGET static inline __attribute__((always_inline)) void KERNEL(move_groups)(const float *restrict next,
+                                                                                    const float *restrict last,
+                                                                                    float *restrict to, int groups,
+                                                                                    float *restrict square)
 {
     enum { VERTICES = KERNEL_GROUP * KERNEL(groups_at_once) };
     float moved[3 * VERTICES], largest[VERTICES];
@@ -31,8 +32,8 @@ KERNEL(move_groups)(const float *restrict next, const float *restrict last, floa
         square[i] = AT_LEAST(moved[2 * i], moved[2 * i + 1]);
 }
 
-KERNEL_TARGET void KERNEL(move)(const float *restrict next, const float *restrict last,
-                                float *restrict to, uint32_t groups, float *restrict square)
+KERNEL_TARGET void KERNEL(move)(const float *restrict next, const float *restrict last, float *restrict to,
+                                uint32_t groups, float *restrict square)
 {
     enum { AT_ONCE = KERNEL(groups_at_once), FLOATS = KERNEL(group_floats) };
 
@@ -53,8 +54,8 @@ KERNEL_TARGET void KERNEL(move)(const float *restrict next, const float *restric
 }
 
 /* What is no number becomes the lower end, and so differs from what it was too. */
-KERNEL_TARGET uint32_t KERNEL(outside)(const float *restrict positions, uint32_t groups,
-                                       const float *restrict low, const float *restrict high)
+KERNEL_TARGET uint32_t KERNEL(outside)(const float *restrict positions, uint32_t groups, const float *restrict low,
+                                       const float *restrict high)
 {
     enum { FLOATS = KERNEL(group_floats) };
     uint32_t bad[FLOATS] = { 0 }, any = 0;

@@ -6,9 +6,8 @@
  * traceless, so 7 numbers hold it. e is the unit direction to a set, `per` is 1 / distance; the rows contain all
  * factors.
  */
-KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float *restrict at,
-                                       float max_error, float *restrict winding,
-                                       float *restrict error_sum)
+KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float *restrict at, float max_error,
+                                       float *restrict winding, float *restrict error_sum)
 {
     const float ax = at[0], ay = at[1], az = at[2], limit = -max_error;
     float bound[LANES];
@@ -21,9 +20,8 @@ KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float 
         float ex = dx * per, ey = dy * per, ez = dz * per;
         float xx = ex * ex, yy = ey * ey, zz = ez * ez;
         float area = row[0] * ex + row[LANES] * ey + row[2 * LANES] * ez;
-        float quad = row[6 * LANES] * (xx - zz) + row[7 * LANES] * (yy - zz) +
-                     row[8 * LANES] * (ex * ey) + row[9 * LANES] * (ex * ez) +
-                     row[10 * LANES] * (ey * ez);
+        float quad = row[6 * LANES] * (xx - zz) + row[7 * LANES] * (yy - zz) + row[8 * LANES] * (ex * ey) +
+                     row[9 * LANES] * (ex * ez) + row[10 * LANES] * (ey * ez);
         float along_x = row[11 * LANES] * (xx - 3.0f * zz) + row[14 * LANES] * (yy - zz);
         float along_y = row[12 * LANES] * (yy - 3.0f * zz) + row[13 * LANES] * (xx - zz);
         float along_z = row[15 * LANES] * (3.0f * xx - zz) + row[16 * LANES] * (3.0f * yy - zz);
@@ -31,8 +29,7 @@ KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float 
         float turns = (per * per) * (area + per * (quad + per * oct));
 
         float radius = row[19 * LANES], gap = AT_LEAST(distance - radius, 0.0f);
-        float error =
-            row[18 * LANES] * (distance + 3.0f * gap) * (per * per) * (per * per) / (gap * gap);
+        float error = row[18 * LANES] * (distance + 3.0f * gap) * (per * per) * (per * per) / (gap * gap);
         float counts = error < max_error ? 1.0f : 0.0f;
         winding[i] += counts * turns;
         error_sum[i] += counts * AT_MOST(error, max_error);
@@ -55,8 +52,8 @@ KERNEL_TARGET uint32_t KERNEL(moments)(const float *restrict block, const float 
  * + cos ca). While the denominator is not small, an arctangent of 0..1 suffices. The polynomial for it is off by at
  * most 1e-7 turns.
  */
-KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *restrict at,
-                                      uint32_t lanes, float *restrict winding)
+KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *restrict at, uint32_t lanes,
+                                      float *restrict winding)
 {
     const float x = at[0], y = at[1], z = at[2];
     float bound[LANES], counts[LANES];
@@ -71,8 +68,7 @@ KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *
         float aa = ax * ax + ay * ay + az * az, bb = bx * bx + by * by + bz * bz;
         float cc = cx * cx + cy * cy + cz * cz, nearest = AT_MOST(AT_MOST(aa, bb), cc);
         float a = sqrtf(aa), b = sqrtf(bb), c = sqrtf(cc);
-        float volume =
-            ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
+        float volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
         float size = a * b * c;
         float sides = size + (ax * bx + ay * by + az * bz) * c + (bx * cx + by * cy + bz * cz) * a +
                       (cx * ax + cy * ay + cz * az) * b;
@@ -82,9 +78,7 @@ KERNEL_TARGET uint32_t KERNEL(angles)(const float *restrict block, const float *
         float low = AT_MOST(height, sides), high = AT_LEAST(height, sides);
         float t = low / high, w = t * t;
         float angle =
-            t *
-            (ATAN_0 +
-             w * (ATAN_1 + w * (ATAN_2 + w * (ATAN_3 + w * (ATAN_4 + w * (ATAN_5 + w * ATAN_6))))));
+            t * (ATAN_0 + w * (ATAN_1 + w * (ATAN_2 + w * (ATAN_3 + w * (ATAN_4 + w * (ATAN_5 + w * ATAN_6))))));
         angle = height > sides ? 0.25f - angle : angle;
         angle = volume < 0.0f ? -angle : angle;
         winding[i] += excess > 0.0f ? counts[i] * angle : 0.0f;

@@ -58,9 +58,9 @@
 
 /* Bits of a part's flags. CLOSED: every edge has two triangles, wound one way; a cavity's wall inward. */
 #define MESH_PART_CLOSED   1u
-#define MESH_PART_MANIFOLD 2u /* no edge has more than two */
-#define MESH_PART_WOUND    4u /* no two triangles run through an edge in the same direction */
-#define MESH_PART_SOLID    8u /* it has an inside: closed, or nearly (docs/algorithms/winding.md) */
+#define MESH_PART_MANIFOLD 2u  /* no edge has more than two */
+#define MESH_PART_WOUND    4u  /* no two triangles run through an edge in the same direction */
+#define MESH_PART_SOLID    8u  /* it has an inside: closed, or nearly (docs/algorithms/winding.md) */
 #define MESH_PART_WINDING  16u /* solid, and a point's side is decided by winding number only */
 #define MESH_PART_BURIED   32u /* wholly inside another, solid part: both of its sides are inside */
 
@@ -224,8 +224,7 @@ static inline size_t mesh_tail_bytes(uint32_t version)
 /* The offset of the tail. */
 static inline size_t mesh_tail_offset(uint32_t version)
 {
-    return offsetof(struct dpt_mesh, section) +
-           mesh_section_count(version) * sizeof(struct mesh_section);
+    return offsetof(struct dpt_mesh, section) + mesh_section_count(version) * sizeof(struct mesh_section);
 }
 
 /* The bytes of the header, section table and tail included. */
@@ -243,8 +242,7 @@ static inline struct mesh_tail mesh_tail(const struct dpt_mesh *mesh)
     struct mesh_tail tail = { .solid_components = mesh->closed_components,
                               .self_intersections = DPT_NONE,
                               .self_intersection = { DPT_NONE, DPT_NONE } };
-    memcpy(&tail, (const char *)mesh + mesh_tail_offset(mesh->version),
-           mesh_tail_bytes(mesh->version));
+    memcpy(&tail, (const char *)mesh + mesh_tail_offset(mesh->version), mesh_tail_bytes(mesh->version));
     return tail;
 }
 
@@ -404,8 +402,7 @@ static inline uint32_t mesh_part_flags(const struct dpt_mesh *mesh, uint32_t par
  * from 16 k of the level below, the last node fewer. Fills in `count` of each level and `nodes`, the sum over levels
  * from 1 on; returns the number of levels above the leaves.
  */
-static inline uint32_t mesh_levels(uint32_t leaves, uint32_t count[MESH_LEVELS_MAX + 1],
-                                   uint64_t *nodes)
+static inline uint32_t mesh_levels(uint32_t leaves, uint32_t count[MESH_LEVELS_MAX + 1], uint64_t *nodes)
 {
     uint32_t level = 0;
     *nodes = 0;
@@ -426,11 +423,11 @@ static inline uint64_t mesh_aligned(uint64_t offset)
 /* A section's name as the file holds it, filled up with zeros. */
 static inline void mesh_section_name(int id, char out[16])
 {
-#define MESH_SECTION_NAME(section, text)                                                           \
-    case section: {                                                                                \
-        const char name[16] = text;                                                                \
-        memcpy(out, name, sizeof name);                                                            \
-        break;                                                                                     \
+#define MESH_SECTION_NAME(section, text)                                                                               \
+    case section: {                                                                                                    \
+        const char name[16] = text;                                                                                    \
+        memcpy(out, name, sizeof name);                                                                                \
+        break;                                                                                                         \
     }
     switch (id) {
         MESH_SECTIONS(MESH_SECTION_NAME)

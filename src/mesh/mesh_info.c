@@ -70,9 +70,7 @@ dpt_result dpt_mesh_get_section(const dpt_mesh *mesh, uint32_t index, dpt_mesh_s
         return DPT_E_ARGUMENT;
     DPT_TRY(sized_check(section, sizeof *section, 0));
     const struct mesh_section *record = &mesh->section[index];
-    dpt_mesh_section own = { .crc32 = record->crc32,
-                             .offset = record->offset,
-                             .bytes = record->bytes };
+    dpt_mesh_section own = { .crc32 = record->crc32, .offset = record->offset, .bytes = record->bytes };
     memcpy(own.name, record->name, sizeof own.name);
     sized_write(section, section->size, &own, sizeof own);
     return DPT_OK;
@@ -94,8 +92,7 @@ dpt_result dpt_mesh_get_triangle(const dpt_mesh *mesh, uint32_t number, double c
         return DPT_E_ARGUMENT;
     const uint32_t *corner = mesh_words(mesh, MESH_TRIANGLES) + 3 * (size_t)place;
     for (int k = 0; k < 3; k++)
-        vec3_store(vec3_of_float(mesh_floats(mesh, MESH_VERTICES) + 3 * (size_t)corner[k]),
-                   corners + 3 * k);
+        vec3_store(vec3_of_float(mesh_floats(mesh, MESH_VERTICES) + 3 * (size_t)corner[k]), corners + 3 * k);
     return DPT_OK;
 }
 
@@ -108,8 +105,8 @@ dpt_result dpt_mesh_get_vertices(const dpt_mesh *mesh, const float **xyz, uint32
     return DPT_OK;
 }
 
-dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t **corners,
-                                  const uint32_t **numbers, uint32_t *count)
+dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t **corners, const uint32_t **numbers,
+                                  uint32_t *count)
 {
     if (!mesh || !corners || !count)
         return DPT_E_ARGUMENT;
@@ -120,8 +117,7 @@ dpt_result dpt_mesh_get_triangles(const dpt_mesh *mesh, const uint32_t **corners
     return DPT_OK;
 }
 
-dpt_result dpt_mesh_get_vertex_sources(const dpt_mesh *mesh, const uint32_t **sources,
-                                       uint32_t *count)
+dpt_result dpt_mesh_get_vertex_sources(const dpt_mesh *mesh, const uint32_t **sources, uint32_t *count)
 {
     if (!mesh || !sources || !count)
         return DPT_E_ARGUMENT;
@@ -132,8 +128,8 @@ dpt_result dpt_mesh_get_vertex_sources(const dpt_mesh *mesh, const uint32_t **so
     return DPT_OK;
 }
 
-dpt_result dpt_mesh_get_embedding(const dpt_mesh *mesh, const uint32_t **nodes,
-                                  const float **weights, uint32_t *node_count)
+dpt_result dpt_mesh_get_embedding(const dpt_mesh *mesh, const uint32_t **nodes, const float **weights,
+                                  uint32_t *node_count)
 {
     if (!mesh || !nodes || !weights || !node_count)
         return DPT_E_ARGUMENT;

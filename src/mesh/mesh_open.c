@@ -20,8 +20,7 @@ static dpt_result fail(dpt_mesh_fault *fault, dpt_result code, uint64_t byte, in
     return code;
 }
 
-static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct dpt_mesh *mesh,
-                          int id, uint64_t word)
+static dpt_result fail_at(dpt_mesh_fault *fault, dpt_result code, const struct dpt_mesh *mesh, int id, uint64_t word)
 {
     return fail(fault, code, mesh->section[id].offset + 4 * word, id);
 }
@@ -76,19 +75,17 @@ static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *faul
         mesh->levels != mesh_levels(mesh->leaves, count, &nodes))
         return fail(fault, DPT_E_LAYOUT, offsetof(struct dpt_mesh, triangles), MESH_HEADER);
     if (mesh_tail(mesh).nodes > INT32_MAX || mesh_tail(mesh).outside_vertices > mesh->vertices)
-        return fail(fault, DPT_E_LAYOUT, tail_at(mesh, offsetof(struct mesh_tail, nodes)),
-                    MESH_HEADER);
+        return fail(fault, DPT_E_LAYOUT, tail_at(mesh, offsetof(struct mesh_tail, nodes)), MESH_HEADER);
     if (!spring_counts_fit(mesh))
-        return fail(fault, DPT_E_LAYOUT, tail_at(mesh, offsetof(struct mesh_tail, spring_nodes)),
-                    MESH_HEADER);
+        return fail(fault, DPT_E_LAYOUT, tail_at(mesh, offsetof(struct mesh_tail, spring_nodes)), MESH_HEADER);
     for (int id = 0; id < (int)mesh->section_count; id++) {
         const struct mesh_section *section = &mesh->section[id];
         uint64_t at = (uint64_t)((const char *)section - (const char *)mesh);
         char name[16];
         mesh_section_name(id, name);
         if (memcmp(section->name, name, sizeof name) || section->offset != mesh_aligned(end) ||
-            section->bytes != 4 * mesh_section_words(mesh, id, nodes) || section->reserved[0] ||
-            section->reserved[1] || section->reserved[2])
+            section->bytes != 4 * mesh_section_words(mesh, id, nodes) || section->reserved[0] || section->reserved[1] ||
+            section->reserved[2])
             return fail(fault, DPT_E_LAYOUT, at, id);
         end = section->offset + section->bytes;
         if (end > mesh->bytes)
@@ -100,8 +97,8 @@ static dpt_result check_layout(const struct dpt_mesh *mesh, dpt_mesh_fault *faul
 }
 
 /* `bytes` is the file in its own byte order; its header has `size` bytes. */
-static dpt_result check_header_crc(const void *bytes, size_t size, const struct crc32 *crc,
-                                   uint32_t expected, dpt_mesh_fault *fault)
+static dpt_result check_header_crc(const void *bytes, size_t size, const struct crc32 *crc, uint32_t expected,
+                                   dpt_mesh_fault *fault)
 {
     struct dpt_mesh header;
     memcpy(&header, bytes, size);
@@ -112,8 +109,8 @@ static dpt_result check_header_crc(const void *bytes, size_t size, const struct 
 }
 
 /* `mesh` is the header in the host's byte order, `bytes` the file in its own. */
-static dpt_result check_sections_crc(const struct dpt_mesh *mesh, const unsigned char *bytes,
-                                     const struct crc32 *crc, dpt_mesh_fault *fault)
+static dpt_result check_sections_crc(const struct dpt_mesh *mesh, const unsigned char *bytes, const struct crc32 *crc,
+                                     dpt_mesh_fault *fault)
 {
     uint64_t end = mesh->header_bytes;
     for (int id = 0; id < (int)mesh->section_count; id++) {
@@ -131,8 +128,8 @@ static dpt_result check_sections_crc(const struct dpt_mesh *mesh, const unsigned
 /*
  * Every word of a section is below `limit`, or is a code: at least `first_code`, which is 0 where there are no codes.
  */
-static dpt_result check_indices(const struct dpt_mesh *mesh, int id, uint64_t limit,
-                                uint32_t first_code, dpt_mesh_fault *fault)
+static dpt_result check_indices(const struct dpt_mesh *mesh, int id, uint64_t limit, uint32_t first_code,
+                                dpt_mesh_fault *fault)
 {
     const uint32_t *word = mesh_words(mesh, id);
     uint64_t count = mesh->section[id].bytes / 4;
@@ -167,8 +164,8 @@ static dpt_result check_sources(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
 }
 
 /* The first `count` words of a section are floats of at most `limit` in size. */
-static dpt_result check_some_floats(const struct dpt_mesh *mesh, int id, uint64_t count,
-                                    float limit, dpt_mesh_fault *fault)
+static dpt_result check_some_floats(const struct dpt_mesh *mesh, int id, uint64_t count, float limit,
+                                    dpt_mesh_fault *fault)
 {
     const float *word = mesh_floats(mesh, id);
     for (uint64_t i = 0; i < count; i++)
@@ -177,8 +174,7 @@ static dpt_result check_some_floats(const struct dpt_mesh *mesh, int id, uint64_
     return DPT_OK;
 }
 
-static dpt_result check_floats(const struct dpt_mesh *mesh, int id, float limit,
-                               dpt_mesh_fault *fault)
+static dpt_result check_floats(const struct dpt_mesh *mesh, int id, float limit, dpt_mesh_fault *fault)
 {
     return check_some_floats(mesh, id, mesh->section[id].bytes / 4, limit, fault);
 }
@@ -212,16 +208,13 @@ static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     const double limit = 2.0 * DPT_COORDINATE_MAX;
     const struct mesh_tail tail = mesh_tail(mesh);
     if (!vec3_within(mesh->box_min, limit) || !vec3_within(mesh->box_max, limit) ||
-        !vec3_within(mesh->filter_centre, limit) || !within(mesh->filter_scale, 1e300) ||
-        !(mesh->filter_scale > 0.0) || !within(mesh->scale, 1e300) ||
-        !within(mesh->rounding, 1e300))
+        !vec3_within(mesh->filter_centre, limit) || !within(mesh->filter_scale, 1e300) || !(mesh->filter_scale > 0.0) ||
+        !within(mesh->scale, 1e300) || !within(mesh->rounding, 1e300))
         return fail(fault, DPT_E_FINITE, offsetof(struct dpt_mesh, scale), MESH_HEADER);
     if (!(tail.crease >= 0.0 && tail.crease <= 4.0))
-        return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, crease)),
-                    MESH_HEADER);
+        return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, crease)), MESH_HEADER);
     if (!(tail.outside_distance >= 0.0 && tail.outside_distance <= 2.0 * limit))
-        return fail(fault, DPT_E_FINITE,
-                    tail_at(mesh, offsetof(struct mesh_tail, outside_distance)), MESH_HEADER);
+        return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, outside_distance)), MESH_HEADER);
     return DPT_OK;
 }
 
@@ -231,8 +224,7 @@ static dpt_result check_example(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     const struct mesh_tail tail = mesh_tail(mesh);
     const uint32_t *pair = tail.self_intersection, count = mesh->source_triangles;
     if ((pair[0] >= count || pair[1] >= count) && (pair[0] & pair[1]) != DPT_NONE)
-        return fail(fault, DPT_E_INDEX,
-                    tail_at(mesh, offsetof(struct mesh_tail, self_intersection)), MESH_HEADER);
+        return fail(fault, DPT_E_INDEX, tail_at(mesh, offsetof(struct mesh_tail, self_intersection)), MESH_HEADER);
     return DPT_OK;
 }
 
@@ -266,8 +258,7 @@ static int is_spring_number(float x)
     return x >= MESH_SPRING_MIN && x <= MESH_SPRING_MAX;
 }
 
-static dpt_result check_nodes(const struct dpt_mesh *mesh, const struct spring_net *net,
-                              dpt_mesh_fault *fault)
+static dpt_result check_nodes(const struct dpt_mesh *mesh, const struct spring_net *net, dpt_mesh_fault *fault)
 {
     uint32_t fixed = 0;
     DPT_TRY(check_floats(mesh, MESH_SPRING_REST, 2.0f * (float)DPT_COORDINATE_MAX, fault));
@@ -280,13 +271,11 @@ static dpt_result check_nodes(const struct dpt_mesh *mesh, const struct spring_n
         if (!(net->drag[i] >= 0.0f && net->drag[i] <= MESH_DAMPING_MAX))
             return fail_at(fault, DPT_E_FINITE, mesh, MESH_SPRING_DRAG, i);
     if (fixed != mesh_tail(mesh).fixed_nodes)
-        return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, fixed_nodes)),
-                    MESH_HEADER);
+        return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, fixed_nodes)), MESH_HEADER);
     return DPT_OK;
 }
 
-static dpt_result check_slices(const struct dpt_mesh *mesh, const struct spring_net *net,
-                               dpt_mesh_fault *fault)
+static dpt_result check_slices(const struct dpt_mesh *mesh, const struct spring_net *net, dpt_mesh_fault *fault)
 {
     const uint32_t *first = net->first;
     for (uint32_t s = 0; s < net->slices; s++)
@@ -306,8 +295,7 @@ static uint32_t first_word(const struct spring_net *net, uint32_t slice)
 }
 
 /* Neighbours ascend along a row, and are nodes; a lane without a spring names its own. */
-static dpt_result check_rows(const struct dpt_mesh *mesh, const struct spring_net *net,
-                             dpt_mesh_fault *fault)
+static dpt_result check_rows(const struct dpt_mesh *mesh, const struct spring_net *net, dpt_mesh_fault *fault)
 {
     for (uint32_t s = 0; s < net->slices; s++) {
         uint64_t lowest[LANES] = { 0 };
@@ -323,8 +311,7 @@ static dpt_result check_rows(const struct dpt_mesh *mesh, const struct spring_ne
     return DPT_OK;
 }
 
-static dpt_result check_spring_numbers(const struct dpt_mesh *mesh, const struct spring_net *net,
-                                       dpt_mesh_fault *fault)
+static dpt_result check_spring_numbers(const struct dpt_mesh *mesh, const struct spring_net *net, dpt_mesh_fault *fault)
 {
     for (uint32_t s = 0; s < net->slices; s++)
         for (uint32_t e = first_word(net, s); e < first_word(net, s + 1); e++) {
@@ -351,8 +338,7 @@ static uint32_t find_spring(const struct spring_net *net, uint32_t node, uint32_
  * Each spring stands in both rows, with the same numbers. A row has no neighbour twice, so it is enough to look from
  * the lower node, and to count both directions.
  */
-static dpt_result check_symmetry(const struct dpt_mesh *mesh, const struct spring_net *net,
-                                 dpt_mesh_fault *fault)
+static dpt_result check_symmetry(const struct dpt_mesh *mesh, const struct spring_net *net, dpt_mesh_fault *fault)
 {
     uint64_t upward = 0, downward = 0;
     for (uint32_t s = 0; s < net->slices; s++)
@@ -369,8 +355,7 @@ static dpt_result check_symmetry(const struct dpt_mesh *mesh, const struct sprin
             upward++;
         }
     if (upward != downward || upward != net->springs)
-        return fail(fault, DPT_E_INDEX, tail_at(mesh, offsetof(struct mesh_tail, springs)),
-                    MESH_HEADER);
+        return fail(fault, DPT_E_INDEX, tail_at(mesh, offsetof(struct mesh_tail, springs)), MESH_HEADER);
     return DPT_OK;
 }
 
@@ -378,26 +363,22 @@ static dpt_result check_symmetry(const struct dpt_mesh *mesh, const struct sprin
  * The header's numbers. The step is at most 2 / omega, and a node by itself, all others held, has omega^2 = (sum k) / m:
  * a net can have no longer one. It may need a shorter one, which the solver looks for.
  */
-static dpt_result check_step(const struct dpt_mesh *mesh, const struct spring_net *net,
-                             dpt_mesh_fault *fault)
+static dpt_result check_step(const struct dpt_mesh *mesh, const struct spring_net *net, dpt_mesh_fault *fault)
 {
     const struct mesh_tail tail = mesh_tail(mesh);
     const double most = (double)MESH_SPRING_MAX, step2 = tail.stable_step * tail.stable_step;
     const uint64_t at = tail_at(mesh, offsetof(struct mesh_tail, viscosity));
     if (!(tail.viscosity >= 0.0 && tail.viscosity <= (double)MESH_DAMPING_MAX) ||
         !(tail.spring_mass >= 0.0 && tail.spring_mass <= most * net->nodes) ||
-        !(tail.poisson >= 0.0 && tail.poisson <= 0.5) ||
-        !(tail.stable_step > 0.0 && tail.stable_step <= most))
+        !(tail.poisson >= 0.0 && tail.poisson <= 0.5) || !(tail.stable_step > 0.0 && tail.stable_step <= most))
         return fail(fault, DPT_E_FINITE, at, MESH_HEADER);
     for (uint32_t i = 0; i < net->nodes; i++) {
         const uint32_t last = first_word(net, i / LANES + 1);
         double sum = 0.0;
         for (uint32_t e = first_word(net, i / LANES) + i % LANES; e < last; e += LANES)
             sum += (double)net->stiffness[e];
-        if (net->mass[i] > 0.0f &&
-            !(step2 * sum <= 4.0 * (1.0 + MESH_STEP_ROUNDING) * (double)net->mass[i]))
-            return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, stable_step)),
-                        MESH_HEADER);
+        if (net->mass[i] > 0.0f && !(step2 * sum <= 4.0 * (1.0 + MESH_STEP_ROUNDING) * (double)net->mass[i]))
+            return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, stable_step)), MESH_HEADER);
     }
     return DPT_OK;
 }
@@ -460,8 +441,8 @@ static dpt_result check_beginning(const void *bytes, size_t size, dpt_mesh_fault
 /*
  * Check all of a file. `header` is its header in the host's byte order. A short file is read no further than its end.
  */
-static dpt_result check_file(const struct dpt_mesh *header, const void *bytes, size_t size,
-                             const struct crc32 *crc, dpt_mesh_fault *fault)
+static dpt_result check_file(const struct dpt_mesh *header, const void *bytes, size_t size, const struct crc32 *crc,
+                             dpt_mesh_fault *fault)
 {
     DPT_TRY(check_header(header, size, fault));
     DPT_TRY(check_header_crc(bytes, header->header_bytes, crc, header->header_crc32, fault));

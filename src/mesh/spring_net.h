@@ -23,7 +23,7 @@ struct spring_net {
     const float *stiffness;    /* 16 an entry: N/m */
     const float *length;       /* 16 an entry: of the spring at rest, m */
     double viscosity;          /* s: the damping of a spring is that times its stiffness */
-    double square; /* 1/s^2: no squared frequency is higher, the file says; 0: it does not */
+    double square;             /* 1/s^2: no squared frequency is higher, the file says; 0: it does not */
 };
 
 #endif

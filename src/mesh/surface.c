@@ -35,8 +35,7 @@ void dpti_surface_of_mesh(const struct dpt_mesh *mesh, struct surface *surface)
 vec3 dpti_surface_between(const struct surface *view, uint32_t vertex)
 {
     const vec3 now = vec3_of_float(view->positions + 3 * (size_t)vertex);
-    const vec3 before =
-        vec3_of_float(surface_motion_previous(view->motion, vertex, view->view_tick));
+    const vec3 before = vec3_of_float(surface_motion_previous(view->motion, vertex, view->view_tick));
     return along(before, view->view_time, sub(now, before));
 }
 

@@ -100,8 +100,7 @@ static inline void surface_corners(const struct surface *surface, uint32_t trian
  * The block of a leaf, and that of a node's children, for searches: the surface has followed its vertices there. On a
  * deformable body that is work.
  */
-static inline const float *surface_leaf(const struct surface *surface, uint32_t leaf,
-                                        struct work *work)
+static inline const float *surface_leaf(const struct surface *surface, uint32_t leaf, struct work *work)
 {
     struct surface_motion *motion = surface->motion;
     if (motion && motion->followed[leaf] != motion->travel[leaf])
@@ -109,8 +108,7 @@ static inline const float *surface_leaf(const struct surface *surface, uint32_t 
     return surface->leaves + (size_t)leaf * MESH_LEAF_WORDS;
 }
 
-static inline const float *surface_node(const struct surface *surface, uint32_t level,
-                                        uint32_t node, struct work *work)
+static inline const float *surface_node(const struct surface *surface, uint32_t level, uint32_t node, struct work *work)
 {
     struct surface_motion *motion = surface->motion;
     const uint32_t number = motion ? motion->first[level] + node : 0;
@@ -120,8 +118,7 @@ static inline const float *surface_node(const struct surface *surface, uint32_t 
 }
 
 /* The point of a triangle with these weights. */
-static inline vec3 surface_point(const struct surface *surface, uint32_t triangle,
-                                 const double weight[3])
+static inline vec3 surface_point(const struct surface *surface, uint32_t triangle, const double weight[3])
 {
     vec3 v[3];
     surface_corners(surface, triangle, v);

@@ -28,8 +28,7 @@ static uint32_t set_levels(const struct dpt_mesh *mesh, struct surface_motion *m
 }
 
 /* List the groups of each leaf, or with leaf_groups = NULL only count. Returns how many are in more_groups. */
-static uint64_t list_groups(const struct dpt_mesh *mesh, uint32_t *leaf_groups,
-                            uint32_t *more_groups)
+static uint64_t list_groups(const struct dpt_mesh *mesh, uint32_t *leaf_groups, uint32_t *more_groups)
 {
     const uint32_t *corners = mesh_words(mesh, MESH_TRIANGLES);
     uint64_t more = 0;
@@ -151,9 +150,7 @@ static void put_box(float *block, uint32_t lane, const struct filter_box *box)
 /* The place of a node's box in its parent; NULL for the root. `level` is the node's, 0 for a leaf. */
 static float *parent_block(const struct surface_motion *motion, uint32_t level, uint32_t node)
 {
-    return level < motion->levels
-               ? motion->level[level + 1] + (size_t)(node / LANES) * MESH_BOX_WORDS
-               : NULL;
+    return level < motion->levels ? motion->level[level + 1] + (size_t)(node / LANES) * MESH_BOX_WORDS : NULL;
 }
 
 /*
@@ -169,9 +166,7 @@ static struct filter_box box_of_rows(struct box_rows *rows)
     for (int width = LANES / 2; width; width /= 2)
         for (int k = 0; k < 6; k++)
             for (int i = 0; i < width; i++)
-                rows->row[k][i] = rows->row[k][i] < rows->row[k][i + width]
-                                      ? rows->row[k][i]
-                                      : rows->row[k][i + width];
+                rows->row[k][i] = rows->row[k][i] < rows->row[k][i + width] ? rows->row[k][i] : rows->row[k][i + width];
     return (struct filter_box){ { rows->row[0][0], rows->row[1][0], rows->row[2][0] },
                                 { -rows->row[3][0], -rows->row[4][0], -rows->row[5][0] } };
 }
@@ -248,8 +243,7 @@ static struct filter_box box_of_boxes(const float *block)
 }
 
 /* Hand a node's box to its parent if it is tighter than the one there. */
-static void tighten_parent(struct surface_motion *motion, uint32_t level, uint32_t node,
-                           const struct filter_box *box)
+static void tighten_parent(struct surface_motion *motion, uint32_t level, uint32_t node, const struct filter_box *box)
 {
     float *block = parent_block(motion, level, node);
     const uint32_t number = motion->first[level] + node, lane = node % LANES;
@@ -313,8 +307,7 @@ static void remake_boxes(struct surface_motion *motion, uint32_t node, float *bl
 uint32_t dpti_surface_follow_node(struct surface_motion *motion, uint32_t level, uint32_t node)
 {
     const int remakes =
-        level == 1 &&
-        motion->travel[motion->first[1] + node] - motion->remade[node] > motion->leaf_width[node];
+        level == 1 && motion->travel[motion->first[1] + node] - motion->remade[node] > motion->leaf_width[node];
     float *block = motion->level[level] + (size_t)node * MESH_BOX_WORDS;
     const uint32_t child = motion->first[level - 1] + node * LANES;
     const uint32_t children = motion->count[level - 1] - node * LANES;
@@ -363,9 +356,8 @@ static void fill_all(struct surface_motion *motion)
         }
 }
 
-void dpti_surface_of_motion(const struct dpt_mesh *mesh, const double box_min[3],
-                            const double box_max[3], char *at, struct surface_motion *motion,
-                            struct surface *surface)
+void dpti_surface_of_motion(const struct dpt_mesh *mesh, const double box_min[3], const double box_max[3], char *at,
+                            struct surface_motion *motion, struct surface *surface)
 {
     memset(at, 0, (size_t)place(mesh, at, motion));
     list_groups(mesh, motion->leaf_groups, motion->more_groups);
@@ -374,8 +366,7 @@ void dpti_surface_of_motion(const struct dpt_mesh *mesh, const double box_min[3]
     surface->box_min = vec3_of(box_min);
     surface->box_max = vec3_of(box_max);
     set_frame(surface, motion);
-    memcpy(motion->positions, mesh_floats(mesh, MESH_VERTICES),
-           3 * (size_t)mesh->vertices * sizeof(float));
+    memcpy(motion->positions, mesh_floats(mesh, MESH_VERTICES), 3 * (size_t)mesh->vertices * sizeof(float));
     motion->tick = 0;
     fill_all(motion);
     surface->motion = motion;

@@ -36,8 +36,7 @@ enum { MOTION_LEAF_GROUPS = 4 };
 struct surface_motion {
     const struct dpt_mesh *mesh;
     uint32_t count[MESH_LEVELS_MAX + 1]; /* nodes of each level */
-    uint32_t first[MESH_LEVELS_MAX +
-                   2]; /* of each level in the arrays by node; the last one is their length */
+    uint32_t first[MESH_LEVELS_MAX + 2]; /* of each level in the arrays by node; the last one is their length */
     uint32_t levels;
     uint32_t groups;
     uint32_t tick; /* the world's, before which vertices last moved; 0: never */
@@ -47,17 +46,15 @@ struct surface_motion {
     uint32_t *group_tick;
     float *leaves; /* as in struct surface */
     float *level[MESH_LEVELS_MAX + 1];
-    float *travel; /* by node, in the filter's frame */
-    float *
-        followed; /* by node: its travel when its children's boxes, or its triangles, were brought up to date */
-    float *boxed; /* by node: its travel when its own box, in its parent, was */
-    uint32_t *
-        has_tighter; /* by node: a child's box was made anew since its own box was handed to its parent */
+    float *travel;   /* by node, in the filter's frame */
+    float *followed; /* by node: its travel when its children's boxes, or its triangles, were brought up to date */
+    float *boxed;    /* by node: its travel when its own box, in its parent, was */
+    uint32_t *has_tighter; /* by node: a child's box was made anew since its own box was handed to its parent */
     /* By parent of leaves: its travel when all of their boxes were made anew, and their mean width then. */
     float *remade;
     float *leaf_width;
-    float *moved; /* by node: how far any vertex moved in the last update; scratch of updates */
-    float *step;  /* by node: in the last tick in which vertices moved, all updates together */
+    float *moved;       /* by node: how far any vertex moved in the last update; scratch of updates */
+    float *step;        /* by node: in the last tick in which vertices moved, all updates together */
     float *group_moved; /* by group, in the last update */
     /*
      * The groups of leaf i: MOTION_LEAF_GROUPS from leaf_groups[MOTION_LEAF_GROUPS * i] on, of which some may be the
@@ -83,9 +80,8 @@ uint64_t dpti_surface_motion_bytes(const struct dpt_mesh *mesh);
  * Make a surface whose vertices move, at first where the mesh has them. box_min and box_max hold them at all times.
  * at: the arrays' memory, aligned to 64.
  */
-void dpti_surface_of_motion(const struct dpt_mesh *mesh, const double box_min[3],
-                            const double box_max[3], char *at, struct surface_motion *motion,
-                            struct surface *surface);
+void dpti_surface_of_motion(const struct dpt_mesh *mesh, const double box_min[3], const double box_max[3], char *at,
+                            struct surface_motion *motion, struct surface *surface);
 
 /* Forget in which tick vertices moved: ticks are counted anew. */
 void dpti_surface_motion_forget(struct surface_motion *motion);
@@ -95,11 +91,9 @@ uint32_t dpti_surface_follow_leaf(struct surface_motion *motion, uint32_t leaf);
 uint32_t dpti_surface_follow_node(struct surface_motion *motion, uint32_t level, uint32_t node);
 
 /* Where a vertex was at the end of the last tick, if vertices move before this one, `tick`. */
-static inline const float *surface_motion_previous(const struct surface_motion *motion,
-                                                   uint32_t vertex, uint32_t tick)
+static inline const float *surface_motion_previous(const struct surface_motion *motion, uint32_t vertex, uint32_t tick)
 {
-    return (motion->group_tick[vertex / MOTION_GROUP] == tick ? motion->previous
-                                                              : motion->positions) +
+    return (motion->group_tick[vertex / MOTION_GROUP] == tick ? motion->previous : motion->positions) +
            3 * (size_t)vertex;
 }
 

@@ -6,17 +6,16 @@
 vec3 dpti_surface_face_normal(const struct surface *surface, uint32_t triangle)
 {
     vec3 a = surface_corner_point(surface, triangle, 0);
-    return unit_of(cross(sub(surface_corner_point(surface, triangle, 1), a),
-                         sub(surface_corner_point(surface, triangle, 2), a)));
+    return unit_of(
+        cross(sub(surface_corner_point(surface, triangle, 1), a), sub(surface_corner_point(surface, triangle, 2), a)));
 }
 
 /* What a triangle adds to the normal of the vertex at its corner k: its face normal times its angle there. */
 static vec3 weighted_normal(const struct surface *surface, uint32_t triangle, int k)
 {
     vec3 here = surface_corner_point(surface, triangle, k);
-    double angle =
-        angle_between(unit_of(sub(surface_corner_point(surface, triangle, k + 1), here)),
-                      unit_of(sub(surface_corner_point(surface, triangle, k + 2), here)));
+    double angle = angle_between(unit_of(sub(surface_corner_point(surface, triangle, k + 1), here)),
+                                 unit_of(sub(surface_corner_point(surface, triangle, k + 2), here)));
     return scaled(dpti_surface_face_normal(surface, triangle), angle);
 }
 
@@ -58,13 +57,10 @@ static vec3 edge_normal(const struct surface *surface, uint32_t triangle, int k)
 {
     uint32_t other = surface_neighbours(surface)[3 * (size_t)triangle + (size_t)k];
     vec3 normal = dpti_surface_face_normal(surface, triangle);
-    return other < surface_triangles(surface)
-               ? add(normal, dpti_surface_face_normal(surface, other))
-               : normal;
+    return other < surface_triangles(surface) ? add(normal, dpti_surface_face_normal(surface, other)) : normal;
 }
 
-vec3 dpti_surface_feature_normal(const struct surface *surface, uint32_t triangle,
-                                 const double weight[3])
+vec3 dpti_surface_feature_normal(const struct surface *surface, uint32_t triangle, const double weight[3])
 {
     int corner = surface_lone_corner(weight);
     if (corner >= 0)
@@ -103,16 +99,15 @@ static vec3 sector_normal(const struct surface *surface, uint32_t triangle, int 
     return normal;
 }
 
-vec3 dpti_surface_smooth_normal(const struct surface *surface, uint32_t triangle,
-                                const double weight[3])
+vec3 dpti_surface_smooth_normal(const struct surface *surface, uint32_t triangle, const double weight[3])
 {
     const uint32_t *flags = surface_flags(surface);
     const uint32_t ends = DPT_CORNER_CREASE | DPT_CORNER_NONMANIFOLD;
     vec3 normal = { 0.0, 0.0, 0.0 };
     for (int k = 0; k < 3; k++) {
         int has_crease = flags && (flags[triangle] & ends << k);
-        vec3 corner = has_crease ? sector_normal(surface, triangle, k)
-                                 : dpti_surface_vertex_normal(surface, triangle, k);
+        vec3 corner =
+            has_crease ? sector_normal(surface, triangle, k) : dpti_surface_vertex_normal(surface, triangle, k);
         normal = along(normal, weight[k], unit_of(corner));
     }
     return unit_of(normal);

@@ -13,8 +13,7 @@ vec3 dpti_surface_face_normal(const struct surface *surface, uint32_t triangle);
  * length 1. For every x whose nearest point is that point q, the sign of (x - q).normal tells whether x is in front
  * or behind (Baerentzen and Aanaes 2005).
  */
-vec3 dpti_surface_feature_normal(const struct surface *surface, uint32_t triangle,
-                                 const double weight[3]);
+vec3 dpti_surface_feature_normal(const struct surface *surface, uint32_t triangle, const double weight[3]);
 
 /*
  * The angle-weighted normal of the vertex at corner k, over the triangle's part: the file's unit normal in float, or
@@ -26,8 +25,7 @@ vec3 dpti_surface_vertex_normal(const struct surface *surface, uint32_t triangle
  * The unit normal at the point of a triangle with these weights, interpolated between those of the corners; zero
  * where they cancel. At a crease the normal of a corner is that of its own side (docs/algorithms/sign.md).
  */
-vec3 dpti_surface_smooth_normal(const struct surface *surface, uint32_t triangle,
-                                const double weight[3]);
+vec3 dpti_surface_smooth_normal(const struct surface *surface, uint32_t triangle, const double weight[3]);
 
 /*
  * The angle-weighted normal of the vertex at corner k, of any length and in double, computed from the triangles at

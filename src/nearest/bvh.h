@@ -35,32 +35,27 @@ struct bvh_traversal {
  *
  * A search whose work is spent ends early, with the best pair so far.
  */
-void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel,
-                     const struct plane_cache_view *cache, vec3 a, vec3 u, double slack,
-                     struct work *work, struct pair_search *nearest);
+void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel, const struct plane_cache_view *cache,
+                     vec3 a, vec3 u, double slack, struct work *work, struct pair_search *nearest);
 
 /*
  * The same search in parts. Returns 1 when it is done; then traversal->level is 0. Returns 0 when the work is spent:
  * the next call continues there, for the same axis, or for a moved one after dpti_bvh_weaken_bounds.
  */
-int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel,
-                      const struct plane_cache_view *cache, vec3 a, vec3 u, double slack,
-                      struct bvh_traversal *traversal, struct work *work,
+int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel, const struct plane_cache_view *cache,
+                      vec3 a, vec3 u, double slack, struct bvh_traversal *traversal, struct work *work,
                       struct pair_search *nearest);
 
 /* Lower the bounds of a suspended traversal: each end of the axis has moved by at most `motion`, in m, since. */
-void dpti_bvh_weaken_bounds(struct bvh_traversal *traversal, const struct surface *surface,
-                            double motion);
+void dpti_bvh_weaken_bounds(struct bvh_traversal *traversal, const struct surface *surface, double motion);
 
 /*
  * A lower bound, in m, of the distance from the axis a + s u to all triangles that a suspended traversal has not
  * visited yet. The traversal must have begun. HUGE_VAL if none are left.
  */
-double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal,
-                                const struct surface *surface, vec3 a, vec3 u);
+double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal, const struct surface *surface, vec3 a, vec3 u);
 
 /* dpti_bvh_search without the tree: every triangle in double, without filter or slack. It never stops early. */
-void dpti_brute_search(const struct surface *surface, vec3 a, vec3 u, struct work *work,
-                       struct pair_search *nearest);
+void dpti_brute_search(const struct surface *surface, vec3 a, vec3 u, struct work *work, struct pair_search *nearest);
 
 #endif

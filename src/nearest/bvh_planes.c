@@ -5,8 +5,7 @@
  */
 #include "nearest/bvh_planes.h"
 
-uint32_t dpti_bvh_lower_bounds(const struct bvh_search *search, const struct cached_planes *cached,
-                               float *bound)
+uint32_t dpti_bvh_lower_bounds(const struct bvh_search *search, const struct cached_planes *cached, float *bound)
 {
     uint32_t open = 0;
     for (uint32_t i = 0; i < LANES; i++) {
@@ -31,8 +30,7 @@ static uint32_t renew_planes(struct bvh_search *search, kernel_new_planes *make,
     float made_bound[LANES];
     work_spend(search->work, 1);
     if (cached->is_empty) {
-        lanes &=
-            make(rows, &search->segment, cached->block ? &cached->block->planes : &made, bound);
+        lanes &= make(rows, &search->segment, cached->block ? &cached->block->planes : &made, bound);
         if (cached->block) {
             add_travels(cached, &cached->block->planes);
             cached->block->key = plane_cache_key(&search->cache, cached->node);
@@ -60,16 +58,14 @@ static float lanes_min(const float *value)
     return min[0] < min[1] ? min[0] : min[1];
 }
 
-static void store_plane(const struct cached_planes *cached, uint32_t lane, const float normal[3],
-                        float support)
+static void store_plane(const struct cached_planes *cached, uint32_t lane, const float normal[3], float support)
 {
     planes_put(&cached->block->planes, lane, normal, bvh_cached_support(cached, lane, support));
     cached->block->open &= ~(1u << lane);
 }
 
 /* The planes of a node, or of a leaf (level 0), if the cache has any of it; else `block` is NULL. */
-static struct cached_planes own_planes(const struct bvh_search *search, uint32_t level,
-                                       uint32_t index)
+static struct cached_planes own_planes(const struct bvh_search *search, uint32_t level, uint32_t index)
 {
     struct cached_planes cached = bvh_cached_planes(search, level, index);
     cached.block = plane_cache_own_block(&search->cache, cached.node);
@@ -102,8 +98,7 @@ static int fill_leaves(struct bvh_search *search, uint32_t node, const float *su
  * The support along n of a child of a node of this level: the least n.v of a leaf's triangles, or of the boxes of a
  * node's children. A support above `needed` is enough.
  */
-static float child_support(struct bvh_search *search, uint32_t level, uint32_t child,
-                           const float n[3], float needed)
+static float child_support(struct bvh_search *search, uint32_t level, uint32_t child, const float n[3], float needed)
 {
     const struct surface *surface = search->surface;
     const struct kernel *kernel = search->kernel;
@@ -112,8 +107,7 @@ static float child_support(struct bvh_search *search, uint32_t level, uint32_t c
     if (level == 1)
         kernel->common_triangles(surface_leaf(surface, child, search->work), n, 0.0f, support);
     else
-        kernel->common_boxes(surface_node(surface, level - 1, child, search->work), n, 0.0f,
-                             support);
+        kernel->common_boxes(surface_node(surface, level - 1, child, search->work), n, 0.0f, support);
     if (level == 2 && surface->motion && fill_leaves(search, child, support, needed))
         kernel->common_boxes(surface_node(surface, 1, child, search->work), n, 0.0f, support);
     return lanes_min(support);
@@ -167,8 +161,7 @@ static uint32_t close_leaves(struct bvh_search *search, uint32_t node, uint32_t 
     return closed;
 }
 
-void dpti_bvh_close_in_parent(struct bvh_search *search, struct plane_block *block, uint32_t level,
-                              uint32_t child)
+void dpti_bvh_close_in_parent(struct bvh_search *search, struct plane_block *block, uint32_t level, uint32_t child)
 {
     enum { RETRY_INTERVAL_MAX = 15 };
     if (search->cache.is_write_only || work_is_spent(search->work))
@@ -196,8 +189,7 @@ static void store_leaf_plane(const struct bvh_search *search, uint32_t leaf, con
         store_plane(&parent, leaf % LANES, search->segment.normal, lanes_min(support));
 }
 
-void dpti_bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uint32_t lane,
-                             const pair *found)
+void dpti_bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uint32_t lane, const pair *found)
 {
     const struct cached_planes cached = own_planes(search, 0, leaf);
     const float *rows = search->surface->leaves + (size_t)leaf * MESH_LEAF_WORDS + lane;
@@ -206,17 +198,15 @@ void dpti_bvh_close_triangle(const struct bvh_search *search, uint32_t leaf, uin
         return;
     put_float(scaled(found->gap, -1.0 / sqrt(found->distance2)), n);
     for (int k = 0; k < 9; k += 3) {
-        float corner_support =
-            n[0] * rows[k * LANES] + n[1] * rows[(k + 1) * LANES] + n[2] * rows[(k + 2) * LANES];
+        float corner_support = n[0] * rows[k * LANES] + n[1] * rows[(k + 1) * LANES] + n[2] * rows[(k + 2) * LANES];
         support = corner_support < support ? corner_support : support;
     }
     if (support - filter_segment_support(&search->segment, n) > search->segment.limit)
         store_plane(&cached, lane, n, support);
 }
 
-uint32_t dpti_bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
-                                 const struct cached_planes *cached, uint32_t lanes,
-                                 int parent_needs_plane, float *bound)
+uint32_t dpti_bvh_open_triangles(struct bvh_search *search, uint32_t leaf, const struct cached_planes *cached,
+                                 uint32_t lanes, int parent_needs_plane, float *bound)
 {
     const float *rows = surface_leaf(search->surface, leaf, search->work);
     const struct filter_segment *segment = &search->segment;
@@ -229,8 +219,8 @@ uint32_t dpti_bvh_open_triangles(struct bvh_search *search, uint32_t leaf,
     }
     if (search->has_plane && !search->cache.is_write_only && work_left(search->work) > 1) {
         work_spend(search->work, 1);
-        uint32_t open = search->kernel->common_triangles(rows, segment->normal,
-                                                         segment->height + segment->limit, support);
+        uint32_t open =
+            search->kernel->common_triangles(rows, segment->normal, segment->height + segment->limit, support);
         if (!open && parent_needs_plane)
             store_leaf_plane(search, leaf, support);
         for (uint32_t rest = cached->is_empty ? 0 : lanes & ~open; rest; rest &= rest - 1) {

@@ -25,8 +25,7 @@ static void set_limit(struct bvh_search *search)
 }
 
 /* Those of a leaf's `lanes` that are neither the best triangle nor excluded. first: place of the leaf's lane 0. */
-static uint32_t untested_triangles(const struct pair_search *nearest, uint32_t first,
-                                   uint32_t lanes)
+static uint32_t untested_triangles(const struct pair_search *nearest, uint32_t first, uint32_t lanes)
 {
     if (nearest->triangle - first < LANES)
         lanes &= ~(1u << (nearest->triangle - first));
@@ -113,8 +112,8 @@ static int visit_node(struct bvh_search *search, uint32_t level, uint32_t node, 
 static uint32_t begin_traversal(struct bvh_search *search)
 {
     uint32_t level = search->surface->levels, best = search->nearest->triangle;
-    if (!search->cache.count || search->cache.is_write_only || search->slack == 0.0 ||
-        best == DPT_NONE || work_left(search->work) < 4 * (level + 1)) {
+    if (!search->cache.count || search->cache.is_write_only || search->slack == 0.0 || best == DPT_NONE ||
+        work_left(search->work) < 4 * (level + 1)) {
         return visit_node(search, level, 0, 0) ? level : level + 1;
     }
     for (; level >= 1; level--) {
@@ -145,9 +144,8 @@ static int is_touching(const struct pair_search *nearest)
     return nearest->pair.distance2 == 0.0 && nearest->triangle != DPT_NONE;
 }
 
-int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel,
-                      const struct plane_cache_view *cache, vec3 a, vec3 u, double slack,
-                      struct bvh_traversal *traversal, struct work *work,
+int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel, const struct plane_cache_view *cache,
+                      vec3 a, vec3 u, double slack, struct bvh_traversal *traversal, struct work *work,
                       struct pair_search *nearest)
 {
     struct bvh_search search;
@@ -169,9 +167,7 @@ int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel
     while (level && level <= surface->levels && !is_touching(nearest)) {
         struct path_entry *entry = &traversal->path[level];
         if (!entry->lanes) {
-            leave_node(&search,
-                       plane_cache_own_block(&search.cache, surface->first[level] + entry->node),
-                       level);
+            leave_node(&search, plane_cache_own_block(&search.cache, surface->first[level] + entry->node), level);
             level++;
             continue;
         }
@@ -186,8 +182,7 @@ int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel
         if (level == 1) {
             visit_leaf(&search, child);
         } else {
-            float lower_bound =
-                entry->bound[lane] > entry->lower_bound ? entry->bound[lane] : entry->lower_bound;
+            float lower_bound = entry->bound[lane] > entry->lower_bound ? entry->bound[lane] : entry->lower_bound;
             if (visit_node(&search, level - 1, child, 0))
                 traversal->path[--level].lower_bound = lower_bound;
         }
@@ -197,9 +192,8 @@ int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel
     return is_done;
 }
 
-void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel,
-                     const struct plane_cache_view *cache, vec3 a, vec3 u, double slack,
-                     struct work *work, struct pair_search *nearest)
+void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel, const struct plane_cache_view *cache,
+                     vec3 a, vec3 u, double slack, struct work *work, struct pair_search *nearest)
 {
     struct bvh_traversal traversal;
     traversal.level = 0;
@@ -207,21 +201,18 @@ void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel,
 }
 
 /* The factors cover the growth of the margin with the ends, and rounding here. */
-void dpti_bvh_weaken_bounds(struct bvh_traversal *traversal, const struct surface *surface,
-                            double motion)
+void dpti_bvh_weaken_bounds(struct bvh_traversal *traversal, const struct surface *surface, double motion)
 {
     float drop = (float)(motion * surface->filter_scale * (1.0 + 0x1p-16));
     for (uint32_t level = traversal->level; level && level <= surface->levels; level++) {
         float *bound = traversal->path[level].bound;
-        traversal->path[level].lower_bound -=
-            drop + 0x1p-22f * fabsf(traversal->path[level].lower_bound);
+        traversal->path[level].lower_bound -= drop + 0x1p-22f * fabsf(traversal->path[level].lower_bound);
         for (int i = 0; i < LANES; i++)
             bound[i] = bound[i] - drop - 0x1p-22f * fabsf(bound[i]);
     }
 }
 
-double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal,
-                                const struct surface *surface, vec3 a, vec3 u)
+double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal, const struct surface *surface, vec3 a, vec3 u)
 {
     struct filter_segment segment;
     filter_segment_set_axis(&segment, surface, a, u);

@@ -3,9 +3,8 @@
 
 #include "nearest/point_search.h"
 
-void dpti_dynamic_point_once(const struct surface *surface, const struct kernel *kernel,
-                             uint32_t method, const struct axis *axis, uint32_t hint,
-                             struct work *work, struct pair_search *nearest)
+void dpti_dynamic_point_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
+                             const struct axis *axis, uint32_t hint, struct work *work, struct pair_search *nearest)
 {
     *nearest = (struct pair_search){ .pair = { .distance2 = HUGE_VAL }, .triangle = DPT_NONE };
     if (method == DPT_METHOD_BRUTE) {
@@ -13,8 +12,7 @@ void dpti_dynamic_point_once(const struct surface *surface, const struct kernel 
         return;
     }
     if (hint != DPT_NONE)
-        nearest->pair.distance2 =
-            dpti_triangle_pair(surface, hint, axis->local_a, axis->u).distance2;
+        nearest->pair.distance2 = dpti_triangle_pair(surface, hint, axis->local_a, axis->u).distance2;
     struct bvh_traversal traversal;
     traversal.level = 0;
     if (extent_of(axis->u) > 0.0)
@@ -54,8 +52,7 @@ static int try_neighbour(const struct surface *surface, const struct axis *axis,
 }
 
 /* Move to the first triangle around a vertex that is nearer, and return 1; 0 if none is. */
-static int try_fan(const struct surface *surface, const struct axis *axis, uint32_t vertex,
-                   struct pair_search *nearest)
+static int try_fan(const struct surface *surface, const struct axis *axis, uint32_t vertex, struct pair_search *nearest)
 {
     const uint32_t *first, *fans = surface_fans(surface, &first);
     uint32_t begin = first[vertex], end = first[vertex + 1];
@@ -66,8 +63,8 @@ static int try_fan(const struct surface *surface, const struct axis *axis, uint3
     return 0;
 }
 
-void dpti_dynamic_point_descend(const struct surface *surface, const struct axis *axis,
-                                struct work *work, struct pair_search *nearest)
+void dpti_dynamic_point_descend(const struct surface *surface, const struct axis *axis, struct work *work,
+                                struct pair_search *nearest)
 {
     int has_moved = 1;
     while (has_moved && nearest->pair.distance2 > 0.0 && !work_is_spent(work)) {
@@ -76,8 +73,7 @@ void dpti_dynamic_point_descend(const struct surface *surface, const struct axis
         int zeros = (weight[0] <= 0.0) + (weight[1] <= 0.0) + (weight[2] <= 0.0);
         if (!zeros)
             return;
-        dpti_pair_search_update_plane(nearest, axis->local_a, axis->u,
-                                      DISTANCE_ERROR_SLACK * axis->error);
+        dpti_pair_search_update_plane(nearest, axis->local_a, axis->u, DISTANCE_ERROR_SLACK * axis->error);
         work_spend(work, 1);
         if (zeros == 1) {
             uint32_t edge = weight[0] <= 0.0 ? 1 : weight[1] <= 0.0 ? 2 : 0;
@@ -94,8 +90,8 @@ void dpti_dynamic_point_descend(const struct surface *surface, const struct axis
  * Look for a triangle that the axis goes through. Begin at `triangle`; while the axis passes it, go on over the edge
  * beside which it passes. Returns 1 and sets `nearest` if there is one. As a rule no distance is computed.
  */
-static int find_crossed(const struct surface *surface, const struct axis *axis, uint32_t triangle,
-                        struct work *work, struct pair_search *nearest)
+static int find_crossed(const struct surface *surface, const struct axis *axis, uint32_t triangle, struct work *work,
+                        struct pair_search *nearest)
 {
     enum { CROSSED_TRIED_MAX = 8 };
     const uint32_t *neighbours = surface_neighbours(surface);
@@ -124,9 +120,8 @@ static int find_crossed(const struct surface *surface, const struct axis *axis, 
     return 0;
 }
 
-void dpti_dynamic_point_begin(struct dynamic_point *track, const struct surface *surface,
-                              uint32_t last, double limit2, enum descent_mode mode,
-                              struct work *work)
+void dpti_dynamic_point_begin(struct dynamic_point *track, const struct surface *surface, uint32_t last, double limit2,
+                              enum descent_mode mode, struct work *work)
 {
     struct pair_search *nearest = &track->nearest;
     const struct axis *axis = &track->axis;
@@ -137,8 +132,7 @@ void dpti_dynamic_point_begin(struct dynamic_point *track, const struct surface 
     if (last == DPT_NONE && limit2 < HUGE_VAL)
         return;
     uint32_t triangle = last == DPT_NONE ? 0 : last;
-    if (mode == DESCENT_CROSSED && last != DPT_NONE &&
-        find_crossed(surface, axis, last, work, nearest)) {
+    if (mode == DESCENT_CROSSED && last != DPT_NONE && find_crossed(surface, axis, last, work, nearest)) {
         track->last_pair = (pair){ .distance2 = HUGE_VAL };
         return;
     }
@@ -154,21 +148,19 @@ void dpti_dynamic_point_begin(struct dynamic_point *track, const struct surface 
         dpti_dynamic_point_descend(surface, axis, work, nearest);
 }
 
-int dpti_dynamic_point_prove(struct dynamic_point *track, const struct surface *surface,
-                             const struct kernel *kernel, const struct plane_cache_view *cache,
-                             struct bvh_traversal *traversal, struct work *work)
+int dpti_dynamic_point_prove(struct dynamic_point *track, const struct surface *surface, const struct kernel *kernel,
+                             const struct plane_cache_view *cache, struct bvh_traversal *traversal, struct work *work)
 {
     double slack = track->last == DPT_NONE ? 0.0 : DISTANCE_ERROR_SLACK * track->axis.error;
     return track->nearest.pair.distance2 == 0.0 ||
-           dpti_bvh_traverse(surface, kernel, cache, track->axis.local_a, track->axis.u, slack,
-                             traversal, work, &track->nearest);
+           dpti_bvh_traverse(surface, kernel, cache, track->axis.local_a, track->axis.u, slack, traversal, work,
+                             &track->nearest);
 }
 
 void dpti_dynamic_point_settle(struct dynamic_point *track)
 {
     struct pair_search *nearest = &track->nearest;
-    if (track->last == DPT_NONE || nearest->triangle == track->last ||
-        nearest->triangle == DPT_NONE)
+    if (track->last == DPT_NONE || nearest->triangle == track->last || nearest->triangle == DPT_NONE)
         return;
     if (sqrt(track->last_pair.distance2) <=
         sqrt(nearest->pair.distance2) + DISTANCE_ERROR_HISTORY * track->axis.error) {

@@ -17,8 +17,7 @@ struct axis {
 };
 
 /* Set an axis from its ends a and b in the world; body: the pose of the body's frame. */
-static inline void axis_of(const struct surface *surface, const struct frame *body, vec3 a, vec3 b,
-                           struct axis *axis)
+static inline void axis_of(const struct surface *surface, const struct frame *body, vec3 a, vec3 b, struct axis *axis)
 {
     axis->a = a;
     axis->b = b;
@@ -35,9 +34,8 @@ static inline void axis_of(const struct surface *surface, const struct frame *bo
  * the answer. method: DPT_METHOD_BRUTE, else the tree. `nearest` is overwritten; its triangle is DPT_NONE only if a
  * forged file's boxes hide every triangle.
  */
-void dpti_dynamic_point_once(const struct surface *surface, const struct kernel *kernel,
-                             uint32_t method, const struct axis *axis, uint32_t hint,
-                             struct work *work, struct pair_search *nearest);
+void dpti_dynamic_point_once(const struct surface *surface, const struct kernel *kernel, uint32_t method,
+                             const struct axis *axis, uint32_t hint, struct work *work, struct pair_search *nearest);
 
 /* The nearest pair with history: of one axis and one body, in one tick. */
 struct dynamic_point {
@@ -60,24 +58,22 @@ enum descent_mode { DESCENT_NONE, DESCENT_NEIGHBOURS, DESCENT_CROSSED };
  *   limit2  m^2; HUGE_VAL: no limit. A pair whose squared distance is limit2 or more need not be found. If there is no
  *           nearer one, track->nearest.triangle is DPT_NONE
  */
-void dpti_dynamic_point_begin(struct dynamic_point *track, const struct surface *surface,
-                              uint32_t last, double limit2, enum descent_mode mode,
-                              struct work *work);
+void dpti_dynamic_point_begin(struct dynamic_point *track, const struct surface *surface, uint32_t last, double limit2,
+                              enum descent_mode mode, struct work *work);
 
 /*
  * Move the dynamic point to a nearer triangle, over the edge or around the vertex on which its nearest point lies,
  * until none is nearer. Of the axis, local_a, u and error must be set.
  */
-void dpti_dynamic_point_descend(const struct surface *surface, const struct axis *axis,
-                                struct work *work, struct pair_search *nearest);
+void dpti_dynamic_point_descend(const struct surface *surface, const struct axis *axis, struct work *work,
+                                struct pair_search *nearest);
 
 /*
  * Prove the dynamic point or correct it, by dpti_bvh_traverse, which takes `cache` and `traversal`. Returns 0 if the
  * work is spent: the next call continues.
  */
-int dpti_dynamic_point_prove(struct dynamic_point *track, const struct surface *surface,
-                             const struct kernel *kernel, const struct plane_cache_view *cache,
-                             struct bvh_traversal *traversal, struct work *work);
+int dpti_dynamic_point_prove(struct dynamic_point *track, const struct surface *surface, const struct kernel *kernel,
+                             const struct plane_cache_view *cache, struct bvh_traversal *traversal, struct work *work);
 
 /*
  * Keep last tick's triangle as the answer while its distance is within DISTANCE_ERROR_HISTORY times the error bound of

@@ -20,8 +20,8 @@ static inline void put_float(vec3 v, float out[3])
  * Set ends, length, direction x and margin from the axis a + s u, in the mesh's frame, in m. y, z and limit stay unset.
  * Returns the unit vector along u; (1, 0, 0) where u is 0.
  */
-static inline vec3 filter_segment_set_axis(struct filter_segment *segment,
-                                           const struct surface *surface, vec3 a, vec3 u)
+static inline vec3 filter_segment_set_axis(struct filter_segment *segment, const struct surface *surface, vec3 a,
+                                           vec3 u)
 {
     double scale = surface->filter_scale, size = length(u);
     vec3 from = scaled(sub(a, surface->filter_centre), scale);
@@ -47,8 +47,8 @@ static inline void filter_segment_set_frame(struct filter_segment *segment, vec3
 }
 
 /* Set the limit for a distance in m: a lane whose bound exceeds the limit is farther than that, and not as far. */
-static inline void filter_segment_set_limit(struct filter_segment *segment,
-                                            const struct surface *surface, double distance)
+static inline void filter_segment_set_limit(struct filter_segment *segment, const struct surface *surface,
+                                            double distance)
 {
     double stretched = distance * surface->filter_scale * (1.0 + KERNEL_STRETCH);
     segment->limit = (float)stretched + segment->margin;

@@ -30,14 +30,13 @@ void dpti_pair_search_update_plane(struct pair_search *nearest, vec3 a, vec3 u, 
         rise = max_of(rise, 0.0);
     else if (found->s >= 1.0)
         rise = min_of(rise, 0.0);
-    nearest->plane = (struct best_plane){ normal, sub(along(a, found->s, u), found->gap),
-                                          uu > 0.0 ? rise * rise / uu : 0.0, slack };
+    nearest->plane =
+        (struct best_plane){ normal, sub(along(a, found->s, u), found->gap), uu > 0.0 ? rise * rise / uu : 0.0, slack };
     nearest->plane_owner = nearest->triangle + 1;
 }
 
 /* height + slack - lean |c - q| is concave along a triangle: if it is >= 0 at the corners c, it is >= 0 everywhere. */
-int dpti_triangle_is_beyond(const struct surface *surface, const struct best_plane *plane,
-                            uint32_t triangle)
+int dpti_triangle_is_beyond(const struct surface *surface, const struct best_plane *plane, uint32_t triangle)
 {
     const uint32_t *corner = surface->corners + 3 * (size_t)triangle;
     int is_beyond = 1;
@@ -49,8 +48,7 @@ int dpti_triangle_is_beyond(const struct surface *surface, const struct best_pla
     return is_beyond;
 }
 
-int dpti_pair_search_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
-                               struct pair_search *nearest)
+int dpti_pair_search_try_point(const struct surface *surface, uint32_t triangle, vec3 x, struct pair_search *nearest)
 {
     pair found;
     dpti_triangle_point_pair(surface, triangle, x, &found);

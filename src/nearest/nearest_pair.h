@@ -65,19 +65,16 @@ static inline void pair_search_begin(struct pair_search *nearest, uint32_t trian
 void dpti_pair_search_update_plane(struct pair_search *nearest, vec3 a, vec3 u, double slack);
 
 /* 1 if all of a triangle lies beyond the plane, so that it is no nearer than the best pair. */
-int dpti_triangle_is_beyond(const struct surface *surface, const struct best_plane *plane,
-                            uint32_t triangle);
+int dpti_triangle_is_beyond(const struct surface *surface, const struct best_plane *plane, uint32_t triangle);
 
 /* The nearest pair of the axis a + s u and one triangle. u may be 0. */
 pair dpti_triangle_pair(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u);
 
 /* The nearest pair of the point x and one triangle. */
-void dpti_triangle_point_pair(const struct surface *surface, uint32_t triangle, vec3 x,
-                              pair *found);
+void dpti_triangle_point_pair(const struct surface *surface, uint32_t triangle, vec3 x, pair *found);
 
 /* How the line of the axis a + s u passes one triangle. */
-static inline struct pierce triangle_pierce(const struct surface *surface, uint32_t triangle,
-                                            vec3 a, vec3 u)
+static inline struct pierce triangle_pierce(const struct surface *surface, uint32_t triangle, vec3 a, vec3 u)
 {
     vec3 v[3];
     surface_corners(surface, triangle, v);
@@ -90,8 +87,8 @@ static inline struct pierce triangle_pierce(const struct surface *surface, uint3
  * Replace the best pair by `found` if that is nearer, or as near with a lower source number: so the answer does not
  * depend on the order in which triangles are tried. Returns 1 if it was replaced.
  */
-static inline int pair_search_improve(const struct surface *surface, uint32_t triangle,
-                                      const pair *found, struct pair_search *nearest)
+static inline int pair_search_improve(const struct surface *surface, uint32_t triangle, const pair *found,
+                                      struct pair_search *nearest)
 {
     if (found->distance2 > nearest->pair.distance2 ||
         (found->distance2 == nearest->pair.distance2 && nearest->triangle != DPT_NONE &&
@@ -103,7 +100,6 @@ static inline int pair_search_improve(const struct surface *surface, uint32_t tr
 }
 
 /* Evaluate the pair of the point x and one triangle; then as pair_search_improve. */
-int dpti_pair_search_try_point(const struct surface *surface, uint32_t triangle, vec3 x,
-                               struct pair_search *nearest);
+int dpti_pair_search_try_point(const struct surface *surface, uint32_t triangle, vec3 x, struct pair_search *nearest);
 
 #endif

@@ -94,8 +94,8 @@ static int move_to_nearest(struct descent *d)
     return d->best->triangle != from;
 }
 
-void dpti_paper_descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
-                        int one_step, struct work *work, struct pair_search *nearest)
+void dpti_paper_descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u, int one_step,
+                        struct work *work, struct pair_search *nearest)
 {
     nearest->pair = dpti_triangle_pair(surface, nearest->triangle, a, u);
     if (nearest->pair.distance2 == 0.0)

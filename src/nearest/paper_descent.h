@@ -16,7 +16,7 @@
  *   one_step  1: move at most once
  *   nearest   in: nearest->triangle, by its place, is where to start. out: triangle and pair where the descent ended
  */
-void dpti_paper_descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
-                        int one_step, struct work *work, struct pair_search *nearest);
+void dpti_paper_descend(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u, int one_step,
+                        struct work *work, struct pair_search *nearest);
 
 #endif

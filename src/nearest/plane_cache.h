@@ -37,20 +37,18 @@ struct plane_cache_view {
     int is_write_only; /* 1: planes cached already are not used; new ones go into blocks without any */
 };
 
-static inline struct plane_cache_view plane_cache_view_of(const struct plane_cache *cache,
-                                                          uint32_t owner, int is_write_only)
+static inline struct plane_cache_view plane_cache_view_of(const struct plane_cache *cache, uint32_t owner,
+                                                          int is_write_only)
 {
     uint32_t count = cache->count, hash = owner * 0x9e3779b1u;
-    return (struct plane_cache_view){ cache->blocks, count, owner, count ? hash % count : 0,
-                                      is_write_only };
+    return (struct plane_cache_view){ cache->blocks, count, owner, count ? hash % count : 0, is_write_only };
 }
 
 /*
  * The block in which a node's planes belong, by the node's number in the tree. The block may hold planes of another
  * node: then its key differs. Nodes with neighbouring numbers have different blocks. NULL if the cache has no blocks.
  */
-static inline struct plane_block *plane_cache_block(const struct plane_cache_view *cache,
-                                                    uint32_t node)
+static inline struct plane_block *plane_cache_block(const struct plane_cache_view *cache, uint32_t node)
 {
     uint64_t index = (uint64_t)cache->first + node;
     index -= index >= cache->count ? cache->count : 0;
@@ -69,16 +67,14 @@ static inline uint64_t plane_cache_key(const struct plane_cache_view *cache, uin
 }
 
 /* The node's block if it holds the node's own planes, else NULL. */
-static inline struct plane_block *plane_cache_own_block(const struct plane_cache_view *cache,
-                                                        uint32_t node)
+static inline struct plane_block *plane_cache_own_block(const struct plane_cache_view *cache, uint32_t node)
 {
     struct plane_block *block = plane_cache_block(cache, node);
     return block && block->key == plane_cache_key(cache, node) ? block : NULL;
 }
 
 /* Set one lane's plane: n.v >= support for all v of the lane. In the filter's frame. */
-static inline void planes_put(struct planes *planes, uint32_t lane, const float normal[3],
-                              float support)
+static inline void planes_put(struct planes *planes, uint32_t lane, const float normal[3], float support)
 {
     planes->x[lane] = normal[0];
     planes->y[lane] = normal[1];

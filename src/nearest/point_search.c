@@ -36,8 +36,8 @@ static void visit_node(struct point_search_state *search, uint32_t level, uint32
     search->traversal->level = level;
     entry->node = node;
     entry->lanes = lanes_of(surface->count[level - 1] - node * LANES) &
-                   search->kernel->point_boxes(surface_node(surface, level, node, search->work),
-                                               search->filter_x, search->limit, entry->bound);
+                   search->kernel->point_boxes(surface_node(surface, level, node, search->work), search->filter_x,
+                                               search->limit, entry->bound);
 }
 
 static void visit_leaf(struct point_search_state *search, uint32_t leaf)
@@ -49,8 +49,8 @@ static void visit_leaf(struct point_search_state *search, uint32_t leaf)
     if (nearest->triangle - first < LANES)
         lanes &= ~(1u << (nearest->triangle - first));
     work_spend(search->work, 1);
-    lanes &= search->kernel->point_triangles(surface_leaf(surface, leaf, search->work),
-                                             search->filter_x, search->limit, bound);
+    lanes &= search->kernel->point_triangles(surface_leaf(surface, leaf, search->work), search->filter_x, search->limit,
+                                             bound);
     while (lanes) {
         uint32_t lane = lowest_lane(bound, lanes);
         lanes &= ~(1u << lane);
@@ -62,8 +62,7 @@ static void visit_leaf(struct point_search_state *search, uint32_t leaf)
 }
 
 int dpti_point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                      struct bvh_traversal *traversal, struct work *work,
-                      struct pair_search *nearest)
+                      struct bvh_traversal *traversal, struct work *work, struct pair_search *nearest)
 {
     struct point_search_state search;
     int has_start = nearest->triangle != DPT_NONE;
@@ -75,20 +74,17 @@ int dpti_point_search(const struct surface *surface, const struct kernel *kernel
     search.work = work;
     search.x = x;
     put_float(filter_x, search.filter_x);
-    search.margin =
-        (float)(kernel_margin(length(filter_x), length(filter_x)) + surface_margin(surface));
+    search.margin = (float)(kernel_margin(length(filter_x), length(filter_x)) + surface_margin(surface));
     set_limit(&search);
     if (!traversal->level)
         visit_node(&search, surface->levels, 0);
-    while (traversal->level <= surface->levels &&
-           (nearest->pair.distance2 > 0.0 || nearest->triangle == DPT_NONE)) {
+    while (traversal->level <= surface->levels && (nearest->pair.distance2 > 0.0 || nearest->triangle == DPT_NONE)) {
         struct path_entry *entry = &traversal->path[traversal->level];
         if (!entry->lanes) {
             traversal->level++;
             continue;
         }
-        uint32_t lane =
-            has_start ? first_lane(entry->lanes) : lowest_lane(entry->bound, entry->lanes);
+        uint32_t lane = has_start ? first_lane(entry->lanes) : lowest_lane(entry->bound, entry->lanes);
         uint32_t rest = entry->lanes & ~(1u << lane);
         if (entry->bound[lane] > search.limit) {
             entry->lanes = has_start ? rest : 0;

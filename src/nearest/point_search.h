@@ -13,7 +13,6 @@
  * continue the traversal, with a pair that is no farther.
  */
 int dpti_point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
-                      struct bvh_traversal *traversal, struct work *work,
-                      struct pair_search *nearest);
+                      struct bvh_traversal *traversal, struct work *work, struct pair_search *nearest);
 
 #endif

@@ -11,8 +11,7 @@ static int is_out_of_reach(const struct range *range, const float *rows, uint32_
 {
     float support[LANES];
     for (int i = 0; i < 4 && lanes; i++)
-        lanes &=
-            range->kernel->common_triangles(rows, range->directions[i], range->limits[i], support);
+        lanes &= range->kernel->common_triangles(rows, range->directions[i], range->limits[i], support);
     return !lanes;
 }
 
@@ -21,8 +20,8 @@ static void visit(struct range *range, uint32_t level, uint32_t node)
     const struct surface *surface = range->surface;
     uint32_t children = level ? surface->count[level - 1] : surface_triangles(surface);
     uint32_t lanes = lanes_of(children - node * LANES);
-    const float *rows = level ? surface_node(surface, level, node, range->work)
-                              : surface_leaf(surface, node, range->work);
+    const float *rows =
+        level ? surface_node(surface, level, node, range->work) : surface_leaf(surface, node, range->work);
     kernel_new_planes *loop = level ? range->kernel->boxes : range->kernel->triangles;
     struct planes planes;
     work_spend(range->work, 1);
@@ -33,8 +32,8 @@ static void visit(struct range *range, uint32_t level, uint32_t node)
         range->lanes[level] = lanes & loop(rows, &range->segment, &planes, range->bound);
 }
 
-void dpti_range_begin(struct range *range, const struct surface *surface,
-                      const struct kernel *kernel, vec3 a, vec3 u, double reach, struct work *work)
+void dpti_range_begin(struct range *range, const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
+                      double reach, struct work *work)
 {
     range->surface = surface;
     range->kernel = kernel;
@@ -46,8 +45,7 @@ void dpti_range_begin(struct range *range, const struct surface *surface,
         const float *direction = i % 2 ? range->segment.z : range->segment.y;
         for (int k = 0; k < 3; k++)
             range->directions[i][k] = i < 2 ? direction[k] : -direction[k];
-        range->limits[i] =
-            filter_segment_support(&range->segment, range->directions[i]) + range->segment.limit;
+        range->limits[i] = filter_segment_support(&range->segment, range->directions[i]) + range->segment.limit;
     }
     visit(range, surface->levels, 0);
 }

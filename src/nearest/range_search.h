@@ -23,8 +23,8 @@ struct range {
  * Begin with the axis a + s u, in the mesh's frame, and a reach >= 0, in m. It takes a unit of work, even if none is
  * left.
  */
-void dpti_range_begin(struct range *range, const struct surface *surface,
-                      const struct kernel *kernel, vec3 a, vec3 u, double reach, struct work *work);
+void dpti_range_begin(struct range *range, const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
+                      double reach, struct work *work);
 
 /*
  * Returns the next triangle, by its place, or DPT_NONE if there is none. It also returns DPT_NONE if the work is spent:

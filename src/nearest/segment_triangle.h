@@ -39,8 +39,7 @@ static inline void segment_edge(vec3 u, double per_uu, vec3 from_v, vec3 e, doub
 }
 
 /* Replace `best` if the edge e from `corner` is nearer. Returns s of the nearest point to the edge, nearer or not. */
-static inline double pair_try_edge(pair *best, vec3 u, double per_uu, vec3 from_v, vec3 e,
-                                   int corner)
+static inline double pair_try_edge(pair *best, vec3 u, double per_uu, vec3 from_v, vec3 e, int corner)
 {
     double s, t;
     segment_edge(u, per_uu, from_v, e, &s, &t);
@@ -92,11 +91,9 @@ static inline int triangle_frame_set(const vec3 edge[3], triangle_frame *frame)
  * If a point of the axis projects into the triangle, set `best` to its pair with the face and return 1; else return 0.
  * from_corner leads from the frame's corner to the point; height is its z.from_corner; s is its place on the axis.
  */
-static inline int pair_above(pair *best, const triangle_frame *frame, vec3 from_corner,
-                             double height, double s)
+static inline int pair_above(pair *best, const triangle_frame *frame, vec3 from_corner, double height, double s)
 {
-    double x = dot(from_corner, frame->x) * frame->per_xx,
-           y = dot(from_corner, frame->y) * frame->per_yy;
+    double x = dot(from_corner, frame->x) * frame->per_xx, y = dot(from_corner, frame->y) * frame->per_yy;
     const double weight[3] = { 1.0 - x - (1.0 - frame->apex) * y, x - frame->apex * y, y };
     if (!(weight[0] >= 0.0 && weight[1] >= 0.0 && weight[2] >= 0.0))
         return 0;
@@ -177,8 +174,8 @@ static inline int pierce_misses(const struct pierce *p)
  * return 1. On 0, `best` may hold the pair of an edge, and the caller goes on. Seen along the axis, its line is a point
  * outside the triangle. The nearest point to it lies on an edge that it is outside of.
  */
-static inline int pair_beside(pair *best, const struct pierce *p, vec3 u, double per_uu,
-                              const vec3 from[3], const vec3 edge[3])
+static inline int pair_beside(pair *best, const struct pierce *p, vec3 u, double per_uu, const vec3 from[3],
+                              const vec3 edge[3])
 {
     double min_side = min_of(p->side[0], min_of(p->side[1], p->side[2]));
     int is_interior = (min_side < -p->side_noise) & p->is_steep;
@@ -290,8 +287,7 @@ static inline pair segment_triangle(vec3 a, vec3 u, vec3 v0, vec3 v1, vec3 v2)
         for (int corner = 0; corner < 3; corner++)
             pair_try_edge(&best, u, per_uu, from[corner], edge[corner], corner);
     }
-    pair_snap_to_zero(&best,
-                      extent_of(from[0]) + extent_of(u) + extent_of(edge[0]) + extent_of(edge[2]));
+    pair_snap_to_zero(&best, extent_of(from[0]) + extent_of(u) + extent_of(edge[0]) + extent_of(edge[2]));
     return best;
 }
 

@@ -4,8 +4,7 @@
 int dpti_side_is_sheet(const struct surface *surface, uint32_t part)
 {
     uint32_t flags = surface_part_flags(surface, part);
-    return !(flags & (MESH_PART_SOLID | MESH_PART_BURIED)) && (flags & MESH_PART_MANIFOLD) &&
-           (flags & MESH_PART_WOUND);
+    return !(flags & (MESH_PART_SOLID | MESH_PART_BURIED)) && (flags & MESH_PART_MANIFOLD) && (flags & MESH_PART_WOUND);
 }
 
 int dpti_side_is_border(const struct surface *surface, uint32_t triangle, const double weight[3])
@@ -50,8 +49,7 @@ int dpti_side_of_pair(const struct surface *surface, uint32_t triangle, const pa
 /* How far back the side is tested, as a part of an edge's length. */
 #define ARRIVAL_STEP 1e-3
 
-int dpti_side_of_arrival(const struct surface *surface, uint32_t triangle, const double weight[3],
-                         vec3 back)
+int dpti_side_of_arrival(const struct surface *surface, uint32_t triangle, const double weight[3], vec3 back)
 {
     const uint32_t *first, *fans = surface_fans(surface, &first);
     int max_corner = weight[1] > weight[0] ? 1 : 0;

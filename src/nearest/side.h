@@ -23,7 +23,6 @@ int dpti_side_of_pair(const struct surface *surface, uint32_t triangle, const pa
  * the point was, in the mesh's frame. At an edge or a vertex the plane of the normal does not give the side. There the
  * answer is the side of a point a little way back.
  */
-int dpti_side_of_arrival(const struct surface *surface, uint32_t triangle, const double weight[3],
-                         vec3 back);
+int dpti_side_of_arrival(const struct surface *surface, uint32_t triangle, const double weight[3], vec3 back);
 
 #endif

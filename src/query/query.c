@@ -13,21 +13,17 @@
 static int pair_is_usable(const double *segment, const double *triangle)
 {
     return segment && triangle && vec3_within(segment, PAIR_COORDINATE_MAX) &&
-           vec3_within(segment + 3, PAIR_COORDINATE_MAX) &&
-           vec3_within(triangle, PAIR_COORDINATE_MAX) &&
-           vec3_within(triangle + 3, PAIR_COORDINATE_MAX) &&
-           vec3_within(triangle + 6, PAIR_COORDINATE_MAX);
+           vec3_within(segment + 3, PAIR_COORDINATE_MAX) && vec3_within(triangle, PAIR_COORDINATE_MAX) &&
+           vec3_within(triangle + 3, PAIR_COORDINATE_MAX) && vec3_within(triangle + 6, PAIR_COORDINATE_MAX);
 }
 
-double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s,
-                            double p[3], double q[3])
+double dpt_segment_triangle(const double segment[6], const double triangle[9], double *s, double p[3], double q[3])
 {
     pair found = { .distance2 = HUGE_VAL };
     vec3 at_p = { 0.0, 0.0, 0.0 };
     if (pair_is_usable(segment, triangle)) {
         vec3 a = vec3_of(segment), u = sub(vec3_of(segment + 3), a);
-        found =
-            segment_triangle(a, u, vec3_of(triangle), vec3_of(triangle + 3), vec3_of(triangle + 6));
+        found = segment_triangle(a, u, vec3_of(triangle), vec3_of(triangle + 3), vec3_of(triangle + 6));
         at_p = along(a, found.s, u);
     }
     if (s)
@@ -39,8 +35,7 @@ double dpt_segment_triangle(const double segment[6], const double triangle[9], d
     return sqrt(found.distance2);
 }
 
-uint32_t dpt_segment_triangle_pairs(const double segment[6], const double triangle[9],
-                                    dpt_segment_pair *pairs)
+uint32_t dpt_segment_triangle_pairs(const double segment[6], const double triangle[9], dpt_segment_pair *pairs)
 {
     uint32_t count = 0;
     if (!pairs || !pair_is_usable(segment, triangle))
@@ -96,8 +91,8 @@ static dpt_result prepare(struct query *query, const dpt_mesh *mesh, const dpt_p
 }
 
 /* Answer one segment. `hint` is the place of the triangle of the answer before, and gets that of this one. */
-static dpt_result answer_segment(const struct query *query, const double *ends, double radius,
-                                 uint32_t *hint, dpt_hit *hit)
+static dpt_result answer_segment(const struct query *query, const double *ends, double radius, uint32_t *hint,
+                                 dpt_hit *hit)
 {
     *hit = (dpt_hit){ .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
     if (!vec3_within(ends, DPT_COORDINATE_MAX) || !vec3_within(ends + 3, DPT_COORDINATE_MAX) ||
@@ -108,8 +103,7 @@ static dpt_result answer_segment(const struct query *query, const double *ends, 
     struct segment_result result;
     struct work work = work_of(WORK_UNLIMITED);
     axis_of(&query->surface, &query->body_frame, vec3_of(ends), vec3_of(ends + 3), &axis);
-    dpti_dynamic_point_once(&query->surface, &query->kernel, query->method, &axis, *hint, &work,
-                            &nearest);
+    dpti_dynamic_point_once(&query->surface, &query->kernel, query->method, &axis, *hint, &work, &nearest);
     if (nearest.triangle == DPT_NONE)
         return DPT_E_LAYOUT;
     dpti_segment_result_of_pair(&axis, &nearest.pair, &result);
@@ -121,9 +115,8 @@ static dpt_result answer_segment(const struct query *query, const double *ends, 
     return DPT_OK;
 }
 
-dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const double *ends,
-                              const double *radii, size_t n, dpt_hit *hits,
-                              const dpt_query_def *def)
+dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const double *ends, const double *radii,
+                              size_t n, dpt_hit *hits, const dpt_query_def *def)
 {
     struct query query;
     if (n == 0)

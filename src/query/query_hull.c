@@ -7,8 +7,8 @@
 #include "hull/hull_search.h"
 #include "nearest/range_search.h"
 
-static dpt_result prepare(const dpt_mesh *mesh, const dpt_pose *pose, struct surface *surface,
-                          struct kernel *kernel, struct frame *body)
+static dpt_result prepare(const dpt_mesh *mesh, const dpt_pose *pose, struct surface *surface, struct kernel *kernel,
+                          struct frame *body)
 {
     uint32_t chosen;
     if (!dpti_kernel_get(DPT_KERNEL_ALWAYS, kernel, &chosen))
@@ -42,8 +42,8 @@ static void write_hit(const struct surface *surface, const struct frame *body, d
     hit->depth = max_of(0.0, -gap);
 }
 
-dpt_result dpt_query_hull(const dpt_mesh *mesh, const dpt_pose *pose, const dpt_hull *hull,
-                          const dpt_pose *hull_pose, dpt_hit *hit)
+dpt_result dpt_query_hull(const dpt_mesh *mesh, const dpt_pose *pose, const dpt_hull *hull, const dpt_pose *hull_pose,
+                          dpt_hit *hit)
 {
     struct surface surface;
     struct kernel kernel;
@@ -68,9 +68,8 @@ dpt_result dpt_query_hull(const dpt_mesh *mesh, const dpt_pose *pose, const dpt_
     return DPT_OK;
 }
 
-dpt_result dpt_query_triangles(const dpt_mesh *mesh, const dpt_pose *pose, const double ends[6],
-                               double reach, uint32_t *triangles, uint32_t capacity,
-                               uint32_t *count)
+dpt_result dpt_query_triangles(const dpt_mesh *mesh, const dpt_pose *pose, const double ends[6], double reach,
+                               uint32_t *triangles, uint32_t capacity, uint32_t *count)
 {
     struct surface surface;
     struct kernel kernel;

@@ -13,8 +13,8 @@
  * The distance, m, from the axis to a triangle, a place, that has been moved against its normal by `displacement`, m.
  * *slope gets the derivative by the displacement.
  */
-static double distance_when_moved(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
-                                  vec3 normal, double displacement, double *slope)
+static double distance_when_moved(const struct surface *surface, uint32_t place, vec3 a, vec3 u, vec3 normal,
+                                  double displacement, double *slope)
 {
     pair found = dpti_triangle_pair(surface, place, along(a, displacement, normal), u);
     double distance = sqrt(found.distance2);
@@ -31,15 +31,14 @@ static double distance_when_moved(const struct surface *surface, uint32_t place,
  *   normal  unit, on the tool's side
  *   height  of the axis' lower end above the triangle's plane, m
  */
-static double exit_distance(const struct surface *surface, uint32_t place, vec3 a, vec3 u,
-                            double radius, vec3 normal, double height)
+static double exit_distance(const struct surface *surface, uint32_t place, vec3 a, vec3 u, double radius, vec3 normal,
+                            double height)
 {
     double displacement = radius - height;
     double tolerance = 1e-12 * (fabs(displacement) + radius + length(u));
     for (int i = 0; i < 64 && displacement > 0.0; i++) {
         double slope;
-        double clearance =
-            distance_when_moved(surface, place, a, u, normal, displacement, &slope) - radius;
+        double clearance = distance_when_moved(surface, place, a, u, normal, displacement, &slope) - radius;
         if (!(clearance > tolerance))
             return displacement;
         if (!(slope > 0.0))
@@ -49,8 +48,8 @@ static double exit_distance(const struct surface *surface, uint32_t place, vec3 
     return max_of(0.0, displacement);
 }
 
-void dpti_strip_overlap(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u,
-                        double radius, double side, uint32_t place, dpt_overlap *overlap)
+void dpti_strip_overlap(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u, double radius,
+                        double side, uint32_t place, dpt_overlap *overlap)
 {
     pair found = dpti_triangle_pair(surface, place, a, u);
     vec3 normal = scaled(dpti_surface_face_normal(surface, place), side);
@@ -72,34 +71,31 @@ void dpti_strip_overlap(const struct surface *surface, const struct frame *frame
         overlap->weight[k] = found.weight[k];
 }
 
-void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *surface,
-                         const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
-                         dpt_overlap *overlaps, uint32_t capacity)
+void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *surface, const struct frame *frame,
+                         vec3 a, vec3 u, double radius, int32_t side, dpt_overlap *overlaps, uint32_t capacity)
 {
     uint32_t count = strip->count < capacity ? strip->count : capacity;
     const uint32_t size = count ? overlaps[0].size : 0;
     const uint32_t *places = count ? mesh_words(strip->mesh, MESH_PLACES) : NULL;
     for (uint32_t i = 0; i < count; i++) {
         dpt_overlap overlap;
-        dpti_strip_overlap(surface, frame, a, u, radius, side, places[strip->triangles[i]],
-                           &overlap);
+        dpti_strip_overlap(surface, frame, a, u, radius, side, places[strip->triangles[i]], &overlap);
         sized_write((char *)overlaps + (size_t)i * size, size, &overlap, sizeof overlap);
     }
 }
 
 dpt_result dpt_strip_overlaps(const dpt_strip *strip, const dpt_mesh *mesh, const dpt_pose *pose,
-                              const dpt_segment *segment, int32_t side, dpt_overlap *overlaps,
-                              uint32_t capacity, uint32_t *count)
+                              const dpt_segment *segment, int32_t side, dpt_overlap *overlaps, uint32_t capacity,
+                              uint32_t *count)
 {
     if (count)
         *count = 0;
-    if (!strip || !mesh || !segment || !count || (!overlaps && capacity) ||
-        (side != 1 && side != -1) || (strip->count && strip->mesh != mesh))
+    if (!strip || !mesh || !segment || !count || (!overlaps && capacity) || (side != 1 && side != -1) ||
+        (strip->count && strip->mesh != mesh))
         return DPT_E_ARGUMENT;
     if (capacity)
         DPT_TRY(sized_check(overlaps, sizeof *overlaps, 1));
-    if (!vec3_within(segment->a, DPT_COORDINATE_MAX) ||
-        !vec3_within(segment->b, DPT_COORDINATE_MAX) ||
+    if (!vec3_within(segment->a, DPT_COORDINATE_MAX) || !vec3_within(segment->b, DPT_COORDINATE_MAX) ||
         !(segment->radius >= 0.0 && segment->radius <= DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
     struct surface surface;

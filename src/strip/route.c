@@ -43,8 +43,7 @@ static struct visited_vertex *slot_of(const struct route_search *search, uint32_
 {
     uint32_t mask = search->slot_count - 1;
     uint32_t at = ((vertex >> 3) * 0x9e3779b1u >> 7 << 3) + (vertex & 7);
-    while (search->slots[at & mask].vertex_plus_1 &&
-           search->slots[at & mask].vertex_plus_1 != vertex + 1)
+    while (search->slots[at & mask].vertex_plus_1 && search->slots[at & mask].vertex_plus_1 != vertex + 1)
         at++;
     return &search->slots[at & mask];
 }
@@ -65,15 +64,14 @@ static void clear_search(struct route_search *search)
 }
 
 /* Store a vertex in its free slot and queue it. */
-static dpt_result put_vertex(struct route_search *search, struct visited_vertex *slot,
-                             uint32_t vertex, int side, uint32_t mark)
+static dpt_result put_vertex(struct route_search *search, struct visited_vertex *slot, uint32_t vertex, int side,
+                             uint32_t mark)
 {
     if (search->queued_count[0] + search->queued_count[1] == search->queue_capacity)
         return DPT_E_FULL;
     uint32_t index = search->queued_count[side]++;
     *slot = (struct visited_vertex){ vertex + 1, mark };
-    search->queue[side ? search->queue_capacity - 1 - index : index] =
-        (uint32_t)(slot - search->slots);
+    search->queue[side ? search->queue_capacity - 1 - index : index] = (uint32_t)(slot - search->slots);
     return DPT_OK;
 }
 
@@ -82,8 +80,7 @@ static dpt_result begin_ring(const struct route_finder *f, int side, uint32_t tr
 {
     for (int k = 0; k < 3; k++) {
         uint32_t vertex = corners_of(f, triangle)[k];
-        DPT_TRY(
-            put_vertex(f->search, slot_of(f->search, vertex), vertex, side, side ? ROUTE_GOAL : 0));
+        DPT_TRY(put_vertex(f->search, slot_of(f->search, vertex), vertex, side, side ? ROUTE_GOAL : 0));
     }
     return DPT_OK;
 }
@@ -93,9 +90,9 @@ static dpt_result begin_ring(const struct route_finder *f, int side, uint32_t tr
  * after `at`. The corner before `at` follows it in the neighbouring triangle if all parts are closed; otherwise both
  * corners are read.
  */
-#define FOR_NEXT_TO(f, at, next)                                                                   \
-    for (uint32_t fan_ = (f)->fan_first[at]; fan_ < (f)->fan_first[(at) + 1]; fan_++)              \
-        for (uint32_t k_ = 1, next; k_ <= (f)->corners_per_triangle; k_++)                         \
+#define FOR_NEXT_TO(f, at, next)                                                                                       \
+    for (uint32_t fan_ = (f)->fan_first[at]; fan_ < (f)->fan_first[(at) + 1]; fan_++)                                  \
+        for (uint32_t k_ = 1, next; k_ <= (f)->corners_per_triangle; k_++)                                             \
             if (((next) = corner_after(corners_of(f, (f)->fans[fan_]), at, k_)), 1)
 
 /* The vertex `places` corners, 1 or 2, after another one in a triangle. */
@@ -109,8 +106,7 @@ static uint32_t corner_after(const uint32_t *corners, uint32_t vertex, uint32_t 
  * Add the neighbours of a vertex of the ring to the next ring. Where an edge leads to the other side, *has_met is 1,
  * and its end on the start's side is marked as on a shortest path.
  */
-static dpt_result expand_vertex(struct route_finder *f, int side, struct visited_vertex *slot,
-                                int *has_met)
+static dpt_result expand_vertex(struct route_finder *f, int side, struct visited_vertex *slot, int *has_met)
 {
     const uint32_t vertex = slot->vertex_plus_1 - 1;
     const uint32_t mark = (f->ring[side] + 1) * ROUTE_STEP + (side ? ROUTE_GOAL : 0);
@@ -214,8 +210,8 @@ static uint32_t next_triangle(const struct route_finder *f, uint32_t current, ui
             for (int c = 0; c < 3; c++)
                 is_nearer |= steps_to_goal(f, corners[c]) == steps - 1;
             shared = shared > 2 ? 2 : shared;
-            if (is_nearer && (shared > best_shared ||
-                              (shared == best_shared && f->sources[triangle] < f->sources[best]))) {
+            if (is_nearer &&
+                (shared > best_shared || (shared == best_shared && f->sources[triangle] < f->sources[best]))) {
                 best = triangle;
                 best_shared = shared;
             }
@@ -240,8 +236,7 @@ static int add_triangle(struct route *route, uint32_t place, uint32_t remaining)
 }
 
 /* Choose the route triangle by triangle, up to the first that is on route->other too. */
-static dpt_result follow_route(const struct route_finder *f, uint32_t from, uint32_t to,
-                               struct route *route)
+static dpt_result follow_route(const struct route_finder *f, uint32_t from, uint32_t to, struct route *route)
 {
     uint32_t current = from;
     for (uint32_t steps = f->edge_count; add_triangle(route, current, steps + 1); steps--) {
@@ -256,8 +251,8 @@ static dpt_result follow_route(const struct route_finder *f, uint32_t from, uint
     return DPT_OK;
 }
 
-dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from,
-                           uint32_t to, struct route *route)
+dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from, uint32_t to,
+                           struct route *route)
 {
     struct route_finder f = {
         .search = search,

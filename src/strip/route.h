@@ -41,7 +41,7 @@ struct route {
  *   DPT_E_UNREACHABLE  no triangles lead from one to the other
  *   DPT_E_LAYOUT       the mesh is forged
  */
-dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from,
-                           uint32_t to, struct route *route);
+dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from, uint32_t to,
+                           struct route *route);
 
 #endif

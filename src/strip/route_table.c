@@ -23,8 +23,8 @@ size_t dpt_route_table_bytes(const dpt_mesh *mesh)
 {
     if (!mesh || mesh->triangles > TABLE_TRIANGLES_MAX)
         return 0;
-    uint64_t bytes = mesh_aligned(sizeof(dpt_route_table)) + bytes_of_steps(mesh) +
-                     4 * ((uint64_t)mesh->triangles + mesh->vertices);
+    uint64_t bytes =
+        mesh_aligned(sizeof(dpt_route_table)) + bytes_of_steps(mesh) + 4 * ((uint64_t)mesh->triangles + mesh->vertices);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -32,8 +32,7 @@ size_t dpt_route_table_bytes(const dpt_mesh *mesh)
  * Fill the row of one goal, a place, breadth first. Each fan is read once: seen[vertex] is 1 + the last goal for which
  * it was.
  */
-static void fill_row(const struct dpt_mesh *mesh, uint32_t goal, uint16_t *steps, uint32_t *queue,
-                     uint32_t *seen)
+static void fill_row(const struct dpt_mesh *mesh, uint32_t goal, uint16_t *steps, uint32_t *queue, uint32_t *seen)
 {
     const uint32_t *corners = mesh_words(mesh, MESH_TRIANGLES);
     const uint32_t *fan_first = mesh_words(mesh, MESH_FAN_FIRST);
@@ -59,8 +58,7 @@ static void fill_row(const struct dpt_mesh *mesh, uint32_t goal, uint16_t *steps
     }
 }
 
-dpt_result dpt_route_table_create(void *block, size_t bytes, const dpt_mesh *mesh,
-                                  const dpt_route_table **table)
+dpt_result dpt_route_table_create(void *block, size_t bytes, const dpt_mesh *mesh, const dpt_route_table **table)
 {
     if (!block || !mesh || !table)
         return DPT_E_ARGUMENT;
@@ -110,8 +108,7 @@ static uint32_t next_triangle(const struct dpt_mesh *mesh, const uint16_t *steps
     return best;
 }
 
-dpt_result dpt_strip_route_by_table(dpt_strip *strip, const dpt_route_table *table, uint32_t from,
-                                    uint32_t to)
+dpt_result dpt_strip_route_by_table(dpt_strip *strip, const dpt_route_table *table, uint32_t from, uint32_t to)
 {
     if (!strip)
         return DPT_E_ARGUMENT;

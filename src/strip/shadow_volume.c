@@ -21,12 +21,10 @@ void dpti_shadow_volume_of(vec3 a, vec3 u, vec3 direction, double half_width, do
     double projected_length = sqrt(ue * ue + ud * ud);
     /* A shadow that is a mere line or plane might be empty by rounding: the slabs get a little slack. */
     double slack = 64.0 * 0x1p-53 * (extent_of(a) + projected_length + half_width + depth);
-    *volume = (struct shadow_volume){
-        .a = a, .u = u, .d = d, .e = e, .w = w, .half_width = half_width, .depth = depth
-    };
+    *volume =
+        (struct shadow_volume){ .a = a, .u = u, .d = d, .e = e, .w = w, .half_width = half_width, .depth = depth };
     put_slab(volume, 0, w, -half_width - slack, half_width + slack);
-    put_slab(volume, 1, e, min_of(0.0, ue) - half_width - slack,
-             max_of(0.0, ue) + half_width + slack);
+    put_slab(volume, 1, e, min_of(0.0, ue) - half_width - slack, max_of(0.0, ue) + half_width + slack);
     put_slab(volume, 2, d, min_of(0.0, ud) - depth - slack, max_of(0.0, ud) + depth + slack);
     if (projected_length > 0.0) {
         double ne = ud / projected_length, nd = -ue / projected_length;

@@ -16,8 +16,7 @@
  * Compute a vertex from its position `at`, in the mesh's frame. The four slabs are one vector: so the bits are as wide
  * as the numbers, and the loop must not be unrolled before the compiler vectorises it.
  */
-static inline void measure_vertex(const struct shadow_volume *volume, const float *at,
-                                  struct shadow_vertex *vertex)
+static inline void measure_vertex(const struct shadow_volume *volume, const float *at, struct shadow_vertex *vertex)
 {
     static const uint64_t below[SHADOW_SLABS] = { 1, 4, 16, 64 };
     static const uint64_t above[SHADOW_SLABS] = { 2, 8, 32, 128 };
@@ -25,11 +24,9 @@ static inline void measure_vertex(const struct shadow_volume *volume, const floa
     uint64_t outside = 0;
 #pragma GCC unroll 1
     for (int k = 0; k < SHADOW_SLABS; k++) {
-        double value =
-            x * volume->normal[0][k] + y * volume->normal[1][k] + z * volume->normal[2][k];
+        double value = x * volume->normal[0][k] + y * volume->normal[1][k] + z * volume->normal[2][k];
         vertex->value[k] = value;
-        outside |=
-            (value < volume->low[k] ? below[k] : 0) | (value > volume->high[k] ? above[k] : 0);
+        outside |= (value < volume->low[k] ? below[k] : 0) | (value > volume->high[k] ? above[k] : 0);
     }
     vertex->outside = (uint32_t)outside;
 }
@@ -122,8 +119,7 @@ static const uint32_t AFTER[3] = { 1, 2, 0 };
  * Add a triangle, a place, over its edge between two vertices of the walk. The apex and the direction of the edge are
  * computed without branches, since no branch could be predicted.
  */
-static inline void enter_triangle(struct shadow_walk *walk, uint32_t place, uint32_t from,
-                                  uint32_t to)
+static inline void enter_triangle(struct shadow_walk *walk, uint32_t place, uint32_t from, uint32_t to)
 {
     struct shadow_slot *slot = slot_of(walk, place);
     if (slot->stamp == walk->stamp)
@@ -142,10 +138,9 @@ static inline void enter_triangle(struct shadow_walk *walk, uint32_t place, uint
     const uint32_t apex = is_1 + 2 * is_2;
     const uint32_t is_reversed = corners[AFTER[apex]] != a;
     struct shadow_triangle *triangle = &walk->triangles[walk->triangle_count++];
-    *triangle = (struct shadow_triangle){ place,
-                                          apex,
-                                          { add_vertex(walk, corners[apex]),
-                                            is_reversed ? to : from, is_reversed ? from : to } };
+    *triangle = (struct shadow_triangle){
+        place, apex, { add_vertex(walk, corners[apex]), is_reversed ? to : from, is_reversed ? from : to }
+    };
 }
 
 /* Cross an edge of three triangles or more, to all triangles that have both its ends. */
@@ -154,8 +149,7 @@ static void cross_many(struct shadow_walk *walk, uint32_t from, uint32_t to)
     const uint32_t *first = mesh_words(walk->mesh, MESH_FAN_FIRST);
     const uint32_t *fans = mesh_words(walk->mesh, MESH_FANS);
     const uint32_t ends[2] = { walk->vertices[from].number, walk->vertices[to].number };
-    int is_second_smaller =
-        first[ends[1] + 1] - first[ends[1]] < first[ends[0] + 1] - first[ends[0]];
+    int is_second_smaller = first[ends[1] + 1] - first[ends[1]] < first[ends[0] + 1] - first[ends[0]];
     uint32_t hub = ends[is_second_smaller], other = ends[!is_second_smaller];
     walk->flags |= DPT_STRIP_FLAG_NONMANIFOLD;
     for (uint32_t i = first[hub]; i < first[hub + 1]; i++)
@@ -169,8 +163,8 @@ static void cross_many(struct shadow_walk *walk, uint32_t from, uint32_t to)
  *   edge    0..2, counted from the apex
  *   corner  of the mesh's triangle, 0..2, at which this edge begins
  */
-static inline int cross_edge(struct shadow_walk *walk, const struct shadow_triangle *here,
-                             uint32_t edge, uint32_t corner)
+static inline int cross_edge(struct shadow_walk *walk, const struct shadow_triangle *here, uint32_t edge,
+                             uint32_t corner)
 {
     const uint32_t from = here->corner[edge], to = here->corner[AFTER[edge]];
     if (!edge_meets(&walk->volume, &walk->vertices[from], &walk->vertices[to]))
@@ -230,13 +224,12 @@ static int first_triangle_meets(const struct shadow_walk *walk)
     return count > 0;
 }
 
-void dpti_shadow_walk(struct shadow_walk *walk, const struct surface *surface,
-                      const struct shadow_volume *volume, uint32_t start)
+void dpti_shadow_walk(struct shadow_walk *walk, const struct surface *surface, const struct shadow_volume *volume,
+                      uint32_t start)
 {
     const struct dpt_mesh *mesh = surface->mesh;
-    if (walk->mesh == mesh && walk->crc32 == mesh->header_crc32 &&
-        walk->positions == surface->positions && walk->start == start &&
-        !memcmp(&walk->volume, volume, sizeof *volume))
+    if (walk->mesh == mesh && walk->crc32 == mesh->header_crc32 && walk->positions == surface->positions &&
+        walk->start == start && !memcmp(&walk->volume, volume, sizeof *volume))
         return;
     begin_walk(walk);
     walk->mesh = mesh;

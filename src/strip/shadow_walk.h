@@ -27,8 +27,8 @@ struct shadow_slot {
 /* The memory of a walk. It holds the result of the last one. */
 struct shadow_walk {
     const struct dpt_mesh *mesh; /* NULL: there was no walk */
-    uint32_t crc32; /* of the mesh's header, since another mesh may come to lie at its address */
-    uint32_t start; /* place */
+    uint32_t crc32;              /* of the mesh's header, since another mesh may come to lie at its address */
+    uint32_t start;              /* place */
     struct shadow_volume volume;
     uint32_t flags; /* DPT_STRIP_FLAG_... */
     struct shadow_triangle *triangles;
@@ -48,7 +48,7 @@ struct shadow_walk {
  * surface, the shadow nor the start have changed since the last walk, its result stays. If the start does not meet the
  * shadow, there is none.
  */
-void dpti_shadow_walk(struct shadow_walk *walk, const struct surface *surface,
-                      const struct shadow_volume *volume, uint32_t start);
+void dpti_shadow_walk(struct shadow_walk *walk, const struct surface *surface, const struct shadow_volume *volume,
+                      uint32_t start);
 
 #endif

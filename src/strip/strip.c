@@ -58,8 +58,7 @@ static dpt_result read_def(const dpt_strip_def *caller_def, dpt_strip_def *def)
     if (!caller_def)
         return DPT_E_ARGUMENT;
     DPT_TRY(sized_read(caller_def, sizeof *def, def, sizeof *def));
-    if (!def->capacity || def->capacity > CAPACITY_MAX || def->search > SEARCH_VERTICES_MAX ||
-        def->reserved)
+    if (!def->capacity || def->capacity > CAPACITY_MAX || def->search > SEARCH_VERTICES_MAX || def->reserved)
         return DPT_E_ARGUMENT;
     return DPT_OK;
 }
@@ -73,8 +72,7 @@ size_t dpt_strip_bytes(const dpt_strip_def *caller_def)
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *caller_def,
-                            dpt_strip **strip)
+dpt_result dpt_strip_create(void *block, size_t bytes, const dpt_strip_def *caller_def, dpt_strip **strip)
 {
     dpt_strip_def def;
     if (!block || !strip)
@@ -146,8 +144,7 @@ const uint32_t *dpt_strip_get_triangles(const dpt_strip *strip, uint32_t *count,
 }
 
 /* Find a route between two places. Its places are written behind the strip's triangles, as far as they fit. */
-static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t goal,
-                             struct route *route)
+static dpt_result find_route(struct dpt_strip *strip, uint32_t start, uint32_t goal, struct route *route)
 {
     route->places = strip->triangles + strip->count;
     route->capacity = strip->def.capacity - strip->count;
@@ -182,8 +179,7 @@ dpt_result dpt_strip_route(dpt_strip *strip, const dpt_mesh *mesh, uint32_t from
     return DPT_OK;
 }
 
-dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a,
-                             uint32_t b, uint32_t p)
+dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a, uint32_t b, uint32_t p)
 {
     struct route first = { .other = NULL }, second = { .other = &first };
     dpti_strip_clear(strip, mesh);
@@ -197,8 +193,7 @@ dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mes
     return DPT_OK;
 }
 
-dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b,
-                            uint32_t p)
+dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, uint32_t b, uint32_t p)
 {
     struct route first = { .other = NULL };
     uint32_t start[2], goal;
@@ -217,8 +212,8 @@ dpt_result dpt_strip_routes(dpt_strip *strip, const dpt_mesh *mesh, uint32_t a, 
     return result;
 }
 
-void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface,
-                       const struct shadow_volume *volume, uint32_t place)
+void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface, const struct shadow_volume *volume,
+                       uint32_t place)
 {
     dpti_strip_clear(strip, surface->mesh);
     dpti_shadow_walk(&strip->walk, surface, volume, place);
@@ -234,20 +229,17 @@ static const double LENGTH_MIN = 1e-100, LENGTH_MAX = 1e100;
 static dpt_result check_shadow(const dpt_shadow *shadow)
 {
     const dpt_segment *segment = &shadow->segment;
-    if (!vec3_within(segment->a, DPT_COORDINATE_MAX) ||
-        !vec3_within(segment->b, DPT_COORDINATE_MAX) ||
+    if (!vec3_within(segment->a, DPT_COORDINATE_MAX) || !vec3_within(segment->b, DPT_COORDINATE_MAX) ||
         !(segment->radius >= 0.0 && segment->radius <= DPT_COORDINATE_MAX) ||
         !vec3_within(shadow->direction, LENGTH_MAX) || !within(shadow->width, DPT_COORDINATE_MAX) ||
         !within(shadow->depth, DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
-    if (!(shadow->width >= 0.0) || !(shadow->depth >= 0.0) ||
-        extent_of(vec3_of(shadow->direction)) < LENGTH_MIN)
+    if (!(shadow->width >= 0.0) || !(shadow->depth >= 0.0) || extent_of(vec3_of(shadow->direction)) < LENGTH_MIN)
         return DPT_E_ARGUMENT;
     return DPT_OK;
 }
 
-dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_pose *pose,
-                            const dpt_shadow *shadow)
+dpt_result dpt_strip_shadow(dpt_strip *strip, const dpt_mesh *mesh, const dpt_pose *pose, const dpt_shadow *shadow)
 {
     if (!strip)
         return DPT_E_ARGUMENT;

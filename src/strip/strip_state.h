@@ -38,20 +38,18 @@ void dpti_strip_add(struct dpt_strip *strip, uint32_t place);
 dpt_result dpti_strip_place(const struct dpt_mesh *mesh, uint32_t number, uint32_t *place);
 
 /* As dpt_strip_shadow, with the shadow in the mesh's frame. `place` is that of the first triangle. */
-void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface,
-                       const struct shadow_volume *volume, uint32_t place);
+void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface, const struct shadow_volume *volume,
+                       uint32_t place);
 
 /* As dpt_strip_routes, with places instead of source numbers. */
-dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a,
-                             uint32_t b, uint32_t p);
+dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a, uint32_t b, uint32_t p);
 
 /* As dpt_strip_overlaps, of the axis a + s u in the mesh's frame. `frame` is the mesh's in the world; all is valid. */
-void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *surface,
-                         const struct frame *frame, vec3 a, vec3 u, double radius, int32_t side,
-                         dpt_overlap *overlaps, uint32_t capacity);
+void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *surface, const struct frame *frame,
+                         vec3 a, vec3 u, double radius, int32_t side, dpt_overlap *overlaps, uint32_t capacity);
 
 /* One of them, of the triangle at a place. */
-void dpti_strip_overlap(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u,
-                        double radius, double side, uint32_t place, dpt_overlap *overlap);
+void dpti_strip_overlap(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u, double radius,
+                        double side, uint32_t place, dpt_overlap *overlap);
 
 #endif

@@ -27,9 +27,8 @@ struct mesh_sweep {
 };
 
 static struct mesh_sweep mesh_sweep_of(const struct surface *surface, const struct kernel *kernel,
-                                       const struct sweep *sweep, const struct surface_times *times,
-                                       double from, struct work *work,
-                                       struct sweep_progress *progress)
+                                       const struct sweep *sweep, const struct surface_times *times, double from,
+                                       struct work *work, struct sweep_progress *progress)
 {
     return (struct mesh_sweep){ .surface = surface,
                                 .kernel = kernel,
@@ -103,8 +102,8 @@ static void swept_hull_of(const struct mesh_sweep *search, struct swept_hull *hu
     hull->limit = (float)(limit + kernel_swept_margin(farthest) + surface_margin(surface));
     const struct surface_motion *motion = search->times->tick ? surface->motion : NULL;
     const double surface_moves = motion ? (double)motion->step[motion->first[motion->levels]] : 0.0;
-    hull->beside = (float)(limit + scale * max_of(reach[0], reach[1]) + surface_moves +
-                           surface_margin(surface) + PIECE_MARGIN * (1.0 + farthest));
+    hull->beside = (float)(limit + scale * max_of(reach[0], reach[1]) + surface_moves + surface_margin(surface) +
+                           PIECE_MARGIN * (1.0 + farthest));
 }
 
 static float hull_support(const struct swept_hull *hull, const float n[3])
@@ -132,8 +131,7 @@ static void set_hull(struct mesh_sweep *search)
 }
 
 /* A triangle during the sweep. */
-static void triangle_during(const struct mesh_sweep *search, uint32_t triangle,
-                            struct moving_triangle *moving)
+static void triangle_during(const struct mesh_sweep *search, uint32_t triangle, struct moving_triangle *moving)
 {
     const struct surface *surface = search->surface;
     const struct surface_times *times = search->times;
@@ -144,8 +142,7 @@ static void triangle_during(const struct mesh_sweep *search, uint32_t triangle,
         moving->corner[k] = now;
         if (!times->tick)
             continue;
-        const vec3 last =
-            vec3_of_float(surface_motion_previous(surface->motion, vertex, times->tick));
+        const vec3 last = vec3_of_float(surface_motion_previous(surface->motion, vertex, times->tick));
         moving->corner[k] = along(last, times->from, sub(now, last));
         moving->shift[k] = scaled(sub(now, last), times->to - times->from);
     }
@@ -173,8 +170,7 @@ static void evaluate_triangle(struct mesh_sweep *search, uint32_t triangle)
         return;
     triangle_during(search, triangle, &moving);
     work_spend(search->work, 1);
-    if (dpti_sweep_triangle(search->sweep, &moving, progress->until, &time, &evaluations) !=
-            SWEEP_HIT ||
+    if (dpti_sweep_triangle(search->sweep, &moving, progress->until, &time, &evaluations) != SWEEP_HIT ||
         (time == progress->until && !comes_first(search, triangle)))
         return;
     int is_sooner = time < progress->until;
@@ -185,8 +181,7 @@ static void evaluate_triangle(struct mesh_sweep *search, uint32_t triangle)
 }
 
 /* What vertices below the children moved in the tick is taken off their bounds. Returns the open lanes. */
-static uint32_t lower_bounds(const struct mesh_sweep *search, uint32_t level, uint32_t node,
-                             float *bound)
+static uint32_t lower_bounds(const struct mesh_sweep *search, uint32_t level, uint32_t node, float *bound)
 {
     const struct surface_motion *motion = search->surface->motion;
     const float *step = motion->step + (level ? motion->first[level - 1] + node * LANES : node);
@@ -219,8 +214,8 @@ static void open_node(struct mesh_sweep *search, uint32_t level, uint32_t node)
     search->progress->level = level;
     opened->node = node;
     if (level)
-        open = search->kernel->swept_boxes(surface_node(surface, level, node, search->work),
-                                           &search->hull, opened->bound);
+        open =
+            search->kernel->swept_boxes(surface_node(surface, level, node, search->work), &search->hull, opened->bound);
     else
         open = open_triangles(search, surface_leaf(surface, node, search->work), opened->bound);
     if (search->times->tick)
@@ -293,9 +288,9 @@ static int continue_test(struct mesh_sweep *search, uint32_t *leaf)
     return SWEEP_FREE;
 }
 
-int dpti_sweep_may_touch(const struct surface *surface, const struct kernel *kernel,
-                         const struct sweep *sweep, const struct surface_times *times, double from,
-                         struct work *work, struct sweep_progress *progress, uint32_t *leaf)
+int dpti_sweep_may_touch(const struct surface *surface, const struct kernel *kernel, const struct sweep *sweep,
+                         const struct surface_times *times, double from, struct work *work,
+                         struct sweep_progress *progress, uint32_t *leaf)
 {
     struct mesh_sweep search = mesh_sweep_of(surface, kernel, sweep, times, from, work, progress);
     if (from >= 1.0)
@@ -344,10 +339,9 @@ static int continue_search(struct mesh_sweep *search)
     }
 }
 
-int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
-                    const struct sweep *sweep, const struct surface_times *times, double from,
-                    uint32_t hint, struct work *work, struct sweep_progress *progress,
-                    struct impact *first)
+int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel, const struct sweep *sweep,
+                    const struct surface_times *times, double from, uint32_t hint, struct work *work,
+                    struct sweep_progress *progress, struct impact *first)
 {
     struct mesh_sweep search = mesh_sweep_of(surface, kernel, sweep, times, from, work, progress);
     *first = (struct impact){ .time = 1.0, .triangle = DPT_NONE };

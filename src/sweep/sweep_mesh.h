@@ -35,12 +35,12 @@ struct sweep_node {
 
 /* How far a sweep of a mesh has come: all that a later call needs to continue. */
 struct sweep_progress {
-    double until;       /* time of the first hit so far; 1 if there is none */
-    uint32_t triangle;  /* hit at that time, or DPT_NONE */
-    uint32_t hint;      /* the triangle that was evaluated first, or DPT_NONE */
-    uint32_t has_begun; /* 0: no call was left unfinished */
-    uint32_t level;     /* of the node being visited; 0: a leaf; levels + 1: above the root */
-    uint32_t ruled_out; /* triangles of a test that planes of their own ruled out */
+    double until;                                /* time of the first hit so far; 1 if there is none */
+    uint32_t triangle;                           /* hit at that time, or DPT_NONE */
+    uint32_t hint;                               /* the triangle that was evaluated first, or DPT_NONE */
+    uint32_t has_begun;                          /* 0: no call was left unfinished */
+    uint32_t level;                              /* of the node being visited; 0: a leaf; levels + 1: above the root */
+    uint32_t ruled_out;                          /* triangles of a test that planes of their own ruled out */
     struct sweep_node path[MESH_LEVELS_MAX + 2]; /* by level */
 };
 
@@ -58,10 +58,9 @@ struct sweep_progress {
  *   first     SWEEP_HIT: the touch. SWEEP_FREE: time 1 and no triangle. SWEEP_UNFINISHED: no triangle, and the time is
  *             `from`, up to which the motion is free
  */
-int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
-                    const struct sweep *sweep, const struct surface_times *times, double from,
-                    uint32_t hint, struct work *work, struct sweep_progress *progress,
-                    struct impact *first);
+int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel, const struct sweep *sweep,
+                    const struct surface_times *times, double from, uint32_t hint, struct work *work,
+                    struct sweep_progress *progress, struct impact *first);
 
 /*
  * Whether a motion may touch the surface at all: by bounds, and of a few triangles that these leave in doubt by
@@ -72,8 +71,8 @@ int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel,
  *
  * SWEEP_FREE: nothing is touched at times from..1. SWEEP_HIT: something may be. SWEEP_UNFINISHED: call again.
  */
-int dpti_sweep_may_touch(const struct surface *surface, const struct kernel *kernel,
-                         const struct sweep *sweep, const struct surface_times *times, double from,
-                         struct work *work, struct sweep_progress *progress, uint32_t *leaf);
+int dpti_sweep_may_touch(const struct surface *surface, const struct kernel *kernel, const struct sweep *sweep,
+                         const struct surface_times *times, double from, struct work *work,
+                         struct sweep_progress *progress, uint32_t *leaf);
 
 #endif

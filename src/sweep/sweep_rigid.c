@@ -18,8 +18,7 @@ static struct ends tool_ends(const struct placement *placement)
 {
     struct frame tool;
     frame_of_pose(&placement->tool, &tool);
-    return (struct ends){ frame_to_world(&tool, placement->a),
-                          frame_to_world(&tool, placement->b) };
+    return (struct ends){ frame_to_world(&tool, placement->a), frame_to_world(&tool, placement->b) };
 }
 
 /* The segment's ends in the body's frame. */
@@ -33,8 +32,7 @@ static struct ends ends_at(const struct placement *placement)
 
 static struct placement middle_of(const struct placement *from, const struct placement *to)
 {
-    return (struct placement){ pose_middle(&from->tool, &to->tool),
-                               pose_middle(&from->body, &to->body),
+    return (struct placement){ pose_middle(&from->tool, &to->tool), pose_middle(&from->body, &to->body),
                                scaled(add(from->a, to->a), 0.5), scaled(add(from->b, to->b), 0.5) };
 }
 
@@ -59,12 +57,10 @@ static double max_deviation(struct deviation deviation)
 }
 
 /* A quarter more than in the middle, for paths that are no even arc. */
-static struct deviation deviation_of(const struct ends *from, const struct ends *middle,
-                                     const struct ends *to)
+static struct deviation deviation_of(const struct ends *from, const struct ends *middle, const struct ends *to)
 {
     struct ends straight = midpoint_of(from, to);
-    return (struct deviation){ 1.25 * length(sub(middle->a, straight.a)),
-                               1.25 * length(sub(middle->b, straight.b)) };
+    return (struct deviation){ 1.25 * length(sub(middle->a, straight.a)), 1.25 * length(sub(middle->b, straight.b)) };
 }
 
 /* A body that turns by more than 0.25 rad is cut in any case. This is the cosine of half that angle. */
@@ -84,9 +80,8 @@ static double body_turn_cosine(const struct placement *from, const struct placem
  * the quarters count too.
  */
 static struct deviation deviation_between(const struct placement *from, const struct ends *at_from,
-                                          const struct placement *middle,
-                                          const struct ends *at_middle, const struct placement *to,
-                                          const struct ends *at_to)
+                                          const struct placement *middle, const struct ends *at_middle,
+                                          const struct placement *to, const struct ends *at_to)
 {
     struct deviation deviation = deviation_of(at_from, at_middle, at_to);
     int body_turns = 0;
@@ -109,10 +104,9 @@ static struct deviation deviation_between(const struct placement *from, const st
 static double surface_motion_max(const struct rigid_sweep *sweep)
 {
     const struct surface_motion *motion = sweep->surface->motion;
-    return sweep->tick
-               ? (1.0 - sweep->tick_from) * (double)motion->step[motion->first[motion->levels]] /
-                     sweep->surface->filter_scale
-               : 0.0;
+    return sweep->tick ? (1.0 - sweep->tick_from) * (double)motion->step[motion->first[motion->levels]] /
+                             sweep->surface->filter_scale
+                       : 0.0;
 }
 
 /* A time of the sweep, as one of the vertices' motion. */
@@ -141,8 +135,7 @@ static void begin_piece(const struct rigid_sweep *sweep, struct piece *piece, do
     piece->sweep.directions = sweep->directions;
     piece->sweep.direction_count = sweep->direction_count;
     piece->sweep.surface_speed = (piece->t1 - piece->t0) * surface_motion_max(sweep);
-    piece->times = (struct surface_times){ sweep->tick, vertex_time(sweep, piece->t0),
-                                           vertex_time(sweep, piece->t1) };
+    piece->times = (struct surface_times){ sweep->tick, vertex_time(sweep, piece->t0), vertex_time(sweep, piece->t1) };
 }
 
 static double start_of(const struct rigid_sweep *sweep, const struct piece *piece, double beside)
@@ -155,9 +148,9 @@ static int sweep_straight(struct rigid_sweep *sweep, struct piece *piece)
     struct rigid_sweep_result *result = &sweep->result;
     begin_piece(sweep, piece, max_deviation(piece->deviation));
     result->motion = piece->motion;
-    int status = dpti_sweep_mesh(sweep->surface, sweep->kernel, &piece->sweep, &piece->times,
-                                 start_of(sweep, piece, 0.0), sweep->hint, sweep->work,
-                                 &sweep->progress->sweep, &result->impact);
+    int status =
+        dpti_sweep_mesh(sweep->surface, sweep->kernel, &piece->sweep, &piece->times, start_of(sweep, piece, 0.0),
+                        sweep->hint, sweep->work, &sweep->progress->sweep, &result->impact);
     result->from = piece->t0;
     result->time = piece->t0 + result->impact.time * (piece->t1 - piece->t0);
     return status;
@@ -177,8 +170,8 @@ static int test_piece(struct rigid_sweep *sweep, struct piece *piece, uint32_t h
     piece->sweep.reach[0] = piece->deviation.a;
     piece->sweep.reach[1] = piece->deviation.b;
     int status = dpti_sweep_may_touch(sweep->surface, sweep->kernel, &piece->sweep, &piece->times,
-                                      start_of(sweep, piece, max_deviation(piece->deviation)),
-                                      sweep->work, &progress->sweep, &leaf);
+                                      start_of(sweep, piece, max_deviation(piece->deviation)), sweep->work,
+                                      &progress->sweep, &leaf);
     if (status == SWEEP_HIT) {
         progress->tested = halvings + 1;
         progress->leaves = leaf + 1;
@@ -208,9 +201,8 @@ static int touches_long_leaf(const struct rigid_sweep *sweep, double length, uin
  * Sweep the motion between two placements, at times t0 and t1; at_from and at_to are their ends in the body's frame.
  * Times before progress->free_until are not swept again.
  */
-static int sweep_between(struct rigid_sweep *sweep, const struct placement *from,
-                         const struct ends *at_from, const struct placement *to,
-                         const struct ends *at_to, double t0, double t1, uint32_t halvings)
+static int sweep_between(struct rigid_sweep *sweep, const struct placement *from, const struct ends *at_from,
+                         const struct placement *to, const struct ends *at_to, double t0, double t1, uint32_t halvings)
 {
     struct rigid_sweep_progress *progress = sweep->progress;
     if (t1 <= progress->free_until)
@@ -220,16 +212,13 @@ static int sweep_between(struct rigid_sweep *sweep, const struct placement *from
     struct piece piece = { .from = at_from, .to = at_to, .t0 = t0, .t1 = t1 };
     piece.deviation = deviation_between(from, at_from, &middle, &at_middle, to, at_to);
     const int turns_little = body_turn_cosine(from, to) >= HALF_TURN_COSINE_MIN;
-    const int deviates_little =
-        turns_little && max_deviation(piece.deviation) <= 0.5 * sweep->tolerance;
+    const int deviates_little = turns_little && max_deviation(piece.deviation) <= 0.5 * sweep->tolerance;
     const double length = max_length(sub(at_to->a, at_from->a), sub(at_to->b, at_from->b));
-    int is_straight =
-        halvings == HALVINGS_MAX || (deviates_little && length <= piece_length_max(sweep->surface));
+    int is_straight = halvings == HALVINGS_MAX || (deviates_little && length <= piece_length_max(sweep->surface));
     int status = SWEEP_HIT;
     if (turns_little && !is_straight) {
         status = test_piece(sweep, &piece, halvings);
-        is_straight =
-            status == SWEEP_HIT && deviates_little && touches_long_leaf(sweep, length, halvings);
+        is_straight = status == SWEEP_HIT && deviates_little && touches_long_leaf(sweep, length, halvings);
         if (is_straight && work_is_spent(sweep->work))
             return SWEEP_UNFINISHED;
     }
@@ -244,8 +233,7 @@ static int sweep_between(struct rigid_sweep *sweep, const struct placement *from
     if (work_is_spent(sweep->work))
         return SWEEP_UNFINISHED;
     double middle_time = 0.5 * (t0 + t1);
-    status =
-        sweep_between(sweep, from, at_from, &middle, &at_middle, t0, middle_time, halvings + 1);
+    status = sweep_between(sweep, from, at_from, &middle, &at_middle, t0, middle_time, halvings + 1);
     if (status != SWEEP_FREE)
         return status;
     if (work_is_spent(sweep->work))
@@ -253,8 +241,7 @@ static int sweep_between(struct rigid_sweep *sweep, const struct placement *from
     return sweep_between(sweep, &middle, &at_middle, to, at_to, middle_time, t1, halvings + 1);
 }
 
-int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *from,
-                          const struct placement *to)
+int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *from, const struct placement *to)
 {
     struct ends at_from = ends_at(from), at_to = ends_at(to);
     sweep->result.time = sweep->progress->free_until;
@@ -266,10 +253,8 @@ int dpti_rigid_sweep_cannot_meet(const struct rigid_sweep *sweep, const struct p
 {
     struct placement middle = middle_of(from, to);
     struct ends at_from = ends_at(from), at_to = ends_at(to), at_middle = ends_at(&middle);
-    double motion =
-        max_length(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b)) + surface_motion_max(sweep);
-    double deviation =
-        max_deviation(deviation_between(from, &at_from, &middle, &at_middle, to, &at_to));
+    double motion = max_length(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b)) + surface_motion_max(sweep);
+    double deviation = max_deviation(deviation_between(from, &at_from, &middle, &at_middle, to, &at_to));
     if (motion == 0.0 && deviation == 0.0)
         return 1;
     return body_turn_cosine(from, to) >= HALF_TURN_COSINE_MIN &&
@@ -281,10 +266,8 @@ int dpti_rigid_sweep_side_before(const struct rigid_sweep *sweep)
 {
     const struct impact *impact = &sweep->result.impact;
     const struct motion *motion = &sweep->result.motion;
-    const struct surface then =
-        surface_view(sweep->surface, sweep->tick, vertex_time(sweep, sweep->result.time));
-    const struct surface first =
-        surface_view(sweep->surface, sweep->tick, vertex_time(sweep, sweep->result.from));
+    const struct surface then = surface_view(sweep->surface, sweep->tick, vertex_time(sweep, sweep->result.time));
+    const struct surface first = surface_view(sweep->surface, sweep->tick, vertex_time(sweep, sweep->result.from));
     vec3 displacement = along(motion->da, impact->pair.s, sub(motion->db, motion->da));
     vec3 back = along(impact->pair.gap, -impact->time, displacement);
     /* As seen from the point of the surface, which moves too. */

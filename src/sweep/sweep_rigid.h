@@ -27,8 +27,8 @@ struct placement {
 struct rigid_sweep_progress {
     double free_until;           /* no touch up to this time */
     struct sweep_progress sweep; /* of the piece that begins there, or of its test */
-    uint32_t tested; /* pieces that begin there and may touch: how many, each half of the last */
-    uint32_t leaves; /* 1 and the leaf that may be touched; 0: none is known */
+    uint32_t tested;             /* pieces that begin there and may touch: how many, each half of the last */
+    uint32_t leaves;             /* 1 and the leaf that may be touched; 0: none is known */
 };
 
 static inline void rigid_sweep_restart(struct rigid_sweep_progress *progress)
@@ -72,8 +72,7 @@ struct rigid_sweep {
  * Find the first touch of a motion between two placements, into sweep->result. Returns a sweep_status. After
  * SWEEP_UNFINISHED, another call with the same arguments continues.
  */
-int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *from,
-                          const struct placement *to);
+int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *from, const struct placement *to);
 
 /*
  * 1 if the motion cannot have touched the body: nothing moves, or distance_before and distance_after, lower bounds of

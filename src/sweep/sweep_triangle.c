@@ -30,8 +30,7 @@ struct face {
     int is_known, is_valid;
 };
 
-void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double radius,
-                      double tolerance, double extent)
+void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double radius, double tolerance, double extent)
 {
     const double unit = 0x1p-53;
     extent = max_of(extent, max_of(extent_of(motion->a), extent_of(motion->b)));
@@ -72,8 +71,7 @@ double dpti_sweep_start(const struct sweep *sweep, double distance)
 void dpti_moving_triangle_at(const struct moving_triangle *triangle, double time, vec3 corner[3])
 {
     for (int k = 0; k < 3; k++)
-        corner[k] = triangle->is_moving ? along(triangle->corner[k], time, triangle->shift[k])
-                                        : triangle->corner[k];
+        corner[k] = triangle->is_moving ? along(triangle->corner[k], time, triangle->shift[k]) : triangle->corner[k];
 }
 
 /* The sum of the three, weighted. A weight of 1 gives its corner bit for bit. */
@@ -108,8 +106,7 @@ static void moving_piece_of(const struct sweep *sweep, const struct moving_trian
 /* Rounding in a thin triangle's normal makes the plane less useful, not wrong: low and high belong to that normal. */
 static struct face face_of(const vec3 corner[3])
 {
-    const vec3 edge[3] = { sub(corner[1], corner[0]), sub(corner[2], corner[1]),
-                           sub(corner[0], corner[2]) };
+    const vec3 edge[3] = { sub(corner[1], corner[0]), sub(corner[2], corner[1]), sub(corner[0], corner[2]) };
     triangle_frame frame;
     struct face face = { .is_known = 1, .is_valid = triangle_frame_set(edge, &frame) };
     if (!face.is_valid)
@@ -127,8 +124,7 @@ static struct face face_of(const vec3 corner[3])
  * whole triangle must be on or behind the plane, and at rest. All points of the piece lie between its ends, so the piece
  * is free for as long.
  */
-static double plane_duration(const struct moving_piece *moving, vec3 normal, double support,
-                             double free_limit)
+static double plane_duration(const struct moving_piece *moving, vec3 normal, double support, double free_limit)
 {
     double a = dot(normal, moving->a) - support - free_limit;
     double b = dot(normal, moving->b) - support - free_limit;
@@ -146,8 +142,7 @@ static double plane_duration(const struct moving_piece *moving, vec3 normal, dou
 /* The same of a triangle that moves: how long each end stays in front of each corner, along the normal. */
 static double corners_duration(const struct moving_piece *moving, vec3 normal, double free_limit)
 {
-    const double end[2] = { dot(normal, moving->a) - free_limit,
-                            dot(normal, moving->b) - free_limit };
+    const double end[2] = { dot(normal, moving->a) - free_limit, dot(normal, moving->b) - free_limit };
     const double rise[2] = { dot(normal, moving->va), dot(normal, moving->vb) };
     double duration = HUGE_VAL;
     for (int k = 0; k < 3; k++) {
@@ -163,8 +158,7 @@ static double corners_duration(const struct moving_piece *moving, vec3 normal, d
     return duration;
 }
 
-static double face_duration(const struct moving_piece *moving, const struct face *face,
-                            double free_limit)
+static double face_duration(const struct moving_piece *moving, const struct face *face, double free_limit)
 {
     if (!face->is_valid)
         return 0.0;
@@ -180,13 +174,11 @@ static double face_duration(const struct moving_piece *moving, const struct face
  * before or behind the triangle, along the axis' direction at time 1/2, are left out: a far end moves fast when the
  * tool turns, and would end every step early.
  */
-static int trim(const struct sweep *sweep, const struct moving_triangle *triangle,
-                struct motion_piece *piece)
+static int trim(const struct sweep *sweep, const struct moving_triangle *triangle, struct motion_piece *piece)
 {
     vec3 x = sweep->middle_direction;
     vec3 a_end = add(sweep->a, sweep->da), u_end = add(sweep->u, sweep->du);
-    double margin =
-        2.0 * sweep->free_limit - sweep->radius + max_of(sweep->reach[0], sweep->reach[1]);
+    double margin = 2.0 * sweep->free_limit - sweep->radius + max_of(sweep->reach[0], sweep->reach[1]);
     double min_along = HUGE_VAL, max_along = -HUGE_VAL;
     for (int k = 0; k < 3; k++) {
         const double from = dot(x, triangle->corner[k]);
@@ -197,8 +189,7 @@ static int trim(const struct sweep *sweep, const struct moving_triangle *triangl
     min_along -= margin;
     max_along += margin;
     double u_along = dot(x, sweep->u), u_along_end = dot(x, u_end);
-    *piece =
-        (struct motion_piece){ .to = 1.0, .weight = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
+    *piece = (struct motion_piece){ .to = 1.0, .weight = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } };
     if (!(u_along > 0.0 && u_along_end > 0.0))
         return 1;
     double a_along = dot(x, sweep->a), a_along_end = dot(x, a_end);
@@ -259,8 +250,7 @@ static double max_approach(const struct moving_piece *moving)
 enum cut { CUT_NONE, CUT_AXIS, CUT_TRIANGLE };
 
 /* The corner whose velocity along the normal is greatest and the one with the least; how far these are apart. */
-static double spread_of_corners(const struct moving_piece *moving, vec3 normal, int *fast,
-                                int *slow)
+static double spread_of_corners(const struct moving_piece *moving, vec3 normal, int *fast, int *slow)
 {
     double speed[3];
     *fast = *slow = 0;
@@ -285,8 +275,8 @@ static vec3 shift_of_pair(const struct moving_piece *moving, const pair *found)
  * other points are faster, or rounding tilts the plane, and more so the longer the piece is.
  */
 static enum cut advance(const struct sweep *sweep, const vec3 corner[3], struct face *face,
-                        const struct moving_piece *moving, const pair *found,
-                        struct motion_piece *piece, int *fast, int *slow)
+                        const struct moving_piece *moving, const pair *found, struct motion_piece *piece, int *fast,
+                        int *slow)
 {
     double clearance = sqrt(found->distance2) - sweep->free_limit;
     double time_left = 1.0 - piece->time;
@@ -296,16 +286,12 @@ static enum cut advance(const struct sweep *sweep, const vec3 corner[3], struct 
         return CUT_NONE;
     }
     vec3 normal = direction_of(moving, corner, found);
-    double support =
-        max_of(dot(normal, corner[0]), max_of(dot(normal, corner[1]), dot(normal, corner[2])));
-    double end_height =
-        min_of(dot(normal, moving->a), dot(normal, moving->b)) - support - sweep->free_limit;
+    double support = max_of(dot(normal, corner[0]), max_of(dot(normal, corner[1]), dot(normal, corner[2])));
+    double end_height = min_of(dot(normal, moving->a), dot(normal, moving->b)) - support - sweep->free_limit;
     double approach_a = -dot(normal, moving->va), approach_b = -dot(normal, moving->vb);
-    double approach = approach_a + found->s * (approach_b - approach_a) +
-                      dot(normal, shift_of_pair(moving, found));
-    duration = max_of(duration, moving->is_moving
-                                    ? corners_duration(moving, normal, sweep->free_limit)
-                                    : plane_duration(moving, normal, support, sweep->free_limit));
+    double approach = approach_a + found->s * (approach_b - approach_a) + dot(normal, shift_of_pair(moving, found));
+    duration = max_of(duration, moving->is_moving ? corners_duration(moving, normal, sweep->free_limit)
+                                                  : plane_duration(moving, normal, support, sweep->free_limit));
     if (!(duration > time_left)) {
         if (moving->is_moving || !face->is_known)
             *face = face_of(corner);
@@ -319,8 +305,7 @@ static enum cut advance(const struct sweep *sweep, const vec3 corner[3], struct 
     const double corner_spread = spread_of_corners(moving, normal, fast, slow);
     if (corner_spread > axis_spread && corner_spread * time_left > thickness)
         return CUT_TRIANGLE;
-    return axis_spread * time_left > thickness || 2.0 * end_height < clearance ? CUT_AXIS
-                                                                               : CUT_NONE;
+    return axis_spread * time_left > thickness || 2.0 * end_height < clearance ? CUT_AXIS : CUT_NONE;
 }
 
 /* Cut a piece in two: `piece` keeps the part that is looked at later, `other` gets the rest. */
@@ -340,8 +325,8 @@ static void cut_triangle(struct motion_piece *piece, int fast, int slow, struct 
     memcpy(other->weight[slow], middle, sizeof middle);
 }
 
-int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle *triangle,
-                        double until, double *time, uint32_t *evaluations)
+int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle *triangle, double until, double *time,
+                        uint32_t *evaluations)
 {
     enum { PIECES_MAX = 64 };
     struct motion_piece pieces[PIECES_MAX];
@@ -357,8 +342,7 @@ int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle 
         }
         ++*evaluations;
         moving_piece_of(sweep, triangle, piece, &moving);
-        pair found =
-            segment_triangle(moving.a, sub(moving.b, moving.a), corner[0], corner[1], corner[2]);
+        pair found = segment_triangle(moving.a, sub(moving.b, moving.a), corner[0], corner[1], corner[2]);
         if (!(found.distance2 > sweep->hit_limit * sweep->hit_limit)) {
             until = piece->time;
             result = SWEEP_HIT;
@@ -389,8 +373,8 @@ static double limit_at(const struct sweep *sweep, double s)
  * Whether the ends of a piece, as it is at time 1/2, stay in front of the triangle from time 0 to 1, each by its limit: in
  * the direction of the pair that is nearest then.
  */
-static int stays_in_front(const struct moving_piece *moving, const vec3 corner[3],
-                          const pair *found, double limit_a, double limit_b)
+static int stays_in_front(const struct moving_piece *moving, const vec3 corner[3], const pair *found, double limit_a,
+                          double limit_b)
 {
     const vec3 normal = direction_of(moving, corner, found);
     const double height_a = dot(normal, moving->a) - limit_a, rise_a = dot(normal, moving->va);
@@ -398,8 +382,7 @@ static int stays_in_front(const struct moving_piece *moving, const vec3 corner[3
     for (int k = 0; k < 3; k++) {
         const double height = dot(normal, corner[k]);
         const double rise = moving->is_moving ? dot(normal, moving->shift[k]) : 0.0;
-        if (!(height_a - height > 0.5 * fabs(rise_a - rise) &&
-              height_b - height > 0.5 * fabs(rise_b - rise)))
+        if (!(height_a - height > 0.5 * fabs(rise_a - rise) && height_b - height > 0.5 * fabs(rise_b - rise)))
             return 0;
     }
     return 1;
@@ -423,8 +406,7 @@ int dpti_sweep_may_touch_triangle(const struct sweep *sweep, const struct moving
         const double limit = limit_at(sweep, piece->from + found.s * (piece->to - piece->from));
         if (!(found.distance2 > limit * limit))
             return 1;
-        if (stays_in_front(&moving, corner, &found, limit_at(sweep, piece->from),
-                           limit_at(sweep, piece->to))) {
+        if (stays_in_front(&moving, corner, &found, limit_at(sweep, piece->from), limit_at(sweep, piece->to))) {
             count--;
             continue;
         }

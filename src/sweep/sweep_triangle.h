@@ -41,11 +41,10 @@ struct sweep {
     vec3 a, u, da, du;     /* the axis a + s u at time 0, and its change per tick */
     vec3 middle_direction; /* unit, along the axis at time 1/2; zero if it has no length then */
     double radius;
-    double hit_limit;    /* a pair at this distance or less is a hit: radius + half the tolerance */
-    double free_limit;   /* a plane must keep the axis farther away than this: radius + rounding */
-    double no_hit_limit; /* nothing farther than this can be a hit: radius + tolerance */
-    double
-        reach[2]; /* m: what bounds of distances allow each end to be beside its line; 0 at first */
+    double hit_limit;     /* a pair at this distance or less is a hit: radius + half the tolerance */
+    double free_limit;    /* a plane must keep the axis farther away than this: radius + rounding */
+    double no_hit_limit;  /* nothing farther than this can be a hit: radius + tolerance */
+    double reach[2];      /* m: what bounds of distances allow each end to be beside its line; 0 at first */
     double surface_speed; /* m per tick: no point of a triangle moves faster; 0 at first */
     /* Set with the first directions of a search (struct rigid_sweep); none at first. */
     const vec3 *directions;
@@ -60,8 +59,7 @@ struct sweep {
  * is raised to that: anything smaller is rounding. Ends that the caller knows rounded may be off by an ulp, such as b +
  * db if db was a difference; touches are not missed for that.
  */
-void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double radius,
-                      double tolerance, double extent);
+void dpti_sweep_begin(struct sweep *sweep, const struct motion *motion, double radius, double tolerance, double extent);
 
 /* The axis *a + s *u at a time. */
 void dpti_sweep_axis(const struct sweep *sweep, double time, vec3 *a, vec3 *u);
@@ -80,14 +78,13 @@ void dpti_moving_triangle_at(const struct moving_triangle *triangle, double time
  * and the time of the touch, which does not depend on `until`, or SWEEP_FREE. *evaluations grows by the number of
  * distances that were evaluated.
  */
-int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle *triangle,
-                        double until, double *time, uint32_t *evaluations);
+int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle *triangle, double until, double *time,
+                        uint32_t *evaluations);
 
 /*
  * Whether a motion may touch a triangle at any time 0..1, each point of the axis beside its line by as much as
  * sweep->reach allows. 0 is proven, by planes that stand still; 1 may be wrong.
  */
-int dpti_sweep_may_touch_triangle(const struct sweep *sweep,
-                                  const struct moving_triangle *triangle);
+int dpti_sweep_may_touch_triangle(const struct sweep *sweep, const struct moving_triangle *triangle);
 
 #endif

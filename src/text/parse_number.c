@@ -10,9 +10,8 @@
 #include "text/parse_number.h"
 
 /* All powers of ten that a double holds exactly. */
-static const double powers_of_ten[23] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                          1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                          1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
+static const double powers_of_ten[23] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                          1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
 
 enum {
     MANTISSA_DIGITS = 19, /* so many always fit in 64 bits */
@@ -28,7 +27,7 @@ enum {
 typedef struct decimal {
     const char *digits, *digits_end; /* including the point, if any */
     uint64_t mantissa;               /* the first MANTISSA_DIGITS significant digits */
-    int64_t exponent; /* the number is all digits, read as an integer, times 10^exponent */
+    int64_t exponent;                /* the number is all digits, read as an integer, times 10^exponent */
     size_t significant_digits;
 } decimal;
 

@@ -22,8 +22,7 @@ struct Fault {
 std::string line_of_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* Throw a fault with such a text. */
-[[noreturn]] void refuse(dpt_result code, size_t line, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+[[noreturn]] void refuse(dpt_result code, size_t line, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* A name between quotes, for a message: control characters become '?', and a long name is cut. */
 std::string quoted(const std::string &name);
@@ -33,8 +32,8 @@ std::string quoted(const std::string &name);
  * out, so that the end of the path and the reason stay. If the reason is long, the owner is left out: the line number
  * identifies it too.
  */
-[[noreturn]] void refuse_path(dpt_result code, size_t line, const std::string &owner,
-                              const std::string &path, const std::string &reason);
+[[noreturn]] void refuse_path(dpt_result code, size_t line, const std::string &owner, const std::string &path,
+                              const std::string &reason);
 
 /* What was left out or held still. Notes are delivered at the end, when the arm is certain to compile. */
 struct Note {

@@ -27,9 +27,9 @@ struct Element {
 };
 
 struct Outline {
-    std::vector<Element> elements; /* in the file's order; the first is the root */
-    std::vector<size_t> links;     /* elements that are a <link> of the robot; all names differ */
-    std::vector<size_t> joints;    /* elements that are a <joint> of the robot; all names differ */
+    std::vector<Element> elements;             /* in the file's order; the first is the root */
+    std::vector<size_t> links;                 /* elements that are a <link> of the robot; all names differ */
+    std::vector<size_t> joints;                /* elements that are a <joint> of the robot; all names differ */
     std::map<std::string, size_t> link_named;  /* indices of `links` */
     std::map<std::string, size_t> joint_named; /* indices of `joints` */
 

@@ -33,8 +33,8 @@ struct CompiledMesh {
 };
 
 /* Compile the mesh that a shape of a link names. Throws a fault. The parameters are those of read_scene. */
-void compile_mesh(const Link &link, const Shape &shape, const std::string &file,
-                  const char *packages, const dpt_compile_def &mesh, CompiledMesh *compiled);
+void compile_mesh(const Link &link, const Shape &shape, const std::string &file, const char *packages,
+                  const dpt_compile_def &mesh, CompiledMesh *compiled);
 
 /*
  * Compile the scene. Throws a fault.
@@ -43,14 +43,14 @@ void compile_mesh(const Link &link, const Shape &shape, const std::string &file,
  *   packages   as in dpt_urdf_def
  *   mesh       as in dpt_urdf_def, in this library's version
  */
-void read_scene(const Robot &robot, const Chain &chain, const std::string &file,
-                const char *packages, const dpt_compile_def &mesh, Scene *scene);
+void read_scene(const Robot &robot, const Chain &chain, const std::string &file, const char *packages,
+                const dpt_compile_def &mesh, Scene *scene);
 
 /*
  * The path of the mesh file that `name` means, as urdf.h says; the file need not exist. Throws a fault for a name that
  * means no file. `line` and `owner` are for the message.
  */
-std::string mesh_path(const std::string &name, const std::string &file, const char *packages,
-                      size_t line, const std::string &owner);
+std::string mesh_path(const std::string &name, const std::string &file, const char *packages, size_t line,
+                      const std::string &owner);
 
 #endif

@@ -15,7 +15,7 @@ struct Tips {
 };
 
 /* Make the tips. A mesh that cannot be one is noted. Throws a fault; the parameters are those of read_scene. */
-void read_tips(const Robot &robot, const Chain &chain, const std::string &file,
-               const char *packages, const dpt_compile_def &mesh, Notes &notes, Tips *tips);
+void read_tips(const Robot &robot, const Chain &chain, const std::string &file, const char *packages,
+               const dpt_compile_def &mesh, Notes &notes, Tips *tips);
 
 #endif

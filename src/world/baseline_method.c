@@ -3,6 +3,7 @@
 
 #include "contact/paper_gap.h"
 #include "nearest/paper_descent.h"
+#include "track/segment_track.h"
 
 /* What the parts of one segment found, over all bodies. */
 struct baseline_sum {
@@ -15,31 +16,26 @@ struct baseline_sum {
 };
 
 /* Move a part's dynamic point on one body by descent; without a last triangle, find it by a full search. */
-static void step_dynamic_point(const struct dpt_world *world, const struct surface *surface,
-                               const struct axis *part, uint32_t *last_triangle, struct work *work,
-                               struct pair_search *nearest)
+static void step_dynamic_point(const struct dpt_world *world, const struct surface *surface, const struct axis *part,
+                               uint32_t *last_triangle, struct work *work, struct pair_search *nearest)
 {
-    *nearest =
-        (struct pair_search){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last_triangle };
+    *nearest = (struct pair_search){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last_triangle };
     if (*last_triangle == DPT_NONE)
         dpti_bvh_search(surface, &world->kernel, NULL, part->local_a, part->u, 0.0, work, nearest);
     else
-        dpti_paper_descend(surface, &world->kernel, part->local_a, part->u,
-                           world->def.baseline->one_step != 0, work, nearest);
+        dpti_paper_descend(surface, &world->kernel, part->local_a, part->u, world->def.baseline->one_step != 0, work,
+                           nearest);
     *last_triangle = nearest->triangle;
 }
 
-static void add_part(struct baseline_sum *sum, const struct dpt_world *world,
-                     const struct body *body, uint32_t part_index, const struct axis *part,
-                     const struct pair_search *nearest, double radius)
+static void add_part(struct baseline_sum *sum, const struct dpt_world *world, const struct body *body,
+                     uint32_t part_index, const struct axis *part, const struct pair_search *nearest, double radius)
 {
     struct penetration penetration;
-    double gap =
-        dpti_contact_paper(&body->surface, &body->frame, part, nearest, radius, &penetration);
+    double gap = dpti_contact_paper(&body->surface, &body->frame, part, nearest, radius, &penetration);
     double distance = sqrt(nearest->pair.distance2);
     int is_lower = gap < sum->min_gap;
-    if (!sum->has_answer || distance < sum->result->distance ||
-        (distance == sum->result->distance && is_lower)) {
+    if (!sum->has_answer || distance < sum->result->distance || (distance == sum->result->distance && is_lower)) {
         dpti_segment_result_of_pair(part, &nearest->pair, sum->result);
         sum->result->s = (part_index + nearest->pair.s) / world->def.baseline->parts;
         sum->answer->body = body;
@@ -49,30 +45,29 @@ static void add_part(struct baseline_sum *sum, const struct dpt_world *world,
         sum->min_gap = gap;
         sum->penetration = penetration;
         sum->pushing_part =
-            (struct pushing_part){ .body_id = penetration.depth > 0.0 ? body->id : 0,
-                                   .triangle = nearest->triangle };
+            (struct pushing_part){ .body_id = penetration.depth > 0.0 ? body->id : 0, .triangle = nearest->triangle };
         sum->has_answer = 1;
     }
 }
 
-static void add_body(struct baseline_sum *sum, struct dpt_world *world, uint32_t segment_index,
-                     const struct body *body, vec3 a, vec3 u)
+static void add_body(struct baseline_sum *sum, struct dpt_world *world, uint32_t segment_index, const struct body *body,
+                     vec3 a, vec3 u)
 {
     uint32_t parts = world->def.baseline->parts;
     uint32_t *last_triangle = world_last_triangles(world, segment_index, handle_index(body->id));
     for (uint32_t k = 0; k < parts; k++) {
         struct axis part;
         struct pair_search nearest;
-        axis_of(&body->surface, &body->frame, along(a, (double)k / parts, u),
-                along(a, (double)(k + 1) / parts, u), &part);
+        axis_of(&body->surface, &body->frame, along(a, (double)k / parts, u), along(a, (double)(k + 1) / parts, u),
+                &part);
         step_dynamic_point(world, &body->surface, &part, &last_triangle[k], &world->work, &nearest);
         if (nearest.triangle != DPT_NONE)
             add_part(sum, world, body, k, &part, &nearest, world->segments[segment_index].radius);
     }
 }
 
-struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t segment_index, vec3 a,
-                                      vec3 b)
+/* The penetration (world) of the part with the smallest gap; zero without a body. */
+static struct penetration find(struct dpt_world *world, uint32_t segment_index, vec3 a, vec3 b)
 {
     struct segment *segment = &world->segments[segment_index];
     struct body_answer *answer = &segment->answer;
@@ -97,4 +92,14 @@ struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t segment_
         dpti_segment_result_set_gap(result, sum.min_gap, rounding);
     segment->pushing_part = sum.pushing_part;
     return sum.penetration;
+}
+
+void dpti_baseline_track(struct dpt_world *world, uint32_t segment_index)
+{
+    struct segment *segment = &world->segments[segment_index];
+    const struct frame *frame = &world->tools[segment->tool_slot].frame;
+    if (!dpti_track_begin(world, segment_index))
+        return;
+    segment->felt_penetration = segment->penetration =
+        find(world, segment_index, frame_to_world(frame, segment->a), frame_to_world(frame, segment->b));
 }

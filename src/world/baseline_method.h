@@ -3,15 +3,12 @@
 #ifndef DPT_BASELINE_METHOD_H
 #define DPT_BASELINE_METHOD_H
 
-#include "contact/gap.h"
-#include "world/world_state.h"
+#include "track/world_state.h"
 
 /*
- * Find the dynamic points of a segment, whose axis is from `a` to `b` in the world, on all bodies. The nearest of
- * them becomes the segment's answer; its result also has the smallest gap of all parts. Returns the penetration
- * (world) of the part with that gap; zero without a body.
+ * Find the dynamic points of a segment on all bodies. The nearest of them becomes the segment's answer; its result also
+ * has the smallest gap of all parts, and the part with that gap is the segment's penetration.
  */
-struct penetration dpti_baseline_find(struct dpt_world *world, uint32_t segment_index, vec3 a,
-                                      vec3 b);
+void dpti_baseline_track(struct dpt_world *world, uint32_t segment_index);
 
 #endif

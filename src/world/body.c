@@ -3,17 +3,17 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "world/body_search.h"
+#include "proxy/proxy_state.h"
+#include "proxy/proxy_step.h"
+#include "track/body_search.h"
+#include "track/distance_bounds.h"
+#include "track/far_segment.h"
+#include "track/motion_backlog.h"
+#include "track/persistent_contacts.h"
+#include "track/tool_tips.h"
 #include "world/deform_body.h"
-#include "world/distance_bounds.h"
-#include "world/far_segment.h"
-#include "world/motion_backlog.h"
-#include "world/persistent_contacts.h"
-#include "world/proxy_state.h"
-#include "world/proxy_step.h"
 #include "world/tool_force.h"
 #include "world/tool_strips.h"
-#include "world/tool_tips.h"
 #include "world/world_def.h"
 
 /* Forget what earlier ticks know of the body in a slot. */
@@ -35,8 +35,7 @@ static void forget_body(struct dpt_world *world, uint32_t slot)
 
 static uint32_t free_slot(const struct dpt_world *world)
 {
-    return slot_to_use(&world->bodies->slot, sizeof *world->bodies, world->body_slot_end,
-                       world->freed_count[0]);
+    return slot_to_use(&world->bodies->slot, sizeof *world->bodies, world->body_slot_end, world->freed_count[0]);
 }
 
 dpt_result dpti_body_can_add(const struct dpt_world *world)
@@ -66,9 +65,8 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     made->slot.valid = 1;
     world_note_max(&world->usage.bodies, ++world->body_count);
     made->surface = *surface;
-    made->surface.holes = surface->moments && dpti_holes_find(surface, &world->kernel, &made->holes)
-                              ? &made->holes
-                              : NULL;
+    made->surface.holes =
+        surface->moments && dpti_holes_find(surface, &world->kernel, &made->holes) ? &made->holes : NULL;
     world->deform_count += surface->motion ? 1 : 0;
     made->diagonal = surface_diagonal(&made->surface);
     dpti_broad_phase_put_body(world, slot);
@@ -79,8 +77,7 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     return made->id;
 }
 
-dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
-                        dpt_body *body)
+dpt_result dpt_body_add(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose, dpt_body *body)
 {
     struct frame frame;
     struct surface surface;
@@ -135,13 +132,11 @@ static double motion_bound_of(const struct body *body)
     double square = min_of(square_of_difference, square_of_sum);
     /* Quaternions may be off unit length by 1e-6. */
     double angle = sqrt(square) * (2.0 + 0.3 * square) + 1e-5;
-    return length(sub(vec3_of(body->pose.position), vec3_of(body->previous_pose.position))) +
-           angle * farthest_point;
+    return length(sub(vec3_of(body->pose.position), vec3_of(body->previous_pose.position))) + angle * farthest_point;
 }
 
 /* Set a body's pose and its box. */
-static void put_body(struct dpt_world *world, struct body *body, const dpt_pose *pose,
-                     const struct frame *frame)
+static void put_body(struct dpt_world *world, struct body *body, const dpt_pose *pose, const struct frame *frame)
 {
     body->pose = *pose;
     body->frame = *frame;
@@ -159,9 +154,8 @@ static void begin_motion(const struct dpt_world *world, struct body *body)
 /* A body has moved. */
 static void note_motion(struct dpt_world *world, struct body *body)
 {
-    body->motion_bound =
-        (pose_is_same(&body->previous_pose, &body->pose) ? 0.0 : motion_bound_of(body)) +
-        deform_step(body, world->ticks + 1);
+    body->motion_bound = (pose_is_same(&body->previous_pose, &body->pose) ? 0.0 : motion_bound_of(body)) +
+                         deform_step(body, world->ticks + 1);
     if (body->unfelt)
         return;
     world->has_changed = 1;
@@ -186,8 +180,7 @@ static void forget_shape(struct dpt_world *world, const struct body *body, doubl
     }
 }
 
-void dpti_body_note_vertices(struct dpt_world *world, struct body *body, double moved,
-                             int has_begun_anew)
+void dpti_body_note_vertices(struct dpt_world *world, struct body *body, double moved, int has_begun_anew)
 {
     if (has_begun_anew)
         dpti_body_search_forget_planes(world, 0, world->segment_count, handle_index(body->id));
@@ -201,8 +194,7 @@ void dpti_body_note_vertices(struct dpt_world *world, struct body *body, double 
 /*
  * Check a new pose and note whether the body has a valid one. While one has not, every answer of the world is stale.
  */
-static dpt_result set_validity(struct dpt_world *world, struct body *body, const dpt_pose *pose,
-                               struct frame *frame)
+static dpt_result set_validity(struct dpt_world *world, struct body *body, const dpt_pose *pose, struct frame *frame)
 {
     dpt_result result = pose ? frame_of_pose(pose, frame) : DPT_E_ARGUMENT;
     world->invalid_body_count -= !body->unfelt && !body->slot.valid;

@@ -4,8 +4,8 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "deform/displace.h"
+#include "proxy/proxy_state.h"
 #include "world/body.h"
-#include "world/proxy_state.h"
 
 void dpt_deform_def_defaults(dpt_deform_def *def, size_t size)
 {
@@ -51,8 +51,7 @@ static dpt_result read_def(const dpt_deform_def *given, dpt_deform_def *def)
     if (def->response > DPT_RESPONSE_DISPLACE || !def->passes || def->passes > PASSES_MAX)
         return DPT_E_ARGUMENT;
     set_default_box(def->mesh, def);
-    if (!vec3_within(def->box_min, DPT_COORDINATE_MAX) ||
-        !vec3_within(def->box_max, DPT_COORDINATE_MAX))
+    if (!vec3_within(def->box_min, DPT_COORDINATE_MAX) || !vec3_within(def->box_max, DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
     for (int k = 0; k < 3; k++) {
         def->box_min[k] = (float)def->box_min[k];
@@ -84,12 +83,11 @@ static struct deform_layout layout_of(const dpt_deform_def *def)
     const uint64_t next_floats = def->period > 0.0 || has_embedding(def->mesh) ? floats : 0;
     struct deform_layout layout = { .points = 0 };
     layout.tools = mesh_aligned(sizeof(struct load_point) * (uint64_t)def->max_points);
-    layout.target =
-        layout.tools + mesh_aligned(sizeof(struct tool_load) * (uint64_t)def->max_points);
+    layout.target = layout.tools + mesh_aligned(sizeof(struct tool_load) * (uint64_t)def->max_points);
     layout.next = layout.target + mesh_aligned(sizeof(float) * target_floats);
     layout.motion = layout.next + mesh_aligned(sizeof(float) * next_floats);
-    layout.bytes = mesh_aligned(sizeof(struct deform)) + MESH_ALIGN + layout.motion +
-                   dpti_surface_motion_bytes(def->mesh);
+    layout.bytes =
+        mesh_aligned(sizeof(struct deform)) + MESH_ALIGN + layout.motion + dpti_surface_motion_bytes(def->mesh);
     return layout;
 }
 
@@ -102,8 +100,7 @@ size_t dpt_deform_bytes(const dpt_deform_def *given)
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-dpt_result dpt_deform_add(dpt_world *world, void *block, size_t bytes, const dpt_deform_def *given,
-                          dpt_body *body)
+dpt_result dpt_deform_add(dpt_world *world, void *block, size_t bytes, const dpt_deform_def *given, dpt_body *body)
 {
     dpt_deform_def def;
     struct frame frame;
@@ -128,8 +125,7 @@ dpt_result dpt_deform_add(dpt_world *world, void *block, size_t bytes, const dpt
     made->tools = (void *)(base + layout.tools);
     made->target = (void *)(base + layout.target);
     made->next = (void *)(base + layout.next);
-    dpti_surface_of_motion(def.mesh, def.box_min, def.box_max, base + layout.motion, &made->motion,
-                           &surface);
+    dpti_surface_of_motion(def.mesh, def.box_min, def.box_max, base + layout.motion, &made->motion, &surface);
     if (def.period > 0.0)
         memcpy(made->target, surface.positions, 3 * sizeof(float) * (size_t)def.mesh->vertices);
     *body = dpti_body_add(world, &surface, def.pose);
@@ -154,15 +150,13 @@ static void set_target(struct deform *deform, const struct vertex_update *update
 {
     for (uint32_t i = 0; i < update->count; i++) {
         const uint32_t vertex = update->list ? update->list[i] : update->first + i;
-        memcpy(deform->target + 3 * (size_t)vertex, update->positions + 3 * (size_t)i,
-               3 * sizeof(float));
+        memcpy(deform->target + 3 * (size_t)vertex, update->positions + 3 * (size_t)i, 3 * sizeof(float));
     }
     deform->time_left = deform->def.period;
 }
 
 /* Check an update of a body, and make it. */
-static dpt_result move_vertices(struct dpt_world *world, struct body *body,
-                                const struct vertex_update *update)
+static dpt_result move_vertices(struct dpt_world *world, struct body *body, const struct vertex_update *update)
 {
     struct deform *deform = deform_of(body);
     if (!dpti_deform_is_inside(&body->surface, &world->kernel, update->positions, update->count))
@@ -185,12 +179,10 @@ static void move_on(struct dpt_world *world, struct body *body, double dt)
     const int arrives = !(deform->time_left - dt > ARRIVED * dt);
     const float share = (float)(dt / deform->time_left);
     for (size_t i = 0; i < 3 * (size_t)vertices && !arrives; i++)
-        deform->next[i] =
-            body->surface.positions[i] + share * (deform->target[i] - body->surface.positions[i]);
-    const struct vertex_update update = { .positions = arrives ? deform->target : deform->next,
-                                          .count = vertices,
-                                          .bound = -1.0,
-                                          .tick = world->ticks + 1 };
+        deform->next[i] = body->surface.positions[i] + share * (deform->target[i] - body->surface.positions[i]);
+    const struct vertex_update update = {
+        .positions = arrives ? deform->target : deform->next, .count = vertices, .bound = -1.0, .tick = world->ticks + 1
+    };
     deform->time_left = arrives ? 0.0 : deform->time_left - dt;
     move_now(world, body, &update);
 }
@@ -231,16 +223,14 @@ dpt_result dpt_deform_set_vertices(dpt_world *world, dpt_body id, uint32_t first
     const uint32_t vertices = body->surface.mesh->vertices;
     if (first > vertices || count > vertices - first)
         return DPT_E_ARGUMENT;
-    const struct vertex_update update = { .positions = positions,
-                                          .first = first,
-                                          .count = count,
-                                          .bound = bound,
-                                          .tick = world->ticks + 1 };
+    const struct vertex_update update = {
+        .positions = positions, .first = first, .count = count, .bound = bound, .tick = world->ticks + 1
+    };
     return move_vertices(world, body, &update);
 }
 
-dpt_result dpt_deform_set_vertex_list(dpt_world *world, dpt_body id, const uint32_t *vertices,
-                                      uint32_t count, const float *positions, double bound)
+dpt_result dpt_deform_set_vertex_list(dpt_world *world, dpt_body id, const uint32_t *vertices, uint32_t count,
+                                      const float *positions, double bound)
 {
     if (!world || ((!positions || !vertices) && count) || !bound_is_valid(bound))
         return DPT_E_ARGUMENT;
@@ -250,11 +240,9 @@ dpt_result dpt_deform_set_vertex_list(dpt_world *world, dpt_body id, const uint3
     for (uint32_t i = 0; i < count; i++)
         if (vertices[i] >= body->surface.mesh->vertices)
             return DPT_E_ARGUMENT;
-    const struct vertex_update update = { .positions = positions,
-                                          .list = vertices,
-                                          .count = count,
-                                          .bound = bound,
-                                          .tick = world->ticks + 1 };
+    const struct vertex_update update = {
+        .positions = positions, .list = vertices, .count = count, .bound = bound, .tick = world->ticks + 1
+    };
     return move_vertices(world, body, &update);
 }
 
@@ -284,8 +272,7 @@ dpt_result dpt_deform_set_nodes(dpt_world *world, dpt_body id, const float *give
     return dpt_deform_set_vertices(world, id, 0, vertices, next, -1.0);
 }
 
-dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body id, const float **positions,
-                                   uint32_t *count)
+dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body id, const float **positions, uint32_t *count)
 {
     if (!world || !positions || !count)
         return DPT_E_ARGUMENT;
@@ -305,8 +292,8 @@ void dpti_deform_reset(struct body *body)
     deform->has_lost_tool = 0;
 }
 
-const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world,
-                                                         uint32_t segment_index, uint32_t slot)
+const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world, uint32_t segment_index,
+                                                         uint32_t slot)
 {
     if (world->def.strip != DPT_STRIP_KIND_SHADOW)
         return NULL;
@@ -326,13 +313,11 @@ static void displace_body(struct dpt_world *world, struct body *body)
     int has_begun_anew;
     dpti_deform_begin(surface, world->ticks + 1);
     for (uint32_t s = 0; s < world->segment_count; s++) {
-        const struct segment_strip *strip =
-            dpti_deform_displacing_strip(world, s, handle_index(body->id));
+        const struct segment_strip *strip = dpti_deform_displacing_strip(world, s, handle_index(body->id));
         if (!strip)
             continue;
         const struct displacing_tool tool = { strip->a, strip->u, strip->radius, strip->side,
-                                              world->segments[s].penetration.depth >
-                                                  strip->radius };
+                                              world->segments[s].penetration.depth > strip->radius };
         dpti_displace(surface, strip->strip, &tool, deform->def.passes);
     }
     const double moved = dpti_deform_end(surface, &has_begun_anew);
@@ -346,8 +331,7 @@ void dpti_deform_displace(struct dpt_world *world)
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         struct body *body = &world->bodies[i];
         int has_strip = 0;
-        if (!body->slot.used || !deform_of(body) ||
-            deform_of(body)->def.response != DPT_RESPONSE_DISPLACE)
+        if (!body->slot.used || !deform_of(body) || deform_of(body)->def.response != DPT_RESPONSE_DISPLACE)
             continue;
         for (uint32_t s = 0; s < world->segment_count && !has_strip; s++)
             has_strip = dpti_deform_displacing_strip(world, s, i) != NULL;
@@ -356,8 +340,8 @@ void dpti_deform_displace(struct dpt_world *world)
     }
 }
 
-dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body id, dpt_load *loads,
-                                uint32_t capacity, uint32_t *count)
+dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body id, dpt_load *loads, uint32_t capacity,
+                                uint32_t *count)
 {
     if (count)
         *count = 0;
@@ -371,15 +355,14 @@ dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body id, dpt_load *l
     for (uint32_t t = 0; t < deform->tool_count; t++) {
         const struct tool_load *load = &deform->tools[t];
         const uint32_t room = *count < capacity ? capacity - *count : 0;
-        *count += dpti_deform_spread(&surface, deform->points + load->first, load->count,
-                                     deform->def.load_radius, &load->whole,
-                                     room ? loads + *count : NULL, room);
+        *count += dpti_deform_spread(&surface, deform->points + load->first, load->count, deform->def.load_radius,
+                                     &load->whole, room ? loads + *count : NULL, room);
     }
     return *count > capacity || deform->has_lost_tool ? DPT_E_FULL : DPT_OK;
 }
 
-dpt_result dpt_deform_get_node_loads(const dpt_world *world, dpt_body id, dpt_load *loads,
-                                     uint32_t capacity, uint32_t *count)
+dpt_result dpt_deform_get_node_loads(const dpt_world *world, dpt_body id, dpt_load *loads, uint32_t capacity,
+                                     uint32_t *count)
 {
     const uint32_t *nodes;
     const float *weights;
@@ -403,8 +386,7 @@ dpt_result dpt_deform_get_node_loads(const dpt_world *world, dpt_body id, dpt_lo
             const size_t corner = 4 * (size_t)load.vertex + k;
             loads[4 * i + k].vertex = nodes[corner];
             loads[4 * i + k].reserved = 0;
-            vec3_store(scaled(vec3_of(load.force), (double)weights[corner]),
-                       loads[4 * i + k].force);
+            vec3_store(scaled(vec3_of(load.force), (double)weights[corner]), loads[4 * i + k].force);
         }
     }
     return result;

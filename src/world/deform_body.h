@@ -1,54 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A deformable body's block: docs/algorithms/deform.md. */
+/* Deformable bodies of a world, from tick to tick: docs/algorithms/deform.md. */
 #ifndef DPT_DEFORM_BODY_H
 #define DPT_DEFORM_BODY_H
 
-#include "deform/deform_loads.h"
-#include "world/world_state.h"
-
-/* What one tool does to the body in a tick: some of its points, and what their loads sum up to. */
-struct tool_load {
-    uint32_t tool_slot;
-    uint32_t first, count; /* in points */
-    uint32_t reserved;
-    vec3 origin;      /* in the world: the torque is about it */
-    dpt_wrench whole; /* on the body, in its frame, about that frame's origin */
-};
-
-/* At the beginning of the block; the arrays follow. */
-struct deform {
-    struct surface_motion motion;
-    dpt_deform_def def;        /* its pose is not kept */
-    struct load_point *points; /* of this tick, in the body's frame; max_points */
-    struct tool_load *tools;   /* likewise */
-    uint32_t point_count, tool_count;
-    int has_lost_tool; /* 1: there was no room for any point of a tool */
-    float *target;     /* where the vertices are to be; only with a period */
-    float *next;       /* where they are to be in the next step; likewise */
-    double time_left;  /* s, until they are there; 0: they are */
-};
-
-/* That of a body, or NULL if it is rigid. */
-static inline struct deform *deform_of(const struct body *body)
-{
-    return (struct deform *)(void *)body->surface.motion;
-}
-
-/* m: how far any vertex moved before this tick, at most. */
-static inline double deform_step(const struct body *body, uint32_t tick)
-{
-    const struct surface_motion *motion = body->surface.motion;
-    return surface_has_moved(&body->surface, tick)
-               ? (double)motion->step[motion->first[motion->levels]] / body->surface.filter_scale
-               : 0.0;
-}
+#include "track/deform_state.h"
 
 /* After a reset of the world: its ticks are counted anew, and there are no loads. Nothing for a rigid body. */
 void dpti_deform_reset(struct body *body);
 
 /* A segment's strip, if its tool pushes the surface of the body in this slot out of the way; else NULL. */
-const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world,
-                                                         uint32_t segment_index, uint32_t slot);
+const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world, uint32_t segment_index,
+                                                         uint32_t slot);
 
 /* At the end of a step: the strips' triangles on bodies that are displaced are moved out of the tools. */
 void dpti_deform_displace(struct dpt_world *world);

@@ -16,14 +16,11 @@ static vec3 tool_motion_at(const struct dpt_world *world, const struct body *bod
     vec3 motion = { 0.0, 0.0, 0.0 };
     double nearest = HUGE_VAL;
     for (uint32_t i = 0; i < world->segment_count; i++) {
-        const struct segment_strip *strip =
-            dpti_deform_displacing_strip(world, i, handle_index(body->id));
+        const struct segment_strip *strip = dpti_deform_displacing_strip(world, i, handle_index(body->id));
         if (!strip)
             continue;
         const double square = dot(strip->u, strip->u);
-        const double s = square > 0.0
-                             ? min_of(max_of(dot(sub(at, strip->a), strip->u) / square, 0.0), 1.0)
-                             : 0.0;
+        const double s = square > 0.0 ? min_of(max_of(dot(sub(at, strip->a), strip->u) / square, 0.0), 1.0) : 0.0;
         const vec3 away = sub(at, along(strip->a, s, strip->u));
         const double distance = dot(away, away) / (strip->radius * strip->radius + DBL_MIN);
         if (distance < nearest) {
@@ -40,8 +37,7 @@ static int have_tools_moved(const struct dpt_world *world, const struct body *bo
     int has_moved = 0;
     *count = 0;
     for (uint32_t i = 0; i < world->segment_count; i++) {
-        const struct segment_strip *strip =
-            dpti_deform_displacing_strip(world, i, handle_index(body->id));
+        const struct segment_strip *strip = dpti_deform_displacing_strip(world, i, handle_index(body->id));
         if (!strip)
             continue;
         has_moved |= strip->is_new || memcmp(&strip->a, &strip->a_last, sizeof strip->a) != 0 ||
@@ -51,14 +47,13 @@ static int have_tools_moved(const struct dpt_world *world, const struct body *bo
     return has_moved;
 }
 
-static void take_displaced(const struct dpt_world *world, const struct body *body,
-                           struct dpt_springs *springs, double dt)
+static void take_displaced(const struct dpt_world *world, const struct body *body, struct dpt_springs *springs,
+                           double dt)
 {
     const struct spring_slice *state = springs->state[springs->now];
     uint32_t tools;
     const int have_moved = have_tools_moved(world, body, &tools) || tools != springs->contact.tools;
-    const struct tool_touch touch = { body->static_friction, body->kinetic_friction, dt,
-                                      have_moved };
+    const struct tool_touch touch = { body->static_friction, body->kinetic_friction, dt, have_moved };
     springs->contact.tools = tools;
     if (!have_moved && !tools)
         return;
@@ -96,6 +91,5 @@ dpt_result dpt_deform_step_springs(dpt_world *world, dpt_body id, dpt_springs *s
     const uint32_t moved = dpti_spring_vertices_gather(springs);
     return moved == body->surface.mesh->vertices
                ? dpt_deform_set_vertices(world, id, 0, moved, vertices->positions, -1.0)
-               : dpt_deform_set_vertex_list(world, id, vertices->list, moved, vertices->positions,
-                                            -1.0);
+               : dpt_deform_set_vertex_list(world, id, vertices->list, moved, vertices->positions, -1.0);
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/rest.h"
 
-#include "world/persistent_contacts.h"
-#include "world/proxy_free.h"
-#include "world/proxy_state.h"
-#include "world/tool_tips.h"
+#include "proxy/proxy_free.h"
+#include "proxy/proxy_state.h"
+#include "track/persistent_contacts.h"
+#include "track/tool_tips.h"
 
 /* The first tick without a change may still end a motion; the second repeats it. */
 enum { STILL_TICKS = 2 };
@@ -16,8 +16,8 @@ void dpti_rest_begin_step(struct dpt_world *world)
         /* Its own contacts may be among those for which the last tick had no room. */
         if (world->contacts_overflowed)
             tool->still_ticks = 0;
-        tool->is_resting = tool_is_active(world, tool) && !tool_has_changed(world, tool) &&
-                           tool->still_ticks >= STILL_TICKS;
+        tool->is_resting =
+            tool_is_active(world, tool) && !tool_has_changed(world, tool) && tool->still_ticks >= STILL_TICKS;
     }
 }
 
@@ -37,9 +37,8 @@ void dpti_rest_keep_contacts(struct dpt_world *world, uint32_t segment_index)
 {
     const struct persistent_contacts *last = contacts_last_tick(world);
     for (uint32_t i = 0; i < last->count; i++) {
-        struct persistent_contact *kept = last->items[i].segment_index == segment_index
-                                              ? dpti_persistent_contacts_add(world)
-                                              : NULL;
+        struct persistent_contact *kept =
+            last->items[i].segment_index == segment_index ? dpti_persistent_contacts_add(world) : NULL;
         if (kept)
             *kept = last->items[i];
     }
@@ -58,13 +57,12 @@ static int is_known(const struct dpt_world *world, uint32_t segment_index)
         return 1;
     if (world->motion_backlogs[segment_index].count)
         return 0;
-    return !world->def.budget ||
-           (segment->result.contact != DPT_CONTACT_UNKNOWN && !work_is_spent(&world->work));
+    return !world->def.budget || (segment->result.contact != DPT_CONTACT_UNKNOWN && !work_is_spent(&world->work));
 }
 
 /* The contacts of a segment in one of the two lists, one after the other; NULL at the end. */
-static const struct persistent_contact *next_of(const struct persistent_contacts *list,
-                                                uint32_t *at, uint32_t segment_index)
+static const struct persistent_contact *next_of(const struct persistent_contacts *list, uint32_t *at,
+                                                uint32_t segment_index)
 {
     while (*at < list->count)
         if (list->items[(*at)++].segment_index == segment_index)
@@ -93,8 +91,8 @@ static int has_same_contacts(const struct dpt_world *world, uint32_t segment_ind
 static int has_same_nearest(struct segment *segment)
 {
     const struct pair_search *nearest = &segment->answer.track.nearest;
-    const int is_same = segment->still_triangle == nearest->triangle &&
-                        segment->still_distance2 == nearest->pair.distance2;
+    const int is_same =
+        segment->still_triangle == nearest->triangle && segment->still_distance2 == nearest->pair.distance2;
     segment->still_triangle = nearest->triangle;
     segment->still_distance2 = nearest->pair.distance2;
     return is_same;
@@ -111,11 +109,9 @@ static int stood_still(const struct dpt_world *world, const struct tool *tool)
         return 0;
     int is_same = 1;
     for (uint32_t s = tool->first_segment; s < tool->first_segment + tool->segment_count; s++)
-        is_same &= is_known(world, s) && has_same_nearest(&world->segments[s]) &&
-                   has_same_contacts(world, s);
+        is_same &= is_known(world, s) && has_same_nearest(&world->segments[s]) && has_same_contacts(world, s);
     for (uint32_t i = 0; i < tool->tip_count; i++)
-        is_same &=
-            tool_tip(world, tool, i)->answer.body && tool_tip(world, tool, i)->answer.is_exact;
+        is_same &= tool_tip(world, tool, i)->answer.body && tool_tip(world, tool, i)->answer.is_exact;
     return is_same;
 }
 

@@ -10,7 +10,7 @@
 #ifndef DPT_REST_H
 #define DPT_REST_H
 
-#include "world/world_state.h"
+#include "track/world_state.h"
 
 /* Before a step: set `is_resting` of all tools. */
 void dpti_rest_begin_step(struct dpt_world *world);

@@ -17,21 +17,22 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/wrench_limit.h"
-#include "world/contacts.h"
+#include "proxy/proxy_force.h"
+#include "proxy/proxy_step.h"
+#include "proxy/tool_loads.h"
+#include "track/contacts.h"
+#include "track/far_segment.h"
+#include "track/motion_backlog.h"
+#include "track/persistent_contacts.h"
+#include "track/segment_track.h"
+#include "track/tool_tips.h"
+#include "track/world_state.h"
+#include "world/baseline_method.h"
 #include "world/deform_body.h"
-#include "world/far_segment.h"
-#include "world/motion_backlog.h"
-#include "world/persistent_contacts.h"
-#include "world/proxy_force.h"
-#include "world/proxy_step.h"
 #include "world/rest.h"
-#include "world/segment_track.h"
 #include "world/tool_force.h"
-#include "world/tool_loads.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
-#include "world/tool_tips.h"
-#include "world/world_state.h"
 
 /* Where a budget has ended the search or the sweep before contacts: they stay as they were. */
 static void leave_contacts(struct dpt_world *world, uint32_t segment_index)
@@ -55,8 +56,7 @@ static void contact_segment(struct dpt_world *world, uint32_t segment_index)
     if (segment->answer.is_far)
         dpti_contacts_set_none(segment);
     else if (is_swept && segment->answer.is_exact)
-        dpti_contacts_find(world, segment_index, &segment->answer, &segment->result,
-                           &segment->penetration);
+        dpti_contacts_find(world, segment_index, &segment->answer, &segment->result, &segment->penetration);
     else
         leave_contacts(world, segment_index);
     segment->result.work += world->work.done - work_before;
@@ -73,8 +73,7 @@ static void contact_proxy_segment(struct dpt_world *world, uint32_t segment_inde
     if (segment->answer.is_far)
         dpti_contacts_set_none(segment);
     else if (segment->answer.body && segment->answer.is_exact)
-        dpti_contacts_find(world, segment_index, &segment->answer, &segment->result,
-                           &segment->penetration);
+        dpti_contacts_find(world, segment_index, &segment->answer, &segment->result, &segment->penetration);
     else
         leave_contacts(world, segment_index);
     segment->result.work += world->work.done - work_before;
@@ -108,7 +107,9 @@ static void track(struct dpt_world *world, uint32_t segment_index)
     struct tool *tool = &world->tools[world->segments[segment_index].tool_slot];
     if (tool->is_resting || has_proxy(world, tool))
         return;
-    if (!far_is_used(world, tool) || !tool_is_active(world, tool))
+    if (world->def.method == DPT_METHOD_PAPER)
+        dpti_baseline_track(world, segment_index);
+    else if (!far_is_used(world, tool) || !tool_is_active(world, tool))
         dpti_track_segment(world, segment_index);
     else if (segment_index == tool->first_segment)
         dpti_track_near(world, tool, world->def.until == DPT_UNTIL_TRACK);
@@ -134,8 +135,7 @@ static void step_segments(struct dpt_world *world, double dt)
         track(world, (first + i) % count);
     for (uint32_t t = 0; t < world->tool_slot_end; t++) {
         struct tool *tool = &world->tools[t];
-        if (tool->tip_count && tool_is_active(world, tool) && !tool->is_resting &&
-            !has_proxy(world, tool))
+        if (tool->tip_count && tool_is_active(world, tool) && !tool->is_resting && !has_proxy(world, tool))
             dpti_tips_track(world, tool);
     }
     for (uint32_t i = 0; i < count; i++) {
@@ -156,11 +156,9 @@ static void step_segments(struct dpt_world *world, double dt)
             dpti_tool_write_hit(&world->segments[segment_index]);
         const struct segment_result *result = &world->segments[segment_index].result;
         const int is_unknown =
-            (result->status == DPT_STATUS_BOUNDED &&
-             !world->segments[segment_index].answer.is_far) ||
+            (result->status == DPT_STATUS_BOUNDED && !world->segments[segment_index].answer.is_far) ||
             (result->status == DPT_STATUS_EXACT && result->contact == DPT_CONTACT_UNKNOWN);
-        if (!has_undone && is_unknown &&
-            (world->def.budget || world->motion_backlogs[segment_index].count)) {
+        if (!has_undone && is_unknown && (world->def.budget || world->motion_backlogs[segment_index].count)) {
             world->undone_segment = segment_index;
             has_undone = 1;
         }
@@ -286,8 +284,7 @@ static void write_report(const struct dpt_world *world, dpt_step *to)
         for (uint32_t i = 0; tool->slot.used && i < tool->segment_count; i++) {
             const dpt_hit *hit = &world->segments[tool->first_segment + i].hit;
             out->work += hit->work;
-            if (hit->status < out->status &&
-                !world->segments[tool->first_segment + i].answer.is_far)
+            if (hit->status < out->status && !world->segments[tool->first_segment + i].answer.is_far)
                 out->status = hit->status;
             if (severity(hit->contact) > severity(out->contact))
                 out->contact = hit->contact;

@@ -2,16 +2,12 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "exchange/snapshot_format.h"
+#include "proxy/proxy_free.h"
+#include "proxy/proxy_state.h"
+#include "track/tool_tips.h"
 #include "world/deform_body.h"
-#include "world/proxy_free.h"
-#include "world/proxy_state.h"
-#include "world/tool_tips.h"
 
-enum {
-    SNAPSHOT_CONTACTS_MAX = 1 << 20,
-    SNAPSHOT_STRIP_MAX = 1 << 20,
-    SNAPSHOT_VERTICES_MAX = 1 << 28
-};
+enum { SNAPSHOT_CONTACTS_MAX = 1 << 20, SNAPSHOT_STRIP_MAX = 1 << 20, SNAPSHOT_VERTICES_MAX = 1 << 28 };
 
 /* Where each section of a snapshot goes, and how much of it is written. */
 struct taking {
@@ -118,15 +114,13 @@ static void put_body(struct taking *taking, const struct body *body)
     const uint32_t own = deform_of(body) ? body->surface.mesh->vertices : 0;
     const uint32_t first = taking->done[SNAPSHOT_VERTICES];
     const int is_in = own && own <= taking->count[SNAPSHOT_VERTICES] - first;
-    const dpt_snapshot_body item = {
-        .id = body->id,
-        .flags = (own ? (uint32_t)DPT_SNAPSHOT_BODY_FLAG_DEFORMS : 0) |
-                 (body->slot.valid ? 0 : (uint32_t)DPT_SNAPSHOT_BODY_FLAG_STALE),
-        .first_vertex = is_in ? first : DPT_NONE,
-        .vertices = own,
-        .user = body->user,
-        .pose = body->pose
-    };
+    const dpt_snapshot_body item = { .id = body->id,
+                                     .flags = (own ? (uint32_t)DPT_SNAPSHOT_BODY_FLAG_DEFORMS : 0) |
+                                              (body->slot.valid ? 0 : (uint32_t)DPT_SNAPSHOT_BODY_FLAG_STALE),
+                                     .first_vertex = is_in ? first : DPT_NONE,
+                                     .vertices = own,
+                                     .user = body->user,
+                                     .pose = body->pose };
     put(taking, SNAPSHOT_BODIES, &item);
     if (!is_in)
         return;
@@ -136,8 +130,8 @@ static void put_body(struct taking *taking, const struct body *body)
 }
 
 /* An axis of the tool's frame, where the device has it, and where the proxy has it. */
-static void put_axes(const struct dpt_world *world, const struct tool *tool, vec3 a, vec3 b,
-                     double radius, dpt_snapshot_segment *item)
+static void put_axes(const struct dpt_world *world, const struct tool *tool, vec3 a, vec3 b, double radius,
+                     dpt_snapshot_segment *item)
 {
     const int has_proxy = dpti_proxy_is_used(world, tool);
     const struct proxy *proxy = has_proxy ? &world->proxies[tool - world->tools] : NULL;
@@ -161,8 +155,8 @@ static void put_axes(const struct dpt_world *world, const struct tool *tool, vec
     vec3_store(frame_to_world(&frame, b), item->proxy_b);
 }
 
-static void put_segment(struct taking *taking, const struct tool *tool, vec3 a, vec3 b,
-                        double radius, const dpt_hit *hit)
+static void put_segment(struct taking *taking, const struct tool *tool, vec3 a, vec3 b, double radius,
+                        const dpt_hit *hit)
 {
     dpt_snapshot_segment item = { .status = hit->status,
                                   .contact = hit->contact,
@@ -221,8 +215,7 @@ static void put_strip(struct taking *taking, uint32_t index, uint32_t number)
     const struct segment_strip *strip = &world->segment_strips[index];
     const struct surface surface = surface_view(&strip->surface, world->ticks + 1, 0.0);
     const uint32_t *places = mesh_words(strip->strip->mesh, MESH_PLACES);
-    const uint32_t body =
-        strip->body_slot < world->body_slot_end ? world->bodies[strip->body_slot].id : 0;
+    const uint32_t body = strip->body_slot < world->body_slot_end ? world->bodies[strip->body_slot].id : 0;
     for (uint32_t i = 0; i < count; i++) {
         dpt_overlap overlap;
         unsigned char *to = next_place(taking, SNAPSHOT_STRIPS);
@@ -251,8 +244,8 @@ static void put_tips(struct taking *taking, const struct tool *tool, dpt_snapsho
         if (tip->contact.id)
             put_contact(taking, &tip->contact, item->segments);
         for (uint32_t e = 0; e < hull->edge_count; e++)
-            put_segment(taking, tool, hull->corner[hull->edge[e][0]],
-                        hull->corner[hull->edge[e][1]], hull->radius, &tip->hit);
+            put_segment(taking, tool, hull->corner[hull->edge[e][0]], hull->corner[hull->edge[e][1]], hull->radius,
+                        &tip->hit);
         item->segments += hull->edge_count;
     }
 }
@@ -263,8 +256,7 @@ static void put_tool(struct taking *taking, const struct tool *tool)
     const int has_proxy = dpti_proxy_is_used(world, tool);
     const struct proxy *proxy = &world->proxies[has_proxy ? tool - world->tools : 0];
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    dpt_snapshot_tool item = { .id = handle_make(HANDLE_TOOL, &tool->slot,
-                                                 (uint32_t)(tool - world->tools)),
+    dpt_snapshot_tool item = { .id = handle_make(HANDLE_TOOL, &tool->slot, (uint32_t)(tool - world->tools)),
                                .law = tool->law,
                                .reason = tool->force_reason,
                                .flags = tool->force_flags,
@@ -320,8 +312,7 @@ static void put_header(struct taking *taking)
     }
 }
 
-static dpt_result begin(const dpt_world *world, const dpt_snapshot_def *given,
-                        struct taking *taking)
+static dpt_result begin(const dpt_world *world, const dpt_snapshot_def *given, struct taking *taking)
 {
     dpt_snapshot_def def;
     *taking = (struct taking){ .world = world };
@@ -345,8 +336,8 @@ size_t dpt_snapshot_bytes(const dpt_world *world, const dpt_snapshot_def *given)
     return taking.bytes <= SIZE_MAX ? (size_t)taking.bytes : 0;
 }
 
-dpt_result dpt_world_take_snapshot(const dpt_world *world, const dpt_snapshot_def *given,
-                                   void *block, size_t capacity, size_t *bytes)
+dpt_result dpt_world_take_snapshot(const dpt_world *world, const dpt_snapshot_def *given, void *block, size_t capacity,
+                                   size_t *bytes)
 {
     struct taking taking;
     if (!block || !bytes)

@@ -4,17 +4,17 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "dynpoint/tip.h"
-#include "world/body_search.h"
-#include "world/distance_bounds.h"
-#include "world/far_segment.h"
-#include "world/motion_backlog.h"
-#include "world/persistent_contacts.h"
-#include "world/proxy_free.h"
-#include "world/tip_pose.h"
+#include "proxy/proxy_free.h"
+#include "proxy/tip_pose.h"
+#include "track/body_search.h"
+#include "track/distance_bounds.h"
+#include "track/far_segment.h"
+#include "track/motion_backlog.h"
+#include "track/persistent_contacts.h"
+#include "track/tool_tips.h"
 #include "world/tool_force.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
-#include "world/tool_tips.h"
 #include "world/world_def.h"
 
 /* Forget what earlier ticks know of a segment. */
@@ -43,8 +43,7 @@ void dpti_tool_forget(struct dpt_world *world, struct tool *tool)
 dpt_result dpti_tool_check_segments(const dpt_segment *segments, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
-        if (!vec3_within(segments[i].a, DPT_COORDINATE_MAX) ||
-            !vec3_within(segments[i].b, DPT_COORDINATE_MAX) ||
+        if (!vec3_within(segments[i].a, DPT_COORDINATE_MAX) || !vec3_within(segments[i].b, DPT_COORDINATE_MAX) ||
             !(segments[i].radius >= 0.0 && segments[i].radius <= DPT_COORDINATE_MAX))
             return DPT_E_FINITE;
     return DPT_OK;
@@ -57,8 +56,8 @@ static void put_segments(struct dpt_world *world, struct tool *tool, const dpt_s
     for (uint32_t i = 0; i < tool->segment_count; i++) {
         struct segment *to = &world->segments[tool->first_segment + i];
         const dpt_segment *given = &segments[i];
-        tool->has_changed = tool->has_changed || !vec3_is_same(to->a, given->a) ||
-                            !vec3_is_same(to->b, given->b) || to->radius != given->radius;
+        tool->has_changed = tool->has_changed || !vec3_is_same(to->a, given->a) || !vec3_is_same(to->b, given->b) ||
+                            to->radius != given->radius;
         to->a = vec3_of(segments[i].a);
         to->b = vec3_of(segments[i].b);
         to->radius = segments[i].radius;
@@ -66,14 +65,12 @@ static void put_segments(struct dpt_world *world, struct tool *tool, const dpt_s
     }
 }
 
-dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count,
-                        dpt_tool *tool)
+dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t count, dpt_tool *tool)
 {
     if (!world || !segments || !tool || count == 0)
         return DPT_E_ARGUMENT;
     DPT_TRY(dpti_tool_check_segments(segments, count));
-    uint32_t slot = slot_to_use(&world->tools->slot, sizeof *world->tools, world->tool_slot_end,
-                                world->freed_count[1]);
+    uint32_t slot = slot_to_use(&world->tools->slot, sizeof *world->tools, world->tool_slot_end, world->freed_count[1]);
     if (slot == world->def.max_tools || count > world->def.max_segments - world->segment_count)
         return DPT_E_FULL;
     struct tool *made = &world->tools[slot];
@@ -172,15 +169,13 @@ dpt_result dpt_tool_teleport(dpt_world *world, dpt_tool tool, const dpt_pose *po
     return result;
 }
 
-dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segment *segments,
-                                 uint32_t count)
+dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segment *segments, uint32_t count)
 {
     struct tool *moved = world ? world_find_tool(world, tool) : NULL;
     if (!moved)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
-    dpt_result result = segments && count == moved->segment_count
-                            ? dpti_tool_check_segments(segments, count)
-                            : DPT_E_ARGUMENT;
+    dpt_result result =
+        segments && count == moved->segment_count ? dpti_tool_check_segments(segments, count) : DPT_E_ARGUMENT;
     if (result == DPT_OK && ((count > 1 && dpti_proxy_is_used(world, moved)) || moved->tip_count))
         result = DPT_E_UNSUPPORTED;
     moved->slot.valid = result == DPT_OK;
@@ -220,8 +215,7 @@ dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_tip *tip
         return DPT_E_HANDLE;
     for (uint32_t i = 0; i < count; i++)
         DPT_TRY(read_tip(tips, i, &tip));
-    if (count && (found->is_free ||
-                  (world->def.until == DPT_UNTIL_RESPOND && !dpti_proxy_is_used(world, found))))
+    if (count && (found->is_free || (world->def.until == DPT_UNTIL_RESPOND && !dpti_proxy_is_used(world, found))))
         return DPT_E_UNSUPPORTED;
     if (count > world->def.max_tips - (world->tip_count - found->tip_count))
         return DPT_E_FULL;
@@ -229,9 +223,7 @@ dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_tip *tip
     struct tip *added = dpti_tips_add(world, found, count);
     for (uint32_t i = 0; i < count; i++) {
         read_tip(tips, i, &tip);
-        added[i] = (struct tip){ .given = tip.hull,
-                                 .trust = HUGE_VAL,
-                                 .wanted = tip.pose ? *tip.pose : identity };
+        added[i] = (struct tip){ .given = tip.hull, .trust = HUGE_VAL, .wanted = tip.pose ? *tip.pose : identity };
         dpti_tip_put(world, &added[i], &added[i].wanted);
         added[i].home_a = added[i].hull->axis_a;
         added[i].home_b = added[i].hull->axis_b;
@@ -251,8 +243,7 @@ static struct tip *find_tip(const dpt_world *world, dpt_tool tool, uint32_t tip,
     return NULL;
 }
 
-dpt_result dpt_tool_set_tip_pose(dpt_world *world, dpt_tool tool, uint32_t tip,
-                                 const dpt_pose *pose)
+dpt_result dpt_tool_set_tip_pose(dpt_world *world, dpt_tool tool, uint32_t tip, const dpt_pose *pose)
 {
     dpt_result result;
     struct frame frame;
@@ -268,8 +259,7 @@ dpt_result dpt_tool_set_tip_pose(dpt_world *world, dpt_tool tool, uint32_t tip,
     return DPT_OK;
 }
 
-dpt_result dpt_tool_get_tip_pose(const dpt_world *world, dpt_tool tool, uint32_t tip,
-                                 dpt_pose *pose)
+dpt_result dpt_tool_get_tip_pose(const dpt_world *world, dpt_tool tool, uint32_t tip, dpt_pose *pose)
 {
     dpt_result result;
     const struct tip *found = find_tip(world, tool, tip, &result);
@@ -357,9 +347,8 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
                                    .near_only = found->near_only };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
     if (!dpti_law_is_valid(settings.law) || !dpti_stiffness_is_valid(settings.stiffness) ||
-        !dpti_stiffness_is_valid(settings.rotational_stiffness) ||
-        !dpti_stiffness_is_valid(settings.damping) || settings.lock_rotation > 1 ||
-        settings.near_only > 1)
+        !dpti_stiffness_is_valid(settings.rotational_stiffness) || !dpti_stiffness_is_valid(settings.damping) ||
+        settings.lock_rotation > 1 || settings.near_only > 1)
         return DPT_E_ARGUMENT;
     if ((found->is_free && found->segment_count > 1 && dpti_proxy_is_of(world, settings.law)) ||
         (found->tip_count && settings.law != found->law))

@@ -3,7 +3,7 @@
 #ifndef DPT_TOOL_H
 #define DPT_TOOL_H
 
-#include "world/world_state.h"
+#include "track/world_state.h"
 
 /* Forget what earlier ticks know of a tool, and its answers. */
 void dpti_tool_forget(struct dpt_world *world, struct tool *tool);

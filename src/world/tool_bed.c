@@ -16,8 +16,7 @@ static double whole_length(const struct segment *segments, uint32_t count)
  * How much of an end's stiffness counts: 1 at a free end, 0 where the tool goes straight on. At a joint it is
  * min(1, |sum of u|), u the unit vectors of the segments that meet there; they share it.
  */
-static double end_weight(const struct segment *segments, uint32_t count, uint32_t number, int end,
-                         double whole)
+static double end_weight(const struct segment *segments, uint32_t count, uint32_t number, int end, double whole)
 {
     const vec3 at = end ? segments[number].b : segments[number].a;
     vec3 sum = { 0.0, 0.0, 0.0 };
@@ -34,8 +33,8 @@ static double end_weight(const struct segment *segments, uint32_t count, uint32_
     return meeting > 0.0 ? min_of(1.0, length(sum)) / meeting : 1.0;
 }
 
-double dpti_tool_bed_respond(const struct dpt_world *world, const struct tool *tool,
-                             uint32_t segment_index, vec3 origin, dpt_wrench *sum)
+double dpti_tool_bed_respond(const struct dpt_world *world, const struct tool *tool, uint32_t segment_index,
+                             vec3 origin, dpt_wrench *sum)
 {
     const struct segment *segments = &world->segments[tool->first_segment];
     const uint32_t number = segment_index - tool->first_segment;

@@ -2,13 +2,8 @@
 #include "world/tool_force.h"
 
 #include "force/penalty.h"
-#include "world/body_work.h"
+#include "proxy/body_work.h"
 #include "world/tool_bed.h"
-
-vec3 dpti_torque_origin(const struct dpt_world *world, const struct tool *tool)
-{
-    return tool->is_free ? world->segments[tool->first_segment].a : tool->frame.origin;
-}
 
 static int is_zero(vec3 v)
 {
@@ -29,8 +24,7 @@ void dpti_force_forget_body(struct segment *segment, uint32_t body_id)
 {
     if (segment->border.body == body_id)
         segment->border.clear_radius = 0.0;
-    if ((segment->fade.time_left > 0.0 ? segment->fading_body_id
-                                       : segment->previous_pushing_part.body_id) == body_id)
+    if ((segment->fade.time_left > 0.0 ? segment->fading_body_id : segment->previous_pushing_part.body_id) == body_id)
         dpti_force_forget(segment);
 }
 
@@ -56,17 +50,13 @@ void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double 
     struct fade *fade = &segment->fade;
     dpt_wrench truth = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
     const uint32_t reason = reason_of(segment);
-    const int became_undecided =
-        reason == DPT_FORCE_UNDECIDED && segment->force_reason != DPT_FORCE_UNDECIDED;
-    const int was_felt =
-        !is_zero(vec3_of(fade->felt.force)) || !is_zero(vec3_of(fade->felt.torque));
+    const int became_undecided = reason == DPT_FORCE_UNDECIDED && segment->force_reason != DPT_FORCE_UNDECIDED;
+    const int was_felt = !is_zero(vec3_of(fade->felt.force)) || !is_zero(vec3_of(fade->felt.torque));
     segment->energy = 0.0;
     if (tool->law == DPT_LAW_BED && reason == DPT_FORCE_ACTS)
-        segment->energy = dpti_tool_bed_respond(world, tool, segment_index,
-                                                dpti_torque_origin(world, tool), &truth);
+        segment->energy = dpti_tool_bed_respond(world, tool, segment_index, tool_torque_origin(world, tool), &truth);
     if (tool->law != DPT_LAW_BED && segment->felt_penetration.depth > 0.0)
-        respond_penalty(&segment->felt_penetration, tool->stiffness,
-                        dpti_torque_origin(world, tool), &truth);
+        respond_penalty(&segment->felt_penetration, tool->stiffness, tool_torque_origin(world, tool), &truth);
     if (was_felt && (became_undecided || segment->has_given_up_push)) {
         if (!(fade->time_left > 0.0))
             segment->fading_body_id = segment->previous_pushing_part.body_id;
@@ -74,8 +64,7 @@ void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double 
     }
     const dpt_wrench last = fade->felt;
     fade_step(fade, &truth, dt);
-    segment->body_work =
-        dpti_segment_body_work(world, segment, dpti_torque_origin(world, tool), &last, &fade->felt);
+    segment->body_work = dpti_segment_body_work(world, segment, tool_torque_origin(world, tool), &last, &fade->felt);
     segment->force_reason = reason;
     segment->previous_pushing_part = segment->pushing_part;
     segment->pushing_part = (struct pushing_part){ .body_id = 0 };
@@ -100,9 +89,6 @@ void dpti_force_sum(const struct dpt_world *world, struct tool *tool)
     if (world->def.until != DPT_UNTIL_RESPOND || tool->stiffness == 0.0)
         tool->force_reason = DPT_FORCE_OFF;
     else
-        tool->force_reason = acts        ? DPT_FORCE_ACTS
-                             : undecided ? DPT_FORCE_UNDECIDED
-                                         : DPT_FORCE_FREE;
-    tool->force_flags =
-        (fades ? DPT_FORCE_FLAG_FADING : 0u) | (acts && undecided ? DPT_FORCE_FLAG_PARTIAL : 0u);
+        tool->force_reason = acts ? DPT_FORCE_ACTS : undecided ? DPT_FORCE_UNDECIDED : DPT_FORCE_FREE;
+    tool->force_flags = (fades ? DPT_FORCE_FLAG_FADING : 0u) | (acts && undecided ? DPT_FORCE_FLAG_PARTIAL : 0u);
 }

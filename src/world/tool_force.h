@@ -3,7 +3,7 @@
 #ifndef DPT_TOOL_FORCE_H
 #define DPT_TOOL_FORCE_H
 
-#include "world/world_state.h"
+#include "track/world_state.h"
 
 /*
  * Update a segment's share of its tool's wrench from its penetration in this tick. dt: s. Ends the tick of the
@@ -19,8 +19,5 @@ void dpti_force_forget(struct segment *segment);
 
 /* The same, if this body pushed it, or its push fades. Also forget the view of a border if it is this body's. */
 void dpti_force_forget_body(struct segment *segment, uint32_t body_id);
-
-/* The point, in the world, that the torque of a tool without a proxy is about. */
-vec3 dpti_torque_origin(const struct dpt_world *world, const struct tool *tool);
 
 #endif

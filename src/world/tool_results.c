@@ -3,8 +3,8 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "world/proxy_state.h"
-#include "world/tool_tips.h"
+#include "proxy/proxy_state.h"
+#include "track/tool_tips.h"
 
 void dpti_tool_write_hit(struct segment *segment)
 {
@@ -17,9 +17,8 @@ void dpti_tool_write_hit(struct segment *segment)
 void dpti_tool_clear_hits(struct dpt_world *world, struct tool *tool)
 {
     for (uint32_t i = 0; i < tool->segment_count; i++)
-        world->segments[tool->first_segment + i].hit = (dpt_hit){
-            .size = sizeof(dpt_hit), .status = DPT_STATUS_STALE, .triangle = DPT_NONE, .segment = i
-        };
+        world->segments[tool->first_segment + i].hit =
+            (dpt_hit){ .size = sizeof(dpt_hit), .status = DPT_STATUS_STALE, .triangle = DPT_NONE, .segment = i };
     dpti_tips_clear(world, tool);
     tool->nearest_segment = 0;
     tool->force_reason = DPT_FORCE_STALE;
@@ -34,8 +33,7 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
         memset(&segment->penetration, 0, sizeof segment->penetration);
         memset(&segment->felt_penetration, 0, sizeof segment->felt_penetration);
         segment->may_have_crossed = segment->has_given_up_push = 0;
-        segment->sweep =
-            (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
+        segment->sweep = (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
         if (world->def.strip)
             dpti_strip_clear(world->segment_strips[tool->first_segment + i].strip, NULL);
     }
@@ -43,8 +41,7 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
     tool->energy = tool->body_work = 0.0;
 }
 
-static dpt_result find_segment(const dpt_world *world, dpt_tool tool, uint32_t segment,
-                               const struct segment **found)
+static dpt_result find_segment(const dpt_world *world, dpt_tool tool, uint32_t segment, const struct segment **found)
 {
     const struct tool *owner = world_find_tool(world, tool);
     if (!owner)
@@ -55,8 +52,7 @@ static dpt_result find_segment(const dpt_world *world, dpt_tool tool, uint32_t s
     return DPT_OK;
 }
 
-dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint32_t segment,
-                                    dpt_hit *hit)
+dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint32_t segment, dpt_hit *hit)
 {
     const struct segment *found;
     if (!world || !hit)
@@ -65,8 +61,7 @@ dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint3
     DPT_TRY(sized_check(hit, sizeof *hit, 0));
     sized_write(hit, hit->size, &stale, sizeof stale);
     const struct tool *owner = world_find_tool(world, tool);
-    if (owner && segment >= owner->segment_count &&
-        segment - owner->segment_count < owner->tip_count) {
+    if (owner && segment >= owner->segment_count && segment - owner->segment_count < owner->tip_count) {
         const struct tip *tip = tool_tip(world, owner, segment - owner->segment_count);
         sized_write(hit, hit->size, &tip->hit, sizeof tip->hit);
         return DPT_OK;
@@ -82,8 +77,8 @@ dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit)
     return dpt_tool_get_segment_hit(world, tool, owner ? owner->nearest_segment : 0, hit);
 }
 
-dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_contact *contacts,
-                                 uint32_t capacity, uint32_t *count)
+dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_contact *contacts, uint32_t capacity,
+                                 uint32_t *count)
 {
     if (count)
         *count = 0;
@@ -102,20 +97,18 @@ dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_cont
             if (current->items[i].segment_index != s || current->items[i].is_unseen)
                 continue;
             if (found < capacity)
-                sized_write((char *)contacts + (size_t)found * size, size,
-                            &current->items[i].contact, sizeof(dpt_contact));
+                sized_write((char *)contacts + (size_t)found * size, size, &current->items[i].contact,
+                            sizeof(dpt_contact));
             found++;
         }
     const uint32_t written = found < capacity ? found : capacity;
-    found += dpti_tips_get_contacts(world, owner,
-                                    contacts ? (char *)contacts + (size_t)written * size : NULL,
+    found += dpti_tips_get_contacts(world, owner, contacts ? (char *)contacts + (size_t)written * size : NULL,
                                     capacity - written, size);
     *count = found;
     return DPT_OK;
 }
 
-dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment,
-                              dpt_sweep *sweep)
+dpt_result dpt_tool_get_sweep(const dpt_world *world, dpt_tool tool, uint32_t segment, dpt_sweep *sweep)
 {
     const struct segment *found;
     if (!world || !sweep)
@@ -181,8 +174,7 @@ dpt_result dpt_tool_get_proxy(const dpt_world *world, dpt_tool tool, dpt_pose *p
     *pose = identity;
     if (!owner)
         return DPT_E_HANDLE;
-    const struct proxy *proxy =
-        dpti_proxy_is_used(world, owner) ? &world->proxies[owner - world->tools] : NULL;
+    const struct proxy *proxy = dpti_proxy_is_used(world, owner) ? &world->proxies[owner - world->tools] : NULL;
     *pose = proxy && proxy->state != PROXY_NONE ? proxy->pose : owner->pose;
     return DPT_OK;
 }

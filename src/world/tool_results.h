@@ -3,7 +3,7 @@
 #ifndef DPT_TOOL_RESULTS_H
 #define DPT_TOOL_RESULTS_H
 
-#include "world/world_state.h"
+#include "track/world_state.h"
 
 /* Write the hit of a segment that has an answer; the hit of another one stays as it is. */
 void dpti_tool_write_hit(struct segment *segment);

@@ -19,9 +19,7 @@ dpt_strip_def dpti_strips_def(const dpt_world_def *def)
 uint64_t dpti_strips_bytes(const dpt_world_def *def)
 {
     const dpt_strip_def strip = dpti_strips_def(def);
-    return def->strip
-               ? (BYTES_SEGMENT_STRIP + (uint64_t)dpt_strip_bytes(&strip)) * def->max_segments
-               : 0;
+    return def->strip ? (BYTES_SEGMENT_STRIP + (uint64_t)dpt_strip_bytes(&strip)) * def->max_segments : 0;
 }
 
 /* The strips of all segments lie behind the array of segment_strips. */
@@ -78,8 +76,7 @@ void dpti_strips_remove(struct dpt_world *world, uint32_t first, uint32_t end)
 }
 
 /* From the nearest point to the axis, in the body's frame. If the axis crosses the surface: its exit direction. */
-static vec3 direction_to_axis(const struct segment *segment,
-                              const struct segment_strip *segment_strip)
+static vec3 direction_to_axis(const struct segment *segment, const struct segment_strip *segment_strip)
 {
     const struct pair_search *nearest = &segment->answer.track.nearest;
     if (nearest->pair.distance2 > 0.0)
@@ -91,24 +88,20 @@ static vec3 direction_to_axis(const struct segment *segment,
 }
 
 /* The side of an open sheet to which the tool would be pushed; without a penetration, the side on which it is. */
-static int32_t side_of_tool(const struct segment *segment,
-                            const struct segment_strip *segment_strip, uint32_t triangle,
+static int32_t side_of_tool(const struct segment *segment, const struct segment_strip *segment_strip, uint32_t triangle,
                             vec3 to_axis)
 {
-    if (!dpti_side_is_sheet(&segment_strip->surface,
-                            surface_part(&segment_strip->surface, triangle)))
+    if (!dpti_side_is_sheet(&segment_strip->surface, surface_part(&segment_strip->surface, triangle)))
         return 1;
     vec3 exit_direction = frame_turn_back(&segment_strip->frame, segment->penetration.direction);
     if (!(dot(exit_direction, exit_direction) > 0.0))
         exit_direction = to_axis;
-    return dot(exit_direction, dpti_surface_face_normal(&segment_strip->surface, triangle)) < 0.0
-               ? -1
-               : 1;
+    return dot(exit_direction, dpti_surface_face_normal(&segment_strip->surface, triangle)) < 0.0 ? -1 : 1;
 }
 
 /* Fill a strip by shadow. `direction` from the surface to the axis, in the body's frame; begins at `triangle`. */
-static void put_shadow(const struct dpt_world *world, struct segment_strip *segment_strip,
-                       vec3 direction, uint32_t triangle)
+static void put_shadow(const struct dpt_world *world, struct segment_strip *segment_strip, vec3 direction,
+                       uint32_t triangle)
 {
     const dpt_world_def *def = &world->def;
     double depth = def->strip_depth;
@@ -117,17 +110,15 @@ static void put_shadow(const struct dpt_world *world, struct segment_strip *segm
     if (!(dot(direction, direction) > 0.0))
         return;
     struct shadow_volume volume;
-    dpti_shadow_volume_of(segment_strip->a, segment_strip->u, direction,
-                          segment_strip->radius + def->strip_width, depth, &volume);
+    dpti_shadow_volume_of(segment_strip->a, segment_strip->u, direction, segment_strip->radius + def->strip_width,
+                          depth, &volume);
     dpti_strip_shadow(segment_strip->strip, &segment_strip->surface, &volume, triangle);
 }
 
 /* The place of the triangle nearest to an end of the axis: 0 is a, 1 is b. */
-static uint32_t nearest_to_end(const struct dpt_world *world,
-                               const struct segment_strip *segment_strip, int end)
+static uint32_t nearest_to_end(const struct dpt_world *world, const struct segment_strip *segment_strip, int end)
 {
-    const struct axis point = { .local_a = end ? add(segment_strip->a, segment_strip->u)
-                                               : segment_strip->a };
+    const struct axis point = { .local_a = end ? add(segment_strip->a, segment_strip->u) : segment_strip->a };
     struct pair_search nearest;
     struct work work = work_of(WORK_UNLIMITED); /* strips are not part of the budget */
     dpti_dynamic_point_once(&segment_strip->surface, &world->kernel, DPT_METHOD_TREE, &point,
@@ -139,16 +130,14 @@ static uint32_t nearest_to_end(const struct dpt_world *world,
  * Fill a strip by routes. It stays empty if no route leads from end to end, as when an end is nearest to another
  * part, and is marked full if the search has too little room.
  */
-static void put_routes(const struct dpt_world *world, struct segment_strip *segment_strip,
-                       uint32_t triangle)
+static void put_routes(const struct dpt_world *world, struct segment_strip *segment_strip, uint32_t triangle)
 {
     for (int end = 0; end < 2; end++)
         segment_strip->end_triangle[end] = nearest_to_end(world, segment_strip, end);
     if (segment_strip->end_triangle[0] == DPT_NONE || segment_strip->end_triangle[1] == DPT_NONE)
         return;
-    if (dpti_strip_routes(segment_strip->strip, segment_strip->surface.mesh,
-                          segment_strip->end_triangle[0], segment_strip->end_triangle[1],
-                          triangle) == DPT_E_FULL)
+    if (dpti_strip_routes(segment_strip->strip, segment_strip->surface.mesh, segment_strip->end_triangle[0],
+                          segment_strip->end_triangle[1], triangle) == DPT_E_FULL)
         dpti_strip_set_full(segment_strip->strip);
 }
 
@@ -160,8 +149,7 @@ void dpti_strips_find(struct dpt_world *world, uint32_t segment_index)
     struct segment_strip *segment_strip = &world->segment_strips[segment_index];
     if (!body)
         return;
-    if (result->contact != DPT_CONTACT_PENETRATING &&
-        !(result->distance - segment->radius <= world->def.margin))
+    if (result->contact != DPT_CONTACT_PENETRATING && !(result->distance - segment->radius <= world->def.margin))
         return;
     const struct axis *axis = &segment->answer.track.axis;
     const int is_other = segment_strip->body_slot != handle_index(body->id);
@@ -187,9 +175,8 @@ void dpti_strips_find(struct dpt_world *world, uint32_t segment_index)
         put_routes(world, segment_strip, triangle);
 }
 
-dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t segment,
-                              dpt_overlap *overlaps, uint32_t capacity, uint32_t *count,
-                              uint32_t *flags)
+dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t segment, dpt_overlap *overlaps,
+                              uint32_t capacity, uint32_t *count, uint32_t *flags)
 {
     if (count)
         *count = 0;
@@ -206,15 +193,13 @@ dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t se
         return DPT_E_ARGUMENT;
     if (!world->def.strip)
         return DPT_OK;
-    const struct segment_strip *segment_strip =
-        &world->segment_strips[owner->first_segment + segment];
+    const struct segment_strip *segment_strip = &world->segment_strips[owner->first_segment + segment];
     dpt_strip_get_triangles(segment_strip->strip, count, flags);
     if (!*count)
         return DPT_OK; /* its body may be gone, with its vertices */
     /* Vertices may have moved since: the strip is of the last step. */
     const struct surface surface = surface_view(&segment_strip->surface, world->ticks + 1, 0.0);
-    dpti_strip_overlaps(segment_strip->strip, &surface, &segment_strip->frame, segment_strip->a,
-                        segment_strip->u, segment_strip->radius, segment_strip->side, overlaps,
-                        capacity);
+    dpti_strip_overlaps(segment_strip->strip, &surface, &segment_strip->frame, segment_strip->a, segment_strip->u,
+                        segment_strip->radius, segment_strip->side, overlaps, capacity);
     return DPT_OK;
 }

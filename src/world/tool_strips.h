@@ -3,7 +3,7 @@
 #ifndef DPT_TOOL_STRIPS_H
 #define DPT_TOOL_STRIPS_H
 
-#include "world/world_state.h"
+#include "track/world_state.h"
 
 /* The def of each strip of a world. */
 dpt_strip_def dpti_strips_def(const dpt_world_def *def);

@@ -3,10 +3,10 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "hull/hull_sweep.h"
-#include "world/proxy_free.h"
-#include "world/swept_motion.h"
+#include "proxy/proxy_free.h"
+#include "track/swept_motion.h"
+#include "track/tool_tips.h"
 #include "world/tool.h"
-#include "world/tool_tips.h"
 
 /* A motion that is tried. */
 struct trial {
@@ -16,8 +16,8 @@ struct trial {
 };
 
 /* Sweep one segment past one body; a hit that is earlier than all so far becomes the first. */
-static void try_body(struct trial *trial, const struct body *body, double radius,
-                     uint32_t segment_in_tool, struct placement *from, struct placement *to)
+static void try_body(struct trial *trial, const struct body *body, double radius, uint32_t segment_in_tool,
+                     struct placement *from, struct placement *to)
 {
     struct rigid_sweep_progress progress;
     rigid_sweep_restart(&progress);
@@ -25,8 +25,7 @@ static void try_body(struct trial *trial, const struct body *body, double radius
     struct rigid_sweep rigid = { .surface = &body->surface,
                                  .kernel = &trial->world->kernel,
                                  .radius = radius,
-                                 .tolerance =
-                                     0.5 * RIGID_SWEEP_TOLERANCE * surface_diagonal(&body->surface),
+                                 .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * surface_diagonal(&body->surface),
                                  .hint = DPT_NONE,
                                  .work = &work,
                                  .progress = &progress };
@@ -44,24 +43,23 @@ static void try_body(struct trial *trial, const struct body *body, double radius
  * Sweep one segment past all bodies that it may reach. `from` and `to` are its ends of the motion; their bodies are
  * set here.
  */
-static void try_segment(struct trial *trial, const struct segment *segment,
-                        uint32_t segment_in_tool, struct placement *from, struct placement *to)
+static void try_segment(struct trial *trial, const struct segment *segment, uint32_t segment_in_tool,
+                        struct placement *from, struct placement *to)
 {
     const struct dpt_world *world = trial->world;
     const double radius = max_of(0.0, segment->radius + trial->clearance);
     const double reach = radius + dpti_rigid_sweep_displacement(from, to);
     struct frame frame;
     frame_of_pose(&to->tool, &frame);
-    const struct box box =
-        box_of_axis(frame_to_world(&frame, to->a), frame_to_world(&frame, to->b));
+    const struct box box = box_of_axis(frame_to_world(&frame, to->a), frame_to_world(&frame, to->b));
     for (uint32_t i = 0; i < world->body_slot_end; i++)
         if (body_is_there(&world->bodies[i]) && box_distance(&box, &world->boxes[i]) <= reach)
             try_body(trial, &world->bodies[i], radius, segment_in_tool, from, to);
 }
 
 /* Where a tip that met a triangle is nearest to it, at the time of the touch. */
-static void write_tip_touch(struct trial *trial, const struct hull_sweep *sweep,
-                            const struct body *body, uint32_t number, const dpt_pose *pose)
+static void write_tip_touch(struct trial *trial, const struct hull_sweep *sweep, const struct body *body,
+                            uint32_t number, const dpt_pose *pose)
 {
     dpt_sweep *first = &trial->first;
     struct frame tool;
@@ -84,12 +82,12 @@ static void write_tip_touch(struct trial *trial, const struct hull_sweep *sweep,
 }
 
 /* Sweep one tip past all bodies that it may reach. `number`: after the tool's segments. */
-static void try_tip(struct trial *trial, const struct tip *tip, uint32_t number,
-                    const dpt_pose *from, const dpt_pose *to)
+static void try_tip(struct trial *trial, const struct tip *tip, uint32_t number, const dpt_pose *from,
+                    const dpt_pose *to)
 {
     const struct dpt_world *world = trial->world;
-    const double reach = max_of(0.0, tip->hull->radius + trial->clearance) +
-                         dpti_hull_displacement(tip->hull, from, to);
+    const double reach =
+        max_of(0.0, tip->hull->radius + trial->clearance) + dpti_hull_displacement(tip->hull, from, to);
     struct frame frame;
     frame_of_pose(to, &frame);
     const struct box box = dpti_tip_box(tip->hull, &frame);
@@ -104,8 +102,7 @@ static void try_tip(struct trial *trial, const struct tip *tip, uint32_t number,
                                     .kernel = &world->kernel,
                                     .hull = tip->hull,
                                     .clearance = trial->clearance,
-                                    .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE *
-                                                 surface_diagonal(&body->surface),
+                                    .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * surface_diagonal(&body->surface),
                                     .work = &work,
                                     .triangle = DPT_NONE };
         if (dpti_hull_sweep(&sweep, &at_from, &at_to) != SWEEP_HIT ||
@@ -117,8 +114,8 @@ static void try_tip(struct trial *trial, const struct tip *tip, uint32_t number,
 }
 
 /* Check the arguments and set up a trial. Without a valid tool and valid bodies its `first` has DPT_SWEEP_NONE. */
-static dpt_result begin_trial(struct trial *trial, const dpt_world *world, dpt_tool id,
-                              double clearance, const dpt_sweep *first, const struct tool **tool)
+static dpt_result begin_trial(struct trial *trial, const dpt_world *world, dpt_tool id, double clearance,
+                              const dpt_sweep *first, const struct tool **tool)
 {
     if (!world)
         return DPT_E_ARGUMENT;
@@ -130,11 +127,11 @@ static dpt_result begin_trial(struct trial *trial, const dpt_world *world, dpt_t
     if (!within(clearance, DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
     const int is_known = (*tool)->slot.valid && !world->invalid_body_count;
-    *trial = (struct trial){ .world = world,
-                             .clearance = clearance,
-                             .first = { .status = is_known ? DPT_SWEEP_FREE : DPT_SWEEP_NONE,
-                                        .triangle = DPT_NONE,
-                                        .time = is_known } };
+    *trial = (struct trial){
+        .world = world,
+        .clearance = clearance,
+        .first = { .status = is_known ? DPT_SWEEP_FREE : DPT_SWEEP_NONE, .triangle = DPT_NONE, .time = is_known }
+    };
     return DPT_OK;
 }
 
@@ -145,8 +142,8 @@ struct origin {
 };
 
 /* A free tool's are in the world, whatever frame its proxy keeps it in. */
-static void find_origin(const struct dpt_world *world, const struct tool *tool,
-                        uint32_t segment_in_tool, struct origin *origin)
+static void find_origin(const struct dpt_world *world, const struct tool *tool, uint32_t segment_in_tool,
+                        struct origin *origin)
 {
     origin->pose = tool->pose;
     origin->segment = world->segments[tool->first_segment + segment_in_tool];
@@ -167,8 +164,8 @@ static void end_trial(const struct trial *trial, dpt_sweep *first)
         sized_write(first, first->size, &trial->first, sizeof trial->first);
 }
 
-dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_pose *pose,
-                             double clearance, dpt_sweep *first, dpt_pose *reached)
+dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_pose *pose, double clearance,
+                             dpt_sweep *first, dpt_pose *reached)
 {
     struct trial trial;
     struct frame frame;
@@ -194,9 +191,8 @@ dpt_result dpt_tool_try_pose(const dpt_world *world, dpt_tool tool, const dpt_po
     return DPT_OK;
 }
 
-dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dpt_segment *segments,
-                                 uint32_t count, double clearance, dpt_sweep *first,
-                                 dpt_segment *reached)
+dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dpt_segment *segments, uint32_t count,
+                                 double clearance, dpt_sweep *first, dpt_segment *reached)
 {
     struct trial trial;
     struct frame frame;
@@ -219,9 +215,7 @@ dpt_result dpt_tool_try_segments(const dpt_world *world, dpt_tool tool, const dp
         struct placement from = { .tool = identity,
                                   .a = frame_to_world(&frame, segment->a),
                                   .b = frame_to_world(&frame, segment->b) };
-        struct placement to = { .tool = identity,
-                                .a = vec3_of(segments[i].a),
-                                .b = vec3_of(segments[i].b) };
+        struct placement to = { .tool = identity, .a = vec3_of(segments[i].a), .b = vec3_of(segments[i].b) };
         segment->radius = segments[i].radius;
         try_segment(&trial, segment, i, &from, &to);
     }

@@ -2,9 +2,9 @@
 /* Creating, resetting and measuring worlds. Bodies and tools are in body.c and tool.c, the tick in step.c. */
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "world/body_search.h"
+#include "track/body_search.h"
+#include "track/persistent_contacts.h"
 #include "world/deform_body.h"
-#include "world/persistent_contacts.h"
 #include "world/tool.h"
 #include "world/world_def.h"
 #include "world/world_layout.h"
@@ -18,8 +18,7 @@ size_t dpt_world_bytes(const dpt_world_def *given)
     return dpti_world_layout_bytes(&def);
 }
 
-dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *given,
-                            dpt_world **world)
+dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *given, dpt_world **world)
 {
     dpt_world_def def;
     dpt_baseline_def baseline;

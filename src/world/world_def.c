@@ -50,8 +50,7 @@ int dpti_law_is_valid(uint32_t law)
 
 int dpti_friction_is_valid(double static_friction, double kinetic_friction)
 {
-    return kinetic_friction >= 0.0 && kinetic_friction <= static_friction &&
-           static_friction <= FRICTION_MAX;
+    return kinetic_friction >= 0.0 && kinetic_friction <= static_friction && static_friction <= FRICTION_MAX;
 }
 
 int dpti_side_limit_is_valid(double limit)
@@ -64,8 +63,7 @@ static int count_is_valid(uint32_t count)
     return count >= 1 && count <= 0xffff;
 }
 
-dpt_result dpti_world_def_read(const dpt_world_def *given, dpt_world_def *def,
-                               dpt_baseline_def *baseline)
+dpt_result dpti_world_def_read(const dpt_world_def *given, dpt_world_def *def, dpt_baseline_def *baseline)
 {
     if (!given)
         return DPT_E_ARGUMENT;
@@ -81,8 +79,7 @@ dpt_result dpti_world_def_read(const dpt_world_def *given, dpt_world_def *def,
 static int baseline_is_valid(const dpt_world_def *def)
 {
     const dpt_baseline_def *baseline = def->baseline;
-    return baseline->parts >= 1 &&
-           baseline->parts <= (def->method == DPT_METHOD_PAPER ? 64u : 1u) &&
+    return baseline->parts >= 1 && baseline->parts <= (def->method == DPT_METHOD_PAPER ? 64u : 1u) &&
            baseline->one_step <= 1 && !baseline->reserved;
 }
 
@@ -93,20 +90,18 @@ static int strips_are_valid(const dpt_world_def *def)
         return 0;
     return !def->strip ||
            (dpt_strip_bytes(&strip) && def->strip_width >= 0.0 && def->strip_depth >= 0.0 &&
-            within(def->strip_width, DPT_COORDINATE_MAX) &&
-            within(def->strip_depth, DPT_COORDINATE_MAX));
+            within(def->strip_width, DPT_COORDINATE_MAX) && within(def->strip_depth, DPT_COORDINATE_MAX));
 }
 
 int dpti_world_def_is_valid(const dpt_world_def *def)
 {
-    return count_is_valid(def->max_bodies) && count_is_valid(def->max_tools) &&
-           count_is_valid(def->max_segments) && def->method <= DPT_METHOD_PAPER &&
-           def->until <= DPT_UNTIL_CONTACT && baseline_is_valid(def) && !def->reserved_pointer &&
-           (def->budget == 0 || def->method == DPT_METHOD_EXACT) &&
+    return count_is_valid(def->max_bodies) && count_is_valid(def->max_tools) && count_is_valid(def->max_segments) &&
+           def->method <= DPT_METHOD_PAPER && def->until <= DPT_UNTIL_CONTACT && baseline_is_valid(def) &&
+           !def->reserved_pointer && (def->budget == 0 || def->method == DPT_METHOD_EXACT) &&
            dpti_stiffness_is_valid(def->stiffness) && dpti_side_limit_is_valid(def->side_limit) &&
            dpti_law_is_valid(def->law) && def->fade >= 0.0 && def->fade <= 1.0 &&
            def->certificate_bytes <= CERTIFICATE_BYTES_MAX && def->margin >= 0.0 &&
            within(def->margin, DPT_COORDINATE_MAX) && def->onset <= def->margin &&
-           within(def->onset, DPT_COORDINATE_MAX) && def->max_contacts <= 0xffff &&
-           def->smooth_normals <= 1 && def->max_tips <= 0xffff && strips_are_valid(def);
+           within(def->onset, DPT_COORDINATE_MAX) && def->max_contacts <= 0xffff && def->smooth_normals <= 1 &&
+           def->max_tips <= 0xffff && strips_are_valid(def);
 }

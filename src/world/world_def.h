@@ -3,14 +3,13 @@
 #ifndef DPT_WORLD_DEF_H
 #define DPT_WORLD_DEF_H
 
-#include "world/world_state.h"
+#include "track/world_state.h"
 
 /*
  * Read a caller's def and the baseline that it points to, by the rule of base/sized.h. `def` then points to
  * `baseline`.
  */
-dpt_result dpti_world_def_read(const dpt_world_def *given, dpt_world_def *def,
-                               dpt_baseline_def *baseline);
+dpt_result dpti_world_def_read(const dpt_world_def *given, dpt_world_def *def, dpt_baseline_def *baseline);
 
 /* Whether all fields of a def are in their ranges. */
 int dpti_world_def_is_valid(const dpt_world_def *def);

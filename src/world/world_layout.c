@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/world_layout.h"
 
-#include "world/body_search.h"
-#include "world/distance_bounds.h"
-#include "world/motion_backlog.h"
-#include "world/persistent_contacts.h"
-#include "world/proxy_state.h"
+#include "proxy/proxy_state.h"
+#include "track/body_search.h"
+#include "track/distance_bounds.h"
+#include "track/motion_backlog.h"
+#include "track/persistent_contacts.h"
 #include "world/tool_strips.h"
 
 /*
@@ -31,19 +31,16 @@ typedef char segment_fits[sizeof(struct segment) <= BYTES_SEGMENT ? 1 : -1];
 
 static uint64_t point_cache_bytes(const dpt_world_def *def)
 {
-    return def->budget ? BYTES_POINT_CACHE + BYTES_POINT_CACHE_SEGMENT * (uint64_t)def->max_segments
-                       : 0;
+    return def->budget ? BYTES_POINT_CACHE + BYTES_POINT_CACHE_SEGMENT * (uint64_t)def->max_segments : 0;
 }
 
 size_t dpti_world_layout_bytes(const dpt_world_def *def)
 {
-    uint64_t bytes =
-        BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies +
-        BYTES_TOOL * (uint64_t)def->max_tools + BYTES_SEGMENT * (uint64_t)def->max_segments +
-        (BYTES_TIP + BYTES_HULL) * (uint64_t)def->max_tips + point_cache_bytes(def) +
-        dpti_bounds_bytes(def) + dpti_backlog_bytes(def) + dpti_persistent_contacts_bytes(def) +
-        dpti_strips_bytes(def) + dpti_proxy_bytes(def) + dpti_broad_phase_bytes(def) +
-        dpti_body_search_bytes(def);
+    uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies + BYTES_TOOL * (uint64_t)def->max_tools +
+                     BYTES_SEGMENT * (uint64_t)def->max_segments + (BYTES_TIP + BYTES_HULL) * (uint64_t)def->max_tips +
+                     point_cache_bytes(def) + dpti_bounds_bytes(def) + dpti_backlog_bytes(def) +
+                     dpti_persistent_contacts_bytes(def) + dpti_strips_bytes(def) + dpti_proxy_bytes(def) +
+                     dpti_broad_phase_bytes(def) + dpti_body_search_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -63,8 +60,8 @@ void dpti_world_layout_place(struct dpt_world *world)
     world->tip_hulls = (void *)at;
     at += BYTES_HULL * (size_t)def->max_tips;
     world->point_cache.entries = (void *)at;
-    world->point_cache.sets = (uint32_t)(point_cache_bytes(def) /
-                                         (POINT_CACHE_WAYS * sizeof *world->point_cache.entries));
+    world->point_cache.sets =
+        (uint32_t)(point_cache_bytes(def) / (POINT_CACHE_WAYS * sizeof *world->point_cache.entries));
     at += point_cache_bytes(def);
     at = dpti_bounds_place(world, at);
     at = dpti_backlog_place(world, at);

@@ -3,7 +3,7 @@
 #ifndef DPT_WORLD_LAYOUT_H
 #define DPT_WORLD_LAYOUT_H
 
-#include "world/world_state.h"
+#include "track/world_state.h"
 
 /* dpt_world_bytes of a valid def. */
 size_t dpti_world_layout_bytes(const dpt_world_def *def);

@@ -10,8 +10,7 @@ int main(int argc, char **argv)
     const dpt_arm *arm;
     dpt_pose tool;
     if (argc != 2 || dpt_urdf_compile_file(argv[1], NULL, &file, NULL) != DPT_OK ||
-        dpt_arm_open(file.bytes, file.size, &arm) != DPT_OK ||
-        dpt_arm_forward(arm, rest, &tool) != DPT_OK)
+        dpt_arm_open(file.bytes, file.size, &arm) != DPT_OK || dpt_arm_forward(arm, rest, &tool) != DPT_OK)
         return 1;
     dpt_compiled_free(&file);
     return tool.position[0] > 0.3 - 1e-12 && tool.position[0] < 0.3 + 1e-12 ? 0 : 1;

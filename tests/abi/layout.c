@@ -61,11 +61,11 @@ static void expect(const char *what, const char *part, long long is, long long l
 
 #define EXPECT(what, part, is, listed) expect(what, part, (long long)(is), (long long)(listed));
 #define TYPE(type, bytes)              EXPECT(#type, "size", sizeof(type), bytes)
-#define FIELD(type, field, at64, bytes64, at32, bytes32)                                           \
-    EXPECT(#type, #field " offset", offsetof(type, field), PICK(at64, at32))                       \
+#define FIELD(type, field, at64, bytes64, at32, bytes32)                                                               \
+    EXPECT(#type, #field " offset", offsetof(type, field), PICK(at64, at32))                                           \
     EXPECT(#type, #field " size", BYTES(type, field), PICK(bytes64, bytes32))
-#define SIZE(type, bytes64, bytes32)                                                               \
-    EXPECT(#type, "size", sizeof(type), PICK(bytes64, bytes32))                                    \
+#define SIZE(type, bytes64, bytes32)                                                                                   \
+    EXPECT(#type, "size", sizeof(type), PICK(bytes64, bytes32))                                                        \
     EXPECT(#type, "size without gaps", fields_of_##type, sizeof(type))
 #define VALUE(name, value) EXPECT(#name, "", name, value)
 
@@ -80,11 +80,11 @@ int main(void)
 
 #define ASSERT(claim, holds) typedef char claim[(holds) ? 1 : -1];
 #define TYPE(type, bytes)    ASSERT(type##_has_its_size, sizeof(type) == (bytes))
-#define FIELD(type, field, at64, bytes64, at32, bytes32)                                           \
-    ASSERT(type##_##field##_has_its_place, offsetof(type, field) == PICK(at64, at32) &&            \
-                                               BYTES(type, field) == PICK(bytes64, bytes32))
-#define SIZE(type, bytes64, bytes32)                                                               \
-    ASSERT(type##_has_its_size, sizeof(type) == PICK(bytes64, bytes32))                            \
+#define FIELD(type, field, at64, bytes64, at32, bytes32)                                                               \
+    ASSERT(type##_##field##_has_its_place,                                                                             \
+           offsetof(type, field) == PICK(at64, at32) && BYTES(type, field) == PICK(bytes64, bytes32))
+#define SIZE(type, bytes64, bytes32)                                                                                   \
+    ASSERT(type##_has_its_size, sizeof(type) == PICK(bytes64, bytes32))                                                \
     ASSERT(type##_has_no_gaps, sizeof(type) == fields_of_##type)
 #define VALUE(name, value) ASSERT(name##_has_its_value, (name) == (value))
 #include "layouts.txt"

@@ -30,8 +30,7 @@ static double in(double low, double high)
     return low + (high - low) * ((double)(bits() >> 11) * 0x1p-53);
 }
 
-static uint32_t contacts_met, sweeps_met, strip_triangles,
-    bounded; /* so that it is seen what there was */
+static uint32_t contacts_met, sweeps_met, strip_triangles, bounded; /* so that it is seen what there was */
 
 /* ---- hashing (FNV-1a over values, so that byte order does not count) ---- */
 
@@ -139,14 +138,12 @@ static void open_mesh(int which)
 {
     dpt_compiled file;
     make_mesh(which);
-    must(dpt_compile_arrays(&vertices[0][0], vertex_count, &corners[0][0], triangle_count, NULL,
-                            &file, NULL),
+    must(dpt_compile_arrays(&vertices[0][0], vertex_count, &corners[0][0], triangle_count, NULL, &file, NULL),
          "compile");
     hash = 0xcbf29ce484222325u;
     for (size_t i = 0; i < file.size; i++)
         mix(((unsigned char *)file.bytes)[i]);
-    printf("mesh %d: %zu triangles, %zu bytes, %016" PRIx64 "\n", which, triangle_count, file.size,
-           hash);
+    printf("mesh %d: %zu triangles, %zu bytes, %016" PRIx64 "\n", which, triangle_count, file.size, hash);
     files[which] = file.bytes;
     must(dpt_mesh_convert(file.bytes, file.size, NULL), "convert");
     must(dpt_mesh_open(file.bytes, file.size, &meshes[which]), "open");
@@ -323,10 +320,8 @@ int main(int argc, char **argv)
         open_mesh(i);
     for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
         const uint64_t wanted = run(&scenes[i], DPT_KERNEL_SCALAR, ticks);
-        printf(
-            "scene %zu: %u contacts, %u sweeps that met, %u triangles of strips, %u ticks bounded, "
-            "%016" PRIx64 "\n",
-            i, contacts_met, sweeps_met, strip_triangles, bounded, wanted);
+        printf("scene %zu: %u contacts, %u sweeps that met, %u triangles of strips, %u ticks bounded, %016" PRIx64 "\n",
+               i, contacts_met, sweeps_met, strip_triangles, bounded, wanted);
         for (uint32_t kernel = DPT_KERNEL_SCALAR + 1; kernel <= DPT_KERNEL_WASM128; kernel++) {
             const uint64_t other = run(&scenes[i], kernel, ticks);
             if (other && other != wanted) {

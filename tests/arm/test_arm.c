@@ -133,22 +133,20 @@ static void expect_row(const struct damage *damage, size_t row)
         site_note();
     CHECK(result == damage->code && fault.code == result && fault.byte == byte &&
               !strcmp(fault.section, damage->section),
-          "row %zu: %s at %llu (%s), line %d, not %s at %llu (%s)", row,
-          dpt_result_name(fault.code), (unsigned long long)fault.byte, fault.section, site,
-          dpt_result_name(damage->code), (unsigned long long)byte, damage->section);
+          "row %zu: %s at %llu (%s), line %d, not %s at %llu (%s)", row, dpt_result_name(fault.code),
+          (unsigned long long)fault.byte, fault.section, site, dpt_result_name(damage->code), (unsigned long long)byte,
+          damage->section);
     CHECK(dpt_arm_open(file.bytes, file.size, &arm) == damage->code && !arm, "row %zu opens", row);
     if (result != DPT_E_BYTE_ORDER)
-        CHECK(dpt_arm_convert(file.bytes, file.size, NULL) == damage->code, "row %zu converts",
-              row);
+        CHECK(dpt_arm_convert(file.bytes, file.size, NULL) == damage->code, "row %zu converts", row);
     /* In the other byte order it is refused for the same reason. */
-    if (damage->seal == SEALED && damage->change == SET && damage->at >= AT_JOINTS &&
-        damage->at < AT_END && (damage->at < AT_BODIES || damage->at >= AT_JAWS)) {
+    if (damage->seal == SEALED && damage->change == SET && damage->at >= AT_JOINTS && damage->at < AT_END &&
+        (damage->at < AT_BODIES || damage->at >= AT_JAWS)) {
         struct file other = other_arm(&file);
         fault = (dpt_mesh_fault){ .size = sizeof fault };
-        CHECK(dpt_arm_convert(other.bytes, other.size, &fault) == damage->code &&
-                  fault.byte == byte && !strcmp(fault.section, damage->section),
-              "row %zu, the other order: %s at %llu", row, dpt_result_name(fault.code),
-              (unsigned long long)fault.byte);
+        CHECK(dpt_arm_convert(other.bytes, other.size, &fault) == damage->code && fault.byte == byte &&
+                  !strcmp(fault.section, damage->section),
+              "row %zu, the other order: %s at %llu", row, dpt_result_name(fault.code), (unsigned long long)fault.byte);
         free(other.bytes);
     }
     free(block);
@@ -223,8 +221,7 @@ static void damage_of_header_and_places(void)
 
 static void damage_of_joints_and_links(void)
 {
-    const dpt_result layout = DPT_E_LAYOUT, index = DPT_E_INDEX, finite = DPT_E_FINITE,
-                     unit = DPT_E_POSE;
+    const dpt_result layout = DPT_E_LAYOUT, index = DPT_E_INDEX, finite = DPT_E_FINITE, unit = DPT_E_POSE;
     const struct damage table[] = {
         /* check_joint */
         { WORD(J(1, size), 128), layout, "joints", THERE },
@@ -262,8 +259,7 @@ static void damage_of_joints_and_links(void)
 
 static void damage_of_the_rest(void)
 {
-    const dpt_result layout = DPT_E_LAYOUT, index = DPT_E_INDEX, finite = DPT_E_FINITE,
-                     unit = DPT_E_POSE;
+    const dpt_result layout = DPT_E_LAYOUT, index = DPT_E_INDEX, finite = DPT_E_FINITE, unit = DPT_E_POSE;
     const struct damage table[] = {
         /* check_content, check_order */
         { WORD(H(tool_link), LINKS), index, "header", THERE },
@@ -302,8 +298,7 @@ static void damage_of_the_rest(void)
         { NUMBER(C(0, 2), NAN), finite, "corners", THERE },
         { NUMBER(C(CORNERS - 1, 1), 1.1e6), finite, "corners", THERE },
         /* The mesh's reader, of the second mesh: a section of its own, a byte of the arm's */
-        { WORD((int64_t)(whole.size - meshes[1].size) + 1536, 1), DPT_E_CHECKSUM, "vertices",
-          THERE },
+        { WORD((int64_t)(whole.size - meshes[1].size) + 1536, 1), DPT_E_CHECKSUM, "vertices", THERE },
     };
     expect_rows(table, sizeof table / sizeof *table);
 }
@@ -327,8 +322,7 @@ static void names_end(void)
         CHECK(dpt_arm_verify(file.bytes, file.size, &fault) == DPT_OK, "name %zu of 63 bytes", i);
         file.bytes[names[i] + DPT_ARM_NAME - 1] = 'x';
         seal_arm(&file);
-        CHECK(dpt_arm_verify(file.bytes, file.size, &fault) == DPT_E_LAYOUT &&
-                  fault.byte == (uint64_t)names[i],
+        CHECK(dpt_arm_verify(file.bytes, file.size, &fault) == DPT_E_LAYOUT && fault.byte == (uint64_t)names[i],
               "name %zu of 64 bytes", i);
         free(file.bytes);
     }
@@ -356,8 +350,7 @@ static void wrong_bytes_do_no_harm(void)
             double efforts[DPT_JOINTS_MAX];
             dpt_pose tool;
             taken++;
-            CHECK(dpt_arm_forward(arm, q, &tool) == DPT_OK && isfinite(tool.position[0]), "%zu",
-                  at);
+            CHECK(dpt_arm_forward(arm, q, &tool) == DPT_OK && isfinite(tool.position[0]), "%zu", at);
             CHECK(dpt_arm_weight(arm, q, g, efforts) == DPT_OK && isfinite(efforts[1]), "%zu", at);
         } else {
             refused++;
@@ -382,13 +375,12 @@ static void either_byte_order_converts(void)
 {
     struct file other = other_arm(&whole), again = copy_of(&whole);
     dpt_mesh_fault fault = { .size = sizeof fault };
-    CHECK(dpt_arm_verify(other.bytes, other.size, &fault) == DPT_E_BYTE_ORDER && fault.byte == 8,
-          "%s", dpt_result_name(fault.code));
-    CHECK(dpt_arm_convert(other.bytes, other.size, &fault) == DPT_OK, "%s at %llu",
-          dpt_result_name(fault.code), (unsigned long long)fault.byte);
+    CHECK(dpt_arm_verify(other.bytes, other.size, &fault) == DPT_E_BYTE_ORDER && fault.byte == 8, "%s",
+          dpt_result_name(fault.code));
+    CHECK(dpt_arm_convert(other.bytes, other.size, &fault) == DPT_OK, "%s at %llu", dpt_result_name(fault.code),
+          (unsigned long long)fault.byte);
     CHECK(!memcmp(other.bytes, whole.bytes, whole.size), "converted to other bytes");
-    CHECK(dpt_arm_convert(again.bytes, again.size, NULL) == DPT_OK &&
-              !memcmp(again.bytes, whole.bytes, whole.size),
+    CHECK(dpt_arm_convert(again.bytes, again.size, NULL) == DPT_OK && !memcmp(again.bytes, whole.bytes, whole.size),
           "a converted file changes");
     free(other.bytes);
     free(again.bytes);
@@ -425,8 +417,7 @@ static void meshes_are_no_arms(void)
     CHECK(dpt_arm_open(meshes[0].bytes, meshes[0].size, &arm) == DPT_E_MAGIC, "a mesh is an arm");
     CHECK(dpt_mesh_open(whole.bytes, whole.size, &mesh) == DPT_E_MAGIC, "an arm is a mesh");
     CHECK(dpt_arm_open(whole.bytes, whole.size, NULL) == DPT_E_ARGUMENT &&
-              dpt_arm_open(NULL, 8, &arm) == DPT_E_ARGUMENT &&
-              dpt_arm_verify(NULL, 8, NULL) == DPT_E_ARGUMENT &&
+              dpt_arm_open(NULL, 8, &arm) == DPT_E_ARGUMENT && dpt_arm_verify(NULL, 8, NULL) == DPT_E_ARGUMENT &&
               dpt_arm_convert(NULL, 8, NULL) == DPT_E_ARGUMENT,
           "NULL");
     CHECK(dpt_arm_verify(whole.bytes, whole.size, &small) == DPT_E_SIZE &&
@@ -446,8 +437,7 @@ static struct file read_golden(const char *name)
         kept.size = fread(kept.bytes, 1, 1 << 14, stream);
         fclose(stream);
     }
-    CHECK(dpt_arm_verify(kept.bytes, kept.size, NULL) ==
-              (host_is_little() ? DPT_OK : DPT_E_BYTE_ORDER),
+    CHECK(dpt_arm_verify(kept.bytes, kept.size, NULL) == (host_is_little() ? DPT_OK : DPT_E_BYTE_ORDER),
           "%s as it lies", path);
     CHECK(dpt_arm_convert(kept.bytes, kept.size, &fault) == DPT_OK, "%s: %s at %llu (%s)", path,
           dpt_result_name(fault.code), (unsigned long long)fault.byte, fault.section);
@@ -469,8 +459,8 @@ static void expect_golden(const char *name, const struct file *wrote)
     struct file kept = read_golden(name);
     const dpt_arm *arm;
     dpt_arm_body body = { .size = sizeof body };
-    CHECK(kept.size == wrote->size && dpt_arm_open(wrote->bytes, wrote->size, &arm) == DPT_OK,
-          "%s: %zu bytes, not %zu", name, wrote->size, kept.size);
+    CHECK(kept.size == wrote->size && dpt_arm_open(wrote->bytes, wrote->size, &arm) == DPT_OK, "%s: %zu bytes, not %zu",
+          name, wrote->size, kept.size);
     if (kept.size == wrote->size) {
         memcpy(kept.bytes + H(writer_version), wrote->bytes + H(writer_version), 4);
         for (uint32_t i = 0; dpt_arm_get_body(arm, i, &body) == DPT_OK; i++) {

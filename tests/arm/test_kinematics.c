@@ -19,8 +19,8 @@ static uint64_t arms = 3000;
 static void joints_random(uint64_t *random, const dpt_arm_def *def, double *joints)
 {
     for (uint32_t i = 0; i < def->joint_count; i++)
-        joints[i] = def->joints[i].kind == DPT_JOINT_PRISMATIC ? random_in(random, -0.5, 0.5)
-                                                               : random_in(random, -7.0, 7.0);
+        joints[i] =
+            def->joints[i].kind == DPT_JOINT_PRISMATIC ? random_in(random, -0.5, 0.5) : random_in(random, -7.0, 7.0);
 }
 
 /* How far a link's chain reaches at most, and by how many roundings the angles on it may be off. */
@@ -54,11 +54,9 @@ static void expect_forward(const dpt_arm_def *def, const dpt_arm *arm, const dou
     size_of_path(def, joints, &reach, &turns);
     const long double w = tool.orientation[0], x = tool.orientation[1], y = tool.orientation[2],
                       z = tool.orientation[3];
-    const long double m[3][3] = {
-        { w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y) },
-        { 2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x) },
-        { 2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z }
-    };
+    const long double m[3][3] = { { w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y) },
+                                  { 2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x) },
+                                  { 2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z } };
     for (int i = 0; i < 3; i++) {
         const double off = (double)fabsl(tool.position[i] - truth.m[i][3]);
         const double allowed = ROUNDING * turns * reach;
@@ -106,8 +104,7 @@ static void expect_near(const char *what, double is, long double should, double 
     CHECK(off <= ALLOWED, "%s is %.17g, not %.17g", what, is, (double)should);
 }
 
-static void expect_motion(uint64_t *random, const dpt_arm_def *def, const dpt_arm *arm,
-                          const double *joints)
+static void expect_motion(uint64_t *random, const dpt_arm_def *def, const dpt_arm *arm, const double *joints)
 {
     const uint32_t n = def->joint_count;
     double jacobian[6 * DPT_JOINTS_MAX], rates[DPT_JOINTS_MAX], efforts[DPT_JOINTS_MAX];
@@ -145,8 +142,7 @@ static void expect_motion(uint64_t *random, const dpt_arm_def *def, const dpt_ar
     expect_near("power", power, true_power, fabs(power));
 }
 
-static void expect_weight(uint64_t *random, const dpt_arm_def *def, const dpt_arm *arm,
-                          const double *joints)
+static void expect_weight(uint64_t *random, const dpt_arm_def *def, const dpt_arm *arm, const double *joints)
 {
     double efforts[DPT_JOINTS_MAX], gravity[3];
     for (int k = 0; k < 3; k++)
@@ -273,12 +269,12 @@ static void numbers_beyond_are_refused(const dpt_arm *a, uint32_t n)
     for (int i = 0; i < 6 * DPT_JOINTS_MAX; i++)
         out[i] = kept[i] = 1e5 + i;
     const double bad[] = { NAN, INFINITY, -INFINITY, 1.0000001e6, -1e300 };
-#define REFUSED(number, call)                                                                      \
-    do {                                                                                           \
-        const double before = (number);                                                            \
-        (number) = bad[i];                                                                         \
-        CHECK((call) == DPT_E_FINITE, "%g: %s", bad[i], #call);                                    \
-        (number) = before;                                                                         \
+#define REFUSED(number, call)                                                                                          \
+    do {                                                                                                               \
+        const double before = (number);                                                                                \
+        (number) = bad[i];                                                                                             \
+        CHECK((call) == DPT_E_FINITE, "%g: %s", bad[i], #call);                                                        \
+        (number) = before;                                                                                             \
     } while (0)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         for (uint32_t k = 0; k < n; k++) {
@@ -314,8 +310,7 @@ static void huge_numbers_are_taken(const dpt_arm *a, uint32_t n)
     for (int k = 0; k < 4; k++)
         length += tool.orientation[k] * tool.orientation[k];
     CHECK(fabs(length - 1.0) < 1e-13 && isfinite(tool.position[0]), "a quaternion of %g", length);
-    CHECK(dpt_arm_velocity(a, q, r, out, out + 3) == DPT_OK &&
-              dpt_arm_efforts(a, q, &wrench, out + 6) == DPT_OK &&
+    CHECK(dpt_arm_velocity(a, q, r, out, out + 3) == DPT_OK && dpt_arm_efforts(a, q, &wrench, out + 6) == DPT_OK &&
               dpt_arm_weight(a, q, g, out + 6 + n) == DPT_OK,
           "huge joints");
     for (uint32_t i = 0; i < 6 + 2 * n; i++)

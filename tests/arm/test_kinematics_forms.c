@@ -36,11 +36,9 @@ static void planar_arm_has_its_closed_form(void)
                   fabs(tool.orientation[3] - sin(0.5 * (q[0] + q[1]))) < 5e-15,
               "turned to %g, %g", tool.orientation[0], tool.orientation[3]);
         for (int k = 0; k < 12; k++)
-            CHECK(fabs(got[k] - jacobian[k]) < 5e-15, "jacobian %d: %g, not %g", k, got[k],
-                  jacobian[k]);
+            CHECK(fabs(got[k] - jacobian[k]) < 5e-15, "jacobian %d: %g, not %g", k, got[k], jacobian[k]);
         for (int k = 0; k < 2; k++)
-            CHECK(fabs(weight[k] - held[k]) < 2e-14, "weight %d: %g, not %g", k, weight[k],
-                  held[k]);
+            CHECK(fabs(weight[k] - held[k]) < 2e-14, "weight %d: %g, not %g", k, weight[k], held[k]);
     }
     dpt_compiled_free(&arm.file);
 }
@@ -73,15 +71,14 @@ static void gantry_is_exact(void)
         dpt_arm_jacobian(arm.open, q, jacobian);
         dpt_arm_weight(arm.open, q, g, weight);
         for (int k = 0; k < 3; k++) {
-            CHECK(tool.position[k] == q[k] && v[k] == rates[k] && w[k] == 0.0 &&
-                      efforts[k] == wrench.force[k],
+            CHECK(tool.position[k] == q[k] && v[k] == rates[k] && w[k] == 0.0 && efforts[k] == wrench.force[k],
                   "slider %d", k);
             CHECK(weight[k] == -g[k] * (7 - (1 << k) + 1), "weight %d: %g", k, weight[k]);
             for (int row = 0; row < 6; row++)
                 CHECK(jacobian[3 * row + k] == (row == k), "jacobian %d %d", row, k);
         }
-        CHECK(tool.orientation[0] == 1.0 && tool.orientation[1] == 0.0 &&
-                  tool.orientation[2] == 0.0 && tool.orientation[3] == 0.0,
+        CHECK(tool.orientation[0] == 1.0 && tool.orientation[1] == 0.0 && tool.orientation[2] == 0.0 &&
+                  tool.orientation[3] == 0.0,
               "turned");
     }
     dpt_compiled_free(&arm.file);
@@ -117,11 +114,9 @@ static void parallelogram_keeps_its_tool_upright(void)
         dpt_arm_efforts(arm.open, &q, &wrench, &effort);
         dpt_arm_weight(arm.open, &q, down, &weight);
         dpt_arm_jacobian(arm.open, &q, jacobian);
-        CHECK(fabs(tool.position[0] - 0.4 * cos(q)) < 1e-15 &&
-                  fabs(tool.position[1] - 0.4 * sin(q)) < 1e-15,
-              "at %g", q);
-        CHECK(fabs(tool.orientation[0] - 1.0) < 1e-15 && fabs(tool.orientation[3]) < 1e-15 &&
-                  jacobian[5] == 0.0,
+        CHECK(fabs(tool.position[0] - 0.4 * cos(q)) < 1e-15 && fabs(tool.position[1] - 0.4 * sin(q)) < 1e-15, "at %g",
+              q);
+        CHECK(fabs(tool.orientation[0] - 1.0) < 1e-15 && fabs(tool.orientation[3]) < 1e-15 && jacobian[5] == 0.0,
               "turned at %g", q);
         CHECK(fabs(effort - 0.4 * (2.0 * cos(q) - sin(q))) < 1e-14, "effort at %g: %g", q, effort);
         CHECK(fabs(weight - 2.0 * 9.81 * 0.4 * cos(q)) < 1e-13, "weight at %g: %g", q, weight);
@@ -148,11 +143,9 @@ static void orientation_is_continuous(void)
             dpt_arm_forward(arm.open, joints, &now);
             dpt_arm_velocity(arm.open, joints, rates, v, w);
             for (int k = 0; step && k < 4; k++)
-                apart += (now.orientation[k] - last.orientation[k]) *
-                         (now.orientation[k] - last.orientation[k]);
+                apart += (now.orientation[k] - last.orientation[k]) * (now.orientation[k] - last.orientation[k]);
             const double turned = 0.01 * sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
-            CHECK(sqrt(apart) <= 0.5 * turned + 0.005, "a jump of %g where it turns by %g",
-                  sqrt(apart), turned);
+            CHECK(sqrt(apart) <= 0.5 * turned + 0.005, "a jump of %g where it turns by %g", sqrt(apart), turned);
             for (uint32_t k = 0; k < arrays.def.joint_count; k++)
                 joints[k] += 0.01 * rates[k];
         }

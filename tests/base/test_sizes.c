@@ -184,8 +184,7 @@ static dpt_result record(void *out)
 }
 
 static const struct sized outputs[] = {
-    { "dpt_mesh_info", offsetof(dpt_mesh_info, solid_components), sizeof(dpt_mesh_info),
-      mesh_info },
+    { "dpt_mesh_info", offsetof(dpt_mesh_info, solid_components), sizeof(dpt_mesh_info), mesh_info },
     { "dpt_mesh_springs", sizeof(dpt_mesh_springs), sizeof(dpt_mesh_springs), mesh_springs },
     { "dpt_mesh_section", sizeof(dpt_mesh_section), sizeof(dpt_mesh_section), mesh_section },
     { "dpt_mesh_fault", sizeof(dpt_mesh_fault), sizeof(dpt_mesh_fault), mesh_fault },
@@ -205,8 +204,7 @@ static const struct sized outputs[] = {
     { "dpt_guard_info", sizeof(dpt_guard_info), sizeof(dpt_guard_info), guard_info },
     { "dpt_coupling", sizeof(dpt_coupling), sizeof(dpt_coupling), coupling },
     { "dpt_passivity", sizeof(dpt_passivity), sizeof(dpt_passivity), passivity },
-    { "dpt_passivity_info", sizeof(dpt_passivity_info), sizeof(dpt_passivity_info),
-      passivity_info },
+    { "dpt_passivity_info", sizeof(dpt_passivity_info), sizeof(dpt_passivity_info), passivity_info },
     { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), body_settings },
     { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), tool_settings },
     { "dpt_force_report", sizeof(dpt_force_report), sizeof(dpt_force_report), tool_force },
@@ -229,8 +227,7 @@ static dpt_result world_def(void *given)
     dpt_world *made;
     const size_t bytes = dpt_world_bytes(given);
     dpt_result result = dpt_world_create(block, sizeof block, given, &made);
-    CHECK((result == DPT_OK) == (bytes > 0 && bytes <= sizeof block), "%zu bytes, %s", bytes,
-          dpt_result_name(result));
+    CHECK((result == DPT_OK) == (bytes > 0 && bytes <= sizeof block), "%zu bytes, %s", bytes, dpt_result_name(result));
     return result;
 }
 
@@ -259,8 +256,7 @@ static dpt_result deform_def(void *given)
     dpt_body made;
     const size_t bytes = dpt_deform_bytes(given);
     dpt_result result = dpt_deform_add(world, block, sizeof block, given, &made);
-    CHECK((result == DPT_OK) == (bytes > 0 && bytes <= sizeof block), "%zu bytes, %s", bytes,
-          dpt_result_name(result));
+    CHECK((result == DPT_OK) == (bytes > 0 && bytes <= sizeof block), "%zu bytes, %s", bytes, dpt_result_name(result));
     return result == DPT_OK ? dpt_body_remove(world, made) : result;
 }
 
@@ -316,8 +312,7 @@ static dpt_result query_def(void *given)
     return dpt_query_segments(fixture.mesh, NULL, ends, NULL, 1, &answer, given);
 }
 
-static dpt_arm_def arm_of(const dpt_arm_joint *joint, const dpt_arm_link *link,
-                          const dpt_arm_body *scene)
+static dpt_arm_def arm_of(const dpt_arm_joint *joint, const dpt_arm_link *link, const dpt_arm_body *scene)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     return (dpt_arm_def){ .size = sizeof(dpt_arm_def),
@@ -375,8 +370,7 @@ static dpt_result write_header(void *given)
     unsigned char bytes[128];
     size_t written;
     const dpt_result result = dpt_record_header_write(given, bytes, sizeof bytes, &written);
-    CHECK((result == DPT_OK) == (dpt_record_header_bytes(given) > 0), "%s",
-          dpt_result_name(result));
+    CHECK((result == DPT_OK) == (dpt_record_header_bytes(given) > 0), "%s", dpt_result_name(result));
     return result;
 }
 
@@ -391,12 +385,8 @@ static dpt_world_def a_world_def, defaults;
 static dpt_deform_def a_deform_def;
 static const dpt_strip_def a_strip_def = { sizeof a_strip_def, 64, 0, 0 };
 static const dpt_baseline_def a_baseline_def = { sizeof a_baseline_def, 1, 0, 0 };
-static const dpt_body_settings a_body_settings = {
-    sizeof a_body_settings, 0, 0.01, 0.5, 0.4, 700.0
-};
-static const dpt_tool_settings a_tool_settings = {
-    sizeof a_tool_settings, DPT_LAW_POINT, 300.0, 0.0, 0.5, 1, 0
-};
+static const dpt_body_settings a_body_settings = { sizeof a_body_settings, 0, 0.01, 0.5, 0.4, 700.0 };
+static const dpt_tool_settings a_tool_settings = { sizeof a_tool_settings, DPT_LAW_POINT, 300.0, 0.0, 0.5, 1, 0 };
 static dpt_guard_def a_guard_def;
 static const dpt_query_def a_query_def = { .size = sizeof a_query_def };
 static dpt_shadow a_shadow;
@@ -407,30 +397,21 @@ static const struct {
     const void *good;
 } inputs[] = {
     { { "dpt_world_def", sizeof(dpt_world_def), sizeof(dpt_world_def), world_def }, &a_world_def },
-    { { "dpt_baseline_def", sizeof(dpt_baseline_def), sizeof(dpt_baseline_def), baseline_def },
-      &a_baseline_def },
-    { { "dpt_deform_def", sizeof(dpt_deform_def), sizeof(dpt_deform_def), deform_def },
-      &a_deform_def },
-    { { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), set_body },
-      &a_body_settings },
-    { { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), set_tool },
-      &a_tool_settings },
+    { { "dpt_baseline_def", sizeof(dpt_baseline_def), sizeof(dpt_baseline_def), baseline_def }, &a_baseline_def },
+    { { "dpt_deform_def", sizeof(dpt_deform_def), sizeof(dpt_deform_def), deform_def }, &a_deform_def },
+    { { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), set_body }, &a_body_settings },
+    { { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), set_tool }, &a_tool_settings },
     { { "dpt_strip_def", sizeof(dpt_strip_def), sizeof(dpt_strip_def), strip_def }, &a_strip_def },
     { { "dpt_guard_def", sizeof(dpt_guard_def), sizeof(dpt_guard_def), guard_def }, &a_guard_def },
-    { { "dpt_coupling_def", sizeof(dpt_coupling_def), sizeof(dpt_coupling_def), coupling_def },
-      &a_coupling_def },
-    { { "dpt_passivity_def", sizeof(dpt_passivity_def), sizeof(dpt_passivity_def), passivity_def },
-      &a_passivity_def },
-    { { "dpt_passivity_sample", sizeof(dpt_passivity_sample), sizeof(dpt_passivity_sample),
-        passivity_sample },
+    { { "dpt_coupling_def", sizeof(dpt_coupling_def), sizeof(dpt_coupling_def), coupling_def }, &a_coupling_def },
+    { { "dpt_passivity_def", sizeof(dpt_passivity_def), sizeof(dpt_passivity_def), passivity_def }, &a_passivity_def },
+    { { "dpt_passivity_sample", sizeof(dpt_passivity_sample), sizeof(dpt_passivity_sample), passivity_sample },
       &a_passivity_sample },
-    { { "dpt_record_header", sizeof(dpt_record_header), sizeof(dpt_record_header), write_header },
-      &a_record_header },
+    { { "dpt_record_header", sizeof(dpt_record_header), sizeof(dpt_record_header), write_header }, &a_record_header },
     { { "dpt_record", sizeof(dpt_record), sizeof(dpt_record), write_record }, &a_record },
     { { "dpt_shadow", sizeof(dpt_shadow), sizeof(dpt_shadow), shadow }, &a_shadow },
     { { "dpt_query_def", sizeof(dpt_query_def), sizeof(dpt_query_def), query_def }, &a_query_def },
-    { { "dpt_arm_def", offsetof(dpt_arm_def, jaw_count), sizeof(dpt_arm_def), arm_def },
-      &an_arm_def },
+    { { "dpt_arm_def", offsetof(dpt_arm_def, jaw_count), sizeof(dpt_arm_def), arm_def }, &an_arm_def },
     { { "dpt_arm_joint", sizeof(dpt_arm_joint), sizeof(dpt_arm_joint), given_joint }, &a_joint },
     { { "dpt_arm_link", sizeof(dpt_arm_link), sizeof(dpt_arm_link), given_link }, &a_link },
     { { "dpt_arm_body", sizeof(dpt_arm_body), sizeof(dpt_arm_body), given_body }, &a_body },
@@ -499,12 +480,10 @@ static void guard_defaults(void *def, size_t size)
 static void defaults_fill_what_fits(void)
 {
     const struct sized of_world = { "dpt_world_def", 0, sizeof defaults, world_def };
-    const struct sized of_deform = { "dpt_deform_def", 0, sizeof a_deform_def,
-                                     deform_def_with_mesh };
+    const struct sized of_deform = { "dpt_deform_def", 0, sizeof a_deform_def, deform_def_with_mesh };
     const struct sized of_guard = { "dpt_guard_def", 0, sizeof a_guard_def, guard_def };
     const struct sized of_coupling = { "dpt_coupling_def", 0, sizeof a_coupling_def, coupling_def };
-    const struct sized of_passivity = { "dpt_passivity_def", 0, sizeof a_passivity_def,
-                                        passivity_def };
+    const struct sized of_passivity = { "dpt_passivity_def", 0, sizeof a_passivity_def, passivity_def };
     check_defaults(&of_world, world_defaults, &defaults);
     dpt_deform_def whole;
     dpt_deform_def_init(&whole);
@@ -528,8 +507,7 @@ static int open_all(void)
     static uint64_t block[1 << 18], strip_block[1 << 13];
     const dpt_pose identity = DPT_POSE_IDENTITY;
     dpt_mesh_info info = { .size = sizeof info };
-    if (!fixture_from_shape(&fixture, "box", 12) ||
-        dpt_mesh_get_info(fixture.mesh, &info) != DPT_OK)
+    if (!fixture_from_shape(&fixture, "box", 12) || dpt_mesh_get_info(fixture.mesh, &info) != DPT_OK)
         return 0;
     for (int k = 0; k < 3; k++) {
         segment.a[k] = 0.5 * (info.box_min[k] + info.box_max[k]);
@@ -549,21 +527,16 @@ static int open_all(void)
     a_world_def.max_segments = 1;
     a_world_def.max_bodies = 2;
     a_world_def.certificate_bytes = 4096;
-    a_shadow = (dpt_shadow){
-        .size = sizeof a_shadow, .segment = segment, .direction = { 0, 0, 1 }, .depth = 1.0
-    };
+    a_shadow = (dpt_shadow){ .size = sizeof a_shadow, .segment = segment, .direction = { 0, 0, 1 }, .depth = 1.0 };
     a_joint = (dpt_arm_joint){ .size = sizeof a_joint, .kind = DPT_JOINT_CONTINUOUS };
-    a_link = (dpt_arm_link){ .size = sizeof a_link,
-                             .parent = DPT_NONE,
-                             .pose = identity,
-                             .axis = { 0, 0, 1 },
-                             .factor = 1.0 };
+    a_link = (dpt_arm_link){
+        .size = sizeof a_link, .parent = DPT_NONE, .pose = identity, .axis = { 0, 0, 1 }, .factor = 1.0
+    };
     a_body = (dpt_arm_body){ .size = sizeof a_body, .pose = identity, .mesh = fixture.mesh };
     an_arm_def = arm_of(&a_joint, &a_link, &a_body);
     return dpt_guard_init(&a_guard, &a_guard_def) == DPT_OK &&
            dpt_passivity_init(&a_passivity, &a_passivity_def) == DPT_OK &&
-           dpt_record_header_write(&a_record_header, recording, sizeof recording, &first_record) ==
-               DPT_OK &&
+           dpt_record_header_write(&a_record_header, recording, sizeof recording, &first_record) == DPT_OK &&
            dpt_record_write(&a_record, 1, recording + first_record, sizeof recording - first_record,
                             &recording_bytes) == DPT_OK &&
            dpt_compile_arm(&an_arm_def, &arm_bytes, NULL) == DPT_OK &&
@@ -571,9 +544,8 @@ static int open_all(void)
            dpt_world_bytes(&a_world_def) <= sizeof block &&
            dpt_world_create(block, sizeof block, &a_world_def, &world) == DPT_OK &&
            dpt_body_add(world, fixture.mesh, NULL, &body) == DPT_OK &&
-           dpt_tool_add(world, &segment, 1, &tool) == DPT_OK &&
-           dpt_world_step(world, 0.001, NULL) == DPT_OK && find_triangle() &&
-           dpt_strip_create(strip_block, sizeof strip_block, &a_strip_def, &strip) == DPT_OK &&
+           dpt_tool_add(world, &segment, 1, &tool) == DPT_OK && dpt_world_step(world, 0.001, NULL) == DPT_OK &&
+           find_triangle() && dpt_strip_create(strip_block, sizeof strip_block, &a_strip_def, &strip) == DPT_OK &&
            dpt_strip_shadow(strip, fixture.mesh, NULL, &a_shadow) == DPT_OK;
 }
 

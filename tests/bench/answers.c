@@ -52,11 +52,10 @@ int main(int argc, char **argv)
         world_run(i, 150);
     out_flush();
     fprintf(stderr,
-            "%" PRIu64 " worlds, %" PRIu64 " ticks, %" PRIu64
-            " with an axis through a surface; %" PRIu64 " regions, %" PRIu64
-            " sweeps that met, %" PRIu64 " strips, %" PRIu64 " stale, %" PRIu64
+            "%" PRIu64 " worlds, %" PRIu64 " ticks, %" PRIu64 " with an axis through a surface; %" PRIu64
+            " regions, %" PRIu64 " sweeps that met, %" PRIu64 " strips, %" PRIu64 " stale, %" PRIu64
             " ended by a budget; %" PRIu64 " lines, %" PRIu64 " values\n",
-            met.worlds, met.ticks, met.crossing, met.contacts, met.swept, met.strips, met.stale,
-            met.bounded, out_lines, out_values);
+            met.worlds, met.ticks, met.crossing, met.contacts, met.swept, met.strips, met.stale, met.bounded, out_lines,
+            out_values);
     return 0;
 }

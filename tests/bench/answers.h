@@ -21,8 +21,7 @@
 #if __has_include("dynpoint/baseline.h")
 #include "dynpoint/baseline.h"
 
-static inline void set_baseline(dpt_world_def *def, dpt_baseline_def *baseline, uint32_t parts,
-                                uint32_t one_step)
+static inline void set_baseline(dpt_world_def *def, dpt_baseline_def *baseline, uint32_t parts, uint32_t one_step)
 {
     dpt_baseline_def_init(baseline);
     baseline->parts = parts;
@@ -32,8 +31,7 @@ static inline void set_baseline(dpt_world_def *def, dpt_baseline_def *baseline, 
 #else
 typedef int dpt_baseline_def;
 
-static inline void set_baseline(dpt_world_def *def, dpt_baseline_def *baseline, uint32_t parts,
-                                uint32_t one_step)
+static inline void set_baseline(dpt_world_def *def, dpt_baseline_def *baseline, uint32_t parts, uint32_t one_step)
 {
     (void)baseline;
     def->parts = parts;
@@ -256,8 +254,8 @@ static inline void put_overlap(const dpt_overlap *overlap)
 /* A strip's pairs: the first ones in full, of all of them a hash. */
 enum { OVERLAPS_IN_FULL = 16 };
 
-static inline void put_overlaps(const char *what, dpt_result result, const dpt_overlap *overlaps,
-                                uint32_t held, uint32_t count, uint32_t flags)
+static inline void put_overlaps(const char *what, dpt_result result, const dpt_overlap *overlaps, uint32_t held,
+                                uint32_t count, uint32_t flags)
 {
     uint64_t hash = 0xcbf29ce484222325u;
     for (uint32_t i = 0; i < held; i++) {

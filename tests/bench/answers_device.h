@@ -44,13 +44,12 @@ static void draw_arm(struct arm_arrays *arm)
         if (def->joint_count == 0 || (def->joint_count < most && !once_in(4))) {
             dpt_arm_joint *joint = &arm->joints[def->joint_count];
             link->joint = def->joint_count++;
-            *joint =
-                (dpt_arm_joint){ .size = sizeof *joint,
-                                 .kind = link->slides ? DPT_JOINT_PRISMATIC : DPT_JOINT_REVOLUTE,
-                                 .lower = in(-2.0, 0.0),
-                                 .upper = in(0.0, 2.0),
-                                 .velocity = in(0.0, 5.0),
-                                 .effort = in(0.0, 5.0) };
+            *joint = (dpt_arm_joint){ .size = sizeof *joint,
+                                      .kind = link->slides ? DPT_JOINT_PRISMATIC : DPT_JOINT_REVOLUTE,
+                                      .lower = in(-2.0, 0.0),
+                                      .upper = in(0.0, 2.0),
+                                      .velocity = in(0.0, 5.0),
+                                      .effort = in(0.0, 5.0) };
             snprintf(joint->name, sizeof joint->name, "joint_%u", link->joint);
         } else {
             link->joint = below(def->joint_count);
@@ -62,9 +61,7 @@ static void draw_arm(struct arm_arrays *arm)
     def->tool = draw_pose(0.2);
     for (int i = 0; i < 2; i++)
         arm->segments[i] = (dpt_segment){ { 0, 0, 0.1 * i }, { 0.01, 0, 0.2 }, in(0.0, 0.01) };
-    arm->body = (dpt_arm_body){ .size = sizeof arm->body,
-                                .pose = draw_pose(0.5),
-                                .mesh = subjects[below(3)].mesh };
+    arm->body = (dpt_arm_body){ .size = sizeof arm->body, .pose = draw_pose(0.5), .mesh = subjects[below(3)].mesh };
 }
 
 static void arm_kinematics(const dpt_arm *arm, uint32_t joint_count)
@@ -181,8 +178,7 @@ struct feeling {
     double scale, offset[3];
 };
 
-static dpt_result feel_at(struct feeling *feeling, const dpt_device_state *state, double dt,
-                          dpt_wrench *wrench)
+static dpt_result feel_at(struct feeling *feeling, const dpt_device_state *state, double dt, dpt_wrench *wrench)
 {
     dpt_pose pose = state->pose;
     for (int i = 0; i < 3; i++)
@@ -242,8 +238,7 @@ static void loop_run(uint32_t number, const char *name, const struct subject *su
     dpt_body_add(feeling.world, subject->mesh, NULL, &body);
     dpt_tool_add(feeling.world, &stylus, 1, &feeling.tool);
     dpt_device_get_info(device, &info);
-    result = dpt_device_map(&info, subject->info.box_min, subject->info.box_max, &feeling.scale,
-                            feeling.offset);
+    result = dpt_device_map(&info, subject->info.box_min, subject->info.box_max, &feeling.scale, feeling.offset);
     begin("map");
     put_code("result", (int32_t)result);
     put_number("scale", feeling.scale);

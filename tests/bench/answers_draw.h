@@ -90,8 +90,7 @@ static dpt_pose between(const dpt_pose *from, const dpt_pose *to, double share)
     for (int i = 0; i < 3; i++)
         pose.position[i] = from->position[i] + share * (to->position[i] - from->position[i]);
     for (int i = 0; i < 4; i++)
-        pose.orientation[i] = (1.0 - share) * from->orientation[i] +
-                              (dot < 0.0 ? -share : share) * to->orientation[i];
+        pose.orientation[i] = (1.0 - share) * from->orientation[i] + (dot < 0.0 ? -share : share) * to->orientation[i];
     make_unit(pose.orientation);
     return pose;
 }

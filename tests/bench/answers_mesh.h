@@ -128,9 +128,7 @@ static void mesh_queries(const struct subject *subject, int rounds)
         dpt_hit hits[BATCH];
         static const uint32_t methods[] = { DPT_METHOD_EXACT, DPT_METHOD_EXACT, DPT_METHOD_EXACT,
                                             DPT_METHOD_TREE,  DPT_METHOD_BRUTE, DPT_METHOD_PAPER };
-        dpt_query_def def = { .size = sizeof def,
-                              .method = ONE_OF(methods),
-                              .kernel = kernels[below(kernel_count)] };
+        dpt_query_def def = { .size = sizeof def, .method = ONE_OF(methods), .kernel = kernels[below(kernel_count)] };
         if (def.method == DPT_METHOD_BRUTE && subject->info.triangles > 4000)
             def.method = DPT_METHOD_TREE;
         dpt_pose pose = draw_pose(subject->diagonal);
@@ -148,9 +146,8 @@ static void mesh_queries(const struct subject *subject, int rounds)
         }
         if (once_in(12))
             pose.orientation[2] += 0.1;
-        dpt_result result =
-            dpt_query_segments(subject->mesh, posed ? &pose : NULL, ends, rounded ? radii : NULL,
-                               BATCH, hits, once_in(6) ? NULL : &def);
+        dpt_result result = dpt_query_segments(subject->mesh, posed ? &pose : NULL, ends, rounded ? radii : NULL, BATCH,
+                                               hits, once_in(6) ? NULL : &def);
         for (int i = 0; i < BATCH; i++)
             put_hit("query", result, &hits[i]);
     }
@@ -173,16 +170,16 @@ static void put_triangles(const char *what, dpt_result result, const dpt_strip *
 enum { STRIP_MAX = 2048 };
 static dpt_overlap overlaps[STRIP_MAX];
 
-static void strip_stands(const struct subject *subject, const dpt_strip *strip,
-                         const dpt_pose *pose, const dpt_segment *segment)
+static void strip_stands(const struct subject *subject, const dpt_strip *strip, const dpt_pose *pose,
+                         const dpt_segment *segment)
 {
     uint32_t count = 0, flags = 0;
     dpt_strip_get_triangles(strip, &count, &flags);
     memset(overlaps, 0, sizeof overlaps);
     overlaps[0].size = sizeof overlaps[0];
     count = 0;
-    dpt_result result = dpt_strip_overlaps(strip, subject->mesh, pose, segment, once_in(3) ? -1 : 1,
-                                           overlaps, STRIP_MAX, &count);
+    dpt_result result =
+        dpt_strip_overlaps(strip, subject->mesh, pose, segment, once_in(3) ? -1 : 1, overlaps, STRIP_MAX, &count);
     put_overlaps("overlaps", result, overlaps, count < STRIP_MAX ? count : STRIP_MAX, count, flags);
 }
 
@@ -221,16 +218,14 @@ static void mesh_strips(const struct subject *subject, int rounds)
                                    { sizeof(dpt_strip_def), 7, 4096, 0 } };
     const dpt_strip_def def = ONE_OF(defs);
     const size_t bytes = dpt_strip_bytes(&def);
-    const size_t table_bytes =
-        subject->info.triangles <= 1000 ? dpt_route_table_bytes(subject->mesh) : 0;
+    const size_t table_bytes = subject->info.triangles <= 1000 ? dpt_route_table_bytes(subject->mesh) : 0;
     const dpt_route_table *table = NULL;
     void *table_block = malloc(table_bytes + 1), *block = malloc(bytes);
     dpt_strip *strip;
     memset(block, 0xa5, bytes);
     put_result("strip_create", dpt_strip_create(block, bytes, &def, &strip));
     if (table_bytes)
-        put_result("route_table",
-                   dpt_route_table_create(table_block, table_bytes, subject->mesh, &table));
+        put_result("route_table", dpt_route_table_create(table_block, table_bytes, subject->mesh, &table));
     for (int round = 0; round < rounds; round++) {
         const uint32_t all = subject->info.source_triangles + (once_in(20) ? 1 : 0);
         const uint32_t a = below(all), b = below(all), p = below(all);
@@ -259,8 +254,7 @@ static void mesh_damage(const struct subject *subject, int rounds)
         const size_t most = once_in(2) ? 1024 : subject->size;
         dpt_mesh_fault fault = { .size = sizeof fault };
         memcpy(copy, subject->bytes, subject->size);
-        copy[bits() % (most < subject->size ? most : subject->size)] ^=
-            (unsigned char)(1 << below(8));
+        copy[bits() % (most < subject->size ? most : subject->size)] ^= (unsigned char)(1 << below(8));
         const size_t size = once_in(6) ? bits() % subject->size : subject->size;
         put_fault("verify", dpt_mesh_verify(copy, size, &fault), &fault);
         put_result("open_damaged", dpt_mesh_open(copy, size, &mesh));

@@ -77,8 +77,8 @@ static void surface(enum form form, double u, double v, double rough, double out
 }
 
 /* Adds a surface of columns * rows * 2 triangles, one of `holes` left out (0: none). */
-static void grid_add(struct grid *grid, enum form form, uint32_t columns, uint32_t rows,
-                     double rough, double scale, uint32_t holes)
+static void grid_add(struct grid *grid, enum form form, uint32_t columns, uint32_t rows, double rough, double scale,
+                     uint32_t holes)
 {
     const int wraps = form == SPHERE || form == TORUS, closes = form == TORUS;
     const uint32_t first = (uint32_t)grid->vertex_count;
@@ -100,8 +100,7 @@ static void grid_add(struct grid *grid, enum form form, uint32_t columns, uint32
             const uint32_t two[6] = { a, c, b, b, c, d };
             for (int t = 0; t < 2; t++)
                 if (!holes || !once_in(holes))
-                    memcpy(grid->corners + 3 * grid->triangle_count++, two + 3 * t,
-                           3 * sizeof *two);
+                    memcpy(grid->corners + 3 * grid->triangle_count++, two + 3 * t, 3 * sizeof *two);
         }
 }
 
@@ -113,8 +112,8 @@ static void subject_compile(const char *name, struct grid *grid, double crease)
         dpt_compiled compiled;
         dpt_diag diag = { .size = sizeof diag };
         dpt_compile_def def = { .size = sizeof def, .crease = crease, .threads = pass ? 1 : 3 };
-        dpt_result result = dpt_compile_arrays(grid->vertices, grid->vertex_count, grid->corners,
-                                               grid->triangle_count, &def, &compiled, &diag);
+        dpt_result result = dpt_compile_arrays(grid->vertices, grid->vertex_count, grid->corners, grid->triangle_count,
+                                               &def, &compiled, &diag);
         snprintf(place, sizeof place, "mesh %.40s", name);
         begin("compile");
         put_code("result", (int32_t)result);
@@ -136,8 +135,7 @@ static void subject_compile(const char *name, struct grid *grid, double crease)
 static void subjects_make(void)
 {
     const size_t room = 3 * 2 * GRID_MAX * GRID_MAX;
-    struct grid grid = { malloc(3 * room * sizeof(double)), malloc(3 * room * sizeof(uint32_t)), 0,
-                         0 };
+    struct grid grid = { malloc(3 * room * sizeof(double)), malloc(3 * room * sizeof(uint32_t)), 0, 0 };
     random_state = 1;
     grid_add(&grid, SHEET, 20, 20, 0.3, 1.0, 0);
     subject_compile("sheet", &grid, 0.0);

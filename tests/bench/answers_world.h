@@ -39,18 +39,15 @@ static struct {
 
 static dpt_world_def draw_def(double scale, int small)
 {
-    static const uint32_t methods[] = { DPT_METHOD_EXACT, DPT_METHOD_EXACT, DPT_METHOD_EXACT,
-                                        DPT_METHOD_EXACT, DPT_METHOD_EXACT, DPT_METHOD_EXACT,
-                                        DPT_METHOD_EXACT, DPT_METHOD_TREE,  DPT_METHOD_TREE,
-                                        DPT_METHOD_PAPER, DPT_METHOD_BRUTE };
+    static const uint32_t methods[] = { DPT_METHOD_EXACT, DPT_METHOD_EXACT, DPT_METHOD_EXACT, DPT_METHOD_EXACT,
+                                        DPT_METHOD_EXACT, DPT_METHOD_EXACT, DPT_METHOD_EXACT, DPT_METHOD_TREE,
+                                        DPT_METHOD_TREE,  DPT_METHOD_PAPER, DPT_METHOD_BRUTE };
     static const uint32_t budgets[] = { 0, 0, 0, 20, 100, 500, 500 };
     static const uint32_t contacts[] = { 0, 1, 4, 32, 32, 32 };
-    static const uint32_t untils[] = { DPT_UNTIL_RESPOND, DPT_UNTIL_RESPOND, DPT_UNTIL_RESPOND,
-                                       DPT_UNTIL_RESPOND, DPT_UNTIL_RESPOND, DPT_UNTIL_CONTACT,
-                                       DPT_UNTIL_TRACK };
-    static const uint32_t strips[] = { DPT_STRIP_KIND_NONE, DPT_STRIP_KIND_NONE,
-                                       DPT_STRIP_KIND_SHADOW, DPT_STRIP_KIND_SHADOW,
-                                       DPT_STRIP_KIND_ROUTES };
+    static const uint32_t untils[] = { DPT_UNTIL_RESPOND, DPT_UNTIL_RESPOND, DPT_UNTIL_RESPOND, DPT_UNTIL_RESPOND,
+                                       DPT_UNTIL_RESPOND, DPT_UNTIL_CONTACT, DPT_UNTIL_TRACK };
+    static const uint32_t strips[] = { DPT_STRIP_KIND_NONE, DPT_STRIP_KIND_NONE, DPT_STRIP_KIND_SHADOW,
+                                       DPT_STRIP_KIND_SHADOW, DPT_STRIP_KIND_ROUTES };
     static const uint32_t capacities[] = { 5, 64, 1024, 1024 };
     static const uint64_t memories[] = { 0, 2720, 272 * 64, 1 << 20, 1 << 20, 1 << 20 };
     static const double margins[] = { 0.0, 0.003, 0.01, 0.03 };
@@ -101,8 +98,7 @@ static void body_add(struct scene *scene, struct moving_body *body, int first, i
         body->velocity[i] = speed * in(-1.0, 1.0);
         body->spin[i] = once_in(2) ? speed / scene->scale * in(-2.0, 2.0) : 0.0;
     }
-    dpt_result result =
-        dpt_body_add(scene->world, body->subject->mesh, once_in(4) ? NULL : &body->pose, &body->id);
+    dpt_result result = dpt_body_add(scene->world, body->subject->mesh, once_in(4) ? NULL : &body->pose, &body->id);
     put_result("body_add", result);
     body->there = result == DPT_OK;
     if (body->there) /* also where it was added at the identity */
@@ -113,10 +109,8 @@ static void body_move(struct scene *scene, struct moving_body *body, uint32_t ti
 {
     const double *w = body->spin;
     double *q = body->pose.orientation;
-    const double rate[4] = { -w[0] * q[1] - w[1] * q[2] - w[2] * q[3],
-                             w[0] * q[0] + w[1] * q[3] - w[2] * q[2],
-                             w[1] * q[0] + w[2] * q[1] - w[0] * q[3],
-                             w[2] * q[0] + w[0] * q[2] - w[1] * q[1] };
+    const double rate[4] = { -w[0] * q[1] - w[1] * q[2] - w[2] * q[3], w[0] * q[0] + w[1] * q[3] - w[2] * q[2],
+                             w[1] * q[0] + w[2] * q[1] - w[0] * q[3], w[2] * q[0] + w[0] * q[2] - w[1] * q[1] };
     const double sense = tick / 40 % 2 ? -1.0 : 1.0; /* there and back */
     for (int i = 0; i < 4; i++)
         q[i] += 0.5 * sense * rate[i];
@@ -134,8 +128,7 @@ static void body_move(struct scene *scene, struct moving_body *body, uint32_t ti
 }
 
 /* How far a tool of an orientation reaches along a direction. */
-static double reach(const struct moving_tool *tool, const double orientation[4],
-                    const double along[3])
+static double reach(const struct moving_tool *tool, const double orientation[4], const double along[3])
 {
     double tip[3], least = 0.0;
     for (uint32_t i = 0; i < tool->count; i++) {
@@ -162,8 +155,7 @@ static void tool_aim(struct scene *scene, struct moving_tool *tool)
     if (!body->there || !draw_triangle(body->subject, &number, corners))
         return;
     const int dips = once_in(6);
-    over_triangle(corners, scene->scale * (dips ? in(-0.08, 0.0) : in(-0.004, 0.06)), point,
-                  normal);
+    over_triangle(corners, scene->scale * (dips ? in(-0.08, 0.0) : in(-0.004, 0.06)), point, normal);
     apply(&body->pose, point, to);
     turn(body->pose.orientation, normal, up);
     for (int i = 0; i < 8 && !dips; i++) {
@@ -174,8 +166,7 @@ static void tool_aim(struct scene *scene, struct moving_tool *tool)
     }
     const double share = once_in(6) ? in(0.0, 1.0) : 0.0;
     for (int i = 0; i < 3; i++)
-        anchor[i] =
-            tool->segments[0].a[i] + share * (tool->segments[0].b[i] - tool->segments[0].a[i]);
+        anchor[i] = tool->segments[0].a[i] + share * (tool->segments[0].b[i] - tool->segments[0].a[i]);
     turn(tool->to.orientation, anchor, turned);
     for (int i = 0; i < 3; i++)
         tool->to.position[i] = to[i] - turned[i];
@@ -217,9 +208,8 @@ static void tool_move(struct scene *scene, struct moving_tool *tool)
         given.position[below(3)] = once_in(2) ? NAN : 1e7;
     if (tool->rigid) {
         const int jumps = once_in(80);
-        put_result(jumps ? "teleport" : "set_pose",
-                   jumps ? dpt_tool_teleport(scene->world, tool->id, &given)
-                         : dpt_tool_set_pose(scene->world, tool->id, &given));
+        put_result(jumps ? "teleport" : "set_pose", jumps ? dpt_tool_teleport(scene->world, tool->id, &given)
+                                                          : dpt_tool_set_pose(scene->world, tool->id, &given));
         return;
     }
     dpt_segment segments[SEGMENTS_MAX];

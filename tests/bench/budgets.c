@@ -27,8 +27,8 @@ static void *read_file(const char *path, size_t *bytes_read)
     FILE *file = fopen(path, "rb");
     void *bytes = NULL;
     long size = -1;
-    int here = file && fseek(file, 0, SEEK_END) == 0 && (size = ftell(file)) > 0 &&
-               fseek(file, 0, SEEK_SET) == 0 && !posix_memalign(&bytes, 64, (size_t)size);
+    int here = file && fseek(file, 0, SEEK_END) == 0 && (size = ftell(file)) > 0 && fseek(file, 0, SEEK_SET) == 0 &&
+               !posix_memalign(&bytes, 64, (size_t)size);
     if (!here || fread(bytes, (size_t)size, 1, file) != 1) {
         fprintf(stderr, "budgets: %s cannot be read\n", path);
         exit(2);
@@ -46,8 +46,7 @@ static size_t read_trace(const char *path, dpt_segment *segments)
     while (file && ticks < TICKS_MAX && fgets(line, sizeof line, file)) {
         double *a = segments[ticks].a, *b = segments[ticks].b;
         segments[ticks].radius = 0.0;
-        ticks +=
-            sscanf(line, "%*[^,],%lf,%lf,%lf,%lf,%lf,%lf", a, a + 1, a + 2, b, b + 1, b + 2) == 6;
+        ticks += sscanf(line, "%*[^,],%lf,%lf,%lf,%lf,%lf,%lf", a, a + 1, a + 2, b, b + 1, b + 2) == 6;
     }
     if (file)
         fclose(file);
@@ -76,8 +75,8 @@ static void ask(const dpt_world *world, dpt_tool tool, struct felt *felt)
 }
 
 /* All passes of one budget. */
-static void run(const dpt_mesh *mesh, const dpt_segment *segments, size_t ticks, uint32_t budget,
-                struct felt *felt, double *ns)
+static void run(const dpt_mesh *mesh, const dpt_segment *segments, size_t ticks, uint32_t budget, struct felt *felt,
+                double *ns)
 {
     dpt_world_def def;
     dpt_world *world;
@@ -89,8 +88,7 @@ static void run(const dpt_mesh *mesh, const dpt_segment *segments, size_t ticks,
     def.until = DPT_UNTIL_CONTACT;
     void *block = malloc(dpt_world_bytes(&def));
     if (!block || dpt_world_create(block, dpt_world_bytes(&def), &def, &world) != DPT_OK ||
-        dpt_body_add(world, mesh, NULL, &body) != DPT_OK ||
-        dpt_tool_add(world, segments, 1, &tool) != DPT_OK) {
+        dpt_body_add(world, mesh, NULL, &body) != DPT_OK || dpt_tool_add(world, segments, 1, &tool) != DPT_OK) {
         fprintf(stderr, "budgets: no world\n");
         exit(2);
     }
@@ -158,9 +156,9 @@ int main(int argc, char **argv)
             off += differs(&felt[i], &truth[i], 0.02 * peak) != 0;
         }
         qsort(ns + 1, ticks - 1, sizeof *ns, by_size);
-        printf("%s,%u,%u,%zu,%zu,%.0f,%.0f,%.0f,%zu,%zu,%zu,%.2g\n", argv[1], info.triangles,
-               budgets[b], ticks, felt_ticks, ns[ticks / 2], ns[ticks - ticks / 100], ns[ticks - 1],
-               unknown, coarse, off, gap_off / sqrt(diagonal));
+        printf("%s,%u,%u,%zu,%zu,%.0f,%.0f,%.0f,%zu,%zu,%zu,%.2g\n", argv[1], info.triangles, budgets[b], ticks,
+               felt_ticks, ns[ticks / 2], ns[ticks - ticks / 100], ns[ticks - 1], unknown, coarse, off,
+               gap_off / sqrt(diagonal));
         fflush(stdout);
     }
     return 0;

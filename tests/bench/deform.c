@@ -93,12 +93,11 @@ static int open_world(const struct bench *bench, struct subject *subject)
     subject->tool = 0;
     if (!subject->world_block || !subject->body_block)
         fail("no memory");
-    if (dpt_world_create(subject->world_block, dpt_world_bytes(&def), &def, &subject->world) !=
-        DPT_OK)
+    if (dpt_world_create(subject->world_block, dpt_world_bytes(&def), &def, &subject->world) != DPT_OK)
         return 0;
-    if ((subject->is_rigid ? dpt_body_add(subject->world, bench->mesh, NULL, &subject->body)
-                           : dpt_deform_add(subject->world, subject->body_block, bytes, &deform,
-                                            &subject->body)) != DPT_OK)
+    if ((subject->is_rigid
+             ? dpt_body_add(subject->world, bench->mesh, NULL, &subject->body)
+             : dpt_deform_add(subject->world, subject->body_block, bytes, &deform, &subject->body)) != DPT_OK)
         fail("no body");
     return 1;
 }
@@ -112,16 +111,15 @@ static void close_world(struct subject *subject)
 static dpt_result hand_over(const struct bench *bench, struct subject *subject)
 {
     const struct vertex_motion *motion = &bench->motion;
-    return motion->is_dent ? dpt_deform_set_vertex_list(subject->world, subject->body, motion->list,
-                                                        motion->count, motion->listed, -1.0)
-                           : dpt_deform_set_vertices(subject->world, subject->body, 0,
-                                                     bench->vertices, motion->positions, -1.0);
+    return motion->is_dent
+               ? dpt_deform_set_vertex_list(subject->world, subject->body, motion->list, motion->count, motion->listed,
+                                            -1.0)
+               : dpt_deform_set_vertices(subject->world, subject->body, 0, bench->vertices, motion->positions, -1.0);
 }
 
 static double brute_force(const struct bench *bench, const float *positions, size_t tick)
 {
-    oracle_mesh *mesh =
-        oracle_brute_open(positions, bench->vertices, bench->corners, bench->triangles);
+    oracle_mesh *mesh = oracle_brute_open(positions, bench->vertices, bench->corners, bench->triangles);
     if (!mesh)
         fail("no memory");
     const double distance = oracle_brute(mesh, bench->trace + 6 * tick, NULL);
@@ -151,8 +149,7 @@ static void compare(struct bench *bench, struct subject *subject, size_t tick, c
     const double error = fabs(hit->distance - truth);
     subject->error = fmax(subject->error, error);
     subject->checked++;
-    subject->wrong +=
-        hit->status != DPT_STATUS_EXACT || error > hit->error_bound + brute_error(bench, tick);
+    subject->wrong += hit->status != DPT_STATUS_EXACT || error > hit->error_bound + brute_error(bench, tick);
 }
 
 static void run_tick(struct bench *bench, struct subject *subject, size_t tick, int pass)
@@ -199,8 +196,7 @@ static void run_pass(struct bench *bench, struct subject *subjects, int count, i
 }
 
 /* Prints the median and the 99 % of what is chosen, the first tick left out. */
-static void print_quantiles(const double *values, const double *distance, size_t ticks,
-                            int others_alone)
+static void print_quantiles(const double *values, const double *distance, size_t ticks, int others_alone)
 {
     double *sorted = array(ticks, sizeof *sorted);
     size_t count = 0;
@@ -235,8 +231,7 @@ static void print_row(const struct bench *bench, const struct subject *subject)
     free(work);
 }
 
-static int add_subject(const struct bench *bench, struct subject *subject, const char *name,
-                       uint32_t kernel)
+static int add_subject(const struct bench *bench, struct subject *subject, const char *name, uint32_t kernel)
 {
     *subject = (struct subject){ .name = name, .kernel = kernel };
     subject->is_rigid = !strcmp(name, "rigid");
@@ -250,8 +245,7 @@ static int add_subject(const struct bench *bench, struct subject *subject, const
     return here;
 }
 
-static void write_answers(const struct bench *bench, const struct subject *subject,
-                          const char *path)
+static void write_answers(const struct bench *bench, const struct subject *subject, const char *path)
 {
     FILE *file = fopen(path, "w");
     if (!file)
@@ -287,8 +281,7 @@ int main(int argc, char **argv)
         return 0;
     }
     bench.trace = plain_read_trace(argv[2], TICKS_MAX, &bench.ticks);
-    if (!vertex_motion_open(&bench.motion, argv[3], atof(argv[4]), bench.rest, bench.vertices,
-                            bench.trace))
+    if (!vertex_motion_open(&bench.motion, argv[3], atof(argv[4]), bench.rest, bench.vertices, bench.trace))
         fail("no such motion");
     bench.brute = array(bench.ticks, sizeof *bench.brute);
     for (size_t i = 0; i < bench.ticks; i++)

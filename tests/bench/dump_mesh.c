@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "bench/plain_files.h"
-#include "command_options.h"
+#include "cli/command_options.h"
 
 static void put_float(FILE *file, double value)
 {

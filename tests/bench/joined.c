@@ -29,9 +29,8 @@ enum { TICKS = 400, SETTLED = 100, LOOSE = 64, TOOLS = 6 };
 static const struct tool_kind {
     const char *name;
     uint32_t segments, tools, near_only;
-} kinds[TOOLS] = { { "single", 1, 1, 0 },          { "joined", 16, 1, 0 },
-                   { "joined_near", 16, 1, 1 },    { "joined", LOOSE, 1, 0 },
-                   { "joined_near", LOOSE, 1, 1 }, { "loose", LOOSE, LOOSE, 0 } };
+} kinds[TOOLS] = { { "single", 1, 1, 0 },     { "joined", 16, 1, 0 },         { "joined_near", 16, 1, 1 },
+                   { "joined", LOOSE, 1, 0 }, { "joined_near", LOOSE, 1, 1 }, { "loose", LOOSE, LOOSE, 0 } };
 
 struct stage_of_tool {
     void *block;
@@ -56,8 +55,8 @@ static void arc_point(double share, double origin, double x[3])
     x[2] = r * (sin(BEND * share) - sin(BEND * origin));
 }
 
-static void open_tool(struct stage_of_tool *stage, const struct solid *solid,
-                      const struct tool_kind *kind, uint32_t until, double origin, uint32_t ticks)
+static void open_tool(struct stage_of_tool *stage, const struct solid *solid, const struct tool_kind *kind,
+                      uint32_t until, double origin, uint32_t ticks)
 {
     dpt_segment segments[LOOSE];
     dpt_world_def def;
@@ -68,8 +67,7 @@ static void open_tool(struct stage_of_tool *stage, const struct solid *solid,
     memset(stage, 0, sizeof *stage);
     stage->took = malloc(ticks * sizeof *stage->took);
     stage->block = malloc(dpt_world_bytes(&def));
-    if (!stage->took || !stage->block ||
-        dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world) ||
+    if (!stage->took || !stage->block || dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world) ||
         dpt_body_add(stage->world, solid->mesh, NULL, &body))
         fail("no world");
     for (uint32_t i = 0; i < kind->segments; i++) {
@@ -79,8 +77,7 @@ static void open_tool(struct stage_of_tool *stage, const struct solid *solid,
     }
     for (uint32_t t = 0; t < kind->tools; t++) {
         dpt_tool_settings settings = { .size = sizeof settings };
-        if (dpt_tool_add(stage->world, segments + t, kind->segments / kind->tools,
-                         &stage->tools[t]) ||
+        if (dpt_tool_add(stage->world, segments + t, kind->segments / kind->tools, &stage->tools[t]) ||
             dpt_tool_get_settings(stage->world, stage->tools[t], &settings))
             fail("no tool");
         settings.near_only = kind->near_only;
@@ -89,8 +86,7 @@ static void open_tool(struct stage_of_tool *stage, const struct solid *solid,
     }
 }
 
-static void tick(struct stage_of_tool *stage, const struct tool_kind *kind, const dpt_pose *pose,
-                 int number)
+static void tick(struct stage_of_tool *stage, const struct tool_kind *kind, const dpt_pose *pose, int number)
 {
     const double begin = processor_time();
     for (uint32_t t = 0; t < kind->tools; t++)
@@ -151,8 +147,7 @@ static void measure(const char *name, uint64_t count, uint32_t until, int motion
     if (!solid_from_shape(&solid, name, count))
         fail(name);
     for (int t = 0; t < TOOLS; t++)
-        open_tool(&stages[t], &solid, &kinds[t], until, motion == 2 ? 0.5 : 0,
-                  (uint32_t)runs * TICKS);
+        open_tool(&stages[t], &solid, &kinds[t], until, motion == 2 ? 0.5 : 0, (uint32_t)runs * TICKS);
     for (int i = 0; i < runs; i++)
         run(stages, &solid, motion, &seed);
     for (int t = 0; t < TOOLS; t++) {
@@ -161,9 +156,8 @@ static void measure(const char *name, uint64_t count, uint32_t until, int motion
         const double half = stage->took[stage->ticks / 2];
         single = t ? single : half;
         printf("%s,%u,%s,%s,%s,%u,%u,%.2f,%.1f,%.2f\n", name, solid.info.triangles,
-               until == DPT_UNTIL_TRACK ? "track" : "respond", motions[motion], kinds[t].name,
-               kinds[t].segments, stage->ticks, half, stage->took[stage->ticks * 99u / 100u],
-               half / single);
+               until == DPT_UNTIL_TRACK ? "track" : "respond", motions[motion], kinds[t].name, kinds[t].segments,
+               stage->ticks, half, stage->took[stage->ticks * 99u / 100u], half / single);
         free(stage->took);
         free(stage->block);
     }

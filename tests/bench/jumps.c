@@ -35,8 +35,8 @@ static struct times walk(const dpt_mesh *mesh, uint32_t method, double step, int
     def.method = method;
     void *block = malloc(dpt_world_bytes(&def));
     if (!took || !block || dpt_mesh_get_info(mesh, &info) ||
-        dpt_world_create(block, dpt_world_bytes(&def), &def, &world) ||
-        dpt_body_add(world, mesh, NULL, &body) || dpt_tool_add(world, &segment, 1, &tool))
+        dpt_world_create(block, dpt_world_bytes(&def), &def, &world) || dpt_body_add(world, mesh, NULL, &body) ||
+        dpt_tool_add(world, &segment, 1, &tool))
         exit(2);
     dpt_pose pose = pose_random(&rng, 0.0);
     for (int k = 0; k < 3; k++)
@@ -73,11 +73,7 @@ int main(int argc, char **argv)
     static const struct {
         const char *name;
         uint64_t triangles;
-    } shapes[] = { { "liver", 50332 },
-                   { "torus", 5568 },
-                   { "torus", 61358 },
-                   { "star", 20480 },
-                   { "torus", 1000000 } };
+    } shapes[] = { { "liver", 50332 }, { "torus", 5568 }, { "torus", 61358 }, { "star", 20480 }, { "torus", 1000000 } };
     const int count = argc > 1 ? atoi(argv[1]) : 4000;
     puts("mesh,triangles,step,exact_us,exact_p99_us,tree_us,tree_p99_us,ratio,ratio_p99");
     for (size_t i = 0; i < sizeof shapes / sizeof shapes[0]; i++) {
@@ -88,8 +84,8 @@ int main(int argc, char **argv)
             const struct times exact = walk(fixture.mesh, DPT_METHOD_EXACT, steps[k], count);
             const struct times tree = walk(fixture.mesh, DPT_METHOD_TREE, steps[k], count);
             printf("%s,%llu,%g,%.2f,%.1f,%.2f,%.1f,%.2f,%.2f\n", shapes[i].name,
-                   (unsigned long long)shapes[i].triangles, steps[k], exact.median, exact.p99,
-                   tree.median, tree.p99, exact.median / tree.median, exact.p99 / tree.p99);
+                   (unsigned long long)shapes[i].triangles, steps[k], exact.median, exact.p99, tree.median, tree.p99,
+                   exact.median / tree.median, exact.p99 / tree.p99);
         }
         fixture_free(&fixture);
     }

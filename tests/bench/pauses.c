@@ -74,8 +74,7 @@ static void open_world(struct stage *stage, const dpt_mesh *mesh, const struct r
     def.law = row->law;
     def.until = row->until;
     def.max_contacts = row->max_contacts;
-    if (!stage_open_world(stage, mesh, NULL, &def) ||
-        dpt_body_get_settings(stage->world, stage->body, &settings))
+    if (!stage_open_world(stage, mesh, NULL, &def) || dpt_body_get_settings(stage->world, stage->body, &settings))
         exit(2);
     settings.static_friction = settings.kinetic_friction = row->friction;
     if (dpt_body_set_settings(stage->world, stage->body, &settings))
@@ -85,21 +84,18 @@ static void open_world(struct stage *stage, const dpt_mesh *mesh, const struct r
 /* One tick, from the ends as a pose of a tool along x; ns. */
 static double tick(const struct stage *stage, const double ends[6])
 {
-    const double u[3] = { (ends[3] - ends[0]) / LENGTH, (ends[4] - ends[1]) / LENGTH,
-                          (ends[5] - ends[2]) / LENGTH };
+    const double u[3] = { (ends[3] - ends[0]) / LENGTH, (ends[4] - ends[1]) / LENGTH, (ends[5] - ends[2]) / LENGTH };
     dpt_pose pose = { { ends[0], ends[1], ends[2] }, { 1.0 + u[0], 0.0, -u[2], u[1] } };
     const double size = sqrt(2.0 + 2.0 * u[0]);
     for (int k = 0; k < 4; k++)
         pose.orientation[k] /= size;
     const double begin = now();
-    if (dpt_tool_set_pose(stage->world, stage->tool, &pose) ||
-        dpt_world_step(stage->world, 1e-3, NULL))
+    if (dpt_tool_set_pose(stage->world, stage->tool, &pose) || dpt_world_step(stage->world, 1e-3, NULL))
         exit(2);
     return now() - begin;
 }
 
-static void measure(const struct solid *solid, const struct row *row, int ticks, double (*way)[6],
-                    double (*above)[6])
+static void measure(const struct solid *solid, const struct row *row, int ticks, double (*way)[6], double (*above)[6])
 {
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { LENGTH, 0.0, 0.0 }, RADIUS };
     struct stage stage[PAUSES];
@@ -124,8 +120,8 @@ static void measure(const struct solid *solid, const struct row *row, int ticks,
             }
     for (int p = 0; p < PAUSES; p++) {
         qsort(took[p], (size_t)ticks, sizeof *took[p], by_size);
-        printf("%s,%u,%s,%s,%.0f,%.0f\n", solid->name, solid->info.triangles, row->name,
-               pause_names[p], took[p][ticks / 2], took[p][(int)(0.99 * ticks)]);
+        printf("%s,%u,%s,%s,%.0f,%.0f\n", solid->name, solid->info.triangles, row->name, pause_names[p],
+               took[p][ticks / 2], took[p][(int)(0.99 * ticks)]);
         free(took[p]);
         stage_close(&stage[p]);
     }
@@ -136,9 +132,7 @@ int main(int argc, char **argv)
     static const struct {
         const char *name;
         uint64_t triangles;
-    } shapes[] = {
-        { "liver", 50332 }, { "torus", 5568 }, { "torus", 61358 }, { "torus", 1000000 }
-    };
+    } shapes[] = { { "liver", 50332 }, { "torus", 5568 }, { "torus", 61358 }, { "torus", 1000000 } };
     const int ticks = argc > 1 ? atoi(argv[1]) : 2000;
     double(*above)[6], (*deep)[6];
     if (ticks < 1)

@@ -223,8 +223,7 @@ inline std::vector<Tick> read_trace(const std::string &path)
 }
 
 /* Written beside and renamed, so that an error leaves no half of a file. */
-inline void write_answers(const std::string &path, const std::vector<Tick> &trace,
-                          const std::vector<Answer> &answers)
+inline void write_answers(const std::string &path, const std::vector<Tick> &trace, const std::vector<Answer> &answers)
 {
     bool to_stdout = path == "-";
     std::string beside = path + ".tmp";
@@ -237,8 +236,7 @@ inline void write_answers(const std::string &path, const std::vector<Tick> &trac
         if (std::isnan(answers[i].distance))
             std::fprintf(file, "%lld,,%ld\n", trace[i].number, answers[i].triangle);
         else
-            std::fprintf(file, "%lld,%.17g,%ld\n", trace[i].number, answers[i].distance,
-                         answers[i].triangle);
+            std::fprintf(file, "%lld,%.17g,%ld\n", trace[i].number, answers[i].distance, answers[i].triangle);
     }
     bool bad = std::fflush(file) != 0 || std::ferror(file);
     if (to_stdout) {
@@ -269,8 +267,7 @@ inline std::vector<Corners> corners_of(const Mesh &mesh)
 /* ---------------------------------------------------------------- measuring */
 
 /* The time is taken around the query alone; the tests are counted in a pass of their own. */
-template <typename Peer>
-Measured measure_peer(Peer &peer, const std::vector<Tick> &trace, const Options &options)
+template <typename Peer> Measured measure_peer(Peer &peer, const std::vector<Tick> &trace, const Options &options)
 {
     Measured measured;
 
@@ -298,8 +295,7 @@ Measured measure_peer(Peer &peer, const std::vector<Tick> &trace, const Options 
     return measured;
 }
 
-template <typename Peer>
-Measured measure(const Mesh &mesh, const std::vector<Tick> &trace, const Options &options)
+template <typename Peer> Measured measure(const Mesh &mesh, const std::vector<Tick> &trace, const Options &options)
 {
     double begin = now_ns();
     Peer peer(mesh);
@@ -326,8 +322,8 @@ inline void print_times(const char *key, std::vector<double> ns)
     if (ns.empty())
         std::printf(",\"%s\":{\"median\":null,\"p99\":null,\"p999\":null,\"max\":null}", key);
     else
-        std::printf(",\"%s\":{\"median\":%.0f,\"p99\":%.0f,\"p999\":%.0f,\"max\":%.0f}", key,
-                    quantile(ns, 0.5), quantile(ns, 0.99), quantile(ns, 0.999), ns.back());
+        std::printf(",\"%s\":{\"median\":%.0f,\"p99\":%.0f,\"p999\":%.0f,\"max\":%.0f}", key, quantile(ns, 0.5),
+                    quantile(ns, 0.99), quantile(ns, 0.999), ns.back());
 }
 
 /* In the bins of `dynpoint replay --json`: 8 to a doubling from 16 ns on, the first of all below. */
@@ -358,8 +354,7 @@ inline void print_count(const char *key, double value)
         std::printf(",\"%s\":%.1f", key, value);
 }
 
-inline void print_json(const std::string &name, size_t triangles, const Measured &measured,
-                       bool cold)
+inline void print_json(const std::string &name, size_t triangles, const Measured &measured, bool cold)
 {
     std::vector<double> all, crossing, other;
 
@@ -368,14 +363,13 @@ inline void print_json(const std::string &name, size_t triangles, const Measured
         all.push_back(measured.ns[i]);
         (measured.answers[i].distance <= 0 ? crossing : other).push_back(measured.ns[i]);
     }
-    std::printf("{\"peer\":\"%s%s\",\"triangles\":%zu,\"ticks\":%zu,\"first_ns\":%.0f",
-                name.c_str(), cold ? " cold" : "", triangles, measured.ns.size(), measured.ns[0]);
+    std::printf("{\"peer\":\"%s%s\",\"triangles\":%zu,\"ticks\":%zu,\"first_ns\":%.0f", name.c_str(),
+                cold ? " cold" : "", triangles, measured.ns.size(), measured.ns[0]);
     print_times("ns", all);
     print_times("ns_crossing", crossing);
     print_times("ns_other", other);
     if (!measured.move_ns.empty())
-        print_times("ns_move",
-                    std::vector<double>(measured.move_ns.begin() + 1, measured.move_ns.end()));
+        print_times("ns_move", std::vector<double>(measured.move_ns.begin() + 1, measured.move_ns.end()));
     print_histogram("ns_histogram", all);
     std::printf(",\"crossing\":%zu,\"build_ns\":%.0f", crossing.size(), measured.build_ns);
     print_count("bv_tests", measured.bv_tests);
@@ -387,11 +381,9 @@ inline void print_json(const std::string &name, size_t triangles, const Measured
 
 inline void print_usage(const About &about, bool with_help)
 {
-    std::string option =
-        *about.option ? std::string(" [") + about.option + " " + about.option_value + "]" : "";
+    std::string option = *about.option ? std::string(" [") + about.option + " " + about.option_value + "]" : "";
 
-    std::printf("usage: %s MESH.tri TRACE.csv -o OUT.csv [--repeat N] [--ticks N]%s%s [--cold] "
-                "[--json]\n",
+    std::printf("usage: %s MESH.tri TRACE.csv -o OUT.csv [--repeat N] [--ticks N]%s%s [--cold] [--json]\n",
                 about.program, option.c_str(), about.moves ? " [--motion NAME:STEP]" : "");
     if (!with_help)
         return;
@@ -401,15 +393,12 @@ inline void print_usage(const About &about, bool with_help)
                 "  --ticks N     only the first N\n",
                 about.question, about.library);
     if (*about.option)
-        std::printf("  %-12s  %s\n", (std::string(about.option) + " " + about.option_value).c_str(),
-                    about.option_help);
+        std::printf("  %-12s  %s\n", (std::string(about.option) + " " + about.option_value).c_str(), about.option_help);
     if (about.moves)
-        std::printf("  --motion NAME:STEP  vertices move in each tick, as vertex_motion.h has it; "
-                    "or recorded:FILE\n");
-    std::printf(
-        "  --cold        start each tick from triangle 0 and not from the last tick's nearest\n"
-        "  --json        a summary on standard output\n"
-        "Exit: 0 done, 2 usage, input or system error.\n");
+        std::printf("  --motion NAME:STEP  vertices move in each tick, as vertex_motion.h has it; or recorded:FILE\n");
+    std::printf("  --cold        start each tick from triangle 0 and not from the last tick's nearest\n"
+                "  --json        a summary on standard output\n"
+                "Exit: 0 done, 2 usage, input or system error.\n");
 }
 
 /* True if the program has only to print its help or version, and has done so. */
@@ -466,9 +455,7 @@ inline bool read_options(int argc, char **argv, const About &about, Options &opt
 }
 
 /* Asks the whole trace; sets `name` to what the summary calls the peer. */
-typedef std::function<Measured(const Mesh &, const std::vector<Tick> &, const Options &,
-                               std::string &name)>
-    Asking;
+typedef std::function<Measured(const Mesh &, const std::vector<Tick> &, const Options &, std::string &name)> Asking;
 
 inline int peer_main(int argc, char **argv, const About &about, const Asking &asking)
 {

@@ -14,8 +14,7 @@ namespace peer
  * Divisions are few, as this is part of the time that is measured. For libraries that stand on
  * Eigen.
  */
-template <typename Matrix, typename Vector>
-Matrix frame_of(const Vector &a, const Vector &b, double &length)
+template <typename Matrix, typename Vector> Matrix frame_of(const Vector &a, const Vector &b, double &length)
 {
     Vector x = b - a;
     Matrix frame;
@@ -104,11 +103,8 @@ inline double segment_triangle(const Vec &a, const Vec &b, const Corners &t)
 
     if (nn > 0) {
         bool through = at_a * at_b <= 0 && at_a != at_b;
-        Vec x = through                              ? a + (at_a / (at_a - at_b)) * u
-                : std::fabs(at_a) <= std::fabs(at_b) ? a
-                                                     : b;
-        if (dot(cross(n, e), x - t.p) >= 0 && dot(cross(n, f), x - t.q) >= 0 &&
-            dot(cross(n, g), x - t.r) >= 0) {
+        Vec x = through ? a + (at_a / (at_a - at_b)) * u : std::fabs(at_a) <= std::fabs(at_b) ? a : b;
+        if (dot(cross(n, e), x - t.p) >= 0 && dot(cross(n, f), x - t.q) >= 0 && dot(cross(n, g), x - t.r) >= 0) {
             double d = std::min(std::fabs(at_a), std::fabs(at_b));
             return through ? 0 : d * d / nn;
         }

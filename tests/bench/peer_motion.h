@@ -28,13 +28,11 @@ class Motion
             ends_.insert(ends_.end(), tick.a, tick.a + 3);
             ends_.insert(ends_.end(), tick.b, tick.b + 3);
         }
-        std::string name = options.motion.substr(0, colon),
-                    value = options.motion.substr(colon + 1);
+        std::string name = options.motion.substr(0, colon), value = options.motion.substr(colon + 1);
         uint32_t vertices = (uint32_t)mesh.vertices.size();
-        if (!(name == "recorded"
-                  ? vertex_motion_open_recorded(&now, value.c_str(), rest_.data(), vertices)
-                  : vertex_motion_open(&now, name.c_str(), std::atof(value.c_str()), rest_.data(),
-                                       vertices, ends_.data())))
+        if (!(name == "recorded" ? vertex_motion_open_recorded(&now, value.c_str(), rest_.data(), vertices)
+                                 : vertex_motion_open(&now, name.c_str(), std::atof(value.c_str()), rest_.data(),
+                                                      vertices, ends_.data())))
             fail("no such motion: " + options.motion);
     }
 
@@ -53,8 +51,7 @@ class Motion
 };
 
 template <typename Peer>
-Measured measure_moving(Peer &peer, const Mesh &mesh, const std::vector<Tick> &trace,
-                        const Options &options)
+Measured measure_moving(Peer &peer, const Mesh &mesh, const std::vector<Tick> &trace, const Options &options)
 {
     Measured measured;
     Motion motion(mesh, trace, options);
@@ -80,11 +77,9 @@ Measured measure_moving(Peer &peer, const Mesh &mesh, const std::vector<Tick> &t
 }
 
 template <typename Peer>
-Measured measure_any(Peer &peer, const Mesh &mesh, const std::vector<Tick> &trace,
-                     const Options &options)
+Measured measure_any(Peer &peer, const Mesh &mesh, const std::vector<Tick> &trace, const Options &options)
 {
-    return options.motion.empty() ? measure_peer(peer, trace, options)
-                                  : measure_moving(peer, mesh, trace, options);
+    return options.motion.empty() ? measure_peer(peer, trace, options) : measure_moving(peer, mesh, trace, options);
 }
 
 } // namespace peer

@@ -25,10 +25,9 @@ static inline const dpt_mesh *plain_open_mesh(const char *path)
     void *bytes = NULL;
     const dpt_mesh *mesh;
     long size = -1;
-    int here = file && fseek(file, 0, SEEK_END) == 0 && (size = ftell(file)) > 0 &&
-               fseek(file, 0, SEEK_SET) == 0 && !posix_memalign(&bytes, 64, (size_t)size);
-    if (!here || fread(bytes, (size_t)size, 1, file) != 1 ||
-        dpt_mesh_open(bytes, (size_t)size, &mesh) != DPT_OK)
+    int here = file && fseek(file, 0, SEEK_END) == 0 && (size = ftell(file)) > 0 && fseek(file, 0, SEEK_SET) == 0 &&
+               !posix_memalign(&bytes, 64, (size_t)size);
+    if (!here || fread(bytes, (size_t)size, 1, file) != 1 || dpt_mesh_open(bytes, (size_t)size, &mesh) != DPT_OK)
         plain_fail(path, "the mesh cannot be read");
     fclose(file);
     return mesh;
@@ -43,8 +42,7 @@ static inline double *plain_read_trace(const char *path, size_t most, size_t *ti
     *ticks = 0;
     while (file && trace && *ticks < most && fgets(line, sizeof line, file)) {
         double *x = trace + 6 * *ticks;
-        *ticks += sscanf(line, "%*[^,],%lf,%lf,%lf,%lf,%lf,%lf", x, x + 1, x + 2, x + 3, x + 4,
-                         x + 5) == 6;
+        *ticks += sscanf(line, "%*[^,],%lf,%lf,%lf,%lf,%lf,%lf", x, x + 1, x + 2, x + 3, x + 4, x + 5) == 6;
     }
     if (file)
         fclose(file);
@@ -60,8 +58,8 @@ static inline void plain_put_word(FILE *file, uint32_t word)
 }
 
 /* MESH.tri. */
-static inline void plain_write_tri(const char *path, const float *xyz, uint32_t vertices,
-                                   const uint32_t *corners, uint32_t triangles)
+static inline void plain_write_tri(const char *path, const float *xyz, uint32_t vertices, const uint32_t *corners,
+                                   uint32_t triangles)
 {
     FILE *file = fopen(path, "wb");
     if (!file)

@@ -14,10 +14,10 @@ struct way {
     uint32_t method, parts, until, law;
 };
 
-#define PAPER(name, parts)                                                                         \
-    { name, "track", DPT_METHOD_PAPER, parts, DPT_UNTIL_TRACK, DPT_LAW_POINT },                    \
-    {                                                                                              \
-        name, "respond", DPT_METHOD_PAPER, parts, DPT_UNTIL_RESPOND, DPT_LAW_POINT                 \
+#define PAPER(name, parts)                                                                                             \
+    { name, "track", DPT_METHOD_PAPER, parts, DPT_UNTIL_TRACK, DPT_LAW_POINT },                                        \
+    {                                                                                                                  \
+        name, "respond", DPT_METHOD_PAPER, parts, DPT_UNTIL_RESPOND, DPT_LAW_POINT                                     \
     }
 
 static const struct way ways[] = {
@@ -55,8 +55,7 @@ static uint32_t vertices_of(const dpt_mesh *mesh, const float **xyz)
     return count;
 }
 
-static uint32_t triangles_of(const dpt_mesh *mesh, const uint32_t **corners,
-                             const uint32_t **numbers)
+static uint32_t triangles_of(const dpt_mesh *mesh, const uint32_t **corners, const uint32_t **numbers)
 {
     uint32_t count = 0;
     dpt_mesh_get_triangles(mesh, corners, numbers, &count);
@@ -100,9 +99,8 @@ static void open_stage(const struct play *play, const struct way *way, struct st
     stage->block = array(1, dpt_world_bytes(&def));
     dpt_result result = dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world);
     for (int i = 0; i < play->bodies && result == DPT_OK; i++)
-        result = !i && play->positions
-                     ? add_soft(play, stage)
-                     : dpt_body_add(stage->world, play->mesh[i], NULL, &stage->body[i]);
+        result = !i && play->positions ? add_soft(play, stage)
+                                       : dpt_body_add(stage->world, play->mesh[i], NULL, &stage->body[i]);
     const dpt_segment segment = segment_at(play, 0);
     if (result == DPT_OK)
         result = dpt_tool_add(stage->world, &segment, 1, &stage->tool);
@@ -148,8 +146,8 @@ static void close_file(const struct play *play, FILE *file)
         plain_fail(play->name, "a file cannot be written");
 }
 
-static void write_answers(const struct play *play, const char *dir, const struct way *way,
-                          const struct stage *stage, const dpt_hit *hits)
+static void write_answers(const struct play *play, const char *dir, const struct way *way, const struct stage *stage,
+                          const dpt_hit *hits)
 {
     char end[64];
     size_t from[PLAY_BODIES];
@@ -161,8 +159,7 @@ static void write_answers(const struct play *play, const char *dir, const struct
         int body = 0;
         while (body < play->bodies - 1 && stage->body[body] != hits[tick].body)
             body++;
-        fprintf(file, "%d,%.17g,%u\n", tick, hits[tick].distance,
-                places[from[body] + hits[tick].triangle]);
+        fprintf(file, "%d,%.17g,%u\n", tick, hits[tick].distance, places[from[body] + hits[tick].triangle]);
     }
     close_file(play, file);
     free(places);
@@ -186,9 +183,8 @@ static void play_one(const struct play *play, const struct way *way, FILE *rows,
         const dpt_segment segment = segment_at(play, tick);
         const float *positions = play->positions ? play->positions(play->self, tick) : NULL;
         const double begin = now();
-        dpt_result result = positions ? dpt_deform_set_vertices(stage.world, stage.body[0], 0,
-                                                                vertices, positions, -1.0)
-                                      : DPT_OK;
+        dpt_result result =
+            positions ? dpt_deform_set_vertices(stage.world, stage.body[0], 0, vertices, positions, -1.0) : DPT_OK;
         set[tick] = positions ? now() - begin : 0.0;
         if (result == DPT_OK)
             result = dpt_tool_set_segments(stage.world, stage.tool, &segment, 1);
@@ -208,8 +204,7 @@ static void play_one(const struct play *play, const struct way *way, FILE *rows,
     qsort(set + 1, (size_t)count, sizeof *set, by_size);
     qsort(step + 1, (size_t)count, sizeof *step, by_size);
     fprintf(rows, "%s,%s,%s,%d,%.0f,%.0f,%.0f\n", play->name, way->name, way->until_name, count,
-            quantile(set + 1, count, 50), quantile(step + 1, count, 50),
-            quantile(step + 1, count, 99));
+            quantile(set + 1, count, 50), quantile(step + 1, count, 50), quantile(step + 1, count, 99));
     fflush(rows);
     free(stage.block);
     free(stage.body_block);
@@ -262,8 +257,7 @@ void play_write(const struct play *play, const char *dir)
     fprintf(trace, "tick,ax,ay,az,bx,by,bz\n");
     for (int tick = 0; tick < play->ticks; tick++) {
         const double *x = play->ends + 6 * tick;
-        fprintf(trace, "%d,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", tick, x[0], x[1], x[2], x[3],
-                x[4], x[5]);
+        fprintf(trace, "%d,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", tick, x[0], x[1], x[2], x[3], x[4], x[5]);
     }
     close_file(play, trace);
 }

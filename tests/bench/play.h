@@ -28,8 +28,7 @@ struct play {
     /* The positions of all vertices of the first body in a tick; NULL: no vertex moves. */
     const float *(*positions)(void *self, int tick);
     void *self;
-    const float
-        *first; /* where MESH.tri has the first body's vertices; NULL: where its mesh has them */
+    const float *first; /* where MESH.tri has the first body's vertices; NULL: where its mesh has them */
 };
 
 /*

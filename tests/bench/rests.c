@@ -19,8 +19,7 @@ struct stage {
     void *block;
 };
 
-static void open_stage(struct stage *stage, const dpt_mesh *mesh, uint32_t law, double friction,
-                       int lies)
+static void open_stage(struct stage *stage, const dpt_mesh *mesh, uint32_t law, double friction, int lies)
 {
     const dpt_segment lying = { { -0.075, 0.0, 0.0 }, { 0.075, 0.0, 0.0 }, 0.002 };
     const dpt_segment tip = { { 0.0, 0.0, 0.0 }, { 0.05, 0.0, 0.14 }, 0.002 };
@@ -30,8 +29,7 @@ static void open_stage(struct stage *stage, const dpt_mesh *mesh, uint32_t law, 
     dpt_world_def_init(&def);
     def.law = law;
     stage->block = malloc(dpt_world_bytes(&def));
-    if (!stage->block ||
-        dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world) ||
+    if (!stage->block || dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world) ||
         dpt_body_add(stage->world, mesh, NULL, &body) ||
         dpt_tool_add(stage->world, lies ? &lying : &tip, 1, &stage->tool) ||
         dpt_body_get_settings(stage->world, body, &settings))
@@ -56,12 +54,10 @@ static double tick(const struct stage *stage, const dpt_pose *pose, int is_nudge
     return now() - begin;
 }
 
-static void measure(const char *name, const dpt_mesh *mesh, uint32_t law, double friction, int lies,
-                    int ticks)
+static void measure(const char *name, const dpt_mesh *mesh, uint32_t law, double friction, int lies, int ticks)
 {
     static const char *const laws[] = { "bed", "point", "proxy" };
-    double *took[2] = { malloc((size_t)ticks * sizeof(double)),
-                        malloc((size_t)ticks * sizeof(double)) };
+    double *took[2] = { malloc((size_t)ticks * sizeof(double)), malloc((size_t)ticks * sizeof(double)) };
     dpt_mesh_info info = { .size = sizeof info };
     struct stage stage[2];
     int rested = 0;
@@ -90,8 +86,7 @@ static void measure(const char *name, const dpt_mesh *mesh, uint32_t law, double
            law == DPT_LAW_BED     ? laws[0]
            : law == DPT_LAW_POINT ? laws[1]
                                   : laws[2],
-           friction, lies ? "lying" : "tip", (double)rested / ticks, took[0][ticks / 2],
-           took[1][ticks / 2]);
+           friction, lies ? "lying" : "tip", (double)rested / ticks, took[0][ticks / 2], took[1][ticks / 2]);
     free(took[0]);
     free(took[1]);
 }

@@ -18,8 +18,8 @@
 #include "bench/play.h"
 #include "bench/timing.h"
 #include "dynpoint/compile.h"
-#include "scene_list.h"
-#include "shape.h"
+#include "scene/scene_list.h"
+#include "shape/shape.h"
 
 enum { BODIES = LISTED_BODIES_MAX, TICKS_MAX = 10000 };
 
@@ -54,8 +54,7 @@ struct bench {
     int ticks;
     double *ends; /* 6 a tick */
     double *distances;
-    float *
-        record; /* the positions of the first body's vertices in the world's frame, where it is soft */
+    float *record; /* the positions of the first body's vertices in the world's frame, where it is soft */
     uint32_t vertices;
 };
 
@@ -76,8 +75,8 @@ static void *array(size_t bytes)
 static void compile(const struct shape *shape, const dpt_compile_def *def, dpt_compiled *compiled,
                     const dpt_mesh **mesh)
 {
-    if (dpt_compile_arrays(shape->vertices, shape->vertex_count, shape->corners,
-                           shape->triangle_count, def, compiled, NULL) != DPT_OK ||
+    if (dpt_compile_arrays(shape->vertices, shape->vertex_count, shape->corners, shape->triangle_count, def, compiled,
+                           NULL) != DPT_OK ||
         dpt_mesh_open(compiled->bytes, compiled->size, mesh) != DPT_OK)
         fail("a body cannot be compiled");
 }
@@ -149,11 +148,10 @@ static dpt_result add_soft(const struct bench *bench, struct stage *stage, int i
     springs.gravity[2] = -bench->scene->gravity;
     soft->block = array(dpt_deform_bytes(&deform));
     soft->springs_block = array(dpt_springs_bytes(&springs));
-    const dpt_result result =
-        dpt_deform_add(stage->world, soft->block, dpt_deform_bytes(&deform), &deform, &soft->id);
-    return result != DPT_OK ? result
-                            : dpt_springs_create(soft->springs_block, dpt_springs_bytes(&springs),
-                                                 &springs, &soft->springs);
+    const dpt_result result = dpt_deform_add(stage->world, soft->block, dpt_deform_bytes(&deform), &deform, &soft->id);
+    return result != DPT_OK
+               ? result
+               : dpt_springs_create(soft->springs_block, dpt_springs_bytes(&springs), &springs, &soft->springs);
 }
 
 static dpt_segment stylus_of(const struct bench *bench)
@@ -179,13 +177,11 @@ static void open_stage(const struct bench *bench, struct stage *stage, int track
         world.strip_capacity = 4096;
     }
     stage->block = array(dpt_world_bytes(&world));
-    dpt_result result =
-        dpt_world_create(stage->block, dpt_world_bytes(&world), &world, &stage->world);
+    dpt_result result = dpt_world_create(stage->block, dpt_world_bytes(&world), &world, &stage->world);
     for (int i = 0; i < bench->bodies && result == DPT_OK; i++)
         result = bench->body[i].info.springs
                      ? add_soft(bench, stage, i)
-                     : dpt_body_add(stage->world, bench->body[i].mesh, &scene->bodies[i].pose,
-                                    &stage->soft[i].id);
+                     : dpt_body_add(stage->world, bench->body[i].mesh, &scene->bodies[i].pose, &stage->soft[i].id);
     if (result == DPT_OK)
         result = dpt_tool_add(stage->world, &stylus, 1, &stage->tool);
     if (result != DPT_OK)
@@ -207,8 +203,7 @@ static dpt_pose pose_at(const struct bench *bench, int tick)
     dpt_pose pose = DPT_POSE_IDENTITY;
     memcpy(pose.position, bench->touch, sizeof pose.position);
     if (!bench->displaces) {
-        pose.position[1] +=
-            tick < 200 ? 0.008 * (1.0 - 5.0 * t) : 0.003 * sin(4.398229715 * (t - 0.2));
+        pose.position[1] += tick < 200 ? 0.008 * (1.0 - 5.0 * t) : 0.003 * sin(4.398229715 * (t - 0.2));
         pose.position[0] += 0.01 * sin(6.2831853 * t);
     }
     return pose;
@@ -277,8 +272,8 @@ static void record(struct bench *bench, const struct stage *stage, int tick)
 static void print_row(const struct bench *bench, const char *until, double *times)
 {
     qsort(times, (size_t)bench->ticks, sizeof *times, by_size);
-    printf("%s,scene,%s,%d,0,%.0f,%.0f\n", bench->scene->name, until, bench->ticks,
-           times[bench->ticks / 2], times[99 * bench->ticks / 100]);
+    printf("%s,scene,%s,%d,0,%.0f,%.0f\n", bench->scene->name, until, bench->ticks, times[bench->ticks / 2],
+           times[99 * bench->ticks / 100]);
 }
 
 /* The scene as it is, with force and physics. */
@@ -291,8 +286,7 @@ static void run(struct bench *bench)
     bench->distances = array((size_t)bench->ticks * sizeof *bench->distances);
     dpt_mesh_get_vertices(bench->body[0].mesh, &rest, &bench->vertices);
     if (bench->body[0].info.springs)
-        bench->record =
-            array(3 * (size_t)bench->vertices * (size_t)bench->ticks * sizeof *bench->record);
+        bench->record = array(3 * (size_t)bench->vertices * (size_t)bench->ticks * sizeof *bench->record);
     open_stage(bench, &stage, 0);
     for (int tick = 0; tick < bench->ticks; tick++) {
         record(bench, &stage, tick);
@@ -305,8 +299,7 @@ static void run(struct bench *bench)
         dpt_tool_get_hit(stage.world, stage.tool, &hit);
         bench->distances[tick] = hit.distance;
         if (stage.soft[0].springs &&
-            dpt_deform_step_springs(stage.world, stage.soft[0].id, stage.soft[0].springs, 1e-3,
-                                    NULL) != DPT_OK)
+            dpt_deform_step_springs(stage.world, stage.soft[0].id, stage.soft[0].springs, 1e-3, NULL) != DPT_OK)
             fail("physics failed");
         whole[tick] = now() - begin;
     }
@@ -364,8 +357,7 @@ int main(int argc, char **argv)
         struct bench bench = { .scene = scene_listed(names[i]), .ticks = ticks };
         for (const struct listed_body *body = bench.scene->bodies; body->shape; body++)
             make_body(&bench, body);
-        fprintf(stderr, "%s: %u triangles, %u springs\n", bench.scene->name, bench.triangles,
-                bench.springs);
+        fprintf(stderr, "%s: %u triangles, %u springs\n", bench.scene->name, bench.triangles, bench.springs);
         find_touch(&bench);
         run(&bench);
         write_distances(&bench, argv[1]);

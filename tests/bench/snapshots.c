@@ -13,7 +13,7 @@
 #include "bench/timing.h"
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 static void fail(const char *what)
 {
@@ -28,8 +28,8 @@ static const dpt_mesh *make_liver(dpt_compiled *compiled)
     dpt_diag diag = { .size = sizeof diag };
     const dpt_mesh *mesh;
     if (shape_make("liver", 50332, 0, &shape, reason) ||
-        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
-                           NULL, compiled, &diag) != DPT_OK ||
+        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, NULL, compiled,
+                           &diag) != DPT_OK ||
         dpt_mesh_open(compiled->bytes, compiled->size, &mesh) != DPT_OK)
         fail("no liver");
     shape_free(&shape);
@@ -67,9 +67,8 @@ static void run(const char *name, const dpt_mesh *mesh, int deforms, int ticks)
     if (!block || !own || !snapshot_ns || !step_ns ||
         dpt_world_create(block, dpt_world_bytes(&def), &def, &world) != DPT_OK)
         fail("no world");
-    const dpt_result added =
-        deforms ? dpt_deform_add(world, own, dpt_deform_bytes(&deform), &deform, &body)
-                : dpt_body_add(world, mesh, NULL, &body);
+    const dpt_result added = deforms ? dpt_deform_add(world, own, dpt_deform_bytes(&deform), &deform, &body)
+                                     : dpt_body_add(world, mesh, NULL, &body);
     if (added != DPT_OK || dpt_tool_add(world, &stylus, 1, &tool) != DPT_OK)
         fail("no body or no tool");
     const size_t capacity = dpt_snapshot_bytes(world, &wanted);
@@ -92,9 +91,8 @@ static void run(const char *name, const dpt_mesh *mesh, int deforms, int ticks)
         dpt_snapshot_get_info(snapshot, bytes, &found);
         contacts = found.contacts;
     }
-    printf("%s,%zu,%u,%.2f,%.2f,%.1f,%.1f\n", name, bytes, (unsigned)contacts,
-           at(snapshot_ns, ticks, 0.5), at(snapshot_ns, ticks, 0.99), at(step_ns, ticks, 0.5),
-           at(step_ns, ticks, 0.99));
+    printf("%s,%zu,%u,%.2f,%.2f,%.1f,%.1f\n", name, bytes, (unsigned)contacts, at(snapshot_ns, ticks, 0.5),
+           at(snapshot_ns, ticks, 0.99), at(step_ns, ticks, 0.5), at(step_ns, ticks, 0.99));
     free(snapshot);
     free(snapshot_ns);
     free(step_ns);

@@ -26,8 +26,8 @@
 #include "bench/timing.h"
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
-#include "scene_list.h"
-#include "shape.h"
+#include "scene/scene_list.h"
+#include "shape/shape.h"
 
 enum { TICKS = 8000, TURN = 250, PHASES = 9, SUBJECTS = 4, CONTACT_PASSES = 2 };
 
@@ -81,8 +81,8 @@ static void make_mesh(struct bench *bench)
     dpt_compile_def_init(&def);
     def.springs = &body->springs;
     if (shape_make(body->shape, body->triangles, 0, &shape, reason) ||
-        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
-                           &def, &bench->compiled, NULL) != DPT_OK ||
+        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, &def,
+                           &bench->compiled, NULL) != DPT_OK ||
         dpt_mesh_open(bench->compiled.bytes, bench->compiled.size, &bench->mesh) != DPT_OK)
         fail("the liver cannot be made");
     shape_free(&shape);
@@ -126,10 +126,8 @@ static void open_world(const struct bench *bench, struct subject *subject, uint3
     subject->body_block = array(dpt_deform_bytes(&deform));
     subject->springs_block = array(dpt_springs_bytes(&springs));
     if (dpt_world_create(subject->world_block, dpt_world_bytes(&world), &world, &subject->world) ||
-        dpt_deform_add(subject->world, subject->body_block, dpt_deform_bytes(&deform), &deform,
-                       &subject->body) ||
-        dpt_springs_create(subject->springs_block, dpt_springs_bytes(&springs), &springs,
-                           &subject->springs) ||
+        dpt_deform_add(subject->world, subject->body_block, dpt_deform_bytes(&deform), &deform, &subject->body) ||
+        dpt_springs_create(subject->springs_block, dpt_springs_bytes(&springs), &springs, &subject->springs) ||
         dpt_tool_add(subject->world, &stylus, 1, &subject->tool) ||
         dpt_tool_get_settings(subject->world, subject->tool, &settings))
         fail("no world");
@@ -152,8 +150,7 @@ static void find_touch(struct bench *bench)
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_get_info(bench->mesh, &info);
     for (int k = 0; k < 3; k++)
-        bench->touch[k] =
-            k == 1 ? info.box_max[k] + 0.02 : 0.5 * (info.box_min[k] + info.box_max[k]);
+        bench->touch[k] = k == 1 ? info.box_max[k] + 0.02 : 0.5 * (info.box_min[k] + info.box_max[k]);
     open_world(bench, &probe, DPT_UNTIL_CONTACT);
     for (int i = 0; i < 200; i++) {
         dpt_pose pose = DPT_POSE_IDENTITY;
@@ -191,8 +188,7 @@ static double least(double before, double time)
     return before > 0.0 && before < time ? before : time;
 }
 
-static void run_tick(const struct bench *bench, struct subject *subject, struct subject *probe,
-                     int tick, int pass)
+static void run_tick(const struct bench *bench, struct subject *subject, struct subject *probe, int tick, int pass)
 {
     dpt_pose pose = DPT_POSE_IDENTITY;
     dpt_springs_report report = { .size = sizeof report };
@@ -210,8 +206,7 @@ static void run_tick(const struct bench *bench, struct subject *subject, struct 
     if (probe)
         subject->contact[tick] = least(subject->contact[tick], time_contact(subject, probe));
     const double middle = now();
-    result = result == DPT_OK ? dpt_deform_step_springs(subject->world, subject->body,
-                                                        subject->springs, 1e-3, &report)
+    result = result == DPT_OK ? dpt_deform_step_springs(subject->world, subject->body, subject->springs, 1e-3, &report)
                               : result;
     const double physics = now() - middle;
     if (result != DPT_OK)
@@ -276,13 +271,11 @@ static void print_phase(const struct subject *subject, const struct subject *awa
         off = fmax(off, fabs(now - awake->force[tick]) / largest);
         jump = tick ? fmax(jump, fabs(now - subject->force[tick - 1])) : 0.0;
     }
-    const double physics_median = quantile(physics, count, 0.5),
-                 whole_median = quantile(whole, count, 0.5);
-    printf("%s,%s,%.3f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.4f,%.4f,%.4f,%.4f\n", subject->name,
-           phases[phase].name, share, quantile(contact, count, 0.5), quantile(force, count, 0.5),
-           physics_median, quantile(physics, count, 0.99), whole_median,
-           quantile(whole, count, 0.99), quantile(whole, count, 1.0), mean, 0.5 * (high - low), off,
-           jump);
+    const double physics_median = quantile(physics, count, 0.5), whole_median = quantile(whole, count, 0.5);
+    printf("%s,%s,%.3f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.4f,%.4f,%.4f,%.4f\n", subject->name, phases[phase].name,
+           share, quantile(contact, count, 0.5), quantile(force, count, 0.5), physics_median,
+           quantile(physics, count, 0.99), whole_median, quantile(whole, count, 0.99), quantile(whole, count, 1.0),
+           mean, 0.5 * (high - low), off, jump);
 }
 
 int main(int argc, char **argv)

@@ -73,8 +73,7 @@ static void list_springs(struct body *body)
                 const uint32_t node = LANES * slice + lane, other = net->neighbour[at];
                 if (other <= node || net->stiffness[at] == 0.0f)
                     continue;
-                body->list[count++] =
-                    (struct link){ node, other, net->stiffness[at], net->length[at] };
+                body->list[count++] = (struct link){ node, other, net->stiffness[at], net->length[at] };
                 body->first[node + 2]++;
                 body->first[other + 2]++;
             }
@@ -84,8 +83,9 @@ static void list_springs(struct body *body)
         body->row[body->first[body->list[i].a + 1]++] = i;
         body->row[body->first[body->list[i].b + 1]++] = i;
     }
-    float **const arrays[] = { &body->load,  &body->x,      &body->before, &body->v,
-                               &body->force, &body->target, &body->last };
+    float **const arrays[] = {
+        &body->load, &body->x, &body->before, &body->v, &body->force, &body->target, &body->last
+    };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         *arrays[i] = room(3 * (size_t)net->nodes, sizeof(float));
 }
@@ -163,8 +163,7 @@ static double energy_of(const struct body *body)
         double square = 0.0;
         for (uint32_t k = 0; k < 3; k++)
             square += pow((double)body->x[3 * link->b + k] - (double)body->x[3 * link->a + k], 2.0);
-        sum += 0.5 * (double)body->stiffness * (double)link->stiffness *
-               pow(sqrt(square) - (double)link->length, 2.0);
+        sum += 0.5 * (double)body->stiffness * (double)link->stiffness * pow(sqrt(square) - (double)link->length, 2.0);
     }
     for (uint32_t i = 0; i < 3 * body->nodes; i++)
         sum += 0.5 * (double)body->net.mass[i / 3] * pow((double)body->v[i], 2.0);
@@ -177,12 +176,10 @@ static void true_end(const struct body *body, float *end)
     const size_t n = 3 * (size_t)body->nodes;
     struct oracle_spring *list = room(body->springs, sizeof *list);
     double *load = room(n, sizeof *load), *x = room(n, sizeof *x);
-    const struct oracle_springs springs = { body->nodes, body->springs, list, body->net.mass,
-                                            load };
+    const struct oracle_springs springs = { body->nodes, body->springs, list, body->net.mass, load };
     for (uint32_t i = 0; i < body->springs; i++)
-        list[i] =
-            (struct oracle_spring){ body->list[i].a, body->list[i].b,
-                                    (double)body->list[i].stiffness, (double)body->list[i].length };
+        list[i] = (struct oracle_spring){ body->list[i].a, body->list[i].b, (double)body->list[i].stiffness,
+                                          (double)body->list[i].length };
     for (size_t i = 0; i < n; i++) {
         load[i] = (double)body->load[i];
         x[i] = (double)body->net.rest[i];
@@ -205,8 +202,7 @@ struct run {
     void *block;
 };
 
-static void run_open(struct run *run, struct body *body, const struct method *method,
-                     const float *from)
+static void run_open(struct run *run, struct body *body, const struct method *method, const float *from)
 {
     const struct spring_net *net = &body->net;
     run->body = body;
@@ -236,8 +232,7 @@ static int run_tick(struct run *run, double dt, int is_pressed)
     struct body *body = run->body;
     const uint32_t count = run->method->count;
     if (run->method->kind == OURS)
-        return dpt_springs_step(run->springs, dt, body->loads, is_pressed ? body->load_count : 0,
-                                NULL) == DPT_OK;
+        return dpt_springs_step(run->springs, dt, body->loads, is_pressed ? body->load_count : 0, NULL) == DPT_OK;
     for (uint32_t i = 0; i < (run->method->kind == VBD ? 1 : count); i++)
         if (run->method->kind == VBD)
             vbd_step(body, (float)dt, count);
@@ -296,8 +291,8 @@ static void measure_press(struct body *body, const float *end, double stiffness)
 }
 
 /* The largest energy of `ticks` ticks, and the last, of the first. 0: refused; infinite: not finite. */
-static void follow(struct body *body, const struct method *method, const float *from, double dt,
-                   int ticks, double *most, double *last)
+static void follow(struct body *body, const struct method *method, const float *from, double dt, int ticks,
+                   double *most, double *last)
 {
     struct run run;
     run_open(&run, body, method, from);
@@ -339,8 +334,7 @@ static void measure_energy(struct body *body, const float *end)
         for (int i = 0; i < 9; i++) {
             body->stiffness = (float)scales[i % 3];
             follow(body, methods + m, thrown, steps[i / 3], 100, &most, &last);
-            printf("%u,%s,%g,%g,%.4g,%.4g\n", body->nodes, methods[m].name, scales[i % 3],
-                   steps[i / 3], most, last);
+            printf("%u,%s,%g,%g,%.4g,%.4g\n", body->nodes, methods[m].name, scales[i % 3], steps[i / 3], most, last);
             fflush(stdout);
         }
         body->stiffness = 1.0f;
@@ -357,9 +351,8 @@ static const dpt_mesh *open_file(const char *path)
     FILE *file = fopen(path, "rb");
     long size = -1;
     void *bytes = NULL;
-    if (file && fseek(file, 0, SEEK_END) == 0 && (size = ftell(file)) > 0 &&
-        fseek(file, 0, SEEK_SET) == 0 && posix_memalign(&bytes, 64, (size_t)size) == 0 &&
-        fread(bytes, (size_t)size, 1, file) == 1)
+    if (file && fseek(file, 0, SEEK_END) == 0 && (size = ftell(file)) > 0 && fseek(file, 0, SEEK_SET) == 0 &&
+        posix_memalign(&bytes, 64, (size_t)size) == 0 && fread(bytes, (size_t)size, 1, file) == 1)
         dpt_mesh_open(bytes, (size_t)size, &mesh);
     if (file)
         fclose(file);

@@ -47,8 +47,8 @@ static void plain_forces(struct body *body, float lead)
         const struct link *link = &body->list[i];
         const uint32_t a = 3 * link->a, b = 3 * link->b;
         const float dx = x[b] - x[a], dy = x[b + 1] - x[a + 1], dz = x[b + 2] - x[a + 2];
-        const float pull = body->stiffness * link->stiffness *
-                           (1.0f - link->length / sqrtf(dx * dx + dy * dy + dz * dz));
+        const float pull =
+            body->stiffness * link->stiffness * (1.0f - link->length / sqrtf(dx * dx + dy * dy + dz * dz));
         f[a] += pull * dx;
         f[a + 1] += pull * dy;
         f[a + 2] += pull * dz;
@@ -64,8 +64,7 @@ static void plain_step(struct body *body, float h)
     for (uint32_t i = 0; i < 3 * body->nodes; i++) {
         const float mass = body->net.mass[i / 3];
         if (mass > 0.0f)
-            body->v[i] =
-                (body->v[i] + h * body->force[i] / mass) / (1.0f + h * body->net.drag[i / 3]);
+            body->v[i] = (body->v[i] + h * body->force[i] / mass) / (1.0f + h * body->net.drag[i / 3]);
         body->x[i] += h * body->v[i];
     }
 }
@@ -77,8 +76,7 @@ static void fly_on(struct body *body, float h)
         const float mass = body->net.mass[i / 3];
         body->before[i] = body->x[i];
         if (mass > 0.0f)
-            body->v[i] =
-                (body->v[i] + h * body->load[i] / mass) / (1.0f + h * body->net.drag[i / 3]);
+            body->v[i] = (body->v[i] + h * body->load[i] / mass) / (1.0f + h * body->net.drag[i / 3]);
         body->x[i] += h * body->v[i];
         body->target[i] = body->x[i];
     }
@@ -110,8 +108,7 @@ static void xpbd_step(struct body *body, float h)
         for (uint32_t k = 0; k < 3; k++)
             way += d[k] / size * (d[k] - (before[b + k] - before[a + k]));
         const float soft = 1.0f / (body->stiffness * link->stiffness * h * h);
-        const float push =
-            -(size - link->length + damping * way) / ((1.0f + damping) * (wa + wb) + soft);
+        const float push = -(size - link->length + damping * way) / ((1.0f + damping) * (wa + wb) + soft);
         for (uint32_t k = 0; k < 3; k++) {
             x[a + k] -= wa * push * d[k] / size;
             x[b + k] += wb * push * d[k] / size;

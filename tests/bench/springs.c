@@ -33,8 +33,8 @@ static void plain_step(struct plain *plain, float h)
     for (uint32_t i = 0; i < plain->springs; i++) {
         const uint32_t a = 3 * plain->list[i].a, b = 3 * plain->list[i].b;
         const float dx = x[b] - x[a], dy = x[b + 1] - x[a + 1], dz = x[b + 2] - x[a + 2];
-        const float pull = plain->list[i].stiffness *
-                           (1.0f - plain->list[i].length / sqrtf(dx * dx + dy * dy + dz * dz));
+        const float pull =
+            plain->list[i].stiffness * (1.0f - plain->list[i].length / sqrtf(dx * dx + dy * dy + dz * dz));
         f[a] += pull * dx;
         f[a + 1] += pull * dy;
         f[a + 2] += pull * dz;
@@ -79,8 +79,8 @@ struct subject {
 
 static const char *const integrators[] = { "symplectic", "euler", "implicit" };
 
-static int open_subject(struct subject *subject, const struct rig *rig, uint32_t kernel,
-                        uint32_t integrator, uint32_t iterations, int asleep)
+static int open_subject(struct subject *subject, const struct rig *rig, uint32_t kernel, uint32_t integrator,
+                        uint32_t iterations, int asleep)
 {
     dpt_springs_def def;
     dpt_springs_def_init(&def);
@@ -128,8 +128,7 @@ static int cost(uint32_t nx, uint32_t ny, uint32_t nz)
         count += (uint32_t)open_subject(&subject[count], &rig, id, DPT_INTEGRATOR_SYMPLECTIC, 1, 0);
     const uint32_t best = dpt_kernel_best();
     for (uint32_t iterations = 1; iterations <= 8; iterations *= 2)
-        count += (uint32_t)open_subject(&subject[count], &rig, best, DPT_INTEGRATOR_IMPLICIT,
-                                        iterations, 0);
+        count += (uint32_t)open_subject(&subject[count], &rig, best, DPT_INTEGRATOR_IMPLICIT, iterations, 0);
     count += (uint32_t)open_subject(&subject[count], &rig, best, DPT_INTEGRATOR_SYMPLECTIC, 1, 1);
     double least = 1e300;
     const double h = 0.5 * rig.made->stable_step;
@@ -148,17 +147,15 @@ static int cost(uint32_t nx, uint32_t ny, uint32_t nz)
         }
     }
     printf("nodes,springs,subject,kernel,ns_per_spring,ms_per_step,times_plain\n");
-    printf("%u,%u,plain loop,scalar,%.3f,%.3f,1\n", rig.nodes, rig.springs, least / rig.springs,
-           1e-6 * least);
+    printf("%u,%u,plain loop,scalar,%.3f,%.3f,1\n", rig.nodes, rig.springs, least / rig.springs, 1e-6 * least);
     for (uint32_t s = 0; s < count; s++)
-        printf("%u,%u,%s,%.3f,%.4f,%.2f\n", rig.nodes, rig.springs, subject[s].name,
-               subject[s].least / rig.springs, 1e-6 * subject[s].least, least / subject[s].least);
+        printf("%u,%u,%s,%.3f,%.4f,%.2f\n", rig.nodes, rig.springs, subject[s].name, subject[s].least / rig.springs,
+               1e-6 * subject[s].least, least / subject[s].least);
     return 0;
 }
 
 /* A block that is struck, for a second or 2000 steps: the largest energy over that at the start; 0: refused. */
-static double strike(struct rig *rig, uint32_t integrator, double stiffness, double dt,
-                     uint32_t substeps)
+static double strike(struct rig *rig, uint32_t integrator, double stiffness, double dt, uint32_t substeps)
 {
     dpt_springs_def def;
     dpt_springs_def_init(&def);
@@ -172,8 +169,7 @@ static double strike(struct rig *rig, uint32_t integrator, double stiffness, dou
     double elastic, kinetic, first, most = 0.0;
     uint64_t seed = 3;
     for (size_t i = 0; i < 3 * (size_t)rig->nodes; i++)
-        x[i] =
-            rig->rest[i] + (rig->mass[i / 3] > 0.0f ? (float)random_in(&seed, -1e-3, 1e-3) : 0.0f);
+        x[i] = rig->rest[i] + (rig->mass[i / 3] > 0.0f ? (float)random_in(&seed, -1e-3, 1e-3) : 0.0f);
     dpt_springs_set_nodes(rig->made, 0, rig->nodes, x, NULL);
     free(x);
     dpt_springs_get_energy(rig->made, &elastic, &kinetic);
@@ -201,16 +197,15 @@ static int map(void)
     if (rig_open(&rig, &def) != DPT_OK)
         return 1;
     printf("integrator,substeps,stiffness,step,stable_step,outcome\n");
-    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT;
-         integrator++)
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT; integrator++)
         for (uint32_t substeps = 0; substeps <= 16; substeps = substeps ? 16 * substeps : 1)
             for (double stiffness = 0.01; stiffness < 2e6; stiffness *= sqrt(10.0))
                 for (double dt = 1e-5; dt < 0.2; dt *= sqrt(10.0)) {
                     if (integrator == DPT_INTEGRATOR_IMPLICIT && substeps != 1)
                         continue;
                     const double outcome = strike(&rig, integrator, stiffness, dt, substeps);
-                    printf("%s,%u,%.4g,%.4g,%.4g,%.4g\n", integrators[integrator], substeps,
-                           stiffness, dt, dpt_springs_stable_step(rig.made), outcome);
+                    printf("%s,%u,%.4g,%.4g,%.4g,%.4g\n", integrators[integrator], substeps, stiffness, dt,
+                           dpt_springs_stable_step(rig.made), outcome);
                 }
     rig_close(&rig);
     return 0;

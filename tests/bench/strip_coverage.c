@@ -9,18 +9,9 @@
 
 /* Closed, and wound one way. */
 static const char *const organs[] = {
-    "openhelp_liver.stl",
-    "openhelp_stomach.stl",
-    "openhelp_spleen.stl",
-    "openhelp_kidney_left.stl",
-    "openhelp_duodenum.stl",
-    "openhelp_pancreas.stl",
-    "openhelp_abdominal_wall.stl",
-    "gallbladder_fine.stl",
-    "aneurysm_sofa.off",
-    "liver_sks.ply",
-    "liver_smooth_sofa.obj",
-    "hepatic_veins_sks.obj",
+    "openhelp_liver.stl",    "openhelp_stomach.stl",  "openhelp_spleen.stl",         "openhelp_kidney_left.stl",
+    "openhelp_duodenum.stl", "openhelp_pancreas.stl", "openhelp_abdominal_wall.stl", "gallbladder_fine.stl",
+    "aneurysm_sofa.off",     "liver_sks.ply",         "liver_smooth_sofa.obj",       "hepatic_veins_sks.obj",
     "pelvis_sofa.obj",
 };
 static const struct {
@@ -35,8 +26,8 @@ static void measure(const struct subject *subject, size_t poses)
         struct coverage r;
         coverage_of(subject, lengths[i], poses, 1 + i, &r);
         const double n = (double)(r.poses ? r.poses : 1);
-        printf("%s,%u,%g,%zu,%.1f", subject->name, subject->info.triangles, 100 * lengths[i],
-               r.poses, (double)r.near / n);
+        printf("%s,%u,%g,%zu,%.1f", subject->name, subject->info.triangles, 100 * lengths[i], r.poses,
+               (double)r.near / n);
         for (int kind = 0; kind < COVERAGE_STRIPS; kind++)
             printf(",%.1f", (double)r.size[kind] / n);
         for (int kind = 0; kind < COVERAGE_STRIPS; kind++)

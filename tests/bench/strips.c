@@ -123,9 +123,7 @@ static struct place lie(const dpt_mesh *mesh, uint32_t triangles, double size)
 
 static dpt_shadow shadow_of(const struct place *place, double size, double width)
 {
-    dpt_shadow shadow = {
-        .size = sizeof shadow, .triangle = place->hit.triangle, .width = width, .depth = 0.5 * size
-    };
+    dpt_shadow shadow = { .size = sizeof shadow, .triangle = place->hit.triangle, .width = width, .depth = 0.5 * size };
     memcpy(shadow.segment.a, place->ends, sizeof shadow.segment.a);
     memcpy(shadow.segment.b, place->ends + 3, sizeof shadow.segment.b);
     for (int k = 0; k < 3; k++)
@@ -149,8 +147,8 @@ static double mean_edge(const dpt_mesh *mesh, uint32_t triangles)
     return sum / 1000.0;
 }
 
-static void time_shadows(const dpt_mesh *mesh, dpt_strip *strip, uint32_t triangles, double size,
-                         double width, int rings, const char *name)
+static void time_shadows(const dpt_mesh *mesh, dpt_strip *strip, uint32_t triangles, double size, double width,
+                         int rings, const char *name)
 {
     static double cold[PLACES], warm[SLIDES * STEPS], rest[PLACES], held[PLACES];
     uint32_t count = 0, flags;
@@ -181,13 +179,12 @@ static void time_shadows(const dpt_mesh *mesh, dpt_strip *strip, uint32_t triang
             warm[i * STEPS + step] = now() - begin;
         }
     }
-    printf("%s,%u,%d,shadow %s,%.0f,%.0f,%.0f,%.0f,,,\n", name, triangles, rings,
-           width > 0.0 ? "1 mm" : "0", median(held, PLACES), median(cold, PLACES),
-           median(warm, SLIDES * STEPS), median(rest, PLACES));
+    printf("%s,%u,%d,shadow %s,%.0f,%.0f,%.0f,%.0f,,,\n", name, triangles, rings, width > 0.0 ? "1 mm" : "0",
+           median(held, PLACES), median(cold, PLACES), median(warm, SLIDES * STEPS), median(rest, PLACES));
 }
 
-static void time_routes(const dpt_mesh *mesh, dpt_strip *strip, uint32_t triangles, double size,
-                        int rings, const char *name)
+static void time_routes(const dpt_mesh *mesh, dpt_strip *strip, uint32_t triangles, double size, int rings,
+                        const char *name)
 {
     static double found[PLACES], both[PLACES], full[PLACES], steps[PLACES];
     struct yard y = {
@@ -215,9 +212,8 @@ static void time_routes(const dpt_mesh *mesh, dpt_strip *strip, uint32_t triangl
         wrong += way != count;
         steps[i] = count;
     }
-    printf("%s,%u,%d,route,%.0f,%.0f,,,%.0f,%.0f,%u\n", name, triangles, rings,
-           median(steps, PLACES), median(found, PLACES), median(both, PLACES), median(full, PLACES),
-           wrong);
+    printf("%s,%u,%d,route,%.0f,%.0f,,,%.0f,%.0f,%u\n", name, triangles, rings, median(steps, PLACES),
+           median(found, PLACES), median(both, PLACES), median(full, PLACES), wrong);
     free(y.mark);
     free(y.queue[0]);
     free(y.queue[1]);

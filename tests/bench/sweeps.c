@@ -42,8 +42,8 @@ static dpt_pose moved(const dpt_pose *from, double jump, double turn)
     const double *q = from->orientation;
     direction(axis);
     direction(way);
-    const double w = cos(0.5 * turn), v[3] = { sin(0.5 * turn) * axis[0], sin(0.5 * turn) * axis[1],
-                                               sin(0.5 * turn) * axis[2] };
+    const double w = cos(0.5 * turn),
+                 v[3] = { sin(0.5 * turn) * axis[0], sin(0.5 * turn) * axis[1], sin(0.5 * turn) * axis[2] };
     to.orientation[0] = w * q[0] - v[0] * q[1] - v[1] * q[2] - v[2] * q[3];
     for (int k = 0; k < 3; k++) {
         const int l = (k + 1) % 3, m = (k + 2) % 3;
@@ -60,8 +60,7 @@ static dpt_pose moved(const dpt_pose *from, double jump, double turn)
 enum how { TRY, POINT, PROXY };
 static const char *const how_names[] = { "try", "point", "proxy" };
 
-static void measure(const char *name, const dpt_mesh *mesh, enum how how, double jump, double turn,
-                    int motions)
+static void measure(const char *name, const dpt_mesh *mesh, enum how how, double jump, double turn, int motions)
 {
     dpt_mesh_info info = { .size = sizeof info };
     dpt_world_def def;
@@ -75,24 +74,21 @@ static void measure(const char *name, const dpt_mesh *mesh, enum how how, double
     def.law = how == PROXY ? DPT_LAW_PROXY : DPT_LAW_POINT;
     void *block = malloc(dpt_world_bytes(&def));
     if (!took || !block || dpt_mesh_get_info(mesh, &info) ||
-        dpt_world_create(block, dpt_world_bytes(&def), &def, &world) ||
-        dpt_body_add(world, mesh, NULL, &body) || dpt_tool_add(world, &segment, 1, &tool))
+        dpt_world_create(block, dpt_world_bytes(&def), &def, &world) || dpt_body_add(world, mesh, NULL, &body) ||
+        dpt_tool_add(world, &segment, 1, &tool))
         exit(2);
     for (int i = 0; i < motions; i++) {
         dpt_pose from = pose_random(&rng, 0.0), reached;
         dpt_sweep first = { .size = sizeof first };
         for (int k = 0; k < 3; k++)
             from.position[k] = random_in(&rng, info.box_min[k] - 0.1, info.box_max[k] + 0.1);
-        const dpt_pose to =
-            moved(&from, jump * random_in(&rng, 0.5, 1.0), turn * random_in(&rng, 0.5, 1.0));
+        const dpt_pose to = moved(&from, jump * random_in(&rng, 0.5, 1.0), turn * random_in(&rng, 0.5, 1.0));
         dpt_tool_teleport(world, tool, &from);
-        if (how != TRY &&
-            (dpt_world_step(world, 1e-3, NULL) || dpt_tool_set_pose(world, tool, &to)))
+        if (how != TRY && (dpt_world_step(world, 1e-3, NULL) || dpt_tool_set_pose(world, tool, &to)))
             exit(2);
         const double begin = processor_time();
-        const dpt_result result = how == TRY
-                                      ? dpt_tool_try_pose(world, tool, &to, 0.0, &first, &reached)
-                                      : dpt_world_step(world, 1e-3, NULL);
+        const dpt_result result =
+            how == TRY ? dpt_tool_try_pose(world, tool, &to, 0.0, &first, &reached) : dpt_world_step(world, 1e-3, NULL);
         took[i] = processor_time() - begin;
         if (result || (how == POINT && dpt_tool_get_sweep(world, tool, 0, &first)) ||
             (how == PROXY && dpt_tool_get_proxy(world, tool, &reached)))
@@ -100,9 +96,9 @@ static void measure(const char *name, const dpt_mesh *mesh, enum how how, double
         met += how == PROXY ? memcmp(&reached, &to, sizeof to) != 0 : first.status == DPT_SWEEP_HIT;
     }
     qsort(took, (size_t)motions, sizeof *took, by_size);
-    printf("%s,%u,%s,%g,%g,%.2f,%.1f,%.1f,%.1f,%.1f\n", name, info.triangles, how_names[how], jump,
-           turn, (double)met / motions, took[motions / 2], took[(int)(0.99 * motions)],
-           took[(int)(0.999 * motions)], took[motions - 1]);
+    printf("%s,%u,%s,%g,%g,%.2f,%.1f,%.1f,%.1f,%.1f\n", name, info.triangles, how_names[how], jump, turn,
+           (double)met / motions, took[motions / 2], took[(int)(0.99 * motions)], took[(int)(0.999 * motions)],
+           took[motions - 1]);
     free(took);
     free(block);
 }
@@ -114,9 +110,7 @@ int main(int argc, char **argv)
     static const struct {
         const char *name;
         uint64_t triangles;
-    } shapes[] = {
-        { "liver", 50332 }, { "torus", 61358 }, { "star", 20480 }, { "torus", 1000000 }
-    };
+    } shapes[] = { { "liver", 50332 }, { "torus", 61358 }, { "star", 20480 }, { "torus", 1000000 } };
     const int motions = argc > 1 ? atoi(argv[1]) : 3000;
     puts("mesh,triangles,how,jump,turn,met,median_us,p99_us,p999_us,most_us");
     for (size_t i = 0; i < sizeof shapes / sizeof shapes[0]; i++) {

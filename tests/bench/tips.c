@@ -57,12 +57,10 @@ static void make_hull(const struct tool_kind *kind, struct held_world *stage)
     stage->corners = def.corner_count;
 }
 
-static void open_stage(struct held_world *stage, const struct solid *solid,
-                       const struct tool_kind *kind, double friction, uint32_t contacts,
-                       uint32_t ticks)
+static void open_stage(struct held_world *stage, const struct solid *solid, const struct tool_kind *kind,
+                       double friction, uint32_t contacts, uint32_t ticks)
 {
-    const dpt_segment rod = { { -0.015, 0, 0 }, { 0.015, 0, 0 }, 0.002 },
-                      point = { { 0 }, { 0 }, 0 };
+    const dpt_segment rod = { { -0.015, 0, 0 }, { 0.015, 0, 0 }, 0.002 }, point = { { 0 }, { 0 }, 0 };
     dpt_body_settings settings = { .size = sizeof settings };
     dpt_world_def def;
     dpt_body body;
@@ -72,10 +70,8 @@ static void open_stage(struct held_world *stage, const struct solid *solid,
     stage->least = 1;
     stage->took = malloc(ticks * sizeof *stage->took);
     stage->block = malloc(dpt_world_bytes(&def));
-    if (!stage->took || !stage->block ||
-        dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world) ||
-        dpt_body_add(stage->world, solid->mesh, NULL, &body) ||
-        dpt_body_get_settings(stage->world, body, &settings) ||
+    if (!stage->took || !stage->block || dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world) ||
+        dpt_body_add(stage->world, solid->mesh, NULL, &body) || dpt_body_get_settings(stage->world, body, &settings) ||
         dpt_tool_add(stage->world, kind->has_tip ? &point : &rod, 1, &stage->tool))
         fail("no world");
     settings.static_friction = settings.kinetic_friction = friction;
@@ -89,8 +85,7 @@ static void open_stage(struct held_world *stage, const struct solid *solid,
 }
 
 /* One tick; what it took counts while the tool is held. */
-static void tick(struct held_world *stage, const struct solid *solid, const dpt_pose *pose,
-                 int number)
+static void tick(struct held_world *stage, const struct solid *solid, const dpt_pose *pose, int number)
 {
     dpt_force_report force = { .size = sizeof force };
     const double begin = processor_time();
@@ -149,8 +144,7 @@ static struct place any_place(const struct solid *solid, uint64_t *seed)
 static void turn_by(double q[4], const double axis[3], double angle)
 {
     const double w = cos(angle / 2), s = sin(angle / 2);
-    const double d[4] = { w, s * axis[0], s * axis[1], s * axis[2] },
-                 o[4] = { q[0], q[1], q[2], q[3] };
+    const double d[4] = { w, s * axis[0], s * axis[1], s * axis[2] }, o[4] = { q[0], q[1], q[2], q[3] };
     q[0] = d[0] * o[0] - d[1] * o[1] - d[2] * o[2] - d[3] * o[3];
     q[1] = d[0] * o[1] + d[1] * o[0] + d[2] * o[3] - d[3] * o[2];
     q[2] = d[0] * o[2] - d[1] * o[3] + d[2] * o[0] + d[3] * o[1];
@@ -188,13 +182,11 @@ static void measure(const char *name, uint64_t count, double friction, uint32_t 
     for (int t = 0; t < TOOLS; t++) {
         struct held_world *stage = &stages[t];
         qsort(stage->took, stage->held, sizeof *stage->took, by_size);
-        const double half = stage->took[stage->held / 2],
-                     most = stage->took[stage->held * 99u / 100u];
+        const double half = stage->took[stage->held / 2], most = stage->took[stage->held * 99u / 100u];
         median = t ? median : half;
         slow = t ? slow : most;
-        printf("%s,%u,%s,%u,%g,%u,%u,%.1f,%.1f,%.2f,%.2f,", name, solid.info.triangles,
-               kinds[t].name, stage->corners, friction, contacts, stage->held, half, most,
-               half / median, most / slow);
+        printf("%s,%u,%s,%u,%g,%u,%u,%.1f,%.1f,%.2f,%.2f,", name, solid.info.triangles, kinds[t].name, stage->corners,
+               friction, contacts, stage->held, half, most, half / median, most / slow);
         if (stage->hull)
             printf("%.3g", stage->least);
         printf(",%u\n", stage->folds);
@@ -209,9 +201,7 @@ int main(int argc, char **argv)
     const int runs = argc > 1 ? atoi(argv[1]) : 40;
     if (runs < 1)
         fail("RUNS is a number above 0");
-    puts("mesh,triangles,tool,corners,friction,contacts,held,median_us,p99_us,median_ratio,p99_"
-         "ratio,least_"
-         "gap,folds");
+    puts("mesh,triangles,tool,corners,friction,contacts,held,median_us,p99_us,median_ratio,p99_ratio,least_gap,folds");
     measure("liver", 50332, 0, 32, runs);
     measure("liver", 50332, 0, 0, runs);
     measure("liver", 50332, 0.3, 0, runs);

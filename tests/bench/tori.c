@@ -29,9 +29,7 @@ int main(int argc, char **argv)
         plain_fail("tori", "MESH.dpa TRACE.csv NAME DIR [MOTION STEP] are needed");
     const dpt_mesh *mesh = plain_open_mesh(argv[1]);
     double *trace = plain_read_trace(argv[2], TICKS_MAX, &ticks);
-    struct play play = {
-        .name = argv[3], .mesh = { mesh }, .bodies = 1, .ends = trace, .ticks = (int)ticks
-    };
+    struct play play = { .name = argv[3], .mesh = { mesh }, .bodies = 1, .ends = trace, .ticks = (int)ticks };
     dpt_mesh_get_vertices(mesh, &rest, &vertices);
     if (argc == 7) {
         if (!vertex_motion_open(&motion, argv[5], atof(argv[6]), rest, vertices, trace))

@@ -49,8 +49,8 @@ struct vertex_motion {
 };
 
 /* 0 where there is no memory or no motion of this name. The arrays given are kept. */
-static inline int vertex_motion_open(struct vertex_motion *motion, const char *name, double step,
-                                     const float *rest, uint32_t vertices, const double *trace)
+static inline int vertex_motion_open(struct vertex_motion *motion, const char *name, double step, const float *rest,
+                                     uint32_t vertices, const double *trace)
 {
     const size_t floats = 3 * (size_t)vertices;
     double low[3], high[3], diagonal = 0.0;
@@ -66,8 +66,8 @@ static inline int vertex_motion_open(struct vertex_motion *motion, const char *n
     motion->list = (uint32_t *)malloc(DENT_VERTICES * sizeof(uint32_t));
     motion->listed = (float *)malloc(3 * DENT_VERTICES * sizeof(float));
     motion->dent = (struct dent_vertex *)malloc(vertices * sizeof(struct dent_vertex));
-    if (!motion->cosine || !motion->sine || !motion->positions || !motion->list ||
-        !motion->listed || !motion->dent || (!motion->is_dent && strcmp(name, "modes")))
+    if (!motion->cosine || !motion->sine || !motion->positions || !motion->list || !motion->listed || !motion->dent ||
+        (!motion->is_dent && strcmp(name, "modes")))
         return 0;
     for (int k = 0; k < 3; k++) {
         low[k] = high[k] = (double)rest[k];
@@ -95,8 +95,8 @@ static inline int vertex_motion_open(struct vertex_motion *motion, const char *n
 }
 
 /* What was recorded in a file; 0 where there is no such file, or it is none of this mesh. */
-static inline int vertex_motion_open_recorded(struct vertex_motion *motion, const char *path,
-                                              const float *rest, uint32_t vertices)
+static inline int vertex_motion_open_recorded(struct vertex_motion *motion, const char *path, const float *rest,
+                                              uint32_t vertices)
 {
     FILE *file = fopen(path, "rb");
     long size = -1;
@@ -114,9 +114,9 @@ static inline int vertex_motion_open_recorded(struct vertex_motion *motion, cons
     motion->recorded_ticks = ((size_t)size - 4) / (floats * sizeof(float));
     motion->recorded = (float *)malloc((size_t)size);
     motion->positions = (float *)malloc(3 * (size_t)vertices * sizeof(float));
-    const int whole = motion->recorded && motion->positions && motion->recorded_ticks &&
-                      fread(motion->recorded, floats * sizeof(float), motion->recorded_ticks,
-                            file) == motion->recorded_ticks;
+    const int whole =
+        motion->recorded && motion->positions && motion->recorded_ticks &&
+        fread(motion->recorded, floats * sizeof(float), motion->recorded_ticks, file) == motion->recorded_ticks;
     fclose(file);
     if (!whole)
         return 0;
@@ -175,8 +175,7 @@ static inline void begin_dent(struct vertex_motion *motion, size_t stretch)
     memcpy(motion->positions, rest, 3 * (size_t)motion->vertices * sizeof(float));
     motion->stretch = stretch + 1;
     for (uint32_t v = 1; v < motion->vertices; v++)
-        if (square_from_tool(rest + 3 * (size_t)v, ends) <
-            square_from_tool(rest + 3 * (size_t)middle, ends))
+        if (square_from_tool(rest + 3 * (size_t)v, ends) < square_from_tool(rest + 3 * (size_t)middle, ends))
             middle = v;
     for (uint32_t v = 0; v < motion->vertices; v++) {
         struct dent_vertex *dent = &motion->dent[v];
@@ -237,8 +236,7 @@ static inline void vertex_motion_at(struct vertex_motion *motion, size_t tick)
     const size_t stretch = tick ? (tick - 1) / DENT_TICKS : 0;
     if (motion->stretch != stretch + 1)
         begin_dent(motion, stretch);
-    const double depth =
-        tick % DENT_TICKS ? amplitude * sin(turn * (double)(tick % DENT_TICKS)) : 0.0;
+    const double depth = tick % DENT_TICKS ? amplitude * sin(turn * (double)(tick % DENT_TICKS)) : 0.0;
     for (uint32_t i = 0; i < motion->count; i++) {
         const size_t at = 3 * (size_t)motion->list[i];
         for (size_t k = 0; k < 3; k++) {

@@ -38,8 +38,7 @@ int sections_open(struct sections *s, const dpt_compiled *compiled)
 
 static int same_place(const struct source *source, uint32_t a, uint32_t b)
 {
-    return rounded(source, a, 0) == rounded(source, b, 0) &&
-           rounded(source, a, 1) == rounded(source, b, 1) &&
+    return rounded(source, a, 0) == rounded(source, b, 0) && rounded(source, a, 1) == rounded(source, b, 1) &&
            rounded(source, a, 2) == rounded(source, b, 2);
 }
 
@@ -89,9 +88,8 @@ static int round_of(const struct source *source, uint32_t t, const double corner
             int same = 1;
             for (int k = 0; k < 3; k++)
                 for (int axis = 0; axis < 3; axis++)
-                    same &=
-                        corners[3 * k + axis] ==
-                        (double)rounded(source, source_corner(source, t, shift + way * k), axis);
+                    same &= corners[3 * k + axis] ==
+                            (double)rounded(source, source_corner(source, t, shift + way * k), axis);
             if (same)
                 return way == 1 ? 1 : -1;
         }
@@ -106,12 +104,11 @@ void check_triangles(const struct source *source, const struct sections *s, int 
         dpt_result result = dpt_mesh_get_triangle(s->mesh, t, corners);
         uint32_t place = s->places[t];
         if (is_degenerate(source, t) || is_duplicate(source, t)) {
-            uint32_t code =
-                is_degenerate(source, t) ? MESH_DROPPED_DEGENERATE : MESH_DROPPED_DUPLICATE;
+            uint32_t code = is_degenerate(source, t) ? MESH_DROPPED_DEGENERATE : MESH_DROPPED_DUPLICATE;
             degenerate += code == MESH_DROPPED_DEGENERATE;
             duplicate += code == MESH_DROPPED_DUPLICATE;
-            CHECK(place == code && result == DPT_E_ARGUMENT && corners[0] == 77.0,
-                  "triangle %u is not dropped: %x, %d", t, place, result);
+            CHECK(place == code && result == DPT_E_ARGUMENT && corners[0] == 77.0, "triangle %u is not dropped: %x, %d",
+                  t, place, result);
             continue;
         }
         kept++;
@@ -124,13 +121,12 @@ void check_triangles(const struct source *source, const struct sections *s, int 
         flipped += turned[place] == -1;
     }
     const dpt_mesh_info *info = &s->info;
-    CHECK(info->triangles == kept && info->dropped_degenerate == degenerate &&
-              info->dropped_duplicate == duplicate && info->turned_triangles == flipped,
+    CHECK(info->triangles == kept && info->dropped_degenerate == degenerate && info->dropped_duplicate == duplicate &&
+              info->turned_triangles == flipped,
           "%u kept, %u degenerate, %u duplicate, %u turned; not %u, %u, %u, %u", info->triangles,
-          info->dropped_degenerate, info->dropped_duplicate, info->turned_triangles, kept,
-          degenerate, duplicate, flipped);
-    CHECK(info->source_triangles == source->triangle_count &&
-              info->source_vertices == source->vertex_count,
+          info->dropped_degenerate, info->dropped_duplicate, info->turned_triangles, kept, degenerate, duplicate,
+          flipped);
+    CHECK(info->source_triangles == source->triangle_count && info->source_vertices == source->vertex_count,
           "%u and %u in the source", info->source_triangles, info->source_vertices);
 }
 
@@ -154,8 +150,7 @@ static void check_vertex_sources(const struct source *source, const struct secti
             if (is_there && is_used(source, number))
                 break;
         }
-        CHECK(s->vertex_sources[v] == number, "vertex %u is %u, not %u", v, s->vertex_sources[v],
-              number);
+        CHECK(s->vertex_sources[v] == number, "vertex %u is %u, not %u", v, s->vertex_sources[v], number);
     }
 }
 
@@ -170,20 +165,18 @@ static void check_vertices(const struct source *source, const struct sections *s
         for (uint32_t w = 0; w < v; w++)
             CHECK(memcmp(at, s->vertices + 3 * (size_t)w, 12), "%u and %u are one", v, w);
         for (int k = 0; k < 3; k++)
-            CHECK(at[k] >= s->info.box_min[k] && at[k] <= s->info.box_max[k] &&
-                      !(at[k] == 0.0f && signbit(at[k])),
+            CHECK(at[k] >= s->info.box_min[k] && at[k] <= s->info.box_max[k] && !(at[k] == 0.0f && signbit(at[k])),
                   "vertex %u is outside, or -0", v);
     }
     for (uint32_t v = 0; v < source->vertex_count; v++) {
         unused += !is_used(source, v);
         for (int k = 0; k < 3; k++)
-            rounding =
-                fmax(rounding, fabs((double)rounded(source, v, k) -
-                                    source->scale * source->vertices[3 * (size_t)v + (size_t)k]));
+            rounding = fmax(rounding, fabs((double)rounded(source, v, k) -
+                                           source->scale * source->vertices[3 * (size_t)v + (size_t)k]));
     }
     CHECK(s->info.unused_vertices == unused, "%u unused, not %u", s->info.unused_vertices, unused);
-    CHECK(s->info.rounding == rounding && s->info.scale == source->scale, "rounding %g, not %g",
-          s->info.rounding, rounding);
+    CHECK(s->info.rounding == rounding && s->info.scale == source->scale, "rounding %g, not %g", s->info.rounding,
+          rounding);
     for (int k = 0; k < 3; k++) {
         int low = 0, high = 0;
         for (uint32_t v = 0; v < s->info.vertices; v++) {
@@ -221,8 +214,8 @@ struct part_found {
  * Every edge by comparing all triangles with all. `join` is the least triangle that each is
  * connected with, as far as found; returns whether it changed.
  */
-static int check_edges(const struct sections *s, const int *turned, uint32_t *join,
-                       struct part_found *at, dpt_mesh_info *sum)
+static int check_edges(const struct sections *s, const int *turned, uint32_t *join, struct part_found *at,
+                       dpt_mesh_info *sum)
 {
     int changed = 0;
     for (uint32_t t = 0; t < s->info.triangles; t++)
@@ -273,8 +266,7 @@ static int is_orientable(const struct sections *s, uint32_t part, int *side)
                 uint32_t n = s->neighbours[3 * (size_t)t + k];
                 if (n >= s->info.triangles)
                     continue;
-                int wanted =
-                    -side[t] * runs_through(s, n, corner_at(s, t, k), corner_at(s, t, k + 1));
+                int wanted = -side[t] * runs_through(s, n, corner_at(s, t, k), corner_at(s, t, k + 1));
                 if (wanted == 0)
                     continue; /* no neighbour: check_edges has said so */
                 orientable &= side[n] == 0 || side[n] == wanted;
@@ -300,16 +292,15 @@ static double volume_of(const struct sections *s, uint32_t part)
     return volume / 6.0;
 }
 
-static void check_parts(const struct sections *s, const int *turned, const uint32_t *join,
-                        struct part_found *found, dpt_mesh_info *sum)
+static void check_parts(const struct sections *s, const int *turned, const uint32_t *join, struct part_found *found,
+                        dpt_mesh_info *sum)
 {
     int *side = malloc(s->info.triangles * sizeof *side);
     for (uint32_t t = 0; t < s->info.triangles; t++) {
         struct part_found *part = &found[s->parts[t]];
         if (part->triangles++ == 0)
             part->first = t;
-        CHECK(join[t] == part->first, "triangle %u is connected with %u, not %u", t, join[t],
-              part->first);
+        CHECK(join[t] == part->first, "triangle %u is connected with %u, not %u", t, join[t], part->first);
     }
     for (uint32_t p = 0; p < s->info.components; p++) {
         const struct part_found *part = &found[p];
@@ -322,19 +313,18 @@ static void check_parts(const struct sections *s, const int *turned, const uint3
         const int buried = (entry[0] & MESH_PART_BURIED) != 0;
         const double volume = volume_of(s, p);
         CHECK((entry[0] & 7u) == flags, "part %u has flags %u, not %u", p, entry[0], flags);
-        CHECK(entry[0] < 64u && (solid || !whole) && (solid || (!winding && !buried)) &&
-                  !(winding && buried) && (whole || winding || !solid),
+        CHECK(entry[0] < 64u && (solid || !whole) && (solid || (!winding && !buried)) && !(winding && buried) &&
+                  (whole || winding || !solid),
               "part %u has flags %u", p, entry[0]);
         sum->solid_components += (uint32_t)solid;
         sum->winding_components += (uint32_t)winding;
         sum->buried_components += (uint32_t)buried;
         CHECK(entry[1] == part->triangles && entry[2] == part->open && entry[3] == part->many,
-              "part %u: %u triangles, %u open, %u many; not %u, %u, %u", p, entry[1], entry[2],
-              entry[3], part->triangles, part->open, part->many);
+              "part %u: %u triangles, %u open, %u many; not %u, %u, %u", p, entry[1], entry[2], entry[3],
+              part->triangles, part->open, part->many);
         CHECK(p == 0 || part->first > found[p - 1].first, "part %u is out of order", p);
         sum->closed_components += (uint32_t)whole;
-        sum->inward_components +=
-            whole && !part->source_against && turned[part->first] == -1 && volume >= 0.0;
+        sum->inward_components += whole && !part->source_against && turned[part->first] == -1 && volume >= 0.0;
         sum->cavities += whole && volume < -1e-3;
         CHECK(!whole || !part->against, "part %u is wound both ways", p);
         for (uint32_t t = 0; t < s->info.triangles && !solid; t++)
@@ -349,8 +339,7 @@ void check_fans(const struct sections *s)
         uint32_t i = s->fan_first[v];
         for (uint32_t t = 0; t < s->info.triangles; t++)
             if (corner_at(s, t, 0) == v || corner_at(s, t, 1) == v || corner_at(s, t, 2) == v) {
-                CHECK(i < s->fan_first[v + 1] && s->fans[i] == t, "%u is not in the fan of %u", t,
-                      v);
+                CHECK(i < s->fan_first[v + 1] && s->fans[i] == t, "%u is not in the fan of %u", t, v);
                 i++;
             }
         CHECK(i == s->fan_first[v + 1], "the fan of %u ends at %u", v, i);
@@ -366,8 +355,7 @@ void check_leaves(const struct sections *s)
         for (uint32_t k = 0; k < 9; k++) {
             float x = s->vertices[3 * (size_t)corner_at(s, t, k / 3) + k % 3];
             double at = ((double)x - header.filter_centre[k % 3]) * header.filter_scale;
-            CHECK(lane[k * LANES] == (float)at && fabs(at) <= 1.0, "lane %u of leaf %u", i % LANES,
-                  i / LANES);
+            CHECK(lane[k * LANES] == (float)at && fabs(at) <= 1.0, "lane %u of leaf %u", i % LANES, i / LANES);
         }
     }
 }
@@ -389,8 +377,7 @@ void check_boxes(const struct sections *s)
                     float x = s->vertices[3 * (size_t)corner_at(s, (uint32_t)t, k / 3) + k % 3];
                     double at = ((double)x - header.filter_centre[k % 3]) * header.filter_scale;
                     double off = fabs(at - box[k % 3 * LANES]);
-                    CHECK(off <= box[(3 + k % 3) * LANES] + 0x1p-52, "box %u of level %u",
-                          (uint32_t)i, levels + 1);
+                    CHECK(off <= box[(3 + k % 3) * LANES] + 0x1p-52, "box %u of level %u", (uint32_t)i, levels + 1);
                 }
         }
         node += count * MESH_BOX_WORDS;
@@ -421,24 +408,19 @@ void check_compiled(const struct source *source, const dpt_compiled *compiled)
         sum = (dpt_mesh_info){ .size = sizeof sum };
     }
     check_parts(&s, turned, join, found, &sum);
-    CHECK(
-        s.info.open_edges == sum.open_edges && s.info.nonmanifold_edges == sum.nonmanifold_edges &&
-            s.info.wrong_way_edges == sum.wrong_way_edges,
-        "%u open, %u many, %u against; not %u, %u, %u", s.info.open_edges, s.info.nonmanifold_edges,
-        s.info.wrong_way_edges, sum.open_edges, sum.nonmanifold_edges, sum.wrong_way_edges);
-    CHECK(s.info.closed_components == sum.closed_components &&
-              s.info.inward_components == sum.inward_components,
-          "%u closed, %u inward; not %u, %u", s.info.closed_components, s.info.inward_components,
-          sum.closed_components, sum.inward_components);
-    CHECK(s.info.solid_components == sum.solid_components &&
-              s.info.winding_components == sum.winding_components &&
+    CHECK(s.info.open_edges == sum.open_edges && s.info.nonmanifold_edges == sum.nonmanifold_edges &&
+              s.info.wrong_way_edges == sum.wrong_way_edges,
+          "%u open, %u many, %u against; not %u, %u, %u", s.info.open_edges, s.info.nonmanifold_edges,
+          s.info.wrong_way_edges, sum.open_edges, sum.nonmanifold_edges, sum.wrong_way_edges);
+    CHECK(s.info.closed_components == sum.closed_components && s.info.inward_components == sum.inward_components,
+          "%u closed, %u inward; not %u, %u", s.info.closed_components, s.info.inward_components, sum.closed_components,
+          sum.inward_components);
+    CHECK(s.info.solid_components == sum.solid_components && s.info.winding_components == sum.winding_components &&
               s.info.buried_components == sum.buried_components,
-          "%u solid, %u by winding, %u buried; not %u, %u, %u", s.info.solid_components,
-          s.info.winding_components, s.info.buried_components, sum.solid_components,
-          sum.winding_components, sum.buried_components);
+          "%u solid, %u by winding, %u buried; not %u, %u, %u", s.info.solid_components, s.info.winding_components,
+          s.info.buried_components, sum.solid_components, sum.winding_components, sum.buried_components);
     /* Nothing is wound inward that lies in no other. */
-    CHECK(sum.cavities <= s.info.cavities &&
-              s.info.cavities < sum.solid_components + !sum.solid_components,
+    CHECK(sum.cavities <= s.info.cavities && s.info.cavities < sum.solid_components + !sum.solid_components,
           "%u cavities, not %u of %u", s.info.cavities, sum.cavities, sum.solid_components);
     check_fans(&s);
     check_leaves(&s);

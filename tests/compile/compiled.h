@@ -23,8 +23,7 @@ struct sections {
     const dpt_mesh *mesh;
     dpt_mesh_info info;
     const float *vertices, *boxes, *leaves;
-    const uint32_t *triangles, *neighbours, *fan_first, *fans, *parts, *part_table, *sources,
-        *places, *vertex_sources;
+    const uint32_t *triangles, *neighbours, *fan_first, *fans, *parts, *part_table, *sources, *places, *vertex_sources;
 };
 
 /* A copy of what was compiled, open; 0 when it does not open. */

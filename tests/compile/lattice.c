@@ -6,8 +6,8 @@
 
 #include "lib/random.h"
 
-static void place_nodes(struct lattice *lattice, uint32_t across, const double low[3],
-                        const double high[3], uint64_t *random)
+static void place_nodes(struct lattice *lattice, uint32_t across, const double low[3], const double high[3],
+                        uint64_t *random)
 {
     const uint32_t side = across + 1;
     for (uint32_t i = 0; i < lattice->node_count; i++) {
@@ -15,8 +15,7 @@ static void place_nodes(struct lattice *lattice, uint32_t across, const double l
         for (int k = 0; k < 3; k++) {
             const int is_inner = at[k] > 0 && at[k] < across;
             const double moved = *random && is_inner ? random_in(random, -0.12, 0.12) : 0.0;
-            lattice->nodes[3 * i + (uint32_t)k] =
-                low[k] + (high[k] - low[k]) * ((double)at[k] + moved) / across;
+            lattice->nodes[3 * i + (uint32_t)k] = low[k] + (high[k] - low[k]) * ((double)at[k] + moved) / across;
         }
     }
 }
@@ -25,8 +24,7 @@ static void place_nodes(struct lattice *lattice, uint32_t across, const double l
 static void cut_cube(uint32_t *cells, uint32_t corner, uint32_t side)
 {
     const uint32_t step[3] = { 1, side, side * side };
-    static const int ways[6][3] = { { 0, 1, 2 }, { 0, 2, 1 }, { 1, 0, 2 },
-                                    { 1, 2, 0 }, { 2, 0, 1 }, { 2, 1, 0 } };
+    static const int ways[6][3] = { { 0, 1, 2 }, { 0, 2, 1 }, { 1, 0, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 2, 1, 0 } };
     for (int i = 0; i < 6; i++) {
         uint32_t node = corner;
         for (int k = 0; k < 4; k++) {
@@ -69,8 +67,7 @@ static void shuffle(struct lattice *lattice, uint64_t *random)
     free(place);
 }
 
-void lattice_make(struct lattice *lattice, uint32_t across, const double low[3],
-                  const double high[3], uint64_t seed)
+void lattice_make(struct lattice *lattice, uint32_t across, const double low[3], const double high[3], uint64_t seed)
 {
     const uint32_t side = across + 1, cubes = across * across * across;
     uint64_t random = seed;
@@ -81,8 +78,7 @@ void lattice_make(struct lattice *lattice, uint32_t across, const double low[3],
     place_nodes(lattice, across, low, high, &random);
     for (uint32_t i = 0; i < cubes; i++)
         cut_cube(lattice->cells + 24 * (size_t)i,
-                 i % across + side * (i / across % across) + side * side * (i / across / across),
-                 side);
+                 i % across + side * (i / across % across) + side * side * (i / across / across), side);
     if (seed)
         shuffle(lattice, &random);
 }

@@ -18,8 +18,7 @@ struct lattice {
  * across^3 cubes between two corners, six tetrahedra each. With a seed that is not 0 inner nodes are moved a little,
  * nodes and cells are shuffled, and cells are wound either way.
  */
-void lattice_make(struct lattice *lattice, uint32_t across, const double low[3],
-                  const double high[3], uint64_t seed);
+void lattice_make(struct lattice *lattice, uint32_t across, const double low[3], const double high[3], uint64_t seed);
 
 void lattice_free(struct lattice *lattice);
 

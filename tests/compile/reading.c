@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "compile/reading.h"
 
-void read_bytes(reading *r, uint32_t format, const void *bytes, size_t size,
-                const dpt_compile_def *def)
+void read_bytes(reading *r, uint32_t format, const void *bytes, size_t size, const dpt_compile_def *def)
 {
     unsigned char *copy = malloc(size + (size == 0));
     memset(&r->diag, 0, sizeof r->diag);

@@ -14,8 +14,7 @@ typedef struct reading {
 } reading;
 
 /* Read a copy that ends where its block of memory ends, so that a sanitizer sees a byte too far. */
-void read_bytes(reading *r, uint32_t format, const void *bytes, size_t size,
-                const dpt_compile_def *def);
+void read_bytes(reading *r, uint32_t format, const void *bytes, size_t size, const dpt_compile_def *def);
 
 /* The same of a string. */
 void read_string(reading *r, uint32_t format, const char *text);

@@ -12,10 +12,9 @@ int open_subject(struct subject *subject, dpt_compiled *compiled)
     subject->info = (dpt_mesh_info){ .size = sizeof subject->info };
     subject->net = (dpt_mesh_springs){ .size = sizeof subject->net };
     dpt_mesh_convert(subject->file.bytes, subject->file.size, NULL);
-    const int good =
-        dpt_mesh_open(subject->file.bytes, subject->file.size, &subject->mesh) == DPT_OK &&
-        dpt_mesh_get_info(subject->mesh, &subject->info) == DPT_OK &&
-        dpt_mesh_get_springs(subject->mesh, &subject->net) == DPT_OK && subject->net.nodes;
+    const int good = dpt_mesh_open(subject->file.bytes, subject->file.size, &subject->mesh) == DPT_OK &&
+                     dpt_mesh_get_info(subject->mesh, &subject->info) == DPT_OK &&
+                     dpt_mesh_get_springs(subject->mesh, &subject->net) == DPT_OK && subject->net.nodes;
     CHECK(good, "does not open, or has no springs");
     return good;
 }
@@ -29,14 +28,13 @@ static dpt_result compile_shape(const char *name, uint64_t count, const dpt_spri
     const dpt_compile_def def = { .size = sizeof def, .springs = springs };
     diag->size = sizeof *diag;
     if (shape_make(name, count, 0, &shape, reason) == 0)
-        result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                    shape.triangle_count, &def, compiled, diag);
+        result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, &def,
+                                    compiled, diag);
     shape_free(&shape);
     return result;
 }
 
-int make_subject(struct subject *subject, const char *name, uint64_t count,
-                 const dpt_spring_net_def *springs)
+int make_subject(struct subject *subject, const char *name, uint64_t count, const dpt_spring_net_def *springs)
 {
     dpt_compiled compiled;
     dpt_diag diag;
@@ -55,8 +53,7 @@ dpt_spring_net_def def_of(uint32_t kind)
 
 static double determinant(const double a[3], const double b[3], const double c[3])
 {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-           a[2] * (b[0] * c[1] - b[1] * c[0]);
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
 void measure(const dpt_mesh *mesh, double *volume, double *area)
@@ -75,8 +72,7 @@ void measure(const dpt_mesh *mesh, double *volume, double *area)
         *volume += determinant(x[0], x[1], x[2]) / 6.0;
         for (int k = 0; k < 3; k++) {
             const int i = (k + 1) % 3, j = (k + 2) % 3;
-            const double n = (x[1][i] - x[0][i]) * (x[2][j] - x[0][j]) -
-                             (x[1][j] - x[0][j]) * (x[2][i] - x[0][i]);
+            const double n = (x[1][i] - x[0][i]) * (x[2][j] - x[0][j]) - (x[1][j] - x[0][j]) * (x[2][i] - x[0][i]);
             n2 += n * n;
         }
         *area += 0.5 * sqrt(n2);
@@ -109,16 +105,14 @@ void expect_rows(const struct subject *subject)
             for (size_t u = words_begin(net, j); u < words_end(net, j); u += 16)
                 found += net->neighbours[u] == i && net->stiffness[u] == net->stiffness[w] &&
                          net->length[u] == net->length[w];
-            CHECK(found == 1, "the spring from %u to %u stands %u times in the row of %u", i, j,
-                  found, j);
+            CHECK(found == 1, "the spring from %u to %u stands %u times in the row of %u", i, j, found, j);
             CHECK(before == DPT_NONE || j > before, "%u after %u in the row of %u", j, before, i);
             for (size_t k = 0; k < 3; k++) {
-                const double apart =
-                    (double)net->rest[3 * (size_t)j + k] - (double)net->rest[3 * (size_t)i + k];
+                const double apart = (double)net->rest[3 * (size_t)j + k] - (double)net->rest[3 * (size_t)i + k];
                 length2 += apart * apart;
             }
-            CHECK(fabs((double)net->length[w] - sqrt(length2)) <= 1e-7 * sqrt(length2),
-                  "a spring of %g m is %g m", (double)net->length[w], sqrt(length2));
+            CHECK(fabs((double)net->length[w] - sqrt(length2)) <= 1e-7 * sqrt(length2), "a spring of %g m is %g m",
+                  (double)net->length[w], sqrt(length2));
             before = j;
             own++;
         }

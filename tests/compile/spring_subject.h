@@ -17,8 +17,7 @@ struct subject {
 int open_subject(struct subject *subject, dpt_compiled *compiled);
 
 /* Compile a shape of `dynpoint make` with these springs, and open it. Returns as open_subject. */
-int make_subject(struct subject *subject, const char *name, uint64_t count,
-                 const dpt_spring_net_def *springs);
+int make_subject(struct subject *subject, const char *name, uint64_t count, const dpt_spring_net_def *springs);
 
 /* The defaults, of a kind. */
 dpt_spring_net_def def_of(uint32_t kind);

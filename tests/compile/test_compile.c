@@ -60,8 +60,8 @@ void free(void *block)
 static dpt_result compile(const struct source *source, dpt_compiled *out, dpt_diag *diag)
 {
     dpt_compile_def def = { .size = sizeof def, .scale = source->scale };
-    return dpt_compile_arrays(source->vertices, source->vertex_count, source->corners,
-                              source->triangle_count, &def, out, diag);
+    return dpt_compile_arrays(source->vertices, source->vertex_count, source->corners, source->triangle_count, &def,
+                              out, diag);
 }
 
 /* Compile, compare with compiled.h, and tell what was found. */
@@ -84,14 +84,13 @@ static dpt_mesh_info compiled_info(const struct source *source)
 }
 
 #define COUNT_OF(array) ((uint32_t)(sizeof(array) / sizeof *(array)))
-#define SOURCE(vertices, corners)                                                                  \
-    (struct source)                                                                                \
-    {                                                                                              \
-        vertices, corners, COUNT_OF(vertices) / 3, COUNT_OF(corners) / 3, 1.0                      \
+#define SOURCE(vertices, corners)                                                                                      \
+    (struct source)                                                                                                    \
+    {                                                                                                                  \
+        vertices, corners, COUNT_OF(vertices) / 3, COUNT_OF(corners) / 3, 1.0                                          \
     }
 
-static const double cube[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0,
-                               0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1 };
+static const double cube[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1 };
 static const uint32_t cube_corners[] = { 0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
                                          1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7 };
 
@@ -108,8 +107,8 @@ static void equal_vertices_are_joined(void)
     }
     struct source source = SOURCE(loose, corners);
     dpt_mesh_info info = compiled_info(&source);
-    CHECK(info.vertices == 8 && info.triangles == 12 && info.closed_components == 1 &&
-              info.open_edges == 0 && info.unused_vertices == 0 && info.source_vertices == 36,
+    CHECK(info.vertices == 8 && info.triangles == 12 && info.closed_components == 1 && info.open_edges == 0 &&
+              info.unused_vertices == 0 && info.source_vertices == 36,
           "%u vertices, %u open edges", info.vertices, info.open_edges);
     /* What is equal after rounding is one; what differs by the last bit of a float is not. */
     loose[0] = 1e-60;
@@ -146,8 +145,7 @@ static void bad_triangles_are_dropped(void)
     CHECK(dpt_mesh_convert(compiled.bytes, compiled.size, NULL) == DPT_OK, "not opened");
     CHECK(dpt_mesh_open(compiled.bytes, compiled.size, &mesh) == DPT_OK, "not opened");
     for (uint32_t t = 0; t < 10; t++)
-        CHECK(dpt_mesh_get_triangle(mesh, t, at) == (t == 2 || t == 7 ? DPT_OK : DPT_E_ARGUMENT),
-              "triangle %u", t);
+        CHECK(dpt_mesh_get_triangle(mesh, t, at) == (t == 2 || t == 7 ? DPT_OK : DPT_E_ARGUMENT), "triangle %u", t);
     for (int method = 0; method <= DPT_METHOD_BRUTE; method++)
         for (int i = 0; i < 100; i++) {
             uint64_t random = (uint64_t)i;
@@ -175,8 +173,7 @@ static void closed_parts_are_wound_outward(void)
                 corners[3 * t + 1] = cube_corners[3 * t];
             }
         dpt_mesh_info info = compiled_info(&source);
-        CHECK(info.closed_components == 1 && info.components == 1 &&
-                  info.inward_components == (flips == 4095) &&
+        CHECK(info.closed_components == 1 && info.components == 1 && info.inward_components == (flips == 4095) &&
                   info.turned_triangles == (uint32_t)__builtin_popcount((unsigned)flips),
               "%03x: %u turned, %u inward", flips, info.turned_triangles, info.inward_components);
     }
@@ -224,8 +221,8 @@ static dpt_mesh_info band(uint32_t count, int half_turn)
 static void surfaces_of_every_kind(void)
 {
     dpt_mesh_info info = band(12, 0);
-    CHECK(info.open_edges == 24 && info.wrong_way_edges == 0 && info.closed_components == 0,
-          "band: %u open", info.open_edges);
+    CHECK(info.open_edges == 24 && info.wrong_way_edges == 0 && info.closed_components == 0, "band: %u open",
+          info.open_edges);
     info = band(12, 1);
     CHECK(info.open_edges == 24 && info.wrong_way_edges == 1 && info.closed_components == 0 &&
               info.turned_triangles == 0,
@@ -233,15 +230,14 @@ static void surfaces_of_every_kind(void)
 
     /* The projective plane in six vertices: every edge has two triangles, and there is no inside.
      */
-    const double six[] = {
-        0, 0, 1, 1, 0, 0, 0.3, 1, 0, -0.8, 0.6, 0.1, -0.8, -0.6, 0, 0.3, -1, 0.2
+    const double six[] = { 0, 0, 1, 1, 0, 0, 0.3, 1, 0, -0.8, 0.6, 0.1, -0.8, -0.6, 0, 0.3, -1, 0.2 };
+    const uint32_t plane[] = {
+        0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 1, 1, 2, 4, 2, 3, 5, 3, 4, 1, 4, 5, 2, 5, 1, 3
     };
-    const uint32_t plane[] = { 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 1,
-                               1, 2, 4, 2, 3, 5, 3, 4, 1, 4, 5, 2, 5, 1, 3 };
     struct source source = SOURCE(six, plane);
     info = compiled_info(&source);
-    CHECK(info.open_edges == 0 && info.nonmanifold_edges == 0 && info.components == 1 &&
-              info.closed_components == 0 && info.turned_triangles == 0,
+    CHECK(info.open_edges == 0 && info.nonmanifold_edges == 0 && info.components == 1 && info.closed_components == 0 &&
+              info.turned_triangles == 0,
           "projective plane: %u closed", info.closed_components);
 
     /* Three half planes on one edge, each of two triangles: one part, one edge of three. */
@@ -255,15 +251,12 @@ static void surfaces_of_every_kind(void)
 
     /* Two tetrahedra that meet in a vertex are two closed parts, in an edge one that is not. */
     const double points[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, -1, 0, 0, 0, -1, 0, 0, 0, -1 };
-    const uint32_t corner[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3,
-                                0, 4, 5, 0, 6, 4, 0, 5, 6, 4, 6, 5 };
-    const uint32_t edge[] = {
-        0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 3, 3, 5, 4
-    };
+    const uint32_t corner[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 4, 5, 0, 6, 4, 0, 5, 6, 4, 6, 5 };
+    const uint32_t edge[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 3, 3, 5, 4 };
     source = SOURCE(points, corner);
     info = compiled_info(&source);
-    CHECK(info.components == 2 && info.closed_components == 2 && info.vertices == 7,
-          "meet in a vertex: %u parts", info.components);
+    CHECK(info.components == 2 && info.closed_components == 2 && info.vertices == 7, "meet in a vertex: %u parts",
+          info.components);
     source = SOURCE(points, edge);
     info = compiled_info(&source);
     CHECK(info.components == 1 && info.closed_components == 0 && info.nonmanifold_edges == 1,
@@ -276,9 +269,8 @@ static void shapes_agree_with_brute_force(void)
         const char *name;
         uint32_t count;
     } wanted[] = {
-        { "torus", 400 },  { "liver", 300 },  { "stomach", 301 }, { "spleen", 272 },
-        { "star", 2000 },  { "cloth", 288 },  { "box", 300 },     { "hub", 500 },
-        { "sphere", 256 }, { "sphere", 258 },
+        { "torus", 400 }, { "liver", 300 }, { "stomach", 301 }, { "spleen", 272 }, { "star", 2000 },
+        { "cloth", 288 }, { "box", 300 },   { "hub", 500 },     { "sphere", 256 }, { "sphere", 258 },
     };
     for (size_t i = 0; i < COUNT_OF(wanted); i++) {
         struct shape shape;
@@ -290,8 +282,8 @@ static void shapes_agree_with_brute_force(void)
         struct source source = { shape.vertices, shape.corners, (uint32_t)shape.vertex_count,
                                  (uint32_t)shape.triangle_count, i % 2 ? 0.001 : 1.0 };
         dpt_mesh_info info = compiled_info(&source);
-        CHECK(info.triangles == wanted[i].count && info.components == 1, "%s: %u triangles",
-              wanted[i].name, info.triangles);
+        CHECK(info.triangles == wanted[i].count && info.components == 1, "%s: %u triangles", wanted[i].name,
+              info.triangles);
         shape_free(&shape);
     }
 }
@@ -339,14 +331,10 @@ static dpt_mesh_info info_of_text(const char *text, dpt_result expected)
 
 static void concave_polygons_are_reported(void)
 {
-    dpt_mesh_info info =
-        info_of_text("v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nf 1 2 3 4\n", DPT_OK);
-    CHECK(info.concave_polygons == 1 && info.source_triangles == 2, "arrow: %u",
-          info.concave_polygons);
-    info =
-        info_of_text("v 0 0 0\nv 2 0 0\nv 3 1 0\nv 1 3 0\nv 0 2 0\nf 1 2 3 4 5\nf 5 4 3\n", DPT_OK);
-    CHECK(info.concave_polygons == 0 && info.source_triangles == 4, "pentagon: %u",
-          info.concave_polygons);
+    dpt_mesh_info info = info_of_text("v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nf 1 2 3 4\n", DPT_OK);
+    CHECK(info.concave_polygons == 1 && info.source_triangles == 2, "arrow: %u", info.concave_polygons);
+    info = info_of_text("v 0 0 0\nv 2 0 0\nv 3 1 0\nv 1 3 0\nv 0 2 0\nf 1 2 3 4 5\nf 5 4 3\n", DPT_OK);
+    CHECK(info.concave_polygons == 0 && info.source_triangles == 4, "pentagon: %u", info.concave_polygons);
 }
 
 /* The same arguments, the same bytes; through a text or a file only the source's own data differ.
@@ -376,8 +364,7 @@ static void same_input_gives_same_bytes(void)
     for (int i = 0; i < 6; i++) {
         CHECK(made[i].size == made[0].size, "%zu bytes", made[i].size);
         size_t from = i < 2 ? 0 : header;
-        CHECK(!memcmp((char *)made[i].bytes + from, (char *)made[0].bytes + from,
-                      made[0].size - from),
+        CHECK(!memcmp((char *)made[i].bytes + from, (char *)made[0].bytes + from, made[0].size - from),
               "other bytes in %d", i);
     }
     CHECK(!memcmp(made[2].bytes, made[3].bytes, made[0].size), "other bytes the second time");
@@ -415,15 +402,15 @@ static void progress_is_told_and_cancels(void)
     for (int stop = 0, calls = 1; stop <= calls; stop++) {
         meter = (struct meter){ .stop_at = stop };
         out = (dpt_compiled){ &out, 7 };
-        dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                               shape.triangle_count, &def, &out, &diag);
+        dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
+                                               &def, &out, &diag);
         CHECK(meter.bad == 0, "%d calls went back", meter.bad);
         if (stop == 0) {
             calls = meter.calls;
             CHECK(result == DPT_OK && calls >= 5, "%d calls", calls);
         } else {
-            CHECK(result == DPT_E_CANCELLED && diag.code == DPT_E_CANCELLED && !out.bytes &&
-                      !out.size && meter.calls == stop,
+            CHECK(result == DPT_E_CANCELLED && diag.code == DPT_E_CANCELLED && !out.bytes && !out.size &&
+                      meter.calls == stop,
                   "stopped at %d: %d after %d", stop, result, meter.calls);
         }
         dpt_compiled_free(&out);
@@ -431,20 +418,19 @@ static void progress_is_told_and_cancels(void)
     shape_free(&shape);
 }
 
-static void expect_refusal(const struct source *source, const dpt_compile_def *def, dpt_result code,
-                           uint64_t byte)
+static void expect_refusal(const struct source *source, const dpt_compile_def *def, dpt_result code, uint64_t byte)
 {
     dpt_diag diag = { .size = sizeof diag };
     dpt_compiled out = { &diag, 7 };
     dpt_result result = dpt_compile_arrays(source->vertices, source->vertex_count, source->corners,
                                            source->triangle_count, def, &out, &diag);
-    CHECK(result == code && diag.code == code && diag.byte == byte && diag.line == 0 &&
-              diag.text[0] && memchr(diag.text, 0, sizeof diag.text),
-          "%s at %llu (%s), not %s", dpt_result_name(result), (unsigned long long)diag.byte,
-          diag.text, dpt_result_name(code));
+    CHECK(result == code && diag.code == code && diag.byte == byte && diag.line == 0 && diag.text[0] &&
+              memchr(diag.text, 0, sizeof diag.text),
+          "%s at %llu (%s), not %s", dpt_result_name(result), (unsigned long long)diag.byte, diag.text,
+          dpt_result_name(code));
     CHECK(!out.bytes && !out.size, "left an output");
-    CHECK(dpt_compile_arrays(source->vertices, source->vertex_count, source->corners,
-                             source->triangle_count, def, &out, NULL) == code,
+    CHECK(dpt_compile_arrays(source->vertices, source->vertex_count, source->corners, source->triangle_count, def, &out,
+                             NULL) == code,
           "the diag may be NULL");
 }
 
@@ -523,8 +509,7 @@ static void wrong_arguments_are_refused(void)
     uint32_t *words = malloc(8);
     words[0] = 8;
     words[1] = 0;
-    CHECK(dpt_compile_arrays(cube, 8, cube_corners, 12, (dpt_compile_def *)(void *)words, &out,
-                             NULL) == DPT_E_SIZE,
+    CHECK(dpt_compile_arrays(cube, 8, cube_corners, 12, (dpt_compile_def *)(void *)words, &out, NULL) == DPT_E_SIZE,
           "a def of 8 bytes");
     free(words);
 }
@@ -561,19 +546,17 @@ static void failing_allocations_leave_nothing(void)
             if (entry < 4)
                 result = dpt_compile_bytes(texts[entry], strlen(texts[entry]), NULL, &out, &diag);
             else if (entry < 7)
-                result =
-                    dpt_compile_arrays(cube, 8, cube_corners, 12, defs[entry - 4], &out, &diag);
+                result = dpt_compile_arrays(cube, 8, cube_corners, 12, defs[entry - 4], &out, &diag);
             else
                 result = dpt_compile_file("tests/golden/torus.ply", NULL, &out, &diag);
             allocations_left = -1;
-            CHECK(result == DPT_OK || result == DPT_E_MEMORY ||
-                      (entry == 7 && result == DPT_E_OPEN),
+            CHECK(result == DPT_OK || result == DPT_E_MEMORY || (entry == 7 && result == DPT_E_OPEN),
                   "entry %d, allocation %ld: %s", entry, fail_at, dpt_result_name(result));
             CHECK(diag.code == result && (result == DPT_OK || (!out.bytes && !out.size)),
                   "entry %d, allocation %ld: %d", entry, fail_at, diag.code);
             dpt_compiled_free(&out);
-            CHECK(blocks_in_use == before, "entry %d, allocation %ld: %ld blocks are left", entry,
-                  fail_at, blocks_in_use - before);
+            CHECK(blocks_in_use == before, "entry %d, allocation %ld: %ld blocks are left", entry, fail_at,
+                  blocks_in_use - before);
         }
         CHECK(fail_at > 10 && fail_at < 1000, "entry %d: %ld allocations", entry, fail_at);
     }

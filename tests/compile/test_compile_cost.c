@@ -40,8 +40,7 @@ static void an_ordinary_mesh(void)
 /* Measured: 1.5 to 1.6. */
 static void the_shape_matters_little(void)
 {
-    const double ratio =
-        cost_of_shape("hub", part_of(50000)) / cost_of_shape("torus", part_of(50000));
+    const double ratio = cost_of_shape("hub", part_of(50000)) / cost_of_shape("torus", part_of(50000));
     CHECK(ratio <= 2.0, "a hub costs %.2f times as much as a torus", ratio);
     printf("    hub against torus: %.2f\n", ratio);
 }
@@ -49,8 +48,7 @@ static void the_shape_matters_little(void)
 /* Measured: 17.1. n log n may come to 20; n^1.5, the next that code falls into, to 64. */
 static void large_meshes_cost_in_proportion(void)
 {
-    const double ratio =
-        cost_of_shape("torus", part_of(1280000)) / cost_of_shape("torus", part_of(80000));
+    const double ratio = cost_of_shape("torus", part_of(1280000)) / cost_of_shape("torus", part_of(80000));
     CHECK(ratio < 22.0, "16 times the triangles cost %.1f times as much", ratio);
     printf("    16 times the triangles: %.2f\n", ratio);
 }
@@ -63,8 +61,7 @@ static double cost_of_slivers(size_t count, int joined)
     builder_reserve(&builder, 3 * count, count);
     for (size_t t = 0; t < count; t++) {
         for (int v = 0; v < 2; v++)
-            builder_add_vertex(&builder, random_in(&random, -1, 1), random_in(&random, -1, 1),
-                               v ? 1.0 : -1.0);
+            builder_add_vertex(&builder, random_in(&random, -1, 1), random_in(&random, -1, 1), v ? 1.0 : -1.0);
         builder_add_vertex(&builder, random_in(&random, -1, 1), random_in(&random, -1, 1), 1.0);
         if (joined) /* a strip: one part */
             builder_add_triangle(&builder, t, t + 1, t + 2, 0);
@@ -88,8 +85,7 @@ static void cost_is_bounded_where_all_boxes_meet(void)
         for (int i = 0; i < (check_percent < 100 ? 1 : 2); i++) {
             const double units = 0x1p23 + 128.0 * (double)counts[i];
             const double a_unit = cost_of_slivers(counts[i], joined) / units;
-            printf("    %zu slivers%s: %.1f basic blocks a unit\n", counts[i],
-                   joined ? " in a strip" : "", a_unit);
+            printf("    %zu slivers%s: %.1f basic blocks a unit\n", counts[i], joined ? " in a strip" : "", a_unit);
             CHECK(a_unit < 130.0, "%zu slivers: %.1f basic blocks a unit", counts[i], a_unit);
         }
 }
@@ -116,8 +112,7 @@ static double cost_of_parts(uint32_t across)
         builder_add_triangle(&builder, base + 1, base + 2, base + 3, 0);
     }
     const double cost = cost_of(&builder);
-    CHECK(builder.info.buried_components == count, "%u of %zu buried",
-          builder.info.buried_components, count);
+    CHECK(builder.info.buried_components == count, "%u of %zu buried", builder.info.buried_components, count);
     builder_free(&builder);
     return cost;
 }
@@ -147,8 +142,8 @@ static double cost_of_embedding(uint64_t triangles, uint32_t across, double shar
     lattice_make(&lattice, across, low, high, 3);
     for (int i = 0; i < 2; i++) {
         const uint64_t begin = block_count;
-        CHECK(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                 shape.triangle_count, &def, &compiled, NULL) == DPT_OK,
+        CHECK(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, &def,
+                                 &compiled, NULL) == DPT_OK,
               "%g of the block", share);
         cost[i] = (double)(block_count - begin);
         lattice_use(&lattice, &def);

@@ -46,8 +46,7 @@ static void check_public_mesh(const char *folder, const struct expected *wanted)
     check_count(wanted->path, "open edges", info->open_edges, wanted->open);
     check_count(wanted->path, "many-edges", info->nonmanifold_edges, wanted->many);
     check_count(wanted->path, "parts", info->components, wanted->parts);
-    check_count(wanted->path, "closed", info->closed_components == info->components,
-                wanted->closed);
+    check_count(wanted->path, "closed", info->closed_components == info->components, wanted->closed);
     check_leaves(&s);
     check_boxes(&s);
     sections_close(&s);
@@ -67,9 +66,8 @@ static void public_meshes_have_their_counts(void)
         struct expected w;
         if (line[0] == '#' || line[0] == '\n')
             continue;
-        int fields =
-            sscanf(line, "%127s %ld %ld %ld %ld %ld %ld %ld %ld", w.path, &w.triangles, &w.closed,
-                   &w.open, &w.many, &w.parts, &w.degenerate, &w.duplicate, &w.unused);
+        int fields = sscanf(line, "%127s %ld %ld %ld %ld %ld %ld %ld %ld", w.path, &w.triangles, &w.closed, &w.open,
+                            &w.many, &w.parts, &w.degenerate, &w.duplicate, &w.unused);
         CHECK(fields == 9, "%d fields in: %s", fields, line);
         if (fields == 9)
             check_public_mesh(folder, &w);

@@ -87,8 +87,8 @@ static void structs_of_any_size(void)
         { "dpt_diag of an arm", sizeof(dpt_diag), sizeof(dpt_diag), fill_diag_of_an_arm },
         { "dpt_diag of success", sizeof(dpt_diag), sizeof(dpt_diag), fill_diag_of_success },
     };
-    const struct sized springs = { "dpt_spring_net_def", sizeof(dpt_spring_net_def),
-                                   sizeof(dpt_spring_net_def), take_springs };
+    const struct sized springs = { "dpt_spring_net_def", sizeof(dpt_spring_net_def), sizeof(dpt_spring_net_def),
+                                   take_springs };
     dpt_compile_def good;
     dpt_compile_def_init(&good);
     dpt_spring_net_def good_springs;
@@ -113,8 +113,7 @@ static void a_longer_def_has_more_say(void)
     def.size = sizeof def;
     CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "nodes before the end are not");
     const dpt_spring_net_def wrong = { .size = sizeof wrong };
-    def =
-        (dpt_compile_def){ .size = offsetof(dpt_compile_def, reserved_pointer), .springs = &wrong };
+    def = (dpt_compile_def){ .size = offsetof(dpt_compile_def, reserved_pointer), .springs = &wrong };
     CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "springs of no kind");
     def.size -= 4;
     CHECK(arrays(&def, NULL) == DPT_OK, "half a pointer to springs is looked at");
@@ -146,12 +145,11 @@ static void zeros_are_the_defaults(void)
     CHECK(good.scale == 1.0 && good.crease > 1.047 && good.crease < 1.048 && good.threads == 1,
           "scale %g, crease %g, %u threads", good.scale, good.crease, good.threads);
     check_defaults(&of, defaults, &good);
-    const struct sized of_springs = { "dpt_spring_net_def", 0, sizeof(dpt_spring_net_def),
-                                      take_kindless_springs };
+    const struct sized of_springs = { "dpt_spring_net_def", 0, sizeof(dpt_spring_net_def), take_kindless_springs };
     dpt_spring_net_def springs;
     dpt_spring_net_def_init(&springs);
-    CHECK(springs.young == 5000.0 && springs.density == 1000.0 && springs.thickness == 0.001 &&
-              springs.drag == 0.0 && springs.spacing == 0.0 && !springs.kind,
+    CHECK(springs.young == 5000.0 && springs.density == 1000.0 && springs.thickness == 0.001 && springs.drag == 0.0 &&
+              springs.spacing == 0.0 && !springs.kind,
           "E %g Pa, %g kg/m^3, %g m", springs.young, springs.density, springs.thickness);
     check_defaults(&of_springs, spring_defaults, &springs);
     CHECK(dpt_compile_arrays(vertices, 4, corners, 4, &zeros, &by_zeros, NULL) == DPT_OK &&

@@ -32,9 +32,8 @@ static dpt_result compile(struct subject *subject, dpt_diag *diag)
     for (uint32_t i = 0; i < 3 * triangles; i++)
         corners[i] = i;
     subject->def.size = sizeof subject->def;
-    const dpt_result result =
-        dpt_compile_arrays(subject->points, subject->point_count, corners, triangles, &subject->def,
-                           &subject->compiled, diag);
+    const dpt_result result = dpt_compile_arrays(subject->points, subject->point_count, corners, triangles,
+                                                 &subject->def, &subject->compiled, diag);
     free(corners);
     return result;
 }
@@ -54,8 +53,7 @@ static int open_subject(struct subject *subject)
     dpt_mesh_get_vertices(subject->mesh, &subject->xyz, &vertices);
     dpt_mesh_get_vertex_sources(subject->mesh, &subject->sources, &vertices);
     dpt_mesh_get_embedding(subject->mesh, &subject->nodes, &subject->weights, &node_count);
-    CHECK(node_count == subject->def.node_count && subject->info.nodes == node_count, "%u nodes",
-          node_count);
+    CHECK(node_count == subject->def.node_count && subject->info.nodes == node_count, "%u nodes", node_count);
     return node_count > 0;
 }
 
@@ -71,8 +69,7 @@ static void corner_of(const dpt_compile_def *def, uint32_t cell, int k, real x[3
 {
     const double scale = def->scale != 0.0 ? def->scale : 1.0;
     for (int i = 0; i < 3; i++)
-        x[i] = (real)(scale *
-                      def->nodes[3 * (size_t)def->cells[4 * (size_t)cell + (size_t)k] + (size_t)i]);
+        x[i] = (real)(scale * def->nodes[3 * (size_t)def->cells[4 * (size_t)cell + (size_t)k] + (size_t)i]);
 }
 
 static real volume_of(real x[4][3])
@@ -81,14 +78,12 @@ static real volume_of(real x[4][3])
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
             e[i][k] = x[i + 1][k] - x[0][k];
-    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
-           e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
            e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
 }
 
 /* The share of the volume that is left when corner k is moved to the point. */
-static void oracle_weights(const dpt_compile_def *def, uint32_t cell, const real at[3],
-                           real weight[4])
+static void oracle_weights(const dpt_compile_def *def, uint32_t cell, const real at[3], real weight[4])
 {
     real x[4][3];
     for (int k = 0; k < 4; k++)
@@ -138,8 +133,7 @@ static real simplex_distance(const real *const corner[3], int count, const real 
     return best;
 }
 
-static real oracle_distance(const dpt_compile_def *def, uint32_t cell, const real at[3],
-                            const real weight[4])
+static real oracle_distance(const dpt_compile_def *def, uint32_t cell, const real at[3], const real weight[4])
 {
     real x[4][3], best = INFINITY;
     int is_inside = 1;
@@ -170,8 +164,7 @@ static real least_of(const real weight[4])
 /* ---- what must hold ---- */
 
 /* The sum is 1 to the last bit, and where the nodes are, the weights give the vertex. */
-static void expect_reproduction(const struct subject *subject, uint32_t v, const real at[3],
-                                real extent)
+static void expect_reproduction(const struct subject *subject, uint32_t v, const real at[3], real extent)
 {
     const float *weight = subject->weights + 4 * (size_t)v;
     const double scale = subject->def.scale != 0.0 ? subject->def.scale : 1.0;
@@ -227,16 +220,12 @@ static void expect_cell(const struct subject *subject, uint32_t v, real extent, 
     }
     const real slack = 1e-14L * extent;
     CHECK(cell != DPT_NONE, "vertex %u: its nodes are no cell", v);
-    CHECK(chosen <= usable + slack, "vertex %u: cell %u at %.3Lg, one at %.3Lg", v, cell, chosen,
-          usable);
-    CHECK(holder >= cell || holder == DPT_NONE, "vertex %u: cell %u, and %u holds it", v, cell,
-          holder);
+    CHECK(chosen <= usable + slack, "vertex %u: cell %u at %.3Lg, one at %.3Lg", v, cell, chosen, usable);
+    CHECK(holder >= cell || holder == DPT_NONE, "vertex %u: cell %u, and %u holds it", v, cell, holder);
     const real unit = 0x1p-23L * fmaxl(1, 2 * size_of(own));
     for (int k = 0; k < 4; k++)
-        CHECK(fabsl((real)subject->weights[4 * (size_t)v + (size_t)k] - own[k]) <=
-                  unit + 1e-8L * (chosen > 0),
-              "vertex %u: weight %.9g, not %.9Lg", v,
-              (double)subject->weights[4 * (size_t)v + (size_t)k], own[k]);
+        CHECK(fabsl((real)subject->weights[4 * (size_t)v + (size_t)k] - own[k]) <= unit + 1e-8L * (chosen > 0),
+              "vertex %u: weight %.9g, not %.9Lg", v, (double)subject->weights[4 * (size_t)v + (size_t)k], own[k]);
     expect_reproduction(subject, v, at, extent);
     const real moved = 1.75L * (real)subject->info.rounding;
     tally->distance = fmaxl(tally->distance, nearest);
@@ -259,8 +248,8 @@ static void expect_embedding(struct subject *subject)
         CHECK(subject->info.outside_vertices >= tally.outside &&
                   subject->info.outside_vertices <= tally.outside + tally.on_the_limit,
               "%u outside, not %u", subject->info.outside_vertices, tally.outside);
-        CHECK(fabsl((real)subject->info.outside_distance - tally.distance) <= 1e-12L * extent,
-              "%.9g off, not %.9Lg", subject->info.outside_distance, tally.distance);
+        CHECK(fabsl((real)subject->info.outside_distance - tally.distance) <= 1e-12L * extent, "%.9g off, not %.9Lg",
+              subject->info.outside_distance, tally.distance);
     }
     close_subject(subject);
 }
@@ -325,11 +314,8 @@ static void cells_at_random(void)
             nodes[k + 2] *= i % 4 == 1 ? 1e-3 : k % 2 ? 0.02 : 1.0;
         for (int c = 0; c < CELLS; c++)
             for (int k = 0; k < 4; k++)
-                cells[4 * c + k] =
-                    (uint32_t)(random_bits(&random) % (NODES / 4)) + NODES / 4 * (uint32_t)k;
-        subject.def = (dpt_compile_def){
-            .nodes = nodes, .cells = cells, .node_count = NODES, .cell_count = CELLS
-        };
+                cells[4 * c + k] = (uint32_t)(random_bits(&random) % (NODES / 4)) + NODES / 4 * (uint32_t)k;
+        subject.def = (dpt_compile_def){ .nodes = nodes, .cells = cells, .node_count = NODES, .cell_count = CELLS };
         dpt_diag diag = { .size = sizeof diag };
         if (compile(&subject, &diag) == DPT_OK) {
             dpt_compiled_free(&subject.compiled);
@@ -340,8 +326,7 @@ static void cells_at_random(void)
             refused++;
         }
     }
-    CHECK(embedded >= least_seen(20) && refused >= least_seen(5), "%u embedded, %u refused",
-          embedded, refused);
+    CHECK(embedded >= least_seen(20) && refused >= least_seen(5), "%u embedded, %u refused", embedded, refused);
 }
 
 /* Far from the origin the weights are as good as there: only the vertices are rounded more. */
@@ -369,22 +354,18 @@ static int64_t whole_volume(int64_t x[4][3])
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
             e[i][k] = x[i + 1][k] - x[0][k];
-    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
-           e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
            e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
 }
 
 /* Four weights times the cell's volume, exact; returns the volume, made positive. All coordinates in quarters. */
-static int64_t whole_weights(const dpt_compile_def *def, uint32_t cell, const float *at,
-                             int64_t weight[4])
+static int64_t whole_weights(const dpt_compile_def *def, uint32_t cell, const float *at, int64_t weight[4])
 {
     int64_t x[4][3], point[3];
     for (int i = 0; i < 3; i++) {
         point[i] = (int64_t)(4.0f * at[i]);
         for (int k = 0; k < 4; k++)
-            x[k][i] =
-                (int64_t)(4.0 * def->nodes[3 * (size_t)def->cells[4 * (size_t)cell + (size_t)k] +
-                                           (size_t)i]);
+            x[k][i] = (int64_t)(4.0 * def->nodes[3 * (size_t)def->cells[4 * (size_t)cell + (size_t)k] + (size_t)i]);
     }
     const int64_t whole = whole_volume(x), sign = whole < 0 ? -1 : 1;
     for (int k = 0; k < 4; k++) {
@@ -427,8 +408,8 @@ static void faces_edges_and_nodes(void)
             holders++;
             first = first == DPT_NONE ? cell : first;
         }
-        CHECK(first != DPT_NONE && !memcmp(subject.nodes + 4 * (size_t)v,
-                                           lattice.cells + 4 * (size_t)first, 4 * sizeof first),
+        CHECK(first != DPT_NONE &&
+                  !memcmp(subject.nodes + 4 * (size_t)v, lattice.cells + 4 * (size_t)first, 4 * sizeof first),
               "vertex %u is not in cell %u", v, first);
         if (first != DPT_NONE)
             whole = whole_weights(&subject.def, first, subject.xyz + 3 * (size_t)v, weight);
@@ -468,14 +449,13 @@ static void equally_near_cells(void)
             for (uint32_t i = 0; i < 4 * lattice.cell_count; i++) {
                 int is_corner = 1;
                 for (size_t k = 0; k < 3; k++)
-                    is_corner &= (lattice.nodes[3 * lattice.cells[i] + k] == 1.0) ==
-                                 (subject.xyz[3 * (size_t)v + k] == 1.5f);
+                    is_corner &=
+                        (lattice.nodes[3 * lattice.cells[i] + k] == 1.0) == (subject.xyz[3 * (size_t)v + k] == 1.5f);
                 cells += (uint32_t)is_corner;
                 first = is_corner && first == DPT_NONE ? i / 4 : first;
             }
             ties += cells > 1;
-            CHECK(first != DPT_NONE &&
-                      !memcmp(subject.nodes + 4 * (size_t)v, lattice.cells + 4 * (size_t)first, 16),
+            CHECK(first != DPT_NONE && !memcmp(subject.nodes + 4 * (size_t)v, lattice.cells + 4 * (size_t)first, 16),
                   "vertex %u is not in cell %u, the first of %u", v, first, cells);
         }
         close_subject(&subject);
@@ -496,10 +476,9 @@ static void rounding_leaves_no_one_outside(void)
         for (uint32_t k = 0; k < 12; k++)
             nodes[k] = subject.points[k];
         for (uint32_t k = 12; k < 18; k++) /* on a face, and on an edge */
-            subject.points[k] = k < 15 ? (nodes[k - 12] + nodes[k - 9] + nodes[k - 6]) / 3.0
-                                       : 0.5 * (nodes[k - 15] + nodes[k - 6]);
-        subject.def =
-            (dpt_compile_def){ .nodes = nodes, .cells = cell, .node_count = 4, .cell_count = 1 };
+            subject.points[k] =
+                k < 15 ? (nodes[k - 12] + nodes[k - 9] + nodes[k - 6]) / 3.0 : 0.5 * (nodes[k - 15] + nodes[k - 6]);
+        subject.def = (dpt_compile_def){ .nodes = nodes, .cells = cell, .node_count = 4, .cell_count = 1 };
         if (open_subject(&subject))
             CHECK(subject.info.outside_vertices == 0 && subject.info.vertices == 6 &&
                       subject.info.outside_distance <= 1.75 * subject.info.rounding,
@@ -518,8 +497,7 @@ static void thin_cells_are_passed_over(void)
     struct subject subject = { .point_count = 3 };
     subject.points = malloc(sizeof points);
     memcpy(subject.points, points, sizeof points);
-    subject.def =
-        (dpt_compile_def){ .nodes = nodes, .cells = cells, .node_count = 5, .cell_count = 2 };
+    subject.def = (dpt_compile_def){ .nodes = nodes, .cells = cells, .node_count = 5, .cell_count = 2 };
     if (open_subject(&subject)) {
         for (uint32_t v = 0; v < 3; v++)
             CHECK(!memcmp(subject.nodes + 4 * (size_t)v, cells + 4, 16), "vertex %u", v);
@@ -546,8 +524,7 @@ static void bytes_do_not_depend_on_threads(void)
             one = subject.compiled;
             continue;
         }
-        CHECK(subject.compiled.size == one.size &&
-                  !memcmp(subject.compiled.bytes, one.bytes, one.size),
+        CHECK(subject.compiled.size == one.size && !memcmp(subject.compiled.bytes, one.bytes, one.size),
               "other bytes with %u threads", threads);
         dpt_compiled_free(&subject.compiled);
     }

@@ -20,16 +20,14 @@ static void turned(const double q[4], const double v[3], double out[3])
     for (int k = 0; k < 3; k++)
         t[k] = 2 * (q[1 + (k + 1) % 3] * v[(k + 2) % 3] - q[1 + (k + 2) % 3] * v[(k + 1) % 3]);
     for (int k = 0; k < 3; k++)
-        out[k] = v[k] + q[0] * t[k] + q[1 + (k + 1) % 3] * t[(k + 2) % 3] -
-                 q[1 + (k + 2) % 3] * t[(k + 1) % 3];
+        out[k] = v[k] + q[0] * t[k] + q[1 + (k + 1) % 3] * t[(k + 2) % 3] - q[1 + (k + 2) % 3] * t[(k + 1) % 3];
 }
 
 static double support(const double *points, size_t count, const double n[3])
 {
     double most = -1e300;
     for (size_t i = 0; i < count; i++)
-        most =
-            fmax(most, points[3 * i] * n[0] + points[3 * i + 1] * n[1] + points[3 * i + 2] * n[2]);
+        most = fmax(most, points[3 * i] * n[0] + points[3 * i + 1] * n[1] + points[3 * i + 2] * n[2]);
     return most;
 }
 
@@ -42,14 +40,13 @@ struct made {
  * It holds the points; what it is larger by is reached where its radius says; and a hull can be made of it.
  *   thick   how far a corner may be from all points
  */
-static struct made expect_hull(const char *name, const double *points, size_t count,
-                               uint32_t capacity, double size, double thick)
+static struct made expect_hull(const char *name, const double *points, size_t count, uint32_t capacity, double size,
+                               double thick)
 {
     struct made made = { .count = 0 };
     uint64_t seed = 5, block[2048];
     double beyond = -1e300;
-    const dpt_result result =
-        dpt_compile_hull(points, count, made.corners, capacity, &made.count, &made.radius);
+    const dpt_result result = dpt_compile_hull(points, count, made.corners, capacity, &made.count, &made.radius);
     CHECK(result == DPT_OK && made.count >= 3 && made.count <= capacity, "%s: %s, %u corners", name,
           dpt_result_name(result), made.count);
     for (int i = 0; i < DIRECTIONS; i++) {
@@ -57,24 +54,22 @@ static struct made expect_hull(const char *name, const double *points, size_t co
         if (unit3(n) > 0)
             beyond = fmax(beyond, support(points, count, n) - support(made.corners, made.count, n));
     }
-    CHECK(beyond <= made.radius + 2e-8 * size, "%s: a point is %g beyond, more than %g", name,
-          beyond, made.radius);
-    CHECK(made.radius == 0 || beyond > 0.2 * made.radius, "%s: %g beyond, and a radius of %g", name,
-          beyond, made.radius);
+    CHECK(beyond <= made.radius + 2e-8 * size, "%s: a point is %g beyond, more than %g", name, beyond, made.radius);
+    CHECK(made.radius == 0 || beyond > 0.2 * made.radius, "%s: %g beyond, and a radius of %g", name, beyond,
+          made.radius);
     for (uint32_t c = 0; c < made.count; c++) {
         double least = 1e300;
         for (size_t i = 0; i < count; i++)
             least = fmin(least, apart(points + 3 * i, made.corners + 3 * c));
         CHECK(least == 0 || least <= thick, "%s: corner %u is %g from all points", name, c, least);
     }
-    const dpt_hull_def def = { .size = sizeof def,
-                               .corner_count = made.count,
-                               .corners = made.corners,
-                               .radius = made.radius };
+    const dpt_hull_def def = {
+        .size = sizeof def, .corner_count = made.count, .corners = made.corners, .radius = made.radius
+    };
     const dpt_hull *hull;
     dpt_hull_info info = { .size = sizeof info };
-    CHECK(dpt_hull_create(block, sizeof block, &def, &hull) == DPT_OK &&
-              dpt_hull_get_info(hull, &info) == DPT_OK && info.corners == made.count,
+    CHECK(dpt_hull_create(block, sizeof block, &def, &hull) == DPT_OK && dpt_hull_get_info(hull, &info) == DPT_OK &&
+              info.corners == made.count,
           "%s: no hull of it, or one of %u corners", name, info.corners);
     return made;
 }
@@ -97,8 +92,7 @@ static void a_box_has_eight_corners(void)
             turned(turn, x, points + 3 * i);
         }
         const struct made made = expect_hull("box", points, POINTS, CAPACITY, 0.1, 0);
-        CHECK(made.count == 8 && made.radius == 0, "%u corners, radius %g", made.count,
-              made.radius);
+        CHECK(made.count == 8 && made.radius == 0, "%u corners, radius %g", made.count, made.radius);
     }
 }
 
@@ -116,8 +110,8 @@ static void round_things_get_a_radius(void)
     double last = 1;
     for (uint32_t capacity = 4; capacity <= CAPACITY; capacity *= 2) {
         const struct made made = expect_hull("ball", points, POINTS, capacity, 0.1, 0);
-        CHECK(made.count == capacity && made.radius > 0 && made.radius < last,
-              "%u corners: a radius of %g, before %g", made.count, made.radius, last);
+        CHECK(made.count == capacity && made.radius > 0 && made.radius < last, "%u corners: a radius of %g, before %g",
+              made.count, made.radius, last);
         last = made.radius;
     }
     CHECK(last < 0.1 * 0.05, "64 corners of a ball leave %g", last);
@@ -167,12 +161,10 @@ static void what_is_none_is_refused(void)
     for (int i = 0; i < 10; i++)
         for (int k = 0; k < 3; k++)
             line[3 * i + k] = 0.1 * i * (k + 1);
-    CHECK(dpt_compile_hull(line, 10, corners, CAPACITY, &count, &radius) == DPT_E_ARGUMENT,
-          "a line");
+    CHECK(dpt_compile_hull(line, 10, corners, CAPACITY, &count, &radius) == DPT_E_ARGUMENT, "a line");
     for (int i = 0; i < 30; i++)
         line[i] = 0.25;
-    CHECK(dpt_compile_hull(line, 10, corners, CAPACITY, &count, &radius) == DPT_E_ARGUMENT,
-          "a point");
+    CHECK(dpt_compile_hull(line, 10, corners, CAPACITY, &count, &radius) == DPT_E_ARGUMENT, "a point");
     for (int i = 0; i < 30; i++)
         line[i] = i * i % 7;
     CHECK(dpt_compile_hull(line, 10, corners, CAPACITY, &count, &radius) == DPT_OK, "ten points");
@@ -185,8 +177,7 @@ static void what_is_none_is_refused(void)
               dpt_compile_hull(line, 10, corners, CAPACITY, &count, NULL) == DPT_E_ARGUMENT,
           "arguments");
     line[7] = NAN;
-    CHECK(dpt_compile_hull(line, 10, corners, CAPACITY, &count, &radius) == DPT_E_FINITE,
-          "no number");
+    CHECK(dpt_compile_hull(line, 10, corners, CAPACITY, &count, &radius) == DPT_E_FINITE, "no number");
 }
 
 int main(int argc, char **argv)

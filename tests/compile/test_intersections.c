@@ -61,8 +61,7 @@ static int oracle_cuts(const struct whole a[3], const struct whole b[3])
                 return 0;
     }
     for (int k = 0; k < 9; k++)
-        if (is_parted(crossed(less(a[(k / 3 + 1) % 3], a[k / 3]), less(b[(k + 1) % 3], b[k % 3])),
-                      a, b))
+        if (is_parted(crossed(less(a[(k / 3 + 1) % 3], a[k / 3]), less(b[(k + 1) % 3], b[k % 3])), a, b))
             return 0;
     return 1;
 }
@@ -96,25 +95,22 @@ static uint32_t brute_count(const struct mesh_builder *builder, double step)
             continue;
         for (int k = 0; k < 3; k++)
             corners[3 * kept + (uint32_t)k] =
-                (struct whole){ (wide)(at[3 * k] / step), (wide)(at[3 * k + 1] / step),
-                                (wide)(at[3 * k + 2] / step) };
+                (struct whole){ (wide)(at[3 * k] / step), (wide)(at[3 * k + 1] / step), (wide)(at[3 * k + 2] / step) };
         kept++;
     }
     for (uint32_t a = 0; a < kept; a++)
         for (uint32_t b = a + 1; b < kept; b++)
-            pairs += !boxes_are_apart(corners + 3 * a, corners + 3 * b) &&
-                     oracle_cuts(corners + 3 * a, corners + 3 * b);
+            pairs +=
+                !boxes_are_apart(corners + 3 * a, corners + 3 * b) && oracle_cuts(corners + 3 * a, corners + 3 * b);
     free(corners);
     return pairs;
 }
 
-static void expect_brute_count(struct mesh_builder *builder, double step, const char *what,
-                               int which)
+static void expect_brute_count(struct mesh_builder *builder, double step, const char *what, int which)
 {
     if (builder_compile(builder)) {
         const uint32_t wanted = brute_count(builder, step);
-        const uint32_t first = builder->info.self_intersection[0],
-                       second = builder->info.self_intersection[1];
+        const uint32_t first = builder->info.self_intersection[0], second = builder->info.self_intersection[1];
         CHECK(builder->info.self_intersections == wanted && !builder->info.self_intersections_more,
               "%s %d: %u pairs, not %u", what, which, builder->info.self_intersections, wanted);
         double a[9], b[9];
@@ -124,15 +120,14 @@ static void expect_brute_count(struct mesh_builder *builder, double step, const 
                       dpt_mesh_get_triangle(builder->mesh, second, b) == DPT_OK && first != second,
                   "%s %d: %u and %u", what, which, first, second);
             for (int k = 0; k < 3; k++) {
-                one[k] = (struct whole){ (wide)(a[3 * k] / step), (wide)(a[3 * k + 1] / step),
-                                         (wide)(a[3 * k + 2] / step) };
-                two[k] = (struct whole){ (wide)(b[3 * k] / step), (wide)(b[3 * k + 1] / step),
-                                         (wide)(b[3 * k + 2] / step) };
+                one[k] =
+                    (struct whole){ (wide)(a[3 * k] / step), (wide)(a[3 * k + 1] / step), (wide)(a[3 * k + 2] / step) };
+                two[k] =
+                    (struct whole){ (wide)(b[3 * k] / step), (wide)(b[3 * k + 1] / step), (wide)(b[3 * k + 2] / step) };
             }
             CHECK(oracle_cuts(one, two), "%s %d: %u and %u do not", what, which, first, second);
         } else {
-            CHECK(first == DPT_NONE && second == DPT_NONE, "%s %d: %u and %u", what, which, first,
-                  second);
+            CHECK(first == DPT_NONE && second == DPT_NONE, "%s %d: %u and %u", what, which, first, second);
         }
     }
     builder_free(builder);
@@ -183,8 +178,8 @@ static void nearly_touching_triangles_agree_with_brute_force(void)
             const int fresh = i < 6 || random_bits(&random) % 4 == 0, off = i % 7 == 0;
             for (int k = 0; k < 3; k++) {
                 const double sum = fresh ? 0.0 : v[a][k] + v[b][k] - v[c][k];
-                v[i][k] = fresh || fabs(sum) > 0x1p22 ? floor(random_in(&random, -0x1p22, 0x1p22))
-                                                      : sum + (off && k == 2);
+                v[i][k] =
+                    fresh || fabs(sum) > 0x1p22 ? floor(random_in(&random, -0x1p22, 0x1p22)) : sum + (off && k == 2);
             }
             builder_add_vertex(&builder, v[i][0], v[i][1], v[i][2]);
         }
@@ -207,14 +202,11 @@ static void crumpled_meshes_agree_with_brute_force(void)
     for (int run = 0; run < 24; run++) {
         const double noise = 0.004 * (run / 4);
         struct mesh_builder builder = { .vertices = NULL };
-        builder_add_shape(&builder, names[run % 4], counts[run % 4], (vec3){ 0.0, 0.0, 0.0 }, 1.0,
-                          0, 0);
+        builder_add_shape(&builder, names[run % 4], counts[run % 4], (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0, 0);
         for (size_t i = 0; i < 3 * builder.vertex_count; i++)
-            builder.vertices[i] =
-                0x1p-16 * floor(0x1p16 * (builder.vertices[i] + random_in(&random, -noise, noise)));
+            builder.vertices[i] = 0x1p-16 * floor(0x1p16 * (builder.vertices[i] + random_in(&random, -noise, noise)));
         if (builder_compile(&builder)) {
-            least =
-                builder.info.self_intersections < least ? builder.info.self_intersections : least;
+            least = builder.info.self_intersections < least ? builder.info.self_intersections : least;
             most = builder.info.self_intersections > most ? builder.info.self_intersections : most;
         }
         dpt_compiled_free(&builder.compiled);
@@ -235,8 +227,7 @@ static void fans_agree_with_brute_force(void)
         builder_add_vertex(&builder, 3.0, -2.0, 1.0);
         for (int i = 0; i < ring; i++) {
             const double at = 0.3 * run + turn * PI * i / steps, high = run % 3 * 0.1 * (i % 4);
-            builder_add_vertex(&builder, 3.0 + cos(at), sin(at) - 2.0,
-                               1.0 + high + run % 2 * 0.4 * cos(at));
+            builder_add_vertex(&builder, 3.0 + cos(at), sin(at) - 2.0, 1.0 + high + run % 2 * 0.4 * cos(at));
         }
         for (size_t i = 1; i <= (size_t)steps; i++)
             builder_add_triangle(&builder, 0, i, i % (size_t)ring + 1, run % 5 == 0);
@@ -264,18 +255,14 @@ static void shapes_do_not_cut_themselves(void)
     for (size_t i = 0; i < shape_kind_count; i++)
         for (int large = 0; large < 2; large++) {
             struct mesh_builder builder = { .vertices = NULL };
-            const uint64_t count = large                          ? 20 * 20 * 12
-                                   : shape_kinds[i].default_count ? 0
-                                                                  : shape_kinds[i].count_min;
+            const uint64_t count = large ? 20 * 20 * 12 : shape_kinds[i].default_count ? 0 : shape_kinds[i].count_min;
             if (large && (shape_kinds[i].counts == SHAPE_TWO_SQUARES))
                 continue;
-            builder_add_shape(&builder, shape_kinds[i].name, count, (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0,
-                              0);
+            builder_add_shape(&builder, shape_kinds[i].name, count, (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0, 0);
             if (builder_compile(&builder))
                 CHECK(builder.info.self_intersections == 0 && !builder.info.self_intersections_more,
                       "%s of %u triangles: %u%s", shape_kinds[i].name, builder.info.triangles,
-                      builder.info.self_intersections,
-                      builder.info.self_intersections_more ? " or more" : "");
+                      builder.info.self_intersections, builder.info.self_intersections_more ? " or more" : "");
             builder_free(&builder);
         }
 }
@@ -325,8 +312,7 @@ static void add_joined_balls(struct mesh_builder *builder)
     }
     const size_t last = builder->triangle_count - 1;
     memcpy(builder->corners + 3 * two, builder->corners + 3 * last, 3 * sizeof *builder->corners);
-    memcpy(builder->corners + 3 * one, builder->corners + 3 * (last - 1),
-           3 * sizeof *builder->corners);
+    memcpy(builder->corners + 3 * one, builder->corners + 3 * (last - 1), 3 * sizeof *builder->corners);
     builder->triangle_count -= 2;
 }
 
@@ -337,10 +323,9 @@ static long double turns_at(const struct mesh_builder *builder, const double *co
     for (uint32_t t = 0; t < builder->info.triangles; t++) {
         long double v[3][3], far[3], along[3];
         for (int k = 0; k < 9; k++)
-            v[k / 3][k % 3] =
-                (long double)corners[9 * (size_t)t + (size_t)k] - (k % 3 == 0   ? x.x
-                                                                   : k % 3 == 1 ? x.y
-                                                                                : x.z);
+            v[k / 3][k % 3] = (long double)corners[9 * (size_t)t + (size_t)k] - (k % 3 == 0   ? x.x
+                                                                                 : k % 3 == 1 ? x.y
+                                                                                              : x.z);
         for (int i = 0; i < 3; i++) {
             const long double *a = v[i], *b = v[(i + 1) % 3];
             far[i] = sqrtl(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
@@ -349,8 +334,7 @@ static long double turns_at(const struct mesh_builder *builder, const double *co
         const long double volume = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) +
                                    v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
                                    v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
-        sum += atan2l(volume, far[0] * far[1] * far[2] + along[0] * far[2] + along[1] * far[0] +
-                                  along[2] * far[1]);
+        sum += atan2l(volume, far[0] * far[1] * far[2] + along[0] * far[2] + along[1] * far[0] + along[2] * far[1]);
     }
     return sum / (2.0L * 3.14159265358979323846L);
 }
@@ -371,8 +355,7 @@ static struct judge judge_of(const struct mesh_builder *builder)
     judge.corners = malloc(9 * (size_t)count * sizeof *judge.corners);
     uint32_t *numbers = malloc(3 * (size_t)count * sizeof *numbers);
     for (uint32_t t = 0; t < count; t++)
-        CHECK(dpt_mesh_get_triangle(builder->mesh, t, judge.corners + 9 * (size_t)t) == DPT_OK,
-              "%u", t);
+        CHECK(dpt_mesh_get_triangle(builder->mesh, t, judge.corners + 9 * (size_t)t) == DPT_OK, "%u", t);
     for (size_t i = 0; i < 9 * (size_t)count; i++)
         points[i] = (float)judge.corners[i];
     for (uint32_t i = 0; i < 3 * count; i++)
@@ -407,8 +390,8 @@ static void expect_signs(const struct judge *judge, const char *what)
     double worst = 0.0;
     for (int i = 0; i < (int)part_of(1500); i++) {
         const uint32_t place = (uint32_t)(random_bits(&random) % builder->info.triangles);
-        const vec3 x = i % 2 ? point_in_box(builder, &random)
-                             : point_off(builder, place, random_in(&random, -0.02, 0.02));
+        const vec3 x =
+            i % 2 ? point_in_box(builder, &random) : point_off(builder, place, random_in(&random, -0.02, 0.02));
         const double wanted = signed_distance(judge, x);
         const double ends[6] = { x.x, x.y, x.z, x.x, x.y, x.z };
         dpt_hit hit = DPT_HIT_INIT;
@@ -422,8 +405,7 @@ static void expect_signs(const struct judge *judge, const char *what)
     }
     CHECK(wrong == 0, "%s: %u of %u signs are wrong", what, wrong, judged);
     CHECK(worst <= 1e-12 * diagonal, "%s: off by %g of the diagonal", what, worst / diagonal);
-    CHECK(inside > part_of(300) && judged > inside + part_of(300), "%s: %u of %u inside", what,
-          inside, judged);
+    CHECK(inside > part_of(300) && judged > inside + part_of(300), "%s: %u of %u inside", what, inside, judged);
 }
 
 /* The depth of segments, which cross outer and inner sheets. */
@@ -443,8 +425,7 @@ static void expect_depths(const struct judge *judge, const char *what)
         dpt_query_segments(builder->mesh, NULL, ends, NULL, 1, &hit, NULL);
         const struct oracle_least least = oracle_least(&solid, ends, 0.1 * tolerance);
         const double depth = max_of(0.0, -hit.gap);
-        CHECK(depth >= max_of(0.0, -least.high) - tolerance &&
-                  depth <= max_of(0.0, -least.low) + tolerance,
+        CHECK(depth >= max_of(0.0, -least.high) - tolerance && depth <= max_of(0.0, -least.low) + tolerance,
               "%s %d: %g deep, not %g to %g", what, i, depth, -least.high, -least.low);
         deep += least.high < -100.0 * tolerance;
     }
@@ -461,9 +442,8 @@ static void closed_parts_that_cut_themselves_have_an_inside(void)
             struct judge judge = judge_of(&builder);
             CHECK(builder.info.components == 1 && builder.info.closed_components == 1 &&
                       builder.info.winding_components == 1 && builder.info.self_intersections > 50,
-                  "%s: %u parts, %u closed, %u by winding number, %u pairs", what,
-                  builder.info.components, builder.info.closed_components,
-                  builder.info.winding_components, builder.info.self_intersections);
+                  "%s: %u parts, %u closed, %u by winding number, %u pairs", what, builder.info.components,
+                  builder.info.closed_components, builder.info.winding_components, builder.info.self_intersections);
             expect_signs(&judge, what);
             expect_depths(&judge, what);
             judge_free(&judge);
@@ -495,18 +475,16 @@ static void a_search_that_stops_says_so(void)
             CHECK(builder.info.self_intersections == 0 && builder.info.closed_components == 1 &&
                       builder.info.self_intersections_more == (uint32_t)large &&
                       builder.info.winding_components == (uint32_t)large,
-                  "%d: %u pairs, more %u, %u by winding number", large,
-                  builder.info.self_intersections, builder.info.self_intersections_more,
-                  builder.info.winding_components);
+                  "%d: %u pairs, more %u, %u by winding number", large, builder.info.self_intersections,
+                  builder.info.self_intersections_more, builder.info.winding_components);
             CHECK(builder.info.self_intersection[0] == DPT_NONE, "an example of none");
             for (int i = 0; i < (int)part_of(200); i++) {
                 const vec3 x = point_in_box(&builder, &random);
                 const double ends[6] = { x.x, x.y, x.z, x.x, x.y, x.z };
                 dpt_hit hit = DPT_HIT_INIT;
                 dpt_query_segments(builder.mesh, NULL, ends, NULL, 1, &hit, NULL);
-                CHECK((hit.gap < 0.0) == (brute_winding_at(&builder, x) > 0.5) ||
-                          hit.distance < 1e-7,
-                      "%d: gap %g", large, hit.gap);
+                CHECK((hit.gap < 0.0) == (brute_winding_at(&builder, x) > 0.5) || hit.distance < 1e-7, "%d: gap %g",
+                      large, hit.gap);
             }
         }
         builder_free(&builder);
@@ -522,20 +500,20 @@ static void pairs_are_counted_up_to_ten_thousand(void)
         builder.vertices[i] += random_in(&random, -3e-3, 3e-3);
     builder_add_ball(&builder, (vec3){ 1.0, 0.0, 0.0 }, 0.1, 0.0, 0);
     if (builder_compile(&builder))
-        CHECK(builder.info.self_intersections == 10000 &&
-                  builder.info.self_intersections_more == 1 && builder.info.winding_components == 1,
+        CHECK(builder.info.self_intersections == 10000 && builder.info.self_intersections_more == 1 &&
+                  builder.info.winding_components == 1,
               "%u pairs, more %u, %u by winding number", builder.info.self_intersections,
               builder.info.self_intersections_more, builder.info.winding_components);
     dpt_compiled first = builder.compiled;
     for (uint32_t threads = 2; threads < 12; threads += 3) {
         const dpt_compile_def def = { .size = sizeof def, .threads = threads };
         dpt_compiled again;
-        CHECK(dpt_compile_arrays(builder.vertices, builder.vertex_count, builder.corners,
-                                 builder.triangle_count, &def, &again, NULL) == DPT_OK,
+        CHECK(dpt_compile_arrays(builder.vertices, builder.vertex_count, builder.corners, builder.triangle_count, &def,
+                                 &again, NULL) == DPT_OK,
               "%u threads", threads);
         dpt_mesh_convert(again.bytes, again.size, NULL);
-        CHECK(again.size == first.size && !memcmp(again.bytes, first.bytes, first.size),
-              "other bytes of %u threads", threads);
+        CHECK(again.size == first.size && !memcmp(again.bytes, first.bytes, first.size), "other bytes of %u threads",
+              threads);
         dpt_compiled_free(&again);
     }
     builder_free(&builder);

@@ -10,12 +10,10 @@
 #include "compile/parallel.h"
 #include "dynpoint/compile.h"
 #include "lib/check.h"
-#include "shape.h"
+#include "shape/shape.h"
 
-int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *),
-                          void *argument);
-int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *),
-                          void *argument);
+int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *), void *argument);
+int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *), void *argument);
 int __wrap_pthread_join(pthread_t thread, void **result);
 int __real_pthread_join(pthread_t thread, void **result);
 void *__wrap_malloc(size_t size);
@@ -31,8 +29,7 @@ static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static long asked, made, alive, most_alive, blocks, allocations_left = -1;
 static uint64_t granted = UINT64_MAX; /* bit k: the system grants thread k, and k + 64 */
 
-int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *),
-                          void *argument)
+int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *), void *argument)
 {
     pthread_mutex_lock(&lock);
     int code = granted >> asked++ % 64 & 1 ? 0 : 11; /* EAGAIN */
@@ -143,13 +140,10 @@ static void a_loop_does_each_item_once(void)
                     }
                     CHECK(wrong == 0, "%u of %u items not once", wrong, count);
                     CHECK(count == 0 || visits.of_caller[0], "the first piece is the caller's");
-                    CHECK(pieces <= most && (pieces <= 1 || small == 0), "%u pieces, %u small",
-                          pieces, small);
-                    CHECK(count / least < 2 ||
-                              pieces == (count / least < most ? count / least : most),
+                    CHECK(pieces <= most && (pieces <= 1 || small == 0), "%u pieces, %u small", pieces, small);
+                    CHECK(count / least < 2 || pieces == (count / least < most ? count / least : most),
                           "%u pieces of %u by %u", pieces, count, least);
-                    CHECK(asked == (pieces ? pieces : 1) - 1 && alive == 0, "%ld threads, %ld left",
-                          asked, alive);
+                    CHECK(asked == (pieces ? pieces : 1) - 1 && alive == 0, "%ld threads, %ld left", asked, alive);
                 }
 }
 
@@ -172,8 +166,8 @@ static int make_boxes(uint32_t side, struct shape *shape)
                                      : 0.55,
                      x = at % side, y = at / side % side, z = at / side / side;
         for (uint32_t c = 0; c < 8; c++)
-            shape_add_vertex(shape, x + (c % 4 == 1 || c % 4 == 2 ? size : -size),
-                             y + (c % 4 >= 2 ? size : -size), z + (c >= 4 ? size : -size));
+            shape_add_vertex(shape, x + (c % 4 == 1 || c % 4 == 2 ? size : -size), y + (c % 4 >= 2 ? size : -size),
+                             z + (c >= 4 ? size : -size));
         for (uint32_t t = at % 11 == 0 ? 8 : at % 3 == 0; t < 12; t++)
             shape_add_triangle(shape, 8 * i + corners[t][0], 8 * i + corners[t][at % 5 ? 1 : 2],
                                8 * i + corners[t][at % 5 ? 2 : 1]);
@@ -188,11 +182,9 @@ static int make_soup(uint32_t count, struct shape *shape)
     if (shape_begin(shape, 300, count))
         return -1;
     for (uint32_t v = 0; v < 300; v++)
-        shape_add_vertex(shape, random_in(&random, -1, 1), random_in(&random, -1, 1),
-                         random_in(&random, -1, 1));
+        shape_add_vertex(shape, random_in(&random, -1, 1), random_in(&random, -1, 1), random_in(&random, -1, 1));
     for (uint32_t t = 0; t < count; t++)
-        shape_add_triangle(shape, random_bits(&random) % 300, random_bits(&random) % 300,
-                           random_bits(&random) % 300);
+        shape_add_triangle(shape, random_bits(&random) % 300, random_bits(&random) % 300, random_bits(&random) % 300);
     return 0;
 }
 
@@ -210,8 +202,8 @@ static dpt_result compile(const struct shape *shape, uint32_t threads, dpt_compi
 {
     dpt_compile_def def = { .size = sizeof def, .threads = threads };
     forget_threads();
-    return dpt_compile_arrays(shape->vertices, shape->vertex_count, shape->corners,
-                              shape->triangle_count, &def, out, NULL);
+    return dpt_compile_arrays(shape->vertices, shape->vertex_count, shape->corners, shape->triangle_count, &def, out,
+                              NULL);
 }
 
 static int same(const dpt_compiled *a, const dpt_compiled *b)
@@ -223,11 +215,10 @@ static const struct {
     const char *name;
     uint32_t count;
 } shapes[] = {
-    { "membrane", 2 },   { "hub", 3 },          { "box", 12 },     { "torus", 96 },
-    { "torus", 4096 },   { "torus", 8190 },     { "torus", 8192 }, { "torus", 65538 },
-    { "stomach", 9001 }, { "membrane", 20000 }, { "hub", 30001 },  { "star", 20480 },
-    { "boxes", 2 },      { "boxes", 12 },       { "soup", 400 },   { "soup", 30000 },
-    { "torus", 300000 },
+    { "membrane", 2 }, { "hub", 3 },        { "box", 12 },      { "torus", 96 },     { "torus", 4096 },
+    { "torus", 8190 }, { "torus", 8192 },   { "torus", 65538 }, { "stomach", 9001 }, { "membrane", 20000 },
+    { "hub", 30001 },  { "star", 20480 },   { "boxes", 2 },     { "boxes", 12 },     { "soup", 400 },
+    { "soup", 30000 }, { "torus", 300000 },
 };
 
 /* Large shapes take most of the time. */
@@ -248,20 +239,18 @@ static void bytes_do_not_depend_on_threads(void)
             CHECK(0, "no %s", shapes[i].name);
             continue;
         }
-        CHECK(compile(&shape, 1, &one) == DPT_OK && asked == 0, "%s %u: %ld threads for 1",
-              shapes[i].name, shapes[i].count, asked);
+        CHECK(compile(&shape, 1, &one) == DPT_OK && asked == 0, "%s %u: %ld threads for 1", shapes[i].name,
+              shapes[i].count, asked);
         for (size_t n = 0; n < sizeof threads / sizeof *threads; n++) {
             long most = threads[n] < 64 ? threads[n] : 64;
             CHECK(compile(&shape, threads[n], &many) == DPT_OK && same(&one, &many),
-                  "%s %u: other bytes with %u threads", shapes[i].name, shapes[i].count,
-                  threads[n]);
-            CHECK(alive == 0 && most_alive < most, "%ld threads at once with %u, %ld left",
-                  most_alive + 1, threads[n], alive);
-            CHECK(shape.triangle_count < 1000 ? asked == 0
-                                              : shape.triangle_count < 2 * PARALLEL_MIN || made > 0,
+                  "%s %u: other bytes with %u threads", shapes[i].name, shapes[i].count, threads[n]);
+            CHECK(alive == 0 && most_alive < most, "%ld threads at once with %u, %ld left", most_alive + 1, threads[n],
+                  alive);
+            CHECK(shape.triangle_count < 1000 ? asked == 0 : shape.triangle_count < 2 * PARALLEL_MIN || made > 0,
                   "%s %u: %ld threads made", shapes[i].name, shapes[i].count, made);
-            CHECK(shape.triangle_count < 64 * PARALLEL_MIN || most < 64 || most_alive == 63,
-                  "%ld threads at once", most_alive + 1);
+            CHECK(shape.triangle_count < 64 * PARALLEL_MIN || most < 64 || most_alive == 63, "%ld threads at once",
+                  most_alive + 1);
             dpt_compiled_free(&many);
         }
         dpt_compiled_free(&one);
@@ -293,17 +282,15 @@ static void a_file_is_read_and_hashed(void)
     stl[84 + 12 + 3] = 0x7f; /* no longer finite */
     stl[84 + 12 + 2] = 0xff;
     dpt_diag diag = { .size = sizeof diag };
-    CHECK(dpt_compile_bytes(stl, size, &def, &two, &diag) == DPT_E_FINITE && diag.byte == 96 &&
-              alive == 0,
-          "%s at %u", diag.text, (unsigned)diag.byte);
+    CHECK(dpt_compile_bytes(stl, size, &def, &two, &diag) == DPT_E_FINITE && diag.byte == 96 && alive == 0, "%s at %u",
+          diag.text, (unsigned)diag.byte);
     dpt_compiled_free(&one);
     free(stl);
 }
 
 static void refused_threads_change_nothing(void)
 {
-    const uint64_t grants[] = { 0, 1, 0xaaaaaaaaaaaaaaaau, 0x5555555555555555u,
-                                0x00ff00ff00ff00ffu };
+    const uint64_t grants[] = { 0, 1, 0xaaaaaaaaaaaaaaaau, 0x5555555555555555u, 0x00ff00ff00ff00ffu };
     const struct {
         const char *name;
         uint32_t count;
@@ -316,13 +303,11 @@ static void refused_threads_change_nothing(void)
         CHECK(compile(&shape, 1, &one) == DPT_OK, "%s", some[i].name);
         for (size_t g = 0; g < sizeof grants / sizeof *grants; g++) {
             long refused = 0;
-            for (uint32_t threads = 2; threads <= (check_percent < 100 ? 7 : 64);
-                 threads = 3 * threads + 1) {
+            for (uint32_t threads = 2; threads <= (check_percent < 100 ? 7 : 64); threads = 3 * threads + 1) {
                 granted = grants[g];
                 dpt_result result = compile(&shape, threads, &many);
                 granted = UINT64_MAX;
-                CHECK(result == DPT_OK && same(&one, &many) && alive == 0 &&
-                          (made == 0) == (grants[g] == 0),
+                CHECK(result == DPT_OK && same(&one, &many) && alive == 0 && (made == 0) == (grants[g] == 0),
                       "%s: %d with %ld of %ld threads", some[i].name, result, made, asked);
                 refused += asked - made;
                 dpt_compiled_free(&many);
@@ -353,17 +338,16 @@ static void memory_that_ends_in_a_thread_is_told(void)
         long before = blocks;
         forget_threads();
         allocations_left = fail_at;
-        result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                    shape.triangle_count, &def, &out, &diag);
+        result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, &def, &out,
+                                    &diag);
         allocations_left = -1;
         failures += result != DPT_OK;
-        CHECK(result == DPT_OK || (result == DPT_E_MEMORY && !out.bytes && !out.size),
-              "allocation %ld: %s", fail_at, dpt_result_name(result));
-        CHECK(diag.code == result && (result == DPT_OK || diag.text[0]), "allocation %ld: %d",
-              fail_at, diag.code);
+        CHECK(result == DPT_OK || (result == DPT_E_MEMORY && !out.bytes && !out.size), "allocation %ld: %s", fail_at,
+              dpt_result_name(result));
+        CHECK(diag.code == result && (result == DPT_OK || diag.text[0]), "allocation %ld: %d", fail_at, diag.code);
         dpt_compiled_free(&out);
-        CHECK(blocks == before && alive == 0, "allocation %ld: %ld blocks left, %ld threads",
-              fail_at, blocks - before, alive);
+        CHECK(blocks == before && alive == 0, "allocation %ld: %ld blocks left, %ld threads", fail_at, blocks - before,
+              alive);
     }
     CHECK(result == DPT_OK && failures > 40, "%d failures", failures);
     lattice_free(&lattice);
@@ -392,23 +376,18 @@ static void progress_comes_from_the_calling_thread(void)
 {
     struct shape shape;
     struct watch watch;
-    if (make("torus", check_percent < 100 ? 200000 : 1200000,
-             &shape)) /* a large half and a small one */
+    if (make("torus", check_percent < 100 ? 200000 : 1200000, &shape)) /* a large half and a small one */
         return;
     for (int stop = 0, calls = 1; stop <= calls; stop += 1 + stop) {
         watch = (struct watch){ .caller = pthread_self(), .stop_at = stop };
-        dpt_compile_def def = {
-            .size = sizeof def, .threads = 2, .progress = watch_progress, .user = &watch
-        };
+        dpt_compile_def def = { .size = sizeof def, .threads = 2, .progress = watch_progress, .user = &watch };
         dpt_compiled out;
         forget_threads();
-        dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                               shape.triangle_count, &def, &out, NULL);
+        dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
+                                               &def, &out, NULL);
         calls = stop ? calls : watch.calls;
-        CHECK(watch.elsewhere == 0 && watch.back == 0, "%d calls elsewhere, %d back",
-              watch.elsewhere, watch.back);
-        CHECK(stop ? result == DPT_E_CANCELLED && watch.calls == stop && !out.bytes
-                   : result == DPT_OK && calls > 8,
+        CHECK(watch.elsewhere == 0 && watch.back == 0, "%d calls elsewhere, %d back", watch.elsewhere, watch.back);
+        CHECK(stop ? result == DPT_E_CANCELLED && watch.calls == stop && !out.bytes : result == DPT_OK && calls > 8,
               "stopped at %d: %d after %d", stop, result, watch.calls);
         CHECK(alive == 0, "%ld threads left", alive);
         dpt_compiled_free(&out);
@@ -427,11 +406,11 @@ static void a_def_without_threads_makes_none(void)
         dpt_compile_def def = { .size = (uint32_t)sizes[i], .threads = 4 };
         dpt_compiled out;
         forget_threads();
-        CHECK(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                 shape.triangle_count, &def, &out, NULL) == DPT_OK,
+        CHECK(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, &def, &out,
+                                 NULL) == DPT_OK,
               "size %zu", sizes[i]);
-        CHECK((asked > 0) == (sizes[i] > offsetof(dpt_compile_def, threads)),
-              "%ld threads for size %zu", asked, sizes[i]);
+        CHECK((asked > 0) == (sizes[i] > offsetof(dpt_compile_def, threads)), "%ld threads for size %zu", asked,
+              sizes[i]);
         dpt_compiled_free(&out);
     }
     dpt_compiled out;

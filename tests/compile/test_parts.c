@@ -24,8 +24,7 @@ static void balls_with_holes(void)
             CHECK(builder.info.turned_triangles == (wanted && inward ? builder.info.triangles : 0),
                   "hole of %g: %u turned", hole, builder.info.turned_triangles);
             double middle = winding_at(&builder, 0.0, 0.0, 0.0);
-            CHECK(fabs(middle - (wanted ? 1.0 - hole : 0.0)) < 0.01, "hole of %g: %g", hole,
-                  middle);
+            CHECK(fabs(middle - (wanted ? 1.0 - hole : 0.0)) < 0.01, "hole of %g: %g", hole, middle);
             CHECK(fabs(winding_at(&builder, 0.0, 0.0, -1.5)) < 0.1, "outside");
         }
         builder_free(&builder);
@@ -57,11 +56,10 @@ static void torn_balls_are_solid(void)
                       (MESH_PART_MANIFOLD | MESH_PART_WOUND | MESH_PART_SOLID | MESH_PART_WINDING),
                   "flags %u", part_flags_of(&builder, 0));
             CHECK(winding_at(&builder, 0.0, 0.0, 0.0) > 0.9, "%g", winding_at(&builder, 0, 0, 0));
-            CHECK(winding_at(&builder, 0.3, 0.2, 0.4) > 0.9, "%g",
-                  winding_at(&builder, 0.3, 0.2, 0.4));
+            CHECK(winding_at(&builder, 0.3, 0.2, 0.4) > 0.9, "%g", winding_at(&builder, 0.3, 0.2, 0.4));
             CHECK(fabs(winding_at(&builder, 0.0, 1.1, 0.0)) < 0.1, "outside");
-            CHECK(inward == (builder.info.turned_triangles > builder.info.triangles / 2),
-                  "%u turned", builder.info.turned_triangles);
+            CHECK(inward == (builder.info.turned_triangles > builder.info.triangles / 2), "%u turned",
+                  builder.info.turned_triangles);
         }
         builder_free(&builder);
     }
@@ -75,8 +73,8 @@ static void sheets_have_no_inside(void)
         builder = (struct mesh_builder){ .vertices = NULL };
         builder_add_shape(&builder, names[i], 512, (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0, 0);
         if (builder_compile(&builder))
-            CHECK(builder.info.solid_components == 0 && !(part_flags_of(&builder, 0) & ~7u),
-                  "%s: %u solid", names[i], builder.info.solid_components);
+            CHECK(builder.info.solid_components == 0 && !(part_flags_of(&builder, 0) & ~7u), "%s: %u solid", names[i],
+                  builder.info.solid_components);
         builder_free(&builder);
     }
     /* Beside a part that has moments a sheet adds nothing. */
@@ -91,8 +89,7 @@ static void sheets_have_no_inside(void)
             const vec3 x = point_off(&builder, place, 1e-5);
             worst = max_of(worst, fabs(winding_at(&builder, x.x, x.y, x.z)));
         }
-        CHECK(builder.info.winding_components == 1 && worst < 1e-3, "%u, %g",
-              builder.info.winding_components, worst);
+        CHECK(builder.info.winding_components == 1 && worst < 1e-3, "%u, %g", builder.info.winding_components, worst);
     }
     builder_free(&builder);
     /* Twelve loose triangles, and a flat square that is there twice, as a bag without a volume. */
@@ -100,8 +97,7 @@ static void sheets_have_no_inside(void)
     builder_reserve(&builder, 41, 16);
     uint64_t random = 47;
     for (int v = 0; v < 36; v++)
-        builder_add_vertex(&builder, random_in(&random, -1, 1), random_in(&random, -1, 1),
-                           random_in(&random, -1, 1));
+        builder_add_vertex(&builder, random_in(&random, -1, 1), random_in(&random, -1, 1), random_in(&random, -1, 1));
     for (size_t t = 0; t < 12; t++)
         builder_add_triangle(&builder, 3 * t, 3 * t + 1, 3 * t + 2, 0);
     for (int v = 0; v < 4; v++)
@@ -130,8 +126,7 @@ static void closed_meshes_carry_no_moments(void)
               "%s of %u bytes", section.name, (unsigned)section.bytes);
         CHECK(builder.info.solid_components == 2 && builder.info.inward_components == 1, "%u solid",
               builder.info.solid_components);
-        CHECK(dpti_winding_number(&builder.surface, &builder.kernel, (vec3){ 0.0, 0.0, 0.0 },
-                                  &work) == 0.0 &&
+        CHECK(dpti_winding_number(&builder.surface, &builder.kernel, (vec3){ 0.0, 0.0, 0.0 }, &work) == 0.0 &&
                   work.done == 0,
               "work %u", work.done);
     }
@@ -149,22 +144,18 @@ static void nested_balls_keep_their_voids(void)
         builder_add_ball(&builder, (vec3){ 0.0, 0.0, 0.0 }, 1.0, 0.0, outer);
         builder_add_beacon(&builder);
         if (builder_compile(&builder)) {
-            CHECK(fabs(winding_at(&builder, 0.1, 0.0, 0.0) - (hollow ? 0.0 : 2.0)) < 0.01,
-                  "ways %d: %g", ways, winding_at(&builder, 0.1, 0.0, 0.0));
+            CHECK(fabs(winding_at(&builder, 0.1, 0.0, 0.0) - (hollow ? 0.0 : 2.0)) < 0.01, "ways %d: %g", ways,
+                  winding_at(&builder, 0.1, 0.0, 0.0));
             CHECK(fabs(winding_at(&builder, 0.8, 0.0, 0.0) - 1.0) < 0.01, "ways %d, wall: %g", ways,
                   winding_at(&builder, 0.8, 0.0, 0.0));
             CHECK(fabs(winding_at(&builder, 1.2, 0.0, 0.0)) < 0.01, "ways %d, outside", ways);
-            CHECK(builder.info.cavities == (uint32_t)hollow &&
-                      builder.info.buried_components == (uint32_t)!hollow &&
+            CHECK(builder.info.cavities == (uint32_t)hollow && builder.info.buried_components == (uint32_t)!hollow &&
                       builder.info.winding_components == 1 && builder.info.solid_components == 3,
-                  "ways %d: %u cavities, %u buried", ways, builder.info.cavities,
-                  builder.info.buried_components);
-            CHECK(builder.info.inward_components == (uint32_t)(outer + (outer && inner)),
-                  "ways %d: %u inward", ways, builder.info.inward_components);
-            CHECK(part_flags_of(&builder, 0) == (hollow ? 15u : 47u) &&
-                      part_flags_of(&builder, second) == 15u,
-                  "ways %d: flags %u, %u", ways, part_flags_of(&builder, 0),
-                  part_flags_of(&builder, second));
+                  "ways %d: %u cavities, %u buried", ways, builder.info.cavities, builder.info.buried_components);
+            CHECK(builder.info.inward_components == (uint32_t)(outer + (outer && inner)), "ways %d: %u inward", ways,
+                  builder.info.inward_components);
+            CHECK(part_flags_of(&builder, 0) == (hollow ? 15u : 47u) && part_flags_of(&builder, second) == 15u,
+                  "ways %d: flags %u, %u", ways, part_flags_of(&builder, 0), part_flags_of(&builder, second));
         }
         builder_free(&builder);
     }
@@ -184,10 +175,8 @@ static void what_lies_in_a_void_is_in_the_open(void)
         if (builder_compile(&builder)) {
             CHECK(builder.info.cavities == 1 && builder.info.buried_components == 1 &&
                       builder.info.inward_components == 2u * (uint32_t)stone,
-                  "stone %d: %u cavities, %u inward", stone, builder.info.cavities,
-                  builder.info.inward_components);
-            CHECK(part_flags_of(&builder, first) == 15u, "flags %u",
-                  part_flags_of(&builder, first));
+                  "stone %d: %u cavities, %u inward", stone, builder.info.cavities, builder.info.inward_components);
+            CHECK(part_flags_of(&builder, first) == 15u, "flags %u", part_flags_of(&builder, first));
             CHECK(fabs(winding_at(&builder, 0.4, 0.0, 0.0) - 1.0) < 0.01, "in the stone");
             CHECK(fabs(winding_at(&builder, 0.1, 0.0, 0.0) - 2.0) < 0.01, "in its core");
             CHECK(fabs(winding_at(&builder, 0.7, 0.0, 0.0)) < 0.01, "in the void");
@@ -204,9 +193,8 @@ static void sheets_within_solids_are_buried(void)
         vec3 at;
         double size;
         int buried;
-    } sheets[] = { { { 0.0, 0.0, 0.85 }, 0.1, 1 }, { { 0.0, 0.0, 0.0 }, 0.1, 0 },
-                   { { 0.0, 0.0, 1.0 }, 0.1, 0 },  { { 0.0, 0.0, 0.7 }, 0.1, 0 },
-                   { { 0.8, 0.8, 0.8 }, 0.1, 0 },  { { 0.0, -0.85, 0.0 }, 0.02, 1 },
+    } sheets[] = { { { 0.0, 0.0, 0.85 }, 0.1, 1 }, { { 0.0, 0.0, 0.0 }, 0.1, 0 }, { { 0.0, 0.0, 1.0 }, 0.1, 0 },
+                   { { 0.0, 0.0, 0.7 }, 0.1, 0 },  { { 0.8, 0.8, 0.8 }, 0.1, 0 }, { { 0.0, -0.85, 0.0 }, 0.02, 1 },
                    { { 5.0, 0.0, 0.0 }, 0.3, 1 },  { { 5.0, 0.0, 0.9 }, 0.3, 0 } };
     const size_t count = sizeof sheets / sizeof *sheets;
     struct mesh_builder builder = { .vertices = NULL };
@@ -225,8 +213,7 @@ static void sheets_within_solids_are_buried(void)
     builder_add_ball(&builder, (vec3){ 5.0, 0.0, 0.0 }, 1.0, 0.02, 0);
     if (builder_compile(&builder)) {
         for (size_t i = 0; i < count; i++)
-            CHECK((part_flags_of(&builder, (uint32_t)i) & ~7u) ==
-                      (sheets[i].buried ? (uint32_t)MESH_PART_BURIED : 0u),
+            CHECK((part_flags_of(&builder, (uint32_t)i) & ~7u) == (sheets[i].buried ? (uint32_t)MESH_PART_BURIED : 0u),
                   "%zu: flags %u", i, part_flags_of(&builder, (uint32_t)i));
         CHECK(builder.info.solid_components == 3 && builder.info.buried_components == 0, "%u, %u",
               builder.info.solid_components, builder.info.buried_components);
@@ -236,10 +223,9 @@ static void sheets_within_solids_are_buried(void)
             const double ends[6] = { 0.0, y, 0.85, 0.01, y, 0.85 };
             dpt_hit hit = DPT_HIT_INIT;
             dpt_query_segments(builder.mesh, NULL, ends, NULL, 1, &hit, NULL);
-            CHECK(hit.triangle == 0 && hit.contact == DPT_CONTACT_PENETRATING &&
-                      fabs(hit.gap + hit.distance) < 1e-4,
-                  "%d: triangle %u, contact %u, gap %g, distance %g", side, hit.triangle,
-                  hit.contact, hit.gap, hit.distance);
+            CHECK(hit.triangle == 0 && hit.contact == DPT_CONTACT_PENETRATING && fabs(hit.gap + hit.distance) < 1e-4,
+                  "%d: triangle %u, contact %u, gap %g, distance %g", side, hit.triangle, hit.contact, hit.gap,
+                  hit.distance);
         }
     }
     builder_free(&builder);
@@ -264,8 +250,7 @@ static void cut_parts_need_a_winding_number(void)
         int inside = 0;
         for (int i = 0; i < 4000; i++) {
             vec3 x = point_in_box(&builder, &random);
-            const double off[] = { length(x) - 1.0, length(sub(x, b)) - 0.7,
-                                   length(sub(x, c)) - 1.0 };
+            const double off[] = { length(x) - 1.0, length(sub(x, b)) - 0.7, length(sub(x, c)) - 1.0 };
             int in = 0, near = 0;
             for (int k = 0; k < 3; k++) {
                 in += off[k] < 0.0;
@@ -300,24 +285,21 @@ static void contact_is_found_within_faces(void)
         if (i == 1) { /* stands on it */
             builder_reserve(&builder, 8, 12);
             size_t base = builder.vertex_count;
-            static const uint8_t faces[12][3] = { { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 },
-                                                  { 5, 7, 6 }, { 0, 1, 4 }, { 1, 5, 4 },
-                                                  { 2, 6, 3 }, { 3, 6, 7 }, { 0, 4, 2 },
-                                                  { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 } };
+            static const uint8_t faces[12][3] = { { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 },
+                                                  { 0, 1, 4 }, { 1, 5, 4 }, { 2, 6, 3 }, { 3, 6, 7 },
+                                                  { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 } };
             for (int k = 0; k < 8; k++)
-                builder_add_vertex(&builder, above.x + (k & 1 ? size : 0.0),
-                                   above.y + (k & 2 ? size : 0.0), top + (k & 4 ? size : 0.0));
+                builder_add_vertex(&builder, above.x + (k & 1 ? size : 0.0), above.y + (k & 2 ? size : 0.0),
+                                   top + (k & 4 ? size : 0.0));
             for (int t = 0; t < 12; t++)
-                builder_add_triangle(&builder, base + faces[t][0], base + faces[t][1],
-                                     base + faces[t][2], 0);
+                builder_add_triangle(&builder, base + faces[t][0], base + faces[t][1], base + faces[t][2], 0);
         } else {
             builder_add_ball(&builder, above, size, 0.0, 0);
         }
         if (builder_compile(&builder))
-            CHECK(builder.info.winding_components == 2u * (uint32_t)cuts[i] &&
-                      builder.info.components == 2 && builder.info.buried_components == 0,
-                  "%d: %u by winding of %u", i, builder.info.winding_components,
-                  builder.info.components);
+            CHECK(builder.info.winding_components == 2u * (uint32_t)cuts[i] && builder.info.components == 2 &&
+                      builder.info.buried_components == 0,
+                  "%d: %u by winding of %u", i, builder.info.winding_components, builder.info.components);
         builder_free(&builder);
     }
 }
@@ -333,11 +315,9 @@ static void endless_pairs_are_cut_short(void)
     for (int i = 0; i < BOXES; i++)
         builder_add_shape(&builder, "box", 12, (vec3){ 0.0, 0.0, 0.0 }, 1.0 + 1e-3 * i, 0, 0);
     if (builder_compile(&builder)) {
-        CHECK(builder.info.solid_components == BOXES &&
-                  builder.info.winding_components > BOXES / 10 &&
+        CHECK(builder.info.solid_components == BOXES && builder.info.winding_components > BOXES / 10 &&
                   builder.info.winding_components < BOXES,
-              "%u solid, %u by winding", builder.info.solid_components,
-              builder.info.winding_components);
+              "%u solid, %u by winding", builder.info.solid_components, builder.info.winding_components);
         const double depths[] = { 0.0599, 0.0900, 0.1799 };
         for (int i = 0; i < 3; i++) {
             const double inside[6] = { depths[i], 0.0, 0.0, depths[i], 1e-4, 0.0 };

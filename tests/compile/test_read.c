@@ -21,7 +21,7 @@ static const char *golden = "tests/golden-bad";
 #define REPLACED_BY_SANITIZER
 #endif
 #endif
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&       \
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) &&                           \
     !defined(REPLACED_BY_SANITIZER)
 #define CAN_FAIL_ALLOCATIONS
 static long allocations_left = -1;
@@ -39,8 +39,8 @@ void *realloc(void *block, size_t size)
 
 static const char *code_name(dpt_result code)
 {
-#define NAME_OF(name, value, text)                                                                 \
-    if (code == (value))                                                                           \
+#define NAME_OF(name, value, text)                                                                                     \
+    if (code == (value))                                                                                               \
         return #name;
     DPT_RESULTS(NAME_OF)
 #undef NAME_OF
@@ -92,8 +92,8 @@ static void vertices_are_scaled_and_rounded(void)
     CHECK(s.rounding == fabs((double)(float)0.001 - 0.001), "%g", s.rounding);
     CHECK(soup_add_vertex(&s, 1e9, -1e9, 0.0, somewhere) == DPT_OK, "%s", diag.text);
     CHECK(soup_add_vertex(&s, 0.0, 1.0001e9, 0.0, somewhere) == DPT_E_FINITE, "too large");
-    CHECK(diag.code == DPT_E_FINITE && diag.line == 3 && strstr(diag.text, "y is 1.0001e+09"),
-          "line %" PRIu64 ": %s", diag.line, diag.text);
+    CHECK(diag.code == DPT_E_FINITE && diag.line == 3 && strstr(diag.text, "y is 1.0001e+09"), "line %" PRIu64 ": %s",
+          diag.line, diag.text);
     CHECK(soup_add_vertex(&s, NAN, 0.0, 0.0, (source_location){ 0, 77 }) == DPT_E_FINITE, "nan");
     CHECK(diag.line == 0 && diag.byte == 77, "byte %" PRIu64, diag.byte);
     CHECK(s.vertex_count == 2, "%zu vertices", s.vertex_count);
@@ -118,8 +118,7 @@ static void counts_have_limits(void)
 static void polygons_become_fans(void)
 {
     reading r;
-    read_string(&r, DPT_FORMAT_OBJ,
-                "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3\nf 1 2 3 4 5\nf 5 4 3 2\n");
+    read_string(&r, DPT_FORMAT_OBJ, "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3\nf 1 2 3 4 5\nf 5 4 3 2\n");
     static const uint32_t want[] = { 0, 1, 2, 0, 1, 2, 0, 2, 3, 0, 3, 4, 4, 3, 2, 4, 2, 1 };
     CHECK(r.soup.triangle_count == 6, "%zu triangles", r.soup.triangle_count);
     CHECK(memcmp(r.soup.corners, want, sizeof want) == 0, "other corners");
@@ -138,8 +137,7 @@ static void concave_polygons_are_counted(void)
     } cases[] = { { "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nf 1 2 3 4 5\nf 5 4 3 2 1", 2 },
                   { "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0.5 0.5 0\nf 1 2 3 4\n", 0 }, /* straight */
                   { "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0.5 0.49 0\nf 1 2 3 4\n", 1 },
-                  { "v 1e4 0 .3\nv 1e4 .1 .4\nv 1e4 .2 .5\nv 1e4 .3 .6\nv 9e3 0 0\nf 1 2 3 4 5",
-                    0 },
+                  { "v 1e4 0 .3\nv 1e4 .1 .4\nv 1e4 .2 .5\nv 1e4 .3 .6\nv 9e3 0 0\nf 1 2 3 4 5", 0 },
                   { "v 1 1 1\nf 1 1 1 1\n", 0 } };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         reading r;
@@ -164,8 +162,7 @@ static int parse_expected(const char *line, expected *e)
     char unit[8] = "-";
     uint64_t number = 0;
     memset(e, 0, sizeof *e);
-    if (line[0] == '#' ||
-        sscanf(line, "%199s %39s %7s %" SCNu64, e->name, e->code, unit, &number) < 2)
+    if (line[0] == '#' || sscanf(line, "%199s %39s %7s %" SCNu64, e->name, e->code, unit, &number) < 2)
         return 0;
     if (e->code[0] != 'D') {
         e->triangles = (size_t)strtoul(e->code, NULL, 10);
@@ -183,15 +180,12 @@ static int reads_right(const expected *e)
 static void check_outcome(const expected *e, const reading *r, int with_place)
 {
     const dpt_diag *diag = &r->diag;
-    CHECK(strcmp(code_name(r->result), e->code) == 0, "%s: %s (%s)", e->name, code_name(r->result),
-          diag->text);
-    CHECK(r->result != DPT_OK || r->soup.triangle_count == e->triangles, "%s: %zu triangles",
-          e->name, r->soup.triangle_count);
-    CHECK(r->result == DPT_OK || (diag->code == r->result && diag->text[0] != 0), "%s: no reason",
-          e->name);
+    CHECK(strcmp(code_name(r->result), e->code) == 0, "%s: %s (%s)", e->name, code_name(r->result), diag->text);
+    CHECK(r->result != DPT_OK || r->soup.triangle_count == e->triangles, "%s: %zu triangles", e->name,
+          r->soup.triangle_count);
+    CHECK(r->result == DPT_OK || (diag->code == r->result && diag->text[0] != 0), "%s: no reason", e->name);
     CHECK(!with_place || (diag->line == e->place.line && diag->byte == e->place.byte),
-          "%s: line %" PRIu64 ", byte %" PRIu64 " (%s)", e->name, diag->line, diag->byte,
-          diag->text);
+          "%s: line %" PRIu64 ", byte %" PRIu64 " (%s)", e->name, diag->line, diag->byte, diag->text);
 }
 
 /* Call `visit` for every line of a table beside the files it speaks of; how many there were. */
@@ -263,8 +257,8 @@ static void mutate_golden(const expected *e, const unsigned char *bytes, size_t 
         uint64_t bits = random_bits(&mutation_seed);
         size_t at = (size_t)((bits >> 16) % size);
         memcpy(changed, bytes, size);
-        changed[at] = bits & 1 ? (unsigned char)(bits >> 8)
-                               : (unsigned char)favourites[(bits >> 8) % (sizeof favourites - 1)];
+        changed[at] =
+            bits & 1 ? (unsigned char)(bits >> 8) : (unsigned char)favourites[(bits >> 8) % (sizeof favourites - 1)];
         reading r;
         read_bytes(&r, format_of(e->name), changed, size, NULL);
         CHECK(r.result == DPT_OK || r.diag.text[0] != 0, "%s: no reason", e->name);
@@ -314,8 +308,7 @@ static void coordinates_are_those_of_the_file(void)
     for (char *name = strtok(names, " "); name != NULL; name = strtok(NULL, " ")) {
         reading r;
         read_golden(&r, name);
-        CHECK(r.soup.vertex_count >= 3 && memcmp(r.soup.positions, want, sizeof want) == 0, "%s",
-              name);
+        CHECK(r.soup.vertex_count >= 3 && memcmp(r.soup.positions, want, sizeof want) == 0, "%s", name);
         soup_free(&r.soup);
     }
 }
@@ -369,8 +362,7 @@ static void formats_are_told(void)
         reading r;
         const uint32_t format = source_format(path, (const unsigned char *)magic, 12);
         read_bytes(&r, i % 2 ? DPT_FORMAT_OBJ : format, magic, 12, NULL);
-        CHECK(format == DPT_FORMAT_AUTO && r.result == DPT_E_FORMAT &&
-                  strstr(r.diag.text, "compiled already"),
+        CHECK(format == DPT_FORMAT_AUTO && r.result == DPT_E_FORMAT && strstr(r.diag.text, "compiled already"),
               "%s: %u, %s", path, format, r.diag.text);
         soup_free(&r.soup);
     }
@@ -409,8 +401,7 @@ static char *big_file(uint32_t format, size_t count, size_t *size)
     if (format == DPT_FORMAT_PLY)
         at += sprintf(at,
                       "ply\nformat ascii 1.0\nelement vertex %zu\nproperty float x\nproperty "
-                      "float y\nproperty float z\nelement face %zu\nproperty list int int "
-                      "vertex_index\nend_header\n",
+                      "float y\nproperty float z\nelement face %zu\nproperty list int int vertex_index\nend_header\n",
                       3 * count, count);
     for (size_t i = 0; i < 3 * count; i++)
         at += sprintf(at, "%s%zu.25 %zu 0.5\n", obj ? "v " : "", i, i % 7);
@@ -460,8 +451,7 @@ static void long_lines(void)
     soup_free(&r.soup);
     at += sprintf(at, " x");
     read_string(&r, DPT_FORMAT_OBJ, text);
-    CHECK(r.result == DPT_E_SYNTAX && r.diag.line == 6 + corners / 10, "line %" PRIu64,
-          r.diag.line);
+    CHECK(r.result == DPT_E_SYNTAX && r.diag.line == 6 + corners / 10, "line %" PRIu64, r.diag.line);
     soup_free(&r.soup);
     free(text);
 }
@@ -469,11 +459,9 @@ static void long_lines(void)
 static void messages_are_printable(void)
 {
     reading r;
-    read_string(&r, DPT_FORMAT_OBJ,
-                "v 0 0 \x01\xff\x1b[2Jaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa\n");
+    read_string(&r, DPT_FORMAT_OBJ, "v 0 0 \x01\xff\x1b[2Jaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa\n");
     CHECK(r.result == DPT_E_SYNTAX, "%s", code_name(r.result));
-    CHECK(strcmp(r.diag.text, "z is '???[2Jaaaaaaaaaaaaaaaaaaaaaa...': not a number") == 0, "%s",
-          r.diag.text);
+    CHECK(strcmp(r.diag.text, "z is '???[2Jaaaaaaaaaaaaaaaaaaaaaa...': not a number") == 0, "%s", r.diag.text);
     soup_free(&r.soup);
 }
 
@@ -482,14 +470,12 @@ static void vertices_are_numbered_as_the_file_does(void)
     const uint32_t corners[] = { 0, 1, 3 };
     reading r;
     read_string(&r, DPT_FORMAT_OBJ, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
-    CHECK(r.result == DPT_E_INDEX && strstr(r.diag.text, "vertex 4, counted from 1, "), "%s",
-          r.diag.text);
+    CHECK(r.result == DPT_E_INDEX && strstr(r.diag.text, "vertex 4, counted from 1, "), "%s", r.diag.text);
     soup_free(&r.soup);
     soup_init(&r.soup, NULL, &r.diag);
     soup_add_polygon(&r.soup, corners, 3, somewhere);
-    CHECK(soup_check_corners(&r.soup) == DPT_E_INDEX &&
-              strstr(r.diag.text, "vertex 3, counted from 0, "),
-          "%s", r.diag.text);
+    CHECK(soup_check_corners(&r.soup) == DPT_E_INDEX && strstr(r.diag.text, "vertex 3, counted from 0, "), "%s",
+          r.diag.text);
     soup_free(&r.soup);
 }
 

@@ -5,8 +5,7 @@
 #include "compile/read_regions.h"
 #include "lib/dpa.h"
 
-static dpt_result compile(const char *shape_name, uint64_t count, const dpt_spring_net_def *springs,
-                          dpt_diag *diag)
+static dpt_result compile(const char *shape_name, uint64_t count, const dpt_spring_net_def *springs, dpt_diag *diag)
 {
     struct shape shape;
     shape_reason reason;
@@ -15,21 +14,21 @@ static dpt_result compile(const char *shape_name, uint64_t count, const dpt_spri
     dpt_result result = DPT_E_ARGUMENT;
     diag->size = sizeof *diag;
     if (shape_make(shape_name, count, 0, &shape, reason) == 0)
-        result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                    shape.triangle_count, &def, &compiled, diag);
+        result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, &def,
+                                    &compiled, diag);
     CHECK((result == DPT_OK) == (compiled.bytes != NULL), "%s", dpt_result_name(result));
     shape_free(&shape);
     dpt_compiled_free(&compiled);
     return result;
 }
 
-static void expect_refusal(const char *shape, uint64_t count, const dpt_spring_net_def *def,
-                           dpt_result code, const char *text)
+static void expect_refusal(const char *shape, uint64_t count, const dpt_spring_net_def *def, dpt_result code,
+                           const char *text)
 {
     dpt_diag diag;
     const dpt_result result = compile(shape, count, def, &diag);
-    CHECK(result == code && diag.code == code && strstr(diag.text, text), "%s: %s, not %s",
-          dpt_result_name(result), diag.text, text);
+    CHECK(result == code && diag.code == code && strstr(diag.text, text), "%s: %s, not %s", dpt_result_name(result),
+          diag.text, text);
 }
 
 static dpt_spring_net_def def_of(uint32_t kind)
@@ -118,8 +117,7 @@ static void regions_that_say_nothing_are_refused(void)
         expect_refusal("box", 12, &def, DPT_E_ARGUMENT, "region 2");
     }
     for (uint32_t fixed = 0; fixed < 2; fixed++) {
-        regions[1] =
-            (dpt_spring_region){ DPT_REGION_SPHERE, fixed, { 0.3, 0, 0, 0.1 }, 1e3, 1e3, 0 };
+        regions[1] = (dpt_spring_region){ DPT_REGION_SPHERE, fixed, { 0.3, 0, 0, 0.1 }, 1e3, 1e3, 0 };
         expect_refusal("box", 12, &def, DPT_E_ARGUMENT, "region 2 holds nothing");
     }
     regions[1] = good;
@@ -134,15 +132,11 @@ static void springs_and_cells_exclude_each_other(void)
     const double nodes[] = { -9, -9, -9, 9, -9, -9, 0, 9, -9, 0, 0, 9 };
     const uint32_t cell[] = { 0, 1, 2, 3 }, corners[] = { 0, 1, 2 };
     const dpt_spring_net_def springs = def_of(DPT_NET_SHEET);
-    const dpt_compile_def def = { .size = sizeof def,
-                                  .nodes = nodes,
-                                  .cells = cell,
-                                  .node_count = 4,
-                                  .cell_count = 1,
-                                  .springs = &springs };
+    const dpt_compile_def def = {
+        .size = sizeof def, .nodes = nodes, .cells = cell, .node_count = 4, .cell_count = 1, .springs = &springs
+    };
     dpt_compiled compiled;
-    CHECK(dpt_compile_arrays(nodes, 3, corners, 1, &def, &compiled, NULL) == DPT_E_ARGUMENT,
-          "springs in cells");
+    CHECK(dpt_compile_arrays(nodes, 3, corners, 1, &def, &compiled, NULL) == DPT_E_ARGUMENT, "springs in cells");
 }
 
 /* With a byte order mark, comments, empty lines, and ends of lines of either kind. */
@@ -163,18 +157,14 @@ static void files_are_read(void)
           "%s, line %llu", diag.text, (unsigned long long)diag.line);
     if (read.region_count == 3) {
         const dpt_spring_region *r = read.regions;
-        CHECK(r[0].kind == DPT_REGION_BOX && !r[0].fixed && r[0].box[0] == -1.0 &&
-                  r[0].box[5] == 3.0 && r[0].young == 8e3 && r[0].density == 1060.0 &&
-                  r[0].drag == 0.5,
+        CHECK(r[0].kind == DPT_REGION_BOX && !r[0].fixed && r[0].box[0] == -1.0 && r[0].box[5] == 3.0 &&
+                  r[0].young == 8e3 && r[0].density == 1060.0 && r[0].drag == 0.5,
               "the box");
-        CHECK(r[1].kind == DPT_REGION_SPHERE && r[1].fixed && r[1].box[2] == 0.3 &&
-                  r[1].box[3] == 0.04 && r[2].fixed,
+        CHECK(r[1].kind == DPT_REGION_SPHERE && r[1].fixed && r[1].box[2] == 0.3 && r[1].box[3] == 0.04 && r[2].fixed,
               "the sphere");
     }
-    CHECK(fixed_read(&read, &source, (const unsigned char *)numbers, sizeof numbers - 1) ==
-                  DPT_OK &&
-              read.fixed_count == 3 && read.fixed[0] == 17 && read.fixed[1] == 0 &&
-              read.fixed[2] == 4294967294u,
+    CHECK(fixed_read(&read, &source, (const unsigned char *)numbers, sizeof numbers - 1) == DPT_OK &&
+              read.fixed_count == 3 && read.fixed[0] == 17 && read.fixed[1] == 0 && read.fixed[2] == 4294967294u,
           "%s", diag.text);
     regions_free(&read);
     soup_free(&source);
@@ -209,8 +199,8 @@ static void wrong_files_are_refused_with_their_line(void)
         soup source;
         soup_init(&source, NULL, &diag);
         const unsigned char *bytes = (const unsigned char *)files[i].text;
-        const dpt_result result = (files[i].is_fixed ? fixed_read : regions_read)(
-            &read, &source, bytes, strlen(files[i].text));
+        const dpt_result result =
+            (files[i].is_fixed ? fixed_read : regions_read)(&read, &source, bytes, strlen(files[i].text));
         CHECK(result != DPT_OK && diag.code == result && diag.line == files[i].line &&
                   strstr(diag.text, files[i].reason),
               "file %zu: %s in line %llu", i, diag.text, (unsigned long long)diag.line);

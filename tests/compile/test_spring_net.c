@@ -22,8 +22,8 @@ static double energy_of(const dpt_mesh_springs *net, const double gradient[9])
             double apart[3] = { 0 }, length2 = 0.0;
             for (size_t r = 0; r < 3; r++) {
                 for (size_t c = 0; c < 3; c++)
-                    apart[r] += gradient[3 * r + c] * ((double)net->rest[3 * (size_t)j + c] -
-                                                       (double)net->rest[3 * (size_t)i + c]);
+                    apart[r] += gradient[3 * r + c] *
+                                ((double)net->rest[3 * (size_t)j + c] - (double)net->rest[3 * (size_t)i + c]);
                 length2 += apart[r] * apart[r];
             }
             const double longer = sqrt(length2) - (double)net->length[w];
@@ -58,13 +58,11 @@ static double continuum(double lambda, double mu, const double strain[9])
 
 /* Three stretches and three shears; a sheet has the first, the second and the fourth. */
 static const double strains[6][9] = {
-    { SMALL, 0, 0, 0, 0, 0, 0, 0, 0 },     { 0, 0, 0, 0, SMALL, 0, 0, 0, 0 },
-    { 0, 0, 0, 0, 0, 0, 0, 0, SMALL },     { 0, SMALL, 0, SMALL, 0, 0, 0, 0, 0 },
-    { 0, 0, SMALL, 0, 0, 0, SMALL, 0, 0 }, { 0, 0, 0, 0, 0, SMALL, 0, SMALL, 0 },
+    { SMALL, 0, 0, 0, 0, 0, 0, 0, 0 },     { 0, 0, 0, 0, SMALL, 0, 0, 0, 0 },     { 0, 0, 0, 0, 0, 0, 0, 0, SMALL },
+    { 0, SMALL, 0, SMALL, 0, 0, 0, 0, 0 }, { 0, 0, SMALL, 0, 0, 0, SMALL, 0, 0 }, { 0, 0, 0, 0, 0, SMALL, 0, SMALL, 0 },
 };
 
-static void expect_energy(const struct subject *subject, const double strain[9], double wanted,
-                          double error)
+static void expect_energy(const struct subject *subject, const double strain[9], double wanted, double error)
 {
     const double energy = strain_energy(&subject->net, strain);
     CHECK(fabs(energy / wanted - 1.0) <= error, "energy %.9g J, not %.9g", energy, wanted);
@@ -83,15 +81,13 @@ static void sheets_have_the_papers_counts(void)
         double volume, area;
         if (!make_subject(&subject, sheets[i].name, sheets[i].triangles, &def))
             continue;
-        CHECK(subject.info.springs == sheets[i].springs &&
-                  subject.info.spring_nodes == subject.info.vertices && !subject.info.nodes,
-              "%s: %u springs, %u nodes", sheets[i].name, subject.info.springs,
-              subject.info.spring_nodes);
+        CHECK(subject.info.springs == sheets[i].springs && subject.info.spring_nodes == subject.info.vertices &&
+                  !subject.info.nodes,
+              "%s: %u springs, %u nodes", sheets[i].name, subject.info.springs, subject.info.spring_nodes);
         measure(subject.mesh, &volume, &area);
-        CHECK(fabs(sum_of_masses(&subject.net) - area) < 1e-7 * area &&
-                  fabs(subject.info.spring_mass - area) < 1e-12,
-              "%s: %.9g and %.9g kg, not %.9g", sheets[i].name, sum_of_masses(&subject.net),
-              subject.info.spring_mass, area);
+        CHECK(fabs(sum_of_masses(&subject.net) - area) < 1e-7 * area && fabs(subject.info.spring_mass - area) < 1e-12,
+              "%s: %.9g and %.9g kg, not %.9g", sheets[i].name, sum_of_masses(&subject.net), subject.info.spring_mass,
+              area);
         CHECK(subject.info.poisson == 1.0 / 3.0, "nu %g", subject.info.poisson);
         expect_rows(&subject);
         free(subject.file.bytes);
@@ -109,8 +105,7 @@ static void a_grid_is_as_stiff_as_its_material(void)
         return;
     for (int i = 0; i < 4; i++)
         if (i != 2)
-            expect_energy(&subject, strains[i],
-                          0.04 * continuum(10.0 * 3.0 / 8.0, 10.0 * 3.0 / 8.0, strains[i]), 1e-4);
+            expect_energy(&subject, strains[i], 0.04 * continuum(10.0 * 3.0 / 8.0, 10.0 * 3.0 / 8.0, strains[i]), 1e-4);
     free(subject.file.bytes);
 }
 
@@ -126,10 +121,8 @@ static void bending_springs_are_added(void)
         return;
     def.bending = 1000.0;
     if (make_subject(&bent, "membrane", 512, &def)) {
-        CHECK(bent.info.springs == plain.info.springs + 2 * 113 + 30, "%u springs",
-              bent.info.springs);
-        const double more =
-            strain_energy(&bent.net, strains[0]) / strain_energy(&plain.net, strains[0]);
+        CHECK(bent.info.springs == plain.info.springs + 2 * 113 + 30, "%u springs", bent.info.springs);
+        const double more = strain_energy(&bent.net, strains[0]) / strain_energy(&plain.net, strains[0]);
         CHECK(more > 1.01 && more < 1.4, "%g times as stiff in its plane", more);
         expect_rows(&bent);
         free(bent.file.bytes);
@@ -148,13 +141,11 @@ static void a_block_is_as_stiff_as_its_material(void)
     def.density = 1100.0;
     if (!make_subject(&subject, "box", 12, &def))
         return;
-    CHECK(subject.info.nodes == 210 && subject.info.spring_nodes == 210 &&
-              subject.info.springs == 523 + 868 && subject.info.poisson == 0.25 &&
-              !subject.info.outside_vertices,
+    CHECK(subject.info.nodes == 210 && subject.info.spring_nodes == 210 && subject.info.springs == 523 + 868 &&
+              subject.info.poisson == 0.25 && !subject.info.outside_vertices,
           "%u nodes, %u springs, %u outside", subject.info.spring_nodes, subject.info.springs,
           subject.info.outside_vertices);
-    CHECK(fabs(sum_of_masses(&subject.net) / (1100.0 * volume) - 1.0) < 1e-6, "%.9g kg",
-          sum_of_masses(&subject.net));
+    CHECK(fabs(sum_of_masses(&subject.net) / (1100.0 * volume) - 1.0) < 1e-6, "%.9g kg", sum_of_masses(&subject.net));
     for (int i = 0; i < 6; i++)
         expect_energy(&subject, strains[i], volume * continuum(1200.0, 1200.0, strains[i]), 1e-4);
     expect_rows(&subject);
@@ -170,8 +161,7 @@ static void slim_triangles_are_not_crossed(void)
     const dpt_compile_def compile = { .size = sizeof compile, .springs = &def };
     dpt_compiled compiled;
     struct subject subject;
-    CHECK(dpt_compile_arrays(vertices, 4, corners, 2, &compile, &compiled, NULL) == DPT_OK,
-          "does not compile");
+    CHECK(dpt_compile_arrays(vertices, 4, corners, 2, &compile, &compiled, NULL) == DPT_OK, "does not compile");
     if (!open_subject(&subject, &compiled))
         return;
     CHECK(subject.info.springs == 5, "%u springs", subject.info.springs);
@@ -188,8 +178,7 @@ static void turns_cost_nothing(void)
     for (int i = 0; i < 9; i++) {
         const int row = i / 3, column = i % 3, third = 3 - row - column;
         const double sign = (column - row + 3) % 3 == 1 ? -1.0 : 1.0;
-        turn[i] =
-            (row == column ? c : sign * s * axis[third]) + (1.0 - c) * axis[row] * axis[column];
+        turn[i] = (row == column ? c : sign * s * axis[third]) + (1.0 - c) * axis[row] * axis[column];
     }
     for (int i = 0; i < 2; i++)
         if (make_subject(&subject, "torus", 600, &defs[i])) {
@@ -216,22 +205,20 @@ static void curved_bodies_are_filled(void)
         measure(subject.mesh, &volume, &area);
         const double error = sum_of_masses(&subject.net) / (1000.0 * volume) - 1.0;
         CHECK(fabs(error) < bodies[b].error, "%s: %.3g of the mass off", bodies[b].name, error);
-        CHECK(!subject.info.outside_vertices, "%s: %u vertices outside", bodies[b].name,
-              subject.info.outside_vertices);
+        CHECK(!subject.info.outside_vertices, "%s: %u vertices outside", bodies[b].name, subject.info.outside_vertices);
         for (int i = 0; i < 6; i++)
-            expect_energy(&subject, strains[i], volume * continuum(2000.0, 2000.0, strains[i]),
-                          bodies[b].error);
+            expect_energy(&subject, strains[i], volume * continuum(2000.0, 2000.0, strains[i]), bodies[b].error);
         free(subject.file.bytes);
     }
 }
 
 /* A cube of this size about x, y, z, its eight vertices from `first`, turned inside out if `inward`. */
-static void add_cube(double *vertices, uint32_t *corners, uint32_t first, double x, double size,
-                     int inward)
+static void add_cube(double *vertices, uint32_t *corners, uint32_t first, double x, double size, int inward)
 {
-    static const uint32_t sides[12][3] = { { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 },
-                                           { 0, 1, 4 }, { 1, 5, 4 }, { 2, 6, 3 }, { 3, 6, 7 },
-                                           { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 } };
+    static const uint32_t sides[12][3] = {
+        { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 }, { 0, 1, 4 }, { 1, 5, 4 },
+        { 2, 6, 3 }, { 3, 6, 7 }, { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 }
+    };
     for (uint32_t i = 0; i < 8; i++)
         for (uint32_t k = 0; k < 3; k++)
             vertices[3 * (first + i) + k] = ((i >> k & 1) - 0.5) * size + (k == 0 ? x : 0.0);
@@ -252,12 +239,10 @@ static void expect_cubes(double x, double size, int inward, uint32_t nodes, doub
     def.spacing = 0.01;
     add_cube(vertices, corners, 0, 0.0, 0.1, 0);
     add_cube(vertices, corners, 8, x, size, inward);
-    CHECK(dpt_compile_arrays(vertices, 16, corners, 24, &compile, &compiled, NULL) == DPT_OK,
-          "does not compile");
+    CHECK(dpt_compile_arrays(vertices, 16, corners, 24, &compile, &compiled, NULL) == DPT_OK, "does not compile");
     if (!open_subject(&subject, &compiled))
         return;
-    CHECK(fabs(sum_of_masses(&subject.net) - mass) < 1e-6, "%.9g kg, not %g",
-          sum_of_masses(&subject.net), mass);
+    CHECK(fabs(sum_of_masses(&subject.net) - mass) < 1e-6, "%.9g kg, not %g", sum_of_masses(&subject.net), mass);
     CHECK(subject.info.nodes == nodes, "%u nodes, not %u", subject.info.nodes, nodes);
     free(subject.file.bytes);
 }
@@ -286,8 +271,7 @@ static void vertices_follow_the_lattice(void)
             double x = 0.0;
             for (size_t n = 4 * v; n < 4 * v + 4; n++)
                 x += (double)weights[n] * (double)subject.net.rest[3 * (size_t)nodes[n] + k];
-            CHECK(fabs(x - (double)xyz[3 * v + k]) < 1e-8, "vertex %zu is off by %g", v,
-                  x - (double)xyz[3 * v + k]);
+            CHECK(fabs(x - (double)xyz[3 * v + k]) < 1e-8, "vertex %zu is off by %g", v, x - (double)xyz[3 * v + k]);
         }
     free(subject.file.bytes);
 }
@@ -307,20 +291,18 @@ static double largest_eigenvalue(const dpt_mesh_springs *net, double longer)
         double size2 = 0.0;
         for (uint32_t i = 0; i < net->nodes; i++) {
             double force[3] = { 0 };
-            for (size_t w = words_begin(net, i); w < words_end(net, i) && net->mass[i] > 0.0f;
-                 w += 16) {
+            for (size_t w = words_begin(net, i); w < words_end(net, i) && net->mass[i] > 0.0f; w += 16) {
                 const uint32_t j = net->neighbours[w];
                 double d[3], n[3], along = 0.0;
                 for (size_t k = 0; k < 3; k++) {
-                    n[k] = ((double)net->rest[3 * (size_t)j + k] -
-                            (double)net->rest[3 * (size_t)i + k]) /
+                    n[k] = ((double)net->rest[3 * (size_t)j + k] - (double)net->rest[3 * (size_t)i + k]) /
                            (double)net->length[w];
                     d[k] = x[3 * (size_t)i + k] - x[3 * (size_t)j + k];
                     along += n[k] * d[k];
                 }
                 for (int k = 0; k < 3; k++)
-                    force[k] += (double)net->stiffness[w] *
-                                (along * n[k] + (1.0 - 1.0 / longer) * (d[k] - along * n[k]));
+                    force[k] +=
+                        (double)net->stiffness[w] * (along * n[k] + (1.0 - 1.0 / longer) * (d[k] - along * n[k]));
             }
             for (size_t k = 0; k < 3; k++) {
                 y[3 * (size_t)i + k] = net->mass[i] > 0.0f ? force[k] / (double)net->mass[i] : 0.0;
@@ -338,9 +320,7 @@ static double largest_eigenvalue(const dpt_mesh_springs *net, double longer)
 static void the_stable_step_is_a_bound(void)
 {
     dpt_spring_net_def sheet = def_of(DPT_NET_SHEET), volume = def_of(DPT_NET_VOLUME);
-    const dpt_spring_region fixed = { .kind = DPT_REGION_SPHERE,
-                                      .fixed = 1,
-                                      .box = { 0.1, 0, 0, 0.04 } };
+    const dpt_spring_region fixed = { .kind = DPT_REGION_SPHERE, .fixed = 1, .box = { 0.1, 0, 0, 0.04 } };
     const dpt_spring_net_def *defs[2] = { &sheet, &volume };
     sheet.regions = volume.regions = &fixed;
     sheet.region_count = volume.region_count = 1;
@@ -381,16 +361,13 @@ static void regions_have_their_material(void)
     def.region_count = 4;
     if (!make_subject(&subject, "box", 12, &def))
         return;
-    CHECK(fabs(subject.info.spring_mass / (1500.0 * volume) - 1.0) < 1e-6, "%.9g kg",
-          subject.info.spring_mass);
-    CHECK(subject.info.fixed_nodes == 30 && subject.net.viscosity == 0.002, "%u fixed",
-          subject.info.fixed_nodes);
+    CHECK(fabs(subject.info.spring_mass / (1500.0 * volume) - 1.0) < 1e-6, "%.9g kg", subject.info.spring_mass);
+    CHECK(subject.info.fixed_nodes == 30 && subject.net.viscosity == 0.002, "%u fixed", subject.info.fixed_nodes);
     for (uint32_t i = 0; i < subject.net.nodes; i++) {
         const float x = subject.net.rest[3 * (size_t)i];
-        CHECK(subject.net.drag[i] == (x < -0.001f ? 3.0f : 0.0f), "drag %g at %g",
-              (double)subject.net.drag[i], (double)x);
-        CHECK((subject.net.mass[i] == 0.0f) == (x > 0.059f), "mass %g at %g",
-              (double)subject.net.mass[i], (double)x);
+        CHECK(subject.net.drag[i] == (x < -0.001f ? 3.0f : 0.0f), "drag %g at %g", (double)subject.net.drag[i],
+              (double)x);
+        CHECK((subject.net.mass[i] == 0.0f) == (x > 0.059f), "mass %g at %g", (double)subject.net.mass[i], (double)x);
     }
     for (int i = 0; i < 6; i++)
         expect_energy(&subject, strains[i], volume * continuum(11000.0, 11000.0, strains[i]), 1e-4);
@@ -400,8 +377,7 @@ static void regions_have_their_material(void)
 /* Two triangles with corners of their own, which meet in two places: fixing one of such a pair fixes both. */
 static void vertices_are_fixed_by_number(void)
 {
-    const double loose[] = { 0, 0,   0,   0.1, 0, 0,   0, 0.1, 0, 0.1, 0,
-                             0, 0.1, 0.1, 0,   0, 0.1, 0, 9,   9, 9 };
+    const double loose[] = { 0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0.1, 0, 0, 0.1, 0.1, 0, 0, 0.1, 0, 9, 9, 9 };
     const uint32_t corners[] = { 0, 1, 2, 3, 4, 5 }, fixed[] = { 3, 5 }, wrong[] = { 6, 7 };
     dpt_spring_net_def def = def_of(DPT_NET_SHEET);
     const dpt_compile_def compile = { .size = sizeof compile, .springs = &def };
@@ -410,15 +386,13 @@ static void vertices_are_fixed_by_number(void)
     struct subject subject;
     def.fixed = fixed;
     def.fixed_count = 2;
-    CHECK(dpt_compile_arrays(loose, 7, corners, 2, &compile, &compiled, &diag) == DPT_OK, "%s",
-          diag.text);
+    CHECK(dpt_compile_arrays(loose, 7, corners, 2, &compile, &compiled, &diag) == DPT_OK, "%s", diag.text);
     if (open_subject(&subject, &compiled)) {
         CHECK(subject.info.fixed_nodes == 2 && subject.info.springs == 6, "%u fixed, %u springs",
               subject.info.fixed_nodes, subject.info.springs);
         for (uint32_t i = 0; i < subject.net.nodes; i++) {
             const float *x = subject.net.rest + 3 * (size_t)i;
-            CHECK((subject.net.mass[i] == 0.0f) == (x[0] + x[1] > 0.09f && x[0] + x[1] < 0.11f),
-                  "vertex %u", i);
+            CHECK((subject.net.mass[i] == 0.0f) == (x[0] + x[1] > 0.09f && x[0] + x[1] < 0.11f), "vertex %u", i);
         }
         free(subject.file.bytes);
     }
@@ -446,15 +420,13 @@ static void public_organs_are_filled(void)
         const dpt_spring_net_def def = def_of(DPT_NET_VOLUME);
         const dpt_compile_def compile = { .size = sizeof compile, .scale = 1e-3, .springs = &def };
         snprintf(path, sizeof path, "%s/meshes/organs/%s.stl", getenv("DPT_DATA"), names[i]);
-        CHECK(dpt_compile_file(path, &compile, &compiled, &diag) == DPT_OK, "%s: %s", path,
-              diag.text);
+        CHECK(dpt_compile_file(path, &compile, &compiled, &diag) == DPT_OK, "%s: %s", path, diag.text);
         if (!compiled.bytes || !open_subject(&subject, &compiled))
             continue;
         measure(subject.mesh, &volume, &area);
         const double error = sum_of_masses(&subject.net) / (1000.0 * volume) - 1.0;
-        CHECK(fabs(error) < 0.02 && !subject.info.outside_vertices,
-              "%s: %.3g of the mass off, %u vertices outside", names[i], error,
-              subject.info.outside_vertices);
+        CHECK(fabs(error) < 0.02 && !subject.info.outside_vertices, "%s: %.3g of the mass off, %u vertices outside",
+              names[i], error, subject.info.outside_vertices);
         expect_rows(&subject);
         free(subject.file.bytes);
     }

@@ -23,11 +23,11 @@ static void vertices_have_their_numbers(void)
           "%u vertices", count);
     for (uint32_t v = 0; v < count; v++)
         for (int i = 0; i < 4; i++)
-            CHECK(sources[v] != numbers[i] || !memcmp(xyz + 3 * (size_t)v, at[i], 12),
-                  "vertex %u is %u", v, sources[v]);
+            CHECK(sources[v] != numbers[i] || !memcmp(xyz + 3 * (size_t)v, at[i], 12), "vertex %u is %u", v,
+                  sources[v]);
     for (uint32_t v = 0; v < count; v++)
-        CHECK(sources[v] == 2 || sources[v] == 3 || sources[v] == 4 || sources[v] == 6,
-              "vertex %u is %u", v, sources[v]);
+        CHECK(sources[v] == 2 || sources[v] == 3 || sources[v] == 4 || sources[v] == 6, "vertex %u is %u", v,
+              sources[v]);
     dpt_compiled_free(&compiled);
 }
 
@@ -58,9 +58,8 @@ static void an_stl_numbers_its_corners(void)
     for (uint32_t v = 0; v < count; v++) {
         const uint32_t number = sources[v];
         seen |= 1u << number;
-        CHECK(number < 6 &&
-                  !memcmp(xyz + 3 * (size_t)v, &corners[number / 3][3 * (number % 3)], 12),
-              "vertex %u is %u", v, number);
+        CHECK(number < 6 && !memcmp(xyz + 3 * (size_t)v, &corners[number / 3][3 * (number % 3)], 12), "vertex %u is %u",
+              v, number);
     }
     CHECK(seen == 0x17, "numbers %x", seen); /* 0, 1, 2 and 4: 3 is 1, 5 is 2 */
     dpt_compiled_free(&compiled);

@@ -10,16 +10,14 @@ static void cut_hole(struct mesh_builder *builder, uint32_t vertex, double radiu
         const uint32_t *corner = builder->corners + 3 * t;
         double farthest = 0.0;
         for (int k = 0; k < 3; k++)
-            farthest = max_of(
-                farthest, length(sub(vec3_of(builder->vertices + 3 * (size_t)corner[k]), centre)));
+            farthest = max_of(farthest, length(sub(vec3_of(builder->vertices + 3 * (size_t)corner[k]), centre)));
         if (farthest > radius)
             memmove(builder->corners + 3 * kept++, corner, 3 * sizeof *corner);
     }
     builder->triangle_count = kept;
 }
 
-int holed_shape(struct mesh_builder *builder, const char *name, uint64_t count, int holes,
-                double radius)
+int holed_shape(struct mesh_builder *builder, const char *name, uint64_t count, int holes, double radius)
 {
     uint64_t random = 7;
     *builder = (struct mesh_builder){ .mesh = NULL };
@@ -69,8 +67,7 @@ static int many_balls(struct mesh_builder *builder, int count, size_t missing)
     *builder = (struct mesh_builder){ .mesh = NULL };
     for (int i = 0; i < count; i++) {
         const double w = 0.06 * cbrt(count);
-        const vec3 at = { random_in(&random, -w, w), random_in(&random, -w, w),
-                          random_in(&random, -w, w) };
+        const vec3 at = { random_in(&random, -w, w), random_in(&random, -w, w), random_in(&random, -w, w) };
         builder_add_shape(builder, "sphere", 1280, at, random_in(&random, 0.6, 1.2), 0, missing);
     }
     return builder_compile(builder);
@@ -91,8 +88,7 @@ int onion(struct mesh_builder *builder)
     *builder = (struct mesh_builder){ .mesh = NULL };
     for (int i = 0; i < 4; i++) {
         const double radius = 0.1 - 0.001 * i, open = 0.01;
-        builder_add_ball(builder, (vec3){ 0.0, 0.0, -radius * (1.0 - 2.0 * open) }, radius, open,
-                         0);
+        builder_add_ball(builder, (vec3){ 0.0, 0.0, -radius * (1.0 - 2.0 * open) }, radius, open, 0);
     }
     return builder_compile(builder);
 }
@@ -152,12 +148,10 @@ static int klein_handle(struct mesh_builder *builder)
     for (size_t last = --builder->triangle_count; last > 1; last--) {
         const uint32_t *corner = builder->corners + 3 * last;
         const vec3 far = vec3_of(builder->vertices + 3 * (size_t)corner[0]);
-        const double distance =
-            length(sub(far, vec3_of(builder->vertices + 3 * (size_t)ends[0][0])));
+        const double distance = length(sub(far, vec3_of(builder->vertices + 3 * (size_t)ends[0][0])));
         if (distance > 0.03 && distance < 0.05) {
             memcpy(ends[1], corner, sizeof ends[1]);
-            memmove(builder->corners + 3 * last, builder->corners + 3 * builder->triangle_count,
-                    sizeof ends[1]);
+            memmove(builder->corners + 3 * last, builder->corners + 3 * builder->triangle_count, sizeof ends[1]);
             break;
         }
     }
@@ -196,10 +190,8 @@ int balls_and_a_sheet(struct mesh_builder *builder, int has_sheet)
 
 int defective(struct mesh_builder *builder, int kind, const char **name)
 {
-    static const char *const names[DEFECTS] = { "finger",      "overlap",      "and a sheet",
-                                                "cuts itself", "cut and torn", "twins",
-                                                "cubes",       "Klein handle", "9 balls",
-                                                "112 balls" };
+    static const char *const names[DEFECTS] = { "finger", "overlap", "and a sheet",  "cuts itself", "cut and torn",
+                                                "twins",  "cubes",   "Klein handle", "9 balls",     "112 balls" };
     *name = names[kind];
     switch (kind) {
     case 0:

@@ -6,8 +6,7 @@
 #include "lib/mesh_builder.h"
 
 /* A shape of `dynpoint make` with so many holes, each of that radius in m. */
-int holed_shape(struct mesh_builder *builder, const char *name, uint64_t count, int holes,
-                double radius);
+int holed_shape(struct mesh_builder *builder, const char *name, uint64_t count, int holes, double radius);
 
 /* A ball of 20,000 triangles of which each 120th is missing. */
 int sieve(struct mesh_builder *builder);

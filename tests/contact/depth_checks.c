@@ -3,26 +3,24 @@
 
 double ends_before[6];
 
-const char *answer_text(const struct solid *solid, const char *by, const double ends[6],
-                        double radius, const dpt_hit *hit)
+const char *answer_text(const struct solid *solid, const char *by, const double ends[6], double radius,
+                        const dpt_hit *hit)
 {
     static char text[512];
     const int so_far =
-        snprintf(text, sizeof text, "%s, %s: %a %a %a  %a %a %a, radius %g: distance %.9g gap %.9g",
-                 solid->name, by, ends[0], ends[1], ends[2], ends[3], ends[4], ends[5], radius,
-                 hit->distance, hit->gap);
+        snprintf(text, sizeof text, "%s, %s: %a %a %a  %a %a %a, radius %g: distance %.9g gap %.9g", solid->name, by,
+                 ends[0], ends[1], ends[2], ends[3], ends[4], ends[5], radius, hit->distance, hit->gap);
     const double *e = ends_before;
     if (strcmp(by, "query") != 0)
-        snprintf(text + so_far, sizeof text - (size_t)so_far, ", after %a %a %a  %a %a %a", e[0],
-                 e[1], e[2], e[3], e[4], e[5]);
+        snprintf(text + so_far, sizeof text - (size_t)so_far, ", after %a %a %a  %a %a %a", e[0], e[1], e[2], e[3],
+                 e[4], e[5]);
     return text;
 }
 
 void check_form(const char *text, const dpt_hit *hit)
 {
     CHECK(isfinite(hit->gap + hit->depth), "%s", text);
-    CHECK(hit->status == DPT_STATUS_EXACT && (hit->flags & DPT_HIT_FLAG_GAP), "flags %u: %s",
-          hit->flags, text);
+    CHECK(hit->status == DPT_STATUS_EXACT && (hit->flags & DPT_HIT_FLAG_GAP), "flags %u: %s", hit->flags, text);
     CHECK(hit->depth == fmax(0, -hit->gap), "depth %.9g: %s", hit->depth, text);
     CHECK(hit->contact == (hit->gap > hit->error_bound    ? DPT_CONTACT_SEPARATED
                            : hit->gap < -hit->error_bound ? DPT_CONTACT_PENETRATING
@@ -30,16 +28,15 @@ void check_form(const char *text, const dpt_hit *hit)
           "contact %u: %s", hit->contact, text);
 }
 
-double check_way_out(const struct solid *solid, const struct stage *stage, double margin,
-                     const double ends[6], double radius, const dpt_hit *hit)
+double check_way_out(const struct solid *solid, const struct stage *stage, double margin, const double ends[6],
+                     double radius, const dpt_hit *hit)
 {
     dpt_contact contacts[STAGE_CONTACTS], *found = NULL;
     const uint32_t count = stage_contacts(stage, contacts);
     const char *text = answer_text(solid, "way out", ends, radius, hit);
     const double bound = 1e-5 * solid->diagonal;
     for (uint32_t i = 0; i < count; i++) {
-        CHECK(contacts[i].gap >= hit->gap - bound, "a region has a gap of %.9g: %s",
-              contacts[i].gap, text);
+        CHECK(contacts[i].gap >= hit->gap - bound, "a region has a gap of %.9g: %s", contacts[i].gap, text);
         if (fabs(contacts[i].gap - hit->gap) <= bound && (!found || contacts[i].gap < found->gap))
             found = &contacts[i];
     }
@@ -50,10 +47,9 @@ double check_way_out(const struct solid *solid, const struct stage *stage, doubl
         return 0;
     double out[6], p[3];
     along(ends, found->s, p);
-    CHECK(apart(p, found->p) <= 1e-12 * solid->oracle.extent, "p is off by %g: %s",
-          apart(p, found->p), text);
-    CHECK(fabs(oracle_signed(&solid->oracle, p) - (found->gap + radius)) <= bound,
-          "%.9g at p, gap %.9g: %s", oracle_signed(&solid->oracle, p), found->gap, text);
+    CHECK(apart(p, found->p) <= 1e-12 * solid->oracle.extent, "p is off by %g: %s", apart(p, found->p), text);
+    CHECK(fabs(oracle_signed(&solid->oracle, p) - (found->gap + radius)) <= bound, "%.9g at p, gap %.9g: %s",
+          oracle_signed(&solid->oracle, p), found->gap, text);
     if (dot3(found->normal, found->normal) == 0) {
         CHECK(fabs(hit->gap + radius) <= hit->error_bound, "no way out: %s", text);
         return 0;

@@ -8,8 +8,8 @@
 extern double ends_before[6]; /* of the tick before, in a world */
 
 /* What it takes to see it again. */
-const char *answer_text(const struct solid *solid, const char *by, const double ends[6],
-                        double radius, const dpt_hit *hit);
+const char *answer_text(const struct solid *solid, const char *by, const double ends[6], double radius,
+                        const dpt_hit *hit);
 
 /* What an answer about a closed mesh owes whatever the truth is. */
 void check_form(const char *text, const dpt_hit *hit);
@@ -18,8 +18,8 @@ void check_form(const char *text, const dpt_hit *hit);
  * The region that has the hit's gap leads out: from its deepest point by how deep the axis is to the surface. Returns
  * how far off the surface it lands.
  */
-double check_way_out(const struct solid *solid, const struct stage *stage, double margin,
-                     const double ends[6], double radius, const dpt_hit *hit);
+double check_way_out(const struct solid *solid, const struct stage *stage, double margin, const double ends[6],
+                     double radius, const dpt_hit *hit);
 
 static inline double radius_of(const struct solid *solid, uint64_t i)
 {

@@ -11,8 +11,8 @@ void add_overlap(struct integrals *sum, double overlap, double s, const double w
     }
 }
 
-static void heights_at(const dpt_mesh *mesh, const dpt_pose *pose, const double ends[6],
-                       const double *s, size_t count, dpt_hit *hits)
+static void heights_at(const dpt_mesh *mesh, const dpt_pose *pose, const double ends[6], const double *s, size_t count,
+                       dpt_hit *hits)
 {
     static double points[FINE + COARSE][6];
     for (size_t i = 0; i < count; i++) {
@@ -24,8 +24,8 @@ static void heights_at(const dpt_mesh *mesh, const dpt_pose *pose, const double 
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }
 
-void take_quadrature(struct quadrature *q, const dpt_mesh *mesh, const dpt_pose *pose,
-                     const double ends[6], double reach)
+void take_quadrature(struct quadrature *q, const dpt_mesh *mesh, const dpt_pose *pose, const double ends[6],
+                     double reach)
 {
     static dpt_hit hits[FINE + COARSE];
     const double length = apart(ends, ends + 3);

@@ -18,8 +18,7 @@ void add_overlap(struct integrals *sum, double overlap, double s, const double w
 
 /* They as vectors, so that one loop serves all. */
 enum { INTEGRALS = 5 };
-static const char *const integral_names[INTEGRALS] = { "overlap", "moment", "thrust",
-                                                       "thrust_moment", "square" };
+static const char *const integral_names[INTEGRALS] = { "overlap", "moment", "thrust", "thrust_moment", "square" };
 
 static inline void integral_of(const struct integrals *i, int which, double v[3])
 {
@@ -46,7 +45,7 @@ struct quadrature {
 };
 
 /* Pieces that are beyond reach as a whole, as the distance is 1-Lipschitz, get no points. */
-void take_quadrature(struct quadrature *q, const dpt_mesh *mesh, const dpt_pose *pose,
-                     const double ends[6], double reach);
+void take_quadrature(struct quadrature *q, const dpt_mesh *mesh, const dpt_pose *pose, const double ends[6],
+                     double reach);
 
 #endif

@@ -3,8 +3,8 @@
 #include "lib/solid.h"
 
 /* Integrals of w = reach - height(x) where it is positive, for a height along the tool; dense, in double. */
-static void integrate(double (*height)(const void *of, double s), const void *of, double length,
-                      double reach, double *overlap, double *moment)
+static void integrate(double (*height)(const void *of, double s), const void *of, double length, double reach,
+                      double *overlap, double *moment)
 {
     enum { POINTS = 2000 };
     *overlap = *moment = 0;
@@ -16,8 +16,7 @@ static void integrate(double (*height)(const void *of, double s), const void *of
 }
 
 /* A sheet at z = 0, finely cut; what a tool over it, or pressed through it from above, must be told. */
-static void integrate_flat(double w0, double w1, double length, double *overlap, double *moment,
-                           double *square)
+static void integrate_flat(double w0, double w1, double length, double *overlap, double *moment, double *square)
 {
     double from = 0, to = 1;
     if (w0 < 0)
@@ -25,8 +24,7 @@ static void integrate_flat(double w0, double w1, double length, double *overlap,
     if (w1 < 0)
         to = w0 > 0 ? w0 / (w0 - w1) : from;
     const double middle = 0.5 * (from + to), width = (to - from) * length;
-    const double low = w0 + from * (w1 - w0), half = w0 + middle * (w1 - w0),
-                 high = w0 + to * (w1 - w0);
+    const double low = w0 + from * (w1 - w0), half = w0 + middle * (w1 - w0), high = w0 + to * (w1 - w0);
     /* Simpson's rule, exact for both. */
     *overlap = width / 6 * (low + 4 * half + high);
     *moment = width / 6 * (from * low + 4 * middle * half + to * high);
@@ -34,20 +32,17 @@ static void integrate_flat(double w0, double w1, double length, double *overlap,
 }
 
 /* At its ends: the gap of the tool's surface over the plane, and the way out. */
-static void check_ends(const dpt_contact *c, const char *how, const double flat[6], double radius,
-                       double up)
+static void check_ends(const dpt_contact *c, const char *how, const double flat[6], double radius, double up)
 {
     for (int e = 0; e < 2; e++) {
         const double s = e ? c->s1 : c->s0, gap = flat[2] + s * (flat[5] - flat[2]) - radius;
-        CHECK(fabs(c->end_gap[e] - gap) <= 1e-9, "%s: gap %.12g, not %.12g at %g", how,
-              c->end_gap[e], gap, s);
-        CHECK(fabs(c->end_normal[e][2] - up) <= 1e-9, "%s: normal %g at %g", how,
-              c->end_normal[e][2], s);
+        CHECK(fabs(c->end_gap[e] - gap) <= 1e-9, "%s: gap %.12g, not %.12g at %g", how, c->end_gap[e], gap, s);
+        CHECK(fabs(c->end_normal[e][2] - up) <= 1e-9, "%s: normal %g at %g", how, c->end_normal[e][2], s);
     }
 }
 
-static void check_flat(const struct stage *stage, const char *how, const double ends[6],
-                       double radius, const dpt_world_def *def, double up, const dpt_hit *hit)
+static void check_flat(const struct stage *stage, const char *how, const double ends[6], double radius,
+                       const dpt_world_def *def, double up, const dpt_hit *hit)
 {
     dpt_contact contacts[STAGE_CONTACTS];
     const double flat[6] = { ends[0], ends[1], up * ends[2], ends[3], ends[4], up * ends[5] };
@@ -55,8 +50,8 @@ static void check_flat(const struct stage *stage, const char *how, const double 
     const double gap = fmin(flat[2], flat[5]) - radius, length = apart(ends, ends + 3);
     const double margin = def->margin, onset = def->onset < 0 ? margin : def->onset;
     double overlap, moment, square;
-    CHECK(fabs(hit->gap - gap) <= 1e-9, "%s: gap %.12g, not %.12g at %a %a %a", how, hit->gap, gap,
-          ends[0], ends[1], ends[2]);
+    CHECK(fabs(hit->gap - gap) <= 1e-9, "%s: gap %.12g, not %.12g at %a %a %a", how, hit->gap, gap, ends[0], ends[1],
+          ends[2]);
     CHECK(hit->contact == (gap > 1e-12    ? DPT_CONTACT_SEPARATED
                            : gap < -1e-12 ? DPT_CONTACT_PENETRATING
                                           : hit->contact),
@@ -66,30 +61,26 @@ static void check_flat(const struct stage *stage, const char *how, const double 
         return;
     const dpt_contact *c = contacts;
     CHECK(fabs(c->gap - gap) <= 1e-9, "%s: gap %.12g, not %.12g", how, c->gap, gap);
-    CHECK(fabs(c->normal[0]) <= 1e-9 && fabs(c->normal[1]) <= 1e-9 &&
-              fabs(c->normal[2] - up) <= 1e-9,
-          "%s: normal %.12g %.12g %.12g at %a %a %a", how, c->normal[0], c->normal[1], c->normal[2],
-          ends[0], ends[1], ends[2]);
+    CHECK(fabs(c->normal[0]) <= 1e-9 && fabs(c->normal[1]) <= 1e-9 && fabs(c->normal[2] - up) <= 1e-9,
+          "%s: normal %.12g %.12g %.12g at %a %a %a", how, c->normal[0], c->normal[1], c->normal[2], ends[0], ends[1],
+          ends[2]);
     check_ends(c, how, flat, radius, up);
-    integrate_flat(onset + radius - flat[2], onset + radius - flat[5], length, &overlap, &moment,
-                   &square);
+    integrate_flat(onset + radius - flat[2], onset + radius - flat[5], length, &overlap, &moment, &square);
     const double slack = 1e-9 * (margin + fabs(gap)) * length + 1e-15;
-    CHECK(fabs(c->overlap - overlap) <= slack, "%s: overlap %.9g, not %.9g", how, c->overlap,
-          overlap);
+    CHECK(fabs(c->overlap - overlap) <= slack, "%s: overlap %.9g, not %.9g", how, c->overlap, overlap);
     CHECK(fabs(c->moment - moment) <= slack, "%s: moment %.9g, not %.9g", how, c->moment, moment);
-    CHECK(fabs(c->square - square) <= slack * (margin + fabs(gap)) + 1e-18,
-          "%s: square %.9g, not %.9g", how, c->square, square);
-    CHECK(fabs(c->thrust[2] - up * overlap) <= slack && fabs(c->thrust[0]) <= slack,
-          "%s: thrust %.9g, not %.9g", how, c->thrust[2], up * overlap);
+    CHECK(fabs(c->square - square) <= slack * (margin + fabs(gap)) + 1e-18, "%s: square %.9g, not %.9g", how, c->square,
+          square);
+    CHECK(fabs(c->thrust[2] - up * overlap) <= slack && fabs(c->thrust[0]) <= slack, "%s: thrust %.9g, not %.9g", how,
+          c->thrust[2], up * overlap);
 }
 
 /*
  * Slides over a sheet, its height going from the margin down and through: `ends` at height 0, moved by `step` a tick.
  * Exact: the mesh is the plane.
  */
-static void slide_flat(const struct solid *solid, const char *how, const double ends[6],
-                       const double step[2], double radius, double up, double top, double bottom,
-                       double onset)
+static void slide_flat(const struct solid *solid, const char *how, const double ends[6], const double step[2],
+                       double radius, double up, double top, double bottom, double onset)
 {
     struct stage stage;
     dpt_world_def def;
@@ -149,8 +140,7 @@ static void flat_face(void)
 {
     struct solid solid;
     struct stage stage;
-    if (!solid_from_shape(&solid, "box", 768) ||
-        !stage_open(&stage, solid.mesh, NULL, 0.001, 32, 0))
+    if (!solid_from_shape(&solid, "box", 768) || !stage_open(&stage, solid.mesh, NULL, 0.001, 32, 0))
         return;
     const double top = solid.info.box_max[2];
     for (int i = 0; i < 400; i++) {
@@ -164,9 +154,8 @@ static void flat_face(void)
         CHECK(fabs(hit.gap - gap) <= 1e-5 * solid.diagonal, "gap %.9g, not %.9g", hit.gap, gap);
         CHECK(count == (gap <= 0.001), "%u regions at %g", count, gap);
         if (count == 1)
-            CHECK(fabs(contacts[0].normal[2] - 1) <= 1e-9 && fabs(contacts[0].normal[0]) <= 1e-9,
-                  "normal %g %g %g", contacts[0].normal[0], contacts[0].normal[1],
-                  contacts[0].normal[2]);
+            CHECK(fabs(contacts[0].normal[2] - 1) <= 1e-9 && fabs(contacts[0].normal[0]) <= 1e-9, "normal %g %g %g",
+                  contacts[0].normal[0], contacts[0].normal[1], contacts[0].normal[2]);
     }
     stage_close(&stage);
     solid_close(&solid);
@@ -199,16 +188,15 @@ static double height_of_round(const void *of, double s)
  * to sag, so gap is too, and the overlap is between those of both. To that 2 % of the largest overlap, what the
  * integrals are allowed. Its faces are tilted by at most `tilt` against the sphere or cylinder.
  */
-static void check_round(const struct stage *stage, const char *how, const struct round_height *r,
-                        double sag, double tilt, double tool_radius, double margin, double peak,
-                        const double way[3], const dpt_hit *hit)
+static void check_round(const struct stage *stage, const char *how, const struct round_height *r, double sag,
+                        double tilt, double tool_radius, double margin, double peak, const double way[3],
+                        const dpt_hit *hit)
 {
     dpt_contact contacts[STAGE_CONTACTS];
     const uint32_t count = stage_contacts(stage, contacts);
     const double gap = r->least - r->radius - tool_radius, bound = 1e-7;
     double most, least, most_moment, least_moment, overlap = 0, moment = 0;
-    CHECK(hit->gap >= gap - bound && hit->gap <= gap + sag + bound, "%s: gap %.9g, not %.9g", how,
-          hit->gap, gap);
+    CHECK(hit->gap >= gap - bound && hit->gap <= gap + sag + bound, "%s: gap %.9g, not %.9g", how, hit->gap, gap);
     integrate(height_of_round, r, r->length, margin + tool_radius, &most, &most_moment);
     integrate(height_of_round, r, r->length, margin + tool_radius - sag, &least, &least_moment);
     for (uint32_t i = 0; i < count; i++) {
@@ -218,8 +206,8 @@ static void check_round(const struct stage *stage, const char *how, const struct
               "%s: normal %g off, not %g", how, acos(dot3(contacts[i].normal, way)), tilt);
     }
     CHECK(count == 1 || gap > margin - sag, "%s: %u regions", how, count);
-    CHECK(overlap <= most + 0.02 * peak && overlap >= least - 0.02 * peak,
-          "%s: overlap %.9g, not %.9g to %.9g", how, overlap, least, most);
+    CHECK(overlap <= most + 0.02 * peak && overlap >= least - 0.02 * peak, "%s: overlap %.9g, not %.9g to %.9g", how,
+          overlap, least, most);
     CHECK(moment <= most_moment + 0.02 * peak && moment >= least_moment - 0.02 * peak,
           "%s: moment %.9g, not %.9g to %.9g", how, moment, least_moment, most_moment);
 }
@@ -259,19 +247,15 @@ static void round_cylinder(void)
                 const uint32_t count = stage_contacts(&stage, contacts);
                 const double gap = d - radius - tool, most = fmax(0, margin - gap) * length;
                 const char *how = kind == 1 ? "along" : "ball";
-                CHECK(hit.gap >= gap - 1e-7 && hit.gap <= gap + sag, "%s: gap %.9g, not %.9g", how,
-                      hit.gap, gap);
+                CHECK(hit.gap >= gap - 1e-7 && hit.gap <= gap + sag, "%s: gap %.9g, not %.9g", how, hit.gap, gap);
                 CHECK(count == 1 || gap > margin - sag, "%s: %u regions", how, count);
                 for (uint32_t k = 0; k < count; k++) {
                     CHECK(dot3(contacts[k].normal, way) >= cos(tilt), "%s: normal %g off", how,
                           acos(dot3(contacts[k].normal, way)));
-                    CHECK(contacts[k].overlap <= most + 1e-9 &&
-                              contacts[k].overlap >= most - sag * length - 1e-9,
+                    CHECK(contacts[k].overlap <= most + 1e-9 && contacts[k].overlap >= most - sag * length - 1e-9,
                           "%s: overlap %.9g, not %.9g", how, contacts[k].overlap, most);
-                    CHECK(fabs(contacts[k].moment - 0.5 * contacts[k].overlap) <=
-                              0.02 * peak + 1e-12,
-                          "%s: moment %.9g, overlap %.9g", how, contacts[k].moment,
-                          contacts[k].overlap);
+                    CHECK(fabs(contacts[k].moment - 0.5 * contacts[k].overlap) <= 0.02 * peak + 1e-12,
+                          "%s: moment %.9g, overlap %.9g", how, contacts[k].moment, contacts[k].overlap);
                 }
             }
         }
@@ -286,8 +270,7 @@ static void round_sphere(void)
     double outer, inner, tilt, peak, moment;
     struct solid solid;
     struct stage stage;
-    if (!solid_from_shape(&solid, "sphere", 5120) ||
-        !stage_open(&stage, solid.mesh, NULL, margin, 32, 0))
+    if (!solid_from_shape(&solid, "sphere", 5120) || !stage_open(&stage, solid.mesh, NULL, margin, 32, 0))
         return;
     solid_balls(&solid, &inner, &outer, &tilt);
     struct round_height r = { outer + tool - 0.002, 0.08, 0.3, outer };

@@ -22,8 +22,7 @@ struct worst {
 enum { OUTSIDE, BEYOND, MISSED, NOT_THERE, NOT_MIN, KINDS };
 static const char *const kinds[KINDS] = { "of the reach is outside of all regions",
                                           "of the peak is in a region, but beyond the margin",
-                                          "of the peak is in no region",
-                                          "diagonals off is a region's gap at its own p",
+                                          "of the peak is in no region", "diagonals off is a region's gap at its own p",
                                           "diagonals above the least in its stretch is a gap" };
 static const double allowed[KINDS] = { 0.05, 0.02, 0.01, 1e-5, 1e-5 };
 
@@ -42,9 +41,9 @@ struct scene {
 static const char *scene_text(const struct scene *scene, uint64_t tick, const double ends[6])
 {
     static char text[512];
-    snprintf(text, sizeof text, "%s, %s, tick %u, margin %g, radius %g: %a %a %a  %a %a %a",
-             scene->solid->name, scene->how, (unsigned)tick, scene->margin, scene->radius, ends[0],
-             ends[1], ends[2], ends[3], ends[4], ends[5]);
+    snprintf(text, sizeof text, "%s, %s, tick %u, margin %g, radius %g: %a %a %a  %a %a %a", scene->solid->name,
+             scene->how, (unsigned)tick, scene->margin, scene->radius, ends[0], ends[1], ends[2], ends[3], ends[4],
+             ends[5]);
     return text;
 }
 
@@ -52,43 +51,39 @@ static void note(struct scene *scene, int kind, double value, const double ends[
 {
     if (value > scene->worst[kind].value) {
         scene->worst[kind].value = value;
-        snprintf(scene->worst[kind].text, sizeof scene->worst[kind].text, "%s",
-                 scene_text(scene, scene->tick, ends));
+        snprintf(scene->worst[kind].text, sizeof scene->worst[kind].text, "%s", scene_text(scene, scene->tick, ends));
     }
 }
 
 /* One region for itself. */
-static void check_region(struct scene *scene, const double ends[6],
-                         const struct quadrature *quadrature, const dpt_contact *c)
+static void check_region(struct scene *scene, const double ends[6], const struct quadrature *quadrature,
+                         const dpt_contact *c)
 {
     const double bound = 1e-5 * scene->diagonal, tiny = 1e-12 * scene->diagonal;
     const char *text = scene_text(scene, scene->tick, ends);
     double p[3], q[3] = { 0, 0, 0 }, corners[9], way[3], least = INFINITY;
-    CHECK(c->s0 >= 0 && c->s0 <= c->s && c->s <= c->s1 && c->s1 <= 1, "%g <= %g <= %g: %s", c->s0,
-          c->s, c->s1, text);
+    CHECK(c->s0 >= 0 && c->s0 <= c->s && c->s <= c->s1 && c->s1 <= 1, "%g <= %g <= %g: %s", c->s0, c->s, c->s1, text);
     CHECK(c->gap <= scene->margin + bound, "gap %g: %s", c->gap, text);
     along(ends, c->s, p);
     CHECK(apart(p, c->p) <= tiny, "p: %s", text);
     CHECK(fabs(c->weight[0] + c->weight[1] + c->weight[2] - 1) <= 1e-12, "weights: %s", text);
     CHECK(fmin(c->weight[0], fmin(c->weight[1], c->weight[2])) >= 0, "weights: %s", text);
-    CHECK(dpt_mesh_get_triangle(scene->solid->mesh, c->triangle, corners) == DPT_OK,
-          "triangle %u: %s", c->triangle, text);
+    CHECK(dpt_mesh_get_triangle(scene->solid->mesh, c->triangle, corners) == DPT_OK, "triangle %u: %s", c->triangle,
+          text);
     for (int i = 0; i < 9; i++)
         q[i % 3] += c->weight[i / 3] * corners[i];
     /* A pose keeps distances; without one q is where the weights say. */
     if (!scene->pose)
         CHECK(apart(q, c->q) <= tiny, "q is %g off its weights: %s", apart(q, c->q), text);
-    CHECK(fabs(sqrt(dot3(c->normal, c->normal)) - 1) <= 1e-9, "normal %g: %s",
-          sqrt(dot3(c->normal, c->normal)), text);
+    CHECK(fabs(sqrt(dot3(c->normal, c->normal)) - 1) <= 1e-9, "normal %g: %s", sqrt(dot3(c->normal, c->normal)), text);
     for (int k = 0; k < 3; k++)
         way[k] = c->p[k] - c->q[k];
     const double distance = unit3(way);
     const double sign = c->gap + scene->radius < 0 ? -1 : 1;
-    CHECK(fabs(sign * distance - (c->gap + scene->radius)) <= bound, "gap %.9g, but %.9g apart: %s",
-          c->gap, distance, text);
+    CHECK(fabs(sign * distance - (c->gap + scene->radius)) <= bound, "gap %.9g, but %.9g apart: %s", c->gap, distance,
+          text);
     if (distance > 1e-7 * scene->diagonal)
-        CHECK(sign * dot3(way, c->normal) >= 1 - 1e-9, "normal is %g off: %s",
-              1 - sign * dot3(way, c->normal), text);
+        CHECK(sign * dot3(way, c->normal) >= 1 - 1e-9, "normal is %g off: %s", 1 - sign * dot3(way, c->normal), text);
     double at[6] = { p[0], p[1], p[2], p[0], p[1], p[2] };
     dpt_hit hit = DPT_HIT_INIT;
     dpt_query_segments(scene->solid->mesh, scene->pose, at, NULL, 1, &hit, NULL);
@@ -97,16 +92,14 @@ static void check_region(struct scene *scene, const double ends[6],
         if (quadrature->s[i] >= c->s0 && quadrature->s[i] <= c->s1)
             least = fmin(least, quadrature->height[i] - scene->radius);
     note(scene, NOT_MIN, (c->gap - least) / scene->diagonal, ends);
-    CHECK(c->contact == DPT_CONTACT_UNKNOWN ||
-              (c->contact == DPT_CONTACT_PENETRATING) == (c->gap < -hit.error_bound) ||
+    CHECK(c->contact == DPT_CONTACT_UNKNOWN || (c->contact == DPT_CONTACT_PENETRATING) == (c->gap < -hit.error_bound) ||
               fabs(c->gap) < 1e-9 * scene->diagonal,
           "contact %u, gap %g: %s", c->contact, c->gap, text);
 }
 
 /* Within the intervals the surface is within the margin, and outside of them it is not. */
-static void check_intervals(struct scene *scene, const double ends[6],
-                            const struct quadrature *quadrature, const dpt_contact *contacts,
-                            uint32_t count)
+static void check_intervals(struct scene *scene, const double ends[6], const struct quadrature *quadrature,
+                            const dpt_contact *contacts, uint32_t count)
 {
     const double length = apart(ends, ends + 3), reach = scene->margin + scene->radius;
     double missed = 0, beyond = 0, outside = 0;
@@ -130,16 +123,14 @@ static void check_intervals(struct scene *scene, const double ends[6],
 }
 
 /* Some of its points against brute force and solid angles. */
-static void check_quadrature(const struct scene *scene, const double ends[6],
-                             const struct quadrature *quadrature)
+static void check_quadrature(const struct scene *scene, const double ends[6], const struct quadrature *quadrature)
 {
     for (size_t i = 0; i < quadrature->count; i += 1 + quadrature->count / 8) {
         double x[3];
         along(ends, quadrature->s[i], x);
         const double height = oracle_signed(&scene->solid->oracle, x);
-        CHECK(fabs(height - quadrature->height[i]) <= 1e-9 * scene->diagonal,
-              "%.12g, not %.12g at %g: %s", quadrature->height[i], height, quadrature->s[i],
-              scene_text(scene, scene->tick, ends));
+        CHECK(fabs(height - quadrature->height[i]) <= 1e-9 * scene->diagonal, "%.12g, not %.12g at %g: %s",
+              quadrature->height[i], height, quadrature->s[i], scene_text(scene, scene->tick, ends));
     }
 }
 
@@ -185,25 +176,21 @@ static uint64_t check_run(const struct scene *scene, const struct record *record
             }
             single_jumps += single > step + 0.005;
         }
-        CHECK(doubt <= 0.002, "the quadrature is not sure of %s by %.2f %%", integral_names[which],
-              100 * doubt);
-        CHECK(worst[which] <= 0.02, "%s is %.2f %% off: %s", integral_names[which],
-              100 * worst[which], scene_text(scene, at, record[at].ends));
+        CHECK(doubt <= 0.002, "the quadrature is not sure of %s by %.2f %%", integral_names[which], 100 * doubt);
+        CHECK(worst[which] <= 0.02, "%s is %.2f %% off: %s", integral_names[which], 100 * worst[which],
+              scene_text(scene, at, record[at].ends));
         /* Spikes that cancel are where the library falls short of half a per cent. */
         const double most = strcmp(name, "star") == 0 ? 0.01 : 0.005;
-        CHECK(scene->cold || jump[which] <= most, "%s jumps by %.2f %% more: %s",
-              integral_names[which], 100 * jump[which],
-              scene_text(scene, jump_at, record[jump_at].ends));
+        CHECK(scene->cold || jump[which] <= most, "%s jumps by %.2f %% more: %s", integral_names[which],
+              100 * jump[which], scene_text(scene, jump_at, record[jump_at].ends));
     }
     for (int kind = 0; kind < KINDS; kind++)
-        CHECK(scene->worst[kind].value <= allowed[kind], "%.2g %s: %s", scene->worst[kind].value,
-              kinds[kind], scene->worst[kind].text);
+        CHECK(scene->worst[kind].value <= allowed[kind], "%.2g %s: %s", scene->worst[kind].value, kinds[kind],
+              scene->worst[kind].text);
     printf("    %-26s %-12s off %5.2f %5.2f %6.2f %5.2f %%, jumps %5.2f %5.2f %5.2f %5.2f %%, "
-           "missed %.2f %%, one point "
-           "%u\n",
-           name, how, 100 * worst[0], 100 * worst[1], 100 * worst[2], 100 * worst[3], 100 * jump[0],
-           100 * jump[1], 100 * jump[2], 100 * jump[3], 100 * scene->worst[MISSED].value,
-           (unsigned)single_jumps);
+           "missed %.2f %%, one point %u\n",
+           name, how, 100 * worst[0], 100 * worst[1], 100 * worst[2], 100 * worst[3], 100 * jump[0], 100 * jump[1],
+           100 * jump[2], 100 * jump[3], 100 * scene->worst[MISSED].value, (unsigned)single_jumps);
     return single_jumps;
 }
 
@@ -214,8 +201,7 @@ static uint64_t run(struct scene *scene, next_ends *next, void *of, uint64_t cou
 {
     static struct quadrature quadrature;
     struct record *record = calloc(count, sizeof *record);
-    if (!record ||
-        !stage_open(&scene->stage, scene->solid->mesh, scene->pose, scene->margin, 32, 0)) {
+    if (!record || !stage_open(&scene->stage, scene->solid->mesh, scene->pose, scene->margin, 32, 0)) {
         free(record);
         return 0;
     }
@@ -227,15 +213,14 @@ static uint64_t run(struct scene *scene, next_ends *next, void *of, uint64_t cou
             stage_jump(&scene->stage);
         stage_tick(&scene->stage, ends, scene->radius);
         const uint32_t found = stage_contacts(&scene->stage, contacts);
-        take_quadrature(&quadrature, scene->solid->mesh, scene->pose, ends,
-                        scene->margin + scene->radius);
+        take_quadrature(&quadrature, scene->solid->mesh, scene->pose, ends, scene->margin + scene->radius);
         memcpy(record[i].ends, ends, sizeof ends);
         record[i].truth = quadrature.sum;
         record[i].half = quadrature.half;
         if (i % 16 == 0 && !scene->pose)
             check_quadrature(scene, ends, &quadrature);
-        CHECK(scene->stage.step.contacts == found, "%u contacts, not %u: %s",
-              scene->stage.step.contacts, found, scene_text(scene, scene->tick, ends));
+        CHECK(scene->stage.step.contacts == found, "%u contacts, not %u: %s", scene->stage.step.contacts, found,
+              scene_text(scene, scene->tick, ends));
         for (uint32_t k = 0; k < found; k++) {
             const dpt_contact *c = &contacts[k];
             check_region(scene, ends, &quadrature, c);
@@ -310,9 +295,9 @@ static void next_push(void *of, double ends[6])
 }
 
 /* From the tick `from_tick` on, for so many. */
-static void slide_over(const struct solid *solid, const dpt_pose *pose, const char *how, int cold,
-                       double margin, double radius, double length, uint64_t seed,
-                       uint64_t from_tick, uint64_t count, uint64_t *single_jumps)
+static void slide_over(const struct solid *solid, const dpt_pose *pose, const char *how, int cold, double margin,
+                       double radius, double length, uint64_t seed, uint64_t from_tick, uint64_t count,
+                       uint64_t *single_jumps)
 {
     struct scene *scene = calloc(1, sizeof *scene);
     struct sliding sliding = { .high = 0.5 * margin, .pose = pose };
@@ -344,8 +329,8 @@ static void slide_over(const struct solid *solid, const dpt_pose *pose, const ch
 }
 
 /* The same. */
-static void push_into(const struct solid *solid, const char *how, double margin, double radius,
-                      double length, uint64_t seed, uint64_t from_tick, uint64_t count)
+static void push_into(const struct solid *solid, const char *how, double margin, double radius, double length,
+                      uint64_t seed, uint64_t from_tick, uint64_t count)
 {
     struct scene *scene = calloc(1, sizeof *scene);
     struct pushing pushing;
@@ -450,15 +435,13 @@ static void integrals_of_deep_lines(void)
         push_into(&solid, "walls that take turns", 0.003, 0.01, 0.5, 5, 554, 40);
     solid_close(&solid);
     if (solid_from_shape(&solid, "star", 2000))
-        slide_over(&solid, NULL, "a stretch beyond one that ends", 0, 0.02, 0.005, 0.7, 4, 1520, 35,
-                   &jumps);
+        slide_over(&solid, NULL, "a stretch beyond one that ends", 0, 0.02, 0.005, 0.7, 4, 1520, 35, &jumps);
     solid_close(&solid);
     char path[4096];
     snprintf(path, sizeof path, "%s/meshes/organs/gallbladder_low.stl", data ? data : "");
     if (data && solid_from_file(&solid, "gallbladder", path, 1)) {
         push_into(&solid, "samples that are trapped", 0.003, 0.01, 0.5, 5, 40, 90);
-        slide_over(&solid, NULL, "an estimate that is far off", 0, 0.003, 0.01, 0.4, 1, 1090, 28,
-                   &jumps);
+        slide_over(&solid, NULL, "an estimate that is far off", 0, 0.003, 0.01, 0.4, 1, 1090, 28, &jumps);
         solid_close(&solid);
     }
 }

@@ -41,8 +41,7 @@ static void a_first_tick_finds_all_regions(void)
     struct solid solid;
     struct stage stage;
     dpt_contact c[STAGE_CONTACTS];
-    if (!solid_from_net(&solid, "bumps", 60, 60, 0, place_bumps) ||
-        !stage_open(&stage, solid.mesh, NULL, 0.004, 32, 0))
+    if (!solid_from_net(&solid, "bumps", 60, 60, 0, place_bumps) || !stage_open(&stage, solid.mesh, NULL, 0.004, 32, 0))
         return;
     lower_to_bumps(&stage, 1);
     CHECK(stage_contacts(&stage, c) == 2, "%u regions over two bumps", stage_contacts(&stage, c));
@@ -51,8 +50,8 @@ static void a_first_tick_finds_all_regions(void)
 }
 
 /* One tick with the tool there; its contacts, whose ids are checked. Returns how many. */
-static uint32_t tick_over_bumps(struct stage *stage, double x, double y, double z,
-                                struct id_history *ids, dpt_contact *c, const char *text)
+static uint32_t tick_over_bumps(struct stage *stage, double x, double y, double z, struct id_history *ids,
+                                dpt_contact *c, const char *text)
 {
     double ends[6];
     over_bumps(x, y, z, ends);
@@ -69,8 +68,7 @@ static void numbers_live_as_long_as_regions(void)
     struct id_history ids = { .count = 0 };
     dpt_contact c[STAGE_CONTACTS];
     uint32_t count = 0, first[2] = { 0, 0 }, joined = 0, split[2];
-    if (!solid_from_net(&solid, "bumps", 60, 60, 0, place_bumps) ||
-        !stage_open(&stage, solid.mesh, NULL, 0.004, 32, 0))
+    if (!solid_from_net(&solid, "bumps", 60, 60, 0, place_bumps) || !stage_open(&stage, solid.mesh, NULL, 0.004, 32, 0))
         return;
     /* Down until both bumps are within the margin, then about. */
     for (int i = 0; i <= 100; i++) {
@@ -81,10 +79,9 @@ static void numbers_live_as_long_as_regions(void)
         first[k] = c[k].id;
     for (int i = 0; i < 400; i++) {
         const double turn = 2 * 3.14159265358979323846 * i / 200;
-        count = tick_over_bumps(&stage, 0.005 * sin(turn), 0.004 * sin(2 * turn), 0.0225, &ids, c,
-                                "about");
-        CHECK(count == 2 && c[0].id == first[0] && c[1].id == first[1],
-              "%u regions, %u and %u, not %u and %u", count, c[0].id, c[1].id, first[0], first[1]);
+        count = tick_over_bumps(&stage, 0.005 * sin(turn), 0.004 * sin(2 * turn), 0.0225, &ids, c, "about");
+        CHECK(count == 2 && c[0].id == first[0] && c[1].id == first[1], "%u regions, %u and %u, not %u and %u", count,
+              c[0].id, c[1].id, first[0], first[1]);
         CHECK(count < 2 || (c[0].s1 <= c[1].s0 && c[0].s < 0.5 && c[1].s > 0.5), "order");
     }
     /* Lower: one. */
@@ -103,8 +100,7 @@ static void numbers_live_as_long_as_regions(void)
     CHECK(count == 2, "%u regions after the split", count);
     for (int k = 0; k < 2; k++)
         split[k] = c[k].id;
-    CHECK((split[0] == joined) != (split[1] == joined), "%u and %u, one of them from %u", split[0],
-          split[1], joined);
+    CHECK((split[0] == joined) != (split[1] == joined), "%u and %u, one of them from %u", split[0], split[1], joined);
     const uint32_t other = split[0] == joined ? split[1] : split[0];
     CHECK(other != first[0] && other != first[1], "%u is used again", other);
     /* Away and back: all new. */
@@ -127,14 +123,11 @@ static void room_of_the_caller(struct stage *stage)
     dpt_contact c[2];
     uint32_t count = 77;
     lower_to_bumps(stage, 100);
-    CHECK(dpt_tool_get_contacts(stage->world, stage->tool, NULL, 0, &count) == DPT_OK && count == 2,
-          "%u", count);
+    CHECK(dpt_tool_get_contacts(stage->world, stage->tool, NULL, 0, &count) == DPT_OK && count == 2, "%u", count);
     memset(c, 0x5a, sizeof c);
     c[0].size = sizeof *c;
-    CHECK(dpt_tool_get_contacts(stage->world, stage->tool, c, 1, &count) == DPT_OK && count == 2,
-          "%u", count);
-    CHECK(c[0].size == sizeof *c && c[0].segment == 0 && c[0].body == stage->body &&
-              c[1].size == 0x5a5a5a5a,
+    CHECK(dpt_tool_get_contacts(stage->world, stage->tool, c, 1, &count) == DPT_OK && count == 2, "%u", count);
+    CHECK(c[0].size == sizeof *c && c[0].segment == 0 && c[0].body == stage->body && c[1].size == 0x5a5a5a5a,
           "wrote beyond");
     c[0].size = 8;
     CHECK(dpt_tool_get_contacts(stage->world, stage->tool, c, 1, &count) == DPT_E_SIZE, "size");
@@ -142,10 +135,8 @@ static void room_of_the_caller(struct stage *stage)
     CHECK(dpt_tool_get_contacts(stage->world, stage->tool, c, 2, &count) == DPT_E_SIZE, "size");
     memset(longer, 0x5a, sizeof longer);
     longer[0].contact.size = sizeof *longer;
-    CHECK(dpt_tool_get_contacts(stage->world, stage->tool, &longer[0].contact, 3, &count) ==
-                  DPT_OK &&
-              count == 2,
-          "%u", count);
+    CHECK(dpt_tool_get_contacts(stage->world, stage->tool, &longer[0].contact, 3, &count) == DPT_OK && count == 2, "%u",
+          count);
     const unsigned char *tail = (const unsigned char *)longer[1].newer;
     for (size_t i = 0; i < sizeof longer[1].newer; i++)
         CHECK(tail[i] == 0, "the tail that this library does not know is not zero");
@@ -177,13 +168,12 @@ static void room_for_contacts(void)
             const uint32_t count = stage_contacts(&stage, c), fit = room[i] < 2 ? room[i] : 2;
             if (!i && !k)
                 gap = hit.gap;
-            CHECK(count == fit && stage.step.contacts == fit, "%u, %u regions in room for %u",
-                  count, stage.step.contacts, room[i]);
+            CHECK(count == fit && stage.step.contacts == fit, "%u, %u regions in room for %u", count,
+                  stage.step.contacts, room[i]);
             CHECK(full == (room[i] == 1), "flags %u, room for %u", stage.step.flags, room[i]);
-            CHECK(fabs(hit.gap - gap) <= 1e-5 * solid.diagonal, "gap %.9g, not %.9g, room for %u",
-                  hit.gap, gap, room[i]);
-            CHECK(dpt_tool_get_wrench(stage.world, stage.tool, &wrench) == DPT_OK &&
-                      wrench.force[2] > 0,
+            CHECK(fabs(hit.gap - gap) <= 1e-5 * solid.diagonal, "gap %.9g, not %.9g, room for %u", hit.gap, gap,
+                  room[i]);
+            CHECK(dpt_tool_get_wrench(stage.world, stage.tool, &wrench) == DPT_OK && wrench.force[2] > 0,
                   "no force with room for %u", room[i]);
         }
         stage_close(&stage);
@@ -214,11 +204,11 @@ static void press_to_the_limit(const struct solid *solid, double up, double radi
         const double ends[6] = { 0.0113, 0.0071, up * z, 0.0113, 0.0071, up * z };
         const dpt_hit hit = stage_tick(&stage, ends, radius);
         if (gap > -limit)
-            CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(hit.gap - gap) <= 1e-9,
-                  "gap %.9g, not %.9g, from %g", hit.gap, gap, up);
+            CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(hit.gap - gap) <= 1e-9, "gap %.9g, not %.9g, from %g", hit.gap,
+                  gap, up);
         else if (gap < -limit - 2 * step)
-            CHECK(fabs(hit.gap - (-z - radius)) <= 1e-9,
-                  "gap %.9g behind the limit, not %.9g, from %g", hit.gap, -z - radius, up);
+            CHECK(fabs(hit.gap - (-z - radius)) <= 1e-9, "gap %.9g behind the limit, not %.9g, from %g", hit.gap,
+                  -z - radius, up);
     }
     stage_close(&stage);
 }
@@ -242,8 +232,7 @@ static void press_beyond_the_border(const struct solid *solid)
         const int forgotten = i > 210 || x > border + 1e-6;
         const double gap = (forgotten ? hypot(beyond, z) : z) - radius;
         if (forgotten || x < border - 1e-6)
-            CHECK(fabs(hit.gap - gap) <= 1e-9, "gap %.9g, not %.9g at x = %g, tick %d", hit.gap,
-                  gap, x, i);
+            CHECK(fabs(hit.gap - gap) <= 1e-9, "gap %.9g, not %.9g at x = %g, tick %d", hit.gap, gap, x, i);
     }
     stage_close(&stage);
 }
@@ -282,15 +271,15 @@ static void a_first_tick_that_crosses(const struct solid *solid)
         const dpt_hit hit = stage_tick(&stage, ends, radius);
         dpt_tool_get_wrench(stage.world, stage.tool, &wrench);
         if (i < 49) {
-            CHECK(hit.contact == DPT_CONTACT_UNKNOWN && !(hit.flags & DPT_HIT_FLAG_GAP),
-                  "tick %d: contact %u, gap %g", i, hit.contact, hit.gap);
+            CHECK(hit.contact == DPT_CONTACT_UNKNOWN && !(hit.flags & DPT_HIT_FLAG_GAP), "tick %d: contact %u, gap %g",
+                  i, hit.contact, hit.gap);
             CHECK(is_zero(&wrench), "tick %d: force %g", i, wrench.force[2]);
         }
         if (i > 51) {
-            CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(hit.gap - (z - radius)) <= 1e-9,
-                  "tick %d: gap %.9g, not %.9g", i, hit.gap, z - radius);
-            CHECK(z >= radius ? is_zero(&wrench) : wrench.force[2] > 0, "tick %d: force %g at %g",
-                  i, wrench.force[2], z);
+            CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(hit.gap - (z - radius)) <= 1e-9, "tick %d: gap %.9g, not %.9g",
+                  i, hit.gap, z - radius);
+            CHECK(z >= radius ? is_zero(&wrench) : wrench.force[2] > 0, "tick %d: force %g at %g", i, wrench.force[2],
+                  z);
         }
     }
     stage_close(&stage);

@@ -20,19 +20,16 @@ static uint64_t ticks = 150;
 
 static struct tally {
     size_t axes, ticks, deep, crossing, points;
-    double over, under; /* gap above the deepest seen, below the deepest possible, in diagonals */
-    double landed,
-        stepped; /* off the surface after moving out; faster than the motion, in diagonals */
+    double over, under;     /* gap above the deepest seen, below the deepest possible, in diagonals */
+    double landed, stepped; /* off the surface after moving out; faster than the motion, in diagonals */
 } tally;
 
 static void report(const struct solid *solid)
 {
-    printf("    %-26s %6u  %5zu axes, %5zu ticks, %5zu deep, %5zu cross: %8.1e over, %8.1e under, "
-           "lands %8.1e, "
+    printf("    %-26s %6u  %5zu axes, %5zu ticks, %5zu deep, %5zu cross: %8.1e over, %8.1e under, lands %8.1e, "
            "jumps %8.1e; %zu a search\n",
-           solid->name, solid->info.triangles, tally.axes, tally.ticks, tally.deep, tally.crossing,
-           tally.over, tally.under, tally.landed, tally.stepped,
-           tally.points / (tally.axes + tally.ticks + 1));
+           solid->name, solid->info.triangles, tally.axes, tally.ticks, tally.deep, tally.crossing, tally.over,
+           tally.under, tally.landed, tally.stepped, tally.points / (tally.axes + tally.ticks + 1));
     tally = (struct tally){ 0 };
 }
 
@@ -45,24 +42,22 @@ static uint64_t seed_of(const char *name)
 }
 
 /* The gap of an axis against the oracle. */
-static struct oracle_least check_depth(const struct solid *solid, const char *by,
-                                       const double ends[6], double radius, const dpt_hit *hit)
+static struct oracle_least check_depth(const struct solid *solid, const char *by, const double ends[6], double radius,
+                                       const dpt_hit *hit)
 {
     const double diagonal = solid->diagonal;
     const struct oracle_least least = oracle_least(&solid->oracle, ends, 2e-7 * diagonal);
     const char *text = answer_text(solid, by, ends, radius, hit);
     const double ours = hit->gap + radius;
     check_form(text, hit);
-    CHECK(least.high - least.low <= 3e-7 * diagonal, "the oracle is not sure: %g to %g, %s",
-          least.low, least.high, text);
+    CHECK(least.high - least.low <= 3e-7 * diagonal, "the oracle is not sure: %g to %g, %s", least.low, least.high,
+          text);
     const double slack = 1e-12 * solid->oracle.extent + 1e-15 * radius;
     if (!least.inside && !least.crosses)
-        CHECK(fabs(ours - least.high) <= hit->error_bound + slack, "%.12g not %.12g: %s", ours,
-              least.high, text);
-    CHECK(ours <= least.high + 1e-5 * diagonal + slack, "%.9g, but %.9g at s = %.9g: %s", ours,
-          least.high, least.s, text);
-    CHECK(ours >= least.low - 1e-5 * diagonal - slack, "%.9g, but not below %.9g: %s", ours,
-          least.low, text);
+        CHECK(fabs(ours - least.high) <= hit->error_bound + slack, "%.12g not %.12g: %s", ours, least.high, text);
+    CHECK(ours <= least.high + 1e-5 * diagonal + slack, "%.9g, but %.9g at s = %.9g: %s", ours, least.high, least.s,
+          text);
+    CHECK(ours >= least.low - 1e-5 * diagonal - slack, "%.9g, but not below %.9g: %s", ours, least.low, text);
     tally.over = fmax(tally.over, (ours - least.high) / diagonal);
     tally.under = fmax(tally.under, (least.low - ours) / diagonal);
     tally.deep += least.inside != 0;
@@ -203,8 +198,7 @@ static void try_closed(const struct solid *solid)
     const uint64_t seed = seed_of(solid->name);
     /* The oracle's time grows with the mesh. */
     const uint64_t asked = solid->info.triangles > 6000 && ticks < 1000 ? ticks / 5 : ticks;
-    CHECK(solid->info.components == 1 && solid->info.closed_components == 1, "%s is not closed",
-          solid->name);
+    CHECK(solid->info.components == 1 && solid->info.closed_components == 1, "%s is not closed", solid->name);
     random_axes(solid, asked);
     for (uint64_t i = 0; i < 3; i++) {
         const uint64_t every = 1 + 3 * ticks / asked;
@@ -277,25 +271,22 @@ static void try_two_bodies(uint32_t max_contacts, uint64_t liver_triangles)
 {
     const dpt_pose poses[2] = { { { 0.02, 0, 0 }, { 1, 0, 0, 0 } },
                                 { { -0.03, 0.05, 0.06 }, { 0.5, 0.5, -0.5, 0.5 } } };
-    const dpt_segment none[2] = { { { 0, 0, 0 }, { 0, 0, 0 }, 0 },
-                                  { { 0, 0, 0 }, { 0, 0, 0 }, 0 } };
+    const dpt_segment none[2] = { { { 0, 0, 0 }, { 0, 0, 0 }, 0 }, { { 0, 0, 0 }, { 0, 0, 0 }, 0 } };
     struct solid solid[2];
     struct stage stage;
     dpt_world_def def;
     dpt_body other;
     uint64_t seed = 17;
-    if (!solid_from_shape(&solid[0], "torus", 2000) ||
-        !solid_from_shape(&solid[1], "liver", liver_triangles))
+    if (!solid_from_shape(&solid[0], "torus", 2000) || !solid_from_shape(&solid[1], "liver", liver_triangles))
         return;
     dpt_world_def_init(&def);
     def.law = DPT_LAW_POINT;
     def.max_contacts = max_contacts;
     stage.block = malloc(dpt_world_bytes(&def));
-    const int made =
-        dpt_world_create(stage.block, dpt_world_bytes(&def), &def, &stage.world) == DPT_OK &&
-        dpt_body_add(stage.world, solid[0].mesh, &poses[0], &stage.body) == DPT_OK &&
-        dpt_body_add(stage.world, solid[1].mesh, &poses[1], &other) == DPT_OK &&
-        dpt_tool_add(stage.world, none, 2, &stage.tool) == DPT_OK;
+    const int made = dpt_world_create(stage.block, dpt_world_bytes(&def), &def, &stage.world) == DPT_OK &&
+                     dpt_body_add(stage.world, solid[0].mesh, &poses[0], &stage.body) == DPT_OK &&
+                     dpt_body_add(stage.world, solid[1].mesh, &poses[1], &other) == DPT_OK &&
+                     dpt_tool_add(stage.world, none, 2, &stage.tool) == DPT_OK;
     CHECK(made, "no world");
     for (uint64_t i = 0; i < 10 * ticks && made; i++) {
         dpt_segment segments[2];
@@ -322,8 +313,8 @@ static void try_two_bodies(uint32_t max_contacts, uint64_t liver_triangles)
             dpt_tool_get_segment_hit(stage.world, stage.tool, e, &hit);
             const double gap = fmin(hits[0][e].gap, hits[1][e].gap);
             CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(hit.gap - gap) <= 2e-5 * solid[1].diagonal,
-                  "gap %.9g, not the less of %.9g and %.9g: %s", hit.gap, hits[0][e].gap,
-                  hits[1][e].gap, answer_text(&solid[0], "query", ends + 6 * e, radii[e], &hit));
+                  "gap %.9g, not the less of %.9g and %.9g: %s", hit.gap, hits[0][e].gap, hits[1][e].gap,
+                  answer_text(&solid[0], "query", ends + 6 * e, radii[e], &hit));
         }
     }
     free(stage.block);
@@ -338,12 +329,11 @@ static void two_bodies(void)
 }
 
 /* Public meshes that are closed and do not cut themselves. */
-static const char *const closed[] = {
-    "organs/openhelp_liver.stl",  "organs/openhelp_spleen.stl",   "organs/openhelp_kidney_left.stl",
-    "organs/gallbladder_low.stl", "sheets_tori/torus_1600.obj",   "hard/spot.obj",
-    "sheets_tori/salad_bowl.obj", "tools/suture_needle_40mm.obj", "tools/maryland_jaw.stl",
-    "sheets_tori/gauze.obj"
-};
+static const char *const closed[] = { "organs/openhelp_liver.stl",       "organs/openhelp_spleen.stl",
+                                      "organs/openhelp_kidney_left.stl", "organs/gallbladder_low.stl",
+                                      "sheets_tori/torus_1600.obj",      "hard/spot.obj",
+                                      "sheets_tori/salad_bowl.obj",      "tools/suture_needle_40mm.obj",
+                                      "tools/maryland_jaw.stl",          "sheets_tori/gauze.obj" };
 enum { CLOSED = sizeof closed / sizeof *closed };
 
 static int open_public(struct solid *solid, const char *name)
@@ -381,19 +371,15 @@ static void try_distance(const struct solid *solid)
         hits[1] = stage_tick(&stage, motion.ends[i], radius);
         const double went = i ? motion_of(motion.ends[i - 1], motion.ends[i]) : 0;
         for (int w = 0; w < 2; w++) {
-            const char *text =
-                answer_text(solid, w ? "world" : "query", motion.ends[i], radius, &hits[w]);
-            CHECK(!i || fabs(hits[w].distance - last[w]) <=
-                            went * (1 + 1e-12) + bound + hits[w].error_bound,
+            const char *text = answer_text(solid, w ? "world" : "query", motion.ends[i], radius, &hits[w]);
+            CHECK(!i || fabs(hits[w].distance - last[w]) <= went * (1 + 1e-12) + bound + hits[w].error_bound,
                   "from %.9g within %g: %s", last[w], went, text);
             CHECK(isfinite(hits[w].gap + hits[w].depth), "%s", text);
-            CHECK(!(hits[w].flags & DPT_HIT_FLAG_GAP) || hits[w].depth == fmax(0, -hits[w].gap),
-                  "%s", text);
+            CHECK(!(hits[w].flags & DPT_HIT_FLAG_GAP) || hits[w].depth == fmax(0, -hits[w].gap), "%s", text);
             CHECK((hits[w].flags & DPT_HIT_FLAG_GAP) || hits[w].contact == DPT_CONTACT_UNKNOWN,
                   "contact %u without a gap: %s", hits[w].contact, text);
             /* No axis is nearer, or deeper, than its distance: but for the radius, gap is within it. */
-            CHECK(!(hits[w].flags & DPT_HIT_FLAG_GAP) ||
-                      hits[w].gap + radius <= hits[w].distance + hits[w].error_bound,
+            CHECK(!(hits[w].flags & DPT_HIT_FLAG_GAP) || hits[w].gap + radius <= hits[w].distance + hits[w].error_bound,
                   "%s", text);
             last[w] = hits[w].distance;
         }
@@ -465,9 +451,8 @@ static double (*points_about(const struct solid *solid, size_t count))[3]
         if (i % 4 == 0) /* about an edge; else a vertex */
             share = 0;
         for (int k = 0; k < 3; k++)
-            points[i][k] =
-                i % 3 == 0 ? random_in(&seed, solid->place.low[k], solid->place.high[k])
-                           : (1 - share) * (double)c[k] + share * (double)c[3 + k] + off * away[k];
+            points[i][k] = i % 3 == 0 ? random_in(&seed, solid->place.low[k], solid->place.high[k])
+                                      : (1 - share) * (double)c[k] + share * (double)c[3 + k] + off * away[k];
     }
     return points;
 }
@@ -485,8 +470,8 @@ static void compare_sides(const struct solid *solid, const char *program)
     FILE *file = fopen(asked, "w");
     for (int i = 0; i < POINTS && file; i++)
         fprintf(file, "%.17g,%.17g,%.17g\n", points[i][0], points[i][1], points[i][2]);
-    int failed = !file || fclose(file) != 0 || write_triangles(solid, mesh) != 0 ||
-                 system(command) != 0 || !(file = fopen(told, "r"));
+    int failed = !file || fclose(file) != 0 || write_triangles(solid, mesh) != 0 || system(command) != 0 ||
+                 !(file = fopen(told, "r"));
     CHECK(!failed, "%s: no answer from %s", solid->name, program);
     int inside = 0;
     for (int i = 0; i < POINTS && !failed; i++) {
@@ -498,8 +483,7 @@ static void compare_sides(const struct solid *solid, const char *program)
         memcpy(ends + 3, points[i], sizeof points[i]);
         dpt_query_segments(solid->mesh, NULL, ends, NULL, 1, &hit, NULL);
         inside += side < 0;
-        CHECK(side && (hit.gap < 0) == (side < 0), "side %d: %s", side,
-              answer_text(solid, "point", ends, 0, &hit));
+        CHECK(side && (hit.gap < 0) == (side < 0), "side %d: %s", side, answer_text(solid, "point", ends, 0, &hit));
         if (i % (POINTS / 100) == 0)
             CHECK((oracle_signed(&solid->oracle, ends) < 0) == (side < 0), "solid angle: %s",
                   answer_text(solid, "point", ends, 0, &hit));
@@ -539,8 +523,7 @@ int main(int argc, char **argv)
 {
     setvbuf(stdout, NULL, _IOLBF, 0);
     const char *slash = strrchr(argv[0], '/');
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - argv[0]) : 1,
-             slash ? argv[0] : ".");
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - argv[0]) : 1, slash ? argv[0] : ".");
     snprintf(inside_cgal, sizeof inside_cgal, "%s/inside_cgal", folder);
     if (access(inside_cgal, X_OK) != 0) /* of the release, for the other configurations */
         snprintf(inside_cgal, sizeof inside_cgal, "%s/../../tests/inside_cgal", folder);

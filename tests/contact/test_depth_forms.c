@@ -82,8 +82,8 @@ static void box_in_closed_form(const double half[3])
             check_way_out(&solid, &stage, 0.001, ends, radius, &moved);
         memcpy(ends_before, ends, sizeof ends);
     }
-    printf("    %g x %g x %g m: %.1e of the diagonal, %.1e m free\n", 2 * half[0], 2 * half[1],
-           2 * half[2], worst, worst_free);
+    printf("    %g x %g x %g m: %.1e of the diagonal, %.1e m free\n", 2 * half[0], 2 * half[1], 2 * half[2], worst,
+           worst_free);
     stage_close(&stage);
     solid_close(&solid);
 }
@@ -108,8 +108,7 @@ static void jumps_without_a_word(void)
             { 0x1.8p-4, -0x1.8p-6, -0x1p-6, 0x1p-5, 0x1.e4f962c1f9722p-5, -0x1p-6 } },
           { 0x1.4add518f4046ep-8, 0 } },
         { { 0.5, 0.5, 0.5 },
-          { { 0.75, -0.5, 0.5, 0, 0, 0.25 },
-            { -0.5, 0.25, 0.25, -0x1.d2a0767a24becp-3, 0.75, 0x1.63c2c1196f86p-2 } },
+          { { 0.75, -0.5, 0.5, 0, 0, 0.25 }, { -0.5, 0.25, 0.25, -0x1.d2a0767a24becp-3, 0.75, 0x1.63c2c1196f86p-2 } },
           { 0.05, 0 } },
         { { 0.5, 0.5, 0.5 }, /* the middle of a face to that of another */
           { { 0, 0, 0.75, 0, 0, 0.25 }, { 0.75, 0, 0, 0.25, 0, 0 } },
@@ -124,8 +123,8 @@ static void jumps_without_a_word(void)
             const double *ends = cases[i].ends[t], radius = cases[i].radius[t];
             const dpt_hit hit = stage_tick(&stage, ends, radius);
             const double gap = least_over_box(cases[i].half, ends) - radius;
-            CHECK(fabs(hit.gap - gap) <= 1e-5 * solid.diagonal, "case %d, tick %d: %.9g, not %.9g",
-                  (int)i, t, hit.gap, gap);
+            CHECK(fabs(hit.gap - gap) <= 1e-5 * solid.diagonal, "case %d, tick %d: %.9g, not %.9g", (int)i, t, hit.gap,
+                  gap);
         }
         stage_close(&stage);
         solid_close(&solid);
@@ -154,9 +153,8 @@ static void sphere(void)
         const double least = sqrt(dot3(x, x)) - radius, bound = 1e-5 * solid.diagonal;
         dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
         check_form(answer_text(&solid, "query", ends, radius, &hit), &hit);
-        CHECK(hit.gap >= least - outer - bound && hit.gap <= least - inner + bound,
-              "%.9g to %.9g: %s", least - outer, least - inner,
-              answer_text(&solid, "query", ends, radius, &hit));
+        CHECK(hit.gap >= least - outer - bound && hit.gap <= least - inner + bound, "%.9g to %.9g: %s", least - outer,
+              least - inner, answer_text(&solid, "query", ends, radius, &hit));
     }
     solid_close(&solid);
 }

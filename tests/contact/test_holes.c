@@ -8,7 +8,7 @@
 #include "contact/defective_meshes.h"
 #include "dynpoint.h"
 #include "nearest/side.h"
-#include "world/world_state.h"
+#include "track/world_state.h"
 
 static int axes = 400;
 
@@ -28,10 +28,9 @@ static int stage_open(struct stage *stage, const dpt_mesh *mesh, uint32_t max_co
     def.until = DPT_UNTIL_CONTACT;
     def.max_contacts = max_contacts;
     stage->block = malloc(dpt_world_bytes(&def));
-    const int is_made =
-        dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world) == DPT_OK &&
-        (!mesh || dpt_body_add(stage->world, mesh, NULL, &body) == DPT_OK) &&
-        dpt_tool_add(stage->world, &none, 1, &stage->tool) == DPT_OK;
+    const int is_made = dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world) == DPT_OK &&
+                        (!mesh || dpt_body_add(stage->world, mesh, NULL, &body) == DPT_OK) &&
+                        dpt_tool_add(stage->world, &none, 1, &stage->tool) == DPT_OK;
     CHECK(is_made, "no world");
     return is_made;
 }
@@ -57,8 +56,7 @@ struct tally {
  * Random axes: a world and a query say the same. Near holes an inside that begins and ends between two samples may be
  * missed by either.
  */
-static struct tally compare_some(const char *name, const struct mesh_builder *builder,
-                                 uint32_t max_contacts, int count)
+static struct tally compare_some(const char *name, const struct mesh_builder *builder, uint32_t max_contacts, int count)
 {
     uint64_t random = 3;
     struct tally tally = { .axes = count };
@@ -79,16 +77,15 @@ static struct tally compare_some(const char *name, const struct mesh_builder *bu
         dpt_query_segments(builder->mesh, NULL, ends, &no_radius, 1, &query, NULL);
         const vec3 a = vec3_of(ends);
         const int is_far = dpti_holes_are_far_from(&holes, a, sub(vec3_of(ends + 3), a));
-        const int is_same =
-            hit.contact == query.contact && fabs(hit.gap - query.gap) <= 2e-5 * diagonal;
-        CHECK(is_same || !is_far, "%s: gap %.9g, not %.9g: %.9g %.9g %.9g to %.9g %.9g %.9g", name,
-              hit.gap, query.gap, ends[0], ends[1], ends[2], ends[3], ends[4], ends[5]);
+        const int is_same = hit.contact == query.contact && fabs(hit.gap - query.gap) <= 2e-5 * diagonal;
+        CHECK(is_same || !is_far, "%s: gap %.9g, not %.9g: %.9g %.9g %.9g to %.9g %.9g %.9g", name, hit.gap, query.gap,
+              ends[0], ends[1], ends[2], ends[3], ends[4], ends[5]);
         tally.near_differ += !is_same;
         tally.far += is_far;
         tally.inside += query.gap < 0.0;
     }
-    printf("    %-28s %3u balls; of %d axes %d inside, %d far from holes; near them %d differ\n",
-           name, holes.count, count, tally.inside, tally.far, tally.near_differ);
+    printf("    %-28s %3u balls; of %d axes %d inside, %d far from holes; near them %d differ\n", name, holes.count,
+           count, tally.inside, tally.far, tally.near_differ);
     free(stage.block);
     return tally;
 }
@@ -154,8 +151,7 @@ static void balls_hold_the_holes(void)
             : kind == 1 ? onion(&builder)
                         : sieve(&builder)) {
             dpti_holes_find(&builder.surface, &builder.kernel, &holes);
-            CHECK(holes.count >= least[kind] && holes.count <= most[kind], "%d: %u balls", kind,
-                  holes.count);
+            CHECK(holes.count >= least[kind] && holes.count <= most[kind], "%d: %u balls", kind, holes.count);
             rims_lie_in_balls(&builder, &holes);
         }
         builder_free(&builder);
@@ -184,13 +180,11 @@ static void normals_tell(void)
                 nearest = t;
             }
         }
-        if (!dpti_holes_are_far_from(&holes, x, none) ||
-            !dpti_holes_are_beyond(&holes, x, sqrt(best.distance2)))
+        if (!dpti_holes_are_far_from(&holes, x, none) || !dpti_holes_are_beyond(&holes, x, sqrt(best.distance2)))
             continue;
         told++;
         const int side = dpti_side_of_pair(&builder.surface, nearest, &best);
-        CHECK((brute_winding_at(&builder, x) > 0.5) == (side < 0), "side %d at %g %g %g", side, x.x,
-              x.y, x.z);
+        CHECK((brute_winding_at(&builder, x) > 0.5) == (side < 0), "side %d at %g %g %g", side, x.x, x.y, x.z);
     }
     CHECK(told > 8 * axes, "%d of %d points told", told, 20 * axes);
     builder_free(&builder);
@@ -226,8 +220,7 @@ static void crossings_of_edges_are_asked_for(void)
             dpt_hit query = { .size = sizeof query };
             const dpt_hit hit = stage_tick(&stage, ends);
             dpt_query_segments(builder.mesh, NULL, ends, &no_radius, 1, &query, NULL);
-            CHECK(fabs(hit.gap - query.gap) <= 1e-6, "gap %g, not %g, at %g %g", hit.gap, query.gap,
-                  x, y);
+            CHECK(fabs(hit.gap - query.gap) <= 1e-6, "gap %g, not %g, at %g %g", hit.gap, query.gap, x, y);
         }
         free(stage.block);
     }
@@ -245,12 +238,10 @@ static void sheets_with_sides(void)
         return;
     asking.world->bodies[0].surface.holes = NULL;
     for (int i = 0; i < axes; i++) {
-        const double x = 0.04 * sin(0.05 * i), y = 0.03 + 0.05 * sin(0.013 * i),
-                     z = 0.03 * cos(0.02 * i);
+        const double x = 0.04 * sin(0.05 * i), y = 0.03 + 0.05 * sin(0.013 * i), z = 0.03 * cos(0.02 * i);
         const double ends[6] = { x - 0.06, y, 0.02 + z, x + 0.09, y + 0.01, 0.025 + z };
         const dpt_hit hit = stage_tick(&stage, ends), wanted = stage_tick(&asking, ends);
-        CHECK(hit.contact == wanted.contact &&
-                  fabs(hit.gap - wanted.gap) <= 2e-5 * surface_diagonal(&builder.surface),
+        CHECK(hit.contact == wanted.contact && fabs(hit.gap - wanted.gap) <= 2e-5 * surface_diagonal(&builder.surface),
               "gap %.9g, not %.9g", hit.gap, wanted.gap);
         dpt_contact contact = { .size = sizeof contact };
         uint32_t count = 0;
@@ -282,8 +273,7 @@ static void public_meshes_with_defects(void)
         builder_free(&builder);
     }
     CHECK(all.inside > all.axes / 8 && all.far > all.axes / 2 && all.near_differ <= all.axes / 50,
-          "of %d axes %d inside, %d far, %d differ", all.axes, all.inside, all.far,
-          all.near_differ);
+          "of %d axes %d inside, %d far, %d differ", all.axes, all.inside, all.far, all.near_differ);
 }
 
 /*
@@ -320,8 +310,8 @@ static void a_hole_costs_little(void)
         builder_free(&builder);
     }
     printf("    %.3f of the work without the hole\n", (double)work[1] / (double)work[0]);
-    CHECK(work[0] && work[1] < work[0] + work[0] / 5, "%llu units, not %llu",
-          (unsigned long long)work[1], (unsigned long long)work[0]);
+    CHECK(work[0] && work[1] < work[0] + work[0] / 5, "%llu units, not %llu", (unsigned long long)work[1],
+          (unsigned long long)work[0]);
 }
 
 /* 27 balls beside each other, whole or with a hole each: 1.5 times the work at most. */
@@ -331,20 +321,18 @@ static void parts_with_holes_cost_little(void)
     for (int missing = 0; missing < 2; missing++) {
         struct mesh_builder builder = { .mesh = NULL };
         for (int i = 0; i < 27; i++)
-            builder_add_shape(
-                &builder, "sphere", 1280,
-                (vec3){ 0.07 * (i % 3 - 1), 0.07 * (i / 3 % 3 - 1), 0.07 * (i / 9 - 1) }, 0.3, 0,
-                (size_t)missing);
+            builder_add_shape(&builder, "sphere", 1280,
+                              (vec3){ 0.07 * (i % 3 - 1), 0.07 * (i / 3 % 3 - 1), 0.07 * (i / 9 - 1) }, 0.3, 0,
+                              (size_t)missing);
         if (builder_compile(&builder)) {
-            CHECK(builder.info.winding_components == (missing ? 27u : 0u), "%u",
-                  builder.info.winding_components);
+            CHECK(builder.info.winding_components == (missing ? 27u : 0u), "%u", builder.info.winding_components);
             work[missing] = work_through(&builder, 0);
         }
         builder_free(&builder);
     }
     printf("    %.3f of the work without holes\n", (double)work[1] / (double)work[0]);
-    CHECK(work[0] && work[1] < work[0] + work[0] / 2, "%llu units, not %llu",
-          (unsigned long long)work[1], (unsigned long long)work[0]);
+    CHECK(work[0] && work[1] < work[0] + work[0] / 2, "%llu units, not %llu", (unsigned long long)work[1],
+          (unsigned long long)work[0]);
 }
 
 /* 112 balls that overlap, each with a hole: less than a tenth of the work. */
@@ -355,10 +343,8 @@ static void many_bad_parts_cost_less(void)
     if (defective(&builder, DEFECTS - 1, &name)) {
         const uint64_t counted = work_through(&builder, 0), asked = work_through(&builder, 1);
         printf("    %s: %llu units a tick, %llu with a number at each sample\n", name,
-               (unsigned long long)counted / (unsigned)axes,
-               (unsigned long long)asked / (unsigned)axes);
-        CHECK(counted && counted < asked / 10, "%llu of %llu", (unsigned long long)counted,
-              (unsigned long long)asked);
+               (unsigned long long)counted / (unsigned)axes, (unsigned long long)asked / (unsigned)axes);
+        CHECK(counted && counted < asked / 10, "%llu of %llu", (unsigned long long)counted, (unsigned long long)asked);
     }
     builder_free(&builder);
 }
@@ -388,8 +374,7 @@ static uint64_t deform_and_compare(const struct mesh_builder *builder)
         def.box_max[k] = 1.0;
     }
     void *block = malloc(dpt_deform_bytes(&def));
-    CHECK(dpt_deform_add(stage.world, block, dpt_deform_bytes(&def), &def, &body) == DPT_OK,
-          "added");
+    CHECK(dpt_deform_add(stage.world, block, dpt_deform_bytes(&def), &def, &body) == DPT_OK, "added");
     const float *rest;
     uint32_t rest_count;
     dpt_deform_get_vertices(stage.world, body, &rest, &rest_count);
@@ -432,10 +417,8 @@ static void bodies_that_deform(void)
         whole = deform_and_compare(&builder);
     }
     builder_free(&builder);
-    printf("    overlapping balls: %.3f of the work of one with a hole\n",
-           (double)whole / (double)torn);
-    CHECK(whole && whole < torn / 2, "%llu and %llu units", (unsigned long long)whole,
-          (unsigned long long)torn);
+    printf("    overlapping balls: %.3f of the work of one with a hole\n", (double)whole / (double)torn);
+    CHECK(whole && whole < torn / 2, "%llu and %llu units", (unsigned long long)whole, (unsigned long long)torn);
 }
 
 int main(int argc, char **argv)

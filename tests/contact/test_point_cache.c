@@ -18,18 +18,15 @@ static void a_tick_keeps_its_points(void)
         CHECK(entry && entry->triangle == DPT_NONE && !entry->has_winding, "%u", i);
         entry->triangle = 10 + i;
     }
-    CHECK(!dpti_point_cache_put(&cache, POINT_CACHE_WAYS, point),
-          "it makes room for a fifth in one tick");
+    CHECK(!dpti_point_cache_put(&cache, POINT_CACHE_WAYS, point), "it makes room for a fifth in one tick");
     CHECK(!dpti_point_cache_find(&cache, 0, beside), "another point");
     cache.tick = 2;
     CHECK(dpti_point_cache_find(&cache, 0, point)->triangle == 10, "the first");
-    CHECK(dpti_point_cache_put(&cache, POINT_CACHE_WAYS, point) &&
-              !dpti_point_cache_find(&cache, 1, point) && dpti_point_cache_find(&cache, 0, point) &&
-              dpti_point_cache_find(&cache, 2, point),
+    CHECK(dpti_point_cache_put(&cache, POINT_CACHE_WAYS, point) && !dpti_point_cache_find(&cache, 1, point) &&
+              dpti_point_cache_find(&cache, 0, point) && dpti_point_cache_find(&cache, 2, point),
           "not the oldest was given up");
     dpti_point_cache_forget(&cache, 0);
-    CHECK(!dpti_point_cache_find(&cache, 0, point) && dpti_point_cache_find(&cache, 2, point),
-          "of one body");
+    CHECK(!dpti_point_cache_find(&cache, 0, point) && dpti_point_cache_find(&cache, 2, point), "of one body");
     dpti_point_cache_forget(&cache, DPT_NONE);
     CHECK(!dpti_point_cache_find(&cache, 2, point), "of all");
 }

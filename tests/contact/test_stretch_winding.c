@@ -18,8 +18,7 @@ static int crossings_by_definition(const struct mesh_builder *builder, vec3 a, v
     for (uint32_t t = 0; t < builder->info.triangles; t++) {
         vec3 v[3];
         surface_corners(&builder->surface, t, v);
-        if (!(surface_part_flags(&builder->surface, surface_part(&builder->surface, t)) &
-              MESH_PART_SOLID))
+        if (!(surface_part_flags(&builder->surface, surface_part(&builder->surface, t)) & MESH_PART_SOLID))
             continue;
         const vec3 normal = cross(sub(v[1], v[0]), sub(v[2], v[0])), u = sub(b, a);
         const double from = dot(sub(a, v[0]), normal), to = dot(sub(b, v[0]), normal);
@@ -52,15 +51,15 @@ static int follow_windings(const char *name, const struct mesh_builder *builder,
         winding[0] = brute_winding_at(builder, a);
         winding[1] = brute_winding_at(builder, b);
         const int grown = crossings_by_definition(builder, a, b);
-        CHECK(round(winding[1]) - round(winding[0]) == grown, "%s: %g and %g, %d crossings", name,
-              winding[0], winding[1], grown);
+        CHECK(round(winding[1]) - round(winding[0]) == grown, "%s: %g and %g, %d crossings", name, winding[0],
+              winding[1], grown);
         for (int k = 0; k < 2; k++)
             worst = max_of(worst, fabs(winding[k] - round(winding[k])));
         crossed += grown != 0;
         far++;
     }
-    printf("    %-28s %d of %d far, %d have another number at the other end; off by %.2g\n", name,
-           far, count, crossed, worst);
+    printf("    %-28s %d of %d far, %d have another number at the other end; off by %.2g\n", name, far, count, crossed,
+           worst);
     CHECK(worst < 0.45, "%s: %g", name, worst);
     return crossed;
 }
@@ -90,8 +89,8 @@ static void in_public_meshes(void)
 }
 
 /* The crossings and windings of an axis. Returns 1 if those of all stretches are known. */
-static int find_windings(const struct surface *surface, const struct kernel *kernel,
-                         const struct axis *axis, struct distance_profile *profile)
+static int find_windings(const struct surface *surface, const struct kernel *kernel, const struct axis *axis,
+                         struct distance_profile *profile)
 {
     static const struct sides none;
     profile->surface = surface;
@@ -113,20 +112,16 @@ static void a_lost_crossing_is_noticed(void)
     struct mesh_builder builder;
     struct holes holes;
     if (balls_and_a_sheet(&builder, 0)) {
-        const struct axis axis = { .local_a = { -0.2, 0.0021, 0.0133 },
-                                   .u = { 0.3, 0.0017, 0.0009 },
-                                   .error = 1e-16 };
+        const struct axis axis = { .local_a = { -0.2, 0.0021, 0.0133 }, .u = { 0.3, 0.0017, 0.0009 }, .error = 1e-16 };
         dpti_holes_find(&builder.surface, &builder.kernel, &holes);
         builder.surface.holes = &holes;
-        CHECK(find_windings(&builder.surface, &builder.kernel, &axis, &profile) &&
-                  profile.crossing_count == 5,
+        CHECK(find_windings(&builder.surface, &builder.kernel, &axis, &profile) && profile.crossing_count == 5,
               "%u crossings", profile.crossing_count);
         for (int k = 0; k < 6; k++)
             CHECK(profile.winding[k] == wanted[k], "%d: %d", k, profile.winding[k]);
         memmove(profile.crossing + 2, profile.crossing + 3, 2 * sizeof *profile.crossing);
         profile.crossing_count--;
-        CHECK(!dpti_stretch_windings_find(&profile) && profile.winding[0] == WINDING_UNKNOWN,
-              "the third one was lost");
+        CHECK(!dpti_stretch_windings_find(&profile) && profile.winding[0] == WINDING_UNKNOWN, "the third one was lost");
     }
     builder_free(&builder);
 }
@@ -146,17 +141,15 @@ static int check_ranges(const struct mesh_builder *builder, uint32_t *most)
         double ends[6];
         any_axis(builder, &random, ends);
         const vec3 a = vec3_of(ends);
-        const struct axis axis = { .local_a = a,
-                                   .u = scaled(sub(vec3_of(ends + 3), a), 3.0),
-                                   .error = 1e-16 };
+        const struct axis axis = { .local_a = a, .u = scaled(sub(vec3_of(ends + 3), a), 3.0), .error = 1e-16 };
         find_windings(&surface, &builder->kernel, &axis, &profile);
         for (uint32_t k = 0; k < profile.winding_range_count; k++) {
             const struct winding_range *range = &profile.winding_range[k];
             for (int place = 0; place < 3; place++) {
                 const double s = random_in(&random, range->from, range->to);
                 const double winding = brute_winding_at(builder, along(axis.local_a, s, axis.u));
-                CHECK(round(winding) == range->winding, "%g at %g, %d in %g to %g", winding, s,
-                      range->winding, range->from, range->to);
+                CHECK(round(winding) == range->winding, "%g at %g, %d in %g to %g", winding, s, range->winding,
+                      range->from, range->to);
             }
             count++;
         }
@@ -175,8 +168,7 @@ static void ranges_have_one_number(void)
         if (kind ? defective(&builder, 8, &name) : holed_shape(&builder, name, 4000, 4, 0.008)) {
             const int count = check_ranges(&builder, &most);
             printf("    %s: %d ranges, up to %u on an axis\n", name, count, most);
-            CHECK(count > axes / 8 && most > 1 && most <= PROFILE_WINDING_RANGES, "%d, %u", count,
-                  most);
+            CHECK(count > axes / 8 && most > 1 && most <= PROFILE_WINDING_RANGES, "%d, %u", count, most);
         }
         builder_free(&builder);
     }

@@ -20,8 +20,7 @@ static double check_against_brute(const char *name, const struct mesh_builder *b
     for (int i = 0; i < 2 * points; i++) {
         uint32_t place = (uint32_t)(random_bits(&random) % builder->info.triangles);
         struct work work = work_of(WORK_UNLIMITED);
-        vec3 x =
-            i % 2 ? point_in_box(builder, &random) : point_off(builder, place, shares[i / 2 % 5]);
+        vec3 x = i % 2 ? point_in_box(builder, &random) : point_off(builder, place, shares[i / 2 % 5]);
         double winding = dpti_winding_number(&builder->surface, &builder->kernel, x, &work);
         double error = fabs(winding - brute_winding_at(builder, x));
         CHECK(error <= WINDING_ERROR, "%s: off by %g at %g %g %g", name, error, x.x, x.y, x.z);
@@ -33,12 +32,12 @@ static double check_against_brute(const char *name, const struct mesh_builder *b
             if (!dpti_kernel_get(id, &other, &chosen))
                 continue;
             double same = dpti_winding_number(&builder->surface, &other, x, &again);
-            CHECK(!memcmp(&same, &winding, sizeof same) && again.done == work.done,
-                  "%s: %s says %g, not %g", name, dpt_kernel_name(id), same, winding);
+            CHECK(!memcmp(&same, &winding, sizeof same) && again.done == work.done, "%s: %s says %g, not %g", name,
+                  dpt_kernel_name(id), same, winding);
         }
     }
-    printf("    %-12s %7u triangles: off by at most %.1e, work at most %u\n", name,
-           builder->info.triangles, worst, most_work);
+    printf("    %-12s %7u triangles: off by at most %.1e, work at most %u\n", name, builder->info.triangles, worst,
+           most_work);
     CHECK(most_work < 2 * (builder->info.triangles / LANES) + 40, "%s: work %u", name, most_work);
     return worst;
 }
@@ -53,8 +52,7 @@ static void windings_agree_with_brute_force(void)
     double worst = 0.0;
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         struct mesh_builder builder = { .vertices = NULL };
-        builder_add_shape(&builder, shapes[i].name, shapes[i].count, (vec3){ 0.3, -0.2, 0.1 }, 1.0,
-                          0, 1);
+        builder_add_shape(&builder, shapes[i].name, shapes[i].count, (vec3){ 0.3, -0.2, 0.1 }, 1.0, 0, 1);
         if (builder_compile(&builder)) {
             CHECK(builder.info.winding_components == 1, "%s has no moments", shapes[i].name);
             worst = max_of(worst, check_against_brute(shapes[i].name, &builder, (int)part_of(200)));
@@ -65,8 +63,7 @@ static void windings_agree_with_brute_force(void)
 }
 
 /* Four sets of four triangles, joined twice, about `middle`; their true sum as seen from x. */
-static struct winding_moment make_set(uint64_t *random, vec3 middle, double size, vec3 x,
-                                      double *truth)
+static struct winding_moment make_set(uint64_t *random, vec3 middle, double size, vec3 x, double *truth)
 {
     struct winding_moment sets[4], triangles[4];
     vec3 c[3];
@@ -76,9 +73,8 @@ static struct winding_moment make_set(uint64_t *random, vec3 middle, double size
                             random_in(random, -size, size) };
         for (int t = 0; t < 4; t++) {
             for (int k = 0; k < 3; k++)
-                c[k] = add(add(middle, part),
-                           (vec3){ random_in(random, -size, size), random_in(random, -size, size),
-                                   random_in(random, -size, size) });
+                c[k] = add(add(middle, part), (vec3){ random_in(random, -size, size), random_in(random, -size, size),
+                                                      random_in(random, -size, size) });
             triangles[t] = moment_of_triangle(c[0], c[1], c[2]);
             *truth += solid_turns(sub(c[0], x), sub(c[1], x), sub(c[2], x));
         }
@@ -103,14 +99,13 @@ static void series_keep_their_bound(void)
         const vec3 x = { at[0], at[1], at[2] };
         const double size = pow(10.0, random_in(&random, -2.5, -0.5));
         for (int lane = 0; lane < LANES; lane++) {
-            const vec3 middle = { random_in(&random, -1, 1), random_in(&random, -1, 1),
-                                  random_in(&random, -1, 1) };
+            const vec3 middle = { random_in(&random, -1, 1), random_in(&random, -1, 1), random_in(&random, -1, 1) };
             struct winding_moment set = make_set(&random, middle, size, x, &truth[lane]);
             double series = moment_winding(&set, x, &errors[lane]);
             moment_store(&set, block + lane);
             if (errors[lane] < HUGE_VAL) {
-                CHECK(fabs(series - truth[lane]) <= errors[lane] + 1e-15, "off by %g, bound %g",
-                      series - truth[lane], errors[lane]);
+                CHECK(fabs(series - truth[lane]) <= errors[lane] + 1e-15, "off by %g, bound %g", series - truth[lane],
+                      errors[lane]);
                 worst = max_of(worst, fabs(series - truth[lane]) / errors[lane]);
             }
         }
@@ -120,8 +115,8 @@ static void series_keep_their_bound(void)
             CHECK(closed ? fabs(errors[lane] - (double)doubts[lane]) <= 1e-4 * errors[lane]
                          : sums[lane] == 0.0f && !(errors[lane] < 0.999e-2),
                   "lane %d: bound %g, %g in float", lane, errors[lane], (double)doubts[lane]);
-            CHECK(!closed || fabs((double)sums[lane] - truth[lane]) <= errors[lane] + 1e-6,
-                  "lane %d: %g, not %g", lane, (double)sums[lane], truth[lane]);
+            CHECK(!closed || fabs((double)sums[lane] - truth[lane]) <= errors[lane] + 1e-6, "lane %d: %g, not %g", lane,
+                  (double)sums[lane], truth[lane]);
         }
     }
     printf("    off by at most %.2f of the bound\n", worst);
@@ -143,8 +138,7 @@ static void check_sides(uint64_t triangles)
             if (place / 64 == gone / 64)
                 continue;
             vec3 in = point_off(&builder, place, -share), out = point_off(&builder, place, share);
-            double step =
-                winding_at(&builder, in.x, in.y, in.z) - winding_at(&builder, out.x, out.y, out.z);
+            double step = winding_at(&builder, in.x, in.y, in.z) - winding_at(&builder, out.x, out.y, out.z);
             asked++;
             bad += !(fabs(step - 1.0) < 0.1);
             /* By a vertex, and by an edge. */
@@ -152,15 +146,12 @@ static void check_sides(uint64_t triangles)
             const float *p = builder.surface.positions + 3 * (size_t)corner[0];
             const float *q = builder.surface.positions + 3 * (size_t)corner[i % 2];
             const vec3 on = scaled(add(vec3_of_float(p), vec3_of_float(q)), 0.5);
-            const vec3 way = { random_in(&random, -1, 1), random_in(&random, -1, 1),
-                               random_in(&random, -1, 1) };
+            const vec3 way = { random_in(&random, -1, 1), random_in(&random, -1, 1), random_in(&random, -1, 1) };
             in = along(on, -share, way);
             out = along(on, share, way);
             asked++;
-            bad += !(fabs(winding_at(&builder, in.x, in.y, in.z) - brute_winding_at(&builder, in)) <
-                         0.001 &&
-                     fabs(winding_at(&builder, out.x, out.y, out.z) -
-                          brute_winding_at(&builder, out)) < 0.001);
+            bad += !(fabs(winding_at(&builder, in.x, in.y, in.z) - brute_winding_at(&builder, in)) < 0.001 &&
+                     fabs(winding_at(&builder, out.x, out.y, out.z) - brute_winding_at(&builder, out)) < 0.001);
         }
         CHECK(bad == 0 && asked > (int)part_of(1000), "%d of %d", bad, asked);
         const float *v = builder.surface.positions;
@@ -221,11 +212,9 @@ static void public_meshes_are_what_they_seem(void)
             continue;
         const dpt_mesh_info *info = &builder.info;
         CHECK(info->solid_components == wanted->solid && info->cavities == wanted->cavities &&
-                  info->winding_components == wanted->winding &&
-                  info->buried_components == wanted->buried,
-              "%s: %u solid, %u cavities, %u by winding, %u buried", wanted->path,
-              info->solid_components, info->cavities, info->winding_components,
-              info->buried_components);
+                  info->winding_components == wanted->winding && info->buried_components == wanted->buried,
+              "%s: %u solid, %u cavities, %u by winding, %u buried", wanted->path, info->solid_components,
+              info->cavities, info->winding_components, info->buried_components);
         if (info->winding_components)
             check_against_brute(strrchr(wanted->path, '/') + 1, &builder, 60);
         builder_free(&builder);

@@ -90,8 +90,8 @@ void curved_random(struct curved *curved, uint32_t kind, int is_cut, double size
         return;
     shape->flags = DPT_CONVEX_FLAG_BEVEL;
     random_direction(seed, shape->bevel);
-    shape->bevel[3] = random_in(seed, -0.7, 0.9) *
-                      (0.5 * shape->extent[0] + 0.5 * shape->extent[2] * fabs(shape->bevel[2]));
+    shape->bevel[3] =
+        random_in(seed, -0.7, 0.9) * (0.5 * shape->extent[0] + 0.5 * shape->extent[2] * fabs(shape->bevel[2]));
 }
 
 /* ---- how far it reaches ---- */
@@ -144,8 +144,7 @@ static double reach_within(const struct curved *curved, const double d[3])
     case DPT_CONVEX_KIND_ELLIPSOID:
         return sqrt(x * x * d[0] * d[0] + y * y * d[1] * d[1] + z * z * d[2] * d[2]);
     case DPT_CONVEX_KIND_CAPSULE:
-        return shape->flags & DPT_CONVEX_FLAG_BEVEL ? reach_of_cut(shape, d)
-                                                    : reach_of_capsule(shape, d);
+        return shape->flags & DPT_CONVEX_FLAG_BEVEL ? reach_of_cut(shape, d) : reach_of_capsule(shape, d);
     default:
         for (uint32_t i = 0; i < curved->corner_count; i++)
             most = fmax(most, dot3(curved->corners + 3 * i, d));
@@ -168,8 +167,7 @@ int curved_holds(const struct curved *curved, const double x[3], double slack)
     const double off = fmax(0.0, fabs(x[2]) - c);
     switch (shape->kind) {
     case DPT_CONVEX_KIND_CONE:
-        return fabs(x[2]) <= c + slack &&
-               across <= a * (x[2] + c) / (2.0 * c) + slack * (1 + a / c);
+        return fabs(x[2]) <= c + slack && across <= a * (x[2] + c) / (2.0 * c) + slack * (1 + a / c);
     case DPT_CONVEX_KIND_CYLINDER:
         return fabs(x[2]) <= c + slack && across <= a + slack;
     case DPT_CONVEX_KIND_ELLIPSOID:
@@ -177,8 +175,7 @@ int curved_holds(const struct curved *curved, const double x[3], double slack)
                1.0 + slack / fmin(a, fmin(b, c));
     case DPT_CONVEX_KIND_CAPSULE:
         return sqrt(across * across + off * off) <= a + slack &&
-               (!(shape->flags & DPT_CONVEX_FLAG_BEVEL) ||
-                dot3(x, shape->bevel) <= shape->bevel[3] + slack);
+               (!(shape->flags & DPT_CONVEX_FLAG_BEVEL) || dot3(x, shape->bevel) <= shape->bevel[3] + slack);
     default:
         return 0;
     }
@@ -198,8 +195,7 @@ void curved_centre(const struct curved *curved, double centre[3])
 
 /* ---- against a triangle ---- */
 
-double curved_width(const struct curved *curved, const dpt_pose *tool, const double triangle[9],
-                    const double n[3])
+double curved_width(const struct curved *curved, const dpt_pose *tool, const double triangle[9], const double n[3])
 {
     double back[3], most = -HUGE_VAL;
     const double minus[3] = { -n[0], -n[1], -n[2] };
@@ -209,8 +205,8 @@ double curved_width(const struct curved *curved, const dpt_pose *tool, const dou
     return most + curved_reach(curved, back) + dot3(tool->position, minus);
 }
 
-double curved_least(const struct curved *curved, const dpt_pose *tool, const double triangle[9],
-                    const double *front, int samples, uint64_t *seed, double n[3])
+double curved_least(const struct curved *curved, const dpt_pose *tool, const double triangle[9], const double *front,
+                    int samples, uint64_t *seed, double n[3])
 {
     double least = HUGE_VAL;
     double spread = 0.0;
@@ -239,8 +235,8 @@ double curved_least(const struct curved *curved, const dpt_pose *tool, const dou
 }
 
 /* The difference that is the least along v: a corner less a point of the shape, which test_convex_corners looks at. */
-static vec3 least_difference(const struct convex_body *body, const dpt_pose *tool,
-                             const double triangle[9], const double by[3], vec3 v)
+static vec3 least_difference(const struct convex_body *body, const dpt_pose *tool, const double triangle[9],
+                             const double by[3], vec3 v)
 {
     double d[3], own[3], x[3];
     uint32_t best = 0;
@@ -249,15 +245,13 @@ static vec3 least_difference(const struct convex_body *body, const dpt_pose *too
         if (dot3(triangle + 3 * k, d) < dot3(triangle + 3 * best, d))
             best = k;
     turn_back(tool, d, own);
-    vec3_store(frame_to_world(&body->frame, dpti_convex_support(
-                                                body, frame_turn_back(&body->frame, vec3_of(own)))),
-               x);
+    vec3_store(frame_to_world(&body->frame, dpti_convex_support(body, frame_turn_back(&body->frame, vec3_of(own)))), x);
     place_by(tool, x, x);
     return sub(sub(vec3_of(triangle + 3 * best), vec3_of(x)), vec3_of(by));
 }
 
-int curved_parted(const struct curved *curved, const dpt_pose *tool, const double triangle[9],
-                  const double by[3], int steps, double *distance)
+int curved_parted(const struct curved *curved, const dpt_pose *tool, const double triangle[9], const double by[3],
+                  int steps, double *distance)
 {
     struct convex_body body;
     CHECK(dpti_convex_body_of(&curved->shape, &body) == DPT_OK, "no shape");

@@ -54,18 +54,17 @@ int curved_holds(const struct curved *curved, const double x[3], double slack);
 void curved_centre(const struct curved *curved, double centre[3]);
 
 /* n . (triangle - shape), at most: the motion along n after which a plane across n parts them. */
-double curved_width(const struct curved *curved, const dpt_pose *tool, const double triangle[9],
-                    const double n[3]);
+double curved_width(const struct curved *curved, const dpt_pose *tool, const double triangle[9], const double n[3]);
 
 /* The least width over directions with front.n >= 0, or all if front is NULL; sampled, then refined. *n is where. */
-double curved_least(const struct curved *curved, const dpt_pose *tool, const double triangle[9],
-                    const double *front, int samples, uint64_t *seed, double n[3]);
+double curved_least(const struct curved *curved, const dpt_pose *tool, const double triangle[9], const double *front,
+                    int samples, uint64_t *seed, double n[3]);
 
 /*
  * Whether a plane parts the shape, moved by `by`, from a triangle, in as many steps: 1 yes, 0 if none was found. *distance
  * is how far they are apart at most.
  */
-int curved_parted(const struct curved *curved, const dpt_pose *tool, const double triangle[9],
-                  const double by[3], int steps, double *distance);
+int curved_parted(const struct curved *curved, const dpt_pose *tool, const double triangle[9], const double by[3],
+                  int steps, double *distance);
 
 #endif

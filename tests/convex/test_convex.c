@@ -24,8 +24,8 @@ static double now(void)
 }
 
 /* Asks, and checks what holds of every answer. */
-static dpt_convex_contact touch(const struct curved *curved, const dpt_pose *tool,
-                                const dpt_mesh *mesh, const dpt_pose *body)
+static dpt_convex_contact touch(const struct curved *curved, const dpt_pose *tool, const dpt_mesh *mesh,
+                                const dpt_pose *body)
 {
     dpt_convex_contact contact = { .size = sizeof contact };
     const double begin = now();
@@ -39,8 +39,7 @@ static dpt_convex_contact touch(const struct curved *curved, const dpt_pose *too
     seen.own += contact.own;
     CHECK(result == DPT_OK && contact.status == DPT_STATUS_BOUNDED, "%s", dpt_result_name(result));
     CHECK(contact.candidates >= contact.met && contact.asked >= contact.refused, "counts");
-    CHECK(contact.depth >= 0.0 && contact.depth <= 4.0 * curved->size &&
-              contact.error_bound >= 0.0 &&
+    CHECK(contact.depth >= 0.0 && contact.depth <= 4.0 * curved->size && contact.error_bound >= 0.0 &&
               contact.error_bound <= contact.depth + 1e-3 * curved->size,
           "depth %g, bound %g", contact.depth, contact.error_bound);
     if (contact.contact == DPT_CONTACT_SEPARATED) {
@@ -143,20 +142,18 @@ static void single_triangles_are_left_by_the_shortest_way(void)
                 double least = 0.0;
                 if (!parted && distance < 1e-3 * size)
                     least = curved_least(&curved, &tool, t, NULL, 3000, &seed, n);
-                CHECK(least < 1e-3 * size, "case %llu, kind %u, %g times as large: missed by %g",
-                      (unsigned long long)i, kind, ratio, least);
+                CHECK(least < 1e-3 * size, "case %llu, kind %u, %g times as large: missed by %g", (unsigned long long)i,
+                      kind, ratio, least);
             } else {
                 double from[3], by[3];
-                CHECK(!parted || distance < 1e-3 * size, "case %llu, kind %u: apart by %g",
-                      (unsigned long long)i, kind, distance);
+                CHECK(!parted || distance < 1e-3 * size, "case %llu, kind %u: apart by %g", (unsigned long long)i, kind,
+                      distance);
                 place_by(&tool, centre, from);
                 front_of(t, from, front);
                 for (int k = 0; k < 3; k++)
                     by[k] = (contact.depth + 1e-3 * size) * contact.direction[k];
-                CHECK(curved_parted(&curved, &tool, t, by, 4000, &distance) ||
-                          distance > 2e-4 * size,
-                      "case %llu, kind %u: %g does not suffice", (unsigned long long)i, kind,
-                      contact.depth);
+                CHECK(curved_parted(&curved, &tool, t, by, 4000, &distance) || distance > 2e-4 * size,
+                      "case %llu, kind %u: %g does not suffice", (unsigned long long)i, kind, contact.depth);
                 CHECK(is_sliver || kind == DPT_CONVEX_KIND_HULL ||
                           (kind == DPT_CONVEX_KIND_CAPSULE && curved.shape.flags) ||
                           dot3(front, contact.direction) >= -1e-6,
@@ -166,19 +163,19 @@ static void single_triangles_are_left_by_the_shortest_way(void)
                 const double sided = curved_least(&curved, &tool, t, front, 60, &seed, n);
                 CHECK(is_sliver || kind == DPT_CONVEX_KIND_HULL || curved.shape.flags ||
                           contact.depth - contact.error_bound <= sided + 1e-5 * size,
-                      "case %llu, kind %u: %g less %g is longer than %g", (unsigned long long)i,
-                      kind, contact.depth, contact.error_bound, sided);
+                      "case %llu, kind %u: %g less %g is longer than %g", (unsigned long long)i, kind, contact.depth,
+                      contact.error_bound, sided);
                 seen.off = fmax(seen.off, contact.depth - contact.error_bound - sided);
                 seen.bounded += contact.error_bound < 2e-3 * size;
             }
         }
         fixture_free(&fixture);
     }
-    printf("    %llu slivers; %.2f %% of the contacts are bound to 0.2 %% of the size\n",
-           (unsigned long long)slivers, 100.0 * (double)seen.bounded / (double)(seen.deep + 1));
+    printf("    %llu slivers; %.2f %% of the contacts are bound to 0.2 %% of the size\n", (unsigned long long)slivers,
+           100.0 * (double)seen.bounded / (double)(seen.deep + 1));
     CHECK(seen.deep >= least_seen(20000), "%llu met", (unsigned long long)seen.deep);
-    CHECK(seen.bounded * 100 >= seen.deep * 90, "%llu of %llu bound",
-          (unsigned long long)seen.bounded, (unsigned long long)seen.deep);
+    CHECK(seen.bounded * 100 >= seen.deep * 90, "%llu of %llu bound", (unsigned long long)seen.bounded,
+          (unsigned long long)seen.deep);
 }
 
 /* ---- meshes ---- */
@@ -186,8 +183,7 @@ static void single_triangles_are_left_by_the_shortest_way(void)
 static struct fixture liver, box;
 
 /* A tool somewhere at a triangle of the mesh, its origin `off` from it along the triangle's outward normal. */
-static void put_at(const dpt_mesh *mesh, const dpt_pose *body, double off, dpt_pose *tool,
-                   double outward[3])
+static void put_at(const dpt_mesh *mesh, const dpt_pose *body, double off, dpt_pose *tool, double outward[3])
 {
     dpt_mesh_info info = { .size = sizeof info };
     double t[9], far[3], w[3], at[3] = { 0.0, 0.0, 0.0 };
@@ -254,8 +250,7 @@ static void hulls_meet_where_the_core_says_so(void)
         if (meets == (contact.contact == DPT_CONTACT_PENETRATING))
             continue;
         disputed++;
-        CHECK(contact.depth <= 1e-3 * size &&
-                  (!meets || !(hit.distance > 0.0) || -hit.gap < 1e-3 * size),
+        CHECK(contact.depth <= 1e-3 * size && (!meets || !(hit.distance > 0.0) || -hit.gap < 1e-3 * size),
               "the core says %d, gap %g; depth %g", meets, hit.gap, contact.depth);
     }
     printf("    %llu meet, %llu are apart, %llu are on the border\n", (unsigned long long)met,
@@ -281,8 +276,7 @@ static void a_shape_is_apart_where_its_polyhedron_is(void)
         centre_at_origin(&curved);
         random_pose(&seed, 0.5, &body);
         put_at(liver.mesh, &body, random_in(&seed, 0.0, 0.01), &tool, outward);
-        if (dpt_convex_corners(&curved.shape, 0, corners, DPT_HULL_CORNERS_MAX, &def.corner_count,
-                               &error) != DPT_OK ||
+        if (dpt_convex_corners(&curved.shape, 0, corners, DPT_HULL_CORNERS_MAX, &def.corner_count, &error) != DPT_OK ||
             dpt_hull_create(block, sizeof block, &def, &hull) != DPT_OK ||
             dpt_query_hull(liver.mesh, &body, hull, &tool, &hit) != DPT_OK) {
             CHECK(0, "kind %u: no hull", kind);
@@ -292,13 +286,13 @@ static void a_shape_is_apart_where_its_polyhedron_is(void)
         const int meets = contact.contact == DPT_CONTACT_PENETRATING;
         apart += hit.distance > 0.0;
         held += (uint64_t)meets;
-        CHECK(!(hit.distance > hit.error_bound && meets), "kind %u: apart by %g, and %g deep", kind,
-              hit.distance, contact.depth);
+        CHECK(!(hit.distance > hit.error_bound && meets), "kind %u: apart by %g, and %g deep", kind, hit.distance,
+              contact.depth);
         /* And where it is farther off than the polyhedron is beyond it, it is apart itself. */
         CHECK(!(hit.distance > 0.0) || contact.depth <= 0.0, "kind %u", kind);
     }
-    CHECK(apart >= least_seen(2000) && held >= least_seen(2000), "%llu apart, %llu met",
-          (unsigned long long)apart, (unsigned long long)held);
+    CHECK(apart >= least_seen(2000) && held >= least_seen(2000), "%llu apart, %llu met", (unsigned long long)apart,
+          (unsigned long long)held);
 }
 
 /* Balls: the depth is the radius less the distance of the centre, out along the nearest pair. */
@@ -315,8 +309,7 @@ static void balls_are_as_deep_as_their_centre_is_near(void)
         const dpt_query_def def = { .size = sizeof def, .pair = 1 };
         const dpt_mesh *mesh = i % 2 ? liver.mesh : box.mesh;
         const double radius = 0.005;
-        curved_random(&curved, i % 4 < 2 ? DPT_CONVEX_KIND_ELLIPSOID : DPT_CONVEX_KIND_CAPSULE, 0,
-                      2.0 * radius, &seed);
+        curved_random(&curved, i % 4 < 2 ? DPT_CONVEX_KIND_ELLIPSOID : DPT_CONVEX_KIND_CAPSULE, 0, 2.0 * radius, &seed);
         curved.shape.extent[0] = 2.0 * radius;
         curved.shape.extent[1] = i % 4 < 2 ? 2.0 * radius : 0.0;
         curved.shape.extent[2] = curved.shape.extent[1];
@@ -329,8 +322,7 @@ static void balls_are_as_deep_as_their_centre_is_near(void)
         const dpt_convex_contact contact = touch(&curved, &tool, mesh, &body);
         const double depth = radius - hit.distance;
         met += depth > 0.0;
-        CHECK(contact.depth >= depth - 2e-4 * radius, "%g deep, and it says %g", depth,
-              contact.depth);
+        CHECK(contact.depth >= depth - 2e-4 * radius, "%g deep, and it says %g", depth, contact.depth);
         if (i % 2 || depth < 1e-3 * radius)
             continue;
         /* On a convex mesh nothing else is deeper. */
@@ -364,8 +356,7 @@ static void the_way_out_leads_to_the_side_that_the_shape_comes_from(void)
         put_at(mesh, &body, random_in(&seed, is_given ? -0.4 : 0.05, 0.3) * size, &tool, outward);
         if (is_given) {
             /* A point that is out of the plane of the triangle. */
-            double far[3] = { 4.0 * size * outward[0], 4.0 * size * outward[1],
-                              4.0 * size * outward[2] };
+            double far[3] = { 4.0 * size * outward[0], 4.0 * size * outward[1], 4.0 * size * outward[2] };
             turn_back(&tool, far, curved.shape.outside);
             curved.shape.flags |= DPT_CONVEX_FLAG_OUTSIDE;
         }
@@ -382,26 +373,23 @@ static void the_way_out_leads_to_the_side_that_the_shape_comes_from(void)
             continue; /* their centre is not at the origin */
         front_of(world, from, front);
         deep++;
-        CHECK(dot3(front, contact.direction) >= -1e-6, "kind %u: %g", kind,
-              dot3(front, contact.direction));
+        CHECK(dot3(front, contact.direction) >= -1e-6, "kind %u: %g", kind, dot3(front, contact.direction));
         double by[3], distance;
         for (int k = 0; k < 3; k++)
             by[k] = (contact.depth + 1e-3 * size) * contact.direction[k];
         CHECK(curved_parted(&curved, &tool, world, by, 4000, &distance) || distance > 2e-4 * size,
               "kind %u: %g does not suffice", kind, contact.depth);
     }
-    CHECK(met >= least_seen(10000) && deep >= least_seen(8000), "%llu met, %llu looked at",
-          (unsigned long long)met, (unsigned long long)deep);
+    CHECK(met >= least_seen(10000) && deep >= least_seen(8000), "%llu met, %llu looked at", (unsigned long long)met,
+          (unsigned long long)deep);
 }
 
 /* A cone that is pressed on a flat face, over its inner edges too: as deep as its point, straight out. */
 static void inner_edges_of_a_flat_face_are_not_felt(void)
 {
     static struct curved curved;
-    const double vertices[] = { -1, -1, 0, 0, -1, 0, 1, -1, 0, -1, 0, 0, 0, 0,
-                                0,  1,  0, 0, -1, 1, 0, 0,  1, 0,  1, 1, 0 };
-    const uint32_t corners[] = { 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4,
-                                 3, 4, 7, 3, 7, 6, 4, 5, 8, 4, 8, 7 };
+    const double vertices[] = { -1, -1, 0, 0, -1, 0, 1, -1, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 1, 0, 0, 1, 0, 1, 1, 0 };
+    const uint32_t corners[] = { 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4, 3, 4, 7, 3, 7, 6, 4, 5, 8, 4, 8, 7 };
     const dpt_pose body = DPT_POSE_IDENTITY;
     struct fixture plate;
     curved.size = 0.02;
@@ -420,9 +408,7 @@ static void inner_edges_of_a_flat_face_are_not_felt(void)
         CHECK(fabs(contact.depth - depth) <= 2e-6 && contact.direction[2] > 0.999,
               "%g deep, and it says %g along %g %g %g", depth, contact.depth, contact.direction[0],
               contact.direction[1], contact.direction[2]);
-        CHECK(fabs(contact.point[0] - tool.position[0]) < 1e-4 &&
-                  fabs(contact.point[2] + depth) < 1e-4,
-              "its point");
+        CHECK(fabs(contact.point[0] - tool.position[0]) < 1e-4 && fabs(contact.point[2] + depth) < 1e-4, "its point");
     }
     fixture_free(&plate);
 }
@@ -439,12 +425,10 @@ int main(int argc, char **argv)
     TEST(the_way_out_leads_to_the_side_that_the_shape_comes_from);
     TEST(inner_edges_of_a_flat_face_are_not_felt);
     SKIP("FCL's depths", "this program is not linked to it");
-    printf("    of 10^5 answers of libccd %.0f are refused, %.0f triangles of 10^5 have our own; "
-           "%.1f us a touch, %.1f "
+    printf("    of 10^5 answers of libccd %.0f are refused, %.0f triangles of 10^5 have our own; %.1f us a touch, %.1f "
            "where it meets\n",
-           1e5 * (double)seen.refused / (double)seen.asked,
-           1e5 * (double)seen.own / (double)seen.met, 1e6 * seen.seconds / (double)seen.touches,
-           1e6 * seen.seconds / (double)seen.deep);
+           1e5 * (double)seen.refused / (double)seen.asked, 1e5 * (double)seen.own / (double)seen.met,
+           1e6 * seen.seconds / (double)seen.touches, 1e6 * seen.seconds / (double)seen.deep);
     fixture_free(&liver);
     fixture_free(&box);
     return check_report();

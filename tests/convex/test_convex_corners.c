@@ -29,14 +29,12 @@ static void support_points_are_the_farthest(void)
             vec3_store(at, p);
             turn_by(&curved.shape.pose, d, back);
             far = curved_reach(&curved, back) - dot3(curved.shape.pose.position, back);
-            CHECK(fabs(dot3(p, d) - far) < 2e-7, "kind %u: %.12g, and it is %.12g", kind,
-                  dot3(p, d), far);
+            CHECK(fabs(dot3(p, d) - far) < 2e-7, "kind %u: %.12g, and it is %.12g", kind, dot3(p, d), far);
             CHECK(kind == DPT_CONVEX_KIND_HULL || curved_holds(&curved, p, 1e-9),
                   "kind %u: the point is not in the shape", kind);
             CHECK(length(sub(at, body.centre)) <= body.size + 1e-12, "kind %u: its size", kind);
             const double s = nearest_on(body.axis[0], sub(body.axis[1], body.axis[0]), at);
-            CHECK(length(sub(at, along(body.axis[0], s, sub(body.axis[1], body.axis[0])))) <=
-                      body.reach + 1e-9,
+            CHECK(length(sub(at, along(body.axis[0], s, sub(body.axis[1], body.axis[0])))) <= body.reach + 1e-9,
                   "kind %u: its axis", kind);
         }
     }
@@ -62,8 +60,8 @@ static void a_polyhedron_holds_its_shape(void)
             sides = 3 + (uint32_t)(random_bits(&seed) % (sides_max[kind] - 2));
         const dpt_result result =
             dpt_convex_corners(&curved.shape, sides, corners, DPT_HULL_CORNERS_MAX, &count, &error);
-        CHECK(result == DPT_OK || (result == DPT_E_LIMIT && i % 5 == 4 && sides),
-              "kind %u with %u sides: %s", kind, sides, dpt_result_name(result));
+        CHECK(result == DPT_OK || (result == DPT_E_LIMIT && i % 5 == 4 && sides), "kind %u with %u sides: %s", kind,
+              sides, dpt_result_name(result));
         if (result != DPT_OK)
             continue;
         most = count > most ? count : most;
@@ -77,16 +75,15 @@ static void a_polyhedron_holds_its_shape(void)
             farthest = fmax(farthest, beyond);
         }
         CHECK(nearest >= -1e-12, "kind %u, %u sides: short by %g", kind, sides, -nearest);
-        CHECK(farthest <= error + 1e-9, "kind %u, %u sides: beyond by %g, and it says %g", kind,
-              sides, farthest, error);
+        CHECK(farthest <= error + 1e-9, "kind %u, %u sides: beyond by %g, and it says %g", kind, sides, farthest,
+              error);
         CHECK(kind == DPT_CONVEX_KIND_ELLIPSOID || farthest >= 0.3 * error,
               "kind %u, %u sides: beyond by %g only, and it says %g", kind, sides, farthest, error);
         tightest = fmax(tightest, farthest / error);
         dpt_hull_def def = { .size = sizeof def, .corner_count = count, .corners = corners };
         static _Alignas(8) unsigned char block[65536];
         const dpt_hull *hull;
-        CHECK(dpt_hull_create(block, sizeof block, &def, &hull) == DPT_OK, "kind %u: no hull",
-              kind);
+        CHECK(dpt_hull_create(block, sizeof block, &def, &hull) == DPT_OK, "kind %u: no hull", kind);
     }
     printf("    errors are used up to %.3f of what is said; at most %u corners\n", tightest, most);
 }
@@ -99,12 +96,10 @@ static void hulls_give_their_own_corners(void)
     dpt_hull_info info = { .size = sizeof info };
     curved_random(&curved, DPT_CONVEX_KIND_HULL, 0, 1.0, &seed);
     dpt_hull_get_info(curved.shape.hull, &info);
-    CHECK(dpt_convex_corners(&curved.shape, 0, corners, DPT_HULL_CORNERS_MAX, &count, &error) ==
-                  DPT_OK &&
+    CHECK(dpt_convex_corners(&curved.shape, 0, corners, DPT_HULL_CORNERS_MAX, &count, &error) == DPT_OK &&
               count == info.corners && error == 0.0,
           "%u corners", count);
-    CHECK(dpt_convex_corners(&curved.shape, 3, corners, DPT_HULL_CORNERS_MAX, &count, &error) ==
-              DPT_E_ARGUMENT,
+    CHECK(dpt_convex_corners(&curved.shape, 3, corners, DPT_HULL_CORNERS_MAX, &count, &error) == DPT_E_ARGUMENT,
           "sides");
 }
 
@@ -126,9 +121,7 @@ static struct fixture plate;
 
 static dpt_result fill_contact(void *out)
 {
-    const dpt_convex_shape shape = { .size = sizeof shape,
-                                     .pose = DPT_POSE_IDENTITY,
-                                     .extent = { 0.1, 0.0, 0.1 } };
+    const dpt_convex_shape shape = { .size = sizeof shape, .pose = DPT_POSE_IDENTITY, .extent = { 0.1, 0.0, 0.1 } };
     return dpt_convex_touch(&shape, NULL, plate.mesh, NULL, out);
 }
 
@@ -148,15 +141,12 @@ static dpt_result give_shaper(void *given)
 
 static void structs_of_any_size(void)
 {
-    const struct sized shape = { "dpt_convex_shape", sizeof(dpt_convex_shape),
-                                 sizeof(dpt_convex_shape), take_shape };
-    const struct sized contact = { "dpt_convex_contact", sizeof(dpt_convex_contact),
-                                   sizeof(dpt_convex_contact), fill_contact };
-    const dpt_convex_shape good = { .size = sizeof good,
-                                    .pose = DPT_POSE_IDENTITY,
-                                    .extent = { 0.1, 0.0, 0.1 } };
-    const struct sized shaper = { "dpt_convex_shaper", sizeof(dpt_convex_shaper),
-                                  sizeof(dpt_convex_shaper), give_shaper };
+    const struct sized shape = { "dpt_convex_shape", sizeof(dpt_convex_shape), sizeof(dpt_convex_shape), take_shape };
+    const struct sized contact = { "dpt_convex_contact", sizeof(dpt_convex_contact), sizeof(dpt_convex_contact),
+                                   fill_contact };
+    const dpt_convex_shape good = { .size = sizeof good, .pose = DPT_POSE_IDENTITY, .extent = { 0.1, 0.0, 0.1 } };
+    const struct sized shaper = { "dpt_convex_shaper", sizeof(dpt_convex_shaper), sizeof(dpt_convex_shaper),
+                                  give_shaper };
     const dpt_convex_shaper one = { .size = sizeof one, .shape = &good, .stiffness = 1.0 };
     check_input(&shape, &good);
     check_output(&contact);
@@ -164,20 +154,18 @@ static void structs_of_any_size(void)
     dpt_convex_shape_wrench(NULL, NULL, 0.001, &added);
 }
 
-#define REFUSED(code, change)                                                                      \
-    do {                                                                                           \
-        dpt_convex_shape shape = { .size = sizeof shape,                                           \
-                                   .kind = DPT_CONVEX_KIND_CAPSULE,                                \
-                                   .pose = DPT_POSE_IDENTITY,                                      \
-                                   .extent = { 0.1, 0.0, 0.1 } };                                  \
-        change;                                                                                    \
-        CHECK(corners_of(&shape) == (code), "%s: %s", #change,                                     \
-              dpt_result_name(corners_of(&shape)));                                                \
-        dpt_convex_contact contact = { .size = sizeof contact, .depth = 3.0 };                     \
-        CHECK(dpt_convex_touch(&shape, NULL, plate.mesh, NULL, &contact) == (code) &&              \
-                  contact.status == DPT_STATUS_STALE && contact.triangle == DPT_NONE &&            \
-                  contact.depth == 0.0,                                                            \
-              "touch, %s", #change);                                                               \
+#define REFUSED(code, change)                                                                                          \
+    do {                                                                                                               \
+        dpt_convex_shape shape = { .size = sizeof shape,                                                               \
+                                   .kind = DPT_CONVEX_KIND_CAPSULE,                                                    \
+                                   .pose = DPT_POSE_IDENTITY,                                                          \
+                                   .extent = { 0.1, 0.0, 0.1 } };                                                      \
+        change;                                                                                                        \
+        CHECK(corners_of(&shape) == (code), "%s: %s", #change, dpt_result_name(corners_of(&shape)));                   \
+        dpt_convex_contact contact = { .size = sizeof contact, .depth = 3.0 };                                         \
+        CHECK(dpt_convex_touch(&shape, NULL, plate.mesh, NULL, &contact) == (code) &&                                  \
+                  contact.status == DPT_STATUS_STALE && contact.triangle == DPT_NONE && contact.depth == 0.0,          \
+              "touch, %s", #change);                                                                                   \
     } while (0)
 
 static void arguments_are_checked(void)
@@ -199,15 +187,13 @@ static void arguments_are_checked(void)
     REFUSED(DPT_E_FINITE, shape.pose.position[1] = INFINITY);
     REFUSED(DPT_E_POSE, shape.flags = DPT_CONVEX_FLAG_BEVEL);
     REFUSED(DPT_E_FINITE, (shape.flags = DPT_CONVEX_FLAG_BEVEL, shape.bevel[3] = NAN));
+    REFUSED(DPT_E_ARGUMENT, (shape.flags = DPT_CONVEX_FLAG_BEVEL, shape.bevel[2] = 1.0, shape.bevel[3] = -0.0999));
     REFUSED(DPT_E_ARGUMENT,
-            (shape.flags = DPT_CONVEX_FLAG_BEVEL, shape.bevel[2] = 1.0, shape.bevel[3] = -0.0999));
-    REFUSED(DPT_E_ARGUMENT, (shape.flags = DPT_CONVEX_FLAG_BEVEL, shape.bevel[2] = 1.0,
-                             shape.kind = DPT_CONVEX_KIND_CYLINDER));
+            (shape.flags = DPT_CONVEX_FLAG_BEVEL, shape.bevel[2] = 1.0, shape.kind = DPT_CONVEX_KIND_CYLINDER));
     REFUSED(DPT_E_FINITE, (shape.flags = DPT_CONVEX_FLAG_OUTSIDE, shape.outside[0] = NAN));
-    dpt_convex_shape ball = { .size = sizeof ball,
-                              .kind = DPT_CONVEX_KIND_CAPSULE,
-                              .pose = DPT_POSE_IDENTITY,
-                              .extent = { 0.1, 0.0, 0.0 } };
+    dpt_convex_shape ball = {
+        .size = sizeof ball, .kind = DPT_CONVEX_KIND_CAPSULE, .pose = DPT_POSE_IDENTITY, .extent = { 0.1, 0.0, 0.0 }
+    };
     CHECK(corners_of(&ball) == DPT_OK, "a capsule of no length");
     dpt_convex_contact contact = { .size = sizeof contact };
     const dpt_pose bad = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0, 0.0 } };
@@ -225,8 +211,7 @@ static void arguments_are_checked(void)
               dpt_convex_corners(&ball, 0, NULL, 3, &count, NULL) == DPT_E_ARGUMENT &&
               dpt_convex_corners(&ball, 0, corners, 3, NULL, NULL) == DPT_E_ARGUMENT,
           "arguments of corners");
-    CHECK(dpt_convex_corners(&ball, 5, corners, 3, &count, &error) == DPT_E_FULL && count > 3 &&
-              error > 0.0,
+    CHECK(dpt_convex_corners(&ball, 5, corners, 3, &count, &error) == DPT_E_FULL && count > 3 && error > 0.0,
           "room for three: %u", count);
 }
 

@@ -35,16 +35,14 @@ enum lie {
     LIE_ENDLESS,  /* it is told no tolerance at which to end */
     LIES
 };
-static const char *const lie_names[LIES] = { "none",   "no",       "NaN",    "unset",
-                                             "memory", "wrong",    "behind", "shallow",
-                                             "deep",   "negative", "long",   "endless" };
+static const char *const lie_names[LIES] = { "none",   "no",      "NaN",  "unset",    "memory", "wrong",
+                                             "behind", "shallow", "deep", "negative", "long",   "endless" };
 static enum lie lie;
 /* Which of the four are lied for. */
 static int lies_of_gjk, lies_of_mpr;
 static uint64_t asked;
 
-typedef int penetration_fn(const void *, const void *, const ccd_t *, ccd_real_t *, ccd_vec3_t *,
-                           ccd_vec3_t *);
+typedef int penetration_fn(const void *, const void *, const ccd_t *, ccd_real_t *, ccd_vec3_t *, ccd_vec3_t *);
 penetration_fn __real_ccdGJKPenetration, __real_ccdMPRPenetration;
 penetration_fn __wrap_ccdGJKPenetration, __wrap_ccdMPRPenetration;
 int __real_ccdGJKIntersect(const void *one, const void *other, const ccd_t *ccd);
@@ -91,8 +89,8 @@ static int tell(int result, ccd_real_t *depth, ccd_vec3_t *d)
     return result;
 }
 
-int __wrap_ccdGJKPenetration(const void *one, const void *other, const ccd_t *ccd,
-                             ccd_real_t *depth, ccd_vec3_t *direction, ccd_vec3_t *point)
+int __wrap_ccdGJKPenetration(const void *one, const void *other, const ccd_t *ccd, ccd_real_t *depth,
+                             ccd_vec3_t *direction, ccd_vec3_t *point)
 {
     const ccd_real_t depth_before = *depth;
     const ccd_vec3_t before = *direction;
@@ -109,8 +107,8 @@ int __wrap_ccdGJKPenetration(const void *one, const void *other, const ccd_t *cc
     return lies_of_gjk ? tell(result, depth, direction) : result;
 }
 
-int __wrap_ccdMPRPenetration(const void *one, const void *other, const ccd_t *ccd,
-                             ccd_real_t *depth, ccd_vec3_t *direction, ccd_vec3_t *point)
+int __wrap_ccdMPRPenetration(const void *one, const void *other, const ccd_t *ccd, ccd_real_t *depth,
+                             ccd_vec3_t *direction, ccd_vec3_t *point)
 {
     const ccd_real_t depth_before = *depth;
     const ccd_vec3_t before = *direction;
@@ -138,19 +136,17 @@ int __wrap_ccdMPRIntersect(const void *one, const void *other, const ccd_t *ccd)
 static struct fixture plate, liver;
 
 /* What every answer must hold: it is one, it leads to the side of z > 0, and it suffices. */
-static void check_on_plate(const struct curved *curved, const dpt_pose *tool,
-                           const dpt_convex_contact *contact, double depth, const char *of)
+static void check_on_plate(const struct curved *curved, const dpt_pose *tool, const dpt_convex_contact *contact,
+                           double depth, const char *of)
 {
     static const double t[9] = { -1, -1, 0, 1, -1, 0, 0, 1, 0 };
     CHECK(contact->contact == DPT_CONTACT_PENETRATING, "%s: missed, %g deep", of, depth);
     if (contact->contact != DPT_CONTACT_PENETRATING)
         return;
-    CHECK(fabs(dot3(contact->direction, contact->direction) - 1.0) < 1e-9 &&
-              contact->direction[2] >= -1e-9,
-          "%s: along %g %g %g", of, contact->direction[0], contact->direction[1],
-          contact->direction[2]);
-    CHECK(contact->depth <= depth + 1e-3 * curved->size && contact->depth >= 0.0,
-          "%s: %g deep, and it is %g", of, contact->depth, depth);
+    CHECK(fabs(dot3(contact->direction, contact->direction) - 1.0) < 1e-9 && contact->direction[2] >= -1e-9,
+          "%s: along %g %g %g", of, contact->direction[0], contact->direction[1], contact->direction[2]);
+    CHECK(contact->depth <= depth + 1e-3 * curved->size && contact->depth >= 0.0, "%s: %g deep, and it is %g", of,
+          contact->depth, depth);
     CHECK(contact->depth - contact->error_bound <= depth + 1e-9, "%s: its bound", of);
     CHECK(curved_width(curved, tool, t, contact->direction) <= contact->depth + 1e-6 * curved->size,
           "%s: %g does not suffice", of, contact->depth);
@@ -180,8 +176,7 @@ static void lies_are_found_out(void)
         tool.position[2] = curved_reach(&curved, back) - depth;
         dpt_convex_contact contact = { .size = sizeof contact };
         const double begin = seconds();
-        CHECK(dpt_convex_touch(&curved.shape, &tool, plate.mesh, NULL, &contact) == DPT_OK, "%s",
-              lie_names[lie]);
+        CHECK(dpt_convex_touch(&curved.shape, &tool, plate.mesh, NULL, &contact) == DPT_OK, "%s", lie_names[lie]);
         CHECK(seconds() - begin < 0.05, "%s: %g s", lie_names[lie], seconds() - begin);
         check_on_plate(&curved, &tool, &contact, depth, lie_names[lie]);
         lied[lie][who]++;
@@ -190,11 +185,10 @@ static void lies_are_found_out(void)
     }
     for (int l = 0; l < LIES; l++)
         printf("    %-8s of both: %llu touches, %llu refused, %llu of our own\n", lie_names[l],
-               (unsigned long long)lied[l][2], (unsigned long long)refused[l][2],
-               (unsigned long long)own[l][2]);
+               (unsigned long long)lied[l][2], (unsigned long long)refused[l][2], (unsigned long long)own[l][2]);
     for (int l = LIE_NO; l < LIES; l++)
-        CHECK(l == LIE_SHALLOW || l == LIE_ENDLESS || refused[l][2] >= least_seen(lied[l][2] / 2),
-              "%s: %llu refused", lie_names[l], (unsigned long long)refused[l][2]);
+        CHECK(l == LIE_SHALLOW || l == LIE_ENDLESS || refused[l][2] >= least_seen(lied[l][2] / 2), "%s: %llu refused",
+              lie_names[l], (unsigned long long)refused[l][2]);
     lie = LIE_NONE;
     lies_of_gjk = lies_of_mpr = 0;
 }
@@ -249,19 +243,18 @@ static void memory_runs_out(void)
 
 /* ---- what it is known to fail at ---- */
 
-static dpt_convex_contact ask(const dpt_convex_shape *shape, const dpt_pose *tool,
-                              const dpt_mesh *mesh, const dpt_pose *body, const char *of)
+static dpt_convex_contact ask(const dpt_convex_shape *shape, const dpt_pose *tool, const dpt_mesh *mesh,
+                              const dpt_pose *body, const char *of)
 {
     dpt_convex_contact contact = { .size = sizeof contact };
     const double begin = seconds();
     const dpt_result result = dpt_convex_touch(shape, tool, mesh, body, &contact);
     CHECK(result == DPT_OK, "%s: %s", of, dpt_result_name(result));
     CHECK(seconds() - begin < 0.1, "%s: %g s", of, seconds() - begin);
-    CHECK(contact.depth >= 0.0 && contact.depth < 1e7 && contact.error_bound >= 0.0, "%s: depth %g",
-          of, contact.depth);
+    CHECK(contact.depth >= 0.0 && contact.depth < 1e7 && contact.error_bound >= 0.0, "%s: depth %g", of, contact.depth);
     const double size = dot3(contact.direction, contact.direction);
-    CHECK(contact.contact == DPT_CONTACT_PENETRATING ? fabs(size - 1.0) < 1e-9 : size == 0.0,
-          "%s: direction of %g", of, size);
+    CHECK(contact.contact == DPT_CONTACT_PENETRATING ? fabs(size - 1.0) < 1e-9 : size == 0.0, "%s: direction of %g", of,
+          size);
     return contact;
 }
 
@@ -275,8 +268,7 @@ static void sizes_differ_by_a_thousand_times(void)
                                    .kind = DPT_CONVEX_KIND_CYLINDER,
                                    .pose = DPT_POSE_IDENTITY,
                                    .extent = { size, 0.0, size } };
-        const dpt_pose tool = { { random_in(&seed, -0.2, 0.2), random_in(&seed, -0.5, 0.0),
-                                  0.5 * size - depth },
+        const dpt_pose tool = { { random_in(&seed, -0.2, 0.2), random_in(&seed, -0.5, 0.0), 0.5 * size - depth },
                                 { 1.0, 0.0, 0.0, 0.0 } };
         const dpt_convex_contact contact = ask(&shape, &tool, plate.mesh, NULL, "1 mm on 1 m");
         CHECK(fabs(contact.depth - depth) <= 1e-4 * size && contact.direction[2] > 0.999,
@@ -293,10 +285,9 @@ static void what_just_touches(void)
         for (size_t i = 0; i < sizeof tiny / sizeof *tiny; i++)
             for (int turned = 0; turned < 3; turned++) {
                 const double h = sqrt(0.5);
-                dpt_convex_shape shape = { .size = sizeof shape,
-                                           .kind = kind,
-                                           .pose = DPT_POSE_IDENTITY,
-                                           .extent = { 0.01, 0.0, 0.01 } };
+                dpt_convex_shape shape = {
+                    .size = sizeof shape, .kind = kind, .pose = DPT_POSE_IDENTITY, .extent = { 0.01, 0.0, 0.01 }
+                };
                 dpt_pose tool = { { 0.0, 0.0, 0.005 - tiny[i] }, { 1.0, 0.0, 0.0, 0.0 } };
                 if (kind == DPT_CONVEX_KIND_ELLIPSOID)
                     shape.extent[1] = 0.01;
@@ -308,8 +299,7 @@ static void what_just_touches(void)
                         continue;
                 }
                 const dpt_convex_contact contact = ask(&shape, &tool, plate.mesh, NULL, "touching");
-                CHECK(contact.depth <= fmax(0.0, tiny[i]) + 2e-6, "kind %u, %g: %g deep", kind,
-                      tiny[i], contact.depth);
+                CHECK(contact.depth <= fmax(0.0, tiny[i]) + 2e-6, "kind %u, %g: %g deep", kind, tiny[i], contact.depth);
                 CHECK(contact.direction[2] >= -1e-9, "kind %u, %g: the wrong side", kind, tiny[i]);
             }
     /* A shape whose centre is in the plane: on one of its sides. */
@@ -318,8 +308,7 @@ static void what_just_touches(void)
                                       .pose = DPT_POSE_IDENTITY,
                                       .extent = { 0.01, 0.0, 0.01 } };
     const dpt_convex_contact half = ask(&middle, NULL, plate.mesh, NULL, "half way");
-    CHECK(fabs(half.depth - 0.005) < 1e-5 && fabs(half.direction[2]) > 0.999, "%g deep",
-          half.depth);
+    CHECK(fabs(half.depth - 0.005) < 1e-5 && fabs(half.direction[2]) > 0.999, "%g deep", half.depth);
 }
 
 /* Needles of triangles, of a width down to what a float holds. */
@@ -339,8 +328,7 @@ static void slivers(void)
             curved_random(&curved, (uint32_t)(k % 5), 0, 0.02, &seed);
             random_pose(&seed, 0.005, &tool);
             memset(curved.shape.pose.position, 0, sizeof curved.shape.pose.position);
-            if (dpt_mesh_open(fixture.compiled.bytes, fixture.compiled.size, &fixture.mesh) ==
-                DPT_OK)
+            if (dpt_mesh_open(fixture.compiled.bytes, fixture.compiled.size, &fixture.mesh) == DPT_OK)
                 ask(&curved.shape, &tool, fixture.mesh, NULL, "a sliver");
             fixture_free(&fixture);
         }
@@ -353,8 +341,8 @@ static void coordinates_are_huge(void)
     for (int f = 0; f < 3; f++)
         for (int k = 0; k < 200; k++) {
             const dpt_convex_shape shape = { .size = sizeof shape,
-                                             .kind = (uint32_t)(k % 2 ? DPT_CONVEX_KIND_CYLINDER
-                                                                      : DPT_CONVEX_KIND_CONE),
+                                             .kind =
+                                                 (uint32_t)(k % 2 ? DPT_CONVEX_KIND_CYLINDER : DPT_CONVEX_KIND_CONE),
                                              .pose = DPT_POSE_IDENTITY,
                                              .extent = { 0.01, 0.0, 0.01 } };
             const double depth = random_in(&seed, 1e-4, 2e-3);
@@ -366,13 +354,10 @@ static void coordinates_are_huge(void)
             if (tool.position[2] > 1e6)
                 continue;
             const dpt_convex_contact contact = ask(&shape, &tool, plate.mesh, &body, "far away");
-            CHECK(fabs(contact.depth - depth) <= 2e-6 + 1e-15 * far[f] * 10.0 &&
-                      contact.direction[2] > 0.99,
+            CHECK(fabs(contact.depth - depth) <= 2e-6 + 1e-15 * far[f] * 10.0 && contact.direction[2] > 0.99,
                   "%g away, %g deep, and it says %g", far[f], depth, contact.depth);
         }
-    const dpt_convex_shape shape = { .size = sizeof shape,
-                                     .pose = DPT_POSE_IDENTITY,
-                                     .extent = { 0.01, 0.0, 0.01 } };
+    const dpt_convex_shape shape = { .size = sizeof shape, .pose = DPT_POSE_IDENTITY, .extent = { 0.01, 0.0, 0.01 } };
     const dpt_pose beyond = { { 2e6, 0.0, 0.0 }, { 1.0, 0.0, 0.0, 0.0 } };
     dpt_convex_contact contact = { .size = sizeof contact };
     CHECK(dpt_convex_touch(&shape, &beyond, plate.mesh, NULL, &contact) == DPT_E_FINITE &&
@@ -384,13 +369,12 @@ static void coordinates_are_huge(void)
 static void a_shape_swallows_a_mesh(void)
 {
     dpt_convex_contact contact = { .size = sizeof contact };
-    const dpt_convex_shape shape = { .size = sizeof shape,
-                                     .kind = DPT_CONVEX_KIND_ELLIPSOID,
-                                     .pose = DPT_POSE_IDENTITY,
-                                     .extent = { 2.0, 2.0, 2.0 } };
+    const dpt_convex_shape shape = {
+        .size = sizeof shape, .kind = DPT_CONVEX_KIND_ELLIPSOID, .pose = DPT_POSE_IDENTITY, .extent = { 2.0, 2.0, 2.0 }
+    };
     const dpt_result result = dpt_convex_touch(&shape, NULL, liver.mesh, NULL, &contact);
-    CHECK(result == DPT_OK && contact.candidates > 500 &&
-              contact.contact == DPT_CONTACT_PENETRATING && contact.depth > 0.5,
+    CHECK(result == DPT_OK && contact.candidates > 500 && contact.contact == DPT_CONTACT_PENETRATING &&
+              contact.depth > 0.5,
           "%s, %u near, %g deep", dpt_result_name(result), contact.candidates, contact.depth);
 }
 
@@ -399,8 +383,7 @@ int main(int argc, char **argv)
     const double vertices[9] = { -1, -1, 0, 1, -1, 0, 0, 1, 0 };
     const uint32_t triangle[3] = { 0, 1, 2 };
     take_percent(argc, argv);
-    if (!fixture_from_arrays(&plate, vertices, 3, triangle, 1) ||
-        !fixture_from_shape(&liver, "liver", 1000))
+    if (!fixture_from_arrays(&plate, vertices, 3, triangle, 1) || !fixture_from_shape(&liver, "liver", 1000))
         return check_failed++, check_report();
     TEST(lies_are_found_out);
     TEST(memory_runs_out);

@@ -51,8 +51,7 @@ static void open_scene(struct scene *scene, const dpt_mesh *mesh, uint32_t law, 
                                          .tool = scene->tool,
                                          .body_count = 1,
                                          .stiffness = 400.0 };
-    CHECK(dpt_tool_set_shaper(scene->world, scene->tool, dpt_convex_shape_wrench, &scene->shaper) ==
-              DPT_OK,
+    CHECK(dpt_tool_set_shaper(scene->world, scene->tool, dpt_convex_shape_wrench, &scene->shaper) == DPT_OK,
           "a shaper");
 }
 
@@ -94,11 +93,9 @@ static void a_plate_pushes_by_stiffness_times_depth(void)
             const dpt_wrench wrench = step_at(&scene, &at, origin);
             turn_by(&scene.body_pose, normal, up);
             const double force = dot3(wrench.force, up), wanted = k * fmax(0.0, depth);
-            CHECK(fabs(force - wanted) <= k * 2e-6 &&
-                      fabs(sqrt(dot3(wrench.force, wrench.force)) - wanted) <= k * 2e-6,
+            CHECK(fabs(force - wanted) <= k * 2e-6 && fabs(sqrt(dot3(wrench.force, wrench.force)) - wanted) <= k * 2e-6,
                   "law %u, %g deep: %g N and not %g", law, depth, force, wanted);
-            CHECK(fabs(scene.shaper.energy - 0.5 * k * scene.contact.depth * scene.contact.depth) <=
-                          1e-12 &&
+            CHECK(fabs(scene.shaper.energy - 0.5 * k * scene.contact.depth * scene.contact.depth) <= 1e-12 &&
                       scene.shaper.body == (depth > 1e-6 ? 0 : scene.shaper.body),
                   "energy");
             for (int j = 0; j < 3; j++)
@@ -165,25 +162,22 @@ static void a_liver_pushes_outward_and_without_jumps(void)
             felt += force > 0.0;
             CHECK(force <= 0.0 || dot3(wrench.force, outward) > 0.0, "path %llu, step %d: inward",
                   (unsigned long long)path, i);
-            CHECK(fabs(force - k * scene.contact.depth) <= 1e-9, "%g N of %g m", force,
-                  scene.contact.depth);
+            CHECK(fabs(force - k * scene.contact.depth) <= 1e-9, "%g N of %g m", force, scene.contact.depth);
             double jump = 0.0, turn = 0.0;
             for (int j = 0; j < 3; j++) {
                 jump += (wrench.force[j] - before[j]) * (wrench.force[j] - before[j]);
-                turn +=
-                    (scene.contact.direction[j] - way[j]) * (scene.contact.direction[j] - way[j]);
+                turn += (scene.contact.direction[j] - way[j]) * (scene.contact.direction[j] - way[j]);
             }
             jump = sqrt(jump);
             turn = last > 0.0 && scene.contact.depth > 0.0 ? sqrt(turn) : 0.0;
             turns += turn > 0.1;
-            const double allowed =
-                k * (pace * 1.001 + fmax(last, scene.contact.depth) * turn + 2.0 * 1e-4 * 0.005);
+            const double allowed = k * (pace * 1.001 + fmax(last, scene.contact.depth) * turn + 2.0 * 1e-4 * 0.005);
             if (i > 0) {
                 CHECK(jump <= allowed, "path %llu, step %d: a jump of %g N, and %g are allowed",
                       (unsigned long long)path, i, jump, allowed);
                 CHECK(fabs(scene.contact.depth - last) <= pace * 1.001 + 2.0 * 1e-4 * 0.005,
-                      "path %llu, step %d: the depth goes from %g to %g", (unsigned long long)path,
-                      i, last, scene.contact.depth);
+                      "path %llu, step %d: the depth goes from %g to %g", (unsigned long long)path, i, last,
+                      scene.contact.depth);
                 worst = fmax(worst, fabs(scene.contact.depth - last) / pace);
                 jumps += fabs(scene.contact.depth - last) > 1.05 * pace;
             }
@@ -196,8 +190,7 @@ static void a_liver_pushes_outward_and_without_jumps(void)
     }
     printf("    felt in %llu steps, up to %g N; the depth changed by up to %.3f of the motion; "
            "%llu turns of over 0.1 rad, %llu jumps\n",
-           (unsigned long long)felt, strongest, worst, (unsigned long long)turns,
-           (unsigned long long)jumps);
+           (unsigned long long)felt, strongest, worst, (unsigned long long)turns, (unsigned long long)jumps);
     CHECK(felt >= 100 * paths, "%llu felt", (unsigned long long)felt);
 }
 
@@ -210,12 +203,12 @@ static void a_shaper_that_is_not_valid_adds_nothing(void)
     open_scene(&scene, plate.mesh, DPT_LAW_POINT, DPT_LAW_POINT);
     const dpt_convex_shaper good = scene.shaper;
     dpt_convex_shaper bad = good;
-#define ADDS_NOTHING(change)                                                                       \
-    do {                                                                                           \
-        bad = good;                                                                                \
-        change;                                                                                    \
-        dpt_convex_shape_wrench(&bad, NULL, 0.001, &wrench);                                       \
-        CHECK(!memcmp(&wrench, &was, sizeof was), "%s", #change);                                  \
+#define ADDS_NOTHING(change)                                                                                           \
+    do {                                                                                                               \
+        bad = good;                                                                                                    \
+        change;                                                                                                        \
+        dpt_convex_shape_wrench(&bad, NULL, 0.001, &wrench);                                                           \
+        CHECK(!memcmp(&wrench, &was, sizeof was), "%s", #change);                                                      \
     } while (0)
     ADDS_NOTHING(bad.size = 8);
     ADDS_NOTHING(bad.law = DPT_LAW_PROXY);
@@ -231,8 +224,7 @@ static void a_shaper_that_is_not_valid_adds_nothing(void)
     scene.shape.extent[0] = NAN;
     scene.body.mesh = plate.mesh;
     ADDS_NOTHING((void)0);
-    CHECK(bad.errors == 1 && scene.contact.status == DPT_STATUS_STALE && bad.body == DPT_NONE,
-          "%u errors", bad.errors);
+    CHECK(bad.errors == 1 && scene.contact.status == DPT_STATUS_STALE && bad.body == DPT_NONE, "%u errors", bad.errors);
     dpt_convex_shape_wrench(&bad, NULL, 0.001, NULL);
     free(scene.block);
 }
@@ -251,8 +243,7 @@ static void forces_add_up(void)
     const dpt_pose near = { { 0.0, -0.2, 0.004 + 1e-12 }, { 1.0, 0.0, 0.0, 0.0 } };
     const dpt_wrench two = step_at(&scene, &near, origin);
     for (int k = 0; k < 3; k++)
-        CHECK(fabs(two.force[k] - 2.0 * one.force[k]) < 1e-6, "%g and %g", two.force[k],
-              one.force[k]);
+        CHECK(fabs(two.force[k] - 2.0 * one.force[k]) < 1e-6, "%g and %g", two.force[k], one.force[k]);
     CHECK(sqrt(dot3(one.force, one.force)) > 0.3, "no force");
     dpt_force_report report = { .size = sizeof report };
     dpt_tool_get_force_report(scene.world, scene.tool, &report);
@@ -265,8 +256,7 @@ int main(int argc, char **argv)
     const double vertices[9] = { -1, -1, 0, 1, -1, 0, 0, 1, 0 };
     const uint32_t triangle[3] = { 0, 1, 2 };
     take_percent(argc, argv);
-    if (!fixture_from_arrays(&plate, vertices, 3, triangle, 1) ||
-        !fixture_from_shape(&liver, "liver", 5000))
+    if (!fixture_from_arrays(&plate, vertices, 3, triangle, 1) || !fixture_from_shape(&liver, "liver", 5000))
         return check_failed++, check_report();
     TEST(a_plate_pushes_by_stiffness_times_depth);
     TEST(a_liver_pushes_outward_and_without_jumps);

@@ -109,8 +109,7 @@ static const struct recording_form {
     [MOTION_MOCAP] = { "tum_fr2_desk_mocap.txt", SCALAR_LAST },
 };
 
-const char *const motion_names[MOTION_RECORDINGS] = { "geomagic", "landmarks", "watertank",
-                                                      "mocap" };
+const char *const motion_names[MOTION_RECORDINGS] = { "geomagic", "landmarks", "watertank", "mocap" };
 
 /* Numbers from the line's start on, blanks or a comma between them. */
 static int numbers_in(const char *line, double *numbers, int most)
@@ -236,14 +235,11 @@ static struct sample between(const struct sample *from, const struct sample *to,
     return sample;
 }
 
-static void append_sample(struct motion *motion, const struct sample *sample,
-                          const struct recording *recording, const struct motion_place *place,
-                          int jump)
+static void append_sample(struct motion *motion, const struct sample *sample, const struct recording *recording,
+                          const struct motion_place *place, int jump)
 {
-    const struct motion_place own = {
-        .low = { recording->low[0], recording->low[1], recording->low[2] },
-        .high = { recording->high[0], recording->high[1], recording->high[2] }
-    };
+    const struct motion_place own = { .low = { recording->low[0], recording->low[1], recording->low[2] },
+                                      .high = { recording->high[0], recording->high[1], recording->high[2] } };
     const double scale = motion_diagonal(place) / motion_diagonal(&own);
     const double *q = sample->turn;
     const double along[3] = { 2 * (q[1] * q[3] + q[0] * q[2]), 2 * (q[2] * q[3] - q[0] * q[1]),
@@ -256,8 +252,8 @@ static void append_sample(struct motion *motion, const struct sample *sample,
     append(motion, a, b, jump);
 }
 
-void motion_recorded(struct motion *motion, const struct recording *recording,
-                     const struct motion_place *place, uint64_t seed, size_t ticks)
+void motion_recorded(struct motion *motion, const struct recording *recording, const struct motion_place *place,
+                     uint64_t seed, size_t ticks)
 {
     const struct sample *samples = recording->samples;
     size_t total = 0, begin = 0, tick = 0;
@@ -511,8 +507,7 @@ static void append_random(struct motion *motion, struct wander *w, uint64_t kind
     }
 }
 
-void motion_random(struct motion *motion, const struct motion_place *place, uint64_t seed,
-                   size_t ticks)
+void motion_random(struct motion *motion, const struct motion_place *place, uint64_t seed, size_t ticks)
 {
     struct wander w = { .place = place, .seed = &seed, .diagonal = motion_diagonal(place) };
     uint64_t kind = random_bits(&seed) % WANDERS;
@@ -529,8 +524,7 @@ void motion_random(struct motion *motion, const struct motion_place *place, uint
         motion->jumps[motion->count - ticks] = 1;
 }
 
-void motion_small(struct motion *motion, const struct motion_place *place, uint64_t seed,
-                  size_t ticks)
+void motion_small(struct motion *motion, const struct motion_place *place, uint64_t seed, size_t ticks)
 {
     struct wander w = { .place = place, .seed = &seed, .diagonal = motion_diagonal(place) };
     for (size_t i = 0; i < ticks; i++) {
@@ -566,14 +560,14 @@ static int read_trace(struct motion *motion, const char *path, size_t ticks)
     return motion->count - before == ticks ? 0 : -1;
 }
 
-int motion_slide(struct motion *motion, const char *dynpoint, const char *scratch,
-                 const void *compiled, size_t size, uint64_t seed, size_t ticks)
+int motion_slide(struct motion *motion, const char *dynpoint, const char *scratch, const void *compiled, size_t size,
+                 uint64_t seed, size_t ticks)
 {
     char mesh[1024], trace[1024], command[4096];
     snprintf(mesh, sizeof mesh, "%s.dpa", scratch);
     snprintf(trace, sizeof trace, "%s.csv", scratch);
-    snprintf(command, sizeof command, "'%s' make trace --mesh '%s' -o '%s' --seed %u --ticks %zu",
-             dynpoint, mesh, trace, (unsigned)(seed % 1000000), ticks);
+    snprintf(command, sizeof command, "'%s' make trace --mesh '%s' -o '%s' --seed %u --ticks %zu", dynpoint, mesh,
+             trace, (unsigned)(seed % 1000000), ticks);
     int result = write_bytes(mesh, compiled, size);
     if (result == 0)
         result = system(command) == 0 ? read_trace(motion, trace, ticks) : -1;

@@ -66,25 +66,23 @@ void recording_free(struct recording *recording);
  * (0). Position is interpolated linearly, orientation too and then normalised; over a gap the tool
  * jumps.
  */
-void motion_recorded(struct motion *motion, const struct recording *recording,
-                     const struct motion_place *place, uint64_t seed, size_t ticks);
+void motion_recorded(struct motion *motion, const struct recording *recording, const struct motion_place *place,
+                     uint64_t seed, size_t ticks);
 
 /*
  * Pieces of 20 ticks, in turn: at rest, slow, fast, spinning, jumping, a point, ten diagonals long,
  * a hundred diagonals away, through vertices, along edges, creeping over edges, and small.
  */
-void motion_random(struct motion *motion, const struct motion_place *place, uint64_t seed,
-                   size_t ticks);
+void motion_random(struct motion *motion, const struct motion_place *place, uint64_t seed, size_t ticks);
 
 /* Small tools alone, each somewhere else, half of them close to the surface, on both sides. */
-void motion_small(struct motion *motion, const struct motion_place *place, uint64_t seed,
-                  size_t ticks);
+void motion_small(struct motion *motion, const struct motion_place *place, uint64_t seed, size_t ticks);
 
 /*
  * What the program `dynpoint` makes for a compiled mesh. Mesh and trace pass through files whose
  * names begin with `scratch`; they are removed. -1 when it cannot be run or writes something else.
  */
-int motion_slide(struct motion *motion, const char *dynpoint, const char *scratch,
-                 const void *compiled, size_t size, uint64_t seed, size_t ticks);
+int motion_slide(struct motion *motion, const char *dynpoint, const char *scratch, const void *compiled, size_t size,
+                 uint64_t seed, size_t ticks);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "deform/spring_ball.h"
 
-#include "shape.h"
+#include "shape/shape.h"
 
 static void compile_ball(struct ball *ball, uint32_t kind, uint64_t triangles, double spacing)
 {
@@ -17,8 +17,8 @@ static void compile_ball(struct ball *ball, uint32_t kind, uint64_t triangles, d
     net.spacing = spacing;
     def.springs = &net;
     CHECK(!shape_make("sphere", triangles, 0, &shape, reason), "%s", reason);
-    CHECK(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                             shape.triangle_count, &def, &ball->compiled, NULL) == DPT_OK,
+    CHECK(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, &def,
+                             &ball->compiled, NULL) == DPT_OK,
           "not compiled");
     shape_free(&shape);
     CHECK(dpt_mesh_open(ball->compiled.bytes, ball->compiled.size, &ball->mesh) == DPT_OK, "bad");
@@ -35,8 +35,7 @@ int ball_open(struct ball *ball, uint32_t kind, uint64_t triangles, double spaci
     dpt_springs_def_init(&springs);
     world.kernel = springs.kernel = kernel;
     ball->world_block = malloc(dpt_world_bytes(&world));
-    if (dpt_world_create(ball->world_block, dpt_world_bytes(&world), &world, &ball->world) ==
-        DPT_E_UNSUPPORTED) {
+    if (dpt_world_create(ball->world_block, dpt_world_bytes(&world), &world, &ball->world) == DPT_E_UNSUPPORTED) {
         free(ball->world_block);
         return 0;
     }
@@ -44,10 +43,8 @@ int ball_open(struct ball *ball, uint32_t kind, uint64_t triangles, double spaci
     deform.mesh = springs.mesh = ball->mesh;
     ball->body_block = malloc(dpt_deform_bytes(&deform));
     ball->springs_block = malloc(dpt_springs_bytes(&springs));
-    CHECK(dpt_deform_add(ball->world, ball->body_block, dpt_deform_bytes(&deform), &deform,
-                         &ball->body) == DPT_OK &&
-              dpt_springs_create(ball->springs_block, dpt_springs_bytes(&springs), &springs,
-                                 &ball->springs) == DPT_OK,
+    CHECK(dpt_deform_add(ball->world, ball->body_block, dpt_deform_bytes(&deform), &deform, &ball->body) == DPT_OK &&
+              dpt_springs_create(ball->springs_block, dpt_springs_bytes(&springs), &springs, &ball->springs) == DPT_OK,
           "not made");
     return 1;
 }
@@ -62,7 +59,6 @@ void ball_close(struct ball *ball)
 
 void ball_step(struct ball *ball, dpt_springs_report *report)
 {
-    const dpt_result result =
-        dpt_deform_step_springs(ball->world, ball->body, ball->springs, 1e-3, report);
+    const dpt_result result = dpt_deform_step_springs(ball->world, ball->body, ball->springs, 1e-3, report);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }

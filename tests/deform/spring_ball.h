@@ -17,8 +17,7 @@ struct ball {
 };
 
 /* kind: DPT_NET_...; spacing: of a volume, m. Returns 0 if this machine does not have the kernel. */
-int ball_open(struct ball *ball, uint32_t kind, uint64_t triangles, double spacing,
-              uint32_t kernel);
+int ball_open(struct ball *ball, uint32_t kind, uint64_t triangles, double spacing, uint32_t kernel);
 void ball_close(struct ball *ball);
 
 /* One step of 1 ms of the springs; `report` is filled in. */

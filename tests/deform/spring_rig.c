@@ -30,8 +30,7 @@ static double apart(const struct rig *rig, uint32_t a, uint32_t b)
 {
     double sum = 0.0;
     for (size_t k = 0; k < 3; k++) {
-        const double d =
-            (double)rig->rest[3 * (size_t)b + k] - (double)rig->rest[3 * (size_t)a + k];
+        const double d = (double)rig->rest[3 * (size_t)b + k] - (double)rig->rest[3 * (size_t)a + k];
         sum += d * d;
     }
     return sqrt(sum);
@@ -65,8 +64,7 @@ void rig_spring(struct rig *rig, uint32_t a, uint32_t b, double stiffness, doubl
     }
     add_link(rig, a, rig->springs);
     add_link(rig, b, rig->springs);
-    rig->list[rig->springs++] =
-        (struct rig_spring){ a, b, stiffness, length < 0.0 ? apart(rig, a, b) : length };
+    rig->list[rig->springs++] = (struct rig_spring){ a, b, stiffness, length < 0.0 ? apart(rig, a, b) : length };
 }
 
 void rig_drag(struct rig *rig, double drag)
@@ -168,15 +166,14 @@ static void add_cube(struct rig *rig, const uint32_t corner[8], double k)
         }
 }
 
-void rig_block(struct rig *rig, uint32_t nx, uint32_t ny, uint32_t nz, double s, double e,
-               double density)
+void rig_block(struct rig *rig, uint32_t nx, uint32_t ny, uint32_t nz, double s, double e, double density)
 {
     const uint32_t from = rig->nodes;
     for (uint32_t z = 0; z < nz; z++)
         for (uint32_t y = 0; y < ny; y++)
             for (uint32_t x = 0; x < nx; x++) {
-                const double share = (x && x < nx - 1 ? 1.0 : 0.5) * (y && y < ny - 1 ? 1.0 : 0.5) *
-                                     (z && z < nz - 1 ? 1.0 : 0.5);
+                const double share =
+                    (x && x < nx - 1 ? 1.0 : 0.5) * (y && y < ny - 1 ? 1.0 : 0.5) * (z && z < nz - 1 ? 1.0 : 0.5);
                 rig_node(rig, s * x, s * y, s * z, density * s * s * s * share);
             }
     for (uint32_t z = 0; z + 1 < nz; z++)
@@ -184,8 +181,7 @@ void rig_block(struct rig *rig, uint32_t nx, uint32_t ny, uint32_t nz, double s,
             for (uint32_t x = 0; x + 1 < nx; x++) {
                 uint32_t corner[8];
                 for (uint32_t i = 0; i < 8; i++)
-                    corner[i] =
-                        from + (x + (i & 1)) + nx * ((y + (i >> 1 & 1)) + ny * (z + (i >> 2)));
+                    corner[i] = from + (x + (i & 1)) + nx * ((y + (i >> 1 & 1)) + ny * (z + (i >> 2)));
                 add_cube(rig, corner, 0.4 * e * s);
             }
 }
@@ -237,13 +233,11 @@ double *rig_matrix(const struct rig *rig)
         for (size_t k = 0; k < 3; k++)
             for (size_t l = 0; l < 3; l++) {
                 const double turn = 1.0 - spring->length / length;
-                const double stiffness =
-                    spring->stiffness * ((1.0 - turn) * d[k] * d[l] + (k == l ? turn : 0.0));
+                const double stiffness = spring->stiffness * ((1.0 - turn) * d[k] * d[l] + (k == l ? turn : 0.0));
                 for (size_t a = 0; a < 2; a++)
                     for (size_t b = 0; b < 2; b++)
                         if (rig->mass[end[a] / 3] > 0.0f && rig->mass[end[b] / 3] > 0.0f)
-                            matrix[(end[a] + k) * n + end[b] + l] +=
-                                a == b ? stiffness : -stiffness;
+                            matrix[(end[a] + k) * n + end[b] + l] += a == b ? stiffness : -stiffness;
             }
     }
     return matrix;

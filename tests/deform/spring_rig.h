@@ -47,8 +47,7 @@ void rig_close(struct rig *rig);
  * diagonals of its faces a half, of 0.4 E s, and each of its corners an eighth of its mass. It is isotropic with the
  * Poisson ratio 1/4.
  */
-void rig_block(struct rig *rig, uint32_t nx, uint32_t ny, uint32_t nz, double s, double e,
-               double density);
+void rig_block(struct rig *rig, uint32_t nx, uint32_t ny, uint32_t nz, double s, double e, double density);
 
 /* Positions and speeds of all nodes; the arrays last until the next call. */
 const float *rig_positions(const struct rig *rig);

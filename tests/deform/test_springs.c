@@ -46,13 +46,12 @@ static void a_mass_swings(void)
         most = elastic + kinetic > most ? elastic + kinetic : most;
     }
     const double period = (cross - first) / (crossings - 1.0), true_period = 2.0 * PI / w;
-    CHECK(fabs(period / true_period - 1.0) < w * w * h * h / 24.0 + 2e-6, "period %.9f, not %.9f",
-          period, true_period);
+    CHECK(fabs(period / true_period - 1.0) < w * w * h * h / 24.0 + 2e-6, "period %.9f, not %.9f", period, true_period);
     const double energy = 0.5 * k * away * away;
     /* The least viscosity, of h / 100, takes w^2 h / 100 of it in a second. */
     const double kept = exp(-0.01 * h * w * w * 31416.0 * h);
-    CHECK(most < energy * (1.0 + 0.51 * h * w) && least > kept * energy * (1.0 - 0.51 * h * w),
-          "energy %g to %g of %g", least, most, energy);
+    CHECK(most < energy * (1.0 + 0.51 * h * w) && least > kept * energy * (1.0 - 0.51 * h * w), "energy %g to %g of %g",
+          least, most, energy);
     rig_close(&rig);
 }
 
@@ -78,22 +77,18 @@ static void a_mass_swings_by_its_formula(uint32_t integrator)
     double x = away, v = 0.0, worst = 0.0;
     for (uint32_t i = 0; i < steps; i++) {
         const double t = rig.viscosity, pull = -h * w2 * (x + t * v), before = v;
-        v = integrator == DPT_INTEGRATOR_IMPLICIT
-                ? (v - h * w2 * x) / (1.0 + h * drag + h * w2 * (t + h))
-                : (v + pull) / (1.0 + h * drag);
+        v = integrator == DPT_INTEGRATOR_IMPLICIT ? (v - h * w2 * x) / (1.0 + h * drag + h * w2 * (t + h))
+                                                  : (v + pull) / (1.0 + h * drag);
         x += h * (integrator == DPT_INTEGRATOR_EULER ? before : v);
         rig_steps(&rig, h, 1);
         worst = fmax(worst, fabs((double)rig_positions(&rig)[3] - 1.0 - x));
     }
     /* Swings are as large as exp of half of that. */
-    const double sign = integrator == DPT_INTEGRATOR_IMPLICIT ? h
-                        : integrator == DPT_INTEGRATOR_EULER  ? -h
-                                                              : 0.0;
+    const double sign = integrator == DPT_INTEGRATOR_IMPLICIT ? h : integrator == DPT_INTEGRATOR_EULER ? -h : 0.0;
     const double kept = exp(-(w2 * (rig.viscosity + sign) + drag) * steps * h);
     const double left = (x * x + v * v / w2) / (away * away);
     CHECK(worst < 2e-5 * away, "integrator %u: off its formula by %g m", integrator, worst);
-    CHECK(fabs(log(left) / log(kept) - 1.0) < 0.03, "integrator %u keeps %g of energy, not %g",
-          integrator, left, kept);
+    CHECK(fabs(log(left) / log(kept) - 1.0) < 0.03, "integrator %u keeps %g of energy, not %g", integrator, left, kept);
     rig_close(&rig);
 }
 
@@ -120,8 +115,7 @@ static void settle(struct rig *rig, double dt, uint32_t steps)
  */
 enum { LINKS = 24 };
 
-static double chain_span(double pull, double k, double length, double weight,
-                         double place[LINKS + 1][2])
+static double chain_span(double pull, double k, double length, double weight, double place[LINKS + 1][2])
 {
     place[0][0] = place[0][1] = 0.0;
     for (int i = 0; i < LINKS; i++) {
@@ -198,8 +192,8 @@ static void a_plucked_membrane_sounds(uint32_t integrator)
     float plucked[3 * (N + 1) * (N + 1)];
     memcpy(plucked, rig_positions(&rig), sizeof plucked);
     for (uint32_t node = 0; node < rig.nodes; node++)
-        plucked[3 * node + 2] = (float)(1e-3 * s * sin(PI * (node % (N + 1)) / N) *
-                                        sin(PI * (double)(node / (N + 1)) / N));
+        plucked[3 * node + 2] =
+            (float)(1e-3 * s * sin(PI * (node % (N + 1)) / N) * sin(PI * (double)(node / (N + 1)) / N));
     CHECK(dpt_springs_set_nodes(rig.made, 0, rig.nodes, plucked, NULL) == DPT_OK, "not plucked");
     const uint32_t middle = N / 2 * (N + 1) + N / 2;
     double last = 1.0, first = -1.0, cross = 0.0;
@@ -214,10 +208,8 @@ static void a_plucked_membrane_sounds(uint32_t integrator)
         last = z;
     }
     const double seen = 2.0 * PI * (crossings - 1.0) / (cross - first);
-    CHECK(crossings > 5 && fabs(seen / w - 1.0) < 1e-3, "integrator %u: %g rad/s, not %g",
-          integrator, seen, w);
-    CHECK(fabs(seen / continuum - 1.0) < 3e-3, "integrator %u: %g rad/s, continuum %g", integrator,
-          seen, continuum);
+    CHECK(crossings > 5 && fabs(seen / w - 1.0) < 1e-3, "integrator %u: %g rad/s, not %g", integrator, seen, w);
+    CHECK(fabs(seen / continuum - 1.0) < 3e-3, "integrator %u: %g rad/s, continuum %g", integrator, seen, continuum);
     rig_close(&rig);
 }
 
@@ -235,8 +227,7 @@ static void balance(const struct rig *rig, const double load[3], double *x)
     double *force = malloc(3 * (size_t)rig->nodes * sizeof *force);
     const struct oracle_springs springs = { rig->nodes, rig->springs, list, rig->mass, force };
     for (uint32_t i = 0; i < rig->springs; i++)
-        list[i] = (struct oracle_spring){ rig->list[i].a, rig->list[i].b, rig->list[i].stiffness,
-                                          rig->list[i].length };
+        list[i] = (struct oracle_spring){ rig->list[i].a, rig->list[i].b, rig->list[i].stiffness, rig->list[i].length };
     for (size_t i = 0; i < 3 * (size_t)rig->nodes; i++) {
         force[i] = (double)rig->mass[i / 3] * load[i % 3];
         x[i] = (double)rig->rest[i];
@@ -269,8 +260,7 @@ static void a_bar_hangs(uint32_t integrator)
     balance(&rig, load, x);
     for (size_t i = 0; i < 3 * (size_t)rig.nodes; i++)
         worst = fabs((double)at[i] - x[i]) > worst ? fabs((double)at[i] - x[i]) : worst;
-    CHECK(fabs(x[2] + 1.0 * g * 1000.0 * length * length / (2.0 * 5000.0)) < 2e-4 &&
-              worst < 1e-6 * length,
+    CHECK(fabs(x[2] + 1.0 * g * 1000.0 * length * length / (2.0 * 5000.0)) < 2e-4 && worst < 1e-6 * length,
           "bar off by %g m, integrator %u", worst, integrator);
     free(x);
     rig_close(&rig);
@@ -319,8 +309,7 @@ static double stretch_bar(uint32_t cells)
 static void a_bar_is_a_continuum(void)
 {
     const double coarse = stretch_bar(2), fine = stretch_bar(4);
-    printf("    a bar of 2 cells across is off by %.2f %%, of 4 by %.2f %%\n", 100.0 * coarse,
-           100.0 * fine);
+    printf("    a bar of 2 cells across is off by %.2f %%, of 4 by %.2f %%\n", 100.0 * coarse, 100.0 * fine);
     CHECK(fabs(coarse) < 2e-3 && fabs(fine) < 2e-3, "off by %g, then by %g", coarse, fine);
 }
 
@@ -353,17 +342,15 @@ static void a_held_bar_nears_a_continuum(void)
     const double first = found[1] - found[0], second = found[2] - found[1];
     const double limit = found[2] + second * second / (first - second);
     printf("    2, 4, 8 cells across: off by %.2f, %.2f, %.2f %% of their limit, %.4f\n",
-           100.0 * (found[0] / limit - 1.0), 100.0 * (found[1] / limit - 1.0),
-           100.0 * (found[2] / limit - 1.0), limit);
+           100.0 * (found[0] / limit - 1.0), 100.0 * (found[1] / limit - 1.0), 100.0 * (found[2] / limit - 1.0), limit);
     CHECK(second / first > 0.2 && second / first < 0.45, "%g, then %g", first, second);
-    CHECK(fabs(found[0] / limit - 1.0) < 0.02 && fabs(found[2] / limit - 1.0) < 0.003,
-          "off by %g, %g", found[0] / limit - 1.0, found[2] / limit - 1.0);
+    CHECK(fabs(found[0] / limit - 1.0) < 0.02 && fabs(found[2] / limit - 1.0) < 0.003, "off by %g, %g",
+          found[0] / limit - 1.0, found[2] / limit - 1.0);
     CHECK(limit > 0.95 && limit < 1.0, "%g of a slender bar", limit);
 }
 
 /* A free block that turns and swings: momentum, moment of momentum, energy. */
-static void a_free_block_keeps_what_it_has(uint32_t integrator, double moment_share,
-                                           double energy_share)
+static void a_free_block_keeps_what_it_has(uint32_t integrator, double moment_share, double energy_share)
 {
     struct rig rig = { 0 };
     dpt_springs_def def = def_of(integrator);
@@ -404,15 +391,13 @@ static void a_free_block_keeps_what_it_has(uint32_t integrator, double moment_sh
         spin += fabs(before[3 + k]);
     }
     for (int k = 0; k < 3; k++) {
-        CHECK(fabs(after[k] - before[k]) < 1e-5 * size, "momentum %d: %g, was %g", k, after[k],
-              before[k]);
-        CHECK(fabs(after[3 + k] - before[3 + k]) < moment_share * spin, "moment %d: %g, was %g", k,
-              after[3 + k], before[3 + k]);
+        CHECK(fabs(after[k] - before[k]) < 1e-5 * size, "momentum %d: %g, was %g", k, after[k], before[k]);
+        CHECK(fabs(after[3 + k] - before[3 + k]) < moment_share * spin, "moment %d: %g, was %g", k, after[3 + k],
+              before[3 + k]);
     }
     CHECK(highest <= start * (1.0 + energy_share), "energy up to %g, was %g", highest, start);
-    printf("    integrator %u: moment %.2g of %.2g, energy %.4f of %.4f, highest %.4f mJ\n",
-           integrator, after[5] - before[5], spin, 1e3 * (elastic + kinetic), 1e3 * start,
-           1e3 * highest);
+    printf("    integrator %u: moment %.2g of %.2g, energy %.4f of %.4f, highest %.4f mJ\n", integrator,
+           after[5] - before[5], spin, 1e3 * (elastic + kinetic), 1e3 * start, 1e3 * highest);
     rig_close(&rig);
 }
 
@@ -450,11 +435,10 @@ static void what_falls_falls_freely(void)
         }
         for (uint32_t i = 0; i < rig.nodes; i++) {
             mass += (double)rig.mass[i];
-            middle += (double)rig.mass[i] *
-                      (double)(rig_positions(&rig)[3 * i + 2] - rig.rest[3 * i + 2]);
+            middle += (double)rig.mass[i] * (double)(rig_positions(&rig)[3 * i + 2] - rig.rest[3 * i + 2]);
         }
-        CHECK(fabs(middle / mass / z - 1.0) < 0.01, "integrator %u, stiffness %g: %g m, not %g",
-              def.integrator, def.stiffness, middle / mass, z);
+        CHECK(fabs(middle / mass / z - 1.0) < 0.01, "integrator %u, stiffness %g: %g m, not %g", def.integrator,
+              def.stiffness, middle / mass, z);
         rig_close(&rig);
     }
 }
@@ -500,8 +484,7 @@ static void implicit_energy_grows_by_work_alone(void)
                     work += loads[k].force[row] * ((double)after[at] - (double)before[at]);
                 }
             for (uint32_t k = 0; k < rig.nodes; k++)
-                work -= 9.81 * (double)rig.mass[k] *
-                        ((double)after[3 * k + 2] - (double)before[3 * k + 2]);
+                work -= 9.81 * (double)rig.mass[k] * ((double)after[3 * k + 2] - (double)before[3 * k + 2]);
             dpt_springs_get_energy(rig.made, &elastic, &kinetic);
             gained = fmax(gained, elastic + kinetic);
             over = fmax(over, elastic + kinetic - first - work);

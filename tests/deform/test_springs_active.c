@@ -13,8 +13,7 @@ struct press {
     uint32_t count;
 };
 
-static void open_press_of(struct press *press, uint32_t integrator, double sleep_speed, double drag,
-                          double viscosity)
+static void open_press_of(struct press *press, uint32_t integrator, double sleep_speed, double drag, double viscosity)
 {
     const double s = 0.005, middle = 0.5 * s * (ACROSS - 1);
     dpt_springs_def def;
@@ -48,8 +47,7 @@ static double push(struct press *press, double force, dpt_springs_report *report
     report->size = sizeof *report;
     for (uint32_t i = 0; i < press->count; i++)
         press->loads[i].force[2] = -force / press->count;
-    const dpt_result result =
-        dpt_springs_step(press->rig.made, 1e-3, press->loads, press->count, report);
+    const dpt_result result = dpt_springs_step(press->rig.made, 1e-3, press->loads, press->count, report);
     CHECK(result == DPT_OK, "no step: %s", dpt_result_name(result));
     const float *x = rig_positions(&press->rig);
     for (uint32_t i = 0; i < press->count; i++) {
@@ -94,12 +92,11 @@ static void what_sleeps_is_not_felt(uint32_t integrator)
         last[0] = full;
         last[1] = part;
     }
-    printf("    integrator %u: %.2f mm deep, off by %.4f mm; %.0f %% awake, at least %u of %u\n",
-           integrator, 1e3 * deepest, 1e3 * worst, 100.0 * share, least, report.nodes);
+    printf("    integrator %u: %.2f mm deep, off by %.4f mm; %.0f %% awake, at least %u of %u\n", integrator,
+           1e3 * deepest, 1e3 * worst, 100.0 * share, least, report.nodes);
     CHECK(worst < 0.05 * deepest, "off by %g m of %g", worst, deepest);
     CHECK(jump < 1.05 * largest_step, "a step of %g m, awake %g", jump, largest_step);
-    CHECK(most <= report.nodes - LAYER, "%u of %u awake, %u of them fixed", most, report.nodes,
-          LAYER);
+    CHECK(most <= report.nodes - LAYER, "%u of %u awake, %u of them fixed", most, report.nodes, LAYER);
     CHECK(least < report.nodes / 10, "at least %u of %u awake", least, report.nodes);
     rig_close(&all.rig);
     rig_close(&some.rig);
@@ -121,14 +118,12 @@ static void a_body_at_rest_sleeps(void)
         CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
     CHECK(report.active == 0, "%u are awake", report.active);
     press.loads[0].force[2] = -0.01;
-    CHECK(dpt_springs_step(press.rig.made, 1e-3, press.loads, 1, &report) == DPT_OK &&
-              report.active == LANES,
+    CHECK(dpt_springs_step(press.rig.made, 1e-3, press.loads, 1, &report) == DPT_OK && report.active == LANES,
           "%u are awake", report.active);
     for (int i = 0; i < 20000 && report.active; i++)
         CHECK(dpt_springs_step(press.rig.made, 1e-3, press.loads, 1, &report) == DPT_OK, "no step");
     CHECK(report.active == 0, "%u are awake under the same load", report.active);
-    CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK &&
-              report.active == LANES,
+    CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK && report.active == LANES,
           "%u wake when it ends", report.active);
     rig_close(&press.rig);
 }
@@ -156,14 +151,13 @@ static void a_moved_node_wakes_its_neighbours(void)
         const double off = fabs((double)rig_positions(&press.rig)[i] - (double)press.rig.rest[i]);
         worst = off > worst ? off : worst;
     }
-    CHECK(report.active == 0 && worst < 2e-5, "%u awake, %g m away from rest", report.active,
-          worst);
+    CHECK(report.active == 0 && worst < 2e-5, "%u awake, %g m away from rest", report.active, worst);
     rig_close(&press.rig);
 }
 
 /* Two presses under the same loads, one all awake. Returns how far they are apart in the end, as a share of the depth. */
-static double apart_in_the_end(struct press *all, struct press *some, double force, double rise,
-                               int steps, uint32_t *least)
+static double apart_in_the_end(struct press *all, struct press *some, double force, double rise, int steps,
+                               uint32_t *least)
 {
     dpt_springs_report report;
     double full = 0.0, part = 0.0;
@@ -187,8 +181,8 @@ static void a_slowly_rising_load_is_followed(void)
         open_press(&all, integrator, 0.0);
         open_press(&some, integrator, 1e-3);
         const double apart = apart_in_the_end(&all, &some, 0.1, 5.0, 5000, &least);
-        printf("    integrator %u: off by %.2f %%, at least %u of %u awake\n", integrator,
-               100.0 * apart, least, all.rig.nodes);
+        printf("    integrator %u: off by %.2f %%, at least %u of %u awake\n", integrator, 100.0 * apart, least,
+               all.rig.nodes);
         CHECK(apart < 0.05, "off by %g of the depth", apart);
         CHECK(least < all.rig.nodes / 4, "at least %u of %u awake", least, all.rig.nodes);
         rig_close(&all.rig);
@@ -211,8 +205,8 @@ static void what_creeps_is_not_frozen(void)
         open_press_of(&all, cases[i].integrator, 0.0, cases[i].drag, cases[i].viscosity);
         open_press_of(&some, cases[i].integrator, 1e-3, cases[i].drag, cases[i].viscosity);
         const double apart = apart_in_the_end(&all, &some, 0.05, 0.0, 3000, &least);
-        printf("    drag %g 1/s, viscosity %g s: off by %.2f %%, at least %u awake\n",
-               cases[i].drag, cases[i].viscosity, 100.0 * apart, least);
+        printf("    drag %g 1/s, viscosity %g s: off by %.2f %%, at least %u awake\n", cases[i].drag,
+               cases[i].viscosity, 100.0 * apart, least);
         CHECK(apart < 0.05, "off by %g of the depth", apart);
         rig_close(&all.rig);
         rig_close(&some.rig);

@@ -65,11 +65,9 @@ static uint64_t run(struct ball *ball)
         some += report.active > 0 && 2 * report.active < report.nodes;
         most += 10 * report.active > 9 * report.nodes && tick > 300;
         const uint32_t wrong = tick % 7 == 0 || tick < 320 ? misplaced(ball) : 0;
-        CHECK(wrong == 0, "%u vertices are elsewhere at tick %d, %u nodes awake", wrong, tick,
-              report.active);
+        CHECK(wrong == 0, "%u vertices are elsewhere at tick %d, %u nodes awake", wrong, tick, report.active);
     }
-    CHECK(some > 0 && most > 0 && none > 0, "ticks with some awake %u, most %u, none %u", some,
-          most, none);
+    CHECK(some > 0 && most > 0 && none > 0, "ticks with some awake %u, most %u, none %u", some, most, none);
     const float *positions = NULL;
     uint32_t vertices = 0;
     dpt_deform_get_vertices(ball->world, ball->body, &positions, &vertices);
@@ -89,8 +87,7 @@ static void vertices_follow(uint32_t kind)
         if (!ball_open(&ball, kind, 5120, 0.01, kernel))
             continue;
         const uint64_t sum = run(&ball);
-        CHECK(kernel == DPT_KERNEL_SCALAR || sum == first, "%s has other bits",
-              dpt_kernel_name(kernel));
+        CHECK(kernel == DPT_KERNEL_SCALAR || sum == first, "%s has other bits", dpt_kernel_name(kernel));
         first = kernel == DPT_KERNEL_SCALAR ? sum : first;
         ball_close(&ball);
     }

@@ -26,8 +26,7 @@ static void costs_of(uint64_t triangles, double spacing, uint64_t *awake, uint64
         step_cost(&ball, &report);
     *asleep = step_cost(&ball, &report);
     CHECK(report.active == 0, "%u of %u awake", report.active, report.nodes);
-    printf("    %u nodes: %.0f basic blocks awake, %.0f asleep\n", report.nodes, (double)*awake,
-           (double)*asleep);
+    printf("    %u nodes: %.0f basic blocks awake, %.0f asleep\n", report.nodes, (double)*awake, (double)*asleep);
     ball_close(&ball);
 }
 
@@ -37,8 +36,7 @@ static void a_body_at_rest_costs_nothing(void)
     costs_of(320, 0.02, &awake[0], &asleep[0]);
     costs_of(20480, 0.006, &awake[1], &asleep[1]);
     CHECK(awake[1] > 10 * awake[0], "%.0f and %.0f", (double)awake[0], (double)awake[1]);
-    CHECK(asleep[1] < asleep[0] + 20 && asleep[0] < 300, "%.0f and %.0f", (double)asleep[0],
-          (double)asleep[1]);
+    CHECK(asleep[1] < asleep[0] + 20 && asleep[0] < 300, "%.0f and %.0f", (double)asleep[0], (double)asleep[1]);
 }
 
 int main(void)

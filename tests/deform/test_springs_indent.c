@@ -39,8 +39,8 @@ static void the_oracle_is_right(void)
         const double stiffness = stiffness_of(PATCH, cells[i], POISSON);
         printf("    cells of %g mm: %.4f N/m\n", 1e3 * cells[i], stiffness);
         if (i > 1)
-            CHECK((last - stiffness) / step > 0.35 && (last - stiffness) / step < 0.65,
-                  "falls by %g, then %g", step, last - stiffness);
+            CHECK((last - stiffness) / step > 0.35 && (last - stiffness) / step < 0.65, "falls by %g, then %g", step,
+                  last - stiffness);
         step = last - stiffness;
         last = stiffness;
     }
@@ -57,8 +57,7 @@ static double force_above(const struct rig *rig, const float *x, double height, 
         for (size_t k = 0; k < 3; k++)
             d[k] = (double)x[b + k] - (double)x[a + k], square += d[k] * d[k];
         for (size_t k = 0; k < 3; k++) {
-            const double pull =
-                spring->stiffness * (sqrt(square) - spring->length) * d[k] / sqrt(square);
+            const double pull = spring->stiffness * (sqrt(square) - spring->length) * d[k] / sqrt(square);
             force[a + k] += pull;
             force[b + k] -= pull;
         }
@@ -102,8 +101,7 @@ static double lattice_stiffness(double cell, double share)
     for (uint32_t part = 1; part <= parts; part++) {
         for (uint32_t i = 0; i < rig.nodes; i++) {
             const float *rest = rig.rest + 3 * (size_t)i;
-            const float at[3] = { rest[0], rest[1],
-                                  rest[2] - (float)(share * DEPTH * part / parts) };
+            const float at[3] = { rest[0], rest[1], rest[2] - (float)(share * DEPTH * part / parts) };
             if (is_patch(&rig, i, cell))
                 CHECK(dpt_springs_set_nodes(rig.made, i, 1, at, NULL) == DPT_OK, "not pushed");
         }
@@ -128,22 +126,18 @@ static void an_indented_block_pushes_back(void)
     double limit[2];
     for (int i = 0; i < 2; i++) {
         const double poisson = i ? 0.45 : POISSON;
-        limit[i] =
-            2.0 * stiffness_of(PATCH, finest, poisson) - stiffness_of(PATCH, 2.0 * finest, poisson);
+        limit[i] = 2.0 * stiffness_of(PATCH, finest, poisson) - stiffness_of(PATCH, 2.0 * finest, poisson);
     }
     printf("    elements: %.2f N/m with 1/4, %.2f with 0.45\n", limit[0], limit[1]);
     for (int i = 0; i < (is_long ? 3 : 2); i++) {
         const double alike = stiffness_of(PATCH, cells[i], POISSON);
         const double small = lattice_stiffness(cells[i], 0.005);
         const double large = lattice_stiffness(cells[i], 0.05);
-        printf("    lattice of %g mm: in by 0.5 %% %.2f N/m, off by %+.1f %% from elements of its "
-               "size, "
+        printf("    lattice of %g mm: in by 0.5 %% %.2f N/m, off by %+.1f %% from elements of its size, "
                "%+.1f %% from their limit; in by 5 %% %.2f N/m, %+.1f %%, and %+.1f %% from 0.45\n",
-               1e3 * cells[i], small, 100.0 * (small / alike - 1.0),
-               100.0 * (small / limit[0] - 1.0), large, 100.0 * (large / limit[0] - 1.0),
-               100.0 * (large / limit[1] - 1.0));
-        CHECK(fabs(small / alike - 1.0) < 0.065 * cells[i] / cells[0], "%g, elements %g", small,
-              alike);
+               1e3 * cells[i], small, 100.0 * (small / alike - 1.0), 100.0 * (small / limit[0] - 1.0), large,
+               100.0 * (large / limit[0] - 1.0), 100.0 * (large / limit[1] - 1.0));
+        CHECK(fabs(small / alike - 1.0) < 0.065 * cells[i] / cells[0], "%g, elements %g", small, alike);
         if (i)
             CHECK(fabs(large / limit[0] - 1.0) < 0.1, "%g, elements %g", large, limit[0]);
     }

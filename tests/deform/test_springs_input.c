@@ -29,8 +29,7 @@ static void make(struct rig *rig, const dpt_springs_def *def)
 static dpt_result create(struct rig *rig, const dpt_springs_def *def)
 {
     const dpt_springs_def whole = def_of(DPT_INTEGRATOR_IMPLICIT);
-    return dpti_springs_create_net(rig->block, dpti_springs_net_bytes(&whole, &rig->net), def,
-                                   &rig->net, &rig->made);
+    return dpti_springs_create_net(rig->block, dpti_springs_net_bytes(&whole, &rig->net), def, &rig->net, &rig->made);
 }
 
 static void defs_are_checked(void)
@@ -40,10 +39,8 @@ static void defs_are_checked(void)
     make(&rig, &good);
     const double bad[] = { NAN, INFINITY, -INFINITY, 1e300, -1.0 };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        const size_t at[] = { offsetof(dpt_springs_def, gravity),
-                              offsetof(dpt_springs_def, stiffness),
-                              offsetof(dpt_springs_def, contact_stiffness),
-                              offsetof(dpt_springs_def, sleep_speed) };
+        const size_t at[] = { offsetof(dpt_springs_def, gravity), offsetof(dpt_springs_def, stiffness),
+                              offsetof(dpt_springs_def, contact_stiffness), offsetof(dpt_springs_def, sleep_speed) };
         for (size_t k = 0; k < sizeof at / sizeof *at; k++) {
             dpt_springs_def def = good;
             memcpy((char *)&def + at[k], &bad[i], sizeof bad[i]);
@@ -78,13 +75,10 @@ static void defs_are_checked(void)
     def.kernel = 77;
     CHECK(create(&rig, &def) == DPT_E_UNSUPPORTED, "kernel");
     const size_t bytes = dpti_springs_net_bytes(&good, &rig.net);
-    CHECK(dpti_springs_create_net(rig.block, bytes - 1, &good, &rig.net, &rig.made) == DPT_E_MEMORY,
-          "too small");
-    CHECK(dpti_springs_create_net((char *)rig.block + 4, bytes, &good, &rig.net, &rig.made) ==
-              DPT_E_ALIGN,
+    CHECK(dpti_springs_create_net(rig.block, bytes - 1, &good, &rig.net, &rig.made) == DPT_E_MEMORY, "too small");
+    CHECK(dpti_springs_create_net((char *)rig.block + 4, bytes, &good, &rig.net, &rig.made) == DPT_E_ALIGN,
           "not aligned");
-    CHECK(dpti_springs_create_net(NULL, bytes, &good, &rig.net, &rig.made) == DPT_E_ARGUMENT,
-          "NULL");
+    CHECK(dpti_springs_create_net(NULL, bytes, &good, &rig.net, &rig.made) == DPT_E_ARGUMENT, "NULL");
     rig_close(&rig);
 }
 
@@ -109,8 +103,8 @@ static void structs_are_taken_as_far_as_they_go(void)
 {
     const dpt_springs_def good = def_of(DPT_INTEGRATOR_IMPLICIT);
     const struct sized def = { "dpt_springs_def", sizeof good, sizeof good, create_sized };
-    const struct sized report = { "dpt_springs_report", sizeof(dpt_springs_report),
-                                  sizeof(dpt_springs_report), report_sized };
+    const struct sized report = { "dpt_springs_report", sizeof(dpt_springs_report), sizeof(dpt_springs_report),
+                                  report_sized };
     dpt_springs_def defaults;
     dpt_springs_def_init(&defaults);
     make(&sized, &good);
@@ -131,8 +125,7 @@ enum { NODES = 140 };
 
 static void bad_steps_change_nothing(void)
 {
-    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT;
-         integrator++) {
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT; integrator++) {
         dpt_springs_def def = def_of(integrator);
         struct rig rig;
         float before[6 * NODES], after[6 * NODES];
@@ -144,8 +137,7 @@ static void bad_steps_change_nothing(void)
         state_of(&rig, before);
         const double times[] = { 0.0, -1.0, 1.5, NAN, INFINITY };
         for (size_t i = 0; i < sizeof times / sizeof *times; i++)
-            CHECK(dpt_springs_step(rig.made, times[i], NULL, 0, NULL) ==
-                      (i < 3 ? DPT_E_ARGUMENT : DPT_E_FINITE),
+            CHECK(dpt_springs_step(rig.made, times[i], NULL, 0, NULL) == (i < 3 ? DPT_E_ARGUMENT : DPT_E_FINITE),
                   "dt %g", times[i]);
         const double forces[] = { NAN, INFINITY, -INFINITY, 1e10, DBL_MAX };
         for (size_t i = 0; i < sizeof forces / sizeof *forces; i++) {
@@ -163,8 +155,7 @@ static void bad_steps_change_nothing(void)
         wild[0] = 2e6f;
         CHECK(dpt_springs_set_nodes(rig.made, 50, 1, wild, NULL) == DPT_E_FINITE, "far");
         CHECK(dpt_springs_set_nodes(rig.made, NODES, 1, before, NULL) == DPT_E_ARGUMENT, "beyond");
-        CHECK(dpt_springs_set_nodes(rig.made, 1, UINT32_MAX, before, NULL) == DPT_E_ARGUMENT,
-              "all");
+        CHECK(dpt_springs_set_nodes(rig.made, 1, UINT32_MAX, before, NULL) == DPT_E_ARGUMENT, "all");
         CHECK(dpt_springs_get_nodes(rig.made, NODES - 1, after, NULL) == DPT_E_ARGUMENT, "count");
         CHECK(dpt_springs_get_nodes(rig.made, NODES, NULL, NULL) == DPT_E_ARGUMENT, "NULL");
         CHECK(dpt_springs_get_energy(rig.made, NULL, NULL) == DPT_E_ARGUMENT, "NULL");
@@ -178,8 +169,7 @@ static void bad_steps_change_nothing(void)
 /* Forces that throw nodes out of the finite range: refused, and the next step goes on from where nodes were. */
 static void what_would_be_infinite_is_refused(void)
 {
-    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT;
-         integrator += 2) {
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT; integrator += 2) {
         dpt_springs_def def = def_of(integrator);
         struct rig rig, other;
         float before[6 * NODES], after[6 * NODES];
@@ -195,8 +185,7 @@ static void what_would_be_infinite_is_refused(void)
         for (int i = 0; i < 5; i++)
             refused += dpt_springs_step(rig.made, 8e-3, loads, NODES, NULL) == DPT_E_FINITE;
         state_of(&rig, after);
-        CHECK(refused == 5 && !memcmp(before, after, sizeof after), "integrator %u: %u refused",
-              integrator, refused);
+        CHECK(refused == 5 && !memcmp(before, after, sizeof after), "integrator %u: %u refused", integrator, refused);
         loads[0].force[0] = 0.01;
         loads[0].force[1] = loads[0].force[2] = 0.0;
         for (int i = 0; i < 5; i++) {
@@ -214,8 +203,7 @@ static void what_would_be_infinite_is_refused(void)
 /* Two nodes in one place, and springs without strength, make no NaN. */
 static void nodes_may_meet(void)
 {
-    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT;
-         integrator += 2) {
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT; integrator += 2) {
         dpt_springs_def def = def_of(integrator);
         struct rig rig;
         float at[6];
@@ -238,8 +226,7 @@ static void kernels_give_the_same_bits(void)
     for (int of = 0; of < 8; of++) {
         float first[6 * NODES], now[6 * NODES];
         for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_WASM128; id++) {
-            dpt_springs_def def =
-                def_of(of % 2 ? DPT_INTEGRATOR_IMPLICIT : DPT_INTEGRATOR_SYMPLECTIC);
+            dpt_springs_def def = def_of(of % 2 ? DPT_INTEGRATOR_IMPLICIT : DPT_INTEGRATOR_SYMPLECTIC);
             struct rig rig;
             dpt_load load = { .vertex = 130, .force = { 0.02, -0.01, -0.05 } };
             make(&rig, &def);
@@ -252,8 +239,7 @@ static void kernels_give_the_same_bits(void)
                     CHECK(dpt_springs_step(rig.made, 1e-3, &load, 1, NULL) == DPT_OK, "no step");
                 state_of(&rig, id == DPT_KERNEL_SCALAR ? first : now);
                 if (id > DPT_KERNEL_SCALAR) {
-                    CHECK(!memcmp(first, now, sizeof now), "%s differs, case %d",
-                          dpt_kernel_name(id), of);
+                    CHECK(!memcmp(first, now, sizeof now), "%s differs, case %d", dpt_kernel_name(id), of);
                     compared++;
                 }
             } else

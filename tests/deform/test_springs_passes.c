@@ -7,8 +7,8 @@
 
 #include "lib/check.h"
 #include "mesh/mesh_format.h"
-#include "scene_bodies.h"
-#include "scene_list.h"
+#include "scene/scene_bodies.h"
+#include "scene/scene_list.h"
 
 enum { STEPS = 16, LOADED_FROM = 2, LOADED_TO = 10, PASSES_ENOUGH = 64 };
 #define STEP 1e-3 /* s */
@@ -49,8 +49,8 @@ static float *run(const struct subject *subject, uint32_t passes, uint32_t kerne
         failed += dpt_springs_step(springs, STEP, &load, loads, &report) != DPT_OK;
         held += report.flags & DPT_SPRINGS_FLAG_HELD;
     }
-    CHECK(!failed && !held, "%s, %u passes, %s: %u steps failed, %u were held", subject->name,
-          passes, dpt_kernel_name(kernel), failed, held);
+    CHECK(!failed && !held, "%s, %u passes, %s: %u steps failed, %u were held", subject->name, passes,
+          dpt_kernel_name(kernel), failed, held);
     float *state = malloc(6 * (size_t)subject->nodes * sizeof *state);
     dpt_springs_get_nodes(springs, subject->nodes, state, state + 3 * (size_t)subject->nodes);
     free(block);
@@ -61,16 +61,14 @@ static void compare_kernels(const struct subject *subject, uint32_t passes, cons
 {
     for (uint32_t kernel = DPT_KERNEL_SCALAR; kernel <= DPT_KERNEL_WASM128; kernel++) {
         float *state = run(subject, passes, kernel);
-        CHECK(state ? !memcmp(state, first, 6 * (size_t)subject->nodes * sizeof *state)
-                    : kernel > DPT_KERNEL_SCALAR,
+        CHECK(state ? !memcmp(state, first, 6 * (size_t)subject->nodes * sizeof *state) : kernel > DPT_KERNEL_SCALAR,
               "%s, %u passes: %s has other bits", subject->name, passes, dpt_kernel_name(kernel));
         free(state);
     }
 }
 
 /* How far nodes are from those of PASSES_ENOUGH, and those from where they were at rest. */
-static void compare_places(const struct subject *subject, const struct spring_net *net,
-                           const float *first)
+static void compare_places(const struct subject *subject, const struct spring_net *net, const float *first)
 {
     float *enough = run(subject, PASSES_ENOUGH, DPT_KERNEL_AUTO);
     double off = 0.0, moved = 0.0;
@@ -78,13 +76,11 @@ static void compare_places(const struct subject *subject, const struct spring_ne
         off = fmax(off, fabs((double)first[i] - (double)enough[i]));
         moved = fmax(moved, fabs((double)first[i] - (double)net->rest[i]));
     }
-    CHECK(enough && off <= OFF_MAX && moved > 100.0 * OFF_MAX, "%s: %g m off, of %g", subject->name,
-          off, moved);
+    CHECK(enough && off <= OFF_MAX && moved > 100.0 * OFF_MAX, "%s: %g m off, of %g", subject->name, off, moved);
     free(enough);
 }
 
-static void compare(const char *name, const struct scene_bodies *bodies,
-                    const struct spring_net *net)
+static void compare(const char *name, const struct scene_bodies *bodies, const struct spring_net *net)
 {
     struct subject subject = { .name = name,
                                .body = &bodies->body[0],

@@ -7,7 +7,7 @@
 #include "dynpoint/compile.h"
 #include "mesh/mesh_format.h"
 #include "oracle/spring_balance.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 #define PATCH 0.02 /* m */
 #define PUSH  0.3  /* N */
@@ -38,11 +38,9 @@ static void list_springs(struct liver *liver)
                 const uint32_t node = LANES * slice + lane, other = net->neighbour[at];
                 if (node < other && other < net->nodes && net->stiffness[at] > 0.0f)
                     liver->list[liver->oracle.springs++] =
-                        (struct oracle_spring){ node, other, (double)net->stiffness[at],
-                                                (double)net->length[at] };
+                        (struct oracle_spring){ node, other, (double)net->stiffness[at], (double)net->length[at] };
             }
-    CHECK(liver->oracle.springs == net->springs, "%u springs of %u", liver->oracle.springs,
-          net->springs);
+    CHECK(liver->oracle.springs == net->springs, "%u springs of %u", liver->oracle.springs, net->springs);
 }
 
 /* Down, on the nodes near the highest one, in proportion to their mass. */
@@ -61,8 +59,7 @@ static void load(struct liver *liver)
             square += pow((double)rest[3 * i + k] - (double)rest[3 * top + k], 2.0);
         const double share = (double)liver->net.mass[i] * (1.0 - square / (PATCH * PATCH));
         if (share > 0.0) {
-            liver->loads[liver->load_count++] =
-                (dpt_load){ .vertex = i, .force = { 0, 0, -share } };
+            liver->loads[liver->load_count++] = (dpt_load){ .vertex = i, .force = { 0, 0, -share } };
             sum += share;
         }
     }
@@ -90,12 +87,10 @@ static int open_liver(struct liver *liver)
     memset(liver, 0, sizeof *liver);
     if (shape_make("liver", 2692, 0, &shape, reason) != 0)
         return 0;
-    const dpt_result result =
-        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
-                           &def, &liver->compiled, NULL);
+    const dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
+                                                 shape.triangle_count, &def, &liver->compiled, NULL);
     shape_free(&shape);
-    if (result != DPT_OK ||
-        dpt_mesh_open(liver->compiled.bytes, liver->compiled.size, &liver->mesh) != DPT_OK ||
+    if (result != DPT_OK || dpt_mesh_open(liver->compiled.bytes, liver->compiled.size, &liver->mesh) != DPT_OK ||
         !mesh_spring_net(liver->mesh, &liver->net))
         return 0;
     list_springs(liver);
@@ -129,8 +124,7 @@ static double depth_of(const struct liver *liver, const float *x, const double *
     double sum = 0.0;
     for (uint32_t i = 0; i < liver->load_count; i++) {
         const size_t z = 3 * (size_t)liver->loads[i].vertex + 2;
-        sum += liver->loads[i].force[2] *
-               ((x ? (double)x[z] : at[z]) - (double)liver->net.rest[z]) / PUSH;
+        sum += liver->loads[i].force[2] * ((x ? (double)x[z] : at[z]) - (double)liver->net.rest[z]) / PUSH;
     }
     return sum;
 }
@@ -155,8 +149,8 @@ static void press(const struct liver *liver, uint32_t integrator, double stiffne
         CHECK(dpt_springs_step(springs, dt, loads, liver->load_count, NULL) == DPT_OK, "no step");
     dpt_springs_get_nodes(springs, liver->net.nodes, x, NULL);
     const double depth = depth_of(liver, x, NULL), whole = depth_of(liver, NULL, liver->end);
-    printf("    integrator %u, stiffness x %g, %g ms: %.4f mm, off by %.3f %%\n", integrator,
-           stiffness, 1e3 * dt, 1e3 * depth, 100.0 * (depth / whole - 1.0));
+    printf("    integrator %u, stiffness x %g, %g ms: %.4f mm, off by %.3f %%\n", integrator, stiffness, 1e3 * dt,
+           1e3 * depth, 100.0 * (depth / whole - 1.0));
     CHECK(whole > 1e-3 && fabs(depth / whole - 1.0) < 0.05, "%g m deep, not %g", depth, whole);
     free(block);
     free(loads);

@@ -30,8 +30,7 @@ static double mode_growth(uint32_t integrator, double w2, double t, double c, do
 static void limits_of_one_mode_are_exact(void)
 {
     uint32_t cut = 0, none = 0;
-    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_EULER;
-         integrator++)
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_EULER; integrator++)
         for (double w2 = 10.0; w2 < 1e9; w2 *= 7.0)
             for (double t = 0.0; t<0.1; t = t> 0.0 ? 3.0 * t : 1e-6)
                 for (double c = 0.0; c<1e4; c = c> 0.0 ? 5.0 * c : 0.1) {
@@ -40,16 +39,14 @@ static void limits_of_one_mode_are_exact(void)
                     if (limit == 0.0)
                         CHECK(mode_growth(integrator, w2, t, c, 1e-7) > 1.0, "no limit");
                     for (int i = 1; i <= 20 && limit > 0.0; i++) {
-                        const double growth =
-                            mode_growth(integrator, w2, t, c, 0.05 * i * limit * 0.9999);
-                        CHECK(growth <= 1.0 + 1e-9, "integrator %u, w2 %g, t %g, c %g: %g at %g",
-                              integrator, w2, t, c, growth, 0.05 * i * limit);
+                        const double growth = mode_growth(integrator, w2, t, c, 0.05 * i * limit * 0.9999);
+                        CHECK(growth <= 1.0 + 1e-9, "integrator %u, w2 %g, t %g, c %g: %g at %g", integrator, w2, t, c,
+                              growth, 0.05 * i * limit);
                     }
                     if (limit > 0.0 && limit < DPT_SPRINGS_STEP_MAX) {
                         cut++;
                         CHECK(mode_growth(integrator, w2, t, c, 1.001 * limit) > 1.0,
-                              "integrator %u, w2 %g, t %g, c %g: no growth beyond %g", integrator,
-                              w2, t, c, limit);
+                              "integrator %u, w2 %g, t %g, c %g: no growth beyond %g", integrator, w2, t, c, limit);
                     }
                     /* Slower modes have no shorter limit, so the fastest one's holds for all. */
                     CHECK(dpti_springs_limit(integrator, 0.3 * w2, t, c) >= limit * (1.0 - 1e-12),
@@ -59,8 +56,7 @@ static void limits_of_one_mode_are_exact(void)
 }
 
 /* One mass on a spring, stepped at shares of the limit. Returns how far it is away in the end, from 1 mm. */
-static double swing(uint32_t integrator, double viscosity, double drag, double share,
-                    uint32_t steps)
+static double swing(uint32_t integrator, double viscosity, double drag, double share, uint32_t steps)
 {
     const double away = 1e-3;
     struct rig rig = { 0 };
@@ -89,8 +85,7 @@ static double swing(uint32_t integrator, double viscosity, double drag, double s
 static void one_mass_is_stable_up_to_its_limit(void)
 {
     const double cases[][2] = { { 1e-4, 0.0 }, { 0.0, 5.0 }, { 2e-3, 2.0 }, { 0.03, 0.0 } };
-    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_EULER;
-         integrator++)
+    for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_EULER; integrator++)
         for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
             const double within = swing(integrator, cases[i][0], cases[i][1], 0.97, 4000);
             const double beyond = swing(integrator, cases[i][0], cases[i][1], 1.3, 20000);
@@ -230,10 +225,8 @@ static void lattices_grow_as_their_matrix_says(void)
         CHECK(growth_at(&rig, mode, 1.02 * limit) > 1.02, "does not grow at 1.02 of the limit");
         for (double share = 1.05; share < 1.35; share += 0.05) {
             const double seen = growth_at(&rig, mode, share * limit);
-            const double expected =
-                mode_growth(DPT_INTEGRATOR_SYMPLECTIC, square, t, 0.0, share * limit);
-            CHECK(fabs(seen / expected - 1.0) < 0.01, "t %g: grows by %g, not %g, at %g", t, seen,
-                  expected, share);
+            const double expected = mode_growth(DPT_INTEGRATOR_SYMPLECTIC, square, t, 0.0, share * limit);
+            CHECK(fabs(seen / expected - 1.0) < 0.01, "t %g: grows by %g, not %g, at %g", t, seen, expected, share);
         }
         rig_close(&rig);
     }
@@ -272,10 +265,9 @@ static void others_grow_and_fade_as_their_matrix_says(void)
         CHECK(rig_reopen(&rig, &def) == DPT_OK, "not made");
         const double seen = swing_at(&rig, mode, h, implicit ? 3e-4 : 1e-5);
         const double g = h * h * square / (1.0 + h * h * stiffest(&rig, mode));
-        const double expected =
-            implicit ? sqrt(1.0 - g) : mode_growth(DPT_INTEGRATOR_EULER, square, 0.0, 0.0, h);
-        printf("    integrator %u, h w = %.2f: %.5f a step, expected %.5f\n", def.integrator,
-               shares[i], seen, expected);
+        const double expected = implicit ? sqrt(1.0 - g) : mode_growth(DPT_INTEGRATOR_EULER, square, 0.0, 0.0, h);
+        printf("    integrator %u, h w = %.2f: %.5f a step, expected %.5f\n", def.integrator, shares[i], seen,
+               expected);
         CHECK(fabs(log(seen) / log(expected) - 1.0) < 0.04 && fabs(seen / expected - 1.0) < 0.01,
               "integrator %u, h %g: %g a step, not %g", def.integrator, h, seen, expected);
         rig_close(&rig);
@@ -283,8 +275,7 @@ static void others_grow_and_fade_as_their_matrix_says(void)
 }
 
 /* The largest energy of a lattice over many steps, of what it had. amount: m, by which nodes are thrown about. */
-static double highest_energy(double squeeze, double amount, double share, int is_public,
-                             double told)
+static double highest_energy(double squeeze, double amount, double share, int is_public, double told)
 {
     const uint64_t steps = part_of(told > 0.0 ? 30000 : 100000);
     uint64_t seed = 11;
@@ -293,9 +284,7 @@ static double highest_energy(double squeeze, double amount, double share, int is
     double elastic, kinetic, first, highest = 0.0;
     make_told_lattice(&rig, told > 0.0 ? 4e-4 : 0.0, told);
     for (size_t i = 0; i < 81; i++)
-        start[i] = i < 27
-                       ? rig.rest[i]
-                       : (float)(squeeze * (double)rig.rest[i] + random_in(&seed, -amount, amount));
+        start[i] = i < 27 ? rig.rest[i] : (float)(squeeze * (double)rig.rest[i] + random_in(&seed, -amount, amount));
     CHECK(dpt_springs_set_nodes(rig.made, 0, rig.nodes, start, NULL) == DPT_OK, "not moved");
     dpt_springs_get_energy(rig.made, &elastic, &kinetic);
     first = elastic + kinetic;
@@ -325,8 +314,7 @@ static void nothing_grows_within(double told)
     for (double squeeze = 0.2; squeeze < 1.5; squeeze += 0.2)
         for (double amount = 1e-4; amount < 0.02; amount *= 5.0) {
             const double thrown = highest_energy(squeeze, amount, 0.899, 1, told);
-            CHECK(thrown < 5.0, "squeezed to %g, thrown by %g: energy grows %g times", squeeze,
-                  amount, thrown);
+            CHECK(thrown < 5.0, "squeezed to %g, thrown by %g: energy grows %g times", squeeze, amount, thrown);
         }
 }
 
@@ -353,8 +341,7 @@ static void what_a_net_tells_is_looked_into(void)
         const double told = shares[i] * CELL_SQUARE;
         make_told_lattice(&rig, 4e-4, told);
         const double expected = shares[i] >= 1.0 && told < rows ? told : rows;
-        CHECK(fabs(rig.made->square / expected - 1.0) < 1e-6, "told %g: %g, not %g", told,
-              rig.made->square, expected);
+        CHECK(fabs(rig.made->square / expected - 1.0) < 1e-6, "told %g: %g, not %g", told, rig.made->square, expected);
         CHECK(fastest <= rig.made->square, "%g is beyond %g", fastest, rig.made->square);
         rig_close(&rig);
     }
@@ -372,11 +359,9 @@ static void long_steps_are_cut_or_refused(void)
     make_lattice(&rig, 0.0);
     const double stable = rig.made->stable_step;
     for (uint32_t n = 1; n <= 16; n++) {
-        CHECK(dpt_springs_step(rig.made, 0.8999 * stable * n, NULL, 0, &report) == DPT_OK &&
-                  report.substeps == n,
+        CHECK(dpt_springs_step(rig.made, 0.8999 * stable * n, NULL, 0, &report) == DPT_OK && report.substeps == n,
               "%u substeps, not %u", report.substeps, n);
-        CHECK(dpt_springs_step(rig.made, 0.9001 * stable * n, NULL, 0, &report) ==
-                  (n < 16 ? DPT_OK : DPT_E_UNSTABLE),
+        CHECK(dpt_springs_step(rig.made, 0.9001 * stable * n, NULL, 0, &report) == (n < 16 ? DPT_OK : DPT_E_UNSTABLE),
               "with %u", n);
     }
     def.integrator = DPT_INTEGRATOR_EULER;
@@ -387,8 +372,8 @@ static void long_steps_are_cut_or_refused(void)
     def.contact_stiffness = 1e5;
     CHECK(rig_reopen(&rig, &def) == DPT_OK, "not made");
     const double lightest = 1000.0 * 1e-6 / 8.0, bound = 2.0 * sqrt(lightest / 1e5);
-    CHECK(rig.made->stable_step < bound && rig.made->stable_step > 0.98 * bound, "%g, not %g",
-          rig.made->stable_step, bound);
+    CHECK(rig.made->stable_step < bound && rig.made->stable_step > 0.98 * bound, "%g, not %g", rig.made->stable_step,
+          bound);
     rig_close(&rig);
 }
 
@@ -425,9 +410,8 @@ static void implicit_steps_never_explode(void)
             dpt_springs_get_energy(rig.made, &elastic, &kinetic);
             highest = elastic + kinetic > highest ? elastic + kinetic : highest;
         }
-        CHECK(highest <= first * (1.0 + 1e-5) + 1e-9,
-              "scale %g, dt %g, %u passes: energy up to %g of %g", scale, dt, def.iterations,
-              highest, first);
+        CHECK(highest <= first * (1.0 + 1e-5) + 1e-9, "scale %g, dt %g, %u passes: energy up to %g of %g", scale, dt,
+              def.iterations, highest, first);
         rig_close(&rig);
     }
     printf("    %u of %u steps were held\n", held, all);

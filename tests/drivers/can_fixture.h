@@ -151,8 +151,7 @@ static inline int push_until_it_fails(int limit)
 static inline void refused(dpt_result result, dpt_result code, const char *word)
 {
     CHECK(result == code && error.code == code, "%d: %s", result, error.text);
-    CHECK(strstr(error.text, word) && strlen(error.text) < sizeof error.text - 1, "'%s' lacks '%s'",
-          error.text, word);
+    CHECK(strstr(error.text, word) && strlen(error.text) < sizeof error.text - 1, "'%s' lacks '%s'", error.text, word);
     CHECK(device == NULL && can_held_open == 0, "%d are left open", can_held_open);
     can_held_open = 0;
 }

@@ -54,15 +54,14 @@ struct stand_in {
 static const char *can_real; /* the interface, or NULL */
 static struct stand_in can_socket_of[CAN_SOCKETS];
 static uint64_t can_clock_ns = 5000000000u;
-static uint64_t can_ticks,
-    can_began_ns[CAN_TICKS]; /* of simulated milliseconds, the wall's clock */
+static uint64_t can_ticks, can_began_ns[CAN_TICKS]; /* of simulated milliseconds, the wall's clock */
 static void (*can_each_ms)(void);
 static int (*can_fate)(int fd, const struct can_frame *frame); /* CAN_PASS, CAN_DROP, ms to hold */
-static size_t can_room = 278; /* of a queue, as vcan's with the usual buffer */
+static size_t can_room = 278;                                  /* of a queue, as vcan's with the usual buffer */
 static int can_is_down, can_is_gone, can_is_full, can_is_ethernet, can_no_family;
 static int can_spared = -1; /* the socket whose end of the bus is sound whatever the above say */
 static void (*can_carried)(int fd, const struct can_frame *frame); /* told of what is on the bus */
-static int can_held_open; /* sockets and files that are open */
+static int can_held_open;                                          /* sockets and files that are open */
 
 /* Calls while `can_watched`: counted, and the one of number `can_fail_at` fails with can_fail_errno. */
 static int can_watched, can_calls, can_fail_at, can_fail_errno;
@@ -78,8 +77,7 @@ int __real_socket(int domain, int type, int protocol);
 int __real_bind(int fd, const struct sockaddr *address, socklen_t size);
 int __real_setsockopt(int fd, int level, int name, const void *value, socklen_t size);
 int __real_ioctl(int fd, unsigned long request, ...);
-int __real_recvmmsg(int fd, struct mmsghdr *headers, unsigned count, int flags,
-                    struct timespec *timeout);
+int __real_recvmmsg(int fd, struct mmsghdr *headers, unsigned count, int flags, struct timespec *timeout);
 int __real_sendmmsg(int fd, struct mmsghdr *headers, unsigned count, int flags);
 int __real_poll(struct pollfd *lines, nfds_t count, int timeout);
 int __real_close(int fd);
@@ -93,8 +91,7 @@ int __wrap_socket(int domain, int type, int protocol);
 int __wrap_bind(int fd, const struct sockaddr *address, socklen_t size);
 int __wrap_setsockopt(int fd, int level, int name, const void *value, socklen_t size);
 int __wrap_ioctl(int fd, unsigned long request, ...);
-int __wrap_recvmmsg(int fd, struct mmsghdr *headers, unsigned count, int flags,
-                    struct timespec *timeout);
+int __wrap_recvmmsg(int fd, struct mmsghdr *headers, unsigned count, int flags, struct timespec *timeout);
 int __wrap_sendmmsg(int fd, struct mmsghdr *headers, unsigned count, int flags);
 int __wrap_poll(struct pollfd *lines, nfds_t count, int timeout);
 int __wrap_close(int fd);
@@ -155,8 +152,7 @@ static void bus_carries(const struct stand_in *from, const struct can_frame *fra
             continue;
         }
         const struct stand_in_frame arrived = { .frame = *frame,
-                                                .flags =
-                                                    MSG_DONTROUTE | (to == from ? MSG_CONFIRM : 0),
+                                                .flags = MSG_DONTROUTE | (to == from ? MSG_CONFIRM : 0),
                                                 .dropped = to->dropped,
                                                 .wall_ns = can_clock_ns + can_wall_ns };
         to->queue[to->count++] = arrived;
@@ -185,8 +181,7 @@ static void can_tick(void)
     __real_clock_gettime(CLOCK_REALTIME, &began);
     can_clock_ns += 1000000;
     can_ticks++;
-    can_began_ns[can_ticks % CAN_TICKS] =
-        (uint64_t)began.tv_sec * 1000000000u + (uint64_t)began.tv_nsec;
+    can_began_ns[can_ticks % CAN_TICKS] = (uint64_t)began.tv_sec * 1000000000u + (uint64_t)began.tv_nsec;
     for (size_t i = 0; i < can_holding; i++)
         if (can_held[i].due_ns <= can_clock_ns) {
             put_on_bus(can_held[i].fd, &can_held[i].frame);
@@ -288,8 +283,7 @@ int __wrap_ioctl(int fd, unsigned long request, ...)
     return can_answer(0);
 }
 
-static void put_control(struct msghdr *header, int type, const void *data, size_t size,
-                        size_t *used)
+static void put_control(struct msghdr *header, int type, const void *data, size_t size, size_t *used)
 {
     union {
         struct cmsghdr head;
@@ -304,8 +298,7 @@ static void put_control(struct msghdr *header, int type, const void *data, size_
     *used += CMSG_SPACE(size);
 }
 
-static void fill(const struct stand_in *from, const struct stand_in_frame *arrived,
-                 struct mmsghdr *header)
+static void fill(const struct stand_in *from, const struct stand_in_frame *arrived, struct mmsghdr *header)
 {
     struct timespec stamp;
     stamp.tv_sec = (time_t)(arrived->wall_ns / 1000000000u);
@@ -317,24 +310,21 @@ static void fill(const struct stand_in *from, const struct stand_in_frame *arriv
     if (from->wants_times)
         put_control(&header->msg_hdr, SO_TIMESTAMPNS, &stamp, sizeof stamp, &used);
     if (from->wants_drops && arrived->dropped)
-        put_control(&header->msg_hdr, SO_RXQ_OVFL, &arrived->dropped, sizeof arrived->dropped,
-                    &used);
+        put_control(&header->msg_hdr, SO_RXQ_OVFL, &arrived->dropped, sizeof arrived->dropped, &used);
     header->msg_hdr.msg_controllen = used;
 }
 
 /* The kernel's stamp is of its clock: the last of our milliseconds that had begun by then. */
 static void restamp(struct mmsghdr *header)
 {
-    for (struct cmsghdr *at = CMSG_FIRSTHDR(&header->msg_hdr); at;
-         at = CMSG_NXTHDR(&header->msg_hdr, at)) {
+    for (struct cmsghdr *at = CMSG_FIRSTHDR(&header->msg_hdr); at; at = CMSG_NXTHDR(&header->msg_hdr, at)) {
         struct timespec stamp;
         if (at->cmsg_level != SOL_SOCKET || at->cmsg_type != SO_TIMESTAMPNS)
             continue;
         memcpy(&stamp, CMSG_DATA(at), sizeof stamp);
         const uint64_t stamped = (uint64_t)stamp.tv_sec * 1000000000u + (uint64_t)stamp.tv_nsec;
         uint64_t tick = can_ticks;
-        while (tick > 0 && can_ticks - tick < CAN_TICKS - 1 &&
-               can_began_ns[tick % CAN_TICKS] > stamped)
+        while (tick > 0 && can_ticks - tick < CAN_TICKS - 1 && can_began_ns[tick % CAN_TICKS] > stamped)
             tick--;
         const uint64_t wall = can_clock_ns - (can_ticks - tick) * 1000000u + can_wall_ns;
         stamp.tv_sec = (time_t)(wall / 1000000000u);
@@ -343,8 +333,7 @@ static void restamp(struct mmsghdr *header)
     }
 }
 
-int __wrap_recvmmsg(int fd, struct mmsghdr *headers, unsigned count, int flags,
-                    struct timespec *timeout)
+int __wrap_recvmmsg(int fd, struct mmsghdr *headers, unsigned count, int flags, struct timespec *timeout)
 {
     struct stand_in *from = stand_in_of(fd);
     if (can_fails())
@@ -430,9 +419,7 @@ size_t __wrap_fread(void *to, size_t size, size_t count, FILE *file)
 /* An error frame, as the controller's driver makes it. */
 static inline void bus_has_error(uint32_t classes, uint8_t state)
 {
-    const struct can_frame frame = { .can_id = CAN_ERR_FLAG | classes,
-                                     .can_dlc = CAN_ERR_DLC,
-                                     .data = { 0, state } };
+    const struct can_frame frame = { .can_id = CAN_ERR_FLAG | classes, .can_dlc = CAN_ERR_DLC, .data = { 0, state } };
     bus_carries(NULL, &frame);
 }
 

@@ -69,8 +69,8 @@ static inline struct plant_plan plant_of(double mass, double damping)
     return plan;
 }
 
-static inline dpt_result plant_open(const dpt_driver *driver, const char *where,
-                                    dpt_device **device, dpt_device_error *error)
+static inline dpt_result plant_open(const dpt_driver *driver, const char *where, dpt_device **device,
+                                    dpt_device_error *error)
 {
     (void)driver, (void)where, (void)error;
     struct plant *plant = calloc(1, sizeof *plant);
@@ -103,8 +103,8 @@ static inline void plant_substep(struct plant *plant, const double *command, dou
     const double h = 1e-3 / PLANT_SUBSTEPS;
     double force[3];
     for (int k = 0; k < 3; k++) {
-        plant->motor[k] += plan->lag > 0.0 ? h / (plan->lag + h) * (command[k] - plant->motor[k])
-                                           : command[k] - plant->motor[k];
+        plant->motor[k] +=
+            plan->lag > 0.0 ? h / (plan->lag + h) * (command[k] - plant->motor[k]) : command[k] - plant->motor[k];
         force[k] = plant->motor[k] - plan->spring * plant->x[k];
         for (int j = 0; j < 3; j++)
             force[k] -= plan->damping[3 * k + j] * plant->v[j];
@@ -135,8 +135,7 @@ static inline void plant_step(struct plant *plant)
         const double at = (double)plant->period + ((double)i + 0.5) / PLANT_SUBSTEPS;
         const double sent = floor(at - 1e3 * plant->plan.delay);
         const double none[3] = { 0.0 };
-        plant_substep(plant, sent >= 0.0 ? plant->ring[(uint64_t)sent % PLANT_RING] : none,
-                      1e-3 * at);
+        plant_substep(plant, sent >= 0.0 ? plant->ring[(uint64_t)sent % PLANT_RING] : none, 1e-3 * at);
     }
     plant->period++;
     plant->number++;

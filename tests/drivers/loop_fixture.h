@@ -26,7 +26,7 @@ struct flaky {
     uint64_t did[TROUBLES], skipped, losses, cleared, writes;
     double strongest;
     dpt_wrench written;
-    dpt_wrench acts; /* what it gives: the last that it took; nothing while it is not ready */
+    dpt_wrench acts;            /* what it gives: the last that it took; nothing while it is not ready */
     uint64_t taken, taken_ns;   /* how many it took; the time of the sample before the last one */
     int is_off;                 /* the last read said so */
     uint64_t first_ns, last_ns; /* of writes, by the clock */
@@ -46,8 +46,8 @@ static inline void rest(double seconds)
         continue;
 }
 
-static inline dpt_result flaky_open(const dpt_driver *driver, const char *where,
-                                    dpt_device **device, dpt_device_error *error)
+static inline dpt_result flaky_open(const dpt_driver *driver, const char *where, dpt_device **device,
+                                    dpt_device_error *error)
 {
     (void)driver;
     struct flaky *flaky = calloc(1, sizeof *flaky);
@@ -109,8 +109,7 @@ static inline dpt_result read_in_trouble(struct flaky *flaky, dpt_device_state *
     if (trouble == FAULT)
         state->status = flaky->did[FAULT] % 2 ? DPT_DEVICE_STATUS_FAULT : DPT_DEVICE_STATUS_UNREADY;
     if (trouble == BAD_POSE)
-        state->pose.orientation[flaky->did[BAD_POSE] % 4] =
-            flaky->did[BAD_POSE] % 8 < 4 ? NAN : 2.0;
+        state->pose.orientation[flaky->did[BAD_POSE] % 4] = flaky->did[BAD_POSE] % 8 < 4 ? NAN : 2.0;
     return result;
 }
 
@@ -168,11 +167,10 @@ static inline void flaky_close(dpt_device *device)
     free(device);
 }
 
-static const dpt_driver flaky_driver = { sizeof(dpt_driver), DPT_DRIVER_VERSION, "flaky",
-                                         "a bad line",       flaky_open,         flaky_info,
-                                         flaky_read,         flaky_write,        flaky_clear,
-                                         flaky_counts,       flaky_close,        NULL,
-                                         NULL,               NULL };
+static const dpt_driver flaky_driver = {
+    sizeof(dpt_driver), DPT_DRIVER_VERSION, "flaky",      "a bad line", flaky_open, flaky_info, flaky_read,
+    flaky_write,        flaky_clear,        flaky_counts, flaky_close,  NULL,       NULL,       NULL
+};
 
 static inline struct flaky *flaky_over(const char *name)
 {
@@ -236,8 +234,7 @@ static inline dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wre
     }
     host->commands += state->status == DPT_DEVICE_STATUS_READY;
     wrench->force[0] = host->force > 0.0 ? host->force : 1e-6 * (double)host->ticks;
-    if (host->flaky && host->flaky->share > 0.0 && host->ticks % 89 == 0 &&
-        state->status == DPT_DEVICE_STATUS_READY) {
+    if (host->flaky && host->flaky->share > 0.0 && host->ticks % 89 == 0 && state->status == DPT_DEVICE_STATUS_READY) {
         host->nans++;
         wrench->torque[1] = NAN;
     }
@@ -253,9 +250,8 @@ static inline void rest_a_tick(void *user, const dpt_loop_sample *sample)
     host->idle_lost += state->status == DPT_DEVICE_STATUS_LOST;
     const double *q = state->pose.orientation;
     const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    host->idle_wrong +=
-        sample->size != sizeof *sample || sample->dt != 0.0 ||
-        (state->fresh && state->sequence > host->seen_sequence && fabs(square - 1.0) < 1e-9);
+    host->idle_wrong += sample->size != sizeof *sample || sample->dt != 0.0 ||
+                        (state->fresh && state->sequence > host->seen_sequence && fabs(square - 1.0) < 1e-9);
     if (state->fresh && state->sequence > host->seen_sequence)
         host->seen_sequence = state->sequence;
     host->late_max = fmax(host->late_max, sample->late);
@@ -300,11 +296,9 @@ static inline uint64_t sum_of(const uint64_t *bins)
 /* What must hold of every run. */
 static inline void check_sums(const dpt_loop_stats *stats)
 {
-    CHECK(stats->fresh + stats->failed + stats->stale + stats->not_ready + stats->lost ==
-              stats->ticks,
-          "of %d ticks %d fresh, %d failed, %d stale, %d not ready, %d lost", (int)stats->ticks,
-          (int)stats->fresh, (int)stats->failed, (int)stats->stale, (int)stats->not_ready,
-          (int)stats->lost);
+    CHECK(stats->fresh + stats->failed + stats->stale + stats->not_ready + stats->lost == stats->ticks,
+          "of %d ticks %d fresh, %d failed, %d stale, %d not ready, %d lost", (int)stats->ticks, (int)stats->fresh,
+          (int)stats->failed, (int)stats->stale, (int)stats->not_ready, (int)stats->lost);
 }
 
 #endif

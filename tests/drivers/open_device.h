@@ -57,8 +57,7 @@ static inline struct small_file file_with(const char *text)
 {
     struct small_file file = { "/tmp/dynpoint-test-XXXXXX" };
     int handle = mkstemp(file.path);
-    CHECK(handle >= 0 && write(handle, text, strlen(text)) == (ssize_t)strlen(text), "%s",
-          file.path);
+    CHECK(handle >= 0 && write(handle, text, strlen(text)) == (ssize_t)strlen(text), "%s", file.path);
     close(handle);
     return file;
 }

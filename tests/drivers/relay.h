@@ -50,8 +50,7 @@ static inline void relay_turn(struct relay_way *way)
         if (way->held[i].due <= way->turn) {
             relay_deliver(way, way->held[i].bytes, way->held[i].size);
             way->holding--;
-            memmove(&way->held[i], &way->held[i + 1],
-                    (size_t)(way->holding - i) * sizeof way->held[0]);
+            memmove(&way->held[i], &way->held[i + 1], (size_t)(way->holding - i) * sizeof way->held[0]);
             i--;
         }
     for (ssize_t count; (count = read(way->from, in, sizeof in)) > 0;)
@@ -78,8 +77,7 @@ static inline int relay_pty(char path[64])
 {
     struct termios settings;
     const int master = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
-    const char *name =
-        master >= 0 && !grantpt(master) && !unlockpt(master) ? ptsname(master) : NULL;
+    const char *name = master >= 0 && !grantpt(master) && !unlockpt(master) ? ptsname(master) : NULL;
     if (!name || strlen(name) >= 64 || tcgetattr(master, &settings))
         return -1;
     strcpy(path, name);

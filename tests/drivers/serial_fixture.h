@@ -250,8 +250,7 @@ static inline void finish(void)
     go();
     close_device();
     halt();
-    CHECK(simulated.device.is_enabled == 0 && simulated.device.reasons == 0,
-          "motors are on after close");
+    CHECK(simulated.device.is_enabled == 0 && simulated.device.reasons == 0, "motors are on after close");
     simulate_serial_end(&simulated);
 }
 

@@ -30,8 +30,7 @@ static struct {
 
 static int is_torque(int fd, const struct can_frame *frame)
 {
-    return fd != simulated.line.fd && frame->can_id >> 5 < 3 &&
-           (frame->can_id & 31) == ODRIVE_SET_TORQUE;
+    return fd != simulated.line.fd && frame->can_id >> 5 < 3 && (frame->can_id & 31) == ODRIVE_SET_TORQUE;
 }
 
 static int is_estimate(int fd, const struct can_frame *frame)
@@ -104,8 +103,7 @@ static void no_command_is_lost_late_or_reordered_unnoticed(void)
     }
     dpt_device_get_counts(device, &counts);
     const dpt_device_counts before = counts;
-    CHECK(before.missed == 0 && before.lost == 0, "%u missed on a good bus",
-          (unsigned)before.missed);
+    CHECK(before.missed == 0 && before.lost == 0, "%u missed on a good bus", (unsigned)before.missed);
     memset(&truth, 0, sizeof truth);
     truth.seed = 3;
     can_fate = choose_fate;
@@ -121,8 +119,8 @@ static void no_command_is_lost_late_or_reordered_unnoticed(void)
                         random_in(&truth.seed, -0.5, 0.5));
         CHECK(written == DPT_OK, "write in cycle %d: %d", i, written);
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-              "cycle %d: %u, %x", i, state.status, state.code);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "cycle %d: %u, %x",
+              i, state.status, state.code);
         fresh += state.fresh;
     }
     can_fate = NULL;
@@ -133,22 +131,21 @@ static void no_command_is_lost_late_or_reordered_unnoticed(void)
     dpt_device_get_counts(device, &counts);
     CHECK(counts.commands - before.commands == (uint64_t)cycles && counts.refused == 0, "%u",
           (unsigned)counts.commands);
-    CHECK(counts.missed == truth.lost + truth.late + truth.reordered,
-          "%u missed, not %u lost, %u late, %u reordered", (unsigned)counts.missed,
-          (unsigned)truth.lost, (unsigned)truth.late, (unsigned)truth.reordered);
+    CHECK(counts.missed == truth.lost + truth.late + truth.reordered, "%u missed, not %u lost, %u late, %u reordered",
+          (unsigned)counts.missed, (unsigned)truth.lost, (unsigned)truth.late, (unsigned)truth.reordered);
     const uint64_t periods = (truth.last_ns - truth.first_ns) / 1000000 + 1;
     CHECK(counts.samples - before.samples == periods && counts.lost == periods - truth.sets,
-          "%u samples, %u lost, not %u, %u", (unsigned)(counts.samples - before.samples),
-          (unsigned)counts.lost, (unsigned)periods, (unsigned)(periods - truth.sets));
+          "%u samples, %u lost, not %u, %u", (unsigned)(counts.samples - before.samples), (unsigned)counts.lost,
+          (unsigned)periods, (unsigned)(periods - truth.sets));
     CHECK(fresh == state.sequence - sequence, "%u fresh, %u in sequence", (unsigned)fresh,
           (unsigned)(state.sequence - sequence));
     const uint64_t some = (uint64_t)cycles / 100;
-    CHECK(truth.lost > some && truth.reordered > some && truth.late > some / 50 &&
-              truth.lost_estimates > some && counts.lost > some,
+    CHECK(truth.lost > some && truth.reordered > some && truth.late > some / 50 && truth.lost_estimates > some &&
+              counts.lost > some,
           "too little went wrong to show anything");
-    printf("    %u torques: %u lost, %u late, %u reordered; %u samples: %u lost\n",
-           (unsigned)(3 * counts.commands), (unsigned)truth.lost, (unsigned)truth.late,
-           (unsigned)truth.reordered, (unsigned)counts.samples, (unsigned)counts.lost);
+    printf("    %u torques: %u lost, %u late, %u reordered; %u samples: %u lost\n", (unsigned)(3 * counts.commands),
+           (unsigned)truth.lost, (unsigned)truth.late, (unsigned)truth.reordered, (unsigned)counts.samples,
+           (unsigned)counts.lost);
     finish();
 }
 
@@ -202,8 +199,8 @@ static void quick_hands_are_no_fault(void)
         simulated.speed[1] = told ? way * speeds[1] : 0.0;
         simulated.node[1].is_mute = i % 20 > 2 && i % 20 < 18;
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-              "%d: %x", i, state.code);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "%d: %x", i,
+              state.code);
     }
     finish();
 }
@@ -226,8 +223,8 @@ static void old_places_are_not_mixed_with_new(void)
             simulated.node[i].is_mute = i == late;
         for (int i = 0; i < 5; i++) {
             can_tick();
-            CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0,
-                  "joint %d is %d ms old, %u fresh", late, 31 + i, state.fresh);
+            CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0, "joint %d is %d ms old, %u fresh",
+                  late, 31 + i, state.fresh);
         }
         simulated.node[late].is_mute = 0;
         can_tick();
@@ -244,9 +241,8 @@ static void the_clock_may_be_set(void)
         const uint64_t last = state.time_ns;
         can_tick();
         can_wall_ns = i % 2 ? 1000000000000u : 4600000000000u;
-        CHECK(dpt_device_read(device, &state) == DPT_OK &&
-                  state.status == DPT_DEVICE_STATUS_READY && state.fresh == 1 &&
-                  state.time_ns > last && state.time_ns <= clock_now(),
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY &&
+                  state.fresh == 1 && state.time_ns > last && state.time_ns <= clock_now(),
               "%u: %x, %u fresh", state.status, state.code, state.fresh);
     }
     finish();
@@ -274,14 +270,13 @@ static void clocks_may_differ(void)
         const uint64_t lost = counts.lost, samples = counts.samples;
         for (int i = 0; i < 8000; i++) {
             can_tick();
-            CHECK(dpt_device_read(device, &state) == DPT_OK &&
-                      state.status == DPT_DEVICE_STATUS_READY,
+            CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
                   "%d Hz, cycle %d: %x", rate, i, state.code);
             fresh += state.fresh;
         }
         dpt_device_get_counts(device, &counts);
-        CHECK(fresh == 8000 && counts.lost == lost, "%d Hz: %u fresh, %u lost", rate,
-              (unsigned)fresh, (unsigned)(counts.lost - lost));
+        CHECK(fresh == 8000 && counts.lost == lost, "%d Hz: %u fresh, %u lost", rate, (unsigned)fresh,
+              (unsigned)(counts.lost - lost));
         /* What comes a tenth too often is more samples than there are periods. */
         CHECK(rate < 900 || counts.samples - samples == 8000, "%d Hz: %u samples", rate,
               (unsigned)(counts.samples - samples));
@@ -302,15 +297,12 @@ static void estimates_can_be_asked_for(void)
     for (int i = 0; i < 1000; i++) {
         CHECK(write_up(1.0) == DPT_OK, "write");
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-              "%u", state.status);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "%u", state.status);
     }
-    CHECK(state.sequence - sequence == 1000, "%u samples of 1000",
-          (unsigned)(state.sequence - sequence));
+    CHECK(state.sequence - sequence == 1000, "%u samples of 1000", (unsigned)(state.sequence - sequence));
     CHECK(fabs(state.pose.position[1] - 1.0 / 150.0) < 1e-4, "%g", state.pose.position[1]);
     dpt_device_get_counts(device, &counts);
-    CHECK(counts.lost <= 3 && counts.missed == 0, "%u lost, %u missed", (unsigned)counts.lost,
-          (unsigned)counts.missed);
+    CHECK(counts.lost <= 3 && counts.missed == 0, "%u lost, %u missed", (unsigned)counts.lost, (unsigned)counts.missed);
     finish();
 }
 
@@ -320,8 +312,8 @@ static void a_host_that_reads_is_there(void)
     start(elbow_path, ELBOW "&watchdog=0.02");
     for (int i = 0; i < 1000; i++) {
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-              "%x", state.reasons);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "%x",
+              state.reasons);
         CHECK(!is_pushing(), "it pushes by itself");
     }
     finish();
@@ -331,8 +323,7 @@ static void a_host_that_reads_is_there(void)
     int pushes = 0;
     for (int i = 0; i < 500; i++) {
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-              "read");
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "read");
         pushes += is_pushing();
     }
     CHECK(pushes >= 20 && pushes <= 27, "it pushed for %d ms after the last write", pushes);

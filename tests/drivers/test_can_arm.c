@@ -17,14 +17,11 @@ static void samples_come_in_turn(void)
     for (int k = 0; k < 300; k++) {
         const uint64_t sequence = state.sequence;
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1 &&
-                  state.sequence == sequence + 1 && state.time_ns > time &&
-                  state.time_ns <= clock_now(),
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1 && state.sequence == sequence + 1 &&
+                  state.time_ns > time && state.time_ns <= clock_now(),
               "%u fresh", state.fresh);
         time = state.time_ns;
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0 &&
-                  state.time_ns == time,
-              "read twice");
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0 && state.time_ns == time, "read twice");
     }
 }
 
@@ -50,22 +47,20 @@ static void open_and_tell(int ambiguous, const char *firmware, const char *seria
           "%u %u %u", info.pose_dofs, info.wrench_dofs, info.joints);
     CHECK(strstr(info.name, firmware), "%s", info.name);
     CHECK(!strcmp(info.serial, serial), "%s", info.serial);
-    CHECK(info.force_max > 4.0 && info.force_max < 12.0 && info.torque_max == 0.0, "%g N",
-          info.force_max);
+    CHECK(info.force_max > 4.0 && info.force_max < 12.0 && info.torque_max == 0.0, "%g N", info.force_max);
     for (int k = 0; k < 3; k++)
         CHECK(info.workspace_min[k] < -0.05 && info.workspace_max[k] > 0.05 &&
                   info.workspace_max[k] - info.workspace_min[k] < 0.81,
               "%g to %g m", info.workspace_min[k], info.workspace_max[k]);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY &&
-              state.reasons == 0 && state.code == 0 && state.temperature == -1.0,
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY && state.reasons == 0 &&
+              state.code == 0 && state.temperature == -1.0,
           "%u %u", state.status, state.reasons);
     CHECK(vec3_within(state.pose.position, 1e-6), "%g %g %g off the middle", state.pose.position[0],
           state.pose.position[1], state.pose.position[2]);
     for (uint32_t k = 0; k < 3; k++) {
         const struct simulate_can_node *node = &simulated.node[k];
-        CHECK(node->state == ODRIVE_STATE_CLOSED_LOOP && node->is_torque_mode &&
-                  node->torque == 0.0f,
-              "node %u: %u", k, node->state);
+        CHECK(node->state == ODRIVE_STATE_CLOSED_LOOP && node->is_torque_mode && node->torque == 0.0f, "node %u: %u", k,
+              node->state);
         CHECK(node->node == simulated.arm.nodes[k], "a node has got another number");
     }
     samples_come_in_turn();
@@ -74,8 +69,7 @@ static void open_and_tell(int ambiguous, const char *firmware, const char *seria
     dpt_device_get_counts(device, &counts);
     CHECK(counts.lost == 0 && counts.damaged == 0 && counts.missed == 0 && counts.resets == 0 &&
               counts.samples >= 300 && counts.samples < 310,
-          "%u lost of %u, %u missed", (unsigned)counts.lost, (unsigned)counts.samples,
-          (unsigned)counts.missed);
+          "%u lost of %u, %u missed", (unsigned)counts.lost, (unsigned)counts.samples, (unsigned)counts.missed);
     finish();
 }
 
@@ -101,11 +95,9 @@ static void the_first_write_may_be_before_the_first_read(void)
     can_tick();
     dpt_arm_efforts(simulated.arm.arm, simulated.arm.middle, &root, efforts);
     for (int k = 0; k < 3; k++)
-        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k] -
-                   efforts[k]) < 1e-5,
+        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k] - efforts[k]) < 1e-5,
               "joint %d gives %g Nm", k, (double)simulated.node[k].torque);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh >= 1 && state.sequence >= 1,
-          "%u", state.fresh);
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh >= 1 && state.sequence >= 1, "%u", state.fresh);
     finish();
 }
 
@@ -120,8 +112,8 @@ static void closes_the_loop(void)
     }
     static const double force[3] = { 0.6, 1.5, -0.9 };
     for (int k = 0; k < 3; k++) {
-        CHECK(fabs(state.pose.position[k] - force[k] / 150.0) < 2e-6, "%c %g, not %g", "xyz"[k],
-              state.pose.position[k], force[k] / 150.0);
+        CHECK(fabs(state.pose.position[k] - force[k] / 150.0) < 2e-6, "%c %g, not %g", "xyz"[k], state.pose.position[k],
+              force[k] / 150.0);
         CHECK(fabs(state.velocity[k]) < 1e-4, "%g m/s", state.velocity[k]);
     }
     for (uint32_t k = 0; k < 3; k++)
@@ -139,8 +131,7 @@ static void closes_the_loop(void)
         const double effort = fabs((double)beyond[k] / simulated.arm.torque_per_effort[k]);
         CHECK(effort <= 2.0 * (1.0 + 1e-6), "joint %d gives %g Nm", k, effort);
         greatest = fmax(greatest, effort);
-        CHECK(fabs((double)beyond[k] * (double)within[0] - (double)within[k] * (double)beyond[0]) <
-                  1e-5,
+        CHECK(fabs((double)beyond[k] * (double)within[0] - (double)within[k] * (double)beyond[0]) < 1e-5,
               "joint %d is not scaled as the others", k);
     }
     CHECK(fabs(greatest - 2.0) < 1e-5, "no joint is at its limit: %g", greatest);
@@ -172,15 +163,13 @@ static void its_weight_is_held_up(void)
     dpt_arm_weight(simulated.arm.arm, simulated.joint, simulated.arm.gravity, weight);
     CHECK(simulated.arm.gravity[2] == -9.80665 && simulated.arm.gravity[0] == 0.0, "gravity");
     for (int k = 0; k < 3; k++)
-        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k] -
-                   weight[k]) < 1e-5,
-              "joint %d: %g Nm for %g", k,
-              (double)simulated.node[k].torque / simulated.arm.torque_per_effort[k], weight[k]);
+        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k] - weight[k]) < 1e-5,
+              "joint %d: %g Nm for %g", k, (double)simulated.node[k].torque / simulated.arm.torque_per_effort[k],
+              weight[k]);
     CHECK(write_up(-1e3) == DPT_OK, "write");
     can_tick();
     for (int k = 0; k < 3; k++)
-        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k]) <=
-                  2.0 + 1e-5,
+        CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k]) <= 2.0 + 1e-5,
               "joint %d is above its limit", k);
     finish();
     /* An arm that is too weak for itself. */
@@ -190,8 +179,7 @@ static void its_weight_is_held_up(void)
         can_tick();
         dpt_device_read(device, &state);
         for (int k = 1; k < 3; k++)
-            CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k]) <=
-                      0.1001,
+            CHECK(fabs((double)simulated.node[k].torque / simulated.arm.torque_per_effort[k]) <= 0.1001,
                   "joint %d is above its limit", k);
     }
     CHECK(is_pushing(), "it gives up");
@@ -204,8 +192,7 @@ static void check_frame(const int from[3], const int sign[3], const char *axes)
     static const double places[3] = { 0.125, -0.0625, 0.03125 }, speeds[3] = { 1, -2, 4 };
     static const double centre[3] = { 0.0625, 0.0, -0.125 };
     char settings[160];
-    snprintf(settings, sizeof settings, "gear=128,128,-64&watchdog=none&centre=0.0625,0,-0.125%s",
-             axes);
+    snprintf(settings, sizeof settings, "gear=128,128,-64&watchdog=none&centre=0.0625,0,-0.125%s", axes);
     simulate(gantry_path, settings);
     simulated.is_kinematic = 1;
     memcpy(simulated.joint, places, sizeof places);
@@ -216,10 +203,10 @@ static void check_frame(const int from[3], const int sign[3], const char *axes)
     dpt_device_read(device, &state);
     const double *q = state.pose.orientation;
     for (int k = 0; k < 3; k++) {
-        CHECK(state.pose.position[k] == sign[k] * (places[from[k]] - centre[from[k]]), "%s: %c %g",
-              axes, "xyz"[k], state.pose.position[k]);
-        CHECK(state.velocity[k] == sign[k] * speeds[from[k]] && state.spin[k] == 0.0,
-              "%s: %c %g m/s", axes, "xyz"[k], state.velocity[k]);
+        CHECK(state.pose.position[k] == sign[k] * (places[from[k]] - centre[from[k]]), "%s: %c %g", axes, "xyz"[k],
+              state.pose.position[k]);
+        CHECK(state.velocity[k] == sign[k] * speeds[from[k]] && state.spin[k] == 0.0, "%s: %c %g m/s", axes, "xyz"[k],
+              state.velocity[k]);
         /* The root's axis that points along k in the device's frame: turned by q it must. */
         const double v[3] = { from[k] == 0, from[k] == 1, from[k] == 2 };
         const double t[3] = { 2 * (q[2] * v[2] - q[3] * v[1]), 2 * (q[3] * v[0] - q[1] * v[2]),
@@ -245,8 +232,7 @@ static void frames_are_as_they_are_set(void)
 {
     /* z is up, and x away from the user, where nothing is said. */
     static const int usual_from[3] = { 1, 2, 0 }, usual_sign[3] = { -1, 1, -1 };
-    static const int orders[6][3] = { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 },
-                                      { 0, 2, 1 }, { 2, 1, 0 }, { 1, 0, 2 } };
+    static const int orders[6][3] = { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 0, 2, 1 }, { 2, 1, 0 }, { 1, 0, 2 } };
     int right_handed = 0;
     error.size = sizeof error;
     check_frame(usual_from, usual_sign, "");
@@ -257,11 +243,7 @@ static void frames_are_as_they_are_set(void)
             for (int k = 0; k < 3; k++) {
                 sign[k] = signs >> k & 1 ? -1 : 1;
                 product *= sign[k];
-                snprintf(axes + strlen(axes), 3, "%s%c",
-                         sign[k] < 0 ? "-"
-                         : k         ? "+"
-                                     : "",
-                         "xyz"[orders[order][k]]);
+                snprintf(axes + strlen(axes), 3, "%s%c", sign[k] < 0 ? "-" : k ? "+" : "", "xyz"[orders[order][k]]);
             }
             right_handed += product > 0;
             if (product > 0)
@@ -293,8 +275,7 @@ static void record_motion(dpt_pose *poses, dpt_wrench *forces)
 {
     dpt_device *sim;
     int places = 0;
-    CHECK(dpt_device_open("sim:?hand=wipe&step=0.000244140625&reach=0.06", &sim, &error) == DPT_OK,
-          "%s", error.text);
+    CHECK(dpt_device_open("sim:?hand=wipe&step=0.000244140625&reach=0.06", &sim, &error) == DPT_OK, "%s", error.text);
     for (int i = 0; i < STEPS; i++) {
         CHECK(dpt_device_read(sim, &state) == DPT_OK && state.fresh == 1, "sim");
         poses[i] = state.pose;
@@ -308,8 +289,7 @@ static void record_motion(dpt_pose *poses, dpt_wrench *forces)
 }
 
 /* The same place and force over both wires, as bits. How many forces were not zero. */
-static uint64_t compare_wires(dpt_device *port, const dpt_pose *pose, const dpt_wrench *force,
-                              int step)
+static uint64_t compare_wires(dpt_device *port, const dpt_pose *pose, const dpt_wrench *force, int step)
 {
     uint64_t seen = 0;
     dpt_wrench wrench = *force;
@@ -328,8 +308,7 @@ static uint64_t compare_wires(dpt_device *port, const dpt_pose *pose, const dpt_
     dpt_device_read(port, &state);
     can_each_ms = each_ms;
     can_tick();
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-          "can");
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "can");
     CHECK(!memcmp(&state.pose, pose, sizeof *pose), "can: pose %d", step);
     for (int k = 0; k < 3; k++)
         wrench.force[k] = 0.37 - 41.7 * state.pose.position[k];
@@ -340,10 +319,10 @@ static uint64_t compare_wires(dpt_device *port, const dpt_pose *pose, const dpt_
     for (int k = 0; k < 3; k++) {
         const float at_motor = (float)force->force[k];
         const float torque = (float)(force->force[k] * (1.0 / (1024.0 * 2.0 * M_PI)));
-        CHECK(!memcmp(&at_port.device.force[k], &at_motor, 4), "serial: %a, not %a",
-              (double)at_port.device.force[k], (double)at_motor);
-        CHECK(!memcmp(&simulated.node[k].torque, &torque, 4), "can: %a, not %a",
-              (double)simulated.node[k].torque, (double)torque);
+        CHECK(!memcmp(&at_port.device.force[k], &at_motor, 4), "serial: %a, not %a", (double)at_port.device.force[k],
+              (double)at_motor);
+        CHECK(!memcmp(&simulated.node[k].torque, &torque, 4), "can: %a, not %a", (double)simulated.node[k].torque,
+              (double)torque);
         seen += at_motor != 0.0f;
     }
     return seen;

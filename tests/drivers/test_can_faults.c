@@ -166,9 +166,7 @@ static void other_host(void)
 
 static void go_mad(void)
 {
-    const struct can_message frame = { .id = 1 << 5 | ODRIVE_ESTIMATES,
-                                       .size = 8,
-                                       .data = { 0, 0, 0xc0, 0x7f } };
+    const struct can_message frame = { .id = 1 << 5 | ODRIVE_ESTIMATES, .size = 8, .data = { 0, 0, 0xc0, 0x7f } };
     socketcan_send(&stranger, &frame, 1);
     simulated.joint[1] = NAN;
 }
@@ -241,8 +239,7 @@ static void cure(const struct fault *fault, dpt_result code)
     if (fault->cause == become_passive)
         CHECK(simulated.node[0].torques == taken, "motors are switched on over a bad bus");
     dpt_device_get_counts(device, &counts);
-    CHECK(counts.resets == (fault->cause == reboot), "%s: %u resets", fault->name,
-          (unsigned)counts.resets);
+    CHECK(counts.resets == (fault->cause == reboot), "%s: %u resets", fault->name, (unsigned)counts.resets);
     if (fault->cure)
         fault->cure();
     pass_ms(2);
@@ -251,10 +248,10 @@ static void cure(const struct fault *fault, dpt_result code)
     dpt_device_read(device, &state);
     CHECK(state.fresh <= 2 && state.sequence > sequence, "%s: %u fresh", fault->name, state.fresh);
     dpt_device_get_counts(device, &counts);
-    CHECK(fault->status == DPT_DEVICE_STATUS_FAULT || counts.lost <= lost + 1,
-          "%s: %u lost while it was opened", fault->name, (unsigned)(counts.lost - lost));
-    CHECK(counts.resets == (fault->cause == reboot || fault->status == DPT_DEVICE_STATUS_LOST),
-          "%s: %u resets", fault->name, (unsigned)counts.resets);
+    CHECK(fault->status == DPT_DEVICE_STATUS_FAULT || counts.lost <= lost + 1, "%s: %u lost while it was opened",
+          fault->name, (unsigned)(counts.lost - lost));
+    CHECK(counts.resets == (fault->cause == reboot || fault->status == DPT_DEVICE_STATUS_LOST), "%s: %u resets",
+          fault->name, (unsigned)counts.resets);
     CHECK(!is_pushing(), "%s: it pushes before it is told to", fault->name);
     CHECK(push_until_it_fails(600) > 600 && is_pushing() && state.reasons == 0 && state.code == 0,
           "%s: it does not work afterwards: %x %x", fault->name, state.reasons, state.code);
@@ -272,8 +269,8 @@ static void provoke(const struct fault *fault)
         can_tick();
         dpt_device_read(device, &state);
     }
-    CHECK(state.status == fault->status && state.code == fault->code, "%s: status %u, code %x",
-          fault->name, state.status, state.code);
+    CHECK(state.status == fault->status && state.code == fault->code, "%s: status %u, code %x", fault->name,
+          state.status, state.code);
     CHECK((state.reasons & fault->reasons) == fault->reasons, "%s: %x", fault->name, state.reasons);
     const dpt_result code = fault->status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_E_NOT_READY;
     CHECK(write_up(1.0) == code, "%s: it takes a force", fault->name);
@@ -286,21 +283,17 @@ static void provoke(const struct fault *fault)
                   state.status == fault->status && write_up(1.0) == code && !is_pushing(),
               "%s: it comes back by itself", fault->name);
     }
-    const int is_estop =
-        fault->status == DPT_DEVICE_STATUS_LOST || fault->reasons == DPT_REASON_ESTOP;
+    const int is_estop = fault->status == DPT_DEVICE_STATUS_LOST || fault->reasons == DPT_REASON_ESTOP;
     for (uint32_t i = 0; i < 3 && !fault->keeps_force; i++) {
         CHECK(simulated.node[i].torque == 0.0f, "%s: motor %u was not told zero", fault->name, i);
-        CHECK(is_estop || !(simulated.node[i].errors & 0x2000000), "%s: motor %u has an estop",
-              fault->name, i);
+        CHECK(is_estop || !(simulated.node[i].errors & 0x2000000), "%s: motor %u has an estop", fault->name, i);
         CHECK(fault->status != DPT_DEVICE_STATUS_LOST || simulated.node[i].errors & 0x2000000,
               "%s: motor %u has no estop", fault->name, i);
     }
     dpt_device_get_counts(device, &counts);
-    CHECK((counts.refused > 0) ==
-              (fault->cause == fill_up || fault->cause == shut || fault->cause == unplug),
+    CHECK((counts.refused > 0) == (fault->cause == fill_up || fault->cause == shut || fault->cause == unplug),
           "%s: %u refused", fault->name, (unsigned)counts.refused);
-    CHECK((counts.damaged > 0) == (fault->cause == go_mad), "%s: %u damaged", fault->name,
-          (unsigned)counts.damaged);
+    CHECK((counts.damaged > 0) == (fault->cause == go_mad), "%s: %u damaged", fault->name, (unsigned)counts.damaged);
     cure(fault, code);
     socketcan_close(&stranger);
     finish();
@@ -392,8 +385,7 @@ static void clearing_begins_with_a_stop(void)
     start(elbow_path, ELBOW);
     CHECK(push_until_it_fails(20) > 20, "begin");
     shut();
-    CHECK(push_until_it_fails(2) <= 2 && state.status == DPT_DEVICE_STATUS_LOST, "%u",
-          state.status);
+    CHECK(push_until_it_fails(2) <= 2 && state.status == DPT_DEVICE_STATUS_LOST, "%u", state.status);
     pass_ms(1);
     CHECK(is_pushing(), "it can be told to stop");
     mend();
@@ -414,8 +406,8 @@ static void a_fault_is_not_taken_for_silence(void)
     uint32_t fresh = 0;
     for (int i = 0; i < 200; i++) {
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK &&
-                  state.status == DPT_DEVICE_STATUS_FAULT && state.code == 0x2000 && !is_pushing(),
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_FAULT &&
+                  state.code == 0x2000 && !is_pushing(),
               "%d ms: status %u, code %x", i, state.status, state.code);
         fresh += state.fresh;
     }
@@ -440,8 +432,7 @@ static void a_twin_after_a_pause_is_found(void)
     simulated.node[1].heartbeat_ticks = 100;
     CHECK(push_until_it_fails(20) > 20, "a pause is no fault with silent=5: %x", state.code);
     simulated.node[1].copies = 2;
-    CHECK(push_until_it_fails(220) <= 220 && (state.code & 0xff) == CAN_CODE_DUPLICATE, "%x",
-          state.code);
+    CHECK(push_until_it_fails(220) <= 220 && (state.code & 0xff) == CAN_CODE_DUPLICATE, "%x", state.code);
     simulated.node[1].copies = 1;
     finish();
 }
@@ -453,14 +444,12 @@ static void parts_are_asked_for_their_errors(void)
     CHECK(push_until_it_fails(20) > 20, "begin");
     simulated.node[1].motor_errors = 0x1000;
     CHECK(push_until_it_fails(101) <= 101, "not found");
-    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && state.reasons & DPT_REASON_DEVICE, "%x",
-          state.reasons);
+    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && state.reasons & DPT_REASON_DEVICE, "%x", state.reasons);
     for (int i = 0; i < 3; i++) {
         can_tick();
         dpt_device_read(device, &state);
     }
-    CHECK(state.reasons & DPT_REASON_OVERLOADED && state.code == 0x1000, "%x %x", state.reasons,
-          state.code);
+    CHECK(state.reasons & DPT_REASON_OVERLOADED && state.code == 0x1000, "%x %x", state.reasons, state.code);
     CHECK(!is_pushing(), "it pushes");
     CHECK(clear() == DPT_OK, "clear");
     finish();
@@ -475,8 +464,7 @@ static void a_storm_of_errors_hides_nothing(void)
             bus_has_error(CAN_ERR_BUSERROR | CAN_ERR_ACK, 0);
         CHECK(write_up(1.0) == DPT_OK, "write");
         can_tick();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1 &&
-                  state.status == DPT_DEVICE_STATUS_READY,
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1 && state.status == DPT_DEVICE_STATUS_READY,
               "%u fresh, %x", state.fresh, state.code);
     }
     finish();
@@ -505,8 +493,7 @@ static void nonsense_does_no_harm(void)
         CHECK(vec3_within(state.pose.position, 1.0) && vec3_within(state.velocity, 1e300) &&
                   fabs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0) < 1e-9,
               "cycle %d: a pose that cannot be", i);
-        CHECK(state.status <= DPT_DEVICE_STATUS_READY &&
-                  !state.reasons == (state.status == DPT_DEVICE_STATUS_READY),
+        CHECK(state.status <= DPT_DEVICE_STATUS_READY && !state.reasons == (state.status == DPT_DEVICE_STATUS_READY),
               "cycle %d: %u, %x", i, state.status, state.reasons);
         if (state.status == DPT_DEVICE_STATUS_READY)
             continue;

@@ -165,8 +165,7 @@ static void one_that_comes_late_is_asked_too(void)
         }
         simulated.ticks = 37; /* its heartbeat is between two questions */
         can_each_ms = each_ms_of_a_late_one;
-        CHECK(open_at(where_of(elbow_path, ELBOW)) == DPT_OK, "0.%u: %s", generations[i],
-              error.text);
+        CHECK(open_at(where_of(elbow_path, ELBOW)) == DPT_OK, "0.%u: %s", generations[i], error.text);
         if (!device)
             return;
         dpt_device_get_info(device, &info);
@@ -213,8 +212,8 @@ static void motors_that_are_on_are_told_their_mode(void)
         CHECK(open_at(where_of(elbow_path, ELBOW)) == DPT_OK, "%s", error.text);
         CHECK(times_full > 0, "there was room for all");
         for (int i = 0; i < 3; i++)
-            CHECK(simulated.node[i].is_torque_mode && !is_pushing(), "beat at %u: motor %d is not",
-                  (unsigned)beat_at, i);
+            CHECK(simulated.node[i].is_torque_mode && !is_pushing(), "beat at %u: motor %d is not", (unsigned)beat_at,
+                  i);
         can_fate = NULL;
         if (device)
             finish();
@@ -225,8 +224,7 @@ static void motors_that_are_on_are_told_their_mode(void)
 static void each_ms_until_on(void)
 {
     struct simulate_can_node *node = simulated.node;
-    const int on = node[0].state == ODRIVE_STATE_CLOSED_LOOP &&
-                   node[1].state == ODRIVE_STATE_CLOSED_LOOP &&
+    const int on = node[0].state == ODRIVE_STATE_CLOSED_LOOP && node[1].state == ODRIVE_STATE_CLOSED_LOOP &&
                    node[2].state == ODRIVE_STATE_CLOSED_LOOP;
     node[1].estimate_ticks = !on;
     each_ms();
@@ -282,9 +280,8 @@ static void every_call_may_fail(void)
             walked++;
             if (opened != DPT_OK) {
                 refusals++;
-                CHECK(device == NULL && error.text[0] && can_held_open == 0,
-                      "call %d, error %d: %s, %d left", number, can_fail_errno, error.text,
-                      can_held_open);
+                CHECK(device == NULL && error.text[0] && can_held_open == 0, "call %d, error %d: %s, %d left", number,
+                      can_fail_errno, error.text, can_held_open);
                 continue;
             }
             for (int i = 0; i < 5; i++) {
@@ -293,10 +290,8 @@ static void every_call_may_fail(void)
                 const dpt_result put = write_up(0.1);
                 can_watched = 0;
                 can_tick();
-                CHECK(got == DPT_OK || got == DPT_E_LOST, "call %d, error %d: read %d", number,
-                      can_fail_errno, got);
-                CHECK(put == DPT_OK || put == DPT_E_LOST || put == DPT_E_BUSY ||
-                          put == DPT_E_NOT_READY,
+                CHECK(got == DPT_OK || got == DPT_E_LOST, "call %d, error %d: read %d", number, can_fail_errno, got);
+                CHECK(put == DPT_OK || put == DPT_E_LOST || put == DPT_E_BUSY || put == DPT_E_NOT_READY,
                       "call %d, error %d: write %d", number, can_fail_errno, put);
             }
             clear();
@@ -320,26 +315,21 @@ static void without_a_watchdog_there_is_no_force(void)
     static const struct {
         const char *settings;
         int gives_force;
-    } cases[] = { { "gear=8,-8,10", 0 },
-                  { "gear=8,-8,10&watchdog=none", 1 },
-                  { "gear=8,-8,10&watchdog=0.02", 1 } };
+    } cases[] = { { "gear=8,-8,10", 0 }, { "gear=8,-8,10&watchdog=none", 1 }, { "gear=8,-8,10&watchdog=0.02", 1 } };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         dpt_device_info info = { .size = sizeof info };
         int pushed = 0;
         start(elbow_path, cases[i].settings);
-        CHECK(error.code == DPT_OK &&
-                  (strstr(error.text, "?watchdog=none") == NULL) == cases[i].gives_force,
+        CHECK(error.code == DPT_OK && (strstr(error.text, "?watchdog=none") == NULL) == cases[i].gives_force,
               "%s: '%s'", cases[i].settings, error.text);
         dpt_device_get_info(device, &info);
-        CHECK(info.wrench_dofs == (cases[i].gives_force ? 3 : 0) &&
-                  (info.force_max > 0.0) == cases[i].gives_force,
+        CHECK(info.wrench_dofs == (cases[i].gives_force ? 3 : 0) && (info.force_max > 0.0) == cases[i].gives_force,
               "%s: %u freedoms, %g N", cases[i].settings, info.wrench_dofs, info.force_max);
         for (int k = 0; k < 200; k++) {
             CHECK(write_up(1.0) == DPT_OK, "write");
             can_tick();
-            CHECK(dpt_device_read(device, &state) == DPT_OK &&
-                      state.status == DPT_DEVICE_STATUS_READY,
-                  "%s: %u", cases[i].settings, state.status);
+            CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "%s: %u",
+                  cases[i].settings, state.status);
             pushed += is_pushing();
         }
         CHECK((pushed > 150) == cases[i].gives_force && (pushed > 0) == cases[i].gives_force,

@@ -35,8 +35,7 @@ static struct still still;
 static int is_newer;
 static dpt_result opening;
 
-static dpt_result still_open(const dpt_driver *driver, const char *where, dpt_device **device,
-                             dpt_device_error *error)
+static dpt_result still_open(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
 {
     (void)driver, (void)where;
     if (opening == DPT_OK) {
@@ -58,10 +57,8 @@ static dpt_result still_open(const dpt_driver *driver, const char *where, dpt_de
 
 static void still_info(const dpt_device *device, dpt_device_info *info)
 {
-    struct newer_info all = {
-        .now = { .size = sizeof all, .rate = 1000.0, .workspace_max = { 1, 1, 1 } },
-        .later = { 7, 7, 7, 7 }
-    };
+    struct newer_info all = { .now = { .size = sizeof all, .rate = 1000.0, .workspace_max = { 1, 1, 1 } },
+                              .later = { 7, 7, 7, 7 } };
     still.sizes += info->size != sizeof *info || device != &still.device;
     memcpy(info, &all, is_newer ? sizeof all : sizeof *info);
 }
@@ -286,10 +283,8 @@ static void structs_of_any_size(void)
     dpt_device_info good = { .size = sizeof good, .workspace_max = { 1, 1, 1 } };
     dpt_coupling_def def;
     dpt_coupling_def_init(&def);
-    const struct sized of_coupling = { "dpt_device_info of a coupling", WHOLE(dpt_device_info),
-                                       coupling_of };
-    const struct sized of_def = { "dpt_coupling_def to fill", WHOLE(dpt_coupling_def),
-                                  fill_coupling };
+    const struct sized of_coupling = { "dpt_device_info of a coupling", WHOLE(dpt_device_info), coupling_of };
+    const struct sized of_def = { "dpt_coupling_def to fill", WHOLE(dpt_coupling_def), fill_coupling };
     check_input(&of_coupling, &good);
     check_input(&of_def, &def);
     const struct sized of_map = { "dpt_device_info to map", WHOLE(dpt_device_info), map };
@@ -312,16 +307,14 @@ static void loop_defaults(void *def, size_t size)
 static void loops_of_any_size(void)
 {
     const struct sized of_def = { "dpt_loop_def", WHOLE(dpt_loop_def), loop_def };
-    const struct sized of_guard = { "dpt_guard_def of a loop", WHOLE(dpt_guard_def),
-                                    guard_def_of_a_loop };
+    const struct sized of_guard = { "dpt_guard_def of a loop", WHOLE(dpt_guard_def), guard_def_of_a_loop };
     const struct sized of_defaults = { "dpt_loop_def", WHOLE(dpt_loop_def), NULL };
     const dpt_loop_def good = a_loop_def();
     dpt_loop_def defaults;
     dpt_guard_def guard;
     dpt_loop_def_init(&defaults);
     dpt_guard_def_init(&guard);
-    CHECK(defaults.size == sizeof defaults && defaults.priority == 80 && defaults.lock == 1 &&
-              !defaults.guard,
+    CHECK(defaults.size == sizeof defaults && defaults.priority == 80 && defaults.lock == 1 && !defaults.guard,
           "priority %u, lock %u", defaults.priority, defaults.lock);
     check_input(&of_def, &good);
     check_input(&of_guard, &guard);
@@ -339,8 +332,8 @@ static void recorders_of_any_size(void)
     const struct sized of_defaults = { "dpt_recorder_def", WHOLE(dpt_recorder_def), NULL };
     dpt_recorder_def defaults;
     dpt_recorder_def_init(&defaults);
-    CHECK(defaults.size == sizeof defaults && defaults.capacity == 4096 && !defaults.wait,
-          "%u records", defaults.capacity);
+    CHECK(defaults.size == sizeof defaults && defaults.capacity == 4096 && !defaults.wait, "%u records",
+          defaults.capacity);
     check_input(&of_def, &defaults);
     check_defaults(&of_defaults, recorder_defaults, &defaults);
 }
@@ -356,17 +349,16 @@ static void a_device_fills_a_coupling(void)
     def.loop_delay = 1e-4;
     info.wrench_dofs = 6;
     info.rate = 2000;
-    double *const told[] = { &info.mass,          &info.inertia,    &info.damping,
-                             &info.spin_damping,  &info.friction,   &info.spin_friction,
-                             &info.position_step, &info.angle_step, &info.delay,
-                             &info.force_max,     &info.torque_max, &info.stiffness_max };
+    double *const told[] = { &info.mass,     &info.inertia,       &info.damping,       &info.spin_damping,
+                             &info.friction, &info.spin_friction, &info.position_step, &info.angle_step,
+                             &info.delay,    &info.force_max,     &info.torque_max,    &info.stiffness_max };
     for (int i = 0; i < 12; i++)
         *told[i] = 0.001 * (i + 1);
     CHECK(dpt_device_fill_coupling(&info, &def) == DPT_OK, "fill");
     for (int i = 0; i < 12; i++)
         CHECK((&def.mass)[i] == 0.001 * (i + 1), "field %d: %g", i, (&def.mass)[i]);
-    CHECK(def.has_torque == 1 && def.rate == 2000 && def.zoom == 3 && def.stiffness == 70 &&
-              def.loop_delay == 1e-4 && def.gain_margin == 1.5 && def.size == sizeof def,
+    CHECK(def.has_torque == 1 && def.rate == 2000 && def.zoom == 3 && def.stiffness == 70 && def.loop_delay == 1e-4 &&
+              def.gain_margin == 1.5 && def.size == sizeof def,
           "rate %g, zoom %g", def.rate, def.zoom);
     info.wrench_dofs = 3;
     CHECK(dpt_device_fill_coupling(&info, &def) == DPT_OK && def.has_torque == 0, "force alone");
@@ -382,18 +374,16 @@ static void drivers_fill_in_their_own_structs(void)
         dpt_device_error error = { .size = sizeof error };
         dpt_device_info told = { .size = sizeof told };
         dpt_device_counts counted = { .size = sizeof counted };
-        CHECK(dpt_device_open_with(&still_driver, NULL, &device, &error) == DPT_OK &&
-                  error.code == DPT_OK && error.size == sizeof error,
+        CHECK(dpt_device_open_with(&still_driver, NULL, &device, &error) == DPT_OK && error.code == DPT_OK &&
+                  error.size == sizeof error,
               "open");
-        CHECK(strlen(error.text) == (is_newer ? sizeof error.text - 1 : strlen("it was opened")),
-              "%d characters", (int)strlen(error.text));
+        CHECK(strlen(error.text) == (is_newer ? sizeof error.text - 1 : strlen("it was opened")), "%d characters",
+              (int)strlen(error.text));
         const dpt_device_state sample = state_of(device);
         CHECK(sample.size == sizeof sample && sample.fresh == 1 && sample.joint[0] == 1.0 &&
                   sample.joint[DPT_JOINTS_MAX - 1] == DPT_JOINTS_MAX,
               "a sample");
-        CHECK(dpt_device_get_info(device, &told) == DPT_OK && told.rate == 1000.0 &&
-                  told.size == sizeof told,
-              "info");
+        CHECK(dpt_device_get_info(device, &told) == DPT_OK && told.rate == 1000.0 && told.size == sizeof told, "info");
         CHECK(dpt_device_get_counts(device, &counted) == DPT_OK && counted.resets == 9 &&
                   counted.size == sizeof counted,
               "counts");
@@ -405,8 +395,7 @@ static void drivers_fill_in_their_own_structs(void)
 static void the_librarys_part_of_a_device_is_its_own(void)
 {
     CHECK(dpt_device_open_with(&still_driver, NULL, &device, NULL) == DPT_OK, "open");
-    CHECK(device->driver == &still_driver && !device->reserved[0] && !device->reserved[1] &&
-              !device->reserved[2],
+    CHECK(device->driver == &still_driver && !device->reserved[0] && !device->reserved[1] && !device->reserved[2],
           "what the driver left there stays");
     dpt_device_close(device);
 }
@@ -439,8 +428,8 @@ static void drivers_of_any_size(void)
         newer.now.size = cases[i].size;
         newer.now.version = cases[i].version;
         dpt_result result = dpt_device_open_with(&newer.now, NULL, &device, &error);
-        CHECK(result == cases[i].result && error.code == result, "size %u, version %u: %s",
-              cases[i].size, cases[i].version, dpt_result_name(result));
+        CHECK(result == cases[i].result && error.code == result, "size %u, version %u: %s", cases[i].size,
+              cases[i].version, dpt_result_name(result));
         if (result == DPT_OK)
             CHECK(state_of(device).fresh == 1, "size %u: no sample", cases[i].size);
     }

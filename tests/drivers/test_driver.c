@@ -18,8 +18,7 @@ struct probe {
 
 static struct probe probe;
 
-static dpt_result probe_open(const dpt_driver *driver, const char *where, dpt_device **device,
-                             dpt_device_error *error)
+static dpt_result probe_open(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
 {
     (void)driver, (void)error;
     probe.knows_where = where != NULL;
@@ -94,20 +93,12 @@ static void a_driver_from_outside_is_used(void)
     dpt_device_counts counts = { .size = sizeof counts, .samples = 4 };
     dpt_wrench wrench = { { 1.0, 2.0, 3.0 }, { 0.1, 0.2, 0.3 } };
     memset(&probe, 0, sizeof probe);
-    CHECK(dpt_device_open_with(&probe_driver, "here?x=1", &device, NULL) == DPT_OK &&
-              device == &probe.device,
-          "open");
+    CHECK(dpt_device_open_with(&probe_driver, "here?x=1", &device, NULL) == DPT_OK && device == &probe.device, "open");
     CHECK(device->driver == &probe_driver && !strcmp(probe.where, "here?x=1"), "%s", probe.where);
     CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.rate == 2000.0, "info");
-    CHECK(dpt_device_get_counts(device, &counts) == DPT_OK && counts.samples == 0 &&
-              counts.resets == 9,
-          "counts");
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 3 &&
-              state.size == sizeof state,
-          "read");
-    CHECK(dpt_device_write(device, &wrench) == DPT_OK &&
-              !memcmp(&probe.written, &wrench, sizeof wrench),
-          "write");
+    CHECK(dpt_device_get_counts(device, &counts) == DPT_OK && counts.samples == 0 && counts.resets == 9, "counts");
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 3 && state.size == sizeof state, "read");
+    CHECK(dpt_device_write(device, &wrench) == DPT_OK && !memcmp(&probe.written, &wrench, sizeof wrench), "write");
     wrench.torque[2] = NAN;
     CHECK(dpt_device_write(device, &wrench) == DPT_E_FINITE && probe.written.force[0] == 0.0 &&
               probe.written.torque[0] == 0.0 && probe.writes == 2,
@@ -116,20 +107,16 @@ static void a_driver_from_outside_is_used(void)
     for (int i = 0; i < 4; i++) {
         probe.answer = answers[i];
         wrench.torque[2] = 0.0;
-        CHECK(dpt_device_read(device, &state) == answers[i] && state.fresh == 0, "fresh with %d",
+        CHECK(dpt_device_read(device, &state) == answers[i] && state.fresh == 0, "fresh with %d", answers[i]);
+        CHECK((state.status == DPT_DEVICE_STATUS_LOST) == (answers[i] == DPT_E_LOST), "status with %d", answers[i]);
+        CHECK(dpt_device_write(device, &wrench) == answers[i] && dpt_device_clear(device) == answers[i], "%d",
               answers[i]);
-        CHECK((state.status == DPT_DEVICE_STATUS_LOST) == (answers[i] == DPT_E_LOST),
-              "status with %d", answers[i]);
-        CHECK(dpt_device_write(device, &wrench) == answers[i] &&
-                  dpt_device_clear(device) == answers[i],
-              "%d", answers[i]);
     }
     dpt_device_close(device);
     dpt_device_close(NULL);
     CHECK(probe.closes == 1, "%d closes", probe.closes);
     probe.answer = DPT_OK;
-    CHECK(dpt_device_open_with(&probe_driver, "", &device, NULL) == DPT_OK && !probe.knows_where,
-          "an empty place");
+    CHECK(dpt_device_open_with(&probe_driver, "", &device, NULL) == DPT_OK && !probe.knows_where, "an empty place");
 }
 
 static void incomplete_drivers_are_refused(void)
@@ -160,8 +147,7 @@ static void incomplete_drivers_are_refused(void)
         if (i == 9)
             driver.close = NULL;
         device = &probe.device;
-        CHECK(dpt_device_open_with(&driver, NULL, &device, &error) == DPT_E_UNSUPPORTED && !device,
-              "case %d", i);
+        CHECK(dpt_device_open_with(&driver, NULL, &device, &error) == DPT_E_UNSUPPORTED && !device, "case %d", i);
         CHECK(error.code == DPT_E_UNSUPPORTED && error.text[0], "case %d: %s", i, error.text);
     }
     probe.answer = DPT_E_DEVICE;
@@ -169,8 +155,7 @@ static void incomplete_drivers_are_refused(void)
           "success without a device: %s", error.text);
     probe.answer = DPT_E_PERMISSION;
     CHECK(dpt_device_open_with(&probe_driver, NULL, &device, &error) == DPT_E_PERMISSION &&
-              !strcmp(error.text, dpt_result_text(DPT_E_PERMISSION)) &&
-              error.code == DPT_E_PERMISSION,
+              !strcmp(error.text, dpt_result_text(DPT_E_PERMISSION)) && error.code == DPT_E_PERMISSION,
           "a driver without words: %s", error.text);
 }
 
@@ -183,15 +168,12 @@ static void names_choose_a_driver(void)
         CHECK(dpt_driver_named(driver->name) == driver && driver->about[0], "%s", driver->name);
         CHECK(!strchr(driver->name, ':') && !strchr(driver->about, '\n'), "%s", driver->name);
     }
-    CHECK(count >= 2 && !dpt_driver_at(count + 1) && !dpt_driver_at(UINT32_MAX), "%u drivers",
-          count);
-    CHECK(!dpt_driver_named("si") && !dpt_driver_named("sim:") && !dpt_driver_named("") &&
-              !dpt_driver_named(NULL),
+    CHECK(count >= 2 && !dpt_driver_at(count + 1) && !dpt_driver_at(UINT32_MAX), "%u drivers", count);
+    CHECK(!dpt_driver_named("si") && !dpt_driver_named("sim:") && !dpt_driver_named("") && !dpt_driver_named(NULL),
           "no such driver");
     static const char *const wrong[] = { "", ":", "si", "simm", "nonesuch:/dev/x", "SIM" };
     for (int i = 0; i < 6; i++) {
-        CHECK(dpt_device_open(wrong[i], &device, &error) == DPT_E_UNSUPPORTED && !device, "'%s'",
-              wrong[i]);
+        CHECK(dpt_device_open(wrong[i], &device, &error) == DPT_E_UNSUPPORTED && !device, "'%s'", wrong[i]);
         CHECK(strstr(error.text, "no driver"), "'%s': %s", wrong[i], error.text);
     }
     CHECK(dpt_device_open(NULL, &device, &error) == DPT_E_ARGUMENT, "NULL");
@@ -199,8 +181,7 @@ static void names_choose_a_driver(void)
     CHECK(dpt_device_open_with(NULL, NULL, &device, &error) == DPT_E_ARGUMENT, "no driver");
     error.size = 4;
     CHECK(dpt_device_open("sim", &device, &error) == DPT_E_SIZE, "an error of another size");
-    CHECK(dpt_device_open_with(&probe_driver, NULL, &device, &error) == DPT_E_SIZE,
-          "an error of another size");
+    CHECK(dpt_device_open_with(&probe_driver, NULL, &device, &error) == DPT_E_SIZE, "an error of another size");
 }
 
 static double mass_of(const char *where, const char *path)
@@ -215,10 +196,8 @@ static double mass_of(const char *where, const char *path)
 /* One file for all that was measured of a device, and calibrated. */
 static void settings_come_from_a_file(void)
 {
-    const struct small_file file =
-        file_with("# measured\nmass=0.25\nmass_low=0.2\nmass_high=0.3\n\ndamping=2\r\n");
-    CHECK(mass_of("sim:?settings=%s", file.path) == 0.25, "%g kg",
-          mass_of("sim:?settings=%s", file.path));
+    const struct small_file file = file_with("# measured\nmass=0.25\nmass_low=0.2\nmass_high=0.3\n\ndamping=2\r\n");
+    CHECK(mass_of("sim:?settings=%s", file.path) == 0.25, "%g kg", mass_of("sim:?settings=%s", file.path));
     CHECK(mass_of("sim:?settings=%s&mass=0.5", file.path) == 0.5, "what comes later counts");
     CHECK(mass_of("sim:?mass=0.5&settings=%s", file.path) == 0.25, "what comes later counts");
     unlink(file.path);
@@ -238,12 +217,11 @@ static void settings_come_from_a_file(void)
         dpt_device *device;
         dpt_device_error error = { .size = sizeof error };
         snprintf(name, sizeof name, "sim:?settings=%s", bad.path);
-        CHECK(dpt_device_open(name, &device, &error) == wrong[i].code &&
-                  strstr(error.text, wrong[i].reason) && strstr(error.text, bad.path),
+        CHECK(dpt_device_open(name, &device, &error) == wrong[i].code && strstr(error.text, wrong[i].reason) &&
+                  strstr(error.text, bad.path),
               "case %zu: %s", i, error.text);
         unlink(bad.path);
-        CHECK(dpt_device_open(name, &device, &error) == DPT_E_OPEN &&
-                  strstr(error.text, "it cannot be opened"),
+        CHECK(dpt_device_open(name, &device, &error) == DPT_E_OPEN && strstr(error.text, "it cannot be opened"),
               "no file: %s", error.text);
     }
 }
@@ -255,22 +233,16 @@ static void wrong_arguments_are_codes(void)
     dpt_device_state state = { .size = 4 };
     dpt_device_counts counts = { .size = 4 };
     dpt_wrench wrench = { { 0.0 }, { 0.0 } };
-    CHECK(dpt_device_get_info(device, &info) == DPT_E_SIZE &&
-              dpt_device_read(device, &state) == DPT_E_SIZE &&
+    CHECK(dpt_device_get_info(device, &info) == DPT_E_SIZE && dpt_device_read(device, &state) == DPT_E_SIZE &&
               dpt_device_get_counts(device, &counts) == DPT_E_SIZE,
           "sizes");
-    CHECK(dpt_device_get_info(device, NULL) == DPT_E_ARGUMENT &&
-              dpt_device_get_info(NULL, &info) == DPT_E_ARGUMENT,
+    CHECK(dpt_device_get_info(device, NULL) == DPT_E_ARGUMENT && dpt_device_get_info(NULL, &info) == DPT_E_ARGUMENT,
           "info");
-    CHECK(dpt_device_read(device, NULL) == DPT_E_ARGUMENT &&
-              dpt_device_read(NULL, &state) == DPT_E_ARGUMENT,
-          "read");
-    CHECK(dpt_device_write(device, NULL) == DPT_E_ARGUMENT &&
-              dpt_device_write(NULL, &wrench) == DPT_E_ARGUMENT,
+    CHECK(dpt_device_read(device, NULL) == DPT_E_ARGUMENT && dpt_device_read(NULL, &state) == DPT_E_ARGUMENT, "read");
+    CHECK(dpt_device_write(device, NULL) == DPT_E_ARGUMENT && dpt_device_write(NULL, &wrench) == DPT_E_ARGUMENT,
           "write");
     CHECK(dpt_device_get_counts(device, NULL) == DPT_E_ARGUMENT &&
-              dpt_device_get_counts(NULL, &counts) == DPT_E_ARGUMENT &&
-              dpt_device_clear(NULL) == DPT_E_ARGUMENT,
+              dpt_device_get_counts(NULL, &counts) == DPT_E_ARGUMENT && dpt_device_clear(NULL) == DPT_E_ARGUMENT,
           "counts, clear");
     dpt_device_close(device);
     CHECK(!strcmp(dpt_device_status_name(DPT_DEVICE_STATUS_READY), "ready") &&
@@ -278,8 +250,7 @@ static void wrong_arguments_are_codes(void)
               !strcmp(dpt_device_status_name(4), "?"),
           "names of statuses");
     CHECK(!dpt_device_reason_name(0) && !dpt_device_reason_name(1u << 31), "names of no reason");
-    CHECK(!strcmp(dpt_device_reason_name(DPT_REASON_ESTOP | DPT_REASON_DEVICE), "estop"),
-          "the lowest bit");
+    CHECK(!strcmp(dpt_device_reason_name(DPT_REASON_ESTOP | DPT_REASON_DEVICE), "estop"), "the lowest bit");
 }
 
 struct finding {
@@ -294,12 +265,10 @@ static void reasons_without_a_name_are_the_devices_own(void)
     probe.answer = DPT_OK;
     CHECK(dpt_device_open_with(&probe_driver, NULL, &device, NULL) == DPT_OK, "open");
     probe.reasons = DPT_REASON_ESTOP | DPT_REASON_DOCKED;
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.reasons == probe.reasons, "%x",
-          state.reasons);
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.reasons == probe.reasons, "%x", state.reasons);
     for (uint32_t bit = 2u * DPT_REASON_DOCKED; bit; bit <<= 1) {
         probe.reasons = DPT_REASON_ESTOP | bit;
-        CHECK(dpt_device_read(device, &state) == DPT_OK &&
-                  state.reasons == (DPT_REASON_ESTOP | DPT_REASON_DEVICE),
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.reasons == (DPT_REASON_ESTOP | DPT_REASON_DEVICE),
               "%x of %x", state.reasons, probe.reasons);
         for (uint32_t left = state.reasons; left; left &= left - 1)
             CHECK(dpt_device_reason_name(left) != NULL, "%x has no name", left);
@@ -313,8 +282,7 @@ static void found_one(void *user, const dpt_driver *driver, const char *where, c
     struct finding *finding = user;
     dpt_device *device;
     CHECK(where && about && about[0], "%s: found without words", driver->name);
-    CHECK(dpt_device_open_with(driver, where, &device, NULL) == DPT_OK, "%s:%s does not open",
-          driver->name, where);
+    CHECK(dpt_device_open_with(driver, where, &device, NULL) == DPT_OK, "%s:%s does not open", driver->name, where);
     dpt_device_close(device);
     finding->count++;
 }

@@ -9,8 +9,8 @@ static const struct hd_library *hd;
 static void expect_error(unsigned code, unsigned which)
 {
     const hd_error got = hd->hdGetError();
-    CHECK(got.code == code && (code == HD_SUCCESS || got.device == which), "0x%x of %u, not 0x%x",
-          got.code, got.device, code);
+    CHECK(got.code == code && (code == HD_SUCCESS || got.device == which), "0x%x of %u, not 0x%x", got.code, got.device,
+          code);
 }
 
 static void the_last_error_comes_first(void)

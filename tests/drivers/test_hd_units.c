@@ -24,8 +24,8 @@ static void constants_and_signatures_are_written_twice(void)
     CHECK((0 HD_FUNCTIONS(ONE, ONE)) >= 22, "%d functions", 0 HD_FUNCTIONS(ONE, ONE));
 #undef ONE
     for (int i = 0; i < count; i++)
-        CHECK(strlen(constants[i].sources) >= 5 && constants[i].sources[0] == 'A', "%s has only %s",
-              constants[i].name, constants[i].sources);
+        CHECK(strlen(constants[i].sources) >= 5 && constants[i].sources[0] == 'A', "%s has only %s", constants[i].name,
+              constants[i].sources);
 }
 
 /* As the vendor's utilities say, and the impulse beside the other forces. */
@@ -39,8 +39,8 @@ static void errors_are_told_apart(void)
         schedulers += dpt_hd_is_scheduler_error(code);
     }
     for (int i = 0; i < 5; i++)
-        CHECK(dpt_hd_is_force_error(force[i]) == 1 && dpt_hd_is_scheduler_error(scheduler[i]) == 1,
-              "%x, %x", force[i], scheduler[i]);
+        CHECK(dpt_hd_is_force_error(force[i]) == 1 && dpt_hd_is_scheduler_error(scheduler[i]) == 1, "%x, %x", force[i],
+              scheduler[i]);
     CHECK(forces == 5 && schedulers == 5, "%d, %d", forces, schedulers);
     CHECK(!dpt_hd_is_force_error(UINT32_MAX) && !dpt_hd_is_scheduler_error(UINT32_MAX), "none");
 }
@@ -52,8 +52,7 @@ static void lengths_are_rounded_once(void)
         double metres[3], mm[3], back[3];
         for (int k = 0; k < 3; k++)
             metres[k] = random_in(&seed, -1.0, 1.0) * pow(10.0, random_in(&seed, -9.0, 5.0));
-        CHECK(dpt_hd_to_millimetres(metres, mm) == DPT_OK && dpt_hd_to_metres(mm, back) == DPT_OK,
-              "%g", metres[0]);
+        CHECK(dpt_hd_to_millimetres(metres, mm) == DPT_OK && dpt_hd_to_metres(mm, back) == DPT_OK, "%g", metres[0]);
         for (int k = 0; k < 3; k++) {
             CHECK(mm[k] == 1000.0 * metres[k] && back[k] == mm[k] / 1000.0, "%.17g", metres[k]);
             CHECK(fabs(back[k] - metres[k]) <= 0x1p-52 * fabs(metres[k]), "%.17g", metres[k]);
@@ -63,23 +62,20 @@ static void lengths_are_rounded_once(void)
         dpt_hd_to_millimetres(metres, metres);
         dpt_hd_to_metres(metres, back);
         for (int k = 0; k < 3; k++)
-            CHECK(back[k] * 0x1p20 == floor(back[k] * 0x1p20) && back[k] * 1000.0 == metres[k],
-                  "%.17g", back[k]);
+            CHECK(back[k] * 0x1p20 == floor(back[k] * 0x1p20) && back[k] * 1000.0 == metres[k], "%.17g", back[k]);
     }
     double good[3] = { 1.0, 2.0, 3.0 }, out[3] = { 7.0, 7.0, 7.0 };
     const double wrong[] = { NAN, INFINITY, -INFINITY, 2e9 };
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++) {
             good[k] = wrong[i];
-            CHECK(dpt_hd_to_metres(good, out) == DPT_E_FINITE &&
-                      dpt_hd_to_millimetres(good, out) == DPT_E_FINITE && out[0] == 7.0,
+            CHECK(dpt_hd_to_metres(good, out) == DPT_E_FINITE && dpt_hd_to_millimetres(good, out) == DPT_E_FINITE &&
+                      out[0] == 7.0,
                   "%g", wrong[i]);
             good[k] = 1.0;
         }
-    CHECK(dpt_hd_to_metres(NULL, out) == DPT_E_ARGUMENT &&
-              dpt_hd_to_metres(good, NULL) == DPT_E_ARGUMENT &&
-              dpt_hd_to_millimetres(NULL, out) == DPT_E_ARGUMENT &&
-              dpt_hd_to_millimetres(good, NULL) == DPT_E_ARGUMENT,
+    CHECK(dpt_hd_to_metres(NULL, out) == DPT_E_ARGUMENT && dpt_hd_to_metres(good, NULL) == DPT_E_ARGUMENT &&
+              dpt_hd_to_millimetres(NULL, out) == DPT_E_ARGUMENT && dpt_hd_to_millimetres(good, NULL) == DPT_E_ARGUMENT,
           "NULL");
 }
 
@@ -106,25 +102,22 @@ static void transforms_are_poses(void)
         double square = 0.0, cosine = 0.0;
         for (int k = 0; k < 4; k++) {
             /* Now and then close to half a turn, about any axis. */
-            from.orientation[k] =
-                random_in(&seed, -1.0, 1.0) * (n % 7 == 0 && k == n % 4 ? 1e-9 : 1.0);
+            from.orientation[k] = random_in(&seed, -1.0, 1.0) * (n % 7 == 0 && k == n % 4 ? 1e-9 : 1.0);
             square += from.orientation[k] * from.orientation[k];
         }
         for (int k = 0; k < 4; k++)
             from.orientation[k] /= sqrt(square);
         for (int k = 0; k < 3; k++)
             from.position[k] = random_in(&seed, -0.5, 0.5);
-        CHECK(dpt_hd_to_transform(&from, transform) == DPT_OK &&
-                  dpt_hd_to_pose(transform, &to) == DPT_OK,
-              "pose %d", n);
+        CHECK(dpt_hd_to_transform(&from, transform) == DPT_OK && dpt_hd_to_pose(transform, &to) == DPT_OK, "pose %d",
+              n);
         for (int k = 0; k < 4; k++)
             cosine += from.orientation[k] * to.orientation[k];
         for (int k = 0; k < 4; k++)
-            worst =
-                fmax(worst, fabs(to.orientation[k] - (cosine < 0 ? -1 : 1) * from.orientation[k]));
+            worst = fmax(worst, fabs(to.orientation[k] - (cosine < 0 ? -1 : 1) * from.orientation[k]));
         for (int k = 0; k < 3; k++)
-            CHECK(fabs(to.position[k] - from.position[k]) <= 0x1p-52 * fabs(from.position[k]),
-                  "pose %d: %.17g", n, to.position[k]);
+            CHECK(fabs(to.position[k] - from.position[k]) <= 0x1p-52 * fabs(from.position[k]), "pose %d: %.17g", n,
+                  to.position[k]);
     }
     CHECK(worst < 1e-15, "%g", worst);
 }
@@ -150,13 +143,11 @@ static void what_is_no_transform_is_refused(void)
         memcpy(transform, identity, sizeof transform);
         transform[cases[i].at] = cases[i].value;
         CHECK(dpt_hd_to_pose(transform, &pose) == cases[i].result, "case %d", (int)i);
-        CHECK(cases[i].result == DPT_OK || !memcmp(&pose, &untouched, sizeof pose),
-              "case %d writes", (int)i);
+        CHECK(cases[i].result == DPT_OK || !memcmp(&pose, &untouched, sizeof pose), "case %d writes", (int)i);
     }
     dpt_pose pose = DPT_POSE_IDENTITY, bad = DPT_POSE_IDENTITY;
     double transform[16];
-    CHECK(dpt_hd_to_pose(NULL, &pose) == DPT_E_ARGUMENT &&
-              dpt_hd_to_pose(identity, NULL) == DPT_E_ARGUMENT &&
+    CHECK(dpt_hd_to_pose(NULL, &pose) == DPT_E_ARGUMENT && dpt_hd_to_pose(identity, NULL) == DPT_E_ARGUMENT &&
               dpt_hd_to_transform(NULL, transform) == DPT_E_ARGUMENT &&
               dpt_hd_to_transform(&pose, NULL) == DPT_E_ARGUMENT,
           "NULL");
@@ -164,8 +155,7 @@ static void what_is_no_transform_is_refused(void)
     CHECK(dpt_hd_to_transform(&bad, transform) == DPT_E_POSE, "a long quaternion");
     bad.position[0] = NAN;
     CHECK(dpt_hd_to_transform(&bad, transform) == DPT_E_FINITE, "no number");
-    CHECK(dpt_hd_to_transform(&pose, transform) == DPT_OK &&
-              !memcmp(transform, identity, sizeof identity),
+    CHECK(dpt_hd_to_transform(&pose, transform) == DPT_OK && !memcmp(transform, identity, sizeof identity),
           "the identity");
 }
 

@@ -35,29 +35,26 @@ static dpt_identify_result identify_plan(const struct plant_plan *plan, uint64_t
 }
 
 /* Within 5 %, or, where the term is small, within the interval; which is never far wider than that. */
-static void check_value(const char *where, const char *what, const dpt_identified *found,
-                        double truth, double wide)
+static void check_value(const char *where, const char *what, const dpt_identified *found, double truth, double wide)
 {
     const int is_close = fabs(found->value - truth) <= 0.05 * truth;
     const int is_inside = truth >= found->low && truth <= found->high;
-    CHECK(wide > 0.0 ? is_inside : is_close, "%s: %s %g (%g to %g), is %g", where, what,
-          found->value, found->low, found->high, truth);
-    CHECK(found->low <= found->value && found->value <= found->high, "%s: %s %g not in %g to %g",
-          where, what, found->value, found->low, found->high);
-    CHECK(found->high - found->low <= 0.3 * truth + wide, "%s: %s is anything from %g to %g", where,
-          what, found->low, found->high);
+    CHECK(wide > 0.0 ? is_inside : is_close, "%s: %s %g (%g to %g), is %g", where, what, found->value, found->low,
+          found->high, truth);
+    CHECK(found->low <= found->value && found->value <= found->high, "%s: %s %g not in %g to %g", where, what,
+          found->value, found->low, found->high);
+    CHECK(found->high - found->low <= 0.3 * truth + wide, "%s: %s is anything from %g to %g", where, what, found->low,
+          found->high);
 }
 
-static const uint32_t TRANSLATION = DPT_IDENTIFIED_RATE | DPT_IDENTIFIED_MASS |
-                                    DPT_IDENTIFIED_DAMPING | DPT_IDENTIFIED_FRICTION |
-                                    DPT_IDENTIFIED_DELAY;
+static const uint32_t TRANSLATION =
+    DPT_IDENTIFIED_RATE | DPT_IDENTIFIED_MASS | DPT_IDENTIFIED_DAMPING | DPT_IDENTIFIED_FRICTION | DPT_IDENTIFIED_DELAY;
 
 static void check_whole(const char *where, const dpt_identify_result *result)
 {
     CHECK(result->end == DPT_IDENTIFY_END_COMPLETE && result->flags == 0 &&
               (result->measured & TRANSLATION) == TRANSLATION,
-          "%s: %s, flags %u, measured %x", where, dpt_identify_end_text(result->end), result->flags,
-          result->measured);
+          "%s: %s, flags %u, measured %x", where, dpt_identify_end_text(result->end), result->flags, result->measured);
 }
 
 static void the_truth_is_found(void)
@@ -66,24 +63,19 @@ static void the_truth_is_found(void)
         const char *settings;
         double mass, damping, friction, step, delay;
     } cases[] = {
-        { "mass=0.045&friction=0.26&step=5.5e-5&force=3.3&delay=1", 0.045, 0.5, 0.26, 5.5e-5,
-          0.001 },
-        { "mass=0.045&friction=0.26&step=5.5e-5&force=3.3&delay=2", 0.045, 0.5, 0.26, 5.5e-5,
-          0.002 },
-        { "mass=0.045&friction=0.26&stiction=0.3&step=5.5e-5&force=3.3&delay=1.5", 0.045, 0.5, 0.26,
-          5.5e-5, 0.0015 },
+        { "mass=0.045&friction=0.26&step=5.5e-5&force=3.3&delay=1", 0.045, 0.5, 0.26, 5.5e-5, 0.001 },
+        { "mass=0.045&friction=0.26&step=5.5e-5&force=3.3&delay=2", 0.045, 0.5, 0.26, 5.5e-5, 0.002 },
+        { "mass=0.045&friction=0.26&stiction=0.3&step=5.5e-5&force=3.3&delay=1.5", 0.045, 0.5, 0.26, 5.5e-5, 0.0015 },
         { "mass=0.1", 0.1, 0.5, 0.0, 0.0, 0.0 },
         { "mass=0.1&step=1e-5&delay=3.3", 0.1, 0.5, 0.0, 1e-5, 0.0033 },
         { "mass=0.2&damping=2&friction=0.1&step=2e-5", 0.2, 2.0, 0.1, 2e-5, 0.0 },
-        { "mass=0.2&damping=2&friction=0.1&step=2e-5&force=3.3&delay=1", 0.2, 2.0, 0.1, 2e-5,
-          0.001 },
+        { "mass=0.2&damping=2&friction=0.1&step=2e-5&force=3.3&delay=1", 0.2, 2.0, 0.1, 2e-5, 0.001 },
         { "mass=0.1&friction=0.1&step=1e-5&lag=0.002", 0.1, 0.5, 0.1, 1e-5, 0.002 },
         { "mass=0.1&friction=0.2&gravity=1&step=1e-5&delay=1", 0.1, 0.5, 0.2, 1e-5, 0.001 },
         { "mass=0.01&damping=0.1&step=1e-5&delay=1", 0.01, 0.1, 0.0, 1e-5, 0.001 },
         { "mass=1&damping=5&step=1e-5&delay=1", 1.0, 5.0, 0.0, 1e-5, 0.001 },
         { "mass=0.1&friction=0.05&step=2e-5&rate=4000&delay=4", 0.1, 0.5, 0.05, 2e-5, 0.001 },
-        { "mass=0.1&friction=0.1&step=2e-5&loss=0.005&double=0.005&delay=1", 0.1, 0.5, 0.1, 2e-5,
-          0.001 },
+        { "mass=0.1&friction=0.1&step=2e-5&loss=0.005&double=0.005&delay=1", 0.1, 0.5, 0.1, 2e-5, 0.001 },
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *where = cases[i].settings;
@@ -91,8 +83,7 @@ static void the_truth_is_found(void)
         check_whole(where, &result);
         check_value(where, "mass", &result.mass, cases[i].mass, 0.0);
         check_value(where, "damping", &result.damping, cases[i].damping, 0.0);
-        check_value(where, "friction", &result.friction, cases[i].friction,
-                    cases[i].friction > 0.0 ? 0.0 : 0.01);
+        check_value(where, "friction", &result.friction, cases[i].friction, cases[i].friction > 0.0 ? 0.0 : 0.01);
         check_value(where, "delay", &result.delay, cases[i].delay, 0.0006);
         CHECK(fabs(result.position_step - cases[i].step) <= 1e-3 * cases[i].step &&
                   (cases[i].step > 0.0) == ((result.measured & DPT_IDENTIFIED_POSITION_STEP) != 0),
@@ -147,16 +138,14 @@ static void the_least_direction_is_found(void)
     check_whole("coupled", &result);
     check_value("coupled", "mass", &result.mass, least, 0.0);
     check_value("coupled", "damping", &result.damping, 0.3, 0.0);
-    CHECK(fabs((3.0 * along[0] + y * along[1]) / sqrt(9.0 + y * y)) > 0.999, "along %g %g %g",
-          along[0], along[1], along[2]);
+    CHECK(fabs((3.0 * along[0] + y * along[1]) / sqrt(9.0 + y * y)) > 0.999, "along %g %g %g", along[0], along[1],
+          along[2]);
     CHECK(fabs(damped[2]) > 0.999, "least damped along %g %g %g", damped[0], damped[1], damped[2]);
-    CHECK(fabs(result.mass_matrix[1] + 3.0 / 71.0) < 0.002 &&
-              result.mass_matrix[1] == result.mass_matrix[3],
+    CHECK(fabs(result.mass_matrix[1] + 3.0 / 71.0) < 0.002 && result.mass_matrix[1] == result.mass_matrix[3],
           "%g beside the diagonal", result.mass_matrix[1]);
     plan = plant_of(0.1, 0.5);
     const dpt_identify_result alike = identify_plan(&plan, 2);
-    CHECK(alike.mass_direction[0] == 0.0 && alike.mass_direction[1] == 0.0 &&
-              alike.mass_direction[2] == 0.0,
+    CHECK(alike.mass_direction[0] == 0.0 && alike.mass_direction[1] == 0.0 && alike.mass_direction[2] == 0.0,
           "a direction where all are alike");
 }
 
@@ -189,8 +178,7 @@ static void rotation_is_found(void)
     const char *where = "dofs=6&step=2e-5&turn_step=2e-4&turn_friction=2e-3&friction=0.1&delay=1";
     const dpt_identify_result result = identify_named(where, 1);
     check_whole(where, &result);
-    CHECK(result.measured & DPT_IDENTIFIED_INERTIA &&
-              result.measured & DPT_IDENTIFIED_SPIN_DAMPING &&
+    CHECK(result.measured & DPT_IDENTIFIED_INERTIA && result.measured & DPT_IDENTIFIED_SPIN_DAMPING &&
               result.measured & DPT_IDENTIFIED_SPIN_FRICTION,
           "measured %x", result.measured);
     check_value(where, "inertia", &result.inertia, 1e-4, 0.0);
@@ -209,8 +197,7 @@ static void intervals_hold_the_truth(void)
     for (uint64_t seed = 1; seed <= part_of(20); seed++) {
         const dpt_identify_result result =
             identify_named("mass=0.045&friction=0.26&step=5.5e-5&force=3.3&delay=1", seed);
-        const dpt_identified *values[4] = { &result.mass, &result.damping, &result.friction,
-                                            &result.delay };
+        const dpt_identified *values[4] = { &result.mass, &result.damping, &result.friction, &result.delay };
         for (int k = 0; k < 4; k++)
             missed += truth[k] < values[k]->low || truth[k] > values[k]->high;
     }
@@ -224,12 +211,12 @@ static void a_hand_is_found_out(void)
                                         "dofs=6&hand=hold&turn_grip=0.1" };
     for (size_t i = 0; i < sizeof held / sizeof *held; i++) {
         const dpt_identify_result result = identify_named(held[i], 1);
-        CHECK(result.end == DPT_IDENTIFY_END_COMPLETE && result.flags == DPT_IDENTIFY_FLAG_HELD,
-              "%s: %s, flags %u", held[i], dpt_identify_end_text(result.end), result.flags);
+        CHECK(result.end == DPT_IDENTIFY_END_COMPLETE && result.flags == DPT_IDENTIFY_FLAG_HELD, "%s: %s, flags %u",
+              held[i], dpt_identify_end_text(result.end), result.flags);
     }
     const dpt_identify_result both = identify_named(held[1], 1);
-    CHECK(fabs(both.stiffness - 200.0) < 4.0 && fabs(both.mass.value - 0.2) < 0.01, "%g N/m, %g kg",
-          both.stiffness, both.mass.value);
+    CHECK(fabs(both.stiffness - 200.0) < 4.0 && fabs(both.mass.value - 0.2) < 0.01, "%g N/m, %g kg", both.stiffness,
+          both.mass.value);
     struct plant_plan plan = plant_of(0.1, 0.5);
     plan.spring = 100.0;
     plan.tremor = 0.5e-3;
@@ -238,9 +225,8 @@ static void a_hand_is_found_out(void)
     /* It moves by itself: without a push that shows, too. */
     dpt_identify_result moved = { .size = sizeof moved };
     dpt_device *device = device_named("sim:?hand=press");
-    CHECK(dpt_device_identify(device, NULL, &moved) == DPT_OK &&
-              moved.flags == DPT_IDENTIFY_FLAG_HELD,
-          "flags %u", moved.flags);
+    CHECK(dpt_device_identify(device, NULL, &moved) == DPT_OK && moved.flags == DPT_IDENTIFY_FLAG_HELD, "flags %u",
+          moved.flags);
     dpt_device_close(device);
 }
 
@@ -272,19 +258,18 @@ static void what_needs_no_force_is_measured_without(void)
     CHECK(dpt_device_identify(device, NULL, &result) == DPT_OK, "it failed");
     dpt_device_close(device);
     CHECK(plant_after.nonzero == 0 && plant_after.x[0] == 0.0, "it was pushed");
-    CHECK(result.measured == DPT_IDENTIFIED_RATE && fabs(result.rate - 1000.0) < 1e-6 &&
-              result.samples >= 1000 && result.jitter < 1e-9,
+    CHECK(result.measured == DPT_IDENTIFIED_RATE && fabs(result.rate - 1000.0) < 1e-6 && result.samples >= 1000 &&
+              result.jitter < 1e-9,
           "measured %x, %g Hz, %g s", result.measured, result.rate, result.jitter);
     device = device_named("sim:?loss=0.05&double=0.05");
     CHECK(dpt_device_identify(device, NULL, &result) == DPT_OK, "it failed");
     dpt_device_close(device);
-    CHECK(result.lost > 20 && result.lost < 150 && result.doubled > 20 && result.doubled < 100,
-          "%d lost, %d doubled", (int)result.lost, (int)result.doubled);
+    CHECK(result.lost > 20 && result.lost < 150 && result.doubled > 20 && result.doubled < 100, "%d lost, %d doubled",
+          (int)result.lost, (int)result.doubled);
     CHECK(fabs(result.rate - 1000.0) < 1.0, "%g Hz", result.rate);
     device = device_named("sim:?live=1");
-    CHECK(dpt_device_identify(device, NULL, &result) == DPT_OK &&
-              result.measured & DPT_IDENTIFIED_RATE,
-          "measured %x", result.measured);
+    CHECK(dpt_device_identify(device, NULL, &result) == DPT_OK && result.measured & DPT_IDENTIFIED_RATE, "measured %x",
+          result.measured);
     dpt_device_close(device);
 }
 
@@ -298,8 +283,8 @@ static void steps_of_a_linkage_are_found(void)
         plan.is_linkage = 1;
         const dpt_identify_result result = identify_plan(&plan, 1);
         check_whole("a linkage", &result);
-        CHECK(result.position_step > 0.8 * step && result.position_step < 1.25 * step,
-              "%g m instead of %g", result.position_step, step);
+        CHECK(result.position_step > 0.8 * step && result.position_step < 1.25 * step, "%g m instead of %g",
+              result.position_step, step);
         check_value("a linkage", "mass", &result.mass, 0.1, 0.0);
         check_value("a linkage", "damping", &result.damping, 0.5, 0.0);
         check_value("a linkage", "friction", &result.friction, 0.1, 0.0);
@@ -309,8 +294,7 @@ static void steps_of_a_linkage_are_found(void)
 /* The same seed gives the same pushes, another one others. */
 static void pushes_are_repeatable(void)
 {
-    const dpt_identify_result a = identify_named("step=2e-5", 7),
-                              b = identify_named("step=2e-5", 7);
+    const dpt_identify_result a = identify_named("step=2e-5", 7), b = identify_named("step=2e-5", 7);
     const dpt_identify_result other = identify_named("step=2e-5", 8);
     CHECK(!memcmp(&a, &b, sizeof a), "the same seed, another answer");
     CHECK(memcmp(&a, &other, sizeof a) != 0, "another seed, the same answer");
@@ -345,15 +329,15 @@ static void defaults(void *def, size_t size)
 
 static void arguments_are_checked(void)
 {
-    const struct sized of_def = { "dpt_identify_def", sizeof(dpt_identify_def),
-                                  sizeof(dpt_identify_def), call_with_def };
-    const struct sized of_result = { "dpt_identify_result", sizeof(dpt_identify_result),
-                                     sizeof(dpt_identify_result), call_with_result };
+    const struct sized of_def = { "dpt_identify_def", sizeof(dpt_identify_def), sizeof(dpt_identify_def),
+                                  call_with_def };
+    const struct sized of_result = { "dpt_identify_result", sizeof(dpt_identify_result), sizeof(dpt_identify_result),
+                                     call_with_result };
     dpt_identify_def good, def;
     dpt_identify_result result = { .size = sizeof result };
     dpt_identify_def_init(&good);
-    CHECK(!good.may_move && good.button == DPT_IDENTIFY_NO_BUTTON && good.blocks == 8 &&
-              good.seed == 1 && good.seconds == 1.0 && !good.report,
+    CHECK(!good.may_move && good.button == DPT_IDENTIFY_NO_BUTTON && good.blocks == 8 && good.seed == 1 &&
+              good.seconds == 1.0 && !good.report,
           "defaults");
     check_input(&of_def, &good);
     check_output(&of_result);

@@ -15,9 +15,8 @@ static dpt_result read_text(const char *text, dpt_device_info *info, dpt_device_
 
 static dpt_device_info some_info(void)
 {
-    return (dpt_device_info){
-        .size = sizeof(dpt_device_info), .rate = 1000.0, .mass = 7.0, .friction = 8.0, .delay = 9.0
-    };
+    return (
+        dpt_device_info){ .size = sizeof(dpt_device_info), .rate = 1000.0, .mass = 7.0, .friction = 8.0, .delay = 9.0 };
 }
 
 static void what_is_named_is_replaced(void)
@@ -30,9 +29,9 @@ static void what_is_named_is_replaced(void)
                     &info, &error) == DPT_OK &&
               error.code == DPT_OK,
           "%s", error.text);
-    CHECK(info.mass == 0.045 && info.friction == 0.0 && info.inertia == 1e-4 &&
-              info.spin_damping == 2e-3 && info.damping == 0.5 && info.spin_friction == 0.001 &&
-              info.position_step == 5.5e-5 && info.angle_step == 0.002,
+    CHECK(info.mass == 0.045 && info.friction == 0.0 && info.inertia == 1e-4 && info.spin_damping == 2e-3 &&
+              info.damping == 0.5 && info.spin_friction == 0.001 && info.position_step == 5.5e-5 &&
+              info.angle_step == 0.002,
           "%g kg, %g N", info.mass, info.friction);
     CHECK(info.delay == 9.0 && info.rate == 1000.0, "%g s: it was not named", info.delay);
 }
@@ -64,8 +63,8 @@ static void what_is_wrong_is_named(void)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         dpt_device_info info = some_info(), before = some_info();
         dpt_device_error error = { .size = sizeof error };
-        CHECK(read_text(cases[i].text, &info, &error) == DPT_E_SYNTAX &&
-                  error.code == DPT_E_SYNTAX && strstr(error.text, cases[i].reason),
+        CHECK(read_text(cases[i].text, &info, &error) == DPT_E_SYNTAX && error.code == DPT_E_SYNTAX &&
+                  strstr(error.text, cases[i].reason),
               "case %d: %s", (int)i, error.text);
         CHECK(!memcmp(&info, &before, sizeof info), "case %d: the info changed", (int)i);
     }
@@ -82,8 +81,7 @@ static void files_that_are_none_are_refused(void)
     CHECK(dpt_device_dynamics_read("/nowhere/device.txt", &info, &error) == DPT_E_OPEN &&
               strstr(error.text, "/nowhere/device.txt: it cannot be opened"),
           "%s", error.text);
-    CHECK(dpt_device_dynamics_read("/tmp", &info, &error) == DPT_E_OPEN, "a folder: %s",
-          error.text);
+    CHECK(dpt_device_dynamics_read("/tmp", &info, &error) == DPT_E_OPEN, "a folder: %s", error.text);
     CHECK(dpt_device_dynamics_read(NULL, &info, &error) == DPT_E_ARGUMENT &&
               dpt_device_dynamics_read("/tmp", NULL, NULL) == DPT_E_ARGUMENT,
           "NULL");
@@ -114,8 +112,8 @@ static void structs_of_any_size(void)
 {
     const dpt_device_info good = some_info();
     const struct sized of_info = { "dpt_device_info", sizeof good, sizeof good, info_of_any_size };
-    const struct sized of_error = { "dpt_device_error", sizeof(dpt_device_error),
-                                    sizeof(dpt_device_error), error_of_any_size };
+    const struct sized of_error = { "dpt_device_error", sizeof(dpt_device_error), sizeof(dpt_device_error),
+                                    error_of_any_size };
     good_file = file_with("mass=1\n");
     check_input(&of_info, &good);
     check_output(&of_error);

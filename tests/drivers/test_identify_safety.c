@@ -17,8 +17,8 @@ struct listener {
 static int listen(void *user, const dpt_identify_progress *progress)
 {
     struct listener *listener = user;
-    CHECK(progress->size == sizeof *progress && progress->stage <= DPT_IDENTIFY_STAGE_TURN &&
-              progress->axis < 3 && progress->done >= 0.0 && progress->done <= 1.0,
+    CHECK(progress->size == sizeof *progress && progress->stage <= DPT_IDENTIFY_STAGE_TURN && progress->axis < 3 &&
+              progress->done >= 0.0 && progress->done <= 1.0,
           "progress: stage %u, axis %u, %g", progress->stage, progress->axis, progress->done);
     listener->went_back |= progress->done < listener->done;
     listener->done = progress->done;
@@ -26,8 +26,7 @@ static int listen(void *user, const dpt_identify_progress *progress)
     return ++listener->calls == listener->stop_at;
 }
 
-static dpt_identify_result run(const struct plant_plan *plan, uint32_t button,
-                               struct listener *listener)
+static dpt_identify_result run(const struct plant_plan *plan, uint32_t button, struct listener *listener)
 {
     dpt_device *device = NULL;
     dpt_identify_def def;
@@ -49,8 +48,7 @@ static dpt_identify_result run(const struct plant_plan *plan, uint32_t button,
 static void check_commands(const char *what, double bound)
 {
     const double *force = plant_after.written.force;
-    CHECK(plant_after.strongest <= bound * (1.0 + 1e-12), "%s: %g N were sent", what,
-          plant_after.strongest);
+    CHECK(plant_after.strongest <= bound * (1.0 + 1e-12), "%s: %g N were sent", what, plant_after.strongest);
     CHECK(plant_after.strongest_turn == 0.0, "%s: a torque", what);
     CHECK(force[0] == 0.0 && force[1] == 0.0 && force[2] == 0.0 && plant_after.writes > 0,
           "%s: the last command is %g %g %g", what, force[0], force[1], force[2]);
@@ -72,10 +70,10 @@ static void a_sound_device_is_pushed_within_bounds(void)
         CHECK(result.end == DPT_IDENTIFY_END_COMPLETE && result.measured & DPT_IDENTIFIED_MASS &&
                   plant_after.nonzero > 1000,
               "%s", dpt_identify_end_text(result.end));
-        CHECK(result.speed_max < 0.2 && result.displacement_max < 0.02, "%g m/s, %g m",
-              result.speed_max, result.displacement_max);
-        CHECK(listener.calls > 100 && listener.stages == 3 && !listener.went_back,
-              "%d reports, stages %x", (int)listener.calls, listener.stages);
+        CHECK(result.speed_max < 0.2 && result.displacement_max < 0.02, "%g m/s, %g m", result.speed_max,
+              result.displacement_max);
+        CHECK(listener.calls > 100 && listener.stages == 3 && !listener.went_back, "%d reports, stages %x",
+              (int)listener.calls, listener.stages);
     }
 }
 
@@ -104,8 +102,8 @@ static void each_fault_ends_it(void)
             CHECK(result.end == cases[i].end, "%s: %s", what, dpt_identify_end_text(result.end));
             check_commands(what, 0.5);
             CHECK(!(result.measured & DPT_IDENTIFIED_MASS), "%s: a mass", what);
-            CHECK((double)plant_after.period < 1e3 * times[k] + 35.0, "%s: it went on until %g s",
-                  what, 1e-3 * (double)plant_after.period);
+            CHECK((double)plant_after.period < 1e3 * times[k] + 35.0, "%s: it went on until %g s", what,
+                  1e-3 * (double)plant_after.period);
         }
 }
 
@@ -122,8 +120,7 @@ static void a_runaway_is_let_go(void)
     result = run(&slow, DPT_IDENTIFY_NO_BUTTON, NULL);
     CHECK(result.end == DPT_IDENTIFY_END_DISPLACEMENT, "%s", dpt_identify_end_text(result.end));
     check_commands("what is pushed away", 0.5);
-    CHECK(result.displacement_max > 0.02 && result.displacement_max < 0.0205, "%g m",
-          result.displacement_max);
+    CHECK(result.displacement_max > 0.02 && result.displacement_max < 0.0205, "%g m", result.displacement_max);
     slow.push = 5.0;
     result = run(&slow, DPT_IDENTIFY_NO_BUTTON, NULL);
     CHECK(result.end == DPT_IDENTIFY_END_SPEED, "%s", dpt_identify_end_text(result.end));
@@ -137,9 +134,8 @@ static void a_key_ends_it(void)
         const struct plant_plan plan = plant_of(0.1, 0.5);
         struct listener listener = { .stop_at = stops[i] };
         const dpt_identify_result result = run(&plan, DPT_IDENTIFY_NO_BUTTON, &listener);
-        CHECK(result.end == DPT_IDENTIFY_END_STOPPED && listener.calls == stops[i],
-              "after %d of %d reports: %s", (int)listener.calls, (int)stops[i],
-              dpt_identify_end_text(result.end));
+        CHECK(result.end == DPT_IDENTIFY_END_STOPPED && listener.calls == stops[i], "after %d of %d reports: %s",
+              (int)listener.calls, (int)stops[i], dpt_identify_end_text(result.end));
         check_commands("a key", 0.5);
     }
 }
@@ -159,16 +155,14 @@ static void without_a_watchdog_nothing_moves(void)
 {
     struct plant_plan plan = plant_of(0.1, 0.5);
     plan.watchdog = 0.0;
-    CHECK(run(&plan, DPT_IDENTIFY_NO_BUTTON, NULL).end == DPT_IDENTIFY_END_COMPLETE &&
-              plant_after.nonzero > 0,
+    CHECK(run(&plan, DPT_IDENTIFY_NO_BUTTON, NULL).end == DPT_IDENTIFY_END_COMPLETE && plant_after.nonzero > 0,
           "a simulated one is refused");
     static const uint32_t flags[] = { DPT_DEVICE_FLAG_DETERMINISTIC, DPT_DEVICE_FLAG_SIMULATED, 0 };
     for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
         plan.flags = flags[i];
         const dpt_identify_result result = run(&plan, DPT_IDENTIFY_NO_BUTTON, NULL);
-        CHECK(result.end == DPT_IDENTIFY_END_NO_WATCHDOG && plant_after.nonzero == 0,
-              "flags %u: %s, %d pushes", flags[i], dpt_identify_end_text(result.end),
-              (int)plant_after.nonzero);
+        CHECK(result.end == DPT_IDENTIFY_END_NO_WATCHDOG && plant_after.nonzero == 0, "flags %u: %s, %d pushes",
+              flags[i], dpt_identify_end_text(result.end), (int)plant_after.nonzero);
         check_commands("no watchdog", 0.0);
     }
 }
@@ -179,8 +173,8 @@ static void what_gives_no_force_is_watched(void)
     struct plant_plan plan = plant_of(0.1, 0.5);
     plan.force_max = 0.0;
     const dpt_identify_result result = run(&plan, DPT_IDENTIFY_NO_BUTTON, NULL);
-    CHECK(result.end == DPT_IDENTIFY_END_COMPLETE && result.measured == DPT_IDENTIFIED_RATE,
-          "%s, measured %x", dpt_identify_end_text(result.end), result.measured);
+    CHECK(result.end == DPT_IDENTIFY_END_COMPLETE && result.measured == DPT_IDENTIFIED_RATE, "%s, measured %x",
+          dpt_identify_end_text(result.end), result.measured);
     check_commands("no force", 0.0);
 }
 

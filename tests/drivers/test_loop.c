@@ -16,13 +16,11 @@ static void sixty_thousand_ticks_lose_nothing(void)
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK, "the run failed");
     dpt_device_counts counts = counts_of(device);
     check_sums(&stats);
-    CHECK(stats.fresh == 60000 && host.ticks == 60000 && stats.sent == 60000 &&
-              counts.samples == 60000,
-          "%d fresh", (int)stats.fresh);
-    CHECK(counts.commands == 60001 && counts.missed == 0 && host.wrong_dt == 0,
-          "%d commands, %d missed", (int)counts.commands, (int)counts.missed);
-    CHECK(!stats.missed && !stats.skipped && !stats.stops && !stats.refused && !stats.clamped &&
-              !stats.slewed,
+    CHECK(stats.fresh == 60000 && host.ticks == 60000 && stats.sent == 60000 && counts.samples == 60000, "%d fresh",
+          (int)stats.fresh);
+    CHECK(counts.commands == 60001 && counts.missed == 0 && host.wrong_dt == 0, "%d commands, %d missed",
+          (int)counts.commands, (int)counts.missed);
+    CHECK(!stats.missed && !stats.skipped && !stats.stops && !stats.refused && !stats.clamped && !stats.slewed,
           "something was wrong");
     dpt_loop_free(loop);
     dpt_device_close(device);
@@ -47,44 +45,37 @@ static void every_trouble_is_counted(void)
     CHECK(result == DPT_OK || result == DPT_E_LOST, "%s", dpt_result_name(result));
     check_sums(&stats);
     const uint64_t *did = flaky->did;
-    CHECK(did[OLD] == stats.reordered && did[SKIP] * 2 == flaky->skipped,
-          "%d reordered, %d counted", (int)did[OLD], (int)stats.reordered);
-    CHECK(did[REPEAT] + did[OLD] + did[ERROR] == stats.stale,
-          "%d repeats, %d old, %d errors; %d stale", (int)did[REPEAT], (int)did[OLD],
-          (int)did[ERROR], (int)stats.stale);
-    CHECK(did[UNPLUG] == stats.lost && flaky->losses == stats.losses, "%d of %d losses",
-          (int)stats.losses, (int)flaky->losses);
-    CHECK(flaky->cleared == stats.reopened || flaky->cleared == stats.reopened + 1,
-          "%d of %d came back", (int)stats.reopened, (int)flaky->cleared);
+    CHECK(did[OLD] == stats.reordered && did[SKIP] * 2 == flaky->skipped, "%d reordered, %d counted", (int)did[OLD],
+          (int)stats.reordered);
+    CHECK(did[REPEAT] + did[OLD] + did[ERROR] == stats.stale, "%d repeats, %d old, %d errors; %d stale",
+          (int)did[REPEAT], (int)did[OLD], (int)did[ERROR], (int)stats.stale);
+    CHECK(did[UNPLUG] == stats.lost && flaky->losses == stats.losses, "%d of %d losses", (int)stats.losses,
+          (int)flaky->losses);
+    CHECK(flaky->cleared == stats.reopened || flaky->cleared == stats.reopened + 1, "%d of %d came back",
+          (int)stats.reopened, (int)flaky->cleared);
     CHECK(did[FAULT] + did[BAD_POSE] == stats.not_ready && did[FAULT] == host.not_ready,
-          "%d faults, %d bad poses; %d not ready", (int)did[FAULT], (int)did[BAD_POSE],
-          (int)stats.not_ready);
-    CHECK(host.idle == stats.stale + stats.lost + did[BAD_POSE] &&
-              host.idle + host.ticks == stats.ticks && host.idle_lost == stats.lost &&
-              host.idle_wrong == 0 && host.late_max == 0.0,
-          "%d ticks without a sample, %d of them lost, %d wrong", (int)host.idle,
-          (int)host.idle_lost, (int)host.idle_wrong);
-    CHECK(flaky->skipped == stats.skipped, "%d samples skipped, %d counted", (int)flaky->skipped,
-          (int)stats.skipped);
-    CHECK(host.failures == stats.failed && host.commands == stats.fresh, "%d failed, %d fresh",
-          (int)stats.failed, (int)stats.fresh);
-    CHECK(host.nans == stats.not_finite && host.not_zero == 0, "%d not finite, %d counted",
-          (int)host.nans, (int)stats.not_finite);
-    CHECK(did[BUSY] == stats.refused || did[BUSY] == stats.refused + 1, "%d busy, %d refused",
-          (int)did[BUSY], (int)stats.refused);
-    CHECK(stats.sent + stats.refused < flaky->writes &&
-              flaky->writes < stats.sent + stats.refused + 11,
+          "%d faults, %d bad poses; %d not ready", (int)did[FAULT], (int)did[BAD_POSE], (int)stats.not_ready);
+    CHECK(host.idle == stats.stale + stats.lost + did[BAD_POSE] && host.idle + host.ticks == stats.ticks &&
+              host.idle_lost == stats.lost && host.idle_wrong == 0 && host.late_max == 0.0,
+          "%d ticks without a sample, %d of them lost, %d wrong", (int)host.idle, (int)host.idle_lost,
+          (int)host.idle_wrong);
+    CHECK(flaky->skipped == stats.skipped, "%d samples skipped, %d counted", (int)flaky->skipped, (int)stats.skipped);
+    CHECK(host.failures == stats.failed && host.commands == stats.fresh, "%d failed, %d fresh", (int)stats.failed,
+          (int)stats.fresh);
+    CHECK(host.nans == stats.not_finite && host.not_zero == 0, "%d not finite, %d counted", (int)host.nans,
+          (int)stats.not_finite);
+    CHECK(did[BUSY] == stats.refused || did[BUSY] == stats.refused + 1, "%d busy, %d refused", (int)did[BUSY],
+          (int)stats.refused);
+    CHECK(stats.sent + stats.refused < flaky->writes && flaky->writes < stats.sent + stats.refused + 11,
           "%d writes for %d", (int)flaky->writes, (int)(stats.sent + stats.refused));
-    CHECK(host.wrong_sent == 0 && host.wrong_count == 0,
-          "%d ticks were told of another wrench, %d of another number", (int)host.wrong_sent,
-          (int)host.wrong_count);
+    CHECK(host.wrong_sent == 0 && host.wrong_count == 0, "%d ticks were told of another wrench, %d of another number",
+          (int)host.wrong_sent, (int)host.wrong_count);
     CHECK(host.acted > 5000 && host.kept > 20 && host.several > 100 && host.off > 100,
-          "%d with force, %d with an older one, %d after several, %d after none", (int)host.acted,
-          (int)host.kept, (int)host.several, (int)host.off);
+          "%d with force, %d with an older one, %d after several, %d after none", (int)host.acted, (int)host.kept,
+          (int)host.several, (int)host.off);
     for (int trouble = REPEAT; trouble < TROUBLES; trouble++)
         CHECK(did[trouble] > 20, "trouble %d only %d times", trouble, (int)did[trouble]);
-    CHECK(stats.stops > flaky->losses && flaky->written.force[0] == 0.0, "%d stops",
-          (int)stats.stops);
+    CHECK(stats.stops > flaky->losses && flaky->written.force[0] == 0.0, "%d stops", (int)stats.stops);
     dpt_loop_free(loop);
     dpt_device_close(&flaky->device);
 }
@@ -149,29 +140,25 @@ static void no_late_tick_goes_unnoticed(void)
     CHECK(stats.missed >= 3 * (host.ticks / 50), "%d missed, of %d slow ticks", (int)stats.missed,
           (int)(host.ticks / 50));
     CHECK(fabs(periods - (double)(stats.ticks + stats.missed)) <= slack,
-          "%.1f periods, %d ticks, %d missed, slack %.1f", periods, (int)stats.ticks,
-          (int)stats.missed, slack);
-    CHECK(sum_of(stats.late) == stats.ticks && sum_of(stats.took) == stats.ticks,
-          "%d and %d in the histograms", (int)sum_of(stats.late), (int)sum_of(stats.took));
-    CHECK(dpt_loop_quantile(stats.took, 1.0) >= 0.0035 && stats.took_max >= 0.0035,
-          "the slowest took %g s", stats.took_max);
-    CHECK(host.late_max == stats.late_max && host.idle + host.ticks == stats.ticks,
-          "%g s late, and %g s were told", stats.late_max, host.late_max);
+          "%.1f periods, %d ticks, %d missed, slack %.1f", periods, (int)stats.ticks, (int)stats.missed, slack);
+    CHECK(sum_of(stats.late) == stats.ticks && sum_of(stats.took) == stats.ticks, "%d and %d in the histograms",
+          (int)sum_of(stats.late), (int)sum_of(stats.took));
+    CHECK(dpt_loop_quantile(stats.took, 1.0) >= 0.0035 && stats.took_max >= 0.0035, "the slowest took %g s",
+          stats.took_max);
+    CHECK(host.late_max == stats.late_max && host.idle + host.ticks == stats.ticks, "%g s late, and %g s were told",
+          stats.late_max, host.late_max);
     dpt_device_counts counts = counts_of(&flaky->device);
     uint64_t samples = stats.fresh + stats.skipped;
     CHECK(counts.samples >= samples && (double)counts.samples <= (double)samples + slack + 1.0,
-          "%d samples, %d seen and %d skipped", (int)counts.samples, (int)stats.fresh,
-          (int)stats.skipped);
-    CHECK(counts.commands == flaky->writes && host.wrong_dt == 0, "%d commands of %d",
-          (int)counts.commands, (int)flaky->writes);
+          "%d samples, %d seen and %d skipped", (int)counts.samples, (int)stats.fresh, (int)stats.skipped);
+    CHECK(counts.commands == flaky->writes && host.wrong_dt == 0, "%d commands of %d", (int)counts.commands,
+          (int)flaky->writes);
     CHECK(host.wrong_sent == 0 && host.wrong_count == 0 && host.acted > 0,
-          "%d ticks were told of another wrench, %d of another number", (int)host.wrong_sent,
-          (int)host.wrong_count);
-    printf("    late: median %.3g us, 99 %% %.3g us, most %.3g us; %d of %d deadlines missed, %d "
-           "stops%s%s\n",
-           1e6 * dpt_loop_quantile(stats.late, 0.5), 1e6 * dpt_loop_quantile(stats.late, 0.99),
-           1e6 * stats.late_max, (int)stats.missed, (int)(stats.missed + stats.ticks),
-           (int)stats.stops, stats.notes & DPT_LOOP_NOTE_NO_PRIORITY ? "; no priority" : "",
+          "%d ticks were told of another wrench, %d of another number", (int)host.wrong_sent, (int)host.wrong_count);
+    printf("    late: median %.3g us, 99 %% %.3g us, most %.3g us; %d of %d deadlines missed, %d stops%s%s\n",
+           1e6 * dpt_loop_quantile(stats.late, 0.5), 1e6 * dpt_loop_quantile(stats.late, 0.99), 1e6 * stats.late_max,
+           (int)stats.missed, (int)(stats.missed + stats.ticks), (int)stats.stops,
+           stats.notes & DPT_LOOP_NOTE_NO_PRIORITY ? "; no priority" : "",
            stats.notes & DPT_LOOP_NOTE_NO_LOCK ? "; no lock" : "");
     dpt_loop_free(loop);
     dpt_device_close(&flaky->device);
@@ -211,11 +198,10 @@ static void a_tick_that_hangs_gives_no_force(void)
     dpt_loop *loop = loop_of(&flaky->device, &def);
     dpt_loop_stats stats = { .size = sizeof stats };
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK && hang.ticks > 301, "%d ticks", hang.ticks);
-    CHECK(hang.before > 0.0 && hang.after - hang.before <= 0.0121, "%g Ns in the dark",
-          hang.after - hang.before);
+    CHECK(hang.before > 0.0 && hang.after - hang.before <= 0.0121, "%g Ns in the dark", hang.after - hang.before);
     CHECK(hang.sent == 0.0, "a command that took long is sent with %g N", hang.sent);
-    CHECK(stats.stops >= 1 && stats.missed >= 198 && counts_of(&flaky->device).missed >= 180,
-          "%d stops, %d missed", (int)stats.stops, (int)stats.missed);
+    CHECK(stats.stops >= 1 && stats.missed >= 198 && counts_of(&flaky->device).missed >= 180, "%d stops, %d missed",
+          (int)stats.stops, (int)stats.missed);
     dpt_loop_free(loop);
     dpt_device_close(&flaky->device);
 }
@@ -260,28 +246,23 @@ static void every_fault_ends_the_force(void)
         dpt_result result = dpt_loop_run(loop, &stats);
         check_sums(&stats);
         CHECK(result == (is_lost ? DPT_E_LOST : DPT_OK), "%s: %s", name, dpt_result_name(result));
-        CHECK(stats.stops == 1 && fabs(patient.v[299] - patient.v[298] - 0.001) < 1e-12,
-              "%s: no force before", name);
+        CHECK(stats.stops == 1 && fabs(patient.v[299] - patient.v[298] - 0.001) < 1e-12, "%s: no force before", name);
         if (is_lost) {
-            CHECK(stats.losses == 1 && patient.count == 300, "%s: %d samples", name,
-                  (int)patient.count);
+            CHECK(stats.losses == 1 && patient.count == 300, "%s: %d samples", name, (int)patient.count);
             dpt_device_clear(device);
             double v = state_of(device).velocity[0];
             double most = patient.v[299] + 0.001 * (bit == DPT_REASON_SILENT ? 5.0 : 1.0);
-            CHECK(v <= most + 1e-12 && state_of(device).velocity[0] == v,
-                  "%s: force in the dark, %g Ns", name, v - patient.v[299]);
+            CHECK(v <= most + 1e-12 && state_of(device).velocity[0] == v, "%s: force in the dark, %g Ns", name,
+                  v - patient.v[299]);
         } else {
-            CHECK(patient.reasons == bit && stats.not_ready == 100, "%s: %d not ready", name,
-                  (int)stats.not_ready);
+            CHECK(patient.reasons == bit && stats.not_ready == 100, "%s: %d not ready", name, (int)stats.not_ready);
             for (int n = 301; n < 400; n++)
                 CHECK(patient.v[n] == patient.v[300], "%s, period %d: force", name, n);
             for (int n = 401; n < 499; n++) {
                 double force = (patient.v[n + 1] - patient.v[n]) * 1000.0;
-                CHECK(fabs(force - 0.01 * (double)(n - 400)) < 1e-9, "%s: %g N at %d", name, force,
-                      n);
+                CHECK(fabs(force - 0.01 * (double)(n - 400)) < 1e-9, "%s: %g N at %d", name, force, n);
             }
-            CHECK(fabs(patient.v[699] - patient.v[698] - 0.001) < 1e-12,
-                  "%s: it does not come back", name);
+            CHECK(fabs(patient.v[699] - patient.v[698] - 0.001) < 1e-12, "%s: it does not come back", name);
         }
         dpt_loop_free(loop);
         dpt_device_close(device);

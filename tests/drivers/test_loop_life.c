@@ -21,14 +21,13 @@ static void a_device_that_comes_back_is_served(void)
     flaky->is_out = 1;
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK, "the run failed");
     check_sums(&stats);
-    CHECK(stats.losses == 1 && stats.reopened == 1 && stats.lost == 1001 && stats.fresh == 3999,
-          "%d lost, %d fresh", (int)stats.lost, (int)stats.fresh);
+    CHECK(stats.losses == 1 && stats.reopened == 1 && stats.lost == 1001 && stats.fresh == 3999, "%d lost, %d fresh",
+          (int)stats.lost, (int)stats.fresh);
     dpt_loop_free(loop);
     def.reopen = 0;
     loop = loop_of(&flaky->device, &def);
     flaky->is_out = 1;
-    CHECK(dpt_loop_run(loop, &stats) == DPT_E_LOST && stats.ticks == 1, "%d ticks without a device",
-          (int)stats.ticks);
+    CHECK(dpt_loop_run(loop, &stats) == DPT_E_LOST && stats.ticks == 1, "%d ticks without a device", (int)stats.ticks);
     flaky->is_out = 0;
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK && stats.fresh == 5000, "a second run");
     dpt_loop_free(loop);
@@ -50,12 +49,10 @@ static void a_device_that_begins_anew_is_served(void)
     def.reopen = 1;
     dpt_loop *loop = loop_of(device, &def);
     dpt_loop_stats stats = { .size = sizeof stats };
-    CHECK(dpt_loop_run(loop, &stats) == DPT_OK || stats.ticks == 3300, "%d ticks",
-          (int)stats.ticks);
+    CHECK(dpt_loop_run(loop, &stats) == DPT_OK || stats.ticks == 3300, "%d ticks", (int)stats.ticks);
     check_sums(&stats);
     CHECK(stats.fresh == 300 && stats.reopened == 2 && stats.losses == 3 && stats.reordered == 0,
-          "%d fresh, %d came back, %d reordered", (int)stats.fresh, (int)stats.reopened,
-          (int)stats.reordered);
+          "%d fresh, %d came back, %d reordered", (int)stats.fresh, (int)stats.reopened, (int)stats.reordered);
     dpt_loop_free(loop);
     dpt_device_close(device);
     unlink(file.path);
@@ -85,12 +82,11 @@ static void stops_when_asked(void)
     dpt_loop_stats stats = { .size = sizeof stats };
 
     dpt_loop_stop(loop);
-    CHECK(dpt_loop_run(loop, &stats) == DPT_OK && stats.ticks == 0 && flaky->writes == 1,
-          "stopped before it ran: %d", (int)stats.ticks);
+    CHECK(dpt_loop_run(loop, &stats) == DPT_OK && stats.ticks == 0 && flaky->writes == 1, "stopped before it ran: %d",
+          (int)stats.ticks);
 
     host.stop_at = 100;
-    CHECK(dpt_loop_run(loop, &stats) == DPT_OK && host.ticks == 100, "by a tick, after %d",
-          (int)host.ticks);
+    CHECK(dpt_loop_run(loop, &stats) == DPT_OK && host.ticks == 100, "by a tick, after %d", (int)host.ticks);
     CHECK(flaky->written.force[0] == 0.0, "it ends with %g N", flaky->written.force[0]);
 
     pthread_t thread;
@@ -174,8 +170,8 @@ static void limits_are_the_lesser(void)
         host.stop_at = 20;
         dpt_loop_run(loop, &stats);
         CHECK(stats.clamped == 20, "%s: %d clamped", cases[i].name, (int)stats.clamped);
-        CHECK(flaky->strongest >= cases[i].least && flaky->strongest <= cases[i].most, "%s: %g N",
-              cases[i].name, flaky->strongest);
+        CHECK(flaky->strongest >= cases[i].least && flaky->strongest <= cases[i].most, "%s: %g N", cases[i].name,
+              flaky->strongest);
         dpt_loop_free(loop);
         dpt_device_close(&flaky->device);
     }
@@ -216,12 +212,10 @@ static void wrong_defs_are_refused(void)
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "another one");
     def = good, def.guard = &guard, guard.hold = 0.003, guard.size = 0;
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_SIZE, "a guard without a size");
-    CHECK(dpt_loop_create(slow, &good, &loop) == DPT_E_ARGUMENT,
-          "4 ms a tick, and commands hold for 3");
+    CHECK(dpt_loop_create(slow, &good, &loop) == DPT_E_ARGUMENT, "4 ms a tick, and commands hold for 3");
     def = good, def.guard = &guard, guard.size = sizeof guard, guard.hold = 0.01;
     CHECK(dpt_loop_create(slow, &def, &loop) == DPT_OK, "and for 10");
-    CHECK(dpt_loop_run(NULL, &stats) == DPT_E_ARGUMENT && dpt_loop_run(loop, &stats) == DPT_E_SIZE,
-          "run");
+    CHECK(dpt_loop_run(NULL, &stats) == DPT_E_ARGUMENT && dpt_loop_run(loop, &stats) == DPT_E_SIZE, "run");
     dpt_loop_free(loop);
     dpt_loop_free(NULL);
     dpt_loop_def_defaults(NULL, 8);
@@ -234,14 +228,12 @@ static void quantiles_are_bin_ends(void)
     uint64_t bins[DPT_LOOP_BINS] = { 0 };
     CHECK(dpt_loop_quantile(bins, 0.5) == 0.0 && dpt_loop_quantile(NULL, 0.5) == 0.0, "nothing");
     bins[0] = 50, bins[40] = 49, bins[63] = 1;
-    CHECK(fabs(dpt_loop_quantile(bins, 0.5) - 1e-6 * pow(2.0, 0.25)) < 1e-18, "%g",
-          dpt_loop_quantile(bins, 0.5));
+    CHECK(fabs(dpt_loop_quantile(bins, 0.5) - 1e-6 * pow(2.0, 0.25)) < 1e-18, "%g", dpt_loop_quantile(bins, 0.5));
     CHECK(fabs(dpt_loop_quantile(bins, 0.99) / (1e-6 * pow(2.0, 10.25)) - 1.0) < 1e-12, "%g",
           dpt_loop_quantile(bins, 0.99));
     CHECK(fabs(dpt_loop_quantile(bins, 1.0) / (1e-6 * pow(2.0, 16.0)) - 1.0) < 1e-12, "%g",
           dpt_loop_quantile(bins, 1.0));
-    CHECK(dpt_loop_quantile(bins, NAN) == 0.0 && dpt_loop_quantile(bins, 2.0) == 0.0,
-          "no fraction");
+    CHECK(dpt_loop_quantile(bins, NAN) == 0.0 && dpt_loop_quantile(bins, 2.0) == 0.0, "no fraction");
 }
 int main(void)
 {

@@ -31,10 +31,8 @@ int __wrap_clock_gettime(clockid_t clock, struct timespec *time)
     return 0;
 }
 
-int __wrap_clock_nanosleep(clockid_t clock, int flags, const struct timespec *until,
-                           struct timespec *left);
-int __wrap_clock_nanosleep(clockid_t clock, int flags, const struct timespec *until,
-                           struct timespec *left)
+int __wrap_clock_nanosleep(clockid_t clock, int flags, const struct timespec *until, struct timespec *left);
+int __wrap_clock_nanosleep(clockid_t clock, int flags, const struct timespec *until, struct timespec *left)
 {
     uint64_t end = (uint64_t)until->tv_sec * 1000000000u + (uint64_t)until->tv_nsec;
     (void)clock, (void)flags, (void)left;
@@ -47,11 +45,10 @@ static struct device {
     dpt_device device;
     uint64_t offset, period, number, arrives, before;
     uint64_t transport; /* from when a sample is taken to when it can be read */
-    uint64_t late; /* of the first samples one in so many is a quarter of a period late; 0: none */
+    uint64_t late;      /* of the first samples one in so many is a quarter of a period late; 0: none */
 } made;
 
-static dpt_result open_made(const dpt_driver *driver, const char *where, dpt_device **device,
-                            dpt_device_error *error)
+static dpt_result open_made(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
 {
     (void)driver, (void)where, (void)error;
     *device = &made.device;
@@ -73,8 +70,7 @@ static dpt_result read_made(dpt_device *device, dpt_device_state *state)
     while (made.arrives <= now) {
         made.before = made.arrives;
         made.number++;
-        made.arrives =
-            made.offset + made.number * made.period + (uint64_t)random_in(&seed, 0.0, 40000.0);
+        made.arrives = made.offset + made.number * made.period + (uint64_t)random_in(&seed, 0.0, 40000.0);
         if (made.late && made.number < TICKS && random_bits(&seed) % made.late == 0)
             made.arrives += PERIOD / 4;
     }
@@ -140,8 +136,7 @@ static dpt_result nothing(void *user, const dpt_loop_sample *sample, dpt_wrench 
     return DPT_OK;
 }
 
-static dpt_loop_stats run_made(uint64_t offset, uint64_t period, double rate,
-                               dpt_loop_tick_fn *tick)
+static dpt_loop_stats run_made(uint64_t offset, uint64_t period, double rate, dpt_loop_tick_fn *tick)
 {
     dpt_device *device;
     dpt_loop_def def;
@@ -205,8 +200,7 @@ static void samples_that_come_late_are_waited_for(void)
     made.late = 200;
     const uint64_t bad = bad_ticks(0, PERIOD, 0.0);
     made.late = 0;
-    CHECK(bad <= TICKS / 200, "%llu of %d, where one sample in 200 is late",
-          (unsigned long long)bad, TICKS);
+    CHECK(bad <= TICKS / 200, "%llu of %d, where one sample in 200 is late", (unsigned long long)bad, TICKS);
 }
 
 /* What was late once is forgotten: ten thousand ticks later samples are served soon again. */
@@ -259,11 +253,11 @@ static void a_machine_that_was_suspended_starts_anew(void)
     dpt_loop_stats stats = run_made(PERIOD / 2, PERIOD, 1000.0, push);
     suspends = 0;
     CHECK(stats.stops == 1, "%d stops", (int)stats.stops);
-    CHECK(written[SLEEPS_AT - 1] == 1.0 && written[SLEEPS_AT] == 0.0, "%g N, then %g N",
-          written[SLEEPS_AT - 1], written[SLEEPS_AT]);
+    CHECK(written[SLEEPS_AT - 1] == 1.0 && written[SLEEPS_AT] == 0.0, "%g N, then %g N", written[SLEEPS_AT - 1],
+          written[SLEEPS_AT]);
     for (int i = SLEEPS_AT + 1; i < SLEEPS_AT + RAMP - 5; i++)
-        CHECK(written[i] > written[i - 1] && written[i] < 0.015 * (i - SLEEPS_AT),
-              "%g N in tick %d after it", written[i], i - SLEEPS_AT);
+        CHECK(written[i] > written[i - 1] && written[i] < 0.015 * (i - SLEEPS_AT), "%g N in tick %d after it",
+              written[i], i - SLEEPS_AT);
     CHECK(written[SLEEPS_AT + RAMP + 5] == 1.0, "it does not come back");
 #else
     SKIP("a suspended machine", "there is no clock that goes on");
@@ -276,8 +270,7 @@ static void a_pause_between_the_clocks_is_no_sleep(void)
     pauses = 10;
     dpt_loop_stats stats = run_made(PERIOD / 2, PERIOD, 1000.0, push);
     pauses = 0;
-    CHECK(boot_reads > TICKS && stats.stops == 0 && written[TICKS - 1] == 1.0, "%d stops",
-          (int)stats.stops);
+    CHECK(boot_reads > TICKS && stats.stops == 0 && written[TICKS - 1] == 1.0, "%d stops", (int)stats.stops);
 }
 
 int main(void)

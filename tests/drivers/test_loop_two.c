@@ -105,13 +105,12 @@ static void run_alone(int index, struct seen *seen, dpt_loop_stats *stats)
 static void check_counts(const dpt_loop_stats *is, const dpt_loop_stats *alone, int index)
 {
     CHECK(is->ticks == alone->ticks && is->fresh == alone->fresh && is->stale == alone->stale &&
-              is->skipped == alone->skipped && is->reordered == alone->reordered &&
-              is->sent == alone->sent && is->refused == alone->refused &&
-              is->clamped == alone->clamped && is->slewed == alone->slewed &&
+              is->skipped == alone->skipped && is->reordered == alone->reordered && is->sent == alone->sent &&
+              is->refused == alone->refused && is->clamped == alone->clamped && is->slewed == alone->slewed &&
               is->stops == alone->stops && is->failed == alone->failed,
           "device %d: %u fresh, %u stale, %u clamped; alone %u, %u, %u", index, (unsigned)is->fresh,
-          (unsigned)is->stale, (unsigned)is->clamped, (unsigned)alone->fresh,
-          (unsigned)alone->stale, (unsigned)alone->clamped);
+          (unsigned)is->stale, (unsigned)is->clamped, (unsigned)alone->fresh, (unsigned)alone->stale,
+          (unsigned)alone->clamped);
 }
 
 static void each_is_served_as_if_it_were_alone(void)
@@ -123,8 +122,7 @@ static void each_is_served_as_if_it_were_alone(void)
     for (int first = 0; first < DEVICES; first++) {
         struct host host = new_host(first);
         const int second = 1 - first;
-        dpt_device *devices[] = { device_named("%s", names[first]),
-                                  device_named("%s", names[second]) };
+        dpt_device *devices[] = { device_named("%s", names[first]), device_named("%s", names[second]) };
         const dpt_guard_def guard = guard_of(limits[first]), other = guard_of(limits[second]);
         dpt_loop_stats stats[DEVICES] = { { .size = sizeof *stats } };
         dpt_loop_def def = def_of(&host);
@@ -136,18 +134,17 @@ static void each_is_served_as_if_it_were_alone(void)
         CHECK(dpt_loop_run(loop, stats) == DPT_OK, "run");
         for (int i = 0; i < DEVICES; i++) {
             const int index = i ? second : first;
-            CHECK(host.seen[index].digest == seen[index].digest &&
-                      host.seen[index].samples == seen[index].samples,
-                  "device %d of %d: %u samples, alone %u", index, first,
-                  (unsigned)host.seen[index].samples, (unsigned)seen[index].samples);
+            CHECK(host.seen[index].digest == seen[index].digest && host.seen[index].samples == seen[index].samples,
+                  "device %d of %d: %u samples, alone %u", index, first, (unsigned)host.seen[index].samples,
+                  (unsigned)seen[index].samples);
             CHECK(host.seen[index].blank > 100, "device %d is never without a sample", index);
             check_counts(&stats[i], &alone[index], index);
             dpt_device_close(devices[i]);
         }
         dpt_loop_free(loop);
     }
-    CHECK(alone[0].clamped > 100 && alone[0].fresh > 2000, "%u clamped, %u fresh",
-          (unsigned)alone[0].clamped, (unsigned)alone[0].fresh);
+    CHECK(alone[0].clamped > 100 && alone[0].fresh > 2000, "%u clamped, %u fresh", (unsigned)alone[0].clamped,
+          (unsigned)alone[0].fresh);
 }
 
 /* The second is unplugged after half a second. */
@@ -165,15 +162,13 @@ static void one_that_is_lost(void)
         CHECK(dpt_loop_create(first, &def, &loop) == DPT_OK, "create");
         const dpt_result result = dpt_loop_run(loop, stats);
         if (reopen) {
-            CHECK(result == DPT_OK && stats[0].ticks == TICKS && stats[0].fresh == TICKS,
-                  "%s, %u ticks", dpt_result_name(result), (unsigned)stats[0].fresh);
-            CHECK(stats[1].losses == 1 && stats[1].reopened == 1 && stats[1].lost > 900 &&
-                      stats[1].fresh > 1000,
-                  "lost for %u ticks, back %u times", (unsigned)stats[1].lost,
-                  (unsigned)stats[1].reopened);
+            CHECK(result == DPT_OK && stats[0].ticks == TICKS && stats[0].fresh == TICKS, "%s, %u ticks",
+                  dpt_result_name(result), (unsigned)stats[0].fresh);
+            CHECK(stats[1].losses == 1 && stats[1].reopened == 1 && stats[1].lost > 900 && stats[1].fresh > 1000,
+                  "lost for %u ticks, back %u times", (unsigned)stats[1].lost, (unsigned)stats[1].reopened);
         } else {
-            CHECK(result == DPT_E_LOST && stats[1].lost == 1 && stats[0].ticks < 510,
-                  "%s, %u ticks", dpt_result_name(result), (unsigned)stats[0].ticks);
+            CHECK(result == DPT_E_LOST && stats[1].lost == 1 && stats[0].ticks < 510, "%s, %u ticks",
+                  dpt_result_name(result), (unsigned)stats[0].ticks);
         }
         dpt_loop_free(loop);
         dpt_device_close(first);
@@ -222,11 +217,9 @@ static void two_that_live(void)
     def.other = second;
     CHECK(dpt_loop_create(first, &def, &loop) == DPT_OK, "create");
     CHECK(dpt_loop_run(loop, stats) == DPT_OK, "run");
-    CHECK(stats[0].fresh > 0 && stats[1].fresh > 0 && stats[1].stale > stats[1].fresh / 4,
-          "%u and %u fresh, %u stale", (unsigned)stats[0].fresh, (unsigned)stats[1].fresh,
-          (unsigned)stats[1].stale);
-    CHECK(stats[1].sent == stats[1].ticks && stats[1].missed == 0, "%u sent",
-          (unsigned)stats[1].sent);
+    CHECK(stats[0].fresh > 0 && stats[1].fresh > 0 && stats[1].stale > stats[1].fresh / 4, "%u and %u fresh, %u stale",
+          (unsigned)stats[0].fresh, (unsigned)stats[1].fresh, (unsigned)stats[1].stale);
+    CHECK(stats[1].sent == stats[1].ticks && stats[1].missed == 0, "%u sent", (unsigned)stats[1].sent);
     dpt_loop_free(loop);
     dpt_device_close(first);
     dpt_device_close(second);

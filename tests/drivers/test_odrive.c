@@ -28,14 +28,13 @@ static struct odrive_message decoded(uint16_t id, const char *hex, unsigned gene
 }
 
 /* What is encoded is the beginning of what the definitions give: a frame need not have the zeros behind its content. */
-static void expect_bytes(const struct odrive_message *message, unsigned generation, uint16_t id,
-                         const char *hex, unsigned size)
+static void expect_bytes(const struct odrive_message *message, unsigned generation, uint16_t id, const char *hex,
+                         unsigned size)
 {
     const struct can_message known = frame_of(id, hex);
     struct can_message frame;
     CHECK(odrive_encode(message, generation, &frame), "%x", id);
-    CHECK(frame.id == id && frame.size == size && frame.flags == 0 &&
-              !memcmp(frame.data, known.data, 8),
+    CHECK(frame.id == id && frame.size == size && frame.flags == 0 && !memcmp(frame.data, known.data, 8),
           "%x: id %x, %u bytes", id, frame.id, frame.size);
 }
 
@@ -48,11 +47,9 @@ static void frames_are_what_the_definitions_say(void)
           "%x %u %u", beat->errors, beat->state, beat->failed);
     expect_bytes(&message, ODRIVE_0_5, 0x61, "4008000008010081", 8);
     message = decoded(0x61, "0001000001000100", ODRIVE_0_5);
-    CHECK(beat->errors == 0x100 && beat->failed == ODRIVE_FAILED_ENCODER && !beat->is_done, "%x",
-          beat->failed);
+    CHECK(beat->errors == 0x100 && beat->failed == ODRIVE_FAILED_ENCODER && !beat->is_done, "%x", beat->failed);
     message = decoded(0x61, "00020001080e0100", ODRIVE_0_6);
-    CHECK(beat->errors == 0x1000200 && beat->state == 8 && beat->result == 14 && beat->is_done &&
-              !beat->failed,
+    CHECK(beat->errors == 0x1000200 && beat->state == 8 && beat->result == 14 && beat->is_done && !beat->failed,
           "%x %u", beat->errors, beat->result);
     expect_bytes(&message, ODRIVE_0_6, 0x61, "00020001080e0100", 8);
     message = decoded(0x60, "0204033a00060a01", ODRIVE_0_6);
@@ -77,16 +74,14 @@ static void frames_are_what_the_definitions_say(void)
     CHECK(message.as.error.active == 0x81, "controller");
     for (unsigned generation = ODRIVE_0_5; generation <= ODRIVE_0_6; generation++) {
         message = decoded(0xe9, "0000a0bfcdcccc3d", generation);
-        CHECK(message.as.estimates.position == -1.25f && message.as.estimates.velocity == 0.1f,
-              "%g %g", (double)message.as.estimates.position,
-              (double)message.as.estimates.velocity);
+        CHECK(message.as.estimates.position == -1.25f && message.as.estimates.velocity == 0.1f, "%g %g",
+              (double)message.as.estimates.position, (double)message.as.estimates.velocity);
         expect_bytes(&message, generation, 0xe9, "0000a0bfcdcccc3d", 8);
         message = decoded(0xe7, "0800000000000000", generation);
         CHECK(message.as.state == ODRIVE_STATE_CLOSED_LOOP, "%u", message.as.state);
         expect_bytes(&message, generation, 0xe7, "0800000000000000", 4);
         message = decoded(0xeb, "0100000001000000", generation);
-        CHECK(message.as.mode.control == ODRIVE_CONTROL_TORQUE &&
-                  message.as.mode.input == ODRIVE_INPUT_PASSTHROUGH,
+        CHECK(message.as.mode.control == ODRIVE_CONTROL_TORQUE && message.as.mode.input == ODRIVE_INPUT_PASSTHROUGH,
               "mode");
         expect_bytes(&message, generation, 0xeb, "0100000001000000", 8);
         message = decoded(0xee, "0000c03f00000000", generation);
@@ -103,12 +98,10 @@ static void frames_are_what_the_definitions_say(void)
 /* Every id of 11 bits: what belongs to a generation, and what is asked for. */
 static void ids_are_node_and_command(void)
 {
-    static const uint32_t known[2] = { 1u << 0x01 | 1u << 0x02 | 1u << 0x03 | 1u << 0x04 |
-                                           1u << 0x07 | 1u << 0x09 | 1u << 0x0b | 1u << 0x0e |
-                                           1u << 0x18 | 1u << 0x1d,
-                                       1u << 0x00 | 1u << 0x01 | 1u << 0x02 | 1u << 0x03 |
-                                           1u << 0x06 | 1u << 0x07 | 1u << 0x09 | 1u << 0x0b |
-                                           1u << 0x0e | 1u << 0x18 };
+    static const uint32_t known[2] = { 1u << 0x01 | 1u << 0x02 | 1u << 0x03 | 1u << 0x04 | 1u << 0x07 | 1u << 0x09 |
+                                           1u << 0x0b | 1u << 0x0e | 1u << 0x18 | 1u << 0x1d,
+                                       1u << 0x00 | 1u << 0x01 | 1u << 0x02 | 1u << 0x03 | 1u << 0x06 | 1u << 0x07 |
+                                           1u << 0x09 | 1u << 0x0b | 1u << 0x0e | 1u << 0x18 };
     static const uint32_t answers =
         1u << 0x00 | 1u << 0x01 | 1u << 0x03 | 1u << 0x04 | 1u << 0x06 | 1u << 0x09 | 1u << 0x1d;
     for (unsigned generation = ODRIVE_0_5; generation <= ODRIVE_0_6; generation++)
@@ -116,8 +109,7 @@ static void ids_are_node_and_command(void)
             const struct can_message frame = { .id = (uint16_t)id, .size = 8 };
             struct odrive_message message;
             const int is_known = known[generation == ODRIVE_0_6] >> (id & 31) & 1;
-            CHECK(odrive_decode(&frame, generation, &message) ==
-                      (is_known ? ODRIVE_MESSAGE : ODRIVE_OTHER),
+            CHECK(odrive_decode(&frame, generation, &message) == (is_known ? ODRIVE_MESSAGE : ODRIVE_OTHER),
                   "%x of 0.%u", id, generation);
             const struct odrive_message ask = { .node = (uint8_t)(id >> 5),
                                                 .command = (uint8_t)(id & 31),
@@ -126,8 +118,7 @@ static void ids_are_node_and_command(void)
             const int goes = odrive_encode(&ask, generation, &asked);
             CHECK(goes == (is_known && answers >> (id & 31) & 1), "%x of 0.%u", id, generation);
             if (goes)
-                CHECK(asked.id == id && asked.flags == CAN_MESSAGE_REMOTE && asked.size == 0,
-                      "%x: %x", id, asked.id);
+                CHECK(asked.id == id && asked.flags == CAN_MESSAGE_REMOTE && asked.size == 0, "%x: %x", id, asked.id);
         }
     /* On 0.5 this id sets the node's number. */
     const struct odrive_message address = { .command = ODRIVE_ADDRESS, .is_request = 1 };
@@ -175,8 +166,9 @@ static void damage_is_refused(void)
     static const struct {
         uint16_t id;
         uint8_t least;
-    } sizes[] = { { 0x01, 8 }, { 0x09, 8 }, { 0x03, 8 }, { 0x0e, 4 },
-                  { 0x07, 4 }, { 0x0b, 8 }, { 0x00, 7 }, { 0x06, 7 } };
+    } sizes[] = {
+        { 0x01, 8 }, { 0x09, 8 }, { 0x03, 8 }, { 0x0e, 4 }, { 0x07, 4 }, { 0x0b, 8 }, { 0x00, 7 }, { 0x06, 7 }
+    };
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
         for (uint8_t size = 0; size <= 9; size++) {
             const struct can_message frame = { .id = sizes[i].id, .size = size };
@@ -222,9 +214,8 @@ static void generations_are_told_apart(void)
         const char *hex;
         unsigned generation;
     } beats[] = {
-        { "0000000001000080", ODRIVE_0_5 }, { "0000000001010001", ODRIVE_0_5 },
-        { "0000000001000000", ODRIVE_ANY }, { "0000000001010100", ODRIVE_ANY },
-        { "0000000001020000", ODRIVE_0_6 }, { "00000000010e0100", ODRIVE_0_6 },
+        { "0000000001000080", ODRIVE_0_5 }, { "0000000001010001", ODRIVE_0_5 }, { "0000000001000000", ODRIVE_ANY },
+        { "0000000001010100", ODRIVE_ANY }, { "0000000001020000", ODRIVE_0_6 }, { "00000000010e0100", ODRIVE_0_6 },
         { "000000000100", ODRIVE_ANY },
     };
     for (size_t i = 0; i < sizeof beats / sizeof *beats; i++) {
@@ -260,8 +251,8 @@ static void errors_have_names_and_reasons(void)
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         const char *name = odrive_error_name(known[i].word, known[i].bits);
         CHECK(name && !strcmp(name, known[i].name), "%zu: %s", i, name ? name : "none");
-        CHECK(odrive_reasons(known[i].word, known[i].bits) == known[i].reasons, "%s: %x",
-              known[i].name, odrive_reasons(known[i].word, known[i].bits));
+        CHECK(odrive_reasons(known[i].word, known[i].bits) == known[i].reasons, "%s: %x", known[i].name,
+              odrive_reasons(known[i].word, known[i].bits));
     }
     const uint32_t sound = DPT_REASON_WATCHDOG | DPT_REASON_OVERHEATED | DPT_REASON_OVERLOADED |
                            DPT_REASON_UNCALIBRATED | DPT_REASON_ESTOP | DPT_REASON_DEVICE;
@@ -272,15 +263,15 @@ static void errors_have_names_and_reasons(void)
             const uint64_t error = (uint64_t)1 << bit;
             const char *name = odrive_error_name(word, error);
             const uint32_t reasons = odrive_reasons(word, error);
-            CHECK(name && reasons && !(reasons & ~sound) && !(reasons & (reasons - 1)),
-                  "word %u bit %u: %x", word, bit, reasons);
+            CHECK(name && reasons && !(reasons & ~sound) && !(reasons & (reasons - 1)), "word %u bit %u: %x", word, bit,
+                  reasons);
             named += strcmp(name, "unknown") != 0;
         }
     }
     /* 22 + 12 + 27 + 10 + 8, as the definitions have them. */
     CHECK(named == 79, "%u errors have names", named);
-    CHECK(!strcmp(odrive_state_name(8), "CLOSED_LOOP_CONTROL") &&
-              !strcmp(odrive_state_name(1), "IDLE") && !strcmp(odrive_state_name(15), "unknown"),
+    CHECK(!strcmp(odrive_state_name(8), "CLOSED_LOOP_CONTROL") && !strcmp(odrive_state_name(1), "IDLE") &&
+              !strcmp(odrive_state_name(15), "unknown"),
           "states");
 }
 

@@ -20,16 +20,13 @@ static void opens_and_tells(void)
     start("");
     CHECK(error.text[0] == '\0', "there is nothing to say: %s", error.text);
     CHECK(dpt_device_get_info(device, &info) == DPT_OK, "info");
-    CHECK(info.pose_dofs == 6 && info.wrench_dofs == 3 && info.joints == 6 && info.buttons == 4 &&
-              info.flags == 0,
+    CHECK(info.pose_dofs == 6 && info.wrench_dofs == 3 && info.joints == 6 && info.buttons == 4 && info.flags == 0,
           "dofs");
-    CHECK(info.rate == 1000.0 && info.force_max == 3.3 && info.force_continuous == 0.88 &&
-              info.torque_max == 0.0 && info.stiffness_max == 500.0 && info.watchdog == 0.01 &&
-              info.position_step == 0.0,
+    CHECK(info.rate == 1000.0 && info.force_max == 3.3 && info.force_continuous == 0.88 && info.torque_max == 0.0 &&
+              info.stiffness_max == 500.0 && info.watchdog == 0.01 && info.position_step == 0.0,
           "numbers");
     for (int k = 0; k < 3; k++)
-        CHECK(info.workspace_min[k] == workspace[k] / 1000.0 &&
-                  info.workspace_max[k] == workspace[3 + k] / 1000.0,
+        CHECK(info.workspace_min[k] == workspace[k] / 1000.0 && info.workspace_max[k] == workspace[3 + k] / 1000.0,
               "workspace");
     check_no_dynamics(device);
     CHECK(!strcmp(info.name, "stand-in") && !strcmp(info.serial, "A0"), "%s", info.name);
@@ -42,13 +39,12 @@ static void opens_and_tells(void)
         const uint64_t sequence = state.sequence;
         there->buttons = i % 16;
         tick(1);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1 &&
-                  state.sequence == sequence + 1,
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1 && state.sequence == sequence + 1,
               "%u fresh", state.fresh);
         CHECK(state.time_ns == host.now, "the time of a sample");
         CHECK(state.buttons == (uint32_t)i % 16, "%x", state.buttons);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0 &&
-                  state.sequence == sequence + 1 && state.time_ns == host.now,
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0 && state.sequence == sequence + 1 &&
+                  state.time_ns == host.now,
               "an old one is another");
     }
     CHECK(there->frames == frames + 100, "%lu frames in 100 ticks", there->frames - frames);
@@ -56,9 +52,7 @@ static void opens_and_tells(void)
     CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 3, "%u fresh", state.fresh);
     dpt_device_counts counts = { .size = sizeof counts };
     dpt_device_get_counts(device, &counts);
-    CHECK(counts.samples == state.sequence && counts.lost == 0 && counts.commands == 0 &&
-              counts.missed == 0,
-          "counts");
+    CHECK(counts.samples == state.sequence && counts.lost == 0 && counts.commands == 0 && counts.missed == 0, "counts");
     finish();
 }
 
@@ -78,11 +72,9 @@ static void turn_by(double transform[16], const double axis[3], double angle)
 static void turned(const double q[4], int axis, double out[3])
 {
     const double w = q[0], x = q[1], y = q[2], z = q[3];
-    const double columns[3][3] = {
-        { w * w + x * x - y * y - z * z, 2.0 * (x * y + w * z), 2.0 * (x * z - w * y) },
-        { 2.0 * (x * y - w * z), w * w - x * x + y * y - z * z, 2.0 * (y * z + w * x) },
-        { 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), w * w - x * x - y * y + z * z }
-    };
+    const double columns[3][3] = { { w * w + x * x - y * y - z * z, 2.0 * (x * y + w * z), 2.0 * (x * z - w * y) },
+                                   { 2.0 * (x * y - w * z), w * w - x * x + y * y - z * z, 2.0 * (y * z + w * x) },
+                                   { 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), w * w - x * x - y * y + z * z } };
     memcpy(out, columns[axis], sizeof columns[axis]);
 }
 
@@ -112,13 +104,12 @@ static void samples_are_in_our_units(void)
         for (int i = 0; i < 11; i++)
             there->transform[i] += i % 4 < 3 ? random_in(&seed, -blur, blur) : 0.0;
         tick(1);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-              "sample %d: %s", n, dpt_device_status_name(state.status));
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "sample %d: %s", n,
+              dpt_device_status_name(state.status));
         double square = 0.0;
         for (int k = 0; k < 4; k++)
             square += state.pose.orientation[k] * state.pose.orientation[k];
-        CHECK(fabs(square - 1.0) < 1e-15 && state.pose.orientation[0] >= 0.0, "sample %d: %g", n,
-              square - 1.0);
+        CHECK(fabs(square - 1.0) < 1e-15 && state.pose.orientation[0] >= 0.0, "sample %d: %g", n, square - 1.0);
         for (int column = 0; column < 3; column++) {
             double is[3], length = 0.0;
             const double *was = there->transform + 4 * column;
@@ -135,11 +126,9 @@ static void samples_are_in_our_units(void)
         }
         for (int k = 0; k < 3; k++) {
             const double middle = 0.5 * (box[k] + box[3 + k]);
-            CHECK(state.pose.position[k] == (there->transform[12 + k] - middle) / 1000.0,
-                  "position");
-            CHECK(state.velocity[k] == there->velocity[k] / 1000.0 &&
-                      state.spin[k] == there->spin[k] && state.joint[k] == there->joints[k] &&
-                      state.joint[3 + k] == there->gimbal[k],
+            CHECK(state.pose.position[k] == (there->transform[12 + k] - middle) / 1000.0, "position");
+            CHECK(state.velocity[k] == there->velocity[k] / 1000.0 && state.spin[k] == there->spin[k] &&
+                      state.joint[k] == there->joints[k] && state.joint[3 + k] == there->gimbal[k],
                   "sample %d", n);
         }
     }
@@ -155,9 +144,7 @@ static void forces_and_torques_in_their_units(void)
         int inputs, outputs;
         double torque;
         uint32_t wrench_dofs;
-    } kinds[] = {
-        { 3, 3, 0, 3 }, { 6, 3, 0, 3 }, { 6, 6, 188, 6 }, { 6, 6, 0, 3 }, { 6, 0, 0, 0 }
-    };
+    } kinds[] = { { 3, 3, 0, 3 }, { 6, 3, 0, 3 }, { 6, 6, 188, 6 }, { 6, 6, 0, 3 }, { 6, 0, 0, 0 } };
     for (int i = 0; i < 5; i++) {
         const dpt_wrench wrench = { { 0.1, -0.7, 1.3 }, { 0.01, 0.05, -0.02 } };
         const dpt_wrench strong = { { 3e5, 4e5, 0.0 }, { 0.0, -1e300, 0.0 } };
@@ -170,8 +157,7 @@ static void forces_and_torques_in_their_units(void)
         start("");
         dpt_device_get_info(device, &info);
         CHECK(info.pose_dofs == (uint32_t)kinds[i].inputs && info.joints == info.pose_dofs &&
-                  info.wrench_dofs == kinds[i].wrench_dofs &&
-                  info.torque_max == kinds[i].torque / 1e3,
+                  info.wrench_dofs == kinds[i].wrench_dofs && info.torque_max == kinds[i].torque / 1e3,
               "kind %d: %u, %u", i, info.pose_dofs, info.wrench_dofs);
         const int turns = kinds[i].inputs == 6;
         CHECK(state.pose.orientation[turns ? 3 : 0] == 1.0 && state.joint[2] == 0.5 &&
@@ -182,22 +168,19 @@ static void forces_and_torques_in_their_units(void)
             tick(1);
         }
         for (int k = 0; k < 3; k++) {
-            CHECK(there->force[k] == (kinds[i].wrench_dofs ? wrench.force[k] : 0.0), "kind %d: %g",
-                  i, there->force[k]);
-            CHECK(there->torque[k] == (kinds[i].wrench_dofs == 6 ? 1000.0 * wrench.torque[k] : 0.0),
-                  "kind %d: %g mNm", i, there->torque[k]);
+            CHECK(there->force[k] == (kinds[i].wrench_dofs ? wrench.force[k] : 0.0), "kind %d: %g", i, there->force[k]);
+            CHECK(there->torque[k] == (kinds[i].wrench_dofs == 6 ? 1000.0 * wrench.torque[k] : 0.0), "kind %d: %g mNm",
+                  i, there->torque[k]);
         }
         CHECK(dpt_device_write(device, &strong) == DPT_OK, "write");
         tick(1);
         if (kinds[i].wrench_dofs)
-            CHECK(fabs(there->force[0] - 0.6 * 3.3) < 1e-14 &&
-                      fabs(there->force[1] - 0.8 * 3.3) < 1e-14,
-                  "kind %d: %g", i, there->force[0]);
+            CHECK(fabs(there->force[0] - 0.6 * 3.3) < 1e-14 && fabs(there->force[1] - 0.8 * 3.3) < 1e-14, "kind %d: %g",
+                  i, there->force[0]);
         if (kinds[i].wrench_dofs == 6)
             CHECK(fabs(there->torque[1] + 188.0) < 1e-12, "kind %d: %g", i, there->torque[1]);
         CHECK(lib->errors() == 0 &&
-                  dpt_device_write(device, &(dpt_wrench){ { NAN, 0, 0 }, { 0, 0, 0 } }) ==
-                      DPT_E_FINITE,
+                  dpt_device_write(device, &(dpt_wrench){ { NAN, 0, 0 }, { 0, 0, 0 } }) == DPT_E_FINITE,
               "kind %d: %d errors", i, lib->errors());
         tick(1);
         CHECK(force_of(there) == 0.0, "kind %d: NaN pushes", i);
@@ -253,18 +236,16 @@ static void errors_are_told_apart(dpt_device *other)
     tick(1);
     dpt_device_read(device, &state);
     dpt_device_read(other, &other_state);
-    CHECK(state.status == DPT_DEVICE_STATUS_READY && other_state.status == DPT_DEVICE_STATUS_FAULT,
-          "%u, %u", state.status, other_state.status);
+    CHECK(state.status == DPT_DEVICE_STATUS_READY && other_state.status == DPT_DEVICE_STATUS_FAULT, "%u, %u",
+          state.status, other_state.status);
     tick(1);
-    CHECK(force_of(there) == 1.0 && force_of(left) == 0.0, "%g, %g", force_of(there),
-          force_of(left));
+    CHECK(force_of(there) == 1.0 && force_of(left) == 0.0, "%g, %g", force_of(there), force_of(left));
     tick(120);
     CHECK(clear_device(other) == DPT_OK, "clear");
     lib->raise = HD_COMM_ERROR;
     lib->raise_device = 1;
     tick(1);
-    CHECK(dpt_device_read(device, &state) == DPT_OK &&
-              dpt_device_read(other, &other_state) == DPT_E_LOST,
+    CHECK(dpt_device_read(device, &state) == DPT_OK && dpt_device_read(other, &other_state) == DPT_E_LOST,
           "one line fails");
     CHECK(clear_device(other) == DPT_OK && dpt_device_read(device, &state) == DPT_OK, "clear");
     lib->raise = HD_FORCE_ERROR;
@@ -272,8 +253,8 @@ static void errors_are_told_apart(dpt_device *other)
     tick(1);
     dpt_device_read(device, &state);
     dpt_device_read(other, &other_state);
-    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && other_state.status == DPT_DEVICE_STATUS_FAULT,
-          "%u, %u", state.status, other_state.status);
+    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && other_state.status == DPT_DEVICE_STATUS_FAULT, "%u, %u",
+          state.status, other_state.status);
     tick(120);
     CHECK(clear_device(device) == DPT_OK && clear_device(other) == DPT_OK, "clear");
 }
@@ -285,8 +266,7 @@ static dpt_device *both_lose_the_callback(dpt_device *other)
     lib->drops_callbacks = 1;
     pass(3.0);
     tick(1);
-    CHECK(dpt_device_read(device, &state) == DPT_E_LOST &&
-              dpt_device_read(other, &other_state) == DPT_E_LOST,
+    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && dpt_device_read(other, &other_state) == DPT_E_LOST,
           "both are lost");
     close_one(other);
     CHECK(clear_device(device) == DPT_OK, "clear");
@@ -294,13 +274,10 @@ static dpt_device *both_lose_the_callback(dpt_device *other)
     lib->drops_callbacks = 1;
     pass(3.0);
     tick(1);
-    CHECK(dpt_device_read(device, &state) == DPT_E_LOST &&
-              dpt_device_read(other, &other_state) == DPT_E_LOST,
+    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && dpt_device_read(other, &other_state) == DPT_E_LOST,
           "both are lost");
     CHECK(clear_device(other) == DPT_OK && clear_device(device) == DPT_OK, "clear");
-    CHECK(dpt_device_read(device, &state) == DPT_OK &&
-              dpt_device_read(other, &other_state) == DPT_OK,
-          "both are back");
+    CHECK(dpt_device_read(device, &state) == DPT_OK && dpt_device_read(other, &other_state) == DPT_OK, "both are back");
     return other;
 }
 
@@ -309,8 +286,7 @@ static void the_other_is_left_alone(dpt_device *other)
 {
     dpt_device *none;
     CHECK(open_at(&none, "Nobody", "") == DPT_E_DEVICE, "%s", error.text);
-    CHECK(open_at(&none, "", "") == DPT_E_DEVICE && strstr(error.text, "open already"), "%s",
-          error.text);
+    CHECK(open_at(&none, "", "") == DPT_E_DEVICE && strstr(error.text, "open already"), "%s", error.text);
     left->name[0] = 'D';
     CHECK(open_at(&none, "", "&rate=500") == DPT_E_DEVICE, "%s", error.text);
     dpt_device_read(device, &state);
@@ -338,15 +314,13 @@ static void two_devices_share_the_scheduler(void)
     left->transform[12] = 11.0;
     for (int n = 0; n < 150; n++) {
         tick(1);
-        CHECK(dpt_device_read(device, &state) == DPT_OK &&
-                  dpt_device_read(other, &other_state) == DPT_OK &&
+        CHECK(dpt_device_read(device, &state) == DPT_OK && dpt_device_read(other, &other_state) == DPT_OK &&
                   state.time_ns == other_state.time_ns,
               "tick %d", n);
         CHECK(push(device, 1.0) == DPT_OK && push(other, -5.0) == DPT_OK, "tick %d", n);
     }
     tick(1);
-    CHECK(force_of(there) == 1.0 && force_of(left) == -5.0, "%g, %g", force_of(there),
-          force_of(left));
+    CHECK(force_of(there) == 1.0 && force_of(left) == -5.0, "%g, %g", force_of(there), force_of(left));
     CHECK(other_state.pose.position[0] == 0.011 && state.pose.position[0] == 0.0, "poses");
     errors_are_told_apart(other);
     other = both_lose_the_callback(other);
@@ -462,8 +436,7 @@ static void compare_motions(const dpt_mesh *mesh, const double origin[3], int is
     scene_open(&scenes[0], mesh);
     scene_open(&scenes[1], mesh);
     CHECK(dpt_device_open(is_turned ? "sim:?hand=wipe&reach=0.03&cycle=1"
-                                    : "sim:?hand=press&reach=0.03&cycle=1&step="
-                                      "9.5367431640625e-07",
+                                    : "sim:?hand=press&reach=0.03&cycle=1&step=9.5367431640625e-07",
                           &sim, &error) == DPT_OK,
           "%s", error.text);
     start("");
@@ -480,18 +453,15 @@ static void compare_motions(const dpt_mesh *mesh, const double origin[3], int is
         const double half = 2.5 * pose.position[1];
         for (int k = 0; is_turned && k < 4; k++)
             pose.orientation[k] = k == 0 ? cos(half) : sin(half) * axis[k - 1];
-        const dpt_wrench is =
-            is_turned ? spring_feel(&pose) : scene_feel(&scenes[0], &pose, origin);
-        const dpt_wrench felt =
-            is_turned ? spring_feel(&state.pose) : scene_feel(&scenes[1], &state.pose, origin);
-        CHECK(dpt_device_write(sim, &is) == DPT_OK && dpt_device_write(device, &felt) == DPT_OK,
-              "write");
+        const dpt_wrench is = is_turned ? spring_feel(&pose) : scene_feel(&scenes[0], &pose, origin);
+        const dpt_wrench felt = is_turned ? spring_feel(&state.pose) : scene_feel(&scenes[1], &state.pose, origin);
+        CHECK(dpt_device_write(sim, &is) == DPT_OK && dpt_device_write(device, &felt) == DPT_OK, "write");
         tick(1);
         dpt_device_read(device, &state);
-        CHECK(!memcmp(felt.force, there->force, sizeof felt.force), "tick %d: %.17g N is %.17g N",
-              n, felt.force[1], there->force[1]);
-        CHECK(is_turned || (!memcmp(is.force, there->force, sizeof is.force) &&
-                            !memcmp(&pose, &state.pose, sizeof pose)),
+        CHECK(!memcmp(felt.force, there->force, sizeof felt.force), "tick %d: %.17g N is %.17g N", n, felt.force[1],
+              there->force[1]);
+        CHECK(is_turned ||
+                  (!memcmp(is.force, there->force, sizeof is.force) && !memcmp(&pose, &state.pose, sizeof pose)),
               "tick %d: %.17g N is %.17g N", n, is.force[1], there->force[1]);
         pressed += is.force[1] > 0.0;
         for (int k = 0; k < 3; k++) {
@@ -501,8 +471,7 @@ static void compare_motions(const dpt_mesh *mesh, const double origin[3], int is
                 far = fmax(far, fabs(state.pose.position[k] / pose.position[k] - 1.0));
         }
     }
-    printf("    %s: force on %d of 2000 ticks, at most %.2f N; places off by %.2g of "
-           "themselves, forces by %.2g N\n",
+    printf("    %s: force on %d of 2000 ticks, at most %.2f N; places off by %.2g of themselves, forces by %.2g N\n",
            is_turned ? "between the grid's places" : "on the grid", pressed, strongest, far, wrong);
     CHECK(pressed > 300 && strongest < 3.3, "%d pressed, %g N", pressed, strongest);
     CHECK(far <= (is_turned ? 0x1p-52 : 0.0), "%g", far);
@@ -560,8 +529,8 @@ static void a_loop_serves_it(void)
     CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK, "loop");
     CHECK(dpt_loop_run(loop, &stats) != DPT_E_LOST, "lost");
     hold();
-    CHECK(stats.ticks == 800 && stats.fresh > 100 && stats.not_ready > 10, "%d fresh, %d not ready",
-          (int)stats.fresh, (int)stats.not_ready);
+    CHECK(stats.ticks == 800 && stats.fresh > 100 && stats.not_ready > 10, "%d fresh, %d not ready", (int)stats.fresh,
+          (int)stats.not_ready);
     CHECK(there->force[1] == 0.0, "it ends with force");
     dpt_loop_free(loop);
     finish();

@@ -20,14 +20,12 @@ static void numbers_that_are_none_are_not_trusted(void)
         *places[i] = wrong[i];
         tick(1);
         CHECK(force_of(there) == 0.0, "case %d: force", i);
-        CHECK(dpt_device_read(device, &state) == DPT_OK &&
-                  state.status == DPT_DEVICE_STATUS_UNREADY &&
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_UNREADY &&
                   state.reasons == DPT_REASON_UNCALIBRATED && state.fresh == 1,
               "case %d: %s", i, dpt_device_status_name(state.status));
         CHECK(!memcmp(&state.pose, &was.pose, sizeof was.pose) &&
                   !memcmp(state.velocity, was.velocity, sizeof was.velocity) &&
-                  !memcmp(state.spin, was.spin, sizeof was.spin) &&
-                  !memcmp(state.joint, was.joint, sizeof was.joint),
+                  !memcmp(state.spin, was.spin, sizeof was.spin) && !memcmp(state.joint, was.joint, sizeof was.joint),
               "case %d: it moved", i);
         CHECK(push(device, 1.0) == DPT_E_NOT_READY, "case %d: it takes force", i);
         *places[i] = before;
@@ -47,8 +45,7 @@ static void silence_of_the_host_ends_the_force(void)
     for (int n = 1; n <= 30; n++) {
         tick(1);
         /* The last write was a tick before the last tick of serve. */
-        CHECK(force_of(there) == (n + 1 < 10 ? 1.0 : 0.0), "%d ms later: %g N", n + 1,
-              force_of(there));
+        CHECK(force_of(there) == (n + 1 < 10 ? 1.0 : 0.0), "%d ms later: %g N", n + 1, force_of(there));
     }
     dpt_device_read(device, &state);
     dpt_device_get_counts(device, &counts);
@@ -78,13 +75,11 @@ static void a_stop_in_a_debugger_does_not_kick(void)
         if (host_goes_on)
             CHECK(push(device, 2.0) == DPT_OK, "write");
         tick(1);
-        CHECK(force_of(there) == (host_goes_on ? 0.02 : 0.0), "it kicks with %g N",
-              force_of(there));
+        CHECK(force_of(there) == (host_goes_on ? 0.02 : 0.0), "it kicks with %g N", force_of(there));
         for (int n = 1; n < 50; n++) {
             const double before = force_of(there);
             serve(1, 2.0);
-            CHECK(force_of(there) - before < 0.0200001, "tick %d: %g N at once", n,
-                  force_of(there) - before);
+            CHECK(force_of(there) - before < 0.0200001, "tick %d: %g N at once", n, force_of(there) - before);
         }
         finish();
     }
@@ -120,8 +115,7 @@ static void warm_motors_give_less(void)
         serve(1, 2.0);
         const double expected = heat <= 0.7 ? 2.0 : 2.0 * (1.0 - heat) / 0.3;
         CHECK(fabs(force_of(there) - expected) < 1e-12, "at %g: %g N", heat, force_of(there));
-        CHECK(state.temperature == heat && state.status == DPT_DEVICE_STATUS_READY, "%g",
-              state.temperature);
+        CHECK(state.temperature == heat && state.status == DPT_DEVICE_STATUS_READY, "%g", state.temperature);
     }
     there->temperature[0] = there->temperature[1] = there->temperature[2] = 1.0;
     tick(1);
@@ -143,8 +137,8 @@ static void warm_motors_give_less(void)
     there->temperature[6] = 0.85;
     start("");
     serve(150, 2.0);
-    CHECK(state.temperature == 0.85 && fabs(force_of(there) - 1.0) < 1e-12, "at %g: %g N",
-          state.temperature, force_of(there));
+    CHECK(state.temperature == 0.85 && fabs(force_of(there) - 1.0) < 1e-12, "at %g: %g N", state.temperature,
+          force_of(there));
     finish();
     /* One that does not tell. */
     lib->unsupported[0] = HD_MOTOR_TEMPERATURE;
@@ -175,24 +169,20 @@ static void force_errors_are_faults(void)
         lib->raise_more = 2;
         push(device, 1.0);
         tick(1);
-        CHECK(dpt_device_read(device, &state) == DPT_OK &&
-                  state.status == DPT_DEVICE_STATUS_FAULT && state.reasons == kinds[i].reason &&
-                  state.code == kinds[i].code,
-              "%x: %s, %u, %x", kinds[i].code, dpt_device_status_name(state.status), state.reasons,
-              state.code);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_FAULT &&
+                  state.reasons == kinds[i].reason && state.code == kinds[i].code,
+              "%x: %s, %u, %x", kinds[i].code, dpt_device_status_name(state.status), state.reasons, state.code);
         CHECK(push(device, 1.0) == DPT_E_NOT_READY, "%x: it takes force", kinds[i].code);
         tick(1);
         CHECK(force_of(there) == 0.0, "%x: %g N", kinds[i].code, force_of(there));
         tick(20);
         CHECK(lib->errors() == 0, "%x: %d are left", kinds[i].code, lib->errors());
-        CHECK(dpt_device_read(device, &state) == DPT_OK &&
-                  state.status == DPT_DEVICE_STATUS_FAULT && state.fresh == 21,
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_FAULT && state.fresh == 21,
               "%x: gone by itself", kinds[i].code);
         CHECK(clear_device(device) == DPT_E_NOT_READY, "%x: cleared at once", kinds[i].code);
         tick(100);
         CHECK(clear_device(device) == DPT_OK, "%x: not cleared", kinds[i].code);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.code == 0 && state.reasons == 0,
-              "%x", state.code);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.code == 0 && state.reasons == 0, "%x", state.code);
         serve(1, 1.0);
         CHECK(fabs(force_of(there) - 0.01) < 1e-15, "%x: it kicks", kinds[i].code);
     }
@@ -218,12 +208,10 @@ static void scheduler_errors_are_loss(void)
     static const struct {
         unsigned code;
         uint32_t reason;
-    } kinds[] = {
-        { HD_COMM_ERROR, DPT_REASON_LINK },       { HD_COMM_CONFIG_ERROR, DPT_REASON_LINK },
-        { HD_TIMER_ERROR, DPT_REASON_DEVICE },    { HD_INVALID_PRIORITY, DPT_REASON_DEVICE },
-        { HD_SCHEDULER_FULL, DPT_REASON_DEVICE }, { HD_DEVICE_FAULT, DPT_REASON_DEVICE },
-        { HD_BAD_HANDLE, DPT_REASON_DEVICE },     { HD_INVALID_LICENSE, DPT_REASON_DEVICE }
-    };
+    } kinds[] = { { HD_COMM_ERROR, DPT_REASON_LINK },       { HD_COMM_CONFIG_ERROR, DPT_REASON_LINK },
+                  { HD_TIMER_ERROR, DPT_REASON_DEVICE },    { HD_INVALID_PRIORITY, DPT_REASON_DEVICE },
+                  { HD_SCHEDULER_FULL, DPT_REASON_DEVICE }, { HD_DEVICE_FAULT, DPT_REASON_DEVICE },
+                  { HD_BAD_HANDLE, DPT_REASON_DEVICE },     { HD_INVALID_LICENSE, DPT_REASON_DEVICE } };
     dpt_device_counts counts = { .size = sizeof counts };
     start("");
     for (int i = 0; i < 8; i++) {
@@ -239,29 +227,24 @@ static void scheduler_errors_are_loss(void)
         tick(2);
         const unsigned long frames = there->frames;
         CHECK(force_of(there) == 0.0, "%x: %g N", kinds[i].code, force_of(there));
-        CHECK(dpt_device_read(device, &state) == DPT_E_LOST &&
-                  state.status == DPT_DEVICE_STATUS_LOST && state.reasons == kinds[i].reason &&
-                  state.code == kinds[i].code && state.fresh == 0,
-              "%x: %s, %u, %x", kinds[i].code, dpt_device_status_name(state.status), state.reasons,
-              state.code);
-        CHECK(!memcmp(&state.pose, &pose, sizeof pose), "%x: a pose of a lost device",
-              kinds[i].code);
+        CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.status == DPT_DEVICE_STATUS_LOST &&
+                  state.reasons == kinds[i].reason && state.code == kinds[i].code && state.fresh == 0,
+              "%x: %s, %u, %x", kinds[i].code, dpt_device_status_name(state.status), state.reasons, state.code);
+        CHECK(!memcmp(&state.pose, &pose, sizeof pose), "%x: a pose of a lost device", kinds[i].code);
         CHECK(push(device, 1.0) == DPT_E_LOST, "%x: it takes force", kinds[i].code);
         tick(200);
         CHECK(there->frames == frames, "%x: it is still used", kinds[i].code);
         there->is_plugged = 0;
         CHECK(clear_device(device) == DPT_E_LOST, "%x: cleared while it is away", kinds[i].code);
-        CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons != 0, "%x: not lost",
-              kinds[i].code);
+        CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons != 0, "%x: not lost", kinds[i].code);
         there->is_plugged = 1;
         CHECK(clear_device(device) == DPT_OK, "%x: not cleared", kinds[i].code);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh > 0 &&
-                  state.sequence > sequence,
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh > 0 && state.sequence > sequence,
               "%x: samples begin anew", kinds[i].code);
         dpt_device_get_counts(device, &counts);
         CHECK(counts.resets == (uint64_t)i + 1, "%d resets", (int)counts.resets);
-        CHECK(counts.missed == missed && counts.samples == state.sequence,
-              "%d missed, and %d before", (int)counts.missed, (int)missed);
+        CHECK(counts.missed == missed && counts.samples == state.sequence, "%d missed, and %d before",
+              (int)counts.missed, (int)missed);
         serve(110, 1.0);
     }
     finish();
@@ -278,8 +261,7 @@ static void the_worst_error_counts(void)
         tick(1);
         lib->raise = order ? HD_FORCE_ERROR : HD_COMM_ERROR;
         tick(1);
-        CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.code == HD_COMM_ERROR, "%x",
-              state.code);
+        CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.code == HD_COMM_ERROR, "%x", state.code);
         there->temperature[0] = 0.0;
         finish();
     }
@@ -350,8 +332,7 @@ static void silence_of_the_device_is_loss(void)
     tick(8);
     CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0, "lost too soon");
     tick(5);
-    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons == DPT_REASON_SILENT, "%u",
-          state.reasons);
+    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons == DPT_REASON_SILENT, "%u", state.reasons);
     CHECK(push(device, 1.0) == DPT_E_LOST, "write");
     CHECK(clear_device(device) == DPT_OK, "not cleared");
     dpt_device_read(device, &state);
@@ -363,8 +344,7 @@ static void silence_of_the_device_is_loss(void)
     tick(90);
     CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0, "lost too soon");
     tick(20);
-    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons == DPT_REASON_SILENT, "%u",
-          state.reasons);
+    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons == DPT_REASON_SILENT, "%u", state.reasons);
     lib->hangs = 0;
     tick(5);
     CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.fresh == 0, "back by itself");
@@ -390,8 +370,7 @@ static void read_later(void)
 static void read_now(void)
 {
     times_read++;
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0,
-          "lost before the next sample");
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 0, "lost before the next sample");
 }
 
 /* While the scheduler stands for another device, and until its next tick; and just when one asks whether it lives. */
@@ -400,8 +379,7 @@ static void a_pause_is_no_death(void)
     start("");
     lib->in_init = read_later;
     lib->in_start = read_now;
-    CHECK(open_at(&meanwhile_opened, "Left Device", "") == DPT_OK && times_read == 2, "%s",
-          error.text);
+    CHECK(open_at(&meanwhile_opened, "Left Device", "") == DPT_OK && times_read == 2, "%s", error.text);
     CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh > 0, "lost");
     close_one(meanwhile_opened);
     meanwhile_opened = NULL;
@@ -427,8 +405,7 @@ static void no_force_stays_while_another_opens(void)
     start("&watchdog=1");
     serve(150, 1.0);
     lib->in_init = no_force_meanwhile;
-    CHECK(open_at(&meanwhile_opened, "Left Device", "") == DPT_OK && times_read == 1, "%s",
-          error.text);
+    CHECK(open_at(&meanwhile_opened, "Left Device", "") == DPT_OK && times_read == 1, "%s", error.text);
     dpt_device_read(device, &state);
     serve(1, 1.0);
     CHECK(force_of(there) < 0.5, "it kicks: %g", force_of(there));
@@ -473,8 +450,8 @@ static void a_scheduler_that_hangs_does_not_hang_us(void)
 {
     start("");
     lib->hangs = 1;
-    CHECK(open_at(&meanwhile_opened, "Left Device", "") == DPT_E_DEVICE &&
-              strstr(error.text, "hangs") && !left->is_open,
+    CHECK(open_at(&meanwhile_opened, "Left Device", "") == DPT_E_DEVICE && strstr(error.text, "hangs") &&
+              !left->is_open,
           "%s", error.text);
     CHECK(clear_device(device) == DPT_E_LOST, "clear");
     close_one(device);

@@ -16,24 +16,22 @@ static void refused_by(const char *name, dpt_result code, const char *word, cons
     device = (dpt_device *)&error;
     const dpt_result result = dpt_device_open(name, &device, &error);
     CHECK(result == code && error.code == code && !device, "%s: %d: %s", name, result, error.text);
-    CHECK(strstr(error.text, word) && strstr(error.text, cure), "%s: '%s' lacks '%s' or '%s'", name,
-          error.text, word, cure);
+    CHECK(strstr(error.text, word) && strstr(error.text, cure), "%s: '%s' lacks '%s' or '%s'", name, error.text, word,
+          cure);
     CHECK(strlen(error.text) < sizeof error.text - 1, "cut off: %s", error.text);
 }
 
 static const char *all_absent(const char *name)
 {
     static char text[128];
-    snprintf(text, sizeof text, "%s: cannot open shared object file: No such file or directory",
-             name);
+    snprintf(text, sizeof text, "%s: cannot open shared object file: No such file or directory", name);
     return text;
 }
 
 static const char *third_needs_another(const char *name)
 {
-    return strcmp(name, "libHD.so.3.0")
-               ? all_absent(name)
-               : "libncurses.so.5: cannot open shared object file: No such file or directory";
+    return strcmp(name, "libHD.so.3.0") ? all_absent(name)
+                                        : "libncurses.so.5: cannot open shared object file: No such file or directory";
 }
 
 static const char *second_is_broken(const char *name)
@@ -43,8 +41,7 @@ static const char *second_is_broken(const char *name)
 
 static const char *of_another_version(const char *name)
 {
-    return strcmp(name, "libHD.so") ? all_absent(name)
-                                    : "/usr/lib/libHD.so: undefined symbol: _ZN4phio4openEv";
+    return strcmp(name, "libHD.so") ? all_absent(name) : "/usr/lib/libHD.so: undefined symbol: _ZN4phio4openEv";
 }
 
 static const char *driver_is_absent(const char *name)
@@ -72,10 +69,9 @@ static void without_a_library_it_says_what_to_install(void)
           "libHD.so libHD.so.3.4 libHD.so.3.0 " },
         { of_another_version, "not of one version", "install two that belong together",
           "libHD.so libHD.so.3.4 libHD.so.3.0 " },
-        { driver_is_absent, "libHD.so is here, but not libPhantomIOLib42.so",
-          "install the device driver", "libHD.so libHD.so.3.4 libHD.so.3.0 " },
-        { something_is_absent, "libsomething.so.1", "the package that has it",
+        { driver_is_absent, "libHD.so is here, but not libPhantomIOLib42.so", "install the device driver",
           "libHD.so libHD.so.3.4 libHD.so.3.0 " },
+        { something_is_absent, "libsomething.so.1", "the package that has it", "libHD.so libHD.so.3.4 libHD.so.3.0 " },
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         host.refuse = cases[i].refuse;
@@ -88,13 +84,11 @@ static void without_a_library_it_says_what_to_install(void)
     host.refuse = all_absent;
     host.tried[0] = '\0';
     host.library = "/opt/a/libHD.so";
-    refused_by("openhaptics", DPT_E_UNSUPPORTED, "there is no library /opt/a/libHD.so",
-               "DPT_HD_LIBRARY");
+    refused_by("openhaptics", DPT_E_UNSUPPORTED, "there is no library /opt/a/libHD.so", "DPT_HD_LIBRARY");
     refused_by("openhaptics:?library=/opt/b.so", DPT_E_UNSUPPORTED, "/opt/b.so", "library=");
     host.library = "";
     refused_by("openhaptics", DPT_E_UNSUPPORTED, "not installed", "3D Systems");
-    CHECK(!strcmp(host.tried, "/opt/a/libHD.so /opt/b.so libHD.so libHD.so.3.4 libHD.so.3.0 "),
-          "tried %s", host.tried);
+    CHECK(!strcmp(host.tried, "/opt/a/libHD.so /opt/b.so libHD.so libHD.so.3.4 libHD.so.3.0 "), "tried %s", host.tried);
     host.library = NULL;
     host.refuse = NULL;
 }
@@ -108,8 +102,7 @@ static void libraries_that_do_not_load(void)
                   { "libHD-lonely.so", "but not libPHANToMIO.so.4", "install the device driver" },
                   { "libHD-mismatched.so", "phantom_driver_of_another_version", "belong together" },
                   { "libHD-none.so", "there is no library", "leave library=" },
-                  { "drivers/test_openhaptics_open.o", "cannot be loaded",
-                    "test_openhaptics_open.o" } };
+                  { "drivers/test_openhaptics_open.o", "cannot be loaded", "test_openhaptics_open.o" } };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char name[512];
         snprintf(name, sizeof name, "openhaptics:?library=%s", beside(program, cases[i].file));
@@ -152,9 +145,8 @@ static void an_older_library_will_do(void)
         const dpt_result result = dpt_device_open("openhaptics", &device, &error);
         CHECK(result == DPT_OK && strstr(host.tried, path), "%s", error.text);
         if (result == DPT_OK) {
-            CHECK(dpt_device_read(device, &state) == DPT_OK &&
-                      state.status == DPT_DEVICE_STATUS_READY,
-                  "%s", dpt_device_status_name(state.status));
+            CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "%s",
+                  dpt_device_status_name(state.status));
             dpt_device_close(device);
         }
         CHECK(lib->violations == 0, "%s", lib->violation);
@@ -166,14 +158,12 @@ static void an_older_library_will_do(void)
 }
 
 /* Open, where it cannot be; the stand-in's next fault is set before. */
-static void refused(const char *name, const char *settings, dpt_result code, const char *word,
-                    const char *cure)
+static void refused(const char *name, const char *settings, dpt_result code, const char *word, const char *cure)
 {
     char text[512];
     snprintf(text, sizeof text, "openhaptics:%s?library=%s%s", name, library_path, settings);
     refused_by(text, code, word, cure);
-    CHECK(!there->is_open && !left->is_open && lib->violations == 0, "%s: open, or %s", word,
-          lib->violation);
+    CHECK(!there->is_open && !left->is_open && lib->violations == 0, "%s: open, or %s", word, lib->violation);
     renew();
 }
 
@@ -186,8 +176,7 @@ static void a_device_that_is_not_there_has_a_cure(void)
     host.gtdd_home = NULL;
     there->is_plugged = 0;
     refused("", "", DPT_E_DEVICE, "GTDD_HOME is not set", "log in again");
-    refused("Default PHANToM", "", DPT_E_DEVICE, "no device of the name 'Default PHANToM'",
-            "openhaptics alone");
+    refused("Default PHANToM", "", DPT_E_DEVICE, "no device of the name 'Default PHANToM'", "openhaptics alone");
     static const char *const ports[] = { "/dev/ttyACM0", "/dev/ttyACM15", "/dev/hidraw3" };
     for (int i = 0; i < 3; i++) {
         host.forbidden = ports[i];
@@ -273,9 +262,8 @@ static void a_device_that_does_not_start_has_a_cure(void)
     lib->fail_start = HD_EXCEEDED_MAX_VELOCITY;
     char name[512];
     snprintf(name, sizeof name, "openhaptics:?library=%s", library_path);
-    CHECK(dpt_device_open(name, &device, &error) == DPT_E_DEVICE &&
-              strstr(error.text, "no sample comes"),
-          "%s", error.text);
+    CHECK(dpt_device_open(name, &device, &error) == DPT_E_DEVICE && strstr(error.text, "no sample comes"), "%s",
+          error.text);
     renew();
 }
 
@@ -283,8 +271,8 @@ static void a_device_that_does_not_start_has_a_cure(void)
 static void what_is_not_told_is_left_out(void)
 {
     dpt_device_info info = { .size = sizeof info };
-    static const unsigned kinds[] = { HD_NOMINAL_MAX_CONTINUOUS_FORCE, HD_NOMINAL_MAX_STIFFNESS,
-                                      HD_DEVICE_MODEL_TYPE, HD_DEVICE_SERIAL_NUMBER };
+    static const unsigned kinds[] = { HD_NOMINAL_MAX_CONTINUOUS_FORCE, HD_NOMINAL_MAX_STIFFNESS, HD_DEVICE_MODEL_TYPE,
+                                      HD_DEVICE_SERIAL_NUMBER };
     for (int i = 0; i < 4; i++)
         lib->unsupported[i] = kinds[i];
     start("");
@@ -300,9 +288,8 @@ static void what_is_not_told_is_left_out(void)
     there->in_inkwell = 1;
     start("");
     dpt_device_get_info(device, &info);
-    CHECK(info.workspace_max[0] == 0.08 && info.rate == 1000.0 &&
-              state.status == DPT_DEVICE_STATUS_READY,
-          "%g", info.workspace_max[0]);
+    CHECK(info.workspace_max[0] == 0.08 && info.rate == 1000.0 && state.status == DPT_DEVICE_STATUS_READY, "%g",
+          info.workspace_max[0]);
     finish();
     lib->unsupported[0] = HD_CURRENT_GIMBAL_ANGLES;
     lib->unsupported[1] = HD_CURRENT_ANGULAR_VELOCITY;
@@ -312,8 +299,8 @@ static void what_is_not_told_is_left_out(void)
     start("");
     dpt_device_get_info(device, &info);
     CHECK(info.joints == 3 && info.buttons == 0 && info.pose_dofs == 6, "%u joints", info.joints);
-    CHECK(state.status == DPT_DEVICE_STATUS_READY && state.joint[0] == 1.0 &&
-              state.joint[3] == 0.0 && state.spin[0] == 0.0 && state.buttons == 0,
+    CHECK(state.status == DPT_DEVICE_STATUS_READY && state.joint[0] == 1.0 && state.joint[3] == 0.0 &&
+              state.spin[0] == 0.0 && state.buttons == 0,
           "%s", dpt_device_status_name(state.status));
     finish();
     lib->unsupported[0] = HD_CURRENT_JOINT_ANGLES;
@@ -325,8 +312,7 @@ static void what_is_not_told_is_left_out(void)
     lib->raise = HD_INVALID_OPERATION;
     start("");
     dpt_device_get_info(device, &info);
-    CHECK(info.buttons == 4 && info.joints == 6 && state.status == DPT_DEVICE_STATUS_FAULT,
-          "%u buttons", info.buttons);
+    CHECK(info.buttons == 4 && info.joints == 6 && state.status == DPT_DEVICE_STATUS_FAULT, "%u buttons", info.buttons);
     finish();
     snprintf(there->model, sizeof there->model, "Touch \x81 X");
     start("");
@@ -350,8 +336,7 @@ static void a_note_says_what_is_left_to_do(void)
     lib->raise = HD_WARM_MOTORS;
     lib->raise_more = 5;
     start("");
-    CHECK(error.code == DPT_OK && strstr(error.text, "a fault, no force (0x200)"), "%s",
-          error.text);
+    CHECK(error.code == DPT_OK && strstr(error.text, "a fault, no force (0x200)"), "%s", error.text);
     CHECK(state.status == DPT_DEVICE_STATUS_FAULT, "%s", dpt_device_status_name(state.status));
     finish();
     start("");
@@ -371,8 +356,7 @@ static void settings_are_checked(void)
     memset(name, 'n', sizeof name - 1);
     name[sizeof name - 1] = '\0';
     refused(name, "", DPT_E_SETTING, "too long", "");
-    refused_by("openhaptics:?library=/elsewhere/libHD.so", DPT_E_SETTING, "has loaded",
-               "start another program");
+    refused_by("openhaptics:?library=/elsewhere/libHD.so", DPT_E_SETTING, "has loaded", "start another program");
     start("&rate=500&watchdog=0.02&" DYNAMICS);
     check_dynamics(device);
     dpt_device_info info = { .size = sizeof info };
@@ -380,9 +364,8 @@ static void settings_are_checked(void)
     CHECK(info.rate == 500.0 && info.watchdog == 0.02 && lib->rate == 500, "%g Hz", info.rate);
     dpt_device *other;
     left->is_plugged = 1;
-    CHECK(open_at(&other, "Left Device", "&rate=1000") == DPT_E_SETTING &&
-              strstr(error.text, "runs at 500 Hz"),
-          "%s", error.text);
+    CHECK(open_at(&other, "Left Device", "&rate=1000") == DPT_E_SETTING && strstr(error.text, "runs at 500 Hz"), "%s",
+          error.text);
     CHECK(open_at(&other, "Left Device", "") == DPT_OK, "%s", error.text);
     dpt_device_get_info(other, &info);
     CHECK(info.rate == 500.0, "%g Hz", info.rate);

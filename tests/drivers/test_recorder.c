@@ -81,8 +81,8 @@ static struct content content_of(const unsigned char *bytes, size_t size)
             break;
         dpt_record expected = record_of(record.sequence);
         expected.number = record.number;
-        content.wrong += memcmp(&record, &expected, sizeof record) != 0 || record.number < next ||
-                         record.number != record.sequence;
+        content.wrong +=
+            memcmp(&record, &expected, sizeof record) != 0 || record.number < next || record.number != record.sequence;
         content.gaps += record.number != next;
         content.missing += record.number - next;
         content.records++;
@@ -109,11 +109,9 @@ static struct content content_of_file(void)
 
 static void check_counts(const dpt_recorder_counts *counts, uint64_t pushed)
 {
-    CHECK(counts->pushed == pushed &&
-              counts->written + counts->dropped + counts->lost == counts->pushed,
+    CHECK(counts->pushed == pushed && counts->written + counts->dropped + counts->lost == counts->pushed,
           "%llu pushed, %llu written, %llu dropped, %llu lost", (unsigned long long)counts->pushed,
-          (unsigned long long)counts->written, (unsigned long long)counts->dropped,
-          (unsigned long long)counts->lost);
+          (unsigned long long)counts->written, (unsigned long long)counts->dropped, (unsigned long long)counts->lost);
 }
 
 static void a_ring_that_waits_loses_nothing(void)
@@ -129,10 +127,9 @@ static void a_ring_that_waits_loses_nothing(void)
     check_counts(&counts, pushes);
     const struct content content = content_of_file();
     CHECK(content.end == DPT_OK && content.records == pushes && !content.wrong && !content.gaps,
-          "%llu records, %llu wrong, %llu gaps", (unsigned long long)content.records,
-          (unsigned long long)content.wrong, (unsigned long long)content.gaps);
-    CHECK(counts.written == pushes &&
-              counts.bytes == dpt_record_header_bytes(&header) + pushes * dpt_record_bytes(),
+          "%llu records, %llu wrong, %llu gaps", (unsigned long long)content.records, (unsigned long long)content.wrong,
+          (unsigned long long)content.gaps);
+    CHECK(counts.written == pushes && counts.bytes == dpt_record_header_bytes(&header) + pushes * dpt_record_bytes(),
           "%llu bytes", (unsigned long long)counts.bytes);
 }
 
@@ -168,8 +165,7 @@ static void a_slow_file_drops_and_counts(void)
     uint64_t refused = 0, last_taken = 0;
     unlink(path);
     reader.bytes = malloc(reader.room);
-    CHECK(mkfifo(path, 0600) == 0 && pthread_create(&thread, NULL, read_slowly, &reader) == 0,
-          "a pipe");
+    CHECK(mkfifo(path, 0600) == 0 && pthread_create(&thread, NULL, read_slowly, &reader) == 0, "a pipe");
     dpt_recorder *recorder = recorder_of(32, 0);
     for (uint64_t k = 0; k < PUSHES; k++) {
         const dpt_record record = record_of(k);
@@ -185,15 +181,12 @@ static void a_slow_file_drops_and_counts(void)
     unlink(path);
     check_counts(&counts, PUSHES);
     const struct content content = content_of(reader.bytes, reader.size);
-    CHECK(content.end == DPT_OK && content.records == counts.written && !content.wrong,
-          "%llu records, %llu wrong", (unsigned long long)content.records,
-          (unsigned long long)content.wrong);
+    CHECK(content.end == DPT_OK && content.records == counts.written && !content.wrong, "%llu records, %llu wrong",
+          (unsigned long long)content.records, (unsigned long long)content.wrong);
     CHECK(refused == counts.dropped && refused > 0 && !counts.lost && content.last == last_taken,
-          "%llu refused, %llu dropped", (unsigned long long)refused,
-          (unsigned long long)counts.dropped);
-    CHECK(content.missing + (PUSHES - 1 - last_taken) == refused && content.gaps > 1,
-          "%llu missing in %llu gaps", (unsigned long long)content.missing,
-          (unsigned long long)content.gaps);
+          "%llu refused, %llu dropped", (unsigned long long)refused, (unsigned long long)counts.dropped);
+    CHECK(content.missing + (PUSHES - 1 - last_taken) == refused && content.gaps > 1, "%llu missing in %llu gaps",
+          (unsigned long long)content.missing, (unsigned long long)content.gaps);
     free(reader.bytes);
 }
 
@@ -221,12 +214,11 @@ static void a_file_can_be_read_while_it_grows(void)
     dpt_recorder *recorder = recorder_of(4096, 0);
     uint64_t next = push_until_it_grows(recorder, 0);
     const struct content content = content_of_file();
-    CHECK((content.end == DPT_OK || content.end == DPT_E_TRUNCATED) && content.records > 0 &&
-              !content.wrong && !content.gaps,
+    CHECK((content.end == DPT_OK || content.end == DPT_E_TRUNCATED) && content.records > 0 && !content.wrong &&
+              !content.gaps,
           "%llu records", (unsigned long long)content.records);
     CHECK(dpt_recorder_close(recorder, NULL) == DPT_OK, "close");
-    CHECK(content_of_file().records == next, "%llu records at the end",
-          (unsigned long long)content_of_file().records);
+    CHECK(content_of_file().records == next, "%llu records at the end", (unsigned long long)content_of_file().records);
 }
 
 static void set_file_limit(rlim_t bytes)
@@ -258,18 +250,15 @@ static void a_full_disk_ends_nothing(void)
           (unsigned long long)content.records);
     set_file_limit(before.rlim_cur);
     const uint64_t pushes = push_until_it_grows(recorder, FIRST);
-    CHECK(dpt_recorder_close(recorder, &counts) == DPT_E_WRITE && counts.error == EFBIG, "error %u",
-          counts.error);
+    CHECK(dpt_recorder_close(recorder, &counts) == DPT_E_WRITE && counts.error == EFBIG, "error %u", counts.error);
     check_counts(&counts, pushes);
     content = content_of_file();
-    CHECK(content.end == DPT_OK && content.records == counts.written && !content.wrong &&
-              content.gaps > 0 && content.missing == counts.lost && content.last == pushes - 1,
+    CHECK(content.end == DPT_OK && content.records == counts.written && !content.wrong && content.gaps > 0 &&
+              content.missing == counts.lost && content.last == pushes - 1,
           "%llu records, %llu gaps, %llu missing, %llu lost", (unsigned long long)content.records,
-          (unsigned long long)content.gaps, (unsigned long long)content.missing,
-          (unsigned long long)counts.lost);
+          (unsigned long long)content.gaps, (unsigned long long)content.missing, (unsigned long long)counts.lost);
     /* When there is room again, a ring may wait to be taken, and as many may be on their way to the file. */
-    CHECK(counts.lost >= FIRST - ROOM - 2 * RING && counts.dropped == 0, "%llu lost",
-          (unsigned long long)counts.lost);
+    CHECK(counts.lost >= FIRST - ROOM - 2 * RING && counts.dropped == 0, "%llu lost", (unsigned long long)counts.lost);
 }
 
 /* Half a record is not left at the end. */
@@ -285,13 +274,11 @@ static void a_disk_that_stays_full_leaves_whole_records(void)
         const dpt_record record = record_of(k);
         CHECK(dpt_recorder_push(recorder, &record) == DPT_OK, "push");
     }
-    CHECK(dpt_recorder_close(recorder, &counts) == DPT_E_WRITE && counts.error == EFBIG, "error %u",
-          counts.error);
+    CHECK(dpt_recorder_close(recorder, &counts) == DPT_E_WRITE && counts.error == EFBIG, "error %u", counts.error);
     set_file_limit(before.rlim_cur);
     check_counts(&counts, PUSHES);
     const struct content content = content_of_file();
-    CHECK(content.end == DPT_OK && content.records == counts.written &&
-              (uint64_t)size_of_file() == counts.bytes,
+    CHECK(content.end == DPT_OK && content.records == counts.written && (uint64_t)size_of_file() == counts.bytes,
           "%llu records, %llu written, %lld bytes", (unsigned long long)content.records,
           (unsigned long long)counts.written, (long long)size_of_file());
 }
@@ -303,16 +290,14 @@ static void a_pipe_that_breaks_ends_nothing(void)
     struct slow_reader reader = { .room = 16000 };
     pthread_t thread;
     reader.bytes = malloc(reader.room);
-    CHECK(mkfifo(path, 0600) == 0 && pthread_create(&thread, NULL, read_slowly, &reader) == 0,
-          "a pipe");
+    CHECK(mkfifo(path, 0600) == 0 && pthread_create(&thread, NULL, read_slowly, &reader) == 0, "a pipe");
     dpt_recorder *recorder = recorder_of(64, 1);
     for (uint64_t k = 0; k < 2000; k++) {
         const dpt_record record = record_of(k);
         CHECK(dpt_recorder_push(recorder, &record) == DPT_OK, "push");
     }
     pthread_join(thread, NULL);
-    CHECK(dpt_recorder_close(recorder, &counts) == DPT_E_WRITE && counts.error == EPIPE, "error %u",
-          counts.error);
+    CHECK(dpt_recorder_close(recorder, &counts) == DPT_E_WRITE && counts.error == EPIPE, "error %u", counts.error);
     check_counts(&counts, 2000);
     CHECK(counts.lost > 0, "%llu lost", (unsigned long long)counts.lost);
     const struct content content = content_of(reader.bytes, reader.size);
@@ -330,29 +315,25 @@ static void what_cannot_be_opened_is_told(void)
     dpt_record_header wrong = header;
     dpt_record record = record_of(0);
     struct rlimit before;
-    CHECK(dpt_recorder_open("/nowhere/run.dpr", &header, NULL, &recorder) == DPT_E_OPEN &&
-              errno == ENOENT && !recorder,
+    CHECK(dpt_recorder_open("/nowhere/run.dpr", &header, NULL, &recorder) == DPT_E_OPEN && errno == ENOENT && !recorder,
           "no folder: %s", strerror(errno));
     if (access("/dev/full", W_OK) == 0)
-        CHECK(dpt_recorder_open("/dev/full", &header, NULL, &recorder) == DPT_E_WRITE &&
-                  errno == ENOSPC && access("/dev/full", W_OK) == 0,
+        CHECK(dpt_recorder_open("/dev/full", &header, NULL, &recorder) == DPT_E_WRITE && errno == ENOSPC &&
+                  access("/dev/full", W_OK) == 0,
               "a full device: %s", strerror(errno));
     getrlimit(RLIMIT_FSIZE, &before);
     set_file_limit(10);
-    CHECK(dpt_recorder_open(path, &header, NULL, &recorder) == DPT_E_WRITE && errno == EFBIG &&
-              size_of_file() < 0,
+    CHECK(dpt_recorder_open(path, &header, NULL, &recorder) == DPT_E_WRITE && errno == EFBIG && size_of_file() < 0,
           "half a header: %s", strerror(errno));
     set_file_limit(before.rlim_cur);
     wrong.rate = -1.0;
-    CHECK(dpt_recorder_open(path, &wrong, NULL, &recorder) == DPT_E_FINITE && size_of_file() < 0,
-          "a wrong header");
+    CHECK(dpt_recorder_open(path, &wrong, NULL, &recorder) == DPT_E_FINITE && size_of_file() < 0, "a wrong header");
     for (uint32_t capacity = 0; capacity < 5000; capacity = capacity < 9 ? capacity + 1 : 5000) {
         dpt_recorder_def_init(&def);
         def.capacity = capacity;
         if (capacity == 2 || capacity == 4 || capacity == 8)
             continue;
-        CHECK(dpt_recorder_open(path, &header, &def, &recorder) == DPT_E_ARGUMENT, "%u records",
-              capacity);
+        CHECK(dpt_recorder_open(path, &header, &def, &recorder) == DPT_E_ARGUMENT, "%u records", capacity);
     }
     CHECK(dpt_recorder_push(NULL, &record) == DPT_E_ARGUMENT, "no recorder");
     CHECK(dpt_recorder_close(NULL, &counts) == DPT_OK && counts.pushed == 0, "close nothing");

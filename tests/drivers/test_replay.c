@@ -28,8 +28,8 @@ static void make_motion(struct motion *motion)
             motion->b[row][k] = motion->a[row][k] + 0.25 * way[k];
         }
         const double *a = motion->a[row], *b = motion->b[row];
-        at += sprintf(at, "%d,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", motion->tick[row], a[0], a[1],
-                      a[2], b[0], b[1], b[2]);
+        at += sprintf(at, "%d,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", motion->tick[row], a[0], a[1], a[2], b[0], b[1],
+                      b[2]);
     }
     motion->file = file_with(text);
 }
@@ -49,10 +49,9 @@ static void check_row(const struct motion *motion, const dpt_device_state *state
     along_z(q, 0.25, tip);
     CHECK(fabs(norm - 1.0) < 1e-14, "row %d: a quaternion of %g", row, norm);
     for (int k = 0; k < 3; k++) {
-        CHECK(state->pose.position[k] == motion->a[row][k], "row %d: at %g", row,
-              state->pose.position[k]);
-        CHECK(fabs(state->pose.position[k] + tip[k] - motion->b[row][k]) < 1e-14,
-              "row %d: B is off by %g", row, state->pose.position[k] + tip[k] - motion->b[row][k]);
+        CHECK(state->pose.position[k] == motion->a[row][k], "row %d: at %g", row, state->pose.position[k]);
+        CHECK(fabs(state->pose.position[k] + tip[k] - motion->b[row][k]) < 1e-14, "row %d: B is off by %g", row,
+              state->pose.position[k] + tip[k] - motion->b[row][k]);
     }
 }
 
@@ -70,18 +69,15 @@ static void rows_are_samples(void)
             CHECK(state.status == DPT_DEVICE_STATUS_READY && state.sequence == ticks &&
                       state.time_ns == ticks * 1000000u,
                   "row %d: sample %d", row, (int)state.sequence);
-            CHECK(state.fresh == (row == GAP_AT ? GAP + 1 : 1), "row %d: fresh %u", row,
-                  state.fresh);
+            CHECK(state.fresh == (row == GAP_AT ? GAP + 1 : 1), "row %d: fresh %u", row, state.fresh);
             int jumps = row == 0 || row == GAP_AT;
             double turn = 0.0;
             for (int k = 0; k < 3; k++) {
                 double speed = jumps ? 0.0 : 1000.0 * (motion.a[row][k] - motion.a[row - 1][k]);
-                CHECK(fabs(state.velocity[k] - speed) < 1e-12, "row %d: %g m/s", row,
-                      state.velocity[k]);
+                CHECK(fabs(state.velocity[k] - speed) < 1e-12, "row %d: %g m/s", row, state.velocity[k]);
                 turn += state.spin[k] * state.spin[k];
             }
-            CHECK(fabs(sqrt(turn) - (jumps ? 0.0 : 1000.0 * 0.03)) < 1e-9, "row %d: %g rad/s", row,
-                  sqrt(turn));
+            CHECK(fabs(sqrt(turn) - (jumps ? 0.0 : 1000.0 * 0.03)) < 1e-9, "row %d: %g rad/s", row, sqrt(turn));
             if (!jumps) {
                 double same = 0.0;
                 for (int k = 0; k < 4; k++)
@@ -93,10 +89,8 @@ static void rows_are_samples(void)
         }
         for (int i = 0; i < 3; i++) {
             CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.fresh == 0, "it goes on");
-            CHECK(state.status == DPT_DEVICE_STATUS_LOST && state.reasons == DPT_REASON_UNPLUGGED,
-                  "%u", state.reasons);
-            CHECK(!memcmp(&state.pose, &before.pose, sizeof state.pose),
-                  "the last pose is forgotten");
+            CHECK(state.status == DPT_DEVICE_STATUS_LOST && state.reasons == DPT_REASON_UNPLUGGED, "%u", state.reasons);
+            CHECK(!memcmp(&state.pose, &before.pose, sizeof state.pose), "the last pose is forgotten");
         }
         dpt_wrench wrench = { { 0.0 }, { 0.0 } };
         CHECK(dpt_device_write(device, &wrench) == DPT_E_LOST, "it takes force");
@@ -136,12 +130,9 @@ static void what_a_maker_does_not_tell_can_be_named(void)
         for (int k = 0; k < 5; k++) {
             char name[128];
             dpt_device_error error = { .size = sizeof error };
-            snprintf(name, sizeof name, "replay:%s?%s=%.17g", file.path, settings[i].name,
-                     cases[k].value);
-            CHECK(dpt_device_open(name, &device, &error) == cases[k].result, "%s: %s", name,
-                  error.text);
-            CHECK(cases[k].result == DPT_OK || strstr(error.text, settings[i].name), "%s",
-                  error.text);
+            snprintf(name, sizeof name, "replay:%s?%s=%.17g", file.path, settings[i].name, cases[k].value);
+            CHECK(dpt_device_open(name, &device, &error) == cases[k].result, "%s: %s", name, error.text);
+            CHECK(cases[k].result == DPT_OK || strstr(error.text, settings[i].name), "%s", error.text);
             dpt_device_close(device);
         }
     }
@@ -150,25 +141,22 @@ static void what_a_maker_does_not_tell_can_be_named(void)
 
 static void again_begins_anew(void)
 {
-    struct small_file file =
-        file_with("tick,ax,ay,az,bx,by,bz\n5,0,0,0,0,0,1\n6,0.1,0,0,0.1,0,-1\n8,0,0,1,0,0,1\n");
+    struct small_file file = file_with("tick,ax,ay,az,bx,by,bz\n5,0,0,0,0,0,1\n6,0.1,0,0,0.1,0,-1\n8,0,0,1,0,0,1\n");
     static const uint64_t sequence[] = { 0, 1, 3, 4, 5, 7, 8 };
     dpt_device *device = device_named("replay:%s?again=1&rate=500", file.path);
     dpt_device_info info = { .size = sizeof info };
     CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.rate == 500.0 &&
               info.flags == (DPT_DEVICE_FLAG_SIMULATED | DPT_DEVICE_FLAG_DETERMINISTIC) &&
-              info.workspace_max[0] == 0.1 && info.workspace_min[2] == 0.0 &&
-              info.workspace_max[2] == 1.0,
+              info.workspace_max[0] == 0.1 && info.workspace_min[2] == 0.0 && info.workspace_max[2] == 1.0,
           "info");
     for (int i = 0; i < 7; i++) {
         dpt_device_state state = state_of(device);
         double z[3];
         along_z(state.pose.orientation, 1.0, z);
-        CHECK(state.sequence == sequence[i] && state.time_ns == sequence[i] * 2000000u,
-              "read %d: sample %d", i, (int)state.sequence);
+        CHECK(state.sequence == sequence[i] && state.time_ns == sequence[i] * 2000000u, "read %d: sample %d", i,
+              (int)state.sequence);
         CHECK(fabs(z[2] - (i % 3 == 1 ? -1.0 : 1.0)) < 1e-14, "read %d: z is %g", i, z[2]);
-        CHECK((state.velocity[0] == 0.0) == (i % 3 != 1), "read %d: %g m/s over a jump", i,
-              state.velocity[0]);
+        CHECK((state.velocity[0] == 0.0) == (i % 3 != 1), "read %d: %g m/s over a jump", i, state.velocity[0]);
     }
     dpt_device_close(device);
     unlink(file.path);
@@ -206,14 +194,10 @@ static void wrong_traces_are_refused(void)
         { "", DPT_E_SYNTAX, ":1: there are no rows" },
         { "tick,ax,ay,az\n", DPT_E_SYNTAX, ":1: the header is not tick,ax,ay,az,bx,by,bz" },
         { "tick,ax,ay,az,bx,by,bz\n1,0,0,0,0,0\n", DPT_E_SYNTAX, ":2: there are too few" },
-        { "tick,ax,ay,az,bx,by,bz\n1.5,0,0,0,0,0,1\n", DPT_E_SYNTAX,
-          ":2: the tick is not an integer" },
-        { "tick,ax,ay,az,bx,by,bz\n1e30,0,0,0,0,0,1\n", DPT_E_SYNTAX,
-          ":2: the tick is not within 2^53" },
-        { "tick,ax,ay,az,bx,by,bz\n1,0,0,0,0,0,2e6\n", DPT_E_SYNTAX,
-          ":2: a coordinate is beyond 1e6 m" },
-        { "tick,ax,ay,az,bx,by,bz\n2,0,0,0,0,0,1\n1,0,0,0,0,0,1\n", DPT_E_SYNTAX,
-          ":3: the first column" },
+        { "tick,ax,ay,az,bx,by,bz\n1.5,0,0,0,0,0,1\n", DPT_E_SYNTAX, ":2: the tick is not an integer" },
+        { "tick,ax,ay,az,bx,by,bz\n1e30,0,0,0,0,0,1\n", DPT_E_SYNTAX, ":2: the tick is not within 2^53" },
+        { "tick,ax,ay,az,bx,by,bz\n1,0,0,0,0,0,2e6\n", DPT_E_SYNTAX, ":2: a coordinate is beyond 1e6 m" },
+        { "tick,ax,ay,az,bx,by,bz\n2,0,0,0,0,0,1\n1,0,0,0,0,0,1\n", DPT_E_SYNTAX, ":3: the first column" },
         { "tick,ax,ay,az,bx,by,bz\n1,0,0,0,0,0,1\n9e15,0,0,0,0,0,1\n", DPT_E_LIMIT,
           "at 1000 Hz, are more than 100 years" },
     };
@@ -223,8 +207,7 @@ static void wrong_traces_are_refused(void)
         struct small_file file = file_with(cases[i].text);
         char name[128];
         snprintf(name, sizeof name, "replay:%s", file.path);
-        CHECK(dpt_device_open(name, &device, &error) == cases[i].code && !device, "case %d: %s",
-              (int)i, error.text);
+        CHECK(dpt_device_open(name, &device, &error) == cases[i].code && !device, "case %d: %s", (int)i, error.text);
         CHECK(strstr(error.text, cases[i].reason) != NULL, "case %d: %s", (int)i, error.text);
         unlink(file.path);
     }

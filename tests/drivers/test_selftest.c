@@ -97,8 +97,7 @@ static void go_on(void)
     machine.period++;
 }
 
-static dpt_result bad_open(const dpt_driver *driver, const char *where, dpt_device **device,
-                           dpt_device_error *error)
+static dpt_result bad_open(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
 {
     (void)driver, (void)where;
     if (plan.fault == OPENS_ONCE && plan.opens++) {
@@ -186,11 +185,9 @@ static void fill_in(const struct bad *bad, dpt_device_state *state)
     for (int k = 0; k < 3; k++) {
         state->pose.position[k] = machine.x[k];
         state->velocity[k] = machine.v[k] * (plan.fault == MILLIMETRES ? 1000.0 : 1.0);
-        state->spin[k] =
-            plan.turns ? SPIN * axis[k] * (plan.fault == DEGREES ? 57.29577951308232 : 1.0) : 0.0;
+        state->spin[k] = plan.turns ? SPIN * axis[k] * (plan.fault == DEGREES ? 57.29577951308232 : 1.0) : 0.0;
     }
-    if (plan.fault == W_LAST || plan.fault == W_LAST_AT_REST ||
-        plan.fault == TURNED_WITHOUT_TURNS) {
+    if (plan.fault == W_LAST || plan.fault == W_LAST_AT_REST || plan.fault == TURNED_WITHOUT_TURNS) {
         const double w = q[0];
         memmove(q, q + 1, 3 * sizeof *q);
         q[3] = w;
@@ -333,10 +330,9 @@ static void a_sound_device_passes(void)
         struct heard heard = { .lines = 0 };
         dpt_selftest_counts counts;
         start(SOUND, kind ? 6 : 3, kind >= 2, kind == 3);
-        CHECK(run(&heard, &counts) == DPT_OK && counts.failed == 0, "kind %d: %s", kind,
-              heard.failed);
-        CHECK(counts.passed >= 26 && counts.notes == (kind == 1), "kind %d: %u passed, %s", kind,
-              counts.passed, heard.noted);
+        CHECK(run(&heard, &counts) == DPT_OK && counts.failed == 0, "kind %d: %s", kind, heard.failed);
+        CHECK(counts.passed >= 26 && counts.notes == (kind == 1), "kind %d: %u passed, %s", kind, counts.passed,
+              heard.noted);
         for (int k = 0; k < 3; k++)
             CHECK(machine.force[k] == 0.0, "kind %d: %g N are left", kind, machine.force[k]);
     }
@@ -394,12 +390,11 @@ static void each_fault_is_found(void)
         start(cases[i].fault, cases[i].dofs, cases[i].turns, cases[i].is_live);
         dpt_result result = run(&heard, &counts);
         CHECK(result == cases[i].result, "%s: %s", cases[i].line, dpt_result_name(result));
-        CHECK(counts.failed > 0 && strstr(heard.failed, cases[i].line), "%s: failed was %s",
-              cases[i].line, heard.failed);
+        CHECK(counts.failed > 0 && strstr(heard.failed, cases[i].line), "%s: failed was %s", cases[i].line,
+              heard.failed);
         met |= (uint64_t)1 << cases[i].fault;
     }
-    CHECK(met == ((uint64_t)1 << W_LAST_AT_REST) - 1, "%llx: a fault is not tried",
-          (unsigned long long)met);
+    CHECK(met == ((uint64_t)1 << W_LAST_AT_REST) - 1, "%llx: a fault is not tried", (unsigned long long)met);
 }
 
 /* At rest it may be so: a person is asked. */
@@ -408,8 +403,7 @@ static void a_quaternion_at_rest_is_noted(void)
     struct heard heard = { .lines = 0 };
     dpt_selftest_counts counts;
     start(W_LAST_AT_REST, 6, 0, 0);
-    CHECK(run(&heard, &counts) == DPT_OK && strstr(heard.noted, "is it sent as x, y, z, w?"), "%s",
-          heard.noted);
+    CHECK(run(&heard, &counts) == DPT_OK && strstr(heard.noted, "is it sent as x, y, z, w?"), "%s", heard.noted);
 }
 
 /* Without consent nothing is pushed, and that is said. */
@@ -420,11 +414,9 @@ static void nothing_moves_unasked(void)
     dpt_selftest_def def = def_for(&heard);
     def.may_move = 0;
     start(FORCE_AFTER_CLOSE, 3, 0, 0);
-    CHECK(dpt_driver_selftest(&bad_driver, NULL, &def, &counts) == DPT_OK && !counts.failed, "%s",
-          heard.failed);
-    CHECK(strstr(heard.noted, "not tested without may_move") &&
-              strstr(heard.noted, "its velocity is not tested"),
-          "%s", heard.noted);
+    CHECK(dpt_driver_selftest(&bad_driver, NULL, &def, &counts) == DPT_OK && !counts.failed, "%s", heard.failed);
+    CHECK(strstr(heard.noted, "not tested without may_move") && strstr(heard.noted, "its velocity is not tested"), "%s",
+          heard.noted);
     CHECK(machine.x[0] == 0.0 && machine.x[1] == 0.0 && machine.x[2] == 0.0, "it moved");
 }
 
@@ -439,8 +431,8 @@ static void a_report_may_stop_it(void)
         struct heard heard = { .stop_after = after };
         start(SOUND, 6, 1, 0);
         dpt_result result = run(&heard, &counts);
-        CHECK(result == DPT_E_CANCELLED && heard.lines == after, "after %u: %u lines, %s", after,
-              heard.lines, dpt_result_name(result));
+        CHECK(result == DPT_E_CANCELLED && heard.lines == after, "after %u: %u lines, %s", after, heard.lines,
+              dpt_result_name(result));
         for (int k = 0; k < 3; k++)
             CHECK(machine.force[k] == 0.0, "after %u: %g N are left", after, machine.force[k]);
     }
@@ -452,11 +444,10 @@ static void an_open_device_stays_open(void)
     struct heard heard = { .lines = 0 };
     dpt_selftest_counts counts = { .size = sizeof counts };
     dpt_selftest_def def = def_for(&heard);
-    CHECK(dpt_device_selftest(device, &def, &counts) == DPT_OK && !counts.failed, "%s",
-          heard.failed);
+    CHECK(dpt_device_selftest(device, &def, &counts) == DPT_OK && !counts.failed, "%s", heard.failed);
     CHECK(state_of(device).status == DPT_DEVICE_STATUS_READY, "it does not read any more");
-    CHECK(dpt_device_selftest(device, NULL, &counts) == DPT_OK && counts.failed == 0 &&
-              counts.passed > 10 && counts.notes > 0,
+    CHECK(dpt_device_selftest(device, NULL, &counts) == DPT_OK && counts.failed == 0 && counts.passed > 10 &&
+              counts.notes > 0,
           "%u failed", counts.failed);
     dpt_device_close(device);
 }
@@ -466,8 +457,7 @@ static void a_driver_that_does_not_open_says_why(void)
     struct heard heard = { .lines = 0 };
     dpt_selftest_counts counts = { .size = sizeof counts };
     const dpt_selftest_def def = def_for(&heard);
-    CHECK(dpt_driver_selftest(dpt_driver_named("sim"), "?weight=1", &def, &counts) ==
-                  DPT_E_SETTING &&
+    CHECK(dpt_driver_selftest(dpt_driver_named("sim"), "?weight=1", &def, &counts) == DPT_E_SETTING &&
               counts.failed == 1 && heard.lines == 1 && strstr(heard.last, "weight"),
           "%s", heard.last);
     CHECK(dpt_driver_selftest(NULL, NULL, &def, &counts) == DPT_E_ARGUMENT, "no driver");
@@ -493,20 +483,18 @@ static void defaults(void *def, size_t size)
 
 static void arguments_are_checked(void)
 {
-    const struct sized of_def = { "dpt_selftest_def", sizeof(dpt_selftest_def),
-                                  sizeof(dpt_selftest_def), take_def };
-    const struct sized of_counts = { "dpt_selftest_counts", sizeof(dpt_selftest_counts),
-                                     sizeof(dpt_selftest_counts), fill_counts };
+    const struct sized of_def = { "dpt_selftest_def", sizeof(dpt_selftest_def), sizeof(dpt_selftest_def), take_def };
+    const struct sized of_counts = { "dpt_selftest_counts", sizeof(dpt_selftest_counts), sizeof(dpt_selftest_counts),
+                                     fill_counts };
     dpt_selftest_def good, def;
     dpt_selftest_def_init(&good);
     check_input(&of_def, &good);
     check_output(&of_counts);
     check_defaults(&of_def, defaults, &good);
     double *const fields[] = { &def.seconds, &def.rate, &def.push, &def.push_seconds };
-    const double wrong[4][4] = { { 0.0, 3601.0, NAN, -1.0 },
-                                 { 0.5, 2e6, NAN, -1.0 },
-                                 { 0.0, 1.01, NAN, -1.0 },
-                                 { 0.0, 1.01, NAN, -1.0 } };
+    const double wrong[4][4] = {
+        { 0.0, 3601.0, NAN, -1.0 }, { 0.5, 2e6, NAN, -1.0 }, { 0.0, 1.01, NAN, -1.0 }, { 0.0, 1.01, NAN, -1.0 }
+    };
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 4; k++) {
             def = good;

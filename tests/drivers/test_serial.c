@@ -17,25 +17,20 @@ static void opens_and_tells(void)
     check_dynamics(device);
     CHECK(not_a_tty == 1, "a pty has modem lines: then this shows nothing");
     CHECK(dpt_device_get_info(device, &info) == DPT_OK, "info");
-    CHECK(info.pose_dofs == 3 && info.wrench_dofs == 3 && info.joints == 0 && info.buttons == 1,
-          "dofs");
+    CHECK(info.pose_dofs == 3 && info.wrench_dofs == 3 && info.joints == 0 && info.buttons == 1, "dofs");
     CHECK(info.flags == DPT_DEVICE_FLAG_SIMULATED && info.rate == 1000 && info.force_max == 5 &&
               info.watchdog == (double)0.02f && info.workspace_max[1] == (double)0.1f,
           "numbers");
-    CHECK(strcmp(info.name, "simulated serial device") == 0 && strcmp(info.serial, "0") == 0, "%s",
-          info.name);
-    CHECK(state.status == DPT_DEVICE_STATUS_READY && state.reasons == 0 && state.temperature == -1,
-          "%u", state.status);
+    CHECK(strcmp(info.name, "simulated serial device") == 0 && strcmp(info.serial, "0") == 0, "%s", info.name);
+    CHECK(state.status == DPT_DEVICE_STATUS_READY && state.reasons == 0 && state.temperature == -1, "%u", state.status);
     CHECK(simulated.device.force[1] == 0, "it pushes before it was told to");
     simulated.buttons = 1;
     uint64_t time = 0;
     for (int i = 0; i < 100; i++) {
         simulate_serial_tick(&simulated);
         const uint64_t sequence = state.sequence;
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1, "%u fresh",
-              state.fresh);
-        CHECK(state.sequence == sequence + 1 && state.time_ns > time && state.buttons == 1, "at %d",
-              i);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.fresh == 1, "%u fresh", state.fresh);
+        CHECK(state.sequence == sequence + 1 && state.time_ns > time && state.buttons == 1, "at %d", i);
         CHECK(state.time_ns <= clock_now(), "a sample of the future");
         CHECK(state.pose.orientation[0] == 1, "orientation");
         time = state.time_ns;
@@ -62,8 +57,7 @@ static void closes_the_loop(void)
     CHECK(fabs(state.velocity[1]) < 1e-6, "%g", state.velocity[1]);
     CHECK(write_force(-1e300) == DPT_OK, "write");
     simulate_serial_tick(&simulated);
-    CHECK(fabs((double)simulated.device.force[1] + 5) < 1e-5, "%g",
-          (double)simulated.device.force[1]);
+    CHECK(fabs((double)simulated.device.force[1] + 5) < 1e-5, "%g", (double)simulated.device.force[1]);
     CHECK(write_force(NAN) == DPT_E_FINITE, "NaN");
     simulate_serial_tick(&simulated);
     CHECK(simulated.device.force[1] == 0, "%g", (double)simulated.device.force[1]);
@@ -89,11 +83,9 @@ static void six_freedoms_and_joints(void)
     CHECK(dpt_device_write(device, &wrench) == DPT_OK, "write");
     simulate_serial_tick(&simulated);
     const float *force = simulated.device.force, *torque = simulated.device.torque;
-    CHECK(fabs((double)force[0] - 3 * 5 / 13.0) < 1e-6 &&
-              fabs((double)force[2] - 12 * 5 / 13.0) < 1e-6,
-          "%g", (double)force[0]);
-    CHECK(fabs((double)torque[1] - 0.06) < 1e-7 && fabs((double)torque[2] - 0.08) < 1e-7, "%g",
-          (double)torque[1]);
+    CHECK(fabs((double)force[0] - 3 * 5 / 13.0) < 1e-6 && fabs((double)force[2] - 12 * 5 / 13.0) < 1e-6, "%g",
+          (double)force[0]);
+    CHECK(fabs((double)torque[1] - 0.06) < 1e-7 && fabs((double)torque[2] - 0.08) < 1e-7, "%g", (double)torque[1]);
     CHECK(dpt_device_read(device, &state) == DPT_OK && state.pose.orientation[0] == 1, "read");
     finish();
 }
@@ -110,8 +102,7 @@ struct truth {
 enum { NUMBERS = 1 << 20 };
 static uint32_t cycles = 60000;
 
-static int number_of(const uint8_t *frame, size_t size, uint8_t type, uint32_t *number,
-                     uint32_t *answers)
+static int number_of(const uint8_t *frame, size_t size, uint8_t type, uint32_t *number, uint32_t *answers)
 {
     struct wire_reader reader = { 0 };
     struct wire_message message;
@@ -140,8 +131,7 @@ static int choose_fate(struct relay_way *way, uint8_t *frame, size_t size)
     if (dice < 15)
         return RELAY_DROP;
     if (dice < 30) {
-        const size_t bit = random_bits(&truth->seed) % 8,
-                     at = random_bits(&truth->seed) % (size - 1);
+        const size_t bit = random_bits(&truth->seed) % 8, at = random_bits(&truth->seed) % (size - 1);
         /* Not into a zero, which would make two damaged pieces of one frame. */
         if (frame[at] != 1 << bit) {
             frame[at] = (uint8_t)(frame[at] ^ 1 << bit);
@@ -163,8 +153,7 @@ static void keep_truth(struct relay_way *way, const uint8_t *frame, size_t size)
     if (number > truth->newest) {
         truth->newest = number;
         /* The device takes it in before it makes its next sample. */
-        if (truth->is_commands &&
-            simulated.device.sequence - answers > simulated.device.watchdog_samples)
+        if (truth->is_commands && simulated.device.sequence - answers > simulated.device.watchdog_samples)
             truth->late++;
     } else {
         truth->reordered++;
@@ -211,27 +200,24 @@ static void compare_counts(int faults)
         first++;
     for (uint32_t i = first; i < states.newest; i++)
         states.lost += !states.came[i];
-    CHECK(commands.newest == counts.commands - counts.refused && counts.refused == 0, "%u, %u",
-          commands.newest, (unsigned)counts.commands);
-    CHECK(there->commands.lost == commands.lost &&
-              there->commands.reordered == commands.reordered && there->late == commands.late &&
-              there->commands.repeated == 0,
+    CHECK(commands.newest == counts.commands - counts.refused && counts.refused == 0, "%u, %u", commands.newest,
+          (unsigned)counts.commands);
+    CHECK(there->commands.lost == commands.lost && there->commands.reordered == commands.reordered &&
+              there->late == commands.late && there->commands.repeated == 0,
           "the device counts %u lost, %u reordered, %u late, not %u, %u, %u", there->commands.lost,
           there->commands.reordered, there->late, commands.lost, commands.reordered, commands.late);
-    CHECK(counts.missed == (uint64_t)commands.lost + commands.reordered + commands.late,
-          "%u missed", (unsigned)counts.missed);
-    CHECK(there->reader.damaged == commands.damaged, "%u damaged at the device, not %u",
-          there->reader.damaged, commands.damaged);
+    CHECK(counts.missed == (uint64_t)commands.lost + commands.reordered + commands.late, "%u missed",
+          (unsigned)counts.missed);
+    CHECK(there->reader.damaged == commands.damaged, "%u damaged at the device, not %u", there->reader.damaged,
+          commands.damaged);
     CHECK(counts.lost == states.lost && counts.reordered == states.reordered,
-          "the host counts %u lost, %u reordered, not %u, %u", (unsigned)counts.lost,
-          (unsigned)counts.reordered, states.lost, states.reordered);
-    CHECK(counts.damaged == states.damaged, "%u damaged at the host, not %u",
-          (unsigned)counts.damaged, states.damaged);
+          "the host counts %u lost, %u reordered, not %u, %u", (unsigned)counts.lost, (unsigned)counts.reordered,
+          states.lost, states.reordered);
+    CHECK(counts.damaged == states.damaged, "%u damaged at the host, not %u", (unsigned)counts.damaged, states.damaged);
     CHECK(counts.samples == states.newest - first + 1 && counts.resets == 0, "%u samples, not %u",
           (unsigned)counts.samples, states.newest - first + 1);
-    CHECK(commands.lost > cycles / 120 && commands.reordered > cycles / 120 &&
-              commands.late > cycles / 3000 && states.lost > cycles / 120 &&
-              states.reordered > cycles / 120 && faults > (int)cycles / 20000,
+    CHECK(commands.lost > cycles / 120 && commands.reordered > cycles / 120 && commands.late > cycles / 3000 &&
+              states.lost > cycles / 120 && states.reordered > cycles / 120 && faults > (int)cycles / 20000,
           "too little went wrong to show anything");
 }
 
@@ -271,10 +257,9 @@ static void all_that_goes_wrong_is_counted_on_both_sides(void)
     }
     compare_counts(faults);
     CHECK(fresh > cycles / 2, "%u fresh", (unsigned)fresh);
-    printf("    %u commands: %u lost, %u reordered, %u late; %u samples: %u lost, %u reordered; %d "
-           "faults cleared\n",
-           commands.newest, commands.lost, commands.reordered, commands.late,
-           (unsigned)counts.samples, states.lost, states.reordered, faults);
+    printf("    %u commands: %u lost, %u reordered, %u late; %u samples: %u lost, %u reordered; %d faults cleared\n",
+           commands.newest, commands.lost, commands.reordered, commands.late, (unsigned)counts.samples, states.lost,
+           states.reordered, faults);
     commands.calm = states.calm = 1;
     each_ms = cycle;
     close_device();
@@ -296,8 +281,7 @@ static void a_host_that_reads_is_there(void)
         pause_ms(5);
     }
     halt();
-    CHECK(state.status == DPT_DEVICE_STATUS_READY && simulated.device.session != 0, "%u",
-          state.status);
+    CHECK(state.status == DPT_DEVICE_STATUS_READY && simulated.device.session != 0, "%u", state.status);
     finish();
 }
 
@@ -319,13 +303,12 @@ static void a_full_line_never_blocks(void)
     CHECK(write_force(1) == DPT_OK, "write");
     simulate_serial_tick(&simulated);
     const struct wire_device *there = &simulated.device;
-    CHECK(there->commands.accepted == (uint32_t)ok + 1 && there->commands.lost == 0 &&
-              there->reader.damaged == 0,
+    CHECK(there->commands.accepted == (uint32_t)ok + 1 && there->commands.lost == 0 && there->reader.damaged == 0,
           "%u of %d, %u lost, %u damaged", there->commands.accepted, ok + 1, there->commands.lost,
           there->reader.damaged);
     dpt_device_get_counts(device, &counts);
-    CHECK(counts.commands == 3001 && counts.refused == (uint64_t)busy, "%u, %u",
-          (unsigned)counts.commands, (unsigned)counts.refused);
+    CHECK(counts.commands == 3001 && counts.refused == (uint64_t)busy, "%u, %u", (unsigned)counts.commands,
+          (unsigned)counts.refused);
     dpt_device_read(device, &state);
     finish();
 }
@@ -354,8 +337,7 @@ static void calls_are_bounded(void)
 
 static void count_ports(void *user, const dpt_driver *driver, const char *where, const char *about)
 {
-    CHECK(driver == dpt_driver_named("serial") && !strncmp(where, "/dev/", 5) && about[0], "%s",
-          where);
+    CHECK(driver == dpt_driver_named("serial") && !strncmp(where, "/dev/", 5) && about[0], "%s", where);
     ++*(int *)user;
 }
 
@@ -366,9 +348,8 @@ static void finds_ports(void)
     driver->find(driver, count_ports, &ports);
     error.size = sizeof error;
     if (ports == 0)
-        CHECK(dpt_device_open("serial", &device, &error) == DPT_E_DEVICE &&
-                  strstr(error.text, "no serial port"),
-              "%s", error.text);
+        CHECK(dpt_device_open("serial", &device, &error) == DPT_E_DEVICE && strstr(error.text, "no serial port"), "%s",
+              error.text);
     dpt_device_close(device);
 }
 

@@ -30,8 +30,7 @@ static void silence_is_loss_and_can_be_cleared(void)
     CHECK(clear() == DPT_OK, "clear");
     halt();
     simulate_serial_tick(&simulated);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-          "read");
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "read");
     CHECK(state.sequence > sequence, "its numbers begin anew");
     dpt_device_get_counts(device, &counts);
     CHECK(counts.resets == 1 && counts.damaged == 0, "%u", (unsigned)counts.resets);
@@ -56,8 +55,7 @@ static void faults_are_cleared(void)
         pause_ms(1);
         CHECK(dpt_device_read(device, &state) == DPT_OK, "read");
     }
-    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && state.reasons == DPT_REASON_ESTOP, "%u",
-          state.reasons);
+    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && state.reasons == DPT_REASON_ESTOP, "%u", state.reasons);
     CHECK(clear() == DPT_E_NOT_READY, "clear");
     simulated.causes = 0;
     CHECK(clear() == DPT_OK, "clear");
@@ -80,8 +78,7 @@ static void damage_alone_is_the_line(void)
     uint8_t frame[16];
     const size_t size = frame_of(body, sizeof body, frame);
     CHECK(write(simulated.master, frame, size) == (ssize_t)size, "write");
-    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons & DPT_REASON_VERSION, "%u",
-          state.reasons);
+    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons & DPT_REASON_VERSION, "%u", state.reasons);
     dpt_device_get_counts(device, &counts);
     CHECK(counts.damaged == 2, "%u", (unsigned)counts.damaged);
     finish();
@@ -108,8 +105,7 @@ static void a_device_that_begins_anew_is_noticed(void)
     go();
     CHECK(clear() == DPT_OK, "clear");
     halt();
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-          "read");
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "read");
     finish();
 }
 
@@ -119,8 +115,7 @@ static void only_a_heartbeat_without_a_session_ends_it(void)
     struct wire_message alive = { .type = WIRE_HEARTBEAT };
     uint8_t frame[WIRE_FRAME_MAX];
     start(NULL, "?silent=30");
-    const uint16_t session = simulated.device.session,
-                   sessions[] = { session, session == 7 ? 8 : 7, 0 };
+    const uint16_t session = simulated.device.session, sessions[] = { session, session == 7 ? 8 : 7, 0 };
     for (int i = 0; i < 3; i++) {
         alive.session = sessions[i];
         alive.as.heartbeat.sequence = simulated.device.sequence;
@@ -128,8 +123,8 @@ static void only_a_heartbeat_without_a_session_ends_it(void)
         CHECK(write(simulated.master, frame, size) == (ssize_t)size, "no room");
         simulate_serial_tick(&simulated);
         const dpt_result result = dpt_device_read(device, &state);
-        CHECK(result == (sessions[i] ? DPT_OK : DPT_E_LOST), "session %u of %u: %s", sessions[i],
-              session, dpt_result_name(result));
+        CHECK(result == (sessions[i] ? DPT_OK : DPT_E_LOST), "session %u of %u: %s", sessions[i], session,
+              dpt_result_name(result));
     }
     go();
     CHECK(clear() == DPT_OK, "clear");
@@ -151,13 +146,11 @@ static void unplugged_and_plugged_in_again(void)
     if (!device)
         return;
     dpt_device_read(device, &state);
-    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons == DPT_REASON_UNPLUGGED,
-          "%u", state.reasons);
+    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons == DPT_REASON_UNPLUGGED, "%u", state.reasons);
     CHECK(write_force(1) == DPT_E_LOST, "write");
     unlink(link);
     CHECK(clear() == DPT_E_LOST && held == 0, "clear while it is gone");
-    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons == DPT_REASON_UNPLUGGED,
-          "read");
+    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons == DPT_REASON_UNPLUGGED, "read");
     CHECK(simulate_serial_start(&simulated, NULL) == 0, "no pty");
     CHECK(symlink(simulated.path, link) == 0, "%s", strerror(errno));
     CHECK(clear() == DPT_E_LOST, "clear while it does not answer");
@@ -165,8 +158,7 @@ static void unplugged_and_plugged_in_again(void)
     CHECK(clear() == DPT_OK, "clear");
     halt();
     simulate_serial_tick(&simulated);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-          "%u", state.status);
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "%u", state.status);
     finish();
     unlink(link);
 }
@@ -174,8 +166,7 @@ static void unplugged_and_plugged_in_again(void)
 static void refused(dpt_result result, dpt_result code, const char *word)
 {
     CHECK(result == code && error.code == code, "%d: %s", result, error.text);
-    CHECK(strstr(error.text, word) && strlen(error.text) < sizeof error.text - 1, "'%s' lacks '%s'",
-          error.text, word);
+    CHECK(strstr(error.text, word) && strlen(error.text) < sizeof error.text - 1, "'%s' lacks '%s'", error.text, word);
     CHECK(device == NULL && held == 0, "%d descriptors are left", held);
 }
 
@@ -262,8 +253,8 @@ static void every_call_may_fail(void)
             walked++;
             if (opened != DPT_OK) {
                 refusals++;
-                CHECK(device == NULL && error.text[0] && held == 0,
-                      "call %d, error %d: %s, %d left", number, fail_errno, error.text, held);
+                CHECK(device == NULL && error.text[0] && held == 0, "call %d, error %d: %s, %d left", number,
+                      fail_errno, error.text, held);
                 continue;
             }
             for (int i = 0; i < 3; i++) {
@@ -271,10 +262,8 @@ static void every_call_may_fail(void)
                 const dpt_result got = dpt_device_read(device, &state);
                 const dpt_result put = write_force(0.1);
                 watched = 0;
-                CHECK(got == DPT_OK || got == DPT_E_LOST, "call %d, error %d: read %d", number,
-                      fail_errno, got);
-                CHECK(put == DPT_OK || put == DPT_E_LOST || put == DPT_E_BUSY ||
-                          put == DPT_E_NOT_READY,
+                CHECK(got == DPT_OK || got == DPT_E_LOST, "call %d, error %d: read %d", number, fail_errno, got);
+                CHECK(put == DPT_OK || put == DPT_E_LOST || put == DPT_E_BUSY || put == DPT_E_NOT_READY,
                       "call %d, error %d: write %d", number, fail_errno, put);
             }
             clear();

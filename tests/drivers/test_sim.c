@@ -25,16 +25,14 @@ static struct response step_response(long double m, long double c, long double k
         r = (struct response){ (t - lag * m / c) / c, lag / c };
     } else if (square > 0.0L) {
         long double w = sqrtl(square), e = expl(-a * t);
-        r = (struct response){ (1.0L - e * (cosl(w * t) + a / w * sinl(w * t))) / k,
-                               e * sinl(w * t) / (w * m) };
+        r = (struct response){ (1.0L - e * (cosl(w * t) + a / w * sinl(w * t))) / k, e * sinl(w * t) / (w * m) };
     } else if (square == 0.0L) {
         long double e = expl(-a * t);
         r = (struct response){ (1.0L - e * (1.0L + a * t)) / k, e * t / m };
     } else {
         long double w = sqrtl(-square), slow = a - w, fast = a + w;
         long double s = expl(-slow * t), f = expl(-fast * t);
-        r = (struct response){ (1.0L - (fast * s - slow * f) / (2.0L * w)) / k,
-                               (s - f) / (2.0L * w * m) };
+        r = (struct response){ (1.0L - (fast * s - slow * f) / (2.0L * w)) / k, (s - f) / (2.0L * w * m) };
     }
     return r;
 }
@@ -42,16 +40,15 @@ static struct response step_response(long double m, long double c, long double k
 /* Mass, damping, spring: free, nearly free, light, critical, heavy, stiff. The critical one is exact in binary;
  * none is so nearly free that the closed form itself cancels. */
 static const double laws[][3] = {
-    { 0.1, 0.5, 0.0 },    { 0.1, 0.0, 0.0 },    { 0.1, 1e-3, 0.0 },      { 0.1, 0.5, 200.0 },
-    { 0.25, 8.0, 64.0 },  { 0.1, 20.0, 200.0 }, { 0.045, 5.0, 50000.0 }, { 0.001, 3.0, 1.0 },
-    { 0.1, 0.0, 1000.0 }, { 0.05, 0.2, 2.0 },
+    { 0.1, 0.5, 0.0 },    { 0.1, 0.0, 0.0 },       { 0.1, 1e-3, 0.0 },  { 0.1, 0.5, 200.0 },  { 0.25, 8.0, 64.0 },
+    { 0.1, 20.0, 200.0 }, { 0.045, 5.0, 50000.0 }, { 0.001, 3.0, 1.0 }, { 0.1, 0.0, 1000.0 }, { 0.05, 0.2, 2.0 },
 };
 enum { LAWS = sizeof laws / sizeof *laws };
 
 static dpt_device *mass_at_rest(const double *law, double rate)
 {
-    return device_named("sim:?mass=%.17g&damping=%.17g&grip=%.17g&hand=hold&rate=%.17g&force=1000",
-                        law[0], law[1], law[2], rate);
+    return device_named("sim:?mass=%.17g&damping=%.17g&grip=%.17g&hand=hold&rate=%.17g&force=1000", law[0], law[1],
+                        law[2], rate);
 }
 
 static void forces_add_up_as_the_closed_form_says(void)
@@ -66,17 +63,16 @@ static void forces_add_up_as_the_closed_form_says(void)
             dpt_device *device = mass_at_rest(laws[l], rates[r]);
             for (int n = 0; n < PERIODS; n++) {
                 for (int k = 0; k < 3; k++)
-                    force[n][k] = n && random_in(&random, 0.0, 1.0) < 0.7
-                                      ? force[n - 1][k]
-                                      : random_in(&random, -5.0, 5.0);
+                    force[n][k] =
+                        n && random_in(&random, 0.0, 1.0) < 0.7 ? force[n - 1][k] : random_in(&random, -5.0, 5.0);
                 dpt_device_state state = state_of(device);
                 write_force(device, force[n][0], force[n][1], force[n][2]);
                 for (int k = 0; k < 3; k++) {
                     long double x = 0.0L, v = 0.0L;
                     for (int j = 0; j < n; j++) {
                         long double change = (long double)force[j][k] - (j ? force[j - 1][k] : 0.0);
-                        struct response s = step_response(laws[l][0], laws[l][1], laws[l][2],
-                                                          (long double)(n - j) / rates[r]);
+                        struct response s =
+                            step_response(laws[l][0], laws[l][1], laws[l][2], (long double)(n - j) / rates[r]);
                         x += change * s.x;
                         v += change * s.v;
                     }
@@ -85,9 +81,8 @@ static void forces_add_up_as_the_closed_form_says(void)
                     double off = (double)fabsl(x - state.pose.position[k]) / (largest[k] + 1e-300);
                     double off_v = (double)fabsl(v - state.velocity[k]) / (fastest[k] + 1e-300);
                     worst = fmax(worst, fmax(off, off_v));
-                    CHECK(n == 0 || (off < 1e-12 && off_v < 1e-12),
-                          "law %d at %g Hz, period %d: off by %g and %g", l, rates[r], n, off,
-                          off_v);
+                    CHECK(n == 0 || (off < 1e-12 && off_v < 1e-12), "law %d at %g Hz, period %d: off by %g and %g", l,
+                          rates[r], n, off, off_v);
                 }
             }
             dpt_device_close(device);
@@ -107,12 +102,9 @@ static void free_decay(void)
         state = state_of(device);
         long double decay = expl(-10.0L * (long double)n * 1e-3L);
         for (int k = 0; k < 3; k += 2) {
-            long double v0 = first.velocity[k],
-                        x = first.pose.position[k] + v0 * 0.1L * (1.0L - decay);
-            CHECK(fabsl(state.velocity[k] - v0 * decay) <= 1e-12L * fabsl(v0), "v after %d: %g", n,
-                  state.velocity[k]);
-            CHECK(fabsl(state.pose.position[k] - x) <= 1e-12L * fabsl(x), "x after %d: %g", n,
-                  state.pose.position[k]);
+            long double v0 = first.velocity[k], x = first.pose.position[k] + v0 * 0.1L * (1.0L - decay);
+            CHECK(fabsl(state.velocity[k] - v0 * decay) <= 1e-12L * fabsl(v0), "v after %d: %g", n, state.velocity[k]);
+            CHECK(fabsl(state.pose.position[k] - x) <= 1e-12L * fabsl(x), "x after %d: %g", n, state.pose.position[k]);
         }
     }
     dpt_device_close(device);
@@ -136,8 +128,7 @@ static void resonance(void)
         periods++;
     }
     CHECK(fabs(peak * c * w - 1.0) < 1e-3, "%g m, not %g", peak, 1.0 / (c * w));
-    CHECK(fabs(in_phase / periods) < 2e-2 * peak, "it does not lag by a quarter: %g",
-          in_phase / periods);
+    CHECK(fabs(in_phase / periods) < 2e-2 * peak, "it does not lag by a quarter: %g", in_phase / periods);
     dpt_device_close(device);
 }
 
@@ -167,11 +158,9 @@ static void energy_is_kept_or_lost_but_never_made(void)
             for (int i = 0; i < 3; i++)
                 work += force[i] * (state.pose.position[i] - before.pose.position[i]);
             scale = fmax(scale, energy_of(&state, m, k));
-            CHECK(gain <= work + 1e-13 * scale, "law %d, period %d: %g J from nothing", l, n,
-                  gain - work);
+            CHECK(gain <= work + 1e-13 * scale, "law %d, period %d: %g J from nothing", l, n, gain - work);
             if (c == 0.0)
-                CHECK(fabs(gain - work) <= 1e-12 * scale, "law %d, period %d: %g J lost", l, n,
-                      work - gain);
+                CHECK(fabs(gain - work) <= 1e-12 * scale, "law %d, period %d: %g J lost", l, n, work - gain);
             before = state;
         }
         dpt_device_close(device);
@@ -188,11 +177,10 @@ static void turns_as_it_moves(void)
         struct response s = step_response(2e-4L, 1e-3L, 0.0L, (long double)n * 1e-3L);
         double turn = 0.01 * (double)s.x;
         const double *q = state.pose.orientation;
-        CHECK(fabs(q[0] - cos(0.5 * turn)) < 1e-12 && fabs(q[2] - sin(0.5 * turn)) < 1e-12 &&
-                  q[1] == 0.0 && q[3] == 0.0,
+        CHECK(fabs(q[0] - cos(0.5 * turn)) < 1e-12 && fabs(q[2] - sin(0.5 * turn)) < 1e-12 && q[1] == 0.0 &&
+                  q[3] == 0.0,
               "period %d: %g %g %g %g", n, q[0], q[1], q[2], q[3]);
-        CHECK(fabs(state.joint[4] - turn) < 1e-12 &&
-                  fabs(state.spin[1] - 0.01 * (double)s.v) < 1e-12,
+        CHECK(fabs(state.joint[4] - turn) < 1e-12 && fabs(state.spin[1] - 0.01 * (double)s.v) < 1e-12,
               "period %d: %g rad, %g rad/s", n, state.joint[4], state.spin[1]);
         CHECK(dpt_device_write(device, &wrench) == DPT_OK, "write");
     }
@@ -208,14 +196,12 @@ static void it_tells_its_dynamics(void)
         dpt_device *device = device_named("sim:?dofs=%d&%s", dofs, numbers);
         dpt_device_info info = { .size = sizeof info };
         const double turns = dofs == 6;
-        CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.mass == 0.25 &&
-                  info.damping == 0.75 && info.position_step == 1e-5 && info.delay == 0.0015 &&
-                  info.friction == 0.0 && info.spin_friction == 0.0,
+        CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.mass == 0.25 && info.damping == 0.75 &&
+                  info.position_step == 1e-5 && info.delay == 0.0015 && info.friction == 0.0 &&
+                  info.spin_friction == 0.0,
               "%g kg, %g Ns/m, %g s", info.mass, info.damping, info.delay);
-        CHECK(info.inertia == 3e-4 * turns && info.spin_damping == 2e-3 * turns &&
-                  info.angle_step == 2e-5 * turns,
-              "%d: %g kg m2, %g Nms, %g rad", dofs, info.inertia, info.spin_damping,
-              info.angle_step);
+        CHECK(info.inertia == 3e-4 * turns && info.spin_damping == 2e-3 * turns && info.angle_step == 2e-5 * turns,
+              "%d: %g kg m2, %g Nms, %g rad", dofs, info.inertia, info.spin_damping, info.angle_step);
         dpt_device_close(device);
     }
 }
@@ -223,23 +209,19 @@ static void it_tells_its_dynamics(void)
 static void encoders_round(void)
 {
     const double step = 5e-4;
-    dpt_device *fine = device_named("sim:?force=100"),
-               *coarse = device_named("sim:?force=100&step=%g", step);
+    dpt_device *fine = device_named("sim:?force=100"), *coarse = device_named("sim:?force=100&step=%g", step);
     dpt_device_info info = { .size = sizeof info };
     double before = 0.0;
     int moved = 0;
-    CHECK(dpt_device_get_info(coarse, &info) == DPT_OK && info.position_step == step, "%g",
-          info.position_step);
+    CHECK(dpt_device_get_info(coarse, &info) == DPT_OK && info.position_step == step, "%g", info.position_step);
     for (int n = 0; n < 1000; n++) {
         double x = state_of(fine).pose.position[1];
         dpt_device_state state = state_of(coarse);
         double seen = state.pose.position[1], push = n % 200 < 100 ? 0.4 : -0.4;
-        CHECK(fabs(seen - step * round(x / step)) < 1e-15 ||
-                  fabs(fabs(x / step - floor(x / step)) - 0.5) < 1e-9,
+        CHECK(fabs(seen - step * round(x / step)) < 1e-15 || fabs(fabs(x / step - floor(x / step)) - 0.5) < 1e-9,
               "%g seen as %g", x, seen);
         CHECK(fabs(seen - x) <= 0.5 * step * (1.0 + 1e-9), "%g seen as %g", x, seen);
-        CHECK(fabs(state.velocity[1] - (seen - before) * 1000.0) < 1e-12, "%g m/s",
-              state.velocity[1]);
+        CHECK(fabs(state.velocity[1] - (seen - before) * 1000.0) < 1e-12, "%g m/s", state.velocity[1]);
         moved += seen != before;
         before = seen;
         write_force(fine, 0.0, push, 0.0);
@@ -262,8 +244,7 @@ static void delay_is_a_shift(void)
             if (delay == 0)
                 x[n] = now;
             else
-                CHECK(now == (n < delay ? 0.0 : x[n - delay]), "delay %d, period %d: %g", delay, n,
-                      now);
+                CHECK(now == (n < delay ? 0.0 : x[n - delay]), "delay %d, period %d: %g", delay, n, now);
             write_force(device, 0.0, 0.0, random_in(&random, -1.0, 1.0));
         }
         dpt_device_close(device);
@@ -322,10 +303,9 @@ static uint64_t hash_of_run(const char *settings, int ticks)
 static void same_calls_same_bits(void)
 {
     static const char plain[] = "dofs=6&hand=wipe&step=2e-5&turn_step=1e-4&delay=2";
-    static const char rich[] =
-        "dofs=6&hand=wipe&turn_step=1e-4&delay=1.3&jitter=0.0008&lag=0.003&loss=0.1&double=0.1&"
-        "gravity=3&friction=0.2&stiction=0.3&turn_friction=0.004&hand_mass=0.2&hand_damping=3&"
-        "seed=";
+    static const char rich[] = "dofs=6&hand=wipe&turn_step=1e-4&delay=1.3&jitter=0.0008&lag=0.003&loss=0.1&double=0.1&"
+                               "gravity=3&friction=0.2&stiction=0.3&turn_friction=0.004&hand_mass=0.2&hand_damping=3&"
+                               "seed=";
     const struct {
         const char *settings, *seed;
         int ticks;
@@ -342,37 +322,31 @@ static void same_calls_same_bits(void)
         snprintf(settings, sizeof settings, "%s%s", runs[i].settings, runs[i].seed);
         const uint64_t hash = hash_of_run(settings, runs[i].ticks);
         CHECK(hash == hash_of_run(settings, runs[i].ticks), "two runs differ: %s", settings);
-        CHECK(hash == runs[i].hash, "not what other machines have: %s: %llx", settings,
-              (unsigned long long)hash);
+        CHECK(hash == runs[i].hash, "not what other machines have: %s: %llx", settings, (unsigned long long)hash);
     }
 }
 
 static void scripts_pull_and_push(void)
 {
-    struct small_file places =
-        file_with("# a pull\r\nt,x,y,z,buttons\r\n0,0.01,0,0,0\r\n\r\n1,0.01,0,0,2\r\n"
-                  "1.5,0.03,-0.02,0,0\r\n");
+    struct small_file places = file_with("# a pull\r\nt,x,y,z,buttons\r\n0,0.01,0,0,0\r\n\r\n1,0.01,0,0,2\r\n"
+                                         "1.5,0.03,-0.02,0,0\r\n");
     dpt_device *device = device_named("sim:?damping=10&hand=%s", places.path);
     dpt_device_state state;
     for (int n = 0; n <= 4000; n++) {
         state = state_of(device);
         if (n == 0 || n == 900)
-            CHECK(state.pose.position[0] == 0.01 && state.buttons == 0, "at rest: %g",
-                  state.pose.position[0]);
+            CHECK(state.pose.position[0] == 0.01 && state.buttons == 0, "at rest: %g", state.pose.position[0]);
         if (n == 1200)
-            CHECK(state.buttons == 2 && state.pose.position[0] > 0.012, "on the way: %g",
-                  state.pose.position[0]);
+            CHECK(state.buttons == 2 && state.pose.position[0] > 0.012, "on the way: %g", state.pose.position[0]);
     }
-    CHECK(fabs(state.pose.position[0] - 0.03) < 1e-6 &&
-              fabs(state.pose.position[1] + 0.02) < 1e-6 && state.buttons == 0,
+    CHECK(fabs(state.pose.position[0] - 0.03) < 1e-6 && fabs(state.pose.position[1] + 0.02) < 1e-6 &&
+              state.buttons == 0,
           "it ends at %g %g", state.pose.position[0], state.pose.position[1]);
     dpt_device_close(device);
     unlink(places.path);
 
-    struct small_file forces =
-        file_with("t,fx,fy,fz,tx,ty,tz\n0,0,0,0,0,0,0\n0.1,2,0,0,0,0,0.001\n");
-    device = device_named("sim:?dofs=6&mass=1&damping=0&inertia=1e-3&turn_damping=0&hand=%s",
-                          forces.path);
+    struct small_file forces = file_with("t,fx,fy,fz,tx,ty,tz\n0,0,0,0,0,0,0\n0.1,2,0,0,0,0,0.001\n");
+    device = device_named("sim:?dofs=6&mass=1&damping=0&inertia=1e-3&turn_damping=0&hand=%s", forces.path);
     for (int n = 0; n <= 300; n++) {
         state = state_of(device);
         long double v = 0.0L;
@@ -395,8 +369,7 @@ static void scripts_pull_and_push(void)
 /* A live one does what the other does; it only waits for the clock. */
 static void live_is_the_same_in_time(void)
 {
-    dpt_device *live = device_named("sim:?hand=press&live=1"),
-               *twin = device_named("sim:?hand=press");
+    dpt_device *live = device_named("sim:?hand=press&live=1"), *twin = device_named("sim:?hand=press");
     dpt_device_state state, wanted = state_of(twin);
     uint64_t seen = 0, stale = 0;
     const struct timespec nap = { 0, 300000 };
@@ -409,16 +382,13 @@ static void live_is_the_same_in_time(void)
         stale += state.fresh == 0;
         while (wanted.sequence < state.sequence)
             wanted = state_of(twin);
-        CHECK(seen == state.sequence + 1, "%d samples to number %d", (int)seen,
-              (int)state.sequence);
+        CHECK(seen == state.sequence + 1, "%d samples to number %d", (int)seen, (int)state.sequence);
         CHECK(!memcmp(&wanted.pose, &state.pose, sizeof wanted.pose), "another pose");
         CHECK(state.time_ns <= now, "a sample of the future");
         nanosleep(&nap, NULL);
     }
-    CHECK(stale > 0 && seen > 250, "%d of 1000 reads saw nothing new, %d samples", (int)stale,
-          (int)seen);
-    CHECK(counts_of(live).samples == state.sequence + 1, "%d samples",
-          (int)counts_of(live).samples);
+    CHECK(stale > 0 && seen > 250, "%d of 1000 reads saw nothing new, %d samples", (int)stale, (int)seen);
+    CHECK(counts_of(live).samples == state.sequence + 1, "%d samples", (int)counts_of(live).samples);
     dpt_device_close(live);
     dpt_device_close(twin);
 }
@@ -443,24 +413,20 @@ static void faults_come_when_asked_for(void)
                 at_fault = state.velocity[0];
                 continue;
             }
-            CHECK(result == (is_lost ? DPT_E_LOST : DPT_OK), "%s: %s", name,
-                  dpt_result_name(result));
-            CHECK(state.reasons == bit && state.status != DPT_DEVICE_STATUS_READY, "%s: %u", name,
-                  state.reasons);
-            CHECK((state.status == DPT_DEVICE_STATUS_LOST) == is_lost &&
-                      (state.fresh == 0) == is_lost,
-                  "%s: %s", name, dpt_device_status_name(state.status));
+            CHECK(result == (is_lost ? DPT_E_LOST : DPT_OK), "%s: %s", name, dpt_result_name(result));
+            CHECK(state.reasons == bit && state.status != DPT_DEVICE_STATUS_READY, "%s: %u", name, state.reasons);
+            CHECK((state.status == DPT_DEVICE_STATUS_LOST) == is_lost && (state.fresh == 0) == is_lost, "%s: %s", name,
+                  dpt_device_status_name(state.status));
             CHECK((state.code != 0) == (bit == DPT_REASON_DEVICE), "%s: code %u", name, state.code);
-            CHECK(dpt_device_write(device, &wrench) == (is_lost ? DPT_E_LOST : DPT_E_NOT_READY),
-                  "%s: it takes force", name);
-            CHECK(is_lost || fabs(state.velocity[0] - at_fault) < 0.0011, "%s: it gives force",
+            CHECK(dpt_device_write(device, &wrench) == (is_lost ? DPT_E_LOST : DPT_E_NOT_READY), "%s: it takes force",
                   name);
+            CHECK(is_lost || fabs(state.velocity[0] - at_fault) < 0.0011, "%s: it gives force", name);
         }
         CHECK(counts_of(device).missed == 0, "%s: it misses commands that it does not take", name);
         CHECK(dpt_device_clear(device) == DPT_OK, "%s: not cleared", name);
         state = state_of(device);
-        CHECK(state.status == DPT_DEVICE_STATUS_READY && state.reasons == 0 && state.fresh > 0,
-              "%s: %s after clear", name, dpt_device_status_name(state.status));
+        CHECK(state.status == DPT_DEVICE_STATUS_READY && state.reasons == 0 && state.fresh > 0, "%s: %s after clear",
+              name, dpt_device_status_name(state.status));
         double v = state.velocity[0];
         CHECK(fabs(state_of(device).velocity[0] - v) < 1e-15, "%s: force without a command", name);
         CHECK(dpt_device_write(device, &wrench) == DPT_OK && state_of(device).velocity[0] > v,
@@ -471,12 +437,9 @@ static void faults_come_when_asked_for(void)
 
 static void wrong_names_are_refused(void)
 {
-    struct small_file empty = file_with(""), header = file_with("t,x,y\n0,0,0\n"),
-                      few = file_with("t,x,y,z\n0,1,2\n"),
-                      many = file_with("t,x,y,z\n\n0,1,2,3,4\n"),
-                      word = file_with("t,x,y,z\n0,1,nan,3\n"),
-                      large = file_with("t,x,y,z\n0,1,1e400,3\n"),
-                      back = file_with("t,x,y,z\n1,0,0,0\n1,0,0,0\n"),
+    struct small_file empty = file_with(""), header = file_with("t,x,y\n0,0,0\n"), few = file_with("t,x,y,z\n0,1,2\n"),
+                      many = file_with("t,x,y,z\n\n0,1,2,3,4\n"), word = file_with("t,x,y,z\n0,1,nan,3\n"),
+                      large = file_with("t,x,y,z\n0,1,1e400,3\n"), back = file_with("t,x,y,z\n1,0,0,0\n1,0,0,0\n"),
                       none = file_with("t,x,y,z\n# nothing\n");
     const struct {
         const char *settings, *path;
@@ -520,16 +483,13 @@ static void wrong_names_are_refused(void)
         dpt_device_error error = { .size = sizeof error };
         snprintf(name, sizeof name, "sim:?%s%s", cases[i].settings, cases[i].path);
         dpt_result result = dpt_device_open(name, &device, &error);
-        CHECK(result == cases[i].code && error.code == result && !device, "%s: %s", name,
-              dpt_result_name(result));
-        CHECK(strstr(error.text, cases[i].text) && !strchr(error.text, '\n'), "%s: %s", name,
-              error.text);
+        CHECK(result == cases[i].code && error.code == result && !device, "%s: %s", name, dpt_result_name(result));
+        CHECK(strstr(error.text, cases[i].text) && !strchr(error.text, '\n'), "%s: %s", name, error.text);
         CHECK(dpt_device_open(name, &device, NULL) == cases[i].code, "%s, without an error", name);
     }
     dpt_device_error error = { .size = sizeof error };
     dpt_device *device;
-    CHECK(dpt_device_open("sim:/dev/ttyACM0", &device, &error) == DPT_E_SETTING, "a place: %s",
-          error.text);
+    CHECK(dpt_device_open("sim:/dev/ttyACM0", &device, &error) == DPT_E_SETTING, "a place: %s", error.text);
     const char *const paths[] = { empty.path, header.path, few.path,  many.path,
                                   word.path,  large.path,  back.path, none.path };
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)

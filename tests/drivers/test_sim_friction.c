@@ -10,25 +10,21 @@
 
 static int is_same(const dpt_device_state *a, const dpt_device_state *b)
 {
-    return !memcmp(a->joint, b->joint, sizeof a->joint) &&
-           !memcmp(a->velocity, b->velocity, sizeof a->velocity);
+    return !memcmp(a->joint, b->joint, sizeof a->joint) && !memcmp(a->velocity, b->velocity, sizeof a->velocity);
 }
 
 /* A push of n periods, then none: it slides v^2 m / 2 f_c far, and stays there bit for bit. */
 static void it_stops_where_friction_has_taken_its_energy(void)
 {
-    static const double masses[] = { 0.05, 0.1, 1.0 }, frictions[] = { 0.073, 0.31, 2.53 },
-                        rates[] = { 1000.0, 37.0 };
+    static const double masses[] = { 0.05, 0.1, 1.0 }, frictions[] = { 0.073, 0.31, 2.53 }, rates[] = { 1000.0, 37.0 };
     for (int m = 0; m < 3; m++)
         for (int f = 0; f < 3; f++)
             for (int r = 0; r < 2; r++) {
                 const double mass = masses[m], friction = frictions[f], rate = rates[r];
-                dpt_device *device = device_named("sim:?mass=%g&damping=0&friction=%g&rate=%g",
-                                                  mass, friction, rate);
+                dpt_device *device = device_named("sim:?mass=%g&damping=0&friction=%g&rate=%g", mass, friction, rate);
                 const long double pushed = 17.0L / rate, a = (7.0L - friction) / mass;
                 const long double v = a * pushed, brake = friction / (long double)mass;
-                const long double begin = 0.5L * a * pushed * pushed,
-                                  end = begin + 0.5L * v * v / brake;
+                const long double begin = 0.5L * a * pushed * pushed, end = begin + 0.5L * v * v / brake;
                 dpt_device_state state = state_of(device), before;
                 const int last = (int)ceill((pushed + v / brake) * rate) + 20;
                 for (int n = 1; n <= last; n++) {
@@ -40,10 +36,9 @@ static void it_stops_where_friction_has_taken_its_energy(void)
                     if (t < 0.0L)
                         continue;
                     const long double x = stands ? end : begin + t * (v - 0.5L * brake * t);
-                    CHECK(fabsl(-x - state.pose.position[0]) < 1e-12L * end,
-                          "period %d: %g, not %g", n, state.pose.position[0], (double)-x);
-                    CHECK((state.velocity[0] == 0.0) == stands, "period %d: %g m/s", n,
-                          state.velocity[0]);
+                    CHECK(fabsl(-x - state.pose.position[0]) < 1e-12L * end, "period %d: %g, not %g", n,
+                          state.pose.position[0], (double)-x);
+                    CHECK((state.velocity[0] == 0.0) == stands, "period %d: %g m/s", n, state.velocity[0]);
                     CHECK(t - 1.0L / rate < v / brake || is_same(&before, &state), "it creeps");
                 }
                 dpt_device_close(device);
@@ -53,10 +48,9 @@ static void it_stops_where_friction_has_taken_its_energy(void)
 static void at_rest_it_stays_bit_for_bit(void)
 {
     struct small_file place = file_with("t,x,y,z,rx,ry,rz\n0,0.01,-0.02,0.003,0.1,0.2,-0.3\n");
-    dpt_device *device =
-        device_named("sim:?dofs=6&friction=0.25&stiction=0.5&turn_friction=0.01&turn_stiction=0.02&"
-                     "gravity=2&hand_mass=0.1&lag=0.001&hand=%s",
-                     place.path);
+    dpt_device *device = device_named("sim:?dofs=6&friction=0.25&stiction=0.5&turn_friction=0.01&turn_stiction=0.02&"
+                                      "gravity=2&hand_mass=0.1&lag=0.001&hand=%s",
+                                      place.path);
     const double weight = 2.0 * (0.1 + 0.1);
     uint64_t random = 5;
     const dpt_device_state first = state_of(device);
@@ -81,15 +75,13 @@ static void it_breaks_away_above_stiction(void)
 {
     for (int sign = -1; sign <= 1; sign += 2)
         for (int above = 0; above < 2; above++) {
-            dpt_device *device =
-                device_named("sim:?mass=0.5&damping=0&friction=0.25&stiction=0.75");
+            dpt_device *device = device_named("sim:?mass=0.5&damping=0&friction=0.25&stiction=0.75");
             const double force = sign * (above ? nextafter(0.75, 1.0) : 0.75);
             state_of(device);
             for (int n = 1; n <= 50; n++) {
                 write_force(device, 0.0, 0.0, force);
                 const double z = state_of(device).pose.position[2], t = n * 1e-3;
-                CHECK(above ? fabs(z - sign * 0.5 * t * t) < 1e-12 : z == 0.0, "period %d: %g", n,
-                      z);
+                CHECK(above ? fabs(z - sign * 0.5 * t * t) < 1e-12 : z == 0.0, "period %d: %g", n, z);
             }
             dpt_device_close(device);
         }
@@ -113,8 +105,7 @@ static void an_oscillator_loses_as_much_in_each_swing(void)
         char text[64];
         snprintf(text, sizeof text, "t,x,y,z\n0,0,0,0\n%.17g,0,%g,0\n", 0.5 / rates[r], a);
         struct small_file jump = file_with(text);
-        dpt_device *device = device_named("sim:?mass=%g&damping=0&grip=%g&friction=%g&stiction=%g&"
-                                          "rate=%g&hand=%s",
+        dpt_device *device = device_named("sim:?mass=%g&damping=0&grip=%g&friction=%g&stiction=%g&rate=%g&hand=%s",
                                           mass, spring, friction, stiction, rates[r], jump.path);
         dpt_device_state state = state_of(device);
         for (int n = 1; n < 2.0 + (time + 0.2) * rates[r]; n++) {
@@ -124,10 +115,10 @@ static void an_oscillator_loses_as_much_in_each_swing(void)
             const double sign = swing % 2 ? -1.0 : 1.0;
             const double part = a - (2.0 * swing + 1.0) * friction / spring;
             const double x = t >= time ? -rest : -sign * friction / spring - part * cos(w * t);
-            CHECK(fabs(state.pose.position[1] - a - x) < 1e-12, "%g Hz, %g s: %.17g, not %.17g",
-                  rates[r], t, state.pose.position[1] - a, x);
-            CHECK((state.velocity[1] == 0.0) == (t >= time || n == 1), "%g Hz, %g s: %g m/s",
-                  rates[r], t, state.velocity[1]);
+            CHECK(fabs(state.pose.position[1] - a - x) < 1e-12, "%g Hz, %g s: %.17g, not %.17g", rates[r], t,
+                  state.pose.position[1] - a, x);
+            CHECK((state.velocity[1] == 0.0) == (t >= time || n == 1), "%g Hz, %g s: %g m/s", rates[r], t,
+                  state.velocity[1]);
         }
         dpt_device_close(device);
         unlink(jump.path);
@@ -135,8 +126,8 @@ static void an_oscillator_loses_as_much_in_each_swing(void)
 }
 
 /* Where a free mass is when a force F (1 - exp(-t / lag)) has acted for t, and how fast. */
-static void lagged_push(long double force, long double mass, long double lag, long double t,
-                        long double *x, long double *v)
+static void lagged_push(long double force, long double mass, long double lag, long double t, long double *x,
+                        long double *v)
 {
     const long double gone = -expm1l(-t / lag);
     *v = force / mass * (t - lag * gone);
@@ -149,16 +140,13 @@ static void the_force_follows_with_a_lag(void)
     for (int l = 0; l < 5; l++) {
         dpt_device *device = device_named("sim:?mass=0.25&damping=0&lag=%.17g", lags[l]);
         dpt_device_info info = { .size = sizeof info };
-        CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.delay == lags[l], "%g s",
-              info.delay);
+        CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.delay == lags[l], "%g s", info.delay);
         for (int n = 0; n < 300; n++) {
             const dpt_device_state state = state_of(device);
             long double x, v;
             lagged_push(3.0L, 0.25L, lags[l], n * 1e-3L, &x, &v);
-            CHECK(fabsl(x - state.pose.position[0]) <= 1e-9L * x &&
-                      fabsl(v - state.velocity[0]) <= 1e-9L * v,
-                  "lag %g, period %d: %.17g, not %.17g", lags[l], n, state.pose.position[0],
-                  (double)x);
+            CHECK(fabsl(x - state.pose.position[0]) <= 1e-9L * x && fabsl(v - state.velocity[0]) <= 1e-9L * v,
+                  "lag %g, period %d: %.17g, not %.17g", lags[l], n, state.pose.position[0], (double)x);
             write_force(device, 3.0, 0.0, 0.0);
         }
         dpt_device_close(device);
@@ -170,8 +158,7 @@ static void a_lagging_motor_breaks_away_within_a_period(void)
 {
     const long double lag = 0.004L, force = 3.0L, stiction = 1.3L, friction = 0.6L, mass = 0.2L;
     const long double leaves = -lag * log1pl(-stiction / force);
-    dpt_device *device =
-        device_named("sim:?mass=0.2&damping=0&friction=0.6&stiction=1.3&lag=0.004");
+    dpt_device *device = device_named("sim:?mass=0.2&damping=0&friction=0.6&stiction=1.3&lag=0.004");
     const dpt_device_state first = state_of(device);
     long double x0, v0;
     lagged_push(force, mass, lag, leaves, &x0, &v0);
@@ -184,8 +171,7 @@ static void a_lagging_motor_breaks_away_within_a_period(void)
         x -= x0 + v0 * slides + 0.5L * friction / mass * slides * slides;
         v -= v0 + friction / mass * slides;
         CHECK(slides < 0.0L ? is_same(&first, &state)
-                            : fabsl(x - state.pose.position[0]) < 1e-13L &&
-                                  fabsl(v - state.velocity[0]) < 1e-13L,
+                            : fabsl(x - state.pose.position[0]) < 1e-13L && fabsl(v - state.velocity[0]) < 1e-13L,
               "period %d: %g m, %g m/s", n, state.pose.position[0], state.velocity[0]);
     }
     dpt_device_close(device);
@@ -230,8 +216,8 @@ static void a_long_period_is_its_parts(void)
                 rests += state.velocity[k] == 0.0;
                 CHECK(fabs(state.pose.position[k] - fine.pose.position[k]) <= 1e-9 * largest &&
                           (state.velocity[k] == 0.0) == (fine.velocity[k] == 0.0),
-                      "law %d, period %d, axis %d: %.17g, in parts %.17g", (int)l, n, k,
-                      state.pose.position[k], fine.pose.position[k]);
+                      "law %d, period %d, axis %d: %.17g, in parts %.17g", (int)l, n, k, state.pose.position[k],
+                      fine.pose.position[k]);
             }
         }
         dpt_device_close(whole);
@@ -254,10 +240,10 @@ static void a_short_stop_is_not_missed(void)
         int stops = 0;
         for (int is_fine = 0; is_fine < 2; is_fine++) {
             const int parts = is_fine ? 256 : 1;
-            dpt_device *device = device_named(
-                "sim:?rate=%d&mass=0.1&damping=0&friction=0.05&stiction=0.1&grip=%g&lag=%g&"
-                "hand=hold&watchdog=0",
-                16 * parts, cases[i][0], cases[i][1]);
+            dpt_device *device =
+                device_named("sim:?rate=%d&mass=0.1&damping=0&friction=0.05&stiction=0.1&grip=%g&lag=%g&"
+                             "hand=hold&watchdog=0",
+                             16 * parts, cases[i][0], cases[i][1]);
             double before = state_of(device).velocity[0];
             for (int n = 0; n < 3 * parts; n++) {
                 write_force(device, cases[i][2 + n / parts], 0.0, 0.0);
@@ -268,8 +254,8 @@ static void a_short_stop_is_not_missed(void)
             }
             dpt_device_close(device);
         }
-        CHECK(stops > 0 && fabs(x[0] - x[1]) < 1e-12, "case %d: %.17g, in parts %.17g, %d stops",
-              (int)i, x[0], x[1], stops);
+        CHECK(stops > 0 && fabs(x[0] - x[1]) < 1e-12, "case %d: %.17g, in parts %.17g, %d stops", (int)i, x[0], x[1],
+              stops);
     }
 }
 
@@ -284,19 +270,18 @@ static void it_falls(void)
     for (int n = 0; n <= 3000; n++) {
         const long double t = n * 1e-3L, end = 9.81L * 0.2L / 4.0L;
         state = state_of(free);
-        CHECK(fabsl(state.pose.position[1] + 0.5L * 9.81L * t * t) <= 1e-12L * t &&
-                  state.pose.position[0] == 0.0 && state.pose.position[2] == 0.0,
+        CHECK(fabsl(state.pose.position[1] + 0.5L * 9.81L * t * t) <= 1e-12L * t && state.pose.position[0] == 0.0 &&
+                  state.pose.position[2] == 0.0,
               "%g s: %g", (double)t, state.pose.position[1]);
         state = state_of(braked);
-        CHECK(fabsl(state.velocity[1] - end * expm1l(-t * 20.0L)) < 1e-13L, "%g s: %g m/s",
-              (double)t, state.velocity[1]);
+        CHECK(fabsl(state.velocity[1] - end * expm1l(-t * 20.0L)) < 1e-13L, "%g s: %g m/s", (double)t,
+              state.velocity[1]);
         state = state_of(carried);
         CHECK(fabs(state.pose.position[1]) < 1e-12, "%g s: %g", (double)t, state.pose.position[1]);
         write_force(carried, 0.0, 9.81 * 0.2, 0.0);
         state = state_of(held);
     }
-    CHECK(fabs(state.pose.position[1] + 0.5 * 9.81 / 250.0) < 1e-9, "the hand sags by %g",
-          state.pose.position[1]);
+    CHECK(fabs(state.pose.position[1] + 0.5 * 9.81 / 250.0) < 1e-9, "the hand sags by %g", state.pose.position[1]);
     dpt_device_close(free);
     dpt_device_close(braked);
     dpt_device_close(held);
@@ -306,8 +291,7 @@ static void it_falls(void)
 /* The hand's mass and damping are the device's own where there is a hand; it does not report them. */
 static void the_hand_adds_to_the_device(void)
 {
-    static const char with[] = "hand_mass=0.25&hand_damping=2&hand_inertia=0.0009765625&"
-                               "hand_turn_damping=0.001953125";
+    static const char with[] = "hand_mass=0.25&hand_damping=2&hand_inertia=0.0009765625&hand_turn_damping=0.001953125";
     static const char own[] = "dofs=6&mass=0.125&damping=0.5&inertia=0.000244140625&"
                               "turn_damping=0.0009765625&gravity=1";
     static const char both[] = "dofs=6&mass=0.375&damping=2.5&inertia=0.001220703125&"
@@ -319,14 +303,12 @@ static void the_hand_adds_to_the_device(void)
         dpt_device *device = device_named("sim:?%s&%s&hand=%s", own, with, hand),
                    *twin = device_named("sim:?%s&hand=%s", h ? both : own, hand);
         dpt_device_info info = { .size = sizeof info };
-        CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.mass == 0.125 &&
-                  info.damping == 0.5 && info.inertia == 0.000244140625 &&
-                  info.spin_damping == 0.0009765625,
+        CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.mass == 0.125 && info.damping == 0.5 &&
+                  info.inertia == 0.000244140625 && info.spin_damping == 0.0009765625,
               "it reports the hand's");
         for (int n = 0; n < 500; n++) {
             dpt_device_state a = state_of(device), b = state_of(twin);
-            CHECK(is_same(&a, &b), "hand '%s', period %d: %g, not %g", hand, n, a.pose.position[1],
-                  b.pose.position[1]);
+            CHECK(is_same(&a, &b), "hand '%s', period %d: %g, not %g", hand, n, a.pose.position[1], b.pose.position[1]);
             const dpt_wrench wrench = { { 0.3, -0.1, 0.2 }, { 0.01, 0.0, -0.02 } };
             dpt_device_write(device, &wrench);
             dpt_device_write(twin, &wrench);
@@ -340,10 +322,9 @@ static void the_hand_adds_to_the_device(void)
 static void it_reports_its_friction(void)
 {
     for (int dofs = 3; dofs <= 6; dofs += 3) {
-        dpt_device *device =
-            device_named("sim:?dofs=%d&friction=0.25&stiction=0.5&turn_friction=0.125&delay=2.5&"
-                         "lag=0.25&jitter=0.0005",
-                         dofs);
+        dpt_device *device = device_named("sim:?dofs=%d&friction=0.25&stiction=0.5&turn_friction=0.125&delay=2.5&"
+                                          "lag=0.25&jitter=0.0005",
+                                          dofs);
         dpt_device_info info = { .size = sizeof info };
         CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.friction == 0.25 &&
                   info.spin_friction == (dofs == 6 ? 0.125 : 0.0),

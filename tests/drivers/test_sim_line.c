@@ -20,30 +20,24 @@ static double uniform(uint64_t seed, uint64_t period, uint64_t i)
 /* The first numbers of seed 1234567, which others publish for this generator. */
 static void the_generator_is_the_published_one(void)
 {
-    static const uint64_t known[] = { 6457827717110365317u, 3203168211198807973u,
-                                      9817491932198370423u, 4593380528125082431u,
-                                      16408922859458223821u };
+    static const uint64_t known[] = { 6457827717110365317u, 3203168211198807973u, 9817491932198370423u,
+                                      4593380528125082431u, 16408922859458223821u };
     for (uint64_t n = 0; n < 5; n++)
-        CHECK(uniform(1234567, n / 4, n % 4) == ldexp((double)(known[n] >> 11), -53), "number %d",
-              (int)n);
+        CHECK(uniform(1234567, n / 4, n % 4) == ldexp((double)(known[n] >> 11), -53), "number %d", (int)n);
 }
 
 static void a_delay_may_end_within_a_period(void)
 {
     static const double delays[] = { 0.5, 0.25, 0.999, 1.5, 2.75, 7.3, 14.9, 15.0 };
     for (size_t d = 0; d < sizeof delays / sizeof *delays; d++) {
-        dpt_device *device =
-            device_named("sim:?mass=0.5&damping=0&rate=500&delay=%.17g", delays[d]);
+        dpt_device *device = device_named("sim:?mass=0.5&damping=0&rate=500&delay=%.17g", delays[d]);
         dpt_device_info info = { .size = sizeof info };
-        CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.delay == delays[d] / 500.0,
-              "%g s", info.delay);
+        CHECK(dpt_device_get_info(device, &info) == DPT_OK && info.delay == delays[d] / 500.0, "%g s", info.delay);
         for (int n = 0; n < 60; n++) {
             const dpt_device_state state = state_of(device);
             const double t = fmax(n - delays[d], 0.0) / 500.0;
-            CHECK(fabs(state.velocity[2] - 4.0 * t) < 1e-15 &&
-                      fabs(state.pose.position[2] - 2.0 * t * t) < 1e-16,
-                  "delay %g, period %d: %g, not %g", delays[d], n, state.pose.position[2],
-                  2.0 * t * t);
+            CHECK(fabs(state.velocity[2] - 4.0 * t) < 1e-15 && fabs(state.pose.position[2] - 2.0 * t * t) < 1e-16,
+                  "delay %g, period %d: %g, not %g", delays[d], n, state.pose.position[2], 2.0 * t * t);
             write_force(device, 0.0, 0.0, 2.0);
         }
         dpt_device_close(device);
@@ -57,8 +51,7 @@ static void jitter_delays_each_command_by_its_own_share(void)
     const double rate = 1000.0, jitter = 0.0009;
     static const double delays[] = { 0.0, 0.5, 2.5 };
     for (int d = 0; d < 3; d++) {
-        dpt_device *device =
-            device_named("sim:?mass=1&damping=0&jitter=%g&delay=%g&seed=77", jitter, delays[d]);
+        dpt_device *device = device_named("sim:?mass=1&damping=0&jitter=%g&delay=%g&seed=77", jitter, delays[d]);
         double command[PERIODS], begins[PERIODS], sum = 0.0, squares = 0.0;
         uint64_t random = 3;
         double before = 0.0;
@@ -69,8 +62,8 @@ static void jitter_delays_each_command_by_its_own_share(void)
                 const double until = p + 1 < n ? fmin(begins[p + 1], end) : end;
                 impulse += command[p] * fmax(0.0, until - fmax(begins[p], start));
             }
-            CHECK(fabs(v - before - impulse) < 1e-12, "delay %g, period %d: %g, not %g", delays[d],
-                  n, v - before, impulse);
+            CHECK(fabs(v - before - impulse) < 1e-12, "delay %g, period %d: %g, not %g", delays[d], n, v - before,
+                  impulse);
             before = v;
             command[n] = random_in(&random, -5.0, 5.0);
             const double share = uniform(77, (uint64_t)n, 0);
@@ -81,16 +74,15 @@ static void jitter_delays_each_command_by_its_own_share(void)
         }
         sum /= PERIODS;
         squares = squares / PERIODS - sum * sum;
-        CHECK(fabs(sum - 0.5) < 0.03 && fabs(squares - 1.0 / 12.0) < 0.01,
-              "mean %g, variance %g: not uniform", sum, squares);
+        CHECK(fabs(sum - 0.5) < 0.03 && fabs(squares - 1.0 / 12.0) < 0.01, "mean %g, variance %g: not uniform", sum,
+              squares);
         dpt_device_close(device);
     }
 }
 
 static int is_about(int seen, int of, double probability)
 {
-    return fabs(seen - of * probability) <=
-           5.0 * sqrt(of * probability * (1.0 - probability)) + 1.0;
+    return fabs(seen - of * probability) <= 5.0 * sqrt(of * probability * (1.0 - probability)) + 1.0;
 }
 
 static void samples_and_commands_are_lost(void)
@@ -105,13 +97,11 @@ static void samples_and_commands_are_lost(void)
     dpt_device_state newest = { .size = sizeof newest };
     for (int n = 0; n < PERIODS; n++) {
         const dpt_device_state state = state_of(device), sent = state_of(whole);
-        const int is_lost = uniform(9, (uint64_t)n, 2) < loss,
-                  command_is_lost = uniform(9, (uint64_t)n, 1) < loss;
-        CHECK(state.status == DPT_DEVICE_STATUS_READY && (state.fresh == 0) == is_lost,
-              "period %d: fresh %u", n, state.fresh);
+        const int is_lost = uniform(9, (uint64_t)n, 2) < loss, command_is_lost = uniform(9, (uint64_t)n, 1) < loss;
+        CHECK(state.status == DPT_DEVICE_STATUS_READY && (state.fresh == 0) == is_lost, "period %d: fresh %u", n,
+              state.fresh);
         if (is_lost) {
-            CHECK(!has_read || (state.sequence == last &&
-                                !memcmp(&state.pose, &newest.pose, sizeof state.pose)),
+            CHECK(!has_read || (state.sequence == last && !memcmp(&state.pose, &newest.pose, sizeof state.pose)),
                   "period %d: another sample", n);
         } else {
             CHECK(state.sequence == (uint64_t)n && (!has_read || (int)state.fresh == n - (int)last),
@@ -137,11 +127,10 @@ static void samples_and_commands_are_lost(void)
     state_of(device);
     const dpt_device_counts counts = counts_of(device);
     samples += uniform(9, PERIODS, 2) < loss;
-    CHECK(counts.lost == (uint64_t)samples && counts.missed == (uint64_t)missed &&
-              counts.commands == PERIODS && counts.samples == PERIODS + 1,
+    CHECK(counts.lost == (uint64_t)samples && counts.missed == (uint64_t)missed && counts.commands == PERIODS &&
+              counts.samples == PERIODS + 1,
           "%d lost, %d missed", (int)counts.lost, (int)counts.missed);
-    CHECK(is_about(samples, PERIODS, loss) && is_about(commands, PERIODS, loss) &&
-              is_about(both, PERIODS, loss * loss),
+    CHECK(is_about(samples, PERIODS, loss) && is_about(commands, PERIODS, loss) && is_about(both, PERIODS, loss * loss),
           "%d samples, %d commands, %d both", samples, commands, both);
     dpt_device_close(device);
     dpt_device_close(whole);
@@ -153,8 +142,7 @@ static void a_line_may_lose_everything(void)
     dpt_device *device = device_named("sim:?loss=1&gravity=1");
     for (int n = 0; n < 50; n++) {
         const dpt_device_state state = state_of(device);
-        CHECK(state.fresh == 0 && state.pose.position[1] == 0.0, "period %d: fresh %u", n,
-              state.fresh);
+        CHECK(state.fresh == 0 && state.pose.position[1] == 0.0, "period %d: fresh %u", n, state.fresh);
         write_force(device, 1.0, 0.0, 0.0);
     }
     CHECK(counts_of(device).lost == 50 && counts_of(device).missed == 0, "counts");
@@ -173,8 +161,7 @@ static void samples_come_twice(void)
         const dpt_device_state state = state_of(device), sent = state_of(whole);
         const int is_repeat = n > 0 && uniform(4, (uint64_t)n, 3) < doubled;
         if (is_repeat)
-            CHECK(state.fresh == 1 && state.sequence == before.sequence &&
-                      state.time_ns == before.time_ns &&
+            CHECK(state.fresh == 1 && state.sequence == before.sequence && state.time_ns == before.time_ns &&
                       !memcmp(&state.pose, &before.pose, sizeof state.pose),
                   "period %d: fresh %u, number %d", n, state.fresh, (int)state.sequence);
         else
@@ -185,8 +172,7 @@ static void samples_come_twice(void)
         before = state;
         repeats += is_repeat;
     }
-    CHECK(is_about(repeats, PERIODS, doubled) && counts_of(device).lost == 0, "%d repeats",
-          repeats);
+    CHECK(is_about(repeats, PERIODS, doubled) && counts_of(device).lost == 0, "%d repeats", repeats);
     dpt_device_close(device);
     dpt_device_close(whole);
 }
@@ -219,13 +205,10 @@ static void the_loop_counts_both(void)
     def.tick = no_force;
     def.ticks = TICKS;
     def.lock = def.priority = 0;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK && dpt_loop_run(loop, &stats) == DPT_OK,
-          "loop");
+    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK && dpt_loop_run(loop, &stats) == DPT_OK, "loop");
     CHECK(stats.reordered == (uint64_t)repeated && stats.stale == (uint64_t)(lost + repeated) &&
-              stats.fresh == (uint64_t)(TICKS - lost - repeated) &&
-              stats.skipped == (uint64_t)(last + 1) - stats.fresh,
-          "%d reordered, %d stale, %d skipped", (int)stats.reordered, (int)stats.stale,
-          (int)stats.skipped);
+              stats.fresh == (uint64_t)(TICKS - lost - repeated) && stats.skipped == (uint64_t)(last + 1) - stats.fresh,
+          "%d reordered, %d stale, %d skipped", (int)stats.reordered, (int)stats.stale, (int)stats.skipped);
     dpt_loop_free(loop);
     dpt_device_close(device);
 }
@@ -239,15 +222,13 @@ static void a_live_line_loses_the_same_samples(void)
     uint64_t lost = 0;
     for (int n = 0; n < 100; n++) {
         state = state_of(device);
-        CHECK(state.sequence == 0 || uniform(5, state.sequence, 2) >= 0.3, "number %d was lost",
-              (int)state.sequence);
+        CHECK(state.sequence == 0 || uniform(5, state.sequence, 2) >= 0.3, "number %d was lost", (int)state.sequence);
         nanosleep(&nap, NULL);
     }
     const dpt_device_counts counts = counts_of(device);
     for (uint64_t p = 0; p < counts.samples; p++)
         lost += uniform(5, p, 2) < 0.3;
-    CHECK(counts.lost == lost && counts.samples > 100, "%d lost, not %d", (int)counts.lost,
-          (int)lost);
+    CHECK(counts.lost == lost && counts.samples > 100, "%d lost, not %d", (int)counts.lost, (int)lost);
     dpt_device_close(device);
 }
 

@@ -40,8 +40,7 @@ static void it_goes_at_its_speed_and_stays(void)
     CHECK(aside < 1e-12, "%g m from the line", aside);
     const dpt_device_state state = read_after(device, 1000);
     for (int k = 0; k < 3; k++)
-        CHECK(fabs(state.pose.position[k] - wanted[k]) < 1e-9, "%d: %g m", k,
-              state.pose.position[k]);
+        CHECK(fabs(state.pose.position[k] - wanted[k]) < 1e-9, "%d: %g m", k, state.pose.position[k]);
     dpt_device_close(device);
 }
 

@@ -69,9 +69,9 @@ static int failure_of(enum call call)
     return plan.error;
 }
 
-#define WRAP(result, name, ...)                                                                    \
-    result __real_##name(__VA_ARGS__);                                                             \
-    result __wrap_##name(__VA_ARGS__);                                                             \
+#define WRAP(result, name, ...)                                                                                        \
+    result __real_##name(__VA_ARGS__);                                                                                 \
+    result __wrap_##name(__VA_ARGS__);                                                                                 \
     result __wrap_##name(__VA_ARGS__)
 
 WRAP(void *, malloc, size_t size)
@@ -125,13 +125,10 @@ WRAP(ssize_t, read, int file, void *bytes, size_t size)
 
 WRAP(int, clock_gettime, clockid_t clock, struct timespec *time)
 {
-    return failure_of(clock == CLOCK_MONOTONIC ? CLOCK : BOOT_CLOCK)
-               ? -1
-               : __real_clock_gettime(clock, time);
+    return failure_of(clock == CLOCK_MONOTONIC ? CLOCK : BOOT_CLOCK) ? -1 : __real_clock_gettime(clock, time);
 }
 
-WRAP(int, clock_nanosleep, clockid_t clock, int flags, const struct timespec *until,
-     struct timespec *left)
+WRAP(int, clock_nanosleep, clockid_t clock, int flags, const struct timespec *until, struct timespec *left)
 {
     int error = failure_of(SLEEP);
     return error ? error : __real_clock_nanosleep(clock, flags, until, left);
@@ -207,15 +204,13 @@ static int gives_force(dpt_device *device)
 
 static struct outcome host_runs(const char *name, uint64_t ticks)
 {
-    struct outcome outcome = { .error.size = sizeof outcome.error,
-                               .stats.size = sizeof outcome.stats };
+    struct outcome outcome = { .error.size = sizeof outcome.error, .stats.size = sizeof outcome.stats };
     dpt_device *device = NULL;
     dpt_loop *loop = NULL;
     dpt_loop_def def;
     dpt_guard_def guard;
     memset(plan.made, 0, sizeof plan.made);
-    plan.did_fail = plan.blocks = plan.files = plan.policy = plan.priority = plan.locks =
-        plan.unlocks = 0;
+    plan.did_fail = plan.blocks = plan.files = plan.policy = plan.priority = plan.locks = plan.unlocks = 0;
     plan.is_armed = 1;
     outcome.opened = dpt_device_open(name, &device, &outcome.error);
     if (outcome.opened == DPT_OK) {
@@ -280,27 +275,26 @@ static void without_failures_all_is_well(void)
     plan.call = NO_CALL;
     for (int s = 0; s < SCENARIOS; s++) {
         struct outcome outcome = run(&scenarios[s]);
-        CHECK(!outcome.opened && !outcome.created && !outcome.ran && outcome.stats.ticks == 20,
-              "scenario %d: %s", s, outcome.error.text);
-        CHECK(plan.blocks == 0 && plan.files == 0 && !outcome.ends_with_force,
-              "scenario %d: %d blocks, %d files", s, plan.blocks, plan.files);
-        CHECK(plan.made[CALLOC] == 1 && plan.made[REALLOC] >= 4 && plan.made[OPEN] == 1 &&
-                  plan.made[READ] >= 2 && plan.made[MALLOC] == 1,
+        CHECK(!outcome.opened && !outcome.created && !outcome.ran && outcome.stats.ticks == 20, "scenario %d: %s", s,
+              outcome.error.text);
+        CHECK(plan.blocks == 0 && plan.files == 0 && !outcome.ends_with_force, "scenario %d: %d blocks, %d files", s,
+              plan.blocks, plan.files);
+        CHECK(plan.made[CALLOC] == 1 && plan.made[REALLOC] >= 4 && plan.made[OPEN] == 1 && plan.made[READ] >= 2 &&
+                  plan.made[MALLOC] == 1,
               "scenario %d: calls are not wrapped", s);
-        CHECK((plan.made[CLOCK] > 40) == scenarios[s].is_live &&
-                  (plan.made[SLEEP] >= 20) == scenarios[s].is_live,
+        CHECK((plan.made[CLOCK] > 40) == scenarios[s].is_live && (plan.made[SLEEP] >= 20) == scenarios[s].is_live,
               "scenario %d: %d clocks", s, plan.made[CLOCK]);
         CHECK(plan.locks == scenarios[s].is_live && plan.unlocks == plan.locks &&
                   plan.made[SET_SCHED] == 2 * scenarios[s].is_live,
               "scenario %d: %d locks", s, plan.locks);
-        CHECK((outcome.was_urgent > 0) == scenarios[s].is_live && plan.policy != SCHED_FIFO,
-              "scenario %d: policy %d", s, plan.policy);
+        CHECK((outcome.was_urgent > 0) == scenarios[s].is_live && plan.policy != SCHED_FIFO, "scenario %d: policy %d",
+              s, plan.policy);
     }
     plan.short_reads = 1;
     for (int s = 0; s < SCENARIOS; s++) {
         struct outcome outcome = run(&scenarios[s]);
-        CHECK(!outcome.opened && !outcome.ran && plan.made[READ] > 500,
-              "scenario %d by seven bytes: %s", s, outcome.error.text);
+        CHECK(!outcome.opened && !outcome.ran && plan.made[READ] > 500, "scenario %d by seven bytes: %s", s,
+              outcome.error.text);
     }
     plan.short_reads = 0;
 }
@@ -321,8 +315,7 @@ static void ticks_ask_little(void)
             CHECK(plan.made[call] == made[call], "scenario %d: %s in a tick", s, call_names[call]);
         /* One that finds nothing fresh asks once less: on a busy machine any of the first 20. */
         CHECK(plan.made[BOOT_CLOCK] - made[BOOT_CLOCK] <= 300 * longer.is_live,
-              "scenario %d: the clock since boot %d times in 300 ticks", s,
-              plan.made[BOOT_CLOCK] - made[BOOT_CLOCK]);
+              "scenario %d: the clock since boot %d times in 300 ticks", s, plan.made[BOOT_CLOCK] - made[BOOT_CLOCK]);
         CHECK(plan.made[CLOCK] - made[CLOCK] <= (5 * 300 + 20) * longer.is_live,
               "scenario %d: the clock %d times in 300 ticks", s, plan.made[CLOCK] - made[CLOCK]);
     }
@@ -331,8 +324,7 @@ static void ticks_ask_little(void)
 static void check_outcome(const struct outcome *outcome, const char *what)
 {
     const dpt_loop_stats *stats = &outcome->stats;
-    CHECK(plan.blocks == 0 && plan.files == 0, "%s: %d blocks and %d files leak", what, plan.blocks,
-          plan.files);
+    CHECK(plan.blocks == 0 && plan.files == 0, "%s: %d blocks and %d files leak", what, plan.blocks, plan.files);
     CHECK(!outcome->ends_with_force, "%s: it ends with force", what);
     switch (plan.call) {
     case MALLOC:
@@ -340,14 +332,13 @@ static void check_outcome(const struct outcome *outcome, const char *what)
         break;
     case CALLOC:
     case REALLOC:
-        CHECK(outcome->opened == DPT_E_MEMORY && strstr(outcome->error.text, "memory"), "%s: %s",
-              what, outcome->error.text);
+        CHECK(outcome->opened == DPT_E_MEMORY && strstr(outcome->error.text, "memory"), "%s: %s", what,
+              outcome->error.text);
         break;
     case OPEN:
     case READ:
         if (plan.error == EINTR)
-            CHECK(outcome->opened == DPT_OK && outcome->ran == DPT_OK, "%s: %s", what,
-                  outcome->error.text);
+            CHECK(outcome->opened == DPT_OK && outcome->ran == DPT_OK, "%s: %s", what, outcome->error.text);
         else
             CHECK(outcome->opened == DPT_E_OPEN && outcome->error.code == DPT_E_OPEN &&
                       strstr(outcome->error.text, "/tmp/dynpoint-test-") &&
@@ -355,32 +346,29 @@ static void check_outcome(const struct outcome *outcome, const char *what)
                   "%s: %s", what, outcome->error.text);
         break;
     case CLOCK:
-        CHECK(outcome->opened == DPT_OK && outcome->created == DPT_OK, "%s: %s", what,
-              outcome->error.text);
-        CHECK(outcome->ran == DPT_E_SYSTEM || stats->stale + stats->refused > 0, "%s: not noticed",
-              what);
+        CHECK(outcome->opened == DPT_OK && outcome->created == DPT_OK, "%s: %s", what, outcome->error.text);
+        CHECK(outcome->ran == DPT_E_SYSTEM || stats->stale + stats->refused > 0, "%s: not noticed", what);
         break;
     case BOOT_CLOCK:
         CHECK(outcome->ran == DPT_OK, "%s: %d", what, outcome->ran);
         break;
     case SLEEP:
-        CHECK(outcome->ran == (plan.error == EINTR ? DPT_OK : DPT_E_SYSTEM), "%s: %d", what,
-              outcome->ran);
-        CHECK(plan.error != EINTR || (stats->ticks == 20 && plan.made[SLEEP] == 21),
-              "%s: %d ticks, %d sleeps", what, (int)stats->ticks, plan.made[SLEEP]);
+        CHECK(outcome->ran == (plan.error == EINTR ? DPT_OK : DPT_E_SYSTEM), "%s: %d", what, outcome->ran);
+        CHECK(plan.error != EINTR || (stats->ticks == 20 && plan.made[SLEEP] == 21), "%s: %d ticks, %d sleeps", what,
+              (int)stats->ticks, plan.made[SLEEP]);
         break;
     case GET_LIMIT:
     case LOCK:
-        CHECK(outcome->ran == DPT_OK && stats->notes == DPT_LOOP_NOTE_NO_LOCK && !plan.unlocks,
-              "%s: notes %u", what, stats->notes);
+        CHECK(outcome->ran == DPT_OK && stats->notes == DPT_LOOP_NOTE_NO_LOCK && !plan.unlocks, "%s: notes %u", what,
+              stats->notes);
         break;
     case GET_SCHED:
     case SET_SCHED:
-        CHECK(outcome->ran == DPT_OK && (stats->notes == DPT_LOOP_NOTE_NO_PRIORITY ||
-                                         stats->notes == DPT_LOOP_NOTE_NO_RETURN),
+        CHECK(outcome->ran == DPT_OK &&
+                  (stats->notes == DPT_LOOP_NOTE_NO_PRIORITY || stats->notes == DPT_LOOP_NOTE_NO_RETURN),
               "%s: notes %u", what, stats->notes);
-        CHECK((stats->notes == DPT_LOOP_NOTE_NO_RETURN) == (plan.call == SET_SCHED && plan.at == 2),
-              "%s: notes %u", what, stats->notes);
+        CHECK((stats->notes == DPT_LOOP_NOTE_NO_RETURN) == (plan.call == SET_SCHED && plan.at == 2), "%s: notes %u",
+              what, stats->notes);
         break;
     default:
         break;
@@ -393,14 +381,12 @@ static void every_call_fails_in_its_turn(void)
         enum call call;
         int error, onwards;
     } kinds[] = {
-        { MALLOC, ENOMEM, 0 },    { MALLOC, ENOMEM, 1 },     { CALLOC, ENOMEM, 0 },
-        { CALLOC, ENOMEM, 1 },    { REALLOC, ENOMEM, 0 },    { REALLOC, ENOMEM, 1 },
-        { OPEN, EACCES, 0 },      { OPEN, EMFILE, 1 },       { READ, EIO, 0 },
-        { READ, EIO, 1 },         { READ, EINTR, 0 },        { CLOCK, EINVAL, 0 },
-        { CLOCK, EINVAL, 1 },     { BOOT_CLOCK, EINVAL, 0 }, { BOOT_CLOCK, EINVAL, 1 },
-        { SLEEP, EINVAL, 0 },     { SLEEP, EINVAL, 1 },      { SLEEP, EINTR, 0 },
-        { GET_LIMIT, EINVAL, 0 }, { LOCK, EPERM, 0 },        { GET_SCHED, EPERM, 0 },
-        { SET_SCHED, EPERM, 0 },  { SET_SCHED, EPERM, 1 },
+        { MALLOC, ENOMEM, 0 },   { MALLOC, ENOMEM, 1 },     { CALLOC, ENOMEM, 0 },     { CALLOC, ENOMEM, 1 },
+        { REALLOC, ENOMEM, 0 },  { REALLOC, ENOMEM, 1 },    { OPEN, EACCES, 0 },       { OPEN, EMFILE, 1 },
+        { READ, EIO, 0 },        { READ, EIO, 1 },          { READ, EINTR, 0 },        { CLOCK, EINVAL, 0 },
+        { CLOCK, EINVAL, 1 },    { BOOT_CLOCK, EINVAL, 0 }, { BOOT_CLOCK, EINVAL, 1 }, { SLEEP, EINVAL, 0 },
+        { SLEEP, EINVAL, 1 },    { SLEEP, EINTR, 0 },       { GET_LIMIT, EINVAL, 0 },  { LOCK, EPERM, 0 },
+        { GET_SCHED, EPERM, 0 }, { SET_SCHED, EPERM, 0 },   { SET_SCHED, EPERM, 1 },
     };
     int walked = 0;
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
@@ -413,8 +399,8 @@ static void every_call_fails_in_its_turn(void)
                 if (!plan.did_fail)
                     break;
                 char what[128];
-                snprintf(what, sizeof what, "scenario %d, %s %d%s: %s", s, call_names[plan.call],
-                         plan.at, plan.onwards ? " and on" : "", strerror(plan.error));
+                snprintf(what, sizeof what, "scenario %d, %s %d%s: %s", s, call_names[plan.call], plan.at,
+                         plan.onwards ? " and on" : "", strerror(plan.error));
                 check_outcome(&outcome, what);
                 walked++;
             }

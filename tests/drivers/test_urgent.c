@@ -152,8 +152,7 @@ static void lock_and_unlock(void)
     CHECK(run_loop(look, 0, 1).notes == 0 && locked_inside > 1000, "%ld kB locked", locked_inside);
     CHECK(locked_kilobytes() == 0, "%ld kB stay locked", locked_kilobytes());
     ticks = 0;
-    CHECK(run_loop(look_around_another, 0, 1).notes == 0 && locked_between > 1000 &&
-              locked_inside > 1000,
+    CHECK(run_loop(look_around_another, 0, 1).notes == 0 && locked_between > 1000 && locked_inside > 1000,
           "%ld kB after another loop", locked_between);
     CHECK(locked_kilobytes() == 0, "%ld kB stay locked after two", locked_kilobytes());
     /* What the host locked is the host's. */
@@ -165,8 +164,8 @@ static void lock_and_unlock(void)
 static void lock_without_a_limit(void)
 {
     const struct rlimit none = { RLIM_INFINITY, RLIM_INFINITY };
-    if (setrlimit(RLIMIT_MEMLOCK, &none) != 0 || locked_kilobytes() != 0 ||
-        mlock(page, sizeof page) != 0 || locked_kilobytes() == 0)
+    if (setrlimit(RLIMIT_MEMLOCK, &none) != 0 || locked_kilobytes() != 0 || mlock(page, sizeof page) != 0 ||
+        locked_kilobytes() == 0)
         _exit(CANNOT);
     munlock(page, sizeof page);
     lock_and_unlock();
@@ -179,8 +178,8 @@ static void lock_above_the_limit(void)
     if (getrlimit(RLIMIT_MEMLOCK, &limit) != 0)
         _exit(CANNOT);
     limit.rlim_cur = 0;
-    if (setrlimit(RLIMIT_MEMLOCK, &limit) != 0 || locked_kilobytes() != 0 ||
-        mlock(page, sizeof page) != 0 || locked_kilobytes() == 0)
+    if (setrlimit(RLIMIT_MEMLOCK, &limit) != 0 || locked_kilobytes() != 0 || mlock(page, sizeof page) != 0 ||
+        locked_kilobytes() == 0)
         _exit(CANNOT);
     munlock(page, sizeof page);
     lock_and_unlock();
@@ -206,14 +205,12 @@ static dpt_result look_at_slack(void *user, const dpt_loop_sample *sample, dpt_w
 
 static void ask_for_slack(void)
 {
-    if (prctl(PR_SET_TIMERSLACK, SLACK, 0, 0, 0) != 0 ||
-        prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0) != SLACK)
+    if (prctl(PR_SET_TIMERSLACK, SLACK, 0, 0, 0) != 0 || prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0) != SLACK)
         _exit(CANNOT);
     for (uint32_t priority = 0; priority <= 80; priority += 80) {
         run_loop(look_at_slack, priority, 0);
         /* A thread with a priority has none; newer kernels say so. */
-        CHECK(slack_inside == 1 || (priority && slack_inside == 0), "%d ns at priority %u",
-              slack_inside, priority);
+        CHECK(slack_inside == 1 || (priority && slack_inside == 0), "%d ns at priority %u", slack_inside, priority);
         const int slack = prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0);
         CHECK(slack == SLACK, "%d ns after priority %u", slack, priority);
     }
@@ -282,8 +279,7 @@ static void run_on_one_processor(void)
     if (before < 1 || !is_first)
         _exit(CANNOT);
     const dpt_loop_stats stats = run_def(on_a_processor(1, 0));
-    CHECK(processors_inside == 1 && stats.notes == 0, "inside %d, notes %u", processors_inside,
-          stats.notes);
+    CHECK(processors_inside == 1 && stats.notes == 0, "inside %d, notes %u", processors_inside, stats.notes);
     CHECK(count_processors(&is_first) == before, "it does not get its processors back");
     const dpt_loop_stats none = run_def(on_a_processor(100000, 0));
     CHECK(none.notes == DPT_LOOP_NOTE_NO_CPU, "processor 100000: notes %u", none.notes);

@@ -14,8 +14,7 @@ static unsigned thinned = 1;
 static void crc_is_the_known_one(void)
 {
     const uint8_t digits[] = "123456789";
-    CHECK(frame_crc(digits, 9) == 0xe3069283u, "CRC-32C of the digits: %08x",
-          (unsigned)frame_crc(digits, 9));
+    CHECK(frame_crc(digits, 9) == 0xe3069283u, "CRC-32C of the digits: %08x", (unsigned)frame_crc(digits, 9));
 }
 
 /* Its words with one space between them: a long frame has several lines. */
@@ -82,8 +81,7 @@ static void frames_are_the_documented_ones(void)
     state->joint[0] = 2;
     char *page = page_of("docs/wire.md");
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        CHECK(page && strstr(page, known[i].hex), "docs/wire.md does not show the %s",
-              known[i].what);
+        CHECK(page && strstr(page, known[i].hex), "docs/wire.md does not show the %s", known[i].what);
         uint8_t frame[WIRE_FRAME_MAX];
         char hex[3 * WIRE_FRAME_MAX] = "";
         const size_t size = wire_encode(&messages[i], frame);
@@ -120,11 +118,9 @@ static void all_messages_go_round(void)
             body[k - 1] = k == zero ? 0 : frame[k];
             zero += k == zero ? frame[k] : 0u;
         }
-        CHECK(frame_of(body, size - 7, again) == size && memcmp(frame, again, size) == 0, "type %d",
-              sent.type);
+        CHECK(frame_of(body, size - 7, again) == size && memcmp(frame, again, size) == 0, "type %d", sent.type);
         if (sent.type == WIRE_STATE)
-            CHECK(size == wire_state_bytes(sent.as.state.pose_dofs, sent.as.state.joints), "%zu",
-                  size);
+            CHECK(size == wire_state_bytes(sent.as.state.pose_dofs, sent.as.state.joints), "%zu", size);
     }
 }
 
@@ -188,8 +184,8 @@ static void values_without_sense_are_refused(void)
     for (int i = 0; i < 4; i++) {
         uint8_t frame[WIRE_FRAME_MAX];
         message.as.state.orientation[i] = lengths[i];
-        CHECK((wire_encode(&message, frame) != 0) == (i == 1 || i == 2),
-              "a quaternion of length %g", (double)lengths[i]);
+        CHECK((wire_encode(&message, frame) != 0) == (i == 1 || i == 2), "a quaternion of length %g",
+              (double)lengths[i]);
         message.as.state.orientation[i] = 0.0f;
     }
     message = any_message(&seed, WIRE_ORDER);
@@ -212,12 +208,10 @@ static void bodies_that_are_no_messages_are_refused(void)
         for (unsigned type = 0; type < 256; type++) {
             body[0] = (uint8_t)type;
             const int result = answer_to(body, size);
-            const int expected =
-                (type == WIRE_HELLO && size == 4) || (type == WIRE_INFO && size == 160) ||
-                (type == WIRE_COMMAND && size == 36) || (type == WIRE_HEARTBEAT && size == 15) ||
-                (type == WIRE_ORDER && size == 5) || (type == WIRE_LOG && size >= 4 && size <= 124);
-            CHECK((result == WIRE_MESSAGE) == expected, "type %u, %zu bytes: %d", type, size,
-                  result);
+            const int expected = (type == WIRE_HELLO && size == 4) || (type == WIRE_INFO && size == 160) ||
+                                 (type == WIRE_COMMAND && size == 36) || (type == WIRE_HEARTBEAT && size == 15) ||
+                                 (type == WIRE_ORDER && size == 5) || (type == WIRE_LOG && size >= 4 && size <= 124);
+            CHECK((result == WIRE_MESSAGE) == expected, "type %u, %zu bytes: %d", type, size, result);
         }
     /* A good checksum, and a distance that leads beyond the end, or short of the one that is there. */
     for (uint8_t distance = 1; distance < 20; distance++) {
@@ -266,8 +260,7 @@ static void orders_are_counted(void)
         for (int i = 0; i < count; i++) {
             const int number = (int)line[i];
             const int fresh = number > newest;
-            CHECK(wire_sequence_accept(&sequence, start + (uint32_t)number) == fresh, "round %d",
-                  round);
+            CHECK(wire_sequence_accept(&sequence, start + (uint32_t)number) == fresh, "round %d", round);
             taken += (uint32_t)fresh;
             repeated += !fresh && came[number];
             reordered += !fresh && !came[number];
@@ -276,11 +269,11 @@ static void orders_are_counted(void)
         }
         for (int i = 0; i < newest; i++)
             lost += !came[i];
-        CHECK(sequence.accepted == taken && sequence.lost == lost &&
-                  sequence.reordered == reordered && sequence.repeated == repeated,
-              "round %d: %u %u %u %u, not %u %u %u %u", round, (unsigned)sequence.accepted,
-              (unsigned)sequence.lost, (unsigned)sequence.reordered, (unsigned)sequence.repeated,
-              (unsigned)taken, (unsigned)lost, (unsigned)reordered, (unsigned)repeated);
+        CHECK(sequence.accepted == taken && sequence.lost == lost && sequence.reordered == reordered &&
+                  sequence.repeated == repeated,
+              "round %d: %u %u %u %u, not %u %u %u %u", round, (unsigned)sequence.accepted, (unsigned)sequence.lost,
+              (unsigned)sequence.reordered, (unsigned)sequence.repeated, (unsigned)taken, (unsigned)lost,
+              (unsigned)reordered, (unsigned)repeated);
     }
 }
 

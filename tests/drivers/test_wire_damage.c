@@ -55,8 +55,7 @@ enum { MIDDLE = 20 };
 
 static long accepted, tried;
 
-static void try_stretch(const struct record *record, const uint8_t *bytes, const char *what,
-                        size_t at)
+static void try_stretch(const struct record *record, const uint8_t *bytes, const char *what, size_t at)
 {
     struct wire_reader reader = { 0 };
     struct wire_message message;
@@ -122,30 +121,27 @@ static void flips_and_bursts_are_refused(void)
             if (pattern >> bit & 1)
                 flip(bytes, at + bit);
     }
-    printf("    %ld damaged stretches of %zu bits, %ld frames accepted that none sent\n", tried,
-           to - from, accepted);
+    printf("    %ld damaged stretches of %zu bits, %ld frames accepted that none sent\n", tried, to - from, accepted);
 }
 
 /*
  * Damage to the bytes [from, to) of the record costs the frames that it touches, and the one after a zero that is
  * hurt; all others come, in order, and nothing else.
  */
-static void expect(const struct record *record, const uint8_t *bytes, size_t size, size_t from,
-                   size_t to, int twice, const char *what)
+static void expect(const struct record *record, const uint8_t *bytes, size_t size, size_t from, size_t to, int twice,
+                   const char *what)
 {
     struct outcome outcome;
     replay_bytes(record, bytes, size, &outcome);
-    CHECK(outcome.wrong == 0 && outcome.disordered == 0, "%s at %zu: %d wrong, %d disordered", what,
-          from, outcome.wrong, outcome.disordered);
+    CHECK(outcome.wrong == 0 && outcome.disordered == 0, "%s at %zu: %d wrong, %d disordered", what, from,
+          outcome.wrong, outcome.disordered);
     for (int i = 0; i < FRAMES; i++) {
         /* A frame needs its own bytes, and the zero before it. */
         const size_t begin = i ? record->begin[i] - 1 : 0;
         if (record->begin[i + 1] <= from || begin >= to)
-            CHECK(outcome.came[i] == 1, "%s at %zu: frame %d came %d times", what, from, i,
-                  outcome.came[i]);
+            CHECK(outcome.came[i] == 1, "%s at %zu: frame %d came %d times", what, from, i, outcome.came[i]);
         else
-            CHECK(outcome.came[i] <= 1 + twice, "%s at %zu: frame %d came %d times", what, from, i,
-                  outcome.came[i]);
+            CHECK(outcome.came[i] <= 1 + twice, "%s at %zu: frame %d came %d times", what, from, i, outcome.came[i]);
     }
 }
 
@@ -197,8 +193,7 @@ static void noise_is_no_message(void)
         for (int k = 0; k < 8; k++)
             wire_read(&reader, (uint8_t)(bits >> 8 * k), &message);
     }
-    CHECK(reader.messages == 0 && reader.foreign == 0, "%u, %u", (unsigned)reader.messages,
-          (unsigned)reader.foreign);
+    CHECK(reader.messages == 0 && reader.foreign == 0, "%u, %u", (unsigned)reader.messages, (unsigned)reader.foreign);
     CHECK(reader.damaged > 70000 / thinned, "%u", (unsigned)reader.damaged);
     /* In the middle of noise: the frame behind the next zero is read. */
     struct wire_message sent = any_message(&seed, WIRE_STATE);
@@ -207,8 +202,7 @@ static void noise_is_no_message(void)
     wire_read(&reader, 0, &message);
     for (size_t i = 0; i < size; i++)
         wire_read(&reader, frame[i], &message);
-    CHECK(reader.messages == 1 && memcmp(&message, &sent, sizeof sent) == 0, "%u",
-          (unsigned)reader.messages);
+    CHECK(reader.messages == 1 && memcmp(&message, &sent, sizeof sent) == 0, "%u", (unsigned)reader.messages);
     /* A stream without a zero fills nothing but the reader's own room. */
     for (int i = 0; i < 100000; i++)
         CHECK(wire_read(&reader, 7, &message) == WIRE_MORE, "at %d", i);

@@ -13,8 +13,7 @@ enum { WATCHDOG = 20, SESSION = 0x4711 };
 static struct wire_device device;
 static struct wire_sample sample;
 static struct wire_reader host;
-static struct wire_message state,
-    other; /* the last state that it said, and the last of anything else */
+static struct wire_message state, other; /* the last state that it said, and the last of anything else */
 static int states, others;
 
 static void begin(void)
@@ -120,10 +119,8 @@ static void says_nothing_before_a_hello(void)
     hello(SESSION);
     tick();
     CHECK(states == 1 && others == 1 && other.type == WIRE_INFO, "%d %d", states, others);
-    CHECK(other.session == SESSION && strcmp(other.as.info.name, "a device") == 0, "%s",
-          other.as.info.name);
-    CHECK(state.session == SESSION && state.as.state.sequence == 1001, "%u",
-          (unsigned)state.as.state.sequence);
+    CHECK(other.session == SESSION && strcmp(other.as.info.name, "a device") == 0, "%s", other.as.info.name);
+    CHECK(state.session == SESSION && state.as.state.sequence == 1001, "%u", (unsigned)state.as.state.sequence);
     CHECK(state.as.state.status == WIRE_STATUS_UNREADY, "%d", state.as.state.status);
     tick();
     CHECK(states == 1 && others == 0, "%d %d", states, others);
@@ -143,15 +140,14 @@ static void gives_force_only_when_ready(void)
     CHECK(device.force[1] == 2 && device.torque[0] == 0.02f, "%g %g", (double)device.force[1],
           (double)device.torque[0]);
     command(SESSION, 3, 1, -1e30f);
-    CHECK(fabs((double)device.force[1] + 5) < 1e-6 && fabs((double)device.torque[0] + 0.1) < 1e-7,
-          "%g %g", (double)device.force[1], (double)device.torque[0]);
+    CHECK(fabs((double)device.force[1] + 5) < 1e-6 && fabs((double)device.torque[0] + 0.1) < 1e-7, "%g %g",
+          (double)device.force[1], (double)device.torque[0]);
     order(SESSION, WIRE_STOP);
     CHECK(forceless(), "stopped");
     command(SESSION, 4, 1, 2);
     CHECK(forceless(), "a command after stop");
     tick();
-    CHECK(state.as.state.echo == 4 && state.as.state.lost == 0, "%u",
-          (unsigned)state.as.state.echo);
+    CHECK(state.as.state.echo == 4 && state.as.state.lost == 0, "%u", (unsigned)state.as.state.echo);
 }
 
 static void watchdog_bites_after_its_time_and_stays(void)
@@ -168,9 +164,8 @@ static void watchdog_bites_after_its_time_and_stays(void)
     }
     tick();
     CHECK(forceless(), "one more");
-    CHECK(state.as.state.status == WIRE_STATUS_FAULT &&
-              state.as.state.reasons == WIRE_REASON_WATCHDOG,
-          "%d %d", state.as.state.status, state.as.state.reasons);
+    CHECK(state.as.state.status == WIRE_STATUS_FAULT && state.as.state.reasons == WIRE_REASON_WATCHDOG, "%d %d",
+          state.as.state.status, state.as.state.reasons);
     for (uint32_t i = 2; i < 50; i++) {
         command(SESSION, i, device.sequence, 2);
         order(SESSION, WIRE_ENABLE);
@@ -181,12 +176,10 @@ static void watchdog_bites_after_its_time_and_stays(void)
     hello(SESSION + 1);
     order(SESSION + 1, WIRE_ENABLE);
     tick();
-    CHECK(state.session == SESSION + 1 && state.as.state.status == WIRE_STATUS_FAULT, "%d",
-          state.as.state.status);
+    CHECK(state.session == SESSION + 1 && state.as.state.status == WIRE_STATUS_FAULT, "%d", state.as.state.status);
     order(SESSION + 1, WIRE_CLEAR);
     tick();
-    CHECK(state.as.state.status == WIRE_STATUS_UNREADY && state.as.state.reasons == 0, "%d",
-          state.as.state.status);
+    CHECK(state.as.state.status == WIRE_STATUS_UNREADY && state.as.state.reasons == 0, "%d", state.as.state.status);
     command(SESSION + 1, 1, device.sequence, 2);
     CHECK(forceless(), "cleared is not enabled");
     order(SESSION + 1, WIRE_ENABLE);
@@ -201,15 +194,14 @@ static void a_cause_that_holds_is_not_cleared(void)
     sample.causes = WIRE_REASON_ESTOP | WIRE_REASON_DEVICE;
     sample.code = 77;
     tick();
-    CHECK(forceless() && state.as.state.status == WIRE_STATUS_FAULT && state.as.state.code == 77,
-          "%d %d", state.as.state.status, state.as.state.code);
+    CHECK(forceless() && state.as.state.status == WIRE_STATUS_FAULT && state.as.state.code == 77, "%d %d",
+          state.as.state.status, state.as.state.code);
     order(SESSION, WIRE_CLEAR);
     order(SESSION, WIRE_ENABLE);
     command(SESSION, 2, device.sequence, 2);
     CHECK(forceless(), "between two samples");
     tick();
-    CHECK(state.as.state.reasons == (WIRE_REASON_ESTOP | WIRE_REASON_DEVICE), "%d",
-          state.as.state.reasons);
+    CHECK(state.as.state.reasons == (WIRE_REASON_ESTOP | WIRE_REASON_DEVICE), "%d", state.as.state.reasons);
     sample.causes = 0;
     tick();
     CHECK(state.as.state.status == WIRE_STATUS_FAULT, "gone is not cleared");
@@ -242,8 +234,8 @@ static void commands_are_counted(void)
     tick();
     CHECK(state.as.state.echo == 5 && state.as.state.lost == 1 && state.as.state.reordered == 1 &&
               state.as.state.late == 0,
-          "%u %d %d %d", (unsigned)state.as.state.echo, state.as.state.lost,
-          state.as.state.reordered, state.as.state.late);
+          "%u %d %d %d", (unsigned)state.as.state.echo, state.as.state.lost, state.as.state.reordered,
+          state.as.state.late);
     for (int i = 0; i < WATCHDOG - 1; i++)
         tick();
     /* The oldest sample that may still be answered is WATCHDOG samples old. */
@@ -258,8 +250,7 @@ static void commands_are_counted(void)
         tick();
     }
     CHECK(state.as.state.status == WIRE_STATUS_FAULT && forceless(), "%d", state.as.state.status);
-    CHECK(state.as.state.late == WATCHDOG + 1 && state.as.state.lost == 1, "%d",
-          state.as.state.late);
+    CHECK(state.as.state.late == WATCHDOG + 1 && state.as.state.lost == 1, "%d", state.as.state.late);
 }
 
 static void an_answer_that_was_lost_is_given_again(void)
@@ -274,8 +265,7 @@ static void an_answer_that_was_lost_is_given_again(void)
     CHECK(forceless(), "another host's hello");
     command(SESSION, 2, device.sequence, 1);
     tick();
-    CHECK(forceless() && state.as.state.echo == 0 && state.session == SESSION + 1,
-          "a command of the old session");
+    CHECK(forceless() && state.as.state.echo == 0 && state.session == SESSION + 1, "a command of the old session");
 }
 
 static void a_host_that_is_gone_ends_the_session(void)

@@ -132,8 +132,7 @@ struct outcome {
     uint32_t damaged;
 };
 
-static inline void replay_bytes(const struct record *record, const uint8_t *bytes, size_t size,
-                                struct outcome *outcome)
+static inline void replay_bytes(const struct record *record, const uint8_t *bytes, size_t size, struct outcome *outcome)
 {
     struct wire_reader reader;
     struct wire_message message;
@@ -149,8 +148,7 @@ static inline void replay_bytes(const struct record *record, const uint8_t *byte
             k++;
         if (k == FRAMES) {
             int before = 0;
-            while (before < next &&
-                   memcmp(&message, &record->messages[before], sizeof message) != 0)
+            while (before < next && memcmp(&message, &record->messages[before], sizeof message) != 0)
                 before++;
             outcome->disordered += before < next;
             outcome->wrong += before == next;

@@ -59,8 +59,8 @@ void memory_write(struct memory_model *memory, int thread, uint32_t cell, uint32
 {
     const struct memory_view *view = begin(memory, thread);
     const int other = 1 - thread;
-    memory->races += memory->cells[cell].written[other] > view->steps[other] ||
-                     memory->cells[cell].read[other] > view->steps[other];
+    memory->races +=
+        memory->cells[cell].written[other] > view->steps[other] || memory->cells[cell].read[other] > view->steps[other];
     memory->cells[cell].written[thread] = view->steps[thread];
     memory->cells[cell].value = value;
 }

@@ -35,8 +35,7 @@ struct memory_model {
     } values[MEMORY_VALUES];
     uint32_t count;
     struct {
-        uint32_t value, written[MEMORY_THREADS],
-            read[MEMORY_THREADS]; /* at which step last; 0: never */
+        uint32_t value, written[MEMORY_THREADS], read[MEMORY_THREADS]; /* at which step last; 0: never */
     } cells[MEMORY_CELLS];
     uint32_t races;
 };

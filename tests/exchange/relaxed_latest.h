@@ -6,9 +6,8 @@
 #ifndef DPT_TESTS_RELAXED_LATEST_H
 #define DPT_TESTS_RELAXED_LATEST_H
 
-#define __atomic_exchange_n(word, value, order)                                                    \
-    (__builtin_strcmp(__func__, "latest_value_publish") == 0                                       \
-         ? __atomic_exchange_n(word, value, PUBLISH_ORDER)                                         \
-         : __atomic_exchange_n(word, value, TAKE_ORDER))
+#define __atomic_exchange_n(word, value, order)                                                                        \
+    (__builtin_strcmp(__func__, "latest_value_publish") == 0 ? __atomic_exchange_n(word, value, PUBLISH_ORDER)         \
+                                                             : __atomic_exchange_n(word, value, TAKE_ORDER))
 
 #endif

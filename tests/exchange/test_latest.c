@@ -47,11 +47,10 @@ static void each_order_of_calls_gives_the_latest(void)
             CHECK(latest.reading == before, "the reader's place became %u", latest.reading);
             continue;
         }
-        CHECK(dpt_latest_take(&latest) == (published > taken), "%d published, %d taken",
-              (int)published, (int)taken);
+        CHECK(dpt_latest_take(&latest) == (published > taken), "%d published, %d taken", (int)published, (int)taken);
         CHECK(published > taken || latest.reading == before, "another place, and nothing new");
-        CHECK(!published || places[latest.reading][0] == published, "%d, and not %d",
-              (int)places[latest.reading][0], (int)published);
+        CHECK(!published || places[latest.reading][0] == published, "%d, and not %d", (int)places[latest.reading][0],
+              (int)published);
         taken = published;
     }
 }
@@ -82,8 +81,7 @@ static void two_threads_see_whole_values_and_never_older_ones(void)
     CHECK(!dpt_latest_take(&latest), "something before there is anything");
     const int has_begun = pthread_create(&thread, NULL, count, NULL) == 0;
     CHECK(has_begun, "no thread");
-    for (unsigned long taken = 0;
-         (taken < published_least / 20 || last < published_least) && has_begun;) {
+    for (unsigned long taken = 0; (taken < published_least / 20 || last < published_least) && has_begun;) {
         if (!dpt_latest_take(&latest)) {
             sched_yield();
             continue;

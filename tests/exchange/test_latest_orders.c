@@ -118,8 +118,7 @@ static int call_ends(struct state *state, int which, int *result)
         latest_value_publish(&latest);
     else
         *result = latest_value_take(&latest);
-    if (run.is_elsewhere || latest.between != MARK ||
-        (which == WRITER ? latest.reading : latest.writing) != MARK)
+    if (run.is_elsewhere || latest.between != MARK || (which == WRITER ? latest.reading : latest.writing) != MARK)
         fail(state, "what is not the thread's was touched without a step");
     if ((which == WRITER ? latest.writing : latest.reading) >= LATEST_VALUE_PLACES)
         fail(state, "there is no such place");
@@ -170,8 +169,7 @@ static void answer_question(struct state *state, int which, uint32_t age)
             answer |= LATEST_VALUE_NEW;
     } else {
         const int drops = which == found.change.thread ? found.change.drops : 0;
-        answer = memory_exchange(&state->memory, which, run.question.value,
-                                 run.question.orders & ~drops);
+        answer = memory_exchange(&state->memory, which, run.question.value, run.question.orders & ~drops);
         if (thread->halfway)
             answer = thread->halfway - 1;
         thread->halfway = 0;
@@ -222,8 +220,7 @@ static void make_step(struct state *state, int which, uint32_t way)
             state->is_new = result;
         }
     } else if (which == WRITER) {
-        memory_write(&state->memory, WRITER, thread->latest.writing * WORDS + thread->stage,
-                     state->published + 1);
+        memory_write(&state->memory, WRITER, thread->latest.writing * WORDS + thread->stage, state->published + 1);
         state->trail[state->steps - 1] = 'w';
         thread->stage++;
     } else {
@@ -304,11 +301,10 @@ static void the_shipped_orders_hold_in_all_interleavings(void)
 {
     explore_all((struct change){ .drops = 0 });
     CHECK(!found.faulty, "%s after %s", found.fault, found.trail);
-    CHECK(found.interleavings == 346983, "%d, and not as docs/algorithms/exchange.md says",
-          (int)found.interleavings);
+    CHECK(found.interleavings == 346983, "%d, and not as docs/algorithms/exchange.md says", (int)found.interleavings);
     CHECK(found.nothing && found.passed_over && found.old_loads,
-          "%d takes of nothing, %d with a value passed over, %d loads of an old value",
-          (int)found.nothing, (int)found.passed_over, (int)found.old_loads);
+          "%d takes of nothing, %d with a value passed over, %d loads of an old value", (int)found.nothing,
+          (int)found.passed_over, (int)found.old_loads);
 }
 
 static void races_without(int thread, int drops)

@@ -47,8 +47,7 @@ static void make_file(struct file *file)
     for (int i = 0; i < RECORDS; i++)
         file->records[i] = random_record(&random);
     CHECK(dpt_record_header_write(&header, file->bytes, ROOM, &file->first) == DPT_OK, "header");
-    CHECK(dpt_record_write(file->records, RECORDS, file->bytes + file->first, ROOM - file->first,
-                           &written) == DPT_OK,
+    CHECK(dpt_record_write(file->records, RECORDS, file->bytes + file->first, ROOM - file->first, &written) == DPT_OK,
           "records");
     file->size = file->first + written;
     CHECK(written == RECORDS * dpt_record_bytes() && dpt_record_bytes() % 8 == 0 &&
@@ -70,16 +69,16 @@ static void what_is_written_is_read(void)
               header.writer_version == dpt_version_number() && header.text_bytes == strlen(text) &&
               !strcmp(header.text, text),
           "%g Hz, '%s'", header.rate, header.text);
-    CHECK(dpt_record_read(file.bytes, file.size, &at, records, RECORDS + 1, &count) == DPT_OK &&
-              count == RECORDS && at == file.size,
+    CHECK(dpt_record_read(file.bytes, file.size, &at, records, RECORDS + 1, &count) == DPT_OK && count == RECORDS &&
+              at == file.size,
           "%u records", count);
     CHECK(!memcmp(records, file.records, sizeof file.records), "other bits");
     CHECK(dpt_record_read(file.bytes, file.size, &at, records, 1, &count) == DPT_OK && count == 0,
           "%u records behind the end", count);
     at = file.first;
     for (int i = 0; i < RECORDS; i++)
-        CHECK(dpt_record_read(file.bytes, file.size, &at, records, 1, &count) == DPT_OK &&
-                  count == 1 && !memcmp(records, &file.records[i], sizeof *records),
+        CHECK(dpt_record_read(file.bytes, file.size, &at, records, 1, &count) == DPT_OK && count == 1 &&
+                  !memcmp(records, &file.records[i], sizeof *records),
               "record %d by itself", i);
 }
 
@@ -103,8 +102,7 @@ static void a_cut_leaves_what_is_before_it(void)
             const uint32_t whole = (uint32_t)((size - file.first) / bytes);
             const size_t end = file.first + whole * bytes;
             result = dpt_record_read(cut + 1, size, &at, records, RECORDS, &count);
-            CHECK(count == whole && at == end &&
-                      !memcmp(records, file.records, whole * sizeof *records),
+            CHECK(count == whole && at == end && !memcmp(records, file.records, whole * sizeof *records),
                   "cut at %zu: %u records, up to %zu", size, count, at);
             if (whole)
                 result = dpt_record_read(cut + 1, size, &at, records, RECORDS, &count);
@@ -122,8 +120,7 @@ static uint32_t records_from(const struct file *file, size_t at)
     uint32_t found = 0, count;
     while (at < file->size) {
         size_t next = at;
-        const dpt_result result =
-            dpt_record_read(file->bytes, file->size, &next, &record, 1, &count);
+        const dpt_result result = dpt_record_read(file->bytes, file->size, &next, &record, 1, &count);
         found += result == DPT_OK ? count : 0;
         at = result == DPT_OK ? next : at + 1;
     }
@@ -147,15 +144,13 @@ static void each_flipped_bit_is_found(void)
         } else {
             const uint32_t damaged = (uint32_t)((bit / 8 - file.first) / bytes);
             result = dpt_record_read(file.bytes, file.size, &at, records, RECORDS, &count);
-            CHECK(count == damaged && at == file.first + damaged * bytes, "bit %zu: %u records",
-                  bit, count);
+            CHECK(count == damaged && at == file.first + damaged * bytes, "bit %zu: %u records", bit, count);
             if (count)
                 result = dpt_record_read(file.bytes, file.size, &at, records, RECORDS, &count);
-            CHECK(result == DPT_E_CHECKSUM || result == DPT_E_LAYOUT || result == DPT_E_TRUNCATED,
-                  "bit %zu: %s", bit, dpt_result_name(result));
+            CHECK(result == DPT_E_CHECKSUM || result == DPT_E_LAYOUT || result == DPT_E_TRUNCATED, "bit %zu: %s", bit,
+                  dpt_result_name(result));
             if (bit % 61 == 0)
-                CHECK(records_from(&file, file.first) == RECORDS - 1,
-                      "bit %zu: the others are not found", bit);
+                CHECK(records_from(&file, file.first) == RECORDS - 1, "bit %zu: the others are not found", bit);
         }
         file.bytes[bit / 8] ^= (unsigned char)(1u << bit % 8);
     }
@@ -205,8 +200,7 @@ static void newer_records_are_read_as_far_as_they_are_known(void)
     CHECK(!memcmp(records, file.records, 3 * sizeof *records), "other bits");
     all[bytes + 3000] ^= 1;
     at = 0;
-    CHECK(dpt_record_read(all, size, &at, records, 4, &count) == DPT_OK && count == 1 &&
-              at == bytes,
+    CHECK(dpt_record_read(all, size, &at, records, 4, &count) == DPT_OK && count == 1 && at == bytes,
           "a damaged record of an unknown kind: %u, %zu", count, at);
     free(all);
 }
@@ -221,8 +215,8 @@ static void lengths_that_cannot_be_are_refused(void)
         size_t at = file.first;
         uint32_t count;
         put4(file.bytes + at + 4, lengths[i]);
-        CHECK(dpt_record_read(file.bytes, file.size, &at, &record, 1, &count) == DPT_E_LAYOUT &&
-                  !count && at == file.first,
+        CHECK(dpt_record_read(file.bytes, file.size, &at, &record, 1, &count) == DPT_E_LAYOUT && !count &&
+                  at == file.first,
               "length %u", lengths[i]);
     }
     /* One that is too short for a tick, and otherwise sound. */
@@ -243,12 +237,10 @@ static void headers_that_cannot_be_are_refused(void)
         size_t at;
         uint32_t value;
         dpt_result result;
-    } cases[] = { { 0, 0x4b504489, DPT_E_MAGIC },   { 8, 2, DPT_E_VERSION },
-                  { 8, 0, DPT_E_LAYOUT },           { 12, 40, DPT_E_LAYOUT },
-                  { 12, 81, DPT_E_LAYOUT },         { 12, 1u << 20, DPT_E_LAYOUT },
-                  { 28, 0x7ff00000, DPT_E_FINITE }, { 28, 0xbff00000, DPT_E_FINITE },
-                  { 40, 4, DPT_E_LAYOUT },          { 40, 0xffffffff, DPT_E_LAYOUT },
-                  { 44, 1, DPT_E_LAYOUT },          { 52, 0, DPT_E_LAYOUT } };
+    } cases[] = { { 0, 0x4b504489, DPT_E_MAGIC },   { 8, 2, DPT_E_VERSION },          { 8, 0, DPT_E_LAYOUT },
+                  { 12, 40, DPT_E_LAYOUT },         { 12, 81, DPT_E_LAYOUT },         { 12, 1u << 20, DPT_E_LAYOUT },
+                  { 28, 0x7ff00000, DPT_E_FINITE }, { 28, 0xbff00000, DPT_E_FINITE }, { 40, 4, DPT_E_LAYOUT },
+                  { 40, 0xffffffff, DPT_E_LAYOUT }, { 44, 1, DPT_E_LAYOUT },          { 52, 0, DPT_E_LAYOUT } };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct file damaged = file;
         put4(damaged.bytes + cases[i].at, cases[i].value);
@@ -270,8 +262,7 @@ static void what_cannot_be_written_is_refused(void)
     dpt_record_header header = header_of(text);
     dpt_record record = { .size = sizeof record };
     memset(long_text, 'x', sizeof long_text - 1);
-    CHECK(dpt_record_header_write(&header, bytes, dpt_record_header_bytes(&header) - 1, &written) ==
-              DPT_E_MEMORY,
+    CHECK(dpt_record_header_write(&header, bytes, dpt_record_header_bytes(&header) - 1, &written) == DPT_E_MEMORY,
           "too little room");
     header.rate = -1.0;
     CHECK(dpt_record_header_write(&header, bytes, ROOM, &written) == DPT_E_FINITE &&
@@ -285,10 +276,9 @@ static void what_cannot_be_written_is_refused(void)
     header.text_bytes--;
     CHECK(dpt_record_header_bytes(&header) == 48 + DPT_RECORD_TEXT_MAX + 8, "the longest text");
     header = header_of(NULL);
-    CHECK(dpt_record_header_write(&header, bytes, ROOM, &written) == DPT_OK && written == 56,
-          "no text: %zu bytes", written);
-    CHECK(dpt_record_write(&record, 1, bytes, dpt_record_bytes() - 1, &written) == DPT_E_MEMORY &&
-              written == 56,
+    CHECK(dpt_record_header_write(&header, bytes, ROOM, &written) == DPT_OK && written == 56, "no text: %zu bytes",
+          written);
+    CHECK(dpt_record_write(&record, 1, bytes, dpt_record_bytes() - 1, &written) == DPT_E_MEMORY && written == 56,
           "too little room for a record");
     CHECK(dpt_record_write(&record, 0, bytes, 0, &written) == DPT_OK && written == 0, "none");
     record.size += 4;
@@ -356,11 +346,9 @@ static void the_golden_file_stays_readable(void)
               !strcmp(header.text, text),
           "header");
     const size_t begin = at;
-    CHECK(dpt_record_read(bytes, size, &at, records, 4, &count) == DPT_OK && count == 3,
-          "%u records", count);
+    CHECK(dpt_record_read(bytes, size, &at, records, 4, &count) == DPT_OK && count == 3, "%u records", count);
     CHECK(size == at + dpt_record_bytes() / 2, "%zu bytes", size);
-    CHECK(write_golden_records(again, ROOM) == size - begin &&
-              !memcmp(again, bytes + begin, size - begin),
+    CHECK(write_golden_records(again, ROOM) == size - begin && !memcmp(again, bytes + begin, size - begin),
           "other bytes are written");
     for (uint32_t k = 0; k < count; k++) {
         const dpt_record expected = golden_record(k);

@@ -4,8 +4,7 @@
 int main(void);
 void reset(void);
 
-extern uint32_t data_source[], data_begin[], data_end[], bss_begin[], bss_end[], stack_top[],
-    paint_end[];
+extern uint32_t data_source[], data_begin[], data_end[], bss_begin[], bss_end[], stack_top[], paint_end[];
 
 #define REGISTER(address) (*(volatile uint32_t *)(uintptr_t)(address))
 #define SYSTICK_CONTROL   REGISTER(0xe000e010)

@@ -208,8 +208,7 @@ static void opens(void)
     if (!device)
         return;
     CHECK(dpt_device_get_info(device, &info) == DPT_OK, "info");
-    CHECK(strcmp(info.name, "emulated Cortex-M7") == 0 && strcmp(info.serial, "an500") == 0, "%s",
-          info.name);
+    CHECK(strcmp(info.name, "emulated Cortex-M7") == 0 && strcmp(info.serial, "an500") == 0, "%s", info.name);
     CHECK(info.rate == 250 && info.watchdog == 0.5 && info.force_max == 5, "numbers");
     CHECK(go_on(0, is_ready), "never ready");
 }
@@ -242,8 +241,8 @@ static void damage_is_counted_on_both_sides(void)
     /* A busy machine may be late besides. */
     CHECK(counts.missed - before.missed >= out_damaged, "%u missed of %u damaged",
           (unsigned)(counts.missed - before.missed), out_damaged);
-    CHECK(counts.lost - before.lost >= back_damaged, "%u lost of %u damaged",
-          (unsigned)(counts.lost - before.lost), back_damaged);
+    CHECK(counts.lost - before.lost >= back_damaged, "%u lost of %u damaged", (unsigned)(counts.lost - before.lost),
+          back_damaged);
 }
 
 static void a_cut_on_the_way_there_trips_the_watchdog(void)
@@ -257,8 +256,7 @@ static void a_cut_on_the_way_there_trips_the_watchdog(void)
         const dpt_wrench wrench = { { 1.5, 0, 0 }, { 0, 0, 0 } };
         const dpt_result written = dpt_device_write(device, &wrench);
         CHECK(written == DPT_E_NOT_READY, "%d", written);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_FAULT,
-              "%u", state.status);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_FAULT, "%u", state.status);
         pause_ms(1);
     }
     CHECK(fabs(state.pose.position[0]) < 1e-4, "at %g m", state.pose.position[0]);
@@ -287,8 +285,7 @@ static void the_end_of_the_firmware_is_noticed(void)
     pthread_join(relay, NULL);
     close(out.from);
     dpt_device_read(device, &state);
-    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons == DPT_REASON_UNPLUGGED,
-          "%u", state.reasons);
+    CHECK(dpt_device_read(device, &state) == DPT_E_LOST && state.reasons == DPT_REASON_UNPLUGGED, "%u", state.reasons);
     CHECK(dpt_device_clear(device) == DPT_E_LOST, "clear");
     dpt_device_close(device);
 }

@@ -72,12 +72,9 @@ static void measure_state(unsigned pose_dofs, const char *encode, const char *de
 /* All that the protocol costs a device in a sample: a command comes, a state goes. */
 static void measure_sample(void)
 {
-    const struct wire_info info = { .pose_dofs = 6,
-                                    .wrench_dofs = 6,
-                                    .rate = 1000,
-                                    .force_max = 5,
-                                    .torque_max = 1,
-                                    .watchdog = 0.02f };
+    const struct wire_info info = {
+        .pose_dofs = 6, .wrench_dofs = 6, .rate = 1000, .force_max = 5, .torque_max = 1, .watchdog = 0.02f
+    };
     static struct wire_device device;
     struct wire_sample sample = { .orientation = { 1, 0, 0, 0 } };
     struct wire_message message = { .type = WIRE_HELLO, .session = 1 };
@@ -107,8 +104,7 @@ static void measure_sample(void)
         sum += count_instructions();
         mix(out, said);
     }
-    must(device.commands.accepted == FRAMES && wire_device_status(&device) == WIRE_STATUS_READY,
-         "sample");
+    must(device.commands.accepted == FRAMES && wire_device_status(&device) == WIRE_STATUS_READY, "sample");
     say("sample", sum / FRAMES);
     say("device_bytes", sizeof device);
 }
@@ -206,9 +202,7 @@ static void measure_tick(uint32_t until, uint32_t contacts, const char *const na
     static struct scene scene;
     scene_open(&scene, until, contacts, DPT_LAW_POINT);
     const double *center = scene.center, *span = scene.span;
-    const dpt_segment axis = { { 0, 0, 0 },
-                               { 0.6 * span[0], 0.6 * span[1], 0.1 * span[0] },
-                               0.002 };
+    const dpt_segment axis = { { 0, 0, 0 }, { 0.6 * span[0], 0.6 * span[1], 0.1 * span[0] }, 0.002 };
     must(dpt_tool_add(scene.world, &axis, 1, &scene.tool) == DPT_OK, "dpt_tool_add");
     uint32_t exact = 0;
     for (int tick = 0; tick < TICKS; tick++) {
@@ -217,8 +211,7 @@ static void measure_tick(uint32_t until, uint32_t contacts, const char *const na
         const double along = (double)tick / TICKS;
         const int phase = tick % 400;
         const double dip = 0.00015 * (phase < 200 ? phase : 400 - phase);
-        const dpt_pose pose = { { center[0] - (0.6 - 0.5 * along) * span[0],
-                                  center[1] - (0.1 + 0.5 * along) * span[1],
+        const dpt_pose pose = { { center[0] - (0.6 - 0.5 * along) * span[0], center[1] - (0.1 + 0.5 * along) * span[1],
                                   scene.info.box_max[2] + 0.01 - dip },
                                 { 1, 0, 0, 0 } };
         count_start();
@@ -259,8 +252,8 @@ static void measure_proxy(double across, double tilt, const char *const names[4]
         const double depth = tick < 100 ? 5e-5 * tick : 0.005, height = 0.00205 - depth;
         const double tremor = 1e-5 * ((tick * 7) % 11 - 5);
         along += tick % 400 < 250 ? 5e-5 : 0;
-        const dpt_pose pose = { { scene.info.box_min[0] + 0.02 + along + tremor,
-                                  scene.center[1] + 0.5 * tremor, scene.info.box_max[2] + height },
+        const dpt_pose pose = { { scene.info.box_min[0] + 0.02 + along + tremor, scene.center[1] + 0.5 * tremor,
+                                  scene.info.box_max[2] + height },
                                 { 1, 0, 0, 0 } };
         count_start();
         dpt_tool_set_pose(scene.world, scene.tool, &pose);

@@ -6,8 +6,8 @@
 #include <string.h>
 
 /* exp of [[0, 1, 0], [-k / m, -b / m, 1 / m], [0, 0, 0]] * time, by its series. */
-static inline void exact_step(double mass, double damping, double spring, double time,
-                              double step[2][2], double gain[2])
+static inline void exact_step(double mass, double damping, double spring, double time, double step[2][2],
+                              double gain[2])
 {
     const double a[3][3] = { { 0, time, 0 },
                              { -spring / mass * time, -damping / mass * time, time / mass },

@@ -11,7 +11,7 @@
 #define DPT_TESTS_HELD_DEVICE_H
 
 #include "force/exact_step.h"
-#include "world/proxy_rig.h"
+#include "lib/proxy_rig.h"
 
 enum { HELD_AXES = 6, HELD_PARTS = 4 };
 
@@ -38,8 +38,7 @@ static inline void held_prepare(struct held_device *held)
 }
 
 /* The pose at coordinates. */
-static inline void held_pose(const struct held_device *held, const double at[HELD_AXES],
-                             dpt_pose *pose)
+static inline void held_pose(const struct held_device *held, const double at[HELD_AXES], dpt_pose *pose)
 {
     const double turn[3] = { at[3] / held->rho, at[4] / held->rho, at[5] / held->rho };
     const double angle = sqrt(dot3(turn, turn)), *p = held->orientation;
@@ -59,8 +58,8 @@ static inline void held_pose(const struct held_device *held, const double at[HEL
 }
 
 /* The wrench, about the centre, as forces on the coordinates: a turn's rate is J(turn) times that of the vector. */
-static inline void held_force_of(const struct held_device *held, const double at[HELD_AXES],
-                                 const dpt_wrench *wrench, double force[HELD_AXES])
+static inline void held_force_of(const struct held_device *held, const double at[HELD_AXES], const dpt_wrench *wrench,
+                                 double force[HELD_AXES])
 {
     const double turn[3] = { at[3] / held->rho, at[4] / held->rho, at[5] / held->rho };
     const double angle = sqrt(dot3(turn, turn)), *t = wrench->torque;
@@ -118,8 +117,7 @@ static inline void held_tick(struct held_device *held, struct rig *rig)
 }
 
 /* Lead it, without inertia, to where law, hand and push balance; returns what is left, N. */
-static inline double held_settle(struct held_device *held, struct rig *rig, double stiffness,
-                                 int ticks)
+static inline double held_settle(struct held_device *held, struct rig *rig, double stiffness, int ticks)
 {
     const double quantum = held->quantum;
     double left = 0;
@@ -128,8 +126,7 @@ static inline double held_settle(struct held_device *held, struct rig *rig, doub
         held_ask(held, rig, held->at, held->wrench);
         left = 0;
         for (int k = 0; k < HELD_AXES; k++) {
-            const double sum =
-                held->wrench[k] + held->push[k] + held->hand * (held->rest[k] - held->at[k]);
+            const double sum = held->wrench[k] + held->push[k] + held->hand * (held->rest[k] - held->at[k]);
             held->at[k] += 0.8 * sum / (stiffness + held->hand);
             left = fmax(left, fabs(sum));
         }

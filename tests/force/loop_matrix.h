@@ -49,8 +49,7 @@ static inline int loop_step_matrix(const struct matrix_loop *loop, loop_matrix a
         const int at = i * per_axis;
         double first[2][3], second[2][3], command[LOOP_STATES_MAX] = { 0 };
         for (int j = 0; j < loop->axes; j++) {
-            command[j * per_axis] =
-                -loop->stiffness[i][j] - loop->virtual_damping[i][j] / loop->period;
+            command[j * per_axis] = -loop->stiffness[i][j] - loop->virtual_damping[i][j] / loop->period;
             command[j * per_axis + 2] = loop->virtual_damping[i][j] / loop->period;
         }
         loop_free_motion(loop->mass[i], loop->damping[i], late, first);

@@ -16,9 +16,7 @@ static inline double model_growth(const struct held_device *held, double stiffne
     double step[2][2], gain[2], scale = 0;
     exact_step(held->mass, held->damping, held->hand, RIG_DT, step, gain);
     /* State: position, speed, the force that was computed last. */
-    double a[3][3] = { { step[0][0], step[0][1], 0 },
-                       { step[1][0], step[1][1], 0 },
-                       { -stiffness, 0, 0 } };
+    double a[3][3] = { { step[0][0], step[0][1], 0 }, { step[1][0], step[1][1], 0 }, { -stiffness, 0, 0 } };
     for (int i = 0; i < 2; i++) {
         if (held->delay)
             a[i][2] = gain[i];
@@ -93,8 +91,7 @@ static inline void model_diagonalise(double a[HELD_AXES][HELD_AXES], double v[HE
 }
 
 /* By central differences of `by` m about where the device is; the law has some ticks for each answer. */
-static inline void model_linearise(struct held_device *held, struct rig *rig, double by,
-                                   struct model_law *law)
+static inline void model_linearise(struct held_device *held, struct rig *rig, double by, struct model_law *law)
 {
     enum { TICKS = 4 };
     double rate[HELD_AXES][HELD_AXES], even[HELD_AXES][HELD_AXES], v[HELD_AXES][HELD_AXES];

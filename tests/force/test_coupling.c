@@ -6,8 +6,8 @@
 #include "lib/check.h"
 #include "lib/random.h"
 
-static struct matrix_loop one_axis(double mass, double damping, double period, double delay,
-                                   double stiffness, double virtual_damping)
+static struct matrix_loop one_axis(double mass, double damping, double period, double delay, double stiffness,
+                                   double virtual_damping)
 {
     return (struct matrix_loop){ .axes = 1,
                                  .mass = { mass },
@@ -36,15 +36,14 @@ static void the_limit_is_where_motion_grows(void)
             CHECK(limit > 0, "m %g, b %g, T %g, delay %g: no limit", m, b, T, delay);
         if (limit == 0) {
             const struct matrix_loop weak = one_axis(m, b, T, delay, 1e-6 * b / T, B);
-            CHECK(loop_growth(&weak) > 0, "m %g, b %g, T %g, delay %g, B %g is stable", m, b, T,
-                  delay, B);
+            CHECK(loop_growth(&weak) > 0, "m %g, b %g, T %g, delay %g, B %g is stable", m, b, T, delay, B);
             continue;
         }
         const struct matrix_loop below = one_axis(m, b, T, delay, (1 - apart) * limit, B);
         const struct matrix_loop above = one_axis(m, b, T, delay, (1 + apart) * limit, B);
         CHECK(loop_growth(&below) < 0 && loop_growth(&above) > 0,
-              "m %g, b %g, T %g, delay %g, B %g: %g N/m, growth %g below, %g above", m, b, T, delay,
-              B, limit, loop_growth(&below), loop_growth(&above));
+              "m %g, b %g, T %g, delay %g, B %g: %g N/m, growth %g below, %g above", m, b, T, delay, B, limit,
+              loop_growth(&below), loop_growth(&above));
         cases++;
     }
     CHECK(cases > 500, "only %u cases", cases);
@@ -59,13 +58,10 @@ static void the_limit_agrees_with_published_forms(void)
         const double limit = dpt_stable_stiffness(0.2, 0.5, 1e-3, delay, 0);
         CHECK(fabs(limit / simple - 1) < 0.02, "delay %g: %g, not %g", delay, limit, simple);
     }
-    const double table[][2] = {
-        { 1, 2941 }, { 5, 9867 }, { 10, 16854 }, { 20, 26213 }, { 40, 31432 }
-    };
+    const double table[][2] = { { 1, 2941 }, { 5, 9867 }, { 10, 16854 }, { 20, 26213 }, { 40, 31432 } };
     for (int i = 0; i < 5; i++) {
         const double limit = dpt_stable_stiffness(0.045, 0.5, 1e-3, 0, table[i][0]);
-        CHECK(fabs(limit / table[i][1] - 1) < 1e-3, "B %g: %g, not %g", table[i][0], limit,
-              table[i][1]);
+        CHECK(fabs(limit / table[i][1] - 1) < 1e-3, "B %g: %g, not %g", table[i][0], limit, table[i][1]);
     }
 }
 
@@ -91,8 +87,7 @@ static void what_is_no_loop_has_no_limit(void)
     }
     CHECK(dpt_stable_stiffness(0, 1, 1e-3, 0, 0) == 0, "no mass");
     CHECK(dpt_stable_stiffness(0.1, 0, 1e-3, 0, 0) == 0, "no damping");
-    CHECK(dpt_stable_stiffness(0.1, 0.01, 1e-3, 0, 1e6) == 0,
-          "a damper that is unstable by itself");
+    CHECK(dpt_stable_stiffness(0.1, 0.01, 1e-3, 0, 1e6) == 0, "a damper that is unstable by itself");
 }
 
 static dpt_coupling_def omni(void)
@@ -137,8 +132,8 @@ static void it_is_as_stiff_as_the_margin_allows(void)
     }
     for (int i = 0; i < 2; i++) {
         def.friction = (i ? 1.01 : 0.99) * 0.5 * choose(&def).stiffness * def.position_step;
-        CHECK(choose(&def).flags == (i ? DPT_COUPLING_FLAG_RESTS : 0u), "%g N: flags %u",
-              def.friction, choose(&def).flags);
+        CHECK(choose(&def).flags == (i ? DPT_COUPLING_FLAG_RESTS : 0u), "%g N: flags %u", def.friction,
+              choose(&def).flags);
     }
     def.friction = 1;
     def.has_torque = 1;
@@ -149,8 +144,8 @@ static void it_is_as_stiff_as_the_margin_allows(void)
     for (int i = 0; i < 2; i++) {
         const double turn = choose(&def).stiffness * (0.02 * 0.02 + 0.02 * 0.02);
         def.spin_friction = (i ? 1.01 : 0.99) * 0.5 * turn * def.angle_step;
-        CHECK(choose(&def).flags == (i ? DPT_COUPLING_FLAG_RESTS : 0u), "%g Nm: flags %u",
-              def.spin_friction, choose(&def).flags);
+        CHECK(choose(&def).flags == (i ? DPT_COUPLING_FLAG_RESTS : 0u), "%g Nm: flags %u", def.spin_friction,
+              choose(&def).flags);
     }
 }
 
@@ -161,8 +156,7 @@ static void the_margin_counts_virtual_damping_too(void)
     def.gain_margin = 2;
     const dpt_coupling coupling = choose(&def);
     const double limit = dpt_stable_stiffness(0.045, 0.5, 1e-3, 1e-3, 4);
-    CHECK(near(coupling.stiffness, limit / 2, 1e-6) && coupling.damping == 2, "%g of %g",
-          coupling.stiffness, limit);
+    CHECK(near(coupling.stiffness, limit / 2, 1e-6) && coupling.damping == 2, "%g of %g", coupling.stiffness, limit);
 }
 
 /* "800 needs T/2 + t_d <= 0.4 ms; you have 1.5" */
@@ -171,21 +165,17 @@ static void it_says_what_a_wish_would_need(void)
     dpt_coupling_def def = omni();
     def.stiffness = 800;
     const dpt_coupling coupling = choose(&def);
-    CHECK(coupling.stiffness < 800 && coupling.limit == DPT_COUPLING_STABILITY, "%g, limit %u",
-          coupling.stiffness, coupling.limit);
-    CHECK(coupling.delay_needed < coupling.delay && coupling.delay_needed > 0, "%g",
-          coupling.delay_needed);
+    CHECK(coupling.stiffness < 800 && coupling.limit == DPT_COUPLING_STABILITY, "%g, limit %u", coupling.stiffness,
+          coupling.limit);
+    CHECK(coupling.delay_needed < coupling.delay && coupling.delay_needed > 0, "%g", coupling.delay_needed);
     const double faster = coupling.delay_needed / coupling.delay;
     def.rate /= faster;
     def.delay *= faster;
-    CHECK(near(choose(&def).stiffness, 800, 1e-5), "with %g of the times %g", faster,
-          choose(&def).stiffness);
+    CHECK(near(choose(&def).stiffness, 800, 1e-5), "with %g of the times %g", faster, choose(&def).stiffness);
     def = omni();
     def.stiffness = 100;
-    CHECK(choose(&def).stiffness == 100 && choose(&def).limit == DPT_COUPLING_ASKED, "100: %g",
-          choose(&def).stiffness);
-    CHECK(choose(&def).delay_needed > choose(&def).delay, "100 needs %g",
-          choose(&def).delay_needed);
+    CHECK(choose(&def).stiffness == 100 && choose(&def).limit == DPT_COUPLING_ASKED, "100: %g", choose(&def).stiffness);
+    CHECK(choose(&def).delay_needed > choose(&def).delay, "100 needs %g", choose(&def).delay_needed);
 }
 
 static void other_limits_are_named(void)
@@ -195,14 +185,13 @@ static void other_limits_are_named(void)
     CHECK(choose(&def).stiffness == 50 && choose(&def).limit == DPT_COUPLING_MAKER, "maker");
     def = omni();
     def.position_step = 0.01;
-    CHECK(near(choose(&def).stiffness, 33, 1e-9) && choose(&def).limit == DPT_COUPLING_STEP,
-          "steps of 1 cm: %g", choose(&def).stiffness);
+    CHECK(near(choose(&def).stiffness, 33, 1e-9) && choose(&def).limit == DPT_COUPLING_STEP, "steps of 1 cm: %g",
+          choose(&def).stiffness);
     def = omni();
     def.damping = 0;
     CHECK(choose(&def).stiffness == 100 && choose(&def).limit == DPT_COUPLING_UNKNOWN, "unknown");
     def.stiffness_max = 700;
-    CHECK(choose(&def).stiffness == 700 && choose(&def).limit == DPT_COUPLING_MAKER,
-          "unknown, 700");
+    CHECK(choose(&def).stiffness == 700 && choose(&def).limit == DPT_COUPLING_MAKER, "unknown, 700");
     def.stiffness = 20;
     CHECK(choose(&def).stiffness == 20 && choose(&def).limit == DPT_COUPLING_ASKED, "unknown, 20");
 }
@@ -216,8 +205,8 @@ static void zoom_and_force_scale_are_felt(void)
         def.zoom = i & 1 ? 4 : 0.5;
         def.force_scale = i & 2 ? 3 : 0.2;
         const dpt_coupling coupling = choose(&def);
-        CHECK(near(coupling.stiffness * def.zoom * def.force_scale, plain.stiffness, 1e-9),
-              "%g at zoom %g, force %g", coupling.stiffness, def.zoom, def.force_scale);
+        CHECK(near(coupling.stiffness * def.zoom * def.force_scale, plain.stiffness, 1e-9), "%g at zoom %g, force %g",
+              coupling.stiffness, def.zoom, def.force_scale);
         CHECK(near(coupling.depth, def.zoom * plain.depth, 1e-9), "depth %g", coupling.depth);
     }
 }
@@ -234,8 +223,7 @@ struct hold {
 };
 
 /* Translation across the tool and the turn about the pose's origin, with all gains so many times higher. */
-static double growth_of(const dpt_coupling_def *def, const dpt_coupling *coupling, double gain,
-                        const struct hold *hold)
+static double growth_of(const dpt_coupling_def *def, const dpt_coupling *coupling, double gain, const struct hold *hold)
 {
     const double lever = def->lever / def->zoom, rho = def->rho / def->zoom;
     const double k = gain * def->force_scale * def->zoom * coupling->stiffness;
@@ -248,8 +236,7 @@ static double growth_of(const dpt_coupling_def *def, const dpt_coupling *couplin
         const double arm = hold->arm * hold->share, at = lever * hold->share + arm;
         const double left = arm != 0 ? 1 / (1 / k + arm * arm / turn) : k;
         /* What one contact leaves free is held weakly, so that its drift does not count as growth. */
-        const double one[2][2] = { { left + WEAK * k, left * at },
-                                   { left * at, left * at * at + WEAK * turn } };
+        const double one[2][2] = { { left + WEAK * k, left * at }, { left * at, left * at * at + WEAK * turn } };
         memcpy(matrix, one, sizeof matrix);
     }
     struct matrix_loop loop = { .axes = 2,
@@ -265,15 +252,13 @@ static double growth_of(const dpt_coupling_def *def, const dpt_coupling *couplin
 }
 
 /* The fastest growth over many ways to hold it. */
-static double worst_growth(const dpt_coupling_def *def, const dpt_coupling *coupling, double gain,
-                           uint64_t seed)
+static double worst_growth(const dpt_coupling_def *def, const dpt_coupling *coupling, double gain, uint64_t seed)
 {
     const struct hold all = { .is_all = 1 };
     const double half = sqrt(3) * def->rho / def->zoom;
     double worst = growth_of(def, coupling, gain, &all);
     for (int i = 0; i < 30; i++) {
-        struct hold hold = { .arm = random_in(&seed, -half, half),
-                             .share = random_in(&seed, 0.02, 1) };
+        struct hold hold = { .arm = random_in(&seed, -half, half), .share = random_in(&seed, 0.02, 1) };
         if (i < 4)
             hold = (struct hold){ .arm = i & 1 ? half : -half, .share = i & 2 ? 1 : 0.05 };
         worst = fmax(worst, growth_of(def, coupling, gain, &hold));
@@ -306,13 +291,12 @@ static void rotation_and_its_lever_count(void)
         const dpt_coupling_def def = with_torque(&seed, i);
         const dpt_coupling coupling = choose(&def);
         const double growth = worst_growth(&def, &coupling, 0.98 * def.gain_margin, (uint64_t)i);
-        CHECK(growth < RESOLVED, "%d: m %g, I %g, lever %g, rho %g: grows by %g at the margin", i,
-              def.mass, def.inertia, def.lever, def.rho, growth);
+        CHECK(growth < RESOLVED, "%d: m %g, I %g, lever %g, rho %g: grows by %g at the margin", i, def.mass,
+              def.inertia, def.lever, def.rho, growth);
         by_rotation += coupling.limit == DPT_COUPLING_ROTATION;
         too_stiff += worst_growth(&def, &coupling, 1.02 * def.gain_margin, (uint64_t)i) > RESOLVED;
     }
-    printf("    200 devices with torque, %u limited by rotation: %u are at their limit\n",
-           by_rotation, too_stiff);
+    printf("    200 devices with torque, %u limited by rotation: %u are at their limit\n", by_rotation, too_stiff);
     CHECK(by_rotation > 100, "only %u are limited by rotation", by_rotation);
     CHECK(too_stiff > 180, "only %u are at their limit", too_stiff);
 }

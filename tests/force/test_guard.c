@@ -90,11 +90,10 @@ enum event {
     EVENTS
 };
 
-static const char *const event_names[EVENTS] = {
-    "fresh",      "nothing",     "hold", "ramp",     "long silence", "late fresh",
-    "too strong", "too twisted", "NaN",  "infinite", "not ready",    "not ready and fresh",
-    "clock back"
-};
+static const char *const event_names[EVENTS] = { "fresh",        "nothing",    "hold",       "ramp",
+                                                 "long silence", "late fresh", "too strong", "too twisted",
+                                                 "NaN",          "infinite",   "not ready",  "not ready and fresh",
+                                                 "clock back" };
 
 /* What each state becomes; * where the force must be zero at once. */
 static const char *const becomes[4] = {
@@ -139,28 +138,26 @@ static void every_state_meets_every_event(void)
                 given = &bad;
             if (event == INFINITE)
                 given = &infinite;
-            dpt_guard_step(&guard, at[event], given, event != NOT_READY && event != NOT_READY_FRESH,
-                           &out);
+            dpt_guard_step(&guard, at[event], given, event != NOT_READY && event != NOT_READY_FRESH, &out);
             const dpt_guard_info after = info_of(&guard);
-            CHECK(letters[after.state] == *expected, "%u, %s: %c, not %c", state,
-                  event_names[event], letters[after.state], *expected);
+            CHECK(letters[after.state] == *expected, "%u, %s: %c, not %c", state, event_names[event],
+                  letters[after.state], *expected);
             if (expected[1] == '*')
                 CHECK(is_zero(&out), "%u, %s: %g N", state, event_names[event], size_of(out.force));
-            CHECK(is_same(&out, &after.sent), "%u, %s: another wrench is kept", state,
+            CHECK(is_same(&out, &after.sent), "%u, %s: another wrench is kept", state, event_names[event]);
+            CHECK(size_of(out.force) <= 5.0 && size_of(out.torque) <= 0.2, "%u, %s: too strong", state,
                   event_names[event]);
-            CHECK(size_of(out.force) <= 5.0 && size_of(out.torque) <= 0.2, "%u, %s: too strong",
-                  state, event_names[event]);
             if (event == NOTHING && state == DPT_GUARD_RUNNING)
                 CHECK(is_same(&out, &before), "a command does not hold");
-            CHECK((after.not_finite == 1) == (event == NOT_A_NUMBER || event == INFINITE),
-                  "%u, %s: %d not finite", state, event_names[event], (int)after.not_finite);
-            CHECK((after.clamped == 1) == (event == TOO_STRONG || event == TOO_TWISTED),
-                  "%u, %s: %d clamped", state, event_names[event], (int)after.clamped);
+            CHECK((after.not_finite == 1) == (event == NOT_A_NUMBER || event == INFINITE), "%u, %s: %d not finite",
+                  state, event_names[event], (int)after.not_finite);
+            CHECK((after.clamped == 1) == (event == TOO_STRONG || event == TOO_TWISTED), "%u, %s: %d clamped", state,
+                  event_names[event], (int)after.clamped);
             int was_on = state == DPT_GUARD_STARTING || state == DPT_GUARD_RUNNING;
             int stops = expected[0] == 'O' || expected[0] == 'D' || event == LATE_FRESH;
             uint64_t earlier = state == DPT_GUARD_STOPPING;
-            CHECK(after.stops == earlier + (uint64_t)(was_on && stops), "%u, %s: %d stops", state,
-                  event_names[event], (int)after.stops);
+            CHECK(after.stops == earlier + (uint64_t)(was_on && stops), "%u, %s: %d stops", state, event_names[event],
+                  (int)after.stops);
             expected += strcspn(expected, " ");
             expected += *expected == ' ';
         }
@@ -183,8 +180,7 @@ static void silence_ends_in_five_ticks(void)
         if (tick >= 5)
             CHECK(is_zero(&out), "tick %d: %g N", tick, size_of(out.force));
     }
-    CHECK(info_of(&guard).stops == 1 && info_of(&guard).state == DPT_GUARD_OFF, "%d stops",
-          (int)info_of(&guard).stops);
+    CHECK(info_of(&guard).stops == 1 && info_of(&guard).state == DPT_GUARD_OFF, "%d stops", (int)info_of(&guard).stops);
 }
 
 /* The ramp to zero is a matter of time: seldom or often looked at, the same force at the same moment. */
@@ -215,15 +211,14 @@ static void start_is_a_ramp(void)
     for (uint64_t tick = 0; tick <= 150; tick++) {
         dpt_guard_step(&guard, BEGIN + tick * MS, &command, 1, &out);
         double part = tick < 100 ? (double)tick * 0.01 : 1.0;
-        CHECK(fabs(size_of(out.force) - 2.0 * part) < 1e-12, "tick %d: %g N", (int)tick,
-              size_of(out.force));
+        CHECK(fabs(size_of(out.force) - 2.0 * part) < 1e-12, "tick %d: %g N", (int)tick, size_of(out.force));
     }
     CHECK(is_same(&out, &command) && info_of(&guard).slewed == 0, "it does not get there");
     uint64_t now = BEGIN + 150 * MS + 4 * MS + MS / 2;
     for (uint64_t tick = 0; tick < 20; tick++) {
         dpt_guard_step(&guard, now + tick * MS, &command, 1, &out);
-        CHECK(fabs(size_of(out.force) - 2.0 * (0.25 + 0.01 * (double)tick)) < 1e-12,
-              "tick %d after a stop: %g N", (int)tick, size_of(out.force));
+        CHECK(fabs(size_of(out.force) - 2.0 * (0.25 + 0.01 * (double)tick)) < 1e-12, "tick %d after a stop: %g N",
+              (int)tick, size_of(out.force));
     }
     CHECK(info_of(&guard).state == DPT_GUARD_STARTING, "it has not started again");
 }
@@ -240,8 +235,7 @@ static void slew_is_a_straight_line(void)
     dpt_wrench out;
     for (uint64_t tick = 0; tick <= 10; tick++)
         dpt_guard_step(&guard, BEGIN + tick * MS, &one, 1, &out);
-    CHECK(fabs(size_of(out.force) - 1.0) < 1e-12, "1 N after 10 ms at 100 N/s: %g",
-          size_of(out.force));
+    CHECK(fabs(size_of(out.force) - 1.0) < 1e-12, "1 N after 10 ms at 100 N/s: %g", size_of(out.force));
     for (uint64_t tick = 1; tick <= 20; tick++) {
         dpt_guard_step(&guard, BEGIN + (10 + tick) * MS, &other, 1, &out);
         CHECK(fabs(out.force[0] - 0.6 * (1.0 - 0.1 * (double)tick)) < 1e-12, "%g N", out.force[0]);
@@ -263,8 +257,7 @@ static void limit_to(double *v, double most)
 }
 
 /* The command of a step: mostly the one before; at times one far above the limits, or just at them. */
-static void next_command(uint64_t *random, int step, int gives, double calm, double force_max,
-                         dpt_wrench *command)
+static void next_command(uint64_t *random, int step, int gives, double calm, double force_max, dpt_wrench *command)
 {
     if (gives && random_in(random, 0.0, 1.0) > 0.7 * calm) {
         double scale = pow(10.0, random_in(random, -3.0, 1.5));
@@ -280,8 +273,8 @@ static void next_command(uint64_t *random, int step, int gives, double calm, dou
 }
 
 /* No step changes the wrench by more than the slew allows in dt, but for the fall to zero of a stop. */
-static void check_slew(const dpt_guard_def *def, const dpt_wrench *before, const dpt_wrench *out,
-                       double dt, int stopped, const char *at)
+static void check_slew(const dpt_guard_def *def, const dpt_wrench *before, const dpt_wrench *out, double dt,
+                       int stopped, const char *at)
 {
     double change[3], turn[3];
     for (int k = 0; k < 3; k++) {
@@ -290,11 +283,9 @@ static void check_slew(const dpt_guard_def *def, const dpt_wrench *before, const
     }
     double force_step = def->force_slew * dt, torque_step = def->torque_slew * dt;
     if (!stopped && def->force_slew > 0.0)
-        CHECK(size_of(change) <= force_step * (1.0 + 1e-12) + 1e-14, "%s: %g N in %g s", at,
-              size_of(change), dt);
+        CHECK(size_of(change) <= force_step * (1.0 + 1e-12) + 1e-14, "%s: %g N in %g s", at, size_of(change), dt);
     if (!stopped && def->torque_slew > 0.0)
-        CHECK(size_of(turn) <= torque_step * (1.0 + 1e-12) + 1e-14, "%s: %g Nm in %g s", at,
-              size_of(turn), dt);
+        CHECK(size_of(turn) <= torque_step * (1.0 + 1e-12) + 1e-14, "%s: %g Nm in %g s", at, size_of(turn), dt);
     if (stopped && def->force_slew > 0.0)
         CHECK(size_of(out->force) <= size_of(before->force) + force_step * (1.0 + 1e-12) + 1e-14,
               "%s: a stop adds force", at);
@@ -351,14 +342,12 @@ static void random_schedules_keep_the_promises(void)
                 has_fresh = 1;
             }
             double force = size_of(out.force), torque = size_of(out.torque);
-            CHECK(force <= def.force_max && torque <= def.torque_max, "run %d: %g N, %g Nm", run,
-                  force, torque);
+            CHECK(force <= def.force_max && torque <= def.torque_max, "run %d: %g N, %g Nm", run, force, torque);
             if (!has_fresh || now - fresh >= end || !ready || (gives && !finite))
                 if (!(has_fresh && now == fresh && ready))
                     CHECK(is_zero(&out), "run %d, step %d: %g N", run, step, force);
             int stopped = was_stopping || info_of(&guard).stops != earlier_stops ||
-                          info_of(&guard).state == DPT_GUARD_STOPPING ||
-                          info_of(&guard).state == DPT_GUARD_OFF;
+                          info_of(&guard).state == DPT_GUARD_STOPPING || info_of(&guard).state == DPT_GUARD_OFF;
             char at[64];
             snprintf(at, sizeof at, "run %d, step %d", run, step);
             check_slew(&def, &before, &out, (double)(now - last) * 1e-9, stopped, at);
@@ -372,8 +361,8 @@ static void random_schedules_keep_the_promises(void)
         stops += info_of(&guard).stops;
     }
     CHECK(zero > steps / 20 && at_limit > steps / 100 && full > steps / 100 && stops > 1000,
-          "the schedules are too tame: of %d steps %d zero, %d at the limit, %d as asked, %d stops",
-          (int)steps, (int)zero, (int)at_limit, (int)full, (int)stops);
+          "the schedules are too tame: of %d steps %d zero, %d at the limit, %d as asked, %d stops", (int)steps,
+          (int)zero, (int)at_limit, (int)full, (int)stops);
 }
 
 /* Of the last command and of what left: clamped, and on its ramp. */
@@ -383,16 +372,15 @@ static void it_tells_what_it_did(void)
     dpt_guard guard = guard_of(NULL);
     dpt_wrench out;
     dpt_guard_info before = info_of(&guard);
-    CHECK(before.state == DPT_GUARD_OFF && !before.fresh_ns && is_zero(&before.command),
-          "at first");
+    CHECK(before.state == DPT_GUARD_OFF && !before.fresh_ns && is_zero(&before.command), "at first");
     for (uint64_t tick = 0; tick <= 50; tick++)
         dpt_guard_step(&guard, BEGIN + tick * MS, &command, 1, &out);
     dpt_guard_step(&guard, BEGIN + 51 * MS, NULL, 1, &out);
     const dpt_guard_info after = info_of(&guard);
-    CHECK(fabs(size_of(after.command.force) - 5.0) < 1e-12 && is_same(&after.sent, &out),
-          "commanded %g N, sent %g N", size_of(after.command.force), size_of(after.sent.force));
-    CHECK(after.clamped == 51 && after.now_ns == BEGIN + 51 * MS &&
-              after.fresh_ns == BEGIN + 50 * MS && fabs(after.gain - 0.51) < 1e-12,
+    CHECK(fabs(size_of(after.command.force) - 5.0) < 1e-12 && is_same(&after.sent, &out), "commanded %g N, sent %g N",
+          size_of(after.command.force), size_of(after.sent.force));
+    CHECK(after.clamped == 51 && after.now_ns == BEGIN + 51 * MS && after.fresh_ns == BEGIN + 50 * MS &&
+              fabs(after.gain - 0.51) < 1e-12,
           "%d clamped, gain %g", (int)after.clamped, after.gain);
 }
 
@@ -409,10 +397,9 @@ static void is_total(void)
         for (int knows_size = 0; knows_size < 2; knows_size++) {
             out = push(1.0);
             dpt_guard_step(&guard, BEGIN, &command, 1, &out);
-            CHECK(is_zero(&out), "memory of %02x, size %u: %g N", (unsigned)filled, guard.size,
-                  size_of(out.force));
-            CHECK(dpt_guard_get_info(&guard, &info) == DPT_E_ARGUMENT &&
-                      info.state == DPT_GUARD_OFF && is_zero(&info.sent),
+            CHECK(is_zero(&out), "memory of %02x, size %u: %g N", (unsigned)filled, guard.size, size_of(out.force));
+            CHECK(dpt_guard_get_info(&guard, &info) == DPT_E_ARGUMENT && info.state == DPT_GUARD_OFF &&
+                      is_zero(&info.sent),
                   "memory of %02x: what it did is told", (unsigned)filled);
             guard.size = sizeof guard;
         }
@@ -431,8 +418,7 @@ static void is_total(void)
         for (int k = 0; k < 3; k++) {
             *fields[i] = wrong[k];
             guard.size = sizeof guard;
-            CHECK(dpt_guard_init(&guard, &def) == DPT_E_ARGUMENT, "field %d is %g", (int)i,
-                  wrong[k]);
+            CHECK(dpt_guard_init(&guard, &def) == DPT_E_ARGUMENT, "field %d is %g", (int)i, wrong[k]);
             dpt_guard_step(&guard, BEGIN, &command, 1, &out);
             CHECK(is_zero(&out), "a guard that was refused gives %g N", size_of(out.force));
         }

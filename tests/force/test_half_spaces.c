@@ -53,14 +53,13 @@ static void check_active(int i, uint32_t n, const struct half_space *spaces, uin
         const struct half_space *space = &spaces[result->active[a]];
         CHECK(result->multiplier[a] >= 0, "case %d: a multiplier of %g", i, result->multiplier[a]);
         CHECK(fabs(product(space->normal, result->y, n) - space->bound) < 1e-6,
-              "case %d: an active constraint is off by %g", i,
-              product(space->normal, result->y, n) - space->bound);
+              "case %d: an active constraint is off by %g", i, product(space->normal, result->y, n) - space->bound);
         for (uint32_t k = 0; k < n; k++)
             sum[k] += result->multiplier[a] * space->normal[k];
     }
     for (uint32_t k = 0; k < n; k++)
-        CHECK(fabs(sum[k] - result->y[k]) < 1e-6 * (1 + fabs(sum[k])),
-              "case %d: the sum of normals is off by %g", i, sum[k] - result->y[k]);
+        CHECK(fabs(sum[k] - result->y[k]) < 1e-6 * (1 + fabs(sum[k])), "case %d: the sum of normals is off by %g", i,
+              sum[k] - result->y[k]);
 }
 
 static void answers_are_optimal(void)
@@ -104,14 +103,13 @@ static void answers_on_planes_are_optimal(void)
         for (uint32_t p = 0; p < plane_count; p++) {
             planes[p].bound = i % 2 ? 0.0 : random_in(&seed, -0.2, 0.2);
             for (uint32_t k = 0; k < n; k++)
-                planes[p].normal[k] = is_dependent && p == 2
-                                          ? planes[0].normal[k] + planes[1].normal[k]
-                                          : (k == p) + random_in(&seed, -0.3, 0.3);
+                planes[p].normal[k] = is_dependent && p == 2 ? planes[0].normal[k] + planes[1].normal[k]
+                                                             : (k == p) + random_in(&seed, -0.3, 0.3);
         }
         for (uint32_t k = 0; k < n; k++)
             sum[k] = goal[k] = random_in(&seed, -3, 3);
-        const int is_solved = dpti_half_spaces_nearest_on(planes, plane_count, held, spaces, count,
-                                                          n, goal, 1e-9, &result);
+        const int is_solved =
+            dpti_half_spaces_nearest_on(planes, plane_count, held, spaces, count, n, goal, 1e-9, &result);
         CHECK(!is_dependent || !is_solved, "case %d: a plane too many, but there is an answer", i);
         CHECK(is_solved || is_dependent || i % 2 == 0,
               "case %d: 0 is on the planes and meets all %u, but there is no answer", i, count);
@@ -120,9 +118,8 @@ static void answers_on_planes_are_optimal(void)
             continue;
         solved++;
         for (uint32_t p = 0; p < plane_count; p++) {
-            CHECK(fabs(product(planes[p].normal, result.y, n) - planes[p].bound) < 1e-6,
-                  "case %d: off plane %u by %g", i, p,
-                  product(planes[p].normal, result.y, n) - planes[p].bound);
+            CHECK(fabs(product(planes[p].normal, result.y, n) - planes[p].bound) < 1e-6, "case %d: off plane %u by %g",
+                  i, p, product(planes[p].normal, result.y, n) - planes[p].bound);
             for (uint32_t k = 0; k < n; k++)
                 sum[k] += held[p] * planes[p].normal[k];
         }

@@ -44,15 +44,12 @@ static dpt_passivity_info told(void)
 }
 
 /* One sample; what was asked for, and then allowed, is in *wrench. */
-static void take(const dpt_pose *pose, const dpt_wrench *sent, double dt, double energy,
-                 double body_work, dpt_wrench *wrench)
+static void take(const dpt_pose *pose, const dpt_wrench *sent, double dt, double energy, double body_work,
+                 dpt_wrench *wrench)
 {
-    const dpt_passivity_sample sample = { .size = sizeof sample,
-                                          .dt = dt,
-                                          .energy = energy,
-                                          .body_work = body_work,
-                                          .pose = *pose,
-                                          .sent = *sent };
+    const dpt_passivity_sample sample = {
+        .size = sizeof sample, .dt = dt, .energy = energy, .body_work = body_work, .pose = *pose, .sent = *sent
+    };
     const dpt_result result = dpt_passivity_step(&passivity, &sample, wrench);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }
@@ -112,11 +109,9 @@ static void the_account_is_what_was_given_and_taken(void)
         turn(&pose, rotation);
         damped += 0.8 * (3 * pow(length_of(shift), 2) + 0.01 * pow(length_of(rotation), 2)) / dt;
         worked += bodies;
-        account = fmin(
-            account +
-                0.8 * (3 * pow(length_of(shift), 2) + 0.01 * pow(length_of(rotation), 2)) / dt +
-                bodies - work,
-            0.5 + 1);
+        account = fmin(account + 0.8 * (3 * pow(length_of(shift), 2) + 0.01 * pow(length_of(rotation), 2)) / dt +
+                           bodies - work,
+                       0.5 + 1);
         const dpt_wrench before = asked;
         take(&pose, &sent, dt, 0.5, bodies, &asked);
         CHECK(!memcmp(&asked, &before, sizeof asked), "an observer changes the wrench");
@@ -125,10 +120,9 @@ static void the_account_is_what_was_given_and_taken(void)
     const dpt_passivity_info info = told();
     CHECK(fabs(info.account - account) < 1e-9 && fabs(info.damped - damped) < 1e-9 &&
               fabs(info.body_work - worked) < 1e-9,
-          "account %.12g, not %.12g; damped %g, not %g; bodies %g, not %g", info.account, account,
-          info.damped, damped, info.body_work, worked);
-    CHECK(info.steps == 2001 && info.acted == 0, "%u steps, acted in %u", (unsigned)info.steps,
-          (unsigned)info.acted);
+          "account %.12g, not %.12g; damped %g, not %g; bodies %g, not %g", info.account, account, info.damped, damped,
+          info.body_work, worked);
+    CHECK(info.steps == 2001 && info.acted == 0, "%u steps, acted in %u", (unsigned)info.steps, (unsigned)info.acted);
 }
 
 /* Along a screw, force gives what torque takes: one account tells that nothing is gained. */
@@ -177,13 +171,11 @@ static void the_account_is_bounded_for_all_motion(void)
             for (int k = 0; k < 3; k++)
                 pose.position[k] += shift[k];
             turn(&pose, rotation);
-            take(&pose, &sent, 1e-3, random_in(&seed, 0, 1e-2), random_in(&seed, -1e-3, 1e-3),
-                 &asked);
+            take(&pose, &sent, 1e-3, random_in(&seed, 0, 1e-2), random_in(&seed, -1e-3, 1e-3), &asked);
             sent = asked;
         }
         const dpt_passivity_info info = told();
-        CHECK(info.account_min >= -2 * info.eps, "game %d: %g eps", game,
-              info.account_min / info.eps);
+        CHECK(info.account_min >= -2 * info.eps, "game %d: %g eps", game, info.account_min / info.eps);
         worst = fmin(worst, info.account_min / info.eps);
         acted += info.acted > 0;
     }
@@ -263,8 +255,7 @@ static struct hand_result hold(const struct hand_loop *loop, double seconds)
         const double h = loop->period / 20;
         for (int k = 0; k < 20; k++) {
             v += h / loop->mass *
-                 (under_way[loop->delay] - (loop->damping + loop->firm) * v -
-                  loop->hand * (x + loop->deep));
+                 (under_way[loop->delay] - (loop->damping + loop->firm) * v - loop->hand * (x + loop->deep));
             x += h * v;
         }
         if (i < ticks - ticks / 4)
@@ -291,8 +282,8 @@ static void it_is_idle_where_the_wall_is_stable(void)
     for (int i = 0; i < 16; i++) {
         const struct hand_loop loop = hand_loop_of(i / 4, parts[i % 4]);
         const struct hand_result with = hold(&loop, 6);
-        CHECK(with.info.acted == 0, "delay %d, %g of the limit: acted %u times", loop.delay,
-              parts[i % 4], (unsigned)with.info.acted);
+        CHECK(with.info.acted == 0, "delay %d, %g of the limit: acted %u times", loop.delay, parts[i % 4],
+              (unsigned)with.info.acted);
         CHECK(with.force > 0.2, "delay %d: only %g N", loop.delay, with.force);
     }
 }
@@ -306,13 +297,13 @@ static void it_calms_walls_that_are_not(void)
         const struct hand_result with = hold(&loop, 6);
         loop.is_off = 1;
         const struct hand_result without = hold(&loop, 6);
-        CHECK(with.info.account_min >= -2 * with.info.eps, "delay %d, %g: %g eps", loop.delay,
-              parts[i % 4], with.info.account_min / with.info.eps);
-        CHECK(without.info.account_min < -2 * without.info.eps,
-              "delay %d, %g: passive without the controller", loop.delay, parts[i % 4]);
+        CHECK(with.info.account_min >= -2 * with.info.eps, "delay %d, %g: %g eps", loop.delay, parts[i % 4],
+              with.info.account_min / with.info.eps);
+        CHECK(without.info.account_min < -2 * without.info.eps, "delay %d, %g: passive without the controller",
+              loop.delay, parts[i % 4]);
         CHECK(with.speed < 0.5 * without.speed && with.force > 0.8,
-              "delay %d, %g of the limit: %g m/s, %g N; without %g m/s", loop.delay, parts[i % 4],
-              with.speed, with.force, without.speed);
+              "delay %d, %g of the limit: %g m/s, %g N; without %g m/s", loop.delay, parts[i % 4], with.speed,
+              with.force, without.speed);
     }
 }
 
@@ -325,17 +316,15 @@ static void the_account_is_bounded_in_loops(void)
     for (int i = 0; i < 4 * 4 * 3 * 2; i++) {
         struct hand_loop loop = hand_loop_of(i / 16 % 3, 1);
         loop.period = i / 48 ? 1e-4 : 1e-3;
-        loop.stiffness = parts[i / 4 % 4] *
-                         dpt_stable_stiffness(0.1, 0.5, loop.period, loop.delay * loop.period, 0);
+        loop.stiffness = parts[i / 4 % 4] * dpt_stable_stiffness(0.1, 0.5, loop.period, loop.delay * loop.period, 0);
         loop.hand = hands[i % 4][0];
         loop.firm = hands[i % 4][1];
         loop.deep = fmin(2 / loop.hand, 0.1);
         loop.loss = 0.2;
         loop.slew = 2000;
         const struct hand_result result = hold(&loop, 3);
-        CHECK(result.info.account_min >= -2 * result.info.eps,
-              "%g Hz, delay %d, hand %g, %g of the limit: %g eps", 1 / loop.period, loop.delay,
-              loop.hand, parts[i / 4 % 4], result.info.account_min / result.info.eps);
+        CHECK(result.info.account_min >= -2 * result.info.eps, "%g Hz, delay %d, hand %g, %g of the limit: %g eps",
+              1 / loop.period, loop.delay, loop.hand, parts[i / 4 % 4], result.info.account_min / result.info.eps);
         worst = fmin(worst, result.info.account_min / result.info.eps);
     }
     printf("    96 loops: account at least %.2f eps\n", worst);
@@ -362,10 +351,10 @@ static void energy_out_of_nothing_is_taken_away(void)
             sent = asked;
         }
         const dpt_passivity_info info = told();
-        CHECK(is_off ? gained > 0.01 : gained < 2 * info.eps, "%s: the hand gained %g J",
-              is_off ? "off" : "on", gained);
-        CHECK(is_off || (info.taken > 0.01 && info.acted > 100), "taken %g J in %u steps",
-              info.taken, (unsigned)info.acted);
+        CHECK(is_off ? gained > 0.01 : gained < 2 * info.eps, "%s: the hand gained %g J", is_off ? "off" : "on",
+              gained);
+        CHECK(is_off || (info.taken > 0.01 && info.acted > 100), "taken %g J in %u steps", info.taken,
+              (unsigned)info.acted);
     }
 }
 
@@ -375,8 +364,7 @@ static void what_is_wrong_gives_no_force(void)
     const dpt_wrench some = { { 1, 0, 0 }, { 0 } };
     dpt_passivity_info info = { .size = sizeof info };
     begin(NULL);
-    const dpt_result codes[] = { DPT_E_ARGUMENT, DPT_E_FINITE, DPT_E_FINITE,
-                                 DPT_E_FINITE,   DPT_E_POSE,   DPT_E_FINITE };
+    const dpt_result codes[] = { DPT_E_ARGUMENT, DPT_E_FINITE, DPT_E_FINITE, DPT_E_FINITE, DPT_E_POSE, DPT_E_FINITE };
     double *numbers[] = { &sample.dt,
                           &sample.energy,
                           &sample.body_work,
@@ -388,8 +376,7 @@ static void what_is_wrong_gives_no_force(void)
         dpt_wrench wrench = some;
         *numbers[i] = NAN;
         const dpt_result result = dpt_passivity_step(&passivity, &sample, &wrench);
-        CHECK(result == codes[i] && wrench.force[0] == 0, "number %d: %s", i,
-              dpt_result_name(result));
+        CHECK(result == codes[i] && wrench.force[0] == 0, "number %d: %s", i, dpt_result_name(result));
         *numbers[i] = kept;
     }
     dpt_wrench wrench = { { 1, NAN, 0 }, { 0 } };
@@ -397,8 +384,7 @@ static void what_is_wrong_gives_no_force(void)
           "a wrench that is not finite");
     CHECK(told().steps == 0, "%u samples were booked", (unsigned)told().steps);
     wrench = some;
-    CHECK(dpt_passivity_step(&passivity, &sample, &wrench) == DPT_OK && wrench.force[0] == 1,
-          "a sound one");
+    CHECK(dpt_passivity_step(&passivity, &sample, &wrench) == DPT_OK && wrench.force[0] == 1, "a sound one");
     dpt_passivity unmade;
     memset(&unmade, 0, sizeof unmade);
     unmade.size = sizeof unmade;

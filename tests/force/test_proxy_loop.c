@@ -181,13 +181,11 @@ static void sway(const struct place *place, const struct hand_held *device, doub
     const double fit = fitted_growth(&loop, 2500);
     const double left = motion_left(&loop, from);
     CHECK(share < 1 ? fit < 0 && left < DISTURBANCE : fit > 0 && left > DISTURBANCE,
-          "%s, m %g, b %g, hand %g, delay %d, %g of %.0f N/m: it grows by %.3f/s (model %.3f/s) "
-          "to %g m",
-          place->name, device->mass, device->damping, device->hand, device->delay, share,
-          loop.limit, fit, model, left);
+          "%s, m %g, b %g, hand %g, delay %d, %g of %.0f N/m: it grows by %.3f/s (model %.3f/s) to %g m", place->name,
+          device->mass, device->damping, device->hand, device->delay, share, loop.limit, fit, model, left);
     /* Differences on facets may meet a kink, those on a plane do not. */
-    CHECK(place->solid != &box || loop.law.asymmetry < 1e-3 * stiffness,
-          "%s: no gradient, off by %g of %g N/m", place->name, loop.law.asymmetry, stiffness);
+    CHECK(place->solid != &box || loop.law.asymmetry < 1e-3 * stiffness, "%s: no gradient, off by %g of %g N/m",
+          place->name, loop.law.asymmetry, stiffness);
     add_growth(&loop, stiffness, fit);
     rig_close(&loop.rig);
 }
@@ -199,8 +197,8 @@ static int stays(const struct hand_held *device, const struct place *place)
 }
 
 /* All of them, or a part that is spread over all. */
-static void run_loops(void (*run)(const struct place *, const struct hand_held *, double),
-                      const double *shares, uint64_t count)
+static void run_loops(void (*run)(const struct place *, const struct hand_held *, double), const double *shares,
+                      uint64_t count)
 {
     for (uint64_t i = 0; i < PLACES * DEVICES * count; i++) {
         const struct place *place = &places[i / count / DEVICES];
@@ -217,8 +215,7 @@ static void motion_dies_away_up_to_the_limit(void)
     run_loops(sway, shares, sizeof shares / sizeof *shares);
     printf("    %llu loops at 0.5, 0.9 and 0.97 of the limit: growth %.3f to %.3f of b / 2m; "
            "%llu are a gradient to 1e-5\n",
-           (unsigned long long)summary.loops, summary.least, summary.most,
-           (unsigned long long)summary.smooth);
+           (unsigned long long)summary.loops, summary.least, summary.most, (unsigned long long)summary.smooth);
     CHECK(summary.smooth >= least_seen(summary.loops / 2), "only %llu of %llu are a gradient",
           (unsigned long long)summary.smooth, (unsigned long long)summary.loops);
 }
@@ -228,8 +225,8 @@ static void motion_grows_beyond_the_limit(void)
     const double share = 1.05;
     summary = (struct summary){ .loops = 0 };
     run_loops(sway, &share, 1);
-    printf("    %llu loops at 1.05 of the limit: growth %.3f to %.3f of b / 2m\n",
-           (unsigned long long)summary.loops, summary.least, summary.most);
+    printf("    %llu loops at 1.05 of the limit: growth %.3f to %.3f of b / 2m\n", (unsigned long long)summary.loops,
+           summary.least, summary.most);
 }
 
 /* m/s, of the centre, and rad/s */
@@ -280,10 +277,8 @@ static void rest(const struct place *place, const struct hand_held *device, doub
     loop.held.quantum = QUANTUM;
     loop.held.friction = 0.5 * stiffness * QUANTUM;
     come_to_rest(&loop, fmax(6, -10 / model), &speed, &spin);
-    CHECK(speed < 1e-3 && spin < 0.02,
-          "%s, m %g, b %g, hand %g, delay %d, %g of %.0f N/m: %g m/s, %g rad/s", place->name,
-          device->mass, device->damping, device->hand, device->delay, share, loop.limit, speed,
-          spin);
+    CHECK(speed < 1e-3 && spin < 0.02, "%s, m %g, b %g, hand %g, delay %d, %g of %.0f N/m: %g m/s, %g rad/s",
+          place->name, device->mass, device->damping, device->hand, device->delay, share, loop.limit, speed, spin);
     rig_close(&loop.rig);
 }
 
@@ -309,8 +304,7 @@ static void a_push_at_one_point_does_not_rest(void)
         loop.held.friction = 0.5 * stiffness * QUANTUM;
         come_to_rest(&loop, 6, &speed, &spin);
         const int rests = speed < 1e-3 && spin < 0.02;
-        CHECK(rests == (laws[i] == DPT_LAW_PROXY), "law %u: %g m/s, %g rad/s", laws[i], speed,
-              spin);
+        CHECK(rests == (laws[i] == DPT_LAW_PROXY), "law %u: %g m/s, %g rad/s", laws[i], speed, spin);
         rig_close(&loop.rig);
     }
 }
@@ -321,11 +315,9 @@ int main(int argc, char **argv)
     const int has_box = solid_from_shape(&box, "box", 300);
     if (!has_box || !solid_from_shape(&liver, "liver", 10000))
         return 1;
-    const struct place all[PLACES] = {
-        { "box, ball", &box, ball, 0 },         { "box, tip", &box, capsule, 0.5 },
-        { "box, lying", &box, capsule, 0 },     { "liver, ball", &liver, ball, 0 },
-        { "liver, tip", &liver, capsule, 0.5 }, { "liver, lying", &liver, capsule, 0 }
-    };
+    const struct place all[PLACES] = { { "box, ball", &box, ball, 0 },         { "box, tip", &box, capsule, 0.5 },
+                                       { "box, lying", &box, capsule, 0 },     { "liver, ball", &liver, ball, 0 },
+                                       { "liver, tip", &liver, capsule, 0.5 }, { "liver, lying", &liver, capsule, 0 } };
     memcpy(places, all, sizeof places);
     TEST(motion_dies_away_up_to_the_limit);
     TEST(motion_grows_beyond_the_limit);

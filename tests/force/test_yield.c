@@ -20,8 +20,8 @@ static double product(const double *a, const double *b, uint32_t n)
 }
 
 /* By the gradient, with a step that is short enough for the stiffest. Returns the energy of the surfaces. */
-static double descend(const struct half_space *spaces, const struct half_spaces_result *hard,
-                      uint32_t n, const double *goal, const double *compliance, double *y)
+static double descend(const struct half_space *spaces, const struct half_spaces_result *hard, uint32_t n,
+                      const double *goal, const double *compliance, double *y)
 {
     double stiffest = 1, stored = 0;
     for (uint32_t i = 0; i < hard->active_count; i++)
@@ -35,8 +35,7 @@ static double descend(const struct half_space *spaces, const struct half_spaces_
             slope[k] = y[k] - goal[k];
         for (uint32_t i = 0; i < hard->active_count; i++) {
             const struct half_space *space = &spaces[hard->active[i]];
-            const double deep =
-                fmax(0, product(space->normal, hard->y, n) - product(space->normal, y, n));
+            const double deep = fmax(0, product(space->normal, hard->y, n) - product(space->normal, y, n));
             stored += 0.5 * deep * deep / compliance[i];
             for (uint32_t k = 0; k < n; k++)
                 slope[k] -= deep / compliance[i] * space->normal[k];
@@ -82,11 +81,10 @@ static void the_energy_is_least(void)
         several += hard.active_count > 2;
         for (uint32_t k = 0; k < hard.active_count; k++)
             released += share[k] == 0.0;
-        CHECK(fabs(stored - least) < 1e-6 * (1 + least), "case %d: %g stored, %g by descent", i,
-              stored, least);
+        CHECK(fabs(stored - least) < 1e-6 * (1 + least), "case %d: %g stored, %g by descent", i, stored, least);
         for (uint32_t k = 0; k < n; k++)
-            CHECK(fabs(hard.y[k] - yielded[k] - y[k]) < 1e-5, "case %d: unknown %u is %g, not %g",
-                  i, k, hard.y[k] - yielded[k], y[k]);
+            CHECK(fabs(hard.y[k] - yielded[k] - y[k]) < 1e-5, "case %d: unknown %u is %g, not %g", i, k,
+                  hard.y[k] - yielded[k], y[k]);
     }
     CHECK(several > 50 && released > 5, "%u cases of several, %u released", several, released);
 }
@@ -104,11 +102,9 @@ static void what_is_hard_does_not_yield(void)
         if (!dpti_half_spaces_nearest(spaces, SPACES, 6, goal, 1e-9, &hard))
             continue;
         const double stored = dpti_yield(spaces, &hard, 6, none, share, yielded);
-        CHECK(stored == 0.0 && product(yielded, yielded, 6) < 1e-12, "case %d: %g stored", i,
-              stored);
+        CHECK(stored == 0.0 && product(yielded, yielded, 6) < 1e-12, "case %d: %g stored", i, stored);
         for (uint32_t k = 0; k < hard.active_count; k++)
-            CHECK(fabs(share[k] - 1) * hard.multiplier[k] < 1e-6, "case %d: %g of a multiplier", i,
-                  share[k]);
+            CHECK(fabs(share[k] - 1) * hard.multiplier[k] < 1e-6, "case %d: %g of a multiplier", i, share[k]);
     }
 }
 

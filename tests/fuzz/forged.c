@@ -14,7 +14,7 @@
 #include "dynpoint/compile.h"
 #include "fuzz/target.h"
 #include "mesh/mesh_swap.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 enum { REPAIR_INDICES = 1, REPAIR_FLOATS = 2, OTHER_ORDER = 4, ASKED_SHIFT = 3 };
 
@@ -39,8 +39,7 @@ static const struct {
                 { "box", 12, 0, 0, DPT_NET_VOLUME } };
 
 /* Two cells in five nodes, which hold a part of the torus. */
-static const double cell_nodes[] = { 0,   0,    -0.3, 0.3, -0.2, 0.1, 0,  0.3,
-                                     0.1, -0.3, -0.2, 0.1, 0,    0,   0.4 };
+static const double cell_nodes[] = { 0, 0, -0.3, 0.3, -0.2, 0.1, 0, 0.3, 0.1, -0.3, -0.2, 0.1, 0, 0, 0.4 };
 static const uint32_t cell_corners[] = { 0, 1, 2, 3, 1, 2, 3, 4 };
 
 enum { BASES = sizeof sources / sizeof *sources };
@@ -54,9 +53,7 @@ static void make_bases(void)
     for (int i = 0; i < BASES; i++) {
         struct shape shape;
         shape_reason reason;
-        const dpt_spring_net_def springs = { .size = sizeof springs,
-                                             .kind = sources[i].springs,
-                                             .spacing = 0.04 };
+        const dpt_spring_net_def springs = { .size = sizeof springs, .kind = sources[i].springs, .spacing = 0.04 };
         const dpt_compile_def def = { .size = sizeof def,
                                       .springs = sources[i].springs ? &springs : NULL,
                                       .nodes = cell_nodes,
@@ -65,8 +62,7 @@ static void make_bases(void)
                                       .cell_count = sources[i].has_cells ? 2 : 0 };
         MUST(shape_make(sources[i].shape, sources[i].triangles, 0, &shape, reason) == 0);
         MUST(dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                shape.triangle_count - sources[i].missing, &def, &bases[i],
-                                NULL) == DPT_OK);
+                                shape.triangle_count - sources[i].missing, &def, &bases[i], NULL) == DPT_OK);
         shape_free(&shape);
     }
 }
@@ -80,17 +76,15 @@ static uint32_t word_at(const uint8_t *bytes)
 
 /* The words of the header that an edit reaches: those before the section table, and the tail. */
 static const uint32_t table_begins = offsetof(struct dpt_mesh, section) / 4,
-                      tail_begins = offsetof(struct dpt_mesh, tail) / 4,
-                      tail_words = sizeof(struct mesh_tail) / 4;
+                      tail_begins = offsetof(struct dpt_mesh, tail) / 4, tail_words = sizeof(struct mesh_tail) / 4;
 
 /* What looks like a number, a count or a code, at the edges of what is allowed. */
 static uint32_t odd_word(uint32_t which)
 {
-    static const uint32_t odd[] = { 0,          1,          15,         16,         17,
-                                    255,        256,        257,        0x7fffffff, 0x80000000,
-                                    0xffffffff, 0xfffffffe, 0xfffffffd, 0xfffffffc, 0x55555555,
-                                    0x55555556, 0x3f800000, 0xbf800000, 0x7f800000, 0xff800000,
-                                    0x7fc00000, 0x49742400, 0x7149f2ca, 0x00000001, 0x33800000 };
+    static const uint32_t odd[] = { 0,          1,          15,         16,         17,         255,        256,
+                                    257,        0x7fffffff, 0x80000000, 0xffffffff, 0xfffffffe, 0xfffffffd, 0xfffffffc,
+                                    0x55555555, 0x55555556, 0x3f800000, 0xbf800000, 0x7f800000, 0xff800000, 0x7fc00000,
+                                    0x49742400, 0x7149f2ca, 0x00000001, 0x33800000 };
     return odd[which % (sizeof odd / sizeof *odd)];
 }
 
@@ -250,8 +244,7 @@ static int slices_are_wrong(const struct net *net)
 /* The word of `end` in the row of a node; UINT32_MAX: it is not there. */
 static uint32_t word_to(const struct net *net, uint32_t node, uint32_t end)
 {
-    for (uint32_t e = 16 * net->first[node / 16] + node % 16; e < 16 * net->first[node / 16 + 1];
-         e += 16)
+    for (uint32_t e = 16 * net->first[node / 16] + node % 16; e < 16 * net->first[node / 16 + 1]; e += 16)
         if (net->ends[e] == end)
             return e;
     return UINT32_MAX;
@@ -262,8 +255,7 @@ static int rows_are_wrong(const struct net *net)
     int wrong = 0;
     for (uint32_t node = 0; node < 16 * net->is.slices; node++) {
         int64_t before = -1;
-        for (uint32_t e = 16 * net->first[node / 16] + node % 16;
-             e < 16 * net->first[node / 16 + 1]; e += 16) {
+        for (uint32_t e = 16 * net->first[node / 16] + node % 16; e < 16 * net->first[node / 16 + 1]; e += 16) {
             const uint32_t end = net->ends[e];
             if (end == node)
                 continue;
@@ -280,8 +272,7 @@ static int pairs_are_wrong(const struct net *net)
     uint64_t ends = 0;
     int wrong = 0;
     for (uint32_t node = 0; node < net->is.nodes; node++)
-        for (uint32_t e = 16 * net->first[node / 16] + node % 16;
-             e < 16 * net->first[node / 16 + 1]; e += 16)
+        for (uint32_t e = 16 * net->first[node / 16] + node % 16; e < 16 * net->first[node / 16 + 1]; e += 16)
             if (net->ends[e] != node) {
                 wrong |= word_to(net, net->ends[e], node) == UINT32_MAX;
                 ends++;
@@ -293,8 +284,7 @@ static int pairs_are_wrong(const struct net *net)
 static void repair_net(struct dpt_mesh *mesh)
 {
     struct net net;
-    if (!net_of(mesh, &net) ||
-        !(slices_are_wrong(&net) || rows_are_wrong(&net) || pairs_are_wrong(&net)))
+    if (!net_of(mesh, &net) || !(slices_are_wrong(&net) || rows_are_wrong(&net) || pairs_are_wrong(&net)))
         return;
     for (uint32_t s = 0; s <= net.is.slices; s++)
         net.first[s] = s < net.is.slices ? 0 : net.entries;
@@ -318,15 +308,14 @@ static int node_numbers_are_wrong(const struct net *net)
     for (uint32_t i = 0; net->rest && i < 3 * net->is.nodes; i++)
         wrong |= !(fabsf(net->rest[i]) <= 2e6f);
     for (uint32_t i = 0; i < net->is.nodes; i++) {
-        wrong |= (net->mass[i] != 0.0f && !is_number(net->mass[i])) || !(net->drag[i] >= 0.0f) ||
-                 !(net->drag[i] <= 1e9f);
+        wrong |=
+            (net->mass[i] != 0.0f && !is_number(net->mass[i])) || !(net->drag[i] >= 0.0f) || !(net->drag[i] <= 1e9f);
         fixed += net->mass[i] == 0.0f;
     }
     const struct mesh_tail *tail = net->tail;
-    return wrong || fixed != tail->fixed_nodes || !(tail->viscosity >= 0.0) ||
-           !(tail->viscosity <= 1e9) || !(tail->spring_mass >= 0.0) ||
-           !(tail->spring_mass <= (double)1e15f * net->is.nodes) || !(tail->poisson >= 0.0) ||
-           !(tail->poisson <= 0.5) || !(tail->stable_step > 0.0) ||
+    return wrong || fixed != tail->fixed_nodes || !(tail->viscosity >= 0.0) || !(tail->viscosity <= 1e9) ||
+           !(tail->spring_mass >= 0.0) || !(tail->spring_mass <= (double)1e15f * net->is.nodes) ||
+           !(tail->poisson >= 0.0) || !(tail->poisson <= 0.5) || !(tail->stable_step > 0.0) ||
            !(tail->stable_step <= (double)1e15f);
 }
 
@@ -336,8 +325,7 @@ static int spring_numbers_are_wrong(const struct net *net)
     int wrong = 0;
     for (uint32_t node = 0; node < 16 * net->is.slices; node++) {
         double sum = 0.0;
-        for (uint32_t e = 16 * net->first[node / 16] + node % 16;
-             e < 16 * net->first[node / 16 + 1]; e += 16) {
+        for (uint32_t e = 16 * net->first[node / 16] + node % 16; e < 16 * net->first[node / 16 + 1]; e += 16) {
             const uint32_t end = net->ends[e];
             const float k = net->stiffness[e], length = net->length[e];
             if (end == node) {
@@ -372,8 +360,7 @@ static void repair_net_numbers(struct dpt_mesh *mesh)
         net.drag[i] = 0.0f;
     }
     for (uint32_t node = 0; has_rows && node < 16 * net.is.slices; node++)
-        for (uint32_t e = 16 * net.first[node / 16] + node % 16; e < 16 * net.first[node / 16 + 1];
-             e += 16) {
+        for (uint32_t e = 16 * net.first[node / 16] + node % 16; e < 16 * net.first[node / 16 + 1]; e += 16) {
             net.stiffness[e] = net.ends[e] == node ? 0.0f : 1.0f;
             net.length[e] = 1.0f;
         }
@@ -408,8 +395,7 @@ static void repair_indices(struct dpt_mesh *mesh)
         repair_words(mesh, MESH_EMBED_NODES, mesh_tail(mesh).nodes, 0);
     repair_net(mesh);
     uint32_t *example = tail_field(mesh, offsetof(struct mesh_tail, self_intersection));
-    if (mesh->version > 3 &&
-        (example[0] >= mesh->source_triangles || example[1] >= mesh->source_triangles))
+    if (mesh->version > 3 && (example[0] >= mesh->source_triangles || example[1] >= mesh->source_triangles))
         example[0] = example[1] = DPT_NONE;
     if (mesh_moments(mesh, &lanes))
         for (uint32_t leaf = 0; leaf < mesh->leaves; leaf++)
@@ -435,8 +421,7 @@ static void repair_weights(struct dpt_mesh *mesh)
 {
     float *weight = (float *)mesh_floats(mesh, MESH_EMBED_WEIGHTS);
     for (size_t v = 0; v < mesh->vertices; v++, weight += 4) {
-        const double sum =
-            (double)weight[0] + (double)weight[1] + (double)weight[2] + (double)weight[3];
+        const double sum = (double)weight[0] + (double)weight[1] + (double)weight[2] + (double)weight[3];
         int wrong = !(fabs(sum - 1.0) <= 0x1p-16);
         for (int k = 0; k < 4; k++)
             wrong |= !(fabsf(weight[k]) <= 128.0f);
@@ -450,19 +435,16 @@ static void repair_floats(struct dpt_mesh *mesh)
     static const struct {
         int id;
         float limit;
-    } floats[] = { { MESH_VERTICES, (float)DPT_COORDINATE_MAX },
-                   { MESH_BOXES, 1e30f },
-                   { MESH_LEAVES, 1e30f } };
+    } floats[] = { { MESH_VERTICES, (float)DPT_COORDINATE_MAX }, { MESH_BOXES, 1e30f }, { MESH_LEAVES, 1e30f } };
     const uint32_t *lanes;
     for (size_t i = 0; i < sizeof floats / sizeof *floats; i++)
-        repair_some_floats((float *)mesh_floats(mesh, floats[i].id),
-                           mesh->section[floats[i].id].bytes / 4, floats[i].limit);
+        repair_some_floats((float *)mesh_floats(mesh, floats[i].id), mesh->section[floats[i].id].bytes / 4,
+                           floats[i].limit);
     if (mesh_moments(mesh, &lanes))
         repair_some_floats((float *)mesh_floats(mesh, MESH_MOMENTS),
                            mesh->section[MESH_MOMENTS].bytes / 4 - mesh->leaves, 1e30f);
     if (mesh_normals(mesh))
-        repair_some_floats((float *)mesh_normals(mesh), mesh->section[MESH_NORMALS].bytes / 4,
-                           1.0f);
+        repair_some_floats((float *)mesh_normals(mesh), mesh->section[MESH_NORMALS].bytes / 4, 1.0f);
     if (mesh_tail(mesh).nodes)
         repair_weights(mesh);
     repair_net_numbers(mesh);
@@ -507,8 +489,7 @@ static void convert(const struct dpt_mesh *mesh, const struct crc32 *crc)
     header.header_crc32 = 0;
     for (int id = 0; id < (int)mesh->section_count; id++) {
         mesh_swap4((char *)other + mesh->section[id].offset, mesh->section[id].bytes / 4);
-        header.section[id].crc32 =
-            crc32_of(crc, (char *)other + mesh->section[id].offset, mesh->section[id].bytes);
+        header.section[id].crc32 = crc32_of(crc, (char *)other + mesh->section[id].offset, mesh->section[id].bytes);
     }
     mesh_swap_header(&header, mesh->version);
     header.header_crc32 = crc32_of(crc, &header, mesh->header_bytes);

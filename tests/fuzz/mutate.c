@@ -48,8 +48,7 @@ int fuzz_set_add_folder(struct fuzz_set *set, const char *folder, const char *en
     for (struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
         char path[4096];
         snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
-        FILE *file =
-            entry->d_name[0] != '.' && ends_in(entry->d_name, ending) ? fopen(path, "rb") : NULL;
+        FILE *file = entry->d_name[0] != '.' && ends_in(entry->d_name, ending) ? fopen(path, "rb") : NULL;
         size_t size = file ? fread(bytes, 1, most + 1, file) : 0;
         if (file && size <= most)
             add(set, entry->d_name, bytes, size);
@@ -150,8 +149,7 @@ static void put_number(uint64_t *random, struct draft *draft, size_t at)
     const int text = (int)below(random, 4);
     if (text == 0) {
         const char *sign = below(random, 4) ? "" : "-";
-        int size =
-            snprintf((char *)bytes, sizeof bytes, "%s%llu", sign, (unsigned long long)number);
+        int size = snprintf((char *)bytes, sizeof bytes, "%s%llu", sign, (unsigned long long)number);
         put(draft, at, bytes, (size_t)size, below(random, 2) == 0);
         return;
     }
@@ -199,8 +197,7 @@ static void change_digit(uint64_t *random, struct draft *draft, size_t at)
         draft->bytes[at] = (unsigned char)('0' + below(random, 10));
 }
 
-static void change(uint64_t *random, struct draft *draft, const struct fuzz_set *set,
-                   const struct fuzz_set *words)
+static void change(uint64_t *random, struct draft *draft, const struct fuzz_set *set, const struct fuzz_set *words)
 {
     const size_t at = below(random, draft->size);
     unsigned char any = (unsigned char)random_bits(random);
@@ -244,8 +241,8 @@ static void change(uint64_t *random, struct draft *draft, const struct fuzz_set 
     }
 }
 
-size_t fuzz_mutate(uint64_t *random, const struct fuzz_set *set, const struct fuzz_set *words,
-                   unsigned char *out, size_t room)
+size_t fuzz_mutate(uint64_t *random, const struct fuzz_set *set, const struct fuzz_set *words, unsigned char *out,
+                   size_t room)
 {
     const struct fuzz_input *input = &set->inputs[below(random, set->count)];
     struct draft draft = { out, input->size < room ? input->size : room, room };

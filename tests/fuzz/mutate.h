@@ -36,7 +36,7 @@ int fuzz_set_add_words(struct fuzz_set *set, const char *path);
  * of others; cut, repeated, left out. Of every third one digits alone, so that text keeps its form. Returns its length,
  * at most `room`.
  */
-size_t fuzz_mutate(uint64_t *random, const struct fuzz_set *set, const struct fuzz_set *words,
-                   unsigned char *out, size_t room);
+size_t fuzz_mutate(uint64_t *random, const struct fuzz_set *set, const struct fuzz_set *words, unsigned char *out,
+                   size_t room);
 
 #endif

@@ -10,8 +10,7 @@
 
 static uint32_t get4(const unsigned char *from)
 {
-    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 |
-           (uint32_t)from[3] << 24;
+    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 | (uint32_t)from[3] << 24;
 }
 
 /* The checksum at `at` of these bytes, as if it were 0. */
@@ -68,8 +67,8 @@ static void read_all(const uint8_t *bytes, size_t size)
         const size_t before = at;
         const dpt_result result = dpt_record_read(bytes, size, &at, records, 3, &count);
         MUST(at <= size && count <= 3 && at >= before + count * dpt_record_bytes());
-        MUST(result == DPT_OK || (!count && (result == DPT_E_TRUNCATED || result == DPT_E_LAYOUT ||
-                                             result == DPT_E_CHECKSUM)));
+        MUST(result == DPT_OK ||
+             (!count && (result == DPT_E_TRUNCATED || result == DPT_E_LAYOUT || result == DPT_E_CHECKSUM)));
         for (uint32_t i = 0; i < count; i++)
             use(&records[i]);
         all += count;

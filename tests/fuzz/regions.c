@@ -9,14 +9,13 @@
 #include "compile/read_regions.h"
 #include "fuzz/target.h"
 
-static void check_refusal(dpt_result result, const dpt_diag *diag, const uint8_t *bytes,
-                          size_t size)
+static void check_refusal(dpt_result result, const dpt_diag *diag, const uint8_t *bytes, size_t size)
 {
     uint64_t lines = 1;
     for (size_t i = 0; i < size; i++)
         lines += bytes[i] == '\n' || bytes[i] == '\r';
-    MUST(result == DPT_E_FINITE || result == DPT_E_ARGUMENT || result == DPT_E_INDEX ||
-         result == DPT_E_FORMAT || result == DPT_E_SYNTAX);
+    MUST(result == DPT_E_FINITE || result == DPT_E_ARGUMENT || result == DPT_E_INDEX || result == DPT_E_FORMAT ||
+         result == DPT_E_SYNTAX);
     MUST(diag->code == result && diag->line <= lines);
     const char *end = memchr(diag->text, 0, sizeof diag->text);
     MUST(end && end > diag->text);

@@ -3,14 +3,14 @@
  * Scene files: refused with a line or a place and a reason, or numbers that are all in their ranges. Of a scene of few
  * triangles a world is made, which refuses none of them, and takes some steps.
  */
-#include "scene_file/scene_file.h"
+#include "scene/scene_file.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "fuzz/fault_check.h"
-#include "scene_bodies.h"
-#include "shape.h"
+#include "scene/scene_bodies.h"
+#include "shape/shape.h"
 
 /* What is quick enough. */
 enum { FEW_TRIANGLES = 300, FEW_REGIONS = 64, STEPS = 3 };
@@ -103,13 +103,11 @@ static int make_body(struct scene_body *body, const struct scene_file_body *from
     struct shape shape;
     shape_reason reason;
     dpt_diag diag = { .size = sizeof diag };
-    const dpt_compile_def def = { .size = sizeof def,
-                                  .springs = listed->springs.kind ? &listed->springs : NULL };
+    const dpt_compile_def def = { .size = sizeof def, .springs = listed->springs.kind ? &listed->springs : NULL };
     if (shape_make(listed->shape, listed->triangles, 0, &shape, reason))
         return 0;
-    const dpt_result result =
-        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
-                           &def, &body->compiled, &diag);
+    const dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
+                                                 shape.triangle_count, &def, &body->compiled, &diag);
     shape_free(&shape);
     MUST(result == DPT_OK || result == DPT_E_FINITE || result == DPT_E_LIMIT ||
          (result == DPT_E_ARGUMENT &&
@@ -129,8 +127,7 @@ static int make_body(struct scene_body *body, const struct scene_file_body *from
 }
 
 /* Give the tool the file's tips; `blocks` holds them. */
-static void add_tips(dpt_world *world, dpt_tool tool, const struct scene_file *file,
-                     void *blocks[TIP_SHAPES_MAX])
+static void add_tips(dpt_world *world, dpt_tool tool, const struct scene_file *file, void *blocks[TIP_SHAPES_MAX])
 {
     dpt_tip tips[TIP_SHAPES_MAX];
     for (uint32_t i = 0; i < file->tips.count; i++) {
@@ -160,8 +157,7 @@ static void take_steps(struct scene_bodies *bodies, const struct scene_file *fil
     void *block = malloc(dpt_world_bytes(&def));
     MUST(block && dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK);
     MUST(scene_bodies_add(bodies, world, &force) == DPT_OK);
-    MUST(dpt_tool_add(world, file->segment_count ? file->segments : &stylus, def.max_segments,
-                      &tool) == DPT_OK);
+    MUST(dpt_tool_add(world, file->segment_count ? file->segments : &stylus, def.max_segments, &tool) == DPT_OK);
     add_tips(world, tool, file, tips);
     for (int i = 0; i < STEPS; i++) {
         MUST(dpt_world_step(world, 1e-3, NULL) == DPT_OK);

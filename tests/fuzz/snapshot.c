@@ -7,8 +7,8 @@
 
 static int is_a_code(dpt_result result)
 {
-    return result == DPT_E_MAGIC || result == DPT_E_VERSION || result == DPT_E_TRUNCATED ||
-           result == DPT_E_LAYOUT || result == DPT_E_ARGUMENT;
+    return result == DPT_E_MAGIC || result == DPT_E_VERSION || result == DPT_E_TRUNCATED || result == DPT_E_LAYOUT ||
+           result == DPT_E_ARGUMENT;
 }
 
 static void read_vertices(const uint8_t *bytes, size_t size, const dpt_snapshot_body *body)

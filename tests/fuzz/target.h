@@ -20,22 +20,22 @@
 #define FUZZ_BYTES_MAX 4096u
 
 #ifdef FUZZ_ENGINE
-#define FUZZ_TARGET(name)                                                                          \
-    int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);                                 \
+#define FUZZ_TARGET(name)                                                                                              \
+    int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);                                                     \
     int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 #else
-#define FUZZ_TARGET(name)                                                                          \
-    int fuzz_##name(const uint8_t *bytes, size_t size);                                            \
+#define FUZZ_TARGET(name)                                                                                              \
+    int fuzz_##name(const uint8_t *bytes, size_t size);                                                                \
     int fuzz_##name(const uint8_t *bytes, size_t size)
 #endif
 
 /* What does not hold ends the program, as a wrong read does under the sanitizers. */
-#define MUST(condition)                                                                            \
-    do {                                                                                           \
-        if (!(condition)) {                                                                        \
-            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                        \
-            abort();                                                                               \
-        }                                                                                          \
+#define MUST(condition)                                                                                                \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                            \
+            abort();                                                                                                   \
+        }                                                                                                              \
     } while (0)
 
 /*
@@ -54,15 +54,7 @@ enum {
  * What to ask, as bits: queries; a few ticks of a world, of one with a budget and shadows, of the paper's method with
  * routes; strips without a world.
  */
-enum {
-    FUZZ_QUERY = 1,
-    FUZZ_TICK = 2,
-    FUZZ_BUDGET = 4,
-    FUZZ_PAPER = 8,
-    FUZZ_STRIP = 16,
-    FUZZ_ALL = 31,
-    FUZZ_KINDS = 5
-};
+enum { FUZZ_QUERY = 1, FUZZ_TICK = 2, FUZZ_BUDGET = 4, FUZZ_PAPER = 8, FUZZ_STRIP = 16, FUZZ_ALL = 31, FUZZ_KINDS = 5 };
 
 /* Ask an open mesh for information, sections and triangles, and for what `asked` says. */
 void fuzz_use_mesh(const dpt_mesh *mesh, int origin, int asked);

@@ -29,21 +29,21 @@
 #endif
 
 /*      name    share  accepted, at least one in */
-#define TARGETS(X)                                                                                 \
-    X(obj, 17, 20)                                                                                 \
-    X(stl, 12, 20)                                                                                 \
-    X(ply, 18, 100)                                                                                \
-    X(off, 11, 40)                                                                                 \
-    X(tetgen, 2, 40)                                                                               \
-    X(regions, 2, 40)                                                                              \
-    X(trace, 5, 40)                                                                                \
-    SCENE(X)                                                                                       \
-    X(mesh, 10, 100)                                                                               \
-    X(forged, 2, 2)                                                                                \
-    X(arm, 4, 10)                                                                                  \
-    X(wire, 10, 10)                                                                                \
-    X(record, 4, 10)                                                                               \
-    X(snapshot, 3, 20)                                                                             \
+#define TARGETS(X)                                                                                                     \
+    X(obj, 17, 20)                                                                                                     \
+    X(stl, 12, 20)                                                                                                     \
+    X(ply, 18, 100)                                                                                                    \
+    X(off, 11, 40)                                                                                                     \
+    X(tetgen, 2, 40)                                                                                                   \
+    X(regions, 2, 40)                                                                                                  \
+    X(trace, 5, 40)                                                                                                    \
+    SCENE(X)                                                                                                           \
+    X(mesh, 10, 100)                                                                                                   \
+    X(forged, 2, 2)                                                                                                    \
+    X(arm, 4, 10)                                                                                                      \
+    X(wire, 10, 10)                                                                                                    \
+    X(record, 4, 10)                                                                                                   \
+    X(snapshot, 3, 20)                                                                                                 \
     X(request, 1, 20)
 
 #define DECLARE(name, share, least) int fuzz_##name(const uint8_t *bytes, size_t size);
@@ -95,8 +95,7 @@ static void load(struct fuzz_set *set, struct fuzz_set *words, const char *name)
     int files = fuzz_set_add_folder(set, path, "", FUZZ_BYTES_MAX);
     CHECK(files > 0, "%s: %d files", path, files);
     snprintf(ending, sizeof ending, ".%s", name);
-    CHECK(fuzz_set_add_folder(set, "tests/golden-bad", ending, FUZZ_BYTES_MAX) >= 0,
-          "no tests/golden-bad");
+    CHECK(fuzz_set_add_folder(set, "tests/golden-bad", ending, FUZZ_BYTES_MAX) >= 0, "no tests/golden-bad");
     snprintf(path, sizeof path, "tests/fuzz/%s.dict", name);
     fuzz_set_add_words(words, path);
 }
@@ -121,12 +120,10 @@ static void run(const struct target *target)
     }
     alarm(0);
     uint64_t accepted = fuzz_accepted - replay_accepted;
-    CHECK(accepted * target->least >= runs && accepted <= runs,
-          "%llu of %llu accepted: the test tests little", (unsigned long long)accepted,
-          (unsigned long long)runs);
-    printf("    %s: %zu files, %llu accepted; %llu mutations, %llu accepted\n", target->name,
-           set.count, (unsigned long long)replay_accepted, (unsigned long long)runs,
-           (unsigned long long)accepted);
+    CHECK(accepted * target->least >= runs && accepted <= runs, "%llu of %llu accepted: the test tests little",
+          (unsigned long long)accepted, (unsigned long long)runs);
+    printf("    %s: %zu files, %llu accepted; %llu mutations, %llu accepted\n", target->name, set.count,
+           (unsigned long long)replay_accepted, (unsigned long long)runs, (unsigned long long)accepted);
     fuzz_set_free(&set);
     fuzz_set_free(&words);
 }
@@ -143,11 +140,11 @@ static void replay(const struct target *target)
     run_once(target, bytes, size);
 }
 
-#define DEFINE(name, share, least)                                                                 \
-    static void name(void)                                                                         \
-    {                                                                                              \
-        const struct target target = { #name, fuzz_##name, share, least };                         \
-        replayed ? replay(&target) : run(&target);                                                 \
+#define DEFINE(name, share, least)                                                                                     \
+    static void name(void)                                                                                             \
+    {                                                                                                                  \
+        const struct target target = { #name, fuzz_##name, share, least };                                             \
+        replayed ? replay(&target) : run(&target);                                                                     \
     }
 TARGETS(DEFINE)
 
@@ -164,8 +161,8 @@ int main(int argc, char **argv)
     const struct rlimit limit = { MEMORY_MAX, MEMORY_MAX };
     CHECK(setrlimit(RLIMIT_AS, &limit) == 0, "no limit of memory");
 #endif
-#define RUN(name, share, least)                                                                    \
-    if (!only || !strcmp(only, #name))                                                             \
+#define RUN(name, share, least)                                                                                        \
+    if (!only || !strcmp(only, #name))                                                                                 \
         TEST(name);
     TARGETS(RUN)
     return check_report();

@@ -17,12 +17,10 @@ static uint64_t lines_of(const uint8_t *bytes, size_t size)
     return lines;
 }
 
-static void check_refusal(dpt_result result, const dpt_diag *diag, const uint8_t *bytes,
-                          size_t size)
+static void check_refusal(dpt_result result, const dpt_diag *diag, const uint8_t *bytes, size_t size)
 {
-    MUST(result == DPT_E_FINITE || result == DPT_E_TRUNCATED || result == DPT_E_TRAILING ||
-         result == DPT_E_INDEX || result == DPT_E_FORMAT || result == DPT_E_SYNTAX ||
-         result == DPT_E_EMPTY);
+    MUST(result == DPT_E_FINITE || result == DPT_E_TRUNCATED || result == DPT_E_TRAILING || result == DPT_E_INDEX ||
+         result == DPT_E_FORMAT || result == DPT_E_SYNTAX || result == DPT_E_EMPTY);
     MUST(diag->code == result && diag->line <= lines_of(bytes, size));
     const char *end = memchr(diag->text, 0, sizeof diag->text);
     MUST(end && end > diag->text);

@@ -49,8 +49,7 @@ static void ask_springs(const dpt_mesh *mesh, const dpt_mesh_info *info)
     MUST(dpt_mesh_get_springs(mesh, &net) == DPT_OK && net.nodes == info->spring_nodes);
     for (uint32_t i = 0; i < net.nodes; i++) {
         MUST(net.mass[i] >= 0.0f && net.drag[i] >= 0.0f && fabsf(net.rest[3 * (size_t)i]) <= 2e6f);
-        for (uint32_t e = 16 * net.first[i / 16] + i % 16; e < 16 * net.first[i / 16 + 1];
-             e += 16) {
+        for (uint32_t e = 16 * net.first[i / 16] + i % 16; e < 16 * net.first[i / 16 + 1]; e += 16) {
             MUST(net.neighbours[e] < net.nodes && net.length[e] > 0.0f);
             upward += net.neighbours[e] > i;
             downward += net.neighbours[e] < i;
@@ -91,9 +90,8 @@ static void choose_segments(const dpt_mesh_info *info, double ends[6 * SEGMENTS]
 
 static void check_hit(const dpt_hit *hit)
 {
-    const double numbers[] = { hit->distance, hit->gap,  hit->depth,       hit->s,
-                               hit->p[0],     hit->p[1], hit->p[2],        hit->q[0],
-                               hit->q[1],     hit->q[2], hit->error_bound, hit->lower_bound };
+    const double numbers[] = { hit->distance, hit->gap,  hit->depth, hit->s,    hit->p[0],        hit->p[1],
+                               hit->p[2],     hit->q[0], hit->q[1],  hit->q[2], hit->error_bound, hit->lower_bound };
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         MUST(isfinite(numbers[i]));
     MUST(hit->s >= 0.0 && hit->s <= 1.0 && hit->distance >= 0.0 && hit->depth >= 0.0);
@@ -111,8 +109,7 @@ static void check_pair(const dpt_mesh *mesh, const double ends[6], const dpt_hit
     MUST(hit->lower_bound <= distance + hit->error_bound);
 }
 
-static void ask_queries(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], double radius,
-                        int origin)
+static void ask_queries(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], double radius, int origin)
 {
     static const uint32_t methods[] = { DPT_METHOD_BRUTE, DPT_METHOD_TREE, DPT_METHOD_EXACT };
     const double radii[SEGMENTS] = { 0.0, radius, radius, radius };
@@ -128,14 +125,13 @@ static void ask_queries(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], d
             if (origin != FUZZ_COMPILED)
                 continue;
             check_pair(mesh, ends + 6 * i, &hits[m][i]);
-            MUST(fabs(hits[m][i].distance - hits[0][i].distance) <=
-                 hits[m][i].error_bound + hits[0][i].error_bound);
+            MUST(fabs(hits[m][i].distance - hits[0][i].distance) <= hits[m][i].error_bound + hits[0][i].error_bound);
         }
     }
 }
 
-static dpt_world *make_world(void *block, size_t room, uint32_t method, uint32_t budget,
-                             uint32_t kernel, uint32_t strip)
+static dpt_world *make_world(void *block, size_t room, uint32_t method, uint32_t budget, uint32_t kernel,
+                             uint32_t strip)
 {
     dpt_world_def def;
     dpt_world *world = NULL;
@@ -171,8 +167,8 @@ static void ask_tool(const dpt_world *world, dpt_tool tool)
     MUST(dpt_tool_get_contacts(world, tool, contacts, CONTACTS, &count) == DPT_OK);
     for (uint32_t i = 0; i < count && i < CONTACTS; i++)
         MUST(contacts[i].s0 >= 0.0 && contacts[i].s0 <= contacts[i].s1 && contacts[i].s1 <= 1.0 &&
-             isfinite(contacts[i].gap) && isfinite(contacts[i].overlap) &&
-             isfinite(contacts[i].normal[0]) && isfinite(contacts[i].thrust[0]));
+             isfinite(contacts[i].gap) && isfinite(contacts[i].overlap) && isfinite(contacts[i].normal[0]) &&
+             isfinite(contacts[i].thrust[0]));
     for (uint32_t i = 0; i < 2; i++) {
         MUST(dpt_tool_get_sweep(world, tool, i, &sweep) == DPT_OK);
         MUST(isfinite(sweep.time) && isfinite(sweep.q[0]) && isfinite(sweep.normal[0]));
@@ -182,9 +178,8 @@ static void ask_tool(const dpt_world *world, dpt_tool tool)
 static void check_overlaps(const dpt_overlap *overlaps, uint32_t count)
 {
     for (uint32_t i = 0; i < count && i < STRIP; i++)
-        MUST(isfinite(overlaps[i].distance) && isfinite(overlaps[i].gap) &&
-             isfinite(overlaps[i].overlap) && isfinite(overlaps[i].q[0]) && overlaps[i].s >= 0.0 &&
-             overlaps[i].s <= 1.0);
+        MUST(isfinite(overlaps[i].distance) && isfinite(overlaps[i].gap) && isfinite(overlaps[i].overlap) &&
+             isfinite(overlaps[i].q[0]) && overlaps[i].s >= 0.0 && overlaps[i].s <= 1.0);
 }
 
 static void ask_tool_strips(const dpt_world *world, dpt_tool tool)
@@ -201,8 +196,7 @@ static int corners_shared(const dpt_mesh *mesh, uint32_t one, uint32_t other)
 {
     double a[9], b[9];
     int shared = 0;
-    MUST(dpt_mesh_get_triangle(mesh, one, a) == DPT_OK &&
-         dpt_mesh_get_triangle(mesh, other, b) == DPT_OK);
+    MUST(dpt_mesh_get_triangle(mesh, one, a) == DPT_OK && dpt_mesh_get_triangle(mesh, other, b) == DPT_OK);
     for (int i = 0; i < 9; i += 3)
         for (int k = 0; k < 9; k += 3)
             shared += !memcmp(a + i, b + k, 3 * sizeof *a);
@@ -210,8 +204,8 @@ static int corners_shared(const dpt_mesh *mesh, uint32_t one, uint32_t other)
 }
 
 /* From triangle to triangle over common corners, both ends included; the table's is the same. */
-static void check_route(const dpt_mesh *mesh, const dpt_strip *strip, dpt_result result,
-                        uint32_t from, uint32_t to, int origin)
+static void check_route(const dpt_mesh *mesh, const dpt_strip *strip, dpt_result result, uint32_t from, uint32_t to,
+                        int origin)
 {
     uint32_t count, flags;
     const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
@@ -225,8 +219,7 @@ static void check_route(const dpt_mesh *mesh, const dpt_strip *strip, dpt_result
         MUST(corners_shared(mesh, triangles[i - 1], triangles[i]) > 0);
 }
 
-static void ask_routes(const dpt_mesh *mesh, dpt_strip *strip, const dpt_mesh_info *info,
-                       int origin)
+static void ask_routes(const dpt_mesh *mesh, dpt_strip *strip, const dpt_mesh_info *info, int origin)
 {
     static uint64_t room[16384];
     const dpt_route_table *table = NULL;
@@ -245,14 +238,13 @@ static void ask_routes(const dpt_mesh *mesh, dpt_strip *strip, const dpt_mesh_in
         dpt_result by_table = dpt_strip_route_by_table(strip, table, from, to);
         triangles = dpt_strip_get_triangles(strip, &again, NULL);
         MUST(origin != FUZZ_COMPILED || result == DPT_E_FULL ||
-             (result == by_table && count == again &&
-              !memcmp(direct, triangles, count * sizeof *direct)));
+             (result == by_table && count == again && !memcmp(direct, triangles, count * sizeof *direct)));
     }
     dpt_strip_routes(strip, mesh, 0, info->source_triangles / 2, info->source_triangles - 1);
 }
 
-static void ask_strips(const dpt_mesh *mesh, const dpt_mesh_info *info,
-                       const double ends[6 * SEGMENTS], double radius, int origin)
+static void ask_strips(const dpt_mesh *mesh, const dpt_mesh_info *info, const double ends[6 * SEGMENTS], double radius,
+                       int origin)
 {
     static uint64_t block[2048];
     const dpt_strip_def def = { .size = sizeof def, .capacity = STRIP, .search = SEARCH };
@@ -272,15 +264,14 @@ static void ask_strips(const dpt_mesh *mesh, const dpt_mesh_info *info,
         shadow.segment.radius = radius;
         dpt_result result = dpt_strip_shadow(strip, mesh, NULL, &shadow);
         MUST(result == DPT_OK || result == DPT_E_DROPPED);
-        MUST(dpt_strip_overlaps(strip, mesh, NULL, &shadow.segment, 1, overlaps, STRIP, &count) ==
-             DPT_OK);
+        MUST(dpt_strip_overlaps(strip, mesh, NULL, &shadow.segment, 1, overlaps, STRIP, &count) == DPT_OK);
         check_overlaps(overlaps, count);
     }
 }
 
 /* The chosen segments in turn: the tool goes in, through and out. */
-static void ask_world(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], double radius,
-                      uint32_t method, uint32_t budget, uint32_t kernel, uint32_t strip)
+static void ask_world(const dpt_mesh *mesh, const double ends[6 * SEGMENTS], double radius, uint32_t method,
+                      uint32_t budget, uint32_t kernel, uint32_t strip)
 {
     static double block[16384];
     dpt_world *world = make_world(block, sizeof block, method, budget, kernel, strip);
@@ -326,11 +317,9 @@ void fuzz_use_mesh(const dpt_mesh *mesh, int origin, int asked)
     if (asked & FUZZ_TICK)
         ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 0, DPT_KERNEL_AUTO, DPT_STRIP_KIND_NONE);
     if (asked & FUZZ_BUDGET)
-        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 2, DPT_KERNEL_SCALAR,
-                  DPT_STRIP_KIND_SHADOW);
+        ask_world(mesh, ends, radius, DPT_METHOD_EXACT, 2, DPT_KERNEL_SCALAR, DPT_STRIP_KIND_SHADOW);
     if (asked & FUZZ_PAPER)
-        ask_world(mesh, ends, radius, DPT_METHOD_PAPER, 0, DPT_KERNEL_SCALAR,
-                  DPT_STRIP_KIND_ROUTES);
+        ask_world(mesh, ends, radius, DPT_METHOD_PAPER, 0, DPT_KERNEL_SCALAR, DPT_STRIP_KIND_ROUTES);
     if (asked & FUZZ_STRIP)
         ask_strips(mesh, &info, ends, radius, origin);
 }

@@ -68,12 +68,9 @@ static void sample(struct line *line, uint8_t causes)
 
 FUZZ_TARGET(wire)
 {
-    static const struct wire_info info = { .pose_dofs = 6,
-                                           .wrench_dofs = 6,
-                                           .rate = 1000,
-                                           .force_max = 5,
-                                           .torque_max = 0.1f,
-                                           .watchdog = 0.002f };
+    static const struct wire_info info = {
+        .pose_dofs = 6, .wrench_dofs = 6, .rate = 1000, .force_max = 5, .torque_max = 0.1f, .watchdog = 0.002f
+    };
     struct line line = { .size = 0 };
     wire_device_init(&line.device, &info);
     for (size_t i = 0; i < size; i++)

@@ -36,8 +36,7 @@ int body_from_data(struct hull_body *body, const char *data, const char *name)
     const dpt_result result = dpt_compile_file(path, NULL, &body->fixture.compiled, &diag);
     CHECK(result == DPT_OK, "%s: %s", name, diag.text);
     return result == DPT_OK &&
-           dpt_mesh_open(body->fixture.compiled.bytes, body->fixture.compiled.size,
-                         &body->fixture.mesh) == DPT_OK &&
+           dpt_mesh_open(body->fixture.compiled.bytes, body->fixture.compiled.size, &body->fixture.mesh) == DPT_OK &&
            open_body(body);
 }
 
@@ -62,8 +61,8 @@ int body_from_sheet(struct hull_body *body, uint32_t rows, int is_wavy)
             memcpy(at, cell, sizeof cell);
             at += 6;
         }
-    const int opened = fixture_from_arrays(&body->fixture, vertices, (size_t)across * across,
-                                           corners, 2 * (size_t)rows * rows);
+    const int opened =
+        fixture_from_arrays(&body->fixture, vertices, (size_t)across * across, corners, 2 * (size_t)rows * rows);
     free(vertices);
     free(corners);
     return opened && open_body(body);

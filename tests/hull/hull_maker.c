@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "hull/hull_maker.h"
 
-const char *const cloud_names[CLOUDS] = { "cube",   "sphere",   "lattice", "stretched",
-                                          "inside", "repeated", "polygon", "box",
-                                          "wedge",  "cylinder", "cone" };
+const char *const cloud_names[CLOUDS] = { "cube",    "sphere", "lattice", "stretched", "inside", "repeated",
+                                          "polygon", "box",    "wedge",   "cylinder",  "cone" };
 
 static void put(struct made_hull *made, vec3 x)
 {
@@ -32,8 +31,7 @@ static void put_shape(uint64_t *random, int kind, struct made_hull *made)
         shape.extent[k] = power_in(random, -2.0, 0.0);
     if (kind >= CLOUD_CYLINDER && one_in(random, 2))
         shape.sides = whole_in(random, 3, kind == CLOUD_CONE ? 63 : 32);
-    const dpt_result result =
-        dpt_hull_shape_corners(&shape, made->point, DPT_HULL_CORNERS_MAX, &made->count);
+    const dpt_result result = dpt_hull_shape_corners(&shape, made->point, DPT_HULL_CORNERS_MAX, &made->count);
     CHECK(result == DPT_OK, "%s: %s", cloud_names[kind], dpt_result_name(result));
 }
 
@@ -53,8 +51,7 @@ void cloud_points(uint64_t *random, int kind, uint32_t count, struct made_hull *
         if (kind == CLOUD_SPHERE)
             x = any_unit(random);
         if (kind == CLOUD_LATTICE)
-            x = (vec3){ whole_in(random, 0, 4) - 2.0, whole_in(random, 0, 4) - 2.0,
-                        whole_in(random, 0, 4) - 2.0 };
+            x = (vec3){ whole_in(random, 0, 4) - 2.0, whole_in(random, 0, 4) - 2.0, whole_in(random, 0, 4) - 2.0 };
         if (kind == CLOUD_LATTICE && i < 4)
             x = (vec3){ 2.0 * (i == 1), 2.0 * (i == 2), 2.0 * (i == 3) };
         if (kind == CLOUD_STRETCHED)
@@ -96,9 +93,7 @@ dpt_result make_hull(struct made_hull *made, double radius)
     enum { GUARD = 0x5a };
     double points[3 * DPT_HULL_CORNERS_MAX];
     memcpy(points, made->point, sizeof points);
-    const dpt_hull_def def = {
-        .size = sizeof def, .corner_count = made->count, .corners = points, .radius = radius
-    };
+    const dpt_hull_def def = { .size = sizeof def, .corner_count = made->count, .corners = points, .radius = radius };
     const size_t bytes = dpt_hull_bytes(&def);
     made->hull = NULL;
     CHECK(bytes > 0 && bytes + 8 <= sizeof made->block, "%zu bytes", bytes);
@@ -123,8 +118,8 @@ void make_any_hull(uint64_t *random, double size, struct made_hull *made)
     const double none[3] = { 0.0, 0.0, 0.0 };
     dpt_result result;
     do {
-        cloud_points(random, (int)whole_in(random, 0, CLOUDS - 1),
-                     one_in(random, 2) ? few[whole_in(random, 0, 4)] : 0, made);
+        cloud_points(random, (int)whole_in(random, 0, CLOUDS - 1), one_in(random, 2) ? few[whole_in(random, 0, 4)] : 0,
+                     made);
         cloud_place(made, size / made->size, none);
         result = make_hull(made, 0.0);
     } while (result != DPT_OK);
@@ -136,8 +131,7 @@ const char *points_text(const double *points, uint32_t count)
     size_t length = 0;
     text[0] = 0;
     for (uint32_t i = 0; i < 3 * count; i++)
-        length += (size_t)snprintf(text + length, sizeof text - length, "%s%a",
-                                   i ? i % 3 ? "," : ", " : "", points[i]);
+        length += (size_t)snprintf(text + length, sizeof text - length, "%s%a", i ? i % 3 ? "," : ", " : "", points[i]);
     return text;
 }
 

@@ -9,13 +9,13 @@
 #include "oracle/hull_distance.h"
 
 enum {
-    CLOUD_CUBE,    /* anywhere in a cube */
-    CLOUD_SPHERE,  /* on a sphere: all are corners */
-    CLOUD_LATTICE, /* small whole numbers: many in one plane, on one line or in one place, exactly */
+    CLOUD_CUBE,      /* anywhere in a cube */
+    CLOUD_SPHERE,    /* on a sphere: all are corners */
+    CLOUD_LATTICE,   /* small whole numbers: many in one plane, on one line or in one place, exactly */
     CLOUD_STRETCHED, /* a cube that is long or flat, by up to 1000 */
-    CLOUD_INSIDE, /* a few corners, and the rest inside of their hull, on its faces and its edges */
-    CLOUD_REPEATED, /* every point several times */
-    CLOUD_POLYGON,  /* flat, in a plane of two axes */
+    CLOUD_INSIDE,    /* a few corners, and the rest inside of their hull, on its faces and its edges */
+    CLOUD_REPEATED,  /* every point several times */
+    CLOUD_POLYGON,   /* flat, in a plane of two axes */
     CLOUD_BOX,
     CLOUD_WEDGE,
     CLOUD_CYLINDER,

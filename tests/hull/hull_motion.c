@@ -8,8 +8,7 @@ double throw_radius(const struct hull_throw *thrown)
     return max_of(thrown->made->hull->radius + thrown->clearance, 0.0);
 }
 
-struct oracle_interval throw_distance(const struct hull_throw *thrown, double time,
-                                      uint32_t triangle, double limit)
+struct oracle_interval throw_distance(const struct hull_throw *thrown, double time, uint32_t triangle, double limit)
 {
     double corners[3 * ORACLE_CORNERS], one[9];
     const struct oracle_hull *as = &thrown->made->as;
@@ -22,11 +21,9 @@ struct oracle_interval throw_distance(const struct hull_throw *thrown, double ti
 
 static vec3 any_direction(const struct hull_throw *thrown, uint64_t *random)
 {
-    const double *c =
-        thrown->triangles->corners + 9 * (size_t)whole_in(random, 0, thrown->triangles->count - 1);
+    const double *c = thrown->triangles->corners + 9 * (size_t)whole_in(random, 0, thrown->triangles->count - 1);
     const vec3 a = vec3_of(c), n = cross(sub(vec3_of(c + 3), a), sub(vec3_of(c + 6), a));
-    return one_in(random, 2) && length(n) > 0.0 ? scaled(unit_of(n), one_in(random, 2) ? 1.0 : -1.0)
-                                                : any_unit(random);
+    return one_in(random, 2) && length(n) > 0.0 ? scaled(unit_of(n), one_in(random, 2) ? 1.0 : -1.0) : any_unit(random);
 }
 
 void throw_sweep(uint64_t *random, struct hull_throw *thrown, uint32_t work)
@@ -52,8 +49,7 @@ void throw_sweep(uint64_t *random, struct hull_throw *thrown, uint32_t work)
         sweep.triangle = whole_in(random, 0, thrown->triangles->count - 1);
     if (!sweep.direction_count)
         sweep.directions = NULL;
-    const struct placement from = { .tool = thrown->motion.tool_from,
-                                    .body = thrown->motion.body_from };
+    const struct placement from = { .tool = thrown->motion.tool_from, .body = thrown->motion.body_from };
     const struct placement to = { .tool = thrown->motion.tool_to, .body = thrown->motion.body_to };
     thrown->status = dpti_hull_sweep(&sweep, &from, &to);
     thrown->time = sweep.time;
@@ -68,9 +64,8 @@ static const char *throw_text(const struct hull_throw *thrown)
     size_t length = 0;
     for (int i = 0; i < 4; i++) {
         const double *p = poses[i].position, *q = poses[i].orientation;
-        length +=
-            (size_t)snprintf(text + length, sizeof text - length, "pose %a,%a,%a, %a,%a,%a,%a; ",
-                             p[0], p[1], p[2], q[0], q[1], q[2], q[3]);
+        length += (size_t)snprintf(text + length, sizeof text - length, "pose %a,%a,%a, %a,%a,%a,%a; ", p[0], p[1],
+                                   p[2], q[0], q[1], q[2], q[3]);
     }
     snprintf(text + length, sizeof text - length, "radius %a, clearance %a, tolerance %a, hull %s",
              thrown->made->hull->radius, thrown->clearance, thrown->tolerance,
@@ -84,11 +79,9 @@ static void check_free_at(const struct hull_throw *thrown, double time)
     const double radius = throw_radius(thrown);
     if (!(time >= 0.0 && time < thrown->time))
         return;
-    const struct oracle_interval apart =
-        throw_distance(thrown, time, DPT_NONE, radius + thrown->tolerance);
-    CHECK(apart.upper > radius - thrown->noise,
-          "status %d, free until %.17g, and met at %.17g: %g of %g: %s", thrown->status,
-          thrown->time, time, apart.upper, radius, throw_text(thrown));
+    const struct oracle_interval apart = throw_distance(thrown, time, DPT_NONE, radius + thrown->tolerance);
+    CHECK(apart.upper > radius - thrown->noise, "status %d, free until %.17g, and met at %.17g: %g of %g: %s",
+          thrown->status, thrown->time, time, apart.upper, radius, throw_text(thrown));
 }
 
 /* Returns 1 if the two come as near as half of the tolerance before that time. */
@@ -100,9 +93,8 @@ static int check_free(const struct hull_throw *thrown)
         check_free_at(thrown, thrown->time * i / 9.0);
     for (int i = 1; i < 14; i += 3)
         check_free_at(thrown, thrown->time * (1.0 - pow(10.0, -i)));
-    const struct oracle_meeting meeting =
-        oracle_first_meeting(&thrown->motion, as->corner[0], as->corner_count, thrown->triangles,
-                             throw_radius(thrown), slack, 60);
+    const struct oracle_meeting meeting = oracle_first_meeting(&thrown->motion, as->corner[0], as->corner_count,
+                                                               thrown->triangles, throw_radius(thrown), slack, 60);
     if (!(meeting.free_until < thrown->time))
         return meeting.met_at < 1.5;
     for (double step = 1e-9; step < 1.0; step *= 2.0)
@@ -116,8 +108,7 @@ static void check_status(const struct hull_throw *thrown)
     CHECK(thrown->time >= 0.0 && thrown->time <= 1.0, "time %g", thrown->time);
     CHECK(status == SWEEP_FREE || status == SWEEP_HIT || status == SWEEP_UNFINISHED, "%d", status);
     CHECK(status != SWEEP_FREE || thrown->time == 1.0, "free until %g", thrown->time);
-    CHECK(status != SWEEP_HIT || thrown->triangle < thrown->triangles->count, "triangle %u",
-          thrown->triangle);
+    CHECK(status != SWEEP_HIT || thrown->triangle < thrown->triangles->count, "triangle %u", thrown->triangle);
 }
 
 /* m: how far hull and triangle may go in the time that the resolution leaves open. */
@@ -127,8 +118,7 @@ static double way_left_open(const struct hull_throw *thrown)
     const double speed = oracle_motion_speed(&thrown->motion, as->corner[0], as->corner_count);
     double fastest = 0.0;
     for (uint32_t k = 0; k < 9 && thrown->triangles->shift; k += 3)
-        fastest = max_of(
-            fastest, length(vec3_of(thrown->triangles->shift + 9 * (size_t)thrown->triangle + k)));
+        fastest = max_of(fastest, length(vec3_of(thrown->triangles->shift + 9 * (size_t)thrown->triangle + k)));
     return thrown->resolution * (speed + fastest);
 }
 
@@ -139,9 +129,8 @@ static double check_hit(const struct hull_throw *thrown)
         return 0.0;
     const double apart = throw_distance(thrown, thrown->time, thrown->triangle, HUGE_VAL).lower;
     const double beyond = apart - throw_radius(thrown) - way_left_open(thrown);
-    CHECK(beyond <= 2.0 * thrown->tolerance + thrown->noise,
-          "hit at %.17g, %g tolerances beyond: %s", thrown->time, beyond / thrown->tolerance,
-          throw_text(thrown));
+    CHECK(beyond <= 2.0 * thrown->tolerance + thrown->noise, "hit at %.17g, %g tolerances beyond: %s", thrown->time,
+          beyond / thrown->tolerance, throw_text(thrown));
     return beyond / thrown->tolerance;
 }
 
@@ -174,8 +163,8 @@ void print_throws(const char *name, const struct throw_tally *tally)
 {
     printf("    %-10s %6lu throws, %6lu hits, %5lu at once, %4lu near misses, %5lu unfinished, "
            "worst %.3f tolerances, %.1f units\n",
-           name, tally->throws, tally->hits, tally->at_once, tally->near_misses, tally->unfinished,
-           tally->worst, tally->work / (double)tally->throws);
+           name, tally->throws, tally->hits, tally->at_once, tally->near_misses, tally->unfinished, tally->worst,
+           tally->work / (double)tally->throws);
 }
 
 dpt_pose pose_in(const dpt_pose *body, const dpt_pose *at)
@@ -184,8 +173,8 @@ dpt_pose pose_in(const dpt_pose *body, const dpt_pose *at)
     struct frame frame;
     frame_of_pose(body, &frame);
     vec3_store(frame_to_world(&frame, vec3_of(at->position)), pose.position);
-    quaternion_store(quaternion_unit(quaternion_product(quaternion_of(body->orientation),
-                                                        quaternion_of(at->orientation))),
-                     pose.orientation);
+    quaternion_store(
+        quaternion_unit(quaternion_product(quaternion_of(body->orientation), quaternion_of(at->orientation))),
+        pose.orientation);
     return pose;
 }

@@ -42,8 +42,7 @@ struct throw_tally {
 double throw_radius(const struct hull_throw *thrown);
 
 /* The distance at a time: of one triangle, or with DPT_NONE of all. */
-struct oracle_interval throw_distance(const struct hull_throw *thrown, double time,
-                                      uint32_t triangle, double limit);
+struct oracle_interval throw_distance(const struct hull_throw *thrown, double time, uint32_t triangle, double limit);
 
 /* Sweep, with a random hint and random directions, and as much work as that. */
 void throw_sweep(uint64_t *random, struct hull_throw *thrown, uint32_t work);

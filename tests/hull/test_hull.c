@@ -34,8 +34,7 @@ static void check_info(const struct made_hull *made, double radius)
         far = max_of(far, off_segment(vec3_of(made->as.corner[i]), info.axis));
     const double rounding = 0x1p-50 * (made->size + made->extent);
     CHECK(far <= info.reach + rounding, "%.17g, a corner is %.17g off", info.reach, far);
-    CHECK(info.reach <= far + 1e-9 * made->size + rounding, "%.17g, no corner is more than %.17g",
-          info.reach, far);
+    CHECK(info.reach <= far + 1e-9 * made->size + rounding, "%.17g, no corner is more than %.17g", info.reach, far);
     CHECK(info.reach <= 0.87 * made->size, "%g of %g", info.reach, made->size);
 }
 
@@ -60,8 +59,8 @@ static void check_exact_corners(const struct made_hull *made)
             is_first &= memcmp(made->point + 3 * i, made->point + 3 * j, 3 * sizeof(double)) != 0;
         juts += is_first && oracle_hull_juts(made->point, made->count, i) > 1e-6 * made->size;
     }
-    CHECK(made->as.corner_count == juts, "%u corners, %u points jut out: %s", made->as.corner_count,
-          juts, points_text(made->point, made->count));
+    CHECK(made->as.corner_count == juts, "%u corners, %u points jut out: %s", made->as.corner_count, juts,
+          points_text(made->point, made->count));
     CHECK(split_faces(made) == 0, "%u faces in one plane with others: %s", split_faces(made),
           points_text(made->point, made->count));
 }
@@ -70,16 +69,14 @@ static void check_exact_corners(const struct made_hull *made)
 static void check_normals(const struct made_hull *made, double allowed)
 {
     const struct dpt_hull *hull = made->hull;
-    CHECK(hull->is_flat == (hull->face_count == 2), "flat %u, %u faces", hull->is_flat,
-          hull->face_count);
+    CHECK(hull->is_flat == (hull->face_count == 2), "flat %u, %u faces", hull->is_flat, hull->face_count);
     for (uint32_t f = 0; f < hull->face_count; f++) {
         const vec3 n = hull->face[f].normal;
         const vec3 at = vec3_of(made->as.corner[made->as.side[f][0]]);
         CHECK(fabs(length(n) - 1.0) < 1e-14, "%.17g", length(n));
         for (uint32_t i = 0; i < made->as.corner_count; i++) {
             const double height = dot(n, sub(vec3_of(made->as.corner[i]), at));
-            CHECK(height <= allowed, "corner %u is %g of %g beyond face %u", i, height, made->size,
-                  f);
+            CHECK(height <= allowed, "corner %u is %g of %g beyond face %u", i, height, made->size, f);
         }
     }
 }
@@ -100,8 +97,7 @@ static void clouds_have_their_convex_hull(void)
         const uint64_t count = part_of(600);
         for (uint64_t i = 0; i < count; i++) {
             struct made_hull made;
-            const double factor =
-                one_in(&rng, 3) ? 1.0 : ldexp(1.0, (int)whole_in(&rng, 0, 20) - 10);
+            const double factor = one_in(&rng, 3) ? 1.0 : ldexp(1.0, (int)whole_in(&rng, 0, 20) - 10);
             double offset[3] = { 0.0, 0.0, 0.0 };
             if (kind != CLOUD_LATTICE && one_in(&rng, 4))
                 vec3_store(any_in(&rng, factor * power_in(&rng, 0.0, 3.0)), offset);
@@ -118,14 +114,14 @@ static void clouds_have_their_convex_hull(void)
             check_made(&made, cloud_names[kind], CLOUD_OFF);
             if (kind == CLOUD_LATTICE)
                 check_exact_corners(&made);
-            CHECK(kind != CLOUD_SPHERE || made.as.corner_count == made.count,
-                  "%u of %u on a sphere", made.as.corner_count, made.count);
+            CHECK(kind != CLOUD_SPHERE || made.as.corner_count == made.count, "%u of %u on a sphere",
+                  made.as.corner_count, made.count);
             CHECK(kind != CLOUD_POLYGON || made.as.face_count == 2, "%u faces", made.as.face_count);
             corners += made.as.corner_count;
             faces += made.as.face_count;
         }
-        printf("    %-10s %5.1f corners, %5.1f faces\n", cloud_names[kind],
-               (double)corners / (double)count, (double)faces / (double)count);
+        printf("    %-10s %5.1f corners, %5.1f faces\n", cloud_names[kind], (double)corners / (double)count,
+               (double)faces / (double)count);
     }
 }
 
@@ -148,8 +144,7 @@ static void flat_lattices_are_polygons(void)
             continue;
         check_made(&made, "flat lattice", CLOUD_OFF);
         check_exact_corners(&made);
-        CHECK(made.as.face_count == 2, "%u faces: %s", made.as.face_count,
-              points_text(made.point, made.count));
+        CHECK(made.as.face_count == 2, "%u faces: %s", made.as.face_count, points_text(made.point, made.count));
         CHECK(made.as.edge_count == made.as.corner_count, "%u edges", made.as.edge_count);
     }
 }
@@ -183,11 +178,11 @@ static void nearly_flat_clouds_are_refused_or_right(void)
                 check_made(&made, "nearly flat", FLAT_OFF);
             refused += result != DPT_OK;
             flat += result == DPT_OK && made.as.face_count == 2;
-            CHECK(power < -3 || (result == DPT_OK && made.as.face_count > 2), "1e%d: %s, %u faces",
-                  power, dpt_result_name(result), made.as.face_count);
+            CHECK(power < -3 || (result == DPT_OK && made.as.face_count > 2), "1e%d: %s, %u faces", power,
+                  dpt_result_name(result), made.as.face_count);
         }
-        printf("    thickness 1e%-3d of %3u: %3u refused, %3u polygons\n", power, (unsigned)count,
-               (unsigned)refused, (unsigned)flat);
+        printf("    thickness 1e%-3d of %3u: %3u refused, %3u polygons\n", power, (unsigned)count, (unsigned)refused,
+               (unsigned)flat);
     }
 }
 
@@ -211,8 +206,7 @@ static void lines_and_points_are_refused(void)
                        made.point + 3 * k);
         }
         const dpt_result result = make_hull(&made, 0.1);
-        CHECK(result == DPT_E_ARGUMENT, "%s: %s", dpt_result_name(result),
-              points_text(made.point, made.count));
+        CHECK(result == DPT_E_ARGUMENT, "%s: %s", dpt_result_name(result), points_text(made.point, made.count));
         CHECK(made.hull == NULL, "a hull of a line");
     }
 }
@@ -255,8 +249,8 @@ static void defs_that_are_none_are_refused(void)
             const double was = corners[k];
             def = good;
             corners[k] = wrong[i];
-            CHECK(create_from(&def) == DPT_E_FINITE && dpt_hull_bytes(&def) == 0, "%g: %s",
-                  wrong[i], dpt_result_name(create_from(&def)));
+            CHECK(create_from(&def) == DPT_E_FINITE && dpt_hull_bytes(&def) == 0, "%g: %s", wrong[i],
+                  dpt_result_name(create_from(&def)));
             corners[k] = was;
         }
     static const double radii[] = { NAN, INFINITY, -1e-300, -1.0, 1.001e6 };
@@ -284,8 +278,7 @@ static void blocks_that_do_not_do_are_refused(void)
     CHECK(dpt_hull_create(block, bytes - 1, &def, &hull) == DPT_E_MEMORY && !hull, "a byte less");
     CHECK(dpt_hull_create(block, 0, &def, &hull) == DPT_E_MEMORY && !hull, "no byte");
     for (size_t off = 1; off < 8; off++)
-        CHECK(dpt_hull_create(at + off, sizeof block - 8, &def, &hull) == DPT_E_ALIGN && !hull,
-              "off by %zu", off);
+        CHECK(dpt_hull_create(at + off, sizeof block - 8, &def, &hull) == DPT_E_ALIGN && !hull, "off by %zu", off);
     CHECK(dpt_hull_create(NULL, bytes, &def, &hull) == DPT_E_ARGUMENT && !hull, "no block");
     CHECK(dpt_hull_create(block, bytes, &def, NULL) == DPT_E_ARGUMENT, "no hull to set");
     CHECK(dpt_hull_create(at + 8, bytes, &def, &hull) == DPT_OK && hull, "as many as needed");
@@ -310,16 +303,15 @@ static void getters_refuse_what_is_not_there(void)
     CHECK(dpt_hull_get_edge(hull, 6, two) == DPT_E_ARGUMENT && two[0] == 7, "edge 6");
     CHECK(dpt_hull_get_edge(NULL, 0, two) == DPT_E_ARGUMENT, "no hull");
     CHECK(dpt_hull_get_edge(hull, 0, NULL) == DPT_E_ARGUMENT, "no edge");
-    CHECK(dpt_hull_get_face(hull, 4, three, 3, &count) == DPT_E_ARGUMENT && count % 7 == 0,
-          "face 4");
+    CHECK(dpt_hull_get_face(hull, 4, three, 3, &count) == DPT_E_ARGUMENT && count % 7 == 0, "face 4");
     CHECK(dpt_hull_get_face(NULL, 0, three, 3, &count) == DPT_E_ARGUMENT, "no hull");
     CHECK(dpt_hull_get_face(hull, 0, NULL, 3, &count) == DPT_E_ARGUMENT, "no corners");
     CHECK(dpt_hull_get_face(hull, 0, three, 3, NULL) == DPT_E_ARGUMENT, "no count");
     CHECK(dpt_hull_get_face(hull, 0, NULL, 0, &count) == DPT_OK && count == 3, "%u", count);
-    CHECK(dpt_hull_get_face(hull, 0, three, 2, &count) == DPT_OK && count == 3 && three[2] == 7,
-          "%u, %u", count, three[2]);
-    CHECK(dpt_hull_get_face(hull, 0, three, 4, &count) == DPT_OK && count == 3 && three[3] == 7,
-          "%u, %u", count, three[3]);
+    CHECK(dpt_hull_get_face(hull, 0, three, 2, &count) == DPT_OK && count == 3 && three[2] == 7, "%u, %u", count,
+          three[2]);
+    CHECK(dpt_hull_get_face(hull, 0, three, 4, &count) == DPT_OK && count == 3 && three[3] == 7, "%u, %u", count,
+          three[3]);
 }
 
 static const dpt_hull *a_hull;
@@ -342,8 +334,7 @@ static void structs_of_other_sizes_are_taken_by_the_rule(void)
     static uint64_t block[2048];
     const dpt_hull_def def = { .size = sizeof def, .corner_count = 4, .corners = four };
     const struct sized of_def = { "dpt_hull_def", sizeof def, sizeof def, def_of };
-    const struct sized of_info = { "dpt_hull_info", sizeof(dpt_hull_info), sizeof(dpt_hull_info),
-                                   info_of };
+    const struct sized of_info = { "dpt_hull_info", sizeof(dpt_hull_info), sizeof(dpt_hull_info), info_of };
     CHECK(dpt_hull_create(block, sizeof block, &def, &a_hull) == DPT_OK, "a tetrahedron");
     check_input(&of_def, &def);
     check_output(&of_info);

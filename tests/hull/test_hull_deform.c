@@ -35,10 +35,9 @@ static int open_soft(struct soft_body *soft, const char *shape, uint64_t triangl
     soft->now = malloc(floats * sizeof(float));
     soft->corners = malloc(9 * sizeof(double) * mesh->triangles);
     soft->shift = malloc(9 * sizeof(double) * mesh->triangles);
-    soft->triangles =
-        (struct oracle_triangles){ soft->corners, soft->shift, soft->body.triangles.count };
-    dpti_surface_of_motion(mesh, low, high, (char *)mesh_aligned((uintptr_t)soft->raw),
-                           &soft->motion, &soft->body.surface);
+    soft->triangles = (struct oracle_triangles){ soft->corners, soft->shift, soft->body.triangles.count };
+    dpti_surface_of_motion(mesh, low, high, (char *)mesh_aligned((uintptr_t)soft->raw), &soft->motion,
+                           &soft->body.surface);
     memcpy(soft->now, soft->body.surface.positions, floats * sizeof(float));
     return 1;
 }
@@ -63,8 +62,7 @@ static void move_soft(struct soft_body *soft)
     int has_begun_anew;
     memcpy(soft->last, soft->now, 3 * sizeof(float) * (size_t)vertices);
     for (uint32_t v = from; v < vertices; v++) {
-        const vec3 x =
-            vec3_of_float(mesh_floats(soft->body.fixture.mesh, MESH_VERTICES) + 3 * (size_t)v);
+        const vec3 x = vec3_of_float(mesh_floats(soft->body.fixture.mesh, MESH_VERTICES) + 3 * (size_t)v);
         const double part = kind == 1 ? 1.0 : kind == 2 ? sin(dot(x, wave)) : 0.1;
         vec3 to = along(x, part, shift);
         if (kind == 3)
@@ -101,8 +99,7 @@ static vec3 near_vertex(const struct soft_body *soft, double off)
     return along(vec3_of_float(x + 3 * (size_t)v), off, any_unit(&rng));
 }
 
-static void check_search(struct soft_body *soft, const struct made_hull *made,
-                         struct hull_place *place)
+static void check_search(struct soft_body *soft, const struct made_hull *made, struct hull_place *place)
 {
     const dpt_pose pose = any_pose(&rng, 0.0);
     struct frame tool;
@@ -115,20 +112,17 @@ static void check_search(struct soft_body *soft, const struct made_hull *made,
     hull_place_set(place, made->hull, &tool, &frame_identity);
     for (uint32_t i = 0; i < made->as.corner_count; i++)
         vec3_store(place->corner[i], corners + 3 * i);
-    const int is_proven =
-        dpti_hull_search(&soft->body.surface, &soft->body.kernel, place,
-                         one_in(&rng, 2) ? whole_in(&rng, 0, soft->triangles.count - 1) : DPT_NONE,
-                         HUGE_VAL, &work, &nearest);
+    const int is_proven = dpti_hull_search(&soft->body.surface, &soft->body.kernel, place,
+                                           one_in(&rng, 2) ? whole_in(&rng, 0, soft->triangles.count - 1) : DPT_NONE,
+                                           HUGE_VAL, &work, &nearest);
     const double bound = dpti_hull_error(place, &soft->body.surface, &tool, &frame_identity);
     const struct oracle_interval truth =
         oracle_hull_surface(corners, made->as.corner_count, &soft->triangles, 0.0, HUGE_VAL, NULL);
-    CHECK(is_proven && nearest.distance >= truth.lower - bound &&
-              nearest.distance <= truth.upper + bound,
+    CHECK(is_proven && nearest.distance >= truth.lower - bound && nearest.distance <= truth.upper + bound,
           "%d, %.17g, not %.17g..%.17g", is_proven, nearest.distance, truth.lower, truth.upper);
 }
 
-static void check_sweep(struct soft_body *soft, const struct made_hull *made,
-                        struct throw_tally *tally)
+static void check_sweep(struct soft_body *soft, const struct made_hull *made, struct throw_tally *tally)
 {
     const int is_at_rest = one_in(&rng, 10);
     struct hull_throw thrown = { .surface = &soft->body.surface,
@@ -149,8 +143,7 @@ static void check_sweep(struct soft_body *soft, const struct made_hull *made,
     vec3_store(near_vertex(soft, off), pose[0].position);
     memcpy(pose[1].position, pose[0].position, sizeof pose[0].position);
     if (!one_in(&rng, 4))
-        vec3_store(one_in(&rng, 2) ? near_vertex(soft, off)
-                                   : add(vec3_of(pose[0].position), any_in(&rng, made->size)),
+        vec3_store(one_in(&rng, 2) ? near_vertex(soft, off) : add(vec3_of(pose[0].position), any_in(&rng, made->size)),
                    pose[1].position);
     if (one_in(&rng, 2)) {
         pose_turn(any_unit(&rng), random_in(&rng, -1.0, 1.0), &turn);

@@ -32,8 +32,7 @@ struct scene {
 static const char *text_of(const struct scene *scene)
 {
     static char text[12000];
-    snprintf(text, sizeof text, "hull %s; ",
-             points_text(scene->corners, scene->place.hull->corner_count));
+    snprintf(text, sizeof text, "hull %s; ", points_text(scene->corners, scene->place.hull->corner_count));
     const size_t length = strlen(text);
     snprintf(text + length, sizeof text - length, "triangle %s", points_text(scene->triangle, 3));
     return text;
@@ -87,8 +86,7 @@ static void make_far(struct scene *scene)
 static void make_near(struct scene *scene)
 {
     const double reach = scene->size * power_in(&rng, -2.0, 0.5);
-    const vec3 at =
-        along(any_inside(scene), scene->size * random_in(&rng, 0.0, 0.6), any_unit(&rng));
+    const vec3 at = along(any_inside(scene), scene->size * random_in(&rng, 0.0, 0.6), any_unit(&rng));
     for (int k = 0; k < 3; k++)
         scene->v[k] = add(at, any_in(&rng, reach));
 }
@@ -100,8 +98,7 @@ static void make_flat_on_face(struct scene *scene)
     const struct hull_face *face = &hull->face[whole_in(&rng, 0, hull->face_count - 1)];
     const vec3 n = scene->place.normal[face - hull->face];
     const double gap = any_gap(scene), reach = scene->size * power_in(&rng, -2.0, 0.5);
-    const vec3 from =
-        corner_of(scene, hull->loop[face->first + whole_in(&rng, 0, face->count - 1)]);
+    const vec3 from = corner_of(scene, hull->loop[face->first + whole_in(&rng, 0, face->count - 1)]);
     vec3 across[2];
     unit_across(n, across);
     for (int k = 0; k < 3; k++)
@@ -168,8 +165,7 @@ static void make_edge_on_edge(struct scene *scene)
     const vec3 d = add(scaled(u, cos(angle)), scaled(w, sin(angle)));
     scene->v[0] = along(q, -reach * random_in(&rng, -0.1, 1.0), d);
     scene->v[1] = along(q, reach * random_in(&rng, 0.0, 1.0), d);
-    scene->v[2] =
-        along(along(q, random_in(&rng, 0.0, reach), n), random_in(&rng, -reach, reach), d);
+    scene->v[2] = along(along(q, random_in(&rng, 0.0, reach), n), random_in(&rng, -reach, reach), d);
 }
 
 static void make_corner_on_edge(struct scene *scene)
@@ -189,8 +185,7 @@ static void make_sliver(struct scene *scene)
     const vec3 e = sub(scene->v[1], scene->v[0]);
     const double thin = one_in(&rng, 5) ? 0.0 : power_in(&rng, -16.0, -2.0);
     const vec3 off = scaled(any_in(&rng, scene->size), thin);
-    scene->v[2] =
-        add(along(scene->v[0], one_in(&rng, 3) ? 0.0 : random_in(&rng, -0.2, 1.2), e), off);
+    scene->v[2] = add(along(scene->v[0], one_in(&rng, 3) ? 0.0 : random_in(&rng, -0.2, 1.2), e), off);
     if (thin == 0.0 && one_in(&rng, 3))
         scene->v[1] = scene->v[0];
 }
@@ -282,8 +277,7 @@ static void end_scene(struct scene *scene)
 
 static struct oracle_interval interval_of(const struct scene *scene)
 {
-    return oracle_hull_triangle(scene->corners, scene->place.hull->corner_count, scene->triangle,
-                                NULL);
+    return oracle_hull_triangle(scene->corners, scene->place.hull->corner_count, scene->triangle, NULL);
 }
 
 /* How far a point is from the hull, and from the triangle. */
@@ -302,16 +296,15 @@ static void check_pair(const struct scene *scene, const struct hull_pair *found,
     vec3 q = scaled(scene->v[0], w[0]);
     for (int k = 1; k < 3; k++)
         q = along(q, w[k], scene->v[k]);
-    CHECK(w[0] >= 0.0 && w[1] >= 0.0 && w[2] >= 0.0 && fabs(w[0] + w[1] + w[2] - 1.0) < 1e-12,
-          "weights %g, %g, %g: %s", w[0], w[1], w[2], text_of(scene));
-    CHECK(fabs(length(found->pair.gap) - distance) <= bound, "gap %g, distance %g: %s",
-          length(found->pair.gap), distance, text_of(scene));
+    CHECK(w[0] >= 0.0 && w[1] >= 0.0 && w[2] >= 0.0 && fabs(w[0] + w[1] + w[2] - 1.0) < 1e-12, "weights %g, %g, %g: %s",
+          w[0], w[1], w[2], text_of(scene));
+    CHECK(fabs(length(found->pair.gap) - distance) <= bound, "gap %g, distance %g: %s", length(found->pair.gap),
+          distance, text_of(scene));
     CHECK(found->pair.s == 0.0, "s %g", found->pair.s);
     /* Where they meet, a crossing at a small angle is known less well. */
     const double off = off_hull(scene, add(q, found->pair.gap));
-    CHECK(off <= (found->feature == DPT_NONE ? 16.0 : 1.0) * bound,
-          "p is %g units off the hull, feature %u: %s", off / (scene->extent * UNIT),
-          found->feature, text_of(scene));
+    CHECK(off <= (found->feature == DPT_NONE ? 16.0 : 1.0) * bound, "p is %g units off the hull, feature %u: %s",
+          off / (scene->extent * UNIT), found->feature, text_of(scene));
 }
 
 static int has_feature(const struct dpt_hull *hull, uint32_t feature)
@@ -342,8 +335,7 @@ static void take(void *user, const struct hull_pair *found)
 }
 
 /* Every feature whose pair is within the limit is listed once; the nearest of them is the nearest pair. */
-static void check_features(const struct scene *scene, const struct oracle_interval *truth,
-                           double limit, double bound)
+static void check_features(const struct scene *scene, const struct oracle_interval *truth, double limit, double bound)
 {
     static struct taken taken;
     const struct dpt_hull *hull = scene->place.hull;
@@ -363,19 +355,18 @@ static void check_features(const struct scene *scene, const struct oracle_interv
         }
         const double distance = sqrt(found.pair.distance2);
         CHECK(found.feature == f, "feature %u, not %u", found.feature, f);
-        CHECK(distance >= truth->lower - bound, "feature %u: %g, the distance is %g: %s", f,
-              distance, truth->lower, text_of(scene));
+        CHECK(distance >= truth->lower - bound, "feature %u: %g, the distance is %g: %s", f, distance, truth->lower,
+              text_of(scene));
         least = min_of(least, distance);
         if (fabs(distance - limit) <= bound)
             continue;
-        CHECK(taken.count[f] == (distance <= limit), "feature %u, %g of %g, %u times: %s", f,
-              distance, limit, taken.count[f], text_of(scene));
-        CHECK(!taken.count[f] || fabs(taken.distance[f] - distance) <= bound, "feature %u: %g, %g",
-              f, taken.distance[f], distance);
+        CHECK(taken.count[f] == (distance <= limit), "feature %u, %g of %g, %u times: %s", f, distance, limit,
+              taken.count[f], text_of(scene));
+        CHECK(!taken.count[f] || fabs(taken.distance[f] - distance) <= bound, "feature %u: %g, %g", f,
+              taken.distance[f], distance);
     }
     CHECK(truth->lower <= bound || least <= truth->upper + bound,
-          "no feature is nearer than %g, the distance is %g: %s", least, truth->upper,
-          text_of(scene));
+          "no feature is nearer than %g, the distance is %g: %s", least, truth->upper, text_of(scene));
 }
 
 /*
@@ -387,46 +378,41 @@ static void check_local(const struct scene *scene)
 {
     struct hull_pair nearest;
     const struct oracle_interval truth = interval_of(scene);
-    const double lean = 1e-7, reach = scene->size + length(sub(scene->v[1], scene->v[0])) +
-                                      length(sub(scene->v[2], scene->v[0]));
+    const double lean = 1e-7,
+                 reach = scene->size + length(sub(scene->v[1], scene->v[0])) + length(sub(scene->v[2], scene->v[0]));
     const vec3 e = sub(scene->v[1], scene->v[0]), g = sub(scene->v[2], scene->v[0]);
     if (!(length(cross(e, g)) > 1e-9 * max_of(dot(e, e), dot(g, g))) ||
         !(truth.lower > 1e8 * UNIT * scene->extent && truth.lower > 1e-6 * reach) ||
         !dpti_hull_triangle(&scene->place, scene->v, HUGE_VAL, &nearest))
         return;
     CHECK(dpti_hull_pair_is_local(&scene->place, scene->v, &nearest, 1e-4),
-          "the nearest pair, feature %u, weights %g, %g, %g, is not: %s", nearest.feature,
-          nearest.pair.weight[0], nearest.pair.weight[1], nearest.pair.weight[2], text_of(scene));
+          "the nearest pair, feature %u, weights %g, %g, %g, is not: %s", nearest.feature, nearest.pair.weight[0],
+          nearest.pair.weight[1], nearest.pair.weight[2], text_of(scene));
     for (uint32_t f = 0; f < HULL_FEATURES; f++) {
         struct hull_pair found;
-        if (!has_feature(scene->place.hull, f) ||
-            !dpti_hull_feature(&scene->place, f, scene->v, &found) ||
+        if (!has_feature(scene->place.hull, f) || !dpti_hull_feature(&scene->place, f, scene->v, &found) ||
             !dpti_hull_pair_is_local(&scene->place, scene->v, &found, lean))
             continue;
         const double distance = sqrt(found.pair.distance2);
-        CHECK(distance <= truth.upper + 1e-3 * reach,
-              "feature %u at %g is no local pair, the distance is %g: %s", f, distance, truth.upper,
-              text_of(scene));
+        CHECK(distance <= truth.upper + 1e-3 * reach, "feature %u at %g is no local pair, the distance is %g: %s", f,
+              distance, truth.upper, text_of(scene));
     }
 }
 
 /* A nearer limit finds nothing, a farther one the same. */
-static void check_limit(const struct scene *scene, const struct oracle_interval *truth,
-                        double distance, double bound)
+static void check_limit(const struct scene *scene, const struct oracle_interval *truth, double distance, double bound)
 {
     struct hull_pair found;
     const double limit = distance * (1.0 + power_in(&rng, -12.0, 0.0) * (one_in(&rng, 2) ? 1 : -1));
     const int is_near = dpti_hull_triangle(&scene->place, scene->v, limit, &found);
     if (is_near)
-        CHECK(sqrt(found.pair.distance2) <= limit &&
-                  sqrt(found.pair.distance2) <= truth->upper + bound,
+        CHECK(sqrt(found.pair.distance2) <= limit && sqrt(found.pair.distance2) <= truth->upper + bound,
               "%g, limit %g: %s", sqrt(found.pair.distance2), limit, text_of(scene));
-    CHECK(!is_near || truth->lower - bound < limit, "found nearer than %g, at %g: %s", limit,
-          truth->lower, text_of(scene));
-    CHECK(is_near || truth->upper + bound >= limit, "none nearer than %g, at %g: %s", limit,
-          truth->upper, text_of(scene));
-    CHECK(!dpti_hull_triangle(&scene->place, scene->v, 0.0, &found), "nearer than 0: %s",
+    CHECK(!is_near || truth->lower - bound < limit, "found nearer than %g, at %g: %s", limit, truth->lower,
           text_of(scene));
+    CHECK(is_near || truth->upper + bound >= limit, "none nearer than %g, at %g: %s", limit, truth->upper,
+          text_of(scene));
+    CHECK(!dpti_hull_triangle(&scene->place, scene->v, 0.0, &found), "nearer than 0: %s", text_of(scene));
 }
 
 static void check_scene(struct row *row, const struct scene *scene)
@@ -441,10 +427,9 @@ static void check_scene(struct row *row, const struct scene *scene)
         return;
     const double distance = sqrt(found.pair.distance2);
     const double error = max_of(truth.lower - distance, distance - truth.upper);
-    CHECK(error <= bound, "%g, not %g..%g, %g units: %s", distance, truth.lower, truth.upper,
-          error / unit, text_of(scene));
-    CHECK(found.feature != DPT_NONE || distance == 0.0, "%g, and no feature: %s", distance,
+    CHECK(error <= bound, "%g, not %g..%g, %g units: %s", distance, truth.lower, truth.upper, error / unit,
           text_of(scene));
+    CHECK(found.feature != DPT_NONE || distance == 0.0, "%g, and no feature: %s", distance, text_of(scene));
     check_pair(scene, &found, bound);
     if (found.feature != DPT_NONE) {
         struct hull_pair again;
@@ -454,8 +439,7 @@ static void check_scene(struct row *row, const struct scene *scene)
               "feature %u by itself: %s", found.feature, text_of(scene));
         check_limit(scene, &truth, distance, bound);
     }
-    check_features(scene, &truth, (distance + 1e-3 * scene->size) * random_in(&rng, 0.5, 3.0),
-                   bound);
+    check_features(scene, &truth, (distance + 1e-3 * scene->size) * random_in(&rng, 0.5, 3.0), bound);
     row->meet += truth.upper <= unit;
     row->apart += truth.lower > 0.0;
     row->open += truth.upper - truth.lower > 4.0 * max_of(unit, UNIT * truth.upper);
@@ -472,8 +456,8 @@ static void check_oracle(const struct scene *scene)
     const double least = oracle_hull_by_features(&there, scene->triangle);
     /* Where the hull was put, its faces are flat but for rounding. */
     const double allowed = 8.0 * UNIT * scene->extent;
-    CHECK(least >= truth.lower - allowed && least <= truth.upper + allowed,
-          "%g by features, %g..%g: %s", least, truth.lower, truth.upper, text_of(scene));
+    CHECK(least >= truth.lower - allowed && least <= truth.upper + allowed, "%g by features, %g..%g: %s", least,
+          truth.lower, truth.upper, text_of(scene));
 }
 
 static void pairs_are_the_nearest(void)
@@ -494,10 +478,9 @@ static void pairs_are_the_nearest(void)
            "oracle's widest, in units; wider than four");
     for (size_t i = 0; i < count; i++) {
         const struct row *row = &families[i];
-        printf("    %-18s %8lu %8lu %8lu %10.3g   %.3g; %lu\n", row->name, row->pairs, row->apart,
-               row->meet, row->worst, row->widest, row->open);
-        CHECK(row->open * 100 <= row->pairs, "%s: %lu of %lu intervals stay open", row->name,
-              row->open, row->pairs);
+        printf("    %-18s %8lu %8lu %8lu %10.3g   %.3g; %lu\n", row->name, row->pairs, row->apart, row->meet,
+               row->worst, row->widest, row->open);
+        CHECK(row->open * 100 <= row->pairs, "%s: %lu of %lu intervals stay open", row->name, row->open, row->pairs);
     }
 }
 
@@ -525,19 +508,17 @@ static void planes_lie_between(void)
                     gap = min_of(gap, dot(n, sub(corner_of(&scene, c), scene.v[k])));
             CHECK(fabs(length(n) - 1.0) < 1e-12, "%.17g long", length(n));
             CHECK(gap > wanted - 4.0 * unit, "%g, not %g: %s", gap, wanted, text_of(&scene));
-            CHECK(truth.upper > wanted - 4.0 * unit, "a plane where they are %g apart, not %g: %s",
-                  truth.upper, wanted, text_of(&scene));
+            CHECK(truth.upper > wanted - 4.0 * unit, "a plane where they are %g apart, not %g: %s", truth.upper, wanted,
+                  text_of(&scene));
             claimed++;
         }
-        const double size =
-            scene.size + length(sub(scene.v[1], scene.v[0])) + length(sub(scene.v[2], scene.v[0]));
+        const double size = scene.size + length(sub(scene.v[1], scene.v[0])) + length(sub(scene.v[2], scene.v[0]));
         if (truth.lower - wanted > 1e-6 * size + 16.0 * unit) {
             apart++;
             missed += !is_found;
         }
     }
-    printf("    %lu planes; %lu pairs apart by a millionth, %lu planes not found\n", claimed, apart,
-           missed);
+    printf("    %lu planes; %lu pairs apart by a millionth, %lu planes not found\n", claimed, apart, missed);
     CHECK(missed * 1000 <= apart, "%lu of %lu", missed, apart);
     CHECK(apart > pair_count / 4, "%lu of %lu are apart", apart, pair_count);
 }

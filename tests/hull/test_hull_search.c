@@ -56,8 +56,7 @@ static void jump(const struct hull_body *body, struct walker *walker)
     walker->tool = any_pose(&rng, 0.0);
     struct frame frame;
     frame_of_pose(&walker->body, &frame);
-    vec3_store(frame_to_world(&frame, along(x, one_in(&rng, 6) ? -off : off, n)),
-               walker->tool.position);
+    vec3_store(frame_to_world(&frame, along(x, one_in(&rng, 6) ? -off : off, n)), walker->tool.position);
     walker->last = DPT_NONE;
 }
 
@@ -77,40 +76,38 @@ static void step(const struct hull_body *body, struct walker *walker)
         q[k] /= sqrt(square);
 }
 
-static struct hull_nearest ask(const struct hull_body *body, const struct walker *walker,
-                               uint32_t hint, double limit, struct work *work, int *is_proven)
+static struct hull_nearest ask(const struct hull_body *body, const struct walker *walker, uint32_t hint, double limit,
+                               struct work *work, int *is_proven)
 {
     struct hull_nearest nearest;
     memset(&nearest, 0xff, sizeof nearest);
-    *is_proven = dpti_hull_search(&body->surface, &body->kernel, &walker->place, hint, limit, work,
-                                  &nearest);
+    *is_proven = dpti_hull_search(&body->surface, &body->kernel, &walker->place, hint, limit, work, &nearest);
     return nearest;
 }
 
 /* The pair that was found is one of that triangle, as far apart as it says. */
-static void check_found(const struct hull_body *body, const struct walker *walker,
-                        const struct hull_nearest *nearest, double bound)
+static void check_found(const struct hull_body *body, const struct walker *walker, const struct hull_nearest *nearest,
+                        double bound)
 {
     const double *w = nearest->found.pair.weight;
     CHECK(nearest->triangle < body->triangles.count, "triangle %u", nearest->triangle);
     if (nearest->triangle >= body->triangles.count)
         return;
     const double *c = body->corners + 9 * (size_t)nearest->triangle;
-    const struct oracle_interval own =
-        oracle_hull_triangle(walker->corners, walker->made.as.corner_count, c, NULL);
+    const struct oracle_interval own = oracle_hull_triangle(walker->corners, walker->made.as.corner_count, c, NULL);
     CHECK(nearest->distance >= own.lower - bound && nearest->distance <= own.upper + bound,
           "%.17g, its triangle is at %.17g", nearest->distance, own.lower);
     CHECK(fabs(sqrt(nearest->found.pair.distance2) - nearest->distance) <= bound &&
               fabs(length(nearest->found.pair.gap) - nearest->distance) <= bound,
-          "pair %g, gap %g, distance %g", sqrt(nearest->found.pair.distance2),
-          length(nearest->found.pair.gap), nearest->distance);
-    CHECK(w[0] >= 0.0 && w[1] >= 0.0 && w[2] >= 0.0 && fabs(w[0] + w[1] + w[2] - 1.0) < 1e-9,
-          "weights %g, %g, %g", w[0], w[1], w[2]);
+          "pair %g, gap %g, distance %g", sqrt(nearest->found.pair.distance2), length(nearest->found.pair.gap),
+          nearest->distance);
+    CHECK(w[0] >= 0.0 && w[1] >= 0.0 && w[2] >= 0.0 && fabs(w[0] + w[1] + w[2] - 1.0) < 1e-9, "weights %g, %g, %g",
+          w[0], w[1], w[2]);
 }
 
 /* Nearer than a limit there is one, or none. */
-static void check_limit(const struct hull_body *body, const struct walker *walker, uint32_t hint,
-                        double distance, double bound)
+static void check_limit(const struct hull_body *body, const struct walker *walker, uint32_t hint, double distance,
+                        double bound)
 {
     int is_proven;
     struct work work = work_of(WORK_UNLIMITED);
@@ -119,16 +116,15 @@ static void check_limit(const struct hull_body *body, const struct walker *walke
     CHECK(is_proven, "not proven");
     if (fabs(limit - distance) <= bound)
         return;
-    CHECK((nearest.triangle == DPT_NONE) == (distance > limit), "triangle %u, %g, limit %g",
-          nearest.triangle, distance, limit);
+    CHECK((nearest.triangle == DPT_NONE) == (distance > limit), "triangle %u, %g, limit %g", nearest.triangle, distance,
+          limit);
     if (nearest.triangle != DPT_NONE)
-        CHECK(fabs(nearest.distance - distance) <= bound, "%g, not %g, limit %g", nearest.distance,
-              distance, limit);
+        CHECK(fabs(nearest.distance - distance) <= bound, "%g, not %g, limit %g", nearest.distance, distance, limit);
 }
 
 /* With little work it says so, and what it says is no less than the truth; with twice as much it comes to an end. */
-static unsigned long check_budget(const struct hull_body *body, const struct walker *walker,
-                                  double distance, double bound)
+static unsigned long check_budget(const struct hull_body *body, const struct walker *walker, double distance,
+                                  double bound)
 {
     uint32_t most = 1, hint = DPT_NONE;
     unsigned long ended = 0;
@@ -141,20 +137,18 @@ static unsigned long check_budget(const struct hull_body *body, const struct wal
         struct work work = { 7, 7 + most };
         const struct hull_nearest nearest = ask(body, walker, hint, HUGE_VAL, &work, &is_proven);
         if (nearest.triangle != DPT_NONE) {
-            CHECK(nearest.distance >= distance - bound, "%g, less than %g", nearest.distance,
-                  distance);
+            CHECK(nearest.distance >= distance - bound, "%g, less than %g", nearest.distance, distance);
             check_found(body, walker, &nearest, bound);
             hint = nearest.triangle;
         }
         CHECK(work.done - 7 <= most + WORK_COUNTED_ON, "%u units of %u", work.done - 7, most);
         if (is_proven) {
-            CHECK(fabs(nearest.distance - distance) <= bound, "%g, not %g, of %u units",
-                  nearest.distance, distance, most);
+            CHECK(fabs(nearest.distance - distance) <= bound, "%g, not %g, of %u units", nearest.distance, distance,
+                  most);
             return ended;
         }
         ended++;
-        CHECK(work_left(&work) == 0 || most <= WORK_COUNTED_ON, "%u of %u units left",
-              work_left(&work), most);
+        CHECK(work_left(&work) == 0 || most <= WORK_COUNTED_ON, "%u of %u units left", work_left(&work), most);
         CHECK(most <= 4 * full + 4000, "%u units do not suffice, %u did", most, full);
         if (most > 4 * full + 4000)
             return ended;
@@ -165,30 +159,26 @@ static void check_pose(const struct hull_body *body, struct walker *walker, stru
 {
     int is_proven;
     struct work work = work_of(WORK_UNLIMITED);
-    const double bound =
-        dpti_hull_error(&walker->place, &body->surface, &walker->tool_frame, &walker->body_frame);
+    const double bound = dpti_hull_error(&walker->place, &body->surface, &walker->tool_frame, &walker->body_frame);
     const uint32_t hint = walker->last;
     const struct hull_nearest nearest = ask(body, walker, hint, HUGE_VAL, &work, &is_proven);
     const double distance = nearest.distance;
     CHECK(is_proven, "not proven");
-    CHECK(bound > 0.0 && bound < 1e-12 * (body->diagonal + walker->made.size +
-                                          extent_of(walker->tool_frame.origin) +
-                                          extent_of(walker->body_frame.origin) +
-                                          dpti_surface_extent(&body->surface)),
+    CHECK(bound > 0.0 && bound < 1e-12 * (body->diagonal + walker->made.size + extent_of(walker->tool_frame.origin) +
+                                          extent_of(walker->body_frame.origin) + dpti_surface_extent(&body->surface)),
           "error %g", bound);
-    const struct oracle_interval truth = oracle_hull_surface(
-        walker->exact, walker->made.as.corner_count, &body->triangles, 0.0, HUGE_VAL, NULL);
+    const struct oracle_interval truth =
+        oracle_hull_surface(walker->exact, walker->made.as.corner_count, &body->triangles, 0.0, HUGE_VAL, NULL);
     const double error = max_of(truth.lower - distance, distance - truth.upper);
-    CHECK(error <= bound, "%s: %.17g, not %.17g..%.17g: %g bounds; hint %u", body->name, distance,
-          truth.lower, truth.upper, error / bound, hint);
+    CHECK(error <= bound, "%s: %.17g, not %.17g..%.17g: %g bounds; hint %u", body->name, distance, truth.lower,
+          truth.upper, error / bound, hint);
     check_found(body, walker, &nearest, bound);
     if (hint != DPT_NONE || one_in(&rng, 4)) {
-        const uint32_t other =
-            one_in(&rng, 2) ? whole_in(&rng, 0, body->triangles.count - 1) : DPT_NONE;
+        const uint32_t other = one_in(&rng, 2) ? whole_in(&rng, 0, body->triangles.count - 1) : DPT_NONE;
         struct work again = work_of(WORK_UNLIMITED);
         const struct hull_nearest same = ask(body, walker, other, HUGE_VAL, &again, &is_proven);
-        CHECK(is_proven && fabs(same.distance - distance) <= bound, "%g, with hint %u %g", distance,
-              other, same.distance);
+        CHECK(is_proven && fabs(same.distance - distance) <= bound, "%g, with hint %u %g", distance, other,
+              same.distance);
         tally->hinted++;
     }
     if (one_in(&rng, 4))
@@ -217,17 +207,15 @@ static void search_body(const struct hull_body *body, unsigned long poses)
         place_walker(&walker);
         check_pose(body, &walker, &tally);
     }
-    printf("    %-24s %7lu poses, %6lu meet, %5lu ended early, worst %.3f bounds, %6.1f units\n",
-           body->name, tally.poses, tally.meet, tally.ended, tally.worst,
-           tally.work / (double)tally.poses);
+    printf("    %-24s %7lu poses, %6lu meet, %5lu ended early, worst %.3f bounds, %6.1f units\n", body->name,
+           tally.poses, tally.meet, tally.ended, tally.worst, tally.work / (double)tally.poses);
     all.meet += tally.meet;
     all.poses += tally.poses;
 }
 
 static void some_meet(void)
 {
-    CHECK(all.meet > all.poses / 20 && all.meet < all.poses, "%lu of %lu meet", all.meet,
-          all.poses);
+    CHECK(all.meet > all.poses / 20 && all.meet < all.poses, "%lu of %lu meet", all.meet, all.poses);
     all.meet = all.poses = 0;
 }
 
@@ -252,9 +240,8 @@ static void meshes_are_searched_exactly(void)
 /* Twenty times fewer: there are more triangles to look at. */
 static void organs_are_searched_exactly(void)
 {
-    static const char *const organs[] = { "gallbladder_low.stl", "liver_dirty_low.stl",
-                                          "liver_sofa.obj", "vessel_open_ends.stl",
-                                          "openhelp_scene_low.stl" };
+    static const char *const organs[] = { "gallbladder_low.stl", "liver_dirty_low.stl", "liver_sofa.obj",
+                                          "vessel_open_ends.stl", "openhelp_scene_low.stl" };
     const char *data = getenv("DPT_DATA");
     const size_t count = sizeof organs / sizeof *organs;
     for (size_t i = 0; i < count; i++) {

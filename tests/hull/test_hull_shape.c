@@ -26,27 +26,24 @@ static int make_shape(struct shaped *shaped, uint32_t kind, uint32_t sides)
     shaped->sides = sides ? sides : 16;
     for (int k = 0; k < 3; k++)
         shaped->shape.extent[k] = size * power_in(&rng, -2.0, 0.0);
-    dpt_result result =
-        dpt_hull_shape_corners(&shaped->shape, made->point, DPT_HULL_CORNERS_MAX, &made->count);
+    dpt_result result = dpt_hull_shape_corners(&shaped->shape, made->point, DPT_HULL_CORNERS_MAX, &made->count);
     CHECK(result == DPT_OK, "kind %u, %u sides: %s", kind, sides, dpt_result_name(result));
     cloud_place(made, 1.0, (double[3]){ 0.0 });
     if (result == DPT_OK)
         result = make_hull(made, 0.0);
     CHECK(result == DPT_OK, "kind %u, %u sides: %s", kind, sides, dpt_result_name(result));
-    const char *fault = result == DPT_OK ? oracle_hull_fault(&made->as, made->point, made->count,
-                                                             1e-14 * made->size)
-                                         : NULL;
+    const char *fault =
+        result == DPT_OK ? oracle_hull_fault(&made->as, made->point, made->count, 1e-14 * made->size) : NULL;
     CHECK(!fault, "kind %u, %u sides: %s", kind, sides, fault);
     return result == DPT_OK && !fault;
 }
 
-static void check_numbers(const struct shaped *shaped, uint32_t corners, uint32_t edges,
-                          uint32_t faces)
+static void check_numbers(const struct shaped *shaped, uint32_t corners, uint32_t edges, uint32_t faces)
 {
     const struct oracle_hull *as = &shaped->made.as;
     CHECK(as->corner_count == corners && as->edge_count == edges && as->face_count == faces,
-          "kind %u, %u sides: %u corners, %u edges, %u faces", shaped->shape.kind, shaped->sides,
-          as->corner_count, as->edge_count, as->face_count);
+          "kind %u, %u sides: %u corners, %u edges, %u faces", shaped->shape.kind, shaped->sides, as->corner_count,
+          as->edge_count, as->face_count);
 }
 
 /* How far x is beyond the hull's faces, as a part of the size. */
@@ -97,13 +94,13 @@ static void check_round(const struct shaped *shaped)
         const double *c = shaped->made.as.corner[i];
         const int is_tip = is_cone && c[2] < 0.0;
         CHECK(fabs(c[2]) == half, "%g", c[2]);
-        CHECK(hypot(c[0], c[1]) <= (is_tip ? 0.0 : allowed), "%u sides: %.17g of %.17g",
-              shaped->sides, hypot(c[0], c[1]), allowed);
+        CHECK(hypot(c[0], c[1]) <= (is_tip ? 0.0 : allowed), "%u sides: %.17g of %.17g", shaped->sides,
+              hypot(c[0], c[1]), allowed);
     }
     for (int i = 0; i < 360; i++) {
         const double x = r * cos(i * PI / 180.0), y = r * sin(i * PI / 180.0);
-        CHECK(beyond(shaped, x, y, half) <= 1e-14, "%u sides, at %d degrees: %g beyond",
-              shaped->sides, i, beyond(shaped, x, y, half));
+        CHECK(beyond(shaped, x, y, half) <= 1e-14, "%u sides, at %d degrees: %g beyond", shaped->sides, i,
+              beyond(shaped, x, y, half));
         CHECK(beyond(shaped, is_cone ? 0.0 : x, is_cone ? 0.0 : y, -half) <= 1e-14, "below");
     }
 }
@@ -135,20 +132,19 @@ static void shapes_without_an_extent(void)
                                            .kind = kind,
                                            .extent = { zero & 1 ? 0.0 : 0.1, zero & 2 ? 0.0 : 0.2,
                                                        zero & 4 ? 0.0 : 0.3 } };
-            const dpt_result result =
-                dpt_hull_shape_corners(&shape, made.point, DPT_HULL_CORNERS_MAX, &made.count);
+            const dpt_result result = dpt_hull_shape_corners(&shape, made.point, DPT_HULL_CORNERS_MAX, &made.count);
             const int is_round = kind >= DPT_HULL_KIND_CYLINDER;
             const int x = !(zero & 1), y = is_round ? x : !(zero & 2), z = !(zero & 4);
             CHECK(result == DPT_OK, "kind %u: %s", kind, dpt_result_name(result));
             cloud_place(&made, 1.0, (double[3]){ 0.0 });
             const dpt_result is = make_hull(&made, 0.01);
-            CHECK(is == (x + y + z > 1 ? DPT_OK : DPT_E_ARGUMENT), "kind %u, zero %d: %s", kind,
-                  zero, dpt_result_name(is));
+            CHECK(is == (x + y + z > 1 ? DPT_OK : DPT_E_ARGUMENT), "kind %u, zero %d: %s", kind, zero,
+                  dpt_result_name(is));
             if (is == DPT_OK) {
                 const char *fault = oracle_hull_fault(&made.as, made.point, made.count, 1e-15);
                 CHECK(!fault, "kind %u, zero %d: %s", kind, zero, fault);
-                CHECK((made.as.face_count == 2) == (x + y + z == 2), "kind %u, zero %d: %u faces",
-                      kind, zero, made.as.face_count);
+                CHECK((made.as.face_count == 2) == (x + y + z == 2), "kind %u, zero %d: %u faces", kind, zero,
+                      made.as.face_count);
             }
         }
 }
@@ -164,27 +160,23 @@ static void shapes_that_are_none_are_refused(void)
 {
     static const double wrong[] = { NAN, INFINITY, -INFINITY, 1.001e6, -1e-9 };
     for (uint32_t kind = 0; kind < 4; kind++) {
-        const dpt_hull_shape good = { .size = sizeof good,
-                                      .kind = kind,
-                                      .extent = { 0.1, 0.1, 0.1 } };
+        const dpt_hull_shape good = { .size = sizeof good, .kind = kind, .extent = { 0.1, 0.1, 0.1 } };
         dpt_hull_shape shape = good;
         CHECK(corners_of(&shape) == DPT_OK, "kind %u", kind);
         for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
             for (int k = 0; k < 3; k++) {
                 shape = good;
                 shape.extent[k] = wrong[i];
-                CHECK(corners_of(&shape) == DPT_E_FINITE, "kind %u, extent %d, %g: %s", kind, k,
-                      wrong[i], dpt_result_name(corners_of(&shape)));
+                CHECK(corners_of(&shape) == DPT_E_FINITE, "kind %u, extent %d, %g: %s", kind, k, wrong[i],
+                      dpt_result_name(corners_of(&shape)));
             }
-        const uint32_t most = kind == DPT_HULL_KIND_CYLINDER ? 32
-                              : kind == DPT_HULL_KIND_CONE   ? 63
-                                                             : 0;
+        const uint32_t most = kind == DPT_HULL_KIND_CYLINDER ? 32 : kind == DPT_HULL_KIND_CONE ? 63 : 0;
         for (uint32_t sides = 0; sides < 70; sides++) {
             shape = good;
             shape.sides = sides;
             const int is_good = sides == 0 || (sides >= 3 && sides <= most);
-            CHECK(corners_of(&shape) == (is_good ? DPT_OK : DPT_E_ARGUMENT),
-                  "kind %u, %u sides: %s", kind, sides, dpt_result_name(corners_of(&shape)));
+            CHECK(corners_of(&shape) == (is_good ? DPT_OK : DPT_E_ARGUMENT), "kind %u, %u sides: %s", kind, sides,
+                  dpt_result_name(corners_of(&shape)));
         }
         shape = good;
         shape.sides = UINT32_MAX;
@@ -201,9 +193,7 @@ static void shapes_that_are_none_are_refused(void)
 static void as_many_corners_are_written_as_there_is_room_for(void)
 {
     for (uint32_t kind = 0; kind < 4; kind++) {
-        const dpt_hull_shape shape = { .size = sizeof shape,
-                                       .kind = kind,
-                                       .extent = { 0.1, 0.2, 0.3 } };
+        const dpt_hull_shape shape = { .size = sizeof shape, .kind = kind, .extent = { 0.1, 0.2, 0.3 } };
         double all[3 * DPT_HULL_CORNERS_MAX], some[3 * DPT_HULL_CORNERS_MAX];
         uint32_t count = 0, told = 0;
         CHECK(dpt_hull_shape_corners(&shape, all, DPT_HULL_CORNERS_MAX, &count) == DPT_OK, "all");
@@ -211,8 +201,8 @@ static void as_many_corners_are_written_as_there_is_room_for(void)
             for (uint32_t i = 0; i < 3 * DPT_HULL_CORNERS_MAX; i++)
                 some[i] = 7.0;
             const dpt_result result = dpt_hull_shape_corners(&shape, some, capacity, &told);
-            CHECK(result == (capacity < count ? DPT_E_FULL : DPT_OK) && told == count,
-                  "%u of %u: %s, %u", capacity, count, dpt_result_name(result), told);
+            CHECK(result == (capacity < count ? DPT_E_FULL : DPT_OK) && told == count, "%u of %u: %s, %u", capacity,
+                  count, dpt_result_name(result), told);
             for (uint32_t i = 3 * capacity; i < 3 * DPT_HULL_CORNERS_MAX; i++)
                 CHECK(some[i] == 7.0, "%u of %u: number %u was written", capacity, count, i);
             CHECK(capacity < count || !memcmp(some, all, 3 * count * sizeof *all), "other corners");

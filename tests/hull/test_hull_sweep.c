@@ -31,8 +31,7 @@ static double any_angle(void)
 }
 
 /* In the body's frame from one place to another, both turned by up to `turn`; the body itself may move and turn. */
-static void put_motion(struct hull_throw *thrown, vec3 from, vec3 to, double angle,
-                       double body_angle, double body_way)
+static void put_motion(struct hull_throw *thrown, vec3 from, vec3 to, double angle, double body_angle, double body_way)
 {
     dpt_pose at[2] = { DPT_POSE_IDENTITY, DPT_POSE_IDENTITY };
     struct oracle_motion *m = &thrown->motion;
@@ -43,15 +42,13 @@ static void put_motion(struct hull_throw *thrown, vec3 from, vec3 to, double ang
     m->body_from = m->body_to = (dpt_pose)DPT_POSE_IDENTITY;
     if (body_way > 0.0) {
         m->body_from = any_pose(&rng, body_way);
-        vec3_store(add(vec3_of(m->body_from.position), any_in(&rng, body_way)),
-                   m->body_to.position);
+        vec3_store(add(vec3_of(m->body_from.position), any_in(&rng, body_way)), m->body_to.position);
         turn_on(m->body_from.orientation, body_angle, m->body_to.orientation);
     }
     m->tool_from = pose_in(&m->body_from, &at[0]);
     m->tool_to = pose_in(&m->body_to, &at[1]);
     thrown->noise = 0x1p-44 * (1.0 + extent_of(vec3_of(m->tool_from.position)) +
-                               extent_of(vec3_of(m->tool_to.position)) +
-                               extent_of(vec3_of(m->body_to.position)));
+                               extent_of(vec3_of(m->tool_to.position)) + extent_of(vec3_of(m->body_to.position)));
 }
 
 static void any_hull(struct made_hull *made, double size)
@@ -71,27 +68,24 @@ static void any_limits(struct hull_throw *thrown, double diagonal)
 }
 
 /* Past a place on the mesh, through it, or away from there, from rest to several diagonals in a tick. */
-static void throw_at(const struct hull_body *body, struct made_hull *made,
-                     struct throw_tally *tally)
+static void throw_at(const struct hull_body *body, struct made_hull *made, struct throw_tally *tally)
 {
     vec3 n;
     const vec3 x = body_place(body, &rng, &n);
     const double size = body->diagonal * power_in(&rng, -2.5, -0.5);
     if (one_in(&rng, 4) || !made->hull)
         any_hull(made, size);
-    struct hull_throw thrown = { .surface = &body->surface,
-                                 .kernel = &body->kernel,
-                                 .triangles = &body->triangles,
-                                 .made = made };
+    struct hull_throw thrown = {
+        .surface = &body->surface, .kernel = &body->kernel, .triangles = &body->triangles, .made = made
+    };
     const double far = one_in(&rng, 8) ? 0.0 : body->diagonal * power_in(&rng, -4.0, 0.5);
     const vec3 way = scaled(any_unit(&rng), far);
     const double part = random_in(&rng, -0.3, 1.0);
     const vec3 by = along(x, made->size * random_in(&rng, 0.5, 2.5), n);
     const int is_moving = one_in(&rng, 2);
     any_limits(&thrown, body->diagonal);
-    put_motion(&thrown, along(one_in(&rng, 4) ? x : by, -part, way),
-               along(one_in(&rng, 2) ? x : by, 1.0 - part, way), any_angle(),
-               is_moving ? any_angle() : 0.0,
+    put_motion(&thrown, along(one_in(&rng, 4) ? x : by, -part, way), along(one_in(&rng, 2) ? x : by, 1.0 - part, way),
+               any_angle(), is_moving ? any_angle() : 0.0,
                is_moving ? body->diagonal * power_in(&rng, -3.0, 0.3) : 0.0);
     check_throw(&rng, &thrown, tally);
 }
@@ -101,9 +95,7 @@ static void nothing_is_met_before_the_time(void)
     static const struct {
         const char *shape;
         uint64_t count;
-    } subjects[] = {
-        { "box", 12 }, { "membrane", 128 }, { "cloth", 450 }, { "liver", 600 }, { "star", 2000 }
-    };
+    } subjects[] = { { "box", 12 }, { "membrane", 128 }, { "cloth", 450 }, { "liver", 600 }, { "star", 2000 } };
     static struct made_hull made;
     const size_t count = sizeof subjects / sizeof *subjects;
     for (size_t i = 0; i < count; i++) {
@@ -160,8 +152,8 @@ static int check_pass(const struct hull_throw *thrown)
     }
     if (first > 1.0)
         return 0;
-    CHECK(thrown->status == SWEEP_HIT && thrown->time < first,
-          "behind the sheet at %g: status %d, time %g", first, thrown->status, thrown->time);
+    CHECK(thrown->status == SWEEP_HIT && thrown->time < first, "behind the sheet at %g: status %d, time %g", first,
+          thrown->status, thrown->time);
     return 1;
 }
 
@@ -172,18 +164,16 @@ static void sheets_are_not_passed_unseen(void)
     static struct made_hull made;
     unsigned long passes = 0;
     struct throw_tally tally = { .throws = 0 };
-    if (!body_from_sheet(&sheets[0], 1, 0) || !body_from_sheet(&sheets[1], 8, 0) ||
-        !body_from_sheet(&sheets[2], 40, 0))
+    if (!body_from_sheet(&sheets[0], 1, 0) || !body_from_sheet(&sheets[1], 8, 0) || !body_from_sheet(&sheets[2], 40, 0))
         return;
     while (tally.throws < 1 + throw_count / 2) {
         const struct hull_body *sheet = &sheets[whole_in(&rng, 0, 2)];
         const double size = power_in(&rng, -3.0, -0.8);
         const double side = one_in(&rng, 2) ? 1.0 : -1.0;
         any_hull(&made, size);
-        struct hull_throw thrown = { .surface = &sheet->surface,
-                                     .kernel = &sheet->kernel,
-                                     .triangles = &sheet->triangles,
-                                     .made = &made };
+        struct hull_throw thrown = {
+            .surface = &sheet->surface, .kernel = &sheet->kernel, .triangles = &sheet->triangles, .made = &made
+        };
         any_limits(&thrown, 1.0);
         const double reach = size + throw_radius(&thrown), far = reach * power_in(&rng, 0.0, 3.0);
         const vec3 x = { random_in(&rng, -0.2, 0.2), random_in(&rng, -0.2, 0.2), 0.0 };
@@ -191,8 +181,7 @@ static void sheets_are_not_passed_unseen(void)
                            side * (reach + far * random_in(&rng, 0.0, 1.0)) };
         const int is_moving = one_in(&rng, 3);
         put_motion(&thrown, add(x, way), along(x, -random_in(&rng, 0.3, 1.5), way), any_angle(),
-                   is_moving ? 0.2 * any_angle() : 0.0,
-                   is_moving ? power_in(&rng, -3.0, 0.0) : 0.0);
+                   is_moving ? 0.2 * any_angle() : 0.0, is_moving ? power_in(&rng, -3.0, 0.0) : 0.0);
         check_throw(&rng, &thrown, &tally);
         passes += (unsigned long)check_pass(&thrown);
     }
@@ -218,10 +207,9 @@ static void what_grazes_is_told_apart(void)
         const double size = power_in(&rng, -2.5, -0.8);
         if (tally.throws % 4 == 0)
             any_hull(&made, size);
-        struct hull_throw thrown = { .surface = &sheet.surface,
-                                     .kernel = &sheet.kernel,
-                                     .triangles = &sheet.triangles,
-                                     .made = &made };
+        struct hull_throw thrown = {
+            .surface = &sheet.surface, .kernel = &sheet.kernel, .triangles = &sheet.triangles, .made = &made
+        };
         any_limits(&thrown, 1.0);
         const double side = one_in(&rng, 2) ? 1.0 : -1.0, part = random_in(&rng, -1.0, 4.0);
         const vec3 way = scaled(any_in(&rng, 1.0), power_in(&rng, -3.0, 0.0));
@@ -230,24 +218,21 @@ static void what_grazes_is_told_apart(void)
         put_motion(&thrown, x, along(x, 1.0, (vec3){ way.x, way.y, 0.0 }), 0.0, 0.0, 0.0);
         double low, high;
         heights_at(&thrown, 0.0, &low, &high);
-        const double lift =
-            side * (throw_radius(&thrown) + part * thrown.tolerance) - (side > 0.0 ? low : high);
+        const double lift = side * (throw_radius(&thrown) + part * thrown.tolerance) - (side > 0.0 ? low : high);
         thrown.motion.tool_from.position[2] += lift;
         thrown.motion.tool_to.position[2] += lift;
         if (is_moving) {
             const vec3 by = any_in(&rng, 1.0);
-            double *const to[2] = { thrown.motion.tool_to.position,
-                                    thrown.motion.body_to.position };
+            double *const to[2] = { thrown.motion.tool_to.position, thrown.motion.body_to.position };
             for (int k = 0; k < 2; k++)
                 vec3_store(add(vec3_of(to[k]), by), to[k]);
         }
         check_throw(&rng, &thrown, &tally);
         const int is_over = heights_at(&thrown, 0.0, &low, &high);
         const double off = thrown.noise / thrown.tolerance;
-        CHECK(part < 2.0 + off || thrown.resolution > 0.0 || thrown.status == SWEEP_FREE,
-              "%g tolerances over it: hit", part);
-        CHECK(part > -off || !is_over || thrown.status == SWEEP_HIT, "%g tolerances over it: free",
+        CHECK(part < 2.0 + off || thrown.resolution > 0.0 || thrown.status == SWEEP_FREE, "%g tolerances over it: hit",
               part);
+        CHECK(part > -off || !is_over || thrown.status == SWEEP_HIT, "%g tolerances over it: free", part);
     }
     print_throws("grazing", &tally);
     CHECK(tally.near_misses > 0 || throw_count < 1000, "none was near");
@@ -316,8 +301,7 @@ static vec3 lowest_corner(const struct made_hull *made, const dpt_pose *pose)
  */
 static void put_arc(struct hull_throw *thrown, double angle)
 {
-    dpt_pose middle = any_pose(&rng, 0.0), *const ends[2] = { &thrown->motion.tool_from,
-                                                              &thrown->motion.tool_to };
+    dpt_pose middle = any_pose(&rng, 0.0), *const ends[2] = { &thrown->motion.tool_from, &thrown->motion.tool_to };
     vec3 p = lowest_corner(thrown->made, &middle);
     for (int k = 0; k < 50 && !(p.z < 0.0); k++) {
         middle = any_pose(&rng, 0.0);
@@ -359,14 +343,13 @@ static void arcs_that_dip_are_hits(void)
                                      .made = &made,
                                      .tolerance = power_in(&rng, -9.0, -5.0) };
         const vec3 x = { random_in(&rng, -0.1, 0.1), random_in(&rng, -0.1, 0.1), 0.0 };
-        const vec3 way =
-            scaled(any_in(&rng, size), one_in(&rng, 2) ? 0.0 : 0.3 * random_in(&rng, 0, 1));
+        const vec3 way = scaled(any_in(&rng, size), one_in(&rng, 2) ? 0.0 : 0.3 * random_in(&rng, 0, 1));
         const int is_moving = one_in(&rng, 3);
         put_motion(&thrown, x, add(x, way), 0.0, is_moving ? 0.3 * random_in(&rng, -1.0, 1.0) : 0.0,
                    is_moving ? power_in(&rng, -2.0, 0.0) : 0.0);
         put_arc(&thrown, angle);
-        const double wanted = throw_radius(&thrown) -
-                              made.size * power_in(&rng, -8.0, -2.0) * (one_in(&rng, 3) ? -1 : 1);
+        const double wanted =
+            throw_radius(&thrown) - made.size * power_in(&rng, -8.0, -2.0) * (one_in(&rng, 3) ? -1 : 1);
         double when, low = lowest_of(&thrown, &when), high;
         for (int k = 0; k < 6 && when > 0.005 && when < 0.995; k++) {
             lift(&thrown.motion, wanted - low);
@@ -378,16 +361,14 @@ static void arcs_that_dip_are_hits(void)
         const double over = low - throw_radius(&thrown);
         CHECK(over > -thrown.noise || (thrown.status == SWEEP_HIT && thrown.time <= when),
               "%g too near at %g: status %d, time %g", -over, when, thrown.status, thrown.time);
-        CHECK(over < 2.0 * thrown.tolerance + thrown.noise || thrown.resolution > 0.0 ||
-                  thrown.status == SWEEP_FREE,
+        CHECK(over < 2.0 * thrown.tolerance + thrown.noise || thrown.resolution > 0.0 || thrown.status == SWEEP_FREE,
               "no nearer than %g beyond: hit at %g", over, thrown.time);
         dips += over < -thrown.noise;
         misses += over > 2.0 * thrown.tolerance + thrown.noise;
     }
     print_throws("arcs", &tally);
     printf("    %lu dips, %lu near misses\n", dips, misses);
-    CHECK(dips > throw_count / 16 && misses > throw_count / 64, "%lu dips, %lu misses", dips,
-          misses);
+    CHECK(dips > throw_count / 16 && misses > throw_count / 64, "%lu dips, %lu misses", dips, misses);
     body_close(&sheet);
 }
 
@@ -451,8 +432,7 @@ static void what_just_comes_near_is_a_hit(void)
             thrown.clearance = least + deep - made.hull->radius;
             check_throw(&rng, &thrown, &tally);
             CHECK(deep < thrown.noise || (thrown.status == SWEEP_HIT && thrown.time <= when),
-                  "%s: %g too near at %g: status %d, time %g", shapes[s], deep, when, thrown.status,
-                  thrown.time);
+                  "%s: %g too near at %g: status %d, time %g", shapes[s], deep, when, thrown.status, thrown.time);
             dips += deep > thrown.noise;
         }
         print_throws(shapes[s], &tally);

@@ -113,8 +113,7 @@ struct tool move_tool(uint64_t *random, const struct tool *tool)
 
 vec3 corner(const float *block, int k, int lane)
 {
-    return (vec3){ block[3 * k * LANES + lane], block[(3 * k + 1) * LANES + lane],
-                   block[(3 * k + 2) * LANES + lane] };
+    return (vec3){ block[3 * k * LANES + lane], block[(3 * k + 1) * LANES + lane], block[(3 * k + 2) * LANES + lane] };
 }
 
 struct kernel best_kernel(void)

@@ -42,20 +42,17 @@ static int is_apart(const struct tool *tool, double distance)
 
 static pair pair_of(const struct tool *tool, const float *block, int lane)
 {
-    return segment_triangle(tool->a, tool->u, corner(block, 0, lane), corner(block, 1, lane),
-                            corner(block, 2, lane));
+    return segment_triangle(tool->a, tool->u, corner(block, 0, lane), corner(block, 1, lane), corner(block, 2, lane));
 }
 
 /* By how many margins the worst of 16 bounds lies above the truth. A NaN bounds nothing. */
-static double check_sound(const char *what, const struct tool *tool, const float *content,
-                          const float *bound)
+static double check_sound(const char *what, const struct tool *tool, const float *content, const float *bound)
 {
     double worst = -HUGE_VAL;
     for (int lane = 0; lane < LANES; lane++) {
         double distance = sqrt(pair_of(tool, content, lane).distance2);
         double over = ((double)bound[lane] - distance) / margin_of(tool);
-        CHECK(!(over > 1.0), "%s: bound %.9g above %.17g by %.3g margins", what,
-              (double)bound[lane], distance, over);
+        CHECK(!(over > 1.0), "%s: bound %.9g above %.17g by %.3g margins", what, (double)bound[lane], distance, over);
         worst = max_of(over, worst);
     }
     return worst;
@@ -72,8 +69,8 @@ static uint32_t not_beyond(const float *bound, float limit)
 /* How far bounds are above the truth, in margins, and below it on average, in distances. */
 static void check_tight(const char *name, double worst, double slack, int apart)
 {
-    printf("    %-10s above the truth by at most %5.3f margins; mean slack %.2g of %d apart\n",
-           name, worst, slack, apart);
+    printf("    %-10s above the truth by at most %5.3f margins; mean slack %.2g of %d apart\n", name, worst, slack,
+           apart);
     CHECK(slack < 1e-6, "%s: bounds lose %.3g of the distance on average", name, slack);
     CHECK(apart > BLOCKS * LANES / 2, "%s: only %d apart", name, apart);
 }
@@ -131,12 +128,10 @@ static void bounds_of_boxes_are_sound(void)
                 double distance = sqrt(truth.distance2);
                 if (!is_apart(&tool, distance))
                     continue;
-                double reach = (fabs(truth.gap.x) * half.x + fabs(truth.gap.y) * half.y +
-                                fabs(truth.gap.z) * half.z) /
-                               distance;
+                double reach =
+                    (fabs(truth.gap.x) * half.x + fabs(truth.gap.y) * half.y + fabs(truth.gap.z) * half.z) / distance;
                 apart++;
-                slack +=
-                    isfinite(bound[lane]) ? 1.0 - ((double)bound[lane] + reach) / distance : 1.0;
+                slack += isfinite(bound[lane]) ? 1.0 - ((double)bound[lane] + reach) / distance : 1.0;
             }
         }
         check_tight(shape_names[shape], worst, slack / apart, apart);
@@ -169,25 +164,21 @@ static void bounds_of_points_are_sound(void)
             CHECK(open == not_beyond(bound[1], limit), "boxes: %x", open);
             for (int lane = 0; lane < LANES; lane++) {
                 vec3 off = sub(tool.a, corner(block, 0, lane)), half = corner(block, 1, lane);
-                double box = length((vec3){ max_of(fabs(off.x) - half.x, 0.0),
-                                            max_of(fabs(off.y) - half.y, 0.0),
+                double box = length((vec3){ max_of(fabs(off.x) - half.x, 0.0), max_of(fabs(off.y) - half.y, 0.0),
                                             max_of(fabs(off.z) - half.z, 0.0) });
                 double distance = sqrt(pair_of(&tool, content, lane).distance2);
                 for (int k = 0; k < 2; k++)
                     bound[k][lane] = sqrtf(bound[k][lane]);
                 apart += is_apart(&tool, distance);
                 if (is_apart(&tool, distance))
-                    slack[0] +=
-                        isfinite(bound[0][lane]) ? 1.0 - (double)bound[0][lane] / distance : 1.0;
+                    slack[0] += isfinite(bound[0][lane]) ? 1.0 - (double)bound[0][lane] / distance : 1.0;
                 if (is_apart(&tool, box))
                     slack[1] += fabs(1.0 - (double)bound[1][lane] / box);
             }
             for (int k = 0; k < 2; k++)
-                worst[k] =
-                    max_of(check_sound(shape_names[shape], &tool, content, bound[k]), worst[k]);
+                worst[k] = max_of(check_sound(shape_names[shape], &tool, content, bound[k]), worst[k]);
         }
-        printf("    %-10s above the truth by at most %5.3f margins, boxes %5.3f; mean slack %.2g, "
-               "boxes %.2g\n",
+        printf("    %-10s above the truth by at most %5.3f margins, boxes %5.3f; mean slack %.2g, boxes %.2g\n",
                shape_names[shape], worst[0], worst[1], slack[0] / apart, slack[1] / apart);
         CHECK(slack[0] < 1e-5 * apart && slack[1] < 1e-6 * apart, "%s: loose", shape_names[shape]);
         CHECK(apart > BLOCKS * LANES / 2, "%s: only %d apart", shape_names[shape], apart);
@@ -219,8 +210,7 @@ static void common_supports_are_sound(void)
         CHECK(open == not_beyond(low, beyond), "%x", open);
         for (int lane = 0; lane < LANES; lane++) {
             double there = sqrt(pair_of(&tool, block, lane).distance2);
-            double over =
-                ((double)low[lane] - (double)tool.filter.height - there) / margin_of(&tool);
+            double over = ((double)low[lane] - (double)tool.filter.height - there) / margin_of(&tool);
             worst = max_of(over, worst);
             CHECK(!(over > 1.0), "common bound above the truth by %.3g margins", over);
             CHECK(open >> lane & 1 || there > (double)tool.filter.limit - margin_of(&tool),
@@ -236,9 +226,8 @@ static void common_supports_are_sound(void)
         kernel.cached_triangles(block, &other.filter, &planes, bound);
         moved = max_of(check_sound("common, held", &other, block, bound), moved);
     }
-    printf("    above the truth by at most %5.3f margins, held %5.3f; equal to it on its own lane "
-           "%.1f %%\n",
-           worst, moved, 100.0 * tight / taken);
+    printf("    above the truth by at most %5.3f margins, held %5.3f; equal to it on its own lane %.1f %%\n", worst,
+           moved, 100.0 * tight / taken);
     CHECK(taken > BLOCKS / 2 && tight > 0.99 * taken, "%d planes, %g tight", taken, tight);
 }
 
@@ -246,10 +235,9 @@ static void common_supports_are_sound(void)
  * Planes bound the distance at whatever pose. `content` lies in what `planes` were made of, `block`; `made`
  * are the bounds that came with them, at the pose of `tool`. Held bounds are those, or better.
  */
-static void check_held(const char *what, kernel_cached *held, uint64_t *random,
-                       const struct tool *tool, const float *content, const float *block,
-                       const struct planes *planes, const float *made, double *near_by,
-                       double *elsewhere)
+static void check_held(const char *what, kernel_cached *held, uint64_t *random, const struct tool *tool,
+                       const float *content, const float *block, const struct planes *planes, const float *made,
+                       double *near_by, double *elsewhere)
 {
     float bound[LANES];
     uint32_t open = held(block, &tool->filter, planes, bound);
@@ -277,11 +265,11 @@ static void held_planes_are_sound_at_other_poses(void)
         make_boxes(content, block);
         struct tool tool = make_tool(&random, i % SHAPES);
         kernel.triangles(content, &tool.filter, &planes, bound);
-        check_held("triangles, held", kernel.cached_triangles, &random, &tool, content, content,
-                   &planes, bound, &near_by[0], &elsewhere[0]);
+        check_held("triangles, held", kernel.cached_triangles, &random, &tool, content, content, &planes, bound,
+                   &near_by[0], &elsewhere[0]);
         kernel.boxes(block, &tool.filter, &planes, bound);
-        check_held("boxes, held", kernel.cached_boxes, &random, &tool, content, block, &planes,
-                   bound, &near_by[1], &elsewhere[1]);
+        check_held("boxes, held", kernel.cached_boxes, &random, &tool, content, block, &planes, bound, &near_by[1],
+                   &elsewhere[1]);
         kernel.common_boxes(block, tool.filter.normal, 0.0f, planes.support);
         for (int lane = 0; lane < LANES; lane++) {
             planes.x[lane] = tool.filter.normal[0];
@@ -289,13 +277,13 @@ static void held_planes_are_sound_at_other_poses(void)
             planes.z[lane] = tool.filter.normal[2];
             bound[lane] = planes.support[lane] - tool.filter.height;
         }
-        check_held("common, held", kernel.cached_boxes, &random, &tool, content, block, &planes,
-                   bound, &near_by[1], &elsewhere[1]);
+        check_held("common, held", kernel.cached_boxes, &random, &tool, content, block, &planes, bound, &near_by[1],
+                   &elsewhere[1]);
     }
-    printf("    triangles: above the truth by at most %5.3f margins after a move, %5.3f anywhere\n",
-           near_by[0], elsewhere[0]);
-    printf("    boxes:     above the truth by at most %5.3f margins after a move, %5.3f anywhere\n",
-           near_by[1], elsewhere[1]);
+    printf("    triangles: above the truth by at most %5.3f margins after a move, %5.3f anywhere\n", near_by[0],
+           elsewhere[0]);
+    printf("    boxes:     above the truth by at most %5.3f margins after a move, %5.3f anywhere\n", near_by[1],
+           elsewhere[1]);
 }
 
 static void zero_planes_close_nothing(void)
@@ -317,17 +305,15 @@ static void zero_planes_close_nothing(void)
             float block[9 * LANES];
             make_triangles(&random, ORDINARY, block);
             uint32_t open = kernel.cached_triangles(block, &tool.filter, &none, bound);
-            CHECK(open == 0xffff, "%s: open %x, limit %g", dpt_kernel_name(id), open,
-                  (double)tool.filter.limit);
+            CHECK(open == 0xffff, "%s: open %x, limit %g", dpt_kernel_name(id), open, (double)tool.filter.limit);
             open = kernel.cached_boxes(block, &tool.filter, &none, bound);
-            CHECK(open == 0xffff, "%s: boxes open %x, limit %g", dpt_kernel_name(id), open,
-                  (double)tool.filter.limit);
+            CHECK(open == 0xffff, "%s: boxes open %x, limit %g", dpt_kernel_name(id), open, (double)tool.filter.limit);
         }
     }
 }
 
-static void check_no_number(const char *what, const struct filter_segment *segment,
-                            const float *bound, uint32_t open, uint32_t degenerate)
+static void check_no_number(const char *what, const struct filter_segment *segment, const float *bound, uint32_t open,
+                            uint32_t degenerate)
 {
     CHECK(open == not_beyond(bound, segment->limit), "%s: open %x", what, open);
     CHECK((open & degenerate) == degenerate, "%s: open %x of %x", what, open, degenerate);

@@ -19,14 +19,13 @@ static int same_floats(const float *x, const float *y, int count)
 
 static int same_planes(const struct planes *p, const struct planes *q)
 {
-    return same_floats(p->x, q->x, LANES) && same_floats(p->y, q->y, LANES) &&
-           same_floats(p->z, q->z, LANES) && same_floats(p->support, q->support, LANES);
+    return same_floats(p->x, q->x, LANES) && same_floats(p->y, q->y, LANES) && same_floats(p->z, q->z, LANES) &&
+           same_floats(p->support, q->support, LANES);
 }
 
 /* Two kernels on one block of triangles or boxes: planes, bounds and lanes, made and held. */
-static void check_same_renewal(const char *what, kernel_cached *plain, kernel_new_planes *one,
-                               kernel_cached *wide, kernel_new_planes *two, const float *block,
-                               const struct filter_segment *segment,
+static void check_same_renewal(const char *what, kernel_cached *plain, kernel_new_planes *one, kernel_cached *wide,
+                               kernel_new_planes *two, const float *block, const struct filter_segment *segment,
                                const struct filter_segment *later)
 {
     struct planes expected_planes, planes;
@@ -73,11 +72,10 @@ static void the_better_planes_are_kept(void)
                 int takes = isnan(bound[lane]) || made_bound[lane] > bound[lane];
                 float expected = takes ? made_bound[lane] : bound[lane];
                 taken += (uint32_t)takes;
-                CHECK(same_floats(&after_bound[lane], &expected, 1), "%s: bound %g, not %g",
-                      dpt_kernel_name(id), (double)after_bound[lane], (double)expected);
+                CHECK(same_floats(&after_bound[lane], &expected, 1), "%s: bound %g, not %g", dpt_kernel_name(id),
+                      (double)after_bound[lane], (double)expected);
                 for (int row = 0; row < 4; row++)
-                    CHECK(rows[row * LANES + lane] ==
-                              (takes ? made_rows : kept_rows)[row * LANES + lane],
+                    CHECK(rows[row * LANES + lane] == (takes ? made_rows : kept_rows)[row * LANES + lane],
                           "%s: row %d of lane %d", dpt_kernel_name(id), row, lane);
             }
         }
@@ -105,24 +103,20 @@ static void all_kernels_give_the_same_bits(void)
             struct tool later = move_tool(&random, &tool);
             if (i % 16 == 0)
                 degenerate_lanes(&random, &tool, block);
-            check_same_renewal(name, plain.cached_triangles, plain.triangles,
-                               other.cached_triangles, other.triangles, block, &tool.filter,
-                               &later.filter);
-            uint32_t expected_open =
-                plain.common_triangles(block, tool.filter.normal, tool.filter.height, expected);
-            uint32_t open =
-                other.common_triangles(block, tool.filter.normal, tool.filter.height, low);
+            check_same_renewal(name, plain.cached_triangles, plain.triangles, other.cached_triangles, other.triangles,
+                               block, &tool.filter, &later.filter);
+            uint32_t expected_open = plain.common_triangles(block, tool.filter.normal, tool.filter.height, expected);
+            uint32_t open = other.common_triangles(block, tool.filter.normal, tool.filter.height, low);
             CHECK(same_floats(expected, low, LANES), "%s: common, block %d", name, i);
             CHECK(expected_open == open, "%s: common open %x, not %x", name, open, expected_open);
-            expected_open =
-                plain.point_triangles(block, tool.filter.a, tool.filter.limit, expected);
+            expected_open = plain.point_triangles(block, tool.filter.a, tool.filter.limit, expected);
             open = other.point_triangles(block, tool.filter.a, tool.filter.limit, low);
             CHECK(same_floats(expected, low, LANES), "%s: point, block %d", name, i);
             CHECK(expected_open == open, "%s: point open %x, not %x", name, open, expected_open);
             for (int row = 3 * LANES; row < 6 * LANES; row++)
                 block[row] = fabsf(block[row]);
-            check_same_renewal(name, plain.cached_boxes, plain.boxes, other.cached_boxes,
-                               other.boxes, block, &tool.filter, &later.filter);
+            check_same_renewal(name, plain.cached_boxes, plain.boxes, other.cached_boxes, other.boxes, block,
+                               &tool.filter, &later.filter);
             const float *normal = tool.filter.normal;
             expected_open = plain.common_boxes(block, normal, tool.filter.height, expected);
             open = other.common_boxes(block, normal, tool.filter.height, low);
@@ -151,8 +145,7 @@ static void make_moments(uint64_t *random, float block[MESH_MOMENT_ROWS * LANES]
             block[row * LANES + lane] = row == MESH_MOMENT_RADIUS ? -1.0f : 0.0f;
     }
     for (int k = 0; k < 3; k++)
-        at[k] = random_bits(random) % 16 ? 2.0f * coordinate(random)
-                                         : block[(MESH_MOMENT_AT + k) * LANES + 3];
+        at[k] = random_bits(random) % 16 ? 2.0f * coordinate(random) : block[(MESH_MOMENT_AT + k) * LANES + 3];
 }
 
 /* Triangles seen from near one of them, from a corner, from afar. */
@@ -199,8 +192,7 @@ static void all_kernels_give_the_same_windings(void)
             const uint32_t lanes = (uint32_t)random_bits(&random) & 0xffff;
             expected = plain.angles(block, at, lanes, sums[0]);
             open = other.angles(block, at, lanes, sums[1]);
-            CHECK(open == expected && !(open & ~lanes), "%s: angles open %x, not %x", name, open,
-                  expected);
+            CHECK(open == expected && !(open & ~lanes), "%s: angles open %x, not %x", name, open, expected);
             CHECK(same_floats(sums[0], sums[1], LANES), "%s: angles, block %d", name, i);
         }
     }
@@ -221,19 +213,16 @@ static void angles_are_solid_angles(void)
         const uint32_t open = kernel.angles(block, at, lanes, sums);
         for (int lane = 0; lane < LANES; lane++) {
             const vec3 x = { at[0], at[1], at[2] };
-            double turns =
-                solid_turns(sub(corner(block, 0, lane), x), sub(corner(block, 1, lane), x),
-                            sub(corner(block, 2, lane), x));
+            double turns = solid_turns(sub(corner(block, 0, lane), x), sub(corner(block, 1, lane), x),
+                                       sub(corner(block, 2, lane), x));
             const int added = ((lanes & ~open) >> lane & 1) != 0;
             open_lanes += (open >> lane & 1) != 0;
             worst = max_of(worst, added ? fabs((double)sums[lane] - turns) : 0.0);
-            CHECK(added || sums[lane] == 0.0f, "lane %d of %x, open %x: %g", lane, lanes, open,
-                  (double)sums[lane]);
+            CHECK(added || sums[lane] == 0.0f, "lane %d of %x, open %x: %g", lane, lanes, open, (double)sums[lane]);
             CHECK(added || !(lanes >> lane & 1) || open >> lane & 1, "lost");
         }
     }
-    printf("    off by at most %.2g turns; %.2g %% left open\n", worst,
-           100.0 * open_lanes / (BLOCKS * LANES * 0.75));
+    printf("    off by at most %.2g turns; %.2g %% left open\n", worst, 100.0 * open_lanes / (BLOCKS * LANES * 0.75));
     CHECK(worst < 2e-6, "off by %g turns", worst);
     CHECK(open_lanes < BLOCKS * LANES / 4, "%d lanes are left open", open_lanes);
 }
@@ -248,8 +237,7 @@ static void turns_agree_with_the_c_library(void)
         for (int k = 0; k < 3; k++)
             v[k] = random_vec(&random, pow(10.0, random_in(&random, -3.0, 3.0)));
         if (i % 4 == 0)
-            v[2] = along(scaled(v[0], -random_in(&random, 0.0, 2.0)), random_in(&random, -2.0, 0.0),
-                         v[1]);
+            v[2] = along(scaled(v[0], -random_in(&random, 0.0, 2.0)), random_in(&random, -2.0, 0.0), v[1]);
         if (i % 8 == 0)
             v[2] = add(v[2], random_vec(&random, 1e-9));
         double a = length(v[0]), b = length(v[1]), c = length(v[2]);

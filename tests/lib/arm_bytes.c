@@ -38,8 +38,7 @@ void arm_file(char path[64], const struct chain_joint *chain, uint32_t count, co
     const dpt_result result = dpt_compile_arm(&def, &compiled, &diag);
     strcpy(path, "/tmp/dynpoint-arm-XXXXXX");
     const int file = mkstemp(path);
-    if (result != DPT_OK || file < 0 ||
-        write(file, compiled.bytes, compiled.size) != (ssize_t)compiled.size) {
+    if (result != DPT_OK || file < 0 || write(file, compiled.bytes, compiled.size) != (ssize_t)compiled.size) {
         printf("no arm at %s: %s\n", path, diag.text);
         exit(1);
     }

@@ -38,8 +38,7 @@ dpt_pose pose_random(uint64_t *random, double size)
 }
 
 /* A joint of its own while there is room for one, or one that there is. */
-static void joint_random(uint64_t *random, struct arm_arrays *arm, dpt_arm_link *link,
-                         uint32_t most)
+static void joint_random(uint64_t *random, struct arm_arrays *arm, dpt_arm_link *link, uint32_t most)
 {
     dpt_arm_def *def = &arm->def;
     link->slides = random_bits(random) % 4 == 0;

@@ -28,13 +28,13 @@ void __sanitizer_cov_trace_pc(void)
 }
 
 /* `bytes` is evaluated once. */
-#define COUNT_BYTES(type, name, declared, given, bytes)                                            \
-    type __real_##name declared;                                                                   \
-    type __wrap_##name declared;                                                                   \
-    type __wrap_##name declared                                                                    \
-    {                                                                                              \
-        block_count += (bytes) / 16;                                                               \
-        return __real_##name given;                                                                \
+#define COUNT_BYTES(type, name, declared, given, bytes)                                                                \
+    type __real_##name declared;                                                                                       \
+    type __wrap_##name declared;                                                                                       \
+    type __wrap_##name declared                                                                                        \
+    {                                                                                                                  \
+        block_count += (bytes) / 16;                                                                                   \
+        return __real_##name given;                                                                                    \
     }
 
 COUNT_BYTES(void *, memset, (void *to, int byte, size_t n), (to, byte, n), n)

@@ -27,28 +27,28 @@ extern int check_passed, check_failed, check_skipped, check_bad;
 extern unsigned check_percent;
 
 /* In a test: assert `condition`, and print the rest, a printf format with arguments, if it fails. */
-#define CHECK(condition, ...)                                                                      \
-    do {                                                                                           \
-        if (!(condition)) {                                                                        \
-            check_bad++;                                                                           \
-            if (check_bad <= 10) {                                                                 \
-                printf("    %s:%d: %s: ", __FILE__, __LINE__, #condition);                         \
-                printf(__VA_ARGS__);                                                               \
-                printf("\n");                                                                      \
-            }                                                                                      \
-        }                                                                                          \
+#define CHECK(condition, ...)                                                                                          \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            check_bad++;                                                                                               \
+            if (check_bad <= 10) {                                                                                     \
+                printf("    %s:%d: %s: ", __FILE__, __LINE__, #condition);                                             \
+                printf(__VA_ARGS__);                                                                                   \
+                printf("\n");                                                                                          \
+            }                                                                                                          \
+        }                                                                                                              \
     } while (0)
 
-#define TEST(function)                                                                             \
-    do {                                                                                           \
-        check_bad = 0;                                                                             \
-        function();                                                                                \
-        printf("  %s %s\n", check_bad ? "FAIL" : "ok  ", #function);                               \
-        fflush(stdout);                                                                            \
-        if (check_bad)                                                                             \
-            check_failed++;                                                                        \
-        else                                                                                       \
-            check_passed++;                                                                        \
+#define TEST(function)                                                                                                 \
+    do {                                                                                                               \
+        check_bad = 0;                                                                                                 \
+        function();                                                                                                    \
+        printf("  %s %s\n", check_bad ? "FAIL" : "ok  ", #function);                                                   \
+        fflush(stdout);                                                                                                \
+        if (check_bad)                                                                                                 \
+            check_failed++;                                                                                            \
+        else                                                                                                           \
+            check_passed++;                                                                                            \
     } while (0)
 
 /*
@@ -67,10 +67,10 @@ uint64_t part_of(uint64_t cases);
 uint64_t least_seen(uint64_t seen);
 
 /* Name what could not be tested here, and why. */
-#define SKIP(what, why)                                                                            \
-    do {                                                                                           \
-        printf("  skip %s: %s\n", what, why);                                                      \
-        check_skipped++;                                                                           \
+#define SKIP(what, why)                                                                                                \
+    do {                                                                                                               \
+        printf("  skip %s: %s\n", what, why);                                                                          \
+        check_skipped++;                                                                                               \
     } while (0)
 
 /* Print the last line; what main returns. */

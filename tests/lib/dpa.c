@@ -4,8 +4,9 @@
 /* The def with the nodes and cells of a block of eight cubes, -0.05..0.05 m, six tetrahedra each. */
 static dpt_compile_def def_with_cells(double nodes[3 * 27], uint32_t cells[4 * 48])
 {
-    static const uint32_t steps[6][3] = { { 1, 3, 9 }, { 1, 9, 3 }, { 3, 1, 9 },
-                                          { 3, 9, 1 }, { 9, 1, 3 }, { 9, 3, 1 } };
+    static const uint32_t steps[6][3] = {
+        { 1, 3, 9 }, { 1, 9, 3 }, { 3, 1, 9 }, { 3, 9, 1 }, { 9, 1, 3 }, { 9, 3, 1 }
+    };
     for (uint32_t i = 0; i < 27; i++) {
         nodes[3 * i] = 0.05 * (i % 3) - 0.05;
         nodes[3 * i + 1] = 0.05 * (i / 3 % 3) - 0.05;
@@ -19,22 +20,19 @@ static dpt_compile_def def_with_cells(double nodes[3 * 27], uint32_t cells[4 * 4
             node += k < 3 ? step[k] : 0;
         }
     }
-    return (dpt_compile_def){ .size = sizeof(dpt_compile_def),
-                              .nodes = nodes,
-                              .cells = cells,
-                              .node_count = 27,
-                              .cell_count = 48 };
+    return (dpt_compile_def){
+        .size = sizeof(dpt_compile_def), .nodes = nodes, .cells = cells, .node_count = 27, .cell_count = 48
+    };
 }
 
-static struct file file_of_compiled_shape(const char *name, uint64_t count, size_t missing,
-                                          const dpt_compile_def *def)
+static struct file file_of_compiled_shape(const char *name, uint64_t count, size_t missing, const dpt_compile_def *def)
 {
     struct shape shape;
     shape_reason reason;
     dpt_compiled compiled = { NULL, 0 };
     if (shape_make(name, count, 0, &shape, reason) == 0)
-        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                           shape.triangle_count - missing, def, &compiled, NULL);
+        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count - missing, def,
+                           &compiled, NULL);
     shape_free(&shape);
     struct file file = file_of(compiled.bytes, compiled.size);
     dpt_compiled_free(&compiled);
@@ -120,8 +118,7 @@ int section_at(const struct dpt_mesh *header, uint64_t byte)
     if (byte < header_bytes_of(header))
         return MESH_SECTION_COUNT;
     for (int id = 0; id < sections_of(header); id++)
-        if (byte >= header->section[id].offset &&
-            byte < header->section[id].offset + header->section[id].bytes)
+        if (byte >= header->section[id].offset && byte < header->section[id].offset + header->section[id].bytes)
             return id;
     return -1;
 }

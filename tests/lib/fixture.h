@@ -6,15 +6,15 @@
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
 #include "lib/check.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 struct fixture {
     dpt_compiled compiled;
     const dpt_mesh *mesh;
 };
 
-int fixture_from_arrays(struct fixture *fixture, const double *vertices, size_t vertex_count,
-                        const uint32_t *corners, size_t triangle_count);
+int fixture_from_arrays(struct fixture *fixture, const double *vertices, size_t vertex_count, const uint32_t *corners,
+                        size_t triangle_count);
 
 /* `count` 0: as many triangles as the shape has usually. */
 int fixture_from_shape(struct fixture *fixture, const char *name, uint64_t count);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "lib/mesh_builder.h"
 
-void builder_add_shape(struct mesh_builder *builder, const char *name, uint64_t count, vec3 at,
-                       double size, int inward, size_t missing)
+void builder_add_shape(struct mesh_builder *builder, const char *name, uint64_t count, vec3 at, double size, int inward,
+                       size_t missing)
 {
     struct shape shape;
     shape_reason reason;
@@ -13,8 +13,7 @@ void builder_add_shape(struct mesh_builder *builder, const char *name, uint64_t 
     builder_reserve(builder, shape.vertex_count, shape.triangle_count);
     size_t base = builder->vertex_count;
     for (size_t v = 0; v < shape.vertex_count; v++)
-        builder_add_vertex(builder, at.x + size * shape.vertices[3 * v],
-                           at.y + size * shape.vertices[3 * v + 1],
+        builder_add_vertex(builder, at.x + size * shape.vertices[3 * v], at.y + size * shape.vertices[3 * v + 1],
                            at.z + size * shape.vertices[3 * v + 2]);
     for (size_t t = 0; t + missing < shape.triangle_count; t++)
         builder_add_triangle(builder, base + shape.corners[3 * t], base + shape.corners[3 * t + 1],
@@ -30,11 +29,10 @@ void builder_add_ball(struct mesh_builder *builder, vec3 at, double radius, doub
     size_t base = builder->vertex_count;
     for (int ring = 0; ring < RINGS; ring++)
         for (int k = 0; k < ROUND; k++) {
-            double down =
-                open > 0.0 ? first + (PI - first) * ring / RINGS : PI * (ring + 1) / (RINGS + 1);
+            double down = open > 0.0 ? first + (PI - first) * ring / RINGS : PI * (ring + 1) / (RINGS + 1);
             double turn = 2.0 * PI * k / ROUND;
-            builder_add_vertex(builder, at.x + radius * sin(down) * cos(turn),
-                               at.y + radius * sin(down) * sin(turn), at.z + radius * cos(down));
+            builder_add_vertex(builder, at.x + radius * sin(down) * cos(turn), at.y + radius * sin(down) * sin(turn),
+                               at.z + radius * cos(down));
         }
     builder_add_vertex(builder, at.x, at.y, at.z - radius);
     builder_add_vertex(builder, at.x, at.y, at.z + radius);
@@ -73,9 +71,8 @@ static int take_compiled(struct mesh_builder *builder, dpt_result result, const 
 int builder_compile(struct mesh_builder *builder)
 {
     dpt_diag diag = { .size = sizeof diag };
-    const dpt_result result =
-        dpt_compile_arrays(builder->vertices, builder->vertex_count, builder->corners,
-                           builder->triangle_count, NULL, &builder->compiled, &diag);
+    const dpt_result result = dpt_compile_arrays(builder->vertices, builder->vertex_count, builder->corners,
+                                                 builder->triangle_count, NULL, &builder->compiled, &diag);
     return take_compiled(builder, result, diag.text);
 }
 
@@ -92,8 +89,7 @@ double brute_winding_at(const struct mesh_builder *builder, vec3 x)
     double sum = 0.0, at[3] = { x.x, x.y, x.z };
     for (uint32_t t = 0; t < builder->info.source_triangles; t++) {
         double c[9], r[3], product[3];
-        if (dpt_mesh_get_triangle(builder->mesh, t, c) != DPT_OK ||
-            !(part_flags_of(builder, t) & MESH_PART_SOLID))
+        if (dpt_mesh_get_triangle(builder->mesh, t, c) != DPT_OK || !(part_flags_of(builder, t) & MESH_PART_SOLID))
             continue;
         for (int k = 0; k < 9; k++)
             c[k] -= at[k % 3];
@@ -104,8 +100,7 @@ double brute_winding_at(const struct mesh_builder *builder, vec3 x)
         }
         double volume = c[0] * (c[4] * c[8] - c[5] * c[7]) + c[1] * (c[5] * c[6] - c[3] * c[8]) +
                         c[2] * (c[3] * c[7] - c[4] * c[6]);
-        sum += 2.0 * atan2(volume, r[0] * r[1] * r[2] + product[0] * r[2] + product[1] * r[0] +
-                                       product[2] * r[1]);
+        sum += 2.0 * atan2(volume, r[0] * r[1] * r[2] + product[0] * r[2] + product[1] * r[0] + product[2] * r[1]);
     }
     return sum / (4.0 * PI);
 }

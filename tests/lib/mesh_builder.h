@@ -11,7 +11,7 @@
 #include "dynpoint/compile.h"
 #include "dynpoint/kernel.h"
 #include "lib/check.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 #define PI 3.14159265358979323846
 
@@ -29,10 +29,8 @@ struct mesh_builder {
 
 static inline void builder_reserve(struct mesh_builder *builder, size_t vertices, size_t triangles)
 {
-    builder->vertices = realloc(builder->vertices,
-                                (builder->vertex_count + vertices) * 3 * sizeof *builder->vertices);
-    builder->corners = realloc(builder->corners, (builder->triangle_count + triangles) * 3 *
-                                                     sizeof *builder->corners);
+    builder->vertices = realloc(builder->vertices, (builder->vertex_count + vertices) * 3 * sizeof *builder->vertices);
+    builder->corners = realloc(builder->corners, (builder->triangle_count + triangles) * 3 * sizeof *builder->corners);
 }
 
 static inline void builder_add_vertex(struct mesh_builder *builder, double x, double y, double z)
@@ -43,8 +41,7 @@ static inline void builder_add_vertex(struct mesh_builder *builder, double x, do
     v[2] = z;
 }
 
-static inline void builder_add_triangle(struct mesh_builder *builder, size_t a, size_t b, size_t c,
-                                        int inward)
+static inline void builder_add_triangle(struct mesh_builder *builder, size_t a, size_t b, size_t c, int inward)
 {
     uint32_t *corner = builder->corners + 3 * builder->triangle_count++;
     corner[0] = (uint32_t)a;
@@ -53,12 +50,11 @@ static inline void builder_add_triangle(struct mesh_builder *builder, size_t a, 
 }
 
 /* A shape of `dynpoint make` at a place, its last triangles missing. */
-void builder_add_shape(struct mesh_builder *builder, const char *name, uint64_t count, vec3 at,
-                       double size, int inward, size_t missing);
+void builder_add_shape(struct mesh_builder *builder, const char *name, uint64_t count, vec3 at, double size, int inward,
+                       size_t missing);
 
 /* A ball of rings, without what lies above `open` of its area, 0 for a closed one. */
-void builder_add_ball(struct mesh_builder *builder, vec3 at, double radius, double open,
-                      int inward);
+void builder_add_ball(struct mesh_builder *builder, vec3 at, double radius, double open, int inward);
 
 /* Far away, small and with a hole: makes the compiler write moments, and adds nothing near the origin. */
 static inline void builder_add_beacon(struct mesh_builder *builder)

@@ -4,17 +4,15 @@
 #include <math.h>
 
 #include "lib/check.h"
-#include "scene_list.h"
-#include "scene_physics.h"
+#include "scene/scene_list.h"
+#include "scene/scene_physics.h"
 
 #define RADIUS 0.004 /* m, of the ball */
 
 static int open_world(struct soft_scene *scene)
 {
     const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, RADIUS };
-    const struct force_options options = { .law = DPT_LAW_PROXY,
-                                           .stiffness = 100.0,
-                                           .friction = NAN };
+    const struct force_options options = { .law = DPT_LAW_PROXY, .stiffness = 100.0, .friction = NAN };
     dpt_world_def def;
     dpt_world_def_init(&def);
     def.max_bodies = scene->bodies.count;
@@ -35,8 +33,7 @@ int soft_scene_open(struct soft_scene *scene, const char *name, double rate)
     struct file_identity identity = { .bytes = 0 };
     memset(scene, 0, sizeof *scene);
     if (scene_bodies_of_list(&scene->bodies, "test", scene_listed(name), &identity) ||
-        (rate > 0.0 && scene_physics_choose(&scene->bodies, "test", name, rate)) ||
-        !open_world(scene)) {
+        (rate > 0.0 && scene_physics_choose(&scene->bodies, "test", name, rate)) || !open_world(scene)) {
         CHECK(0, "%s at %g Hz does not open", name, rate);
         return 0;
     }

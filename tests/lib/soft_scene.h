@@ -3,7 +3,7 @@
 #ifndef DPT_TESTS_SOFT_SCENE_H
 #define DPT_TESTS_SOFT_SCENE_H
 
-#include "scene_bodies.h"
+#include "scene/scene_bodies.h"
 
 #define SOFT_TICK 1e-3 /* s */
 

@@ -5,8 +5,7 @@
 static int solid_open(struct solid *solid)
 {
     solid->info.size = sizeof solid->info;
-    const dpt_result result =
-        dpt_mesh_open(solid->compiled.bytes, solid->compiled.size, &solid->mesh);
+    const dpt_result result = dpt_mesh_open(solid->compiled.bytes, solid->compiled.size, &solid->mesh);
     CHECK(result == DPT_OK, "%s: %s", solid->name, dpt_result_name(result));
     if (result != DPT_OK)
         return 0;
@@ -34,18 +33,17 @@ static int solid_open(struct solid *solid)
     solid->diagonal = motion_diagonal(&solid->place);
     solid->oracle = (struct oracle_solid){ solid->brute, solid->corners, kept, 0 };
     for (int k = 0; k < 3; k++)
-        solid->oracle.extent =
-            fmax(solid->oracle.extent, fmax(fabs(solid->place.low[k]), fabs(solid->place.high[k])));
+        solid->oracle.extent = fmax(solid->oracle.extent, fmax(fabs(solid->place.low[k]), fabs(solid->place.high[k])));
     return solid->brute != NULL;
 }
 
-int solid_from_arrays(struct solid *solid, const char *name, const double *vertices,
-                      size_t vertex_count, const uint32_t *corners, size_t triangle_count)
+int solid_from_arrays(struct solid *solid, const char *name, const double *vertices, size_t vertex_count,
+                      const uint32_t *corners, size_t triangle_count)
 {
     dpt_diag diag = { .size = sizeof diag };
     *solid = (struct solid){ .name = name };
-    const dpt_result result = dpt_compile_arrays(vertices, vertex_count, corners, triangle_count,
-                                                 NULL, &solid->compiled, &diag);
+    const dpt_result result =
+        dpt_compile_arrays(vertices, vertex_count, corners, triangle_count, NULL, &solid->compiled, &diag);
     CHECK(result == DPT_OK, "%s: %s", name, diag.text);
     return result == DPT_OK && solid_open(solid);
 }
@@ -59,8 +57,8 @@ int solid_from_shape(struct solid *solid, const char *name, uint64_t count)
     CHECK(!failed, "%s: %s", name, reason);
     if (failed)
         return 0;
-    const int opened = solid_from_arrays(solid, name, shape.vertices, shape.vertex_count,
-                                         shape.corners, shape.triangle_count);
+    const int opened =
+        solid_from_arrays(solid, name, shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count);
     shape_free(&shape);
     return opened;
 }
@@ -70,8 +68,7 @@ int solid_from_file(struct solid *solid, const char *name, const char *path, dou
     const dpt_compile_def def = { .size = sizeof def, .scale = scale };
     dpt_diag diag = { .size = sizeof diag };
     *solid = (struct solid){ .name = name };
-    const dpt_result result =
-        dpt_compile_file(path, scale == 1 ? NULL : &def, &solid->compiled, &diag);
+    const dpt_result result = dpt_compile_file(path, scale == 1 ? NULL : &def, &solid->compiled, &diag);
     CHECK(result == DPT_OK, "%s: %s", name, diag.text);
     return result == DPT_OK && solid_open(solid);
 }
@@ -92,8 +89,8 @@ int solid_from_net(struct solid *solid, const char *name, uint32_t rows, uint32_
             memcpy(at, cell, sizeof cell);
             at += 6;
         }
-    const int opened = solid_from_arrays(solid, name, vertices, (size_t)(rows + 1) * across,
-                                         corners, 2 * (size_t)rows * columns);
+    const int opened =
+        solid_from_arrays(solid, name, vertices, (size_t)(rows + 1) * across, corners, 2 * (size_t)rows * columns);
     free(vertices);
     free(corners);
     return opened;
@@ -142,17 +139,14 @@ void turn_about(double ends[6], double s, const double axis[3], double angle)
             side[k] = axis[(k + 1) % 3] * r[(k + 2) % 3] - axis[(k + 2) % 3] * r[(k + 1) % 3];
         const double on = dot3(axis, r);
         for (int k = 0; k < 3; k++)
-            ends[3 * e + k] = pivot[k] + cos(angle) * r[k] + sin(angle) * side[k] +
-                              (1 - cos(angle)) * on * axis[k];
+            ends[3 * e + k] = pivot[k] + cos(angle) * r[k] + sin(angle) * side[k] + (1 - cos(angle)) * on * axis[k];
     }
 }
 
-void slide_begin(struct slide *slide, const struct solid *solid, uint64_t seed, double length,
-                 double radius)
+void slide_begin(struct slide *slide, const struct solid *solid, uint64_t seed, double length, double radius)
 {
     *slide = (struct slide){ .mesh = solid->mesh, .radius = radius, .seed = seed };
-    const float *c =
-        solid->corners + 9 * (random_bits(&slide->seed) % (uint64_t)solid->place.triangles);
+    const float *c = solid->corners + 9 * (random_bits(&slide->seed) % (uint64_t)solid->place.triangles);
     double u[3], v[3], n[3], lie[3];
     for (int k = 0; k < 3; k++) {
         u[k] = (double)c[3 + k] - (double)c[k];
@@ -191,8 +185,7 @@ void slide_step(struct slide *slide)
     for (int k = 0; k < 3; k++)
         way[k] = hit.p[k] - hit.q[k];
     const double distance = unit3(way);
-    const double rise =
-        fmax(-slide->step, fmin(slide->step, slide->gap + slide->radius - distance));
+    const double rise = fmax(-slide->step, fmin(slide->step, slide->gap + slide->radius - distance));
     random_unit(&slide->seed, bend);
     for (int k = 0; k < 3; k++)
         slide->course[k] += 0.03 * bend[k];
@@ -206,8 +199,8 @@ void slide_step(struct slide *slide)
     turn_about(slide->ends, hit.s, slide->axis, slide->spin);
 }
 
-int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, double margin,
-               uint32_t max_contacts, double side_limit)
+int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, double margin, uint32_t max_contacts,
+               double side_limit)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
@@ -218,17 +211,15 @@ int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, 
     return stage_open_world(stage, mesh, pose, &def);
 }
 
-int stage_open_world(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose,
-                     const dpt_world_def *def)
+int stage_open_world(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, const dpt_world_def *def)
 {
     const dpt_segment point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
     *stage = (struct stage){ .step.size = sizeof stage->step };
     stage->block = malloc(dpt_world_bytes(def));
-    const int made =
-        stage->block &&
-        dpt_world_create(stage->block, dpt_world_bytes(def), def, &stage->world) == DPT_OK &&
-        dpt_body_add(stage->world, mesh, pose, &stage->body) == DPT_OK &&
-        dpt_tool_add(stage->world, &point, 1, &stage->tool) == DPT_OK;
+    const int made = stage->block &&
+                     dpt_world_create(stage->block, dpt_world_bytes(def), def, &stage->world) == DPT_OK &&
+                     dpt_body_add(stage->world, mesh, pose, &stage->body) == DPT_OK &&
+                     dpt_tool_add(stage->world, &point, 1, &stage->tool) == DPT_OK;
     CHECK(made, "no world");
     return made;
 }
@@ -250,14 +241,12 @@ uint32_t stage_contacts(const struct stage *stage, dpt_contact *contacts)
 {
     uint32_t count = 0;
     contacts[0].size = sizeof *contacts;
-    const dpt_result result =
-        dpt_tool_get_contacts(stage->world, stage->tool, contacts, STAGE_CONTACTS, &count);
+    const dpt_result result = dpt_tool_get_contacts(stage->world, stage->tool, contacts, STAGE_CONTACTS, &count);
     CHECK(result == DPT_OK && count <= STAGE_CONTACTS, "%s, %u", dpt_result_name(result), count);
     return count < STAGE_CONTACTS ? count : STAGE_CONTACTS;
 }
 
-void check_ids(struct id_history *ids, uint64_t tick, const dpt_contact *contacts, uint32_t count,
-               const char *text)
+void check_ids(struct id_history *ids, uint64_t tick, const dpt_contact *contacts, uint32_t count, const char *text)
 {
     for (uint32_t i = 0; i < count; i++) {
         size_t k = 0;

@@ -10,7 +10,7 @@
 #include "dynpoint/compile.h"
 #include "lib/check.h"
 #include "oracle/depth.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 struct solid {
     const char *name;
@@ -31,8 +31,8 @@ static inline void solid_close(struct solid *solid)
     dpt_compiled_free(&solid->compiled);
 }
 
-int solid_from_arrays(struct solid *solid, const char *name, const double *vertices,
-                      size_t vertex_count, const uint32_t *corners, size_t triangle_count);
+int solid_from_arrays(struct solid *solid, const char *name, const double *vertices, size_t vertex_count,
+                      const uint32_t *corners, size_t triangle_count);
 
 int solid_from_shape(struct solid *solid, const char *name, uint64_t count);
 
@@ -102,8 +102,7 @@ struct slide {
 };
 
 /* From a random triangle, lying on it. */
-void slide_begin(struct slide *slide, const struct solid *solid, uint64_t seed, double length,
-                 double radius);
+void slide_begin(struct slide *slide, const struct solid *solid, uint64_t seed, double length, double radius);
 
 void slide_step(struct slide *slide);
 
@@ -117,10 +116,9 @@ struct stage {
 };
 
 /* `side_limit` 0: the usual one. */
-int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, double margin,
-               uint32_t max_contacts, double side_limit);
-int stage_open_world(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose,
-                     const dpt_world_def *def);
+int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, double margin, uint32_t max_contacts,
+               double side_limit);
+int stage_open_world(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, const dpt_world_def *def);
 
 static inline void stage_close(struct stage *stage)
 {
@@ -149,7 +147,6 @@ struct id_history {
     uint64_t ticks; /* so far, for callers that count none */
 };
 
-void check_ids(struct id_history *ids, uint64_t tick, const dpt_contact *contacts, uint32_t count,
-               const char *text);
+void check_ids(struct id_history *ids, uint64_t tick, const dpt_contact *contacts, uint32_t count, const char *text);
 
 #endif

@@ -6,8 +6,7 @@
 int subject_open(struct subject *subject)
 {
     subject->info.size = sizeof subject->info;
-    const dpt_result result =
-        dpt_mesh_open(subject->compiled.bytes, subject->compiled.size, &subject->mesh);
+    const dpt_result result = dpt_mesh_open(subject->compiled.bytes, subject->compiled.size, &subject->mesh);
     CHECK(result == DPT_OK, "%s: %s", subject->name, dpt_result_name(result));
     if (result != DPT_OK)
         return 0;
@@ -19,8 +18,8 @@ int subject_open(struct subject *subject)
         there[i] = dpt_mesh_get_triangle(subject->mesh, i, corners + 9 * (size_t)i) == DPT_OK;
     const int failed = oracle_surface_open(&subject->surface, corners, there, count);
     CHECK(!failed, "%s: memory", subject->name);
-    CHECK(subject->surface.vertices == subject->info.vertices, "%s: %u vertices, not %u",
-          subject->name, subject->info.vertices, subject->surface.vertices);
+    CHECK(subject->surface.vertices == subject->info.vertices, "%s: %u vertices, not %u", subject->name,
+          subject->info.vertices, subject->surface.vertices);
     double square = 0;
     for (int k = 0; k < 3; k++)
         square += pow(subject->info.box_max[k] - subject->info.box_min[k], 2);
@@ -30,14 +29,14 @@ int subject_open(struct subject *subject)
     return !failed;
 }
 
-int subject_from_arrays(struct subject *subject, const char *name, const double *vertices,
-                        size_t vertex_count, const uint32_t *corners, size_t triangle_count)
+int subject_from_arrays(struct subject *subject, const char *name, const double *vertices, size_t vertex_count,
+                        const uint32_t *corners, size_t triangle_count)
 {
     dpt_diag diag = { .size = sizeof diag };
     *subject = (struct subject){ .mesh = NULL };
     snprintf(subject->name, sizeof subject->name, "%s", name);
-    const dpt_result result = dpt_compile_arrays(vertices, vertex_count, corners, triangle_count,
-                                                 NULL, &subject->compiled, &diag);
+    const dpt_result result =
+        dpt_compile_arrays(vertices, vertex_count, corners, triangle_count, NULL, &subject->compiled, &diag);
     CHECK(result == DPT_OK, "%s: %s", name, diag.text);
     return result == DPT_OK && subject_open(subject);
 }
@@ -52,14 +51,13 @@ int subject_from_shape(struct subject *subject, const char *name, uint64_t count
     if (failed)
         return 0;
     snprintf(called, sizeof called, "%s %zu", name, shape.triangle_count);
-    const int opened = subject_from_arrays(subject, called, shape.vertices, shape.vertex_count,
-                                           shape.corners, shape.triangle_count);
+    const int opened =
+        subject_from_arrays(subject, called, shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count);
     shape_free(&shape);
     return opened;
 }
 
-int subject_from_file(struct subject *subject, const char *data, const char *folder,
-                      const char *file)
+int subject_from_file(struct subject *subject, const char *data, const char *folder, const char *file)
 {
     char path[1024];
     dpt_diag diag = { .size = sizeof diag };
@@ -118,9 +116,8 @@ dpt_strip *guarded_strip_open(struct guarded_strip *guarded, uint32_t capacity, 
     guarded->block = malloc(guarded->bytes + 8);
     guarded->strip = NULL;
     memset(guarded->block, 0x5a, guarded->bytes + 8);
-    const dpt_result result =
-        dpt_strip_create(guarded->block, guarded->bytes, &def, &guarded->strip);
-    CHECK(guarded->bytes > 0 && result == DPT_OK, "%u, %u: %zu bytes, %s", capacity, search,
-          guarded->bytes, dpt_result_name(result));
+    const dpt_result result = dpt_strip_create(guarded->block, guarded->bytes, &def, &guarded->strip);
+    CHECK(guarded->bytes > 0 && result == DPT_OK, "%u, %u: %zu bytes, %s", capacity, search, guarded->bytes,
+          dpt_result_name(result));
     return guarded->strip;
 }

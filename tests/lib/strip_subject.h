@@ -10,7 +10,7 @@
 #include "dynpoint/strip.h"
 #include "lib/check.h"
 #include "oracle/surface.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 struct subject {
     char name[264];
@@ -30,13 +30,12 @@ static inline void subject_close(struct subject *subject)
 /* What is compiled already; 0 when it cannot be opened. */
 int subject_open(struct subject *subject);
 
-int subject_from_arrays(struct subject *subject, const char *name, const double *vertices,
-                        size_t vertex_count, const uint32_t *corners, size_t triangle_count);
+int subject_from_arrays(struct subject *subject, const char *name, const double *vertices, size_t vertex_count,
+                        const uint32_t *corners, size_t triangle_count);
 
 int subject_from_shape(struct subject *subject, const char *name, uint64_t count);
 
-int subject_from_file(struct subject *subject, const char *data, const char *folder,
-                      const char *file);
+int subject_from_file(struct subject *subject, const char *data, const char *folder, const char *file);
 
 /*
  * Triangles of a lattice of size^3 points, drawn at random: of many parts, and every kind of neighbour; some come
@@ -59,8 +58,7 @@ dpt_strip *guarded_strip_open(struct guarded_strip *guarded, uint32_t capacity, 
 static inline void guarded_strip_close(struct guarded_strip *guarded)
 {
     for (size_t i = guarded->bytes; i < guarded->bytes + 8; i++)
-        CHECK(guarded->block[i] == 0x5a, "wrote %zu bytes beyond its block",
-              i - guarded->bytes + 1);
+        CHECK(guarded->block[i] == 0x5a, "wrote %zu bytes beyond its block", i - guarded->bytes + 1);
     free(guarded->block);
 }
 

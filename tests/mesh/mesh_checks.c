@@ -15,8 +15,8 @@ int open_files(void)
     embedded_file = file_of_embedded_shape("sphere", 40);
     sheet_file = file_of_sprung_shape("sphere", 40, DPT_NET_SHEET);
     volume_file = file_of_sprung_shape("sphere", 40, DPT_NET_VOLUME);
-    return small_file.size && large_file.size && holed_file.size && embedded_file.size &&
-           sheet_file.size && volume_file.size;
+    return small_file.size && large_file.size && holed_file.size && embedded_file.size && sheet_file.size &&
+           volume_file.size;
 }
 
 void free_files(void)
@@ -53,16 +53,14 @@ void expect_fault(const struct file *file, dpt_result code, uint64_t byte, const
 {
     dpt_mesh_fault fault = fault_of(file);
     CHECK(fault.code == code && fault.byte == byte && !strcmp(fault.section, section),
-          "%s at %llu (%s), not %s at %llu (%s)", dpt_result_name(fault.code),
-          (unsigned long long)fault.byte, fault.section, dpt_result_name(code),
-          (unsigned long long)byte, section);
+          "%s at %llu (%s), not %s at %llu (%s)", dpt_result_name(fault.code), (unsigned long long)fault.byte,
+          fault.section, dpt_result_name(code), (unsigned long long)byte, section);
 }
 
 static int is_sound(const dpt_hit *hit)
 {
-    const double numbers[] = { hit->distance, hit->gap,  hit->depth,       hit->s,
-                               hit->p[0],     hit->q[0], hit->p[1],        hit->q[1],
-                               hit->p[2],     hit->q[2], hit->error_bound, hit->lower_bound };
+    const double numbers[] = { hit->distance, hit->gap,  hit->depth, hit->s,    hit->p[0],        hit->q[0],
+                               hit->p[1],     hit->q[1], hit->p[2],  hit->q[2], hit->error_bound, hit->lower_bound };
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         if (!isfinite(numbers[i]) && hit->status != DPT_STATUS_STALE)
             return 0;
@@ -82,8 +80,7 @@ static void use_driving(const dpt_mesh *mesh)
             CHECK(sources[v] < info.source_vertices, "vertex %u is %u", v, sources[v]);
     CHECK(dpt_mesh_get_embedding(mesh, &nodes, &weights, &node_count) == DPT_OK, "no embedding");
     for (uint32_t i = 0; i < (node_count ? 4 * count : 0); i++)
-        CHECK(nodes[i] < node_count && fabs(weights[i]) <= 128.0, "node %u, weight %g", nodes[i],
-              weights[i]);
+        CHECK(nodes[i] < node_count && fabs(weights[i]) <= 128.0, "node %u, weight %g", nodes[i], weights[i]);
 }
 
 /* Each spring's other end is a node, and has the spring too. */
@@ -93,10 +90,8 @@ static void use_springs(const dpt_mesh *mesh)
     double sum = 0.0;
     CHECK(dpt_mesh_get_springs(mesh, &net) == DPT_OK, "no answer about springs");
     for (uint32_t i = 0; i < net.nodes; i++) {
-        CHECK(net.mass[i] >= 0.0f && net.drag[i] >= 0.0f && fabsf(net.rest[3 * i]) <= 2e6f,
-              "node %u", i);
-        for (uint32_t e = net.first[i / 16] * 16 + i % 16; e < net.first[i / 16 + 1] * 16;
-             e += 16) {
+        CHECK(net.mass[i] >= 0.0f && net.drag[i] >= 0.0f && fabsf(net.rest[3 * i]) <= 2e6f, "node %u", i);
+        for (uint32_t e = net.first[i / 16] * 16 + i % 16; e < net.first[i / 16 + 1] * 16; e += 16) {
             const uint32_t other = net.neighbours[e];
             CHECK(other < net.nodes && net.length[e] > 0.0f, "node %u, %u", i, other);
             sum += (double)net.stiffness[e] * (i < other ? 1.0 : -1.0);

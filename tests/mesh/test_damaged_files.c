@@ -32,7 +32,7 @@ struct damage {
     enum whole of;
     enum change change;
     int section; /* that `at` counts in, in words, from its end when negative; MESH_HEADER: in bytes */
-    int64_t at; /* CUT and GROW: by how many bytes */
+    int64_t at;  /* CUT and GROW: by how many bytes */
     uint32_t value;
     enum seal seal;
     dpt_result code;
@@ -42,9 +42,8 @@ struct damage {
 
 #define THERE    (-1)
 #define AT(name) (int64_t) offsetof(struct dpt_mesh, name)
-#define ENTRY(id, name)                                                                            \
-    (AT(section) + (id) * (int64_t)sizeof(struct mesh_section) +                                   \
-     (int64_t)offsetof(struct mesh_section, name))
+#define ENTRY(id, name)                                                                                                \
+    (AT(section) + (id) * (int64_t)sizeof(struct mesh_section) + (int64_t)offsetof(struct mesh_section, name))
 
 static uint32_t bits_of(float value)
 {
@@ -96,23 +95,19 @@ static void expect_row(const struct damage *damage, size_t row)
     const dpt_mesh *mesh = NULL;
     char named[16];
     mesh_section_name(damage->section, named);
-    uint64_t byte = damage->byte == THERE ? place_of(&header, damage->section, damage->at)
-                                          : (uint64_t)damage->byte;
+    uint64_t byte = damage->byte == THERE ? place_of(&header, damage->section, damage->at) : (uint64_t)damage->byte;
     site = 0;
     dpt_result result = dpt_mesh_verify(file.bytes, file.size, &fault);
     site_note();
     CHECK(result == damage->code && fault.code == result && fault.byte == byte &&
               !strcmp(fault.section, damage->named ? damage->named : named),
-          "row %zu: %s at %llu (%s), line %d, not %s at %llu (%s)", row,
-          dpt_result_name(fault.code), (unsigned long long)fault.byte, fault.section, site,
-          dpt_result_name(damage->code), (unsigned long long)byte,
+          "row %zu: %s at %llu (%s), line %d, not %s at %llu (%s)", row, dpt_result_name(fault.code),
+          (unsigned long long)fault.byte, fault.section, site, dpt_result_name(damage->code), (unsigned long long)byte,
           damage->named ? damage->named : named);
-    CHECK(dpt_mesh_open(file.bytes, file.size, &mesh) == damage->code && !mesh, "row %zu opens",
-          row);
+    CHECK(dpt_mesh_open(file.bytes, file.size, &mesh) == damage->code && !mesh, "row %zu opens", row);
     /* That a file of the other byte order is converted first changes nothing else. */
     if (result != DPT_E_BYTE_ORDER)
-        CHECK(dpt_mesh_convert(file.bytes, file.size, NULL) == damage->code, "row %zu converts",
-              row);
+        CHECK(dpt_mesh_convert(file.bytes, file.size, NULL) == damage->code, "row %zu converts", row);
     free(block);
 }
 
@@ -139,15 +134,12 @@ static void add_header_rows(void)
         { PLAIN, SET, MESH_HEADER, 0, 0x20796c70, AS_IT_IS, DPT_E_MAGIC, NULL, 0 },
         { PLAIN, CUT, MESH_HEADER, size - 5, 0, AS_IT_IS, DPT_E_TRUNCATED, NULL, 5 },
         /* dpt_mesh_verify */
-        { PLAIN, SET, MESH_HEADER, AT(byte_order), MESH_BYTE_ORDER_SWAPPED, HEADER,
-          DPT_E_BYTE_ORDER, NULL, THERE },
+        { PLAIN, SET, MESH_HEADER, AT(byte_order), MESH_BYTE_ORDER_SWAPPED, HEADER, DPT_E_BYTE_ORDER, NULL, THERE },
         { PLAIN, SET, MESH_HEADER, AT(byte_order), 0x01020403, HEADER, layout, NULL, THERE },
         /* check_header */
-        { PLAIN, SET, MESH_HEADER, AT(version), MESH_VERSION + 1, HEADER, DPT_E_VERSION, NULL,
-          THERE },
+        { PLAIN, SET, MESH_HEADER, AT(version), MESH_VERSION + 1, HEADER, DPT_E_VERSION, NULL, THERE },
         { PLAIN, SET, MESH_HEADER, AT(version), 0, HEADER, layout, NULL, THERE },
-        { PLAIN, CUT, MESH_HEADER, size - header + 1, 0, AS_IT_IS, DPT_E_TRUNCATED, NULL,
-          header - 1 },
+        { PLAIN, CUT, MESH_HEADER, size - header + 1, 0, AS_IT_IS, DPT_E_TRUNCATED, NULL, header - 1 },
         { PLAIN, SET, MESH_HEADER, AT(header_bytes), 816, HEADER, layout, NULL, THERE },
         { PLAIN, SET, MESH_HEADER, AT(section_count), 13, HEADER, layout, NULL, THERE },
         { PLAIN, SET, MESH_HEADER, AT(reserved), 1, HEADER, layout, NULL, THERE },
@@ -173,30 +165,20 @@ static void add_layout_rows(void)
         /* check_layout: counts that fit no others, and each field of an entry */
         { PLAIN, SET, MESH_HEADER, AT(triangles), 0, HEADER, layout, NULL, THERE },
         { PLAIN, SET, MESH_HEADER, AT(leaves), 4, HEADER, layout, NULL, AT(triangles) },
-        { PLAIN, SET, MESH_HEADER, AT(source_triangles), t - 1, HEADER, layout, NULL,
-          AT(triangles) },
+        { PLAIN, SET, MESH_HEADER, AT(source_triangles), t - 1, HEADER, layout, NULL, AT(triangles) },
         { PLAIN, SET, MESH_HEADER, AT(vertices), 0x80000000, HEADER, layout, NULL, AT(triangles) },
         { PLAIN, SET, MESH_HEADER, AT(levels), 2, HEADER, layout, NULL, AT(triangles) },
-        { PLAIN, SET, MESH_HEADER, AT(source_vertices), v - 1, HEADER, layout, NULL,
-          AT(triangles) },
-        { PLAIN, SET, MESH_HEADER, AT(vertices), v - 1, HEADER, layout, "vertices",
-          ENTRY(0, name) },
-        { PLAIN, SET, MESH_HEADER, ENTRY(4, name), 0x746e6166, HEADER, layout, "fans",
-          ENTRY(4, name) },
-        { PLAIN, SET, MESH_HEADER, ENTRY(4, offset) + lower, 0, HEADER, layout, "fans",
-          ENTRY(4, name) },
-        { PLAIN, SET, MESH_HEADER, ENTRY(4, bytes) + lower, 4, HEADER, layout, "fans",
-          ENTRY(4, name) },
-        { PLAIN, SET, MESH_HEADER, ENTRY(12, bytes) + lower, 0, HEADER, layout, "normals",
-          ENTRY(12, name) },
+        { PLAIN, SET, MESH_HEADER, AT(source_vertices), v - 1, HEADER, layout, NULL, AT(triangles) },
+        { PLAIN, SET, MESH_HEADER, AT(vertices), v - 1, HEADER, layout, "vertices", ENTRY(0, name) },
+        { PLAIN, SET, MESH_HEADER, ENTRY(4, name), 0x746e6166, HEADER, layout, "fans", ENTRY(4, name) },
+        { PLAIN, SET, MESH_HEADER, ENTRY(4, offset) + lower, 0, HEADER, layout, "fans", ENTRY(4, name) },
+        { PLAIN, SET, MESH_HEADER, ENTRY(4, bytes) + lower, 4, HEADER, layout, "fans", ENTRY(4, name) },
+        { PLAIN, SET, MESH_HEADER, ENTRY(12, bytes) + lower, 0, HEADER, layout, "normals", ENTRY(12, name) },
         { PLAIN, SET, MESH_HEADER, ENTRY(4, reserved), 1, HEADER, layout, "fans", ENTRY(4, name) },
-        { PLAIN, SET, MESH_HEADER, AT(tail.nodes), 27, HEADER, layout, "embed_nodes",
-          ENTRY(15, name) },
-        { EMBEDDED, SET, MESH_HEADER, AT(tail.nodes), 0, HEADER, layout, "embed_nodes",
-          ENTRY(15, name) },
+        { PLAIN, SET, MESH_HEADER, AT(tail.nodes), 27, HEADER, layout, "embed_nodes", ENTRY(15, name) },
+        { EMBEDDED, SET, MESH_HEADER, AT(tail.nodes), 0, HEADER, layout, "embed_nodes", ENTRY(15, name) },
         { EMBEDDED, SET, MESH_HEADER, AT(tail.nodes), 0x80000000, HEADER, layout, NULL, THERE },
-        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_vertices), v + 1, HEADER, layout, NULL,
-          AT(tail.nodes) },
+        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_vertices), v + 1, HEADER, layout, NULL, AT(tail.nodes) },
         { PLAIN, CUT, MESH_HEADER, 64, 0, HEADER, DPT_E_TRUNCATED, "vertex_sources", size - 64 },
         { PLAIN, GROW, MESH_HEADER, 64, 0, HEADER, layout, NULL, size },
         /* check_sections_crc */
@@ -205,21 +187,17 @@ static void add_layout_rows(void)
         { PLAIN, SET, MESH_FLAGS, 0, 1, AS_IT_IS, DPT_E_CHECKSUM, NULL, THERE },
         { OLD, SET, MESH_LEAVES, 0, nan, AS_IT_IS, DPT_E_CHECKSUM, NULL, THERE },
         /* check_numbers: the upper halves of doubles, made infinite */
-        { PLAIN, SET, MESH_HEADER, AT(box_max) + upper, 0x7ff00000, HEADER, finite, NULL,
-          AT(scale) },
-        { PLAIN, SET, MESH_HEADER, AT(tail.crease) + upper, 0x7ff00000, HEADER, finite, NULL,
-          AT(tail.crease) },
-        { PLAIN, SET, MESH_HEADER, AT(tail.crease) + upper, 0xbff00000, HEADER, finite, NULL,
-          AT(tail.crease) },
+        { PLAIN, SET, MESH_HEADER, AT(box_max) + upper, 0x7ff00000, HEADER, finite, NULL, AT(scale) },
+        { PLAIN, SET, MESH_HEADER, AT(tail.crease) + upper, 0x7ff00000, HEADER, finite, NULL, AT(tail.crease) },
+        { PLAIN, SET, MESH_HEADER, AT(tail.crease) + upper, 0xbff00000, HEADER, finite, NULL, AT(tail.crease) },
         { OLD_4, SET, MESH_HEADER, 920 + upper, 0xbff00000, HEADER, finite, NULL, 920 },
-        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_distance) + upper, 0x7ff00000, HEADER, finite,
-          NULL, AT(tail.outside_distance) },
-        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_distance) + upper, 0xbff00000, HEADER, finite,
-          NULL, AT(tail.outside_distance) },
+        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_distance) + upper, 0x7ff00000, HEADER, finite, NULL,
+          AT(tail.outside_distance) },
+        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_distance) + upper, 0xbff00000, HEADER, finite, NULL,
+          AT(tail.outside_distance) },
         /* check_example: one of two, and a number that there is not */
         { PLAIN, SET, MESH_HEADER, AT(tail.self_intersection), 0, HEADER, index, NULL, THERE },
-        { PLAIN, SET, MESH_HEADER, AT(tail.self_intersection) + 4, t, HEADER, index, NULL,
-          AT(tail.self_intersection) },
+        { PLAIN, SET, MESH_HEADER, AT(tail.self_intersection) + 4, t, HEADER, index, NULL, AT(tail.self_intersection) },
         { OLD_4, SET, MESH_HEADER, 936, 0, HEADER, index, NULL, 936 },
     };
     add_rows(rows, sizeof rows / sizeof *rows);
@@ -295,14 +273,11 @@ static void add_spring_rows(void)
     const dpt_result layout = DPT_E_LAYOUT, index = DPT_E_INDEX, finite = DPT_E_FINITE;
     const struct damage rows[] = {
         /* check_layout */
-        { PLAIN, SET, MESH_HEADER, AT(tail.springs), 1, HEADER, layout, NULL,
-          AT(tail.spring_nodes) },
+        { PLAIN, SET, MESH_HEADER, AT(tail.springs), 1, HEADER, layout, NULL, AT(tail.spring_nodes) },
         { SHEET, SET, MESH_HEADER, AT(tail.spring_nodes), 21, HEADER, layout, NULL, THERE },
         { VOLUME, SET, MESH_HEADER, AT(tail.spring_nodes), 22, HEADER, layout, NULL, THERE },
-        { SHEET, SET, MESH_HEADER, AT(tail.fixed_nodes), 23, HEADER, layout, NULL,
-          AT(tail.spring_nodes) },
-        { SHEET, SET, MESH_HEADER, AT(tail.spring_entries), 0x10000000, HEADER, layout, NULL,
-          AT(tail.spring_nodes) },
+        { SHEET, SET, MESH_HEADER, AT(tail.fixed_nodes), 23, HEADER, layout, NULL, AT(tail.spring_nodes) },
+        { SHEET, SET, MESH_HEADER, AT(tail.spring_entries), 0x10000000, HEADER, layout, NULL, AT(tail.spring_nodes) },
         { SHEET, SET, MESH_HEADER, AT(tail.spring_entries), 1, HEADER, layout, "spring_ends",
           ENTRY(MESH_SPRING_ENDS, name) },
         /* check_nodes */
@@ -319,8 +294,7 @@ static void add_spring_rows(void)
         { SHEET, SET, MESH_SPRING_FIRST, -1, entries - 1, ALL, index, NULL, THERE },
         /* check_rows: no node, twice the same, beyond the last node */
         { SHEET, SET, MESH_SPRING_ENDS, last, 22, ALL, index, NULL, THERE },
-        { SHEET, SET, MESH_SPRING_ENDS, 16, word_of(SHEET, MESH_SPRING_ENDS, 0), ALL, index, NULL,
-          THERE },
+        { SHEET, SET, MESH_SPRING_ENDS, 16, word_of(SHEET, MESH_SPRING_ENDS, 0), ALL, index, NULL, THERE },
         { SHEET, SET, MESH_SPRING_ENDS, -1, 0, ALL, index, NULL, THERE },
         /* check_spring_numbers: of a spring, and of none */
         { SHEET, SET, MESH_SPRING_STIFFNESS, 0, nan, ALL, finite, NULL, THERE },
@@ -328,26 +302,18 @@ static void add_spring_rows(void)
         { VOLUME, SET, MESH_SPRING_LENGTH, 0, 0, ALL, finite, NULL, THERE },
         { SHEET, SET, MESH_SPRING_LENGTH, -1, 0, ALL, finite, NULL, THERE },
         /* check_symmetry */
-        { SHEET, SET, MESH_SPRING_ENDS, last, word_of(SHEET, MESH_SPRING_ENDS, last) + 1, ALL,
-          index, NULL, THERE },
+        { SHEET, SET, MESH_SPRING_ENDS, last, word_of(SHEET, MESH_SPRING_ENDS, last) + 1, ALL, index, NULL, THERE },
         { SHEET, SET, MESH_SPRING_STIFFNESS, 0, bits_of(0.5f), ALL, finite, NULL, THERE },
-        { SHEET, SET, MESH_SPRING_LENGTH, 0, bits_of(0.5f), ALL, finite, "spring_stiff",
-          first_stiffness },
-        { SHEET, SET, MESH_HEADER, AT(tail.springs), sheet.tail.springs + 1, HEADER, index, NULL,
-          THERE },
+        { SHEET, SET, MESH_SPRING_LENGTH, 0, bits_of(0.5f), ALL, finite, "spring_stiff", first_stiffness },
+        { SHEET, SET, MESH_HEADER, AT(tail.springs), sheet.tail.springs + 1, HEADER, index, NULL, THERE },
         /* check_step: upper halves of doubles */
-        { SHEET, SET, MESH_HEADER, AT(tail.viscosity) + upper, 0x7ff00000, HEADER, finite, NULL,
-          AT(tail.viscosity) },
-        { SHEET, SET, MESH_HEADER, AT(tail.spring_mass) + upper, 0xbff00000, HEADER, finite, NULL,
-          AT(tail.viscosity) },
-        { SHEET, SET, MESH_HEADER, AT(tail.poisson) + upper, 0x3fe33333, HEADER, finite, NULL,
-          AT(tail.viscosity) },
-        { SHEET, SET, MESH_HEADER, AT(tail.stable_step) + upper, 0xbff00000, HEADER, finite, NULL,
-          AT(tail.viscosity) },
+        { SHEET, SET, MESH_HEADER, AT(tail.viscosity) + upper, 0x7ff00000, HEADER, finite, NULL, AT(tail.viscosity) },
+        { SHEET, SET, MESH_HEADER, AT(tail.spring_mass) + upper, 0xbff00000, HEADER, finite, NULL, AT(tail.viscosity) },
+        { SHEET, SET, MESH_HEADER, AT(tail.poisson) + upper, 0x3fe33333, HEADER, finite, NULL, AT(tail.viscosity) },
+        { SHEET, SET, MESH_HEADER, AT(tail.stable_step) + upper, 0xbff00000, HEADER, finite, NULL, AT(tail.viscosity) },
         { SHEET, SET, MESH_HEADER, AT(tail.stable_step) + upper, 0x40000000, HEADER, finite, NULL,
           AT(tail.stable_step) },
-        { VOLUME, SET, MESH_SPRING_MASS, 5, bits_of(1e-9f), ALL, finite, "header",
-          AT(tail.stable_step) },
+        { VOLUME, SET, MESH_SPRING_MASS, 5, bits_of(1e-9f), ALL, finite, "header", AT(tail.stable_step) },
     };
     add_rows(rows, sizeof rows / sizeof *rows);
 }
@@ -361,8 +327,7 @@ static void each_check_has_its_damage(void)
     for (size_t row = 0; row < table_rows; row++) {
         expect_row(&table[row], row);
         for (size_t other = 0; other < row; other++)
-            CHECK(memcmp(&table[row], &table[other], sizeof *table), "row %zu is row %zu", row,
-                  other);
+            CHECK(memcmp(&table[row], &table[other], sizeof *table), "row %zu is row %zu", row, other);
     }
 }
 
@@ -375,8 +340,7 @@ static void whole_files_pass_all(void)
 {
     for (int i = 0; i < WHOLES; i++) {
         site = 0;
-        CHECK(dpt_mesh_verify(wholes[i].bytes, wholes[i].size, NULL) == DPT_OK && !site, "file %d",
-              i);
+        CHECK(dpt_mesh_verify(wholes[i].bytes, wholes[i].size, NULL) == DPT_OK && !site, "file %d", i);
     }
 }
 

@@ -45,8 +45,7 @@ static uint64_t word_offset(const struct mesh_section *section, int64_t word)
 }
 
 /* The checksums made good, each is refused where it says, or opens. */
-static void expect_forgeries(const struct file *whole, const struct forgery *forgeries,
-                             size_t count)
+static void expect_forgeries(const struct file *whole, const struct forgery *forgeries, size_t count)
 {
     const struct dpt_mesh header = header_of(whole);
     for (size_t i = 0; i < count; i++) {
@@ -216,8 +215,7 @@ static void forged_tables_are_refused(void)
             struct file file = copy_of(&large_file);
             file.bytes[AT(section) + (size_t)id * entry + at] ^= 0x40;
             seal_header(&file);
-            expect_fault(&file, DPT_E_LAYOUT, AT(section) + (size_t)id * entry,
-                         header.section[id].name);
+            expect_fault(&file, DPT_E_LAYOUT, AT(section) + (size_t)id * entry, header.section[id].name);
             free(file.bytes);
         }
 }
@@ -250,8 +248,7 @@ static void random_forgeries_do_no_harm(void)
         }
         free(file.bytes);
     }
-    CHECK(opened > part_of(1000), "only %llu opened: the test tests little",
-          (unsigned long long)opened);
+    CHECK(opened > part_of(1000), "only %llu opened: the test tests little", (unsigned long long)opened);
 }
 
 int main(int argc, char **argv)

@@ -45,8 +45,7 @@ static void whole_files_open(void)
             CHECK(section.offset == header.section[id].offset && section.offset % 64 == 0 &&
                       section.bytes == header.section[id].bytes,
                   "section %u", id);
-            CHECK(section.crc32 == crc_of(files[i]->bytes + section.offset, (size_t)section.bytes),
-                  "%s", section.name);
+            CHECK(section.crc32 == crc_of(files[i]->bytes + section.offset, (size_t)section.bytes), "%s", section.name);
         }
         CHECK(id == MESH_SECTION_COUNT, "%u sections", id);
     }
@@ -55,12 +54,10 @@ static void whole_files_open(void)
 /* Each length that is too short; a file in the other byte order is cut short likewise. */
 static void truncations_are_refused(void)
 {
-    const struct file *files[] = { &small_file,    &large_file, &holed_file,
-                                   &embedded_file, &sheet_file, &volume_file };
+    const struct file *files[] = { &small_file, &large_file, &holed_file, &embedded_file, &sheet_file, &volume_file };
     const size_t step = 100 / check_percent;
     for (int i = 0; i < 6; i++)
-        for (size_t size = 0; size < files[i]->size;
-             size += size < sizeof(struct dpt_mesh) ? 1 : step) {
+        for (size_t size = 0; size < files[i]->size; size += size < sizeof(struct dpt_mesh) ? 1 : step) {
             struct file cut = file_of(files[i]->bytes, size);
             expect_fault(&cut, DPT_E_TRUNCATED, size, "header");
             CHECK(dpt_mesh_convert(cut.bytes, size, NULL) == DPT_E_TRUNCATED, "%zu bytes", size);
@@ -88,22 +85,18 @@ static void expect_byte_fault(const struct file *file, const struct dpt_mesh *he
     if (id == MESH_SECTION_COUNT) {
         CHECK(fault.code != DPT_OK && !strcmp(fault.section, "header"), "byte %zu: %s in %s", at,
               dpt_result_name(fault.code), fault.section);
-        CHECK(at >= 8 || fault.code == DPT_E_MAGIC, "byte %zu: %s", at,
-              dpt_result_name(fault.code));
+        CHECK(at >= 8 || fault.code == DPT_E_MAGIC, "byte %zu: %s", at, dpt_result_name(fault.code));
         return;
     }
     dpt_result code = id < 0 ? DPT_E_LAYOUT : DPT_E_CHECKSUM;
     uint64_t byte = id < 0 ? at : header->section[id].offset;
-    CHECK(fault.code == code && fault.byte == byte &&
-              !strcmp(fault.section, section_name_at(header, at)),
-          "byte %zu: %s at %llu (%s)", at, dpt_result_name(fault.code),
-          (unsigned long long)fault.byte, fault.section);
+    CHECK(fault.code == code && fault.byte == byte && !strcmp(fault.section, section_name_at(header, at)),
+          "byte %zu: %s at %llu (%s)", at, dpt_result_name(fault.code), (unsigned long long)fault.byte, fault.section);
 }
 
 static void changed_bytes_are_refused(void)
 {
-    const struct file *files[] = { &small_file,    &large_file, &holed_file,
-                                   &embedded_file, &sheet_file, &volume_file };
+    const struct file *files[] = { &small_file, &large_file, &holed_file, &embedded_file, &sheet_file, &volume_file };
     for (int i = 0; i < 6; i++) {
         struct dpt_mesh header = header_of(files[i]);
         struct file file = copy_of(files[i]);
@@ -164,8 +157,7 @@ static void misaligned_bytes_are_refused(void)
             CHECK(fault_of(&file).code == DPT_OK, "shift %zu", shift);
         else
             expect_fault(&file, DPT_E_ALIGN, 0, "header");
-        CHECK(dpt_mesh_convert(file.bytes, file.size, NULL) == (shift % 8 ? DPT_E_ALIGN : DPT_OK),
-              "shift %zu", shift);
+        CHECK(dpt_mesh_convert(file.bytes, file.size, NULL) == (shift % 8 ? DPT_E_ALIGN : DPT_OK), "shift %zu", shift);
     }
     free(block);
 }
@@ -191,32 +183,26 @@ static void wrong_arguments_are_refused(void)
     CHECK(dpt_mesh_get_info(mesh, NULL) == DPT_E_ARGUMENT, "no info");
     CHECK(dpt_mesh_get_info(mesh, &info) == DPT_E_SIZE && info.triangles == 77, "info");
     info.size = 160; /* of a caller that was built before there was more */
-    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.triangles == 40 &&
-              info.solid_components == 77,
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.triangles == 40 && info.solid_components == 77,
           "info of 160 bytes");
     info = (dpt_mesh_info){ .size = 176, .crease = 77.0 };
-    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.solid_components == 1 &&
-              info.crease == 77.0,
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.solid_components == 1 && info.crease == 77.0,
           "info of 176 bytes");
     info = (dpt_mesh_info){ .size = 192, .self_intersections = 77 };
-    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.crease > 0.0 &&
-              info.self_intersections == 77,
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.crease > 0.0 && info.self_intersections == 77,
           "info of 192 bytes");
     info = (dpt_mesh_info){ .size = 208, .nodes = 77 };
-    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.self_intersections == 0 &&
-              info.nodes == 77,
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.self_intersections == 0 && info.nodes == 77,
           "info of 208 bytes");
     info = (dpt_mesh_info){ .size = 224, .spring_nodes = 77 };
-    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.nodes == 0 && info.spring_nodes == 77,
-          "info of 224 bytes");
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.nodes == 0 && info.spring_nodes == 77, "info of 224 bytes");
     info.size = sizeof info;
-    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.crease == 3.14159265358979323846 / 3.0,
-          "creases of %.17g", info.crease);
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.crease == 3.14159265358979323846 / 3.0, "creases of %.17g",
+          info.crease);
     for (uint32_t t = 0; t < 43; t += t < 39 ? 39 : 1) {
         uint32_t flags = 77;
         dpt_result wanted = t < 40 ? DPT_OK : DPT_E_ARGUMENT;
-        CHECK(dpt_mesh_get_triangle_flags(mesh, t, &flags) == wanted &&
-                  (flags == 77) == (t >= 40) &&
+        CHECK(dpt_mesh_get_triangle_flags(mesh, t, &flags) == wanted && (flags == 77) == (t >= 40) &&
                   dpt_mesh_get_vertex_normals(mesh, t, corners) == wanted,
               "triangle %u", t);
     }
@@ -256,19 +242,17 @@ static void wrong_arguments_of_arrays_are_refused(void)
               dpt_mesh_get_embedding(mesh, &nodes, &weights, NULL) == DPT_E_ARGUMENT,
           "NULL");
     CHECK(!sources && !nodes && !weights && count == 77 && node_count == 77, "a refusal wrote");
-    CHECK(dpt_mesh_get_vertex_sources(mesh, &sources, &count) == DPT_OK && sources && count == 22,
-          "%u vertices", count);
-    CHECK(dpt_mesh_get_embedding(mesh, &nodes, &weights, &node_count) == DPT_OK && nodes &&
-              weights && node_count == 27,
+    CHECK(dpt_mesh_get_vertex_sources(mesh, &sources, &count) == DPT_OK && sources && count == 22, "%u vertices",
+          count);
+    CHECK(dpt_mesh_get_embedding(mesh, &nodes, &weights, &node_count) == DPT_OK && nodes && weights && node_count == 27,
           "%u nodes", node_count);
     dpt_mesh_info info = { .size = sizeof info };
-    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.nodes == 27 &&
-              info.outside_vertices > 0 && info.outside_vertices <= info.vertices &&
-              info.outside_distance > 1e-3,
+    CHECK(dpt_mesh_get_info(mesh, &info) == DPT_OK && info.nodes == 27 && info.outside_vertices > 0 &&
+              info.outside_vertices <= info.vertices && info.outside_distance > 1e-3,
           "%u vertices outside, %g m", info.outside_vertices, info.outside_distance);
     mesh = (const dpt_mesh *)(const void *)small_file.bytes;
-    CHECK(dpt_mesh_get_embedding(mesh, &nodes, &weights, &node_count) == DPT_OK && !nodes &&
-              !weights && node_count == 0,
+    CHECK(dpt_mesh_get_embedding(mesh, &nodes, &weights, &node_count) == DPT_OK && !nodes && !weights &&
+              node_count == 0,
           "%u nodes where there are none", node_count);
 }
 
@@ -276,30 +260,27 @@ static void wrong_arguments_of_springs_are_refused(void)
 {
     const dpt_mesh *mesh = (const dpt_mesh *)(const void *)sheet_file.bytes;
     dpt_mesh_springs net = { .size = sizeof net - 1, .nodes = 77 };
-    CHECK(dpt_mesh_get_springs(NULL, &net) == DPT_E_ARGUMENT &&
-              dpt_mesh_get_springs(mesh, NULL) == DPT_E_ARGUMENT &&
+    CHECK(dpt_mesh_get_springs(NULL, &net) == DPT_E_ARGUMENT && dpt_mesh_get_springs(mesh, NULL) == DPT_E_ARGUMENT &&
               dpt_mesh_get_springs(mesh, &net) == DPT_E_SIZE && net.nodes == 77,
           "refused otherwise, or a refusal wrote");
     net.size = sizeof net;
-    CHECK(dpt_mesh_get_springs(mesh, &net) == DPT_OK && net.nodes == 22 && net.slices == 2 &&
-              net.viscosity == 0.001 && net.drag[21] == 0.5f,
+    CHECK(dpt_mesh_get_springs(mesh, &net) == DPT_OK && net.nodes == 22 && net.slices == 2 && net.viscosity == 0.001 &&
+              net.drag[21] == 0.5f,
           "%u nodes, %u slices", net.nodes, net.slices);
     mesh = (const dpt_mesh *)(const void *)small_file.bytes;
-    CHECK(dpt_mesh_get_springs(mesh, &net) == DPT_OK && !net.nodes && !net.springs && !net.first &&
-              !net.rest && !net.neighbours,
+    CHECK(dpt_mesh_get_springs(mesh, &net) == DPT_OK && !net.nodes && !net.springs && !net.first && !net.rest &&
+              !net.neighbours,
           "%u nodes where there are none", net.nodes);
 }
 
 static void other_byte_order_converts(void)
 {
-    const struct file *files[] = { &small_file,    &large_file, &holed_file,
-                                   &embedded_file, &sheet_file, &volume_file };
+    const struct file *files[] = { &small_file, &large_file, &holed_file, &embedded_file, &sheet_file, &volume_file };
     for (int i = 0; i < 6; i++) {
         struct file other = other_order(files[i]);
         dpt_mesh_fault fault = { .size = sizeof fault };
         expect_fault(&other, DPT_E_BYTE_ORDER, AT(byte_order), "header");
-        CHECK(dpt_mesh_convert(other.bytes, other.size, &fault) == DPT_OK, "%d in %s", fault.code,
-              fault.section);
+        CHECK(dpt_mesh_convert(other.bytes, other.size, &fault) == DPT_OK, "%d in %s", fault.code, fault.section);
         CHECK(!memcmp(other.bytes, files[i]->bytes, other.size), "not the bytes it was made of");
         CHECK(dpt_mesh_convert(other.bytes, other.size, NULL) == DPT_OK, "a second time");
         CHECK(!memcmp(other.bytes, files[i]->bytes, other.size), "a second time changes it");
@@ -320,8 +301,7 @@ static void other_byte_order_is_checked(void)
         CHECK(!memcmp(cut.bytes, whole.bytes, at), "%zu bytes changed", at);
         file.bytes[at] ^= 0x10;
         CHECK(dpt_mesh_convert(file.bytes, file.size, &fault) != DPT_OK, "byte %zu", at);
-        CHECK(!strcmp(fault.section, section_name_at(&header, at)), "byte %zu: %s", at,
-              fault.section);
+        CHECK(!strcmp(fault.section, section_name_at(&header, at)), "byte %zu: %s", at, fault.section);
         file.bytes[at] ^= 0x10;
         CHECK(!memcmp(file.bytes, whole.bytes, file.size), "byte %zu: changed", at);
         free(cut.bytes);
@@ -334,8 +314,8 @@ static void other_byte_order_is_checked(void)
     seal(&forged);
     struct file other = other_order(&forged);
     dpt_mesh_fault fault = { .size = sizeof fault };
-    CHECK(dpt_mesh_convert(other.bytes, other.size, &fault) == DPT_E_INDEX && fault.byte == at,
-          "%s at %llu", dpt_result_name(fault.code), (unsigned long long)fault.byte);
+    CHECK(dpt_mesh_convert(other.bytes, other.size, &fault) == DPT_E_INDEX && fault.byte == at, "%s at %llu",
+          dpt_result_name(fault.code), (unsigned long long)fault.byte);
     free(forged.bytes);
     free(other.bytes);
     free(whole.bytes);
@@ -397,12 +377,8 @@ static void golden_files_are_what_we_write(void)
                                   .node_count = mesh.node_count,
                                   .cell_count = mesh.cell_count };
     expect_golden("torus_6_nodes.dpa", &def);
-    const dpt_spring_net_def sheet = { .size = sizeof sheet,
-                                       .kind = DPT_NET_SHEET,
-                                       .bending = 100.0 };
-    const dpt_spring_net_def volume = { .size = sizeof volume,
-                                        .kind = DPT_NET_VOLUME,
-                                        .spacing = 0.05 };
+    const dpt_spring_net_def sheet = { .size = sizeof sheet, .kind = DPT_NET_SHEET, .bending = 100.0 };
+    const dpt_spring_net_def volume = { .size = sizeof volume, .kind = DPT_NET_VOLUME, .spacing = 0.05 };
     dpt_compile_def with_springs = { .size = sizeof with_springs, .springs = &sheet };
     expect_golden("torus_6_sheet.dpa", &with_springs);
     with_springs.springs = &volume;
@@ -418,9 +394,8 @@ static void golden_shape_is_what_we_make(void)
 {
     struct file kept = read_golden("torus_6.dpa"), shape = file_of_shape("torus", 96);
     dpt_mesh_convert(kept.bytes, kept.size, NULL);
-    CHECK(shape.size == kept.size &&
-              !memcmp(shape.bytes + sizeof(struct dpt_mesh), kept.bytes + sizeof(struct dpt_mesh),
-                      kept.size - sizeof(struct dpt_mesh)),
+    CHECK(shape.size == kept.size && !memcmp(shape.bytes + sizeof(struct dpt_mesh),
+                                             kept.bytes + sizeof(struct dpt_mesh), kept.size - sizeof(struct dpt_mesh)),
           "the shape has changed");
     free(shape.bytes);
     free(kept.bytes);
@@ -432,11 +407,7 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
     const dpt_mesh *meshes[2] = { NULL, NULL };
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_section section = { .size = sizeof section };
-    uint32_t flags, sections = version == 1   ? 11
-                               : version == 2 ? 12
-                               : version < 5  ? 14
-                               : version == 5 ? 17
-                                              : 24;
+    uint32_t flags, sections = version == 1 ? 11 : version == 2 ? 12 : version < 5 ? 14 : version == 5 ? 17 : 24;
     uint32_t vertices, nodes;
     const uint32_t *numbers, *embed_nodes;
     const float *weights;
@@ -447,28 +418,24 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
         return;
     }
     dpt_mesh_get_info(meshes[0], &info);
-    CHECK(info.format_version == version && info.solid_components == 1 && !info.cavities &&
-              !info.winding_components && !info.buried_components,
+    CHECK(info.format_version == version && info.solid_components == 1 && !info.cavities && !info.winding_components &&
+              !info.buried_components,
           "version %u, %u solid", info.format_version, info.solid_components);
-    CHECK((info.crease > 0.0) == (version > 2), "version %u has creases of %g", version,
-          info.crease);
-    CHECK(info.self_intersections == (version > 3 ? 0 : DPT_NONE) &&
-              !info.self_intersections_more && info.self_intersection[0] == DPT_NONE &&
-              info.self_intersection[1] == DPT_NONE,
+    CHECK((info.crease > 0.0) == (version > 2), "version %u has creases of %g", version, info.crease);
+    CHECK(info.self_intersections == (version > 3 ? 0 : DPT_NONE) && !info.self_intersections_more &&
+              info.self_intersection[0] == DPT_NONE && info.self_intersection[1] == DPT_NONE,
           "version %u has %u self-intersections", version, info.self_intersections);
-    CHECK(mesh_part_flags(meshes[0], 0) == 15 && mesh_part_flags(meshes[1], 0) == 15,
-          "flags %u, %u", mesh_part_flags(meshes[0], 0), mesh_part_flags(meshes[1], 0));
+    CHECK(mesh_part_flags(meshes[0], 0) == 15 && mesh_part_flags(meshes[1], 0) == 15, "flags %u, %u",
+          mesh_part_flags(meshes[0], 0), mesh_part_flags(meshes[1], 0));
     CHECK(dpt_mesh_get_section(meshes[0], sections - 1, &section) == DPT_OK &&
               dpt_mesh_get_section(meshes[0], sections, &section) == DPT_E_ARGUMENT,
           "version %u has not %u sections", version, sections);
-    CHECK(dpt_mesh_get_triangle_flags(meshes[0], 0, &flags) ==
-              (version > 2 ? DPT_OK : DPT_E_UNSUPPORTED),
+    CHECK(dpt_mesh_get_triangle_flags(meshes[0], 0, &flags) == (version > 2 ? DPT_OK : DPT_E_UNSUPPORTED),
           "flags of version %u", version);
-    CHECK(dpt_mesh_get_vertex_sources(meshes[0], &numbers, &vertices) ==
-              (version > 4 ? DPT_OK : DPT_E_UNSUPPORTED),
+    CHECK(dpt_mesh_get_vertex_sources(meshes[0], &numbers, &vertices) == (version > 4 ? DPT_OK : DPT_E_UNSUPPORTED),
           "vertex sources of version %u", version);
-    CHECK(dpt_mesh_get_embedding(meshes[0], &embed_nodes, &weights, &nodes) == DPT_OK &&
-              nodes == info.nodes && !info.outside_vertices && info.outside_distance == 0.0,
+    CHECK(dpt_mesh_get_embedding(meshes[0], &embed_nodes, &weights, &nodes) == DPT_OK && nodes == info.nodes &&
+              !info.outside_vertices && info.outside_distance == 0.0,
           "version %u has %u nodes", version, nodes);
     dpt_mesh_springs net = { .size = sizeof net, .nodes = 77 };
     CHECK(dpt_mesh_get_springs(meshes[0], &net) == DPT_OK && net.nodes == info.spring_nodes &&
@@ -477,8 +444,7 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
     for (uint32_t t = 0; t < info.triangles; t++) {
         double normals[2][9];
         for (int m = 0; m < 2; m++)
-            CHECK(dpt_mesh_get_vertex_normals(meshes[m], t, normals[m]) == DPT_OK, "triangle %u",
-                  t);
+            CHECK(dpt_mesh_get_vertex_normals(meshes[m], t, normals[m]) == DPT_OK, "triangle %u", t);
         for (int i = 0; i < 9; i++)
             CHECK(fabs(normals[0][i] - normals[1][i]) < 0x1p-24, "normal %d of triangle %u", i, t);
     }
@@ -501,10 +467,9 @@ static void all_versions_open(void)
         const char *name;
         uint32_t version;
     } files[] = {
-        { "torus.dpa", 1 },          { "torus_2.dpa", 2 },       { "torus_3.dpa", 3 },
-        { "torus_4.dpa", 4 },        { "torus_5.dpa", 5 },       { "torus_5_nodes.dpa", 5 },
-        { "torus_6.dpa", 6 },        { "torus_6_nodes.dpa", 6 }, { "torus_6_sheet.dpa", 6 },
-        { "torus_6_volume.dpa", 6 },
+        { "torus.dpa", 1 },         { "torus_2.dpa", 2 },        { "torus_3.dpa", 3 }, { "torus_4.dpa", 4 },
+        { "torus_5.dpa", 5 },       { "torus_5_nodes.dpa", 5 },  { "torus_6.dpa", 6 }, { "torus_6_nodes.dpa", 6 },
+        { "torus_6_sheet.dpa", 6 }, { "torus_6_volume.dpa", 6 },
     };
     struct file today = file_of_shape("torus", 96);
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
@@ -524,8 +489,7 @@ static void all_versions_open(void)
             old.bytes[at] ^= 0x10;
         }
         struct file other = other_order(&old);
-        CHECK(dpt_mesh_convert(other.bytes, other.size, NULL) == DPT_OK &&
-                  !memcmp(other.bytes, old.bytes, old.size),
+        CHECK(dpt_mesh_convert(other.bytes, other.size, NULL) == DPT_OK && !memcmp(other.bytes, old.bytes, old.size),
               "not the bytes it was made of");
         free(other.bytes);
         free(old.bytes);
@@ -538,8 +502,7 @@ static void read_only_memory_is_enough(void)
 {
     uint64_t random = 9;
     size_t room = (large_file.size + 65535) / 65536 * 65536;
-    unsigned char *pages =
-        mmap(NULL, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    unsigned char *pages = mmap(NULL, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     CHECK(pages != MAP_FAILED, "no pages");
     if (pages == MAP_FAILED)
         return;

@@ -33,8 +33,8 @@ static int open_mesh(struct moving_mesh *moving, const char *shape, uint64_t tri
     moving->next = malloc(3 * sizeof *moving->next * (size_t)mesh->vertices);
     moving->list = malloc(sizeof *moving->list * (size_t)mesh->vertices);
     CHECK(dpti_kernel_get(DPT_KERNEL_AUTO, &moving->kernel, &chosen), "no kernel");
-    dpti_surface_of_motion(mesh, low, high, (char *)(mesh_aligned((uintptr_t)moving->raw)),
-                           &moving->motion, &moving->surface);
+    dpti_surface_of_motion(mesh, low, high, (char *)(mesh_aligned((uintptr_t)moving->raw)), &moving->motion,
+                           &moving->surface);
     return 1;
 }
 
@@ -59,9 +59,8 @@ static double largest_excess(const struct moving_mesh *moving, uint32_t level, u
     for (uint32_t t = first; t < first + each && t < surface_triangles(surface); t++)
         for (uint32_t k = 0; k < 3; k++) {
             double x[3];
-            const vec3 v = scaled(
-                sub(surface_vertex(surface, surface_corner(surface, t, k)), surface->filter_centre),
-                surface->filter_scale);
+            const vec3 v = scaled(sub(surface_vertex(surface, surface_corner(surface, t, k)), surface->filter_centre),
+                                  surface->filter_scale);
             vec3_store(v, x);
             for (uint32_t axis = 0; axis < 3; axis++)
                 excess = max_of(excess, fabs(x[axis] - (double)block[axis * LANES + lane]) -
@@ -75,8 +74,7 @@ static void check_boxes(const struct moving_mesh *moving, const char *what)
     for (uint32_t level = 0; level < moving->motion.levels; level++)
         for (uint32_t node = 0; node < moving->motion.count[level]; node++) {
             const double excess = largest_excess(moving, level, node);
-            CHECK(excess <= 0x1p-22, "%s: %g beyond the box of node %u of level %u", what, excess,
-                  node, level);
+            CHECK(excess <= 0x1p-22, "%s: %g beyond the box of node %u of level %u", what, excess, node, level);
         }
 }
 
@@ -88,10 +86,8 @@ static void check_leaf(const struct moving_mesh *moving, uint32_t leaf)
     for (uint32_t i = 0; i < LANES && leaf * LANES + i < surface_triangles(surface); i++)
         for (uint32_t k = 0; k < 3; k++) {
             const uint32_t vertex = surface_corner(surface, leaf * LANES + i, k);
-            const vec3 v = scaled(sub(surface_vertex(surface, vertex), surface->filter_centre),
-                                  surface->filter_scale);
-            CHECK((double)rows[(3 * k) * LANES + i] == v.x &&
-                      (double)rows[(3 * k + 1) * LANES + i] == v.y &&
+            const vec3 v = scaled(sub(surface_vertex(surface, vertex), surface->filter_centre), surface->filter_scale);
+            CHECK((double)rows[(3 * k) * LANES + i] == v.x && (double)rows[(3 * k + 1) * LANES + i] == v.y &&
                       (double)rows[(3 * k + 2) * LANES + i] == v.z,
                   "corner %u of triangle %u is old", k, leaf * LANES + i);
         }
@@ -121,8 +117,7 @@ static void make_next(struct moving_mesh *moving, double length, int is_even)
         const vec3 x = surface_vertex(surface, v);
         vec3 way = unit_of(x);
         if (!is_even)
-            way = (vec3){ random_in(&seed, -0.5, 0.5), random_in(&seed, -0.5, 0.5),
-                          random_in(&seed, -0.5, 0.5) };
+            way = (vec3){ random_in(&seed, -0.5, 0.5), random_in(&seed, -0.5, 0.5), random_in(&seed, -0.5, 0.5) };
         const vec3 to = along(x, length, way);
         moving->next[3 * v] = (float)to.x;
         moving->next[3 * v + 1] = (float)to.y;

@@ -38,13 +38,12 @@ static void close_scene(struct scene *scene)
     free(scene->corner);
 }
 
-static void scene_of_arrays(struct scene *scene, const double *vertices, size_t vertex_count,
-                            const uint32_t *corners, size_t triangle_count, double crease)
+static void scene_of_arrays(struct scene *scene, const double *vertices, size_t vertex_count, const uint32_t *corners,
+                            size_t triangle_count, double crease)
 {
     dpt_compile_def def = { .size = sizeof def, .crease = crease };
     dpt_compiled compiled = { NULL, 0 };
-    dpt_result result =
-        dpt_compile_arrays(vertices, vertex_count, corners, triangle_count, &def, &compiled, NULL);
+    dpt_result result = dpt_compile_arrays(vertices, vertex_count, corners, triangle_count, &def, &compiled, NULL);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     open_scene(scene, &compiled);
 }
@@ -55,8 +54,7 @@ static void scene_of_shape(struct scene *scene, const char *name, uint64_t count
     shape_reason reason;
     if (shape_make(name, count, 0, &shape, reason))
         CHECK(0, "%s", reason);
-    scene_of_arrays(scene, shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
-                    crease);
+    scene_of_arrays(scene, shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, crease);
     shape_free(&shape);
 }
 
@@ -141,8 +139,8 @@ static void normals_are_angle_weighted(void)
             }
         }
         CHECK(worst <= 0x1p-24, "%s: off by %g", shapes[s].name, worst);
-        CHECK(scene.info.bytes <= 4096 + (uint64_t)160 * scene.info.triangles, "%s: %llu bytes",
-              shapes[s].name, (unsigned long long)scene.info.bytes);
+        CHECK(scene.info.bytes <= 4096 + (uint64_t)160 * scene.info.triangles, "%s: %llu bytes", shapes[s].name,
+              (unsigned long long)scene.info.bytes);
         close_scene(&scene);
     }
 }
@@ -196,8 +194,8 @@ static void check_flags(const struct scene *scene, const char *name)
             CHECK(edge[t][k] != UINT32_MAX, "%s: choose another limit", name);
             creases += edge[t][k] == DPT_EDGE_CREASE;
         }
-    CHECK(scene->info.crease_edges == creases / 2, "%s: %u creases, not %u", name,
-          scene->info.crease_edges, creases / 2);
+    CHECK(scene->info.crease_edges == creases / 2, "%s: %u creases, not %u", name, scene->info.crease_edges,
+          creases / 2);
     for (uint32_t t = 0; t < count; t++) {
         uint32_t flags = 0, wanted = 0;
         CHECK(dpt_mesh_get_triangle_flags(scene->mesh, t, &flags) == DPT_OK, "%s: %u", name, t);
@@ -209,9 +207,7 @@ static void check_flags(const struct scene *scene, const char *name)
                         uint32_t two = edge[u][i] | edge[u][(i + 2) % 3];
                         wanted |= (two & DPT_EDGE_BORDER ? (uint32_t)DPT_CORNER_BORDER : 0) << k;
                         wanted |= (two & DPT_EDGE_CREASE ? (uint32_t)DPT_CORNER_CREASE : 0) << k;
-                        wanted |=
-                            (two & DPT_EDGE_NONMANIFOLD ? (uint32_t)DPT_CORNER_NONMANIFOLD : 0)
-                            << k;
+                        wanted |= (two & DPT_EDGE_NONMANIFOLD ? (uint32_t)DPT_CORNER_NONMANIFOLD : 0) << k;
                     }
         }
         CHECK(flags == wanted, "%s: triangle %u has %05x, not %05x", name, t, flags, wanted);
@@ -228,8 +224,7 @@ static void edges_and_corners_are_flagged(void)
             if (shapes[s].count > 500)
                 continue;
             scene_of_shape(&scene, shapes[s].name, shapes[s].count, limits[i] * degree);
-            CHECK(scene.info.crease == (i ? limits[i] * degree : 1.0471975511965976), "%.17g",
-                  scene.info.crease);
+            CHECK(scene.info.crease == (i ? limits[i] * degree : 1.0471975511965976), "%.17g", scene.info.crease);
             check_flags(&scene, shapes[s].name);
             close_scene(&scene);
         }
@@ -256,18 +251,15 @@ static void edges_and_corners_are_flagged(void)
 
 static void wrong_limits_are_refused(void)
 {
-    const double vertices[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 },
-                 wrong[] = { -1.0, 3.15, NAN, INFINITY };
+    const double vertices[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, wrong[] = { -1.0, 3.15, NAN, INFINITY };
     const uint32_t corners[] = { 0, 1, 2 };
     dpt_compiled compiled;
     for (int i = 0; i < 4; i++) {
         dpt_compile_def def = { .size = sizeof def, .crease = wrong[i] };
-        CHECK(dpt_compile_arrays(vertices, 3, corners, 1, &def, &compiled, NULL) == DPT_E_ARGUMENT,
-              "%g", wrong[i]);
+        CHECK(dpt_compile_arrays(vertices, 3, corners, 1, &def, &compiled, NULL) == DPT_E_ARGUMENT, "%g", wrong[i]);
         /* A def that ends before it has none. */
         def.size = offsetof(dpt_compile_def, crease);
-        CHECK(dpt_compile_arrays(vertices, 3, corners, 1, &def, &compiled, NULL) == DPT_OK, "%g",
-              wrong[i]);
+        CHECK(dpt_compile_arrays(vertices, 3, corners, 1, &def, &compiled, NULL) == DPT_OK, "%g", wrong[i]);
         dpt_compiled_free(&compiled);
     }
 }
@@ -295,8 +287,7 @@ static void limits_are_met_to_the_hair(void)
             dpt_mesh_get_triangle_flags(at.mesh, t, &flags[i]);
             close_scene(&at);
         }
-        CHECK((flags[0] & DPT_EDGE_CREASE) && !(flags[1] & DPT_EDGE_CREASE), "triangle %u at %g", t,
-              angle);
+        CHECK((flags[0] & DPT_EDGE_CREASE) && !(flags[1] & DPT_EDGE_CREASE), "triangle %u at %g", t, angle);
         tried++;
     }
     CHECK(tried > 2, "only %u edges", tried);
@@ -306,10 +297,8 @@ static void limits_are_met_to_the_hair(void)
 /* Tetrahedra below and above a point that both have; each has its own normal there. */
 static void parts_that_share_a_vertex_have_two_normals(void)
 {
-    const double vertices[] = { 0, 0, 0, 1,  0,  1, -1, 1,  1,  -1, -1,
-                                1, 1, 0, -1, -1, 1, -1, -1, -1, -1 };
-    const uint32_t corners[] = { 0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3,
-                                 0, 4, 5, 0, 5, 6, 0, 6, 4, 4, 6, 5 };
+    const double vertices[] = { 0, 0, 0, 1, 0, 1, -1, 1, 1, -1, -1, 1, 1, 0, -1, -1, 1, -1, -1, -1, -1 };
+    const uint32_t corners[] = { 0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3, 0, 4, 5, 0, 5, 6, 0, 6, 4, 4, 6, 5 };
     struct scene scene;
     double normals[9];
     scene_of_arrays(&scene, vertices, 7, corners, 8, 0.0);
@@ -321,8 +310,7 @@ static void parts_that_share_a_vertex_have_two_normals(void)
                 continue;
             dpt_mesh_get_vertex_normals(scene.mesh, t, normals);
             const double *n = normals + 3 * k;
-            CHECK(fabs(n[2] - (t < 4 ? -1.0 : 1.0)) < 0.2, "triangle %u: %g %g %g", t, n[0], n[1],
-                  n[2]);
+            CHECK(fabs(n[2] - (t < 4 ? -1.0 : 1.0)) < 0.2, "triangle %u: %g %g %g", t, n[0], n[1], n[2]);
         }
     close_scene(&scene);
 }
@@ -352,8 +340,7 @@ static void loose_triangles_store_none(void)
         corners[i] = i;
     scene_of_arrays(&scene, vertices, 3 * COUNT, corners, COUNT, 0.0);
     CHECK(mesh_normals(scene.mesh) == NULL, "normals are stored");
-    CHECK(scene.info.bytes <= (uint64_t)COUNT * 170, "%llu bytes",
-          (unsigned long long)scene.info.bytes);
+    CHECK(scene.info.bytes <= (uint64_t)COUNT * 170, "%llu bytes", (unsigned long long)scene.info.bytes);
     for (uint32_t t = 0; t < COUNT; t += 97) {
         double normals[9];
         real plane[3];
@@ -391,8 +378,7 @@ static void sides_at_vertices_do_not_turn(void)
                     real lean = powl(10.0L, -e) * (e % 2 ? 1 : -1);
                     pair found = { .weight = { weight[0], weight[1], weight[2] } };
                     double size = pow(10.0, random_in(&random, -6.0, 0.0));
-                    found.gap = (vec3){ size * (double)(side[0] + lean * n[0]),
-                                        size * (double)(side[1] + lean * n[1]),
+                    found.gap = (vec3){ size * (double)(side[0] + lean * n[0]), size * (double)(side[1] + lean * n[1]),
                                         size * (double)(side[2] + lean * n[2]) };
                     const real gap[3] = { found.gap.x, found.gap.y, found.gap.z };
                     real rise = dot_of(n, gap);
@@ -433,8 +419,7 @@ static void scene_of_cylinder(struct scene *scene, double crease)
 static vec3 smooth_at(const struct scene *scene, uint32_t source, double a, double b)
 {
     const double weight[3] = { a, b, 1.0 - a - b };
-    return dpti_surface_smooth_normal(&scene->surface, mesh_words(scene->mesh, MESH_PLACES)[source],
-                                      weight);
+    return dpti_surface_smooth_normal(&scene->surface, mesh_words(scene->mesh, MESH_PLACES)[source], weight);
 }
 
 /* Round along the side, flat on the lids, sharp between them; all round where no edge is a crease. */
@@ -443,8 +428,8 @@ static void creases_are_not_smoothed(void)
     struct scene sharp, round;
     scene_of_cylinder(&sharp, 0.0);
     scene_of_cylinder(&round, 180.0 * degree);
-    CHECK(sharp.info.crease_edges == 48 && round.info.crease_edges == 0, "%u, %u",
-          sharp.info.crease_edges, round.info.crease_edges);
+    CHECK(sharp.info.crease_edges == 48 && round.info.crease_edges == 0, "%u, %u", sharp.info.crease_edges,
+          round.info.crease_edges);
     double across = 0.0;
     for (uint32_t t = 0; t < 96; t++)
         for (int i = 0; i <= 4; i++)
@@ -495,16 +480,15 @@ static void hubs_cost_no_fan(void)
             k++;
         weight[k] = 1.0;
         pair found = { .weight = { weight[0], weight[1], weight[2] } };
-        found.gap = (vec3){ random_in(&random, -1.0, 1.0), random_in(&random, -1.0, 1.0),
-                            random_in(&random, 0.1, 1.0) };
+        found.gap =
+            (vec3){ random_in(&random, -1.0, 1.0), random_in(&random, -1.0, 1.0), random_in(&random, 0.1, 1.0) };
         vec3 n = dpti_surface_feature_normal(&scene.surface, place, weight);
         vec3 m = dpti_surface_feature_normal(&forged.surface, place, weight);
         CHECK(!memcmp(&n, &m, sizeof n), "another normal");
         n = dpti_surface_smooth_normal(&scene.surface, place, weight);
         m = dpti_surface_smooth_normal(&forged.surface, place, weight);
         CHECK(!memcmp(&n, &m, sizeof n), "another smooth normal");
-        CHECK(dpti_side_of_pair(&scene.surface, place, &found) ==
-                  dpti_side_of_pair(&forged.surface, place, &found),
+        CHECK(dpti_side_of_pair(&scene.surface, place, &found) == dpti_side_of_pair(&forged.surface, place, &found),
               "another side");
         CHECK(!dpti_side_is_border(&forged.surface, place, weight), "the hub is no border");
         weight[k] = 0.0;
@@ -522,8 +506,7 @@ static void borders_cost_no_fan(void)
     uint32_t alone = 0;
     scene_of_shape(&scene, "cloth", 200, 0.0);
     struct dpt_mesh header = header_of(&scene.file);
-    memset(scene.file.bytes + header.section[MESH_FANS].offset, 0,
-           (size_t)header.section[MESH_FANS].bytes);
+    memset(scene.file.bytes + header.section[MESH_FANS].offset, 0, (size_t)header.section[MESH_FANS].bytes);
     for (uint32_t place = 0; place < scene.info.triangles; place++)
         for (int k = 0; k < 3; k++) {
             double weight[3] = { 0.0, 0.0, 0.0 };
@@ -533,12 +516,9 @@ static void borders_cost_no_fan(void)
             for (uint32_t u = 0; u < scene.info.triangles && !wanted; u++)
                 for (int i = 0; i < 3; i++)
                     if (same_point(scene.corner[t] + 3 * k, scene.corner[u] + 3 * i))
-                        wanted |=
-                            (edge_by_all(&scene, u, i) | edge_by_all(&scene, u, (i + 2) % 3)) &
-                            DPT_EDGE_BORDER;
+                        wanted |= (edge_by_all(&scene, u, i) | edge_by_all(&scene, u, (i + 2) % 3)) & DPT_EDGE_BORDER;
             alone += wanted && !(flags & 7u);
-            CHECK(dpti_side_is_border(&scene.surface, place, weight) == (int)wanted, "triangle %u",
-                  t);
+            CHECK(dpti_side_is_border(&scene.surface, place, weight) == (int)wanted, "triangle %u", t);
         }
     CHECK(alone > 10, "only %u touch the border in a point", alone);
     close_scene(&scene);

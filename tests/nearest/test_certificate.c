@@ -22,9 +22,7 @@ static const char *const motions[MOTIONS] = { "rest", "slide", "spin", "fly", "j
 static const struct subject {
     const char *name;
     uint64_t triangles;
-} subjects[] = {
-    { "torus", 5568 }, { "liver", 0 }, { "membrane", 0 }, { "star", 0 }, { "soup", 3000 }
-};
+} subjects[] = { { "torus", 5568 }, { "liver", 0 }, { "membrane", 0 }, { "star", 0 }, { "soup", 3000 } };
 
 /* Two worlds that differ in method and memory alone. */
 struct twin {
@@ -46,8 +44,7 @@ static int twin_open(struct twin *twin, const dpt_mesh *mesh, uint32_t method, u
     def.until = DPT_UNTIL_TRACK;
     def.certificate_bytes = bytes;
     twin->block = malloc(dpt_world_bytes(&def));
-    return twin->block &&
-           dpt_world_create(twin->block, dpt_world_bytes(&def), &def, &twin->world) == DPT_OK &&
+    return twin->block && dpt_world_create(twin->block, dpt_world_bytes(&def), &def, &twin->world) == DPT_OK &&
            dpt_body_add(twin->world, mesh, NULL, &twin->body) == DPT_OK &&
            dpt_tool_add(twin->world, segment, 1, &twin->tool) == DPT_OK;
 }
@@ -176,8 +173,7 @@ static dpt_segment tool_segment(const struct tool *tool)
 static dpt_pose body_pose(uint32_t tick, double size)
 {
     double angle = 1e-3 * tick, x = 0.1 * size * sin(0.01 * tick);
-    return (dpt_pose){ { x, -x, 0.5 * x },
-                       { cos(angle), 0.6 * sin(angle), 0.0, 0.8 * sin(angle) } };
+    return (dpt_pose){ { x, -x, 0.5 * x }, { cos(angle), 0.6 * sin(angle), 0.0, 0.8 * sin(angle) } };
 }
 
 static struct tally {
@@ -190,12 +186,10 @@ static void agree(const dpt_hit *exact, const dpt_hit *truth, const char *what, 
     double bound = exact->error_bound + truth->error_bound;
     double error = fabs(exact->distance - truth->distance);
     CHECK(exact->status == DPT_STATUS_EXACT, "%s, tick %u: status %u", what, tick, exact->status);
-    CHECK(error <= bound, "%s, tick %u: %.17g, the truth is %.17g", what, tick, exact->distance,
-          truth->distance);
-    CHECK((exact->distance == 0.0) == (truth->distance == 0.0) || error <= bound,
-          "%s, tick %u: missed crossing", what, tick);
-    CHECK(exact->lower_bound <= truth->distance + truth->error_bound, "%s, tick %u: lower bound",
-          what, tick);
+    CHECK(error <= bound, "%s, tick %u: %.17g, the truth is %.17g", what, tick, exact->distance, truth->distance);
+    CHECK((exact->distance == 0.0) == (truth->distance == 0.0) || error <= bound, "%s, tick %u: missed crossing", what,
+          tick);
+    CHECK(exact->lower_bound <= truth->distance + truth->error_bound, "%s, tick %u: lower bound", what, tick);
     if (error / bound > all.worst)
         all.worst = error / bound;
 }
@@ -208,8 +202,7 @@ static void follow(const struct subject *subject, const dpt_mesh *mesh, int moti
     struct tool tool;
     struct twin exact, tree, brute;
     char what[64];
-    snprintf(what, sizeof what, "%s, %s, %u bytes", subject->name, motions[motion],
-             (unsigned)bytes);
+    snprintf(what, sizeof what, "%s, %s, %u bytes", subject->name, motions[motion], (unsigned)bytes);
     tool_start(&tool, &info, 77u * (uint64_t)motion + bytes + 5);
     dpt_segment segment = tool_segment(&tool);
     int opened = twin_open(&exact, mesh, DPT_METHOD_EXACT, bytes, &segment) +
@@ -268,8 +261,7 @@ static void certificate_is_the_tree(void)
                 follow(&subjects[s], fixture.mesh, motion, caches[c]);
         fixture_free(&fixture);
     }
-    printf("    %llu ticks, %.0f %% crossing, %llu of them against brute force; worst %.2f of the "
-           "bounds\n",
+    printf("    %llu ticks, %.0f %% crossing, %llu of them against brute force; worst %.2f of the bounds\n",
            (unsigned long long)all.ticks, 100.0 * (double)all.crossing / (double)all.ticks,
            (unsigned long long)all.brute, all.worst);
     CHECK(all.crossing * 20 > all.ticks && all.crossing * 20 < 19 * all.ticks, "one-sided");
@@ -297,12 +289,10 @@ static void what_is_kept_saves_work(void)
         dpt_hit a = twin_step(&kept, &segment), b = twin_step(&none, &segment);
         with += a.work;
         without += b.work;
-        CHECK(tick > 0 || a.work == b.work, "the first tick has nothing to keep: %u, %u", a.work,
-              b.work);
+        CHECK(tick > 0 || a.work == b.work, "the first tick has nothing to keep: %u, %u", a.work, b.work);
         tool_move(&tool, SPIN, tick + 1, &b);
     }
-    printf("    %llu units with planes, %llu without\n", (unsigned long long)with,
-           (unsigned long long)without);
+    printf("    %llu units with planes, %llu without\n", (unsigned long long)with, (unsigned long long)without);
     CHECK(with < without, "%llu, %llu", (unsigned long long)with, (unsigned long long)without);
     free(kept.block);
     free(none.block);
@@ -322,18 +312,16 @@ static void jumps_cost_what_the_tree_does(void)
         if (!subject_open(&subjects[i], &fixture))
             continue;
         dpt_mesh_get_info(fixture.mesh, &info);
-        const double diagonal = sqrt(pow(info.box_max[0] - info.box_min[0], 2) +
-                                     pow(info.box_max[1] - info.box_min[1], 2) +
-                                     pow(info.box_max[2] - info.box_min[2], 2));
+        const double diagonal =
+            sqrt(pow(info.box_max[0] - info.box_min[0], 2) + pow(info.box_max[1] - info.box_min[1], 2) +
+                 pow(info.box_max[2] - info.box_min[2], 2));
         for (size_t j = 0; j < sizeof jumps / sizeof jumps[0]; j++) {
             uint64_t random = 5, work = 0, of_tree = 0;
             struct twin exact, tree;
             double x[3], way[3];
             for (int k = 0; k < 3; k++)
                 x[k] = info.box_max[k];
-            dpt_segment segment = { { x[0], x[1], x[2] },
-                                    { x[0], x[1], x[2] + 0.5 * diagonal },
-                                    0 };
+            dpt_segment segment = { { x[0], x[1], x[2] }, { x[0], x[1], x[2] + 0.5 * diagonal }, 0 };
             CHECK(twin_open(&exact, fixture.mesh, DPT_METHOD_EXACT, 1 << 20, &segment), "world");
             CHECK(twin_open(&tree, fixture.mesh, DPT_METHOD_TREE, 0, &segment), "world");
             for (uint32_t tick = 0; tick < 600; tick++) {
@@ -354,9 +342,8 @@ static void jumps_cost_what_the_tree_does(void)
                 work += tick ? a.work : 0;
                 of_tree += tick ? b.work : 0;
             }
-            CHECK((double)work < 1.1 * (double)of_tree,
-                  "%s, jumps of %g: %llu units, %llu of the tree", subjects[i].name, jumps[j],
-                  (unsigned long long)work, (unsigned long long)of_tree);
+            CHECK((double)work < 1.1 * (double)of_tree, "%s, jumps of %g: %llu units, %llu of the tree",
+                  subjects[i].name, jumps[j], (unsigned long long)work, (unsigned long long)of_tree);
             free(exact.block);
             free(tree.block);
         }
@@ -530,10 +517,7 @@ static void keys_name_their_owner(void)
             hit[i] = twin_step(twins[i], &segment);
         }
         agree(&hit[0], &hit[1], "one block for two", tick);
-        CHECK(fabs(hit[0].distance - (tick < 5 ? 1.0
-                                      : visit  ? 7.0
-                                               : 0.5)) < 1e-9,
-              "%.17g", hit[0].distance);
+        CHECK(fabs(hit[0].distance - (tick < 5 ? 1.0 : visit ? 7.0 : 0.5)) < 1e-9, "%.17g", hit[0].distance);
     }
     free(exact.block);
     free(tree.block);
@@ -558,8 +542,8 @@ static void reset_forgets(void)
             dpt_hit hit = twin_step(&twin, &segment);
             if (pass == 0)
                 first[tick] = hit;
-            CHECK(!memcmp(&hit, &first[tick], sizeof hit), "tick %d differs, work %u and %u", tick,
-                  hit.work, first[tick].work);
+            CHECK(!memcmp(&hit, &first[tick], sizeof hit), "tick %d differs, work %u and %u", tick, hit.work,
+                  first[tick].work);
         }
     }
     free(twin.block);

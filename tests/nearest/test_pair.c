@@ -47,8 +47,7 @@ static const char *text_of(const union scene *scene)
     static char text[1024];
     size_t length = 0;
     for (int i = 0; i < NUMBERS; i++)
-        length += (size_t)snprintf(text + length, sizeof text - length, "%s%a", i ? ", " : "",
-                                   scene->all[i]);
+        length += (size_t)snprintf(text + length, sizeof text - length, "%s%a", i ? ", " : "", scene->all[i]);
     return text;
 }
 
@@ -302,10 +301,9 @@ static struct row families[] = {
     { "mixed magnitudes", make_mixed, 0, 0, 0, 0 },
 };
 
-static struct row placings[] = { { .name = "as made" },
-                                 { .name = "far from the origin" },
-                                 { .name = "small" },
-                                 { .name = "large" } };
+static struct row placings[] = {
+    { .name = "as made" }, { .name = "far from the origin" }, { .name = "small" }, { .name = "large" }
+};
 
 /* Half the scenes stay as they are made, since an offset hides what is small in them. */
 static struct row *place(union scene *scene)
@@ -361,13 +359,11 @@ static double check_answer(const union scene *scene, double bound)
         const long double a = scene->seg[k], b = scene->seg[3 + k];
         off = fmaxl(off, fabsl(a + (long double)s * (b - a) - p[k]));
     }
-    CHECK(off <= 4 * (long double)ulp, "p is %Lg ulp off A + s(B - A) for %s", off / ulp,
-          text_of(scene));
+    CHECK(off <= 4 * (long double)ulp, "p is %Lg ulp off A + s(B - A) for %s", off / ulp, text_of(scene));
     const long double outside = oracle_point(q, scene->tri);
-    CHECK(outside <= bound, "q is %Lg units off the triangle for %s", outside / (most * UNIT),
+    CHECK(outside <= bound, "q is %Lg units off the triangle for %s", outside / (most * UNIT), text_of(scene));
+    CHECK(fabs(apart(p, q) - distance) <= bound, "|p - q| = %a, distance %a for %s", apart(p, q), distance,
           text_of(scene));
-    CHECK(fabs(apart(p, q) - distance) <= bound, "|p - q| = %a, distance %a for %s", apart(p, q),
-          distance, text_of(scene));
     CHECK(distance != 0 || !memcmp(p, q, sizeof p), "distance 0 and p != q for %s", text_of(scene));
     CHECK(ask(scene) == distance, "another distance without outputs for %s", text_of(scene));
     return distance;
@@ -377,13 +373,13 @@ static void check_symmetry(const union scene *scene, double distance, double bou
 {
     union scene other = *scene;
     swap_points(other.seg, other.seg + 3);
-    CHECK(fabs(ask(&other) - distance) <= bound, "A and B swapped: %a, not %a, for %s", ask(&other),
-          distance, text_of(scene));
+    CHECK(fabs(ask(&other) - distance) <= bound, "A and B swapped: %a, not %a, for %s", ask(&other), distance,
+          text_of(scene));
     other = *scene;
     for (int turn = 0; turn < 5; turn++) {
         swap_points(other.tri, other.tri + 3 * (1 + turn % 2));
-        CHECK(fabs(ask(&other) - distance) <= bound, "corners permuted: %a, not %a, for %s",
-              ask(&other), distance, text_of(scene));
+        CHECK(fabs(ask(&other) - distance) <= bound, "corners permuted: %a, not %a, for %s", ask(&other), distance,
+              text_of(scene));
     }
 }
 
@@ -397,10 +393,9 @@ static void check_continuity(const union scene *scene, double distance, double m
         moved.all[i] += step * random_in(&rng, -1, 1);
     for (int i = 0; i < 5; i++)
         farthest[i >= 2] = fmax(farthest[i >= 2], apart(moved.all + 3 * i, scene->all + 3 * i));
-    const double allowed =
-        (farthest[0] + farthest[1]) * (1 + 1e-12) + BOUND * UNIT * (most + largest(&moved));
-    CHECK(fabs(ask(&moved) - distance) <= allowed, "moved: %a, not %a within %g, for %s",
-          ask(&moved), distance, allowed, text_of(scene));
+    const double allowed = (farthest[0] + farthest[1]) * (1 + 1e-12) + BOUND * UNIT * (most + largest(&moved));
+    CHECK(fabs(ask(&moved) - distance) <= allowed, "moved: %a, not %a within %g, for %s", ask(&moved), distance,
+          allowed, text_of(scene));
 }
 
 static double widest_bracket, worst_oracle;
@@ -438,8 +433,8 @@ static void agrees_with_the_oracle(void)
         const long double truth = oracle_pair(scene.seg, scene.tri);
         const double distance = check_answer(&scene, bound);
         const double error = (double)(fabsl(distance - truth) / fmax(most, DBL_MIN) / UNIT);
-        CHECK(error <= BOUND, "%s: %a, not %La: %.3g units, for %s", family->name, distance, truth,
-              error, text_of(&scene));
+        CHECK(error <= BOUND, "%s: %a, not %La: %.3g units, for %s", family->name, distance, truth, error,
+              text_of(&scene));
         record(family, distance, error);
         record(placing, distance, error);
         check_symmetry(&scene, distance, bound);
@@ -449,8 +444,8 @@ static void agrees_with_the_oracle(void)
     }
     print_rows("family", families, COUNT(families));
     print_rows("placing", placings, COUNT(placings));
-    printf("    oracle: at worst %.2g units outside the bracket, which is at most %.2g wide\n",
-           worst_oracle, widest_bracket);
+    printf("    oracle: at worst %.2g units outside the bracket, which is at most %.2g wide\n", worst_oracle,
+           widest_bracket);
 }
 
 /* Cases that can be worked out by hand. */
@@ -472,9 +467,7 @@ static void gives_closed_forms(void)
         { "coplanar, inside", 0, { { { 1, 1, 0, 1.5, 1, 0 }, { RIGHT } } } },
         { "coplanar, beside", 1, { { { -1, 1, 0, -3, 2, 0 }, { RIGHT } } } },
         { "ends on a vertex", 0, { { { 4, 0, 0, 5, 6, 7 }, { RIGHT } } } },
-        { "tilted",
-          2 / 1.7320508075688772,
-          { { { 1, 1, 1, 2, 2, 2 }, { 1, 0, 0, 0, 1, 0, 0, 0, 1 } } } },
+        { "tilted", 2 / 1.7320508075688772, { { { 1, 1, 1, 2, 2, 2 }, { 1, 0, 0, 0, 1, 0, 0, 0, 1 } } } },
         { "two points", 3, { { { 1, 2, 3, 1, 2, 3 }, { 2, 4, 5, 2, 4, 5, 2, 4, 5 } } } },
         { "two lines", 1, { { { 0, 0, 1, 2, 2, 1 }, { 0, 2, 0, 1, 1, 0, 2, 0, 0 } } } },
         { "end to end", 2, { { { 0, 0, 0, 1, 0, 0 }, { 3, 0, 0, 4, 0, 0, 9, 0, 0 } } } },
@@ -485,10 +478,10 @@ static void gives_closed_forms(void)
         const double bound = BOUND * UNIT * largest(scene);
         const double distance = check_answer(scene, bound);
         const long double oracle = oracle_pair(scene->seg, scene->tri);
-        CHECK(fabs(distance - cases[i].distance) <= bound, "%s: %a, not %a", cases[i].what,
-              distance, cases[i].distance);
-        CHECK(fabsl(oracle - cases[i].distance) <= 4 * UNIT, "oracle, %s: %La, not %a",
-              cases[i].what, oracle, cases[i].distance);
+        CHECK(fabs(distance - cases[i].distance) <= bound, "%s: %a, not %a", cases[i].what, distance,
+              cases[i].distance);
+        CHECK(fabsl(oracle - cases[i].distance) <= 4 * UNIT, "oracle, %s: %La, not %a", cases[i].what, oracle,
+              cases[i].distance);
         check_symmetry(scene, distance, bound);
     }
 }

@@ -16,8 +16,7 @@
 
 static double away(const double *a, const double *b)
 {
-    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
-                (a[2] - b[2]) * (a[2] - b[2]));
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
 }
 
 /* The distance of a feature, 0..4, by the oracle; *inside: the segment's nearest point to an edge is none of its ends. */
@@ -32,8 +31,7 @@ static double truth_of(int feature, const double segment[6], const double triang
     memcpy(edge + 3, triangle + 3 * to, 3 * sizeof *edge);
     memcpy(edge + 6, triangle + 3 * to, 3 * sizeof *edge);
     const double least = (double)oracle_pair(segment, edge);
-    *inside =
-        least < (double)fminl(oracle_point(segment, edge), oracle_point(segment + 3, edge)) - BOUND;
+    *inside = least < (double)fminl(oracle_point(segment, edge), oracle_point(segment + 3, edge)) - BOUND;
     return least;
 }
 
@@ -66,19 +64,16 @@ static void each_is_the_nearest_of_its_features(void)
             int inside, is_there = 0;
             const double truth = truth_of(feature, segment, triangle, &inside);
             for (uint32_t at = 0; at < count; at++) {
-                if (!(fabs(pairs[at].distance - truth) <= BOUND) ||
-                    (feature < 2 && pairs[at].s != feature))
+                if (!(fabs(pairs[at].distance - truth) <= BOUND) || (feature < 2 && pairs[at].s != feature))
                     continue;
                 is_there = 1;
                 told |= 1u << at;
                 CHECK(fabs(away(pairs[at].p, pairs[at].q) - truth) <= BOUND, "case %d: points", i);
             }
-            CHECK(is_there || !inside, "case %d: feature %d, %g apart, is missing", i, feature,
-                  truth);
+            CHECK(is_there || !inside, "case %d: feature %d, %g apart, is missing", i, feature, truth);
             met += feature >= 2 && is_there;
         }
-        CHECK(told == (1u << count) - 1, "case %d: pairs %x of %u are of a feature", i, told,
-              count);
+        CHECK(told == (1u << count) - 1, "case %d: pairs %x of %u are of a feature", i, told, count);
     }
     CHECK(met > 10000 || !ORACLE_PAIR_JUDGES, "%llu edges", (unsigned long long)met);
 }

@@ -5,9 +5,7 @@
 
 #define STEP 0x1p-14L
 
-static const struct oracle_frame identity = {
-    { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 }, { 0, 0, 0, 1 } }
-};
+static const struct oracle_frame identity = { { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 1, 0 }, { 0, 0, 0, 1 } } };
 
 static struct oracle_frame times(struct oracle_frame a, struct oracle_frame b)
 {
@@ -65,8 +63,7 @@ static struct oracle_frame motion(const dpt_arm_link *link, const long double *j
 struct oracle_frame oracle_link(const dpt_arm_def *def, const long double *joints, uint32_t link)
 {
     const dpt_arm_link *is = &def->links[link];
-    struct oracle_frame parent =
-        is->parent == DPT_NONE ? identity : oracle_link(def, joints, is->parent);
+    struct oracle_frame parent = is->parent == DPT_NONE ? identity : oracle_link(def, joints, is->parent);
     return times(times(parent, of_pose(&is->pose)), motion(is, joints));
 }
 
@@ -76,16 +73,15 @@ struct oracle_frame oracle_tool(const dpt_arm_def *def, const long double *joint
 }
 
 /* The joints after a time of moving at `rates`. */
-static void moved(const dpt_arm_def *def, const double *joints, const double *rates,
-                  long double time, long double *out)
+static void moved(const dpt_arm_def *def, const double *joints, const double *rates, long double time, long double *out)
 {
     for (uint32_t i = 0; i < def->joint_count; i++)
         out[i] = joints[i] + time * rates[i];
 }
 
 /* The matrix of the spin is dR/dt R^T. */
-static void twist_by(const dpt_arm_def *def, const double *joints, const double *rates,
-                     long double step, long double twist[6])
+static void twist_by(const dpt_arm_def *def, const double *joints, const double *rates, long double step,
+                     long double twist[6])
 {
     long double at[DPT_JOINTS_MAX] = { 0 }, spin[3][3];
     moved(def, joints, rates, 0, at);
@@ -107,8 +103,7 @@ static void twist_by(const dpt_arm_def *def, const double *joints, const double 
     twist[5] = (spin[1][0] - spin[0][1]) / 2;
 }
 
-void oracle_twist(const dpt_arm_def *def, const double *joints, const double *rates,
-                  long double twist[6])
+void oracle_twist(const dpt_arm_def *def, const double *joints, const double *rates, long double twist[6])
 {
     long double twice[6];
     twist_by(def, joints, rates, STEP, twist);
@@ -117,22 +112,20 @@ void oracle_twist(const dpt_arm_def *def, const double *joints, const double *ra
         twist[k] = (4 * twist[k] - twice[k]) / 3;
 }
 
-static long double potential(const dpt_arm_def *def, const long double *joints,
-                             const double gravity[3])
+static long double potential(const dpt_arm_def *def, const long double *joints, const double gravity[3])
 {
     long double sum = 0;
     for (uint32_t i = 0; i < def->link_count; i++) {
         const struct oracle_frame f = oracle_link(def, joints, i);
         const double *c = def->links[i].centre;
         for (int k = 0; k < 3; k++)
-            sum -= def->links[i].mass * gravity[k] *
-                   (f.m[k][0] * c[0] + f.m[k][1] * c[1] + f.m[k][2] * c[2] + f.m[k][3]);
+            sum -=
+                def->links[i].mass * gravity[k] * (f.m[k][0] * c[0] + f.m[k][1] * c[1] + f.m[k][2] * c[2] + f.m[k][3]);
     }
     return sum;
 }
 
-long double oracle_weight(const dpt_arm_def *def, const double *joints, uint32_t j,
-                          const double gravity[3])
+long double oracle_weight(const dpt_arm_def *def, const double *joints, uint32_t j, const double gravity[3])
 {
     double rates[DPT_JOINTS_MAX] = { 0 };
     long double at[DPT_JOINTS_MAX] = { 0 }, slope[2];

@@ -18,11 +18,9 @@ struct oracle_frame oracle_link(const dpt_arm_def *def, const long double *joint
 struct oracle_frame oracle_tool(const dpt_arm_def *def, const long double *joints);
 
 /* Velocity of the tool's origin, then spin, when the joints move at `rates`. */
-void oracle_twist(const dpt_arm_def *def, const double *joints, const double *rates,
-                  long double twist[6]);
+void oracle_twist(const dpt_arm_def *def, const double *joints, const double *rates, long double twist[6]);
 
 /* How the potential energy of all links, J, changes with joint `j`. */
-long double oracle_weight(const dpt_arm_def *def, const double *joints, uint32_t j,
-                          const double gravity[3]);
+long double oracle_weight(const dpt_arm_def *def, const double *joints, uint32_t j, const double gravity[3]);
 
 #endif

@@ -115,8 +115,8 @@ static void face_of(struct face *face, double corner[3][3])
     cross(face->axis[2], axis, across);
 }
 
-oracle_mesh *oracle_brute_open(const float *vertices, uint32_t vertex_count,
-                               const uint32_t *corners, uint32_t triangle_count)
+oracle_mesh *oracle_brute_open(const float *vertices, uint32_t vertex_count, const uint32_t *corners,
+                               uint32_t triangle_count)
 {
     oracle_mesh *mesh = calloc(1, sizeof *mesh + triangle_count * sizeof mesh->face[0]);
     if (!mesh)
@@ -162,8 +162,7 @@ static inline double point_line(const double p[3], const double from[3], const d
  * that is not less. The cross product keeps its digits where the lines are nearly parallel, which
  * the usual determinant of dot products does not.
  */
-static inline double line_line(const double a[3], const double d[3], const double from[3],
-                               const double along[3])
+static inline double line_line(const double a[3], const double d[3], const double from[3], const double along[3])
 {
     double normal[3], away[3], turned[3], p[3];
     cross(normal, d, along);
@@ -177,14 +176,12 @@ static inline double line_line(const double a[3], const double d[3], const doubl
 }
 
 /* The squared distance of p to the face; all in the face's frame. */
-static double point_face(const struct face *face, const double p[3], double edge[3][3],
-                         double corner[3][3])
+static double point_face(const struct face *face, const double p[3], double edge[3][3], double corner[3][3])
 {
     const double u = p[0], v = p[1];
     if (face->height > 0 && v >= 0 && u >= 0 && u <= face->length) {
-        const int within =
-            u <= face->foot ? v * face->foot <= u * face->height
-                            : v * (face->length - face->foot) <= (face->length - u) * face->height;
+        const int within = u <= face->foot ? v * face->foot <= u * face->height
+                                           : v * (face->length - face->foot) <= (face->length - u) * face->height;
         if (within)
             return p[2] * p[2];
     }
@@ -210,8 +207,7 @@ static double segment_face(const struct face *face, const double segment[6], dou
                           { face->foot - face->length, face->height, 0 },
                           { -face->foot, -face->height, 0 } };
 
-    double least =
-        lesser(point_face(face, end[0], edge, corner), point_face(face, end[1], edge, corner));
+    double least = lesser(point_face(face, end[0], edge, corner), point_face(face, end[1], edge, corner));
     if ((end[0][2] < 0) != (end[1][2] < 0)) {
         double p[3];
         walk(p, end[0], clamp(end[0][2] / (end[0][2] - end[1][2])), d);

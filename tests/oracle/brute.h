@@ -29,8 +29,8 @@ typedef struct oracle_mesh oracle_mesh;
  * A mesh from plain arrays, which it does not keep: x, y, z of each vertex, three corner numbers of
  * each triangle. NULL when there is no memory.
  */
-oracle_mesh *oracle_brute_open(const float *vertices, uint32_t vertex_count,
-                               const uint32_t *corners, uint32_t triangle_count);
+oracle_mesh *oracle_brute_open(const float *vertices, uint32_t vertex_count, const uint32_t *corners,
+                               uint32_t triangle_count);
 void oracle_brute_close(oracle_mesh *mesh);
 
 /*

@@ -23,8 +23,7 @@ double oracle_winding(const struct oracle_solid *solid, const double x[3])
         const double volume = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) +
                               v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
                               v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
-        sum += 2 * atan2(volume, far[0] * far[1] * far[2] + along[0] * far[2] + along[1] * far[0] +
-                                     along[2] * far[1]);
+        sum += 2 * atan2(volume, far[0] * far[1] * far[2] + along[0] * far[2] + along[1] * far[0] + along[2] * far[1]);
     }
     return sum / (4 * 3.14159265358979323846);
 }
@@ -89,16 +88,13 @@ static double bound_of(const struct search *search, const struct piece *piece, d
 {
     double x[6], most = fmax(piece->from.distance, piece->to.distance);
     at(search, piece->to.s, x);
-    const double beyond =
-        oracle_brute_triangle(search->solid->mesh, piece->from.triangle, x) - piece->to.distance;
+    const double beyond = oracle_brute_triangle(search->solid->mesh, piece->from.triangle, x) - piece->to.distance;
     at(search, piece->from.s, x);
-    const double before =
-        oracle_brute_triangle(search->solid->mesh, piece->to.triangle, x) - piece->from.distance;
+    const double before = oracle_brute_triangle(search->solid->mesh, piece->to.triangle, x) - piece->from.distance;
     double share = 0.5;
     if (before > 0 && beyond > 0) {
         share = before / (before + beyond);
-        most = fmax(most, piece->from.distance +
-                              share * (piece->to.distance + beyond - piece->from.distance));
+        most = fmax(most, piece->from.distance + share * (piece->to.distance + beyond - piece->from.distance));
     }
     share = share < 0.1 ? 0.1 : share > 0.9 ? 0.9 : share;
     *s = piece->from.s + share * (piece->to.s - piece->from.s);
@@ -124,8 +120,7 @@ static void note(struct oracle_least *least, const struct point *point)
 
 enum { PIECES = 256 };
 
-struct oracle_least oracle_least(const struct oracle_solid *solid, const double segment[6],
-                                 double tolerance)
+struct oracle_least oracle_least(const struct oracle_solid *solid, const double segment[6], double tolerance)
 {
     struct search search = { .solid = solid, .segment = segment };
     struct oracle_least least = { .high = INFINITY };

@@ -37,7 +37,6 @@ struct oracle_least {
     int inside;      /* part of it is */
     int crosses;     /* the axis is within 1e-13 of the largest coordinate of the mesh */
 };
-struct oracle_least oracle_least(const struct oracle_solid *solid, const double segment[6],
-                                 double tolerance);
+struct oracle_least oracle_least(const struct oracle_solid *solid, const double segment[6], double tolerance);
 
 #endif

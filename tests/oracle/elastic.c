@@ -43,8 +43,7 @@ static void make_element(const struct elastic_block *block, struct grid *grid)
                 const double *a = g[i / 3], *b = g[j / 3];
                 const size_t k = i % 3, l = j % 3;
                 const double same = k == l ? a[0] * b[0] + a[1] * b[1] + a[2] * b[2] : 0.0;
-                grid->element[i][j] +=
-                    0.125 * block->cell * (lambda * a[k] * b[l] + mu * (a[l] * b[k] + same));
+                grid->element[i][j] += 0.125 * block->cell * (lambda * a[k] * b[l] + mu * (a[l] * b[k] + same));
             }
     }
 }
@@ -64,8 +63,7 @@ static void multiply(const struct grid *grid, const double *u, double *to)
                 double here[DOFS];
                 for (size_t i = 0; i < DOFS; i++) {
                     const size_t c = i / 3;
-                    place[i] =
-                        3 * node_at(grid, x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)) + i % 3;
+                    place[i] = 3 * node_at(grid, x + (c & 1), y + (c >> 1 & 1), z + (c >> 2)) + i % 3;
                     here[i] = u[place[i]];
                 }
                 for (size_t i = 0; i < DOFS; i++) {
@@ -115,8 +113,7 @@ static size_t cells_of(double length, double cell)
 
 double oracle_elastic_stiffness(const struct elastic_block *block)
 {
-    struct grid grid = { .across = cells_of(block->half, block->cell),
-                         .deep = cells_of(block->depth, block->cell) };
+    struct grid grid = { .across = cells_of(block->half, block->cell), .deep = cells_of(block->depth, block->cell) };
     const size_t patch = cells_of(block->patch, block->cell);
     if (!grid.across || !grid.deep || !patch || patch > grid.across)
         return -1.0;

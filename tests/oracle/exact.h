@@ -23,8 +23,8 @@ extern "C" {
  * included unless `closed`; all numbers are taken as they are. Corners may coincide, the axis may
  * be a point.
  */
-int exact_touch(const double a[3], const double b[3], const double da[3], const double db[3],
-                const double triangle[9], double until, int closed);
+int exact_touch(const double a[3], const double b[3], const double da[3], const double db[3], const double triangle[9],
+                double until, int closed);
 
 #ifdef __cplusplus
 }

@@ -101,8 +101,7 @@ static int is_same(const double a[3], const double b[3])
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-static const char *corners_fault(const struct oracle_hull *hull, const double *points,
-                                 uint32_t count, double tolerance)
+static const char *corners_fault(const struct oracle_hull *hull, const double *points, uint32_t count, double tolerance)
 {
     for (uint32_t i = 0; i < hull->corner_count; i++) {
         int is_given = 0;
@@ -134,13 +133,11 @@ static const char *edges_fault(const struct oracle_hull *hull)
         if (a >= hull->corner_count || b >= hull->corner_count || a == b)
             return "an edge between no two corners";
         for (uint32_t j = 0; j < i; j++)
-            if ((hull->edge[j][0] == a && hull->edge[j][1] == b) ||
-                (hull->edge[j][0] == b && hull->edge[j][1] == a))
+            if ((hull->edge[j][0] == a && hull->edge[j][1] == b) || (hull->edge[j][0] == b && hull->edge[j][1] == a))
                 return "an edge twice";
         for (uint32_t f = 0; f < hull->face_count; f++)
             for (uint32_t s = 0; s < hull->side_count[f]; s++) {
-                const uint32_t from = hull->side[f][s],
-                               to = hull->side[f][(s + 1) % hull->side_count[f]];
+                const uint32_t from = hull->side[f][s], to = hull->side[f][(s + 1) % hull->side_count[f]];
                 there += from == a && to == b;
                 back += from == b && to == a;
             }
@@ -156,8 +153,8 @@ static const char *edges_fault(const struct oracle_hull *hull)
     return NULL;
 }
 
-static const char *face_fault(const struct oracle_hull *hull, uint32_t f, const double *points,
-                              uint32_t count, double tolerance)
+static const char *face_fault(const struct oracle_hull *hull, uint32_t f, const double *points, uint32_t count,
+                              double tolerance)
 {
     struct polygon face;
     const wide allowed = tolerance;
@@ -189,8 +186,7 @@ static const char *face_fault(const struct oracle_hull *hull, uint32_t f, const 
     return NULL;
 }
 
-const char *oracle_hull_fault(const struct oracle_hull *hull, const double *points, uint32_t count,
-                              double tolerance)
+const char *oracle_hull_fault(const struct oracle_hull *hull, const double *points, uint32_t count, double tolerance)
 {
     const char *fault = corners_fault(hull, points, count, tolerance);
     if (!fault)

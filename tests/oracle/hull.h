@@ -33,8 +33,7 @@ void oracle_hull_at(const struct oracle_hull *hull, const double *corners, struc
  * NULL if it is the convex hull of the points, or what it lacks. tolerance: m, by so much points may lie beyond a face,
  * a face's corners out of its plane, and a point that is no corner out of the hull of the others.
  */
-const char *oracle_hull_fault(const struct oracle_hull *hull, const double *points, uint32_t count,
-                              double tolerance);
+const char *oracle_hull_fault(const struct oracle_hull *hull, const double *points, uint32_t count, double tolerance);
 
 /* m: how far point `which` is from the convex hull of the others; points that are equal to it do not count. */
 double oracle_hull_juts(const double *points, uint32_t count, uint32_t which);

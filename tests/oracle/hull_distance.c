@@ -204,8 +204,7 @@ static void try_all_nearby(struct search *search)
             less(e, near[i], near[j]);
             for (int k = 0; k < 3; k++) {
                 search->upper =
-                    fminl(search->upper, segment_segment(near[i], near[j], flat.corner[k],
-                                                         flat.corner[(k + 1) % 3]));
+                    fminl(search->upper, segment_segment(near[i], near[j], flat.corner[k], flat.corner[(k + 1) % 3]));
                 less(way, near[i], flat.corner[k]);
                 bound_beside(search, way, e);
                 cross(way, e, edge[k]);
@@ -234,12 +233,10 @@ static struct oracle_interval rounded(const struct search *search)
     return interval;
 }
 
-struct oracle_interval oracle_hull_triangle(const double *corners, uint32_t count,
-                                            const double triangle[9], double direction[3])
+struct oracle_interval oracle_hull_triangle(const double *corners, uint32_t count, const double triangle[9],
+                                            double direction[3])
 {
-    struct search search = {
-        .corners = corners, .count = count, .triangle = triangle, .upper = INFINITY
-    };
+    struct search search = { .corners = corners, .count = count, .triangle = triangle, .upper = INFINITY };
     wide first[3] = { 0, 0, 0 }, next[3];
     for (uint32_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)

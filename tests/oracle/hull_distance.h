@@ -32,7 +32,7 @@ struct oracle_interval {
  * The distance of the convex hull of `count` points to a triangle. direction, which may be NULL, gets the unit vector
  * that `lower` is proven by, from the triangle to the hull; 0 if lower is 0.
  */
-struct oracle_interval oracle_hull_triangle(const double *corners, uint32_t count,
-                                            const double triangle[9], double direction[3]);
+struct oracle_interval oracle_hull_triangle(const double *corners, uint32_t count, const double triangle[9],
+                                            double direction[3]);
 
 #endif

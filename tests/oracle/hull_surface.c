@@ -9,8 +9,7 @@
 
 typedef long double wide;
 
-void oracle_triangle_at(const struct oracle_triangles *triangles, uint32_t which, double time,
-                        double out[9])
+void oracle_triangle_at(const struct oracle_triangles *triangles, uint32_t which, double time, double out[9])
 {
     for (uint32_t k = 0; k < 9; k++) {
         out[k] = triangles->corners[9 * (size_t)which + k];
@@ -31,16 +30,14 @@ static double ball_of(const double triangle[9], double centre[3])
     for (int k = 0; k < 3; k++)
         centre[k] = (triangle[k] + triangle[3 + k] + triangle[6 + k]) / 3.0;
     for (int i = 0; i < 9; i += 3) {
-        const double off[3] = { triangle[i] - centre[0], triangle[i + 1] - centre[1],
-                                triangle[i + 2] - centre[2] };
+        const double off[3] = { triangle[i] - centre[0], triangle[i + 1] - centre[1], triangle[i + 2] - centre[2] };
         radius = fmax(radius, size_of(off));
     }
     return radius;
 }
 
 /* A lower bound of the distance: to the ball around the triangle, along the way there from the hull's middle. */
-static double ball_bound(const double *corners, uint32_t count, const double middle[3],
-                         const double triangle[9])
+static double ball_bound(const double *corners, uint32_t count, const double middle[3], const double triangle[9])
 {
     double centre[3], way[3], extent = 0.0, most = -INFINITY;
     const double radius = ball_of(triangle, centre);
@@ -52,8 +49,7 @@ static double ball_bound(const double *corners, uint32_t count, const double mid
     if (!(size > 0.0))
         return 0.0;
     for (uint32_t i = 0; i < count; i++)
-        most = fmax(most, way[0] * (corners[3 * i] - centre[0]) +
-                              way[1] * (corners[3 * i + 1] - centre[1]) +
+        most = fmax(most, way[0] * (corners[3 * i] - centre[0]) + way[1] * (corners[3 * i + 1] - centre[1]) +
                               way[2] * (corners[3 * i + 2] - centre[2]));
     return -most / size - radius - 1e-12 * (extent + size + radius);
 }
@@ -77,8 +73,8 @@ static uint32_t likely(const struct oracle_triangles *triangles, double time, co
 }
 
 struct oracle_interval oracle_hull_surface(const double *corners, uint32_t count,
-                                           const struct oracle_triangles *triangles, double time,
-                                           double limit, uint32_t *nearest)
+                                           const struct oracle_triangles *triangles, double time, double limit,
+                                           uint32_t *nearest)
 {
     struct oracle_interval best = { INFINITY, INFINITY };
     uint32_t found = UINT32_MAX;
@@ -90,8 +86,7 @@ struct oracle_interval oracle_hull_surface(const double *corners, uint32_t count
         const uint32_t t = i ? i - 1 : first;
         double triangle[9];
         oracle_triangle_at(triangles, t, time, triangle);
-        if ((i && t == first) ||
-            ball_bound(corners, count, middle, triangle) > fmin(limit, best.upper))
+        if ((i && t == first) || ball_bound(corners, count, middle, triangle) > fmin(limit, best.upper))
             continue;
         const struct oracle_interval one = oracle_hull_triangle(corners, count, triangle, NULL);
         best.lower = fmin(best.lower, one.lower);
@@ -137,8 +132,7 @@ static void orientation_at(const double *from, const double *to, wide time, wide
     wide square = 0;
     for (int k = 0; k < 4; k++) {
         const wide a = from[k], b = sign * to[k];
-        out[k] = arc > 1e-9L ? (sinl((1 - time) * arc) * a + sinl(time * arc) * b) / sinl(arc)
-                             : a + time * (b - a);
+        out[k] = arc > 1e-9L ? (sinl((1 - time) * arc) * a + sinl(time * arc) * b) / sinl(arc) : a + time * (b - a);
         square += out[k] * out[k];
     }
     for (int k = 0; k < 4; k++)
@@ -162,8 +156,8 @@ static wide position_at(const dpt_pose *from, const dpt_pose *to, wide time, int
     return from->position[k] + time * ((wide)to->position[k] - from->position[k]);
 }
 
-void oracle_motion_at(const struct oracle_motion *motion, double time, const double *points,
-                      uint32_t count, double *out)
+void oracle_motion_at(const struct oracle_motion *motion, double time, const double *points, uint32_t count,
+                      double *out)
 {
     wide tool[4], body[4], back[4];
     orientation_at(motion->tool_from.orientation, motion->tool_to.orientation, time, tool);
@@ -184,10 +178,8 @@ void oracle_motion_at(const struct oracle_motion *motion, double time, const dou
 
 double oracle_motion_speed(const struct oracle_motion *motion, const double *points, uint32_t count)
 {
-    const double tool_turn =
-        2.0 * (double)arc_of(motion->tool_from.orientation, motion->tool_to.orientation);
-    const double body_turn =
-        2.0 * (double)arc_of(motion->body_from.orientation, motion->body_to.orientation);
+    const double tool_turn = 2.0 * (double)arc_of(motion->tool_from.orientation, motion->tool_to.orientation);
+    const double body_turn = 2.0 * (double)arc_of(motion->body_from.orientation, motion->body_to.orientation);
     double from[3], to[3], way[3], reach = 0.0;
     for (int k = 0; k < 3; k++) {
         from[k] = motion->tool_from.position[k] - motion->body_from.position[k];
@@ -209,18 +201,17 @@ static double fastest(const struct oracle_triangles *triangles)
     return most;
 }
 
-struct oracle_meeting oracle_first_meeting(const struct oracle_motion *motion, const double *points,
-                                           uint32_t count, const struct oracle_triangles *triangles,
-                                           double within, double slack, uint32_t steps)
+struct oracle_meeting oracle_first_meeting(const struct oracle_motion *motion, const double *points, uint32_t count,
+                                           const struct oracle_triangles *triangles, double within, double slack,
+                                           uint32_t steps)
 {
     const double speed = oracle_motion_speed(motion, points, count) + fastest(triangles);
     struct oracle_meeting meeting = { 0.0, 2.0 };
     double corners[3 * ORACLE_CORNERS];
     for (uint32_t i = 0; i < steps; i++) {
         oracle_motion_at(motion, meeting.free_until, points, count, corners);
-        const struct oracle_interval apart =
-            oracle_hull_surface(corners, count, triangles, meeting.free_until,
-                                within + speed * (1.0 - meeting.free_until) + slack, NULL);
+        const struct oracle_interval apart = oracle_hull_surface(
+            corners, count, triangles, meeting.free_until, within + speed * (1.0 - meeting.free_until) + slack, NULL);
         if (apart.upper < within + slack) {
             meeting.met_at = meeting.free_until;
             break;

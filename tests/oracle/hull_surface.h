@@ -25,24 +25,22 @@ struct oracle_triangles {
 
 /* The distance to the nearest; `nearest`, which may be NULL: its number. Infinity if there is none below `limit`. */
 struct oracle_interval oracle_hull_surface(const double *corners, uint32_t count,
-                                           const struct oracle_triangles *triangles, double time,
-                                           double limit, uint32_t *nearest);
+                                           const struct oracle_triangles *triangles, double time, double limit,
+                                           uint32_t *nearest);
 
 /* Triangle `which` at a time. */
-void oracle_triangle_at(const struct oracle_triangles *triangles, uint32_t which, double time,
-                        double out[9]);
+void oracle_triangle_at(const struct oracle_triangles *triangles, uint32_t which, double time, double out[9]);
 
 struct oracle_motion {
     dpt_pose tool_from, tool_to, body_from, body_to;
 };
 
 /* Points of the tool's frame, in the body's frame at a time of the motion. */
-void oracle_motion_at(const struct oracle_motion *motion, double time, const double *points,
-                      uint32_t count, double *out);
+void oracle_motion_at(const struct oracle_motion *motion, double time, const double *points, uint32_t count,
+                      double *out);
 
 /* m per motion: none of these points moves faster in the body's frame, at any time. */
-double oracle_motion_speed(const struct oracle_motion *motion, const double *points,
-                           uint32_t count);
+double oracle_motion_speed(const struct oracle_motion *motion, const double *points, uint32_t count);
 
 /*
  * When the hull of the points first comes as near as `within`. Time goes on by no more than the distance that is left
@@ -55,8 +53,8 @@ struct oracle_meeting {
     double free_until, met_at;
 };
 
-struct oracle_meeting oracle_first_meeting(const struct oracle_motion *motion, const double *points,
-                                           uint32_t count, const struct oracle_triangles *triangles,
-                                           double within, double slack, uint32_t steps);
+struct oracle_meeting oracle_first_meeting(const struct oracle_motion *motion, const double *points, uint32_t count,
+                                           const struct oracle_triangles *triangles, double within, double slack,
+                                           uint32_t steps);
 
 #endif

@@ -90,8 +90,7 @@ static void plane_of(struct plane *plane, const double triangle[9])
 }
 
 /* The squared distance of x to the segment from `from` to `to`. */
-static long double edge_square(const long double x[3], const long double from[3],
-                               const long double to[3])
+static long double edge_square(const long double x[3], const long double from[3], const long double to[3])
 {
     long double edge[3], away[3];
     take(edge, to, 1, from);
@@ -168,8 +167,7 @@ long double oracle_pair(const double segment[6], const double triangle[9])
     long double left = 1 - golden, right = golden;
     long double at_left = square_at(&search, left), at_right = square_at(&search, right);
     /* The order of the four breaks where the interval comes down to rounding. */
-    while (high - low > 0x1p-70L && low < left && left < right && right < high &&
-           search.least > 0) {
+    while (high - low > 0x1p-70L && low < left && left < right && right < high && search.least > 0) {
         if (at_left <= at_right) {
             high = right;
             right = left;
@@ -240,8 +238,7 @@ static void bound_below(struct bracket *bracket, const oracle_wide direction[3])
 }
 
 /* Any convex combination bounds it from above; weights that came out negative are put to 0. */
-static void bound_above(struct bracket *bracket, const int *subset, const oracle_wide *weight,
-                        int n)
+static void bound_above(struct bracket *bracket, const int *subset, const oracle_wide *weight, int n)
 {
     oracle_wide sum = 0, point[3] = { 0, 0, 0 };
     for (int i = 0; i < n; i++)
@@ -289,14 +286,12 @@ static void try_subset(struct bracket *bracket, const int *subset, int n)
     bound_above(bracket, subset, weight, n);
 }
 
-void oracle_bracket(const double segment[6], const double triangle[9], oracle_wide *lower,
-                    oracle_wide *upper)
+void oracle_bracket(const double segment[6], const double triangle[9], oracle_wide *lower, oracle_wide *upper)
 {
     struct bracket bracket = { .scale = 0, .lower = 0, .upper = INFINITY };
     for (int i = 0; i < 6; i++)
         for (int k = 0; k < 3; k++) {
-            const oracle_wide x =
-                (oracle_wide)triangle[3 * (i / 2) + k] - (oracle_wide)segment[3 * (i % 2) + k];
+            const oracle_wide x = (oracle_wide)triangle[3 * (i / 2) + k] - (oracle_wide)segment[3 * (i % 2) + k];
             bracket.point[i][k] = x;
             const oracle_wide size = x < 0 ? -x : x;
             bracket.scale = size > bracket.scale ? size : bracket.scale;

@@ -44,7 +44,6 @@ long double oracle_pair(const double segment[6], const double triangle[9]);
 
 /* lower <= distance <= upper, up to a rounding of 2^-108 of the largest difference. About 300 us.
  */
-void oracle_bracket(const double segment[6], const double triangle[9], oracle_wide *lower,
-                    oracle_wide *upper);
+void oracle_bracket(const double segment[6], const double triangle[9], oracle_wide *lower, oracle_wide *upper);
 
 #endif

@@ -60,8 +60,7 @@ static inline wide point_segment(const wide x[3], const wide a[3], const wide b[
 }
 
 /* Alternately nearest on the one and on the other, from both ends and from where the lines are nearest. */
-static inline wide segment_segment(const wide a[3], const wide b[3], const wide c[3],
-                                   const wide d[3])
+static inline wide segment_segment(const wide a[3], const wide b[3], const wide c[3], const wide d[3])
 {
     wide u[3], v[3], n[3], r[3], turned[3], p[3];
     less(u, b, a);
@@ -133,8 +132,7 @@ static inline wide point_polygon(const wide x[3], const struct polygon *polygon)
 {
     wide least = INFINITY;
     for (uint32_t i = 0; i < polygon->count; i++)
-        least = fminl(
-            least, point_segment(x, polygon->corner[i], polygon->corner[(i + 1) % polygon->count]));
+        least = fminl(least, point_segment(x, polygon->corner[i], polygon->corner[(i + 1) % polygon->count]));
     return is_over(polygon, x) ? fminl(least, fabsl(height_over(polygon, x))) : least;
 }
 

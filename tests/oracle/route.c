@@ -51,8 +51,7 @@ uint32_t oracle_route_next(const struct oracle_surface *surface, const uint32_t 
     return by_two != ORACLE_NONE ? by_two : by_one;
 }
 
-uint32_t oracle_route(const struct oracle_surface *surface, const uint32_t *tau, uint32_t from,
-                      uint32_t *route)
+uint32_t oracle_route(const struct oracle_surface *surface, const uint32_t *tau, uint32_t from, uint32_t *route)
 {
     uint32_t count = 0;
     if (tau[from] == ORACLE_NONE)

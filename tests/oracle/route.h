@@ -19,7 +19,6 @@ int oracle_route_tau(const struct oracle_surface *surface, uint32_t to, uint32_t
 uint32_t oracle_route_next(const struct oracle_surface *surface, const uint32_t *tau, uint32_t c);
 
 /* The route, of tau[from] + 1 triangles; returns that number, 0 when there is no route. `route` has room for all. */
-uint32_t oracle_route(const struct oracle_surface *surface, const uint32_t *tau, uint32_t from,
-                      uint32_t *route);
+uint32_t oracle_route(const struct oracle_surface *surface, const uint32_t *tau, uint32_t from, uint32_t *route);
 
 #endif

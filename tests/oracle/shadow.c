@@ -36,8 +36,8 @@ static void any_across(const long double d[3], long double e[3])
     unit(e);
 }
 
-void oracle_shadow_make(struct oracle_shadow *shadow, const double ends[6], double reach,
-                        const double direction[3], double depth, double scene, double extent)
+void oracle_shadow_make(struct oracle_shadow *shadow, const double ends[6], double reach, const double direction[3],
+                        double depth, double scene, double extent)
 {
     struct oracle_shadow *s = shadow;
     for (int k = 0; k < 3; k++) {
@@ -71,8 +71,7 @@ void oracle_shadow_make(struct oracle_shadow *shadow, const double ends[6], doub
 }
 
 /* To the t of low..high where |offset - t slope| <= half. */
-static void narrow(long double offset, long double slope, long double half, long double *low,
-                   long double *high)
+static void narrow(long double offset, long double slope, long double half, long double *low, long double *high)
 {
     if (half < 0 || (slope == 0 && fabsl(offset) > half))
         *low = INFINITY;
@@ -143,22 +142,21 @@ static void cut(struct polygon *polygon, const long double n[3], long double mos
 }
 
 /* The slab i of a shadow, as offsets from A along its normal. */
-static void slab(const struct oracle_shadow *s, int i, long double reach,
-                 const long double **normal, long double *low, long double *high)
+static void slab(const struct oracle_shadow *s, int i, long double reach, const long double **normal, long double *low,
+                 long double *high)
 {
     const long double *normals[4] = { s->d, s->w, s->e, s->across };
     const long double *n = normals[i];
     const long double end = dot(n, s->u);
-    const long double half =
-        reach * (fabsl(dot(n, s->e)) + fabsl(dot(n, s->w))) + s->depth * fabsl(dot(n, s->d));
+    const long double half = reach * (fabsl(dot(n, s->e)) + fabsl(dot(n, s->w))) + s->depth * fabsl(dot(n, s->d));
     *normal = n;
     *low = fminl(0, end) - half;
     *high = fmaxl(0, end) + half;
 }
 
 /* Cut by the four slabs, grown by so much, of a shadow moved by `by`; relative to A. */
-static int cut_by_shadow(const struct oracle_shadow *s, struct polygon *polygon, long double reach,
-                         long double grow, const long double by[3])
+static int cut_by_shadow(const struct oracle_shadow *s, struct polygon *polygon, long double reach, long double grow,
+                         const long double by[3])
 {
     for (int i = 0; i < 4 && polygon->count; i++) {
         const long double *n;
@@ -194,8 +192,7 @@ static int by_corners(const struct oracle_shadow *s, const struct polygon *polyg
     return within ? ORACLE_SURE : -1;
 }
 
-static void take_witness(const struct oracle_shadow *s, const struct polygon *polygon,
-                         long double witness[3])
+static void take_witness(const struct oracle_shadow *s, const struct polygon *polygon, long double witness[3])
 {
     for (int k = 0; k < 3 && witness; k++) {
         witness[k] = s->a[k];
@@ -204,8 +201,8 @@ static void take_witness(const struct oracle_shadow *s, const struct polygon *po
     }
 }
 
-int oracle_shadow_meets(const struct oracle_shadow *shadow, const long double (*corners)[3],
-                        int count, long double witness[3])
+int oracle_shadow_meets(const struct oracle_shadow *shadow, const long double (*corners)[3], int count,
+                        long double witness[3])
 {
     static const long double nowhere[3] = { 0, 0, 0 };
     const long double *ways[3] = { shadow->e, shadow->w, shadow->d };
@@ -230,8 +227,8 @@ int oracle_shadow_meets(const struct oracle_shadow *shadow, const long double (*
     return ORACLE_SURE;
 }
 
-static int meets(const struct oracle_sheet *sheet, const struct oracle_shadow *shadow,
-                 const uint32_t *vertices, int count)
+static int meets(const struct oracle_sheet *sheet, const struct oracle_shadow *shadow, const uint32_t *vertices,
+                 int count)
 {
     long double corners[3][3];
     for (int i = 0; i < count; i++)
@@ -240,8 +237,8 @@ static int meets(const struct oracle_sheet *sheet, const struct oracle_shadow *s
 }
 
 /* Of verdict `least` at least: over edges of that verdict. Returns how many, and the flags. */
-static uint32_t spread(struct oracle_sheet *sheet, const struct oracle_shadow *shadow,
-                       uint32_t first, int least, uint32_t *flags)
+static uint32_t spread(struct oracle_sheet *sheet, const struct oracle_shadow *shadow, uint32_t first, int least,
+                       uint32_t *flags)
 {
     const struct oracle_surface *surface = sheet->surface;
     uint32_t count = 0;
@@ -258,8 +255,8 @@ static uint32_t spread(struct oracle_sheet *sheet, const struct oracle_shadow *s
                 continue;
             /* All that have the edge go behind those that are there, and the new ones of them stay. */
             const uint32_t *others = sheet->queue + count;
-            const uint32_t all = oracle_surface_edge(surface, edge[0], edge[1],
-                                                     sheet->queue + count, surface->triangles);
+            const uint32_t all =
+                oracle_surface_edge(surface, edge[0], edge[1], sheet->queue + count, surface->triangles);
             *flags |= all == 1 ? 1u : all > 2 ? 2u : 0u;
             for (uint32_t o = 0; o < all; o++) {
                 const uint32_t t = others[o];
@@ -272,16 +269,14 @@ static uint32_t spread(struct oracle_sheet *sheet, const struct oracle_shadow *s
     return count;
 }
 
-void oracle_sheet_find(struct oracle_sheet *sheet, const struct oracle_shadow *shadow,
-                       uint32_t first)
+void oracle_sheet_find(struct oracle_sheet *sheet, const struct oracle_shadow *shadow, uint32_t first)
 {
     memset(sheet->in, ORACLE_OUT, sheet->surface->triangles);
     sheet->maybe = spread(sheet, shadow, first, ORACLE_MAYBE, &sheet->maybe_flags);
     sheet->sure = spread(sheet, shadow, first, ORACLE_SURE, &sheet->sure_flags);
 }
 
-void oracle_sheet_loose(struct oracle_sheet *sheet, const struct oracle_shadow *shadow,
-                        uint32_t first)
+void oracle_sheet_loose(struct oracle_sheet *sheet, const struct oracle_shadow *shadow, uint32_t first)
 {
     const struct oracle_surface *surface = sheet->surface;
     uint32_t count = 0;

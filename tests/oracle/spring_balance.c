@@ -18,8 +18,7 @@ static int is_free(const struct oracle_springs *springs, size_t i)
 }
 
 /* What acts on each node, and the diagonal of the matrix. */
-static void add_forces(const struct oracle_springs *springs, const double *x, double *force,
-                       double *diagonal)
+static void add_forces(const struct oracle_springs *springs, const double *x, double *force, double *diagonal)
 {
     const size_t n = 3 * (size_t)springs->nodes;
     memcpy(force, springs->load, n * sizeof *force);
@@ -42,8 +41,7 @@ static void add_forces(const struct oracle_springs *springs, const double *x, do
         force[i] = is_free(springs, i) ? force[i] : 0.0;
 }
 
-static void multiply(const struct oracle_springs *springs, const double *x, const double *way,
-                     double *to)
+static void multiply(const struct oracle_springs *springs, const double *x, const double *way, double *to)
 {
     const size_t n = 3 * (size_t)springs->nodes;
     memset(to, 0, n * sizeof *to);

@@ -34,8 +34,8 @@ static void weld(struct oracle_surface *surface, const struct place *places, uin
     surface->first[surface->vertices] = count;
 }
 
-int oracle_surface_open(struct oracle_surface *surface, const double *corners,
-                        const unsigned char *there, uint32_t triangles)
+int oracle_surface_open(struct oracle_surface *surface, const double *corners, const unsigned char *there,
+                        uint32_t triangles)
 {
     const size_t most = 3 * (size_t)triangles + 1;
     struct place *places = malloc(most * sizeof *places);
@@ -88,8 +88,8 @@ int oracle_surface_common(const struct oracle_surface *surface, uint32_t a, uint
     return common;
 }
 
-uint32_t oracle_surface_edge(const struct oracle_surface *surface, uint32_t u, uint32_t v,
-                             uint32_t *triangles, uint32_t room)
+uint32_t oracle_surface_edge(const struct oracle_surface *surface, uint32_t u, uint32_t v, uint32_t *triangles,
+                             uint32_t room)
 {
     uint32_t count = 0;
     const uint32_t *first = surface->first;

@@ -36,8 +36,8 @@ static void *read_file(const char *path, size_t *size)
     return bytes;
 }
 
-static dpt_springs *add_body(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose,
-                             double load_radius, dpt_body *body)
+static dpt_springs *add_body(dpt_world *world, const dpt_mesh *mesh, const dpt_pose *pose, double load_radius,
+                             dpt_body *body)
 {
     dpt_mesh_info info = { .size = sizeof info };
     dpt_deform_def def;
@@ -100,16 +100,13 @@ int main(int argc, char **argv)
     must(block && !dpt_world_create(block, dpt_world_bytes(&def), &def, &world), "the world");
     dpt_springs *springs = add_body(world, mesh, &pose, atof(argv[5]), &body);
     dpt_tool_settings settings = { .size = sizeof settings };
-    must(!dpt_tool_add(world, &segment, 1, &tool) &&
-             !dpt_tool_get_settings(world, tool, &settings),
-         "the tool");
+    must(!dpt_tool_add(world, &segment, 1, &tool) && !dpt_tool_get_settings(world, tool, &settings), "the tool");
     settings.lock_rotation = 1;
     must(!dpt_tool_set_settings(world, tool, &settings), "the tool's settings");
     for (size_t tick = 0; tick < ticks; tick++) {
         memcpy(&pose, motion + POSE + SEGMENT + tick * POSE, sizeof pose);
         must(!dpt_tool_set_pose(world, tool, &pose) && !dpt_world_step(world, DT, NULL), "a step");
-        must(!springs || !dpt_deform_step_springs(world, body, springs, DT, NULL),
-             "the springs' step");
+        must(!springs || !dpt_deform_step_springs(world, body, springs, DT, NULL), "the springs' step");
         put_snapshot(world, springs && tick + 1 == ticks ? info.vertices : 0);
     }
     return 0;

@@ -53,11 +53,10 @@ static void tree_gives_the_bits_of_brute_force(void)
         ask(fixture.mesh, ends, count, DPT_METHOD_TREE, tree);
         ask(fixture.mesh, ends, count, DPT_METHOD_BRUTE, brute);
         for (size_t i = 0; i < count; i++) {
-            CHECK(tree[i].distance == brute[i].distance, "%s: %a, not %a", shapes[s].name,
-                  tree[i].distance, brute[i].distance);
-            CHECK(tree[i].distance == 0.0 || tree[i].triangle == brute[i].triangle,
-                  "%s: triangle %u, not %u at %a", shapes[s].name, tree[i].triangle,
-                  brute[i].triangle, tree[i].distance);
+            CHECK(tree[i].distance == brute[i].distance, "%s: %a, not %a", shapes[s].name, tree[i].distance,
+                  brute[i].distance);
+            CHECK(tree[i].distance == 0.0 || tree[i].triangle == brute[i].triangle, "%s: triangle %u, not %u at %a",
+                  shapes[s].name, tree[i].triangle, brute[i].triangle, tree[i].distance);
             CHECK(tree[i].status == DPT_STATUS_EXACT, "status %u", tree[i].status);
             crossing += tree[i].distance == 0.0;
         }
@@ -87,8 +86,8 @@ static void points_on_the_mesh(void)
         CHECK(!signbit(batch[i].depth), "%d: depth %g", i, batch[i].depth);
         CHECK(batch[i].distance == 0.0 && batch[i].contact == DPT_CONTACT_TOUCHING &&
                   batch[i].triangle == alone.triangle && alone.triangle < 12,
-              "%d: %a from %u, contact %u; alone %a from %u", i, batch[i].distance,
-              batch[i].triangle, batch[i].contact, alone.distance, alone.triangle);
+              "%d: %a from %u, contact %u; alone %a from %u", i, batch[i].distance, batch[i].triangle, batch[i].contact,
+              alone.distance, alone.triangle);
     }
     fixture_free(&fixture);
 }
@@ -191,13 +190,11 @@ static void sign_and_gap_of_a_box(void)
         dpt_query_segments(fixture.mesh, NULL, ends, &radius, 1, &hit, NULL);
         double gap = least_height(half, ends, ends + 3) - radius;
         double allowed =
-            gap + radius > 0.0
-                ? 1e-12
-                : 2e-5 * sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
+            gap + radius > 0.0 ? 1e-12 : 2e-5 * sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
         inside += hit.distance > 0.0 && gap + radius < 0.0;
         crossing += hit.distance == 0.0;
-        CHECK(hit.flags == (DPT_HIT_FLAG_GAP | (hit.distance == 0.0 ? DPT_HIT_FLAG_CROSSING : 0)),
-              "flags %u", hit.flags);
+        CHECK(hit.flags == (DPT_HIT_FLAG_GAP | (hit.distance == 0.0 ? DPT_HIT_FLAG_CROSSING : 0)), "flags %u",
+              hit.flags);
         CHECK(fabs(hit.gap - gap) <= allowed, "gap %.17g, not %.17g", hit.gap, gap);
         CHECK(hit.depth == fmax(0.0, -hit.gap), "depth %.17g", hit.depth);
         if (fabs(gap) < allowed + hit.error_bound)
@@ -224,8 +221,8 @@ static void ties_go_to_the_least_number(void)
         for (uint32_t method = DPT_METHOD_TREE; method <= DPT_METHOD_BRUTE; method++) {
             dpt_hit hit = DPT_HIT_INIT;
             ask(fixture.mesh, ends, 1, method, &hit);
-            CHECK(hit.triangle == 1 - i && hit.distance == 0.25, "method %u: triangle %u at %g",
-                  method, hit.triangle, hit.distance);
+            CHECK(hit.triangle == 1 - i && hit.distance == 0.25, "method %u: triangle %u at %g", method, hit.triangle,
+                  hit.distance);
         }
         fixture_free(&fixture);
     }
@@ -247,8 +244,7 @@ static double winding_number(const dpt_mesh *mesh, uint32_t triangles, const dou
         }
         double six = c[0] * (c[4] * c[8] - c[5] * c[7]) + c[1] * (c[5] * c[6] - c[3] * c[8]) +
                      c[2] * (c[3] * c[7] - c[4] * c[6]);
-        sum += 2.0 * atan2(six, size[0] * size[1] * size[2] + d[0] * size[2] + d[1] * size[0] +
-                                    d[2] * size[1]);
+        sum += 2.0 * atan2(six, size[0] * size[1] * size[2] + d[0] * size[2] + d[1] * size[0] + d[2] * size[1]);
     }
     return sum / (4.0 * 3.14159265358979323846);
 }
@@ -266,11 +262,10 @@ static void sign_is_the_winding_number(void)
     for (int i = 0; i < count; i++) {
         double corners[9], ends[6], share = i % 2 ? 0.0 : random_in(&random, 0.0, 1.0);
         dpt_hit hit = DPT_HIT_INIT;
-        dpt_mesh_get_triangle(fixture.mesh, (uint32_t)(random_bits(&random) % info.triangles),
-                              corners);
+        dpt_mesh_get_triangle(fixture.mesh, (uint32_t)(random_bits(&random) % info.triangles), corners);
         for (int k = 0; k < 3; k++)
-            ends[k] = ends[3 + k] = corners[k] + share * (corners[3 + k] - corners[k]) +
-                                    random_in(&random, -0.004, 0.004);
+            ends[k] = ends[3 + k] =
+                corners[k] + share * (corners[3 + k] - corners[k]) + random_in(&random, -0.004, 0.004);
         ask(fixture.mesh, ends, 1, DPT_METHOD_EXACT, &hit);
         int in = winding_number(fixture.mesh, info.triangles, ends) > 0.5;
         inside += in;
@@ -290,8 +285,7 @@ static void crossing_without_an_inside(void)
     if (fixture_from_shape(&fixture, "membrane", 0)) {
         dpt_query_segments(fixture.mesh, NULL, ends, &radius, 1, &hit, NULL);
         CHECK(hit.distance == 0.0 && hit.contact == DPT_CONTACT_UNKNOWN, "contact %u", hit.contact);
-        CHECK(hit.flags == (DPT_HIT_FLAG_CROSSING | DPT_HIT_FLAG_NO_SIDE) && hit.gap == 0.0,
-              "flags %u", hit.flags);
+        CHECK(hit.flags == (DPT_HIT_FLAG_CROSSING | DPT_HIT_FLAG_NO_SIDE) && hit.gap == 0.0, "flags %u", hit.flags);
         fixture_free(&fixture);
     }
     /* Three triangles on one edge: not a manifold. */
@@ -300,10 +294,8 @@ static void crossing_without_an_inside(void)
     const double through[6] = { 0.2, 0.2, -1.0, 0.2, 0.2, 0.1 };
     if (fixture_from_arrays(&fixture, vertices, 5, corners, 3)) {
         dpt_query_segments(fixture.mesh, NULL, through, &radius, 1, &hit, NULL);
-        CHECK(hit.distance == 0.0 && hit.contact == DPT_CONTACT_PENETRATING, "contact %u",
-              hit.contact);
-        CHECK(hit.flags == (DPT_HIT_FLAG_CROSSING | DPT_HIT_FLAG_GAP) && hit.gap == -radius,
-              "gap %g", hit.gap);
+        CHECK(hit.distance == 0.0 && hit.contact == DPT_CONTACT_PENETRATING, "contact %u", hit.contact);
+        CHECK(hit.flags == (DPT_HIT_FLAG_CROSSING | DPT_HIT_FLAG_GAP) && hit.gap == -radius, "gap %g", hit.gap);
         fixture_free(&fixture);
     }
 }
@@ -349,8 +341,7 @@ static void answers_all_it_can(void)
     CHECK(dpt_query_segments(fixture.mesh, NULL, ends, NULL, 3, hits, NULL) == DPT_E_FINITE, "far");
     ends[7] = 0.0;
     const double bad_radius[3] = { 0.0, -1.0, 0.0 };
-    CHECK(dpt_query_segments(fixture.mesh, NULL, ends, bad_radius, 3, hits, NULL) == DPT_E_FINITE,
-          "radius");
+    CHECK(dpt_query_segments(fixture.mesh, NULL, ends, bad_radius, 3, hits, NULL) == DPT_E_FINITE, "radius");
     fixture_free(&fixture);
 }
 
@@ -371,8 +362,7 @@ static void longer_hits_are_zero_behind(void)
     dpt_query_segments(fixture.mesh, NULL, ends, NULL, 2, &hits[0].hit, NULL);
     dpt_query_segments(fixture.mesh, NULL, ends, NULL, 2, plain, NULL);
     for (int i = 0; i < 2; i++) {
-        CHECK(hits[i].hit.size == sizeof hits[0] && hits[i].hit.distance == plain[i].distance,
-              "hit %d", i);
+        CHECK(hits[i].hit.size == sizeof hits[0] && hits[i].hit.distance == plain[i].distance, "hit %d", i);
         const unsigned char *tail = (const unsigned char *)hits[i].newer;
         for (size_t k = 0; k < sizeof hits[i].newer; k++)
             CHECK(tail[k] == 0, "byte %zu of the tail", k);
@@ -444,8 +434,7 @@ static void no_sliver_is_too_thin(void)
         if (!fixture_from_arrays(&fixture, vertices, 12, corners, 4))
             return;
         dpt_hit hit = DPT_HIT_INIT;
-        CHECK(dpt_query_segments(fixture.mesh, NULL, point, NULL, 1, &hit, NULL) == DPT_OK,
-              "query");
+        CHECK(dpt_query_segments(fixture.mesh, NULL, point, NULL, 1, &hit, NULL) == DPT_OK, "query");
         CHECK(fabs(hit.distance - 0.1) < 1e-15, "%g m thin: %.17g", thin, hit.distance);
         fixture_free(&fixture);
     }

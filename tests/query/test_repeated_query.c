@@ -16,8 +16,7 @@ struct tally {
     double largest; /* of the diagonal */
 };
 
-static void random_axis(const struct subject *subject, uint64_t *seed, double size,
-                        dpt_segment *axis)
+static void random_axis(const struct subject *subject, uint64_t *seed, double size, dpt_segment *axis)
 {
     double way[3], at = random_in(seed, 0.0, 1.0);
     random_unit(seed, way);
@@ -57,14 +56,12 @@ static void try_poses(const struct subject *subject, uint32_t poses, struct tall
         const double off = fabs(hits[0].gap - hits[1].gap) / subject->diagonal;
         tally->inside += hits[1].gap < -axis.radius;
         tally->differ += hits[0].contact != hits[1].contact || off > 1e-5;
-        tally->queries += alone.contact != hits[1].contact ||
-                          fabs(alone.gap - hits[1].gap) > 1e-5 * subject->diagonal;
+        tally->queries += alone.contact != hits[1].contact || fabs(alone.gap - hits[1].gap) > 1e-5 * subject->diagonal;
         tally->largest = off > tally->largest ? off : tally->largest;
     }
     printf("    %-28s %4zu poses, %4zu inside; again %zu say something else, by %.1e of the "
            "diagonal at most; %zu queries\n",
-           subject->name, tally->poses, tally->inside, tally->differ, tally->largest,
-           tally->queries);
+           subject->name, tally->poses, tally->inside, tally->differ, tally->largest, tally->queries);
     free(block);
 }
 
@@ -102,8 +99,7 @@ static void generated_shapes(void)
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         if (subject_from_shape(&subject, names[i], i < 4 ? 2000 : 0)) {
             try_poses(&subject, 300, &tally);
-            CHECK(!tally.differ && !tally.queries, "%s: %zu, %zu", names[i], tally.differ,
-                  tally.queries);
+            CHECK(!tally.differ && !tally.queries, "%s: %zu, %zu", names[i], tally.differ, tally.queries);
             CHECK(tally.inside > 50 || i == 5, "%s: %zu", names[i], tally.inside);
         }
         subject_close(&subject);
@@ -122,16 +118,14 @@ static void with_holes(void)
     if (open_tube(&subject, 24, 20)) {
         CHECK(subject.info.winding_components == 1, "%u", subject.info.winding_components);
         try_poses(&subject, 1000, &tally);
-        CHECK(tally.inside > 200 && tally.differ <= tally.poses / 100 &&
-                  tally.queries <= tally.poses / 50,
+        CHECK(tally.inside > 200 && tally.differ <= tally.poses / 100 && tally.queries <= tally.poses / 50,
               "open tube: %zu, %zu, %zu", tally.inside, tally.differ, tally.queries);
     }
     subject_close(&subject);
     for (size_t i = 0; data && i < sizeof files / sizeof *files; i++) {
         if (subject_from_file(&subject, data, files[i][0], files[i][1])) {
             try_poses(&subject, 300, &tally);
-            CHECK(tally.inside > 20 && tally.differ <= tally.poses / 100 &&
-                      tally.queries <= tally.poses / 50,
+            CHECK(tally.inside > 20 && tally.differ <= tally.poses / 100 && tally.queries <= tally.poses / 50,
                   "%s: %zu, %zu, %zu", files[i][1], tally.inside, tally.differ, tally.queries);
         }
         subject_close(&subject);
@@ -157,9 +151,7 @@ static void too_deep_behind_a_sheet(void)
             dpt_hit hits[3] = { DPT_HIT_INIT, DPT_HIT_INIT, DPT_HIT_INIT };
             const double low = deep ? -0.03 : -0.01;
             const dpt_segment before = { { 0.01, 0.02, 0.005 }, { 0.01, 0.02, 0.04 }, 0.001 };
-            const dpt_segment after = { { 0.01, 0.02, low },
-                                        { 0.01, 0.02, crosses ? 0.01 : low - 0.005 },
-                                        0.001 };
+            const dpt_segment after = { { 0.01, 0.02, low }, { 0.01, 0.02, crosses ? 0.01 : low - 0.005 }, 0.001 };
             dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
             dpt_body_add(world, subject.mesh, NULL, &body);
             dpt_tool_add(world, &before, 1, &tool);
@@ -173,8 +165,8 @@ static void too_deep_behind_a_sheet(void)
                                  : crosses ? DPT_CONTACT_UNKNOWN
                                            : DPT_CONTACT_SEPARATED;
             CHECK(hits[1].contact == due && hits[2].contact == due && hits[1].gap == hits[2].gap,
-                  "%d, %d: %u and %u, not %u; gaps %g, %g", deep, crosses, hits[1].contact,
-                  hits[2].contact, due, hits[1].gap, hits[2].gap);
+                  "%d, %d: %u and %u, not %u; gaps %g, %g", deep, crosses, hits[1].contact, hits[2].contact, due,
+                  hits[1].gap, hits[2].gap);
         }
     free(block);
     subject_close(&subject);
@@ -222,8 +214,8 @@ static void as_deep_as_its_regions(void)
             dpt_tool_get_hit(world, tool, &hit);
             dpt_tool_get_contacts(world, tool, contacts, 8, &count);
             for (uint32_t i = 0; i < count && i < 8 && hit.flags & DPT_HIT_FLAG_GAP; i++)
-                CHECK(hit.gap <= contacts[i].gap + hit.error_bound, "%d, %d: %.9g, a region %.9g",
-                      run, tick, hit.gap, contacts[i].gap);
+                CHECK(hit.gap <= contacts[i].gap + hit.error_bound, "%d, %d: %.9g, a region %.9g", run, tick, hit.gap,
+                      contacts[i].gap);
             pressed += hit.contact == DPT_CONTACT_PENETRATING;
         }
     }

@@ -5,8 +5,7 @@ void route_scene_open(struct route_scene *scene, const struct subject *subject)
 {
     const uint32_t count = subject->info.source_triangles;
     scene->subject = subject;
-    scene->strip = guarded_strip_open(&scene->block, count < 1u << 20 ? count : 1u << 20,
-                                      subject->info.vertices);
+    scene->strip = guarded_strip_open(&scene->block, count < 1u << 20 ? count : 1u << 20, subject->info.vertices);
     scene->tau = malloc(count * sizeof *scene->tau);
     scene->route = malloc(count * sizeof *scene->route);
     scene->back = malloc(count * sizeof *scene->back);
@@ -23,13 +22,12 @@ const char *strip_text(const dpt_strip *strip)
     return text;
 }
 
-void check_answer(const struct route_scene *scene, uint32_t from, uint32_t to, dpt_result result,
-                  const char *by)
+void check_answer(const struct route_scene *scene, uint32_t from, uint32_t to, dpt_result result, const char *by)
 {
     const dpt_result wanted = expected_result(scene, from, to);
     const uint32_t length = oracle_route(&scene->subject->surface, scene->tau, from, scene->route);
-    CHECK(result == wanted, "%s, %s, %u to %u: %s, not %s", scene->subject->name, by, from, to,
-          dpt_result_name(result), dpt_result_name(wanted));
+    CHECK(result == wanted, "%s, %s, %u to %u: %s, not %s", scene->subject->name, by, from, to, dpt_result_name(result),
+          dpt_result_name(wanted));
     if (result == wanted)
         CHECK(strip_is(scene->strip, scene->route, result == DPT_OK ? length : 0),
               "%s, %s, %u to %u: %s; not %u: %u %u %u ...", scene->subject->name, by, from, to,
@@ -39,11 +37,9 @@ void check_answer(const struct route_scene *scene, uint32_t from, uint32_t to, d
 
 uint32_t triangle_nearby(const struct oracle_surface *surface, uint32_t from, uint64_t *seed)
 {
-    for (uint64_t steps = random_bits(seed) % 8;
-         steps > 0 && surface->corner[from][0] != ORACLE_NONE; steps--) {
+    for (uint64_t steps = random_bits(seed) % 8; steps > 0 && surface->corner[from][0] != ORACLE_NONE; steps--) {
         const uint32_t v = surface->corner[from][random_bits(seed) % 3];
-        from = surface->fan[surface->first[v] +
-                            random_bits(seed) % (surface->first[v + 1] - surface->first[v])];
+        from = surface->fan[surface->first[v] + random_bits(seed) % (surface->first[v + 1] - surface->first[v])];
     }
     return from;
 }
@@ -76,8 +72,7 @@ int subject_with_hub(struct subject *subject, uint32_t fan, uint32_t tail)
             b = a + 1;
         }
     }
-    const int opened =
-        subject_from_arrays(subject, "hub with tails", vertices, points, corners, triangles);
+    const int opened = subject_from_arrays(subject, "hub with tails", vertices, points, corners, triangles);
     free(vertices);
     free(corners);
     return opened;

@@ -31,8 +31,7 @@ static inline int is_there(const struct subject *subject, uint32_t triangle)
 }
 
 /* The code that is due for a pair, with tau towards `to`. */
-static inline dpt_result expected_result(const struct route_scene *scene, uint32_t from,
-                                         uint32_t to)
+static inline dpt_result expected_result(const struct route_scene *scene, uint32_t from, uint32_t to)
 {
     if (!is_there(scene->subject, from) || !is_there(scene->subject, to))
         return DPT_E_DROPPED;
@@ -44,15 +43,13 @@ static inline int strip_is(const dpt_strip *strip, const uint32_t *route, uint32
 {
     uint32_t count = 0, flags = 0;
     const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
-    return count == length && flags == 0 &&
-           (!length || memcmp(triangles, route, length * sizeof *route) == 0);
+    return count == length && flags == 0 && (!length || memcmp(triangles, route, length * sizeof *route) == 0);
 }
 
 const char *strip_text(const dpt_strip *strip);
 
 /* An answer of the library for a pair whose tau is in the walk; by whichever call. */
-void check_answer(const struct route_scene *scene, uint32_t from, uint32_t to, dpt_result result,
-                  const char *by);
+void check_answer(const struct route_scene *scene, uint32_t from, uint32_t to, dpt_result result, const char *by);
 
 static inline uint32_t length_of(const struct route_scene *scene, uint32_t from, uint32_t to)
 {

@@ -2,8 +2,8 @@
 #include "strip/strip_coverage.h"
 
 /* A tool that came down onto the surface, or not. */
-static int lie_down(const struct scene *scene, uint64_t *seed, double length, double radius,
-                    double margin, double ends[6])
+static int lie_down(const struct scene *scene, uint64_t *seed, double length, double radius, double margin,
+                    double ends[6])
 {
     struct slide slide = { .mesh = scene->subject->mesh,
                            .radius = radius,
@@ -22,9 +22,8 @@ static int lie_down(const struct scene *scene, uint64_t *seed, double length, do
 }
 
 /* scene->mark of a triangle: bit k of strip k, bit 7 where it is near. */
-static void add_pose_coverage(struct scene *scene, const double ends[6], double length,
-                              double radius, double margin, dpt_strip *strip,
-                              struct coverage *coverage)
+static void add_pose_coverage(struct scene *scene, const double ends[6], double length, double radius, double margin,
+                              dpt_strip *strip, struct coverage *coverage)
 {
     const struct oracle_surface *surface = &scene->subject->surface;
     const dpt_mesh *mesh = scene->subject->mesh;
@@ -36,11 +35,11 @@ static void add_pose_coverage(struct scene *scene, const double ends[6], double 
         uint32_t count = 0, flags = 0;
         shadow.width = kind == COVERAGE_WIDE ? margin : 0;
         const dpt_result result =
-            kind == COVERAGE_ROUTES ? dpt_strip_routes(strip, mesh, nearest_to(scene, ends),
-                                                       nearest_to(scene, ends + 3), shadow.triangle)
-                                    : dpt_strip_shadow(strip, mesh, NULL, &shadow);
-        CHECK(result == DPT_OK || (kind == COVERAGE_ROUTES && result == DPT_E_UNREACHABLE),
-              "%s: %s", scene->subject->name, dpt_result_name(result));
+            kind == COVERAGE_ROUTES
+                ? dpt_strip_routes(strip, mesh, nearest_to(scene, ends), nearest_to(scene, ends + 3), shadow.triangle)
+                : dpt_strip_shadow(strip, mesh, NULL, &shadow);
+        CHECK(result == DPT_OK || (kind == COVERAGE_ROUTES && result == DPT_E_UNREACHABLE), "%s: %s",
+              scene->subject->name, dpt_result_name(result));
         coverage->apart += result == DPT_E_UNREACHABLE;
         const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
         CHECK(!(flags & DPT_STRIP_FLAG_FULL), "%s: full", scene->subject->name);
@@ -69,8 +68,7 @@ static void add_pose_coverage(struct scene *scene, const double ends[6], double 
     coverage->poses++;
 }
 
-void coverage_of(const struct subject *subject, double share, size_t poses, uint64_t seed,
-                 struct coverage *coverage)
+void coverage_of(const struct subject *subject, double share, size_t poses, uint64_t seed, struct coverage *coverage)
 {
     const double length = share * subject->diagonal;
     const double radius = 0.005 * subject->diagonal, margin = 0.01 * subject->diagonal;
@@ -78,8 +76,7 @@ void coverage_of(const struct subject *subject, double share, size_t poses, uint
     struct guarded_strip guarded;
     *coverage = (struct coverage){ .poses = 0 };
     scene_open(&scene, subject);
-    dpt_strip *strip =
-        guarded_strip_open(&guarded, subject->info.triangles, subject->info.vertices);
+    dpt_strip *strip = guarded_strip_open(&guarded, subject->info.triangles, subject->info.vertices);
     for (size_t tries = 0; coverage->poses < poses && tries < 20 * poses; tries++) {
         double ends[6];
         if (lie_down(&scene, &seed, length, radius, margin, ends))

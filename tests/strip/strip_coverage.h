@@ -30,8 +30,7 @@ static inline uint32_t nearest_to(const struct scene *scene, const double at[3])
 }
 
 /* Of a tool as long as this share of the diagonal. */
-void coverage_of(const struct subject *subject, double share, size_t poses, uint64_t seed,
-                 struct coverage *coverage);
+void coverage_of(const struct subject *subject, double share, size_t poses, uint64_t seed, struct coverage *coverage);
 
 static inline double share_of(size_t part, size_t whole)
 {

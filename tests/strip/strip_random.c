@@ -5,17 +5,14 @@ const char *shadow_text(const struct scene *scene, const dpt_shadow *s)
 {
     static char text[1024];
     const double *a = s->segment.a, *b = s->segment.b, *d = s->direction;
-    int n = snprintf(
-        text, sizeof text,
-        "%s: from %u, %a %a %a  %a %a %a, radius %a, direction %a %a %a, width %a, depth %a",
-        scene->subject->name, s->triangle, a[0], a[1], a[2], b[0], b[1], b[2], s->segment.radius,
-        d[0], d[1], d[2], s->width, s->depth);
+    int n = snprintf(text, sizeof text,
+                     "%s: from %u, %a %a %a  %a %a %a, radius %a, direction %a %a %a, width %a, depth %a",
+                     scene->subject->name, s->triangle, a[0], a[1], a[2], b[0], b[1], b[2], s->segment.radius, d[0],
+                     d[1], d[2], s->width, s->depth);
     if (scene->pose)
-        snprintf(text + n, sizeof text - (size_t)n, ", pose %a %a %a  %a %a %a %a",
-                 scene->held_pose.position[0], scene->held_pose.position[1],
-                 scene->held_pose.position[2], scene->held_pose.orientation[0],
-                 scene->held_pose.orientation[1], scene->held_pose.orientation[2],
-                 scene->held_pose.orientation[3]);
+        snprintf(text + n, sizeof text - (size_t)n, ", pose %a %a %a  %a %a %a %a", scene->held_pose.position[0],
+                 scene->held_pose.position[1], scene->held_pose.position[2], scene->held_pose.orientation[0],
+                 scene->held_pose.orientation[1], scene->held_pose.orientation[2], scene->held_pose.orientation[3]);
     return text;
 }
 
@@ -47,8 +44,7 @@ void random_shadow(const struct scene *scene, uint64_t *seed, dpt_shadow *shadow
             shadow->direction[k] = ends[3 + k] - ends[k];
         const double off = ONE_OF(seed, 0, 1e-12, 1e-6, 1e-3);
         for (int k = 0; k < 3; k++)
-            shadow->direction[k] =
-                length > 0 ? shadow->direction[k] + off * length * tilt[k] : tilt[k];
+            shadow->direction[k] = length > 0 ? shadow->direction[k] + off * length * tilt[k] : tilt[k];
         break;
     case 2: /* of any length */
         unit3(shadow->direction);
@@ -58,8 +54,7 @@ void random_shadow(const struct scene *scene, uint64_t *seed, dpt_shadow *shadow
         break;
     case 3: /* from anywhere */
         do {
-            shadow->triangle =
-                (uint32_t)(random_bits(seed) % scene->subject->info.source_triangles);
+            shadow->triangle = (uint32_t)(random_bits(seed) % scene->subject->info.source_triangles);
         } while (scene->subject->surface.corner[shadow->triangle][0] == ORACLE_NONE);
         break;
     default:

@@ -25,7 +25,7 @@ static inline double one_of(uint64_t *seed, const double *list, size_t count)
 {
     return list[random_bits(seed) % count];
 }
-#define ONE_OF(seed, ...)                                                                          \
+#define ONE_OF(seed, ...)                                                                                              \
     one_of(seed, (const double[]){ __VA_ARGS__ }, sizeof(double[]){ __VA_ARGS__ } / sizeof(double))
 
 void random_pose(const struct scene *scene, uint64_t *seed, dpt_pose *pose);

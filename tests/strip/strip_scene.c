@@ -70,14 +70,12 @@ void scene_triangle(const struct scene *scene, uint32_t triangle, double corners
 dpt_hit nearest_of(const struct scene *scene, const double ends[6], double radius)
 {
     dpt_hit hit = DPT_HIT_INIT;
-    const dpt_result result =
-        dpt_query_segments(scene->subject->mesh, scene->pose, ends, &radius, 1, &hit, NULL);
+    const dpt_result result = dpt_query_segments(scene->subject->mesh, scene->pose, ends, &radius, 1, &hit, NULL);
     CHECK(result == DPT_OK, "%s: %s", scene->subject->name, dpt_result_name(result));
     return hit;
 }
 
-void oracle_shadow_of(const struct scene *scene, const dpt_shadow *shadow,
-                      struct oracle_shadow *oracle)
+void oracle_shadow_of(const struct scene *scene, const dpt_shadow *shadow, struct oracle_shadow *oracle)
 {
     double ends[6], extent = 0;
     ends_of(&shadow->segment, ends);
@@ -87,20 +85,16 @@ void oracle_shadow_of(const struct scene *scene, const dpt_shadow *shadow,
         extent = fmax(extent, fabs(ends[k]));
     extent += length + reach + shadow->depth + 2 * scene->subject->diagonal;
     for (int k = 0; k < 3; k++)
-        extent = fmax(extent, fmax(fabs(scene->subject->info.box_min[k]),
-                                   fabs(scene->subject->info.box_max[k])));
-    oracle_shadow_make(oracle, ends, reach, shadow->direction, shadow->depth,
-                       scene->subject->diagonal + length, extent);
+        extent = fmax(extent, fmax(fabs(scene->subject->info.box_min[k]), fabs(scene->subject->info.box_max[k])));
+    oracle_shadow_make(oracle, ends, reach, shadow->direction, shadow->depth, scene->subject->diagonal + length,
+                       extent);
 }
 
-void shadow_below(const struct scene *scene, const double ends[6], double radius,
-                  dpt_shadow *shadow)
+void shadow_below(const struct scene *scene, const double ends[6], double radius, dpt_shadow *shadow)
 {
     const dpt_hit hit = nearest_of(scene, ends, radius);
     double c[9];
-    *shadow = (dpt_shadow){ .size = sizeof *shadow,
-                            .triangle = hit.triangle,
-                            .segment = { .radius = radius } };
+    *shadow = (dpt_shadow){ .size = sizeof *shadow, .triangle = hit.triangle, .segment = { .radius = radius } };
     memcpy(shadow->segment.a, ends, sizeof shadow->segment.a);
     memcpy(shadow->segment.b, ends + 3, sizeof shadow->segment.b);
     for (int k = 0; k < 3; k++)
@@ -110,14 +104,12 @@ void shadow_below(const struct scene *scene, const double ends[6], double radius
     scene_triangle(scene, hit.triangle, c);
     for (int k = 0; k < 3; k++) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
-        shadow->direction[k] =
-            (c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]);
+        shadow->direction[k] = (c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]);
     }
     unit3(shadow->direction);
 }
 
-void tool_at(const struct scene *scene, uint64_t *seed, double length, double height, double flat,
-             double ends[6])
+void tool_at(const struct scene *scene, uint64_t *seed, double length, double height, double flat, double ends[6])
 {
     const struct oracle_surface *surface = &scene->subject->surface;
     double c[9], n[3], lie[3], x[3], weight[3], sum = 0;
@@ -139,8 +131,7 @@ void tool_at(const struct scene *scene, uint64_t *seed, double length, double he
         lie[k] -= flat * up * n[k];
     unit3(lie);
     for (int k = 0; k < 3; k++) {
-        x[k] =
-            (weight[0] * c[k] + weight[1] * c[3 + k] + weight[2] * c[6 + k]) / sum + height * n[k];
+        x[k] = (weight[0] * c[k] + weight[1] * c[3 + k] + weight[2] * c[6 + k]) / sum + height * n[k];
         ends[k] = x[k] - at * length * lie[k];
         ends[3 + k] = x[k] + (1 - at) * length * lie[k];
     }

@@ -44,18 +44,15 @@ static inline void ends_of(const dpt_segment *segment, double ends[6])
 
 dpt_hit nearest_of(const struct scene *scene, const double ends[6], double radius);
 
-void oracle_shadow_of(const struct scene *scene, const dpt_shadow *shadow,
-                      struct oracle_shadow *oracle);
+void oracle_shadow_of(const struct scene *scene, const dpt_shadow *shadow, struct oracle_shadow *oracle);
 
 /* The shadow of a tool from its nearest point on: along P to Q, where it does not cross along the triangle's normal. */
-void shadow_below(const struct scene *scene, const double ends[6], double radius,
-                  dpt_shadow *shadow);
+void shadow_below(const struct scene *scene, const double ends[6], double radius, dpt_shadow *shadow);
 
 /*
  * A tool at the surface: through a point at `height` above a random point of a random triangle, lying `flat` (0: any
  * way, 1: in its plane).
  */
-void tool_at(const struct scene *scene, uint64_t *seed, double length, double height, double flat,
-             double ends[6]);
+void tool_at(const struct scene *scene, uint64_t *seed, double length, double height, double flat, double ends[6]);
 
 #endif

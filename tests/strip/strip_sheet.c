@@ -21,16 +21,15 @@ void check_sheet(const struct scene *scene, const dpt_shadow *shadow, const dpt_
     }
     for (uint32_t t = 0; sure < sheet->sure && t < sheet->surface->triangles; t++)
         if (sheet->in[t] == ORACLE_SURE && !scene->mark[t]) {
-            CHECK(0, "%u is missing, %u of %u are there: %s", t, sure, sheet->sure,
-                  shadow_text(scene, shadow));
+            CHECK(0, "%u is missing, %u of %u are there: %s", t, sure, sheet->sure, shadow_text(scene, shadow));
             break;
         }
     for (uint32_t i = 0; i < count; i++)
         if (triangles[i] < sheet->surface->triangles)
             scene->mark[triangles[i]] = 0;
     const uint32_t must = bits_of(sheet->sure_flags), may = bits_of(sheet->maybe_flags);
-    CHECK((flags & must) == must && (flags & ~may) == 0, "flags %u, not %u to %u: %s", flags, must,
-          may, shadow_text(scene, shadow));
+    CHECK((flags & must) == must && (flags & ~may) == 0, "flags %u, not %u to %u: %s", flags, must, may,
+          shadow_text(scene, shadow));
     totals.shadows++;
     totals.empty += count == 0;
     totals.triangles += count;
@@ -73,11 +72,9 @@ int subject_with_folds(struct subject *subject, double between)
     for (uint32_t r = 0; r + 1 < ROWS; r++)
         for (uint32_t j = 0; j < FOLD_ROWS; j++) {
             const uint32_t a = r * FOLD_ROW + j;
-            const uint32_t square[6] = { a,     a + FOLD_ROW, a + 1,
-                                         a + 1, a + FOLD_ROW, a + FOLD_ROW + 1 };
+            const uint32_t square[6] = { a, a + FOLD_ROW, a + 1, a + 1, a + FOLD_ROW, a + FOLD_ROW + 1 };
             memcpy(c, square, sizeof square);
             c += 6;
         }
-    return subject_from_arrays(subject, "folds", vertices, ROWS * FOLD_ROW, corners,
-                               2 * (ROWS - 1) * FOLD_ROWS);
+    return subject_from_arrays(subject, "folds", vertices, ROWS * FOLD_ROW, corners, 2 * (ROWS - 1) * FOLD_ROWS);
 }

@@ -9,15 +9,13 @@
 /* Sums over all that a program has checked. */
 extern struct tally {
     size_t meshes, shadows, empty, triangles, borders, nonmanifold, full;
-    size_t clear,
-        doubts; /* of shadows that are no mere line and whose e is told: triangles, and those in doubt */
+    size_t clear, doubts; /* of shadows that are no mere line and whose e is told: triangles, and those in doubt */
 } totals;
 
 /* The oracle's flags in the library's bits. */
 static inline uint32_t bits_of(uint32_t flags)
 {
-    return (flags & 1 ? (uint32_t)DPT_STRIP_FLAG_BORDER : 0u) |
-           (flags & 2 ? (uint32_t)DPT_STRIP_FLAG_NONMANIFOLD : 0u);
+    return (flags & 1 ? (uint32_t)DPT_STRIP_FLAG_BORDER : 0u) | (flags & 2 ? (uint32_t)DPT_STRIP_FLAG_NONMANIFOLD : 0u);
 }
 
 /* A strip that is filled and not full, against the sheet that the oracle found. */

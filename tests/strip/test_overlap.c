@@ -57,8 +57,8 @@ static double most_of(const double *numbers, int count)
     return most;
 }
 
-static void check_overlap(const struct scene *scene, const dpt_shadow *shadow, int32_t side,
-                          const dpt_overlap *o, size_t seen[4])
+static void check_overlap(const struct scene *scene, const dpt_shadow *shadow, int32_t side, const dpt_overlap *o,
+                          size_t seen[4])
 {
     const double radius = shadow->segment.radius;
     double ends[6], c[9], n[3], way[3], s, p[3], q[3], sum = 0;
@@ -67,11 +67,10 @@ static void check_overlap(const struct scene *scene, const dpt_shadow *shadow, i
     const double truth = dpt_segment_triangle(ends, c, &s, p, q);
     const double near = 1e-12 * (most_of(ends, 6) + most_of(c, 9) + 4 * scene->subject->diagonal);
     const int crosses = (o->flags & DPT_OVERLAP_FLAG_CROSSING) != 0;
-    CHECK(fabs(o->distance - truth) <= near, "%u: %.17g, not %.17g: %s", o->triangle, o->distance,
-          truth, shadow_text(scene, shadow));
-    CHECK(crosses == (o->distance == 0) && (o->flags & ~1u) == 0 && o->reserved == 0,
-          "%u: flags %u, distance %g: %s", o->triangle, o->flags, o->distance,
+    CHECK(fabs(o->distance - truth) <= near, "%u: %.17g, not %.17g: %s", o->triangle, o->distance, truth,
           shadow_text(scene, shadow));
+    CHECK(crosses == (o->distance == 0) && (o->flags & ~1u) == 0 && o->reserved == 0, "%u: flags %u, distance %g: %s",
+          o->triangle, o->flags, o->distance, shadow_text(scene, shadow));
     CHECK(o->s >= 0 && o->s <= 1, "%u: s %g", o->triangle, o->s);
     /* The points exist, and are as far apart. */
     for (int k = 0; k < 3; k++) {
@@ -83,12 +82,11 @@ static void check_overlap(const struct scene *scene, const dpt_shadow *shadow, i
         p[k] = ends[k] + o->s * (ends[3 + k] - ends[k]);
         way[k] = p[k] - o->q[k];
         const int i = (k + 1) % 3, j = (k + 2) % 3;
-        n[k] =
-            side * ((c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]));
+        n[k] = side * ((c[3 + i] - c[i]) * (c[6 + j] - c[j]) - (c[3 + j] - c[j]) * (c[6 + i] - c[i]));
     }
     CHECK(fabs(sum - 1) <= 1e-14, "%u: weights %.17g", o->triangle, sum);
-    CHECK(fabs(sqrt(dot3(way, way)) - o->distance) <= near, "%u: p and q are %g apart, not %g: %s",
-          o->triangle, sqrt(dot3(way, way)), o->distance, shadow_text(scene, shadow));
+    CHECK(fabs(sqrt(dot3(way, way)) - o->distance) <= near, "%u: p and q are %g apart, not %g: %s", o->triangle,
+          sqrt(dot3(way, way)), o->distance, shadow_text(scene, shadow));
     /* Slivers have no normal to speak of. */
     const double edge[3] = { c[3] - c[0], c[4] - c[1], c[5] - c[2] };
     const double other[3] = { c[6] - c[0], c[7] - c[1], c[8] - c[2] };
@@ -103,11 +101,11 @@ static void check_overlap(const struct scene *scene, const dpt_shadow *shadow, i
     const double loose = 10 * near * fmax(1, 100 * longest / area);
     const double least = last_touch(&d, radius > loose ? radius - loose : 0, most) - 1e-9 * most;
     const double highest = last_touch(&d, radius + loose, most) + 1e-9 * most;
-    CHECK(o->overlap >= least && o->overlap <= highest, "%u: overlap %.17g, not %.17g to %.17g: %s",
-          o->triangle, o->overlap, least, highest, shadow_text(scene, shadow));
+    CHECK(o->overlap >= least && o->overlap <= highest, "%u: overlap %.17g, not %.17g to %.17g: %s", o->triangle,
+          o->overlap, least, highest, shadow_text(scene, shadow));
     const double due = o->overlap > 0 ? -o->overlap : o->distance - radius;
-    CHECK(fabs(o->gap - due) <= near, "%u: gap %g, not %g, overlap %g, distance %g: %s",
-          o->triangle, o->gap, due, o->overlap, o->distance, shadow_text(scene, shadow));
+    CHECK(fabs(o->gap - due) <= near, "%u: gap %g, not %g, overlap %g, distance %g: %s", o->triangle, o->gap, due,
+          o->overlap, o->distance, shadow_text(scene, shadow));
     seen[crosses]++;
     seen[2 + (o->overlap > 0)]++;
 }
@@ -133,13 +131,13 @@ static void try_overlaps(const struct subject *subject, int count, uint64_t seed
         const uint32_t *triangles = dpt_strip_get_triangles(strip, &n, NULL);
         memset(overlaps, 0x5a, (n + 1) * sizeof *overlaps);
         overlaps[0].size = sizeof *overlaps;
-        const dpt_result result = dpt_strip_overlaps(strip, subject->mesh, scene.pose,
-                                                     &shadow.segment, side, overlaps, n + 1, &told);
+        const dpt_result result =
+            dpt_strip_overlaps(strip, subject->mesh, scene.pose, &shadow.segment, side, overlaps, n + 1, &told);
         CHECK(result == DPT_OK && told == n, "%s, %u of %u: %s", dpt_result_name(result), told, n,
               shadow_text(&scene, &shadow));
         for (uint32_t k = 0; k < n; k++) {
-            CHECK(overlaps[k].triangle == triangles[k] && overlaps[k].size == sizeof *overlaps,
-                  "%u: %u, not %u", k, overlaps[k].triangle, triangles[k]);
+            CHECK(overlaps[k].triangle == triangles[k] && overlaps[k].size == sizeof *overlaps, "%u: %u, not %u", k,
+                  overlaps[k].triangle, triangles[k]);
             if (overlaps[k].triangle == triangles[k])
                 check_overlap(&scene, &shadow, side, &overlaps[k], seen);
         }
@@ -155,9 +153,7 @@ static void overlaps_by_search(void)
     static const struct {
         const char *name;
         uint64_t count;
-    } shapes[] = {
-        { "torus", 1600 }, { "cloth", 2048 }, { "star", 2000 }, { "box", 12 }, { "hub", 300 }
-    };
+    } shapes[] = { { "torus", 1600 }, { "cloth", 2048 }, { "star", 2000 }, { "box", 12 }, { "hub", 300 } };
     size_t seen[4] = { 0, 0, 0, 0 };
     struct subject subject;
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
@@ -174,15 +170,12 @@ static void overlaps_by_search(void)
         try_overlaps(&subject, 60, 9, seen);
         subject_close(&subject);
     }
-    CHECK(seen[0] > part_of(1000) && seen[1] > part_of(300) && seen[2] > part_of(1000) &&
-              seen[3] > part_of(1000),
-          "%zu free, %zu crossing, %zu without overlap, %zu with", seen[0], seen[1], seen[2],
-          seen[3]);
+    CHECK(seen[0] > part_of(1000) && seen[1] > part_of(300) && seen[2] > part_of(1000) && seen[3] > part_of(1000),
+          "%zu free, %zu crossing, %zu without overlap, %zu with", seen[0], seen[1], seen[2], seen[3]);
 }
 
 /* The caller's room and stride. */
-static void bad_overlap_arguments(const dpt_strip *strip, const dpt_mesh *mesh,
-                                  const dpt_segment *segment)
+static void bad_overlap_arguments(const dpt_strip *strip, const dpt_mesh *mesh, const dpt_segment *segment)
 {
     dpt_overlap two[2] = { { .size = sizeof *two } };
     uint32_t told = 0;
@@ -199,27 +192,24 @@ static void bad_overlap_arguments(const dpt_strip *strip, const dpt_mesh *mesh,
         const dpt_segment *segment;
         int32_t side;
         dpt_overlap *overlaps;
-    } bad[] = { { DPT_E_ARGUMENT, NULL, mesh, NULL, segment, 1, two },
-                { DPT_E_ARGUMENT, strip, NULL, NULL, segment, 1, two },
-                { DPT_E_ARGUMENT, strip, mesh, NULL, NULL, 1, two },
-                { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 0, two },
-                { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 2, two },
-                { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 1, NULL },
-                { DPT_E_FINITE, strip, mesh, NULL, &nan, 1, two },
-                { DPT_E_FINITE, strip, mesh, NULL, &far, 1, two },
-                { DPT_E_POSE, strip, mesh, &bent, segment, 1, two } };
+    } bad[] = {
+        { DPT_E_ARGUMENT, NULL, mesh, NULL, segment, 1, two },  { DPT_E_ARGUMENT, strip, NULL, NULL, segment, 1, two },
+        { DPT_E_ARGUMENT, strip, mesh, NULL, NULL, 1, two },    { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 0, two },
+        { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 2, two }, { DPT_E_ARGUMENT, strip, mesh, NULL, segment, 1, NULL },
+        { DPT_E_FINITE, strip, mesh, NULL, &nan, 1, two },      { DPT_E_FINITE, strip, mesh, NULL, &far, 1, two },
+        { DPT_E_POSE, strip, mesh, &bent, segment, 1, two }
+    };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        const dpt_result result =
-            dpt_strip_overlaps(bad[i].strip, bad[i].mesh, bad[i].pose, bad[i].segment, bad[i].side,
-                               bad[i].overlaps, 2, &told);
+        const dpt_result result = dpt_strip_overlaps(bad[i].strip, bad[i].mesh, bad[i].pose, bad[i].segment,
+                                                     bad[i].side, bad[i].overlaps, 2, &told);
         CHECK(result == bad[i].result, "bad %zu: %s, not %s", i, dpt_result_name(result),
               dpt_result_name(bad[i].result));
     }
 }
 
 /* Structs of a newer library: what this one does not know becomes zero. */
-static void longer_overlaps(const dpt_strip *strip, const dpt_mesh *mesh,
-                            const dpt_segment *segment, const dpt_overlap *all_of_it)
+static void longer_overlaps(const dpt_strip *strip, const dpt_mesh *mesh, const dpt_segment *segment,
+                            const dpt_overlap *all_of_it)
 {
     struct {
         dpt_overlap overlap;
@@ -229,13 +219,10 @@ static void longer_overlaps(const dpt_strip *strip, const dpt_mesh *mesh,
     uint32_t told = 0;
     memset(longer, 0x5a, sizeof longer);
     longer[0].overlap.size = sizeof *longer;
-    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, &longer[0].overlap, 3, &told) == DPT_OK,
-          "longer");
+    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, &longer[0].overlap, 3, &told) == DPT_OK, "longer");
     for (int i = 0; i < 3; i++)
-        CHECK(longer[i].overlap.triangle == all_of_it[i].triangle &&
-                  longer[i].overlap.gap == all_of_it[i].gap &&
-                  longer[i].overlap.size == sizeof *longer &&
-                  memcmp(longer[i].newer, zeros, sizeof zeros) == 0,
+        CHECK(longer[i].overlap.triangle == all_of_it[i].triangle && longer[i].overlap.gap == all_of_it[i].gap &&
+                  longer[i].overlap.size == sizeof *longer && memcmp(longer[i].newer, zeros, sizeof zeros) == 0,
               "longer %d", i);
     CHECK(longer[3].overlap.size == 0x5a5a5a5a, "wrote beyond");
 }
@@ -261,17 +248,12 @@ static void room_for_overlaps(void)
     const dpt_mesh *mesh = subject.mesh;
     const dpt_segment *segment = &shadow.segment;
     all_of_it[0].size = two[0].size = sizeof *two;
-    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, all_of_it, 64, &told) == DPT_OK &&
-              told == n,
-          "%u", told);
-    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, NULL, 0, &told) == DPT_OK && told == n,
-          "%u", told);
+    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, all_of_it, 64, &told) == DPT_OK && told == n, "%u", told);
+    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, NULL, 0, &told) == DPT_OK && told == n, "%u", told);
     memset(two, 0x5a, sizeof two);
     two[0].size = sizeof *two;
-    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, two, 2, &told) == DPT_OK && told == n,
-          "%u", told);
-    CHECK(memcmp(two, all_of_it, 2 * sizeof *two) == 0 && two[2].size == 0x5a5a5a5a,
-          "room for two");
+    CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, two, 2, &told) == DPT_OK && told == n, "%u", told);
+    CHECK(memcmp(two, all_of_it, 2 * sizeof *two) == 0 && two[2].size == 0x5a5a5a5a, "room for two");
     longer_overlaps(strip, mesh, segment, all_of_it);
     two[0].size = 8;
     CHECK(dpt_strip_overlaps(strip, mesh, NULL, segment, 1, two, 2, &told) == DPT_E_SIZE, "size 8");

@@ -38,8 +38,8 @@ static void try_pairs(const struct subject *subject, uint64_t pairs, uint64_t se
                 continue;
             longest = scene.tau[from] > longest ? scene.tau[from] : longest;
             if (k % 8 == 3)
-                CHECK(length_of(&scene, to, from) == scene.tau[from] + 1,
-                      "%s: %u to %u is not as far as back", subject->name, from, to);
+                CHECK(length_of(&scene, to, from) == scene.tau[from] + 1, "%s: %u to %u is not as far as back",
+                      subject->name, from, to);
             if (k % 8 == 4) {
                 const uint32_t by = triangle_nearby(&subject->surface, from, &seed);
                 CHECK(length_of(&scene, from, by) + length_of(&scene, by, to) > scene.tau[from] + 1,
@@ -47,8 +47,7 @@ static void try_pairs(const struct subject *subject, uint64_t pairs, uint64_t se
             }
         }
     }
-    printf("    %-30s %6u triangles, tau up to %zu\n", subject->name, subject->info.triangles,
-           longest);
+    printf("    %-30s %6u triangles, tau up to %zu\n", subject->name, subject->info.triangles, longest);
     all.longest = longest > all.longest ? longest : all.longest;
     all.meshes++;
     route_scene_close(&scene);
@@ -70,8 +69,7 @@ static void lattice_point(int x, int y, double at[3])
     at[2] = 0;
 }
 
-static int subject_from_cells(struct subject *subject, const char *name, const struct cell *cells,
-                              uint32_t count)
+static int subject_from_cells(struct subject *subject, const char *name, const struct cell *cells, uint32_t count)
 {
     double vertices[9 * 64];
     uint32_t corners[3 * 64];
@@ -143,23 +141,20 @@ static void two_vertices_go_before_one(void)
     if (!subject_from_cells(&subject, "fan", cells, 4))
         return;
     route_scene_open(&scene, &subject);
-    CHECK(dpt_strip_route(scene.strip, subject.mesh, 0, 3) == DPT_OK &&
-              strip_is(scene.strip, near, 2),
-          "%s", strip_text(scene.strip));
+    CHECK(dpt_strip_route(scene.strip, subject.mesh, 0, 3) == DPT_OK && strip_is(scene.strip, near, 2), "%s",
+          strip_text(scene.strip));
     route_scene_close(&scene);
     subject_close(&subject);
     if (!subject_from_cells(&subject, "edge", apart, 4))
         return;
     route_scene_open(&scene, &subject);
     oracle_route_tau(&subject.surface, 3, scene.tau);
-    CHECK(oracle_surface_common(&subject.surface, 0, 1) == 1 &&
-              oracle_surface_common(&subject.surface, 0, 2) == 2,
+    CHECK(oracle_surface_common(&subject.surface, 0, 1) == 1 && oracle_surface_common(&subject.surface, 0, 2) == 2,
           "laid out otherwise");
-    CHECK(scene.tau[0] == 2 && scene.tau[1] == 1 && scene.tau[2] == 1, "%u %u %u", scene.tau[0],
-          scene.tau[1], scene.tau[2]);
-    CHECK(dpt_strip_route(scene.strip, subject.mesh, 0, 3) == DPT_OK &&
-              strip_is(scene.strip, far, 3),
-          "%s", strip_text(scene.strip));
+    CHECK(scene.tau[0] == 2 && scene.tau[1] == 1 && scene.tau[2] == 1, "%u %u %u", scene.tau[0], scene.tau[1],
+          scene.tau[2]);
+    CHECK(dpt_strip_route(scene.strip, subject.mesh, 0, 3) == DPT_OK && strip_is(scene.strip, far, 3), "%s",
+          strip_text(scene.strip));
     route_scene_close(&scene);
     subject_close(&subject);
 }
@@ -192,8 +187,7 @@ static void plain_tau(const unsigned char *common, uint32_t count, uint32_t to, 
 }
 
 /* By the words of SPEC 8. */
-static uint32_t plain_next(const unsigned char *common, uint32_t count, const uint32_t *tau,
-                           uint32_t c)
+static uint32_t plain_next(const unsigned char *common, uint32_t count, const uint32_t *tau, uint32_t c)
 {
     for (int least = 2; least >= 1; least--)
         for (uint32_t n = 0; n < count; n++)
@@ -213,8 +207,7 @@ static void compare_oracles(const struct subject *subject)
     for (uint32_t i = 0; i < count; i++)
         for (uint32_t j = 0; j < count; j++)
             if (is_there(subject, i) && is_there(subject, j))
-                common[i * count + j] =
-                    (unsigned char)touch(corners + 9 * (size_t)i, corners + 9 * (size_t)j);
+                common[i * count + j] = (unsigned char)touch(corners + 9 * (size_t)i, corners + 9 * (size_t)j);
     for (uint32_t to = 0; to < count; to++) {
         if (!is_there(subject, to))
             continue;
@@ -225,8 +218,7 @@ static void compare_oracles(const struct subject *subject)
             if (tau[c] == 0 || tau[c] == ORACLE_NONE)
                 continue;
             const uint32_t next = oracle_route_next(&subject->surface, tau, c);
-            CHECK(next == plain_next(common, count, plain, c), "%s, %u to %u: %u", subject->name, c,
-                  to, next);
+            CHECK(next == plain_next(common, count, plain, c), "%s, %u to %u: %u", subject->name, c, to, next);
         }
     }
     free(common);
@@ -261,11 +253,9 @@ static void generated_shapes(void)
     static const struct {
         const char *name;
         uint64_t count, pairs;
-    } shapes[] = {
-        { "torus", 32, 256 },      { "torus", 5568, 4096 },  { "liver", 50332, 2048 },
-        { "membrane", 512, 4096 }, { "cloth", 20000, 2048 }, { "star", 20480, 2048 },
-        { "sphere", 20, 256 },     { "box", 1200, 2048 },    { "stomach", 20001, 1024 }
-    };
+    } shapes[] = { { "torus", 32, 256 },      { "torus", 5568, 4096 },  { "liver", 50332, 2048 },
+                   { "membrane", 512, 4096 }, { "cloth", 20000, 2048 }, { "star", 20480, 2048 },
+                   { "sphere", 20, 256 },     { "box", 1200, 2048 },    { "stomach", 20001, 1024 } };
     struct subject subject;
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         if (subject_from_shape(&subject, shapes[i].name, shapes[i].count))
@@ -280,13 +270,12 @@ static void random_lattices(void)
     for (uint64_t seed = 0; seed < 24; seed++) {
         /* From mostly apart, with many parts, to mostly together. */
         const uint32_t size = 3 + (uint32_t)seed % 6, points = size * size * size;
-        if (subject_from_lattice(&subject, size, points / 4 + (uint32_t)(seed / 6) * points / 4,
-                                 seed))
+        if (subject_from_lattice(&subject, size, points / 4 + (uint32_t)(seed / 6) * points / 4, seed))
             try_pairs(&subject, 1024, seed);
         subject_close(&subject);
     }
-    CHECK(all.dropped > least_seen(100) && all.unreachable > least_seen(1000),
-          "%zu dropped, %zu unreachable", all.dropped, all.unreachable);
+    CHECK(all.dropped > least_seen(100) && all.unreachable > least_seen(1000), "%zu dropped, %zu unreachable",
+          all.dropped, all.unreachable);
 }
 
 static void hubs(void)
@@ -327,8 +316,7 @@ static void books(void)
                 c += 6;
             }
     struct subject subject;
-    if (subject_from_arrays(&subject, "book", vertices, PAGES * ROW * ROW, corners,
-                            2 * PAGES * SIDE * SIDE)) {
+    if (subject_from_arrays(&subject, "book", vertices, PAGES * ROW * ROW, corners, 2 * PAGES * SIDE * SIDE)) {
         CHECK(subject.info.nonmanifold_edges == SIDE, "%u", subject.info.nonmanifold_edges);
         try_pairs(&subject, 4096, 7);
     }
@@ -352,10 +340,9 @@ static void public_meshes(void)
 
 static void many_pairs(void)
 {
-    printf("    %zu meshes, %zu pairs: %zu dropped, %zu unreachable, tau up to %zu\n", all.meshes,
-           all.pairs, all.dropped, all.unreachable, all.longest);
-    CHECK(all.pairs >= part_of(data ? 100000 : 40000) && all.longest >= 100, "%zu pairs, %zu",
-          all.pairs, all.longest);
+    printf("    %zu meshes, %zu pairs: %zu dropped, %zu unreachable, tau up to %zu\n", all.meshes, all.pairs,
+           all.dropped, all.unreachable, all.longest);
+    CHECK(all.pairs >= part_of(data ? 100000 : 40000) && all.longest >= 100, "%zu pairs, %zu", all.pairs, all.longest);
 }
 
 int main(int argc, char **argv)

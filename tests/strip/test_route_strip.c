@@ -20,8 +20,7 @@ static void try_table(const struct subject *subject, uint64_t pairs, uint64_t se
     scene.strip = guarded_strip_open(&scene.block, count, 0);
     memset(block + bytes, 0x5a, 8);
     const dpt_result made = dpt_route_table_create(block, bytes, subject->mesh, &table);
-    CHECK(bytes > 0 && made == DPT_OK && table, "%s: %zu bytes, %s", subject->name, bytes,
-          dpt_result_name(made));
+    CHECK(bytes > 0 && made == DPT_OK && table, "%s: %zu bytes, %s", subject->name, bytes, dpt_result_name(made));
     for (uint64_t i = 0; i < pairs / FROM && made == DPT_OK; i++) {
         const uint32_t to = (uint32_t)(random_bits(&seed) % count);
         oracle_route_tau(&subject->surface, to, scene.tau);
@@ -29,8 +28,7 @@ static void try_table(const struct subject *subject, uint64_t pairs, uint64_t se
             const uint32_t from = k == 0  ? to
                                   : k % 2 ? triangle_nearby(&subject->surface, to, &seed)
                                           : (uint32_t)(random_bits(&seed) % count);
-            check_answer(&scene, from, to, dpt_strip_route_by_table(scene.strip, table, from, to),
-                         "table");
+            check_answer(&scene, from, to, dpt_strip_route_by_table(scene.strip, table, from, to), "table");
         }
     }
     while (!is_there(subject, there))
@@ -75,8 +73,7 @@ static void by_table(void)
         static uint64_t block[1024];
         const dpt_route_table *table = NULL;
         CHECK(dpt_route_table_bytes(subject.mesh) == 0, "one for 10,002");
-        CHECK(dpt_route_table_create(block, sizeof block, subject.mesh, &table) != DPT_OK && !table,
-              "made for 10,002");
+        CHECK(dpt_route_table_create(block, sizeof block, subject.mesh, &table) != DPT_OK && !table, "made for 10,002");
     }
     subject_close(&subject);
     CHECK(dpt_route_table_bytes(NULL) == 0, "for no mesh");
@@ -96,34 +93,30 @@ static void check_cut(const struct route_scene *scene, uint32_t from, uint32_t t
         dpt_strip *strip = guarded_strip_open(&guarded, capacity, scene->subject->info.vertices);
         const dpt_result result = dpt_strip_route(strip, scene->subject->mesh, from, to);
         const uint32_t *triangles = dpt_strip_get_triangles(strip, &count, &flags);
-        CHECK(result == DPT_OK && count == held_count &&
-                  flags == (capacity < length ? DPT_STRIP_FLAG_FULL : 0u),
-              "%s, %u to %u, of %u in room for %u: %s, %u, flags %u", scene->subject->name, from,
-              to, length, capacity, dpt_result_name(result), count, flags);
+        CHECK(result == DPT_OK && count == held_count && flags == (capacity < length ? DPT_STRIP_FLAG_FULL : 0u),
+              "%s, %u to %u, of %u in room for %u: %s, %u, flags %u", scene->subject->name, from, to, length, capacity,
+              dpt_result_name(result), count, flags);
         CHECK(count <= length && memcmp(triangles, scene->route, count * sizeof *triangles) == 0,
-              "%s, %u to %u, room for %u: %s", scene->subject->name, from, to, capacity,
-              strip_text(strip));
+              "%s, %u to %u, room for %u: %s", scene->subject->name, from, to, capacity, strip_text(strip));
         guarded_strip_close(&guarded);
     }
 }
 
 /* A search of less room finds the route or says that it cannot. */
-static void check_search(const struct route_scene *scene, uint32_t from, uint32_t to,
-                         uint32_t length, size_t *full, size_t *found)
+static void check_search(const struct route_scene *scene, uint32_t from, uint32_t to, uint32_t length, size_t *full,
+                         size_t *found)
 {
     const uint32_t vertices = scene->subject->info.vertices;
-    for (uint32_t search = 0; search <= vertices;
-         search = search < 8 ? search + 1 : search + search / 4) {
+    for (uint32_t search = 0; search <= vertices; search = search < 8 ? search + 1 : search + search / 4) {
         struct guarded_strip guarded;
         dpt_strip *strip = guarded_strip_open(&guarded, length, search);
         const dpt_result result = dpt_strip_route(strip, scene->subject->mesh, from, to);
         CHECK(result == DPT_OK ? strip_is(strip, scene->route, length)
                                : result == DPT_E_FULL && strip_is(strip, NULL, 0),
-              "%s, %u to %u, search %u: %s, %s", scene->subject->name, from, to, search,
-              dpt_result_name(result), strip_text(strip));
+              "%s, %u to %u, search %u: %s, %s", scene->subject->name, from, to, search, dpt_result_name(result),
+              strip_text(strip));
         if (length > 3 && search == 0)
-            CHECK(result == DPT_E_FULL, "%s, %u to %u without a search", scene->subject->name, from,
-                  to);
+            CHECK(result == DPT_E_FULL, "%s, %u to %u without a search", scene->subject->name, from, to);
         *full += result == DPT_E_FULL;
         *found += result == DPT_OK;
         guarded_strip_close(&guarded);
@@ -144,8 +137,7 @@ static void too_small(void)
         route_scene_open(&scene, &subject);
         for (int i = 0; i < 100; i++) {
             const uint32_t from = (uint32_t)(random_bits(&seed) % subject.info.triangles);
-            const uint32_t to =
-                i % 8 ? (uint32_t)(random_bits(&seed) % subject.info.triangles) : from;
+            const uint32_t to = i % 8 ? (uint32_t)(random_bits(&seed) % subject.info.triangles) : from;
             oracle_route_tau(&subject.surface, to, scene.tau);
             const uint32_t length = oracle_route(&subject.surface, scene.tau, from, scene.route);
             check_cut(&scene, from, to, length);
@@ -162,8 +154,8 @@ static void too_small(void)
  * The routes from a and b to p in one strip: each of their triangles once; in `few`, which has room for 5, five of
  * them. `wanted` is 0 for every triangle before and after.
  */
-static void check_two_routes(struct route_scene *scene, dpt_strip *few, unsigned char *wanted,
-                             const uint32_t ends[3], size_t *shared, size_t *cut)
+static void check_two_routes(struct route_scene *scene, dpt_strip *few, unsigned char *wanted, const uint32_t ends[3],
+                             size_t *shared, size_t *cut)
 {
     const struct subject *subject = scene->subject;
     const uint32_t a = ends[0], b = ends[1], p = ends[2];
@@ -178,23 +170,19 @@ static void check_two_routes(struct route_scene *scene, dpt_strip *few, unsigned
     }
     const dpt_result result = dpt_strip_routes(scene->strip, subject->mesh, a, b, p);
     const uint32_t *got = dpt_strip_get_triangles(scene->strip, &count, &flags);
-    CHECK(result == DPT_OK && count == both && flags == 0,
-          "%s, %u and %u to %u: %s, %u triangles, not %u, flags %u", subject->name, a, b, p,
-          dpt_result_name(result), count, both, flags);
+    CHECK(result == DPT_OK && count == both && flags == 0, "%s, %u and %u to %u: %s, %u triangles, not %u, flags %u",
+          subject->name, a, b, p, dpt_result_name(result), count, both, flags);
     for (uint32_t k = 0; k < count; k++) {
-        CHECK(wanted[got[k]] == 1, "%s, %u and %u to %u: %u is twice, or not on them",
-              subject->name, a, b, p, got[k]);
+        CHECK(wanted[got[k]] == 1, "%s, %u and %u to %u: %u is twice, or not on them", subject->name, a, b, p, got[k]);
         wanted[got[k]] = 2;
     }
     const dpt_result cut_result = dpt_strip_routes(few, subject->mesh, a, b, p);
     got = dpt_strip_get_triangles(few, &count, &flags);
-    CHECK(cut_result == DPT_OK && count == (both < 5 ? both : 5) &&
-              flags == (both > 5 ? DPT_STRIP_FLAG_FULL : 0u),
+    CHECK(cut_result == DPT_OK && count == (both < 5 ? both : 5) && flags == (both > 5 ? DPT_STRIP_FLAG_FULL : 0u),
           "%s, %u and %u to %u, of %u: %s, %u triangles, flags %u", subject->name, a, b, p, both,
           dpt_result_name(cut_result), count, flags);
     for (uint32_t k = 0; k < count; k++) {
-        CHECK(wanted[got[k]] == 2, "%s, %u and %u to %u: %u is twice, or not on them",
-              subject->name, a, b, p, got[k]);
+        CHECK(wanted[got[k]] == 2, "%s, %u and %u to %u: %u is twice, or not on them", subject->name, a, b, p, got[k]);
         wanted[got[k]] = 3;
     }
     for (uint32_t k = 0; k < m + n; k++)
@@ -244,8 +232,8 @@ static void check_def(dpt_strip_def def, int valid, const char *what)
 {
     CHECK((dpt_strip_bytes(&def) > 0) == valid, "%s: %zu bytes", what, dpt_strip_bytes(&def));
     if (valid)
-        CHECK(dpt_strip_bytes(&def) <= 1024 + 96 * (size_t)def.capacity + 36 * (size_t)def.search,
-              "%s: %zu bytes", what, dpt_strip_bytes(&def));
+        CHECK(dpt_strip_bytes(&def) <= 1024 + 96 * (size_t)def.capacity + 36 * (size_t)def.search, "%s: %zu bytes",
+              what, dpt_strip_bytes(&def));
 }
 
 static void bad_defs(void)
@@ -263,8 +251,7 @@ static void bad_defs(void)
     check_def((dpt_strip_def){ .size = size - 4, .capacity = 16 }, 0, "size");
     check_def((dpt_strip_def){ .size = size }, 0, "no room");
     check_def((dpt_strip_def){ .size = size, .capacity = (1u << 20) + 1 }, 0, "too much room");
-    check_def((dpt_strip_def){ .size = size, .capacity = 1, .search = (1u << 28) + 1 }, 0,
-              "too much search");
+    check_def((dpt_strip_def){ .size = size, .capacity = 1, .search = (1u << 28) + 1 }, 0, "too much search");
     check_def((dpt_strip_def){ .size = size, .capacity = 1, .reserved = 1 }, 0, "reserved");
     CHECK(dpt_strip_bytes(NULL) == 0, "no def");
     const size_t bytes = dpt_strip_bytes(&good);
@@ -278,8 +265,7 @@ static void bad_defs(void)
     CHECK(dpt_strip_create(block, sizeof block, &empty, &strip) == DPT_E_ARGUMENT, "no room");
     CHECK(dpt_strip_create(block, sizeof block, &short_size, &strip) == DPT_E_SIZE, "size");
     CHECK(!strip, "written on error");
-    CHECK(dpt_strip_create(block, bytes, &good, &strip) == DPT_OK && strip_is(strip, NULL, 0),
-          "not empty");
+    CHECK(dpt_strip_create(block, bytes, &good, &strip) == DPT_OK && strip_is(strip, NULL, 0), "not empty");
     CHECK(dpt_strip_create((char *)block + 8, bytes, &good, &strip) == DPT_OK, "aligned to 8");
 }
 
@@ -303,15 +289,14 @@ static void bad_arguments(void)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         CHECK(dpt_strip_route(strip, subject.mesh, 0, 100) == DPT_OK, "%zu", i);
         const dpt_result one = dpt_strip_route(bad[i].strip, bad[i].mesh, bad[i].from, bad[i].to);
-        CHECK(one == DPT_E_ARGUMENT && (!bad[i].strip || strip_is(strip, NULL, 0)), "%zu: %s, %s",
-              i, dpt_result_name(one), strip_text(strip));
+        CHECK(one == DPT_E_ARGUMENT && (!bad[i].strip || strip_is(strip, NULL, 0)), "%zu: %s, %s", i,
+              dpt_result_name(one), strip_text(strip));
         for (int k = 0; k < 2; k++) {
             CHECK(dpt_strip_route(strip, subject.mesh, 0, 100) == DPT_OK, "%zu", i);
-            const dpt_result two =
-                k ? dpt_strip_routes(bad[i].strip, bad[i].mesh, 5, bad[i].from, bad[i].to)
-                  : dpt_strip_routes(bad[i].strip, bad[i].mesh, bad[i].from, 5, bad[i].to);
-            CHECK(two == DPT_E_ARGUMENT && (!bad[i].strip || strip_is(strip, NULL, 0)),
-                  "%zu, two routes: %s, %s", i, dpt_result_name(two), strip_text(strip));
+            const dpt_result two = k ? dpt_strip_routes(bad[i].strip, bad[i].mesh, 5, bad[i].from, bad[i].to)
+                                     : dpt_strip_routes(bad[i].strip, bad[i].mesh, bad[i].from, 5, bad[i].to);
+            CHECK(two == DPT_E_ARGUMENT && (!bad[i].strip || strip_is(strip, NULL, 0)), "%zu, two routes: %s, %s", i,
+                  dpt_result_name(two), strip_text(strip));
         }
     }
     guarded_strip_close(&guarded);
@@ -321,9 +306,7 @@ static void bad_arguments(void)
 /* 0 and 1 are joined, 2 is apart, 3 has no area, 4 is 0 again. */
 static void errors_of_two_routes(void)
 {
-    static const double vertices[] = {
-        0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0
-    };
+    static const double vertices[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0 };
     static const uint32_t corners[] = { 0, 1, 2, 1, 3, 2, 4, 5, 6, 0, 0, 1, 2, 0, 1 };
     static const struct {
         uint32_t a, b, p;
@@ -344,11 +327,9 @@ static void errors_of_two_routes(void)
     dpt_strip *strip = guarded_strip_open(&guarded, 8, 7);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         CHECK(dpt_strip_route(strip, subject.mesh, 0, 1) == DPT_OK, "0 to 1");
-        const dpt_result result =
-            dpt_strip_routes(strip, subject.mesh, cases[i].a, cases[i].b, cases[i].p);
-        CHECK(result == cases[i].result && (result == DPT_OK || strip_is(strip, NULL, 0)),
-              "%u and %u to %u: %s, %s", cases[i].a, cases[i].b, cases[i].p,
-              dpt_result_name(result), strip_text(strip));
+        const dpt_result result = dpt_strip_routes(strip, subject.mesh, cases[i].a, cases[i].b, cases[i].p);
+        CHECK(result == cases[i].result && (result == DPT_OK || strip_is(strip, NULL, 0)), "%u and %u to %u: %s, %s",
+              cases[i].a, cases[i].b, cases[i].p, dpt_result_name(result), strip_text(strip));
     }
     guarded_strip_close(&guarded);
     subject_close(&subject);

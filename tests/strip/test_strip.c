@@ -13,8 +13,7 @@
 
 static const char *data;
 
-static void check_capacity(const struct scene *scene, const dpt_shadow *shadow,
-                           const dpt_strip *whole)
+static void check_capacity(const struct scene *scene, const dpt_shadow *shadow, const dpt_strip *whole)
 {
     uint32_t n = 0;
     const uint32_t *all_of_it = dpt_strip_get_triangles(whole, &n, NULL);
@@ -68,17 +67,15 @@ static void try_shadows(const struct subject *subject, uint64_t shadows, uint64_
         if (i % 8 == 5) {
             struct guarded_strip fresh;
             fill_strip(&scene, &shadow, guarded_strip_open(&fresh, room_for(subject), 0));
-            CHECK(are_alike(&scene, strip, fresh.strip), "a fresh strip has others: %s",
-                  shadow_text(&scene, &shadow));
+            CHECK(are_alike(&scene, strip, fresh.strip), "a fresh strip has others: %s", shadow_text(&scene, &shadow));
             guarded_strip_close(&fresh);
         }
         if (i % 8 == 6)
             check_capacity(&scene, &shadow, strip);
     }
-    printf("    %-30s %6u triangles, %5zu shadows of %7.1f, in doubt %zu\n", subject->name,
-           subject->info.triangles, totals.shadows - before.shadows,
-           (double)(totals.triangles - before.triangles) /
-               (double)(totals.shadows - before.shadows),
+    printf("    %-30s %6u triangles, %5zu shadows of %7.1f, in doubt %zu\n", subject->name, subject->info.triangles,
+           totals.shadows - before.shadows,
+           (double)(totals.triangles - before.triangles) / (double)(totals.shadows - before.shadows),
            totals.doubts - before.doubts);
     totals.meshes++;
     guarded_strip_close(&guarded);
@@ -93,8 +90,8 @@ static long double dot_long(const long double a[3], const long double b[3])
 }
 
 /* How far the corners and the shadow are apart along a direction; less than 0 where they overlap. */
-static long double apart_along(const struct oracle_shadow *s, const long double (*corners)[3],
-                               int count, const long double n[3])
+static long double apart_along(const struct oracle_shadow *s, const long double (*corners)[3], int count,
+                               const long double n[3])
 {
     long double low = INFINITY, high = -INFINITY;
     const long double square = dot_long(n, n), from = dot_long(n, s->a), way = dot_long(n, s->u);
@@ -106,16 +103,14 @@ static long double apart_along(const struct oracle_shadow *s, const long double 
         high = fmaxl(high, at);
     }
     const long double half =
-        s->maybe_reach * (fabsl(dot_long(n, s->e)) + fabsl(dot_long(n, s->w))) +
-        s->depth * fabsl(dot_long(n, s->d));
+        s->maybe_reach * (fabsl(dot_long(n, s->e)) + fabsl(dot_long(n, s->w))) + s->depth * fabsl(dot_long(n, s->d));
     return fmaxl(low - (fmaxl(0, way) + half), fminl(0, way) - half - high) / sqrtl(square);
 }
 
 /*
  * The most that a plane parallel to two of the edges there are, or to one and the triangle's normal, holds them apart.
  */
-static long double separation(const struct oracle_shadow *s, const long double (*corners)[3],
-                              int count)
+static long double separation(const struct oracle_shadow *s, const long double (*corners)[3], int count)
 {
     long double way[11][3], most = -INFINITY;
     int ways = 0;
@@ -145,24 +140,20 @@ static long double separation(const struct oracle_shadow *s, const long double (
 }
 
 /* A verdict's proof: a point of both, or a plane between them. */
-static void check_verdict(const struct oracle_shadow *s, const long double (*corners)[3], int count,
-                          size_t found[3])
+static void check_verdict(const struct oracle_shadow *s, const long double (*corners)[3], int count, size_t found[3])
 {
     long double witness[3];
     const int verdict = oracle_shadow_meets(s, corners, count, witness);
     found[verdict]++;
     CHECK(oracle_shadow_meets(s, corners, count, NULL) == verdict, "by corners alone another");
     if (verdict == ORACLE_OUT) {
-        CHECK(separation(s, corners, count) > 0, "out, and no plane between: %Lg",
-              separation(s, corners, count));
+        CHECK(separation(s, corners, count) > 0, "out, and no plane between: %Lg", separation(s, corners, count));
     } else {
         const long double excess = oracle_shadow_excess(s, (const long double *)witness);
-        CHECK(excess <= (verdict == ORACLE_SURE ? 2 : 100) * s->eps, "verdict %d, witness %Lg out",
-              verdict, excess);
+        CHECK(excess <= (verdict == ORACLE_SURE ? 2 : 100) * s->eps, "verdict %d, witness %Lg out", verdict, excess);
     }
     if (verdict == ORACLE_SURE)
-        CHECK(separation(s, corners, count) <= 0, "surely in, and %Lg apart",
-              separation(s, corners, count));
+        CHECK(separation(s, corners, count) <= 0, "surely in, and %Lg apart", separation(s, corners, count));
     for (int i = 0; i <= 4; i++)
         for (int j = 0; j <= 4 - i; j++) {
             const long double weight[3] = { i / 4.0L, j / 4.0L, (4 - i - j) / 4.0L };
@@ -192,19 +183,16 @@ static void verdicts_have_proofs(void)
         if (i % 16 == 1)
             for (int k = 0; k < 3; k++)
                 direction[k] = ends[3 + k] - ends[k] + ONE_OF(&seed, 0, 1e-7, 1e-3) * direction[k];
-        oracle_shadow_make(&s, ends, ONE_OF(&seed, 0, 0.01, 0.2, 1), direction,
-                           ONE_OF(&seed, 0, 0.01, 0.2, 1), 2, 2);
-        const double middle[3] = { random_in(&seed, -1, 1), random_in(&seed, -1, 1),
-                                   random_in(&seed, -1, 1) };
+        oracle_shadow_make(&s, ends, ONE_OF(&seed, 0, 0.01, 0.2, 1), direction, ONE_OF(&seed, 0, 0.01, 0.2, 1), 2, 2);
+        const double middle[3] = { random_in(&seed, -1, 1), random_in(&seed, -1, 1), random_in(&seed, -1, 1) };
         for (int c = 0; c < 9; c++)
             corners[c / 3][c % 3] = middle[c % 3] + size * random_in(&seed, -1, 1);
         check_verdict(&s, (const long double(*)[3])corners, 3, found[0]);
         check_verdict(&s, (const long double(*)[3])corners, 2, found[1]);
     }
-    printf("    triangles: %zu out, %zu maybe, %zu surely in; edges: %zu, %zu, %zu\n", found[0][0],
-           found[0][1], found[0][2], found[1][0], found[1][1], found[1][2]);
-    CHECK(found[0][2] > part_of(2000) && found[1][2] > part_of(1500) && found[0][0] > part_of(8000),
-          "one kind alone");
+    printf("    triangles: %zu out, %zu maybe, %zu surely in; edges: %zu, %zu, %zu\n", found[0][0], found[0][1],
+           found[0][2], found[1][0], found[1][1], found[1][2]);
+    CHECK(found[0][2] > part_of(2000) && found[1][2] > part_of(1500) && found[0][0] > part_of(8000), "one kind alone");
 }
 
 /* A tool above the middle of a flat sheet: what it shades can be counted. */
@@ -248,11 +236,10 @@ static void a_flat_sheet_by_hand(void)
             }
             wanted += !out;
         }
-        CHECK(count == wanted && flags == 0 && wanted > 10, "%u triangles, not %u, flags %u", count,
-              wanted, flags);
+        CHECK(count == wanted && flags == 0 && wanted > 10, "%u triangles, not %u, flags %u", count, wanted, flags);
         ask_oracle(&scene, &shadow);
-        CHECK(scene.sheet.sure == wanted && scene.sheet.maybe == wanted, "the oracle: %u to %u",
-              scene.sheet.sure, scene.sheet.maybe);
+        CHECK(scene.sheet.sure == wanted && scene.sheet.maybe == wanted, "the oracle: %u to %u", scene.sheet.sure,
+              scene.sheet.maybe);
     }
     guarded_strip_close(&guarded);
     scene_close(&scene);
@@ -281,13 +268,11 @@ static void mere_lines(void)
             shadow.segment.a[k] = x - 0.4 * way[k];
             shadow.segment.b[k] = x + 0.6 * way[k];
         }
-        const double off[4] = { 0, ONE_OF(&seed, 1e-13, 1e-10, 2e-9, 1e-7, 1e-4), -dot3(way, tilt),
-                                1 };
+        const double off[4] = { 0, ONE_OF(&seed, 1e-13, 1e-10, 2e-9, 1e-7, 1e-4), -dot3(way, tilt), 1 };
         for (int k = 0; k < 3; k++)
-            shadow.direction[k] =
-                i % 4 == 2   ? tilt[k] + off[2] * way[k]
-                : i % 4 == 3 ? tilt[k]
-                             : shadow.segment.b[k] - shadow.segment.a[k] + off[i % 4] * tilt[k];
+            shadow.direction[k] = i % 4 == 2   ? tilt[k] + off[2] * way[k]
+                                  : i % 4 == 3 ? tilt[k]
+                                               : shadow.segment.b[k] - shadow.segment.a[k] + off[i % 4] * tilt[k];
         shadow.depth = i % 8 < 4 ? 0 : 0.1;
         if (subject_from_arrays(&subject, "triangle", vertices, 3, corners, 1)) {
             uint32_t count = 0;
@@ -308,10 +293,9 @@ static void generated_shapes(void)
     static const struct {
         const char *name;
         uint64_t count, shadows;
-    } shapes[] = { { "torus", 32, 400 },      { "torus", 5568, 800 }, { "liver", 50332, 300 },
-                   { "membrane", 512, 800 },  { "cloth", 2048, 800 }, { "star", 20480, 400 },
-                   { "sphere", 20, 200 },     { "box", 12, 400 },     { "box", 1200, 400 },
-                   { "stomach", 20001, 300 }, { "hub", 500, 400 },    { "hub", 50000, 60 } };
+    } shapes[] = { { "torus", 32, 400 },   { "torus", 5568, 800 },    { "liver", 50332, 300 }, { "membrane", 512, 800 },
+                   { "cloth", 2048, 800 }, { "star", 20480, 400 },    { "sphere", 20, 200 },   { "box", 12, 400 },
+                   { "box", 1200, 400 },   { "stomach", 20001, 300 }, { "hub", 500, 400 },     { "hub", 50000, 60 } };
     struct subject subject;
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         if (subject_from_shape(&subject, shapes[i].name, shapes[i].count))
@@ -333,8 +317,7 @@ static void random_lattices(void)
     }
     CHECK(totals.borders - before.borders > least_seen(200) &&
               totals.nonmanifold - before.nonmanifold > least_seen(200),
-          "%zu borders, %zu nonmanifold", totals.borders - before.borders,
-          totals.nonmanifold - before.nonmanifold);
+          "%zu borders, %zu nonmanifold", totals.borders - before.borders, totals.nonmanifold - before.nonmanifold);
 }
 
 static void try_public(const struct subject *subject)
@@ -354,15 +337,13 @@ static void public_meshes(void)
 
 static void shadows_of_all_kinds(void)
 {
-    printf(
-        "    %zu meshes, %zu shadows: %zu empty, %zu at borders, %zu over edges of many, %zu full; "
-        "%zu of %zu triangles in doubt\n",
-        totals.meshes, totals.shadows, totals.empty, totals.borders, totals.nonmanifold,
-        totals.full, totals.doubts, totals.triangles);
-    CHECK(totals.empty * 50 > totals.shadows && totals.empty * 2 < totals.shadows,
-          "%zu of %zu empty", totals.empty, totals.shadows);
-    CHECK(totals.borders > least_seen(300) && totals.nonmanifold > least_seen(150) &&
-              totals.full > least_seen(1000),
+    printf("    %zu meshes, %zu shadows: %zu empty, %zu at borders, %zu over edges of many, %zu full; "
+           "%zu of %zu triangles in doubt\n",
+           totals.meshes, totals.shadows, totals.empty, totals.borders, totals.nonmanifold, totals.full, totals.doubts,
+           totals.triangles);
+    CHECK(totals.empty * 50 > totals.shadows && totals.empty * 2 < totals.shadows, "%zu of %zu empty", totals.empty,
+          totals.shadows);
+    CHECK(totals.borders > least_seen(300) && totals.nonmanifold > least_seen(150) && totals.full > least_seen(1000),
           "%zu, %zu, %zu", totals.borders, totals.nonmanifold, totals.full);
     CHECK(totals.doubts * 200 < totals.clear, "%zu of %zu in doubt", totals.doubts, totals.clear);
 }
@@ -397,9 +378,8 @@ static void folds(void)
                 below += fmin(c[2], fmin(c[5], c[8])) < -0.5 * between;
                 third += fmin(c[2], fmin(c[5], c[8])) < -1.5 * between;
             }
-            CHECK(count > 8 && (below > 0) == layer && third == 0,
-                  "%u triangles, %u below, %u of the third layer: %s", count, below, third,
-                  shadow_text(&scene, &shadow));
+            CHECK(count > 8 && (below > 0) == layer && third == 0, "%u triangles, %u below, %u of the third layer: %s",
+                  count, below, third, shadow_text(&scene, &shadow));
         }
     try_shadows(&subject, 400, 5);
     guarded_strip_close(&guarded);
@@ -465,12 +445,11 @@ static void bad_arguments(void)
         CHECK(dpt_strip_shadow(strip, subject.mesh, NULL, &good) == DPT_OK, "%d", i);
         dpt_strip_get_triangles(strip, &count, &flags);
         CHECK(count == 1 && flags == 0, "%u triangles, flags %u", count, flags);
-        const dpt_result result = i < BAD    ? dpt_strip_shadow(strip, subject.mesh, NULL, &bad[i])
-                                  : i == BAD ? dpt_strip_shadow(strip, NULL, NULL, &good)
+        const dpt_result result = i < BAD        ? dpt_strip_shadow(strip, subject.mesh, NULL, &bad[i])
+                                  : i == BAD     ? dpt_strip_shadow(strip, NULL, NULL, &good)
                                   : i == BAD + 1 ? dpt_strip_shadow(strip, subject.mesh, NULL, NULL)
-                                  : i == BAD + 2
-                                      ? dpt_strip_shadow(strip, subject.mesh, &bent, &good)
-                                      : dpt_strip_shadow(strip, subject.mesh, &far, &good);
+                                  : i == BAD + 2 ? dpt_strip_shadow(strip, subject.mesh, &bent, &good)
+                                                 : dpt_strip_shadow(strip, subject.mesh, &far, &good);
         const dpt_result wanted = i < BAD        ? due[i]
                                   : i < BAD + 2  ? DPT_E_ARGUMENT
                                   : i == BAD + 2 ? DPT_E_POSE
@@ -478,8 +457,7 @@ static void bad_arguments(void)
         dpt_strip_get_triangles(strip, &count, &flags);
         /* Of a radius below 0 the header does not say which. */
         CHECK((result == wanted || (i == 10 && result == DPT_E_FINITE)) && count == 0 && flags == 0,
-              "%d: %s, not %s; %u triangles", i, dpt_result_name(result), dpt_result_name(wanted),
-              count);
+              "%d: %s, not %s; %u triangles", i, dpt_result_name(result), dpt_result_name(wanted), count);
     }
     CHECK(dpt_strip_shadow(NULL, subject.mesh, NULL, &good) == DPT_E_ARGUMENT, "no strip");
     guarded_strip_close(&guarded);

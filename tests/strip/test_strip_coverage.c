@@ -27,18 +27,16 @@ static void recall_on(const struct subject *subject)
     double found[COVERAGE_STRIPS];
     for (int kind = 0; kind < COVERAGE_STRIPS; kind++)
         found[kind] = 100 * share_of(sum.found[kind], sum.near);
-    printf("    %-28s near: routes %.1f %%, shadow %.1f %%, widened by the margin %.1f %%; of the "
-           "sheet "
+    printf("    %-28s near: routes %.1f %%, shadow %.1f %%, widened by the margin %.1f %%; of the sheet "
            "%.2f, %.2f %%\n",
            subject->name, found[COVERAGE_ROUTES], found[COVERAGE_NARROW], found[COVERAGE_WIDE],
            100 * share_of(sum.in_strip[COVERAGE_NARROW], sum.sheet[COVERAGE_NARROW]),
            100 * share_of(sum.in_strip[COVERAGE_WIDE], sum.sheet[COVERAGE_WIDE]));
     for (int kind = COVERAGE_NARROW; kind < COVERAGE_STRIPS; kind++)
-        CHECK(share_of(sum.in_strip[kind], sum.sheet[kind]) >= 0.99, "%s, %d: %zu of %zu",
-              subject->name, kind, sum.in_strip[kind], sum.sheet[kind]);
-    CHECK(found[COVERAGE_ROUTES] < found[COVERAGE_NARROW] && found[COVERAGE_WIDE] >= 95,
-          "%s: %g, %g, %g", subject->name, found[COVERAGE_ROUTES], found[COVERAGE_NARROW],
-          found[COVERAGE_WIDE]);
+        CHECK(share_of(sum.in_strip[kind], sum.sheet[kind]) >= 0.99, "%s, %d: %zu of %zu", subject->name, kind,
+              sum.in_strip[kind], sum.sheet[kind]);
+    CHECK(found[COVERAGE_ROUTES] < found[COVERAGE_NARROW] && found[COVERAGE_WIDE] >= 95, "%s: %g, %g, %g",
+          subject->name, found[COVERAGE_ROUTES], found[COVERAGE_NARROW], found[COVERAGE_WIDE]);
 }
 
 static void what_strips_hold(void)

@@ -19,8 +19,8 @@ struct course {
     size_t ticks, triangles;
 };
 
-static void course_tick(struct course *course, const double ends[6], double radius, double width,
-                        double depth, int judged)
+static void course_tick(struct course *course, const double ends[6], double radius, double width, double depth,
+                        int judged)
 {
     dpt_shadow shadow;
     struct guarded_strip fresh;
@@ -29,11 +29,9 @@ static void course_tick(struct course *course, const double ends[6], double radi
     shadow.width = width;
     shadow.depth = depth;
     fill_strip(&course->scene, &shadow, course->kept.strip);
-    fill_strip(&course->scene, &shadow,
-               guarded_strip_open(&fresh, room_for(course->scene.subject), 0));
-    CHECK(are_alike(&course->scene, course->kept.strip, fresh.strip),
-          "tick %zu: a fresh strip has others: %s", course->ticks,
-          shadow_text(&course->scene, &shadow));
+    fill_strip(&course->scene, &shadow, guarded_strip_open(&fresh, room_for(course->scene.subject), 0));
+    CHECK(are_alike(&course->scene, course->kept.strip, fresh.strip), "tick %zu: a fresh strip has others: %s",
+          course->ticks, shadow_text(&course->scene, &shadow));
     dpt_strip_get_triangles(fresh.strip, &count, NULL);
     guarded_strip_close(&fresh);
     course->ticks++;
@@ -62,8 +60,8 @@ static void slide_over(struct course *course, uint64_t seed, size_t ticks)
         random_unit(&slide.seed, slide.axis);
         random_unit(&slide.seed, slide.course);
         for (size_t i = 0; i < factor * ticks; i++) {
-            course_tick(course, slide.ends, radius, run % 3 ? 0.005 * size : 0,
-                        run % 2 ? 0.02 * size : 0.1 * size, i % 16 == 0);
+            course_tick(course, slide.ends, radius, run % 3 ? 0.005 * size : 0, run % 2 ? 0.02 * size : 0.1 * size,
+                        i % 16 == 0);
             slide_step(&slide);
         }
     }
@@ -120,11 +118,9 @@ static void remembered_in_motion(void)
     static const struct {
         const char *name;
         uint64_t count;
-    } shapes[] = {
-        { "torus", 5568 }, { "liver", 20000 }, { "cloth", 2048 }, { "star", 20480 }, { "hub", 2000 }
-    };
-    static const char *const files[] = { "openhelp_liver.stl", "gallbladder_low.stl",
-                                         "liver_metres.stl", "vessel_open_ends.stl" };
+    } shapes[] = { { "torus", 5568 }, { "liver", 20000 }, { "cloth", 2048 }, { "star", 20480 }, { "hub", 2000 } };
+    static const char *const files[] = { "openhelp_liver.stl", "gallbladder_low.stl", "liver_metres.stl",
+                                         "vessel_open_ends.stl" };
     struct subject subject;
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         if (subject_from_shape(&subject, shapes[i].name, shapes[i].count))
@@ -147,8 +143,7 @@ static void meshes_in_turn(void)
     struct scene scenes[2];
     struct guarded_strip guarded;
     uint64_t seed = 3;
-    if (!subject_from_shape(&subjects[0], "torus", 2000) ||
-        !subject_from_shape(&subjects[1], "sphere", 2000))
+    if (!subject_from_shape(&subjects[0], "torus", 2000) || !subject_from_shape(&subjects[1], "sphere", 2000))
         return;
     dpt_strip *strip = guarded_strip_open(&guarded, 2000, 2000);
     for (int s = 0; s < 2; s++)
@@ -204,8 +199,7 @@ static void the_same_shadow_again(void)
 /* A mesh that is opened where another one was is not taken for that: one triangle under the tool, and one aside. */
 static void in_anothers_place(void)
 {
-    static const double vertices[2][9] = { { 0, 0, 0, 1, 0, 0, 0, 1, 0 },
-                                           { 5, 0, 0, 6, 0, 0, 5, 1, 0 } };
+    static const double vertices[2][9] = { { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, { 5, 0, 0, 6, 0, 0, 5, 1, 0 } };
     static const uint32_t corners[3] = { 0, 1, 2 };
     static uint64_t place[1024];
     const dpt_shadow shadow = { .size = sizeof shadow,

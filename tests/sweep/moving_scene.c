@@ -3,8 +3,7 @@
 
 static vec3 whole_vector(uint64_t *random, int reach)
 {
-    return (vec3){ whole_in(random, -reach, reach), whole_in(random, -reach, reach),
-                   whole_in(random, -reach, reach) };
+    return (vec3){ whole_in(random, -reach, reach), whole_in(random, -reach, reach), whole_in(random, -reach, reach) };
 }
 
 void make_moving_lattice(uint64_t *random, int kind, struct moving_scene *scene)
@@ -71,8 +70,8 @@ void make_moving_instant(uint64_t *random, int kind, struct moving_scene *scene)
     if ((kind & 3) == MEET_FACE)
         weight[2] = whole_in(random, 1, 3) / 8.0;
     weight[0] -= weight[1] + weight[2];
-    vec3 u = kind & MEET_PARALLEL ? scaled(sub(v[1], v[0]), whole_in(random, -2, 2))
-                                  : scaled(whole_vector(random, 4), 8.0);
+    vec3 u =
+        kind & MEET_PARALLEL ? scaled(sub(v[1], v[0]), whole_in(random, -2, 2)) : scaled(whole_vector(random, 4), 8.0);
     double s = kind & MEET_END ? whole_in(random, 0, 1) : whole_in(random, 0, 8) / 8.0;
     vec3 at = point_of(v, weight);
     vec3 way = add(point_of(scene->shift, weight), instant_way(random, kind, v, u));
@@ -178,8 +177,7 @@ static void put_segment(uint64_t *random, struct moving_scene *scene, vec3 at, v
 }
 
 /* At right angles to a direction, so that nothing of it is nearer than `off` to the point. */
-static void put_across(uint64_t *random, struct moving_scene *scene, vec3 at, double off,
-                       vec3 direction)
+static void put_across(uint64_t *random, struct moving_scene *scene, vec3 at, double off, vec3 direction)
 {
     vec3 n = unit_of(direction);
     put_segment(random, scene, along(at, off, n), across_in(random, n));
@@ -244,8 +242,7 @@ static void move_together(uint64_t *random, double size, struct moving_scene *sc
 {
     double loose = one_in(random, 2) ? 0.0 : power_in(random, -12.0, -5.0);
     vec3 way = any_in(random, any_way(random));
-    vec3 *all[5] = { &scene->motion.da, &scene->motion.db, scene->shift, scene->shift + 1,
-                     scene->shift + 2 };
+    vec3 *all[5] = { &scene->motion.da, &scene->motion.db, scene->shift, scene->shift + 1, scene->shift + 2 };
     for (int i = 0; i < 5; i++)
         *all[i] = add(way, any_in(random, loose));
     vec3 *v = scene->corner;
@@ -292,8 +289,7 @@ void make_moving_any(uint64_t *random, int kind, struct moving_scene *scene)
     if (kind == NEEDLES)
         v[2] = add(along(v[0], random_in(random, 0.0, 1.0), sub(v[1], v[0])),
                    any_in(random, size * power_in(random, -15.0, -2.0)));
-    put_segment(random, scene, along(v[0], random_in(random, -0.5, 1.5), sub(v[2], v[0])),
-                any_in(random, 1.0));
+    put_segment(random, scene, along(v[0], random_in(random, -0.5, 1.5), sub(v[2], v[0])), any_in(random, 1.0));
     if (kind == TURN_CORNER || kind == TURN_EDGE)
         turn(random, kind == TURN_CORNER ? 1 : 2, size, scene);
     else if (kind == INVERT || kind == SHRINK)
@@ -347,7 +343,6 @@ const char *moving_text(const struct moving_scene *scene)
     const vec3 all[10] = { m->a, m->b, m->da, m->db, v[0], v[1], v[2], d[0], d[1], d[2] };
     size_t length = (size_t)snprintf(text, sizeof text, "radius %a", scene->radius);
     for (int i = 0; i < 10; i++)
-        length += (size_t)snprintf(text + length, sizeof text - length, ", {%a,%a,%a}", all[i].x,
-                                   all[i].y, all[i].z);
+        length += (size_t)snprintf(text + length, sizeof text - length, ", {%a,%a,%a}", all[i].x, all[i].y, all[i].z);
     return text;
 }

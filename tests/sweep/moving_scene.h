@@ -53,9 +53,9 @@ enum {
     IN_PLANE,    /* everything in one plane, some of it in parallel */
     SPECK,       /* a segment without length */
     TOGETHER,    /* one motion for all, or nearly */
-    EDGE_ON, /* the triangle goes by in its own plane, edge first, and a corner leaves a gap, or not */
-    AWAY,    /* far from the origin, by 1000 m */
-    LOOSE    /* none of these */
+    EDGE_ON,     /* the triangle goes by in its own plane, edge first, and a corner leaves a gap, or not */
+    AWAY,        /* far from the origin, by 1000 m */
+    LOOSE        /* none of these */
 };
 void make_moving_any(uint64_t *random, int kind, struct moving_scene *scene);
 

@@ -3,8 +3,7 @@
 
 static vec3 lattice_in(uint64_t *random, int reach)
 {
-    return (vec3){ whole_in(random, -reach, reach), whole_in(random, -reach, reach),
-                   whole_in(random, -reach, reach) };
+    return (vec3){ whole_in(random, -reach, reach), whole_in(random, -reach, reach), whole_in(random, -reach, reach) };
 }
 
 void make_lattice(uint64_t *random, int kind, struct scene *scene)
@@ -26,8 +25,7 @@ void make_lattice(uint64_t *random, int kind, struct scene *scene)
     if (kind == LATTICE_REST)
         scene->motion.da = scene->motion.db = (vec3){ 0.0, 0.0, 0.0 };
     if (kind == LATTICE_NEEDLE)
-        scene->corner[2] = along(scene->corner[0], whole_in(random, -1, 2),
-                                 sub(scene->corner[1], scene->corner[0]));
+        scene->corner[2] = along(scene->corner[0], whole_in(random, -1, 2), sub(scene->corner[1], scene->corner[0]));
 }
 
 void make_meeting(uint64_t *random, int kind, struct scene *scene)
@@ -46,9 +44,8 @@ void make_meeting(uint64_t *random, int kind, struct scene *scene)
     if (kind & MEET_PARALLEL)
         u = scaled(e, whole_in(random, -2, 2));
     if (kind & MEET_TANGENT)
-        way = feature == MEET_FACE
-                  ? along(scaled(e, whole_in(random, -1, 1)), whole_in(random, -1, 1), f)
-                  : scaled(along(e, whole_in(random, -1, 1), u), whole_in(random, -1, 1));
+        way = feature == MEET_FACE ? along(scaled(e, whole_in(random, -1, 1)), whole_in(random, -1, 1), f)
+                                   : scaled(along(e, whole_in(random, -1, 1), u), whole_in(random, -1, 1));
     if (one_in(random, 3))
         turn = (vec3){ 0.0, 0.0, 0.0 };
     double t = whole_in(random, 0, 8) / 8.0;
@@ -75,8 +72,7 @@ void make_any(uint64_t *random, int kind, struct scene *scene)
     vec3 *v = scene->corner;
     for (int k = 0; k < 3; k++)
         v[k] = any_in(random, 1.0);
-    *m = (struct motion){ any_in(random, 1.5), any_in(random, 1.5), any_in(random, 1.0),
-                          any_in(random, 1.0) };
+    *m = (struct motion){ any_in(random, 1.5), any_in(random, 1.5), any_in(random, 1.0), any_in(random, 1.0) };
     if (kind == SHIFT)
         m->db = m->da;
     for (int k = 0; kind == SMALL && k < 3; k++)
@@ -97,8 +93,7 @@ void make_any(uint64_t *random, int kind, struct scene *scene)
     if (kind == BESIDE) { /* along an edge */
         vec3 off = scaled(any_in(random, 1.0), power_in(random, -7.0, -1.0));
         double slow = power_in(random, -5.0, 0.0);
-        *m = (struct motion){ add(v[0], off), add(v[1], off), scaled(m->da, slow),
-                              scaled(m->db, slow) };
+        *m = (struct motion){ add(v[0], off), add(v[1], off), scaled(m->da, slow), scaled(m->db, slow) };
     }
     if (kind == DOT)
         m->b = m->a;
@@ -107,8 +102,8 @@ void make_any(uint64_t *random, int kind, struct scene *scene)
     if (size > 0.0) {
         for (int k = 0; k < 3; k++)
             v[k] = add(scaled(v[k], size), away);
-        *m = (struct motion){ add(scaled(m->a, size), away), add(scaled(m->b, size), away),
-                              scaled(m->da, size), scaled(m->db, size) };
+        *m = (struct motion){ add(scaled(m->a, size), away), add(scaled(m->b, size), away), scaled(m->da, size),
+                              scaled(m->db, size) };
     }
 }
 
@@ -125,9 +120,7 @@ double scene_extent(const struct scene *scene)
 double scene_size(const struct scene *scene)
 {
     const struct motion *m = &scene->motion;
-    const vec3 all[6] = {
-        m->a, m->b, add(m->a, m->da), add(m->b, m->db), scene->corner[1], scene->corner[2]
-    };
+    const vec3 all[6] = { m->a, m->b, add(m->a, m->da), add(m->b, m->db), scene->corner[1], scene->corner[2] };
     double most = 0.0;
     for (int k = 0; k < 6; k++)
         most = max_of(most, extent_of(sub(all[k], scene->corner[0])));
@@ -138,12 +131,10 @@ const char *scene_text(const struct scene *scene)
 {
     static char text[1200];
     const struct motion *m = &scene->motion;
-    const vec3 all[7] = {
-        m->a, m->b, m->da, m->db, scene->corner[0], scene->corner[1], scene->corner[2]
-    };
+    const vec3 all[7] = { m->a, m->b, m->da, m->db, scene->corner[0], scene->corner[1], scene->corner[2] };
     size_t length = 0;
     for (int i = 0; i < 7; i++)
-        length += (size_t)snprintf(text + length, sizeof text - length, "%s{%a,%a,%a}",
-                                   i ? ", " : "", all[i].x, all[i].y, all[i].z);
+        length += (size_t)snprintf(text + length, sizeof text - length, "%s{%a,%a,%a}", i ? ", " : "", all[i].x,
+                                   all[i].y, all[i].z);
     return text;
 }

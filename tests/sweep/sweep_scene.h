@@ -89,18 +89,16 @@ static inline double any_tolerance(uint64_t *random, const struct scene *scene)
 /* As exact numbers, to paste. */
 const char *scene_text(const struct scene *scene);
 
-#define SCENE_MEETINGS(make)                                                                       \
-    { "corner", make, MEET_CORNER }, { "corner, end", make, MEET_CORNER | MEET_END },              \
-        { "edge", make, MEET_EDGE }, { "edge, end", make, MEET_EDGE | MEET_END },                  \
-        { "edge, tangent", make, MEET_EDGE | MEET_TANGENT },                                       \
-        { "edge, parallel", make, MEET_EDGE | MEET_PARALLEL },                                     \
-        { "edge, both", make, MEET_EDGE | MEET_TANGENT | MEET_PARALLEL },                          \
-        { "face, end", make, MEET_FACE | MEET_END },                                               \
-        { "face, tangent", make, MEET_FACE | MEET_TANGENT },                                       \
-        { "face, end, tangent", make, MEET_FACE | MEET_END | MEET_TANGENT },                       \
-        { "face, parallel", make, MEET_FACE | MEET_PARALLEL },                                     \
-    {                                                                                              \
-        "corner, parallel", make, MEET_CORNER | MEET_PARALLEL | MEET_TANGENT                       \
+#define SCENE_MEETINGS(make)                                                                                           \
+    { "corner", make, MEET_CORNER }, { "corner, end", make, MEET_CORNER | MEET_END }, { "edge", make, MEET_EDGE },     \
+        { "edge, end", make, MEET_EDGE | MEET_END }, { "edge, tangent", make, MEET_EDGE | MEET_TANGENT },              \
+        { "edge, parallel", make, MEET_EDGE | MEET_PARALLEL },                                                         \
+        { "edge, both", make, MEET_EDGE | MEET_TANGENT | MEET_PARALLEL }, { "face, end", make, MEET_FACE | MEET_END }, \
+        { "face, tangent", make, MEET_FACE | MEET_TANGENT },                                                           \
+        { "face, end, tangent", make, MEET_FACE | MEET_END | MEET_TANGENT },                                           \
+        { "face, parallel", make, MEET_FACE | MEET_PARALLEL },                                                         \
+    {                                                                                                                  \
+        "corner, parallel", make, MEET_CORNER | MEET_PARALLEL | MEET_TANGENT                                           \
     }
 
 #endif

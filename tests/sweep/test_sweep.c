@@ -14,8 +14,7 @@
 static unsigned long case_count = 20000;
 static uint64_t rng = 1;
 
-static int sweep_scene(const struct scene *scene, double radius, double tolerance, double *time,
-                       uint32_t *asked)
+static int sweep_scene(const struct scene *scene, double radius, double tolerance, double *time, uint32_t *asked)
 {
     struct sweep sweep;
     dpti_sweep_begin(&sweep, &scene->motion, radius, tolerance, scene_extent(scene));
@@ -34,8 +33,7 @@ static double distance_at(const struct scene *scene, double time, int slow)
     vec3_store(b, segment + 3);
     for (int k = 0; k < 3; k++)
         vec3_store(scene->corner[k], v + 3 * k);
-    return slow ? (double)oracle_pair(segment, v)
-                : dpt_segment_triangle(segment, v, NULL, NULL, NULL);
+    return slow ? (double)oracle_pair(segment, v) : dpt_segment_triangle(segment, v, NULL, NULL, NULL);
 }
 
 /*
@@ -44,8 +42,8 @@ static double distance_at(const struct scene *scene, double time, int slow)
  * at the middle of an interval is far all along. `unsure` counts what remains when intervals are
  * too short or too many. Returns such a time, or -1.
  */
-static double touch_before(const struct scene *scene, double radius, double until, double unsure,
-                           int slow, unsigned long *open)
+static double touch_before(const struct scene *scene, double radius, double until, double unsure, int slow,
+                           unsigned long *open)
 {
     enum { DEPTH = 64, MOST = 4000 };
     double from[DEPTH], to[DEPTH];
@@ -115,20 +113,18 @@ static void judge(const char *name, const struct scene *scene, unsigned long i, 
     tally->most = asked > tally->most ? asked : tally->most;
     double off = hit ? distance_at(scene, time, slow) - radius : 0.0;
     tally->invented += off > tolerance;
-    CHECK(off <= tolerance, "%s: %g off at %a, radius %a: %s", name, off, time, radius,
-          scene_text(scene));
+    CHECK(off <= tolerance, "%s: %g off at %a, radius %a: %s", name, off, time, radius, scene_text(scene));
     if (i % 10 || (hit && time == 0.0))
         return;
     double sooner = touch_before(scene, radius, hit ? time : 1.0, unsure, slow, &tally->open);
     tally->missed += sooner >= 0.0;
-    CHECK(sooner < 0.0, "%s: missed at %a, told %a, radius %a: %s", name, sooner, hit ? time : 1.0,
-          radius, scene_text(scene));
+    CHECK(sooner < 0.0, "%s: missed at %a, told %a, radius %a: %s", name, sooner, hit ? time : 1.0, radius,
+          scene_text(scene));
 }
 
 static void one_triangle_is_met_in_time(void)
 {
-    printf("    %-24s %8s %8s %8s %8s %8s %8s\n", "family", "hits", "missed", "invented",
-           "too many", "asked", "most");
+    printf("    %-24s %8s %8s %8s %8s %8s %8s\n", "family", "hits", "missed", "invented", "too many", "asked", "most");
     for (size_t f = 0; f < COUNT(families); f++) {
         struct tally tally = { 0, 0, 0, 0, 0, 0 };
         for (unsigned long i = 0; i < case_count; i++) {
@@ -136,9 +132,8 @@ static void one_triangle_is_met_in_time(void)
             families[f].make(&rng, families[f].kind, &scene);
             judge(families[f].name, &scene, i, &tally);
         }
-        printf("    %-24s %8lu %8lu %8lu %8lu %8.2f %8u\n", families[f].name, tally.hits,
-               tally.missed, tally.invented, tally.open, (double)tally.asked / (double)case_count,
-               tally.most);
+        printf("    %-24s %8lu %8lu %8lu %8lu %8.2f %8u\n", families[f].name, tally.hits, tally.missed, tally.invented,
+               tally.open, (double)tally.asked / (double)case_count, tally.most);
         CHECK(tally.most <= 600, "%s: %u distances for one triangle", families[f].name, tally.most);
     }
 }
@@ -177,8 +172,8 @@ static void gives_closed_forms(void)
         if (expected == -2.0) /* at s: height 1 - 2 t + 4 t s, over the triangle for s from 0.1 */
             expected = 1.0 / (2.0 - 4.0 * 0.1);
         CHECK((result == SWEEP_HIT) == (expected >= 0.0), "case %zu: result %d", i, result);
-        CHECK(result != SWEEP_HIT || (time <= expected && time > expected - 1e-3),
-              "case %zu: at %.17g, not %.17g", i, time, expected);
+        CHECK(result != SWEEP_HIT || (time <= expected && time > expected - 1e-3), "case %zu: at %.17g, not %.17g", i,
+              time, expected);
         CHECK(asked <= 60, "case %zu: %u distances", i, asked);
     }
 }

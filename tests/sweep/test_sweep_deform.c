@@ -36,8 +36,7 @@ static int open_body(struct moving_body *body, const char *shape, uint64_t trian
     body->raw = malloc((size_t)dpti_surface_motion_bytes(mesh) + 64);
     body->last = malloc(floats * sizeof(float));
     body->now = malloc(floats * sizeof(float));
-    dpti_surface_of_motion(mesh, low, high, (char *)mesh_aligned((uintptr_t)body->raw),
-                           &body->motion, &body->surface);
+    dpti_surface_of_motion(mesh, low, high, (char *)mesh_aligned((uintptr_t)body->raw), &body->motion, &body->surface);
     memcpy(body->now, body->surface.positions, floats * sizeof(float));
     body->diagonal = surface_diagonal(&body->surface);
     return 1;
@@ -62,8 +61,7 @@ static void move_body(struct moving_body *body)
     int has_begun_anew;
     memcpy(body->last, body->now, 3 * sizeof(float) * (size_t)vertices);
     for (uint32_t v = from; v < vertices && kind; v++) {
-        const vec3 x =
-            vec3_of_float(mesh_floats(body->fixture.mesh, MESH_VERTICES) + 3 * (size_t)v);
+        const vec3 x = vec3_of_float(mesh_floats(body->fixture.mesh, MESH_VERTICES) + 3 * (size_t)v);
         const double part = kind == 1 ? 1.0 : kind == 2 ? sin(dot(x, wave)) : 0.1;
         vec3 to = along(x, part, shift);
         if (kind == 3)
@@ -89,8 +87,7 @@ static void draw_motion(const struct moving_body *body, struct motion *m)
     const vec3 u = scaled(any_in(&rng, 1.0), size * power_in(&rng, -3.0, 0.0));
     m->a = add(near, scaled(any_in(&rng, size), far));
     m->b = add(m->a, one_in(&rng, 5) ? (vec3){ 0.0, 0.0, 0.0 } : u);
-    m->da = one_in(&rng, 3) ? (vec3){ 0.0, 0.0, 0.0 }
-                            : scaled(any_in(&rng, size), power_in(&rng, -4.0, -1.0));
+    m->da = one_in(&rng, 3) ? (vec3){ 0.0, 0.0, 0.0 } : scaled(any_in(&rng, size), power_in(&rng, -4.0, -1.0));
     m->db = one_in(&rng, 2) ? m->da : scaled(any_in(&rng, size), power_in(&rng, -4.0, -1.0));
 }
 
@@ -125,8 +122,7 @@ static uint32_t check_motion(const struct moving_body *body, const char *name)
 {
     const double part[2] = { random_in(&rng, 0.0, 0.5), random_in(&rng, 0.5, 1.0) };
     const int is_whole = one_in(&rng, 2);
-    const struct surface_times times = { body->tick, is_whole ? 0.0 : part[0],
-                                         is_whole ? 1.0 : part[1] };
+    const struct surface_times times = { body->tick, is_whole ? 0.0 : part[0], is_whole ? 1.0 : part[1] };
     const struct surface_motion *motion = &body->motion;
     struct motion moved;
     struct sweep sweep;
@@ -136,25 +132,22 @@ static uint32_t check_motion(const struct moving_body *body, const char *name)
     draw_motion(body, &moved);
     const double radius = one_in(&rng, 2) ? 0.0 : body->diagonal * power_in(&rng, -4.0, -1.5);
     dpti_sweep_begin(&sweep, &moved, radius, 1e-6 * body->diagonal, 1.0);
-    sweep.surface_speed = (times.to - times.from) *
-                          (double)motion->step[motion->first[motion->levels]] /
-                          body->surface.filter_scale;
+    sweep.surface_speed =
+        (times.to - times.from) * (double)motion->step[motion->first[motion->levels]] / body->surface.filter_scale;
     const struct impact truth = sweep_all(body, &sweep, &times);
-    const int result = dpti_sweep_mesh(&body->surface, &body->kernel, &sweep, &times, 0.0, DPT_NONE,
-                                       &work, &progress, &found);
-    CHECK(result == (truth.triangle == DPT_NONE ? SWEEP_FREE : SWEEP_HIT), "%s: result %d", name,
-          result);
-    CHECK(found.time == truth.time && found.triangle == truth.triangle,
-          "%s: %u at %.17g, not %u at %.17g", name, found.triangle, found.time, truth.triangle,
-          truth.time);
+    const int result =
+        dpti_sweep_mesh(&body->surface, &body->kernel, &sweep, &times, 0.0, DPT_NONE, &work, &progress, &found);
+    CHECK(result == (truth.triangle == DPT_NONE ? SWEEP_FREE : SWEEP_HIT), "%s: result %d", name, result);
+    CHECK(found.time == truth.time && found.triangle == truth.triangle, "%s: %u at %.17g, not %u at %.17g", name,
+          found.triangle, found.time, truth.triangle, truth.time);
     /* The distance when the motion begins tells from when on a touch is possible. */
     const struct surface then = surface_view(&body->surface, body->tick, times.from);
     double distance2 = HUGE_VAL;
     for (uint32_t t = 0; t < body->fixture.mesh->triangles; t++)
         distance2 = min_of(distance2, dpti_triangle_pair(&then, t, sweep.a, sweep.u).distance2);
     const double start = dpti_sweep_start(&sweep, sqrt(distance2));
-    CHECK(truth.triangle == DPT_NONE || start <= truth.time, "%s: free until %.17g, hit at %.17g",
-          name, start, truth.time);
+    CHECK(truth.triangle == DPT_NONE || start <= truth.time, "%s: free until %.17g, hit at %.17g", name, start,
+          truth.time);
     return truth.triangle != DPT_NONE;
 }
 

@@ -84,8 +84,7 @@ static void judge(const struct scene *scene, const char *name, struct counts *co
 
 static void agrees_with_exact_arithmetic(void)
 {
-    printf("    %-24s %8s %8s %8s %8s %8s %8s\n", "family", "touch", "not", "missed", "late",
-           "invented", "asked");
+    printf("    %-24s %8s %8s %8s %8s %8s %8s\n", "family", "touch", "not", "missed", "late", "invented", "asked");
     for (size_t f = 0; f < sizeof families / sizeof *families; f++) {
         struct counts counts = { 0, 0, 0, 0, 0, 0 };
         for (unsigned long i = 0; i < case_count; i++) {
@@ -93,8 +92,8 @@ static void agrees_with_exact_arithmetic(void)
             families[f].make(&rng, families[f].kind, &scene);
             judge(&scene, families[f].name, &counts);
         }
-        printf("    %-24s %8lu %8lu %8lu %8lu %8lu %8u\n", families[f].name, counts.touch,
-               case_count - counts.touch, counts.missed, counts.late, counts.invented, counts.most);
+        printf("    %-24s %8lu %8lu %8lu %8lu %8lu %8u\n", families[f].name, counts.touch, case_count - counts.touch,
+               counts.missed, counts.late, counts.invented, counts.most);
     }
 }
 
@@ -111,13 +110,7 @@ static void the_oracle_knows_simple_cases(void)
         { { 5, 1, 2 }, { 5, 1, 3 }, { 0, 0, -9 }, { 0, 0, -9 }, 1.0, 1, 0 },  /* beside */
         { { -1, -1, 0 }, { -1, 5, 0 }, { 1, 0, 0 }, { 1, 0, 0 }, 1.0, 1, 1 }, /* in the plane */
         { { -1, -1, 0 }, { -1, 5, 0 }, { 1, 0, 0 }, { 1, 0, 0 }, 1.0, 0, 0 },
-        { { 0, -1, 1 },
-          { 0, 1, -1 },
-          { 0, 0, 0 },
-          { 0, 0, 0 },
-          1.0,
-          0,
-          1 }, /* at rest, at a corner */
+        { { 0, -1, 1 }, { 0, 1, -1 }, { 0, 0, 0 }, { 0, 0, 0 }, 1.0, 0, 1 },  /* at rest, at a corner */
         { { 1, -1, 1 }, { 1, -1, -1 }, { 0, 2, 0 }, { 0, 2, 0 }, 0.5, 1, 1 }, /* over an edge */
         { { 1, -1, 1 }, { 1, -1, -1 }, { 0, 2, 0 }, { 0, 2, 0 }, 0.5, 0, 0 },
         { { 4, 4, 1 }, { 4, 4, -1 }, { -2, -2, 0 }, { -2, -2, 0 }, 1.0, 1, 1 },
@@ -125,8 +118,7 @@ static void the_oracle_knows_simple_cases(void)
     };
     const double triangle[9] = { 0, 0, 0, 4, 0, 0, 0, 4, 0 };
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
-        int answer =
-            exact_touch(c[i].a, c[i].b, c[i].da, c[i].db, triangle, c[i].until, c[i].closed);
+        int answer = exact_touch(c[i].a, c[i].b, c[i].da, c[i].db, triangle, c[i].until, c[i].closed);
         CHECK(answer == c[i].answer, "case %zu: %d", i, answer);
     }
 }

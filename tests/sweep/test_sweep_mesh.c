@@ -46,8 +46,7 @@ static int soup_of(struct body *body)
             corners[3 * t + k] = 3 * t + k;
         }
     }
-    return fixture_from_arrays(&body->fixture, vertices, 3 * TRIANGLES, corners, TRIANGLES) &&
-           body_of(body);
+    return fixture_from_arrays(&body->fixture, vertices, 3 * TRIANGLES, corners, TRIANGLES) && body_of(body);
 }
 
 /* About the body; of a third, fast, slow, or not at all; from a length of 0 to the diagonal. */
@@ -80,8 +79,7 @@ static struct impact brute_sweep(const struct surface *tree, const struct sweep 
         double time;
         if (dpti_sweep_triangle(sweep, &triangle, first.time, &time, &asked) != SWEEP_HIT)
             continue;
-        if (time < first.time || first.triangle == DPT_NONE ||
-            tree->sources[t] < tree->sources[first.triangle]) {
+        if (time < first.time || first.triangle == DPT_NONE || tree->sources[t] < tree->sources[first.triangle]) {
             first.time = time;
             first.triangle = t;
         }
@@ -89,28 +87,23 @@ static struct impact brute_sweep(const struct surface *tree, const struct sweep 
     return first;
 }
 
-static void check_strike(const char *what, const struct impact *found, const struct impact *truth,
-                         int result)
+static void check_strike(const char *what, const struct impact *found, const struct impact *truth, int result)
 {
-    CHECK(result == (truth->triangle == DPT_NONE ? SWEEP_FREE : SWEEP_HIT), "%s: result %d", what,
-          result);
-    CHECK(found->time == truth->time && found->triangle == truth->triangle,
-          "%s: %u at %.17g, not %u at %.17g", what, found->triangle, found->time, truth->triangle,
-          truth->time);
+    CHECK(result == (truth->triangle == DPT_NONE ? SWEEP_FREE : SWEEP_HIT), "%s: result %d", what, result);
+    CHECK(found->time == truth->time && found->triangle == truth->triangle, "%s: %u at %.17g, not %u at %.17g", what,
+          found->triangle, found->time, truth->triangle, truth->time);
 }
 
 static const struct surface_times at_rest = { 0, 0.0, 1.0 };
 
 /* All at once, in one call. */
-static int sweep_whole(const struct body *body, const struct kernel *kernel,
-                       const struct sweep *sweep, double from, uint32_t hint, struct impact *found,
-                       uint32_t *work)
+static int sweep_whole(const struct body *body, const struct kernel *kernel, const struct sweep *sweep, double from,
+                       uint32_t hint, struct impact *found, uint32_t *work)
 {
     struct sweep_progress progress;
     progress.has_begun = 0;
     struct work meter = { *work, WORK_UNLIMITED };
-    int result = dpti_sweep_mesh(&body->surface, kernel, sweep, &at_rest, from, hint, &meter,
-                                 &progress, found);
+    int result = dpti_sweep_mesh(&body->surface, kernel, sweep, &at_rest, from, hint, &meter, &progress, found);
     *work = meter.done;
     CHECK(result != SWEEP_UNFINISHED, "%u units, of any number", *work);
     return result;
@@ -120,9 +113,8 @@ static int sweep_whole(const struct body *body, const struct kernel *kernel,
  * With little work at a time, gone on with until it is done: no more than allowed in any call, nothing said that is not
  * so, no unit spent twice, and in the end the truth. How often it was ended.
  */
-static uint32_t check_budget(const struct body *body, const struct kernel *kernel,
-                             const struct sweep *sweep, double from, uint32_t hint,
-                             const struct impact *truth, uint32_t full)
+static uint32_t check_budget(const struct body *body, const struct kernel *kernel, const struct sweep *sweep,
+                             double from, uint32_t hint, const struct impact *truth, uint32_t full)
 {
     uint32_t all = 0, ends = 0;
     int result;
@@ -133,16 +125,14 @@ static uint32_t check_budget(const struct body *body, const struct kernel *kerne
         uint32_t most = 1 + (uint32_t)(random_bits(&rng) % full);
         most = one_in(&rng, 4) ? 1 : most;
         struct work meter = { 5, 5 + most };
-        result = dpti_sweep_mesh(&body->surface, kernel, sweep, &at_rest, from, hint, &meter,
-                                 &progress, &found);
+        result = dpti_sweep_mesh(&body->surface, kernel, sweep, &at_rest, from, hint, &meter, &progress, &found);
         const uint32_t spent = meter.done - 5;
         CHECK(spent <= most, "%u of %u units", spent, most);
         all += spent;
         if (result != SWEEP_UNFINISHED)
             break;
         CHECK(spent == most, "%u of %u units, unfinished", spent, most);
-        CHECK(found.triangle == DPT_NONE && found.time == from, "%u at %g", found.triangle,
-              found.time);
+        CHECK(found.triangle == DPT_NONE && found.time == from, "%u at %g", found.triangle, found.time);
         ends++;
     } while (all <= full);
     check_strike("budget", &found, truth, result);
@@ -151,21 +141,18 @@ static uint32_t check_budget(const struct body *body, const struct kernel *kerne
 }
 
 /* From a distance that is known; no touch is before the time that it gives. */
-static double check_start(const struct body *body, const struct sweep *sweep,
-                          const struct impact *truth)
+static double check_start(const struct body *body, const struct sweep *sweep, const struct impact *truth)
 {
     struct pair_search nearest = { .pair.distance2 = HUGE_VAL, .triangle = DPT_NONE };
-    dpti_brute_search(&body->surface, sweep->a, sweep->u, &(struct work){ 0, WORK_UNLIMITED },
-                      &nearest);
+    dpti_brute_search(&body->surface, sweep->a, sweep->u, &(struct work){ 0, WORK_UNLIMITED }, &nearest);
     double from = dpti_sweep_start(sweep, sqrt(nearest.pair.distance2));
     CHECK(from >= 0.0 && from <= 1.0, "%g", from);
-    CHECK(truth->triangle == DPT_NONE || from < truth->time || from == 0.0, "%.17g, hit at %.17g",
-          from, truth->time);
+    CHECK(truth->triangle == DPT_NONE || from < truth->time || from == 0.0, "%.17g, hit at %.17g", from, truth->time);
     return from;
 }
 
-static void check_pair_of(const struct body *body, const struct sweep *sweep,
-                          const struct impact *found, double tolerance)
+static void check_pair_of(const struct body *body, const struct sweep *sweep, const struct impact *found,
+                          double tolerance)
 {
     vec3 a, u;
     dpti_sweep_axis(sweep, found->time, &a, &u);
@@ -177,8 +164,7 @@ static void check_pair_of(const struct body *body, const struct sweep *sweep,
 }
 
 /* Directions that are tried first: from the axis to what is nearest to it at some time, and any. */
-static void any_directions(const struct body *body, const struct sweep *sweep,
-                           vec3 directions[SWEEP_DIRECTIONS_MAX])
+static void any_directions(const struct body *body, const struct sweep *sweep, vec3 directions[SWEEP_DIRECTIONS_MAX])
 {
     for (int i = 0; i < SWEEP_DIRECTIONS_MAX; i++) {
         struct pair_search nearest = { .pair.distance2 = HUGE_VAL, .triangle = DPT_NONE };
@@ -187,15 +173,14 @@ static void any_directions(const struct body *body, const struct sweep *sweep,
         dpti_brute_search(&body->surface, a, u, &(struct work){ 0, WORK_UNLIMITED }, &nearest);
         const double distance = sqrt(nearest.pair.distance2);
         const vec3 any = any_in(&rng, 1.0);
-        directions[i] = distance > 0.0 && i < 4 ? scaled(nearest.pair.gap, -1.0 / distance)
-                                                : scaled(any, 1.0 / length(any));
+        directions[i] =
+            distance > 0.0 && i < 4 ? scaled(nearest.pair.gap, -1.0 / distance) : scaled(any, 1.0 / length(any));
     }
 }
 
 /* What a radius touches, half of it and as much of reach may touch. */
-static void check_may_touch(const struct body *body, const struct kernel *kernel,
-                            const struct motion *motion, const struct sweep *directed,
-                            double tolerance)
+static void check_may_touch(const struct body *body, const struct kernel *kernel, const struct motion *motion,
+                            const struct sweep *directed, double tolerance)
 {
     struct sweep sweep;
     struct sweep_progress progress = { .has_begun = 0 };
@@ -206,8 +191,7 @@ static void check_may_touch(const struct body *body, const struct kernel *kernel
     sweep.reach[0] = sweep.reach[1] = half;
     sweep.directions = directed->directions;
     sweep.direction_count = directed->direction_count;
-    int status = dpti_sweep_may_touch(&body->surface, kernel, &sweep, &at_rest, 0.0, &work,
-                                      &progress, &leaf);
+    int status = dpti_sweep_may_touch(&body->surface, kernel, &sweep, &at_rest, 0.0, &work, &progress, &leaf);
     CHECK(status == SWEEP_HIT, "ruled out");
 }
 
@@ -259,8 +243,8 @@ static void sweep_body(const char *name, struct body *body, int motions)
         hits += truth.triangle != DPT_NONE;
         later += from > 0.0;
     }
-    printf("    %-10s %5d motions, %4u hits, %4u begun later, %4u ended, work at most %5u\n", name,
-           motions, hits, later, unfinished, most);
+    printf("    %-10s %5d motions, %4u hits, %4u begun later, %4u ended, work at most %5u\n", name, motions, hits,
+           later, unfinished, most);
     CHECK(hits > (uint32_t)motions / 10, "%u hits", hits);
     const double share = (double)directed_work / (double)all_work;
     printf("    with directions %.3f of the units\n", share);
@@ -280,8 +264,7 @@ static void meshes_are_met_as_their_triangles_are(void)
               { NULL, 0, 1500 } };
     for (size_t i = 0; i < COUNT(c); i++) {
         struct body body;
-        if (c[i].shape ? fixture_from_shape(&body.fixture, c[i].shape, c[i].count) && body_of(&body)
-                       : soup_of(&body))
+        if (c[i].shape ? fixture_from_shape(&body.fixture, c[i].shape, c[i].count) && body_of(&body) : soup_of(&body))
             sweep_body(c[i].shape ? c[i].shape : "soup", &body,
                        1 + (int)((unsigned long)c[i].motions * crossing_count / 200000));
         fixture_free(&body.fixture);
@@ -297,8 +280,7 @@ static void any_swath(struct swept_hull *hull, vec3 end[4])
     const int is_slow = one_in(&rng, 2);
     hull->limit = (float)power_in(&rng, -4.0, 0.0);
     for (int e = 0; e < 4; e++) {
-        end[e] = e > 1 && is_slow ? add(end[e - 2], any_in(&rng, 0.01 * span))
-                                  : add(about, any_in(&rng, span));
+        end[e] = e > 1 && is_slow ? add(end[e - 2], any_in(&rng, 0.01 * span)) : add(about, any_in(&rng, span));
         far = max_of(far, length(end[e]));
         put_float(end[e], hull->end[e]);
     }
@@ -314,10 +296,8 @@ static void any_swath(struct swept_hull *hull, vec3 end[4])
         hull->half[k] = (float)(random_in(&rng, 0.0, 1.0) * span);
     const int has_reach = one_in(&rng, 2);
     for (int k = 0; k < 2; k++)
-        hull->reach[k] =
-            has_reach && !one_in(&rng, 3) ? (float)(random_in(&rng, 0.0, 1.0) * span) : 0.0f;
-    hull->beside = hull->limit +
-                   (hull->reach[0] > hull->reach[1] ? hull->reach[0] : hull->reach[1]) +
+        hull->reach[k] = has_reach && !one_in(&rng, 3) ? (float)(random_in(&rng, 0.0, 1.0) * span) : 0.0f;
+    hull->beside = hull->limit + (hull->reach[0] > hull->reach[1] ? hull->reach[0] : hull->reach[1]) +
                    (float)(PIECE_MARGIN * (1.0 + far));
 }
 
@@ -330,8 +310,7 @@ static vec3 beside(vec3 end, float reach, vec3 place)
 }
 
 /* The part *from..*to of the axis a, b that is beside a triangle, along the tool; 0 if there is none. */
-static int part_beside(const struct swept_hull *hull, const vec3 v[3], vec3 a, vec3 b, double *from,
-                       double *to)
+static int part_beside(const struct swept_hull *hull, const vec3 v[3], vec3 a, vec3 b, double *from, double *to)
 {
     const vec3 x = vec3_of_float(hull->axis[0]);
     const double low = min_of(dot(x, v[0]), min_of(dot(x, v[1]), dot(x, v[2])));
@@ -350,8 +329,7 @@ static int part_beside(const struct swept_hull *hull, const vec3 v[3], vec3 a, v
  * By how many margins a bound is above the distance of a triangle to a segment within the hull, as far as that is beside
  * the triangle. A bound beyond the limit counts for the whole segment, with the limit.
  */
-static double excess(const float *rows, int lane, float bound, const struct swept_hull *hull,
-                     const vec3 end[4])
+static double excess(const float *rows, int lane, float bound, const struct swept_hull *hull, const vec3 end[4])
 {
     double s = random_in(&rng, 0.0, 1.0), t = random_in(&rng, 0.0, 1.0), far = 0.0;
     vec3 a = along(end[0], t, sub(end[2], end[0])), b = along(end[1], t, sub(end[3], end[1])), v[3];
@@ -360,8 +338,7 @@ static double excess(const float *rows, int lane, float bound, const struct swep
         a = end[last], b = end[1 + last];
     }
     for (int k = 0; k < 3; k++)
-        v[k] = (vec3){ rows[3 * k * LANES + lane], rows[(3 * k + 1) * LANES + lane],
-                       rows[(3 * k + 2) * LANES + lane] };
+        v[k] = (vec3){ rows[3 * k * LANES + lane], rows[(3 * k + 1) * LANES + lane], rows[(3 * k + 2) * LANES + lane] };
     double from, to, over = -HUGE_VAL;
     const int has_part = part_beside(hull, v, a, b, &from, &to);
     a = beside(a, hull->reach[0], v[0]);
@@ -371,12 +348,10 @@ static double excess(const float *rows, int lane, float bound, const struct swep
     for (int e = 0; e < 4; e++)
         far = max_of(far, length(end[e]) + (double)hull->reach[e % 2]);
     if (has_part)
-        over = (double)bound -
-               sqrt(segment_triangle(along(a, from, u), scaled(u, to - from), v[0], v[1], v[2])
-                        .distance2);
+        over =
+            (double)bound - sqrt(segment_triangle(along(a, from, u), scaled(u, to - from), v[0], v[1], v[2]).distance2);
     if (bound > hull->limit)
-        over = max_of(over, (double)hull->limit -
-                                sqrt(segment_triangle(a, u, v[0], v[1], v[2]).distance2));
+        over = max_of(over, (double)hull->limit - sqrt(segment_triangle(a, u, v[0], v[1], v[2]).distance2));
     return over / kernel_swept_margin(far);
 }
 
@@ -394,8 +369,7 @@ static void swept_bounds_are_sound(void)
         struct swept_hull hull;
         vec3 end[4];
         any_swath(&hull, end);
-        uint32_t leaf = (uint32_t)(random_bits(&rng) % body.surface.mesh->leaves),
-                 lanes[2] = { 0, 0 };
+        uint32_t leaf = (uint32_t)(random_bits(&rng) % body.surface.mesh->leaves), lanes[2] = { 0, 0 };
         const float *rows = body.surface.leaves + (size_t)leaf * MESH_LEAF_WORDS;
         const float *boxes = body.surface.level[1] + (size_t)(leaf / LANES) * MESH_BOX_WORDS;
         float first[2][LANES], bound[2][LANES];
@@ -412,8 +386,7 @@ static void swept_bounds_are_sound(void)
         closed += lanes[0] != 0xffff;
         for (int lane = 0; lane < LANES; lane++) {
             double over = excess(rows, lane, first[0][lane], &hull, end);
-            worst =
-                max_of(worst, max_of(over, excess(rows, lane, first[1][leaf % LANES], &hull, end)));
+            worst = max_of(worst, max_of(over, excess(rows, lane, first[1][leaf % LANES], &hull, end)));
             CHECK(first[0][lane] <= hull.limit || !(lanes[0] >> lane & 1), "lane %d", lane);
         }
         CHECK(worst <= 1.0, "%g margins above the distance", worst);
@@ -482,19 +455,16 @@ static void sheets_are_crossed_at_any_speed(void)
         dpti_sweep_begin(&sweep, &m, 0.0, tolerance, dpti_surface_extent(&body.surface));
         int hit = sweep_whole(&body, &kernel, &sweep, 0.0, DPT_NONE, &found, &work) == SWEEP_HIT;
         missed += crosses && !(hit && found.time <= t + 1e-12);
-        CHECK(!crosses || (hit && found.time <= t + 1e-12), "missed: result %d at %.17g, not %.17g",
-              hit, found.time, t);
+        CHECK(!crosses || (hit && found.time <= t + 1e-12), "missed: result %d at %.17g, not %.17g", hit, found.time,
+              t);
         vec3 a, axis;
         dpti_sweep_axis(&sweep, found.time, &a, &axis);
-        int off =
-            hit &&
-            sqrt(dpti_triangle_pair(&body.surface, found.triangle, a, axis).distance2) > tolerance;
+        int off = hit && sqrt(dpti_triangle_pair(&body.surface, found.triangle, a, axis).distance2) > tolerance;
         invented += (unsigned)off + (!crosses && hit);
         CHECK(!off && !(hit && !crosses), "invented at %.17g", found.time);
         free += !hit;
     }
-    printf("    %lu motions, %lu missed, %lu invented, %lu free\n", crossing_count, missed,
-           invented, free);
+    printf("    %lu motions, %lu missed, %lu invented, %lu free\n", crossing_count, missed, invented, free);
     fixture_free(&body.fixture);
 }
 
@@ -513,8 +483,7 @@ static double room_at_samples(const struct sweep *sweep, const vec3 corner[3])
             const double s = (double)k / PLACES;
             pair found;
             point_triangle(along(a, s, u), corner, &found);
-            least = min_of(least, sqrt(found.distance2) - (1.0 - s) * sweep->reach[0] -
-                                      s * sweep->reach[1]);
+            least = min_of(least, sqrt(found.distance2) - (1.0 - s) * sweep->reach[0] - s * sweep->reach[1]);
         }
     }
     return least;
@@ -537,16 +506,14 @@ static void what_is_ruled_out_is_not_touched(void)
         m.da = scaled(m.da, one_in(&rng, 3) ? 0.0 : slow);
         m.db = scaled(m.db, slow);
         dpti_sweep_begin(&sweep, &m, 0.0, 0.0, scene_extent(&scene));
-        const double reach[2] = { one_in(&rng, 2) ? 0.0 : random_in(&rng, 0.0, 0.2),
-                                  random_in(&rng, 0.0, 0.2) };
+        const double reach[2] = { one_in(&rng, 2) ? 0.0 : random_in(&rng, 0.0, 0.2), random_in(&rng, 0.0, 0.2) };
         memcpy(sweep.reach, reach, sizeof reach);
         const double room = room_at_samples(&sweep, scene.corner);
         if (!(room > 1e-6))
             continue;
         const struct moving_triangle triangle = triangle_at_rest(scene.corner);
         for (int touches = 0; touches < 2; touches++) {
-            dpti_sweep_begin(&sweep, &m, (touches ? 1.0 + 1e-9 : 0.7) * room, 0.0,
-                             scene_extent(&scene));
+            dpti_sweep_begin(&sweep, &m, (touches ? 1.0 + 1e-9 : 0.7) * room, 0.0, scene_extent(&scene));
             memcpy(sweep.reach, reach, sizeof reach);
             const int may_touch = dpti_sweep_may_touch_triangle(&sweep, &triangle);
             CHECK(may_touch || !touches, "ruled out, with %g: %s", room, scene_text(&scene));
@@ -570,9 +537,7 @@ static void many_that_touch_at_once_cost_little(void)
     if (!dpti_kernel_get(DPT_KERNEL_SCALAR, &kernel, &chosen) ||
         !fixture_from_shape(&body.fixture, "membrane", 20000) || !body_of(&body))
         return;
-    const struct motion m = {
-        { -0.05, 0.01, 0.0 }, { 0.05, -0.01, 0.0 }, { 0.0, 0.0, 0.01 }, { 0.0, 0.0, 0.01 }
-    };
+    const struct motion m = { { -0.05, 0.01, 0.0 }, { 0.05, -0.01, 0.0 }, { 0.0, 0.0, 0.01 }, { 0.0, 0.0, 0.01 } };
     struct sweep sweep;
     struct impact found;
     uint32_t work = 0, touched = 0;
@@ -583,8 +548,7 @@ static void many_that_touch_at_once_cost_little(void)
     for (uint32_t t = 0; t < body.surface.mesh->triangles; t++)
         touched += dpti_triangle_pair(&body.surface, t, m.a, sub(m.b, m.a)).distance2 <= 1e-4;
     printf("    %u units, %u triangles touched\n", work, touched);
-    CHECK(found.time == 0.0 && touched > 500 && work < touched / 2, "%u units, %u touched", work,
-          touched);
+    CHECK(found.time == 0.0 && touched > 500 && work < touched / 2, "%u units, %u touched", work, touched);
     fixture_free(&body.fixture);
 }
 

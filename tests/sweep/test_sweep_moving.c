@@ -42,8 +42,8 @@ static const struct moving_family families[] = {
 };
 
 /* Triangles at rest say so where there is no radius; then their shifts are not read. */
-static int sweep_scene(const struct sweep *sweep, const struct moving_scene *scene, double until,
-                       double *time, uint32_t *asked)
+static int sweep_scene(const struct sweep *sweep, const struct moving_scene *scene, double until, double *time,
+                       uint32_t *asked)
 {
     static const vec3 rest[3];
     const vec3 nothing = { NAN, NAN, NAN };
@@ -78,20 +78,19 @@ struct tally {
 };
 
 /* The first touch is the first one up to any time. */
-static void ends_where_it_is_told(const struct sweep *sweep, const struct moving_scene *scene,
-                                  const char *name, double time)
+static void ends_where_it_is_told(const struct sweep *sweep, const struct moving_scene *scene, const char *name,
+                                  double time)
 {
     double again = -1.0;
     uint32_t asked = 0;
     int hit = time >= 0.0;
     double until = hit ? time : random_in(&rng, 0.0, 1.0);
     int result = sweep_scene(sweep, scene, until, &again, &asked);
-    CHECK(result == (hit ? SWEEP_HIT : SWEEP_FREE) && (!hit || again == time),
-          "%s: up to %a: %d at %a: %s", name, until, result, again, moving_text(scene));
+    CHECK(result == (hit ? SWEEP_HIT : SWEEP_FREE) && (!hit || again == time), "%s: up to %a: %d at %a: %s", name,
+          until, result, again, moving_text(scene));
     if (hit && time > 0.0) {
         result = sweep_scene(sweep, scene, nextafter(time, 0.0), &again, &asked);
-        CHECK(result == SWEEP_FREE, "%s: before %a: %d at %a: %s", name, time, result, again,
-              moving_text(scene));
+        CHECK(result == SWEEP_FREE, "%s: before %a: %d at %a: %s", name, time, result, again, moving_text(scene));
     }
 }
 
@@ -132,8 +131,8 @@ static struct moving_scene any_scene(const struct moving_family *family)
 
 static void agrees_with_exact_arithmetic(void)
 {
-    printf("    %-24s %8s %8s %8s %8s %8s %8s %8s %8s\n", "family", "touch", "at once", "missed",
-           "late", "wrong", "invented", "asked", "most");
+    printf("    %-24s %8s %8s %8s %8s %8s %8s %8s %8s\n", "family", "touch", "at once", "missed", "late", "wrong",
+           "invented", "asked", "most");
     for (size_t f = 0; f < COUNT(families); f++) {
         struct tally tally = { 0 };
         for (unsigned long i = 0; i < case_count; i++) {
@@ -142,9 +141,9 @@ static void agrees_with_exact_arithmetic(void)
                 memset(scene.shift, 0, sizeof scene.shift);
             judge(&scene, families[f].name, &tally);
         }
-        printf("    %-24s %8lu %8lu %8lu %8lu %8lu %8lu %8.2f %8u\n", families[f].name,
-               tally.touches, tally.at_once, tally.missed, tally.late, tally.wrong, tally.invented,
-               (double)tally.asked / (double)case_count, tally.most);
+        printf("    %-24s %8lu %8lu %8lu %8lu %8lu %8lu %8.2f %8u\n", families[f].name, tally.touches, tally.at_once,
+               tally.missed, tally.late, tally.wrong, tally.invented, (double)tally.asked / (double)case_count,
+               tally.most);
     }
 }
 
@@ -160,16 +159,13 @@ static void the_oracle_agrees_with_single_times(void)
             double low = 1.0, high = 2.0;
             int touch = moving_first(&both, &low, &high);
             touches += touch != 0;
-            CHECK(!touch || high == low || high == nextafter(low, 2.0), "%s: %a to %a", name, low,
-                  high);
-            CHECK(moving_within(&both, low, both.radius) == (touch && low == high), "%s: at %a: %s",
-                  name, low, moving_text(&scene));
+            CHECK(!touch || high == low || high == nextafter(low, 2.0), "%s: %a to %a", name, low, high);
+            CHECK(moving_within(&both, low, both.radius) == (touch && low == high), "%s: at %a: %s", name, low,
+                  moving_text(&scene));
             for (int k = 0; k < 16; k++) {
-                double time = k < 8    ? k / 8.0
-                              : k < 12 ? random_in(&rng, 0.0, low)
-                                       : low - power_in(&rng, -15.0, -1.0);
-                CHECK(time < 0.0 || time >= low || !moving_within(&both, time, both.radius),
-                      "%s: at %a, not %a: %s", name, time, low, moving_text(&scene));
+                double time = k < 8 ? k / 8.0 : k < 12 ? random_in(&rng, 0.0, low) : low - power_in(&rng, -15.0, -1.0);
+                CHECK(time < 0.0 || time >= low || !moving_within(&both, time, both.radius), "%s: at %a, not %a: %s",
+                      name, time, low, moving_text(&scene));
             }
         }
     CHECK(touches > cases, "only %lu touches", touches);
@@ -203,8 +199,8 @@ static void the_oracle_agrees_with_triangles_at_rest(void)
         double low = 0.0, high = 0.0;
         int touch = moving_first(&both, &low, &high);
         touches += touch != 0;
-        CHECK(touch == exact_touch(rest.a, rest.b, rest.da, rest.db, rest.corner, 1.0, 1),
-              "%s: %d: %s", family->name, touch, moving_text(&moved));
+        CHECK(touch == exact_touch(rest.a, rest.b, rest.da, rest.db, rest.corner, 1.0, 1), "%s: %d: %s", family->name,
+              touch, moving_text(&moved));
         CHECK(!touch || (exact_touch(rest.a, rest.b, rest.da, rest.db, rest.corner, high, 1) &&
                          !exact_touch(rest.a, rest.b, rest.da, rest.db, rest.corner, low, 0)),
               "%s: not between %a and %a: %s", family->name, low, high, moving_text(&moved));
@@ -228,10 +224,10 @@ static void the_oracle_knows_distances(void)
                 vec3_store(along(scene.corner[k], time, scene.shift[k]), v + 3 * k);
             oracle_bracket(segment, v, &lower, &upper);
             double below = (double)lower * (1.0 - 1e-15), above = (double)upper * (1.0 + 1e-15);
-            CHECK(moving_within(&both, time, above + unsure), "%s: more than %a at %a: %s",
-                  families[f].name, above, time, moving_text(&scene));
-            CHECK(below <= unsure || !moving_within(&both, time, below - unsure),
-                  "%s: %a or less at %a: %s", families[f].name, below, time, moving_text(&scene));
+            CHECK(moving_within(&both, time, above + unsure), "%s: more than %a at %a: %s", families[f].name, above,
+                  time, moving_text(&scene));
+            CHECK(below <= unsure || !moving_within(&both, time, below - unsure), "%s: %a or less at %a: %s",
+                  families[f].name, below, time, moving_text(&scene));
         }
 }
 
@@ -248,21 +244,9 @@ static void the_oracle_knows_simple_cases(void)
         { { 1, 1, 2 }, { 1, 1, 3 }, { 0 }, { 0 }, { 0, 0, 2, 0, 0, 2, 0, 0, 2 }, 0.0, 1.0 },
         { { 1, 1, 2 }, { 1, 1, 3 }, { 0 }, { 0 }, { 0, 0, 1, 0, 0, 1, 0, 0, 1 }, 0.5, -1.0 },
         /* Both go together. */
-        { { 1, 1, 2 },
-          { 1, 1, 3 },
-          { 0, 0, 9 },
-          { 0, 0, 9 },
-          { 0, 0, 9, 0, 0, 9, 0, 0, 9 },
-          1.0,
-          -1.0 },
+        { { 1, 1, 2 }, { 1, 1, 3 }, { 0, 0, 9 }, { 0, 0, 9 }, { 0, 0, 9, 0, 0, 9, 0, 0, 9 }, 1.0, -1.0 },
         /* One corner rises, about the edge y = 0: at y = 1/2 the height is t / (2 - t). */
-        { { 1, 0.5, 0.5 },
-          { 1, 0.5, 9 },
-          { 0 },
-          { 0 },
-          { 0, 0, 0, 0, 0, 0, 0, -2, 4 },
-          0.0,
-          2.0 / 3.0 },
+        { { 1, 0.5, 0.5 }, { 1, 0.5, 9 }, { 0 }, { 0 }, { 0, 0, 0, 0, 0, 0, 0, -2, 4 }, 0.0, 2.0 / 3.0 },
         /* It inverts: the corner 0,4 goes to 0,-4, away from an axis at y = 5 and over one at y = -2. */
         { { 0, 5, -1 }, { 0, 5, 1 }, { 0 }, { 0 }, { 0, 0, 0, 0, 0, 0, 0, -8, 0 }, 0.0, -1.0 },
         { { 0, -2, -1 }, { 0, -2, 1 }, { 0 }, { 0 }, { 0, 0, 0, 0, 0, 0, 0, -8, 0 }, 0.0, 0.75 },
@@ -277,8 +261,7 @@ static void the_oracle_knows_simple_cases(void)
         { { 1, 5, -1 }, { 1, 5, 1 }, { 0 }, { 0 }, { 4, 0, 0, 4, 0, 0, 4, 0, 0 }, 0.9375, -1.0 },
     };
     for (size_t i = 0; i < COUNT(c); i++) {
-        struct moving_pair both = { .corner = { 0, 0, 0, 4, 0, 0, 0, 4, 0 },
-                                    .radius = c[i].radius };
+        struct moving_pair both = { .corner = { 0, 0, 0, 4, 0, 0, 0, 4, 0 }, .radius = c[i].radius };
         memcpy(both.a, c[i].a, sizeof both.a);
         memcpy(both.b, c[i].b, sizeof both.b);
         memcpy(both.da, c[i].da, sizeof both.da);
@@ -287,8 +270,7 @@ static void the_oracle_knows_simple_cases(void)
         double low = -1.0, high = -1.0;
         int touch = moving_first(&both, &low, &high);
         CHECK(touch == (c[i].first >= 0.0), "case %zu: %d at %.17g", i, touch, low);
-        CHECK(!touch || (low <= c[i].first && c[i].first <= high), "case %zu: at %.17g, not %.17g",
-              i, low, c[i].first);
+        CHECK(!touch || (low <= c[i].first && c[i].first <= high), "case %zu: at %.17g, not %.17g", i, low, c[i].first);
     }
 }
 

@@ -10,7 +10,7 @@
 #include "measure/judgement.h"
 #include "measure/measure_tool.h"
 #include "measure/measure_trace.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 enum { TICKS = 3000, SOFT_TICKS = 600 };
 #define RADIUS 0.002
@@ -34,8 +34,7 @@ static int open_scene(struct rig *rig, const char *path, uint32_t law, size_t ti
                              .radius = RADIUS,
                              .force = { .law = law, .friction = 0.0 } };
     const struct measure_hand hand = { .seed = 1, .ticks = ticks, .length = 0.1 };
-    const int is_open =
-        !scene_open(&rig->scene, &def) && !measure_trace_make(&rig->trace, &rig->scene, &hand);
+    const int is_open = !scene_open(&rig->scene, &def) && !measure_trace_make(&rig->trace, &rig->scene, &hand);
     CHECK(is_open, "%s does not open", path);
     measure_setting_init(&rig->setting, &rig->scene);
     return is_open;
@@ -66,8 +65,7 @@ static void close_rig(struct rig *rig)
     dpt_compiled_free(&rig->compiled);
 }
 
-static void measure(struct measure_run *run, const struct rig *rig,
-                    const struct measure_setting *setting, size_t every)
+static void measure(struct measure_run *run, const struct rig *rig, const struct measure_setting *setting, size_t every)
 {
     const struct measure_effort effort = { .passes = 1, .every = every };
     CHECK(measure_run(run, &rig->scene, &rig->trace, setting, &effort) == 0, "it does not run");
@@ -142,13 +140,11 @@ static void paper_is_wrong_as_counted(void)
     CHECK(judged.missed_crossings == missed, "%zu of %zu", judged.missed_crossings, missed);
     CHECK(fabs(judged.distance_error - error) <= 1e-12, "%g, not %g", judged.distance_error, error);
     CHECK(judged.local == TICKS && own.exact == TICKS, "%zu, %zu", judged.local, own.exact);
-    CHECK(judged.missed > 0 && judged.wrench.max > 0.1, "%zu, %g N", judged.missed,
-          judged.wrench.max);
-    CHECK(own.wrong + own.missed + own.invented + own.unknown == 0 && own.wrench.max == 0.0,
-          "a run is not as itself");
+    CHECK(judged.missed > 0 && judged.wrench.max > 0.1, "%zu, %g N", judged.missed, judged.wrench.max);
+    CHECK(own.wrong + own.missed + own.invented + own.unknown == 0 && own.wrench.max == 0.0, "a run is not as itself");
     CHECK(own.wrench_ticks > 100 && own.wrench_peak > 0.1 && own.jump > 0.0, "no force");
-    CHECK(exact.check.ticks == (TICKS + 6) / 7 && exact.check.wrong == 0, "%zu, %zu",
-          exact.check.ticks, exact.check.wrong);
+    CHECK(exact.check.ticks == (TICKS + 6) / 7 && exact.check.wrong == 0, "%zu, %zu", exact.check.ticks,
+          exact.check.wrong);
     measure_run_free(&exact);
     measure_run_free(&paper);
     close_rig(&rig);
@@ -194,22 +190,19 @@ static void errors_are_found(void)
     run.tick[calm].wrench[1] += 0.3;
     run.tick[calm].wrench[4] -= 0.4;
     judged = judge(&run, &truth);
-    CHECK(judged.wrong == 3 && judged.missed_crossings == 1, "%zu, %zu", judged.wrong,
-          judged.missed_crossings);
+    CHECK(judged.wrong == 3 && judged.missed_crossings == 1, "%zu, %zu", judged.wrong, judged.missed_crossings);
     CHECK(judged.wrong_exact == 2, "%zu said to be exact", judged.wrong_exact);
-    CHECK(fabs(judged.distance_error - 3e-4) < 1e-12 && judged.distance_tick == 5, "%g at %zu",
-          judged.distance_error, judged.distance_tick);
-    CHECK(judged.missed == 2 && judged.invented == 1 && judged.unknown == 1, "%zu, %zu, %zu",
-          judged.missed, judged.invented, judged.unknown);
-    CHECK(fabs(judged.wrench.max - 0.5) < 1e-12 && judged.wrench_tick == calm, "%g N",
-          judged.wrench.max);
-    CHECK(judged.wrench.median == 0.0 && judged.wrench_ticks == force_ticks, "%zu ticks",
-          judged.wrench_ticks);
+    CHECK(fabs(judged.distance_error - 3e-4) < 1e-12 && judged.distance_tick == 5, "%g at %zu", judged.distance_error,
+          judged.distance_tick);
+    CHECK(judged.missed == 2 && judged.invented == 1 && judged.unknown == 1, "%zu, %zu, %zu", judged.missed,
+          judged.invented, judged.unknown);
+    CHECK(fabs(judged.wrench.max - 0.5) < 1e-12 && judged.wrench_tick == calm, "%g N", judged.wrench.max);
+    CHECK(judged.wrench.median == 0.0 && judged.wrench_ticks == force_ticks, "%zu ticks", judged.wrench_ticks);
     /* The same near a fold, of which the reference alone tells. */
     truth.tick[calm + JUDGEMENT_FOLD_TICKS].force_flags = DPT_FORCE_FLAG_FOLD;
     judged = judge(&run, &truth);
-    CHECK(judged.wrench.max == 0.0 && fabs(judged.near_fold_error - 0.5) < 1e-12, "%g and %g N",
-          judged.wrench.max, judged.near_fold_error);
+    CHECK(judged.wrench.max == 0.0 && fabs(judged.near_fold_error - 0.5) < 1e-12, "%g and %g N", judged.wrench.max,
+          judged.near_fold_error);
     CHECK(judged.near_fold_ticks > 0 && judged.near_fold_ticks <= 2 * JUDGEMENT_FOLD_TICKS + 1 &&
               judged.wrench_ticks + judged.near_fold_ticks == force_ticks,
           "%zu and %zu of %zu", judged.wrench_ticks, judged.near_fold_ticks, force_ticks);
@@ -219,8 +212,8 @@ static void errors_are_found(void)
             struct measure_tick *fold = &run.tick[(int)calm + side * by];
             fold->force_flags = DPT_FORCE_FLAG_FOLD;
             judged = judge(&run, &truth);
-            CHECK((judged.wrench.max > 0.49) == (by > JUDGEMENT_FOLD_TICKS),
-                  "%d ticks from a fold: %g N", side * by, judged.wrench.max);
+            CHECK((judged.wrench.max > 0.49) == (by > JUDGEMENT_FOLD_TICKS), "%d ticks from a fold: %g N", side * by,
+                  judged.wrench.max);
             CHECK(judged.folds == 1, "%zu folds", judged.folds);
             fold->force_flags = 0;
         }
@@ -236,8 +229,7 @@ static void errors_are_found(void)
     run.tick[50].distance = 1.0;
     run.tick[50].contact = DPT_CONTACT_UNKNOWN;
     judged = judge(&run, &truth);
-    CHECK(judged.stale == 1 && judged.unknown == 1 && judged.distance_error < 1e-3,
-          "a stale tick was judged");
+    CHECK(judged.stale == 1 && judged.unknown == 1 && judged.distance_error < 1e-3, "a stale tick was judged");
     measure_run_free(&run);
     measure_run_free(&truth);
     close_rig(&rig);
@@ -259,16 +251,16 @@ static void settings_are_applied(void)
     changed.world.budget = (uint32_t)of_truth.work.median + 1;
     measure(&run, &rig, &changed, 0);
     judged = judge(&run, &truth);
-    CHECK(judged.work.max <= changed.world.budget && of_truth.work.max > changed.world.budget,
-          "%g units of %u", judged.work.max, (unsigned)changed.world.budget);
+    CHECK(judged.work.max <= changed.world.budget && of_truth.work.max > changed.world.budget, "%g units of %u",
+          judged.work.max, (unsigned)changed.world.budget);
     CHECK(judged.unknown > 0 && judged.bounded > 0, "%zu, %zu", judged.unknown, judged.bounded);
     measure_run_free(&run);
     changed = setting;
     changed.world.until = DPT_UNTIL_TRACK;
     measure(&run, &rig, &changed, 0);
     judged = judge(&run, &truth);
-    CHECK(!judged.has_contact && !judged.has_wrench && judged.wrong == 0 && judged.unknown == 0,
-          "track: %zu wrong", judged.wrong);
+    CHECK(!judged.has_contact && !judged.has_wrench && judged.wrong == 0 && judged.unknown == 0, "track: %zu wrong",
+          judged.wrong);
     measure_run_free(&run);
     changed = setting;
     changed.world.stiffness *= 2.0;
@@ -294,8 +286,8 @@ static int same_answers(const struct measure_run *a, const struct measure_run *b
     int same = a->ticks == b->ticks;
     for (size_t i = 0; same && i < a->ticks; i++) {
         const struct measure_tick *x = &a->tick[i], *y = &b->tick[i];
-        same = x->distance == y->distance && x->contact == y->contact &&
-               !memcmp(x->wrench, y->wrench, sizeof x->wrench);
+        same =
+            x->distance == y->distance && x->contact == y->contact && !memcmp(x->wrench, y->wrench, sizeof x->wrench);
     }
     return same;
 }
@@ -314,17 +306,16 @@ static void soft_bodies_are_true(void)
     setting = rig.setting;
     measure(&soft, &rig, &setting, 3);
     CHECK(soft.failure == DPT_OK, "tick %zu", soft.failed_tick);
-    CHECK(soft.check.ticks == SOFT_TICKS / 3 && soft.check.wrong == 0, "%zu of %zu wrong, by %g m",
-          soft.check.wrong, soft.check.ticks, soft.check.error);
+    CHECK(soft.check.ticks == SOFT_TICKS / 3 && soft.check.wrong == 0, "%zu of %zu wrong, by %g m", soft.check.wrong,
+          soft.check.ticks, soft.check.error);
     CHECK(measure_run(&again, &rig.scene, &rig.trace, &setting, &twice) == 0, "it does not run");
     CHECK(same_answers(&soft, &again), "another run gives other answers");
     setting.rigid = 1;
     measure(&rigid, &rig, &setting, 3);
-    CHECK(rigid.body_bytes == 0 && soft.body_bytes > 0 && rigid.check.wrong == 0, "%zu, %zu bytes",
-          rigid.body_bytes, soft.body_bytes);
+    CHECK(rigid.body_bytes == 0 && soft.body_bytes > 0 && rigid.check.wrong == 0, "%zu, %zu bytes", rigid.body_bytes,
+          soft.body_bytes);
     judged = judge(&rigid, &soft);
-    CHECK(judged.distance_error > 1e-4 && judged.soft_ns.max == 0.0, "it gave way by %g m",
-          judged.distance_error);
+    CHECK(judged.distance_error > 1e-4 && judged.soft_ns.max == 0.0, "it gave way by %g m", judged.distance_error);
     judged = judge(&soft, &soft);
     CHECK(judged.soft_ns.median > 0.0, "no time for it");
     setting.rigid = 0;
@@ -353,8 +344,7 @@ static void whole_tools_are_led(void)
     rig.scene.segments[0] = (dpt_segment){ { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.1 }, RADIUS };
     measure(&whole, &rig, &rig.setting, 11);
     judged = judge(&whole, &segment);
-    CHECK(judged.wrong == 0 && whole.check.wrong == 0, "%zu, by %g m", judged.wrong,
-          judged.distance_error);
+    CHECK(judged.wrong == 0 && whole.check.wrong == 0, "%zu, by %g m", judged.wrong, judged.distance_error);
     /* Integrals along the axis are good to half a per cent, and sampled by what was found before. */
     CHECK(judged.wrench_peak > 0.1 && judged.wrench.max < 0.005 * judged.wrench_peak &&
               judged.wrench.median < 1e-6 * judged.wrench_peak,
@@ -366,10 +356,9 @@ static void whole_tools_are_led(void)
     rig.scene.segment_count = 2;
     measure(&whole, &rig, &rig.setting, 11);
     judged = judge(&whole, &segment);
-    CHECK(judged.wrong == 0 && whole.check.wrong == 0, "halves: %zu, by %g m", judged.wrong,
-          judged.distance_error);
-    CHECK(judged.wrench.median < 0.02 * judged.wrench_peak, "halves: %g N beside %g",
-          judged.wrench.median, judged.wrench_peak);
+    CHECK(judged.wrong == 0 && whole.check.wrong == 0, "halves: %zu, by %g m", judged.wrong, judged.distance_error);
+    CHECK(judged.wrench.median < 0.02 * judged.wrench_peak, "halves: %g N beside %g", judged.wrench.median,
+          judged.wrench_peak);
     measure_run_free(&segment);
     measure_run_free(&whole);
     close_rig(&rig);
@@ -409,8 +398,7 @@ static void wrenches_are_weighed(void)
     measure_tool_begin(&tool, &scene);
     measure_tool_lead(&tool, &trace, 0);
     measure_tool_weigh(&tool, &wrench, weighed);
-    CHECK(weighed[1] == 2.0 && fabs(weighed[5] - sqrt(12.0)) < 1e-12, "%g N, %g N", weighed[1],
-          weighed[5]);
+    CHECK(weighed[1] == 2.0 && fabs(weighed[5] - sqrt(12.0)) < 1e-12, "%g N, %g N", weighed[1], weighed[5]);
     CHECK(fabs(measure_wrench_size(weighed) - 4.0) < 1e-12, "%g N", measure_wrench_size(weighed));
     /* An L of two lines of 0.3 and 0.1 m: the centre is where their lengths balance. */
     scene.has_stylus = 0;

@@ -22,16 +22,14 @@ static struct csv_table motion(double values[ROWS * COLUMNS])
 }
 
 /* Where row i of a stretch that begins at `first` is at this pace. */
-static void check_stretch(const struct csv_table *played, size_t from, size_t count, double first,
-                          double pace, double jump)
+static void check_stretch(const struct csv_table *played, size_t from, size_t count, double first, double pace,
+                          double jump)
 {
     for (size_t i = 0; i < count; i++) {
         const double *row = csv_table_row(played, from + i);
         const double place = first + pace * (double)i;
-        CHECK(fabs(row[1] - (7.0 + jump + 0.001 * place)) < 1e-12, "row %zu: %.17g", from + i,
-              row[1]);
-        CHECK(fabs(row[4] - (9.0 + jump + 0.002 * place)) < 1e-12, "row %zu: %.17g", from + i,
-              row[4]);
+        CHECK(fabs(row[1] - (7.0 + jump + 0.001 * place)) < 1e-12, "row %zu: %.17g", from + i, row[1]);
+        CHECK(fabs(row[4] - (9.0 + jump + 0.002 * place)) < 1e-12, "row %zu: %.17g", from + i, row[4]);
         CHECK(row[2] == 0.5 && row[6] == 1.5, "row %zu is elsewhere", from + i);
         CHECK(trace_is_jump(played, from + i) == (i == 0), "row %zu: a jump or none", from + i);
     }
@@ -42,11 +40,9 @@ static void plays_at_any_pace(void)
     static const struct {
         double pace;
         size_t rows[2]; /* of the two stretches, of 25 and 15 rows */
-    } cases[] = { { 1.0, { 25, 15 } },
-                  { 1.5, { 17, 10 } },
-                  { -1.5, { 17, 10 } },
-                  { 0.25, { 97, 57 } },
-                  { -1.0, { 25, 15 } } };
+    } cases[] = {
+        { 1.0, { 25, 15 } }, { 1.5, { 17, 10 } }, { -1.5, { 17, 10 } }, { 0.25, { 97, 57 } }, { -1.0, { 25, 15 } }
+    };
     double values[ROWS * COLUMNS];
     const struct csv_table trace = motion(values);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -65,11 +61,9 @@ static void speed_is_of_the_faster_end(void)
 {
     double values[ROWS * COLUMNS];
     const struct csv_table trace = motion(values);
-    CHECK(fabs(plan_trace_speed(&trace, 0.001) - 2.0) < 1e-9, "%g m/s",
-          plan_trace_speed(&trace, 0.001));
+    CHECK(fabs(plan_trace_speed(&trace, 0.001) - 2.0) < 1e-9, "%g m/s", plan_trace_speed(&trace, 0.001));
     const struct csv_table part = plan_trace_part(&trace, 10, 30);
-    CHECK(part.rows == 20 && csv_table_row(&part, 0)[0] == 10.0 && trace_is_jump(&part, 0) &&
-              trace_is_jump(&part, 15),
+    CHECK(part.rows == 20 && csv_table_row(&part, 0)[0] == 10.0 && trace_is_jump(&part, 0) && trace_is_jump(&part, 15),
           "the part is another one");
 }
 

@@ -30,8 +30,7 @@ static void one_axis(double low, double high, int is_whole)
     const double slack = 1e-9 * (axis.high - axis.low) + 1e-12 * fmax(fabs(from), fabs(to));
     char before[PLOT_LABEL_ROOM] = "", label[PLOT_LABEL_ROOM];
     int marks = 0;
-    CHECK(axis.low <= from + slack && axis.high >= to - slack, "%g to %g: outside the axis", low,
-          high);
+    CHECK(axis.low <= from + slack && axis.high >= to - slack, "%g to %g: outside the axis", low, high);
     CHECK(is_whole || axis.low == from, "%g to %g: begins at %g", low, high, axis.low);
     CHECK(is_round(axis.step), "%g to %g: step %.17g", low, high, axis.step);
     CHECK(fabs(plot_axis_at(&axis, axis.low * axis.scale) - 100.0) < 1e-6 &&
@@ -39,11 +38,11 @@ static void one_axis(double low, double high, int is_whole)
           "%g to %g: not on its pixels", low, high);
     for (double i = axis.first; i <= axis.last; i++) {
         marks++;
-        CHECK(i * axis.step >= axis.low - slack && i * axis.step <= axis.high + slack,
-              "%g to %g: mark %g is outside", low, high, i * axis.step);
+        CHECK(i * axis.step >= axis.low - slack && i * axis.step <= axis.high + slack, "%g to %g: mark %g is outside",
+              low, high, i * axis.step);
         plot_axis_label(&axis, i, label);
-        CHECK(strcmp(label, before) && fabs(atof(label) - i * axis.step) < 1e-3 * axis.step,
-              "%g to %g: %s after %s", low, high, label, before);
+        CHECK(strcmp(label, before) && fabs(atof(label) - i * axis.step) < 1e-3 * axis.step, "%g to %g: %s after %s",
+              low, high, label, before);
         memcpy(before, label, sizeof before);
     }
     CHECK(marks >= 2 && marks <= 8, "%g to %g: %d marks", low, high, marks);
@@ -104,11 +103,11 @@ static void long_line(uint64_t seed)
             low = fmin(low, y[at]);
             high = fmax(high, y[at]);
         }
-        CHECK(group->low.y == low && group->high.y == high, "group %zu: %g to %g, not %g to %g", i,
-              group->low.y, group->high.y, low, high);
+        CHECK(group->low.y == low && group->high.y == high, "group %zu: %g to %g, not %g to %g", i, group->low.y,
+              group->high.y, low, high);
         CHECK(group->last.x == x[at - 1], "group %zu ends elsewhere", i);
-        CHECK(group->points == 1 || group->last.x - group->first.x < length / 2000.0,
-              "group %zu is %g wide", i, group->last.x - group->first.x);
+        CHECK(group->points == 1 || group->last.x - group->first.x < length / 2000.0, "group %zu is %g wide", i,
+              group->last.x - group->first.x);
         points += group->points;
     }
     CHECK(points == POINTS, "%llu points", (unsigned long long)points);
@@ -148,8 +147,7 @@ static double label_value(const char *label, const char *unit)
     const char *prefix = strchr(prefixes, end[1]);
     for (const char *p = prefixes; rest == 2 && p <= prefix; p++)
         value *= 1e-3;
-    return end[0] == ' ' && atof(label) >= 1.0 && !strcmp(end + rest, unit) && rest <= 2 ? value
-                                                                                         : NAN;
+    return end[0] == ' ' && atof(label) >= 1.0 && !strcmp(end + rest, unit) && rest <= 2 ? value : NAN;
 }
 
 static void log_axes_have_round_marks(void)
@@ -162,8 +160,7 @@ static void log_axes_have_round_marks(void)
         const struct plot_log_axis axis = plot_log_axis_make(low, high, 600.0, 50.0, room);
         double before = 0.0, at_before = NAN;
         int marks = 0;
-        CHECK(axis.low <= low * (1.0 + 1e-8) && axis.high >= high * (1.0 - 1e-8) &&
-                  axis.high >= 9.99 * axis.low,
+        CHECK(axis.low <= low * (1.0 + 1e-8) && axis.high >= high * (1.0 - 1e-8) && axis.high >= 9.99 * axis.low,
               "%g to %g: the axis is %g to %g", low, high, axis.low, axis.high);
         CHECK(fabs(plot_log_axis_at(&axis, axis.low) - 600.0) < 1e-6 &&
                   fabs(plot_log_axis_at(&axis, axis.high) - 50.0) < 1e-6 &&
@@ -173,11 +170,10 @@ static void log_axes_have_round_marks(void)
             char label[PLOT_MARK_ROOM];
             const double at = plot_log_axis_at(&axis, mark);
             marks++;
-            CHECK(is_round(mark) && mark > before && at <= 600.0 + 1e-6 && at >= 50.0 - 1e-6,
-                  "%g to %g: a mark at %g", low, high, mark);
+            CHECK(is_round(mark) && mark > before && at <= 600.0 + 1e-6 && at >= 50.0 - 1e-6, "%g to %g: a mark at %g",
+                  low, high, mark);
             /* 1 to 2, of 1, 2 and 5, is the least step. */
-            CHECK(isnan(at_before) || at_before - at > 0.9 * room, "%g px for %g", at_before - at,
-                  room);
+            CHECK(isnan(at_before) || at_before - at > 0.9 * room, "%g px for %g", at_before - at, room);
             at_before = at;
             plot_log_axis_label(mark, "m", label);
             CHECK(fabs(label_value(label, "m") - mark) < 1e-6 * mark, "%g is '%s'", mark, label);
@@ -212,17 +208,14 @@ static void labels_cover_nothing(void)
         for (int k = 0; k < MARKS; k++) {
             double leader[2];
             const double x = marks[k].left + 5.0, y = marks[k].top + 5.0;
-            if (!label_places_find(places, x, y, 5.0, random_in(&seed, 20.0, 90.0), 13.0,
-                                   &boxes[count], leader))
+            if (!label_places_find(places, x, y, 5.0, random_in(&seed, 20.0, 90.0), 13.0, &boxes[count], leader))
                 continue;
             const struct label_box *box = &boxes[count++];
-            CHECK(box->left >= 0.0 && box->right <= 600.0 && box->top >= 0.0 &&
-                      box->bottom <= 200.0,
+            CHECK(box->left >= 0.0 && box->right <= 600.0 && box->top >= 0.0 && box->bottom <= 200.0,
                   "a label outside");
             CHECK(!(box->top < LINE_Y && box->bottom > LINE_Y), "a label on the line");
-            CHECK((leader[0] == x && leader[1] == y) ||
-                      (leader[0] >= box->left && leader[0] <= box->right && leader[1] >= box->top &&
-                       leader[1] <= box->bottom),
+            CHECK((leader[0] == x && leader[1] == y) || (leader[0] >= box->left && leader[0] <= box->right &&
+                                                         leader[1] >= box->top && leader[1] <= box->bottom),
                   "a leader that ends nowhere");
             for (int j = 0; j < MARKS; j++)
                 CHECK(!boxes_meet(box, &marks[j]), "a label on a mark");
@@ -231,8 +224,7 @@ static void labels_cover_nothing(void)
         }
         placed += count;
     }
-    CHECK(placed > PICTURES * MARKS * 9 / 10, "%d of %d labels found room", placed,
-          PICTURES * MARKS);
+    CHECK(placed > PICTURES * MARKS * 9 / 10, "%d of %d labels found room", placed, PICTURES * MARKS);
     free(places);
 }
 

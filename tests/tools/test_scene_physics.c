@@ -3,11 +3,11 @@
  * Physics of soft bodies apart from the haptic loop: by the loop's time, to the bit in every run; and in a thread, which
  * stands still with the loop, ends in order, and reports an error in every tick after it.
  */
-#include "scene_physics.h"
+#include "scene/scene_physics.h"
 
+#include "cli/stop.h"
 #include "clock.h"
 #include "lib/check.h"
-#include "stop.h"
 #include "lib/soft_scene.h"
 
 enum { TICKS = 1000, TICKS_ASLEEP_MOST = 20000 };
@@ -142,18 +142,16 @@ static void thread_stands_still_with_the_loop(void)
         sleep_seconds(0.5);
         const uint64_t stood = steps_of(&rig);
         sleep_seconds(0.2);
-        CHECK(stood > 0 && steps_of(&rig) == stood, "%d steps without a tick",
-              (int)(steps_of(&rig) - stood));
+        CHECK(stood > 0 && steps_of(&rig) == stood, "%d steps without a tick", (int)(steps_of(&rig) - stood));
         CHECK(tick_for(&rig, 0.4) == DPT_OK, "a tick failed");
         CHECK(steps_of(&rig) > stood, "it did not go on");
         CHECK(rig.scene.bodies.moves > 0, "the loop got no vertices");
         scene_physics_stop(rig.physics);
         const struct scene_physics_report report = scene_physics_get_report(rig.physics);
         const double seconds = 1e-9 * (double)(clock_now() - began);
-        CHECK(report.has_thread && report.asked == 500.0 && report.rate > 0.0, "%g Hz of %g",
-              report.rate, report.asked);
-        CHECK((double)report.steps <= 500.0 * (seconds - 0.6), "%d steps in %g s",
-              (int)report.steps, seconds);
+        CHECK(report.has_thread && report.asked == 500.0 && report.rate > 0.0, "%g Hz of %g", report.rate,
+              report.asked);
+        CHECK((double)report.steps <= 500.0 * (seconds - 0.6), "%d steps in %g s", (int)report.steps, seconds);
         CHECK(rig.scene.bodies.nodes > 0 && rig.scene.bodies.active > 0, "no nodes were counted");
     }
     close_rig(&rig);

@@ -6,7 +6,7 @@
 
 #include "base/sincos.h"
 #include "lib/check.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 static struct shape build(const char *name, uint64_t count, uint64_t seed)
 {
@@ -15,8 +15,8 @@ static struct shape build(const char *name, uint64_t count, uint64_t seed)
     int failed = shape_make(name, count, seed, &shape, reason);
     CHECK(!failed, "%s %llu: %s", name, (unsigned long long)count, reason);
     if (!failed && count != 0)
-        CHECK(shape.triangle_count == count, "%s: %zu of %llu triangles", name,
-              shape.triangle_count, (unsigned long long)count);
+        CHECK(shape.triangle_count == count, "%s: %zu of %llu triangles", name, shape.triangle_count,
+              (unsigned long long)count);
     return shape;
 }
 
@@ -140,8 +140,7 @@ static struct topology topology_of(const struct shape *shape)
     memset(border_next, 0xff, shape->vertex_count * sizeof *border_next);
     for (size_t i = 0; i < halves; i = end, edge_count++) {
         size_t a = edges[i].half;
-        for (end = i + 1;
-             end < halves && edges[end].low == edges[i].low && edges[end].high == edges[i].high;)
+        for (end = i + 1; end < halves && edges[end].low == edges[i].low && edges[end].high == edges[i].high;)
             end++;
         if (end - i == 1) {
             t.border_edges++;
@@ -171,8 +170,7 @@ static void check_topology(const struct shape *shape, const char *name, long eul
     struct topology t = topology_of(shape);
     size_t count = shape->triangle_count;
     CHECK(t.bad_edges == 0, "%s %zu: %zu", name, count, t.bad_edges);
-    CHECK(t.fans == shape->vertex_count, "%s %zu: %zu fans, %zu vertices", name, count, t.fans,
-          shape->vertex_count);
+    CHECK(t.fans == shape->vertex_count, "%s %zu: %zu fans, %zu vertices", name, count, t.fans, shape->vertex_count);
     CHECK(t.components == 1, "%s %zu: %zu", name, count, t.components);
     CHECK(t.euler == euler, "%s %zu: %ld", name, count, t.euler);
     CHECK(t.border_loops == loops, "%s %zu: %zu", name, count, t.border_loops);
@@ -224,13 +222,11 @@ static void closed_shapes_are_manifold_and_outward(void)
     static const struct {
         const char *name;
         uint32_t count;
-    } cases[] = { { "torus", 32 },     { "torus", 34 },    { "torus", 62 },    { "torus", 5568 },
-                  { "torus", 13580 },  { "torus", 20832 }, { "torus", 39648 }, { "torus", 61358 },
-                  { "liver", 200 },    { "liver", 498 },   { "liver", 50332 }, { "stomach", 200 },
-                  { "stomach", 9000 }, { "spleen", 202 },  { "spleen", 7000 }, { "star", 2000 },
-                  { "star", 20480 },   { "star", 22000 },  { "sphere", 20 },   { "sphere", 22 },
-                  { "sphere", 78 },    { "sphere", 5000 }, { "box", 12 },      { "box", 48 },
-                  { "box", 1200 } };
+    } cases[] = { { "torus", 32 },    { "torus", 34 },    { "torus", 62 },     { "torus", 5568 }, { "torus", 13580 },
+                  { "torus", 20832 }, { "torus", 39648 }, { "torus", 61358 },  { "liver", 200 },  { "liver", 498 },
+                  { "liver", 50332 }, { "stomach", 200 }, { "stomach", 9000 }, { "spleen", 202 }, { "spleen", 7000 },
+                  { "star", 2000 },   { "star", 20480 },  { "star", 22000 },   { "sphere", 20 },  { "sphere", 22 },
+                  { "sphere", 78 },   { "sphere", 5000 }, { "box", 12 },       { "box", 48 },     { "box", 1200 } };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *name = cases[i].name;
         struct shape shape = build(name, cases[i].count, 0);
@@ -258,11 +254,9 @@ static void open_shapes_have_one_border(void)
     static const struct {
         const char *name;
         uint32_t count;
-    } cases[] = {
-        { "membrane", 2 },  { "membrane", 512 }, { "cloth", 2 },      { "cloth", 2048 },
-        { "hub", 3 },       { "hub", 50000 },    { "stomach", 201 },  { "stomach", 203 },
-        { "stomach", 335 }, { "stomach", 1619 }, { "stomach", 9001 }, { "stomach", 20001 }
-    };
+    } cases[] = { { "membrane", 2 },  { "membrane", 512 }, { "cloth", 2 },      { "cloth", 2048 },
+                  { "hub", 3 },       { "hub", 50000 },    { "stomach", 201 },  { "stomach", 203 },
+                  { "stomach", 335 }, { "stomach", 1619 }, { "stomach", 9001 }, { "stomach", 20001 } };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct shape shape = build(cases[i].name, cases[i].count, 0);
         check_topology(&shape, cases[i].name, 1, 1);
@@ -292,8 +286,7 @@ static void torus_lies_on_its_surface(void)
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
         struct shape shape = build("torus", counts[i], 0);
         double off = 0.0, exact = 2.0 * 9.869604401089358 * 0.1 * 0.04 * 0.04;
-        for (const double *v = shape.vertices; v < shape.vertices + 3 * shape.vertex_count;
-             v += 3) {
+        for (const double *v = shape.vertices; v < shape.vertices + 3 * shape.vertex_count; v += 3) {
             double across = sqrt(v[0] * v[0] + v[1] * v[1]) - 0.1;
             off = fmax(off, fabs(sqrt(across * across + v[2] * v[2]) - 0.04));
         }
@@ -318,23 +311,20 @@ static void shapes_have_their_size(void)
         const char *name;
         uint32_t count;
         double size[3], within;
-    } cases[] = { { "torus", 5568, { 0.28, 0.28, 0.08 }, 1e-3 },
-                  { "liver", 50332, { 0.28, 0.18, 0.12 }, 6e-3 },
-                  { "stomach", 20000, { 0.168, 0.156, 0.080 }, 4e-3 },
-                  { "spleen", 10000, { 0.070, 0.111, 0.045 }, 4e-3 },
-                  { "membrane", 512, { 0.2, 0.2, 0.0 }, 0.0 },
-                  { "cloth", 2048, { 0.3, 0.3, 0.018 }, 3e-3 },
-                  { "star", 20480, { 0.29, 0.29, 0.29 }, 0.01 },
-                  { "sphere", 2000, { 0.2, 0.2, 0.2 }, 2e-3 },
-                  { "box", 48, { 0.12, 0.10, 0.08 }, 1e-15 },
-                  { "hub", 100, { 0.2, 0.2, 0.02 }, 1e-3 } };
+    } cases[] = {
+        { "torus", 5568, { 0.28, 0.28, 0.08 }, 1e-3 },       { "liver", 50332, { 0.28, 0.18, 0.12 }, 6e-3 },
+        { "stomach", 20000, { 0.168, 0.156, 0.080 }, 4e-3 }, { "spleen", 10000, { 0.070, 0.111, 0.045 }, 4e-3 },
+        { "membrane", 512, { 0.2, 0.2, 0.0 }, 0.0 },         { "cloth", 2048, { 0.3, 0.3, 0.018 }, 3e-3 },
+        { "star", 20480, { 0.29, 0.29, 0.29 }, 0.01 },       { "sphere", 2000, { 0.2, 0.2, 0.2 }, 2e-3 },
+        { "box", 48, { 0.12, 0.10, 0.08 }, 1e-15 },          { "hub", 100, { 0.2, 0.2, 0.02 }, 1e-3 }
+    };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct shape shape = build(cases[i].name, cases[i].count, 0);
         double low[3], high[3];
         bounds(&shape, low, high);
         for (int n = 0; n < 3; n++)
-            CHECK(fabs(high[n] - low[n] - cases[i].size[n]) <= cases[i].within, "%s: axis %d: %g",
-                  cases[i].name, n, high[n] - low[n]);
+            CHECK(fabs(high[n] - low[n] - cases[i].size[n]) <= cases[i].within, "%s: axis %d: %g", cases[i].name, n,
+                  high[n] - low[n]);
         shape_free(&shape);
     }
 }
@@ -489,20 +479,18 @@ static void shapes_have_the_same_bits_everywhere(void)
         const char *name;
         uint32_t count, seed;
         uint64_t hash;
-    } golden[] = {
-        { "torus", 32, 0, 0x329024bffa60a7a5 },    { "torus", 5568, 0, 0x0d182ff18b594f81 },
-        { "torus", 61358, 0, 0x610bb4aa31c665c6 }, { "liver", 50332, 0, 0xbfd12ca848658694 },
-        { "liver", 1000, 7, 0x67e3d558a1de045b },  { "stomach", 1619, 0, 0x8661e043e98661b3 },
-        { "spleen", 1076, 0, 0x46b4137f2133f692 }, { "membrane", 512, 0, 0xbeabc36fe680d125 },
-        { "cloth", 2048, 0, 0x963a63d6ea3cfb74 },  { "cloth", 2048, 7, 0x4f0b3fb76ff1cc5d },
-        { "star", 20480, 0, 0x7809cb561d9b5855 },  { "star", 20480, 7, 0x5469c87c207a0b6f },
-        { "sphere", 5000, 0, 0x9df55c8072c5683b }, { "box", 1200, 0, 0x3449541ffbbd4e90 },
-        { "hub", 50000, 0, 0x174ce5597f860aa2 },   { "wall", 1024, 0, 0xadccf9052efb3655 }
-    };
+    } golden[] = { { "torus", 32, 0, 0x329024bffa60a7a5 },    { "torus", 5568, 0, 0x0d182ff18b594f81 },
+                   { "torus", 61358, 0, 0x610bb4aa31c665c6 }, { "liver", 50332, 0, 0xbfd12ca848658694 },
+                   { "liver", 1000, 7, 0x67e3d558a1de045b },  { "stomach", 1619, 0, 0x8661e043e98661b3 },
+                   { "spleen", 1076, 0, 0x46b4137f2133f692 }, { "membrane", 512, 0, 0xbeabc36fe680d125 },
+                   { "cloth", 2048, 0, 0x963a63d6ea3cfb74 },  { "cloth", 2048, 7, 0x4f0b3fb76ff1cc5d },
+                   { "star", 20480, 0, 0x7809cb561d9b5855 },  { "star", 20480, 7, 0x5469c87c207a0b6f },
+                   { "sphere", 5000, 0, 0x9df55c8072c5683b }, { "box", 1200, 0, 0x3449541ffbbd4e90 },
+                   { "hub", 50000, 0, 0x174ce5597f860aa2 },   { "wall", 1024, 0, 0xadccf9052efb3655 } };
     for (size_t i = 0; i < sizeof golden / sizeof *golden; i++) {
         struct shape shape = build(golden[i].name, golden[i].count, golden[i].seed);
-        CHECK(hash_of(&shape) == golden[i].hash, "{ \"%s\", %u, %u, 0x%016llx },", golden[i].name,
-              golden[i].count, golden[i].seed, (unsigned long long)hash_of(&shape));
+        CHECK(hash_of(&shape) == golden[i].hash, "{ \"%s\", %u, %u, 0x%016llx },", golden[i].name, golden[i].count,
+              golden[i].seed, (unsigned long long)hash_of(&shape));
         shape_free(&shape);
     }
 }
@@ -558,8 +546,7 @@ static void bad_usage_has_a_reason(void)
     }
     struct shape bodies[LAPAROSCOPIC_BODIES];
     shape_reason reason = "";
-    CHECK(shape_make_laparoscopic(999, 0, bodies, reason) && strstr(reason, "from 1000"), "%s",
-          reason);
+    CHECK(shape_make_laparoscopic(999, 0, bodies, reason) && strstr(reason, "from 1000"), "%s", reason);
 }
 
 int main(void)

@@ -3,7 +3,7 @@
  * What passes between the haptic loop and physics: the loads of the last tick, which sum up to the tool's force, one way;
  * vertices that arrive to the bit the other way. In each tick it is the same as springs that are stepped with the world.
  */
-#include "soft_exchange.h"
+#include "scene/soft_exchange.h"
 
 #include <math.h>
 
@@ -63,8 +63,7 @@ static int haptic_tick(struct rig *rig)
 static uint32_t physics_step(struct rig *rig, double dt)
 {
     dpt_springs_report report = { .size = sizeof report };
-    const dpt_result result =
-        soft_exchange_step(&rig->exchange, body_of(rig)->springs, dt, &report);
+    const dpt_result result = soft_exchange_step(&rig->exchange, body_of(rig)->springs, dt, &report);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return report.active;
 }
@@ -85,8 +84,7 @@ static void check_sums(struct rig *rig, int tick)
         off = fmax(off, fabs(sum[k] + report.wrench.force[k]));
         size = fmax(size, fabs(report.wrench.force[k]));
     }
-    CHECK(off <= 1e-6 * size, "tick %d: %u loads are off by %g N of %g", tick, loads->count, off,
-          size);
+    CHECK(off <= 1e-6 * size, "tick %d: %u loads are off by %g N of %g", tick, loads->count, off, size);
 }
 
 /* At half the loop's rate, of two ticks the later one's loads count. */
@@ -118,8 +116,7 @@ static void vertices_arrive(void)
     for (int n = 0; n < 2; n++) {
         struct rig rig;
         int arrived = 0, under_way = 0;
-        for (int tick = open_rig(&rig, "laparoscopy", 1000.0 / periods[n]) ? 0 : TICKS;
-             tick < TICKS; tick++) {
+        for (int tick = open_rig(&rig, "laparoscopy", 1000.0 / periods[n]) ? 0 : TICKS; tick < TICKS; tick++) {
             uint32_t count = 0;
             lead(&rig, tick);
             const int is_new = haptic_tick(&rig);
@@ -135,15 +132,13 @@ static void vertices_arrive(void)
                 physics_step(&rig, periods[n] * SOFT_TICK);
         }
         CHECK(arrived > TICKS / 8, "they arrived %d times", arrived);
-        CHECK(!under_way == (periods[n] == 1), "period of %d ticks: %d times under way", periods[n],
-              under_way);
+        CHECK(!under_way == (periods[n] == 1), "period of %d ticks: %d times under way", periods[n], under_way);
         close_rig(&rig);
     }
 }
 
 /* The nodes of two scenes; and how far vertices of the second one are from where they were at rest. In m. */
-static void compare_nodes(const struct soft_scene *a, const struct soft_scene *b, double *off,
-                          double *moved)
+static void compare_nodes(const struct soft_scene *a, const struct soft_scene *b, double *off, double *moved)
 {
     const struct scene_body *body = &b->bodies.body[0];
     const uint32_t count = dpt_springs_count(body->springs);
@@ -168,8 +163,7 @@ static void is_as_with_the_world(void)
         struct rig rig;
         struct soft_scene with;
         double off = 0.0, moved = 0.0;
-        const int is_open =
-            open_rig(&rig, names[n], 1000.0) & soft_scene_open(&with, names[n], 0.0);
+        const int is_open = open_rig(&rig, names[n], 1000.0) & soft_scene_open(&with, names[n], 0.0);
         for (int tick = is_open ? 0 : TICKS; tick < TICKS; tick++) {
             lead(&rig, tick);
             haptic_tick(&rig);

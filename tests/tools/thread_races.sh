@@ -39,8 +39,8 @@ raced()
     status=$?
 }
 
-physics="tests/tools/test_scene_physics.c tests/lib/soft_scene.c tools/scene_physics.c tools/soft_exchange.c tools/scene_bodies.c
-    src/world/deform_body.c src/world/tool_loads.c src/deform/deform_vertices.c src/deform/deform_loads.c src/deform/springs.c"
+physics="tests/tools/test_scene_physics.c tests/lib/soft_scene.c tools/scene/scene_physics.c tools/scene/soft_exchange.c tools/scene/scene_bodies.c
+    src/world/deform_body.c src/proxy/tool_loads.c src/deform/deform_vertices.c src/deform/deform_loads.c src/deform/springs.c"
 # shellcheck disable=SC2086 # words
 raced physics $physics src/exchange/latest.c
 grep -q ' thread_stands_still_with_the_loop$' "$scratch/physics.out"

@@ -31,12 +31,9 @@ static int answer(const dpt_arm *arm, uint32_t joints)
         return 0;
     dpt_pose pose;
     dpt_wrench w = { { wrench[0], wrench[1], wrench[2] }, { wrench[3], wrench[4], wrench[5] } };
-    double velocity[3], spin[3], jacobian[6 * DPT_JOINTS_MAX], efforts[DPT_JOINTS_MAX],
-        weight[DPT_JOINTS_MAX];
-    if (dpt_arm_forward(arm, q, &pose) != DPT_OK ||
-        dpt_arm_velocity(arm, q, rates, velocity, spin) != DPT_OK ||
-        dpt_arm_jacobian(arm, q, jacobian) != DPT_OK ||
-        dpt_arm_efforts(arm, q, &w, efforts) != DPT_OK ||
+    double velocity[3], spin[3], jacobian[6 * DPT_JOINTS_MAX], efforts[DPT_JOINTS_MAX], weight[DPT_JOINTS_MAX];
+    if (dpt_arm_forward(arm, q, &pose) != DPT_OK || dpt_arm_velocity(arm, q, rates, velocity, spin) != DPT_OK ||
+        dpt_arm_jacobian(arm, q, jacobian) != DPT_OK || dpt_arm_efforts(arm, q, &w, efforts) != DPT_OK ||
         dpt_arm_weight(arm, q, gravity, weight) != DPT_OK)
         return 0;
     write_numbers(pose.position, 3);
@@ -60,8 +57,8 @@ int main(int argc, char **argv)
     size_t size = file ? fread(room.bytes, 1, sizeof room.bytes, file) : 0;
     const dpt_arm *arm;
     dpt_arm_info info = { .size = sizeof info };
-    if (dpt_arm_convert(room.bytes, size, NULL) != DPT_OK ||
-        dpt_arm_open(room.bytes, size, &arm) != DPT_OK || dpt_arm_get_info(arm, &info) != DPT_OK) {
+    if (dpt_arm_convert(room.bytes, size, NULL) != DPT_OK || dpt_arm_open(room.bytes, size, &arm) != DPT_OK ||
+        dpt_arm_get_info(arm, &info) != DPT_OK) {
         fprintf(stderr, "usage: answers ARM.dpa\n");
         return 2;
     }

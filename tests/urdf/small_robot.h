@@ -11,12 +11,12 @@
 #include "dynpoint/urdf.h"
 #include "lib/check.h"
 
-#define JOINT(name, type, parent, child, more)                                                     \
-    "<joint name=\"" name "\" type=\"" type "\"><parent link=\"" parent "\"/><child link=\"" child \
-    "\"/>" more "</joint>"
+#define JOINT(name, type, parent, child, more)                                                                         \
+    "<joint name=\"" name "\" type=\"" type "\"><parent link=\"" parent "\"/><child link=\"" child "\"/>" more         \
+    "</joint>"
 #define LIMIT "<limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/>"
-#define MASS(at, kg)                                                                               \
-    "<inertial><origin xyz=\"" at "\"/><mass value=\"" kg                                          \
+#define MASS(at, kg)                                                                                                   \
+    "<inertial><origin xyz=\"" at "\"/><mass value=\"" kg                                                              \
     "\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>"
 
 static char scratch[64];
@@ -33,8 +33,7 @@ static inline void hear(void *user, uint64_t line, const char *text)
 {
     struct robot *robot = user;
     size_t length = strlen(robot->notes);
-    snprintf(robot->notes + length, sizeof robot->notes - length, "%lu %s\n", (unsigned long)line,
-             text);
+    snprintf(robot->notes + length, sizeof robot->notes - length, "%lu %s\n", (unsigned long)line, text);
 }
 
 static inline struct robot robot_of(const char *path, dpt_urdf_def def)

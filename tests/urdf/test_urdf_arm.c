@@ -6,8 +6,7 @@
 #include "urdf/small_robot.h"
 
 /* The tool's origin and the image of a point of its frame. */
-static void check_tool(const struct robot *robot, const double *joints, const double point[3],
-                       const double want[3])
+static void check_tool(const struct robot *robot, const double *joints, const double point[3], const double want[3])
 {
     dpt_pose pose;
     dpt_result result = dpt_arm_forward(robot->arm, joints, &pose);
@@ -18,22 +17,20 @@ static void check_tool(const struct robot *robot, const double *joints, const do
         const double u[3] = { q[1], q[2], q[3] };
         double t[3];
         for (int m = 0; m < 3; m++)
-            t[m] =
-                2.0 * (u[(m + 1) % 3] * point[(m + 2) % 3] - u[(m + 2) % 3] * point[(m + 1) % 3]);
+            t[m] = 2.0 * (u[(m + 1) % 3] * point[(m + 2) % 3] - u[(m + 2) % 3] * point[(m + 1) % 3]);
         double is = pose.position[i] + point[i] + q[0] * t[i] + u[j] * t[k] - u[k] * t[j];
         CHECK(near(is, want[i]), "coordinate %d: %.17g, not %.17g", i, is, want[i]);
     }
 }
 
-static void check_link(const struct robot *robot, uint32_t index, uint32_t parent, uint32_t joint,
-                       double factor, double offset, double mass)
+static void check_link(const struct robot *robot, uint32_t index, uint32_t parent, uint32_t joint, double factor,
+                       double offset, double mass)
 {
     dpt_arm_link link = { .size = sizeof link };
     CHECK(dpt_arm_get_link(robot->arm, index, &link) == DPT_OK, "no link %u", index);
-    CHECK(link.parent == parent && link.joint == joint, "link %u: on %u by %u", index, link.parent,
-          link.joint);
-    CHECK(near(link.factor, factor) && near(link.offset, offset), "link %u: %g q + %g", index,
-          link.factor, link.offset);
+    CHECK(link.parent == parent && link.joint == joint, "link %u: on %u by %u", index, link.parent, link.joint);
+    CHECK(near(link.factor, factor) && near(link.offset, offset), "link %u: %g q + %g", index, link.factor,
+          link.offset);
     CHECK(near(link.mass, mass), "link %u: %g kg", index, link.mass);
 }
 
@@ -43,14 +40,12 @@ static void check_link(const struct robot *robot, uint32_t index, uint32_t paren
  */
 static void check_sample_at(const struct robot *robot, const double q[3])
 {
-    double cs = cos(q[1]), ss = sin(q[1]), ce = cos(q[1] + q[2]), se = sin(q[1] + q[2]),
-           cw = cos(q[0]), sw = sin(q[0]);
+    double cs = cos(q[1]), ss = sin(q[1]), ce = cos(q[1] + q[2]), se = sin(q[1] + q[2]), cw = cos(q[0]), sw = sin(q[0]);
     double r = 0.15 * (cs + ce), z = 0.1 + 0.15 * (ss + se);
     check_tool(robot, q, (double[3]){ 0.0, 0.0, 0.0 }, (double[3]){ r * cw, r * sw, z });
     /* The stylus's tip, 0.11 m below in its frame, that leans with the forearm. */
     double lean = r + 0.11 * se;
-    check_tool(robot, q, (double[3]){ 0.0, 0.0, -0.11 },
-               (double[3]){ lean * cw, lean * sw, z - 0.11 * ce });
+    check_tool(robot, q, (double[3]){ 0.0, 0.0, -0.11 }, (double[3]){ lean * cw, lean * sw, z - 0.11 * ce });
     double jacobian[18];
     CHECK(dpt_arm_jacobian(robot->arm, q, jacobian) == DPT_OK, "no Jacobian");
     const double want[18] = { -r * sw,
@@ -78,16 +73,15 @@ static void check_sample_at(const struct robot *robot, const double q[3])
                       upper = 0.25 * 0.06 * cs + 0.15 * 0.15 * cs;
     CHECK(dpt_arm_weight(robot->arm, q, (double[3]){ 0.0, 0.0, -g }, weight) == DPT_OK, "weight");
     CHECK(near(weight[0], 0.0) && near(weight[1], g * (upper + fore)) && near(weight[2], g * fore),
-          "weight %g %g %g, not 0 %g %g", weight[0], weight[1], weight[2], g * (upper + fore),
-          g * fore);
+          "weight %g %g %g, not 0 %g %g", weight[0], weight[1], weight[2], g * (upper + fore), g * fore);
 }
 
 static void the_sample(void)
 {
     struct robot robot = robot_of("docs/samples/arm.urdf", (dpt_urdf_def){ .size = 0 });
     CHECK(robot.notes[0] == 0, "%s", robot.notes);
-    CHECK(robot.info.joints == 3 && robot.info.links == 3 && robot.info.segments == 1 &&
-              robot.info.bodies == 1 && robot.info.tool_link == 2 && near(robot.info.mass, 0.8),
+    CHECK(robot.info.joints == 3 && robot.info.links == 3 && robot.info.segments == 1 && robot.info.bodies == 1 &&
+              robot.info.tool_link == 2 && near(robot.info.mass, 0.8),
           "%u joints, %u links, %u segments, %u bodies, %g kg", robot.info.joints, robot.info.links,
           robot.info.segments, robot.info.bodies, robot.info.mass);
     CHECK(!strcmp(robot.info.name, "arm") && !strcmp(robot.info.root_name, "desk") &&
@@ -95,16 +89,14 @@ static void the_sample(void)
           "%s %s %s", robot.info.name, robot.info.root_name, robot.info.tool_name);
     dpt_arm_joint joint = { .size = sizeof joint };
     dpt_arm_get_joint(robot.arm, 2, &joint);
-    CHECK(!strcmp(joint.name, "elbow") && joint.kind == DPT_JOINT_REVOLUTE &&
-              near(joint.lower, -2.2) && near(joint.upper, 0.0) && near(joint.effort, 1.5) &&
-              near(joint.velocity, 20.0) && near(joint.damping, 0.002) &&
-              near(joint.friction, 0.01),
-          "%s: %g %g %g %g %g %g", joint.name, joint.lower, joint.upper, joint.effort,
-          joint.velocity, joint.damping, joint.friction);
+    CHECK(!strcmp(joint.name, "elbow") && joint.kind == DPT_JOINT_REVOLUTE && near(joint.lower, -2.2) &&
+              near(joint.upper, 0.0) && near(joint.effort, 1.5) && near(joint.velocity, 20.0) &&
+              near(joint.damping, 0.002) && near(joint.friction, 0.01),
+          "%s: %g %g %g %g %g %g", joint.name, joint.lower, joint.upper, joint.effort, joint.velocity, joint.damping,
+          joint.friction);
     uint64_t state = 1;
     for (int i = 0; i < 200; i++) {
-        double q[3] = { random_in(&state, -1.2, 1.2), random_in(&state, -0.3, 1.4),
-                        random_in(&state, -2.2, 0.0) };
+        double q[3] = { random_in(&state, -1.2, 1.2), random_in(&state, -0.3, 1.4), random_in(&state, -2.2, 0.0) };
         check_sample_at(&robot, q);
     }
     dpt_segment s;
@@ -112,8 +104,7 @@ static void the_sample(void)
     CHECK(near(s.a[2], -0.106) && near(s.b[2], 0.006) && near(s.radius, 0.004) && near(s.a[0], 0.0),
           "from %g to %g, radius %g", s.a[2], s.b[2], s.radius);
     dpt_arm_body body = { .size = sizeof body };
-    CHECK(dpt_arm_get_body(robot.arm, 0, &body) == DPT_OK && !strcmp(body.name, "desk"), "%s",
-          body.name);
+    CHECK(dpt_arm_get_body(robot.arm, 0, &body) == DPT_OK && !strcmp(body.name, "desk"), "%s", body.name);
     const double above[6] = { 0.1, 0.2, 0.5, 0.1, 0.2, 0.3 };
     dpt_hit hit = DPT_HIT_INIT;
     CHECK(dpt_query_segments(body.mesh, &body.pose, above, NULL, 1, &hit, NULL) == DPT_OK &&
@@ -127,20 +118,17 @@ static void the_sample(void)
 /* Fixed axes, x first: R = Rz(yaw) Ry(pitch) Rx(roll). */
 static void roll_pitch_yaw(void)
 {
-    struct robot robot =
-        robot_in(LINKS("base", "plate", "tip") JOINT("mount", "fixed", "base", "plate",
-                                                     "<origin xyz=\"1 2 3\" rpy=\"0.3 -0.4 0.5\"/>")
-                     JOINT("slide", "prismatic", "plate", "tip", "<axis xyz=\"0 0 1\"/>" LIMIT),
-                 NULL);
+    struct robot robot = robot_in(LINKS("base", "plate", "tip") JOINT("mount", "fixed", "base", "plate",
+                                                                      "<origin xyz=\"1 2 3\" rpy=\"0.3 -0.4 0.5\"/>")
+                                      JOINT("slide", "prismatic", "plate", "tip", "<axis xyz=\"0 0 1\"/>" LIMIT),
+                                  NULL);
     double a = 0.3, b = -0.4, c = 0.5, q = 0.7;
-    double z[3] = { cos(c) * sin(b) * cos(a) + sin(c) * sin(a),
-                    sin(c) * sin(b) * cos(a) - cos(c) * sin(a), cos(b) * cos(a) };
+    double z[3] = { cos(c) * sin(b) * cos(a) + sin(c) * sin(a), sin(c) * sin(b) * cos(a) - cos(c) * sin(a),
+                    cos(b) * cos(a) };
     double x[3] = { cos(c) * cos(b), sin(c) * cos(b), -sin(b) };
-    check_tool(&robot, &q, (double[3]){ 0.0, 0.0, 0.0 },
-               (double[3]){ 1.0 + q * z[0], 2.0 + q * z[1], 3.0 + q * z[2] });
+    check_tool(&robot, &q, (double[3]){ 0.0, 0.0, 0.0 }, (double[3]){ 1.0 + q * z[0], 2.0 + q * z[1], 3.0 + q * z[2] });
     check_tool(&robot, &q, (double[3]){ 2.0, 0.0, 0.0 },
-               (double[3]){ 1.0 + q * z[0] + 2.0 * x[0], 2.0 + q * z[1] + 2.0 * x[1],
-                            3.0 + q * z[2] + 2.0 * x[2] });
+               (double[3]){ 1.0 + q * z[0] + 2.0 * x[0], 2.0 + q * z[1] + 2.0 * x[1], 3.0 + q * z[2] + 2.0 * x[2] });
     CHECK(robot.info.joints == 1 && robot.info.tool_link == 0, "%u joints", robot.info.joints);
     dpt_compiled_free(&robot.compiled);
 }
@@ -148,11 +136,10 @@ static void roll_pitch_yaw(void)
 /* Whatever stands for its characters in XML; and a file in Latin-1. */
 static void names_come_through(void)
 {
-    const char *xml =
-        "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><robot name=\"bras \xe0 un axe\">"
-        "<link name=\"base\"/><link name='&lt;\"tip\"&gt;'/>"
-        "<joint name=\"100%s &amp; &#37;n &quot;&apos;&#233;\" type=\"continuous\">"
-        "<parent link=\"base\"/><child link=\"&lt;&quot;tip&quot;>\"/></joint></robot>";
+    const char *xml = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><robot name=\"bras \xe0 un axe\">"
+                      "<link name=\"base\"/><link name='&lt;\"tip\"&gt;'/>"
+                      "<joint name=\"100%s &amp; &#37;n &quot;&apos;&#233;\" type=\"continuous\">"
+                      "<parent link=\"base\"/><child link=\"&lt;&quot;tip&quot;>\"/></joint></robot>";
     char path[128];
     snprintf(path, sizeof path, "%s/names.urdf", scratch);
     FILE *file = fopen(path, "w");
@@ -171,16 +158,14 @@ static void names_come_through(void)
 static void mimics_of_mimics(void)
 {
     struct robot robot = robot_in(
-        "<link name=\"tip\"/>" LINKS("base", "one", "two") JOINT(
-            "c", "prismatic", "two", "tip",
-            "<axis xyz=\"0 0 1\"/><mimic joint=\"b\" multiplier=\"-2\" offset=\"0.2\"/>" LIMIT)
-            JOINT("b", "revolute", "one", "two",
-                  "<origin xyz=\"1 0 0\"/><axis xyz=\"0 0 1\"/><mimic joint=\"a\" multiplier=\"3\" "
-                  "offset=\"0.1\"/>" LIMIT)
-                JOINT("a", "revolute", "base", "one", "<axis xyz=\"0 0 1\"/>" LIMIT),
+        "<link name=\"tip\"/>" LINKS("base", "one", "two")
+            JOINT("c", "prismatic", "two", "tip",
+                  "<axis xyz=\"0 0 1\"/><mimic joint=\"b\" multiplier=\"-2\" offset=\"0.2\"/>" LIMIT)
+                JOINT("b", "revolute", "one", "two",
+                      "<origin xyz=\"1 0 0\"/><axis xyz=\"0 0 1\"/><mimic joint=\"a\" multiplier=\"3\" "
+                      "offset=\"0.1\"/>" LIMIT) JOINT("a", "revolute", "base", "one", "<axis xyz=\"0 0 1\"/>" LIMIT),
         NULL);
-    CHECK(robot.info.joints == 1 && robot.info.links == 3, "%u, %u", robot.info.joints,
-          robot.info.links);
+    CHECK(robot.info.joints == 1 && robot.info.links == 3, "%u, %u", robot.info.joints, robot.info.links);
     check_link(&robot, 0, DPT_NONE, 0, 1.0, 0.0, 0.0);
     check_link(&robot, 1, 0, 0, 3.0, 0.1, 0.0);
     check_link(&robot, 2, 1, 0, -6.0, 0.0, 0.0);
@@ -200,33 +185,26 @@ static void mimics_of_mimics(void)
 static void beside_the_way(void)
 {
     struct robot robot = robot_in(
-        "<link name=\"base\">" MASS(
-            "0 0 0",
-            "100") "</link>"
-                   "<link name=\"crank\">" MASS(
-                       "1 0 0",
-                       "2") "</link>"
-                            "<link name=\"boom\">" MASS(
-                                "2 0 0",
-                                "3") "</link>"
-                                     "<link name=\"tip\"/>"
-                                     "<link name=\"lamp\">" MASS("0 0 0", "1") "</link>" JOINT(
-                                         "drive", "revolute", "base", "crank",
-                                         "<axis xyz=\"0 -1 0\"/>" LIMIT)
-                                         JOINT("lift", "revolute", "base", "boom",
-                                               "<axis xyz=\"0 -1 0\"/><mimic joint=\"drive\" "
-                                               "multiplier=\"0.5\"/>" LIMIT)
-                                             JOINT("end", "fixed", "boom", "tip",
-                                                   "<origin xyz=\"4 0 0\"/>")
-                                                 JOINT("swing", "prismatic", "boom", "lamp",
-                                                       "<axis xyz=\"1 0 0\"/><limit lower=\"0.5\" "
-                                                       "upper=\"1\" effort=\"1\" velocity=\"1\"/>"),
+        "<link name=\"base\">" MASS("0 0 0", "100") "</link><link name=\"crank\">" MASS(
+            "1 0 0",
+            "2") "</link><link name=\"boom\">" MASS("2 0 0",
+                                                    "3") "</link><link name=\"tip\"/>"
+                                                         "<link name=\"lamp\">" MASS("0 0 0", "1") "</link>" JOINT(
+                                                             "drive", "revolute", "base", "crank",
+                                                             "<axis xyz=\"0 -1 0\"/>" LIMIT)
+                                                             JOINT("lift", "revolute", "base", "boom",
+                                                                   "<axis xyz=\"0 -1 0\"/><mimic joint=\"drive\" "
+                                                                   "multiplier=\"0.5\"/>" LIMIT)
+                                                                 JOINT("end", "fixed", "boom", "tip",
+                                                                       "<origin xyz=\"4 0 0\"/>")
+                                                                     JOINT("swing", "prismatic", "boom", "lamp",
+                                                                           "<axis xyz=\"1 0 0\"/><limit lower=\"0.5\" "
+                                                                           "upper=\"1\" effort=\"1\" velocity=\"1\"/>"),
         "tip");
-    CHECK(strstr(robot.notes,
-                 "joint 'swing' is no part of the arm: held at its limit nearest to 0") != NULL,
-          "%s", robot.notes);
-    CHECK(robot.info.joints == 1 && robot.info.links == 2 && near(robot.info.mass, 6.0),
-          "%u joints, %u links, %g kg", robot.info.joints, robot.info.links, robot.info.mass);
+    CHECK(strstr(robot.notes, "joint 'swing' is no part of the arm: held at its limit nearest to 0") != NULL, "%s",
+          robot.notes);
+    CHECK(robot.info.joints == 1 && robot.info.links == 2 && near(robot.info.mass, 6.0), "%u joints, %u links, %g kg",
+          robot.info.joints, robot.info.links, robot.info.mass);
     check_link(&robot, 0, DPT_NONE, 0, 1.0, 0.0, 2.0);
     check_link(&robot, 1, DPT_NONE, 0, 0.5, 0.0, 4.0);
     dpt_arm_link boom = { .size = sizeof boom };
@@ -234,11 +212,9 @@ static void beside_the_way(void)
     CHECK(near(boom.centre[0], (3.0 * 2.0 + 1.0 * 0.5) / 4.0), "centre at %g", boom.centre[0]);
     /* Lifting the drive by dq raises the crank's mass by cos(q) dq, the boom's by cos(q / 2) dq / 2. */
     double q = 0.8, weight, want = 2.0 * cos(q) + (3.0 * 2.0 + 0.5) * 0.5 * cos(0.5 * q);
-    CHECK(dpt_arm_weight(robot.arm, &q, (double[3]){ 0.0, 0.0, -1.0 }, &weight) == DPT_OK &&
-              near(weight, want),
+    CHECK(dpt_arm_weight(robot.arm, &q, (double[3]){ 0.0, 0.0, -1.0 }, &weight) == DPT_OK && near(weight, want),
           "%.17g Nm, not %.17g", weight, want);
-    check_tool(&robot, &q, (double[3]){ 0.0, 0.0, 0.0 },
-               (double[3]){ 4.0 * cos(0.5 * q), 0.0, 4.0 * sin(0.5 * q) });
+    check_tool(&robot, &q, (double[3]){ 0.0, 0.0, 0.0 }, (double[3]){ 4.0 * cos(0.5 * q), 0.0, 4.0 * sin(0.5 * q) });
     dpt_compiled_free(&robot.compiled);
 }
 
@@ -246,18 +222,15 @@ static void beside_the_way(void)
 static void capsules(void)
 {
     struct robot robot = robot_in(
-        "<link name=\"base\"/>"
-        "<link name=\"wrist\"><collision><origin xyz=\"0 0 1\"/><geometry><sphere radius=\"0.5\"/>"
+        "<link name=\"base\"/><link name=\"wrist\"><collision><origin xyz=\"0 0 1\"/><geometry><sphere radius=\"0.5\"/>"
         "</geometry></collision></link>"
         "<link name=\"tool\"><collision><origin xyz=\"0 0.1 0\" rpy=\"0 1.5707963267948966 0\"/>"
         "<geometry><cylinder radius=\"0.1\" length=\"1\"/></geometry></collision>"
         "<collision><geometry><box size=\"1 1 1\"/></geometry></collision></link>"
         "<link name=\"tip\"><collision><geometry><cylinder radius=\"0.3\" length=\"0.2\"/>"
-        "</geometry></collision></link>"
-        "<link name=\"jaw\"><collision><geometry><sphere "
-        "radius=\"0.5\"/></geometry></collision></link>" JOINT(
-            "j", "continuous", "base", "wrist", "") JOINT("h", "continuous", "tool", "jaw", "")
-            JOINT("f", "fixed", "wrist", "tool", "<origin xyz=\"0 0 3\"/>")
+        "</geometry></collision></link><link name=\"jaw\"><collision><geometry><sphere "
+        "radius=\"0.5\"/></geometry></collision></link>" JOINT("j", "continuous", "base", "wrist", "")
+            JOINT("h", "continuous", "tool", "jaw", "") JOINT("f", "fixed", "wrist", "tool", "<origin xyz=\"0 0 3\"/>")
                 JOINT("t", "fixed", "tool", "tip", "<origin xyz=\"7 0 0\"/>"),
         "tool");
     const dpt_segment want[2] = { { { 0.0, 0.0, -2.0 }, { 0.0, 0.0, -2.0 }, 0.5 },
@@ -267,12 +240,11 @@ static void capsules(void)
         dpt_segment s;
         dpt_arm_get_segment(robot.arm, i, &s);
         for (int k = 0; k < 3; k++)
-            CHECK(near(s.a[k], want[i].a[k]) && near(s.b[k], want[i].b[k]), "segment %u: %g %g", i,
-                  s.a[k], s.b[k]);
+            CHECK(near(s.a[k], want[i].a[k]) && near(s.b[k], want[i].b[k]), "segment %u: %g %g", i, s.a[k], s.b[k]);
         CHECK(near(s.radius, want[i].radius), "segment %u: radius %g", i, s.radius);
     }
-    CHECK(robot.info.tips == 3 && robot.info.jaws == 1 && robot.info.jaw_links == 1,
-          "%u tips, %u jaws", robot.info.tips, robot.info.jaws);
+    CHECK(robot.info.tips == 3 && robot.info.jaws == 1 && robot.info.jaw_links == 1, "%u tips, %u jaws",
+          robot.info.tips, robot.info.jaws);
     CHECK(!strstr(robot.notes, "left out") && !strstr(robot.notes, "no part of") &&
               strstr(robot.notes, "link 'tip': a cylinder is felt with 16 flat sides"),
           "%s", robot.notes);
@@ -286,8 +258,7 @@ static void a_capsule_of_urdf_1_1(void)
     snprintf(path, sizeof path, "%s/capsule.urdf", scratch);
     FILE *file = fopen(path, "w");
     fputs("<robot name=\"r\" version=\"1.1\"><link name=\"base\"/><link name=\"tip\"><collision>"
-          "<origin xyz=\"0 0 1\" quat_xyzw=\"1 0 0 0\"/><geometry><capsule radius=\"0.1\" "
-          "length=\"0.4\"/>"
+          "<origin xyz=\"0 0 1\" quat_xyzw=\"1 0 0 0\"/><geometry><capsule radius=\"0.1\" length=\"0.4\"/>"
           "</geometry></collision></link>" JOINT("j", "continuous", "base", "tip", "") "</robot>\n",
           file);
     fclose(file);
@@ -295,18 +266,16 @@ static void a_capsule_of_urdf_1_1(void)
     dpt_compiled compiled;
     dpt_result result = dpt_urdf_compile_file(path, NULL, &compiled, &diag);
     if (result != DPT_OK) {
-        CHECK(diag.line == 1 && (strstr(diag.text, "knows no <capsule>") ||
-                                 strstr(diag.text, "has no attribute 'quat_xyzw'")),
+        CHECK(diag.line == 1 &&
+                  (strstr(diag.text, "knows no <capsule>") || strstr(diag.text, "has no attribute 'quat_xyzw'")),
               "%s", diag.text);
         return;
     }
     const dpt_arm *arm;
     dpt_segment s = { { 0.0 }, { 0.0 }, 0.0 };
-    CHECK(dpt_arm_open(compiled.bytes, compiled.size, &arm) == DPT_OK &&
-              dpt_arm_get_segment(arm, 0, &s) == DPT_OK,
+    CHECK(dpt_arm_open(compiled.bytes, compiled.size, &arm) == DPT_OK && dpt_arm_get_segment(arm, 0, &s) == DPT_OK,
           "no capsule");
-    CHECK(near(s.radius, 0.1) && near(s.a[2], 1.2) && near(s.b[2], 0.8), "%g to %g, %g", s.a[2],
-          s.b[2], s.radius);
+    CHECK(near(s.radius, 0.1) && near(s.a[2], 1.2) && near(s.b[2], 0.8), "%g to %g, %g", s.a[2], s.b[2], s.radius);
     dpt_compiled_free(&compiled);
 }
 
@@ -363,8 +332,7 @@ static void a_long_path_is_told(void)
             strcat(name, folders[i / 6 % 2]);
         strcat(name, reason[0]);
         snprintf(wanted, sizeof wanted, "%s'%s", reason[0], reason[1]);
-        CHECK(mesh_is_refused(links[i / 3 % 2], name, wanted, &diag) && is_whole(diag.text),
-              "%s: %s", name, diag.text);
+        CHECK(mesh_is_refused(links[i / 3 % 2], name, wanted, &diag) && is_whole(diag.text), "%s: %s", name, diag.text);
         CHECK(i / 3 % 2 || !strstr(diag.text, "...") || strlen(diag.text) > 150, "%s", diag.text);
     }
     snprintf(name, sizeof name, "%s%s", folders[0], "meshes/of/patients/plate.obj");
@@ -378,12 +346,11 @@ static double plate(const char *name, const char *more, const char *packages, do
     char path[128];
     snprintf(path, sizeof path, "%s/robots/plate.urdf", scratch);
     FILE *file = fopen(path, "w");
-    fprintf(
-        file,
-        "<robot name=\"r\"><link name=\"base\"><collision><origin xyz=\"0 0 5\"/><geometry><mesh "
-        "filename=\"%s\" %s/></geometry></collision></link><link name=\"tip\"/>" JOINT(
-            "j", "continuous", "base", "tip", "") "</robot>\n",
-        name, more);
+    fprintf(file,
+            "<robot name=\"r\"><link name=\"base\"><collision><origin xyz=\"0 0 5\"/><geometry><mesh "
+            "filename=\"%s\" %s/></geometry></collision></link><link name=\"tip\"/>" JOINT("j", "continuous", "base",
+                                                                                           "tip", "") "</robot>\n",
+            name, more);
     fclose(file);
     dpt_compile_def mesh = { .size = sizeof mesh, .scale = scale };
     dpt_urdf_def def = { .size = sizeof def, .packages = packages, .mesh = &mesh };
@@ -394,8 +361,8 @@ static double plate(const char *name, const char *more, const char *packages, do
         dpt_arm_body body = { .size = sizeof body };
         dpt_mesh_info info = { .size = sizeof info };
         CHECK(dpt_arm_open(compiled.bytes, compiled.size, &arm) == DPT_OK &&
-                  dpt_arm_get_body(arm, 0, &body) == DPT_OK &&
-                  dpt_mesh_get_info(body.mesh, &info) == DPT_OK && near(body.pose.position[2], 5.0),
+                  dpt_arm_get_body(arm, 0, &body) == DPT_OK && dpt_mesh_get_info(body.mesh, &info) == DPT_OK &&
+                  near(body.pose.position[2], 5.0),
               "%s: no body", name);
         edge = info.box_max[0] - info.box_min[0];
     }
@@ -406,10 +373,9 @@ static double plate(const char *name, const char *more, const char *packages, do
 static void where_meshes_are(void)
 {
     char here[1024], address[1200], command[256];
-    snprintf(
-        command, sizeof command,
-        "mkdir %s/robots && cp -r tests/golden-urdf/meshes tests/golden-urdf/packages %s/robots",
-        scratch, scratch);
+    snprintf(command, sizeof command,
+             "mkdir %s/robots && cp -r tests/golden-urdf/meshes tests/golden-urdf/packages %s/robots", scratch,
+             scratch);
     CHECK(system(command) == 0, "%s", command);
     CHECK(getcwd(here, sizeof here) != NULL, "no folder");
     const struct {
@@ -420,8 +386,7 @@ static void where_meshes_are(void)
         { "./meshes/../meshes/plate.obj", "scale=\"0.5 0.5 0.5\"", NULL, 0.0, 0.5 },
         { "meshes/plate.obj", "scale=\"0.5 0.5 0.5\"", NULL, 0.5, 0.25 },
         /* The folders given, one after the other; then those above: robots, the scratch folder's, ..., the tree. */
-        { "package://plates/meshes/large%20plate.obj", "", "/nonesuch::tests/golden-urdf/packages",
-          0.0, 2.0 },
+        { "package://plates/meshes/large%20plate.obj", "", "/nonesuch::tests/golden-urdf/packages", 0.0, 2.0 },
         { "package://plates/meshes/large plate.obj", "", "tests/golden-urdf/packages", 0.0, 2.0 },
         { "package://meshes/plate.obj", "", NULL, 0.0, 1.0 },
         { "package://robots/meshes/plate.obj", "", "/nonesuch", 0.0, 1.0 },
@@ -448,8 +413,7 @@ static void where_meshes_are(void)
     }
     snprintf(address, sizeof address, "file://%s/tests/golden-urdf/meshes/plat%%65.obj", here);
     CHECK(near(plate(address, "", NULL, 0.0), 1.0), "%s", address);
-    snprintf(address, sizeof address, "file://localhost%s/tests/golden-urdf/meshes/plate.obj",
-             here);
+    snprintf(address, sizeof address, "file://localhost%s/tests/golden-urdf/meshes/plate.obj", here);
     CHECK(near(plate(address, "", NULL, 0.0), 1.0), "%s", address);
     snprintf(address, sizeof address, "%s/tests/golden-urdf/meshes/plate.obj", here);
     CHECK(near(plate(address, "", NULL, 0.0), 1.0), "%s", address);
@@ -458,21 +422,17 @@ static void where_meshes_are(void)
 /* Bodies are all meshes and boxes of what is fixed to the root; not of a door in it, though it stands still here. */
 static void the_scene(void)
 {
-    struct robot robot = robot_in(
-        "<link name=\"base\"><collision><geometry><sphere "
-        "radius=\"1\"/></geometry></collision></link>"
-        "<link name=\"table\"><collision><origin xyz=\"0 0 -1\"/><geometry><box size=\"2 2 2\"/>"
-        "</geometry></collision><collision><origin xyz=\"3 0 0\"/><geometry><box size=\"1 1 1\"/>"
-        "</geometry></collision></link>"
-        "<link name=\"door\"><collision><geometry><box size=\"1 1 "
-        "1\"/></geometry></collision></link>"
-        "<link name=\"tip\"/>" JOINT("foot", "fixed", "base", "table",
-                                     "<origin xyz=\"0 0 10\" rpy=\"0 0 1.5707963267948966\"/>")
-            JOINT(
-                "hinge", "revolute", "base", "door",
-                "<axis xyz=\"0 0 1\"/><limit lower=\"1.5707963267948966\" upper=\"2\" effort=\"1\" "
-                "velocity=\"1\"/>") JOINT("j", "continuous", "table", "tip", ""),
-        "tip");
+    struct robot robot =
+        robot_in("<link name=\"base\"><collision><geometry><sphere radius=\"1\"/></geometry></collision></link>"
+                 "<link name=\"table\"><collision><origin xyz=\"0 0 -1\"/><geometry><box size=\"2 2 2\"/>"
+                 "</geometry></collision><collision><origin xyz=\"3 0 0\"/><geometry><box size=\"1 1 1\"/>"
+                 "</geometry></collision></link><link name=\"door\"><collision><geometry><box size=\"1 1 "
+                 "1\"/></geometry></collision></link><link name=\"tip\"/>" JOINT(
+                     "foot", "fixed", "base", "table", "<origin xyz=\"0 0 10\" rpy=\"0 0 1.5707963267948966\"/>")
+                     JOINT("hinge", "revolute", "base", "door",
+                           "<axis xyz=\"0 0 1\"/><limit lower=\"1.5707963267948966\" upper=\"2\" effort=\"1\" "
+                           "velocity=\"1\"/>") JOINT("j", "continuous", "table", "tip", ""),
+                 "tip");
     const double at[2][3] = { { 0.0, 0.0, 9.0 }, { 0.0, 3.0, 10.0 } };
     CHECK(robot.info.bodies == 2, "%u bodies", robot.info.bodies);
     for (uint32_t i = 0; i < robot.info.bodies; i++) {
@@ -484,8 +444,8 @@ static void the_scene(void)
         CHECK(near(body.pose.orientation[3], sqrt(0.5)), "%u: %g", i, body.pose.orientation[3]);
         dpt_mesh_info info = { .size = sizeof info };
         dpt_mesh_get_info(body.mesh, &info);
-        CHECK(info.closed_components == 1 && info.solid_components == 1 &&
-                  !info.inward_components && !info.turned_triangles,
+        CHECK(info.closed_components == 1 && info.solid_components == 1 && !info.inward_components &&
+                  !info.turned_triangles,
               "%u: a box that is not closed or wound inward", i);
     }
     CHECK(strstr(robot.notes, "link 'base': 1 collision shape left out") &&

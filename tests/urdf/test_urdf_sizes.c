@@ -36,10 +36,9 @@ static void defaults(void *def, size_t size)
 
 static void structs_of_any_size(void)
 {
-    const struct sized def = { "dpt_urdf_def", sizeof(dpt_urdf_def), sizeof(dpt_urdf_def),
-                               take_def };
-    const struct sized mesh = { "its dpt_compile_def", offsetof(dpt_compile_def, crease),
-                                sizeof(dpt_compile_def), take_mesh_def };
+    const struct sized def = { "dpt_urdf_def", sizeof(dpt_urdf_def), sizeof(dpt_urdf_def), take_def };
+    const struct sized mesh = { "its dpt_compile_def", offsetof(dpt_compile_def, crease), sizeof(dpt_compile_def),
+                                take_mesh_def };
     const struct sized diag = { "dpt_diag", sizeof(dpt_diag), sizeof(dpt_diag), fill_diag };
     dpt_urdf_def good;
     dpt_compile_def good_mesh;
@@ -70,8 +69,7 @@ static void arguments_are_checked(void)
     dpt_diag diag = { .size = 8 };
     dpt_urdf_def def = { .size = 8 };
     CHECK(dpt_urdf_compile_file(good, NULL, NULL, NULL) == DPT_E_ARGUMENT, "no out");
-    CHECK(dpt_urdf_compile_file(good, NULL, &compiled, &diag) == DPT_E_SIZE && !compiled.bytes,
-          "a short diag");
+    CHECK(dpt_urdf_compile_file(good, NULL, &compiled, &diag) == DPT_E_SIZE && !compiled.bytes, "a short diag");
     CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_SIZE, "a short def");
     def = (dpt_urdf_def){ .size = sizeof def, .reserved = 1 };
     CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_ARGUMENT, "reserved");
@@ -82,8 +80,7 @@ static void arguments_are_checked(void)
     CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_SIZE, "a short mesh def");
     def = (dpt_urdf_def){ .size = sizeof def, .tool = "nonesuch" };
     diag.size = sizeof diag;
-    CHECK(dpt_urdf_compile_file(good, &def, &compiled, &diag) == DPT_E_ARGUMENT &&
-              strstr(diag.text, "'nonesuch'"),
+    CHECK(dpt_urdf_compile_file(good, &def, &compiled, &diag) == DPT_E_ARGUMENT && strstr(diag.text, "'nonesuch'"),
           "%s", diag.text);
     CHECK(dpt_urdf_compile_file(good, NULL, &compiled, NULL) == DPT_OK, "the defaults");
     dpt_compiled_free(&compiled);

@@ -33,7 +33,7 @@ if [ ! -e "$view/node_modules/three/package.json" ]; then
 fi
 count "the page's file" node tests/view/page_file.js "$view" "$room"
 log=/dev/null
-check "the page is made" node tools/view/make_page.js "$view"
+check "the page is made" node tools/view/page/make_page.js "$view"
 if ! command -v chromium >/dev/null; then
     skip "what the page draws and does, and the drawings' texts: chromium is missing (Debian's chromium)"
     finish

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node page_file.js FOLDER ROOM: what tools/view/make_page.js writes, and how it fails. FOLDER has three.js.
+// node page_file.js FOLDER ROOM: what tools/view/page/make_page.js writes, and how it fails. FOLDER has three.js.
 "use strict";
 const fs = require("fs");
 const path = require("path");

@@ -36,11 +36,10 @@ static void the_same_again(void)
     struct view_token first, second, other;
     struct stat status;
     CHECK(keeps(4000, &first) && keeps(4000, &second) && keeps(4001, &other), "not kept");
-    CHECK(strlen(first.digits) == 32 && !strcmp(first.digits, second.digits), "%s, then %s",
-          first.digits, second.digits);
+    CHECK(strlen(first.digits) == 32 && !strcmp(first.digits, second.digits), "%s, then %s", first.digits,
+          second.digits);
     CHECK(strcmp(first.digits, other.digits) != 0, "two ports have one token");
-    CHECK(stat(file_of(4000), &status) == 0 && (status.st_mode & 0777) == 0600,
-          "others may read it");
+    CHECK(stat(file_of(4000), &status) == 0 && (status.st_mode & 0777) == 0600, "others may read it");
 }
 
 static void what_is_no_token_is_replaced(void)
@@ -50,8 +49,7 @@ static void what_is_no_token_is_replaced(void)
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         struct view_token token, again;
         write_file(4002, texts[i], 0600);
-        CHECK(keeps(4002, &token) && strlen(token.digits) == 32 &&
-                  strncmp(token.digits, texts[i], 32) != 0,
+        CHECK(keeps(4002, &token) && strlen(token.digits) == 32 && strncmp(token.digits, texts[i], 32) != 0,
               "'%s' is taken", texts[i]);
         CHECK(keeps(4002, &again) && !strcmp(token.digits, again.digits), "'%s' twice", texts[i]);
     }

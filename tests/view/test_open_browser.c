@@ -119,8 +119,7 @@ static void leaves_nothing_after_a_fault(void)
     mkdir(path, 0700);
     setenv("TMPDIR", path, 1);
     fault = view_open_browser(URL, &browser);
-    CHECK(!fault && strncmp(browser.folder, path, strlen(path)) == 0, "not in TMPDIR: %s",
-          browser.folder);
+    CHECK(!fault && strncmp(browser.folder, path, strlen(path)) == 0, "not in TMPDIR: %s", browser.folder);
     char note[4096];
     CHECK(read_note(note, sizeof note), "the opener was not started");
     view_close_browser(&browser);

@@ -87,8 +87,7 @@ static void tick(struct stage *stage, int has_moved)
 
 static uint32_t word(const unsigned char *from)
 {
-    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 |
-           (uint32_t)from[3] << 24;
+    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 | (uint32_t)from[3] << 24;
 }
 
 static uint64_t wide(const unsigned char *from)
@@ -123,8 +122,8 @@ static void read_tick(struct seen *seen, const unsigned char *from, int may_skip
 {
     const uint64_t i = (uint64_t)(number(from) * 1e3 + 0.5);
     const struct view_tick expected = tick_of(i);
-    CHECK(i == seen->next_tick || (may_skip && i > seen->next_tick), "tick %llu after %llu",
-          (unsigned long long)i, (unsigned long long)seen->next_tick - 1);
+    CHECK(i == seen->next_tick || (may_skip && i > seen->next_tick), "tick %llu after %llu", (unsigned long long)i,
+          (unsigned long long)seen->next_tick - 1);
     CHECK(small(from + 8) == expected.force && small(from + 12) == expected.depth &&
               small(from + 16) == expected.energy && small(from + 20) == expected.late &&
               small(from + 24) == expected.took && word(from + 28) == expected.contact &&
@@ -139,13 +138,11 @@ static void read_frame(struct seen *seen, const struct view_message *frame, int 
     const unsigned char *bytes = frame->bytes;
     const uint32_t snapshot = word(bytes + 4), ticks = word(bytes + 8);
     dpt_snapshot_info info = { .size = sizeof info };
-    CHECK(word(bytes) == 2 && word(bytes + 12) == 0 &&
-              frame->size == HEADER + snapshot + TICK * (size_t)ticks,
+    CHECK(word(bytes) == 2 && word(bytes + 12) == 0 && frame->size == HEADER + snapshot + TICK * (size_t)ticks,
           "%zu bytes", frame->size);
     CHECK(dpt_snapshot_get_info(bytes + HEADER, snapshot, &info) == DPT_OK, "a broken snapshot");
     CHECK(info.tools == 1 && info.bodies == 1, "%u tools", (unsigned)info.tools);
-    CHECK(!seen->frames || wide(bytes + 16) > seen->number, "frame %llu twice",
-          (unsigned long long)seen->number);
+    CHECK(!seen->frames || wide(bytes + 16) > seen->number, "frame %llu twice", (unsigned long long)seen->number);
     seen->number = wide(bytes + 16);
     seen->dropped = wide(bytes + 24);
     seen->lost = wide(bytes + 32);
@@ -159,9 +156,8 @@ static void read_frame(struct seen *seen, const struct view_message *frame, int 
     seen->frames++;
     for (uint32_t i = 0; i < ticks; i++)
         read_tick(seen, bytes + HEADER + snapshot + TICK * (size_t)i, may_skip);
-    CHECK(may_skip || !ticks || seen->steps == (double)seen->next_tick,
-          "a snapshot of step %.0f with ticks up to %llu", seen->steps,
-          (unsigned long long)seen->next_tick);
+    CHECK(may_skip || !ticks || seen->steps == (double)seen->next_tick, "a snapshot of step %.0f with ticks up to %llu",
+          seen->steps, (unsigned long long)seen->next_tick);
 }
 
 /* ---- the tests ---- */
@@ -177,15 +173,12 @@ static void each_tick_comes_once_and_in_order(void)
         if (view_feed_next(stage.feed, &frame))
             read_frame(&seen, &frame, 0);
     }
-    CHECK(seen.frames >= 290 && seen.frames <= 300, "%llu frames in 5 s",
-          (unsigned long long)seen.frames);
-    CHECK(seen.dropped == 0 && seen.lost == 0 && seen.ticks + 17 >= 5000, "%llu ticks",
-          (unsigned long long)seen.ticks);
-    CHECK(fabs(seen.haptic - 1000.0) < 1.0 && fabs(seen.view - 59.0) < 2.0, "%g and %g Hz",
-          seen.haptic, seen.view);
+    CHECK(seen.frames >= 290 && seen.frames <= 300, "%llu frames in 5 s", (unsigned long long)seen.frames);
+    CHECK(seen.dropped == 0 && seen.lost == 0 && seen.ticks + 17 >= 5000, "%llu ticks", (unsigned long long)seen.ticks);
+    CHECK(fabs(seen.haptic - 1000.0) < 1.0 && fabs(seen.view - 59.0) < 2.0, "%g and %g Hz", seen.haptic, seen.view);
     CHECK(fabs(seen.physics - 1000.0 / TICKS_A_STEP) < 5.0, "physics: %g Hz", seen.physics);
-    CHECK(fabs(seen.late - 98e-6) < 2e-6 && fabs(seen.took - 49e-6) < 1e-6, "%g s late, %g s took",
-          seen.late, seen.took);
+    CHECK(fabs(seen.late - 98e-6) < 2e-6 && fabs(seen.took - 49e-6) < 1e-6, "%g s late, %g s took", seen.late,
+          seen.took);
     stage_close(&stage);
 }
 
@@ -202,8 +195,7 @@ static void vertices_go_while_they_move(void)
         if (view_feed_next(stage.feed, &frame))
             read_frame(now, &frame, 1);
     }
-    CHECK(rest.with_vertices >= 2 && rest.with_vertices <= 4, "%llu at rest",
-          (unsigned long long)rest.with_vertices);
+    CHECK(rest.with_vertices >= 2 && rest.with_vertices <= 4, "%llu at rest", (unsigned long long)rest.with_vertices);
     CHECK(moving.with_vertices + 1 >= moving.frames, "%llu of %llu while they move",
           (unsigned long long)moving.with_vertices, (unsigned long long)moving.frames);
     CHECK(after.with_vertices >= 29 && after.with_vertices <= 36, "%llu afterwards",
@@ -221,21 +213,20 @@ static void a_reader_that_stops_holds_nothing_up(void)
     for (int i = 0; i < 1000000; i++)
         tick(&stage, 0);
     view_feed_counts(stage.feed, &made, &taken);
-    CHECK(made >= 58800 && made <= 60000 && taken == 0, "%llu made, %llu taken",
-          (unsigned long long)made, (unsigned long long)taken);
+    CHECK(made >= 58800 && made <= 60000 && taken == 0, "%llu made, %llu taken", (unsigned long long)made,
+          (unsigned long long)taken);
     CHECK(view_feed_next(stage.feed, &frame) == 1, "nothing there");
     read_frame(&seen, &frame, 1);
-    CHECK(seen.number == made - 1 && seen.dropped == made - 1 && seen.steps > 999980.0,
-          "number %llu, step %.0f", (unsigned long long)seen.number, seen.steps);
-    CHECK(seen.ticks == VIEW_FEED_TICKS && seen.lost == 1000000 - VIEW_FEED_TICKS,
-          "%llu ticks, %llu lost", (unsigned long long)seen.ticks, (unsigned long long)seen.lost);
+    CHECK(seen.number == made - 1 && seen.dropped == made - 1 && seen.steps > 999980.0, "number %llu, step %.0f",
+          (unsigned long long)seen.number, seen.steps);
+    CHECK(seen.ticks == VIEW_FEED_TICKS && seen.lost == 1000000 - VIEW_FEED_TICKS, "%llu ticks, %llu lost",
+          (unsigned long long)seen.ticks, (unsigned long long)seen.lost);
     CHECK(view_feed_next(stage.feed, &frame) == 0, "the same twice");
     for (int i = 0; i < 100; i++)
         tick(&stage, 0);
     CHECK(view_feed_next(stage.feed, &frame) == 1, "it does not go on");
     read_frame(&seen, &frame, 1);
-    CHECK(seen.next_tick > 1000080 && seen.next_tick <= 1000100, "up to tick %llu",
-          (unsigned long long)seen.next_tick);
+    CHECK(seen.next_tick > 1000080 && seen.next_tick <= 1000100, "up to tick %llu", (unsigned long long)seen.next_tick);
     stage_close(&stage);
 }
 
@@ -268,9 +259,8 @@ static void two_threads_see_whole_frames(void)
         read_frame(&seen, &frame, 1);
     CHECK(seen.ticks + seen.lost + 17 >= 200000 && seen.ticks > 1000, "%llu ticks, %llu lost",
           (unsigned long long)seen.ticks, (unsigned long long)seen.lost);
-    CHECK(seen.frames > 100 && seen.frames + seen.dropped == seen.number + 1,
-          "%llu frames, %llu dropped", (unsigned long long)seen.frames,
-          (unsigned long long)seen.dropped);
+    CHECK(seen.frames > 100 && seen.frames + seen.dropped == seen.number + 1, "%llu frames, %llu dropped",
+          (unsigned long long)seen.frames, (unsigned long long)seen.dropped);
     stage_close(&stage);
 }
 

@@ -8,15 +8,13 @@ static void expect(const struct view_host *host, const char *const *texts, int o
 {
     for (; *texts; texts++)
         CHECK(view_host_is_own(host, *texts) == own, "'%s' at %s:%u is %s", *texts,
-              host->address ? host->address : "this machine", (unsigned)host->port,
-              own ? "refused" : "taken");
+              host->address ? host->address : "this machine", (unsigned)host->port, own ? "refused" : "taken");
 }
 
 static void of_this_machine(void)
 {
     const struct view_host host = { NULL, 8123 };
-    expect(&host, (const char *const[]){ "127.0.0.1:8123", "localhost:8123", "[::1]:8123", NULL },
-           1);
+    expect(&host, (const char *const[]){ "127.0.0.1:8123", "localhost:8123", "[::1]:8123", NULL }, 1);
     expect(&host,
            (const char *const[]){ "",
                                   "127.0.0.1",
@@ -45,8 +43,7 @@ static void at_an_address(void)
 {
     const struct view_host four = { "192.0.2.1", 8123 }, six = { "2001:db8:0:0::1", 8123 };
     expect(&four, (const char *const[]){ "192.0.2.1:8123", "localhost:8123", NULL }, 1);
-    expect(&four, (const char *const[]){ "192.0.2.2:8123", "[192.0.2.1]:8123", "192.0.2.1", NULL },
-           0);
+    expect(&four, (const char *const[]){ "192.0.2.2:8123", "[192.0.2.1]:8123", "192.0.2.1", NULL }, 0);
     expect(&six, (const char *const[]){ "[2001:db8::1]:8123", NULL }, 1);
     expect(&six, (const char *const[]){ "2001:db8::1:8123", "[2001:db8::2]:8123", NULL }, 0);
 }
@@ -84,8 +81,7 @@ static void origins(void)
         CHECK(!view_origin_is_own(&host, "127.0.0.1:8123", others[i]), "%s is taken", others[i]);
     CHECK(!view_origin_is_own(&host, "evil.example:8123", "http://evil.example:8123"),
           "another's Host and Origin that agree");
-    CHECK(!view_origin_is_own(&every, "192.0.2.7:8123", "http://192.0.2.8:8123"),
-          "another machine's page");
+    CHECK(!view_origin_is_own(&every, "192.0.2.7:8123", "http://192.0.2.8:8123"), "another machine's page");
 }
 
 static void addresses(void)
@@ -95,8 +91,7 @@ static void addresses(void)
     CHECK(view_address_kind("localhost") == VIEW_ADDRESS_INVALID, "a name");
     CHECK(view_address_kind("[::1]") == VIEW_ADDRESS_INVALID, "brackets");
     CHECK(view_address_is_local("127.3.2.1") && view_address_is_local("::1"), "local");
-    CHECK(!view_address_is_local("0.0.0.0") && !view_address_is_local("::") &&
-              !view_address_is_local("192.0.2.1"),
+    CHECK(!view_address_is_local("0.0.0.0") && !view_address_is_local("::") && !view_address_is_local("192.0.2.1"),
           "not local");
     CHECK(view_address_is_every("0.0.0.0") && view_address_is_every("::"), "every");
     CHECK(!view_address_is_every("127.0.0.1") && !view_address_is_every("::1"), "not every");

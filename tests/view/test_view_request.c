@@ -6,8 +6,7 @@
 #include "view/view_token.h"
 
 /* In a block of its length: a read beyond it is seen by the sanitizer. */
-static enum view_request_kind parse_bytes(const char *text, size_t size,
-                                          struct view_request *request)
+static enum view_request_kind parse_bytes(const char *text, size_t size, struct view_request *request)
 {
     char *block = malloc(size ? size : 1);
     memcpy(block, text, size);
@@ -40,15 +39,14 @@ static void hands(void)
     struct view_request request;
     static const char text[] = "hand 0.25 -1e-3 1000000";
     CHECK(parse_bytes(text, sizeof text - 1, &request) == VIEW_REQUEST_HAND, "a hand is refused");
-    CHECK(request.position[0] == 0.25 && request.position[1] == -1e-3 && request.position[2] == 1e6,
-          "%g %g %g", request.position[0], request.position[1], request.position[2]);
+    CHECK(request.position[0] == 0.25 && request.position[1] == -1e-3 && request.position[2] == 1e6, "%g %g %g",
+          request.position[0], request.position[1], request.position[2]);
     CHECK(parse("hand -1e6 0 0") == VIEW_REQUEST_HAND, "the limit itself");
     static const char *const unknown[] = {
-        "hand 1 2",     "hand 1 2 3 4",      "hand 1 2 3 ",        "hand  1 2 3",
-        "hand 1  2 3",  "hand 1\t2 3",       "hand 1,2,3",         "hand nan 0 0",
-        "hand 0 inf 0", "hand 0 0 -inf",     "hand 0x1p3 0 0",     "hand 1e999 0 0",
-        "hand 1e7 0 0", "hand 0 -1000001 0", "hand 0 0 1000000.1", "hand1 2 3",
-        "Hand 1 2 3",   "hand 1 2 3x",       "hand - 0 0",         "hand 1 2 ",
+        "hand 1 2",       "hand 1 2 3 4",   "hand 1 2 3 ",  "hand  1 2 3",       "hand 1  2 3",
+        "hand 1\t2 3",    "hand 1,2,3",     "hand nan 0 0", "hand 0 inf 0",      "hand 0 0 -inf",
+        "hand 0x1p3 0 0", "hand 1e999 0 0", "hand 1e7 0 0", "hand 0 -1000001 0", "hand 0 0 1000000.1",
+        "hand1 2 3",      "Hand 1 2 3",     "hand 1 2 3x",  "hand - 0 0",        "hand 1 2 ",
     };
     for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++)
         CHECK(parse(unknown[i]) == VIEW_REQUEST_UNKNOWN, "'%s' is known", unknown[i]);
@@ -68,8 +66,7 @@ static void tokens(void)
 {
     struct view_token token, other;
     CHECK(view_token_make(&token) == 0 && view_token_make(&other) == 0, "no random bits");
-    CHECK(strlen(token.digits) == 32 && strspn(token.digits, "0123456789abcdef") == 32, "%s",
-          token.digits);
+    CHECK(strlen(token.digits) == 32 && strspn(token.digits, "0123456789abcdef") == 32, "%s", token.digits);
     CHECK(strcmp(token.digits, other.digits) != 0, "two are the same");
     CHECK(view_token_is(&token, token.digits, 32), "the token is refused");
     CHECK(!view_token_is(&token, other.digits, 32), "another is taken");

@@ -5,7 +5,7 @@
 const fs = require("fs");
 const path = require("path");
 const assert = require("assert");
-const tools = path.join(__dirname, "../../tools/view");
+const tools = path.join(__dirname, "../../tools/view/page");
 const folders = [tools, path.join(__dirname, "../../tools/page")];
 let failed = 0;
 

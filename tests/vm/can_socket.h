@@ -18,8 +18,7 @@
 static inline int can_socket(const char *name)
 {
     const int line = socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
-    const struct sockaddr_can address = { .can_family = AF_CAN,
-                                          .can_ifindex = (int)if_nametoindex(name) };
+    const struct sockaddr_can address = { .can_family = AF_CAN, .can_ifindex = (int)if_nametoindex(name) };
     int problem = line < 0 ? errno : address.can_ifindex == 0 ? ENODEV : 0;
     if (!problem && bind(line, (const struct sockaddr *)&address, sizeof address))
         problem = errno;
@@ -70,8 +69,7 @@ static inline struct can_heard can_next(int line, int wait)
     const ssize_t size = recvmsg(line, &message, MSG_DONTWAIT);
     heard.problem = size == (ssize_t)sizeof heard.frame ? 0 : size < 0 ? errno : EIO;
     heard.flags = message.msg_flags;
-    for (struct cmsghdr *part = CMSG_FIRSTHDR(&message); size >= 0 && part;
-         part = CMSG_NXTHDR(&message, part))
+    for (struct cmsghdr *part = CMSG_FIRSTHDR(&message); size >= 0 && part; part = CMSG_NXTHDR(&message, part))
         if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SO_RXQ_OVFL)
             memcpy(&heard.dropped, CMSG_DATA(part), sizeof heard.dropped);
     return heard;

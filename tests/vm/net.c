@@ -65,9 +65,8 @@ static int tell(struct request *request)
 {
     uint64_t answer[512];
     request->header.nlmsg_flags |= NLM_F_ACK;
-    return request->link.ifi_index || request->header.nlmsg_flags & NLM_F_CREATE
-               ? ask(request, answer, sizeof answer)
-               : ENODEV;
+    return request->link.ifi_index || request->header.nlmsg_flags & NLM_F_CREATE ? ask(request, answer, sizeof answer)
+                                                                                 : ENODEV;
 }
 
 int net_add(const char *name)

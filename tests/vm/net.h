@@ -11,10 +11,10 @@
 #include <stdint.h>
 
 struct net_state {
-    int up;      /* IFF_UP: as it was set */
-    int carrier; /* there is a bus; not after bus-off */
-    int running; /* the same, within a second: from then on what is written is dropped */
-    int echo;    /* MSG_CONFIRM is the driver's, for a frame that was sent; else it was queued */
+    int up;           /* IFF_UP: as it was set */
+    int carrier;      /* there is a bus; not after bus-off */
+    int running;      /* the same, within a second: from then on what is written is dropped */
+    int echo;         /* MSG_CONFIRM is the driver's, for a frame that was sent; else it was queued */
     int error_state;  /* enum can_state of linux/can/netlink.h; -1: it is no real bus (vcan) */
     uint32_t bitrate; /* bit/s; 0: not set */
     uint32_t queue;   /* frames that it holds before a write gives ENOBUFS; vcan holds none */

@@ -43,8 +43,7 @@ int peer_start(struct peer *peer, const char *arguments)
     char command[1024], line[16];
     int pipes[2];
     memset(peer, 0, sizeof *peer);
-    if (!program ||
-        snprintf(command, sizeof command, "exec %s %s", program, arguments) >= (int)sizeof command)
+    if (!program || snprintf(command, sizeof command, "exec %s %s", program, arguments) >= (int)sizeof command)
         return ENOENT;
     if (pipe(pipes))
         return errno;

@@ -23,9 +23,8 @@ static size_t spell(char line[SLCAN_LINE], const struct can_frame *frame)
 {
     const int remote = (frame->can_id & CAN_RTR_FLAG) != 0;
     const int extended = (frame->can_id & CAN_EFF_FLAG) != 0;
-    int size = snprintf(
-        line, SLCAN_LINE, extended ? "%c%08X%u" : "%c%03X%u", "tTrR"[2 * remote + extended],
-        frame -> can_id &(extended ? CAN_EFF_MASK : CAN_SFF_MASK), frame -> can_dlc);
+    int size = snprintf(line, SLCAN_LINE, extended ? "%c%08X%u" : "%c%03X%u", "tTrR"[2 * remote + extended],
+                        frame -> can_id &(extended ? CAN_EFF_MASK : CAN_SFF_MASK), frame -> can_dlc);
     for (int i = 0; i < frame->can_dlc && !remote; i++)
         size += snprintf(line + size, (size_t)(SLCAN_LINE - size), "%02X", frame->data[i]);
     line[size] = '\r';
@@ -45,8 +44,7 @@ static int parse(const char *line, struct can_frame *frame)
     if (strlen(line) < digits + 2)
         return 0;
     memcpy(number, line + 1, digits);
-    frame->can_id = (canid_t)strtoul(number, NULL, 16) | (digits == 8 ? CAN_EFF_FLAG : 0) |
-                    (remote ? CAN_RTR_FLAG : 0);
+    frame->can_id = (canid_t)strtoul(number, NULL, 16) | (digits == 8 ? CAN_EFF_FLAG : 0) | (remote ? CAN_RTR_FLAG : 0);
     frame->can_dlc = (uint8_t)(line[digits + 1] - '0');
     if (frame->can_dlc > 8 || strlen(line) != digits + 2 + (remote ? 0u : 2u * frame->can_dlc))
         return 0;
@@ -134,8 +132,7 @@ static int attach(struct slcan *adapter)
     if (adapter->line < 0 || tcgetattr(adapter->line, &settings))
         return errno;
     cfmakeraw(&settings);
-    if (tcsetattr(adapter->line, TCSANOW, &settings) ||
-        ioctl(adapter->line, TIOCSETD, &discipline) ||
+    if (tcsetattr(adapter->line, TCSANOW, &settings) || ioctl(adapter->line, TIOCSETD, &discipline) ||
         ioctl(adapter->line, SIOCGIFNAME, adapter->name))
         return errno;
     return 0;
@@ -206,7 +203,6 @@ void slcan_commands(struct slcan *adapter, char commands[SLCAN_COMMANDS])
 void slcan_hang(struct slcan *adapter, int hang)
 {
     char done;
-    if (write(adapter->control[0], hang ? "h" : "g", 1) != 1 ||
-        read(adapter->control[0], &done, 1) != 1)
+    if (write(adapter->control[0], hang ? "h" : "g", 1) != 1 || read(adapter->control[0], &done, 1) != 1)
         perror("slcan_hang");
 }

@@ -22,7 +22,7 @@
 
 struct slcan {
     char name[16];
-    int bus; /* of struct can_frame, both ways, does not block; -1 if the bus is another interface */
+    int bus;          /* of struct can_frame, both ways, does not block; -1 if the bus is another interface */
     unsigned lost;    /* frames that the bus had no room for; good after slcan_unplug */
     int master, line; /* the pty's ends: the thread's, the kernel's */
     int far, control[2];

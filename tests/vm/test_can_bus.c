@@ -21,8 +21,7 @@
 #include "vm/slcan.h"
 
 static const char bus_name[] = "vcan2";
-static char elbow_path[64], cross_path[64],
-    build[200]; /* build: the folder that the program is in */
+static char elbow_path[64], cross_path[64], build[200]; /* build: the folder that the program is in */
 static struct simulate_can simulated;
 static pthread_t thread;
 static volatile int stop;
@@ -135,28 +134,27 @@ static void the_loop_is_closed_by_the_clock(void)
     dpt_guard_def_init(&guard);
     guard.hold = 0.5;
     def.guard = &guard;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK && dpt_loop_run(loop, &stats) == DPT_OK,
-          "run");
+    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK && dpt_loop_run(loop, &stats) == DPT_OK, "run");
     dpt_loop_free(loop);
     dpt_device_get_counts(device, &counts);
-    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-          "%x %x", state.reasons, state.code);
-    CHECK(stats.fresh + stats.stale == stats.ticks && stats.fresh > stats.ticks / 2 &&
-              stats.lost == 0 && stats.not_ready == 0,
-          "%u fresh, %u stale, %u lost of %u", (unsigned)stats.fresh, (unsigned)stats.stale,
-          (unsigned)stats.lost, (unsigned)stats.ticks);
-    CHECK(stats.sent + 1 == counts.commands && counts.refused == 0 && counts.damaged == 0,
-          "%u sent", (unsigned)stats.sent);
-    CHECK(counts.samples > 500 && 5 * counts.lost < counts.samples, "%u samples, %u lost",
-          (unsigned)counts.samples, (unsigned)counts.lost);
+    CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "%x %x", state.reasons,
+          state.code);
+    CHECK(stats.fresh + stats.stale == stats.ticks && stats.fresh > stats.ticks / 2 && stats.lost == 0 &&
+              stats.not_ready == 0,
+          "%u fresh, %u stale, %u lost of %u", (unsigned)stats.fresh, (unsigned)stats.stale, (unsigned)stats.lost,
+          (unsigned)stats.ticks);
+    CHECK(stats.sent + 1 == counts.commands && counts.refused == 0 && counts.damaged == 0, "%u sent",
+          (unsigned)stats.sent);
+    CHECK(counts.samples > 500 && 5 * counts.lost < counts.samples, "%u samples, %u lost", (unsigned)counts.samples,
+          (unsigned)counts.lost);
     CHECK(50 * counts.missed < 3 * counts.commands, "%u torques missed", (unsigned)counts.missed);
-    printf("    %u ticks: %u fresh, %u commands, %u torques late; %u samples, %u late or lost\n",
-           (unsigned)stats.ticks, (unsigned)stats.fresh, (unsigned)counts.commands,
-           (unsigned)counts.missed, (unsigned)counts.samples, (unsigned)counts.lost);
+    printf("    %u ticks: %u fresh, %u commands, %u torques late; %u samples, %u late or lost\n", (unsigned)stats.ticks,
+           (unsigned)stats.fresh, (unsigned)counts.commands, (unsigned)counts.missed, (unsigned)counts.samples,
+           (unsigned)counts.lost);
     finish();
     for (int i = 0; i < 3; i++)
-        CHECK(simulated.node[i].torques >= counts.commands && simulated.unsent == 0,
-              "node %d took %u", i, (unsigned)simulated.node[i].torques);
+        CHECK(simulated.node[i].torques >= counts.commands && simulated.unsent == 0, "node %d took %u", i,
+              (unsigned)simulated.node[i].torques);
 }
 
 static uint32_t crc32(uint32_t crc, const uint8_t *bytes, size_t size)
@@ -205,8 +203,8 @@ static void check_what_came(struct peer *peer)
         { "errors", 0 },
     };
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        CHECK(peer_number(peer, numbers[i].name) == numbers[i].value, "%s: %g, not %g",
-              numbers[i].name, peer_number(peer, numbers[i].name), numbers[i].value);
+        CHECK(peer_number(peer, numbers[i].name) == numbers[i].value, "%s: %g, not %g", numbers[i].name,
+              peer_number(peer, numbers[i].name), numbers[i].value);
     /* 0.5 knows no version: that it is asked for one is all that is strange to it. */
     CHECK(versions > 0 && peer_number(peer, "strangers") == versions, "%g strange frames, not %u",
           peer_number(peer, "strangers"), versions);
@@ -236,10 +234,8 @@ static void someone_elses_controllers_are_moved(void)
     CHECK(setsockopt(listener, SOL_SOCKET, SO_RCVBUFFORCE, &room, sizeof room) == 0, "room");
     error.size = sizeof error;
     state.size = sizeof state;
-    snprintf(
-        name, sizeof name,
-        "can:%s?arm=%s&nodes=0,1&gear=%g,-%g&weight=0&watchdog=none&axes=xyz&rate=100&silent=1",
-        bus_name, cross_path, gear, gear);
+    snprintf(name, sizeof name, "can:%s?arm=%s&nodes=0,1&gear=%g,-%g&weight=0&watchdog=none&axes=xyz&rate=100&silent=1",
+             bus_name, cross_path, gear, gear);
     const dpt_result opened = open_patiently(name);
     CHECK(opened == DPT_OK, "%s", error.text);
     if (opened != DPT_OK)
@@ -251,8 +247,8 @@ static void someone_elses_controllers_are_moved(void)
         CHECK(dpt_device_write(device, &wrench) == DPT_OK, "write");
         pause_ms(10);
         listen_in();
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-              "%u: %x, %x", state.status, state.reasons, state.code);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "%u: %x, %x",
+              state.status, state.reasons, state.code);
         samples += state.fresh;
         if (i == 0)
             memcpy(first, state.pose.position, sizeof first);
@@ -261,10 +257,9 @@ static void someone_elses_controllers_are_moved(void)
     for (int k = 0; k < 2; k++) {
         const double torque = force[k] / (2.0 * M_PI * gear);
         const double speed = torque / friction / (2.0 * M_PI) / gear;
-        CHECK(fabs(state.velocity[k] - speed) < 1e-6 * speed + 1e-9, "%c: %g m/s, not %g", "xy"[k],
-              state.velocity[k], speed);
-        CHECK(state.pose.position[k] > first[k] + 0.1 * speed, "%c: it is at %g m", "xy"[k],
-              state.pose.position[k]);
+        CHECK(fabs(state.velocity[k] - speed) < 1e-6 * speed + 1e-9, "%c: %g m/s, not %g", "xy"[k], state.velocity[k],
+              speed);
+        CHECK(state.pose.position[k] > first[k] + 0.1 * speed, "%c: it is at %g m", "xy"[k], state.pose.position[k]);
     }
     CHECK(state.velocity[2] == 0.0 && state.pose.position[2] == 0.0, "z");
     dpt_device_close(device);
@@ -296,8 +291,8 @@ static void push(int cycles)
         const dpt_result written = write_up(1.0);
         CHECK(written == DPT_OK, "write %d of %d: %d", i, cycles, written);
         pause_ms(PERIOD);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY,
-              "%u: %x, %x", state.status, state.reasons, state.code);
+        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "%u: %x, %x",
+              state.status, state.reasons, state.code);
         if (state.status != DPT_DEVICE_STATUS_READY)
             return;
     }
@@ -308,8 +303,7 @@ static struct slcan adapter;
 static void check_fault(const char *name, uint32_t status, uint32_t reasons, uint32_t kind)
 {
     push_until_it_fails();
-    CHECK(state.status == status && state.reasons & reasons &&
-              state.code == CAN_CODE(kind, CAN_CODE_BUS),
+    CHECK(state.status == status && state.reasons & reasons && state.code == CAN_CODE(kind, CAN_CODE_BUS),
           "%s: status %u, reasons %x, code %x", name, state.status, state.reasons, state.code);
     halt();
     CHECK(!is_pushing(), "%s: a motor pushes", name);
@@ -360,8 +354,8 @@ static void an_adapter_at_a_serial_line(void)
 
     slcan_hang(&adapter, 1);
     push_until_it_fails();
-    CHECK(state.status == DPT_DEVICE_STATUS_LOST && state.reasons & DPT_REASON_LINK,
-          "full: %u, %x, %x", state.status, state.reasons, state.code);
+    CHECK(state.status == DPT_DEVICE_STATUS_LOST && state.reasons & DPT_REASON_LINK, "full: %u, %x, %x", state.status,
+          state.reasons, state.code);
     dpt_device_counts counts = { .size = sizeof counts };
     dpt_device_get_counts(device, &counts);
     CHECK(counts.refused > 0, "an adapter that hangs takes all");
@@ -378,8 +372,8 @@ static void an_adapter_at_a_serial_line(void)
     strcpy(before, adapter.name);
     slcan_unplug(&adapter);
     check_fault("unplugged", DPT_DEVICE_STATUS_LOST, DPT_REASON_UNPLUGGED, CAN_CODE_GONE);
-    CHECK(slcan_plug(&adapter, can_socket(bus_name)) == 0 && !strcmp(adapter.name, before),
-          "it comes back as %s", adapter.name);
+    CHECK(slcan_plug(&adapter, can_socket(bus_name)) == 0 && !strcmp(adapter.name, before), "it comes back as %s",
+          adapter.name);
     check_cured("unplugged");
     finish();
     slcan_unplug(&adapter);
@@ -397,8 +391,8 @@ static void frames_that_the_kernel_drops(void)
     for (int i = 0; i < 3000; i++)
         can_send(other, &frame);
     push_until_it_fails();
-    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && state.reasons & DPT_REASON_LINK, "%u, %x, %x",
-          state.status, state.reasons, state.code);
+    CHECK(state.status == DPT_DEVICE_STATUS_FAULT && state.reasons & DPT_REASON_LINK, "%u, %x, %x", state.status,
+          state.reasons, state.code);
     close(other);
     halt();
     CHECK(!is_pushing(), "a motor pushes");
@@ -417,8 +411,7 @@ static void the_program_feels_a_mesh_through_it(void)
         "$p device simulate \"$n\" --swing 0.02 --for 60 >$d/name & s=$!\n"
         "while [ ! -s $d/name ]; do sleep 0.1; done\n"
         "[ \"$(cat $d/name)\" = \"$n\" ] || exit 8\n"
-        "i=0; until $p run $d/torus.dpa --device \"$n\" --ticks 200 --json >$d/json 2>$d/error; "
-        "do\n"
+        "i=0; until $p run $d/torus.dpa --device \"$n\" --ticks 200 --json >$d/json 2>$d/error; do\n"
         "[ $((i += 1)) -lt 10 ] || { cat $d/error; exit 7; }\n"
         "done\n"
         "kill $s; wait $s\n"
@@ -426,14 +419,12 @@ static void the_program_feels_a_mesh_through_it(void)
         "grep -q '\"lost\": *0' $d/json || exit 5\n"
         "rm -r $d\n";
     char command[2048];
-    snprintf(command, sizeof command, script, bus_name, elbow_path,
-             "gear=8,-8,10&watchdog=2&silent=1&rate=400", build);
+    snprintf(command, sizeof command, script, bus_name, elbow_path, "gear=8,-8,10&watchdog=2&silent=1&rate=400", build);
     const int status = system(command);
     CHECK(status == 0, "status %d", WEXITSTATUS(status));
 }
 
-static void note_interface(void *user, const dpt_driver *driver, const char *where,
-                           const char *about)
+static void note_interface(void *user, const dpt_driver *driver, const char *where, const char *about)
 {
     CHECK(driver == dpt_driver_named("can") && about[0], "%s", where);
     *(int *)user += !strcmp(where, bus_name);
@@ -448,9 +439,8 @@ static void interfaces_are_found(void)
     CHECK(dpt_device_open("can:lo?arm=x", &device, &error) == DPT_E_OPEN, "%s", error.text);
     char name[128];
     snprintf(name, sizeof name, "can:lo?arm=%s", elbow_path);
-    CHECK(dpt_device_open(name, &device, &error) == DPT_E_DEVICE &&
-              strstr(error.text, "no CAN interface"),
-          "%s", error.text);
+    CHECK(dpt_device_open(name, &device, &error) == DPT_E_DEVICE && strstr(error.text, "no CAN interface"), "%s",
+          error.text);
 }
 
 int main(int argc, char **argv)

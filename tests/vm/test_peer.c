@@ -84,8 +84,8 @@ static struct can_frame fresh(unsigned node, unsigned command)
 
 static uint32_t word(const struct can_frame *frame, int at)
 {
-    return frame->data[at] | (uint32_t)frame->data[at + 1] << 8 |
-           (uint32_t)frame->data[at + 2] << 16 | (uint32_t)frame->data[at + 3] << 24;
+    return frame->data[at] | (uint32_t)frame->data[at + 1] << 8 | (uint32_t)frame->data[at + 2] << 16 |
+           (uint32_t)frame->data[at + 3] << 24;
 }
 
 static float number(const struct can_frame *frame, int at)
@@ -105,8 +105,7 @@ static void check_beats(unsigned node, unsigned state, uint32_t error, const cha
         if (frame.can_dlc == 8 && frame.data[4] == state && word(&frame, 0) == error)
             return;
     }
-    CHECK(0, "%s: axis %u has state %u, error %x, %u bytes", when, node, frame.data[4],
-          word(&frame, 0), frame.can_dlc);
+    CHECK(0, "%s: axis %u has state %u, error %x, %u bytes", when, node, frame.data[4], word(&frame, 0), frame.can_dlc);
 }
 
 static void close_loop(unsigned node)
@@ -122,9 +121,8 @@ static void axes_are_idle_at_rest(void)
     for (int i = 0; i < 3; i++) {
         check_beats(nodes[i], 1, 0, "at first");
         const struct can_frame estimates = fresh(nodes[i], ESTIMATES);
-        CHECK(estimates.can_dlc == 8 && word(&estimates, 0) == 0 && word(&estimates, 4) == 0,
-              "%u bytes, %g, %g", estimates.can_dlc, (double)number(&estimates, 0),
-              (double)number(&estimates, 4));
+        CHECK(estimates.can_dlc == 8 && word(&estimates, 0) == 0 && word(&estimates, 4) == 0, "%u bytes, %g, %g",
+              estimates.can_dlc, (double)number(&estimates, 0), (double)number(&estimates, 4));
     }
 }
 
@@ -133,8 +131,8 @@ static void the_newer_firmware_tells_its_version(void)
     request(OTHER, VERSION);
     const struct can_frame version = fresh(OTHER, VERSION);
     static const uint8_t bytes[8] = { 2, 4, 4, 58, 0, 6, 10, 0 };
-    CHECK(version.can_dlc == 8 && !memcmp(version.data, bytes, 8), "%u bytes, %u.%u.%u",
-          version.can_dlc, version.data[4], version.data[5], version.data[6]);
+    CHECK(version.can_dlc == 8 && !memcmp(version.data, bytes, 8), "%u bytes, %u.%u.%u", version.can_dlc,
+          version.data[4], version.data[5], version.data[6]);
     request(OLD, VERSION);
     for (struct can_heard heard; (heard = can_next(line, 100)).problem == 0;) {
         CHECK(heard.frame.can_id != (OLD << 5 | VERSION), "0.5 has no version");
@@ -152,8 +150,7 @@ static void torque_moves_an_axis_in_closed_loop_only(void)
     check_beats(NEW, 8, 0, "closed loop");
     check_beats(OLD, 8, 0, "closed loop");
     struct can_frame estimates = fresh(NEW, ESTIMATES);
-    CHECK(word(&estimates, 0) == 0, "a torque from before counts: %g",
-          (double)number(&estimates, 0));
+    CHECK(word(&estimates, 0) == 0, "a torque from before counts: %g", (double)number(&estimates, 0));
     for (int i = 0; i < 100; i++) {
         send_torque(NEW, (float)i * 1e-4f);
         send_torque(OTHER, 0.001f);
@@ -164,12 +161,10 @@ static void torque_moves_an_axis_in_closed_loop_only(void)
         estimates = fresh(NEW, ESTIMATES);
     }
     const double last = 0.01 / FRICTION / (2.0 * 3.14159265358979);
-    CHECK(fabs((double)number(&estimates, 4) - last) < 1e-6, "%g rev/s",
-          (double)number(&estimates, 4));
+    CHECK(fabs((double)number(&estimates, 4) - last) < 1e-6, "%g rev/s", (double)number(&estimates, 4));
     CHECK(number(&estimates, 0) > 0.0f, "%g rev", (double)number(&estimates, 0));
     estimates = fresh(OLD, ESTIMATES);
-    CHECK(fabs((double)number(&estimates, 4) + last) < 1e-6, "%g rev/s",
-          (double)number(&estimates, 4));
+    CHECK(fabs((double)number(&estimates, 4) + last) < 1e-6, "%g rev/s", (double)number(&estimates, 4));
     estimates = fresh(OTHER, ESTIMATES);
     CHECK(word(&estimates, 0) == 0 && word(&estimates, 4) == 0, "an idle axis moves");
 }
@@ -187,8 +182,7 @@ static void an_emergency_stop_lasts_until_errors_are_cleared(void)
     check_beats(NEW, 1, 0x02000000, "not cleared");
     request(NEW, ERROR);
     const struct can_frame error = fresh(NEW, ERROR);
-    CHECK(word(&error, 0) == 0x02000000 && word(&error, 4) == 0x02000000, "%x, %x", word(&error, 0),
-          word(&error, 4));
+    CHECK(word(&error, 0) == 0x02000000 && word(&error, 4) == 0x02000000, "%x, %x", word(&error, 0), word(&error, 4));
     close_loop(NEW);
     check_beats(NEW, 8, 0, "cleared");
 }
@@ -227,8 +221,8 @@ static void it_reports_what_it_heard(void)
         { "errors", 0 },
     };
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        CHECK(peer_number(&peer, numbers[i].name) == numbers[i].value, "%s: %g instead of %g",
-              numbers[i].name, peer_number(&peer, numbers[i].name), numbers[i].value);
+        CHECK(peer_number(&peer, numbers[i].name) == numbers[i].value, "%s: %g instead of %g", numbers[i].name,
+              peer_number(&peer, numbers[i].name), numbers[i].value);
     CHECK(peer_number(&peer, "0.Set_Input_Torque.count") == torques, "%g torques instead of %u",
           peer_number(&peer, "0.Set_Input_Torque.count"), torques);
     CHECK(peer_number(&peer, "0.Set_Input_Torque.crc") == torques_crc, "they are others");
@@ -245,11 +239,10 @@ int main(void)
         SKIP("the peer", "no python-can");
         return check_report();
     }
-    const int problem =
-        net_add(name) || net_up(name)
-            ? EIO
-            : peer_start(&peer, "--interface vcan3 --axis 0:0.6 --axis 5:0.6 "
-                                "--axis 2:0.5 --rate 400 --watchdog 2 --friction 0.01");
+    const int problem = net_add(name) || net_up(name)
+                            ? EIO
+                            : peer_start(&peer, "--interface vcan3 --axis 0:0.6 --axis 5:0.6 "
+                                                "--axis 2:0.5 --rate 400 --watchdog 2 --friction 0.01");
     line = can_socket(name);
     if (problem || line < 0) {
         printf("  FAIL no peer: %s\n", strerror(problem ? problem : errno));

@@ -19,8 +19,7 @@ static void begin(void)
     const int problem = slcan_plug(&adapter, -1);
     CHECK(problem == 0, "no adapter: %s", strerror(problem));
     line = problem ? -1 : can_socket(adapter.name);
-    CHECK(line >= 0 && can_option(line, CAN_RAW_ERR_FILTER, CAN_ERR_MASK) == 0, "%s",
-          strerror(errno));
+    CHECK(line >= 0 && can_option(line, CAN_RAW_ERR_FILTER, CAN_ERR_MASK) == 0, "%s", strerror(errno));
     if (line >= 0)
         return;
     check_failed++;
@@ -66,10 +65,9 @@ static void an_adapter_is_opened_and_closed_by_the_kernel(void)
     begin();
     said("C S8 O ");
     CHECK(net_query(adapter.name, &state) == 0 && state.up && state.carrier &&
-              state.error_state == CAN_STATE_ERROR_ACTIVE && state.bitrate == 1000000 &&
-              state.mtu == CAN_MTU,
-          "up %d, carrier %d, error state %d, %u bit/s, mtu %u", state.up, state.carrier,
-          state.error_state, state.bitrate, state.mtu);
+              state.error_state == CAN_STATE_ERROR_ACTIVE && state.bitrate == 1000000 && state.mtu == CAN_MTU,
+          "up %d, carrier %d, error state %d, %u bit/s, mtu %u", state.up, state.carrier, state.error_state,
+          state.bitrate, state.mtu);
     CHECK(net_set_bitrate(adapter.name, 500000) == EBUSY, "another rate while it is up");
     CHECK(net_down(adapter.name) == 0, "up");
     said("C ");
@@ -81,8 +79,7 @@ static void an_adapter_is_opened_and_closed_by_the_kernel(void)
 static void frames_go_both_ways_as_they_are(void)
 {
     begin();
-    const struct can_frame frames[] = { can_frame_of(0x7ff, 8, 0x0123456789abcdef),
-                                        can_frame_of(0x000, 0, 0),
+    const struct can_frame frames[] = { can_frame_of(0x7ff, 8, 0x0123456789abcdef), can_frame_of(0x000, 0, 0),
                                         can_frame_of(0x1fffffff | CAN_EFF_FLAG, 3, 0xabcdef),
                                         can_frame_of(0x020 | CAN_RTR_FLAG, 0, 0),
                                         can_frame_of(0x12345 | CAN_EFF_FLAG | CAN_RTR_FLAG, 8, 0) };
@@ -112,13 +109,12 @@ static void own_frames_come_back_confirmed_where_asked(void)
     CHECK(can_send(line, &frame) == 0, "%s", strerror(errno));
     CHECK(net_query(adapter.name, &state) == 0 && !state.echo, "it has an echo");
     const struct can_heard heard = can_next(line, SOON);
-    CHECK(heard.problem == 0 && heard.flags == (MSG_CONFIRM | MSG_DONTROUTE),
-          "problem %d, flags %x", heard.problem, (unsigned)heard.flags);
+    CHECK(heard.problem == 0 && heard.flags == (MSG_CONFIRM | MSG_DONTROUTE), "problem %d, flags %x", heard.problem,
+          (unsigned)heard.flags);
     check_heard(adapter.bus, BUS, "the bus");
     CHECK(can_send(adapter.bus, &frame) == 0, "%s", strerror(errno));
     const struct can_heard other = can_next(line, SOON);
-    CHECK(other.problem == 0 && other.flags == 0, "problem %d, flags %x", other.problem,
-          (unsigned)other.flags);
+    CHECK(other.problem == 0 && other.flags == 0, "problem %d, flags %x", other.problem, (unsigned)other.flags);
     end();
 }
 
@@ -126,8 +122,8 @@ static void check_state(const char *say, canid_t id, uint8_t detail, int error_s
 {
     slcan_say(&adapter, say);
     const struct can_frame frame = check_heard(line, id, say);
-    CHECK(frame.can_dlc == CAN_ERR_DLC && frame.data[1] == detail, "%s: %u bytes, detail %02x", say,
-          frame.can_dlc, frame.data[1]);
+    CHECK(frame.can_dlc == CAN_ERR_DLC && frame.data[1] == detail, "%s: %u bytes, detail %02x", say, frame.can_dlc,
+          frame.data[1]);
     CHECK(net_query(adapter.name, &state) == 0 && state.error_state == error_state && state.up &&
               state.carrier == carrier,
           "%s: error state %d, up %d, carrier %d", say, state.error_state, state.up, state.carrier);
@@ -184,8 +180,7 @@ static void bus_off_lasts_until_the_interface_is_set_up_again(void)
     check_state("sa000000", controller, CAN_ERR_CRTL_ACTIVE, CAN_STATE_ERROR_ACTIVE, 0);
     check_lost("active again");
     CHECK(net_down(adapter.name) == 0 && net_up(adapter.name) == 0, "not down and up");
-    CHECK(net_query(adapter.name, &state) == 0 && state.carrier &&
-              state.error_state == CAN_STATE_ERROR_ACTIVE,
+    CHECK(net_query(adapter.name, &state) == 0 && state.carrier && state.error_state == CAN_STATE_ERROR_ACTIVE,
           "carrier %d, error state %d", state.carrier, state.error_state);
     CHECK(can_next(line, 0).problem == ENETDOWN, "not told");
     CHECK(can_send(line, &frame) == 0, "%s", strerror(errno));
@@ -216,11 +211,11 @@ static void errors_on_the_bus_are_told(void)
     for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
         slcan_say(&adapter, errors[i].say);
         const struct can_frame frame = check_heard(line, protocol | errors[i].more, errors[i].say);
-        CHECK(!memcmp(frame.data + 1, errors[i].detail, 3), "%s: %02x %02x %02x", errors[i].say,
-              frame.data[1], frame.data[2], frame.data[3]);
+        CHECK(!memcmp(frame.data + 1, errors[i].detail, 3), "%s: %02x %02x %02x", errors[i].say, frame.data[1],
+              frame.data[2], frame.data[3]);
     }
-    CHECK(net_query(adapter.name, &state) == 0 && state.error_state == CAN_STATE_ERROR_ACTIVE,
-          "error state %d", state.error_state);
+    CHECK(net_query(adapter.name, &state) == 0 && state.error_state == CAN_STATE_ERROR_ACTIVE, "error state %d",
+          state.error_state);
     end();
 }
 
@@ -228,10 +223,9 @@ static void errors_on_the_bus_are_told(void)
 static unsigned check_counts(unsigned most)
 {
     unsigned count = 0;
-    for (struct can_heard heard; count < most && !(heard = can_next(adapter.bus, 100)).problem;
-         count++)
-        CHECK(heard.frame.data[0] == (uint8_t)count && heard.frame.data[1] == count >> 8,
-              "frame %u is another one", count);
+    for (struct can_heard heard; count < most && !(heard = can_next(adapter.bus, 100)).problem; count++)
+        CHECK(heard.frame.data[0] == (uint8_t)count && heard.frame.data[1] == count >> 8, "frame %u is another one",
+              count);
     return count;
 }
 
@@ -252,8 +246,7 @@ static void a_queue_that_is_full_refuses(void)
     CHECK(problem == ENOBUFS && taken > 10, "after %u: %s", taken, strerror(problem));
     check_silent(adapter.bus);
     struct pollfd ready = { .fd = line, .events = POLLOUT };
-    CHECK(poll(&ready, 1, 0) == 1 && ready.revents == POLLOUT, "poll knows it: %x",
-          (unsigned)ready.revents);
+    CHECK(poll(&ready, 1, 0) == 1 && ready.revents == POLLOUT, "poll knows it: %x", (unsigned)ready.revents);
     check_silent(line);
     slcan_hang(&adapter, 0);
     const unsigned came = check_counts(FAR_BEYOND);
@@ -277,8 +270,8 @@ static void frames_that_the_test_does_not_take_are_counted(void)
     while (can_next(adapter.bus, SOON).problem == 0)
         came++;
     end();
-    CHECK(adapter.lost > 0 && came > 0 && came + adapter.lost == sent, "%u sent, %u came, %u lost",
-          sent, came, adapter.lost);
+    CHECK(adapter.lost > 0 && came > 0 && came + adapter.lost == sent, "%u sent, %u came, %u lost", sent, came,
+          adapter.lost);
 }
 
 static void it_can_be_unplugged_and_plugged_in_again(void)

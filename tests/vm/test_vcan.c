@@ -24,8 +24,7 @@ static void check_heard(int line, const struct can_frame *frame)
     CHECK(heard.problem == 0, "no frame %x: %s", frame->can_id, strerror(heard.problem));
     CHECK(heard.frame.can_id == frame->can_id && heard.frame.can_dlc == frame->can_dlc &&
               !memcmp(heard.frame.data, frame->data, frame->can_dlc),
-          "id %x, %u bytes, instead of %x, %u", heard.frame.can_id, heard.frame.can_dlc,
-          frame->can_id, frame->can_dlc);
+          "id %x, %u bytes, instead of %x, %u", heard.frame.can_id, heard.frame.can_dlc, frame->can_id, frame->can_dlc);
 }
 
 /* A new interface, and two programs on it. */
@@ -79,13 +78,9 @@ static void filters_choose_by_identifier_and_kind(void)
 {
     begin();
     const canid_t whole = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_SFF_MASK;
-    const struct can_filter filters[] = { { 0x009, 0x01f | CAN_EFF_FLAG | CAN_RTR_FLAG },
-                                          { 0x001, whole } };
-    CHECK(setsockopt(listener, SOL_CAN_RAW, CAN_RAW_FILTER, filters, sizeof filters) == 0, "%s",
-          strerror(errno));
-    const canid_t ids[] = {
-        0x009, 0x029, 0x7e9, 0x001, 0x021, 0x00a, 0x009 | CAN_RTR_FLAG, 0x009 | CAN_EFF_FLAG
-    };
+    const struct can_filter filters[] = { { 0x009, 0x01f | CAN_EFF_FLAG | CAN_RTR_FLAG }, { 0x001, whole } };
+    CHECK(setsockopt(listener, SOL_CAN_RAW, CAN_RAW_FILTER, filters, sizeof filters) == 0, "%s", strerror(errno));
+    const canid_t ids[] = { 0x009, 0x029, 0x7e9, 0x001, 0x021, 0x00a, 0x009 | CAN_RTR_FLAG, 0x009 | CAN_EFF_FLAG };
     for (size_t i = 0; i < sizeof ids / sizeof *ids; i++) {
         const struct can_frame frame = can_frame_of(ids[i], 0, 0);
         CHECK(can_send(sender, &frame) == 0, "%s", strerror(errno));
@@ -131,8 +126,7 @@ static void a_socket_outlives_that_its_interface_is_down(void)
     const struct can_frame frame = can_frame_of(BUS, 1, 7);
     struct pollfd ready = { .fd = listener, .events = POLLIN };
     CHECK(net_down(name) == 0, "still up");
-    CHECK(poll(&ready, 1, SOON) == 1 && ready.revents & POLLERR, "revents %x",
-          (unsigned)ready.revents);
+    CHECK(poll(&ready, 1, SOON) == 1 && ready.revents & POLLERR, "revents %x", (unsigned)ready.revents);
     CHECK(can_next(listener, 0).problem == ENETDOWN, "the first read says nothing");
     check_silent(listener);
     CHECK(can_send(sender, &frame) == ENETDOWN, "the first write says nothing");
@@ -193,24 +187,22 @@ static void what_a_slow_reader_loses_is_counted(void)
     begin();
     const int on = 1;
     const unsigned sent = 3000;
-    CHECK(setsockopt(listener, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) == 0, "%s",
-          strerror(errno));
+    CHECK(setsockopt(listener, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) == 0, "%s", strerror(errno));
     for (unsigned i = 0; i < sent; i++) {
         const struct can_frame frame = can_frame_of(BUS, 4, i);
         CHECK(can_send(sender, &frame) == 0, "frame %u: %s", i, strerror(errno));
     }
     unsigned kept = 0;
     for (struct can_heard heard; (heard = can_next(listener, 0)).problem == 0; kept++) {
-        CHECK(heard.frame.data[0] == (uint8_t)kept && heard.frame.data[1] == kept >> 8,
-              "frame %u is another one", kept);
+        CHECK(heard.frame.data[0] == (uint8_t)kept && heard.frame.data[1] == kept >> 8, "frame %u is another one",
+              kept);
         CHECK(heard.dropped == 0, "%u lost before frame %u", heard.dropped, kept);
     }
     CHECK(kept > 100 && kept < sent, "%u kept", kept);
     const struct can_frame frame = can_frame_of(BUS, 4, sent);
     CHECK(can_send(sender, &frame) == 0, "%s", strerror(errno));
     const struct can_heard heard = can_next(listener, SOON);
-    CHECK(heard.problem == 0 && heard.dropped == sent - kept, "%u counted, %u lost", heard.dropped,
-          sent - kept);
+    CHECK(heard.problem == 0 && heard.dropped == sent - kept, "%u counted, %u lost", heard.dropped, sent - kept);
     end();
 }
 
@@ -260,10 +252,9 @@ static void a_virtual_bus_is_never_full(void)
     for (unsigned i = 0; i < 20000; i++)
         refused += can_send(sender, &frame) != 0;
     CHECK(refused == 0, "%d refused", refused);
-    CHECK(net_query(name, &state) == 0 && state.up && state.carrier && state.error_state == -1 &&
-              state.bitrate == 0 && state.mtu == CANFD_MTU,
-          "up %d, carrier %d, error state %d, mtu %u", state.up, state.carrier, state.error_state,
-          state.mtu);
+    CHECK(net_query(name, &state) == 0 && state.up && state.carrier && state.error_state == -1 && state.bitrate == 0 &&
+              state.mtu == CANFD_MTU,
+          "up %d, carrier %d, error state %d, mtu %u", state.up, state.carrier, state.error_state, state.mtu);
     end();
 }
 
@@ -283,13 +274,13 @@ static void it_needs_no_rights_but_for_the_interface(void)
         if (setgid(65534) || setuid(65534))
             _exit(9);
         const int line = can_socket(name);
-        const int right = line >= 0 && can_send(line, &frame) == 0 && net_down(name) == EPERM &&
-                          net_remove(name) == EPERM;
+        const int right =
+            line >= 0 && can_send(line, &frame) == 0 && net_down(name) == EPERM && net_remove(name) == EPERM;
         _exit(right ? 0 : 1);
     }
     int status = -1;
-    CHECK(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0,
-          "status %x", (unsigned)status);
+    CHECK(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0, "status %x",
+          (unsigned)status);
     const struct can_frame frame = can_frame_of(BUS, 1, 7);
     check_heard(listener, &frame);
     end();

@@ -107,8 +107,7 @@ static dpt_springs *add_body(dpt_world *world, const dpt_mesh *mesh, dpt_body *b
     dpt_springs_def_init(&springs_def);
     springs_def.mesh = mesh;
     blocks[1] = malloc(dpt_springs_bytes(&springs_def));
-    must(blocks[0] && blocks[1] &&
-             !dpt_deform_add(world, blocks[0], dpt_deform_bytes(&def), &def, body) &&
+    must(blocks[0] && blocks[1] && !dpt_deform_add(world, blocks[0], dpt_deform_bytes(&def), &def, body) &&
              !dpt_springs_create(blocks[1], dpt_springs_bytes(&springs_def), &springs_def, &springs),
          "the body");
     return springs;
@@ -134,8 +133,7 @@ static double run(const dpt_mesh *mesh, int count, uint32_t law, uint32_t kernel
     for (int row = 0; row < count; row++) {
         memcpy(segment.a, rows[row] + 1, sizeof segment.a);
         memcpy(segment.b, rows[row] + 4, sizeof segment.b);
-        must(!dpt_tool_set_segments(world, tool, &segment, 1) && !dpt_world_step(world, 0.001, NULL),
-             "a step");
+        must(!dpt_tool_set_segments(world, tool, &segment, 1) && !dpt_world_step(world, 0.001, NULL), "a step");
         if (springs)
             must(!dpt_deform_step_springs(world, body, springs, 0.001, NULL), "the springs' step");
         put_tick(world, tool, out);

@@ -37,16 +37,15 @@ void bed_path_at(const struct bed_path *path, double t, dpt_pose *pose, double e
     const double angle = TURN * t, *n = path->out;
     const double mean = cos(path->lean) * n[0] + sin(path->lean) * path->side[0];
     const double sway = path->tilt * (sin(angle + path->phase) - sin(path->phase));
-    const double height = BED_RADIUS + CLEAR - 0.5 * (path->depth + CLEAR) * (1 - cos(angle)) +
-                          0.5 * BED_LENGTH * cos(path->lean);
+    const double height =
+        BED_RADIUS + CLEAR - 0.5 * (path->depth + CLEAR) * (1 - cos(angle)) + 0.5 * BED_LENGTH * cos(path->lean);
     double axis[3];
     for (int k = 0; k < 3; k++) {
         axis[k] = cos(path->lean + sway) * n[k] + sin(path->lean + sway) * path->side[k] +
                   path->tilt * sin(2 * angle) * path->other[k];
         axis[k] *= mean < 0 ? -1 : 1;
         pose->position[k] = path->place[k] + height * n[k] +
-                            path->wide * (sin(angle) * path->side[k] +
-                                          sin(2 * angle + path->phase) * path->other[k]);
+                            path->wide * (sin(angle) * path->side[k] + sin(2 * angle + path->phase) * path->other[k]);
     }
     unit3(axis);
     /* The least turn from x; the axis never points against it. */
@@ -85,8 +84,7 @@ int bed_lead_open(struct bed_lead *lead, const dpt_mesh *mesh)
     def.margin = 0.001;
     const size_t bytes = dpt_world_bytes(&def);
     *lead = (struct bed_lead){ .block = malloc(bytes), .report.size = sizeof lead->report };
-    const int made = lead->block &&
-                     dpt_world_create(lead->block, bytes, &def, &lead->world) == DPT_OK &&
+    const int made = lead->block && dpt_world_create(lead->block, bytes, &def, &lead->world) == DPT_OK &&
                      dpt_body_add(lead->world, mesh, NULL, &body) == DPT_OK &&
                      dpt_tool_add(lead->world, &segment, 1, &lead->tool) == DPT_OK &&
                      dpt_tool_get_settings(lead->world, lead->tool, &settings) == DPT_OK;
@@ -129,8 +127,7 @@ struct bed_felt bed_lead_to(struct bed_lead *lead, const struct bed_path *path, 
 }
 
 /* So much stiffness at s, at a point that the query tells of. */
-static void add_push(struct bed_truth *truth, const double ends[6], double s, double stiffness,
-                     const dpt_hit *hit)
+static void add_push(struct bed_truth *truth, const double ends[6], double s, double stiffness, const dpt_hit *hit)
 {
     const double w = BED_RADIUS - hit->gap;
     double way[3], lever[3], turn[3];
@@ -152,8 +149,7 @@ static void add_push(struct bed_truth *truth, const double ends[6], double s, do
     truth->felt.energy += 0.5 * stiffness * w * w;
 }
 
-static void query_points(const dpt_mesh *mesh, const double ends[6], const double *s, size_t count,
-                         dpt_hit *hits)
+static void query_points(const dpt_mesh *mesh, const double ends[6], const double *s, size_t count, dpt_hit *hits)
 {
     static double points[BED_POINTS + 2][6];
     for (size_t i = 0; i < count; i++) {
@@ -165,8 +161,7 @@ static void query_points(const dpt_mesh *mesh, const double ends[6], const doubl
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }
 
-void bed_truth_at(const dpt_mesh *mesh, const double ends[6], uint32_t points, int skips,
-                  struct bed_truth *truth)
+void bed_truth_at(const dpt_mesh *mesh, const double ends[6], uint32_t points, int skips, struct bed_truth *truth)
 {
     enum { GROUP = 16 };
     static dpt_hit hits[BED_POINTS + 2], middle[BED_POINTS / GROUP];

@@ -64,7 +64,6 @@ struct bed_truth {
  * By `points` points, a multiple of 16, at most BED_POINTS, in equal cells, and the two ends. If `skips`, groups of 16 that
  * are beyond reach as a whole get none: where the signed distance is 1-Lipschitz, which it is not in a hole of a mesh.
  */
-void bed_truth_at(const dpt_mesh *mesh, const double ends[6], uint32_t points, int skips,
-                  struct bed_truth *truth);
+void bed_truth_at(const dpt_mesh *mesh, const double ends[6], uint32_t points, int skips, struct bed_truth *truth);
 
 #endif

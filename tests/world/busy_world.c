@@ -15,8 +15,7 @@ static size_t block_bytes;
 
 const struct busy_scene busy_scenes[BUSY_SCENES] = {
     { DPT_METHOD_EXACT, DPT_UNTIL_RESPOND, 1, 0, 1 << 20, 2000, DPT_STRIP_KIND_SHADOW },
-    { DPT_METHOD_EXACT, DPT_UNTIL_CONTACT, 1, 0, 3 * 264, 1000,
-      0 }, /* planes push each other out */
+    { DPT_METHOD_EXACT, DPT_UNTIL_CONTACT, 1, 0, 3 * 264, 1000, 0 }, /* planes push each other out */
     { DPT_METHOD_EXACT, DPT_UNTIL_TRACK, 1, 0, 0, 1000, 0 },
     { DPT_METHOD_TREE, DPT_UNTIL_RESPOND, 1, 0, 0, 1000, DPT_STRIP_KIND_ROUTES },
     { DPT_METHOD_PAPER, DPT_UNTIL_RESPOND, 1, 1, 0, 1000, DPT_STRIP_KIND_ROUTES },
@@ -38,8 +37,7 @@ static void result_is(struct busy_world *busy, dpt_result result)
 static void answer_is(struct busy_world *busy, const void *answer, size_t size)
 {
     for (size_t i = 0; i < size; i++)
-        busy->tally.answers =
-            (busy->tally.answers ^ ((const unsigned char *)answer)[i]) * 0x100000001b3u;
+        busy->tally.answers = (busy->tally.answers ^ ((const unsigned char *)answer)[i]) * 0x100000001b3u;
 }
 
 static dpt_pose pose_now(struct busy_world *busy)
@@ -73,8 +71,7 @@ static void add_tool(struct busy_world *busy, int which)
     static const dpt_segment line = { { -0.1, 0, 0 }, { 0.1, 0, 0 }, 0 };
     static const dpt_segment ball = { { 0, 0, 0.03 }, { 0, 0, 0.03 }, 0.01 };
     const dpt_segment *segments = which == 0 ? rigid : which == 1 ? &line : &ball;
-    result_is(busy,
-              dpt_tool_add(busy->world, segments, which == 0 ? RIGID : 1, &busy->tool[which]));
+    result_is(busy, dpt_tool_add(busy->world, segments, which == 0 ? RIGID : 1, &busy->tool[which]));
 }
 
 int busy_world_open(struct busy_world *busy, const struct busy_scene *scene, uint32_t kernel)
@@ -157,8 +154,7 @@ static void disturb(struct busy_world *busy, uint32_t tick)
         dpt_body *body = &busy->body[tick % BUSY_BODIES];
         result_is(busy, dpt_body_remove(busy->world, *body));
         result_is(busy, dpt_body_set_pose(busy->world, *body, &identity));
-        result_is(busy,
-                  dpt_body_add(busy->world, meshes[tick % BUSY_BODIES].mesh, &identity, body));
+        result_is(busy, dpt_body_add(busy->world, meshes[tick % BUSY_BODIES].mesh, &identity, body));
     }
     if (tick % 103 == 50) {
         int which = (int)(tick % BUSY_TOOLS);
@@ -177,13 +173,11 @@ static void read_answers(struct busy_world *busy)
         dpt_overlap overlaps[4] = { { .size = sizeof *overlaps } };
         uint32_t count;
         result_is(busy, dpt_tool_get_hit(busy->world, busy->tool[i], &hit));
-        result_is(busy,
-                  dpt_tool_get_segment_hit(busy->world, busy->tool[i], i == 0 ? 2 : 0, &part));
+        result_is(busy, dpt_tool_get_segment_hit(busy->world, busy->tool[i], i == 0 ? 2 : 0, &part));
         result_is(busy, dpt_tool_get_wrench(busy->world, busy->tool[i], &wrench));
         answer_is(busy, &hit, sizeof hit);
         answer_is(busy, &part, sizeof part);
-        result_is(busy,
-                  dpt_tool_get_strip(busy->world, busy->tool[i], 0, overlaps, 4, &count, NULL));
+        result_is(busy, dpt_tool_get_strip(busy->world, busy->tool[i], 0, overlaps, 4, &count, NULL));
         answer_is(busy, &wrench, sizeof wrench);
         answer_is(busy, overlaps, sizeof overlaps);
         busy->tally.strips += count > 4;
@@ -207,8 +201,8 @@ static void query(struct busy_world *busy, uint32_t tick)
     for (int i = 0; i < 6 * QUERIES; i++)
         ends[i] = 0.3 * random_number(busy);
     ends[7] = tick % 3 ? ends[7] : NAN;
-    result_is(busy, dpt_query_segments(mesh, tick % 5 ? &pose : NULL, ends, tick % 7 ? radii : NULL,
-                                       QUERIES, hits, &def));
+    result_is(busy,
+              dpt_query_segments(mesh, tick % 5 ? &pose : NULL, ends, tick % 7 ? radii : NULL, QUERIES, hits, &def));
     answer_is(busy, hits, sizeof hits);
     result_is(busy, dpt_mesh_get_triangle(mesh, tick, corners));
     double distance = dpt_segment_triangle(ends, ends + 9, &s, p, q);

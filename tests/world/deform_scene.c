@@ -25,8 +25,7 @@ static void set_box(const struct deform_scene *scene, dpt_deform_def *def)
     }
 }
 
-static int open_world(struct deform_scene *scene, const dpt_world_def *given,
-                      const dpt_deform_def *deform)
+static int open_world(struct deform_scene *scene, const dpt_world_def *given, const dpt_deform_def *deform)
 {
     dpt_world_def def;
     dpt_deform_def deform_def;
@@ -46,14 +45,12 @@ static int open_world(struct deform_scene *scene, const dpt_world_def *given,
         return 0;
     dpt_result result = dpt_world_create(scene->block, bytes, given ? given : &def, &scene->world);
     if (result == DPT_OK)
-        result = dpt_deform_add(scene->world, scene->body_block, scene->body_bytes, &deform_def,
-                                &scene->body);
+        result = dpt_deform_add(scene->world, scene->body_block, scene->body_bytes, &deform_def, &scene->body);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return result == DPT_OK;
 }
 
-int deform_scene_open_mesh(struct deform_scene *scene, const dpt_world_def *def,
-                           const dpt_deform_def *deform)
+int deform_scene_open_mesh(struct deform_scene *scene, const dpt_world_def *def, const dpt_deform_def *deform)
 {
     dpt_mesh_get_vertices(scene->fixture.mesh, &scene->rest, &scene->vertices);
     measure(scene);
@@ -71,16 +68,14 @@ int deform_scene_open_mesh(struct deform_scene *scene, const dpt_world_def *def,
     return open_world(scene, def, deform);
 }
 
-int deform_scene_open(struct deform_scene *scene, const char *shape, uint64_t triangles,
-                      const dpt_world_def *def, const dpt_deform_def *deform)
+int deform_scene_open(struct deform_scene *scene, const char *shape, uint64_t triangles, const dpt_world_def *def,
+                      const dpt_deform_def *deform)
 {
     memset(scene, 0, sizeof *scene);
-    return fixture_from_shape(&scene->fixture, shape, triangles) &&
-           deform_scene_open_mesh(scene, def, deform);
+    return fixture_from_shape(&scene->fixture, shape, triangles) && deform_scene_open_mesh(scene, def, deform);
 }
 
-int deform_scene_open_file(struct deform_scene *scene, const char *path, double scale,
-                           const dpt_world_def *def)
+int deform_scene_open_file(struct deform_scene *scene, const char *path, double scale, const dpt_world_def *def)
 {
     dpt_compile_def compile;
     dpt_diag diag = { .size = sizeof diag };
@@ -89,8 +84,7 @@ int deform_scene_open_file(struct deform_scene *scene, const char *path, double 
     memset(scene, 0, sizeof *scene);
     dpt_result result = dpt_compile_file(path, &compile, &scene->fixture.compiled, &diag);
     if (result == DPT_OK)
-        result = dpt_mesh_open(scene->fixture.compiled.bytes, scene->fixture.compiled.size,
-                               &scene->fixture.mesh);
+        result = dpt_mesh_open(scene->fixture.compiled.bytes, scene->fixture.compiled.size, &scene->fixture.mesh);
     CHECK(result == DPT_OK, "%s: %s", path, diag.text);
     return result == DPT_OK && deform_scene_open_mesh(scene, def, NULL);
 }
@@ -107,8 +101,7 @@ void deform_scene_close(struct deform_scene *scene)
 }
 
 /* Displacements in units of the diagonal, of a place in the same units from the middle. */
-static void modes_at(const struct deform_scene *scene, const double x[3], double amplitude,
-                     double moved[3])
+static void modes_at(const struct deform_scene *scene, const double x[3], double amplitude, double moved[3])
 {
     const double *p = scene->phase, t = scene->time;
     moved[0] = amplitude * sin(p[0] + t + 7.0 * x[0] + 3.0 * x[1]);
@@ -116,12 +109,10 @@ static void modes_at(const struct deform_scene *scene, const double x[3], double
     moved[2] = amplitude * sin(p[2] + t + 6.0 * x[1] + 2.0 * x[0]);
 }
 
-static void dent_at(const struct deform_scene *scene, const double x[3], double amplitude,
-                    double moved[3])
+static void dent_at(const struct deform_scene *scene, const double x[3], double amplitude, double moved[3])
 {
     const double *p = scene->phase, t = scene->time;
-    const double at[3] = { 0.3 * sin(p[0] + 0.1 * t), 0.3 * sin(p[1] + 0.13 * t),
-                           0.2 * sin(p[2] + 0.07 * t) };
+    const double at[3] = { 0.3 * sin(p[0] + 0.1 * t), 0.3 * sin(p[1] + 0.13 * t), 0.2 * sin(p[2] + 0.07 * t) };
     double square = 0.0;
     for (int k = 0; k < 3; k++)
         square += (x[k] - at[k]) * (x[k] - at[k]);
@@ -130,8 +121,7 @@ static void dent_at(const struct deform_scene *scene, const double x[3], double 
 }
 
 /* The part beyond the middle turns about it, by any angle. */
-static void fold_at(const struct deform_scene *scene, const double x[3], double amplitude,
-                    double moved[3])
+static void fold_at(const struct deform_scene *scene, const double x[3], double amplitude, double moved[3])
 {
     const double angle = 6.0 * amplitude * scene->time * (x[0] > 0.0 ? 1.0 : 0.0);
     moved[0] = x[0] * cos(angle) - x[2] * sin(angle) - x[0];
@@ -147,9 +137,8 @@ void deform_scene_advance(struct deform_scene *scene)
     for (uint32_t v = 0; v < scene->vertices; v++) {
         double x[3], moved[3] = { 0.0, 0.0, 0.0 };
         for (int k = 0; k < 3; k++)
-            x[k] = ((double)scene->rest[3 * v + (uint32_t)k] -
-                    0.5 * (scene->low[k] + scene->high[k])) /
-                   scene->diagonal;
+            x[k] =
+                ((double)scene->rest[3 * v + (uint32_t)k] - 0.5 * (scene->low[k] + scene->high[k])) / scene->diagonal;
         if (scene->kind == DEFORM_MODES)
             modes_at(scene, x, amplitude, moved);
         else if (scene->kind == DEFORM_DENT)
@@ -172,8 +161,7 @@ static double largest_motion(const struct deform_scene *scene)
     for (uint32_t v = 0; v < scene->vertices; v++) {
         double square = 0.0;
         for (uint32_t k = 0; k < 3; k++) {
-            const double moved =
-                (double)scene->next[3 * v + k] - (double)scene->positions[3 * v + k];
+            const double moved = (double)scene->next[3 * v + k] - (double)scene->positions[3 * v + k];
             square += moved * moved;
         }
         largest = fmax(largest, sqrt(square));
@@ -197,18 +185,16 @@ static dpt_result set_list(struct deform_scene *scene)
         scene->list[count + i] = scene->list[i];
     count += count / 8;
     for (uint32_t i = 0; i < count; i++)
-        memcpy(scene->changed + 3 * (size_t)i, scene->next + 3 * (size_t)scene->list[i],
-               3 * sizeof(float));
-    return dpt_deform_set_vertex_list(scene->world, scene->body, scene->list, count, scene->changed,
-                                      -1.0);
+        memcpy(scene->changed + 3 * (size_t)i, scene->next + 3 * (size_t)scene->list[i], 3 * sizeof(float));
+    return dpt_deform_set_vertex_list(scene->world, scene->body, scene->list, count, scene->changed, -1.0);
 }
 
 /* Three ranges, of which the second goes somewhere else first. */
 static dpt_result set_ranges(struct deform_scene *scene)
 {
     const uint32_t third = scene->vertices / 3, from[4] = { 0, third, 2 * third, scene->vertices };
-    dpt_result result = dpt_deform_set_vertices(scene->world, scene->body, from[1],
-                                                from[2] - from[1], scene->rest, -1.0);
+    dpt_result result =
+        dpt_deform_set_vertices(scene->world, scene->body, from[1], from[2] - from[1], scene->rest, -1.0);
     for (int k = 0; k < 3 && result == DPT_OK; k++)
         result = dpt_deform_set_vertices(scene->world, scene->body, from[k], from[k + 1] - from[k],
                                          scene->next + 3 * (size_t)from[k], -1.0);
@@ -237,8 +223,6 @@ int deform_scene_triangle(const struct deform_scene *scene, uint32_t number, dou
         return 0;
     for (uint32_t k = 0; k < 9; k++)
         corners[k] =
-            (double)scene->positions[3 * (size_t)mesh_words(
-                                             mesh, MESH_TRIANGLES)[3 * (size_t)place + k / 3] +
-                                     k % 3];
+            (double)scene->positions[3 * (size_t)mesh_words(mesh, MESH_TRIANGLES)[3 * (size_t)place + k / 3] + k % 3];
     return 1;
 }

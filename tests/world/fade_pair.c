@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/fade_pair.h"
 
-int pair_open(struct pair *pair, const struct fixture *mesh, const dpt_pose *pose,
-              const dpt_segment *segments, uint32_t count, const dpt_world_def *like, double dt)
+int pair_open(struct pair *pair, const struct fixture *mesh, const dpt_pose *pose, const dpt_segment *segments,
+              uint32_t count, const dpt_world_def *like, double dt)
 {
     *pair = (struct pair){ .fade = like->fade, .dt = dt };
     for (int w = 0; w < 2; w++) {
@@ -10,12 +10,11 @@ int pair_open(struct pair *pair, const struct fixture *mesh, const dpt_pose *pos
         def.fade = w == FADES ? like->fade : 0.0;
         pair->block[w] = malloc(dpt_world_bytes(&def));
         int made = pair->block[w] &&
-                   dpt_world_create(pair->block[w], dpt_world_bytes(&def), &def, &pair->world[w]) ==
-                       DPT_OK &&
+                   dpt_world_create(pair->block[w], dpt_world_bytes(&def), &def, &pair->world[w]) == DPT_OK &&
                    dpt_tool_add(pair->world[w], segments, count, &pair->tool[w]) == DPT_OK;
         for (int b = 0; b < BODIES && made && mesh; b++)
-            made = (b && !pose) || dpt_body_add(pair->world[w], mesh->mesh, b ? pose : NULL,
-                                                &pair->body[w][b]) == DPT_OK;
+            made =
+                (b && !pose) || dpt_body_add(pair->world[w], mesh->mesh, b ? pose : NULL, &pair->body[w][b]) == DPT_OK;
         CHECK(made, "no world");
         if (!made)
             return 0;
@@ -24,8 +23,7 @@ int pair_open(struct pair *pair, const struct fixture *mesh, const dpt_pose *pos
 }
 
 /* Is `said` the way's share from `was` to `truth`? */
-static int is_on_way(const dpt_wrench *reported, const dpt_wrench *previous,
-                     const dpt_wrench *truth, double share)
+static int is_on_way(const dpt_wrench *reported, const dpt_wrench *previous, const dpt_wrench *truth, double share)
 {
     for (int k = 0; k < 6; k++) {
         double from = number_of(previous, k), to = number_of(truth, k);
@@ -60,11 +58,10 @@ static void check_answers(const struct pair *pair, const dpt_hit hit[2])
     dpt_tool_get_wrench(pair->world[FADES], pair->tool[FADES], &alone);
     CHECK(memcmp(&hit[0], &hit[1], sizeof hit[0]) == 0, "hits differ");
     CHECK(memcmp(&alone, &pair->reported.wrench, sizeof alone) == 0, "get_wrench says another");
-    CHECK(pair->reported.reason == pair->truth.reason, "reasons %u and %u", pair->reported.reason,
-          pair->truth.reason);
+    CHECK(pair->reported.reason == pair->truth.reason, "reasons %u and %u", pair->reported.reason, pair->truth.reason);
     CHECK(!(pair->truth.flags & DPT_FORCE_FLAG_FADING), "a fade of 0 fades");
-    CHECK(size_of_force(&pair->truth.wrench) == 0.0 || pair->truth.reason == DPT_FORCE_ACTS,
-          "a force by reason %u", pair->truth.reason);
+    CHECK(size_of_force(&pair->truth.wrench) == 0.0 || pair->truth.reason == DPT_FORCE_ACTS, "a force by reason %u",
+          pair->truth.reason);
 }
 
 void pair_step(struct pair *pair)
@@ -76,8 +73,7 @@ void pair_step(struct pair *pair)
     for (int w = 0; w < 2; w++) {
         dpt_world_step(pair->world[w], pair->dt, &step);
         dpt_tool_get_hit(pair->world[w], pair->tool[w], &hit[w]);
-        CHECK(dpt_tool_get_force_report(pair->world[w], pair->tool[w],
-                                        w ? &pair->truth : &pair->reported) == DPT_OK,
+        CHECK(dpt_tool_get_force_report(pair->world[w], pair->tool[w], w ? &pair->truth : &pair->reported) == DPT_OK,
               "no force");
     }
     pair->hit = hit[FADES];
@@ -92,28 +88,22 @@ void pair_step(struct pair *pair)
     pair->was_full = full;
     const double left = pair->left - pair->dt > 1e-9 * pair->dt ? pair->left : pair->dt;
     const double anew = pair->fade > pair->dt * (1.0 + 1e-9) ? pair->fade : pair->dt;
-    const int goes_on =
-        is_on_way(&pair->reported.wrench, &previous.wrench, &pair->truth.wrench, pair->dt / left);
-    const int begins =
-        is_on_way(&pair->reported.wrench, &previous.wrench, &pair->truth.wrench, pair->dt / anew);
+    const int goes_on = is_on_way(&pair->reported.wrench, &previous.wrench, &pair->truth.wrench, pair->dt / left);
+    const int begins = is_on_way(&pair->reported.wrench, &previous.wrench, &pair->truth.wrench, pair->dt / anew);
     CHECK(must ? begins : goes_on || (may && begins),
           "%g N, from %g to %g with %g s left: goes on %d, begins %d, must %d, may %d",
-          size_of_force(&pair->reported.wrench), size_of_force(&previous.wrench),
-          size_of_force(&pair->truth.wrench), pair->left, goes_on, begins, must, may);
+          size_of_force(&pair->reported.wrench), size_of_force(&previous.wrench), size_of_force(&pair->truth.wrench),
+          pair->left, goes_on, begins, must, may);
     const int begun = must || (may && begins && !goes_on);
     pair->left = begun ? anew - pair->dt : left - pair->dt;
     pair->left = pair->left > 1e-9 * pair->dt ? pair->left : 0.0;
-    CHECK(fades == (pair->left > 0.0) || (may && !begun && fades), "flag %d, %g s left", fades,
-          pair->left);
+    CHECK(fades == (pair->left > 0.0) || (may && !begun && fades), "flag %d, %g s left", fades, pair->left);
     if (fades && !(pair->left > 0.0)) /* it began, but both ways were the same */
         pair->left = anew - pair->dt;
-    CHECK(fades ||
-              memcmp(&pair->reported.wrench, &pair->truth.wrench, sizeof pair->truth.wrench) == 0,
-          "no fade, but %g N for %g", size_of_force(&pair->reported.wrench),
-          size_of_force(&pair->truth.wrench));
+    CHECK(fades || memcmp(&pair->reported.wrench, &pair->truth.wrench, sizeof pair->truth.wrench) == 0,
+          "no fade, but %g N for %g", size_of_force(&pair->reported.wrench), size_of_force(&pair->truth.wrench));
     CHECK(size_of_force(&pair->reported.wrench) <=
-              (1.0 + 1e-12) *
-                  fmax(size_of_force(&previous.wrench), size_of_force(&pair->truth.wrench)),
+              (1.0 + 1e-12) * fmax(size_of_force(&previous.wrench), size_of_force(&pair->truth.wrench)),
           "more than previous felt, and is true");
     pair->begun += (unsigned)begun;
     pair->ticks += (unsigned)fades;
@@ -143,8 +133,7 @@ void pair_go(struct pair *pair, const dpt_pose *from, const dpt_pose *to)
     for (int t = 1; t <= ticks; t++) {
         dpt_pose pose = *to;
         for (int k = 0; k < 3; k++)
-            pose.position[k] =
-                from->position[k] + (to->position[k] - from->position[k]) * t / ticks;
+            pose.position[k] = from->position[k] + (to->position[k] - from->position[k]) * t / ticks;
         pair_pose(pair, &pose);
         pair_step(pair);
     }

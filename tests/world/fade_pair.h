@@ -28,8 +28,8 @@ struct pair {
     int was_unknown, was_full;
 };
 
-int pair_open(struct pair *pair, const struct fixture *mesh, const dpt_pose *pose,
-              const dpt_segment *segments, uint32_t count, const dpt_world_def *like, double dt);
+int pair_open(struct pair *pair, const struct fixture *mesh, const dpt_pose *pose, const dpt_segment *segments,
+              uint32_t count, const dpt_world_def *like, double dt);
 
 static inline void pair_close(struct pair *pair)
 {

@@ -37,8 +37,7 @@ void scene_open(struct scene *scene)
     def.margin = 0.01;
     def.budget = 2500;
     scene->memory = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(scene->memory, dpt_world_bytes(&def), &def, &scene->world) == DPT_OK,
-          "no world");
+    CHECK(dpt_world_create(scene->memory, dpt_world_bytes(&def), &def, &scene->world) == DPT_OK, "no world");
     dpt_body_add(scene->world, scene->liver.mesh, NULL, &scene->body[0]);
     dpt_deform_def_init(&deform);
     deform.mesh = scene->cloth.mesh;
@@ -46,9 +45,7 @@ void scene_open(struct scene *scene)
     deform.response = DPT_RESPONSE_DISPLACE;
     const size_t size = dpt_deform_bytes(&deform);
     scene->deform_memory = malloc(size);
-    CHECK(dpt_deform_add(scene->world, scene->deform_memory, size, &deform, &scene->body[1]) ==
-              DPT_OK,
-          "no cloth");
+    CHECK(dpt_deform_add(scene->world, scene->deform_memory, size, &deform, &scene->body[1]) == DPT_OK, "no cloth");
     dpt_body_set_user(scene->world, scene->body[1], 0x1122334455667788u);
     for (uint32_t i = 0; i < TOOL_COUNT; i++) {
         const dpt_pose identity = DPT_POSE_IDENTITY;
@@ -119,8 +116,7 @@ void take(const struct scene *scene, const dpt_snapshot_def *def)
     CHECK(enough > 0 && enough <= ROOM && enough % 8 == 0, "%zu bytes", enough);
     memset(block, 0xcc, sizeof block);
     CHECK(dpt_world_take_snapshot(scene->world, def, block, enough, &bytes) == DPT_OK, "not taken");
-    CHECK(bytes > 0 && bytes <= enough && bytes % 8 == 0 && block[bytes] == 0xcc, "%zu bytes",
-          bytes);
+    CHECK(bytes > 0 && bytes <= enough && bytes % 8 == 0 && block[bytes] == 0xcc, "%zu bytes", bytes);
 }
 
 void scene_in_contact(struct scene *scene)

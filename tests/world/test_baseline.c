@@ -75,8 +75,7 @@ struct lab {
     dpt_tool tool;
 };
 
-static void lab_open_with(struct lab *lab, const dpt_mesh *mesh, uint32_t parts, uint32_t one_step,
-                          uint32_t kernel)
+static void lab_open_with(struct lab *lab, const dpt_mesh *mesh, uint32_t parts, uint32_t one_step, uint32_t kernel)
 {
     dpt_world_def def;
     dpt_baseline_def baseline;
@@ -183,18 +182,17 @@ static void follow(const struct course *course)
         for (uint32_t t = 0; t < oracle.count; t++)
             nearest = fmin(nearest, square(&oracle, t, a, u));
         local += sqrt(least) > sqrt(nearest) + 1e-12;
-        CHECK(hit.distance == sqrt(least), "%s, %u parts, tick %d: %.17g, not %.17g", shape, parts,
-              i, hit.distance, sqrt(least));
+        CHECK(hit.distance == sqrt(least), "%s, %u parts, tick %d: %.17g, not %.17g", shape, parts, i, hit.distance,
+              sqrt(least));
         if (parts == 1)
-            CHECK(hit.triangle == place[0], "%s, tick %d: triangle %u, not %u", shape, i,
-                  hit.triangle, place[0]);
+            CHECK(hit.triangle == place[0], "%s, tick %d: triangle %u, not %u", shape, i, hit.triangle, place[0]);
         CHECK(hit.status == DPT_STATUS_LOCAL && hit.lower_bound == 0.0, "status %u", hit.status);
-        CHECK(hit.distance - sqrt(nearest) <= hit.error_bound, "true %.17g, reported %.17g +- %g",
-              sqrt(nearest), hit.distance, hit.error_bound);
+        CHECK(hit.distance - sqrt(nearest) <= hit.error_bound, "true %.17g, reported %.17g +- %g", sqrt(nearest),
+              hit.distance, hit.error_bound);
         CHECK(fabs(hit.p[0] - (ends[0] + hit.s * (ends[3] - ends[0]))) < 1e-12, "p and s disagree");
     }
-    printf("    %-9s K %u%s, %g x %g, %s: %d moves in %d ticks, %d of them not the nearest pair\n",
-           shape, parts, one_step ? ", one step" : "", course->reach, course->stretch,
+    printf("    %-9s K %u%s, %g x %g, %s: %d moves in %d ticks, %d of them not the nearest pair\n", shape, parts,
+           one_step ? ", one step" : "", course->reach, course->stretch,
            dpt_kernel_name(dpt_world_get_kernel(lab.world)), moved, ticks, local);
     CHECK(moved > ticks / 30, "only %d moves", moved);
     free(oracle.corners);
@@ -205,14 +203,10 @@ static void follow(const struct course *course)
 static void descent_follows_the_rules(void)
 {
     static const struct course courses[] = {
-        { "torus", 400, 1, 1, 1, 0, DPT_KERNEL_AUTO, 1500 },
-        { "torus", 400, 1, 1, 4, 0, DPT_KERNEL_AUTO, 400 },
-        { "torus", 400, 1, 1, 1, 1, DPT_KERNEL_AUTO, 1500 },
-        { "liver", 800, 1, 1, 2, 0, DPT_KERNEL_AUTO, 400 },
-        { "star", 2000, 1, 1, 1, 0, DPT_KERNEL_AUTO, 300 },
-        { "membrane", 128, 1, 1, 1, 0, DPT_KERNEL_AUTO, 1500 },
-        { "hub", 60, 1, 1, 2, 0, DPT_KERNEL_AUTO, 400 },
-        { "hub", 5000, 1, 1, 1, 0, DPT_KERNEL_AUTO, 100 },
+        { "torus", 400, 1, 1, 1, 0, DPT_KERNEL_AUTO, 1500 }, { "torus", 400, 1, 1, 4, 0, DPT_KERNEL_AUTO, 400 },
+        { "torus", 400, 1, 1, 1, 1, DPT_KERNEL_AUTO, 1500 }, { "liver", 800, 1, 1, 2, 0, DPT_KERNEL_AUTO, 400 },
+        { "star", 2000, 1, 1, 1, 0, DPT_KERNEL_AUTO, 300 },  { "membrane", 128, 1, 1, 1, 0, DPT_KERNEL_AUTO, 1500 },
+        { "hub", 60, 1, 1, 2, 0, DPT_KERNEL_AUTO, 400 },     { "hub", 5000, 1, 1, 1, 0, DPT_KERNEL_AUTO, 100 },
     };
     for (size_t i = 0; i < sizeof courses / sizeof *courses; i++)
         follow(&courses[i]);
@@ -258,8 +252,7 @@ static void a_teleport_searches_anew(void)
         dpt_tool_teleport(lab.world, lab.tool, &here);
         dpt_hit hit = tick(&lab, ends, 0.0);
         dpt_query_segments(torus.mesh, NULL, ends, NULL, 1, &exact, NULL);
-        CHECK(fabs(hit.distance - exact.distance) < 1e-12, "jump %d: %g, not %g", i, hit.distance,
-              exact.distance);
+        CHECK(fabs(hit.distance - exact.distance) < 1e-12, "jump %d: %g, not %g", i, hit.distance, exact.distance);
     }
     free(lab.block);
     fixture_free(&torus);
@@ -293,8 +286,7 @@ static void many_bodies_are_each_their_own(void)
         dpt_hit hit = tick(&both, ends, 0.001);
         int which = distance[1] < distance[0];
         nearer[which]++;
-        CHECK(hit.distance == distance[which], "tick %d: %g, not %g", i, hit.distance,
-              distance[which]);
+        CHECK(hit.distance == distance[which], "tick %d: %g, not %g", i, hit.distance, distance[which]);
     }
     CHECK(nearer[0] > 200 && nearer[1] > 200, "nearer %d and %d times", nearer[0], nearer[1]);
     for (int i = 0; i < 2; i++) {
@@ -327,8 +319,8 @@ static void force_on_a_plane(void)
                 gap = fmin(gap, (b < 0.0 ? b : a) - radius);
             }
             CHECK(fabs(hit.gap - gap) < 1e-12, "K %u: gap %g, not %g", parts, hit.gap, gap);
-            CHECK(fabs(wrench.force[2] - 500.0 * fmax(0.0, -gap)) < 1e-9, "K %u: %g N at %g", parts,
-                  wrench.force[2], gap);
+            CHECK(fabs(wrench.force[2] - 500.0 * fmax(0.0, -gap)) < 1e-9, "K %u: %g N at %g", parts, wrench.force[2],
+                  gap);
             CHECK(fabs(wrench.force[0]) + fabs(wrench.force[1]) < 1e-9, "not along the normal");
         }
         free(lab.block);
@@ -359,8 +351,7 @@ static void force_on_a_sphere(void)
         for (int k = 0; k < 3; k++)
             along_radius += wrench.force[k] * x[k];
         double expected = 500.0 * (radius + 0.002 - from_centre);
-        CHECK(fabs(along_radius - expected) < 500.0 * facet, "tick %d: %g N, not %g", i,
-              along_radius, expected);
+        CHECK(fabs(along_radius - expected) < 500.0 * facet, "tick %d: %g N, not %g", i, along_radius, expected);
     }
     free(lab.block);
     fixture_free(&sphere);
@@ -381,14 +372,11 @@ static void torque_jumps_when_the_point_flips(void)
     lab_open(&lab, sheet.mesh, 1, 0);
     for (int i = 0; i < ticks; i++) {
         double tilt = 0.01 * sin(6.283185307179586 * i / 400.0 + 0.05);
-        const double ends[6] = {
-            -0.05, 0.003, 0.004 - 0.05 * tilt, 0.05, 0.003, 0.004 + 0.05 * tilt
-        };
+        const double ends[6] = { -0.05, 0.003, 0.004 - 0.05 * tilt, 0.05, 0.003, 0.004 + 0.05 * tilt };
         dpt_wrench wrench;
         tick(&lab, ends, 0.006);
         dpt_tool_get_wrench(lab.world, lab.tool, &wrench);
-        double torque =
-            wrench.torque[1] + 0.05 * wrench.force[2]; /* about the middle, not the end a */
+        double torque = wrench.torque[1] + 0.05 * wrench.force[2]; /* about the middle, not the end a */
         if (i && fabs(torque - before) > 0.5 * peak)
             flips++;
         if (i)
@@ -396,8 +384,7 @@ static void torque_jumps_when_the_point_flips(void)
         peak = fmax(peak, fabs(torque));
         before = torque;
     }
-    printf("    %d jumps in %d ticks, the largest %.0f %% of the peak torque\n", flips, ticks,
-           100.0 * jump / peak);
+    printf("    %d jumps in %d ticks, the largest %.0f %% of the peak torque\n", flips, ticks, 100.0 * jump / peak);
     CHECK(flips == 20, "%d flips in ten periods", flips);
     CHECK(jump > 1.3 * peak && jump < 2.0 * peak, "jump %g of peak %g", jump, peak);
     free(lab.block);

@@ -18,8 +18,7 @@ struct bed {
     dpt_force_report force;
 };
 
-static void bed_open(struct bed *bed, const dpt_mesh *mesh, const dpt_segment *segments,
-                     uint32_t count)
+static void bed_open(struct bed *bed, const dpt_mesh *mesh, const dpt_segment *segments, uint32_t count)
 {
     dpt_world_def def;
     dpt_body body;
@@ -54,8 +53,8 @@ static dpt_pose moved(const dpt_pose *from, const double shift[3], const double 
         to.position[k] += shift[k];
     to.orientation[0] = q[0] - dot3(h, q + 1);
     for (int k = 0; k < 3; k++)
-        to.orientation[1 + k] = q[1 + k] + q[0] * h[k] + h[(k + 1) % 3] * q[1 + (k + 2) % 3] -
-                                h[(k + 2) % 3] * q[1 + (k + 1) % 3];
+        to.orientation[1 + k] =
+            q[1 + k] + q[0] * h[k] + h[(k + 1) % 3] * q[1 + (k + 2) % 3] - h[(k + 2) % 3] * q[1 + (k + 1) % 3];
     for (int k = 0; k < 4; k++)
         size += to.orientation[k] * to.orientation[k];
     for (int k = 0; k < 4; k++)
@@ -78,16 +77,14 @@ static void on_a_plane_it_is_a_closed_form(void)
     bed_open(&bed, box.mesh, &lying, 1);
     feel(&bed, &pose);
     const double flat = 2 * STIFFNESS * depth;
-    CHECK(fabs(bed.force.wrench.force[2] / flat - 1) < 1e-6, "%g N lying, not %g",
-          bed.force.wrench.force[2], flat);
+    CHECK(fabs(bed.force.wrench.force[2] / flat - 1) < 1e-6, "%g N lying, not %g", bed.force.wrench.force[2], flat);
     /* The top is a float: off by 1e-9 m, which counts twice in a square. */
     CHECK(fabs(bed.force.energy / (0.5 * flat * depth) - 1) < 1e-5, "energy %g", bed.force.energy);
     free(bed.block);
     bed_open(&bed, box.mesh, &upright, 1);
     feel(&bed, &pose);
     const double tip = STIFFNESS / 2 * depth + STIFFNESS / L * depth * depth / 2;
-    CHECK(fabs(bed.force.wrench.force[2] / tip - 1) < 1e-3, "%g N upright, not %g",
-          bed.force.wrench.force[2], tip);
+    CHECK(fabs(bed.force.wrench.force[2] / tip - 1) < 1e-3, "%g N upright, not %g", bed.force.wrench.force[2], tip);
     free(bed.block);
     solid_close(&box);
 }
@@ -118,8 +115,7 @@ static void pieces_feel_as_the_whole(void)
         for (int k = 0; k < 3; k++)
             CHECK(fabs(bed.force.wrench.force[k] - whole.wrench.force[k]) < 1e-9 &&
                       fabs(bed.force.wrench.torque[k] - whole.wrench.torque[k]) < 1e-9,
-                  "%u pieces: force off by %g, torque by %g", count,
-                  bed.force.wrench.force[k] - whole.wrench.force[k],
+                  "%u pieces: force off by %g, torque by %g", count, bed.force.wrench.force[k] - whole.wrench.force[k],
                   bed.force.wrench.torque[k] - whole.wrench.torque[k]);
         free(bed.block);
     }
@@ -177,8 +173,7 @@ static void the_wrench_is_the_gradient(void)
             near += worst < 0.03 * size;
         }
         /* Where ways out meet, a difference tells nothing: some poses may be off. */
-        CHECK(acts > 20 && near > acts * 85 / 100, "%s: the gradient fits at %u of %u", shapes[m],
-              near, acts);
+        CHECK(acts > 20 && near > acts * 85 / 100, "%s: the gradient fits at %u of %u", shapes[m], near, acts);
         free(bed.block);
         solid_close(&solid);
     }

@@ -39,17 +39,12 @@ static const struct subject shapes[] = {
 };
 
 static const struct subject organs[] = {
-    { "organs/openhelp_liver.stl", 0, 0.001, 0, 0 },
-    { "organs/openhelp_stomach.stl", 0, 0.001, 0, 0 },
-    { "organs/openhelp_spleen.stl", 0, 0.001, 0, 0 },
-    { "organs/openhelp_kidney_left.stl", 0, 0.001, 0, 0 },
-    { "organs/openhelp_duodenum.stl", 0, 0.001, 0, 0 },
-    { "organs/openhelp_pancreas.stl", 0, 0.001, 2, 0 },
+    { "organs/openhelp_liver.stl", 0, 0.001, 0, 0 },    { "organs/openhelp_stomach.stl", 0, 0.001, 0, 0 },
+    { "organs/openhelp_spleen.stl", 0, 0.001, 0, 0 },   { "organs/openhelp_kidney_left.stl", 0, 0.001, 0, 0 },
+    { "organs/openhelp_duodenum.stl", 0, 0.001, 0, 0 }, { "organs/openhelp_pancreas.stl", 0, 0.001, 2, 0 },
     { "organs/liver_patient_sks.obj", 0, 0.001, 1, 0 }, /* a torque that nearly cancels all along */
-    { "organs/liver_sks.ply", 0, 0.001, 2, 0 },
-    { "organs/gallbladder_low.stl", 0, 0.001, 0, 0 },
-    { "organs/gallbladder_fine.stl", 0, 0.001, 2, 0 },
-    { "organs/pelvis_sofa.obj", 0, 0.13, 0, 0 },
+    { "organs/liver_sks.ply", 0, 0.001, 2, 0 },         { "organs/gallbladder_low.stl", 0, 0.001, 0, 0 },
+    { "organs/gallbladder_fine.stl", 0, 0.001, 2, 0 },  { "organs/pelvis_sofa.obj", 0, 0.13, 0, 0 },
 };
 
 /*
@@ -196,8 +191,7 @@ static void check_points(const struct run *run, const double ends[6])
                   fabs(way - distance) < 1e-9 * solid->diagonal &&
                   oracle_brute(solid->brute, q, NULL) < 1e-9 * solid->diagonal,
               "%s: %.12g m, not %.12g", solid->name, hit.gap, distance);
-        CHECK(fabs(winding - 0.5) < 0.01 || distance < 1e-9 * solid->diagonal ||
-                  (hit.gap < 0) == (winding > 0.5),
+        CHECK(fabs(winding - 0.5) < 0.01 || distance < 1e-9 * solid->diagonal || (hit.gap < 0) == (winding > 0.5),
               "%s: gap %g where the winding number is %g", solid->name, hit.gap, winding);
     }
 }
@@ -224,8 +218,7 @@ static double take_truth(struct run *run, struct trace *trace, double peak[KINDS
 }
 
 /* Is one of its ticks beyond the bounds? */
-static int is_beyond(struct run *run, uint64_t seed, const struct trace *trace,
-                     const double peak[KINDS])
+static int is_beyond(struct run *run, uint64_t seed, const struct trace *trace, const double peak[KINDS])
 {
     double jump[KINDS] = { 0 }, most[KINDS] = { 0 };
     int beyond = 0;
@@ -246,9 +239,8 @@ static int is_beyond(struct run *run, uint64_t seed, const struct trace *trace,
         if (jump[k] <= run->bounds->jump[k] && most[k] <= run->bounds->off[k])
             continue;
         beyond = 1;
-        printf("    %s, trace %u: %s jumps by %.2f %% more, off by %.2f %%, of %g\n",
-               run->subject->name, (unsigned)seed, kind_names[k], 100 * jump[k], 100 * most[k],
-               peak[k]);
+        printf("    %s, trace %u: %s jumps by %.2f %% more, off by %.2f %%, of %g\n", run->subject->name,
+               (unsigned)seed, kind_names[k], 100 * jump[k], 100 * most[k], peak[k]);
     }
     return beyond;
 }
@@ -268,10 +260,9 @@ static void trace_over(struct run *run)
         }
         free(trace.ticks);
     }
-    CHECK(run->traces == part_of(TRACES), "%s: %u traces", run->subject->name,
-          (unsigned)run->traces);
-    CHECK(run->subject->unjudged & JUMPS || run->traces_beyond <= run->subject->hidden,
-          "%s: %u traces jump", run->subject->name, (unsigned)run->traces_beyond);
+    CHECK(run->traces == part_of(TRACES), "%s: %u traces", run->subject->name, (unsigned)run->traces);
+    CHECK(run->subject->unjudged & JUMPS || run->traces_beyond <= run->subject->hidden, "%s: %u traces jump",
+          run->subject->name, (unsigned)run->traces_beyond);
 }
 
 /* A walk along a path. */
@@ -320,14 +311,14 @@ static struct place step_to(struct walk *walk, const struct place *from, double 
     const struct place to = go_to(walk, t);
     const struct bed_felt change = minus(&to.felt, &from->felt);
     twist_between(from->ends, to.ends, shift, turn);
-    const double doubt = size_of(&change, FORCE) * sqrt(dot3(shift, shift)) +
-                         size_of(&change, TORQUE) * sqrt(dot3(turn, turn));
+    const double doubt =
+        size_of(&change, FORCE) * sqrt(dot3(shift, shift)) + size_of(&change, TORQUE) * sqrt(dot3(turn, turn));
     if (0.5 * doubt > 1e-5 * walk->range && halvings > 0) {
         const struct place middle = step_to(walk, from, 0.5 * (from->t + t), halvings - 1);
         return step_to(walk, &middle, t, halvings - 1);
     }
-    walk->work += 0.5 * (dot3(from->felt.force, shift) + dot3(to.felt.force, shift) +
-                         dot3(from->felt.torque, turn) + dot3(to.felt.torque, turn));
+    walk->work += 0.5 * (dot3(from->felt.force, shift) + dot3(to.felt.force, shift) + dot3(from->felt.torque, turn) +
+                         dot3(to.felt.torque, turn));
     return to;
 }
 
@@ -370,8 +361,8 @@ static void walk_over(struct run *run)
     CHECK(run->paths == wanted, "%s: %u paths", run->subject->name, (unsigned)run->paths);
     if (run->subject->unjudged & WORK)
         return;
-    CHECK(run->paths_above <= (run->paths + 99) / 100, "%s: %u of %u paths with work",
-          run->subject->name, (unsigned)run->paths_above, (unsigned)run->paths);
+    CHECK(run->paths_above <= (run->paths + 99) / 100, "%s: %u of %u paths with work", run->subject->name,
+          (unsigned)run->paths_above, (unsigned)run->paths);
     CHECK(run->paths_beyond == 0, "%s: %.2f %% at worst", run->subject->name, 100 * run->most_work);
 }
 
@@ -389,21 +380,18 @@ static void try_subject(const struct subject *subject, int from_file, void (*ove
     if (bed_lead_open(&run.lead, run.solid.mesh))
         over(&run);
     if (run.traces)
-        printf("    %-32s %3u traces, %4u ticks: off %5.2f %5.2f %5.2f %%, jumps %5.2f %5.2f %%\n",
-               subject->name, (unsigned)run.traces, (unsigned)run.judged, 100 * run.off[FORCE],
-               100 * run.off[TORQUE], 100 * run.off[ENERGY], 100 * run.jump[FORCE],
-               100 * run.jump[TORQUE]);
+        printf("    %-32s %3u traces, %4u ticks: off %5.2f %5.2f %5.2f %%, jumps %5.2f %5.2f %%\n", subject->name,
+               (unsigned)run.traces, (unsigned)run.judged, 100 * run.off[FORCE], 100 * run.off[TORQUE],
+               100 * run.off[ENERGY], 100 * run.jump[FORCE], 100 * run.jump[TORQUE]);
     if (run.paths)
-        printf("    %-32s %4u paths, work %.3f %% at worst, above 0.1 %% on %u, 0.3 %% on %u\n",
-               subject->name, (unsigned)run.paths, 100 * run.most_work, (unsigned)run.paths_above,
-               (unsigned)run.paths_beyond);
+        printf("    %-32s %4u paths, work %.3f %% at worst, above 0.1 %% on %u, 0.3 %% on %u\n", subject->name,
+               (unsigned)run.paths, 100 * run.most_work, (unsigned)run.paths_above, (unsigned)run.paths_beyond);
     CHECK(run.undecided == 0, "%s: %u ticks undecided", subject->name, (unsigned)run.undecided);
     bed_lead_close(&run.lead);
     solid_close(&run.solid);
 }
 
-static void try_all(const struct subject *subjects, size_t count, int from_file,
-                    void (*over)(struct run *run))
+static void try_all(const struct subject *subjects, size_t count, int from_file, void (*over)(struct run *run))
 {
     for (size_t i = 0; i < count; i++)
         try_subject(&subjects[i], from_file, over);

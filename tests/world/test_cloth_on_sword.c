@@ -16,7 +16,7 @@
 #include "lib/check.h"
 #include "lib/fixture.h"
 #include "oracle/pair.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 #define GRAVITY 9.81
 #define TICK    1e-3
@@ -58,8 +58,8 @@ static int open_sheet(struct fixture *fixture, const char *name, uint64_t triang
     def.springs = &net;
     if (shape_make(name, triangles, 0, &shape, reason))
         return 0;
-    dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                           shape.triangle_count, &def, &fixture->compiled, NULL);
+    dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
+                                           &def, &fixture->compiled, NULL);
     shape_free(&shape);
     if (result == DPT_OK)
         result = dpt_mesh_open(fixture->compiled.bytes, fixture->compiled.size, &fixture->mesh);
@@ -119,16 +119,14 @@ static int open_sword(struct sword *sword, const struct setup *setup)
     const dpt_body_settings rough = { .size = sizeof rough,
                                       .static_friction = setup->friction,
                                       .kinetic_friction = setup->friction };
-    const int made = dpt_world_create(sword->world_block, dpt_world_bytes(&def), &def,
-                                      &sword->world) == DPT_OK &&
-                     dpt_deform_add(sword->world, sword->body_block, dpt_deform_bytes(&deform),
-                                    &deform, &sword->body) == DPT_OK &&
-                     dpt_springs_create(sword->springs_block, dpt_springs_bytes(&springs), &springs,
-                                        &sword->springs) == DPT_OK &&
-                     dpt_body_set_settings(sword->world, sword->body, &rough) == DPT_OK &&
-                     dpt_tool_add(sword->world, rods, setup->rods, &sword->tool) == DPT_OK &&
-                     dpt_tool_teleport(sword->world, sword->tool, &sword->pose) == DPT_OK &&
-                     dpt_mesh_get_springs(sword->fixture.mesh, &sword->net) == DPT_OK;
+    const int made =
+        dpt_world_create(sword->world_block, dpt_world_bytes(&def), &def, &sword->world) == DPT_OK &&
+        dpt_deform_add(sword->world, sword->body_block, dpt_deform_bytes(&deform), &deform, &sword->body) == DPT_OK &&
+        dpt_springs_create(sword->springs_block, dpt_springs_bytes(&springs), &springs, &sword->springs) == DPT_OK &&
+        dpt_body_set_settings(sword->world, sword->body, &rough) == DPT_OK &&
+        dpt_tool_add(sword->world, rods, setup->rods, &sword->tool) == DPT_OK &&
+        dpt_tool_teleport(sword->world, sword->tool, &sword->pose) == DPT_OK &&
+        dpt_mesh_get_springs(sword->fixture.mesh, &sword->net) == DPT_OK;
     CHECK(made, "not made");
     dpt_mesh_get_triangles(sword->fixture.mesh, &sword->corners, NULL, &sword->triangles);
     sword->nodes = dpt_springs_count(sword->springs);
@@ -156,8 +154,7 @@ static double tick(struct sword *sword, int measures)
     dpt_result result = dpt_world_step(sword->world, TICK, NULL);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     const double found = measures ? gap(sword) : HUGE_VAL;
-    result =
-        dpt_deform_step_springs(sword->world, sword->body, sword->springs, TICK, &sword->report);
+    result = dpt_deform_step_springs(sword->world, sword->body, sword->springs, TICK, &sword->report);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return found;
 }
@@ -242,8 +239,8 @@ static void a_cloth_falls_on_a_sword(void)
         CHECK(highest <= first + 1e-6, "%g J, %g J at first", highest, first);
         CHECK(fabs(middle_of(&sword)) < 0.005, "the middle is at %g m", middle_of(&sword));
         CHECK(sword.report.active == 0 || seconds < 10, "%u nodes are awake", sword.report.active);
-        printf("    at most %.1f um left in the rod, %.3g J gained, %u of %u nodes awake\n",
-               1e6 * fmax(-deepest, 0.0), highest - first, sword.report.active, sword.report.nodes);
+        printf("    at most %.1f um left in the rod, %.3g J gained, %u of %u nodes awake\n", 1e6 * fmax(-deepest, 0.0),
+               highest - first, sword.report.active, sword.report.nodes);
     }
     close_sword(&sword);
 }
@@ -303,10 +300,9 @@ static void friction_holds_a_sheet_that_leans(void)
             for (int k = 0; k < 200; k++)
                 tick(&sword, 0);
             const double way = -middle_of(&sword), expected = 0.5 * GRAVITY * pull * 0.04;
-            printf("    friction %.1f: %.2f mm, expected %.2f\n", friction[i], 1e3 * way,
-                   1e3 * expected);
-            CHECK(fabs(way - expected) < 0.03 * expected + 1e-3, "friction %g: %g m, not %g",
-                  friction[i], way, expected);
+            printf("    friction %.1f: %.2f mm, expected %.2f\n", friction[i], 1e3 * way, 1e3 * expected);
+            CHECK(fabs(way - expected) < 0.03 * expected + 1e-3, "friction %g: %g m, not %g", friction[i], way,
+                  expected);
         }
         close_sword(&sword);
     }
@@ -325,8 +321,7 @@ static void a_refused_step_moves_nothing(void)
         float *before = malloc(bytes);
         dpt_world_step(sword.world, TICK, NULL);
         dpt_springs_get_nodes(sword.springs, sword.nodes, before, sword.speeds);
-        const dpt_result result =
-            dpt_deform_step_springs(sword.world, sword.body, sword.springs, 0.5, NULL);
+        const dpt_result result = dpt_deform_step_springs(sword.world, sword.body, sword.springs, 0.5, NULL);
         dpt_springs_get_nodes(sword.springs, sword.nodes, sword.positions, sword.speeds);
         CHECK(result == DPT_E_UNSTABLE, "%s", dpt_result_name(result));
         CHECK(!memcmp(before, sword.positions, bytes), "nodes have moved");

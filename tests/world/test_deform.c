@@ -52,10 +52,9 @@ static void add_tool(struct deform_scene *scene, double radius)
 /* The ends of the segment at a pose. */
 static void ends_at(const struct deform_scene *scene, const dpt_pose *pose, double ends[6])
 {
-    const double w = pose->orientation[0], x = pose->orientation[1], y = pose->orientation[2],
-                 z = pose->orientation[3], length = 0.3 * scene->diagonal;
-    const double u[3] = { w * w + x * x - y * y - z * z, 2.0 * (x * y + w * z),
-                          2.0 * (x * z - w * y) };
+    const double w = pose->orientation[0], x = pose->orientation[1], y = pose->orientation[2], z = pose->orientation[3],
+                 length = 0.3 * scene->diagonal;
+    const double u[3] = { w * w + x * x - y * y - z * z, 2.0 * (x * y + w * z), 2.0 * (x * z - w * y) };
     for (int k = 0; k < 3; k++) {
         ends[k] = pose->position[k];
         ends[3 + k] = pose->position[k] + length * u[k];
@@ -84,18 +83,15 @@ static void check_tick(struct deform_scene *scene, const char *name, uint64_t ti
     dpt_tool_get_hit(scene->world, scene->tool, &hit);
     ends_at(scene, &pose, ends);
     const double truth = truth_at(scene, ends), slack = 1e-14 * (1.0 + scene->diagonal);
-    CHECK(budget || hit.status == DPT_STATUS_EXACT, "%s %u: status %u", name, (unsigned)tick,
-          hit.status);
+    CHECK(budget || hit.status == DPT_STATUS_EXACT, "%s %u: status %u", name, (unsigned)tick, hit.status);
     CHECK(hit.distance >= truth - hit.error_bound - slack && hit.lower_bound <= truth + slack,
-          "%s %u: %.17g..%.17g, not %.17g", name, (unsigned)tick, hit.lower_bound, hit.distance,
-          truth);
+          "%s %u: %.17g..%.17g, not %.17g", name, (unsigned)tick, hit.lower_bound, hit.distance, truth);
     if (hit.status == DPT_STATUS_EXACT)
-        CHECK(fabs(hit.distance - truth) <= hit.error_bound + slack, "%s %u: %.17g, not %.17g",
-              name, (unsigned)tick, hit.distance, truth);
+        CHECK(fabs(hit.distance - truth) <= hit.error_bound + slack, "%s %u: %.17g, not %.17g", name, (unsigned)tick,
+              hit.distance, truth);
 }
 
-static void follow_motion(int shape, enum deform_kind kind, double step, uint32_t budget,
-                          uint64_t ticks)
+static void follow_motion(int shape, enum deform_kind kind, double step, uint32_t budget, uint64_t ticks)
 {
     struct deform_scene scene;
     dpt_world_def def;
@@ -130,8 +126,7 @@ static void a_budget_bounds_the_answer(void)
 {
     for (int shape = 0; shape < SHAPES; shape++)
         for (int kind = 0; kind < DEFORM_KINDS; kind++)
-            follow_motion(shape, (enum deform_kind)kind, 3e-3, 10 + 30 * (uint32_t)kind,
-                          part_of(300));
+            follow_motion(shape, (enum deform_kind)kind, 3e-3, 10 + 30 * (uint32_t)kind, part_of(300));
 }
 
 /* A rigid body of the positions of this tick. */
@@ -154,8 +149,7 @@ static double sum_overlap(const dpt_world *world, dpt_tool tool)
     uint32_t count;
     double sum = 0.0;
     contacts[0].size = sizeof *contacts;
-    CHECK(dpt_tool_get_contacts(world, tool, contacts, 32, &count) == DPT_OK && count <= 32,
-          "%u contacts", count);
+    CHECK(dpt_tool_get_contacts(world, tool, contacts, 32, &count) == DPT_OK && count <= 32, "%u contacts", count);
     for (uint32_t i = 0; i < count && i < 32; i++)
         sum += contacts[i].overlap;
     return sum;
@@ -187,17 +181,15 @@ static void note_sums(struct agreement *sums, double sum, double truth, double d
 /* As for a rigid body (test_contact_integrals.c): 2 % of the peak, as different samples may show different surface. */
 static void check_sums(const struct agreement *sums, const char *name)
 {
-    CHECK(sums->farthest <= 0.02 * sums->peak, "%s: overlap %g off, of %g", name, sums->farthest,
-          sums->peak);
-    CHECK(sums->off <= 1 + sums->compared / 10000, "%s: %u of %u overlaps are off", name,
-          (unsigned)sums->off, (unsigned)sums->compared);
-    CHECK(sums->gaps_off == 0, "%s: %u of %u gaps are off", name, (unsigned)sums->gaps_off,
+    CHECK(sums->farthest <= 0.02 * sums->peak, "%s: overlap %g off, of %g", name, sums->farthest, sums->peak);
+    CHECK(sums->off <= 1 + sums->compared / 10000, "%s: %u of %u overlaps are off", name, (unsigned)sums->off,
           (unsigned)sums->compared);
+    CHECK(sums->gaps_off == 0, "%s: %u of %u gaps are off", name, (unsigned)sums->gaps_off, (unsigned)sums->compared);
 }
 
 /* The same pose in a new world with a rigid body. */
-static void compare_contact(struct deform_scene *scene, const dpt_world_def *def,
-                            const dpt_pose *pose, struct agreement *sums, const char *name)
+static void compare_contact(struct deform_scene *scene, const dpt_world_def *def, const dpt_pose *pose,
+                            struct agreement *sums, const char *name)
 {
     struct deform_scene rigid = { .diagonal = scene->diagonal };
     dpt_hit hit = DPT_HIT_INIT, truth = DPT_HIT_INIT;
@@ -235,8 +227,7 @@ static void compare_contacts(const dpt_world_def *def, double step)
         for (int kind = 0; kind < DEFORM_KINDS; kind++) {
             struct deform_scene scene;
             struct agreement sums = { 0 };
-            if (kind == DEFORM_FOLD ||
-                !deform_scene_open(&scene, shapes[closed[c]], triangles[closed[c]], def, NULL))
+            if (kind == DEFORM_FOLD || !deform_scene_open(&scene, shapes[closed[c]], triangles[closed[c]], def, NULL))
                 continue;
             add_tool(&scene, 0.02 * scene.diagonal);
             scene.kind = (enum deform_kind)kind;
@@ -338,8 +329,7 @@ static void spoil_with(uint32_t law, uint32_t budget, const char *shape, uint64_
             check_tick(&scene, shape, tick, budget);
         }
         dpt_tool_get_force_report(scene.world, scene.tool, &force);
-        CHECK(is_finite(force.wrench.force, 6) && is_finite(&force.energy, 1), "%s: no number",
-              shape);
+        CHECK(is_finite(force.wrench.force, 6) && is_finite(&force.energy, 1), "%s: no number", shape);
         CHECK(dpt_deform_get_loads(scene.world, scene.body, loads, 4096, &loaded) == DPT_OK &&
                   (loaded == 0 || is_finite(loads[0].force, 3)),
               "%s: %u loads", shape, loaded);
@@ -360,9 +350,8 @@ static void spoilt_shapes_have_answers(void)
 static const struct organ {
     const char *name;
     double scale;
-} organs[] = { { "openhelp_liver.stl", 1e-3 },   { "gallbladder_fine.stl", 1.0 },
-               { "liver_dirty_low.stl", 1.0 },   { "vessel_open_ends.stl", 1.0 },
-               { "aneurysm_sofa.off", 1.0 },     { "openhelp_stomach.stl", 1e-3 },
+} organs[] = { { "openhelp_liver.stl", 1e-3 },   { "gallbladder_fine.stl", 1.0 }, { "liver_dirty_low.stl", 1.0 },
+               { "vessel_open_ends.stl", 1.0 },  { "aneurysm_sofa.off", 1.0 },    { "openhelp_stomach.stl", 1e-3 },
                { "liver_smooth_sofa.obj", 1e-2 } };
 
 static void follow_organ(const struct organ *organ, const char *folder)
@@ -410,8 +399,8 @@ static void insides_with_holes_are_known(void)
     def.until = DPT_UNTIL_CONTACT;
     builder_add_ball(&builder, (vec3){ 0.0, 0.0, 0.0 }, 0.1, 0.03, 0);
     memset(&scene, 0, sizeof scene);
-    if (!fixture_from_arrays(&scene.fixture, builder.vertices, builder.vertex_count,
-                             builder.corners, builder.triangle_count) ||
+    if (!fixture_from_arrays(&scene.fixture, builder.vertices, builder.vertex_count, builder.corners,
+                             builder.triangle_count) ||
         !deform_scene_open_mesh(&scene, &def, NULL))
         return;
     add_tool(&scene, 0.02 * scene.diagonal);
@@ -424,8 +413,8 @@ static void insides_with_holes_are_known(void)
         dpt_world_step(scene.world, 1e-3, NULL);
         compare_contact(&scene, &def, &pose, &sums, "a ball with a hole");
     }
-    CHECK(sums.gaps_off <= 1 + sums.compared / 500, "%u of %u gaps are off",
-          (unsigned)sums.gaps_off, (unsigned)sums.compared);
+    CHECK(sums.gaps_off <= 1 + sums.compared / 500, "%u of %u gaps are off", (unsigned)sums.gaps_off,
+          (unsigned)sums.compared);
     deform_scene_close(&scene);
     free(builder.vertices);
     free(builder.corners);

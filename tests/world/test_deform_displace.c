@@ -64,8 +64,7 @@ static uint32_t penetrated(const struct pin *pin, double lean)
 {
     const double *p = pin->pose.position;
     const double ends[6] = { p[0], p[1], p[2], p[0] + lean, p[1], p[2] + 0.08 };
-    oracle_mesh *mesh =
-        oracle_brute_open(pin->scene.positions, pin->scene.vertices, pin->corners, pin->triangles);
+    oracle_mesh *mesh = oracle_brute_open(pin->scene.positions, pin->scene.vertices, pin->corners, pin->triangles);
     uint32_t count = 0;
     for (uint32_t t = 0; t < pin->triangles; t++)
         count += oracle_brute_triangle(mesh, t, ends) < PIN_RADIUS - 1e-5 * pin->scene.diagonal;
@@ -77,8 +76,7 @@ static uint32_t penetrated(const struct pin *pin, double lean)
 static void spring_back(struct pin *pin)
 {
     for (size_t i = 0; i < 3 * (size_t)pin->scene.vertices; i++)
-        pin->scene.next[i] =
-            pin->scene.positions[i] + 0.05f * (pin->scene.rest[i] - pin->scene.positions[i]);
+        pin->scene.next[i] = pin->scene.positions[i] + 0.05f * (pin->scene.rest[i] - pin->scene.positions[i]);
     deform_scene_set(&pin->scene, DEFORM_WHOLE);
 }
 
@@ -103,8 +101,7 @@ static void displace_nearest(struct pin *pin)
         for (uint32_t k = 0; k < 3; k++)
             pin->scene.positions[3 * pin->corners[3 * t + k] + 2] -= (float)nearest.overlap;
     }
-    memcpy(pin->scene.next, pin->scene.positions,
-           3 * sizeof *pin->scene.next * (size_t)pin->scene.vertices);
+    memcpy(pin->scene.next, pin->scene.positions, 3 * sizeof *pin->scene.next * (size_t)pin->scene.vertices);
     deform_scene_set(&pin->scene, DEFORM_WHOLE);
 }
 
@@ -113,8 +110,7 @@ struct tally {
     double force;
 };
 
-static void push_pin(uint32_t response, uint32_t law, uint32_t cells, double lean,
-                     struct tally *tally)
+static void push_pin(uint32_t response, uint32_t law, uint32_t cells, double lean, struct tally *tally)
 {
     struct pin pin;
     if (!open_pin(&pin, response, law, cells, lean))
@@ -144,9 +140,8 @@ static void a_strip_leaves_none_in_the_pin(void)
             for (int k = 0; k < 2; k++) {
                 struct tally tally = { 0 };
                 push_pin(DPT_RESPONSE_DISPLACE, law, cells, 0.03 * k, &tally);
-                CHECK(tally.penetrating == 0, "law %u, %u cells, lean %d: %u triangles in %u of %u",
-                      law, cells, k, (unsigned)tally.triangles, (unsigned)tally.penetrating,
-                      (unsigned)tally.ticks);
+                CHECK(tally.penetrating == 0, "law %u, %u cells, lean %d: %u triangles in %u of %u", law, cells, k,
+                      (unsigned)tally.triangles, (unsigned)tally.penetrating, (unsigned)tally.ticks);
                 CHECK(tally.force > 1e-3, "law %u: %g N", law, tally.force);
             }
 }
@@ -156,10 +151,9 @@ static void a_single_triangle_leaves_some(void)
 {
     struct tally tally = { 0 };
     push_pin(DPT_RESPONSE_LOAD, DPT_LAW_POINT, 40, 0.0, &tally);
-    printf("    one triangle: %u triangles penetrate, in %u of %u ticks\n",
-           (unsigned)tally.triangles, (unsigned)tally.penetrating, (unsigned)tally.ticks);
-    CHECK(tally.penetrating > tally.ticks / 4, "%u of %u", (unsigned)tally.penetrating,
-          (unsigned)tally.ticks);
+    printf("    one triangle: %u triangles penetrate, in %u of %u ticks\n", (unsigned)tally.triangles,
+           (unsigned)tally.penetrating, (unsigned)tally.ticks);
+    CHECK(tally.penetrating > tally.ticks / 4, "%u of %u", (unsigned)tally.penetrating, (unsigned)tally.ticks);
 }
 
 int main(int argc, char **argv)

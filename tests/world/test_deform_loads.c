@@ -77,8 +77,7 @@ static void vary_settings(const struct push *push, uint32_t law)
     CHECK(dpt_body_set_settings(push->scene.world, push->scene.body, &body) == DPT_OK, "body");
 }
 
-static int open_push(struct push *push, uint32_t law, double load_radius, uint32_t segments,
-                     double fade)
+static int open_push(struct push *push, uint32_t law, double load_radius, uint32_t segments, double fade)
 {
     dpt_world_def def;
     dpt_deform_def deform;
@@ -139,8 +138,7 @@ static void step_push(struct push *push)
 }
 
 /* Add a tool's wrench, about the world's origin. Returns its force, N. */
-static double add_wrench(const struct push *push, dpt_tool tool, const dpt_pose *pose,
-                         double sum[3], double moment[3])
+static double add_wrench(const struct push *push, dpt_tool tool, const dpt_pose *pose, double sum[3], double moment[3])
 {
     dpt_force_report force = { .size = sizeof force };
     double about[3];
@@ -150,18 +148,16 @@ static double add_wrench(const struct push *push, dpt_tool tool, const dpt_pose 
         sum[k] += force.wrench.force[k];
         moment[k] += about[k] + force.wrench.torque[k];
     }
-    return sqrt(force.wrench.force[0] * force.wrench.force[0] +
-                force.wrench.force[1] * force.wrench.force[1] +
+    return sqrt(force.wrench.force[0] * force.wrench.force[0] + force.wrench.force[1] * force.wrench.force[1] +
                 force.wrench.force[2] * force.wrench.force[2]);
 }
 
 /* Loads and wrenches about the world's origin. Returns the force of all tools, N. */
 static double check_balance(struct push *push, const char *name)
 {
-    double sum[3] = { 0.0 }, moment[3] = { 0.0 }, at[3], load[3], part[3], peak = 0.0, arm = 0.0,
-           worst = 0.0;
-    const dpt_result result = dpt_deform_get_loads(push->scene.world, push->scene.body, push->loads,
-                                                   LOADS_MAX, &push->count);
+    double sum[3] = { 0.0 }, moment[3] = { 0.0 }, at[3], load[3], part[3], peak = 0.0, arm = 0.0, worst = 0.0;
+    const dpt_result result =
+        dpt_deform_get_loads(push->scene.world, push->scene.body, push->loads, LOADS_MAX, &push->count);
     CHECK(result == DPT_OK, "%s: %s", name, dpt_result_name(result));
     double force = add_wrench(push, push->scene.tool, &push->tool, sum, moment);
     if (push->second)
@@ -229,8 +225,7 @@ static void push_with(uint32_t law, double load_radius, uint32_t segments)
         CHECK(force == 0.0 || push.count, "%s: a force without loads", name);
         check_nearness(&push, 0.035 + load_radius, name);
     }
-    CHECK(acted > least_seen(40) && largest > 0.1, "%s: %u ticks, %g N", name, (unsigned)acted,
-          largest);
+    CHECK(acted > least_seen(40) && largest > 0.1, "%s: %u ticks, %g N", name, (unsigned)acted, largest);
     close_push(&push);
 }
 
@@ -254,8 +249,7 @@ static void two_tools_have_their_loads(void)
         place_tool(&push, 0.012 * sin(0.05 * (double)tick) - 0.004, 0.1);
         push.second_pose = push.tool;
         for (int k = 0; k < 3; k++)
-            push.second_pose.position[k] +=
-                0.02 * sin(0.03 * (double)tick + k) + (tick % 40 == 20 ? 0.05 : 0.0);
+            push.second_pose.position[k] += 0.02 * sin(0.03 * (double)tick + k) + (tick % 40 == 20 ? 0.05 : 0.0);
         dpt_tool_set_pose(push.scene.world, push.second, &push.second_pose);
         deform_scene_advance(&push.scene);
         deform_scene_set(&push.scene, DEFORM_WHOLE);
@@ -294,11 +288,9 @@ static void too_few_points_are_told(void)
         push.second_pose.position[0] += 0.02;
         dpt_tool_set_pose(push.scene.world, push.second, &push.second_pose);
         dpt_world_step(push.scene.world, 1e-3, NULL);
-        result = dpt_deform_get_loads(push.scene.world, push.scene.body, push.loads, LOADS_MAX,
-                                      &push.count);
+        result = dpt_deform_get_loads(push.scene.world, push.scene.body, push.loads, LOADS_MAX, &push.count);
     }
-    CHECK(result == DPT_E_FULL && push.count < LOADS_MAX, "%s, %u loads", dpt_result_name(result),
-          push.count);
+    CHECK(result == DPT_E_FULL && push.count < LOADS_MAX, "%s, %u loads", dpt_result_name(result), push.count);
     deform_scene_close(&push.scene);
 }
 
@@ -360,24 +352,19 @@ static void loads_are_of_the_last_step(void)
     const dpt_pose elsewhere = random_pose(0.3);
     dpt_body_set_pose(push.scene.world, push.scene.body, &elsewhere);
     check_balance(&push, "after");
-    CHECK(other.count == push.count &&
-              !memcmp(other.loads, push.loads, push.count * sizeof(dpt_load)),
+    CHECK(other.count == push.count && !memcmp(other.loads, push.loads, push.count * sizeof(dpt_load)),
           "%u loads, then %u", other.count, push.count);
     uint32_t count = 0;
-    CHECK(dpt_deform_get_loads(push.scene.world, push.scene.body, push.loads, push.count - 1,
-                               &count) == DPT_E_FULL &&
+    CHECK(dpt_deform_get_loads(push.scene.world, push.scene.body, push.loads, push.count - 1, &count) == DPT_E_FULL &&
               count == push.count,
           "%u of %u", count, push.count);
-    CHECK(dpt_deform_get_loads(push.scene.world, push.scene.body, NULL, 0, &count) == DPT_E_FULL &&
-              count == push.count,
+    CHECK(dpt_deform_get_loads(push.scene.world, push.scene.body, NULL, 0, &count) == DPT_E_FULL && count == push.count,
           "%u of %u", count, push.count);
     close_push(&push);
 }
 
 /* A sphere in one tetrahedron, whose nodes shear and shrink it. */
-static const double cage[4][3] = {
-    { -1.0, -1.0, -1.0 }, { 1.5, -0.8, -0.7 }, { -0.2, 1.5, -0.6 }, { 0.1, 0.1, 1.4 }
-};
+static const double cage[4][3] = { { -1.0, -1.0, -1.0 }, { 1.5, -0.8, -0.7 }, { -0.2, 1.5, -0.6 }, { 0.1, 0.1, 1.4 } };
 
 static int compile_caged(struct fixture *fixture)
 {
@@ -392,8 +379,8 @@ static int compile_caged(struct fixture *fixture)
     def.node_count = 4;
     def.cells = cell;
     def.cell_count = 1;
-    dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                           shape.triangle_count, &def, &fixture->compiled, &diag);
+    dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
+                                           &def, &fixture->compiled, &diag);
     shape_free(&shape);
     if (result == DPT_OK)
         result = dpt_mesh_open(fixture->compiled.bytes, fixture->compiled.size, &fixture->mesh);
@@ -447,20 +434,17 @@ static void nodes_move_vertices_and_get_their_loads(void)
         }
         CHECK(off < 1e-6, "a vertex is %g m off", off);
         dpt_tool_get_force_report(scene.world, scene.tool, &force);
-        CHECK(dpt_deform_get_node_loads(scene.world, scene.body, loads, LOADS_MAX, &count) ==
-                  DPT_OK,
-              "%u loads", count);
+        CHECK(dpt_deform_get_node_loads(scene.world, scene.body, loads, LOADS_MAX, &count) == DPT_OK, "%u loads",
+              count);
         memcpy(sum, force.wrench.force, sizeof sum);
         for (uint32_t i = 0; i < count; i++)
             for (int k = 0; k < 3; k++)
                 sum[k] += loads[i].vertex < 4 ? loads[i].force[k] : HUGE_VAL;
         for (int k = 0; k < 3; k++)
-            CHECK(fabs(sum[k]) <= 1e-6 * (1.0 + fabs(force.wrench.force[2])), "%g N are left",
-                  sum[k]);
+            CHECK(fabs(sum[k]) <= 1e-6 * (1.0 + fabs(force.wrench.force[2])), "%g N are left", sum[k]);
         CHECK(tick < 50 || force.wrench.force[2] > 1.0, "%g N", force.wrench.force[2]);
     }
-    CHECK(dpt_deform_get_node_loads(scene.world, scene.body, loads, 3, &count) == DPT_E_FULL,
-          "room for three");
+    CHECK(dpt_deform_get_node_loads(scene.world, scene.body, loads, 3, &count) == DPT_E_FULL, "room for three");
     deform_scene_close(&scene);
 }
 

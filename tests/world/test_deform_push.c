@@ -23,8 +23,8 @@ struct sheet {
 
 static double wave(const struct sheet *sheet, double x, double y)
 {
-    return sheet->amplitude * (sin(40.0 * x + 0.7 * sheet->time) * cos(30.0 * y) +
-                               0.5 * cos(3.0 * sheet->time + 20.0 * y));
+    return sheet->amplitude *
+           (sin(40.0 * x + 0.7 * sheet->time) * cos(30.0 * y) + 0.5 * cos(3.0 * sheet->time + 20.0 * y));
 }
 
 static void move_sheet(struct sheet *sheet)
@@ -59,8 +59,7 @@ static double height_at(const struct sheet *sheet, double x, double y)
     return 0.0;
 }
 
-static int open_sheet(struct sheet *sheet, double speed, const dpt_world_def *def,
-                      const dpt_segment *segment)
+static int open_sheet(struct sheet *sheet, double speed, const dpt_world_def *def, const dpt_segment *segment)
 {
     memset(sheet, 0, sizeof *sheet);
     if (!deform_scene_open(&sheet->scene, "membrane", 2 * CELLS * CELLS, def, NULL))
@@ -128,17 +127,15 @@ static void push_proxy(int tool, double speed, uint64_t ticks, struct tally *tal
         dpt_tool_get_proxy(sheet.scene.world, sheet.scene.tool, &proxy);
         tally->held += force.reason == DPT_FORCE_ACTS;
         tally->folds += (force.flags & DPT_FORCE_FLAG_FOLD) != 0;
-        const int has_begun_again =
-            (force.flags & (DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED)) != 0;
+        const int has_begun_again = (force.flags & (DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED)) != 0;
         tally->squeezed += (force.flags & DPT_FORCE_FLAG_SQUEEZED) != 0;
         if (has_begun_again || force.reason == DPT_FORCE_INSIDE) {
             set_on_top(&sheet);
             continue;
         }
-        const double above =
-            proxy.position[2] - height_at(&sheet, proxy.position[0], proxy.position[1]);
-        CHECK(above >= tools[tool].radius * (1.0 - 1e-9), "tool %d, %g m a tick, %u: %g above",
-              tool, speed, (unsigned)tick, above);
+        const double above = proxy.position[2] - height_at(&sheet, proxy.position[0], proxy.position[1]);
+        CHECK(above >= tools[tool].radius * (1.0 - 1e-9), "tool %d, %g m a tick, %u: %g above", tool, speed,
+              (unsigned)tick, above);
         if (above < 0.0) {
             tally->passed++;
             set_on_top(&sheet);
@@ -149,12 +146,10 @@ static void push_proxy(int tool, double speed, uint64_t ticks, struct tally *tal
 
 static void check_tally(const struct tally *tally, double speed, double squeezed_max)
 {
-    printf("    %g mm a tick: %u held, %u folds, %u squeezed, %u passed\n", 1e3 * speed,
-           (unsigned)tally->held, (unsigned)tally->folds, (unsigned)tally->squeezed,
-           (unsigned)tally->passed);
+    printf("    %g mm a tick: %u held, %u folds, %u squeezed, %u passed\n", 1e3 * speed, (unsigned)tally->held,
+           (unsigned)tally->folds, (unsigned)tally->squeezed, (unsigned)tally->passed);
     CHECK(tally->held > least_seen(1000), "it was hardly touched");
-    CHECK((double)tally->squeezed <= squeezed_max * (double)tally->held, "%u squeezed",
-          (unsigned)tally->squeezed);
+    CHECK((double)tally->squeezed <= squeezed_max * (double)tally->held, "%u squeezed", (unsigned)tally->squeezed);
 }
 
 static void no_proxy_passes_a_slow_sheet(void)

@@ -8,7 +8,7 @@
 #include <sched.h>
 
 #include "dynpoint/compile.h"
-#include "shape.h"
+#include "shape/shape.h"
 #include "world/deform_scene.h"
 
 enum { TICKS = 600, NODES_MOST = 4096, LOADS_MOST = 4096 };
@@ -44,13 +44,12 @@ static int make_mesh(struct fixture *fixture, uint32_t kind)
     dpt_diag diag = { .size = sizeof diag };
     dpt_compile_def_init(&def);
     def.springs = &net;
-    const int status =
-        shape_make(kind == DPT_NET_SHEET ? "membrane" : "sphere", 512, 0, &shape, reason);
+    const int status = shape_make(kind == DPT_NET_SHEET ? "membrane" : "sphere", 512, 0, &shape, reason);
     CHECK(status == 0, "%s", reason);
     if (status != 0)
         return 0;
-    dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                           shape.triangle_count, &def, &fixture->compiled, &diag);
+    dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
+                                           &def, &fixture->compiled, &diag);
     shape_free(&shape);
     if (result == DPT_OK)
         result = dpt_mesh_open(fixture->compiled.bytes, fixture->compiled.size, &fixture->mesh);
@@ -76,8 +75,7 @@ static int open_rig(struct rig *rig, uint32_t kind, uint32_t integrator, double 
     springs.integrator = integrator;
     springs.sleep_speed = sleep_speed;
     rig->block = malloc(dpt_springs_bytes(&springs));
-    const dpt_result result =
-        dpt_springs_create(rig->block, dpt_springs_bytes(&springs), &springs, &rig->springs);
+    const dpt_result result = dpt_springs_create(rig->block, dpt_springs_bytes(&springs), &springs, &rig->springs);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     CHECK(dpt_tool_add(rig->scene.world, &ball, 1, &rig->scene.tool) == DPT_OK, "no tool");
     rig->nodes = dpt_springs_count(rig->springs);
@@ -97,11 +95,9 @@ static void close_rig(struct rig *rig)
 static void step_world(struct rig *rig, int tick)
 {
     const double t = TICK * tick;
-    rig->pose = (dpt_pose){ { 0.0, 0.02 + 0.01 * sin(12.0 * t),
-                              rig->scene.high[2] + 0.005 - 0.03 * sin(6.0 * t) },
+    rig->pose = (dpt_pose){ { 0.0, 0.02 + 0.01 * sin(12.0 * t), rig->scene.high[2] + 0.005 - 0.03 * sin(6.0 * t) },
                             { 1.0, 0.0, 0.0, 0.0 } };
-    CHECK((tick ? dpt_tool_set_pose : dpt_tool_teleport)(rig->scene.world, rig->scene.tool,
-                                                         &rig->pose) == DPT_OK,
+    CHECK((tick ? dpt_tool_set_pose : dpt_tool_teleport)(rig->scene.world, rig->scene.tool, &rig->pose) == DPT_OK,
           "no pose");
     CHECK(dpt_world_step(rig->scene.world, TICK, NULL) == DPT_OK, "no step");
 }
@@ -119,20 +115,17 @@ static uint32_t read_loads(const struct rig *rig, dpt_load *loads)
 {
     uint32_t count = 0;
     const dpt_result result =
-        rig->is_embedded
-            ? dpt_deform_get_node_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST,
-                                        &count)
-            : dpt_deform_get_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST, &count);
+        rig->is_embedded ? dpt_deform_get_node_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST, &count)
+                         : dpt_deform_get_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST, &count);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return count;
 }
 
 static void hand_over(struct rig *rig, const float *nodes)
 {
-    const dpt_result result = rig->is_embedded
-                                  ? dpt_deform_set_nodes(rig->scene.world, rig->scene.body, nodes)
-                                  : dpt_deform_set_vertices(rig->scene.world, rig->scene.body, 0,
-                                                            rig->nodes, nodes, -1.0);
+    const dpt_result result =
+        rig->is_embedded ? dpt_deform_set_nodes(rig->scene.world, rig->scene.body, nodes)
+                         : dpt_deform_set_vertices(rig->scene.world, rig->scene.body, 0, rig->nodes, nodes, -1.0);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }
 
@@ -177,8 +170,7 @@ static void *physics_thread(void *user)
         CHECK(dpt_springs_step(physics->rig->springs, TICK, physics->loads.place[from].loads,
                                physics->loads.place[from].count, NULL) == DPT_OK,
               "no physics");
-        dpt_springs_get_nodes(physics->rig->springs, physics->rig->nodes,
-                              physics->nodes.place[to].nodes, NULL);
+        dpt_springs_get_nodes(physics->rig->springs, physics->rig->nodes, physics->nodes.place[to].nodes, NULL);
         dpt_latest_publish(&physics->nodes.latest);
     }
     return NULL;
@@ -215,8 +207,8 @@ static void check_same(uint32_t kind, uint32_t integrator, double sleep_speed)
         uint32_t count;
         for (int i = 0; i < 3; i++)
             step_world(&rigs[i], tick);
-        const dpt_result result = dpt_deform_step_springs(rigs[0].scene.world, rigs[0].scene.body,
-                                                          rigs[0].springs, TICK, &rigs[0].report);
+        const dpt_result result =
+            dpt_deform_step_springs(rigs[0].scene.world, rigs[0].scene.body, rigs[0].springs, TICK, &rigs[0].report);
         CHECK(result == DPT_OK, "%s", dpt_result_name(result));
         step_by_hand(&rigs[1]);
         step_by_thread(&physics);
@@ -225,16 +217,15 @@ static void check_same(uint32_t kind, uint32_t integrator, double sleep_speed)
         for (int i = 1; i < 3; i++)
             CHECK(!memcmp(positions[0], positions[i], 3 * sizeof(float) * count) &&
                       force_of(&rigs[0]) == force_of(&rigs[i]),
-                  "tick %d, %s: other vertices, %g N and %g", tick, i == 1 ? "by hand" : "thread",
-                  force_of(&rigs[0]), force_of(&rigs[i]));
+                  "tick %d, %s: other vertices, %g N and %g", tick, i == 1 ? "by hand" : "thread", force_of(&rigs[0]),
+                  force_of(&rigs[i]));
         peak = fmax(peak, force_of(&rigs[0]));
         least = rigs[0].report.active < least ? rigs[0].report.active : least;
     }
     if (is_open)
         pthread_join(thread, NULL);
     CHECK(peak > 0.01, "%g N at most", peak);
-    CHECK((least < rigs[0].nodes) == (sleep_speed > 0.0), "at least %u of %u awake", least,
-          rigs[0].nodes);
+    CHECK((least < rigs[0].nodes) == (sleep_speed > 0.0), "at least %u of %u awake", least, rigs[0].nodes);
     for (int i = 0; i < 3; i++)
         close_rig(&rigs[i]);
 }
@@ -262,8 +253,7 @@ static void too_many_loads_are_told(void)
         def.max_loads = 1;
         void *block = malloc(dpt_springs_bytes(&def));
         dpt_springs *few = NULL;
-        CHECK(dpt_springs_create(block, dpt_springs_bytes(&def), &def, &few) == DPT_OK,
-              "no springs");
+        CHECK(dpt_springs_create(block, dpt_springs_bytes(&def), &def, &few) == DPT_OK, "no springs");
         int tick = 0;
         for (; tick < TICKS && force_of(&rig) == 0.0; tick++) {
             step_world(&rig, tick);
@@ -272,8 +262,7 @@ static void too_many_loads_are_told(void)
         step_world(&rig, tick);
         float before[3 * NODES_MOST], after[3 * NODES_MOST];
         dpt_springs_get_nodes(few, rig.nodes, before, NULL);
-        const dpt_result result =
-            dpt_deform_step_springs(rig.scene.world, rig.scene.body, few, TICK, NULL);
+        const dpt_result result = dpt_deform_step_springs(rig.scene.world, rig.scene.body, few, TICK, NULL);
         dpt_springs_get_nodes(few, rig.nodes, after, NULL);
         CHECK(result == DPT_E_FULL, "%s", dpt_result_name(result));
         CHECK(!memcmp(before, after, 3 * sizeof *before * rig.nodes), "it has moved");

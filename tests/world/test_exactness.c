@@ -20,7 +20,7 @@
 #include "lib/check.h"
 #include "lib/public_meshes.h"
 #include "oracle/brute.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 static const char *data;
 static int soaking;
@@ -62,13 +62,11 @@ static int open_oracle(struct subject *subject)
             continue;
         for (int k = 0; k < 9; k++) {
             subject->corners[9 * (size_t)kept + (size_t)k] = (float)corners[k];
-            CHECK((double)(float)corners[k] == corners[k], "%s %u: %a", subject->name, i,
-                  corners[k]);
+            CHECK((double)(float)corners[k] == corners[k], "%s %u: %a", subject->name, i, corners[k]);
         }
         kept++;
     }
-    CHECK(kept == subject->info.triangles, "%s: %u of %u", subject->name, kept,
-          subject->info.triangles);
+    CHECK(kept == subject->info.triangles, "%s: %u of %u", subject->name, kept, subject->info.triangles);
     if (numbers && subject->corners)
         subject->oracle = oracle_brute_open(subject->corners, 3 * kept, numbers, count);
     subject->place.corners = subject->corners;
@@ -90,16 +88,14 @@ static int open_subject(struct subject *subject)
     subject->place.tool = MOTION_TOOL;
     subject->diagonal = motion_diagonal(&subject->place);
     for (int k = 0; k < 3; k++)
-        subject->extent =
-            fmax(subject->extent, fmax(fabs(subject->place.low[k]), fabs(subject->place.high[k])));
+        subject->extent = fmax(subject->extent, fmax(fabs(subject->place.low[k]), fabs(subject->place.high[k])));
     return 0;
 }
 
 /* The same three corners, whichever way round. */
 static int same_corners(const float *a, const double *b)
 {
-    static const int orders[6][3] = { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 },
-                                      { 0, 2, 1 }, { 2, 1, 0 }, { 1, 0, 2 } };
+    static const int orders[6][3] = { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 0, 2, 1 }, { 2, 1, 0 }, { 1, 0, 2 } };
     for (int o = 0; o < 6; o++) {
         int same = 1;
         for (int k = 0; k < 9; k++)
@@ -128,8 +124,7 @@ static int is_repeated(const struct subject *subject, const float *corners, uint
 {
     double earlier[9];
     for (uint32_t i = 0; i < number; i++) {
-        if (dpt_mesh_get_triangle(subject->mesh, i, earlier) == DPT_OK &&
-            same_corners(corners, earlier))
+        if (dpt_mesh_get_triangle(subject->mesh, i, earlier) == DPT_OK && same_corners(corners, earlier))
             return 1;
     }
     return 0;
@@ -138,8 +133,8 @@ static int is_repeated(const struct subject *subject, const float *corners, uint
 /* A little-endian float, scaled as SPEC says that vertices are. */
 static float float_at(const unsigned char *bytes, double scale)
 {
-    const uint32_t bits = (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
-                          (uint32_t)bytes[3] << 24;
+    const uint32_t bits =
+        (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
     float value;
     memcpy(&value, &bits, sizeof value);
     return (float)(scale * (double)value);
@@ -166,8 +161,7 @@ static void compare_with_file(const struct subject *subject, const char *path, d
         if (dpt_mesh_get_triangle(subject->mesh, i, ours) == DPT_OK)
             CHECK(same_corners(corners, ours), "%s: triangle %u", subject->name, i);
         else
-            CHECK(!has_area(corners) || is_repeated(subject, corners, i), "%s: %u was dropped",
-                  subject->name, i);
+            CHECK(!has_area(corners) || is_repeated(subject, corners, i), "%s: %u was dropped", subject->name, i);
     }
     if (count) {
         CHECK(count == subject->info.source_triangles, "%s: %zu", subject->name, count);
@@ -188,9 +182,8 @@ static const char *text_of(const struct question *question, const dpt_hit *hit)
 {
     static char text[512];
     const double *e = question->ends;
-    snprintf(text, sizeof text, "%s, %s, tick %zu: %a %a %a  %a %a %a: %.17g to triangle %u",
-             question->subject->name, question->by, question->tick, e[0], e[1], e[2], e[3], e[4],
-             e[5], hit->distance, hit->triangle);
+    snprintf(text, sizeof text, "%s, %s, tick %zu: %a %a %a  %a %a %a: %.17g to triangle %u", question->subject->name,
+             question->by, question->tick, e[0], e[1], e[2], e[3], e[4], e[5], hit->distance, hit->triangle);
     return text;
 }
 
@@ -207,9 +200,8 @@ static void check_form(const struct question *question, const dpt_hit *hit)
 {
     const double reach = reach_of(question);
     /* A NaN or an infinity stays in a sum. */
-    const double sum = hit->distance + hit->gap + hit->depth + hit->s + hit->error_bound +
-                       hit->lower_bound + hit->p[0] + hit->p[1] + hit->p[2] + hit->q[0] +
-                       hit->q[1] + hit->q[2];
+    const double sum = hit->distance + hit->gap + hit->depth + hit->s + hit->error_bound + hit->lower_bound +
+                       hit->p[0] + hit->p[1] + hit->p[2] + hit->q[0] + hit->q[1] + hit->q[2];
     CHECK(isfinite(sum), "%g %s", sum, text_of(question, hit));
     CHECK(hit->status == DPT_STATUS_EXACT, "%u %s", hit->status, text_of(question, hit));
     CHECK(hit->s >= 0 && hit->s <= 1, "%g %s", hit->s, text_of(question, hit));
@@ -220,20 +212,17 @@ static void check_form(const struct question *question, const dpt_hit *hit)
         CHECK(fabs(hit->p[k] - p) <= 1e-12 * reach, "p %s", text_of(question, hit));
     }
     const double apart = sqrt(square);
-    CHECK(fabs(apart - hit->distance) <= hit->error_bound, "%.17g %s", apart,
+    CHECK(fabs(apart - hit->distance) <= hit->error_bound, "%.17g %s", apart, text_of(question, hit));
+    CHECK(hit->error_bound > 0 && hit->error_bound <= 1e-9 * question->subject->diagonal, "%g %s", hit->error_bound,
           text_of(question, hit));
-    CHECK(hit->error_bound > 0 && hit->error_bound <= 1e-9 * question->subject->diagonal, "%g %s",
-          hit->error_bound, text_of(question, hit));
     const int crosses = (hit->flags & DPT_HIT_FLAG_CROSSING) != 0;
     CHECK(crosses == (hit->distance == 0), "flags %s", text_of(question, hit));
-    CHECK(!crosses || memcmp(hit->p, hit->q, sizeof hit->p) == 0, "p, q %s",
-          text_of(question, hit));
+    CHECK(!crosses || memcmp(hit->p, hit->q, sizeof hit->p) == 0, "p, q %s", text_of(question, hit));
     /* How deep an axis inside is, is for test_depth; here, that it is as deep as its nearest point at least. */
     CHECK(crosses || ((hit->flags & DPT_HIT_FLAG_GAP) &&
                       (hit->gap == hit->distance || hit->gap <= hit->error_bound - hit->distance)),
           "gap %s", text_of(question, hit));
-    CHECK(!(hit->flags & DPT_HIT_FLAG_GAP) || hit->depth == fmax(0, -hit->gap), "depth %s",
-          text_of(question, hit));
+    CHECK(!(hit->flags & DPT_HIT_FLAG_GAP) || hit->depth == fmax(0, -hit->gap), "depth %s", text_of(question, hit));
 }
 
 /* Against the truth; returns how wrong it is. */
@@ -243,8 +232,8 @@ static double check_truth(const struct question *question, const dpt_hit *hit, d
     /* The oracle's own error; of 1e-14, which brute.h grants it, a tenth on these meshes. */
     const double doubt = 1e-15 * reach_of(question);
     const double error = fabs(hit->distance - truth);
-    CHECK(error <= 1e-9 * subject->diagonal && error <= hit->error_bound + doubt, "%.17g not %s",
-          truth, text_of(question, hit));
+    CHECK(error <= 1e-9 * subject->diagonal && error <= hit->error_bound + doubt, "%.17g not %s", truth,
+          text_of(question, hit));
     CHECK(hit->lower_bound <= truth + doubt, "%.17g not %s", truth, text_of(question, hit));
     const double q[6] = { hit->q[0], hit->q[1], hit->q[2], hit->q[0], hit->q[1], hit->q[2] };
     const double off = oracle_brute_triangle(subject->oracle, hit->triangle, q);
@@ -271,17 +260,15 @@ static double winding_number(const struct subject *subject, const double x[3])
         const double volume = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) +
                               v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
                               v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
-        const double sides =
-            r[0] * r[1] * r[2] + product[0] * r[2] + product[1] * r[0] + product[2] * r[1];
+        const double sides = r[0] * r[1] * r[2] + product[0] * r[2] + product[1] * r[0] + product[2] * r[1];
         sum += 2 * atan2(volume, sides);
     }
     return sum / (4 * 3.14159265358979323846);
 }
 
 /* `most` of the ticks begin..end whose tool does not cross. */
-static void check_signs(const struct subject *subject, const struct motion *motion,
-                        const dpt_hit *hits, size_t begin, size_t end, size_t most,
-                        struct tally *tally)
+static void check_signs(const struct subject *subject, const struct motion *motion, const dpt_hit *hits, size_t begin,
+                        size_t end, size_t most, struct tally *tally)
 {
     size_t free_ticks = 0, seen = 0;
     for (size_t i = begin; i < end; i++)
@@ -295,10 +282,8 @@ static void check_signs(const struct subject *subject, const struct motion *moti
         const struct question question = { subject, "sign", i, motion->ends[i] };
         const double winding = winding_number(subject, hits[i].p);
         const int inside = fabs(winding) > 0.5;
-        CHECK(fabs(fabs(winding) - inside) < 1e-6, "winding %g %s", winding,
-              text_of(&question, &hits[i]));
-        CHECK((hits[i].gap < 0) == inside, "winding %g, gap %g %s", winding, hits[i].gap,
-              text_of(&question, &hits[i]));
+        CHECK(fabs(fabs(winding) - inside) < 1e-6, "winding %g %s", winding, text_of(&question, &hits[i]));
+        CHECK((hits[i].gap < 0) == inside, "winding %g, gap %g %s", winding, hits[i].gap, text_of(&question, &hits[i]));
         tally->inside += (size_t)inside;
         tally->outside += (size_t)!inside;
     }
@@ -306,30 +291,25 @@ static void check_signs(const struct subject *subject, const struct motion *moti
 
 static struct motion motion_of(const struct subject *subject, uint64_t seed)
 {
-    static const size_t shares[MOTION_RECORDINGS] = { [MOTION_GEOMAGIC] = 400,
-                                                      [MOTION_MOCAP] = 400,
-                                                      [MOTION_LANDMARKS] = 100,
-                                                      [MOTION_WATERTANK] = 100 };
+    static const size_t shares[MOTION_RECORDINGS] = {
+        [MOTION_GEOMAGIC] = 400, [MOTION_MOCAP] = 400, [MOTION_LANDMARKS] = 100, [MOTION_WATERTANK] = 100
+    };
     struct motion motion = { .count = 0 };
     /* Two places, as a hand stays for long where it is. */
     for (uint64_t i = 0; i < (soaking ? 1 : 2); i++) {
-        const int slid =
-            motion_slide(&motion, dynpoint, scratch, subject->compiled.bytes,
-                         subject->compiled.size, seed + i, soaking ? 20000 : part_of(350));
+        const int slid = motion_slide(&motion, dynpoint, scratch, subject->compiled.bytes, subject->compiled.size,
+                                      seed + i, soaking ? 20000 : part_of(350));
         CHECK(slid == 0, "%s: no slide; is there a program %s?", subject->name, dynpoint);
     }
     for (int i = 0; i < MOTION_RECORDINGS && data; i++)
         for (size_t done = 0; done < (soaking ? 1 : shares[i]); done += 100)
-            motion_recorded(&motion, &recordings[i], &subject->place, seed + done,
-                            soaking ? 0 : 100);
+            motion_recorded(&motion, &recordings[i], &subject->place, seed + done, soaking ? 0 : 100);
     if (soaking || motion.count < part_of(2000))
-        motion_random(&motion, &subject->place, seed,
-                      soaking ? 5000 : part_of(2000) - motion.count);
+        motion_random(&motion, &subject->place, seed, soaking ? 5000 : part_of(2000) - motion.count);
     return motion;
 }
 
-static void world_open(void **block, dpt_world **world, dpt_tool *tool,
-                       const struct subject *subject)
+static void world_open(void **block, dpt_world **world, dpt_tool *tool, const struct subject *subject)
 {
     const dpt_segment point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
     dpt_world_def def;
@@ -346,8 +326,7 @@ static void world_open(void **block, dpt_world **world, dpt_tool *tool,
           "no world for %s", subject->name);
 }
 
-static void world_tick(dpt_world *world, dpt_tool tool, const struct motion *motion, size_t tick,
-                       dpt_hit *hit)
+static void world_tick(dpt_world *world, dpt_tool tool, const struct motion *motion, size_t tick, dpt_hit *hit)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     dpt_segment segment = { .radius = 0 };
@@ -357,8 +336,7 @@ static void world_tick(dpt_world *world, dpt_tool tool, const struct motion *mot
         dpt_tool_teleport(world, tool, &identity);
     hit->size = sizeof *hit;
     const int stepped = dpt_tool_set_segments(world, tool, &segment, 1) == DPT_OK &&
-                        dpt_world_step(world, 1e-3, NULL) == DPT_OK &&
-                        dpt_tool_get_hit(world, tool, hit) == DPT_OK;
+                        dpt_world_step(world, 1e-3, NULL) == DPT_OK && dpt_tool_get_hit(world, tool, hit) == DPT_OK;
     CHECK(stepped, "tick %zu", tick);
 }
 
@@ -369,12 +347,11 @@ static void check_alone(const struct question *question, const dpt_hit *batch)
     dpt_hit alone = DPT_HIT_INIT;
     dpt_query_segments(question->subject->mesh, NULL, question->ends, NULL, 1, &alone, &tree);
     alone.work = batch->work;
-    CHECK(memcmp(&alone, batch, sizeof alone) == 0, "%.17g %u alone: %s", alone.distance,
-          alone.triangle, text_of(question, batch));
+    CHECK(memcmp(&alone, batch, sizeof alone) == 0, "%.17g %u alone: %s", alone.distance, alone.triangle,
+          text_of(question, batch));
 }
 
-static void run(const struct subject *subject, const struct motion *motion, dpt_hit *hits,
-                struct tally *tally)
+static void run(const struct subject *subject, const struct motion *motion, dpt_hit *hits, struct tally *tally)
 {
     const dpt_query_def tree = { .size = sizeof tree, .method = DPT_METHOD_TREE };
     void *block;
@@ -392,12 +369,11 @@ static void run(const struct subject *subject, const struct motion *motion, dpt_
         world_tick(world, tool, motion, i, &hit);
         check_form(&stateless, &hits[i]);
         check_form(&moved, &hit);
-        CHECK(fabs(hit.distance - hits[i].distance) <= hit.error_bound, "%.17g in a world: %s",
-              hit.distance, text_of(&stateless, &hits[i]));
+        CHECK(fabs(hit.distance - hits[i].distance) <= hit.error_bound, "%.17g in a world: %s", hit.distance,
+              text_of(&stateless, &hits[i]));
         tally->crossing += hits[i].distance == 0;
         const double truth = oracle_brute(subject->oracle, motion->ends[i], NULL);
-        const double error =
-            fmax(check_truth(&stateless, &hits[i], truth), check_truth(&moved, &hit, truth));
+        const double error = fmax(check_truth(&stateless, &hits[i], truth), check_truth(&moved, &hit, truth));
         tally->worst = fmax(tally->worst, error / subject->diagonal);
         tally->worst_bound = fmax(tally->worst_bound, error / hit.error_bound);
         if (i % 16 == 0)
@@ -409,9 +385,8 @@ static void run(const struct subject *subject, const struct motion *motion, dpt_
 
 static void add_to_all(const struct subject *subject, const struct tally *tally)
 {
-    printf("    %-28s %6u %7zu %6.1f %% %9.1e %6.3f", subject->name, subject->info.triangles,
-           tally->ticks, 100.0 * (double)tally->crossing / (double)tally->ticks, tally->worst,
-           tally->worst_bound);
+    printf("    %-28s %6u %7zu %6.1f %% %9.1e %6.3f", subject->name, subject->info.triangles, tally->ticks,
+           100.0 * (double)tally->crossing / (double)tally->ticks, tally->worst, tally->worst_bound);
     if (subject->signs)
         printf("  %zu inside, %zu outside", tally->inside, tally->outside);
     printf("\n");
@@ -437,12 +412,11 @@ static void try_motions(const struct subject *subject)
     if (hits)
         run(subject, &motion, hits, &tally);
     if (hits && subject->signs) {
-        CHECK(subject->info.components == 1 && subject->info.closed_components == 1,
-              "%s is not closed", subject->name);
+        CHECK(subject->info.components == 1 && subject->info.closed_components == 1, "%s is not closed", subject->name);
         check_signs(subject, &motion, hits, 0, small, part_of(200), &tally);
         check_signs(subject, &motion, hits, small, motion.count, part_of(400), &tally);
-        CHECK(tally.inside >= part_of(40) && tally.outside >= part_of(40),
-              "%s: %zu inside, %zu outside", subject->name, tally.inside, tally.outside);
+        CHECK(tally.inside >= part_of(40) && tally.outside >= part_of(40), "%s: %zu inside, %zu outside", subject->name,
+              tally.inside, tally.outside);
     }
     add_to_all(subject, &tally);
     free(hits);
@@ -479,8 +453,7 @@ static void test_file(const char *folder, const char *file, double scale)
     snprintf(name, sizeof name, scale == 1 ? "%s" : "%s * %g", file, scale);
     for (size_t i = 0; i < sizeof closed / sizeof *closed; i++)
         subject.signs |= strcmp(closed[i], file) == 0;
-    const dpt_result result =
-        dpt_compile_file(path, scale == 1 ? NULL : &def, &subject.compiled, &diag);
+    const dpt_result result = dpt_compile_file(path, scale == 1 ? NULL : &def, &subject.compiled, &diag);
     CHECK(result == DPT_OK, "%s: %s", file, diag.text);
     if (result == DPT_OK)
         put_to_test(&subject, path, scale);
@@ -514,9 +487,8 @@ static void test_shape(const char *name, struct shape *shape, int signs)
 {
     dpt_diag diag = { .size = sizeof diag };
     struct subject subject = { .name = name, .signs = signs };
-    const dpt_result result =
-        dpt_compile_arrays(shape->vertices, shape->vertex_count, shape->corners,
-                           shape->triangle_count, NULL, &subject.compiled, &diag);
+    const dpt_result result = dpt_compile_arrays(shape->vertices, shape->vertex_count, shape->corners,
+                                                 shape->triangle_count, NULL, &subject.compiled, &diag);
     CHECK(result == DPT_OK, "%s: %s", name, diag.text);
     shape_free(shape);
     if (result == DPT_OK)
@@ -529,9 +501,8 @@ static void shapes(void)
         const char *name;
         uint64_t count;
         int signs;
-    } cases[] = { { "torus", 5568, 1 },   { "torus", 32, 1 },   { "liver", 50332, 1 },
-                  { "membrane", 512, 0 }, { "cloth", 2048, 0 }, { "star", 20480, 1 },
-                  { "star", 2000, 1 },    { "hub", 5000, 0 } };
+    } cases[] = { { "torus", 5568, 1 }, { "torus", 32, 1 },   { "liver", 50332, 1 }, { "membrane", 512, 0 },
+                  { "cloth", 2048, 0 }, { "star", 20480, 1 }, { "star", 2000, 1 },   { "hub", 5000, 0 } };
     struct shape shape, bodies[LAPAROSCOPIC_BODIES];
     shape_reason reason = "";
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

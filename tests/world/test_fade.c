@@ -32,8 +32,8 @@ static int begin_deep(struct pair *pair, double fade, double dt)
     if (!pair_open(pair, &sheet, NULL, &lying, 1, &def, dt))
         return 0;
     pair_go(pair, &above, &deep);
-    CHECK(fabs(pair->reported.wrench.force[2] - 500.0 * 0.0295) < 1e-6 && pair->begun == 0,
-          "%g N before, %u fades", pair->reported.wrench.force[2], pair->begun);
+    CHECK(fabs(pair->reported.wrench.force[2] - 500.0 * 0.0295) < 1e-6 && pair->begun == 0, "%g N before, %u fades",
+          pair->reported.wrench.force[2], pair->begun);
     return 1;
 }
 
@@ -55,9 +55,8 @@ static void too_deep_fades(void)
             pair_step(&pair);
             for (int k = 0; k < 6; k++) {
                 double wanted = share < 1e-9 ? 0.0 : share * number_of(&last, k);
-                CHECK(fabs(number_of(&pair.reported.wrench, k) - wanted) <= 1e-9,
-                      "fade %g, dt %g, tick %d: %g for %g", fade, dt, n,
-                      number_of(&pair.reported.wrench, k), wanted);
+                CHECK(fabs(number_of(&pair.reported.wrench, k) - wanted) <= 1e-9, "fade %g, dt %g, tick %d: %g for %g",
+                      fade, dt, n, number_of(&pair.reported.wrench, k), wanted);
             }
             CHECK(pair.reported.reason == DPT_FORCE_FREE &&
                       pair.reported.flags == (share > 1e-9 ? DPT_FORCE_FLAG_FADING : 0u),
@@ -93,8 +92,7 @@ static void moving_away_does_not_fade(void)
             const dpt_pose pose = pose_at(0.003, 0.002, z);
             pair_pose(&pair, &pose);
             pair_step(&pair);
-            CHECK(pair.reported.flags == 0, "pace %g, z %g: flags %u", pace, z,
-                  pair.reported.flags);
+            CHECK(pair.reported.flags == 0, "pace %g, z %g: flags %u", pace, z, pair.reported.flags);
         }
         CHECK(pair.begun == 0 && pair.reported.reason == DPT_FORCE_FREE, "%u fades", pair.begun);
         pair_close(&pair);
@@ -132,8 +130,7 @@ static void a_way_that_is_given_up_fades(void)
         for (int n = 0; n < 18; n++) {
             int unknown = pair.was_unknown;
             pair_step(&pair);
-            given |= unknown && pair.reported.reason == DPT_FORCE_FREE &&
-                     pair.reported.flags == DPT_FORCE_FLAG_FADING;
+            given |= unknown && pair.reported.reason == DPT_FORCE_FREE && pair.reported.flags == DPT_FORCE_FLAG_FADING;
         }
         given_up += pushed && given && pair.begun == before + 1;
         pair_close(&pair);
@@ -167,8 +164,8 @@ static void over_the_border_fades(void)
               fabs(force[0] - 0.5 * whole) < 1e-6 && fabs(force[2] - 0.5 * before) < 1e-6,
           "half way: flags %u, %g %g N", pair.reported.flags, force[0], force[2]);
     pair_step(&pair);
-    CHECK(pair.reported.flags == 0 && fabs(force[0] - whole) < 1e-6 && fabs(force[2]) < 1e-6,
-          "then: flags %u, %g %g N", pair.reported.flags, force[0], force[2]);
+    CHECK(pair.reported.flags == 0 && fabs(force[0] - whole) < 1e-6 && fabs(force[2]) < 1e-6, "then: flags %u, %g %g N",
+          pair.reported.flags, force[0], force[2]);
     pair_close(&pair);
 }
 
@@ -204,8 +201,7 @@ static void unknown_contact_fades(void)
         pair_close(&pair);
     }
     printf("    %u fades, %u ticks, %u taken up\n", begun, ticks, taken_up);
-    CHECK(begun > tick_count / 600 && taken_up > tick_count / 1200, "%u fades, %u taken up", begun,
-          taken_up);
+    CHECK(begun > tick_count / 600 && taken_up > tick_count / 1200, "%u fades, %u taken up", begun, taken_up);
 }
 
 /* Sheets, at all speeds, with sides that are given up for any reason. */
@@ -263,34 +259,22 @@ static void only_its_share_fades(void)
         const double own = depth > 0.0 ? 500.0 * depth : 0.0;
         if (depth <= 0.03 + 1e-9) {
             last = n;
-            CHECK(fabs(report.wrench.force[2] - 2.0 * own) < 1e-6 && report.flags == 0,
-                  "z %g: %g N, flags %u", z, report.wrench.force[2], report.flags);
+            CHECK(fabs(report.wrench.force[2] - 2.0 * own) < 1e-6 && report.flags == 0, "z %g: %g N, flags %u", z,
+                  report.wrench.force[2], report.flags);
             continue;
         }
         const double share = fmax(0.0, 1.0 - (n - last) / 4.0), before = 500.0 * 0.0298;
         CHECK(fabs(report.wrench.force[2] - (own + share * before)) < 1e-6 &&
-                  fabs(report.wrench.torque[1] + 0.5 * own) < 0.02 * own + 0.2 &&
-                  report.reason == DPT_FORCE_ACTS &&
+                  fabs(report.wrench.torque[1] + 0.5 * own) < 0.02 * own + 0.2 && report.reason == DPT_FORCE_ACTS &&
                   report.flags == (share > 0.0 ? DPT_FORCE_FLAG_FADING : 0u),
-              "z %g: %g N, torque %g, reason %u, flags %u", z, report.wrench.force[2],
-              report.wrench.torque[1], report.reason, report.flags);
+              "z %g: %g N, torque %g, reason %u, flags %u", z, report.wrench.force[2], report.wrench.torque[1],
+              report.reason, report.flags);
     }
     pair_close(&pair);
 }
 
 /* What ends the push for another reason than a decision, before a fade or in it. */
-enum {
-    TELEPORT,
-    RESET,
-    NO_POSE,
-    NO_STEP,
-    BODY_GOES,
-    BODY_JUMPS,
-    BODY_IS_LOST,
-    NO_STIFFNESS,
-    FREE_SEGMENTS,
-    ENDS
-};
+enum { TELEPORT, RESET, NO_POSE, NO_STEP, BODY_GOES, BODY_JUMPS, BODY_IS_LOST, NO_STIFFNESS, FREE_SEGMENTS, ENDS };
 
 static void end_it(const struct pair *pair, int how)
 {
@@ -335,11 +319,9 @@ static void end_it(const struct pair *pair, int how)
 static void other_ends_are_at_once(void)
 {
     static const uint32_t reasons[ENDS] = {
-        [TELEPORT] = DPT_FORCE_FREE,      [RESET] = DPT_FORCE_FREE,
-        [NO_POSE] = DPT_FORCE_STALE,      [NO_STEP] = DPT_FORCE_STALE,
-        [BODY_GOES] = DPT_FORCE_FREE,     [BODY_JUMPS] = DPT_FORCE_FREE,
-        [BODY_IS_LOST] = DPT_FORCE_STALE, [NO_STIFFNESS] = DPT_FORCE_OFF,
-        [FREE_SEGMENTS] = DPT_FORCE_FREE
+        [TELEPORT] = DPT_FORCE_FREE,      [RESET] = DPT_FORCE_FREE,       [NO_POSE] = DPT_FORCE_STALE,
+        [NO_STEP] = DPT_FORCE_STALE,      [BODY_GOES] = DPT_FORCE_FREE,   [BODY_JUMPS] = DPT_FORCE_FREE,
+        [BODY_IS_LOST] = DPT_FORCE_STALE, [NO_STIFFNESS] = DPT_FORCE_OFF, [FREE_SEGMENTS] = DPT_FORCE_FREE
     };
     for (int how = 0; how < ENDS; how++)
         for (int fading = 0; fading < 2; fading++) {
@@ -356,10 +338,9 @@ static void other_ends_are_at_once(void)
             if (how != NO_STEP)
                 dpt_world_step(world, 1e-3, NULL);
             dpt_tool_get_force_report(world, pair.tool[FADES], &report);
-            CHECK(size_of_force(&report.wrench) == 0.0 && report.flags == 0 &&
-                      report.reason == reasons[how],
-                  "end %d, fading %d: %g N, flags %u, reason %u", how, fading,
-                  size_of_force(&report.wrench), report.flags, report.reason);
+            CHECK(size_of_force(&report.wrench) == 0.0 && report.flags == 0 && report.reason == reasons[how],
+                  "end %d, fading %d: %g N, flags %u, reason %u", how, fading, size_of_force(&report.wrench),
+                  report.flags, report.reason);
             const dpt_pose still = DPT_POSE_IDENTITY;
             if (how == NO_POSE)
                 dpt_tool_set_pose(world, pair.tool[FADES], &deeper);
@@ -367,8 +348,8 @@ static void other_ends_are_at_once(void)
                 dpt_body_set_pose(world, pair.body[FADES][0], &still);
             dpt_world_step(world, 1e-3, NULL);
             dpt_tool_get_force_report(world, pair.tool[FADES], &report);
-            CHECK(size_of_force(&report.wrench) == 0.0 && report.flags == 0,
-                  "after end %d, fading %d: %g N", how, fading, size_of_force(&report.wrench));
+            CHECK(size_of_force(&report.wrench) == 0.0 && report.flags == 0, "after end %d, fading %d: %g N", how,
+                  fading, size_of_force(&report.wrench));
             pair_close(&pair);
         }
 }
@@ -423,16 +404,13 @@ static void reasons_of_first_ticks(const dpt_segment *through)
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_FREE && report.flags == 0, "far off: %u", report.reason);
     report.size = 8;
-    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], &report) == DPT_E_SIZE,
-          "size 8");
+    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], &report) == DPT_E_SIZE, "size 8");
     report.size = sizeof report;
-    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.body[FADES][0], &report) ==
-                  DPT_E_HANDLE &&
+    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.body[FADES][0], &report) == DPT_E_HANDLE &&
               report.reason == DPT_FORCE_STALE,
           "a body's id: %u", report.reason);
     CHECK(dpt_tool_get_force_report(NULL, 0, &report) == DPT_E_ARGUMENT &&
-              dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], NULL) ==
-                  DPT_E_ARGUMENT,
+              dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], NULL) == DPT_E_ARGUMENT,
           "nothing to ask");
     pair_close(&pair);
 }
@@ -455,8 +433,7 @@ static void a_zero_wrench_says_why(void)
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_ACTS && report.flags == DPT_FORCE_FLAG_PARTIAL &&
               fabs(report.wrench.force[2] - 0.25) < 1e-9,
-          "partial: reason %u, flags %u, %g N", report.reason, report.flags,
-          report.wrench.force[2]);
+          "partial: reason %u, flags %u, %g N", report.reason, report.flags, report.wrench.force[2]);
     pair_close(&pair);
 
     /* No bodies; not asked for a response. */
@@ -474,8 +451,7 @@ static void a_zero_wrench_says_why(void)
         CHECK(report.reason == DPT_FORCE_STALE, "until %u, added: %u", until, report.reason);
         dpt_world_step(pair.world[FADES], 1e-3, NULL);
         report = force_of(&pair);
-        CHECK(report.reason == DPT_FORCE_OFF && report.flags == 0, "until %u: %u", until,
-              report.reason);
+        CHECK(report.reason == DPT_FORCE_OFF && report.flags == 0, "until %u: %u", until, report.reason);
         pair_close(&pair);
     }
 }
@@ -489,16 +465,14 @@ static void a_soup_is_undecided(void)
     const dpt_world_def def = def_of(0.002);
     struct fixture soup;
     struct pair pair;
-    if (fixture_from_arrays(&soup, vertices, 5, corners, 3) &&
-        pair_open(&pair, &soup, NULL, &tool, 1, &def, 1e-3)) {
+    if (fixture_from_arrays(&soup, vertices, 5, corners, 3) && pair_open(&pair, &soup, NULL, &tool, 1, &def, 1e-3)) {
         const dpt_pose beside = pose_at(0.0, 0.0, 0.0), through = pose_at(0.0, 0.0, -0.05);
         pair_pose(&pair, &beside);
         pair_step(&pair);
         CHECK(pair.reported.reason == DPT_FORCE_ACTS, "beside: %u", pair.reported.reason);
         pair_pose(&pair, &through);
         pair_step(&pair);
-        CHECK(pair.reported.reason == DPT_FORCE_UNDECIDED &&
-                  pair.reported.flags == DPT_FORCE_FLAG_FADING &&
+        CHECK(pair.reported.reason == DPT_FORCE_UNDECIDED && pair.reported.flags == DPT_FORCE_FLAG_FADING &&
                   pair.hit.contact == DPT_CONTACT_PENETRATING,
               "through: reason %u, flags %u", pair.reported.reason, pair.reported.flags);
         pair_close(&pair);

@@ -180,8 +180,8 @@ static void the_most_in_use_is_told(void)
     struct scene of;
     scene_open(&of);
     dpt_world_usage usage = usage_of(&of);
-    CHECK(usage.bodies == 1 && usage.tools == 1 && usage.segments == 1, "%u %u %u", usage.bodies,
-          usage.tools, usage.segments);
+    CHECK(usage.bodies == 1 && usage.tools == 1 && usage.segments == 1, "%u %u %u", usage.bodies, usage.tools,
+          usage.segments);
     CHECK(!usage.contacts && !usage.strip && !usage.work, "before the first step");
     const dpt_segment three[3] = { probe, probe, probe };
     dpt_body bodies[3];
@@ -209,10 +209,9 @@ static void the_most_in_use_is_told(void)
     }
     dpt_world_reset(of.world);
     usage = usage_of(&of);
-    CHECK(usage.bodies == 4 && usage.tools == 2 && usage.segments == 4, "%u %u %u", usage.bodies,
-          usage.tools, usage.segments);
-    CHECK(most_contacts > 0 && usage.contacts == most_contacts, "%u, counted %u", usage.contacts,
-          most_contacts);
+    CHECK(usage.bodies == 4 && usage.tools == 2 && usage.segments == 4, "%u %u %u", usage.bodies, usage.tools,
+          usage.segments);
+    CHECK(most_contacts > 0 && usage.contacts == most_contacts, "%u, counted %u", usage.contacts, most_contacts);
     CHECK(most_work > 0 && usage.work == most_work, "%u, counted %u", usage.work, most_work);
     CHECK(most_strip > 0 && usage.strip == most_strip, "%u, counted %u", usage.strip, most_strip);
     free(of.block);
@@ -239,8 +238,7 @@ static void a_lack_is_told(void)
     dpt_tool_set_pose(of.world, of.tool, &inside);
     dpt_world_step(of.world, 0.001, &step);
     const dpt_world_usage usage = usage_of(&of);
-    CHECK(step.contacts == 1 && (step.flags & DPT_STEP_FLAG_CONTACTS_FULL), "no lack: %u",
-          step.contacts);
+    CHECK(step.contacts == 1 && (step.flags & DPT_STEP_FLAG_CONTACTS_FULL), "no lack: %u", step.contacts);
     CHECK(usage.contacts == 4, "%u regions wanted", usage.contacts);
     free(of.block);
 }
@@ -296,8 +294,7 @@ static void the_pair_alone_is_the_same_pair(void)
         CHECK(a->triangle == b->triangle && a->distance == b->distance && a->s == b->s &&
                   !memcmp(a->p, b->p, sizeof a->p) && !memcmp(a->q, b->q, sizeof a->q),
               "segment %u: %g and %g", i, a->distance, b->distance);
-        CHECK(b->contact == DPT_CONTACT_UNKNOWN && !(b->flags & DPT_HIT_FLAG_GAP) &&
-                  b->gap == 0.0 && b->depth == 0.0,
+        CHECK(b->contact == DPT_CONTACT_UNKNOWN && !(b->flags & DPT_HIT_FLAG_GAP) && b->gap == 0.0 && b->depth == 0.0,
               "segment %u has a contact", i);
         gaps += a->flags & DPT_HIT_FLAG_GAP ? 1 : 0;
     }
@@ -310,15 +307,13 @@ static void all_triangles_at_once(void)
     const uint32_t *corners = NULL, *numbers = NULL;
     uint32_t vertices = 0, triangles = 0;
     CHECK(dpt_mesh_get_vertices(fixture.mesh, &xyz, &vertices) == DPT_OK, "vertices");
-    CHECK(dpt_mesh_get_triangles(fixture.mesh, &corners, &numbers, &triangles) == DPT_OK,
-          "corners");
+    CHECK(dpt_mesh_get_triangles(fixture.mesh, &corners, &numbers, &triangles) == DPT_OK, "corners");
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_get_info(fixture.mesh, &info);
     CHECK(vertices == info.vertices && triangles == info.triangles, "%u, %u", vertices, triangles);
     for (uint32_t t = 0; t < triangles; t++) {
         double one[9];
-        CHECK(dpt_mesh_get_triangle(fixture.mesh, numbers[t], one) == DPT_OK, "number %u",
-              numbers[t]);
+        CHECK(dpt_mesh_get_triangle(fixture.mesh, numbers[t], one) == DPT_OK, "number %u", numbers[t]);
         for (uint32_t i = 0; i < 9; i++)
             CHECK(one[i] == (double)xyz[3 * corners[3 * t + i / 3] + i % 3], "triangle %u", t);
     }

@@ -71,15 +71,13 @@ static void an_ordinary_mesh(void)
     shape_reason reason;
     CHECK(shape_make("torus", items, 0, &shape, reason) == 0, "%s", reason);
     for (size_t v = 0; v < shape.vertex_count; v++)
-        print(&text, "v %.6g %.6g %.6g\n", shape.vertices[3 * v], shape.vertices[3 * v + 1],
-              shape.vertices[3 * v + 2]);
+        print(&text, "v %.6g %.6g %.6g\n", shape.vertices[3 * v], shape.vertices[3 * v + 1], shape.vertices[3 * v + 2]);
     for (size_t t = 0; t < shape.triangle_count; t++)
         print(&text, "f %u %u %u\n", shape.corners[3 * t] + 1, shape.corners[3 * t + 1] + 1,
               shape.corners[3 * t + 2] + 1);
     const uint64_t cost = compile_cost(&text, DPT_FORMAT_OBJ, DPT_OK);
     norm_of_byte = (double)cost / (double)text.size;
-    CHECK(compile_cost(&text, DPT_FORMAT_OBJ, DPT_OK) == cost, "not %llu again",
-          (unsigned long long)cost);
+    CHECK(compile_cost(&text, DPT_FORMAT_OBJ, DPT_OK) == cost, "not %llu again", (unsigned long long)cost);
     printf("    %zu triangles in %zu bytes: %llu basic blocks\n", shape.triangle_count, text.size,
            (unsigned long long)cost);
     shape_free(&shape);
@@ -87,14 +85,14 @@ static void an_ordinary_mesh(void)
 }
 
 /* At most `ratio_max` times the norm and `beside` basic blocks. Frees the text. */
-static void expect_within(double ratio_max, double beside, const char *what, struct text *text,
-                          uint32_t format, dpt_result expected)
+static void expect_within(double ratio_max, double beside, const char *what, struct text *text, uint32_t format,
+                          dpt_result expected)
 {
     const double cost = (double)compile_cost(text, format, expected);
     const double norm = norm_of_byte * (double)text->size;
     printf("    %s: %zu bytes, %.2f of the norm\n", what, text->size, cost / norm);
-    CHECK(cost < ratio_max * norm + beside, "%s: %.3g blocks for %zu bytes is %.1f of the norm",
-          what, cost, text->size, cost / norm);
+    CHECK(cost < ratio_max * norm + beside, "%s: %.3g blocks for %zu bytes is %.1f of the norm", what, cost, text->size,
+          cost / norm);
     free(text->bytes);
     *text = (struct text){ NULL, 0, 0 };
 }
@@ -150,8 +148,8 @@ static void hubs(void)
     print_circle(&text, 0.0);
     print(&text, "v 0 0 0.1\nv 0 0 -0.1\n");
     for (uint32_t i = 0; i < items; i++)
-        print(&text, "f %u %u %u\nf %u %u %u\n", items + 1, i + 1, (i + 1) % items + 1, items + 2,
-              (i + 1) % items + 1, i + 1);
+        print(&text, "f %u %u %u\nf %u %u %u\n", items + 1, i + 1, (i + 1) % items + 1, items + 2, (i + 1) % items + 1,
+              i + 1);
     expect_linear("two hubs that close", &text, DPT_FORMAT_OBJ, DPT_OK);
     print_circle(&text, 0.0);
     print(&text, "v 0 0 0.1\nv 0 0 -0.1\n");
@@ -212,12 +210,10 @@ static void parts_within_parts(void)
         double low = 1e-5 * (i + 1);
         print_tetrahedron(&text, 2.0 - 4.0 * low, low, low, low);
     }
-    expect_within(RATIO_PARTS_MAX, MEET_MAX, "tetrahedra one in the other", &text, DPT_FORMAT_OBJ,
-                  DPT_OK);
+    expect_within(RATIO_PARTS_MAX, MEET_MAX, "tetrahedra one in the other", &text, DPT_FORMAT_OBJ, DPT_OK);
     for (uint32_t i = 0; i < items / 4; i++)
         print_tetrahedron(&text, 1.0 + 1e-3 * (i % 37), 1e-3 * (i % 41), 1e-3 * (i % 43), 1e-5 * i);
-    expect_within(RATIO_PARTS_MAX, MEET_MAX, "tetrahedra that all cross", &text, DPT_FORMAT_OBJ,
-                  DPT_OK);
+    expect_within(RATIO_PARTS_MAX, MEET_MAX, "tetrahedra that all cross", &text, DPT_FORMAT_OBJ, DPT_OK);
 }
 
 /*
@@ -231,8 +227,8 @@ static void a_strip_labelled_backwards(void)
     struct text text = { NULL, 0, 0 };
     for (uint32_t i = 0; i < items; i++) {
         const double y = 0.1 * i, far = 2.0 * i - 15.0 * items;
-        print(&text, "v %d %.9g %u\nv %.9g %.9g 0\nv %.9g %.9g 0\nf -3 -2 -1\n", -(int)i, y, i % 2,
-              far, y, far, y + 0.05);
+        print(&text, "v %d %.9g %u\nv %.9g %.9g 0\nv %.9g %.9g 0\nf -3 -2 -1\n", -(int)i, y, i % 2, far, y, far,
+              y + 0.05);
     }
     for (uint32_t i = 0; i + 2 < items; i++)
         print(&text, "f %u %u %u\n", 3 * i + 1, 3 * i + 4, 3 * i + 7);
@@ -256,13 +252,13 @@ static void parts_beyond_the_limit(void)
     CHECK(dpt_compile_bytes(text.bytes, text.size, &def, &compiled, NULL) == DPT_OK, "compiles");
     CHECK(dpt_mesh_open(compiled.bytes, compiled.size, &mesh) == DPT_OK, "opens");
     dpt_mesh_get_info(mesh, &info);
-    CHECK(info.solid_components == 500 && info.cavities == 0, "%u solid, %u cavities",
-          info.solid_components, info.cavities);
+    CHECK(info.solid_components == 500 && info.cavities == 0, "%u solid, %u cavities", info.solid_components,
+          info.cavities);
     CHECK(info.winding_components > 100 && info.winding_components < 500, "%u by winding number",
           info.winding_components);
     CHECK(dpt_query_segments(mesh, NULL, points[0], NULL, 2, hits, NULL) == DPT_OK, "asked");
-    CHECK(hits[0].contact == DPT_CONTACT_PENETRATING && hits[1].contact == DPT_CONTACT_SEPARATED,
-          "contact %u and %u", hits[0].contact, hits[1].contact);
+    CHECK(hits[0].contact == DPT_CONTACT_PENETRATING && hits[1].contact == DPT_CONTACT_SEPARATED, "contact %u and %u",
+          hits[0].contact, hits[1].contact);
     dpt_compiled_free(&compiled);
     free(text.bytes);
 }
@@ -329,8 +325,7 @@ struct scene {
     double at[3];
 };
 
-static void scene_open(struct scene *scene, const char *name, uint64_t count, double scale,
-                       uint32_t budget)
+static void scene_open(struct scene *scene, const char *name, uint64_t count, double scale, uint32_t budget)
 {
     struct shape shape;
     shape_reason reason;
@@ -340,8 +335,7 @@ static void scene_open(struct scene *scene, const char *name, uint64_t count, do
     CHECK(shape_make(name, count, 0, &shape, reason) == 0, "%s: %s", name, reason);
     for (size_t i = 0; i < 3 * shape.vertex_count; i++)
         shape.vertices[i] *= scale;
-    fixture_from_arrays(&scene->fixture, shape.vertices, shape.vertex_count, shape.corners,
-                        shape.triangle_count);
+    fixture_from_arrays(&scene->fixture, shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count);
     shape_free(&shape);
     dpt_world_def_init(&def);
     def.law = DPT_LAW_POINT;
@@ -383,8 +377,7 @@ static struct cost slide(struct scene *scene, double x, double z)
     dpt_step step = { .size = sizeof step };
     for (int tick = 0; tick < TICKS; tick++) {
         const double turn = 0.06 * tick;
-        const dpt_pose pose = { { x + 0.004 * cos(turn), 0.004 * sin(turn),
-                                  z + 0.004 * cos(0.03 * tick) - 0.001 },
+        const dpt_pose pose = { { x + 0.004 * cos(turn), 0.004 * sin(turn), z + 0.004 * cos(0.03 * tick) - 0.001 },
                                 { cos(0.15), sin(0.15), 0.0, 0.0 } };
         dpt_tool_set_pose(scene->world, scene->tool, &pose);
         const uint64_t begin = block_count;
@@ -407,8 +400,7 @@ static uint64_t sheet_count(void)
 static double open_cost(const struct fixture *fixture)
 {
     const uint64_t begin = block_count;
-    CHECK(dpt_mesh_verify(fixture->compiled.bytes, fixture->compiled.size, NULL) == DPT_OK,
-          "it does not open");
+    CHECK(dpt_mesh_verify(fixture->compiled.bytes, fixture->compiled.size, NULL) == DPT_OK, "it does not open");
     return (double)(block_count - begin);
 }
 
@@ -434,12 +426,11 @@ static void hub_is_opened_and_asked(void)
     double opened = open_cost(&hub.fixture) / open_cost(&sheet.fixture);
     double brute = query_cost(&hub.fixture, DPT_METHOD_BRUTE, 0.0205, &hit[0]);
     double tree = query_cost(&hub.fixture, DPT_METHOD_TREE, 0.0205, &hit[1]);
-    printf("    opened for %.2f of a sheet's cost; by tree for %.3f of brute force\n", opened,
-           tree / brute);
+    printf("    opened for %.2f of a sheet's cost; by tree for %.3f of brute force\n", opened, tree / brute);
     CHECK(opened < 2.0, "%.2f of the sheet's cost", opened);
     CHECK(tree < 0.2 * brute, "%.3g blocks by tree, %.3g by brute force", tree, brute);
-    CHECK(fabs(hit[0].distance - hit[1].distance) <= hit[0].error_bound + hit[1].error_bound,
-          "%.17g and %.17g", hit[0].distance, hit[1].distance);
+    CHECK(fabs(hit[0].distance - hit[1].distance) <= hit[0].error_bound + hit[1].error_bound, "%.17g and %.17g",
+          hit[0].distance, hit[1].distance);
     scene_close(&hub);
     scene_close(&sheet);
 }
@@ -459,21 +450,19 @@ static void hub_in_contact(void)
     scene_open(&dense, "membrane", sheet_count(), 0.03, 0);
     const struct cost tip = slide(&hub, 0.0, 0.02), side = slide(&hub, 0.05, 0.01);
     const struct cost plain = slide(&sheet, 0.0, 0.0), near = slide(&dense, 0.0, 0.0);
-    printf("    tick at the tip %.1f, at the side %.1f times a sheet's; all of the sheet in reach "
-           "%.1f\n",
+    printf("    tick at the tip %.1f, at the side %.1f times a sheet's; all of the sheet in reach %.1f\n",
            ratio(tip, plain), ratio(side, plain), ratio(near, plain));
     printf("    of the hub's leaves %.2f, at most %.2f; at the side %.2f, at most %.2f\n",
-           (double)tip.work / (TICKS * leaves), tip.most / leaves,
-           (double)side.work / (TICKS * leaves), side.most / leaves);
+           (double)tip.work / (TICKS * leaves), tip.most / leaves, (double)side.work / (TICKS * leaves),
+           side.most / leaves);
     CHECK(tip.contacts > 100 && side.contacts > 100 && plain.contacts > 100 && near.contacts > 100,
           "%u, %u, %u, %u contacts", tip.contacts, side.contacts, plain.contacts, near.contacts);
-    CHECK(tip.most < 20.0 * leaves && side.most < 20.0 * leaves, "%u and %u blocks, %.0f leaves",
-          tip.most, side.most, leaves);
-    printf("    basic blocks a unit of work: %.1f, %.1f, %.1f and %.1f\n", of_unit(tip),
-           of_unit(side), of_unit(plain), of_unit(near));
+    CHECK(tip.most < 20.0 * leaves && side.most < 20.0 * leaves, "%u and %u blocks, %.0f leaves", tip.most, side.most,
+          leaves);
+    printf("    basic blocks a unit of work: %.1f, %.1f, %.1f and %.1f\n", of_unit(tip), of_unit(side), of_unit(plain),
+           of_unit(near));
     CHECK(of_unit(tip) < 2.0 * of_unit(plain) && of_unit(side) < 2.0 * of_unit(plain),
-          "a unit of work costs %.1f and %.1f blocks, not %.1f", of_unit(tip), of_unit(side),
-          of_unit(plain));
+          "a unit of work costs %.1f and %.1f blocks, not %.1f", of_unit(tip), of_unit(side), of_unit(plain));
     CHECK(ratio(tip, near) < 15.0, "%.1f times the cost", ratio(tip, near));
     scene_close(&hub);
     scene_close(&sheet);

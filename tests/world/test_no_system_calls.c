@@ -125,15 +125,13 @@ static void offend(const struct busy_tally *tally)
 /* Every scene with every kernel that is here; with an offence, as far as it takes to commit it. */
 static struct busy_tally run(enum offence offence, int report)
 {
-    struct busy_world busy = { .interrupt_at = OFFENCE_AT,
-                               .interrupt = offence == NONE ? NULL : offend };
+    struct busy_world busy = { .interrupt_at = OFFENCE_AT, .interrupt = offence == NONE ? NULL : offend };
     planned = offence;
     report_to = report;
     uint64_t before = allocations;
     for (uint32_t kernel = DPT_KERNEL_SCALAR; kernel <= DPT_KERNEL_WASM128; kernel++)
         for (int i = 0; i < BUSY_SCENES; i++)
-            if ((offence == NONE || busy.tally.ticks <= OFFENCE_AT) &&
-                busy_world_open(&busy, &busy_scenes[i], kernel))
+            if ((offence == NONE || busy.tally.ticks <= OFFENCE_AT) && busy_world_open(&busy, &busy_scenes[i], kernel))
                 busy_world_run(&busy, 0, (uint32_t)part_of(busy_scenes[i].ticks));
     busy.tally.allocations = allocations - before;
     return busy.tally;
@@ -156,9 +154,9 @@ static void the_run_walks_every_path(void)
     CHECK(usual.strips > answers / 20, "%llu strips", (unsigned long long)usual.strips);
     CHECK(usual.forces > answers / 20, "%llu forces", (unsigned long long)usual.forces);
     CHECK(usual.refused > usual.ticks / 20, "%llu refused", (unsigned long long)usual.refused);
-    printf("    %llu ticks; of the answers %.0f %% cross, %.0f %% stale; %llu codes\n",
-           (unsigned long long)usual.ticks, 100.0 * (double)usual.crossing / (double)answers,
-           100.0 * (double)usual.stale / (double)answers, (unsigned long long)usual.refused);
+    printf("    %llu ticks; of the answers %.0f %% cross, %.0f %% stale; %llu codes\n", (unsigned long long)usual.ticks,
+           100.0 * (double)usual.crossing / (double)answers, 100.0 * (double)usual.stale / (double)answers,
+           (unsigned long long)usual.refused);
 }
 
 #ifdef CAN_COUNT_ALLOCATIONS
@@ -166,8 +164,7 @@ static void ticks_allocate_nothing(void)
 {
     CHECK(usual.allocations == 0, "%llu calls", (unsigned long long)usual.allocations);
     struct busy_tally tally = run(A_SMALL_BLOCK, -1);
-    CHECK(tally.allocations == 2, "of a malloc and a free %llu are counted",
-          (unsigned long long)tally.allocations);
+    CHECK(tally.allocations == 2, "of a malloc and a free %llu are counted", (unsigned long long)tally.allocations);
 }
 #endif
 
@@ -197,8 +194,7 @@ static int forbid_calls(void)
 #if defined(__x86_64__)
     prctl(PR_SET_TSC, PR_TSC_SIGSEGV); /* as strict mode does */
 #endif
-    return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
-           prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) == 0;
+    return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) == 0;
 }
 
 static void be_the_child(enum offence offence, int report)
@@ -226,8 +222,7 @@ static struct ending run_child(enum offence offence)
         be_the_child(offence, ends[1]);
     close(ends[1]);
     while (ending.bytes < sizeof ending.report) {
-        ssize_t got = read(ends[0], (char *)ending.report + ending.bytes,
-                           sizeof ending.report - ending.bytes);
+        ssize_t got = read(ends[0], (char *)ending.report + ending.bytes, sizeof ending.report - ending.bytes);
         if (got <= 0)
             break;
         ending.bytes += (size_t)got;
@@ -253,8 +248,8 @@ static void expect_death(enum offence offence)
     struct ending ending = run_child(offence);
     int signal = WIFSIGNALED(ending.status) ? WTERMSIG(ending.status) : 0;
     /* A clock that is read in place traps. */
-    CHECK(signal == SIGKILL || signal == SIGSYS || (offence == A_CLOCK && signal == SIGSEGV),
-          "offence %d: status %x", offence, ending.status);
+    CHECK(signal == SIGKILL || signal == SIGSYS || (offence == A_CLOCK && signal == SIGSEGV), "offence %d: status %x",
+          offence, ending.status);
     CHECK(ending.bytes == sizeof usual && ending.report[0].ticks == OFFENCE_AT,
           "offence %d: %zu bytes written, after %llu ticks", offence, ending.bytes,
           (unsigned long long)ending.report[0].ticks);
@@ -279,8 +274,7 @@ static int faults_are_counted(void)
 {
     enum { BYTES = 1 << 20 };
     long before = faults_until_now();
-    unsigned char *fresh =
-        mmap(NULL, BYTES, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    unsigned char *fresh = mmap(NULL, BYTES, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (fresh == MAP_FAILED)
         return 0;
     for (size_t i = 0; i < BYTES; i += 4096)
@@ -313,8 +307,8 @@ static void steady_ticks_touch_no_new_page(void)
             all += faults;
         }
         CHECK(least == 0, "scene %d: at least %ld in %u ticks", i, least, ticks);
-        printf("    page faults, scene %d: %ld to make it and for %d ticks, %ld in %u more\n", i,
-               first, FIRST, all, ROUNDS * ticks);
+        printf("    page faults, scene %d: %ld to make it and for %d ticks, %ld in %u more\n", i, first, FIRST, all,
+               ROUNDS * ticks);
     }
 }
 #endif

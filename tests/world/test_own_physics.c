@@ -96,8 +96,8 @@ static void every_tick_is_right(void)
         felt[tick] = haptic_tick(&scene, tick);
         const dpt_force_report *report = &felt[tick].report;
         CHECK(!(report->flags & DPT_FORCE_FLAG_SQUEEZED), "tick %d", tick);
-        CHECK(report->reason == DPT_FORCE_ACTS || report->reason == DPT_FORCE_FREE, "tick %d: %u",
-              tick, report->reason);
+        CHECK(report->reason == DPT_FORCE_ACTS || report->reason == DPT_FORCE_FREE, "tick %d: %u", tick,
+              report->reason);
         worst = fmax(worst, imbalance(&scene, &report->wrench));
         held += report->reason == DPT_FORCE_ACTS;
         if (tick % stride == 0)
@@ -107,8 +107,7 @@ static void every_tick_is_right(void)
     CHECK(nearest >= 0.0, "%g m", nearest);
     CHECK(worst <= 1e-12, "loads and wrench leave %g", worst);
     CHECK(held > TICKS / 3 && held < TICKS - 500, "%d ticks with a force", held);
-    printf("    %g m free at least, %g N left of 1; a force on %d of %d ticks\n", nearest, worst,
-           held, TICKS);
+    printf("    %g m free at least, %g N left of 1; a force on %d of %d ticks\n", nearest, worst, held, TICKS);
 }
 
 static void the_force_beats_with_the_organ(void)

@@ -31,14 +31,11 @@ static void penalty_on_a_plane(void)
             dpt_world_step(made.world, 1e-3, NULL);
             dpt_tool_get_wrench(made.world, tool, &wrench);
             /* From above the end a is the deepest, from below b, 0.001 higher. */
-            double force = way > 0 ? 500.0 * fmax(0.0, 0.004 - height)
-                                   : -500.0 * fmax(0.0, 0.004 + height + 0.001);
+            double force = way > 0 ? 500.0 * fmax(0.0, 0.004 - height) : -500.0 * fmax(0.0, 0.004 + height + 0.001);
             double arm = way > 0 ? -0.03 : 0.02;
-            CHECK(fabs(wrench.force[2] - force) < 1e-9, "%g N, not %g at %g", wrench.force[2],
-                  force, height);
+            CHECK(fabs(wrench.force[2] - force) < 1e-9, "%g N, not %g at %g", wrench.force[2], force, height);
             CHECK(fabs(wrench.force[0]) + fabs(wrench.force[1]) < 1e-9, "not along the normal");
-            CHECK(fabs(wrench.torque[1] + arm * force) < 1e-9, "%g Nm, not %g", wrench.torque[1],
-                  -arm * force);
+            CHECK(fabs(wrench.torque[1] + arm * force) < 1e-9, "%g Nm, not %g", wrench.torque[1], -arm * force);
         }
     /* As free segments in the world, the torque is about the end a. */
     dpt_wrench wrench;
@@ -88,10 +85,8 @@ static void penalty_in_a_sphere(void)
             along_radius += wrench.force[k] * x[k] / sqrt(size);
             total += pow(wrench.force[k], 2.0);
         }
-        CHECK(fabs(along_radius - expected) < 500.0 * facet, "%g N, not %g", along_radius,
-              expected);
-        CHECK(along_radius >= 0.995 * sqrt(total), "%g of %g N along the radius", along_radius,
-              sqrt(total));
+        CHECK(fabs(along_radius - expected) < 500.0 * facet, "%g N, not %g", along_radius, expected);
+        CHECK(along_radius >= 0.995 * sqrt(total), "%g of %g N along the radius", along_radius, sqrt(total));
     }
     free(made.block);
     fixture_free(&sphere);
@@ -147,8 +142,7 @@ static void smooth_normals_change_the_way_out_alone(void)
         }
         contacts += count[0];
     }
-    CHECK(contacts > 300 && off[1] < 0.5 * off[0], "%u contacts, off %g and %g", contacts, off[0],
-          off[1]);
+    CHECK(contacts > 300 && off[1] < 0.5 * off[0], "%u contacts, off %g and %g", contacts, off[0], off[1]);
     free(made[0].block);
     free(made[1].block);
     fixture_free(&sphere);
@@ -169,17 +163,14 @@ static void bad_input_gives_no_force(void)
     world_block_open(&made, &def);
     dpt_segment part = capsule(0, 0, 0, 0.01, 0, 0, 0.01);
     dpt_tool_add(made.world, &part, 1, &tool);
-    CHECK(dpt_world_step(made.world, 1e-3, &out) == DPT_OK && out.status == DPT_STATUS_STALE,
-          "empty");
+    CHECK(dpt_world_step(made.world, 1e-3, &out) == DPT_OK && out.status == DPT_STATUS_STALE, "empty");
     dpt_body_add(made.world, box.mesh, NULL, &body);
     dpt_pose good = DPT_POSE_IDENTITY, bad = DPT_POSE_IDENTITY;
     bad.position[2] = NAN;
-#define FORCE_IS(condition, what)                                                                  \
-    dpt_tool_get_wrench(made.world, tool, &wrench);                                                \
-    dpt_tool_get_hit(made.world, tool, &hit);                                                      \
-    CHECK((wrench.force[0] != 0.0 || wrench.force[1] != 0.0 || wrench.force[2] != 0.0) ==          \
-              (condition),                                                                         \
-          what);                                                                                   \
+#define FORCE_IS(condition, what)                                                                                      \
+    dpt_tool_get_wrench(made.world, tool, &wrench);                                                                    \
+    dpt_tool_get_hit(made.world, tool, &hit);                                                                          \
+    CHECK((wrench.force[0] != 0.0 || wrench.force[1] != 0.0 || wrench.force[2] != 0.0) == (condition), what);          \
     CHECK((hit.status == DPT_STATUS_EXACT) == (condition), what " (status)")
     dpt_world_step(made.world, 1e-3, &out);
     FORCE_IS(1, "inside the box");

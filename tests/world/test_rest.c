@@ -33,15 +33,12 @@ static const struct setting settings[] = {
     { "proxy", DPT_LAW_PROXY, DPT_UNTIL_RESPOND, DPT_METHOD_EXACT, 0, 0, 0, 0.0, 0.0 },
     { "proxy, damper", DPT_LAW_PROXY, DPT_UNTIL_RESPOND, DPT_METHOD_EXACT, 0, 0, 0, 0.0, 2.0 },
     { "proxy, friction", DPT_LAW_PROXY, DPT_UNTIL_RESPOND, DPT_METHOD_EXACT, 0, 0, 0, 0.4, 0.0 },
-    { "proxy, budget", DPT_LAW_PROXY, DPT_UNTIL_RESPOND, DPT_METHOD_EXACT, 0, 1000000, 0, 0.2,
-      0.0 },
+    { "proxy, budget", DPT_LAW_PROXY, DPT_UNTIL_RESPOND, DPT_METHOD_EXACT, 0, 1000000, 0, 0.2, 0.0 },
     { "proxy, free", DPT_LAW_PROXY, DPT_UNTIL_RESPOND, DPT_METHOD_EXACT, 0, 0, 1, 0.0, 0.0 },
-    { "point, budget", DPT_LAW_POINT, DPT_UNTIL_RESPOND, DPT_METHOD_EXACT, 0, 1000000, 0, 0.0,
-      0.0 },
+    { "point, budget", DPT_LAW_POINT, DPT_UNTIL_RESPOND, DPT_METHOD_EXACT, 0, 1000000, 0, 0.0, 0.0 },
     { "bed, free", DPT_LAW_BED, DPT_UNTIL_RESPOND, DPT_METHOD_EXACT, 0, 0, 1, 0.0, 0.0 },
     { "contacts", DPT_LAW_POINT, DPT_UNTIL_CONTACT, DPT_METHOD_TREE, 0, 0, 0, 0.0, 0.0 },
-    { "strips", DPT_LAW_POINT, DPT_UNTIL_RESPOND, DPT_METHOD_EXACT, DPT_STRIP_KIND_SHADOW, 0, 0,
-      0.0, 0.0 },
+    { "strips", DPT_LAW_POINT, DPT_UNTIL_RESPOND, DPT_METHOD_EXACT, DPT_STRIP_KIND_SHADOW, 0, 0, 0.0, 0.0 },
     { "pairs", DPT_LAW_POINT, DPT_UNTIL_TRACK, DPT_METHOD_EXACT, 0, 0, 0, 0.0, 0.0 },
 };
 
@@ -83,13 +80,11 @@ static void open_run(struct run *run, const struct setting *setting, uint32_t me
         def.max_contacts = 1;
     run->tools = 0;
     run->block = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(run->block, dpt_world_bytes(&def), &def, &run->world) == DPT_OK,
-          "world");
+    CHECK(dpt_world_create(run->block, dpt_world_bytes(&def), &def, &run->world) == DPT_OK, "world");
     const dpt_pose beside = { { 0.2, 0.1, 0.2 }, { 1.0, 0.0, 0.0, 0.0 } };
     for (uint32_t i = 0; i < 2; i++) {
         dpt_body_settings body = { .size = sizeof body };
-        CHECK(dpt_body_add(run->world, fixtures[(mesh + i) % MESHES].mesh, i ? &beside : NULL,
-                           &run->body[i]) == DPT_OK,
+        CHECK(dpt_body_add(run->world, fixtures[(mesh + i) % MESHES].mesh, i ? &beside : NULL, &run->body[i]) == DPT_OK,
               "body");
         dpt_body_get_settings(run->world, run->body[i], &body);
         body.static_friction = setting->friction;
@@ -128,8 +123,7 @@ static void begin_move(struct hand *hand, uint64_t *rng)
     const int jumps = random_in(rng, 0.0, 1.0) < 0.3;
     hand->moves = jumps ? 1 : 1 + (uint32_t)random_in(rng, 0.0, 30.0);
     for (int k = 0; k < 3; k++) {
-        hand->to[k] =
-            (jumps ? 100.0 : 1.0) * random_in(rng, -1e-3, 1e-3) - 0.02 * hand->pose.position[k];
+        hand->to[k] = (jumps ? 100.0 : 1.0) * random_in(rng, -1e-3, 1e-3) - 0.02 * hand->pose.position[k];
         hand->turn[k] = random_in(rng, -0.02, 0.02);
     }
 }
@@ -236,8 +230,7 @@ static void take_out_integrals(dpt_contact *contact)
     memset(contact->thrust_moment, 0, sizeof contact->thrust_moment);
 }
 
-static uint32_t read_answers(const struct run *run, const struct setting *setting, uint32_t t,
-                             struct answers *answers)
+static uint32_t read_answers(const struct run *run, const struct setting *setting, uint32_t t, struct answers *answers)
 {
     const dpt_world *world = run->world;
     const dpt_tool tool = run->tool[t];
@@ -262,8 +255,7 @@ static uint32_t read_answers(const struct run *run, const struct setting *settin
         if (setting->budget || setting->law == DPT_LAW_PROXY)
             take_out_integrals(&answers->contact[i]);
     }
-    dpt_tool_get_strip(world, tool, 0, answers->overlap, OVERLAPS, &answers->count[1],
-                       &answers->count[2]);
+    dpt_tool_get_strip(world, tool, 0, answers->overlap, OVERLAPS, &answers->count[1], &answers->count[2]);
     dpt_tool_get_force_report(world, tool, &answers->report);
     dpt_tool_get_wrench(world, tool, &answers->wrench);
     answers->count[3] = run->step.flags;
@@ -337,8 +329,7 @@ static void compare_runs(const struct setting *setting, uint32_t mesh, uint64_t 
             const uint32_t work = read_answers(&runs[0], setting, t, &one);
             const uint32_t work_nudged = read_answers(&runs[1], setting, t, &other);
             const char *differs = difference(&one, &other);
-            CHECK(!differs, "%s, %s, tick %d, tool %u: other %s", setting->name, shapes[mesh], tick,
-                  t, differs);
+            CHECK(!differs, "%s, %s, tick %d, tool %u: other %s", setting->name, shapes[mesh], tick, t, differs);
             nudged += work_nudged == 0 && other.hit[0].status != DPT_STATUS_STALE;
             same &= !differs && !memcmp(&one, &other, sizeof one);
             parted += !differs && !same;
@@ -359,16 +350,12 @@ static void nobody_can_tell(void)
         for (uint32_t mesh = 0; mesh < MESHES; mesh++)
             for (unsigned seed = 1; seed <= seeds; seed++)
                 compare_runs(&settings[i], mesh, 1000 * i + seed);
-        printf(
-            "    %s: %.0f %% of the ticks at rest, %.0f %% at rest with a force, %u runs parted\n",
-            settings[i].name, 100.0 * (double)rested / (double)compared,
-            100.0 * (double)pressed / (double)compared, (unsigned)parted);
+        printf("    %s: %.0f %% of the ticks at rest, %.0f %% at rest with a force, %u runs parted\n", settings[i].name,
+               100.0 * (double)rested / (double)compared, 100.0 * (double)pressed / (double)compared, (unsigned)parted);
         CHECK(settings[i].budget || settings[i].until == DPT_UNTIL_TRACK || nudged == 0,
               "%s: the other world rests too", settings[i].name);
-        CHECK(parted <= seeds * MESHES / 4, "%s: %u runs parted", settings[i].name,
-              (unsigned)parted);
-        CHECK(rested > compared / 5, "%s: only %.3f at rest", settings[i].name,
-              (double)rested / (double)compared);
+        CHECK(parted <= seeds * MESHES / 4, "%s: %u runs parted", settings[i].name, (unsigned)parted);
+        CHECK(rested > compared / 5, "%s: only %.3f at rest", settings[i].name, (double)rested / (double)compared);
     }
 }
 
@@ -396,8 +383,7 @@ static void a_free_tool_turns_rigid(void)
     }
     dpt_tool_get_hit(world, tool, &hit);
     dpt_tool_get_force_report(world, tool, &report);
-    CHECK(hit.work == 0 && report.reason == DPT_FORCE_ACTS, "work %u, reason %u", hit.work,
-          report.reason);
+    CHECK(hit.work == 0 && report.reason == DPT_FORCE_ACTS, "work %u, reason %u", hit.work, report.reason);
     dpt_tool_set_pose(world, tool, &identity);
     CHECK(dpt_world_step(world, 1e-3, NULL) == DPT_OK, "step");
     dpt_tool_get_hit(world, tool, &hit);

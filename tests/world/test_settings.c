@@ -23,8 +23,7 @@ static void scene_open(struct scene *scene)
     def.stiffness = 300.0;
     def.side_limit = 0.03;
     scene->block = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world) == DPT_OK,
-          "create");
+    CHECK(dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world) == DPT_OK, "create");
     CHECK(dpt_body_add(scene->world, sheet.mesh, NULL, &scene->body) == DPT_OK, "body");
     for (int i = 0; i < 2; i++)
         CHECK(dpt_tool_add(scene->world, &line, 1, &scene->tool[i]) == DPT_OK, "tool");
@@ -56,8 +55,8 @@ static void each_tool_has_its_stiffness(void)
     dpt_tool_settings settings = { .size = sizeof settings };
     double z = 0.01;
     scene_open(&of);
-    CHECK(dpt_tool_get_settings(of.world, of.tool[0], &settings) == DPT_OK &&
-              settings.stiffness == 300.0 && settings.law == DPT_LAW_POINT,
+    CHECK(dpt_tool_get_settings(of.world, of.tool[0], &settings) == DPT_OK && settings.stiffness == 300.0 &&
+              settings.law == DPT_LAW_POINT,
           "the def's, %g", settings.stiffness);
     settings.stiffness = 900.0;
     CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_OK, "set");
@@ -68,14 +67,12 @@ static void each_tool_has_its_stiffness(void)
     const double wrong[] = { -1.0, 2e9, NAN, INFINITY };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         settings.stiffness = wrong[i];
-        CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_E_ARGUMENT, "%g",
-              wrong[i]);
+        CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_E_ARGUMENT, "%g", wrong[i]);
     }
     settings = (dpt_tool_settings){ .size = sizeof settings, .stiffness = 1.0 };
     settings.law = DPT_LAW_PROXY + 1;
     CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_E_ARGUMENT, "law 3");
-    CHECK(dpt_tool_get_settings(of.world, of.tool[1], &settings) == DPT_OK &&
-              settings.stiffness == 900.0,
+    CHECK(dpt_tool_get_settings(of.world, of.tool[1], &settings) == DPT_OK && settings.stiffness == 900.0,
           "refused settings change nothing: %g", settings.stiffness);
     CHECK(dpt_tool_set_settings(of.world, of.body, &settings) == DPT_E_HANDLE &&
               dpt_tool_get_settings(of.world, 0, &settings) == DPT_E_HANDLE &&
@@ -88,8 +85,7 @@ static void each_tool_has_its_stiffness(void)
     const dpt_segment line = { { -0.01, 0.0, 0.0 }, { 0.01, 0.0, 0.0 }, 0.002 };
     dpt_tool_add(of.world, &line, 1, &of.tool[1]);
     dpt_tool_get_settings(of.world, of.tool[1], &settings);
-    CHECK(settings.stiffness == 300.0, "a new tool in that slot has the def's, not %g",
-          settings.stiffness);
+    CHECK(settings.stiffness == 300.0, "a new tool in that slot has the def's, not %g", settings.stiffness);
     free(of.block);
 }
 
@@ -102,14 +98,12 @@ static void each_tool_has_its_law(void)
     double z = 0.01;
     scene_open(&of);
     dpt_tool_get_settings(of.world, of.tool[1], &settings);
-    CHECK(settings.rotational_stiffness == 0.0, "by the tool's shape, not %g",
-          settings.rotational_stiffness);
+    CHECK(settings.rotational_stiffness == 0.0, "by the tool's shape, not %g", settings.rotational_stiffness);
     settings.law = DPT_LAW_PROXY;
     settings.rotational_stiffness = 0.25;
     CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_OK, "set");
-    CHECK(dpt_tool_get_settings(of.world, of.tool[1], &settings) == DPT_OK &&
-              settings.law == DPT_LAW_PROXY && settings.rotational_stiffness == 0.25 &&
-              settings.stiffness == 300.0,
+    CHECK(dpt_tool_get_settings(of.world, of.tool[1], &settings) == DPT_OK && settings.law == DPT_LAW_PROXY &&
+              settings.rotational_stiffness == 0.25 && settings.stiffness == 300.0,
           "law %u, %g Nm/rad", settings.law, settings.rotational_stiffness);
     lower(&of, &z, 0.001);
     for (int i = 0; i < 2; i++) {
@@ -129,8 +123,7 @@ static void each_tool_has_its_law(void)
     const double wrong[] = { -1.0, 2e9, NAN, INFINITY };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         settings.rotational_stiffness = wrong[i];
-        CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_E_ARGUMENT, "%g",
-              wrong[i]);
+        CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_E_ARGUMENT, "%g", wrong[i]);
     }
     free(of.block);
 }
@@ -140,11 +133,9 @@ static void each_body_has_its_friction(void)
     const struct {
         double statics, kinetic;
         dpt_result expected;
-    } cases[] = {
-        { 0.5, 0.3, DPT_OK },          { 10.0, 10.0, DPT_OK },         { 0.3, 0.5, DPT_E_ARGUMENT },
-        { 10.1, 0.0, DPT_E_ARGUMENT }, { -0.1, -0.1, DPT_E_ARGUMENT }, { NAN, 0.0, DPT_E_ARGUMENT },
-        { 0.5, NAN, DPT_E_ARGUMENT },  { 0.5, -0.1, DPT_E_ARGUMENT },  { 0.0, 0.0, DPT_OK }
-    };
+    } cases[] = { { 0.5, 0.3, DPT_OK },          { 10.0, 10.0, DPT_OK },         { 0.3, 0.5, DPT_E_ARGUMENT },
+                  { 10.1, 0.0, DPT_E_ARGUMENT }, { -0.1, -0.1, DPT_E_ARGUMENT }, { NAN, 0.0, DPT_E_ARGUMENT },
+                  { 0.5, NAN, DPT_E_ARGUMENT },  { 0.5, -0.1, DPT_E_ARGUMENT },  { 0.0, 0.0, DPT_OK } };
     struct scene of;
     dpt_body_settings settings = { .size = sizeof settings };
     scene_open(&of);
@@ -156,12 +147,11 @@ static void each_body_has_its_friction(void)
         settings.static_friction = cases[i].statics;
         settings.kinetic_friction = cases[i].kinetic;
         const dpt_body_settings given = settings;
-        CHECK(dpt_body_set_settings(of.world, of.body, &settings) == cases[i].expected, "%g, %g",
-              cases[i].statics, cases[i].kinetic);
+        CHECK(dpt_body_set_settings(of.world, of.body, &settings) == cases[i].expected, "%g, %g", cases[i].statics,
+              cases[i].kinetic);
         dpt_body_get_settings(of.world, of.body, &settings);
-        CHECK(!memcmp(&settings, cases[i].expected == DPT_OK ? &given : &before, sizeof settings),
-              "%g, %g: now %g, %g", cases[i].statics, cases[i].kinetic, settings.static_friction,
-              settings.kinetic_friction);
+        CHECK(!memcmp(&settings, cases[i].expected == DPT_OK ? &given : &before, sizeof settings), "%g, %g: now %g, %g",
+              cases[i].statics, cases[i].kinetic, settings.static_friction, settings.kinetic_friction);
     }
     free(of.block);
 }
@@ -175,14 +165,12 @@ static void each_body_has_its_side_limit(void)
         dpt_body_settings settings = { .size = sizeof settings };
         double z = 0.01;
         scene_open(&of);
-        CHECK(dpt_body_get_settings(of.world, of.body, &settings) == DPT_OK &&
-                  settings.side_limit == 0.03,
+        CHECK(dpt_body_get_settings(of.world, of.body, &settings) == DPT_OK && settings.side_limit == 0.03,
               "the def's, %g", settings.side_limit);
         settings.side_limit = limits[i];
         CHECK(dpt_body_set_settings(of.world, of.body, &settings) == DPT_OK, "set");
         lower(&of, &z, 0.002 - 0.95 * limits[i]);
-        CHECK(fabs(pushed(&of, 0) - 300.0 * 0.95 * limits[i]) < 1e-6, "limit %g: %g N", limits[i],
-              pushed(&of, 0));
+        CHECK(fabs(pushed(&of, 0) - 300.0 * 0.95 * limits[i]) < 1e-6, "limit %g: %g N", limits[i], pushed(&of, 0));
         lower(&of, &z, 0.002 - 1.05 * limits[i]);
         CHECK(pushed(&of, 0) == 0.0, "beyond %g: %g N", limits[i], pushed(&of, 0));
         free(of.block);
@@ -194,8 +182,7 @@ static void each_body_has_its_side_limit(void)
     settings.side_limit = 2e6;
     CHECK(dpt_body_set_settings(of.world, of.body, &settings) == DPT_E_ARGUMENT, "2e6");
     CHECK(dpt_body_set_settings(of.world, of.tool[0], &settings) == DPT_E_HANDLE, "a tool's id");
-    CHECK(dpt_body_get_settings(of.world, of.body, &settings) == DPT_OK &&
-              settings.side_limit == 0.03,
+    CHECK(dpt_body_get_settings(of.world, of.body, &settings) == DPT_OK && settings.side_limit == 0.03,
           "refused settings change nothing");
     free(of.block);
 }

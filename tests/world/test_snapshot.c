@@ -23,12 +23,10 @@ static int are(size_t at, const double *values, int count)
 static void place(const dpt_pose *pose, const double x[3], double out[3])
 {
     const double w = pose->orientation[0], *v = pose->orientation + 1;
-    const double cross[3] = { v[1] * x[2] - v[2] * x[1], v[2] * x[0] - v[0] * x[2],
-                              v[0] * x[1] - v[1] * x[0] };
+    const double cross[3] = { v[1] * x[2] - v[2] * x[1], v[2] * x[0] - v[0] * x[2], v[0] * x[1] - v[1] * x[0] };
     for (int k = 0; k < 3; k++) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
-        out[k] =
-            pose->position[k] + x[k] + 2.0 * (w * cross[k] + v[i] * cross[j] - v[j] * cross[i]);
+        out[k] = pose->position[k] + x[k] + 2.0 * (w * cross[k] + v[i] * cross[j] - v[j] * cross[i]);
     }
 }
 
@@ -53,16 +51,15 @@ static void compare_bodies(const struct scene *scene)
         uint64_t user;
         dpt_body_get_pose(scene->world, word(at), &pose);
         dpt_body_get_user(scene->world, word(at), &user);
-        CHECK(word(at) == scene->body[i] && wide(at + 16) == user &&
-                  are(at + 24, pose.position, 3) && are(at + 48, pose.orientation, 4),
+        CHECK(word(at) == scene->body[i] && wide(at + 16) == user && are(at + 24, pose.position, 3) &&
+                  are(at + 48, pose.orientation, 4),
               "body %u", (unsigned)i);
         CHECK(word(at + 4) == i, "body %u: flags %u", (unsigned)i, (unsigned)word(at + 4));
     }
     const float *own;
     const size_t at = item(VERTICES, 0, &vertices), body = item(BODIES, 1, &count);
     dpt_deform_get_vertices(scene->world, scene->body[1], &own, &count);
-    CHECK(word(body + 8) == 0 && word(body + 12) == count && vertices == count, "%u vertices",
-          (unsigned)vertices);
+    CHECK(word(body + 8) == 0 && word(body + 12) == count && vertices == count, "%u vertices", (unsigned)vertices);
     for (uint32_t i = 0; i < 3 * count; i++) {
         const uint32_t bits = word(at + 4 * (size_t)i);
         if (memcmp(&bits, own + i, sizeof bits) != 0) {
@@ -80,19 +77,18 @@ static void compare_segment(const struct scene *scene, uint32_t t, uint32_t s, s
     const dpt_segment *segment = &segments_of[t][s];
     dpt_tool_get_segment_hit(scene->world, scene->tool[t], s, &hit);
     CHECK(word(at) == hit.status && word(at + 4) == hit.contact && word(at + 8) == hit.flags &&
-              word(at + 12) == hit.triangle && word(at + 16) == hit.body &&
-              word(at + 20) == hit.work && word(at + 24) == t && word(at + 28) == 0,
+              word(at + 12) == hit.triangle && word(at + 16) == hit.body && word(at + 20) == hit.work &&
+              word(at + 24) == t && word(at + 28) == 0,
           "words of segment %u of tool %u", (unsigned)s, (unsigned)t);
     CHECK(are(at + 136, hit.p, 3) && are(at + 160, hit.q, 3) && number(at + 184) == hit.distance &&
-              number(at + 192) == hit.gap && number(at + 200) == hit.depth &&
-              number(at + 208) == hit.error_bound && number(at + 216) == hit.lower_bound &&
-              number(at + 80) == segment->radius,
+              number(at + 192) == hit.gap && number(at + 200) == hit.depth && number(at + 208) == hit.error_bound &&
+              number(at + 216) == hit.lower_bound && number(at + 80) == segment->radius,
           "numbers of segment %u of tool %u", (unsigned)s, (unsigned)t);
     dpt_tool_get_proxy(scene->world, scene->tool[t], &proxy);
     if (t == 1) { /* free: its frame begins at a, and x points to b */
-        const double length = sqrt(pow(number(at + 56) - number(at + 32), 2) +
-                                   pow(number(at + 64) - number(at + 40), 2) +
-                                   pow(number(at + 72) - number(at + 48), 2));
+        const double length =
+            sqrt(pow(number(at + 56) - number(at + 32), 2) + pow(number(at + 64) - number(at + 40), 2) +
+                 pow(number(at + 72) - number(at + 48), 2));
         const double b[3] = { length, 0.0, 0.0 };
         CHECK(is_near(at + 32, scene->pose[1].position), "a of the free tool");
         CHECK(is_near(at + 88, proxy.position), "a of its proxy");
@@ -100,8 +96,7 @@ static void compare_segment(const struct scene *scene, uint32_t t, uint32_t s, s
         double apart = 0.0;
         for (int k = 0; k < 3; k++)
             apart = fmax(apart, fabs(end[k] - number(at + 112 + 8 * (size_t)k)));
-        CHECK(apart <= 2e-3, "b of its proxy: %g m, which grows slowly to the device's length",
-              apart);
+        CHECK(apart <= 2e-3, "b of its proxy: %g m, which grows slowly to the device's length", apart);
         return;
     }
     dpt_tool_get_pose(scene->world, scene->tool[t], &pose);
@@ -121,14 +116,14 @@ static void compare_contacts(const struct scene *scene, uint32_t t, size_t tool,
     uint32_t count, all;
     contacts[0].size = sizeof *contacts;
     dpt_tool_get_contacts(scene->world, scene->tool[t], contacts, LIST, &count);
-    CHECK(word(tool + 28) == count && word(tool + 24) == *seen, "%u contacts, not %u",
-          (unsigned)word(tool + 28), (unsigned)count);
+    CHECK(word(tool + 28) == count && word(tool + 24) == *seen, "%u contacts, not %u", (unsigned)word(tool + 28),
+          (unsigned)count);
     for (uint32_t i = 0; i < count; i++) {
         const size_t at = item(CONTACTS, (*seen)++, &all);
         const dpt_contact *c = &contacts[i];
         CHECK(word(at) == c->id && word(at + 4) == c->body && word(at + 8) == c->segment &&
-                  word(at + 12) == c->triangle && word(at + 16) == c->contact &&
-                  word(at + 20) == c->flags && word(at + 24) == t && word(at + 28) == 0,
+                  word(at + 12) == c->triangle && word(at + 16) == c->contact && word(at + 20) == c->flags &&
+                  word(at + 24) == t && word(at + 28) == 0,
               "words of contact %u", (unsigned)i);
         CHECK(number(at + 32) == c->s0 && number(at + 40) == c->s1 && number(at + 48) == c->s &&
                   number(at + 56) == c->gap && are(at + 64, c->p, 3) && are(at + 88, c->q, 3) &&
@@ -177,14 +172,13 @@ static void compare_tools(const struct scene *scene)
         dpt_tool_get_pose(scene->world, scene->tool[t], &pose);
         dpt_tool_get_proxy(scene->world, scene->tool[t], &proxy);
         dpt_tool_get_hit(scene->world, scene->tool[t], &hit);
-        CHECK(word(at) == scene->tool[t] && word(at + 4) == settings.law &&
-                  word(at + 8) == report.reason && word(at + 12) == report.flags &&
-                  word(at + 16) == segments && word(at + 20) == segment_counts[t] &&
-                  word(at + 40) == hit.segment && word(at + 44) == (t == 1) &&
-                  wide(at + 48) == 100 + t && wide(at + 56) == report.folds,
+        CHECK(word(at) == scene->tool[t] && word(at + 4) == settings.law && word(at + 8) == report.reason &&
+                  word(at + 12) == report.flags && word(at + 16) == segments && word(at + 20) == segment_counts[t] &&
+                  word(at + 40) == hit.segment && word(at + 44) == (t == 1) && wide(at + 48) == 100 + t &&
+                  wide(at + 56) == report.folds,
               "words of tool %u", (unsigned)t);
-        CHECK(are(at + 64, pose.position, 3) && are(at + 88, pose.orientation, 4) &&
-                  are(at + 120, proxy.position, 3) && are(at + 144, proxy.orientation, 4),
+        CHECK(are(at + 64, pose.position, 3) && are(at + 88, pose.orientation, 4) && are(at + 120, proxy.position, 3) &&
+                  are(at + 144, proxy.orientation, 4),
               "poses of tool %u", (unsigned)t);
         CHECK(are(at + 176, report.wrench.force, 3) && are(at + 200, report.wrench.torque, 3) &&
                   number(at + 224) == report.energy && number(at + 232) == report.lag &&
@@ -225,27 +219,26 @@ static void it_tells_what_the_getters_tell(void)
                      "\x89"
                      "DPS\r\n\x1a\n",
                      8) == 0 &&
-                  word(8) == 1 && word(12) == 64 && wide(16) == bytes && word(44) == 6 &&
-                  word(52) == 0 && wide(56) == 0,
+                  word(8) == 1 && word(12) == 64 && wide(16) == bytes && word(44) == 6 && word(52) == 0 &&
+                  wide(56) == 0,
               "header");
         CHECK(wide(24) == tick + 1 && number(32) == time && word(40) == 0, "step %llu, %g s",
               (unsigned long long)wide(24), number(32));
         compare_bodies(&scene);
         compare_tools(&scene);
     }
-    CHECK(contacts_seen >= least_seen(2000) && strips_seen >= least_seen(20000) &&
-              forces_seen >= least_seen(1000) && held_seen >= least_seen(1000),
-          "%llu contacts, %llu triangles, %llu forces, %llu held",
-          (unsigned long long)contacts_seen, (unsigned long long)strips_seen,
-          (unsigned long long)forces_seen, (unsigned long long)held_seen);
+    CHECK(contacts_seen >= least_seen(2000) && strips_seen >= least_seen(20000) && forces_seen >= least_seen(1000) &&
+              held_seen >= least_seen(1000),
+          "%llu contacts, %llu triangles, %llu forces, %llu held", (unsigned long long)contacts_seen,
+          (unsigned long long)strips_seen, (unsigned long long)forces_seen, (unsigned long long)held_seen);
     scene_close(&scene);
 }
 
 /* ---- the library's readers ---- */
 
-#define SAME_WORDS(from, type, first, at, count)                                                   \
+#define SAME_WORDS(from, type, first, at, count)                                                                       \
     CHECK(!memcmp((const char *)(from) + offsetof(type, first), block + (at), 4 * (count)), #type)
-#define SAME_NUMBERS(from, type, first, at, count)                                                 \
+#define SAME_NUMBERS(from, type, first, at, count)                                                                     \
     CHECK(!memcmp((const char *)(from) + offsetof(type, first), block + (at), 8 * (count)), #type)
 
 /* Field by field in the order of the page; this machine is little-endian, or the words are compared elsewhere. */
@@ -285,8 +278,7 @@ static void readers_agree(const dpt_snapshot_info *info)
     float *xyz = malloc(3 * sizeof *xyz * (info->vertices + 1));
     CHECK(dpt_snapshot_get_vertices(block, bytes, 0, info->vertices, xyz) == DPT_OK, "vertices");
     CHECK(!memcmp(xyz, block + item(VERTICES, 0, &count), 12 * (size_t)info->vertices), "vertices");
-    CHECK(dpt_snapshot_get_vertices(block, bytes, 1, info->vertices, xyz) == DPT_E_ARGUMENT,
-          "too many vertices");
+    CHECK(dpt_snapshot_get_vertices(block, bytes, 1, info->vertices, xyz) == DPT_E_ARGUMENT, "too many vertices");
     free(xyz);
 }
 
@@ -301,8 +293,7 @@ static void readers_find_what_is_there(void)
     CHECK(dpt_snapshot_get_info(block, bytes, &info) == DPT_OK, "no info");
     CHECK(info.version == 1 && info.flags == 0 && info.steps == 900 && info.work == word(48) &&
               info.time == number(32) && info.bodies == 2 && info.tools == TOOL_COUNT &&
-              info.segments == SEGMENT_COUNT && info.contacts > 0 && info.strip > 0 &&
-              info.vertices > 0,
+              info.segments == SEGMENT_COUNT && info.contacts > 0 && info.strip > 0 && info.vertices > 0,
           "info");
     readers_agree(&info);
     CHECK(dpt_snapshot_get_tool(block, bytes, TOOL_COUNT, &tool) == DPT_E_ARGUMENT && tool.id == 0,
@@ -325,15 +316,15 @@ static void what_does_not_fit_is_told(void)
     scene_in_contact(&scene);
     take(&scene, &def);
     CHECK(dpt_snapshot_get_info(block, bytes, &whole) == DPT_OK, "no info");
-    CHECK(whole.contacts > 1 && whole.strip > 20, "%u contacts, %u triangles",
-          (unsigned)whole.contacts, (unsigned)whole.strip);
+    CHECK(whole.contacts > 1 && whole.strip > 20, "%u contacts, %u triangles", (unsigned)whole.contacts,
+          (unsigned)whole.strip);
     def.max_contacts = whole.contacts - 1;
     def.max_strip = 20;
     def.max_vertices = whole.vertices - 1;
     take(&scene, &def);
     CHECK(dpt_snapshot_get_info(block, bytes, &info) == DPT_OK, "no info");
-    CHECK(info.flags == (DPT_SNAPSHOT_FLAG_CONTACTS_CUT | DPT_SNAPSHOT_FLAG_STRIPS_CUT |
-                         DPT_SNAPSHOT_FLAG_VERTICES_CUT),
+    CHECK(info.flags ==
+              (DPT_SNAPSHOT_FLAG_CONTACTS_CUT | DPT_SNAPSHOT_FLAG_STRIPS_CUT | DPT_SNAPSHOT_FLAG_VERTICES_CUT),
           "flags %u", (unsigned)info.flags);
     CHECK(info.contacts == whole.contacts - 1 && info.strip == 20 && info.vertices == 0, "%u %u %u",
           (unsigned)info.contacts, (unsigned)info.strip, (unsigned)info.vertices);
@@ -343,13 +334,12 @@ static void what_does_not_fit_is_told(void)
     const dpt_snapshot_def none = { .size = sizeof none };
     take(&scene, &none);
     dpt_snapshot_get_info(block, bytes, &info);
-    CHECK(!info.contacts && !info.strip && !info.vertices && info.segments == SEGMENT_COUNT &&
-              info.flags == 0,
+    CHECK(!info.contacts && !info.strip && !info.vertices && info.segments == SEGMENT_COUNT && info.flags == 0,
           "none: flags %u", (unsigned)info.flags);
     memset(block, 0xcc, sizeof block);
     size_t written = 7;
-    CHECK(dpt_world_take_snapshot(scene.world, &none, block, bytes - 1, &written) == DPT_E_MEMORY &&
-              block[0] == 0xcc && written == 0,
+    CHECK(dpt_world_take_snapshot(scene.world, &none, block, bytes - 1, &written) == DPT_E_MEMORY && block[0] == 0xcc &&
+              written == 0,
           "too small a block");
     def.max_contacts = (1 << 20) + 1;
     CHECK(dpt_world_take_snapshot(scene.world, &def, block, ROOM, &written) == DPT_E_LIMIT &&
@@ -380,8 +370,7 @@ static void a_world_does_not_notice(void)
             dpt_wrench a, b;
             dpt_tool_get_wrench(with.world, with.tool[t], &a);
             dpt_tool_get_wrench(without.world, without.tool[t], &b);
-            CHECK(!memcmp(&a, &b, sizeof a), "tick %llu, tool %u", (unsigned long long)tick,
-                  (unsigned)t);
+            CHECK(!memcmp(&a, &b, sizeof a), "tick %llu, tool %u", (unsigned long long)tick, (unsigned)t);
         }
     }
     static unsigned char again[ROOM];

@@ -8,10 +8,10 @@
 
 static struct scene scene;
 
-#define READER(noun)                                                                               \
-    static dpt_result noun(void *out)                                                              \
-    {                                                                                              \
-        return dpt_snapshot_get_##noun(block, bytes, 0, out);                                      \
+#define READER(noun)                                                                                                   \
+    static dpt_result noun(void *out)                                                                                  \
+    {                                                                                                                  \
+        return dpt_snapshot_get_##noun(block, bytes, 0, out);                                                          \
     }
 READER(body)
 READER(tool)
@@ -44,8 +44,7 @@ static dpt_result snapshot_def(void *given)
     static unsigned char room[ROOM];
     size_t size;
     const dpt_result result = dpt_world_take_snapshot(scene.world, given, room, sizeof room, &size);
-    CHECK((result == DPT_OK) == (dpt_snapshot_bytes(scene.world, given) > 0), "%s",
-          dpt_result_name(result));
+    CHECK((result == DPT_OK) == (dpt_snapshot_bytes(scene.world, given) > 0), "%s", dpt_result_name(result));
     return result;
 }
 
@@ -56,8 +55,7 @@ static void defaults(void *def, size_t size)
 
 static void the_def_is_taken_as_far_as_it_goes(void)
 {
-    const struct sized def = { "dpt_snapshot_def", sizeof(dpt_snapshot_def),
-                               sizeof(dpt_snapshot_def), snapshot_def };
+    const struct sized def = { "dpt_snapshot_def", sizeof(dpt_snapshot_def), sizeof(dpt_snapshot_def), snapshot_def };
     dpt_snapshot_def good;
     dpt_snapshot_def_init(&good);
     check_input(&def, &good);

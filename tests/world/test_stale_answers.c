@@ -87,16 +87,14 @@ static dpt_result step(struct scene *scene, double dt, struct answers *answers)
     answers->contact[0].size = sizeof answers->contact[0];
     dpt_result result = dpt_world_step(scene->world, dt, &answers->step);
     dpt_tool_get_wrench(scene->world, scene->tool, &answers->wrench);
-    dpt_tool_get_contacts(scene->world, scene->tool, answers->contact, CONTACTS,
-                          &answers->contacts);
+    dpt_tool_get_contacts(scene->world, scene->tool, answers->contact, CONTACTS, &answers->contacts);
     for (uint32_t i = 0; i < SEGMENTS; i++) {
         answers->hit[i].size = sizeof answers->hit[i];
         answers->sweep[i].size = sizeof answers->sweep[i];
         answers->overlap[i].size = sizeof answers->overlap[i];
         dpt_tool_get_segment_hit(scene->world, scene->tool, i, &answers->hit[i]);
         dpt_tool_get_sweep(scene->world, scene->tool, i, &answers->sweep[i]);
-        dpt_tool_get_strip(scene->world, scene->tool, i, &answers->overlap[i], 1,
-                           &answers->triangles[i], NULL);
+        dpt_tool_get_strip(scene->world, scene->tool, i, &answers->overlap[i], 1, &answers->triangles[i], NULL);
     }
     return result;
 }
@@ -106,10 +104,9 @@ static void expect_nothing(const struct answers *answers, const char *why)
 {
     static const dpt_wrench zero;
     CHECK(!memcmp(&answers->wrench, &zero, sizeof zero), "%s: a force", why);
-    CHECK(answers->contacts == 0 && answers->step.contacts == 0, "%s: %u regions, %u told", why,
-          answers->contacts, answers->step.contacts);
-    CHECK(answers->step.status == DPT_STATUS_STALE && !answers->step.flags, "%s: status %u", why,
-          answers->step.status);
+    CHECK(answers->contacts == 0 && answers->step.contacts == 0, "%s: %u regions, %u told", why, answers->contacts,
+          answers->step.contacts);
+    CHECK(answers->step.status == DPT_STATUS_STALE && !answers->step.flags, "%s: status %u", why, answers->step.status);
     for (uint32_t i = 0; i < SEGMENTS; i++)
         CHECK(answers->hit[i].status == DPT_STATUS_STALE && answers->triangles[i] == 0 &&
                   answers->sweep[i].status == DPT_SWEEP_NONE,
@@ -133,15 +130,14 @@ static void a_step_that_fails_leaves_no_answer(void)
         dpt_step old = { .size = 4 };
         CHECK(dpt_world_step(scene.world, 0.001, &old) == DPT_E_SIZE, "tick %d", tick);
         uint32_t count = 1;
-        CHECK(dpt_tool_get_contacts(scene.world, scene.tool, NULL, 0, &count) == DPT_OK &&
-                  count == 0,
+        CHECK(dpt_tool_get_contacts(scene.world, scene.tool, NULL, 0, &count) == DPT_OK && count == 0,
               "%u regions after a wrong size", count);
         /* At the same place again: what lived before the failure lives on, by its number. */
         CHECK(step(&scene, 0.001, &answers) == DPT_OK && answers.contacts == before.contacts,
               "tick %d: %u regions, then %u", tick, before.contacts, answers.contacts);
         for (uint32_t i = 0; i < answers.contacts && i < CONTACTS; i++)
-            CHECK(answers.contact[i].id == before.contact[i].id, "region %u is %u, not %u", i,
-                  answers.contact[i].id, before.contact[i].id);
+            CHECK(answers.contact[i].id == before.contact[i].id, "region %u is %u, not %u", i, answers.contact[i].id,
+                  before.contact[i].id);
     }
     CHECK(felt > TICKS / 4, "%d ticks in contact", felt);
     scene_close(&scene);

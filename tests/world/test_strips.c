@@ -34,8 +34,8 @@ static dpt_segment lying(double height)
     return (dpt_segment){ { -0.031, 0.0123, height }, { 0.042, 0.0017, height }, 0.001 };
 }
 
-static void lab_open(struct lab *lab, const dpt_world_def *def, const char *shape, uint64_t count,
-                     const dpt_pose *pose, const dpt_segment *segment)
+static void lab_open(struct lab *lab, const dpt_world_def *def, const char *shape, uint64_t count, const dpt_pose *pose,
+                     const dpt_segment *segment)
 {
     fixture_from_shape(&lab->fixture, shape, count);
     lab->block = malloc(dpt_world_bytes(def));
@@ -100,8 +100,7 @@ static void check_same(const struct lab *lab, const dpt_strip *strip, const char
     qsort(overlaps, count, sizeof *overlaps, by_triangle);
     for (uint32_t i = 0; i < count && i < wanted; i++)
         same += overlaps[i].triangle == sorted[i];
-    CHECK(count == wanted && same == count, "%s: %u triangles, not %u, %u alike", what, count,
-          wanted, same);
+    CHECK(count == wanted && same == count, "%s: %u triangles, not %u, %u alike", what, count, wanted, same);
 }
 
 /* A segment of some centimetres through a corner of a random triangle of the liver, which is turned and moved. */
@@ -155,10 +154,9 @@ static void shadow_is_that_of_the_nearest_pair(void)
         if (hit.distance == 0.0)
             continue;
         double length = 0.0;
-        dpt_shadow shadow = { .size = sizeof shadow,
-                              .triangle = hit.triangle,
-                              .segment = segment,
-                              .width = def.strip_width };
+        dpt_shadow shadow = {
+            .size = sizeof shadow, .triangle = hit.triangle, .segment = segment, .width = def.strip_width
+        };
         for (int k = 0; k < 3; k++) {
             shadow.direction[k] = hit.q[k] - hit.p[k];
             length += (segment.b[k] - segment.a[k]) * (segment.b[k] - segment.a[k]);
@@ -167,8 +165,8 @@ static void shadow_is_that_of_the_nearest_pair(void)
         CHECK(dpt_strip_shadow(strip, liver.mesh, &pose, &shadow) == DPT_OK, "shadow");
         check_same(&lab, strip, "shadow");
     }
-    CHECK(near_ticks > 500 && deep > 100 && empty > 100, "%u near_ticks, %u crossing, %u away",
-          near_ticks, deep, empty);
+    CHECK(near_ticks > 500 && deep > 100 && empty > 100, "%u near_ticks, %u crossing, %u away", near_ticks, deep,
+          empty);
     free(block);
     fixture_free(&liver);
     lab_close(&lab);
@@ -226,8 +224,8 @@ static void overlaps_are_on_the_side_of_the_tool(void)
                 CHECK(overlaps[i].overlap == fmax(0.0, -overlaps[i].gap), "overlap");
                 least = fmin(least, overlaps[i].gap);
             }
-            CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(least - hit.gap) < 1e-9,
-                  "side %g, height %g: %g, not %g", side, height, least, hit.gap);
+            CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(least - hit.gap) < 1e-9, "side %g, height %g: %g, not %g",
+                  side, height, least, hit.gap);
             lab_close(&lab);
         }
 }
@@ -293,8 +291,8 @@ static void a_removed_tool_leaves_the_others_theirs(void)
     for (int round = 0; round < 2; round++) {
         for (int i = 1; i < 3; i++) {
             uint32_t now = strip_of(&lab, tool[i], after);
-            CHECK(now == count[i] && !memcmp(after, before[i], now * sizeof *after),
-                  "tool %d: %u triangles, not %u", i, now, count[i]);
+            CHECK(now == count[i] && !memcmp(after, before[i], now * sizeof *after), "tool %d: %u triangles, not %u", i,
+                  now, count[i]);
         }
         dpt_world_step(lab.world, 0.001, NULL);
     }
@@ -323,8 +321,7 @@ static void walks_are_counted_from_1_again(void)
     CHECK(dpt_strip_shadow(other, fixture.mesh, NULL, &shadow) == DPT_OK, "alone");
     dpt_strip_get_triangles(strip, &counts[1], NULL);
     dpt_strip_get_triangles(other, &counts[2], NULL);
-    CHECK(counts[0] > 50 && counts[1] == counts[2] && counts[2] > 50, "%u, %u, %u", counts[0],
-          counts[1], counts[2]);
+    CHECK(counts[0] > 50 && counts[1] == counts[2] && counts[2] > 50, "%u, %u, %u", counts[0], counts[1], counts[2]);
     free(blocks[0]);
     free(blocks[1]);
     fixture_free(&fixture);
@@ -333,18 +330,15 @@ static void walks_are_counted_from_1_again(void)
 static void defs_and_arguments_are_checked(void)
 {
     dpt_world_def def = def_with(DPT_STRIP_KIND_ROUTES), none = def_with(DPT_STRIP_KIND_NONE);
-    const dpt_strip_def strip = { .size = sizeof strip,
-                                  .capacity = CAPACITY,
-                                  .search = def.strip_search };
-    CHECK(dpt_world_bytes(&def) ==
-              dpt_world_bytes(&none) + def.max_segments * (640 + dpt_strip_bytes(&strip)),
+    const dpt_strip_def strip = { .size = sizeof strip, .capacity = CAPACITY, .search = def.strip_search };
+    CHECK(dpt_world_bytes(&def) == dpt_world_bytes(&none) + def.max_segments * (640 + dpt_strip_bytes(&strip)),
           "bytes");
     none.strip_capacity = 1 << 20;
     CHECK(dpt_world_bytes(&none) + 16 * dpt_strip_bytes(&strip) < dpt_world_bytes(&def),
           "what is not asked for costs nothing");
-#define REFUSED(field, value)                                                                      \
-    def = def_with(DPT_STRIP_KIND_SHADOW);                                                         \
-    def.field = value;                                                                             \
+#define REFUSED(field, value)                                                                                          \
+    def = def_with(DPT_STRIP_KIND_SHADOW);                                                                             \
+    def.field = value;                                                                                                 \
     CHECK(dpt_world_bytes(&def) == 0, #field " = " #value)
     REFUSED(strip, 3);
     REFUSED(strip_capacity, 0);
@@ -360,19 +354,13 @@ static void defs_and_arguments_are_checked(void)
     uint32_t count = 77;
     lab_open(&lab, &def, "membrane", 0, NULL, &near);
     step(&lab, &near);
-    CHECK(dpt_tool_get_strip(NULL, lab.tool, 0, &overlap, 1, &count, NULL) == DPT_E_ARGUMENT,
-          "no world");
-    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 1, &overlap, 1, &count, NULL) == DPT_E_ARGUMENT,
-          "segment 1");
-    CHECK(dpt_tool_get_strip(lab.world, lab.body, 0, &overlap, 1, &count, NULL) == DPT_E_HANDLE,
-          "a body");
-    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 0, NULL, 1, &count, NULL) == DPT_E_ARGUMENT,
-          "no room");
-    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 0, NULL, 0, &count, NULL) == DPT_OK && count > 10,
-          "count alone");
+    CHECK(dpt_tool_get_strip(NULL, lab.tool, 0, &overlap, 1, &count, NULL) == DPT_E_ARGUMENT, "no world");
+    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 1, &overlap, 1, &count, NULL) == DPT_E_ARGUMENT, "segment 1");
+    CHECK(dpt_tool_get_strip(lab.world, lab.body, 0, &overlap, 1, &count, NULL) == DPT_E_HANDLE, "a body");
+    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 0, NULL, 1, &count, NULL) == DPT_E_ARGUMENT, "no room");
+    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 0, NULL, 0, &count, NULL) == DPT_OK && count > 10, "count alone");
     overlap.size = 8;
-    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 0, &overlap, 1, &count, NULL) == DPT_E_SIZE,
-          "size");
+    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 0, &overlap, 1, &count, NULL) == DPT_E_SIZE, "size");
     lab_close(&lab);
 }
 

@@ -109,8 +109,8 @@ static double largest_diagonal(void)
 }
 
 /* How near the tool comes to a touch on the way up to `until`, negative if it goes past one. */
-static double least_gap_until(const struct scene *scene, const dpt_pose *from, const dpt_pose *to,
-                              double until, double clearance, double *step)
+static double least_gap_until(const struct scene *scene, const dpt_pose *from, const dpt_pose *to, double until,
+                              double clearance, double *step)
 {
     double least = HUGE_VAL, before[6], ends[6];
     uint32_t body;
@@ -122,8 +122,7 @@ static double least_gap_until(const struct scene *scene, const dpt_pose *from, c
             ends_of(&pose, &scene->segment[i], ends);
             if (k > 0)
                 for (int e = 0; e < 6; e += 3)
-                    *step = fmax(*step, sqrt(pow(ends[e] - before[e], 2.0) +
-                                             pow(ends[e + 1] - before[e + 1], 2.0) +
+                    *step = fmax(*step, sqrt(pow(ends[e] - before[e], 2.0) + pow(ends[e + 1] - before[e + 1], 2.0) +
                                              pow(ends[e + 2] - before[e + 2], 2.0)));
             memcpy(before, ends, sizeof ends);
             if (k < STEPS || until == 1.0)
@@ -149,29 +148,26 @@ static void a_trial_stops_at_the_first_touch(void)
         dpt_tool_set_pose(of.world, of.tool, &from);
         void *copy = malloc(of.bytes);
         memcpy(copy, of.block, of.bytes);
-        CHECK(dpt_tool_try_pose(of.world, of.tool, &to, clearance, &first, &reached) == DPT_OK,
-              "try");
+        CHECK(dpt_tool_try_pose(of.world, of.tool, &to, clearance, &first, &reached) == DPT_OK, "try");
         CHECK(!memcmp(copy, of.block, of.bytes), "a trial changed the world");
         free(copy);
         double step, gap = HUGE_VAL;
         uint32_t body = 0;
         const double way = least_gap_until(&of, &from, &to, first.time, clearance, &step);
-        CHECK(way > -tolerance || first.time == 0.0, "round %d: %g m past a touch before time %g",
-              round, -way, first.time);
+        CHECK(way > -tolerance || first.time == 0.0, "round %d: %g m past a touch before time %g", round, -way,
+              first.time);
         for (int i = 0; i < SEGMENTS; i++) {
             double ends[6];
             uint32_t at = 0;
             ends_of(&reached, &of.segment[i], ends);
-            const double here =
-                nearest(&of, ends, &at) - fmax(0.0, of.segment[i].radius + clearance);
+            const double here = nearest(&of, ends, &at) - fmax(0.0, of.segment[i].radius + clearance);
             if (here < gap) {
                 gap = here;
                 body = at;
             }
         }
         if (first.status == DPT_SWEEP_FREE) {
-            CHECK(first.time == 1.0 && !memcmp(&reached, &to, sizeof to) &&
-                      first.triangle == DPT_NONE,
+            CHECK(first.time == 1.0 && !memcmp(&reached, &to, sizeof to) && first.triangle == DPT_NONE,
                   "round %d: free, and not there", round);
             frees++;
         } else if (first.time == 0.0) {
@@ -183,17 +179,15 @@ static void a_trial_stops_at_the_first_touch(void)
             CHECK(first.status == DPT_SWEEP_HIT && gap > 0.0 && gap <= tolerance,
                   "round %d: stopped %g m before the touch", round, gap);
             CHECK(first.body == body, "round %d: another body", round);
-            const double normal = sqrt(pow(first.normal[0], 2.0) + pow(first.normal[1], 2.0) +
-                                       pow(first.normal[2], 2.0));
-            CHECK(fabs(normal - 1.0) < 1e-9 && first.age == 0, "round %d: normal %g", round,
-                  normal);
+            const double normal =
+                sqrt(pow(first.normal[0], 2.0) + pow(first.normal[1], 2.0) + pow(first.normal[2], 2.0));
+            CHECK(fabs(normal - 1.0) < 1e-9 && first.age == 0, "round %d: normal %g", round, normal);
             farthest += first.segment == 1;
         }
         free(of.block);
     }
     CHECK(hits > 60 && frees > 30 && starts > 30 && farthest > 10 && farthest < hits,
-          "%d hits, %d free, %d at the beginning, %d of the second segment", hits, frees, starts,
-          farthest);
+          "%d hits, %d free, %d at the beginning, %d of the second segment", hits, frees, starts, farthest);
 }
 
 /*
@@ -235,12 +229,11 @@ static void nothing_in_the_way_of_a_turn_is_missed(void)
             speck.position[k] = ends[k] + s * (ends[3 + k] - ends[k]);
         CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK &&
                   dpt_body_add(world, mesh, &speck, &body) == DPT_OK &&
-                  dpt_tool_add(world, &axis, 1, &tool) == DPT_OK &&
-                  dpt_tool_teleport(world, tool, &from) == DPT_OK &&
+                  dpt_tool_add(world, &axis, 1, &tool) == DPT_OK && dpt_tool_teleport(world, tool, &from) == DPT_OK &&
                   dpt_tool_try_pose(world, tool, &to, 0.0, &first, &reached) == DPT_OK,
               "a trial");
-        CHECK(first.status == DPT_SWEEP_HIT && first.time <= part + 1e-5,
-              "motion %d: %u at %.9f, not by %.9f", i, first.status, first.time, part);
+        CHECK(first.status == DPT_SWEEP_HIT && first.time <= part + 1e-5, "motion %d: %u at %.9f, not by %.9f", i,
+              first.status, first.time, part);
         late += first.time > part - 0.05;
     }
     CHECK(late > MOTIONS / 2, "%u were met about there", late);
@@ -283,8 +276,7 @@ static void a_step_meets_the_same(void)
         }
         if (is_free && told) {
             met += first.status == DPT_SWEEP_HIT;
-            CHECK(fabs(first.time - time) < 1e-3, "round %d: %.9g, the step says %.9g", round,
-                  first.time, time);
+            CHECK(fabs(first.time - time) < 1e-3, "round %d: %.9g, the step says %.9g", round, first.time, time);
         }
         free(of.block);
     }
@@ -310,9 +302,7 @@ static void free_segments_too(void)
         }
         dpt_tool_set_segments(of.world, of.tool, from, SEGMENTS);
         memcpy(reached, to, sizeof to);
-        CHECK(dpt_tool_try_segments(of.world, of.tool, reached, SEGMENTS, 0.001, &first, reached) ==
-                  DPT_OK,
-              "try");
+        CHECK(dpt_tool_try_segments(of.world, of.tool, reached, SEGMENTS, 0.001, &first, reached) == DPT_OK, "try");
         if (first.status == DPT_SWEEP_FREE)
             CHECK(!memcmp(reached, to, sizeof to), "round %d: not there", round);
         if (first.status == DPT_SWEEP_HIT && first.time > 0.0) {
@@ -322,8 +312,8 @@ static void free_segments_too(void)
             memcpy(ends, touched->a, 3 * sizeof *ends);
             memcpy(ends + 3, touched->b, 3 * sizeof *ends);
             const double gap = nearest(&of, ends, &body) - touched->radius - 0.001;
-            CHECK(gap > 0.0 && gap < 1e-6 * largest_diagonal() && body == first.body,
-                  "round %d: %g m before the touch", round, gap);
+            CHECK(gap > 0.0 && gap < 1e-6 * largest_diagonal() && body == first.body, "round %d: %g m before the touch",
+                  round, gap);
             hits++;
         }
         free(of.block);
@@ -351,34 +341,28 @@ static void what_cannot_be_tried(void)
     REFUSED(dpt_tool_try_pose(NULL, of.tool, &far, 0.0, &first, NULL), DPT_E_ARGUMENT);
     REFUSED(dpt_tool_try_pose(of.world, of.body[0], &far, 0.0, &first, NULL), DPT_E_HANDLE);
     REFUSED(dpt_tool_try_pose(of.world, of.tool, &far, NAN, &first, NULL), DPT_E_FINITE);
-    REFUSED(dpt_tool_try_segments(of.world, of.tool, segments, 1, 0.0, &first, NULL),
-            DPT_E_ARGUMENT);
-    REFUSED(dpt_tool_try_segments(of.world, of.tool, NULL, SEGMENTS, 0.0, &first, NULL),
-            DPT_E_ARGUMENT);
+    REFUSED(dpt_tool_try_segments(of.world, of.tool, segments, 1, 0.0, &first, NULL), DPT_E_ARGUMENT);
+    REFUSED(dpt_tool_try_segments(of.world, of.tool, NULL, SEGMENTS, 0.0, &first, NULL), DPT_E_ARGUMENT);
     segments[1].radius = -1.0;
-    REFUSED(dpt_tool_try_segments(of.world, of.tool, segments, SEGMENTS, 0.0, &first, NULL),
-            DPT_E_FINITE);
+    REFUSED(dpt_tool_try_segments(of.world, of.tool, segments, SEGMENTS, 0.0, &first, NULL), DPT_E_FINITE);
     CHECK(dpt_tool_try_pose(of.world, of.tool, &far, 0.0, NULL, NULL) == DPT_OK, "no outputs");
 
     /* Nobody knows where a body is. */
     dpt_body_set_pose(of.world, of.body[1], &wrong);
     CHECK(dpt_tool_try_pose(of.world, of.tool, &of.pose[0], 0.0, &first, &reached) == DPT_OK &&
-              first.status == DPT_SWEEP_NONE && first.time == 0.0 &&
-              !memcmp(&reached, &far, sizeof far),
+              first.status == DPT_SWEEP_NONE && first.time == 0.0 && !memcmp(&reached, &far, sizeof far),
           "a body's pose is not valid: %u", first.status);
     dpt_body_remove(of.world, of.body[1]);
     CHECK(dpt_tool_try_pose(of.world, of.tool, &far, 0.0, &first, &reached) == DPT_OK &&
               first.status == DPT_SWEEP_FREE && first.time == 1.0,
           "it is gone: %u", first.status);
     dpt_tool_set_pose(of.world, of.tool, &wrong);
-    CHECK(dpt_tool_try_pose(of.world, of.tool, &far, 0.0, &first, NULL) == DPT_OK &&
-              first.status == DPT_SWEEP_NONE,
+    CHECK(dpt_tool_try_pose(of.world, of.tool, &far, 0.0, &first, NULL) == DPT_OK && first.status == DPT_SWEEP_NONE,
           "the tool's pose is not valid: %u", first.status);
 
     /* It is where it could be last. */
     dpt_segment there[SEGMENTS];
-    CHECK(dpt_tool_try_segments(of.world, of.tool, of.segment, SEGMENTS, 0.0, &first, there) ==
-                  DPT_OK &&
+    CHECK(dpt_tool_try_segments(of.world, of.tool, of.segment, SEGMENTS, 0.0, &first, there) == DPT_OK &&
               first.status == DPT_SWEEP_NONE && first.time == 0.0 &&
               there[0].a[0] == far.position[0] + of.segment[0].a[0],
           "it is at x = %g", there[0].a[0]);

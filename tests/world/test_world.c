@@ -64,9 +64,9 @@ static void defs_are_checked(void)
     dpt_world_def good = small_def(), def;
     CHECK(good.size == sizeof good && good.stiffness == 500.0, "defaults");
     CHECK(dpt_world_bytes(NULL) == 0, "NULL");
-#define REFUSED(field, value)                                                                      \
-    def = good;                                                                                    \
-    def.field = value;                                                                             \
+#define REFUSED(field, value)                                                                                          \
+    def = good;                                                                                                        \
+    def.field = value;                                                                                                 \
     CHECK(dpt_world_bytes(&def) == 0, #field " = " #value)
     REFUSED(size, 8);
     REFUSED(max_bodies, 0);
@@ -78,9 +78,9 @@ static void defs_are_checked(void)
     dpt_baseline_def_init(&paper);
     REFUSED(reserved_pointer, &paper);
     REFUSED(law, 3);
-#define REFUSED_BASELINE(field, value)                                                             \
-    wrong = paper;                                                                                 \
-    wrong.field = value;                                                                           \
+#define REFUSED_BASELINE(field, value)                                                                                 \
+    wrong = paper;                                                                                                     \
+    wrong.field = value;                                                                                               \
     REFUSED(baseline, &wrong)
     REFUSED_BASELINE(size, 8);
     REFUSED_BASELINE(parts, 0);
@@ -163,13 +163,11 @@ static void slots_are_used_for_ever(void)
     world_block_open(&made, &def);
     for (int i = 0; i < GENERATIONS * ROUNDS; i++) {
         CHECK(dpt_body_add(made.world, box.mesh, NULL, &gone[i]) == DPT_OK, "body %d", i);
-        CHECK(dpt_tool_add(made.world, &line, 1, &tool) == DPT_OK &&
-                  dpt_tool_remove(made.world, tool) == DPT_OK &&
+        CHECK(dpt_tool_add(made.world, &line, 1, &tool) == DPT_OK && dpt_tool_remove(made.world, tool) == DPT_OK &&
                   dpt_tool_remove(made.world, tool) == DPT_E_HANDLE,
               "tool %d", i);
         for (int k = i > GENERATIONS - 1 ? i - (GENERATIONS - 1) : 0; k < i; k += 97)
-            CHECK(dpt_body_set_pose(made.world, gone[k], &pose) == DPT_E_HANDLE,
-                  "body %d is there after %d", k, i - k);
+            CHECK(dpt_body_set_pose(made.world, gone[k], &pose) == DPT_E_HANDLE, "body %d is there after %d", k, i - k);
         CHECK(dpt_body_remove(made.world, gone[i]) == DPT_OK, "body %d", i);
     }
     CHECK(gone[0] == gone[GENERATIONS] && gone[0] != gone[1], "generations come round");
@@ -180,8 +178,7 @@ static void slots_are_used_for_ever(void)
         dpt_body_remove(made.world, body[order[i]]);
     for (int i = 0; i < BODIES; i++) {
         CHECK(dpt_body_add(made.world, box.mesh, NULL, &next) == DPT_OK, "body %d", i);
-        CHECK((next & 0xffff) == (body[order[i]] & 0xffff), "slot %u, not %u", next & 0xffff,
-              body[order[i]] & 0xffff);
+        CHECK((next & 0xffff) == (body[order[i]] & 0xffff), "slot %u, not %u", next & 0xffff, body[order[i]] & 0xffff);
     }
     free(made.block);
     fixture_free(&box);
@@ -234,8 +231,7 @@ static void many_bodies_and_segments(void)
     if (!fixture_from_shape(&mesh[0], "torus", 2000) || !fixture_from_shape(&mesh[1], "star", 2000))
         return;
     world_block_open(&made, &def);
-    const dpt_segment parts[3] = { capsule(0, 0, 0, 0.1, 0, 0, 0.002),
-                                   capsule(0.1, 0, 0, 0.15, 0.03, 0, 0.001),
+    const dpt_segment parts[3] = { capsule(0, 0, 0, 0.1, 0, 0, 0.002), capsule(0.1, 0, 0, 0.15, 0.03, 0, 0.001),
                                    capsule(0.1, 0, 0, 0.15, -0.03, 0, 0.004) };
     for (int i = 0; i < 2; i++)
         dpt_body_add(made.world, mesh[i].mesh, NULL, &body[i]);
@@ -244,10 +240,8 @@ static void many_bodies_and_segments(void)
     for (int tick = 0; tick < 3000; tick++) {
         double t = 1e-3 * tick, angle = 2.0 * t;
         dpt_pose pose[2] = { { { 0.2 * sin(t), 0.1, 0 }, { cos(t), 0, sin(t), 0 } },
-                             { { -0.2, 0.3 * sin(0.7 * t), 0 },
-                               { cos(angle), sin(angle), 0, 0 } } };
-        dpt_pose at = { { 0.15 * cos(3.0 * t), 0.1 * sin(5.0 * t), 0.1 * sin(t) },
-                        { cos(t), 0, 0, sin(t) } };
+                             { { -0.2, 0.3 * sin(0.7 * t), 0 }, { cos(angle), sin(angle), 0, 0 } } };
+        dpt_pose at = { { 0.15 * cos(3.0 * t), 0.1 * sin(5.0 * t), 0.1 * sin(t) }, { cos(t), 0, 0, sin(t) } };
         dpt_step out = { .size = sizeof out };
         for (int i = 0; i < 2; i++)
             dpt_body_set_pose(made.world, body[i], &pose[i]);
@@ -257,18 +251,15 @@ static void many_bodies_and_segments(void)
         for (uint32_t k = 0; k < 3; k++) {
             dpt_hit hit = DPT_HIT_INIT, one[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
             const double *a = parts[k].a, *b = parts[k].b;
-            double ends[6] = { at.position[0] + c * a[0] - s * a[1],
-                               at.position[1] + s * a[0] + c * a[1],
-                               at.position[2] + a[2],
-                               at.position[0] + c * b[0] - s * b[1],
-                               at.position[1] + s * b[0] + c * b[1],
-                               at.position[2] + b[2] };
+            double ends[6] = {
+                at.position[0] + c * a[0] - s * a[1], at.position[1] + s * a[0] + c * a[1], at.position[2] + a[2],
+                at.position[0] + c * b[0] - s * b[1], at.position[1] + s * b[0] + c * b[1], at.position[2] + b[2]
+            };
             for (int i = 0; i < 2; i++)
                 dpt_query_segments(mesh[i].mesh, &pose[i], ends, NULL, 1, &one[i], NULL);
             double expected = fmin(one[0].distance, one[1].distance);
             dpt_tool_get_segment_hit(made.world, tool, k, &hit);
-            CHECK(fabs(hit.distance - expected) <= 2.0 * hit.error_bound, "off by %g",
-                  hit.distance - expected);
+            CHECK(fabs(hit.distance - expected) <= 2.0 * hit.error_bound, "off by %g", hit.distance - expected);
             CHECK(hit.segment == k, "segment %u", hit.segment);
             asked[hit.body == body[1]]++;
             least = fmin(least, hit.distance - parts[k].radius);
@@ -311,10 +302,8 @@ static void a_step_goes_as_far_as_asked(void)
         dpt_world_step(made.world, 1e-3, NULL);
         dpt_hit crossing = DPT_HIT_INIT;
         dpt_tool_get_hit(made.world, tool, &crossing);
-        CHECK(crossing.distance == 0.0 && (crossing.flags & DPT_HIT_FLAG_CROSSING),
-              "until %u: crossing", until);
-        CHECK((hit.flags & DPT_HIT_FLAG_GAP) == (until == DPT_UNTIL_TRACK ? 0 : DPT_HIT_FLAG_GAP),
-              "gap");
+        CHECK(crossing.distance == 0.0 && (crossing.flags & DPT_HIT_FLAG_CROSSING), "until %u: crossing", until);
+        CHECK((hit.flags & DPT_HIT_FLAG_GAP) == (until == DPT_UNTIL_TRACK ? 0 : DPT_HIT_FLAG_GAP), "gap");
         CHECK((force > 0.0) == (until == DPT_UNTIL_RESPOND), "force %g", force);
         free(made.block);
     }
@@ -341,8 +330,9 @@ static void history_keeps_the_triangle(void)
     const struct {
         double x, y;
         uint32_t triangle;
-    } ticks[] = { { 0.5, 0.5, 0 }, { 0.4, 0.6, 1 }, { 0.5, 0.5, 1 },
-                  { 0.2, 0.2, 1 }, { 0.7, 0.3, 0 }, { 0.5, 0.5, 0 } };
+    } ticks[] = {
+        { 0.5, 0.5, 0 }, { 0.4, 0.6, 1 }, { 0.5, 0.5, 1 }, { 0.2, 0.2, 1 }, { 0.7, 0.3, 0 }, { 0.5, 0.5, 0 }
+    };
     for (size_t i = 0; i < sizeof ticks / sizeof *ticks; i++) {
         dpt_pose pose = { { ticks[i].x, ticks[i].y, 0.25 }, { 1, 0, 0, 0 } };
         dpt_tool_set_pose(made.world, tool, &pose);

@@ -20,7 +20,6 @@ void world_block_open(struct world_block *made, const dpt_world_def *def);
 /* Room for 4 bodies, 3 tools, 6 segments. */
 dpt_world_def small_def(void);
 
-dpt_segment capsule(double ax, double ay, double az, double bx, double by, double bz,
-                    double radius);
+dpt_segment capsule(double ax, double ay, double az, double bx, double by, double bz, double radius);
 
 #endif

@@ -4,10 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "cli/command_options.h"
 #include "clock.h"
-#include "command_options.h"
-#include "mesh_size.h"
-#include "replay_report.h"
+#include "run/replay_report.h"
+#include "shape/mesh_size.h"
 
 enum { PASSES = 3, REFITS = 9 };
 
@@ -124,8 +124,7 @@ int chart_body_measure(struct chart_body *measured, const struct scene *scene, u
     dpt_world_def_init(&def);
     def.until = DPT_UNTIL_TRACK;
     void *block = malloc(dpt_world_bytes(&def));
-    dpt_result result =
-        block ? dpt_world_create(block, dpt_world_bytes(&def), &def, &world) : DPT_E_MEMORY;
+    dpt_result result = block ? dpt_world_create(block, dpt_world_bytes(&def), &def, &world) : DPT_E_MEMORY;
     if (result == DPT_OK)
         result = compile_again(measured, mesh);
     if (result == DPT_OK)

@@ -3,7 +3,7 @@
 #ifndef DPT_TOOLS_CHART_BODIES_H
 #define DPT_TOOLS_CHART_BODIES_H
 
-#include "scene.h"
+#include "scene/scene.h"
 
 /* Times are s, the least of three, or of refits the median; sizes are bytes. */
 struct chart_body {

@@ -5,20 +5,17 @@
 #include <math.h>
 
 #include "chart/chart_repeats.h"
-#include "law_name.h"
+#include "cli/law_name.h"
 
 static const char *const methods[] = { "exact", "tree", "brute", "paper" };
 static const char *const parts[] = { "pair", "contact", "force" };
 
 static const char setting_columns[] =
-    "name,part,method,kernel,law,parts,contacts,budget_units,sweep_units,cache_bytes,rigid"
-    ",failure";
+    "name,part,method,kernel,law,parts,contacts,budget_units,sweep_units,cache_bytes,rigid,failure";
 static const char result_columns[] =
-    ",ticks,exact,bounded,local,median_us,p99_us,p999_us,max_us,first_us,crossing_median_us,"
-    "crossing_p99_us"
+    ",ticks,exact,bounded,local,median_us,p99_us,p999_us,max_us,first_us,crossing_median_us,crossing_p99_us"
     ",other_median_us,other_p99_us,whole_median_us"
-    ",whole_p99_us,median_units,p99_units,max_units,wrong,wrong_exact,missed_crossings,distance_"
-    "error_m"
+    ",whole_p99_us,median_units,p99_units,max_units,wrong,wrong_exact,missed_crossings,distance_error_m"
     ",missed,invented,unknown,wrench_median_N,wrench_p99_N,wrench_p999_N,wrench_max_N"
     ",wrench_peak_N,jump_N,calm_jump_N,folds,world_bytes,body_bytes"
     ",median_least_us,median_most_us,p99_least_us,p99_most_us"
@@ -37,17 +34,16 @@ static void write_number(FILE *file, int is_there, double value)
 
 static void write_spread(FILE *file, const struct judgement_spread *spread, double scale)
 {
-    fprintf(file, ",%.4g,%.4g,%.4g,%.4g", spread->median * scale, spread->p99 * scale,
-            spread->p999 * scale, spread->max * scale);
+    fprintf(file, ",%.4g,%.4g,%.4g,%.4g", spread->median * scale, spread->p99 * scale, spread->p999 * scale,
+            spread->max * scale);
 }
 
 /* Of the repeats' medians and 99 % in us, the least and the largest, or nothing. */
-static void write_range(FILE *file, const struct judgement_spread *least,
-                        const struct judgement_spread *most)
+static void write_range(FILE *file, const struct judgement_spread *least, const struct judgement_spread *most)
 {
     if (most->max > 0.0)
-        fprintf(file, ",%.4g,%.4g,%.4g,%.4g", least->median * 1e-3, most->median * 1e-3,
-                least->p99 * 1e-3, most->p99 * 1e-3);
+        fprintf(file, ",%.4g,%.4g,%.4g,%.4g", least->median * 1e-3, most->median * 1e-3, least->p99 * 1e-3,
+                most->p99 * 1e-3);
     else
         fputs(",,,,", file);
 }
@@ -93,8 +89,7 @@ static void write_row(FILE *file, const struct chart_row *row)
         fputc('\n', file);
         return;
     }
-    fprintf(file, ",,%zu,%zu,%zu,%zu", judged->ticks, judged->exact, judged->bounded,
-            judged->local);
+    fprintf(file, ",,%zu,%zu,%zu,%zu", judged->ticks, judged->exact, judged->bounded, judged->local);
     write_spread(file, &judged->ns, 1e-3);
     fprintf(file, ",%.4g", judged->first_ns * 1e-3);
     write_pair(file, &judged->crossing_ns);
@@ -126,12 +121,10 @@ static void write_row(FILE *file, const struct chart_row *row)
 static void write_apart(FILE *file, uint32_t repeats, const struct chart_rows *rows)
 {
     const struct chart_apart apart = chart_repeats_apart(rows);
-    fprintf(
-        file,
-        "times are the middle of %u repeats; in the middle row the largest median is %.3g times "
-        "the least, in the worst %.3g; of the 99 %% %.3g and %.3g\n",
-        (unsigned)repeats, apart.median_middle, apart.median_most, apart.p99_middle,
-        apart.p99_most);
+    fprintf(file,
+            "times are the middle of %u repeats; in the middle row the largest median is %.3g times "
+            "the least, in the worst %.3g; of the 99 %% %.3g and %.3g\n",
+            (unsigned)repeats, apart.median_middle, apart.median_most, apart.p99_middle, apart.p99_most);
 }
 
 static void write_head(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
@@ -149,31 +142,28 @@ static void write_head(FILE *file, const struct chart_head *head, const struct c
         fputs("# ", file);
         write_apart(file, head->repeats, rows);
     }
-    fprintf(file, "# machine: %s, %s; %s; dynpoint %s, kernel %s\n", machine->processor,
-            machine->system, machine->compiler, machine->version, machine->kernel);
+    fprintf(file, "# machine: %s, %s; %s; dynpoint %s, kernel %s\n", machine->processor, machine->system,
+            machine->compiler, machine->version, machine->kernel);
     if (check->every)
         fprintf(file,
                 "# truth: the exact method; brute force in double on one tick in %zu: %zu of %zu "
                 "wrong, largest difference %.3g m, beyond %.3g m is wrong\n",
                 check->every, check->wrong, check->ticks, check->error, check->tolerance);
     else
-        fputs(
-            "# truth: the exact method; not held against brute force, as the tool moves triangles "
-            "in each step\n",
-            file);
+        fputs("# truth: the exact method; not held against brute force, as the tool moves triangles in each step\n",
+              file);
     for (uint32_t i = 0; i < head->body_count; i++) {
         const struct chart_body *body = &head->body[i];
         fprintf(file,
                 "# body %u: %u triangles, %" PRIu64
                 " bytes; compiled in %.3g ms, added in %.3g us; as one whose vertices move %zu "
                 "bytes more, refit and search %.3g us\n",
-                (unsigned)i, (unsigned)body->triangles, body->mesh_bytes, 1e3 * body->compile,
-                1e6 * body->add, body->deform_bytes, 1e6 * body->refit);
+                (unsigned)i, (unsigned)body->triangles, body->mesh_bytes, 1e3 * body->compile, 1e6 * body->add,
+                body->deform_bytes, 1e6 * body->refit);
     }
     for (int i = 0; i < rows->count; i++)
         if (rows->row[i].is_peer)
-            fprintf(file, "# peer %s: takes the mesh in in %.3g ms\n", rows->row[i].name,
-                    1e-6 * rows->row[i].build_ns);
+            fprintf(file, "# peer %s: takes the mesh in in %.3g ms\n", rows->row[i].name, 1e-6 * rows->row[i].build_ns);
 }
 
 void chart_csv_write(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
@@ -192,8 +182,7 @@ static void write_histogram(FILE *file, const struct chart_row *row, enum tick_h
         const uint32_t ticks = row->judged.histogram[of].bin[i];
         if (!ticks)
             continue;
-        fprintf(file, "%s,%s,%s,%.0f,", row->name, parts[row->part], tick_histogram_words[of],
-                i ? edges[i - 1] : 0.0);
+        fprintf(file, "%s,%s,%s,%.0f,", row->name, parts[row->part], tick_histogram_words[of], i ? edges[i - 1] : 0.0);
         if (i < count)
             fprintf(file, "%.0f", edges[i]);
         fprintf(file, ",%" PRIu32 "\n", ticks);
@@ -219,9 +208,8 @@ static void print_cell(FILE *file, int is_there, const char *format, double valu
 
 void chart_table_print(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
 {
-    fprintf(file, "  %-8s%-22s %8s %8s %8s %8s %8s %8s %8s %8s %8s %8s\n", "", "", "median",
-            "99 % us", "worst", "wrong", "error mm", "missed", "invented", "unknown", "error N",
-            "jump N");
+    fprintf(file, "  %-8s%-22s %8s %8s %8s %8s %8s %8s %8s %8s %8s %8s\n", "", "", "median", "99 % us", "worst",
+            "wrong", "error mm", "missed", "invented", "unknown", "error N", "jump N");
     for (int i = 0; i < rows->count; i++) {
         const struct chart_row *row = &rows->row[i];
         const struct judgement *judged = &row->judged;
@@ -231,8 +219,8 @@ void chart_table_print(FILE *file, const struct chart_head *head, const struct c
             fprintf(file, " %s\n", dpt_result_text(row->failure));
             continue;
         }
-        fprintf(file, " %8.2f %8.2f %8.1f %8zu", 1e-3 * judged->ns.median, 1e-3 * judged->ns.p99,
-                1e-3 * judged->ns.max, judged->wrong);
+        fprintf(file, " %8.2f %8.2f %8.1f %8zu", 1e-3 * judged->ns.median, 1e-3 * judged->ns.p99, 1e-3 * judged->ns.max,
+                judged->wrong);
         print_cell(file, !isnan(judged->distance_error), "%.2g", 1e3 * judged->distance_error);
         print_cell(file, judged->has_contact, "%.0f", (double)judged->missed);
         print_cell(file, judged->has_contact, "%.0f", (double)judged->invented);

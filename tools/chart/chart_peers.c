@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "csv_rows.h"
+#include "cli/csv_rows.h"
 
 extern char **environ;
 
@@ -71,8 +71,7 @@ static void write_trace(FILE *file, const struct csv_table *trace)
     }
 }
 
-static int write_inputs(const struct exchange *exchange, const struct scene *scene,
-                        const struct csv_table *trace)
+static int write_inputs(const struct exchange *exchange, const struct scene *scene, const struct csv_table *trace)
 {
     struct output output;
     int status = output_open(&output, scene->command, exchange->mesh);
@@ -96,15 +95,11 @@ static int run_program(const char *program, const struct exchange *exchange, uin
     int status;
     posix_spawn_file_actions_t actions;
     snprintf(repeat, sizeof repeat, "%u", (unsigned)passes);
-    const char *const arguments[] = {
-        program,  exchange->mesh, exchange->trace, "-o", exchange->answers,
-        "--json", "--repeat",     repeat,          NULL
-    };
+    const char *const arguments[] = { program,  exchange->mesh, exchange->trace, "-o", exchange->answers,
+                                      "--json", "--repeat",     repeat,          NULL };
     posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, exchange->report,
-                                     O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    const int failed =
-        posix_spawn(&child, program, &actions, NULL, (char *const *)arguments, environ);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, exchange->report, O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    const int failed = posix_spawn(&child, program, &actions, NULL, (char *const *)arguments, environ);
     posix_spawn_file_actions_destroy(&actions);
     if (failed)
         return 0;
@@ -163,8 +158,7 @@ static int read_report(struct chart_row *row, const char *path)
 }
 
 /* Without a distance a peer says that they do not meet. */
-static void judge_answer(struct judgement *judged, const struct csv_cell *cell, double truth,
-                         double tolerance)
+static void judge_answer(struct judgement *judged, const struct csv_cell *cell, double truth, double tolerance)
 {
     const int is_told = cell->end > cell->begin;
     const double distance = is_told ? strtod(cell->begin, NULL) : NAN;
@@ -191,8 +185,7 @@ static int read_answers(struct chart_row *row, const struct chart_truth *truth, 
         if (answers->cells < 2 || judged->ticks == truth->ticks)
             break;
         is_unknown |= answers->cell[1].end == answers->cell[1].begin;
-        judge_answer(judged, &answers->cell[1], truth->distance[judged->ticks],
-                     truth->check.tolerance);
+        judge_answer(judged, &answers->cell[1], truth->distance[judged->ticks], truth->check.tolerance);
     }
     csv_rows_close(answers);
     free(answers);
@@ -213,17 +206,15 @@ static void insert_row(struct chart_rows *rows, const struct chart_row *row)
 }
 
 /* Add its row; one that fails is left out. */
-static void add_peer(struct chart_rows *rows, const char *folder, const char *name,
-                     const struct exchange *exchange, uint32_t passes)
+static void add_peer(struct chart_rows *rows, const char *folder, const char *name, const struct exchange *exchange,
+                     uint32_t passes)
 {
     char program[PATH_ROOM];
     struct chart_row row = { .part = CHART_PAIR, .is_peer = 1 };
     snprintf(program, sizeof program, "%s/%s", folder, name);
     snprintf(row.name, sizeof row.name, "%s", name + strlen(prefix));
-    if (rows->count < CHART_ROWS_MAX && run_program(program, exchange, passes) &&
-        read_report(&row, exchange->report) &&
-        !read_answers(&row, &rows->truth, exchange->answers) &&
-        row.judged.ticks == rows->truth.ticks)
+    if (rows->count < CHART_ROWS_MAX && run_program(program, exchange, passes) && read_report(&row, exchange->report) &&
+        !read_answers(&row, &rows->truth, exchange->answers) && row.judged.ticks == rows->truth.ticks)
         insert_row(rows, &row);
     else
         complain("chart", "%s: it failed, and is left out", program);
@@ -256,9 +247,8 @@ int chart_peers_check(const struct scene *scene, const char *folder)
     return count ? 0 : complain("chart", "%s: there is no program peer_NAME", folder);
 }
 
-int chart_peers_measure(struct chart_rows *rows, const struct scene *scene,
-                        const struct csv_table *trace, const char *folder, const char *beside,
-                        uint32_t passes)
+int chart_peers_measure(struct chart_rows *rows, const struct scene *scene, const struct csv_table *trace,
+                        const char *folder, const char *beside, uint32_t passes)
 {
     struct dirent **names = NULL;
     struct exchange exchange;

@@ -18,8 +18,7 @@ int chart_peers_check(const struct scene *scene, const char *folder);
  * Add a row for each program that runs, after chart_rows_measure. One that fails is named on standard error and left out.
  * Files for them lie beside the path `beside`, and are removed. Returns 0, or 2 after a message.
  */
-int chart_peers_measure(struct chart_rows *rows, const struct scene *scene,
-                        const struct csv_table *trace, const char *folder, const char *beside,
-                        uint32_t passes);
+int chart_peers_measure(struct chart_rows *rows, const struct scene *scene, const struct csv_table *trace,
+                        const char *folder, const char *beside, uint32_t passes);
 
 #endif

@@ -26,8 +26,7 @@ static double distance_error(const struct chart_row *row)
 static double contact_error(const struct chart_row *row)
 {
     const struct judgement *judged = &row->judged;
-    return 100.0 * (double)(judged->missed + judged->invented + judged->unknown) /
-           (double)judged->ticks;
+    return 100.0 * (double)(judged->missed + judged->invented + judged->unknown) / (double)judged->ticks;
 }
 
 static double wrench_error(const struct chart_row *row)
@@ -49,8 +48,7 @@ struct picture {
 
 static enum scatter_kind kind_of(const struct chart_row *row)
 {
-    static const enum scatter_kind of_methods[] = { SCATTER_CIRCLE, SCATTER_SQUARE,
-                                                    SCATTER_TRIANGLE, SCATTER_DIAMOND };
+    static const enum scatter_kind of_methods[] = { SCATTER_CIRCLE, SCATTER_SQUARE, SCATTER_TRIANGLE, SCATTER_DIAMOND };
     static const enum scatter_kind of_laws[] = { SCATTER_TRIANGLE, SCATTER_SQUARE, SCATTER_CIRCLE };
     if (row->is_peer)
         return SCATTER_CROSS;
@@ -63,8 +61,8 @@ static void name_kinds(struct scatter_panel *panel, enum chart_part part)
 {
     static const char *const methods[] = { "exact", "tree", "brute force", "paper", "peers" };
     static const char *const laws[] = { "proxy", "bed", "point", "paper", NULL };
-    static const enum scatter_kind kinds[] = { SCATTER_CIRCLE, SCATTER_SQUARE, SCATTER_TRIANGLE,
-                                               SCATTER_DIAMOND, SCATTER_CROSS };
+    static const enum scatter_kind kinds[] = { SCATTER_CIRCLE, SCATTER_SQUARE, SCATTER_TRIANGLE, SCATTER_DIAMOND,
+                                               SCATTER_CROSS };
     for (int i = 0; i < SCATTER_KINDS; i++)
         for (int k = 0; k < panel->count; k++)
             if (panel->mark[k].kind == kinds[i])
@@ -76,32 +74,29 @@ static void write_time(char text[TITLE / 4], double ns, double least, double mos
 {
     const int length = snprintf(text, TITLE / 4, "%.3g us", ns * 1e-3);
     if (most > least)
-        snprintf(text + length, TITLE / 4 - (size_t)length, " (%.3g to %.3g)", least * 1e-3,
-                 most * 1e-3);
+        snprintf(text + length, TITLE / 4 - (size_t)length, " (%.3g to %.3g)", least * 1e-3, most * 1e-3);
 }
 
-static void add_mark(struct picture *picture, struct scatter_panel *panel,
-                     const struct chart_row *row, row_error *error)
+static void add_mark(struct picture *picture, struct scatter_panel *panel, const struct chart_row *row,
+                     row_error *error)
 {
     char *title = picture->titles[panel - picture->chart.panel][panel->count];
     const struct judgement *judged = &row->judged;
-    const struct judgement_spread *least = &row->least[CHART_WHOLE],
-                                  *most = &row->most[CHART_WHOLE];
+    const struct judgement_spread *least = &row->least[CHART_WHOLE], *most = &row->most[CHART_WHOLE];
     char text[TITLE], times[2][TITLE / 4];
     write_time(times[0], judged->whole_ns.median, least->median, most->median);
     write_time(times[1], judged->whole_ns.p99, least->p99, most->p99);
-    snprintf(text, sizeof text, "%s: %s, 99 %% %s; error %.3g %s", row->name, times[0], times[1],
-             error(row), panel->y_unit);
+    snprintf(text, sizeof text, "%s: %s, 99 %% %s; error %.3g %s", row->name, times[0], times[1], error(row),
+             panel->y_unit);
     memcpy(title, text, sizeof text);
-    panel->mark[panel->count++] =
-        (struct scatter_mark){ .cost = fmax(1e-9 * judged->whole_ns.median, 1e-9),
-                               .worse_cost = 1e-9 * judged->whole_ns.p99,
-                               .cost_range = { 1e-9 * least->median, 1e-9 * most->median },
-                               .worse_range = { 1e-9 * least->p99, 1e-9 * most->p99 },
-                               .error = error(row),
-                               .kind = kind_of(row),
-                               .name = row->name,
-                               .title = title };
+    panel->mark[panel->count++] = (struct scatter_mark){ .cost = fmax(1e-9 * judged->whole_ns.median, 1e-9),
+                                                         .worse_cost = 1e-9 * judged->whole_ns.p99,
+                                                         .cost_range = { 1e-9 * least->median, 1e-9 * most->median },
+                                                         .worse_range = { 1e-9 * least->p99, 1e-9 * most->p99 },
+                                                         .error = error(row),
+                                                         .kind = kind_of(row),
+                                                         .name = row->name,
+                                                         .title = title };
 }
 
 static int has_physics(const struct chart_rows *rows)
@@ -113,9 +108,8 @@ static int has_physics(const struct chart_rows *rows)
 }
 
 /* Add the panel unless it has no rows. */
-static struct scatter_panel *add_panel(struct picture *picture, const struct chart_rows *rows,
-                                       enum chart_part part, const struct scatter_panel *like,
-                                       row_error *error)
+static struct scatter_panel *add_panel(struct picture *picture, const struct chart_rows *rows, enum chart_part part,
+                                       const struct scatter_panel *like, row_error *error)
 {
     struct scatter_panel *panel = &picture->chart.panel[picture->chart.panel_count];
     *panel = *like;
@@ -123,8 +117,7 @@ static struct scatter_panel *add_panel(struct picture *picture, const struct cha
     panel->x_unit = "s";
     for (int i = 0; i < rows->count; i++) {
         const struct chart_row *row = &rows->row[i];
-        if (row->part == part && row->failure == DPT_OK && !isnan(error(row)) &&
-            panel->count < SCATTER_MARKS_MAX)
+        if (row->part == part && row->failure == DPT_OK && !isnan(error(row)) && panel->count < SCATTER_MARKS_MAX)
             add_mark(picture, panel, row, error);
     }
     name_kinds(panel, part);
@@ -164,15 +157,14 @@ static void describe(struct picture *picture)
     for (int i = 0; i < picture->chart.panel_count; i++) {
         const struct scatter_panel *panel = &picture->chart.panel[i];
         for (int k = 0; k < panel->count && length + TITLE < DESCRIPTION; k++)
-            length +=
-                (size_t)snprintf(picture->description + length, DESCRIPTION - length, "%s%s: %s.",
-                                 length ? " " : "", panel->name, panel->mark[k].title);
+            length += (size_t)snprintf(picture->description + length, DESCRIPTION - length, "%s%s: %s.",
+                                       length ? " " : "", panel->name, panel->mark[k].title);
     }
     picture->chart.description = picture->description;
 }
 
-int chart_picture_write(FILE *file, const struct chart_rows *rows, uint32_t repeats,
-                        const char *title, const char *subtitle)
+int chart_picture_write(FILE *file, const struct chart_rows *rows, uint32_t repeats, const char *title,
+                        const char *subtitle)
 {
     char apart[TITLE / 4] = "";
     struct picture *picture = calloc(1, sizeof *picture);
@@ -182,8 +174,7 @@ int chart_picture_write(FILE *file, const struct chart_rows *rows, uint32_t repe
     picture->chart.subtitle = subtitle;
     if (repeats > 1)
         snprintf(apart, sizeof apart, ", pale: least to most of %u repeats", (unsigned)repeats);
-    snprintf(picture->x_name, sizeof picture->x_name,
-             "Time of a tick%s: median, line to the 99 %%%s",
+    snprintf(picture->x_name, sizeof picture->x_name, "Time of a tick%s: median, line to the 99 %%%s",
              has_physics(rows) ? " with its physics" : "", apart);
     add_panel(picture, rows, CHART_PAIR,
               &(struct scatter_panel){ .name = "Nearest pair:",
@@ -201,16 +192,14 @@ int chart_picture_write(FILE *file, const struct chart_rows *rows, uint32_t repe
               contact_error);
     add_panel(picture, rows, CHART_FORCE,
               &(struct scatter_panel){ .name = "Force:",
-                                       .y_name = "the largest error beside the same law at its "
-                                                 "richest, folds apart",
+                                       .y_name = "the largest error beside the same law at its richest, folds apart",
                                        .y_unit = "N",
                                        .band = "< 1 mN",
                                        .least = FELT },
               wrench_error);
     struct scatter_panel *jumps = add_panel(
         picture, rows, CHART_FORCE,
-        &(struct scatter_panel){
-            .name = "Force:", .y_name = "the largest jump from tick to tick", .y_unit = "N" },
+        &(struct scatter_panel){ .name = "Force:", .y_name = "the largest jump from tick to tick", .y_unit = "N" },
         jump);
     if (jumps) {
         thin_names(jumps);

@@ -5,18 +5,16 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "replay_report.h"
+#include "run/replay_report.h"
 
 /* The numbers of a spread. */
-static const size_t numbers[] = { offsetof(struct judgement_spread, median),
-                                  offsetof(struct judgement_spread, p99),
-                                  offsetof(struct judgement_spread, p999),
-                                  offsetof(struct judgement_spread, max) };
+static const size_t numbers[] = { offsetof(struct judgement_spread, median), offsetof(struct judgement_spread, p99),
+                                  offsetof(struct judgement_spread, p999), offsetof(struct judgement_spread, max) };
 
 static struct judgement_spread *time_of(struct judgement *judged, enum chart_time time)
 {
-    struct judgement_spread *const times[CHART_TIMES] = { &judged->ns, &judged->crossing_ns,
-                                                          &judged->other_ns, &judged->whole_ns };
+    struct judgement_spread *const times[CHART_TIMES] = { &judged->ns, &judged->crossing_ns, &judged->other_ns,
+                                                          &judged->whole_ns };
     return times[time];
 }
 
@@ -81,8 +79,7 @@ static int ratios(const struct chart_rows *rows, size_t number, double values[CH
 {
     int count = 0;
     for (int i = 0; i < rows->count; i++) {
-        struct judgement_spread least = rows->row[i].least[CHART_WHOLE],
-                                most = rows->row[i].most[CHART_WHOLE];
+        struct judgement_spread least = rows->row[i].least[CHART_WHOLE], most = rows->row[i].most[CHART_WHOLE];
         if (*number_of(&least, number) > 0.0)
             values[count++] = *number_of(&most, number) / *number_of(&least, number);
     }

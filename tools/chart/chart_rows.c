@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "law_name.h"
-#include "setting_words.h"
+#include "cli/law_name.h"
+#include "cli/setting_words.h"
 
 /* Of a step's sweeps, in the row that limits them. */
 enum { SWEEP_UNITS = 200 };
@@ -14,9 +14,8 @@ enum { SWEEP_UNITS = 200 };
 /* Runs to judge by: of each law, and the one without a force. */
 enum { TRUTHS = 4, TRUTH_WITHOUT_FORCE = 3 };
 
-static struct chart_row *add_row(struct chart_rows *rows, const struct scene *scene,
-                                 enum chart_part part, const struct measure_setting *setting,
-                                 const char *name)
+static struct chart_row *add_row(struct chart_rows *rows, const struct scene *scene, enum chart_part part,
+                                 const struct measure_setting *setting, const char *name)
 {
     static const uint32_t untils[] = { DPT_UNTIL_TRACK, DPT_UNTIL_CONTACT, DPT_UNTIL_RESPOND };
     if (rows->count == CHART_ROWS_MAX)
@@ -48,9 +47,7 @@ static void add_budgets(struct chart_rows *rows, const struct scene *scene, enum
 static void add_papers(struct chart_rows *rows, const struct scene *scene, enum chart_part part,
                        const struct measure_setting *base)
 {
-    static const uint32_t parts[][7] = { { 1, 2, 4, 8, 16, 64 },
-                                         { 1, 4, 16, 64 },
-                                         { 1, 4, 16, 64 } };
+    static const uint32_t parts[][7] = { { 1, 2, 4, 8, 16, 64 }, { 1, 4, 16, 64 }, { 1, 4, 16, 64 } };
     struct measure_setting setting = *base;
     char name[CHART_NAME];
     setting.world.method = DPT_METHOD_PAPER;
@@ -63,8 +60,7 @@ static void add_papers(struct chart_rows *rows, const struct scene *scene, enum 
 }
 
 /* Narrower kernels than the one that is used: the same answers, other times. */
-static void add_kernels(struct chart_rows *rows, const struct scene *scene,
-                        const struct measure_setting *base)
+static void add_kernels(struct chart_rows *rows, const struct scene *scene, const struct measure_setting *base)
 {
     static const uint32_t kernels[] = { DPT_KERNEL_AVX2, DPT_KERNEL_SSE2, DPT_KERNEL_SCALAR };
     const uint32_t best = dpt_kernel_best();
@@ -79,8 +75,7 @@ static void add_kernels(struct chart_rows *rows, const struct scene *scene,
     }
 }
 
-static void list_pairs(struct chart_rows *rows, const struct scene *scene,
-                       const struct measure_setting *base)
+static void list_pairs(struct chart_rows *rows, const struct scene *scene, const struct measure_setting *base)
 {
     struct measure_setting setting = *base;
     setting.world.law = DPT_LAW_POINT;
@@ -101,8 +96,7 @@ static void list_pairs(struct chart_rows *rows, const struct scene *scene,
     add_row(rows, scene, CHART_PAIR, &setting, "paper one step");
 }
 
-static void list_contacts(struct chart_rows *rows, const struct scene *scene,
-                          const struct measure_setting *base)
+static void list_contacts(struct chart_rows *rows, const struct scene *scene, const struct measure_setting *base)
 {
     struct measure_setting setting = *base;
     setting.world.law = DPT_LAW_POINT;
@@ -116,8 +110,8 @@ static void list_contacts(struct chart_rows *rows, const struct scene *scene,
 }
 
 /* What gives way may be stepped otherwise, or not give way. */
-static void list_soft(struct chart_rows *rows, const struct scene *scene,
-                      const struct measure_setting *base, const char *law)
+static void list_soft(struct chart_rows *rows, const struct scene *scene, const struct measure_setting *base,
+                      const char *law)
 {
     const struct scene_body *soft = NULL;
     char name[CHART_NAME];
@@ -138,8 +132,7 @@ static void list_soft(struct chart_rows *rows, const struct scene *scene,
     add_row(rows, scene, CHART_FORCE, &setting, name);
 }
 
-static void add_sweep_budget(struct chart_rows *rows, const struct scene *scene,
-                             const struct measure_setting *base)
+static void add_sweep_budget(struct chart_rows *rows, const struct scene *scene, const struct measure_setting *base)
 {
     struct measure_setting setting = *base;
     char name[CHART_NAME];
@@ -148,8 +141,8 @@ static void add_sweep_budget(struct chart_rows *rows, const struct scene *scene,
     add_row(rows, scene, CHART_FORCE, &setting, name);
 }
 
-static void list_forces(struct chart_rows *rows, const struct scene *scene,
-                        const struct measure_setting *base, uint32_t law)
+static void list_forces(struct chart_rows *rows, const struct scene *scene, const struct measure_setting *base,
+                        uint32_t law)
 {
     struct measure_setting setting = *base;
     char name[CHART_NAME];
@@ -169,8 +162,8 @@ static void list_forces(struct chart_rows *rows, const struct scene *scene,
         add_papers(rows, scene, CHART_FORCE, base);
 }
 
-void chart_rows_list(struct chart_rows *rows, const struct scene *scene,
-                     const struct measure_setting *base, enum chart_part last)
+void chart_rows_list(struct chart_rows *rows, const struct scene *scene, const struct measure_setting *base,
+                     enum chart_part last)
 {
     static const uint32_t laws[] = { DPT_LAW_PROXY, DPT_LAW_BED, DPT_LAW_POINT };
     memset(rows, 0, sizeof *rows);
@@ -187,9 +180,8 @@ static uint32_t truth_of(const struct chart_row *row)
     return row->part == CHART_FORCE ? row->setting.world.law : TRUTH_WITHOUT_FORCE;
 }
 
-static int measure_row(struct chart_row *row, const struct scene *scene,
-                       const struct csv_table *trace, const struct measure_run *truth,
-                       const struct measure_effort *effort)
+static int measure_row(struct chart_row *row, const struct scene *scene, const struct csv_table *trace,
+                       const struct measure_run *truth, const struct measure_effort *effort)
 {
     struct measure_run run;
     int status = measure_run(&run, scene, trace, &row->setting, effort);
@@ -246,8 +238,7 @@ static int note_truth(struct chart_truth *truth, const struct measure_run *run)
 
 /* What this run judges: itself, once, and its rows, so that no more than two are held at a time. */
 static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struct scene *scene,
-                            const struct csv_table *trace, const struct measure_effort *all,
-                            int *done)
+                            const struct csv_table *trace, const struct measure_effort *all, int *done)
 {
     struct measure_effort of_row = *all;
     const double share = (all->end - all->begin) / rows->count;
@@ -286,13 +277,12 @@ static int measure_by_truth(struct chart_rows *rows, uint32_t index, const struc
     return status;
 }
 
-int chart_rows_measure(struct chart_rows *rows, const struct scene *scene,
-                       const struct csv_table *trace, const struct measure_effort *effort)
+int chart_rows_measure(struct chart_rows *rows, const struct scene *scene, const struct csv_table *trace,
+                       const struct measure_effort *effort)
 {
     int status = 0, done = 0;
     for (uint32_t i = 0; status == 0 && i < TRUTHS; i++)
-        status =
-            measure_by_truth(rows, (i + TRUTH_WITHOUT_FORCE) % TRUTHS, scene, trace, effort, &done);
+        status = measure_by_truth(rows, (i + TRUTH_WITHOUT_FORCE) % TRUTHS, scene, trace, effort, &done);
     return status;
 }
 

@@ -55,15 +55,15 @@ struct chart_rows {
  * List what this scene can be felt with, of the parts up to `last`. `base` gives stiffness, friction, damping, margin and dt.
  * There may be none, as tips are felt by a proxy alone.
  */
-void chart_rows_list(struct chart_rows *rows, const struct scene *scene,
-                     const struct measure_setting *base, enum chart_part last);
+void chart_rows_list(struct chart_rows *rows, const struct scene *scene, const struct measure_setting *base,
+                     enum chart_part last);
 
 /*
  * Run and judge all rows, and the runs that they are judged by. Of the effort `passes` and what shows progress count. Returns
  * 0, or 2 after a message.
  */
-int chart_rows_measure(struct chart_rows *rows, const struct scene *scene,
-                       const struct csv_table *trace, const struct measure_effort *effort);
+int chart_rows_measure(struct chart_rows *rows, const struct scene *scene, const struct csv_table *trace,
+                       const struct measure_effort *effort);
 
 /* What was measured is not there any more. */
 void chart_rows_free(struct chart_rows *rows);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "replay_report.h"
+#include "run/replay_report.h"
 
 /* One number of a tick; NAN where there is none. */
 typedef double pick_number(const struct measure_tick *tick);
@@ -55,8 +55,8 @@ static double other_ns_of(const struct measure_tick *tick)
 }
 
 /* Over all ticks but the first. */
-static struct judgement_spread spread_over(const struct measure_run *run, pick_number *pick,
-                                           double *room, size_t *count)
+static struct judgement_spread spread_over(const struct measure_run *run, pick_number *pick, double *room,
+                                           size_t *count)
 {
     *count = 0;
     for (size_t i = 1; i < run->ticks; i++) {
@@ -100,8 +100,7 @@ static int folds(const struct measure_run *run, size_t i)
 }
 
 /* 1 for each tick that is near a fold of either run. */
-static void mark_folds(unsigned char *near_fold, const struct measure_run *run,
-                       const struct measure_run *reference)
+static void mark_folds(unsigned char *near_fold, const struct measure_run *run, const struct measure_run *reference)
 {
     memset(near_fold, 0, run->ticks);
     for (size_t i = 0; i < run->ticks; i++) {
@@ -122,8 +121,7 @@ static double apart(const double a[6], const double b[6])
 }
 
 static void judge_wrenches(struct judgement *judgement, const struct measure_run *run,
-                           const struct measure_run *reference, const unsigned char *near_fold,
-                           double *room)
+                           const struct measure_run *reference, const unsigned char *near_fold, double *room)
 {
     double largest = -1.0;
     for (size_t i = 0; i < run->ticks; i++) {
@@ -150,8 +148,7 @@ static void judge_wrenches(struct judgement *judgement, const struct measure_run
 }
 
 /* Of the run alone. */
-static void judge_force(struct judgement *judgement, const struct measure_run *run,
-                        const unsigned char *near_fold)
+static void judge_force(struct judgement *judgement, const struct measure_run *run, const unsigned char *near_fold)
 {
     for (size_t i = 0; i < run->ticks; i++) {
         const struct measure_tick *tick = &run->tick[i];
@@ -171,8 +168,7 @@ static void judge_force(struct judgement *judgement, const struct measure_run *r
 static void judge_answers(struct judgement *judgement, const struct measure_run *run,
                           const struct measure_run *reference)
 {
-    size_t *const by_status[] = { &judgement->stale, &judgement->local, &judgement->bounded,
-                                  &judgement->exact };
+    size_t *const by_status[] = { &judgement->stale, &judgement->local, &judgement->bounded, &judgement->exact };
     for (size_t i = 0; i < run->ticks; i++) {
         const struct measure_tick *tick = &run->tick[i], *truth = &reference->tick[i];
         ++*by_status[tick->status];
@@ -188,8 +184,7 @@ static void judge_cost(struct judgement *judgement, const struct measure_run *ru
 {
     size_t count;
     judgement->work = spread_over(run, work_of, room, &count);
-    judgement->histogram[TICK_HISTOGRAM_WORK] =
-        tick_histogram_count(TICK_HISTOGRAM_WORK, room, count);
+    judgement->histogram[TICK_HISTOGRAM_WORK] = tick_histogram_count(TICK_HISTOGRAM_WORK, room, count);
     judgement->ns = spread_over(run, ns_of, room, &count);
     judgement->histogram[TICK_HISTOGRAM_NS] = tick_histogram_count(TICK_HISTOGRAM_NS, room, count);
     judgement->soft_ns = spread_over(run, soft_ns_of, room, &count);
@@ -200,8 +195,7 @@ static void judge_cost(struct judgement *judgement, const struct measure_run *ru
     judgement->first_work = run->tick[0].work;
 }
 
-int measure_judge(struct judgement *judgement, const struct measure_run *run,
-                  const struct measure_run *reference)
+int measure_judge(struct judgement *judgement, const struct measure_run *run, const struct measure_run *reference)
 {
     memset(judgement, 0, sizeof *judgement);
     if (!run->ticks || run->ticks != reference->ticks)

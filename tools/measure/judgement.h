@@ -14,7 +14,7 @@
 #define DPT_TOOLS_JUDGEMENT_H
 
 #include "measure/measure_run.h"
-#include "tick_histogram.h"
+#include "measure/tick_histogram.h"
 
 /* Ticks before and behind a fold of either run that are apart: when a proxy lets go is not the same to the tick. */
 enum { JUDGEMENT_FOLD_TICKS = 5 };
@@ -47,10 +47,9 @@ struct judgement {
     struct judgement_spread wrench; /* of these */
     size_t wrench_tick;             /* of the largest */
     size_t near_fold_ticks;
-    double near_fold_error; /* the largest there, N */
-    double wrench_peak;     /* the reference's largest |W|, N */
-    size_t inside,
-        undecided; /* ticks without a force for these reasons, DPT_FORCE_INSIDE and _UNDECIDED */
+    double near_fold_error;   /* the largest there, N */
+    double wrench_peak;       /* the reference's largest |W|, N */
+    size_t inside, undecided; /* ticks without a force for these reasons, DPT_FORCE_INSIDE and _UNDECIDED */
 
     /* Of this run alone: |W| from tick to tick where the trace does not jump, the largest, N; all, and away from folds. */
     double jump, calm_jump;
@@ -71,8 +70,7 @@ struct judgement {
  * Judge. Both runs have the same ticks. Returns 0, or -1 if memory ran out or they do not. A run may be judged by itself,
  * for its cost and its jumps.
  */
-int measure_judge(struct judgement *judgement, const struct measure_run *run,
-                  const struct measure_run *reference);
+int measure_judge(struct judgement *judgement, const struct measure_run *run, const struct measure_run *reference);
 
 /* Sort numbers, and tell how they are spread. */
 struct judgement_spread judgement_spread_of(double *numbers, size_t count);

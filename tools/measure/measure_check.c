@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "clock.h"
-#include "mesh_size.h"
+#include "shape/mesh_size.h"
 
 /* Its box is wider than the mesh's by this many diagonals: what gives way stays within. */
 #define ROOM 4.0
@@ -96,8 +96,7 @@ static double off_by(const dpt_hit *hit, uint32_t nearest, double truth)
 }
 
 dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene_bodies *bodies,
-                                 const struct measure_tool *tool, const dpt_world *world,
-                                 dpt_tool id, double *error)
+                                 const struct measure_tool *tool, const dpt_world *world, dpt_tool id, double *error)
 {
     dpt_result result = DPT_OK;
     for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {

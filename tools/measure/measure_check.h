@@ -28,7 +28,6 @@ void measure_brute_close(struct measure_brute *brute);
  * Tips are not looked at.
  */
 dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene_bodies *bodies,
-                                 const struct measure_tool *tool, const dpt_world *world,
-                                 dpt_tool id, double *error);
+                                 const struct measure_tool *tool, const dpt_world *world, dpt_tool id, double *error);
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "clock.h"
 #include "measure/measure_check.h"
-#include "mesh_size.h"
+#include "shape/mesh_size.h"
 
 /* Of the diagonal: by how much distances may differ and be the same. */
 #define TOLERANCE 1e-9
@@ -20,8 +20,7 @@ struct stage {
     void *block;
     dpt_world *world;
     dpt_tool id;
-    struct scene_bodies
-        bodies; /* the scene's, with what the setting changes; memory in the world is their own */
+    struct scene_bodies bodies; /* the scene's, with what the setting changes; memory in the world is their own */
     struct scene_physics *physics;
     struct measure_tool tool;
     struct measure_brute brute;
@@ -35,11 +34,10 @@ static int has_soft(const struct scene_bodies *bodies)
     return is_soft;
 }
 
-static dpt_result add_tool(struct stage *stage, const struct scene *scene,
-                           const struct force_options *force, uint32_t lock_rotation)
+static dpt_result add_tool(struct stage *stage, const struct scene *scene, const struct force_options *force,
+                           uint32_t lock_rotation)
 {
-    dpt_result result =
-        dpt_tool_add(stage->world, scene->segments, scene->segment_count, &stage->id);
+    dpt_result result = dpt_tool_add(stage->world, scene->segments, scene->segment_count, &stage->id);
     if (result == DPT_OK)
         result = force_options_set_tool(force, stage->world, stage->id, lock_rotation);
     if (result == DPT_OK && scene->tips.count)
@@ -48,8 +46,7 @@ static dpt_result add_tool(struct stage *stage, const struct scene *scene,
 }
 
 /* Physics apart from the ticks: before the bodies are added. Returns 0, or 2 after a message. */
-static int choose_physics(struct stage *stage, const struct measure_run *run,
-                          const struct scene *scene)
+static int choose_physics(struct stage *stage, const struct measure_run *run, const struct scene *scene)
 {
     const double rate = run->setting.physics;
     if (!(rate > 0.0) || !has_soft(&stage->bodies))
@@ -85,9 +82,8 @@ static int stage_open(struct stage *stage, struct measure_run *run, const struct
         return 2;
     run->world_bytes = dpt_world_bytes(&def);
     stage->block = malloc(run->world_bytes ? run->world_bytes : 1);
-    dpt_result result = stage->block
-                            ? dpt_world_create(stage->block, run->world_bytes, &def, &stage->world)
-                            : DPT_E_MEMORY;
+    dpt_result result =
+        stage->block ? dpt_world_create(stage->block, run->world_bytes, &def, &stage->world) : DPT_E_MEMORY;
     if (result == DPT_OK)
         result = scene_bodies_add(&stage->bodies, stage->world, &force);
     if (result == DPT_OK && setting->physics > 0.0 && has_soft(&stage->bodies))
@@ -138,11 +134,9 @@ static dpt_result check(struct stage *stage, struct measure_run *run, size_t row
     if (!check->every || row % check->every)
         return DPT_OK;
     dpt_result result =
-        row ? DPT_OK
-            : measure_brute_open(&stage->brute, &stage->bodies, &stage->tool, run->check.searches);
+        row ? DPT_OK : measure_brute_open(&stage->brute, &stage->bodies, &stage->tool, run->check.searches);
     if (result == DPT_OK)
-        result = measure_brute_compare(&stage->brute, &stage->bodies, &stage->tool, stage->world,
-                                       stage->id, &error);
+        result = measure_brute_compare(&stage->brute, &stage->bodies, &stage->tool, stage->world, stage->id, &error);
     if (result != DPT_OK)
         return result;
     check->ns[check->ticks++] = stage->brute.ns;
@@ -159,8 +153,7 @@ static dpt_result step(struct stage *stage, struct measure_run *run, size_t row,
     struct measure_tick *tick = &run->tick[row];
     dpt_step told = { .size = sizeof told };
     uint64_t begin = clock_now();
-    dpt_result result =
-        stage->physics ? scene_physics_begin_tick(stage->physics, stage->world) : DPT_OK;
+    dpt_result result = stage->physics ? scene_physics_begin_tick(stage->physics, stage->world) : DPT_OK;
     if (result == DPT_OK)
         result = dpt_world_step(stage->world, dt, &told);
     const uint32_t ns = ns_since(begin);
@@ -186,8 +179,7 @@ static void run_pass(struct stage *stage, struct measure_run *run, const struct 
     for (size_t row = 0; row < run->ticks; row++) {
         const double done = ((double)pass + (double)row / (double)run->ticks) / effort->passes;
         if (effort->meter && row % 64 == 0)
-            meter_show(effort->meter, effort->name,
-                       effort->begin + done * (effort->end - effort->begin));
+            meter_show(effort->meter, effort->name, effort->begin + done * (effort->end - effort->begin));
         measure_tool_lead(&stage->tool, trace, row);
         dpt_result result = measure_tool_move(&stage->tool, stage->world, stage->id);
         if (result == DPT_OK)
@@ -268,8 +260,7 @@ size_t measure_check_every(const struct scene *scene, const struct csv_table *tr
         dpt_mesh_get_info(scene->bodies.body[i].mesh, &info);
         triangles += info.triangles;
     }
-    const double every =
-        ceil(triangles * scene->segment_count * (double)trace->rows / CHECKED_PAIRS);
+    const double every = ceil(triangles * scene->segment_count * (double)trace->rows / CHECKED_PAIRS);
     return (size_t)fmax(1.0, fmin(every, (double)trace->rows));
 }
 

@@ -15,15 +15,14 @@
 #ifndef DPT_TOOLS_MEASURE_RUN_H
 #define DPT_TOOLS_MEASURE_RUN_H
 
-#include "command_options.h"
+#include "cli/command_options.h"
 #include "measure/measure_setting.h"
 #include "trace.h"
 
 /* What a tick told. Answers are those of dpt_hit and dpt_force_report after its step; a stale one counts for nothing. */
 struct measure_tick {
     double distance; /* of the device's axis, m */
-    double
-        gap; /* of its surface, m; NAN where it is not known, as under a proxy that is held back */
+    double gap;      /* of its surface, m; NAN where it is not known, as under a proxy that is held back */
     /* N: the force, and the torque about the tool's centre over rho: |W| is its length. Zeros without a response. */
     double wrench[6];
     double lag;       /* of the proxy, m */

@@ -28,8 +28,7 @@ void measure_setting_init(struct measure_setting *setting, const struct scene *s
         setting->world.strip = DPT_STRIP_KIND_SHADOW;
 }
 
-struct measure_setting measure_setting_richest(const struct measure_setting *setting,
-                                               const struct scene *scene)
+struct measure_setting measure_setting_richest(const struct measure_setting *setting, const struct scene *scene)
 {
     struct measure_setting richest;
     measure_setting_init(&richest, scene);

@@ -7,7 +7,7 @@
 #define DPT_TOOLS_MEASURE_SETTING_H
 
 #include "dynpoint/baseline.h"
-#include "scene.h"
+#include "scene/scene.h"
 
 /* A plain value: copy it, and change what is to be another. */
 struct measure_setting {
@@ -25,9 +25,8 @@ struct measure_setting {
     int32_t integrator;
     uint32_t iterations;
     double sleep_speed;
-    double
-        physics; /* Hz, of what gives way, apart from the ticks, by their time; 0: in each tick */
-    double dt;   /* of a tick, s */
+    double physics; /* Hz, of what gives way, apart from the ticks, by their time; 0: in each tick */
+    double dt;      /* of a tick, s */
 };
 
 /* The scene as it is felt by default: exact, to the end, the scene's law, no budget; 500 N/m where it says nothing. */
@@ -38,8 +37,7 @@ void measure_setting_init(struct measure_setting *setting, const struct scene *s
  * contacts, and everything gives way that can, as the scene says. The law, its stiffness, friction, damping, margin, smooth
  * normals and dt stay: they are what is felt, not how well. So does the law point where the method was the paper's.
  */
-struct measure_setting measure_setting_richest(const struct measure_setting *setting,
-                                               const struct scene *scene);
+struct measure_setting measure_setting_richest(const struct measure_setting *setting, const struct scene *scene);
 
 /* NULL if the scene can be felt like that; else why not, as "the paper's method has no proxy". */
 const char *measure_setting_fault(const struct measure_setting *setting, const struct scene *scene);

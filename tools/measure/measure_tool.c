@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/quaternion.h"
-#include "tool_spread.h"
+#include "scene/tool_spread.h"
 
 void measure_tool_begin(struct measure_tool *tool, const struct scene *scene)
 {
@@ -64,15 +64,13 @@ dpt_result measure_tool_move(const struct measure_tool *tool, dpt_world *world, 
     const dpt_pose identity = DPT_POSE_IDENTITY;
     dpt_result result = DPT_OK;
     if (!tool->scene->has_stylus)
-        return tool->is_jump ? dpt_tool_teleport(world, id, &tool->pose)
-                             : dpt_tool_set_pose(world, id, &tool->pose);
+        return tool->is_jump ? dpt_tool_teleport(world, id, &tool->pose) : dpt_tool_set_pose(world, id, &tool->pose);
     if (tool->is_jump)
         result = dpt_tool_teleport(world, id, &identity);
     return result == DPT_OK ? dpt_tool_set_segments(world, id, tool->segments, 1) : result;
 }
 
-void measure_tool_weigh(const struct measure_tool *tool, const dpt_wrench *wrench,
-                        double weighed[6])
+void measure_tool_weigh(const struct measure_tool *tool, const dpt_wrench *wrench, double weighed[6])
 {
     const vec3 force = vec3_of(wrench->force);
     const vec3 arm = sub(vec3_of(tool->pose.position), vec3_of(tool->centre));

@@ -6,7 +6,7 @@
 #ifndef DPT_TOOLS_MEASURE_TOOL_H
 #define DPT_TOOLS_MEASURE_TOOL_H
 
-#include "scene.h"
+#include "scene/scene.h"
 #include "trace.h"
 
 struct measure_tool {
@@ -30,7 +30,6 @@ void measure_tool_lead(struct measure_tool *tool, const struct csv_table *trace,
 dpt_result measure_tool_move(const struct measure_tool *tool, dpt_world *world, dpt_tool id);
 
 /* What the wrench of this tool weighs, in N: force, and torque about the centre over rho; zeros for a rho of 0. */
-void measure_tool_weigh(const struct measure_tool *tool, const dpt_wrench *wrench,
-                        double weighed[6]);
+void measure_tool_weigh(const struct measure_tool *tool, const dpt_wrench *wrench, double weighed[6]);
 
 #endif

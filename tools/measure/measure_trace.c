@@ -4,22 +4,20 @@
 #include <stdlib.h>
 
 #include "base/quaternion.h"
-#include "command_options.h"
-#include "trace_hand.h"
+#include "cli/command_options.h"
+#include "shape/trace_hand.h"
 
 enum { COLUMNS = 7 };
 
-int measure_trace_make(struct csv_table *trace, const struct scene *scene,
-                       const struct measure_hand *def)
+int measure_trace_make(struct csv_table *trace, const struct scene *scene, const struct measure_hand *def)
 {
     const struct scene_body *body = &scene->bodies.body[def->body];
     const struct quaternion turn = quaternion_unit(quaternion_of(body->pose.orientation));
     const vec3 origin = vec3_of(body->pose.position);
     struct trace_hand hand;
     *trace = (struct csv_table){ .columns = COLUMNS };
-    trace->values = def->ticks <= SIZE_MAX / (COLUMNS * sizeof(double))
-                        ? malloc(def->ticks * COLUMNS * sizeof(double))
-                        : NULL;
+    trace->values =
+        def->ticks <= SIZE_MAX / (COLUMNS * sizeof(double)) ? malloc(def->ticks * COLUMNS * sizeof(double)) : NULL;
     if (!trace->values)
         return complain(scene->command, "memory ran out");
     trace->rows = def->ticks;
@@ -44,6 +42,5 @@ int measure_trace_read(struct csv_table *trace, const char *command, const char 
         return 0;
     const size_t rows = trace->rows;
     csv_table_free(trace);
-    return complain(command, "%s: it has %zu ticks, and at least %zu are needed", path, rows,
-                    least);
+    return complain(command, "%s: it has %zu ticks, and at least %zu are needed", path, rows, least);
 }

@@ -3,7 +3,7 @@
 #ifndef DPT_TOOLS_MEASURE_TRACE_H
 #define DPT_TOOLS_MEASURE_TRACE_H
 
-#include "scene.h"
+#include "scene/scene.h"
 #include "trace.h"
 
 /* What a trace is made of. */
@@ -19,11 +19,9 @@ struct measure_hand {
  * Make a trace in the scene's frame: over the body where it stands, before it gives way. Returns 0, or 2 after a
  * message. csv_table_free frees it.
  */
-int measure_trace_make(struct csv_table *trace, const struct scene *scene,
-                       const struct measure_hand *hand);
+int measure_trace_make(struct csv_table *trace, const struct scene *scene, const struct measure_hand *hand);
 
 /* Read a trace of at least so many ticks. Returns 0, or 2 after a message, with nothing to free. */
-int measure_trace_read(struct csv_table *trace, const char *command, const char *path,
-                       size_t least);
+int measure_trace_read(struct csv_table *trace, const char *command, const char *path, size_t least);
 
 #endif

@@ -3,15 +3,13 @@
  * Single files are compiled without the Makefile's flags. Here stands what keeps their arithmetic exact and the same on
  * every machine; a compiler that cannot keep it stops.
  */
-#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) ||           \
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) ||                               \
     defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
-#error                                                                                             \
-    "dynpoint needs exact arithmetic: compile this file without -ffast-math, -Ofast and their parts"
+#error "dynpoint needs exact arithmetic: compile this file without -ffast-math, -Ofast and their parts"
 #endif
 /* Compilers before gcc 12 say only this. Where doubles are not in hardware it is always 0. */
 #if defined(__GCC_IEC_559) && __GCC_IEC_559 == 0 && (defined(__x86_64__) || defined(__aarch64__))
-#error                                                                                             \
-    "dynpoint needs exact arithmetic: compile this file without -funsafe-math-optimizations and its parts"
+#error "dynpoint needs exact arithmetic: compile this file without -funsafe-math-optimizations and its parts"
 #endif
 #if defined(__clang__)
 #pragma clang diagnostic push
@@ -22,8 +20,7 @@
 #pragma clang diagnostic ignored "-Wunused-function"
 #elif defined(__GNUC__)
 #pragma GCC diagnostic error "-Wpragmas" /* an option that is not known is an error */
-#pragma GCC optimize("fp-contract=off", "no-tree-slp-vectorize", "no-math-errno",                  \
-                     "no-trapping-math")
+#pragma GCC optimize("fp-contract=off", "no-tree-slp-vectorize", "no-math-errno", "no-trapping-math")
 #pragma GCC optimize("tree-loop-vectorize", "vect-cost-model=dynamic") /* at -O2 too */
 #pragma GCC diagnostic ignored "-Wunused-function"
 #else

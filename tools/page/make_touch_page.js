@@ -8,10 +8,10 @@ const path = require("path");
 const vm = require("vm");
 const zlib = require("zlib");
 const { execFileSync } = require("child_process");
-const parts = require("../view/page_parts.js");
+const parts = require("../view/page/page_parts.js");
 const [build, program] = process.argv.slice(2);
 const root = path.join(__dirname, "../..");
-const folders = [__dirname, path.join(__dirname, "../view")];
+const folders = [__dirname, path.join(__dirname, "../view/page")];
 const own = name => parts.part(name, folders);
 
 // What the workers run, in this order; the first is the layer.

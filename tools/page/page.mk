@@ -5,7 +5,7 @@ PAGE := build/page/dynpoint.html
 .PHONY: page
 page: $(PAGE) ## build/page/dynpoint.html: touch an organ in a browser, from one file (make deps view wasm)
 
-$(PAGE): $(wildcard tools/page/* tools/view/*.js tools/view/*.html tools/view/*.css) build/view/node_modules/three/package.json \
+$(PAGE): $(wildcard tools/page/* tools/view/page/*.js tools/view/page/*.html tools/view/page/*.css) build/view/node_modules/three/package.json \
   LICENSE $(WASM)/dynpoint.wasm $(WASM)/dynpoint_compile.wasm $(WASM)/dynpoint.js | $(B)/dynpoint
 	$(NODE) tools/page/make_touch_page.js build $(B)/dynpoint
 

@@ -6,7 +6,7 @@
 #ifndef DPT_TOOLS_PLAN_H
 #define DPT_TOOLS_PLAN_H
 
-#include "file_identity.h"
+#include "cli/file_identity.h"
 #include "measure/judgement.h"
 #include "measure/measure_machine.h"
 
@@ -72,17 +72,17 @@ struct plan_figures {
     uint64_t ticks;
     uint64_t failed; /* ticks from the first step that failed on */
     double distance_error, force_error;
-    uint64_t felt;       /* ticks with a force, of this setting or the richest, that are judged */
-    uint64_t near_folds; /* ticks that are not in the force error, as they are within 5 of a fold */
-    uint64_t unknown;    /* ticks that are not decided, where the richest setting is */
-    uint32_t contacts, strip, work;           /* the most in one tick */
+    uint64_t felt;                  /* ticks with a force, of this setting or the richest, that are judged */
+    uint64_t near_folds;            /* ticks that are not in the force error, as they are within 5 of a fold */
+    uint64_t unknown;               /* ticks that are not decided, where the richest setting is */
+    uint32_t contacts, strip, work; /* the most in one tick */
     double work_p999, time_median, time_p999; /* units; s of a tick, with what gives way */
     uint64_t work_total, bytes;               /* bytes of the world, and of what gives way */
 };
 
 /* What is promised: the limits of each bound. */
 struct plan_limits {
-    int same_bits; /* 1: no answer may differ at all, as what is cached must not be felt */
+    int same_bits;                   /* 1: no answer may differ at all, as what is cached must not be felt */
     double error, force_error, time; /* m, N, s */
     double work;                     /* units at 99.9 % */
     uint32_t contacts, strip;
@@ -136,8 +136,8 @@ struct plan {
     struct measure_setting setting;
     double thinnest; /* wall of all bodies, m; 0: there is none */
     double quantum;  /* step of the device's positions, in the scene, m */
-    char *device; /* file of its dynamics; NULL: none was given, and nothing is said of stability */
-    double stable; /* N/m at the hand, without a margin; 0: not known */
+    char *device;    /* file of its dynamics; NULL: none was given, and nothing is said of stability */
+    double stable;   /* N/m at the hand, without a margin; 0: not known */
     struct plan_limits limits;
     struct plan_figures figures; /* the worst over the traces by which it was verified */
     struct plan_neighbour cheaper, better;
@@ -153,15 +153,14 @@ char *copy_text(const char *text);
 uint64_t plan_unknown_limit(uint64_t ticks);
 
 /* The first bound that is broken; with_time 0: time is not looked at. */
-enum plan_bound plan_judge(const struct plan_limits *limits, const struct plan_figures *figures,
-                           int with_time);
+enum plan_bound plan_judge(const struct plan_limits *limits, const struct plan_figures *figures, int with_time);
 
 /* What is broken, for people: "the force is 0.31 N off, 0.05 were asked for". */
 struct plan_text {
     char text[160];
 };
-struct plan_text plan_broken_text(const struct plan_limits *limits,
-                                  const struct plan_figures *figures, enum plan_bound bound);
+struct plan_text plan_broken_text(const struct plan_limits *limits, const struct plan_figures *figures,
+                                  enum plan_bound bound);
 
 /* The worse of two, number by number; ticks and units are added up. */
 void plan_figures_join(struct plan_figures *figures, const struct plan_figures *other);
@@ -181,12 +180,11 @@ struct plan_bench {
     double wrench_peak; /* its largest wrench, N */
     struct plan_figures richest;
 };
-struct measure_setting plan_richest(const struct measure_setting *setting,
-                                    const struct scene *scene);
-int plan_bench_open(struct plan_bench *bench, const struct scene *scene,
-                    const struct csv_table *trace, const struct measure_setting *setting);
-int plan_bench_measure(const struct plan_bench *bench, const struct measure_setting *setting,
-                       uint32_t passes, struct plan_figures *figures);
+struct measure_setting plan_richest(const struct measure_setting *setting, const struct scene *scene);
+int plan_bench_open(struct plan_bench *bench, const struct scene *scene, const struct csv_table *trace,
+                    const struct measure_setting *setting);
+int plan_bench_measure(const struct plan_bench *bench, const struct measure_setting *setting, uint32_t passes,
+                       struct plan_figures *figures);
 void plan_bench_close(struct plan_bench *bench);
 
 #endif

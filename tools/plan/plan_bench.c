@@ -5,11 +5,10 @@
 #include "plan/plan.h"
 
 /* How a judgement counts for a plan. What a setting does not ask for is as wrong as it can be. */
-static void figures_of(struct plan_figures *figures, const struct judgement *judgement,
-                       const struct measure_run *run, const struct plan_bench *bench)
+static void figures_of(struct plan_figures *figures, const struct judgement *judgement, const struct measure_run *run,
+                       const struct plan_bench *bench)
 {
-    const uint64_t undecided =
-        judgement->has_contact ? judgement->unknown : judgement->bounded + judgement->stale;
+    const uint64_t undecided = judgement->has_contact ? judgement->unknown : judgement->bounded + judgement->stale;
     *figures = (struct plan_figures){
         .ticks = run->ticks,
         .failed = run->failure == DPT_OK ? 0 : run->ticks - run->failed_tick,
@@ -30,13 +29,11 @@ static void figures_of(struct plan_figures *figures, const struct judgement *jud
         figures->work_total += run->tick[i].work;
 }
 
-static int run_and_judge(const struct plan_bench *bench, const struct measure_setting *setting,
-                         uint32_t passes, struct measure_run *run, struct judgement *judgement)
+static int run_and_judge(const struct plan_bench *bench, const struct measure_setting *setting, uint32_t passes,
+                         struct measure_run *run, struct judgement *judgement)
 {
     struct meter meter = { .began = 0 };
-    const struct measure_effort effort = {
-        .passes = passes, .meter = &meter, .name = "a setting", .end = 1.0
-    };
+    const struct measure_effort effort = { .passes = passes, .meter = &meter, .name = "a setting", .end = 1.0 };
     int status = measure_run(run, bench->scene, bench->trace, setting, &effort);
     meter_show(&meter, "", 1.0);
     const struct measure_run *reference = bench->reference.tick ? &bench->reference : run;
@@ -45,16 +42,15 @@ static int run_and_judge(const struct plan_bench *bench, const struct measure_se
     return status;
 }
 
-struct measure_setting plan_richest(const struct measure_setting *setting,
-                                    const struct scene *scene)
+struct measure_setting plan_richest(const struct measure_setting *setting, const struct scene *scene)
 {
     struct measure_setting richest = measure_setting_richest(setting, scene);
     richest.world.budget = PLAN_BUDGET_AMPLE;
     return richest;
 }
 
-int plan_bench_open(struct plan_bench *bench, const struct scene *scene,
-                    const struct csv_table *trace, const struct measure_setting *setting)
+int plan_bench_open(struct plan_bench *bench, const struct scene *scene, const struct csv_table *trace,
+                    const struct measure_setting *setting)
 {
     const struct measure_setting richest = plan_richest(setting, scene);
     struct judgement judgement;
@@ -76,8 +72,8 @@ int plan_bench_open(struct plan_bench *bench, const struct scene *scene,
     return 0;
 }
 
-int plan_bench_measure(const struct plan_bench *bench, const struct measure_setting *setting,
-                       uint32_t passes, struct plan_figures *figures)
+int plan_bench_measure(const struct plan_bench *bench, const struct measure_setting *setting, uint32_t passes,
+                       struct plan_figures *figures)
 {
     struct judgement judgement;
     struct measure_run run;

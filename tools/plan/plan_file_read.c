@@ -3,12 +3,12 @@
 #include <string.h>
 
 #include "built_with.h"
-#include "command_options.h"
+#include "cli/command_options.h"
 #include "plan/plan_file.h"
 
 #ifdef DPT_HAS_JANSSON
 
-#include "scene_file/json_value.h"
+#include "scene/json_value.h"
 
 enum { PLAN_BYTES_MAX = 1 << 20 };
 
@@ -20,9 +20,7 @@ int plan_file_read(struct plan *plan, const char *command, const char *path)
     char *bytes = load_file(command, path, &size);
     if (!bytes)
         return 2;
-    int status = size > PLAN_BYTES_MAX
-                     ? complain(command, "%s: a plan has at most %d bytes", path, PLAN_BYTES_MAX)
-                     : 0;
+    int status = size > PLAN_BYTES_MAX ? complain(command, "%s: a plan has at most %d bytes", path, PLAN_BYTES_MAX) : 0;
     if (status == 0 && !plan_file_parse(plan, bytes, size, &fault))
         status = json_fault_complain(command, path, &fault);
     free(bytes);
@@ -34,9 +32,7 @@ int plan_file_read(struct plan *plan, const char *command, const char *path)
 int plan_file_read(struct plan *plan, const char *command, const char *path)
 {
     memset(plan, 0, sizeof *plan);
-    return complain(command,
-                    "%s: this build reads no plans: install libjansson-dev and pkg-config, and "
-                    "build it again",
+    return complain(command, "%s: this build reads no plans: install libjansson-dev and pkg-config, and build it again",
                     path);
 }
 

@@ -4,7 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 
-#include "setting_words.h"
+#include "cli/setting_words.h"
 
 /* From one budget to the next cheaper one: the square root of a half. */
 #define BUDGET_STEP 0.70710678118654752
@@ -36,8 +36,7 @@ int plan_gives_way(const struct measure_setting *setting, const struct scene *sc
     return gives_way;
 }
 
-uint32_t plan_capacity(double seen, const struct measure_setting *setting,
-                       const struct scene *scene)
+uint32_t plan_capacity(double seen, const struct measure_setting *setting, const struct scene *scene)
 {
     return plan_times(seen, plan_gives_way(setting, scene) ? PLAN_SOFT_HEADROOM : PLAN_HEADROOM);
 }
@@ -52,8 +51,8 @@ static int reduce_until(struct measure_setting *setting, const struct scene *sce
     return may_less;
 }
 
-static void print_until(const struct measure_setting *setting, const struct scene *scene,
-                        uint32_t body, char *text, size_t room)
+static void print_until(const struct measure_setting *setting, const struct scene *scene, uint32_t body, char *text,
+                        size_t room)
 {
     (void)scene, (void)body;
     snprintf(text, room, "%s", until_words[setting->world.until]);
@@ -69,8 +68,8 @@ static int reduce_rigid(struct measure_setting *setting, const struct scene *sce
     return 1;
 }
 
-static void print_rigid(const struct measure_setting *setting, const struct scene *scene,
-                        uint32_t body, char *text, size_t room)
+static void print_rigid(const struct measure_setting *setting, const struct scene *scene, uint32_t body, char *text,
+                        size_t room)
 {
     snprintf(text, room, "%s", is_soft(setting, scene, body) ? "gives way" : "rigid");
 }
@@ -96,8 +95,8 @@ static uint32_t iterations_of(const struct measure_setting *setting, const struc
     return most;
 }
 
-static int reduce_integrator(struct measure_setting *setting, const struct scene *scene,
-                             uint32_t body, const struct plan_figures *seen)
+static int reduce_integrator(struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                             const struct plan_figures *seen)
 {
     (void)body, (void)seen;
     if (!iterations_of(setting, scene))
@@ -106,8 +105,8 @@ static int reduce_integrator(struct measure_setting *setting, const struct scene
     return 1;
 }
 
-static void print_integrator(const struct measure_setting *setting, const struct scene *scene,
-                             uint32_t body, char *text, size_t room)
+static void print_integrator(const struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                             char *text, size_t room)
 {
     (void)body;
     snprintf(text, room, "%s",
@@ -117,8 +116,8 @@ static void print_integrator(const struct measure_setting *setting, const struct
                                              : "the scene's");
 }
 
-static int reduce_iterations(struct measure_setting *setting, const struct scene *scene,
-                             uint32_t body, const struct plan_figures *seen)
+static int reduce_iterations(struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                             const struct plan_figures *seen)
 {
     const uint32_t now = iterations_of(setting, scene);
     (void)body, (void)seen;
@@ -126,8 +125,8 @@ static int reduce_iterations(struct measure_setting *setting, const struct scene
     return now > 1;
 }
 
-static void print_iterations(const struct measure_setting *setting, const struct scene *scene,
-                             uint32_t body, char *text, size_t room)
+static void print_iterations(const struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                             char *text, size_t room)
 {
     (void)body;
     snprintf(text, room, "%" PRIu32, iterations_of(setting, scene));
@@ -142,15 +141,15 @@ static int reduce_smooth(struct measure_setting *setting, const struct scene *sc
     return was;
 }
 
-static void print_smooth(const struct measure_setting *setting, const struct scene *scene,
-                         uint32_t body, char *text, size_t room)
+static void print_smooth(const struct measure_setting *setting, const struct scene *scene, uint32_t body, char *text,
+                         size_t room)
 {
     (void)scene, (void)body;
     snprintf(text, room, "%" PRIu32, setting->world.smooth_normals);
 }
 
-static int reduce_contacts(struct measure_setting *setting, const struct scene *scene,
-                           uint32_t body, const struct plan_figures *seen)
+static int reduce_contacts(struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                           const struct plan_figures *seen)
 {
     const uint32_t needed = plan_capacity(seen->contacts, setting, scene);
     const uint32_t now = setting->world.max_contacts;
@@ -159,15 +158,15 @@ static int reduce_contacts(struct measure_setting *setting, const struct scene *
     return now > 0;
 }
 
-static void print_contacts(const struct measure_setting *setting, const struct scene *scene,
-                           uint32_t body, char *text, size_t room)
+static void print_contacts(const struct measure_setting *setting, const struct scene *scene, uint32_t body, char *text,
+                           size_t room)
 {
     (void)scene, (void)body;
     snprintf(text, room, "%" PRIu32, setting->world.max_contacts);
 }
 
-static int reduce_certificates(struct measure_setting *setting, const struct scene *scene,
-                               uint32_t body, const struct plan_figures *seen)
+static int reduce_certificates(struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                               const struct plan_figures *seen)
 {
     const uint64_t now = setting->world.certificate_bytes;
     (void)scene, (void)body, (void)seen;
@@ -175,8 +174,8 @@ static int reduce_certificates(struct measure_setting *setting, const struct sce
     return now > 0;
 }
 
-static void print_certificates(const struct measure_setting *setting, const struct scene *scene,
-                               uint32_t body, char *text, size_t room)
+static void print_certificates(const struct measure_setting *setting, const struct scene *scene, uint32_t body,
+                               char *text, size_t room)
 {
     (void)scene, (void)body;
     snprintf(text, room, "%" PRIu64, setting->world.certificate_bytes);
@@ -192,8 +191,8 @@ static int reduce_sweeps(struct measure_setting *setting, const struct scene *sc
     return setting->world.until != DPT_UNTIL_TRACK && setting->world.sweep_budget >= SWEEPS_LEAST;
 }
 
-static void print_sweeps(const struct measure_setting *setting, const struct scene *scene,
-                         uint32_t body, char *text, size_t room)
+static void print_sweeps(const struct measure_setting *setting, const struct scene *scene, uint32_t body, char *text,
+                         size_t room)
 {
     (void)scene, (void)body;
     if (setting->world.sweep_budget)
@@ -213,14 +212,12 @@ static int reduce_budget(struct measure_setting *setting, const struct scene *sc
     (void)body;
     if (plan_gives_way(setting, scene))
         return 0;
-    setting->world.budget = now != PLAN_BUDGET_AMPLE ? (uint32_t)(BUDGET_STEP * now)
-                            : seen->work             ? seen->work
-                                                     : 1;
+    setting->world.budget = now != PLAN_BUDGET_AMPLE ? (uint32_t)(BUDGET_STEP * now) : seen->work ? seen->work : 1;
     return setting->world.budget > 0;
 }
 
-static void print_budget(const struct measure_setting *setting, const struct scene *scene,
-                         uint32_t body, char *text, size_t room)
+static void print_budget(const struct measure_setting *setting, const struct scene *scene, uint32_t body, char *text,
+                         size_t room)
 {
     (void)scene, (void)body;
     if (setting->world.budget != PLAN_BUDGET_AMPLE)
@@ -230,12 +227,11 @@ static void print_budget(const struct measure_setting *setting, const struct sce
 }
 
 /* Restore one field. */
-#define RESTORE(name, field)                                                                       \
-    static void restore_##name(struct measure_setting *setting,                                    \
-                               const struct measure_setting *from, uint32_t body)                  \
-    {                                                                                              \
-        (void)body;                                                                                \
-        setting->field = from->field;                                                              \
+#define RESTORE(name, field)                                                                                           \
+    static void restore_##name(struct measure_setting *setting, const struct measure_setting *from, uint32_t body)     \
+    {                                                                                                                  \
+        (void)body;                                                                                                    \
+        setting->field = from->field;                                                                                  \
     }
 RESTORE(until, world.until)
 RESTORE(integrator, integrator)
@@ -246,28 +242,22 @@ RESTORE(certificates, world.certificate_bytes)
 RESTORE(sweeps, world.sweep_budget)
 RESTORE(budget, world.budget)
 
-static void restore_rigid(struct measure_setting *setting, const struct measure_setting *from,
-                          uint32_t body)
+static void restore_rigid(struct measure_setting *setting, const struct measure_setting *from, uint32_t body)
 {
     const uint64_t bit = (uint64_t)1 << body;
     setting->rigid = (setting->rigid & ~bit) | (from->rigid & bit);
 }
 
 const struct plan_knob plan_knobs[] = {
-    { "certificate_bytes", .must = KNOB_SAME_BITS, .reduce = reduce_certificates,
-      .restore = restore_certificates, .print = print_certificates },
-    { "rigid", .of_bodies = 1, .reduce = reduce_rigid, .restore = restore_rigid,
-      .print = print_rigid },
+    { "certificate_bytes", .must = KNOB_SAME_BITS, .reduce = reduce_certificates, .restore = restore_certificates,
+      .print = print_certificates },
+    { "rigid", .of_bodies = 1, .reduce = reduce_rigid, .restore = restore_rigid, .print = print_rigid },
     { "until", .reduce = reduce_until, .restore = restore_until, .print = print_until },
-    { "integrator", .reduce = reduce_integrator, .restore = restore_integrator,
-      .print = print_integrator },
-    { "iterations", .reduce = reduce_iterations, .restore = restore_iterations,
-      .print = print_iterations },
+    { "integrator", .reduce = reduce_integrator, .restore = restore_integrator, .print = print_integrator },
+    { "iterations", .reduce = reduce_iterations, .restore = restore_iterations, .print = print_iterations },
     { "smooth_normals", .reduce = reduce_smooth, .restore = restore_smooth, .print = print_smooth },
-    { "max_contacts", .reduce = reduce_contacts, .restore = restore_contacts,
-      .print = print_contacts },
-    { "sweep_budget", .must = KNOB_SAVES, .reduce = reduce_sweeps, .restore = restore_sweeps,
-      .print = print_sweeps },
+    { "max_contacts", .reduce = reduce_contacts, .restore = restore_contacts, .print = print_contacts },
+    { "sweep_budget", .must = KNOB_SAVES, .reduce = reduce_sweeps, .restore = restore_sweeps, .print = print_sweeps },
     { "budget", .reduce = reduce_budget, .restore = restore_budget, .print = print_budget },
 };
 const size_t plan_knob_count = sizeof plan_knobs / sizeof *plan_knobs;

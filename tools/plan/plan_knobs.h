@@ -28,11 +28,10 @@ struct plan_knob {
     int (*reduce)(struct measure_setting *setting, const struct scene *scene, uint32_t body,
                   const struct plan_figures *seen);
     /* Its value as it is in `from`. */
-    void (*restore)(struct measure_setting *setting, const struct measure_setting *from,
-                    uint32_t body);
+    void (*restore)(struct measure_setting *setting, const struct measure_setting *from, uint32_t body);
     /* The value, as text. */
-    void (*print)(const struct measure_setting *setting, const struct scene *scene, uint32_t body,
-                  char *text, size_t room);
+    void (*print)(const struct measure_setting *setting, const struct scene *scene, uint32_t body, char *text,
+                  size_t room);
 };
 
 extern const struct plan_knob plan_knobs[];
@@ -45,8 +44,7 @@ void plan_knob_name(const struct plan_knob *knob, uint32_t body, char *text, siz
 int plan_gives_way(const struct measure_setting *setting, const struct scene *scene);
 
 /* Whole, at most UINT32_MAX: a capacity with what is to be left above what was seen, and any number so many times. */
-uint32_t plan_capacity(double seen, const struct measure_setting *setting,
-                       const struct scene *scene);
+uint32_t plan_capacity(double seen, const struct measure_setting *setting, const struct scene *scene);
 uint32_t plan_times(double seen, double factor);
 
 #endif

@@ -6,8 +6,7 @@
 #include "plan/plan_search.h"
 
 /* What was asked, what was chosen knob by knob, what that does, and what lies beside it. */
-void plan_report(FILE *file, const struct plan *plan, const struct plan_search *search,
-                 const struct scene *scene);
+void plan_report(FILE *file, const struct plan *plan, const struct plan_search *search, const struct scene *scene);
 
 /* A line of figures, and the line above them. */
 void plan_report_head(FILE *file);

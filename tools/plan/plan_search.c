@@ -32,8 +32,7 @@ struct climb {
     size_t taken_count;
 };
 
-struct plan_limits plan_limits_of(const struct plan_asked *asked,
-                                  const struct measure_setting *setting,
+struct plan_limits plan_limits_of(const struct plan_asked *asked, const struct measure_setting *setting,
                                   const struct plan_bench *bench, int same_bits)
 {
     return (struct plan_limits){
@@ -55,8 +54,7 @@ static void describe(struct plan_neighbour *neighbour, const struct plan_knob *k
 }
 
 /* What counts is what was refused of a knob last. */
-static void refuse(struct climb *climb, const struct plan_knob *knob, uint32_t body,
-                   const struct plan_neighbour *tried)
+static void refuse(struct climb *climb, const struct plan_knob *knob, uint32_t body, const struct plan_neighbour *tried)
 {
     struct plan_search *search = climb->search;
     struct plan_neighbour refused = *tried;
@@ -83,11 +81,9 @@ static int is_thrift(const struct plan_knob *knob)
 }
 
 /* What a setting has to keep on a trace, while it is looked for. */
-static struct plan_limits limits_on(const struct climb *climb, const struct plan_neighbour *tried,
-                                    int same_bits)
+static struct plan_limits limits_on(const struct climb *climb, const struct plan_neighbour *tried, int same_bits)
 {
-    return plan_limits_of(climb->asked, &tried->setting, &climb->search->bench[tried->trace],
-                          same_bits);
+    return plan_limits_of(climb->asked, &tried->setting, &climb->search->bench[tried->trace], same_bits);
 }
 
 /* What a setting breaks. */
@@ -98,12 +94,11 @@ static struct plan_text text_of(const struct climb *climb, const struct plan_nei
 }
 
 /* Measure a setting on its trace, and judge: with times if there is more than one pass. Returns 0, or 2 after a message. */
-static int measure(const struct climb *climb, struct plan_neighbour *tried, uint32_t passes,
-                   int same_bits)
+static int measure(const struct climb *climb, struct plan_neighbour *tried, uint32_t passes, int same_bits)
 {
     const struct plan_limits limits = limits_on(climb, tried, same_bits);
-    const int status = plan_bench_measure(&climb->search->bench[tried->trace], &tried->setting,
-                                          passes, &tried->figures);
+    const int status =
+        plan_bench_measure(&climb->search->bench[tried->trace], &tried->setting, passes, &tried->figures);
     tried->broken = plan_judge(&limits, &tried->figures, passes > 1);
     return status;
 }
@@ -122,8 +117,7 @@ static int turn(struct climb *climb, const struct plan_knob *knob, uint32_t body
             refuse(climb, knob, body, &tried);
             return 0;
         }
-        climb->taken[climb->taken_count++] =
-            (struct taken){ .knob = knob, .body = body, .before = climb->setting };
+        climb->taken[climb->taken_count++] = (struct taken){ .knob = knob, .body = body, .before = climb->setting };
         climb->setting = tried.setting;
         climb->figures = tried.figures;
     }
@@ -139,8 +133,8 @@ static int saves(const struct plan_figures *before, const struct plan_figures *n
  * Memory is not to be felt on other traces either, and a sweep is to end there: one step more than is needed. Returns 0, or
  * 2 after a message.
  */
-static int turn_back(struct climb *climb, const struct plan_knob *knob,
-                     const struct plan_figures *before, size_t taken_before)
+static int turn_back(struct climb *climb, const struct plan_knob *knob, const struct plan_figures *before,
+                     size_t taken_before)
 {
     if (knob->must == KNOB_HOLDS || climb->taken_count == taken_before)
         return 0;
@@ -172,8 +166,7 @@ static int climb_down(struct climb *climb)
             status = turn_back(climb, &plan_knobs[i], &before, taken_before);
     }
     if (climb->setting.world.strip && climb->figures.strip)
-        climb->setting.world.strip_capacity =
-            plan_capacity(climb->figures.strip + 1, &climb->setting, climb->scene);
+        climb->setting.world.strip_capacity = plan_capacity(climb->figures.strip + 1, &climb->setting, climb->scene);
     return status;
 }
 
@@ -184,8 +177,7 @@ static void give_back(struct climb *climb, size_t index, const struct plan_neigh
     refuse(climb, taken->knob, taken->body, tried);
     taken->knob->restore(&climb->setting, &taken->before, taken->body);
     climb->taken_count--;
-    memmove(&climb->taken[index], &climb->taken[index + 1],
-            (climb->taken_count - index) * sizeof *climb->taken);
+    memmove(&climb->taken[index], &climb->taken[index + 1], (climb->taken_count - index) * sizeof *climb->taken);
 }
 
 /*
@@ -246,8 +238,7 @@ static int mend(struct climb *climb, const struct plan_neighbour *tried)
         world->max_contacts = plan_capacity(tried->figures.contacts, &climb->setting, climb->scene);
         return 0;
     case PLAN_STRIP:
-        world->strip_capacity =
-            plan_capacity(tried->figures.strip + 1, &climb->setting, climb->scene);
+        world->strip_capacity = plan_capacity(tried->figures.strip + 1, &climb->setting, climb->scene);
         return 0;
     case PLAN_TIME:
         return 1;
@@ -349,8 +340,7 @@ static int find_better(struct climb *climb, struct plan *plan)
         last--;
     if (!last)
         return 0;
-    climb->taken[last - 1].knob->restore(&better.setting, &climb->taken[last - 1].before,
-                                         climb->taken[last - 1].body);
+    climb->taken[last - 1].knob->restore(&better.setting, &climb->taken[last - 1].before, climb->taken[last - 1].body);
     better.setting.world.budget = PLAN_BUDGET_AMPLE;
     better.setting.world.sweep_budget = 0;
     describe(&better, climb->taken[last - 1].knob, climb->taken[last - 1].body, climb->scene);
@@ -365,8 +355,8 @@ static int find_better(struct climb *climb, struct plan *plan)
 }
 
 /* Returns 0, or 2 after a message. */
-static int open_benches(struct plan_search *search, const struct plan *plan,
-                        const struct scene *scene, const struct csv_table *whole)
+static int open_benches(struct plan_search *search, const struct plan *plan, const struct scene *scene,
+                        const struct csv_table *whole)
 {
     const int traces = plan->motion.file ? PLAN_TRACES_OF_FILE : PLAN_TRACES;
     int status = 0;
@@ -382,13 +372,12 @@ static int open_benches(struct plan_search *search, const struct plan *plan,
     return status;
 }
 
-int plan_search(struct plan_search *search, struct plan *plan, const struct scene *scene,
-                const struct csv_table *whole, struct plan_text *limit)
+int plan_search(struct plan_search *search, struct plan *plan, const struct scene *scene, const struct csv_table *whole,
+                struct plan_text *limit)
 {
-    struct climb climb = { .search = search,
-                           .asked = &plan->asked,
-                           .scene = scene,
-                           .setting = plan_richest(&plan->setting, scene) };
+    struct climb climb = {
+        .search = search, .asked = &plan->asked, .scene = scene, .setting = plan_richest(&plan->setting, scene)
+    };
     memset(search, 0, sizeof *search);
     int status = open_benches(search, plan, scene, whole);
     climb.figures = search->bench[PLAN_FIRST_HALF].richest;
@@ -403,8 +392,7 @@ int plan_search(struct plan_search *search, struct plan *plan, const struct scen
     if (search->refused_count)
         plan->cheaper = search->refused[search->last_refused];
     if (status == 0)
-        status =
-            plan_bench_measure(&search->bench[PLAN_FIRST_HALF], &climb.setting, 1, &search->first);
+        status = plan_bench_measure(&search->bench[PLAN_FIRST_HALF], &climb.setting, 1, &search->first);
     if (status == 0)
         status = find_better(&climb, plan);
     plan->limits = plan_limits_of(&plan->asked, &plan->setting, &search->bench[0], 0);

@@ -24,13 +24,12 @@ struct plan_search {
  *
  * Returns 0; 1 if nothing meets the bounds, with the bound that is broken in `limit`; 2 after a message.
  */
-int plan_search(struct plan_search *search, struct plan *plan, const struct scene *scene,
-                const struct csv_table *whole, struct plan_text *limit);
+int plan_search(struct plan_search *search, struct plan *plan, const struct scene *scene, const struct csv_table *whole,
+                struct plan_text *limit);
 void plan_search_close(struct plan_search *search);
 
 /* The limits of a setting while it is looked for; with same_bits those of memory, which must not be felt but in units. */
-struct plan_limits plan_limits_of(const struct plan_asked *asked,
-                                  const struct measure_setting *setting,
+struct plan_limits plan_limits_of(const struct plan_asked *asked, const struct measure_setting *setting,
                                   const struct plan_bench *bench, int same_bits);
 
 #endif

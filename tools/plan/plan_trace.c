@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/vec3.h"
-#include "command_options.h"
+#include "cli/command_options.h"
 #include "measure/measure_trace.h"
 
 /* Of a row: the tick, and two ends. */
@@ -38,14 +38,12 @@ static double *add_row(struct csv_table *trace, int is_jump)
 }
 
 /* Slide over a body for as many of the hand's ticks. Returns 0, or 2 after a message. */
-static int slide(struct csv_table *trace, const struct scene *scene,
-                 const struct measure_hand *hand)
+static int slide(struct csv_table *trace, const struct scene *scene, const struct measure_hand *hand)
 {
     struct csv_table slid;
     const int status = measure_trace_make(&slid, scene, hand);
     for (size_t i = 0; status == 0 && i < slid.rows; i++)
-        memcpy(add_row(trace, i == 0) + 1, csv_table_row(&slid, i) + 1,
-               (COLUMNS - 1) * sizeof *slid.values);
+        memcpy(add_row(trace, i == 0) + 1, csv_table_row(&slid, i) + 1, (COLUMNS - 1) * sizeof *slid.values);
     if (status == 0)
         csv_table_free(&slid);
     return status;
@@ -56,13 +54,12 @@ static double reach_of(const struct scene *scene)
 {
     double reach = scene->has_stylus ? scene->length : 0.0;
     for (uint32_t i = 0; !scene->has_stylus && i < scene->segment_count; i++)
-        reach = fmax(reach, fmax(length(vec3_of(scene->segments[i].a)),
-                                 length(vec3_of(scene->segments[i].b))));
+        reach = fmax(reach, fmax(length(vec3_of(scene->segments[i].a)), length(vec3_of(scene->segments[i].b))));
     return reach;
 }
 
-int plan_trace_make(struct csv_table *trace, const struct scene *scene, uint64_t seed,
-                    uint64_t ticks, double rate, double speed)
+int plan_trace_make(struct csv_table *trace, const struct scene *scene, uint64_t seed, uint64_t ticks, double rate,
+                    double speed)
 {
     struct csv_table slow;
     const double pace = 1.0 / (rate * HAND_TICK);
@@ -96,8 +93,7 @@ struct csv_table plan_trace_part(const struct csv_table *trace, size_t from, siz
 }
 
 /* Rows `from` to `to`, without a jump between them, from one end or from the other. */
-static void play_stretch(struct csv_table *out, const struct csv_table *trace, size_t from,
-                         size_t to, double pace)
+static void play_stretch(struct csv_table *out, const struct csv_table *trace, size_t from, size_t to, double pace)
 {
     const double last = (double)(to - 1 - from);
     for (double at = 0.0; at <= last; at += fabs(pace)) {
@@ -112,8 +108,7 @@ static void play_stretch(struct csv_table *out, const struct csv_table *trace, s
     }
 }
 
-int plan_trace_play(struct csv_table *out, const char *command, const struct csv_table *trace,
-                    double pace)
+int plan_trace_play(struct csv_table *out, const char *command, const struct csv_table *trace, double pace)
 {
     size_t jumps = 0;
     for (size_t i = 0; i < trace->rows; i++)
@@ -134,8 +129,7 @@ int plan_trace_of(struct csv_table *out, const struct scene *scene, const struct
     const size_t middle = whole->rows / 2;
     const struct csv_table second = plan_trace_part(whole, middle, whole->rows);
     if (which >= PLAN_OTHER)
-        return plan_trace_make(out, scene,
-                               plan->motion.seed + OTHER_SEED * (uint64_t)(which - PLAN_BACKWARDS),
+        return plan_trace_make(out, scene, plan->motion.seed + OTHER_SEED * (uint64_t)(which - PLAN_BACKWARDS),
                                plan->motion.ticks / 2, plan->asked.rate, 0.0);
     if (which == PLAN_BACKWARDS)
         return plan_trace_play(out, scene->command, &second, -PLAN_SPEED_FACTOR);

@@ -15,8 +15,8 @@
  *
  * Returns 0, or 2 after a message. Free the trace (csv_table_free) also then.
  */
-int plan_trace_make(struct csv_table *trace, const struct scene *scene, uint64_t seed,
-                    uint64_t ticks, double rate, double speed);
+int plan_trace_make(struct csv_table *trace, const struct scene *scene, uint64_t seed, uint64_t ticks, double rate,
+                    double speed);
 
 /* Rows `from` to `to` of a trace, as they lie in it: there is nothing to free. Its first row is a jump. */
 struct csv_table plan_trace_part(const struct csv_table *trace, size_t from, size_t to);
@@ -25,8 +25,7 @@ struct csv_table plan_trace_part(const struct csv_table *trace, size_t from, siz
  * Play a trace at another pace: 1.5 is faster by half, below 0 is backwards. Between rows the ends go straight; a jump stays
  * one. Returns 0, or 2 after a message. Free `out` also then.
  */
-int plan_trace_play(struct csv_table *out, const char *command, const struct csv_table *trace,
-                    double pace);
+int plan_trace_play(struct csv_table *out, const char *command, const struct csv_table *trace, double pace);
 
 /*
  * One of a plan's traces, PLAN_FIRST_HALF and so on, of its whole trace, at its rate. plan_trace_leave frees it. Returns 0, or

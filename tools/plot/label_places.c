@@ -19,8 +19,7 @@ static int overlaps(const struct label_box *a, const struct label_box *b)
 
 static int is_within(const struct label_box *box, const struct label_box *room)
 {
-    return box->left >= room->left && box->right <= room->right && box->top >= room->top &&
-           box->bottom <= room->bottom;
+    return box->left >= room->left && box->right <= room->right && box->top >= room->top && box->bottom <= room->bottom;
 }
 
 static int is_free(const struct label_places *places, const struct label_box *box)
@@ -54,8 +53,7 @@ void label_places_take_line(struct label_places *places, double x0, double y0, d
 }
 
 /* A leader begins among marks that lie close together; once it has left them it meets nothing. */
-static int is_free_line(const struct label_places *places, const double from[2], const double to[2],
-                        double radius)
+static int is_free_line(const struct label_places *places, const double from[2], const double to[2], double radius)
 {
     const double length = hypot(to[0] - from[0], to[1] - from[1]);
     int is_out = 0;
@@ -70,13 +68,12 @@ static int is_free_line(const struct label_places *places, const double from[2],
 }
 
 /* A label in a direction from the mark, its nearest edge so far away. */
-static struct label_box box_towards(double x, double y, const double way[2], double away,
-                                    double width, double height)
+static struct label_box box_towards(double x, double y, const double way[2], double away, double width, double height)
 {
     const double middle_x = x + way[0] * (away + 0.5 * width);
     const double middle_y = y + way[1] * (away + 0.5 * height);
-    return (struct label_box){ middle_x - 0.5 * width, middle_y - 0.5 * height,
-                               middle_x + 0.5 * width, middle_y + 0.5 * height };
+    return (struct label_box){ middle_x - 0.5 * width, middle_y - 0.5 * height, middle_x + 0.5 * width,
+                               middle_y + 0.5 * height };
 }
 
 static double clamp(double value, double low, double high)
@@ -84,8 +81,8 @@ static double clamp(double value, double low, double high)
     return fmax(low, fmin(high, value));
 }
 
-int label_places_find(struct label_places *places, double x, double y, double radius, double width,
-                      double height, struct label_box *box, double leader[2])
+int label_places_find(struct label_places *places, double x, double y, double radius, double width, double height,
+                      struct label_box *box, double leader[2])
 {
     const double beside = radius + 4.0, turn = 2.0 * 3.14159265358979323846 / DIRECTIONS;
     const double mark[2] = { x, y };

@@ -18,8 +18,7 @@ struct label_places {
 
 /* Take a box; what is beyond LABEL_BOXES_MAX is not seen. A line is taken as boxes along it. */
 void label_places_take(struct label_places *places, struct label_box box);
-void label_places_take_line(struct label_places *places, double x0, double y0, double x1,
-                            double y1);
+void label_places_take_line(struct label_places *places, double x0, double y0, double x1, double y1);
 
 /*
  * Find room for a label of this width and height near the mark at x, y, which has this radius, and take it. Beside it is
@@ -28,7 +27,7 @@ void label_places_take_line(struct label_places *places, double x0, double y0, d
  *
  * Returns 0 if there is none within 120 pixels.
  */
-int label_places_find(struct label_places *places, double x, double y, double radius, double width,
-                      double height, struct label_box *box, double leader[2]);
+int label_places_find(struct label_places *places, double x, double y, double radius, double width, double height,
+                      struct label_box *box, double leader[2]);
 
 #endif

@@ -50,8 +50,7 @@ static double choose_step(double length, int marks)
     }
 }
 
-struct plot_axis plot_axis_make(double low, double high, double start, double end, int marks,
-                                int is_whole)
+struct plot_axis plot_axis_make(double low, double high, double start, double end, int marks, int is_whole)
 {
     struct plot_axis axis = { .low = low, .high = high, .start = start, .end = end };
     const double max = max_magnitude(low, high);

@@ -23,8 +23,7 @@ struct plot_axis {
  *
  * The prefix is the largest that leaves 1 or more of the larger magnitude.
  */
-struct plot_axis plot_axis_make(double low, double high, double start, double end, int marks,
-                                int is_whole);
+struct plot_axis plot_axis_make(double low, double high, double start, double end, int marks, int is_whole);
 
 /* The pixel of a value, which is in the unit without prefix. */
 double plot_axis_at(const struct plot_axis *axis, double value);

@@ -79,14 +79,12 @@ static void draw_column(struct pen *pen, const struct plot_group *column)
     if (column->is_start)
         end_stretch(pen);
     for (int i = 0; i < 4; i++) {
-        const double x =
-            column->points > COLUMN_POINTS ? middle : tenth(plot_axis_at(pen->x, points[i].x));
+        const double x = column->points > COLUMN_POINTS ? middle : tenth(plot_axis_at(pen->x, points[i].x));
         draw_to(pen, x, tenth(plot_axis_at(pen->y, points[i].y)));
     }
 }
 
-static void draw_line(FILE *file, const struct plot_line *line, const struct plot_axis *x,
-                      const struct plot_axis *y)
+static void draw_line(FILE *file, const struct plot_line *line, const struct plot_axis *x, const struct plot_axis *y)
 {
     struct pen pen = { .file = file, .x = x, .y = y };
     struct plot_group column = line->groups[0];
@@ -107,8 +105,7 @@ static void begin_stroke(FILE *file, const struct plot_chart *chart, int series)
 {
     const int style = style_of(chart, series);
     fprintf(file,
-            "<path fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\" "
-            "stroke=\"%s\" stroke-width=\"",
+            "<path fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\" stroke=\"%s\" stroke-width=\"",
             styles[style].colour);
     svg_pixel(file, styles[style].width);
     fputs("\" d=\"", file);
@@ -155,8 +152,7 @@ static void write_panel(FILE *file, const struct plot_chart *chart, const struct
     write_grid(file, x, &y, top);
     for (double i = y.first; i <= y.last; i++) {
         plot_axis_label(&y, i, label);
-        svg_text_at(file, SVG_LEFT - 8, plot_axis_at(&y, i * y.step * y.scale) + 4, SVG_LABEL_SIZE,
-                    "end", label);
+        svg_text_at(file, SVG_LEFT - 8, plot_axis_at(&y, i * y.step * y.scale) + 4, SVG_LABEL_SIZE, "end", label);
     }
     for (int i = 0; i < chart->series_count; i++) {
         begin_stroke(file, chart, i);
@@ -166,18 +162,15 @@ static void write_panel(FILE *file, const struct plot_chart *chart, const struct
     fputs("</g>\n", file);
 }
 
-static void write_x_axis(FILE *file, const struct plot_chart *chart, const struct plot_axis *x,
-                         double bottom)
+static void write_x_axis(FILE *file, const struct plot_chart *chart, const struct plot_axis *x, double bottom)
 {
     char label[PLOT_LABEL_ROOM];
     fputs("<g class=\"x\">\n", file);
     for (double i = x->first; i <= x->last; i++) {
         plot_axis_label(x, i, label);
-        svg_text_at(file, plot_axis_at(x, i * x->step * x->scale), bottom + 16, SVG_LABEL_SIZE,
-                    "middle", label);
+        svg_text_at(file, plot_axis_at(x, i * x->step * x->scale), bottom + 16, SVG_LABEL_SIZE, "middle", label);
     }
-    svg_begin_text(file, (SVG_LEFT + SVG_WIDTH - SVG_RIGHT) / 2.0, bottom + 34, SVG_TEXT_SIZE,
-                   "middle");
+    svg_begin_text(file, (SVG_LEFT + SVG_WIDTH - SVG_RIGHT) / 2.0, bottom + 34, SVG_TEXT_SIZE, "middle");
     svg_write(file, chart->x_name);
     fprintf(file, ", %s%s</text>\n</g>\n", x->prefix, chart->x_unit);
 }
@@ -187,8 +180,7 @@ static void write_legend(FILE *file, const struct plot_chart *chart)
     for (int i = 0; i < chart->series_count; i++) {
         const struct plot_series *series = &chart->series[i];
         const double at = LEGEND_AT + i * LEGEND_LINE;
-        const double room = SVG_WIDTH - SVG_RIGHT - SVG_LEFT - SAMPLE - 8 -
-                            svg_width(series->detail, SVG_TEXT_SIZE);
+        const double room = SVG_WIDTH - SVG_RIGHT - SVG_LEFT - SAMPLE - 8 - svg_width(series->detail, SVG_TEXT_SIZE);
         begin_stroke(file, chart, i);
         svg_place(file, 'M', SVG_LEFT, at - 4.5);
         fprintf(file, "h%d\"/>\n", SAMPLE);
@@ -203,8 +195,7 @@ void plot_chart_write(FILE *file, const struct plot_chart *chart)
 {
     const int top = LEGEND_AT + (chart->series_count - 1) * LEGEND_LINE + 10;
     const int bottom = top + chart->panel_count * (NAME + PANEL + BELOW) - BELOW;
-    const struct plot_axis x =
-        plot_axis_make(chart->x_low, chart->x_high, SVG_LEFT, SVG_WIDTH - SVG_RIGHT, X_MARKS, 0);
+    const struct plot_axis x = plot_axis_make(chart->x_low, chart->x_high, SVG_LEFT, SVG_WIDTH - SVG_RIGHT, X_MARKS, 0);
     svg_begin(file, bottom + FOOT, chart->title, chart->description);
     write_legend(file, chart);
     for (int i = 0; i < chart->panel_count; i++)

@@ -30,8 +30,7 @@ struct plot_series {
 };
 
 struct plot_chart {
-    const char
-        *title; /* any bytes; cut at its end if it is too long, but whole for a screen reader */
+    const char *title;       /* any bytes; cut at its end if it is too long, but whole for a screen reader */
     const char *description; /* for a screen reader: what one would see */
     struct plot_series series[PLOT_SERIES_MAX];
     struct plot_panel panel[PLOT_PANELS_MAX];

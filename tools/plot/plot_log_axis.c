@@ -29,8 +29,7 @@ static double decades_of(const struct plot_log_axis *axis)
     return log10(axis->high / axis->low);
 }
 
-struct plot_log_axis plot_log_axis_make(double low, double high, double start, double end,
-                                        double room)
+struct plot_log_axis plot_log_axis_make(double low, double high, double start, double end, double room)
 {
     int first = step_below(low), last = step_below(high);
     if (step_value(last) < high * (1.0 - SLACK))

@@ -13,8 +13,7 @@ struct plot_log_axis {
  * An axis that holds the values from `low` to `high`, above 0, on the pixels from `start` to `end`. Its ends are the
  * nearest 1, 2 or 5 times a power of ten beyond them; it is at least a decade long.
  */
-struct plot_log_axis plot_log_axis_make(double low, double high, double start, double end,
-                                        double room);
+struct plot_log_axis plot_log_axis_make(double low, double high, double start, double end, double room);
 
 /* The pixel of a value above 0. */
 double plot_log_axis_at(const struct plot_log_axis *axis, double value);

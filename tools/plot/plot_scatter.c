@@ -34,8 +34,7 @@ enum {
 /* Than estimated: a name that is cut off or covered is worse than a gap. */
 #define WIDER 1.08
 
-static const char *const colours[SCATTER_KINDS] = { "#0072b2", "#009e73", "#d55e00", "#e69f00",
-                                                    "#000000" };
+static const char *const colours[SCATTER_KINDS] = { "#0072b2", "#009e73", "#d55e00", "#e69f00", "#000000" };
 
 /* A mark where it is drawn. */
 struct placed {
@@ -72,8 +71,7 @@ static double least_cost(const struct scatter_mark *mark)
 
 static double most_cost(const struct scatter_mark *mark)
 {
-    return fmax(fmax(mark->cost, mark->worse_cost),
-                fmax(mark->cost_range[1], mark->worse_range[1]));
+    return fmax(fmax(mark->cost, mark->worse_cost), fmax(mark->cost_range[1], mark->worse_range[1]));
 }
 
 static void lay_out(struct layout *layout, const struct scatter_panel *panel, double top)
@@ -97,15 +95,13 @@ static void lay_out(struct layout *layout, const struct scatter_panel *panel, do
     layout->key_lines = above > EASY ? 2 : 1;
     layout->band = top + (above ? PLOT + HIGHER * (above > EASY ? above - EASY : 0) : 0);
     layout->bottom = layout->band + (layout->lanes ? LANE * layout->lanes + 2 * BAND_PAD : 0);
-    layout->x =
-        plot_log_axis_make(low_x, high_x, SVG_LEFT + 12, SVG_WIDTH - SVG_RIGHT - 12, X_ROOM);
+    layout->x = plot_log_axis_make(low_x, high_x, SVG_LEFT + 12, SVG_WIDTH - SVG_RIGHT - 12, X_ROOM);
     if (high_y > 0.0)
         layout->y = plot_log_axis_make(low_y, high_y, layout->band - 12, top + TOP_PAD, Y_ROOM);
     for (int i = 0, lane = 0; i < panel->count; i++) {
         struct placed *placed = &layout->placed[i];
         placed->x = plot_log_axis_at(&layout->x, placed->mark->cost);
-        placed->worse_x =
-            plot_log_axis_at(&layout->x, fmax(placed->mark->cost, placed->mark->worse_cost));
+        placed->worse_x = plot_log_axis_at(&layout->x, fmax(placed->mark->cost, placed->mark->worse_cost));
         placed->left = plot_log_axis_at(&layout->x, least_cost(placed->mark));
         placed->right = plot_log_axis_at(&layout->x, most_cost(placed->mark));
         placed->y = placed->in_band ? layout->band + BAND_PAD + LANE * (0.5 + lane++)
@@ -149,13 +145,11 @@ static void write_shape(FILE *file, enum scatter_kind kind, double x, double y)
 }
 
 /* Of measuring again, behind the mark. */
-static void write_range(FILE *file, const struct layout *layout, const struct placed *placed,
-                        const double range[2])
+static void write_range(FILE *file, const struct layout *layout, const struct placed *placed, const double range[2])
 {
     if (!(range[0] > 0.0 && range[1] > range[0]))
         return;
-    fprintf(file,
-            "<path class=\"range\" stroke=\"%s\" stroke-width=\"8\" stroke-opacity=\"0.3\" d=\"",
+    fprintf(file, "<path class=\"range\" stroke=\"%s\" stroke-width=\"8\" stroke-opacity=\"0.3\" d=\"",
             colours[placed->mark->kind]);
     svg_place(file, 'M', plot_log_axis_at(&layout->x, range[0]), placed->y);
     fputc('H', file);
@@ -220,8 +214,7 @@ static void write_axes(FILE *file, const struct layout *layout)
         fputc('V', file);
         svg_pixel(file, layout->bottom);
         fprintf(file, "H%dz\"/>\n", SVG_LEFT);
-        svg_text_at(file, SVG_LEFT - 8, 0.5 * (layout->band + layout->bottom) + 4, SVG_LABEL_SIZE,
-                    "end", panel->band);
+        svg_text_at(file, SVG_LEFT - 8, 0.5 * (layout->band + layout->bottom) + 4, SVG_LABEL_SIZE, "end", panel->band);
     }
     fputs("<path fill=\"none\" stroke=\"#ddd\" d=\"", file);
     for (double i = 0.0; (i = plot_log_axis_next(&layout->x, i)) > 0.0;) {
@@ -243,16 +236,13 @@ static void write_axes(FILE *file, const struct layout *layout)
     fputs("\"/>\n", file);
     for (double i = 0.0; (i = plot_log_axis_next(&layout->x, i)) > 0.0;) {
         plot_log_axis_label(i, panel->x_unit, text);
-        svg_text_at(file, plot_log_axis_at(&layout->x, i), layout->bottom + 16, SVG_LABEL_SIZE,
-                    "middle", text);
+        svg_text_at(file, plot_log_axis_at(&layout->x, i), layout->bottom + 16, SVG_LABEL_SIZE, "middle", text);
     }
     for (double i = 0.0; layout->y.low > 0.0 && (i = plot_log_axis_next(&layout->y, i)) > 0.0;) {
         plot_log_axis_label(i, panel->y_unit, text);
-        svg_text_at(file, SVG_LEFT - 8, plot_log_axis_at(&layout->y, i) + 4, SVG_LABEL_SIZE, "end",
-                    text);
+        svg_text_at(file, SVG_LEFT - 8, plot_log_axis_at(&layout->y, i) + 4, SVG_LABEL_SIZE, "end", text);
     }
-    svg_text_at(file, 0.5 * (SVG_LEFT + right), layout->bottom + 34, SVG_TEXT_SIZE, "middle",
-                panel->x_name);
+    svg_text_at(file, 0.5 * (SVG_LEFT + right), layout->bottom + 34, SVG_TEXT_SIZE, "middle", panel->x_name);
 }
 
 static void write_legend(FILE *file, const struct scatter_panel *panel, double y)
@@ -272,22 +262,19 @@ static void write_legend(FILE *file, const struct scatter_panel *panel, double y
 static void take_mark(struct label_places *places, const struct placed *placed)
 {
     const double r = RADIUS + 2.0;
-    label_places_take(
-        places, (struct label_box){ placed->x - r, placed->y - r, placed->x + r, placed->y + r });
+    label_places_take(places, (struct label_box){ placed->x - r, placed->y - r, placed->x + r, placed->y + r });
     if (placed->right > placed->left)
-        label_places_take(places, (struct label_box){ placed->left - 1.0, placed->y - 4.0,
-                                                      placed->right + 1.0, placed->y + 4.0 });
+        label_places_take(
+            places, (struct label_box){ placed->left - 1.0, placed->y - 4.0, placed->right + 1.0, placed->y + 4.0 });
 }
 
 /* In its lane: behind the whisker, or before the mark. */
-static int find_in_lane(struct label_places *places, const struct placed *placed, double width,
-                        double height, struct label_box *box)
+static int find_in_lane(struct label_places *places, const struct placed *placed, double width, double height,
+                        struct label_box *box)
 {
-    const double lefts[] = { placed->right + 6.0,
-                             fmin(placed->left, placed->x - RADIUS) - 6.0 - width };
+    const double lefts[] = { placed->right + 6.0, fmin(placed->left, placed->x - RADIUS) - 6.0 - width };
     for (int i = 0; i < 2; i++) {
-        *box = (struct label_box){ lefts[i], placed->y - 0.5 * height, lefts[i] + width,
-                                   placed->y + 0.5 * height };
+        *box = (struct label_box){ lefts[i], placed->y - 0.5 * height, lefts[i] + width, placed->y + 0.5 * height };
         if (box->left < places->room.left || box->right > places->room.right)
             continue;
         label_places_take(places, *box);
@@ -297,16 +284,15 @@ static int find_in_lane(struct label_places *places, const struct placed *placed
 }
 
 /* Text beside a mark, or at the end of a leader. Returns 0 if there is no room. */
-static int write_beside(FILE *file, const struct placed *placed, struct label_places *places,
-                        const char *class, const char *text)
+static int write_beside(FILE *file, const struct placed *placed, struct label_places *places, const char *class,
+                        const char *text)
 {
     const double height = SVG_LABEL_SIZE + 1.0;
     const double width = WIDER * svg_width(text, SVG_LABEL_SIZE);
     struct label_box box;
     double leader[2] = { placed->x, placed->y };
     if (!(placed->in_band ? find_in_lane(places, placed, width, height, &box)
-                          : label_places_find(places, placed->x, placed->y, RADIUS, width, height,
-                                              &box, leader)))
+                          : label_places_find(places, placed->x, placed->y, RADIUS, width, height, &box, leader)))
         return 0;
     fprintf(file, "<g class=\"%s\">", class);
     if (leader[0] != placed->x || leader[1] != placed->y) {
@@ -330,8 +316,8 @@ static void write_number(FILE *file, const struct layout *layout, const struct p
     if (at == KEYS * layout->key_lines || !write_beside(file, placed, places, "number", number))
         return;
     fputs("<g class=\"key\">", file);
-    svg_begin_text(file, SVG_LEFT + at % KEYS * KEY_WIDTH,
-                   layout->bottom + X_AXIS + KEY_LINE * (at / KEYS) + 10, SVG_LABEL_SIZE, "start");
+    svg_begin_text(file, SVG_LEFT + at % KEYS * KEY_WIDTH, layout->bottom + X_AXIS + KEY_LINE * (at / KEYS) + 10,
+                   SVG_LABEL_SIZE, "start");
     fprintf(file, "%s ", number);
     svg_write(file, placed->mark->name);
     fputs("</text></g>\n", file);
@@ -343,8 +329,7 @@ static void write_names(FILE *file, const struct layout *layout, struct label_pl
     int has_name[SCATTER_MARKS_MAX] = { 0 }, numbered = 0;
     for (int i = 0; i < layout->panel->count; i++) {
         const struct placed *placed = &layout->placed[i];
-        has_name[i] =
-            !placed->mark->name || write_beside(file, placed, places, "name", placed->mark->name);
+        has_name[i] = !placed->mark->name || write_beside(file, placed, places, "name", placed->mark->name);
     }
     for (int i = 0; i < layout->panel->count; i++)
         if (!has_name[i])
@@ -365,8 +350,7 @@ static void write_panel(FILE *file, const struct layout *layout, double name_at)
     write_legend(file, layout->panel, name_at + LEGEND);
     write_axes(file, layout);
     if (places) {
-        places->room =
-            (struct label_box){ SVG_LEFT + 2, layout->top, SVG_WIDTH - SVG_RIGHT, layout->band };
+        places->room = (struct label_box){ SVG_LEFT + 2, layout->top, SVG_WIDTH - SVG_RIGHT, layout->band };
         for (int i = 0; i < count; i++)
             take_mark(places, &layout->placed[i]);
         write_frontier(file, layout, places);

@@ -17,14 +17,7 @@
 
 enum { SCATTER_PANELS_MAX = 4, SCATTER_MARKS_MAX = 64 };
 
-enum scatter_kind {
-    SCATTER_CIRCLE,
-    SCATTER_SQUARE,
-    SCATTER_TRIANGLE,
-    SCATTER_DIAMOND,
-    SCATTER_CROSS,
-    SCATTER_KINDS
-};
+enum scatter_kind { SCATTER_CIRCLE, SCATTER_SQUARE, SCATTER_TRIANGLE, SCATTER_DIAMOND, SCATTER_CROSS, SCATTER_KINDS };
 
 struct scatter_mark {
     double cost, worse_cost; /* above 0, in the unit of x */

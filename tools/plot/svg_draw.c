@@ -48,8 +48,8 @@ void svg_begin(FILE *file, int height, const char *title, const char *descriptio
     fputs("</title>\n<desc>", file);
     svg_write(file, description);
     fprintf(file, "</desc>\n<rect width=\"%d\" height=\"%d\" fill=\"#fff\"/>\n", SVG_WIDTH, height);
-    fprintf(file, "<text x=\"%d\" y=\"%d\" font-size=\"%d\" font-weight=\"bold\">", SVG_LEFT,
-            SVG_TITLE_AT, SVG_TITLE_SIZE);
+    fprintf(file, "<text x=\"%d\" y=\"%d\" font-size=\"%d\" font-weight=\"bold\">", SVG_LEFT, SVG_TITLE_AT,
+            SVG_TITLE_SIZE);
     svg_write_cut(file, title, SVG_WIDTH - SVG_RIGHT - SVG_LEFT, SVG_TITLE_SIZE * 1.05, 0);
     fputs("</text>\n", file);
 }

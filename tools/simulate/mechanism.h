@@ -21,9 +21,7 @@ struct mechanism {
 /* Start with 0.1 kg, held by a hand of 150 N/m, without a wall. */
 static inline void mechanism_init(struct mechanism *mechanism)
 {
-    const struct mechanism start = {
-        .mass = 0.1, .damping = 0.5, .hand_stiffness = 150, .hand_damping = 5
-    };
+    const struct mechanism start = { .mass = 0.1, .damping = 0.5, .hand_stiffness = 150, .hand_damping = 5 };
     *mechanism = start;
 }
 
@@ -31,8 +29,7 @@ static inline void mechanism_init(struct mechanism *mechanism)
  * Apply `force`, N, for `dt` seconds, in `parts` steps of equal length. Semi-implicit Euler: stable while
  * sqrt(stiffness / mass) times a step is below 2.
  */
-static inline void mechanism_step(struct mechanism *mechanism, const float force[3], double dt,
-                                  int parts)
+static inline void mechanism_step(struct mechanism *mechanism, const float force[3], double dt, int parts)
 {
     const double h = dt / parts;
     for (int part = 0; part < parts; part++)
@@ -41,8 +38,7 @@ static inline void mechanism_step(struct mechanism *mechanism, const float force
             sum += mechanism->hand_stiffness * (mechanism->hand[i] - mechanism->position[i]);
             sum -= mechanism->hand_damping * mechanism->velocity[i];
             if (i == 1 && mechanism->position[1] < mechanism->wall_height)
-                sum +=
-                    mechanism->wall_stiffness * (mechanism->wall_height - mechanism->position[1]);
+                sum += mechanism->wall_stiffness * (mechanism->wall_height - mechanism->position[1]);
             mechanism->velocity[i] += sum / mechanism->mass * h;
             mechanism->position[i] += mechanism->velocity[i] * h;
         }

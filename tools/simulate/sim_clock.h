@@ -11,8 +11,7 @@
  * Call `tick` at `rate`, Hz, until *stop is not 0. If it is more than 10 ms late, ticks are skipped, because a real
  * device does not make up for them either.
  */
-static inline void sim_clock_run(double rate, void (*tick)(void *user), void *user,
-                                 const volatile int *stop)
+static inline void sim_clock_run(double rate, void (*tick)(void *user), void *user, const volatile int *stop)
 {
     const uint64_t period = (uint64_t)(1e9 / rate);
     uint64_t next = clock_now();
@@ -23,8 +22,7 @@ static inline void sim_clock_run(double rate, void (*tick)(void *user), void *us
         if (now > next + 10000000u)
             next = now;
         else if (now < next) {
-            const struct timespec wait = { (time_t)((next - now) / 1000000000u),
-                                           (long)((next - now) % 1000000000u) };
+            const struct timespec wait = { (time_t)((next - now) / 1000000000u), (long)((next - now) % 1000000000u) };
             nanosleep(&wait, NULL);
         }
     }

@@ -51,8 +51,7 @@ static void send_estimates(struct simulate_can *simulated, uint32_t index)
 {
     const struct can_arm *arm = &simulated->arm;
     struct odrive_message message = { .command = ODRIVE_ESTIMATES };
-    message.as.estimates.position =
-        (float)((simulated->joint[index] - arm->zero[index]) / arm->joint_per_turn[index]);
+    message.as.estimates.position = (float)((simulated->joint[index] - arm->zero[index]) / arm->joint_per_turn[index]);
     message.as.estimates.velocity = (float)(simulated->speed[index] / arm->joint_per_turn[index]);
     send_message(simulated, &simulated->node[index], message);
 }
@@ -74,8 +73,7 @@ static void answer(struct simulate_can *simulated, uint32_t index, unsigned comm
         send_estimates(simulated, index);
         return;
     case ODRIVE_ERROR:
-        message.as.error.active =
-            node->generation == ODRIVE_0_5 ? node->motor_errors : node->errors;
+        message.as.error.active = node->generation == ODRIVE_0_5 ? node->motor_errors : node->errors;
         break;
     case ODRIVE_ADDRESS:
         /* Nodes with the same number have different serial numbers. */
@@ -129,8 +127,8 @@ static void take_frame(struct simulate_can *simulated, const struct can_message 
             node->state = (uint8_t)message.as.state;
         break;
     case ODRIVE_SET_MODE:
-        node->is_torque_mode = message.as.mode.control == ODRIVE_CONTROL_TORQUE &&
-                               message.as.mode.input == ODRIVE_INPUT_PASSTHROUGH;
+        node->is_torque_mode =
+            message.as.mode.control == ODRIVE_CONTROL_TORQUE && message.as.mode.input == ODRIVE_INPUT_PASSTHROUGH;
         break;
     case ODRIVE_SET_TORQUE:
         node->torque = message.as.torque;
@@ -153,8 +151,7 @@ static void move_joints(struct simulate_can *simulated)
     double efforts[DPT_JOINTS_MAX], weight[DPT_JOINTS_MAX] = { 0.0 };
     dpt_device_state state;
     if (simulated->swing > 0.0) {
-        const double turns =
-            (double)simulated->ticks / simulated->settings.rate / simulated->swing_period;
+        const double turns = (double)simulated->ticks / simulated->settings.rate / simulated->swing_period;
         simulated->hand[1] = simulated->swing * (fabs(4.0 * (turns - floor(turns)) - 2.0) - 1.0);
     }
     for (int part = 0; part < PARTS; part++) {
@@ -173,8 +170,7 @@ static void move_joints(struct simulate_can *simulated)
             const double motor = node->state == ODRIVE_STATE_CLOSED_LOOP && node->is_torque_mode
                                      ? (double)node->torque / arm->torque_per_effort[i]
                                      : 0.0;
-            const double sum =
-                motor + efforts[i] - weight[i] - simulated->damping[i] * simulated->speed[i];
+            const double sum = motor + efforts[i] - weight[i] - simulated->damping[i] * simulated->speed[i];
             simulated->speed[i] += sum / simulated->inertia[i] * h;
             simulated->joint[i] += simulated->speed[i] * h;
         }
@@ -195,8 +191,8 @@ void simulate_can_tick(struct simulate_can *simulated)
         move_joints(simulated);
     for (uint32_t i = 0; i < simulated->arm.joints; i++) {
         struct simulate_can_node *node = &simulated->node[i];
-        if (node->watchdog > 0.0 && (double)(simulated->ticks - node->heard_tick) >
-                                        node->watchdog * simulated->settings.rate)
+        if (node->watchdog > 0.0 &&
+            (double)(simulated->ticks - node->heard_tick) > node->watchdog * simulated->settings.rate)
             fail(node, watchdog_error(node));
         if (node->causes & ~node->errors)
             fail(node, node->causes);
@@ -214,8 +210,7 @@ void simulate_can_tick(struct simulate_can *simulated)
     simulated->count = 0;
 }
 
-dpt_result simulate_can_start(struct simulate_can *simulated, const char *where,
-                              dpt_device_error *error)
+dpt_result simulate_can_start(struct simulate_can *simulated, const char *where, dpt_device_error *error)
 {
     uint64_t nodes = 0;
     memset(simulated, 0, sizeof *simulated);
@@ -232,8 +227,7 @@ dpt_result simulate_can_start(struct simulate_can *simulated, const char *where,
         node->serial = 0x300000000000u + i;
         node->watchdog = simulated->settings.watchdog;
         node->estimate_ticks = simulated->settings.request == 0.0;
-        node->heartbeat_ticks =
-            (uint32_t)(simulated->settings.heartbeat * simulated->settings.rate + 0.5);
+        node->heartbeat_ticks = (uint32_t)(simulated->settings.heartbeat * simulated->settings.rate + 0.5);
         simulated->inertia[i] = simulated->arm.is_slider[i] ? 0.2 : 0.005;
         simulated->damping[i] = simulated->arm.is_slider[i] ? 1.0 : 0.02;
         simulated->joint[i] = simulated->arm.middle[i];

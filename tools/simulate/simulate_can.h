@@ -55,8 +55,7 @@ struct simulate_can {
 };
 
 /* Start with idle nodes and the joints in the middle of their limits. After a failure nothing stays open. */
-dpt_result simulate_can_start(struct simulate_can *simulated, const char *where,
-                              dpt_device_error *error);
+dpt_result simulate_can_start(struct simulate_can *simulated, const char *where, dpt_device_error *error);
 
 /*
  * One period of the setting `rate`: receive, move the mechanism, send. Reads no clock except for receive times.

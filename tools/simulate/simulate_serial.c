@@ -76,8 +76,7 @@ static void move_mechanism(struct simulate_serial *simulated)
 {
     const struct wire_info *info = &simulated->device.info;
     if (simulated->swing > 0.0) {
-        const double turns =
-            (double)simulated->device.sequence / (double)info->rate / simulated->swing_period;
+        const double turns = (double)simulated->device.sequence / (double)info->rate / simulated->swing_period;
         const double phase = 4.0 * (turns - floor(turns));
         simulated->mechanism.hand[1] = simulated->swing * (fabs(phase - 2.0) - 1.0);
     }

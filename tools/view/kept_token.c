@@ -14,14 +14,12 @@ enum { PATH_BYTES = 300 };
 /* Of this user, and closed to others. */
 static int is_own(const struct stat *status, mode_t kind)
 {
-    return (status->st_mode & S_IFMT) == kind && status->st_uid == geteuid() &&
-           (status->st_mode & 077) == 0;
+    return (status->st_mode & S_IFMT) == kind && status->st_uid == geteuid() && (status->st_mode & 077) == 0;
 }
 
 static int is_token(const struct view_token *token, ssize_t size)
 {
-    return size == VIEW_TOKEN_DIGITS &&
-           strspn(token->digits, "0123456789abcdef") == VIEW_TOKEN_DIGITS;
+    return size == VIEW_TOKEN_DIGITS && strspn(token->digits, "0123456789abcdef") == VIEW_TOKEN_DIGITS;
 }
 
 static int read_or_make(int file, struct view_token *token)
@@ -41,8 +39,8 @@ int view_token_keep(uint16_t port, struct view_token *token)
     const char *folder = getenv("XDG_RUNTIME_DIR");
     struct stat status;
     char path[PATH_BYTES];
-    if (!folder || folder[0] != '/' || strlen(folder) > PATH_BYTES - 40 ||
-        stat(folder, &status) != 0 || !is_own(&status, S_IFDIR))
+    if (!folder || folder[0] != '/' || strlen(folder) > PATH_BYTES - 40 || stat(folder, &status) != 0 ||
+        !is_own(&status, S_IFDIR))
         return 0;
     snprintf(path, sizeof path, "%s/dynpoint-view-%u", folder, (unsigned)port);
     const int file = open(path, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0600);

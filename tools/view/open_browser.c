@@ -37,8 +37,7 @@ static int write_file(const char *path, const char *url)
     const int size = fprintf(file,
                              "<!doctype html><meta charset=\"utf-8\"><title>dynpoint</title>"
                              "<meta name=\"referrer\" content=\"no-referrer\">"
-                             "<meta http-equiv=\"refresh\" content=\"0;url=%s\">"
-                             "<a href=\"%s\">dynpoint view</a>\n",
+                             "<meta http-equiv=\"refresh\" content=\"0;url=%s\"><a href=\"%s\">dynpoint view</a>\n",
                              url, url);
     return fclose(file) == 0 && size > 0;
 }
@@ -60,13 +59,11 @@ static int start_opener(const char *path, pid_t *opener)
     }
     int result = 0;
     for (int stream = 0; stream < 3 && !result; stream++)
-        result = posix_spawn_file_actions_addopen(&files, stream, "/dev/null",
-                                                  stream ? O_WRONLY : O_RDONLY, 0);
+        result = posix_spawn_file_actions_addopen(&files, stream, "/dev/null", stream ? O_WRONLY : O_RDONLY, 0);
     posix_spawnattr_setsigmask(&attributes, &none);
     posix_spawnattr_setsigdefault(&attributes, &all);
     posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
-                                              POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
     if (!result)
         result = posix_spawnp(opener, words[0], &files, &attributes, words, environ);
     posix_spawnattr_destroy(&attributes);
@@ -81,8 +78,7 @@ const char *view_open_browser(const char *url, struct opened_browser *browser)
     if (!is_plain(url))
         return "no address for a browser";
     if (!make_folder(getenv("XDG_RUNTIME_DIR"), browser->folder, sizeof browser->folder) &&
-        !make_folder(temporary && temporary[0] ? temporary : "/tmp", browser->folder,
-                     sizeof browser->folder)) {
+        !make_folder(temporary && temporary[0] ? temporary : "/tmp", browser->folder, sizeof browser->folder)) {
         browser->folder[0] = '\0';
         return "no folder for the file that leads there";
     }

@@ -89,8 +89,8 @@ static void push_tick(struct view_feed *feed, const struct view_tick *tick)
     __atomic_store_n(&feed->ticks_written, at + 1, __ATOMIC_RELEASE);
 }
 
-void view_feed_tick(struct view_feed *feed, const struct view_tick *tick,
-                    const struct view_physics *physics, uint64_t now_ns)
+void view_feed_tick(struct view_feed *feed, const struct view_tick *tick, const struct view_physics *physics,
+                    uint64_t now_ns)
 {
     feed->steps++;
     push_tick(feed, tick);
@@ -104,8 +104,7 @@ void view_feed_tick(struct view_feed *feed, const struct view_tick *tick,
     struct place *place = &feed->place[feed->latest.writing];
     const int is_moving = feed->has_moved && now_ns - feed->moved_ns < MOVED_FOR_NS;
     feed->def.max_vertices = is_moving || feed->made % VERTICES_EVERY == 0 ? feed->max_vertices : 0;
-    if (dpt_world_take_snapshot(feed->world, &feed->def, place->bytes, feed->capacity,
-                                &place->size) != DPT_OK)
+    if (dpt_world_take_snapshot(feed->world, &feed->def, place->bytes, feed->capacity, &place->size) != DPT_OK)
         return;
     place->number = feed->made;
     place->ns = now_ns;

@@ -36,8 +36,8 @@ struct view_physics {
 };
 
 /* After a step of the world. `now_ns` is of a clock that does not go back. */
-void view_feed_tick(struct view_feed *feed, const struct view_tick *tick,
-                    const struct view_physics *physics, uint64_t now_ns);
+void view_feed_tick(struct view_feed *feed, const struct view_tick *tick, const struct view_physics *physics,
+                    uint64_t now_ns);
 
 /*
  * 1 and a frame, which stays valid until the next call; 0: there is no newer one. `user` is the feed (view_server_def).

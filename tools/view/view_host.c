@@ -34,8 +34,7 @@ int view_address_is_local(const char *address)
 }
 
 /* The name without the port and brackets; 0 if the port is another. A browser leaves out that of HTTP. */
-static int split(const struct view_host *host, const char *text, char name[INET6_ADDRSTRLEN],
-                 int *is_bracketed)
+static int split(const struct view_host *host, const char *text, char name[INET6_ADDRSTRLEN], int *is_bracketed)
 {
     char port[8];
     const size_t size = strlen(text);
@@ -76,11 +75,9 @@ int view_host_is_own(const struct view_host *host, const char *text)
     int is_bracketed;
     if (!split(host, text, name, &is_bracketed))
         return 0;
-    if (is_bracketed ? !strcmp(name, "::1")
-                     : !strcmp(name, "127.0.0.1") || !strcmp(name, "localhost"))
+    if (is_bracketed ? !strcmp(name, "::1") : !strcmp(name, "127.0.0.1") || !strcmp(name, "localhost"))
         return 1;
-    if (!host->address ||
-        view_address_kind(name) != (is_bracketed ? VIEW_ADDRESS_6 : VIEW_ADDRESS_4))
+    if (!host->address || view_address_kind(name) != (is_bracketed ? VIEW_ADDRESS_6 : VIEW_ADDRESS_4))
         return 0;
     return view_address_is_every(host->address) || is_same_address(name, host->address);
 }

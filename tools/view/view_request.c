@@ -24,8 +24,7 @@ static int parse_position(const char *text, const char *end, double position[3])
     return text == end;
 }
 
-enum view_request_kind view_request_parse(const char *text, size_t size,
-                                          struct view_request *request)
+enum view_request_kind view_request_parse(const char *text, size_t size, struct view_request *request)
 {
     double position[3];
     *request = (struct view_request){ .kind = VIEW_REQUEST_UNKNOWN };
@@ -35,8 +34,7 @@ enum view_request_kind view_request_parse(const char *text, size_t size,
         request->kind = VIEW_REQUEST_READY;
     } else if (is_word(text, size, "drawn")) {
         request->kind = VIEW_REQUEST_DRAWN;
-    } else if (size > 4 && memcmp(text, "hand", 4) == 0 &&
-               parse_position(text + 4, text + size, position)) {
+    } else if (size > 4 && memcmp(text, "hand", 4) == 0 && parse_position(text + 4, text + size, position)) {
         request->kind = VIEW_REQUEST_HAND;
         memcpy(request->position, position, sizeof position);
     }

@@ -19,12 +19,7 @@
 /* The largest coordinate of a hand, m. */
 #define VIEW_REQUEST_HAND_MAX 1e6
 
-enum view_request_kind {
-    VIEW_REQUEST_UNKNOWN,
-    VIEW_REQUEST_READY,
-    VIEW_REQUEST_DRAWN,
-    VIEW_REQUEST_HAND
-};
+enum view_request_kind { VIEW_REQUEST_UNKNOWN, VIEW_REQUEST_READY, VIEW_REQUEST_DRAWN, VIEW_REQUEST_HAND };
 
 struct view_request {
     enum view_request_kind kind;
@@ -32,7 +27,6 @@ struct view_request {
 };
 
 /* `text` needs no zero at its end. Returns the kind. */
-enum view_request_kind view_request_parse(const char *text, size_t size,
-                                          struct view_request *request);
+enum view_request_kind view_request_parse(const char *text, size_t size, struct view_request *request);
 
 #endif

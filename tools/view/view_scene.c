@@ -54,8 +54,7 @@ static size_t sequence_length(const unsigned char *s)
             return 0;
     if ((length == 2 && s[0] < 0xc2) || (length == 3 && s[0] == 0xe0 && s[1] < 0xa0) ||
         (length == 3 && s[0] == 0xed && s[1] >= 0xa0) ||
-        (length == 4 &&
-         ((s[0] == 0xf0 && s[1] < 0x90) || s[0] > 0xf4 || (s[0] == 0xf4 && s[1] >= 0x90))))
+        (length == 4 && ((s[0] == 0xf0 && s[1] < 0x90) || s[0] > 0xf4 || (s[0] == 0xf4 && s[1] >= 0x90))))
         return 0;
     return length;
 }

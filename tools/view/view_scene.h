@@ -19,11 +19,10 @@ struct view_scene {
     const char *mode;   /* "live", "recording" or "mesh" */
     const char *device; /* its name; NULL: there is none */
     int is_simulated, has_workspace;
-    double rate; /* Hz, of the device's loop */
-    double workspace
-        [6];         /* of the tool, in the scene's frame: three least coordinates, three largest */
-    int has_control; /* the simulated hand may be steered */
-    const char *up;  /* "y" or "z" */
+    double rate;          /* Hz, of the device's loop */
+    double workspace[6];  /* of the tool, in the scene's frame: three least coordinates, three largest */
+    int has_control;      /* the simulated hand may be steered */
+    const char *up;       /* "y" or "z" */
     const double *camera; /* position, target, up: nine numbers; NULL: the page's */
     double force_max;     /* N; 0: not known */
     const struct view_scene_body *bodies;

@@ -53,10 +53,8 @@ struct encoder {
 
 static void encode_waiting(struct encoder *to)
 {
-    static const char letters[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const uint32_t bits =
-        (uint32_t)to->waiting[0] << 16 | (uint32_t)to->waiting[1] << 8 | (uint32_t)to->waiting[2];
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const uint32_t bits = (uint32_t)to->waiting[0] << 16 | (uint32_t)to->waiting[1] << 8 | (uint32_t)to->waiting[2];
     char out[4];
     for (int i = 0; i < 4; i++)
         out[i] = letters[bits >> (18 - 6 * i) & 63];
@@ -93,8 +91,7 @@ static void write_stream(const struct view_stream *stream, FILE *file)
         encode_waiting(&to);
 }
 
-int view_stream_write_page(const struct view_stream *stream, const struct view_page *page,
-                           FILE *file)
+int view_stream_write_page(const struct view_stream *stream, const struct view_page *page, FILE *file)
 {
     const size_t length = sizeof marker - 1;
     for (size_t at = 0; at + length <= page->size; at++) {

@@ -26,8 +26,7 @@ int view_stream_add(struct view_stream *stream, void *bytes, size_t size);
 int view_stream_add_end(struct view_stream *stream, const char *text);
 
 /* Write the page with the stream in it. Errors are left in the file's error flag. Returns 0 if the page has no place for it. */
-int view_stream_write_page(const struct view_stream *stream, const struct view_page *page,
-                           FILE *file);
+int view_stream_write_page(const struct view_stream *stream, const struct view_page *page, FILE *file);
 
 void view_stream_free(struct view_stream *stream);
 

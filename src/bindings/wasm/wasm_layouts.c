@@ -21,7 +21,7 @@ struct layout_row {
     double value;     /* of a constant: its row has a type alone */
 };
 
-#define ITEM(type, field)                                                                          \
+#define ITEM(type, field)                                                                                              \
     _Generic(((type *)0)->field, uint32_t: "u32", uint32_t *: "u32", int32_t: "i32",               \
              int32_t *: "i32", uint64_t: "u64", uint64_t *: "u64", int64_t: "i64",                 \
              int64_t *: "i64", float: "f32", float *: "f32", double: "f64", double *: "f64",       \

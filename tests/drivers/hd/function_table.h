@@ -112,11 +112,10 @@ HD_CONSTANTS(SAME)
 #define KNOWN(name, value, sources) CLAIM(name##_is_in_the_header, (int)(name) == (value))
 TABLE_CONSTANTS(KNOWN)
 
-#define OURS(result, name, arguments)                                                              \
-    __attribute__((visibility("default"))) result HD_CALL name arguments;
+#define OURS(result, name, arguments) __attribute__((visibility("default"))) result HD_CALL name arguments;
 HD_FUNCTIONS(OURS, OURS)
-#define THEIRS(result, name, arguments)                                                            \
-    result HD_CALL name arguments;                                                                 \
+#define THEIRS(result, name, arguments)                                                                                \
+    result HD_CALL name arguments;                                                                                     \
     enum { TABLE_##name };
 TABLE_FUNCTIONS(THEIRS)
 #define LISTED(result, name, arguments) CLAIM(name##_is_listed, (int)TABLE_##name == 0)
@@ -126,9 +125,8 @@ CLAIM(as_many_functions, (0 HD_FUNCTIONS(ONE, ONE)) == (0 TABLE_FUNCTIONS(ONE)))
 
 /* The error, by value; codes as wide as they are. */
 CLAIM(an_error_is_three_words, sizeof(hd_error) == 12)
-CLAIM(an_error_begins_with_its_code, offsetof(hd_error, code) == 0 &&
-                                         offsetof(hd_error, internal) == 4 &&
-                                         offsetof(hd_error, device) == 8)
+CLAIM(an_error_begins_with_its_code,
+      offsetof(hd_error, code) == 0 && offsetof(hd_error, internal) == 4 && offsetof(hd_error, device) == 8)
 
 #undef VALUE
 #undef SAME

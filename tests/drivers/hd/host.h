@@ -36,9 +36,9 @@ static struct {
     int64_t skew;
 } host;
 
-#define WRAP(result, name, ...)                                                                    \
-    result __real_##name(__VA_ARGS__);                                                             \
-    result __wrap_##name(__VA_ARGS__);                                                             \
+#define WRAP(result, name, ...)                                                                                        \
+    result __real_##name(__VA_ARGS__);                                                                                 \
+    result __wrap_##name(__VA_ARGS__);                                                                                 \
     result __wrap_##name(__VA_ARGS__)
 
 WRAP(void *, dlopen, const char *name, int flags)
@@ -87,8 +87,7 @@ WRAP(FILE *, fopen, const char *path, const char *mode)
     const char *port = host.forbidden ? host.forbidden + strlen("/dev/") : NULL;
     if (strncmp(path, "/sys/class/", 11) != 0)
         return __real_fopen(path, mode);
-    if (!port || !strstr(path, port) ||
-        strchr(strstr(path, port), '/')[-1] != port[strlen(port) - 1])
+    if (!port || !strstr(path, port) || strchr(strstr(path, port), '/')[-1] != port[strlen(port) - 1])
         return NULL;
     char *text = strstr(port, "hidraw") ? hidraw : serial;
     return fmemopen(text, strlen(text), mode);
@@ -130,8 +129,7 @@ static inline const char *beside(const char *program, const char *file)
 {
     static char path[256];
     const char *end = strrchr(program, '/');
-    snprintf(path, sizeof path, "%.*s/%s", end ? (int)(end - program) : 1, end ? program : ".",
-             file);
+    snprintf(path, sizeof path, "%.*s/%s", end ? (int)(end - program) : 1, end ? program : ".", file);
     return path;
 }
 
@@ -190,8 +188,7 @@ static const char *patience = "&silent=2"; /* "" where the default is meant */
 static inline dpt_result open_at(dpt_device **opened, const char *name, const char *settings)
 {
     char where[512];
-    snprintf(where, sizeof where, "openhaptics:%s?library=%s%s%s", name, library_path, patience,
-             settings);
+    snprintf(where, sizeof where, "openhaptics:%s?library=%s%s%s", name, library_path, patience, settings);
     go();
     const dpt_result result = dpt_device_open(where, opened, &error);
     hold();

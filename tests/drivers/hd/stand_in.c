@@ -123,16 +123,12 @@ unsigned HD_CALL hdInitDevice(const char *name)
         has_failed = 0;
         return STAND_IN_STALE;
     }
-    while (at < STAND_IN_DEVICES &&
-           strcmp(stand_in.device[at].name, name ? name : "Default Device"))
+    while (at < STAND_IN_DEVICES && strcmp(stand_in.device[at].name, name ? name : "Default Device"))
         at++;
     const int is_there = at < STAND_IN_DEVICES && stand_in.device[at].is_plugged;
     if (failure || !is_there || stand_in.device[at].is_open) {
         has_failed = 1;
-        stand_in_push(failure     ? failure
-                      : !is_there ? HD_DEVICE_FAULT
-                                  : HD_DEVICE_ALREADY_INITIATED,
-                      -7, NO_HANDLE);
+        stand_in_push(failure ? failure : !is_there ? HD_DEVICE_FAULT : HD_DEVICE_ALREADY_INITIATED, -7, NO_HANDLE);
         return NO_HANDLE;
     }
     stand_in.device[at].is_open = 1;
@@ -249,8 +245,7 @@ static struct stand_in_device *asked(unsigned what)
     }
     for (int i = 0; i < 4; i++)
         if (stand_in.unsupported[i] == what) {
-            stand_in_push(stand_in.unsupported_as ? stand_in.unsupported_as : HD_INVALID_ENUM, 0,
-                          (unsigned)current);
+            stand_in_push(stand_in.unsupported_as ? stand_in.unsupported_as : HD_INVALID_ENUM, 0, (unsigned)current);
             return NULL;
         }
     if (device->depth > 0 || (what >= 0x2500 && what < 0x2700 && what != HD_MOTOR_TEMPERATURE))
@@ -368,8 +363,7 @@ const char *HD_CALL hdGetString(unsigned what)
 /* In the inkwell an arm is where the library knows it. */
 unsigned HD_CALL hdCheckCalibration(void)
 {
-    const struct stand_in_device *device =
-        current == STAND_IN_NONE ? NULL : &stand_in.device[current];
+    const struct stand_in_device *device = current == STAND_IN_NONE ? NULL : &stand_in.device[current];
     if (!device) {
         stand_in_push(HD_BAD_HANDLE, 0, (unsigned)current);
         return HD_CALIBRATION_NEEDS_MANUAL_INPUT;

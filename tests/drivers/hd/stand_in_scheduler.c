@@ -203,8 +203,8 @@ void HD_CALL hdStopScheduler(void)
     __atomic_store_n(&runs, 0, __ATOMIC_RELEASE);
     pthread_join(thread, NULL);
     for (int i = 0; i < 3 * STAND_IN_DEVICES; i++)
-        if (has_callbacks() && (stand_in.device[i / 3].force[i % 3] != 0.0 ||
-                                stand_in.device[i / 3].torque[i % 3] != 0.0))
+        if (has_callbacks() &&
+            (stand_in.device[i / 3].force[i % 3] != 0.0 || stand_in.device[i / 3].torque[i % 3] != 0.0))
             stand_in_break("the scheduler stopped under force");
 }
 
@@ -218,8 +218,7 @@ void HD_CALL hdSetSchedulerRate(unsigned long rate)
         stand_in.rate = (unsigned)rate;
 }
 
-unsigned long HD_CALL hdScheduleAsynchronous(hd_callback *callback, void *user,
-                                             unsigned short priority)
+unsigned long HD_CALL hdScheduleAsynchronous(hd_callback *callback, void *user, unsigned short priority)
 {
     const unsigned failure = stand_in.fail_schedule;
     stand_in.fail_schedule = 0;

@@ -33,9 +33,8 @@ static void info(void)
     if (result != DPT_OK || !output_read(0, size, sizeof now, sizeof now, &now))
         return;
     numbers_are_finite(&now.mass, 8, "mass and tool");
-    HOLDS(now.joints == of.subject->joints && now.links == of.subject->links &&
-              now.segments == of.subject->segments && now.bodies == of.subject->bodies &&
-              now.tool_link < now.links && memchr(now.name, 0, sizeof now.name),
+    HOLDS(now.joints == of.subject->joints && now.links == of.subject->links && now.segments == of.subject->segments &&
+              now.bodies == of.subject->bodies && now.tool_link < now.links && memchr(now.name, 0, sizeof now.name),
           "%u joints, %u links", now.joints, now.links);
 }
 
@@ -44,14 +43,11 @@ static void item(void)
 {
     struct asked of = draw_arm();
     const int kind = (int)draw_below(7);
-    const uint32_t counts[] = { of.subject->joints,   of.subject->links, of.subject->bodies,
-                                of.subject->segments, of.subject->jaws,  of.subject->jaw_links,
-                                of.subject->tips };
-    const size_t todays[] = { sizeof(dpt_arm_joint), sizeof(dpt_arm_link),  sizeof(dpt_arm_body),
-                              sizeof(dpt_segment),   sizeof(dpt_arm_joint), sizeof(dpt_arm_link),
-                              sizeof(dpt_arm_tip) };
-    const uint32_t index =
-        draw_one_in(8) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(counts[kind] + 1);
+    const uint32_t counts[] = { of.subject->joints, of.subject->links,     of.subject->bodies, of.subject->segments,
+                                of.subject->jaws,   of.subject->jaw_links, of.subject->tips };
+    const size_t todays[] = { sizeof(dpt_arm_joint), sizeof(dpt_arm_link), sizeof(dpt_arm_body), sizeof(dpt_segment),
+                              sizeof(dpt_arm_joint), sizeof(dpt_arm_link), sizeof(dpt_arm_tip) };
+    const uint32_t index = draw_one_in(8) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(counts[kind] + 1);
     const size_t today = todays[kind];
     const uint32_t size = draw_size(today, today);
     void *out = kind == 3 ? output_of(0, today) : output_sized(0, size);
@@ -118,8 +114,7 @@ static void kinematics(void)
         double *velocity = output_of(0, 24), *spin = output_of(1, 24);
         may_fail(&of.codes, no_other, DPT_E_ARGUMENT);
         draw_numbers(other, n, &of.codes);
-        answers(RESULT(dpt_arm_velocity, of.arm, given, no_other ? NULL : other,
-                       of.no_out ? NULL : velocity, spin),
+        answers(RESULT(dpt_arm_velocity, of.arm, given, no_other ? NULL : other, of.no_out ? NULL : velocity, spin),
                 &of.codes, 2);
         if (!of.codes.count) {
             numbers_are_finite(velocity, 3, "a velocity");
@@ -136,18 +131,15 @@ static void kinematics(void)
         may_fail(&of.codes, no_other, DPT_E_ARGUMENT);
         draw_numbers(wrench.force, 3, &of.codes);
         draw_numbers(wrench.torque, 3, &of.codes);
-        answers(RESULT(dpt_arm_efforts, of.arm, given, no_other ? NULL : &wrench,
-                       of.no_out ? NULL : out),
-                &of.codes, 1);
+        answers(RESULT(dpt_arm_efforts, of.arm, given, no_other ? NULL : &wrench, of.no_out ? NULL : out), &of.codes,
+                1);
         if (!of.codes.count)
             numbers_are_finite(out, n, "efforts");
     } else {
         double *out = output_of(0, n * sizeof *out);
         may_fail(&of.codes, no_other, DPT_E_ARGUMENT);
         draw_numbers(other, 3, &of.codes);
-        answers(
-            RESULT(dpt_arm_weight, of.arm, given, no_other ? NULL : other, of.no_out ? NULL : out),
-            &of.codes, 1);
+        answers(RESULT(dpt_arm_weight, of.arm, given, no_other ? NULL : other, of.no_out ? NULL : out), &of.codes, 1);
         if (!of.codes.count)
             numbers_are_finite(out, n, "efforts");
     }
@@ -163,8 +155,7 @@ static void tip_pose(void)
     may_fail(&of.codes, index >= of.subject->tips || (no_jaws && n), DPT_E_ARGUMENT);
     draw_numbers(jaws, n, &of.codes);
     dpt_pose *out = output_of(0, sizeof *out);
-    answers(RESULT(dpt_arm_tip_pose, of.arm, index, no_jaws ? NULL : jaws, of.no_out ? NULL : out),
-            &of.codes, 1);
+    answers(RESULT(dpt_arm_tip_pose, of.arm, index, no_jaws ? NULL : jaws, of.no_out ? NULL : out), &of.codes, 1);
     if (!of.codes.count)
         numbers_are_finite(out->position, 7, "a tip's pose");
 }
@@ -174,10 +165,8 @@ static void refuse_null(void)
     const dpt_arm *arm;
     const struct arm_subject *subject = &arm_subjects[draw_below(ARMS)];
     HOLDS(RESULT(dpt_arm_open, subject->bytes, subject->size, NULL) == DPT_E_ARGUMENT, "nowhere");
-    HOLDS(RESULT(dpt_arm_open, subjects[0].bytes, subjects[0].size, &arm) == DPT_E_MAGIC,
-          "a mesh is no arm");
-    HOLDS(RESULT(dpt_arm_open, subject->bytes, subject->size, &arm) == DPT_OK &&
-              arm == subject->arm,
+    HOLDS(RESULT(dpt_arm_open, subjects[0].bytes, subjects[0].size, &arm) == DPT_E_MAGIC, "a mesh is no arm");
+    HOLDS(RESULT(dpt_arm_open, subject->bytes, subject->size, &arm) == DPT_OK && arm == subject->arm,
           "a pointer into the bytes");
 }
 

@@ -4,8 +4,7 @@
 
 enum { CHURN_MAX = 4200 };
 
-static void add_one(struct scene *scene, const struct subject *subject, const dpt_pose *pose,
-                    int no_world, int no_out)
+static void add_one(struct scene *scene, const struct subject *subject, const dpt_pose *pose, int no_world, int no_out)
 {
     struct codes codes = { .count = 0 };
     dpt_body id[2] = { 0x5a5a5a5a, 0x5a5a5a5a };
@@ -15,12 +14,12 @@ static void add_one(struct scene *scene, const struct subject *subject, const dp
         pose_codes(pose, &codes);
     if (!no_world)
         may_fail(&codes, scene->body_count == scene->def.max_bodies, DPT_E_FULL);
-    call_with("scene %llu, %llu bodies of %llu", (uint64_t)(scene - scenes), scene->body_count,
-              scene->def.max_bodies, 0);
+    call_with("scene %llu, %llu bodies of %llu", (uint64_t)(scene - scenes), scene->body_count, scene->def.max_bodies,
+              0);
     EACH_WORLD(scene, i)
     SAME_RESULT(i, result,
-                RESULT(dpt_body_add, world_or_null(scene, i, no_world),
-                       subject ? subject->mesh : NULL, pose, no_out ? NULL : &id[i]));
+                RESULT(dpt_body_add, world_or_null(scene, i, no_world), subject ? subject->mesh : NULL, pose,
+                       no_out ? NULL : &id[i]));
     expect(result, &codes);
     if (result != DPT_OK) {
         HOLDS(id[0] == 0x5a5a5a5a || id[0] == 0, "an id %x on an error", id[0]);
@@ -46,8 +45,8 @@ static void add(void)
     if (!scene)
         return;
     const dpt_pose pose = draw_pose(NULL);
-    add_one(scene, draw_one_in(60) ? NULL : draw_subject(), draw_one_in(4) ? NULL : &pose,
-            draw_one_in(60), draw_one_in(60));
+    add_one(scene, draw_one_in(60) ? NULL : draw_subject(), draw_one_in(4) ? NULL : &pose, draw_one_in(60),
+            draw_one_in(60));
 }
 
 static void remove_one(struct scene *scene, uint32_t id, int no_world)
@@ -110,8 +109,7 @@ static void move(void)
         dpt_world *world = world_or_null(scene, i, no_world);
         const dpt_pose *given = no_pose ? NULL : &pose;
         SAME_RESULT(i, result,
-                    jumps ? RESULT(dpt_body_teleport, world, id, given)
-                          : RESULT(dpt_body_set_pose, world, id, given));
+                    jumps ? RESULT(dpt_body_teleport, world, id, given) : RESULT(dpt_body_set_pose, world, id, given));
     }
     expect(result, &codes);
     if (no_world || !body)
@@ -138,13 +136,10 @@ static void get_pose(void)
     EACH_WORLD(scene, i)
     {
         dpt_pose *out = output_of(i, sizeof *out);
-        SAME_RESULT(
-            i, result,
-            RESULT(dpt_body_get_pose, world_or_null(scene, i, no_world), id, no_out ? NULL : out));
+        SAME_RESULT(i, result, RESULT(dpt_body_get_pose, world_or_null(scene, i, no_world), id, no_out ? NULL : out));
         const dpt_pose identity = DPT_POSE_IDENTITY;
         const dpt_pose *expected = result == DPT_OK ? &body->pose : &identity;
-        HOLDS((result != DPT_OK && output_is_untouched(i, 0)) ||
-                  !memcmp(out, expected, sizeof *out),
+        HOLDS((result != DPT_OK && output_is_untouched(i, 0)) || !memcmp(out, expected, sizeof *out),
               "not the last pose that could be used");
     }
     expect(result, &codes);
@@ -172,9 +167,8 @@ static void user(void)
         SAME_RESULT(i, result,
                     sets ? RESULT(dpt_body_set_user, world, id, value)
                          : RESULT(dpt_body_get_user, world, id, no_out ? NULL : out));
-        HOLDS(sets || no_out || output_is_untouched(i, 0) ||
-                  *out == (result == DPT_OK ? body->user : 0),
-              "user %llx", (unsigned long long)*out);
+        HOLDS(sets || no_out || output_is_untouched(i, 0) || *out == (result == DPT_OK ? body->user : 0), "user %llx",
+              (unsigned long long)*out);
         HOLDS(sets || result != DPT_OK || !output_is_untouched(i, 0), "nothing was told");
     }
     expect(result, &codes);
@@ -194,12 +188,10 @@ static void set_settings(void)
     dpt_body_settings settings = { .unfelt = draw_one_in(30)  ? 2u
                                              : draw_one_in(8) ? 1u
                                                               : 0u,
-                                   .side_limit =
-                                       draw_one_in(8) ? draw_odd_number() : draw_in(0.0, 0.2) };
+                                   .side_limit = draw_one_in(8) ? draw_odd_number() : draw_in(0.0, 0.2) };
     if (draw_one_in(2)) {
         settings.static_friction = draw_one_in(16) ? draw_odd_number() : draw_in(0.0, 1.2);
-        settings.kinetic_friction =
-            draw_one_in(16) ? draw_odd_number() : draw_in(0.0, 1.0) * settings.static_friction;
+        settings.kinetic_friction = draw_one_in(16) ? draw_odd_number() : draw_in(0.0, 1.0) * settings.static_friction;
     }
     if (draw_one_in(4))
         settings.stiffness = draw_one_in(8) ? draw_odd_number() : draw_in(0.0, 3000.0);
@@ -209,8 +201,8 @@ static void set_settings(void)
     may_fail(&codes, !body, DPT_E_HANDLE);
     const void *given = NULL;
     if (!no_settings) {
-        given = draw_input(0, &settings, draw_size(sizeof settings, sizeof settings),
-                           sizeof settings, sizeof settings, &codes);
+        given = draw_input(0, &settings, draw_size(sizeof settings, sizeof settings), sizeof settings, sizeof settings,
+                           &codes);
         may_fail(&codes,
                  settings.unfelt > 1 || !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9) ||
                      !(settings.side_limit >= 0.0 && settings.side_limit <= DPT_COORDINATE_MAX) ||
@@ -220,8 +212,7 @@ static void set_settings(void)
     }
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
     EACH_WORLD(scene, i)
-    SAME_RESULT(i, result,
-                RESULT(dpt_body_set_settings, world_or_null(scene, i, no_world), id, given));
+    SAME_RESULT(i, result, RESULT(dpt_body_set_settings, world_or_null(scene, i, no_world), id, given));
     expect(result, &codes);
     if (result != DPT_OK)
         return;
@@ -254,19 +245,15 @@ static void get_settings(void)
     {
         void *out = output_sized(i, size);
         SAME_RESULT(i, result,
-                    RESULT(dpt_body_get_settings, world_or_null(scene, i, no_world), id,
-                           no_out ? NULL : out));
+                    RESULT(dpt_body_get_settings, world_or_null(scene, i, no_world), id, no_out ? NULL : out));
     }
     expect(result, &codes);
     outputs_are_guarded(0, scene->world_count);
     if (result == DPT_OK && output_read(0, size, sizeof now, 8, &now))
-        HOLDS(now.side_limit == body->side_limit && now.unfelt == body->unfelt &&
-                  now.stiffness == body->stiffness &&
-                  now.static_friction == body->static_friction &&
-                  now.kinetic_friction == body->kinetic_friction,
-              "side_limit %g, friction %g, %g, and not %g, %g, %g", now.side_limit,
-              now.static_friction, now.kinetic_friction, body->side_limit, body->static_friction,
-              body->kinetic_friction);
+        HOLDS(now.side_limit == body->side_limit && now.unfelt == body->unfelt && now.stiffness == body->stiffness &&
+                  now.static_friction == body->static_friction && now.kinetic_friction == body->kinetic_friction,
+              "side_limit %g, friction %g, %g, and not %g, %g, %g", now.side_limit, now.static_friction,
+              now.kinetic_friction, body->side_limit, body->static_friction, body->kinetic_friction);
 }
 
 static void is_valid(void)
@@ -279,8 +266,7 @@ static void is_valid(void)
         const int no_world = draw_one_in(60);
         call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
         EACH_WORLD(scene, i)
-        HOLDS(CALL(dpt_body_is_valid, world_or_null(scene, i, no_world), id) ==
-                  (!no_world && scene_body(scene, id)),
+        HOLDS(CALL(dpt_body_is_valid, world_or_null(scene, i, no_world), id) == (!no_world && scene_body(scene, id)),
               "id %x", id);
     }
 }

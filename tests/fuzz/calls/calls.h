@@ -37,28 +37,28 @@ void call_ends(struct site *site, dpt_result result);
 void call_with(const char *format, uint64_t a, uint64_t b, uint64_t c, uint64_t d);
 
 /* A call of something public. */
-#define CALL(function, ...)                                                                        \
-    ({                                                                                             \
-        static struct site call_site = { .name = #function };                                      \
-        call_begins(&call_site);                                                                   \
-        function(__VA_ARGS__);                                                                     \
+#define CALL(function, ...)                                                                                            \
+    ({                                                                                                                 \
+        static struct site call_site = { .name = #function };                                                          \
+        call_begins(&call_site);                                                                                       \
+        function(__VA_ARGS__);                                                                                         \
     })
 
 /* And one that answers a dpt_result. */
-#define RESULT(function, ...)                                                                      \
-    ({                                                                                             \
-        static struct site call_site = { .name = #function, .has_result = 1 };                     \
-        call_begins(&call_site);                                                                   \
-        const dpt_result call_result = function(__VA_ARGS__);                                      \
-        call_ends(&call_site, call_result);                                                        \
-        call_result;                                                                               \
+#define RESULT(function, ...)                                                                                          \
+    ({                                                                                                                 \
+        static struct site call_site = { .name = #function, .has_result = 1 };                                         \
+        call_begins(&call_site);                                                                                       \
+        const dpt_result call_result = function(__VA_ARGS__);                                                          \
+        call_ends(&call_site, call_result);                                                                            \
+        call_result;                                                                                                   \
     })
 
 /* What the model demands: what does not hold ends the run, with the trace and how to play the game again. */
-#define HOLDS(condition, ...)                                                                      \
-    do {                                                                                           \
-        if (!(condition))                                                                          \
-            call_fails(__FILE__, __LINE__, #condition, __VA_ARGS__);                               \
+#define HOLDS(condition, ...)                                                                                          \
+    do {                                                                                                               \
+        if (!(condition))                                                                                              \
+            call_fails(__FILE__, __LINE__, #condition, __VA_ARGS__);                                                   \
     } while (0)
 
 void call_fails(const char *file, int line, const char *condition, const char *format, ...)
@@ -115,8 +115,7 @@ uint32_t draw_size(size_t first, size_t today);
 void size_codes_of_output(uint32_t size, size_t first, int stride, struct codes *codes);
 
 /* The same for an input, which is brought into a block of its size, whose bytes behind today's are zero or not. */
-const void *draw_input(int slot, const void *good, uint32_t size, size_t first, size_t today,
-                       struct codes *codes);
+const void *draw_input(int slot, const void *good, uint32_t size, size_t first, size_t today, struct codes *codes);
 
 /* ---- outputs, with guards about them ---- */
 
@@ -176,8 +175,8 @@ struct subject {
     uint32_t triangles;
     int is_solid; /* one closed part that does not cut itself */
     uint32_t vertices;
-    const float *positions;  /* of the vertices */
-    const uint32_t *corners; /* of the triangles that were not dropped, in the file's order */
+    const float *positions;         /* of the vertices */
+    const uint32_t *corners;        /* of the triangles that were not dropped, in the file's order */
     uint32_t place[TRIANGLES_MOST]; /* in that order, by source number; DPT_NONE: dropped */
 };
 
@@ -220,10 +219,10 @@ struct noun {
     const struct move *moves;
 };
 
-extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_noun, strip_noun,
-    query_noun, mesh_noun, arm_noun, compile_noun, guard_noun, device_noun, loop_noun, name_noun,
-    trial_noun, selftest_noun, proxy_noun, coupling_noun, passivity_noun, record_noun,
-    identify_noun, deform_noun, node_noun, spring_noun, exchange_noun, snapshot_noun, hull_noun;
+extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_noun, strip_noun, query_noun, mesh_noun,
+    arm_noun, compile_noun, guard_noun, device_noun, loop_noun, name_noun, trial_noun, selftest_noun, proxy_noun,
+    coupling_noun, passivity_noun, record_noun, identify_noun, deform_noun, node_noun, spring_noun, exchange_noun,
+    snapshot_noun, hull_noun;
 
 /* ---- what a run must have met, or it tests little ---- */
 

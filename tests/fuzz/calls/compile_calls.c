@@ -90,9 +90,8 @@ static void draw_springs(struct given_def *of)
     springs->region_count = draw_below(REGIONS_MAX + 1);
     springs->fixed = draw_one_in(30) ? NULL : &of->fixed;
     springs->fixed_count = draw_below(2);
-    double *const numbers[] = { &springs->young,       &springs->density,     &springs->drag,
-                                &springs->viscosity,   &springs->spacing,     &springs->bending,
-                                &of->regions[0].young, &of->regions[0].box[2] };
+    double *const numbers[] = { &springs->young,   &springs->density, &springs->drag,        &springs->viscosity,
+                                &springs->spacing, &springs->bending, &of->regions[0].young, &of->regions[0].box[2] };
     if (draw_one_in(12))
         *numbers[draw_below(8)] = draw_odd_number();
     if (draw_one_in(30))
@@ -141,8 +140,7 @@ static void draw_def(struct given_def *of)
         draw_springs(of);
     uint32_t size = draw_size(first, sizeof *def);
     /* Half a pointer leads anywhere, and half a count is one. */
-    if (size > offsetof(dpt_compile_def, nodes) &&
-        size < offsetof(dpt_compile_def, reserved_pointer))
+    if (size > offsetof(dpt_compile_def, nodes) && size < offsetof(dpt_compile_def, reserved_pointer))
         size = sizeof *def;
     of->given = draw_input(2, def, size, first, sizeof *def, &of->codes);
     /* What it does not reach to has its default. */
@@ -151,8 +149,8 @@ static void draw_def(struct given_def *of)
     if (size < offsetof(dpt_compile_def, threads))
         def->crease = 0.0;
     may_fail(&of->codes,
-             def->format > DPT_FORMAT_OFF || def->reserved || !(def->scale >= 0.0) ||
-                 !(def->scale <= 1e30) || !(def->crease >= 0.0 && def->crease <= 3.1415926536),
+             def->format > DPT_FORMAT_OFF || def->reserved || !(def->scale >= 0.0) || !(def->scale <= 1e30) ||
+                 !(def->crease >= 0.0 && def->crease <= 3.1415926536),
              DPT_E_ARGUMENT);
     /* Half a field is nobody's. */
     of->codes.or_done = !of->codes.count && size > first && size < sizeof *def;
@@ -175,8 +173,8 @@ static void outcome_must_hold(struct outcome *of, dpt_result result, int no_out)
     outputs_are_guarded(0, 1);
     if (no_out)
         return;
-    HOLDS((result == DPT_OK) == (of->out.bytes != NULL) && (of->out.bytes || !of->out.size),
-          "%s, %zu bytes", dpt_result_name(result), of->out.size);
+    HOLDS((result == DPT_OK) == (of->out.bytes != NULL) && (of->out.bytes || !of->out.size), "%s, %zu bytes",
+          dpt_result_name(result), of->out.size);
     HOLDS((uintptr_t)of->out.bytes % 64 == 0, "not aligned to 64");
     dpt_diag now;
     if (!of->has_diag || result == DPT_OK || output_is_untouched(0, sizeof of->diag_size))
@@ -208,8 +206,7 @@ static void take(struct outcome *of, size_t triangles)
               RESULT(dpt_mesh_open, of->out.bytes, of->out.size, &mesh) == DPT_OK &&
               RESULT(dpt_mesh_get_info, mesh, &info) == DPT_OK,
           "what was compiled does not open");
-    HOLDS(info.source_triangles == triangles || !triangles, "%u triangles of %zu",
-          info.source_triangles, triangles);
+    HOLDS(info.source_triangles == triangles || !triangles, "%u triangles of %zu", info.source_triangles, triangles);
     game_digest(of->out.bytes, of->out.size);
     int is_near = info.nodes <= 4; /* as the game's nodes are */
     for (int k = 0; k < 3; k++)
@@ -265,13 +262,11 @@ static void arrays(void)
     codes.or_done |= !codes.count || (codes.count == 1 && def.progress.stops_at > 0);
     may_fail(&codes, 1, DPT_E_EMPTY);
     call_with("%llu vertices, %llu triangles", count, triangles, 0, 0);
-    const dpt_result result =
-        RESULT(dpt_compile_arrays, no_vertices ? NULL : vertices, count,
-               no_corners ? NULL : corners, triangles, def.given, no_out ? NULL : &of.out, diag);
+    const dpt_result result = RESULT(dpt_compile_arrays, no_vertices ? NULL : vertices, count,
+                                     no_corners ? NULL : corners, triangles, def.given, no_out ? NULL : &of.out, diag);
     expect(result, &codes);
     outcome_must_hold(&of, result, no_out);
-    HOLDS(!def.progress.stops_at || def.progress.calls <= def.progress.stops_at,
-          "it went on after it was stopped");
+    HOLDS(!def.progress.stops_at || def.progress.calls <= def.progress.stops_at, "it went on after it was stopped");
     if (result == DPT_OK)
         take(&of, triangles);
 }
@@ -280,8 +275,8 @@ static void arrays(void)
 static void bytes(void)
 {
     static const char *const texts[] = { "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
-                                         "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "",
-                                         "f 1 2 3\n", "nothing that is known" };
+                                         "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "", "f 1 2 3\n",
+                                         "nothing that is known" };
     struct given_def def;
     struct outcome of = { .out = { NULL, 0 } };
     draw_def(&def);
@@ -297,16 +292,14 @@ static void bytes(void)
     const int is_usual = scale > 1e-3 && scale < 1e3;
     const int is_plain = of_file && which && is_usual && (!def.given || !def.def.format);
     codes.or_done |= !codes.count || (codes.count == 1 && def.progress.stops_at > 0);
-    const dpt_result read[] = { DPT_E_FORMAT, DPT_E_SYNTAX,    DPT_E_INDEX,
-                                DPT_E_EMPTY,  DPT_E_TRUNCATED, DPT_E_FINITE };
+    const dpt_result read[] = { DPT_E_FORMAT, DPT_E_SYNTAX, DPT_E_INDEX, DPT_E_EMPTY, DPT_E_TRUNCATED, DPT_E_FINITE };
     struct codes readers = codes;
     for (int i = 0; i < 6 && !is_plain; i++)
         may_fail(&readers, 1, read[i]);
-    const dpt_result result = of_file ? RESULT(dpt_compile_file, no_text ? NULL : path, def.given,
-                                               no_out ? NULL : &of.out, diag)
-                                      : RESULT(dpt_compile_bytes, no_text ? NULL : texts[which],
-                                               no_text ? 4 : strlen(texts[which]), def.given,
-                                               no_out ? NULL : &of.out, diag);
+    const dpt_result result =
+        of_file ? RESULT(dpt_compile_file, no_text ? NULL : path, def.given, no_out ? NULL : &of.out, diag)
+                : RESULT(dpt_compile_bytes, no_text ? NULL : texts[which], no_text ? 4 : strlen(texts[which]),
+                         def.given, no_out ? NULL : &of.out, diag);
     expect(result, &readers);
     outcome_must_hold(&of, result, no_out);
     if (result == DPT_OK)
@@ -351,11 +344,9 @@ static void arm(void)
         }
     dpt_diag *diag = draw_diag(&of, &codes);
     const size_t first = offsetof(dpt_arm_def, jaw_count);
-    const void *given =
-        draw_input(2, good, draw_size(first, sizeof *good), first, sizeof *good, &codes);
+    const void *given = draw_input(2, good, draw_size(first, sizeof *good), first, sizeof *good, &codes);
     may_fail(&codes, no_out || no_def, DPT_E_ARGUMENT);
-    const dpt_result result =
-        RESULT(dpt_compile_arm, no_def ? NULL : given, no_out ? NULL : &of.out, diag);
+    const dpt_result result = RESULT(dpt_compile_arm, no_def ? NULL : given, no_out ? NULL : &of.out, diag);
     expect(result, &codes);
     outcome_must_hold(&of, result, no_out);
     if (result != DPT_OK)
@@ -394,8 +385,7 @@ static void scales(void)
     default:
         result = RESULT(dpt_compile_arrays, vertices, 3, corners, 1, &def, &of.out, NULL);
     }
-    HOLDS(result == (is_wrong ? DPT_E_ARGUMENT : DPT_OK), "%s by a scale of %g",
-          dpt_result_name(result), def.scale);
+    HOLDS(result == (is_wrong ? DPT_E_ARGUMENT : DPT_OK), "%s by a scale of %g", dpt_result_name(result), def.scale);
     outcome_must_hold(&of, result, 0);
     CALL(dpt_compiled_free, &of.out);
 }
@@ -413,24 +403,20 @@ static void hull_of_points(void)
         points[i] = i % 3 < flat || draw_one_in(30) ? draw_in(-0.1, 0.1) : 0.0;
     if (draw_one_in(20))
         points[draw_below(60)] = draw_odd_number();
-    may_fail(&codes, no_points || no_out || count < 3 || capacity < 4 || capacity > 64,
-             DPT_E_ARGUMENT);
+    may_fail(&codes, no_points || no_out || count < 3 || capacity < 4 || capacity > 64, DPT_E_ARGUMENT);
     for (uint32_t i = 0; i < 3 * count; i++)
         may_fail(&codes, !(fabs(points[i]) <= DPT_COORDINATE_MAX), DPT_E_FINITE);
     /* What lies on one line is the compiler's to say. */
     codes.or_done |= !codes.count;
     may_fail(&codes, 1, DPT_E_ARGUMENT);
-    const dpt_result result = RESULT(dpt_compile_hull, no_points ? NULL : points, count,
-                                     no_out ? NULL : corners, capacity, &corner_count, &radius);
+    const dpt_result result = RESULT(dpt_compile_hull, no_points ? NULL : points, count, no_out ? NULL : corners,
+                                     capacity, &corner_count, &radius);
     expect(result, &codes);
     if (result != DPT_OK)
         return;
-    const dpt_hull_def def = {
-        .size = sizeof def, .corner_count = corner_count, .corners = corners, .radius = radius
-    };
+    const dpt_hull_def def = { .size = sizeof def, .corner_count = corner_count, .corners = corners, .radius = radius };
     const dpt_hull *hull;
-    HOLDS(corner_count <= capacity && radius >= 0.0 &&
-              dpt_hull_create(block, sizeof block, &def, &hull) == DPT_OK,
+    HOLDS(corner_count <= capacity && radius >= 0.0 && dpt_hull_create(block, sizeof block, &def, &hull) == DPT_OK,
           "%u corners, radius %g", corner_count, radius);
 }
 
@@ -443,8 +429,8 @@ static void defaults(void)
     CALL(dpt_compile_def_defaults, is_null ? NULL : out, size);
     CALL(dpt_compile_def_defaults, &whole, sizeof whole);
     defaults_must_hold(0, size, is_null, &whole, sizeof whole);
-    HOLDS(whole.scale == 1.0 && fabs(whole.crease - acos(0.5)) < 1e-15 && whole.threads == 1 &&
-              !whole.format && !whole.progress && !whole.user && !whole.reserved,
+    HOLDS(whole.scale == 1.0 && fabs(whole.crease - acos(0.5)) < 1e-15 && whole.threads == 1 && !whole.format &&
+              !whole.progress && !whole.user && !whole.reserved,
           "scale %g, crease %g, %u threads", whole.scale, whole.crease, whole.threads);
 }
 
@@ -457,8 +443,8 @@ static void spring_defaults(void)
     CALL(dpt_spring_net_def_defaults, is_null ? NULL : out, size);
     CALL(dpt_spring_net_def_defaults, &whole, sizeof whole);
     defaults_must_hold(0, size, is_null, &whole, sizeof whole);
-    HOLDS(!whole.kind && whole.young == 5000.0 && whole.density == 1000.0 &&
-              whole.thickness == 0.001 && whole.drag == 0.0 && !whole.regions && !whole.fixed,
+    HOLDS(!whole.kind && whole.young == 5000.0 && whole.density == 1000.0 && whole.thickness == 0.001 &&
+              whole.drag == 0.0 && !whole.regions && !whole.fixed,
           "E %g Pa, %g kg/m^3, %g m", whole.young, whole.density, whole.thickness);
 }
 

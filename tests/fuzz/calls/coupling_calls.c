@@ -10,9 +10,8 @@
 enum { FIELDS = 22 };
 
 static const double least[FIELDS] = { [12] = 1.0, [14] = 1e-6, [15] = 1e-6, [21] = 1.0 };
-static const double most[FIELDS] = { 1e3,  1e3,   1e6,   1e6,   1e300, 1e300, 1.0, 1.0,
-                                     10.0, 1e300, 1e300, 1e300, 1e5,   10.0,  1e6, 1e6,
-                                     1e6,  1e6,   1e9,   1e9,   1e9,   100.0 };
+static const double most[FIELDS] = { 1e3,   1e3, 1e6,  1e6, 1e300, 1e300, 1.0, 1.0, 10.0, 1e300, 1e300,
+                                     1e300, 1e5, 10.0, 1e6, 1e6,   1e6,   1e6, 1e9, 1e9,  1e9,   100.0 };
 
 static void draw_def(dpt_coupling_def *def)
 {
@@ -50,12 +49,11 @@ static void must_be_held(const dpt_coupling_def *def, const dpt_coupling *coupli
 {
     const double at_hand = coupling->stiffness * def->force_scale * def->zoom;
     numbers_are_finite(&coupling->stiffness, 8, "a coupling");
-    HOLDS(coupling->limit <= DPT_COUPLING_UNKNOWN && coupling->stiffness >= 0.0, "limit %u",
-          coupling->limit);
-    HOLDS(!(def->stiffness > 0.0) || coupling->stiffness <= def->stiffness * (1.0 + 1e-12),
-          "%g N/m for %g", coupling->stiffness, def->stiffness);
-    HOLDS(!is_known(def) || at_hand <= coupling->stable * (1.0 + 1e-9),
-          "%g N/m at the hand, stable up to %g", at_hand, coupling->stable);
+    HOLDS(coupling->limit <= DPT_COUPLING_UNKNOWN && coupling->stiffness >= 0.0, "limit %u", coupling->limit);
+    HOLDS(!(def->stiffness > 0.0) || coupling->stiffness <= def->stiffness * (1.0 + 1e-12), "%g N/m for %g",
+          coupling->stiffness, def->stiffness);
+    HOLDS(!is_known(def) || at_hand <= coupling->stable * (1.0 + 1e-9), "%g N/m at the hand, stable up to %g", at_hand,
+          coupling->stable);
     met[MET_LIMITED] += def->stiffness > 0.0 && coupling->stiffness < def->stiffness;
 }
 
@@ -71,8 +69,7 @@ static void choose(void)
     draw_def(&def);
     may_fail(&codes, no_def || no_out, DPT_E_ARGUMENT);
     if (!no_def) {
-        given =
-            draw_input(1, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def, &codes);
+        given = draw_input(1, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def, &codes);
         def_codes(&def, &codes);
     }
     if (!no_out)
@@ -91,12 +88,11 @@ static void choose(void)
 
 static void stable(void)
 {
-    double given[5] = { draw_in(0.01, 1.0), draw_in(0.01, 5.0), draw_in(1e-4, 1e-2),
-                        draw_in(0.0, 0.01), draw_one_in(2) ? 0.0 : draw_in(0.0, 3.0) };
+    double given[5] = { draw_in(0.01, 1.0), draw_in(0.01, 5.0), draw_in(1e-4, 1e-2), draw_in(0.0, 0.01),
+                        draw_one_in(2) ? 0.0 : draw_in(0.0, 3.0) };
     if (draw_one_in(4))
         given[draw_below(5)] = draw_odd_number();
-    const double limit =
-        CALL(dpt_stable_stiffness, given[0], given[1], given[2], given[3], given[4]);
+    const double limit = CALL(dpt_stable_stiffness, given[0], given[1], given[2], given[3], given[4]);
     HOLDS(limit >= 0.0 && limit <= 1e308, "limit %g", limit);
     game_digest(&limit, sizeof limit);
 }
@@ -111,8 +107,7 @@ static void fill(void)
     CALL(dpt_coupling_def_defaults, &def, sizeof def);
     may_fail(&codes, no_info || no_def, DPT_E_ARGUMENT);
     if (!no_info)
-        given = draw_input(1, &info, draw_size(sizeof info, sizeof info), sizeof info, sizeof info,
-                           &codes);
+        given = draw_input(1, &info, draw_size(sizeof info, sizeof info), sizeof info, sizeof info, &codes);
     const dpt_result result = RESULT(dpt_device_fill_coupling, given, no_def ? NULL : &def);
     expect(result, &codes);
     outputs_are_guarded(1, 1);

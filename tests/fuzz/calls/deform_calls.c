@@ -115,8 +115,7 @@ struct add_faults {
     int no_world, no_block, no_out, is_off, is_small;
 };
 
-static void has_soft(struct scene *scene, const struct given_def *of, struct soft *soft,
-                     dpt_body id)
+static void has_soft(struct scene *scene, const struct given_def *of, struct soft *soft, dpt_body id)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     const struct subject *subject = of->subject;
@@ -160,13 +159,12 @@ static void add_one(struct scene *scene, struct given_def *of, const struct add_
     const size_t less = faults->is_small ? 1 + draw_below(bytes > 8 ? 8 : 1) : 0;
     const size_t room = bytes > less ? bytes - less : 64;
     soft_takes_blocks(soft, room, faults->is_off ? 1 + draw_below(7) : 0, scene->world_count);
-    call_with("scene %llu, a block of %llu bytes, %llu vertices, response %llu",
-              (uint64_t)(scene - scenes), room, of->subject->vertices, of->def.response);
+    call_with("scene %llu, a block of %llu bytes, %llu vertices, response %llu", (uint64_t)(scene - scenes), room,
+              of->subject->vertices, of->def.response);
     EACH_WORLD(scene, i)
     SAME_RESULT(i, result,
                 RESULT(dpt_deform_add, world_or_null(scene, i, faults->no_world),
-                       faults->no_block ? NULL : soft_block(soft, i), room, of->given,
-                       faults->no_out ? NULL : &id[i]));
+                       faults->no_block ? NULL : soft_block(soft, i), room, of->given, faults->no_out ? NULL : &id[i]));
     expect(result, &codes);
     outputs_are_guarded(LIST_SLOT, 1);
     if (result != DPT_OK) {
@@ -189,8 +187,8 @@ void scene_gets_soft(struct scene *scene, const struct subject *subject)
 static void add(void)
 {
     struct scene *scene = draw_scene();
-    const struct add_faults faults = { draw_one_in(60), draw_one_in(60), draw_one_in(60),
-                                       draw_one_in(30), draw_one_in(30) };
+    const struct add_faults faults = { draw_one_in(60), draw_one_in(60), draw_one_in(60), draw_one_in(30),
+                                       draw_one_in(30) };
     struct given_def of;
     if (!scene)
         return;
@@ -239,8 +237,8 @@ static void draw_affine(const struct model_body *body, struct goal *goal)
     for (uint32_t v = 0; v < body->subject->vertices; v++)
         for (uint32_t k = 0; k < 3; k++) {
             const float *x = body->subject->positions + 3 * (size_t)v;
-            const double to = map[3 * k] * (double)x[0] + map[3 * k + 1] * (double)x[1] +
-                              map[3 * k + 2] * (double)x[2] + shift[k];
+            const double to =
+                map[3 * k] * (double)x[0] + map[3 * k + 1] * (double)x[1] + map[3 * k + 2] * (double)x[2] + shift[k];
             goal->positions[3 * v + k] = clamped(body->soft, to, k);
             goal->is_affine &= (double)fabsf(goal->positions[3 * v + k] - (float)to) < 1e-9;
         }
@@ -268,8 +266,7 @@ static void draw_goal(const struct model_body *body, struct goal *goal)
 {
     const uint32_t kind = draw_below(8);
     if (kind == 0) {
-        memcpy(goal->positions, body->subject->positions,
-               3 * sizeof(float) * body->subject->vertices);
+        memcpy(goal->positions, body->subject->positions, 3 * sizeof(float) * body->subject->vertices);
         goal->is_affine = 1;
     } else if (kind < 4) {
         draw_affine(body, goal);
@@ -311,8 +308,7 @@ static void draw_vertices(struct update *of)
         may_fail(&of->codes, !of->is_list || of->count, DPT_E_ARGUMENT);
         of->first = draw_one_in(2) ? UINT32_MAX - draw_below(3) : vertices - of->count + 1;
         for (uint32_t i = 0; of->count && i < 1; i++)
-            of->list[draw_below(of->count)] =
-                draw_one_in(2) ? vertices : (uint32_t)draw_bits() | 1u << 31;
+            of->list[draw_below(of->count)] = draw_one_in(2) ? vertices : (uint32_t)draw_bits() | 1u << 31;
     }
 }
 
@@ -399,21 +395,19 @@ static dpt_result call_one(const struct update *of, int i)
     dpt_world *world = world_or_null(of->scene, i, of->no_world);
     const float *positions = of->no_positions ? NULL : of->positions;
     if (!of->is_list)
-        return RESULT(dpt_deform_set_vertices, world, of->id, of->first, of->count, positions,
-                      of->bound);
-    return RESULT(dpt_deform_set_vertex_list, world, of->id, of->no_list ? NULL : of->list,
-                  of->count, positions, of->bound);
+        return RESULT(dpt_deform_set_vertices, world, of->id, of->first, of->count, positions, of->bound);
+    return RESULT(dpt_deform_set_vertex_list, world, of->id, of->no_list ? NULL : of->list, of->count, positions,
+                  of->bound);
 }
 
 static void set_some(struct update *of)
 {
     dpt_result result = DPT_OK;
     struct model_body *body = of->body && of->body->soft ? of->body : NULL;
-    may_fail(&of->codes, of->no_world || (of->count && (of->no_positions || of->no_list)),
-             DPT_E_ARGUMENT);
+    may_fail(&of->codes, of->no_world || (of->count && (of->no_positions || of->no_list)), DPT_E_ARGUMENT);
     may_fail(&of->codes, !body, DPT_E_HANDLE);
-    call_with("scene %llu, id %llx, %llu vertices, list %llu", (uint64_t)(of->scene - scenes),
-              of->id, of->count, (uint64_t)of->is_list);
+    call_with("scene %llu, id %llx, %llu vertices, list %llu", (uint64_t)(of->scene - scenes), of->id, of->count,
+              (uint64_t)of->is_list);
     EACH_WORLD(of->scene, i)
     SAME_RESULT(i, result, call_one(of, i));
     expect(result, &of->codes);
@@ -464,8 +458,7 @@ static void press(void)
     static struct update of;
     struct scene *scene = draw_scene();
     dpt_hit hit = DPT_HIT_INIT;
-    struct model_tool *tool =
-        scene && scene->tool_count ? &scene->tool[draw_below(scene->tool_count)] : NULL;
+    struct model_tool *tool = scene && scene->tool_count ? &scene->tool[draw_below(scene->tool_count)] : NULL;
     if (!tool || tool->answers != ANSWERS_THERE)
         return;
     HOLDS(RESULT(dpt_tool_get_hit, scene->world[0], tool->id, &hit) == DPT_OK, "no hit");
@@ -491,8 +484,7 @@ static void press(void)
             for (uint32_t i = 0; i < 3; i++)
                 at[i] = (double)of.body->soft->now[k - k % 3 + i];
             const double near = fmax(0.0, 1.0 - apart(at, q) / reach);
-            of.positions[k] =
-                clamped(of.body->soft, at[k % 3] + near * share * (p[k % 3] - q[k % 3]), k % 3);
+            of.positions[k] = clamped(of.body->soft, at[k % 3] + near * share * (p[k % 3] - q[k % 3]), k % 3);
         }
         set_some(&of);
         scene_steps(scene);
@@ -518,8 +510,7 @@ static void get_vertices(void)
     const dpt_result result = RESULT(dpt_deform_get_vertices, world_or_null(scene, 0, no_world), id,
                                      no_out ? NULL : &positions, no_count ? NULL : &count);
     expect(result, &codes);
-    HOLDS(result == DPT_OK || count == 77 || (!count && !positions), "%u vertices on an error",
-          count);
+    HOLDS(result == DPT_OK || count == 77 || (!count && !positions), "%u vertices on an error", count);
     if (result != DPT_OK)
         return;
     HOLDS(count == body->subject->vertices, "%u vertices", count);
@@ -533,8 +524,7 @@ static int has_lost_tool(const struct scene *scene, uint32_t id, const struct mo
     static dpt_load loads[1 << 16];
     uint32_t count;
     const int is_full =
-        dpt_deform_get_loads(scene->world[0], id, loads, 1 << 16, &count) == DPT_E_FULL &&
-        count <= 1 << 16;
+        dpt_deform_get_loads(scene->world[0], id, loads, 1 << 16, &count) == DPT_E_FULL && count <= 1 << 16;
     HOLDS(!is_full || body->soft->def.max_points < 6 * SEGMENTS_MAX, "%u points are too few",
           body->soft->def.max_points);
     return is_full;
@@ -560,14 +550,13 @@ static void get_loads(void)
     may_fail(&codes, no_world || no_count || (no_array && capacity), DPT_E_ARGUMENT);
     may_fail(&codes, !is_soft, DPT_E_HANDLE);
     may_fail(&codes, all > capacity || (is_soft && has_lost_tool(scene, id, body)), DPT_E_FULL);
-    call_with("scene %llu, id %llx, %llu loads, capacity %llu", (uint64_t)(scene - scenes), id, all,
-              capacity);
+    call_with("scene %llu, id %llx, %llu loads, capacity %llu", (uint64_t)(scene - scenes), id, all, capacity);
     EACH_WORLD(scene, i)
     {
         dpt_load *out = output_of(i, capacity * sizeof *out);
         SAME_RESULT(i, result,
-                    RESULT(dpt_deform_get_loads, world_or_null(scene, i, no_world), id,
-                           no_array ? NULL : out, capacity, no_count ? NULL : &count[i]));
+                    RESULT(dpt_deform_get_loads, world_or_null(scene, i, no_world), id, no_array ? NULL : out, capacity,
+                           no_count ? NULL : &count[i]));
     }
     expect(result, &codes);
     outputs_are_guarded(0, scene->world_count);
@@ -582,12 +571,10 @@ static void get_loads(void)
     loads_must_hold(scene);
 }
 
-static const struct move moves[] = { { "add", add, 8 },
-                                     { "defaults", defaults, 1 },
-                                     { "set vertices", set_vertices, 24 },
-                                     { "press", press, 12 },
-                                     { "get vertices", get_vertices, 4 },
-                                     { "get loads", get_loads, 16 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = {
+    { "add", add, 8 },      { "defaults", defaults, 1 },         { "set vertices", set_vertices, 24 },
+    { "press", press, 12 }, { "get vertices", get_vertices, 4 }, { "get loads", get_loads, 16 },
+    { NULL, NULL, 0 }
+};
 
 const struct noun deform_noun = { "deform", NULL, NULL, moves };

@@ -41,8 +41,7 @@ void soft_is_gone(struct soft *soft)
         for (size_t k = 0; soft->block[i] && k < soft->offset; k++)
             HOLDS(soft->block[i][k] == PATTERN, "written before a body's block");
         for (int k = 0; soft->block[i] && k < BEHIND; k++)
-            HOLDS(soft_block(soft, i)[soft->room + (size_t)k] == PATTERN,
-                  "written behind a body's block");
+            HOLDS(soft_block(soft, i)[soft->room + (size_t)k] == PATTERN, "written behind a body's block");
         free(soft->block[i]);
     }
     free(soft);
@@ -57,10 +56,9 @@ static const float *told_positions(const struct scene *scene, const struct model
     uint32_t count = 0;
     EACH_WORLD(scene, i)
     {
-        HOLDS(dpt_deform_get_vertices(scene->world[i], body->id, &told[i], &count) == DPT_OK,
-              "body %x has no vertices", body->id);
-        HOLDS(count == body->subject->vertices, "%u vertices, and not %u", count,
-              body->subject->vertices);
+        HOLDS(dpt_deform_get_vertices(scene->world[i], body->id, &told[i], &count) == DPT_OK, "body %x has no vertices",
+              body->id);
+        HOLDS(count == body->subject->vertices, "%u vertices, and not %u", count, body->subject->vertices);
     }
     HOLDS(scene->world_count < 2 || !memcmp(told[0], told[1], 3 * sizeof(float) * count),
           "the twin's vertices are elsewhere");
@@ -71,8 +69,8 @@ void soft_must_be_there(const struct scene *scene, const struct model_body *body
 {
     const float *told = told_positions(scene, body);
     for (uint32_t k = 0; k < 3 * body->subject->vertices; k++)
-        HOLDS(told[k] == body->soft->now[k], "vertex %u, axis %u: %.9g, and not %.9g", k / 3, k % 3,
-              (double)told[k], (double)body->soft->now[k]);
+        HOLDS(told[k] == body->soft->now[k], "vertex %u, axis %u: %.9g, and not %.9g", k / 3, k % 3, (double)told[k],
+              (double)body->soft->now[k]);
 }
 
 /* On its way for a time more. The model's own positions are those that are told, if they are near the way. */
@@ -86,11 +84,10 @@ static void go_on(const struct scene *scene, const struct model_body *body, doub
     const double t = arrives ? 1.0 : soft->way / soft->def.period;
     for (uint32_t k = 0; k < 3 * body->subject->vertices; k++) {
         const double from = (double)soft->begin[k], to = (double)soft->end[k];
-        HOLDS((arrives ? told[k] == soft->end[k]
-                       : fabs(from + t * (to - from) - (double)told[k]) <= ROUNDING) ||
+        HOLDS((arrives ? told[k] == soft->end[k] : fabs(from + t * (to - from) - (double)told[k]) <= ROUNDING) ||
                   soft->def.response == DPT_RESPONSE_DISPLACE,
-              "vertex %u, axis %u: %.9g after %g of the way from %.9g to %.9g", k / 3, k % 3,
-              (double)told[k], t, from, to);
+              "vertex %u, axis %u: %.9g after %g of the way from %.9g to %.9g", k / 3, k % 3, (double)told[k], t, from,
+              to);
     }
     soft->is_on_its_way = !arrives;
     if (soft->def.response != DPT_RESPONSE_DISPLACE)
@@ -115,10 +112,9 @@ static void take_displaced(const struct scene *scene, const struct model_body *b
     for (uint32_t k = 0; k < 3 * body->subject->vertices; k++) {
         HOLDS(isfinite(told[k]), "vertex %u is displaced to %g", k / 3, (double)told[k]);
         has_moved |= told[k] != soft->now[k];
-        HOLDS(told[k] >= soft->low[k % 3] - soft->slack &&
-                  told[k] <= soft->high[k % 3] + soft->slack,
-              "vertex %u is displaced to %.9g, out of the box of %.9g to %.9g", k / 3,
-              (double)told[k], (double)soft->low[k % 3], (double)soft->high[k % 3]);
+        HOLDS(told[k] >= soft->low[k % 3] - soft->slack && told[k] <= soft->high[k % 3] + soft->slack,
+              "vertex %u is displaced to %.9g, out of the box of %.9g to %.9g", k / 3, (double)told[k],
+              (double)soft->low[k % 3], (double)soft->high[k % 3]);
     }
     if (!has_moved)
         return;
@@ -155,8 +151,7 @@ void softs_have_stepped(struct scene *scene, double dt)
 
 /* ---- triangles ---- */
 
-static int corners_of(const struct subject *subject, const float *positions, uint32_t triangle,
-                      double corners[9])
+static int corners_of(const struct subject *subject, const float *positions, uint32_t triangle, double corners[9])
 {
     if (!positions)
         return dpt_mesh_get_triangle(subject->mesh, triangle, corners) == DPT_OK;
@@ -208,8 +203,7 @@ static int bodies_have_all_loads(struct scene *scene)
     int have = scene->then_count > 0 && all_are_known(scene);
     for (uint32_t i = 0; i < scene->then_count && have; i++) {
         const struct model_body *body = scene_body(scene, scene->then[i].id);
-        have &= body && body->soft &&
-                (scene->tool_count == 1 || body->soft->def.max_points >= POINTS_MANY);
+        have &= body && body->soft && (scene->tool_count == 1 || body->soft->def.max_points >= POINTS_MANY);
     }
     return have;
 }
@@ -222,29 +216,27 @@ void loads_are_due(struct scene *scene)
         const struct model_tool *tool = &scene->tool[t];
         dpt_force_report report = { .size = sizeof report };
         dpt_tool_get_force_report(scene->world[0], tool->id, &report);
-        due->is_known &=
-            tool->answers == ANSWERS_THERE && !tool->was_shaped &&
-            !(report.flags & DPT_FORCE_FLAG_FADING) &&
-            (tool->law_then != DPT_LAW_BED || scene->contacts_then < scene->def.max_contacts);
+        due->is_known &= tool->answers == ANSWERS_THERE && !tool->was_shaped &&
+                         !(report.flags & DPT_FORCE_FLAG_FADING) &&
+                         (tool->law_then != DPT_LAW_BED || scene->contacts_then < scene->def.max_contacts);
         /* A proxy on its way may be held by nothing where it is, and what a budget ends does not tell what holds it. */
-        due->is_known &=
-            !(has_proxy(scene, tool->law_then) && report.lag > 0.0) &&
-            ((!scene->def.budget && !scene->def.sweep_budget) || tool->law_then == DPT_LAW_POINT);
+        due->is_known &= !(has_proxy(scene, tool->law_then) && report.lag > 0.0) &&
+                         ((!scene->def.budget && !scene->def.sweep_budget) || tool->law_then == DPT_LAW_POINT);
         add_turned(tool->origin, report.wrench.force, due->wrench);
         for (int k = 0; k < 3; k++)
             due->wrench[3 + k] += report.wrench.torque[k];
     }
 }
 
-static void each_load_must_hold(const struct scene *scene, const struct model_body *body,
-                                const dpt_load *loads, uint32_t count)
+static void each_load_must_hold(const struct scene *scene, const struct model_body *body, const dpt_load *loads,
+                                uint32_t count)
 {
     met[MET_LOADS] += count > 0;
     HOLDS(!scene->due.is_none || !count, "%u loads without a step", count);
     for (uint32_t i = 0; i < count; i++) {
         numbers_are_finite(loads[i].force, 3, "a load");
-        HOLDS(loads[i].vertex < body->subject->vertices && !loads[i].reserved,
-              "a load on vertex %u of %u", loads[i].vertex, body->subject->vertices);
+        HOLDS(loads[i].vertex < body->subject->vertices && !loads[i].reserved, "a load on vertex %u of %u",
+              loads[i].vertex, body->subject->vertices);
     }
 }
 
@@ -258,8 +250,7 @@ static int has_thin_triangle(const struct body_then *then)
             continue;
         for (int k = 0; k < 3; k++) {
             const int i = (k + 1) % 3, j = (k + 2) % 3;
-            normal[k] =
-                (x[3 + i] - x[i]) * (x[6 + j] - x[j]) - (x[3 + j] - x[j]) * (x[6 + i] - x[i]);
+            normal[k] = (x[3 + i] - x[i]) * (x[6 + j] - x[j]) - (x[3 + j] - x[j]) * (x[6 + i] - x[i]);
             longest = fmax(longest, apart(x + 3 * k, x + 3 * i));
         }
         if (!(apart(normal, zero) > THIN * longest * longest))
@@ -274,8 +265,7 @@ struct load_sum {
     int is_thin; /* moments may be off */
 };
 
-static void add_loads(struct load_sum *sum, const struct body_then *then, const dpt_load *loads,
-                      uint32_t count)
+static void add_loads(struct load_sum *sum, const struct body_then *then, const dpt_load *loads, uint32_t count)
 {
     const double zero[3] = { 0.0, 0.0, 0.0 };
     dpt_pose turned = then->pose;
@@ -302,8 +292,7 @@ void loads_must_hold(const struct scene *scene)
         const struct model_body *body = &scene->body[b];
         const struct body_then *then = scene_body_then(scene, body->id);
         uint32_t count = 0;
-        if (!body->soft ||
-            dpt_deform_get_loads(scene->world[0], body->id, loads, LOADS_MAX, &count) != DPT_OK)
+        if (!body->soft || dpt_deform_get_loads(scene->world[0], body->id, loads, LOADS_MAX, &count) != DPT_OK)
             continue;
         each_load_must_hold(scene, body, loads, count);
         all += count;
@@ -318,6 +307,5 @@ void loads_must_hold(const struct scene *scene)
     met[MET_BALANCED] += all > 0;
     for (int k = 0; k < (sum.is_thin ? 3 : 6); k++)
         HOLDS(fabs(sum.wrench[k] + due[k]) <= BALANCE * (1.0 + sum.far) * size + 1e-12,
-              "%u loads sum up to %.12g on axis %d, the wrench is %.12g", all, sum.wrench[k], k,
-              due[k]);
+              "%u loads sum up to %.12g on axis %d, the wrench is %.12g", all, sum.wrench[k], k, due[k]);
 }

@@ -92,16 +92,15 @@ static void open(void)
     may_fail(&codes, no_name || no_device, DPT_E_ARGUMENT);
     may_fail(&codes, is_bad, bad_names[which].code);
     call_with("name %llu, bad %llu", which, (uint64_t)is_bad, 0, 0);
-    const dpt_result result = RESULT(dpt_device_open, no_name ? NULL : name,
-                                     no_device ? NULL : &made, has_error ? error : NULL);
+    const dpt_result result =
+        RESULT(dpt_device_open, no_name ? NULL : name, no_device ? NULL : &made, has_error ? error : NULL);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
     HOLDS((result == DPT_OK) == (made != NULL), "%s", dpt_result_name(result));
     if (!has_error || output_is_untouched(0, sizeof size))
         HOLDS(!has_error || result == DPT_E_SIZE, "nothing was told");
     else if (output_read(0, size, sizeof told, sizeof told, &told))
-        HOLDS(told.code == result && memchr(told.text, 0, sizeof told.text) &&
-                  (result == DPT_OK || told.text[0]),
+        HOLDS(told.code == result && memchr(told.text, 0, sizeof told.text) && (result == DPT_OK || told.text[0]),
               "code %d", told.code);
     of->open = made;
     of->is_replay = !strncmp(name, "replay", 6);
@@ -132,12 +131,10 @@ static void drivers(void)
 {
     uint32_t count = 0;
     for (const dpt_driver *driver; (driver = CALL(dpt_driver_at, count)) != NULL; count++)
-        HOLDS(CALL(dpt_driver_named, driver->name) == driver && driver->about[0], "driver %u",
-              count);
+        HOLDS(CALL(dpt_driver_named, driver->name) == driver && driver->about[0], "driver %u", count);
     HOLDS(count >= 2, "%u drivers", count);
     HOLDS(!CALL(dpt_driver_at, count + (uint32_t)(draw_bits() >> 40)), "beyond the last");
-    HOLDS(!CALL(dpt_driver_named, NULL) && !CALL(dpt_driver_named, "") &&
-              !CALL(dpt_driver_named, "simm"),
+    HOLDS(!CALL(dpt_driver_named, NULL) && !CALL(dpt_driver_named, "") && !CALL(dpt_driver_named, "simm"),
           "a name of none");
 }
 
@@ -148,8 +145,7 @@ static void map(const struct device_model *of, const dpt_device_info *info)
     const double low[3] = { -1, -2, -3 }, high[3] = { 1, draw_one_in(4) ? -3 : 2, 3 };
     const int is_flat = of->is_replay, is_wrong = high[1] < low[1];
     struct codes of_map = { .count = 0 };
-    const void *given = draw_input(1, info, draw_size(sizeof *info, sizeof *info), sizeof *info,
-                                   sizeof *info, &of_map);
+    const void *given = draw_input(1, info, draw_size(sizeof *info, sizeof *info), sizeof *info, sizeof *info, &of_map);
     may_fail(&of_map, is_flat, DPT_E_FINITE);
     may_fail(&of_map, is_wrong, DPT_E_ARGUMENT);
     expect(RESULT(dpt_device_map, given, low, high, &scale, offset), &of_map);
@@ -177,9 +173,9 @@ static void info(void)
     }
     output_read(0, size, sizeof now, sizeof now, &now);
     numbers_are_finite(&now.rate, 21, "a device's info");
-    HOLDS((now.pose_dofs == 3 || now.pose_dofs == 6) && now.joints <= DPT_JOINTS_MAX &&
-              now.wrench_dofs <= 6 && now.buttons <= 32 && now.rate > 0.0 &&
-              memchr(now.name, 0, sizeof now.name) && memchr(now.serial, 0, sizeof now.serial),
+    HOLDS((now.pose_dofs == 3 || now.pose_dofs == 6) && now.joints <= DPT_JOINTS_MAX && now.wrench_dofs <= 6 &&
+              now.buttons <= 32 && now.rate > 0.0 && memchr(now.name, 0, sizeof now.name) &&
+              memchr(now.serial, 0, sizeof now.serial),
           "%u dofs", now.pose_dofs);
     now.size = sizeof now;
     map(of, &now);
@@ -213,16 +209,14 @@ static void read(void)
     HOLDS(now.status <= DPT_DEVICE_STATUS_READY && now.reasons < 2 * DPT_REASON_DOCKED &&
               (now.status != DPT_DEVICE_STATUS_READY || !now.reasons),
           "status %u, reasons %x", now.status, now.reasons);
-    HOLDS((result == DPT_E_LOST) == (now.status == DPT_DEVICE_STATUS_LOST) &&
-              (result == DPT_OK || !now.fresh),
+    HOLDS((result == DPT_E_LOST) == (now.status == DPT_DEVICE_STATUS_LOST) && (result == DPT_OK || !now.fresh),
           "%s, status %u, fresh %u", dpt_result_name(result), now.status, now.fresh);
     HOLDS(!of->has_state || now.sequence >= of->sequence || of->is_lost, "sample %llu after %llu",
           (unsigned long long)now.sequence, (unsigned long long)of->sequence);
     /* A line may double a sample. */
     const int is_doubled = now.sequence == of->sequence && now.time_ns == of->time_ns;
     HOLDS(!now.fresh || !of->has_state || of->is_lost || is_doubled || now.time_ns > of->time_ns,
-          "a fresh sample of %llu ns after %llu", (unsigned long long)now.time_ns,
-          (unsigned long long)of->time_ns);
+          "a fresh sample of %llu ns after %llu", (unsigned long long)now.time_ns, (unsigned long long)of->time_ns);
     of->has_state = 1;
     of->is_lost = result == DPT_E_LOST;
     of->sequence = now.sequence;
@@ -296,8 +290,7 @@ static void counts(void)
         HOLDS(output_is_untouched(0, sizeof size), "written on an error");
     } else {
         output_read(0, size, sizeof now, sizeof now, &now);
-        HOLDS(now.refused <= now.commands && !now.reserved, "%llu refused",
-              (unsigned long long)now.refused);
+        HOLDS(now.refused <= now.commands && !now.reserved, "%llu refused", (unsigned long long)now.refused);
     }
     HOLDS(RESULT(dpt_device_get_counts, of ? of->open : NULL, NULL) == DPT_E_ARGUMENT, "nowhere");
 }
@@ -342,13 +335,11 @@ static void units(void)
         numbers_are_finite(back.position, 7, "a pose");
     }
     const dpt_result any = RESULT(dpt_hd_to_pose, given, &back);
-    HOLDS(any == DPT_OK || any == DPT_E_POSE || any == DPT_E_FINITE ||
-              (is_null && any == DPT_E_ARGUMENT),
-          "%s", dpt_result_name(any));
+    HOLDS(any == DPT_OK || any == DPT_E_POSE || any == DPT_E_FINITE || (is_null && any == DPT_E_ARGUMENT), "%s",
+          dpt_result_name(any));
     const uint32_t code = draw_one_in(2) ? draw_below(0x600) : (uint32_t)draw_bits();
     HOLDS(CALL(dpt_hd_is_force_error, code) == (code >= 0x200 && code <= 0x204), "%x", code);
-    HOLDS(CALL(dpt_hd_is_scheduler_error, code) ==
-              ((code >= 0x302 && code <= 0x304) || code == 0x500 || code == 0x501),
+    HOLDS(CALL(dpt_hd_is_scheduler_error, code) == ((code >= 0x302 && code <= 0x304) || code == 0x500 || code == 0x501),
           "%x", code);
 }
 
@@ -365,11 +356,9 @@ static void end(void)
     memset(devices, 0, sizeof devices);
 }
 
-static const struct move moves[] = { { "open", open, 2 },       { "open with", open_with, 1 },
-                                     { "drivers", drivers, 1 }, { "info", info, 2 },
-                                     { "read", read, 14 },      { "write", write, 10 },
-                                     { "clear", clear, 2 },     { "counts", counts, 2 },
-                                     { "names", names, 1 },     { "units", units, 2 },
-                                     { "steer", steer, 2 },     { NULL, NULL, 0 } };
+static const struct move moves[] = { { "open", open, 2 },   { "open with", open_with, 1 }, { "drivers", drivers, 1 },
+                                     { "info", info, 2 },   { "read", read, 14 },          { "write", write, 10 },
+                                     { "clear", clear, 2 }, { "counts", counts, 2 },       { "names", names, 1 },
+                                     { "units", units, 2 }, { "steer", steer, 2 },         { NULL, NULL, 0 } };
 
 const struct noun device_noun = { "device", begin, end, moves };

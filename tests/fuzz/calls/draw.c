@@ -24,9 +24,8 @@ double draw_in(double low, double high)
 
 double draw_odd_number(void)
 {
-    const double numbers[] = { NAN,    -NAN,   INFINITY,   -INFINITY, 1e300, -1e300, 1e60,
-                               -1e7,   2e6,    1.000001e6, 1e6,       -1e6,  0.0,    -0.0,
-                               1e-310, 1e-200, -1.0,       1e-9,      1e30,  -1e-9 };
+    const double numbers[] = { NAN, -NAN, INFINITY, -INFINITY, 1e300,  -1e300, 1e60, -1e7, 2e6,  1.000001e6,
+                               1e6, -1e6, 0.0,      -0.0,      1e-310, 1e-200, -1.0, 1e-9, 1e30, -1e-9 };
     return numbers[draw_below(sizeof numbers / sizeof *numbers)];
 }
 
@@ -176,8 +175,7 @@ void size_codes_of_output(uint32_t size, size_t first, int stride, struct codes 
     may_fail(codes, size < first || size > STRUCT_SIZE_MAX || (stride && size % 8), DPT_E_SIZE);
 }
 
-const void *draw_input(int slot, const void *good, uint32_t size, size_t first, size_t today,
-                       struct codes *codes)
+const void *draw_input(int slot, const void *good, uint32_t size, size_t first, size_t today, struct codes *codes)
 {
     const int is_size = size >= first && size <= STRUCT_SIZE_MAX;
     const int is_zero = size <= today || draw_one_in(2);

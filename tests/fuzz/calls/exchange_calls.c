@@ -24,8 +24,7 @@ static void begin_anew(void)
 
 static void places_must_be_shared_out(void)
 {
-    HOLDS(latest.writing < DPT_LATEST_PLACES && latest.reading < DPT_LATEST_PLACES &&
-              latest.writing != latest.reading,
+    HOLDS(latest.writing < DPT_LATEST_PLACES && latest.reading < DPT_LATEST_PLACES && latest.writing != latest.reading,
           "the writer has place %u, the reader %u", latest.writing, latest.reading);
 }
 
@@ -45,17 +44,16 @@ static void take(void)
     const int is_new = CALL(dpt_latest_take, &latest);
     HOLDS(is_new == (written > taken), "%d, after %llu of %llu", is_new, (unsigned long long)taken,
           (unsigned long long)written);
-    HOLDS(latest.writing == writing && (is_new || latest.reading == reading),
-          "places became %u and %u", latest.writing, latest.reading);
+    HOLDS(latest.writing == writing && (is_new || latest.reading == reading), "places became %u and %u", latest.writing,
+          latest.reading);
     HOLDS(!written || places[latest.reading] == written, "%llu, and not %llu",
           (unsigned long long)places[latest.reading], (unsigned long long)written);
     places_must_be_shared_out();
     taken = written;
 }
 
-static const struct move moves[] = { { "begin anew", begin_anew, 1 },
-                                     { "publish", publish, 4 },
-                                     { "take", take, 4 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = {
+    { "begin anew", begin_anew, 1 }, { "publish", publish, 4 }, { "take", take, 4 }, { NULL, NULL, 0 }
+};
 
 const struct noun exchange_noun = { "exchange", begin, NULL, moves };

@@ -74,8 +74,7 @@ static void init(void)
     if (!no_guard)
         size_codes_of_output(at->size, sizeof *at, 0, &codes);
     if (!no_def) {
-        given =
-            draw_input(0, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def, &codes);
+        given = draw_input(0, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def, &codes);
         may_fail(&codes, def_is_wrong(&def), DPT_E_ARGUMENT);
     } else {
         CALL(dpt_guard_def_defaults, &def, sizeof def);
@@ -109,18 +108,14 @@ static void copy(void)
 
 static double change_of(const double *a, const double *b)
 {
-    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
-                (a[2] - b[2]) * (a[2] - b[2]));
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
 }
 
-static void must_be_within(const double *v, const double *before, double most, double slew,
-                           double dt, int is_free)
+static void must_be_within(const double *v, const double *before, double most, double slew, double dt, int is_free)
 {
     const double zero[3] = { 0.0, 0.0, 0.0 };
-    HOLDS(change_of(v, zero) <= most * (1.0 + 1e-12), "%g, and %g at most", change_of(v, zero),
-          most);
-    HOLDS(is_free || slew == 0.0 ||
-              change_of(v, before) <= slew * dt * (1.0 + 1e-9) + 1e-12 * (most + 1e-290),
+    HOLDS(change_of(v, zero) <= most * (1.0 + 1e-12), "%g, and %g at most", change_of(v, zero), most);
+    HOLDS(is_free || slew == 0.0 || change_of(v, before) <= slew * dt * (1.0 + 1e-9) + 1e-12 * (most + 1e-290),
           "it changed by %g in %g s, at %g a second", change_of(v, before), dt, slew);
 }
 
@@ -138,12 +133,9 @@ static void draw_command(dpt_wrench *command)
 static void out_must_be_safe(struct own_guard *of, const dpt_wrench *out, double dt)
 {
     const struct guard_model *model = &of->model;
-    const int may_jump =
-        model->state == DPT_GUARD_OFF || model->state == DPT_GUARD_STOPPING || of->was_unseen;
-    must_be_within(out->force, of->sent.force, model->def.force_max, model->def.force_slew, dt,
-                   may_jump);
-    must_be_within(out->torque, of->sent.torque, model->def.torque_max, model->def.torque_slew, dt,
-                   may_jump);
+    const int may_jump = model->state == DPT_GUARD_OFF || model->state == DPT_GUARD_STOPPING || of->was_unseen;
+    must_be_within(out->force, of->sent.force, model->def.force_max, model->def.force_slew, dt, may_jump);
+    must_be_within(out->torque, of->sent.torque, model->def.torque_max, model->def.torque_slew, dt, may_jump);
     of->sent = *out;
 }
 
@@ -169,10 +161,8 @@ static void step_once(struct own_guard *of)
     dpt_wrench command;
     draw_command(&command);
     dpt_wrench *out = output_of(1, sizeof *out);
-    call_with("%llu ns, command %llu, ready %llu", now, (uint64_t)has_command, (uint64_t)is_ready,
-              0);
-    CALL(dpt_guard_step, no_guard ? NULL : of->at, now, has_command ? &command : NULL, is_ready,
-         no_out ? NULL : out);
+    call_with("%llu ns, command %llu, ready %llu", now, (uint64_t)has_command, (uint64_t)is_ready, 0);
+    CALL(dpt_guard_step, no_guard ? NULL : of->at, now, has_command ? &command : NULL, is_ready, no_out ? NULL : out);
     outputs_are_guarded(1, 1);
     if (!no_out)
         numbers_are_finite(out->force, 6, "what a guard sends");
@@ -215,13 +205,11 @@ static void info(void)
     if (!no_out)
         size_codes_of_output(size, sizeof now, 0, &codes);
     call_with("size %llu", size, 0, 0, 0);
-    const dpt_result result =
-        RESULT(dpt_guard_get_info, no_guard ? NULL : of->at, no_out ? NULL : out);
+    const dpt_result result = RESULT(dpt_guard_get_info, no_guard ? NULL : of->at, no_out ? NULL : out);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
     if (no_out || output_is_untouched(0, sizeof size)) {
-        HOLDS(result != DPT_OK && (no_out || size < sizeof now || size > STRUCT_SIZE_MAX),
-              "nothing was told");
+        HOLDS(result != DPT_OK && (no_out || size < sizeof now || size > STRUCT_SIZE_MAX), "nothing was told");
         return;
     }
     output_read(0, size, sizeof now, offsetof(dpt_guard_info, gain), &now);
@@ -251,8 +239,7 @@ static void end(void)
     memset(guards, 0, sizeof guards);
 }
 
-static const struct move moves[] = { { "init", init, 4 },         { "copy", copy, 1 },
-                                     { "step", step, 16 },        { "info", info, 8 },
-                                     { "defaults", defaults, 1 }, { NULL, NULL, 0 } };
+static const struct move moves[] = { { "init", init, 4 }, { "copy", copy, 1 },         { "step", step, 16 },
+                                     { "info", info, 8 }, { "defaults", defaults, 1 }, { NULL, NULL, 0 } };
 
 const struct noun guard_noun = { "guard", NULL, end, moves };

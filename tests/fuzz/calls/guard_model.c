@@ -21,10 +21,9 @@ int wrench_is_usable(const dpt_wrench *wrench)
 
 void guard_model_init(struct guard_model *of, const dpt_guard_def *def)
 {
-    *of = (struct guard_model){ .is_made = 1,
-                                .def = *def,
-                                .hold = (uint64_t)(def->hold * 1e9 + 0.5),
-                                .stop = (uint64_t)(def->stop * 1e9 + 0.5) };
+    *of = (struct guard_model){
+        .is_made = 1, .def = *def, .hold = (uint64_t)(def->hold * 1e9 + 0.5), .stop = (uint64_t)(def->stop * 1e9 + 0.5)
+    };
 }
 
 static int is_on(const struct guard_model *of)
@@ -144,8 +143,7 @@ static void decide(struct guard_model *of, uint64_t now, const dpt_wrench *comma
     if (!is_on(of))
         return;
     const int force = approach(of->sent.force, of->command.force, of->gain, of->def.force_slew, dt);
-    const int torque =
-        approach(of->sent.torque, of->command.torque, of->gain, of->def.torque_slew, dt);
+    const int torque = approach(of->sent.torque, of->command.torque, of->gain, of->def.torque_slew, dt);
     count(force, torque, &of->slewed, &of->slewed_most);
     met[MET_SLEWED] += force == 1 || torque == 1;
 }
@@ -153,8 +151,8 @@ static void decide(struct guard_model *of, uint64_t now, const dpt_wrench *comma
 static void must_be_near(const double *is, const double *expected, double most, const char *what)
 {
     for (int k = 0; k < 3; k++)
-        HOLDS(fabs(is[k] - expected[k]) <= CLOSE * most + 1e-300, "%s %d is %.17g, and not %.17g",
-              what, k, is[k], expected[k]);
+        HOLDS(fabs(is[k] - expected[k]) <= CLOSE * most + 1e-300, "%s %d is %.17g, and not %.17g", what, k, is[k],
+              expected[k]);
 }
 
 void guard_model_step(struct guard_model *of, uint64_t now, const dpt_wrench *command, int is_ready,
@@ -175,24 +173,19 @@ void guard_model_must_tell(const struct guard_model *of, const dpt_guard_info *i
 {
     HOLDS(info->state == of->state, "state %u, and not %u", info->state, of->state);
     HOLDS(info->stops == of->stops && info->not_finite == of->not_finite,
-          "%llu stops, and not %llu; %llu commands that are not finite, and not %llu",
-          (unsigned long long)info->stops, (unsigned long long)of->stops,
-          (unsigned long long)info->not_finite, (unsigned long long)of->not_finite);
-    HOLDS(info->clamped >= of->clamped && info->clamped <= of->clamped_most,
-          "%llu clamped, and not %llu to %llu", (unsigned long long)info->clamped,
-          (unsigned long long)of->clamped, (unsigned long long)of->clamped_most);
-    HOLDS(info->slewed >= of->slewed && info->slewed <= of->slewed_most,
-          "%llu slewed, and not %llu to %llu", (unsigned long long)info->slewed,
-          (unsigned long long)of->slewed, (unsigned long long)of->slewed_most);
-    HOLDS(info->now_ns == of->now && info->fresh_ns == of->fresh,
-          "now %llu, and not %llu; fresh %llu, and not %llu", (unsigned long long)info->now_ns,
-          (unsigned long long)of->now, (unsigned long long)info->fresh_ns,
+          "%llu stops, and not %llu; %llu commands that are not finite, and not %llu", (unsigned long long)info->stops,
+          (unsigned long long)of->stops, (unsigned long long)info->not_finite, (unsigned long long)of->not_finite);
+    HOLDS(info->clamped >= of->clamped && info->clamped <= of->clamped_most, "%llu clamped, and not %llu to %llu",
+          (unsigned long long)info->clamped, (unsigned long long)of->clamped, (unsigned long long)of->clamped_most);
+    HOLDS(info->slewed >= of->slewed && info->slewed <= of->slewed_most, "%llu slewed, and not %llu to %llu",
+          (unsigned long long)info->slewed, (unsigned long long)of->slewed, (unsigned long long)of->slewed_most);
+    HOLDS(info->now_ns == of->now && info->fresh_ns == of->fresh, "now %llu, and not %llu; fresh %llu, and not %llu",
+          (unsigned long long)info->now_ns, (unsigned long long)of->now, (unsigned long long)info->fresh_ns,
           (unsigned long long)of->fresh);
-    HOLDS(info->gain >= 0.0 && info->gain <= 1.0 && fabs(info->gain - of->gain) <= CLOSE,
-          "gain %g, and not %g", info->gain, of->gain);
+    HOLDS(info->gain >= 0.0 && info->gain <= 1.0 && fabs(info->gain - of->gain) <= CLOSE, "gain %g, and not %g",
+          info->gain, of->gain);
     must_be_near(info->command.force, of->command.force, of->def.force_max, "the command's force");
-    must_be_near(info->command.torque, of->command.torque, of->def.torque_max,
-                 "the command's torque");
+    must_be_near(info->command.torque, of->command.torque, of->def.torque_max, "the command's torque");
     must_be_near(info->sent.force, of->sent.force, of->def.force_max, "the force sent");
     must_be_near(info->sent.torque, of->sent.torque, of->def.torque_max, "the torque sent");
 }

@@ -15,7 +15,7 @@ struct guard_model {
     uint32_t state;
     uint64_t stops, not_finite, now, fresh;
     uint64_t clamped, clamped_most, slewed, slewed_most; /* from, to */
-    double gain, stop_gain; /* of the ramp, and where it began to fall */
+    double gain, stop_gain;                              /* of the ramp, and where it began to fall */
     dpt_wrench command, held, sent;
 };
 

@@ -23,8 +23,8 @@ static void begin(void)
                                    .corner_count = count,
                                    .corners = corners,
                                    .radius = draw_one_in(2) ? 0.0 : draw_in(0.0, 0.002) };
-        const dpt_result result = RESULT(dpt_hull_create, lasting[i].block, sizeof lasting[i].block,
-                                         &def, &lasting[i].hull);
+        const dpt_result result =
+            RESULT(dpt_hull_create, lasting[i].block, sizeof lasting[i].block, &def, &lasting[i].hull);
         HOLDS(result == DPT_OK, "%u corners anywhere in a cube: %d", count, result);
     }
 }
@@ -34,12 +34,11 @@ static void parts_must_hold(const dpt_hull *hull, const dpt_hull_info *info)
 {
     uint32_t corners[DPT_HULL_CORNERS_MAX], count, sides = 0, ends[2];
     double at[3];
-    HOLDS(info->corners >= 3 && info->corners <= DPT_HULL_CORNERS_MAX &&
-              info->corners + info->faces == info->edges + 2,
+    HOLDS(info->corners >= 3 && info->corners <= DPT_HULL_CORNERS_MAX && info->corners + info->faces == info->edges + 2,
           "%u corners, %u edges, %u faces", info->corners, info->edges, info->faces);
     for (uint32_t f = 0; f < info->faces; f++) {
-        HOLDS(RESULT(dpt_hull_get_face, hull, f, corners, DPT_HULL_CORNERS_MAX, &count) == DPT_OK &&
-                  count >= 3 && count <= info->corners,
+        HOLDS(RESULT(dpt_hull_get_face, hull, f, corners, DPT_HULL_CORNERS_MAX, &count) == DPT_OK && count >= 3 &&
+                  count <= info->corners,
               "face %u has %u corners", f, count);
         for (uint32_t i = 0; i < count; i++)
             HOLDS(corners[i] < info->corners, "corner %u of face %u", corners[i], f);
@@ -76,12 +75,11 @@ static void create(void)
     const int no_def = draw_one_in(40), no_block = draw_one_in(40), no_out = draw_one_in(40);
     const int is_short = draw_one_in(20), is_odd_block = draw_one_in(20);
     struct codes codes = { .count = 0 };
-    const void *def = no_def ? NULL
-                             : draw_input(2, &good, draw_size(sizeof good, sizeof good),
-                                          sizeof good, sizeof good, &codes);
+    const void *def =
+        no_def ? NULL : draw_input(2, &good, draw_size(sizeof good, sizeof good), sizeof good, sizeof good, &codes);
     may_fail(&codes,
-             no_def || no_block || no_out || count < 3 || count > DPT_HULL_CORNERS_MAX ||
-                 !good.corners || good.reserved_pointer,
+             no_def || no_block || no_out || count < 3 || count > DPT_HULL_CORNERS_MAX || !good.corners ||
+                 good.reserved_pointer,
              DPT_E_ARGUMENT);
     may_fail(&codes, !(good.radius >= 0.0 && good.radius <= DPT_COORDINATE_MAX), DPT_E_FINITE);
     for (uint32_t k = 0; good.corners && k < 3 * count; k++)
@@ -94,20 +92,17 @@ static void create(void)
         may_fail(&codes, 1, DPT_E_ARGUMENT);
     codes.or_done = may_be_none;
     const size_t bytes = CALL(dpt_hull_bytes, def);
-    HOLDS(!bytes == !may_be_none || is_short || is_odd_block || no_block || no_out, "%zu bytes",
-          bytes);
+    HOLDS(!bytes == !may_be_none || is_short || is_odd_block || no_block || no_out, "%zu bytes", bytes);
     const dpt_hull *hull = (const dpt_hull *)(uintptr_t)8;
-    const dpt_result result =
-        RESULT(dpt_hull_create, no_block ? NULL : (char *)room + (is_odd_block ? 4 : 0),
-               is_short ? bytes / 2 : sizeof room - 8, def, no_out ? NULL : &hull);
+    const dpt_result result = RESULT(dpt_hull_create, no_block ? NULL : (char *)room + (is_odd_block ? 4 : 0),
+                                     is_short ? bytes / 2 : sizeof room - 8, def, no_out ? NULL : &hull);
     expect(result, &codes);
     if (result != DPT_OK) {
         HOLDS(no_out || !hull, "a hull on an error");
         return;
     }
     dpt_hull_info info = { .size = sizeof info };
-    HOLDS(RESULT(dpt_hull_get_info, hull, &info) == DPT_OK && info.radius == good.radius &&
-              info.corners <= count,
+    HOLDS(RESULT(dpt_hull_get_info, hull, &info) == DPT_OK && info.radius == good.radius && info.corners <= count,
           "%u corners of %u", info.corners, count);
     parts_must_hold(hull, &info);
     game_digest(&info, sizeof info);
@@ -117,8 +112,7 @@ static void create(void)
 static void ask(void)
 {
     const dpt_hull *hull = draw_one_in(20) ? NULL : lasting[draw_below(HULLS)].hull;
-    const uint32_t number = draw_below(80),
-                   size = draw_size(sizeof(dpt_hull_info), sizeof(dpt_hull_info));
+    const uint32_t number = draw_below(80), size = draw_size(sizeof(dpt_hull_info), sizeof(dpt_hull_info));
     uint32_t two[2], many[DPT_HULL_CORNERS_MAX], count;
     double at[3];
     dpt_hull_info info = { .size = sizeof info };
@@ -133,15 +127,13 @@ static void ask(void)
     outputs_are_guarded(0, 1);
     const int has_corner = hull && number < info.corners, has_edge = hull && number < info.edges;
     const int has_face = hull && number < info.faces;
-    HOLDS((RESULT(dpt_hull_get_corner, hull, number, no_out ? NULL : at) == DPT_OK) ==
-              (has_corner && !no_out),
+    HOLDS((RESULT(dpt_hull_get_corner, hull, number, no_out ? NULL : at) == DPT_OK) == (has_corner && !no_out),
           "corner %u of %u", number, info.corners);
-    HOLDS((RESULT(dpt_hull_get_edge, hull, number, no_out ? NULL : two) == DPT_OK) ==
-              (has_edge && !no_out),
+    HOLDS((RESULT(dpt_hull_get_edge, hull, number, no_out ? NULL : two) == DPT_OK) == (has_edge && !no_out),
           "edge %u of %u", number, info.edges);
     const uint32_t capacity = draw_below(6);
-    HOLDS((RESULT(dpt_hull_get_face, hull, number, many, capacity, no_out ? NULL : &count) ==
-           DPT_OK) == (has_face && !no_out),
+    HOLDS((RESULT(dpt_hull_get_face, hull, number, many, capacity, no_out ? NULL : &count) == DPT_OK) ==
+              (has_face && !no_out),
           "face %u of %u", number, info.faces);
 }
 
@@ -151,8 +143,7 @@ static void shapes(void)
     const dpt_hull_shape good = { .kind = draw_below(draw_one_in(10) ? 6 : 4),
                                   .sides = draw_one_in(2) ? 0 : draw_below(70),
                                   .reserved = draw_one_in(40) ? 1u : 0u,
-                                  .extent = { draw_in(0.001, 0.03),
-                                              draw_one_in(12) ? draw_odd_number() : 0.01,
+                                  .extent = { draw_in(0.001, 0.03), draw_one_in(12) ? draw_odd_number() : 0.01,
                                               draw_in(0.001, 0.03) } };
     const int is_round = good.kind == DPT_HULL_KIND_CYLINDER || good.kind == DPT_HULL_KIND_CONE;
     const uint32_t most = good.kind == DPT_HULL_KIND_CYLINDER ? 32 : 63;
@@ -165,18 +156,15 @@ static void shapes(void)
     const int no_shape = draw_one_in(40), no_count = draw_one_in(40);
     struct codes codes = { .count = 0 };
     uint32_t count = 77;
-    const void *given = no_shape ? NULL
-                                 : draw_input(2, &good, draw_size(sizeof good, sizeof good),
-                                              sizeof good, sizeof good, &codes);
+    const void *given =
+        no_shape ? NULL : draw_input(2, &good, draw_size(sizeof good, sizeof good), sizeof good, sizeof good, &codes);
     may_fail(&codes,
              no_shape || no_count || good.kind > DPT_HULL_KIND_CONE || good.reserved ||
                  (is_round ? sides < 3 || sides > most : good.sides != 0),
              DPT_E_ARGUMENT);
-    may_fail(&codes, !(good.extent[1] >= 0.0 && good.extent[1] <= DPT_COORDINATE_MAX),
-             DPT_E_FINITE);
+    may_fail(&codes, !(good.extent[1] >= 0.0 && good.extent[1] <= DPT_COORDINATE_MAX), DPT_E_FINITE);
     may_fail(&codes, codes.count == 0 && wanted > capacity, DPT_E_FULL);
-    const dpt_result result =
-        RESULT(dpt_hull_shape_corners, given, corners, capacity, no_count ? NULL : &count);
+    const dpt_result result = RESULT(dpt_hull_shape_corners, given, corners, capacity, no_count ? NULL : &count);
     expect(result, &codes);
     HOLDS(result != DPT_OK || count == wanted, "%u corners, not %u", count, wanted);
     if (result == DPT_OK)
@@ -199,16 +187,15 @@ static void query(void)
     if (!no_hull_pose)
         pose_codes(&hull_pose, &codes);
     void *out = no_out ? NULL : output_sized(0, size);
-    const dpt_result result = RESULT(
-        dpt_query_hull, no_mesh ? NULL : subject->mesh, no_pose ? NULL : &pose,
-        no_hull ? NULL : lasting[draw_below(HULLS)].hull, no_hull_pose ? NULL : &hull_pose, out);
+    const dpt_result result =
+        RESULT(dpt_query_hull, no_mesh ? NULL : subject->mesh, no_pose ? NULL : &pose,
+               no_hull ? NULL : lasting[draw_below(HULLS)].hull, no_hull_pose ? NULL : &hull_pose, out);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
     dpt_hit hit;
     if (result != DPT_OK || !output_read(0, size, sizeof hit, 32, &hit))
         return;
-    HOLDS(hit.status == DPT_STATUS_EXACT && hit.lower_bound <= hit.distance &&
-              hit.triangle < subject->source_triangles,
+    HOLDS(hit.status == DPT_STATUS_EXACT && hit.lower_bound <= hit.distance && hit.triangle < subject->source_triangles,
           "status %u, triangle %u", hit.status, hit.triangle);
     game_digest(&hit, sizeof hit);
 }
@@ -232,19 +219,17 @@ static void near(void)
         segment_codes(&asked, &codes);
     may_fail(&codes, !(reach >= 0.0 && reach <= DPT_COORDINATE_MAX), DPT_E_FINITE);
     pose_codes(&pose, &codes);
-    const dpt_result result =
-        RESULT(dpt_query_triangles, no_mesh ? NULL : subject->mesh, &pose, no_ends ? NULL : ends,
-               reach, triangles, TRIANGLES_MOST, no_out ? NULL : &count);
+    const dpt_result result = RESULT(dpt_query_triangles, no_mesh ? NULL : subject->mesh, &pose, no_ends ? NULL : ends,
+                                     reach, triangles, TRIANGLES_MOST, no_out ? NULL : &count);
     expect(result, &codes);
-    HOLDS(result != DPT_OK || count <= subject->triangles, "%u triangles of %u", count,
-          subject->triangles);
+    HOLDS(result != DPT_OK || count <= subject->triangles, "%u triangles of %u", count, subject->triangles);
     for (uint32_t i = 0; result == DPT_OK && i < count; i++)
         HOLDS(triangles[i] < subject->source_triangles, "triangle %u", triangles[i]);
 }
 
 /* A tip is sent elsewhere in its tool. Without a proxy it is there at once, else after a step. */
-static void move_tip(struct scene *scene, uint32_t id, const struct model_tool *tool,
-                     uint32_t count, const dpt_pose *given)
+static void move_tip(struct scene *scene, uint32_t id, const struct model_tool *tool, uint32_t count,
+                     const dpt_pose *given)
 {
     const uint32_t tip = draw_below(count + 1);
     const int no_world = draw_one_in(60), no_pose = draw_one_in(60), no_tool = draw_one_in(60);
@@ -259,8 +244,7 @@ static void move_tip(struct scene *scene, uint32_t id, const struct model_tool *
     call_with("scene %llu, id %llx, tip %llu", (uint64_t)(scene - scenes), of, tip, 0);
     EACH_WORLD(scene, i)
     SAME_RESULT(i, result,
-                RESULT(dpt_tool_set_tip_pose, world_or_null(scene, i, no_world), of, tip,
-                       no_pose ? NULL : &pose));
+                RESULT(dpt_tool_set_tip_pose, world_or_null(scene, i, no_world), of, tip, no_pose ? NULL : &pose));
     expect(result, &codes);
     EACH_WORLD(scene, i)
     {
@@ -299,14 +283,12 @@ static void give_tips(void)
     may_fail(&codes, count > scene->def.max_tips, DPT_E_FULL);
     may_fail(&codes,
              count && tool &&
-                 (tool->is_free ||
-                  (scene->def.until == DPT_UNTIL_RESPOND && !has_proxy(scene, tool->law))),
+                 (tool->is_free || (scene->def.until == DPT_UNTIL_RESPOND && !has_proxy(scene, tool->law))),
              DPT_E_UNSUPPORTED);
     call_with("scene %llu, id %llx, %llu tips", (uint64_t)(scene - scenes), id, count, 0);
     EACH_WORLD(scene, i)
     SAME_RESULT(i, result,
-                RESULT(dpt_tool_set_tips, world_or_null(scene, i, no_world), id,
-                       no_tips ? NULL : tips, count));
+                RESULT(dpt_tool_set_tips, world_or_null(scene, i, no_world), id, no_tips ? NULL : tips, count));
     expect(result, &codes);
     if (result != DPT_OK)
         return;
@@ -319,9 +301,8 @@ static void give_tips(void)
         tool->answers = ANSWERS_EITHER;
 }
 
-static const struct move moves[] = { { "create", create, 6 }, { "ask", ask, 6 },
-                                     { "shapes", shapes, 4 }, { "query", query, 6 },
-                                     { "near", near, 4 },     { "give tips", give_tips, 6 },
+static const struct move moves[] = { { "create", create, 6 }, { "ask", ask, 6 },   { "shapes", shapes, 4 },
+                                     { "query", query, 6 },   { "near", near, 4 }, { "give tips", give_tips, 6 },
                                      { NULL, NULL, 0 } };
 
 const struct noun hull_noun = { "hull", begin, NULL, moves };

@@ -14,9 +14,8 @@ struct listener {
 static int listen(void *user, const dpt_identify_progress *progress)
 {
     struct listener *listener = user;
-    HOLDS(progress && progress->size == sizeof *progress &&
-              progress->stage <= DPT_IDENTIFY_STAGE_TURN && progress->axis < 3 &&
-              progress->done >= 0.0 && progress->done <= 1.0,
+    HOLDS(progress && progress->size == sizeof *progress && progress->stage <= DPT_IDENTIFY_STAGE_TURN &&
+              progress->axis < 3 && progress->done >= 0.0 && progress->done <= 1.0,
           "progress %u", listener->calls);
     return ++listener->calls == listener->stops_at;
 }
@@ -42,11 +41,10 @@ static const void *draw_def(struct listener *listener, struct codes *codes)
     if (draw_one_in(30))
         def.may_move = 2;
     may_fail(codes,
-             def.may_move > 1 || (def.button > 31 && def.button != DPT_IDENTIFY_NO_BUTTON) ||
-                 def.blocks < 4 || def.blocks > 32 || !(def.seconds >= 0.1 && def.seconds <= 60.0),
+             def.may_move > 1 || (def.button > 31 && def.button != DPT_IDENTIFY_NO_BUTTON) || def.blocks < 4 ||
+                 def.blocks > 32 || !(def.seconds >= 0.1 && def.seconds <= 60.0),
              DPT_E_ARGUMENT);
-    return draw_input(DEF_SLOT, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def,
-                      codes);
+    return draw_input(DEF_SLOT, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def, codes);
 }
 
 static int is_ordered(const dpt_identified *value)
@@ -79,23 +77,19 @@ static void identify(void)
     if (is_refused)
         return;
     output_read(0, size, sizeof now, sizeof now, &now);
-    const dpt_identified *const values[] = { &now.mass,    &now.damping,      &now.friction,
-                                             &now.inertia, &now.spin_damping, &now.spin_friction,
-                                             &now.delay };
+    const dpt_identified *const values[] = { &now.mass,         &now.damping,       &now.friction, &now.inertia,
+                                             &now.spin_damping, &now.spin_friction, &now.delay };
     for (int i = 0; i < 7; i++)
         HOLDS(is_ordered(values[i]), "value %d: %g", i, values[i]->value);
-    HOLDS(now.end <= DPT_IDENTIFY_END_NO_WATCHDOG && CALL(dpt_identify_end_text, now.end)[0],
-          "end %u", now.end);
+    HOLDS(now.end <= DPT_IDENTIFY_END_NO_WATCHDOG && CALL(dpt_identify_end_text, now.end)[0], "end %u", now.end);
 }
 
 /* A text of words and of noise. */
 static void read_dynamics(void)
 {
-    static const char *const words[] = {
-        "mass=0.1\n", "mass_low=0.05\n", "delay=1e-3\n", "# mass\n",
-        "\n",         "friction=-1\n",   "mass",         "=",
-        "0.3",        "spin_damping=1",  "\r\n",         "\xff"
-    };
+    static const char *const words[] = { "mass=0.1\n", "mass_low=0.05\n", "delay=1e-3\n", "# mass\n",
+                                         "\n",         "friction=-1\n",   "mass",         "=",
+                                         "0.3",        "spin_damping=1",  "\r\n",         "\xff" };
     char path[] = "/tmp/dynpoint-calls-XXXXXX";
     dpt_device_info info = { .size = sizeof info, .mass = -1.0 };
     dpt_device_error error = { .size = sizeof error };
@@ -106,12 +100,10 @@ static void read_dynamics(void)
         HOLDS(write(file, word, strlen(word)) == (ssize_t)strlen(word), "no room");
     }
     close(file);
-    const dpt_result result =
-        RESULT(dpt_device_dynamics_read, path, &info, no_error ? NULL : &error);
+    const dpt_result result = RESULT(dpt_device_dynamics_read, path, &info, no_error ? NULL : &error);
     unlink(path);
     HOLDS(result == DPT_OK || result == DPT_E_SYNTAX, "%s", dpt_result_name(result));
-    HOLDS(no_error || (error.code == result && (result == DPT_OK) == !error.text[0]), "'%s'",
-          error.text);
+    HOLDS(no_error || (error.code == result && (result == DPT_OK) == !error.text[0]), "'%s'", error.text);
     HOLDS(info.mass == -1.0 || (result == DPT_OK && info.mass >= 0.0), "%g kg", info.mass);
 }
 
@@ -126,9 +118,8 @@ static void defaults(void)
     defaults_must_hold(0, size, is_null, &whole, sizeof whole);
 }
 
-static const struct move moves[] = { { "identify", identify, 1 },
-                                     { "read dynamics", read_dynamics, 1 },
-                                     { "defaults", defaults, 1 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = {
+    { "identify", identify, 1 }, { "read dynamics", read_dynamics, 1 }, { "defaults", defaults, 1 }, { NULL, NULL, 0 }
+};
 
 const struct noun identify_noun = { "identification", NULL, NULL, moves };

@@ -26,13 +26,10 @@ static void sample_must_hold(const struct host *host, const dpt_loop_sample *sam
     if (witness.has_ticked && now > witness.ticked_ns)
         dt = (double)(now - witness.ticked_ns) * 1e-9;
     HOLDS(sample->dt == dt, "dt %.17g, and not %.17g", sample->dt, dt);
-    HOLDS(sample->commands == witness.taken, "%u commands, and not %u", sample->commands,
-          witness.taken);
-    HOLDS(!memcmp(&sample->sent, &witness.acts, sizeof witness.acts) &&
-              sample->sent_ns == witness.acts_ns,
+    HOLDS(sample->commands == witness.taken, "%u commands, and not %u", sample->commands, witness.taken);
+    HOLDS(!memcmp(&sample->sent, &witness.acts, sizeof witness.acts) && sample->sent_ns == witness.acts_ns,
           "%g N of %llu ns are said to have acted, and not %g N of %llu ns", sample->sent.force[0],
-          (unsigned long long)sample->sent_ns, witness.acts.force[0],
-          (unsigned long long)witness.acts_ns);
+          (unsigned long long)sample->sent_ns, witness.acts.force[0], (unsigned long long)witness.acts_ns);
     met[MET_SENT] += witness.acts.force[0] != 0.0;
     game_digest(&sample->sent, sizeof sample->sent);
 }
@@ -96,8 +93,7 @@ static const dpt_guard_def *draw_guard(dpt_guard_def *guard, struct codes *codes
     for (int i = 0; i < 2; i++)
         is_wrong |= !(*times[i] <= 10.0);
     may_fail(codes, is_wrong, DPT_E_ARGUMENT);
-    return draw_input(GUARD_SLOT, guard, draw_size(sizeof *guard, sizeof *guard), sizeof *guard,
-                      sizeof *guard, codes);
+    return draw_input(GUARD_SLOT, guard, draw_size(sizeof *guard, sizeof *guard), sizeof *guard, sizeof *guard, codes);
 }
 
 /* What is handed over, and what it means. */
@@ -119,56 +115,49 @@ static const void *draw_def(struct host *host, dpt_loop_def *def, struct codes *
     const double rate = def->rate != 0.0 ? def->rate : host->info.rate;
     def->guard = draw_guard(&guard, codes);
     may_fail(codes,
-             !def->tick || def->priority > 99 || def->reserved_pointer || def->reserved_pointer_2 ||
-                 def->awake > 1 || !(rate >= 1.0 && rate <= 1e5),
+             !def->tick || def->priority > 99 || def->reserved_pointer || def->reserved_pointer_2 || def->awake > 1 ||
+                 !(rate >= 1.0 && rate <= 1e5),
              DPT_E_ARGUMENT);
     /* A command that does not count until the next tick; it may be a matter of rounding. */
     host->period = 1.0 / rate;
     may_fail(codes, guard.hold < host->period - 2e-9, DPT_E_ARGUMENT);
     codes->or_done = !codes->count && guard.hold < host->period + 2e-9;
     may_fail(codes, codes->or_done, DPT_E_ARGUMENT);
-    witness.force_max =
-        host->info.wrench_dofs < 3 ? 0.0 : fmin(guard.force_max, host->info.force_max);
-    witness.torque_max =
-        host->info.wrench_dofs < 6 ? 0.0 : fmin(guard.torque_max, host->info.torque_max);
+    witness.force_max = host->info.wrench_dofs < 3 ? 0.0 : fmin(guard.force_max, host->info.force_max);
+    witness.torque_max = host->info.wrench_dofs < 6 ? 0.0 : fmin(guard.torque_max, host->info.torque_max);
     const int was_done = codes->or_done;
-    const void *given = draw_input(DEF_SLOT, def, draw_size(sizeof *def, sizeof *def), sizeof *def,
-                                   sizeof *def, codes);
+    const void *given = draw_input(DEF_SLOT, def, draw_size(sizeof *def, sizeof *def), sizeof *def, sizeof *def, codes);
     if (was_done && codes->count > 1)
         codes->or_done = 0;
     return given;
 }
 
-static void stats_must_hold(const dpt_loop_stats *stats, const dpt_loop_def *def,
-                            const struct host *host)
+static void stats_must_hold(const dpt_loop_stats *stats, const dpt_loop_def *def, const struct host *host)
 {
     HOLDS(stats->ticks <= def->ticks, "%llu ticks of %llu", (unsigned long long)stats->ticks,
           (unsigned long long)def->ticks);
-    HOLDS(stats->fresh + stats->failed + stats->stale + stats->not_ready + stats->lost ==
-              stats->ticks,
+    HOLDS(stats->fresh + stats->failed + stats->stale + stats->not_ready + stats->lost == stats->ticks,
           "%llu ticks are not all told", (unsigned long long)stats->ticks);
-    HOLDS(stats->fresh + stats->failed <= host->ticks && host->ticks <= stats->ticks,
-          "the host ticked %llu times", (unsigned long long)host->ticks);
+    HOLDS(stats->fresh + stats->failed <= host->ticks && host->ticks <= stats->ticks, "the host ticked %llu times",
+          (unsigned long long)host->ticks);
     HOLDS(host->idle == (def->idle ? stats->ticks - host->ticks : 0), "%llu ticks without a sample",
           (unsigned long long)host->idle);
     /* At the end up to ten commands of zero, the last of which may be taken. */
     const uint64_t commands = stats->sent + stats->refused;
     HOLDS(commands < witness.writes && commands + 10 >= witness.writes &&
               stats->sent + (witness.last_result == DPT_OK) == witness.written,
-          "%llu sent, %llu refused, of %llu, %llu of which the device took",
-          (unsigned long long)stats->sent, (unsigned long long)stats->refused,
-          (unsigned long long)witness.writes, (unsigned long long)witness.written);
+          "%llu sent, %llu refused, of %llu, %llu of which the device took", (unsigned long long)stats->sent,
+          (unsigned long long)stats->refused, (unsigned long long)witness.writes, (unsigned long long)witness.written);
     HOLDS(witness.unseen < witness.writes - commands, "%llu samples were not shown",
           (unsigned long long)witness.unseen);
-    HOLDS(stats->lost <= witness.lost && stats->losses <= stats->lost &&
-              stats->reopened <= stats->losses && stats->reordered <= stats->stale,
+    HOLDS(stats->lost <= witness.lost && stats->losses <= stats->lost && stats->reopened <= stats->losses &&
+              stats->reordered <= stats->stale,
           "lost %llu times, %llu ticks, back %llu times", (unsigned long long)stats->losses,
           (unsigned long long)stats->lost, (unsigned long long)stats->reopened);
-    HOLDS(stats->stops <= stats->ticks && stats->clamped <= host->ticks &&
-              stats->not_finite <= host->ticks && stats->slewed <= stats->ticks,
+    HOLDS(stats->stops <= stats->ticks && stats->clamped <= host->ticks && stats->not_finite <= host->ticks &&
+              stats->slewed <= stats->ticks,
           "the guard counts more than there was");
-    HOLDS(stats->late_max == 0.0 && stats->took_max == 0.0 && !stats->notes && !stats->missed,
-          "nothing is late here");
+    HOLDS(stats->late_max == 0.0 && stats->took_max == 0.0 && !stats->notes && !stats->missed, "nothing is late here");
     const double time = CALL(dpt_loop_quantile, stats->took, draw_in(0.0, 1.0));
     HOLDS(isfinite(time) && time >= 0.0, "%g s", time);
 }
@@ -193,8 +182,7 @@ static void run_it(struct host *host, const dpt_loop_def *def)
         return;
     }
     const dpt_wrench zero = { { 0.0 }, { 0.0 } };
-    HOLDS(witness.writes > 0 && !memcmp(&witness.last, &zero, sizeof zero),
-          "it did not end with zero force");
+    HOLDS(witness.writes > 0 && !memcmp(&witness.last, &zero, sizeof zero), "it did not end with zero force");
     HOLDS(result == witness.last_result || (result == DPT_E_LOST && witness.lost), "%s, and not %s",
           dpt_result_name(result), dpt_result_name(witness.last_result));
     if (!no_stats && output_read(0, size, sizeof now, sizeof now, &now))
@@ -210,8 +198,7 @@ static void run_loop(void)
     struct codes codes = { .count = 0 };
     dpt_loop_def def;
     const char *name = draw_device_name();
-    HOLDS(RESULT(dpt_device_open_with, &witness_driver, name, &host.device, NULL) == DPT_OK, "%s",
-          name);
+    HOLDS(RESULT(dpt_device_open_with, &witness_driver, name, &host.device, NULL) == DPT_OK, "%s", name);
     RESULT(dpt_device_get_info, host.device, &host.info);
     witness.is_clumsy = draw_one_in(2);
     witness.is_deaf = draw_one_in(20);
@@ -220,8 +207,8 @@ static void run_loop(void)
     if (no_device || no_loop || no_def)
         codes.or_done = 0;
     may_fail(&codes, no_device || no_loop || no_def, DPT_E_ARGUMENT);
-    const dpt_result result = RESULT(dpt_loop_create, no_device ? NULL : host.device,
-                                     no_def ? NULL : given, no_loop ? NULL : &host.loop);
+    const dpt_result result =
+        RESULT(dpt_loop_create, no_device ? NULL : host.device, no_def ? NULL : given, no_loop ? NULL : &host.loop);
     expect(result, &codes);
     outputs_are_guarded(GUARD_SLOT, 2);
     HOLDS((result == DPT_OK) == (host.loop != NULL), "%s", dpt_result_name(result));
@@ -256,9 +243,8 @@ static void defaults(void)
     defaults_must_hold(0, size, is_null, &whole, sizeof whole);
 }
 
-static const struct move moves[] = { { "run", run_loop, 4 },
-                                     { "refuse NULL", refuse_null, 1 },
-                                     { "defaults", defaults, 1 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = {
+    { "run", run_loop, 4 }, { "refuse NULL", refuse_null, 1 }, { "defaults", defaults, 1 }, { NULL, NULL, 0 }
+};
 
 const struct noun loop_noun = { "loop", NULL, NULL, moves };

@@ -70,8 +70,7 @@ static void refuse_null(void)
     HOLDS(RESULT(dpt_mesh_open, subject->bytes, subject->size, NULL) == DPT_E_ARGUMENT, "nowhere");
     HOLDS(RESULT(dpt_mesh_open, arm_subjects[0].bytes, arm_subjects[0].size, &mesh) == DPT_E_MAGIC,
           "an arm is no mesh");
-    HOLDS(RESULT(dpt_mesh_open, subject->bytes, subject->size, &mesh) == DPT_OK &&
-              mesh == subject->mesh,
+    HOLDS(RESULT(dpt_mesh_open, subject->bytes, subject->size, &mesh) == DPT_OK && mesh == subject->mesh,
           "a pointer into the bytes");
 }
 
@@ -88,8 +87,7 @@ static void info(void)
         size_codes_of_output(size, first, 0, &codes);
     dpt_mesh_info *out = output_sized(0, size);
     call_with("size %llu", size, 0, 0, 0);
-    const dpt_result result =
-        RESULT(dpt_mesh_get_info, no_mesh ? NULL : subject->mesh, no_out ? NULL : out);
+    const dpt_result result = RESULT(dpt_mesh_get_info, no_mesh ? NULL : subject->mesh, no_out ? NULL : out);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
     if (result != DPT_OK) {
@@ -109,8 +107,7 @@ static void info(void)
 static void section(void)
 {
     const struct subject *subject = draw_subject();
-    const uint32_t index =
-        draw_one_in(8) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(28);
+    const uint32_t index = draw_one_in(8) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(28);
     const int no_mesh = draw_one_in(40), no_out = draw_one_in(40);
     dpt_mesh_section now;
     const uint32_t size = draw_size(sizeof now, sizeof now);
@@ -120,8 +117,7 @@ static void section(void)
     if (!no_out)
         size_codes_of_output(size, sizeof now, 0, &codes);
     call_with("section %llu, size %llu", index, size, 0, 0);
-    const dpt_result result =
-        RESULT(dpt_mesh_get_section, no_mesh ? NULL : subject->mesh, index, no_out ? NULL : out);
+    const dpt_result result = RESULT(dpt_mesh_get_section, no_mesh ? NULL : subject->mesh, index, no_out ? NULL : out);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
     if (result == DPT_OK && output_read(0, size, sizeof now, sizeof now, &now))
@@ -134,25 +130,23 @@ static void section(void)
 static void triangle(void)
 {
     const struct subject *subject = draw_subject();
-    const uint32_t number = draw_one_in(4) ? (uint32_t)draw_bits() >> draw_below(32)
-                                           : draw_below(subject->source_triangles);
+    const uint32_t number =
+        draw_one_in(4) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(subject->source_triangles);
     const int no_mesh = draw_one_in(40), no_out = draw_one_in(40), kind = (int)draw_below(3);
     const dpt_mesh *mesh = no_mesh ? NULL : subject->mesh;
     double corners[9];
     struct codes codes = { .count = 0 };
     may_fail(&codes, no_mesh || no_out || number >= subject->source_triangles, DPT_E_ARGUMENT);
     const int is_there = RESULT(dpt_mesh_get_triangle, subject->mesh, number, corners) == DPT_OK;
-    HOLDS(is_there || codes.count || subject->triangles < subject->source_triangles,
-          "triangle %u is missing", number);
+    HOLDS(is_there || codes.count || subject->triangles < subject->source_triangles, "triangle %u is missing", number);
     may_fail(&codes, !is_there, DPT_E_ARGUMENT);
     double *out = output_of(0, 9 * sizeof *out);
     uint32_t *flags = output_of(1, sizeof *flags);
     out = no_out ? NULL : out;
     call_with("triangle %llu of %llu", number, subject->source_triangles, 0, 0);
-    const dpt_result result =
-        kind == 0   ? RESULT(dpt_mesh_get_triangle, mesh, number, out)
-        : kind == 1 ? RESULT(dpt_mesh_get_vertex_normals, mesh, number, out)
-                    : RESULT(dpt_mesh_get_triangle_flags, mesh, number, no_out ? NULL : flags);
+    const dpt_result result = kind == 0   ? RESULT(dpt_mesh_get_triangle, mesh, number, out)
+                              : kind == 1 ? RESULT(dpt_mesh_get_vertex_normals, mesh, number, out)
+                                          : RESULT(dpt_mesh_get_triangle_flags, mesh, number, no_out ? NULL : flags);
     expect(result, &codes);
     outputs_are_guarded(0, 2);
     if (result != DPT_OK) {
@@ -167,8 +161,8 @@ static void triangle(void)
     game_digest(out, 9 * sizeof *out);
     const double zero[3] = { 0.0, 0.0, 0.0 };
     for (int k = 0; kind == 1 && k < 9; k += 3)
-        HOLDS(apart(out + k, zero) == 0.0 || fabs(apart(out + k, zero) - 1.0) < 1e-6,
-              "a normal of length %g", apart(out + k, zero));
+        HOLDS(apart(out + k, zero) == 0.0 || fabs(apart(out + k, zero) - 1.0) < 1e-6, "a normal of length %g",
+              apart(out + k, zero));
 }
 
 static void all_at_once(void)
@@ -181,10 +175,8 @@ static void all_at_once(void)
     uint32_t vertices = 0, triangles = 0;
     struct codes codes = { .count = 0 };
     may_fail(&codes, no_mesh || no_out || no_count, DPT_E_ARGUMENT);
-    expect(RESULT(dpt_mesh_get_vertices, mesh, no_out ? NULL : &xyz, no_count ? NULL : &vertices),
-           &codes);
-    expect(RESULT(dpt_mesh_get_triangles, mesh, no_out ? NULL : &corners, &numbers,
-                  no_count ? NULL : &triangles),
+    expect(RESULT(dpt_mesh_get_vertices, mesh, no_out ? NULL : &xyz, no_count ? NULL : &vertices), &codes);
+    expect(RESULT(dpt_mesh_get_triangles, mesh, no_out ? NULL : &corners, &numbers, no_count ? NULL : &triangles),
            &codes);
     if (codes.count)
         return;
@@ -207,27 +199,22 @@ static void driving(void)
     dpt_mesh_info now = { .size = sizeof now };
     struct codes codes = { .count = 0 };
     may_fail(&codes, no_mesh || no_out || no_count, DPT_E_ARGUMENT);
-    expect(RESULT(dpt_mesh_get_vertex_sources, mesh, no_out ? NULL : &sources,
-                  no_count ? NULL : &vertices),
+    expect(RESULT(dpt_mesh_get_vertex_sources, mesh, no_out ? NULL : &sources, no_count ? NULL : &vertices), &codes);
+    expect(RESULT(dpt_mesh_get_embedding, mesh, no_out ? NULL : &nodes, &weights, no_count ? NULL : &node_count),
            &codes);
-    expect(RESULT(dpt_mesh_get_embedding, mesh, no_out ? NULL : &nodes, &weights,
-                  no_count ? NULL : &node_count),
-           &codes);
-    HOLDS(!codes.count || (!sources && !vertices && !nodes && !weights && node_count == 77),
-          "written on an error");
+    HOLDS(!codes.count || (!sources && !vertices && !nodes && !weights && node_count == 77), "written on an error");
     if (codes.count)
         return;
     HOLDS(RESULT(dpt_mesh_get_info, subject->mesh, &now) == DPT_OK && now.nodes == node_count &&
-              now.vertices == vertices && now.outside_vertices <= vertices &&
-              now.outside_distance >= 0.0,
+              now.vertices == vertices && now.outside_vertices <= vertices && now.outside_distance >= 0.0,
           "%u nodes, %u vertices", node_count, vertices);
-    HOLDS((nodes != NULL) == (node_count > 0) && (weights != NULL) == (node_count > 0),
-          "arrays of %u nodes", node_count);
+    HOLDS((nodes != NULL) == (node_count > 0) && (weights != NULL) == (node_count > 0), "arrays of %u nodes",
+          node_count);
     for (uint32_t v = 0; v < vertices; v++)
         HOLDS(sources[v] < now.source_vertices, "vertex %u is %u", v, sources[v]);
     for (uint32_t i = 0; node_count && i < 4 * vertices; i++)
-        HOLDS(nodes[i] < node_count && fabs((double)weights[i]) <= 128.0, "node %u, weight %g",
-              nodes[i], (double)weights[i]);
+        HOLDS(nodes[i] < node_count && fabs((double)weights[i]) <= 128.0, "node %u, weight %g", nodes[i],
+              (double)weights[i]);
 }
 
 /* Springs: each end is a node, and has the spring too. */
@@ -243,8 +230,7 @@ static void springs(void)
     if (!no_out)
         size_codes_of_output(size, sizeof now, 0, &codes);
     dpt_mesh_springs *out = output_sized(0, size);
-    const dpt_result result =
-        RESULT(dpt_mesh_get_springs, no_mesh ? NULL : subject->mesh, no_out ? NULL : out);
+    const dpt_result result = RESULT(dpt_mesh_get_springs, no_mesh ? NULL : subject->mesh, no_out ? NULL : out);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
     if (result != DPT_OK) {
@@ -253,17 +239,14 @@ static void springs(void)
     }
     if (!output_read(0, size, sizeof now, sizeof now, &now))
         return;
-    HOLDS(RESULT(dpt_mesh_get_info, subject->mesh, &info) == DPT_OK &&
-              info.spring_nodes == now.nodes && info.springs == now.springs &&
-              info.fixed_nodes <= now.nodes && (info.stable_step > 0.0) == (now.nodes > 0) &&
-              now.slices == (now.nodes + 15) / 16,
+    HOLDS(RESULT(dpt_mesh_get_info, subject->mesh, &info) == DPT_OK && info.spring_nodes == now.nodes &&
+              info.springs == now.springs && info.fixed_nodes <= now.nodes &&
+              (info.stable_step > 0.0) == (now.nodes > 0) && now.slices == (now.nodes + 15) / 16,
           "%u nodes, %u springs", now.nodes, now.springs);
     double sum = 0.0;
     for (uint32_t i = 0; i < now.nodes; i++)
-        for (uint32_t e = now.first[i / 16] * 16 + i % 16; e < now.first[i / 16 + 1] * 16;
-             e += 16) {
-            HOLDS(now.neighbours[e] < now.nodes && now.length[e] > 0.0f, "node %u, %u", i,
-                  now.neighbours[e]);
+        for (uint32_t e = now.first[i / 16] * 16 + i % 16; e < now.first[i / 16 + 1] * 16; e += 16) {
+            HOLDS(now.neighbours[e] < now.nodes && now.length[e] > 0.0f, "node %u, %u", i, now.neighbours[e]);
             sum += i < now.neighbours[e] ? 1.0 : i > now.neighbours[e] ? -1.0 : 0.0;
         }
     HOLDS(sum == 0.0, "%g springs too many at the lower ends", sum);

@@ -39,8 +39,7 @@ static void draw_nodes(float *nodes)
 }
 
 /* Where the vertices are to be; 0 if one of them is not in the box, -1 if that is a matter of rounding. */
-static int follow_nodes(const struct model_body *body, const struct embedding *of,
-                        const float *nodes, float *positions)
+static int follow_nodes(const struct model_body *body, const struct embedding *of, const float *nodes, float *positions)
 {
     const struct soft *soft = body->soft;
     int is_inside = 1;
@@ -102,8 +101,7 @@ static void set_nodes(void)
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
     EACH_WORLD(scene, i)
     SAME_RESULT(i, result,
-                RESULT(dpt_deform_set_nodes, world_or_null(scene, i, no_world), id,
-                       no_nodes ? NULL : nodes));
+                RESULT(dpt_deform_set_nodes, world_or_null(scene, i, no_world), id, no_nodes ? NULL : nodes));
     expect(result, &codes);
     outputs_are_guarded(GIVEN_SLOT, 1);
     if (result == DPT_OK)
@@ -137,10 +135,8 @@ static void get_node_loads(void)
     dpt_result result = DPT_OK;
     if (of.count && of.count != CELL_NODES)
         return;
-    const int is_known = of.count && dpt_deform_get_loads(scene->world[0], id, vertex_loads,
-                                                          LOADS_MAX, &all) == DPT_OK;
-    const uint32_t capacity =
-        draw_one_in(3) || !is_known ? draw_below(4 * LOADS_MAX) : 4 * all + draw_below(4);
+    const int is_known = of.count && dpt_deform_get_loads(scene->world[0], id, vertex_loads, LOADS_MAX, &all) == DPT_OK;
+    const uint32_t capacity = draw_one_in(3) || !is_known ? draw_below(4 * LOADS_MAX) : 4 * all + draw_below(4);
     may_fail(&codes, no_world || no_count, DPT_E_ARGUMENT);
     may_fail(&codes, !body || !body->soft, DPT_E_HANDLE);
     may_fail(&codes, body && body->soft && !of.count, DPT_E_UNSUPPORTED);
@@ -150,8 +146,8 @@ static void get_node_loads(void)
     {
         dpt_load *out = output_of(i, capacity * sizeof *out);
         SAME_RESULT(i, result,
-                    RESULT(dpt_deform_get_node_loads, world_or_null(scene, i, no_world), id, out,
-                           capacity, no_count ? NULL : &count[i]));
+                    RESULT(dpt_deform_get_node_loads, world_or_null(scene, i, no_world), id, out, capacity,
+                           no_count ? NULL : &count[i]));
     }
     expect(result, &codes);
     outputs_are_guarded(0, scene->world_count);
@@ -165,8 +161,7 @@ static void get_node_loads(void)
     for (uint32_t i = 0; i < count[0]; i++)
         HOLDS(loads[i].vertex < of.count && !loads[i].reserved, "node %u", loads[i].vertex);
     for (int k = 0; k < 3; k++)
-        HOLDS(fabs(sum[0][k] - sum[1][k]) <= 1e-6 * size, "%g N on nodes, %g on vertices",
-              sum[1][k], sum[0][k]);
+        HOLDS(fabs(sum[0][k] - sum[1][k]) <= 1e-6 * size, "%g N on nodes, %g on vertices", sum[1][k], sum[0][k]);
 }
 
 static const struct move moves[] = { { "set nodes", set_nodes, 8 },

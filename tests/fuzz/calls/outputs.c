@@ -71,8 +71,7 @@ void outputs_are_guarded(int first, int count)
 void outputs_agree(int pairs)
 {
     for (int slot = 0; slot < 2 * pairs; slot += 2)
-        HOLDS(sizes[slot] == sizes[slot + 1] &&
-                  !memcmp(base_of(slot), base_of(slot + 1), sizes[slot]),
+        HOLDS(sizes[slot] == sizes[slot + 1] && !memcmp(base_of(slot), base_of(slot + 1), sizes[slot]),
               "output %d: a second world in another block answers otherwise", slot);
 }
 
@@ -129,8 +128,7 @@ void defaults_must_hold(int slot, uint32_t size, int is_null, const void *whole,
     }
     memcpy(&now, bytes, sizeof now);
     HOLDS(now == size, "the size of %u became %u", size, now);
-    HOLDS(!memcmp(bytes + sizeof size, (const unsigned char *)whole + sizeof size,
-                  known - sizeof size),
+    HOLDS(!memcmp(bytes + sizeof size, (const unsigned char *)whole + sizeof size, known - sizeof size),
           "not the defaults, as far as %u bytes go", size);
     for (size_t i = today; i < size; i++)
         HOLDS(bytes[i] == 0, "byte %zu of size %u", i, size);

@@ -53,8 +53,7 @@ static void init(void)
     may_fail(&codes, no_one, DPT_E_ARGUMENT);
     may_fail(&codes, !no_one && own.at.size < sizeof own.at, DPT_E_SIZE);
     if (!no_def) {
-        given =
-            draw_input(1, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def, &codes);
+        given = draw_input(1, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def, &codes);
         may_fail(&codes, def_is_wrong(&def), DPT_E_ARGUMENT);
     } else {
         CALL(dpt_passivity_def_defaults, &def, sizeof def);
@@ -66,8 +65,8 @@ static void init(void)
         return;
     own.def = def;
     own.is_made = result == DPT_OK;
-    own.is_bounded = own.is_made && own.def.force_slew == 0.0 && own.def.torque_slew == 0.0 &&
-                     own.def.delay < 1e-4 && !own.def.observe_only;
+    own.is_bounded = own.is_made && own.def.force_slew == 0.0 && own.def.torque_slew == 0.0 && own.def.delay < 1e-4 &&
+                     !own.def.observe_only;
     own.pose = identity;
     memset(&own.allowed, 0, sizeof own.allowed);
 }
@@ -101,8 +100,7 @@ static void must_be_bounded(void)
     dpt_passivity_info info = { .size = sizeof info };
     HOLDS(RESULT(dpt_passivity_get_info, &own.at, &info) == DPT_OK, "info");
     numbers_are_finite(&info.account, 6, "an observer");
-    HOLDS(!own.is_bounded || info.account_min >= -2.0 * info.eps - 1e-8, "%g J, eps %g",
-          info.account_min, info.eps);
+    HOLDS(!own.is_bounded || info.account_min >= -2.0 * info.eps - 1e-8, "%g J, eps %g", info.account_min, info.eps);
     game_digest(&info, sizeof info);
 }
 
@@ -123,15 +121,14 @@ static void step_once(void)
     dpt_wrench asked, wrench;
     draw_wrench(&asked);
     wrench = asked;
-    const void *given = draw_input(1, &sample, draw_size(sizeof sample, sizeof sample),
-                                   sizeof sample, sizeof sample, &codes);
+    const void *given =
+        draw_input(1, &sample, draw_size(sizeof sample, sizeof sample), sizeof sample, sizeof sample, &codes);
     const int is_taken = codes.count == 0;
     may_fail(&codes, no_wrench || no_one || !own.is_made, DPT_E_ARGUMENT);
     may_fail(&codes, !(sample.dt >= 1e-9 && sample.dt <= 1e6), DPT_E_ARGUMENT);
     may_fail(&codes, !wrench_is_sound(&sample.sent) || !wrench_is_sound(&asked), DPT_E_FINITE);
     pose_codes(&pose, &codes);
-    const dpt_result result =
-        RESULT(dpt_passivity_step, no_one ? NULL : &own.at, given, no_wrench ? NULL : &wrench);
+    const dpt_result result = RESULT(dpt_passivity_step, no_one ? NULL : &own.at, given, no_wrench ? NULL : &wrench);
     expect(result, &codes);
     outputs_are_guarded(1, 1);
     const int is_zero = !memcmp(&wrench, &zero, sizeof zero);
@@ -141,8 +138,8 @@ static void step_once(void)
         return;
     /* Whoever sends what was not allowed, or more than the limits, has no promise. */
     own.is_bounded &= is_taken && !memcmp(&sample.sent, &own.allowed, sizeof zero) &&
-                      size_of(asked.force) <= own.def.force_max &&
-                      size_of(asked.torque) <= own.def.torque_max && sample.dt == 1e-3;
+                      size_of(asked.force) <= own.def.force_max && size_of(asked.torque) <= own.def.torque_max &&
+                      sample.dt == 1e-3;
     met[MET_WITHHELD] += (uint64_t)is_zero;
     own.pose = pose;
     own.allowed = wrench;
@@ -188,10 +185,8 @@ static void begin(void)
     own.at.size = sizeof own.at;
 }
 
-static const struct move moves[] = { { "init", init, 2 },
-                                     { "step", step, 12 },
-                                     { "info", info, 2 },
-                                     { "defaults", defaults, 1 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = {
+    { "init", init, 2 }, { "step", step, 12 }, { "info", info, 2 }, { "defaults", defaults, 1 }, { NULL, NULL, 0 }
+};
 
 const struct noun passivity_noun = { "passivity", begin, NULL, moves };

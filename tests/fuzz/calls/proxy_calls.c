@@ -19,13 +19,10 @@ static void get_proxy(void)
     {
         const dpt_pose identity = DPT_POSE_IDENTITY;
         dpt_pose *out = output_of(i, sizeof *out);
-        SAME_RESULT(
-            i, result,
-            RESULT(dpt_tool_get_proxy, world_or_null(scene, i, no_world), id, no_out ? NULL : out));
+        SAME_RESULT(i, result, RESULT(dpt_tool_get_proxy, world_or_null(scene, i, no_world), id, no_out ? NULL : out));
         HOLDS(result == DPT_OK || output_is_untouched(i, 0) || !memcmp(out, &identity, sizeof *out),
               "a pose on an error");
-        HOLDS(result != DPT_OK || has_proxy(scene, tool->law) ||
-                  !memcmp(out, &tool->pose, sizeof *out),
+        HOLDS(result != DPT_OK || has_proxy(scene, tool->law) || !memcmp(out, &tool->pose, sizeof *out),
               "not the tool's pose, and no proxy");
     }
     expect(result, &codes);
@@ -67,8 +64,7 @@ static void lead(struct scene *scene, struct model_tool *tool, const double step
         segments[0].radius *= draw_in(0.5, 1.5);
     segments_codes(scene, tool, segments, tool->count, &codes);
     EACH_WORLD(scene, w)
-    SAME_RESULT(w, result,
-                RESULT(dpt_tool_set_segments, scene->world[w], tool->id, segments, tool->count));
+    SAME_RESULT(w, result, RESULT(dpt_tool_set_segments, scene->world[w], tool->id, segments, tool->count));
     expect(result, &codes);
     tool_has_segments(scene, tool, result == DPT_OK ? segments : NULL);
 }
@@ -97,8 +93,7 @@ static void stir(struct scene *scene)
 static void put_elsewhere(struct scene *scene, struct model_tool *tool)
 {
     dpt_force_report report = { .size = sizeof report };
-    HOLDS(RESULT(dpt_tool_get_force_report, scene->world[0], tool->id, &report) == DPT_OK,
-          "no report");
+    HOLDS(RESULT(dpt_tool_get_force_report, scene->world[0], tool->id, &report) == DPT_OK, "no report");
     if (report.reason != DPT_FORCE_INSIDE || tool->is_free || draw_one_in(4))
         return;
     const dpt_pose pose = draw_pose(NULL);
@@ -119,8 +114,7 @@ static void put_elsewhere(struct scene *scene, struct model_tool *tool)
 static void press(void)
 {
     struct scene *scene = draw_scene();
-    struct model_tool *tool =
-        scene && scene->tool_count ? &scene->tool[draw_below(scene->tool_count)] : NULL;
+    struct model_tool *tool = scene && scene->tool_count ? &scene->tool[draw_below(scene->tool_count)] : NULL;
     dpt_hit hit = DPT_HIT_INIT;
     if (!tool || !has_proxy(scene, tool->law) || !tool->is_usable)
         return;
@@ -166,20 +160,18 @@ static void set_shaper(void)
     dpt_result result = DPT_OK;
     may_fail(&codes, no_world, DPT_E_ARGUMENT);
     may_fail(&codes, !tool, DPT_E_HANDLE);
-    call_with("scene %llu, id %llx, set %llu", (uint64_t)(scene - scenes), id, (uint64_t)is_shaped,
-              0);
+    call_with("scene %llu, id %llx, set %llu", (uint64_t)(scene - scenes), id, (uint64_t)is_shaped, 0);
     EACH_WORLD(scene, i)
-    SAME_RESULT(i, result,
-                RESULT(dpt_tool_set_shaper, world_or_null(scene, i, no_world), id,
-                       is_shaped ? look_at : NULL, &met[0]));
+    SAME_RESULT(
+        i, result,
+        RESULT(dpt_tool_set_shaper, world_or_null(scene, i, no_world), id, is_shaped ? look_at : NULL, &met[0]));
     expect(result, &codes);
     if (result == DPT_OK)
         tool->is_shaped = is_shaped;
 }
 
-static const struct move moves[] = { { "get proxy", get_proxy, 4 },
-                                     { "press", press, 12 },
-                                     { "set shaper", set_shaper, 3 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = {
+    { "get proxy", get_proxy, 4 }, { "press", press, 12 }, { "set shaper", set_shaper, 3 }, { NULL, NULL, 0 }
+};
 
 const struct noun proxy_noun = { "proxy", NULL, NULL, moves };

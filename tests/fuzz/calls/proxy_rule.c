@@ -50,22 +50,19 @@ static double slack_of_tool(const struct scene *scene, const struct model_tool *
 }
 
 /* Whether nothing but the spring makes the wrench of this step. */
-static int is_spring_alone(const struct scene *scene, const struct model_tool *tool,
-                           const dpt_force_report *report)
+static int is_spring_alone(const struct scene *scene, const struct model_tool *tool, const dpt_force_report *report)
 {
     int yields = 0;
     for (uint32_t i = 0; i < scene->body_count; i++)
         yields |= scene->body[i].stiffness > 0.0;
-    return !yields && !(tool->damping > 0.0) &&
-           !(report->flags & (DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_BEHIND));
+    return !yields && !(tool->damping > 0.0) && !(report->flags & (DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_BEHIND));
 }
 
 /* rad */
 #define SPIN_MAX 1.5
 
 /* A spring between the two middles; its torque about the middle is at most that of 1 rad. */
-static void spring_must_hold(const struct scene *scene, const struct model_tool *tool,
-                             const dpt_force_report *report)
+static void spring_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_report *report)
 {
     const double K = tool->stiffness_then, slack = 10.0 * slack_of_tool(scene, tool);
     const double *F = report->wrench.force, *T = report->wrench.torque;
@@ -80,8 +77,7 @@ static void spring_must_hold(const struct scene *scene, const struct model_tool 
         arm[k] = device[k] - tool->origin[k];
     }
     const double far = apart(proxy, device), size = K * far;
-    HOLDS(apart(F, expected) <= ROUNDING * size + K * slack, "%g N, and not %g", apart(F, zero),
-          size);
+    HOLDS(apart(F, expected) <= ROUNDING * size + K * slack, "%g N, and not %g", apart(F, zero), size);
     const double shaped = K * shape.square;
     double turning = tool->rotational_stiffness > 0.0 ? tool->rotational_stiffness : shaped;
     if (tool->lock_rotation)
@@ -99,8 +95,7 @@ static void spring_must_hold(const struct scene *scene, const struct model_tool 
         about[k] = T[k] - (arm[i] * F[j] - arm[j] * F[i]);
     }
     const double lever = apart(arm, zero) + slack;
-    HOLDS(apart(about, zero) <=
-              turning * (1.0 + ROUNDING) + ROUNDING * lever * size + lever * K * slack,
+    HOLDS(apart(about, zero) <= turning * (1.0 + ROUNDING) + ROUNDING * lever * size + lever * K * slack,
           "%g Nm of a turn, at %g Nm/rad", apart(about, zero), turning);
     const double shift = 0.5 * size * far, least = K * slack * slack + 1e-300;
     HOLDS(report->energy >= shift * (1.0 - ROUNDING) - size * slack - least &&
@@ -115,11 +110,9 @@ static void it_must_be_outside(const struct scene *scene, const struct model_too
         const dpt_segment *at = &tool->proxy_at[i];
         const double distance = true_distance(scene, at);
         HOLDS(distance >= at->radius - slack_of_tool(scene, tool),
-              "segment %u of the proxy is %.17g m from a body, its radius is %.17g", i, distance,
-              at->radius);
+              "segment %u of the proxy is %.17g m from a body, its radius is %.17g", i, distance, at->radius);
         for (uint32_t b = 0; b < scene->then_count && distance > 1e-9; b++)
-            HOLDS(!is_solid_then(&scene->then[b]) ||
-                      fabs(times_inside(&scene->then[b], at->a)) < 0.5,
+            HOLDS(!is_solid_then(&scene->then[b]) || fabs(times_inside(&scene->then[b], at->a)) < 0.5,
                   "segment %u of the proxy is in body %x", i, scene->then[b].id);
     }
 }
@@ -127,8 +120,8 @@ static void it_must_be_outside(const struct scene *scene, const struct model_too
 static void it_must_be_the_device(const struct scene *scene, const struct model_tool *tool)
 {
     if (!tool->is_free) {
-        HOLDS(!memcmp(&tool->proxy, &tool->pose, sizeof tool->pose),
-              "free, and %g m from the device", apart(tool->proxy.position, tool->pose.position));
+        HOLDS(!memcmp(&tool->proxy, &tool->pose, sizeof tool->pose), "free, and %g m from the device",
+              apart(tool->proxy.position, tool->pose.position));
         return;
     }
     const double slack = slack_of_tool(scene, tool);
@@ -138,8 +131,7 @@ static void it_must_be_the_device(const struct scene *scene, const struct model_
           apart(tool->proxy_at[0].b, tool->at[0].b));
 }
 
-void proxy_must_hold(const struct scene *scene, const struct model_tool *tool,
-                     const dpt_force_report *report)
+void proxy_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_report *report)
 {
     dpt_pose pose[2];
     dpt_force_report twin = { .size = sizeof twin };
@@ -170,10 +162,8 @@ void proxy_must_hold(const struct scene *scene, const struct model_tool *tool,
     met[MET_REPLACED] += (report->flags & DPT_FORCE_FLAG_REPLACED) != 0;
     if (report->reason == DPT_FORCE_FREE)
         it_must_be_the_device(scene, tool);
-    if (report->reason == DPT_FORCE_ACTS && !tool->has_grown &&
-        is_spring_alone(scene, tool, report))
+    if (report->reason == DPT_FORCE_ACTS && !tool->has_grown && is_spring_alone(scene, tool, report))
         spring_must_hold(scene, tool, report);
-    if (all_are_known(scene) &&
-        (report->reason == DPT_FORCE_ACTS || report->reason == DPT_FORCE_FREE))
+    if (all_are_known(scene) && (report->reason == DPT_FORCE_ACTS || report->reason == DPT_FORCE_FREE))
         it_must_be_outside(scene, tool);
 }

@@ -4,25 +4,22 @@
 
 enum { SEGMENTS = 8 };
 
-static void hit_must_answer(const dpt_hit *hit, const struct subject *subject, int is_good,
-                            int pair_alone)
+static void hit_must_answer(const dpt_hit *hit, const struct subject *subject, int is_good, int pair_alone)
 {
     if (!is_good) {
         hit_must_be_stale(hit);
         return;
     }
-    HOLDS(hit->status == DPT_STATUS_EXACT && hit->body == 0 && hit->segment == 0,
-          "status %u, body %x", hit->status, hit->body);
-    HOLDS(hit->s >= 0.0 && hit->s <= 1.0 && hit->lower_bound <= hit->distance &&
-              hit->depth == fmax(0.0, -hit->gap),
+    HOLDS(hit->status == DPT_STATUS_EXACT && hit->body == 0 && hit->segment == 0, "status %u, body %x", hit->status,
+          hit->body);
+    HOLDS(hit->s >= 0.0 && hit->s <= 1.0 && hit->lower_bound <= hit->distance && hit->depth == fmax(0.0, -hit->gap),
           "s %g, distance %g, bound %g", hit->s, hit->distance, hit->lower_bound);
-    HOLDS(fabs(apart(hit->p, hit->q) - hit->distance) <= hit->error_bound + 1e-9,
-          "p and q are %g apart, and not %g", apart(hit->p, hit->q), hit->distance);
-    HOLDS(!pair_alone || (hit->contact == DPT_CONTACT_UNKNOWN && hit->gap == 0.0 &&
-                          !(hit->flags & DPT_HIT_FLAG_GAP)),
+    HOLDS(fabs(apart(hit->p, hit->q) - hit->distance) <= hit->error_bound + 1e-9, "p and q are %g apart, and not %g",
+          apart(hit->p, hit->q), hit->distance);
+    HOLDS(!pair_alone || (hit->contact == DPT_CONTACT_UNKNOWN && hit->gap == 0.0 && !(hit->flags & DPT_HIT_FLAG_GAP)),
           "contact %u of the pair alone", hit->contact);
-    HOLDS((hit->contact == DPT_CONTACT_UNKNOWN) == !(hit->flags & DPT_HIT_FLAG_GAP),
-          "contact %u, flags %x", hit->contact, hit->flags);
+    HOLDS((hit->contact == DPT_CONTACT_UNKNOWN) == !(hit->flags & DPT_HIT_FLAG_GAP), "contact %u, flags %x",
+          hit->contact, hit->flags);
     triangle_must_be_there(subject, hit->triangle);
 }
 
@@ -30,14 +27,12 @@ static void hit_must_answer(const dpt_hit *hit, const struct subject *subject, i
 static const void *draw_def(const dpt_query_def *good, uint32_t n, struct codes *codes)
 {
     struct codes of_def = { .count = 0 };
-    const void *def = draw_input(2, good, draw_size(sizeof *good, sizeof *good), sizeof *good,
-                                 sizeof *good, &of_def);
-    may_fail(&of_def,
-             good->method > DPT_METHOD_BRUTE || good->pair > 1 || good->kernel > DPT_KERNEL_WASM128,
+    const void *def = draw_input(2, good, draw_size(sizeof *good, sizeof *good), sizeof *good, sizeof *good, &of_def);
+    may_fail(&of_def, good->method > DPT_METHOD_BRUTE || good->pair > 1 || good->kernel > DPT_KERNEL_WASM128,
              DPT_E_ARGUMENT);
     may_fail(&of_def, good->kernel != DPT_KERNEL_AUTO, DPT_E_UNSUPPORTED);
-    const int is_free = of_def.count == 1 && of_def.code[0] == DPT_E_UNSUPPORTED &&
-                        good->kernel != DPT_KERNEL_AUTO && good->kernel <= DPT_KERNEL_WASM128;
+    const int is_free = of_def.count == 1 && of_def.code[0] == DPT_E_UNSUPPORTED && good->kernel != DPT_KERNEL_AUTO &&
+                        good->kernel <= DPT_KERNEL_WASM128;
     for (int i = 0; n && i < of_def.count; i++)
         may_fail(codes, 1, of_def.code[i]);
     codes->or_done = n && is_free && codes->count == 1;
@@ -86,17 +81,16 @@ static void segments(void)
     if (n)
         memcpy(out, &size, sizeof size);
     call_with("%llu segments, size %llu, method %llu", n, size, good.method, 0);
-    const dpt_result result = RESULT(dpt_query_segments, no_mesh ? NULL : subject->mesh,
-                                     no_pose ? NULL : &pose, no_ends ? NULL : ends,
-                                     no_radii ? NULL : radii, n, no_hits ? NULL : (void *)out, def);
+    const dpt_result result =
+        RESULT(dpt_query_segments, no_mesh ? NULL : subject->mesh, no_pose ? NULL : &pose, no_ends ? NULL : ends,
+               no_radii ? NULL : radii, n, no_hits ? NULL : (void *)out, def);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
     if (!n || output_is_untouched(0, sizeof size)) {
         HOLDS(!n || result != DPT_OK, "nothing was told");
         return;
     }
-    HOLDS(result == DPT_OK || result == DPT_E_FINITE, "%s, and something was written",
-          dpt_result_name(result));
+    HOLDS(result == DPT_OK || result == DPT_E_FINITE, "%s, and something was written", dpt_result_name(result));
     game_digest(out, (size_t)size * n);
     for (uint32_t i = 0; i < n && size == sizeof(dpt_hit); i++) {
         const dpt_hit *hit = (const dpt_hit *)(const void *)(out + i * size);
@@ -107,27 +101,23 @@ static void segments(void)
 }
 
 /* None is nearer than the distance, and one is as near, unless the segment goes through the triangle. */
-static void pairs_must_hold(const double *segment, const double *triangle, int is_good,
-                            double distance, double extent)
+static void pairs_must_hold(const double *segment, const double *triangle, int is_good, double distance, double extent)
 {
     dpt_segment_pair pairs[DPT_SEGMENT_PAIRS_MAX];
     const int no_pairs = draw_one_in(40);
-    const uint32_t count =
-        CALL(dpt_segment_triangle_pairs, segment, triangle, no_pairs ? NULL : pairs);
-    HOLDS(is_good && !no_pairs ? count >= 1 && count <= DPT_SEGMENT_PAIRS_MAX : !count, "%u pairs",
-          count);
+    const uint32_t count = CALL(dpt_segment_triangle_pairs, segment, triangle, no_pairs ? NULL : pairs);
+    HOLDS(is_good && !no_pairs ? count >= 1 && count <= DPT_SEGMENT_PAIRS_MAX : !count, "%u pairs", count);
     const double slack = 64.0 * 0x1p-53 * extent + 1e-60;
     double least = INFINITY;
     for (uint32_t i = 0; i < count; i++) {
         numbers_are_finite(pairs[i].p, 3, "p");
         numbers_are_finite(pairs[i].q, 3, "q");
         HOLDS(pairs[i].s >= 0.0 && pairs[i].s <= 1.0 && pairs[i].distance >= distance - slack,
-              "pair %u at %g, %g, and the distance is %g", i, pairs[i].s, pairs[i].distance,
-              distance);
+              "pair %u at %g, %g, and the distance is %g", i, pairs[i].s, pairs[i].distance, distance);
         least = fmin(least, pairs[i].distance);
     }
-    HOLDS(!count || distance <= slack || fabs(least - distance) <= slack,
-          "the least is %g, and the distance %g", least, distance);
+    HOLDS(!count || distance <= slack || fabs(least - distance) <= slack, "the least is %g, and the distance %g", least,
+          distance);
     game_digest(&least, sizeof least);
 }
 
@@ -161,14 +151,11 @@ static void pair(void)
     const int no_segment = draw_one_in(40), no_triangle = draw_one_in(40);
     const int no_out = draw_one_in(4);
     is_good &= !no_segment && !no_triangle;
-    const double distance =
-        CALL(dpt_segment_triangle, no_segment ? NULL : segment, no_triangle ? NULL : triangle,
-             no_out ? NULL : &s, no_out ? NULL : p, no_out ? NULL : q);
-    HOLDS(is_good ? distance >= 0.0 && isfinite(distance) : distance == INFINITY, "distance %g",
-          distance);
+    const double distance = CALL(dpt_segment_triangle, no_segment ? NULL : segment, no_triangle ? NULL : triangle,
+                                 no_out ? NULL : &s, no_out ? NULL : p, no_out ? NULL : q);
+    HOLDS(is_good ? distance >= 0.0 && isfinite(distance) : distance == INFINITY, "distance %g", distance);
     game_digest(&distance, sizeof distance);
-    pairs_must_hold(no_segment ? NULL : segment, no_triangle ? NULL : triangle, is_good, distance,
-                    extent);
+    pairs_must_hold(no_segment ? NULL : segment, no_triangle ? NULL : triangle, is_good, distance, extent);
     if (no_out)
         return;
     HOLDS(s >= 0.0 && s <= 1.0, "s %g", s);
@@ -177,8 +164,8 @@ static void pair(void)
     if (!is_good)
         return;
     const double slack = 64.0 * 0x1p-53 * extent + 1e-60;
-    HOLDS(fabs(apart(p, q) - distance) <= slack || extent > 1e150, "p and q are %g apart, not %g",
-          apart(p, q), distance);
+    HOLDS(fabs(apart(p, q) - distance) <= slack || extent > 1e150, "p and q are %g apart, not %g", apart(p, q),
+          distance);
     for (int i = 0; i < 4; i++) {
         const double t = draw_in(0.0, 1.0), v = draw_in(0.0, 1.0), w = draw_in(0.0, 1.0 - v);
         double x[3], y[3];
@@ -186,13 +173,10 @@ static void pair(void)
             x[k] = segment[k] + t * (segment[3 + k] - segment[k]);
             y[k] = (1.0 - v - w) * triangle[k] + v * triangle[3 + k] + w * triangle[6 + k];
         }
-        HOLDS(distance <= apart(x, y) + slack, "%g, and two points are %g apart", distance,
-              apart(x, y));
+        HOLDS(distance <= apart(x, y) + slack, "%g, and two points are %g apart", distance, apart(x, y));
     }
 }
 
-static const struct move moves[] = { { "segments", segments, 12 },
-                                     { "pair", pair, 6 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = { { "segments", segments, 12 }, { "pair", pair, 6 }, { NULL, NULL, 0 } };
 
 const struct noun query_noun = { "query", NULL, NULL, moves };

@@ -46,9 +46,7 @@ static dpt_record_header draw_header(struct codes *codes)
     may_fail(codes, !(header.rate >= 0.0 && header.rate <= 1e9), DPT_E_FINITE);
     const int is_long = header.text_bytes > DPT_RECORD_TEXT_MAX;
     may_fail(codes, is_long, DPT_E_LIMIT);
-    may_fail(codes,
-             !is_long && header.text_bytes &&
-                 (!header.text || memchr(text, 0, header.text_bytes) != NULL),
+    may_fail(codes, !is_long && header.text_bytes && (!header.text || memchr(text, 0, header.text_bytes) != NULL),
              DPT_E_ARGUMENT);
     return header;
 }
@@ -59,8 +57,8 @@ static void write_all(void)
     struct codes codes = { .count = 0 };
     const int no_header = draw_one_in(40), no_bytes = draw_one_in(40), no_count = draw_one_in(40);
     const dpt_record_header header = draw_header(&codes);
-    const void *given = draw_input(0, &header, draw_size(sizeof header, sizeof header),
-                                   sizeof header, sizeof header, &codes);
+    const void *given =
+        draw_input(0, &header, draw_size(sizeof header, sizeof header), sizeof header, sizeof header, &codes);
     may_fail(&codes, no_header, DPT_E_ARGUMENT);
     size_t written = 77;
     const size_t bytes = CALL(dpt_record_header_bytes, no_header ? NULL : given);
@@ -69,8 +67,8 @@ static void write_all(void)
     unsigned char *to = output_of(1, capacity);
     may_fail(&codes, no_bytes || no_count, DPT_E_ARGUMENT);
     may_fail(&codes, !codes.count && capacity < bytes, DPT_E_MEMORY);
-    const dpt_result result = RESULT(dpt_record_header_write, no_header ? NULL : given,
-                                     no_bytes ? NULL : to, capacity, no_count ? NULL : &written);
+    const dpt_result result = RESULT(dpt_record_header_write, no_header ? NULL : given, no_bytes ? NULL : to, capacity,
+                                     no_count ? NULL : &written);
     expect(result, &codes);
     outputs_are_guarded(0, 2);
     if (result != DPT_OK) {
@@ -83,8 +81,7 @@ static void write_all(void)
     record_count = draw_below(RECORDS + 1);
     for (uint32_t i = 0; i < record_count; i++)
         records[i] = draw_record();
-    HOLDS(RESULT(dpt_record_write, records, record_count, recording + bytes, ROOM - bytes,
-                 &written) == DPT_OK,
+    HOLDS(RESULT(dpt_record_write, records, record_count, recording + bytes, ROOM - bytes, &written) == DPT_OK,
           "%u records", record_count);
     HOLDS(written == record_count * CALL(dpt_record_bytes), "%zu bytes", written);
     recording_bytes = bytes + written;
@@ -105,8 +102,8 @@ static void write_one(void)
     size_codes_of_output(size, sizeof record, 1, &codes);
     may_fail(&codes, no_record || no_bytes || no_count, DPT_E_ARGUMENT);
     may_fail(&codes, capacity < bytes, DPT_E_MEMORY);
-    const dpt_result result = RESULT(dpt_record_write, no_record ? NULL : given, 1,
-                                     no_bytes ? NULL : to, capacity, no_count ? NULL : &written);
+    const dpt_result result = RESULT(dpt_record_write, no_record ? NULL : given, 1, no_bytes ? NULL : to, capacity,
+                                     no_count ? NULL : &written);
     expect(result, &codes);
     outputs_are_guarded(0, 2);
     if (result != DPT_OK) {
@@ -116,8 +113,8 @@ static void write_one(void)
     dpt_record again = { .size = sizeof again };
     size_t at = 0;
     uint32_t count = 0;
-    HOLDS(RESULT(dpt_record_read, to, bytes, &at, &again, 1, &count) == DPT_OK && count == 1 &&
-              at == bytes && !memcmp(&again, &record, sizeof record),
+    HOLDS(RESULT(dpt_record_read, to, bytes, &at, &again, 1, &count) == DPT_OK && count == 1 && at == bytes &&
+              !memcmp(&again, &record, sizeof record),
           "another record is read");
 }
 
@@ -147,8 +144,8 @@ static void read_header(void)
                                      DPT_E_FINITE, DPT_E_CHECKSUM, DPT_E_TRUNCATED };
     for (int i = 0; i < 6; i++)
         may_fail(&codes, is_damaged && bit / 8 < cut, of_damage[i]);
-    const dpt_result result = RESULT(dpt_record_header_read, no_bytes ? NULL : bytes, cut,
-                                     no_header ? NULL : out, no_at ? NULL : &at);
+    const dpt_result result =
+        RESULT(dpt_record_header_read, no_bytes ? NULL : bytes, cut, no_header ? NULL : out, no_at ? NULL : &at);
     expect(result, &codes);
     outputs_are_guarded(0, 2);
     if (result != DPT_OK) {
@@ -159,16 +156,14 @@ static void read_header(void)
     const uint64_t digest = run.digest;
     output_read(0, size, sizeof now, sizeof now, &now);
     run.digest = digest;
-    HOLDS(at == first_record && now.text == (const char *)bytes + 48 &&
-              strlen(now.text) == now.text_bytes,
+    HOLDS(at == first_record && now.text == (const char *)bytes + 48 && strlen(now.text) == now.text_bytes,
           "%zu bytes, a text of %zu", at, now.text_bytes);
 }
 
 static void read_some(void)
 {
     struct codes codes = { .count = 0 };
-    const int no_bytes = draw_one_in(30), no_out = draw_one_in(30), no_at = draw_one_in(30),
-              no_count = draw_one_in(30);
+    const int no_bytes = draw_one_in(30), no_out = draw_one_in(30), no_at = draw_one_in(30), no_count = draw_one_in(30);
     const uint32_t size = draw_size(sizeof(dpt_record), sizeof(dpt_record));
     const int is_size = size >= sizeof(dpt_record) && size <= STRUCT_SIZE_MAX && size % 8 == 0;
     const uint32_t capacity = draw_below(RECORDS + 2);
@@ -177,8 +172,7 @@ static void read_some(void)
         return;
     const uint32_t from = draw_below(record_count + 1);
     const size_t begin = first_record + from * bytes;
-    const size_t cut = draw_one_in(3) ? begin + draw_below((uint32_t)(recording_bytes - begin) + 1)
-                                      : recording_bytes;
+    const size_t cut = draw_one_in(3) ? begin + draw_below((uint32_t)(recording_bytes - begin) + 1) : recording_bytes;
     const int is_behind = draw_one_in(20);
     size_t at = is_behind ? cut + 1 : begin;
     uint32_t count = 77, whole = (uint32_t)((cut - begin) / bytes);
@@ -193,9 +187,8 @@ static void read_some(void)
     const int is_wrong = codes.count > 0;
     may_fail(&codes, !is_wrong && !whole && capacity && cut > begin, DPT_E_TRUNCATED);
     call_with("record %llu of %llu, capacity %llu", from, record_count, capacity, 0);
-    const dpt_result result =
-        RESULT(dpt_record_read, no_bytes ? NULL : given, cut, no_at ? NULL : &at,
-               no_out ? NULL : (dpt_record *)(void *)out, capacity, no_count ? NULL : &count);
+    const dpt_result result = RESULT(dpt_record_read, no_bytes ? NULL : given, cut, no_at ? NULL : &at,
+                                     no_out ? NULL : (dpt_record *)(void *)out, capacity, no_count ? NULL : &count);
     expect(result, &codes);
     outputs_are_guarded(0, 2);
     if (is_wrong) {
@@ -204,8 +197,7 @@ static void read_some(void)
     }
     HOLDS(count == whole && at == begin + whole * bytes, "%u records, up to %zu", count, at);
     for (uint32_t i = 0; i < count; i++)
-        HOLDS(!memcmp(out + (size_t)i * size + sizeof size,
-                      (const unsigned char *)&records[from + i] + sizeof size,
+        HOLDS(!memcmp(out + (size_t)i * size + sizeof size, (const unsigned char *)&records[from + i] + sizeof size,
                       sizeof(dpt_record) - sizeof size),
               "record %u is another", from + i);
     HOLDS(output_is_untouched(0, count ? (size_t)count * size : sizeof size), "more was written");
@@ -235,16 +227,13 @@ static void record_some(void)
         def.reserved = 1;
     const void *given = NULL;
     if (!no_def) {
-        given =
-            draw_input(0, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def, &codes);
-        may_fail(&codes,
-                 def.capacity > 1u << 20 || (def.capacity & (def.capacity - 1)) || def.wait > 1 ||
-                     def.reserved,
+        given = draw_input(0, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def, &codes);
+        may_fail(&codes, def.capacity > 1u << 20 || (def.capacity & (def.capacity - 1)) || def.wait > 1 || def.reserved,
                  DPT_E_ARGUMENT);
     }
     may_fail(&codes, no_path || no_recorder, DPT_E_ARGUMENT);
-    const dpt_result opened = RESULT(dpt_recorder_open, no_path ? NULL : path, &header, given,
-                                     no_recorder ? NULL : &recorder);
+    const dpt_result opened =
+        RESULT(dpt_recorder_open, no_path ? NULL : path, &header, given, no_recorder ? NULL : &recorder);
     expect(opened, &codes);
     unlink(path);
     if (opened != DPT_OK) {
@@ -279,10 +268,8 @@ static void record_some(void)
     const uint64_t digest = run.digest;
     output_read(0, size, sizeof now, sizeof now, &now);
     run.digest = digest;
-    HOLDS(now.pushed == pushed && now.dropped == dropped && now.written == pushed - dropped &&
-              !now.lost && !now.error,
-          "%llu pushed, %llu written", (unsigned long long)now.pushed,
-          (unsigned long long)now.written);
+    HOLDS(now.pushed == pushed && now.dropped == dropped && now.written == pushed - dropped && !now.lost && !now.error,
+          "%llu pushed, %llu written", (unsigned long long)now.pushed, (unsigned long long)now.written);
     met[MET_RECORDED] += now.written > 0;
 }
 

@@ -32,8 +32,8 @@ static int draw_question(struct question *of)
 
 static void trace(const struct question *of, uint64_t size)
 {
-    call_with("scene %llu, id %llx, segment %llu, size %llu", (uint64_t)(of->scene - scenes),
-              of->id, of->segment, size);
+    call_with("scene %llu, id %llx, segment %llu, size %llu", (uint64_t)(of->scene - scenes), of->id, of->segment,
+              size);
 }
 
 static void segment_is_asked(struct question *of)
@@ -145,8 +145,8 @@ static void sweep(void)
     {
         dpt_sweep *out = output_sized(i, size);
         SAME_RESULT(i, result,
-                    RESULT(dpt_tool_get_sweep, world_or_null(of.scene, i, of.no_world), of.id,
-                           of.segment, of.no_out ? NULL : out));
+                    RESULT(dpt_tool_get_sweep, world_or_null(of.scene, i, of.no_world), of.id, of.segment,
+                           of.no_out ? NULL : out));
     }
     expect(result, &of.codes);
     twins_agree(&of, 1);
@@ -156,8 +156,7 @@ static void sweep(void)
     }
     if (output_read(0, size, sizeof now, offsetof(dpt_sweep, time), &now) && result == DPT_OK)
         sweep_must_hold(of.scene, of.tool, of.segment, &now);
-    HOLDS(result == DPT_OK || size < sizeof now || now.status == DPT_SWEEP_NONE, "status %u",
-          now.status);
+    HOLDS(result == DPT_OK || size < sizeof now || now.status == DPT_SWEEP_NONE, "status %u", now.status);
 }
 
 static void strip(void)
@@ -185,17 +184,16 @@ static void strip(void)
         if (capacity)
             memcpy(out, &size, sizeof size);
         SAME_RESULT(i, result,
-                    RESULT(dpt_tool_get_strip, world_or_null(of.scene, i, of.no_world), of.id,
-                           of.segment, no_array ? NULL : (void *)out, capacity,
-                           no_count ? NULL : &told[i], no_flags ? NULL : &flags[i]));
+                    RESULT(dpt_tool_get_strip, world_or_null(of.scene, i, of.no_world), of.id, of.segment,
+                           no_array ? NULL : (void *)out, capacity, no_count ? NULL : &told[i],
+                           no_flags ? NULL : &flags[i]));
     }
     expect(result, &of.codes);
     outputs_are_guarded(FIRST_ARRAY, of.scene->world_count);
-    HOLDS(of.scene->world_count < 2 || (told[0] == told[1] && flags[0] == flags[1]), "%u and %u",
-          told[0], told[1]);
+    HOLDS(of.scene->world_count < 2 || (told[0] == told[1] && flags[0] == flags[1]), "%u and %u", told[0], told[1]);
     if (result != DPT_OK) {
-        HOLDS((told[0] == 77 || told[0] == 0) && (flags[0] == 77 || flags[0] == 0),
-              "%u, flags %x on an error", told[0], flags[0]);
+        HOLDS((told[0] == 77 || told[0] == 0) && (flags[0] == 77 || flags[0] == 0), "%u, flags %x on an error", told[0],
+              flags[0]);
         return;
     }
     HOLDS(told[0] <= (of.scene->def.strip ? of.scene->def.strip_capacity : 0), "%u", told[0]);
@@ -220,9 +218,9 @@ static void wrench(void)
     EACH_WORLD(of.scene, i)
     {
         dpt_wrench *out = output_of(i, sizeof *out);
-        SAME_RESULT(i, result,
-                    RESULT(dpt_tool_get_wrench, world_or_null(of.scene, i, of.no_world), of.id,
-                           of.no_out ? NULL : out));
+        SAME_RESULT(
+            i, result,
+            RESULT(dpt_tool_get_wrench, world_or_null(of.scene, i, of.no_world), of.id, of.no_out ? NULL : out));
         if (of.no_out)
             continue;
         numbers_are_finite(out->force, 6, "a wrench");
@@ -249,9 +247,9 @@ static void force_report(void)
     EACH_WORLD(of.scene, i)
     {
         void *out = output_sized(i, size);
-        SAME_RESULT(i, result,
-                    RESULT(dpt_tool_get_force_report, world_or_null(of.scene, i, of.no_world),
-                           of.id, of.no_out ? NULL : out));
+        SAME_RESULT(
+            i, result,
+            RESULT(dpt_tool_get_force_report, world_or_null(of.scene, i, of.no_world), of.id, of.no_out ? NULL : out));
     }
     expect(result, &of.codes);
     twins_agree(&of, 1);

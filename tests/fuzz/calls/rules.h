@@ -6,8 +6,7 @@
 #include "fuzz/calls/world_model.h"
 
 /* Of one segment, or of the tool: then `segment` is what the hit says. */
-void hit_must_hold(const struct scene *scene, const struct model_tool *tool, uint32_t segment,
-                   const dpt_hit *hit);
+void hit_must_hold(const struct scene *scene, const struct model_tool *tool, uint32_t segment, const dpt_hit *hit);
 
 /* The same against every triangle of every body. */
 void hit_must_be_true(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hit);
@@ -19,8 +18,8 @@ void gap_must_be_true(const struct scene *scene, const struct model_tool *tool, 
 int all_are_solid(const struct scene *scene);
 
 /* Of `count` of them. */
-void contacts_must_hold(const struct scene *scene, const struct model_tool *tool,
-                        const dpt_contact *contacts, uint32_t count);
+void contacts_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_contact *contacts,
+                        uint32_t count);
 
 void sweep_must_hold(const struct scene *scene, const struct model_tool *tool, uint32_t segment,
                      const dpt_sweep *sweep);
@@ -29,8 +28,8 @@ void sweep_must_hold(const struct scene *scene, const struct model_tool *tool, u
 void overlaps_must_hold(const dpt_overlap *overlaps, uint32_t count, double radius);
 
 /* Of a segment's strip on the body that it is nearest to: distances are those of the triangles in the last step. */
-void strip_must_be_true(const struct scene *scene, const struct body_then *body,
-                        const dpt_segment *at, const dpt_overlap *overlaps, uint32_t count);
+void strip_must_be_true(const struct scene *scene, const struct body_then *body, const dpt_segment *at,
+                        const dpt_overlap *overlaps, uint32_t count);
 
 /* `hits` are those of all of the tool's segments, `report` tells of that wrench. */
 void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hits,
@@ -40,12 +39,10 @@ void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, 
  * Where the proxy is: at the device unless it is held, and never in a body; `report` tells of it. Every world of the
  * scene says the same.
  */
-void proxy_must_hold(const struct scene *scene, const struct model_tool *tool,
-                     const dpt_force_report *report);
+void proxy_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_report *report);
 
 /* What every report must be, of a tool whose answers are so. */
-void report_must_hold(const struct scene *scene, const struct model_tool *tool,
-                      const dpt_force_report *report);
+void report_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_report *report);
 
 /* An answer without input. */
 void hit_must_be_stale(const dpt_hit *hit);

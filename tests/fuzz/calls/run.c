@@ -34,11 +34,9 @@ static void print_call(const struct remembered *call)
 {
     printf("    %6llu %s(", (unsigned long long)call->number, call->site->name);
     if (call->format)
-        printf(call->format, (unsigned long long)call->argument[0],
-               (unsigned long long)call->argument[1], (unsigned long long)call->argument[2],
-               (unsigned long long)call->argument[3]);
-    printf(")%s%s\n", call->has_result ? " = " : "",
-           call->has_result ? dpt_result_name(call->result) : "");
+        printf(call->format, (unsigned long long)call->argument[0], (unsigned long long)call->argument[1],
+               (unsigned long long)call->argument[2], (unsigned long long)call->argument[3]);
+    printf(")%s%s\n", call->has_result ? " = " : "", call->has_result ? dpt_result_name(call->result) : "");
 }
 
 void call_with(const char *format, uint64_t a, uint64_t b, uint64_t c, uint64_t d)
@@ -96,9 +94,8 @@ static void print_trace(void)
     printf("    the last calls of game %llu:\n", (unsigned long long)run.game);
     for (uint64_t i = first; i <= run.game_calls; i++)
         print_call(&trace[i % REMEMBERED]);
-    printf(
-        "    to play it again: test_calls --seed %llu --only %llu   (--tell prints every call)\n",
-        (unsigned long long)run.seed, (unsigned long long)run.game);
+    printf("    to play it again: test_calls --seed %llu --only %llu   (--tell prints every call)\n",
+           (unsigned long long)run.seed, (unsigned long long)run.game);
 }
 
 void call_fails(const char *file, int line, const char *condition, const char *format, ...)
@@ -108,9 +105,8 @@ void call_fails(const char *file, int line, const char *condition, const char *f
     va_start(arguments, format);
     vprintf(format, arguments);
     va_end(arguments);
-    printf("\n  FAIL seed %llu, game %llu, call %llu of it, %llu in all\n",
-           (unsigned long long)run.seed, (unsigned long long)run.game,
-           (unsigned long long)run.game_calls, (unsigned long long)run.calls);
+    printf("\n  FAIL seed %llu, game %llu, call %llu of it, %llu in all\n", (unsigned long long)run.seed,
+           (unsigned long long)run.game, (unsigned long long)run.game_calls, (unsigned long long)run.calls);
     print_trace();
     unlink(trace_path);
     unlink(obj_path);
@@ -128,10 +124,9 @@ void expect_at(const char *file, int line, dpt_result result, const struct codes
         if (codes->code[i] == result)
             return;
     for (int i = 0; i < codes->count; i++)
-        snprintf(allowed + strlen(allowed), sizeof allowed - strlen(allowed), " %s",
-                 dpt_result_name(codes->code[i]));
-    call_fails(file, line, "a code that the arguments earn", "%s, and not%s%s",
-               dpt_result_name(result), allowed, !codes->count || codes->or_done ? " DPT_OK" : "");
+        snprintf(allowed + strlen(allowed), sizeof allowed - strlen(allowed), " %s", dpt_result_name(codes->code[i]));
+    call_fails(file, line, "a code that the arguments earn", "%s, and not%s%s", dpt_result_name(result), allowed,
+               !codes->count || codes->or_done ? " DPT_OK" : "");
 }
 
 /* ---- coverage ---- */
@@ -175,9 +170,8 @@ static int is_covered(const struct site *sum)
 
 void coverage_is_checked(int (*check)(int holds, const char *what))
 {
-    static const char *const lists[] = { "libdynpoint", "libdynpoint_compile",
-                                         "libdynpoint_drivers", "libdynpoint_urdf",
-                                         "libdynpoint_convex" };
+    static const char *const lists[] = { "libdynpoint", "libdynpoint_compile", "libdynpoint_drivers",
+                                         "libdynpoint_urdf", "libdynpoint_convex" };
     char path[64], name[128], what[256];
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
         snprintf(path, sizeof path, "tests/abi/%s.symbols", lists[i]);
@@ -187,8 +181,7 @@ void coverage_is_checked(int (*check)(int holds, const char *what))
             name[strcspn(name, "\n")] = '\0';
             const struct site sum = sum_of(name);
             snprintf(what, sizeof what, "%s is called %llu times: %llu done, %llu refused", name,
-                     (unsigned long long)sum.calls, (unsigned long long)sum.done,
-                     (unsigned long long)sum.refused);
+                     (unsigned long long)sum.calls, (unsigned long long)sum.done, (unsigned long long)sum.refused);
             check(is_excepted(name) ? sum.calls == 0 : is_covered(&sum), what);
         }
         if (file)
@@ -217,8 +210,7 @@ void coverage_is_printed(void)
             before = before->next;
         const struct site sum = sum_of(site->name);
         if (before == site)
-            printf("    %-32s %9llu calls %9llu done %9llu refused\n", sum.name,
-                   (unsigned long long)sum.calls, (unsigned long long)sum.done,
-                   (unsigned long long)sum.refused);
+            printf("    %-32s %9llu calls %9llu done %9llu refused\n", sum.name, (unsigned long long)sum.calls,
+                   (unsigned long long)sum.done, (unsigned long long)sum.refused);
     }
 }

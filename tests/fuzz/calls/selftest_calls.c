@@ -14,11 +14,11 @@ struct report {
 static int hear(void *user, const dpt_selftest_line *line)
 {
     struct report *report = user;
-    HOLDS(line && line->size == sizeof *line && line->verdict <= DPT_SELFTEST_NOTE && line->what &&
-              line->what[0] && line->unit && isfinite(line->measured),
+    HOLDS(line && line->size == sizeof *line && line->verdict <= DPT_SELFTEST_NOTE && line->what && line->what[0] &&
+              line->unit && isfinite(line->measured),
           "line %u", report->lines);
-    HOLDS(line->verdict != DPT_SELFTEST_NOTE || (line->measured == 0.0 && !line->unit[0]),
-          "a note of %g %s", line->measured, line->unit);
+    HOLDS(line->verdict != DPT_SELFTEST_NOTE || (line->measured == 0.0 && !line->unit[0]), "a note of %g %s",
+          line->measured, line->unit);
     report->said[line->verdict]++;
     return ++report->lines == report->stops_at;
 }
@@ -47,11 +47,9 @@ static const void *draw_def(struct report *report, struct codes *codes)
     may_fail(codes,
              def.may_move > 1 || !(def.seconds >= 0.1 && def.seconds <= 3600.0) ||
                  !(def.rate == 0.0 || (def.rate >= 1.0 && def.rate <= 1e6)) ||
-                 !(def.push >= 0.001 && def.push <= 1.0) ||
-                 !(def.push_seconds >= 0.01 && def.push_seconds <= 1.0),
+                 !(def.push >= 0.001 && def.push <= 1.0) || !(def.push_seconds >= 0.01 && def.push_seconds <= 1.0),
              DPT_E_ARGUMENT);
-    return draw_input(DEF_SLOT, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def,
-                      codes);
+    return draw_input(DEF_SLOT, &def, draw_size(sizeof def, sizeof def), sizeof def, sizeof def, codes);
 }
 
 /* A name with its driver's: dpt_driver_selftest takes one without. */
@@ -60,8 +58,7 @@ static dpt_result test_it(const char *name, int by_driver, const void *def, dpt_
 {
     const dpt_driver *driver = CALL(dpt_driver_named, name[0] == 's' ? "sim" : "replay");
     const char *colon = strchr(name, ':');
-    return by_driver ? RESULT(dpt_driver_selftest, device ? driver : NULL, colon ? colon + 1 : NULL,
-                              def, counts)
+    return by_driver ? RESULT(dpt_driver_selftest, device ? driver : NULL, colon ? colon + 1 : NULL, def, counts)
                      : RESULT(dpt_device_selftest, device, def, counts);
 }
 
@@ -86,8 +83,7 @@ static void test(void)
         HOLDS(dpt_device_open(name, &device, NULL) == DPT_OK, "%s", name);
     const int is_refused = codes.count > 0;
     call_with("by driver %llu, stops at %llu", (uint64_t)by_driver, report.stops_at, 0, 0);
-    const dpt_result result =
-        test_it(name, by_driver, no_def ? NULL : def, device, no_counts ? NULL : counts);
+    const dpt_result result = test_it(name, by_driver, no_def ? NULL : def, device, no_counts ? NULL : counts);
     outputs_are_guarded(0, 1);
     const int is_stopped = !no_def && report.stops_at && report.lines == report.stops_at;
     may_fail(&codes, is_stopped, DPT_E_CANCELLED);
@@ -103,10 +99,9 @@ static void test(void)
     const uint64_t digest = run.digest;
     output_read(0, size, sizeof now, sizeof now, &now);
     run.digest = digest;
-    HOLDS(now.passed + now.failed + now.notes > 0 &&
-              (no_def || (now.passed == report.said[DPT_SELFTEST_PASSED] &&
-                          now.failed == report.said[DPT_SELFTEST_FAILED] &&
-                          now.notes == report.said[DPT_SELFTEST_NOTE])),
+    HOLDS(now.passed + now.failed + now.notes > 0 && (no_def || (now.passed == report.said[DPT_SELFTEST_PASSED] &&
+                                                                 now.failed == report.said[DPT_SELFTEST_FAILED] &&
+                                                                 now.notes == report.said[DPT_SELFTEST_NOTE])),
           "%u lines were told", report.lines);
     met[MET_TESTED] += result == DPT_OK;
 }
@@ -122,8 +117,6 @@ static void defaults(void)
     defaults_must_hold(0, size, is_null, &whole, sizeof whole);
 }
 
-static const struct move moves[] = { { "test", test, 1 },
-                                     { "defaults", defaults, 1 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = { { "test", test, 1 }, { "defaults", defaults, 1 }, { NULL, NULL, 0 } };
 
 const struct noun selftest_noun = { "self-test", NULL, NULL, moves };

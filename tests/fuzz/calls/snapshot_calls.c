@@ -34,8 +34,7 @@ static void bodies_must_hold(struct scene *scene, const dpt_snapshot_info *info)
         HOLDS(RESULT(dpt_snapshot_get_body, kept, kept_bytes, i, &body) == DPT_OK, "body %u", i);
         const struct model_body *model = scene_body(scene, body.id);
         HOLDS(model && model->user == body.user, "body %x", body.id);
-        HOLDS(((body.flags & DPT_SNAPSHOT_BODY_FLAG_STALE) == 0) == (model->is_usable != 0),
-              "flags %x", body.flags);
+        HOLDS(((body.flags & DPT_SNAPSHOT_BODY_FLAG_STALE) == 0) == (model->is_usable != 0), "flags %x", body.flags);
         HOLDS((body.vertices > 0) == (model->soft != NULL), "%u vertices", body.vertices);
         if (model->is_usable && !model->soft)
             HOLDS(!memcmp(&body.pose, &model->pose, sizeof body.pose), "another pose");
@@ -45,33 +44,28 @@ static void bodies_must_hold(struct scene *scene, const dpt_snapshot_info *info)
         const float *own;
         uint32_t count;
         HOLDS(body.vertices <= VERTICES_MOST, "%u vertices", body.vertices);
-        HOLDS(RESULT(dpt_snapshot_get_vertices, kept, kept_bytes, body.first_vertex, body.vertices,
-                     xyz) == DPT_OK,
+        HOLDS(RESULT(dpt_snapshot_get_vertices, kept, kept_bytes, body.first_vertex, body.vertices, xyz) == DPT_OK,
               "vertices");
-        HOLDS(dpt_deform_get_vertices(scene->world[0], body.id, &own, &count) == DPT_OK &&
-                  count == body.vertices && !memcmp(own, xyz, 12 * (size_t)count),
+        HOLDS(dpt_deform_get_vertices(scene->world[0], body.id, &own, &count) == DPT_OK && count == body.vertices &&
+                  !memcmp(own, xyz, 12 * (size_t)count),
               "other vertices");
     }
 }
 
-static void segments_must_hold(const struct scene *scene, const dpt_snapshot_tool *tool,
-                               const dpt_snapshot_info *info, uint32_t index)
+static void segments_must_hold(const struct scene *scene, const dpt_snapshot_tool *tool, const dpt_snapshot_info *info,
+                               uint32_t index)
 {
-    HOLDS(tool->segments > 0 && tool->first_segment + tool->segments <= info->segments,
-          "%u segments", tool->segments);
+    HOLDS(tool->segments > 0 && tool->first_segment + tool->segments <= info->segments, "%u segments", tool->segments);
     for (uint32_t i = 0; i < tool->segments; i++) {
         dpt_snapshot_segment segment = { .size = sizeof segment };
         dpt_hit hit = DPT_HIT_INIT;
-        HOLDS(RESULT(dpt_snapshot_get_segment, kept, kept_bytes, tool->first_segment + i,
-                     &segment) == DPT_OK,
+        HOLDS(RESULT(dpt_snapshot_get_segment, kept, kept_bytes, tool->first_segment + i, &segment) == DPT_OK,
               "segment %u", i);
         dpt_tool_get_segment_hit(scene->world[0], tool->id, i, &hit);
-        HOLDS(segment.tool == index && segment.status == hit.status &&
-                  segment.contact == hit.contact && segment.flags == hit.flags &&
-                  segment.triangle == hit.triangle && segment.body == hit.body &&
+        HOLDS(segment.tool == index && segment.status == hit.status && segment.contact == hit.contact &&
+                  segment.flags == hit.flags && segment.triangle == hit.triangle && segment.body == hit.body &&
                   segment.work == hit.work && !memcmp(segment.p, hit.p, sizeof hit.p) &&
-                  !memcmp(segment.q, hit.q, sizeof hit.q) && segment.distance == hit.distance &&
-                  segment.gap == hit.gap,
+                  !memcmp(segment.q, hit.q, sizeof hit.q) && segment.distance == hit.distance && segment.gap == hit.gap,
               "segment %u of %x", i, tool->id);
         numbers_are_finite(segment.a, sizeof(double[24]) / sizeof(double), "a segment");
     }
@@ -80,8 +74,8 @@ static void segments_must_hold(const struct scene *scene, const dpt_snapshot_too
 static void tools_must_hold(struct scene *scene, const dpt_snapshot_info *info, uint32_t wanted)
 {
     uint32_t contacts = 0;
-    HOLDS(info->tools == scene->tool_count && info->segments == scene->segment_count,
-          "%u tools, %u segments", info->tools, info->segments);
+    HOLDS(info->tools == scene->tool_count && info->segments == scene->segment_count, "%u tools, %u segments",
+          info->tools, info->segments);
     for (uint32_t i = 0; i < info->tools; i++) {
         dpt_snapshot_tool tool = { .size = sizeof tool };
         dpt_force_report report = { .size = sizeof report };
@@ -94,8 +88,8 @@ static void tools_must_hold(struct scene *scene, const dpt_snapshot_info *info, 
               "tool %x", tool.id);
         dpt_tool_get_force_report(scene->world[0], tool.id, &report);
         HOLDS(report.reason == tool.reason && report.flags == tool.flags &&
-                  !memcmp(&report.wrench, &tool.wrench, sizeof tool.wrench) &&
-                  report.energy == tool.energy && report.folds == tool.folds,
+                  !memcmp(&report.wrench, &tool.wrench, sizeof tool.wrench) && report.energy == tool.energy &&
+                  report.folds == tool.folds,
               "force of %x", tool.id);
         dpt_tool_get_proxy(scene->world[0], tool.id, &proxy);
         HOLDS(!memcmp(&proxy, &tool.proxy, sizeof proxy), "proxy of %x", tool.id);
@@ -113,10 +107,8 @@ static void items_must_hold(const dpt_snapshot_info *info)
 {
     for (uint32_t i = 0; i < info->contacts; i++) {
         dpt_snapshot_contact contact = { .size = sizeof contact };
-        HOLDS(RESULT(dpt_snapshot_get_contact, kept, kept_bytes, i, &contact) == DPT_OK,
-              "contact %u", i);
-        HOLDS(contact.s0 >= 0.0 && contact.s1 <= 1.0 && contact.s0 <= contact.s1, "%g to %g",
-              contact.s0, contact.s1);
+        HOLDS(RESULT(dpt_snapshot_get_contact, kept, kept_bytes, i, &contact) == DPT_OK, "contact %u", i);
+        HOLDS(contact.s0 >= 0.0 && contact.s1 <= 1.0 && contact.s0 <= contact.s1, "%g to %g", contact.s0, contact.s1);
     }
     for (uint32_t i = 0; i < info->strip; i++) {
         dpt_snapshot_strip strip = { .size = sizeof strip };
@@ -127,11 +119,10 @@ static void items_must_hold(const dpt_snapshot_info *info)
 
 static dpt_snapshot_def draw_def(void)
 {
-    const dpt_snapshot_def def = {
-        .max_contacts = draw_one_in(30) ? (uint32_t)draw_bits() : draw_below(40),
-        .max_strip = draw_one_in(30) ? (uint32_t)draw_bits() : draw_below(60),
-        .max_vertices = draw_one_in(30) ? (uint32_t)draw_bits() : draw_below(2 * VERTICES_MOST)
-    };
+    const dpt_snapshot_def def = { .max_contacts = draw_one_in(30) ? (uint32_t)draw_bits() : draw_below(40),
+                                   .max_strip = draw_one_in(30) ? (uint32_t)draw_bits() : draw_below(60),
+                                   .max_vertices =
+                                       draw_one_in(30) ? (uint32_t)draw_bits() : draw_below(2 * VERTICES_MOST) };
     return def;
 }
 
@@ -146,19 +137,15 @@ static void take(void)
     struct codes codes = { .count = 0 };
     const void *def = NULL;
     if (!no_def) {
-        def = draw_input(2, &good, draw_size(sizeof good, sizeof good), sizeof good, sizeof good,
-                         &codes);
-        may_fail(&codes,
-                 good.max_contacts > 1u << 20 || good.max_strip > 1u << 20 ||
-                     good.max_vertices > 1u << 28,
+        def = draw_input(2, &good, draw_size(sizeof good, sizeof good), sizeof good, sizeof good, &codes);
+        may_fail(&codes, good.max_contacts > 1u << 20 || good.max_strip > 1u << 20 || good.max_vertices > 1u << 28,
                  DPT_E_LIMIT);
     }
     const int is_bad = codes.count > 0 || no_world;
     size_t enough[2] = { 0, 0 }, written[2] = { 77, 77 };
     EACH_WORLD(scene, i)
     enough[i] = CALL(dpt_snapshot_bytes, world_or_null(scene, i, no_world), def);
-    HOLDS((enough[0] == 0) == is_bad && enough[0] % 8 == 0 &&
-              (scene->world_count < 2 || enough[0] == enough[1]),
+    HOLDS((enough[0] == 0) == is_bad && enough[0] % 8 == 0 && (scene->world_count < 2 || enough[0] == enough[1]),
           "%zu and %zu bytes", enough[0], enough[1]);
     size_t capacity = enough[0] <= ROOM ? enough[0] : ROOM;
     const int is_short = draw_one_in(8);
@@ -171,8 +158,8 @@ static void take(void)
     {
         unsigned char *out = output_of(i, capacity);
         SAME_RESULT(i, result,
-                    RESULT(dpt_world_take_snapshot, world_or_null(scene, i, no_world), def,
-                           no_block ? NULL : out, capacity, no_bytes ? NULL : &written[i]));
+                    RESULT(dpt_world_take_snapshot, world_or_null(scene, i, no_world), def, no_block ? NULL : out,
+                           capacity, no_bytes ? NULL : &written[i]));
     }
     if (may_be_full && result == DPT_E_MEMORY)
         HOLDS(output_is_untouched(0, 0) && written[0] == 0, "half of a snapshot");
@@ -184,8 +171,7 @@ static void take(void)
     HOLDS(written[0] <= capacity && written[0] % 8 == 0 && written[0] > 0, "%zu bytes", written[0]);
     memcpy(kept, output_at(0), written[0]);
     kept_bytes = written[0];
-    HOLDS(scene->world_count < 2 ||
-              (written[1] == kept_bytes && !memcmp(kept, output_at(1), kept_bytes)),
+    HOLDS(scene->world_count < 2 || (written[1] == kept_bytes && !memcmp(kept, output_at(1), kept_bytes)),
           "the twin's is another");
     game_digest(kept, kept_bytes);
     dpt_snapshot_info info = { .size = sizeof info };
@@ -236,8 +222,7 @@ static void read_one(size_t bytes, int is_sound)
     if (!has_good_size)
         expect(result, &codes);
     else if (is_sound)
-        HOLDS(result == DPT_OK || (kind && result == DPT_E_ARGUMENT), "%s",
-              dpt_result_name(result));
+        HOLDS(result == DPT_OK || (kind && result == DPT_E_ARGUMENT), "%s", dpt_result_name(result));
 }
 
 static void read(void)
@@ -257,8 +242,7 @@ static void vertices(void)
     const int no_xyz = draw_one_in(20);
     struct codes codes = { .count = 0 };
     may_fail(&codes, no_xyz || (uint64_t)first + count > info.vertices, DPT_E_ARGUMENT);
-    expect(RESULT(dpt_snapshot_get_vertices, kept, kept_bytes, first, count, no_xyz ? NULL : xyz),
-           &codes);
+    expect(RESULT(dpt_snapshot_get_vertices, kept, kept_bytes, first, count, no_xyz ? NULL : xyz), &codes);
 }
 
 /* Cut, or with other bytes: it stays so until another is taken. */
@@ -276,8 +260,7 @@ static void damage(void)
     memcpy(kept, copy, kept_bytes);
 }
 
-static const struct move moves[] = { { "defaults", defaults, 1 }, { "take", take, 8 },
-                                     { "read", read, 6 },         { "vertices", vertices, 2 },
-                                     { "damage", damage, 2 },     { NULL, NULL, 0 } };
+static const struct move moves[] = { { "defaults", defaults, 1 }, { "take", take, 8 },     { "read", read, 6 },
+                                     { "vertices", vertices, 2 }, { "damage", damage, 2 }, { NULL, NULL, 0 } };
 
 const struct noun snapshot_noun = { "snapshot", begin, NULL, moves };

@@ -57,8 +57,7 @@ static const struct subject *draw_springy(void)
 static double energy_of(const struct pair_of_springs *pair, int which)
 {
     double elastic = NAN, kinetic = NAN;
-    HOLDS(RESULT(dpt_springs_get_energy, pair->made[which], &elastic, &kinetic) == DPT_OK,
-          "no energy");
+    HOLDS(RESULT(dpt_springs_get_energy, pair->made[which], &elastic, &kinetic) == DPT_OK, "no energy");
     HOLDS(elastic >= 0.0 && kinetic >= 0.0, "%g J and %g J", elastic, kinetic);
     return elastic + kinetic;
 }
@@ -75,8 +74,8 @@ struct given_def {
 static void spoil_def(struct given_def *of)
 {
     dpt_springs_def *def = &of->def;
-    double *const numbers[] = { &def->stiffness, &def->contact_stiffness, &def->sleep_speed,
-                                &def->gravity[0], &def->gravity[2] };
+    double *const numbers[] = { &def->stiffness, &def->contact_stiffness, &def->sleep_speed, &def->gravity[0],
+                                &def->gravity[2] };
     switch (draw_below(9)) {
     case 0:
         def->integrator = 3 + draw_below(3);
@@ -158,8 +157,7 @@ static void make_twin(struct pair_of_springs *pair)
     def.kernel = DPT_KERNEL_SCALAR;
     const size_t bytes = CALL(dpt_springs_bytes, &def);
     pair->block[1] = new_block(bytes);
-    HOLDS(RESULT(dpt_springs_create, pair->block[1], bytes, &def, &pair->made[1]) == DPT_OK,
-          "no twin");
+    HOLDS(RESULT(dpt_springs_create, pair->block[1], bytes, &def, &pair->made[1]) == DPT_OK, "no twin");
 }
 
 static void create(void)
@@ -187,9 +185,7 @@ static void create(void)
         free(block);
         return;
     }
-    *pair = (struct pair_of_springs){
-        .subject = of.subject, .made = { made }, .block = { block }, .def = of.def
-    };
+    *pair = (struct pair_of_springs){ .subject = of.subject, .made = { made }, .block = { block }, .def = of.def };
     pair->nodes = CALL(dpt_springs_count, made);
     HOLDS(pair->nodes > 0 && pair->nodes <= NODES_MOST, "%u nodes", pair->nodes);
     make_twin(pair);
@@ -216,18 +212,15 @@ struct nodes {
 
 static void read_nodes(const struct pair_of_springs *pair, int which, struct nodes *to)
 {
-    HOLDS(RESULT(dpt_springs_get_nodes, pair->made[which], pair->nodes, to->positions,
-                 to->speeds) == DPT_OK,
+    HOLDS(RESULT(dpt_springs_get_nodes, pair->made[which], pair->nodes, to->positions, to->speeds) == DPT_OK,
           "no nodes");
 }
 
 /* Of the nodes that the springs have; what lies behind is of others. */
-static int nodes_are_same(const struct pair_of_springs *pair, const struct nodes *one,
-                          const struct nodes *other)
+static int nodes_are_same(const struct pair_of_springs *pair, const struct nodes *one, const struct nodes *other)
 {
     const size_t bytes = 3 * (size_t)pair->nodes * sizeof(float);
-    return !memcmp(one->positions, other->positions, bytes) &&
-           !memcmp(one->speeds, other->speeds, bytes);
+    return !memcmp(one->positions, other->positions, bytes) && !memcmp(one->speeds, other->speeds, bytes);
 }
 
 /* Finite, the same in both, and those of the game's digest. */
@@ -236,8 +229,7 @@ static void nodes_must_hold(const struct pair_of_springs *pair, struct nodes *no
     static struct nodes twin;
     read_nodes(pair, 0, now);
     for (uint32_t i = 0; i < 3 * pair->nodes; i++)
-        HOLDS(fabsf(now->positions[i]) <= (float)DPT_COORDINATE_MAX &&
-                  fabsf(now->speeds[i]) <= 1e9f,
+        HOLDS(fabsf(now->positions[i]) <= (float)DPT_COORDINATE_MAX && fabsf(now->speeds[i]) <= 1e9f,
               "node %u is at %g, %g m/s", i / 3, (double)now->positions[i], (double)now->speeds[i]);
     game_digest(now->positions, 3 * (size_t)pair->nodes * sizeof(float));
     if (!pair->made[1])
@@ -256,12 +248,11 @@ static void get_nodes(void)
     struct codes codes = { .count = 0 };
     float *positions = output_of(0, 3 * (size_t)pair->nodes * sizeof *positions);
     may_fail(&codes, no_springs || no_positions || count != pair->nodes, DPT_E_ARGUMENT);
-    const dpt_result result = RESULT(dpt_springs_get_nodes, no_springs ? NULL : pair->made[0],
-                                     count, no_positions ? NULL : positions, NULL);
+    const dpt_result result =
+        RESULT(dpt_springs_get_nodes, no_springs ? NULL : pair->made[0], count, no_positions ? NULL : positions, NULL);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
-    HOLDS(CALL(dpt_springs_count, NULL) == 0 && CALL(dpt_springs_stable_step, NULL) == 0.0,
-          "of NULL");
+    HOLDS(CALL(dpt_springs_count, NULL) == 0 && CALL(dpt_springs_stable_step, NULL) == 0.0, "of NULL");
 }
 
 static void set_nodes(void)
@@ -270,8 +261,7 @@ static void set_nodes(void)
     struct pair_of_springs *pair = draw_pair();
     if (!pair)
         return;
-    const int no_springs = draw_one_in(30), no_positions = draw_one_in(30),
-              is_wrong = draw_one_in(12);
+    const int no_springs = draw_one_in(30), no_positions = draw_one_in(30), is_wrong = draw_one_in(12);
     const uint32_t first = draw_below(pair->nodes), count = draw_below(pair->nodes - first + 1);
     const uint32_t asked = is_wrong && draw_one_in(2) ? pair->nodes - first + 1 : count;
     struct codes codes = { .count = 0 };
@@ -283,8 +273,7 @@ static void set_nodes(void)
     }
     if (is_wrong && asked == count && count) {
         const float wrong[] = { NAN, INFINITY, -3e38f };
-        (draw_one_in(2) ? given.positions : given.speeds)[3 * first + draw_below(3 * count)] =
-            wrong[draw_below(3)];
+        (draw_one_in(2) ? given.positions : given.speeds)[3 * first + draw_below(3 * count)] = wrong[draw_below(3)];
         may_fail(&codes, 1, DPT_E_FINITE);
     }
     may_fail(&codes, no_springs || (no_positions && asked) || asked != count, DPT_E_ARGUMENT);
@@ -298,8 +287,7 @@ static void set_nodes(void)
     pair->most = result == DPT_OK ? energy_of(pair, 0) : pair->most;
     for (uint32_t i = 0; i < 3 * pair->nodes; i++) {
         const int is_set = result == DPT_OK && i / 3 >= first && i / 3 < first + count;
-        HOLDS(after.positions[i] == (is_set ? given : before).positions[i], "node %u is elsewhere",
-              i / 3);
+        HOLDS(after.positions[i] == (is_set ? given : before).positions[i], "node %u is elsewhere", i / 3);
     }
 }
 
@@ -314,8 +302,8 @@ static void get_energy(void)
     const uint32_t what = draw_below(4);
     struct codes codes = { .count = 0 };
     may_fail(&codes, what < 3, DPT_E_ARGUMENT);
-    const dpt_result result = RESULT(dpt_springs_get_energy, what == 0 ? NULL : pair->made[0],
-                                     what == 1 ? NULL : &a, what == 2 ? NULL : &b);
+    const dpt_result result =
+        RESULT(dpt_springs_get_energy, what == 0 ? NULL : pair->made[0], what == 1 ? NULL : &a, what == 2 ? NULL : &b);
     expect(result, &codes);
     if (pair->made[1])
         HOLDS(energy_of(pair, 0) == energy_of(pair, 1), "the twin has another energy");
@@ -328,8 +316,7 @@ static void step_codes(const struct pair_of_springs *pair, double dt, struct cod
     HOLDS(stable >= 0.0 && stable <= DPT_SPRINGS_STEP_MAX, "a stable step of %g s", stable);
     may_fail(codes, !(fabs(dt) <= 1e308), DPT_E_FINITE);
     may_fail(codes, !(dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX), DPT_E_ARGUMENT);
-    if (pair->def.integrator == DPT_INTEGRATOR_IMPLICIT ||
-        !(dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX))
+    if (pair->def.integrator == DPT_INTEGRATOR_IMPLICIT || !(dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX))
         return;
     const double most = 0.9 * stable * pair->def.max_substeps;
     codes->or_done = !codes->count && fabs(dt / most - 1.0) < 1e-9;
@@ -368,12 +355,10 @@ static uint32_t draw_loads(const struct pair_of_springs *pair, dpt_load *loads, 
     return count;
 }
 
-static void spring_report_must_hold(const struct pair_of_springs *pair,
-                                    const dpt_springs_report *report)
+static void spring_report_must_hold(const struct pair_of_springs *pair, const dpt_springs_report *report)
 {
-    HOLDS(report->nodes == pair->nodes && report->active <= report->nodes &&
-              report->substeps >= 1 && report->substeps <= pair->def.max_substeps &&
-              report->flags <= DPT_SPRINGS_FLAG_HELD && !report->reserved,
+    HOLDS(report->nodes == pair->nodes && report->active <= report->nodes && report->substeps >= 1 &&
+              report->substeps <= pair->def.max_substeps && report->flags <= DPT_SPRINGS_FLAG_HELD && !report->reserved,
           "%u of %u nodes, %u substeps", report->active, report->nodes, report->substeps);
 }
 
@@ -398,12 +383,12 @@ static void step(void)
               dt > 0.0 && dt < 1.0 ? (uint64_t)(1e9 * dt) : 0, count, 0);
     for (int i = 0; i < 2 && (i == 0 || pair->made[1]); i++)
         SAME_RESULT(i, result,
-                    RESULT(dpt_springs_step, no_springs ? NULL : pair->made[i], dt,
-                           no_loads ? NULL : loads, count, has_report ? &report[i] : NULL));
+                    RESULT(dpt_springs_step, no_springs ? NULL : pair->made[i], dt, no_loads ? NULL : loads, count,
+                           has_report ? &report[i] : NULL));
     expect(result, &codes);
     nodes_must_hold(pair, &after);
-    const int is_free = !count && pair->def.gravity[0] == 0.0 && pair->def.gravity[1] == 0.0 &&
-                        pair->def.gravity[2] == 0.0;
+    const int is_free =
+        !count && pair->def.gravity[0] == 0.0 && pair->def.gravity[1] == 0.0 && pair->def.gravity[2] == 0.0;
     if (result != DPT_OK) {
         HOLDS(nodes_are_same(pair, &before, &after), "it has moved after an error");
         return;
@@ -412,8 +397,8 @@ static void step(void)
         spring_report_must_hold(pair, &report[0]);
     pair->most = is_free ? pair->most : HUGE_VAL;
     if (pair->def.integrator == DPT_INTEGRATOR_IMPLICIT)
-        HOLDS(energy_of(pair, 0) <= pair->most * (1.0 + 1e-3) + 1e-6, "%g J, %g J before",
-              energy_of(pair, 0), pair->most);
+        HOLDS(energy_of(pair, 0) <= pair->most * (1.0 + 1e-3) + 1e-6, "%g J, %g J before", energy_of(pair, 0),
+              pair->most);
 }
 
 /* ---- with a deformable body ---- */
@@ -433,8 +418,7 @@ static uint32_t draw_id(struct scene *scene, const struct pair_of_springs *pair)
     return draw_body_id(scene);
 }
 
-static void body_codes(const struct model_body *body, const struct pair_of_springs *pair,
-                       struct codes *codes)
+static void body_codes(const struct model_body *body, const struct pair_of_springs *pair, struct codes *codes)
 {
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_get_info(pair->subject->mesh, &info);
@@ -443,8 +427,7 @@ static void body_codes(const struct model_body *body, const struct pair_of_sprin
         return;
     const int displaces = body->soft->def.response == DPT_RESPONSE_DISPLACE;
     may_fail(codes, body->subject != pair->subject, DPT_E_ARGUMENT);
-    may_fail(codes, displaces && (info.nodes > 0 || body->soft->def.period > 0.0),
-             DPT_E_UNSUPPORTED);
+    may_fail(codes, displaces && (info.nodes > 0 || body->soft->def.period > 0.0), DPT_E_UNSUPPORTED);
 }
 
 /* Where the body is now, the model learns from the first world; the twin must be there, too. */
@@ -452,8 +435,7 @@ static void body_has_moved(struct scene *scene, struct model_body *body)
 {
     const float *positions;
     uint32_t count;
-    HOLDS(dpt_deform_get_vertices(scene->world[0], body->id, &positions, &count) == DPT_OK,
-          "no vertices");
+    HOLDS(dpt_deform_get_vertices(scene->world[0], body->id, &positions, &count) == DPT_OK, "no vertices");
     memcpy(body->soft->now, positions, 3 * sizeof *positions * count);
     body->soft->is_affine = 0;
     met[MET_DEFORMED]++;
@@ -502,11 +484,9 @@ static void step_body(void)
         soft_must_be_there(scene, body);
 }
 
-static const struct move moves[] = {
-    { "create", create, 4 },          { "defaults", defaults, 1 },
-    { "get nodes", get_nodes, 2 },    { "set nodes", set_nodes, 3 },
-    { "get energy", get_energy, 2 },  { "step", step, 10 },
-    { "step a body", step_body, 10 }, { NULL, NULL, 0 }
-};
+static const struct move moves[] = { { "create", create, 4 },          { "defaults", defaults, 1 },
+                                     { "get nodes", get_nodes, 2 },    { "set nodes", set_nodes, 3 },
+                                     { "get energy", get_energy, 2 },  { "step", step, 10 },
+                                     { "step a body", step_body, 10 }, { NULL, NULL, 0 } };
 
 const struct noun spring_noun = { "springs", NULL, end, moves };

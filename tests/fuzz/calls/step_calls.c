@@ -24,10 +24,9 @@ static int gravity(uint32_t contact)
 static void add_up(struct sum *sum, const dpt_hit *hit, int may_be_far)
 {
     if (!sum->segments++)
-        *sum = (struct sum){ .segments = 1,
-                             .status = DPT_STATUS_EXACT,
-                             .contact = DPT_CONTACT_SEPARATED,
-                             .contacts = sum->contacts };
+        *sum = (struct sum){
+            .segments = 1, .status = DPT_STATUS_EXACT, .contact = DPT_CONTACT_SEPARATED, .contacts = sum->contacts
+        };
     sum->work += hit->work;
     if (hit->status == DPT_STATUS_BOUNDED && may_be_far)
         sum->may_be_bounded = 1;
@@ -48,8 +47,7 @@ static void read_strip(struct scene *scene, const struct model_tool *tool, const
     const struct body_then *body = scene_body_then(scene, hit->body);
     uint32_t count = 0, flags = 0;
     overlaps[0].size = sizeof *overlaps;
-    HOLDS(RESULT(dpt_tool_get_strip, scene->world[0], tool->id, segment, overlaps, STRIP_MAX,
-                 &count, &flags) == DPT_OK,
+    HOLDS(RESULT(dpt_tool_get_strip, scene->world[0], tool->id, segment, overlaps, STRIP_MAX, &count, &flags) == DPT_OK,
           "no strip of segment %u", segment);
     if (scene->least.strip < count)
         scene->least.strip = count;
@@ -60,8 +58,7 @@ static void read_strip(struct scene *scene, const struct model_tool *tool, const
     else if (!tool->has_grown)
         overlaps_must_hold(overlaps, count, tool->proxy_at[segment].radius);
     if (body && !has_proxy(scene, tool->law_then) && tool->answers == ANSWERS_THERE)
-        strip_must_be_true(scene, body, &tool->at[segment], overlaps,
-                           count < STRIP_MAX ? count : STRIP_MAX);
+        strip_must_be_true(scene, body, &tool->at[segment], overlaps, count < STRIP_MAX ? count : STRIP_MAX);
     HOLDS(!(flags & DPT_STRIP_FLAG_FULL) || count == scene->def.strip_capacity ||
               scene->def.strip == DPT_STRIP_KIND_ROUTES,
           "full with %u of %u", count, scene->def.strip_capacity);
@@ -72,12 +69,10 @@ static uint32_t read_contacts(struct scene *scene, const struct model_tool *tool
     static dpt_contact contacts[CONTACTS_MAX];
     uint32_t count = 0;
     contacts[0].size = sizeof *contacts;
-    HOLDS(RESULT(dpt_tool_get_contacts, scene->world[0], tool->id, contacts, CONTACTS_MAX,
-                 &count) == DPT_OK,
+    HOLDS(RESULT(dpt_tool_get_contacts, scene->world[0], tool->id, contacts, CONTACTS_MAX, &count) == DPT_OK,
           "no contacts");
     HOLDS(count <= scene->def.max_contacts, "%u contacts of %u", count, scene->def.max_contacts);
-    HOLDS(count == 0 || scene->def.until != DPT_UNTIL_TRACK, "%u contacts of the pair alone",
-          count);
+    HOLDS(count == 0 || scene->def.until != DPT_UNTIL_TRACK, "%u contacts of the pair alone", count);
     for (uint32_t i = 0; i < count; i++)
         numbers_are_finite(&contacts[i].s0, 24, "a contact");
     contacts_must_hold(scene, tool, contacts, count);
@@ -109,8 +104,7 @@ static void read_tool(struct scene *scene, const struct model_tool *tool, struct
     HOLDS(best.segment < tool->count && !memcmp(&best, &hits[best.segment], sizeof best),
           "the tool's hit is none of its segments'");
     for (uint32_t i = 0; i < tool->count && best.status != DPT_STATUS_STALE; i++)
-        HOLDS(best.distance - tool->at[best.segment].radius <=
-                  hits[i].distance - tool->at[i].radius,
+        HOLDS(best.distance - tool->at[best.segment].radius <= hits[i].distance - tool->at[i].radius,
               "segment %u is nearer than the tool", i);
     HOLDS(RESULT(dpt_tool_get_wrench, world, tool->id, &wrench) == DPT_OK, "no wrench");
     dpt_force_report report = { .size = sizeof report };
@@ -136,8 +130,7 @@ static void audit(void)
     if (!scene)
         return;
     const struct sum sum = read_all(scene);
-    HOLDS(sum.contacts <= scene->contacts_then, "%u contacts, and there were %u", sum.contacts,
-          scene->contacts_then);
+    HOLDS(sum.contacts <= scene->contacts_then, "%u contacts, and there were %u", sum.contacts, scene->contacts_then);
 }
 
 static void step_must_hold(const struct scene *scene, const dpt_step *step)
@@ -145,30 +138,26 @@ static void step_must_hold(const struct scene *scene, const dpt_step *step)
     HOLDS(step->status <= DPT_STATUS_EXACT && step->contact <= DPT_CONTACT_PENETRATING &&
               step->flags <= DPT_STEP_FLAG_CONTACTS_FULL && step->distance >= 0.0,
           "status %u, contact %u, flags %x", step->status, step->contact, step->flags);
-    HOLDS(!scene->def.budget || step->work <= scene->def.budget, "work %u of a budget of %u",
-          step->work, scene->def.budget);
-    HOLDS(step->contacts <= scene->def.max_contacts, "%u contacts of %u", step->contacts,
-          scene->def.max_contacts);
+    HOLDS(!scene->def.budget || step->work <= scene->def.budget, "work %u of a budget of %u", step->work,
+          scene->def.budget);
+    HOLDS(step->contacts <= scene->def.max_contacts, "%u contacts of %u", step->contacts, scene->def.max_contacts);
     dpt_world_usage usage = { .size = sizeof usage };
     dpt_world_get_usage(scene->world[0], &usage);
     HOLDS(!(step->flags & DPT_STEP_FLAG_CONTACTS_FULL) || usage.contacts > scene->def.max_contacts,
-          "full, and the most that was wanted is %u of %u", usage.contacts,
-          scene->def.max_contacts);
+          "full, and the most that was wanted is %u of %u", usage.contacts, scene->def.max_contacts);
 }
 
 static void step_must_sum_up(struct scene *scene, const dpt_step *step)
 {
     const struct sum sum = read_all(scene);
-    HOLDS(sum.contacts == step->contacts, "%u contacts, and there are %u", step->contacts,
-          sum.contacts);
+    HOLDS(sum.contacts == step->contacts, "%u contacts, and there are %u", step->contacts, sum.contacts);
     HOLDS(sum.work == step->work, "work %u, and not %u", step->work, sum.work);
-    HOLDS(sum.any || (step->status == DPT_STATUS_STALE && step->distance == 0.0), "status %u",
-          step->status);
-    HOLDS(!sum.any || ((step->status == sum.status || (sum.may_be_bounded && scene->def.budget &&
-                                                       step->status == DPT_STATUS_BOUNDED)) &&
+    HOLDS(sum.any || (step->status == DPT_STATUS_STALE && step->distance == 0.0), "status %u", step->status);
+    HOLDS(!sum.any || ((step->status == sum.status ||
+                        (sum.may_be_bounded && scene->def.budget && step->status == DPT_STATUS_BOUNDED)) &&
                        step->contact == sum.contact && step->distance == sum.distance),
-          "status %u, contact %u, distance %g, and not %u, %u, %g", step->status, step->contact,
-          step->distance, sum.status, sum.contact, sum.distance);
+          "status %u, contact %u, distance %g, and not %u, %u, %g", step->status, step->contact, step->distance,
+          sum.status, sum.contact, sum.distance);
 }
 
 static double draw_dt(struct codes *codes)
@@ -196,9 +185,7 @@ void scene_steps(struct scene *scene)
     EACH_WORLD(scene, i)
     {
         dpt_step *out = output_sized(i, size);
-        SAME_RESULT(
-            i, result,
-            RESULT(dpt_world_step, world_or_null(scene, i, no_world), dt, no_out ? NULL : out));
+        SAME_RESULT(i, result, RESULT(dpt_world_step, world_or_null(scene, i, no_world), dt, no_out ? NULL : out));
     }
     expect(result, &codes);
     outputs_are_guarded(0, scene->world_count);
@@ -274,8 +261,7 @@ static void ride(void)
 static void touch(void)
 {
     struct scene *scene = draw_scene();
-    struct model_tool *tool =
-        scene && scene->tool_count ? &scene->tool[draw_below(scene->tool_count)] : NULL;
+    struct model_tool *tool = scene && scene->tool_count ? &scene->tool[draw_below(scene->tool_count)] : NULL;
     dpt_hit hit = DPT_HIT_INIT;
     if (!tool || tool->answers != ANSWERS_THERE || !scene->is_as_stepped)
         return;
@@ -287,17 +273,14 @@ static void touch(void)
     segments_codes(scene, tool, segments, tool->count, &codes);
     dpt_result result = DPT_OK;
     EACH_WORLD(scene, w)
-    SAME_RESULT(w, result,
-                RESULT(dpt_tool_set_segments, scene->world[w], tool->id, segments, tool->count));
+    SAME_RESULT(w, result, RESULT(dpt_tool_set_segments, scene->world[w], tool->id, segments, tool->count));
     expect(result, &codes);
     tool_has_segments(scene, tool, result == DPT_OK ? segments : NULL);
     scene_steps(scene);
 }
 
-static const struct move moves[] = { { "step", step, 40 },
-                                     { "ride", ride, 10 },
-                                     { "touch", touch, 4 },
-                                     { "audit", audit, 8 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = {
+    { "step", step, 40 }, { "ride", ride, 10 }, { "touch", touch, 4 }, { "audit", audit, 8 }, { NULL, NULL, 0 }
+};
 
 const struct noun step_noun = { "step", NULL, NULL, moves };

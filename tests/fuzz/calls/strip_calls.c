@@ -25,8 +25,7 @@ static struct strip *draw_strip(void)
 /* Numbers that are there, dropped, or too large. */
 static uint32_t draw_triangle(const struct subject *subject)
 {
-    return draw_one_in(20) ? (uint32_t)draw_bits() >> draw_below(32)
-                           : draw_below(subject->source_triangles);
+    return draw_one_in(20) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(subject->source_triangles);
 }
 
 /* By its own accessor, which other calls are held to. */
@@ -39,23 +38,19 @@ static int is_dropped(const struct subject *subject, uint32_t triangle)
 static void triangle_codes(const struct subject *subject, uint32_t triangle, struct codes *codes)
 {
     may_fail(codes, triangle >= subject->source_triangles, DPT_E_ARGUMENT);
-    may_fail(codes, triangle < subject->source_triangles && is_dropped(subject, triangle),
-             DPT_E_DROPPED);
+    may_fail(codes, triangle < subject->source_triangles && is_dropped(subject, triangle), DPT_E_DROPPED);
 }
 
 /* What the strip tells: as many triangles as fit, each once and there. Empty after an error. */
-static void read_triangles(struct strip *strip, const struct subject *subject, dpt_result result,
-                           int is_route)
+static void read_triangles(struct strip *strip, const struct subject *subject, dpt_result result, int is_route)
 {
     uint32_t count = 77, flags = 77;
-    const uint32_t *triangles =
-        CALL(dpt_strip_get_triangles, strip->open, &count, draw_one_in(4) ? NULL : &flags);
+    const uint32_t *triangles = CALL(dpt_strip_get_triangles, strip->open, &count, draw_one_in(4) ? NULL : &flags);
     HOLDS(triangles && count <= strip->def.capacity, "%u of %u", count, strip->def.capacity);
     HOLDS(result == DPT_OK || count == 0, "%u triangles after an error", count);
     HOLDS(flags == 77 || flags <= 7, "flags %x", flags);
-    HOLDS(flags == 77 || !(flags & DPT_STRIP_FLAG_FULL) || count == strip->def.capacity ||
-              !is_route,
-          "cut at %u of %u", count, strip->def.capacity);
+    HOLDS(flags == 77 || !(flags & DPT_STRIP_FLAG_FULL) || count == strip->def.capacity || !is_route, "cut at %u of %u",
+          count, strip->def.capacity);
     for (uint32_t i = 0; i < count; i++) {
         triangle_must_be_there(subject, triangles[i]);
         for (uint32_t k = 0; k < i; k++)
@@ -77,13 +72,12 @@ static void create(void)
     const int no_def = draw_one_in(40);
     const void *given = NULL;
     if (!no_def)
-        given = draw_input(0, &good, draw_size(sizeof good, sizeof good), sizeof good, sizeof good,
-                           &codes);
+        given = draw_input(0, &good, draw_size(sizeof good, sizeof good), sizeof good, sizeof good, &codes);
     may_fail(&codes, no_def || !good.capacity || good.reserved, DPT_E_ARGUMENT);
     const size_t bytes = CALL(dpt_strip_bytes, given);
     HOLDS((bytes == 0) == (codes.count > 0), "%zu bytes", bytes);
-    HOLDS(bytes <= 1024u + 96u * good.capacity + 36u * good.search, "%zu bytes for %u, %u", bytes,
-          good.capacity, good.search);
+    HOLDS(bytes <= 1024u + 96u * good.capacity + 36u * good.search, "%zu bytes for %u, %u", bytes, good.capacity,
+          good.search);
     const int no_block = draw_one_in(40), no_strip = draw_one_in(40);
     const size_t off = draw_one_in(20) ? 1 + draw_below(7) : 0;
     const size_t room = bytes && draw_one_in(10) ? bytes - 1 - draw_below(8) : bytes;
@@ -93,8 +87,7 @@ static void create(void)
     dpt_strip *made = NULL;
     memset(blocks[which], 0x5c, sizeof blocks[which]);
     const dpt_result result =
-        RESULT(dpt_strip_create, no_block ? NULL : (char *)blocks[which] + off, room, given,
-               no_strip ? NULL : &made);
+        RESULT(dpt_strip_create, no_block ? NULL : (char *)blocks[which] + off, room, given, no_strip ? NULL : &made);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
     const unsigned char *behind = (const unsigned char *)blocks[which] + off + room;
@@ -108,8 +101,7 @@ static void create(void)
 static void nothing(void)
 {
     uint32_t count = 77, flags = 77;
-    HOLDS(!CALL(dpt_strip_get_triangles, NULL, &count, &flags) && count == 0 && flags == 0,
-          "%u, %x", count, flags);
+    HOLDS(!CALL(dpt_strip_get_triangles, NULL, &count, &flags) && count == 0 && flags == 0, "%u, %x", count, flags);
     CALL(dpt_strip_get_triangles, NULL, NULL, NULL);
 }
 
@@ -127,8 +119,8 @@ static void route(void)
     may_fail(&codes, codes.or_done, DPT_E_UNREACHABLE);
     may_fail(&codes, codes.or_done, DPT_E_FULL);
     call_with("%llu to %llu, search %llu", from, to, strip ? strip->def.search : 0, 0);
-    const dpt_result result = RESULT(dpt_strip_route, strip ? strip->open : NULL,
-                                     no_mesh ? NULL : subject->mesh, from, to);
+    const dpt_result result =
+        RESULT(dpt_strip_route, strip ? strip->open : NULL, no_mesh ? NULL : subject->mesh, from, to);
     expect(result, &codes);
     if (!strip)
         return;
@@ -137,16 +129,15 @@ static void route(void)
         return;
     const uint32_t *triangles = CALL(dpt_strip_get_triangles, strip->open, NULL, NULL);
     HOLDS(triangles[0] == from, "it begins at %u, and not at %u", triangles[0], from);
-    HOLDS(strip->count == strip->def.capacity || triangles[strip->count - 1] == to,
-          "it ends at %u, and not at %u", triangles[strip->count - 1], to);
+    HOLDS(strip->count == strip->def.capacity || triangles[strip->count - 1] == to, "it ends at %u, and not at %u",
+          triangles[strip->count - 1], to);
 }
 
 static void routes(void)
 {
     struct strip *strip = draw_strip();
     const struct subject *subject = draw_subject();
-    const uint32_t a = draw_triangle(subject), b = draw_triangle(subject),
-                   p = draw_triangle(subject);
+    const uint32_t a = draw_triangle(subject), b = draw_triangle(subject), p = draw_triangle(subject);
     const int no_mesh = draw_one_in(40);
     struct codes codes = { .count = 0 };
     may_fail(&codes, !strip || no_mesh, DPT_E_ARGUMENT);
@@ -157,8 +148,8 @@ static void routes(void)
     may_fail(&codes, 1, DPT_E_UNREACHABLE);
     may_fail(&codes, 1, DPT_E_FULL);
     call_with("%llu, %llu, %llu", a, b, p, 0);
-    const dpt_result result = RESULT(dpt_strip_routes, strip ? strip->open : NULL,
-                                     no_mesh ? NULL : subject->mesh, a, b, p);
+    const dpt_result result =
+        RESULT(dpt_strip_routes, strip ? strip->open : NULL, no_mesh ? NULL : subject->mesh, a, b, p);
     expect(result, &codes);
     if (strip)
         read_triangles(strip, subject, result, 1);
@@ -169,8 +160,7 @@ static void make_table(void)
     const struct subject *subject = draw_subject();
     const int no_mesh = draw_one_in(20), no_block = draw_one_in(20), no_table = draw_one_in(20);
     const size_t bytes = CALL(dpt_route_table_bytes, no_mesh ? NULL : subject->mesh);
-    HOLDS(no_mesh ? bytes == 0 : bytes >= 2u * subject->triangles * subject->triangles, "%zu bytes",
-          bytes);
+    HOLDS(no_mesh ? bytes == 0 : bytes >= 2u * subject->triangles * subject->triangles, "%zu bytes", bytes);
     const size_t off = draw_one_in(12) ? 1 + draw_below(7) : 0;
     const size_t room = bytes && draw_one_in(12) ? bytes - 1 : bytes;
     if (bytes > TABLE_BLOCK - 64)
@@ -182,9 +172,8 @@ static void make_table(void)
     may_fail(&codes, room < bytes, DPT_E_MEMORY);
     table = NULL;
     memset((char *)table_block + off + room, 0x5c, 32);
-    const dpt_result result =
-        RESULT(dpt_route_table_create, no_block ? NULL : (char *)table_block + off, room,
-               no_mesh ? NULL : subject->mesh, no_table ? NULL : &made);
+    const dpt_result result = RESULT(dpt_route_table_create, no_block ? NULL : (char *)table_block + off, room,
+                                     no_mesh ? NULL : subject->mesh, no_table ? NULL : &made);
     expect(result, &codes);
     for (int i = 0; i < 32; i++)
         HOLDS(((unsigned char *)table_block)[off + room + (size_t)i] == 0x5c, "written behind it");
@@ -208,8 +197,8 @@ static void route_by_table(void)
     codes.or_done = !codes.count;
     may_fail(&codes, 1, DPT_E_UNREACHABLE);
     call_with("%llu to %llu", from, to, 0, 0);
-    const dpt_result result = RESULT(dpt_strip_route_by_table, strip ? strip->open : NULL,
-                                     no_table ? NULL : table, from, to);
+    const dpt_result result =
+        RESULT(dpt_strip_route_by_table, strip ? strip->open : NULL, no_table ? NULL : table, from, to);
     expect(result, &codes);
     if (!strip)
         return;
@@ -224,8 +213,7 @@ static void route_by_table(void)
     if (searched == DPT_E_FULL)
         return;
     HOLDS(searched == result && strip->count == count &&
-              !memcmp(first, CALL(dpt_strip_get_triangles, strip->open, NULL, NULL),
-                      count * sizeof *first),
+              !memcmp(first, CALL(dpt_strip_get_triangles, strip->open, NULL, NULL), count * sizeof *first),
           "%s by a search, %s by the table", dpt_result_name(searched), dpt_result_name(result));
 }
 
@@ -249,8 +237,7 @@ static void shadow(void)
     const void *given = NULL;
     may_fail(&codes, !strip || no_mesh || no_shadow, DPT_E_ARGUMENT);
     if (!no_shadow)
-        given = draw_input(0, &good, draw_size(sizeof good, sizeof good), sizeof good, sizeof good,
-                           &codes);
+        given = draw_input(0, &good, draw_size(sizeof good, sizeof good), sizeof good, sizeof good, &codes);
     segment_codes(&good.segment, &codes);
     if (!no_pose)
         pose_codes(&pose, &codes);
@@ -266,8 +253,8 @@ static void shadow(void)
         may_fail(&codes, !(fabs(number) <= DPT_COORDINATE_MAX), DPT_E_FINITE);
     }
     call_with("from triangle %llu", good.triangle, 0, 0, 0);
-    const dpt_result result = RESULT(dpt_strip_shadow, strip ? strip->open : NULL,
-                                     no_mesh ? NULL : subject->mesh, no_pose ? NULL : &pose, given);
+    const dpt_result result = RESULT(dpt_strip_shadow, strip ? strip->open : NULL, no_mesh ? NULL : subject->mesh,
+                                     no_pose ? NULL : &pose, given);
     expect(result, &codes);
     if (strip)
         read_triangles(strip, subject, result, 0);
@@ -289,8 +276,8 @@ static void overlaps(void)
     struct codes codes = { .count = 0 };
     uint32_t count = 77;
     may_fail(&codes,
-             no_strip || no_mesh || no_segment || no_count || (no_array && capacity) ||
-                 (side != 1 && side != -1) || (strip->count && subject != strip->of),
+             no_strip || no_mesh || no_segment || no_count || (no_array && capacity) || (side != 1 && side != -1) ||
+                 (strip->count && subject != strip->of),
              DPT_E_ARGUMENT);
     if (!no_array && capacity)
         size_codes_of_output(size, sizeof(dpt_overlap), 1, &codes);
@@ -302,14 +289,12 @@ static void overlaps(void)
     if (capacity)
         memcpy(out, &size, sizeof size);
     call_with("%llu triangles, capacity %llu, size %llu", strip->count, capacity, size, 0);
-    const dpt_result result =
-        RESULT(dpt_strip_overlaps, no_strip ? NULL : strip->open, no_mesh ? NULL : subject->mesh,
-               no_pose ? NULL : &pose, no_segment ? NULL : &segment, side,
-               no_array ? NULL : (void *)out, capacity, no_count ? NULL : &count);
+    const dpt_result result = RESULT(dpt_strip_overlaps, no_strip ? NULL : strip->open, no_mesh ? NULL : subject->mesh,
+                                     no_pose ? NULL : &pose, no_segment ? NULL : &segment, side,
+                                     no_array ? NULL : (void *)out, capacity, no_count ? NULL : &count);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
-    HOLDS(count == (result == DPT_OK ? strip->count : 0) || count == 77, "%u of %u", count,
-          strip->count);
+    HOLDS(count == (result == DPT_OK ? strip->count : 0) || count == 77, "%u of %u", count, strip->count);
     HOLDS(result != DPT_OK || count != 77, "no count");
     if (result != DPT_OK || size != sizeof(dpt_overlap))
         return;
@@ -330,14 +315,10 @@ static void end(void)
     table_of = NULL;
 }
 
-static const struct move moves[] = { { "create", create, 6 },
-                                     { "nothing", nothing, 1 },
-                                     { "route", route, 6 },
-                                     { "routes", routes, 5 },
-                                     { "make table", make_table, 1 },
-                                     { "route by table", route_by_table, 4 },
-                                     { "shadow", shadow, 8 },
-                                     { "overlaps", overlaps, 8 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = {
+    { "create", create, 6 }, { "nothing", nothing, 1 },       { "route", route, 6 },
+    { "routes", routes, 5 }, { "make table", make_table, 1 }, { "route by table", route_by_table, 4 },
+    { "shadow", shadow, 8 }, { "overlaps", overlaps, 8 },     { NULL, NULL, 0 }
+};
 
 const struct noun strip_noun = { "strip", NULL, end, moves };

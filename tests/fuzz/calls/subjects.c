@@ -5,7 +5,7 @@
 #include "dynpoint/compile.h"
 #include "fuzz/calls/calls.h"
 #include "lib/arm_random.h"
-#include "shape.h"
+#include "shape/shape.h"
 
 /* The last one is this game's own, if it has one. */
 struct subject subjects[MESHES + 1];
@@ -41,8 +41,7 @@ static int take_mesh(struct subject *subject, const char *name, dpt_compiled *by
     subject->size = bytes->size;
     subject->source_triangles = info.source_triangles;
     subject->triangles = info.triangles;
-    subject->is_solid =
-        info.components == 1 && info.closed_components == 1 && info.self_intersections == 0;
+    subject->is_solid = info.components == 1 && info.closed_components == 1 && info.self_intersections == 0;
     return take_triangles(subject);
 }
 
@@ -64,9 +63,8 @@ static int open_shape(int i, const char *name, uint64_t count, size_t missing, i
     shape_reason reason;
     if (shape_make(name, count, 0, &shape, reason) != 0)
         return 0;
-    const dpt_result result =
-        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                           shape.triangle_count - missing, &def, &compiled[i], NULL);
+    const dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
+                                                 shape.triangle_count - missing, &def, &compiled[i], NULL);
     shape_free(&shape);
     return result == DPT_OK && take_mesh(&subjects[i], name, &compiled[i]);
 }
@@ -84,8 +82,7 @@ static int open_soup(int i)
         corners[k] = k;
     corners[14] = corners[13];
     memcpy(corners + 18, corners + 3, 3 * sizeof *corners);
-    return dpt_compile_arrays(vertices, 3 * TRIANGLES, corners, TRIANGLES, NULL, &compiled[i],
-                              NULL) == DPT_OK &&
+    return dpt_compile_arrays(vertices, 3 * TRIANGLES, corners, TRIANGLES, NULL, &compiled[i], NULL) == DPT_OK &&
            take_mesh(&subjects[i], "soup", &compiled[i]);
 }
 
@@ -104,10 +101,9 @@ static int open_arm(int i)
     arrays.def.jaw_links = arrays.jaw_links;
     arrays.def.tips = arrays.tips;
     arrays.def.body_count = i == 1;
-    arrays.bodies[0] = (dpt_arm_body){ .size = sizeof(dpt_arm_body),
-                                       .pose = DPT_POSE_IDENTITY,
-                                       .mesh = subjects[0].mesh,
-                                       .name = "box" };
+    arrays.bodies[0] = (dpt_arm_body){
+        .size = sizeof(dpt_arm_body), .pose = DPT_POSE_IDENTITY, .mesh = subjects[0].mesh, .name = "box"
+    };
     /* The second arm has jaws: what moves its own first joint, once more at the tool. */
     if (i == 1) {
         arrays.jaws[0] = arrays.joints[0];
@@ -118,10 +114,9 @@ static int open_arm(int i)
         arrays.def.jaw_count = arrays.def.jaw_link_count = 1;
         arrays.def.tip_count = 2;
         for (int k = 0; k < 2; k++)
-            arrays.tips[k] = (dpt_arm_tip){ .size = sizeof *arrays.tips,
-                                            .link = k ? 0 : DPT_NONE,
-                                            .corner_count = 4,
-                                            .corners = tip_corners };
+            arrays.tips[k] = (dpt_arm_tip){
+                .size = sizeof *arrays.tips, .link = k ? 0 : DPT_NONE, .corner_count = 4, .corners = tip_corners
+            };
     }
     if (dpt_compile_arm(&arrays.def, bytes, NULL) != DPT_OK ||
         dpt_arm_convert(bytes->bytes, bytes->size, NULL) != DPT_OK ||
@@ -153,18 +148,17 @@ static int write_files(void)
         return 0;
     fprintf(trace, "tick,ax,ay,az,bx,by,bz\n");
     for (int i = 0; i < 40; i++)
-        fprintf(trace, "%d,%g,%g,0,%g,0.02,%g\n", i < 20 ? i : i + 5, 0.001 * i, 0.1 - 0.004 * i,
-                0.02 + 0.001 * i, 0.001 * (i % 7));
+        fprintf(trace, "%d,%g,%g,0,%g,0.02,%g\n", i < 20 ? i : i + 5, 0.001 * i, 0.1 - 0.004 * i, 0.02 + 0.001 * i,
+                0.001 * (i % 7));
     fprintf(obj, "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
     return fclose(trace) == 0 && fclose(obj) == 0;
 }
 
 int subjects_open(void)
 {
-    if (!open_shape(0, "box", 12, 0, 0) || !open_shape(1, "torus", 200, 0, 1) ||
-        !open_shape(2, "membrane", 18, 0, 0) || !open_shape(3, "sphere", 60, 0, 0) ||
-        !open_soup(4) || !open_shape(5, "torus", 48, 3, 0) || !open_shape(6, "hub", 7, 0, 0) ||
-        !write_files())
+    if (!open_shape(0, "box", 12, 0, 0) || !open_shape(1, "torus", 200, 0, 1) || !open_shape(2, "membrane", 18, 0, 0) ||
+        !open_shape(3, "sphere", 60, 0, 0) || !open_soup(4) || !open_shape(5, "torus", 48, 3, 0) ||
+        !open_shape(6, "hub", 7, 0, 0) || !write_files())
         return 0;
     for (int i = 0; i < ARMS; i++)
         if (!open_arm(i))

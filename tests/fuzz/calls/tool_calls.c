@@ -4,8 +4,7 @@
 
 enum { CHURN_MAX = 4200 };
 
-static void add_one(struct scene *scene, const dpt_segment *segments, uint32_t count, int no_world,
-                    int no_out)
+static void add_one(struct scene *scene, const dpt_segment *segments, uint32_t count, int no_world, int no_out)
 {
     struct codes codes = { .count = 0 };
     dpt_tool id[2] = { 0x5a5a5a5a, 0x5a5a5a5a };
@@ -15,15 +14,13 @@ static void add_one(struct scene *scene, const dpt_segment *segments, uint32_t c
         segment_codes(&segments[i], &codes);
     if (!no_world)
         may_fail(&codes,
-                 scene->tool_count == scene->def.max_tools ||
-                     count > scene->def.max_segments - scene->segment_count,
+                 scene->tool_count == scene->def.max_tools || count > scene->def.max_segments - scene->segment_count,
                  DPT_E_FULL);
-    call_with("scene %llu, %llu segments beside %llu, %llu tools", (uint64_t)(scene - scenes),
-              count, scene->segment_count, scene->tool_count);
+    call_with("scene %llu, %llu segments beside %llu, %llu tools", (uint64_t)(scene - scenes), count,
+              scene->segment_count, scene->tool_count);
     EACH_WORLD(scene, i)
     SAME_RESULT(i, result,
-                RESULT(dpt_tool_add, world_or_null(scene, i, no_world), segments, count,
-                       no_out ? NULL : &id[i]));
+                RESULT(dpt_tool_add, world_or_null(scene, i, no_world), segments, count, no_out ? NULL : &id[i]));
     expect(result, &codes);
     if (result != DPT_OK) {
         HOLDS(id[0] == 0x5a5a5a5a || id[0] == 0, "an id %x on an error", id[0]);
@@ -96,8 +93,7 @@ static void remove_any(void)
 static void churn(void)
 {
     struct scene *scene = draw_scene();
-    if (!scene || scene->tool_count == scene->def.max_tools ||
-        scene->segment_count == scene->def.max_segments)
+    if (!scene || scene->tool_count == scene->def.max_tools || scene->segment_count == scene->def.max_segments)
         return;
     const uint32_t times = draw_one_in(40) ? CHURN_MAX : 1 + draw_below(20);
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { 0.1, 0.0, 0.0 }, 0.001 };
@@ -131,8 +127,7 @@ static void move(void)
         dpt_world *world = world_or_null(scene, i, no_world);
         const dpt_pose *given = no_pose ? NULL : &pose;
         SAME_RESULT(i, result,
-                    jumps ? RESULT(dpt_tool_teleport, world, id, given)
-                          : RESULT(dpt_tool_set_pose, world, id, given));
+                    jumps ? RESULT(dpt_tool_teleport, world, id, given) : RESULT(dpt_tool_set_pose, world, id, given));
     }
     expect(result, &codes);
     if (no_world || !tool)
@@ -168,9 +163,9 @@ static void set_segments(void)
     segments_codes(scene, tool, no_segments ? NULL : segments, count, &codes);
     call_with("scene %llu, id %llx, %llu segments", (uint64_t)(scene - scenes), id, count, 0);
     EACH_WORLD(scene, i)
-    SAME_RESULT(i, result,
-                RESULT(dpt_tool_set_segments, world_or_null(scene, i, no_world), id,
-                       no_segments ? NULL : segments, count));
+    SAME_RESULT(
+        i, result,
+        RESULT(dpt_tool_set_segments, world_or_null(scene, i, no_world), id, no_segments ? NULL : segments, count));
     expect(result, &codes);
     if (no_world || !tool)
         return;
@@ -193,13 +188,10 @@ static void get_pose(void)
     EACH_WORLD(scene, i)
     {
         dpt_pose *out = output_of(i, sizeof *out);
-        SAME_RESULT(
-            i, result,
-            RESULT(dpt_tool_get_pose, world_or_null(scene, i, no_world), id, no_out ? NULL : out));
+        SAME_RESULT(i, result, RESULT(dpt_tool_get_pose, world_or_null(scene, i, no_world), id, no_out ? NULL : out));
         const dpt_pose identity = DPT_POSE_IDENTITY;
         const dpt_pose *expected = result == DPT_OK ? &tool->pose : &identity;
-        HOLDS((result != DPT_OK && output_is_untouched(i, 0)) ||
-                  !memcmp(out, expected, sizeof *out),
+        HOLDS((result != DPT_OK && output_is_untouched(i, 0)) || !memcmp(out, expected, sizeof *out),
               "not the last pose that could be used");
     }
     expect(result, &codes);
@@ -227,9 +219,8 @@ static void user(void)
         SAME_RESULT(i, result,
                     sets ? RESULT(dpt_tool_set_user, world, id, value)
                          : RESULT(dpt_tool_get_user, world, id, no_out ? NULL : out));
-        HOLDS(sets || no_out || output_is_untouched(i, 0) ||
-                  *out == (result == DPT_OK ? tool->user : 0),
-              "user %llx", (unsigned long long)*out);
+        HOLDS(sets || no_out || output_is_untouched(i, 0) || *out == (result == DPT_OK ? tool->user : 0), "user %llx",
+              (unsigned long long)*out);
         HOLDS(sets || result != DPT_OK || !output_is_untouched(i, 0), "nothing was told");
     }
     expect(result, &codes);
@@ -250,12 +241,10 @@ static void set_settings(void)
                                                 : draw_one_in(2) ? DPT_LAW_PROXY
                                                 : draw_one_in(3) ? DPT_LAW_BED
                                                                  : DPT_LAW_POINT,
-                                         .stiffness = draw_one_in(4) ? draw_odd_number()
-                                                                     : draw_in(0.0, 1500.0),
-                                         .rotational_stiffness = draw_one_in(8) ? draw_odd_number()
-                                                                 : draw_one_in(2)
-                                                                     ? 0.0
-                                                                     : draw_in(0.001, 5.0),
+                                         .stiffness = draw_one_in(4) ? draw_odd_number() : draw_in(0.0, 1500.0),
+                                         .rotational_stiffness = draw_one_in(8)   ? draw_odd_number()
+                                                                 : draw_one_in(2) ? 0.0
+                                                                                  : draw_in(0.001, 5.0),
                                          .damping = draw_one_in(16)  ? draw_odd_number()
                                                     : draw_one_in(4) ? draw_in(0.0, 5.0)
                                                                      : 0.0,
@@ -271,23 +260,19 @@ static void set_settings(void)
     may_fail(&codes, !tool, DPT_E_HANDLE);
     const void *given = NULL;
     if (!no_settings) {
-        given = draw_input(0, &settings, draw_size(sizeof settings, sizeof settings),
-                           sizeof settings, sizeof settings, &codes);
-        may_fail(
-            &codes,
-            settings.law > DPT_LAW_PROXY ||
-                !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9) ||
-                !(settings.rotational_stiffness >= 0.0 && settings.rotational_stiffness <= 1e9) ||
-                !(settings.damping >= 0.0 && settings.damping <= 1e9) ||
-                settings.lock_rotation > 1 || settings.near_only > 1,
-            DPT_E_ARGUMENT);
-        may_fail(&codes, tool && tool->is_free && tool->count > 1 && has_proxy(scene, settings.law),
-                 DPT_E_UNSUPPORTED);
+        given = draw_input(0, &settings, draw_size(sizeof settings, sizeof settings), sizeof settings, sizeof settings,
+                           &codes);
+        may_fail(&codes,
+                 settings.law > DPT_LAW_PROXY || !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9) ||
+                     !(settings.rotational_stiffness >= 0.0 && settings.rotational_stiffness <= 1e9) ||
+                     !(settings.damping >= 0.0 && settings.damping <= 1e9) || settings.lock_rotation > 1 ||
+                     settings.near_only > 1,
+                 DPT_E_ARGUMENT);
+        may_fail(&codes, tool && tool->is_free && tool->count > 1 && has_proxy(scene, settings.law), DPT_E_UNSUPPORTED);
     }
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
     EACH_WORLD(scene, i)
-    SAME_RESULT(i, result,
-                RESULT(dpt_tool_set_settings, world_or_null(scene, i, no_world), id, given));
+    SAME_RESULT(i, result, RESULT(dpt_tool_set_settings, world_or_null(scene, i, no_world), id, given));
     expect(result, &codes);
     if (result != DPT_OK)
         return;
@@ -326,18 +311,16 @@ static void get_settings(void)
     {
         void *out = output_sized(i, size);
         SAME_RESULT(i, result,
-                    RESULT(dpt_tool_get_settings, world_or_null(scene, i, no_world), id,
-                           no_out ? NULL : out));
+                    RESULT(dpt_tool_get_settings, world_or_null(scene, i, no_world), id, no_out ? NULL : out));
     }
     expect(result, &codes);
     outputs_are_guarded(0, scene->world_count);
     if (result == DPT_OK && output_read(0, size, sizeof now, 8, &now))
         HOLDS(now.stiffness == tool->stiffness && now.law == tool->law &&
-                  now.rotational_stiffness == tool->rotational_stiffness &&
-                  now.damping == tool->damping && now.lock_rotation == tool->lock_rotation &&
-                  now.near_only == tool->near_only,
-              "law %u, stiffness %g, %g, and not %u, %g, %g", now.law, now.stiffness,
-              now.rotational_stiffness, tool->law, tool->stiffness, tool->rotational_stiffness);
+                  now.rotational_stiffness == tool->rotational_stiffness && now.damping == tool->damping &&
+                  now.lock_rotation == tool->lock_rotation && now.near_only == tool->near_only,
+              "law %u, stiffness %g, %g, and not %u, %g, %g", now.law, now.stiffness, now.rotational_stiffness,
+              tool->law, tool->stiffness, tool->rotational_stiffness);
 }
 
 static void is_valid(void)
@@ -350,8 +333,7 @@ static void is_valid(void)
         const int no_world = draw_one_in(60);
         call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
         EACH_WORLD(scene, i)
-        HOLDS(CALL(dpt_tool_is_valid, world_or_null(scene, i, no_world), id) ==
-                  (!no_world && scene_tool(scene, id)),
+        HOLDS(CALL(dpt_tool_is_valid, world_or_null(scene, i, no_world), id) == (!no_world && scene_tool(scene, id)),
               "id %x", id);
     }
 }

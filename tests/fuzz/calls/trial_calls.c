@@ -77,8 +77,8 @@ static dpt_result ask(const struct question *of, int i, double clearance, int is
     first = of->no_first ? NULL : first;
     if (trial->by_pose) {
         dpt_pose *reached = output_of(REACHED + i, sizeof *reached);
-        return RESULT(dpt_tool_try_pose, world, of->id, is_null ? NULL : &trial->pose, clearance,
-                      first, of->no_reached ? NULL : reached);
+        return RESULT(dpt_tool_try_pose, world, of->id, is_null ? NULL : &trial->pose, clearance, first,
+                      of->no_reached ? NULL : reached);
     }
     const size_t bytes = of->count * sizeof *trial->segment;
     dpt_segment *reached = output_of(REACHED + i, bytes);
@@ -86,8 +86,8 @@ static dpt_result ask(const struct question *of, int i, double clearance, int is
     memcpy(given, trial->segment, bytes);
     if (of->in_place)
         given = memcpy(reached, trial->segment, bytes);
-    const dpt_result result = RESULT(dpt_tool_try_segments, world, of->id, is_null ? NULL : given,
-                                     of->count, clearance, first, of->no_reached ? NULL : reached);
+    const dpt_result result = RESULT(dpt_tool_try_segments, world, of->id, is_null ? NULL : given, of->count, clearance,
+                                     first, of->no_reached ? NULL : reached);
     outputs_are_guarded(OUTPUTS - 1, 1);
     return result;
 }
@@ -113,8 +113,7 @@ static void nothing_was_written(const struct question *of)
     {
         HOLDS(output_is_untouched(FIRST + i, sizeof of->size), "a sweep on an error");
         if (of->in_place && of->count)
-            HOLDS(!memcmp(output_at(REACHED + i), of->trial.segment,
-                          of->count * sizeof *of->trial.segment),
+            HOLDS(!memcmp(output_at(REACHED + i), of->trial.segment, of->count * sizeof *of->trial.segment),
                   "segments were changed on an error");
         else
             HOLDS(output_is_untouched(REACHED + i, 0), "a place on an error");
@@ -128,8 +127,8 @@ static void less_must_be_the_same(const struct question *of, const dpt_sweep *fi
     met[MET_TRIED_AXIS]++;
     HOLDS(ask(of, 0, of->trial.clearance - draw_in(0.001, 10.0), 0) == DPT_OK, "less is refused");
     output_read(FIRST, of->size, sizeof less, offsetof(dpt_sweep, time), &less);
-    HOLDS(!memcmp(first, &less, sizeof less), "status %u at %g of the axis, and %u at %g",
-          first->status, first->time, less.status, less.time);
+    HOLDS(!memcmp(first, &less, sizeof less), "status %u at %g of the axis, and %u at %g", first->status, first->time,
+          less.status, less.time);
 }
 
 static void try_it(void)
@@ -143,8 +142,7 @@ static void try_it(void)
     const int is_null = !of.in_place && draw_one_in(60);
     may_fail(&of.codes, is_null, DPT_E_ARGUMENT);
     const struct scene *scene = of.trial.scene;
-    call_with("scene %llu, id %llx, size %llu, %llu segments", (uint64_t)(scene - scenes), of.id,
-              of.size, of.count);
+    call_with("scene %llu, id %llx, size %llu, %llu segments", (uint64_t)(scene - scenes), of.id, of.size, of.count);
     EACH_WORLD(scene, i)
     SAME_RESULT(i, result, ask_and_compare(&of, i, is_null));
     expect(result, &of.codes);
@@ -159,8 +157,7 @@ static void try_it(void)
     if (of.no_reached)
         HOLDS(output_is_untouched(REACHED, 0), "a place of nobody");
     else
-        game_digest(output_at(REACHED),
-                    of.trial.by_pose ? sizeof(dpt_pose) : of.count * sizeof(dpt_segment));
+        game_digest(output_at(REACHED), of.trial.by_pose ? sizeof(dpt_pose) : of.count * sizeof(dpt_segment));
     if (of.no_first)
         return;
     output_read(FIRST, of.size, sizeof first, offsetof(dpt_sweep, time), &first);

@@ -126,8 +126,7 @@ static dpt_segment segment_at(const struct trial *trial, uint32_t i, double t)
 
 /* ---- what is told ---- */
 
-static void place_must_hold(const struct trial *trial, double time, const dpt_pose *pose,
-                            const dpt_segment *segments)
+static void place_must_hold(const struct trial *trial, double time, const dpt_pose *pose, const dpt_segment *segments)
 {
     const double slack = ROUNDING * extent_of(trial);
     if (pose) {
@@ -141,31 +140,26 @@ static void place_must_hold(const struct trial *trial, double time, const dpt_po
         }
         HOLDS(apart(pose->position, expected.position) <= slack && fabs(same) > 1.0 - 1e-5 &&
                   fabs(sqrt(size) - 1.0) <= 1e-6,
-              "%g m from its way, turned by a cosine of %.17g",
-              apart(pose->position, expected.position), same);
+              "%g m from its way, turned by a cosine of %.17g", apart(pose->position, expected.position), same);
     }
     for (uint32_t i = 0; segments && i < trial->tool->count; i++) {
         const dpt_segment expected = segment_at(trial, i, time);
-        HOLDS(time < 1.0 || !memcmp(&segments[i], &expected, sizeof expected),
-              "segment %u is not where it will be", i);
-        HOLDS(apart(segments[i].a, expected.a) <= slack &&
-                  apart(segments[i].b, expected.b) <= slack &&
+        HOLDS(time < 1.0 || !memcmp(&segments[i], &expected, sizeof expected), "segment %u is not where it will be", i);
+        HOLDS(apart(segments[i].a, expected.a) <= slack && apart(segments[i].b, expected.b) <= slack &&
                   segments[i].radius == expected.radius,
-              "segment %u is %g m from its way at time %g; usable %d, free %d", i,
-              apart(segments[i].a, expected.a), time, trial->tool->is_usable, trial->tool->is_free);
+              "segment %u is %g m from its way at time %g; usable %d, free %d", i, apart(segments[i].a, expected.a),
+              time, trial->tool->is_usable, trial->tool->is_free);
     }
 }
 
 static void touch_must_hold(const struct trial *trial, const dpt_sweep *first)
 {
-    const struct model_body *body =
-        scene_body((struct scene *)(uintptr_t)trial->scene, first->body);
+    const struct model_body *body = scene_body((struct scene *)(uintptr_t)trial->scene, first->body);
     const double zero[3] = { 0.0, 0.0, 0.0 };
     HOLDS(body, "there is no body %x", first->body);
     HOLDS(first->segment < trial->tool->count, "segment %u", first->segment);
     triangle_must_be_there(body->subject, first->triangle);
-    HOLDS(first->time >= 0.0 && first->time <= 1.0 && first->s >= 0.0 && first->s <= 1.0 &&
-              first->age == 0,
+    HOLDS(first->time >= 0.0 && first->time <= 1.0 && first->s >= 0.0 && first->s <= 1.0 && first->age == 0,
           "time %g, s %g, age %u", first->time, first->s, first->age);
     const double normal = apart(first->normal, zero);
     const int may_lack = body->soft && may_lack_normals(body->soft->now, body->soft->is_affine);
@@ -178,8 +172,7 @@ void trial_must_hold(const struct trial *trial, const dpt_sweep *first, const dp
 {
     const double zero[3] = { 0.0, 0.0, 0.0 };
     const int is_known = trial_is_known(trial);
-    HOLDS((first->status == DPT_SWEEP_NONE) == !is_known && first->status <= DPT_SWEEP_HIT,
-          "status %u", first->status);
+    HOLDS((first->status == DPT_SWEEP_NONE) == !is_known && first->status <= DPT_SWEEP_HIT, "status %u", first->status);
     place_must_hold(trial, first->time, pose, segments);
     if (first->status == DPT_SWEEP_HIT) {
         touch_must_hold(trial, first);
@@ -187,8 +180,8 @@ void trial_must_hold(const struct trial *trial, const dpt_sweep *first, const dp
         return;
     }
     met[is_known ? MET_TRIED_FREE : MET_TRIED_NONE]++;
-    HOLDS(first->time == (is_known ? 1.0 : 0.0) && first->triangle == DPT_NONE && !first->body &&
-              !first->age && first->s == 0.0 && apart(first->normal, zero) == 0.0,
+    HOLDS(first->time == (is_known ? 1.0 : 0.0) && first->triangle == DPT_NONE && !first->body && !first->age &&
+              first->s == 0.0 && apart(first->normal, zero) == 0.0,
           "status %u, time %g, triangle %u", first->status, first->time, first->triangle);
 }
 
@@ -231,8 +224,7 @@ static void way_must_be_free(const struct trial *trial, double t, double slack)
             const double distance = distance_of(&trial->scene->body[b], &at);
             const double touch = size_of_touch(trial, i);
             HOLDS(distance > 0.0 && distance >= touch - slack,
-                  "segment %u is %.17g m from body %u at time %.17g, a touch is %.17g", i, distance,
-                  b, t, touch);
+                  "segment %u is %.17g m from body %u at time %.17g, a touch is %.17g", i, distance, b, t, touch);
         }
     }
 }
@@ -259,11 +251,10 @@ void trial_must_be_true(const struct trial *trial, const dpt_sweep *first, const
         put(pose, &trial->tool->segment[first->segment], &at);
     else
         at = segments[first->segment];
-    const struct model_body *body =
-        scene_body((struct scene *)(uintptr_t)trial->scene, first->body);
+    const struct model_body *body = scene_body((struct scene *)(uintptr_t)trial->scene, first->body);
     const double distance = distance_of(body, &at), touch = size_of_touch(trial, first->segment);
     HOLDS(distance <= touch + early_of(trial, body, extent) + slack,
           "it stopped %.17g m from what it touches, a touch is %.17g", distance, touch);
-    HOLDS(first->time == 0.0 || distance >= touch - slack,
-          "it stopped %.17g m behind a touch of %.17g", distance, touch);
+    HOLDS(first->time == 0.0 || distance >= touch - slack, "it stopped %.17g m behind a touch of %.17g", distance,
+          touch);
 }

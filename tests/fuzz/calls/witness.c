@@ -74,8 +74,7 @@ static dpt_result witness_read(dpt_device *device, dpt_device_state *state)
         nothing_acts();
         return witness.read;
     }
-    const int is_new =
-        state->fresh && !(witness.has_sequence && state->sequence <= witness.sequence);
+    const int is_new = state->fresh && !(witness.has_sequence && state->sequence <= witness.sequence);
     if (is_new) {
         witness.has_sequence = 1;
         witness.sequence = state->sequence;
@@ -103,10 +102,9 @@ static dpt_result witness_write(dpt_device *device, const dpt_wrench *wrench)
 {
     (void)device;
     numbers_are_finite(wrench->force, 6, "what a loop sends");
-    HOLDS(size_of(wrench->force) <= witness.force_max &&
-              size_of(wrench->torque) <= witness.torque_max,
-          "%.17g N of %.17g, %.17g Nm of %.17g", size_of(wrench->force), witness.force_max,
-          size_of(wrench->torque), witness.torque_max);
+    HOLDS(size_of(wrench->force) <= witness.force_max && size_of(wrench->torque) <= witness.torque_max,
+          "%.17g N of %.17g, %.17g Nm of %.17g", size_of(wrench->force), witness.force_max, size_of(wrench->torque),
+          witness.torque_max);
     HOLDS(!memcmp(wrench, &zero, sizeof zero) || witness.state.status == DPT_DEVICE_STATUS_READY,
           "a force for a device that is not ready");
     not_shown();

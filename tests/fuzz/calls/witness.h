@@ -13,8 +13,8 @@
 struct witness {
     dpt_device device; /* the first, as driver.h has it */
     dpt_device *inner;
-    int is_clumsy; /* it drops a command now and then, and gives samples that are none */
-    int is_deaf;   /* it never has room for zero force */
+    int is_clumsy;                /* it drops a command now and then, and gives samples that are none */
+    int is_deaf;                  /* it never has room for zero force */
     double force_max, torque_max; /* what may be written */
     /* The last sample, as it was passed on, and whether a tick may see it. */
     dpt_device_state state;

@@ -13,8 +13,7 @@ static void check_guards(const struct scene *scene, int i)
 {
     const unsigned char *before = scene->block[i], *behind = scene_block(scene, i) + scene->room;
     for (size_t k = 0; k < GUARD; k++)
-        HOLDS(before[k] == PATTERN && behind[k] == PATTERN,
-              "something wrote about a world's block");
+        HOLDS(before[k] == PATTERN && behind[k] == PATTERN, "something wrote about a world's block");
 }
 
 static void give_back(struct scene *scene)
@@ -147,22 +146,18 @@ static int is_wrong_number(double number, double most)
 static int def_is_wrong(const dpt_world_def *def, const dpt_baseline_def *baseline, int *either)
 {
     const int strip_is_wrong = is_wrong_number(def->strip_width, DPT_COORDINATE_MAX) ||
-                               is_wrong_number(def->strip_depth, DPT_COORDINATE_MAX) ||
-                               def->strip_capacity < 1 || def->strip_capacity > 1 << 20 ||
-                               def->strip_search > 1 << 28;
-    *either =
-        (strip_is_wrong && !def->strip) || (baseline->parts > 1 && def->method != DPT_METHOD_PAPER);
-    return is_wrong_count(def->max_bodies) || is_wrong_count(def->max_tools) ||
-           is_wrong_count(def->max_segments) || def->method > DPT_METHOD_PAPER ||
-           def->until > DPT_UNTIL_CONTACT || (def->budget && def->method != DPT_METHOD_EXACT) ||
-           is_wrong_number(def->stiffness, 1e9) || is_wrong_number(def->margin, 1e6) ||
-           !(def->onset <= def->margin && def->onset >= -DPT_COORDINATE_MAX) ||
-           is_wrong_number(def->side_limit, DPT_COORDINATE_MAX) ||
-           is_wrong_number(def->fade, 1.0) || def->certificate_bytes > (uint64_t)1 << 40 ||
-           def->max_contacts > 65535 || def->smooth_normals > 1 ||
-           def->strip > DPT_STRIP_KIND_ROUTES || def->reserved_pointer ||
-           def->law > DPT_LAW_PROXY || (strip_is_wrong && def->strip) || baseline->parts < 1 ||
-           baseline->parts > 64 || baseline->one_step > 1 || baseline->reserved;
+                               is_wrong_number(def->strip_depth, DPT_COORDINATE_MAX) || def->strip_capacity < 1 ||
+                               def->strip_capacity > 1 << 20 || def->strip_search > 1 << 28;
+    *either = (strip_is_wrong && !def->strip) || (baseline->parts > 1 && def->method != DPT_METHOD_PAPER);
+    return is_wrong_count(def->max_bodies) || is_wrong_count(def->max_tools) || is_wrong_count(def->max_segments) ||
+           def->method > DPT_METHOD_PAPER || def->until > DPT_UNTIL_CONTACT ||
+           (def->budget && def->method != DPT_METHOD_EXACT) || is_wrong_number(def->stiffness, 1e9) ||
+           is_wrong_number(def->margin, 1e6) || !(def->onset <= def->margin && def->onset >= -DPT_COORDINATE_MAX) ||
+           is_wrong_number(def->side_limit, DPT_COORDINATE_MAX) || is_wrong_number(def->fade, 1.0) ||
+           def->certificate_bytes > (uint64_t)1 << 40 || def->max_contacts > 65535 || def->smooth_normals > 1 ||
+           def->strip > DPT_STRIP_KIND_ROUTES || def->reserved_pointer || def->law > DPT_LAW_PROXY ||
+           (strip_is_wrong && def->strip) || baseline->parts < 1 || baseline->parts > 64 || baseline->one_step > 1 ||
+           baseline->reserved;
 }
 
 /* A def as it is handed over, and what it means. */
@@ -195,8 +190,7 @@ static void draw_def(const struct scene *scene, struct given_def *of)
     good.baseline = NULL;
     if (good.method == DPT_METHOD_PAPER || draw_one_in(6)) {
         const uint32_t size = draw_size(sizeof parts, sizeof parts);
-        good.baseline =
-            draw_input(BASELINE_SLOT, &parts, size, sizeof parts, sizeof parts, &of->codes);
+        good.baseline = draw_input(BASELINE_SLOT, &parts, size, sizeof parts, sizeof parts, &of->codes);
     } else {
         of->baseline = (dpt_baseline_def){ .parts = 1 };
     }
@@ -251,25 +245,21 @@ static void create_in_vain(struct scene *scene, const struct given_def *of, size
     const int no_block = draw_one_in(4), no_world = draw_one_in(4), is_off = draw_one_in(2);
     const size_t given = draw_one_in(2) ? 0 : bytes - 1 - draw_below(8);
     const size_t off = is_off ? 1 + draw_below(7) : 0;
-    unsigned char *block =
-        scene->block[0] ? scene_block(scene, 0) + off : (unsigned char *)small + off;
+    unsigned char *block = scene->block[0] ? scene_block(scene, 0) + off : (unsigned char *)small + off;
     codes.or_done = 0;
     may_fail(&codes, no_block || no_world, DPT_E_ARGUMENT);
     may_fail(&codes, off != 0, DPT_E_ALIGN);
     may_fail(&codes, 1, DPT_E_MEMORY);
     may_fail(&codes, of->def.kernel != DPT_KERNEL_AUTO, DPT_E_UNSUPPORTED);
     call_with("block off by %llu, of %llu bytes", off, given, 0, 0);
-    expect(RESULT(dpt_world_create, no_block ? NULL : block, given, of->given,
-                  no_world ? NULL : &world),
-           &codes);
+    expect(RESULT(dpt_world_create, no_block ? NULL : block, given, of->given, no_world ? NULL : &world), &codes);
     HOLDS(world == untouched || world == NULL, "a world that was not made");
     if (scene->block[0])
         check_guards(scene, 0);
 }
 
 /* In one block, or two; the second one's kernel is another. */
-static dpt_result create_all(struct scene *scene, const struct given_def *of, int count,
-                             size_t room)
+static dpt_result create_all(struct scene *scene, const struct given_def *of, int count, size_t room)
 {
     dpt_result result = DPT_OK;
     for (int i = 0; i < count && result == DPT_OK; i++) {
@@ -374,9 +364,7 @@ static void usage(void)
     EACH_WORLD(scene, i)
     {
         void *out = output_sized(i, size);
-        SAME_RESULT(
-            i, result,
-            RESULT(dpt_world_get_usage, world_or_null(scene, i, no_world), no_out ? NULL : out));
+        SAME_RESULT(i, result, RESULT(dpt_world_get_usage, world_or_null(scene, i, no_world), no_out ? NULL : out));
     }
     expect(result, &codes);
     outputs_are_guarded(0, scene->world_count);
@@ -387,17 +375,15 @@ static void usage(void)
     if (!output_read(0, size, sizeof now, sizeof now, &now))
         return;
     const dpt_world_usage *least = &scene->least;
-    HOLDS(now.bodies == least->bodies && now.tools == least->tools &&
-              now.segments == least->segments,
-          "%u bodies, %u tools, %u segments at once, and not %u, %u, %u", now.bodies, now.tools,
-          now.segments, least->bodies, least->tools, least->segments);
-    HOLDS(now.contacts >= least->contacts && now.work >= least->work && now.strip >= least->strip &&
-              !now.reserved,
-          "%u contacts, %u work, strips of %u; seen were %u, %u, %u", now.contacts, now.work,
-          now.strip, least->contacts, least->work, least->strip);
+    HOLDS(now.bodies == least->bodies && now.tools == least->tools && now.segments == least->segments,
+          "%u bodies, %u tools, %u segments at once, and not %u, %u, %u", now.bodies, now.tools, now.segments,
+          least->bodies, least->tools, least->segments);
+    HOLDS(now.contacts >= least->contacts && now.work >= least->work && now.strip >= least->strip && !now.reserved,
+          "%u contacts, %u work, strips of %u; seen were %u, %u, %u", now.contacts, now.work, now.strip,
+          least->contacts, least->work, least->strip);
     HOLDS(now.strip <= (scene->def.strip ? scene->def.strip_capacity : 0), "strip %u", now.strip);
-    HOLDS(!scene->def.budget || now.work <= scene->def.budget, "work %u of a budget of %u",
-          now.work, scene->def.budget);
+    HOLDS(!scene->def.budget || now.work <= scene->def.budget, "work %u of a budget of %u", now.work,
+          scene->def.budget);
     scene->least = now;
     if (scene->world_count == 2)
         outputs_agree(1);
@@ -430,10 +416,8 @@ static void begin(void)
         create();
 }
 
-static const struct move moves[] = {
-    { "create", create, 4 }, { "bytes", ask_bytes, 3 }, { "defaults", defaults, 2 },
-    { "reset", reset, 3 },   { "usage", usage, 5 },     { "kernel", kernel, 2 },
-    { NULL, NULL, 0 }
-};
+static const struct move moves[] = { { "create", create, 4 }, { "bytes", ask_bytes, 3 }, { "defaults", defaults, 2 },
+                                     { "reset", reset, 3 },   { "usage", usage, 5 },     { "kernel", kernel, 2 },
+                                     { NULL, NULL, 0 } };
 
 const struct noun world_noun = { "world", begin, end, moves };

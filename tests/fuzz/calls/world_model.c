@@ -65,8 +65,7 @@ uint32_t draw_body_id(struct scene *scene)
         return scene->body[draw_below(scene->body_count)].id;
     if (kind == 17 && scene->tool_count)
         return scene->tool[draw_below(scene->tool_count)].id;
-    return kind == 18 ? draw_removed(&scene->removed_bodies)
-                      : draw_strange_id(&scene->removed_bodies);
+    return kind == 18 ? draw_removed(&scene->removed_bodies) : draw_strange_id(&scene->removed_bodies);
 }
 
 uint32_t draw_tool_id(struct scene *scene)
@@ -76,8 +75,7 @@ uint32_t draw_tool_id(struct scene *scene)
         return scene->tool[draw_below(scene->tool_count)].id;
     if (kind == 17 && scene->body_count)
         return scene->body[draw_below(scene->body_count)].id;
-    return kind == 18 ? draw_removed(&scene->removed_tools)
-                      : draw_strange_id(&scene->removed_tools);
+    return kind == 18 ? draw_removed(&scene->removed_tools) : draw_strange_id(&scene->removed_tools);
 }
 
 void scene_takes_id(struct scene *scene, struct removed *removed, uint32_t id)
@@ -88,8 +86,7 @@ void scene_takes_id(struct scene *scene, struct removed *removed, uint32_t id)
     for (uint64_t i = 0; i < kept; i++) {
         met[MET_REUSED] += removed->id[i] == id;
         HOLDS(removed->id[i] != id || removed->adds - removed->adds_then[i] >= REFUSED_FOR,
-              "id %x was removed %llu adds ago", id,
-              (unsigned long long)(removed->adds - removed->adds_then[i]));
+              "id %x was removed %llu adds ago", id, (unsigned long long)(removed->adds - removed->adds_then[i]));
     }
     removed->adds++;
 }
@@ -149,8 +146,7 @@ void to_world(const dpt_pose *pose, const double x[3], double out[3])
 
 void to_frame(const dpt_pose *pose, const double x[3], double out[3])
 {
-    const double apart[3] = { x[0] - pose->position[0], x[1] - pose->position[1],
-                              x[2] - pose->position[2] };
+    const double apart[3] = { x[0] - pose->position[0], x[1] - pose->position[1], x[2] - pose->position[2] };
     turn(pose, -1.0, apart, out);
 }
 
@@ -211,8 +207,7 @@ void scene_has_stepped(struct scene *scene, double dt)
         }
         if (has_proxy(scene, tool->law))
             take_proxy(scene, tool);
-        memcpy(tool->origin, tool->is_free ? tool->at[0].a : tool->pose.position,
-               sizeof tool->origin);
+        memcpy(tool->origin, tool->is_free ? tool->at[0].a : tool->pose.position, sizeof tool->origin);
     }
     scene->is_as_stepped = 1;
 }
@@ -233,8 +228,8 @@ void scene_remove_tool(struct scene *scene, struct model_tool *tool)
     scene->is_as_stepped = 0;
 }
 
-void segments_codes(const struct scene *scene, const struct model_tool *tool,
-                    const dpt_segment *segments, uint32_t count, struct codes *codes)
+void segments_codes(const struct scene *scene, const struct model_tool *tool, const dpt_segment *segments,
+                    uint32_t count, struct codes *codes)
 {
     may_fail(codes, !segments || (tool && count != tool->count), DPT_E_ARGUMENT);
     may_fail(codes, !tool, DPT_E_HANDLE);

@@ -99,8 +99,7 @@ struct scene {
     struct due_loads due;
     int is_as_stepped;      /* nothing that answers depend on changed since the last step */
     uint32_t contacts_then; /* of all tools, as the last step said, or as counted */
-    dpt_world_usage
-        least; /* what the usage must come to at least; bodies, tools and segments exactly */
+    dpt_world_usage least;  /* what the usage must come to at least; bodies, tools and segments exactly */
 };
 
 extern struct scene scenes[SCENES];
@@ -108,8 +107,7 @@ extern struct scene scenes[SCENES];
 /* The tool has one, in that world. */
 static inline int has_proxy(const struct scene *scene, uint32_t law)
 {
-    return law == DPT_LAW_PROXY && scene->def.until == DPT_UNTIL_RESPOND &&
-           scene->def.method != DPT_METHOD_PAPER;
+    return law == DPT_LAW_PROXY && scene->def.until == DPT_UNTIL_RESPOND && scene->def.method != DPT_METHOD_PAPER;
 }
 
 /* A scene with a world; NULL where there is none. */
@@ -135,8 +133,8 @@ void scene_has_stepped(struct scene *scene, double dt); /* successfully */
 void scene_is_stale(struct scene *scene);               /* all answers are */
 
 /* Segments for a tool, or for none: which codes they may earn. */
-void segments_codes(const struct scene *scene, const struct model_tool *tool,
-                    const dpt_segment *segments, uint32_t count, struct codes *codes);
+void segments_codes(const struct scene *scene, const struct model_tool *tool, const dpt_segment *segments,
+                    uint32_t count, struct codes *codes);
 
 /* A tool was given a pose or segments that can be used; with NULL one that cannot. */
 void tool_has_pose(struct scene *scene, struct model_tool *tool, const dpt_pose *pose);
@@ -169,12 +167,11 @@ static inline dpt_world *world_or_null(const struct scene *scene, int i, int is_
 #define EACH_WORLD(scene, i) for (int i = 0; i < (scene)->world_count; i++)
 
 /* The twin's code is that of the first. */
-#define SAME_RESULT(i, result, one)                                                                \
-    do {                                                                                           \
-        const dpt_result same_result = (one);                                                      \
-        HOLDS((i) == 0 || same_result == (result), "the twin answers %s",                          \
-              dpt_result_name(same_result));                                                       \
-        (result) = same_result;                                                                    \
+#define SAME_RESULT(i, result, one)                                                                                    \
+    do {                                                                                                               \
+        const dpt_result same_result = (one);                                                                          \
+        HOLDS((i) == 0 || same_result == (result), "the twin answers %s", dpt_result_name(same_result));               \
+        (result) = same_result;                                                                                        \
     } while (0)
 
 #endif

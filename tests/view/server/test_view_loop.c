@@ -14,10 +14,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "command_options.h"
+#include "cli/command_options.h"
 #include "lib/check.h"
-#include "run_view.h"
 #include "view/page_bytes.h"
+#include "view/run_view.h"
 #include "view/server/web_client.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -95,8 +95,7 @@ static int forbid_calls(void)
 {
     struct sock_filter rules[] = { BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS) };
     struct sock_fprog filter = { sizeof rules / sizeof *rules, rules };
-    return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 &&
-           prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) == 0;
+    return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) == 0;
 }
 
 static void offend(void)
@@ -117,9 +116,7 @@ static void tick(uint64_t i)
     dpt_hit hit = DPT_HIT_INIT;
     in_tick = 1;
     dpt_device_read(lab.device, &state);
-    const dpt_loop_sample sample = {
-        .size = sizeof sample, .state = &state, .info = &lab.info, .dt = 0.001
-    };
+    const dpt_loop_sample sample = { .size = sizeof sample, .state = &state, .info = &lab.info, .dt = 0.001 };
     run_view_begin(lab.view);
     if (scene_feel(&lab.scene, &sample, &wrench) == DPT_OK)
         run_view_tick(lab.view, &lab.scene, &sample);
@@ -150,8 +147,7 @@ static void *be_the_loop(void *of)
 
 static uint32_t word(const unsigned char *from)
 {
-    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 |
-           (uint32_t)from[3] << 24;
+    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 | (uint32_t)from[3] << 24;
 }
 
 static void *draw(void *of)
@@ -211,8 +207,7 @@ static int open_client(struct web_client *client)
     snprintf(host, sizeof host, "127.0.0.1:%u", (unsigned)lab.port);
     snprintf(origin, sizeof origin, "http://%s", host);
     return web_open(client, "127.0.0.1", lab.port) && web_upgrade(client, host, origin) == 101 &&
-           web_text(client, lab.token) && web_receive(client, 5.0).event == WEB_BINARY &&
-           web_text(client, "ready");
+           web_text(client, lab.token) && web_receive(client, 5.0).event == WEB_BINARY && web_text(client, "ready");
 }
 
 static void be_the_child(enum offence offence, int report_to)
@@ -273,8 +268,7 @@ static void nor_beside_physics(void)
     const int status = run_child(NONE, &report);
     lab.physics = 0.0;
     CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 0, "status %x", status);
-    CHECK(report.ticks == TICKS && report.touches > TICKS / 10 && report.steps > 5 &&
-              report.steps < TICKS / 2,
+    CHECK(report.ticks == TICKS && report.touches > TICKS / 10 && report.steps > 5 && report.steps < TICKS / 2,
           "%llu ticks, %llu in contact, %llu steps", (unsigned long long)report.ticks,
           (unsigned long long)report.touches, (unsigned long long)report.steps);
     CHECK(report.allocations == 0, "%llu allocations", (unsigned long long)report.allocations);
@@ -285,16 +279,14 @@ static void a_tick_allocates_nothing(void)
     struct report offence;
     CHECK(quiet.allocations == 0, "%llu allocations", (unsigned long long)quiet.allocations);
     run_child(AN_ALLOCATION, &offence);
-    CHECK(offence.allocations == 2, "of a malloc and a free %llu are counted",
-          (unsigned long long)offence.allocations);
+    CHECK(offence.allocations == 2, "of a malloc and a free %llu are counted", (unsigned long long)offence.allocations);
 }
 
 static void a_call_would_be_seen(void)
 {
     struct report offence;
     const int status = run_child(A_CALL, &offence);
-    CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS && offence.ticks == 0, "status %x",
-          status);
+    CHECK(WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS && offence.ticks == 0, "status %x", status);
 }
 
 #endif

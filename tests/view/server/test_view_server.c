@@ -14,8 +14,7 @@
 static struct view_fixture fixture;
 
 /* Asks in words of HTTP, "%h" being the server's own host, and returns the status; *answer holds all that came. */
-static int ask(struct web_client *client, const char *text, int has_body, const char **body,
-               size_t *size)
+static int ask(struct web_client *client, const char *text, int has_body, const char **body, size_t *size)
 {
     char request[2048], *at = request;
     for (; *text && at < request + 1900; text++) {
@@ -49,8 +48,7 @@ static void page_by_get(void)
     size_t size;
     const int status = ask(&client, "GET / HTTP/1.1\r\nHost: %h\r\n\r\n", 1, &body, &size);
     CHECK(status == 200, "status %d", status);
-    CHECK(size == FIXTURE_PAGE_BYTES && !memcmp(body, fixture.page, size),
-          "%zu bytes, or other ones", size);
+    CHECK(size == FIXTURE_PAGE_BYTES && !memcmp(body, fixture.page, size), "%zu bytes, or other ones", size);
     web_close(&client);
 }
 
@@ -59,14 +57,11 @@ static void page_by_head(void)
     struct web_client client;
     const char *body;
     size_t size;
-    const int status =
-        ask(&client, "HEAD / HTTP/1.1\r\nHost: %h\r\nConnection: close\r\n\r\n", 0, &body, &size);
+    const int status = ask(&client, "HEAD / HTTP/1.1\r\nHost: %h\r\nConnection: close\r\n\r\n", 0, &body, &size);
     CHECK(status == 200, "status %d", status);
-    CHECK(strcasestr((const char *)client.bytes, "\r\ncontent-length: 8000000\r\n") != NULL, "%s",
-          client.bytes);
+    CHECK(strcasestr((const char *)client.bytes, "\r\ncontent-length: 8000000\r\n") != NULL, "%s", client.bytes);
     CHECK(web_ends(&client, 3.0), "the connection stays");
-    CHECK(client.bytes + client.used ==
-              (const unsigned char *)strstr((const char *)client.bytes, "\r\n\r\n") + 4,
+    CHECK(client.bytes + client.used == (const unsigned char *)strstr((const char *)client.bytes, "\r\n\r\n") + 4,
           "HEAD has a body");
     web_close(&client);
 }
@@ -97,23 +92,18 @@ static void headers(void)
                                           "\r\ncross-origin-resource-policy: same-origin\r\n",
                                           "\r\ncross-origin-opener-policy: same-origin\r\n",
                                           "\r\ncache-control: no-store\r\n" };
-    static const char *const requests[] = {
-        "GET / HTTP/1.1\r\nHost: %h\r\nOrigin: http://%h\r\n\r\n",
-        "GET /x HTTP/1.1\r\nHost: %h\r\n\r\n"
-    };
+    static const char *const requests[] = { "GET / HTTP/1.1\r\nHost: %h\r\nOrigin: http://%h\r\n\r\n",
+                                            "GET /x HTTP/1.1\r\nHost: %h\r\n\r\n" };
     for (size_t k = 0; k < 2; k++) {
         struct web_client client;
         const char *body;
         size_t size;
         ask(&client, requests[k], 0, &body, &size);
         for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++)
-            CHECK(strcasestr((const char *)client.bytes, wanted[i]) != NULL, "no %s",
-                  wanted[i] + 2);
+            CHECK(strcasestr((const char *)client.bytes, wanted[i]) != NULL, "no %s", wanted[i] + 2);
         CHECK(!strcasestr((const char *)client.bytes, "access-control-"), "a header of CORS");
         if (k == 0)
-            CHECK(strcasestr((const char *)client.bytes,
-                             "\r\ncontent-type: text/html; charset=utf-8\r\n"),
-                  "the type");
+            CHECK(strcasestr((const char *)client.bytes, "\r\ncontent-type: text/html; charset=utf-8\r\n"), "the type");
         web_close(&client);
     }
 }
@@ -146,8 +136,8 @@ static void only_the_page(void)
 static void foreign_hosts(void)
 {
     char request[256];
-    static const char *const hosts[] = { "evil.example", "evil.example:%u", "127.0.0.1",
-                                         "localhost:1", "127.0.0.2:%u" };
+    static const char *const hosts[] = { "evil.example", "evil.example:%u", "127.0.0.1", "localhost:1",
+                                         "127.0.0.2:%u" };
     for (size_t i = 0; i < sizeof hosts / sizeof *hosts; i++) {
         char host[64];
         struct web_client client;
@@ -228,8 +218,8 @@ static void wrong_tokens(void)
         CHECK(fixture_socket(&fixture, &client, 0) == 101, "no web socket");
         web_text(&client, token);
         const struct web_message message = web_receive(&client, 4.0);
-        CHECK(message.event == WEB_CLOSE && message.code == 1008, "%s: event %d, code %u", what[i],
-              (int)message.event, message.code);
+        CHECK(message.event == WEB_CLOSE && message.code == 1008, "%s: event %d, code %u", what[i], (int)message.event,
+              message.code);
         web_close(&client);
     }
     CHECK(fixture_socket(&fixture, &client, 0) == 101, "no web socket");
@@ -309,8 +299,8 @@ static void hands_are_heard(void)
     fixture_client(&fixture, &client);
     web_frame(&client, 0x81, text, sizeof text);
     CHECK(is_heard(before + 1), "it was not heard");
-    CHECK(fixture.hand[0] == 1.5 && fixture.hand[1] == -2.0 && fixture.hand[2] == 0.0, "%g %g %g",
-          fixture.hand[0], fixture.hand[1], fixture.hand[2]);
+    CHECK(fixture.hand[0] == 1.5 && fixture.hand[1] == -2.0 && fixture.hand[2] == 0.0, "%g %g %g", fixture.hand[0],
+          fixture.hand[1], fixture.hand[2]);
     web_text_slowly(&client, "hand 3 2 1");
     CHECK(is_heard(before + 2), "byte by byte it was not heard");
     CHECK(fixture.hand[0] == 3.0 && fixture.hand[2] == 1.0, "%g", fixture.hand[0]);
@@ -367,8 +357,8 @@ static void strangers_take_no_place(void)
         if (i < VIEW_CLIENTS_MAX)
             CHECK(message.event == WEB_BINARY, "client %d: event %d", i, (int)message.event);
         else
-            CHECK(message.event == WEB_CLOSE && message.code == 1013, "the fifth: event %d, %u",
-                  (int)message.event, message.code);
+            CHECK(message.event == WEB_CLOSE && message.code == 1013, "the fifth: event %d, %u", (int)message.event,
+                  message.code);
     }
     for (int i = 0; i < 8; i++)
         web_close(&strangers[i]);
@@ -401,8 +391,8 @@ static void deadlines(void)
     CHECK(web_ends(&started, 0.1), "half a request stays");
     CHECK(web_ends(&idle, 0.1), "an idle connection stays");
     const struct web_message message = web_receive(&tokenless, 0.1);
-    CHECK(message.event == WEB_CLOSE && message.code == 1008, "no token in time: event %d, code %u",
-          (int)message.event, message.code);
+    CHECK(message.event == WEB_CLOSE && message.code == 1008, "no token in time: event %d, code %u", (int)message.event,
+          message.code);
     CHECK(web_now() - begin < 6.0, "%g s", web_now() - begin);
     web_close(&silent);
     web_close(&slow);
@@ -435,10 +425,8 @@ static void ask_and_read_slowly(void)
 {
     char request[128];
     snprintf(request, sizeof request, "GET / HTTP/1.1\r\nHost: %s\r\n\r\n", fixture.host);
-    CHECK(web_open_narrow(&unread, "127.0.0.1", fixture.port) && web_say(&unread, request),
-          "nobody listens");
-    CHECK(web_open_narrow(&slow, "127.0.0.1", fixture.port) && web_say(&slow, request),
-          "nobody listens");
+    CHECK(web_open_narrow(&unread, "127.0.0.1", fixture.port) && web_say(&unread, request), "nobody listens");
+    CHECK(web_open_narrow(&slow, "127.0.0.1", fixture.port) && web_say(&slow, request), "nobody listens");
     CHECK(pthread_create(&slow_reader, NULL, read_page_slowly, &read_slowly) == 0, "no thread");
     asked_at = web_now();
 }

@@ -64,8 +64,7 @@ static void this_machine_alone(void)
         char host[40], origin[48];
         snprintf(host, sizeof host, "[::1]:%u", (unsigned)fixture.port);
         snprintf(origin, sizeof origin, "http://%s", host);
-        CHECK(web_open(&client, "::1", fixture.port) && web_upgrade(&client, host, origin) == 101,
-              "not at ::1");
+        CHECK(web_open(&client, "::1", fixture.port) && web_upgrade(&client, host, origin) == 101, "not at ::1");
         web_close(&client);
     } else {
         SKIP("::1", "this machine has no such address");
@@ -99,20 +98,16 @@ static void an_address_that_is_given(void)
     fixture_prepare(&fixture, 3000, 1000);
     fixture.def.address = "0.0.0.0";
     fixture_open(&fixture);
-    CHECK(answers("127.0.0.2", fixture.port) && answers("127.0.0.1", fixture.port),
-          "not everywhere");
+    CHECK(answers("127.0.0.2", fixture.port) && answers("127.0.0.1", fixture.port), "not everywhere");
     view_server_warning(fixture.server, warning);
     char tunnel[64];
-    snprintf(tunnel, sizeof tunnel, "ssh -N -L %u:127.0.0.1:%u ", (unsigned)fixture.port,
-             (unsigned)fixture.port);
-    CHECK(strstr(warning, "nothing is encrypted") && strstr(warning, tunnel) &&
-              strstr(warning, "0.0.0.0") && strstr(warning, "dynpoint view liver.dpa"),
+    snprintf(tunnel, sizeof tunnel, "ssh -N -L %u:127.0.0.1:%u ", (unsigned)fixture.port, (unsigned)fixture.port);
+    CHECK(strstr(warning, "nothing is encrypted") && strstr(warning, tunnel) && strstr(warning, "0.0.0.0") &&
+              strstr(warning, "dynpoint view liver.dpa"),
           "%s", warning);
     CHECK(!strstr(warning, fixture.token), "the token is in the warning");
     struct web_client client;
-    CHECK(fixture_socket(&fixture, &client, 1) == 101 &&
-              web_receive(&client, 2.0).event == WEB_BINARY,
-          "not served");
+    CHECK(fixture_socket(&fixture, &client, 1) == 101 && web_receive(&client, 2.0).event == WEB_BINARY, "not served");
     web_close(&client);
     fixture_close(&fixture);
     if (!has_local_6())
@@ -217,8 +212,7 @@ static void leaves_the_process_alone(void)
     CHECK(written <= 0, "it writes: %.*s", written > 0 ? (int)written : 0, text);
     sigaction(SIGPIPE, NULL, &after);
     CHECK(after.sa_handler == note, "SIGPIPE is the server's now");
-    CHECK(taken_by_server == 0 && on_usr1 == 1, "the server's thread takes signals: %d",
-          taken_by_server);
+    CHECK(taken_by_server == 0 && on_usr1 == 1, "the server's thread takes signals: %d", taken_by_server);
     CHECK(pthread_equal(heard_by, pthread_self()), "by another thread");
     CHECK(files_open() == files, "%d files are open, before %d", files_open(), files);
 }

@@ -20,19 +20,16 @@ struct seen {
 static void check_frame(struct seen *seen, const struct web_message *message, size_t snapshot)
 {
     const unsigned char *frame = message->bytes;
-    CHECK(message->size == VIEW_FRAME_HEADER_BYTES + snapshot + 40 * FIXTURE_TICKS, "%zu bytes",
-          message->size);
+    CHECK(message->size == VIEW_FRAME_HEADER_BYTES + snapshot + 40 * FIXTURE_TICKS, "%zu bytes", message->size);
     const uint64_t number = field_of(frame, 16, 8), ticks_through = field_of(frame, 80, 8);
     /* The beginning and the end are of the same frame. */
-    CHECK(number == FIXTURE_NUMBERS * (field_of(frame, message->size - 8, 8) + 5),
-          "a frame of pieces of two");
+    CHECK(number == FIXTURE_NUMBERS * (field_of(frame, message->size - 8, 8) + 5), "a frame of pieces of two");
     if (seen->frames == 0) {
         seen->first_number = number;
         seen->ticks_before = ticks_through - FIXTURE_TICKS;
     }
-    CHECK(field_of(frame, 24, 8) == number - seen->first_number - seen->frames,
-          "%llu dropped at %llu after %llu", (unsigned long long)field_of(frame, 24, 8),
-          (unsigned long long)number, (unsigned long long)seen->frames);
+    CHECK(field_of(frame, 24, 8) == number - seen->first_number - seen->frames, "%llu dropped at %llu after %llu",
+          (unsigned long long)field_of(frame, 24, 8), (unsigned long long)number, (unsigned long long)seen->frames);
     seen->frames++;
     seen->ticks += FIXTURE_TICKS;
     const uint64_t missed = ticks_through - seen->ticks_before - seen->ticks;
@@ -76,8 +73,7 @@ static void sixty_frames_a_second(void)
     CHECK(asked_of(&fixture) == 0, "frames are made for nobody");
     fixture_client(&fixture, &client);
     draw(&client, &seen, 1000, 1.0);
-    CHECK(seen.frames >= 30 && seen.frames <= 62, "%llu frames in a second",
-          (unsigned long long)seen.frames);
+    CHECK(seen.frames >= 30 && seen.frames <= 62, "%llu frames in a second", (unsigned long long)seen.frames);
     CHECK(fixture_counts(&fixture).sent >= seen.frames, "counted %llu",
           (unsigned long long)fixture_counts(&fixture).sent);
     web_close(&client);
@@ -88,8 +84,7 @@ static void sixty_frames_a_second(void)
     usleep(400000);
     getrusage(RUSAGE_SELF, &after);
     CHECK(asked_of(&fixture) == asked, "frames are made for who has left");
-    CHECK(after.ru_nvcsw - before.ru_nvcsw < 12, "it woke %ld times for nobody",
-          after.ru_nvcsw - before.ru_nvcsw);
+    CHECK(after.ru_nvcsw - before.ru_nvcsw < 12, "it woke %ld times for nobody", after.ru_nvcsw - before.ru_nvcsw);
     fixture_close(&fixture);
 }
 
@@ -137,8 +132,7 @@ static void who_does_not_read_delays_nobody(void)
     CHECK(counts.clients == 4, "%llu clients", (unsigned long long)counts.clients);
     CHECK(counts.sent <= seen.frames + 2 + 2, "%llu sent, %llu of them to the quick one",
           (unsigned long long)counts.sent, (unsigned long long)seen.frames);
-    CHECK(web_receive(&slow, 1.0).event == WEB_BINARY &&
-              web_receive(&slow, 1.0).event == WEB_BINARY,
+    CHECK(web_receive(&slow, 1.0).event == WEB_BINARY && web_receive(&slow, 1.0).event == WEB_BINARY,
           "the slow one's two frames");
     web_text(&slow, "drawn");
     const struct web_message late = web_receive(&slow, 1.0);
@@ -169,8 +163,7 @@ static void waiting_takes_no_time(void)
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &before);
     usleep(700000);
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &after);
-    const double took =
-        (double)(after.tv_sec - before.tv_sec) + 1e-9 * (double)(after.tv_nsec - before.tv_nsec);
+    const double took = (double)(after.tv_sec - before.tv_sec) + 1e-9 * (double)(after.tv_nsec - before.tv_nsec);
     CHECK(took < 0.1, "%g s in 0.7", took);
     web_close(&stopped);
     web_close(&waits);
@@ -184,8 +177,7 @@ static void recordings_are_sent_in_order(void)
     enum { FRAMES = 3 };
     struct view_fixture fixture;
     struct web_client client;
-    static unsigned char frames[FRAMES][200],
-        end[16] = { VIEW_MESSAGE_END, 0, 0, 0, 3, 0, 0, 0, 'e', 'n', 'd' };
+    static unsigned char frames[FRAMES][200], end[16] = { VIEW_MESSAGE_END, 0, 0, 0, 3, 0, 0, 0, 'e', 'n', 'd' };
     struct view_message first[FRAMES + 2];
     fixture_prepare(&fixture, 3000, 1000);
     first[0] = fixture.first[0];
@@ -215,8 +207,7 @@ static void recordings_are_sent_in_order(void)
             web_text(&client, "drawn");
     }
     const struct web_message message = web_receive(&client, 1.0);
-    CHECK(message.size == 11 && message.bytes[0] == VIEW_MESSAGE_END, "%zu bytes, not the end",
-          message.size);
+    CHECK(message.size == 11 && message.bytes[0] == VIEW_MESSAGE_END, "%zu bytes, not the end", message.size);
     web_text(&client, "hand 1 2 3");
     fixture_expect_close(&fixture, &client, 1008, "a hand, where nothing is steered");
     fixture_close(&fixture);
@@ -248,11 +239,10 @@ static void the_end_comes_last(void)
         }
         CHECK(message.event == WEB_BINARY && message.size == 8 + sizeof text - 1 &&
                   field_of(message.bytes, 0, 4) == VIEW_MESSAGE_END &&
-                  field_of(message.bytes, 4, 4) == sizeof text - 1 &&
-                  !memcmp(message.bytes + 8, text, sizeof text - 1),
+                  field_of(message.bytes, 4, 4) == sizeof text - 1 && !memcmp(message.bytes + 8, text, sizeof text - 1),
               "event %d, %zu bytes", (int)message.event, message.size);
-        CHECK(last == FIXTURE_NUMBERS * (asked_of(&fixture) + 4),
-              "the newest is not the last: %llu", (unsigned long long)last);
+        CHECK(last == FIXTURE_NUMBERS * (asked_of(&fixture) + 4), "the newest is not the last: %llu",
+              (unsigned long long)last);
         view_server_end_message(fixture.server, "another");
         CHECK(web_receive(&clients[k], 0.1).event == WEB_NOTHING, "something after the end");
     }
@@ -294,11 +284,10 @@ static void closes_with_clients(void)
     view_server_end_message(fixture.server, "over");
     fixture_close(&fixture);
     struct web_message message = web_receive(&client, 1.0);
-    CHECK(message.event == WEB_BINARY && field_of(message.bytes, 0, 4) == VIEW_MESSAGE_END,
-          "event %d", (int)message.event);
+    CHECK(message.event == WEB_BINARY && field_of(message.bytes, 0, 4) == VIEW_MESSAGE_END, "event %d",
+          (int)message.event);
     message = web_receive(&client, 1.0);
-    CHECK(message.event == WEB_CLOSE && message.code == 1001, "event %d, code %u",
-          (int)message.event, message.code);
+    CHECK(message.event == WEB_CLOSE && message.code == 1001, "event %d, code %u", (int)message.event, message.code);
     web_close(&client);
 }
 
@@ -340,8 +329,8 @@ static void closes_after_the_newest_was_sent(void)
     view_server_end_message(fixture.server, "over");
     fixture_close(&fixture);
     pthread_join(thread, NULL);
-    CHECK(reader.frames == 3 && reader.ends == 1 && reader.code == 1001, "%d frames, %d ends, %u",
-          reader.frames, reader.ends, reader.code);
+    CHECK(reader.frames == 3 && reader.ends == 1 && reader.code == 1001, "%d frames, %d ends, %u", reader.frames,
+          reader.ends, reader.code);
     web_close(&reader.client);
 }
 
@@ -368,8 +357,7 @@ static void clients_come_and_go(void)
     }
     for (int i = 0; i < 200 && fixture_counts(&fixture).clients; i++)
         usleep(10000);
-    CHECK(fixture_counts(&fixture).clients == 0, "%llu are left",
-          (unsigned long long)fixture_counts(&fixture).clients);
+    CHECK(fixture_counts(&fixture).clients == 0, "%llu are left", (unsigned long long)fixture_counts(&fixture).clients);
     struct web_client client;
     struct seen seen = { 0 };
     fixture_client(&fixture, &client);

@@ -118,15 +118,14 @@ void fixture_client(struct view_fixture *fixture, struct web_client *client)
     web_text(client, "ready");
 }
 
-void fixture_expect_close(struct view_fixture *fixture, struct web_client *client, unsigned code,
-                          const char *what)
+void fixture_expect_close(struct view_fixture *fixture, struct web_client *client, unsigned code, const char *what)
 {
     struct web_message message;
     do
         message = web_receive(client, 4.0);
     while (message.event == WEB_BINARY);
-    CHECK(message.event == WEB_CLOSE && message.code == code, "%s: event %d, code %u", what,
-          (int)message.event, message.code);
+    CHECK(message.event == WEB_CLOSE && message.code == code, "%s: event %d, code %u", what, (int)message.event,
+          message.code);
     web_close(client);
     struct web_client other;
     CHECK(fixture_socket(fixture, &other, 1) == 101 && web_receive(&other, 4.0).event == WEB_BINARY,

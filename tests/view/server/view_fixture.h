@@ -42,8 +42,7 @@ int fixture_socket(struct view_fixture *fixture, struct web_client *client, int 
 void fixture_client(struct view_fixture *fixture, struct web_client *client);
 
 /* What the test sends to be refused leads to a close with this code, and the server serves on. */
-void fixture_expect_close(struct view_fixture *fixture, struct web_client *client, unsigned code,
-                          const char *what);
+void fixture_expect_close(struct view_fixture *fixture, struct web_client *client, unsigned code, const char *what);
 
 struct view_server_counts fixture_counts(const struct view_fixture *fixture);
 

@@ -33,10 +33,8 @@ static int open_with(struct web_client *client, const char *address, uint16_t po
     const int on = 1;
     if (room > 0)
         setsockopt(client->socket, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
-    if (client->socket >= 0 &&
-        setsockopt(client->socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on) == 0 &&
-        connect(client->socket,
-                is_4 ? (const struct sockaddr *)&four : (const struct sockaddr *)&six,
+    if (client->socket >= 0 && setsockopt(client->socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on) == 0 &&
+        connect(client->socket, is_4 ? (const struct sockaddr *)&four : (const struct sockaddr *)&six,
                 is_4 ? sizeof four : sizeof six) == 0)
         return 1;
     web_close(client);
@@ -101,8 +99,7 @@ static int read_more(struct web_client *client, double until)
     }
     if (!is_ready(client, POLLIN, until))
         return 0;
-    const ssize_t got =
-        recv(client->socket, client->bytes + client->used, client->room - client->used - 1, 0);
+    const ssize_t got = recv(client->socket, client->bytes + client->used, client->room - client->used - 1, 0);
     if (got <= 0)
         return -1;
     client->used += (size_t)got;

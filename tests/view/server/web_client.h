@@ -17,14 +17,7 @@ struct web_client {
 };
 
 /* What the other side sent. */
-enum web_event {
-    WEB_NOTHING,
-    WEB_TEXT = 1,
-    WEB_BINARY = 2,
-    WEB_CLOSE = 8,
-    WEB_PONG = 10,
-    WEB_ENDED = 100
-};
+enum web_event { WEB_NOTHING, WEB_TEXT = 1, WEB_BINARY = 2, WEB_CLOSE = 8, WEB_PONG = 10, WEB_ENDED = 100 };
 
 struct web_message {
     enum web_event event; /* WEB_NOTHING: not in time; WEB_ENDED: the connection did */

@@ -48,8 +48,7 @@ static void look(lws_sorted_usec_list_t *timer)
         server->look_at = now;
     server->is_looking = are_ready;
     if (are_ready)
-        lws_sul_schedule(server->context, 0, timer, look,
-                         server->look_at > now ? server->look_at - now : 1);
+        lws_sul_schedule(server->context, 0, timer, look, server->look_at > now ? server->look_at - now : 1);
     if (is_wanted) {
         frames_take(server);
         clients_wake(server);

@@ -17,21 +17,18 @@ int request_refused(struct view_server *server, struct lws *wsi, unsigned status
 static int has_own_host(const struct view_server *server, struct lws *wsi)
 {
     char host[128];
-    return copy_header(wsi, WSI_TOKEN_HOST, host, sizeof host) &&
-           view_host_is_own(&server->host, host);
+    return copy_header(wsi, WSI_TOKEN_HOST, host, sizeof host) && view_host_is_own(&server->host, host);
 }
 
 static int send_headers(struct view_server *server, struct lws *wsi, int and_page)
 {
     unsigned char *start = server->room + LWS_PRE, *at = start, *end = start + HEADER_ROOM;
-    if (lws_add_http_common_headers(wsi, HTTP_STATUS_OK, "text/html; charset=utf-8",
-                                    server->def.page_size, &at, end) ||
+    if (lws_add_http_common_headers(wsi, HTTP_STATUS_OK, "text/html; charset=utf-8", server->def.page_size, &at, end) ||
         lws_finalize_http_header(wsi, &at, end))
         return -1;
     const size_t size = (size_t)(at - start);
     return lws_write(wsi, start, size,
-                     and_page ? LWS_WRITE_HTTP_HEADERS
-                              : LWS_WRITE_HTTP_HEADERS | LWS_WRITE_H2_STREAM_END) < (int)size
+                     and_page ? LWS_WRITE_HTTP_HEADERS : LWS_WRITE_HTTP_HEADERS | LWS_WRITE_H2_STREAM_END) < (int)size
                ? -1
                : 0;
 }
@@ -42,8 +39,7 @@ static int request_done(struct lws *wsi)
     return lws_http_transaction_completed(wsi);
 }
 
-int page_requested(struct view_server *server, struct lws *wsi, struct connection *connection,
-                   const char *path)
+int page_requested(struct view_server *server, struct lws *wsi, struct connection *connection, const char *path)
 {
     const int is_get = lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) > 0;
     if (!has_own_host(server, wsi))

@@ -46,11 +46,10 @@ struct connection {
     struct shared_message *shared; /* it is part of this one, or NULL */
     uint64_t dropped, ticks_lost;  /* for its header, if it is a live frame */
 
-    uint64_t serial, frames, first_number, ticks_until,
-        ticks_missed;    /* of the live frames so far */
-    double allowance;    /* messages that may come */
-    lws_usec_t heard_at; /* when it was counted */
-    size_t heard;        /* bytes of the message that comes */
+    uint64_t serial, frames, first_number, ticks_until, ticks_missed; /* of the live frames so far */
+    double allowance;                                                 /* messages that may come */
+    lws_usec_t heard_at;                                              /* when it was counted */
+    size_t heard;                                                     /* bytes of the message that comes */
     char text[VIEW_REQUEST_BYTES_MAX];
 };
 
@@ -116,8 +115,7 @@ static inline int copy_header(struct lws *wsi, enum lws_token_indexes header, ch
 }
 
 /* A request that is not a web socket's, and its answer. They return what a callback returns: not 0 closes. */
-int page_requested(struct view_server *server, struct lws *wsi, struct connection *connection,
-                   const char *path);
+int page_requested(struct view_server *server, struct lws *wsi, struct connection *connection, const char *path);
 int page_writeable(struct view_server *server, struct lws *wsi, struct connection *connection);
 
 /* Answers with a status, and closes. */
@@ -126,8 +124,8 @@ int request_refused(struct view_server *server, struct lws *wsi, unsigned status
 /* Web sockets. upgrade_asked: before the handshake is answered. */
 int upgrade_asked(struct view_server *server, struct lws *wsi);
 int client_came(struct view_server *server, struct lws *wsi, struct connection *connection);
-int client_heard(struct view_server *server, struct lws *wsi, struct connection *connection,
-                 const void *bytes, size_t size);
+int client_heard(struct view_server *server, struct lws *wsi, struct connection *connection, const void *bytes,
+                 size_t size);
 int client_writeable(struct view_server *server, struct lws *wsi, struct connection *connection);
 int client_late(struct view_server *server, struct lws *wsi, struct connection *connection);
 void client_left(struct view_server *server, struct connection *connection);

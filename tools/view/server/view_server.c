@@ -57,8 +57,7 @@ static void asked(struct view_server *server)
     free(text);
     if (is_closing && !server->close_by) {
         server->close_by = lws_now_usecs() + CLOSE_MILLISECONDS * LWS_US_PER_MS;
-        lws_sul_schedule(server->context, 0, &server->close_timer, close_now,
-                         CLOSE_MILLISECONDS * LWS_US_PER_MS);
+        lws_sul_schedule(server->context, 0, &server->close_timer, close_now, CLOSE_MILLISECONDS * LWS_US_PER_MS);
     }
     lws_callback_on_writable_all_protocol(server->context, &server->protocols[0]);
 }
@@ -77,13 +76,10 @@ static int late(struct view_server *server, struct lws *wsi, struct connection *
 {
     if (connection && connection->stage == STAGE_KNOWN)
         return 0;
-    return connection && connection->stage == STAGE_NEEDS_TOKEN
-               ? client_late(server, wsi, connection)
-               : -1;
+    return connection && connection->stage == STAGE_NEEDS_TOKEN ? client_late(server, wsi, connection) : -1;
 }
 
-static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in,
-                    size_t size)
+static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size)
 {
     struct view_server *server = server_of(wsi);
     switch ((int)reason) {
@@ -144,18 +140,15 @@ static void set_headers(struct view_server *server)
                                      { "cache-control:", "no-store" } };
     const size_t count = sizeof lines / sizeof *lines;
     for (size_t i = 0; i < count; i++)
-        server->headers[i] =
-            (struct lws_protocol_vhost_options){ .next =
-                                                     i + 1 < count ? &server->headers[i + 1] : NULL,
-                                                 .name = lines[i][0],
-                                                 .value = lines[i][1] };
+        server->headers[i] = (struct lws_protocol_vhost_options){
+            .next = i + 1 < count ? &server->headers[i + 1] : NULL, .name = lines[i][0], .value = lines[i][1]
+        };
 }
 
 /* Whether this machine has the address ::1 at all. */
 static int has_local_6(void)
 {
-    const struct sockaddr_in6 address = { .sin6_family = AF_INET6,
-                                          .sin6_addr = IN6ADDR_LOOPBACK_INIT };
+    const struct sockaddr_in6 address = { .sin6_family = AF_INET6, .sin6_addr = IN6ADDR_LOOPBACK_INIT };
     const int probe = socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (probe < 0)
         return 0;
@@ -165,8 +158,8 @@ static int has_local_6(void)
 }
 
 /* Listens on one address. Returns the port, or 0. */
-static uint16_t listen_on(struct view_server *server, struct lws_context_creation_info *info,
-                          const char *address, const char *name)
+static uint16_t listen_on(struct view_server *server, struct lws_context_creation_info *info, const char *address,
+                          const char *name)
 {
     const int is_6 = view_address_kind(address) == VIEW_ADDRESS_6;
     const uint64_t before = info->options;
@@ -201,28 +194,26 @@ static struct lws_context *create_context(struct lws_context_creation_info *info
 
 static const char *listen_once(struct view_server *server)
 {
-    static const lws_retry_bo_t patience = { .secs_since_valid_ping = 15,
-                                             .secs_since_valid_hangup = 40 };
+    static const lws_retry_bo_t patience = { .secs_since_valid_ping = 15, .secs_since_valid_hangup = 40 };
     const char *address = server->def.address ? server->def.address : "127.0.0.1";
-    struct lws_context_creation_info info = {
-        .port = server->def.port,
-        .protocols = server->protocols,
-        .headers = server->headers,
-        .server_string = "dynpoint",
-        .user = server,
-        .gid = -1,
-        .uid = -1,
-        .max_http_header_data = 4096,
-        .max_http_header_pool = VIEW_CONNECTIONS_MAX,
-        /* Some are its own. */
-        .fd_limit_per_thread = VIEW_CONNECTIONS_MAX + 16,
-        /* Its own are longer than those of this file. */
-        .timeout_secs = 3 * PAGE_SECONDS,
-        .timeout_secs_ah_idle = 3 * PAGE_SECONDS,
-        .keepalive_timeout = 3 * PAGE_SECONDS,
-        .retry_and_idle_policy = &patience,
-        .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND
-    };
+    struct lws_context_creation_info info = { .port = server->def.port,
+                                              .protocols = server->protocols,
+                                              .headers = server->headers,
+                                              .server_string = "dynpoint",
+                                              .user = server,
+                                              .gid = -1,
+                                              .uid = -1,
+                                              .max_http_header_data = 4096,
+                                              .max_http_header_pool = VIEW_CONNECTIONS_MAX,
+                                              /* Some are its own. */
+                                              .fd_limit_per_thread = VIEW_CONNECTIONS_MAX + 16,
+                                              /* Its own are longer than those of this file. */
+                                              .timeout_secs = 3 * PAGE_SECONDS,
+                                              .timeout_secs_ah_idle = 3 * PAGE_SECONDS,
+                                              .keepalive_timeout = 3 * PAGE_SECONDS,
+                                              .retry_and_idle_policy = &patience,
+                                              .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
+                                                         LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND };
     server->context = create_context(&info);
     if (!server->context)
         return "no memory for the server, or no file descriptors";
@@ -230,9 +221,7 @@ static const char *listen_once(struct view_server *server)
     if (!server->host.port)
         return no_port;
     info.port = server->host.port;
-    return server->def.address || !has_local_6() || listen_on(server, &info, "::1", "second")
-               ? NULL
-               : no_port;
+    return server->def.address || !has_local_6() || listen_on(server, &info, "::1", "second") ? NULL : no_port;
 }
 
 static const char *start(struct view_server *server)
@@ -310,8 +299,7 @@ void view_server_url(const struct view_server *server, char url[VIEW_URL_BYTES])
     const char *address = server->def.address;
     char host[64];
     url_host(!address || view_address_is_every(address) ? "127.0.0.1" : address, host);
-    snprintf(url, VIEW_URL_BYTES, "http://%s:%u/#%s", host, (unsigned)server->host.port,
-             server->token.digits);
+    snprintf(url, VIEW_URL_BYTES, "http://%s:%u/#%s", host, (unsigned)server->host.port, server->token.digits);
 }
 
 void view_server_warning(const struct view_server *server, char text[VIEW_WARNING_BYTES])
@@ -324,24 +312,21 @@ void view_server_warning(const struct view_server *server, char text[VIEW_WARNIN
         return;
     if (gethostname(machine, sizeof machine - 1) || !machine[0])
         snprintf(machine, sizeof machine, "THIS-MACHINE");
-    snprintf(
-        text, VIEW_WARNING_BYTES,
-        "warning: other machines reach %s port %u, and nothing is encrypted: who listens on the "
-        "way sees all of it.\n"
-        "Safer: here\n    %s\nand on the other machine\n    ssh -N -L %u:127.0.0.1:%u %s\n"
-        "and there a browser at the address that the first one prints.\n",
-        address, port, server->def.command, port, port, machine);
+    snprintf(text, VIEW_WARNING_BYTES,
+             "warning: other machines reach %s port %u, and nothing is encrypted: who listens on the "
+             "way sees all of it.\n"
+             "Safer: here\n    %s\nand on the other machine\n    ssh -N -L %u:127.0.0.1:%u %s\n"
+             "and there a browser at the address that the first one prints.\n",
+             address, port, server->def.command, port, port, machine);
 }
 
 void view_server_counts(const struct view_server *server, struct view_server_counts *counts)
 {
-    *counts = (struct view_server_counts){
-        .clients = __atomic_load_n(&server->counts.clients, __ATOMIC_RELAXED),
-        .refused = __atomic_load_n(&server->counts.refused, __ATOMIC_RELAXED),
-        .sent = __atomic_load_n(&server->counts.sent, __ATOMIC_RELAXED),
-        .dropped = __atomic_load_n(&server->counts.dropped, __ATOMIC_RELAXED),
-        .messages = __atomic_load_n(&server->counts.messages, __ATOMIC_RELAXED)
-    };
+    *counts = (struct view_server_counts){ .clients = __atomic_load_n(&server->counts.clients, __ATOMIC_RELAXED),
+                                           .refused = __atomic_load_n(&server->counts.refused, __ATOMIC_RELAXED),
+                                           .sent = __atomic_load_n(&server->counts.sent, __ATOMIC_RELAXED),
+                                           .dropped = __atomic_load_n(&server->counts.dropped, __ATOMIC_RELAXED),
+                                           .messages = __atomic_load_n(&server->counts.messages, __ATOMIC_RELAXED) };
 }
 
 void view_server_end_message(struct view_server *server, const char *text)

@@ -17,8 +17,7 @@ int upgrade_asked(struct view_server *server, struct lws *wsi)
 {
     char host[128], origin[160], path[8];
     if (!copy_header(wsi, WSI_TOKEN_HOST, host, sizeof host) ||
-        !copy_header(wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin) ||
-        !view_origin_is_own(&server->host, host, origin))
+        !copy_header(wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin) || !view_origin_is_own(&server->host, host, origin))
         return request_refused(server, wsi, HTTP_STATUS_FORBIDDEN);
     if (!copy_header(wsi, WSI_TOKEN_GET_URI, path, sizeof path) || strcmp(path, "/") != 0)
         return request_refused(server, wsi, HTTP_STATUS_NOT_FOUND);
@@ -45,8 +44,7 @@ void clients_wake(struct view_server *server)
 }
 
 /* Nothing is held for it any more; its place is free before the other side has answered the close. */
-static void let_go(struct view_server *server, struct connection *connection,
-                   enum connection_stage stage)
+static void let_go(struct view_server *server, struct connection *connection, enum connection_stage stage)
 {
     if (connection->stage == STAGE_KNOWN) {
         *place_of(server, connection) = NULL;
@@ -58,8 +56,8 @@ static void let_go(struct view_server *server, struct connection *connection,
     connection->shared = NULL;
 }
 
-static int client_refused(struct view_server *server, struct lws *wsi,
-                          struct connection *connection, enum lws_close_status status)
+static int client_refused(struct view_server *server, struct lws *wsi, struct connection *connection,
+                          enum lws_close_status status)
 {
     count_one(&server->counts.refused, 1);
     let_go(server, connection, STAGE_REFUSED);
@@ -90,8 +88,7 @@ static int is_allowed(struct connection *connection)
 }
 
 /* 0 if the client may not say so. */
-static int obey(struct view_server *server, struct lws *wsi, struct connection *connection,
-                size_t size)
+static int obey(struct view_server *server, struct lws *wsi, struct connection *connection, size_t size)
 {
     struct view_request request;
     switch (view_request_parse(connection->text, size, &request)) {
@@ -129,13 +126,10 @@ static int gather(struct lws *wsi, struct connection *connection, const void *by
     connection->heard += size;
     if (left > 0)
         return 0;
-    return lws_is_final_fragment(wsi) && (lws_is_first_fragment(wsi) || connection->heard > size)
-               ? 1
-               : -1;
+    return lws_is_final_fragment(wsi) && (lws_is_first_fragment(wsi) || connection->heard > size) ? 1 : -1;
 }
 
-static int token_heard(struct view_server *server, struct lws *wsi, struct connection *connection,
-                       size_t size)
+static int token_heard(struct view_server *server, struct lws *wsi, struct connection *connection, size_t size)
 {
     struct connection **place = place_of(server, NULL);
     if (!view_token_is(&server->token, connection->text, size))
@@ -151,8 +145,8 @@ static int token_heard(struct view_server *server, struct lws *wsi, struct conne
     return 0;
 }
 
-int client_heard(struct view_server *server, struct lws *wsi, struct connection *connection,
-                 const void *bytes, size_t size)
+int client_heard(struct view_server *server, struct lws *wsi, struct connection *connection, const void *bytes,
+                 size_t size)
 {
     if (connection->stage == STAGE_REFUSED)
         return -1;
@@ -178,12 +172,11 @@ static int has_all_first(const struct view_server *server, const struct connecti
 
 int client_is_hungry(const struct view_server *server, const struct connection *connection)
 {
-    return connection->stage == STAGE_KNOWN && !connection->message &&
-           has_all_first(server, connection) && connection->undrawn < VIEW_UNDRAWN_MAX;
+    return connection->stage == STAGE_KNOWN && !connection->message && has_all_first(server, connection) &&
+           connection->undrawn < VIEW_UNDRAWN_MAX;
 }
 
-static void send_next(struct connection *connection, const void *bytes, size_t size,
-                      struct shared_message *shared)
+static void send_next(struct connection *connection, const void *bytes, size_t size, struct shared_message *shared)
 {
     connection->message = bytes;
     connection->size = size;
@@ -203,8 +196,7 @@ static void choose_frame(struct view_server *server, struct connection *connecti
     }
     connection->ticks_missed += frame->ticks_before - connection->ticks_until;
     connection->ticks_until = frame->ticks_before + read_field(frame->bytes, FRAME_TICKS, 4);
-    connection->ticks_lost =
-        read_field(frame->bytes, FRAME_TICKS_LOST, 8) + connection->ticks_missed;
+    connection->ticks_lost = read_field(frame->bytes, FRAME_TICKS_LOST, 8) + connection->ticks_missed;
     const uint64_t dropped = number - connection->first_number - connection->frames;
     count_one(&server->counts.dropped, dropped - connection->dropped);
     count_one(&server->counts.sent, 1);
@@ -275,8 +267,8 @@ int client_writeable(struct view_server *server, struct lws *wsi, struct connect
         return send_piece(server, wsi, connection);
     /* The socket took all, the end too: it is called again only then. */
     connection->end_is_sent = connection->end_is_queued;
-    if (server->close_by && (connection->end_is_sent || !server->end ||
-                             connection->stage != STAGE_KNOWN || !connection->is_ready)) {
+    if (server->close_by &&
+        (connection->end_is_sent || !server->end || connection->stage != STAGE_KNOWN || !connection->is_ready)) {
         let_go(server, connection, STAGE_CLOSED);
         lws_close_reason(wsi, LWS_CLOSE_STATUS_GOINGAWAY, NULL, 0);
         return -1;

@@ -3,8 +3,8 @@
 #define TOY_SHARED_H
 
 #define WIDTH 7 /* three.c does not see it, and has names like these */
-#define DECLARE(kind)                                                                              \
-    number dpti_##kind##_least, dpti_##kind##_most;                                                \
+#define DECLARE(kind)                                                                                                  \
+    number dpti_##kind##_least, dpti_##kind##_most;                                                                    \
     const char *dpti_##kind##_name(void);
 
 typedef int number(int x);

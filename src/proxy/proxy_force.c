@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "proxy/proxy_force.h"
+
+#include "base/wrench_limit.h"
+#include "force/yield.h"
+#include "proxy/proxy_constraints.h"
+#include "proxy/proxy_friction.h"
+
+static const struct displacement none = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.0 };
+
+static const struct body *body_of(const struct proxy_tick *tick, uint32_t space)
+{
+    return world_find_body(tick->world, tick->triangles[tick->sources[space].triangle].body_id);
+}
+
+/* Whether a body that may hold the proxy has a stiffness of its own. */
+static int may_yield(const struct proxy_tick *tick)
+{
+    for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
+        const uint32_t id = tick->proxy->memory[i].body_id;
+        const struct body *body = id ? world_find_body(tick->world, id) : NULL;
+        if (body && body->stiffness > 0.0)
+            return 1;
+    }
+    return 0;
+}
+
+/* A surface that is softer by more than that gives no force at all. */
+#define COMPLIANCE_MAX 1e30
+
+/* Two constraints of unit normals whose cosine is below this hold the tool at different places. */
+#define ALIKE 0.9
+
+/*
+ * How many of the active constraints are the same contact as one of them, itself included. A tool that rests where flat
+ * triangles meet is held by several, and the surface yields there once.
+ */
+static double share_of_contact(const struct proxy_tick *tick, uint32_t i)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    const double *own = tick->spaces[tick->solved.active[i]].normal;
+    double sum = 1.0;
+    for (uint32_t k = 0; k < tick->solved.active_count; k++) {
+        const double *other = tick->spaces[tick->solved.active[k]].normal;
+        if (k == i || body_of(tick, tick->solved.active[k]) != body_of(tick, tick->solved.active[i]))
+            continue;
+        const double cosine = product_of(own, other, n) / (norm_of(own, n) * norm_of(other, n));
+        if (cosine > ALIKE)
+            sum += (min_of(cosine, 1.0) - ALIKE) / (1.0 - ALIKE);
+    }
+    return sum;
+}
+
+/* What friction pulls with is reduced as the normal force that it depends on. */
+static void yield_pulls(const struct proxy_tick *tick, const double *share, double *yielded)
+{
+    for (uint32_t i = 0; i < tick->contact_count; i++)
+        for (uint32_t k = 0; k < tick->solved.active_count; k++)
+            if (tick->solved.active[k] == tick->contact_spaces[i])
+                dpti_friction_add(&tick->contacts[i], 1.0 - share[k], proxy_unknowns(tick->proxy), yielded);
+}
+
+void dpti_proxy_yield(struct proxy_tick *tick)
+{
+    struct proxy *proxy = tick->proxy;
+    const uint32_t n = proxy_unknowns(proxy);
+    const double k = tick->tool->stiffness;
+    double wanted[HALF_SPACE_DIMENSIONS], yielded[HALF_SPACE_DIMENSIONS] = { 0.0 };
+    double compliance[HALF_SPACE_DIMENSIONS], share[HALF_SPACE_DIMENSIONS];
+    proxy->yielded = none;
+    proxy->yielded_energy = 0.0;
+    if (!(k > 0.0) || !may_yield(tick))
+        return;
+    if (!dpti_proxy_solve_held(tick, wanted))
+        return;
+    for (uint32_t i = 0; i < tick->solved.active_count; i++) {
+        const double stiffness = body_of(tick, tick->solved.active[i])->stiffness;
+        compliance[i] = stiffness > 0.0 ? min_of(k / stiffness * share_of_contact(tick, i), COMPLIANCE_MAX) : 0.0;
+    }
+    const double stored = dpti_yield(tick->spaces, &tick->solved, n, compliance, share, yielded);
+    yield_pulls(tick, share, yielded);
+    proxy->yielded_energy = k * stored;
+    proxy->yielded = dpti_proxy_of_unknowns(proxy, tick->axes, yielded);
+}
+
+void dpti_proxy_wait(struct proxy_tick *tick)
+{
+    struct proxy *proxy = tick->proxy;
+    const uint32_t n = proxy_unknowns(proxy);
+    double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 };
+    const int is_solved = dpti_proxy_solve_held(tick, wanted);
+    const double *left = is_solved ? tick->solved.y : wanted;
+    const double size = norm_of(left, n);
+    if (size < PROXY_MOTION_SMALL * tick->clearance || size < PROXY_CONVERGED * norm_of(wanted, n))
+        return;
+    const struct displacement way = dpti_proxy_of_unknowns(proxy, tick->axes, left);
+    proxy->yielded = displacement_sum(&proxy->yielded, -1.0, &way);
+    proxy->lag = size;
+    proxy->flags |= DPT_FORCE_FLAG_BEHIND;
+    proxy->is_behind = 1;
+}
+
+void dpti_proxy_end_force(struct proxy *proxy)
+{
+    proxy->is_behind = 0;
+    proxy->felt = none;
+    memset(&proxy->fade, 0, sizeof proxy->fade);
+}
+
+/* Where the proxy has reached its device after it waited: whether more is still felt than may end in one tick. */
+static int is_pulled_back(const struct proxy *proxy)
+{
+    return proxy->is_behind && displacement_norm(&proxy->coupling, &proxy->felt) > proxy->pace;
+}
+
+/*
+ * What is felt of a proxy that waits, or has waited, changes no faster than that of one that never does. The surfaces that
+ * hold it tell nothing of where a long way ends: what is felt does not grow on it.
+ */
+static struct displacement in_pace(struct proxy *proxy, const struct displacement *felt)
+{
+    const struct coupling *coupling = &proxy->coupling;
+    const int is_waiting = (proxy->flags & DPT_FORCE_FLAG_BEHIND) != 0;
+    const double now = displacement_norm(coupling, felt);
+    const double last = displacement_norm(coupling, &proxy->felt);
+    if (!proxy->is_behind)
+        return *felt;
+    const double share = is_waiting && proxy->lag > proxy->pace && now > last ? last / now : 1.0;
+    const struct displacement goal = displacement_sum(&none, share, felt);
+    const struct displacement grown = displacement_sum(&goal, -1.0, &proxy->felt);
+    const double size = displacement_norm(coupling, &grown);
+    proxy->is_behind = is_waiting || size > proxy->pace;
+    if (!(size > proxy->pace))
+        return goal;
+    proxy->flags |= DPT_FORCE_FLAG_BEHIND;
+    return displacement_sum(&proxy->felt, proxy->pace / size, &grown);
+}
+
+static uint32_t reason_of(const struct tool *tool, const struct proxy *proxy)
+{
+    if (tool->stiffness == 0.0)
+        return DPT_FORCE_OFF;
+    if (proxy->state == PROXY_DOUBTED)
+        return DPT_FORCE_UNDECIDED;
+    if (proxy->state != PROXY_OUTSIDE)
+        return DPT_FORCE_INSIDE;
+    return proxy->is_held || is_pulled_back(proxy) ? DPT_FORCE_ACTS : DPT_FORCE_FREE;
+}
+
+/*
+ * A locked tool's turn is held by a stiffness that only counts as infinite: on its way from a fold, a tiny turn would give
+ * any torque. Its torque is that of a force at most, somewhere on the tool.
+ */
+static void limit_torque(const struct tool *tool, const struct proxy *proxy, vec3 centre, vec3 origin,
+                         dpt_wrench *wrench)
+{
+    const vec3 force = vec3_of(wrench->force), from_origin = cross(sub(centre, origin), force);
+    const vec3 torque = sub(vec3_of(wrench->torque), from_origin);
+    const double most = length(force) * proxy->extent, size = length(torque);
+    if (tool->lock_rotation && size > most)
+        vec3_store(along(from_origin, most / size, torque), wrench->torque);
+}
+
+/* The spring and the damper. */
+static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
+{
+    const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
+    const struct proxy_pose device = dpti_proxy_pose_of(proxy, &tool->pose);
+    const struct displacement away = dpti_proxy_displacement(proxy, &device, &at);
+    const struct displacement goal = displacement_sum(&away, -1.0, &proxy->yielded);
+    const struct displacement felt = in_pace(proxy, &goal);
+    vec3 spin_axis = { 0.0, 0.0, 0.0 };
+    dpt_wrench wrench;
+    if (proxy->coupling.spin_rho > 0.0)
+        spin_axis = scaled(add(device.axis, at.axis), 1.0 / (1.0 + dot(device.axis, at.axis)));
+    if (tool->damping > 0.0) {
+        const struct displacement damped =
+            coupling_damped(&proxy->coupling, &felt, &proxy->felt, tool->damping / tool->stiffness, dt);
+        wrench = coupling_wrench(&proxy->coupling, &damped, spin_axis, device.centre, device.frame.origin);
+    }
+    /* A damper that exceeds all numbers is none. */
+    if (!(tool->damping > 0.0) || !wrench_is_finite(&wrench))
+        wrench = coupling_wrench(&proxy->coupling, &felt, spin_axis, device.centre, device.frame.origin);
+    limit_torque(tool, proxy, device.centre, device.frame.origin, &wrench);
+    tool->energy = coupling_energy(&proxy->coupling, &felt) + proxy->yielded_energy;
+    proxy->felt = felt;
+    return wrench;
+}
+
+void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt)
+{
+    struct proxy *proxy = &world->proxies[tool - world->tools];
+    struct fade *fade = &proxy->fade;
+    dpt_wrench truth = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
+    const uint32_t last_reason = proxy->reason;
+    tool->energy = tool->body_work = 0.0;
+    tool->force_reason = proxy->reason = reason_of(tool, proxy);
+    if (proxy->reason == DPT_FORCE_ACTS) {
+        truth = wrench_of(tool, proxy, dt);
+        tool->body_work = proxy->body_work;
+    } else {
+        proxy->felt = none;
+        proxy->is_behind = (proxy->flags & DPT_FORCE_FLAG_BEHIND) != 0;
+    }
+    if ((proxy->reason == DPT_FORCE_UNDECIDED || proxy->reason == DPT_FORCE_INSIDE) && last_reason == DPT_FORCE_ACTS)
+        fade->time_left = world->def.fade;
+    if (proxy->reason == DPT_FORCE_OFF)
+        fade->time_left = 0.0;
+    fade_step(fade, &truth, dt);
+    tool->wrench = fade->felt;
+    tool->force_flags = proxy->flags | (fade->time_left > 0.0 ? DPT_FORCE_FLAG_FADING : 0u);
+}

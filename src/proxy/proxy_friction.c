@@ -1,0 +1,444 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "proxy/proxy_friction.h"
+
+#include "proxy/proxy_constraints.h"
+#include "proxy/proxy_solve.h"
+
+/* Passes between the normal and the tangential problem. */
+enum { PASSES_MAX = 6 };
+
+/* Of the clearance: passes end where the goal moves by less. */
+#define SETTLED 1e-3
+
+/* Ticks for which a contact that holds nothing is kept: features change under a tool that is led along. */
+#define AGE_MAX 2
+
+/* Contacts at the same place whose normals have a larger cosine are one. */
+#define ALIKE 0.9
+
+/* Two contacts of a segment and a body are the same where they are within that share of its length, or its radius. */
+#define SAME_PLACE 0.02
+
+/* The tool's point of a constraint, in its frame. */
+static vec3 place_of(const struct proxy_tick *tick, uint32_t space)
+{
+    return frame_to_local(&tick->at.frame, tick->sources[space].p);
+}
+
+/* m: what places on a tip are told apart by. */
+static double size_of_tip(const struct tip *tip)
+{
+    return length(sub(tip->hull->axis_b, tip->hull->axis_a)) + 2.0 * tip->hull->reach;
+}
+
+/*
+ * The contact of the same segment and body that is nearest along the axis, or NULL; *apart is how far that is, as a share
+ * of its length. Of a tip: nearest to the place on it, as a share of its size.
+ */
+static struct proxy_contact *nearest_contact(const struct proxy_tick *tick, uint32_t space, double *apart)
+{
+    const struct proxy_source *source = &tick->sources[space];
+    const struct proxy_triangle *triangle = &tick->triangles[source->triangle];
+    const struct tip *tip = proxy_tip_of(tick, triangle);
+    struct proxy_contact *best = NULL;
+    *apart = HUGE_VAL;
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++) {
+        struct proxy_contact *contact = &tick->proxy->contacts[i];
+        if (contact->body_id != triangle->body_id || contact->segment != triangle->segment)
+            continue;
+        const double away =
+            tip ? length(sub(contact->at, place_of(tick, space))) / size_of_tip(tip) : fabs(contact->s - source->s);
+        if (away < *apart) {
+            best = contact;
+            *apart = away;
+        }
+    }
+    return best;
+}
+
+/* How far two contacts of a segment, or a tip, may be apart, as a share of it, to be the same. */
+static double near_share(const struct proxy_tick *tick, const struct proxy_triangle *triangle)
+{
+    const struct tip *tip = proxy_tip_of(tick, triangle);
+    const struct segment *segment = tip ? NULL : &tick->world->segments[tick->tool->first_segment + triangle->segment];
+    const double size = tip ? size_of_tip(tip) : length(sub(segment->b, segment->a));
+    const double radius = tool_part_radius(tick->world, tick->tool, triangle->segment);
+    return size > 0.0 ? max_of(SAME_PLACE, radius / size) : 1.0;
+}
+
+/* The contact that was here in the last solution, or NULL. */
+static struct proxy_contact *find_contact(const struct proxy_tick *tick, uint32_t space)
+{
+    const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
+    double apart;
+    struct proxy_contact *found = nearest_contact(tick, space, &apart);
+    return found && apart <= near_share(tick, triangle) ? found : NULL;
+}
+
+/* How far the places of two constraints of one segment, or tip, are apart, as a share of it. */
+static double apart_of(const struct proxy_tick *tick, uint32_t one, uint32_t other)
+{
+    const struct proxy_source *a = &tick->sources[one], *b = &tick->sources[other];
+    const struct tip *tip = proxy_tip_of(tick, &tick->triangles[a->triangle]);
+    return tip ? length(sub(a->p, b->p)) / size_of_tip(tip) : fabs(a->s - b->s);
+}
+
+/* Whether two constraints hold the tool at one place, as where flat triangles meet under its tip. */
+static int are_at_one_place(const struct proxy_tick *tick, uint32_t one, uint32_t other)
+{
+    const struct proxy_source *a = &tick->sources[one], *b = &tick->sources[other];
+    const struct proxy_triangle *first = &tick->triangles[a->triangle];
+    const struct proxy_triangle *second = &tick->triangles[b->triangle];
+    return first->segment == second->segment && first->body_id == second->body_id &&
+           apart_of(tick, one, other) <= near_share(tick, first) &&
+           dot(vec3_of(tick->spaces[one].normal), vec3_of(tick->spaces[other].normal)) > ALIKE;
+}
+
+static struct proxy_contact *find_or_make_contact(struct proxy_tick *tick, uint32_t space)
+{
+    struct proxy_contact *found = find_contact(tick, space);
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX && !found; i++)
+        if (!tick->proxy->contacts[i].body_id) {
+            const struct proxy_source *source = &tick->sources[space];
+            const struct proxy_triangle *triangle = &tick->triangles[source->triangle];
+            found = &tick->proxy->contacts[i];
+            *found = (struct proxy_contact){
+                .body_id = triangle->body_id, .segment = triangle->segment, .s = source->s, .at = place_of(tick, space)
+            };
+        }
+    return found;
+}
+
+/* Where the tool's surface touches, from its centre. */
+static vec3 arm_of(const struct proxy_tick *tick, uint32_t space)
+{
+    return sub(proxy_touch_of(tick, space), tick->at.centre);
+}
+
+/* Which way a place's contacts push the tool, each as much as it holds. */
+static vec3 normal_of_place(const struct proxy_tick *tick, uint32_t count, uint32_t place)
+{
+    const vec3 first = vec3_of(tick->spaces[tick->contact_spaces[place]].normal);
+    vec3 sum = scaled(first, tick->contacts[place].share);
+    uint32_t others = 0;
+    for (uint32_t i = place + 1; i < count; i++)
+        if (tick->contacts[i].place == place) {
+            sum = along(sum, tick->contacts[i].share, vec3_of(tick->spaces[tick->contact_spaces[i]].normal));
+            others++;
+        }
+    return others ? unit_of(sum) : first;
+}
+
+static void fill_contact(struct proxy_tick *tick, uint32_t space, vec3 place_normal, const struct proxy_contact *kept,
+                         const struct body *body, struct friction_contact *contact)
+{
+    const vec3 normal = vec3_of(tick->spaces[space].normal), arm = arm_of(tick, space);
+    const struct proxy_source *source = &tick->sources[space];
+    const vec3 slip = kept ? sub(kept->slip, source->carried) : scaled(source->carried, -1.0);
+    vec3 tangents[2];
+    unit_across(place_normal, tangents);
+    memcpy(contact->normal, tick->spaces[space].normal, sizeof contact->normal);
+    /* A contact that is new beside one that slips does not stick. */
+    double apart;
+    const struct proxy_contact *beside = nearest_contact(tick, space, &apart);
+    contact->coefficient = beside && beside->is_slipping ? body->kinetic_friction : body->static_friction;
+    for (int d = 0; d < 2; d++) {
+        const vec3 turn = cross(arm, tangents[d]);
+        vec3_store(tangents[d], contact->across[d]);
+        for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
+            contact->across[d][k] = dot(turn, tick->axes[k - 3]) / proxy_rho_of(tick->proxy, k);
+        contact->slip[d] = dot(slip, tangents[d]);
+    }
+    memset(contact->about, 0, sizeof contact->about);
+    for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
+        contact->about[k] = dot(normal, tick->axes[k - 3]) / proxy_rho_of(tick->proxy, k);
+    contact->turned = kept ? kept->turned : 0.0;
+}
+
+/*
+ * A sphere that is pressed in by `depth` touches on a disc of the radius sqrt(2 r depth). Coulomb's torsion on a disc
+ * under even pressure is 2/3 of its radius times the friction's force. A tool that touches at several places is held
+ * against such turns by these: there is torsion only as far as one of them holds more than all others.
+ */
+static void set_torsion_arms(const struct proxy_tick *tick, struct friction_contact *contacts, uint32_t count)
+{
+    double sum = 0.0, depths[HALF_SPACE_DIMENSIONS] = { 0.0 }; /* of each place */
+    for (uint32_t k = 0; k < tick->solved.active_count; k++)
+        sum += tick->solved.multiplier[k];
+    for (uint32_t i = 0; i < count; i++)
+        depths[contacts[i].place] += contacts[i].multiplier;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t space = tick->contact_spaces[i];
+        const double radius = proxy_radius_of(tick, space);
+        const double depth = depths[contacts[i].place];
+        const double alone = sum > 0.0 ? max_of(0.0, 2.0 * depth / sum - 1.0) : 0.0;
+        contacts[i].torsion_arm = alone * (2.0 / 3.0) * min_of(radius, sqrt(2.0 * radius * depth));
+    }
+}
+
+/* The wanted motion, and what friction pulled with in the last motion that was solved for: it is about the same. */
+static void begin_pulled(const struct proxy_tick *tick, const double *wanted, double *pulled)
+{
+    const struct proxy *proxy = tick->proxy;
+    memcpy(pulled, wanted, HALF_SPACE_DIMENSIONS * sizeof *pulled);
+    const vec3 shift = add(vec3_of(wanted), proxy->pull_shift);
+    vec3_store(shift, pulled);
+    for (uint32_t k = 3; k < proxy_unknowns(proxy); k++)
+        pulled[k] += dot(proxy->pull_turn, tick->axes[k - 3]) / proxy_rho_of(proxy, k);
+}
+
+static const struct body *rough_body(const struct proxy_tick *tick, uint32_t space)
+{
+    const struct body *body = world_find_body(tick->world, tick->triangles[tick->sources[space].triangle].body_id);
+    return body && body->static_friction > 0.0 ? body : NULL;
+}
+
+static void share_places(struct friction_contact *contacts, uint32_t count)
+{
+    double wholes[HALF_SPACE_DIMENSIONS] = { 0.0 };
+    for (uint32_t i = 0; i < count; i++)
+        wholes[contacts[i].place] += contacts[i].multiplier;
+    for (uint32_t i = 0; i < count; i++) {
+        const double whole = wholes[contacts[i].place];
+        contacts[i].share = whole > 0.0 ? contacts[i].multiplier / whole : contacts[i].place == i;
+    }
+}
+
+/* Which constraints of the present solution have friction, and which of them are one contact. Returns how many. */
+static uint32_t list_places(struct proxy_tick *tick)
+{
+    const struct half_spaces_result *solved = &tick->solved;
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < solved->active_count; k++) {
+        const uint32_t space = solved->active[k];
+        if (!rough_body(tick, space))
+            continue;
+        uint32_t place = 0;
+        while (place < count &&
+               (tick->contacts[place].place != place || !are_at_one_place(tick, tick->contact_spaces[place], space)))
+            place++;
+        tick->contacts[count].place = place;
+        tick->contacts[count].multiplier = solved->multiplier[k];
+        tick->contact_spaces[count++] = space;
+    }
+    share_places(tick->contacts, count);
+    return count;
+}
+
+/* The contacts with friction of the present solution; those that the last one had keep their pulls. Returns how many. */
+static uint32_t list_contacts(struct proxy_tick *tick, uint32_t before)
+{
+    struct friction_contact last[HALF_SPACE_DIMENSIONS];
+    uint32_t last_spaces[HALF_SPACE_DIMENSIONS];
+    memcpy(last, tick->contacts, before * sizeof *last);
+    memcpy(last_spaces, tick->contact_spaces, before * sizeof *last_spaces);
+    const uint32_t count = list_places(tick);
+    for (uint32_t k = 0; k < count; k++) {
+        struct friction_contact *contact = &tick->contacts[k];
+        const uint32_t space = tick->contact_spaces[k];
+        fill_contact(tick, space, normal_of_place(tick, count, contact->place),
+                     find_contact(tick, tick->contact_spaces[contact->place]), rough_body(tick, space), contact);
+        contact->pull[0] = contact->pull[1] = contact->torsion = 0.0;
+        for (uint32_t i = 0; i < before; i++)
+            if (last_spaces[i] == space) {
+                memcpy(contact->pull, last[i].pull, sizeof contact->pull);
+                contact->torsion = last[i].torsion;
+            }
+    }
+    set_torsion_arms(tick, tick->contacts, count);
+    return count;
+}
+
+/* How far two motions are apart in any unknown. */
+static double apart(const double *a, const double *b, uint32_t n)
+{
+    double most = 0.0;
+    for (uint32_t k = 0; k < n; k++)
+        most = max_of(most, fabs(a[k] - b[k]));
+    return most;
+}
+
+/* What the last passes tried and found, so that the next one can begin where these lead. */
+struct passes {
+    double found[HALF_SPACE_DIMENSIONS];  /* the last goal that was found */
+    double missed[HALF_SPACE_DIMENSIONS]; /* by how much it differed from the one that was tried */
+    int is_known;
+};
+
+/* Passes that come nearer by less than half each would lead too far: the next one begins where the last one ended. */
+#define LED_MAX 1.0
+
+/* The goal to try next: where a line through this pass and the last one meets no difference. */
+static void lead_on(struct passes *passes, const double *found, double *pulled, uint32_t n)
+{
+    double missed[HALF_SPACE_DIMENSIONS], step[HALF_SPACE_DIMENSIONS], part = 0.0;
+    for (uint32_t k = 0; k < n; k++) {
+        missed[k] = found[k] - pulled[k];
+        step[k] = missed[k] - passes->missed[k];
+    }
+    const double square = product_of(step, step, n);
+    if (passes->is_known && square > 0.0)
+        part = product_of(missed, step, n) / square;
+    if (fabs(part) > LED_MAX)
+        part = 0.0;
+    for (uint32_t k = 0; k < n; k++)
+        pulled[k] = found[k] - part * (found[k] - passes->found[k]);
+    memcpy(passes->found, found, n * sizeof *found);
+    memcpy(passes->missed, missed, n * sizeof *missed);
+    passes->is_known = 1;
+}
+
+/*
+ * The next motion, with what friction pulls with. A place that sticks is held on planes, so that what it pulls with and
+ * what pushes it are found at once: by turns, load would creep from one triangle under it to another.
+ */
+static int solve_pulled(struct proxy_tick *tick, const double *wanted, uint32_t count, double *pulled)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    struct half_space planes[FRICTION_PLANES_MAX];
+    double goal[HALF_SPACE_DIMENSIONS], held[HALF_SPACE_DIMENSIONS];
+    const uint32_t plane_count = dpti_friction_planes(tick->contacts, count, n, wanted, planes, goal);
+    if (!plane_count || !dpti_proxy_solve_stuck(tick, goal, planes, plane_count, held))
+        return dpti_proxy_solve(tick, pulled);
+    for (uint32_t i = 0; i < plane_count; i++)
+        for (uint32_t k = 0; k < n; k++)
+            goal[k] += held[i] * planes[i].normal[k];
+    memcpy(pulled, goal, n * sizeof *goal);
+    return 1;
+}
+
+/* What a contact pulls with, for the next motion. */
+static void note_pull(const struct proxy_tick *tick, uint32_t i)
+{
+    const struct friction_contact *contact = &tick->contacts[i];
+    const vec3 arm = arm_of(tick, tick->contact_spaces[i]);
+    const vec3 pull =
+        along(scaled(vec3_of(contact->across[0]), contact->pull[0]), contact->pull[1], vec3_of(contact->across[1]));
+    struct proxy *proxy = tick->proxy;
+    proxy->pull_shift = add(proxy->pull_shift, pull);
+    proxy->pull_turn = add(proxy->pull_turn, along(cross(arm, pull), contact->torsion, vec3_of(contact->normal)));
+}
+
+static void note_pulls(const struct proxy_tick *tick)
+{
+    const vec3 none = { 0.0, 0.0, 0.0 };
+    tick->proxy->pull_shift = tick->proxy->pull_turn = none;
+    for (uint32_t i = 0; i < tick->contact_count; i++)
+        note_pull(tick, i);
+}
+
+int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    double pulled[HALF_SPACE_DIMENSIONS], next[HALF_SPACE_DIMENSIONS];
+    struct passes passes = { .is_known = 0 };
+    uint32_t count = 0;
+    tick->contact_count = 0;
+    begin_pulled(tick, wanted, pulled);
+    if (!dpti_proxy_solve(tick, pulled))
+        return 0;
+    for (int pass = 0; pass < PASSES_MAX; pass++) {
+        count = list_contacts(tick, count);
+        dpti_friction_pulls(tick->contacts, count, n, wanted, pass == 0);
+        dpti_friction_goal(tick->contacts, count, n, wanted, next);
+        if (apart(next, pulled, n) <= SETTLED * tick->clearance)
+            break;
+        lead_on(&passes, next, pulled, n);
+        if (!solve_pulled(tick, wanted, count, pulled))
+            return 0;
+    }
+    tick->contact_count = count;
+    note_pulls(tick);
+    return 1;
+}
+
+/* Of the clearance: how far a surface that holds the proxy may be from it. */
+#define HOLDING 20.0
+
+int dpti_proxy_solve_held(struct proxy_tick *tick, double *left)
+{
+    const struct proxy *proxy = tick->proxy;
+    const struct displacement away = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    if (!(displacement_norm(&proxy->coupling, &away) > 0.0))
+        return 0;
+    if (tick->held != PROXY_HELD_UNKNOWN) {
+        dpti_proxy_to_unknowns(proxy, tick->axes, &away, left);
+        return tick->held == PROXY_HELD_SOLVED;
+    }
+    dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
+    dpti_proxy_to_unknowns(proxy, tick->axes, &away, left);
+    dpti_proxy_gather(tick, HOLDING * tick->clearance);
+    tick->held = dpti_proxy_solve_rubbing(tick, left) ? PROXY_HELD_SOLVED : PROXY_HELD_NOT;
+    return tick->held == PROXY_HELD_SOLVED;
+}
+
+/* Of its limit: a torsion that is larger is at it, whatever rounding makes of the shares of a place. */
+#define TURNING (1.0 - 1e-9)
+
+/* rad: what is left to make good of a turn about the normal; a torsion at its limit has nothing. */
+static double turned_after(const struct friction_contact *solved, const struct proxy_contact *contact, vec3 normal,
+                           vec3 turn)
+{
+    const double limit = solved->coefficient * solved->multiplier * solved->torsion_arm;
+    return fabs(solved->torsion) < TURNING * limit ? contact->turned + dot(turn, normal) : 0.0;
+}
+
+/* How far a place slipped where the tool moved by that: the mean of its contacts by what they hold. */
+static vec3 slip_of_place(const struct proxy_tick *tick, uint32_t place, vec3 shift, vec3 turn)
+{
+    vec3 sum = { 0.0, 0.0, 0.0 };
+    for (uint32_t i = place; i < tick->contact_count; i++) {
+        const uint32_t space = tick->contact_spaces[i];
+        const vec3 moved = add(shift, cross(turn, arm_of(tick, space)));
+        const vec3 carried = scaled(tick->sources[space].carried, tick->made);
+        if (tick->contacts[i].place == place)
+            sum = along(sum, tick->contacts[i].share, sub(moved, carried));
+    }
+    return sum;
+}
+
+/* What is kept of a place, by its first contact; NULL for the others, and where there is no room. */
+static struct proxy_contact *kept_of_place(struct proxy_tick *tick, uint32_t i)
+{
+    return tick->contacts[i].place == i ? find_or_make_contact(tick, tick->contact_spaces[i]) : NULL;
+}
+
+void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn)
+{
+    for (uint32_t i = 0; i < tick->contact_count; i++) {
+        struct proxy_contact *contact = kept_of_place(tick, i);
+        if (!contact)
+            continue;
+        const vec3 normal = normal_of_place(tick, tick->contact_count, i);
+        const vec3 slip = add(contact->slip, slip_of_place(tick, i, shift, turn));
+        contact->s = tick->sources[tick->contact_spaces[i]].s;
+        contact->at = place_of(tick, tick->contact_spaces[i]);
+        contact->turned = turned_after(&tick->contacts[i], contact, normal, turn);
+        contact->is_slipping = (uint32_t)tick->contacts[i].is_slipping;
+        contact->has_slipped |= contact->is_slipping;
+        contact->slip = contact->is_slipping ? (vec3){ 0.0, 0.0, 0.0 } : along(slip, -dot(slip, normal), normal);
+    }
+}
+
+void dpti_proxy_keep_contacts(struct proxy_tick *tick)
+{
+    tick->proxy->sticking = tick->proxy->slipping = 0;
+    if (!tick->contact_count)
+        note_pulls(tick);
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
+        tick->proxy->contacts[i].age++;
+    for (uint32_t i = 0; i < tick->contact_count; i++) {
+        struct proxy_contact *contact = kept_of_place(tick, i);
+        if (!contact)
+            continue;
+        contact->age = 0;
+        if (contact->has_slipped)
+            tick->proxy->slipping++;
+        else
+            tick->proxy->sticking++;
+        contact->has_slipped = 0;
+    }
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
+        if (tick->proxy->contacts[i].age > AGE_MAX)
+            tick->proxy->contacts[i] = (struct proxy_contact){ .body_id = 0 };
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What a proxy's contacts keep from tick to tick so that they stick: docs/algorithms/force.md. */
+#ifndef DPT_PROXY_FRICTION_H
+#define DPT_PROXY_FRICTION_H
+
+#include "force/friction.h"
+#include "proxy/proxy_tick.h"
+
+/*
+ * dpti_proxy_solve with friction: where no body that holds the proxy has any it is the same. Returns 0 if a constraint
+ * cannot be met.
+ */
+int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted);
+
+/*
+ * At the end of a tick: what holds the proxy where it is. tick->solved and its contacts balance `left`, the displacement
+ * from the proxy to its device as unknowns; it is solved for once a tick. Returns 0 if nothing holds it, or if that
+ * cannot be told.
+ */
+int dpti_proxy_solve_held(struct proxy_tick *tick, double *left);
+
+/* The proxy moved by that: what each contact slipped by is known; limits that were reached start anew. */
+void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn);
+
+/* The tick is over: contacts that hold nothing any more are forgotten. */
+void dpti_proxy_keep_contacts(struct proxy_tick *tick);
+
+#endif

@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "proxy/proxy_motion.h"
+
+#include "hull/hull_sweep.h"
+#include "proxy/proxy_constraints.h"
+#include "track/body_search.h"
+#include "track/far_segment.h"
+#include "track/segment_track.h"
+
+/* How often a move that is too near is shortened: at first a little, then more. */
+enum { SHORTEN_LITTLE = 4, SHORTEN_MAX = 12 };
+#define SHORTER_LITTLE 0.9
+#define SHORTER        0.7
+
+void dpti_proxy_find_nearest(struct proxy_tick *tick)
+{
+    struct dpt_world *world = tick->world;
+    tick->tool->frame = tick->at.frame;
+    tick->is_lost = 0;
+    tick->gap = HUGE_VAL;
+    if (far_is_used(world, tick->tool))
+        dpti_track_near(world, tick->tool, tick->proxy->state == PROXY_OUTSIDE);
+    else
+        for (uint32_t i = 0; i < tick->tool->segment_count; i++)
+            dpti_track_segment(world, tick->tool->first_segment + i);
+    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
+        const struct segment *segment = &world->segments[tick->tool->first_segment + i];
+        if (!segment->answer.body)
+            continue;
+        const double distance = segment->answer.is_exact ? segment->result.distance : segment->result.lower_bound;
+        tick->gap = min_of(tick->gap, distance - segment->radius);
+    }
+    dpti_tips_track(world, tick->tool);
+    for (uint32_t i = 0; i < tick->tool->tip_count; i++) {
+        const struct tip *tip = tool_tip(world, tick->tool, i);
+        const double distance = tip->answer.is_exact ? tip->answer.nearest.distance : tip->answer.lower_bound;
+        if (tip->answer.body)
+            tick->gap = min_of(tick->gap, distance - tip->hull->radius);
+    }
+}
+
+struct tool_sweep {
+    int status;   /* SWEEP_... */
+    double time;  /* of the first touch */
+    int is_alone; /* no body was near enough to be swept */
+};
+
+/*
+ * The directions from the tool to a body at the contacts that hold it there. Where the body was before this tick they
+ * were others: none then.
+ */
+static uint32_t list_directions(const struct proxy_tick *tick, const struct body *body,
+                                vec3 directions[SWEEP_DIRECTIONS_MAX])
+{
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < tick->solved.active_count && !tick->is_before; k++) {
+        const uint32_t space = tick->solved.active[k];
+        if (tick->triangles[tick->sources[space].triangle].body_id == body->id && count < SWEEP_DIRECTIONS_MAX)
+            directions[count++] = scaled(frame_turn_back(&body->frame, vec3_of(tick->spaces[space].normal)), -1.0);
+    }
+    return count;
+}
+
+/* Whether a body is there that may be within reach of a box, m, at any time of its motion. */
+static int is_in_reach(const struct proxy_tick *tick, uint32_t slot, const struct box *box, double reach)
+{
+    const struct dpt_world *world = tick->world;
+    const struct body *body = &world->bodies[slot];
+    const double moved = tick->is_before && body_has_moved(world, body) ? body->motion_bound : 0.0;
+    return body_is_there(body) && box_distance(box, &world->boxes[slot]) <= reach + moved;
+}
+
+/* What the sweep of one segment or tip past one body gave; what is hit is remembered. */
+static void note_sweep(struct proxy_tick *tick, uint32_t number, const struct body *body, int status, double time,
+                       uint32_t triangle, struct tool_sweep *sweep)
+{
+    if (status == SWEEP_HIT)
+        dpti_proxy_remember(tick->proxy, number, body->id, triangle);
+    if (status != SWEEP_FREE)
+        sweep->time = min_of(sweep->time, time);
+    if (status != SWEEP_FREE && sweep->status != SWEEP_UNFINISHED)
+        sweep->status = status;
+}
+
+/* One segment past one body; what is hit is remembered. */
+static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct body *body, const dpt_pose *to,
+                       struct tool_sweep *sweep)
+{
+    struct dpt_world *world = tick->world;
+    const uint32_t index = tick->tool->first_segment + number;
+    const struct segment *segment = &world->segments[index];
+    const int has_moved = tick->is_before && body_has_moved(world, body);
+    const double scale = min_of(body->diagonal, PROXY_SCALE_MAX);
+    struct placement from_place = { tick->at.pose, dpti_proxy_body_pose(tick, body), segment->a, segment->b };
+    struct placement to_place = { *to, body->pose, segment->a, segment->b };
+    struct rigid_sweep_progress progress;
+    vec3 directions[SWEEP_DIRECTIONS_MAX];
+    rigid_sweep_restart(&progress);
+    struct rigid_sweep rigid = {
+        .surface = &body->surface,
+        .kernel = &world->kernel,
+        .radius = segment->radius,
+        .distance_before = tick->is_lost || body->added_tick == world->ticks ? 0.0 : segment->result.lower_bound,
+        .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * scale,
+        .hint = *world_last_triangles(world, index, handle_index(body->id)),
+        .tick = has_moved && surface_has_moved(&body->surface, world->ticks) ? world->ticks : 0,
+        .tick_from = tick->time,
+        .directions = directions,
+        .work = &world->work,
+        .progress = &progress
+    };
+    if (dpti_rigid_sweep_cannot_meet(&rigid, &from_place, &to_place, 0.0))
+        return;
+    rigid.direction_count = list_directions(tick, body, directions);
+    const int status =
+        work_is_spent(&world->work) ? SWEEP_UNFINISHED : dpti_rigid_sweep_find(&rigid, &from_place, &to_place);
+    const double free_until = status == SWEEP_HIT ? rigid.result.time : max_of(rigid.result.time, progress.free_until);
+    note_sweep(tick, number, body, status, free_until, rigid.result.impact.triangle, sweep);
+}
+
+/* A motion that meets something is shortened by more than that. */
+#define TIP_RESOLUTION 0.03
+
+/* One tip past one body, likewise. */
+static void sweep_tip(struct proxy_tick *tick, uint32_t number, const struct body *body, const dpt_pose *to,
+                      struct tool_sweep *sweep)
+{
+    struct dpt_world *world = tick->world;
+    const struct tip *tip = tool_tip(world, tick->tool, number - tick->tool->segment_count);
+    const int has_moved = tick->is_before && body_has_moved(world, body);
+    const struct placement from_place = { .tool = tick->at.pose, .body = dpti_proxy_body_pose(tick, body) };
+    const struct placement to_place = { .tool = *to, .body = body->pose };
+    vec3 directions[SWEEP_DIRECTIONS_MAX];
+    struct hull_sweep hull = { .surface = &body->surface,
+                               .kernel = &world->kernel,
+                               .hull = tip->hull,
+                               .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * min_of(body->diagonal, PROXY_SCALE_MAX),
+                               .resolution = TIP_RESOLUTION,
+                               .tick = has_moved && surface_has_moved(&body->surface, world->ticks) ? world->ticks : 0,
+                               .tick_from = tick->time,
+                               .directions = directions,
+                               .direction_count = list_directions(tick, body, directions),
+                               .work = &world->work,
+                               .triangle = body->id == tip->last_body_id ? tip->last_triangle : DPT_NONE };
+    const int status = dpti_hull_sweep(&hull, &from_place, &to_place);
+    note_sweep(tick, number, body, status, hull.time, hull.triangle, sweep);
+}
+
+/* All tips, past all bodies that they may meet but the one in the slot `carrier`. */
+static void sweep_tips(struct proxy_tick *tick, const struct proxy_pose *to, uint32_t carrier, struct tool_sweep *sweep)
+{
+    struct dpt_world *world = tick->world;
+    const struct tool *tool = tick->tool;
+    for (uint32_t i = 0; i < tool->tip_count; i++) {
+        const struct tip *tip = tool_tip(world, tool, i);
+        const double moved = dpti_hull_displacement(tip->hull, &to->pose, &tick->at.pose);
+        const double known = tick->is_lost ? 0.0 : tip->answer.lower_bound - tip->hull->radius;
+        const double reach = tip->hull->radius + moved + tick->clearance;
+        const struct box box = dpti_tip_box(tip->hull, &tick->at.frame);
+        if (max_of(tick->gap, known) > moved + tick->clearance && !tick->is_before)
+            continue;
+        for (uint32_t slot = 0; slot < world->body_slot_end; slot++) {
+            const struct body *body = &world->bodies[slot];
+            if (slot == carrier || !is_in_reach(tick, slot, &box, reach))
+                continue;
+            sweep->is_alone = 0;
+            sweep_tip(tick, tool->segment_count + i, body, &to->pose, sweep);
+        }
+    }
+}
+
+/* The whole tool, past all bodies that it may meet but the one in the slot `carrier`. */
+static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_pose *to, uint32_t carrier)
+{
+    struct dpt_world *world = tick->world;
+    /* Where the search was last elsewhere, its list tells nothing. */
+    const struct near_bodies all = { .count = world->body_slot_end };
+    struct tool_sweep sweep = { SWEEP_FREE, 1.0, 1 };
+    /* The shortest motion that is tried has no shorter one to wait for. */
+    const int is_limited = !tick->is_before && tick->proxy->trust > tick->clearance;
+    const struct work before = is_limited ? world_begin_sweep(world) : world->work;
+    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
+        const struct segment *segment = &world->segments[tick->tool->first_segment + i];
+        const vec3 a = frame_to_world(&tick->at.frame, segment->a);
+        const vec3 b = frame_to_world(&tick->at.frame, segment->b);
+        const vec3 to_a = frame_to_world(&to->frame, segment->a);
+        const vec3 to_b = frame_to_world(&to->frame, segment->b);
+        const struct box box = box_of_axis(a, b);
+        /* An arc is longer than its chord, for the turns that are made by at most a tenth. */
+        const double moved = 1.1 * max_of(length(sub(to_a, a)), length(sub(to_b, b)));
+        const double known = tick->is_lost ? 0.0 : segment->result.lower_bound - segment->radius;
+        const double reach = segment->radius + moved + tick->clearance;
+        if (max_of(tick->gap, known) > moved + tick->clearance && !tick->is_before)
+            continue;
+        world->near_bodies.reach = -1.0;
+        const double bodies_moved = tick->is_before ? world_body_motion(world) : 0.0;
+        const struct near_bodies *nearby =
+            tick->is_lost ? &all : dpti_broad_phase_within(world, tick->tool->first_segment + i, reach + bodies_moved);
+        for (uint32_t k = 0; k < nearby->count; k++) {
+            const uint32_t slot = nearby->slots ? nearby->slots[k] : k;
+            const struct body *body = &world->bodies[slot];
+            if (slot == carrier || !is_in_reach(tick, slot, &box, reach))
+                continue;
+            sweep.is_alone = 0;
+            sweep_body(tick, i, body, &to->pose, &sweep);
+        }
+    }
+    sweep_tips(tick, to, carrier, &sweep);
+    world_end_sweep(world, &before);
+    return sweep;
+}
+
+/*
+ * Whether the gap is large enough, or no smaller than it was: a new body may make more necessary than there is.
+ * Where it is not, the triangles that are too near are remembered.
+ */
+static int has_room(struct proxy_tick *tick, double gap_before)
+{
+    if (tick->gap >= min_of(tick->min_gap, gap_before))
+        return 1;
+    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
+        const struct segment *segment = &tick->world->segments[tick->tool->first_segment + i];
+        if (segment->answer.body && segment->answer.track.nearest.triangle != DPT_NONE &&
+            segment->result.distance - segment->radius < tick->clearance)
+            dpti_proxy_remember(tick->proxy, i, segment->answer.body->id, segment->answer.track.nearest.triangle);
+    }
+    for (uint32_t i = 0; i < tick->tool->tip_count; i++) {
+        const struct tip *tip = tool_tip(tick->world, tick->tool, i);
+        const struct hull_nearest *nearest = &tip->answer.nearest;
+        if (tip->answer.body && nearest->triangle != DPT_NONE &&
+            nearest->distance - tip->hull->radius < tick->clearance)
+            dpti_proxy_remember(tick->proxy, tick->tool->segment_count + i, tip->answer.body->id, nearest->triangle);
+    }
+    return 0;
+}
+
+/* The least gap of the triangles that are remembered, while bodies move: at a share of what is left of their motion. */
+static double gap_with_bodies(struct proxy_tick *tick, const struct proxy_pose *pose, double share)
+{
+    const double time = tick->time;
+    tick->time += share * (1.0 - time);
+    const double gap = dpti_proxy_gap_of_remembered(tick, pose, tick->min_gap);
+    tick->time = time;
+    return gap;
+}
+
+/* Of the time of the first touch: so far a motion is made while bodies move, if enough of the gap is left there. */
+static const double before_touch[] = { 0.9, 0.5 };
+
+/* Make a motion up to before the first touch, and the bodies' motion with it. Returns the share. */
+static double move_with_bodies(struct proxy_tick *tick, const struct proxy_pose *to, double met)
+{
+    for (size_t k = 0; k < sizeof before_touch / sizeof *before_touch; k++) {
+        const double share = before_touch[k] * met;
+        const dpt_pose pose = dpti_rigid_sweep_pose(&tick->at.pose, &to->pose, share);
+        const struct proxy_pose shorter = dpti_proxy_pose_of(tick->proxy, &pose);
+        if (!(gap_with_bodies(tick, &shorter, share) >= tick->min_gap))
+            continue;
+        tick->at = shorter;
+        tick->time += share * (1.0 - tick->time);
+        tick->is_lost = 1;
+        return share;
+    }
+    return 0.0;
+}
+
+double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, double *met)
+{
+    const struct proxy_pose from = tick->at;
+    const double gap = tick->gap;
+    const struct tool_sweep sweep = sweep_tool(tick, to, DPT_NONE);
+    int has_searched = 0;
+    double share = sweep.time;
+    *met = share;
+    if (sweep.status == SWEEP_UNFINISHED && share == 0.0)
+        return 0.0;
+    if (sweep.status == SWEEP_FREE) {
+        tick->at = *to;
+        dpti_proxy_find_nearest(tick);
+        if (has_room(tick, gap))
+            return 1.0;
+        has_searched = 1;
+    }
+    if (sweep.status == SWEEP_HIT && tick->is_before)
+        return move_with_bodies(tick, to, share);
+    const double wanted = min_of(PROXY_GAP_KEPT * tick->clearance, max_of(tick->min_gap, 0.98 * gap));
+    for (int k = 0; k < SHORTEN_MAX && !tick->is_before && !work_is_spent(&tick->world->work); k++) {
+        /* Where a budget ended the sweep, nothing was touched. */
+        if (k > 0 || sweep.status != SWEEP_UNFINISHED)
+            share *= k < SHORTEN_LITTLE ? SHORTER_LITTLE : SHORTER;
+        const dpt_pose pose = dpti_rigid_sweep_pose(&from.pose, &to->pose, share);
+        const struct proxy_pose shorter = dpti_proxy_pose_of(tick->proxy, &pose);
+        if (!(dpti_proxy_gap_of_remembered(tick, &shorter, wanted) >= wanted))
+            continue;
+        tick->at = shorter;
+        dpti_proxy_find_nearest(tick);
+        has_searched = 1;
+        if (has_room(tick, gap))
+            return share;
+    }
+    tick->at = from;
+    if (has_searched && tick->is_before)
+        tick->is_lost = 1;
+    else if (has_searched)
+        dpti_proxy_find_nearest(tick);
+    tick->gap = gap;
+    return 0.0;
+}
+
+/* Where a body's motion before this tick brings a pose that moves with it. */
+static dpt_pose carried_pose(const struct proxy_tick *tick, const struct body *body)
+{
+    const struct proxy_pose *at = &tick->at;
+    const dpt_pose from = dpti_proxy_body_pose(tick, body);
+    const struct quaternion before = quaternion_unit(quaternion_of(from.orientation));
+    const struct quaternion now = quaternion_unit(quaternion_of(body->pose.orientation));
+    const struct quaternion turn = quaternion_product(now, quaternion_inverse(before));
+    const vec3 from_body = sub(at->frame.origin, vec3_of(from.position));
+    dpt_pose pose;
+    vec3_store(add(vec3_of(body->pose.position), quaternion_turn(turn, from_body)), pose.position);
+    quaternion_store(quaternion_unit(quaternion_product(turn, quaternion_unit(at->turn))), pose.orientation);
+    return pose;
+}
+
+/* To that body nothing changes. The others are swept; where there are none, nothing is to be searched for. */
+static int carry_with(struct proxy_tick *tick, const struct body *body)
+{
+    const struct proxy_pose from = tick->at;
+    const double gap = tick->gap;
+    const dpt_pose pose = carried_pose(tick, body);
+    const struct proxy_pose to = dpti_proxy_pose_of(tick->proxy, &pose);
+    const struct tool_sweep sweep = sweep_tool(tick, &to, handle_index(body->id));
+    if (sweep.status != SWEEP_FREE)
+        return 0;
+    tick->at = to;
+    dpti_proxy_find_nearest(tick);
+    if (sweep.is_alone)
+        tick->gap = max_of(tick->gap, min_of(gap, tick->clearance));
+    if (sweep.is_alone || has_room(tick, gap))
+        return 1;
+    tick->at = from;
+    tick->is_lost = 1;
+    tick->gap = gap;
+    return 0;
+}
+
+int dpti_proxy_carry(struct proxy_tick *tick)
+{
+    const struct dpt_world *world = tick->world;
+    const struct tool *tool = tick->tool;
+    const struct body *tried = NULL;
+    for (uint32_t i = 0; i < tool->segment_count + tool->tip_count; i++) {
+        const struct body *body = i < tool->segment_count ? world->segments[tool->first_segment + i].answer.body
+                                                          : tool_tip(world, tool, i - tool->segment_count)->answer.body;
+        if (!body || body == tried || !body_has_moved(world, body) || surface_has_moved(&body->surface, world->ticks))
+            continue;
+        tried = body;
+        if (carry_with(tick, body)) {
+            tick->is_before = 0;
+            return 1;
+        }
+    }
+    return 0;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A proxy's motions, each swept before it is made: docs/algorithms/force.md. */
+#ifndef DPT_PROXY_MOTION_H
+#define DPT_PROXY_MOTION_H
+
+#include "proxy/proxy_tick.h"
+
+/* The nearest pairs of all segments at tick->at; sets tick->gap. */
+void dpti_proxy_find_nearest(struct proxy_tick *tick);
+
+/*
+ * Move from tick->at towards `to`, as far as the tool meets nothing and its gap stays at least tick->min_gap. What
+ * it met is remembered. Returns the share of the way that was made, 0 where none was; then tick->at and its nearest
+ * pairs are as before.
+ *   met   the share up to which it was free by the sweep, as far as a budget let it come
+ *
+ * While tick->is_before a shorter motion takes the bodies' motion along as far: tick->time grows. The nearest pairs are
+ * of another pose then.
+ */
+double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, double *met);
+
+/*
+ * While tick->is_before: move with a body that moved, as if fixed to it, if no other body is in the way. It needs no
+ * search and no sweep of that body. Returns 0, with tick->at as before, if there is no such body.
+ */
+int dpti_proxy_carry(struct proxy_tick *tick);
+
+#endif

@@ -1,0 +1,523 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "proxy/proxy_step.h"
+
+#include "proxy/body_work.h"
+#include "proxy/proxy_constraints.h"
+#include "proxy/proxy_force.h"
+#include "proxy/proxy_free.h"
+#include "proxy/proxy_friction.h"
+#include "proxy/proxy_motion.h"
+#include "proxy/tip_pose.h"
+#include "proxy/tool_loads.h"
+#include "track/segment_track.h"
+
+enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2 };
+
+/* So often a body that moves may push a proxy away; then it takes it along. */
+enum { PUSHES_MAX = 4 };
+
+/* Of the largest diagonal of all bodies, up to PROXY_SCALE_MAX. */
+#define CLEARANCE 2e-6
+#define GAP_MIN   0.75e-6
+
+/*
+ * How much wider than the clearance contacts are left after a body that moves was met: a share of the motion, then
+ * twice as much each time. A straight motion beside a surface that turns comes nearer to it in between.
+ */
+#define LIFT_SHARE 0.05
+
+/* Of a motion that is shortened, at least. */
+#define SHARE_MIN 0.01
+
+/* rad: the largest turn of one motion, and the turn from the device beyond which the proxy starts again there. */
+#define TURN_MAX     0.3
+#define LAG_TURN_MAX 1.0
+
+/*
+ * rad: how far friction can hold the spin back: where a tick begins, and where one ends that rolls the tool far. What
+ * rolls in between was solved with its friction, and is left as it is.
+ */
+#define SPIN_MAX        1.0
+#define SPIN_ROLLED_MAX 1.5
+
+/* Of the least gap: a proxy that is no farther from its device is where the device is. */
+#define HELD 1e-3
+
+/* m/s: beside twice the device's motion, how fast a proxy moves when the pose that held it is gone (a fold). */
+#define FOLD_SPEED 1.0
+
+static struct proxy *proxy_of(const struct dpt_world *world, const struct tool *tool)
+{
+    return &world->proxies[tool - world->tools];
+}
+
+void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot)
+{
+    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
+        const struct tool *tool = &world->tools[t];
+        if (!tool->slot.used || !dpti_proxy_is_used(world, tool))
+            continue;
+        struct proxy *proxy = &world->proxies[t];
+        struct frame frame;
+        frame_of_pose(&proxy->pose, &frame);
+        for (uint32_t i = 0; proxy->state >= PROXY_DOUBTED && i < tool->segment_count; i++) {
+            const struct segment *segment = &world->segments[tool->first_segment + i];
+            const struct box box = box_of_axis(frame_to_world(&frame, segment->a), frame_to_world(&frame, segment->b));
+            const double away = box_distance(&box, &world->boxes[slot]) - segment->radius;
+            proxy->gap = min_of(proxy->gap, away);
+            if (away <= 0.0)
+                proxy->state = PROXY_DOUBTED;
+        }
+        for (uint32_t i = 0; proxy->state >= PROXY_DOUBTED && i < tool->tip_count; i++) {
+            const struct dpt_hull *hull = tool_tip(world, tool, i)->hull;
+            const struct box box = dpti_tip_box(hull, &frame);
+            const double away = box_distance(&box, &world->boxes[slot]) - hull->radius;
+            proxy->gap = min_of(proxy->gap, away);
+            if (away <= 0.0)
+                proxy->state = PROXY_DOUBTED;
+        }
+    }
+}
+
+/* The displacement that is wanted, as unknowns; returns its length. */
+static double wanted_motion(const struct proxy_tick *tick, const struct displacement *left, double *wanted)
+{
+    dpti_proxy_to_unknowns(tick->proxy, tick->axes, left, wanted);
+    return displacement_norm(&tick->proxy->coupling, left);
+}
+
+/* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
+static double share_allowed(const struct proxy_tick *tick, double longest)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    const double *y = tick->solved.y, size = norm_of(y, n);
+    double turn2 = 0.0;
+    for (uint32_t k = 3; k < n; k++)
+        turn2 += y[k] * y[k] / (proxy_rho_of(tick->proxy, k) * proxy_rho_of(tick->proxy, k));
+    const double turn = sqrt(turn2);
+    double share = size > longest ? longest / size : 1.0;
+    return turn * share > TURN_MAX ? TURN_MAX / turn : share;
+}
+
+/* A share of the motion that was solved for; what corrections have bent goes with the square of it. */
+static struct proxy_pose pose_of_motion(const struct proxy_tick *tick, const double *straight, double share)
+{
+    double y[HALF_SPACE_DIMENSIONS];
+    for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
+        y[k] = share * (straight[k] + share * (tick->solved.y[k] - straight[k]));
+    const struct displacement motion = dpti_proxy_of_unknowns(tick->proxy, tick->axes, y);
+    return dpti_proxy_moved(tick->proxy, &tick->at, &motion);
+}
+
+/*
+ * A turn is no straight motion: where a pair would come nearer than it should, its bound is raised by what is missing,
+ * and the motion is solved for again.
+ */
+static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double *wanted, const double *straight,
+                                          double longest, double *share)
+{
+    struct proxy_pose to;
+    for (int k = 0;; k++) {
+        int is_low = 0;
+        *share = share_allowed(tick, longest);
+        to = pose_of_motion(tick, straight, *share);
+        for (uint32_t i = 0; i < tick->space_count && k < CORRECTIONS_MAX; i++) {
+            const double gap = dpti_proxy_gap_of(tick, i, &to);
+            if (gap >= PROXY_GAP_KEPT * tick->clearance)
+                continue;
+            tick->spaces[i].bound += tick->clearance - gap;
+            is_low = 1;
+        }
+        if (!is_low || !dpti_proxy_solve_rubbing(tick, wanted))
+            return to;
+    }
+}
+
+/*
+ * Where a surface curves under the tool, a longer motion along it gains less. The share of it that gains most, by a
+ * parabola: the squared distance from the device at both ends, and its slope at the first.
+ */
+static double best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const double *wanted,
+                         const double *straight, double left, double share)
+{
+    const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
+    const double far = displacement_norm(&tick->proxy->coupling, &then);
+    /* To regain the clearance may cost that much. */
+    const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap);
+    double slope = -slack;
+    for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
+        slope -= wanted[k] * straight[k];
+    const double rise = 0.5 * (far * far - left * left), spare = slack * share;
+    if (slope >= 0.0)
+        return rise > spare ? share * max_of(SHARE_MIN, spare / rise) : share;
+    const double bend = (rise - spare - slope * share) / (share * share);
+    return -slope < 2.0 * share * bend ? max_of(SHARE_MIN * share, -0.5 * slope / bend) : share;
+}
+
+/* The triangles that hold the proxy are remembered. */
+static void remember_active(struct proxy_tick *tick)
+{
+    for (uint32_t k = 0; k < tick->solved.active_count; k++) {
+        const struct proxy_triangle held = tick->triangles[tick->sources[tick->solved.active[k]].triangle];
+        dpti_proxy_remember(tick->proxy, held.segment, held.body_id, held.triangle);
+    }
+}
+
+/* Constraints within reach of a motion that is not known before they are: once more where it is longer than thought. */
+static int gather_and_solve(struct proxy_tick *tick, const double *wanted, double left)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    const double bodies_moved = tick->is_before ? world_body_motion(tick->world) : 0.0;
+    double reach = 2.0 * tick->proxy->last_motion + 20.0 * tick->clearance + 2.0 * bodies_moved;
+    for (int again = 0;; again++) {
+        dpti_proxy_turn_axes(tick->proxy, &tick->at, tick->axes);
+        dpti_proxy_gather(tick, reach);
+        if (!dpti_proxy_solve_rubbing(tick, wanted))
+            return 0;
+        const double size = norm_of(tick->solved.y, n);
+        if (again || size + bodies_moved <= 0.5 * reach)
+            return 1;
+        reach = max_of(4.0 * (size + bodies_moved), left);
+    }
+}
+
+/* Is the goal's pose itself what was found: then the proxy is where the device is, bit for bit. */
+static int is_goal(const struct proxy_tick *tick, double share)
+{
+    return tick->solved.active_count == 0 && share == 1.0;
+}
+
+/* In the open: where nothing can be met, however the tool gets there, it goes to the device at once. */
+static int go_to_goal(struct proxy_tick *tick, const struct displacement *left, double allowed)
+{
+    struct proxy *proxy = tick->proxy;
+    const double longest = length(left->shift) + proxy->extent * length(left->turn);
+    const double gap = tick->gap - longest;
+    if (tick->is_before || !(gap > tick->clearance) || displacement_norm(&proxy->coupling, left) > allowed)
+        return 0;
+    proxy->lag = 0.0;
+    if (!memcmp(&tick->at.pose, &tick->goal.pose, sizeof tick->at.pose))
+        return 1;
+    tick->at = tick->goal;
+    dpti_proxy_find_nearest(tick);
+    tick->gap = max_of(tick->gap, gap);
+    proxy->last_motion = longest;
+    return 1;
+}
+
+/* Whether no motion can be swept any more in this tick. */
+static int is_spent(const struct proxy_tick *tick)
+{
+    const struct dpt_world *world = tick->world;
+    return work_is_spent(&world->work) || (!tick->is_before && !world->sweep_work_left);
+}
+
+/*
+ * How long a motion may be that is tried next, after one of that length that was free up to `met`, and the share made. One
+ * for which only the rest of a budget was left is tried once more with all of it.
+ */
+static double next_trust(const struct proxy_tick *tick, double met, double made, double motion)
+{
+    const double least = tick->clearance;
+    if (is_spent(tick) && !(made > 0.0))
+        return max_of(least, tick->is_moved ? motion : 0.25 * motion);
+    if (is_spent(tick) || met < 0.25)
+        return max_of(least, 2.0 * max_of(met, 0.1) * motion);
+    return 4.0 * max_of(tick->proxy->trust, motion);
+}
+
+enum { FOLLOW_DONE, FOLLOW_MOVED, FOLLOW_STUCK };
+
+/* A motion that is to be tried: where it leads, and its length, m. */
+struct proxy_motion {
+    struct proxy_pose to;
+    double size;
+};
+
+/* FOLLOW_MOVED: there is one. FOLLOW_DONE: nothing is left to move. FOLLOW_STUCK: there is no way. */
+static int choose_motion(struct proxy_tick *tick, const struct displacement *way, double allowed,
+                         struct proxy_motion *motion)
+{
+    struct proxy *proxy = tick->proxy;
+    const uint32_t n = proxy_unknowns(proxy);
+    double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 }, straight[HALF_SPACE_DIMENSIONS], share;
+    dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
+    const double left = wanted_motion(tick, way, wanted);
+    proxy->lag = left;
+    if (left == 0.0 && !tick->is_before)
+        return FOLLOW_DONE;
+    if (!gather_and_solve(tick, wanted, left)) {
+        proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
+        return FOLLOW_STUCK;
+    }
+    const double size = norm_of(tick->solved.y, n);
+    proxy->lag = size;
+    remember_active(tick);
+    if (!tick->is_before && (size < PROXY_MOTION_SMALL * tick->clearance ||
+                             (size < PROXY_CONVERGED * left && tick->gap > PROXY_GAP_KEPT * tick->clearance)))
+        return FOLLOW_DONE;
+    /* While a body pushes, neither the trust nor a gap on the way keeps it waiting. */
+    const double longest = tick->is_before ? allowed : min_of(proxy->trust, allowed);
+    if (size > longest) {
+        for (uint32_t k = 0; k < n; k++)
+            wanted[k] *= longest / size;
+        if (!dpti_proxy_solve_rubbing(tick, wanted))
+            return FOLLOW_STUCK;
+    }
+    memcpy(straight, tick->solved.y, sizeof straight);
+    motion->to = corrected_motion(tick, wanted, straight, tick->is_before ? HUGE_VAL : longest, &share);
+    if (size <= longest && is_goal(tick, share)) {
+        motion->to = tick->goal;
+    } else if (!tick->is_before && share > 0.0) {
+        share = best_share(tick, &motion->to, wanted, straight, left, share);
+        motion->to = pose_of_motion(tick, straight, share);
+    }
+    remember_active(tick);
+    motion->size = norm_of(tick->solved.y, n) * share;
+    return FOLLOW_MOVED;
+}
+
+/* One motion. *allowed is how far the proxy may still move in this tick. */
+static int follow_once(struct proxy_tick *tick, double *allowed)
+{
+    struct proxy *proxy = tick->proxy;
+    const struct proxy_pose from = tick->at;
+    struct proxy_motion motion;
+    double met;
+    const struct displacement left = dpti_proxy_displacement(proxy, &from, &tick->goal);
+    if (go_to_goal(tick, &left, *allowed))
+        return FOLLOW_DONE;
+    const int choice = choose_motion(tick, &left, *allowed, &motion);
+    if (choice != FOLLOW_MOVED)
+        return choice;
+    const double made = dpti_proxy_move(tick, &motion.to, &met);
+    if (tick->is_before && made < 1.0)
+        tick->lift = max_of(2.0 * tick->lift, LIFT_SHARE * motion.size + tick->clearance);
+    if (!tick->is_before)
+        proxy->trust = next_trust(tick, met, made, motion.size);
+    if (!(made > 0.0))
+        return tick->is_before ? FOLLOW_MOVED : FOLLOW_STUCK;
+    tick->made = made;
+    tick->is_moved = 1;
+    const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
+    dpti_proxy_note_slip(tick, moved.shift, proxy_whole_turn(&moved, &from));
+    tick->is_before = tick->is_before && made < 1.0;
+    proxy->last_motion = displacement_norm(&proxy->coupling, &moved);
+    *allowed = max_of(0.0, *allowed - proxy->last_motion);
+    return FOLLOW_MOVED;
+}
+
+/* The proxy is put where the device is: outside or not, contact will tell. */
+static void place(struct proxy_tick *tick)
+{
+    tick->at = tick->goal;
+    tick->is_before = tick->is_waiting = 0;
+    tick->proxy->state = PROXY_PLACED;
+    tick->proxy->is_behind = 0;
+    dpti_proxy_find_nearest(tick);
+    tick->proxy->trust = HUGE_VAL;
+    tick->proxy->last_motion = 0.0;
+    tick->proxy->owed = 0.0;
+    tick->proxy->lag = 0.0;
+}
+
+/* The same by decision, with a force that fades. */
+static void place_again(struct proxy_tick *tick)
+{
+    place(tick);
+    tick->contact_count = 0;
+    tick->proxy->fade.time_left = tick->world->def.fade;
+}
+
+/* Whether the motion of bodies before this tick may have brought one near. */
+static int bodies_came_near(const struct proxy_tick *tick)
+{
+    const struct dpt_world *world = tick->world;
+    return world->bodies_moved_tick == world->ticks && tick->gap <= world->body_motion_max + 2.0 * tick->clearance;
+}
+
+/* The nearest pairs where the proxy was left. What was proven of its gap holds, less what bodies moved. */
+static void find_again(struct proxy_tick *tick)
+{
+    const double proven = tick->gap - world_body_motion(tick->world);
+    dpti_proxy_find_nearest(tick);
+    tick->gap = max_of(tick->gap, proven);
+}
+
+/* As many motions as there are iterations, work and way; *allowed is how far the proxy may still move. */
+static void follow_all(struct proxy_tick *tick, double *allowed)
+{
+    const struct work *work = &tick->world->work;
+    tick->proxy->owed = 0.0;
+    tick->is_waiting = 0;
+    for (int i = 0; i < ITERATIONS_MAX; i++) {
+        int result = follow_once(tick, allowed);
+        if (tick->is_before && (i + 1 >= PUSHES_MAX || work_is_spent(work)) && dpti_proxy_carry(tick))
+            result = FOLLOW_MOVED;
+        if (result == FOLLOW_DONE)
+            return;
+        if (is_spent(tick)) {
+            tick->is_waiting = 1;
+            tick->proxy->owed = *allowed;
+            return;
+        }
+        if (!tick->is_before && *allowed <= PROXY_MOTION_SMALL * tick->clearance)
+            return;
+    }
+}
+
+static void follow(struct proxy_tick *tick, double device_moved, double dt)
+{
+    struct proxy *proxy = tick->proxy;
+    const struct proxy_pose from = tick->at;
+    const double others_moved = world_body_motion(tick->world) + proxy->tip_motion;
+    const int is_alone = tick->world->body_count == tick->world->unfelt_body_count;
+    const int is_released = proxy->is_released || is_alone;
+    const double owed = proxy->owed;
+    double allowed = is_released ? HUGE_VAL : 2.0 * device_moved + FOLD_SPEED * dt + others_moved + owed;
+    const double cap = allowed;
+    proxy->pace = is_released ? HUGE_VAL : 3.0 * device_moved + FOLD_SPEED * dt + others_moved;
+    if (is_released)
+        proxy->trust = HUGE_VAL;
+    proxy->is_released = 0;
+    tick->is_before = !is_alone && bodies_came_near(tick);
+    if (!tick->is_before)
+        find_again(tick);
+    follow_all(tick, &allowed);
+    if (tick->is_before || tick->gap < 0.0) {
+        proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
+        place_again(tick);
+        return;
+    }
+    const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
+    const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    const double motion = displacement_norm(&proxy->coupling, &moved);
+    const double far = displacement_norm(&proxy->coupling, &left);
+    proxy->owed = min_of(proxy->owed, 2.0 * far);
+    /* The next tick's first motion will be about as long as all of this one's. */
+    proxy->last_motion = max_of(proxy->last_motion, 1.5 * motion);
+    const int is_capped = cap > 0.0 && allowed <= PROXY_MOTION_SMALL * tick->clearance;
+    const double expected = 2.0 * (device_moved + others_moved) + owed;
+    if (!is_released && (is_capped || motion > expected + 0.1 * far)) {
+        proxy->flags |= DPT_FORCE_FLAG_FOLD;
+        proxy->folds++;
+    }
+    if (length(left.turn) > LAG_TURN_MAX) {
+        proxy->flags |= DPT_FORCE_FLAG_REPLACED;
+        place_again(tick);
+    }
+}
+
+/* Bodies moved in a tick in which the tool could not follow: nothing tells what is round the proxy now. */
+static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *proxy)
+{
+    const int was_stepped = proxy->tick + 1 == world->ticks;
+    if (!was_stepped)
+        dpti_proxy_end_force(proxy);
+    if (proxy->state < PROXY_DOUBTED || was_stepped || (int32_t)(world->bodies_moved_tick - proxy->tick) <= 0)
+        return;
+    proxy->state = PROXY_DOUBTED;
+    proxy->gap = -HUGE_VAL;
+}
+
+/* Whether a tick left a proxy as it was, but for the clocks of what it remembers, and a pace that nothing waits for. */
+static int stood_still(const struct proxy *before, const struct proxy *now)
+{
+    struct proxy same = *before;
+    same.tick = now->tick;
+    same.clock = now->clock;
+    same.is_still = now->is_still;
+    same.pace = now->pace;
+    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
+        same.memory[i].used = now->memory[i].used;
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
+        if (!same.contacts[i].body_id)
+            same.contacts[i].age = now->contacts[i].age;
+    return !memcmp(&same, now, sizeof same);
+}
+
+void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
+{
+    struct proxy *proxy = proxy_of(world, tool);
+    const int is_unchanged = !tool_has_changed(world, tool);
+    struct proxy before;
+    if (is_unchanged)
+        before = *proxy;
+    struct proxy_tick tick;
+    memset(&tick, 0, offsetof(struct proxy_tick, triangles));
+    tick.world = world;
+    tick.tool = tool;
+    tick.proxy = proxy;
+    const double scale = min_of(world->largest_diagonal, PROXY_SCALE_MAX);
+    const uint32_t work_before = world->work.done;
+    doubt_unseen_motion(world, proxy);
+    if (tool->is_free)
+        dpti_proxy_follow_size(world, tool, proxy);
+    dpti_proxy_measure(world, tool, proxy);
+    tick.clearance = CLEARANCE * scale;
+    tick.min_gap = GAP_MIN * scale;
+    tick.goal = dpti_proxy_pose_of(proxy, &tool->pose);
+    proxy->flags = 0;
+    if (proxy->state < PROXY_DOUBTED) {
+        dpti_tips_put_all(world, tool);
+        place(&tick);
+    } else {
+        const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
+        const struct displacement moved = dpti_proxy_displacement(proxy, &device, &tick.goal);
+        const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
+        tick.at = dpti_proxy_spun_as(proxy, &at, &tick.goal, SPIN_MAX);
+        tick.gap = proxy->gap;
+        follow(&tick, displacement_norm(&proxy->coupling, &moved), dt);
+        if (proxy->coupling.spin_rho > 0.0)
+            tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.goal, SPIN_ROLLED_MAX);
+    }
+    dpti_proxy_keep_contacts(&tick);
+    dpti_proxy_yield(&tick);
+    if (tick.is_waiting)
+        dpti_proxy_wait(&tick);
+    proxy->body_work = dpti_proxy_body_work(&tick);
+    dpti_loads_note_proxy(&tick);
+    const int is_done = dpti_tips_follow(&tick);
+    proxy->pose = tick.at.pose;
+    proxy->device_pose = tool->pose;
+    proxy->tick = world->ticks;
+    proxy->gap = tick.gap;
+    proxy->min_gap = tick.min_gap;
+    /* The tool's first segment answers for all that was spent. */
+    for (uint32_t i = 0; i < tool->segment_count; i++)
+        world->segments[tool->first_segment + i].result.work = 0;
+    world->segments[tool->first_segment].result.work = world->work.done - work_before;
+    const struct displacement away = dpti_proxy_displacement(proxy, &tick.goal, &tick.at);
+    proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
+    proxy->is_still =
+        is_unchanged && is_done && !proxy->is_behind && proxy->tip_motion == 0.0 && stood_still(&before, proxy);
+}
+
+void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
+{
+    struct proxy *proxy = proxy_of(world, tool);
+    int is_outside = 1, is_known = 1;
+    if (proxy->state != PROXY_PLACED && proxy->state != PROXY_DOUBTED)
+        return;
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
+        const struct segment *segment = &world->segments[tool->first_segment + i];
+        if (!segment->answer.body)
+            continue;
+        is_known &= segment->answer.is_exact && segment->result.has_gap;
+        is_outside &= segment->result.gap > 0.0;
+    }
+    for (uint32_t i = 0; i < tool->tip_count; i++) {
+        const struct tip *tip = tool_tip(world, tool, i);
+        if (!tip->answer.body)
+            continue;
+        is_known &= tip->answer.is_exact != 0;
+        is_outside &=
+            tip->answer.is_exact && tip->answer.nearest.distance > tip->hull->radius && dpti_tip_is_outside(tip);
+    }
+    if (!is_known)
+        return;
+    if (is_outside && (proxy->state == PROXY_DOUBTED || proxy->gap >= proxy->min_gap))
+        proxy->state = PROXY_OUTSIDE;
+    else if (!is_outside)
+        proxy->state = PROXY_PLACED;
+}

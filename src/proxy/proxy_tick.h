@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What one tick of a proxy works with: src/proxy/proxy_step.c. */
+#ifndef DPT_PROXY_TICK_H
+#define DPT_PROXY_TICK_H
+
+#include "force/friction.h"
+#include "nearest/pair_features.h"
+#include "proxy/proxy_pose.h"
+#include "track/tool_tips.h"
+
+/* Triangles that are looked at together: those that are remembered, and the nearest of each of so many segments. */
+enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
+
+/*
+ * m: clearances grow with the largest body up to that size, and no farther. A body that is larger is swept as finely as
+ * one of that size, or everything else in its world would be felt too early.
+ */
+#define PROXY_SCALE_MAX 1.0
+
+/* A motion below this share of what is left to the device is none; below that of the clearance, too. */
+#define PROXY_CONVERGED    3e-4
+#define PROXY_MOTION_SMALL 1e-3
+
+/* Of the clearance: a gap that is kept well enough. */
+#define PROXY_GAP_KEPT 0.7
+
+/* What a constraint is of. */
+struct proxy_source {
+    uint32_t triangle; /* in proxy_tick.triangles */
+    int feature;       /* of the pair: nearest/pair_features.h, of a tip hull/hull_triangle.h */
+    double s;          /* of its point on the axis; of a tip 0 */
+    double gap;        /* m */
+    vec3 p;            /* that point, in the world */
+    vec3 carried;      /* how far the body moved its point on the mesh before this tick, while that counts */
+};
+
+/* Whether it is known what holds the proxy at the end of the tick. */
+enum { PROXY_HELD_UNKNOWN, PROXY_HELD_SOLVED, PROXY_HELD_NOT };
+
+struct proxy_tick {
+    struct dpt_world *world;
+    struct tool *tool;
+    struct proxy *proxy;
+    struct proxy_pose at, goal;
+    vec3 axes[3];     /* of `at`, for turns */
+    double clearance; /* m: contacts are held so far apart */
+    double min_gap;   /* m: no pose is accepted whose gap is less */
+    double gap;       /* the least of the tool's surface at `at`; a lower bound where a budget ended the search */
+    int is_before;    /* `at` is proven only for where bodies were at `time` of their motion before this tick */
+    double time;      /* 0..1 */
+    double made;      /* the share that was made of the last motion that was solved for */
+    double lift;      /* m: while is_before, contacts are left so much wider than the clearance */
+    int is_lost;      /* the segments' nearest pairs are of another pose than `at` */
+    int held;         /* PROXY_HELD_... */
+    int is_moved;     /* a motion was made in this tick */
+    int is_waiting;   /* a budget ended the tick's motions, with a way left to go */
+    uint32_t triangle_count;
+    uint32_t space_count;
+    uint32_t contact_count; /* of the solution, contacts with friction */
+    struct half_spaces_result solved;
+    /* From here on a tick does not begin with zeros. Copies: what a motion meets is remembered while it is looked at. */
+    struct proxy_triangle triangles[PROXY_TRIANGLES_MAX];
+    struct half_space spaces[HALF_SPACES_MAX];
+    struct proxy_source sources[HALF_SPACES_MAX];
+    struct friction_contact contacts[HALF_SPACE_DIMENSIONS];
+    uint32_t contact_spaces[HALF_SPACE_DIMENSIONS]; /* the constraints of the contacts */
+};
+
+/* m: of the segment or tip that a constraint is of. */
+static inline double proxy_radius_of(const struct proxy_tick *tick, uint32_t space)
+{
+    return tool_part_radius(tick->world, tick->tool, tick->triangles[tick->sources[space].triangle].segment);
+}
+
+/* m: where the tool's surface touches, in the world. */
+static inline vec3 proxy_touch_of(const struct proxy_tick *tick, uint32_t space)
+{
+    return along(tick->sources[space].p, -proxy_radius_of(tick, space), vec3_of(tick->spaces[space].normal));
+}
+
+/* The tip that a triangle is near; NULL: it is a segment. */
+static inline const struct tip *proxy_tip_of(const struct proxy_tick *tick, const struct proxy_triangle *triangle)
+{
+    return triangle->segment < tick->tool->segment_count
+               ? NULL
+               : tool_tip(tick->world, tick->tool, triangle->segment - tick->tool->segment_count);
+}
+
+#endif

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Contacts that persist from tick to tick: docs/algorithms/contacts.md. */
+#ifndef DPT_PERSISTENT_CONTACTS_H
+#define DPT_PERSISTENT_CONTACTS_H
+
+#include "track/world_state.h"
+
+/* Its share of dpt_world_bytes. */
+uint64_t dpti_persistent_contacts_bytes(const dpt_world_def *def);
+
+/* Place its memory at `at`; returns where it ends. */
+char *dpti_persistent_contacts_place(struct dpt_world *world, char *at);
+
+/* The world's list for this tick. */
+static inline struct persistent_contacts *contacts_this_tick(struct dpt_world *world)
+{
+    return &world->contacts[world->contacts_index];
+}
+
+/* The world's list of the last tick. */
+static inline struct persistent_contacts *contacts_last_tick(struct dpt_world *world)
+{
+    return &world->contacts[1 - world->contacts_index];
+}
+
+/* Whether a contact is of this segment and this body, or with NULL any body. */
+static inline int persistent_contact_is_of(const struct persistent_contact *persistent, uint32_t segment_index,
+                                           const struct body *body)
+{
+    return persistent->segment_index == segment_index && (!body || persistent->contact.body == body->id);
+}
+
+/* Start a tick: the current contacts become last tick's, and this tick's list is empty. */
+void dpti_persistent_contacts_begin_tick(struct dpt_world *world);
+
+/* End a tick that has no answer: mark its contacts as unseen, so that the next tick can continue them. */
+void dpti_persistent_contacts_set_unseen(struct dpt_world *world);
+
+/* Forget all contacts, and begin their ids anew. */
+void dpti_persistent_contacts_reset(struct dpt_world *world);
+
+/*
+ * Call it after the segment's sweep. If the axis may have gone through a surface in this motion, no contact of the
+ * segment is known to be in front of its sheet any longer. An unfinished sweep changes nothing yet.
+ */
+void dpti_persistent_contacts_note_motion(struct dpt_world *world, uint32_t segment_index);
+
+/* For a segment whose contact is unknown in this tick: note its motion, and carry over its contacts as unseen. */
+void dpti_persistent_contacts_carry_over(struct dpt_world *world, uint32_t segment_index);
+
+/* Carry over, as unseen, a segment's contacts with a body, or with NULL all of them. */
+void dpti_persistent_contacts_carry_over_body(struct dpt_world *world, uint32_t segment_index, const struct body *body);
+
+/* Carry over one contact of the last tick, as unseen. */
+void dpti_persistent_contacts_carry_over_one(struct dpt_world *world, const struct persistent_contact *previous);
+
+/* Add a contact to this tick's list, to be filled in; NULL if the list is full. */
+struct persistent_contact *dpti_persistent_contacts_add(struct dpt_world *world);
+
+/* The id for a new contact; never 0. */
+uint32_t dpti_persistent_contacts_new_id(struct dpt_world *world);
+
+/* Put a warm start before the others. It replaces one at the same s; if there is no room, the last one is dropped. */
+void dpti_persistent_contact_put_warm_start(struct persistent_contact *persistent, const struct warm_start *warm_start);
+
+/*
+ * The axis went through the sheet `part` of `body`, coming from `side`, at `warm_start`. Store the side with last
+ * tick's contacts, unless one of them has a side of that part already. Call it before dpti_contacts_find or
+ * dpti_persistent_contacts_carry_over.
+ */
+void dpti_persistent_contacts_put_side(struct dpt_world *world, uint32_t segment_index, const struct body *body,
+                                       uint32_t part, int side, const struct warm_start *warm_start);
+
+/* Forget the sides of a segment's contacts of the last tick, as a teleport does. */
+void dpti_persistent_contacts_forget_sides(struct dpt_world *world, uint32_t segment_index);
+
+/*
+ * Forget the contacts and depths of the segments from `first` up to, not including, `end` with the body in `slot`, or
+ * with DPT_NONE all.
+ */
+void dpti_persistent_contacts_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t slot);
+
+/* The same for all bodies, and later segments move up: their contacts get their new indices. */
+void dpti_persistent_contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end);
+
+#endif

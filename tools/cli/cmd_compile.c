@@ -1,0 +1,353 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint compile: a mesh or a robot's description in, a .dpa file out. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "cli/arm_file.h"
+#include "cli/cell_file.h"
+#include "cli/command_options.h"
+#include "cli/commands.h"
+#include "cli/spring_options.h"
+#include "compile/soup.h"
+#include "dynpoint/compile.h"
+#include "shape/mesh_file.h"
+#include "shape/mesh_size.h"
+
+static const char help[] =
+    "usage: dynpoint compile IN -o OUT.dpa [--unit UNIT | --scale X] [--crease DEGREES]\n"
+    "                        [--c-array NAME] [-j N] [--nodes BASE] [--springs KIND ...]\n"
+    "                        [--tool LINK] [--packages DIRS]\n"
+    "\n"
+    "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from flash.\n"
+    "Joins equal vertices, drops degenerate and duplicate triangles, turns closed parts outward; says\n"
+    "how large it is and what it found. Anything else compiles as it is. IN may be a pipe; - is standard\n"
+    "input.\n"
+    "\n"
+    "Or a URDF, by its ending .urdf or .xml or by its <robot>: the arm between the root and the tool,\n"
+    "with the tool's capsules and the meshes and boxes that stand still. What is left out is noted on\n"
+    "standard error.\n"
+    "\n"
+    "  -o FILE         where to; - is standard output\n"
+    "  --unit UNIT     of the source: mm, cm, m or in; default m. A largest side outside of 5 mm to 3 m\n"
+    "                  is noted on standard error\n"
+    "  --scale X       any other unit: metres of one; --unit mm is --scale 0.001\n"
+    "  --crease A      edges bent by more than A degrees are creases: sharp; default 60, 180 is none\n"
+    "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
+    "  -j N            use at most N threads; default 1; the bytes are the same for every N\n"
+    "  --nodes BASE    embed the vertices in the tetrahedra of TetGen's BASE.node and BASE.ele, in the\n"
+    "                  mesh's unit: physics that moves the nodes moves the mesh\n"
+    "  --springs KIND  make masses and springs: sheet (in the surface) or volume (a lattice in the closed\n"
+    "                  parts). Lengths in m, of the compiled mesh:\n"
+    "                  --young PA (5000), --density KG/M3 (1000), --drag 1/S (0), --viscosity S (0);\n"
+    "                  of a sheet --thickness M (0.001), --bending PA (none); of a volume --spacing M\n"
+    "  --regions FILE  other materials, and what is fixed: lines `box X0 Y0 Z0 X1 Y1 Z1 E DENSITY DRAG`,\n"
+    "                  `sphere X Y Z R E DENSITY DRAG`, or `fixed` in place of the last three\n"
+    "  --fixed FILE    numbers of vertices of the source, from 0, that do not move\n"
+    "  --tool LINK     of a URDF: the link that is the tool; default: the only one without children\n"
+    "  --packages DIRS of a URDF: folders that hold the packages of package://, ':' between them; then\n"
+    "                  those above the file are looked at\n";
+
+#define DEGREE (3.14159265358979323846 / 180.0)
+
+static int show_progress(void *user, const char *step, double done)
+{
+    meter_show(user, step, done < 1.0 ? done : 0.999);
+    return 0;
+}
+
+/* Keywords of C and C++, and names that the written file uses. */
+static const char taken_names[] =
+    " alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t "
+    "char32_t char8_t class co_await co_return co_yield compl concept const const_cast "
+    "consteval constexpr constinit continue decltype default delete do double dynamic_cast "
+    "else enum explicit export extern false float for friend goto if inline int long main "
+    "mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected "
+    "public register reinterpret_cast requires restrict return short signed size_t sizeof "
+    "static static_assert static_cast std struct switch template this thread_local throw "
+    "true try typedef typeid typename typeof typeof_unqual uint64_t union unsigned using "
+    "virtual void volatile wchar_t while xor xor_eq DPA_ALIGNED NULL _Alignas _Alignof "
+    "_Atomic _BitInt _Bool _Complex _Decimal128 _Decimal32 _Decimal64 _Generic _Imaginary "
+    "_Noreturn _Static_assert _Thread_local ";
+
+static int is_c_name(const char *name)
+{
+    char between_blanks[24];
+    snprintf(between_blanks, sizeof between_blanks, " %s ", name);
+    if (!*name || (*name >= '0' && *name <= '9') || strstr(taken_names, between_blanks))
+        return 0;
+    for (; *name; name++)
+        if (!((*name >= 'a' && *name <= 'z') || (*name >= 'A' && *name <= 'Z') || (*name >= '0' && *name <= '9') ||
+              *name == '_'))
+            return 0;
+    return 1;
+}
+
+/*
+ * Write words of 8 bytes: compilers need a fifth of the time and memory that they need for single bytes, and align the
+ * array by themselves.
+ */
+static void write_c_array(FILE *file, const char *name, const char *kind, const dpt_compiled *compiled)
+{
+    const unsigned char *byte = compiled->bytes;
+    size_t size = compiled->size, words = (size + 7) / 8;
+    fprintf(file,
+            "/*\n"
+            " * A dynpoint %s of %zu bytes: dpt_%s_open(%s, %s_size, &%s).\n"
+            " *\n"
+            " *     extern const uint64_t %s[];\n"
+            " *     extern const size_t %s_size;\n"
+            " */\n"
+            "#include <stddef.h>\n#include <stdint.h>\n\n"
+            "#ifdef __GNUC__\n#define DPA_ALIGNED __attribute__((aligned(64)))\n"
+            "#else\n#define DPA_ALIGNED\n#endif\n\n"
+            "#if defined __BYTE_ORDER__ && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__\n"
+            "#define SWAPPED(x) \\\n"
+            "    ((x) >> 56 | ((x) >> 40 & 0xff00) | ((x) >> 24 & 0xff0000) | \\\n"
+            "     ((x) >> 8 & 0xff000000) | ((x) & 0xff000000) << 8 | ((x) & 0xff0000) << 24 | \\\n"
+            "     ((x) & 0xff00) << 40 | (x) << 56)\n"
+            "#define W(x) SWAPPED((uint64_t)x)\n"
+            "#else\n#define W(x) x\n#endif\n\n"
+            "#ifdef __cplusplus\nextern \"C\" {\n#endif\n"
+            "extern const uint64_t %s[%zu];\nextern const size_t %s_size;\n"
+            "#ifdef __cplusplus\n}\n#endif\n\n"
+            "const size_t %s_size = %zu;\n"
+            "const uint64_t %s[%zu] DPA_ALIGNED = {",
+            kind, size, kind, name, name, kind, name, name, name, words, name, name, size, name, words);
+    for (size_t i = 0; i < words; i++) {
+        uint64_t word = 0;
+        for (size_t k = 0; k < 8 && 8 * i + k < size; k++)
+            word |= (uint64_t)byte[8 * i + k] << 8 * k;
+        fprintf(file, "%sW(0x%" PRIx64 "u),", i % 4 ? "" : "\n", word);
+    }
+    fputs("\n};\n", file);
+}
+
+static void report_embedding(FILE *file, const dpt_mesh_info *info)
+{
+    if (!info->nodes)
+        return;
+    fprintf(file, "  embedded in %" PRIu32 " nodes: ", info->nodes);
+    if (info->outside_vertices)
+        fprintf(file, "%" PRIu32 " vertices outside of all cells, at most %.3g m\n", info->outside_vertices,
+                info->outside_distance);
+    else
+        fputs("all vertices are within cells\n", file);
+}
+
+static void report_springs(FILE *file, const dpt_mesh_info *info)
+{
+    if (!info->spring_nodes)
+        return;
+    fprintf(file,
+            "  %" PRIu32 " springs between %" PRIu32 " nodes, %" PRIu32 " of them fixed: %.4g kg, "
+            "Poisson's ratio %.2f, stable up to %.3g s\n",
+            info->springs, info->spring_nodes, info->fixed_nodes, info->spring_mass, info->poisson, info->stable_step);
+}
+
+static dpt_mesh_info info_of(const dpt_compiled *compiled)
+{
+    const dpt_mesh *mesh;
+    dpt_mesh_info info = { .size = sizeof info };
+    if (dpt_mesh_open(compiled->bytes, compiled->size, &mesh) == DPT_OK)
+        dpt_mesh_get_info(mesh, &info);
+    return info;
+}
+
+static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *out)
+{
+    const dpt_mesh_info info = info_of(compiled);
+    fprintf(file,
+            "%s: %" PRIu32 " triangles, %" PRIu32 " vertices, %" PRIu32 " part%s (%" PRIu32
+            " closed), %.1f MB\n  box %s\n",
+            out, info.triangles, info.vertices, info.components, info.components == 1 ? "" : "s",
+            info.closed_components, (double)info.bytes / 1e6, size_text(&info).text);
+    const struct {
+        const char *what;
+        uint32_t count;
+    } found[] = {
+        { "degenerate triangles dropped", info.dropped_degenerate },
+        { "duplicate triangles dropped", info.dropped_duplicate },
+        { "unused vertices left out", info.unused_vertices },
+        { "parts wound inward, turned", info.inward_components },
+        { "triangles turned", info.turned_triangles },
+        { "edges run through twice in one direction", info.wrong_way_edges },
+        { "open edges", info.open_edges },
+        { "non-manifold edges", info.nonmanifold_edges },
+        { "concave polygons cut into fans", info.concave_polygons },
+    };
+    for (size_t i = 0; i < sizeof found / sizeof *found; i++)
+        if (found[i].count)
+            fprintf(file, "  %8" PRIu32 " %s\n", found[i].count, found[i].what);
+    const uint32_t pairs = info.self_intersections, *pair = info.self_intersection;
+    const int one = pairs == 1 && !info.self_intersections_more;
+    if (pairs)
+        fprintf(file, "  self-intersections: %" PRIu32 "%s of triangles, %s%" PRIu32 " and %" PRIu32 "\n", pairs,
+                one                            ? " pair"
+                : info.self_intersections_more ? " or more pairs"
+                                               : " pairs",
+                one ? "" : "such as ", pair[0], pair[1]);
+    else if (info.self_intersections_more)
+        fputs("  self-intersections: none found, but the search stopped before its end\n", file);
+    report_embedding(file, &info);
+    report_springs(file, &info);
+}
+
+static void note_size(const dpt_compiled *compiled, const char *in)
+{
+    const dpt_mesh_info info = info_of(compiled);
+    const char *hint = size_hint(&info);
+    if (hint)
+        fprintf(stderr, "%s: note: its box is %s: %s\n", in, size_text(&info).text, hint);
+}
+
+static int compile_mesh(const char *in, const void *bytes, size_t size, dpt_compile_def *def, dpt_compiled *compiled)
+{
+    dpt_diag diag = { .size = sizeof diag };
+    def->format = source_format(in, bytes, size);
+    if (dpt_compile_bytes(bytes, size, def, compiled, &diag) == DPT_OK)
+        return 0;
+    return complain_of_file("compile", in, &diag);
+}
+
+/*
+ * Compile a mesh, which is opened once and may be a pipe, or a URDF, whose reader needs the path to find what it names.
+ */
+static int compile_input(const char *in, dpt_compile_def *def, const char *tool, const char *packages,
+                         dpt_compiled *compiled, int *is_arm)
+{
+    struct stat found;
+    size_t size;
+    int status;
+    *is_arm = is_urdf_name(in);
+    if (*is_arm && (def->cell_count || def->springs))
+        return complain("compile", "%s: --nodes and --springs are for a mesh", in);
+    if (*is_arm)
+        return compile_urdf(in, def, tool, packages, compiled);
+    void *bytes = load_file("compile", in, &size);
+    if (!bytes)
+        return 2;
+    *is_arm = is_urdf_text(bytes);
+    if (*is_arm && (stat(in, &found) != 0 || !S_ISREG(found.st_mode)))
+        status = complain("compile",
+                          "%s: a URDF is read from a file, not from a pipe: what it names is looked for beside it", in);
+    else if (*is_arm && (def->cell_count || def->springs))
+        status = complain("compile", "%s: --nodes and --springs are for a mesh", in);
+    else if (*is_arm)
+        status = compile_urdf(in, def, tool, packages, compiled);
+    else if (tool || packages)
+        status = complain("compile", "%s: --tool and --packages are for a URDF", in);
+    else
+        status = compile_mesh(in, bytes, size, def, compiled);
+    free(bytes);
+    return status;
+}
+
+/* The same with the cells of `nodes`, NULL for none, or with springs. */
+static int compile_with_nodes(const char *in, const char *out, const char *nodes, struct spring_options *springs,
+                              dpt_compile_def *def, const char *tool, const char *packages, dpt_compiled *compiled,
+                              int *is_arm)
+{
+    struct cell_files cells = { .node_path = NULL };
+    int status = spring_options_take(springs, "compile", out, def);
+    if (nodes && def->springs)
+        status = complain("compile", "--nodes and --springs exclude each other");
+    if (nodes && status == 0)
+        status = cell_files_name(&cells, "compile", nodes);
+    if (nodes && status == 0)
+        status = output_check("compile", out, (const char *const[]){ cells.node_path, cells.ele_path, NULL });
+    if (nodes && status == 0)
+        status = cell_files_load(&cells, "compile", def);
+    if (status == 0)
+        status = compile_input(in, def, tool, packages, compiled, is_arm);
+    cell_files_free(&cells);
+    spring_options_free(springs);
+    return status;
+}
+
+int command_compile(int argc, char **argv)
+{
+    const char *in, *out = NULL, *array = NULL, *tool = NULL, *packages = NULL;
+    const char *unit = NULL, *nodes = NULL;
+    double scale = NAN, crease = 60.0;
+    uint64_t threads = 1;
+    size_t operands;
+    struct spring_options springs;
+    spring_options_init(&springs);
+    const struct option_def options[] = { { .name = "-o", .text = &out },
+                                          { .name = "-j", .count = &threads },
+                                          { .name = "--unit", .text = &unit },
+                                          { .name = "--scale", .number = &scale },
+                                          { .name = "--crease", .number = &crease },
+                                          { .name = "--c-array", .text = &array },
+                                          { .name = "--nodes", .text = &nodes },
+                                          { .name = "--springs", .text = &springs.kind },
+                                          { .name = "--young", .number = &springs.young },
+                                          { .name = "--density", .number = &springs.density },
+                                          { .name = "--drag", .number = &springs.drag },
+                                          { .name = "--viscosity", .number = &springs.viscosity },
+                                          { .name = "--thickness", .number = &springs.thickness },
+                                          { .name = "--bending", .number = &springs.bending },
+                                          { .name = "--spacing", .number = &springs.spacing },
+                                          { .name = "--regions", .text = &springs.regions_path },
+                                          { .name = "--fixed", .text = &springs.fixed_path },
+                                          { .name = "--tool", .text = &tool },
+                                          { .name = "--packages", .text = &packages } };
+    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, &in, 1, &operands);
+    if (status >= 0)
+        return status;
+    if (operands != 1 || !out)
+        return complain("compile", "an input file and -o FILE are needed (see --help)");
+    if (output_check("compile", out, (const char *const[]){ in, NULL }))
+        return 2;
+    if ((mesh_file_writer(out) || is_urdf_name(out)) && access(out, F_OK) == 0)
+        return complain("compile", "%s: it is there, and a source by its name: what is compiled ends in .dpa", out);
+    if (!threads)
+        return complain("compile", "-j must be 1 or more");
+    if (unit && !isnan(scale))
+        return complain("compile", "--unit and --scale say the same: give one of them");
+    if (unit && !(unit_metres(unit) > 0.0))
+        return complain("compile", "--unit: '%s' is not mm, cm, m or in", unit);
+    if (isnan(scale))
+        scale = unit ? unit_metres(unit) : 1.0;
+    if (!(scale > 0.0 && scale <= 1e30))
+        return complain("compile", "--scale must be above 0, at most 1e30");
+    if (!(crease > 0.0 && crease <= 180.0))
+        return complain("compile", "--crease must be 0 to 180 degrees, and not 0");
+    if (array && !is_c_name(array))
+        return complain("compile", "--c-array: '%s' is not a name that an array can have in C and C++", array);
+
+    struct meter meter = { .began = 0 };
+    dpt_compile_def def = { .size = sizeof def,
+                            .scale = scale,
+                            .progress = show_progress,
+                            .user = &meter,
+                            .crease = crease * DEGREE,
+                            .threads = threads < UINT32_MAX ? (uint32_t)threads : UINT32_MAX };
+    dpt_compiled compiled;
+    struct output output;
+    int arm;
+    status = compile_with_nodes(in, out, nodes, &springs, &def, tool, packages, &compiled, &arm);
+    meter_show(&meter, "", 1.0);
+    if (status != 0)
+        return status;
+    status = output_open(&output, "compile", out);
+    if (status == 0) {
+        if (array)
+            write_c_array(output.file, array, arm ? "arm" : "mesh", &compiled);
+        else
+            fwrite(compiled.bytes, compiled.size, 1, output.file);
+        status = output_complete(&output, "compile");
+        if (status == 0) {
+            (arm ? report_arm : report_mesh)(strcmp(out, "-") ? stdout : stderr, &compiled, out);
+            status = output_keep(&output, "compile");
+        }
+        if (status == 0 && !arm)
+            note_size(&compiled, in);
+    }
+    dpt_compiled_free(&compiled);
+    return status;
+}

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint device: list, watch, test, measure and simulate devices. */
+#define _POSIX_C_SOURCE 200809L
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/command_options.h"
+#include "cli/commands.h"
+#include "cli/open_device.h"
+#include "cli/stop.h"
+#include "dynpoint/identify.h"
+#include "dynpoint/selftest.h"
+
+static const char help[] =
+    "usage: dynpoint device list\n"
+    "       dynpoint device watch NAME [--for S]\n"
+    "       dynpoint device selftest NAME [--move]\n"
+    "       dynpoint device identify NAME [--move] [-o FILE] [--button N] [--json]\n"
+    "       dynpoint device simulate serial|can:WHERE [--swing M] [--for S]\n"
+    "\n"
+    "Devices: NAME is DRIVER or DRIVER:WHERE, as sim or serial:/dev/ttyACM0.\n"
+    "\n"
+    "  list      the drivers that are built in, and the devices that they find\n"
+    "  watch     what a device says, without force, until it is interrupted; a line a sample\n"
+    "            where standard output is no terminal\n"
+    "  selftest  whether it keeps the contract: exit status 1 when it does not\n"
+    "  identify  its rate, steps and, with --move, mass, damping, friction and delay, with their\n"
+    "            95 % intervals; exit status 1 when that failed or something holds it\n"
+    "  simulate  the other end, with dynamics, whose name is printed: a device on a pseudo-terminal, or\n"
+    "            motor controllers on a CAN interface, by the name that --device takes:\n"
+    "            can:vcan0?arm=arm.dpa&gear=8,8,8\n"
+    "\n"
+    "  --for S   seconds; without it, until it is interrupted\n"
+    "  --move    selftest may push the hand, by a twentieth of the greatest force and for 0.05 s\n"
+    "            each way; without it nothing is moved. identify may push it by 0.5 N and 10 % of\n"
+    "            the greatest force, for about a minute: let go of it. Any key ends that\n"
+    "  -o FILE   identify writes what it measured, for run --identified FILE\n"
+    "  --button N  identify pushes while button N, as of a pedal, is held\n"
+    "  --json    identify prints one object\n"
+    "  --swing M how far the simulated hand goes up and down, m; default 0.02\n";
+
+static void print_reasons(FILE *file, uint32_t reasons)
+{
+    const char *between = ": ";
+    for (uint32_t left = reasons; left; left &= left - 1, between = ", ")
+        fprintf(file, "%s%s", between, dpt_device_reason_name(left));
+}
+
+static void print_found(void *user, const dpt_driver *driver, const char *where, const char *about)
+{
+    (void)user;
+    printf("    %s:%s  %s\n", driver->name, where, about);
+}
+
+static int list(void)
+{
+    const dpt_driver *driver;
+    for (uint32_t i = 0; (driver = dpt_driver_at(i)); i++) {
+        printf("%-12s %s\n", driver->name, driver->about);
+        if (driver->find)
+            driver->find(driver, print_found, NULL);
+    }
+    return 0;
+}
+
+/* Print the device dynamics that are known. */
+static void print_dynamics(const dpt_device_info *info)
+{
+    const struct {
+        const char *name, *unit;
+        double value;
+    } numbers[] = { { "mass", "kg", info->mass },
+                    { "damping", "Ns/m", info->damping },
+                    { "friction", "N", info->friction },
+                    { "inertia", "kg m2", info->inertia },
+                    { "spin damping", "Nms/rad", info->spin_damping },
+                    { "spin friction", "Nm", info->spin_friction },
+                    { "delay", "s", info->delay },
+                    { "steps of", "m", info->position_step },
+                    { "steps of", "rad", info->angle_step } };
+    const char *between = "  ";
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (numbers[i].value > 0.0) {
+            printf("%s%s %g %s", between, numbers[i].name, numbers[i].value, numbers[i].unit);
+            between = ", ";
+        }
+    if (*between == ',')
+        putchar('\n');
+}
+
+static void print_info(const dpt_device_info *info)
+{
+    printf("%s%s%s%s\n", info->name, info->serial[0] ? ", " : "", info->serial,
+           info->flags & DPT_DEVICE_FLAG_SIMULATED ? " (simulated)" : "");
+    printf("  senses %" PRIu32 " degrees of freedom, gives %" PRIu32 "; %" PRIu32 " joints, %" PRIu32
+           " buttons; %g Hz\n",
+           info->pose_dofs, info->wrench_dofs, info->joints, info->buttons, info->rate);
+    printf("  at most %g N", info->force_max);
+    if (info->wrench_dofs == 6)
+        printf(", %g Nm", info->torque_max);
+    if (info->watchdog > 0.0)
+        printf("; stops by itself after %g ms without a command\n", 1e3 * info->watchdog);
+    else
+        puts("; no watchdog of its own");
+    print_dynamics(info);
+    printf("  workspace");
+    for (int k = 0; k < 3; k++)
+        printf(" %c %g to %g%s", "xyz"[k], info -> workspace_min[k], info -> workspace_max[k], k < 2 ? "," : " m\n");
+}
+
+/* Print the changing values, one a line. The caller moves the cursor up to overwrite them. */
+static void print_table(const dpt_device_info *info, const dpt_device_state *state, const dpt_device_counts *counts)
+{
+    printf("  status    %s", dpt_device_status_name(state->status));
+    print_reasons(stdout, state->reasons);
+    printf("\033[K\n  position  %10.5f %10.5f %10.5f m\033[K\n", state->pose.position[0], state->pose.position[1],
+           state->pose.position[2]);
+    printf("  turned    %10.5f %10.5f %10.5f %10.5f\033[K\n", state->pose.orientation[0], state->pose.orientation[1],
+           state->pose.orientation[2], state->pose.orientation[3]);
+    printf("  velocity  %10.5f %10.5f %10.5f m/s\033[K\n", state->velocity[0], state->velocity[1], state->velocity[2]);
+    printf("  joints   ");
+    for (uint32_t i = 0; i < info->joints; i++)
+        printf(" %9.5f", state->joint[i]);
+    printf("\033[K\n  buttons   ");
+    for (uint32_t i = 0; i < info->buttons; i++)
+        putchar(state->buttons >> i & 1 ? '#' : '.');
+    printf("\033[K\n  samples   %" PRIu64 ", %" PRIu64 " lost, %" PRIu64 " damaged\033[K\n", counts->samples,
+           counts->lost, counts->damaged);
+}
+
+enum { TABLE_LINES = 7 };
+
+static void print_line(const dpt_device_state *state)
+{
+    printf("%" PRIu64 ",%s", state->sequence, dpt_device_status_name(state->status));
+    for (int k = 0; k < 3; k++)
+        printf(",%.9g", state->pose.position[k]);
+    for (int k = 0; k < 4; k++)
+        printf(",%.9g", state->pose.orientation[k]);
+    printf(",%" PRIu32 "\n", state->buttons);
+}
+
+static int watch(dpt_device *device, double seconds)
+{
+    dpt_device_info info = { .size = sizeof info };
+    dpt_device_state state = { .size = sizeof state };
+    dpt_device_counts counts = { .size = sizeof counts };
+    const int is_terminal = isatty(STDOUT_FILENO);
+    dpt_device_get_info(device, &info);
+    const double begin = seconds_now(), period = 1.0 / (info.rate > 0.0 ? info.rate : 1000.0);
+    double shown_at = 0.0;
+    int is_shown = 0;
+    if (is_terminal)
+        print_info(&info);
+    else
+        puts("sequence,status,x,y,z,qw,qx,qy,qz,buttons");
+    stop_watch(NULL, seconds);
+    for (;;) {
+        double now = seconds_now() - begin;
+        dpt_result result = dpt_device_read(device, &state);
+        int is_over = result == DPT_E_LOST || stop_requested();
+        if (!is_terminal && state.fresh)
+            print_line(&state);
+        if (is_terminal && (is_over || now - shown_at > 0.05 || !is_shown)) {
+            dpt_device_get_counts(device, &counts);
+            if (is_shown)
+                printf("\033[%dA", TABLE_LINES);
+            print_table(&info, &state, &counts);
+            fflush(stdout);
+            is_shown = 1;
+            shown_at = now;
+        }
+        if (result == DPT_E_LOST)
+            return complain("device", "the device is lost");
+        if (is_over)
+            return 0;
+        sleep_seconds(period);
+    }
+}
+
+static int print_verdict(void *user, const dpt_selftest_line *line)
+{
+    (void)user;
+    if (line->verdict == DPT_SELFTEST_NOTE)
+        printf("  --   %s\n", line->what);
+    else
+        printf("  %s %-44s %.4g %s\n", line->verdict == DPT_SELFTEST_PASSED ? "ok  " : "FAIL", line->what,
+               line->measured, line->unit);
+    return stop_requested();
+}
+
+static int selftest(dpt_device *device, int may_move)
+{
+    dpt_device_info info = { .size = sizeof info };
+    dpt_selftest_def def;
+    dpt_selftest_counts counts = { .size = sizeof counts };
+    stop_watch(NULL, HUGE_VAL);
+    dpt_device_get_info(device, &info);
+    print_info(&info);
+    dpt_selftest_def_init(&def);
+    def.may_move = may_move != 0;
+    def.report = print_verdict;
+    const dpt_result result = dpt_device_selftest(device, &def, &counts);
+    if (result != DPT_OK && result != DPT_E_CANCELLED)
+        return complain("device", "%s", dpt_result_text(result));
+    return result != DPT_OK || counts.failed ? 1 : 0;
+}
+
+int command_device(int argc, char **argv)
+{
+    const char *operand[2];
+    double seconds = HUGE_VAL, swing = 0.02;
+    const char *output = NULL;
+    int may_move = 0, json = 0;
+    uint64_t button = DPT_IDENTIFY_NO_BUTTON;
+    size_t operands;
+    const struct option_def options[] = {
+        { .name = "--for", .number = &seconds },  { .name = "--swing", .number = &swing },
+        { .name = "--move", .flag = &may_move },  { .name = "-o", .text = &output },
+        { .name = "--button", .count = &button }, { .name = "--json", .flag = &json }
+    };
+    static const char *const verbs[] = { "list", "watch", "selftest", "simulate", "identify", NULL };
+    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand, 2, &operands);
+    if (status >= 0)
+        return status;
+    int verb = operands ? word_index(operand[0], verbs) : -1;
+    if (verb < 0 || operands != (verb == 0 ? 1u : 2u))
+        return complain("device", "list, watch NAME, selftest NAME, identify NAME or simulate serial "
+                                  "is needed (see --help)");
+    if (!(seconds > 0.0) || !(swing >= 0.0 && swing <= 1.0))
+        return complain("device", "--for must be positive, --swing 0 to 1");
+    if (verb != 4 && (output || json || button != DPT_IDENTIFY_NO_BUTTON))
+        return complain("device", "-o, --button and --json are of identify");
+    if (button != DPT_IDENTIFY_NO_BUTTON && button > 31)
+        return complain("device", "--button must be 0 to 31");
+    if (verb == 0)
+        return list();
+    if (verb == 3)
+        return device_simulate(operand[1], swing, seconds);
+    if (verb == 4)
+        return device_identify(&(struct identify_request){
+            .name = operand[1], .output = output, .button = (uint32_t)button, .may_move = may_move, .json = json });
+    dpt_device *device;
+    status = open_device("device", operand[1], &device);
+    if (status)
+        return status;
+    if (verb == 2)
+        end_fault("device", operand[1], device);
+    status = verb == 1 ? watch(device, seconds) : selftest(device, may_move);
+    dpt_device_close(device);
+    return status;
+}

@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint make: writes a test mesh, or (make trace) a motion over one. */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/command_options.h"
+#include "cli/commands.h"
+#include "shape/mesh_file.h"
+#include "shape/shape.h"
+#include "text/parse_number.h"
+
+static const char laparoscopic[] = "laparoscopic";
+
+static const char *const counts_text[] = { [SHAPE_ANY] = "any",
+                                           [SHAPE_EVEN] = "even",
+                                           [SHAPE_TWO_SQUARES] = "2 k^2",
+                                           [SHAPE_TWELVE_SQUARES] = "12 k^2",
+                                           [SHAPE_RINGS] = "64 k" };
+
+static void print_help(void)
+{
+    printf("usage: dynpoint make SHAPE [N] -o FILE [--seed S]\n"
+           "       dynpoint make trace --help\n"
+           "\n"
+           "Writes a test mesh of exactly N triangles, in metres. All machines write the same bytes.\n"
+           "\n"
+           "  -o FILE   its ending says the format: .obj, .stl, .ply or .off\n"
+           "  --seed S  moves bumps, folds and spikes; default 0\n"
+           "\n"
+           "  %-12s  %-6s  %5s  %7s\n",
+           "SHAPE", "N", "least", "default");
+    for (const struct shape_kind *kind = shape_kinds; kind < shape_kinds + shape_kind_count; kind++) {
+        char default_count[12] = "-";
+        if (kind->default_count)
+            snprintf(default_count, sizeof default_count, "%" PRIu32, kind->default_count);
+        printf("  %-12s  %-6s  %5" PRIu32 "  %7s  %s\n", kind->name, counts_text[kind->counts], kind->count_min,
+               default_count, kind->help);
+    }
+    printf("  %-12s  %-6s  %5d  %7d  %s\n", laparoscopic, "any", LAPAROSCOPIC_MIN, LAPAROSCOPIC_TRIANGLES,
+           "three files: FILE-liver, FILE-stomach, FILE-spleen");
+}
+
+/* Write a shape. The caller keeps or drops the output. */
+static int write_shape(struct output *output, const char *path, const struct shape *shape)
+{
+    if (output_open(output, "make", path))
+        return 2;
+    mesh_file_writer(path)(output->file, shape);
+    return output_complete(output, "make");
+}
+
+static int make_one(const char *name, uint64_t count, uint64_t seed, const char *path)
+{
+    struct shape shape;
+    shape_reason reason;
+    if (shape_make(name, count, seed, &shape, reason))
+        return complain("make", "%s", reason);
+    struct output output;
+    int status = write_shape(&output, path, &shape);
+    if (status == 0)
+        status = output_keep(&output, "make");
+    shape_free(&shape);
+    return status;
+}
+
+/* "dir/scene.obj" and "liver" give "dir/scene-liver.obj"; NULL when memory runs out. */
+static char *body_path(const char *path, const char *body)
+{
+    const char *ending = strrchr(path, '.');
+    size_t size = strlen(path) + strlen(body) + 2;
+    char *name = malloc(size);
+    if (name)
+        snprintf(name, size, "%.*s-%s%s", (int)(ending - path), path, body, ending);
+    return name;
+}
+
+/* Write all bodies or none. */
+static int write_bodies(char *const paths[], const struct shape bodies[])
+{
+    for (int i = 0; i < LAPAROSCOPIC_BODIES; i++) {
+        if (!paths[i])
+            return complain("make", "memory ran out");
+    }
+    struct output outputs[LAPAROSCOPIC_BODIES];
+    int written = 0, kept = 0;
+    while (written < LAPAROSCOPIC_BODIES && write_shape(&outputs[written], paths[written], &bodies[written]) == 0)
+        written++;
+    if (written == LAPAROSCOPIC_BODIES) {
+        for (int i = 0; i < LAPAROSCOPIC_BODIES; i++)
+            printf("%s %zu\n", paths[i], bodies[i].triangle_count);
+        while (kept < LAPAROSCOPIC_BODIES && output_keep(&outputs[kept], "make") == 0)
+            kept++;
+    }
+    for (int i = kept; i < written; i++)
+        output_drop(&outputs[i]);
+    return kept == LAPAROSCOPIC_BODIES ? 0 : 2;
+}
+
+static int make_laparoscopic(uint64_t count, uint64_t seed, const char *path)
+{
+    struct shape bodies[LAPAROSCOPIC_BODIES];
+    char *paths[LAPAROSCOPIC_BODIES];
+    shape_reason reason;
+    if (shape_make_laparoscopic(count ? count : LAPAROSCOPIC_TRIANGLES, seed, bodies, reason))
+        return complain("make", "%s", reason);
+    for (int i = 0; i < LAPAROSCOPIC_BODIES; i++)
+        paths[i] = body_path(path, laparoscopic_names[i]);
+    int status = write_bodies(paths, bodies);
+    for (int i = 0; i < LAPAROSCOPIC_BODIES; i++) {
+        shape_free(&bodies[i]);
+        free(paths[i]);
+    }
+    return status;
+}
+
+static int asks_for_help(int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++)
+        if (strcmp(argv[i], "--help") == 0)
+            return 1;
+    return 0;
+}
+
+int command_make(int argc, char **argv)
+{
+    const char *path = NULL, *words[2] = { NULL, NULL };
+    uint64_t seed = 0;
+    int64_t count = 0;
+    size_t word_count;
+    const struct option_def options[] = { { .name = "-o", .text = &path }, { .name = "--seed", .count = &seed } };
+    if (argc > 1 && strcmp(argv[1], "trace") == 0)
+        return command_make_trace(argc - 1, argv + 1);
+    if (asks_for_help(argc, argv)) {
+        print_help();
+        return 0;
+    }
+    int status = parse_options(argc, argv, options, 2, "", words, 2, &word_count);
+    if (status >= 0)
+        return status;
+    if (word_count == 0)
+        return complain("make", "a shape is needed (see --help)");
+    const char *end = word_count == 2 ? words[1] + strlen(words[1]) : NULL;
+    if (end && (parse_int(words[1], end, &count) != end || count <= 0))
+        return complain("make", "'%s' is not a number of triangles", words[1]);
+    if (!path)
+        return complain("make", "-o FILE is needed");
+    if (!mesh_file_writer(path))
+        return complain("make", "%s: the ending is none of .obj, .stl, .ply, .off", path);
+    if (strcmp(words[0], laparoscopic) == 0)
+        return make_laparoscopic((uint64_t)count, seed, path);
+    return make_one(words[0], (uint64_t)count, seed, path);
+}

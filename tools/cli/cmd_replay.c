@@ -1,0 +1,416 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint replay: move a tool through a world along a recorded motion, tick by tick. */
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/command_options.h"
+#include "cli/commands.h"
+#include "cli/force_options.h"
+#include "cli/setting_words.h"
+#include "clock.h"
+#include "dynpoint/baseline.h"
+#include "dynpoint/loop.h"
+#include "plan/replay_plan.h"
+#include "record/recording_file.h"
+#include "record/replay_recording.h"
+#include "run/replay_report.h"
+#include "run/replay_tool.h"
+#include "shape/mesh_size.h"
+#include "trace.h"
+
+static const char help[] =
+    "usage: dynpoint replay FILE.dpa TRACE.csv -o OUT.csv [options]\n"
+    "       dynpoint replay FILE.dpr [FILE.dpa] [--tool ARM.dpa] [--json]\n"
+    "       dynpoint replay --plan PLAN.json [TRACE.csv] [--check] [--json]\n"
+    "\n"
+    "Moves a tool along a trace (tick,ax,ay,az,bx,by,bz in m) and writes, for every tick, the nearest\n"
+    "pair, its proof, contact, force, energy and proxy (its end a, and the turn from the x axis to the\n"
+    "tool's). Ticks are integers that increase, within 2^53; one that is not\n"
+    "the last one plus 1 is a jump. One of the inputs may be -, standard input.\n"
+    "\n"
+    "With a recording (FILE.dpr, of dynpoint run --record) it makes that scene again and compares\n"
+    "every answer with the recorded one, bit for bit; replay FILE.dpr --help tells more. With\n"
+    "a plan (of dynpoint plan -o) it says whether what the plan promises holds; so does\n"
+    "replay --plan PLAN.json --help.\n"
+    "\n"
+    "  -o FILE              OUT.csv; - is standard output\n"
+    "  --method M           exact (default), tree, brute; paper: dynamic points by neighbour descent\n"
+    "  --parts K            pieces of the tool, each with its own dynamic point (paper); default 1\n"
+    "  --budget N           at most N blocks of work a tick (exact); what is not proven then is bounded;\n"
+    "                       default 0: unlimited\n"
+    "  --certificate-bytes N  of memory for what was proven in earlier ticks; less costs time, never\n"
+    "                       truth; default 1048576\n"
+    "  --one-step           one move of the descent a tick (paper)\n"
+    "  --radius R           of the tool, m; default 0: a line\n"
+    "  --tip SHAPE:X,Y,Z[,RADIUS]\n"
+    "                       a tip beside the line, up to 16, as run --tip. Then the tool has a frame:\n"
+    "                       a is its origin, its z axis leads to b, and from tick to tick it turns as\n"
+    "                       little as that takes, without a spin about the line; after a jump from\n"
+    "                       world axes. The trace's line keeps its length. With the law proxy and the\n"
+    "                       method exact; the proxy that is written is the frame's\n"
+    "  --law LAW            of the force: proxy (default) pulls to where the tool would be if it went\n"
+    "                       through nothing; bed: along the tool and at its ends; point pushes at the\n"
+    "                       deepest point, and is the only one for --method paper\n"
+    "  --stiffness K        of the force, N/m; default 500\n"
+    "  --friction MU        of the mesh, with a proxy; default 0\n"
+    "  --damping B          of the proxy's spring, Ns/m; default 0\n"
+    "  --strip KIND         lay a strip under the tool where it is within the margin: shadow, or routes\n"
+    "  --strip-width W      beside the radius, m; default 0\n"
+    "  --limit              the wrench as a device's guard would let it through, not as it is\n"
+    "  --until STAGE        track, contact or respond (default): how far a step goes\n"
+    "  --dt T               length of a tick, s; default 0.001\n"
+    "  --kernel K           auto (default), scalar, sse2, avx2, avx512, neon, wasm128: same\n"
+    "                       answers, other speed\n"
+    "  --repeat N           passes; the least time of each tick counts; default 1\n"
+    "  --against M          compare every distance with another method's; exit status 1 if they differ\n"
+    "                       by more than 1e-9 of the mesh's diagonal\n"
+    "  --every N            with --against: only each Nth tick\n"
+    "  --json               the summary as one JSON object on standard output\n";
+
+static const char *const methods[] = { "exact", "tree", "brute", "paper", NULL };
+static const char *const kernels[] = { "auto", "scalar", "sse2", "avx2", "avx512", "neon", "wasm128", NULL };
+
+/* Larger than any count that an option takes. */
+#define NOT_GIVEN UINT64_MAX
+
+struct replay_settings {
+    dpt_world_def def;
+    dpt_baseline_def baseline;
+    struct force_options force;
+    struct replay_tool tool;
+    double dt;
+    uint64_t repeat, every, parts, budget;
+    int against; /* a method, or -1 */
+    int json, one_step, limit;
+    const char *mesh, *trace, *out;
+};
+
+/* A world with one body and one tool, and its block of memory. */
+struct stage {
+    void *block;
+    dpt_world *world;
+    dpt_tool tool;
+    size_t bytes;
+};
+
+static int stage_open(struct stage *stage, const dpt_world_def *def, const struct replay_settings *settings,
+                      const dpt_mesh *mesh, const struct csv_table *trace)
+{
+    const struct replay_tool *tool = &settings->tool;
+    dpt_body body;
+    stage->bytes = dpt_world_bytes(def);
+    stage->block = malloc(stage->bytes ? stage->bytes : 1);
+    if (!stage->block)
+        return complain("replay", "memory ran out");
+    dpt_result result = dpt_world_create(stage->block, stage->bytes, def, &stage->world);
+    if (result == DPT_E_UNSUPPORTED)
+        return complain("replay", "--kernel %s: %s", kernels[def->kernel], dpt_result_text(result));
+    if (result == DPT_OK)
+        result = dpt_body_add(stage->world, mesh, NULL, &body);
+    if (result == DPT_OK)
+        result = force_options_set_body(&settings->force, stage->world, body);
+    if (result == DPT_OK)
+        result = replay_tool_add(tool, trace, stage->world, &stage->tool);
+    if (result == DPT_OK)
+        result = force_options_set_tool(&settings->force, stage->world, stage->tool, 0);
+    if (result == DPT_OK)
+        result = replay_tool_add_tips(tool, stage->world, stage->tool);
+    return result == DPT_OK ? 0 : complain("replay", "%s", dpt_result_text(result));
+}
+
+/* Replace the wrench by what a guard lets through; its time is the row's. A stale answer switches the guard off. */
+static void limit_wrench(dpt_guard *guard, uint64_t row, double dt, struct replayed_tick *tick)
+{
+    const dpt_wrench command = tick->wrench;
+    const uint64_t now = (uint64_t)((double)row * dt * 1e9 + 0.5);
+    dpt_guard_step(guard, now, &command, tick->hit.status != DPT_STATUS_STALE, &tick->wrench);
+}
+
+static void run_pass(struct stage *stage, struct replay_settings *settings, struct replayed *replayed, int is_first)
+{
+    struct meter meter = { .began = 0 };
+    dpt_guard guard = { .size = sizeof guard };
+    dpt_guard_init(&guard, NULL);
+    dpt_world_reset(stage->world);
+    for (size_t i = 0; i < replayed->trace->rows; i++) {
+        if (i % 256 == 0)
+            meter_show(&meter, "replay", (double)i / (double)replayed->trace->rows);
+        struct replayed_tick *tick = &replayed->ticks[i];
+        replay_tool_place(&settings->tool, replayed->trace, i, stage->world, stage->tool);
+        const uint64_t begin = clock_now();
+        dpt_world_step(stage->world, settings->dt, NULL);
+        double ns = (double)(clock_now() - begin);
+        tick->ns = is_first || ns < tick->ns ? ns : tick->ns;
+        tick->hit.size = sizeof tick->hit;
+        dpt_tool_get_hit(stage->world, stage->tool, &tick->hit);
+        dpt_force_report force = { .size = sizeof force };
+        dpt_tool_get_force_report(stage->world, stage->tool, &force);
+        tick->wrench = force.wrench;
+        tick->energy = force.energy;
+        tick->reason = force.reason;
+        tick->force_flags = force.flags;
+        dpt_tool_get_proxy(stage->world, stage->tool, &tick->proxy);
+        if (settings->limit)
+            limit_wrench(&guard, i, settings->dt, tick);
+        dpt_tool_get_strip(stage->world, stage->tool, 0, NULL, 0, &tick->strip_triangles, &tick->strip_flags);
+    }
+    meter_show(&meter, "", 1.0);
+}
+
+static int compare(struct replay_settings *settings, const dpt_mesh *mesh, struct replayed *replayed)
+{
+    struct comparison *against = &replayed->against;
+    const struct csv_table *trace = replayed->trace;
+    struct stage stage = { .block = NULL };
+    struct meter meter = { .began = 0 };
+    dpt_world_def def = settings->def;
+    def.method = (uint32_t)settings->against;
+    def.baseline = NULL;
+    def.budget = 0;
+    def.until = DPT_UNTIL_TRACK;
+    double *ns = malloc(trace->rows * sizeof *ns);
+    int status = ns ? stage_open(&stage, &def, settings, mesh, trace) : complain("replay", "memory ran out");
+    for (size_t i = 0; status == 0 && i < trace->rows; i += settings->every) {
+        dpt_hit hit = DPT_HIT_INIT;
+        if (against->ticks % 64 == 0)
+            meter_show(&meter, "compare", (double)i / (double)trace->rows);
+        replay_tool_place(&settings->tool, trace, i, stage.world, stage.tool);
+        const uint64_t begin = clock_now();
+        dpt_world_step(stage.world, settings->dt, NULL);
+        ns[against->ticks++] = (double)(clock_now() - begin);
+        dpt_tool_get_hit(stage.world, stage.tool, &hit);
+        double error = fabs(hit.distance - replayed->ticks[i].hit.distance);
+        against->wrong_count += error <= against->tolerance ? 0 : 1;
+        against->error_max = fmax(against->error_max, error);
+        against->missed_crossings += hit.distance == 0.0 && error > against->tolerance;
+    }
+    meter_show(&meter, "", 1.0);
+    if (ns) {
+        sort_numbers(ns, against->ticks);
+        against->median_ns = percentile(ns, against->ticks, 0.5);
+    }
+    against->method = methods[settings->against];
+    free(stage.block);
+    free(ns);
+    return status;
+}
+
+static int write_results(const struct replay_settings *settings, const struct replayed *replayed)
+{
+    struct output output;
+    int status = output_open(&output, "replay", settings->out);
+    if (status)
+        return status;
+    replay_write_csv(output.file, replayed);
+    status = output_complete(&output, "replay");
+    if (status)
+        return status;
+    if (settings->json)
+        replay_print_json(stdout, replayed);
+    else if (strcmp(settings->out, "-") != 0)
+        replay_print_table(stdout, replayed);
+    status = output_keep(&output, "replay");
+    return status ? status : replayed->against.wrong_count ? 1 : 0;
+}
+
+static void note_lengths(const struct replay_settings *settings, const dpt_mesh_info *info)
+{
+    const struct {
+        const char *name;
+        double length;
+    } lengths[] = { { "--radius", settings->tool.radius }, { "--strip-width", settings->def.strip_width } };
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++)
+        if (lengths[i].length > 0.5 * box_diagonal(info))
+            fprintf(stderr, "%s: note: %s %g m is much for its box of %s\n", settings->mesh, lengths[i].name,
+                    lengths[i].length, size_text(info).text);
+}
+
+static int run(struct replay_settings *settings, const dpt_mesh *mesh, const struct csv_table *trace)
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    struct stage stage = { .block = NULL };
+    struct replayed replayed = {
+        .trace = trace, .until = settings->def.until, .law = settings->force.law, .strip_kind = settings->def.strip
+    };
+    replayed.ticks = calloc(trace->rows, sizeof *replayed.ticks);
+    int status = replayed.ticks ? replay_tool_open(&settings->tool, settings->trace, trace)
+                                : complain("replay", "memory ran out");
+    if (status == 0)
+        status = stage_open(&stage, &settings->def, settings, mesh, trace);
+    if (status == 0) {
+        dpt_mesh_get_info(mesh, &info);
+        note_lengths(settings, &info);
+        replayed.diagonal = box_diagonal(&info);
+        replayed.against.tolerance = 1e-9 * replayed.diagonal;
+        replayed.mesh_bytes = info.bytes;
+        replayed.world_bytes = stage.bytes;
+        replayed.kernel = dpt_world_get_kernel(stage.world);
+        replayed.method = methods[settings->def.method];
+        for (uint64_t pass = 0; pass < settings->repeat; pass++)
+            run_pass(&stage, settings, &replayed, pass == 0);
+        if (settings->against >= 0)
+            status = compare(settings, mesh, &replayed);
+    }
+    if (status == 0)
+        status = write_results(settings, &replayed);
+    replay_tool_close(&settings->tool);
+    free(stage.block);
+    free(replayed.ticks);
+    return status;
+}
+
+/* Returns -1 to go on, else the exit status. */
+static int read_settings(int argc, char **argv, struct replay_settings *settings)
+{
+    const char *operand[2], *method = "exact", *until = "respond", *kernel = "auto";
+    const char *against = NULL, *strip = "none", *law = NULL;
+    struct option_texts tips = { .count = 0 };
+    size_t operands;
+    const struct option_def options[] = {
+        { .name = "-o", .text = &settings->out },
+        { .name = "--method", .text = &method },
+        { .name = "--radius", .number = &settings->tool.radius },
+        { .name = "--tip", .texts = &tips },
+        { .name = "--law", .text = &law },
+        { .name = "--stiffness", .number = &settings->force.stiffness },
+        { .name = "--friction", .number = &settings->force.friction },
+        { .name = "--damping", .number = &settings->force.damping },
+        { .name = "--until", .text = &until },
+        { .name = "--dt", .number = &settings->dt },
+        { .name = "--kernel", .text = &kernel },
+        { .name = "--repeat", .count = &settings->repeat },
+        { .name = "--against", .text = &against },
+        { .name = "--every", .count = &settings->every },
+        { .name = "--json", .flag = &settings->json },
+        { .name = "--parts", .count = &settings->parts },
+        { .name = "--budget", .count = &settings->budget },
+        { .name = "--certificate-bytes", .count = &settings->def.certificate_bytes },
+        { .name = "--one-step", .flag = &settings->one_step },
+        { .name = "--limit", .flag = &settings->limit },
+        { .name = "--strip", .text = &strip },
+        { .name = "--strip-width", .number = &settings->def.strip_width },
+    };
+    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand, 2, &operands);
+    if (status >= 0)
+        return status;
+    if (operands > 0 && is_recording(operand[0]))
+        return replay_recording(argc, argv);
+    if (operands != 2 || !settings->out)
+        return complain("replay", "FILE.dpa, TRACE.csv and -o OUT.csv are needed (see --help)");
+    settings->mesh = operand[0];
+    settings->trace = operand[1];
+    if (output_check("replay", settings->out, (const char *const[]){ settings->mesh, settings->trace, NULL }))
+        return 2;
+    int chosen[4] = { word_index(method, methods), word_index(until, until_words), word_index(kernel, kernels),
+                      against ? word_index(against, methods) : -1 };
+    if (chosen[0] < 0 || (against && chosen[3] < 0))
+        return complain("replay", "the methods are exact, tree, brute and paper");
+    if (chosen[1] < 0)
+        return complain("replay", "--until takes track, contact or respond");
+    if (chosen[2] < 0)
+        return complain("replay", "the kernels are auto, scalar, sse2, avx2, avx512, neon and wasm128");
+    if (word_index(strip, strip_words) < 0)
+        return complain("replay", "--strip takes shadow or routes");
+    if (!law)
+        law = chosen[0] == DPT_METHOD_PAPER ? "point" : "proxy";
+    status = law_by_name("replay", law, &settings->force.law);
+    if (status == 0)
+        status = force_options_check("replay", &settings->force);
+    if (status)
+        return status;
+    if (tip_shapes_of_options(&settings->tool.tips, "replay", &tips))
+        return 2;
+    if (tips.count && (chosen[0] != DPT_METHOD_EXACT || against || settings->force.law != DPT_LAW_PROXY))
+        return complain("replay", "--tip is for the method exact and the law proxy, without --against");
+    settings->def.max_tips = (uint32_t)tips.count;
+    settings->def.strip = (uint32_t)word_index(strip, strip_words);
+    settings->def.method = (uint32_t)chosen[0];
+    settings->def.until = (uint32_t)chosen[1];
+    settings->def.kernel = (uint32_t)chosen[2];
+    settings->against = chosen[3];
+    if (settings->parts < 1 || settings->parts > 64)
+        return complain("replay", "--parts must be 1 to 64");
+    if (settings->def.method != DPT_METHOD_PAPER && (settings->parts > 1 || settings->one_step))
+        return complain("replay", "--parts and --one-step are for --method paper");
+    if (settings->def.method != DPT_METHOD_EXACT && settings->budget)
+        return complain("replay", "--budget is for --method exact");
+    if (settings->force.law == DPT_LAW_PROXY && settings->def.method == DPT_METHOD_PAPER)
+        return complain("replay", "--law proxy is for the other methods than paper");
+    if (settings->def.certificate_bytes > (uint64_t)1 << 40)
+        return complain("replay", "--certificate-bytes must be 0 to 2^40");
+    if (settings->budget > UINT32_MAX)
+        return complain("replay", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
+    settings->def.budget = (uint32_t)settings->budget;
+    settings->baseline.parts = (uint32_t)settings->parts;
+    settings->baseline.one_step = (uint32_t)settings->one_step;
+    settings->def.baseline = &settings->baseline;
+    if (!(settings->tool.radius >= 0.0 && settings->tool.radius <= DPT_COORDINATE_MAX))
+        return complain("replay", "--radius must be 0 to 1e6");
+    if (!(settings->def.strip_width >= 0.0 && settings->def.strip_width <= DPT_COORDINATE_MAX))
+        return complain("replay", "--strip-width must be 0 to 1e6");
+    if (!(settings->dt > 0.0 && settings->dt <= 1e6))
+        return complain("replay", "--dt must be above 0, at most 1e6");
+    if (!against && settings->every != NOT_GIVEN)
+        return complain("replay", "--every is for --against");
+    if (settings->every == NOT_GIVEN)
+        settings->every = 1;
+    if (!settings->repeat || !settings->every)
+        return complain("replay", "--repeat and --every must be 1 or more");
+    if (settings->json && strcmp(settings->out, "-") == 0)
+        return complain("replay", "--json and -o - both want standard output");
+    return -1;
+}
+
+static int read_trace(struct csv_table *trace, const char *path)
+{
+    uint64_t line;
+    const char *line_error;
+    *trace = (struct csv_table){ .rows = 0 };
+    const int file = strcmp(path, "-") ? open(path, O_RDONLY) : STDIN_FILENO;
+    if (file < 0)
+        return complain("replay", "%s: cannot be opened: %s", path, strerror(errno));
+    dpt_result result = csv_table_stream(trace, file, UINT64_MAX, &trace_format, &line, &line_error);
+    const int saved_errno = errno;
+    if (file != STDIN_FILENO)
+        close(file);
+    if (result == DPT_OK)
+        return 0;
+    if (line_error)
+        return complain("replay", "%s:%" PRIu64 ": %s", path, line ? line : 1, line_error);
+    return complain("replay", "%s: cannot be read: %s", path,
+                    result == DPT_E_OPEN ? strerror(saved_errno) : dpt_result_text(result));
+}
+
+int command_replay(int argc, char **argv)
+{
+    struct replay_settings settings = {
+        .force = { .stiffness = 500.0 }, .dt = 1e-3, .repeat = 1, .every = NOT_GIVEN, .parts = 1
+    };
+    struct csv_table trace;
+    void *bytes;
+    /* It has options of its own. */
+    if (argc > 1 && is_recording(argv[1]))
+        return replay_recording(argc, argv);
+    if (replay_has_plan(argc, argv))
+        return replay_plan(argc, argv);
+    dpt_world_def_init(&settings.def);
+    dpt_baseline_def_init(&settings.baseline);
+    settings.def.max_bodies = settings.def.max_tools = settings.def.max_segments = 1;
+    int status = read_settings(argc, argv, &settings);
+    if (status >= 0)
+        return status;
+    const dpt_mesh *mesh = load_mesh("replay", settings.mesh, &bytes);
+    if (!mesh)
+        return 2;
+    status = read_trace(&trace, settings.trace);
+    if (status == 0)
+        status = run(&settings, mesh, &trace);
+    csv_table_free(&trace);
+    free(bytes);
+    return status;
+}

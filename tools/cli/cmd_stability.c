@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint stability: the laboratory of force (stability/lab.h). */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cli/command_options.h"
+#include "cli/commands.h"
+#include "lab/lab.h"
+
+static const char help[] =
+    "usage: dynpoint stability [CASE...] [options]\n"
+    "\n"
+    "Breaks methods of force on purpose: the proxy and the bed of this library, the paper's push at one\n"
+    "point, and a proxy of one point as other toolkits have it. Each case says what was measured and what\n"
+    "is allowed. docs/stability.md has the results. Exit status 1 if the proxy breaks a limit.\n"
+    "\n"
+    "  CASE         some of them; default: all\n"
+    "  --list       the cases' names and titles\n"
+    "  --effort E   share of the places and ticks, above 0, at most 1; default 1\n"
+    "  --json       one JSON object a line for each case, with the points of its charts\n";
+
+enum { CASES_MAX = 64 };
+
+static const struct lab_case *find_case(const char *name)
+{
+    for (const struct lab_case *const *which = lab_cases; *which; which++)
+        if (!strcmp((*which)->name, name))
+            return *which;
+    return NULL;
+}
+
+static int is_note(const struct lab_figure *figure)
+{
+    return fabs(figure->limit) == HUGE_VAL;
+}
+
+static const char *verdict_of(const struct lab_figure *figure)
+{
+    return is_note(figure) ? "" : lab_figure_holds(figure) ? "holds" : "fails";
+}
+
+static void print_table(const struct lab *lab, const struct lab_case *which)
+{
+    printf("%s: %s\n", which->name, which->title);
+    for (size_t i = 0; i < lab->figure_count; i++) {
+        const struct lab_figure *figure = &lab->figures[i];
+        printf("  %-10s %-62s %10.4g %-5s", figure->method, figure->what, figure->value, figure->unit);
+        if (!is_note(figure))
+            printf(" %s %8.4g  %s", figure->is_at_least ? ">=" : "<=", figure->limit, verdict_of(figure));
+        putchar('\n');
+    }
+    putchar('\n');
+}
+
+static void print_number(const char *name, double value)
+{
+    if (isfinite(value))
+        printf("\"%s\":%.9g", name, value);
+    else
+        printf("\"%s\":null", name);
+}
+
+/* The texts of cases are the program's own: they have no quotes and no backslashes. */
+static void print_json(const struct lab *lab, const struct lab_case *which)
+{
+    printf("{\"case\":\"%s\",\"title\":\"%s\",\"method\":\"%s\",\"advice\":\"%s\",\"figures\":[", which->name,
+           which->title, which->method, which->advice);
+    for (size_t i = 0; i < lab->figure_count; i++) {
+        const struct lab_figure *figure = &lab->figures[i];
+        printf("%s{\"method\":\"%s\",\"what\":\"%s\",", i ? "," : "", figure->method, figure->what);
+        print_number("value", figure->value);
+        printf(",\"unit\":\"%s\"", figure->unit);
+        if (!is_note(figure)) {
+            putchar(',');
+            print_number(figure->is_at_least ? "at_least" : "at_most", figure->limit);
+            printf(",\"verdict\":\"%s\"", verdict_of(figure));
+        }
+        putchar('}');
+    }
+    printf("],\"points\":[");
+    for (size_t i = 0; i < lab->point_count; i++) {
+        const struct lab_point *point = &lab->points[i];
+        printf("%s{\"chart\":\"%s\",\"series\":\"%s\",", i ? "," : "", point->chart, point->series);
+        print_number("x", point->x);
+        putchar(',');
+        print_number("y", point->y);
+        putchar('}');
+    }
+    puts("]}");
+}
+
+/* Figures of baselines may fail: that is what they are for. */
+static int breaks_a_limit(const struct lab *lab)
+{
+    for (size_t i = 0; i < lab->figure_count; i++) {
+        const char *method = lab->figures[i].method;
+        const int is_baseline = !strcmp(method, lab_method_name(LAB_POINT)) ||
+                                !strcmp(method, lab_method_name(LAB_BED)) || !strcmp(method, lab_method_name(LAB_BALL));
+        if (!is_baseline && !lab_figure_holds(&lab->figures[i]))
+            return 1;
+    }
+    return 0;
+}
+
+static int run_cases(const struct lab_case *const *cases, double effort, int json)
+{
+    struct meter meter = { .began = 0 };
+    int is_broken = 0, count = 0;
+    while (cases[count])
+        count++;
+    for (int i = 0; i < count; i++) {
+        struct lab lab;
+        meter_show(&meter, cases[i]->name, (double)i / count);
+        lab_run(&lab, cases[i], effort);
+        const int ran_out = lab.is_out_of_memory;
+        if (!ran_out)
+            (json ? print_json : print_table)(&lab, cases[i]);
+        is_broken |= breaks_a_limit(&lab);
+        lab_free(&lab);
+        if (ran_out)
+            return complain("stability", "memory ran out");
+        fflush(stdout);
+    }
+    meter_show(&meter, "", 1.0);
+    return is_broken;
+}
+
+static int list_cases(void)
+{
+    for (const struct lab_case *const *which = lab_cases; *which; which++)
+        printf("%-14s %s\n", (*which)->name, (*which)->title);
+    return 0;
+}
+
+int command_stability(int argc, char **argv)
+{
+    const char *names[CASES_MAX];
+    const struct lab_case *chosen[CASES_MAX + 1];
+    double effort = 1.0;
+    int json = 0, lists = 0;
+    size_t count;
+    const struct option_def options[] = { { .name = "--list", .flag = &lists },
+                                          { .name = "--effort", .number = &effort },
+                                          { .name = "--json", .flag = &json } };
+    const int status =
+        parse_options(argc, argv, options, sizeof options / sizeof *options, help, names, CASES_MAX, &count);
+    if (status >= 0)
+        return status;
+    if (lists)
+        return list_cases();
+    if (!(effort > 0.0 && effort <= 1.0))
+        return complain("stability", "--effort must be above 0, at most 1");
+    for (size_t i = 0; i < count; i++) {
+        chosen[i] = find_case(names[i]);
+        if (!chosen[i])
+            return complain("stability", "there is no case '%s' (see --list)", names[i]);
+    }
+    chosen[count] = NULL;
+    return run_cases(count ? chosen : lab_cases, effort, json);
+}

@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dynpoint view: a mesh, a scene or a recording in a browser. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/arm_file.h"
+#include "cli/cell_file.h"
+#include "cli/command_options.h"
+#include "cli/commands.h"
+#include "cli/stop.h"
+#include "dynpoint/compile.h"
+#include "record/recording_file.h"
+#include "scene/scene_list.h"
+#include "view/run_view.h"
+#include "view/view_recording.h"
+#include "view/view_scene.h"
+#include "view/view_serve.h"
+#include "view/view_stream.h"
+
+static const char help[] =
+    "usage: dynpoint view MESH [-o PAGE.html] [options]\n"
+    "       dynpoint view RECORDING.dpr [--mesh FILE] [--tool ARM.dpa] [-o PAGE.html] [options]\n"
+    "       dynpoint view SCENE [options of dynpoint run]\n"
+    "\n"
+    "Shows it in a browser. Prints the address of a page on this machine, and serves that until an\n"
+    "interrupt. A MESH is compiled (.dpa) or in a format that dynpoint compile reads. A SCENE, which\n"
+    "is a scene by name, a scene file or an arm's scene, is felt by a simulated hand that presses\n"
+    "and lets go, or by --device; it is dynpoint run SCENE --view.\n"
+    "\n"
+    "  -o PAGE.html     write a page that plays by itself, opened by a double click, and serve none\n"
+    "  --mesh FILE      the scene of the recording, if that is no scene by name, and the recording\n"
+    "                   does not carry it. The path in a recording is not opened: it may be another\n"
+    "                   person's\n"
+    "  --tool ARM.dpa   the arm whose tool moved, if one did and it is not carried\n"
+    "  --open           open a browser\n"
+    "  --port N         of the page; default a free one\n"
+    "  --address A      serve it on this address instead, to other machines, unencrypted\n"
+    "  --for S          serve it so many seconds\n"
+    "  --control        of a scene: the hand stands still until the page moves it\n";
+
+struct view_settings {
+    const char *path, *out;
+    struct view_recording_files files;
+    struct run_view_options serve;
+    double seconds;
+};
+
+/* What is served lies in the stream: nothing follows. */
+static int serve(const struct view_settings *settings, const struct view_stream *stream)
+{
+    const struct view_source source = { .first = stream->message, .first_count = stream->count };
+    struct view_serving *serving;
+    const int status = view_serve("view", &settings->serve, &source, &serving);
+    if (status)
+        return status;
+    stop_watch(NULL, settings->seconds);
+    while (!stop_requested())
+        sleep_seconds(0.1);
+    view_serve_end(serving, "The viewer was ended.");
+    return 0;
+}
+
+static int write_page(const struct view_settings *settings, const struct view_stream *stream)
+{
+    const struct view_page page = view_page_bytes();
+    struct output output;
+    if (!page.html)
+        return complain("view", "this build has no viewer's page, which needs node and three.js: "
+                                "make deps view, then make");
+    int status = output_open(&output, "view", settings->out);
+    if (status)
+        return status;
+    if (!view_stream_write_page(stream, &page, output.file)) {
+        fclose(output.file);
+        output_drop(&output);
+        return complain("view", "the viewer's page has no place for data");
+    }
+    return output_close(&output, "view");
+}
+
+static int show(const struct view_settings *settings, const struct view_stream *stream)
+{
+    return settings->out ? write_page(settings, stream) : serve(settings, stream);
+}
+
+static int show_recording(const struct view_settings *settings)
+{
+    struct view_stream stream = { .count = 0 };
+    int status = view_recording(&stream, &settings->files);
+    if (status == 0)
+        status = show(settings, &stream);
+    view_stream_free(&stream);
+    return status;
+}
+
+static const char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash && slash[1] ? slash + 1 : path;
+}
+
+static int show_mesh(const struct view_settings *settings, const dpt_mesh *mesh)
+{
+    const struct view_scene_body body = {
+        .name = name_of(settings->path), .mesh = mesh, .id = 1, .pose = DPT_POSE_IDENTITY
+    };
+    const struct view_scene scene = { .title = body.name, .mode = "mesh", .up = "y", .bodies = &body, .body_count = 1 };
+    struct view_stream stream = { .count = 0 };
+    size_t size = 0;
+    void *message = view_scene_message(&scene, &size);
+    int status = view_stream_add(&stream, message, size) ? 0 : complain("view", "memory ran out");
+    if (status == 0)
+        status = show(settings, &stream);
+    view_stream_free(&stream);
+    return status;
+}
+
+/* A mesh that is not compiled: compile it in memory. */
+static int show_source(const struct view_settings *settings)
+{
+    dpt_compiled compiled = { NULL, 0 };
+    dpt_diag diag = { .size = sizeof diag };
+    const dpt_mesh *mesh = NULL;
+    if (dpt_compile_file(settings->path, NULL, &compiled, &diag) != DPT_OK)
+        return complain_of_file("view", settings->path, &diag);
+    int status = dpt_mesh_open(compiled.bytes, compiled.size, &mesh) == DPT_OK
+                     ? show_mesh(settings, mesh)
+                     : complain("view", "%s: cannot be opened", settings->path);
+    dpt_compiled_free(&compiled);
+    return status;
+}
+
+static int has_ending(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), size = strlen(ending);
+    return length > size && !strcmp(path + length - size, ending);
+}
+
+/* 1 if it is to be felt: a scene by name, a scene file, an arm's scene. -1 after a message. */
+static int is_scene(const char *path)
+{
+    if (scene_listed(path) || has_ending(path, ".json"))
+        return 1;
+    if (!has_ending(path, ".dpa"))
+        return 0;
+    size_t size;
+    void *bytes = load_file("view", path, &size);
+    const int is_one = bytes ? is_arm(bytes, size) : -1;
+    free(bytes);
+    return is_one;
+}
+
+static int show_file(const struct view_settings *settings)
+{
+    if (is_recording(settings->path))
+        return show_recording(settings);
+    if (settings->files.mesh || settings->files.tool)
+        return complain("view", "--mesh and --tool are of a recording");
+    if (!has_ending(settings->path, ".dpa"))
+        return show_source(settings);
+    size_t size;
+    void *bytes = load_file("view", settings->path, &size);
+    const dpt_mesh *mesh = bytes ? open_mesh("view", settings->path, bytes, size) : NULL;
+    const int status = mesh ? show_mesh(settings, mesh) : 2;
+    free(bytes);
+    return status;
+}
+
+/* `dynpoint run SCENE --view`, with a simulated hand if no device is named. */
+static int run_scene(int argc, char **argv)
+{
+    static char command[] = "run", view[] = "--view", device[] = "--device", press[] = "sim:?hand=press&live=1",
+                hold[] = "sim:?hand=hold&live=1";
+    char **words = calloc((size_t)argc + 4, sizeof *words);
+    int count = 0, has_device = 0, has_control = 0;
+    if (!words)
+        return complain("view", "memory ran out");
+    words[count++] = command;
+    for (int i = 1; i < argc; i++) {
+        has_device |= !strcmp(argv[i], device);
+        has_control |= !strcmp(argv[i], "--control");
+        words[count++] = argv[i];
+    }
+    words[count++] = view;
+    if (!has_device) {
+        words[count++] = device;
+        words[count++] = has_control ? hold : press;
+    }
+    const int status = command_run(count, words);
+    free(words);
+    return status;
+}
+
+static int check_out(const struct view_settings *settings)
+{
+    const char *const inputs[] = { settings->path, settings->files.mesh ? settings->files.mesh : "",
+                                   settings->files.tool ? settings->files.tool : "", NULL };
+    if (!settings->out)
+        return 0;
+    if (settings->serve.open || settings->serve.port || settings->serve.address)
+        return complain("view", "-o writes a page, and --open, --port and --address serve one");
+    return output_check("view", settings->out, inputs);
+}
+
+int command_view(int argc, char **argv)
+{
+    struct view_settings settings = { .serve.is_on = 1, .seconds = HUGE_VAL };
+    size_t operands = 0;
+    const int scene = argc > 1 && argv[1][0] != '-' ? is_scene(argv[1]) : 0;
+    if (scene)
+        return scene < 0 ? 2 : run_scene(argc, argv);
+    const struct option_def options[] = {
+        { .name = "-o", .text = &settings.out },
+        { .name = "--mesh", .text = &settings.files.mesh },
+        { .name = "--tool", .text = &settings.files.tool },
+        { .name = "--open", .flag = &settings.serve.open },
+        { .name = "--port", .count = &settings.serve.port },
+        { .name = "--address", .text = &settings.serve.address },
+        { .name = "--for", .number = &settings.seconds },
+    };
+    int status =
+        parse_options(argc, argv, options, sizeof options / sizeof *options, help, &settings.path, 1, &operands);
+    if (status >= 0)
+        return status;
+    settings.files.recording = settings.path;
+    if (operands != 1)
+        return complain("view", "a MESH, a RECORDING.dpr or a SCENE is needed (see --help)");
+    if (!(settings.seconds > 0.0))
+        return complain("view", "--for must be positive");
+    if (run_view_check("view", &settings.serve) || check_out(&settings))
+        return 2;
+    return show_file(&settings);
+}

@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What the sub-commands share: error messages, options, and files read and written as a whole.
+ */
+#ifndef DPT_TOOLS_COMMAND_OPTIONS_H
+#define DPT_TOOLS_COMMAND_OPTIONS_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "dynpoint.h"
+
+/* Print "dynpoint COMMAND: ..." as one line on standard error; returns 2, the exit status. */
+int complain(const char *command, const char *format, ...)
+#ifdef __GNUC__
+    __attribute__((format(printf, 2, 3)))
+#endif
+    ;
+
+/* The values of an option that may be given several times, in their order. */
+enum { OPTION_TEXTS_MAX = 16 };
+struct option_texts {
+    const char *text[OPTION_TEXTS_MAX];
+    size_t count;
+};
+
+/* An option of a command, and where its value goes: exactly one of the pointers is not NULL. */
+struct option_def {
+    const char *name; /* "--scale", "-o" */
+    const char **text;
+    double *number;
+    uint64_t *count;
+    int *flag;
+    struct option_texts *texts;
+};
+
+/*
+ * Sort the arguments after argv[0] into options and operands. Prints `help` for --help.
+ *   operand    room for `operand_capacity` operands
+ *   operands   how many there were
+ *
+ * Returns -1 to go on, else the exit status.
+ */
+int parse_options(int argc, char **argv, const struct option_def *options, size_t option_count, const char *help,
+                  const char **operand, size_t operand_capacity, size_t *operands);
+
+/* The index of the text in `words`, which ends with NULL; -1 if it is none of them. */
+int word_index(const char *text, const char *const *words);
+
+/*
+ * A file to write. It is written under another name beside the path, and renamed when complete. "-" is standard output.
+ * If the path is no regular file (a device, a pipe, a link), it is written directly and never replaced. A file that is
+ * replaced keeps its permissions.
+ */
+struct output {
+    FILE *file;
+    const char *path;
+    char *part_path; /* what is written and renamed; NULL: nothing is renamed */
+};
+
+/* Refuse an output that is one of the inputs (ended by NULL), by whatever name. Returns 0, or 2 after a message. */
+int output_check(const char *command, const char *path, const char *const *inputs);
+
+/* Each returns 0, or 2 after a message; then nothing is left behind. */
+int output_open(struct output *output, const char *command, const char *path);
+int output_complete(struct output *output, const char *command); /* call when all is written */
+int output_keep(struct output *output, const char *command);     /* flush standard output, rename */
+int output_close(struct output *output, const char *command);    /* both */
+void output_drop(struct output *output);                         /* remove it instead */
+
+/* Flush standard output. Returns 0, or 2 after a message. */
+int flush_stdout(const char *command);
+
+/*
+ * Show progress on a terminal for work that takes more than a second: which fraction (0..1) of `what` is done. At 1 the
+ * line is wiped. Begin with a zeroed meter.
+ */
+struct meter {
+    long began; /* s */
+    int shown;
+};
+void meter_show(struct meter *meter, const char *what, double done);
+
+/*
+ * Read a file as a whole; "-" is standard input. It is opened and read once, so it may be a pipe. The bytes are aligned
+ * to 64 and followed by a zero; the caller frees them. NULL after a message.
+ */
+void *load_file(const char *command, const char *path, size_t *size);
+
+/* Open a file's bytes as a mesh; NULL after a message that names the wrong byte and section. */
+const dpt_mesh *open_mesh(const char *command, const char *path, void *bytes, size_t size);
+
+/* Read and open a mesh. *bytes is what to free. NULL after a message, with nothing to free. */
+const dpt_mesh *load_mesh(const char *command, const char *path, void **bytes);
+
+#endif

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The options of replay and run that say how a force is felt: --law, --stiffness, --friction, --damping. */
+#ifndef DPT_TOOLS_FORCE_OPTIONS_H
+#define DPT_TOOLS_FORCE_OPTIONS_H
+
+#include "cli/law_name.h"
+
+struct force_options {
+    uint32_t law;     /* DPT_LAW_... */
+    double stiffness; /* N/m */
+    double friction;  /* of all bodies, at rest and in motion; NAN: each has its own */
+    double damping;   /* Ns/m */
+};
+
+/* The exit status after a message, or 0. */
+static inline int force_options_check(const char *command, const struct force_options *options)
+{
+    if (!(options->stiffness >= 0.0 && options->stiffness <= 1e9))
+        return complain(command, "--stiffness must be 0 to 1e9");
+    if (options->friction < 0.0 || options->friction > 10.0)
+        return complain(command, "--friction must be 0 to 10");
+    if (!(options->damping >= 0.0 && options->damping <= 1e9))
+        return complain(command, "--damping must be 0 to 1e9");
+    if ((options->friction > 0.0 || options->damping > 0.0) && options->law != DPT_LAW_PROXY)
+        return complain(command, "--friction and --damping are for --law proxy");
+    return 0;
+}
+
+static inline dpt_result force_options_set_body(const struct force_options *options, dpt_world *world, dpt_body body)
+{
+    dpt_body_settings settings = { .size = sizeof settings };
+    dpt_result result = dpt_body_get_settings(world, body, &settings);
+    settings.static_friction = settings.kinetic_friction = options->friction;
+    return result == DPT_OK ? dpt_body_set_settings(world, body, &settings) : result;
+}
+
+/* `lock_rotation` for a device that gives no torque. Segments that are far are not searched for: nobody is shown them. */
+static inline dpt_result force_options_set_tool(const struct force_options *options, dpt_world *world, dpt_tool tool,
+                                                uint32_t lock_rotation)
+{
+    dpt_tool_settings settings = { .size = sizeof settings };
+    dpt_result result = dpt_tool_get_settings(world, tool, &settings);
+    settings.law = options->law;
+    settings.stiffness = options->stiffness;
+    settings.damping = options->damping;
+    settings.lock_rotation = lock_rotation;
+    settings.near_only = 1;
+    return result == DPT_OK ? dpt_tool_set_settings(world, tool, &settings) : result;
+}
+
+#endif

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "cli/spring_options.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "cli/cell_file.h"
+#include "cli/command_options.h"
+
+void spring_options_init(struct spring_options *options)
+{
+    *options = (struct spring_options){
+        .young = NAN, .density = NAN, .drag = NAN, .viscosity = NAN, .thickness = NAN, .bending = NAN, .spacing = NAN
+    };
+    dpt_spring_net_def_init(&options->def);
+}
+
+typedef dpt_result read_fn(struct spring_regions *regions, soup *source, const unsigned char *bytes, size_t size);
+
+static int load(struct spring_options *options, const char *command, const char *path, const char *out, read_fn *read)
+{
+    dpt_diag diag = { .size = sizeof diag };
+    soup source;
+    size_t size;
+    if (!path)
+        return 0;
+    if (output_check(command, out, (const char *const[]){ path, NULL }))
+        return 2;
+    void *bytes = load_file(command, path, &size);
+    if (!bytes)
+        return 2;
+    soup_init(&source, NULL, &diag);
+    const dpt_result result = read(&options->regions, &source, bytes, size);
+    soup_free(&source);
+    free(bytes);
+    return result == DPT_OK ? 0 : complain_of_file(command, path, &diag);
+}
+
+/* A number that was given is that of one kind of springs, or of both, and in its range. */
+static int take_numbers(struct spring_options *options, const char *command)
+{
+    dpt_spring_net_def *def = &options->def;
+    const struct {
+        const char *name;
+        double given, *to, most;
+        uint32_t kind; /* the only one that has it; 0: both */
+        int may_be_0;
+    } numbers[] = {
+        { "--young", options->young, &def->young, 1e12, 0, 0 },
+        { "--density", options->density, &def->density, 1e9, 0, 0 },
+        { "--drag", options->drag, &def->drag, 1e9, 0, 1 },
+        { "--viscosity", options->viscosity, &def->viscosity, 1e9, 0, 1 },
+        { "--thickness", options->thickness, &def->thickness, 1e6, DPT_NET_SHEET, 0 },
+        { "--bending", options->bending, &def->bending, 1e12, DPT_NET_SHEET, 1 },
+        { "--spacing", options->spacing, &def->spacing, 1e6, DPT_NET_VOLUME, 0 },
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        const double given = numbers[i].given;
+        if (isnan(given))
+            continue;
+        if (!options->kind)
+            return complain(command, "%s needs --springs", numbers[i].name);
+        if (numbers[i].kind && numbers[i].kind != def->kind)
+            return complain(command, "%s is not for --springs %s", numbers[i].name, options->kind);
+        if (!(given >= 0.0 && given <= numbers[i].most) || (given == 0.0 && !numbers[i].may_be_0))
+            return complain(command, "%s must be 0 to %g%s", numbers[i].name, numbers[i].most,
+                            numbers[i].may_be_0 ? "" : ", and not 0");
+        *numbers[i].to = given;
+    }
+    return 0;
+}
+
+int spring_options_take(struct spring_options *options, const char *command, const char *out, dpt_compile_def *def)
+{
+    static const char *const kinds[] = { "sheet", "volume", NULL };
+    const int kind = options->kind ? word_index(options->kind, kinds) : -1;
+    if (options->kind && kind < 0)
+        return complain(command, "--springs: '%s' is not sheet or volume", options->kind);
+    options->def.kind = kind == 0 ? DPT_NET_SHEET : DPT_NET_VOLUME;
+    if (take_numbers(options, command))
+        return 2;
+    if (!options->kind && (options->regions_path || options->fixed_path))
+        return complain(command, "%s needs --springs", options->regions_path ? "--regions" : "--fixed");
+    if (!options->kind)
+        return 0;
+    if (load(options, command, options->regions_path, out, regions_read) ||
+        load(options, command, options->fixed_path, out, fixed_read))
+        return 2;
+    options->def.regions = options->regions.regions;
+    options->def.region_count = (uint32_t)options->regions.region_count;
+    options->def.fixed = options->regions.fixed;
+    options->def.fixed_count = (uint32_t)options->regions.fixed_count;
+    def->springs = &options->def;
+    return 0;
+}
+
+void spring_options_free(struct spring_options *options)
+{
+    regions_free(&options->regions);
+}

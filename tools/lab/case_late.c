@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Walls that are too stiff, late and lost samples, and the controller of passivity. */
+#include <math.h>
+
+#include "dynpoint/coupling.h"
+#include "lab/hand_sway.h"
+#include "lab/lab_cases.h"
+
+enum { STIFFNESSES = 4, HANDS = 5, DELAYS = 4, FAULTS = 5 };
+enum { LOOPS = STIFFNESSES * HANDS * DELAYS * FAULTS };
+
+/* Has no divisor in common with that: any part of the loops is a mixture of all. */
+enum { STRIDE = 167 };
+
+#define MASS    0.1
+#define DAMPING 0.5
+#define PERIOD  1e-3
+#define TICKS   2500
+#define PRESS   1.0
+#define LIFT    1e-3
+
+/* N: of a weight, at most. */
+#define WEIGHT_MAX 9.0
+
+/* Of the stiffness at the limit. The first one has the margin of 1.5. */
+static const double shares[STIFFNESSES] = { 1.0 / 1.5, 1.5, 3.0, 10.0 };
+
+/* N/m and Ns/m; the last one is no hand. */
+static const double hands[HANDS][2] = { { 2000.0, 2.0 }, { 200.0, 0.0 }, { 20.0, 0.0 }, { 2.0, 0.0 }, { 0.0, 0.0 } };
+
+static const struct fault {
+    double jitter, loss, doubled; /* share of a period; shares of samples */
+} faults[FAULTS] = { { 0.0, 0.0, 0.0 }, { 0.2, 0.2, 0.2 }, { 0.2, 0.0, 0.0 }, { 0.0, 0.2, 0.0 }, { 0.0, 0.0, 0.2 } };
+
+/* Over the loops. */
+struct tally {
+    double account;                               /* least, in eps */
+    double without;                               /* the same without the controller, where the wall is too stiff */
+    uint64_t acted;                               /* where the wall has its margin and the line is sound */
+    double force[2];                              /* N, mean, over those loops: without and with the controller */
+    double with[STIFFNESSES], alone[STIFFNESSES]; /* sums of what is felt, of the wall's stiffness */
+    uint64_t count[STIFFNESSES];
+};
+
+/* What holds the device up in the second half, over how deep it is in the wall, of the wall's stiffness. */
+static double felt_share(const struct hand_loop *loop, double surface, double *force)
+{
+    double sum = 0.0, depth = 0.0;
+    const size_t from = loop->count / 2;
+    for (size_t i = from; i < loop->count; i++) {
+        sum += loop->track[i].sent[1];
+        depth += fmax(0.0, surface - loop->track[i].at[1]);
+    }
+    *force = sum / (double)(loop->count - from);
+    return depth > 0.0 ? sum / depth / loop->stiffness : 1.0;
+}
+
+/* It falls 1 mm on to the wall, and presses it with 1 N, or what a firm hand leaves of the heaviest weight. */
+static void try_loop(const struct hand_place *plane, uint64_t which, struct tally *tally)
+{
+    const int s = (int)(which % STIFFNESSES), h = (int)(which / STIFFNESSES % HANDS);
+    const double delay = (double)(which / STIFFNESSES / HANDS % DELAYS);
+    const struct fault *fault = &faults[which / STIFFNESSES / HANDS / DELAYS];
+    const double limit = dpt_stable_stiffness(MASS, DAMPING, PERIOD, delay * PERIOD, 0.0);
+    struct hand_loop loop = { .device = hand_device_even(MASS, DAMPING, delay, 0.0),
+                              .place = plane,
+                              .tool = { .radius = 0.005 },
+                              .method = LAB_PROXY,
+                              .stiffness = shares[s] * limit };
+    dpt_passivity_def def;
+    dpt_guard_def guard;
+    dpt_guard_def_init(&guard);
+    dpt_passivity_def_init(&def);
+    guard.start = 0.0;
+    guard.force_max = def.force_max = loop.device.force = 8.0;
+    guard.force_slew = def.force_slew = which % 3 ? 2000.0 : 0.0;
+    def.damping = DAMPING;
+    def.delay = (delay + 0.5 * fault->jitter) * PERIOD;
+    loop.guard = &guard;
+    loop.passivity = &def;
+    loop.device.jitter = fault->jitter * PERIOD;
+    loop.device.loss = fault->loss;
+    loop.device.doubled = fault->doubled;
+    loop.device.seed = (double)which;
+    loop.device.script = hands[h][0] > 0.0 ? "hold" : NULL;
+    loop.device.grip = hands[h][0];
+    loop.device.hand_damping = hands[h][1];
+    loop.device.weight = fmin(WEIGHT_MAX, PRESS + loop.device.grip * (LIFT + PRESS / loop.stiffness));
+    if (hand_loop_open(&loop) && hand_loop_lower(&loop, 1e-6)) {
+        const int is_sound = fault->jitter + fault->loss + fault->doubled == 0.0;
+        hand_loop_lift(&loop, LIFT);
+        for (int is_on = 0; is_on < 2; is_on++) {
+            double force;
+            def.observe_only = !is_on;
+            if (!hand_loop_run(&loop, TICKS)) {
+                tally->account = NAN;
+                break;
+            }
+            const dpt_passivity_info info = hand_loop_account(&loop);
+            const double share = felt_share(&loop, -LIFT, &force);
+            double *least = is_on ? &tally->account : &tally->without;
+            *least = hand_smaller(*least, info.account_min / info.eps);
+            if (s == 0 && is_sound) {
+                tally->force[is_on] += force;
+                tally->acted += info.acted;
+            }
+            (is_on ? tally->with : tally->alone)[s] += share;
+        }
+        tally->count[s]++;
+    } else {
+        tally->account = NAN;
+    }
+    hand_loop_close(&loop);
+}
+
+static void run(struct lab *lab)
+{
+    static const char *const costs[STIFFNESSES] = {
+        "mean force over mean depth, of the stiffness, at 1/1.5 of the limit",
+        "mean force over mean depth, of the stiffness, at 1.5 limits",
+        "mean force over mean depth, of the stiffness, at 3 limits",
+        "mean force over mean depth, of the stiffness, at 10 limits"
+    };
+    struct hand_mesh box = { .mesh = NULL };
+    struct hand_place plane;
+    struct tally tally = { .account = 0.0 };
+    const uint64_t loops = lab_share(lab, LOOPS);
+    if (!hand_mesh_open(&box, "box", 12, 3.0)) {
+        lab->is_out_of_memory = 1;
+        return;
+    }
+    hand_place_middle(&box, &plane);
+    for (uint64_t i = 0; i < loops; i++)
+        try_loop(&plane, i * STRIDE % LOOPS, &tally);
+    lab_at_least(lab, "controller", "least account", tally.account, "eps", -2.0);
+    lab_note(lab, "observer", "least account without the controller", tally.without, "eps");
+    lab_at_most(lab, "controller", "steps in which it acts where the wall has a margin of 1.5", (double)tally.acted, "",
+                0.0);
+    lab_at_least(lab, "controller", "force there, of that without it", tally.force[1] / tally.force[0], "", 0.99);
+    for (int s = 0; s < STIFFNESSES; s++) {
+        lab_note(lab, "controller", costs[s], tally.with[s] / (double)tally.count[s], "");
+        lab_note(lab, "observer", costs[s], tally.alone[s] / (double)tally.count[s], "");
+    }
+    hand_mesh_close(&box);
+}
+
+const struct lab_case late_case = {
+    "late", "Too stiff, late and lost",
+    "A device of 0.1 kg and 0.5 Ns/m at 1 kHz falls on to a plane and is held there, by hands of "
+    "2000 N/m down to none. The wall has 1/1.5 to 10 times the stiffness at the limit, delays are "
+    "0 to 3 periods, and jitter of 0.2 periods, 20 per cent of lost and of doubled samples come "
+    "one by one and together, with and without the guard's slew. The controller of passivity is "
+    "on, or only observes. What it costs is told by the mean force over the mean depth in the "
+    "wall, which is the stiffness that is felt.",
+    "Leave the controller on, and tell it the device's damping and delay. It costs nothing where "
+    "the coupling has its margin, and makes a wall that is too stiff rough instead of dangerous. "
+    "It is no substitute for a coupling that fits.",
+    run
+};

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A laboratory of force: cases that break methods on purpose (docs/stability.md). A case leads tools over meshes, or lets
+ * a simulated hand hold them, and notes figures of each method: what was measured, how much is allowed, and so whether the
+ * method holds. Some also note points for a chart.
+ *
+ * Cases are deterministic: the same figures on every machine, but for the last digits where the C library's sine is used.
+ */
+#ifndef DPT_TOOLS_LAB_H
+#define DPT_TOOLS_LAB_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "dynpoint.h"
+
+/* What is compared. BALL is a proxy of one point at the tool's tip, as point-based toolkits have it. */
+enum lab_method { LAB_POINT, LAB_BED, LAB_PROXY, LAB_BALL, LAB_METHODS };
+
+/* The word for a method: "point", "bed", "proxy", "ball". */
+const char *lab_method_name(int method);
+
+struct lab_figure {
+    const char *method; /* a method's word, or another subject, as "controller" */
+    const char *what;   /* "largest change of force in a tick" */
+    const char *unit;   /* "" if it has none */
+    double value;
+    double limit;    /* HUGE_VAL or -HUGE_VAL: a note, which every value meets */
+    int is_at_least; /* the value must reach the limit; else it must not exceed it */
+};
+
+/* One point of a chart: a curve's name, and where it is. */
+struct lab_point {
+    const char *chart, *series;
+    double x, y;
+};
+
+/* What a case has noted. Strings belong to the case and are not copied. */
+struct lab {
+    double effort; /* 0..1: share of the whole number of places, paths and ticks */
+    struct lab_figure *figures;
+    size_t figure_count, figure_room;
+    struct lab_point *points;
+    size_t point_count, point_room;
+    int is_out_of_memory;
+};
+
+struct lab_case {
+    const char *name;   /* the word for the command line */
+    const char *title;  /* of its section */
+    const char *method; /* what is done, in a paragraph */
+    const char *advice; /* what a user should do, in a paragraph */
+    void (*run)(struct lab *lab);
+};
+
+/* All cases, in the order in which they are told; the last one is NULL. */
+extern const struct lab_case *const lab_cases[];
+
+/* Note a figure that must be at most, or at least, so much; or that is just told. */
+void lab_at_most(struct lab *lab, const char *method, const char *what, double value, const char *unit, double limit);
+void lab_at_least(struct lab *lab, const char *method, const char *what, double value, const char *unit, double limit);
+void lab_note(struct lab *lab, const char *method, const char *what, double value, const char *unit);
+
+void lab_point_at(struct lab *lab, const char *chart, const char *series, double x, double y);
+
+/* 1 if the figure meets its limit; a NaN meets none. */
+int lab_figure_holds(const struct lab_figure *figure);
+
+/* At least 1: so many of `whole` that are due at this effort. */
+uint64_t lab_share(const struct lab *lab, uint64_t whole);
+
+/* Run a case. The figures and points are the lab's until lab_free. */
+void lab_run(struct lab *lab, const struct lab_case *which, double effort);
+void lab_free(struct lab *lab);
+
+#endif

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "record/replay_recording.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/command_options.h"
+#include "record/record_fields.h"
+#include "record/recording_file.h"
+#include "record/recording_scene.h"
+#include "record/scene_record.h"
+#include "record/scene_text.h"
+
+static const char help[] =
+    "usage: dynpoint replay FILE.dpr [SCENE.json|MESH.dpa|ARM.dpa] [--tool ARM.dpa] [--json]\n"
+    "\n"
+    "Makes the scene of a recording again, moves the tool as it was moved, and compares every\n"
+    "answer with the recorded one, bit for bit: the wrench, the proxy, contact, distance, energy.\n"
+    "Exit status 1 if one differs, or if records are missing or damaged: what follows those cannot\n"
+    "be compared. A recording that is cut off is compared up to there.\n"
+    "\n"
+    "  SCENE.json, MESH.dpa, --tool   where the files of the scene are now; default: those that the\n"
+    "                     recording carries, or where they were\n"
+    "  --json             the summary as one JSON object on standard output\n";
+
+/* Why the comparison ended. */
+enum ending { WHOLE, CUT, DIFFERS, MISSING, DAMAGED };
+static const char *const ending_words[] = { "whole", "cut", "differs", "missing", "damaged" };
+
+struct comparison_of_records {
+    const char *path;
+    uint64_t records, ticks; /* that were read, and compared */
+    enum ending ending;
+    uint64_t byte;                    /* where it is cut or damaged */
+    uint64_t first_missing, next;     /* the first record that is missing, and the next one */
+    const struct record_field *field; /* the first that differs */
+    dpt_record recorded, replayed;
+};
+
+/* Returns the first field that differs, or NULL. */
+static const struct record_field *compare(const dpt_record *a, const dpt_record *b)
+{
+    for (size_t i = 0; i < record_field_count; i++)
+        if (record_fields[i].is_answer && !record_field_is_same(&record_fields[i], a, b))
+            return &record_fields[i];
+    return NULL;
+}
+
+/* Replay one record. Returns 0 where it differs. */
+static int replay_tick(struct scene *scene, struct comparison_of_records *compared)
+{
+    dpt_device_state state;
+    dpt_wrench wrench = { { 0.0 }, { 0.0 } };
+    const dpt_loop_sample sample = sample_of_record(&compared->recorded, &state, &scene->device);
+    const dpt_result result = scene_feel(scene, &sample, &wrench);
+    compared->replayed = record_of_sample(&sample);
+    record_answers(&compared->replayed, scene, result, &wrench);
+    compared->field = compare(&compared->recorded, &compared->replayed);
+    return !compared->field;
+}
+
+static enum ending replay_all(struct recording_file *recording, struct scene *scene,
+                              struct comparison_of_records *compared)
+{
+    for (;;) {
+        const enum recording_item item = recording_next(recording, &compared->recorded);
+        compared->byte = recording->byte;
+        if (item != RECORDING_RECORD)
+            return item == RECORDING_END ? WHOLE : item == RECORDING_CUT ? CUT : DAMAGED;
+        compared->first_missing = compared->records;
+        compared->next = compared->recorded.number;
+        if (compared->next != compared->records)
+            return MISSING;
+        compared->records++;
+        if (!(compared->recorded.flags & DPT_RECORD_FLAG_FELT))
+            continue;
+        if (!replay_tick(scene, compared))
+            return DIFFERS;
+        compared->ticks++;
+    }
+}
+
+static void print_text(const struct comparison_of_records *c)
+{
+    printf("%s: %" PRIu64 " ticks, all the same bits", c->path, c->ticks);
+    switch (c->ending) {
+    case WHOLE:
+        break;
+    case CUT:
+        printf("; it is cut off at byte %" PRIu64, c->byte);
+        break;
+    case DIFFERS:
+        printf("; then record %" PRIu64 " differs: %s was ", c->recorded.number, c->field->name);
+        record_field_print(stdout, c->field, &c->recorded, 0);
+        printf(" and is ");
+        record_field_print(stdout, c->field, &c->replayed, 0);
+        break;
+    case MISSING:
+        printf("; then %" PRIu64 " records are missing from number %" PRIu64 " on, and what follows cannot be compared",
+               c->next - c->first_missing, c->first_missing);
+        break;
+    case DAMAGED:
+        printf("; it is damaged at byte %" PRIu64 ", and what follows cannot be compared", c->byte);
+        break;
+    }
+    putchar('\n');
+}
+
+static void print_json(const struct comparison_of_records *c)
+{
+    printf("{\"records\":%" PRIu64 ",\"ticks\":%" PRIu64 ",\"same\":%s,\"end\":\"%s\"", c->records, c->ticks,
+           c->ending == DIFFERS ? "false" : "true", ending_words[c->ending]);
+    if (c->ending == CUT || c->ending == DAMAGED)
+        printf(",\"byte\":%" PRIu64, c->byte);
+    if (c->ending == MISSING)
+        printf(",\"missing_from\":%" PRIu64 ",\"missing\":%" PRIu64, c->first_missing, c->next - c->first_missing);
+    if (c->ending == DIFFERS) {
+        printf(",\"record\":%" PRIu64 ",\"field\":\"%s\",\"recorded\":", c->recorded.number, c->field->name);
+        record_field_print(stdout, c->field, &c->recorded, 1);
+        fputs(",\"replayed\":", stdout);
+        record_field_print(stdout, c->field, &c->replayed, 1);
+    }
+    puts("}");
+}
+
+static void note_version(const struct recording_file *recording, const char *path)
+{
+    const uint32_t version = recording->header.writer_version;
+    if (version != dpt_version_number())
+        fprintf(stderr,
+                "%s: note: recorded by release %" PRIu32 ".%" PRIu32 ".%" PRIu32
+                ", this is %s: other bits are no fault\n",
+                path, version >> 16, version >> 8 & 255, version & 255, dpt_version());
+}
+
+int replay_recording(int argc, char **argv)
+{
+    const char *operand[2] = { NULL, NULL }, *tool = NULL;
+    int json = 0;
+    size_t operands;
+    const struct option_def options[] = { { .name = "--tool", .text = &tool }, { .name = "--json", .flag = &json } };
+    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand, 2, &operands);
+    if (status >= 0)
+        return status;
+    struct recording_file recording;
+    struct scene scene = { .world = NULL };
+    struct scene_text *text = malloc(sizeof *text);
+    struct comparison_of_records compared = { .path = operand[0] };
+    status = recording_open(&recording, "replay", operand[0]);
+    if (status == 0)
+        status =
+            text ? scene_text_read(text, "replay", operand[0], recording.text) : complain("replay", "memory ran out");
+    if (status == 0)
+        status = recording_scene_open(&scene, "replay", operand[0], text, operands > 1 ? operand[1] : NULL, tool);
+    if (status == 0) {
+        note_version(&recording, operand[0]);
+        compared.ending = replay_all(&recording, &scene, &compared);
+        (json ? print_json : print_text)(&compared);
+        status = compared.ending == WHOLE || compared.ending == CUT ? 0 : 1;
+    }
+    recording_close(&recording);
+    scene_close(&scene);
+    free(text);
+    return status;
+}

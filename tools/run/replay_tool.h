@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The tool that a trace moves: the row's segment, set free in each tick; or, with tips, a tool with a pose that is made
+ * of the row's segment.
+ */
+#ifndef DPT_TOOLS_REPLAY_TOOL_H
+#define DPT_TOOLS_REPLAY_TOOL_H
+
+#include "csv.h"
+#include "dynpoint/tip.h"
+#include "scene/tip_shape.h"
+
+struct replay_tool {
+    double radius; /* m, of the segment */
+    struct tip_shapes tips;
+    void *blocks[TIP_SHAPES_MAX];
+    const dpt_hull *hulls[TIP_SHAPES_MAX];
+    double length; /* m, of the first row's segment */
+    /* With tips: where the tool is. Its origin is the segment's end a, and its z axis leads to end b. */
+    dpt_pose pose;
+};
+
+/* Make the hulls, and check that the trace moves a rigid tool. `tool` has its radius and tips. 0, or 2 after a message. */
+int replay_tool_open(struct replay_tool *tool, const char *path, const struct csv_table *trace);
+void replay_tool_close(struct replay_tool *tool);
+
+/* Into a world that has none: the segment, and after the tool has its law, the tips. */
+dpt_result replay_tool_add(const struct replay_tool *tool, const struct csv_table *trace, dpt_world *world,
+                           dpt_tool *added);
+dpt_result replay_tool_add_tips(const struct replay_tool *tool, dpt_world *world, dpt_tool added);
+
+/* Place it for a row; rows in their order. A jump is a teleport. */
+void replay_tool_place(struct replay_tool *tool, const struct csv_table *trace, size_t row, dpt_world *world,
+                       dpt_tool added);
+
+#endif

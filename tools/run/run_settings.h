@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the user says of a run: the options of dynpoint run, and what its scene file has in place of those. */
+#ifndef DPT_TOOLS_RUN_SETTINGS_H
+#define DPT_TOOLS_RUN_SETTINGS_H
+
+#include "plan/plan.h"
+#include "record/recording_embed.h"
+#include "run/run_coupling.h"
+#include "scene/scene_def.h"
+#include "view/run_view.h"
+
+/* Not given. */
+#define RUN_NO_NUMBER      UINT64_MAX
+#define RUN_BUDGET_BY_RATE UINT64_MAX
+
+struct run_settings {
+    struct scene_def scene;
+    const char *device, *record, *identified;
+    struct coupling_options coupling;
+    double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
+    uint64_t ticks, budget;          /* RUN_BUDGET_BY_RATE: not given */
+    uint64_t clutch, cpu;            /* RUN_NO_NUMBER: not given */
+    struct run_view_options view;
+    struct recording_embed embed;
+    const char *plan_path; /* NULL: there is no plan */
+    struct plan plan;
+    int json, reopen, is_active, awake, embeds;
+};
+
+/* 1 if what is recorded is a trace alone. */
+int run_is_traced(const struct run_settings *settings);
+
+/*
+ * Read and check the options. Returns -1 to go on, else the exit status. Free settings->scene, settings->embed and
+ * settings->plan in either case.
+ */
+int run_settings_read(struct run_settings *settings, int argc, char **argv);
+
+#endif

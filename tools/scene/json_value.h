@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * JSON with the place of what is wrong. The tree is jansson's; a value knows how it was reached. The first fault counts:
+ * after it, every call finds nothing, so that a caller asks once, at the end.
+ */
+#ifndef DPT_TOOLS_JSON_VALUE_H
+#define DPT_TOOLS_JSON_VALUE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* ASCII without control characters. */
+struct json_fault {
+    int line, column; /* of what is no JSON, from 1; line 0: see `place` */
+    char place[128];  /* "bodies[2].material.young"; "": of the whole */
+    char reason[200]; /* "": there is no fault */
+};
+
+/* Say in one line what is wrong with a file; returns 2. */
+int json_fault_complain(const char *command, const char *path, const struct json_fault *fault);
+
+struct json_reader {
+    struct json_t *tree;
+    struct json_fault fault;
+};
+
+/* `value` NULL: there is none. `up` NULL: the whole. */
+struct json_value {
+    const struct json_t *value;
+    const struct json_value *up;
+    const char *key; /* NULL: it is the item `index` of a list */
+    size_t index;
+};
+
+/* Read a text. Free the reader also after a fault. */
+struct json_value json_read(struct json_reader *reader, const char *text, size_t size);
+void json_free(struct json_reader *reader);
+
+int json_has_failed(const struct json_reader *reader);
+
+/* Say what is wrong with a value, if nothing was wrong before. */
+void json_refuse(struct json_reader *reader, const struct json_value *at, const char *format, ...)
+#ifdef __GNUC__
+    __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+
+/* Of an object and of a list; an object that is none has no member. */
+struct json_value json_member(const struct json_value *object, const char *key);
+struct json_value json_item(const struct json_value *list, size_t index);
+
+/* 1 if it is an object whose keys are all among `keys`, which ends with NULL; else 0, with a fault. */
+int json_check_object(struct json_reader *reader, const struct json_value *at, const char *const *keys);
+
+/* The length of a list; 0 with a fault if it is no list of `least` to `most` items. */
+size_t json_check_list(struct json_reader *reader, const struct json_value *at, size_t least, size_t most);
+
+/* A whole number. A value that is not there leaves `to` as it is. */
+void json_whole(struct json_reader *reader, const struct json_value *at, uint64_t least, uint64_t most, uint64_t *to);
+
+/*
+ * Members of an object. A member that is missing leaves `to` as it is. json_take_above takes numbers above 0.
+ * json_take_numbers takes a list of `count` numbers within -most..most.
+ */
+void json_take_number(struct json_reader *reader, const struct json_value *object, const char *key, double least,
+                      double most, double *to);
+void json_take_above(struct json_reader *reader, const struct json_value *object, const char *key, double most,
+                     double *to);
+void json_take_numbers(struct json_reader *reader, const struct json_value *object, const char *key, size_t count,
+                       double most, double *to);
+void json_take_count(struct json_reader *reader, const struct json_value *object, const char *key, uint64_t least,
+                     uint64_t most, uint64_t *to);
+void json_take_flag(struct json_reader *reader, const struct json_value *object, const char *key, int *to);
+
+/* The index of a word in `words`, which ends with NULL, else `otherwise`. */
+int json_take_word(struct json_reader *reader, const struct json_value *object, const char *key,
+                   const char *const *words, int otherwise);
+
+/* A text of 1 to JSON_TEXT_MAX bytes without control characters, else NULL. It lives as long as the reader. */
+enum { JSON_TEXT_MAX = 4000 };
+const char *json_take_text(struct json_reader *reader, const struct json_value *object, const char *key);
+
+#endif

@@ -1,0 +1,406 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#define _POSIX_C_SOURCE 200809L
+#include "scene/scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/arm_file.h"
+#include "cli/command_options.h"
+#include "measure/measure_setting.h"
+
+/* Device to root: a URDF's z is up and its x ahead; a device's y is up and its z towards the user. */
+static const double device_to_root[4] = { 0.5, 0.5, -0.5, -0.5 };
+
+static void rotate(const double q[4], const double v[3], double out[3])
+{
+    const double t[3] = { 2.0 * (q[2] * v[2] - q[3] * v[1]), 2.0 * (q[3] * v[0] - q[1] * v[2]),
+                          2.0 * (q[1] * v[1] - q[2] * v[0]) };
+    const double rotated[3] = { v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1],
+                                v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2],
+                                v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0] };
+    memcpy(out, rotated, sizeof rotated);
+}
+
+static void rotate_back(const double q[4], const double v[3], double out[3])
+{
+    const double back[4] = { q[0], -q[1], -q[2], -q[3] };
+    rotate(back, v, out);
+}
+
+static void multiply_quaternions(const double a[4], const double b[4], double out[4])
+{
+    const double product[4] = { a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+                                a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+                                a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+                                a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0] };
+    memcpy(out, product, sizeof product);
+}
+
+/* Parse three numbers with commas between. Returns 0 if they are not. */
+static int parse_position(const char *text, double out[3])
+{
+    char *end;
+    for (int k = 0; k < 3; k++) {
+        out[k] = strtod(text, &end);
+        if (end == text || (k < 2 ? *end != ',' : *end != '\0') || !(fabs(out[k]) <= DPT_COORDINATE_MAX))
+            return 0;
+        text = end + 1;
+    }
+    return 1;
+}
+
+/* The tool's position, in the root's frame, with every joint in the middle of its limits. */
+static dpt_result middle_position(const dpt_arm *arm, double position[3])
+{
+    double joints[DPT_JOINTS_MAX] = { 0.0 };
+    dpt_pose tool;
+    dpt_arm_joint joint = { .size = sizeof joint };
+    for (uint32_t i = 0; dpt_arm_get_joint(arm, i, &joint) == DPT_OK; i++)
+        joints[i] = 0.5 * (joint.lower + joint.upper);
+    dpt_result result = dpt_arm_forward(arm, joints, &tool);
+    if (result == DPT_OK)
+        memcpy(position, tool.position, sizeof tool.position);
+    return result;
+}
+
+static uint32_t copy_tool_segments(const dpt_arm *arm, dpt_segment *segments)
+{
+    uint32_t count = 0;
+    while (count < DPT_ARM_SEGMENTS_MAX && dpt_arm_get_segment(arm, count, &segments[count]) == DPT_OK)
+        count++;
+    return count;
+}
+
+int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget)
+{
+    dpt_world_def world;
+    scene->device = *device;
+    dpt_world_def_init(&world);
+    world.sweep_budget = 0; /* `budget` bounds them, too; recordings tell no other but a plan's */
+    if (scene->planned)
+        world = scene->planned->world;
+    world.max_bodies = scene->bodies.count;
+    world.max_tools = 1;
+    world.max_segments = scene->segment_count;
+    world.max_tips = scene->tips.count;
+    world.budget = budget;
+    if (scene_bodies_displace(&scene->bodies))
+        world.strip = DPT_STRIP_KIND_SHADOW;
+    scene->block = malloc(dpt_world_bytes(&world));
+    if (!scene->block)
+        return complain(scene->command, "memory ran out");
+    dpt_result result = dpt_world_create(scene->block, dpt_world_bytes(&world), &world, &scene->world);
+    if (result == DPT_OK)
+        result = scene_bodies_add(&scene->bodies, scene->world, &scene->force);
+    if (result == DPT_OK && scene->physics_rate > 0.0)
+        result = scene_physics_open(&scene->physics, &scene->bodies, scene->physics_rate);
+    if (result == DPT_OK)
+        result = dpt_tool_add(scene->world, scene->segments, scene->segment_count, &scene->tool);
+    if (result == DPT_OK)
+        result = force_options_set_tool(&scene->force, scene->world, scene->tool, scene->device.wrench_dofs < 6);
+    if (result == DPT_OK)
+        result = scene_tips_add(&scene->tips, scene->world, scene->tool);
+    return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
+}
+
+/* Those that are given, or those of the file. The caller frees them; NULL after a message. */
+static void *load_bytes(const struct scene *scene, const char *path, const struct scene_bytes *given, size_t *size)
+{
+    void *bytes;
+    if (!given->bytes)
+        return load_file(scene->command, path, size);
+    if (posix_memalign(&bytes, 64, given->size + 1)) {
+        complain(scene->command, "memory ran out");
+        return NULL;
+    }
+    memcpy(bytes, given->bytes, given->size);
+    *size = given->size;
+    return bytes;
+}
+
+/* Open the arm whose tool is used, if there is one. Returns 0, or 2 after a message. */
+static int load_tool_arm(struct scene *scene, const struct scene_def *def)
+{
+    size_t size = 0;
+    scene->tool_arm = scene->arm;
+    if (!def->tool)
+        return 0;
+    scene->tool_bytes = load_bytes(scene, def->tool, &def->tool_bytes, &size);
+    if (!scene->tool_bytes)
+        return 2;
+    file_identity_add(&scene->tool_file, scene->tool_bytes, size);
+    scene->tool_arm = open_arm(scene->command, def->tool, scene->tool_bytes, size);
+    return scene->tool_arm ? 0 : 2;
+}
+
+/* The tips, the arm's only where they are felt. Returns 0, or 2 after a message. */
+static int make_tips(struct scene *scene, const struct scene_def *def)
+{
+    const char *path = def->tool ? def->tool : def->path;
+    const dpt_arm *arm = def->force.law == DPT_LAW_PROXY ? scene->tool_arm : NULL;
+    dpt_arm_info info = { .size = sizeof info };
+    if (scene->tool_arm && !arm && dpt_arm_get_info(scene->tool_arm, &info) == DPT_OK && info.tips && info.segments)
+        fprintf(stderr, "%s: note: its tool's tips are felt by the law proxy alone: left out\n", path);
+    return scene_tips_make(&scene->tips, scene->command, path, &def->tips, arm, &def->jaw);
+}
+
+/* The tool's segments, in its own frame. Returns their number, or 0 after a message. */
+static uint32_t load_segments(struct scene *scene, const struct scene_def *def, dpt_segment *segments)
+{
+    uint32_t count = scene->tool_arm ? copy_tool_segments(scene->tool_arm, segments) : 0;
+    if (!scene->tool_arm && def->file) {
+        count = def->file->segment_count;
+        memcpy(segments, def->file->segments, count * sizeof *segments);
+    }
+    if (count > 0)
+        return count;
+    if (scene->tips.arm) {
+        segments[0] = (dpt_segment){ .radius = 0.0 }; /* the point that a tool has at least */
+        return 1;
+    }
+    if (def->tool) {
+        complain(scene->command, "%s: its tool has no capsule, and no tip that is felt", def->tool);
+        return 0;
+    }
+    scene->stylus.radius = def->radius;
+    segments[0] = scene->stylus;
+    scene->has_stylus = def->tips.count == 0;
+    if (!scene->has_stylus)
+        segments[0].b[2] = def->length;
+    return 1;
+}
+
+/* The bodies, of a name or of a file. Returns 0, or 2 after a message. */
+static int open_bodies(struct scene *scene, const struct scene_def *def)
+{
+    const char *path = def->path;
+    const struct listed_scene *listed = scene_listed(path);
+    size_t size = 0;
+    if (listed && !def->scene_bytes.bytes)
+        return scene_bodies_of_list(&scene->bodies, scene->command, listed, &scene->file);
+    if (def->file) {
+        scene->file = def->file->identity;
+        scene->has_camera = def->file->has_camera;
+        memcpy(scene->camera, def->file->camera, sizeof scene->camera);
+        return scene_bodies_of_file(&scene->bodies, scene->command, path, def->file, &scene->file);
+    }
+    scene->bytes = load_bytes(scene, path, &def->scene_bytes, &size);
+    if (!scene->bytes)
+        return 2;
+    file_identity_add(&scene->file, scene->bytes, size);
+    if (is_arm(scene->bytes, size)) {
+        scene->arm = open_arm(scene->command, path, scene->bytes, size);
+        if (scene->arm)
+            scene_bodies_of_arm(&scene->bodies, scene->arm);
+        return scene->arm ? 0 : 2;
+    }
+    const dpt_mesh *mesh = open_mesh(scene->command, path, scene->bytes, size);
+    if (mesh)
+        scene_bodies_of_mesh(&scene->bodies, mesh);
+    return mesh ? 0 : 2;
+}
+
+/* Where the device's origin is: above the bodies, or where an arm's tool is in the middle of its limits. */
+static int place_device(struct scene *scene, const struct scene_def *def)
+{
+    const struct listed_scene *listed = scene_listed(def->path);
+    const struct scene_file *file = def->file;
+    if (file && file->has_origin) {
+        memcpy(scene->origin, file->origin, sizeof scene->origin);
+    } else if (listed && listed->has_origin) {
+        memcpy(scene->origin, listed->origin, sizeof scene->origin);
+    } else if (!scene->arm) {
+        scene_bodies_top(&scene->bodies, scene->origin);
+        scene->origin[1] += scene_tips_drop(&scene->tips, def->radius) + 0.005;
+    } else if (middle_position(scene->arm, scene->origin) != DPT_OK) {
+        return complain(scene->command, "%s: the arm's joints have no middle", def->path);
+    }
+    if (def->origin && !parse_position(def->origin, scene->origin))
+        return complain(scene->command, "--at takes three numbers, X,Y,Z");
+    return 0;
+}
+
+int scene_open(struct scene *scene, const struct scene_def *def)
+{
+    static const double identity[4] = { 1.0, 0.0, 0.0, 0.0 };
+    memset(scene, 0, sizeof *scene);
+    scene->command = def->command;
+    scene->zoom = def->zoom;
+    scene->force_scale = def->force_scale;
+    scene->clutch = def->clutch;
+    memcpy(scene->turned, identity, sizeof scene->turned);
+    scene->length = def->length;
+    scene->force = def->force;
+    scene->physics_rate = def->physics;
+    if (open_bodies(scene, def))
+        return 2;
+    if (def->physics != 0.0 && scene_physics_choose(&scene->bodies, def->command, def->path, def->physics))
+        return 2;
+    memcpy(scene->device_to_scene, scene->arm ? device_to_root : identity, sizeof scene->device_to_scene);
+    if (!scene->bodies.count)
+        return complain(scene->command, "%s: an arm whose scene has no body: name a mesh, and this one as --tool",
+                        def->path);
+    if (load_tool_arm(scene, def) || make_tips(scene, def) || place_device(scene, def))
+        return 2;
+    scene->segment_count = load_segments(scene, def, scene->segments);
+    return scene->segment_count ? 0 : 2;
+}
+
+void scene_close(struct scene *scene)
+{
+    scene_physics_close(scene->physics);
+    scene->physics = NULL;
+    free(scene->block);
+    scene_bodies_close(&scene->bodies);
+    scene_tips_close(&scene->tips);
+    free(scene->bytes);
+    free(scene->tool_bytes);
+}
+
+/* 1 if the device is the scene's arm. Then its joints give the tool's pose, whatever frame the device's pose is in. */
+static int is_the_arm(const struct scene *scene)
+{
+    dpt_arm_info info = { .size = sizeof info };
+    return scene->arm && scene->device.flags & DPT_DEVICE_FLAG_ARM && scene->device.pose_dofs == 6 &&
+           dpt_arm_get_info(scene->arm, &info) == DPT_OK && info.joints == scene->device.joints;
+}
+
+void scene_of_device(const struct scene *scene, const double point[3], double out[3])
+{
+    rotate(scene->device_to_scene, point, out);
+    for (int k = 0; k < 3; k++)
+        out[k] = scene->origin[k] + scene->zoom * out[k];
+}
+
+void scene_to_device(const struct scene *scene, const double point[3], double out[3])
+{
+    for (int k = 0; k < 3; k++)
+        out[k] = (point[k] - scene->origin[k]) / scene->zoom;
+    rotate_back(scene->device_to_scene, out, out);
+}
+
+double scene_depth(const struct scene *scene, double force, double depth)
+{
+    const int has_spring = scene->force.law == DPT_LAW_PROXY && scene->force.stiffness > 0.0;
+    return has_spring ? force / scene->force.stiffness : depth;
+}
+
+/* The tool's pose in the scene's frame, and the rotation `axes` from the device's axes to the scene's. */
+static dpt_result find_pose(const struct scene *scene, const dpt_device_state *state, dpt_pose *pose, double axes[4])
+{
+    if (is_the_arm(scene)) {
+        const double *q = state->pose.orientation;
+        const double back[4] = { q[0], -q[1], -q[2], -q[3] };
+        dpt_result result = dpt_arm_forward(scene->arm, state->joint, pose);
+        multiply_quaternions(pose->orientation, back, axes);
+        return result;
+    }
+    memcpy(axes, scene->device_to_scene, sizeof scene->device_to_scene);
+    scene_of_device(scene, state->pose.position, pose->position);
+    multiply_quaternions(axes, state->pose.orientation, pose->orientation);
+    multiply_quaternions(scene->turned, pose->orientation, pose->orientation);
+    return DPT_OK;
+}
+
+static dpt_result move_tool(struct scene *scene, const dpt_pose *pose)
+{
+    const double along[3] = { 0.0, 0.0, scene->length };
+    dpt_segment *stylus = &scene->stylus;
+    double reach[3];
+    if (!scene->has_stylus)
+        return dpt_tool_set_pose(scene->world, scene->tool, pose);
+    rotate(pose->orientation, along, reach);
+    for (int k = 0; k < 3; k++) {
+        stylus->a[k] = pose->position[k];
+        stylus->b[k] = stylus->a[k] + reach[k];
+    }
+    return dpt_tool_set_segments(scene->world, scene->tool, stylus, 1);
+}
+
+/* The hand has moved under the clutch: where the tool stands is where the hand is now. */
+static void reindex(struct scene *scene, const dpt_pose *hand)
+{
+    const double *q = hand->orientation;
+    const double back[4] = { q[0], -q[1], -q[2], -q[3] };
+    double by[4], size = 0.0;
+    multiply_quaternions(scene->pose.orientation, back, by);
+    multiply_quaternions(by, scene->turned, scene->turned);
+    for (int k = 0; k < 4; k++)
+        size += scene->turned[k] * scene->turned[k];
+    for (int k = 0; k < 4; k++)
+        scene->turned[k] /= sqrt(size);
+    for (int k = 0; k < 3; k++)
+        scene->origin[k] += scene->pose.position[k] - hand->position[k];
+}
+
+/* The device that is the arm has no clutch: its joints tell where the tool is. */
+static int is_clutch_down(const struct scene *scene, const dpt_device_state *state)
+{
+    return scene->clutch >= 0 && state->buttons >> scene->clutch & 1 && scene->has_pose && !is_the_arm(scene);
+}
+
+/* At the hand: force and torque of the scene in the device's axes. */
+static void to_hand(const struct scene *scene, const double axes[4], dpt_wrench *wrench)
+{
+    rotate_back(axes, wrench->force, wrench->force);
+    rotate_back(axes, wrench->torque, wrench->torque);
+    for (int k = 0; k < 3; k++) {
+        wrench->force[k] *= scene->force_scale;
+        wrench->torque[k] *= scene->force_scale / scene->zoom;
+    }
+    if (scene->device.wrench_dofs < 6)
+        memset(wrench->torque, 0, sizeof wrench->torque);
+}
+
+/* A step of the world and of what is soft, by dt, s. */
+static dpt_result step(struct scene *scene, double dt)
+{
+    dpt_result result = scene->physics ? scene_physics_begin_tick(scene->physics, scene->world) : DPT_OK;
+    if (result == DPT_OK)
+        result = dpt_world_step(scene->world, dt, NULL);
+    if (result != DPT_OK)
+        return result;
+    result = scene->physics ? scene_physics_end_tick(scene->physics, scene->world, dt)
+                            : scene_bodies_step(&scene->bodies, scene->world, dt);
+    scene_bodies_count_moves(&scene->bodies, dt);
+    return result;
+}
+
+uint64_t scene_soft_steps(const struct scene *scene)
+{
+    return scene->physics ? scene_physics_steps(scene->physics) : scene->bodies.steps;
+}
+
+dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wrench *wrench)
+{
+    dpt_pose pose;
+    double axes[4];
+    dpt_force_report report = { .size = sizeof report };
+    dpt_result result = find_pose(scene, sample->state, &pose, axes);
+    const int was_clutched = scene->is_clutched;
+    scene->is_clutched = result == DPT_OK && is_clutch_down(scene, sample->state);
+    if (scene->is_clutched)
+        return DPT_E_NOT_READY;
+    if (result == DPT_OK && was_clutched) {
+        reindex(scene, &pose);
+        result = find_pose(scene, sample->state, &pose, axes);
+    }
+    if (result == DPT_OK)
+        result = move_tool(scene, &pose);
+    if (result == DPT_OK)
+        result = scene_tips_move(&scene->tips, scene->world, scene->tool, sample->dt, sample->state->buttons);
+    if (result == DPT_OK)
+        result = step(scene, sample->dt);
+    if (result != DPT_OK)
+        return result;
+    scene->pose = pose;
+    scene->has_pose = 1;
+    dpt_tool_get_force_report(scene->world, scene->tool, &report);
+    *wrench = report.wrench;
+    to_hand(scene, axes, wrench);
+    const double share = scene->force_scale / scene->zoom;
+    scene_passivity_step(&scene->passivity, sample, share * report.energy, share * report.body_work, wrench);
+    return DPT_OK;
+}

@@ -1,0 +1,313 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "scene/scene_bodies.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/command_options.h"
+#include "shape/shape.h"
+
+/* A path, and a number of a body. */
+enum { SCENE_WHERE_BYTES = 4200 };
+
+void scene_bodies_of_mesh(struct scene_bodies *bodies, const dpt_mesh *mesh)
+{
+    memset(bodies, 0, sizeof *bodies);
+    bodies->body[0] = (struct scene_body){ .mesh = mesh, .pose = DPT_POSE_IDENTITY };
+    bodies->count = 1;
+}
+
+void scene_bodies_of_arm(struct scene_bodies *bodies, const dpt_arm *arm)
+{
+    dpt_arm_body from = { .size = sizeof from };
+    memset(bodies, 0, sizeof *bodies);
+    while (dpt_arm_get_body(arm, bodies->count, &from) == DPT_OK)
+        bodies->body[bodies->count++] = (struct scene_body){ .mesh = from.mesh, .pose = from.pose };
+}
+
+/* Take over all of a listed body but its shape and springs. */
+static void settle_body(struct scene_body *body, const struct listed_body *listed)
+{
+    body->pose = listed->pose;
+    body->integrator = listed->integrator;
+    body->iterations = listed->iterations;
+    body->response = listed->response;
+    body->name = listed->shape;
+    body->has_colour = listed->has_colour;
+    memcpy(body->colour, listed->colour, sizeof body->colour);
+    body->sleep_speed = listed->sleep_speed;
+    if (listed->friction > 0.0)
+        body->settings = (dpt_body_settings){ .size = sizeof body->settings,
+                                              .static_friction = listed->friction,
+                                              .kinetic_friction = listed->friction };
+    body->load_radius = listed->load_radius;
+    body->period = listed->period;
+}
+
+/* `where` is what a message begins with. */
+static int make_body(struct scene_body *body, const char *command, const char *where, const struct listed_body *listed,
+                     struct file_identity *identity)
+{
+    struct shape shape;
+    shape_reason reason;
+    dpt_compile_def def;
+    dpt_diag diag = { .size = sizeof diag };
+    dpt_compile_def_init(&def);
+    def.springs = listed->springs.kind ? &listed->springs : NULL;
+    settle_body(body, listed);
+    if (shape_make(listed->shape, listed->triangles, 0, &shape, reason))
+        return complain(command, "%s%s", where, reason);
+    dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
+                                           &def, &body->compiled, &diag);
+    shape_free(&shape);
+    if (result == DPT_OK)
+        result = dpt_mesh_open(body->compiled.bytes, body->compiled.size, &body->mesh);
+    if (result != DPT_OK)
+        return complain(command, "%s%s: %s", where, listed->shape, diag.code ? diag.text : dpt_result_text(result));
+    file_identity_add(identity, body->compiled.bytes, body->compiled.size);
+    return 0;
+}
+
+static int load_body(struct scene_body *body, const char *command, const char *where,
+                     const struct scene_file_body *from, struct file_identity *identity)
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    size_t size = 0;
+    settle_body(body, &from->listed);
+    body->is_rigid = from->way == SCENE_FILE_RIGID;
+    body->file_bytes = load_file(command, from->mesh, &size);
+    if (!body->file_bytes)
+        return 2;
+    file_identity_add(identity, body->file_bytes, size);
+    body->mesh = open_mesh(command, from->mesh, body->file_bytes, size);
+    if (!body->mesh)
+        return 2;
+    dpt_mesh_get_info(body->mesh, &info);
+    if (from->way == SCENE_FILE_SOFT && !info.springs)
+        return complain(command, "%s%s has no springs, so it does not give way", where, from->mesh);
+    if (from->listed.response == DPT_RESPONSE_DISPLACE && info.nodes)
+        return complain(command, "%sresponse: displace is for springs of a sheet", where);
+    return 0;
+}
+
+int scene_bodies_of_list(struct scene_bodies *bodies, const char *command, const struct listed_scene *listed,
+                         struct file_identity *identity)
+{
+    memset(bodies, 0, sizeof *bodies);
+    bodies->gravity = listed->gravity;
+    for (const struct listed_body *body = listed->bodies; body->shape; body++)
+        if (make_body(&bodies->body[bodies->count++], command, "", body, identity))
+            return 2;
+    return 0;
+}
+
+int scene_bodies_of_file(struct scene_bodies *bodies, const char *command, const char *path,
+                         const struct scene_file *file, struct file_identity *identity)
+{
+    memset(bodies, 0, sizeof *bodies);
+    bodies->gravity = file->gravity;
+    for (uint32_t i = 0; i < file->body_count; i++) {
+        const struct scene_file_body *from = &file->bodies[i];
+        struct scene_body *body = &bodies->body[bodies->count++];
+        char where[SCENE_WHERE_BYTES];
+        snprintf(where, sizeof where, "%s: bodies[%u]: ", path, (unsigned)i);
+        body->settings = from->settings;
+        if (from->mesh ? load_body(body, command, where, from, identity)
+                       : make_body(body, command, where, &from->listed, identity))
+            return 2;
+    }
+    return 0;
+}
+
+void scene_bodies_leave(struct scene_bodies *bodies)
+{
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        struct scene_body *body = &bodies->body[i];
+        free(body->block);
+        free(body->springs_block);
+        body->block = body->springs_block = NULL;
+        body->block_bytes = body->springs_bytes = 0;
+        body->springs = NULL;
+        body->id = 0;
+    }
+}
+
+void scene_bodies_close(struct scene_bodies *bodies)
+{
+    scene_bodies_leave(bodies);
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        dpt_compiled_free(&bodies->body[i].compiled);
+        free(bodies->body[i].file_bytes);
+    }
+    bodies->count = 0;
+}
+
+/* Row k of a rotation. */
+static void row_of(const double q[4], int k, double row[3])
+{
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    const double rows[3][3] = { { 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y) },
+                                { 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x) },
+                                { 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y) } };
+    memcpy(row, rows[k], sizeof rows[k]);
+}
+
+/* Where the box of a body's vertices begins and ends along an axis of the scene. */
+static void extent_of(const struct scene_body *body, int k, double *low, double *high)
+{
+    const float *vertices;
+    uint32_t count;
+    double row[3];
+    row_of(body->pose.orientation, k, row);
+    dpt_mesh_get_vertices(body->mesh, &vertices, &count);
+    for (size_t v = 0; v < count; v++) {
+        const double x = body->pose.position[k] + row[0] * (double)vertices[3 * v] +
+                         row[1] * (double)vertices[3 * v + 1] + row[2] * (double)vertices[3 * v + 2];
+        *low = x < *low ? x : *low;
+        *high = x > *high ? x : *high;
+    }
+}
+
+void scene_bodies_top(const struct scene_bodies *bodies, double top[3])
+{
+    for (int k = 0; k < 3; k++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        extent_of(&bodies->body[0], k, &low, &high);
+        top[k] = k == 1 ? high : 0.5 * (low + high);
+    }
+}
+
+/* Of a mesh of this extent: what a load is spread over, where the scene does not say. */
+#define LOAD_SHARE 0.05
+
+/* In diagonals of its box: how far a body that falls may go. */
+#define FALL_ROOM 3.0
+
+static double diagonal_of(const dpt_mesh_info *info)
+{
+    double square = 0.0;
+    for (int k = 0; k < 3; k++)
+        square += (info->box_max[k] - info->box_min[k]) * (info->box_max[k] - info->box_min[k]);
+    return sqrt(square);
+}
+
+static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body, dpt_world *world)
+{
+    dpt_deform_def deform;
+    dpt_springs_def springs;
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_deform_def_init(&deform);
+    dpt_springs_def_init(&springs);
+    dpt_mesh_get_info(body->mesh, &info);
+    const double diagonal = diagonal_of(&info);
+    deform.mesh = springs.mesh = body->mesh;
+    for (int k = 0; bodies->gravity > 0.0 && k < 3; k++) {
+        deform.box_min[k] = info.box_min[k] - FALL_ROOM * diagonal;
+        deform.box_max[k] = info.box_max[k] + FALL_ROOM * diagonal;
+    }
+    deform.pose = &body->pose;
+    deform.load_radius = body->load_radius > 0.0 ? body->load_radius : LOAD_SHARE * diagonal;
+    deform.period = body->period;
+    deform.response = body->response;
+    springs.integrator = body->integrator;
+    if (body->iterations)
+        springs.iterations = body->iterations;
+    if (body->sleep_speed != 0.0)
+        springs.sleep_speed = fmax(body->sleep_speed, 0.0);
+    for (int k = 0; k < 3; k++) {
+        double row[3];
+        row_of(body->pose.orientation, 1, row);
+        springs.gravity[k] = -bodies->gravity * row[k];
+    }
+    body->block_bytes = dpt_deform_bytes(&deform);
+    body->springs_bytes = dpt_springs_bytes(&springs);
+    body->block = malloc(body->block_bytes);
+    body->springs_block = malloc(body->springs_bytes);
+    if (!body->block || !body->springs_block)
+        return DPT_E_MEMORY;
+    const dpt_result result = dpt_deform_add(world, body->block, body->block_bytes, &deform, &body->id);
+    return result == DPT_OK ? dpt_springs_create(body->springs_block, body->springs_bytes, &springs, &body->springs)
+                            : result;
+}
+
+int scene_bodies_displace(const struct scene_bodies *bodies)
+{
+    int displaces = 0;
+    for (uint32_t i = 0; i < bodies->count; i++)
+        displaces |= bodies->body[i].response == DPT_RESPONSE_DISPLACE;
+    return displaces;
+}
+
+int scene_body_is_soft(const struct scene_body *body)
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_mesh_get_info(body->mesh, &info);
+    return info.springs && !body->is_rigid;
+}
+
+dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world, const struct force_options *options)
+{
+    dpt_result result = DPT_OK;
+    for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
+        struct scene_body *body = &bodies->body[i];
+        result = scene_body_is_soft(body) ? add_soft(bodies, body, world)
+                                          : dpt_body_add(world, body->mesh, &body->pose, &body->id);
+        if (result == DPT_OK && body->settings.size)
+            result = dpt_body_set_settings(world, body->id, &body->settings);
+        if (result == DPT_OK && !isnan(options->friction))
+            result = force_options_set_body(options, world, body->id);
+    }
+    return result;
+}
+
+/* Of the stable step, a substep takes at most this share (springs.h). */
+#define STEP_SHARE 0.9
+
+int scene_bodies_check_step(const struct scene_bodies *bodies, const char *command, const char *path, double dt)
+{
+    dpt_springs_def usual;
+    dpt_springs_def_init(&usual);
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        const dpt_springs *springs = bodies->body[i].springs;
+        const double stable = dpt_springs_stable_step(springs);
+        if (springs && !(dt <= STEP_SHARE * stable * usual.max_substeps))
+            return complain(command,
+                            "%s: bodies[%u] is too stiff: its steps may take %.3g s, and %u of them "
+                            "are less than %g s. Choose the integrator implicit, a material that "
+                            "is less stiff or heavier, or a coarser mesh",
+                            path, (unsigned)i, STEP_SHARE * stable, (unsigned)usual.max_substeps, dt);
+    }
+    return 0;
+}
+
+dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, double dt)
+{
+    uint64_t has_stepped = 0;
+    dpt_result result = DPT_OK;
+    for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
+        const struct scene_body *body = &bodies->body[i];
+        dpt_springs_report report = { .size = sizeof report };
+        if (!body->springs)
+            continue;
+        result = dpt_deform_step_springs(world, body->id, body->springs, dt, &report);
+        bodies->nodes += report.nodes;
+        bodies->active += report.active;
+        if (report.active)
+            scene_bodies_note_moving(bodies, fmax(body->period, dt));
+        has_stepped = 1;
+    }
+    bodies->steps += has_stepped;
+    return result;
+}
+
+void scene_bodies_note_moving(struct scene_bodies *bodies, double period)
+{
+    bodies->moving = fmax(bodies->moving, period);
+}
+
+void scene_bodies_count_moves(struct scene_bodies *bodies, double dt)
+{
+    bodies->moves += bodies->moving > 0.0;
+    bodies->moving = fmax(bodies->moving - dt, 0.0);
+}

@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "scene/scene_physics.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+
+#include "cli/command_options.h"
+#include "cli/stop.h"
+#include "clock.h"
+#include "scene/soft_exchange.h"
+
+/* Without a tick for so long, physics stands still. */
+#define LOOP_PERIODS_HELD 3.0
+#define SECONDS_HELD      0.02
+
+/* s: how long the thread sleeps before it looks whether it must end. */
+#define NAP 0.02
+
+/* A ratio of rates is a whole number within this share of it. */
+#define WHOLE_NUMBER 1e-9
+
+struct scene_physics {
+    struct scene_bodies *bodies;
+    struct soft_exchange exchange[DPT_ARM_BODIES_MAX]; /* of those that have springs */
+    double rate, period;                               /* Hz, s */
+    /* Of the haptic loop. */
+    double due; /* s of the loop that were not stepped yet */
+    /* Of the side that steps. */
+    uint64_t late;
+    /* Written by the haptic thread, read by physics, and the other way. */
+    uint64_t ticks;
+    uint64_t steps;
+    int32_t result;
+    /* The thread. */
+    pthread_t thread;
+    int is_running, has_thread;
+    uint32_t must_end;
+    uint64_t held_ns;
+};
+
+int scene_physics_choose(struct scene_bodies *bodies, const char *command, const char *path, double rate)
+{
+    int is_soft = 0;
+    if (!(rate >= SCENE_PHYSICS_RATE_MIN && rate <= SCENE_PHYSICS_RATE_MAX))
+        return complain(command, "--physics must be %g to %g", SCENE_PHYSICS_RATE_MIN, SCENE_PHYSICS_RATE_MAX);
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        struct scene_body *body = &bodies->body[i];
+        if (!scene_body_is_soft(body))
+            continue;
+        is_soft = 1;
+        if (body->response == DPT_RESPONSE_DISPLACE)
+            return complain(command,
+                            "%s: --physics: bodies[%u] is displaced by the tool, which is part of "
+                            "each tick: its springs cannot be stepped apart",
+                            path, (unsigned)i);
+        body->period = fmax(body->period, 1.0 / rate);
+    }
+    return is_soft ? 0 : complain(command, "%s: --physics: none of its bodies gives way", path);
+}
+
+int scene_physics_check_loop(const char *command, double rate, double loop_rate)
+{
+    const double ratio = loop_rate / rate, whole = round(ratio);
+    if (whole >= 1.0 && fabs(ratio - whole) <= WHOLE_NUMBER * ratio)
+        return 0;
+    return complain(command,
+                    "--physics %g: this device has a time of its own, so that physics is stepped "
+                    "every so many ticks: its rate must divide the %g Hz of the loop",
+                    rate, loop_rate);
+}
+
+dpt_result scene_physics_open(struct scene_physics **made, struct scene_bodies *bodies, double rate)
+{
+    dpt_deform_def def;
+    dpt_result result = DPT_OK;
+    struct scene_physics *physics = *made = calloc(1, sizeof *physics);
+    if (!physics)
+        return DPT_E_MEMORY;
+    physics->bodies = bodies;
+    physics->rate = rate;
+    physics->period = 1.0 / rate;
+    dpt_deform_def_init(&def);
+    for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++)
+        if (bodies->body[i].springs)
+            result = soft_exchange_open(&physics->exchange[i], bodies->body[i].mesh, def.max_points);
+    return result;
+}
+
+void scene_physics_close(struct scene_physics *physics)
+{
+    if (!physics)
+        return;
+    scene_physics_stop(physics);
+    for (uint32_t i = 0; i < DPT_ARM_BODIES_MAX; i++)
+        soft_exchange_close(&physics->exchange[i]);
+    free(physics);
+}
+
+/* Returns 0 after an error. */
+static int step(struct scene_physics *physics)
+{
+    struct scene_bodies *bodies = physics->bodies;
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        dpt_springs_report report = { .size = sizeof report };
+        if (!bodies->body[i].springs)
+            continue;
+        const dpt_result result =
+            soft_exchange_step(&physics->exchange[i], bodies->body[i].springs, physics->period, &report);
+        bodies->nodes += report.nodes;
+        bodies->active += report.active;
+        if (result != DPT_OK) {
+            __atomic_store_n(&physics->result, result, __ATOMIC_RELAXED);
+            return 0;
+        }
+    }
+    __atomic_store_n(&physics->steps, physics->steps + 1, __ATOMIC_RELAXED);
+    return 1;
+}
+
+dpt_result scene_physics_begin_tick(struct scene_physics *physics, dpt_world *world)
+{
+    dpt_result result = __atomic_load_n(&physics->result, __ATOMIC_RELAXED);
+    for (uint32_t i = 0; result == DPT_OK && i < physics->bodies->count; i++) {
+        const struct scene_body *body = &physics->bodies->body[i];
+        int is_new = 0;
+        if (body->springs)
+            result = soft_exchange_take_vertices(&physics->exchange[i], world, body->id, &is_new);
+        if (is_new)
+            scene_bodies_note_moving(physics->bodies, body->period);
+    }
+    return result;
+}
+
+/* By the loop's time: whatever is nearer to this tick than to the next one. */
+static dpt_result step_by_ticks(struct scene_physics *physics, double dt)
+{
+    if (!(dt >= 0.0 && dt <= DPT_SPRINGS_STEP_MAX))
+        return DPT_E_ARGUMENT;
+    for (physics->due += dt; physics->due >= physics->period - 0.5 * dt; physics->due -= physics->period)
+        if (!step(physics))
+            return physics->result;
+    return DPT_OK;
+}
+
+dpt_result scene_physics_end_tick(struct scene_physics *physics, dpt_world *world, double dt)
+{
+    dpt_result result = DPT_OK;
+    for (uint32_t i = 0; result == DPT_OK && i < physics->bodies->count; i++) {
+        const struct scene_body *body = &physics->bodies->body[i];
+        if (body->springs)
+            result = soft_exchange_give_loads(&physics->exchange[i], world, body->id);
+    }
+    __atomic_store_n(&physics->ticks, physics->ticks + 1, __ATOMIC_RELAXED);
+    return result == DPT_OK && !physics->has_thread ? step_by_ticks(physics, dt) : result;
+}
+
+static int must_end(const struct scene_physics *physics)
+{
+    return __atomic_load_n(&physics->must_end, __ATOMIC_RELAXED) != 0;
+}
+
+static void sleep_until(const struct scene_physics *physics, uint64_t deadline)
+{
+    for (uint64_t now = clock_now(); now < deadline && !must_end(physics); now = clock_now())
+        sleep_seconds(fmin(1e-9 * (double)(deadline - now), NAP));
+}
+
+/* Steps at absolute deadlines. Those that a long step missed are left out, so that it never runs after the loop. */
+static void *run(void *user)
+{
+    struct scene_physics *physics = user;
+    const uint64_t period = (uint64_t)(1e9 * physics->period + 0.5);
+    uint64_t deadline = clock_now(), ticks = 0, ticked_ns = 0;
+    while (!must_end(physics)) {
+        const uint64_t ticks_now = __atomic_load_n(&physics->ticks, __ATOMIC_RELAXED);
+        uint64_t now = clock_now();
+        if (ticks_now != ticks)
+            ticked_ns = now;
+        ticks = ticks_now;
+        const int is_held = now - ticked_ns > physics->held_ns;
+        if (!is_held && !step(physics))
+            break;
+        deadline += period;
+        now = clock_now();
+        if (now > deadline) {
+            const uint64_t passed = (now - deadline) / period;
+            physics->late += is_held ? 0 : passed;
+            deadline += passed * period;
+        }
+        sleep_until(physics, deadline);
+    }
+    return NULL;
+}
+
+dpt_result scene_physics_start(struct scene_physics *physics, double loop_rate)
+{
+    sigset_t all, before;
+    physics->held_ns = (uint64_t)(1e9 * fmax(SECONDS_HELD, LOOP_PERIODS_HELD / loop_rate));
+    physics->has_thread = 1;
+    /* Signals are for the thread that watches for them. */
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const int error = pthread_create(&physics->thread, NULL, run, physics);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    physics->is_running = error == 0;
+    return error ? DPT_E_SYSTEM : DPT_OK;
+}
+
+void scene_physics_stop(struct scene_physics *physics)
+{
+    if (!physics || !physics->is_running)
+        return;
+    __atomic_store_n(&physics->must_end, 1u, __ATOMIC_RELAXED);
+    pthread_join(physics->thread, NULL);
+    physics->is_running = 0;
+}
+
+uint64_t scene_physics_steps(const struct scene_physics *physics)
+{
+    return __atomic_load_n(&physics->steps, __ATOMIC_RELAXED);
+}
+
+struct scene_physics_report scene_physics_get_report(const struct scene_physics *physics)
+{
+    const double periods = (double)(physics->steps + physics->late);
+    return (struct scene_physics_report){ .asked = physics->rate,
+                                          .rate =
+                                              periods > 0.0 ? physics->rate * (double)physics->steps / periods : 0.0,
+                                          .steps = physics->steps,
+                                          .late = physics->late,
+                                          .has_thread = physics->has_thread };
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Physics of a scene's soft bodies at a rate of its own, apart from the haptic loop: in a thread, or, so that every run
+ * gives the same bits, within the loop by the loop's time. Both go through the same exchange. In the haptic loop nothing
+ * is allocated, locked, or asked of the system.
+ *
+ *     scene_physics_open(&physics, bodies, rate);
+ *     scene_physics_start(physics, loop_rate);               without it, physics goes by the loop's time
+ *     haptic loop, before a step:   scene_physics_begin_tick(physics, world);
+ *                  after it:        scene_physics_end_tick(physics, world, dt);
+ *     scene_physics_stop(physics);
+ *     scene_physics_close(physics);                           before the world is freed
+ */
+#ifndef DPT_TOOLS_SCENE_PHYSICS_H
+#define DPT_TOOLS_SCENE_PHYSICS_H
+
+#include "scene/scene_bodies.h"
+
+struct scene_physics;
+
+/* Hz; a period is at most a second, as a step of springs is. */
+#define SCENE_PHYSICS_RATE_MIN 1.0
+#define SCENE_PHYSICS_RATE_MAX 5000.0
+
+/*
+ * Before bodies are added to a world: refuse what cannot be stepped apart, and let the vertices move smoothly from one
+ * step of physics to the next. `path` is the scene's. Returns 0, or 2 after a message.
+ */
+int scene_physics_choose(struct scene_bodies *bodies, const char *command, const char *path, double rate);
+
+/*
+ * By the time of a loop at this rate, Hz: refuse physics whose period is no whole number of the loop's. Returns 0, or 2
+ * after a message.
+ */
+int scene_physics_check_loop(const char *command, double rate, double loop_rate);
+
+/* Of bodies that were added to a world. DPT_E_MEMORY: memory ran out. */
+dpt_result scene_physics_open(struct scene_physics **physics, struct scene_bodies *bodies, double rate);
+void scene_physics_close(struct scene_physics *physics);
+
+/*
+ * Step in a thread of its own until scene_physics_stop. While the loop does not tick, because the clutch is down or the
+ * device is lost, physics stands still after 20 ms or three periods of the loop. DPT_E_SYSTEM: there is no thread. Stop
+ * waits for the step that is under way; NULL, and physics without a thread, are fine.
+ */
+dpt_result scene_physics_start(struct scene_physics *physics, double loop_rate);
+void scene_physics_stop(struct scene_physics *physics);
+
+/*
+ * In the haptic loop, before and after a step of the world by dt, s. An error of physics is returned by every tick after
+ * it: no step follows.
+ */
+dpt_result scene_physics_begin_tick(struct scene_physics *physics, dpt_world *world);
+dpt_result scene_physics_end_tick(struct scene_physics *physics, dpt_world *world, double dt);
+
+struct scene_physics_report {
+    double asked, rate; /* Hz; the second is what it was, on average */
+    uint64_t steps;
+    uint64_t late; /* periods that passed without a step, because the one before took too long */
+    int has_thread;
+};
+
+/* The steps so far, from any thread; all of it after scene_physics_stop. */
+uint64_t scene_physics_steps(const struct scene_physics *physics);
+struct scene_physics_report scene_physics_get_report(const struct scene_physics *physics);
+
+#endif
