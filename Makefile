@@ -12,7 +12,7 @@ else
 
 CONFIG ?= release
 VERSION := $(shell sed -n 's/^\#define DPT_VERSION_STRING "\(.*\)"/\1/p' include/dynpoint/base.h)
-SOVERSION := 0
+SOVERSION := 1
 B := $(if $(filter release,$(CONFIG)),build,build/$(CONFIG))
 
 CC ?= cc

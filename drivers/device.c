@@ -20,7 +20,7 @@ DPT_DRIVERS
 static const dpt_driver *const drivers[] = { DPT_DRIVERS NULL };
 #undef DRIVER
 
-const dpt_driver *dpt_driver_at(uint32_t index)
+const dpt_driver *dpt_driver_get(uint32_t index)
 {
     return index < sizeof drivers / sizeof *drivers ? drivers[index] : NULL;
 }
@@ -33,7 +33,7 @@ static const dpt_driver *find_driver(const char *name, size_t length)
     return NULL;
 }
 
-const dpt_driver *dpt_driver_named(const char *name)
+const dpt_driver *dpt_driver_find(const char *name)
 {
     return name ? find_driver(name, strlen(name)) : NULL;
 }

@@ -223,9 +223,9 @@ dpt_result identify_serve(struct identify_server *server)
     server->reported = -REPORT_TIME;
     server->settled = -1.0;
     identify_motion_pause(&server->motion);
-    DPT_TRY(dpt_loop_create(server->device, &def, &server->loop));
+    DPT_TRY(dpt_loop_open(server->device, &def, &server->loop));
     const dpt_result result = dpt_loop_run(server->loop, &stats);
-    dpt_loop_free(server->loop);
+    dpt_loop_close(server->loop);
     server->loop = NULL;
     return note_run(server, &stats, result);
 }

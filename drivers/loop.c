@@ -65,7 +65,7 @@ static dpt_result open_lines(struct dpt_loop *loop, dpt_device *device)
                                                                                                : DPT_OK;
 }
 
-dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *given, dpt_loop **out)
+dpt_result dpt_loop_open(dpt_device *device, const dpt_loop_def *given, dpt_loop **out)
 {
     dpt_loop loop = { .stop = 0 };
     dpt_device_info info = { .size = sizeof info };
@@ -91,7 +91,7 @@ dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *given, dpt_lo
     return DPT_OK;
 }
 
-void dpt_loop_free(dpt_loop *loop)
+void dpt_loop_close(dpt_loop *loop)
 {
     free(loop);
 }

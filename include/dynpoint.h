@@ -11,9 +11,9 @@
 
 #include "dynpoint/arm.h"
 #include "dynpoint/base.h"
+#include "dynpoint/body.h"
 #include "dynpoint/contact.h"
 #include "dynpoint/coupling.h"
-#include "dynpoint/deform.h"
 #include "dynpoint/exchange.h"
 #include "dynpoint/guard.h"
 #include "dynpoint/hull.h"
@@ -27,6 +27,7 @@
 #include "dynpoint/springs.h"
 #include "dynpoint/strip.h"
 #include "dynpoint/tip.h"
+#include "dynpoint/tool.h"
 #include "dynpoint/types.h"
 #include "dynpoint/world.h"
 

@@ -122,12 +122,12 @@ int main(int argc, char **argv)
     def.tick = feel;
     def.ticks = 200;
     stats.size = sizeof stats;
-    result = dpt_loop_create(device, &def, &loop);
+    result = dpt_loop_open(device, &def, &loop);
     if (result == DPT_OK)
         result = dpt_loop_run(loop, &stats);
     if (result == DPT_OK)
         printf("ticks %d commands %d clamped %d\n", (int)stats.ticks, (int)stats.sent, (int)stats.clamped);
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(device);
     return result == DPT_OK ? 0 : 1;
 }

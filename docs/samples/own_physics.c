@@ -27,7 +27,7 @@
 #define DRAG   6.0   /* Ns/m, of a vertex */
 #define RADIUS 0.001 /* m, of the needle */
 enum { TICKS = 5000, TICKS_A_PERIOD = 10 };
-enum { LOADS_MAX = 16 * 256 }; /* dpt_deform_def.max_points, and the most vertices of one */
+enum { LOADS_MAX = 16 * 256 }; /* dpt_deformable_def.max_points, and the most vertices of one */
 
 struct loads {
     uint32_t count;
@@ -60,7 +60,7 @@ struct scene {
 struct felt {
     dpt_pose proxy;
     double depth;
-    dpt_force_report report;
+    dpt_force_info report;
 };
 
 #define MUST(call) must(#call, call)
@@ -110,13 +110,13 @@ static struct felt haptic_tick(struct scene *scene, int tick)
     scene->device.position[2] = scene->held_at + 0.01 * fmax(0, 1 - 2 * TICK * tick);
 
     if (dpt_latest_take(&scene->latest_positions))
-        MUST(dpt_deform_set_vertices(scene->world, scene->body, 0, scene->vertices,
-                                     scene->positions[scene->latest_positions.reading], -1));
+        MUST(dpt_body_set_vertices(scene->world, scene->body, 0, scene->vertices,
+                                   scene->positions[scene->latest_positions.reading], -1));
     MUST(dpt_tool_set_pose(scene->world, scene->tool, &scene->device));
     MUST(dpt_world_step(scene->world, TICK, NULL));
-    MUST(dpt_tool_get_force_report(scene->world, scene->tool, &felt.report)); /* to the device */
-    MUST(dpt_tool_get_proxy(scene->world, scene->tool, &felt.proxy));         /* to the screen */
-    MUST(dpt_deform_get_loads(scene->world, scene->body, loads->load, LOADS_MAX, &loads->count));
+    MUST(dpt_tool_get_force_info(scene->world, scene->tool, &felt.report)); /* to the device */
+    MUST(dpt_tool_get_proxy(scene->world, scene->tool, &felt.proxy));       /* to the screen */
+    MUST(dpt_body_get_loads(scene->world, scene->body, loads->load, LOADS_MAX, &loads->count));
     dpt_latest_publish(&scene->latest_loads);
 
     felt.depth = felt.proxy.position[2] - scene->device.position[2];
@@ -142,19 +142,20 @@ static void open_haptics(struct scene *scene, const dpt_mesh_info *info)
 {
     const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.15 }, RADIUS };
     dpt_world_def world_def;
-    dpt_deform_def body_def;
+    dpt_deformable_def body_def;
     dpt_hit top = DPT_HIT_INIT;
 
     dpt_world_def_init(&world_def);
     scene->world_block = must_allocate(dpt_world_bytes(&world_def));
     MUST(dpt_world_create(scene->world_block, dpt_world_bytes(&world_def), &world_def, &scene->world));
 
-    dpt_deform_def_init(&body_def);
+    dpt_deformable_def_init(&body_def);
     body_def.mesh = scene->mesh;
     body_def.period = PERIOD;    /* vertices move smoothly from one step of physics to the next */
     body_def.load_radius = 0.01; /* m: the needle's force is spread over a patch */
-    scene->body_block = must_allocate(dpt_deform_bytes(&body_def));
-    MUST(dpt_deform_add(scene->world, scene->body_block, dpt_deform_bytes(&body_def), &body_def, &scene->body));
+    scene->body_block = must_allocate(dpt_deformable_bytes(&body_def));
+    MUST(dpt_body_add_deformable(scene->world, scene->body_block, dpt_deformable_bytes(&body_def), &body_def,
+                                 &scene->body));
 
     MUST(dpt_tool_add(scene->world, &needle, 1, &scene->tool));
 
@@ -237,7 +238,7 @@ static int print_felt(const struct felt *felt)
     int is_lost = 0;
     printf("time, s  proxy, mm  depth, mm  force, N\n");
     for (int tick = 0; tick < TICKS; tick++) {
-        const dpt_force_report *report = &felt[tick].report;
+        const dpt_force_info *report = &felt[tick].report;
         is_lost |= report->reason == DPT_FORCE_INSIDE || report->flags & DPT_FORCE_FLAG_SQUEEZED;
         if (tick % 100 == 0)
             printf("%7.1f  %9.4f  %9.4f  %8.4f\n", TICK * tick, 1e3 * felt[tick].proxy.position[2],

@@ -13,7 +13,7 @@ from math import cos, exp, pi, sin
 
 core = CDLL(sys.argv[1] + "/libdynpoint.so")
 compiler = CDLL(sys.argv[1] + "/libdynpoint_compile.so")
-core.dpt_world_bytes.restype = core.dpt_deform_bytes.restype = c_size_t
+core.dpt_world_bytes.restype = core.dpt_deformable_bytes.restype = c_size_t
 core.dpt_result_text.restype = c_char_p
 
 
@@ -37,9 +37,9 @@ WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_seg
                   (c_uint32, "max_contacts smooth_normals strip strip_capacity strip_search law"),
                   (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"), (c_double, "onset"),
                   (c_uint32, "sweep_budget reserved"))
-DeformDef = struct("dpt_deform_def", (c_uint32, "size max_points"), (c_void_p, "mesh pose"),
+DeformDef = struct("dpt_deformable_def", (c_uint32, "size max_points"), (c_void_p, "mesh pose"),
                    (double3, "box_min box_max"), (c_double, "period load_radius"), (c_uint32, "response passes"))
-ForceReport = struct("dpt_force_report", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
+ForceReport = struct("dpt_force_info", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
                      (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"),
                      (c_double, "body_work"))
 
@@ -88,11 +88,11 @@ core.dpt_world_def_defaults(byref(world_def), c_size_t(sizeof(world_def)))
 world_size = core.dpt_world_bytes(byref(world_def))
 world_block = new_block(world_size)
 must(core.dpt_world_create(world_block, c_size_t(world_size), byref(world_def), byref(world)))
-core.dpt_deform_def_defaults(byref(body_def), c_size_t(sizeof(body_def)))
+core.dpt_deformable_def_defaults(byref(body_def), c_size_t(sizeof(body_def)))
 body_def.mesh, body_def.period, body_def.load_radius = mesh, PERIOD, 0.01
-body_size = core.dpt_deform_bytes(byref(body_def))
+body_size = core.dpt_deformable_bytes(byref(body_def))
 body_block = new_block(body_size)
-must(core.dpt_deform_add(world, body_block, c_size_t(body_size), byref(body_def), byref(body)))
+must(core.dpt_body_add_deformable(world, body_block, c_size_t(body_size), byref(body_def), byref(body)))
 needle = Segment(double3(0, 0, 0), double3(0, 0, 0.15), 0.001)
 must(core.dpt_tool_add(world, byref(needle), 1, byref(tool)))
 
@@ -106,14 +106,14 @@ for tick in range(3000):
             forces[order[load.vertex]] = [a + b for a, b in zip(forces.get(order[load.vertex], (0, 0, 0)), load.force)]
         step(0.001 * tick, forces)
         positions = array("f", (x for v in order for x in now[v]))  # of numpy: now[order].astype("f")
-        must(core.dpt_deform_set_vertices(world, body, 0, c_uint32(len(order)), c_void_p(positions.buffer_info()[0]),
+        must(core.dpt_body_set_vertices(world, body, 0, c_uint32(len(order)), c_void_p(positions.buffer_info()[0]),
                                           c_double(-1)))
     pose.position[2] = SIZE[2] - 0.001 + 0.01 * max(0.0, 1 - 0.002 * tick)  # down for half a second, then 2 mm deep
     must(core.dpt_tool_set_pose(world, tool, byref(pose)))
     must(core.dpt_world_step(world, c_double(0.001), None))
-    must(core.dpt_tool_get_force_report(world, tool, byref(report)))
+    must(core.dpt_tool_get_force_info(world, tool, byref(report)))
     must(core.dpt_tool_get_proxy(world, tool, byref(proxy)))
-    must(core.dpt_deform_get_loads(world, body, loads, c_uint32(len(loads)), byref(load_count)))
+    must(core.dpt_body_get_loads(world, body, loads, c_uint32(len(loads)), byref(load_count)))
     force = report.wrench.force
     felt.append(force[2])
     left = [force[k] + sum(load.force[k] for load in loads[:load_count.value]) for k in range(3)]

@@ -38,11 +38,11 @@
 #include <stdint.h>
 
 #define DPT_VERSION_MAJOR  0
-#define DPT_VERSION_MINOR  2
+#define DPT_VERSION_MINOR  3
 #define DPT_VERSION_PATCH  0
-#define DPT_VERSION_STRING "0.2.0"
+#define DPT_VERSION_STRING "0.3.0"
 /* For comparisons: major << 16 | minor << 8 | patch. */
-#define DPT_VERSION_NUMBER 0x000200
+#define DPT_VERSION_NUMBER 0x000300
 
 #if defined(_WIN32)
 #if defined(DPT_BUILD_SHARED)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The contract of a driver, for those who write one (docs/drivers.md, "Writing a driver"). A driver is a struct of
- * functions for one kind of device. dpt_driver_at lists the built-in drivers. A program can define one of its own and
+ * functions for one kind of device. dpt_driver_get lists the built-in drivers. A program can define one of its own and
  * open it with dpt_device_open_with.
  *
  * Threads: `open` and `find` may be called from several threads at once. All other functions take a device, which
- * belongs to one thread at a time (device.h). dpt_driver_at and dpt_driver_named may be called from any thread.
+ * belongs to one thread at a time (device.h). dpt_driver_get and dpt_driver_find may be called from any thread.
  */
 #ifndef DYNPOINT_DRIVER_H
 #define DYNPOINT_DRIVER_H
@@ -87,10 +87,10 @@ struct dpt_device {
 };
 
 /* The built-in driver of this index, from 0; NULL after the last one. */
-DPT_API const dpt_driver *dpt_driver_at(uint32_t index);
+DPT_API const dpt_driver *dpt_driver_get(uint32_t index);
 
 /* The built-in driver of this name; NULL if there is none. */
-DPT_API const dpt_driver *dpt_driver_named(const char *name);
+DPT_API const dpt_driver *dpt_driver_find(const char *name);
 
 /*
  * Open a device with this driver, built in or not. Otherwise as dpt_device_open.

@@ -8,9 +8,9 @@
  *     dpt_loop_def_init(&def);
  *     def.tick = feel;
  *     def.user = &scene;
- *     dpt_loop_create(device, &def, &loop);
+ *     dpt_loop_open(device, &def, &loop);
  *     dpt_loop_run(loop, &stats);              returns after dpt_loop_stop(loop)
- *     dpt_loop_free(loop);
+ *     dpt_loop_close(loop);
  *
  * Threads: a loop and its device belong to the thread that runs the loop, and the host's function is called there.
  * dpt_loop_stop may be called from any thread. Different loops may run in different threads. The host must protect data
@@ -31,7 +31,7 @@ DPT_BEGIN
  *
  *   state     A fresh sample. Its pose is finite and of unit length. The device may still be not ready: look at
  *             `status` and `reasons`.
- *   info      The device's description, read by dpt_loop_create.
+ *   info      The device's description, read by dpt_loop_open.
  *   dt        Time since the sample of the call before, s. One period on the first call and after a loss.
  *   sent      The wrench that has acted since the sample before this one, in the device's frame: the last one that the
  *             device took, after the guard. An observer of energy needs it. If the device refused a command
@@ -88,7 +88,7 @@ typedef struct dpt_loop_def {
     uint64_t ticks;                   /* number of ticks to run; 0: until dpt_loop_stop; 0 */
     dpt_loop_tick_fn *tick;           /* not NULL */
     void *user;                       /* first argument of `tick` and `idle`; NULL */
-    const dpt_guard_def *guard;       /* read by dpt_loop_create; NULL: the guard's defaults; NULL */
+    const dpt_guard_def *guard;       /* read by dpt_loop_open; NULL: the guard's defaults; NULL */
     const void *reserved_pointer;     /* NULL */
     dpt_loop_idle_fn *idle;           /* called on each tick that does not call `tick`; NULL */
     const void *reserved_pointer_2;   /* NULL */
@@ -158,7 +158,7 @@ static inline void dpt_loop_def_init(dpt_loop_def *def)
  * DPT_E_ARGUMENT: a value is out of range; or the two devices are one, or only one is deterministic; or a guard's `hold`
  * is shorter than a period, so that a command would end before the next tick.
  */
-DPT_API dpt_result dpt_loop_create(dpt_device *device, const dpt_loop_def *def, dpt_loop **loop);
+DPT_API dpt_result dpt_loop_open(dpt_device *device, const dpt_loop_def *def, dpt_loop **loop);
 
 /*
  * Serve the device in this thread, at absolute deadlines: read, tick, guard, write. Returns after `ticks`, after
@@ -190,7 +190,7 @@ DPT_API dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats);
 DPT_API void dpt_loop_stop(dpt_loop *loop);
 
 /* Free a loop that is not running. NULL is allowed. The device stays open. */
-DPT_API void dpt_loop_free(dpt_loop *loop);
+DPT_API void dpt_loop_close(dpt_loop *loop);
 
 /*
  * A quantile of a histogram: the time in s that `fraction` (0..1) of the counted times do not exceed, rounded up to the

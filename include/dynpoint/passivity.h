@@ -47,8 +47,8 @@ typedef struct dpt_passivity {
 /*
  * One sample.
  *   dt         s since the sample before, 1e-9..1e6
- *   energy     J, that the law stores now (dpt_force_report.energy)
- *   body_work  J, that moving bodies did on the tool since the sample before (dpt_force_report.body_work)
+ *   energy     J, that the law stores now (dpt_force_info.energy)
+ *   body_work  J, that moving bodies did on the tool since the sample before (dpt_force_info.body_work)
  *   pose       that was read, of the device
  *   sent       the wrench that the device took after the sample before this one (dpt_loop_sample.sent), about the
  *              pose's position

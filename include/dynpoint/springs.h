@@ -10,7 +10,7 @@
  *     dpt_springs_create(block, dpt_springs_bytes(&def), &def, &springs);
  *     for each tick:
  *         dpt_world_step(world, dt, &out);
- *         dpt_deform_step_springs(world, body, springs, dt, NULL);
+ *         dpt_body_step_springs(world, body, springs, dt, NULL);
  *
  * Nodes are the mesh's vertices, in the order of dpt_mesh_get_vertices, or those of the lattice in which the vertices
  * are embedded (dpt_mesh_get_embedding). In a thread of its own, physics gets loads and hands over nodes by exchange.h,
@@ -24,7 +24,7 @@
 #ifndef DYNPOINT_SPRINGS_H
 #define DYNPOINT_SPRINGS_H
 
-#include "dynpoint/deform.h"
+#include "dynpoint/body.h"
 
 DPT_BEGIN
 
@@ -51,7 +51,7 @@ typedef struct dpt_springs_def {
     uint32_t integrator;          /* DPT_INTEGRATOR_...; DPT_INTEGRATOR_SYMPLECTIC */
     const dpt_mesh *mesh;         /* with springs; it must stay open */
     const void *reserved_pointer; /* NULL */
-    /* Loads that tools put on vertices at one time (dpt_deform_step_springs), 1..2^24; 4096. */
+    /* Loads that tools put on vertices at one time (dpt_body_step_springs), 1..2^24; 4096. */
     uint32_t max_loads;
     uint32_t reserved; /* 0 */
     double gravity[3]; /* m/s2, in the body's frame, at most 1e6; 0 */
@@ -95,15 +95,15 @@ DPT_API size_t dpt_springs_bytes(const dpt_springs_def *def);
 DPT_API dpt_result dpt_springs_create(void *block, size_t bytes, const dpt_springs_def *def, dpt_springs **springs);
 
 /* How many nodes there are; 0 for NULL. */
-DPT_API uint32_t dpt_springs_count(const dpt_springs *springs);
+DPT_API uint32_t dpt_springs_get_count(const dpt_springs *springs);
 
 /*
  * s: the longest substep that is stable in every configuration, at most DPT_SPRINGS_STEP_MAX. 0: none is, which is so
  * for EULER without damping. For IMPLICIT DPT_SPRINGS_STEP_MAX; for NULL 0. dpt_springs_step takes at most 0.9 of it.
  */
-DPT_API double dpt_springs_stable_step(const dpt_springs *springs);
+DPT_API double dpt_springs_get_stable_step(const dpt_springs *springs);
 
-/* Bits of dpt_springs_report.flags. */
+/* Bits of dpt_springs_info.flags. */
 enum {
     /*
      * IMPLICIT: the step in which nodes fly on first could have gained energy. It was taken once more from where nodes
@@ -113,15 +113,15 @@ enum {
 };
 
 /* What a step did. */
-typedef struct dpt_springs_report {
-    uint32_t size; /* sizeof(dpt_springs_report), set by the caller */
+typedef struct dpt_springs_info {
+    uint32_t size; /* sizeof(dpt_springs_info), set by the caller */
     uint32_t flags;
     uint32_t substeps;
     uint32_t nodes;  /* all of them */
     uint32_t active; /* those that were not asleep */
     uint32_t reserved;
-    double stable_step; /* s: dpt_springs_stable_step */
-} dpt_springs_report;
+    double stable_step; /* s: dpt_springs_get_stable_step */
+} dpt_springs_info;
 
 /*
  * Go on by dt, DPT_SPRINGS_STEP_MIN to DPT_SPRINGS_STEP_MAX, s.
@@ -137,10 +137,10 @@ typedef struct dpt_springs_report {
  *   DPT_E_ARGUMENT  dt or a node is out of range
  */
 DPT_API dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
-                                    dpt_springs_report *report);
+                                    dpt_springs_info *report);
 
 /*
- * Where the nodes are and how fast: 3 floats each, m and m/s; `count` is dpt_springs_count. `speeds` may be NULL.
+ * Where the nodes are and how fast: 3 floats each, m and m/s; `count` is dpt_springs_get_count. `speeds` may be NULL.
  * DPT_E_ARGUMENT: another count.
  */
 DPT_API dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count, float *positions, float *speeds);
@@ -174,12 +174,12 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  *   springs  made with the body's mesh
  *
  * DPT_E_ARGUMENT: of another mesh, or as for dpt_springs_step. DPT_E_UNSUPPORTED: DISPLACE with an embedding or a
- * period. DPT_E_FULL: more loads than max_loads or dpt_deform_def.max_points have room for. DPT_E_FINITE: as for
+ * period. DPT_E_FULL: more loads than max_loads or dpt_deformable_def.max_points have room for. DPT_E_FINITE: as for
  * dpt_springs_step; or a vertex would leave the body's box, and none has moved. In the last case alone the springs have
  * gone on.
  */
-DPT_API dpt_result dpt_deform_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs, double dt,
-                                           dpt_springs_report *report);
+DPT_API dpt_result dpt_body_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs, double dt,
+                                         dpt_springs_info *report);
 
 DPT_END
 

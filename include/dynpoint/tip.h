@@ -13,7 +13,7 @@
 #define DYNPOINT_TIP_H
 
 #include "dynpoint/hull.h"
-#include "dynpoint/world.h"
+#include "dynpoint/tool.h"
 
 DPT_BEGIN
 

@@ -6,7 +6,7 @@
 #ifndef DPT_DEFORM_LOADS_H
 #define DPT_DEFORM_LOADS_H
 
-#include "dynpoint/deform.h"
+#include "dynpoint/body.h"
 #include "mesh/surface.h"
 
 /* Where a tool pushes a surface: a point of a triangle, and the force on the surface, N. */

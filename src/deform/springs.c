@@ -231,12 +231,12 @@ dpt_result dpt_springs_create(void *block, size_t bytes, const dpt_springs_def *
                                            : DPT_E_UNSUPPORTED;
 }
 
-uint32_t dpt_springs_count(const dpt_springs *springs)
+uint32_t dpt_springs_get_count(const dpt_springs *springs)
 {
     return springs ? springs->net.nodes : 0;
 }
 
-double dpt_springs_stable_step(const dpt_springs *springs)
+double dpt_springs_get_stable_step(const dpt_springs *springs)
 {
     return springs ? springs->stable_step : 0.0;
 }
@@ -297,9 +297,9 @@ static uint32_t substeps_of(const struct dpt_springs *springs, double dt)
 
 /* vertices: loads are on those; NULL: on nodes. They are valid. */
 static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
-                       const struct spring_vertices *vertices, dpt_springs_report *report)
+                       const struct spring_vertices *vertices, dpt_springs_info *report)
 {
-    dpt_springs_report own = { .size = sizeof own };
+    dpt_springs_info own = { .size = sizeof own };
     own.substeps = substeps_of(springs, dt);
     springs->loaded = 1 - springs->loaded;
     set_loads(&springs->loads[springs->loaded], loads, count, vertices);
@@ -325,7 +325,7 @@ static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *l
     return DPT_OK;
 }
 
-dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt, const dpt_springs_report *report)
+dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt, const dpt_springs_info *report)
 {
     if (report)
         DPT_TRY(sized_check(report, sizeof *report, 0));
@@ -337,7 +337,7 @@ dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt,
 }
 
 dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
-                            dpt_springs_report *report)
+                            dpt_springs_info *report)
 {
     if (!springs)
         return DPT_E_ARGUMENT;
@@ -346,7 +346,7 @@ dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loa
     return step(springs, dt, loads, count, NULL, report);
 }
 
-dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count, dpt_springs_report *report)
+dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count, dpt_springs_info *report)
 {
     DPT_TRY(dpti_springs_check_step(springs, dt, report));
     return step(springs, dt, springs->vertices.loads, count, &springs->vertices, report);

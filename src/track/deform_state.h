@@ -18,7 +18,7 @@ struct tool_load {
 /* At the beginning of the block; the arrays follow. */
 struct deform {
     struct surface_motion motion;
-    dpt_deform_def def;        /* its pose is not kept */
+    dpt_deformable_def def;    /* its pose is not kept */
     struct load_point *points; /* of this tick, in the body's frame; max_points */
     struct tool_load *tools;   /* likewise */
     uint32_t point_count, tool_count;

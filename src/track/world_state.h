@@ -14,7 +14,8 @@
 #include "contact/holes.h"
 #include "contact/sheet_border.h"
 #include "dynpoint/baseline.h"
-#include "dynpoint/world.h"
+#include "dynpoint/body.h"
+#include "dynpoint/tool.h"
 #include "force/bed.h"
 #include "force/fade.h"
 #include "force/spring.h"
@@ -375,7 +376,7 @@ struct dpt_world {
     struct work work;            /* this tick's, with its budget */
     uint32_t sweep_work_left;    /* units that the sweeps of this tick may still take */
     uint32_t undone_segment;     /* index of the first segment that the budget left undone */
-    dpt_world_usage usage;
+    dpt_world_info usage;
     uint64_t steps;               /* since it was created, that succeeded */
     double time;                  /* s: the sum of their dt */
     uint32_t ticks;               /* since the last reset; may wrap */
@@ -464,7 +465,7 @@ static inline void world_end_sweep(struct dpt_world *world, const struct work *b
     world->work.limit = before->limit;
 }
 
-/* Raise a high-water mark of dpt_world_usage to `count`. */
+/* Raise a high-water mark of dpt_world_info to `count`. */
 static inline void world_note_max(uint32_t *mark, uint32_t count)
 {
     if (*mark < count)

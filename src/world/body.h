@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bodies of a world. Their public functions are in dynpoint/world.h and dynpoint/deform.h. */
+/* Bodies of a world. Their public functions are in dynpoint/body.h. */
 #ifndef DPT_BODY_H
 #define DPT_BODY_H
 

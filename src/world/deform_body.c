@@ -7,9 +7,9 @@
 #include "proxy/proxy_state.h"
 #include "world/body.h"
 
-void dpt_deform_def_defaults(dpt_deform_def *def, size_t size)
+void dpt_deformable_def_defaults(dpt_deformable_def *def, size_t size)
 {
-    const dpt_deform_def defaults = { .max_points = 16, .passes = 8 };
+    const dpt_deformable_def defaults = { .max_points = 16, .passes = 8 };
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
@@ -21,7 +21,7 @@ enum { MAX_POINTS_MAX = 65535, PASSES_MAX = 1024 };
 /* The default box: the mesh's, wider by that share of its diagonal. */
 #define BOX_SHARE 0.5
 
-static void set_default_box(const struct dpt_mesh *mesh, dpt_deform_def *def)
+static void set_default_box(const struct dpt_mesh *mesh, dpt_deformable_def *def)
 {
     double wider = BOX_SHARE * length(sub(vec3_of(mesh->box_max), vec3_of(mesh->box_min)));
     for (int k = 0; k < 3; k++) {
@@ -37,9 +37,9 @@ static void set_default_box(const struct dpt_mesh *mesh, dpt_deform_def *def)
 }
 
 /* Read and check a caller's def; the box is set, and rounded to float. */
-static dpt_result read_def(const dpt_deform_def *given, dpt_deform_def *def)
+static dpt_result read_def(const dpt_deformable_def *given, dpt_deformable_def *def)
 {
-    dpt_deform_def_init(def);
+    dpt_deformable_def_init(def);
     if (!given)
         return DPT_E_ARGUMENT;
     DPT_TRY(sized_read(given, sizeof *given, def, sizeof *def));
@@ -76,7 +76,7 @@ struct deform_layout {
     uint64_t bytes; /* of all, wherever the block begins */
 };
 
-static struct deform_layout layout_of(const dpt_deform_def *def)
+static struct deform_layout layout_of(const dpt_deformable_def *def)
 {
     const uint64_t floats = 3 * (uint64_t)def->mesh->vertices;
     const uint64_t target_floats = def->period > 0.0 ? floats : 0;
@@ -91,18 +91,19 @@ static struct deform_layout layout_of(const dpt_deform_def *def)
     return layout;
 }
 
-size_t dpt_deform_bytes(const dpt_deform_def *given)
+size_t dpt_deformable_bytes(const dpt_deformable_def *given)
 {
-    dpt_deform_def def;
+    dpt_deformable_def def;
     if (read_def(given, &def) != DPT_OK)
         return 0;
     const uint64_t bytes = layout_of(&def).bytes;
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-dpt_result dpt_deform_add(dpt_world *world, void *block, size_t bytes, const dpt_deform_def *given, dpt_body *body)
+dpt_result dpt_body_add_deformable(dpt_world *world, void *block, size_t bytes, const dpt_deformable_def *given,
+                                   dpt_body *body)
 {
-    dpt_deform_def def;
+    dpt_deformable_def def;
     struct frame frame;
     if (!world || !block || !body)
         return DPT_E_ARGUMENT;
@@ -212,8 +213,8 @@ static int bound_is_valid(double bound)
     return bound <= DPT_COORDINATE_MAX; /* no NaN is */
 }
 
-dpt_result dpt_deform_set_vertices(dpt_world *world, dpt_body id, uint32_t first, uint32_t count,
-                                   const float *positions, double bound)
+dpt_result dpt_body_set_vertices(dpt_world *world, dpt_body id, uint32_t first, uint32_t count, const float *positions,
+                                 double bound)
 {
     if (!world || (!positions && count) || !bound_is_valid(bound))
         return DPT_E_ARGUMENT;
@@ -229,8 +230,8 @@ dpt_result dpt_deform_set_vertices(dpt_world *world, dpt_body id, uint32_t first
     return move_vertices(world, body, &update);
 }
 
-dpt_result dpt_deform_set_vertex_list(dpt_world *world, dpt_body id, const uint32_t *vertices, uint32_t count,
-                                      const float *positions, double bound)
+dpt_result dpt_body_set_vertex_list(dpt_world *world, dpt_body id, const uint32_t *vertices, uint32_t count,
+                                    const float *positions, double bound)
 {
     if (!world || ((!positions || !vertices) && count) || !bound_is_valid(bound))
         return DPT_E_ARGUMENT;
@@ -246,7 +247,7 @@ dpt_result dpt_deform_set_vertex_list(dpt_world *world, dpt_body id, const uint3
     return move_vertices(world, body, &update);
 }
 
-dpt_result dpt_deform_set_nodes(dpt_world *world, dpt_body id, const float *given)
+dpt_result dpt_body_set_nodes(dpt_world *world, dpt_body id, const float *given)
 {
     const uint32_t *nodes;
     const float *weights;
@@ -269,10 +270,10 @@ dpt_result dpt_deform_set_nodes(dpt_world *world, dpt_body id, const float *give
         next[3 * (size_t)v + 1] = (float)sum.y;
         next[3 * (size_t)v + 2] = (float)sum.z;
     }
-    return dpt_deform_set_vertices(world, id, 0, vertices, next, -1.0);
+    return dpt_body_set_vertices(world, id, 0, vertices, next, -1.0);
 }
 
-dpt_result dpt_deform_get_vertices(const dpt_world *world, dpt_body id, const float **positions, uint32_t *count)
+dpt_result dpt_body_get_vertices(const dpt_world *world, dpt_body id, const float **positions, uint32_t *count)
 {
     if (!world || !positions || !count)
         return DPT_E_ARGUMENT;
@@ -340,8 +341,7 @@ void dpti_deform_displace(struct dpt_world *world)
     }
 }
 
-dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body id, dpt_load *loads, uint32_t capacity,
-                                uint32_t *count)
+dpt_result dpt_body_get_loads(const dpt_world *world, dpt_body id, dpt_load *loads, uint32_t capacity, uint32_t *count)
 {
     if (count)
         *count = 0;
@@ -361,8 +361,8 @@ dpt_result dpt_deform_get_loads(const dpt_world *world, dpt_body id, dpt_load *l
     return *count > capacity || deform->has_lost_tool ? DPT_E_FULL : DPT_OK;
 }
 
-dpt_result dpt_deform_get_node_loads(const dpt_world *world, dpt_body id, dpt_load *loads, uint32_t capacity,
-                                     uint32_t *count)
+dpt_result dpt_body_get_node_loads(const dpt_world *world, dpt_body id, dpt_load *loads, uint32_t capacity,
+                                   uint32_t *count)
 {
     const uint32_t *nodes;
     const float *weights;
@@ -377,7 +377,7 @@ dpt_result dpt_deform_get_node_loads(const dpt_world *world, dpt_body id, dpt_lo
     DPT_TRY(dpt_mesh_get_embedding(body->surface.mesh, &nodes, &weights, &node_count));
     if (!node_count)
         return DPT_E_UNSUPPORTED;
-    const dpt_result result = dpt_deform_get_loads(world, id, loads, capacity / 4, &vertex_loads);
+    const dpt_result result = dpt_body_get_loads(world, id, loads, capacity / 4, &vertex_loads);
     *count = 4 * vertex_loads;
     /* From the last one on: each load's four lie behind it, or begin where it is. */
     for (uint32_t i = result == DPT_OK ? vertex_loads : 0; i-- > 0;) {

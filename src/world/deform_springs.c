@@ -68,8 +68,8 @@ static void take_displaced(const struct dpt_world *world, const struct body *bod
     dpti_spring_contact_end(springs);
 }
 
-dpt_result dpt_deform_step_springs(dpt_world *world, dpt_body id, dpt_springs *springs, double dt,
-                                   dpt_springs_report *report)
+dpt_result dpt_body_step_springs(dpt_world *world, dpt_body id, dpt_springs *springs, double dt,
+                                 dpt_springs_info *report)
 {
     uint32_t count = 0;
     if (!world || !springs)
@@ -82,7 +82,7 @@ dpt_result dpt_deform_step_springs(dpt_world *world, dpt_body id, dpt_springs *s
     DPT_TRY(dpti_springs_check_step(springs, dt, report));
     const struct spring_vertices *vertices = &springs->vertices;
     if (deform_of(body)->def.response == DPT_RESPONSE_LOAD)
-        DPT_TRY(dpt_deform_get_loads(world, id, vertices->loads, springs->def.max_loads, &count));
+        DPT_TRY(dpt_body_get_loads(world, id, vertices->loads, springs->def.max_loads, &count));
     else if (vertices->nodes || deform_of(body)->def.period > 0.0)
         return DPT_E_UNSUPPORTED;
     else
@@ -90,6 +90,6 @@ dpt_result dpt_deform_step_springs(dpt_world *world, dpt_body id, dpt_springs *s
     DPT_TRY(dpti_springs_step_loaded(springs, dt, count, report));
     const uint32_t moved = dpti_spring_vertices_gather(springs);
     return moved == body->surface.mesh->vertices
-               ? dpt_deform_set_vertices(world, id, 0, moved, vertices->positions, -1.0)
-               : dpt_deform_set_vertex_list(world, id, vertices->list, moved, vertices->positions, -1.0);
+               ? dpt_body_set_vertices(world, id, 0, moved, vertices->positions, -1.0)
+               : dpt_body_set_vertex_list(world, id, vertices->list, moved, vertices->positions, -1.0);
 }

@@ -173,7 +173,7 @@ static double surface_distance(const struct segment *segment)
 /* Let the program's own function have the wrench. */
 static void shape_wrench(const struct dpt_world *world, struct tool *tool, double dt)
 {
-    const dpt_force_report report = dpti_tool_report(world, tool);
+    const dpt_force_info report = dpti_tool_report(world, tool);
     const dpt_wrench none = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
     tool->shape(tool->shape_user, &report, dt, &tool->wrench);
     tool->force_flags |= DPT_FORCE_FLAG_SHAPED;
@@ -305,7 +305,7 @@ static void write_report(const struct dpt_world *world, dpt_step *to)
 
 static void note_usage(struct dpt_world *world)
 {
-    dpt_world_usage *usage = &world->usage;
+    dpt_world_info *usage = &world->usage;
     world_note_max(&usage->contacts, world->contacts_wanted);
     world_note_max(&usage->work, world->work.done);
     for (uint32_t i = 0; world->def.strip && i < world->segment_count; i++)

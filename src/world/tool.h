@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tools of a world. Their public functions are in dynpoint/world.h. */
+/* Tools of a world. Their public functions are in dynpoint/tool.h. */
 #ifndef DPT_TOOL_H
 #define DPT_TOOL_H
 

@@ -133,15 +133,15 @@ dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench
     return DPT_OK;
 }
 
-dpt_force_report dpti_tool_report(const struct dpt_world *world, const struct tool *tool)
+dpt_force_info dpti_tool_report(const struct dpt_world *world, const struct tool *tool)
 {
-    dpt_force_report report = { .size = sizeof report,
-                                .reason = tool->force_reason,
-                                .flags = tool->force_flags,
-                                .law = tool->law,
-                                .wrench = tool->wrench,
-                                .energy = tool->energy,
-                                .body_work = tool->body_work };
+    dpt_force_info report = { .size = sizeof report,
+                              .reason = tool->force_reason,
+                              .flags = tool->force_flags,
+                              .law = tool->law,
+                              .wrench = tool->wrench,
+                              .energy = tool->energy,
+                              .body_work = tool->body_work };
     if (dpti_proxy_is_used(world, tool)) {
         const struct proxy *proxy = &world->proxies[tool - world->tools];
         report.lag = proxy->lag;
@@ -152,11 +152,11 @@ dpt_force_report dpti_tool_report(const struct dpt_world *world, const struct to
     return report;
 }
 
-dpt_result dpt_tool_get_force_report(const dpt_world *world, dpt_tool tool, dpt_force_report *force)
+dpt_result dpt_tool_get_force_info(const dpt_world *world, dpt_tool tool, dpt_force_info *force)
 {
     if (!force)
         return DPT_E_ARGUMENT;
-    dpt_force_report now = { .reason = DPT_FORCE_STALE };
+    dpt_force_info now = { .reason = DPT_FORCE_STALE };
     DPT_TRY(sized_check(force, sizeof now, 0));
     const struct tool *owner = world ? world_find_tool(world, tool) : NULL;
     if (owner)

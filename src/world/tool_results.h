@@ -8,8 +8,8 @@
 /* Write the hit of a segment that has an answer; the hit of another one stays as it is. */
 void dpti_tool_write_hit(struct segment *segment);
 
-/* What dpt_tool_get_force_report tells. */
-dpt_force_report dpti_tool_report(const struct dpt_world *world, const struct tool *tool);
+/* What dpt_tool_get_force_info tells. */
+dpt_force_info dpti_tool_report(const struct dpt_world *world, const struct tool *tool);
 
 /* Make all answers of a tool stale, and its wrench zero. */
 void dpti_tool_clear(struct dpt_world *world, struct tool *tool);

@@ -76,7 +76,7 @@ dpt_result dpt_world_reset(dpt_world *world)
     return DPT_OK;
 }
 
-dpt_result dpt_world_get_usage(const dpt_world *world, dpt_world_usage *usage)
+dpt_result dpt_world_get_info(const dpt_world *world, dpt_world_info *usage)
 {
     if (!world || !usage)
         return DPT_E_ARGUMENT;

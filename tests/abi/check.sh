@@ -185,8 +185,8 @@ verdict $? "wire.[ch] and wire_device.[ch] compile alone, and call only mem*, st
 few=$scratch/few
 mkdir "$few" && cp -pR "$build/src" "$few"
 make -s B="$few" CFLAGS=-O1 DRIVERS=replay "$few/libdynpoint_drivers.so.0" &&
-    printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return !dpt_driver_named("replay") ||' \
-        'dpt_driver_named("sim") || !dpt_driver_at(0) || dpt_driver_at(1); }' |
+    printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return !dpt_driver_find("replay") ||' \
+        'dpt_driver_find("sim") || !dpt_driver_get(0) || dpt_driver_get(1); }' |
     ${CC:-cc} $c99 -Iinclude -x c - -o "$scratch/one" -L"$few" -ldynpoint_drivers -ldynpoint &&
     LD_LIBRARY_PATH="$few" "$scratch/one"
 verdict $? "DRIVERS=replay builds a library with that one back end"
@@ -195,7 +195,7 @@ ${OBJCOPY:-objcopy} -O binary -j .note.dlopen "$build/libdynpoint_drivers.so.0" 
     ! readelf -SW "$few/libdynpoint_drivers.so.0" | grep -q dlopen && ! readelf -d "$build/libdynpoint_drivers.so.0" | grep -q libHD
 verdict $? "a note tells packagers of libHD, which nothing is linked to; not where its back end is left out"
 make -s B="$few" CFLAGS=-O1 DRIVERS= "$few/libdynpoint_drivers.so.0" &&
-    printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return dpt_driver_at(0) != NULL; }' |
+    printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return dpt_driver_get(0) != NULL; }' |
     ${CC:-cc} $c99 -Iinclude -x c - -o "$scratch/none" -L"$few" -ldynpoint_drivers -ldynpoint &&
     LD_LIBRARY_PATH="$few" "$scratch/none"
 verdict $? "DRIVERS= builds one without any"

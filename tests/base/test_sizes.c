@@ -81,7 +81,7 @@ static dpt_result step(void *out)
 
 static dpt_result usage(void *out)
 {
-    return dpt_world_get_usage(world, out);
+    return dpt_world_get_info(world, out);
 }
 
 static dpt_result hit(void *out)
@@ -133,7 +133,7 @@ static dpt_result tool_settings(void *out)
 
 static dpt_result tool_force(void *out)
 {
-    return dpt_tool_get_force_report(world, tool, out);
+    return dpt_tool_get_force_info(world, tool, out);
 }
 
 static dpt_result guard(void *out)
@@ -194,7 +194,7 @@ static const struct sized outputs[] = {
     { "dpt_arm_link", sizeof(dpt_arm_link), sizeof(dpt_arm_link), arm_link },
     { "dpt_arm_body", sizeof(dpt_arm_body), sizeof(dpt_arm_body), arm_body },
     { "dpt_step", offsetof(dpt_step, contacts), sizeof(dpt_step), step },
-    { "dpt_world_usage", sizeof(dpt_world_usage), sizeof(dpt_world_usage), usage },
+    { "dpt_world_info", sizeof(dpt_world_info), sizeof(dpt_world_info), usage },
     { "dpt_hit", sizeof(dpt_hit), sizeof(dpt_hit), hit },
     { "dpt_contact", sizeof(dpt_contact), sizeof(dpt_contact), contact },
     { "dpt_sweep", sizeof(dpt_sweep), sizeof(dpt_sweep), sweep },
@@ -207,7 +207,7 @@ static const struct sized outputs[] = {
     { "dpt_passivity_info", sizeof(dpt_passivity_info), sizeof(dpt_passivity_info), passivity_info },
     { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), body_settings },
     { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), tool_settings },
-    { "dpt_force_report", sizeof(dpt_force_report), sizeof(dpt_force_report), tool_force },
+    { "dpt_force_info", sizeof(dpt_force_info), sizeof(dpt_force_info), tool_force },
     { "dpt_record_header", sizeof(dpt_record_header), sizeof(dpt_record_header), record_header },
     { "dpt_record", sizeof(dpt_record), sizeof(dpt_record), record },
     { "dpt_hit of a query", sizeof(dpt_hit), sizeof(dpt_hit), query_hit },
@@ -254,8 +254,8 @@ static dpt_result deform_def(void *given)
 {
     static uint64_t block[1 << 13];
     dpt_body made;
-    const size_t bytes = dpt_deform_bytes(given);
-    dpt_result result = dpt_deform_add(world, block, sizeof block, given, &made);
+    const size_t bytes = dpt_deformable_bytes(given);
+    dpt_result result = dpt_body_add_deformable(world, block, sizeof block, given, &made);
     CHECK((result == DPT_OK) == (bytes > 0 && bytes <= sizeof block), "%zu bytes, %s", bytes, dpt_result_name(result));
     return result == DPT_OK ? dpt_body_remove(world, made) : result;
 }
@@ -382,7 +382,7 @@ static dpt_result write_record(void *given)
 }
 
 static dpt_world_def a_world_def, defaults;
-static dpt_deform_def a_deform_def;
+static dpt_deformable_def a_deform_def;
 static const dpt_strip_def a_strip_def = { sizeof a_strip_def, 64, 0, 0 };
 static const dpt_baseline_def a_baseline_def = { sizeof a_baseline_def, 1, 0, 0 };
 static const dpt_body_settings a_body_settings = { sizeof a_body_settings, 0, 0.01, 0.5, 0.4, 700.0 };
@@ -398,7 +398,7 @@ static const struct {
 } inputs[] = {
     { { "dpt_world_def", sizeof(dpt_world_def), sizeof(dpt_world_def), world_def }, &a_world_def },
     { { "dpt_baseline_def", sizeof(dpt_baseline_def), sizeof(dpt_baseline_def), baseline_def }, &a_baseline_def },
-    { { "dpt_deform_def", sizeof(dpt_deform_def), sizeof(dpt_deform_def), deform_def }, &a_deform_def },
+    { { "dpt_deformable_def", sizeof(dpt_deformable_def), sizeof(dpt_deformable_def), deform_def }, &a_deform_def },
     { { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), set_body }, &a_body_settings },
     { { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), set_tool }, &a_tool_settings },
     { { "dpt_strip_def", sizeof(dpt_strip_def), sizeof(dpt_strip_def), strip_def }, &a_strip_def },
@@ -452,13 +452,13 @@ static void world_defaults(void *def, size_t size)
 
 static void deform_defaults(void *def, size_t size)
 {
-    dpt_deform_def_defaults(def, size);
+    dpt_deformable_def_defaults(def, size);
 }
 
 /* The mesh has no default. */
 static dpt_result deform_def_with_mesh(void *given)
 {
-    ((dpt_deform_def *)given)->mesh = fixture.mesh;
+    ((dpt_deformable_def *)given)->mesh = fixture.mesh;
     return deform_def(given);
 }
 
@@ -480,13 +480,13 @@ static void guard_defaults(void *def, size_t size)
 static void defaults_fill_what_fits(void)
 {
     const struct sized of_world = { "dpt_world_def", 0, sizeof defaults, world_def };
-    const struct sized of_deform = { "dpt_deform_def", 0, sizeof a_deform_def, deform_def_with_mesh };
+    const struct sized of_deform = { "dpt_deformable_def", 0, sizeof a_deform_def, deform_def_with_mesh };
     const struct sized of_guard = { "dpt_guard_def", 0, sizeof a_guard_def, guard_def };
     const struct sized of_coupling = { "dpt_coupling_def", 0, sizeof a_coupling_def, coupling_def };
     const struct sized of_passivity = { "dpt_passivity_def", 0, sizeof a_passivity_def, passivity_def };
     check_defaults(&of_world, world_defaults, &defaults);
-    dpt_deform_def whole;
-    dpt_deform_def_init(&whole);
+    dpt_deformable_def whole;
+    dpt_deformable_def_init(&whole);
     check_defaults(&of_deform, deform_defaults, &whole);
     check_defaults(&of_guard, guard_defaults, &a_guard_def);
     check_defaults(&of_coupling, coupling_defaults, &a_coupling_def);
@@ -515,7 +515,7 @@ static int open_all(void)
     }
     segment.radius = 0.001;
     dpt_guard_def_init(&a_guard_def);
-    dpt_deform_def_init(&a_deform_def);
+    dpt_deformable_def_init(&a_deform_def);
     a_deform_def.mesh = fixture.mesh;
     a_guard.size = sizeof a_guard;
     dpt_coupling_def_init(&a_coupling_def);

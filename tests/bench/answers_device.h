@@ -249,7 +249,7 @@ static void loop_run(uint32_t number, const char *name, const struct subject *su
     def.ticks = 1500;
     def.tick = feel;
     def.user = &feeling;
-    put_result("loop_create", dpt_loop_create(device, &def, &loop));
+    put_result("loop_create", dpt_loop_open(device, &def, &loop));
     result = dpt_loop_run(loop, &stats);
     begin("stats");
     put_code("result", (int32_t)result);
@@ -269,7 +269,7 @@ static void loop_run(uint32_t number, const char *name, const struct subject *su
     put_count("commands", counts.commands);
     put_count("missed", counts.missed);
     end();
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(device);
     free(block);
 }

@@ -8,7 +8,7 @@
  * The subjects are a deformable body with each kernel of this machine; `still`, one whose vertices never move; and
  * `rigid`, a rigid body. They take turns of TURN ticks, each with a world of its own, so that what else the machine does
  * meets all of them; and turns begin at other ticks in each pass, since in the first tick of a turn nothing is in the
- * cache. Times are in ns, least of PASSES passes a tick, the first tick left out: `set` of dpt_deform_set_vertices (of
+ * cache. Times are in ns, least of PASSES passes a tick, the first tick left out: `set` of dpt_body_set_vertices (of
  * a dent, _vertex_list), `step` of dpt_world_step until track, `other` of the steps in which the axis does not cross.
  * `work` is the steps', in units. The first EARLY ticks and every EVERY-th are compared with brute force over their
  * positions: `wrong` is how many differ by more than their error bound and the oracle's own error, `error` the largest
@@ -81,13 +81,13 @@ static void set_tool(const struct bench *bench, struct subject *subject, size_t 
 static int open_world(const struct bench *bench, struct subject *subject)
 {
     dpt_world_def def;
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     dpt_world_def_init(&def);
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     def.until = DPT_UNTIL_TRACK;
     def.kernel = subject->kernel;
     deform.mesh = bench->mesh;
-    const size_t bytes = dpt_deform_bytes(&deform);
+    const size_t bytes = dpt_deformable_bytes(&deform);
     subject->world_block = malloc(dpt_world_bytes(&def));
     subject->body_block = malloc(bytes);
     subject->tool = 0;
@@ -97,7 +97,7 @@ static int open_world(const struct bench *bench, struct subject *subject)
         return 0;
     if ((subject->is_rigid
              ? dpt_body_add(subject->world, bench->mesh, NULL, &subject->body)
-             : dpt_deform_add(subject->world, subject->body_block, bytes, &deform, &subject->body)) != DPT_OK)
+             : dpt_body_add_deformable(subject->world, subject->body_block, bytes, &deform, &subject->body)) != DPT_OK)
         fail("no body");
     return 1;
 }
@@ -112,9 +112,9 @@ static dpt_result hand_over(const struct bench *bench, struct subject *subject)
 {
     const struct vertex_motion *motion = &bench->motion;
     return motion->is_dent
-               ? dpt_deform_set_vertex_list(subject->world, subject->body, motion->list, motion->count, motion->listed,
-                                            -1.0)
-               : dpt_deform_set_vertices(subject->world, subject->body, 0, bench->vertices, motion->positions, -1.0);
+               ? dpt_body_set_vertex_list(subject->world, subject->body, motion->list, motion->count, motion->listed,
+                                          -1.0)
+               : dpt_body_set_vertices(subject->world, subject->body, 0, bench->vertices, motion->positions, -1.0);
 }
 
 static double brute_force(const struct bench *bench, const float *positions, size_t tick)

@@ -140,7 +140,7 @@ WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_seg
                   (c_uint32, "max_contacts smooth_normals strip strip_capacity strip_search law"),
                   (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"), (c_double, "onset"),
                   (c_uint32, "sweep_budget reserved"))
-DeformDef = struct("dpt_deform_def", (c_uint32, "size max_points"), (c_void_p, "mesh pose"),
+DeformDef = struct("dpt_deformable_def", (c_uint32, "size max_points"), (c_void_p, "mesh pose"),
                    (double3, "box_min box_max"), (c_double, "period load_radius"), (c_uint32, "response passes"))
 
 
@@ -152,7 +152,7 @@ class Contact:
     def __init__(self, build, vertices, corners):
         self.core, compiler = CDLL(build + "/libdynpoint.so"), CDLL(build + "/libdynpoint_compile.so")
         core = self.core
-        core.dpt_world_bytes.restype = core.dpt_deform_bytes.restype = c_size_t
+        core.dpt_world_bytes.restype = core.dpt_deformable_bytes.restype = c_size_t
         file, mesh, xyz, count = Compiled(), c_void_p(), c_void_p(), c_uint32()
         used, corners = np.unique(corners, return_inverse=True)  # those of the surface alone
         places, corners = vertices[used].astype("f4"), corners.astype("u4").copy()
@@ -166,13 +166,13 @@ class Contact:
         self.order = np.array([which[place.tobytes()] for place in numbered])
         world_def, body_def, self.file = WorldDef(), DeformDef(), file
         core.dpt_world_def_defaults(byref(world_def), c_size_t(sizeof(world_def)))
-        core.dpt_deform_def_defaults(byref(body_def), c_size_t(sizeof(body_def)))
+        core.dpt_deformable_def_defaults(byref(body_def), c_size_t(sizeof(body_def)))
         world_def.until, body_def.mesh = 2, mesh  # DPT_UNTIL_CONTACT
-        sizes = core.dpt_world_bytes(byref(world_def)), core.dpt_deform_bytes(byref(body_def))
+        sizes = core.dpt_world_bytes(byref(world_def)), core.dpt_deformable_bytes(byref(body_def))
         self.blocks = [(c_double * (size // 8 + 1))() for size in sizes]
         self.world, self.body, self.tool, self.hit = c_void_p(), c_uint32(), c_uint32(), Hit(size=sizeof(Hit))
         self.must(core.dpt_world_create(self.blocks[0], c_size_t(sizes[0]), byref(world_def), byref(self.world)))
-        self.must(core.dpt_deform_add(self.world, self.blocks[1], c_size_t(sizes[1]), byref(body_def),
+        self.must(core.dpt_body_add_deformable(self.world, self.blocks[1], c_size_t(sizes[1]), byref(body_def),
                                       byref(self.body)))
         tool = Segment(double3(0, 0, -HALF), double3(0, 0, HALF), RADIUS)
         self.must(core.dpt_tool_add(self.world, byref(tool), 1, byref(self.tool)))
@@ -185,7 +185,7 @@ class Contact:
     def tick(self, vertices, position, orientation):
         positions, pose = vertices[self.order].astype("f4"), Pose(double3(*position), double4(*orientation))
         begin = time.perf_counter()
-        self.must(self.core.dpt_deform_set_vertices(self.world, self.body, 0, c_uint32(len(positions)),
+        self.must(self.core.dpt_body_set_vertices(self.world, self.body, 0, c_uint32(len(positions)),
                                                     address(positions), c_double(-1)))
         self.must(self.core.dpt_tool_set_pose(self.world, self.tool, byref(pose)))
         self.must(self.core.dpt_world_step(self.world, c_double(0.001), None))

@@ -72,16 +72,16 @@ static dpt_segment segment_at(const struct play *play, int tick)
 
 static dpt_result add_soft(const struct play *play, struct stage *stage)
 {
-    dpt_deform_def def;
-    dpt_deform_def_init(&def);
+    dpt_deformable_def def;
+    dpt_deformable_def_init(&def);
     def.mesh = play->mesh[0];
     for (int k = 0; k < 3; k++) {
         def.box_min[k] = -1.0;
         def.box_max[k] = 1.0;
     }
-    const size_t bytes = dpt_deform_bytes(&def);
+    const size_t bytes = dpt_deformable_bytes(&def);
     stage->body_block = array(1, bytes);
-    return dpt_deform_add(stage->world, stage->body_block, bytes, &def, &stage->body[0]);
+    return dpt_body_add_deformable(stage->world, stage->body_block, bytes, &def, &stage->body[0]);
 }
 
 static void open_stage(const struct play *play, const struct way *way, struct stage *stage)
@@ -184,7 +184,7 @@ static void play_one(const struct play *play, const struct way *way, FILE *rows,
         const float *positions = play->positions ? play->positions(play->self, tick) : NULL;
         const double begin = now();
         dpt_result result =
-            positions ? dpt_deform_set_vertices(stage.world, stage.body[0], 0, vertices, positions, -1.0) : DPT_OK;
+            positions ? dpt_body_set_vertices(stage.world, stage.body[0], 0, vertices, positions, -1.0) : DPT_OK;
         set[tick] = positions ? now() - begin : 0.0;
         if (result == DPT_OK)
             result = dpt_tool_set_segments(stage.world, stage.tool, &segment, 1);

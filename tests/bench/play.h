@@ -33,7 +33,7 @@ struct play {
 
 /*
  * Prints rows `name,method,until,ticks,positions,step,step_p99`: medians and 99 % in ns, the first tick left out;
- * `positions` is how long dpt_deform_set_vertices took, 0 where no vertex moves. Of each method the answers until track
+ * `positions` is how long dpt_body_set_vertices took, 0 where no vertex moves. Of each method the answers until track
  * go to the file DIR/NAME.METHOD.csv: tick, distance, and triangle as MESH.tri has it. Ends the program on any failure.
  */
 void play_all(const struct play *play, FILE *rows, const char *dir);

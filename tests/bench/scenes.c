@@ -7,7 +7,7 @@
  * The stylus comes down on the first body, goes to and fro by 1 cm at 1 Hz and up and down by 3 mm at 0.7 Hz, so that
  * it presses half of the time. In the cloth's scene it is the sword, and rests. First the scene runs with what a world
  * does by default, its force and its physics in one thread: the rows `scene`, until `respond` for dpt_world_step, and
- * `physics` for dpt_deform_step_springs as well. The motion of tool and vertices is recorded in the world's frame,
+ * `physics` for dpt_body_step_springs as well. The motion of tool and vertices is recorded in the world's frame,
  * vertices in float, and played through all methods: these rows are play.c's. DIR/NAME.scene has the distances of the
  * scene itself, as OUT.csv has them, but without names of triangles.
  */
@@ -130,9 +130,9 @@ static dpt_result add_soft(const struct bench *bench, struct stage *stage, int i
 {
     const struct listed_body *listed = &bench->scene->bodies[i];
     struct soft *soft = &stage->soft[i];
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     dpt_springs_def springs;
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
     deform.mesh = springs.mesh = bench->body[i].mesh;
     deform.pose = &listed->pose;
@@ -146,9 +146,10 @@ static dpt_result add_soft(const struct bench *bench, struct stage *stage, int i
     springs.iterations = listed->iterations ? listed->iterations : springs.iterations;
     /* Gravity is that of the cloth alone, which lies: its own z is up. */
     springs.gravity[2] = -bench->scene->gravity;
-    soft->block = array(dpt_deform_bytes(&deform));
+    soft->block = array(dpt_deformable_bytes(&deform));
     soft->springs_block = array(dpt_springs_bytes(&springs));
-    const dpt_result result = dpt_deform_add(stage->world, soft->block, dpt_deform_bytes(&deform), &deform, &soft->id);
+    const dpt_result result =
+        dpt_body_add_deformable(stage->world, soft->block, dpt_deformable_bytes(&deform), &deform, &soft->id);
     return result != DPT_OK
                ? result
                : dpt_springs_create(soft->springs_block, dpt_springs_bytes(&springs), &springs, &soft->springs);
@@ -256,7 +257,7 @@ static void record(struct bench *bench, const struct stage *stage, int tick)
     }
     if (!bench->record)
         return;
-    if (dpt_deform_get_vertices(stage->world, stage->soft[0].id, &positions, &count) != DPT_OK)
+    if (dpt_body_get_vertices(stage->world, stage->soft[0].id, &positions, &count) != DPT_OK)
         fail("vertices");
     float *to = bench->record + 3 * (size_t)bench->vertices * (size_t)tick;
     for (uint32_t v = 0; v < count; v++) {
@@ -299,7 +300,7 @@ static void run(struct bench *bench)
         dpt_tool_get_hit(stage.world, stage.tool, &hit);
         bench->distances[tick] = hit.distance;
         if (stage.soft[0].springs &&
-            dpt_deform_step_springs(stage.world, stage.soft[0].id, stage.soft[0].springs, 1e-3, NULL) != DPT_OK)
+            dpt_body_step_springs(stage.world, stage.soft[0].id, stage.soft[0].springs, 1e-3, NULL) != DPT_OK)
             fail("physics failed");
         whole[tick] = now() - begin;
     }

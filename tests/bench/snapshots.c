@@ -48,7 +48,7 @@ static void run(const char *name, const dpt_mesh *mesh, int deforms, int ticks)
     const dpt_segment stylus = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.1 }, 0.002 };
     dpt_mesh_info info = { .size = sizeof info };
     dpt_world_def def;
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     dpt_snapshot_def wanted;
     dpt_world *world;
     dpt_body body;
@@ -57,18 +57,19 @@ static void run(const char *name, const dpt_mesh *mesh, int deforms, int ticks)
     size_t bytes = 0;
     dpt_mesh_get_info(mesh, &info);
     dpt_world_def_init(&def);
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     dpt_snapshot_def_init(&wanted);
     wanted.max_vertices = deforms ? info.vertices : 0;
     deform.mesh = mesh;
-    void *block = malloc(dpt_world_bytes(&def)), *own = malloc(dpt_deform_bytes(&deform));
+    void *block = malloc(dpt_world_bytes(&def)), *own = malloc(dpt_deformable_bytes(&deform));
     double *snapshot_ns = calloc((size_t)ticks, sizeof *snapshot_ns);
     double *step_ns = calloc((size_t)ticks, sizeof *step_ns);
     if (!block || !own || !snapshot_ns || !step_ns ||
         dpt_world_create(block, dpt_world_bytes(&def), &def, &world) != DPT_OK)
         fail("no world");
-    const dpt_result added = deforms ? dpt_deform_add(world, own, dpt_deform_bytes(&deform), &deform, &body)
-                                     : dpt_body_add(world, mesh, NULL, &body);
+    const dpt_result added = deforms
+                                 ? dpt_body_add_deformable(world, own, dpt_deformable_bytes(&deform), &deform, &body)
+                                 : dpt_body_add(world, mesh, NULL, &body);
     if (added != DPT_OK || dpt_tool_add(world, &stylus, 1, &tool) != DPT_OK)
         fail("no body or no tool");
     const size_t capacity = dpt_snapshot_bytes(world, &wanted);

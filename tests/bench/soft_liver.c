@@ -12,7 +12,7 @@
  *   contact   of dpt_world_step until contact, in a world of its own whose tool is where the proxy was, and whose body
  *             has the same vertices; median. In passes of its own
  *   force     the rest of dpt_world_step; median of the differences
- *   physics   of dpt_deform_step_springs: loads, springs, and vertices handed over; median, 99 %
+ *   physics   of dpt_body_step_springs: loads, springs, and vertices handed over; median, 99 %
  *   tick      of all of them together, contact once; median, 99 %, largest
  *
  * awake: the mean share of nodes. static: the mean force of the phase's last fifth; dynamic: half of what it goes up and
@@ -109,12 +109,12 @@ static void path(int tick, double *z, double *height)
 static void open_world(const struct bench *bench, struct subject *subject, uint32_t until)
 {
     dpt_world_def world;
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     dpt_springs_def springs;
     dpt_tool_settings settings = { .size = sizeof settings };
     const dpt_segment stylus = { { 0.0, 0.0, 0.0 }, { 0.0, bench->length, 0.0 }, bench->radius };
     dpt_world_def_init(&world);
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
     world.until = until;
     world.law = until == DPT_UNTIL_CONTACT ? DPT_LAW_POINT : DPT_LAW_PROXY;
@@ -123,10 +123,11 @@ static void open_world(const struct bench *bench, struct subject *subject, uint3
     springs.integrator = subject->integrator;
     springs.sleep_speed = subject->sleep_speed < 0.0 ? springs.sleep_speed : subject->sleep_speed;
     subject->world_block = array(dpt_world_bytes(&world));
-    subject->body_block = array(dpt_deform_bytes(&deform));
+    subject->body_block = array(dpt_deformable_bytes(&deform));
     subject->springs_block = array(dpt_springs_bytes(&springs));
     if (dpt_world_create(subject->world_block, dpt_world_bytes(&world), &world, &subject->world) ||
-        dpt_deform_add(subject->world, subject->body_block, dpt_deform_bytes(&deform), &deform, &subject->body) ||
+        dpt_body_add_deformable(subject->world, subject->body_block, dpt_deformable_bytes(&deform), &deform,
+                                &subject->body) ||
         dpt_springs_create(subject->springs_block, dpt_springs_bytes(&springs), &springs, &subject->springs) ||
         dpt_tool_add(subject->world, &stylus, 1, &subject->tool) ||
         dpt_tool_get_settings(subject->world, subject->tool, &settings))
@@ -171,8 +172,8 @@ static double time_contact(const struct subject *subject, struct subject *probe)
     const float *positions;
     uint32_t count;
     dpt_pose proxy;
-    if (dpt_deform_get_vertices(subject->world, subject->body, &positions, &count) != DPT_OK ||
-        dpt_deform_set_vertices(probe->world, probe->body, 0, count, positions, -1.0) != DPT_OK ||
+    if (dpt_body_get_vertices(subject->world, subject->body, &positions, &count) != DPT_OK ||
+        dpt_body_set_vertices(probe->world, probe->body, 0, count, positions, -1.0) != DPT_OK ||
         dpt_tool_get_proxy(subject->world, subject->tool, &proxy) != DPT_OK ||
         dpt_tool_set_pose(probe->world, probe->tool, &proxy) != DPT_OK)
         fail("no contact");
@@ -191,8 +192,8 @@ static double least(double before, double time)
 static void run_tick(const struct bench *bench, struct subject *subject, struct subject *probe, int tick, int pass)
 {
     dpt_pose pose = DPT_POSE_IDENTITY;
-    dpt_springs_report report = { .size = sizeof report };
-    dpt_force_report force = { .size = sizeof force };
+    dpt_springs_info report = { .size = sizeof report };
+    dpt_force_info force = { .size = sizeof force };
     double z, height;
     path(tick, &z, &height);
     memcpy(pose.position, bench->touch, sizeof pose.position);
@@ -206,12 +207,12 @@ static void run_tick(const struct bench *bench, struct subject *subject, struct 
     if (probe)
         subject->contact[tick] = least(subject->contact[tick], time_contact(subject, probe));
     const double middle = now();
-    result = result == DPT_OK ? dpt_deform_step_springs(subject->world, subject->body, subject->springs, 1e-3, &report)
+    result = result == DPT_OK ? dpt_body_step_springs(subject->world, subject->body, subject->springs, 1e-3, &report)
                               : result;
     const double physics = now() - middle;
     if (result != DPT_OK)
         fail("a tick failed");
-    dpt_tool_get_force_report(subject->world, subject->tool, &force);
+    dpt_tool_get_force_info(subject->world, subject->tool, &force);
     if (pass && force.wrench.force[1] != subject->force[tick])
         fail("two passes have different forces");
     subject->force[tick] = force.wrench.force[1];

@@ -15,7 +15,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "dynpoint/deform.h"
+#include "dynpoint/body.h"
 #include "mesh/spring_net.h"
 
 struct link {

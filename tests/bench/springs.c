@@ -205,7 +205,7 @@ static int map(void)
                         continue;
                     const double outcome = strike(&rig, integrator, stiffness, dt, substeps);
                     printf("%s,%u,%.4g,%.4g,%.4g,%.4g\n", integrators[integrator], substeps, stiffness, dt,
-                           dpt_springs_stable_step(rig.made), outcome);
+                           dpt_springs_get_stable_step(rig.made), outcome);
                 }
     rig_close(&rig);
     return 0;

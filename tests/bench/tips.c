@@ -87,14 +87,14 @@ static void open_stage(struct held_world *stage, const struct solid *solid, cons
 /* One tick; what it took counts while the tool is held. */
 static void tick(struct held_world *stage, const struct solid *solid, const dpt_pose *pose, int number)
 {
-    dpt_force_report force = { .size = sizeof force };
+    dpt_force_info force = { .size = sizeof force };
     const double begin = processor_time();
     const dpt_result result = number ? dpt_tool_set_pose(stage->world, stage->tool, pose)
                                      : dpt_tool_teleport(stage->world, stage->tool, pose);
     if (result || dpt_world_step(stage->world, 1e-3, NULL))
         fail("no step");
     const double took = processor_time() - begin;
-    dpt_tool_get_force_report(stage->world, stage->tool, &force);
+    dpt_tool_get_force_info(stage->world, stage->tool, &force);
     if (force.reason != DPT_FORCE_ACTS)
         return;
     stage->took[stage->held++] = took;

@@ -359,7 +359,7 @@ static void exchange_axes(const double from[3], double to[3])
 static uint64_t deform_and_compare(const struct mesh_builder *builder)
 {
     struct stage stage;
-    dpt_deform_def def;
+    dpt_deformable_def def;
     dpt_body body;
     uint64_t random = 5, work = 0;
     int inside = 0;
@@ -367,20 +367,20 @@ static uint64_t deform_and_compare(const struct mesh_builder *builder)
         return 0;
     const uint32_t count = builder->info.vertices;
     float *turned = malloc(3 * count * sizeof *turned);
-    dpt_deform_def_init(&def);
+    dpt_deformable_def_init(&def);
     def.mesh = builder->mesh;
     for (int k = 0; k < 3; k++) {
         def.box_min[k] = -1.0;
         def.box_max[k] = 1.0;
     }
-    void *block = malloc(dpt_deform_bytes(&def));
-    CHECK(dpt_deform_add(stage.world, block, dpt_deform_bytes(&def), &def, &body) == DPT_OK, "added");
+    void *block = malloc(dpt_deformable_bytes(&def));
+    CHECK(dpt_body_add_deformable(stage.world, block, dpt_deformable_bytes(&def), &def, &body) == DPT_OK, "added");
     const float *rest;
     uint32_t rest_count;
-    dpt_deform_get_vertices(stage.world, body, &rest, &rest_count);
+    dpt_body_get_vertices(stage.world, body, &rest, &rest_count);
     for (uint32_t i = 0; i < 3 * count; i++)
         turned[i] = rest[i - i % 3 + (i + 1) % 3];
-    CHECK(dpt_deform_set_vertices(stage.world, body, 0, count, turned, -1.0) == DPT_OK, "set");
+    CHECK(dpt_body_set_vertices(stage.world, body, 0, count, turned, -1.0) == DPT_OK, "set");
     for (int i = 0; i < axes; i++) {
         const double no_radius = 0.0;
         double ends[6], ends_turned[6];

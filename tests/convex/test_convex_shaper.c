@@ -245,8 +245,8 @@ static void forces_add_up(void)
     for (int k = 0; k < 3; k++)
         CHECK(fabs(two.force[k] - 2.0 * one.force[k]) < 1e-6, "%g and %g", two.force[k], one.force[k]);
     CHECK(sqrt(dot3(one.force, one.force)) > 0.3, "no force");
-    dpt_force_report report = { .size = sizeof report };
-    dpt_tool_get_force_report(scene.world, scene.tool, &report);
+    dpt_force_info report = { .size = sizeof report };
+    dpt_tool_get_force_info(scene.world, scene.tool, &report);
     CHECK(report.flags & DPT_FORCE_FLAG_SHAPED, "its flag");
     free(scene.block);
 }

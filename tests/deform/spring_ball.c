@@ -27,11 +27,11 @@ static void compile_ball(struct ball *ball, uint32_t kind, uint64_t triangles, d
 int ball_open(struct ball *ball, uint32_t kind, uint64_t triangles, double spacing, uint32_t kernel)
 {
     dpt_world_def world;
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     dpt_springs_def springs;
     memset(ball, 0, sizeof *ball);
     dpt_world_def_init(&world);
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
     world.kernel = springs.kernel = kernel;
     ball->world_block = malloc(dpt_world_bytes(&world));
@@ -41,9 +41,10 @@ int ball_open(struct ball *ball, uint32_t kind, uint64_t triangles, double spaci
     }
     compile_ball(ball, kind, triangles, spacing);
     deform.mesh = springs.mesh = ball->mesh;
-    ball->body_block = malloc(dpt_deform_bytes(&deform));
+    ball->body_block = malloc(dpt_deformable_bytes(&deform));
     ball->springs_block = malloc(dpt_springs_bytes(&springs));
-    CHECK(dpt_deform_add(ball->world, ball->body_block, dpt_deform_bytes(&deform), &deform, &ball->body) == DPT_OK &&
+    CHECK(dpt_body_add_deformable(ball->world, ball->body_block, dpt_deformable_bytes(&deform), &deform, &ball->body) ==
+                  DPT_OK &&
               dpt_springs_create(ball->springs_block, dpt_springs_bytes(&springs), &springs, &ball->springs) == DPT_OK,
           "not made");
     return 1;
@@ -57,8 +58,8 @@ void ball_close(struct ball *ball)
     free(ball->springs_block);
 }
 
-void ball_step(struct ball *ball, dpt_springs_report *report)
+void ball_step(struct ball *ball, dpt_springs_info *report)
 {
-    const dpt_result result = dpt_deform_step_springs(ball->world, ball->body, ball->springs, 1e-3, report);
+    const dpt_result result = dpt_body_step_springs(ball->world, ball->body, ball->springs, 1e-3, report);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }

@@ -21,6 +21,6 @@ int ball_open(struct ball *ball, uint32_t kind, uint64_t triangles, double spaci
 void ball_close(struct ball *ball);
 
 /* One step of 1 ms of the springs; `report` is filled in. */
-void ball_step(struct ball *ball, dpt_springs_report *report);
+void ball_step(struct ball *ball, dpt_springs_info *report);
 
 #endif

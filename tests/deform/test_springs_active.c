@@ -41,7 +41,7 @@ static void open_press(struct press *press, uint32_t integrator, double sleep_sp
 }
 
 /* Step under a force downwards, N, that is shared. Returns how deep the patch is, m, on average. */
-static double push(struct press *press, double force, dpt_springs_report *report)
+static double push(struct press *press, double force, dpt_springs_info *report)
 {
     double depth = 0.0;
     report->size = sizeof *report;
@@ -73,7 +73,7 @@ static double force_at(int step)
 static void what_sleeps_is_not_felt(uint32_t integrator)
 {
     struct press all, some;
-    dpt_springs_report report;
+    dpt_springs_info report;
     double worst = 0.0, deepest = 0.0, jump = 0.0, largest_step = 0.0, last[2] = { 0 }, share = 0.0;
     uint32_t least = UINT32_MAX, most = 0;
     open_press(&all, integrator, 0.0);
@@ -112,7 +112,7 @@ static void the_active_region_is_enough(void)
 static void a_body_at_rest_sleeps(void)
 {
     struct press press;
-    dpt_springs_report report = { .size = sizeof report };
+    dpt_springs_info report = { .size = sizeof report };
     open_press(&press, DPT_INTEGRATOR_SYMPLECTIC, 1e-5);
     for (int i = 0; i < 200; i++)
         CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
@@ -132,7 +132,7 @@ static void a_body_at_rest_sleeps(void)
 static void a_moved_node_wakes_its_neighbours(void)
 {
     struct press press;
-    dpt_springs_report report = { .size = sizeof report };
+    dpt_springs_info report = { .size = sizeof report };
     open_press(&press, DPT_INTEGRATOR_IMPLICIT, 1e-5);
     for (int i = 0; i < 200; i++)
         CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
@@ -159,7 +159,7 @@ static void a_moved_node_wakes_its_neighbours(void)
 static double apart_in_the_end(struct press *all, struct press *some, double force, double rise, int steps,
                                uint32_t *least)
 {
-    dpt_springs_report report;
+    dpt_springs_info report;
     double full = 0.0, part = 0.0;
     *least = UINT32_MAX;
     for (int i = 0; i < steps; i++) {
@@ -217,7 +217,7 @@ static void what_creeps_is_not_frozen(void)
 static void rounding_of_loads_wakes_nothing(void)
 {
     struct press press;
-    dpt_springs_report report = { .size = sizeof report };
+    dpt_springs_info report = { .size = sizeof report };
     uint64_t seed = 1;
     open_press(&press, DPT_INTEGRATOR_SYMPLECTIC, 1e-3);
     for (int i = 0; i < 5000; i++)

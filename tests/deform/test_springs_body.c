@@ -22,12 +22,12 @@ static void place_of(const struct ball *ball, const float *nodes, uint32_t verte
 /* How many vertices are not exactly there. */
 static uint32_t misplaced(const struct ball *ball)
 {
-    const uint32_t nodes = dpt_springs_count(ball->springs);
+    const uint32_t nodes = dpt_springs_get_count(ball->springs);
     float *at = malloc(3 * (size_t)nodes * sizeof *at);
     const float *positions = NULL;
     uint32_t vertices = 0, wrong = 0;
     CHECK(dpt_springs_get_nodes(ball->springs, nodes, at, NULL) == DPT_OK &&
-              dpt_deform_get_vertices(ball->world, ball->body, &positions, &vertices) == DPT_OK,
+              dpt_body_get_vertices(ball->world, ball->body, &positions, &vertices) == DPT_OK,
           "no places");
     for (uint32_t v = 0; v < vertices; v++) {
         float place[3];
@@ -41,8 +41,8 @@ static uint32_t misplaced(const struct ball *ball)
 /* Move some nodes of one end by so much along x. */
 static void push_end(const struct ball *ball, float by)
 {
-    float at[3 * 40], *all = malloc(3 * (size_t)dpt_springs_count(ball->springs) * sizeof *all);
-    dpt_springs_get_nodes(ball->springs, dpt_springs_count(ball->springs), all, NULL);
+    float at[3 * 40], *all = malloc(3 * (size_t)dpt_springs_get_count(ball->springs) * sizeof *all);
+    dpt_springs_get_nodes(ball->springs, dpt_springs_get_count(ball->springs), all, NULL);
     memcpy(at, all, sizeof at);
     for (int i = 0; i < 40; i++)
         at[3 * i] += by;
@@ -53,7 +53,7 @@ static void push_end(const struct ball *ball, float by)
 /* Asleep, then pushed a little, which wakes some, and more, which wakes all. The sum of the vertices' bits. */
 static uint64_t run(struct ball *ball)
 {
-    dpt_springs_report report = { .size = sizeof report };
+    dpt_springs_info report = { .size = sizeof report };
     uint32_t some = 0, most = 0, none = 0;
     uint64_t sum = 0;
     for (int tick = 0; tick < 1600; tick++) {
@@ -70,7 +70,7 @@ static uint64_t run(struct ball *ball)
     CHECK(some > 0 && most > 0 && none > 0, "ticks with some awake %u, most %u, none %u", some, most, none);
     const float *positions = NULL;
     uint32_t vertices = 0;
-    dpt_deform_get_vertices(ball->world, ball->body, &positions, &vertices);
+    dpt_body_get_vertices(ball->world, ball->body, &positions, &vertices);
     for (size_t i = 0; i < 3 * (size_t)vertices; i++) {
         uint32_t bits;
         memcpy(&bits, positions + i, sizeof bits);
@@ -107,7 +107,7 @@ static void vertices_are_nodes_of_a_sheet(void)
 static void a_body_at_rest_is_not_handed_over(void)
 {
     struct ball ball;
-    dpt_springs_report report = { .size = sizeof report };
+    dpt_springs_info report = { .size = sizeof report };
     const float *positions, *again;
     uint32_t count;
     if (!ball_open(&ball, DPT_NET_VOLUME, 1280, 0.02, DPT_KERNEL_AUTO))
@@ -116,11 +116,11 @@ static void a_body_at_rest_is_not_handed_over(void)
         CHECK(dpt_world_step(ball.world, 1e-3, NULL) == DPT_OK, "no step");
         ball_step(&ball, &report);
     }
-    dpt_deform_get_vertices(ball.world, ball.body, &positions, &count);
+    dpt_body_get_vertices(ball.world, ball.body, &positions, &count);
     for (int i = 0; i < 3; i++) {
         CHECK(dpt_world_step(ball.world, 1e-3, NULL) == DPT_OK, "no step");
         ball_step(&ball, &report);
-        dpt_deform_get_vertices(ball.world, ball.body, &again, &count);
+        dpt_body_get_vertices(ball.world, ball.body, &again, &count);
         CHECK(again == positions, "handed over");
     }
     ball_close(&ball);

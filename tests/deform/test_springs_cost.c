@@ -6,7 +6,7 @@
 #include "lib/block_count.h"
 
 /* The basic blocks of one step. */
-static uint64_t step_cost(struct ball *ball, dpt_springs_report *report)
+static uint64_t step_cost(struct ball *ball, dpt_springs_info *report)
 {
     const uint64_t begin = block_count;
     ball_step(ball, report);
@@ -17,7 +17,7 @@ static uint64_t step_cost(struct ball *ball, dpt_springs_report *report)
 static void costs_of(uint64_t triangles, double spacing, uint64_t *awake, uint64_t *asleep)
 {
     struct ball ball;
-    dpt_springs_report report = { .size = sizeof report };
+    dpt_springs_info report = { .size = sizeof report };
     if (!ball_open(&ball, DPT_NET_VOLUME, triangles, spacing, DPT_KERNEL_AUTO))
         return;
     *awake = step_cost(&ball, &report);

@@ -103,7 +103,7 @@ static void structs_are_taken_as_far_as_they_go(void)
 {
     const dpt_springs_def good = def_of(DPT_INTEGRATOR_IMPLICIT);
     const struct sized def = { "dpt_springs_def", sizeof good, sizeof good, create_sized };
-    const struct sized report = { "dpt_springs_report", sizeof(dpt_springs_report), sizeof(dpt_springs_report),
+    const struct sized report = { "dpt_springs_info", sizeof(dpt_springs_info), sizeof(dpt_springs_info),
                                   report_sized };
     dpt_springs_def defaults;
     dpt_springs_def_init(&defaults);
@@ -159,7 +159,7 @@ static void bad_steps_change_nothing(void)
         CHECK(dpt_springs_get_nodes(rig.made, NODES - 1, after, NULL) == DPT_E_ARGUMENT, "count");
         CHECK(dpt_springs_get_nodes(rig.made, NODES, NULL, NULL) == DPT_E_ARGUMENT, "NULL");
         CHECK(dpt_springs_get_energy(rig.made, NULL, NULL) == DPT_E_ARGUMENT, "NULL");
-        CHECK(dpt_springs_count(NULL) == 0 && dpt_springs_stable_step(NULL) == 0.0, "NULL");
+        CHECK(dpt_springs_get_count(NULL) == 0 && dpt_springs_get_stable_step(NULL) == 0.0, "NULL");
         state_of(&rig, after);
         CHECK(!memcmp(before, after, sizeof after), "integrator %u: moved", integrator);
         rig_close(&rig);

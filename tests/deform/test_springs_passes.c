@@ -28,7 +28,7 @@ struct subject {
 static float *run(const struct subject *subject, uint32_t passes, uint32_t kernel)
 {
     const dpt_load load = { .vertex = subject->loaded, .force = { LOAD, LOAD, -LOAD } };
-    dpt_springs_report report = { .size = sizeof report };
+    dpt_springs_info report = { .size = sizeof report };
     dpt_springs_def def;
     dpt_springs *springs;
     dpt_springs_def_init(&def);

@@ -355,7 +355,7 @@ static void long_steps_are_cut_or_refused(void)
 {
     struct rig rig = { 0 };
     dpt_springs_def def = def_of(DPT_INTEGRATOR_SYMPLECTIC);
-    dpt_springs_report report = { .size = sizeof report };
+    dpt_springs_info report = { .size = sizeof report };
     make_lattice(&rig, 0.0);
     const double stable = rig.made->stable_step;
     for (uint32_t n = 1; n <= 16; n++) {
@@ -387,7 +387,7 @@ static void implicit_steps_never_explode(void)
     for (int i = 0; i < 4 * 4 * 4 * 2; i++) {
         const double scale = scales[i % 4], dt = steps[i / 4 % 4];
         dpt_springs_def def = def_of(DPT_INTEGRATOR_IMPLICIT);
-        dpt_springs_report report = { .size = sizeof report };
+        dpt_springs_info report = { .size = sizeof report };
         struct rig rig = { 0 };
         float start[81], speed[81];
         double elastic, kinetic, first, highest = 0.0;

@@ -280,7 +280,7 @@ static inline dpt_guard_def guard_without_ramps(double force_max)
 static inline dpt_loop *loop_of(dpt_device *device, const dpt_loop_def *def)
 {
     dpt_loop *loop = NULL;
-    dpt_result result = dpt_loop_create(device, def, &loop);
+    dpt_result result = dpt_loop_open(device, def, &loop);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return loop;
 }

@@ -183,11 +183,11 @@ static dpt_result loop_of(void *loop_def, dpt_loop_stats *stats)
 {
     dpt_loop *loop;
     dpt_device *sim = device_named("sim:");
-    dpt_result result = dpt_loop_create(sim, loop_def, &loop);
+    dpt_result result = dpt_loop_open(sim, loop_def, &loop);
     if (result == DPT_OK && stats)
         result = dpt_loop_run(loop, stats);
     CHECK((loop != NULL) == (result == DPT_OK || stats), "%s", dpt_result_name(result));
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(sim);
     return result;
 }

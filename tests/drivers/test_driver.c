@@ -164,12 +164,12 @@ static void names_choose_a_driver(void)
     dpt_device *device;
     dpt_device_error error = { .size = sizeof error };
     uint32_t count = 0;
-    for (const dpt_driver *driver; (driver = dpt_driver_at(count)) != NULL; count++) {
-        CHECK(dpt_driver_named(driver->name) == driver && driver->about[0], "%s", driver->name);
+    for (const dpt_driver *driver; (driver = dpt_driver_get(count)) != NULL; count++) {
+        CHECK(dpt_driver_find(driver->name) == driver && driver->about[0], "%s", driver->name);
         CHECK(!strchr(driver->name, ':') && !strchr(driver->about, '\n'), "%s", driver->name);
     }
-    CHECK(count >= 2 && !dpt_driver_at(count + 1) && !dpt_driver_at(UINT32_MAX), "%u drivers", count);
-    CHECK(!dpt_driver_named("si") && !dpt_driver_named("sim:") && !dpt_driver_named("") && !dpt_driver_named(NULL),
+    CHECK(count >= 2 && !dpt_driver_get(count + 1) && !dpt_driver_get(UINT32_MAX), "%u drivers", count);
+    CHECK(!dpt_driver_find("si") && !dpt_driver_find("sim:") && !dpt_driver_find("") && !dpt_driver_find(NULL),
           "no such driver");
     static const char *const wrong[] = { "", ":", "si", "simm", "nonesuch:/dev/x", "SIM" };
     for (int i = 0; i < 6; i++) {
@@ -290,7 +290,7 @@ static void found_one(void *user, const dpt_driver *driver, const char *where, c
 static void what_sim_finds_opens(void)
 {
     struct finding finding = { 0 };
-    const dpt_driver *sim = dpt_driver_named("sim");
+    const dpt_driver *sim = dpt_driver_find("sim");
     sim->find(sim, found_one, &finding);
     CHECK(finding.count == 1, "%d found", finding.count);
 }

@@ -22,7 +22,7 @@ static void sixty_thousand_ticks_lose_nothing(void)
           (int)counts.commands, (int)counts.missed);
     CHECK(!stats.missed && !stats.skipped && !stats.stops && !stats.refused && !stats.clamped && !stats.slewed,
           "something was wrong");
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(device);
 }
 
@@ -76,7 +76,7 @@ static void every_trouble_is_counted(void)
     for (int trouble = REPEAT; trouble < TROUBLES; trouble++)
         CHECK(did[trouble] > 20, "trouble %d only %d times", trouble, (int)did[trouble]);
     CHECK(stats.stops > flaky->losses && flaky->written.force[0] == 0.0, "%d stops", (int)stats.stops);
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(&flaky->device);
 }
 
@@ -112,7 +112,7 @@ static void commands_arrive_in_turn(void)
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK && stats.sent == 60000, "%d sent", (int)stats.sent);
     CHECK(order.wrong == 0, "%d commands lost or out of turn", (int)order.wrong);
     CHECK(flaky->written.force[1] == 0.0, "it ends with %g N", flaky->written.force[1]);
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(&flaky->device);
 }
 
@@ -160,7 +160,7 @@ static void no_late_tick_goes_unnoticed(void)
            (int)stats.missed, (int)(stats.missed + stats.ticks), (int)stats.stops,
            stats.notes & DPT_LOOP_NOTE_NO_PRIORITY ? "; no priority" : "",
            stats.notes & DPT_LOOP_NOTE_NO_LOCK ? "; no lock" : "");
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(&flaky->device);
 }
 
@@ -202,7 +202,7 @@ static void a_tick_that_hangs_gives_no_force(void)
     CHECK(hang.sent == 0.0, "a command that took long is sent with %g N", hang.sent);
     CHECK(stats.stops >= 1 && stats.missed >= 198 && counts_of(&flaky->device).missed >= 180, "%d stops, %d missed",
           (int)stats.stops, (int)stats.missed);
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(&flaky->device);
 }
 
@@ -264,7 +264,7 @@ static void every_fault_ends_the_force(void)
             }
             CHECK(fabs(patient.v[699] - patient.v[698] - 0.001) < 1e-12, "%s: it does not come back", name);
         }
-        dpt_loop_free(loop);
+        dpt_loop_close(loop);
         dpt_device_close(device);
     }
 }

@@ -23,14 +23,14 @@ static void a_device_that_comes_back_is_served(void)
     check_sums(&stats);
     CHECK(stats.losses == 1 && stats.reopened == 1 && stats.lost == 1001 && stats.fresh == 3999, "%d lost, %d fresh",
           (int)stats.lost, (int)stats.fresh);
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     def.reopen = 0;
     loop = loop_of(&flaky->device, &def);
     flaky->is_out = 1;
     CHECK(dpt_loop_run(loop, &stats) == DPT_E_LOST && stats.ticks == 1, "%d ticks without a device", (int)stats.ticks);
     flaky->is_out = 0;
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK && stats.fresh == 5000, "a second run");
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(&flaky->device);
 }
 
@@ -53,7 +53,7 @@ static void a_device_that_begins_anew_is_served(void)
     check_sums(&stats);
     CHECK(stats.fresh == 300 && stats.reopened == 2 && stats.losses == 3 && stats.reordered == 0,
           "%d fresh, %d came back, %d reordered", (int)stats.fresh, (int)stats.reopened, (int)stats.reordered);
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(device);
     unlink(file.path);
 }
@@ -103,7 +103,7 @@ static void stops_when_asked(void)
     sigaction(SIGALRM, &before, NULL);
     CHECK(flaky->written.force[0] == 0.0, "it ends with %g N", flaky->written.force[0]);
     dpt_loop_stop(NULL);
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(&flaky->device);
 }
 
@@ -144,7 +144,7 @@ static void several_devices_at_once(void)
               (int)served[i].stats.ticks);
         CHECK(counts_of(served[i].device).commands == 301, "device %d: %d commands", i,
               (int)counts_of(served[i].device).commands);
-        dpt_loop_free(served[i].loop);
+        dpt_loop_close(served[i].loop);
         dpt_device_close(served[i].device);
     }
 }
@@ -172,7 +172,7 @@ static void limits_are_the_lesser(void)
         CHECK(stats.clamped == 20, "%s: %d clamped", cases[i].name, (int)stats.clamped);
         CHECK(flaky->strongest >= cases[i].least && flaky->strongest <= cases[i].most, "%s: %g N", cases[i].name,
               flaky->strongest);
-        dpt_loop_free(loop);
+        dpt_loop_close(loop);
         dpt_device_close(&flaky->device);
     }
 }
@@ -183,41 +183,41 @@ static void wrong_defs_are_refused(void)
     dpt_loop_def good = def_for(NULL), def = good;
     dpt_loop *loop = (dpt_loop *)&def;
     dpt_loop_stats stats = { .size = 8 };
-    CHECK(dpt_loop_create(NULL, &def, &loop) == DPT_E_ARGUMENT && !loop, "no device");
-    CHECK(dpt_loop_create(device, NULL, &loop) == DPT_E_ARGUMENT, "no def");
-    CHECK(dpt_loop_create(device, &def, NULL) == DPT_E_ARGUMENT, "no place");
+    CHECK(dpt_loop_open(NULL, &def, &loop) == DPT_E_ARGUMENT && !loop, "no device");
+    CHECK(dpt_loop_open(device, NULL, &loop) == DPT_E_ARGUMENT, "no def");
+    CHECK(dpt_loop_open(device, &def, NULL) == DPT_E_ARGUMENT, "no place");
     def.size--;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_SIZE, "a size that is not known");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_E_SIZE, "a size that is not known");
     def = good, def.tick = NULL;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "no tick");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_E_ARGUMENT, "no tick");
     def = good, def.priority = 100;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "priority 100");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_E_ARGUMENT, "priority 100");
     def = good, def.awake = 2;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "awake 2");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_E_ARGUMENT, "awake 2");
     def = good, def.lock = 2;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "lock 2");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_E_ARGUMENT, "lock 2");
     def = good, def.reopen = 2;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "reopen 2");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_E_ARGUMENT, "reopen 2");
     const double rates[] = { NAN, -1.0, 0.5, 1e6, INFINITY };
     for (int i = 0; i < 5; i++) {
         def = good, def.rate = rates[i];
-        CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "rate %g", rates[i]);
+        CHECK(dpt_loop_open(device, &def, &loop) == DPT_E_ARGUMENT, "rate %g", rates[i]);
     }
     dpt_guard_def guard = guard_without_ramps(5.0);
     def = good, def.guard = &guard, guard.hold = NAN;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "hold NaN");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_E_ARGUMENT, "hold NaN");
     def = good, def.reserved_pointer = &def;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "a reserved pointer");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_E_ARGUMENT, "a reserved pointer");
     def = good, def.reserved_pointer_2 = &def;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_ARGUMENT, "another one");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_E_ARGUMENT, "another one");
     def = good, def.guard = &guard, guard.hold = 0.003, guard.size = 0;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_E_SIZE, "a guard without a size");
-    CHECK(dpt_loop_create(slow, &good, &loop) == DPT_E_ARGUMENT, "4 ms a tick, and commands hold for 3");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_E_SIZE, "a guard without a size");
+    CHECK(dpt_loop_open(slow, &good, &loop) == DPT_E_ARGUMENT, "4 ms a tick, and commands hold for 3");
     def = good, def.guard = &guard, guard.size = sizeof guard, guard.hold = 0.01;
-    CHECK(dpt_loop_create(slow, &def, &loop) == DPT_OK, "and for 10");
+    CHECK(dpt_loop_open(slow, &def, &loop) == DPT_OK, "and for 10");
     CHECK(dpt_loop_run(NULL, &stats) == DPT_E_ARGUMENT && dpt_loop_run(loop, &stats) == DPT_E_SIZE, "run");
-    dpt_loop_free(loop);
-    dpt_loop_free(NULL);
+    dpt_loop_close(loop);
+    dpt_loop_close(NULL);
     dpt_loop_def_defaults(NULL, 8);
     dpt_device_close(device);
     dpt_device_close(slow);

@@ -153,9 +153,9 @@ static dpt_loop_stats run_made(uint64_t offset, uint64_t period, double rate, dp
     def.ticks = (uint64_t)run_ticks;
     def.rate = rate;
     def.priority = def.lock = 0;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK, "loop");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_OK, "loop");
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK && stats.ticks == def.ticks, "run");
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(device);
     return stats;
 }

@@ -95,9 +95,9 @@ static void run_alone(int index, struct seen *seen, dpt_loop_stats *stats)
     dpt_loop *loop;
     def.guard = &guard;
     stats->size = sizeof *stats;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK, "create");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_OK, "create");
     CHECK(dpt_loop_run(loop, stats) == DPT_OK, "run");
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(device);
     *seen = host.seen[index];
 }
@@ -130,7 +130,7 @@ static void each_is_served_as_if_it_were_alone(void)
         def.guard = &guard;
         def.other = devices[1];
         def.other_guard = &other;
-        CHECK(dpt_loop_create(devices[0], &def, &loop) == DPT_OK, "create");
+        CHECK(dpt_loop_open(devices[0], &def, &loop) == DPT_OK, "create");
         CHECK(dpt_loop_run(loop, stats) == DPT_OK, "run");
         for (int i = 0; i < DEVICES; i++) {
             const int index = i ? second : first;
@@ -141,7 +141,7 @@ static void each_is_served_as_if_it_were_alone(void)
             check_counts(&stats[i], &alone[index], index);
             dpt_device_close(devices[i]);
         }
-        dpt_loop_free(loop);
+        dpt_loop_close(loop);
     }
     CHECK(alone[0].clamped > 100 && alone[0].fresh > 2000, "%u clamped, %u fresh", (unsigned)alone[0].clamped,
           (unsigned)alone[0].fresh);
@@ -159,7 +159,7 @@ static void one_that_is_lost(void)
         dpt_loop *loop;
         def.other = second;
         def.reopen = reopen;
-        CHECK(dpt_loop_create(first, &def, &loop) == DPT_OK, "create");
+        CHECK(dpt_loop_open(first, &def, &loop) == DPT_OK, "create");
         const dpt_result result = dpt_loop_run(loop, stats);
         if (reopen) {
             CHECK(result == DPT_OK && stats[0].ticks == TICKS && stats[0].fresh == TICKS, "%s, %u ticks",
@@ -170,7 +170,7 @@ static void one_that_is_lost(void)
             CHECK(result == DPT_E_LOST && stats[1].lost == 1 && stats[0].ticks < 510, "%s, %u ticks",
                   dpt_result_name(result), (unsigned)stats[0].ticks);
         }
-        dpt_loop_free(loop);
+        dpt_loop_close(loop);
         dpt_device_close(first);
         dpt_device_close(second);
     }
@@ -184,22 +184,22 @@ static void pairs_that_are_none_are_refused(void)
     dpt_loop *loop;
     dpt_loop_def def = def_of(&host);
     def.other = first;
-    CHECK(dpt_loop_create(first, &def, &loop) == DPT_E_ARGUMENT && !loop, "one device twice");
+    CHECK(dpt_loop_open(first, &def, &loop) == DPT_E_ARGUMENT && !loop, "one device twice");
     def.other = second;
-    CHECK(dpt_loop_create(first, &def, &loop) == DPT_E_ARGUMENT, "two kinds of time");
+    CHECK(dpt_loop_open(first, &def, &loop) == DPT_E_ARGUMENT, "two kinds of time");
     def.other = NULL;
     def.other_guard = &guard;
-    CHECK(dpt_loop_create(first, &def, &loop) == DPT_E_ARGUMENT, "a guard of no device");
+    CHECK(dpt_loop_open(first, &def, &loop) == DPT_E_ARGUMENT, "a guard of no device");
     dpt_device_close(second);
     second = device_named("sim:");
     def.other = second;
     guard.hold = 1e-4;
-    CHECK(dpt_loop_create(first, &def, &loop) == DPT_E_ARGUMENT, "commands that hold too shortly");
+    CHECK(dpt_loop_open(first, &def, &loop) == DPT_E_ARGUMENT, "commands that hold too shortly");
     guard = guard_of(2);
-    CHECK(dpt_loop_create(first, &def, &loop) == DPT_OK, "a pair");
+    CHECK(dpt_loop_open(first, &def, &loop) == DPT_OK, "a pair");
     dpt_loop_stats stats[DEVICES] = { { .size = sizeof *stats + 4 } };
     CHECK(dpt_loop_run(loop, stats) == DPT_E_SIZE, "stats that are not aligned");
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(first);
     dpt_device_close(second);
 }
@@ -215,12 +215,12 @@ static void two_that_live(void)
     dpt_loop *loop;
     def.ticks = 600;
     def.other = second;
-    CHECK(dpt_loop_create(first, &def, &loop) == DPT_OK, "create");
+    CHECK(dpt_loop_open(first, &def, &loop) == DPT_OK, "create");
     CHECK(dpt_loop_run(loop, stats) == DPT_OK, "run");
     CHECK(stats[0].fresh > 0 && stats[1].fresh > 0 && stats[1].stale > stats[1].fresh / 4, "%u and %u fresh, %u stale",
           (unsigned)stats[0].fresh, (unsigned)stats[1].fresh, (unsigned)stats[1].stale);
     CHECK(stats[1].sent == stats[1].ticks && stats[1].missed == 0, "%u sent", (unsigned)stats[1].sent);
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(first);
     dpt_device_close(second);
 }

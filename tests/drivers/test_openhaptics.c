@@ -526,13 +526,13 @@ static void a_loop_serves_it(void)
     def.user = &count;
     def.ticks = 800;
     def.lock = def.priority = 0;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK, "loop");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_OK, "loop");
     CHECK(dpt_loop_run(loop, &stats) != DPT_E_LOST, "lost");
     hold();
     CHECK(stats.ticks == 800 && stats.fresh > 100 && stats.not_ready > 10, "%d fresh, %d not ready", (int)stats.fresh,
           (int)stats.not_ready);
     CHECK(there->force[1] == 0.0, "it ends with force");
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     finish();
 }
 

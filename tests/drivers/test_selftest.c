@@ -457,7 +457,7 @@ static void a_driver_that_does_not_open_says_why(void)
     struct heard heard = { .lines = 0 };
     dpt_selftest_counts counts = { .size = sizeof counts };
     const dpt_selftest_def def = def_for(&heard);
-    CHECK(dpt_driver_selftest(dpt_driver_named("sim"), "?weight=1", &def, &counts) == DPT_E_SETTING &&
+    CHECK(dpt_driver_selftest(dpt_driver_find("sim"), "?weight=1", &def, &counts) == DPT_E_SETTING &&
               counts.failed == 1 && heard.lines == 1 && strstr(heard.last, "weight"),
           "%s", heard.last);
     CHECK(dpt_driver_selftest(NULL, NULL, &def, &counts) == DPT_E_ARGUMENT, "no driver");

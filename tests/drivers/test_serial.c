@@ -337,14 +337,14 @@ static void calls_are_bounded(void)
 
 static void count_ports(void *user, const dpt_driver *driver, const char *where, const char *about)
 {
-    CHECK(driver == dpt_driver_named("serial") && !strncmp(where, "/dev/", 5) && about[0], "%s", where);
+    CHECK(driver == dpt_driver_find("serial") && !strncmp(where, "/dev/", 5) && about[0], "%s", where);
     ++*(int *)user;
 }
 
 static void finds_ports(void)
 {
     int ports = 0;
-    const dpt_driver *driver = dpt_driver_named("serial");
+    const dpt_driver *driver = dpt_driver_find("serial");
     driver->find(driver, count_ports, &ports);
     error.size = sizeof error;
     if (ports == 0)

@@ -205,11 +205,11 @@ static void the_loop_counts_both(void)
     def.tick = no_force;
     def.ticks = TICKS;
     def.lock = def.priority = 0;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK && dpt_loop_run(loop, &stats) == DPT_OK, "loop");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_OK && dpt_loop_run(loop, &stats) == DPT_OK, "loop");
     CHECK(stats.reordered == (uint64_t)repeated && stats.stale == (uint64_t)(lost + repeated) &&
               stats.fresh == (uint64_t)(TICKS - lost - repeated) && stats.skipped == (uint64_t)(last + 1) - stats.fresh,
           "%d reordered, %d stale, %d skipped", (int)stats.reordered, (int)stats.stale, (int)stats.skipped);
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(device);
 }
 

@@ -221,14 +221,14 @@ static struct outcome host_runs(const char *name, uint64_t ticks)
         dpt_guard_def_init(&guard);
         guard.start = 0.0;
         def.guard = &guard;
-        outcome.created = dpt_loop_create(device, &def, &loop);
+        outcome.created = dpt_loop_open(device, &def, &loop);
         if (outcome.created == DPT_OK)
             outcome.ran = dpt_loop_run(loop, &outcome.stats);
         enum call call = plan.call;
         plan.call = NO_CALL;
         outcome.ends_with_force = !strncmp(name, "sim", 3) && gives_force(device);
         plan.call = call;
-        dpt_loop_free(loop);
+        dpt_loop_close(loop);
         dpt_device_close(device);
     }
     plan.is_armed = 0;

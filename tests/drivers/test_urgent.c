@@ -42,9 +42,9 @@ static dpt_loop_stats run_def(dpt_loop_def def)
     dpt_loop_stats stats = { .size = sizeof stats };
     dpt_loop *loop;
     def.ticks = 20;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK, "no loop");
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_OK, "no loop");
     CHECK(dpt_loop_run(loop, &stats) == DPT_OK, "the run failed");
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     dpt_device_close(device);
     return stats;
 }

@@ -153,8 +153,8 @@ for height in (1.2, 1.2, 1.05):
     pose.position[2] = height
     core.dpt_tool_set_pose(world[0], tool[0], pose)
     core.dpt_world_step(world[0], 0.001, ffi.NULL)
-report, proxy = ffi.new("dpt_force_report *", {"size": ffi.sizeof("dpt_force_report")}), ffi.new("dpt_pose *")
-check("its report", core.dpt_tool_get_force_report(world[0], tool[0], report) == core.DPT_OK)
+report, proxy = ffi.new("dpt_force_info *", {"size": ffi.sizeof("dpt_force_info")}), ffi.new("dpt_pose *")
+check("its report", core.dpt_tool_get_force_info(world[0], tool[0], report) == core.DPT_OK)
 check("its proxy", core.dpt_tool_get_proxy(world[0], tool[0], proxy) == core.DPT_OK)
 check("held on the top", (report.reason, report.law) == (core.DPT_FORCE_ACTS, core.DPT_LAW_PROXY)
       and abs(proxy.position[2] - 1.1) < 1e-4)

@@ -11,7 +11,7 @@ core = CDLL(sys.argv[1] + "/libdynpoint.so")
 compiler = CDLL(sys.argv[1] + "/libdynpoint_compile.so")
 drivers = CDLL(sys.argv[1] + "/libdynpoint_drivers.so")
 core.dpt_world_bytes.restype = c_size_t  # all other results used here are int32, ctypes' default
-core.dpt_deform_bytes.restype = c_size_t
+core.dpt_deformable_bytes.restype = c_size_t
 
 
 def struct(name, *fields):
@@ -38,7 +38,7 @@ ToolSettings = struct("dpt_tool_settings", (c_uint32, "size law"),
                       (c_double, "stiffness rotational_stiffness damping"), (c_uint32, "lock_rotation near_only"))
 BodySettings = struct("dpt_body_settings", (c_uint32, "size unfelt"),
                       (c_double, "side_limit static_friction kinetic_friction stiffness"))
-ForceReport = struct("dpt_force_report", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
+ForceReport = struct("dpt_force_info", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
                      (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"), (c_double, "body_work"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
                  (c_double, "s0 s1 s gap"), (double3, "p q normal weight"),
@@ -46,7 +46,7 @@ Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contac
                  (double3, "end_normal_0 end_normal_1"))
 Overlap = struct("dpt_overlap", (c_uint32, "size triangle flags reserved"), (c_double, "distance s"),
                  (double3, "q weight"), (c_double, "gap overlap"))
-DeformDef = struct("dpt_deform_def", (c_uint32, "size max_points"), (c_void_p, "mesh"), (POINTER(Pose), "pose"),
+DeformDef = struct("dpt_deformable_def", (c_uint32, "size max_points"), (c_void_p, "mesh"), (POINTER(Pose), "pose"),
                    (double3, "box_min box_max"), (c_double, "period load_radius"), (c_uint32, "response passes"))
 Load = struct("dpt_load", (c_uint32, "vertex reserved"), (double3, "force"))
 Latest = struct("dpt_latest", (c_uint32, "writing between reading"))
@@ -229,7 +229,7 @@ for height in (1.2, 1.2, 1.05):  # from the open, where the proxy is known to be
     core.dpt_tool_set_pose(world, tool, byref(pose))
     core.dpt_world_step(world, c_double(0.001), None)
 report, proxy = ForceReport(size=sizeof(ForceReport)), Pose()
-check("its report", core.dpt_tool_get_force_report(world, tool, byref(report)) == 0 and report.reason == 0)
+check("its report", core.dpt_tool_get_force_info(world, tool, byref(report)) == 0 and report.reason == 0)
 check("its proxy", core.dpt_tool_get_proxy(world, tool, byref(proxy)) == 0)
 check("on the top, pulled at by 500 N/m", abs(proxy.position[2] - 1.1) < 1e-4 and report.law == 2
       and is_near(report.wrench.force[2], 500 * (proxy.position[2] - 1.05)))
@@ -238,27 +238,27 @@ core.dpt_tool_set_settings(world, tool, byref(settings))
 
 # A soft box beside it, of which the top is lowered by 0.1 m: where it is now is what is felt, and its corners hold it.
 soft_def, soft = DeformDef(), c_uint32()
-core.dpt_deform_def_defaults(byref(soft_def), c_size_t(sizeof(soft_def)))
+core.dpt_deformable_def_defaults(byref(soft_def), c_size_t(sizeof(soft_def)))
 soft_def.mesh = mesh.value
 beside = Pose(double3(5, 0, 0), double4(1, 0, 0, 0))
 soft_def.pose = POINTER(Pose)(beside)
-need = core.dpt_deform_bytes(byref(soft_def))
+need = core.dpt_deformable_bytes(byref(soft_def))
 soft_block = (c_double * (need // 8 + 1))()
-check("add a soft body", core.dpt_deform_add(world, soft_block, c_size_t(need), byref(soft_def), byref(soft)) == 0)
+check("add a soft body", core.dpt_body_add_deformable(world, soft_block, c_size_t(need), byref(soft_def), byref(soft)) == 0)
 at = POINTER(c_float)()
-check("its vertices", core.dpt_deform_get_vertices(world, soft, byref(at), byref(count)) == 0 and count.value == 8)
+check("its vertices", core.dpt_body_get_vertices(world, soft, byref(at), byref(count)) == 0 and count.value == 8)
 lowered = (c_float * 24)(*[min(x, 0.9) if i % 3 == 2 else x for i, x in enumerate(at[:24])])
-check("move them", core.dpt_deform_set_vertices(world, soft, 0, 8, lowered, c_double(-1)) == 0)
+check("move them", core.dpt_body_set_vertices(world, soft, 0, 8, lowered, c_double(-1)) == 0)
 first = (c_uint32 * 1)(0)
-check("one of them", core.dpt_deform_set_vertex_list(world, soft, first, 1, lowered, c_double(0)) == 0)
-check("they are there", core.dpt_deform_get_vertices(world, soft, byref(at), byref(count)) == 0
+check("one of them", core.dpt_body_set_vertex_list(world, soft, first, 1, lowered, c_double(0)) == 0)
+check("they are there", core.dpt_body_get_vertices(world, soft, byref(at), byref(count)) == 0
       and at[:24] == lowered[:])
 pose.position[:] = (5.3, 0.2, 0.95)
 core.dpt_tool_teleport(world, tool, byref(pose))
 check("step beside", core.dpt_world_step(world, c_double(0.001), byref(step)) == 0 and step.contact == 3)
 core.dpt_tool_get_wrench(world, tool, byref(wrench))
 loads = (Load * 64)()
-check("loads", core.dpt_deform_get_loads(world, soft, loads, 64, byref(count)) == 0 and count.value > 0)
+check("loads", core.dpt_body_get_loads(world, soft, loads, 64, byref(count)) == 0 and count.value > 0)
 check("they are 25 N downward, as it is 25 N upward", abs(wrench.force[2] - 25) < 1e-4 and
       abs(sum(load.force[2] for load in loads[:count.value]) + wrench.force[2]) < 1e-9)
 core.dpt_body_remove(world, soft)  # only then may its block go

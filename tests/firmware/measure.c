@@ -247,7 +247,7 @@ static void measure_proxy(double across, double tilt, const char *const names[4]
     double along = 0;
     for (int tick = 0; tick < TICKS; tick++) {
         dpt_step step = { .size = sizeof step };
-        dpt_force_report report = { .size = sizeof report };
+        dpt_force_info report = { .size = sizeof report };
         dpt_pose proxy;
         const double depth = tick < 100 ? 5e-5 * tick : 0.005, height = 0.00205 - depth;
         const double tremor = 1e-5 * ((tick * 7) % 11 - 5);
@@ -258,7 +258,7 @@ static void measure_proxy(double across, double tilt, const char *const names[4]
         count_start();
         dpt_tool_set_pose(scene.world, scene.tool, &pose);
         dpt_world_step(scene.world, 0.001, &step);
-        dpt_tool_get_force_report(scene.world, scene.tool, &report);
+        dpt_tool_get_force_info(scene.world, scene.tool, &report);
         times[tick] = count_instructions();
         dpt_tool_get_proxy(scene.world, scene.tool, &proxy);
         const double slid = proxy.position[0] - before.position[0];

@@ -36,7 +36,7 @@ static void take(struct rig *rig)
 {
     const dpt_result result = dpt_world_step(rig->world, RIG_DT, &rig->step);
     CHECK(result == DPT_OK, "step: %s", dpt_result_name(result));
-    dpt_tool_get_force_report(rig->world, rig->tool, &rig->force);
+    dpt_tool_get_force_info(rig->world, rig->tool, &rig->force);
     dpt_tool_get_proxy(rig->world, rig->tool, &rig->proxy);
 }
 

@@ -15,7 +15,7 @@ struct rig {
     dpt_segment segments[RIG_SEGMENTS]; /* in the tool's frame */
     uint32_t count;
     dpt_pose device, proxy;
-    dpt_force_report force;
+    dpt_force_info force;
     dpt_step step;
 };
 

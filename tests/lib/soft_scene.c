@@ -67,6 +67,6 @@ void soft_scene_step(struct soft_scene *scene)
 const float *soft_scene_vertices(const struct soft_scene *scene, uint32_t *count)
 {
     const float *vertices = NULL;
-    dpt_deform_get_vertices(scene->world, scene->bodies.body[0].id, &vertices, count);
+    dpt_body_get_vertices(scene->world, scene->bodies.body[0].id, &vertices, count);
     return vertices;
 }

@@ -6,7 +6,7 @@
  *
  * MOTION: doubles of this machine: the body's pose, the tool's segment, then the tool's pose in each tick. LAW is a number
  * of world.h. A mesh with springs is a body that deforms, its springs stepped in each tick; the last snapshot has its
- * vertices. LOAD_RADIUS: of dpt_deform_def.
+ * vertices. LOAD_RADIUS: of dpt_deformable_def.
  */
 #include <dynpoint.h>
 #include <stdio.h>
@@ -40,7 +40,7 @@ static dpt_springs *add_body(dpt_world *world, const dpt_mesh *mesh, const dpt_p
                              dpt_body *body)
 {
     dpt_mesh_info info = { .size = sizeof info };
-    dpt_deform_def def;
+    dpt_deformable_def def;
     dpt_springs_def springs_def;
     dpt_springs *springs;
     must(!dpt_mesh_get_info(mesh, &info), "the mesh");
@@ -48,14 +48,14 @@ static dpt_springs *add_body(dpt_world *world, const dpt_mesh *mesh, const dpt_p
         must(!dpt_body_add(world, mesh, pose, body), "the body");
         return NULL;
     }
-    dpt_deform_def_init(&def);
+    dpt_deformable_def_init(&def);
     def.mesh = mesh;
     def.pose = pose;
     def.load_radius = load_radius;
     dpt_springs_def_init(&springs_def);
     springs_def.mesh = mesh;
-    void *block = malloc(dpt_deform_bytes(&def)), *net = malloc(dpt_springs_bytes(&springs_def));
-    must(block && net && !dpt_deform_add(world, block, dpt_deform_bytes(&def), &def, body) &&
+    void *block = malloc(dpt_deformable_bytes(&def)), *net = malloc(dpt_springs_bytes(&springs_def));
+    must(block && net && !dpt_body_add_deformable(world, block, dpt_deformable_bytes(&def), &def, body) &&
              !dpt_springs_create(net, dpt_springs_bytes(&springs_def), &springs_def, &springs),
          "the body that deforms");
     return springs;
@@ -106,7 +106,7 @@ int main(int argc, char **argv)
     for (size_t tick = 0; tick < ticks; tick++) {
         memcpy(&pose, motion + POSE + SEGMENT + tick * POSE, sizeof pose);
         must(!dpt_tool_set_pose(world, tool, &pose) && !dpt_world_step(world, DT, NULL), "a step");
-        must(!springs || !dpt_deform_step_springs(world, body, springs, DT, NULL), "the springs' step");
+        must(!springs || !dpt_body_step_springs(world, body, springs, DT, NULL), "the springs' step");
         put_snapshot(world, springs && tick + 1 == ticks ? info.vertices : 0);
     }
     return 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The work of moving bodies on a tool (dpt_force_report.body_work), against the balance of energy: what a law stores
+ * The work of moving bodies on a tool (dpt_force_info.body_work), against the balance of energy: what a law stores
  * more is what bodies and the hand did. The hand's part is the wrench times its motion. It cannot judge friction, which
  * loses energy, but by a bound.
  */
@@ -23,7 +23,7 @@ struct beat {
 struct books {
     double stored, bodies, hand; /* J: gained since the start */
     double worst, range;         /* J: largest difference, largest energy */
-    dpt_force_report last;
+    dpt_force_info last;
     dpt_pose device;
 };
 

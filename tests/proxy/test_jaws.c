@@ -164,18 +164,18 @@ static dpt_body make_soft(const struct rig *rig, void **block, float **at, uint3
 {
     const float *rest;
     dpt_body soft = 0;
-    dpt_deform_def def;
-    dpt_deform_def_init(&def);
+    dpt_deformable_def def;
+    dpt_deformable_def_init(&def);
     def.mesh = jaw_sheet.mesh;
     for (int k = 0; k < 3; k++) {
         def.box_min[k] = -1;
         def.box_max[k] = 1;
     }
     dpt_mesh_get_vertices(jaw_sheet.mesh, &rest, vertices);
-    *block = malloc(dpt_deform_bytes(&def));
+    *block = malloc(dpt_deformable_bytes(&def));
     *at = malloc(3 * *vertices * sizeof **at);
     memcpy(*at, rest, 3 * *vertices * sizeof **at);
-    const dpt_result result = dpt_deform_add(rig->world, *block, dpt_deform_bytes(&def), &def, &soft);
+    const dpt_result result = dpt_body_add_deformable(rig->world, *block, dpt_deformable_bytes(&def), &def, &soft);
     CHECK(result == DPT_OK, "soft: %s", dpt_result_name(result));
     return soft;
 }
@@ -207,7 +207,7 @@ static void sheets_that_move_are_not_passed(void)
             for (uint32_t v = 0; v < vertices; v++)
                 at[3 * v + 2] = height;
             if (is_soft)
-                dpt_deform_set_vertices(jaws.rig.world, soft, 0, vertices, at, -1.0);
+                dpt_body_set_vertices(jaws.rig.world, soft, 0, vertices, at, -1.0);
             else
                 dpt_body_set_pose(jaws.rig.world, jaws.rig.body, &body);
             for (int k = 1; k < 3; k++)

@@ -384,7 +384,7 @@ static void a_free_segment_is_a_rigid_tool(void)
         const dpt_result result = dpt_tool_set_segments(free_one.world, free_one.tool, &given, 1);
         CHECK(result == DPT_OK, "%s", dpt_result_name(result));
         dpt_world_step(free_one.world, RIG_DT, &free_one.step);
-        dpt_tool_get_force_report(free_one.world, free_one.tool, &free_one.force);
+        dpt_tool_get_force_info(free_one.world, free_one.tool, &free_one.force);
         for (int k = 0; k < 3; k++) {
             const double f = rigid.force.wrench.force[k] - free_one.force.wrench.force[k];
             const double t = rigid.force.wrench.torque[k] - free_one.force.wrench.torque[k];

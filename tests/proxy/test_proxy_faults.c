@@ -159,7 +159,7 @@ static void bodies_that_move_unseen_are_not_entered(void)
             pose.position[2] = 0.01 * (i + 1);
             dpt_body_set_pose(rig.world, rig.body, &pose);
             dpt_world_step(rig.world, RIG_DT, &rig.step);
-            dpt_tool_get_force_report(rig.world, rig.tool, &rig.force);
+            dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
             CHECK(rig.force.reason == DPT_FORCE_STALE && rig_force(&rig) == 0, "reason %u", rig.force.reason);
         }
         dpt_body_set_pose(rig.world, other, &far);
@@ -187,7 +187,7 @@ static void missing_input_loses_no_contact(void)
     for (int i = 0; i < 5; i++) {
         dpt_tool_set_pose(rig.world, rig.tool, NULL);
         dpt_world_step(rig.world, RIG_DT, NULL);
-        dpt_tool_get_force_report(rig.world, rig.tool, &rig.force);
+        dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(rig.force.reason == DPT_FORCE_STALE && rig_force(&rig) == 0, "reason %u", rig.force.reason);
     }
     rig_step(&rig);
@@ -213,7 +213,7 @@ static void another_law_begins_at_the_device(void)
     for (int i = 0; i < 3; i++) {
         dpt_hit hit = DPT_HIT_INIT;
         dpt_world_step(rig.world, RIG_DT, NULL);
-        dpt_tool_get_force_report(rig.world, rig.tool, &rig.force);
+        dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         dpt_tool_get_hit(rig.world, rig.tool, &hit);
         CHECK(fabs(rig_force(&rig) - RIG_STIFFNESS * 0.003) < 0.1 && fabs(hit.depth - 0.003) < 2e-4,
               "tick %d: %g N, %g m deep", i, rig_force(&rig), hit.depth);
@@ -222,7 +222,7 @@ static void another_law_begins_at_the_device(void)
     dpt_tool_set_settings(rig.world, rig.tool, &settings);
     for (int i = 0; i < 3; i++) {
         dpt_world_step(rig.world, RIG_DT, NULL);
-        dpt_tool_get_force_report(rig.world, rig.tool, &rig.force);
+        dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(rig.force.reason == DPT_FORCE_INSIDE && rig_force(&rig) == 0, "reason %u, %g N", rig.force.reason,
               rig_force(&rig));
     }
@@ -356,7 +356,7 @@ static void a_segment_that_grows_meets_a_body_that_moves(void)
         dpt_tool_set_segments(rig.world, rig.tool, &given, 1);
         dpt_body_set_pose(rig.world, rig.body, &pose);
         dpt_world_step(rig.world, RIG_DT, NULL);
-        dpt_tool_get_force_report(rig.world, rig.tool, &rig.force);
+        dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(!(rig.force.flags & DPT_FORCE_FLAG_SQUEEZED) && rig.force.reason <= DPT_FORCE_FREE,
               "radius %g: reason %u, flags %u", given.radius, rig.force.reason, rig.force.flags);
         dpt_tool_get_proxy(rig.world, rig.tool, &rig.proxy);
@@ -488,14 +488,14 @@ static void a_reset_world_repeats_itself(void)
 {
     struct solid liver;
     struct rig rig;
-    static dpt_force_report first[600];
+    static dpt_force_info first[600];
     if (!solid_from_shape(&liver, "liver", 2000))
         return;
     rig_open(&rig, NULL, liver.mesh, &needle, 1);
     for (int turn = 0; turn < 3; turn++) {
         uint64_t seed = 5;
         dpt_world_reset(rig.world);
-        dpt_tool_get_force_report(rig.world, rig.tool, &rig.force);
+        dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(rig.force.reason == DPT_FORCE_STALE, "reason %u", rig.force.reason);
         rig_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 0.4);
         rig.device.position[0] = rig.device.position[1] = 0.01;

@@ -453,11 +453,11 @@ static void a_body_that_is_not_felt_is_not_there(void)
 /* What the function of `a_function_of_its_own` was given, and what it is to do. */
 struct shaper {
     uint64_t calls;
-    dpt_force_report seen;
+    dpt_force_info seen;
     double factor;
 };
 
-static void shape(void *user, const dpt_force_report *report, double dt, dpt_wrench *wrench)
+static void shape(void *user, const dpt_force_info *report, double dt, dpt_wrench *wrench)
 {
     struct shaper *shaper = user;
     CHECK(dt == RIG_DT, "dt %g", dt);

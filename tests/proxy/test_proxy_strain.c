@@ -52,7 +52,7 @@ static void press_within(const struct solid *solid, uint32_t budget, uint64_t se
     dpt_tool_set_pose(bounded.world, bounded.tool, &bounded.device);
     for (int i = 0; i < 200; i++)
         dpt_world_step(bounded.world, RIG_DT, &bounded.step);
-    dpt_tool_get_force_report(bounded.world, bounded.tool, &bounded.force);
+    dpt_tool_get_force_info(bounded.world, bounded.tool, &bounded.force);
     CHECK(bounded.force.reason == DPT_FORCE_FREE, "%s, budget %u: reason %u", solid->name, budget,
           bounded.force.reason);
     for (uint64_t i = 0; i < 700; i++) {
@@ -75,8 +75,8 @@ static void press_within(const struct solid *solid, uint32_t budget, uint64_t se
     CHECK(bounded.force.lag < 0.002 * apart(bounded.device.position, bounded.proxy.position) + 1e-7,
           "%s, budget %u: at rest it lags by %g of %g", solid->name, budget, bounded.force.lag,
           apart(bounded.device.position, bounded.proxy.position));
-    dpt_world_usage usage = { .size = sizeof usage };
-    dpt_world_get_usage(bounded.world, &usage);
+    dpt_world_info usage = { .size = sizeof usage };
+    dpt_world_get_info(bounded.world, &usage);
     CHECK(most <= budget && usage.work <= budget, "%s, budget %u: %u units", solid->name, budget, most);
     printf("    %s: budget %u, worst tick %u units, gap %.3g, at rest %s\n", solid->name, budget, most, least,
            bounded.step.status == DPT_STATUS_EXACT ? "exact" : "bounded");

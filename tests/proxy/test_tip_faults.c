@@ -197,18 +197,19 @@ static void sheets_that_come_up_are_not_passed(void)
         rig_open(&tip.rig, NULL, is_soft ? NULL : sheet.mesh, &beside, 1);
         tip_rig_give(&tip, DPT_HULL_KIND_WEDGE, blade, 0);
         struct rig *rig = &tip.rig;
-        dpt_deform_def def;
-        dpt_deform_def_init(&def);
+        dpt_deformable_def def;
+        dpt_deformable_def_init(&def);
         def.mesh = sheet.mesh;
         for (int k = 0; k < 3; k++) {
             def.box_min[k] = -1;
             def.box_max[k] = 1;
         }
-        void *block = malloc(dpt_deform_bytes(&def));
+        void *block = malloc(dpt_deformable_bytes(&def));
         float *at = malloc(3 * vertices * sizeof *at);
         memcpy(at, rest, 3 * vertices * sizeof *at);
         if (is_soft) {
-            const dpt_result result = dpt_deform_add(rig->world, block, dpt_deform_bytes(&def), &def, &soft);
+            const dpt_result result =
+                dpt_body_add_deformable(rig->world, block, dpt_deformable_bytes(&def), &def, &soft);
             CHECK(result == DPT_OK, "soft: %s", dpt_result_name(result));
         }
         dpt_tool_settings settings = { .size = sizeof settings };
@@ -224,7 +225,7 @@ static void sheets_that_come_up_are_not_passed(void)
             for (uint32_t v = 0; v < vertices; v++)
                 at[3 * v + 2] = (float)height;
             if (is_soft)
-                dpt_deform_set_vertices(rig->world, soft, 0, vertices, at, -1.0);
+                dpt_body_set_vertices(rig->world, soft, 0, vertices, at, -1.0);
             else
                 dpt_body_set_pose(rig->world, rig->body, &pose);
             rig_step(rig);

@@ -62,7 +62,7 @@ static int haptic_tick(struct rig *rig)
 
 static uint32_t physics_step(struct rig *rig, double dt)
 {
-    dpt_springs_report report = { .size = sizeof report };
+    dpt_springs_info report = { .size = sizeof report };
     const dpt_result result = soft_exchange_step(&rig->exchange, body_of(rig)->springs, dt, &report);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return report.active;
@@ -72,9 +72,9 @@ static uint32_t physics_step(struct rig *rig, double dt)
 static void check_sums(struct rig *rig, int tick)
 {
     const struct soft_loads *loads = &rig->exchange.loads[rig->exchange.latest_loads.reading];
-    dpt_force_report report = { .size = sizeof report };
+    dpt_force_info report = { .size = sizeof report };
     double sum[3] = { 0.0, 0.0, 0.0 }, size = 1e-3, off = 0.0;
-    dpt_tool_get_force_report(rig->scene.world, rig->scene.tool, &report);
+    dpt_tool_get_force_info(rig->scene.world, rig->scene.tool, &report);
     for (uint32_t i = 0; i < loads->count; i++) {
         sum[0] += loads->load[i].force[0];
         sum[1] += loads->load[i].force[2];
@@ -141,7 +141,7 @@ static void vertices_arrive(void)
 static void compare_nodes(const struct soft_scene *a, const struct soft_scene *b, double *off, double *moved)
 {
     const struct scene_body *body = &b->bodies.body[0];
-    const uint32_t count = dpt_springs_count(body->springs);
+    const uint32_t count = dpt_springs_get_count(body->springs);
     float *x = calloc(6 * (size_t)count, sizeof *x), *y = x + 3 * (size_t)count;
     uint32_t vertices = 0;
     const float *rest, *now = soft_scene_vertices(b, &vertices);

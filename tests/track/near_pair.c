@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "track/near_pair.h"
 
-#include "dynpoint/deform.h"
+#include "dynpoint/body.h"
+#include "dynpoint/tool.h"
 #include "lib/proxy_rig.h"
 
 static const struct {
@@ -94,18 +95,19 @@ void near_pair_open(struct near_pair *pair, const struct solid *solids, const dp
 /* The sheet in one world, as a body whose vertices move. */
 static void soften_sheet(const struct near_pair *pair, struct near_world *one)
 {
-    dpt_deform_def def;
+    dpt_deformable_def def;
     dpt_mesh_info info = pair->solids[NEAR_SHEET].info;
-    dpt_deform_def_init(&def);
+    dpt_deformable_def_init(&def);
     def.mesh = pair->solids[NEAR_SHEET].mesh;
     def.pose = &pair->body_pose[NEAR_SHEET];
     for (int k = 0; k < 3; k++) {
         def.box_min[k] = info.box_min[k] - 0.1;
         def.box_max[k] = info.box_max[k] + 0.1;
     }
-    one->sheet_block = malloc(dpt_deform_bytes(&def));
+    one->sheet_block = malloc(dpt_deformable_bytes(&def));
     dpt_body_remove(one->world, one->body[NEAR_SHEET]);
-    CHECK(dpt_deform_add(one->world, one->sheet_block, dpt_deform_bytes(&def), &def, &one->body[NEAR_SHEET]) == DPT_OK,
+    CHECK(dpt_body_add_deformable(one->world, one->sheet_block, dpt_deformable_bytes(&def), &def,
+                                  &one->body[NEAR_SHEET]) == DPT_OK,
           "a sheet whose vertices move");
 }
 
@@ -129,8 +131,8 @@ static void move_vertices(struct near_pair *pair)
         memcpy(moved + 3 * v, rest + 3 * v, 3 * sizeof *moved);
         moved[3 * v + 2] += (float)(0.03 * sin(pair->wave + 20 * (double)rest[3 * v]));
     }
-    dpt_deform_set_vertices(pair->all.world, pair->all.body[NEAR_SHEET], 0, count, moved, -1);
-    dpt_deform_set_vertices(pair->near.world, pair->near.body[NEAR_SHEET], 0, count, moved, -1);
+    dpt_body_set_vertices(pair->all.world, pair->all.body[NEAR_SHEET], 0, count, moved, -1);
+    dpt_body_set_vertices(pair->near.world, pair->near.body[NEAR_SHEET], 0, count, moved, -1);
 }
 
 void near_pair_close(struct near_pair *pair)
@@ -324,7 +326,7 @@ static void compare_hit(struct near_pair *pair, uint32_t segment, int has_budget
 static void compare_tool(const struct near_pair *pair, int has_budget)
 {
     dpt_hit all = DPT_HIT_INIT, near = DPT_HIT_INIT;
-    dpt_force_report force_all = { .size = sizeof force_all }, force = force_all;
+    dpt_force_info force_all = { .size = sizeof force_all }, force = force_all;
     const struct near_world *one = &pair->near, *other = &pair->all;
     CHECK(one->result == other->result, "%d and %d", one->result, other->result);
     if (has_budget)
@@ -341,8 +343,8 @@ static void compare_tool(const struct near_pair *pair, int has_budget)
           other->step.contact);
     CHECK(fabs(one->step.distance - other->step.distance) <= near.error_bound + all.error_bound,
           "the step's distance %g and %g", one->step.distance, other->step.distance);
-    dpt_tool_get_force_report(other->world, other->tool, &force_all);
-    dpt_tool_get_force_report(one->world, one->tool, &force);
+    dpt_tool_get_force_info(other->world, other->tool, &force_all);
+    dpt_tool_get_force_info(one->world, one->tool, &force);
     CHECK(force.reason == force_all.reason, "reason %u and %u", force.reason, force_all.reason);
     CHECK(one->step.contacts == other->step.contacts, "contacts %u and %u", one->step.contacts, other->step.contacts);
     for (int k = 0; k < 3; k++)
@@ -362,10 +364,10 @@ static void compare_sweep(const struct near_pair *pair, uint32_t segment)
 void near_pair_check_proxy(const struct near_pair *pair)
 {
     const struct near_world *one = &pair->near;
-    dpt_force_report force = { .size = sizeof force };
+    dpt_force_info force = { .size = sizeof force };
     dpt_pose proxy;
     dpt_segment placed[NEAR_SEGMENTS];
-    dpt_tool_get_force_report(one->world, one->tool, &force);
+    dpt_tool_get_force_info(one->world, one->tool, &force);
     if (force.reason != DPT_FORCE_ACTS || force.flags & (DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED))
         return;
     dpt_tool_get_proxy(one->world, one->tool, &proxy);

@@ -130,7 +130,7 @@ struct slide {
     dpt_tool tool;
     double radius, half, speed, way, turn, tilt, height, low; /* half the tool's length */
     double at[3];
-    dpt_force_report last;
+    dpt_force_info last;
     double end[2][3];
     int was_judged;
 };
@@ -145,9 +145,9 @@ static void turned(const struct slide *slide, double heading, double u[3])
 static void judge(struct slide *slide, const double end[2][3], double motion, struct sums *sums)
 {
     dpt_hit hit = DPT_HIT_INIT;
-    dpt_force_report report = { .size = sizeof report };
+    dpt_force_info report = { .size = sizeof report };
     dpt_tool_get_hit(slide->world, slide->tool, &hit);
-    dpt_tool_get_force_report(slide->world, slide->tool, &report);
+    dpt_tool_get_force_info(slide->world, slide->tool, &report);
     const double *f = report.wrench.force, *g = slide->last.wrench.force;
     const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
     const double jump =
@@ -238,8 +238,8 @@ static void one_slide(double radius_most, struct sums *sums)
     double at[3] = { 0.055 * (random_bits(&sheet_random) % 2 ? 1.0 : -1.0), any(-0.055, 0.055), 0.0 };
     for (at[2] = down + slide.radius + 0.002; at[2] > down - slide.low; at[2] -= 5e-4)
         add_scaled(&slide, at, heading, NULL);
-    slide.last = (dpt_force_report){ .size = sizeof slide.last };
-    dpt_tool_get_force_report(slide.world, slide.tool, &slide.last);
+    slide.last = (dpt_force_info){ .size = sizeof slide.last };
+    dpt_tool_get_force_info(slide.world, slide.tool, &slide.last);
     const double to[2] = { cos(slide.way), sin(slide.way) };
     for (int n = 0; n < 1500 && fmax(fabs(at[0]), fabs(at[1])) < 0.15; n++) {
         at[0] += slide.speed * to[0];

@@ -31,19 +31,19 @@ static void stage_open(struct stage *stage)
 {
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.05 }, 0.002 };
     dpt_world_def def;
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     const float *positions;
     memset(stage, 0, sizeof *stage);
     fixture_from_shape(&stage->fixture, "torus", 800);
     dpt_world_def_init(&def);
     stage->memory = malloc(dpt_world_bytes(&def));
     dpt_world_create(stage->memory, dpt_world_bytes(&def), &def, &stage->world);
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     deform.mesh = stage->fixture.mesh;
-    stage->deform = malloc(dpt_deform_bytes(&deform));
-    dpt_deform_add(stage->world, stage->deform, dpt_deform_bytes(&deform), &deform, &stage->body);
+    stage->deform = malloc(dpt_deformable_bytes(&deform));
+    dpt_body_add_deformable(stage->world, stage->deform, dpt_deformable_bytes(&deform), &deform, &stage->body);
     dpt_tool_add(stage->world, &segment, 1, &stage->tool);
-    dpt_deform_get_vertices(stage->world, stage->body, &positions, &stage->vertices);
+    dpt_body_get_vertices(stage->world, stage->body, &positions, &stage->vertices);
     stage->feed = view_feed_open(stage->world, stage->vertices);
     CHECK(stage->feed != NULL && stage->vertices > 100, "no feed");
 }

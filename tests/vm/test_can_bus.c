@@ -134,8 +134,8 @@ static void the_loop_is_closed_by_the_clock(void)
     dpt_guard_def_init(&guard);
     guard.hold = 0.5;
     def.guard = &guard;
-    CHECK(dpt_loop_create(device, &def, &loop) == DPT_OK && dpt_loop_run(loop, &stats) == DPT_OK, "run");
-    dpt_loop_free(loop);
+    CHECK(dpt_loop_open(device, &def, &loop) == DPT_OK && dpt_loop_run(loop, &stats) == DPT_OK, "run");
+    dpt_loop_close(loop);
     dpt_device_get_counts(device, &counts);
     CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_READY, "%x %x", state.reasons,
           state.code);
@@ -426,14 +426,14 @@ static void the_program_feels_a_mesh_through_it(void)
 
 static void note_interface(void *user, const dpt_driver *driver, const char *where, const char *about)
 {
-    CHECK(driver == dpt_driver_named("can") && about[0], "%s", where);
+    CHECK(driver == dpt_driver_find("can") && about[0], "%s", where);
     *(int *)user += !strcmp(where, bus_name);
 }
 
 static void interfaces_are_found(void)
 {
     int found = 0;
-    dpt_driver_named("can")->find(dpt_driver_named("can"), note_interface, &found);
+    dpt_driver_find("can")->find(dpt_driver_find("can"), note_interface, &found);
     CHECK(found == 1, "%s is found %d times", bus_name, found);
     error.size = sizeof error;
     CHECK(dpt_device_open("can:lo?arm=x", &device, &error) == DPT_E_OPEN, "%s", error.text);

@@ -65,12 +65,12 @@ static void put_tick(dpt_world *world, dpt_tool tool, FILE *out)
 {
     dpt_hit hit = DPT_HIT_INIT;
     dpt_wrench wrench;
-    dpt_force_report report = { .size = sizeof report };
+    dpt_force_info report = { .size = sizeof report };
     static dpt_contact contacts[CONTACTS_MAX];
     uint32_t count;
     contacts[0].size = sizeof contacts[0];
     must(!dpt_tool_get_hit(world, tool, &hit) && !dpt_tool_get_wrench(world, tool, &wrench) &&
-             !dpt_tool_get_force_report(world, tool, &report) &&
+             !dpt_tool_get_force_info(world, tool, &report) &&
              !dpt_tool_get_contacts(world, tool, contacts, CONTACTS_MAX, &count),
          "an answer");
     put(&hit, sizeof hit, out);
@@ -93,7 +93,7 @@ static void put_snapshot(const dpt_world *world, FILE *out)
 static dpt_springs *add_body(dpt_world *world, const dpt_mesh *mesh, dpt_body *body, void *blocks[2])
 {
     dpt_mesh_springs net = { .size = sizeof net };
-    dpt_deform_def def;
+    dpt_deformable_def def;
     dpt_springs_def springs_def;
     dpt_springs *springs;
     must(!dpt_mesh_get_springs(mesh, &net), "the springs");
@@ -101,13 +101,13 @@ static dpt_springs *add_body(dpt_world *world, const dpt_mesh *mesh, dpt_body *b
         must(!dpt_body_add(world, mesh, NULL, body), "the body");
         return NULL;
     }
-    dpt_deform_def_init(&def);
+    dpt_deformable_def_init(&def);
     def.mesh = mesh;
-    blocks[0] = malloc(dpt_deform_bytes(&def));
+    blocks[0] = malloc(dpt_deformable_bytes(&def));
     dpt_springs_def_init(&springs_def);
     springs_def.mesh = mesh;
     blocks[1] = malloc(dpt_springs_bytes(&springs_def));
-    must(blocks[0] && blocks[1] && !dpt_deform_add(world, blocks[0], dpt_deform_bytes(&def), &def, body) &&
+    must(blocks[0] && blocks[1] && !dpt_body_add_deformable(world, blocks[0], dpt_deformable_bytes(&def), &def, body) &&
              !dpt_springs_create(blocks[1], dpt_springs_bytes(&springs_def), &springs_def, &springs),
          "the body");
     return springs;
@@ -135,7 +135,7 @@ static double run(const dpt_mesh *mesh, int count, uint32_t law, uint32_t kernel
         memcpy(segment.b, rows[row] + 4, sizeof segment.b);
         must(!dpt_tool_set_segments(world, tool, &segment, 1) && !dpt_world_step(world, 0.001, NULL), "a step");
         if (springs)
-            must(!dpt_deform_step_springs(world, body, springs, 0.001, NULL), "the springs' step");
+            must(!dpt_body_step_springs(world, body, springs, 0.001, NULL), "the springs' step");
         put_tick(world, tool, out);
         if (out && row % SNAPSHOT_EVERY == 0)
             put_snapshot(world, out);

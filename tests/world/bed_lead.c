@@ -118,7 +118,7 @@ struct bed_felt bed_lead_to(struct bed_lead *lead, const struct bed_path *path, 
     bed_path_at(path, t, &pose, ends);
     const int stepped = dpt_tool_set_pose(lead->world, lead->tool, &pose) == DPT_OK &&
                         dpt_world_step(lead->world, 1e-3, NULL) == DPT_OK &&
-                        dpt_tool_get_force_report(lead->world, lead->tool, &lead->report) == DPT_OK;
+                        dpt_tool_get_force_info(lead->world, lead->tool, &lead->report) == DPT_OK;
     CHECK(stepped, "no step");
     memcpy(felt.force, lead->report.wrench.force, sizeof felt.force);
     memcpy(felt.torque, lead->report.wrench.torque, sizeof felt.torque);

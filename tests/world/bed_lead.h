@@ -35,7 +35,7 @@ struct bed_lead {
     void *block;
     dpt_world *world;
     dpt_tool tool;
-    dpt_force_report report;
+    dpt_force_info report;
 };
 
 int bed_lead_open(struct bed_lead *lead, const dpt_mesh *mesh);

@@ -44,10 +44,10 @@ struct deform_scene {
 
 /* `def` and `deform` may be NULL: the defaults. 0 where a part of it fails. */
 int deform_scene_open(struct deform_scene *scene, const char *shape, uint64_t triangles, const dpt_world_def *def,
-                      const dpt_deform_def *deform);
+                      const dpt_deformable_def *deform);
 
 /* The same with a mesh from a file, and with one that is open as scene->fixture; the rest of the scene is zeros. */
-int deform_scene_open_mesh(struct deform_scene *scene, const dpt_world_def *def, const dpt_deform_def *deform);
+int deform_scene_open_mesh(struct deform_scene *scene, const dpt_world_def *def, const dpt_deformable_def *deform);
 int deform_scene_open_file(struct deform_scene *scene, const char *path, double scale, const dpt_world_def *def);
 void deform_scene_close(struct deform_scene *scene);
 

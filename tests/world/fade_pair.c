@@ -66,14 +66,14 @@ static void check_answers(const struct pair *pair, const dpt_hit hit[2])
 
 void pair_step(struct pair *pair)
 {
-    const dpt_force_report previous = pair->reported;
+    const dpt_force_info previous = pair->reported;
     dpt_hit hit[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
     dpt_step step = { .size = sizeof step };
     pair->reported.size = pair->truth.size = sizeof pair->reported;
     for (int w = 0; w < 2; w++) {
         dpt_world_step(pair->world[w], pair->dt, &step);
         dpt_tool_get_hit(pair->world[w], pair->tool[w], &hit[w]);
-        CHECK(dpt_tool_get_force_report(pair->world[w], pair->tool[w], w ? &pair->truth : &pair->reported) == DPT_OK,
+        CHECK(dpt_tool_get_force_info(pair->world[w], pair->tool[w], w ? &pair->truth : &pair->reported) == DPT_OK,
               "no force");
     }
     pair->hit = hit[FADES];

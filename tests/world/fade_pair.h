@@ -18,7 +18,7 @@ struct pair {
     dpt_body body[2][BODIES];
     dpt_tool tool[2];
     double fade, dt;
-    dpt_force_report reported, truth; /* of the last step */
+    dpt_force_info reported, truth; /* of the last step */
     dpt_hit hit;
     double left;       /* of the fade, as it must be */
     unsigned begun;    /* fades that began */

@@ -25,7 +25,7 @@ void scene_open(struct scene *scene)
 {
     static const dpt_pose aside = { { 0.4, 0.0, 0.0 }, { 1.0, 0.0, 0.0, 0.0 } };
     dpt_world_def def;
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     fixture_from_shape(&scene->liver, "liver", 2000);
     fixture_from_shape(&scene->cloth, "cloth", 1800);
     dpt_world_def_init(&def);
@@ -39,13 +39,14 @@ void scene_open(struct scene *scene)
     scene->memory = malloc(dpt_world_bytes(&def));
     CHECK(dpt_world_create(scene->memory, dpt_world_bytes(&def), &def, &scene->world) == DPT_OK, "no world");
     dpt_body_add(scene->world, scene->liver.mesh, NULL, &scene->body[0]);
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     deform.mesh = scene->cloth.mesh;
     deform.pose = &aside;
     deform.response = DPT_RESPONSE_DISPLACE;
-    const size_t size = dpt_deform_bytes(&deform);
+    const size_t size = dpt_deformable_bytes(&deform);
     scene->deform_memory = malloc(size);
-    CHECK(dpt_deform_add(scene->world, scene->deform_memory, size, &deform, &scene->body[1]) == DPT_OK, "no cloth");
+    CHECK(dpt_body_add_deformable(scene->world, scene->deform_memory, size, &deform, &scene->body[1]) == DPT_OK,
+          "no cloth");
     dpt_body_set_user(scene->world, scene->body[1], 0x1122334455667788u);
     for (uint32_t i = 0; i < TOOL_COUNT; i++) {
         const dpt_pose identity = DPT_POSE_IDENTITY;

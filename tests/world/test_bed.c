@@ -15,7 +15,7 @@ struct bed {
     void *block;
     dpt_world *world;
     dpt_tool tool;
-    dpt_force_report force;
+    dpt_force_info force;
 };
 
 static void bed_open(struct bed *bed, const dpt_mesh *mesh, const dpt_segment *segments, uint32_t count)
@@ -31,7 +31,7 @@ static void bed_open(struct bed *bed, const dpt_mesh *mesh, const dpt_segment *s
               dpt_body_add(bed->world, mesh, NULL, &body) == DPT_OK &&
               dpt_tool_add(bed->world, segments, count, &bed->tool) == DPT_OK,
           "no world");
-    bed->force = (dpt_force_report){ .size = sizeof bed->force };
+    bed->force = (dpt_force_info){ .size = sizeof bed->force };
 }
 
 /* What is felt at a pose, without a past. */
@@ -40,7 +40,7 @@ static void feel(struct bed *bed, const dpt_pose *pose)
     dpt_tool_teleport(bed->world, bed->tool, pose);
     dpt_world_step(bed->world, 1e-3, NULL);
     dpt_world_step(bed->world, 1e-3, NULL);
-    dpt_tool_get_force_report(bed->world, bed->tool, &bed->force);
+    dpt_tool_get_force_info(bed->world, bed->tool, &bed->force);
 }
 
 /* Turned about its origin by a small rotation vector. */
@@ -93,7 +93,7 @@ static void on_a_plane_it_is_a_closed_form(void)
 static void pieces_feel_as_the_whole(void)
 {
     struct solid box;
-    dpt_force_report whole = { .size = sizeof whole };
+    dpt_force_info whole = { .size = sizeof whole };
     if (!solid_from_shape(&box, "box", 300))
         return;
     for (uint32_t count = 1; count <= SEGMENTS; count++) {

@@ -35,7 +35,7 @@ struct sword {
     dpt_tool tool;
     dpt_springs *springs;
     dpt_pose pose;
-    dpt_springs_report report;
+    dpt_springs_info report;
     dpt_mesh_springs net;
     const uint32_t *corners;
     uint32_t triangles, nodes;
@@ -82,14 +82,14 @@ struct setup {
 static int open_sword(struct sword *sword, const struct setup *setup)
 {
     dpt_world_def def;
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     dpt_springs_def springs;
     dpt_segment rods[RODS_MAX];
     memset(sword, 0, sizeof *sword);
     if (!open_sheet(&sword->fixture, setup->shape, setup->triangles, setup->drag))
         return 0;
     dpt_world_def_init(&def);
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
     def.law = DPT_LAW_POINT;
     def.strip = DPT_STRIP_KIND_SHADOW;
@@ -107,7 +107,7 @@ static int open_sword(struct sword *sword, const struct setup *setup)
     springs.sleep_speed = 0.01;
     springs.iterations = 16;
     sword->world_block = malloc(dpt_world_bytes(&def));
-    sword->body_block = malloc(dpt_deform_bytes(&deform));
+    sword->body_block = malloc(dpt_deformable_bytes(&deform));
     sword->springs_block = malloc(dpt_springs_bytes(&springs));
     for (uint32_t i = 0; i < setup->rods; i++) {
         const double x = 0.03 * ((double)i - 0.5 * (double)(setup->rods - 1));
@@ -121,7 +121,8 @@ static int open_sword(struct sword *sword, const struct setup *setup)
                                       .kinetic_friction = setup->friction };
     const int made =
         dpt_world_create(sword->world_block, dpt_world_bytes(&def), &def, &sword->world) == DPT_OK &&
-        dpt_deform_add(sword->world, sword->body_block, dpt_deform_bytes(&deform), &deform, &sword->body) == DPT_OK &&
+        dpt_body_add_deformable(sword->world, sword->body_block, dpt_deformable_bytes(&deform), &deform,
+                                &sword->body) == DPT_OK &&
         dpt_springs_create(sword->springs_block, dpt_springs_bytes(&springs), &springs, &sword->springs) == DPT_OK &&
         dpt_body_set_settings(sword->world, sword->body, &rough) == DPT_OK &&
         dpt_tool_add(sword->world, rods, setup->rods, &sword->tool) == DPT_OK &&
@@ -129,7 +130,7 @@ static int open_sword(struct sword *sword, const struct setup *setup)
         dpt_mesh_get_springs(sword->fixture.mesh, &sword->net) == DPT_OK;
     CHECK(made, "not made");
     dpt_mesh_get_triangles(sword->fixture.mesh, &sword->corners, NULL, &sword->triangles);
-    sword->nodes = dpt_springs_count(sword->springs);
+    sword->nodes = dpt_springs_get_count(sword->springs);
     sword->positions = malloc(3 * (size_t)sword->nodes * sizeof(float));
     sword->speeds = malloc(3 * (size_t)sword->nodes * sizeof(float));
     return made;
@@ -154,7 +155,7 @@ static double tick(struct sword *sword, int measures)
     dpt_result result = dpt_world_step(sword->world, TICK, NULL);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     const double found = measures ? gap(sword) : HUGE_VAL;
-    result = dpt_deform_step_springs(sword->world, sword->body, sword->springs, TICK, &sword->report);
+    result = dpt_body_step_springs(sword->world, sword->body, sword->springs, TICK, &sword->report);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return found;
 }
@@ -167,7 +168,7 @@ static double gap(const struct sword *sword)
     const double *at = sword->pose.position;
     const double ends[6] = { at[0], -0.3, at[2], at[0], 0.3, at[2] };
     double least = HUGE_VAL;
-    dpt_deform_get_vertices(sword->world, sword->body, &positions, &count);
+    dpt_body_get_vertices(sword->world, sword->body, &positions, &count);
     for (uint32_t t = 0; t < sword->triangles; t++) {
         double triangle[9];
         for (uint32_t k = 0; k < 9; k++)
@@ -249,7 +250,7 @@ static void a_cloth_falls_on_a_sword(void)
 static void it_sleeps_until_the_sword_moves(void)
 {
     struct sword sword;
-    dpt_force_report before = { .size = sizeof before }, after = { .size = sizeof after };
+    dpt_force_info before = { .size = sizeof before }, after = { .size = sizeof after };
     if (open_sword(&sword, &fall)) {
         for (int i = 0; i < 12000; i++) {
             tick(&sword, 0);
@@ -258,11 +259,11 @@ static void it_sleeps_until_the_sword_moves(void)
         }
         CHECK(sword.report.active == 0, "%u nodes are awake", sword.report.active);
         tick(&sword, 0);
-        dpt_tool_get_force_report(sword.world, sword.tool, &before);
+        dpt_tool_get_force_info(sword.world, sword.tool, &before);
         const double held = energy_of(&sword);
         for (int i = 0; i < 100; i++)
             tick(&sword, 0);
-        dpt_tool_get_force_report(sword.world, sword.tool, &after);
+        dpt_tool_get_force_info(sword.world, sword.tool, &after);
         CHECK(energy_of(&sword) == held && sword.report.active == 0, "it moves");
         CHECK(before.wrench.force[2] < -1e-3, "%g N: it is not felt", before.wrench.force[2]);
         for (int k = 0; k < 3; k++)
@@ -321,7 +322,7 @@ static void a_refused_step_moves_nothing(void)
         float *before = malloc(bytes);
         dpt_world_step(sword.world, TICK, NULL);
         dpt_springs_get_nodes(sword.springs, sword.nodes, before, sword.speeds);
-        const dpt_result result = dpt_deform_step_springs(sword.world, sword.body, sword.springs, 0.5, NULL);
+        const dpt_result result = dpt_body_step_springs(sword.world, sword.body, sword.springs, 0.5, NULL);
         dpt_springs_get_nodes(sword.springs, sword.nodes, sword.positions, sword.speeds);
         CHECK(result == DPT_E_UNSTABLE, "%s", dpt_result_name(result));
         CHECK(!memcmp(before, sword.positions, bytes), "nodes have moved");

@@ -316,7 +316,7 @@ static void spoil_with(uint32_t law, uint32_t budget, const char *shape, uint64_
         return;
     add_tool(&scene, 0.02 * scene.diagonal);
     for (uint64_t tick = 0; tick < part_of(200); tick++) {
-        dpt_force_report force = { .size = sizeof force };
+        dpt_force_info force = { .size = sizeof force };
         static dpt_load loads[4096];
         uint32_t loaded;
         spoil(&scene, tick);
@@ -328,9 +328,9 @@ static void spoil_with(uint32_t law, uint32_t budget, const char *shape, uint64_
         } else {
             check_tick(&scene, shape, tick, budget);
         }
-        dpt_tool_get_force_report(scene.world, scene.tool, &force);
+        dpt_tool_get_force_info(scene.world, scene.tool, &force);
         CHECK(is_finite(force.wrench.force, 6) && is_finite(&force.energy, 1), "%s: no number", shape);
-        CHECK(dpt_deform_get_loads(scene.world, scene.body, loads, 4096, &loaded) == DPT_OK &&
+        CHECK(dpt_body_get_loads(scene.world, scene.body, loads, 4096, &loaded) == DPT_OK &&
                   (loaded == 0 || is_finite(loads[0].force, 3)),
               "%s: %u loads", shape, loaded);
     }

@@ -23,9 +23,9 @@ static int open_pin(struct pin *pin, uint32_t response, uint32_t law, uint32_t c
 {
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { lean, 0.0, 0.08 }, PIN_RADIUS };
     dpt_world_def def;
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     dpt_world_def_init(&def);
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     memset(pin, 0, sizeof *pin);
     def.law = law;
     def.strip = DPT_STRIP_KIND_SHADOW;
@@ -55,7 +55,7 @@ static void read_positions(struct pin *pin)
 {
     const float *positions;
     uint32_t count;
-    dpt_deform_get_vertices(pin->scene.world, pin->scene.body, &positions, &count);
+    dpt_body_get_vertices(pin->scene.world, pin->scene.body, &positions, &count);
     memcpy(pin->scene.positions, positions, 3 * sizeof *positions * (size_t)count);
 }
 
@@ -116,9 +116,9 @@ static void push_pin(uint32_t response, uint32_t law, uint32_t cells, double lea
     if (!open_pin(&pin, response, law, cells, lean))
         return;
     for (uint64_t tick = 0; tick < part_of(150); tick++) {
-        dpt_force_report force = { .size = sizeof force };
+        dpt_force_info force = { .size = sizeof force };
         sink(&pin, tick);
-        dpt_tool_get_force_report(pin.scene.world, pin.scene.tool, &force);
+        dpt_tool_get_force_info(pin.scene.world, pin.scene.tool, &force);
         if (response == DPT_RESPONSE_DISPLACE)
             read_positions(&pin);
         else

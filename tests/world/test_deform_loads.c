@@ -80,9 +80,9 @@ static void vary_settings(const struct push *push, uint32_t law)
 static int open_push(struct push *push, uint32_t law, double load_radius, uint32_t segments, double fade)
 {
     dpt_world_def def;
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     dpt_world_def_init(&def);
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     deform.load_radius = load_radius;
     def.law = law;
     def.fade = fade;
@@ -132,7 +132,7 @@ static void step_push(struct push *push)
     const float *positions;
     uint32_t count;
     CHECK(dpt_world_step(push->scene.world, 1e-3, NULL) == DPT_OK, "no step");
-    dpt_deform_get_vertices(push->scene.world, push->scene.body, &positions, &count);
+    dpt_body_get_vertices(push->scene.world, push->scene.body, &positions, &count);
     for (size_t i = 0; i < 3 * (size_t)count; i++)
         push->positions[i] = (double)positions[i];
 }
@@ -140,9 +140,9 @@ static void step_push(struct push *push)
 /* Add a tool's wrench, about the world's origin. Returns its force, N. */
 static double add_wrench(const struct push *push, dpt_tool tool, const dpt_pose *pose, double sum[3], double moment[3])
 {
-    dpt_force_report force = { .size = sizeof force };
+    dpt_force_info force = { .size = sizeof force };
     double about[3];
-    dpt_tool_get_force_report(push->scene.world, tool, &force);
+    dpt_tool_get_force_info(push->scene.world, tool, &force);
     cross3(pose->position, force.wrench.force, about);
     for (int k = 0; k < 3; k++) {
         sum[k] += force.wrench.force[k];
@@ -157,7 +157,7 @@ static double check_balance(struct push *push, const char *name)
 {
     double sum[3] = { 0.0 }, moment[3] = { 0.0 }, at[3], load[3], part[3], peak = 0.0, arm = 0.0, worst = 0.0;
     const dpt_result result =
-        dpt_deform_get_loads(push->scene.world, push->scene.body, push->loads, LOADS_MAX, &push->count);
+        dpt_body_get_loads(push->scene.world, push->scene.body, push->loads, LOADS_MAX, &push->count);
     CHECK(result == DPT_OK, "%s: %s", name, dpt_result_name(result));
     double force = add_wrench(push, push->scene.tool, &push->tool, sum, moment);
     if (push->second)
@@ -245,7 +245,7 @@ static void two_tools_have_their_loads(void)
         return;
     CHECK(dpt_tool_add(push.scene.world, rod, 1, &push.second) == DPT_OK, "no second tool");
     for (uint64_t tick = 0; tick < part_of(400); tick++) {
-        dpt_force_report force = { .size = sizeof force };
+        dpt_force_info force = { .size = sizeof force };
         place_tool(&push, 0.012 * sin(0.05 * (double)tick) - 0.004, 0.1);
         push.second_pose = push.tool;
         for (int k = 0; k < 3; k++)
@@ -255,7 +255,7 @@ static void two_tools_have_their_loads(void)
         deform_scene_set(&push.scene, DEFORM_WHOLE);
         step_push(&push);
         check_balance(&push, "two tools");
-        dpt_tool_get_force_report(push.scene.world, push.second, &force);
+        dpt_tool_get_force_info(push.scene.world, push.second, &force);
         faded += force.flags & DPT_FORCE_FLAG_FADING ? 1 : 0;
         if (tick % 100 == 99) {
             dpt_tool_settings settings = { .size = sizeof settings };
@@ -272,8 +272,8 @@ static void two_tools_have_their_loads(void)
 static void too_few_points_are_told(void)
 {
     static struct push push;
-    dpt_deform_def def;
-    dpt_deform_def_init(&def);
+    dpt_deformable_def def;
+    dpt_deformable_def_init(&def);
     def.max_points = 1;
     dpt_result result = DPT_OK;
     memset(&push, 0, sizeof push);
@@ -288,7 +288,7 @@ static void too_few_points_are_told(void)
         push.second_pose.position[0] += 0.02;
         dpt_tool_set_pose(push.scene.world, push.second, &push.second_pose);
         dpt_world_step(push.scene.world, 1e-3, NULL);
-        result = dpt_deform_get_loads(push.scene.world, push.scene.body, push.loads, LOADS_MAX, &push.count);
+        result = dpt_body_get_loads(push.scene.world, push.scene.body, push.loads, LOADS_MAX, &push.count);
     }
     CHECK(result == DPT_E_FULL && push.count < LOADS_MAX, "%s, %u loads", dpt_result_name(result), push.count);
     deform_scene_close(&push.scene);
@@ -309,7 +309,7 @@ static void a_force_that_fades_has_loads(void)
     double largest = 0.0;
     for (int k = 0; k < 8; k++) {
         static struct push push;
-        dpt_force_report report = { .size = sizeof report };
+        dpt_force_info report = { .size = sizeof report };
         if (!open_push(&push, DPT_LAW_PROXY, k % 2 * 0.01, 1, 0.01))
             return;
         turn_freely(&push);
@@ -319,7 +319,7 @@ static void a_force_that_fades_has_loads(void)
             place_tool(&push, 0.003 + 1e-4 * tick, tick < 15 ? 1.5 : 3.0);
             step_push(&push);
             const double force = check_balance(&push, "fade");
-            dpt_tool_get_force_report(push.scene.world, push.scene.tool, &report);
+            dpt_tool_get_force_info(push.scene.world, push.scene.tool, &report);
             if (tick < 15 || !(report.flags & DPT_FORCE_FLAG_FADING))
                 continue;
             fading++;
@@ -355,10 +355,10 @@ static void loads_are_of_the_last_step(void)
     CHECK(other.count == push.count && !memcmp(other.loads, push.loads, push.count * sizeof(dpt_load)),
           "%u loads, then %u", other.count, push.count);
     uint32_t count = 0;
-    CHECK(dpt_deform_get_loads(push.scene.world, push.scene.body, push.loads, push.count - 1, &count) == DPT_E_FULL &&
+    CHECK(dpt_body_get_loads(push.scene.world, push.scene.body, push.loads, push.count - 1, &count) == DPT_E_FULL &&
               count == push.count,
           "%u of %u", count, push.count);
-    CHECK(dpt_deform_get_loads(push.scene.world, push.scene.body, NULL, 0, &count) == DPT_E_FULL && count == push.count,
+    CHECK(dpt_body_get_loads(push.scene.world, push.scene.body, NULL, 0, &count) == DPT_E_FULL && count == push.count,
           "%u of %u", count, push.count);
     close_push(&push);
 }
@@ -410,7 +410,7 @@ static void nodes_move_vertices_and_get_their_loads(void)
     dpt_tool_add(scene.world, &pin, 1, &scene.tool);
     for (int tick = 0; tick < 60; tick++) {
         const double size = 1.0 - 1e-3 * tick, lean = 2e-3 * tick;
-        dpt_force_report force = { .size = sizeof force };
+        dpt_force_info force = { .size = sizeof force };
         float nodes[12];
         double off = 0.0, sum[3];
         for (int n = 0; n < 4; n++) {
@@ -419,11 +419,11 @@ static void nodes_move_vertices_and_get_their_loads(void)
             for (int k = 0; k < 3; k++)
                 nodes[3 * n + k] = (float)y[k];
         }
-        CHECK(dpt_deform_set_nodes(scene.world, scene.body, nodes) == DPT_OK, "nodes");
+        CHECK(dpt_body_set_nodes(scene.world, scene.body, nodes) == DPT_OK, "nodes");
         pose.position[2] -= 8e-4;
         dpt_tool_set_pose(scene.world, scene.tool, &pose);
         dpt_world_step(scene.world, 1e-3, NULL);
-        dpt_deform_get_vertices(scene.world, scene.body, &positions, &count);
+        dpt_body_get_vertices(scene.world, scene.body, &positions, &count);
         for (uint32_t v = 0; v < count; v++) {
             const double x[3] = { (double)scene.rest[3 * v], (double)scene.rest[3 * v + 1],
                                   (double)scene.rest[3 * v + 2] };
@@ -433,9 +433,8 @@ static void nodes_move_vertices_and_get_their_loads(void)
                 off = fmax(off, fabs(y[k] - (double)positions[3 * v + k]));
         }
         CHECK(off < 1e-6, "a vertex is %g m off", off);
-        dpt_tool_get_force_report(scene.world, scene.tool, &force);
-        CHECK(dpt_deform_get_node_loads(scene.world, scene.body, loads, LOADS_MAX, &count) == DPT_OK, "%u loads",
-              count);
+        dpt_tool_get_force_info(scene.world, scene.tool, &force);
+        CHECK(dpt_body_get_node_loads(scene.world, scene.body, loads, LOADS_MAX, &count) == DPT_OK, "%u loads", count);
         memcpy(sum, force.wrench.force, sizeof sum);
         for (uint32_t i = 0; i < count; i++)
             for (int k = 0; k < 3; k++)
@@ -444,7 +443,7 @@ static void nodes_move_vertices_and_get_their_loads(void)
             CHECK(fabs(sum[k]) <= 1e-6 * (1.0 + fabs(force.wrench.force[2])), "%g N are left", sum[k]);
         CHECK(tick < 50 || force.wrench.force[2] > 1.0, "%g N", force.wrench.force[2]);
     }
-    CHECK(dpt_deform_get_node_loads(scene.world, scene.body, loads, 3, &count) == DPT_E_FULL, "room for three");
+    CHECK(dpt_body_get_node_loads(scene.world, scene.body, loads, 3, &count) == DPT_E_FULL, "room for three");
     deform_scene_close(&scene);
 }
 

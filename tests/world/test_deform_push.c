@@ -118,12 +118,12 @@ static void push_proxy(int tool, double speed, uint64_t ticks, struct tally *tal
         return;
     set_on_top(&sheet);
     for (uint64_t tick = 0; tick < ticks; tick++) {
-        dpt_force_report force = { .size = sizeof force };
+        dpt_force_info force = { .size = sizeof force };
         dpt_pose proxy;
         move_sheet(&sheet);
         move_device(&sheet, tick, 2e-4);
         dpt_world_step(sheet.scene.world, 1e-3, NULL);
-        dpt_tool_get_force_report(sheet.scene.world, sheet.scene.tool, &force);
+        dpt_tool_get_force_info(sheet.scene.world, sheet.scene.tool, &force);
         dpt_tool_get_proxy(sheet.scene.world, sheet.scene.tool, &proxy);
         tally->held += force.reason == DPT_FORCE_ACTS;
         tally->folds += (force.flags & DPT_FORCE_FLAG_FOLD) != 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * dpt_deform_step_springs against the same done by hand, by the public calls of an own physics: loads, a step, positions;
+ * dpt_body_step_springs against the same done by hand, by the public calls of an own physics: loads, a step, positions;
  * in the tick, and in a thread of its own that takes turns with it through the exchange. All must have the same bits. What
  * springs do is not judged here (tests/deform).
  */
@@ -21,7 +21,7 @@ struct rig {
     uint32_t nodes;
     int is_embedded;
     dpt_pose pose;
-    dpt_springs_report report;
+    dpt_springs_info report;
 };
 
 static int make_mesh(struct fixture *fixture, uint32_t kind)
@@ -61,9 +61,9 @@ static int make_mesh(struct fixture *fixture, uint32_t kind)
 static int open_rig(struct rig *rig, uint32_t kind, uint32_t integrator, double sleep_speed)
 {
     const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.03 }, 0.004 };
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     dpt_springs_def springs;
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
     memset(rig, 0, sizeof *rig);
     if (!make_mesh(&rig->scene.fixture, kind))
@@ -78,7 +78,7 @@ static int open_rig(struct rig *rig, uint32_t kind, uint32_t integrator, double 
     const dpt_result result = dpt_springs_create(rig->block, dpt_springs_bytes(&springs), &springs, &rig->springs);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     CHECK(dpt_tool_add(rig->scene.world, &ball, 1, &rig->scene.tool) == DPT_OK, "no tool");
-    rig->nodes = dpt_springs_count(rig->springs);
+    rig->nodes = dpt_springs_get_count(rig->springs);
     rig->is_embedded = kind == DPT_NET_VOLUME;
     rig->report.size = sizeof rig->report;
     CHECK(rig->nodes <= NODES_MOST, "%u nodes", rig->nodes);
@@ -104,8 +104,8 @@ static void step_world(struct rig *rig, int tick)
 
 static double force_of(const struct rig *rig)
 {
-    dpt_force_report force = { .size = sizeof force };
-    dpt_tool_get_force_report(rig->scene.world, rig->scene.tool, &force);
+    dpt_force_info force = { .size = sizeof force };
+    dpt_tool_get_force_info(rig->scene.world, rig->scene.tool, &force);
     return force.wrench.force[2];
 }
 
@@ -115,8 +115,8 @@ static uint32_t read_loads(const struct rig *rig, dpt_load *loads)
 {
     uint32_t count = 0;
     const dpt_result result =
-        rig->is_embedded ? dpt_deform_get_node_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST, &count)
-                         : dpt_deform_get_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST, &count);
+        rig->is_embedded ? dpt_body_get_node_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST, &count)
+                         : dpt_body_get_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST, &count);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return count;
 }
@@ -124,8 +124,8 @@ static uint32_t read_loads(const struct rig *rig, dpt_load *loads)
 static void hand_over(struct rig *rig, const float *nodes)
 {
     const dpt_result result =
-        rig->is_embedded ? dpt_deform_set_nodes(rig->scene.world, rig->scene.body, nodes)
-                         : dpt_deform_set_vertices(rig->scene.world, rig->scene.body, 0, rig->nodes, nodes, -1.0);
+        rig->is_embedded ? dpt_body_set_nodes(rig->scene.world, rig->scene.body, nodes)
+                         : dpt_body_set_vertices(rig->scene.world, rig->scene.body, 0, rig->nodes, nodes, -1.0);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }
 
@@ -208,12 +208,12 @@ static void check_same(uint32_t kind, uint32_t integrator, double sleep_speed)
         for (int i = 0; i < 3; i++)
             step_world(&rigs[i], tick);
         const dpt_result result =
-            dpt_deform_step_springs(rigs[0].scene.world, rigs[0].scene.body, rigs[0].springs, TICK, &rigs[0].report);
+            dpt_body_step_springs(rigs[0].scene.world, rigs[0].scene.body, rigs[0].springs, TICK, &rigs[0].report);
         CHECK(result == DPT_OK, "%s", dpt_result_name(result));
         step_by_hand(&rigs[1]);
         step_by_thread(&physics);
         for (int i = 0; i < 3; i++)
-            dpt_deform_get_vertices(rigs[i].scene.world, rigs[i].scene.body, &positions[i], &count);
+            dpt_body_get_vertices(rigs[i].scene.world, rigs[i].scene.body, &positions[i], &count);
         for (int i = 1; i < 3; i++)
             CHECK(!memcmp(positions[0], positions[i], 3 * sizeof(float) * count) &&
                       force_of(&rigs[0]) == force_of(&rigs[i]),
@@ -257,12 +257,12 @@ static void too_many_loads_are_told(void)
         int tick = 0;
         for (; tick < TICKS && force_of(&rig) == 0.0; tick++) {
             step_world(&rig, tick);
-            dpt_deform_step_springs(rig.scene.world, rig.scene.body, rig.springs, TICK, NULL);
+            dpt_body_step_springs(rig.scene.world, rig.scene.body, rig.springs, TICK, NULL);
         }
         step_world(&rig, tick);
         float before[3 * NODES_MOST], after[3 * NODES_MOST];
         dpt_springs_get_nodes(few, rig.nodes, before, NULL);
-        const dpt_result result = dpt_deform_step_springs(rig.scene.world, rig.scene.body, few, TICK, NULL);
+        const dpt_result result = dpt_body_step_springs(rig.scene.world, rig.scene.body, few, TICK, NULL);
         dpt_springs_get_nodes(few, rig.nodes, after, NULL);
         CHECK(result == DPT_E_FULL, "%s", dpt_result_name(result));
         CHECK(!memcmp(before, after, 3 * sizeof *before * rig.nodes), "it has moved");

@@ -246,7 +246,7 @@ static void only_its_share_fades(void)
     if (!pair_open(&pair, &sheet, &other, both, 2, &def, 1e-3))
         return;
     dpt_world *world = pair.world[FADES];
-    dpt_force_report report = { .size = sizeof report };
+    dpt_force_info report = { .size = sizeof report };
     const dpt_body_settings deep = { .size = sizeof deep, .side_limit = 0.05 };
     dpt_body_set_settings(world, pair.body[FADES][1], &deep);
     double last = 0.0;
@@ -255,7 +255,7 @@ static void only_its_share_fades(void)
         const dpt_pose pose = pose_at(0.0, 0.0, z);
         dpt_tool_set_pose(world, pair.tool[FADES], &pose);
         dpt_world_step(world, 1e-3, NULL);
-        dpt_tool_get_force_report(world, pair.tool[FADES], &report);
+        dpt_tool_get_force_info(world, pair.tool[FADES], &report);
         const double own = depth > 0.0 ? 500.0 * depth : 0.0;
         if (depth <= 0.03 + 1e-9) {
             last = n;
@@ -327,7 +327,7 @@ static void other_ends_are_at_once(void)
         for (int fading = 0; fading < 2; fading++) {
             struct pair pair;
             const dpt_pose deeper = pose_at(0.003, 0.002, -0.0285);
-            dpt_force_report report = { .size = sizeof report };
+            dpt_force_info report = { .size = sizeof report };
             if (!begin_deep(&pair, 0.01, 1e-3))
                 return;
             dpt_world *world = pair.world[FADES];
@@ -337,7 +337,7 @@ static void other_ends_are_at_once(void)
             end_it(&pair, how);
             if (how != NO_STEP)
                 dpt_world_step(world, 1e-3, NULL);
-            dpt_tool_get_force_report(world, pair.tool[FADES], &report);
+            dpt_tool_get_force_info(world, pair.tool[FADES], &report);
             CHECK(size_of_force(&report.wrench) == 0.0 && report.flags == 0 && report.reason == reasons[how],
                   "end %d, fading %d: %g N, flags %u, reason %u", how, fading, size_of_force(&report.wrench),
                   report.flags, report.reason);
@@ -347,7 +347,7 @@ static void other_ends_are_at_once(void)
             if (how == BODY_IS_LOST)
                 dpt_body_set_pose(world, pair.body[FADES][0], &still);
             dpt_world_step(world, 1e-3, NULL);
-            dpt_tool_get_force_report(world, pair.tool[FADES], &report);
+            dpt_tool_get_force_info(world, pair.tool[FADES], &report);
             CHECK(size_of_force(&report.wrench) == 0.0 && report.flags == 0, "after end %d, fading %d: %g N", how,
                   fading, size_of_force(&report.wrench));
             pair_close(&pair);
@@ -376,10 +376,10 @@ static void a_body_ends_its_own_push_alone(void)
     pair_close(&pair);
 }
 
-static dpt_force_report force_of(const struct pair *pair)
+static dpt_force_info force_of(const struct pair *pair)
 {
-    dpt_force_report report = { .size = sizeof report, .law = 7 };
-    CHECK(dpt_tool_get_force_report(pair->world[FADES], pair->tool[FADES], &report) == DPT_OK &&
+    dpt_force_info report = { .size = sizeof report, .law = 7 };
+    CHECK(dpt_tool_get_force_info(pair->world[FADES], pair->tool[FADES], &report) == DPT_OK &&
               report.law == DPT_LAW_POINT,
           "no force");
     return report;
@@ -391,7 +391,7 @@ static void reasons_of_first_ticks(const dpt_segment *through)
     const dpt_pose far_off = pose_at(0.0, 0.0, 1.0);
     dpt_world_def def = def_of(0.002);
     struct pair pair;
-    dpt_force_report report;
+    dpt_force_info report;
     if (!pair_open(&pair, &sheet, NULL, through, 1, &def, 1e-3))
         return;
     report = force_of(&pair);
@@ -404,13 +404,13 @@ static void reasons_of_first_ticks(const dpt_segment *through)
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_FREE && report.flags == 0, "far off: %u", report.reason);
     report.size = 8;
-    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], &report) == DPT_E_SIZE, "size 8");
+    CHECK(dpt_tool_get_force_info(pair.world[FADES], pair.tool[FADES], &report) == DPT_E_SIZE, "size 8");
     report.size = sizeof report;
-    CHECK(dpt_tool_get_force_report(pair.world[FADES], pair.body[FADES][0], &report) == DPT_E_HANDLE &&
+    CHECK(dpt_tool_get_force_info(pair.world[FADES], pair.body[FADES][0], &report) == DPT_E_HANDLE &&
               report.reason == DPT_FORCE_STALE,
           "a body's id: %u", report.reason);
-    CHECK(dpt_tool_get_force_report(NULL, 0, &report) == DPT_E_ARGUMENT &&
-              dpt_tool_get_force_report(pair.world[FADES], pair.tool[FADES], NULL) == DPT_E_ARGUMENT,
+    CHECK(dpt_tool_get_force_info(NULL, 0, &report) == DPT_E_ARGUMENT &&
+              dpt_tool_get_force_info(pair.world[FADES], pair.tool[FADES], NULL) == DPT_E_ARGUMENT,
           "nothing to ask");
     pair_close(&pair);
 }
@@ -422,7 +422,7 @@ static void a_zero_wrench_says_why(void)
                                  { { 0.05, 0.0, 0.0005 }, { 0.06, 0.0, 0.0005 }, 0.001 } };
     dpt_world_def def = def_of(0.002);
     struct pair pair;
-    dpt_force_report report;
+    dpt_force_info report;
 
     reasons_of_first_ticks(&through);
 

@@ -168,10 +168,10 @@ static void a_jump_is_not_a_motion(void)
         free(all[i]->block);
 }
 
-static dpt_world_usage usage_of(const struct scene *of)
+static dpt_world_info usage_of(const struct scene *of)
 {
-    dpt_world_usage usage = { .size = sizeof usage };
-    CHECK(dpt_world_get_usage(of->world, &usage) == DPT_OK, "usage");
+    dpt_world_info usage = { .size = sizeof usage };
+    CHECK(dpt_world_get_info(of->world, &usage) == DPT_OK, "usage");
     return usage;
 }
 
@@ -179,7 +179,7 @@ static void the_most_in_use_is_told(void)
 {
     struct scene of;
     scene_open(&of);
-    dpt_world_usage usage = usage_of(&of);
+    dpt_world_info usage = usage_of(&of);
     CHECK(usage.bodies == 1 && usage.tools == 1 && usage.segments == 1, "%u %u %u", usage.bodies, usage.tools,
           usage.segments);
     CHECK(!usage.contacts && !usage.strip && !usage.work, "before the first step");
@@ -237,7 +237,7 @@ static void a_lack_is_told(void)
     dpt_step step = { .size = sizeof step };
     dpt_tool_set_pose(of.world, of.tool, &inside);
     dpt_world_step(of.world, 0.001, &step);
-    const dpt_world_usage usage = usage_of(&of);
+    const dpt_world_info usage = usage_of(&of);
     CHECK(step.contacts == 1 && (step.flags & DPT_STEP_FLAG_CONTACTS_FULL), "no lack: %u", step.contacts);
     CHECK(usage.contacts == 4, "%u regions wanted", usage.contacts);
     free(of.block);
@@ -267,7 +267,7 @@ static void a_lack_of_room_for_sides_is_told(void)
         dpt_tool_set_pose(of.world, of.tool, &pose);
         dpt_world_step(of.world, 0.001, &step);
     }
-    const dpt_world_usage usage = usage_of(&of);
+    const dpt_world_info usage = usage_of(&of);
     CHECK(step.flags & DPT_STEP_FLAG_CONTACTS_FULL, "no lack");
     CHECK(usage.contacts == 2, "%u wanted", usage.contacts);
     free(of.block);

@@ -28,7 +28,7 @@ static double clearance(const struct scene *scene, const dpt_pose *proxy)
     uint32_t triangles, vertices;
     double nearest = INFINITY, triangle[9];
     dpt_mesh_get_triangles(scene->mesh, &corners, NULL, &triangles);
-    dpt_deform_get_vertices(scene->world, scene->body, &at, &vertices);
+    dpt_body_get_vertices(scene->world, scene->body, &at, &vertices);
     for (uint32_t i = 0; i < triangles; i++) {
         for (uint32_t k = 0; k < 9; k++)
             triangle[k] = (double)at[3 * corners[3 * i + k / 3] + k % 3];
@@ -45,8 +45,8 @@ static double imbalance(const struct scene *scene, const dpt_wrench *wrench)
     uint32_t count, vertices;
     dpt_wrench sum = *wrench;
     double peak = 1e-3, worst = 0.0, r[3];
-    dpt_deform_get_vertices(scene->world, scene->body, &at, &vertices);
-    if (dpt_deform_get_loads(scene->world, scene->body, loads, LOADS_MAX, &count) != DPT_OK)
+    dpt_body_get_vertices(scene->world, scene->body, &at, &vertices);
+    if (dpt_body_get_loads(scene->world, scene->body, loads, LOADS_MAX, &count) != DPT_OK)
         return INFINITY;
     for (int k = 0; k < 3; k++)
         peak = fmax(peak, fabs(wrench->force[k]));
@@ -94,7 +94,7 @@ static void every_tick_is_right(void)
         if (tick % TICKS_A_PERIOD == 0)
             physics_step(&scene);
         felt[tick] = haptic_tick(&scene, tick);
-        const dpt_force_report *report = &felt[tick].report;
+        const dpt_force_info *report = &felt[tick].report;
         CHECK(!(report->flags & DPT_FORCE_FLAG_SQUEEZED), "tick %d", tick);
         CHECK(report->reason == DPT_FORCE_ACTS || report->reason == DPT_FORCE_FREE, "tick %d: %u", tick,
               report->reason);

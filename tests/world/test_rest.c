@@ -206,7 +206,7 @@ struct answers {
     dpt_sweep sweep[3];
     dpt_contact contact[CONTACTS];
     dpt_overlap overlap[OVERLAPS];
-    dpt_force_report report;
+    dpt_force_info report;
     dpt_wrench wrench;
     dpt_pose proxy;
     uint32_t count[4]; /* of contacts, of overlaps; flags of the strip, of the step */
@@ -256,7 +256,7 @@ static uint32_t read_answers(const struct run *run, const struct setting *settin
             take_out_integrals(&answers->contact[i]);
     }
     dpt_tool_get_strip(world, tool, 0, answers->overlap, OVERLAPS, &answers->count[1], &answers->count[2]);
-    dpt_tool_get_force_report(world, tool, &answers->report);
+    dpt_tool_get_force_info(world, tool, &answers->report);
     dpt_tool_get_wrench(world, tool, &answers->wrench);
     answers->count[3] = run->step.flags;
     dpt_tool_get_proxy(world, tool, &answers->proxy);
@@ -364,7 +364,7 @@ static void a_free_tool_turns_rigid(void)
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     dpt_segment segment = { { 0.0, 0.0, 0.06 }, { 0.05, 0.0, 0.06 }, 0.002 };
-    dpt_force_report report = { .size = sizeof report };
+    dpt_force_info report = { .size = sizeof report };
     dpt_hit hit = DPT_HIT_INIT;
     dpt_world_def def;
     dpt_world *world;
@@ -382,7 +382,7 @@ static void a_free_tool_turns_rigid(void)
         CHECK(dpt_world_step(world, 1e-3, NULL) == DPT_OK, "step");
     }
     dpt_tool_get_hit(world, tool, &hit);
-    dpt_tool_get_force_report(world, tool, &report);
+    dpt_tool_get_force_info(world, tool, &report);
     CHECK(hit.work == 0 && report.reason == DPT_FORCE_ACTS, "work %u, reason %u", hit.work, report.reason);
     dpt_tool_set_pose(world, tool, &identity);
     CHECK(dpt_world_step(world, 1e-3, NULL) == DPT_OK, "step");

@@ -93,7 +93,7 @@ static void each_tool_has_its_law(void)
 {
     struct scene of;
     dpt_tool_settings settings = { .size = sizeof settings };
-    dpt_force_report force = { .size = sizeof force };
+    dpt_force_info force = { .size = sizeof force };
     dpt_pose proxy;
     double z = 0.01;
     scene_open(&of);
@@ -108,7 +108,7 @@ static void each_tool_has_its_law(void)
     lower(&of, &z, 0.001);
     for (int i = 0; i < 2; i++) {
         CHECK(fabs(pushed(&of, i) - 0.3) < 1e-3, "%g N", pushed(&of, i));
-        CHECK(dpt_tool_get_force_report(of.world, of.tool[i], &force) == DPT_OK &&
+        CHECK(dpt_tool_get_force_info(of.world, of.tool[i], &force) == DPT_OK &&
                   force.law == (i ? DPT_LAW_PROXY : DPT_LAW_POINT) && (force.energy > 0.0) == i,
               "law %u, %g J", force.law, force.energy);
         dpt_tool_get_proxy(of.world, of.tool[i], &proxy);
@@ -117,7 +117,7 @@ static void each_tool_has_its_law(void)
     /* A change of the law is a teleport: the side of the sheet is not known any more. */
     settings.law = DPT_LAW_POINT;
     CHECK(dpt_tool_set_settings(of.world, of.tool[1], &settings) == DPT_OK, "set");
-    dpt_tool_get_force_report(of.world, of.tool[1], &force);
+    dpt_tool_get_force_info(of.world, of.tool[1], &force);
     CHECK(force.reason == DPT_FORCE_STALE && pushed(&of, 1) == 0.0, "reason %u", force.reason);
 
     const double wrong[] = { -1.0, 2e9, NAN, INFINITY };

@@ -58,7 +58,7 @@ static void compare_bodies(const struct scene *scene)
     }
     const float *own;
     const size_t at = item(VERTICES, 0, &vertices), body = item(BODIES, 1, &count);
-    dpt_deform_get_vertices(scene->world, scene->body[1], &own, &count);
+    dpt_body_get_vertices(scene->world, scene->body[1], &own, &count);
     CHECK(word(body + 8) == 0 && word(body + 12) == count && vertices == count, "%u vertices", (unsigned)vertices);
     for (uint32_t i = 0; i < 3 * count; i++) {
         const uint32_t bits = word(at + 4 * (size_t)i);
@@ -163,11 +163,11 @@ static void compare_tools(const struct scene *scene)
     CHECK(count == TOOL_COUNT, "%u tools", (unsigned)count);
     for (uint32_t t = 0; t < count; t++) {
         const size_t at = item(TOOLS, t, &count);
-        dpt_force_report report = { .size = sizeof report };
+        dpt_force_info report = { .size = sizeof report };
         dpt_tool_settings settings = { .size = sizeof settings };
         dpt_hit hit = DPT_HIT_INIT;
         dpt_pose pose, proxy;
-        dpt_tool_get_force_report(scene->world, scene->tool[t], &report);
+        dpt_tool_get_force_info(scene->world, scene->tool[t], &report);
         dpt_tool_get_settings(scene->world, scene->tool[t], &settings);
         dpt_tool_get_pose(scene->world, scene->tool[t], &pose);
         dpt_tool_get_proxy(scene->world, scene->tool[t], &proxy);

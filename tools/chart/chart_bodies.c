@@ -66,7 +66,7 @@ static dpt_result add_again(struct chart_body *measured, dpt_world *world, const
 /* A tool above the box, and a body that grows about its middle. */
 static dpt_result refit(struct chart_body *measured, dpt_world *world, const dpt_mesh *mesh)
 {
-    dpt_deform_def def;
+    dpt_deformable_def def;
     dpt_mesh_info info = { .size = sizeof info };
     dpt_segment needle = { .radius = 0.0 };
     dpt_body body;
@@ -80,14 +80,14 @@ static dpt_result refit(struct chart_body *measured, dpt_world *world, const dpt
         needle.b[k] = k ? needle.a[k] : info.box_max[k];
     }
     needle.a[2] = needle.b[2] = info.box_max[2] + ABOVE * box_diagonal(&info);
-    dpt_deform_def_init(&def);
+    dpt_deformable_def_init(&def);
     def.mesh = mesh;
-    measured->deform_bytes = dpt_deform_bytes(&def);
+    measured->deform_bytes = dpt_deformable_bytes(&def);
     void *block = malloc(measured->deform_bytes);
     float *moved = malloc((size_t)count * 3 * sizeof *moved);
     dpt_result result = block && moved ? DPT_OK : DPT_E_MEMORY;
     if (result == DPT_OK)
-        result = dpt_deform_add(world, block, measured->deform_bytes, &def, &body);
+        result = dpt_body_add_deformable(world, block, measured->deform_bytes, &def, &body);
     if (result == DPT_OK)
         result = dpt_tool_add(world, &needle, 1, &tool);
     if (result == DPT_OK)
@@ -99,7 +99,7 @@ static dpt_result refit(struct chart_body *measured, dpt_world *world, const dpt
             moved[i] = (float)(middle + (1.0 + GROWTH * (pass + 1)) * (xyz[i] - middle));
         }
         const uint64_t begin = clock_now();
-        result = dpt_deform_set_vertices(world, body, 0, count, moved, -1.0);
+        result = dpt_body_set_vertices(world, body, 0, count, moved, -1.0);
         if (result == DPT_OK)
             result = dpt_world_step(world, 1e-3, NULL);
         took[pass] = seconds_since(begin);

@@ -57,7 +57,7 @@ static void print_found(void *user, const dpt_driver *driver, const char *where,
 static int list(void)
 {
     const dpt_driver *driver;
-    for (uint32_t i = 0; (driver = dpt_driver_at(i)); i++) {
+    for (uint32_t i = 0; (driver = dpt_driver_get(i)); i++) {
         printf("%-12s %s\n", driver->name, driver->about);
         if (driver->find)
             driver->find(driver, print_found, NULL);

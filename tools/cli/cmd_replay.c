@@ -148,8 +148,8 @@ static void run_pass(struct stage *stage, struct replay_settings *settings, stru
         tick->ns = is_first || ns < tick->ns ? ns : tick->ns;
         tick->hit.size = sizeof tick->hit;
         dpt_tool_get_hit(stage->world, stage->tool, &tick->hit);
-        dpt_force_report force = { .size = sizeof force };
-        dpt_tool_get_force_report(stage->world, stage->tool, &force);
+        dpt_force_info force = { .size = sizeof force };
+        dpt_tool_get_force_info(stage->world, stage->tool, &force);
         tick->wrench = force.wrench;
         tick->energy = force.energy;
         tick->reason = force.reason;

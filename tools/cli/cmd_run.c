@@ -315,7 +315,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     def.guard = &guard;
     if (!settings->is_active)
         observe(session, &info, &guard);
-    dpt_result result = dpt_loop_create(device, &def, &loop);
+    dpt_result result = dpt_loop_open(device, &def, &loop);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));
     int status = run_view_open(&session->view, &settings->view, &session->scene, settings->scene.path, device,
@@ -332,7 +332,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     }
     scene_physics_stop(session->scene.physics);
     run_view_close(session->view, result == DPT_OK ? "The run ended." : dpt_result_text(result), &session->viewed);
-    dpt_loop_free(loop);
+    dpt_loop_close(loop);
     const int closed = run_record_close(&session->recording);
     if (status)
         return status;

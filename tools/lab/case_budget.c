@@ -104,7 +104,7 @@ const struct lab_case budget_case = {
               "it was proven free and has always a force; what it costs is lag, shown in a chart of its "
               "own as the share of ticks that lag by more than 1 %. The ball is this library's proxy of "
               "one point at the tip.",
-    .advice = "Give every real loop a budget. Measure the work of your scene with dpt_world_usage or "
+    .advice = "Give every real loop a budget. Measure the work of your scene with dpt_world_info or "
               "dynpoint replay --json, and choose some times its 99 %. Below that the proxy gets "
               "sluggish but stays safe; the bed and the point lose their force for some ticks, which is "
               "felt as a buzz.",

@@ -51,7 +51,7 @@ const struct lab_case spikes_case = {
               "it; it is not their code. Where a proxy leaves a spike it reports a fold, and its force may turn there.",
     .advice = "Use the proxy. Between spikes the nearest way out changes from one tick to the next, so "
               "a law without a memory of where the tool came from jumps. A fold is a real event: the "
-              "tool has slipped over a spike. Count folds with dpt_force_report if a scene needs to know.",
+              "tool has slipped over a spike. Count folds with dpt_force_info if a scene needs to know.",
     .run = run_spikes
 };
 

@@ -42,15 +42,15 @@ static double size_of(const double *v)
 /* What loads and wrench sum up to, about the tool's origin. */
 static void weigh(const struct hand_loop *loop, dpt_load *loads, struct tally *tally)
 {
-    dpt_force_report report = { .size = sizeof report };
+    dpt_force_info report = { .size = sizeof report };
     const float *positions;
     uint32_t count, vertices;
     dpt_pose pose;
     double force[3], moment[3];
-    dpt_tool_get_force_report(loop->world, loop->held, &report);
+    dpt_tool_get_force_info(loop->world, loop->held, &report);
     dpt_tool_get_pose(loop->world, loop->held, &pose);
-    dpt_deform_get_vertices(loop->world, loop->body, &positions, &vertices);
-    if (dpt_deform_get_loads(loop->world, loop->body, loads, LOADS, &count) != DPT_OK)
+    dpt_body_get_vertices(loop->world, loop->body, &positions, &vertices);
+    if (dpt_body_get_loads(loop->world, loop->body, loads, LOADS, &count) != DPT_OK)
         tally->failed++;
     memcpy(force, report.wrench.force, sizeof force);
     memcpy(moment, report.wrench.torque, sizeof moment);
@@ -168,7 +168,7 @@ const struct lab_case reaction_case = {
     "30 mm and rocks, with friction of 0.6, a damper of 0.3 Ns/m and a surface of 800 N/m, at "
     "physics of 30 and 250 Hz, in steps and interpolated. Six times it leaps by 1.3 rad, which no "
     "proxy follows: it starts again there, and its force fades. In each tick the loads of "
-    "dpt_deform_get_loads and the wrench of dpt_tool_get_force_report are summed up, and their "
+    "dpt_body_get_loads and the wrench of dpt_tool_get_force_info are summed up, and their "
     "moments about the tool's origin.",
     "Take the loads right after the step whose wrench the hand gets, and scale them if a guard sends less.", run
 };

@@ -267,7 +267,7 @@ const struct lab_case tissue_case = {
     "250 Hz and more, may change by at most 5 % (and its phase by 0.05 rad) when edges are halved, "
     "where cells become uneven, and when the physics' dt is halved: from 31 to 63 Hz, from 250 to "
     "500 Hz and to 1 kHz, stepped and interpolated.",
-    "Give dpt_deform_def a load_radius of three edges or more. With 0 a finer mesh is softer: a "
+    "Give dpt_deformable_def a load_radius of three edges or more. With 0 a finer mesh is softer: a "
     "point load has no stiffness of its own. With slow physics the force of a tool that lies goes "
     "up and down by some per cent even at rest: few points hold it in each step, and not the same ones in the next.",
     run

@@ -101,7 +101,7 @@ void force_lead_step(struct force_lead *lead)
     const uint64_t begin = clock_now();
     dpt_world_step(lead->world, LEAD_DT, NULL);
     const uint64_t ns = clock_now() - begin;
-    dpt_tool_get_force_report(lead->world, lead->tool, &lead->force);
+    dpt_tool_get_force_info(lead->world, lead->tool, &lead->force);
     if (lead->force.reason == DPT_FORCE_ACTS)
         note_time(lead, 1e-3 * (double)ns);
     if (lead->def->low_pass > 0.0)

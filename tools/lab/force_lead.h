@@ -22,7 +22,7 @@ struct force_lead {
     dpt_world *world;
     dpt_tool tool;
     dpt_pose device, before;
-    dpt_force_report force, last; /* their wrenches behind the low-pass */
+    dpt_force_info force, last; /* their wrenches behind the low-pass */
     uint64_t seed;
     double rho; /* m: what a turn of 1 rad counts as */
     double tremor[3];

@@ -175,11 +175,11 @@ static dpt_pose tool_pose(const struct hand_loop *loop, const dpt_pose *hand)
 }
 
 /* The report of the last step, with the wrench in the hand's axes and scale. */
-static dpt_force_report felt(const struct hand_loop *loop)
+static dpt_force_info felt(const struct hand_loop *loop)
 {
     const double scale = or_one(loop->force_scale), share = scale / or_one(loop->zoom);
-    dpt_force_report report = { .size = sizeof report };
-    dpt_tool_get_force_report(loop->world, loop->held, &report);
+    dpt_force_info report = { .size = sizeof report };
+    dpt_tool_get_force_info(loop->world, loop->held, &report);
     rotate_back(loop->axes, report.wrench.force, report.wrench.force);
     rotate_back(loop->axes, report.wrench.torque, report.wrench.torque);
     for (int k = 0; k < 3; k++) {
@@ -213,7 +213,7 @@ static void to_components(const double turn[3], double torque[3])
         torque[k] += f * once[k] + g * twice[k];
 }
 
-static dpt_force_report step_to(struct hand_loop *loop, const double at[HAND_AXES], double dt)
+static dpt_force_info step_to(struct hand_loop *loop, const double at[HAND_AXES], double dt)
 {
     const dpt_pose hand = pose_at(at), pose = tool_pose(loop, &hand);
     dpt_tool_set_pose(loop->world, loop->held, &pose);
@@ -222,14 +222,14 @@ static dpt_force_report step_to(struct hand_loop *loop, const double at[HAND_AXE
     dpt_world_step(loop->world, dt, NULL);
     if (loop->springs)
         spring_body_step(loop->springs, dt);
-    dpt_force_report report = felt(loop);
+    dpt_force_info report = felt(loop);
     to_components(at + 3, report.wrench.torque);
     return report;
 }
 
 void hand_loop_ask(struct hand_loop *loop, const double at[HAND_AXES], double dt, double wrench[HAND_AXES])
 {
-    const dpt_force_report report = step_to(loop, at, dt);
+    const dpt_force_info report = step_to(loop, at, dt);
     memcpy(wrench, report.wrench.force, sizeof report.wrench.force);
     memcpy(wrench + 3, report.wrench.torque, sizeof report.wrench.torque);
 }
@@ -389,9 +389,9 @@ static double in_steps(double value, double step)
 }
 
 /* The linear spring and damper, of each coordinate; the damper is on the difference of two samples. */
-static dpt_force_report spring(struct hand_loop *loop, const double at[HAND_AXES], double dt)
+static dpt_force_info spring(struct hand_loop *loop, const double at[HAND_AXES], double dt)
 {
-    dpt_force_report report = { .size = sizeof report };
+    dpt_force_info report = { .size = sizeof report };
     const double part = loop->stiffness > 0.0 ? loop->damping / loop->stiffness : 0.0;
     double wrench[HAND_AXES];
     for (int k = 0; k < HAND_AXES; k++) {
@@ -411,7 +411,7 @@ static int is_astray(const double at[HAND_AXES])
     return product(at, at) > 0.01 || product(at + 3, at + 3) > 4.0;
 }
 
-static void note(struct hand_loop *loop, const dpt_loop_sample *sample, double time, const dpt_force_report *report)
+static void note(struct hand_loop *loop, const dpt_loop_sample *sample, double time, const dpt_force_info *report)
 {
     const dpt_device_state *state = sample->state;
     if (loop->count == loop->room)
@@ -438,7 +438,7 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
         at[k] = in_steps(sample->state->joint[k], k < 3 ? device->step : device->turn_step);
     if (loop->move)
         loop->move(loop, time);
-    const dpt_force_report report = loop->place ? step_to(loop, at, sample->dt) : spring(loop, at, sample->dt);
+    const dpt_force_info report = loop->place ? step_to(loop, at, sample->dt) : spring(loop, at, sample->dt);
     *wrench = report.wrench;
     if (loop->passivity) {
         const dpt_passivity_sample seen = { .size = sizeof seen,
@@ -490,12 +490,12 @@ int hand_loop_run(struct hand_loop *loop, uint64_t ticks)
     def.guard = loop->guard ? loop->guard : &open;
     loop->has_begun = 0;
     loop->observer.size = sizeof loop->observer;
-    int is_run = device && make_room(loop, ticks) && dpt_loop_create(device, &def, &loop->running) == DPT_OK;
+    int is_run = device && make_room(loop, ticks) && dpt_loop_open(device, &def, &loop->running) == DPT_OK;
     if (is_run && loop->passivity)
         is_run = dpt_passivity_init(&loop->observer, loop->passivity) == DPT_OK;
     if (is_run)
         dpt_loop_run(loop->running, NULL);
-    dpt_loop_free(loop->running);
+    dpt_loop_close(loop->running);
     dpt_device_close(device);
     loop->running = NULL;
     return is_run;

@@ -114,7 +114,7 @@ static void take_step(struct lab_lead *lab)
     lead->last = lead->force;
     dpt_tool_set_pose(lead->world, lead->tool, &lead->device);
     dpt_world_step(lead->world, LEAD_DT, &step);
-    dpt_tool_get_force_report(lead->world, lead->tool, &lead->force);
+    dpt_tool_get_force_info(lead->world, lead->tool, &lead->force);
     lab->work = step.work;
 }
 
@@ -160,7 +160,7 @@ static double depth_of(const struct lab_lead *lead, const dpt_wrench *wrench)
 static void judge_change(struct lab_lead *lead)
 {
     struct lab_tally *tally = &lead->tally;
-    const dpt_force_report *now = &lead->lead.force, *was = &lead->lead.last;
+    const dpt_force_info *now = &lead->lead.force, *was = &lead->lead.last;
     const double moved = force_lead_moved(&lead->lead), change = force_lead_change(&lead->lead);
     const double small = SMALL_DEPTH * lead->def.radius;
     double force[3], torque[3];
@@ -181,7 +181,7 @@ static void judge_change(struct lab_lead *lead)
 void lab_lead_step(struct lab_lead *lead)
 {
     struct lab_tally *tally = &lead->tally;
-    const dpt_force_report *now = &lead->lead.force;
+    const dpt_force_info *now = &lead->lead.force;
     take_step(lead);
     const int is_fold = (now->flags & DPT_FORCE_FLAG_FOLD) != 0;
     const double force = size_of(now->wrench.force), torque = size_of(now->wrench.torque);

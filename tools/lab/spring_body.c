@@ -5,18 +5,18 @@
 
 int spring_body_open(struct spring_body *body, dpt_world *world)
 {
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     dpt_springs_def springs;
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
     deform.mesh = springs.mesh = body->mesh;
     deform.load_radius = body->load_radius;
     springs.integrator = body->integrator;
     body->world = world;
-    body->block = malloc(dpt_deform_bytes(&deform));
+    body->block = malloc(dpt_deformable_bytes(&deform));
     body->springs_block = malloc(dpt_springs_bytes(&springs));
     return body->block && body->springs_block &&
-           dpt_deform_add(world, body->block, dpt_deform_bytes(&deform), &deform, &body->body) == DPT_OK &&
+           dpt_body_add_deformable(world, body->block, dpt_deformable_bytes(&deform), &deform, &body->body) == DPT_OK &&
            dpt_springs_create(body->springs_block, dpt_springs_bytes(&springs), &springs, &body->springs) == DPT_OK;
 }
 
@@ -29,10 +29,10 @@ void spring_body_close(struct spring_body *body)
 
 void spring_body_step(struct spring_body *body, double dt)
 {
-    dpt_springs_report report = { .size = sizeof report };
+    dpt_springs_info report = { .size = sizeof report };
     if (!body->is_free)
         return;
-    if (dpt_deform_step_springs(body->world, body->body, body->springs, dt, &report) != DPT_OK)
+    if (dpt_body_step_springs(body->world, body->body, body->springs, dt, &report) != DPT_OK)
         body->has_failed = 1;
     body->held += (report.flags & DPT_SPRINGS_FLAG_HELD) != 0;
     body->nodes += report.nodes;

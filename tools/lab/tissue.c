@@ -110,16 +110,16 @@ static int make_net(struct tissue *tissue)
 
 int tissue_open(struct tissue *tissue, dpt_world *world)
 {
-    dpt_deform_def def;
-    dpt_deform_def_init(&def);
+    dpt_deformable_def def;
+    dpt_deformable_def_init(&def);
     def.mesh = tissue->mesh;
     def.period = tissue->is_interpolated ? tissue_period(tissue) : 0.0;
     def.load_radius = tissue->load_radius;
     def.response = tissue->response;
     tissue->world = world;
-    tissue->block = malloc(dpt_deform_bytes(&def));
+    tissue->block = malloc(dpt_deformable_bytes(&def));
     return make_net(tissue) && tissue->block &&
-           dpt_deform_add(world, tissue->block, dpt_deform_bytes(&def), &def, &tissue->body) == DPT_OK;
+           dpt_body_add_deformable(world, tissue->block, dpt_deformable_bytes(&def), &def, &tissue->body) == DPT_OK;
 }
 
 void tissue_close(struct tissue *tissue)
@@ -223,7 +223,7 @@ static void take_loads(struct tissue *tissue)
 {
     uint32_t count;
     memset(tissue->load, 0, 3 * sizeof *tissue->load * (size_t)tissue->vertices);
-    if (dpt_deform_get_loads(tissue->world, tissue->body, tissue->loads, LOADS_MAX, &count) != DPT_OK) {
+    if (dpt_body_get_loads(tissue->world, tissue->body, tissue->loads, LOADS_MAX, &count) != DPT_OK) {
         tissue->has_failed = 1;
         return;
     }
@@ -237,7 +237,7 @@ static void take_positions(struct tissue *tissue)
 {
     const float *positions;
     uint32_t count;
-    dpt_deform_get_vertices(tissue->world, tissue->body, &positions, &count);
+    dpt_body_get_vertices(tissue->world, tissue->body, &positions, &count);
     for (size_t i = 0; i < 3 * (size_t)count; i++)
         tissue->off[i] = (double)positions[i] - (double)tissue->rest[i];
 }
@@ -246,7 +246,7 @@ static void hand_over(struct tissue *tissue)
 {
     for (size_t i = 0; i < 3 * (size_t)tissue->vertices; i++)
         tissue->positions[i] = (float)((double)tissue->rest[i] + tissue->off[i]);
-    if (dpt_deform_set_vertices(tissue->world, tissue->body, 0, tissue->vertices, tissue->positions, -1.0) != DPT_OK)
+    if (dpt_body_set_vertices(tissue->world, tissue->body, 0, tissue->vertices, tissue->positions, -1.0) != DPT_OK)
         tissue->has_failed = 1;
 }
 
@@ -310,8 +310,8 @@ double tissue_work(struct tissue *tissue)
     const float *now;
     uint32_t count, vertices;
     double work = 0.0;
-    dpt_deform_get_vertices(tissue->world, tissue->body, &now, &vertices);
-    if (dpt_deform_get_loads(tissue->world, tissue->body, tissue->loads, LOADS_MAX, &count) != DPT_OK)
+    dpt_body_get_vertices(tissue->world, tissue->body, &now, &vertices);
+    if (dpt_body_get_loads(tissue->world, tissue->body, tissue->loads, LOADS_MAX, &count) != DPT_OK)
         return NAN;
     /* Loads act on the tissue; between two steps they are the mean of both. */
     if (tissue->is_watched)

@@ -14,7 +14,7 @@
 #ifndef DPT_TOOLS_TISSUE_H
 #define DPT_TOOLS_TISSUE_H
 
-#include "dynpoint/deform.h"
+#include "dynpoint/body.h"
 
 #define TISSUE_TICK 1e-3 /* s: of the loop */
 

@@ -13,11 +13,11 @@
 
 static dpt_result add_body(struct measure_brute *brute, const struct scene_body *body, uint32_t i)
 {
-    dpt_deform_def def;
+    dpt_deformable_def def;
     dpt_mesh_info info = { .size = sizeof info };
     if (!body->springs)
         return dpt_body_add(brute->world, body->mesh, &body->pose, &brute->id[i]);
-    dpt_deform_def_init(&def);
+    dpt_deformable_def_init(&def);
     dpt_mesh_get_info(body->mesh, &info);
     def.mesh = body->mesh;
     def.pose = &body->pose;
@@ -25,11 +25,11 @@ static dpt_result add_body(struct measure_brute *brute, const struct scene_body 
         def.box_min[k] = info.box_min[k] - ROOM * box_diagonal(&info);
         def.box_max[k] = info.box_max[k] + ROOM * box_diagonal(&info);
     }
-    const size_t bytes = dpt_deform_bytes(&def);
+    const size_t bytes = dpt_deformable_bytes(&def);
     brute->body_block[i] = malloc(bytes);
     if (!brute->body_block[i])
         return DPT_E_MEMORY;
-    return dpt_deform_add(brute->world, brute->body_block[i], bytes, &def, &brute->id[i]);
+    return dpt_body_add_deformable(brute->world, brute->body_block[i], bytes, &def, &brute->id[i]);
 }
 
 dpt_result measure_brute_open(struct measure_brute *brute, const struct scene_bodies *bodies,
@@ -104,9 +104,9 @@ dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene
         uint32_t count;
         if (!brute->body_block[i])
             continue;
-        result = dpt_deform_get_vertices(world, bodies->body[i].id, &vertices, &count);
+        result = dpt_body_get_vertices(world, bodies->body[i].id, &vertices, &count);
         if (result == DPT_OK)
-            result = dpt_deform_set_vertices(brute->world, brute->id[i], 0, count, vertices, -1.0);
+            result = dpt_body_set_vertices(brute->world, brute->id[i], 0, count, vertices, -1.0);
     }
     if (result == DPT_OK)
         result = dpt_tool_set_segments(brute->world, brute->tool, tool->segments, brute->segments);

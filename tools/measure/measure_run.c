@@ -110,9 +110,9 @@ static uint32_t ns_since(uint64_t begin)
 static void read_answers(const struct stage *stage, const dpt_step *step, struct measure_tick *tick)
 {
     dpt_hit hit = DPT_HIT_INIT;
-    dpt_force_report force = { .size = sizeof force };
+    dpt_force_info force = { .size = sizeof force };
     dpt_tool_get_hit(stage->world, stage->id, &hit);
-    dpt_tool_get_force_report(stage->world, stage->id, &force);
+    dpt_tool_get_force_info(stage->world, stage->id, &force);
     tick->distance = hit.distance;
     tick->gap = hit.flags & DPT_HIT_FLAG_GAP ? hit.gap : NAN;
     measure_tool_weigh(&stage->tool, &force.wrench, tick->wrench);
@@ -233,7 +233,7 @@ int measure_run(struct measure_run *run, const struct scene *scene, const struct
         if (status == 0) {
             note_memory(stage, run);
             run_pass(stage, run, trace, effort, pass);
-            dpt_world_get_usage(stage->world, &run->usage);
+            dpt_world_get_info(stage->world, &run->usage);
         }
         stage_close(stage);
         if (run->failure != DPT_OK)

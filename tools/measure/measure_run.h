@@ -19,7 +19,7 @@
 #include "measure/measure_setting.h"
 #include "trace.h"
 
-/* What a tick told. Answers are those of dpt_hit and dpt_force_report after its step; a stale one counts for nothing. */
+/* What a tick told. Answers are those of dpt_hit and dpt_force_info after its step; a stale one counts for nothing. */
 struct measure_tick {
     double distance; /* of the device's axis, m */
     double gap;      /* of its surface, m; NAN where it is not known, as under a proxy that is held back */
@@ -54,11 +54,11 @@ struct measure_run {
     dpt_result failure;
     size_t failed_tick;
     size_t world_bytes;
-    size_t body_bytes;     /* of what gives way: shape and physics */
-    size_t mesh_bytes;     /* of all meshes, used in place */
-    dpt_world_usage usage; /* for capacities */
-    uint32_t kernel;       /* DPT_KERNEL_... */
-    double diagonal;       /* of the largest mesh's box, m */
+    size_t body_bytes;    /* of what gives way: shape and physics */
+    size_t mesh_bytes;    /* of all meshes, used in place */
+    dpt_world_info usage; /* for capacities */
+    uint32_t kernel;      /* DPT_KERNEL_... */
+    double diagonal;      /* of the largest mesh's box, m */
     struct measure_check check;
 };
 

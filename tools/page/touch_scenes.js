@@ -6,7 +6,7 @@ const touchScenes = (() => {
   const LIVER_RED = [0.55, 0.15, 0.12];
   const fixedBox = (...box) => ({ kind: 1, fixed: 1, box });
 
-  // shape, triangles: for `dynpoint make`; springs: options of the compiler; deform, net: of dpt_deform_def and
+  // shape, triangles: for `dynpoint make`; springs: options of the compiler; deform, net: of dpt_deformable_def and
   // dpt_springs_def. Materials are those of the program's scenes (tools/scene/scene_list.c). stiffest: N/m, above which what
   // gives way shakes under the tool, as its springs and the tool's are stepped one after the other.
   const SCENES = {

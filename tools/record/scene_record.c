@@ -29,9 +29,9 @@ dpt_record record_of_sample(const dpt_loop_sample *sample)
 void record_answers(dpt_record *record, const struct scene *scene, dpt_result result, const dpt_wrench *wrench)
 {
     dpt_hit hit = DPT_HIT_INIT;
-    dpt_force_report force = { .size = sizeof force };
+    dpt_force_info force = { .size = sizeof force };
     dpt_tool_get_hit(scene->world, scene->tool, &hit);
-    dpt_tool_get_force_report(scene->world, scene->tool, &force);
+    dpt_tool_get_force_info(scene->world, scene->tool, &force);
     dpt_tool_get_proxy(scene->world, scene->tool, &record->proxy);
     record->flags |= DPT_RECORD_FLAG_FELT;
     record->result = result;

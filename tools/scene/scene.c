@@ -377,7 +377,7 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
 {
     dpt_pose pose;
     double axes[4];
-    dpt_force_report report = { .size = sizeof report };
+    dpt_force_info report = { .size = sizeof report };
     dpt_result result = find_pose(scene, sample->state, &pose, axes);
     const int was_clutched = scene->is_clutched;
     scene->is_clutched = result == DPT_OK && is_clutch_down(scene, sample->state);
@@ -397,7 +397,7 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
         return result;
     scene->pose = pose;
     scene->has_pose = 1;
-    dpt_tool_get_force_report(scene->world, scene->tool, &report);
+    dpt_tool_get_force_info(scene->world, scene->tool, &report);
     *wrench = report.wrench;
     to_hand(scene, axes, wrench);
     const double share = scene->force_scale / scene->zoom;

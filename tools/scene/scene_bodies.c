@@ -194,10 +194,10 @@ static double diagonal_of(const dpt_mesh_info *info)
 
 static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body, dpt_world *world)
 {
-    dpt_deform_def deform;
+    dpt_deformable_def deform;
     dpt_springs_def springs;
     dpt_mesh_info info = { .size = sizeof info };
-    dpt_deform_def_init(&deform);
+    dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
     dpt_mesh_get_info(body->mesh, &info);
     const double diagonal = diagonal_of(&info);
@@ -220,13 +220,13 @@ static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body,
         row_of(body->pose.orientation, 1, row);
         springs.gravity[k] = -bodies->gravity * row[k];
     }
-    body->block_bytes = dpt_deform_bytes(&deform);
+    body->block_bytes = dpt_deformable_bytes(&deform);
     body->springs_bytes = dpt_springs_bytes(&springs);
     body->block = malloc(body->block_bytes);
     body->springs_block = malloc(body->springs_bytes);
     if (!body->block || !body->springs_block)
         return DPT_E_MEMORY;
-    const dpt_result result = dpt_deform_add(world, body->block, body->block_bytes, &deform, &body->id);
+    const dpt_result result = dpt_body_add_deformable(world, body->block, body->block_bytes, &deform, &body->id);
     return result == DPT_OK ? dpt_springs_create(body->springs_block, body->springs_bytes, &springs, &body->springs)
                             : result;
 }
@@ -270,7 +270,7 @@ int scene_bodies_check_step(const struct scene_bodies *bodies, const char *comma
     dpt_springs_def_init(&usual);
     for (uint32_t i = 0; i < bodies->count; i++) {
         const dpt_springs *springs = bodies->body[i].springs;
-        const double stable = dpt_springs_stable_step(springs);
+        const double stable = dpt_springs_get_stable_step(springs);
         if (springs && !(dt <= STEP_SHARE * stable * usual.max_substeps))
             return complain(command,
                             "%s: bodies[%u] is too stiff: its steps may take %.3g s, and %u of them "
@@ -287,10 +287,10 @@ dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, doub
     dpt_result result = DPT_OK;
     for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
         const struct scene_body *body = &bodies->body[i];
-        dpt_springs_report report = { .size = sizeof report };
+        dpt_springs_info report = { .size = sizeof report };
         if (!body->springs)
             continue;
-        result = dpt_deform_step_springs(world, body->id, body->springs, dt, &report);
+        result = dpt_body_step_springs(world, body->id, body->springs, dt, &report);
         bodies->nodes += report.nodes;
         bodies->active += report.active;
         if (report.active)

@@ -19,8 +19,8 @@ struct listed_body {
     uint32_t iterations;        /* dpt_springs_def; 0: its default */
     double sleep_speed;         /* dpt_springs_def; 0: its default */
     double friction;            /* where the user gives none */
-    double load_radius;         /* dpt_deform_def; 0: a share of the mesh */
-    double period;              /* dpt_deform_def */
+    double load_radius;         /* dpt_deformable_def; 0: a share of the mesh */
+    double period;              /* dpt_deformable_def */
     uint32_t response;          /* DPT_RESPONSE_... */
     int has_colour;
     double colour[3]; /* red, green and blue, 0 to 1: in the viewer */

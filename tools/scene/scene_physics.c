@@ -73,7 +73,7 @@ int scene_physics_check_loop(const char *command, double rate, double loop_rate)
 
 dpt_result scene_physics_open(struct scene_physics **made, struct scene_bodies *bodies, double rate)
 {
-    dpt_deform_def def;
+    dpt_deformable_def def;
     dpt_result result = DPT_OK;
     struct scene_physics *physics = *made = calloc(1, sizeof *physics);
     if (!physics)
@@ -81,7 +81,7 @@ dpt_result scene_physics_open(struct scene_physics **made, struct scene_bodies *
     physics->bodies = bodies;
     physics->rate = rate;
     physics->period = 1.0 / rate;
-    dpt_deform_def_init(&def);
+    dpt_deformable_def_init(&def);
     for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++)
         if (bodies->body[i].springs)
             result = soft_exchange_open(&physics->exchange[i], bodies->body[i].mesh, def.max_points);
@@ -103,7 +103,7 @@ static int step(struct scene_physics *physics)
 {
     struct scene_bodies *bodies = physics->bodies;
     for (uint32_t i = 0; i < bodies->count; i++) {
-        dpt_springs_report report = { .size = sizeof report };
+        dpt_springs_info report = { .size = sizeof report };
         if (!bodies->body[i].springs)
             continue;
         const dpt_result result =

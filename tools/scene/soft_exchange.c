@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-/* For each point at which a tool pushes (deform.h); and of each vertex, embedded in nodes. */
+/* For each point at which a tool pushes (body.h); and of each vertex, embedded in nodes. */
 enum { VERTICES_OF_POINT = 256, NODES_OF_VERTEX = 4 };
 
 static dpt_result open_nodes(struct soft_exchange *exchange, const dpt_mesh *mesh)
@@ -55,16 +55,16 @@ dpt_result soft_exchange_take_vertices(struct soft_exchange *exchange, dpt_world
     *is_new = dpt_latest_take(&exchange->latest_vertices);
     if (!*is_new)
         return DPT_OK;
-    return dpt_deform_set_vertices(world, body, 0, exchange->vertex_count,
-                                   exchange->vertices[exchange->latest_vertices.reading], -1.0);
+    return dpt_body_set_vertices(world, body, 0, exchange->vertex_count,
+                                 exchange->vertices[exchange->latest_vertices.reading], -1.0);
 }
 
 dpt_result soft_exchange_give_loads(struct soft_exchange *exchange, const dpt_world *world, dpt_body body)
 {
     struct soft_loads *loads = &exchange->loads[exchange->latest_loads.writing];
     const dpt_result result =
-        exchange->embedding ? dpt_deform_get_node_loads(world, body, loads->load, exchange->loads_room, &loads->count)
-                            : dpt_deform_get_loads(world, body, loads->load, exchange->loads_room, &loads->count);
+        exchange->embedding ? dpt_body_get_node_loads(world, body, loads->load, exchange->loads_room, &loads->count)
+                            : dpt_body_get_loads(world, body, loads->load, exchange->loads_room, &loads->count);
     if (result == DPT_OK)
         dpt_latest_publish(&exchange->latest_loads);
     return result;
@@ -85,8 +85,7 @@ static void place_vertices(const struct soft_exchange *exchange, float *to)
     }
 }
 
-dpt_result soft_exchange_step(struct soft_exchange *exchange, dpt_springs *springs, double dt,
-                              dpt_springs_report *report)
+dpt_result soft_exchange_step(struct soft_exchange *exchange, dpt_springs *springs, double dt, dpt_springs_info *report)
 {
     dpt_latest_take(&exchange->latest_loads);
     const struct soft_loads *loads = &exchange->loads[exchange->latest_loads.reading];

@@ -33,7 +33,7 @@ struct soft_exchange {
 
 /*
  * Of a mesh with springs, which stays open. DPT_E_MEMORY: memory ran out. Close it also after a failure.
- *   max_points   of the body's dpt_deform_def
+ *   max_points   of the body's dpt_deformable_def
  */
 dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *mesh, uint32_t max_points);
 void soft_exchange_close(struct soft_exchange *exchange);
@@ -49,6 +49,6 @@ dpt_result soft_exchange_give_loads(struct soft_exchange *exchange, const dpt_wo
  * set by the caller.
  */
 dpt_result soft_exchange_step(struct soft_exchange *exchange, dpt_springs *springs, double dt,
-                              dpt_springs_report *report);
+                              dpt_springs_info *report);
 
 #endif

@@ -85,10 +85,10 @@ uint32_t scene_picture_vertices(const struct scene *scene)
 
 struct view_tick scene_picture_tick(const struct scene *scene, const dpt_loop_sample *sample, double time, double took)
 {
-    dpt_force_report report = { .size = sizeof report };
+    dpt_force_info report = { .size = sizeof report };
     dpt_hit hit = DPT_HIT_INIT;
     double square = 0.0;
-    dpt_tool_get_force_report(scene->world, scene->tool, &report);
+    dpt_tool_get_force_info(scene->world, scene->tool, &report);
     dpt_tool_get_hit(scene->world, scene->tool, &hit);
     for (int k = 0; k < 3; k++)
         square += report.wrench.force[k] * report.wrench.force[k];

@@ -49,15 +49,15 @@ class World {
     this.meshes.set(body, mesh);
   }
 
-  // def: the fields of dpt_deform_def but mesh and pose
+  // def: the fields of dpt_deformable_def but mesh and pose
   addDeform(mesh, def = {}, pose) {
     const { heap } = this.core;
-    const from = this.core.def("dpt_deform_def", { ...def, mesh: mesh.pointer }, 2);
-    this.memory.write("dpt_deform_def", from, { pose: this.pose(pose) });
-    const bytes = this.call.dpt_deform_bytes(from);
+    const from = this.core.def("dpt_deformable_def", { ...def, mesh: mesh.pointer }, 2);
+    this.memory.write("dpt_deformable_def", from, { pose: this.pose(pose) });
+    const bytes = this.call.dpt_deformable_bytes(from);
     const block = heap.allocate(bytes);
     try {
-      const body = this.made(at => this.call.dpt_deform_add(this.world, block, bytes, from, at));
+      const body = this.made(at => this.call.dpt_body_add_deformable(this.world, block, bytes, from, at));
       this.hold(body, mesh);
       this.blocks.set(body, [block]);
       return body;
@@ -92,11 +92,11 @@ class World {
     return this.springs.get(body);
   }
 
-  // After a step of the world; what dpt_springs_report has
+  // After a step of the world; what dpt_springs_info has
   stepSprings(body, dt) {
     const springs = this.springsOf(body);
-    return this.core.get("dpt_springs_report", at =>
-      this.call.dpt_deform_step_springs(this.world, body, springs, dt, at),
+    return this.core.get("dpt_springs_info", at =>
+      this.call.dpt_body_step_springs(this.world, body, springs, dt, at),
     );
   }
 
@@ -111,14 +111,14 @@ class World {
     const at = this.core.heap.allocate(positions.byteLength);
     this.memory.put(at, positions);
     const count = positions.length / 3;
-    const result = this.call.dpt_deform_set_vertices(this.world, body, first, count, at, -1);
+    const result = this.call.dpt_body_set_vertices(this.world, body, first, count, at, -1);
     this.core.heap.release(at);
     this.core.check(result);
   }
 
   getVertices(body) {
     const at = this.core.place(0);
-    this.core.check(this.call.dpt_deform_get_vertices(this.world, body, at, at + 4));
+    this.core.check(this.call.dpt_body_get_vertices(this.world, body, at, at + 4));
     const [xyz, count] = new Uint32Array(this.memory.look().buffer, at, 2);
     return new Float32Array(this.memory.buffer, xyz, 3 * count).slice();
   }
@@ -221,7 +221,7 @@ class World {
   }
 
   getUsage() {
-    return this.core.get("dpt_world_usage", at => this.call.dpt_world_get_usage(this.world, at));
+    return this.core.get("dpt_world_info", at => this.call.dpt_world_get_info(this.world, at));
   }
 
   getHit(tool) {
@@ -239,7 +239,7 @@ class World {
   }
 
   getForceReport(tool) {
-    return this.core.get("dpt_force_report", at => this.call.dpt_tool_get_force_report(this.world, tool, at));
+    return this.core.get("dpt_force_info", at => this.call.dpt_tool_get_force_info(this.world, tool, at));
   }
 
   getContacts(tool) {

@@ -13,7 +13,7 @@ struct given_def {
     const struct subject *subject;
     dpt_pose pose;
     int has_pose;
-    dpt_deform_def def;
+    dpt_deformable_def def;
     struct soft soft; /* its box */
     struct codes codes;
 };
@@ -39,7 +39,7 @@ static void draw_box(struct given_def *of)
 static void draw_good_def(struct given_def *of)
 {
     static const double periods[] = { 0.0005, 0.001, 0.004, 0.0105, 0.02 };
-    CALL(dpt_deform_def_defaults, &of->def, sizeof of->def);
+    CALL(dpt_deformable_def_defaults, &of->def, sizeof of->def);
     of->def.mesh = of->subject->mesh;
     if (draw_one_in(3))
         of->def.max_points = draw_one_in(40) ? 65535 : draw_one_in(2) ? 1000 : 1 + draw_below(40);
@@ -58,7 +58,7 @@ static void draw_good_def(struct given_def *of)
 static void spoil_def(struct given_def *of)
 {
     const double odd[] = { NAN, -NAN, -1e-9, -1.0, -INFINITY, INFINITY };
-    dpt_deform_def *def = &of->def;
+    dpt_deformable_def *def = &of->def;
     const int k = (int)draw_below(3), is_high = draw_one_in(2);
     switch (draw_below(8)) {
     case 0:
@@ -144,7 +144,7 @@ static void add_one(struct scene *scene, struct given_def *of, const struct add_
 {
     dpt_body id[2] = { 0x5a5a5a5a, 0x5a5a5a5a };
     dpt_result result = DPT_OK;
-    const size_t bytes = CALL(dpt_deform_bytes, of->given);
+    const size_t bytes = CALL(dpt_deformable_bytes, of->given);
     HOLDS((bytes == 0) == (of->codes.count > 0), "%zu bytes", bytes);
     struct codes codes = of->codes;
     if (of->has_pose)
@@ -163,7 +163,7 @@ static void add_one(struct scene *scene, struct given_def *of, const struct add_
               of->subject->vertices, of->def.response);
     EACH_WORLD(scene, i)
     SAME_RESULT(i, result,
-                RESULT(dpt_deform_add, world_or_null(scene, i, faults->no_world),
+                RESULT(dpt_body_add_deformable, world_or_null(scene, i, faults->no_world),
                        faults->no_block ? NULL : soft_block(soft, i), room, of->given, faults->no_out ? NULL : &id[i]));
     expect(result, &codes);
     outputs_are_guarded(LIST_SLOT, 1);
@@ -202,13 +202,13 @@ static void add(void)
 
 static void defaults(void)
 {
-    dpt_deform_def whole;
+    dpt_deformable_def whole;
     const uint32_t size = draw_size(sizeof whole, sizeof whole);
     const int is_null = draw_one_in(20);
     void *out = output_of_defaults(0, size);
     call_with("size %llu", size, 0, 0, 0);
-    CALL(dpt_deform_def_defaults, is_null ? NULL : out, size);
-    CALL(dpt_deform_def_defaults, &whole, sizeof whole);
+    CALL(dpt_deformable_def_defaults, is_null ? NULL : out, size);
+    CALL(dpt_deformable_def_defaults, &whole, sizeof whole);
     defaults_must_hold(0, size, is_null, &whole, sizeof whole);
 }
 
@@ -395,8 +395,8 @@ static dpt_result call_one(const struct update *of, int i)
     dpt_world *world = world_or_null(of->scene, i, of->no_world);
     const float *positions = of->no_positions ? NULL : of->positions;
     if (!of->is_list)
-        return RESULT(dpt_deform_set_vertices, world, of->id, of->first, of->count, positions, of->bound);
-    return RESULT(dpt_deform_set_vertex_list, world, of->id, of->no_list ? NULL : of->list, of->count, positions,
+        return RESULT(dpt_body_set_vertices, world, of->id, of->first, of->count, positions, of->bound);
+    return RESULT(dpt_body_set_vertex_list, world, of->id, of->no_list ? NULL : of->list, of->count, positions,
                   of->bound);
 }
 
@@ -507,7 +507,7 @@ static void get_vertices(void)
     may_fail(&codes, no_world || no_out || no_count, DPT_E_ARGUMENT);
     may_fail(&codes, !body || !body->soft, DPT_E_HANDLE);
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
-    const dpt_result result = RESULT(dpt_deform_get_vertices, world_or_null(scene, 0, no_world), id,
+    const dpt_result result = RESULT(dpt_body_get_vertices, world_or_null(scene, 0, no_world), id,
                                      no_out ? NULL : &positions, no_count ? NULL : &count);
     expect(result, &codes);
     HOLDS(result == DPT_OK || count == 77 || (!count && !positions), "%u vertices on an error", count);
@@ -524,7 +524,7 @@ static int has_lost_tool(const struct scene *scene, uint32_t id, const struct mo
     static dpt_load loads[1 << 16];
     uint32_t count;
     const int is_full =
-        dpt_deform_get_loads(scene->world[0], id, loads, 1 << 16, &count) == DPT_E_FULL && count <= 1 << 16;
+        dpt_body_get_loads(scene->world[0], id, loads, 1 << 16, &count) == DPT_E_FULL && count <= 1 << 16;
     HOLDS(!is_full || body->soft->def.max_points < 6 * SEGMENTS_MAX, "%u points are too few",
           body->soft->def.max_points);
     return is_full;
@@ -542,7 +542,7 @@ static void get_loads(void)
     dpt_result result = DPT_OK;
     const int is_soft = body && body->soft;
     if (is_soft)
-        dpt_deform_get_loads(scene->world[0], id, NULL, 0, &all);
+        dpt_body_get_loads(scene->world[0], id, NULL, 0, &all);
     HOLDS(all <= 1 << 24, "%u loads", all);
     uint32_t capacity = draw_one_in(3) ? draw_below(all + 2) : all + draw_below(4);
     capacity = capacity < LOADS_MAX ? capacity : LOADS_MAX;
@@ -555,7 +555,7 @@ static void get_loads(void)
     {
         dpt_load *out = output_of(i, capacity * sizeof *out);
         SAME_RESULT(i, result,
-                    RESULT(dpt_deform_get_loads, world_or_null(scene, i, no_world), id, no_array ? NULL : out, capacity,
+                    RESULT(dpt_body_get_loads, world_or_null(scene, i, no_world), id, no_array ? NULL : out, capacity,
                            no_count ? NULL : &count[i]));
     }
     expect(result, &codes);

@@ -56,7 +56,7 @@ static const float *told_positions(const struct scene *scene, const struct model
     uint32_t count = 0;
     EACH_WORLD(scene, i)
     {
-        HOLDS(dpt_deform_get_vertices(scene->world[i], body->id, &told[i], &count) == DPT_OK, "body %x has no vertices",
+        HOLDS(dpt_body_get_vertices(scene->world[i], body->id, &told[i], &count) == DPT_OK, "body %x has no vertices",
               body->id);
         HOLDS(count == body->subject->vertices, "%u vertices, and not %u", count, body->subject->vertices);
     }
@@ -214,8 +214,8 @@ void loads_are_due(struct scene *scene)
     *due = (struct due_loads){ .is_known = bodies_have_all_loads(scene) };
     for (uint32_t t = 0; t < scene->tool_count && due->is_known; t++) {
         const struct model_tool *tool = &scene->tool[t];
-        dpt_force_report report = { .size = sizeof report };
-        dpt_tool_get_force_report(scene->world[0], tool->id, &report);
+        dpt_force_info report = { .size = sizeof report };
+        dpt_tool_get_force_info(scene->world[0], tool->id, &report);
         due->is_known &= tool->answers == ANSWERS_THERE && !tool->was_shaped &&
                          !(report.flags & DPT_FORCE_FLAG_FADING) &&
                          (tool->law_then != DPT_LAW_BED || scene->contacts_then < scene->def.max_contacts);
@@ -292,7 +292,7 @@ void loads_must_hold(const struct scene *scene)
         const struct model_body *body = &scene->body[b];
         const struct body_then *then = scene_body_then(scene, body->id);
         uint32_t count = 0;
-        if (!body->soft || dpt_deform_get_loads(scene->world[0], body->id, loads, LOADS_MAX, &count) != DPT_OK)
+        if (!body->soft || dpt_body_get_loads(scene->world[0], body->id, loads, LOADS_MAX, &count) != DPT_OK)
             continue;
         each_load_must_hold(scene, body, loads, count);
         all += count;

@@ -9,7 +9,7 @@
 #include "fuzz/calls/world_model.h"
 
 struct soft {
-    dpt_deform_def def;      /* as the library must understand it, but for the box */
+    dpt_deformable_def def;  /* as the library must understand it, but for the box */
     unsigned char *block[2]; /* as it was taken from the heap */
     size_t room;             /* bytes for the body in it */
     size_t offset;           /* of these in the block */

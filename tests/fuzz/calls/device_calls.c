@@ -109,7 +109,7 @@ static void open(void)
 /* Through its driver, as others would. */
 static void open_with(void)
 {
-    const dpt_driver *sim = CALL(dpt_driver_named, "sim");
+    const dpt_driver *sim = CALL(dpt_driver_find, "sim");
     dpt_device *made = NULL;
     dpt_driver other = *sim;
     const int kind = (int)draw_below(5);
@@ -130,11 +130,11 @@ static void open_with(void)
 static void drivers(void)
 {
     uint32_t count = 0;
-    for (const dpt_driver *driver; (driver = CALL(dpt_driver_at, count)) != NULL; count++)
-        HOLDS(CALL(dpt_driver_named, driver->name) == driver && driver->about[0], "driver %u", count);
+    for (const dpt_driver *driver; (driver = CALL(dpt_driver_get, count)) != NULL; count++)
+        HOLDS(CALL(dpt_driver_find, driver->name) == driver && driver->about[0], "driver %u", count);
     HOLDS(count >= 2, "%u drivers", count);
-    HOLDS(!CALL(dpt_driver_at, count + (uint32_t)(draw_bits() >> 40)), "beyond the last");
-    HOLDS(!CALL(dpt_driver_named, NULL) && !CALL(dpt_driver_named, "") && !CALL(dpt_driver_named, "simm"),
+    HOLDS(!CALL(dpt_driver_get, count + (uint32_t)(draw_bits() >> 40)), "beyond the last");
+    HOLDS(!CALL(dpt_driver_find, NULL) && !CALL(dpt_driver_find, "") && !CALL(dpt_driver_find, "simm"),
           "a name of none");
 }
 

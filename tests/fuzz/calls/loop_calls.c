@@ -208,7 +208,7 @@ static void run_loop(void)
         codes.or_done = 0;
     may_fail(&codes, no_device || no_loop || no_def, DPT_E_ARGUMENT);
     const dpt_result result =
-        RESULT(dpt_loop_create, no_device ? NULL : host.device, no_def ? NULL : given, no_loop ? NULL : &host.loop);
+        RESULT(dpt_loop_open, no_device ? NULL : host.device, no_def ? NULL : given, no_loop ? NULL : &host.loop);
     expect(result, &codes);
     outputs_are_guarded(GUARD_SLOT, 2);
     HOLDS((result == DPT_OK) == (host.loop != NULL), "%s", dpt_result_name(result));
@@ -217,17 +217,17 @@ static void run_loop(void)
         output_of(GUARD_SLOT, sizeof(dpt_guard_def));
         run_it(&host, &def);
     }
-    CALL(dpt_loop_free, host.loop);
+    CALL(dpt_loop_close, host.loop);
     CALL(dpt_device_close, host.device);
 }
 
 static void refuse_null(void)
 {
     dpt_loop *loop;
-    CALL(dpt_loop_free, NULL);
+    CALL(dpt_loop_close, NULL);
     CALL(dpt_loop_stop, NULL);
     HOLDS(RESULT(dpt_loop_run, NULL, NULL) == DPT_E_ARGUMENT, "no loop");
-    HOLDS(RESULT(dpt_loop_create, NULL, NULL, &loop) == DPT_E_ARGUMENT && !loop, "no device");
+    HOLDS(RESULT(dpt_loop_open, NULL, NULL, &loop) == DPT_E_ARGUMENT && !loop, "no device");
     const double time = CALL(dpt_loop_quantile, NULL, draw_odd_number());
     HOLDS(time == 0.0, "%g s of nothing", time);
 }

@@ -100,8 +100,7 @@ static void set_nodes(void)
     may_fail(&codes, is_inside != 1, DPT_E_FINITE);
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
     EACH_WORLD(scene, i)
-    SAME_RESULT(i, result,
-                RESULT(dpt_deform_set_nodes, world_or_null(scene, i, no_world), id, no_nodes ? NULL : nodes));
+    SAME_RESULT(i, result, RESULT(dpt_body_set_nodes, world_or_null(scene, i, no_world), id, no_nodes ? NULL : nodes));
     expect(result, &codes);
     outputs_are_guarded(GIVEN_SLOT, 1);
     if (result == DPT_OK)
@@ -135,7 +134,7 @@ static void get_node_loads(void)
     dpt_result result = DPT_OK;
     if (of.count && of.count != CELL_NODES)
         return;
-    const int is_known = of.count && dpt_deform_get_loads(scene->world[0], id, vertex_loads, LOADS_MAX, &all) == DPT_OK;
+    const int is_known = of.count && dpt_body_get_loads(scene->world[0], id, vertex_loads, LOADS_MAX, &all) == DPT_OK;
     const uint32_t capacity = draw_one_in(3) || !is_known ? draw_below(4 * LOADS_MAX) : 4 * all + draw_below(4);
     may_fail(&codes, no_world || no_count, DPT_E_ARGUMENT);
     may_fail(&codes, !body || !body->soft, DPT_E_HANDLE);
@@ -146,7 +145,7 @@ static void get_node_loads(void)
     {
         dpt_load *out = output_of(i, capacity * sizeof *out);
         SAME_RESULT(i, result,
-                    RESULT(dpt_deform_get_node_loads, world_or_null(scene, i, no_world), id, out, capacity,
+                    RESULT(dpt_body_get_node_loads, world_or_null(scene, i, no_world), id, out, capacity,
                            no_count ? NULL : &count[i]));
     }
     expect(result, &codes);

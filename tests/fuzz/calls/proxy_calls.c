@@ -92,8 +92,8 @@ static void stir(struct scene *scene)
 /* What began inside feels nothing: mostly it is put elsewhere first. */
 static void put_elsewhere(struct scene *scene, struct model_tool *tool)
 {
-    dpt_force_report report = { .size = sizeof report };
-    HOLDS(RESULT(dpt_tool_get_force_report, scene->world[0], tool->id, &report) == DPT_OK, "no report");
+    dpt_force_info report = { .size = sizeof report };
+    HOLDS(RESULT(dpt_tool_get_force_info, scene->world[0], tool->id, &report) == DPT_OK, "no report");
     if (report.reason != DPT_FORCE_INSIDE || tool->is_free || draw_one_in(4))
         return;
     const dpt_pose pose = draw_pose(NULL);
@@ -140,7 +140,7 @@ static void press(void)
 }
 
 /* It is given what a getter gives, and leaves it as it is. */
-static void look_at(void *user, const dpt_force_report *report, double dt, dpt_wrench *wrench)
+static void look_at(void *user, const dpt_force_info *report, double dt, dpt_wrench *wrench)
 {
     HOLDS(user == &met[0] && dt > 0.0 && report->size == sizeof *report &&
               !memcmp(wrench, &report->wrench, sizeof *wrench),

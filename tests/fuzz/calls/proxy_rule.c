@@ -50,7 +50,7 @@ static double slack_of_tool(const struct scene *scene, const struct model_tool *
 }
 
 /* Whether nothing but the spring makes the wrench of this step. */
-static int is_spring_alone(const struct scene *scene, const struct model_tool *tool, const dpt_force_report *report)
+static int is_spring_alone(const struct scene *scene, const struct model_tool *tool, const dpt_force_info *report)
 {
     int yields = 0;
     for (uint32_t i = 0; i < scene->body_count; i++)
@@ -62,7 +62,7 @@ static int is_spring_alone(const struct scene *scene, const struct model_tool *t
 #define SPIN_MAX 1.5
 
 /* A spring between the two middles; its torque about the middle is at most that of 1 rad. */
-static void spring_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_report *report)
+static void spring_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_info *report)
 {
     const double K = tool->stiffness_then, slack = 10.0 * slack_of_tool(scene, tool);
     const double *F = report->wrench.force, *T = report->wrench.torque;
@@ -131,14 +131,14 @@ static void it_must_be_the_device(const struct scene *scene, const struct model_
           apart(tool->proxy_at[0].b, tool->at[0].b));
 }
 
-void proxy_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_report *report)
+void proxy_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_info *report)
 {
     dpt_pose pose[2];
-    dpt_force_report twin = { .size = sizeof twin };
+    dpt_force_info twin = { .size = sizeof twin };
     EACH_WORLD(scene, i)
     HOLDS(RESULT(dpt_tool_get_proxy, scene->world[i], tool->id, &pose[i]) == DPT_OK, "no proxy");
     if (scene->world_count == 2) {
-        dpt_tool_get_force_report(scene->world[1], tool->id, &twin);
+        dpt_tool_get_force_info(scene->world[1], tool->id, &twin);
         HOLDS(!memcmp(&pose[0], &pose[1], sizeof *pose) && !memcmp(report, &twin, sizeof twin),
               "the twin's proxy is elsewhere");
     }

@@ -236,7 +236,7 @@ static void wrench(void)
 static void force_report(void)
 {
     struct question of;
-    dpt_force_report now;
+    dpt_force_info now;
     if (!draw_question(&of))
         return;
     const uint32_t size = draw_size(sizeof now, sizeof now);
@@ -249,7 +249,7 @@ static void force_report(void)
         void *out = output_sized(i, size);
         SAME_RESULT(
             i, result,
-            RESULT(dpt_tool_get_force_report, world_or_null(of.scene, i, of.no_world), of.id, of.no_out ? NULL : out));
+            RESULT(dpt_tool_get_force_info, world_or_null(of.scene, i, of.no_world), of.id, of.no_out ? NULL : out));
     }
     expect(result, &of.codes);
     twins_agree(&of, 1);

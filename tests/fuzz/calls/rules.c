@@ -252,8 +252,8 @@ void gap_must_be_true(const struct scene *scene, const struct model_tool *tool, 
 /* In this step the proxy has left the place of its contacts for the device. */
 static int starts_again(const struct scene *scene, const struct model_tool *tool)
 {
-    dpt_force_report report = { .size = sizeof report };
-    dpt_tool_get_force_report(scene->world[0], tool->id, &report);
+    dpt_force_info report = { .size = sizeof report };
+    dpt_tool_get_force_info(scene->world[0], tool->id, &report);
     return (report.flags & (DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED)) != 0;
 }
 

@@ -33,16 +33,16 @@ void strip_must_be_true(const struct scene *scene, const struct body_then *body,
 
 /* `hits` are those of all of the tool's segments, `report` tells of that wrench. */
 void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hits,
-                      const dpt_wrench *wrench, const dpt_force_report *report);
+                      const dpt_wrench *wrench, const dpt_force_info *report);
 
 /*
  * Where the proxy is: at the device unless it is held, and never in a body; `report` tells of it. Every world of the
  * scene says the same.
  */
-void proxy_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_report *report);
+void proxy_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_info *report);
 
 /* What every report must be, of a tool whose answers are so. */
-void report_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_report *report);
+void report_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_info *report);
 
 /* An answer without input. */
 void hit_must_be_stale(const dpt_hit *hit);

@@ -56,7 +56,7 @@ static const void *draw_def(struct report *report, struct codes *codes)
 static dpt_result test_it(const char *name, int by_driver, const void *def, dpt_device *device,
                           dpt_selftest_counts *counts)
 {
-    const dpt_driver *driver = CALL(dpt_driver_named, name[0] == 's' ? "sim" : "replay");
+    const dpt_driver *driver = CALL(dpt_driver_find, name[0] == 's' ? "sim" : "replay");
     const char *colon = strchr(name, ':');
     return by_driver ? RESULT(dpt_driver_selftest, device ? driver : NULL, colon ? colon + 1 : NULL, def, counts)
                      : RESULT(dpt_device_selftest, device, def, counts);

@@ -46,7 +46,7 @@ static void bodies_must_hold(struct scene *scene, const dpt_snapshot_info *info)
         HOLDS(body.vertices <= VERTICES_MOST, "%u vertices", body.vertices);
         HOLDS(RESULT(dpt_snapshot_get_vertices, kept, kept_bytes, body.first_vertex, body.vertices, xyz) == DPT_OK,
               "vertices");
-        HOLDS(dpt_deform_get_vertices(scene->world[0], body.id, &own, &count) == DPT_OK && count == body.vertices &&
+        HOLDS(dpt_body_get_vertices(scene->world[0], body.id, &own, &count) == DPT_OK && count == body.vertices &&
                   !memcmp(own, xyz, 12 * (size_t)count),
               "other vertices");
     }
@@ -78,7 +78,7 @@ static void tools_must_hold(struct scene *scene, const dpt_snapshot_info *info, 
           info->tools, info->segments);
     for (uint32_t i = 0; i < info->tools; i++) {
         dpt_snapshot_tool tool = { .size = sizeof tool };
-        dpt_force_report report = { .size = sizeof report };
+        dpt_force_info report = { .size = sizeof report };
         dpt_pose proxy;
         uint32_t count;
         HOLDS(RESULT(dpt_snapshot_get_tool, kept, kept_bytes, i, &tool) == DPT_OK, "tool %u", i);
@@ -86,7 +86,7 @@ static void tools_must_hold(struct scene *scene, const dpt_snapshot_info *info, 
         HOLDS(model && model->user == tool.user && model->count == tool.segments &&
                   (uint32_t)model->is_free == tool.is_free && model->law == tool.law,
               "tool %x", tool.id);
-        dpt_tool_get_force_report(scene->world[0], tool.id, &report);
+        dpt_tool_get_force_info(scene->world[0], tool.id, &report);
         HOLDS(report.reason == tool.reason && report.flags == tool.flags &&
                   !memcmp(&report.wrench, &tool.wrench, sizeof tool.wrench) && report.energy == tool.energy &&
                   report.folds == tool.folds,

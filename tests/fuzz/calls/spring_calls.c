@@ -186,7 +186,7 @@ static void create(void)
         return;
     }
     *pair = (struct pair_of_springs){ .subject = of.subject, .made = { made }, .block = { block }, .def = of.def };
-    pair->nodes = CALL(dpt_springs_count, made);
+    pair->nodes = CALL(dpt_springs_get_count, made);
     HOLDS(pair->nodes > 0 && pair->nodes <= NODES_MOST, "%u nodes", pair->nodes);
     make_twin(pair);
     pair->most = energy_of(pair, 0);
@@ -252,7 +252,7 @@ static void get_nodes(void)
         RESULT(dpt_springs_get_nodes, no_springs ? NULL : pair->made[0], count, no_positions ? NULL : positions, NULL);
     expect(result, &codes);
     outputs_are_guarded(0, 1);
-    HOLDS(CALL(dpt_springs_count, NULL) == 0 && CALL(dpt_springs_stable_step, NULL) == 0.0, "of NULL");
+    HOLDS(CALL(dpt_springs_get_count, NULL) == 0 && CALL(dpt_springs_get_stable_step, NULL) == 0.0, "of NULL");
 }
 
 static void set_nodes(void)
@@ -312,7 +312,7 @@ static void get_energy(void)
 /* What a step of dt may answer: it is known of an explicit one whether it is stable. */
 static void step_codes(const struct pair_of_springs *pair, double dt, struct codes *codes)
 {
-    const double stable = CALL(dpt_springs_stable_step, pair->made[0]);
+    const double stable = CALL(dpt_springs_get_stable_step, pair->made[0]);
     HOLDS(stable >= 0.0 && stable <= DPT_SPRINGS_STEP_MAX, "a stable step of %g s", stable);
     may_fail(codes, !(fabs(dt) <= 1e308), DPT_E_FINITE);
     may_fail(codes, !(dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX), DPT_E_ARGUMENT);
@@ -325,7 +325,7 @@ static void step_codes(const struct pair_of_springs *pair, double dt, struct cod
 
 static double draw_step(const struct pair_of_springs *pair)
 {
-    const double stable = CALL(dpt_springs_stable_step, pair->made[0]);
+    const double stable = CALL(dpt_springs_get_stable_step, pair->made[0]);
     if (draw_one_in(30))
         return draw_odd_number();
     if (pair->def.integrator == DPT_INTEGRATOR_IMPLICIT)
@@ -355,7 +355,7 @@ static uint32_t draw_loads(const struct pair_of_springs *pair, dpt_load *loads, 
     return count;
 }
 
-static void spring_report_must_hold(const struct pair_of_springs *pair, const dpt_springs_report *report)
+static void spring_report_must_hold(const struct pair_of_springs *pair, const dpt_springs_info *report)
 {
     HOLDS(report->nodes == pair->nodes && report->active <= report->nodes && report->substeps >= 1 &&
               report->substeps <= pair->def.max_substeps && report->flags <= DPT_SPRINGS_FLAG_HELD && !report->reserved,
@@ -366,7 +366,7 @@ static void step(void)
 {
     static struct nodes before, after;
     struct pair_of_springs *pair = draw_pair();
-    dpt_springs_report report[2] = { { .size = sizeof report[0] }, { .size = sizeof report[0] } };
+    dpt_springs_info report[2] = { { .size = sizeof report[0] }, { .size = sizeof report[0] } };
     dpt_load loads[LOADS_MOST];
     dpt_result result = DPT_OK;
     if (!pair)
@@ -435,7 +435,7 @@ static void body_has_moved(struct scene *scene, struct model_body *body)
 {
     const float *positions;
     uint32_t count;
-    HOLDS(dpt_deform_get_vertices(scene->world[0], body->id, &positions, &count) == DPT_OK, "no vertices");
+    HOLDS(dpt_body_get_vertices(scene->world[0], body->id, &positions, &count) == DPT_OK, "no vertices");
     memcpy(body->soft->now, positions, 3 * sizeof *positions * count);
     body->soft->is_affine = 0;
     met[MET_DEFORMED]++;
@@ -469,8 +469,8 @@ static void step_body(void)
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
     EACH_WORLD(scene, i)
     SAME_RESULT(i, result,
-                RESULT(dpt_deform_step_springs, world_or_null(scene, i, no_world), id,
-                       no_springs ? NULL : pair->made[i], dt, NULL));
+                RESULT(dpt_body_step_springs, world_or_null(scene, i, no_world), id, no_springs ? NULL : pair->made[i],
+                       dt, NULL));
     expect(result, &codes);
     pair->most = HUGE_VAL;
     if (scene->world_count == 1) { /* the twin is not where it is */

@@ -107,8 +107,8 @@ static void read_tool(struct scene *scene, const struct model_tool *tool, struct
         HOLDS(best.distance - tool->at[best.segment].radius <= hits[i].distance - tool->at[i].radius,
               "segment %u is nearer than the tool", i);
     HOLDS(RESULT(dpt_tool_get_wrench, world, tool->id, &wrench) == DPT_OK, "no wrench");
-    dpt_force_report report = { .size = sizeof report };
-    HOLDS(RESULT(dpt_tool_get_force_report, world, tool->id, &report) == DPT_OK, "no report");
+    dpt_force_info report = { .size = sizeof report };
+    HOLDS(RESULT(dpt_tool_get_force_info, world, tool->id, &report) == DPT_OK, "no report");
     wrench_must_hold(scene, tool, hits, &wrench, &report);
     proxy_must_hold(scene, tool, &report);
     sum->contacts += read_contacts(scene, tool);
@@ -141,8 +141,8 @@ static void step_must_hold(const struct scene *scene, const dpt_step *step)
     HOLDS(!scene->def.budget || step->work <= scene->def.budget, "work %u of a budget of %u", step->work,
           scene->def.budget);
     HOLDS(step->contacts <= scene->def.max_contacts, "%u contacts of %u", step->contacts, scene->def.max_contacts);
-    dpt_world_usage usage = { .size = sizeof usage };
-    dpt_world_get_usage(scene->world[0], &usage);
+    dpt_world_info usage = { .size = sizeof usage };
+    dpt_world_get_info(scene->world[0], &usage);
     HOLDS(!(step->flags & DPT_STEP_FLAG_CONTACTS_FULL) || usage.contacts > scene->def.max_contacts,
           "full, and the most that was wanted is %u of %u", usage.contacts, scene->def.max_contacts);
 }

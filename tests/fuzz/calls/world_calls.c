@@ -354,8 +354,8 @@ static void usage(void)
     if (!scene)
         return;
     const int no_world = draw_one_in(30), no_out = draw_one_in(30);
-    const uint32_t size = draw_size(sizeof(dpt_world_usage), sizeof(dpt_world_usage));
-    dpt_world_usage now;
+    const uint32_t size = draw_size(sizeof(dpt_world_info), sizeof(dpt_world_info));
+    dpt_world_info now;
     dpt_result result = DPT_OK;
     struct codes codes = { .count = 0 };
     may_fail(&codes, no_world || no_out, DPT_E_ARGUMENT);
@@ -364,7 +364,7 @@ static void usage(void)
     EACH_WORLD(scene, i)
     {
         void *out = output_sized(i, size);
-        SAME_RESULT(i, result, RESULT(dpt_world_get_usage, world_or_null(scene, i, no_world), no_out ? NULL : out));
+        SAME_RESULT(i, result, RESULT(dpt_world_get_info, world_or_null(scene, i, no_world), no_out ? NULL : out));
     }
     expect(result, &codes);
     outputs_are_guarded(0, scene->world_count);
@@ -374,7 +374,7 @@ static void usage(void)
     }
     if (!output_read(0, size, sizeof now, sizeof now, &now))
         return;
-    const dpt_world_usage *least = &scene->least;
+    const dpt_world_info *least = &scene->least;
     HOLDS(now.bodies == least->bodies && now.tools == least->tools && now.segments == least->segments,
           "%u bodies, %u tools, %u segments at once, and not %u, %u, %u", now.bodies, now.tools, now.segments,
           least->bodies, least->tools, least->segments);

@@ -99,7 +99,7 @@ struct scene {
     struct due_loads due;
     int is_as_stepped;      /* nothing that answers depend on changed since the last step */
     uint32_t contacts_then; /* of all tools, as the last step said, or as counted */
-    dpt_world_usage least;  /* what the usage must come to at least; bodies, tools and segments exactly */
+    dpt_world_info least;   /* what the usage must come to at least; bodies, tools and segments exactly */
 };
 
 extern struct scene scenes[SCENES];

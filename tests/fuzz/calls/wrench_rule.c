@@ -19,7 +19,7 @@ static int is_zero(const dpt_wrench *wrench)
     return zero;
 }
 
-void report_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_report *report)
+void report_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_info *report)
 {
     const int is_off = scene->def.until != DPT_UNTIL_RESPOND || tool->stiffness_then == 0.0;
     const int fades = (report->flags & DPT_FORCE_FLAG_FADING) != 0;
@@ -59,7 +59,7 @@ void report_must_hold(const struct scene *scene, const struct model_tool *tool, 
 
 /* A wrench that fades is that of an earlier step in part, which is not known here. */
 void wrench_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_hit *hits,
-                      const dpt_wrench *wrench, const dpt_force_report *report)
+                      const dpt_wrench *wrench, const dpt_force_info *report)
 {
     report_must_hold(scene, tool, report);
     HOLDS(!memcmp(wrench, &report->wrench, sizeof *wrench), "the report has another wrench");
