@@ -300,7 +300,7 @@ echo "files: $files compared, $differences differ, $refused commands refused by 
 # ---- answers ----
 
 build_answers() { # tree side
-    ${CC:-cc} -std=gnu99 -O1 -ffp-contract=off -I"$1/include" -I"$root/tests" "$root/tests/bench/answers.c" \
+    ${CC:-cc} -std=gnu99 -O1 -ffp-contract=off -I"$1/include" -I"$1/tests" "$1/tests/bench/answers.c" \
         "$1/build/libdynpoint_compile.a" "$1/build/libdynpoint_drivers.a" "$1/build/libdynpoint.a" \
         -lm -pthread -ldl -o "$work/$2/answers" || fail "answers.c does not build with $1"
 }
