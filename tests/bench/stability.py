@@ -68,7 +68,7 @@ CHARTS = {
 
 INTRODUCTION = """\
 <!-- SPDX-License-Identifier: BSD-3-Clause -->
-<!-- Made by `make stability`; edit the cases in tools/stability or tests/bench/stability.py. -->
+<!-- Made by `make stability`; edit the cases in tools/lab or tests/bench/stability.py. -->
 # Stability: what breaks which method
 
 `dynpoint stability` breaks methods of force on purpose. Each case below says what is done, what was measured, what is

@@ -21,7 +21,7 @@ $fixed "$scratch/empty" 2>"$scratch/empty.out" ||
     { skip "threads under ThreadSanitizer: it cannot run here ($(head -n 1 "$scratch/empty.out"))"; finish; }
 
 parts=
-for part in $(ls src/*/*.c | sed '/^src\/convex\//d; s/\.c$//') tools/scene_list tools/command_options tools/stop tools/shape tools/shape_organs tools/view/view_frame drivers/clock; do
+for part in $(ls src/*/*.c | sed '/^src\/convex\//d; s/\.c$//') tools/scene/scene_list tools/cli/command_options tools/cli/stop tools/shape/shape tools/shape/shape_organs tools/view/view_frame drivers/clock; do
     parts="$parts $build/$part.o"
 done
 

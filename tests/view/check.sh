@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# The viewer's page (tools/view/): its readers under node, the file that is made, and what it draws and does in a
+# The viewer's page (tools/view/page/): its readers under node, the file that is made, and what it draws and does in a
 # headless Chromium, from its file, from a mock of the server, and from the program itself. BUILD/view/node_modules has three.js.
 # And the pictures of README and docs (tests/pictures).
 #

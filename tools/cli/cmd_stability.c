@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dynpoint stability: the laboratory of force (stability/lab.h). */
+/* dynpoint stability: the laboratory of force (lab/lab.h). */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
