@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "world/body.h"
+#include "world/world_members.h"
 
 #include "base/return_if_error.h"
 #include "base/sized.h"

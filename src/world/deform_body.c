@@ -5,7 +5,7 @@
 #include "base/sized.h"
 #include "deform/displace.h"
 #include "proxy/proxy_state.h"
-#include "world/body.h"
+#include "world/world_members.h"
 
 void dpt_deformable_def_defaults(dpt_deformable_def *def, size_t size)
 {

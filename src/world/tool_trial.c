@@ -6,7 +6,7 @@
 #include "proxy/proxy_free.h"
 #include "track/swept_motion.h"
 #include "track/tool_tips.h"
-#include "world/tool.h"
+#include "world/world_members.h"
 
 /* A motion that is tried. */
 struct trial {

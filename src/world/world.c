@@ -5,9 +5,9 @@
 #include "track/body_search.h"
 #include "track/persistent_contacts.h"
 #include "world/deform_body.h"
-#include "world/tool.h"
 #include "world/world_def.h"
 #include "world/world_layout.h"
+#include "world/world_members.h"
 
 size_t dpt_world_bytes(const dpt_world_def *given)
 {

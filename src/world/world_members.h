@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Bodies of a world. Their public functions are in dynpoint/body.h. */
-#ifndef DPT_BODY_H
-#define DPT_BODY_H
+/* The bodies and tools of a world. Their public functions are in dynpoint/body.h and dynpoint/tool.h. */
+#ifndef DPT_WORLD_MEMBERS_H
+#define DPT_WORLD_MEMBERS_H
 
 #include "track/world_state.h"
 
@@ -16,5 +16,11 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
  * planes that are cached of it do not hold any more.
  */
 void dpti_body_note_vertices(struct dpt_world *world, struct body *body, double moved, int has_begun_anew);
+
+/* Forget what earlier ticks know of a tool, and its answers. */
+void dpti_tool_forget(struct dpt_world *world, struct tool *tool);
+
+/* DPT_OK if segments are finite and in range (dynpoint/tool.h), else DPT_E_FINITE. */
+dpt_result dpti_tool_check_segments(const dpt_segment *segments, uint32_t count);
 
 #endif
