@@ -60,6 +60,11 @@ $cc -std=gnu99 -O1 -ffp-contract=off -Wall -Wextra -Werror -I. -c "$root/tests/a
     awk '/^scene/ { c += $3; m += $5; t += $9; b += $13 } END { exit !(NR == 9 && c && m && t && b) }' hash.wanted
 verdict $? "the libraries answer, and all kernels alike: meshes, contacts, sweeps, strips, budgets"
 
+if [ -e "$build/scalar/libdynpoint.a" ]; then
+    $cc hash.o "$build/scalar/libdynpoint_compile.a" "$build/scalar/libdynpoint.a" -lm -pthread -o hash && ./hash 80 | cmp - hash.wanted
+    verdict $? "and so does a build without vectors (CONFIG=scalar)"
+fi
+
 # try NAME COMPILER AND FLAGS...: both files, what they show, and the same bits as the libraries'.
 try() {
     name=$1
@@ -96,9 +101,14 @@ try() {
     verdict $? "$name: the same bits as the libraries'"
 }
 
+# COMPILERS=two: the one of this build with plain flags, and the other one with what the machine has.
 warnings="-Wall -Wextra -Wshadow -Wconversion"
+compilers=${COMPILERS:-all}
 try "$cc -O2" $cc -O2 $warnings
-if echo 'int x;' | $cc -march=native -x c -c - -o native.o 2>/dev/null; then
+if [ "$compilers" = two ]; then
+    cp compile.o native_compile.o
+    cp core.o native_core.o
+elif echo 'int x;' | $cc -march=native -x c -c - -o native.o 2>/dev/null; then
     try "$cc -O3 -march=native" $cc -O3 -march=native
     cp compile.o native_compile.o
     cp core.o native_core.o
@@ -110,7 +120,7 @@ fi
 $cc $strict -fsyntax-only dynpoint.c && $cc $strict -fsyntax-only dynpoint_compile.c
 verdict $? "both are pedantic C99"
 if command -v "$clang" >/dev/null 2>&1; then
-    try "clang -O2" "$clang" -O2 $warnings
+    [ "$compilers" = two ] || try "clang -O2" "$clang" -O2 $warnings
     try "clang -O3 -march=native" "$clang" -O3 -march=native
 else
     skip "single files with clang: no $clang"

@@ -4,10 +4,13 @@
 # program runs where, and how much of it.
 #
 #     run.sh test     the release build, nothing installed, a part of each program: about a minute on two cores
-#     run.sh check    all, in three configurations. DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail
+#     run.sh check    all, in three configurations, but for what needs a release alone
+#     run.sh release  that, and what takes long for what it can find: all compilers of the single files, link-time optimization
+#
+# DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail.
 set -u
 whole=$1
-[ "$whole" = check ] || [ "$whole" = test ] || { echo "usage: run.sh test|check" >&2; exit 2; }
+case $whole in test | check | release) ;; *) echo "usage: run.sh test|check|release" >&2; exit 2 ;; esac
 passed=0 failed=0 skipped=0
 log=build/$whole.log
 names=build/$whole.skipped
@@ -144,14 +147,10 @@ command_line() {
     for script in tests/tools/cli_*.sh; do
         topic=${script#*/cli_}
         case $topic in devices.sh) run=run_waiting ;; *) run=run ;; esac
-        # Under sanitizers the laboratory and the scenes run for them alone.
-        set -- "$1"
+        # Under sanitizers: what reads arguments and files, and what is wrong in them. The library has its programs.
         case $1-$topic in
-        */*-stability.sh) set -- "$1" 0.01 ;;
-        */*-stability_loops.sh) set -- "$1" 'wall late' ;;
-        */*-stability_tissue.sh) set -- "$1" 'pulse' ;;
-        */*-scenes.sh) set -- "$1" soft-liver ;;
-        */*-physics.sh | */*-embed.sh | */*-chart.sh | */*-plan.sh) continue ;; # what they run is in programs and scripts that do
+        */*-usage.sh | */*-scene_faults.sh | */*-meshes.sh | */*-traces.sh | */*-embed.sh) ;;
+        */*) continue ;;
         esac
         $run "the program $1, ${topic%.sh}" sh "$script" "$@"
     done
@@ -187,6 +186,8 @@ if [ "$whole" = test ]; then
     go 1
     add_up
 else
+    compilers=two lto=no
+    [ "$whole" = check ] || compilers=all lto=yes
     sh tests/deps.sh light
     # An oracle and a peer are single files that take long: beside the builds.
     (
@@ -196,13 +197,13 @@ else
         . tests/bench/peers.sh
     ) &
     build all check-programs
-    build CONFIG=scalar all check-programs
+    build CONFIG=scalar check-programs
     build CONFIG=sanitize all check-programs
     wait
     # The longest first.
     run "other machines" env JOBS=1 sh tests/cross.sh build
-    run "single files" sh tests/amalgamation.sh build
-    run "the libraries" sh tests/abi/check.sh build
+    run "single files" env COMPILERS="$compilers" sh tests/amalgamation.sh build
+    run "the libraries" env LTO="$lto" sh tests/abi/check.sh build
     run "WebAssembly" sh tests/wasm/check.sh build
     command_line build
     command_line build/sanitize

@@ -33,7 +33,7 @@ endif
 # Objects that are the same in another configuration are release's, where they are. Scalar: the tests' own code, but for
 # what sees the kernels; for the tests alone also the program and the reader of URDF, which see what is public. Sanitize:
 # the oracles, for it is the library that is looked at.
-LIKE_RELEASE.scalar := tests $(if $(filter check-programs,$(MAKECMDGOALS)),tools src/urdf)
+LIKE_RELEASE.scalar := tests drivers src/text src/convex $(if $(filter check-programs,$(MAKECMDGOALS)),tools src/urdf)
 LIKE_RELEASE.sanitize := tests/oracle tests/data
 LIKE_RELEASE := $(LIKE_RELEASE.$(CONFIG))
 ifneq ($(LIKE_RELEASE),)
@@ -220,6 +220,9 @@ test: ## a part of every test in about a minute: no network, nothing installed
 check: ## all tests; as root on Debian installs 21 MB of packages (DEPS=no: nothing); STRICT=1 lets skips fail
 	@sh tests/run.sh check
 
+check-release: ## that, and what takes long for what it can find: before a release
+	@sh tests/run.sh release
+
 SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair hull_pair hull_search hull_sweep parallel no_system_calls loop $(if $(CONVEX_PARTS),convex)
 soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of the proxy; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
@@ -298,7 +301,7 @@ test-programs: all $(TESTS) $(VM_TESTS) $(B)/tests/firmware/link $(BENCH_PROGRAM
 # What programs.txt, and the scripts, run of this configuration.
 COLUMN := $(subst release,3,$(subst scalar,4,$(subst sanitize,5,$(CONFIG))))
 NOT_RUN = $(patsubst %,$(B)/tests/test_%,$(shell awk '/^[a-z]/ && $$$(COLUMN) == "-" { print $$1 }' tests/programs.txt))
-check-programs: all $(filter-out $(NOT_RUN),$(TESTS)) $(if $(filter release,$(CONFIG)),$(VM_TESTS))
+check-programs: $(if $(filter scalar,$(CONFIG)),$(LIBS:%=%.a),all) $(filter-out $(NOT_RUN),$(TESTS)) $(if $(filter release,$(CONFIG)),$(VM_TESTS))
 ifeq ($(CONFIG),release)
 check-programs: $(B)/tests/firmware/link $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again $(BENCH_PROGRAMS)
 endif
