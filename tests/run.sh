@@ -7,7 +7,8 @@
 #     run.sh check    all, in three configurations, but for what needs a release alone
 #     run.sh release  that, and what takes long for what it can find: all compilers of the single files, link-time optimization
 #
-# DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail.
+# DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail. What has passed in this tree is not run again while
+# nothing has changed that it depends on; WHOLE=1 runs all, as .ci/run does.
 set -u
 whole=$1
 case $whole in test | check | release) ;; *) echo "usage: run.sh test|check|release" >&2; exit 2 ;; esac
@@ -32,6 +33,30 @@ skip() {
     skipped=$((skipped + 1))
 }
 
+# What a test depends on beside its words and its own bytes: a program reads data of the tests, a script may read all, or
+# what `reads` names.
+kept=build/passed
+mkdir -p "$kept"
+contents() {
+    find "$@" -type f ! -path '*/__pycache__/*' -exec cksum {} + | LC_ALL=C sort -k 3 | cksum
+}
+surroundings=$({
+    env | grep -E '^(CC|CXX|CLANG|CFLAGS|LDFLAGS|DPT_DATA|STRICT|PATH)=' | LC_ALL=C sort
+    ${CC:-cc} --version
+    [ -z "${DPT_DATA:-}" ] || ls -lRL "$DPT_DATA"
+    find tests docs/samples -type f ! -name '*.[ch]' ! -name '*.cc' ! -path '*/__pycache__/*' -exec cksum {} + | LC_ALL=C sort -k 3
+} | cksum)
+everything=$(contents Makefile include src drivers tools tests docs)
+reads=
+key_of() { # words...
+    echo "$surroundings $*"
+    for word; do [ ! -f "$word" ] || cksum <"$word"; done
+    case "$* " in
+    *.sh\ * | *.py\ *) if [ -n "$reads" ]; then contents $reads; else echo "$everything"; fi ;;
+    *test_exactness\ *) cksum <build/dynpoint ;;
+    esac
+}
+
 # A program or script that ends in "N passed, M failed, K skipped": run later, beside others.
 run() {
     count=$((count + 1))
@@ -39,6 +64,15 @@ run() {
     printf '%s\n' "$1" >"$place.title"
     shift
     for word; do printf "'%s' " "$word"; done >"$place.command"
+    key_of "$@" >"$place.key"
+}
+
+# run_reading PATHS TITLE COMMAND...: likewise, a script that depends on these folders and the tests alone.
+run_reading() {
+    reads="$1 tests Makefile"
+    shift
+    run "$@"
+    reads=
 }
 
 # run_waiting TITLE COMMAND...: likewise, for what waits more than it computes. run_clock: for what looks at the clock too
@@ -54,12 +88,21 @@ run_clock() {
 
 # run_one PLACE [NICE...]: the last line of `times` is what the command computed.
 cat >"$dir/run_one" <<'END'
-place=$1
+place=$1 before=build/passed/$(cksum <"$1.command" | tr ' ' -)
 shift
+if [ "${WHOLE:-0}" = 0 ] && cmp -s "$place.key" "$before.key"; then
+    cp "$before.out" "$place.out"
+    echo 0 0 as-before >"$place.status"
+    exit
+fi
+rm -f "$before.key"
 begin=$(date +%s)
 "$@" sh -c '. "$0"; code=$?; times >"$1"; exit $code' "$place.command" "$place.times" >"$place.out" 2>&1 </dev/null
 status=$?
 echo $status $(($(date +%s) - begin)) "$(tail -n 1 "$place.times" | tr " " +)" >"$place.status"
+if [ $status -eq 0 ] && tail -n 1 "$place.out" | grep -qE '^[0-9]+ passed, 0 failed, 0 skipped$'; then
+    cp "$place.out" "$before.out" && cp "$place.key" "$before.key"
+fi
 END
 
 # lane [NICE...]: one after the other of what stdin names, but for what another lane has taken.
@@ -173,7 +216,7 @@ if [ "$whole" = test ]; then
     unset DPT_DATA
     programs test release waits
     programs test release beside
-    run "races of the exchange" sh tests/exchange/races.sh build 20000
+    run_reading "include src" "races of the exchange" sh tests/exchange/races.sh build 20000
     run "the layers" sh tests/layers.sh build
     if [ -x "$(command -v python3)" ]; then
         run "other languages" python3 tests/ffi/touch.py build
@@ -202,9 +245,9 @@ else
     wait
     # The longest first.
     run "other machines" env JOBS=1 sh tests/cross.sh build
-    run "single files" env COMPILERS="$compilers" sh tests/amalgamation.sh build
+    run_reading "include src tools/packaging" "single files" env COMPILERS="$compilers" sh tests/amalgamation.sh build
     run "the libraries" env LTO="$lto" sh tests/abi/check.sh build
-    run "WebAssembly" sh tests/wasm/check.sh build
+    run_reading "include src tools/packaging" "WebAssembly" sh tests/wasm/check.sh build
     command_line build
     command_line build/sanitize
     for config in release scalar sanitize; do
@@ -214,10 +257,10 @@ else
     [ -x build/tests/test_urdf_golden ] || skip "robots' descriptions" "no urdfdom with g++"
     [ -x build/tests/test_convex ] || skip "curved tips" "no libccd"
     [ -x build/tests/test_view_server ] || skip "the viewer's server" "no libwebsockets"
-    run "robots' kinematics" sh tests/oracle/urdf.sh build
-    run "races of the exchange" sh tests/exchange/races.sh build
+    run_reading "include src" "robots' kinematics" sh tests/oracle/urdf.sh build
+    run_reading "include src" "races of the exchange" sh tests/exchange/races.sh build
     run "races of threads" sh tests/tools/thread_races.sh build
-    run "MuJoCo's soft bodies" sh tests/bench/soft.sh build
+    run_reading "include src" "MuJoCo's soft bodies" sh tests/bench/soft.sh build
     run "crossings, and a z-buffer's" sh tests/bench/crossings.sh build
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build
@@ -234,8 +277,10 @@ else
     go "$jobs"
 
     # The emulated machines and the browser look at the clock, and wait for much of their time: not beside what waits.
+    reads="include src drivers tools/simulate tools/shape tests Makefile"
     run_clock "a real kernel" sh tests/vm/check.sh build
     run_clock "firmware" sh tests/firmware/run.sh build
+    reads=
     run_clock "the viewer's page" sh tests/view/check.sh build
     run_clock "the page of the core" sh tests/page/check.sh build
     for config in sanitize scalar; do
