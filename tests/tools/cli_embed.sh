@@ -21,7 +21,7 @@ prepare_scenes()
     succeeds 'compile liver' compile liver.obj -o liver.dpa
     succeeds 'make box' make box -o box.ply
     succeeds 'compile box' compile box.ply -o box.dpa
-    cp liver.dpa kept.dpa
+    cp liver.dpa saved.dpa
     cp "$tests/golden/arm_1_mesh_4.dpa" "$arm"
     cp "$arm" kept_arm.dpa
     for name in carried again; do
@@ -40,7 +40,7 @@ prepare_scenes()
     notes 'a scene by name' 'tori: note: --embed: a scene by name needs none' run tori --device 'sim:?hand=press' --ticks 50 \
         --embed --record none.dpr
     size=$(wc -c <carried.dpr)
-    # In both, the text has as many bytes.
+    # In both, the text has as many bytes: saved.dpa is as long a name as liver.dpa.
     begin=$(wc -c <bare.dpr)
     check 'pieces come behind the ticks' test "$size" -gt $((begin + $(wc -c <liver.dpa)))
 }
@@ -65,14 +65,14 @@ without_files()
     done
     (cd elsewhere && exec "$program" replay ../carried.dpr) >stdout 2>stderr
     check "in another folder: $(cat stdout stderr)" grep -q ": $ticks ticks, all the same bits\$" stdout
-    limited replay carried.dpr kept.dpa
+    limited replay carried.dpr saved.dpa
     check "a path wins: $(cat stderr)" test $status -eq 0
     limited replay carried.dpr box.dpa
     check 'also if it is wrong' is_refusal 'box.dpa: this is another scene than the recording'
     limited replay tool.dpr --tool box.dpa
     check 'and for the tool alone' is_refusal 'box.dpa: '
     limited view bare.dpr -o out/page.html
-    check "nothing carried, no --mesh: $(cat stderr)" is_refusal "it was 'liver.dpa', of $(wc -c <kept.dpa) bytes"
+    check "nothing carried, no --mesh: $(cat stderr)" is_refusal "it was 'liver.dpa', of $(wc -c <saved.dpa) bytes"
     if ! has_page; then
         skip "pages of recordings: this build has no viewer's page"
         return
@@ -81,7 +81,7 @@ without_files()
         limited view $name.dpr -o $name.html
         check "$name in a page: exit $status, $(cat stderr)" test $status -eq 0 -a -s $name.html
     done
-    limited view bare.dpr --mesh kept.dpa -o bare.html
+    limited view bare.dpr --mesh saved.dpa -o bare.html
     check "of a file: exit $status" test $status -eq 0
     limited view carried.dpr --mesh box.dpa -o out/page.html
     check 'of another file' is_refusal 'another scene'
@@ -90,9 +90,9 @@ without_files()
 told()
 {
     succeeds 'record info' record info tool.dpr
-    check 'carries its scene' grep -q "^  it carries its scene: $(wc -c <kept.dpa) bytes, CRC-32 [0-9a-f]*\$" stdout
+    check 'carries its scene' grep -q "^  it carries its scene: $(wc -c <saved.dpa) bytes, CRC-32 [0-9a-f]*\$" stdout
     succeeds 'pieces of 64 KiB' record info carried.dpr --json
-    check "are counted: $(cat stdout)" grep -q "\"held\":$(wc -c <kept.dpa),\"pieces\":$((($(wc -c <kept.dpa) + 65535) / 65536))," stdout
+    check "are counted: $(cat stdout)" grep -q "\"held\":$(wc -c <saved.dpa),\"pieces\":$((($(wc -c <saved.dpa) + 65535) / 65536))," stdout
     succeeds 'record info' record info tool.dpr
     check 'and its tool' grep -q "^  it carries its tool: $(wc -c <kept_arm.dpa) bytes" stdout
     succeeds 'record info --json' record info bare.dpr --json
@@ -110,7 +110,7 @@ told()
         else
             check "cut by $cut, all of it: $(cat stderr)" grep -q 'the scene that it should carry is not in it' stderr
         fi
-        limited replay cut.dpr kept.dpa
+        limited replay cut.dpr saved.dpa
         check "cut by $cut, with the file: $(cat stdout stderr)" test $status -eq 0
     done
     head -c $((size - 1000)) carried.dpr >cut.dpr
@@ -138,7 +138,7 @@ refusals()
         (
             trap '' XFSZ
             ulimit -f $blocks
-            exec "$program" run kept.dpa --device 'sim:?dofs=6&hand=press&cycle=1' --ticks $ticks --embed --record full.dpr
+            exec "$program" run saved.dpa --device 'sim:?dofs=6&hand=press&cycle=1' --ticks $ticks --embed --record full.dpr
         ) >stdout 2>stderr
         status=$?
         if grep -q 'its scene could not be added' stderr; then break; fi
@@ -146,7 +146,7 @@ refusals()
     check "a full disk: exit $status, $(cat stderr)" test $status -eq 2
     check 'is told' grep -q 'full.dpr: its scene could not be added: File too large' stderr
     check 'and the ticks are there, and no more' test "$(wc -c <full.dpr)" -eq "$begin"
-    limited replay full.dpr kept.dpa
+    limited replay full.dpr saved.dpa
     check "and sound: $(cat stdout stderr)" test $status -eq 0
 }
 
@@ -200,8 +200,8 @@ def write(pieces, name="forged.dpr"):
 first, second, third = 3 * (pieces[0],) if len(pieces) < 3 else pieces[:3]
 change = sys.argv[1]
 if change == "read":
-    assert b"".join(piece[4] for piece in pieces) == open("kept.dpa", "rb").read() and len(pieces) >= 3
-    assert pieces[0][3] == len(open("kept.dpa", "rb").read())
+    assert b"".join(piece[4] for piece in pieces) == open("saved.dpa", "rb").read() and len(pieces) >= 3
+    assert pieces[0][3] == len(open("saved.dpa", "rb").read())
     write(pieces)
     assert open("forged.dpr", "rb").read() == file
 elif change == "missing":
@@ -254,7 +254,7 @@ elif change == "flip":
     open("forged.dpr", "wb").write(data)
 PYTHON
     check "pieces by the page alone: $(python3 forge.py read 2>&1 | tail -n 1)" cmp -s forged.dpr carried.dpr
-    total=$(wc -c <kept.dpa) piece=65584
+    total=$(wc -c <saved.dpa) piece=65584
     forged missing "byte $((begin + piece)): before this piece, bytes 65536 to 131071 of the scene are missing"
     forged first_missing "byte $begin: before this piece, bytes 0 to 65535 of the scene are missing"
     forged twice "byte $((begin + piece)): this piece is of byte 0 of the scene and on, which was there up to 65536"
