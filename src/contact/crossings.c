@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/crossings.h"
 
-#include "nearest/range_search.h"
+#include "nearest/bvh.h"
 
 /* Put a crossing of a triangle, a place, into the list, in order of s. Only a crossing of its face has known sides. */
 static void put_crossing(struct distance_profile *profile, uint32_t triangle, const pair *found)

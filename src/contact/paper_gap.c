@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/paper_gap.h"
 
-#include "mesh/surface_normal.h"
+#include "mesh/surface.h"
 
 /* The height of the axis' lower end over the triangle's plane, m. The axis crosses that plane at the nearest pair. */
 static double lower_end_height(const struct axis *axis, const struct pair_search *nearest, vec3 normal)

@@ -3,7 +3,7 @@
 
 #include "contact/holes.h"
 #include "contact/winding_number.h"
-#include "nearest/point_search.h"
+#include "nearest/bvh.h"
 
 double dpti_profile_distance_to(const struct distance_profile *profile, uint32_t triangle, double s)
 {

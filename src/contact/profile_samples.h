@@ -9,7 +9,7 @@
 #include "contact/holes.h"
 #include "contact/point_cache.h"
 #include "nearest/dynamic_point.h"
-#include "nearest/side.h"
+#include "nearest/nearest_pair.h"
 
 /* The depth's tolerance, as a share of the mesh's diagonal. */
 #define PROFILE_DEPTH_SHARE 1e-5

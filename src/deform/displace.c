@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "deform/displace.h"
 
-#include "mesh/surface_normal.h"
+#include "mesh/surface.h"
 
 /* Of the overlap: corners are moved by that much more, so that rounding to float leaves no overlap. */
 #define BEYOND (1.0 + 1e-6)

@@ -5,7 +5,7 @@
 #include "contact/segment_result.h"
 #include "dynpoint/query.h"
 #include "hull/hull_search.h"
-#include "nearest/range_search.h"
+#include "nearest/bvh.h"
 
 static dpt_result prepare(const dpt_mesh *mesh, const dpt_pose *pose, struct surface *surface, struct kernel *kernel,
                           struct frame *body)

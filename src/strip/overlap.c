@@ -6,7 +6,7 @@
 #include "base/frame.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "nearest/side.h"
+#include "nearest/nearest_pair.h"
 #include "strip/strip_state.h"
 
 /*

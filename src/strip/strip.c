@@ -4,8 +4,8 @@
 #include "base/frame.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"
+#include "nearest/nearest_pair.h"
 #include "nearest/segment_triangle.h"
-#include "nearest/side.h"
 
 enum { CAPACITY_MAX = 1 << 20, SEARCH_VERTICES_MAX = 1 << 28 };
 

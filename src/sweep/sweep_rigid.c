@@ -5,7 +5,7 @@
  */
 #include "sweep/sweep_rigid.h"
 
-#include "nearest/side.h"
+#include "nearest/nearest_pair.h"
 
 enum { HALVINGS_MAX = 10, PIECE_TRIANGLES = 16 };
 

@@ -2,7 +2,7 @@
 #include "world/baseline_method.h"
 
 #include "contact/paper_gap.h"
-#include "nearest/paper_descent.h"
+#include "nearest/dynamic_point.h"
 #include "track/segment_track.h"
 
 /* What the parts of one segment found, over all bodies. */

@@ -3,7 +3,7 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "nearest/side.h"
+#include "nearest/nearest_pair.h"
 
 /* Bytes of dpt_world_bytes for each segment, beside the strip itself. */
 enum { BYTES_SEGMENT_STRIP = 640 };
