@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/contact_integrals.h"
 
-#include "contact/spans.h"
+#include "contact/deepest_point.h"
 
 /*
  * Accepted error estimates, as shares of the overlap: of all spans together, and of one span, whose own estimate may be

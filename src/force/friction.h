@@ -56,4 +56,18 @@ void dpti_friction_add(const struct friction_contact *contact, double share, uin
 void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
                         const double *goal, double *pulled);
 
+/* ---- surfaces that are springs themselves, in series with the one that is held by them ---- */
+
+/*
+ * half_spaces.h finds y = goal + sum of m normal for hard constraints. Where constraint i may be violated by v at the
+ * cost of v^2 / (2 c), c its compliance, the multipliers are those m' >= 0 with
+ *     (N + diag(c)) m' = N m      N_ij = normal_i . normal_j
+ * for those that are not 0.
+ *
+ * Adds sum of (m - m') normal to `yielded`, and sets each share = m' / m, of the active constraints in their order.
+ * Compliances are >= 0. Returns what the constraints store, sum of c m'^2 / 2.
+ */
+double dpti_yield(const struct half_space *spaces, const struct half_spaces_result *hard, uint32_t dimensions,
+                  const double *compliance, double *share, double *yielded);
+
 #endif

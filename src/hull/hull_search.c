@@ -6,7 +6,7 @@
 #include "hull/hull_search.h"
 
 #include "hull/hull_range.h"
-#include "hull/separate.h"
+#include "hull/hull_triangle.h"
 
 #include <string.h>
 

@@ -12,7 +12,7 @@
 #include "hull/hull_sweep.h"
 
 #include "hull/hull_range.h"
-#include "hull/separate.h"
+#include "hull/hull_triangle.h"
 
 #include <string.h>
 

@@ -148,7 +148,7 @@ typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const f
  *   spring_begin    the right-hand side of an implicit step as the residual, from the forces; the first direction, no
  *                   change yet. Adds residual . per_diagonal residual to sum[]
  *   spring_end      where nodes are after the change, and how fast. Adds to bound[] and work[], lane by lane, what
- *                   deform/implicit.c needs. Sets *square and returns as spring_move does
+ *                   deform/spring_step.c needs. Sets *square and returns as spring_move does
  *   spring_points   the points of a slice: its nodes, `lead` s ahead of where they are
  *   spring_follow   where 16 vertices are, x, y, z each: the sum of four weighted points each, in double. A
  *                   number more is written

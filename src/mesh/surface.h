@@ -29,7 +29,7 @@ struct surface {
     /* Nodes of MESH_BOX_WORDS for each level; level 1: the parents of the leaves. */
     const float *level[MESH_LEVELS_MAX + 1];
     const float *moments;      /* nodes of MESH_MOMENT_WORDS; or NULL */
-    const struct holes *holes; /* src/contact/holes.h; NULL: not known */
+    const struct holes *holes; /* src/contact/winding_number.h; NULL: not known */
     vec3 box_min, box_max;     /* hold all vertices; of a deformable body at all times */
     double diagonal;           /* m: of the mesh's own box */
     vec3 filter_centre;        /* boxes, leaves and moments hold (x - centre) * scale */

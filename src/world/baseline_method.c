@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/baseline_method.h"
 
-#include "contact/paper_gap.h"
+#include "contact/gap.h"
 #include "nearest/dynamic_point.h"
 #include "track/segment_track.h"
 
