@@ -9,9 +9,9 @@
 #include "base/return_if_error.h"
 #include "base/vec3.h"
 #include "clock.h"
+#include "csv.h"
 #include "dynpoint/driver.h"
 #include "settings.h"
-#include "trace.h"
 
 /* The longest trace. 2^63 ns are 292 years, and a trace may be repeated. */
 static const double SECONDS_MAX = 100.0 * 365.0 * 86400.0;

@@ -15,7 +15,6 @@
 #include "dynpoint/driver.h"
 #include "settings.h"
 #include "sim/sim_axis.h"
-#include "sim/sim_hand.h"
 #include "sim/sim_random.h"
 #include "text/parse_number.h"
 

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
-#include "compile/grow.h"
+#include "compile/soup.h"
 #include "compile/text.h"
 
 enum { NO_TYPE, INT8, UINT8, INT16, UINT16, INT32, UINT32, FLOAT32, FLOAT64 };

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
-#include "compile/grow.h"
+#include "compile/soup.h"
 #include "compile/spring_build.h"
 #include "compile/text.h"
 

@@ -94,4 +94,10 @@ uint32_t source_format(const char *path, const unsigned char *bytes, size_t size
 /* Read a file with the reader of `format`. DPT_FORMAT_AUTO gives DPT_E_EMPTY or DPT_E_FORMAT. */
 dpt_result read_source(soup *soup, uint32_t format, const unsigned char *bytes, size_t size);
 
+/*
+ * Reallocate `array` for at least `need` items, and at least twice *capacity; update *capacity. Returns the new array.
+ * Returns NULL when memory runs out; the array and *capacity then stay as they were.
+ */
+void *grow_array(void *array, size_t *capacity, size_t need, size_t item_size);
+
 #endif

@@ -9,7 +9,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/vec3.h"
-#include "compile/grow.h"
+#include "compile/soup.h"
 
 static const source_location nowhere = { 0, 0 };
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
-#include "compile/grow.h"
+#include "compile/soup.h"
 #include "compile/text.h"
 #include "text/parse_number.h"
 

@@ -7,8 +7,8 @@
 #include "base/byte_order.h"
 #include "base/crc32.h"
 #include "base/vec3.h"
+#include "compile/cluster.h"
 #include "compile/model.h"
-#include "compile/moments.h"
 #include "compile/parallel.h"
 #include "mesh/mesh_swap.h"
 

@@ -103,7 +103,7 @@ typedef uint32_t kernel_point(const float *block, const float at[3], float limit
  * The loops for the winding number (docs/algorithms/winding.md), as seen from the point `at`. Both add the winding of
  * 16 lanes, in turns, to the 16 sums winding[]. They return the open lanes, for which they added nothing.
  *
- *   moments   16 sets of triangles, in rows that moments.h makes. Adds the error bound of each lane to error_sum[]. A
+ *   moments   16 sets of triangles, in rows that cluster.h makes. Adds the error bound of each lane to error_sum[]. A
  *             lane is open if its error may be max_error or more
  *   angles    those of a leaf's 16 triangles that are in `lanes`. A triangle is open if it fills so much of the view,
  *             or is so near, that float is not accurate enough
