@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/quaternion.h"
 #include "base/wrench_limit.h"
 #include "settings.h"
 #include "text/parse_number.h"
@@ -343,12 +344,8 @@ dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const d
         result = dpt_arm_velocity(arm->arm, joints, speeds, velocity, spin);
     if (result != DPT_OK)
         return result;
-    const double *a = arm->root_to_device, *b = tool.orientation;
     device_position(arm, &tool, state->pose.position);
-    state->pose.orientation[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
-    state->pose.orientation[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
-    state->pose.orientation[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
-    state->pose.orientation[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+    quaternion_multiply(arm->root_to_device, tool.orientation, state->pose.orientation);
     to_device(arm, velocity, state->velocity);
     to_device(arm, spin, state->spin);
     memcpy(state->joint, joints, arm->joints * sizeof *joints);
