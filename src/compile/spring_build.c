@@ -20,9 +20,9 @@ void dpt_spring_net_def_defaults(dpt_spring_net_def *def, size_t size)
     sized_defaults(def, size, &spring_defaults, sizeof spring_defaults);
 }
 
-static int is_in(double value, double most)
+static int is_in(double value, double max)
 {
-    return value >= 0.0 && value <= most;
+    return value >= 0.0 && value <= max;
 }
 
 dpt_result springs_check_region(soup *source, const dpt_spring_region *region, uint32_t number,
@@ -54,7 +54,7 @@ dpt_result springs_check(soup *source, dpt_spring_net_def *def)
 {
     const struct {
         const char *name;
-        double *value, usual, most;
+        double *value, usual, max;
     } numbers[] = {
         { "Young's modulus", &def->young, spring_defaults.young, 1e12 },
         { "density", &def->density, spring_defaults.density, 1e9 },
@@ -67,9 +67,9 @@ dpt_result springs_check(soup *source, dpt_spring_net_def *def)
     if (def->kind != DPT_NET_SHEET && def->kind != DPT_NET_VOLUME)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such kind of springs");
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        if (!is_in(*numbers[i].value, numbers[i].most))
+        if (!is_in(*numbers[i].value, numbers[i].max))
             return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the %s must be 0 to %g", numbers[i].name,
-                             numbers[i].most);
+                             numbers[i].max);
         if (*numbers[i].value == 0.0)
             *numbers[i].value = numbers[i].usual;
     }

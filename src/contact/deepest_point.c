@@ -160,7 +160,7 @@ uint32_t dpti_profile_prove_deepest(struct distance_profile *profile, double fro
  * error estimate, which decides where the next sample goes.
  */
 
-/* Differences of two unit ways out. A smaller one is ignored; a larger one does not come from one curved wall. */
+/* Differences of two exit directions. A smaller one is ignored; a larger one does not come from one curved wall. */
 #define TURN_SMALL 0.01
 #define TURN_LARGE 0.15
 
@@ -191,7 +191,7 @@ static int is_as_near(const struct distance_profile *profile, const struct profi
 }
 
 /*
- * 1: one triangle is nearest at both samples. Between them the way out turns evenly, except at a sample where other
+ * 1: one triangle is nearest at both samples. Between them the exit direction turns evenly, except at a sample where other
  * triangles are as near.
  */
 static int is_one_wall(const struct distance_profile *profile, const struct profile_sample *from,
@@ -231,7 +231,7 @@ void dpti_span_measure(const struct distance_profile *profile, const struct prof
 
 /*
  * A wall may be nearest between two samples and at neither of them: for example when both have just passed from that
- * wall to another one about as far away. If `wall` is such a triangle at the span's bend, returns how much the way out
+ * wall to another one about as far away. If `wall` is such a triangle at the span's bend, returns how much the exit direction
  * turns between it and the samples, else 0.
  *
  *   wall          place of a triangle
@@ -260,7 +260,7 @@ static double hidden_wall_turn(const struct distance_profile *profile, const str
 }
 
 /*
- * How far the way out may be off between a sample whose span is known and the next, as a length of unit vectors. It is
+ * How far the exit direction may be off between a sample whose span is known and the next, as a length of unit vectors. It is
  * largest where the two tangents are nearly one line, since they do not show where they meet.
  */
 static double normal_error(const struct distance_profile *profile, const struct profile_sample *from,

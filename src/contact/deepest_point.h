@@ -24,11 +24,11 @@ struct bend dpti_profile_bend(const struct distance_profile *profile, const stru
 
 /* ---- spans: what the height does between a sample of a profile and the next, and how far that may be off ---- */
 
-/* A piece of the profile on which the height is linear and the way out is that of one sample. */
+/* A piece of the profile on which the height is linear and the exit direction is that of one sample. */
 struct profile_piece {
     double s0, s1;
     double w0, w1; /* reach - height at s0 and s1, m */
-    vec3 normal;   /* the way out, in the body's frame */
+    vec3 normal;   /* the exit direction, in the body's frame */
 };
 
 /* Cut off the part of a piece that is beyond reach. Returns 0 if nothing is left. */
@@ -59,11 +59,11 @@ static inline double area_within_reach(double s0, double w0, double s1, double w
     return clip_to_reach(&piece) ? 0.5 * (piece.w0 + piece.w1) * (piece.s1 - piece.s0) : 0.0;
 }
 
-/* Compute the span between two samples, or a sample and a mark, but for the error of its ways out. */
+/* Compute the span between two samples, or a sample and a mark, but for the error of its exit directions. */
 void dpti_span_measure(const struct distance_profile *profile, const struct profile_sample *from,
                        const struct profile_sample *to, struct span *span);
 
-/* Compute the span between a sample and the next, with the error of its ways out. */
+/* Compute the span between a sample and the next, with the error of its exit directions. */
 void dpti_span_store(const struct distance_profile *profile, struct profile_sample *from);
 
 /*

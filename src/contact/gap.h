@@ -65,7 +65,7 @@ int dpti_contact_find(struct distance_profile *profile, const struct pair_search
 /* Why the contact of a profile is unknown: DPT_HIT_FLAG_... */
 uint32_t dpti_contact_why_unknown(const struct distance_profile *profile);
 
-/* The way out at a sample, unit, in the body's frame. `smooth`: 1 for smooth normals, as dpt_world_def has it. */
+/* The exit direction at a sample, unit, in the body's frame. `smooth`: 1 for smooth normals, as dpt_world_def has it. */
 vec3 dpti_contact_normal(const struct distance_profile *profile, const struct profile_sample *sample, uint32_t smooth);
 
 /* The penetration at the profile's deepest sample, in the world. `body` is the body's frame; `gap` in m. */

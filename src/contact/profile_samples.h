@@ -97,7 +97,7 @@ struct profile_sample {
     double s; /* 0..1 */
     /* Signed distance to the triangle, m; to the mesh, if is_exact. The reach, if this is a mark. */
     double height;
-    vec3 normal;  /* the way out, unit, in the body's frame: the height grows along it */
+    vec3 normal;  /* the exit direction, unit, in the body's frame: the height grows along it */
     double slope; /* of the height: its derivative by s, m */
     vec3 gap;     /* x - q in the body's frame: from the triangle's nearest point to the axis' */
     double weight[3];
@@ -233,7 +233,7 @@ static inline uint32_t profile_stretch(const struct distance_profile *profile, d
 }
 
 /*
- * The way out at a point of the surface: the normal of its face, edge or vertex, turned to the known side. Unit, in the
+ * The exit direction at a point of the surface: the normal of its face, edge or vertex, turned to the known side. Unit, in the
  * body's frame; zero on a part that has neither an inside nor a known side.
  *
  *   triangle  place; `weight` of its corners, at the point

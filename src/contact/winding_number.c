@@ -209,13 +209,13 @@ static void add_rim(struct rims *rims, struct rim rim)
 /* The least diagonal of a box around two rims. */
 static double nearest_two(const struct rims *rims)
 {
-    double least = HUGE_VAL;
+    double min = HUGE_VAL;
     for (uint32_t i = 0; i < rims->count; i++)
         for (uint32_t k = i + 1; k < rims->count; k++) {
             const struct box both = box_joined(&rims->rim[i].box, &rims->rim[k].box);
-            least = min_of(least, box_diagonal(&both));
+            min = min_of(min, box_diagonal(&both));
         }
-    return least;
+    return min;
 }
 
 /* Make room for another rim: coarser and coarser, until some are one. */

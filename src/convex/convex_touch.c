@@ -55,7 +55,7 @@ static uint32_t clip_to_box(const vec3 corner[3], double limit, vec3 clipped[CLI
 enum { NEAR_ON_STACK = 256, NEAR_MAX = 4096 };
 
 /*
- * What of a triangle is farther from the shape's centre than that does not count, in the shape's lengths: no way out is
+ * What of a triangle is farther from the shape's centre than that does not count, in the shape's lengths: no exit is
  * longer than 2, so the shape stays within 3. libccd errs where sizes differ by a hundred times.
  */
 #define NEARBY 4.0
@@ -70,8 +70,8 @@ struct near_triangle {
     uint32_t number;
     vec3 front;    /* unit, towards where the shape comes from; 0: the triangle has no plane */
     vec3 towards;  /* unit, from the triangle's nearest point to the shape's centre, or its front */
-    double behind; /* how far the shape reaches behind its plane: no way out is longer */
-    double within; /* nor is a way out of it alone longer than that */
+    double behind; /* how far the shape reaches behind its plane: no exit is longer */
+    double within; /* nor is an exit of it alone */
 };
 
 /*
@@ -130,11 +130,11 @@ static double shallowest_guess(const struct touching *touching, const struct nea
     const vec3 up = unit_of(touching->outside);
     const vec3 guesses[4] = { triangle->front, triangle->towards, up,
                               unit_of(add(triangle->front, triangle->towards)) };
-    double least = HUGE_VAL;
+    double min = HUGE_VAL;
     for (int i = 0; i < 4; i++)
         if (dot(guesses[i], guesses[i]) > 0.0 && dot(guesses[i], triangle->front) >= 0.0)
-            least = min_of(least, dpti_convex_width(&touching->place, piece, guesses[i]));
-    return least;
+            min = min_of(min, dpti_convex_width(&touching->place, piece, guesses[i]));
+    return min;
 }
 
 /* Reads what is near; triangles of which nothing is are left out. */
@@ -207,33 +207,34 @@ static vec3 deepest_point(const struct convex_place *place, vec3 direction)
     return along(place->centre, place->body->size, sum);
 }
 
-/* Whether a piece is left by the way that is known, or a way as long: then it is no deeper. */
-static int is_left_by(const struct touching *touching, const struct convex_piece *piece, const struct convex_way *way)
+/* 1 if a motion along an exit that is known leaves this piece too: then it is no deeper. */
+static int is_left_by(const struct touching *touching, const struct convex_piece *piece,
+                      const struct convex_exit *exit_found)
 {
-    return way->depth > 0.0 && dot(way->direction, piece->front) >= 0.0 &&
-           dpti_convex_width(&touching->place, piece, way->direction) <= way->depth + CONVEX_TOLERANCE;
+    return exit_found->depth > 0.0 && dot(exit_found->direction, piece->front) >= 0.0 &&
+           dpti_convex_width(&touching->place, piece, exit_found->direction) <= exit_found->depth + CONVEX_TOLERANCE;
 }
 
 static void find_deepest(struct touching *touching, dpt_convex_contact *found)
 {
-    struct convex_way deepest = { .depth = -1.0 };
+    struct convex_exit deepest = { .depth = -1.0 };
     const double size = touching->place.body->size;
     qsort(touching->triangles, touching->count, sizeof *touching->triangles, by_depth);
     for (uint32_t i = 0; i < touching->count; i++) {
         const struct near_triangle *triangle = &touching->triangles[i];
         const struct convex_piece flat = { .points = triangle->corner, .count = triangle->corners };
-        struct convex_way way;
+        struct convex_exit exit_found;
         if (!(triangle->behind > max_of(0.0, deepest.depth)))
             continue;
         const struct convex_piece piece = piece_of(touching, triangle);
         if (shallowest_guess(touching, triangle, &piece) <= deepest.depth || is_left_by(touching, &piece, &deepest) ||
             !dpti_convex_meets(&touching->place, &flat, triangle->towards, &touching->tally))
             continue;
-        dpti_convex_way_out(&touching->place, &piece, triangle->towards, &touching->tally, &way);
+        dpti_convex_exit(&touching->place, &piece, triangle->towards, &touching->tally, &exit_found);
         found->met++;
-        found->own += (uint32_t)way.is_own;
-        if (way.depth > deepest.depth) {
-            deepest = way;
+        found->own += (uint32_t)exit_found.is_own;
+        if (exit_found.depth > deepest.depth) {
+            deepest = exit_found;
             found->triangle = triangle->number;
         }
     }

@@ -17,14 +17,14 @@ uint32_t dpti_slice_neighbours(const struct spring_net *net, uint32_t slice, uin
     uint32_t known[TOLD_APART], count = 0, last = slice;
     for (; at < end; at++) {
         const uint32_t other = *at / LANES;
-        const uint32_t most = count < TOLD_APART ? count : TOLD_APART;
+        const uint32_t max = count < TOLD_APART ? count : TOLD_APART;
         uint32_t i = 0;
         if (other == last || other == slice)
             continue;
         last = other;
-        while (i < most && known[i] != other)
+        while (i < max && known[i] != other)
             i++;
-        if (i < most)
+        if (i < max)
             continue;
         known[count % TOLD_APART] = other;
         if (list)
@@ -45,7 +45,7 @@ uint64_t dpti_slice_neighbours_count(const struct spring_net *net)
 /* ---- what sleeps ---- */
 
 /*
- * So far a slice may move before neighbours that sleep wake, as a share of the way at the sleep speed in the steps
+ * So far a slice may move before neighbours that sleep wake, as a share of the displacement at the sleep speed in the steps
  * until sleep.
  */
 #define DRIFT_SHARE 0.0625f
@@ -164,8 +164,8 @@ static float way_since_told(const struct dpt_springs *springs, uint32_t slice)
     const float *told = springs->region.told + SPRING_ROWS * (size_t)slice;
     float lanes[LANES] = { 0.0f };
     for (int k = 0; k < SPRING_ROWS; k++) {
-        const float way = fabsf(x[k] - told[k]);
-        lanes[k % LANES] = way > lanes[k % LANES] ? way : lanes[k % LANES];
+        const float displacement = fabsf(x[k] - told[k]);
+        lanes[k % LANES] = displacement > lanes[k % LANES] ? displacement : lanes[k % LANES];
     }
     for (int half = LANES / 2; half; half /= 2)
         for (int i = 0; i < half; i++)
@@ -237,8 +237,8 @@ void dpti_region_settle(struct dpt_springs *springs, double dt)
         return;
     for (uint32_t i = 0; i < region->count; i++) {
         const uint32_t slice = region->slices[i];
-        const float most = slow / (creep + time * region->drag[slice]);
-        if (region->square[slice] <= most * most)
+        const float max = slow / (creep + time * region->drag[slice]);
+        if (region->square[slice] <= max * max)
             region->quiet[slice]++;
         else
             region->quiet[slice] = 0;

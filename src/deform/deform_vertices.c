@@ -138,7 +138,7 @@ static void scale_groups(struct surface_motion *motion)
         motion->group_moved[group] = sqrtf(motion->group_moved[group]) * scale;
 }
 
-static float larger(float a, float b)
+static float max_of_float(float a, float b)
 {
     return a > b ? a : b;
 }
@@ -150,19 +150,19 @@ static void gather_moved(struct surface_motion *motion)
     float *restrict by_leaf = motion->moved;
     for (uint32_t leaf = 0; leaf < motion->count[0]; leaf++) {
         const uint32_t *group = motion->leaf_groups + MOTION_LEAF_GROUPS * (size_t)leaf;
-        by_leaf[leaf] =
-            larger(larger(by_group[group[0]], by_group[group[1]]), larger(by_group[group[2]], by_group[group[3]]));
+        by_leaf[leaf] = max_of_float(max_of_float(by_group[group[0]], by_group[group[1]]),
+                                     max_of_float(by_group[group[2]], by_group[group[3]]));
     }
     for (uint64_t i = 0; i < motion->more_count; i++) {
         const uint32_t leaf = motion->more_groups[2 * i];
-        by_leaf[leaf] = larger(by_group[motion->more_groups[2 * i + 1]], by_leaf[leaf]);
+        by_leaf[leaf] = max_of_float(by_group[motion->more_groups[2 * i + 1]], by_leaf[leaf]);
     }
     for (uint32_t level = 1; level <= motion->levels; level++)
         for (uint32_t node = 0; node < motion->count[level]; node++) {
             const float *child = motion->moved + motion->first[level - 1] + node * LANES;
             float moved = 0.0f;
             for (int i = 0; i < LANES; i++)
-                moved = larger(child[i], moved);
+                moved = max_of_float(child[i], moved);
             motion->moved[motion->first[level] + node] = moved;
         }
 }
@@ -272,7 +272,8 @@ double dpti_deform_end(struct surface *surface, int *has_begun_anew)
  * Where the axis goes through the triangle or is behind it, it moves against the normal on the tool's side. Normals alone
  * would not do: triangles of a crater's wall may fold over.
  */
-static vec3 way_out(const struct surface *surface, const struct displacing_tool *tool, uint32_t place, double weight[3])
+static vec3 exit_displacement(const struct surface *surface, const struct displacing_tool *tool, uint32_t place,
+                              double weight[3])
 {
     const dpt_pose identity = DPT_POSE_IDENTITY;
     const vec3 none = { 0.0, 0.0, 0.0 };
@@ -317,15 +318,15 @@ static int displace_triangle(struct surface *surface, const struct displacing_to
     double weight[3], square = 0.0;
     if (is_clear(surface, tool, place))
         return 0;
-    const vec3 way = way_out(surface, tool, place, weight);
-    if (!(dot(way, way) > 0.0))
+    const vec3 displacement = exit_displacement(surface, tool, place, weight);
+    if (!(dot(displacement, displacement) > 0.0))
         return 0;
     for (int k = 0; k < 3; k++)
         square += weight[k] * weight[k];
     for (uint32_t k = 0; k < 3; k++) {
         const uint32_t vertex = surface_corner(surface, place, k);
         if (weight[k] > 0.0)
-            dpti_deform_put(surface, vertex, along(surface_vertex(surface, vertex), weight[k] / square, way));
+            dpti_deform_put(surface, vertex, along(surface_vertex(surface, vertex), weight[k] / square, displacement));
     }
     return 1;
 }

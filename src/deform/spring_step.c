@@ -146,11 +146,11 @@ static double largest_row(const struct spring_net *net, double stiffness, double
 /* 1 / kg: of the lightest node that moves. */
 static double most_per_mass(const struct spring_net *net)
 {
-    double most = 0.0;
+    double max = 0.0;
     for (uint32_t node = 0; node < net->nodes; node++)
-        if (net->mass[node] > 0.0f && 1.0 / (double)net->mass[node] > most)
-            most = 1.0 / (double)net->mass[node];
-    return most;
+        if (net->mass[node] > 0.0f && 1.0 / (double)net->mass[node] > max)
+            max = 1.0 / (double)net->mass[node];
+    return max;
 }
 
 /* Three motions at once, along x, y and z, in which neighbours move as if by chance. */
@@ -210,11 +210,11 @@ static int swings_faster(struct dpt_springs *springs, double square)
 /* The least drag of all nodes that move. */
 static double least_drag(const struct spring_net *net)
 {
-    double least = DBL_MAX;
+    double min = DBL_MAX;
     for (uint32_t node = 0; node < net->nodes; node++)
-        if (net->mass[node] > 0.0f && (double)net->drag[node] < least)
-            least = (double)net->drag[node];
-    return least < DBL_MAX ? least : 0.0;
+        if (net->mass[node] > 0.0f && (double)net->drag[node] < min)
+            min = (double)net->drag[node];
+    return min < DBL_MAX ? min : 0.0;
 }
 
 static void use(struct dpt_springs *springs, double square)
@@ -352,7 +352,7 @@ static void solve_change(struct dpt_springs *springs, float h, double norm)
 }
 
 /*
- * With viscosity the springs were taken where they are not: w^T L w / 2, of the way w from there to the end, is what
+ * With viscosity the springs were taken where they are not: w^T L w / 2, of the displacement w from there to the end, is what
  * their energy may exceed its tangent by. Directions are used up by now, and take w.
  */
 static double excess_by_way(struct dpt_springs *springs, const struct spring_trial *trial)
@@ -365,13 +365,13 @@ static double excess_by_way(struct dpt_springs *springs, const struct spring_tri
         const size_t slice = region->slices[i];
         const struct spring_system *system = solve->systems + slice;
         const float *restrict v = springs->state[springs->now][slice].v;
-        float *restrict way = solve->direction + SPRING_POINTS * slice;
+        float *restrict direction = solve->direction + SPRING_POINTS * slice;
         for (int row = 0; row < 3; row++) {
             const float more = trial->step * trial->common[row];
             for (int lane = 0; lane < LANES; lane++) {
                 const int k = LANES * row + lane;
                 const float speed = trial->flies * system->glide[lane] * (v[k] + more);
-                way[4 * lane + row] = system->change[k] - trial->back * speed;
+                direction[4 * lane + row] = system->change[k] - trial->back * speed;
             }
         }
     }

@@ -229,9 +229,9 @@ enum { HALVINGS = 100 };
 typedef int holds_fn(const void *of, double stiffness);
 
 /* The largest stiffness between two that holds; 0 if the least does not. */
-static double largest(holds_fn *holds, const void *of, double least, double most)
+static double largest(holds_fn *holds, const void *of, double min, double max)
 {
-    double low = least, high = most;
+    double low = min, high = max;
     if (!(low > 0.0) || !holds(of, low))
         return 0.0;
     for (int i = 0; i < HALVINGS && high > low * (1.0 + PRECISION); i++) {
@@ -271,15 +271,15 @@ void dpt_coupling_def_defaults(dpt_coupling_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-static int in_range(double value, double least, double most)
+static int in_range(double value, double min, double max)
 {
-    return value >= least && value <= most;
+    return value >= min && value <= max;
 }
 
 static dpt_result check(const dpt_coupling_def *def)
 {
     const struct {
-        double value, least, most;
+        double value, min, max;
     } ranges[] = {
         { def->mass, 0.0, 1e3 },
         { def->inertia, 0.0, 1e3 },
@@ -308,7 +308,7 @@ static dpt_result check(const dpt_coupling_def *def)
         if (!(fabs(ranges[i].value) <= DBL_MAX))
             return DPT_E_FINITE;
     for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
-        if (!in_range(ranges[i].value, ranges[i].least, ranges[i].most))
+        if (!in_range(ranges[i].value, ranges[i].min, ranges[i].max))
             return DPT_E_ARGUMENT;
     return def->has_torque > 1 ? DPT_E_ARGUMENT : DPT_OK;
 }

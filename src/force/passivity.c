@@ -61,9 +61,9 @@ void dpt_passivity_def_defaults(dpt_passivity_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-static int in_range(double value, double most)
+static int in_range(double value, double max)
 {
-    return value >= 0.0 && value <= most;
+    return value >= 0.0 && value <= max;
 }
 
 static int def_is_valid(const dpt_passivity_def *def)

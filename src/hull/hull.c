@@ -44,9 +44,9 @@ static dpt_result read_def(const dpt_hull_def *given, dpt_hull_def *def)
 /* The middle of the corners' extent along a direction. */
 static double middle_along(const struct dpt_hull *hull, vec3 n)
 {
-    const double most = support_of(hull->corner, hull->corner_count, n);
-    const double least = -support_of(hull->corner, hull->corner_count, scaled(n, -1.0));
-    return 0.5 * (most + least);
+    const double max = support_of(hull->corner, hull->corner_count, n);
+    const double min = -support_of(hull->corner, hull->corner_count, scaled(n, -1.0));
+    return 0.5 * (max + min);
 }
 
 /* A segment along the unit vector x, and how far corners are from it. It ends where the farthest corners allow. */
@@ -282,9 +282,9 @@ static void set_edge_faces(struct dpt_hull *hull)
         for (uint32_t i = 0; i < hull->face[f].count; i++) {
             const uint8_t from = loop[i], to = loop[(i + 1) % hull->face[f].count];
             for (uint32_t e = 0; e < hull->edge_count; e++)
-                for (uint32_t way = 0; way < 2; way++)
-                    if (hull->edge[e][way] == from && hull->edge[e][1 - way] == to)
-                        hull->edge_face[e][way] = (uint8_t)f;
+                for (uint32_t direction = 0; direction < 2; direction++)
+                    if (hull->edge[e][direction] == from && hull->edge[e][1 - direction] == to)
+                        hull->edge_face[e][direction] = (uint8_t)f;
         }
     }
 }

@@ -40,9 +40,9 @@ struct piece {
     const struct instant *from, *to;
     vec3 corner[PATH_POINTS * HULL_CORNERS_MAX]; /* at the beginning, at the end, between */
     uint32_t corner_count;
-    double motion; /* m: no point of the hull moves farther from where it begins */
-    double way;    /* m: the same of hull and surface together */
-    double apart;  /* m: what a plane must part them by */
+    double motion;       /* m: no point of the hull moves farther from where it begins */
+    double displacement; /* m: the same of hull and surface together */
+    double apart;        /* m: what a plane must part them by */
     struct turning_plane plane[PLANES];
     uint32_t plane_count;
 };
@@ -89,7 +89,7 @@ static double deviation_between(const struct dpt_hull *hull, const struct instan
                                 const struct instant *to)
 {
     struct instant quarter;
-    double most = 0.0;
+    double max = 0.0;
     if (is_same_turn(from->placement.tool.orientation, to->placement.tool.orientation) &&
         is_same_turn(from->placement.body.orientation, to->placement.body.orientation))
         return 0.0;
@@ -98,10 +98,10 @@ static double deviation_between(const struct dpt_hull *hull, const struct instan
         for (uint32_t i = 0; i < hull->corner_count; i++) {
             const vec3 near = (half ? to : from)->corner[i], far = (half ? from : to)->corner[i];
             const vec3 at = along(along(scaled(near, 0.375), 0.75, middle->corner[i]), -0.125, far);
-            most = max_of(most, length(sub(quarter.corner[i], at)));
+            max = max_of(max, length(sub(quarter.corner[i], at)));
         }
     }
-    return UNEVEN * most;
+    return UNEVEN * max;
 }
 
 /* A body that turns by more than 0.25 rad is cut in any case. This is the cosine of half that angle. */
@@ -174,7 +174,7 @@ static void set_piece(const struct hull_sweep *sweep, const struct instant *from
                                max_of(length(sub(to->corner[i], from->corner[i])), length(sub(bend, from->corner[i]))));
     }
     piece->motion += deviation;
-    piece->way = piece->motion + (to->time - from->time) * surface_motion_of(sweep);
+    piece->displacement = piece->motion + (to->time - from->time) * surface_motion_of(sweep);
     piece->apart = max_of(0.0, sweep->hull->radius + sweep->clearance) + deviation + KEPT_APART * sweep->tolerance;
     piece->plane_count = 0;
     for (uint32_t i = 0; i < sweep->direction_count; i++) {
@@ -279,11 +279,11 @@ static void set_leaf_planes(const struct hull_sweep *sweep, const struct piece *
                         sweep->hull->reach + piece->motion + reach;
     for (uint32_t i = first; i < piece->plane_count && i < HULL_RANGE_PLANES; i++) {
         const struct turning_plane *plane = &piece->plane[i];
-        double most = plane->support[0];
+        double max = plane->support[0];
         for (int k = 1; k < COEFFICIENTS; k++)
-            most = max_of(most, plane->support[k]);
+            max = max_of(max, plane->support[k]);
         if (memcmp(&plane->from, &plane->to, sizeof plane->from) == 0)
-            hull_range_set_plane(range, i, plane->from, most + reach, size);
+            hull_range_set_plane(range, i, plane->from, max + reach, size);
     }
 }
 
@@ -379,7 +379,8 @@ static int touches_alone(const struct hull_sweep *sweep, const struct instant *f
         if (is_parted(sweep, &piece, sweep->triangle)) {
             *until = end;
             count--;
-        } else if (piece.way <= sweep->tolerance || end.time - until->time <= shortest || count > HALVINGS_MAX) {
+        } else if (piece.displacement <= sweep->tolerance || end.time - until->time <= shortest ||
+                   count > HALVINGS_MAX) {
             return PIECE_TOUCHES;
         } else {
             pending[count++] = pending_of(&middle);
@@ -430,14 +431,14 @@ double dpti_hull_displacement(const struct dpt_hull *hull, const dpt_pose *from,
 {
     struct instant first = { .placement = { .tool = *from, .body = DPT_POSE_IDENTITY } };
     struct instant last = { .placement = { .tool = *to, .body = DPT_POSE_IDENTITY } }, middle;
-    double most = 0.0;
+    double max = 0.0;
     set_instant(&first, hull);
     set_instant(&last, hull);
     set_middle(&first, &last, hull, &middle);
     for (uint32_t i = 0; i < hull->corner_count; i++) {
         const vec3 chord = scaled(add(first.corner[i], last.corner[i]), 0.5);
         const vec3 bend = along(chord, 2.0, sub(middle.corner[i], chord));
-        most = max_of(most, max_of(length(sub(last.corner[i], first.corner[i])), length(sub(last.corner[i], bend))));
+        max = max_of(max, max_of(length(sub(last.corner[i], first.corner[i])), length(sub(last.corner[i], bend))));
     }
-    return most + deviation_between(hull, &first, &middle, &last);
+    return max + deviation_between(hull, &first, &middle, &last);
 }

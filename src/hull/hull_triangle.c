@@ -111,11 +111,11 @@ static int reduce(struct simplex *simplex, vec3 *nearest)
 static vec3 farthest_along(const vec3 *points, uint32_t count, vec3 n)
 {
     uint32_t best = 0;
-    double most = dot(n, points[0]);
+    double max = dot(n, points[0]);
     for (uint32_t i = 1; i < count; i++) {
         const double at = dot(n, points[i]);
-        if (at > most) {
-            most = at;
+        if (at > max) {
+            max = at;
             best = i;
         }
     }
@@ -386,11 +386,11 @@ void dpti_hull_features(const struct hull_place *place, const vec3 v[3], double 
     visit_features(place, &ball, &limit, take_within, &taken);
 }
 
-/* Whether a way along `way` leads nearer than the lean allows; toward: from where it begins to the other point. */
-static int leads_nearer(vec3 way, vec3 toward, double lean)
+/* 1 if a motion along `direction` leads nearer than the lean allows; toward: from where it begins to the other point. */
+static int leads_nearer(vec3 direction, vec3 toward, double lean)
 {
-    const double rise = dot(way, toward);
-    return rise > 0.0 && rise * rise > lean * lean * dot(way, way) * dot(toward, toward);
+    const double rise = dot(direction, toward);
+    return rise > 0.0 && rise * rise > lean * lean * dot(direction, direction) * dot(toward, toward);
 }
 
 static int corner_is_local(const struct hull_place *place, uint32_t corner, vec3 toward, double lean)
