@@ -112,13 +112,13 @@ static int moves_at_rest(const struct identify_server *server, uint32_t space)
     const struct identify_store *store = &server->store[space];
     const double allowed = fmax(REST_MAX[space], 4.0 * step_of(server, space));
     for (int k = 0; k < 3; k++) {
-        double least = 0.0, most = 0.0;
+        double min = 0.0, max = 0.0;
         for (uint32_t n = 0; n < store->sample_count; n++) {
             const double y = store->samples[n].y[k] - store->samples[0].y[k];
-            least = fmin(least, y);
-            most = fmax(most, y);
+            min = fmin(min, y);
+            max = fmax(max, y);
         }
-        if (most - least > allowed)
+        if (max - min > allowed)
             return 1;
     }
     return 0;
@@ -148,7 +148,7 @@ static dpt_result run_return(struct identify_server *server)
 }
 
 /* So far it must move, m or rad, to have moved at all. */
-static double least_motion(const struct identify_server *server)
+static double min_motion(const struct identify_server *server)
 {
     return fmax(4.0 * step_of(server, server->space), MOVES_PART * server->range[server->space]);
 }
@@ -161,7 +161,7 @@ static dpt_result run_trial(struct identify_server *server, double level, double
                                              .push_time = push_time,
                                              .speed = aim * server->speed[server->space],
                                              .range = aim * server->range[server->space],
-                                             .least = least_motion(server),
+                                             .min_motion = min_motion(server),
                                              .brake = -1.0,
                                              .rest = -1.0 };
     server->trial.y0 = server->motion.displacement[server->space][server->axis];
@@ -184,7 +184,7 @@ static dpt_result find_strength(struct identify_server *server, struct identify_
         const double sign = i % 2 ? 1.0 : -1.0;
         level = bound / (double)(1u << (i > 0 ? i : 0));
         DPT_TRY(run_trial(server, sign * level, i < 0 ? TRIAL_LONG : shortest));
-        moves = trial->peak >= least_motion(server) && trial->peak_speed > (i < 0 ? 0.0 : speed / 3.0);
+        moves = trial->peak >= min_motion(server) && trial->peak_speed > (i < 0 ? 0.0 : speed / 3.0);
     }
     if (!moves || !goes_on(server)) {
         if (trial->peak > 2.0 * step_of(server, server->space) && trial->peak > 1e-3 * server->range[server->space] &&

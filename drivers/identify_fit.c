@@ -209,7 +209,7 @@ static struct solution solve(const struct identify_sums *sums, uint32_t numbers,
 /* ---- the delay ---- */
 
 /* How far the least of a parabola through three residuals at -1, 0, 1 lies from the middle, within -1 and 1. */
-static double parabola_least(double before, double middle, double after)
+static double parabola_minimum(double before, double middle, double after)
 {
     const double curve = before - 2.0 * middle + after;
     const double shift = curve > 0.0 ? 0.5 * (before - after) / curve : before < after ? -1.0 : 1.0;
@@ -234,11 +234,11 @@ static struct solution solve_at(struct search *search, double delay, int slot)
 static double coarse_delay(struct search *search)
 {
     const struct identify_fit_def *def = search->view.def;
-    double delay = 0.0, least = HUGE_VAL;
+    double delay = 0.0, min_residual = HUGE_VAL;
     for (double tried = -def->period; tried <= def->delay_max; tried += fmax(def->period, 1e-3)) {
         const double residual = solve_at(search, tried, 1).residual;
-        if (residual < least) {
-            least = residual;
+        if (residual < min_residual) {
+            min_residual = residual;
             delay = tried;
         }
     }
@@ -253,7 +253,7 @@ static double fine_delay(struct search *search, double delay)
         double residual[3];
         for (int k = 0; k < 3; k++)
             residual[k] = solve_at(search, delay + (k - 1) * search->width, k).residual;
-        const double shift = parabola_least(residual[0], residual[1], residual[2]);
+        const double shift = parabola_minimum(residual[0], residual[1], residual[2]);
         if (search->width < 0.11 * period && (fabs(shift) < 0.05 || i >= 12))
             return delay;
         delay += shift * search->width;
@@ -430,7 +430,7 @@ static int find_outcomes(const struct search *search, double delay, struct outco
         struct solution left[3];
         for (int k = 0; k < 3; k++)
             left[k] = solve(&search->sums[k], numbers, (int)number, search->with_spring);
-        const double shift = parabola_least(left[0].residual, left[1].residual, left[2].residual);
+        const double shift = parabola_minimum(left[0].residual, left[1].residual, left[2].residual);
         without[number] = outcome_of(&left[1], delay + lag + shift * search->width);
         is_sound &= without[number].is_sound;
     }

@@ -76,7 +76,7 @@ double identify_trial_force(struct identify_trial *trial, double time, double y,
         trial->peak_time = t;
     }
     if (trial->brake < 0.0) {
-        if (t < trial->push_time && !(speed > trial->speed && moved > trial->least) && !(moved > trial->range))
+        if (t < trial->push_time && !(speed > trial->speed && moved > trial->min_motion) && !(moved > trial->range))
             return trial->level;
         trial->brake = t;
     }

@@ -60,7 +60,7 @@ struct identify_strength {
 struct identify_trial {
     double level, push_time;                  /* N, with sign; s */
     double speed, range;                      /* at which the push ends */
-    double least;                             /* but not before the device moved so far, m */
+    double min_motion;                        /* but not before the device moved so far, m */
     double y0;                                /* where it began */
     double brake, rest;                       /* when braking and when rest began; negative: not yet */
     double peak_speed, peak_time, peak, last; /* along the push */

@@ -92,8 +92,8 @@ dpt_result sim_hand_open(struct sim_hand *hand, const char *script, double reach
 void sim_hand_close(struct sim_hand *hand);
 
 /*
- * From now on the hand goes to a position, at STEERING_SPEED at most, whatever its script says; buttons stay the script's.
- * In any one thread. 0: this hand pushes by a force, or there is none.
+ * From now on the hand goes to a position, at STEERING_SPEED at most, whatever its script says; buttons stay the
+ * script's. In any one thread. 0: this hand pushes by a force, or there is none.
  */
 #define STEERING_SPEED 0.5 /* m/s */
 int sim_hand_steer(struct sim_hand *hand, const double position[3]);

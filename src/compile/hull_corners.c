@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The corners of a hull for many points. The hull grows: the point that stands out farthest is the next corner, until none
- * does or there are as many corners as a hull may have. What stands out of that becomes its radius. Of a flat set that is
- * done in its plane.
+ * The corners of a hull for many points. The hull grows: the point that stands out farthest is the next corner, until
+ * none does or there are as many corners as a hull may have. What stands out of that becomes its radius. Of a flat set
+ * that is done in its plane.
  */
 #include <stdlib.h>
 

@@ -191,8 +191,8 @@ static int is_as_near(const struct distance_profile *profile, const struct profi
 }
 
 /*
- * 1: one triangle is nearest at both samples. Between them the exit direction turns evenly, except at a sample where other
- * triangles are as near.
+ * 1: one triangle is nearest at both samples. Between them the exit direction turns evenly, except at a sample where
+ * other triangles are as near.
  */
 static int is_one_wall(const struct distance_profile *profile, const struct profile_sample *from,
                        const struct profile_sample *to)
@@ -231,8 +231,8 @@ void dpti_span_measure(const struct distance_profile *profile, const struct prof
 
 /*
  * A wall may be nearest between two samples and at neither of them: for example when both have just passed from that
- * wall to another one about as far away. If `wall` is such a triangle at the span's bend, returns how much the exit direction
- * turns between it and the samples, else 0.
+ * wall to another one about as far away. If `wall` is such a triangle at the span's bend, returns how much the exit
+ * direction turns between it and the samples, else 0.
  *
  *   wall          place of a triangle
  *   max_distance  the nearer of the samples' triangles is no farther than this at the bend, m
@@ -260,8 +260,8 @@ static double hidden_wall_turn(const struct distance_profile *profile, const str
 }
 
 /*
- * How far the exit direction may be off between a sample whose span is known and the next, as a length of unit vectors. It is
- * largest where the two tangents are nearly one line, since they do not show where they meet.
+ * How far the exit direction may be off between a sample whose span is known and the next, as a length of unit vectors.
+ * It is largest where the two tangents are nearly one line, since they do not show where they meet.
  */
 static double normal_error(const struct distance_profile *profile, const struct profile_sample *from,
                            const struct profile_sample *to)

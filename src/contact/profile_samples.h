@@ -233,8 +233,8 @@ static inline uint32_t profile_stretch(const struct distance_profile *profile, d
 }
 
 /*
- * The exit direction at a point of the surface: the normal of its face, edge or vertex, turned to the known side. Unit, in the
- * body's frame; zero on a part that has neither an inside nor a known side.
+ * The exit direction at a point of the surface: the normal of its face, edge or vertex, turned to the known side. Unit,
+ * in the body's frame; zero on a part that has neither an inside nor a known side.
  *
  *   triangle  place; `weight` of its corners, at the point
  */

@@ -36,8 +36,8 @@ static vec3 support_of_ellipsoid(const struct convex_body *body, vec3 d)
 
 /*
  * Of the part of a capsule in the plane of its bevel. The ball around the axis' point at z meets the plane, whose normal
- * is n, in a disc: its middle is s = n.z z - at off the plane, and its radius is sqrt(r^2 - s^2). What is farthest along d
- * is the greatest of a concave function of s.
+ * is n, in a disc: its middle is s = n.z z - at off the plane, and its radius is sqrt(r^2 - s^2). What is farthest
+ * along d is the greatest of a concave function of s.
  */
 static vec3 support_of_section(const struct convex_body *body, vec3 d)
 {

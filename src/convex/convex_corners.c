@@ -61,9 +61,9 @@ static double widening(uint32_t sides)
 }
 
 /*
- * How much larger than the unit ball's corners those around it are. Their latitudes, in turns, are `from` to a quarter, in
- * `steps` equal steps. A face's middle line lies in the half plane of a side's middle; the least distance of these lines
- * from the centre is what the corners must make up for.
+ * How much larger than the unit ball's corners those around it are. Their latitudes, in turns, are `from` to a quarter,
+ * in `steps` equal steps. A face's middle line lies in the half plane of a side's middle; the least distance of these
+ * lines from the centre is what the corners must make up for.
  */
 static double ball_widening(uint32_t sides, double from, uint32_t steps)
 {

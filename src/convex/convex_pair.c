@@ -233,7 +233,8 @@ static vec3 nearest_of(const vec3 p[3])
  * Look for a plane between the two, by the nearest point to the origin among their differences (as Gilbert, Johnson and
  * Keerthi, 1988): three of these are kept, each step adds the farthest one towards the origin, and the nearest of the
  * triangles with it stays. Degenerate ones do no harm, as dpt_segment_triangle takes any. PARTED is proven by the plane,
- * MET by four differences around the origin, or one at it; OPEN is left where rounding ends it. *n becomes the exit direction that it was led to.
+ * MET by four differences around the origin, or one at it; OPEN is left where rounding ends it. *n becomes the exit
+ * direction that it was led to.
  */
 static enum parting part(const struct convex_place *place, const struct convex_piece *piece, vec3 *n)
 {

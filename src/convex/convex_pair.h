@@ -67,8 +67,8 @@ void dpti_convex_ask(const struct convex_place *place, const struct convex_piece
                      struct convex_said *said);
 
 /*
- * Whether a triangle, a piece without a front, meets the shape; `towards` is a first guess at the exit direction. A plane between
- * the two, or differences around the origin, prove it; where rounding leaves it open, libccd is asked.
+ * Whether a triangle, a piece without a front, meets the shape; `towards` is a first guess at the exit direction. A
+ * plane between the two, or differences around the origin, prove it; where rounding leaves it open, libccd is asked.
  */
 int dpti_convex_meets(const struct convex_place *place, const struct convex_piece *piece, vec3 towards,
                       struct convex_tally *tally);

@@ -45,8 +45,8 @@ uint64_t dpti_slice_neighbours_count(const struct spring_net *net)
 /* ---- what sleeps ---- */
 
 /*
- * So far a slice may move before neighbours that sleep wake, as a share of the displacement at the sleep speed in the steps
- * until sleep.
+ * So far a slice may move before neighbours that sleep wake, as a share of the displacement at the sleep speed in the
+ * steps until sleep.
  */
 #define DRIFT_SHARE 0.0625f
 
@@ -222,8 +222,8 @@ static uint32_t wake_where_moved(struct dpt_springs *springs, float drift)
 /*
  * What creeps must not freeze on the way. With drag a force moves a node no faster than it would in 1 / drag seconds: a
  * slow node is out of balance by drag times its speed, and that is kept to what makes a free node as fast as the sleep
- * speed in the steps until sleep. With viscosity a way of speed times viscosity is left: that is kept to the drift. As it takes so
- * long, neighbours wake the sooner.
+ * speed in the steps until sleep. With viscosity a way of speed times viscosity is left: that is kept to the drift. As
+ * it takes so long, neighbours wake the sooner.
  */
 void dpti_region_settle(struct dpt_springs *springs, double dt)
 {

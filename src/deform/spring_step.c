@@ -144,7 +144,7 @@ static double largest_row(const struct spring_net *net, double stiffness, double
 }
 
 /* 1 / kg: of the lightest node that moves. */
-static double most_per_mass(const struct spring_net *net)
+static double max_per_mass(const struct spring_net *net)
 {
     double max = 0.0;
     for (uint32_t node = 0; node < net->nodes; node++)
@@ -208,7 +208,7 @@ static int swings_faster(struct dpt_springs *springs, double square)
 }
 
 /* The least drag of all nodes that move. */
-static double least_drag(const struct spring_net *net)
+static double min_drag(const struct spring_net *net)
 {
     double min = DBL_MAX;
     for (uint32_t node = 0; node < net->nodes; node++)
@@ -221,7 +221,7 @@ static void use(struct dpt_springs *springs, double square)
 {
     springs->square = square;
     springs->stable_step =
-        dpti_springs_limit(springs->def.integrator, square, springs->net.viscosity, least_drag(&springs->net));
+        dpti_springs_limit(springs->def.integrator, square, springs->net.viscosity, min_drag(&springs->net));
 }
 
 void dpti_springs_find_step(struct dpt_springs *springs)
@@ -229,7 +229,7 @@ void dpti_springs_find_step(struct dpt_springs *springs)
     const struct spring_net *net = &springs->net;
     const dpt_springs_def *def = &springs->def;
     const double rows = largest_row(net, def->stiffness, def->contact_stiffness);
-    const double told = def->stiffness * net->square + def->contact_stiffness * most_per_mass(net);
+    const double told = def->stiffness * net->square + def->contact_stiffness * max_per_mass(net);
     use(springs, rows);
     if (def->integrator == DPT_INTEGRATOR_IMPLICIT)
         springs->stable_step = DPT_SPRINGS_STEP_MAX;
@@ -316,7 +316,7 @@ static void make_diagonal(struct dpt_springs *springs, double step)
             if (system->per_diagonal[lane] > loosest)
                 loosest = system->per_diagonal[lane];
         }
-    solve->least_norm = NORM_PER_NODE * (double)loosest * springs->net.nodes;
+    solve->min_norm = NORM_PER_NODE * (double)loosest * springs->net.nodes;
 }
 
 /* Conjugate gradients, preconditioned by the diagonal, for the change. norm: of the residual. */
@@ -326,7 +326,7 @@ static void solve_change(struct dpt_springs *springs, float h, double norm)
     const struct kernel *kernel = &springs->kernel;
     struct spring_solve *solve = &springs->solve;
     const float scale = (float)springs->def.stiffness * (1.0f + (float)springs->lead / h);
-    for (uint32_t n = 1; norm > solve->least_norm; n++) {
+    for (uint32_t n = 1; norm > solve->min_norm; n++) {
         double lanes[LANES] = { 0.0 }, next[LANES] = { 0.0 };
         for (uint32_t i = 0; i < region->count; i++) {
             const size_t slice = region->slices[i];
@@ -352,8 +352,8 @@ static void solve_change(struct dpt_springs *springs, float h, double norm)
 }
 
 /*
- * With viscosity the springs were taken where they are not: w^T L w / 2, of the displacement w from there to the end, is what
- * their energy may exceed its tangent by. Directions are used up by now, and take w.
+ * With viscosity the springs were taken where they are not: w^T L w / 2, of the displacement w from there to the end,
+ * is what their energy may exceed its tangent by. Directions are used up by now, and take w.
  */
 static double excess_by_way(struct dpt_springs *springs, const struct spring_trial *trial)
 {

@@ -42,8 +42,8 @@ void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint
                          int is_first);
 
 /*
- * Where all contacts are at one place, and stick there: the planes on which they hold the motion, and in `pulled` the goal
- * with what they pull with beside. Returns how many planes there are; 0 otherwise.
+ * Where all contacts are at one place, and stick there: the planes on which they hold the motion, and in `pulled` the
+ * goal with what they pull with beside. Returns how many planes there are; 0 otherwise.
  */
 enum { FRICTION_PLANES_MAX = 3 };
 uint32_t dpti_friction_planes(const struct friction_contact *contacts, uint32_t count, uint32_t dimensions,

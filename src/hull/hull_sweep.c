@@ -2,9 +2,10 @@
 /*
  * In each piece of a motion a corner's path is nearly a parabola, and what it deviates is added to the clearance. A plane
  * between hull and triangle may turn during the piece: its normal goes in a straight line from one vector to another. The
- * height of a corner, or of the triangle, along that normal is a polynomial of the third degree in time. Where its Bernstein
- * coefficients are in order, corners and triangle are apart at all times of the piece. That is exact to the second order of
- * the turn, where a plane at rest would be lost in the first: a tip may roll and turn on what it rests on in few pieces.
+ * height of a corner, or of the triangle, along that normal is a polynomial of the third degree in time. Where its
+ * Bernstein coefficients are in order, corners and triangle are apart at all times of the piece. That is exact to the
+ * second order of the turn, where a plane at rest would be lost in the first: a tip may roll and turn on what it rests
+ * on in few pieces.
  *
  * A piece that no plane parts from some triangle is halved, until it is shorter than the tolerance: there the hull may
  * touch.
@@ -81,7 +82,9 @@ static int is_same_turn(const double *from, const double *to)
     return memcmp(from, to, 4 * sizeof *from) == 0;
 }
 
-/* Of the deviation at the quarters: the most that it is elsewhere, for cubic and quartic terms, and half as much again. */
+/*
+ * Of the deviation at the quarters: the most that it is elsewhere, for cubic and quartic terms, and half as much again.
+ */
 #define UNEVEN 2.0
 
 /* m: how far corners' paths deviate from the parabolas through their ends and middles. */
@@ -359,8 +362,8 @@ static struct instant instant_of(const struct hull_sweep *sweep, const struct pe
 }
 
 /*
- * Whether a piece that is not parted from sweep->triangle as a whole touches it, by halves: PIECE_TOUCHES, and *until is the
- * end of what is parted. What touches is shorter than the tolerance, or than the wanted share of the whole.
+ * Whether a piece that is not parted from sweep->triangle as a whole touches it, by halves: PIECE_TOUCHES, and *until
+ * is the end of what is parted. What touches is shorter than the tolerance, or than the wanted share of the whole.
  */
 static int touches_alone(const struct hull_sweep *sweep, const struct instant *from, const struct instant *to,
                          struct instant *until)

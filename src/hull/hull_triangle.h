@@ -58,8 +58,8 @@ void dpti_hull_features(const struct hull_place *place, const vec3 v[3], double 
 
 /*
  * Whether a feature's pair is nearest among its neighbours: no way from its points along the hull and the triangle leads
- * nearer, by more than the sine `lean` of an angle to the pair. Pairs that are not tell nothing of a motion that turns the
- * hull by less.
+ * nearer, by more than the sine `lean` of an angle to the pair. Pairs that are not tell nothing of a motion that turns
+ * the hull by less.
  */
 int dpti_hull_pair_is_local(const struct hull_place *place, const vec3 v[3], const struct hull_pair *found,
                             double lean);

@@ -133,8 +133,8 @@ typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const f
 
 /*
  * Springs (docs/algorithms/springs.md). 16 nodes make a slice. Rows of 16 entries for each slice, as in
- * mesh/spring_net.h. Points are x, y, z and an unused number a node; all other vectors of a slice are rows of 16: x, y, z.
- * A slice's sums run over its entries in order, lane by lane, so they are the same with every kernel.
+ * mesh/spring_net.h. Points are x, y, z and an unused number a node; all other vectors of a slice are rows of 16: x, y,
+ * z. A slice's sums run over its entries in order, lane by lane, so they are the same with every kernel.
  *
  *   spring_forces   force = the sum over a node's springs of k (1 - L / l) d, where d leads to the other node and l is |d|,
  *                   or half of L if that is longer
