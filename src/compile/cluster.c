@@ -95,8 +95,8 @@ dpt_result cluster_build(struct cluster *cluster, const struct model *model, con
         cluster->level_first[cluster->levels] = sets;
         sets += cluster->level_count[cluster->levels];
     }
-    cluster->node_moments = model_alloc(NULL, sets, sizeof *cluster->node_moments);
-    cluster->node_boxes = model_alloc(NULL, sets, sizeof *cluster->node_boxes);
+    cluster->node_moments = compile_alloc(NULL, sets, sizeof *cluster->node_moments);
+    cluster->node_boxes = compile_alloc(NULL, sets, sizeof *cluster->node_boxes);
     if (!cluster->node_moments || !cluster->node_boxes)
         return DPT_E_MEMORY;
     for (uint32_t leaf = 0; leaf < cluster->level_count[0]; leaf++)

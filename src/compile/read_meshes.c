@@ -38,15 +38,17 @@ static dpt_result read_corner(obj_reader *reader, const source_word *word)
     char printable[WORD_SHOWN];
     int64_t number;
     if (!parse_corner(word, &number))
-        return soup_fail(source, DPT_E_SYNTAX, text_location(&reader->text), "'%s' is no corner of a face",
-                         word_printable(word, printable));
+        return compile_fail(source->context, DPT_E_SYNTAX, text_location(&reader->text), "'%s' is no corner of a face",
+                            word_printable(word, printable));
     int64_t index = number > 0 ? number - 1 : (int64_t)source->vertex_count + number;
     if (number == 0)
-        return soup_fail(source, DPT_E_INDEX, text_location(&reader->text), "vertex 0: they are counted from 1");
+        return compile_fail(source->context, DPT_E_INDEX, text_location(&reader->text),
+                            "vertex 0: they are counted from 1");
     if (index < 0 || index >= INT32_MAX)
-        return soup_fail(source, DPT_E_INDEX, text_location(&reader->text), "vertex %s of a face, after %zu vertices",
-                         word_printable(word, printable), source->vertex_count);
-    return corner_list_add(&reader->corners, source, (uint32_t)index);
+        return compile_fail(source->context, DPT_E_INDEX, text_location(&reader->text),
+                            "vertex %s of a face, after %zu vertices", word_printable(word, printable),
+                            source->vertex_count);
+    return corner_list_add(&reader->corners, source->context, (uint32_t)index);
 }
 
 static dpt_result read_face(obj_reader *reader)
@@ -57,8 +59,8 @@ static dpt_result read_face(obj_reader *reader)
     while (text_next_word(&reader->text, &word))
         DPT_TRY(read_corner(reader, &word));
     if (reader->corners.count < 3)
-        return soup_fail(reader->source, DPT_E_SYNTAX, location, "a face of %zu corners: three are the least",
-                         reader->corners.count);
+        return compile_fail(reader->source->context, DPT_E_SYNTAX, location,
+                            "a face of %zu corners: three are the least", reader->corners.count);
     return soup_add_polygon(reader->source, reader->corners.numbers, reader->corners.count, location);
 }
 
@@ -71,7 +73,7 @@ static dpt_result read_line(obj_reader *reader)
     text->joins_lines = 1;
     if (text_next_word(text, &word)) {
         if (word_is(&word, "v"))
-            result = text_read_vertex(text);
+            result = text_read_vertex(text, reader->source);
         else if (word_is(&word, "f"))
             result = read_face(reader);
     }
@@ -85,7 +87,8 @@ static dpt_result read_lines(obj_reader *reader, size_t size)
     DPT_TRY(text_refuse_utf16(text));
     for (uint64_t lines = 0; text->at < text->end; lines++) {
         if (lines % PROGRESS_STRIDE == 0)
-            DPT_TRY(soup_report_progress(reader->source, "read", 1.0 - (double)(text->end - text->at) / (double)size));
+            DPT_TRY(compile_report_progress(reader->source->context, "read",
+                                            1.0 - (double)(text->end - text->at) / (double)size));
         DPT_TRY(read_line(reader));
         text_next_line(text);
     }
@@ -95,7 +98,7 @@ static dpt_result read_lines(obj_reader *reader, size_t size)
 dpt_result read_obj(soup *source, const unsigned char *bytes, size_t size)
 {
     obj_reader reader = { .source = source };
-    text_begin(&reader.text, source, bytes, size);
+    text_begin(&reader.text, source->context, bytes, size);
     reader.text.has_comments = 1;
     source->base = 1;
     dpt_result result = read_lines(&reader, size);
@@ -120,7 +123,7 @@ typedef struct off_reader {
 
 static dpt_result refuse_header(off_reader *reader, const char *reason)
 {
-    return soup_fail(reader->source, DPT_E_FORMAT, text_location(&reader->text), "%s", reason);
+    return compile_fail(reader->source->context, DPT_E_FORMAT, text_location(&reader->text), "%s", reason);
 }
 
 /* A prefix of OFF says what each vertex has besides x, y and z. Those with more than three dimensions are refused. */
@@ -129,7 +132,8 @@ static dpt_result read_keyword(off_reader *reader)
     source_text *text = &reader->text;
     source_word word;
     if (!text_seek_word(text) || !text_next_word(text, &word))
-        return soup_fail(reader->source, DPT_E_TRUNCATED, (source_location){ 0, 0 }, "the file holds no word");
+        return compile_fail(reader->source->context, DPT_E_TRUNCATED, (source_location){ 0, 0 },
+                            "the file holds no word");
     const char *at = word.begin;
     while (at < word.end && memchr("STCN4n", *at, 6))
         at++;
@@ -153,18 +157,19 @@ static dpt_result read_counts(off_reader *reader)
     source_text *text = &reader->text;
     int64_t counts[3];
     if (!text_seek_word(text))
-        return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(text), "the file ends before its counts");
+        return compile_fail(reader->source->context, DPT_E_TRUNCATED, text_location(text),
+                            "the file ends before its counts");
     for (int i = 0; i < 3; i++) {
         DPT_TRY(text_read_int(text, names[i], &counts[i]));
         if (counts[i] < 0)
-            return soup_fail(reader->source, DPT_E_SYNTAX, text_location(text), "%s is negative", names[i]);
+            return compile_fail(reader->source->context, DPT_E_SYNTAX, text_location(text), "%s is negative", names[i]);
     }
     /* The shortest lines are "0 0 0" and "0", each after the end of another. */
     int64_t bytes_after = (int64_t)(text->end - text->at);
     if (counts[0] > bytes_after / 6 || counts[1] > (bytes_after - 6 * counts[0]) / 2)
-        return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(text),
-                         "%" PRId64 " vertices and %" PRId64 " faces do not fit in %" PRId64 " bytes", counts[0],
-                         counts[1], bytes_after);
+        return compile_fail(reader->source->context, DPT_E_TRUNCATED, text_location(text),
+                            "%" PRId64 " vertices and %" PRId64 " faces do not fit in %" PRId64 " bytes", counts[0],
+                            counts[1], bytes_after);
     reader->vertices = counts[0];
     reader->faces = counts[1];
     return DPT_OK;
@@ -175,12 +180,12 @@ static dpt_result begin_item(off_reader *reader, const char *items, int64_t numb
 {
     source_text *text = &reader->text;
     if (!text_next_line(text) || !text_seek_word(text))
-        return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(text),
-                         "the file ends after %" PRId64 " of %" PRId64 " %s", number, count, items);
+        return compile_fail(reader->source->context, DPT_E_TRUNCATED, text_location(text),
+                            "the file ends after %" PRId64 " of %" PRId64 " %s", number, count, items);
     if (number % PROGRESS_STRIDE != 0)
         return DPT_OK;
-    return soup_report_progress(reader->source, "read",
-                                (double)(text->at - reader->begin) / (double)(text->end - reader->begin));
+    return compile_report_progress(reader->source->context, "read",
+                                   (double)(text->at - reader->begin) / (double)(text->end - reader->begin));
 }
 
 static dpt_result read_corners(off_reader *reader, int64_t n)
@@ -190,10 +195,10 @@ static dpt_result read_corners(off_reader *reader, int64_t n)
         int64_t number;
         DPT_TRY(text_read_int(&reader->text, "a corner", &number));
         if (number < 0 || number >= reader->vertices)
-            return soup_fail(reader->source, DPT_E_INDEX, text_location(&reader->text),
-                             "vertex %" PRId64 " of a face: there are %" PRId64 ", counted from 0", number,
-                             reader->vertices);
-        DPT_TRY(corner_list_add(&reader->corners, reader->source, (uint32_t)number));
+            return compile_fail(reader->source->context, DPT_E_INDEX, text_location(&reader->text),
+                                "vertex %" PRId64 " of a face: there are %" PRId64 ", counted from 0", number,
+                                reader->vertices);
+        DPT_TRY(corner_list_add(&reader->corners, reader->source->context, (uint32_t)number));
     }
     return DPT_OK;
 }
@@ -204,8 +209,8 @@ static dpt_result read_polygon(off_reader *reader)
     int64_t n;
     DPT_TRY(text_read_int(&reader->text, "the number of corners", &n));
     if (n < 3)
-        return soup_fail(reader->source, DPT_E_SYNTAX, location, "a face of %" PRId64 " corners: three are the least",
-                         n);
+        return compile_fail(reader->source->context, DPT_E_SYNTAX, location,
+                            "a face of %" PRId64 " corners: three are the least", n);
     DPT_TRY(read_corners(reader, n));
     return soup_add_polygon(reader->source, reader->corners.numbers, reader->corners.count, location);
 }
@@ -218,22 +223,22 @@ static dpt_result read_all(off_reader *reader)
     DPT_TRY(read_counts(reader));
     for (int64_t i = 0; i < reader->vertices; i++) {
         DPT_TRY(begin_item(reader, "vertices", i, reader->vertices));
-        DPT_TRY(text_read_vertex(text));
+        DPT_TRY(text_read_vertex(text, reader->source));
     }
     for (int64_t i = 0; i < reader->faces; i++) {
         DPT_TRY(begin_item(reader, "faces", i, reader->faces));
         DPT_TRY(read_polygon(reader));
     }
     if (text_next_line(text) && text_seek_word(text))
-        return soup_fail(reader->source, DPT_E_TRAILING, text_location(text),
-                         "text follows the last of %" PRId64 " faces", reader->faces);
+        return compile_fail(reader->source->context, DPT_E_TRAILING, text_location(text),
+                            "text follows the last of %" PRId64 " faces", reader->faces);
     return DPT_OK;
 }
 
 dpt_result read_off(soup *source, const unsigned char *bytes, size_t size)
 {
     off_reader reader = { .source = source };
-    text_begin(&reader.text, source, bytes, size);
+    text_begin(&reader.text, source->context, bytes, size);
     reader.text.has_comments = 1;
     reader.begin = reader.text.at;
     dpt_result result = read_all(&reader);
@@ -274,17 +279,17 @@ static dpt_result add_triangle(soup *source, source_location location)
 static dpt_result check_length(soup *source, const unsigned char *bytes, size_t size)
 {
     if (size < HEADER_BYTES)
-        return soup_fail(source, DPT_E_TRUNCATED, (source_location){ 0, size },
-                         "neither ASCII STL nor the %d bytes that a binary one begins with", HEADER_BYTES);
+        return compile_fail(source->context, DPT_E_TRUNCATED, (source_location){ 0, size },
+                            "neither ASCII STL nor the %d bytes that a binary one begins with", HEADER_BYTES);
     uint64_t announced = load_u32(bytes + 80), held = (size - HEADER_BYTES) / FACET_BYTES;
     uint64_t length = HEADER_BYTES + FACET_BYTES * announced;
     if (size < length)
-        return soup_fail(source, DPT_E_TRUNCATED, (source_location){ 0, size },
-                         "binary STL announces %" PRIu64 " triangles and holds %" PRIu64, announced, held);
+        return compile_fail(source->context, DPT_E_TRUNCATED, (source_location){ 0, size },
+                            "binary STL announces %" PRIu64 " triangles and holds %" PRIu64, announced, held);
     if (size > length)
-        return soup_fail(source, DPT_E_TRAILING, (source_location){ 0, length },
-                         "%" PRIu64 " bytes follow the %" PRIu64 " triangles that binary STL announces", size - length,
-                         announced);
+        return compile_fail(source->context, DPT_E_TRAILING, (source_location){ 0, length },
+                            "%" PRIu64 " bytes follow the %" PRIu64 " triangles that binary STL announces",
+                            size - length, announced);
     return DPT_OK;
 }
 
@@ -305,7 +310,7 @@ static dpt_result read_binary(soup *source, const unsigned char *bytes, size_t s
     size_t facets = (size - HEADER_BYTES) / FACET_BYTES;
     for (size_t i = 0; i < facets; i++) {
         if (i % PROGRESS_STRIDE == 0)
-            DPT_TRY(soup_report_progress(source, "read", (double)i / (double)facets));
+            DPT_TRY(compile_report_progress(source->context, "read", (double)i / (double)facets));
         DPT_TRY(read_binary_facet(source, bytes, HEADER_BYTES + FACET_BYTES * i));
     }
     return DPT_OK;
@@ -315,14 +320,15 @@ static dpt_result next_keyword(source_text *text, source_word *word, const char 
 {
     if (text_seek_word(text) && text_next_word(text, word))
         return DPT_OK;
-    return soup_fail(text->source, DPT_E_TRUNCATED, text_location(text), "the file ends where '%s' should be", wanted);
+    return compile_fail(text->context, DPT_E_TRUNCATED, text_location(text), "the file ends where '%s' should be",
+                        wanted);
 }
 
 static dpt_result refuse_keyword(source_text *text, const source_word *word, const char *wanted)
 {
     char printable[WORD_SHOWN];
-    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "'%s' where '%s' should be",
-                     word_printable(word, printable), wanted);
+    return compile_fail(text->context, DPT_E_SYNTAX, text_location(text), "'%s' where '%s' should be",
+                        word_printable(word, printable), wanted);
 }
 
 static dpt_result expect_keyword(source_text *text, const char *keyword)
@@ -360,7 +366,7 @@ static dpt_result read_facet_head(source_text *text)
     return expect_keyword(text, "loop");
 }
 
-static dpt_result read_loop(source_text *text)
+static dpt_result read_loop(source_text *text, soup *source)
 {
     source_word word;
     for (int vertices = 0;; vertices++) {
@@ -369,28 +375,28 @@ static dpt_result read_loop(source_text *text)
         if (!is_end && !word_is_any_case(&word, "vertex"))
             return refuse_keyword(text, &word, "vertex");
         if (is_end != (vertices == 3))
-            return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "a facet of %s vertices",
-                             is_end ? "fewer than three" : "more than three");
+            return compile_fail(text->context, DPT_E_SYNTAX, text_location(text), "a facet of %s vertices",
+                                is_end ? "fewer than three" : "more than three");
         if (is_end)
             return DPT_OK;
-        DPT_TRY(text_read_vertex(text));
+        DPT_TRY(text_read_vertex(text, source));
     }
 }
 
-static dpt_result read_facet(source_text *text)
+static dpt_result read_facet(source_text *text, soup *source)
 {
     source_location location = text_location(text);
     source_word word;
     DPT_TRY(read_facet_head(text));
-    DPT_TRY(read_loop(text));
+    DPT_TRY(read_loop(text, source));
     DPT_TRY(next_keyword(text, &word, "endfacet"));
     if (!is_end_of(text, &word, "facet"))
         return refuse_keyword(text, &word, "endfacet");
-    return add_triangle(text->source, location);
+    return add_triangle(source, location);
 }
 
 /* Read a solid up to its end. "solid" was read; the rest of that line is its name. */
-static dpt_result read_solid(source_text *text, const char *begin)
+static dpt_result read_solid(source_text *text, soup *source, const char *begin)
 {
     text_next_line(text);
     for (;;) {
@@ -400,19 +406,19 @@ static dpt_result read_solid(source_text *text, const char *begin)
             return DPT_OK;
         if (!word_is_any_case(&word, "facet"))
             return refuse_keyword(text, &word, "facet");
-        if (text->source->triangle_count % PROGRESS_STRIDE == 0)
-            DPT_TRY(
-                soup_report_progress(text->source, "read", (double)(text->at - begin) / (double)(text->end - begin)));
-        DPT_TRY(read_facet(text));
+        if (source->triangle_count % PROGRESS_STRIDE == 0)
+            DPT_TRY(compile_report_progress(text->context, "read",
+                                            (double)(text->at - begin) / (double)(text->end - begin)));
+        DPT_TRY(read_facet(text, source));
     }
 }
 
-static dpt_result read_ascii(source_text *text)
+static dpt_result read_ascii(source_text *text, soup *source)
 {
     const char *begin = text->at;
     while (text_seek_word(text)) {
         DPT_TRY(expect_keyword(text, "solid"));
-        DPT_TRY(read_solid(text, begin));
+        DPT_TRY(read_solid(text, source, begin));
         text_next_line(text);
     }
     return DPT_OK;
@@ -430,9 +436,9 @@ static int is_ascii(const source_text *text, const unsigned char *bytes, size_t 
 dpt_result read_stl(soup *source, const unsigned char *bytes, size_t size)
 {
     source_text text;
-    text_begin(&text, source, bytes, size);
+    text_begin(&text, source->context, bytes, size);
     int length_fits = size >= HEADER_BYTES && size == HEADER_BYTES + FACET_BYTES * (uint64_t)load_u32(bytes + 80);
     if (!length_fits && is_ascii(&text, bytes, size))
-        return read_ascii(&text);
+        return read_ascii(&text, source);
     return read_binary(source, bytes, size);
 }

@@ -10,36 +10,15 @@
 
 #include "base/return_if_error.h"
 #include "base/vec3.h"
-#include "compile/parallel.h"
-
-void *grow_array(void *array, size_t *capacity, size_t need, size_t item_size)
-{
-    size_t new_capacity = *capacity < 32 ? 64 : *capacity > SIZE_MAX / 2 ? SIZE_MAX : *capacity * 2;
-    if (new_capacity < need)
-        new_capacity = need;
-    if (new_capacity > SIZE_MAX / item_size)
-        return NULL;
-    void *bigger = realloc(array, new_capacity * item_size);
-    if (bigger)
-        *capacity = new_capacity;
-    return bigger;
-}
-
-/* Vertices and polygons in the order of a file (soup.h). */
+#include "compile/compile_context.h"
 
 #define COUNT_MAX     ((size_t)INT32_MAX)
 #define TRIANGLES_MAX ((size_t)UINT32_MAX / 3) /* half-edges are numbered in 32 bits */
 
-void soup_init(soup *source, const dpt_compile_def *def, dpt_diag *diag)
+void soup_init(soup *source, const struct compile_context *context)
 {
     memset(source, 0, sizeof *source);
-    source->scale = def && def->scale != 0.0 ? def->scale : 1.0;
-    source->crease = def && def->crease != 0.0 ? def->crease : CREASE_DEFAULT;
-    source->threads = def && def->threads ? def->threads : 1;
-    if (source->threads > PARALLEL_MAX)
-        source->threads = PARALLEL_MAX;
-    source->def = def;
-    source->diag = diag;
+    source->context = context;
 }
 
 void soup_free(soup *source)
@@ -50,29 +29,17 @@ void soup_free(soup *source)
     memset(source, 0, sizeof *source);
 }
 
-dpt_result soup_fail(soup *source, dpt_result code, source_location location, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(source->diag->text, sizeof source->diag->text, format, arguments);
-    va_end(arguments);
-    source->diag->code = code;
-    source->diag->line = location.line;
-    source->diag->byte = location.line != 0 ? 0 : location.byte;
-    return code;
-}
-
 static dpt_result no_memory(soup *source, source_location location)
 {
-    return soup_fail(source, DPT_E_MEMORY, location, "memory ran out after %zu vertices and %zu triangles",
-                     source->vertex_count, source->triangle_count);
+    return compile_fail(source->context, DPT_E_MEMORY, location, "memory ran out after %zu vertices and %zu triangles",
+                        source->vertex_count, source->triangle_count);
 }
 
 dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_location location)
 {
-    const double source_xyz[3] = { x, y, z }, scale = source->scale;
+    const double source_xyz[3] = { x, y, z }, scale = source->context->scale;
     if (source->vertex_count >= COUNT_MAX)
-        return soup_fail(source, DPT_E_LIMIT, location, "more than %zu vertices", COUNT_MAX);
+        return compile_fail(source->context, DPT_E_LIMIT, location, "more than %zu vertices", COUNT_MAX);
     if (source->vertex_count == source->vertex_capacity) {
         float *bigger =
             grow_array(source->positions, &source->vertex_capacity, source->vertex_count + 1, 3 * sizeof *bigger);
@@ -84,8 +51,9 @@ dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_lo
     for (int i = 0; i < 3; i++) {
         double product = scale * source_xyz[i];
         if (!(fabs(product) <= DPT_COORDINATE_MAX))
-            return soup_fail(source, DPT_E_FINITE, location, "%c is %.9g (times %.9g): not finite, or beyond %.0f m",
-                             "xyz"[i], source_xyz[i], scale, DPT_COORDINATE_MAX);
+            return compile_fail(source->context, DPT_E_FINITE, location,
+                                "%c is %.9g (times %.9g): not finite, or beyond %.0f m", "xyz"[i], source_xyz[i], scale,
+                                DPT_COORDINATE_MAX);
         position[i] = (float)product;
         if (position[i] == 0.0f)
             position[i] = 0.0f; /* -0 becomes 0: positions are compared by their bits later */
@@ -100,7 +68,7 @@ dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_lo
 static dpt_result reserve_polygon(soup *source, size_t added_triangles, source_location location)
 {
     if (added_triangles > TRIANGLES_MAX - source->triangle_count)
-        return soup_fail(source, DPT_E_LIMIT, location, "more than %zu triangles", TRIANGLES_MAX);
+        return compile_fail(source->context, DPT_E_LIMIT, location, "more than %zu triangles", TRIANGLES_MAX);
     if (added_triangles > source->triangle_capacity - source->triangle_count) {
         uint32_t *bigger = grow_array(source->corners, &source->triangle_capacity,
                                       source->triangle_count + added_triangles, 3 * sizeof *bigger);
@@ -147,9 +115,10 @@ dpt_result soup_check_corners(soup *source)
 {
     if (source->triangle_count == 0 || source->highest_corner < source->vertex_count)
         return DPT_OK;
-    return soup_fail(source, DPT_E_INDEX, source->highest_location,
-                     "a polygon names vertex %u, counted from %u, and there are only %zu",
-                     (unsigned)(source->highest_corner + source->base), (unsigned)source->base, source->vertex_count);
+    return compile_fail(source->context, DPT_E_INDEX, source->highest_location,
+                        "a polygon names vertex %u, counted from %u, and there are only %zu",
+                        (unsigned)(source->highest_corner + source->base), (unsigned)source->base,
+                        source->vertex_count);
 }
 
 /* The position of corner `k` of a polygon, read from its fan. */
@@ -208,12 +177,4 @@ uint32_t soup_concave_polygons(const soup *source)
     for (size_t i = 0; i < source->polygon_count; i++)
         count += (uint32_t)is_concave(source, &source->polygons[i]);
     return count;
-}
-
-dpt_result soup_report_progress(soup *source, const char *step, double done)
-{
-    const dpt_compile_def *def = source->def;
-    if (!def || !def->progress || !def->progress(def->user, step, done))
-        return DPT_OK;
-    return soup_fail(source, DPT_E_CANCELLED, (source_location){ 0, 0 }, "stopped by the caller");
 }
