@@ -280,6 +280,7 @@ static vec3 exit_displacement(const struct surface *surface, const struct displa
     const pair found = dpti_triangle_pair(surface, place, tool->a, tool->u);
     const double distance = sqrt(found.distance2);
     const vec3 normal = scaled(dpti_surface_face_normal(surface, place), (double)tool->side);
+    const struct strip_tool at_strip = { tool->a, tool->u, tool->radius, tool->side };
     struct frame frame;
     dpt_overlap overlap;
     for (int k = 0; k < 3; k++)
@@ -287,7 +288,7 @@ static vec3 exit_displacement(const struct surface *surface, const struct displa
     if (distance > 0.0 && (!tool->is_behind || dot(found.gap, normal) >= 0.0))
         return distance < tool->radius ? scaled(found.gap, -BEYOND * (tool->radius - distance) / distance) : none;
     frame_of_pose(&identity, &frame);
-    dpti_strip_overlap(surface, &frame, tool->a, tool->u, tool->radius, (double)tool->side, place, &overlap);
+    dpti_strip_overlap(surface, &frame, &at_strip, place, &overlap);
     return scaled(normal, -BEYOND * overlap.overlap);
 }
 

@@ -311,11 +311,13 @@ static double exit_distance(const struct surface *surface, uint32_t place, vec3 
     return max_of(0.0, displacement);
 }
 
-void dpti_strip_overlap(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u, double radius,
-                        double side, uint32_t place, dpt_overlap *overlap)
+void dpti_strip_overlap(const struct surface *surface, const struct frame *frame, const struct strip_tool *tool,
+                        uint32_t place, dpt_overlap *overlap)
 {
+    const vec3 a = tool->a, u = tool->u;
+    const double radius = tool->radius;
     pair found = dpti_triangle_pair(surface, place, a, u);
-    vec3 normal = scaled(dpti_surface_face_normal(surface, place), side);
+    vec3 normal = scaled(dpti_surface_face_normal(surface, place), (double)tool->side);
     vec3 q = sub(along(a, found.s, u), found.gap);
     vec3 corner = surface_vertex(surface, surface_corner(surface, place, 0));
     double height = min_of(dot(sub(a, corner), normal), dot(sub(add(a, u), corner), normal));
@@ -335,14 +337,14 @@ void dpti_strip_overlap(const struct surface *surface, const struct frame *frame
 }
 
 void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *surface, const struct frame *frame,
-                         vec3 a, vec3 u, double radius, int32_t side, dpt_overlap *overlaps, uint32_t capacity)
+                         const struct strip_tool *tool, dpt_overlap *overlaps, uint32_t capacity)
 {
     uint32_t count = strip->count < capacity ? strip->count : capacity;
     const uint32_t size = count ? overlaps[0].size : 0;
     const uint32_t *places = count ? mesh_words(strip->mesh, MESH_PLACES) : NULL;
     for (uint32_t i = 0; i < count; i++) {
         dpt_overlap overlap;
-        dpti_strip_overlap(surface, frame, a, u, radius, side, places[strip->triangles[i]], &overlap);
+        dpti_strip_overlap(surface, frame, tool, places[strip->triangles[i]], &overlap);
         sized_write((char *)overlaps + (size_t)i * size, size, &overlap, sizeof overlap);
     }
 }
@@ -365,9 +367,10 @@ dpt_result dpt_strip_overlaps(const dpt_strip *strip, const dpt_mesh *mesh, cons
     struct frame frame;
     DPT_TRY(frame_of_pose(pose, &frame));
     dpti_surface_of_mesh(mesh, &surface);
-    vec3 a = frame_to_local(&frame, vec3_of(segment->a));
-    vec3 u = sub(frame_to_local(&frame, vec3_of(segment->b)), a);
-    dpti_strip_overlaps(strip, &surface, &frame, a, u, segment->radius, side, overlaps, capacity);
+    const vec3 a = frame_to_local(&frame, vec3_of(segment->a));
+    const vec3 u = sub(frame_to_local(&frame, vec3_of(segment->b)), a);
+    const struct strip_tool tool = { a, u, segment->radius, side };
+    dpti_strip_overlaps(strip, &surface, &frame, &tool, overlaps, capacity);
     *count = strip->count;
     return DPT_OK;
 }
