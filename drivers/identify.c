@@ -147,7 +147,7 @@ static dpt_result run_return(struct identify_server *server)
     return identify_serve(server);
 }
 
-/* So far it must move, m or rad, to have moved at all. */
+/* The least displacement, m or rad, that counts as motion. */
 static double min_motion(const struct identify_server *server)
 {
     return fmax(4.0 * step_of(server, server->space), MOVES_PART * server->range[server->space]);

@@ -160,7 +160,7 @@ double identify_pushes_force(struct identify_pushes *pushes, double time, double
 
 /* ---- the loop ---- */
 
-/* So many samples or commands in a row may be missing. */
+/* At most this many samples or commands in a row may be missing. */
 enum { MISSING_MAX = 4 };
 
 /* A device is back within this part of range and speed, for so long, s. */

@@ -8,7 +8,7 @@
 
 enum { POSITION, VELOCITY, CONSTANT, DECAYING, COLUMNS };
 
-/* Of a located moment, in parts of the time it lies in. */
+/* How finely a moment is located, as a share of the time it lies in. */
 static const double RESOLUTION = 0x1p-50;
 
 /*

@@ -11,10 +11,10 @@
 #include "dynpoint/compile.h"
 #include "nearest/segment_triangle.h"
 
-/* Of the points' size: what stands out by less does not. */
+/* A point stands out if it does so by more than this share of the points' size. */
 #define STANDS_OUT 1e-8
 
-/* Of the points' size: what is thinner becomes flat, since its faces could not be told apart. */
+/* What is thinner than this share of the points' size becomes flat: its faces could not be told apart. */
 #define FLAT 1e-3
 
 /* Of the points' size: of two that stand out as far, within that, the one that is farther from the middle is a corner. */

@@ -156,7 +156,7 @@ void dpti_profile_find_crossings(struct distance_profile *profile)
 
 /* ---- winding numbers between crossings ---- */
 
-/* Of a stretch that is near a hole, after the first. */
+/* How often a stretch that is near a hole is halved again, after its first halving. */
 enum { HALVINGS = 3 };
 
 static int is_outside_of_box(const struct distance_profile *profile, double s)

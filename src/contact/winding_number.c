@@ -164,7 +164,7 @@ double dpti_winding_number(const struct surface *surface, const struct kernel *k
 /* Units in the mesh's diagonal. A radius has at most twice as many: nothing that is farther is in the mesh's box. */
 #define UNITS 32000.0
 
-/* Of a ball's radius, for rounding. */
+/* A ball's radius is enlarged by this factor, which covers rounding. */
 #define ROUND_UP (1.0 + 0x1p-40)
 
 /* The triangles at a vertex that are looked at to see whether one of its edges is a rim. */

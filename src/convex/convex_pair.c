@@ -187,10 +187,10 @@ static double descend(const struct convex_place *place, const struct convex_piec
     return width;
 }
 
-/* Of the i-th time that libccd is asked. */
+/* How libccd is asked, one attempt after the other. */
 static const struct {
     int algorithm;
-    double across; /* its first direction is that of the first guess, and so much to its side */
+    double across; /* its first direction is the first guess plus this much of a vector across */
 } turns[] = { { CONVEX_EPA, 0.1 }, { CONVEX_EPA, -3.0 }, { CONVEX_EPA, 0.9 }, { CONVEX_MPR, 0.0 } };
 
 enum { TURNS = 4 };
@@ -357,7 +357,7 @@ void dpti_convex_exit(const struct convex_place *place, const struct convex_piec
         /* The piece is met: that it is not, or only by a longer way than is known, is wrong. */
         stood = said.meets && !said.is_refused && said.depth <= found->depth + CONVEX_TOLERANCE;
         if (stood) {
-            /* Nor is it right where a way beside it is shorter. */
+            /* It is wrong where a motion in a direction beside it is shorter. */
             n = said.direction;
             const double beside = descend(place, piece, DESCENTS / 2, &n);
             stood = beside >= said.depth - CONVEX_TOLERANCE;

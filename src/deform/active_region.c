@@ -7,7 +7,7 @@
 
 #include "base/lanes.h"
 
-/* So many are told apart: in a lattice a slice has about 30. */
+/* At most this many neighbours are compared, to find repeats: in a lattice a slice has about 30. */
 enum { TOLD_APART = 64 };
 
 uint32_t dpti_slice_neighbours(const struct spring_net *net, uint32_t slice, uint32_t *list)
@@ -45,12 +45,12 @@ uint64_t dpti_slice_neighbours_count(const struct spring_net *net)
 /* ---- what sleeps ---- */
 
 /*
- * So far a slice may move before neighbours that sleep wake, as a share of the displacement at the sleep speed in the
+ * How far a slice may move before its sleeping neighbours wake, as a share of the displacement at the sleep speed in the
  * steps until sleep.
  */
 #define DRIFT_SHARE 0.0625f
 
-/* Of its own load, and of the mean load of a slice: so much a load may change without waking it. */
+/* A load may change without waking a slice by this share of itself, and of the mean load of a slice. */
 #define LOAD_SHARE (1.0f / 256.0f)
 
 /* Slices that are awake, in ascending order: sums run over them. */

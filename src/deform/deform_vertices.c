@@ -261,7 +261,7 @@ double dpti_deform_end(struct surface *surface, int *has_begun_anew)
 
 /* ---- the paper's response ---- */
 
-/* Of the overlap: corners are moved by that much more, so that rounding to float leaves no overlap. */
+/* Corners are moved by the overlap times this, so that rounding to float leaves no overlap. */
 #define BEYOND (1.0 + 1e-6)
 
 /* More than the rounding of a distance. */

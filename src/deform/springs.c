@@ -12,7 +12,7 @@
 #include "deform/springs_net.h"
 #include "mesh/mesh_format.h"
 
-/* Of the stable step: so much a substep uses. */
+/* The share of the stable step that a substep uses. */
 #define STABLE_SHARE 0.9
 
 /*

@@ -216,13 +216,13 @@ static int loop_is_stable(const struct sampled_loop *loop, int axes, const struc
 
 enum { HALVINGS = 100 };
 
-/* Of the largest force: what a step of the encoder may change it by. */
+/* A step of the encoder may change the force by this share of the largest force. */
 #define STEP_SHARE 0.1
 
 /* N/m, of a device of which nothing is known. */
 #define UNKNOWN_STIFFNESS 100.0
 
-/* Of the rotational limit: so much of it an explicit rotational stiffness may use, the rest is for the lever. */
+/* An explicit rotational stiffness may use this share of the rotational limit; the rest is for the lever. */
 #define TURN_SHARE 0.5
 
 /* Whether a loop holds with this stiffness. */

@@ -8,10 +8,10 @@
 
 enum { SWEEPS_MAX = 24 };
 
-/* Of the largest pull: sweeps end where nothing changes by more. */
+/* Sweeps end when no pull changes by more than this share of the largest pull. */
 #define SETTLED 1e-7
 
-/* Of its limit: a pull that rests at the limit does not slip by what rounding adds. */
+/* A pull slips if it exceeds its limit by more than this share of it: rounding alone is no slip. */
 #define SLIPPING 1e-5
 
 static double limit_of(const struct friction_contact *contact)

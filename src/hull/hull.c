@@ -9,7 +9,7 @@
 #include "base/sized.h"
 #include "hull/hull_state.h"
 
-/* Of the hull's size: corners that are nearer to a plane lie on it. */
+/* Corners that are nearer to a plane than this share of the hull's size lie on it. */
 #define ON_PLANE 1e-12
 
 /* The same, for what rounding makes of the plane of a thin triangle of that height, as a part of the size. */

@@ -6,7 +6,7 @@
 #include "base/frame.h"
 #include "dynpoint/hull.h"
 
-/* Of a polyhedron with so many corners, by Euler's formula. */
+/* The most edges and faces of a polyhedron with that many corners, by Euler's formula. */
 enum {
     HULL_CORNERS_MAX = DPT_HULL_CORNERS_MAX,
     HULL_EDGES_MAX = 3 * HULL_CORNERS_MAX - 6,

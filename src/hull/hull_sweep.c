@@ -155,7 +155,10 @@ static void add_plane(struct piece *piece, const struct turning_plane *plane)
     piece->plane[piece->plane_count++] = *plane;
 }
 
-/* Of the tolerance: where a pose at a time is made by fewer halvings than found it, it is still free. */
+/*
+ * This share of the tolerance is kept as distance. So a pose that was found free is still free when fewer halvings make
+ * it.
+ */
 #define KEPT_APART 0.25
 
 static void set_piece(const struct hull_sweep *sweep, const struct instant *from, const struct instant *middle,
@@ -321,7 +324,7 @@ static int test_piece(struct hull_sweep *sweep, struct piece *piece)
     return range.level > sweep->surface->levels ? PIECE_FREE : PIECE_UNFINISHED;
 }
 
-/* Of the hull's size: no piece is longer, so that few triangles are near it. */
+/* The longest piece, as a share of the hull's size: few triangles are near a short one. */
 #define PIECE_LENGTH_MAX 0.5
 
 static double piece_length_max(const struct dpt_hull *hull)

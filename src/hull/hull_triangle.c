@@ -3,7 +3,7 @@
 
 enum { ITERATIONS_MAX = 32 };
 
-/* Of the distance: what an iteration must gain, or it is the last. */
+/* An iteration that gains less than this share of the distance is the last. */
 #define GAIN_MIN 1e-14
 
 /* Up to four points of the difference of two sets, whose hull is searched for the point nearest to the origin. */
@@ -183,7 +183,7 @@ int dpti_separate(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_cou
     return 0;
 }
 
-/* Of the distance: a bracket that is so narrow will do. */
+/* The bracket of the distance may be this wide, as a share of it. */
 #define NARROW 1e-6
 
 double dpti_distance_upper(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count, double limit, vec3 *n)
@@ -519,7 +519,7 @@ static int find_best(const struct hull_place *place, const struct ball *ball, do
     return 1;
 }
 
-/* Of the upper bound, and of the coordinates: what the features' own rounding may add to it. */
+/* What rounding of the features may add to the upper bound: shares of the bound and of the largest coordinate. */
 #define BOUND_SPARE    1e-6
 #define BOUND_ROUNDING 0x1p-40
 

@@ -126,7 +126,7 @@ vec3 dpti_surface_feature_normal(const struct surface *surface, uint32_t triangl
     return dpti_surface_face_normal(surface, triangle);
 }
 
-/* So many triangles on one side of a crease count at most, in each direction: a hub may have any number. */
+/* At most this many triangles on one side of a crease count, in each direction: a hub may have any number. */
 #define SECTOR_MAX 64
 
 /* The normal of corner k, over the triangles round its vertex up to the next crease or border in either direction. */
