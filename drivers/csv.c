@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #define _POSIX_C_SOURCE 200809L
+
 #include "csv.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "dynpoint/base.h"
 #include "settings.h"
 #include "text/parse_number.h"
 
@@ -241,4 +244,36 @@ void csv_table_free(struct csv_table *table)
 {
     free(table->values);
     *table = (struct csv_table){ .rows = 0 };
+}
+
+/* ---- traces ---- */
+
+/* From here on neighbouring integers are the same double. */
+#define TICKS_END 0x1p53
+
+static const char *check_row(const double *row, size_t columns)
+{
+    if (row[0] != floor(row[0]))
+        return "the tick is not an integer";
+    if (!(fabs(row[0]) < TICKS_END))
+        return "the tick is not within 2^53";
+    for (size_t i = 1; i < columns; i++)
+        if (!(fabs(row[i]) <= DPT_COORDINATE_MAX))
+            return "a coordinate is beyond 1e6 m";
+    return NULL;
+}
+
+#define HEADER "tick,ax,ay,az,bx,by,bz"
+
+static const char *const headers[] = { HEADER, NULL };
+
+const struct csv_format trace_format = {
+    .headers = headers,
+    .header_error = "the header is not " HEADER,
+    .check_row = check_row,
+};
+
+int trace_is_jump(const struct csv_table *trace, size_t row)
+{
+    return row == 0 || csv_table_row(trace, row)[0] != csv_table_row(trace, row - 1)[0] + 1.0;
 }

@@ -10,7 +10,9 @@
 #include "base/sized.h"
 #include "identify_fit.h"
 #include "identify_serve.h"
-#include "identify_step.h"
+#include "identify_slides.h"
+#include "settings.h"
+#include "text/parse_number.h"
 
 /* Largest force, N, and torque, Nm, and as a part of the device's. */
 static const double BOUND[IDENTIFY_SPACES] = { 0.5, 0.01 }, BOUND_PART = 0.1;
@@ -110,13 +112,13 @@ static int moves_at_rest(const struct identify_server *server, uint32_t space)
     const struct identify_store *store = &server->store[space];
     const double allowed = fmax(REST_MAX[space], 4.0 * step_of(server, space));
     for (int k = 0; k < 3; k++) {
-        double least = 0.0, most = 0.0;
+        double min = 0.0, max = 0.0;
         for (uint32_t n = 0; n < store->sample_count; n++) {
             const double y = store->samples[n].y[k] - store->samples[0].y[k];
-            least = fmin(least, y);
-            most = fmax(most, y);
+            min = fmin(min, y);
+            max = fmax(max, y);
         }
-        if (most - least > allowed)
+        if (max - min > allowed)
             return 1;
     }
     return 0;
@@ -145,8 +147,8 @@ static dpt_result run_return(struct identify_server *server)
     return identify_serve(server);
 }
 
-/* So far it must move, m or rad, to have moved at all. */
-static double least_motion(const struct identify_server *server)
+/* The least displacement, m or rad, that counts as motion. */
+static double min_motion(const struct identify_server *server)
 {
     return fmax(4.0 * step_of(server, server->space), MOVES_PART * server->range[server->space]);
 }
@@ -159,7 +161,7 @@ static dpt_result run_trial(struct identify_server *server, double level, double
                                              .push_time = push_time,
                                              .speed = aim * server->speed[server->space],
                                              .range = aim * server->range[server->space],
-                                             .least = least_motion(server),
+                                             .min_motion = min_motion(server),
                                              .brake = -1.0,
                                              .rest = -1.0 };
     server->trial.y0 = server->motion.displacement[server->space][server->axis];
@@ -182,7 +184,7 @@ static dpt_result find_strength(struct identify_server *server, struct identify_
         const double sign = i % 2 ? 1.0 : -1.0;
         level = bound / (double)(1u << (i > 0 ? i : 0));
         DPT_TRY(run_trial(server, sign * level, i < 0 ? TRIAL_LONG : shortest));
-        moves = trial->peak >= least_motion(server) && trial->peak_speed > (i < 0 ? 0.0 : speed / 3.0);
+        moves = trial->peak >= min_motion(server) && trial->peak_speed > (i < 0 ? 0.0 : speed / 3.0);
     }
     if (!moves || !goes_on(server)) {
         if (trial->peak > 2.0 * step_of(server, server->space) && trial->peak > 1e-3 * server->range[server->space] &&
@@ -418,4 +420,116 @@ dpt_result dpt_device_identify(dpt_device *device, const dpt_identify_def *given
     free(server);
     sized_write(out, out->size, &result, sizeof result);
     return code;
+}
+
+/* ---- a file of the dynamics ---- */
+
+/* Device dynamics from a file: lines "name=value" (identify.h). */
+
+/* The values of one name: itself, and the ends of its interval. */
+enum { VALUE, LOW, HIGH, KINDS };
+
+struct dynamics_file {
+    const char *path;
+    struct dynamics dynamics;
+    struct setting settings[DYNAMICS_SETTINGS];
+    double value[DYNAMICS_SETTINGS][KINDS];
+    int is_set[DYNAMICS_SETTINGS][KINDS];
+};
+
+static dpt_result complain(const struct settings_line *line, dpt_device_error *error, const char *what, size_t length,
+                           const char *reason)
+{
+    return device_error(error, DPT_E_SYNTAX, "%.100s: line %d: '%.*s' %s", line->path, line->number,
+                        (int)(length < 40 ? length : 40), what, reason);
+}
+
+/* The setting of a name that may end in _low or _high; -1: none. */
+static int find_name(const struct dynamics_file *file, const char *name, size_t length, int *kind)
+{
+    static const char *const ends[KINDS] = { "", "_low", "_high" };
+    for (int i = 0; i < DYNAMICS_SETTINGS; i++)
+        for (*kind = 0; *kind < KINDS; ++*kind) {
+            const size_t own = strlen(file->settings[i].name), more = strlen(ends[*kind]);
+            if (length == own + more && !memcmp(name, file->settings[i].name, own) &&
+                !memcmp(name + own, ends[*kind], more))
+                return i;
+        }
+    return -1;
+}
+
+static dpt_result take_line(void *user, const struct settings_line *line, dpt_device_error *error)
+{
+    struct dynamics_file *file = user;
+    const char *text = line->text;
+    const size_t length = (size_t)(line->end - text);
+    const size_t name = line->equals ? (size_t)(line->equals - text) : length;
+    int kind;
+    double number;
+    if (!line->equals)
+        return complain(line, error, text, length, "is not name=value");
+    const int i = find_name(file, text, name, &kind);
+    if (i < 0)
+        return complain(line, error, text, name, "is no name of a value");
+    if (file->is_set[i][kind])
+        return complain(line, error, text, name, "comes twice");
+    if (parse_double(line->equals + 1, line->end, &number) != line->end)
+        return complain(line, error, line->equals + 1, length - name - 1, "is not a number");
+    if (!(number >= file->settings[i].min && (kind != VALUE || number <= file->settings[i].max)))
+        return complain(line, error, text, length, "is out of range");
+    file->is_set[i][kind] = 1;
+    file->value[i][kind] = number;
+    return DPT_OK;
+}
+
+/* The ends of an interval must have their value between them. */
+static dpt_result check_intervals(const struct dynamics_file *file, dpt_device_error *error)
+{
+    for (int i = 0; i < DYNAMICS_SETTINGS; i++) {
+        const double *value = file->value[i];
+        const int *is_set = file->is_set[i];
+        if (((is_set[LOW] || is_set[HIGH]) && !is_set[VALUE]) || (is_set[LOW] && value[LOW] > value[VALUE]) ||
+            (is_set[HIGH] && value[HIGH] < value[VALUE]))
+            return device_error(error, DPT_E_SYNTAX, "%.100s: %s is not within its interval", file->path,
+                                file->settings[i].name);
+    }
+    return DPT_OK;
+}
+
+static void replace(const struct dynamics_file *file, dpt_device_info *info)
+{
+    double *const fields[DYNAMICS_SETTINGS] = { &info->mass,         &info->inertia,       &info->damping,
+                                                &info->spin_damping, &info->friction,      &info->spin_friction,
+                                                &info->delay,        &info->position_step, &info->angle_step };
+    for (int i = 0; i < DYNAMICS_SETTINGS; i++)
+        if (file->is_set[i][VALUE])
+            *fields[i] = file->value[i][VALUE];
+}
+
+static dpt_result read_file(const char *path, dpt_device_info *info, dpt_device_error *error)
+{
+    dpt_device_info own = { .size = sizeof own };
+    struct dynamics_file file = { .path = path };
+    if (!path || !info)
+        return device_error(error, DPT_E_ARGUMENT, "there is no file, or no info");
+    DPT_TRY(sized_read(info, sizeof own, &own, sizeof own));
+    dynamics_settings(&file.dynamics, file.settings);
+    DPT_TRY(settings_file_read(path, take_line, &file, error));
+    DPT_TRY(check_intervals(&file, error));
+    replace(&file, &own);
+    sized_write(info, info->size, &own, sizeof own);
+    return DPT_OK;
+}
+
+dpt_result dpt_device_dynamics_read(const char *path, dpt_device_info *info, dpt_device_error *error)
+{
+    dpt_device_error own = { .size = sizeof own };
+    if (error)
+        DPT_TRY(sized_check(error, sizeof *error, 0));
+    own.code = read_file(path, info, &own);
+    if (own.code != DPT_OK && !own.text[0])
+        device_error(&own, own.code, "%s", dpt_result_text(own.code));
+    if (error)
+        sized_write(error, error->size, &own, sizeof own);
+    return own.code;
 }

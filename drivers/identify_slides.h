@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* What a record of pushes shows: the sensor's step, and slides for the fit. */
+#ifndef DPT_DRIVERS_IDENTIFY_SLIDES_H
+#define DPT_DRIVERS_IDENTIFY_SLIDES_H
+
+#include "identify_fit.h"
+#include "identify_record.h"
+
+/* The smallest change of position, or of angle, that the samples show; 0 if they show none. */
+double identify_step(const struct identify_sample *samples, uint32_t count);
+
 /*
  * Slides: the parts of a record in which a device moves one way, and their sums for a linear fit.
  *
@@ -8,11 +18,6 @@
  * with W = M^-1, C = W B, p = W F, h = W G, k = W K, U the double integral of the motor's force, I the integral of y
  * and S its double integral. The error of y is the sensor's; U is known exactly.
  */
-#ifndef DPT_DRIVERS_IDENTIFY_SLIDES_H
-#define DPT_DRIVERS_IDENTIFY_SLIDES_H
-
-#include "identify_fit.h"
-#include "identify_matrix.h"
 
 /* The terms of the equation that slides share: U, I of each coordinate, sign t^2/2, t^2/2, S and y of each. */
 enum { TERM_U, TERM_I, TERM_FRICTION = TERM_I + 3, TERM_CONSTANT, TERM_S, TERM_Y = TERM_S + 3, TERMS = TERM_Y + 3 };

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "base/quaternion.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/vec3.h"
@@ -69,11 +70,6 @@ struct selftest_motion {
     double displacement_max, displacement_error_max, rotation_max, rotation_error_max;
 };
 
-static double length_of(const double *v)
-{
-    return length(vec3_of(v));
-}
-
 static double difference(const double *a, const double *b)
 {
     return length(sub(vec3_of(a), vec3_of(b)));
@@ -90,10 +86,10 @@ static void add_motion(struct selftest_motion *motion, const dpt_device_state *f
         motion->rotation[k] += rotation[k];
         motion->spin_integral[k] += 0.5 * dt * (from->spin[k] + to->spin[k]);
     }
-    motion->displacement_max = fmax(motion->displacement_max, length_of(motion->displacement));
+    motion->displacement_max = fmax(motion->displacement_max, vec3_length(motion->displacement));
     motion->displacement_error_max =
         fmax(motion->displacement_error_max, difference(motion->displacement, motion->velocity_integral));
-    motion->rotation_max = fmax(motion->rotation_max, length_of(motion->rotation));
+    motion->rotation_max = fmax(motion->rotation_max, vec3_length(motion->rotation));
     motion->rotation_error_max = fmax(motion->rotation_error_max, difference(motion->rotation, motion->spin_integral));
 }
 
@@ -121,7 +117,7 @@ static int numbers_are_finite(const dpt_device_state *state)
 
 static double unit_length_error(const double *q)
 {
-    return fabs(sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) - 1.0);
+    return fabs(quaternion_length(q) - 1.0);
 }
 
 /* Add the state that was just read. */

@@ -41,7 +41,7 @@ void dynamics_override(const struct dynamics *dynamics, dpt_device_info *info);
  * "settings=FILE" stands for all lines "name=value" of a file, which has none of these itself. What comes later counts.
  *
  * DPT_E_SETTING: a setting is unknown, not a number, out of range or too long; `error` says which. Errors of the file are
- * those of settings_file.h.
+ * those of settings.h.
  */
 dpt_result settings_read(const char *where, char *address, size_t address_bytes, const struct setting *settings,
                          size_t count, struct dynamics *dynamics, dpt_device_error *error);
@@ -52,5 +52,26 @@ dpt_result device_error(dpt_device_error *error, dpt_result code, const char *fo
     __attribute__((format(printf, 3, 4)))
 #endif
     ;
+
+/*
+ * A line "name=value" of a file of device dynamics or of settings. Blank lines and lines that begin with '#' are skipped.
+ */
+struct settings_line {
+    const char *path;
+    int number; /* from 1 */
+    const char *text, *end;
+    const char *equals; /* where the name ends; NULL: there is no '=' */
+};
+
+/* Takes one line; what it returns ends the reading unless it is DPT_OK. */
+typedef dpt_result settings_line_fn(void *user, const struct settings_line *line, dpt_device_error *error);
+
+/*
+ * Read a file, line by line.
+ *
+ * DPT_E_OPEN: it cannot be opened or read. DPT_E_LIMIT: it has more than 64 KiB. DPT_E_SYNTAX: a line has more than 510
+ * characters.
+ */
+dpt_result settings_file_read(const char *path, settings_line_fn *take, void *user, dpt_device_error *error);
 
 #endif

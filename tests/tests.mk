@@ -125,8 +125,8 @@ TESTS += $(B)/tests/test_calls
 FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene plan) mesh forged arm wire record snapshot request
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
                $(B)/tools/shape/shape.o $(B)/tools/shape/shape_organs.o $(B)/drivers/serial/wire.o $(WIRE_DEVICE) \
-               $(B)/drivers/csv.o $(B)/drivers/trace.o $(B)/drivers/settings.o \
-               $(B)/drivers/settings_file.o $(FUZZ_SCENE) $(B)/tools/view/view_request.o $(CORE) $(TEXT) $(COMPILE)
+               $(B)/drivers/csv.o $(B)/drivers/settings.o $(FUZZ_SCENE) \
+               $(B)/tools/view/view_request.o $(CORE) $(TEXT) $(COMPILE)
 $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
 	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $^ -lm $(THREADS) $(JANSSON_LIBS) -o $@
 fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/quaternion.h"
+#include "base/return_if_error.h"
 #include "base/wrench_limit.h"
 #include "settings.h"
 #include "text/parse_number.h"
@@ -94,16 +96,16 @@ static dpt_result read_nodes(struct can_arm *arm, const char *text, dpt_device_e
     double nodes[DPT_JOINTS_MAX];
     for (uint32_t i = 0; i < DPT_JOINTS_MAX; i++)
         nodes[i] = i;
-    const dpt_result result = read_list("nodes", text, arm->joints, nodes, error);
     uint64_t used_nodes = 0;
-    for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
+    DPT_TRY(read_list("nodes", text, arm->joints, nodes, error));
+    for (uint32_t i = 0; i < arm->joints; i++) {
         if (!(nodes[i] >= 0.0 && nodes[i] < 64.0) || nodes[i] != floor(nodes[i]) ||
             used_nodes >> (uint32_t)nodes[i] & 1)
             return device_error(error, DPT_E_SETTING, "nodes are numbers of 0 to 63, another one for each joint");
         arm->nodes[i] = (uint8_t)nodes[i];
         used_nodes |= (uint64_t)1 << arm->nodes[i];
     }
-    return result;
+    return DPT_OK;
 }
 
 /*
@@ -115,8 +117,8 @@ static dpt_result read_gears(struct can_arm *arm, const struct can_settings *set
     double gear[DPT_JOINTS_MAX];
     for (uint32_t i = 0; i < arm->joints; i++)
         gear[i] = arm->is_slider[i] ? 0.0 : 1.0;
-    dpt_result result = read_list("gear", settings->gear, arm->joints, gear, error);
-    for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
+    DPT_TRY(read_list("gear", settings->gear, arm->joints, gear, error));
+    for (uint32_t i = 0; i < arm->joints; i++) {
         if (!(fabs(gear[i]) >= 1e-6))
             return device_error(error, DPT_E_SETTING,
                                 "gear: joint %u needs one: turns of the motor for %s, negative "
@@ -125,17 +127,15 @@ static dpt_result read_gears(struct can_arm *arm, const struct can_settings *set
         arm->joint_per_turn[i] = arm->is_slider[i] ? 1.0 / gear[i] : TURN / gear[i];
         arm->torque_per_effort[i] = arm->is_slider[i] ? 1.0 / (gear[i] * TURN) : 1.0 / gear[i];
     }
-    if (result == DPT_OK)
-        result = read_list("zero", settings->zero, arm->joints, arm->zero, error);
-    if (result == DPT_OK)
-        result = read_list("torque", settings->torque, arm->joints, arm->limit, error);
-    for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++)
+    DPT_TRY(read_list("zero", settings->zero, arm->joints, arm->zero, error));
+    DPT_TRY(read_list("torque", settings->torque, arm->joints, arm->limit, error));
+    for (uint32_t i = 0; i < arm->joints; i++)
         if (!(arm->limit[i] > 0.0))
             return device_error(error, DPT_E_SETTING,
                                 "torque: the arm's file has no limit for joint %u: give the "
                                 "joints' limits, Nm or N, by ?torque=",
                                 (unsigned)i);
-    return result;
+    return DPT_OK;
 }
 
 /* Read where the device's x, y and z point in the root's frame, as in "-y+z-x"; it must be right-handed. */
@@ -259,19 +259,14 @@ static dpt_result set_up(struct can_arm *arm, const struct can_settings *setting
         arm->limit[i] = joint[i].effort;
         arm->middle[i] = coordinate_at(&joint[i], 0.5);
     }
-    dpt_result result = dpt_arm_forward(arm->arm, arm->middle, &tool);
+    const dpt_result result = dpt_arm_forward(arm->arm, arm->middle, &tool);
     if (result != DPT_OK)
         return device_error(error, result, "the arm's joints have no middle");
     memcpy(arm->centre, tool.position, sizeof arm->centre);
-    result = read_nodes(arm, settings->nodes, error);
-    if (result == DPT_OK)
-        result = read_gears(arm, settings, error);
-    if (result == DPT_OK)
-        result = read_axes(arm, settings->axes, error);
-    if (result == DPT_OK)
-        result = read_list("centre", settings->centre, 3, arm->centre, error);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(read_nodes(arm, settings->nodes, error));
+    DPT_TRY(read_gears(arm, settings, error));
+    DPT_TRY(read_axes(arm, settings->axes, error));
+    DPT_TRY(read_list("centre", settings->centre, 3, arm->centre, error));
     const double down[3] = { 0.0, settings->weight != 0.0 && info.mass > 0.0 ? -GRAVITY : 0.0, 0.0 };
     can_arm_to_root(arm, down, arm->gravity);
     measure_workspace(arm, joint);
@@ -338,17 +333,10 @@ dpt_result can_arm_pose(const struct can_arm *arm, const double *joints, const d
 {
     dpt_pose tool;
     double velocity[3], spin[3];
-    dpt_result result = dpt_arm_forward(arm->arm, joints, &tool);
-    if (result == DPT_OK)
-        result = dpt_arm_velocity(arm->arm, joints, speeds, velocity, spin);
-    if (result != DPT_OK)
-        return result;
-    const double *a = arm->root_to_device, *b = tool.orientation;
+    DPT_TRY(dpt_arm_forward(arm->arm, joints, &tool));
+    DPT_TRY(dpt_arm_velocity(arm->arm, joints, speeds, velocity, spin));
     device_position(arm, &tool, state->pose.position);
-    state->pose.orientation[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
-    state->pose.orientation[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
-    state->pose.orientation[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
-    state->pose.orientation[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+    quaternion_multiply(arm->root_to_device, tool.orientation, state->pose.orientation);
     to_device(arm, velocity, state->velocity);
     to_device(arm, spin, state->spin);
     memcpy(state->joint, joints, arm->joints * sizeof *joints);
@@ -367,16 +355,14 @@ dpt_result can_arm_torques(const struct can_arm *arm, const double *joints, cons
         memset(root.torque, 0, sizeof root.torque);
     limit_length(root.force, FORCE_MAX);
     limit_length(root.torque, FORCE_MAX);
-    dpt_result result = dpt_arm_efforts(arm->arm, joints, &root, efforts);
-    if (result == DPT_OK && extent_of(vec3_of(arm->gravity)) > 0.0)
-        result = dpt_arm_weight(arm->arm, joints, arm->gravity, weight);
-    for (uint32_t i = 0; i < arm->joints && result == DPT_OK; i++) {
+    DPT_TRY(dpt_arm_efforts(arm->arm, joints, &root, efforts));
+    if (extent_of(vec3_of(arm->gravity)) > 0.0)
+        DPT_TRY(dpt_arm_weight(arm->arm, joints, arm->gravity, weight));
+    for (uint32_t i = 0; i < arm->joints; i++) {
         weight[i] *= weight_share;
         weight_scale =
             fabs(weight[i]) > arm->limit[i] ? min_of(weight_scale, arm->limit[i] / fabs(weight[i])) : weight_scale;
     }
-    if (result != DPT_OK)
-        return result;
     for (uint32_t i = 0; i < arm->joints; i++) {
         weight[i] *= weight_scale;
         const double effort_left = arm->limit[i] - (efforts[i] > 0.0 ? weight[i] : -weight[i]);

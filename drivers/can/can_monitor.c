@@ -246,6 +246,34 @@ static void take_errors(struct can_monitor *monitor, struct can_node *node, unsi
     monitor->code = monitor->code ? monitor->code : (uint32_t)errors;
 }
 
+static void take_address(struct can_monitor *monitor, struct can_node *node, uint64_t serial)
+{
+    if (node->serial && node->serial != serial) {
+        node->is_duplicate = 1;
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
+                               CAN_CODE(CAN_CODE_DUPLICATE, node->node));
+    }
+    node->serial = serial;
+}
+
+static void take_estimates(struct can_monitor *monitor, struct can_node *node, float position, float velocity,
+                           uint64_t time_ns)
+{
+    if (node->has_estimate) {
+        const uint64_t elapsed_ns = time_ns - node->estimate_ns;
+        check_rate(monitor, node, &node->estimates_ahead_ns, elapsed_ns, monitor->period_ns, SAMPLES_AHEAD,
+                   SAMPLES_LEAK);
+        check_jump(monitor, node, position, velocity, (int64_t)elapsed_ns);
+    }
+    node->position = position;
+    node->velocity = velocity;
+    node->estimate_ns = time_ns;
+    node->has_estimate = node->is_fresh = 1;
+    if (node->estimates++ == 0)
+        node->first_ns = time_ns;
+    complete_sample(monitor, time_ns);
+}
+
 void can_monitor_take(struct can_monitor *monitor, const struct can_message *message)
 {
     struct odrive_message decoded;
@@ -293,28 +321,10 @@ void can_monitor_take(struct can_monitor *monitor, const struct can_message *mes
         take_errors(monitor, node, ODRIVE_CONTROLLER_ERRORS, decoded.as.error.active);
         break;
     case ODRIVE_ADDRESS:
-        if (node->serial && node->serial != decoded.as.address.serial) {
-            node->is_duplicate = 1;
-            can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
-                                   CAN_CODE(CAN_CODE_DUPLICATE, node->node));
-        }
-        node->serial = decoded.as.address.serial;
+        take_address(monitor, node, decoded.as.address.serial);
         break;
     case ODRIVE_ESTIMATES:
-        if (node->has_estimate) {
-            const uint64_t elapsed_ns = message->time_ns - node->estimate_ns;
-            check_rate(monitor, node, &node->estimates_ahead_ns, elapsed_ns, monitor->period_ns, SAMPLES_AHEAD,
-                       SAMPLES_LEAK);
-            check_jump(monitor, node, decoded.as.estimates.position, decoded.as.estimates.velocity,
-                       (int64_t)elapsed_ns);
-        }
-        node->position = decoded.as.estimates.position;
-        node->velocity = decoded.as.estimates.velocity;
-        node->estimate_ns = message->time_ns;
-        node->has_estimate = node->is_fresh = 1;
-        if (node->estimates++ == 0)
-            node->first_ns = message->time_ns;
-        complete_sample(monitor, message->time_ns);
+        take_estimates(monitor, node, decoded.as.estimates.position, decoded.as.estimates.velocity, message->time_ns);
         break;
     default:
         break;

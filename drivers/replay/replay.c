@@ -6,12 +6,13 @@
 #include <string.h>
 
 #include "base/angle.h"
+#include "base/quaternion.h"
 #include "base/return_if_error.h"
 #include "base/vec3.h"
 #include "clock.h"
+#include "csv.h"
 #include "dynpoint/driver.h"
 #include "settings.h"
-#include "trace.h"
 
 /* The longest trace. 2^63 ns are 292 years, and a trace may be repeated. */
 static const double SECONDS_MAX = 100.0 * 365.0 * 86400.0;
@@ -61,17 +62,6 @@ static vec3 tool_axis(const double *q)
                    1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]) };
 }
 
-static void multiply_quaternions(const double *a, const double *b, double *out)
-{
-    const double q[4] = { a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-                          a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-                          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-                          a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0] };
-    double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    for (int i = 0; i < 4; i++)
-        out[i] = q[i] / size;
-}
-
 /*
  * The sample of the present row: the origin is A, z points to B. It turns no more than it must, from the identity
  * after a jump.
@@ -102,7 +92,8 @@ static void take_sample(struct replay *replay, int is_jump)
     if (!is_jump && half_sine > 0.0)
         vec3_store(scaled(vec3_of(rotation + 1), replay->rate * angle_between(direction_before, direction) / half_sine),
                    sample->spin);
-    multiply_quaternions(rotation, sample->pose.orientation, sample->pose.orientation);
+    quaternion_multiply(rotation, sample->pose.orientation, sample->pose.orientation);
+    quaternion_normalise(sample->pose.orientation);
 }
 
 static void next_row(struct replay *replay)

@@ -15,7 +15,6 @@
 #include "dynpoint/driver.h"
 #include "settings.h"
 #include "sim/sim_axis.h"
-#include "sim/sim_hand.h"
 #include "sim/sim_random.h"
 #include "text/parse_number.h"
 
@@ -443,12 +442,8 @@ static dpt_result prepare(struct sim *sim, dpt_device_error *error)
     return DPT_OK;
 }
 
-static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
+static void set_defaults(struct sim *sim)
 {
-    (void)driver;
-    struct sim *sim = calloc(1, sizeof *sim);
-    if (!sim)
-        return device_error(error, DPT_E_MEMORY, "memory ran out");
     sim->mass[0] = 0.1;
     sim->damping[0] = 0.5;
     sim->grip[0] = 200.0;
@@ -463,6 +458,10 @@ static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_devi
     sim->watchdog = 0.01;
     sim->reach = 0.03;
     sim->cycle = 4.0;
+}
+
+static dpt_result read_settings(struct sim *sim, const char *where, dpt_device_error *error)
+{
     const struct setting settings[] = {
         { .name = "mass", .number = &sim->mass[0], .min = 1e-4, .max = 100.0 },
         { .name = "damping", .number = &sim->damping[0], .max = 1e3 },
@@ -499,10 +498,18 @@ static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_devi
         { .name = "fault", .text = sim->fault, .text_bytes = sizeof sim->fault },
     };
     char address[64];
-    dpt_result result =
-        settings_read(where, address, sizeof address, settings, sizeof settings / sizeof *settings, NULL, error);
-    if (result == DPT_OK && address[0])
-        result = device_error(error, DPT_E_SETTING, "only settings, as in sim:?live=1");
+    DPT_TRY(settings_read(where, address, sizeof address, settings, sizeof settings / sizeof *settings, NULL, error));
+    return address[0] ? device_error(error, DPT_E_SETTING, "only settings, as in sim:?live=1") : DPT_OK;
+}
+
+static dpt_result sim_open(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
+{
+    (void)driver;
+    struct sim *sim = calloc(1, sizeof *sim);
+    if (!sim)
+        return device_error(error, DPT_E_MEMORY, "memory ran out");
+    set_defaults(sim);
+    dpt_result result = read_settings(sim, where, error);
     if (result == DPT_OK)
         result = prepare(sim, error);
     if (result != DPT_OK) {

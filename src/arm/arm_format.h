@@ -66,7 +66,10 @@ struct arm_corner {
     double at[3];
 };
 
-/* The header. After `magic` come 4-byte words up to `bytes`, then 8-byte words up to `name`; from `jaws` on 4-byte words. */
+/*
+ * The header. After `magic` come 4-byte words up to `bytes`, then 8-byte words up to `name`; from `jaws` on 4-byte
+ * words.
+ */
 struct dpt_arm {
     char magic[8];
     uint32_t byte_order;

@@ -96,4 +96,51 @@ static inline vec3 least_turn(vec3 a, vec3 b)
     return scaled(unit_of(cross(a, other)), 0.5 * ANGLE_TURN);
 }
 
+/*
+ * Arrays w, x, y, z. Sums run from left to right: the last bits may differ from those of quaternion_product and
+ * quaternion_turn. `out` may be an argument.
+ */
+
+/* out = a b: first b, then a. */
+static inline void quaternion_multiply(const double a[4], const double b[4], double out[4])
+{
+    const double w = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
+    const double x = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
+    const double y = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
+    const double z = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+    out[0] = w;
+    out[1] = x;
+    out[2] = y;
+    out[3] = z;
+}
+
+static inline double quaternion_length(const double q[4])
+{
+    return sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+}
+
+/* Divide a quaternion that is not 0 by its length. */
+static inline void quaternion_normalise(double q[4])
+{
+    const double size = quaternion_length(q);
+    for (int k = 0; k < 4; k++)
+        q[k] /= size;
+}
+
+/* A vector, turned by a unit quaternion. */
+static inline void quaternion_rotate(const double q[4], const double v[3], double out[3])
+{
+    const vec3 t = scaled(cross(vec3_of(q + 1), vec3_of(v)), 2.0);
+    const vec3 turned = { v[0] + q[0] * t.x + q[2] * t.z - q[3] * t.y, v[1] + q[0] * t.y + q[3] * t.x - q[1] * t.z,
+                          v[2] + q[0] * t.z + q[1] * t.y - q[2] * t.x };
+    vec3_store(turned, out);
+}
+
+/* The same, turned back. */
+static inline void quaternion_rotate_back(const double q[4], const double v[3], double out[3])
+{
+    const double back[4] = { q[0], -q[1], -q[2], -q[3] };
+    quaternion_rotate(back, v, out);
+}
+
 #endif

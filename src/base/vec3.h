@@ -78,6 +78,30 @@ static inline vec3 unit_of(vec3 a)
     return size > 0.0 ? scaled(a, 1.0 / size) : (vec3){ 0.0, 0.0, 0.0 };
 }
 
+/* out = a cross b */
+static inline void vec3_cross(const double a[3], const double b[3], double out[3])
+{
+    vec3_store(cross(vec3_of(a), vec3_of(b)), out);
+}
+
+static inline double vec3_dot(const double a[3], const double b[3])
+{
+    return dot(vec3_of(a), vec3_of(b));
+}
+
+static inline double vec3_length(const double v[3])
+{
+    return length(vec3_of(v));
+}
+
+/* Divide a vector by its length; zero stays zero. unit_of multiplies by the inverse: the last bits may differ. */
+static inline void vec3_normalise(double v[3])
+{
+    const double size = vec3_length(v);
+    for (int k = 0; k < 3 && size > 0.0; k++)
+        v[k] /= size;
+}
+
 static inline double max_of(double a, double b)
 {
     return a > b ? a : b;

@@ -52,8 +52,8 @@ enum { WORK_COUNTED_ON = 32 };
 static inline void work_spend_between(struct work *work, uint32_t units)
 {
     const uint32_t left = work_left(work);
-    const uint32_t most = left > WORK_COUNTED_ON ? left - WORK_COUNTED_ON : 0;
-    work->done += units < most ? units : most;
+    const uint32_t max = left > WORK_COUNTED_ON ? left - WORK_COUNTED_ON : 0;
+    work->done += units < max ? units : max;
 }
 
 #endif

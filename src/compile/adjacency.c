@@ -108,12 +108,12 @@ int model_is_wound_against(const struct model *model, uint32_t half, uint32_t ne
 }
 
 /* Number the parts by their first triangle. Count the triangles and edges of each. */
-static dpt_result number_parts(struct model *model, soup *source, uint32_t *parent)
+static dpt_result number_parts(struct model *model, const struct compile_context *context, uint32_t *parent)
 {
     uint32_t count = 0;
     for (uint32_t t = 0; t < model->triangle_count; t++)
         count += parent[t] == t;
-    model->parts = model_alloc(source, count, sizeof *model->parts);
+    model->parts = compile_alloc(context, count, sizeof *model->parts);
     if (!model->parts)
         return DPT_E_MEMORY;
     memset(model->parts, 0, count * sizeof *model->parts);
@@ -195,10 +195,10 @@ static void wind_part(struct model *model, struct part *part, uint32_t start, ui
     model->closed_parts++;
 }
 
-static dpt_result wind_parts(struct model *model, soup *source)
+static dpt_result wind_parts(struct model *model, const struct compile_context *context)
 {
-    model->is_turned = model_alloc(source, model->triangle_count, sizeof *model->is_turned);
-    uint32_t *queue = model_alloc(source, model->triangle_count, sizeof *queue);
+    model->is_turned = compile_alloc(context, model->triangle_count, sizeof *model->is_turned);
+    uint32_t *queue = compile_alloc(context, model->triangle_count, sizeof *queue);
     dpt_result result = DPT_E_MEMORY;
     if (model->is_turned && queue) {
         memset(model->is_turned, UNVISITED, model->triangle_count);
@@ -231,15 +231,15 @@ static void fill_fans(struct model *model)
         model->fans[--first[model->corners[c]]] = (uint32_t)(c / 3);
 }
 
-dpt_result model_adjacency(struct model *model, soup *source)
+dpt_result model_adjacency(struct model *model, const struct compile_context *context)
 {
     size_t count = 3 * (size_t)model->triangle_count;
-    uint32_t *half = model_alloc(source, count, sizeof *half);
-    uint32_t *spare = model_alloc(source, count, sizeof *spare);
-    model->neighbours = model_alloc(source, count, sizeof *model->neighbours);
-    model->fans = model_alloc(source, count, sizeof *model->fans);
-    model->part_of = model_alloc(source, model->triangle_count, sizeof *model->part_of);
-    model->fan_first = model_alloc(source, (size_t)model->vertex_count + 1, sizeof *model->fan_first);
+    uint32_t *half = compile_alloc(context, count, sizeof *half);
+    uint32_t *spare = compile_alloc(context, count, sizeof *spare);
+    model->neighbours = compile_alloc(context, count, sizeof *model->neighbours);
+    model->fans = compile_alloc(context, count, sizeof *model->fans);
+    model->part_of = compile_alloc(context, model->triangle_count, sizeof *model->part_of);
+    model->fan_first = compile_alloc(context, (size_t)model->vertex_count + 1, sizeof *model->fan_first);
     dpt_result result = DPT_E_MEMORY;
     if (half && spare && model->neighbours && model->fans && model->part_of && model->fan_first) {
         for (uint32_t h = 0; h < count; h++)
@@ -249,9 +249,9 @@ dpt_result model_adjacency(struct model *model, soup *source)
         for (uint32_t t = 0; t < model->triangle_count; t++)
             half[t] = t;
         connect_edges(model, half, spare);
-        result = number_parts(model, source, half);
+        result = number_parts(model, context, half);
         if (result == DPT_OK)
-            result = wind_parts(model, source);
+            result = wind_parts(model, context);
         if (result == DPT_OK)
             fill_fans(model);
     }

@@ -12,14 +12,6 @@
 #include "compile/model.h"
 #include "mesh/mesh_format.h"
 
-void *model_alloc(soup *source, size_t count, size_t item_size)
-{
-    void *array = count <= SIZE_MAX / item_size ? malloc(count ? count * item_size : 1) : NULL;
-    if (!array && source)
-        soup_fail(source, DPT_E_MEMORY, (source_location){ 0, 0 }, "memory ran out");
-    return array;
-}
-
 void model_free(struct model *model)
 {
     free(model->positions);
@@ -64,7 +56,7 @@ static int triples_init(struct triples *set, soup *source, const void *words, si
         slots *= 2;
     set->words = words;
     set->mask = slots - 1;
-    set->slots = model_alloc(source, slots, sizeof *set->slots);
+    set->slots = compile_alloc(source->context, slots, sizeof *set->slots);
     if (set->slots)
         memset(set->slots, 0xff, slots * sizeof *set->slots);
     return set->slots ? 1 : 0;
@@ -142,7 +134,7 @@ static void sort3(uint32_t w[3])
  */
 static dpt_result keep_triangles(struct model *model, soup *source, const uint32_t *joined)
 {
-    uint32_t *sorted = model_alloc(source, source->triangle_count, 3 * sizeof *sorted);
+    uint32_t *sorted = compile_alloc(source->context, source->triangle_count, 3 * sizeof *sorted);
     struct triples set = { .slots = NULL };
     if (!sorted || !triples_init(&set, source, sorted, source->triangle_count)) {
         free(sorted);
@@ -176,10 +168,10 @@ dpt_result model_clean(struct model *model, soup *source)
     size_t triangles = source->triangle_count;
     model->source_triangle_count = (uint32_t)triangles;
     model->source_vertex_count = (uint32_t)source->vertex_count;
-    model->corners = model_alloc(source, triangles, 3 * sizeof *model->corners);
-    model->sources = model_alloc(source, triangles, sizeof *model->sources);
-    model->places = model_alloc(source, triangles, sizeof *model->places);
-    uint32_t *joined = model_alloc(source, source->vertex_count, sizeof *joined);
+    model->corners = compile_alloc(source->context, triangles, 3 * sizeof *model->corners);
+    model->sources = compile_alloc(source->context, triangles, sizeof *model->sources);
+    model->places = compile_alloc(source->context, triangles, sizeof *model->places);
+    uint32_t *joined = compile_alloc(source->context, source->vertex_count, sizeof *joined);
     dpt_result result = DPT_E_MEMORY;
     if (model->corners && model->sources && model->places && joined) {
         result = join_vertices(model, source, joined);
@@ -188,7 +180,7 @@ dpt_result model_clean(struct model *model, soup *source)
     }
     free(joined);
     if (result == DPT_OK && !model->triangle_count)
-        return soup_fail(source, DPT_E_EMPTY, (source_location){ 0, 0 },
-                         "no triangle with an area: %zu read, %u degenerate", triangles, model->dropped_degenerate);
+        return compile_fail(source->context, DPT_E_EMPTY, (source_location){ 0, 0 },
+                            "no triangle with an area: %zu read, %u degenerate", triangles, model->dropped_degenerate);
     return result;
 }

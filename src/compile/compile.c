@@ -5,12 +5,130 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "arm/arm_format.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/vec3.h"
+#include "compile/compile_context.h"
 #include "compile/model.h"
-#include "compile/parallel.h"
 #include "compile/spring_build.h"
+#include "compile/text.h"
+
+/* ---- the format of a file ---- */
+
+/* Do the bytes begin with the whole magic of a compiled mesh or arm? */
+static int is_compiled(const unsigned char *bytes, size_t size)
+{
+    return size >= 8 && (memcmp(bytes, MESH_MAGIC, 8) == 0 || memcmp(bytes, ARM_MAGIC, 8) == 0);
+}
+
+static int is_ply(source_text text)
+{
+    source_word word;
+    return text_next_word(&text, &word) && word_is(&word, "ply") && !text_next_word(&text, &word);
+}
+
+/* OFF with any prefix of the format, including those that the reader then refuses by name. */
+static int is_off(source_text text)
+{
+    source_word word;
+    text.has_comments = 1;
+    if (!text_seek_word(&text) || !text_next_word(&text, &word))
+        return 0;
+    while (word.begin < word.end && memchr("STCN4n", *word.begin, 6))
+        word.begin++;
+    if (word.end - word.begin < 3 || memcmp(word.begin, "OFF", 3) != 0)
+        return 0;
+    const char *after = word.begin + 3;
+    return after == word.end || (*after >= '0' && *after <= '9');
+}
+
+static int is_binary_stl(const unsigned char *bytes, size_t size)
+{
+    if (size < 84)
+        return 0;
+    uint64_t count =
+        (uint64_t)bytes[80] | (uint64_t)bytes[81] << 8 | (uint64_t)bytes[82] << 16 | (uint64_t)bytes[83] << 24;
+    return size == 84 + 50 * count;
+}
+
+static int is_ascii_stl(source_text text)
+{
+    source_word word;
+    return text_seek_word(&text) && text_next_word(&text, &word) && word_is_any_case(&word, "solid") &&
+           text_next_line(&text) && text_seek_word(&text) && text_next_word(&text, &word) &&
+           word_is_any_case(&word, "facet");
+}
+
+static int has_vertex_line(source_text text)
+{
+    source_word word;
+    do {
+        if (text_next_word(&text, &word) && word_is(&word, "v") && text_next_word(&text, &word))
+            return 1;
+    } while (text_next_line(&text));
+    return 0;
+}
+
+static uint32_t format_of_extension(const char *path)
+{
+    static const struct {
+        const char *ending;
+        uint32_t format;
+    } extensions[] = {
+        { "obj", DPT_FORMAT_OBJ }, { "stl", DPT_FORMAT_STL }, { "ply", DPT_FORMAT_PLY }, { "off", DPT_FORMAT_OFF }
+    };
+    const char *dot = path ? strrchr(path, '.') : NULL;
+    if (!dot)
+        return DPT_FORMAT_AUTO;
+    source_word word = { dot + 1, dot + strlen(dot) };
+    for (size_t i = 0; i < sizeof extensions / sizeof extensions[0]; i++) {
+        if (word_is_any_case(&word, extensions[i].ending))
+            return extensions[i].format;
+    }
+    return DPT_FORMAT_AUTO;
+}
+
+uint32_t source_format(const char *path, const unsigned char *bytes, size_t size)
+{
+    source_text text;
+    text_begin(&text, NULL, bytes, size);
+    if (is_ply(text))
+        return DPT_FORMAT_PLY;
+    if (is_off(text))
+        return DPT_FORMAT_OFF;
+    if (is_binary_stl(bytes, size) || is_ascii_stl(text))
+        return DPT_FORMAT_STL;
+    if (is_compiled(bytes, size))
+        return DPT_FORMAT_AUTO;
+    uint32_t format = format_of_extension(path);
+    if (format == DPT_FORMAT_AUTO && has_vertex_line(text))
+        return DPT_FORMAT_OBJ;
+    return format;
+}
+
+dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes, size_t size)
+{
+    if (format != DPT_FORMAT_STL && is_compiled(bytes, size))
+        return compile_fail(source->context, DPT_E_FORMAT, (source_location){ 0, 0 },
+                            "this is compiled already: a .dpa file");
+    switch (format) {
+    case DPT_FORMAT_OBJ:
+        return read_obj(source, bytes, size);
+    case DPT_FORMAT_STL:
+        return read_stl(source, bytes, size);
+    case DPT_FORMAT_PLY:
+        return read_ply(source, bytes, size);
+    case DPT_FORMAT_OFF:
+        return read_off(source, bytes, size);
+    default:
+        if (!size)
+            return compile_fail(source->context, DPT_E_EMPTY, (source_location){ 0, 0 }, "the file is empty");
+        return compile_fail(source->context, DPT_E_FORMAT, (source_location){ 0, 0 }, "neither OBJ, STL, PLY nor OFF");
+    }
+}
+
+/* ---- from end to end ---- */
 
 static const source_location nowhere = { 0, 0 };
 
@@ -30,44 +148,41 @@ static uint64_t hash_of(const void *bytes, size_t size)
     return hash;
 }
 
+/* Begin a step: the callback hears of it. */
+static dpt_result begin_step(const struct compile_context *context, const char *step)
+{
+    return compile_report_progress(context, step, 0.0);
+}
+
+static dpt_result take_steps(struct model *model, soup *source)
+{
+    const struct compile_context *context = source->context;
+    DPT_TRY(soup_check_corners(source));
+    DPT_TRY(begin_step(context, "clean"));
+    DPT_TRY(model_clean(model, source));
+    DPT_TRY(begin_step(context, "order"));
+    DPT_TRY(model_order(model, source));
+    DPT_TRY(begin_step(context, "adjacency"));
+    DPT_TRY(model_adjacency(model, context));
+    DPT_TRY(begin_step(context, "intersections"));
+    DPT_TRY(model_intersections(model, context));
+    DPT_TRY(begin_step(context, "solid"));
+    DPT_TRY(model_solid(model, context));
+    DPT_TRY(begin_step(context, "normals"));
+    DPT_TRY(model_normals(model, context, context->crease));
+    if (context->def && context->def->cell_count)
+        DPT_TRY(begin_step(context, "embed"));
+    DPT_TRY(model_embed(model, source));
+    if (context->def && context->def->springs)
+        DPT_TRY(begin_step(context, "springs"));
+    DPT_TRY(model_springs(model, source));
+    return begin_step(context, "write");
+}
+
 static dpt_result build(soup *source, uint64_t source_size, uint64_t source_hash, dpt_compiled *out)
 {
     struct model model = { .corners = NULL };
-    dpt_result result = soup_check_corners(source);
-    if (result == DPT_OK)
-        result = soup_report_progress(source, "clean", 0.0);
-    if (result == DPT_OK)
-        result = model_clean(&model, source);
-    if (result == DPT_OK)
-        result = soup_report_progress(source, "order", 0.0);
-    if (result == DPT_OK)
-        result = model_order(&model, source);
-    if (result == DPT_OK)
-        result = soup_report_progress(source, "adjacency", 0.0);
-    if (result == DPT_OK)
-        result = model_adjacency(&model, source);
-    if (result == DPT_OK)
-        result = soup_report_progress(source, "intersections", 0.0);
-    if (result == DPT_OK)
-        result = model_intersections(&model, source);
-    if (result == DPT_OK)
-        result = soup_report_progress(source, "solid", 0.0);
-    if (result == DPT_OK)
-        result = model_solid(&model, source);
-    if (result == DPT_OK)
-        result = soup_report_progress(source, "normals", 0.0);
-    if (result == DPT_OK)
-        result = model_normals(&model, source, source->crease);
-    if (result == DPT_OK && source->def && source->def->cell_count)
-        result = soup_report_progress(source, "embed", 0.0);
-    if (result == DPT_OK)
-        result = model_embed(&model, source);
-    if (result == DPT_OK && source->def && source->def->springs)
-        result = soup_report_progress(source, "springs", 0.0);
-    if (result == DPT_OK)
-        result = model_springs(&model, source);
-    if (result == DPT_OK)
-        result = soup_report_progress(source, "write", 0.0);
+    dpt_result result = take_steps(&model, source);
     if (result == DPT_OK)
         result = model_write(&model, source, source_size, source_hash, out);
     model_free(&model);
@@ -84,6 +199,7 @@ void dpt_compile_def_defaults(dpt_compile_def *def, size_t size)
  * State of one public call. `def` and `diag` are copies in this library's version; the caller's may be older or newer.
  */
 struct compile_call {
+    struct compile_context context;
     soup source;
     dpt_compile_def def;
     dpt_spring_net_def springs;
@@ -93,54 +209,55 @@ struct compile_call {
 /* Copy the def of the springs. */
 static dpt_result take_springs(struct compile_call *call)
 {
-    soup *source = &call->source;
+    const struct compile_context *context = &call->context;
     const dpt_spring_net_def *given = call->def.springs;
     call->springs.size = sizeof call->springs;
     call->def.springs = &call->springs;
     dpt_result result = sized_read(given, sizeof call->springs, &call->springs, sizeof call->springs);
     if (result == DPT_E_UNSUPPORTED)
-        return soup_fail(source, result, nowhere, "the def of the springs has newer fields");
+        return compile_fail(context, result, nowhere, "the def of the springs has newer fields");
     if (result != DPT_OK)
-        return soup_fail(source, result, nowhere, "the size of the springs' def is not set");
+        return compile_fail(context, result, nowhere, "the size of the springs' def is not set");
     if (call->def.cell_count)
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "springs and cells exclude each other");
-    return springs_check(source, &call->springs);
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "springs and cells exclude each other");
+    return springs_check(context, &call->springs);
 }
 
 /* Check the arguments and fill in `call`. end_call must follow, whatever is returned. */
 static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *given, dpt_compiled *out,
                              const dpt_diag *diag)
 {
-    soup *source = &call->source;
+    struct compile_context *context = &call->context;
     dpt_compile_def *def = &call->def;
     memset(call, 0, sizeof *call);
-    soup_init(source, NULL, &call->diag);
+    compile_context_init(context, NULL, &call->diag);
+    soup_init(&call->source, context);
     if (out)
         *out = (dpt_compiled){ NULL, 0 };
     if (diag)
         DPT_TRY(sized_check(diag, sizeof *diag, 0));
     if (!out)
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no place for the bytes");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no place for the bytes");
     dpt_result result = given ? sized_read(given, SIZED_FIRST(dpt_compile_def, crease), def, sizeof *def) : DPT_OK;
     if (result == DPT_E_UNSUPPORTED)
-        return soup_fail(source, result, nowhere, "the def has fields of a newer version");
+        return compile_fail(context, result, nowhere, "the def has fields of a newer version");
     if (result != DPT_OK)
-        return soup_fail(source, result, nowhere, "the def's size field is not set");
+        return compile_fail(context, result, nowhere, "the def's size field is not set");
     if (given && sized_of(given) < offsetof(dpt_compile_def, reserved_pointer))
         def->springs = NULL; /* of half a pointer */
-    soup_init(source, def, &call->diag);
+    compile_context_init(context, def, &call->diag);
     if (def->reserved || def->reserved_pointer)
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the def's reserved fields are not 0");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "the def's reserved fields are not 0");
     if (def->format > DPT_FORMAT_OFF)
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such format");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no such format");
     if (def->scale < 0.0 || !within(def->scale, 1e30))
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the scale must be positive");
-    if (!(source->crease > 0.0 && source->crease <= CREASE_MAX))
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the crease must be 0..pi");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "the scale must be positive");
+    if (!(context->crease > 0.0 && context->crease <= CREASE_MAX))
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "the crease must be 0..pi");
     if (!def->node_count != !def->cell_count)
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "nodes without cells, or cells without");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "nodes without cells, or cells without");
     if (def->cell_count && (!def->nodes || !def->cells))
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no nodes or no cells");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no nodes or no cells");
     return def->springs ? take_springs(call) : DPT_OK;
 }
 
@@ -179,9 +296,9 @@ static dpt_result compile_bytes(struct compile_call *call, const char *path, con
     uint32_t format = call->def.format;
     if (format == DPT_FORMAT_AUTO)
         format = source_format(path, bytes, size);
-    DPT_TRY(soup_report_progress(source, "read", 0.0));
+    DPT_TRY(compile_report_progress(source->context, "read", 0.0));
     struct read_job job = { .source = source, .format = format, .bytes = bytes, .size = size };
-    parallel_for(size < HASH_MIN ? 1 : source->threads, 2, 1, read_and_hash, &job);
+    parallel_for(size < HASH_MIN ? 1 : source->context->threads, 2, 1, read_and_hash, &job);
     DPT_TRY(job.result);
     return build(source, size, job.hash, out);
 }
@@ -192,14 +309,14 @@ dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_d
     struct compile_call call;
     dpt_result result = begin_call(&call, def, out, diag);
     if (result == DPT_OK && !bytes && size)
-        result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no bytes");
+        result = compile_fail(&call.context, DPT_E_ARGUMENT, nowhere, "no bytes");
     if (result == DPT_OK)
         result = compile_bytes(&call, NULL, size ? bytes : (const void *)"", size, out);
     return end_call(&call, result, diag);
 }
 
 /* Read all of a file into a block that grows, because a pipe has no length. The caller frees *bytes. */
-static dpt_result read_all(soup *source, FILE *file, unsigned char **bytes, size_t *size)
+static dpt_result read_all(const struct compile_context *context, FILE *file, unsigned char **bytes, size_t *size)
 {
     size_t capacity = 0;
     for (;;) {
@@ -207,14 +324,14 @@ static dpt_result read_all(soup *source, FILE *file, unsigned char **bytes, size
             size_t new_capacity = capacity ? 2 * capacity : (size_t)1 << 16;
             unsigned char *grown = new_capacity > capacity ? realloc(*bytes, new_capacity) : NULL;
             if (!grown)
-                return soup_fail(source, DPT_E_MEMORY, nowhere, "memory ran out");
+                return compile_fail(context, DPT_E_MEMORY, nowhere, "memory ran out");
             *bytes = grown;
             capacity = new_capacity;
         }
         size_t read_count = fread(*bytes + *size, 1, capacity - *size, file);
         *size += read_count;
         if (ferror(file))
-            return soup_fail(source, DPT_E_OPEN, nowhere, "it cannot be read: %s", strerror(errno));
+            return compile_fail(context, DPT_E_OPEN, nowhere, "it cannot be read: %s", strerror(errno));
         if (!read_count)
             return DPT_OK;
     }
@@ -227,12 +344,12 @@ dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_co
     size_t size = 0;
     dpt_result result = begin_call(&call, def, out, diag);
     if (result == DPT_OK && !path)
-        result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no name of a file");
+        result = compile_fail(&call.context, DPT_E_ARGUMENT, nowhere, "no name of a file");
     FILE *file = result == DPT_OK ? fopen(path, "rb") : NULL;
     if (result == DPT_OK && !file)
-        result = soup_fail(&call.source, DPT_E_OPEN, nowhere, "it cannot be opened: %s", strerror(errno));
+        result = compile_fail(&call.context, DPT_E_OPEN, nowhere, "it cannot be opened: %s", strerror(errno));
     if (result == DPT_OK)
-        result = read_all(&call.source, file, &bytes, &size);
+        result = read_all(&call.context, file, &bytes, &size);
     if (result == DPT_OK)
         result = compile_bytes(&call, path, bytes, size, out);
     if (file)
@@ -247,7 +364,7 @@ dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const
     struct compile_call call;
     dpt_result result = begin_call(&call, def, out, diag);
     if (result == DPT_OK && ((!vertices && vertex_count) || (!corners && triangle_count)))
-        result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no vertices or no corners");
+        result = compile_fail(&call.context, DPT_E_ARGUMENT, nowhere, "no vertices or no corners");
     for (size_t v = 0; result == DPT_OK && v < vertex_count; v++)
         result = soup_add_vertex(&call.source, vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2],
                                  (source_location){ 0, 3 * sizeof *vertices * v });

@@ -101,13 +101,14 @@ static const char *name_of(const struct records *records, size_t index)
 }
 
 /* Fill the diag with the reader's fault, in words. `arm` is the file in the host's byte order. */
-static dpt_result explain_fault(soup *source, const struct dpt_arm *arm, const dpt_mesh_fault *fault)
+static dpt_result explain_fault(const struct compile_context *context, const struct dpt_arm *arm,
+                                const dpt_mesh_fault *fault)
 {
     struct records records[RECORD_KINDS];
     uint64_t byte = fault->byte;
     list_records(arm, records);
     if (byte < arm->header_bytes)
-        return soup_fail(source, fault->code, nowhere, "the tool: %s", reason_at("header", (size_t)byte));
+        return compile_fail(context, fault->code, nowhere, "the tool: %s", reason_at("header", (size_t)byte));
     byte -= arm->header_bytes;
     for (size_t i = 0; i < RECORD_KINDS; i++) {
         const size_t bytes = records[i].count * records[i].width;
@@ -115,43 +116,45 @@ static dpt_result explain_fault(soup *source, const struct dpt_arm *arm, const d
             const size_t index = (size_t)byte / records[i].width;
             const char *name = name_of(&records[i], index);
             char printable[WORD_SHOWN];
-            return soup_fail(source, fault->code, nowhere, "%s %zu%s%s: %s", records[i].what, index, *name ? ", " : "",
-                             word_printable(&(source_word){ name, name + strlen(name) }, printable),
-                             reason_at(records[i].section, (size_t)byte % records[i].width));
+            return compile_fail(context, fault->code, nowhere, "%s %zu%s%s: %s", records[i].what, index,
+                                *name ? ", " : "",
+                                word_printable(&(source_word){ name, name + strlen(name) }, printable),
+                                reason_at(records[i].section, (size_t)byte % records[i].width));
         }
         byte -= bytes;
     }
-    return soup_fail(source, fault->code, nowhere, "a body's mesh is damaged");
+    return compile_fail(context, fault->code, nowhere, "a body's mesh is damaged");
 }
 
 /*
  * Copy item i of one of the def's arrays into `own`. The caller's struct may be older or newer than this library's, of
  * current_size bytes: base/sized.h has the rule.
  */
-static dpt_result read_item(soup *source, const char *what, const void *array, uint32_t i, void *own,
-                            size_t current_size)
+static dpt_result read_item(const struct compile_context *context, const char *what, const void *array, uint32_t i,
+                            void *own, size_t current_size)
 {
     const uint32_t size = sized_of(array);
     dpt_result result = size % 8 ? DPT_E_SIZE : sized_take(sized_item(array, i), size, current_size, own, current_size);
     if (result == DPT_E_UNSUPPORTED)
-        return soup_fail(source, result, nowhere, "%s %u: it has fields of a newer version", what, i);
+        return compile_fail(context, result, nowhere, "%s %u: it has fields of a newer version", what, i);
     if (result != DPT_OK)
-        return soup_fail(source, result, nowhere, "%s 0: its size is not set", what);
+        return compile_fail(context, result, nowhere, "%s 0: its size is not set", what);
     return DPT_OK;
 }
 
-static dpt_result read_tip(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_tip *tip)
+static dpt_result read_tip(const struct compile_context *context, const dpt_arm_def *def, uint32_t i, dpt_arm_tip *tip)
 {
-    return read_item(source, "tip", def->tips, i, tip, sizeof *tip);
+    return read_item(context, "tip", def->tips, i, tip, sizeof *tip);
 }
 
-static dpt_result read_body(soup *source, const dpt_arm_def *def, uint32_t i, dpt_arm_body *body)
+static dpt_result read_body(const struct compile_context *context, const dpt_arm_def *def, uint32_t i,
+                            dpt_arm_body *body)
 {
-    return read_item(source, "body", def->bodies, i, body, sizeof *body);
+    return read_item(context, "body", def->bodies, i, body, sizeof *body);
 }
 
 /* Check the counts, the pointers to the arrays, and each body's size and mesh. */
-static dpt_result check_def(soup *source, const dpt_arm_def *def)
+static dpt_result check_def(const struct compile_context *context, const dpt_arm_def *def)
 {
     const struct {
         const char *what;
@@ -168,26 +171,26 @@ static dpt_result check_def(soup *source, const dpt_arm_def *def)
     };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         if (arrays[i].count < arrays[i].min || arrays[i].count > arrays[i].max)
-            return soup_fail(source, DPT_E_LIMIT, nowhere, "%u %s: an arm has %u to %u", arrays[i].count,
-                             arrays[i].what, arrays[i].min, arrays[i].max);
+            return compile_fail(context, DPT_E_LIMIT, nowhere, "%u %s: an arm has %u to %u", arrays[i].count,
+                                arrays[i].what, arrays[i].min, arrays[i].max);
         if (arrays[i].count && !arrays[i].array)
-            return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no array of %s", arrays[i].what);
+            return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no array of %s", arrays[i].what);
     }
     for (uint32_t i = 0; i < def->body_count; i++) {
         dpt_arm_body body;
-        DPT_TRY(read_body(source, def, i, &body));
+        DPT_TRY(read_body(context, def, i, &body));
         if (!body.mesh)
-            return soup_fail(source, DPT_E_ARGUMENT, nowhere, "body %u: it has no mesh", i);
+            return compile_fail(context, DPT_E_ARGUMENT, nowhere, "body %u: it has no mesh", i);
     }
     if (!def->tip_count && (def->jaw_count || def->jaw_link_count))
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "jaws, and no tip that they move");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "jaws, and no tip that they move");
     for (uint32_t i = 0; i < def->tip_count; i++) {
         dpt_arm_tip tip;
-        DPT_TRY(read_tip(source, def, i, &tip));
+        DPT_TRY(read_tip(context, def, i, &tip));
         if (!tip.corners || tip.reserved || tip.reserved_pointer || tip.corner_count < 3 ||
             tip.corner_count > DPT_HULL_CORNERS_MAX)
-            return soup_fail(source, DPT_E_ARGUMENT, nowhere, "tip %u: it has no corners, or not 3 to %d of them", i,
-                             DPT_HULL_CORNERS_MAX);
+            return compile_fail(context, DPT_E_ARGUMENT, nowhere, "tip %u: it has no corners, or not 3 to %d of them",
+                                i, DPT_HULL_CORNERS_MAX);
     }
     return DPT_OK;
 }
@@ -204,10 +207,10 @@ static int put_name(char to[DPT_ARM_NAME], const char *name)
     return length < DPT_ARM_NAME;
 }
 
-static dpt_result fail_name_length(soup *source, const char *what, uint32_t index)
+static dpt_result fail_name_length(const struct compile_context *context, const char *what, uint32_t index)
 {
-    return soup_fail(source, DPT_E_LIMIT, nowhere, "%s %u: its name has more than %d bytes", what, index,
-                     DPT_ARM_NAME - 1);
+    return compile_fail(context, DPT_E_LIMIT, nowhere, "%s %u: its name has more than %d bytes", what, index,
+                        DPT_ARM_NAME - 1);
 }
 
 /* Scale a vector to unit length if it is so within 1e-6. The reader refuses any other. */
@@ -221,12 +224,12 @@ static void make_unit(double *number, int count)
 }
 
 /* Write joints; `what` they are, for a message. */
-static dpt_result put_joints(soup *source, const char *what, const dpt_arm_joint *given, uint32_t count,
-                             struct arm_joint *joints)
+static dpt_result put_joints(const struct compile_context *context, const char *what, const dpt_arm_joint *given,
+                             uint32_t count, struct arm_joint *joints)
 {
     for (uint32_t i = 0; i < count; i++) {
         dpt_arm_joint from;
-        DPT_TRY(read_item(source, what, given, i, &from, sizeof from));
+        DPT_TRY(read_item(context, what, given, i, &from, sizeof from));
         joints[i] = (struct arm_joint){ .bytes = sizeof *joints,
                                         .kind = from.kind,
                                         .lower = from.lower,
@@ -236,17 +239,17 @@ static dpt_result put_joints(soup *source, const char *what, const dpt_arm_joint
                                         .damping = from.damping,
                                         .friction = from.friction };
         if (!put_name(joints[i].name, from.name))
-            return fail_name_length(source, what, i);
+            return fail_name_length(context, what, i);
     }
     return DPT_OK;
 }
 
-static dpt_result put_links(soup *source, const char *what, const dpt_arm_link *given, uint32_t count,
-                            struct arm_link *links)
+static dpt_result put_links(const struct compile_context *context, const char *what, const dpt_arm_link *given,
+                            uint32_t count, struct arm_link *links)
 {
     for (uint32_t i = 0; i < count; i++) {
         dpt_arm_link from;
-        DPT_TRY(read_item(source, what, given, i, &from, sizeof from));
+        DPT_TRY(read_item(context, what, given, i, &from, sizeof from));
         links[i] = (struct arm_link){ .bytes = sizeof *links,
                                       .parent = from.parent,
                                       .joint = from.joint,
@@ -264,60 +267,60 @@ static dpt_result put_links(soup *source, const char *what, const dpt_arm_link *
 }
 
 /* Jaws, jaw links, tips and corners, from `at` on. */
-static dpt_result put_tips(soup *source, const dpt_arm_def *def, void *at)
+static dpt_result put_tips(const struct compile_context *context, const dpt_arm_def *def, void *at)
 {
     struct arm_joint *jaws = at;
     struct arm_link *links = (void *)(jaws + def->jaw_count);
     struct arm_tip *tips = (void *)(links + def->jaw_link_count);
     struct arm_corner *corners = (void *)(tips + def->tip_count);
     uint32_t corner_count = 0;
-    DPT_TRY(put_joints(source, "jaw", def->jaws, def->jaw_count, jaws));
-    DPT_TRY(put_links(source, "jaw link", def->jaw_links, def->jaw_link_count, links));
+    DPT_TRY(put_joints(context, "jaw", def->jaws, def->jaw_count, jaws));
+    DPT_TRY(put_links(context, "jaw link", def->jaw_links, def->jaw_link_count, links));
     for (uint32_t i = 0; i < def->tip_count; i++) {
         dpt_arm_tip from;
-        DPT_TRY(read_tip(source, def, i, &from));
+        DPT_TRY(read_tip(context, def, i, &from));
         tips[i] = (struct arm_tip){ .bytes = sizeof *tips,
                                     .link = from.link,
                                     .first_corner = corner_count,
                                     .corner_count = from.corner_count,
                                     .radius = from.radius };
         if (!put_name(tips[i].name, from.name))
-            return fail_name_length(source, "tip", i);
+            return fail_name_length(context, "tip", i);
         memcpy(corners + corner_count, from.corners, from.corner_count * sizeof *corners);
         corner_count += from.corner_count;
     }
     return DPT_OK;
 }
 
-static dpt_result put_records(soup *source, const dpt_arm_def *def, struct dpt_arm *arm)
+static dpt_result put_records(const struct compile_context *context, const dpt_arm_def *def, struct dpt_arm *arm)
 {
     struct arm_joint *joints = (void *)((char *)arm + arm->header_bytes);
     struct arm_link *links = (void *)(joints + arm->joints);
     dpt_segment *segments = (void *)(links + arm->links);
     struct arm_body *bodies = (void *)(segments + arm->segments);
     uint64_t end = arm_records_end(arm);
-    DPT_TRY(put_joints(source, "joint", def->joints, arm->joints, joints));
-    DPT_TRY(put_links(source, "link", def->links, arm->links, links));
-    DPT_TRY(put_tips(source, def, bodies + arm->bodies));
+    DPT_TRY(put_joints(context, "joint", def->joints, arm->joints, joints));
+    DPT_TRY(put_links(context, "link", def->links, arm->links, links));
+    DPT_TRY(put_tips(context, def, bodies + arm->bodies));
     if (arm->segments)
         memcpy(segments, def->segments, arm->segments * sizeof *segments);
     for (uint32_t i = 0; i < arm->bodies; i++) {
         dpt_arm_body from;
-        DPT_TRY(read_body(source, def, i, &from));
+        DPT_TRY(read_body(context, def, i, &from));
         const struct dpt_mesh *mesh = from.mesh;
         bodies[i].mesh_offset = mesh_aligned(end);
         bodies[i].mesh_bytes = mesh->bytes;
         bodies[i].pose = from.pose;
         make_unit(bodies[i].pose.orientation, 4);
         if (!put_name(bodies[i].name, from.name))
-            return fail_name_length(source, "body", i);
+            return fail_name_length(context, "body", i);
         memcpy((char *)arm + bodies[i].mesh_offset, mesh, (size_t)mesh->bytes);
         end = bodies[i].mesh_offset + mesh->bytes;
     }
     return DPT_OK;
 }
 
-static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_arm *arm)
+static dpt_result put_header(const struct compile_context *context, const dpt_arm_def *def, struct dpt_arm *arm)
 {
     memcpy(arm->magic, ARM_MAGIC, sizeof arm->magic);
     arm->byte_order = MESH_BYTE_ORDER;
@@ -335,11 +338,11 @@ static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_ar
     make_unit(arm->tool.orientation, 4);
     if (!put_name(arm->name, def->name) || !put_name(arm->root_name, def->root_name) ||
         !put_name(arm->tool_name, def->tool_name))
-        return soup_fail(source, DPT_E_LIMIT, nowhere, "name, root_name or tool_name has more than %d bytes",
-                         DPT_ARM_NAME - 1);
+        return compile_fail(context, DPT_E_LIMIT, nowhere, "name, root_name or tool_name has more than %d bytes",
+                            DPT_ARM_NAME - 1);
     for (uint32_t i = 0; i < def->tip_count; i++) {
         dpt_arm_tip tip;
-        DPT_TRY(read_tip(source, def, i, &tip));
+        DPT_TRY(read_tip(context, def, i, &tip));
         arm->corners += tip.corner_count;
     }
     arm->jaws = def->jaw_count;
@@ -348,7 +351,7 @@ static dpt_result put_header(soup *source, const dpt_arm_def *def, struct dpt_ar
     arm->bytes = arm_records_end(arm);
     for (uint32_t i = 0; i < arm->bodies; i++) {
         dpt_arm_body body;
-        DPT_TRY(read_body(source, def, i, &body));
+        DPT_TRY(read_body(context, def, i, &body));
         arm->bytes = mesh_aligned(arm->bytes) + body.mesh->bytes;
     }
     return DPT_OK;
@@ -384,56 +387,57 @@ static void arm_to_file_order(struct dpt_arm *arm)
     mesh_swap4(&arm->crc32, 1);
 }
 
-static dpt_result compile_arm(soup *source, const dpt_arm_def *def, dpt_compiled *out)
+static dpt_result compile_arm(const struct compile_context *context, const dpt_arm_def *def, dpt_compiled *out)
 {
     struct dpt_arm header = { .bytes = 0 };
     dpt_mesh_fault fault = { .size = sizeof fault };
-    DPT_TRY(check_def(source, def));
-    DPT_TRY(put_header(source, def, &header));
+    DPT_TRY(check_def(context, def));
+    DPT_TRY(put_header(context, def, &header));
     struct dpt_arm *arm = header.bytes <= SIZE_MAX / 2 ? (void *)compiled_block((size_t)header.bytes) : NULL;
     if (!arm)
-        return soup_fail(source, DPT_E_MEMORY, nowhere, "memory ran out");
+        return compile_fail(context, DPT_E_MEMORY, nowhere, "memory ran out");
     *out = (dpt_compiled){ arm, (size_t)header.bytes };
     memcpy(arm, &header, header.header_bytes);
-    DPT_TRY(put_records(source, def, arm));
+    DPT_TRY(put_records(context, def, arm));
     arm->crc32 = arm_crc(arm, out->size);
     if (dpt_arm_verify(arm, out->size, &fault) != DPT_OK)
-        return explain_fault(source, arm, &fault);
+        return explain_fault(context, arm, &fault);
     if (!host_is_little())
         arm_to_file_order(arm);
     return DPT_OK;
 }
 
-static dpt_result check_call(soup *source, const dpt_arm_def *given, dpt_arm_def *def, dpt_compiled *out)
+static dpt_result check_call(const struct compile_context *context, const dpt_arm_def *given, dpt_arm_def *def,
+                             dpt_compiled *out)
 {
     if (!out)
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no place for the bytes");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no place for the bytes");
     if (!given)
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no def");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no def");
     *def = (dpt_arm_def){ .size = sizeof *def };
     dpt_result result = sized_read(given, SIZED_FIRST(dpt_arm_def, jaw_count), def, sizeof *def);
     if (result == DPT_E_UNSUPPORTED)
-        return soup_fail(source, result, nowhere, "the def has fields of a newer version");
+        return compile_fail(context, result, nowhere, "the def has fields of a newer version");
     if (result != DPT_OK)
-        return soup_fail(source, result, nowhere, "the def's size field is not set");
+        return compile_fail(context, result, nowhere, "the def's size field is not set");
     if (def->reserved || def->reserved_word || def->reserved_pointer)
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the def's reserved fields are not 0");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "the def's reserved fields are not 0");
     return DPT_OK;
 }
 
 dpt_result dpt_compile_arm(const dpt_arm_def *given, dpt_compiled *out, dpt_diag *diag)
 {
-    soup source;
+    struct compile_context context;
     dpt_arm_def def = { .size = sizeof def };
     dpt_diag own = { .size = sizeof own };
     if (out)
         *out = (dpt_compiled){ NULL, 0 };
     if (diag)
         DPT_TRY(sized_check(diag, sizeof *diag, 0));
-    soup_init(&source, NULL, &own);
-    dpt_result result = check_call(&source, given, &def, out);
+    compile_context_init(&context, NULL, &own);
+    dpt_result result = check_call(&context, given, &def, out);
     if (result == DPT_OK)
-        result = compile_arm(&source, &def, out);
+        result = compile_arm(&context, &def, out);
     if (result != DPT_OK)
         dpt_compiled_free(out);
     if (diag)

@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
-#include "compile/parallel.h"
+#include "compile/compile_context.h"
 #include "mesh/mesh_format.h"
 #include "nearest/segment_triangle.h"
 
@@ -76,13 +76,14 @@ static struct frame_of_cell frame_of(const double *nodes, const uint32_t cell[4]
     return frame;
 }
 
-dpt_result embed_check_node(soup *source, const double x[3], int64_t number, source_location location)
+dpt_result embed_check_node(const struct compile_context *context, const double x[3], int64_t number,
+                            source_location location)
 {
     for (int k = 0; k < 3; k++)
-        if (!within(source->scale * x[k], DPT_COORDINATE_MAX))
-            return soup_fail(source, DPT_E_FINITE, location,
-                             "%c of node %lld is %.9g (times %.9g): not finite, or beyond %.0f m", "xyz"[k],
-                             (long long)number, x[k], source -> scale, DPT_COORDINATE_MAX);
+        if (!within(context->scale * x[k], DPT_COORDINATE_MAX))
+            return compile_fail(context, DPT_E_FINITE, location,
+                                "%c of node %lld is %.9g (times %.9g): not finite, or beyond %.0f m", "xyz"[k],
+                                (long long)number, x[k], context -> scale, DPT_COORDINATE_MAX);
     return DPT_OK;
 }
 
@@ -94,33 +95,33 @@ static vec3 cross_sizes(vec3 a, vec3 b)
 }
 
 /* The bound of the rounding is Shewchuk's (1997) for the same determinant. */
-dpt_result embed_check_cell(soup *source, const double *nodes, const uint32_t cell[4], int64_t number,
-                            source_location location)
+dpt_result embed_check_cell(const struct compile_context *context, const double *nodes, const uint32_t cell[4],
+                            int64_t number, source_location location)
 {
-    const struct frame_of_cell frame = frame_of(nodes, cell, source->scale);
+    const struct frame_of_cell frame = frame_of(nodes, cell, context->scale);
     const vec3 e = frame.edge[0], sizes = cross_sizes(frame.edge[1], frame.edge[2]);
     const double rounding = 8.0 * 0x1p-53 * (fabs(e.x) * sizes.x + fabs(e.y) * sizes.y + fabs(e.z) * sizes.z);
     if (fabs(frame.volume) > rounding)
         return DPT_OK;
-    return soup_fail(source, DPT_E_FINITE, location, "cell %lld has no volume: its four nodes lie in one plane",
-                     (long long)number);
+    return compile_fail(context, DPT_E_FINITE, location, "cell %lld has no volume: its four nodes lie in one plane",
+                        (long long)number);
 }
 
 /* Check the def's nodes and cells, which other readers may have brought. */
-static dpt_result check_cells(soup *source)
+static dpt_result check_cells(const struct compile_context *context)
 {
-    const dpt_compile_def *def = source->def;
+    const dpt_compile_def *def = context->def;
     if (def->node_count > INT32_MAX || def->cell_count > INT32_MAX)
-        return soup_fail(source, DPT_E_LIMIT, nowhere, "more than %d nodes or cells", INT32_MAX);
+        return compile_fail(context, DPT_E_LIMIT, nowhere, "more than %d nodes or cells", INT32_MAX);
     for (size_t i = 0; i < def->node_count; i++)
-        DPT_TRY(embed_check_node(source, def->nodes + 3 * i, (int64_t)i, nowhere));
+        DPT_TRY(embed_check_node(context, def->nodes + 3 * i, (int64_t)i, nowhere));
     for (size_t i = 0; i < def->cell_count; i++) {
         const uint32_t *cell = def->cells + 4 * i;
         for (int k = 0; k < 4; k++)
             if (cell[k] >= def->node_count)
-                return soup_fail(source, DPT_E_INDEX, nowhere, "cell %zu names node %u, and there are only %u", i,
-                                 cell[k], def->node_count);
-        DPT_TRY(embed_check_cell(source, def->nodes, cell, (int64_t)i, nowhere));
+                return compile_fail(context, DPT_E_INDEX, nowhere, "cell %zu names node %u, and there are only %u", i,
+                                    cell[k], def->node_count);
+        DPT_TRY(embed_check_cell(context, def->nodes, cell, (int64_t)i, nowhere));
     }
     return DPT_OK;
 }
@@ -182,9 +183,9 @@ static int by_code(const void *a, const void *b)
 }
 
 /* Put the cells into the order of the curve. */
-static dpt_result order_cells(struct cell_tree *tree, soup *source, uint32_t count)
+static dpt_result order_cells(struct cell_tree *tree, const struct compile_context *context, uint32_t count)
 {
-    struct placed_cell *placed = model_alloc(source, count, sizeof *placed);
+    struct placed_cell *placed = compile_alloc(context, count, sizeof *placed);
     struct box all = empty_box;
     if (!placed)
         return DPT_E_MEMORY;
@@ -204,7 +205,7 @@ static dpt_result order_cells(struct cell_tree *tree, soup *source, uint32_t cou
 }
 
 /* Every node has WIDTH children, the last one of a level perhaps fewer. */
-static dpt_result build_tree(struct cell_tree *tree, soup *source, uint32_t count)
+static dpt_result build_tree(struct cell_tree *tree, const struct compile_context *context, uint32_t count)
 {
     size_t boxes = 0;
     uint32_t level_size = count;
@@ -214,11 +215,11 @@ static dpt_result build_tree(struct cell_tree *tree, soup *source, uint32_t coun
         boxes += level_size;
         level_size = level_size / WIDTH + (level_size % WIDTH != 0);
     }
-    tree->order = model_alloc(source, count, sizeof *tree->order);
-    tree->boxes = model_alloc(source, boxes, sizeof *tree->boxes);
+    tree->order = compile_alloc(context, count, sizeof *tree->order);
+    tree->boxes = compile_alloc(context, boxes, sizeof *tree->boxes);
     if (!tree->order || !tree->boxes)
         return DPT_E_MEMORY;
-    DPT_TRY(order_cells(tree, source, count));
+    DPT_TRY(order_cells(tree, context, count));
     for (uint32_t i = 0; i < count; i++)
         tree->boxes[i] = box_of_cell(tree, tree->order[i]);
     for (uint32_t level = 1; level < tree->levels; level++) {
@@ -417,10 +418,10 @@ static dpt_result count_outside(struct model *model, soup *source, const double 
     const double moved = 1.75 * source->rounding;
     for (uint32_t v = 0; v < model->vertex_count; v++) {
         if (distance2[v] < 0.0)
-            return soup_fail(source, DPT_E_FINITE, nowhere,
-                             "vertex %u is %.3g m from all cells: too far for weights of at most "
-                             "%.0f (the same unit, the same frame?)",
-                             model->vertex_sources[v], sqrt(-distance2[v]), WEIGHT_MAX);
+            return compile_fail(source->context, DPT_E_FINITE, nowhere,
+                                "vertex %u is %.3g m from all cells: too far for weights of at most "
+                                "%.0f (the same unit, the same frame?)",
+                                model->vertex_sources[v], sqrt(-distance2[v]), WEIGHT_MAX);
         const double distance = sqrt(distance2[v]);
         model->outside_vertices += distance > moved;
         model->outside_distance = max_of(model->outside_distance, distance);
@@ -439,19 +440,20 @@ static dpt_result embed(struct model *model, soup *source, const struct embed_ce
     for (size_t i = 0; i < 3 * (size_t)model->vertex_count; i++)
         extent = max_of(extent, fabs((double)model->positions[i]));
     tree->rounding = 0x1p-46 * extent; /* more than pair_snap_to_zero takes away, too */
-    DPT_TRY(build_tree(tree, source, given->cell_count));
+    DPT_TRY(build_tree(tree, source->context, given->cell_count));
     const struct embedding embedding = { tree, model, distance2 };
-    parallel_for(source->threads, model->vertex_count, EMBED_MIN, embed_vertices, (void *)&embedding);
+    parallel_for(source->context->threads, model->vertex_count, EMBED_MIN, embed_vertices, (void *)&embedding);
     return count_outside(model, source, distance2);
 }
 
 dpt_result embed_in(struct model *model, soup *source, const struct embed_cells *cells)
 {
-    double *nodes = model_alloc(source, cells->node_count, 3 * sizeof *nodes);
-    double *distance2 = model_alloc(source, model->vertex_count, sizeof *distance2);
+    double *nodes = compile_alloc(source->context, cells->node_count, 3 * sizeof *nodes);
+    double *distance2 = compile_alloc(source->context, model->vertex_count, sizeof *distance2);
     struct cell_tree tree = { .nodes = nodes, .cells = cells->cells };
-    model->embedding_nodes = model_alloc(source, model->vertex_count, 4 * sizeof *model->embedding_nodes);
-    model->embedding_weights = model_alloc(source, model->vertex_count, 4 * sizeof *model->embedding_weights);
+    model->embedding_nodes = compile_alloc(source->context, model->vertex_count, 4 * sizeof *model->embedding_nodes);
+    model->embedding_weights =
+        compile_alloc(source->context, model->vertex_count, 4 * sizeof *model->embedding_weights);
     dpt_result result = DPT_E_MEMORY;
     if (nodes && distance2 && model->embedding_nodes && model->embedding_weights)
         result = embed(model, source, cells, &tree, nodes, distance2);
@@ -465,10 +467,11 @@ dpt_result embed_in(struct model *model, soup *source, const struct embed_cells 
 
 dpt_result model_embed(struct model *model, soup *source)
 {
-    const dpt_compile_def *def = source->def;
+    const dpt_compile_def *def = source->context->def;
     if (!def || !def->cell_count)
         return DPT_OK;
-    DPT_TRY(check_cells(source));
-    const struct embed_cells cells = { def->nodes, def->cells, def->node_count, def->cell_count, source->scale };
+    DPT_TRY(check_cells(source->context));
+    const struct embed_cells cells = { def->nodes, def->cells, def->node_count, def->cell_count,
+                                       source->context->scale };
     return embed_in(model, source, &cells);
 }

@@ -20,10 +20,11 @@ dpt_result embed_in(struct model *model, soup *source, const struct embed_cells 
  * Check node `number` at x, y, z, in units of the source: finite, and not too far off after scaling. Returns DPT_OK, or
  * fills the diag and returns its code.
  */
-dpt_result embed_check_node(soup *source, const double x[3], int64_t number, source_location location);
+dpt_result embed_check_node(const struct compile_context *context, const double x[3], int64_t number,
+                            source_location location);
 
 /* Check a cell of four of `nodes`: it has a volume. Their indices must be right. Returns as embed_check_node. */
-dpt_result embed_check_cell(soup *source, const double *nodes, const uint32_t cell[4], int64_t number,
-                            source_location location);
+dpt_result embed_check_cell(const struct compile_context *context, const double *nodes, const uint32_t cell[4],
+                            int64_t number, source_location location);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The corners of a hull for many points. The hull grows: the point that stands out farthest is the next corner, until none
- * does or there are as many corners as a hull may have. What stands out of that becomes its radius. Of a flat set that is
- * done in its plane.
+ * The corners of a hull for many points. The hull grows: the point that stands out farthest is the next corner, until
+ * none does or there are as many corners as a hull may have. What stands out of that becomes its radius. Of a flat set
+ * that is done in its plane.
  */
 #include <stdlib.h>
 
@@ -11,10 +11,10 @@
 #include "dynpoint/compile.h"
 #include "nearest/segment_triangle.h"
 
-/* Of the points' size: what stands out by less does not. */
+/* A point stands out if it does so by more than this share of the points' size. */
 #define STANDS_OUT 1e-8
 
-/* Of the points' size: what is thinner becomes flat, since its faces could not be told apart. */
+/* What is thinner than this share of the points' size becomes flat: its faces could not be told apart. */
 #define FLAT 1e-3
 
 /* Of the points' size: of two that stand out as far, within that, the one that is farther from the middle is a corner. */
@@ -113,10 +113,10 @@ static double distance_of(const struct growing *growing, vec3 point)
 /* m: how far a point stands out of a face at most. Beyond a sharp edge that is less than it is away. */
 static double excess_of(const struct growing *growing, vec3 point)
 {
-    double most = -HUGE_VAL;
+    double max = -HUGE_VAL;
     for (uint32_t f = 0; f < growing->face_count; f++)
-        most = max_of(most, dot(growing->normal[f], point) - growing->height[f]);
-    return most;
+        max = max_of(max, dot(growing->normal[f], point) - growing->height[f]);
+    return max;
 }
 
 /* The farthest of the points that may stand out by a measure, or DPT_NONE. */
@@ -124,15 +124,15 @@ static uint32_t farthest_by(const struct growing *growing, double measure(const 
 {
     const double same = AS_FAR * growing->size;
     uint32_t farthest = DPT_NONE;
-    double most = STANDS_OUT * growing->size, most_off = 0.0;
+    double max = STANDS_OUT * growing->size, max_off = 0.0;
     for (size_t i = 0; i < growing->outside_count; i++) {
         const vec3 point = point_of(growing, growing->outside[i]);
         const double out = measure(growing, point);
         const double off = length(sub(point, growing->middle));
-        if (!(out > most - same) || (out < most + same && off <= most_off))
+        if (!(out > max - same) || (out < max + same && off <= max_off))
             continue;
-        most = max_of(most, out);
-        most_off = off;
+        max = max_of(max, out);
+        max_off = off;
         farthest = growing->outside[i];
     }
     return farthest;
@@ -171,14 +171,14 @@ static double distance_from(const struct growing *growing, uint32_t count, vec3 
 }
 
 /* The point that is farthest from what the first `count` corners span, and how far that is. */
-static uint32_t farthest_from(const struct growing *growing, uint32_t count, double *most)
+static uint32_t farthest_from(const struct growing *growing, uint32_t count, double *max)
 {
     uint32_t farthest = 0;
-    *most = 0.0;
+    *max = 0.0;
     for (size_t i = 0; i < growing->point_count; i++) {
         const double distance = distance_from(growing, count, point_of(growing, i));
-        if (distance > *most) {
-            *most = distance;
+        if (distance > *max) {
+            *max = distance;
             farthest = (uint32_t)i;
         }
     }
@@ -188,15 +188,15 @@ static uint32_t farthest_from(const struct growing *growing, uint32_t count, dou
 /* Three or four points that are far from each other. Returns 0 if all lie on one line. */
 static int begin(struct growing *growing)
 {
-    double most;
+    double max;
     growing->corner[0] = point_of(growing, 0);
     growing->corner[0] = point_of(growing, farthest_from(growing, 1, &growing->size));
     growing->corner_count = 1;
     for (uint32_t count = 1; count < 4; count++) {
-        const uint32_t farthest = farthest_from(growing, count, &most);
-        if (count < 3 && !(most > FLAT * growing->size))
+        const uint32_t farthest = farthest_from(growing, count, &max);
+        if (count < 3 && !(max > FLAT * growing->size))
             return 0;
-        if (count == 3 && !(most > FLAT * growing->size)) {
+        if (count == 3 && !(max > FLAT * growing->size)) {
             const vec3 *corner = growing->corner;
             growing->plane = unit_of(cross(sub(corner[1], corner[0]), sub(corner[2], corner[0])));
             break;

@@ -10,8 +10,8 @@
 
 #include "base/lanes.h"
 #include "base/return_if_error.h"
+#include "compile/compile_context.h"
 #include "compile/model.h"
-#include "compile/parallel.h"
 #include "compile/triangle_pair.h"
 #include "mesh/mesh_format.h"
 
@@ -464,10 +464,11 @@ static int search_leaves(struct box_tree *tree, struct model *model, uint32_t th
 }
 
 /* List the triangles of each part, ascending. */
-static dpt_result list_parts(struct model *model, soup *source)
+static dpt_result list_parts(struct model *model, const struct compile_context *context)
 {
-    uint32_t *list = model->part_list = model_alloc(source, model->triangle_count, sizeof *model->part_list);
-    uint32_t *first = model->part_first = model_alloc(source, (size_t)model->part_count + 1, sizeof *model->part_first);
+    uint32_t *list = model->part_list = compile_alloc(context, model->triangle_count, sizeof *model->part_list);
+    uint32_t *first = model->part_first =
+        compile_alloc(context, (size_t)model->part_count + 1, sizeof *model->part_first);
     if (!list || !first)
         return DPT_E_MEMORY;
     uint32_t end = 0;
@@ -504,7 +505,7 @@ static void search_all(struct box_tree *tree, struct model *model, uint32_t *all
     search_leaves(tree, model, threads, &shared_work);
 }
 
-dpt_result model_intersections(struct model *model, soup *source)
+dpt_result model_intersections(struct model *model, const struct compile_context *context)
 {
     const size_t count = model->triangle_count;
     uint32_t levels[MESH_LEVELS_MAX + 1];
@@ -512,20 +513,20 @@ dpt_result model_intersections(struct model *model, soup *source)
     mesh_levels((uint32_t)((count + LANES - 1) / LANES), levels, &nodes);
     nodes += levels[0];
     struct box_tree tree = { .model = model };
-    struct stars stars = { model, model_alloc(source, model->vertex_count, 1) };
-    uint32_t *all = model_alloc(source, model->part_count > 1 ? count : 0, sizeof *all);
-    model->part_cuts_itself = model_alloc(source, model->part_count, 1);
+    struct stars stars = { model, compile_alloc(context, model->vertex_count, 1) };
+    uint32_t *all = compile_alloc(context, model->part_count > 1 ? count : 0, sizeof *all);
+    model->part_cuts_itself = compile_alloc(context, model->part_count, 1);
     tree.star_is_simple = stars.is_simple;
-    tree.blocks = model_alloc(source, (size_t)nodes, sizeof *tree.blocks);
-    tree.labels = model_alloc(source, (size_t)nodes, sizeof *tree.labels);
-    tree.results = model_alloc(source, levels[0], sizeof *tree.results);
-    dpt_result result = list_parts(model, source);
+    tree.blocks = compile_alloc(context, (size_t)nodes, sizeof *tree.blocks);
+    tree.labels = compile_alloc(context, (size_t)nodes, sizeof *tree.labels);
+    tree.results = compile_alloc(context, levels[0], sizeof *tree.results);
+    dpt_result result = list_parts(model, context);
     if (!stars.is_simple || !all || !model->part_cuts_itself || !tree.blocks || !tree.labels || !tree.results)
         result = DPT_E_MEMORY;
     model->self_intersection[0] = model->self_intersection[1] = DPT_NONE;
     if (result == DPT_OK) {
-        parallel_for(source->threads, model->vertex_count, VERTICES_MIN, check_stars, &stars);
-        search_all(&tree, model, all, source->threads);
+        parallel_for(context->threads, model->vertex_count, VERTICES_MIN, check_stars, &stars);
+        search_all(&tree, model, all, context->threads);
     }
     free(stars.is_simple);
     free(all);

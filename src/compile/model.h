@@ -107,19 +107,19 @@ dpt_result model_clean(struct model *model, soup *source);
 dpt_result model_order(struct model *model, soup *source);
 
 /* Find edge neighbours, fans and parts, and which triangles to turn so that each part is wound one way. */
-dpt_result model_adjacency(struct model *model, soup *source);
+dpt_result model_adjacency(struct model *model, const struct compile_context *context);
 
 /* Count the pairs of triangles that cut each other (triangle_pair.h). */
-dpt_result model_intersections(struct model *model, soup *source);
+dpt_result model_intersections(struct model *model, const struct compile_context *context);
 
 /* Find which parts have an inside, and on which side of the surface it is. Turn triangles. */
-dpt_result model_solid(struct model *model, soup *source);
+dpt_result model_solid(struct model *model, const struct compile_context *context);
 
 /*
  * Compute vertex normals. Flag edges that are borders, non-manifold or creases; a crease's two normals differ by more
  * than `crease` rad.
  */
-dpt_result model_normals(struct model *model, soup *source, double crease);
+dpt_result model_normals(struct model *model, const struct compile_context *context, double crease);
 
 /* Embed the vertices in the cells of the def, if it has some. Needs the vertices alone. */
 dpt_result model_embed(struct model *model, soup *source);
@@ -139,11 +139,5 @@ char *compiled_block(size_t size);
  * in the same direction.
  */
 int model_is_wound_against(const struct model *model, uint32_t half, uint32_t neighbour);
-
-/*
- * Allocate an array; at least one byte, so that only a failure gives NULL. A failure fills the diag of `source`. Other
- * threads than the caller's must not write the diag: they pass NULL.
- */
-void *model_alloc(soup *source, size_t count, size_t item_size);
 
 #endif

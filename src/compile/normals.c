@@ -7,7 +7,7 @@
 
 #include "base/angle.h"
 #include "compile/cluster.h"
-#include "compile/parallel.h"
+#include "compile/compile_context.h"
 #include "mesh/mesh_format.h"
 
 /* A sum of angle-weighted normals has no usable direction if it is shorter than this times the sum of the angles. */
@@ -133,16 +133,16 @@ static void count_results(struct model *model)
     }
 }
 
-dpt_result model_normals(struct model *model, soup *source, double crease)
+dpt_result model_normals(struct model *model, const struct compile_context *context, double crease)
 {
-    const uint32_t threads = source->threads, triangles = model->triangle_count;
+    const uint32_t threads = context->threads, triangles = model->triangle_count;
     struct normals work = { .model = model };
-    work.face_normals = model_alloc(source, triangles, sizeof *work.face_normals);
-    work.corner_angles = model_alloc(source, triangles, 3 * sizeof *work.corner_angles);
-    work.vertex_edges = model_alloc(source, model->vertex_count, sizeof *work.vertex_edges);
+    work.face_normals = compile_alloc(context, triangles, sizeof *work.face_normals);
+    work.corner_angles = compile_alloc(context, triangles, 3 * sizeof *work.corner_angles);
+    work.vertex_edges = compile_alloc(context, model->vertex_count, sizeof *work.vertex_edges);
     work.cosine = crease < 0.5 * ANGLE_TURN ? cosine_of(crease) : -2.0;
-    model->flags = model_alloc(source, triangles, sizeof *model->flags);
-    model->normals = model_alloc(source, model->vertex_count, 3 * sizeof *model->normals);
+    model->flags = compile_alloc(context, triangles, sizeof *model->flags);
+    model->normals = compile_alloc(context, model->vertex_count, 3 * sizeof *model->normals);
     dpt_result result = DPT_E_MEMORY;
     model->crease = crease;
     if (work.face_normals && work.corner_angles && work.vertex_edges && model->flags && model->normals) {

@@ -9,8 +9,8 @@
 
 #include "base/lanes.h"
 #include "base/return_if_error.h"
+#include "compile/compile_context.h"
 #include "compile/model.h"
-#include "compile/parallel.h"
 
 struct item {
     float corner_sum[3]; /* three times the centroid */
@@ -27,8 +27,8 @@ struct item {
 /* The state of one thread. */
 struct ordering {
     struct item *items;
-    soup *source; /* for the progress callback; NULL in threads other than the caller's */
-    size_t total; /* items of this thread: done / total is the progress */
+    const struct compile_context *context; /* for the progress callback; NULL in threads other than the caller's */
+    size_t total;                          /* items of this thread: done / total is the progress */
     size_t done;
     uint64_t random;  /* state of the pivots' generator */
     uint32_t threads; /* that may order the current range */
@@ -99,9 +99,9 @@ static dpt_result finish_leaf(struct ordering *order, size_t count)
 {
     size_t reported = order->done >> 16;
     order->done += count;
-    if (!order->source || order->done >> 16 == reported)
+    if (!order->context || order->done >> 16 == reported)
         return DPT_OK;
-    return soup_report_progress(order->source, "order", (double)order->done / (double)order->total);
+    return compile_report_progress(order->context, "order", (double)order->done / (double)order->total);
 }
 
 static dpt_result split(struct ordering *order, size_t first, size_t count, size_t capacity);
@@ -142,7 +142,7 @@ static dpt_result split_large(struct ordering *order, size_t first, size_t left,
     jobs[0].order.threads = threads - right_threads;
     jobs[0].order.total -= right;
     jobs[1].order.threads = right_threads;
-    jobs[1].order.source = NULL;
+    jobs[1].order.context = NULL;
     parallel_for(2, 2, 1, split_half, jobs);
     order->done += left + right;
     return jobs[0].result;
@@ -198,14 +198,14 @@ static void permute_triangles(void *context, size_t first, size_t end)
 static dpt_result permute(struct model *model, soup *source, const struct item *items)
 {
     struct permutation to = { .model = model, .items = items };
-    to.corners = model_alloc(source, model->triangle_count, 3 * sizeof *to.corners);
-    to.sources = model_alloc(source, model->triangle_count, sizeof *to.sources);
+    to.corners = compile_alloc(source->context, model->triangle_count, 3 * sizeof *to.corners);
+    to.sources = compile_alloc(source->context, model->triangle_count, sizeof *to.sources);
     if (!to.corners || !to.sources) {
         free(to.corners);
         free(to.sources);
         return DPT_E_MEMORY;
     }
-    parallel_for(source->threads, model->triangle_count, PARALLEL_MIN, permute_triangles, &to);
+    parallel_for(source->context->threads, model->triangle_count, PARALLEL_MIN, permute_triangles, &to);
     free(model->corners);
     free(model->sources);
     model->corners = to.corners;
@@ -228,8 +228,8 @@ static dpt_result number_vertices(struct model *model, soup *source, uint32_t *v
         model->corners[c] = vertex_number[v];
     }
     model->vertex_count = count;
-    model->positions = model_alloc(source, count, 3 * sizeof *model->positions);
-    model->vertex_sources = model_alloc(source, count, sizeof *model->vertex_sources);
+    model->positions = compile_alloc(source->context, count, 3 * sizeof *model->positions);
+    model->vertex_sources = compile_alloc(source->context, count, sizeof *model->vertex_sources);
     if (!model->positions || !model->vertex_sources)
         return DPT_E_MEMORY;
     for (size_t v = 0; v < source->vertex_count; v++)
@@ -244,16 +244,18 @@ static dpt_result number_vertices(struct model *model, soup *source, uint32_t *v
 dpt_result model_order(struct model *model, soup *source)
 {
     size_t count = model->triangle_count;
-    struct item *items = model_alloc(source, count, sizeof *items);
-    uint32_t *vertex_number = model_alloc(source, source->vertex_count, sizeof *vertex_number);
+    struct item *items = compile_alloc(source->context, count, sizeof *items);
+    uint32_t *vertex_number = compile_alloc(source->context, source->vertex_count, sizeof *vertex_number);
     dpt_result result = DPT_E_MEMORY;
     if (items && vertex_number) {
         size_t capacity = LANES;
         while (capacity < count)
             capacity *= LANES;
-        struct ordering order = {
-            .items = items, .source = source, .total = count, .random = SEED, .threads = source->threads
-        };
+        struct ordering order = { .items = items,
+                                  .context = source->context,
+                                  .total = count,
+                                  .random = SEED,
+                                  .threads = source->context->threads };
         fill_items(model, source->positions, items);
         result = split(&order, 0, count, capacity);
         if (result == DPT_OK)

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
-#include "compile/grow.h"
+#include "compile/soup.h"
 #include "compile/text.h"
 
 enum { NO_TYPE, INT8, UINT8, INT16, UINT16, INT32, UINT32, FLOAT32, FLOAT64 };
@@ -79,15 +79,16 @@ static size_t bytes_left(const ply_reader *reader)
 static dpt_result fail_header(ply_reader *reader, const source_word *word, const char *reason)
 {
     char printable[WORD_SHOWN];
-    return soup_fail(reader->source, DPT_E_SYNTAX, text_location(&reader->text), "'%s': %s",
-                     word_printable(word, printable), reason);
+    return compile_fail(reader->source->context, DPT_E_SYNTAX, text_location(&reader->text), "'%s': %s",
+                        word_printable(word, printable), reason);
 }
 
 static dpt_result header_word(ply_reader *reader, source_word *word)
 {
     if (text_next_word(&reader->text, word))
         return DPT_OK;
-    return soup_fail(reader->source, DPT_E_SYNTAX, text_location(&reader->text), "a line of the header lacks a word");
+    return compile_fail(reader->source->context, DPT_E_SYNTAX, text_location(&reader->text),
+                        "a line of the header lacks a word");
 }
 
 static dpt_result header_type(ply_reader *reader, uint8_t *type)
@@ -134,8 +135,8 @@ static dpt_result add_element(ply_reader *reader, const ply_element *element)
         ply_element *bigger =
             grow_array(reader->elements, &reader->element_capacity, reader->element_count + 1, sizeof *bigger);
         if (!bigger)
-            return soup_fail(reader->source, DPT_E_MEMORY, text_location(&reader->text), "no memory for %zu elements",
-                             reader->element_count + 1);
+            return compile_fail(reader->source->context, DPT_E_MEMORY, text_location(&reader->text),
+                                "no memory for %zu elements", reader->element_count + 1);
         reader->elements = bigger;
     }
     reader->elements[reader->element_count++] = *element;
@@ -188,8 +189,8 @@ static dpt_result add_property(ply_reader *reader, ply_element *element, ply_pro
         ply_property *bigger =
             grow_array(reader->properties, &reader->property_capacity, reader->property_count + 1, sizeof *bigger);
         if (!bigger)
-            return soup_fail(reader->source, DPT_E_MEMORY, text_location(&reader->text), "no memory for %zu properties",
-                             reader->property_count + 1);
+            return compile_fail(reader->source->context, DPT_E_MEMORY, text_location(&reader->text),
+                                "no memory for %zu properties", reader->property_count + 1);
         reader->properties = bigger;
     }
     reader->properties[reader->property_count++] = property;
@@ -259,9 +260,10 @@ static dpt_result read_header(ply_reader *reader)
 {
     source_word word;
     if (bytes_left(reader) == 0)
-        return soup_fail(reader->source, DPT_E_TRUNCATED, end_of_file(reader), "the file is empty");
+        return compile_fail(reader->source->context, DPT_E_TRUNCATED, end_of_file(reader), "the file is empty");
     if (!text_next_word(&reader->text, &word) || !word_is(&word, "ply"))
-        return soup_fail(reader->source, DPT_E_FORMAT, text_location(&reader->text), "the first line is not 'ply'");
+        return compile_fail(reader->source->context, DPT_E_FORMAT, text_location(&reader->text),
+                            "the first line is not 'ply'");
     if (text_next_word(&reader->text, &word))
         return fail_header(reader, &word, "a word after 'ply'");
     int has_bare_cr = is_at_bare_cr(reader);
@@ -272,7 +274,8 @@ static dpt_result read_header(ply_reader *reader)
             return end_header(reader, has_bare_cr);
         DPT_TRY(header_line(reader, &word));
     }
-    return soup_fail(reader->source, DPT_E_TRUNCATED, text_location(&reader->text), "the file ends within its header");
+    return compile_fail(reader->source->context, DPT_E_TRUNCATED, text_location(&reader->text),
+                        "the file ends within its header");
 }
 
 static dpt_result check_element(ply_reader *reader, const ply_element *element)
@@ -280,16 +283,16 @@ static dpt_result check_element(ply_reader *reader, const ply_element *element)
     source_location location = { element->line, 0 };
     if (element->kind == VERTEX &&
         !(has_role(reader, element, X) && has_role(reader, element, Y) && has_role(reader, element, Z)))
-        return soup_fail(reader->source, DPT_E_SYNTAX, location, "the vertices lack x, y or z");
+        return compile_fail(reader->source->context, DPT_E_SYNTAX, location, "the vertices lack x, y or z");
     if (element->kind == FACE && element->rows > 0 && !has_role(reader, element, CORNERS))
-        return soup_fail(reader->source, DPT_E_SYNTAX, location,
-                         "the faces lack a list vertex_indices or vertex_index");
+        return compile_fail(reader->source->context, DPT_E_SYNTAX, location,
+                            "the faces lack a list vertex_indices or vertex_index");
     if (element->kind != TRIANGLE_STRIPS || element->rows == 0)
         return DPT_OK;
     const ply_element *faces = find_element(reader, FACE);
     if (!faces || faces->rows == 0)
-        return soup_fail(reader->source, DPT_E_FORMAT, location,
-                         "triangle strips are not read: save the mesh as faces");
+        return compile_fail(reader->source->context, DPT_E_FORMAT, location,
+                            "triangle strips are not read: save the mesh as faces");
     return DPT_OK;
 }
 
@@ -300,17 +303,17 @@ static dpt_result check_header(ply_reader *reader)
     uint64_t bytes_after = (uint64_t)bytes_left(reader) + (uint64_t)is_ascii; /* the last line may lack its end */
     char printable[WORD_SHOWN];
     if (reader->encoding == NO_ENCODING)
-        return soup_fail(reader->source, DPT_E_SYNTAX, text_location(&reader->text),
-                         "the header lacks its format line");
+        return compile_fail(reader->source->context, DPT_E_SYNTAX, text_location(&reader->text),
+                            "the header lacks its format line");
     for (size_t i = 0; i < reader->element_count; i++) {
         const ply_element *element = &reader->elements[i];
         DPT_TRY(check_element(reader, element));
         uint64_t min_row_bytes = is_ascii ? 2 * element->property_count : element->row_bytes;
         if (min_row_bytes > 0 && element->rows > bytes_after / min_row_bytes)
-            return soup_fail(reader->source, DPT_E_TRUNCATED,
-                             is_ascii ? (source_location){ element->line, 0 } : end_of_file(reader),
-                             "%" PRIu64 " rows of %s announced, there are bytes for %" PRIu64, element->rows,
-                             word_printable(&element->name, printable), bytes_after / min_row_bytes);
+            return compile_fail(reader->source->context, DPT_E_TRUNCATED,
+                                is_ascii ? (source_location){ element->line, 0 } : end_of_file(reader),
+                                "%" PRIu64 " rows of %s announced, there are bytes for %" PRIu64, element->rows,
+                                word_printable(&element->name, printable), bytes_after / min_row_bytes);
         bytes_after -= min_row_bytes * element->rows;
     }
     return DPT_OK;
@@ -367,8 +370,8 @@ static double decode(const char *bytes, uint8_t type, int is_big_endian)
 
 static dpt_result fail_truncated(ply_reader *reader, const char *what)
 {
-    return soup_fail(reader->source, DPT_E_TRUNCATED, end_of_file(reader),
-                     "the file ends within %s, after %" PRIu64 " rows", what, reader->rows_read);
+    return compile_fail(reader->source->context, DPT_E_TRUNCATED, end_of_file(reader),
+                        "the file ends within %s, after %" PRIu64 " rows", what, reader->rows_read);
 }
 
 static dpt_result read_value(ply_reader *reader, uint8_t type, const char *what, double *value)
@@ -393,7 +396,8 @@ static dpt_result skip_values(ply_reader *reader, uint8_t type, size_t count)
     }
     for (size_t i = 0; i < count; i++) {
         if (!text_next_word(&reader->text, &word))
-            return soup_fail(reader->source, DPT_E_SYNTAX, location_of(reader), "the line ends before its values do");
+            return compile_fail(reader->source->context, DPT_E_SYNTAX, location_of(reader),
+                                "the line ends before its values do");
     }
     return DPT_OK;
 }
@@ -406,10 +410,10 @@ static dpt_result read_length(ply_reader *reader, const ply_property *property, 
     DPT_TRY(read_value(reader, property->count_type, "a list's length", &value));
     size_t min_value_bytes = reader->encoding == ASCII ? 1 : type_bytes[property->type];
     if (value > (double)(bytes_left(reader) / min_value_bytes))
-        return soup_fail(reader->source, DPT_E_TRUNCATED, location,
-                         "a list of %.0f values runs beyond the end of the file", value);
+        return compile_fail(reader->source->context, DPT_E_TRUNCATED, location,
+                            "a list of %.0f values runs beyond the end of the file", value);
     if (!(value >= 0.0) || value != (double)(size_t)value)
-        return soup_fail(reader->source, DPT_E_SYNTAX, location, "a list of %.9g values", value);
+        return compile_fail(reader->source->context, DPT_E_SYNTAX, location, "a list of %.9g values", value);
     *length = (size_t)value;
     return DPT_OK;
 }
@@ -423,9 +427,10 @@ static dpt_result read_corners(ply_reader *reader, const ply_property *property,
         DPT_TRY(read_value(reader, property->type, "a corner", &value));
         if (!(value >= 0.0 && value < (double)reader->vertices && value < INT32_MAX) ||
             value != (double)(uint32_t)value)
-            return soup_fail(reader->source, DPT_E_INDEX, location,
-                             "vertex %.9g of a face: there are %" PRIu64 ", counted from 0", value, reader->vertices);
-        DPT_TRY(corner_list_add(&reader->corners, reader->source, (uint32_t)value));
+            return compile_fail(reader->source->context, DPT_E_INDEX, location,
+                                "vertex %.9g of a face: there are %" PRIu64 ", counted from 0", value,
+                                reader->vertices);
+        DPT_TRY(corner_list_add(&reader->corners, reader->source->context, (uint32_t)value));
     }
     return DPT_OK;
 }
@@ -451,15 +456,15 @@ static dpt_result end_row(ply_reader *reader, const ply_element *element, const 
     const corner_list *corners = &reader->corners;
     reader->rows_read++;
     if (reader->encoding == ASCII && text_next_word(&reader->text, &word))
-        return soup_fail(reader->source, DPT_E_SYNTAX, location, "'%s' is one value more than the header announces",
-                         word_printable(&word, printable));
+        return compile_fail(reader->source->context, DPT_E_SYNTAX, location,
+                            "'%s' is one value more than the header announces", word_printable(&word, printable));
     if (element->kind == VERTEX)
         return soup_add_vertex(reader->source, xyz[0], xyz[1], xyz[2], location);
     if (element->kind != FACE)
         return DPT_OK;
     if (corners->count < 3)
-        return soup_fail(reader->source, DPT_E_SYNTAX, location, "a face of %zu corners: three are the least",
-                         corners->count);
+        return compile_fail(reader->source->context, DPT_E_SYNTAX, location,
+                            "a face of %zu corners: three are the least", corners->count);
     return soup_add_polygon(reader->source, corners->numbers, corners->count, location);
 }
 
@@ -468,9 +473,9 @@ static dpt_result read_row(ply_reader *reader, const ply_element *element, uint6
     double xyz[3] = { 0.0, 0.0, 0.0 };
     char printable[WORD_SHOWN];
     if (reader->encoding == ASCII && !text_seek_word(&reader->text))
-        return soup_fail(reader->source, DPT_E_TRUNCATED, location_of(reader),
-                         "the file ends after %" PRIu64 " of %" PRIu64 " rows of %s", row, element->rows,
-                         word_printable(&element->name, printable));
+        return compile_fail(reader->source->context, DPT_E_TRUNCATED, location_of(reader),
+                            "the file ends after %" PRIu64 " of %" PRIu64 " rows of %s", row, element->rows,
+                            word_printable(&element->name, printable));
     source_location location = location_of(reader);
     for (size_t i = 0; i < element->property_count; i++)
         DPT_TRY(read_property(reader, &reader->properties[element->first_property + i], xyz));
@@ -483,9 +488,9 @@ static dpt_result read_rows(ply_reader *reader, const ply_element *element)
         return DPT_OK; /* rows without properties take no bytes */
     for (uint64_t row = 0; row < element->rows; row++) {
         if (row % PROGRESS_STRIDE == 0)
-            DPT_TRY(soup_report_progress(reader->source, "read",
-                                         (double)(reader->text.at - reader->begin) /
-                                             (double)(reader->text.end - reader->begin)));
+            DPT_TRY(compile_report_progress(reader->source->context, "read",
+                                            (double)(reader->text.at - reader->begin) /
+                                                (double)(reader->text.end - reader->begin)));
         DPT_TRY(read_row(reader, element, row));
     }
     return DPT_OK;
@@ -496,8 +501,8 @@ static dpt_result check_end(ply_reader *reader)
 {
     if (!text_seek_word(&reader->text))
         return DPT_OK;
-    return soup_fail(reader->source, DPT_E_TRAILING, location_of(reader),
-                     "data follow the %" PRIu64 " rows that the header announces", reader->rows_read);
+    return compile_fail(reader->source->context, DPT_E_TRAILING, location_of(reader),
+                        "data follow the %" PRIu64 " rows that the header announces", reader->rows_read);
 }
 
 static dpt_result read_all(ply_reader *reader)
@@ -513,7 +518,7 @@ static dpt_result read_all(ply_reader *reader)
 dpt_result read_ply(soup *source, const unsigned char *bytes, size_t size)
 {
     ply_reader reader = { .source = source, .begin = (const char *)bytes };
-    text_begin(&reader.text, source, bytes, size);
+    text_begin(&reader.text, source->context, bytes, size);
     dpt_result result = read_all(&reader);
     free(reader.elements);
     free(reader.properties);

@@ -25,8 +25,10 @@ struct spring_regions {
  * here too, with its line. Returns DPT_OK, or fills the diag and returns its code. Call regions_free in either case;
  * begin with a zeroed struct.
  */
-dpt_result regions_read(struct spring_regions *read, soup *source, const unsigned char *bytes, size_t size);
-dpt_result fixed_read(struct spring_regions *read, soup *source, const unsigned char *bytes, size_t size);
+dpt_result regions_read(struct spring_regions *read, const struct compile_context *context, const unsigned char *bytes,
+                        size_t size);
+dpt_result fixed_read(struct spring_regions *read, const struct compile_context *context, const unsigned char *bytes,
+                      size_t size);
 void regions_free(struct spring_regions *read);
 
 #endif

@@ -20,8 +20,10 @@ struct tetgen {
  * compiler would refuse of nodes and cells is refused here too, with its line. Returns DPT_OK, or fills the diag and
  * returns its code. Call tetgen_free in either case; begin with a zeroed struct.
  */
-dpt_result tetgen_read_nodes(struct tetgen *mesh, soup *source, const unsigned char *bytes, size_t size);
-dpt_result tetgen_read_cells(struct tetgen *mesh, soup *source, const unsigned char *bytes, size_t size);
+dpt_result tetgen_read_nodes(struct tetgen *mesh, const struct compile_context *context, const unsigned char *bytes,
+                             size_t size);
+dpt_result tetgen_read_cells(struct tetgen *mesh, const struct compile_context *context, const unsigned char *bytes,
+                             size_t size);
 void tetgen_free(struct tetgen *mesh);
 
 #endif

@@ -8,7 +8,7 @@
 
 #include "base/return_if_error.h"
 #include "compile/cluster.h"
-#include "compile/parallel.h"
+#include "compile/compile_context.h"
 #include "mesh/mesh_format.h"
 
 /*
@@ -79,7 +79,7 @@ struct containment {
 
 struct solids {
     struct model *model;
-    soup *source;
+    const struct compile_context *context;
     const uint32_t *part_list; /* the model's */
     const uint32_t *part_first;
     struct solid *solids; /* by rank, the largest volume first, once all were found */
@@ -227,11 +227,11 @@ static void classify_solids(void *context, size_t first, size_t end)
 static dpt_result find_solids(struct solids *all)
 {
     struct model *model = all->model;
-    const uint32_t threads = model->triangle_count < PARALLEL_MIN ? 1 : all->source->threads;
+    const uint32_t threads = model->triangle_count < PARALLEL_MIN ? 1 : all->context->threads;
     uint32_t candidates = 0, found = 0;
     for (uint32_t p = 0; p < model->part_count; p++)
         candidates += (uint32_t)may_be_solid(&model->parts[p]);
-    all->solids = model_alloc(all->source, candidates, sizeof *all->solids);
+    all->solids = compile_alloc(all->context, candidates, sizeof *all->solids);
     if (!all->solids)
         return DPT_E_MEMORY;
     for (uint32_t p = 0; p < model->part_count; p++) {
@@ -357,7 +357,7 @@ static dpt_result relate_all(struct solids *all)
     if (all->count < 2)
         return DPT_OK;
     uint64_t work = 0, max_work = (uint64_t)RELATE_WORK * all->model->triangle_count;
-    struct axis_start *starts = model_alloc(all->source, all->count, sizeof *starts);
+    struct axis_start *starts = compile_alloc(all->context, all->count, sizeof *starts);
     if (!starts)
         return DPT_E_MEMORY;
     int axis = sweep_axis(all);
@@ -550,9 +550,9 @@ static double touch_distance_of(const struct model *model)
     return RESOLUTION * (double)max_size;
 }
 
-dpt_result model_solid(struct model *model, soup *source)
+dpt_result model_solid(struct model *model, const struct compile_context *context)
 {
-    struct solids all = { .model = model, .source = source, .touch_distance = touch_distance_of(model) };
+    struct solids all = { .model = model, .context = context, .touch_distance = touch_distance_of(model) };
     all.part_list = model->part_list;
     all.part_first = model->part_first;
     dpt_result result = find_solids(&all);
@@ -565,7 +565,7 @@ dpt_result model_solid(struct model *model, soup *source)
     if (result == DPT_OK)
         turn_triangles(&all);
     if (result == DPT_E_MEMORY)
-        soup_fail(source, result, (source_location){ 0, 0 }, "memory ran out");
+        compile_fail(context, result, (source_location){ 0, 0 }, "memory ran out");
     for (uint32_t i = 0; all.solids && i < all.count; i++)
         cluster_free(&all.solids[i].cluster);
     free(all.solids);

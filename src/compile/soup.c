@@ -1,29 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Vertices and polygons in the order of a file (soup.h). */
+#include "compile/soup.h"
+
 #include <math.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/return_if_error.h"
-#include "compile/grow.h"
-#include "compile/parallel.h"
-#include "compile/soup.h"
+#include "base/vec3.h"
+#include "compile/compile_context.h"
 
 #define COUNT_MAX     ((size_t)INT32_MAX)
 #define TRIANGLES_MAX ((size_t)UINT32_MAX / 3) /* half-edges are numbered in 32 bits */
 
-void soup_init(soup *source, const dpt_compile_def *def, dpt_diag *diag)
+void soup_init(soup *source, const struct compile_context *context)
 {
     memset(source, 0, sizeof *source);
-    source->scale = def && def->scale != 0.0 ? def->scale : 1.0;
-    source->crease = def && def->crease != 0.0 ? def->crease : CREASE_DEFAULT;
-    source->threads = def && def->threads ? def->threads : 1;
-    if (source->threads > PARALLEL_MAX)
-        source->threads = PARALLEL_MAX;
-    source->def = def;
-    source->diag = diag;
+    source->context = context;
 }
 
 void soup_free(soup *source)
@@ -34,29 +29,17 @@ void soup_free(soup *source)
     memset(source, 0, sizeof *source);
 }
 
-dpt_result soup_fail(soup *source, dpt_result code, source_location location, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(source->diag->text, sizeof source->diag->text, format, arguments);
-    va_end(arguments);
-    source->diag->code = code;
-    source->diag->line = location.line;
-    source->diag->byte = location.line != 0 ? 0 : location.byte;
-    return code;
-}
-
 static dpt_result no_memory(soup *source, source_location location)
 {
-    return soup_fail(source, DPT_E_MEMORY, location, "memory ran out after %zu vertices and %zu triangles",
-                     source->vertex_count, source->triangle_count);
+    return compile_fail(source->context, DPT_E_MEMORY, location, "memory ran out after %zu vertices and %zu triangles",
+                        source->vertex_count, source->triangle_count);
 }
 
 dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_location location)
 {
-    const double source_xyz[3] = { x, y, z }, scale = source->scale;
+    const double source_xyz[3] = { x, y, z }, scale = source->context->scale;
     if (source->vertex_count >= COUNT_MAX)
-        return soup_fail(source, DPT_E_LIMIT, location, "more than %zu vertices", COUNT_MAX);
+        return compile_fail(source->context, DPT_E_LIMIT, location, "more than %zu vertices", COUNT_MAX);
     if (source->vertex_count == source->vertex_capacity) {
         float *bigger =
             grow_array(source->positions, &source->vertex_capacity, source->vertex_count + 1, 3 * sizeof *bigger);
@@ -66,14 +49,15 @@ dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_lo
     }
     float *position = source->positions + 3 * source->vertex_count;
     for (int i = 0; i < 3; i++) {
-        double scaled = scale * source_xyz[i];
-        if (!(fabs(scaled) <= DPT_COORDINATE_MAX))
-            return soup_fail(source, DPT_E_FINITE, location, "%c is %.9g (times %.9g): not finite, or beyond %.0f m",
-                             "xyz"[i], source_xyz[i], scale, DPT_COORDINATE_MAX);
-        position[i] = (float)scaled;
+        double product = scale * source_xyz[i];
+        if (!(fabs(product) <= DPT_COORDINATE_MAX))
+            return compile_fail(source->context, DPT_E_FINITE, location,
+                                "%c is %.9g (times %.9g): not finite, or beyond %.0f m", "xyz"[i], source_xyz[i], scale,
+                                DPT_COORDINATE_MAX);
+        position[i] = (float)product;
         if (position[i] == 0.0f)
             position[i] = 0.0f; /* -0 becomes 0: positions are compared by their bits later */
-        double error = fabs((double)position[i] - scaled);
+        double error = fabs((double)position[i] - product);
         if (error > source->rounding)
             source->rounding = error;
     }
@@ -84,7 +68,7 @@ dpt_result soup_add_vertex(soup *source, double x, double y, double z, source_lo
 static dpt_result reserve_polygon(soup *source, size_t added_triangles, source_location location)
 {
     if (added_triangles > TRIANGLES_MAX - source->triangle_count)
-        return soup_fail(source, DPT_E_LIMIT, location, "more than %zu triangles", TRIANGLES_MAX);
+        return compile_fail(source->context, DPT_E_LIMIT, location, "more than %zu triangles", TRIANGLES_MAX);
     if (added_triangles > source->triangle_capacity - source->triangle_count) {
         uint32_t *bigger = grow_array(source->corners, &source->triangle_capacity,
                                       source->triangle_count + added_triangles, 3 * sizeof *bigger);
@@ -131,80 +115,53 @@ dpt_result soup_check_corners(soup *source)
 {
     if (source->triangle_count == 0 || source->highest_corner < source->vertex_count)
         return DPT_OK;
-    return soup_fail(source, DPT_E_INDEX, source->highest_location,
-                     "a polygon names vertex %u, counted from %u, and there are only %zu",
-                     (unsigned)(source->highest_corner + source->base), (unsigned)source->base, source->vertex_count);
+    return compile_fail(source->context, DPT_E_INDEX, source->highest_location,
+                        "a polygon names vertex %u, counted from %u, and there are only %zu",
+                        (unsigned)(source->highest_corner + source->base), (unsigned)source->base,
+                        source->vertex_count);
 }
 
 /* The position of corner `k` of a polygon, read from its fan. */
-static const float *polygon_corner(const soup *source, const soup_polygon_span *span, uint32_t k)
+static vec3 polygon_corner(const soup *source, const soup_polygon_span *span, uint32_t k)
 {
     size_t first = span->first_triangle;
     size_t slot = k < 2 ? 3 * first + k : 3 * (first + k - 2) + 2;
-    return source->positions + 3 * (size_t)source->corners[slot];
+    return vec3_of_float(source->positions + 3 * (size_t)source->corners[slot]);
 }
 
-static void subtract(const float *a, const float *b, double difference[3])
+static double sum_of_sizes(vec3 a)
 {
-    for (int i = 0; i < 3; i++)
-        difference[i] = (double)a[i] - (double)b[i];
-}
-
-static void cross(const double a[3], const double b[3], double product[3])
-{
-    product[0] = a[1] * b[2] - a[2] * b[1];
-    product[1] = a[2] * b[0] - a[0] * b[2];
-    product[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static double sum_of_sizes(const double a[3])
-{
-    return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
+    return fabs(a.x) + fabs(a.y) + fabs(a.z);
 }
 
 /* Set `normal` to twice the polygon's area vector. Returns the largest coordinate, in size. */
-static double mean_normal(const soup *source, const soup_polygon_span *span, double normal[3])
+static double mean_normal(const soup *source, const soup_polygon_span *span, vec3 *normal)
 {
-    const float *origin = polygon_corner(source, span, 0);
-    double a[3], b[3], product[3], largest = 0.0;
-    normal[0] = normal[1] = normal[2] = 0.0;
-    subtract(polygon_corner(source, span, 1), origin, a);
+    const vec3 origin = polygon_corner(source, span, 0);
+    vec3 a = sub(polygon_corner(source, span, 1), origin);
+    double max_coordinate = 0.0;
+    *normal = (vec3){ 0.0, 0.0, 0.0 };
     for (uint32_t k = 2; k < span->corners; k++) {
-        subtract(polygon_corner(source, span, k), origin, b);
-        cross(a, b, product);
-        for (int i = 0; i < 3; i++) {
-            normal[i] += product[i];
-            a[i] = b[i];
-        }
+        const vec3 b = sub(polygon_corner(source, span, k), origin);
+        *normal = add(*normal, cross(a, b));
+        a = b;
     }
-    for (uint32_t k = 0; k < span->corners; k++) {
-        for (int i = 0; i < 3; i++) {
-            double size = fabs((double)polygon_corner(source, span, k)[i]);
-            largest = size > largest ? size : largest;
-        }
-    }
-    return largest;
+    for (uint32_t k = 0; k < span->corners; k++)
+        max_coordinate = max_of(max_coordinate, extent_of(polygon_corner(source, span, k)));
+    return max_coordinate;
 }
 
 /* After rounding, a straight corner turns a little in either direction. This must not count as concave. */
 static int is_concave(const soup *source, const soup_polygon_span *span)
 {
-    double normal[3], in[3], out[3], turn[3];
-    double rounding = 4.0 * 0x1p-24 * mean_normal(source, span, normal);
-    const float *before = polygon_corner(source, span, span->corners - 1);
-    const float *here = polygon_corner(source, span, 0);
+    vec3 normal;
+    const double rounding = 4.0 * 0x1p-24 * mean_normal(source, span, &normal);
+    vec3 before = polygon_corner(source, span, span->corners - 1), here = polygon_corner(source, span, 0);
     for (uint32_t k = 0; k < span->corners; k++) {
-        const float *after = polygon_corner(source, span, k + 1 < span->corners ? k + 1 : 0);
-        subtract(here, before, in);
-        subtract(after, here, out);
-        cross(in, out, turn);
-        double turn_along_normal = dot(turn, normal);
-        double tolerance = rounding * (sum_of_sizes(in) + sum_of_sizes(out));
+        const vec3 after = polygon_corner(source, span, k + 1 < span->corners ? k + 1 : 0);
+        const vec3 in = sub(here, before), out = sub(after, here);
+        const double turn_along_normal = dot(cross(in, out), normal);
+        const double tolerance = rounding * (sum_of_sizes(in) + sum_of_sizes(out));
         if (turn_along_normal < 0.0 &&
             turn_along_normal * turn_along_normal > tolerance * tolerance * dot(normal, normal))
             return 1;
@@ -220,12 +177,4 @@ uint32_t soup_concave_polygons(const soup *source)
     for (size_t i = 0; i < source->polygon_count; i++)
         count += (uint32_t)is_concave(source, &source->polygons[i]);
     return count;
-}
-
-dpt_result soup_report_progress(soup *source, const char *step, double done)
-{
-    const dpt_compile_def *def = source->def;
-    if (!def || !def->progress || !def->progress(def->user, step, done))
-        return DPT_OK;
-    return soup_fail(source, DPT_E_CANCELLED, (source_location){ 0, 0 }, "stopped by the caller");
 }

@@ -8,18 +8,7 @@
 #ifndef DPT_COMPILE_SOUP_H
 #define DPT_COMPILE_SOUP_H
 
-#include <stddef.h>
-#include <stdint.h>
-
-#include "dynpoint/compile.h"
-
-#define CREASE_DEFAULT 1.0471975511965976 /* pi / 3 */
-
-/* A location in the source: a line, from 1; or, if line is 0, a byte offset, from 0. */
-typedef struct source_location {
-    uint64_t line;
-    uint64_t byte;
-} source_location;
+#include "compile/compile_context.h"
 
 /* A polygon of more than three corners. It is stored as a fan of corners - 2 triangles. */
 typedef struct soup_polygon_span {
@@ -34,19 +23,15 @@ typedef struct soup {
     size_t vertex_count, vertex_capacity;
     size_t triangle_count, triangle_capacity;
     size_t polygon_count, polygon_capacity;
-    double scale;                     /* metres per unit of the source */
-    double crease;                    /* rad */
-    uint32_t threads;                 /* 1..PARALLEL_MAX */
     double rounding;                  /* largest |stored - scale * source| of a coordinate, m */
     uint32_t highest_corner;          /* the highest vertex number in any polygon */
     source_location highest_location; /* of that polygon, for the message if there is no such vertex */
     uint32_t base;                    /* number of the first vertex in the file's own counting, 0 or 1 */
-    const dpt_compile_def *def;       /* for its progress callback; may be NULL */
-    dpt_diag *diag;                   /* never NULL */
+    const struct compile_context *context;
 } soup;
 
-/* Make an empty soup with the settings of `def`; NULL for the defaults. Both pointers are kept. */
-void soup_init(soup *soup, const dpt_compile_def *def, dpt_diag *diag);
+/* Make an empty soup. The context is kept: it has the scale, and takes the diag. */
+void soup_init(soup *soup, const struct compile_context *context);
 void soup_free(soup *soup);
 
 /* Add a vertex, in units of the source. Returns DPT_OK, or fills the diag and returns its code. */
@@ -60,16 +45,6 @@ dpt_result soup_check_corners(soup *soup);
 
 /* The number of concave polygons: those with a corner that turns against the polygon's mean normal. */
 uint32_t soup_concave_polygons(const soup *soup);
-
-/* Fill the diag and return `code`. The text is formatted as by printf, and cut to fit. */
-dpt_result soup_fail(soup *soup, dpt_result code, source_location location, const char *format, ...)
-#ifdef __GNUC__
-    __attribute__((format(printf, 4, 5)))
-#endif
-    ;
-
-/* Report to the callback that `done` (0..1) of a step is done. Returns DPT_OK or DPT_E_CANCELLED. */
-dpt_result soup_report_progress(soup *soup, const char *step, double done);
 
 /*
  * The readers: parse all bytes of a file into vertices and polygons. Time and memory are linear in `size`; no count in

@@ -9,7 +9,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/vec3.h"
-#include "compile/grow.h"
+#include "compile/soup.h"
 
 static const source_location nowhere = { 0, 0 };
 
@@ -20,41 +20,41 @@ void dpt_spring_net_def_defaults(dpt_spring_net_def *def, size_t size)
     sized_defaults(def, size, &spring_defaults, sizeof spring_defaults);
 }
 
-static int is_in(double value, double most)
+static int is_in(double value, double max)
 {
-    return value >= 0.0 && value <= most;
+    return value >= 0.0 && value <= max;
 }
 
-dpt_result springs_check_region(soup *source, const dpt_spring_region *region, uint32_t number,
+dpt_result springs_check_region(const struct compile_context *context, const dpt_spring_region *region, uint32_t number,
                                 source_location location)
 {
     const double far = 2.0 * DPT_COORDINATE_MAX, *box = region->box;
     int good = region->kind == DPT_REGION_BOX || region->kind == DPT_REGION_SPHERE;
     if (!good || region->fixed > 1)
-        return soup_fail(source, DPT_E_ARGUMENT, location, "region %u is of no known kind", number);
+        return compile_fail(context, DPT_E_ARGUMENT, location, "region %u is of no known kind", number);
     for (int k = 0; k < 3; k++)
         good &= within(box[k], far) && within(box[3 + k], far) &&
                 (region->kind == DPT_REGION_SPHERE || box[k] <= box[3 + k]);
     if (!good || (region->kind == DPT_REGION_SPHERE && !(box[3] > 0.0)))
-        return soup_fail(source, DPT_E_ARGUMENT, location, "region %u is empty, or too far", number);
+        return compile_fail(context, DPT_E_ARGUMENT, location, "region %u is empty, or too far", number);
     if (region->fixed)
         return DPT_OK;
     if (!(region->young > 0.0 && region->young <= 1e12))
-        return soup_fail(source, DPT_E_ARGUMENT, location,
-                         "region %u: Young's modulus must be above 0, at most 1e12 Pa", number);
+        return compile_fail(context, DPT_E_ARGUMENT, location,
+                            "region %u: Young's modulus must be above 0, at most 1e12 Pa", number);
     if (!(region->density > 0.0 && region->density <= 1e9))
-        return soup_fail(source, DPT_E_ARGUMENT, location, "region %u: the density must be above 0, at most 1e9 kg/m^3",
-                         number);
+        return compile_fail(context, DPT_E_ARGUMENT, location,
+                            "region %u: the density must be above 0, at most 1e9 kg/m^3", number);
     if (!is_in(region->drag, 1e9))
-        return soup_fail(source, DPT_E_ARGUMENT, location, "region %u: the drag must be 0 to 1e9 1/s", number);
+        return compile_fail(context, DPT_E_ARGUMENT, location, "region %u: the drag must be 0 to 1e9 1/s", number);
     return DPT_OK;
 }
 
-dpt_result springs_check(soup *source, dpt_spring_net_def *def)
+dpt_result springs_check(const struct compile_context *context, dpt_spring_net_def *def)
 {
     const struct {
         const char *name;
-        double *value, usual, most;
+        double *value, usual, max;
     } numbers[] = {
         { "Young's modulus", &def->young, spring_defaults.young, 1e12 },
         { "density", &def->density, spring_defaults.density, 1e9 },
@@ -65,18 +65,18 @@ dpt_result springs_check(soup *source, dpt_spring_net_def *def)
         { "spacing", &def->spacing, 0.0, 1e6 },
     };
     if (def->kind != DPT_NET_SHEET && def->kind != DPT_NET_VOLUME)
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such kind of springs");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no such kind of springs");
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        if (!is_in(*numbers[i].value, numbers[i].most))
-            return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the %s must be 0 to %g", numbers[i].name,
-                             numbers[i].most);
+        if (!is_in(*numbers[i].value, numbers[i].max))
+            return compile_fail(context, DPT_E_ARGUMENT, nowhere, "the %s must be 0 to %g", numbers[i].name,
+                                numbers[i].max);
         if (*numbers[i].value == 0.0)
             *numbers[i].value = numbers[i].usual;
     }
     if ((def->region_count && !def->regions) || (def->fixed_count && !def->fixed))
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no regions or no fixed vertices");
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no regions or no fixed vertices");
     for (uint32_t i = 0; i < def->region_count; i++)
-        DPT_TRY(springs_check_region(source, &def->regions[i], i + 1, nowhere));
+        DPT_TRY(springs_check_region(context, &def->regions[i], i + 1, nowhere));
     return DPT_OK;
 }
 
@@ -110,11 +110,11 @@ struct material spring_material(struct net *net, const double x[3])
 dpt_result spring_add(struct net *net, uint32_t a, uint32_t b, double stiffness)
 {
     if (net->share_count == UINT32_MAX)
-        return soup_fail(net->source, DPT_E_LIMIT, nowhere, "more springs than can be numbered");
+        return compile_fail(net->source->context, DPT_E_LIMIT, nowhere, "more springs than can be numbered");
     if (net->share_count == net->share_capacity) {
         struct spring_share *grown = grow_array(net->shares, &net->share_capacity, net->share_count + 1, sizeof *grown);
         if (!grown)
-            return soup_fail(net->source, DPT_E_MEMORY, nowhere, "memory ran out");
+            return compile_fail(net->source->context, DPT_E_MEMORY, nowhere, "memory ran out");
         net->shares = grown;
     }
     net->shares[net->share_count] = (struct spring_share){
@@ -177,7 +177,7 @@ static dpt_result fix_vertices(struct net *net, const struct model *model, uint8
     dpt_result result = DPT_OK;
     if (!def->fixed_count)
         return DPT_OK;
-    struct placed *placed = model_alloc(net->source, model->vertex_count, sizeof *placed);
+    struct placed *placed = compile_alloc(net->source->context, model->vertex_count, sizeof *placed);
     if (!placed)
         return DPT_E_MEMORY;
     for (uint32_t v = 0; v < model->vertex_count; v++) {
@@ -189,8 +189,8 @@ static dpt_result fix_vertices(struct net *net, const struct model *model, uint8
         const uint32_t number = def->fixed[i];
         const struct placed *found = NULL;
         if (number >= source->vertex_count) {
-            result = soup_fail(net->source, DPT_E_INDEX, nowhere, "vertex %u is to be fixed, and there are only %zu",
-                               number, source->vertex_count);
+            result = compile_fail(net->source->context, DPT_E_INDEX, nowhere,
+                                  "vertex %u is to be fixed, and there are only %zu", number, source->vertex_count);
             break;
         }
         found =
@@ -198,8 +198,8 @@ static dpt_result fix_vertices(struct net *net, const struct model *model, uint8
         if (found)
             fix_vertex(model, found->vertex, is_fixed);
         else
-            result = soup_fail(net->source, DPT_E_ARGUMENT, nowhere,
-                               "vertex %u is to be fixed, and no triangle uses it", number);
+            result = compile_fail(net->source->context, DPT_E_ARGUMENT, nowhere,
+                                  "vertex %u is to be fixed, and no triangle uses it", number);
     }
     free(placed);
     return result;
@@ -212,22 +212,23 @@ static dpt_result fix(struct net *net, const struct model *model, uint8_t *is_fi
     fix_regions(net, is_fixed);
     for (uint32_t i = 0; i < net->def->region_count; i++)
         if (!net->is_used[i])
-            return soup_fail(net->source, DPT_E_ARGUMENT, nowhere,
-                             "region %u holds nothing of the body: a triangle or a cell is where its centre is", i + 1);
+            return compile_fail(net->source->context, DPT_E_ARGUMENT, nowhere,
+                                "region %u holds nothing of the body: a triangle or a cell is where its centre is",
+                                i + 1);
     DPT_TRY(fix_vertices(net, model, is_fixed));
     for (uint32_t v = 0; v < net->node_count; v++)
         fixed += is_fixed[v];
     if (fixed == net->node_count)
-        return soup_fail(net->source, DPT_E_ARGUMENT, nowhere, "all of the body is fixed");
+        return compile_fail(net->source->context, DPT_E_ARGUMENT, nowhere, "all of the body is fixed");
     return DPT_OK;
 }
 
 /* With the nodes and masses in place: springs, what is fixed, and the layout. */
 static dpt_result finish(struct net *net, struct model *model, const struct spring_lattice *lattice)
 {
-    net->mass = model_alloc(net->source, net->node_count, sizeof *net->mass);
-    net->is_used = model_alloc(net->source, net->def->region_count, 1);
-    uint8_t *is_fixed = model_alloc(net->source, net->node_count, 1);
+    net->mass = compile_alloc(net->source->context, net->node_count, sizeof *net->mass);
+    net->is_used = compile_alloc(net->source->context, net->def->region_count, 1);
+    uint8_t *is_fixed = compile_alloc(net->source->context, net->node_count, 1);
     dpt_result result = net->mass && net->is_used && is_fixed ? DPT_OK : DPT_E_MEMORY;
     if (result == DPT_OK) {
         memset(net->mass, 0, net->node_count * sizeof *net->mass);
@@ -248,7 +249,8 @@ static dpt_result finish(struct net *net, struct model *model, const struct spri
 
 dpt_result model_springs(struct model *model, soup *source)
 {
-    const dpt_spring_net_def *def = source->def ? source->def->springs : NULL;
+    const dpt_compile_def *given = source->context->def;
+    const dpt_spring_net_def *def = given ? given->springs : NULL;
     struct net net = { .def = def, .source = source };
     if (!def)
         return DPT_OK;

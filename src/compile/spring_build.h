@@ -31,10 +31,10 @@ struct material {
 };
 
 /* Check the numbers of a def, and put defaults in the place of zeros. Returns DPT_OK, or fills the diag. */
-dpt_result springs_check(soup *source, dpt_spring_net_def *def);
+dpt_result springs_check(const struct compile_context *context, dpt_spring_net_def *def);
 
 /* Check a region. `number` is told in the diag, with the location. */
-dpt_result springs_check_region(soup *source, const dpt_spring_region *region, uint32_t number,
+dpt_result springs_check_region(const struct compile_context *context, const dpt_spring_region *region, uint32_t number,
                                 source_location location);
 
 /* The material at a point, by the last region that holds it. Notes which regions are used. */

@@ -91,8 +91,8 @@ static dpt_result choose_cells(struct spring_lattice *lattice, const struct mode
         }
     }
     if (!(high[0] >= low[0]))
-        return soup_fail(source, DPT_E_ARGUMENT, nowhere,
-                         "no part of the mesh is closed: springs of a volume need an inside");
+        return compile_fail(source->context, DPT_E_ARGUMENT, nowhere,
+                            "no part of the mesh is closed: springs of a volume need an inside");
     for (int k = 0; k < 3; k++)
         longest = max_of(longest, high[k] - low[k]);
     for (int k = 0; k < 3; k++)
@@ -103,8 +103,8 @@ static dpt_result choose_cells(struct spring_lattice *lattice, const struct mode
         const double count = max_of(ceil((high[k] - low[k]) / spacing - TOUCH), 1.0);
         cells *= count;
         if (!(cells <= CELLS_MAX))
-            return soup_fail(source, DPT_E_LIMIT, nowhere, "a lattice with a spacing of %.3g m has more than %u cells",
-                             spacing, CELLS_MAX);
+            return compile_fail(source->context, DPT_E_LIMIT, nowhere,
+                                "a lattice with a spacing of %.3g m has more than %u cells", spacing, CELLS_MAX);
         lattice->cells[k] = (uint32_t)count;
         lattice->low[k] = 0.5 * (low[k] + high[k]) - 0.5 * count * spacing;
     }
@@ -202,7 +202,7 @@ static dpt_result measure(struct spring_lattice *lattice, const struct model *mo
 {
     struct crossings crossings = { .rays = { lattice->cells[1] * RAYS, lattice->cells[2] * RAYS } };
     const uint32_t rays = crossings.rays[0] * crossings.rays[1];
-    crossings.first = model_alloc(source, (size_t)rays + 1, sizeof *crossings.first);
+    crossings.first = compile_alloc(source->context, (size_t)rays + 1, sizeof *crossings.first);
     if (!crossings.first)
         return DPT_E_MEMORY;
     memset(crossings.first, 0, ((size_t)rays + 1) * sizeof *crossings.first);
@@ -211,10 +211,10 @@ static dpt_result measure(struct spring_lattice *lattice, const struct model *mo
     for (uint32_t ray = 0; ray < rays; ray++)
         crossings.first[ray + 1] = (uint32_t)(count += crossings.first[ray + 1]);
     if (count <= UINT32_MAX)
-        crossings.list = model_alloc(source, (size_t)count, sizeof *crossings.list);
+        crossings.list = compile_alloc(source->context, (size_t)count, sizeof *crossings.list);
     if (!crossings.list) {
         free(crossings.first);
-        return soup_fail(source, DPT_E_MEMORY, nowhere, "memory ran out");
+        return compile_fail(source->context, DPT_E_MEMORY, nowhere, "memory ran out");
     }
     cross_rays(&crossings, lattice, model);
     uint32_t begin = 0;
@@ -300,7 +300,7 @@ static dpt_result number_nodes(struct spring_lattice *lattice, soup *source)
 {
     const uint32_t *n = lattice->cells;
     const size_t corners = ((size_t)n[0] + 1) * (n[1] + 1) * (n[2] + 1);
-    lattice->node = model_alloc(source, corners, sizeof *lattice->node);
+    lattice->node = compile_alloc(source->context, corners, sizeof *lattice->node);
     if (!lattice->node)
         return DPT_E_MEMORY;
     for (size_t i = 0; i < corners; i++)
@@ -316,8 +316,8 @@ static dpt_result number_nodes(struct spring_lattice *lattice, soup *source)
     for (size_t i = 0; i < corners; i++)
         if (lattice->node[i] != DPT_NONE)
             lattice->node[i] = lattice->node_count++;
-    lattice->rest = model_alloc(source, lattice->node_count, 3 * sizeof *lattice->rest);
-    lattice->grid = model_alloc(source, lattice->node_count, 3 * sizeof *lattice->grid);
+    lattice->rest = compile_alloc(source->context, lattice->node_count, 3 * sizeof *lattice->rest);
+    lattice->grid = compile_alloc(source->context, lattice->node_count, 3 * sizeof *lattice->grid);
     if (!lattice->rest || !lattice->grid)
         return DPT_E_MEMORY;
     for (uint32_t k = 0; k <= n[2]; k++)
@@ -336,8 +336,8 @@ dpt_result spring_lattice_make(struct spring_lattice *lattice, const struct mode
 {
     DPT_TRY(choose_cells(lattice, model, source, spacing));
     const size_t cells = (size_t)lattice->cells[0] * lattice->cells[1] * lattice->cells[2];
-    lattice->share = model_alloc(source, cells, sizeof *lattice->share);
-    uint8_t *is_touched = model_alloc(source, cells, 1);
+    lattice->share = compile_alloc(source->context, cells, sizeof *lattice->share);
+    uint8_t *is_touched = compile_alloc(source->context, cells, 1);
     dpt_result result = lattice->share && is_touched ? DPT_OK : DPT_E_MEMORY;
     if (result == DPT_OK) {
         memset(lattice->share, 0, cells * sizeof *lattice->share);
@@ -436,8 +436,8 @@ static dpt_result cut_cell(void *context, const uint32_t node[8], const double c
 
 dpt_result spring_lattice_embed(const struct spring_lattice *lattice, struct model *model, soup *source)
 {
-    double *nodes = model_alloc(source, lattice->node_count, 3 * sizeof *nodes);
-    uint32_t *cells = model_alloc(source, lattice->cell_count, 24 * sizeof *cells), *next = cells;
+    double *nodes = compile_alloc(source->context, lattice->node_count, 3 * sizeof *nodes);
+    uint32_t *cells = compile_alloc(source->context, lattice->cell_count, 24 * sizeof *cells), *next = cells;
     dpt_result result = nodes && cells ? DPT_OK : DPT_E_MEMORY;
     if (result == DPT_OK) {
         for (size_t i = 0; i < 3 * (size_t)lattice->node_count; i++)

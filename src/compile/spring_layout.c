@@ -63,8 +63,9 @@ static int is_spring_number(double x)
 static dpt_result number_fails(const struct net *net, const char *what, uint32_t node, double x)
 {
     const float *at = net->rest + 3 * (size_t)node;
-    return soup_fail(net->source, DPT_E_FINITE, nowhere, "the %s at (%.6g, %.6g, %.6g) is %.3g, not within 1e-15..1e15",
-                     what, (double)at[0], (double)at[1], (double)at[2], x);
+    return compile_fail(net->source->context, DPT_E_FINITE, nowhere,
+                        "the %s at (%.6g, %.6g, %.6g) is %.3g, not within 1e-15..1e15", what, (double)at[0],
+                        (double)at[1], (double)at[2], x);
 }
 
 /*
@@ -142,12 +143,12 @@ static dpt_result fill_first(const struct net *net, const struct rows *rows, str
     const uint32_t slices = mesh_slices(net->node_count);
     for (uint32_t v = 0; v < net->node_count; v++)
         if (rows->row[v + 1] - rows->row[v] > MESH_SLICE_ENTRIES_MAX)
-            return soup_fail(net->source, DPT_E_LIMIT, nowhere, "vertex %u has more than %u springs",
-                             model->vertex_sources[v], MESH_SLICE_ENTRIES_MAX);
+            return compile_fail(net->source->context, DPT_E_LIMIT, nowhere, "vertex %u has more than %u springs",
+                                model->vertex_sources[v], MESH_SLICE_ENTRIES_MAX);
     for (uint32_t s = 0; s <= slices; s++) {
         if (sum > MESH_SPRING_ENTRIES_MAX)
-            return soup_fail(net->source, DPT_E_LIMIT, nowhere, "more than %u entries of springs",
-                             MESH_SPRING_ENTRIES_MAX);
+            return compile_fail(net->source->context, DPT_E_LIMIT, nowhere, "more than %u entries of springs",
+                                MESH_SPRING_ENTRIES_MAX);
         model->spring_first[s] = (uint32_t)sum;
         sum += s < slices ? slice_entries(net, rows, s, ranks) : 0;
     }
@@ -206,17 +207,18 @@ static dpt_result lay_out(struct net *net, const struct rows *rows, struct model
     DPT_TRY(fill_rows(net, rows));
     model->spring_nodes = net->node_count;
     model->spring_count = (uint32_t)net->share_count;
-    model->spring_mass = model_alloc(source, net->node_count, sizeof *model->spring_mass);
-    model->spring_drag = model_alloc(source, net->node_count, sizeof *model->spring_drag);
-    model->spring_first = model_alloc(source, (size_t)mesh_slices(net->node_count) + 1, sizeof *model->spring_first);
+    model->spring_mass = compile_alloc(source->context, net->node_count, sizeof *model->spring_mass);
+    model->spring_drag = compile_alloc(source->context, net->node_count, sizeof *model->spring_drag);
+    model->spring_first =
+        compile_alloc(source->context, (size_t)mesh_slices(net->node_count) + 1, sizeof *model->spring_first);
     if (!model->spring_mass || !model->spring_drag || !model->spring_first)
         return DPT_E_MEMORY;
     DPT_TRY(fill_nodes(net, rows, model, is_fixed));
     DPT_TRY(fill_first(net, rows, model));
     const size_t words = (size_t)model->spring_entries * LANES;
-    model->spring_ends = model_alloc(source, words, sizeof *model->spring_ends);
-    model->spring_stiffness = model_alloc(source, words, sizeof *model->spring_stiffness);
-    model->spring_length = model_alloc(source, words, sizeof *model->spring_length);
+    model->spring_ends = compile_alloc(source->context, words, sizeof *model->spring_ends);
+    model->spring_stiffness = compile_alloc(source->context, words, sizeof *model->spring_stiffness);
+    model->spring_length = compile_alloc(source->context, words, sizeof *model->spring_length);
     if (!model->spring_ends || !model->spring_stiffness || !model->spring_length)
         return DPT_E_MEMORY;
     fill_entries(net, rows, model);
@@ -228,14 +230,14 @@ dpt_result spring_lay_out(struct net *net, struct model *model, const uint8_t *i
     soup *source = net->source;
     join_shares(net);
     if (net->share_count > UINT32_MAX / 2)
-        return soup_fail(source, DPT_E_LIMIT, nowhere, "more springs than can be numbered");
+        return compile_fail(source->context, DPT_E_LIMIT, nowhere, "more springs than can be numbered");
     const size_t springs = net->share_count;
     const struct rows rows = {
-        .row = model_alloc(source, (size_t)net->node_count + 2, sizeof *rows.row),
-        .end = model_alloc(source, 2 * springs, sizeof *rows.end),
-        .spring = model_alloc(source, 2 * springs, sizeof *rows.spring),
-        .stiffness = model_alloc(source, springs, sizeof *rows.stiffness),
-        .length = model_alloc(source, springs, sizeof *rows.length),
+        .row = compile_alloc(source->context, (size_t)net->node_count + 2, sizeof *rows.row),
+        .end = compile_alloc(source->context, 2 * springs, sizeof *rows.end),
+        .spring = compile_alloc(source->context, 2 * springs, sizeof *rows.spring),
+        .stiffness = compile_alloc(source->context, springs, sizeof *rows.stiffness),
+        .length = compile_alloc(source->context, springs, sizeof *rows.length),
     };
     dpt_result result = DPT_E_MEMORY;
     if (rows.row && rows.end && rows.spring && rows.stiffness && rows.length)

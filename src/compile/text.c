@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
-#include "compile/grow.h"
+#include "compile/soup.h"
 #include "compile/text.h"
 #include "text/parse_number.h"
 
@@ -23,13 +23,13 @@ static char lower(char c)
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
-void text_begin(source_text *text, soup *source, const unsigned char *bytes, size_t size)
+void text_begin(source_text *text, const struct compile_context *context, const unsigned char *bytes, size_t size)
 {
     memset(text, 0, sizeof *text);
     text->at = (const char *)bytes;
     text->end = text->at + size;
     text->line = 1;
-    text->source = source;
+    text->context = context;
     if (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0)
         text->at += 3;
 }
@@ -43,8 +43,8 @@ dpt_result text_refuse_utf16(const source_text *text)
     int has_mark = (a == 0xfe && b == 0xff) || (a == 0xff && b == 0xfe);
     if (!has_mark && (a == 0) == (b == 0))
         return DPT_OK;
-    return soup_fail(text->source, DPT_E_FORMAT, (source_location){ 0, 0 },
-                     "this is UTF-16 text: save it as UTF-8 or ASCII");
+    return compile_fail(text->context, DPT_E_FORMAT, (source_location){ 0, 0 },
+                        "this is UTF-16 text: save it as UTF-8 or ASCII");
 }
 
 static const char *after_line_end(const char *at, const char *end)
@@ -156,7 +156,7 @@ static int is_not_finite_word(const source_word *word)
 
 static dpt_result fail_no_word(source_text *text, const char *what)
 {
-    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "the line ends where %s should be", what);
+    return compile_fail(text->context, DPT_E_SYNTAX, text_location(text), "the line ends where %s should be", what);
 }
 
 dpt_result text_read_double(source_text *text, const char *what, double *value)
@@ -168,10 +168,10 @@ dpt_result text_read_double(source_text *text, const char *what, double *value)
     if (parse_double(word.begin, word.end, value) == word.end)
         return DPT_OK;
     if (is_not_finite_word(&word))
-        return soup_fail(text->source, DPT_E_FINITE, text_location(text), "%s is %s: not a finite number", what,
-                         word_printable(&word, printable));
-    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "%s is '%s': not a number", what,
-                     word_printable(&word, printable));
+        return compile_fail(text->context, DPT_E_FINITE, text_location(text), "%s is %s: not a finite number", what,
+                            word_printable(&word, printable));
+    return compile_fail(text->context, DPT_E_SYNTAX, text_location(text), "%s is '%s': not a number", what,
+                        word_printable(&word, printable));
 }
 
 dpt_result text_read_int(source_text *text, const char *what, int64_t *value)
@@ -182,26 +182,26 @@ dpt_result text_read_int(source_text *text, const char *what, int64_t *value)
         return fail_no_word(text, what);
     if (parse_int(word.begin, word.end, value) == word.end)
         return DPT_OK;
-    return soup_fail(text->source, DPT_E_SYNTAX, text_location(text), "%s is '%s': not an integer", what,
-                     word_printable(&word, printable));
+    return compile_fail(text->context, DPT_E_SYNTAX, text_location(text), "%s is '%s': not an integer", what,
+                        word_printable(&word, printable));
 }
 
-dpt_result text_read_vertex(source_text *text)
+dpt_result text_read_vertex(source_text *text, soup *source)
 {
     static const char *const names[3] = { "x", "y", "z" };
     double position[3];
     for (int i = 0; i < 3; i++)
         DPT_TRY(text_read_double(text, names[i], &position[i]));
-    return soup_add_vertex(text->source, position[0], position[1], position[2], text_location(text));
+    return soup_add_vertex(source, position[0], position[1], position[2], text_location(text));
 }
 
-dpt_result corner_list_add(corner_list *list, soup *source, uint32_t number)
+dpt_result corner_list_add(corner_list *list, const struct compile_context *context, uint32_t number)
 {
     if (list->count == list->capacity) {
         uint32_t *bigger = grow_array(list->numbers, &list->capacity, list->count + 1, sizeof *bigger);
         if (!bigger)
-            return soup_fail(source, DPT_E_MEMORY, (source_location){ 0, 0 }, "no memory for a polygon of %zu corners",
-                             list->count + 1);
+            return compile_fail(context, DPT_E_MEMORY, (source_location){ 0, 0 },
+                                "no memory for a polygon of %zu corners", list->count + 1);
         list->numbers = bigger;
     }
     list->numbers[list->count++] = number;

@@ -11,10 +11,10 @@
 typedef struct source_text {
     const char *at; /* the next byte to read */
     const char *end;
-    uint64_t line;    /* of `at`, from 1 */
-    int has_comments; /* 1: a word that begins with # ends its line */
-    int joins_lines;  /* 1: a backslash before the end of a line joins the next line to it */
-    soup *source;     /* receives the diag */
+    uint64_t line;                         /* of `at`, from 1 */
+    int has_comments;                      /* 1: a word that begins with # ends its line */
+    int joins_lines;                       /* 1: a backslash before the end of a line joins the next line to it */
+    const struct compile_context *context; /* receives the diag */
 } source_text;
 
 /* The bytes of a word, within the text. */
@@ -24,7 +24,7 @@ typedef struct source_word {
 } source_word;
 
 /* Begin at the first byte, or after a UTF-8 byte order mark. */
-void text_begin(source_text *text, soup *source, const unsigned char *bytes, size_t size);
+void text_begin(source_text *text, const struct compile_context *context, const unsigned char *bytes, size_t size);
 
 /* DPT_E_FORMAT if the bytes are UTF-16. Call it right after text_begin. */
 dpt_result text_refuse_utf16(const source_text *text);
@@ -45,7 +45,7 @@ dpt_result text_read_double(source_text *text, const char *what, double *value);
 dpt_result text_read_int(source_text *text, const char *what, int64_t *value);
 
 /* Read x, y and z from this line, and add the vertex to the soup. */
-dpt_result text_read_vertex(source_text *text);
+dpt_result text_read_vertex(source_text *text, soup *source);
 
 /* Is the word `name`? With _any_case, `name` is in lower case and the word in any. */
 int word_is(const source_word *word, const char *name);
@@ -61,7 +61,7 @@ typedef struct corner_list {
     size_t count, capacity;
 } corner_list;
 
-dpt_result corner_list_add(corner_list *list, soup *source, uint32_t number);
+dpt_result corner_list_add(corner_list *list, const struct compile_context *context, uint32_t number);
 void corner_list_free(corner_list *list);
 
 /* Readers report progress once in this many items. */

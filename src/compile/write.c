@@ -7,9 +7,9 @@
 #include "base/byte_order.h"
 #include "base/crc32.h"
 #include "base/vec3.h"
+#include "compile/cluster.h"
+#include "compile/compile_context.h"
 #include "compile/model.h"
-#include "compile/moments.h"
-#include "compile/parallel.h"
 #include "mesh/mesh_swap.h"
 
 /* The least work for a thread of its own: leaves, and bytes of sections. */
@@ -109,7 +109,7 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
                                      .poisson = model->poisson,
                                      .stable_step = model->stable_step };
     memcpy(mesh->tail.self_intersection, model->self_intersection, sizeof model->self_intersection);
-    mesh->scale = source->scale;
+    mesh->scale = source->context->scale;
     mesh->rounding = source->rounding;
 }
 
@@ -335,15 +335,15 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     mesh->source_hash = source_hash;
     set_sections(mesh, nodes);
 
-    const uint32_t threads = source->threads, winding = mesh->tail.winding_components;
-    struct node_box *boxes = writing.boxes = model_alloc(source, mesh->leaves, sizeof *boxes);
+    const uint32_t threads = source->context->threads, winding = mesh->tail.winding_components;
+    struct node_box *boxes = writing.boxes = compile_alloc(source->context, mesh->leaves, sizeof *boxes);
     struct winding_moment *moments = writing.leaf_moments =
-        model_alloc(source, winding ? mesh->leaves : 0, sizeof *moments);
+        compile_alloc(source->context, winding ? mesh->leaves : 0, sizeof *moments);
     char *bytes = boxes && moments && mesh->bytes <= SIZE_MAX / 2 ? compiled_block((size_t)mesh->bytes) : NULL;
     if (!bytes) {
         free(boxes);
         free(moments);
-        return soup_fail(source, DPT_E_MEMORY, (source_location){ 0, 0 }, "memory ran out");
+        return compile_fail(source->context, DPT_E_MEMORY, (source_location){ 0, 0 }, "memory ran out");
     }
     writing.bytes = bytes;
     parallel_for(threads, mesh->leaves, LEAVES_MIN, fill_leaves, &writing);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "contact/contact_integrals.h"
 
-#include "contact/spans.h"
+#include "contact/deepest_point.h"
 
 /*
  * Accepted error estimates, as shares of the overlap: of all spans together, and of one span, whose own estimate may be
@@ -188,7 +188,7 @@ struct region_builder {
     int has_integrals; /* 0: only what tells where the regions are, and their deepest samples */
 };
 
-/* Add a piece, whose way out is that of the profile's sample `sample`, to the last region or to a new one. */
+/* Add a piece, whose exit direction is that of the profile's sample `sample`, to the last region or to a new one. */
 static void add_region_piece(struct region_builder *builder, uint32_t sample, struct profile_piece piece)
 {
     const struct distance_profile *profile = builder->profile;
@@ -293,7 +293,7 @@ uint32_t dpti_contact_regions(struct distance_profile *profile, struct region re
     return kept_count;
 }
 
-/* A span's integral of w n over s, m. If one end is a mark, the way out is that of the other end. */
+/* A span's integral of w n over s, m. If one end is a mark, the exit direction is that of the other end. */
 static vec3 thrust_between(const struct profile_sample *from, const struct profile_sample *to, const struct span *span)
 {
     const struct profile_sample *left = from->triangle == DPT_NONE ? to : from;

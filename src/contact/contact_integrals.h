@@ -12,8 +12,8 @@
 enum { REGION_MAX = 16 };
 
 /*
- * Over a stretch of the axis, per m of its length, with a depth w(s) >= 0 in m, and n(s) the way out, a unit vector in the
- * body's frame.
+ * Over a stretch of the axis, per m of its length, with a depth w(s) >= 0 in m, and n(s) the exit direction, a unit
+ * vector in the body's frame.
  */
 struct region_integrals {
     double overlap;     /* of w, m^2 */

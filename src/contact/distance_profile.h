@@ -8,6 +8,7 @@
 #define DPT_DISTANCE_PROFILE_H
 
 #include "contact/deepest_point.h"
+#include "contact/profile_samples.h"
 
 /*
  * Make the profile of an axis. The caller first sets the profile's surface, kernel, axis, sides, point_cache, body,
@@ -39,5 +40,23 @@ void dpti_profile_search_undecided(struct distance_profile *profile, double min_
  * and neither sample's tangent reaches so far. Returns 0 if there is none, else 1 and its ends *from < *to, in s.
  */
 int dpti_profile_find_undecided(const struct distance_profile *profile, uint32_t i, double *from, double *to);
+
+/* ---- where the axis goes through the surface, and where the surface can be within reach ---- */
+
+/*
+ * Find all crossings of a profile, in order of s, and its reach intervals, and set is_sideless. If the work is spent
+ * before, is_cut is 1; if there are more crossings than PROFILE_CROSSINGS, is_full is 1. The lists are incomplete then.
+ */
+void dpti_profile_find_crossings(struct distance_profile *profile);
+
+/*
+ * The winding numbers of an axis between its crossings: away from holes one of them and the crossings tell the others
+ * (docs/algorithms/winding.md, "Away from holes").
+ *
+ * Find the winding number of each stretch of a profile whose crossings and holes are known; WINDING_UNKNOWN where a hole
+ * is near, or where rounding may have missed a crossing. Parts of a stretch that are far from its holes become winding
+ * ranges. If the work is spent, the profile is cut. Returns 1 if all stretches are known.
+ */
+int dpti_stretch_windings_find(struct distance_profile *profile);
 
 #endif

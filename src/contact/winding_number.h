@@ -20,4 +20,52 @@
  */
 double dpti_winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x, struct work *work);
 
+/*
+ * The holes of a mesh, as balls. Away from them the winding number, rounded, changes at crossings alone, whatever else
+ * is wrong with the mesh (docs/algorithms/winding.md, "Away from holes"). Lengths are in m, in the mesh's frame.
+ */
+
+enum { HOLES_MAX = 152 };
+
+/*
+ * A rim is what the edges of the solid parts' triangles add up to, each taken in its own direction: where a surface
+ * ends. The rims within a ball are no longer, together, than a circle of the ball's radius. Holes that are close
+ * together share a ball.
+ */
+struct holes {
+    uint32_t count;
+    uint32_t normals_tell; /* away from holes the normal of the nearest triangle tells the side */
+    uint32_t has_sheets;   /* parts that are neither solid nor buried: beside them sides are theirs */
+    uint32_t reserved;
+    vec3 origin; /* of the balls */
+    double unit; /* m */
+    struct hole {
+        uint16_t centre[3], radius; /* in units */
+    } ball[HOLES_MAX];
+};
+
+static inline vec3 hole_centre(const struct holes *holes, uint32_t i)
+{
+    const uint16_t *centre = holes->ball[i].centre;
+    const vec3 steps = { centre[0], centre[1], centre[2] };
+    return along(holes->origin, holes->unit, steps);
+}
+
+static inline double hole_radius(const struct holes *holes, uint32_t i)
+{
+    return holes->unit * holes->ball[i].radius;
+}
+
+/*
+ * Find the holes of a mesh that has moments: only winding numbers tell its sides. Returns 0 if they cannot be known: a
+ * body with holes deforms. Takes time in proportion to the triangles, more for rims, and about a millisecond.
+ */
+int dpti_holes_find(const struct surface *surface, const struct kernel *kernel, struct holes *holes);
+
+/* 1: the axis a + s u is so far from all holes that its winding number, rounded, changes at crossings alone. */
+int dpti_holes_are_far_from(const struct holes *holes, vec3 a, vec3 u);
+
+/* 1: what closes a hole is farther from x than `distance`. */
+int dpti_holes_are_beyond(const struct holes *holes, vec3 x, double distance);
+
 #endif

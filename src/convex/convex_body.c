@@ -36,8 +36,8 @@ static vec3 support_of_ellipsoid(const struct convex_body *body, vec3 d)
 
 /*
  * Of the part of a capsule in the plane of its bevel. The ball around the axis' point at z meets the plane, whose normal
- * is n, in a disc: its middle is s = n.z z - at off the plane, and its radius is sqrt(r^2 - s^2). What is farthest along d
- * is the greatest of a concave function of s.
+ * is n, in a disc: its middle is s = n.z z - at off the plane, and its radius is sqrt(r^2 - s^2). What is farthest
+ * along d is the greatest of a concave function of s.
  */
 static vec3 support_of_section(const struct convex_body *body, vec3 d)
 {
@@ -134,9 +134,9 @@ static dpt_result take_extents(const dpt_convex_shape *shape, struct convex_body
     body->x = 0.5 * extent[0];
     body->y = is_ellipsoid ? 0.5 * extent[1] : body->x;
     body->z = 0.5 * extent[2];
-    const double most = max_of(body->x, max_of(body->y, body->z));
-    const double least = min_of(min_of(body->x, body->y), is_capsule ? body->x : body->z);
-    if (most > RATIO_MAX * least)
+    const double max = max_of(body->x, max_of(body->y, body->z));
+    const double min = min_of(min_of(body->x, body->y), is_capsule ? body->x : body->z);
+    if (max > RATIO_MAX * min)
         return DPT_E_ARGUMENT;
     body->axis[0].z = -body->z;
     body->axis[1].z = body->z;
@@ -151,7 +151,7 @@ static dpt_result take_extents(const dpt_convex_shape *shape, struct convex_body
         break;
     case DPT_CONVEX_KIND_ELLIPSOID:
         /* Within its shorter half of the middle of the axis that is cut off by so much at each end. */
-        body->size = most;
+        body->size = max;
         body->reach = max_of(body->x, body->y);
         body->axis[1].z = max_of(0.0, body->z - body->reach);
         body->axis[0].z = -body->axis[1].z;
@@ -174,10 +174,10 @@ static dpt_result take_bevel(const dpt_convex_shape *shape, struct convex_body *
         return DPT_E_POSE;
     body->cut = unit_of(n);
     body->cut_at = shape->bevel[3];
-    const double most = fabs(body->cut.z) * body->z + body->x;
-    if (body->cut_at < -most + LEAST_LEFT * 2.0 * most)
+    const double max = fabs(body->cut.z) * body->z + body->x;
+    if (body->cut_at < -max + LEAST_LEFT * 2.0 * max)
         return DPT_E_ARGUMENT;
-    body->is_cut = body->cut_at < most;
+    body->is_cut = body->cut_at < max;
     if (!body->is_cut)
         return DPT_OK;
     for (int k = 0; k < 8; k++) {

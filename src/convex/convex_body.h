@@ -31,11 +31,11 @@ dpt_result dpti_convex_body_of(const dpt_convex_shape *given, struct convex_body
 static inline vec3 convex_farthest(const vec3 *points, uint32_t count, vec3 d)
 {
     uint32_t best = 0;
-    double most = dot(points[0], d);
+    double max = dot(points[0], d);
     for (uint32_t i = 1; i < count; i++) {
         const double here = dot(points[i], d);
-        if (here > most) {
-            most = here;
+        if (here > max) {
+            max = here;
             best = i;
         }
     }

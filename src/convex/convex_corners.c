@@ -16,7 +16,7 @@ struct around {
 };
 
 static const struct {
-    uint32_t least, most, usual;
+    uint32_t min, max, usual;
 } sides_of[] = { { 3, 63, 16 }, { 3, 32, 16 }, { 3, 12, 12 }, { 3, 15, 10 }, { 0, 0, 0 } };
 
 static void put(struct around *around, double x, double y, double z)
@@ -61,9 +61,9 @@ static double widening(uint32_t sides)
 }
 
 /*
- * How much larger than the unit ball's corners those around it are. Their latitudes, in turns, are `from` to a quarter, in
- * `steps` equal steps. A face's middle line lies in the half plane of a side's middle; the least distance of these lines
- * from the centre is what the corners must make up for.
+ * How much larger than the unit ball's corners those around it are. Their latitudes, in turns, are `from` to a quarter,
+ * in `steps` equal steps. A face's middle line lies in the half plane of a side's middle; the least distance of these
+ * lines from the centre is what the corners must make up for.
  */
 static double ball_widening(uint32_t sides, double from, uint32_t steps)
 {
@@ -234,13 +234,13 @@ dpt_result dpt_convex_corners(const dpt_convex_shape *shape, uint32_t sides, dou
     if (!shape || !count || (!corners && capacity))
         return DPT_E_ARGUMENT;
     DPT_TRY(dpti_convex_body_of(shape, &body));
-    const uint32_t given = sides, least = sides_of[body.kind].least;
+    const uint32_t given = sides, min = sides_of[body.kind].min;
     sides = sides ? sides : sides_of[body.kind].usual;
-    if (sides < least || sides > sides_of[body.kind].most)
+    if (sides < min || sides > sides_of[body.kind].max)
         return DPT_E_ARGUMENT;
     make(&body, sides, &around);
     /* The default has fewer sides where a bevel needs the corners. */
-    while (!given && around.count > CORNERS_MAX && sides > least)
+    while (!given && around.count > CORNERS_MAX && sides > min)
         make(&body, --sides, &around);
     if (around.count > CORNERS_MAX)
         return DPT_E_LIMIT;

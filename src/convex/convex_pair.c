@@ -109,7 +109,7 @@ static void prepare(ccd_t *ccd)
 }
 
 /*
- * The check of an answer: it is a direction and a length, the way does not lead behind the piece, and the planes across it
+ * The check of an answer: it is a direction and a length, it does not lead behind the piece, and the planes across it
  * prove that the motion suffices.
  */
 static void check(const struct convex_place *place, const struct convex_piece *piece, double depth,
@@ -161,7 +161,7 @@ void dpti_convex_ask(const struct convex_place *place, const struct convex_piece
         return;
     check(place, piece, depth, &direction, said);
     if (algorithm == CONVEX_EPA && !said->is_refused)
-        said->least = min_of(depth, said->depth);
+        said->min_depth = min_of(depth, said->depth);
 }
 
 /* ---- our own ---- */
@@ -187,10 +187,10 @@ static double descend(const struct convex_place *place, const struct convex_piec
     return width;
 }
 
-/* Of the i-th time that libccd is asked. */
+/* How libccd is asked, one attempt after the other. */
 static const struct {
     int algorithm;
-    double across; /* its first direction is that of the first guess, and so much to its side */
+    double across; /* its first direction is the first guess plus this much of a vector across */
 } turns[] = { { CONVEX_EPA, 0.1 }, { CONVEX_EPA, -3.0 }, { CONVEX_EPA, 0.9 }, { CONVEX_MPR, 0.0 } };
 
 enum { TURNS = 4 };
@@ -233,7 +233,8 @@ static vec3 nearest_of(const vec3 p[3])
  * Look for a plane between the two, by the nearest point to the origin among their differences (as Gilbert, Johnson and
  * Keerthi, 1988): three of these are kept, each step adds the farthest one towards the origin, and the nearest of the
  * triangles with it stays. Degenerate ones do no harm, as dpt_segment_triangle takes any. PARTED is proven by the plane,
- * MET by four differences around the origin, or one at it; OPEN is left where rounding ends it. *n becomes the way out that it was led to.
+ * MET by four differences around the origin, or one at it; OPEN is left where rounding ends it. *n becomes the exit
+ * direction that it was led to.
  */
 static enum parting part(const struct convex_place *place, const struct convex_piece *piece, vec3 *n)
 {
@@ -279,12 +280,12 @@ int dpti_convex_meets(const struct convex_place *place, const struct convex_piec
     return 0;
 }
 
-static void take(struct convex_way *way, vec3 direction, double depth)
+static void take(struct convex_exit *found, vec3 direction, double depth)
 {
-    if (!(depth < way->depth))
+    if (!(depth < found->depth))
         return;
-    way->direction = direction;
-    way->depth = max_of(0.0, depth);
+    found->direction = direction;
+    found->depth = max_of(0.0, depth);
 }
 
 /* Directions that do not lead behind the piece, and the widths along them. */
@@ -318,7 +319,7 @@ static void guess(const struct convex_place *place, const struct convex_piece *p
 
 /* Go down from the best guesses, `starts` of them, each well apart from those before. */
 static void go_down(const struct convex_place *place, const struct convex_piece *piece, int starts,
-                    struct guesses *guesses, struct convex_way *way)
+                    struct guesses *guesses, struct convex_exit *found)
 {
     for (int k = 0; k < starts; k++) {
         int best = -1;
@@ -330,46 +331,46 @@ static void go_down(const struct convex_place *place, const struct convex_piece 
         const vec3 from = guesses->direction[best];
         vec3 n = from;
         const double width = descend(place, piece, DESCENTS, &n);
-        take(way, n, width);
+        take(found, n, width);
         for (int i = 0; i < GUESSES; i++)
             if (dot(guesses->direction[i], from) > 0.8)
                 guesses->width[i] = HUGE_VAL;
     }
 }
 
-void dpti_convex_way_out(const struct convex_place *place, const struct convex_piece *piece, vec3 towards,
-                         struct convex_tally *tally, struct convex_way *way)
+void dpti_convex_exit(const struct convex_place *place, const struct convex_piece *piece, vec3 towards,
+                      struct convex_tally *tally, struct convex_exit *found)
 {
     struct convex_said said = { 0 };
     struct guesses guesses;
-    double least = 0.0;
+    double min_depth = 0.0;
     int stood = 0;
     vec3 n;
     /* Ways of our own: along the piece's front there always is one. They are the bar that libccd's must pass. */
-    *way = (struct convex_way){ .depth = HUGE_VAL };
+    *found = (struct convex_exit){ .depth = HUGE_VAL };
     guess(place, piece, towards, &guesses);
-    take(way, guesses.direction[0], guesses.width[0]);
-    go_down(place, piece, 2, &guesses, way);
+    take(found, guesses.direction[0], guesses.width[0]);
+    go_down(place, piece, 2, &guesses, found);
     for (int i = 0; i < TURNS && !stood; i++) {
-        dpti_convex_ask(place, piece, turns[i].algorithm, first_of(i, way->direction), &said);
+        dpti_convex_ask(place, piece, turns[i].algorithm, first_of(i, found->direction), &said);
         tally->asked++;
         /* The piece is met: that it is not, or only by a longer way than is known, is wrong. */
-        stood = said.meets && !said.is_refused && said.depth <= way->depth + CONVEX_TOLERANCE;
+        stood = said.meets && !said.is_refused && said.depth <= found->depth + CONVEX_TOLERANCE;
         if (stood) {
-            /* Nor is it right where a way beside it is shorter. */
+            /* It is wrong where a motion in a direction beside it is shorter. */
             n = said.direction;
             const double beside = descend(place, piece, DESCENTS / 2, &n);
             stood = beside >= said.depth - CONVEX_TOLERANCE;
-            take(way, n, beside);
+            take(found, n, beside);
         }
         tally->refused += (uint32_t)!stood;
         if (stood) {
-            least = said.least;
-            take(way, said.direction, said.depth);
+            min_depth = said.min_depth;
+            take(found, said.direction, said.depth);
         }
     }
-    way->is_own = !stood;
-    if (!(least > 0.0))
-        go_down(place, piece, GUESSES, &guesses, way);
-    way->error = way->depth - min_of(way->depth, least);
+    found->is_own = !stood;
+    if (!(min_depth > 0.0))
+        go_down(place, piece, GUESSES, &guesses, found);
+    found->error = found->depth - min_of(found->depth, min_depth);
 }

@@ -21,7 +21,7 @@ struct convex_place {
 
 /*
  * A piece of a surface: the convex hull of some points. Where it has a front, it goes on behind it by CONVEX_BEHIND, so
- * that there is no way out there.
+ * that there is no exit there.
  */
 struct convex_piece {
     const vec3 *points;
@@ -39,9 +39,9 @@ enum { CONVEX_EPA = 0, CONVEX_MPR = 1 };
 struct convex_said {
     int meets;
     int is_refused;
-    vec3 direction; /* unit: the shape's way out */
-    double depth;   /* of the motion along it that the planes of both prove */
-    double least;   /* no way out is shorter than that, by what libccd said; 0 where it says nothing of it */
+    vec3 direction;   /* unit: the shape's exit direction */
+    double depth;     /* of the motion along it that the planes of both prove */
+    double min_depth; /* no exit is shorter than that, by what libccd said; 0 where it says nothing of it */
 };
 
 /* What is counted of libccd's answers. */
@@ -49,8 +49,8 @@ struct convex_tally {
     uint32_t asked, refused;
 };
 
-/* A way out. */
-struct convex_way {
+/* A motion that takes the shape out of a piece. */
+struct convex_exit {
     vec3 direction;
     double depth;
     double error;
@@ -67,14 +67,14 @@ void dpti_convex_ask(const struct convex_place *place, const struct convex_piece
                      struct convex_said *said);
 
 /*
- * Whether a triangle, a piece without a front, meets the shape; `towards` is a first guess at the way out. A plane between
- * the two, or differences around the origin, prove it; where rounding leaves it open, libccd is asked.
+ * Whether a triangle, a piece without a front, meets the shape; `towards` is a first guess at the exit direction. A
+ * plane between the two, or differences around the origin, prove it; where rounding leaves it open, libccd is asked.
  */
 int dpti_convex_meets(const struct convex_place *place, const struct convex_piece *piece, vec3 towards,
                       struct convex_tally *tally);
 
-/* The shortest way out of a piece with a front that is met; `towards` as above. */
-void dpti_convex_way_out(const struct convex_place *place, const struct convex_piece *piece, vec3 towards,
-                         struct convex_tally *tally, struct convex_way *way);
+/* The shortest exit out of a piece with a front that is met; `towards` as above. */
+void dpti_convex_exit(const struct convex_place *place, const struct convex_piece *piece, vec3 towards,
+                      struct convex_tally *tally, struct convex_exit *found);
 
 #endif

@@ -1,16 +1,61 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/frame.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "convex/convex_clip.h"
 #include "convex/convex_pair.h"
+#include "dynpoint/convex.h"
 #include "dynpoint/query.h"
+
+/* A triangle has at most so many corners within a box. */
+enum { CLIPPED_MAX = 9 };
+
+static double along_axis(vec3 p, int axis)
+{
+    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+}
+
+/* What of a polygon lies at sign * p[axis] <= limit (Sutherland and Hodgman, 1974). */
+static uint32_t clip_by_plane(const vec3 *in, uint32_t count, int axis, double sign, double limit, vec3 *out)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const vec3 p = in[i], q = in[(i + 1) % count];
+        const double a = limit - sign * along_axis(p, axis);
+        const double b = limit - sign * along_axis(q, axis);
+        if (a >= 0.0)
+            out[kept++] = p;
+        if ((a >= 0.0) != (b >= 0.0))
+            out[kept++] = along(p, a / (a - b), sub(q, p));
+    }
+    return kept;
+}
+
+/*
+ * The part of a triangle within `limit` of the origin along each axis: its corners, in order. Returns how many; 0 where
+ * nothing is left. A triangle that lies within has its own corners, as they are.
+ */
+static uint32_t clip_to_box(const vec3 corner[3], double limit, vec3 clipped[CLIPPED_MAX])
+{
+    /* Room for one corner more than a convex polygon can have: rounding may cross a plane once more. */
+    vec3 from[CLIPPED_MAX + 6], to[CLIPPED_MAX + 6];
+    uint32_t count = 3;
+    memcpy(from, corner, 3 * sizeof *corner);
+    for (int side = 0; side < 6 && count; side++) {
+        count = clip_by_plane(from, count, side / 2, side % 2 ? 1.0 : -1.0, limit, to);
+        count = count < CLIPPED_MAX ? count : CLIPPED_MAX;
+        memcpy(from, to, count * sizeof *to);
+    }
+    memcpy(clipped, from, count * sizeof *from);
+    return count;
+}
 
 enum { NEAR_ON_STACK = 256, NEAR_MAX = 4096 };
 
 /*
- * What of a triangle is farther from the shape's centre than that does not count, in the shape's lengths: no way out is
+ * What of a triangle is farther from the shape's centre than that does not count, in the shape's lengths: no exit is
  * longer than 2, so the shape stays within 3. libccd errs where sizes differ by a hundred times.
  */
 #define NEARBY 4.0
@@ -25,8 +70,8 @@ struct near_triangle {
     uint32_t number;
     vec3 front;    /* unit, towards where the shape comes from; 0: the triangle has no plane */
     vec3 towards;  /* unit, from the triangle's nearest point to the shape's centre, or its front */
-    double behind; /* how far the shape reaches behind its plane: no way out is longer */
-    double within; /* nor is a way out of it alone longer than that */
+    double behind; /* how far the shape reaches behind its plane: no exit is longer */
+    double within; /* nor is an exit of it alone */
 };
 
 /*
@@ -85,11 +130,11 @@ static double shallowest_guess(const struct touching *touching, const struct nea
     const vec3 up = unit_of(touching->outside);
     const vec3 guesses[4] = { triangle->front, triangle->towards, up,
                               unit_of(add(triangle->front, triangle->towards)) };
-    double least = HUGE_VAL;
+    double min = HUGE_VAL;
     for (int i = 0; i < 4; i++)
         if (dot(guesses[i], guesses[i]) > 0.0 && dot(guesses[i], triangle->front) >= 0.0)
-            least = min_of(least, dpti_convex_width(&touching->place, piece, guesses[i]));
-    return least;
+            min = min_of(min, dpti_convex_width(&touching->place, piece, guesses[i]));
+    return min;
 }
 
 /* Reads what is near; triangles of which nothing is are left out. */
@@ -103,7 +148,7 @@ static dpt_result read_triangles(struct touching *touching, const dpt_mesh *mesh
         DPT_TRY(dpt_mesh_get_triangle(mesh, numbers[i], corners));
         for (int k = 0; k < 3; k++)
             corner[k] = in_lengths(touching, frame_to_world(&touching->body, vec3_of(corners + 3 * k)));
-        triangle->corners = dpti_convex_clip(corner, NEARBY, triangle->corner);
+        triangle->corners = clip_to_box(corner, NEARBY, triangle->corner);
         if (!triangle->corners)
             continue;
         triangle->number = numbers[i];
@@ -162,33 +207,34 @@ static vec3 deepest_point(const struct convex_place *place, vec3 direction)
     return along(place->centre, place->body->size, sum);
 }
 
-/* Whether a piece is left by the way that is known, or a way as long: then it is no deeper. */
-static int is_left_by(const struct touching *touching, const struct convex_piece *piece, const struct convex_way *way)
+/* 1 if a motion along an exit that is known leaves this piece too: then it is no deeper. */
+static int is_left_by(const struct touching *touching, const struct convex_piece *piece,
+                      const struct convex_exit *exit_found)
 {
-    return way->depth > 0.0 && dot(way->direction, piece->front) >= 0.0 &&
-           dpti_convex_width(&touching->place, piece, way->direction) <= way->depth + CONVEX_TOLERANCE;
+    return exit_found->depth > 0.0 && dot(exit_found->direction, piece->front) >= 0.0 &&
+           dpti_convex_width(&touching->place, piece, exit_found->direction) <= exit_found->depth + CONVEX_TOLERANCE;
 }
 
 static void find_deepest(struct touching *touching, dpt_convex_contact *found)
 {
-    struct convex_way deepest = { .depth = -1.0 };
+    struct convex_exit deepest = { .depth = -1.0 };
     const double size = touching->place.body->size;
     qsort(touching->triangles, touching->count, sizeof *touching->triangles, by_depth);
     for (uint32_t i = 0; i < touching->count; i++) {
         const struct near_triangle *triangle = &touching->triangles[i];
         const struct convex_piece flat = { .points = triangle->corner, .count = triangle->corners };
-        struct convex_way way;
+        struct convex_exit exit_found;
         if (!(triangle->behind > max_of(0.0, deepest.depth)))
             continue;
         const struct convex_piece piece = piece_of(touching, triangle);
         if (shallowest_guess(touching, triangle, &piece) <= deepest.depth || is_left_by(touching, &piece, &deepest) ||
             !dpti_convex_meets(&touching->place, &flat, triangle->towards, &touching->tally))
             continue;
-        dpti_convex_way_out(&touching->place, &piece, triangle->towards, &touching->tally, &way);
+        dpti_convex_exit(&touching->place, &piece, triangle->towards, &touching->tally, &exit_found);
         found->met++;
-        found->own += (uint32_t)way.is_own;
-        if (way.depth > deepest.depth) {
-            deepest = way;
+        found->own += (uint32_t)exit_found.is_own;
+        if (exit_found.depth > deepest.depth) {
+            deepest = exit_found;
             found->triangle = triangle->number;
         }
     }
@@ -283,4 +329,60 @@ dpt_result dpt_convex_touch(const dpt_convex_shape *shape, const dpt_pose *tool_
     DPT_TRY(list_and_touch(&touching, mesh, body_pose, &found));
     sized_write(out, out->size, &found, sizeof found);
     return DPT_OK;
+}
+
+/* ---- the shaper ---- */
+
+#define STIFFNESS_MAX 1e9
+
+static int is_valid(const dpt_convex_shaper *shaper)
+{
+    dpt_convex_shaper known;
+    return sized_read(shaper, sizeof known, &known, sizeof known) == DPT_OK && shaper->shape &&
+           (shaper->bodies || !shaper->body_count) && (shaper->law == DPT_LAW_POINT || shaper->law == DPT_LAW_BED) &&
+           shaper->stiffness >= 0.0 && shaper->stiffness <= STIFFNESS_MAX;
+}
+
+/* Add a force of `stiffness` times the depth. */
+static void push(const dpt_convex_contact *contact, const dpt_pose *tool, double stiffness, dpt_wrench *wrench)
+{
+    const vec3 force = scaled(vec3_of(contact->direction), stiffness * contact->depth);
+    const vec3 arm = sub(vec3_of(contact->point), vec3_of(tool->position));
+    vec3_store(add(vec3_of(wrench->force), force), wrench->force);
+    vec3_store(add(vec3_of(wrench->torque), cross(arm, force)), wrench->torque);
+}
+
+void dpt_convex_shape_wrench(void *user, const dpt_force_info *report, double dt, dpt_wrench *wrench)
+{
+    dpt_convex_shaper *shaper = user;
+    dpt_convex_contact deepest = { .size = sizeof deepest, .contact = DPT_CONTACT_UNKNOWN, .triangle = DPT_NONE };
+    dpt_pose tool;
+    (void)report;
+    (void)dt;
+    if (!shaper || !wrench || !is_valid(shaper))
+        return;
+    /* A bed's end has half of the tool's stiffness (docs/algorithms/force.md). */
+    const double stiffness = shaper->law == DPT_LAW_BED ? 0.5 * shaper->stiffness : shaper->stiffness;
+    shaper->body = DPT_NONE;
+    shaper->energy = 0.0;
+    const int has_pose = dpt_tool_get_pose(shaper->world, shaper->tool, &tool) == DPT_OK;
+    shaper->errors += (uint32_t)!has_pose;
+    for (uint32_t i = 0; has_pose && i < shaper->body_count; i++) {
+        const dpt_convex_body *body = &shaper->bodies[i];
+        dpt_convex_contact contact = { .size = sizeof contact };
+        if (dpt_convex_touch(shaper->shape, &tool, body->mesh, body->pose, &contact) != DPT_OK) {
+            shaper->errors++;
+            continue;
+        }
+        if (contact.contact == DPT_CONTACT_PENETRATING) {
+            push(&contact, &tool, stiffness, wrench);
+            shaper->energy += 0.5 * stiffness * contact.depth * contact.depth;
+        }
+        if (deepest.status != DPT_STATUS_BOUNDED || contact.depth > deepest.depth) {
+            deepest = contact;
+            shaper->body = contact.contact == DPT_CONTACT_PENETRATING ? i : DPT_NONE;
+        }
+    }
+    if (shaper->contact && sized_check(shaper->contact, sizeof deepest, 0) == DPT_OK)
+        sized_write(shaper->contact, shaper->contact->size, &deepest, sizeof deepest);
 }

@@ -2,17 +2,55 @@
 #include "deform/active_region.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
-#include "deform/slice_neighbours.h"
+#include "base/lanes.h"
+
+/* At most this many neighbours are compared, to find repeats: in a lattice a slice has about 30. */
+enum { TOLD_APART = 64 };
+
+uint32_t dpti_slice_neighbours(const struct spring_net *net, uint32_t slice, uint32_t *list)
+{
+    const uint32_t *at = net->neighbour + LANES * (size_t)net->first[slice];
+    const uint32_t *end = net->neighbour + LANES * (size_t)net->first[slice + 1];
+    uint32_t known[TOLD_APART], count = 0, last = slice;
+    for (; at < end; at++) {
+        const uint32_t other = *at / LANES;
+        const uint32_t max = count < TOLD_APART ? count : TOLD_APART;
+        uint32_t i = 0;
+        if (other == last || other == slice)
+            continue;
+        last = other;
+        while (i < max && known[i] != other)
+            i++;
+        if (i < max)
+            continue;
+        known[count % TOLD_APART] = other;
+        if (list)
+            list[count] = other;
+        count++;
+    }
+    return count;
+}
+
+uint64_t dpti_slice_neighbours_count(const struct spring_net *net)
+{
+    uint64_t count = 0;
+    for (uint32_t slice = 0; slice < net->slices; slice++)
+        count += dpti_slice_neighbours(net, slice, NULL);
+    return count;
+}
+
+/* ---- what sleeps ---- */
 
 /*
- * So far a slice may move before neighbours that sleep wake, as a share of the way at the sleep speed in the steps
- * until sleep.
+ * How far a slice may move before its sleeping neighbours wake, as a share of the displacement at the sleep speed in the
+ * steps until sleep.
  */
 #define DRIFT_SHARE 0.0625f
 
-/* Of its own load, and of the mean load of a slice: so much a load may change without waking it. */
+/* A load may change without waking a slice by this share of itself, and of the mean load of a slice. */
 #define LOAD_SHARE (1.0f / 256.0f)
 
 /* Slices that are awake, in ascending order: sums run over them. */
@@ -126,8 +164,8 @@ static float way_since_told(const struct dpt_springs *springs, uint32_t slice)
     const float *told = springs->region.told + SPRING_ROWS * (size_t)slice;
     float lanes[LANES] = { 0.0f };
     for (int k = 0; k < SPRING_ROWS; k++) {
-        const float way = fabsf(x[k] - told[k]);
-        lanes[k % LANES] = way > lanes[k % LANES] ? way : lanes[k % LANES];
+        const float displacement = fabsf(x[k] - told[k]);
+        lanes[k % LANES] = displacement > lanes[k % LANES] ? displacement : lanes[k % LANES];
     }
     for (int half = LANES / 2; half; half /= 2)
         for (int i = 0; i < half; i++)
@@ -184,8 +222,8 @@ static uint32_t wake_where_moved(struct dpt_springs *springs, float drift)
 /*
  * What creeps must not freeze on the way. With drag a force moves a node no faster than it would in 1 / drag seconds: a
  * slow node is out of balance by drag times its speed, and that is kept to what makes a free node as fast as the sleep
- * speed in the steps until sleep. With viscosity a way of speed times viscosity is left: that is kept to the drift. As it takes so
- * long, neighbours wake the sooner.
+ * speed in the steps until sleep. With viscosity a way of speed times viscosity is left: that is kept to the drift. As
+ * it takes so long, neighbours wake the sooner.
  */
 void dpti_region_settle(struct dpt_springs *springs, double dt)
 {
@@ -199,8 +237,8 @@ void dpti_region_settle(struct dpt_springs *springs, double dt)
         return;
     for (uint32_t i = 0; i < region->count; i++) {
         const uint32_t slice = region->slices[i];
-        const float most = slow / (creep + time * region->drag[slice]);
-        if (region->square[slice] <= most * most)
+        const float max = slow / (creep + time * region->drag[slice]);
+        if (region->square[slice] <= max * max)
             region->quiet[slice]++;
         else
             region->quiet[slice] = 0;

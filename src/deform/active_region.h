@@ -8,6 +8,7 @@
 #define DPT_ACTIVE_REGION_H
 
 #include "deform/spring_state.h"
+#include "mesh/spring_net.h"
 
 /* Once, when all else of the springs is there: who is beside whom. All are awake. */
 void dpti_region_begin(struct dpt_springs *springs);
@@ -21,5 +22,16 @@ void dpti_region_wake_loaded(struct dpt_springs *springs);
 
 /* After a step of dt seconds: wake the neighbours of what has moved, and let fall asleep what has been slow. */
 void dpti_region_settle(struct dpt_springs *springs, double dt);
+
+/* ---- neighbours ---- */
+
+/*
+ * The slices that springs lead to from `slice`, without itself. One of many may occur twice. Returns how many; `list`
+ * may be NULL.
+ */
+uint32_t dpti_slice_neighbours(const struct spring_net *net, uint32_t slice, uint32_t *list);
+
+/* The same, of all slices together. */
+uint64_t dpti_slice_neighbours_count(const struct spring_net *net);
 
 #endif

@@ -6,7 +6,7 @@
 /* Passes that make the sums exact: the second one removes what rounding left. */
 enum { BALANCE_PASSES = 3 };
 
-/* Of its trace: moments below that are of vertices that lie on a line. */
+/* Vertices lie on a line if the determinant of their moments is below this share of the trace cubed. */
 #define FLAT 1e-12
 
 /* A table of vertices: the patch's, and so many of those that were too far. */

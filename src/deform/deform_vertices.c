@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "deform/deform_vertices.h"
 
+#include "mesh/surface.h"
+
 typedef char groups_agree[(int)MOTION_GROUP == (int)KERNEL_GROUP ? 1 : -1];
 
 /* Rounding up: of one operation, and of a length that is scaled. */
@@ -136,7 +138,7 @@ static void scale_groups(struct surface_motion *motion)
         motion->group_moved[group] = sqrtf(motion->group_moved[group]) * scale;
 }
 
-static float larger(float a, float b)
+static float max_of_float(float a, float b)
 {
     return a > b ? a : b;
 }
@@ -148,19 +150,19 @@ static void gather_moved(struct surface_motion *motion)
     float *restrict by_leaf = motion->moved;
     for (uint32_t leaf = 0; leaf < motion->count[0]; leaf++) {
         const uint32_t *group = motion->leaf_groups + MOTION_LEAF_GROUPS * (size_t)leaf;
-        by_leaf[leaf] =
-            larger(larger(by_group[group[0]], by_group[group[1]]), larger(by_group[group[2]], by_group[group[3]]));
+        by_leaf[leaf] = max_of_float(max_of_float(by_group[group[0]], by_group[group[1]]),
+                                     max_of_float(by_group[group[2]], by_group[group[3]]));
     }
     for (uint64_t i = 0; i < motion->more_count; i++) {
         const uint32_t leaf = motion->more_groups[2 * i];
-        by_leaf[leaf] = larger(by_group[motion->more_groups[2 * i + 1]], by_leaf[leaf]);
+        by_leaf[leaf] = max_of_float(by_group[motion->more_groups[2 * i + 1]], by_leaf[leaf]);
     }
     for (uint32_t level = 1; level <= motion->levels; level++)
         for (uint32_t node = 0; node < motion->count[level]; node++) {
             const float *child = motion->moved + motion->first[level - 1] + node * LANES;
             float moved = 0.0f;
             for (int i = 0; i < LANES; i++)
-                moved = larger(child[i], moved);
+                moved = max_of_float(child[i], moved);
             motion->moved[motion->first[level] + node] = moved;
         }
 }
@@ -255,4 +257,89 @@ void dpti_deform_put(struct surface *surface, uint32_t vertex, vec3 to)
 double dpti_deform_end(struct surface *surface, int *has_begun_anew)
 {
     return finish_update(surface, has_begun_anew);
+}
+
+/* ---- the paper's response ---- */
+
+/* Corners are moved by the overlap times this, so that rounding to float leaves no overlap. */
+#define BEYOND (1.0 + 1e-6)
+
+/* More than the rounding of a distance. */
+#define CLEAR (1.0 + 1e-9)
+
+/*
+ * How a triangle's nearest point has to move, m; 0 if the tool does not touch it. As a rule it moves away from the axis.
+ * Where the axis goes through the triangle or is behind it, it moves against the normal on the tool's side. Normals alone
+ * would not do: triangles of a crater's wall may fold over.
+ */
+static vec3 exit_displacement(const struct surface *surface, const struct displacing_tool *tool, uint32_t place,
+                              double weight[3])
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    const vec3 none = { 0.0, 0.0, 0.0 };
+    const pair found = dpti_triangle_pair(surface, place, tool->a, tool->u);
+    const double distance = sqrt(found.distance2);
+    const vec3 normal = scaled(dpti_surface_face_normal(surface, place), (double)tool->side);
+    const struct strip_tool at_strip = { tool->a, tool->u, tool->radius, tool->side };
+    struct frame frame;
+    dpt_overlap overlap;
+    for (int k = 0; k < 3; k++)
+        weight[k] = found.weight[k];
+    if (distance > 0.0 && (!tool->is_behind || dot(found.gap, normal) >= 0.0))
+        return distance < tool->radius ? scaled(found.gap, -BEYOND * (tool->radius - distance) / distance) : none;
+    frame_of_pose(&identity, &frame);
+    dpti_strip_overlap(surface, &frame, &at_strip, place, &overlap);
+    return scaled(normal, -BEYOND * overlap.overlap);
+}
+
+/* By a ball about its middle: most of a strip is beside the tool. */
+static int is_clear(const struct surface *surface, const struct displacing_tool *tool, uint32_t place)
+{
+    vec3 v[3];
+    double square = 0.0;
+    if (tool->is_behind)
+        return 0;
+    surface_corners(surface, place, v);
+    const vec3 middle = scaled(add(add(v[0], v[1]), v[2]), 1.0 / 3.0);
+    for (int k = 0; k < 3; k++) {
+        const vec3 r = sub(v[k], middle);
+        square = max_of(square, dot(r, r));
+    }
+    const vec3 from = sub(middle, tool->a);
+    const double uu = dot(tool->u, tool->u);
+    const double s = uu > 0.0 ? min_of(max_of(dot(from, tool->u) / uu, 0.0), 1.0) : 0.0;
+    const vec3 away = along(from, -s, tool->u);
+    const double reach = CLEAR * (sqrt(square) + tool->radius);
+    return dot(away, away) > reach * reach;
+}
+
+/* Returns 1 if it was moved. */
+static int displace_triangle(struct surface *surface, const struct displacing_tool *tool, uint32_t place)
+{
+    double weight[3], square = 0.0;
+    if (is_clear(surface, tool, place))
+        return 0;
+    const vec3 displacement = exit_displacement(surface, tool, place, weight);
+    if (!(dot(displacement, displacement) > 0.0))
+        return 0;
+    for (int k = 0; k < 3; k++)
+        square += weight[k] * weight[k];
+    for (uint32_t k = 0; k < 3; k++) {
+        const uint32_t vertex = surface_corner(surface, place, k);
+        if (weight[k] > 0.0)
+            dpti_deform_put(surface, vertex, along(surface_vertex(surface, vertex), weight[k] / square, displacement));
+    }
+    return 1;
+}
+
+void dpti_displace(struct surface *surface, const struct dpt_strip *strip, const struct displacing_tool *tool,
+                   uint32_t passes)
+{
+    const uint32_t *places = mesh_words(surface->mesh, MESH_PLACES);
+    int is_moved = 1;
+    for (uint32_t pass = 0; pass < passes && is_moved; pass++) {
+        is_moved = 0;
+        for (uint32_t i = 0; i < strip->count; i++)
+            is_moved |= displace_triangle(surface, tool, places[strip->triangles[i]]);
+    }
 }

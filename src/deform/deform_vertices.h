@@ -8,6 +8,7 @@
 
 #include "kernel/kernel_ops.h"
 #include "mesh/surface.h"
+#include "strip/strip_state.h"
 
 /* 1 if all positions are numbers and lie in the surface's box. */
 int dpti_deform_is_inside(const struct surface *surface, const struct kernel *kernel, const float *positions,
@@ -36,5 +37,23 @@ double dpti_deform_move(struct surface *surface, const struct kernel *kernel, co
 void dpti_deform_begin(struct surface *surface, uint32_t tick);
 void dpti_deform_put(struct surface *surface, uint32_t vertex, vec3 to);
 double dpti_deform_end(struct surface *surface, int *has_begun_anew);
+
+/* ---- the paper's response: triangles under a tool that it penetrates are moved out of it ---- */
+
+/* A tool's axis a + s u, in the body's frame, and on which side of the surface it is: +1 in front, -1 behind. */
+struct displacing_tool {
+    vec3 a, u;
+    double radius;
+    int32_t side;
+    int is_behind; /* 1: the axis goes through the surface, or is wholly behind it */
+};
+
+/*
+ * Move the triangles of a strip out of a tool, `passes` times in the strip's order; between dpti_deform_begin and
+ * dpti_deform_end. In each pass a triangle's nearest point is moved out of the tool, and the corners with it as they
+ * are weighted there.
+ */
+void dpti_displace(struct surface *surface, const struct dpt_strip *strip, const struct displacing_tool *tool,
+                   uint32_t passes);
 
 #endif

@@ -2,7 +2,7 @@
 #include "deform/spring_contact.h"
 
 #include "deform/active_region.h"
-#include "deform/implicit.h"
+#include "deform/spring_step.h"
 
 static vec3 node_row(const float *rows, uint32_t lane)
 {

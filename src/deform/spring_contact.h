@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Nodes that tools have moved out of themselves (DPT_RESPONSE_DISPLACE), with Coulomb friction. docs/algorithms/springs.md.
+ * Nodes that tools have moved out of themselves (DPT_RESPONSE_DISPLACE), with Coulomb friction.
+ * docs/algorithms/springs.md.
  *
  * Under a tool that moves, a node falls against it in each step, and is put back. Of its speed against the tool, what
  * goes into the tool is gone, and friction takes its share of what goes along it. That is all that positions alone can

@@ -26,13 +26,13 @@ struct spring_solve {
     struct spring_system *systems;
     float *force, *product;
     float *direction;
-    float *stiffness;  /* 16 a slice: the sum over a node's springs */
-    double *energy;    /* 1 a slice: of its nodes, when it was last stepped */
-    double step;       /* for which the diagonals were made; 0: none */
-    double least_norm; /* J: a residual whose norm is no larger has converged */
-    double account;    /* J: the energy is proven not to exceed it; below 0: not known */
-    int is_free;       /* 1: no node is fixed */
-    double common[3];  /* m/s2: what all nodes that are awake had in common in the last step, but for drag */
+    float *stiffness; /* 16 a slice: the sum over a node's springs */
+    double *energy;   /* 1 a slice: of its nodes, when it was last stepped */
+    double step;      /* for which the diagonals were made; 0: none */
+    double min_norm;  /* J: a residual whose norm is no larger has converged */
+    double account;   /* J: the energy is proven not to exceed it; below 0: not known */
+    int is_free;      /* 1: no node is fixed */
+    double common[3]; /* m/s2: what all nodes that are awake had in common in the last step, but for drag */
 };
 
 /* Which slices are stepped. */

@@ -69,7 +69,7 @@ static int has_moved(const struct spring_vertices *vertices, uint32_t group)
     return 0;
 }
 
-/* Of the last group: what is missing there follows the first node, without weight. */
+/* A group that is not full: what it lacks follows the first node, without weight. */
 static void follow_some(const struct dpt_springs *springs, uint32_t first, uint32_t count, float *to)
 {
     const struct spring_vertices *vertices = &springs->vertices;

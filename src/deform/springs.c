@@ -7,16 +7,12 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "deform/active_region.h"
-#include "deform/frequency.h"
-#include "deform/implicit.h"
-#include "deform/integrate.h"
-#include "deform/slice_neighbours.h"
-#include "deform/spring_energy.h"
+#include "deform/spring_step.h"
 #include "deform/spring_vertices.h"
 #include "deform/springs_net.h"
 #include "mesh/mesh_format.h"
 
-/* Of the stable step: so much a substep uses. */
+/* The share of the stable step that a substep uses. */
 #define STABLE_SHARE 0.9
 
 /*
@@ -308,9 +304,9 @@ static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *l
     own.active = springs->region.count * LANES;
     own.active = own.active < own.nodes ? own.active : own.nodes;
     own.stable_step = springs->stable_step;
-    const double h = dt / (double)own.substeps, least = LEAST_LEAD * h;
+    const double h = dt / (double)own.substeps, min = LEAST_LEAD * h;
     if (springs->def.integrator == DPT_INTEGRATOR_SYMPLECTIC)
-        springs->lead = springs->net.viscosity > least ? springs->net.viscosity : least;
+        springs->lead = springs->net.viscosity > min ? springs->net.viscosity : min;
     const int done = springs->def.integrator == DPT_INTEGRATOR_IMPLICIT
                          ? dpti_implicit_step(springs, dt, &own.flags)
                          : dpti_springs_substeps(springs, h, own.substeps);

@@ -10,8 +10,8 @@
 static const unsigned char magic[8] = { 0x89, 'D', 'P', 'S', 0x0d, 0x0a, 0x1a, 0x0a };
 
 /*
- * An item's words: some of 4 bytes, then some of 8. They are fields of the struct in its order, without `size` and without
- * the one before the first wide field, which only aligns that.
+ * An item's words: some of 4 bytes, then some of 8. They are fields of the struct in its order, without `size` and
+ * without the one before the first wide field, which only aligns that.
  */
 struct words {
     uint32_t at, count; /* at: in the struct */

@@ -1,12 +1,210 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The stiffest coupling of a sampled device (coupling.h): docs/algorithms/coupling.md. */
 #include <math.h>
+#include <string.h>
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/vec3.h"
 #include "dynpoint/coupling.h"
-#include "force/sampled_loop.h"
+
+/* ---- sampled loops ---- */
+
+/*
+ * Is a sampled loop stable? A device of one or two coordinates, each a mass with viscous damping, is held by a spring and
+ * a damper that a computer samples and whose force stands still in between: docs/algorithms/coupling.md.
+ */
+
+/* Delays of more periods are modelled by longer periods. */
+enum { SAMPLED_PERIODS_MAX = 16 };
+
+/* How a mass moves over one period, in units of the mass and the period. */
+struct sampled_axis {
+    double decay;       /* of its velocity */
+    double gliding;     /* how far a velocity of 1 carries it */
+    double position[2]; /* what the newer and the older command add to the position */
+    double velocity[2]; /* and to the velocity */
+    double unit;        /* period^2 / mass: a stiffness times that has no unit */
+};
+
+struct sampled_loop {
+    struct sampled_axis axis[2];
+    double period; /* s */
+    int delay;     /* whole periods */
+};
+
+/* What holds two coordinates: a stiffness, symmetric and not negative, and a damper in proportion to it. */
+struct sampled_spring {
+    double along[2], between;
+    double damping_time; /* s: damping / stiffness */
+    int leaves_free;     /* 1: one direction is not held, so the stiffness' determinant is 0 */
+};
+
+/* Of one coordinate: (z - 1) (z - decay) z^(delay + 2). */
+enum { AXIS_DEGREE_MAX = SAMPLED_PERIODS_MAX + 4, COEFFICIENTS_MAX = 2 * AXIS_DEGREE_MAX + 1 };
+
+/*
+ * The motion of a mass of 1 with damping c over a time t, by the functions (Hochbruck and Ostermann 2010) of y = c t
+ *     e = exp(-y)      phi1 = (1 - e) / y      phi2 = (1 - phi1) / y
+ * Velocity v and a constant force f change the position by phi1 t v + phi2 t^2 f, and the velocity to e v + phi1 t f.
+ */
+struct decay {
+    double e, phi1, phi2;
+};
+
+/* From here on exp(-y) is 0 beside 1. */
+#define FORGOTTEN 100.0
+
+static struct decay decay_of(double y)
+{
+    struct decay of = { 1.0, 1.0, 0.5 };
+    double part = y, term = 1.0;
+    int doublings = 0;
+    if (y > FORGOTTEN)
+        return (struct decay){ 0.0, 1.0 / y, (1.0 - 1.0 / y) / y };
+    for (; part > 0.1; part *= 0.5)
+        doublings++;
+    for (int n = 1; n <= 10; n++) {
+        term *= -part / n;
+        of.e += term;
+        of.phi1 += term / (n + 1);
+        of.phi2 += term / ((n + 1) * (n + 2));
+    }
+    for (; doublings > 0; doublings--)
+        of.e *= of.e;
+    if (y > 0.1) {
+        of.phi1 = (1.0 - of.e) / y;
+        of.phi2 = (1.0 - of.phi1) / y;
+    }
+    return of;
+}
+
+/* The newer command acts on the last `rest` of the period, the older one before. */
+static struct sampled_axis axis_of(double mass, double damping, double period, double rest)
+{
+    const double y = damping * period / mass;
+    const struct decay whole = decay_of(y), last = decay_of(y * rest);
+    const double position = rest * rest * last.phi2, velocity = rest * last.phi1;
+    return (struct sampled_axis){ .decay = whole.e,
+                                  .gliding = whole.phi1,
+                                  .position = { position, whole.phi2 - position },
+                                  .velocity = { velocity, whole.phi1 - velocity },
+                                  .unit = period * period / mass };
+}
+
+/* Masses above 0 and dampings of `axes` coordinates, 1 or 2; the period, above 0, and the delay, in s. */
+static struct sampled_loop loop_of(const double *mass, const double *damping, int axes, double period, double delay)
+{
+    struct sampled_loop loop;
+    if (delay > SAMPLED_PERIODS_MAX * period) {
+        period = (0.5 * period + delay) / (SAMPLED_PERIODS_MAX + 0.5);
+        delay = SAMPLED_PERIODS_MAX * period;
+    }
+    const double periods = floor(delay / period);
+    memset(&loop, 0, sizeof loop);
+    for (int i = 0; i < axes; i++)
+        loop.axis[i] = axis_of(mass[i], damping[i], period, 1.0 - (delay / period - periods));
+    loop.delay = (int)periods;
+    loop.period = period;
+    return loop;
+}
+
+/*
+ * Whether all roots of a polynomial lie inside the unit circle, by the recursion of Schur and Cohn. The coefficients, the
+ * highest power's last, are destroyed.
+ */
+static int is_stable(double *p, int degree)
+{
+    double q[COEFFICIENTS_MAX];
+    for (; degree > 0; degree--) {
+        const double reflection = p[0] / p[degree];
+        if (!(fabs(reflection) < 1.0))
+            return 0;
+        for (int i = 0; i < degree; i++)
+            q[i] = p[i + 1] - reflection * p[degree - 1 - i];
+        memcpy(p, q, (size_t)degree * sizeof *p);
+    }
+    return 1;
+}
+
+static void multiply(const double *a, int a_degree, const double *b, int b_degree, double *product)
+{
+    memset(product, 0, (size_t)(a_degree + b_degree + 1) * sizeof *product);
+    for (int i = 0; i <= a_degree; i++)
+        for (int k = 0; k <= b_degree && a[i] != 0.0; k++)
+            product[i + k] += a[i] * b[k];
+}
+
+/* The quotient by z - 1, for a polynomial that has this root. */
+static void divide_by_root_of_one(double *p, int degree)
+{
+    for (int i = degree - 1; i >= 0; i--)
+        p[i] += p[i + 1];
+    memmove(p, p + 1, (size_t)degree * sizeof *p);
+}
+
+static void add_scaled(double *sum, double scale, const double *a, int degree)
+{
+    for (int i = 0; i <= degree; i++)
+        sum[i] += scale * a[i];
+}
+
+/*
+ * One coordinate by itself obeys D x = -N u with u = K c x, where
+ *     D = (z - 1) (z - e) z^(d + 2)      N = (z - e) (g0 z + g1) + phi1 (h0 z + h1)      c = (1 + b) z - b
+ * e is the decay and phi1 the gliding of the velocity, d the delay, g and h what two commands add to position and
+ * velocity, and b the damping time in periods. `response` is N c.
+ */
+static void polynomials_of(const struct sampled_loop *loop, int i, double b, double *own, double *response)
+{
+    const struct sampled_axis *axis = &loop->axis[i];
+    const double *g = axis->position, *h = axis->velocity;
+    const double e = axis->decay;
+    const double n[3] = { axis->gliding * h[1] - e * g[1], g[1] - e * g[0] + axis->gliding * h[0], g[0] };
+    const double c[2] = { -b, 1.0 + b };
+    const int d = loop->delay + 2;
+    multiply(n, 2, c, 1, response);
+    memset(own, 0, (AXIS_DEGREE_MAX + 1) * sizeof *own);
+    own[d] = e;
+    own[d + 1] = -1.0 - e;
+    own[d + 2] = 1.0;
+}
+
+/*
+ * 1 if all motion dies away, but for a drift in a direction that is left free. Of one coordinate along[0] alone counts;
+ * for two it is the determinant of diag(D) + diag(N c) K.
+ */
+static int loop_is_stable(const struct sampled_loop *loop, int axes, const struct sampled_spring *spring)
+{
+    enum { RESPONSE_DEGREE = 3 };
+    const int degree = loop->delay + 4;
+    double own[2][AXIS_DEGREE_MAX + 1], response[2][RESPONSE_DEGREE + 1];
+    double p[COEFFICIENTS_MAX], product[COEFFICIENTS_MAX], k[2];
+    for (int i = 0; i < axes; i++) {
+        polynomials_of(loop, i, spring->damping_time / loop->period, own[i], response[i]);
+        k[i] = spring->along[i] * loop->axis[i].unit;
+    }
+    if (axes == 1) {
+        memcpy(p, own[0], sizeof own[0]);
+        add_scaled(p, k[0], response[0], RESPONSE_DEGREE);
+        return is_stable(p, degree);
+    }
+    multiply(own[0], degree, own[1], degree, p);
+    for (int i = 0; i < 2; i++) {
+        multiply(response[i], RESPONSE_DEGREE, own[1 - i], degree, product);
+        add_scaled(p, k[i], product, degree + RESPONSE_DEGREE);
+    }
+    if (spring->leaves_free) {
+        divide_by_root_of_one(p, 2 * degree);
+        return is_stable(p, 2 * degree - 1);
+    }
+    const double between = spring->between * spring->between * loop->axis[0].unit * loop->axis[1].unit;
+    multiply(response[0], RESPONSE_DEGREE, response[1], RESPONSE_DEGREE, product);
+    add_scaled(p, k[0] * k[1] - between, product, 2 * RESPONSE_DEGREE);
+    return is_stable(p, 2 * degree);
+}
+
+/* ---- the stiffest coupling ---- */
 
 /* A limit is searched for from that share of what damping alone lets expect, up to so many times what any can be. */
 #define LEAST     1e-3
@@ -18,22 +216,22 @@
 
 enum { HALVINGS = 100 };
 
-/* Of the largest force: what a step of the encoder may change it by. */
+/* A step of the encoder may change the force by this share of the largest force. */
 #define STEP_SHARE 0.1
 
 /* N/m, of a device of which nothing is known. */
 #define UNKNOWN_STIFFNESS 100.0
 
-/* Of the rotational limit: so much of it an explicit rotational stiffness may use, the rest is for the lever. */
+/* An explicit rotational stiffness may use this share of the rotational limit; the rest is for the lever. */
 #define TURN_SHARE 0.5
 
 /* Whether a loop holds with this stiffness. */
 typedef int holds_fn(const void *of, double stiffness);
 
 /* The largest stiffness between two that holds; 0 if the least does not. */
-static double largest(holds_fn *holds, const void *of, double least, double most)
+static double largest(holds_fn *holds, const void *of, double min, double max)
 {
-    double low = least, high = most;
+    double low = min, high = max;
     if (!(low > 0.0) || !holds(of, low))
         return 0.0;
     for (int i = 0; i < HALVINGS && high > low * (1.0 + PRECISION); i++) {
@@ -54,7 +252,7 @@ static int single_holds(const void *of, double stiffness)
     const struct single *single = of;
     const struct sampled_spring spring = { .along = { stiffness },
                                            .damping_time = single->virtual_damping / stiffness };
-    return dpti_sampled_loop_holds(&single->loop, 1, &spring);
+    return loop_is_stable(&single->loop, 1, &spring);
 }
 
 double dpt_stable_stiffness(double mass, double damping, double period, double delay, double virtual_damping)
@@ -62,7 +260,7 @@ double dpt_stable_stiffness(double mass, double damping, double period, double d
     if (!(mass > 0.0 && period > 0.0 && damping >= 0.0 && delay >= 0.0 && virtual_damping >= 0.0 && mass <= DBL_MAX &&
           period <= DBL_MAX && damping <= DBL_MAX && delay <= DBL_MAX && virtual_damping <= DBL_MAX))
         return 0.0;
-    const struct single single = { dpti_sampled_loop(&mass, &damping, 1, period, delay), virtual_damping };
+    const struct single single = { loop_of(&mass, &damping, 1, period, delay), virtual_damping };
     const double half = 0.5 * period + delay, all = damping + virtual_damping;
     return largest(single_holds, &single, LEAST * all / half, MOST * (mass / period / period + all / period));
 }
@@ -73,15 +271,15 @@ void dpt_coupling_def_defaults(dpt_coupling_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-static int in_range(double value, double least, double most)
+static int in_range(double value, double min, double max)
 {
-    return value >= least && value <= most;
+    return value >= min && value <= max;
 }
 
 static dpt_result check(const dpt_coupling_def *def)
 {
     const struct {
-        double value, least, most;
+        double value, min, max;
     } ranges[] = {
         { def->mass, 0.0, 1e3 },
         { def->inertia, 0.0, 1e3 },
@@ -110,7 +308,7 @@ static dpt_result check(const dpt_coupling_def *def)
         if (!(fabs(ranges[i].value) <= DBL_MAX))
             return DPT_E_FINITE;
     for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
-        if (!in_range(ranges[i].value, ranges[i].least, ranges[i].most))
+        if (!in_range(ranges[i].value, ranges[i].min, ranges[i].max))
             return DPT_E_ARGUMENT;
     return def->has_torque > 1 ? DPT_E_ARGUMENT : DPT_OK;
 }
@@ -182,13 +380,13 @@ static int pair_holds(const void *of, double stiffness)
     struct sampled_spring spring = spring_of(k, wish->lever, time);
     spring.along[1] += turn;
     spring.leaves_free = 0;
-    if (!dpti_sampled_loop_holds(&held->loop, 2, &spring))
+    if (!loop_is_stable(&held->loop, 2, &spring))
         return 0;
     for (int i = 0; i < PLACES * SHARES; i++) {
         const double share = shares[i % SHARES], arm = places[i / SHARES] * half_length * share;
         const double soft = arm != 0.0 ? arm * arm / turn : 0.0;
         spring = spring_of(1.0 / (1.0 / k + soft), wish->lever * share + arm, time);
-        if (!dpti_sampled_loop_holds(&held->loop, 2, &spring))
+        if (!loop_is_stable(&held->loop, 2, &spring))
             return 0;
     }
     return 1;
@@ -208,7 +406,7 @@ static double allowed_at(const struct wish *wish, const dpt_coupling_def *def, d
         return translation;
     const double mass[2] = { def->mass, def->inertia };
     const double damping[2] = { def->damping, def->spin_damping };
-    const struct pair held = { dpti_sampled_loop(mass, damping, 2, wish->period * time, wish->delay * time), wish,
+    const struct pair held = { loop_of(mass, damping, 2, wish->period * time, wish->delay * time), wish,
                                turn_stiffness_of(wish, def, time) };
     if (pair_holds(&held, (1.0 - 1e-6) * translation))
         return translation;

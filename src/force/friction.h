@@ -42,8 +42,8 @@ void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint
                          int is_first);
 
 /*
- * Where all contacts are at one place, and stick there: the planes on which they hold the motion, and in `pulled` the goal
- * with what they pull with beside. Returns how many planes there are; 0 otherwise.
+ * Where all contacts are at one place, and stick there: the planes on which they hold the motion, and in `pulled` the
+ * goal with what they pull with beside. Returns how many planes there are; 0 otherwise.
  */
 enum { FRICTION_PLANES_MAX = 3 };
 uint32_t dpti_friction_planes(const struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
@@ -55,5 +55,19 @@ void dpti_friction_add(const struct friction_contact *contact, double share, uin
 /* goal + sum of pull . across + torsion about */
 void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
                         const double *goal, double *pulled);
+
+/* ---- surfaces that are springs themselves, in series with the one that is held by them ---- */
+
+/*
+ * half_spaces.h finds y = goal + sum of m normal for hard constraints. Where constraint i may be violated by v at the
+ * cost of v^2 / (2 c), c its compliance, the multipliers are those m' >= 0 with
+ *     (N + diag(c)) m' = N m      N_ij = normal_i . normal_j
+ * for those that are not 0.
+ *
+ * Adds sum of (m - m') normal to `yielded`, and sets each share = m' / m, of the active constraints in their order.
+ * Compliances are >= 0. Returns what the constraints store, sum of c m'^2 / 2.
+ */
+double dpti_yield(const struct half_space *spaces, const struct half_spaces_result *hard, uint32_t dimensions,
+                  const double *compliance, double *share, double *yielded);
 
 #endif

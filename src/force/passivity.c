@@ -8,7 +8,7 @@
 #include "base/sized.h"
 #include "base/wrench_limit.h"
 
-/* Of the device's damping: the share that is credited. */
+/* The share of the device's damping that is credited. */
 #define CREDITED 0.8
 
 /* s: how long a speed is expected again. */
@@ -61,9 +61,9 @@ void dpt_passivity_def_defaults(dpt_passivity_def *def, size_t size)
     sized_defaults(def, size, &defaults, sizeof defaults);
 }
 
-static int in_range(double value, double most)
+static int in_range(double value, double max)
 {
-    return value >= 0.0 && value <= most;
+    return value >= 0.0 && value <= max;
 }
 
 static int def_is_valid(const dpt_passivity_def *def)
@@ -142,7 +142,7 @@ static int note_sent(struct observer *observer, const dpt_wrench *sent, double d
     return under_way;
 }
 
-/* Of a wrench that acts for `time` at the expected speeds, at most, J. */
+/* The most work, J, that a wrench does in `time` at the expected speeds. */
 static double work_expected(const struct observer *observer, const dpt_wrench *wrench, double time)
 {
     return (length(vec3_of(wrench->force)) * observer->speed + length(vec3_of(wrench->torque)) * observer->spin) * time;

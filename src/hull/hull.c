@@ -5,10 +5,11 @@
  * plane; what comes out is checked as a polyhedron, and refused.
  */
 #include "base/return_if_error.h"
+#include "base/sincos.h"
 #include "base/sized.h"
-#include "hull/hull_axis.h"
+#include "hull/hull_state.h"
 
-/* Of the hull's size: corners that are nearer to a plane lie on it. */
+/* Corners that are nearer to a plane than this share of the hull's size lie on it. */
 #define ON_PLANE 1e-12
 
 /* The same, for what rounding makes of the plane of a thin triangle of that height, as a part of the size. */
@@ -38,6 +39,64 @@ static dpt_result read_def(const dpt_hull_def *given, dpt_hull_def *def)
         if (!vec3_within(def->corners + 3 * (size_t)i, DPT_COORDINATE_MAX))
             return DPT_E_FINITE;
     return DPT_OK;
+}
+
+/* The middle of the corners' extent along a direction. */
+static double middle_along(const struct dpt_hull *hull, vec3 n)
+{
+    const double max = support_of(hull->corner, hull->corner_count, n);
+    const double min = -support_of(hull->corner, hull->corner_count, scaled(n, -1.0));
+    return 0.5 * (max + min);
+}
+
+/* A segment along the unit vector x, and how far corners are from it. It ends where the farthest corners allow. */
+static void try_direction(struct dpt_hull *hull, vec3 x)
+{
+    vec3 across[2], centre = { 0.0, 0.0, 0.0 };
+    double farthest = 0.0, low = HUGE_VAL, high = -HUGE_VAL;
+    unit_across(x, across);
+    for (int k = 0; k < 2; k++)
+        centre = along(centre, middle_along(hull, across[k]), across[k]);
+    for (uint32_t i = 0; i < hull->corner_count; i++) {
+        const vec3 offset = sub(hull->corner[i], centre);
+        farthest = max_of(farthest, length(along(offset, -dot(offset, x), x)));
+    }
+    for (uint32_t i = 0; i < hull->corner_count; i++) {
+        const vec3 offset = sub(hull->corner[i], centre);
+        const double at = dot(offset, x), off = length(along(offset, -at, x));
+        const double spare = sqrt(max_of(0.0, farthest * farthest - off * off));
+        low = min_of(low, at + spare);
+        high = max_of(high, at - spare);
+    }
+    if (low > high)
+        low = high = 0.5 * (low + high);
+    const vec3 a = along(centre, low, x), u = scaled(x, high - low);
+    double reach = 0.0;
+    for (uint32_t i = 0; i < hull->corner_count; i++) {
+        const double s = nearest_on(a, u, hull->corner[i]);
+        reach = max_of(reach, length(sub(hull->corner[i], along(a, s, u))));
+    }
+    if (reach >= hull->reach)
+        return;
+    hull->axis_a = a;
+    hull->axis_b = add(a, u);
+    hull->reach = reach;
+}
+
+/*
+ * Set the axis of a hull that has corners and edges, so that `reach` is small, and `reach`. Along an edge, or between two
+ * corners, a hull is thinner than it is across most other directions.
+ */
+static void set_axis(struct dpt_hull *hull)
+{
+    hull->reach = HUGE_VAL;
+    for (uint32_t i = 0; i < hull->edge_count; i++)
+        try_direction(hull, unit_of(sub(hull->corner[hull->edge[i][1]], hull->corner[hull->edge[i][0]])));
+    for (uint32_t i = 0; i < hull->corner_count; i++)
+        for (uint32_t k = i + 1; k < hull->corner_count; k++)
+            try_direction(hull, unit_of(sub(hull->corner[k], hull->corner[i])));
+    /* For rounding: frames keep lengths to a few units in the last place. */
+    hull->reach *= 1.0 + 0x1p-40;
 }
 
 size_t dpt_hull_bytes(const dpt_hull_def *given)
@@ -223,9 +282,9 @@ static void set_edge_faces(struct dpt_hull *hull)
         for (uint32_t i = 0; i < hull->face[f].count; i++) {
             const uint8_t from = loop[i], to = loop[(i + 1) % hull->face[f].count];
             for (uint32_t e = 0; e < hull->edge_count; e++)
-                for (uint32_t way = 0; way < 2; way++)
-                    if (hull->edge[e][way] == from && hull->edge[e][1 - way] == to)
-                        hull->edge_face[e][way] = (uint8_t)f;
+                for (uint32_t direction = 0; direction < 2; direction++)
+                    if (hull->edge[e][direction] == from && hull->edge[e][1 - direction] == to)
+                        hull->edge_face[e][direction] = (uint8_t)f;
         }
     }
 }
@@ -275,7 +334,7 @@ dpt_result dpt_hull_create(void *block, size_t bytes, const dpt_hull_def *given,
         return DPT_E_ARGUMENT;
     leave_out_inner(&build);
     set_edge_faces(&build.hull);
-    dpti_hull_set_axis(&build.hull);
+    set_axis(&build.hull);
     memcpy(block, &build.hull, sizeof build.hull);
     *hull = block;
     return DPT_OK;
@@ -324,4 +383,86 @@ dpt_result dpt_hull_get_face(const dpt_hull *hull, uint32_t face, uint32_t *corn
     for (uint32_t i = 0; i < *count && i < capacity; i++)
         corners[i] = hull->loop[hull->face[face].first + i];
     return DPT_OK;
+}
+
+/* ---- hulls of shapes ---- */
+
+enum { SIDES_DEFAULT = 16, SIDES_MIN = 3 };
+
+static uint32_t sides_max(uint32_t kind)
+{
+    return kind == DPT_HULL_KIND_CYLINDER ? HULL_CORNERS_MAX / 2 : HULL_CORNERS_MAX - 1;
+}
+
+static dpt_result check_shape(dpt_hull_shape *shape)
+{
+    const int is_round = shape->kind == DPT_HULL_KIND_CYLINDER || shape->kind == DPT_HULL_KIND_CONE;
+    if (shape->kind > DPT_HULL_KIND_CONE || shape->reserved)
+        return DPT_E_ARGUMENT;
+    if (is_round && !shape->sides)
+        shape->sides = SIDES_DEFAULT;
+    if (is_round ? shape->sides < SIDES_MIN || shape->sides > sides_max(shape->kind) : shape->sides)
+        return DPT_E_ARGUMENT;
+    for (int k = 0; k < 3; k++)
+        if (!(shape->extent[k] >= 0.0 && shape->extent[k] <= DPT_COORDINATE_MAX))
+            return DPT_E_FINITE;
+    return DPT_OK;
+}
+
+struct corner_list {
+    double *corners;
+    uint32_t capacity, count;
+};
+
+static void put(struct corner_list *list, double x, double y, double z)
+{
+    if (list->count < list->capacity)
+        vec3_store((vec3){ x, y, z }, list->corners + 3 * (size_t)list->count);
+    list->count++;
+}
+
+/* A polygon around a circle across z, with one side's middle on the x axis. */
+static void put_polygon(struct corner_list *list, uint32_t sides, double radius, double z)
+{
+    double sine, cosine;
+    turn_sincos(0.5 / sides, &sine, &cosine);
+    /* A unit in the last place more than the circle: the polygon holds it. */
+    const double outer = radius / cosine * (1.0 + 0x1p-50);
+    for (uint32_t i = 0; i < sides; i++) {
+        turn_sincos((i + 0.5) / sides, &sine, &cosine);
+        put(list, outer * cosine, outer * sine, z);
+    }
+}
+
+dpt_result dpt_hull_shape_corners(const dpt_hull_shape *given, double *corners, uint32_t capacity, uint32_t *count)
+{
+    dpt_hull_shape shape = { .size = sizeof shape };
+    if (count)
+        *count = 0;
+    if (!given || !count || (!corners && capacity))
+        return DPT_E_ARGUMENT;
+    DPT_TRY(sized_read(given, sizeof shape, &shape, sizeof shape));
+    DPT_TRY(check_shape(&shape));
+    const double x = 0.5 * shape.extent[0], y = 0.5 * shape.extent[1], z = 0.5 * shape.extent[2];
+    struct corner_list list = { corners, capacity, 0 };
+    switch (shape.kind) {
+    case DPT_HULL_KIND_BOX:
+    case DPT_HULL_KIND_WEDGE:
+        for (int i = 0; i < 8; i++)
+            if (shape.kind == DPT_HULL_KIND_BOX || i >= 4)
+                put(&list, i & 1 ? x : -x, i & 2 ? y : -y, i & 4 ? z : -z);
+        if (shape.kind == DPT_HULL_KIND_WEDGE)
+            for (int i = 0; i < 2; i++)
+                put(&list, i ? x : -x, 0.0, -z);
+        break;
+    case DPT_HULL_KIND_CYLINDER:
+        put_polygon(&list, shape.sides, x, -z);
+        put_polygon(&list, shape.sides, x, z);
+        break;
+    default:
+        put_polygon(&list, shape.sides, x, z);
+        put(&list, 0.0, 0.0, -z);
+    }
+    *count = list.count;
+    return list.count > capacity ? DPT_E_FULL : DPT_OK;
 }

@@ -3,8 +3,8 @@
 #ifndef DPT_HULL_RANGE_H
 #define DPT_HULL_RANGE_H
 
+#include "nearest/bvh.h"
 #include "nearest/filter_segment.h"
-#include "nearest/range_search.h"
 
 enum { HULL_RANGE_PLANES = 4 };
 

@@ -6,7 +6,7 @@
 #include "hull/hull_search.h"
 
 #include "hull/hull_range.h"
-#include "hull/separate.h"
+#include "hull/hull_triangle.h"
 
 #include <string.h>
 
@@ -46,12 +46,12 @@ static void set_planes(struct hull_query *query)
     uint32_t face[DIRECTIONS] = { DPT_NONE, DPT_NONE, DPT_NONE, DPT_NONE };
     query->planes[0] = unit_of(toward);
     for (int i = 1; i < DIRECTIONS; i++) {
-        double most = -HUGE_VAL;
+        double max = -HUGE_VAL;
         for (uint32_t f = 0; f < hull->face_count; f++) {
             const int is_used = f == face[1] || f == face[2];
             const double along_it = dot(place->normal[f], toward);
-            if (!is_used && along_it > most) {
-                most = along_it;
+            if (!is_used && along_it > max) {
+                max = along_it;
                 face[i] = f;
             }
         }

@@ -6,7 +6,7 @@
 #include "base/frame.h"
 #include "dynpoint/hull.h"
 
-/* Of a polyhedron with so many corners, by Euler's formula. */
+/* The most edges and faces of a polyhedron with that many corners, by Euler's formula. */
 enum {
     HULL_CORNERS_MAX = DPT_HULL_CORNERS_MAX,
     HULL_EDGES_MAX = 3 * HULL_CORNERS_MAX - 6,
@@ -45,10 +45,10 @@ struct hull_place {
 /* The greatest n.x over some points. */
 static inline double support_of(const vec3 *points, uint32_t count, vec3 n)
 {
-    double most = -HUGE_VAL;
+    double max = -HUGE_VAL;
     for (uint32_t i = 0; i < count; i++)
-        most = max_of(most, dot(n, points[i]));
-    return most;
+        max = max_of(max, dot(n, points[i]));
+    return max;
 }
 
 /* A corner of a hull whose frame is at `tool`, in the frame of a body that is at `body`. */

@@ -2,9 +2,10 @@
 /*
  * In each piece of a motion a corner's path is nearly a parabola, and what it deviates is added to the clearance. A plane
  * between hull and triangle may turn during the piece: its normal goes in a straight line from one vector to another. The
- * height of a corner, or of the triangle, along that normal is a polynomial of the third degree in time. Where its Bernstein
- * coefficients are in order, corners and triangle are apart at all times of the piece. That is exact to the second order of
- * the turn, where a plane at rest would be lost in the first: a tip may roll and turn on what it rests on in few pieces.
+ * height of a corner, or of the triangle, along that normal is a polynomial of the third degree in time. Where its
+ * Bernstein coefficients are in order, corners and triangle are apart at all times of the piece. That is exact to the
+ * second order of the turn, where a plane at rest would be lost in the first: a tip may roll and turn on what it rests
+ * on in few pieces.
  *
  * A piece that no plane parts from some triangle is halved, until it is shorter than the tolerance: there the hull may
  * touch.
@@ -12,7 +13,7 @@
 #include "hull/hull_sweep.h"
 
 #include "hull/hull_range.h"
-#include "hull/separate.h"
+#include "hull/hull_triangle.h"
 
 #include <string.h>
 
@@ -40,9 +41,9 @@ struct piece {
     const struct instant *from, *to;
     vec3 corner[PATH_POINTS * HULL_CORNERS_MAX]; /* at the beginning, at the end, between */
     uint32_t corner_count;
-    double motion; /* m: no point of the hull moves farther from where it begins */
-    double way;    /* m: the same of hull and surface together */
-    double apart;  /* m: what a plane must part them by */
+    double motion;       /* m: no point of the hull moves farther from where it begins */
+    double displacement; /* m: the same of hull and surface together */
+    double apart;        /* m: what a plane must part them by */
     struct turning_plane plane[PLANES];
     uint32_t plane_count;
 };
@@ -81,7 +82,9 @@ static int is_same_turn(const double *from, const double *to)
     return memcmp(from, to, 4 * sizeof *from) == 0;
 }
 
-/* Of the deviation at the quarters: the most that it is elsewhere, for cubic and quartic terms, and half as much again. */
+/*
+ * Of the deviation at the quarters: the most that it is elsewhere, for cubic and quartic terms, and half as much again.
+ */
 #define UNEVEN 2.0
 
 /* m: how far corners' paths deviate from the parabolas through their ends and middles. */
@@ -89,7 +92,7 @@ static double deviation_between(const struct dpt_hull *hull, const struct instan
                                 const struct instant *to)
 {
     struct instant quarter;
-    double most = 0.0;
+    double max = 0.0;
     if (is_same_turn(from->placement.tool.orientation, to->placement.tool.orientation) &&
         is_same_turn(from->placement.body.orientation, to->placement.body.orientation))
         return 0.0;
@@ -98,10 +101,10 @@ static double deviation_between(const struct dpt_hull *hull, const struct instan
         for (uint32_t i = 0; i < hull->corner_count; i++) {
             const vec3 near = (half ? to : from)->corner[i], far = (half ? from : to)->corner[i];
             const vec3 at = along(along(scaled(near, 0.375), 0.75, middle->corner[i]), -0.125, far);
-            most = max_of(most, length(sub(quarter.corner[i], at)));
+            max = max_of(max, length(sub(quarter.corner[i], at)));
         }
     }
-    return UNEVEN * most;
+    return UNEVEN * max;
 }
 
 /* A body that turns by more than 0.25 rad is cut in any case. This is the cosine of half that angle. */
@@ -152,7 +155,10 @@ static void add_plane(struct piece *piece, const struct turning_plane *plane)
     piece->plane[piece->plane_count++] = *plane;
 }
 
-/* Of the tolerance: where a pose at a time is made by fewer halvings than found it, it is still free. */
+/*
+ * This share of the tolerance is kept as distance. So a pose that was found free is still free when fewer halvings make
+ * it.
+ */
 #define KEPT_APART 0.25
 
 static void set_piece(const struct hull_sweep *sweep, const struct instant *from, const struct instant *middle,
@@ -174,7 +180,7 @@ static void set_piece(const struct hull_sweep *sweep, const struct instant *from
                                max_of(length(sub(to->corner[i], from->corner[i])), length(sub(bend, from->corner[i]))));
     }
     piece->motion += deviation;
-    piece->way = piece->motion + (to->time - from->time) * surface_motion_of(sweep);
+    piece->displacement = piece->motion + (to->time - from->time) * surface_motion_of(sweep);
     piece->apart = max_of(0.0, sweep->hull->radius + sweep->clearance) + deviation + KEPT_APART * sweep->tolerance;
     piece->plane_count = 0;
     for (uint32_t i = 0; i < sweep->direction_count; i++) {
@@ -279,11 +285,11 @@ static void set_leaf_planes(const struct hull_sweep *sweep, const struct piece *
                         sweep->hull->reach + piece->motion + reach;
     for (uint32_t i = first; i < piece->plane_count && i < HULL_RANGE_PLANES; i++) {
         const struct turning_plane *plane = &piece->plane[i];
-        double most = plane->support[0];
+        double max = plane->support[0];
         for (int k = 1; k < COEFFICIENTS; k++)
-            most = max_of(most, plane->support[k]);
+            max = max_of(max, plane->support[k]);
         if (memcmp(&plane->from, &plane->to, sizeof plane->from) == 0)
-            hull_range_set_plane(range, i, plane->from, most + reach, size);
+            hull_range_set_plane(range, i, plane->from, max + reach, size);
     }
 }
 
@@ -318,7 +324,7 @@ static int test_piece(struct hull_sweep *sweep, struct piece *piece)
     return range.level > sweep->surface->levels ? PIECE_FREE : PIECE_UNFINISHED;
 }
 
-/* Of the hull's size: no piece is longer, so that few triangles are near it. */
+/* The longest piece, as a share of the hull's size: few triangles are near a short one. */
 #define PIECE_LENGTH_MAX 0.5
 
 static double piece_length_max(const struct dpt_hull *hull)
@@ -359,8 +365,8 @@ static struct instant instant_of(const struct hull_sweep *sweep, const struct pe
 }
 
 /*
- * Whether a piece that is not parted from sweep->triangle as a whole touches it, by halves: PIECE_TOUCHES, and *until is the
- * end of what is parted. What touches is shorter than the tolerance, or than the wanted share of the whole.
+ * Whether a piece that is not parted from sweep->triangle as a whole touches it, by halves: PIECE_TOUCHES, and *until
+ * is the end of what is parted. What touches is shorter than the tolerance, or than the wanted share of the whole.
  */
 static int touches_alone(const struct hull_sweep *sweep, const struct instant *from, const struct instant *to,
                          struct instant *until)
@@ -379,7 +385,8 @@ static int touches_alone(const struct hull_sweep *sweep, const struct instant *f
         if (is_parted(sweep, &piece, sweep->triangle)) {
             *until = end;
             count--;
-        } else if (piece.way <= sweep->tolerance || end.time - until->time <= shortest || count > HALVINGS_MAX) {
+        } else if (piece.displacement <= sweep->tolerance || end.time - until->time <= shortest ||
+                   count > HALVINGS_MAX) {
             return PIECE_TOUCHES;
         } else {
             pending[count++] = pending_of(&middle);
@@ -430,14 +437,14 @@ double dpti_hull_displacement(const struct dpt_hull *hull, const dpt_pose *from,
 {
     struct instant first = { .placement = { .tool = *from, .body = DPT_POSE_IDENTITY } };
     struct instant last = { .placement = { .tool = *to, .body = DPT_POSE_IDENTITY } }, middle;
-    double most = 0.0;
+    double max = 0.0;
     set_instant(&first, hull);
     set_instant(&last, hull);
     set_middle(&first, &last, hull, &middle);
     for (uint32_t i = 0; i < hull->corner_count; i++) {
         const vec3 chord = scaled(add(first.corner[i], last.corner[i]), 0.5);
         const vec3 bend = along(chord, 2.0, sub(middle.corner[i], chord));
-        most = max_of(most, max_of(length(sub(last.corner[i], first.corner[i])), length(sub(last.corner[i], bend))));
+        max = max_of(max, max_of(length(sub(last.corner[i], first.corner[i])), length(sub(last.corner[i], bend))));
     }
-    return most + deviation_between(hull, &first, &middle, &last);
+    return max + deviation_between(hull, &first, &middle, &last);
 }

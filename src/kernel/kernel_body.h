@@ -457,8 +457,8 @@ KERNEL_TARGET uint32_t KERNEL(common_triangles)(const float *restrict block, con
     float n##_2 = END_ALONG(2, x, y, z), n##_3 = END_ALONG(3, x, y, z);
 
 /*
- * The part of the axis that can come near a lane, `from` and `to` in s. What stays before or behind the lane's range along
- * the tool at both times is left out. Where the axis is not along the tool at both times, nothing is.
+ * The part of the axis that can come near a lane, `from` and `to` in s. What stays before or behind the lane's range
+ * along the tool at both times is left out. Where the axis is not along the tool at both times, nothing is.
  */
 #define PIECES                                                                                                         \
     ENDS_ALONG(x, xx, xy, xz)                                                                                          \

@@ -103,7 +103,7 @@ typedef uint32_t kernel_point(const float *block, const float at[3], float limit
  * The loops for the winding number (docs/algorithms/winding.md), as seen from the point `at`. Both add the winding of
  * 16 lanes, in turns, to the 16 sums winding[]. They return the open lanes, for which they added nothing.
  *
- *   moments   16 sets of triangles, in rows that moments.h makes. Adds the error bound of each lane to error_sum[]. A
+ *   moments   16 sets of triangles, in rows that cluster.h makes. Adds the error bound of each lane to error_sum[]. A
  *             lane is open if its error may be max_error or more
  *   angles    those of a leaf's 16 triangles that are in `lanes`. A triangle is open if it fills so much of the view,
  *             or is so near, that float is not accurate enough
@@ -133,8 +133,8 @@ typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const f
 
 /*
  * Springs (docs/algorithms/springs.md). 16 nodes make a slice. Rows of 16 entries for each slice, as in
- * mesh/spring_net.h. Points are x, y, z and an unused number a node; all other vectors of a slice are rows of 16: x, y, z.
- * A slice's sums run over its entries in order, lane by lane, so they are the same with every kernel.
+ * mesh/spring_net.h. Points are x, y, z and an unused number a node; all other vectors of a slice are rows of 16: x, y,
+ * z. A slice's sums run over its entries in order, lane by lane, so they are the same with every kernel.
  *
  *   spring_forces   force = the sum over a node's springs of k (1 - L / l) d, where d leads to the other node and l is |d|,
  *                   or half of L if that is longer
@@ -148,7 +148,7 @@ typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const f
  *   spring_begin    the right-hand side of an implicit step as the residual, from the forces; the first direction, no
  *                   change yet. Adds residual . per_diagonal residual to sum[]
  *   spring_end      where nodes are after the change, and how fast. Adds to bound[] and work[], lane by lane, what
- *                   deform/implicit.c needs. Sets *square and returns as spring_move does
+ *                   deform/spring_step.c needs. Sets *square and returns as spring_move does
  *   spring_points   the points of a slice: its nodes, `lead` s ahead of where they are
  *   spring_follow   where 16 vertices are, x, y, z each: the sum of four weighted points each, in double. A
  *                   number more is written

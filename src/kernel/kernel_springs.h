@@ -160,10 +160,10 @@ KERNEL_TARGET uint32_t KERNEL(spring_move)(const struct spring_motion *restrict 
             const float fall = nodes->per_mass[i] > 0.0f ? gravity : 0.0f;
             const float push = (scale * force[k] + load[k]) * nodes->per_mass[i] + fall;
             const float v0 = from->v[k], v1 = (v0 + step * push) * keep[i];
-            const float way = step * (before * v0 + after * v1) + from->rest[k];
-            const float x0 = from->x[k], x1 = x0 + way;
+            const float displacement = step * (before * v0 + after * v1) + from->rest[k];
+            const float x0 = from->x[k], x1 = x0 + displacement;
             x[i] = x1;
-            rest[i] = way - (x1 - x0);
+            rest[i] = displacement - (x1 - x0);
             v[i] = v1;
             place[k] = x1 + lead * v1;
             speed[i] += v1 * v1;
@@ -250,11 +250,11 @@ KERNEL_TARGET uint32_t KERNEL(spring_end)(const struct spring_trial *restrict tr
             const float change = system->change[k], x0 = state->x[k];
             const float flown = SPRING_FLIGHT(k, i, common);
             const float moved = flown + change, v1 = moved * per_step;
-            const float way = moved + state->rest[k], x1 = x0 + way;
+            const float displacement = moved + state->rest[k], x1 = x0 + displacement;
             const float right = SPRING_RIGHT(k, i, gravity, common);
             const float bend = change * (right - system->residual[k]) - change * change * system->diagonal[i];
             to->x[k] = x1;
-            to->rest[k] = way - (x1 - x0);
+            to->rest[k] = displacement - (x1 - x0);
             to->v[k] = v1;
             energy[i] += curved * bend - scale * force[k] * (change - back * (flown * per_step)) +
                          0.5f * system->mass[i] * (v1 * v1);

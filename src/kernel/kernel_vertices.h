@@ -53,7 +53,7 @@ KERNEL_TARGET void KERNEL(move)(const float *restrict next, const float *restric
     }
 }
 
-/* What is no number becomes the lower end, and so differs from what it was too. */
+/* NaN becomes the lower end, so it differs from itself, and counts as outside. */
 KERNEL_TARGET uint32_t KERNEL(outside)(const float *restrict positions, uint32_t groups, const float *restrict low,
                                        const float *restrict high)
 {

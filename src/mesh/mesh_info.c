@@ -5,7 +5,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/vec3.h"
-#include "mesh/surface_normal.h"
+#include "mesh/surface.h"
 
 dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info)
 {

@@ -366,11 +366,11 @@ static dpt_result check_symmetry(const struct dpt_mesh *mesh, const struct sprin
 static dpt_result check_step(const struct dpt_mesh *mesh, const struct spring_net *net, dpt_mesh_fault *fault)
 {
     const struct mesh_tail tail = mesh_tail(mesh);
-    const double most = (double)MESH_SPRING_MAX, step2 = tail.stable_step * tail.stable_step;
+    const double max = (double)MESH_SPRING_MAX, step2 = tail.stable_step * tail.stable_step;
     const uint64_t at = tail_at(mesh, offsetof(struct mesh_tail, viscosity));
     if (!(tail.viscosity >= 0.0 && tail.viscosity <= (double)MESH_DAMPING_MAX) ||
-        !(tail.spring_mass >= 0.0 && tail.spring_mass <= most * net->nodes) ||
-        !(tail.poisson >= 0.0 && tail.poisson <= 0.5) || !(tail.stable_step > 0.0 && tail.stable_step <= most))
+        !(tail.spring_mass >= 0.0 && tail.spring_mass <= max * net->nodes) ||
+        !(tail.poisson >= 0.0 && tail.poisson <= 0.5) || !(tail.stable_step > 0.0 && tail.stable_step <= max))
         return fail(fault, DPT_E_FINITE, at, MESH_HEADER);
     for (uint32_t i = 0; i < net->nodes; i++) {
         const uint32_t last = first_word(net, i / LANES + 1);

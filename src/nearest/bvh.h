@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The exact nearest pair of one axis and one mesh: by the box tree, or by brute force. */
+/*
+ * Searches of the box tree: the exact nearest pair of one axis and one mesh, which brute force finds too, the triangle
+ * nearest to a point, and all triangles within reach of an axis.
+ */
 #ifndef DPT_BVH_H
 #define DPT_BVH_H
 
@@ -57,5 +60,45 @@ double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal, const str
 
 /* dpti_bvh_search without the tree: every triangle in double, without filter or slack. It never stops early. */
 void dpti_brute_search(const struct surface *surface, vec3 a, vec3 u, struct work *work, struct pair_search *nearest);
+
+/*
+ * Find the triangle nearest to the point x, in the mesh's frame: dpti_bvh_traverse for an axis without length, without a
+ * cache. `nearest` is as for dpti_bvh_search: a triangle must be nearer than nearest->pair.distance2, or as near with a
+ * lower source number; a pair of distance 0 ends the search.
+ *
+ * traversal->level 0: begin at the root. Returns 1 when done. Returns 0 when the work is spent: the next call may
+ * continue the traversal, with a pair that is no farther.
+ */
+int dpti_point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
+                      struct bvh_traversal *traversal, struct work *work, struct pair_search *nearest);
+
+/* A traversal that returns all triangles that may be within reach of an axis, one after another. */
+struct range {
+    const struct surface *surface;
+    const struct kernel *kernel;
+    struct filter_segment segment;
+    float directions[4][3]; /* unit, across the axis, a quarter turn about it apart */
+    float limits[4];        /* all that is farther than that along a direction is out of reach */
+    uint32_t level;         /* of the node being visited, 0: a leaf; above surface->levels: done */
+    /* The path to it, by level: the index of a node in its level, and its children that are still to be visited. */
+    uint32_t node[MESH_LEVELS_MAX + 1];
+    uint32_t lanes[MESH_LEVELS_MAX + 1];
+    float bound[LANES]; /* lower bounds of the leaf's triangles, in the filter's frame */
+    struct work *work;
+};
+
+/*
+ * Begin with the axis a + s u, in the mesh's frame, and a reach >= 0, in m. It takes a unit of work, even if none is
+ * left.
+ */
+void dpti_range_begin(struct range *range, const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
+                      double reach, struct work *work);
+
+/*
+ * Returns the next triangle, by its place, or DPT_NONE if there is none. It also returns DPT_NONE if the work is spent:
+ * then there may be more. No triangle within reach is left out; some out of reach may be returned. may_touch: 0 if the
+ * triangle is certainly not at distance 0.
+ */
+uint32_t dpti_range_next(struct range *range, int *may_touch);
 
 #endif

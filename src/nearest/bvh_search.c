@@ -4,7 +4,10 @@
  * kernel_margin, close lanes; triangles that stay open are evaluated in double. So float decides how long a search
  * takes, never what it answers.
  */
+#include "nearest/bvh.h"
+
 #include "nearest/bvh_planes.h"
+#include "nearest/filter_segment.h"
 
 /*
  * Set the limit from the best distance, and the plane through the best pair. Near a contact most of the mesh lies
@@ -229,4 +232,187 @@ double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal, const str
         min_bound = min_of(min_bound, distance);
     }
     return min_bound / surface->filter_scale;
+}
+
+void dpti_brute_search(const struct surface *surface, vec3 a, vec3 u, struct work *work, struct pair_search *nearest)
+{
+    for (uint32_t t = 0; t < surface_triangles(surface); t++) {
+        pair found = dpti_triangle_pair(surface, t, a, u);
+        pair_search_improve(surface, t, &found, nearest);
+    }
+    work_spend(work, surface->mesh->leaves);
+}
+
+/* ---- the nearest to a point ---- */
+
+/*
+ * The search above, with squared distances. The distance from a point to a box takes three differences, so no
+ * direction is guessed. A search that starts from a triangle visits boxes in their order: it starts near the answer and
+ * gains little from visiting the nearest first.
+ */
+
+struct point_search_state {
+    const struct surface *surface;
+    const struct kernel *kernel;
+    struct pair_search *nearest;
+    struct work *work;
+    vec3 x;            /* in the mesh's frame */
+    float filter_x[3]; /* x in the filter's frame, as limit and margin */
+    float limit;       /* a lane whose squared bound exceeds it is farther than the best */
+    float margin;
+    struct bvh_traversal *traversal;
+};
+
+/* The factor covers the rounding of squares. */
+static void set_point_limit(struct point_search_state *search)
+{
+    double distance = sqrt(search->nearest->pair.distance2);
+    double limit = distance * search->surface->filter_scale + (double)search->margin;
+    search->limit = (float)(limit * limit * (1.0 + 4.0 * KERNEL_STRETCH));
+}
+
+static void visit_point_node(struct point_search_state *search, uint32_t level, uint32_t node)
+{
+    const struct surface *surface = search->surface;
+    struct path_entry *entry = &search->traversal->path[level];
+    work_spend(search->work, 1);
+    search->traversal->level = level;
+    entry->node = node;
+    entry->lanes = lanes_of(surface->count[level - 1] - node * LANES) &
+                   search->kernel->point_boxes(surface_node(surface, level, node, search->work), search->filter_x,
+                                               search->limit, entry->bound);
+}
+
+static void visit_point_leaf(struct point_search_state *search, uint32_t leaf)
+{
+    const struct surface *surface = search->surface;
+    struct pair_search *nearest = search->nearest;
+    uint32_t first = leaf * LANES, lanes = lanes_of(surface_triangles(surface) - first);
+    float bound[LANES];
+    if (nearest->triangle - first < LANES)
+        lanes &= ~(1u << (nearest->triangle - first));
+    work_spend(search->work, 1);
+    lanes &= search->kernel->point_triangles(surface_leaf(surface, leaf, search->work), search->filter_x, search->limit,
+                                             bound);
+    while (lanes) {
+        uint32_t lane = lowest_lane(bound, lanes);
+        lanes &= ~(1u << lane);
+        if (bound[lane] > search->limit)
+            return;
+        if (dpti_pair_search_try_point(surface, first + lane, search->x, nearest))
+            set_point_limit(search);
+    }
+}
+
+int dpti_point_search(const struct surface *surface, const struct kernel *kernel, vec3 x,
+                      struct bvh_traversal *traversal, struct work *work, struct pair_search *nearest)
+{
+    struct point_search_state search;
+    int has_start = nearest->triangle != DPT_NONE;
+    vec3 filter_x = scaled(sub(x, surface->filter_centre), surface->filter_scale);
+    search.surface = surface;
+    search.kernel = kernel;
+    search.nearest = nearest;
+    search.traversal = traversal;
+    search.work = work;
+    search.x = x;
+    put_float(filter_x, search.filter_x);
+    search.margin = (float)(kernel_margin(length(filter_x), length(filter_x)) + surface_margin(surface));
+    set_point_limit(&search);
+    if (!traversal->level)
+        visit_point_node(&search, surface->levels, 0);
+    while (traversal->level <= surface->levels && (nearest->pair.distance2 > 0.0 || nearest->triangle == DPT_NONE)) {
+        struct path_entry *entry = &traversal->path[traversal->level];
+        if (!entry->lanes) {
+            traversal->level++;
+            continue;
+        }
+        uint32_t lane = has_start ? first_lane(entry->lanes) : lowest_lane(entry->bound, entry->lanes);
+        uint32_t rest = entry->lanes & ~(1u << lane);
+        if (entry->bound[lane] > search.limit) {
+            entry->lanes = has_start ? rest : 0;
+            continue;
+        }
+        if (work_is_spent(work))
+            return 0;
+        entry->lanes = rest;
+        uint32_t child = entry->node * LANES + lane;
+        if (traversal->level == 1)
+            visit_point_leaf(&search, child);
+        else
+            visit_point_node(&search, traversal->level - 1, child);
+    }
+    return 1;
+}
+
+/* ---- all within reach ---- */
+
+/*
+ * 1 if each triangle of a leaf is out of reach along at least one of the four directions. That holds for most leaves
+ * whose boxes are within reach.
+ */
+static int is_out_of_reach(const struct range *range, const float *rows, uint32_t lanes)
+{
+    float support[LANES];
+    for (int i = 0; i < 4 && lanes; i++)
+        lanes &= range->kernel->common_triangles(rows, range->directions[i], range->limits[i], support);
+    return !lanes;
+}
+
+static void visit(struct range *range, uint32_t level, uint32_t node)
+{
+    const struct surface *surface = range->surface;
+    uint32_t children = level ? surface->count[level - 1] : surface_triangles(surface);
+    uint32_t lanes = lanes_of(children - node * LANES);
+    const float *rows =
+        level ? surface_node(surface, level, node, range->work) : surface_leaf(surface, node, range->work);
+    kernel_new_planes *loop = level ? range->kernel->boxes : range->kernel->triangles;
+    struct planes planes;
+    work_spend(range->work, 1);
+    range->level = level;
+    range->node[level] = node;
+    range->lanes[level] = 0;
+    if (level || !is_out_of_reach(range, rows, lanes))
+        range->lanes[level] = lanes & loop(rows, &range->segment, &planes, range->bound);
+}
+
+void dpti_range_begin(struct range *range, const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u,
+                      double reach, struct work *work)
+{
+    range->surface = surface;
+    range->kernel = kernel;
+    range->work = work;
+    vec3 x = filter_segment_set_axis(&range->segment, surface, a, u);
+    filter_segment_set_frame(&range->segment, x);
+    filter_segment_set_limit(&range->segment, surface, reach);
+    for (int i = 0; i < 4; i++) {
+        const float *direction = i % 2 ? range->segment.z : range->segment.y;
+        for (int k = 0; k < 3; k++)
+            range->directions[i][k] = i < 2 ? direction[k] : -direction[k];
+        range->limits[i] = filter_segment_support(&range->segment, range->directions[i]) + range->segment.limit;
+    }
+    visit(range, surface->levels, 0);
+}
+
+uint32_t dpti_range_next(struct range *range, int *may_touch)
+{
+    while (range->level <= range->surface->levels) {
+        uint32_t level = range->level;
+        if (!range->lanes[level]) {
+            range->level++;
+            continue;
+        }
+        uint32_t lane = first_lane(range->lanes[level]);
+        range->lanes[level] &= range->lanes[level] - 1;
+        uint32_t child = range->node[level] * LANES + lane;
+        if (level && work_is_spent(range->work))
+            return DPT_NONE;
+        if (level) {
+            visit(range, level - 1, child);
+            continue;
+        }
+        *may_touch = !(range->bound[lane] > range->segment.margin);
+        return child;
+    }
+    return DPT_NONE;
 }

@@ -2,7 +2,7 @@
 #include "proxy/proxy_force.h"
 
 #include "base/wrench_limit.h"
-#include "force/yield.h"
+#include "force/friction.h"
 #include "proxy/proxy_constraints.h"
 #include "proxy/proxy_friction.h"
 

@@ -44,12 +44,19 @@ void dpti_strip_shadow(struct dpt_strip *strip, const struct surface *surface, c
 /* As dpt_strip_routes, with places instead of source numbers. */
 dpt_result dpti_strip_routes(struct dpt_strip *strip, const struct dpt_mesh *mesh, uint32_t a, uint32_t b, uint32_t p);
 
-/* As dpt_strip_overlaps, of the axis a + s u in the mesh's frame. `frame` is the mesh's in the world; all is valid. */
+/* A tool at a strip: its axis a + s u in the mesh's frame, and the side of the surface that it is on, 1 or -1. */
+struct strip_tool {
+    vec3 a, u;
+    double radius; /* m */
+    int32_t side;
+};
+
+/* As dpt_strip_overlaps. `frame` is the mesh's in the world; all is valid. */
 void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *surface, const struct frame *frame,
-                         vec3 a, vec3 u, double radius, int32_t side, dpt_overlap *overlaps, uint32_t capacity);
+                         const struct strip_tool *tool, dpt_overlap *overlaps, uint32_t capacity);
 
 /* One of them, of the triangle at a place. */
-void dpti_strip_overlap(const struct surface *surface, const struct frame *frame, vec3 a, vec3 u, double radius,
-                        double side, uint32_t place, dpt_overlap *overlap);
+void dpti_strip_overlap(const struct surface *surface, const struct frame *frame, const struct strip_tool *tool,
+                        uint32_t place, dpt_overlap *overlap);
 
 #endif

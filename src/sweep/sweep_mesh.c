@@ -148,7 +148,7 @@ static void triangle_during(const struct mesh_sweep *search, uint32_t triangle, 
     }
 }
 
-/* Of triangles that are hit at one time, the first in the source counts. */
+/* 1 if the triangle is before the best one in the source: of triangles that are hit at one time, the first counts. */
 static int comes_first(const struct mesh_sweep *search, uint32_t triangle)
 {
     const struct sweep_progress *progress = search->progress;

@@ -5,7 +5,7 @@
  */
 #include "sweep/sweep_rigid.h"
 
-#include "nearest/side.h"
+#include "nearest/nearest_pair.h"
 
 enum { HALVINGS_MAX = 10, PIECE_TRIANGLES = 16 };
 
@@ -186,8 +186,8 @@ static double piece_length_max(const struct surface *surface)
 }
 
 /*
- * After a test of the piece: whether the leaf that it may touch is as long as the piece, as where slivers stand side by side.
- * Then shorter pieces would touch as many triangles.
+ * After a test of the piece: whether the leaf that it may touch is as long as the piece, as where slivers stand side by
+ * side. Then shorter pieces would touch as many triangles.
  */
 static int touches_long_leaf(const struct rigid_sweep *sweep, double length, uint32_t halvings)
 {

@@ -370,8 +370,8 @@ static double limit_at(const struct sweep *sweep, double s)
 }
 
 /*
- * Whether the ends of a piece, as it is at time 1/2, stay in front of the triangle from time 0 to 1, each by its limit: in
- * the direction of the pair that is nearest then.
+ * Whether the ends of a piece, as it is at time 1/2, stay in front of the triangle from time 0 to 1, each by its limit:
+ * in the direction of the pair that is nearest then.
  */
 static int stays_in_front(const struct moving_piece *moving, const vec3 corner[3], const pair *found, double limit_a,
                           double limit_b)

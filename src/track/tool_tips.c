@@ -2,7 +2,7 @@
 #include "track/tool_tips.h"
 
 #include "base/sized.h"
-#include "nearest/side.h"
+#include "nearest/nearest_pair.h"
 #include "track/persistent_contacts.h"
 
 struct box dpti_tip_box(const struct dpt_hull *hull, const struct frame *tool)

@@ -11,8 +11,8 @@
 
 #include "base/frame.h"
 #include "base/handle.h"
-#include "contact/holes.h"
 #include "contact/sheet_border.h"
+#include "contact/winding_number.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/body.h"
 #include "dynpoint/tool.h"

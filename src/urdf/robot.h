@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "urdf/fault.h"
+#include "urdf/outline.h"
 #include "urdf/urdf_frame.h"
 
 static const size_t none = static_cast<size_t>(-1);

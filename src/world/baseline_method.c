@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/baseline_method.h"
 
-#include "contact/paper_gap.h"
-#include "nearest/paper_descent.h"
+#include "contact/gap.h"
+#include "nearest/dynamic_point.h"
 #include "track/segment_track.h"
 
 /* What the parts of one segment found, over all bodies. */

@@ -3,7 +3,7 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "deform/displace.h"
+#include "deform/deform_vertices.h"
 #include "proxy/proxy_state.h"
 #include "world/world_members.h"
 

@@ -215,14 +215,14 @@ static void put_strip(struct taking *taking, uint32_t index, uint32_t number)
     const struct segment_strip *strip = &world->segment_strips[index];
     const struct surface surface = surface_view(&strip->surface, world->ticks + 1, 0.0);
     const uint32_t *places = mesh_words(strip->strip->mesh, MESH_PLACES);
+    const struct strip_tool tool = { strip->a, strip->u, strip->radius, strip->side };
     const uint32_t body = strip->body_slot < world->body_slot_end ? world->bodies[strip->body_slot].id : 0;
     for (uint32_t i = 0; i < count; i++) {
         dpt_overlap overlap;
         unsigned char *to = next_place(taking, SNAPSHOT_STRIPS);
         if (!to)
             return;
-        dpti_strip_overlap(&surface, &strip->frame, strip->a, strip->u, strip->radius, strip->side,
-                           places[strip->strip->triangles[i]], &overlap);
+        dpti_strip_overlap(&surface, &strip->frame, &tool, places[strip->strip->triangles[i]], &overlap);
         const dpt_snapshot_strip item = { .triangle = overlap.triangle,
                                           .body = body,
                                           .segment = number,

@@ -3,7 +3,7 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "nearest/side.h"
+#include "nearest/nearest_pair.h"
 
 /* Bytes of dpt_world_bytes for each segment, beside the strip itself. */
 enum { BYTES_SEGMENT_STRIP = 640 };
@@ -199,7 +199,8 @@ dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t se
         return DPT_OK; /* its body may be gone, with its vertices */
     /* Vertices may have moved since: the strip is of the last step. */
     const struct surface surface = surface_view(&segment_strip->surface, world->ticks + 1, 0.0);
-    dpti_strip_overlaps(segment_strip->strip, &surface, &segment_strip->frame, segment_strip->a, segment_strip->u,
-                        segment_strip->radius, segment_strip->side, overlaps, capacity);
+    const struct strip_tool tool_at = { segment_strip->a, segment_strip->u, segment_strip->radius,
+                                        segment_strip->side };
+    dpti_strip_overlaps(segment_strip->strip, &surface, &segment_strip->frame, &tool_at, overlaps, capacity);
     return DPT_OK;
 }

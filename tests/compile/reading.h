@@ -8,10 +8,14 @@
 
 /* soup_free(&reading.soup) when done. */
 typedef struct reading {
+    struct compile_context context;
     soup soup;
     dpt_diag diag;
     dpt_result result;
 } reading;
+
+/* An empty soup, and no diag. */
+void begin_reading(reading *r, const dpt_compile_def *def);
 
 /* Read a copy that ends where its block of memory ends, so that a sanitizer sees a byte too far. */
 void read_bytes(reading *r, uint32_t format, const void *bytes, size_t size, const dpt_compile_def *def);

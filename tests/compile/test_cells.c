@@ -124,16 +124,15 @@ static dpt_result read(struct tetgen *mesh, const char *node, size_t node_size, 
 {
     const dpt_compile_def def = { .size = sizeof def, .scale = 2.0 };
     unsigned char *nodes = malloc(node_size + !node_size), *cells = malloc(ele_size + !ele_size);
-    soup source;
+    struct compile_context context;
     memcpy(nodes, node, node_size);
     memcpy(cells, ele, ele_size);
     *diag = (dpt_diag){ .size = sizeof *diag };
     *mesh = (struct tetgen){ .nodes = NULL };
-    soup_init(&source, &def, diag);
-    dpt_result result = tetgen_read_nodes(mesh, &source, nodes, node_size);
+    compile_context_init(&context, &def, diag);
+    dpt_result result = tetgen_read_nodes(mesh, &context, nodes, node_size);
     if (result == DPT_OK)
-        result = tetgen_read_cells(mesh, &source, cells, ele_size);
-    soup_free(&source);
+        result = tetgen_read_cells(mesh, &context, cells, ele_size);
     free(nodes);
     free(cells);
     return result;

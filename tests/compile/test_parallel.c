@@ -7,7 +7,7 @@
 #include <pthread.h>
 
 #include "compile/lattice.h"
-#include "compile/parallel.h"
+#include "compile/compile_context.h"
 #include "dynpoint/compile.h"
 #include "lib/check.h"
 #include "shape/shape.h"

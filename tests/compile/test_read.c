@@ -84,8 +84,10 @@ static void vertices_are_scaled_and_rounded(void)
 {
     dpt_compile_def def = { .size = sizeof def, .scale = 0.001 };
     dpt_diag diag = { .size = sizeof diag };
+    struct compile_context context;
     soup s;
-    soup_init(&s, &def, &diag);
+    compile_context_init(&context, &def, &diag);
+    soup_init(&s, &context);
     CHECK(soup_add_vertex(&s, 1.0, -0.0, -1e-60, somewhere) == DPT_OK, "%s", diag.text);
     CHECK(s.positions[0] == (float)0.001, "%g", (double)s.positions[0]);
     CHECK(!signbit(s.positions[1]) && !signbit(s.positions[2]), "a negative zero");
@@ -104,8 +106,10 @@ static void counts_have_limits(void)
 {
     const uint32_t corners[4] = { 0, 1, 2, 3 };
     dpt_diag diag = { .size = sizeof diag };
+    struct compile_context context;
     soup s;
-    soup_init(&s, NULL, &diag);
+    compile_context_init(&context, NULL, &diag);
+    soup_init(&s, &context);
     s.vertex_count = INT32_MAX;
     CHECK(soup_add_vertex(&s, 0.0, 0.0, 0.0, somewhere) == DPT_E_LIMIT, "%s", diag.text);
     s.vertex_count = 0;
@@ -279,8 +283,7 @@ static void starve_golden(const expected *e, const unsigned char *bytes, size_t 
 {
     reading r = { .result = DPT_E_MEMORY };
     for (long grants = 0; r.result == DPT_E_MEMORY && grants < 100; grants++) {
-        memset(&r.diag, 0, sizeof r.diag);
-        soup_init(&r.soup, NULL, &r.diag);
+        begin_reading(&r, NULL);
         allocations_left = grants;
         r.result = read_source(&r.soup, format_of(e->name), bytes, size);
         allocations_left = -1;
@@ -472,7 +475,7 @@ static void vertices_are_numbered_as_the_file_does(void)
     read_string(&r, DPT_FORMAT_OBJ, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
     CHECK(r.result == DPT_E_INDEX && strstr(r.diag.text, "vertex 4, counted from 1, "), "%s", r.diag.text);
     soup_free(&r.soup);
-    soup_init(&r.soup, NULL, &r.diag);
+    begin_reading(&r, NULL);
     soup_add_polygon(&r.soup, corners, 3, somewhere);
     CHECK(soup_check_corners(&r.soup) == DPT_E_INDEX && strstr(r.diag.text, "vertex 3, counted from 0, "), "%s",
           r.diag.text);

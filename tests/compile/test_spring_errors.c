@@ -150,9 +150,9 @@ static void files_are_read(void)
     static const char numbers[] = "17 0 # two\n\n4294967294";
     struct spring_regions read = { .regions = NULL };
     dpt_diag diag = { .size = sizeof diag };
-    soup source;
-    soup_init(&source, NULL, &diag);
-    CHECK(regions_read(&read, &source, (const unsigned char *)text, sizeof text - 1) == DPT_OK &&
+    struct compile_context context;
+    compile_context_init(&context, NULL, &diag);
+    CHECK(regions_read(&read, &context, (const unsigned char *)text, sizeof text - 1) == DPT_OK &&
               read.region_count == 3,
           "%s, line %llu", diag.text, (unsigned long long)diag.line);
     if (read.region_count == 3) {
@@ -163,11 +163,10 @@ static void files_are_read(void)
         CHECK(r[1].kind == DPT_REGION_SPHERE && r[1].fixed && r[1].box[2] == 0.3 && r[1].box[3] == 0.04 && r[2].fixed,
               "the sphere");
     }
-    CHECK(fixed_read(&read, &source, (const unsigned char *)numbers, sizeof numbers - 1) == DPT_OK &&
+    CHECK(fixed_read(&read, &context, (const unsigned char *)numbers, sizeof numbers - 1) == DPT_OK &&
               read.fixed_count == 3 && read.fixed[0] == 17 && read.fixed[1] == 0 && read.fixed[2] == 4294967294u,
           "%s", diag.text);
     regions_free(&read);
-    soup_free(&source);
 }
 
 static void wrong_files_are_refused_with_their_line(void)
@@ -196,16 +195,15 @@ static void wrong_files_are_refused_with_their_line(void)
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         struct spring_regions read = { .regions = NULL };
         dpt_diag diag = { .size = sizeof diag };
-        soup source;
-        soup_init(&source, NULL, &diag);
+        struct compile_context context;
+        compile_context_init(&context, NULL, &diag);
         const unsigned char *bytes = (const unsigned char *)files[i].text;
         const dpt_result result =
-            (files[i].is_fixed ? fixed_read : regions_read)(&read, &source, bytes, strlen(files[i].text));
+            (files[i].is_fixed ? fixed_read : regions_read)(&read, &context, bytes, strlen(files[i].text));
         CHECK(result != DPT_OK && diag.code == result && diag.line == files[i].line &&
                   strstr(diag.text, files[i].reason),
               "file %zu: %s in line %llu", i, diag.text, (unsigned long long)diag.line);
         regions_free(&read);
-        soup_free(&source);
     }
 }
 

@@ -7,7 +7,7 @@
  */
 #include "contact/defective_meshes.h"
 #include "dynpoint.h"
-#include "nearest/side.h"
+#include "nearest/nearest_pair.h"
 #include "track/world_state.h"
 
 static int axes = 400;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a budget's searches found at points: which of them are kept (src/contact/point_cache.h). Used in worlds:
+ * What a budget's searches found at points: which of them are kept (src/contact/profile_samples.h). Used in worlds:
  * test_budget_contact.
  */
-#include "contact/point_cache.h"
+#include "contact/profile_samples.h"
 
 #include "lib/check.h"
 

@@ -4,9 +4,8 @@
  *
  *     test_stretch_winding [AXES = 400]
  */
-#include "contact/stretch_winding.h"
+#include "contact/distance_profile.h"
 
-#include "contact/crossings.h"
 #include "contact/defective_meshes.h"
 
 static int axes = 400;

@@ -8,7 +8,7 @@
 #include "lib/mesh_builder.h"
 
 #include "base/angle.h"
-#include "compile/moments.h"
+#include "compile/cluster.h"
 
 /* `points` within the box and as many near the surface, on all kernels; returns the largest error. */
 static double check_against_brute(const char *name, const struct mesh_builder *builder, int points)

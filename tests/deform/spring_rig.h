@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "deform/active_region.h"
-#include "deform/integrate.h"
+#include "deform/spring_step.h"
 #include "deform/springs_net.h"
 #include "lib/check.h"
 

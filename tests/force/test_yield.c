@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Surfaces that yield (src/force/yield.h), against a slow descent on the energy itself:
+ * Surfaces that yield (src/force/friction.h), against a slow descent on the energy itself:
  *     |y - goal|^2 / 2 + sum of max(0, bound - normal . y)^2 / (2 compliance)
  * with the bounds at which the hard answer is held. It cannot judge compliances of 0; there the hard answer is compared.
  */
 #include <math.h>
 
-#include "force/yield.h"
+#include "force/friction.h"
 #include "lib/check.h"
 
 enum { SPACES = 8, DESCENTS = 40000 };

@@ -56,13 +56,13 @@ FUZZ_TARGET(regions)
     const size_t fixed_at = zero ? region_size + 1 : size;
     struct spring_regions read = { .regions = NULL };
     dpt_diag diag = { .size = sizeof diag };
-    soup source;
-    soup_init(&source, NULL, &diag);
-    dpt_result result = regions_read(&read, &source, bytes, region_size);
+    struct compile_context context;
+    compile_context_init(&context, NULL, &diag);
+    dpt_result result = regions_read(&read, &context, bytes, region_size);
     if (result != DPT_OK)
         check_refusal(result, &diag, bytes, region_size);
     if (result == DPT_OK) {
-        result = fixed_read(&read, &source, bytes + fixed_at, size - fixed_at);
+        result = fixed_read(&read, &context, bytes + fixed_at, size - fixed_at);
         if (result != DPT_OK)
             check_refusal(result, &diag, bytes + fixed_at, size - fixed_at);
     }
@@ -72,6 +72,5 @@ FUZZ_TARGET(regions)
     if (result == DPT_OK)
         make_springs(&read);
     regions_free(&read);
-    soup_free(&source);
     return 0;
 }

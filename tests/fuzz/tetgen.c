@@ -58,15 +58,15 @@ FUZZ_TARGET(tetgen)
     const size_t ele_at = zero ? node_size + 1 : size;
     struct tetgen mesh = { .nodes = NULL };
     dpt_diag diag = { .size = sizeof diag };
-    soup source;
-    soup_init(&source, NULL, &diag);
-    dpt_result result = tetgen_read_nodes(&mesh, &source, bytes, node_size);
+    struct compile_context context;
+    compile_context_init(&context, NULL, &diag);
+    dpt_result result = tetgen_read_nodes(&mesh, &context, bytes, node_size);
     if (result != DPT_OK)
         check_refusal(result, &diag, bytes, node_size);
     for (size_t i = 0; result == DPT_OK && i < 3 * (size_t)mesh.node_count; i++)
         MUST(fabs(mesh.nodes[i]) <= DPT_COORDINATE_MAX);
     if (result == DPT_OK) {
-        result = tetgen_read_cells(&mesh, &source, bytes + ele_at, size - ele_at);
+        result = tetgen_read_cells(&mesh, &context, bytes + ele_at, size - ele_at);
         if (result != DPT_OK)
             check_refusal(result, &diag, bytes + ele_at, size - ele_at);
     }
@@ -75,6 +75,5 @@ FUZZ_TARGET(tetgen)
     if (result == DPT_OK)
         embed(&mesh);
     tetgen_free(&mesh);
-    soup_free(&source);
     return 0;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* TRACE.csv: refused in a line that is there, or rows of finite numbers whose ticks increase. */
-#include "trace.h"
+#include "csv.h"
 
 #include <math.h>
 

@@ -9,7 +9,6 @@
  */
 #include "hull/hull_maker.h"
 #include "hull/hull_triangle.h"
-#include "hull/separate.h"
 
 #define UNIT 0x1p-53
 

@@ -365,11 +365,11 @@ static void golden_files_are_what_we_write(void)
     struct file node = read_golden("torus.node"), ele = read_golden("torus.ele");
     dpt_diag diag = { .size = sizeof diag };
     struct tetgen mesh = { .nodes = NULL };
-    soup source;
+    struct compile_context context;
     expect_golden("torus_6.dpa", NULL);
-    soup_init(&source, NULL, &diag);
-    CHECK(tetgen_read_nodes(&mesh, &source, node.bytes, node.size) == DPT_OK &&
-              tetgen_read_cells(&mesh, &source, ele.bytes, ele.size) == DPT_OK,
+    compile_context_init(&context, NULL, &diag);
+    CHECK(tetgen_read_nodes(&mesh, &context, node.bytes, node.size) == DPT_OK &&
+              tetgen_read_cells(&mesh, &context, ele.bytes, ele.size) == DPT_OK,
           "%s", diag.text);
     const dpt_compile_def def = { .size = sizeof def,
                                   .nodes = mesh.nodes,
@@ -384,7 +384,6 @@ static void golden_files_are_what_we_write(void)
     with_springs.springs = &volume;
     expect_golden("torus_6_volume.dpa", &with_springs);
     tetgen_free(&mesh);
-    soup_free(&source);
     free(node.bytes);
     free(ele.bytes);
 }

@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "lib/dpa.h"
-#include "nearest/side.h"
+#include "nearest/nearest_pair.h"
 
 static const double degree = 3.14159265358979323846 / 180.0;
 

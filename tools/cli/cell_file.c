@@ -41,20 +41,20 @@ int cell_files_name(struct cell_files *files, const char *command, const char *b
     return 0;
 }
 
-typedef dpt_result read_fn(struct tetgen *mesh, soup *source, const unsigned char *bytes, size_t size);
+typedef dpt_result read_fn(struct tetgen *mesh, const struct compile_context *context, const unsigned char *bytes,
+                           size_t size);
 
 static int load(struct cell_files *files, const char *command, const char *path, read_fn *read,
                 const dpt_compile_def *def)
 {
     dpt_diag diag = { .size = sizeof diag };
-    soup source;
+    struct compile_context context;
     size_t size;
     void *bytes = load_file(command, path, &size);
     if (!bytes)
         return 2;
-    soup_init(&source, def, &diag);
-    const dpt_result result = read(&files->mesh, &source, bytes, size);
-    soup_free(&source);
+    compile_context_init(&context, def, &diag);
+    const dpt_result result = read(&files->mesh, &context, bytes, size);
     free(bytes);
     return result == DPT_OK ? 0 : complain_of_file(command, path, &diag);
 }

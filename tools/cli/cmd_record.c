@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "base/vec3.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "dynpoint/device.h"
@@ -37,12 +38,7 @@ struct record_counts {
     struct recording_embed embed;
 };
 
-static double length_of(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
-static uint64_t max_of(uint64_t a, uint64_t b)
+static uint64_t later_of(uint64_t a, uint64_t b)
 {
     return a > b ? a : b;
 }
@@ -62,10 +58,10 @@ static void count_record(struct record_counts *counts, const dpt_record *record)
     counts->lost += record->status == DPT_DEVICE_STATUS_LOST;
     counts->contact += is_felt && record->contact != DPT_CONTACT_SEPARATED;
     counts->penetrating += record->contact == DPT_CONTACT_PENETRATING;
-    counts->late_max_ns = max_of(counts->late_max_ns, record->late_ns);
-    counts->took_max_ns = max_of(counts->took_max_ns, record->took_ns);
-    counts->asked_max = fmax(counts->asked_max, length_of(record->asked.force));
-    counts->sent_max = fmax(counts->sent_max, length_of(record->sent.force));
+    counts->late_max_ns = later_of(counts->late_max_ns, record->late_ns);
+    counts->took_max_ns = later_of(counts->took_max_ns, record->took_ns);
+    counts->asked_max = fmax(counts->asked_max, vec3_length(record->asked.force));
+    counts->sent_max = fmax(counts->sent_max, vec3_length(record->sent.force));
 }
 
 /* Count a record, or what is there instead of one. Returns 0 at the end. */

@@ -13,6 +13,7 @@
 #include "cli/force_options.h"
 #include "cli/setting_words.h"
 #include "clock.h"
+#include "csv.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/loop.h"
 #include "plan/replay_plan.h"
@@ -21,7 +22,6 @@
 #include "run/replay_report.h"
 #include "run/replay_tool.h"
 #include "shape/mesh_size.h"
-#include "trace.h"
 
 static const char help[] =
     "usage: dynpoint replay FILE.dpa TRACE.csv -o OUT.csv [options]\n"

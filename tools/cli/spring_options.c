@@ -15,12 +15,13 @@ void spring_options_init(struct spring_options *options)
     dpt_spring_net_def_init(&options->def);
 }
 
-typedef dpt_result read_fn(struct spring_regions *regions, soup *source, const unsigned char *bytes, size_t size);
+typedef dpt_result read_fn(struct spring_regions *regions, const struct compile_context *context,
+                           const unsigned char *bytes, size_t size);
 
 static int load(struct spring_options *options, const char *command, const char *path, const char *out, read_fn *read)
 {
     dpt_diag diag = { .size = sizeof diag };
-    soup source;
+    struct compile_context context;
     size_t size;
     if (!path)
         return 0;
@@ -29,9 +30,8 @@ static int load(struct spring_options *options, const char *command, const char 
     void *bytes = load_file(command, path, &size);
     if (!bytes)
         return 2;
-    soup_init(&source, NULL, &diag);
-    const dpt_result result = read(&options->regions, &source, bytes, size);
-    soup_free(&source);
+    compile_context_init(&context, NULL, &diag);
+    const dpt_result result = read(&options->regions, &context, bytes, size);
     free(bytes);
     return result == DPT_OK ? 0 : complain_of_file(command, path, &diag);
 }

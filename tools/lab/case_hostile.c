@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/vec3.h"
 #include "lab/lab_lead.h"
 #include "lab/lab_mesh.h"
 
@@ -37,8 +38,8 @@ static double slide_over(struct lab *lab, struct lab_lead *lead, const double *a
         lab_lead_aim(lead, tip, axis);
         lab_lead_tick(lead, i == 0);
         const double *force = lab_lead_force(lead);
-        if (size_of(force) > SMALL_FORCE)
-            off = fmax(off, acos(fmax(-1.0, fmin(1.0, force[2] / size_of(force)))));
+        if (vec3_length(force) > SMALL_FORCE)
+            off = fmax(off, acos(fmax(-1.0, fmin(1.0, force[2] / vec3_length(force)))));
     }
     return off;
 }
@@ -122,8 +123,8 @@ static double go_down(struct lab *lab, struct lab_lead *leads, const struct star
         }
         for (int j = 0; j < 3; j++)
             difference[j] = lab_lead_force(&leads[0])[j] - lab_lead_force(&leads[1])[j];
-        off = fmax(off, size_of(difference));
-        largest = fmax(largest, size_of(lab_lead_force(&leads[1])));
+        off = fmax(off, vec3_length(difference));
+        largest = fmax(largest, vec3_length(lab_lead_force(&leads[1])));
     }
     return off / largest;
 }

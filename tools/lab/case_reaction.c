@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/vec3.h"
 #include "lab/hand_loop.h"
 #include "lab/lab_cases.h"
 
@@ -28,17 +29,6 @@ struct tally {
     uint64_t fading, failed;
 };
 
-static void cross(const double *a, const double *b, double c[3])
-{
-    for (int k = 0; k < 3; k++)
-        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-static double size_of(const double *v)
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 /* What loads and wrench sum up to, about the tool's origin. */
 static void weigh(const struct hand_loop *loop, dpt_load *loads, struct tally *tally)
 {
@@ -54,12 +44,12 @@ static void weigh(const struct hand_loop *loop, dpt_load *loads, struct tally *t
         tally->failed++;
     memcpy(force, report.wrench.force, sizeof force);
     memcpy(moment, report.wrench.torque, sizeof moment);
-    tally->peak = fmax(tally->peak, size_of(force));
+    tally->peak = fmax(tally->peak, vec3_length(force));
     for (uint32_t i = 0; i < count; i++) {
         double arm[3], part[3];
         for (int k = 0; k < 3; k++)
             arm[k] = (double)positions[3 * (size_t)loads[i].vertex + (size_t)k] - pose.position[k];
-        cross(arm, loads[i].force, part);
+        vec3_cross(arm, loads[i].force, part);
         for (int k = 0; k < 3; k++) {
             force[k] += loads[i].force[k];
             moment[k] += part[k];
@@ -67,9 +57,9 @@ static void weigh(const struct hand_loop *loop, dpt_load *loads, struct tally *t
     }
     const int is_fading = (report.flags & DPT_FORCE_FLAG_FADING) != 0;
     double *most = is_fading ? &tally->fading_force : &tally->force;
-    *most = hand_greater(*most, size_of(force));
+    *most = hand_greater(*most, vec3_length(force));
     most = is_fading ? &tally->fading_moment : &tally->moment;
-    *most = hand_greater(*most, size_of(moment));
+    *most = hand_greater(*most, vec3_length(moment));
     tally->fading += (uint64_t)is_fading;
 }
 

@@ -2,6 +2,7 @@
 /* Held with 1 N, a device has to come to rest. */
 #include <math.h>
 
+#include "base/vec3.h"
 #include "lab/hand_sway.h"
 #include "lab/lab_cases.h"
 
@@ -57,8 +58,8 @@ static void look(const struct hand_loop *loop, struct fastest *fastest)
 {
     for (size_t i = loop->count - loop->count / 4; i < loop->count; i++) {
         const double *v = loop->track[i].speed, *w = v + 3;
-        fastest->speed = fmax(fastest->speed, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
-        fastest->spin = fmax(fastest->spin, sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]));
+        fastest->speed = fmax(fastest->speed, vec3_length(v));
+        fastest->spin = fmax(fastest->spin, vec3_length(w));
         fastest->force = fmin(fastest->force, loop->track[i].sent[1]);
     }
 }

@@ -2,6 +2,7 @@
 /* Two bodies: a slot between them that is hardly wider than the tool, and the seam where they touch. */
 #include <math.h>
 
+#include "base/vec3.h"
 #include "lab/lab_lead.h"
 #include "lab/lab_mesh.h"
 
@@ -101,8 +102,8 @@ static double slide_over(struct lab_lead *lead, struct lab_lead *whole, const do
             for (int j = 0; j < 3; j++)
                 difference[j] = lab_lead_force(lead)[j] - lab_lead_force(whole)[j];
             if (k)
-                off = fmax(off, size_of(difference));
-            largest = fmax(largest, size_of(lab_lead_force(whole)));
+                off = fmax(off, vec3_length(difference));
+            largest = fmax(largest, vec3_length(lab_lead_force(whole)));
         }
     return off / largest;
 }

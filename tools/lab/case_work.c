@@ -2,6 +2,7 @@
 /* Energy: net work over closed paths, and an hour of the same motion. */
 #include <math.h>
 
+#include "base/vec3.h"
 #include "lab/lab_lead.h"
 #include "lab/lab_mesh.h"
 
@@ -106,7 +107,7 @@ static void tally_tick(struct hour *hour, const struct lab_lead *lead, uint64_t 
         off[k] = now->force[k] - hour->force[phase][k];
     }
     if (lap > 1)
-        hour->drift = fmax(hour->drift, size_of(off));
+        hour->drift = fmax(hour->drift, vec3_length(off));
     hour->energy = fmax(hour->energy, lead->lead.force.energy);
     hour->units += lead->work;
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/vec3.h"
 #include "cli/force_options.h"
 #include "clock.h"
 
@@ -14,29 +15,6 @@ double uniform(uint64_t *seed, double low, double high)
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return low + (high - low) * ((double)((z ^ (z >> 31)) >> 11) * 0x1p-53);
-}
-
-double product(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-double size_of(const double *a)
-{
-    return sqrt(product(a, a));
-}
-
-void make_unit(double *a)
-{
-    const double size = size_of(a);
-    for (int k = 0; k < 3 && size > 0.0; k++)
-        a[k] /= size;
-}
-
-static void cross(const double *a, const double *b, double *c)
-{
-    for (int k = 0; k < 3; k++)
-        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
 int force_lead_open(struct force_lead *lead, const struct force_trial_def *def)
@@ -122,10 +100,10 @@ void point_along(const double *axis, double *orientation)
 {
     const double x[3] = { 1.0, 0.0, 0.0 };
     double v[3];
-    cross(x, axis, v);
+    vec3_cross(x, axis, v);
     const double w = 1.0 + axis[0];
     if (w > 1e-9) {
-        const double size = sqrt(w * w + product(v, v));
+        const double size = sqrt(w * w + vec3_dot(v, v));
         orientation[0] = w / size;
         for (int k = 0; k < 3; k++)
             orientation[1 + k] = v[k] / size;
@@ -148,7 +126,7 @@ void force_lead_motion(const struct force_lead *lead, double *shift, double *tur
     double before[3], now[3];
     axis_of(lead->before.orientation, before);
     axis_of(lead->device.orientation, now);
-    cross(before, now, turn);
+    vec3_cross(before, now, turn);
     for (int k = 0; k < 3; k++)
         shift[k] = lead->device.position[k] - lead->before.position[k];
 }
@@ -157,7 +135,7 @@ double force_lead_moved(const struct force_lead *lead)
 {
     double shift[3], turn[3];
     force_lead_motion(lead, shift, turn);
-    return sqrt(product(shift, shift) + lead->rho * lead->rho * product(turn, turn));
+    return sqrt(vec3_dot(shift, shift) + lead->rho * lead->rho * vec3_dot(turn, turn));
 }
 
 double force_lead_change(const struct force_lead *lead)
@@ -174,11 +152,11 @@ double force_lead_change(const struct force_lead *lead)
 double force_lead_turned(const struct force_lead *lead, double largest)
 {
     const double *force = lead->force.wrench.force, *before = lead->last.wrench.force;
-    const double now = size_of(force), was = size_of(before);
+    const double now = vec3_length(force), was = vec3_length(before);
     const double small = fmax(SMALL_FORCE, SMALL_SHARE * largest);
     if (!(now > small && was > small))
         return 0.0;
-    return acos(fmax(-1.0, fmin(1.0, product(force, before) / (now * was))));
+    return acos(fmax(-1.0, fmin(1.0, vec3_dot(force, before) / (now * was))));
 }
 
 void force_lead_tremor(struct force_lead *lead)
@@ -201,15 +179,15 @@ int force_lead_place(struct force_lead *lead, struct place *place)
             u[k] = corners[3 + k] - corners[k];
             v[k] = corners[6 + k] - corners[k];
         }
-        cross(u, v, place->normal);
-        make_unit(place->normal);
-        if (!(size_of(place->normal) > 0.5))
+        vec3_cross(u, v, place->normal);
+        vec3_normalise(place->normal);
+        if (!(vec3_length(place->normal) > 0.5))
             continue;
         for (int k = 0; k < 3; k++)
             other[k] = uniform(&lead->seed, -1.0, 1.0);
-        cross(place->normal, other, place->side);
-        make_unit(place->side);
-        cross(place->normal, place->side, place->across);
+        vec3_cross(place->normal, other, place->side);
+        vec3_normalise(place->side);
+        vec3_cross(place->normal, place->side, place->across);
         return 1;
     }
     return 0;

@@ -76,8 +76,5 @@ void force_lead_hold(struct force_lead *lead, const struct place *place, double 
 void point_along(const double *axis, double *orientation);
 
 double uniform(uint64_t *seed, double low, double high);
-double product(const double *a, const double *b);
-double size_of(const double *a);
-void make_unit(double *a);
 
 #endif

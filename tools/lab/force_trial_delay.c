@@ -6,6 +6,7 @@
  */
 #include <math.h>
 
+#include "base/vec3.h"
 #include "lab/force_lead.h"
 
 #define TURN 6.283185307179586
@@ -64,7 +65,7 @@ static int shake_at(struct force_lead *lead, double tilt, struct shake *shake)
             continue;
         shake->depth[i - ticks_down - 1] = deeper - before;
         shake->force[i - ticks_down - 1] =
-            product(lead->force.wrench.force, place.normal) - product(lead->last.wrench.force, place.normal);
+            vec3_dot(lead->force.wrench.force, place.normal) - vec3_dot(lead->last.wrench.force, place.normal);
     }
     return 1;
 }

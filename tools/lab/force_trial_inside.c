@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include <math.h>
 
+#include "base/vec3.h"
 #include "lab/force_lead.h"
 
 struct force_trial_def force_trial_through_def(const struct force_trial_def *def)
@@ -11,7 +12,7 @@ struct force_trial_def force_trial_through_def(const struct force_trial_def *def
     dpt_mesh_get_info(def->mesh, &info);
     for (int k = 0; k < 3; k++)
         size[k] = info.box_max[k] - info.box_min[k];
-    through.length = def->length > 0.0 ? fmax(def->length, 1.2 * size_of(size)) : 0.0;
+    through.length = def->length > 0.0 ? fmax(def->length, 1.2 * vec3_length(size)) : 0.0;
     through.depth = def->through;
     return through;
 }
@@ -35,7 +36,7 @@ static int begin_at(struct force_lead *lead, double tilt, struct inside_result *
         force_lead_step(lead);
         if (lead->force.reason == DPT_FORCE_FREE && force_lead_gap(lead, &lead->device) > 0.0)
             break;
-        result->felt += size_of(lead->force.wrench.force) > 0.0 || lead->force.reason != DPT_FORCE_INSIDE;
+        result->felt += vec3_length(lead->force.wrench.force) > 0.0 || lead->force.reason != DPT_FORCE_INSIDE;
     }
     return 1;
 }

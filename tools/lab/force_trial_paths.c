@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include <math.h>
 
+#include "base/vec3.h"
 #include "lab/force_lead.h"
 
 #define TURN 6.283185307179586
@@ -24,7 +25,7 @@ static void go_to(struct force_lead *lead, const struct loop *loop, double t)
     for (int k = 0; k < 3; k++)
         axis[k] =
             place->normal[k] + loop->tilt * (sin(t + loop->phase) * place->side[k] + sin(2.0 * t) * place->across[k]);
-    make_unit(axis);
+    vec3_normalise(axis);
     lead->before = lead->device;
     point_along(axis, lead->device.orientation);
     for (int k = 0; k < 3; k++)
@@ -45,7 +46,7 @@ static double work_of(const struct force_lead *lead)
 
 static double energy_of(const struct force_lead *lead)
 {
-    const double force = size_of(lead->force.wrench.force);
+    const double force = vec3_length(lead->force.wrench.force);
     return lead->def->law == DPT_LAW_POINT ? 0.5 * force * force / lead->def->stiffness : lead->force.energy;
 }
 
@@ -75,7 +76,7 @@ static int path_at(struct force_lead *lead, struct path_result *result)
         folds += (lead->force.flags & DPT_FORCE_FLAG_FOLD) != 0;
     }
     /* What is not worth a force, or has not come back to the open, tells nothing. */
-    if (!(high > 1e-6) || size_of(lead->force.wrench.force) > FORCE_OVER)
+    if (!(high > 1e-6) || vec3_length(lead->force.wrench.force) > FORCE_OVER)
         return 1;
     result->paths++;
     result->emitting += work > 1e-3 * high;

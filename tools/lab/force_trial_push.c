@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include <math.h>
 
+#include "base/vec3.h"
 #include "lab/force_lead.h"
 #include "run/replay_report.h"
 
@@ -12,7 +13,7 @@
 
 static void judge_proxy(struct force_lead *lead, int is_fold, struct push_result *result)
 {
-    const double force = size_of(lead->force.wrench.force);
+    const double force = vec3_length(lead->force.wrench.force);
     dpt_pose proxy;
     dpt_tool_get_proxy(lead->world, lead->tool, &proxy);
     const double gap = force_lead_gap(lead, &proxy);
@@ -40,7 +41,7 @@ static void judge_push(struct force_lead *lead, double largest, struct push_resu
     result->reversals += angle > 3.0 * TURN_MAX && !is_fold;
     result->jumps += share > 1.0;
     result->largest_share = fmax(result->largest_share, share);
-    result->largest_jump = fmax(result->largest_jump, size_of(jump));
+    result->largest_jump = fmax(result->largest_jump, vec3_length(jump));
     if (def->law == DPT_LAW_PROXY)
         judge_proxy(lead, is_fold, result);
 }
@@ -71,7 +72,7 @@ static int push_at(struct force_lead *lead, double tilt, int is_led_along, struc
             continue;
         }
         force_lead_step(lead);
-        largest = fmax(largest, size_of(lead->force.wrench.force));
+        largest = fmax(largest, vec3_length(lead->force.wrench.force));
         judge_push(lead, largest, result);
     }
     return 1;

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/quaternion.h"
+
 /* m: from where a tool is lowered, beside half its length, and by what steps. */
 #define ABOVE  0.03
 #define COARSE 2e-4
@@ -19,45 +21,12 @@ static double or_one(double value)
     return value > 0.0 ? value : 1.0;
 }
 
-static double product(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void rotate(const double q[4], const double v[3], double out[3])
-{
-    const double t[3] = { 2.0 * (q[2] * v[2] - q[3] * v[1]), 2.0 * (q[3] * v[0] - q[1] * v[2]),
-                          2.0 * (q[1] * v[1] - q[2] * v[0]) };
-    const double turned[3] = { v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1],
-                               v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2],
-                               v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0] };
-    memcpy(out, turned, sizeof turned);
-}
-
-static void rotate_back(const double q[4], const double v[3], double out[3])
-{
-    const double back[4] = { q[0], -q[1], -q[2], -q[3] };
-    rotate(back, v, out);
-}
-
-static void multiply(const double a[4], const double b[4], double out[4])
-{
-    double size = 0.0;
-    out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
-    out[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
-    out[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
-    out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
-    for (int k = 0; k < 4; k++)
-        size += out[k] * out[k];
-    for (int k = 0; k < 4; k++)
-        out[k] /= sqrt(size);
-}
-
 /* The quaternion of the rotation that turns the axes into the columns `along`, `out` and their cross product. */
 static void axes_of(const struct hand_place *place, double q[4])
 {
     const double *x = place->along, *y = place->out;
-    const double z[3] = { x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0] };
+    double z[3];
+    vec3_cross(x, y, z);
     const double squares[4] = { 1.0 + x[0] + y[1] + z[2], 1.0 + x[0] - y[1] - z[2], 1.0 - x[0] + y[1] - z[2],
                                 1.0 - x[0] - y[1] + z[2] };
     /* Twice the products of two components; the greatest component divides them. */
@@ -159,7 +128,7 @@ void hand_loop_stiffen(struct hand_loop *loop, double stiffness, double rotation
 /* The pose that has these coordinates. */
 static dpt_pose pose_at(const double at[HAND_AXES])
 {
-    const double angle = sqrt(product(at + 3, at + 3));
+    const double angle = length(vec3_of(at + 3));
     const double share = angle > 1e-9 ? sin(0.5 * angle) / angle : 0.5;
     return (dpt_pose){ { at[0], at[1], at[2] }, { cos(0.5 * angle), share * at[3], share * at[4], share * at[5] } };
 }
@@ -167,10 +136,11 @@ static dpt_pose pose_at(const double at[HAND_AXES])
 static dpt_pose tool_pose(const struct hand_loop *loop, const dpt_pose *hand)
 {
     dpt_pose pose;
-    rotate(loop->axes, hand->position, pose.position);
+    quaternion_rotate(loop->axes, hand->position, pose.position);
     for (int k = 0; k < 3; k++)
         pose.position[k] = loop->origin[k] + or_one(loop->zoom) * pose.position[k];
-    multiply(loop->axes, hand->orientation, pose.orientation);
+    quaternion_multiply(loop->axes, hand->orientation, pose.orientation);
+    quaternion_normalise(pose.orientation);
     return pose;
 }
 
@@ -180,8 +150,8 @@ static dpt_force_info felt(const struct hand_loop *loop)
     const double scale = or_one(loop->force_scale), share = scale / or_one(loop->zoom);
     dpt_force_info report = { .size = sizeof report };
     dpt_tool_get_force_info(loop->world, loop->held, &report);
-    rotate_back(loop->axes, report.wrench.force, report.wrench.force);
-    rotate_back(loop->axes, report.wrench.torque, report.wrench.torque);
+    quaternion_rotate_back(loop->axes, report.wrench.force, report.wrench.force);
+    quaternion_rotate_back(loop->axes, report.wrench.torque, report.wrench.torque);
     for (int k = 0; k < 3; k++) {
         report.wrench.force[k] *= scale;
         report.wrench.torque[k] = loop->device.dofs < HAND_AXES ? 0.0 : share * report.wrench.torque[k];
@@ -191,24 +161,18 @@ static dpt_force_info felt(const struct hand_loop *loop)
     return report;
 }
 
-static void cross(const double *a, const double *b, double c[3])
-{
-    for (int k = 0; k < 3; k++)
-        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
 /*
  * The simulated device takes torque as what acts on the components of its rotation vector. That does the torque's work
  * if it is J' torque; J makes a turn's rate of the vector's.
  */
 static void to_components(const double turn[3], double torque[3])
 {
-    const double angle = sqrt(product(turn, turn));
+    const double angle = length(vec3_of(turn));
     const double f = angle > 1e-4 ? (1.0 - cos(angle)) / (angle * angle) : 0.5;
     const double g = angle > 1e-4 ? (angle - sin(angle)) / (angle * angle * angle) : 1.0 / 6.0;
     double once[3], twice[3];
-    cross(torque, turn, once);
-    cross(once, turn, twice);
+    vec3_cross(torque, turn, once);
+    vec3_cross(once, turn, twice);
     for (int k = 0; k < 3; k++)
         torque[k] += f * once[k] + g * twice[k];
 }
@@ -262,7 +226,7 @@ int hand_loop_lower(struct hand_loop *loop, double force)
     const double zoom = or_one(loop->zoom), height = height_of(loop);
     double at[HAND_AXES] = { 0.0 }, wrench[HAND_AXES] = { 0.0 }, foot[3];
     axes_of(place, loop->axes);
-    rotate(loop->axes, loop->tool.tilt > 0.0 ? segment.a : (double[3]){ 0.0 }, foot);
+    quaternion_rotate(loop->axes, loop->tool.tilt > 0.0 ? segment.a : (double[3]){ 0.0 }, foot);
     for (int k = 0; k < 3; k++)
         loop->origin[k] = place->at[k] - foot[k];
     at[1] = height;
@@ -279,7 +243,7 @@ int hand_loop_lower(struct hand_loop *loop, double force)
     for (int k = 0; k < 3; k++)
         loop->origin[k] += zoom * at[1] * place->out[k];
     hand_loop_return(loop);
-    return wrench[1] >= force && wrench[1] > 0.7 * sqrt(product(wrench, wrench));
+    return wrench[1] >= force && wrench[1] > 0.7 * length(vec3_of(wrench));
 }
 
 int hand_loop_seek(struct hand_loop *loop, const struct hand_mesh *mesh, uint64_t *seed, double force,
@@ -408,7 +372,7 @@ static dpt_force_info spring(struct hand_loop *loop, const double at[HAND_AXES],
 
 static int is_astray(const double at[HAND_AXES])
 {
-    return product(at, at) > 0.01 || product(at + 3, at + 3) > 4.0;
+    return dot(vec3_of(at), vec3_of(at)) > 0.01 || dot(vec3_of(at + 3), vec3_of(at + 3)) > 4.0;
 }
 
 static void note(struct hand_loop *loop, const dpt_loop_sample *sample, double time, const dpt_force_info *report)

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/vec3.h"
+
 static int compile(struct hand_mesh *mesh, const dpt_spring_net_def *springs)
 {
     dpt_compile_def def;
@@ -51,19 +53,6 @@ void hand_mesh_close(struct hand_mesh *mesh)
     mesh->mesh = NULL;
 }
 
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    for (int k = 0; k < 3; k++)
-        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-static void make_unit(double v[3])
-{
-    const double size = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int k = 0; k < 3 && size > 0.0; k++)
-        v[k] /= size;
-}
-
 void hand_place_middle(const struct hand_mesh *mesh, struct hand_place *place)
 {
     dpt_mesh_info info = { .size = sizeof info };
@@ -102,8 +91,8 @@ void hand_place_draw(const struct hand_mesh *mesh, uint64_t *seed, struct hand_p
         place->at[k] = first + (sides[0][k] + sides[1][k]) / 3.0;
         drawn[k] = shape_random(seed) - 0.5;
     }
-    cross(sides[0], sides[1], place->out);
-    make_unit(place->out);
-    cross(place->out, drawn, place->along);
-    make_unit(place->along);
+    vec3_cross(sides[0], sides[1], place->out);
+    vec3_normalise(place->out);
+    vec3_cross(place->out, drawn, place->along);
+    vec3_normalise(place->along);
 }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "identify_matrix.h"
+#include "identify_fit.h"
 
 /* m: of the differences that linearise a law. */
 #define DIFFERENCE 4e-6

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/vec3.h"
 #include "cli/force_options.h"
 #include "shape/mesh_size.h"
 
@@ -90,7 +91,7 @@ void lab_lead_aim(struct lab_lead *lead, const double *x, const double *axis)
 {
     dpt_pose *device = &lead->lead.device;
     double unit[3] = { axis[0], axis[1], axis[2] };
-    make_unit(unit);
+    vec3_normalise(unit);
     lead->lead.before = *device;
     point_along(unit, device->orientation);
     for (int k = 0; k < 3; k++)
@@ -144,7 +145,7 @@ static double proxy_gap(struct lab_lead *lead)
 static void judge_proxy(struct lab_lead *lead)
 {
     struct lab_tally *tally = &lead->tally;
-    const double gap = proxy_gap(lead), force = size_of(lab_lead_force(lead));
+    const double gap = proxy_gap(lead), force = vec3_length(lab_lead_force(lead));
     tally->least_gap = fmin(tally->least_gap, gap);
     tally->in_mesh += gap < 0.0;
     tally->lagging += force > SMALL_FORCE && lead->lead.force.lag > 0.01 * force / LAB_STIFFNESS;
@@ -153,8 +154,8 @@ static void judge_proxy(struct lab_lead *lead)
 /* A wrench as a length: what |p - d|_M would be. */
 static double depth_of(const struct lab_lead *lead, const dpt_wrench *wrench)
 {
-    const double rho = lead->lead.rho, turning = rho > 0.0 ? size_of(wrench->torque) / rho : 0.0;
-    return sqrt(product(wrench->force, wrench->force) + turning * turning) / LAB_STIFFNESS;
+    const double rho = lead->lead.rho, turning = rho > 0.0 ? vec3_length(wrench->torque) / rho : 0.0;
+    return sqrt(vec3_dot(wrench->force, wrench->force) + turning * turning) / LAB_STIFFNESS;
 }
 
 static void judge_change(struct lab_lead *lead)
@@ -168,9 +169,9 @@ static void judge_change(struct lab_lead *lead)
         force[k] = now->wrench.force[k] - was->wrench.force[k];
         torque[k] = now->wrench.torque[k] - was->wrench.torque[k];
     }
-    tally->jump = fmax(tally->jump, size_of(force));
-    tally->torque_jump = fmax(tally->torque_jump, size_of(torque));
-    tally->drop = fmax(tally->drop, size_of(was->wrench.force) - size_of(now->wrench.force));
+    tally->jump = fmax(tally->jump, vec3_length(force));
+    tally->torque_jump = fmax(tally->torque_jump, vec3_length(torque));
+    tally->drop = fmax(tally->drop, vec3_length(was->wrench.force) - vec3_length(now->wrench.force));
     tally->share = fmax(tally->share, change / (LAB_STIFFNESS * (3.0 * moved + PROXY_SPEED * LEAD_DT)));
     if (fmax(depth_of(lead, &now->wrench), depth_of(lead, &was->wrench)) > small)
         return;
@@ -184,7 +185,7 @@ void lab_lead_step(struct lab_lead *lead)
     const dpt_force_info *now = &lead->lead.force;
     take_step(lead);
     const int is_fold = (now->flags & DPT_FORCE_FLAG_FOLD) != 0;
-    const double force = size_of(now->wrench.force), torque = size_of(now->wrench.torque);
+    const double force = vec3_length(now->wrench.force), torque = vec3_length(now->wrench.torque);
     tally->ticks++;
     tally->acting += now->reason == DPT_FORCE_ACTS;
     tally->unknown += now->reason == DPT_FORCE_UNDECIDED;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/sincos.h"
+#include "base/vec3.h"
 
 enum { LOADS_MAX = 8192, SWEEPS_MAX = 400 };
 
@@ -32,16 +33,14 @@ static int compare_links(const void *a, const void *b)
 static double link_across(const struct tissue *tissue, const uint32_t *corners, uint32_t k, struct tissue_link *links)
 {
     const uint32_t a = corners[(k + 1) % 3], b = corners[(k + 2) % 3];
-    double u[3], v[3], product = 0.0;
+    double u[3], v[3];
     for (int i = 0; i < 3; i++) {
         const float tip = tissue->rest[3 * (size_t)corners[k] + (size_t)i];
         u[i] = (double)(tissue->rest[3 * (size_t)a + (size_t)i] - tip);
         v[i] = (double)(tissue->rest[3 * (size_t)b + (size_t)i] - tip);
-        product += u[i] * v[i];
     }
-    const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2];
-    const double z = u[0] * v[1] - u[1] * v[0], twice = sqrt(x * x + y * y + z * z);
-    const double weight = twice > 0.0 ? 0.5 * product / twice : 0.0;
+    const double twice = length(cross(vec3_of(u), vec3_of(v)));
+    const double weight = twice > 0.0 ? 0.5 * vec3_dot(u, v) / twice : 0.0;
     links[0] = (struct tissue_link){ a, b, 1, weight };
     links[1] = (struct tissue_link){ b, a, 1, weight };
     return twice / 6.0;

@@ -16,8 +16,8 @@
 #define DPT_TOOLS_MEASURE_RUN_H
 
 #include "cli/command_options.h"
+#include "csv.h"
 #include "measure/measure_setting.h"
-#include "trace.h"
 
 /* What a tick told. Answers are those of dpt_hit and dpt_force_info after its step; a stale one counts for nothing. */
 struct measure_tick {

@@ -6,8 +6,8 @@
 #ifndef DPT_TOOLS_MEASURE_TOOL_H
 #define DPT_TOOLS_MEASURE_TOOL_H
 
+#include "csv.h"
 #include "scene/scene.h"
-#include "trace.h"
 
 struct measure_tool {
     const struct scene *scene;

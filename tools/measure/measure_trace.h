@@ -3,8 +3,8 @@
 #ifndef DPT_TOOLS_MEASURE_TRACE_H
 #define DPT_TOOLS_MEASURE_TRACE_H
 
+#include "csv.h"
 #include "scene/scene.h"
-#include "trace.h"
 
 /* What a trace is made of. */
 struct measure_hand {

@@ -3,8 +3,8 @@
 #ifndef DPT_TOOLS_PLAN_TRACE_H
 #define DPT_TOOLS_PLAN_TRACE_H
 
+#include "csv.h"
 #include "plan/plan.h"
-#include "trace.h"
 
 /*
  * Let a hand (measure_trace.h) slide the tool over the scene: over each body in turn, and over each once more, so that both

@@ -7,7 +7,7 @@
 
 #include "base/quaternion.h"
 #include "cli/command_options.h"
-#include "trace.h"
+#include "csv.h"
 
 /* Of the tool's length: rows of a trace with few digits differ by that. */
 #define LENGTH_ERROR 1e-4

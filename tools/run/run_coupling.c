@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "base/vec3.h"
 #include "cli/command_options.h"
 #include "scene/tool_spread.h"
 
@@ -35,7 +36,7 @@ static void measure_tool(const struct scene *scene, double *rho, double *lever)
     double centre[3];
     const uint32_t count = list_parts(scene, parts);
     *rho = tool_spread(parts, count, centre);
-    *lever = sqrt(centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2]);
+    *lever = vec3_length(centre);
 }
 
 static void say_why(const struct scene *scene, const dpt_coupling *coupling, double asked)

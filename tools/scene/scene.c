@@ -6,37 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/quaternion.h"
 #include "cli/arm_file.h"
 #include "cli/command_options.h"
 #include "measure/measure_setting.h"
 
 /* Device to root: a URDF's z is up and its x ahead; a device's y is up and its z towards the user. */
 static const double device_to_root[4] = { 0.5, 0.5, -0.5, -0.5 };
-
-static void rotate(const double q[4], const double v[3], double out[3])
-{
-    const double t[3] = { 2.0 * (q[2] * v[2] - q[3] * v[1]), 2.0 * (q[3] * v[0] - q[1] * v[2]),
-                          2.0 * (q[1] * v[1] - q[2] * v[0]) };
-    const double rotated[3] = { v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1],
-                                v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2],
-                                v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0] };
-    memcpy(out, rotated, sizeof rotated);
-}
-
-static void rotate_back(const double q[4], const double v[3], double out[3])
-{
-    const double back[4] = { q[0], -q[1], -q[2], -q[3] };
-    rotate(back, v, out);
-}
-
-static void multiply_quaternions(const double a[4], const double b[4], double out[4])
-{
-    const double product[4] = { a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-                                a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-                                a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-                                a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0] };
-    memcpy(out, product, sizeof product);
-}
 
 /* Parse three numbers with commas between. Returns 0 if they are not. */
 static int parse_position(const char *text, double out[3])
@@ -269,7 +245,7 @@ static int is_the_arm(const struct scene *scene)
 
 void scene_of_device(const struct scene *scene, const double point[3], double out[3])
 {
-    rotate(scene->device_to_scene, point, out);
+    quaternion_rotate(scene->device_to_scene, point, out);
     for (int k = 0; k < 3; k++)
         out[k] = scene->origin[k] + scene->zoom * out[k];
 }
@@ -278,7 +254,7 @@ void scene_to_device(const struct scene *scene, const double point[3], double ou
 {
     for (int k = 0; k < 3; k++)
         out[k] = (point[k] - scene->origin[k]) / scene->zoom;
-    rotate_back(scene->device_to_scene, out, out);
+    quaternion_rotate_back(scene->device_to_scene, out, out);
 }
 
 double scene_depth(const struct scene *scene, double force, double depth)
@@ -294,13 +270,13 @@ static dpt_result find_pose(const struct scene *scene, const dpt_device_state *s
         const double *q = state->pose.orientation;
         const double back[4] = { q[0], -q[1], -q[2], -q[3] };
         dpt_result result = dpt_arm_forward(scene->arm, state->joint, pose);
-        multiply_quaternions(pose->orientation, back, axes);
+        quaternion_multiply(pose->orientation, back, axes);
         return result;
     }
     memcpy(axes, scene->device_to_scene, sizeof scene->device_to_scene);
     scene_of_device(scene, state->pose.position, pose->position);
-    multiply_quaternions(axes, state->pose.orientation, pose->orientation);
-    multiply_quaternions(scene->turned, pose->orientation, pose->orientation);
+    quaternion_multiply(axes, state->pose.orientation, pose->orientation);
+    quaternion_multiply(scene->turned, pose->orientation, pose->orientation);
     return DPT_OK;
 }
 
@@ -311,7 +287,7 @@ static dpt_result move_tool(struct scene *scene, const dpt_pose *pose)
     double reach[3];
     if (!scene->has_stylus)
         return dpt_tool_set_pose(scene->world, scene->tool, pose);
-    rotate(pose->orientation, along, reach);
+    quaternion_rotate(pose->orientation, along, reach);
     for (int k = 0; k < 3; k++) {
         stylus->a[k] = pose->position[k];
         stylus->b[k] = stylus->a[k] + reach[k];
@@ -325,8 +301,8 @@ static void reindex(struct scene *scene, const dpt_pose *hand)
     const double *q = hand->orientation;
     const double back[4] = { q[0], -q[1], -q[2], -q[3] };
     double by[4], size = 0.0;
-    multiply_quaternions(scene->pose.orientation, back, by);
-    multiply_quaternions(by, scene->turned, scene->turned);
+    quaternion_multiply(scene->pose.orientation, back, by);
+    quaternion_multiply(by, scene->turned, scene->turned);
     for (int k = 0; k < 4; k++)
         size += scene->turned[k] * scene->turned[k];
     for (int k = 0; k < 4; k++)
@@ -344,8 +320,8 @@ static int is_clutch_down(const struct scene *scene, const dpt_device_state *sta
 /* At the hand: force and torque of the scene in the device's axes. */
 static void to_hand(const struct scene *scene, const double axes[4], dpt_wrench *wrench)
 {
-    rotate_back(axes, wrench->force, wrench->force);
-    rotate_back(axes, wrench->torque, wrench->torque);
+    quaternion_rotate_back(axes, wrench->force, wrench->force);
+    quaternion_rotate_back(axes, wrench->torque, wrench->torque);
     for (int k = 0; k < 3; k++) {
         wrench->force[k] *= scene->force_scale;
         wrench->torque[k] *= scene->force_scale / scene->zoom;

@@ -8,6 +8,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/vec3.h"
+
 static void write_vertices_text(FILE *file, const char *before, const struct shape *shape)
 {
     for (const double *v = shape->vertices; v < shape->vertices + 3 * shape->vertex_count; v += 3)
@@ -57,16 +59,12 @@ static void round_vertex(const struct shape *shape, uint32_t vertex, float round
 /* The normal of the rounded corners; zero, as the format allows, if rounding left no area. */
 static void unit_normal(const float a[3], const float b[3], const float c[3], float normal[3])
 {
-    double u[3], v[3], n[3];
-    for (int i = 0; i < 3; i++) {
-        u[i] = (double)b[i] - a[i];
-        v[i] = (double)c[i] - a[i];
-    }
+    const vec3 corner = vec3_of_float(a);
+    double n[3];
+    vec3_store(cross(sub(vec3_of_float(b), corner), sub(vec3_of_float(c), corner)), n);
+    const double size = vec3_length(n);
     for (int i = 0; i < 3; i++)
-        n[i] = u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3];
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (int i = 0; i < 3; i++)
-        normal[i] = length > 0.0 ? (float)(n[i] / length) : 0.0f;
+        normal[i] = size > 0.0 ? (float)(n[i] / size) : 0.0f;
 }
 
 static void write_stl(FILE *file, const struct shape *shape)

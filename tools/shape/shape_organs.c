@@ -12,18 +12,7 @@
 #include <string.h>
 
 #include "base/sincos.h"
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void normalise(double v[3])
-{
-    double length = sqrt(dot(v, v));
-    for (int i = 0; i < 3; i++)
-        v[i] /= length;
-}
+#include "base/vec3.h"
 
 /*
  * The geodesic sphere: an icosahedron with one corner up (+y), each side cut in k, laid out in
@@ -60,7 +49,7 @@ static void blend(const double *a, uint32_t wa, const double *b, uint32_t wb, co
 {
     for (int i = 0; i < 3; i++)
         out[i] = wa * a[i] + wb * b[i] + wc * c[i];
-    normalise(out);
+    vec3_normalise(out);
 }
 
 static void ring_point(const struct icosahedron *ico, uint32_t k, uint32_t ring, uint32_t sector, uint32_t i,
@@ -158,7 +147,7 @@ static int make_round(uint32_t count, const double stretch[3], const struct shap
 static void project_on_sphere(const void *context, double p[3])
 {
     (void)context;
-    normalise(p);
+    vec3_normalise(p);
     for (int i = 0; i < 3; i++)
         p[i] *= 0.1;
 }
@@ -174,7 +163,7 @@ int shape_sphere(uint32_t count, uint64_t seed, struct shape *shape)
 /* A smooth hill of height 1 around a direction, 0 beyond the angle whose cosine is `edge`. */
 static double hill(const double direction[3], const double top[3], double edge)
 {
-    double t = (dot(direction, top) - edge) / (1.0 - edge);
+    double t = (vec3_dot(direction, top) - edge) / (1.0 - edge);
     return t > 0.0 ? t * t * (3.0 - 2.0 * t) : 0.0;
 }
 
@@ -191,9 +180,9 @@ static void project_on_star(const void *context, double p[3])
     const double edge = 0.97437006478523525;
     const struct star *star = context;
     double height = 0.0;
-    normalise(p);
+    vec3_normalise(p);
     for (int s = 0; s < STAR_SPIKES; s++) {
-        double height_here = 1.0 - (1.0 - dot(p, star->spikes[s])) / (1.0 - edge);
+        double height_here = 1.0 - (1.0 - vec3_dot(p, star->spikes[s])) / (1.0 - edge);
         if (height_here > height)
             height = height_here;
     }
@@ -255,8 +244,8 @@ static double lobe_reach(const struct lobe *lobe, const double direction[3])
     double d[3], c[3];
     into_lobe(lobe, direction, d);
     into_lobe(lobe, lobe->centre, c);
-    double dd = dot(d, d), dc = dot(d, c);
-    return (dc + sqrt(dc * dc + dd * (1.0 - dot(c, c)))) / dd;
+    double dd = vec3_dot(d, d), dc = vec3_dot(d, c);
+    return (dc + sqrt(dc * dc + dd * (1.0 - vec3_dot(c, c)))) / dd;
 }
 
 static double organ_reach(const struct organ_surface *surface, const double direction[3])
@@ -277,7 +266,7 @@ static double organ_reach(const struct organ_surface *surface, const double dire
 static void project_on_organ(const void *context, double p[3])
 {
     const struct organ_surface *surface = context;
-    normalise(p);
+    vec3_normalise(p);
     double reach = organ_reach(surface, p);
     for (int i = 0; i < 3; i++)
         p[i] *= reach;
@@ -298,7 +287,7 @@ static int make_organ(const struct organ *organ, uint32_t count, uint64_t seed, 
     const struct shape_surface surface = { project_on_organ, &organ_surface };
     for (int i = 0; i < DENTS_MAX; i++) {
         organ_surface.dents[i] = organ->dents[i];
-        normalise(organ_surface.dents[i].direction);
+        vec3_normalise(organ_surface.dents[i].direction);
     }
     for (int i = DENTS_MAX; i < DENTS_MAX + BUMPS; i++) {
         random_direction(&seed, organ_surface.dents[i].direction);

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Steps of springs, how long they may be, and their energy: docs/algorithms/springs.md. */
+#ifndef DPT_SPRING_STEP_H
+#define DPT_SPRING_STEP_H
+
+#include "deform/spring_state.h"
+
+/*
+ * s: the longest stable step of an explicit integrator for modes of up to a squared frequency, at most
+ * DPT_SPRINGS_STEP_MAX; 0: none. drag: the least of all nodes, 1/s.
+ */
+double dpti_springs_limit(uint32_t integrator, double square, double viscosity, double drag);
+
+/*
+ * `count` substeps of h seconds with SYMPLECTIC or EULER, of the slices that are awake, however long they are. Returns 0,
+ * and keeps the state, if it would leave the finite range.
+ */
+int dpti_springs_substeps(struct dpt_springs *springs, double h, uint32_t count);
+
+/* ---- implicit steps ---- */
+
+/* Fill in what does not change: masses, sums of stiffness. */
+void dpti_implicit_begin(struct dpt_springs *springs);
+
+/* Nodes were put somewhere else: what was known of the energy is not so. */
+void dpti_implicit_forget(struct dpt_springs *springs);
+
+/*
+ * A step of h seconds, of the slices that are awake. Sets *flags. Returns 0, and keeps the state, if it would leave the
+ * finite range.
+ */
+int dpti_implicit_step(struct dpt_springs *springs, double h, uint32_t *flags);
+
+/* ---- the energy of springs and of motion, J, in double ---- */
+
+/* Half of each spring of each node of a slice. */
+double dpti_springs_elastic(const struct dpt_springs *springs, uint32_t slice);
+
+/* All of them. */
+double dpti_springs_kinetic(const struct dpt_springs *springs);
+
+/* ---- how fast springs can swing: "The stable step" ---- */
+
+/*
+ * Fill in `square` and `stable_step`, which hold in any configuration; what touches nodes has the def's
+ * contact_stiffness. The nodes' masses are known. Scratch: the second state and the first points.
+ */
+void dpti_springs_find_step(struct dpt_springs *springs);
+
+#endif
