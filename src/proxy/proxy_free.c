@@ -11,9 +11,8 @@ static struct segment *segment_of(const struct dpt_world *world, const struct to
 dpt_segment dpti_proxy_given_segment(const struct dpt_world *world, const struct tool *tool)
 {
     const struct proxy *proxy = &world->proxies[tool - world->tools];
-    struct frame device;
+    const struct frame device = tool_device_frame(tool);
     dpt_segment given = { .radius = proxy->radius };
-    frame_of_pose(&tool->pose, &device);
     vec3_store(device.origin, given.a);
     vec3_store(along(device.origin, proxy->length, device.x), given.b);
     return given;
@@ -33,7 +32,6 @@ void dpti_proxy_set_free(struct dpt_world *world, struct tool *tool, uint32_t is
     segment->b = vec3_of(given.b);
     segment->radius = given.radius;
     tool->pose = identity;
-    tool->frame = frame_identity;
 }
 
 void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dpt_segment *given)

@@ -68,8 +68,8 @@ static void write_hit(struct dpt_world *world, const struct tool *tool, uint32_t
     struct segment *segment = &world->segments[index];
     const vec3 end = tool->is_free ? (vec3){ proxy->length, 0.0, 0.0 } : segment->b;
     const vec3 a = frame_to_world(device, segment->a), b = frame_to_world(device, end);
-    const vec3 proxy_a = frame_to_world(&tool->frame, segment->a);
-    const vec3 proxy_b = frame_to_world(&tool->frame, segment->b);
+    const vec3 proxy_a = frame_to_world(&tool->felt_frame, segment->a);
+    const vec3 proxy_b = frame_to_world(&tool->felt_frame, segment->b);
     const double apart = max_of(length(sub(a, proxy_a)), length(sub(b, proxy_b)));
     const double least = segment->result.lower_bound - apart - segment->answer.error_bound;
     const uint32_t work_before = world->work.done;
@@ -98,11 +98,8 @@ int dpti_proxy_is_away(const struct dpt_world *world, const struct tool *tool)
 
 void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool)
 {
-    struct frame device;
+    const struct frame device = tool_device_frame(tool);
     struct least_distance nearest = least_none();
-    if (!dpti_proxy_is_away(world, tool))
-        return;
-    frame_of_pose(&tool->pose, &device);
     const uint32_t first = tool->closest < tool->segment_count ? tool->closest : 0;
     for (uint32_t i = 0; i < tool->segment_count; i++)
         write_hit(world, tool, (first + i) % tool->segment_count, &device, &nearest);

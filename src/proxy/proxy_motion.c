@@ -15,7 +15,7 @@ enum { SHORTEN_LITTLE = 4, SHORTEN_MAX = 12 };
 void dpti_proxy_find_nearest(struct proxy_tick *tick)
 {
     struct dpt_world *world = tick->world;
-    tick->tool->frame = tick->at.frame;
+    tick->tool->felt_frame = tick->at.frame;
     tick->is_lost = 0;
     tick->gap = HUGE_VAL;
     if (far_is_used(world, tick->tool))
@@ -192,7 +192,7 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
         const double reach = segment->radius + moved + tick->clearance;
         if (max_of(tick->gap, known) > moved + tick->clearance && !tick->is_before)
             continue;
-        world->near_bodies.reach = -1.0;
+        near_bodies_forget(&world->near_bodies);
         const double bodies_moved = tick->is_before ? world_body_motion(world) : 0.0;
         const struct near_bodies *nearby =
             tick->is_lost ? &all : dpti_broad_phase_within(world, tick->tool->first_segment + i, reach + bodies_moved);

@@ -411,7 +411,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
 /* Bodies moved in a tick in which the tool could not follow: nothing tells what is round the proxy now. */
 static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *proxy)
 {
-    const int was_stepped = proxy->tick + 1 == world->ticks;
+    const int was_stepped = world_was_last_tick(world, proxy->tick);
     if (!was_stepped)
         dpti_proxy_end_force(proxy);
     if (proxy->state < PROXY_DOUBTED || was_stepped || (int32_t)(world->bodies_moved_tick - proxy->tick) <= 0)

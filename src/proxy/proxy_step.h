@@ -20,7 +20,7 @@ void dpti_proxy_settle(struct dpt_world *world, struct tool *tool);
 /* Whether a tool has a proxy that is not where its device is. */
 int dpti_proxy_is_away(const struct dpt_world *world, const struct tool *tool);
 
-/* The hits of a tool with a proxy, which are at the device's pose; not those of its tips. */
+/* Where the proxy is away: the hits of the segments, which are at the device's pose. */
 void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool);
 
 #endif

@@ -36,8 +36,8 @@ void dpti_track_segment(struct dpt_world *world, uint32_t segment_index)
     struct segment *segment = &world->segments[segment_index];
     const struct tool *tool = &world->tools[segment->tool_slot];
     if (dpti_track_begin(world, segment_index))
-        track_axis(world, segment_index, frame_to_world(&tool->frame, segment->a),
-                   frame_to_world(&tool->frame, segment->b));
+        track_axis(world, segment_index, frame_to_world(&tool->felt_frame, segment->a),
+                   frame_to_world(&tool->felt_frame, segment->b));
 }
 
 void dpti_track_far(struct dpt_world *world, uint32_t segment_index)
@@ -70,8 +70,8 @@ void dpti_track_near(struct dpt_world *world, struct tool *tool, int all_outside
     for (uint32_t k = 0; k < tool->segment_count; k++) {
         const uint32_t number = (begin + k) % tool->segment_count;
         struct segment *segment = &world->segments[tool->first_segment + number];
-        const vec3 a = frame_to_world(&tool->frame, segment->a);
-        const vec3 b = frame_to_world(&tool->frame, segment->b);
+        const vec3 a = frame_to_world(&tool->felt_frame, segment->a);
+        const vec3 b = frame_to_world(&tool->felt_frame, segment->b);
         if (answer_if_far(world, segment, a, b, &least, all_outside || segment->proven.is_outside))
             continue;
         track_axis(world, tool->first_segment + number, a, b);

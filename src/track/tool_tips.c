@@ -57,8 +57,9 @@ void dpti_tip_find(struct dpt_world *world, const struct tip *tip, const struct 
 static int is_known(const struct dpt_world *world, const struct tool *tool, const struct tip *tip)
 {
     return tip->answer.body && tip->answer.is_exact && !world->deform_count &&
-           (tip->answer_tick == world->ticks || (tip->answer_tick + 1 == world->ticks && !world->has_changed)) &&
-           memcmp(&tip->answer_frame, &tool->frame, sizeof tool->frame) == 0;
+           (tip->answer_tick == world->ticks ||
+            (world_was_last_tick(world, tip->answer_tick) && !world->has_changed)) &&
+           memcmp(&tip->answer_frame, &tool->felt_frame, sizeof tool->felt_frame) == 0;
 }
 
 void dpti_tip_know(const struct dpt_world *world, struct tip *tip, const struct frame *frame,
@@ -80,8 +81,8 @@ void dpti_tips_track(struct dpt_world *world, struct tool *tool)
         struct tip *tip = tool_tip(world, tool, i);
         if (is_known(world, tool, tip))
             continue;
-        dpti_tip_find(world, tip, &tool->frame, &answer);
-        dpti_tip_know(world, tip, &tool->frame, &answer);
+        dpti_tip_find(world, tip, &tool->felt_frame, &answer);
+        dpti_tip_know(world, tip, &tool->felt_frame, &answer);
     }
 }
 

@@ -48,7 +48,7 @@ struct body {
 };
 
 struct tool {
-    struct frame frame;
+    struct frame felt_frame; /* where a tick looks for bodies: at the proxy or, without one, at the device */
     uint64_t user;
     dpt_pose pose; /* the identity for a free tool */
     dpt_wrench wrench;
@@ -73,7 +73,8 @@ struct tool {
     /* Its segments are given in the world, and its torque is about end a of the first one. */
     uint32_t is_free;
     uint32_t has_changed; /* since the last step, in what it depends on (rest.h) */
-    uint32_t is_resting;  /* in this step */
+    uint32_t search;      /* how it comes to its answers in this tick, and what is felt of them: rows of world/step.c */
+    uint32_t force;
     uint32_t still_ticks; /* in a row, up to the last */
     uint32_t near_only;   /* segments that are far are not searched for (far_segment.h) */
     uint32_t closest;     /* the segment, from 0, that was nearest in the last search; with near_only */
@@ -379,7 +380,7 @@ struct dpt_world {
     dpt_world_info usage;
     uint64_t steps;               /* since it was created, that succeeded */
     double time;                  /* s: the sum of their dt */
-    uint32_t ticks;               /* since the last reset; may wrap */
+    uint32_t ticks;               /* the number of the present tick, from 1 on, or of the last one; may wrap */
     uint32_t bodies_moved_tick;   /* the tick before which a body last moved */
     double body_motion_max;       /* m: the largest motion_bound of the bodies that moved then */
     double largest_diagonal;      /* m: of all bodies */
@@ -417,10 +418,18 @@ static inline int tool_is_active(const struct dpt_world *world, const struct too
     return tool->slot.used && tool->slot.valid && !world->invalid_body_count;
 }
 
+/* Where the device is, whether a proxy is away from it or not. */
+static inline struct frame tool_device_frame(const struct tool *tool)
+{
+    struct frame frame;
+    frame_of_pose(&tool->pose, &frame);
+    return frame;
+}
+
 /* The point, in the world, that the torque of a tool without a proxy is about. */
 static inline vec3 tool_torque_origin(const struct dpt_world *world, const struct tool *tool)
 {
-    return tool->is_free ? world->segments[tool->first_segment].a : tool->frame.origin;
+    return tool->is_free ? world->segments[tool->first_segment].a : tool->felt_frame.origin;
 }
 
 /* 1 if anything has changed since the last step that the tool's answers depend on (rest.h). */
@@ -433,6 +442,18 @@ static inline int tool_has_changed(const struct dpt_world *world, const struct t
 static inline int body_is_there(const struct body *body)
 {
     return body->slot.used && !body->unfelt;
+}
+
+/* The tick to which belongs what happens between steps, as a body that is moved. */
+static inline uint32_t world_coming_tick(const struct dpt_world *world)
+{
+    return world->ticks + 1;
+}
+
+/* 1 if that was the tick before the present one. */
+static inline int world_was_last_tick(const struct dpt_world *world, uint32_t tick)
+{
+    return tick + 1 == world->ticks;
 }
 
 /* 1 if a body moved before this tick, from a pose that it had in the last one. */

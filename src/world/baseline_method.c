@@ -97,7 +97,7 @@ static struct penetration find(struct dpt_world *world, uint32_t segment_index, 
 void dpti_baseline_track(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
-    const struct frame *frame = &world->tools[segment->tool_slot].frame;
+    const struct frame *frame = &world->tools[segment->tool_slot].felt_frame;
     if (!dpti_track_begin(world, segment_index))
         return;
     segment->felt_penetration = segment->penetration =

@@ -61,7 +61,7 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     made->static_friction = made->kinetic_friction = made->stiffness = 0.0;
     made->unfelt = 0;
     made->moved_tick = 0;
-    made->added_tick = world->ticks + 1;
+    made->added_tick = world_coming_tick(world);
     made->slot.valid = 1;
     world_note_max(&world->usage.bodies, ++world->body_count);
     made->surface = *surface;
@@ -146,16 +146,16 @@ static void put_body(struct dpt_world *world, struct body *body, const dpt_pose 
 /* A body is about to move. Its pose in the last tick stays known until the next step. */
 static void begin_motion(const struct dpt_world *world, struct body *body)
 {
-    if (body->moved_tick != world->ticks + 1)
+    if (body->moved_tick != world_coming_tick(world))
         body->previous_pose = body->pose;
-    body->moved_tick = world->ticks + 1;
+    body->moved_tick = world_coming_tick(world);
 }
 
 /* A body has moved. */
 static void note_motion(struct dpt_world *world, struct body *body)
 {
     body->motion_bound = (pose_is_same(&body->previous_pose, &body->pose) ? 0.0 : motion_bound_of(body)) +
-                         deform_step(body, world->ticks + 1);
+                         deform_step(body, world_coming_tick(world));
     if (body->unfelt)
         return;
     world->has_changed = 1;
@@ -225,7 +225,7 @@ static void begin_anew(struct dpt_world *world, struct body *body)
     world->has_changed = 1;
     body->moved_tick = 0;
     body->motion_bound = 0.0;
-    body->added_tick = world->ticks + 1;
+    body->added_tick = world_coming_tick(world);
     if (!body->unfelt)
         dpti_proxy_note_body(world, handle_index(body->id));
 }

@@ -181,9 +181,10 @@ static void move_on(struct dpt_world *world, struct body *body, double dt)
     const float share = (float)(dt / deform->time_left);
     for (size_t i = 0; i < 3 * (size_t)vertices && !arrives; i++)
         deform->next[i] = body->surface.positions[i] + share * (deform->target[i] - body->surface.positions[i]);
-    const struct vertex_update update = {
-        .positions = arrives ? deform->target : deform->next, .count = vertices, .bound = -1.0, .tick = world->ticks + 1
-    };
+    const struct vertex_update update = { .positions = arrives ? deform->target : deform->next,
+                                          .count = vertices,
+                                          .bound = -1.0,
+                                          .tick = world_coming_tick(world) };
     deform->time_left = arrives ? 0.0 : deform->time_left - dt;
     move_now(world, body, &update);
 }
@@ -225,7 +226,7 @@ dpt_result dpt_body_set_vertices(dpt_world *world, dpt_body id, uint32_t first, 
     if (first > vertices || count > vertices - first)
         return DPT_E_ARGUMENT;
     const struct vertex_update update = {
-        .positions = positions, .first = first, .count = count, .bound = bound, .tick = world->ticks + 1
+        .positions = positions, .first = first, .count = count, .bound = bound, .tick = world_coming_tick(world)
     };
     return move_vertices(world, body, &update);
 }
@@ -242,7 +243,7 @@ dpt_result dpt_body_set_vertex_list(dpt_world *world, dpt_body id, const uint32_
         if (vertices[i] >= body->surface.mesh->vertices)
             return DPT_E_ARGUMENT;
     const struct vertex_update update = {
-        .positions = positions, .list = vertices, .count = count, .bound = bound, .tick = world->ticks + 1
+        .positions = positions, .list = vertices, .count = count, .bound = bound, .tick = world_coming_tick(world)
     };
     return move_vertices(world, body, &update);
 }
@@ -312,7 +313,7 @@ static void displace_body(struct dpt_world *world, struct body *body)
     const struct deform *deform = deform_of(body);
     struct surface *surface = &body->surface;
     int has_begun_anew;
-    dpti_deform_begin(surface, world->ticks + 1);
+    dpti_deform_begin(surface, world_coming_tick(world));
     for (uint32_t s = 0; s < world->segment_count; s++) {
         const struct segment_strip *strip = dpti_deform_displacing_strip(world, s, handle_index(body->id));
         if (!strip)
@@ -351,7 +352,7 @@ dpt_result dpt_body_get_loads(const dpt_world *world, dpt_body id, dpt_load *loa
     if (!body)
         return DPT_E_HANDLE;
     const struct deform *deform = deform_of(body);
-    const struct surface surface = surface_view(&body->surface, world->ticks + 1, 0.0);
+    const struct surface surface = surface_view(&body->surface, world_coming_tick(world), 0.0);
     for (uint32_t t = 0; t < deform->tool_count; t++) {
         const struct tool_load *load = &deform->tools[t];
         const uint32_t room = *count < capacity ? capacity - *count : 0;

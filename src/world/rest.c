@@ -9,16 +9,12 @@
 /* The first tick without a change may still end a motion; the second repeats it. */
 enum { STILL_TICKS = 2 };
 
-void dpti_rest_begin_step(struct dpt_world *world)
+int dpti_rest_begins(const struct dpt_world *world, struct tool *tool)
 {
-    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
-        struct tool *tool = &world->tools[t];
-        /* Its own contacts may be among those for which the last tick had no room. */
-        if (world->contacts_overflowed)
-            tool->still_ticks = 0;
-        tool->is_resting =
-            tool_is_active(world, tool) && !tool_has_changed(world, tool) && tool->still_ticks >= STILL_TICKS;
-    }
+    /* Its own contacts may be among those for which the last tick had no room. */
+    if (world->contacts_overflowed)
+        tool->still_ticks = 0;
+    return tool_is_active(world, tool) && !tool_has_changed(world, tool) && tool->still_ticks >= STILL_TICKS;
 }
 
 void dpti_rest_keep_answers(struct dpt_world *world, struct tool *tool)
@@ -30,7 +26,7 @@ void dpti_rest_keep_answers(struct dpt_world *world, struct tool *tool)
     }
     tool->energy = tool->body_work = 0.0;
     if (dpti_proxy_is_used(world, tool))
-        world->proxies[tool - world->tools].tick = world->ticks + 1;
+        world->proxies[tool - world->tools].tick = world->ticks;
 }
 
 void dpti_rest_keep_contacts(struct dpt_world *world, uint32_t segment_index)
@@ -115,20 +111,14 @@ static int stood_still(const struct dpt_world *world, const struct tool *tool)
     return is_same;
 }
 
-void dpti_rest_end_step(struct dpt_world *world)
+void dpti_rest_note(struct dpt_world *world, struct tool *tool)
 {
-    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
-        struct tool *tool = &world->tools[t];
-        if (!tool->slot.used || tool->is_resting)
-            continue;
-        tool->still_ticks = stood_still(world, tool) ? tool->still_ticks + 1 : 0;
-        tool->has_changed = 0;
-    }
-    world->has_changed = 0;
+    tool->still_ticks = stood_still(world, tool) ? tool->still_ticks + 1 : 0;
+    tool->has_changed = 0;
 }
 
 void dpti_rest_forget(struct dpt_world *world)
 {
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
-        world->tools[t].still_ticks = world->tools[t].is_resting = 0;
+        world->tools[t].still_ticks = 0;
 }

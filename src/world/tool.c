@@ -80,7 +80,7 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     }
     made->slot.used = 1;
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    made->frame = frame_identity;
+    made->felt_frame = frame_identity;
     made->pose = identity;
     made->slot.valid = 1;
     made->user = 0;
@@ -93,7 +93,7 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->law = world->def.law;
     made->is_free = 0;
     made->has_changed = 1;
-    made->is_resting = made->still_ticks = 0;
+    made->still_ticks = 0;
     made->first_segment = world->segment_count;
     made->segment_count = count;
     made->first_tip = world->tip_count;
@@ -156,7 +156,8 @@ dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *po
         return result;
     set_free(world, moved, 0);
     moved->has_changed |= !pose_is_same(&moved->pose, pose);
-    moved->frame = frame;
+    if (!dpti_proxy_is_used(world, moved))
+        moved->felt_frame = frame;
     moved->pose = *pose;
     return DPT_OK;
 }
@@ -187,7 +188,7 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
         return DPT_OK;
     }
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    moved->frame = frame_identity;
+    moved->felt_frame = frame_identity;
     moved->pose = identity;
     put_segments(world, moved, segments);
     return DPT_OK;
@@ -326,8 +327,7 @@ static void set_law(struct dpt_world *world, struct tool *tool, uint32_t law)
     tool->law = law;
     if (tool->is_free && !had_proxy && dpti_proxy_is_used(world, tool))
         dpti_proxy_set_segment(world, tool, &given);
-    /* The last step may have left the proxy's. */
-    frame_of_pose(&tool->pose, &tool->frame);
+    tool->felt_frame = tool_device_frame(tool);
     dpti_tool_forget(world, tool);
 }
 

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/tool_force.h"
 
-#include "force/penalty.h"
 #include "proxy/body_work.h"
-#include "world/tool_bed.h"
 
 static int is_zero(vec3 v)
 {
@@ -39,7 +37,7 @@ static uint32_t reason_of(const struct segment *segment)
     return is_zero(penetration->direction) ? DPT_FORCE_UNDECIDED : DPT_FORCE_ACTS;
 }
 
-void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double dt)
+void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double dt, depth_law *push)
 {
     struct segment *segment = &world->segments[segment_index];
     const struct tool *tool = &world->tools[segment->tool_slot];
@@ -53,10 +51,8 @@ void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double 
     const int became_undecided = reason == DPT_FORCE_UNDECIDED && segment->force_reason != DPT_FORCE_UNDECIDED;
     const int was_felt = !is_zero(vec3_of(fade->felt.force)) || !is_zero(vec3_of(fade->felt.torque));
     segment->energy = 0.0;
-    if (tool->law == DPT_LAW_BED && reason == DPT_FORCE_ACTS)
-        segment->energy = dpti_tool_bed_respond(world, tool, segment_index, tool_torque_origin(world, tool), &truth);
-    if (tool->law != DPT_LAW_BED && segment->felt_penetration.depth > 0.0)
-        respond_penalty(&segment->felt_penetration, tool->stiffness, tool_torque_origin(world, tool), &truth);
+    if (reason == DPT_FORCE_ACTS)
+        segment->energy = push(world, tool, segment_index, tool_torque_origin(world, tool), &truth);
     if (was_felt && (became_undecided || segment->has_given_up_push)) {
         if (!(fade->time_left > 0.0))
             segment->fading_body_id = segment->previous_pushing_part.body_id;
