@@ -1,35 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/proxy_constraints.h"
 
-#include "track/segment_track.h"
-
-void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle)
-{
-    struct proxy_triangle *oldest = &proxy->memory[0];
-    for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
-        struct proxy_triangle *entry = &proxy->memory[i];
-        if (entry->body_id == body && entry->triangle == triangle && entry->segment == segment) {
-            entry->used = ++proxy->clock;
-            return;
-        }
-        if (entry->used < oldest->used)
-            oldest = entry;
-    }
-    *oldest = (struct proxy_triangle){ segment, body, triangle, ++proxy->clock };
-}
-
-void dpti_proxy_forget_contacts(struct proxy *proxy, uint32_t body)
-{
-    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        if (proxy->memory[i].body_id == body) {
-            proxy->memory[i] = (struct proxy_triangle){ .body_id = 0 };
-            proxy->is_released = 1;
-            proxy->fade.time_left = 0.0;
-        }
-    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
-        if (proxy->contacts[i].body_id == body)
-            proxy->contacts[i] = (struct proxy_contact){ .body_id = 0 };
-}
+#include "track/tool_parts.h"
 
 static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *added)
 {

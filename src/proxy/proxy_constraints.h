@@ -5,12 +5,6 @@
 
 #include "proxy/proxy_tick.h"
 
-/* Remember a triangle of a body, by its place; the one that was not used for longest makes room. */
-void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle);
-
-/* A body goes, by its id: forget its triangles, and what friction keeps of it. One that it held is released. */
-void dpti_proxy_forget_contacts(struct proxy *proxy, uint32_t body);
-
 /*
  * The constraints of the nearest triangle of each segment and of those that are remembered, as far as their gap at
  * tick->at is within `reach`: into tick->spaces.

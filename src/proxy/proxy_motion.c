@@ -2,10 +2,10 @@
 #include "proxy/proxy_motion.h"
 
 #include "hull/hull_sweep.h"
+#include "proxy/proxy.h"
 #include "proxy/proxy_constraints.h"
 #include "track/body_search.h"
-#include "track/far_segment.h"
-#include "track/segment_track.h"
+#include "track/tool_parts.h"
 
 /* How often a move that is too near is shortened: at first a little, then more. */
 enum { SHORTEN_LITTLE = 4, SHORTEN_MAX = 12 };
@@ -102,7 +102,7 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
         .radius = segment->radius,
         .distance_before = tick->is_lost || body->added_tick == world->ticks ? 0.0 : segment->result.lower_bound,
         .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * scale,
-        .hint = *world_last_triangles(world, index, handle_index(body->id)),
+        .hint = *world_last_triangle(world, index, handle_index(body->id)),
         .tick = has_moved && surface_has_moved(&body->surface, world->ticks) ? world->ticks : 0,
         .tick_from = tick->time,
         .directions = directions,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/proxy_pose.h"
 
-#include "track/tool_tips.h"
+#include "track/tool_parts.h"
 
 /* A tool is straight if no end is farther from the line of its longest segment than that share of its length. */
 #define STRAIGHT 1e-9

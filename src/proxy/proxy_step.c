@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/proxy_step.h"
 
-#include "proxy/body_work.h"
+#include "proxy/proxy.h"
 #include "proxy/proxy_constraints.h"
 #include "proxy/proxy_force.h"
-#include "proxy/proxy_free.h"
 #include "proxy/proxy_friction.h"
 #include "proxy/proxy_motion.h"
 #include "proxy/tip_pose.h"
 #include "proxy/tool_loads.h"
-#include "track/segment_track.h"
+#include "track/tool_parts.h"
 
 enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2 };
 
@@ -45,39 +44,6 @@ enum { PUSHES_MAX = 4 };
 
 /* m/s: beside twice the device's motion, how fast a proxy moves when the pose that held it is gone (a fold). */
 #define FOLD_SPEED 1.0
-
-static struct proxy *proxy_of(const struct dpt_world *world, const struct tool *tool)
-{
-    return &world->proxies[tool - world->tools];
-}
-
-void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot)
-{
-    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
-        const struct tool *tool = &world->tools[t];
-        if (!tool->slot.used || !dpti_proxy_is_used(world, tool))
-            continue;
-        struct proxy *proxy = &world->proxies[t];
-        struct frame frame;
-        frame_of_pose(&proxy->pose, &frame);
-        for (uint32_t i = 0; proxy->state >= PROXY_DOUBTED && i < tool->segment_count; i++) {
-            const struct segment *segment = &world->segments[tool->first_segment + i];
-            const struct box box = box_of_axis(frame_to_world(&frame, segment->a), frame_to_world(&frame, segment->b));
-            const double away = box_distance(&box, &world->boxes[slot]) - segment->radius;
-            proxy->gap = min_of(proxy->gap, away);
-            if (away <= 0.0)
-                proxy->state = PROXY_DOUBTED;
-        }
-        for (uint32_t i = 0; proxy->state >= PROXY_DOUBTED && i < tool->tip_count; i++) {
-            const struct dpt_hull *hull = tool_tip(world, tool, i)->hull;
-            const struct box box = dpti_tip_box(hull, &frame);
-            const double away = box_distance(&box, &world->boxes[slot]) - hull->radius;
-            proxy->gap = min_of(proxy->gap, away);
-            if (away <= 0.0)
-                proxy->state = PROXY_DOUBTED;
-        }
-    }
-}
 
 /* The displacement that is wanted, as unknowns; returns its length. */
 static double wanted_motion(const struct proxy_tick *tick, const struct displacement *left, double *wanted)
@@ -491,33 +457,4 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
     proxy->is_still =
         is_unchanged && is_done && !proxy->is_behind && proxy->tip_motion == 0.0 && stood_still(&before, proxy);
-}
-
-void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
-{
-    struct proxy *proxy = proxy_of(world, tool);
-    int is_outside = 1, is_known = 1;
-    if (proxy->state != PROXY_PLACED && proxy->state != PROXY_DOUBTED)
-        return;
-    for (uint32_t i = 0; i < tool->segment_count; i++) {
-        const struct segment *segment = &world->segments[tool->first_segment + i];
-        if (!segment->answer.body)
-            continue;
-        is_known &= segment->answer.is_exact && segment->result.has_gap;
-        is_outside &= segment->result.gap > 0.0;
-    }
-    for (uint32_t i = 0; i < tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(world, tool, i);
-        if (!tip->answer.body)
-            continue;
-        is_known &= tip->answer.is_exact != 0;
-        is_outside &=
-            tip->answer.is_exact && tip->answer.nearest.distance > tip->hull->radius && dpti_tip_is_outside(tip);
-    }
-    if (!is_known)
-        return;
-    if (is_outside && (proxy->state == PROXY_DOUBTED || proxy->gap >= proxy->min_gap))
-        proxy->state = PROXY_OUTSIDE;
-    else if (!is_outside)
-        proxy->state = PROXY_PLACED;
 }

@@ -6,7 +6,7 @@
 #include "force/friction.h"
 #include "nearest/pair_features.h"
 #include "proxy/proxy_pose.h"
-#include "track/tool_tips.h"
+#include "track/tool_parts.h"
 
 /* Triangles that are looked at together: those that are remembered, and the nearest of each of so many segments. */
 enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/tool_loads.h"
 
+#include "proxy/proxy.h"
 #include "proxy/proxy_friction.h"
-#include "proxy/proxy_state.h"
 #include "track/deform_state.h"
 #include "track/persistent_contacts.h"
 

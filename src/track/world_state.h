@@ -396,9 +396,10 @@ struct dpt_world {
     struct tip *tips;             /* likewise */
     struct dpt_hull *tip_hulls;   /* one a tip: its hull, where that is moved in the tool's frame */
     struct plane_cache plane_cache;
-    /* Per segment, body slot and part: the place of the triangle of the last answer, or DPT_NONE. */
+    /* Per segment and body slot: the place of the triangle of the last answer, or DPT_NONE. */
     uint32_t *last_triangles;
-    uint32_t *near_lists; /* per segment: two lists of body slots (broad_phase.h) */
+    uint32_t *part_triangles; /* the same of the paper's method alone, of each part of a segment (baseline_method.h) */
+    uint32_t *near_lists;     /* per segment: two lists of body slots (broad_phase.h) */
     /* Only with a budget: */
     struct suspended_search *suspended_searches; /* two per segment */
     struct distance_bound *distance_bounds;      /* per segment and body slot */
@@ -493,17 +494,10 @@ static inline void world_note_max(uint32_t *mark, uint32_t count)
         *mark = count;
 }
 
-/* How many entries of last_triangles one segment has. */
-static inline size_t world_last_triangle_count(const struct dpt_world *world)
+/* The last triangle of a segment on the body in a slot. */
+static inline uint32_t *world_last_triangle(const struct dpt_world *world, uint32_t segment_index, uint32_t slot)
 {
-    return (size_t)world->def.max_bodies * world->def.baseline->parts;
-}
-
-/* The last triangles of a segment's parts on the body in a slot: `parts` places. */
-static inline uint32_t *world_last_triangles(const struct dpt_world *world, uint32_t segment_index, uint32_t slot)
-{
-    return world->last_triangles + world_last_triangle_count(world) * segment_index +
-           (size_t)slot * world->def.baseline->parts;
+    return world->last_triangles + (size_t)world->def.max_bodies * segment_index + slot;
 }
 
 /* One of a segment's two near lists, 0 or 1: room for max_bodies slots. */

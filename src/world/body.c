@@ -3,14 +3,13 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "proxy/proxy_state.h"
+#include "proxy/proxy.h"
 #include "proxy/proxy_step.h"
 #include "track/body_search.h"
-#include "track/distance_bounds.h"
-#include "track/far_segment.h"
-#include "track/motion_backlog.h"
 #include "track/persistent_contacts.h"
-#include "track/tool_tips.h"
+#include "track/swept_motion.h"
+#include "track/tool_parts.h"
+#include "world/baseline_method.h"
 #include "world/deform_body.h"
 #include "world/tool_force.h"
 #include "world/tool_strips.h"
@@ -30,6 +29,7 @@ static void forget_body(struct dpt_world *world, uint32_t slot)
     dpti_proxy_forget_body(world, world->bodies[slot].id);
     dpti_tips_forget_body(world, world->bodies[slot].id);
     dpti_body_search_forget_body(world, slot);
+    dpti_baseline_forget_body(world, slot);
     dpti_far_forget_all(world);
 }
 

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/rest.h"
 
-#include "proxy/proxy_free.h"
-#include "proxy/proxy_state.h"
+#include "proxy/proxy.h"
 #include "track/persistent_contacts.h"
-#include "track/tool_tips.h"
+#include "track/tool_parts.h"
 
 /* The first tick without a change may still end a motion; the second repeats it. */
 enum { STILL_TICKS = 2 };
@@ -26,7 +25,7 @@ void dpti_rest_keep_answers(struct dpt_world *world, struct tool *tool)
     }
     tool->energy = tool->body_work = 0.0;
     if (dpti_proxy_is_used(world, tool))
-        world->proxies[tool - world->tools].tick = world->ticks;
+        proxy_of(world, tool)->tick = world->ticks;
 }
 
 void dpti_rest_keep_contacts(struct dpt_world *world, uint32_t segment_index)
@@ -100,8 +99,7 @@ static int stood_still(const struct dpt_world *world, const struct tool *tool)
     if (!tool_is_active(world, tool) || tool_has_changed(world, tool) || world->deform_count ||
         world->def.method == DPT_METHOD_PAPER)
         return 0;
-    if (dpti_proxy_is_used(world, tool) &&
-        (!world->proxies[tool - world->tools].is_still || !dpti_proxy_has_size(world, tool)))
+    if (dpti_proxy_is_used(world, tool) && (!proxy_of(world, tool)->is_still || !dpti_proxy_has_size(world, tool)))
         return 0;
     int is_same = 1;
     for (uint32_t s = tool->first_segment; s < tool->first_segment + tool->segment_count; s++)

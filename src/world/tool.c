@@ -4,14 +4,13 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "dynpoint/tip.h"
-#include "proxy/proxy_free.h"
+#include "proxy/proxy.h"
 #include "proxy/tip_pose.h"
 #include "track/body_search.h"
-#include "track/distance_bounds.h"
-#include "track/far_segment.h"
-#include "track/motion_backlog.h"
 #include "track/persistent_contacts.h"
-#include "track/tool_tips.h"
+#include "track/swept_motion.h"
+#include "track/tool_parts.h"
+#include "world/baseline_method.h"
 #include "world/tool_force.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
@@ -21,6 +20,7 @@
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
     dpti_body_search_forget(world, segment);
+    dpti_baseline_forget(world, segment);
     dpti_far_forget(&world->segments[segment]);
     dpti_broad_phase_forget(world, segment);
     dpti_bounds_forget(world, segment, DPT_NONE);
@@ -117,6 +117,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     memmove(&world->segments[removed->first_segment], &world->segments[end],
             (world->segment_count - end) * sizeof *world->segments);
     dpti_body_search_remove(world, removed->first_segment, end);
+    dpti_baseline_remove(world, removed->first_segment, end);
     dpti_broad_phase_remove(world, removed->first_segment, end);
     dpti_bounds_remove(world, removed->first_segment, end);
     dpti_backlog_remove(world, removed->first_segment, end);

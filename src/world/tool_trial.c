@@ -3,9 +3,9 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "hull/hull_sweep.h"
-#include "proxy/proxy_free.h"
+#include "proxy/proxy.h"
 #include "track/swept_motion.h"
-#include "track/tool_tips.h"
+#include "track/tool_parts.h"
 #include "world/world_members.h"
 
 /* A motion that is tried. */

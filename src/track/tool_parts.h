@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The parts of a tool: its segments, and then its tips. Their nearest pairs over all bodies where the tool's felt frame
+ * is; the hits, contacts and life of tips: docs/algorithms/tips.md.
+ *
+ * With `near_only` some segments need no search: docs/algorithms/near_only.md. What was proven of a segment's distance
+ * holds in later ticks, less the motion of its ends and of the bodies. While that is beyond the margin, and no less than
+ * the gap of the tool's nearest segment, the segment is far: its answer is a pair that was nearest before.
+ */
+#ifndef DPT_TOOL_PARTS_H
+#define DPT_TOOL_PARTS_H
+
+#include "track/world_state.h"
+
+/* A tool's tip, from 0. */
+static inline struct tip *tool_tip(const struct dpt_world *world, const struct tool *tool, uint32_t number)
+{
+    return &world->tips[tool->first_tip + number];
+}
+
+/* m: the radius of a segment, or of a tip by its number after the segments. */
+static inline double tool_part_radius(const struct dpt_world *world, const struct tool *tool, uint32_t number)
+{
+    return number < tool->segment_count ? world->segments[tool->first_segment + number].radius
+                                        : tool_tip(world, tool, number - tool->segment_count)->hull->radius;
+}
+
+/* A box in the world of a tip's polyhedron, where the tool's frame is. */
+struct box dpti_tip_box(const struct dpt_hull *hull, const struct frame *tool);
+
+/*
+ * The nearest pair of a tip and all bodies, with the tool's frame at `frame`. One body or triangle that was near is tried
+ * first; the answer does not change what is remembered.
+ */
+void dpti_tip_find(struct dpt_world *world, const struct tip *tip, const struct frame *frame,
+                   struct tip_answer *answer);
+
+/* Let a tip have an answer, with the tool's frame at `frame`, in this tick. */
+void dpti_tip_know(const struct dpt_world *world, struct tip *tip, const struct frame *frame,
+                   const struct tip_answer *answer);
+
+/* Find the nearest pairs of all tips of a tool where it is, into their answers. */
+void dpti_tips_track(struct dpt_world *world, struct tool *tool);
+
+/*
+ * Whether a tip is outside of the part that it is nearest to, where that part has an inside and no defects. Elsewhere the
+ * tool's segments tell.
+ */
+int dpti_tip_is_outside(const struct tip *tip);
+
+/* Hits of the tips, from their answers; of a tool that is held away from its device with `device`, the device's frame. */
+void dpti_tips_write_hits(struct dpt_world *world, struct tool *tool, const struct frame *device);
+
+/* Contacts of the tips, from their answers. */
+void dpti_tips_find_contacts(struct dpt_world *world, struct tool *tool);
+
+/* How many contacts a tool's tips have; the first `capacity` of them into `contacts`, `stride` bytes apart. */
+uint32_t dpti_tips_get_contacts(const struct dpt_world *world, const struct tool *tool, void *contacts,
+                                uint32_t capacity, uint32_t stride);
+
+/* Make the hits stale; of a step that answers anew. */
+void dpti_tips_clear(struct dpt_world *world, struct tool *tool);
+
+/* Forget what earlier steps know. */
+void dpti_tips_forget(struct dpt_world *world, struct tool *tool);
+
+/* The same of a body, by its id, for all tools. */
+void dpti_tips_forget_body(struct dpt_world *world, uint32_t body_id);
+
+/* Room for so many tips of a tool that has none, behind those of all others; the world has it. */
+struct tip *dpti_tips_add(struct dpt_world *world, struct tool *tool, uint32_t count);
+
+/* Remove the tool's tips; those of other tools move up. */
+void dpti_tips_remove(struct dpt_world *world, struct tool *tool);
+
+/* Whether far segments of a tool are left out. */
+static inline int far_is_used(const struct dpt_world *world, const struct tool *tool)
+{
+    return tool->near_only && tool->segment_count > 1 && world->def.method == DPT_METHOD_EXACT;
+}
+
+/* The least of the segments that were searched for, m: of their surfaces, and of their axes. */
+struct least_distance {
+    double gap, distance;
+};
+
+static inline struct least_distance least_none(void)
+{
+    return (struct least_distance){ HUGE_VAL, HUGE_VAL };
+}
+
+/* Whether a segment of that radius whose axis is farther than `distance` is neither the nearest by its surface nor its axis. */
+static inline int least_is_below(const struct least_distance *least, double distance, double radius)
+{
+    return distance > 0.0 && distance >= least->distance && distance - radius >= least->gap;
+}
+
+/* Take another one; 1 if its surface is the nearest. */
+static inline int least_take(struct least_distance *least, double distance, double radius)
+{
+    const int is_nearest = distance - radius < least->gap;
+    least->gap = min_of(least->gap, distance - radius);
+    least->distance = min_of(least->distance, distance);
+    return is_nearest;
+}
+
+/* Nothing is proven of the segment any more. */
+void dpti_far_forget(struct segment *segment);
+
+/* The same of all segments: a body appeared somewhere, or one is gone. */
+void dpti_far_forget_all(struct dpt_world *world);
+
+/* m: the proven lower bound of the distance between the axis from `a` to `b` and all bodies; 0 if nothing is known. */
+double dpti_far_bound(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b);
+
+/* The segment was searched for at its axis from `a` to `b`: its result is what is proven from now on. */
+void dpti_far_prove(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b);
+
+/*
+ * A pair with the triangle that was nearest before, for the axis from `a` to `b`, into `track`. It may not be the nearest
+ * any more; `lower_bound` m is proven of the distance, and `result` says so.
+ */
+void dpti_far_pair(const struct body *body, vec3 a, vec3 b, double lower_bound, struct dynamic_point *track,
+                   struct segment_result *result);
+
+/* A segment's answer of the last tick ends. 0: its tool, or a body, has no valid input, and it gets none in this tick. */
+int dpti_track_begin(struct dpt_world *world, uint32_t segment_index);
+
+/* Into segment->answer and segment->result. */
+void dpti_track_segment(struct dpt_world *world, uint32_t segment_index);
+
+/*
+ * The same of all segments of a tool with `near_only`, the one first that was nearest before. Those that are far are not
+ * searched for (far_segment.h). `all_outside`: the whole tool is known to be outside of everything; else what is known
+ * of each segment counts.
+ */
+void dpti_track_near(struct dpt_world *world, struct tool *tool, int all_outside);
+
+/* Search after all for the pair of a segment that was left as far, where it is. */
+void dpti_track_far(struct dpt_world *world, uint32_t segment_index);
+
+#endif
