@@ -80,18 +80,10 @@ void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot)
         struct proxy *proxy = &world->proxies[t];
         struct frame frame;
         frame_of_pose(&proxy->pose, &frame);
-        for (uint32_t i = 0; proxy->state >= PROXY_DOUBTED && i < tool->segment_count; i++) {
-            const struct segment *segment = &world->segments[tool->first_segment + i];
-            const struct box box = box_of_axis(frame_to_world(&frame, segment->a), frame_to_world(&frame, segment->b));
-            const double away = box_distance(&box, &world->boxes[slot]) - segment->radius;
-            proxy->gap = min_of(proxy->gap, away);
-            if (away <= 0.0)
-                proxy->state = PROXY_DOUBTED;
-        }
-        for (uint32_t i = 0; proxy->state >= PROXY_DOUBTED && i < tool->tip_count; i++) {
-            const struct dpt_hull *hull = tool_tip(world, tool, i)->hull;
-            const struct box box = dpti_tip_box(hull, &frame);
-            const double away = box_distance(&box, &world->boxes[slot]) - hull->radius;
+        for (uint32_t i = 0; proxy->state >= PROXY_DOUBTED && i < tool_part_count(tool); i++) {
+            const struct part part = tool_part(world, tool, i);
+            const struct box box = dpti_part_box(part, &frame);
+            const double away = box_distance(&box, &world->boxes[slot]) - part_radius(part);
             proxy->gap = min_of(proxy->gap, away);
             if (away <= 0.0)
                 proxy->state = PROXY_DOUBTED;

@@ -23,25 +23,15 @@ static void list_triangles(struct proxy_tick *tick, double reach)
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
         if (tick->proxy->memory[i].body_id)
             add_triangle(tick, &tick->proxy->memory[i]);
-    for (uint32_t i = 0; i < tool->segment_count && tick->triangle_count < PROXY_TRIANGLES_MAX; i++) {
-        const struct segment *segment = &tick->world->segments[tool->first_segment + i];
-        const struct body_answer *answer = &segment->answer;
-        if (answer->is_far && !tick->is_lost && !tick->is_before &&
-            segment->result.lower_bound - segment->radius <= reach)
+    for (uint32_t i = 0; i < tool_part_count(tool) && tick->triangle_count < PROXY_TRIANGLES_MAX; i++) {
+        const struct part part = tool_part(tick->world, tool, i);
+        const double radius = part_radius(part);
+        if (part.segment && part.segment->answer.is_far && !tick->is_lost && !tick->is_before &&
+            part.segment->result.lower_bound - radius <= reach)
             dpti_track_far(tick->world, tool->first_segment + i);
-        if (!answer->body || answer->track.nearest.triangle == DPT_NONE ||
-            segment->result.distance - segment->radius > reach)
-            continue;
-        const struct proxy_triangle nearest = { i, answer->body->id, answer->track.nearest.triangle, 0 };
-        add_triangle(tick, &nearest);
-    }
-    for (uint32_t i = 0; i < tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(tick->world, tool, i);
-        const struct hull_nearest *found = &tip->answer.nearest;
-        if (!tip->answer.body || found->triangle == DPT_NONE || found->distance - tip->hull->radius > reach)
-            continue;
-        const struct proxy_triangle nearest = { tool->segment_count + i, tip->answer.body->id, found->triangle, 0 };
-        add_triangle(tick, &nearest);
+        const struct part_nearest nearest = part_nearest(part);
+        if (nearest.body && nearest.triangle != DPT_NONE && !(nearest.distance - radius > reach))
+            add_triangle(tick, &(struct proxy_triangle){ i, nearest.body->id, nearest.triangle, 0 });
     }
 }
 
@@ -56,7 +46,7 @@ static void axis_in_body(const struct proxy_tick *tick, const struct proxy_pose 
 
 static double radius_of(const struct proxy_tick *tick, const struct proxy_triangle *triangle)
 {
-    return tool_part_radius(tick->world, tick->tool, triangle->segment);
+    return part_radius(tool_part(tick->world, tick->tool, triangle->segment));
 }
 
 dpt_pose dpti_proxy_body_pose(const struct proxy_tick *tick, const struct body *body)

@@ -128,7 +128,7 @@ static double near_share(const struct proxy_tick *tick, const struct proxy_trian
     const struct tip *tip = proxy_tip_of(tick, triangle);
     const struct segment *segment = tip ? NULL : &tick->world->segments[tick->tool->first_segment + triangle->segment];
     const double size = tip ? size_of_tip(tip) : length(sub(segment->b, segment->a));
-    const double radius = tool_part_radius(tick->world, tick->tool, triangle->segment);
+    const double radius = part_radius(tool_part(tick->world, tick->tool, triangle->segment));
     return size > 0.0 ? max_of(SAME_PLACE, radius / size) : 1.0;
 }
 

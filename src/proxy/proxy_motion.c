@@ -23,19 +23,13 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick)
     else
         for (uint32_t i = 0; i < tick->tool->segment_count; i++)
             dpti_track_segment(world, tick->tool->first_segment + i);
-    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
-        const struct segment *segment = &world->segments[tick->tool->first_segment + i];
-        if (!segment->answer.body)
-            continue;
-        const double distance = segment->answer.is_exact ? segment->result.distance : segment->result.lower_bound;
-        tick->gap = min_of(tick->gap, distance - segment->radius);
-    }
     dpti_tips_track(world, tick->tool);
-    for (uint32_t i = 0; i < tick->tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(world, tick->tool, i);
-        const double distance = tip->answer.is_exact ? tip->answer.nearest.distance : tip->answer.lower_bound;
-        if (tip->answer.body)
-            tick->gap = min_of(tick->gap, distance - tip->hull->radius);
+    for (uint32_t i = 0; i < tool_part_count(tick->tool); i++) {
+        const struct part part = tool_part(world, tick->tool, i);
+        const struct part_nearest nearest = part_nearest(part);
+        const double distance = nearest.is_exact ? nearest.distance : nearest.lower_bound;
+        if (nearest.body)
+            tick->gap = min_of(tick->gap, distance - part_radius(part));
     }
 }
 
@@ -218,18 +212,11 @@ static int has_room(struct proxy_tick *tick, double gap_before)
 {
     if (tick->gap >= min_of(tick->min_gap, gap_before))
         return 1;
-    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
-        const struct segment *segment = &tick->world->segments[tick->tool->first_segment + i];
-        if (segment->answer.body && segment->answer.track.nearest.triangle != DPT_NONE &&
-            segment->result.distance - segment->radius < tick->clearance)
-            dpti_proxy_remember(tick->proxy, i, segment->answer.body->id, segment->answer.track.nearest.triangle);
-    }
-    for (uint32_t i = 0; i < tick->tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(tick->world, tick->tool, i);
-        const struct hull_nearest *nearest = &tip->answer.nearest;
-        if (tip->answer.body && nearest->triangle != DPT_NONE &&
-            nearest->distance - tip->hull->radius < tick->clearance)
-            dpti_proxy_remember(tick->proxy, tick->tool->segment_count + i, tip->answer.body->id, nearest->triangle);
+    for (uint32_t i = 0; i < tool_part_count(tick->tool); i++) {
+        const struct part part = tool_part(tick->world, tick->tool, i);
+        const struct part_nearest nearest = part_nearest(part);
+        if (nearest.body && nearest.triangle != DPT_NONE && nearest.distance - part_radius(part) < tick->clearance)
+            dpti_proxy_remember(tick->proxy, i, nearest.body->id, nearest.triangle);
     }
     return 0;
 }
@@ -349,9 +336,8 @@ int dpti_proxy_carry(struct proxy_tick *tick)
     const struct dpt_world *world = tick->world;
     const struct tool *tool = tick->tool;
     const struct body *tried = NULL;
-    for (uint32_t i = 0; i < tool->segment_count + tool->tip_count; i++) {
-        const struct body *body = i < tool->segment_count ? world->segments[tool->first_segment + i].answer.body
-                                                          : tool_tip(world, tool, i - tool->segment_count)->answer.body;
+    for (uint32_t i = 0; i < tool_part_count(tool); i++) {
+        const struct body *body = part_nearest(tool_part(world, tool, i)).body;
         if (!body || body == tried || !body_has_moved(world, body) || surface_has_moved(&body->surface, world->ticks))
             continue;
         tried = body;

@@ -55,20 +55,11 @@ static double largest_radius(const struct segment *segments, uint32_t count)
     return largest;
 }
 
-/*
- * The ends of a segment, or of a tip's axis where the tool was given it: a jaw that opens changes no force. Tips are
- * numbered after the segments.
- */
-static void ends_of(const struct dpt_world *world, const struct tool *tool, uint32_t number, vec3 *a, vec3 *b)
+/* The ends of a segment, or of a tip's axis where the tool was given it: a jaw that opens changes no force. */
+static void ends_of(struct part part, vec3 *a, vec3 *b)
 {
-    if (number < tool->segment_count) {
-        *a = world->segments[tool->first_segment + number].a;
-        *b = world->segments[tool->first_segment + number].b;
-        return;
-    }
-    const struct tip *tip = tool_tip(world, tool, number - tool->segment_count);
-    *a = tip->home_a;
-    *b = tip->home_b;
+    *a = part.tip ? part.tip->home_a : part.segment->a;
+    *b = part.tip ? part.tip->home_b : part.segment->b;
 }
 
 /* How far a tip's corners are from the centre. */
@@ -84,15 +75,15 @@ static double tip_extent(const struct dpt_hull *hull, vec3 centre)
 void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, struct proxy *proxy)
 {
     const struct segment *segments = &world->segments[tool->first_segment];
-    const uint32_t count = tool->segment_count + tool->tip_count;
+    const uint32_t count = tool_part_count(tool);
     double whole = 0.0, weights = 0.0, square = 0.0;
     vec3 sum = { 0.0, 0.0, 0.0 }, a, b;
     for (uint32_t i = 0; i < count; i++) {
-        ends_of(world, tool, i, &a, &b);
+        ends_of(tool_part(world, tool, i), &a, &b);
         whole += length(sub(b, a));
     }
     for (uint32_t i = 0; i < count; i++) {
-        ends_of(world, tool, i, &a, &b);
+        ends_of(tool_part(world, tool, i), &a, &b);
         const double weight = whole > BALL ? length(sub(b, a)) : 1.0;
         sum = along(sum, 0.5 * weight, add(a, b));
         weights += weight;
@@ -100,7 +91,7 @@ void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, 
     proxy->centre = scaled(sum, 1.0 / weights);
     proxy->extent = 0.0;
     for (uint32_t i = 0; i < count; i++) {
-        ends_of(world, tool, i, &a, &b);
+        ends_of(tool_part(world, tool, i), &a, &b);
         const vec3 u = sub(b, a);
         a = sub(a, proxy->centre);
         b = sub(b, proxy->centre);

@@ -69,7 +69,7 @@ struct proxy_tick {
 /* m: of the segment or tip that a constraint is of. */
 static inline double proxy_radius_of(const struct proxy_tick *tick, uint32_t space)
 {
-    return tool_part_radius(tick->world, tick->tool, tick->triangles[tick->sources[space].triangle].segment);
+    return part_radius(tool_part(tick->world, tick->tool, tick->triangles[tick->sources[space].triangle].segment));
 }
 
 /* m: where the tool's surface touches, in the world. */
@@ -81,9 +81,7 @@ static inline vec3 proxy_touch_of(const struct proxy_tick *tick, uint32_t space)
 /* The tip that a triangle is near; NULL: it is a segment. */
 static inline const struct tip *proxy_tip_of(const struct proxy_tick *tick, const struct proxy_triangle *triangle)
 {
-    return triangle->segment < tick->tool->segment_count
-               ? NULL
-               : tool_tip(tick->world, tick->tool, triangle->segment - tick->tool->segment_count);
+    return tool_part(tick->world, tick->tool, triangle->segment).tip;
 }
 
 #endif

@@ -139,6 +139,13 @@ struct box dpti_tip_box(const struct dpt_hull *hull, const struct frame *tool)
     return (struct box){ sub(box.low, reach), add(box.high, reach) };
 }
 
+struct box dpti_part_box(struct part part, const struct frame *tool)
+{
+    const struct segment *segment = part.segment;
+    return segment ? box_of_axis(frame_to_world(tool, segment->a), frame_to_world(tool, segment->b))
+                   : dpti_tip_box(part.tip->hull, tool);
+}
+
 /* One body, if it is nearer than the answer so far. */
 static void try_body(struct dpt_world *world, const struct tip *tip, const struct frame *frame, const struct body *body,
                      struct tip_answer *answer)

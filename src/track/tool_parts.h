@@ -18,15 +18,62 @@ static inline struct tip *tool_tip(const struct dpt_world *world, const struct t
     return &world->tips[tool->first_tip + number];
 }
 
-/* m: the radius of a segment, or of a tip by its number after the segments. */
-static inline double tool_part_radius(const struct dpt_world *world, const struct tool *tool, uint32_t number)
+/* A part of a tool: a segment or a tip, the other one NULL. Parts are numbered from 0, the segments first. */
+struct part {
+    struct segment *segment;
+    struct tip *tip;
+};
+
+static inline uint32_t tool_part_count(const struct tool *tool)
 {
-    return number < tool->segment_count ? world->segments[tool->first_segment + number].radius
-                                        : tool_tip(world, tool, number - tool->segment_count)->hull->radius;
+    return tool->segment_count + tool->tip_count;
+}
+
+static inline struct part tool_part(const struct dpt_world *world, const struct tool *tool, uint32_t number)
+{
+    if (number < tool->segment_count)
+        return (struct part){ .segment = &world->segments[tool->first_segment + number] };
+    return (struct part){ .tip = tool_tip(world, tool, number - tool->segment_count) };
+}
+
+/* m: how far its surface is from its axis, or from its polyhedron. */
+static inline double part_radius(struct part part)
+{
+    return part.tip ? part.tip->hull->radius : part.segment->radius;
+}
+
+static inline const dpt_hit *part_hit(struct part part)
+{
+    return part.tip ? &part.tip->hit : &part.segment->hit;
+}
+
+/* The nearest pair of a part and all bodies, by the last search. */
+struct part_nearest {
+    const struct body *body; /* NULL: no pair */
+    uint32_t triangle;       /* place */
+    uint32_t is_exact;
+    double distance;    /* m */
+    double lower_bound; /* m */
+};
+
+static inline struct part_nearest part_nearest(struct part part)
+{
+    if (part.tip) {
+        const struct tip_answer *answer = &part.tip->answer;
+        return (struct part_nearest){ answer->body, answer->nearest.triangle, answer->is_exact,
+                                      answer->nearest.distance, answer->lower_bound };
+    }
+    const struct body_answer *answer = &part.segment->answer;
+    const struct segment_result *result = &part.segment->result;
+    return (struct part_nearest){ answer->body, answer->track.nearest.triangle, answer->is_exact, result->distance,
+                                  result->lower_bound };
 }
 
 /* A box in the world of a tip's polyhedron, where the tool's frame is. */
 struct box dpti_tip_box(const struct dpt_hull *hull, const struct frame *tool);
+
+/* The same of a tip, or the box of a segment's axis. */
+struct box dpti_part_box(struct part part, const struct frame *tool);
 
 /*
  * The nearest pair of a tip and all bodies, with the tool's frame at `frame`. One body or triangle that was near is tried
@@ -131,7 +178,7 @@ void dpti_track_segment(struct dpt_world *world, uint32_t segment_index);
 
 /*
  * The same of all segments of a tool with `near_only`, the one first that was nearest before. Those that are far are not
- * searched for (far_segment.h). `all_outside`: the whole tool is known to be outside of everything; else what is known
+ * searched for (tool_parts.h). `all_outside`: the whole tool is known to be outside of everything; else what is known
  * of each segment counts.
  */
 void dpti_track_near(struct dpt_world *world, struct tool *tool, int all_outside);

@@ -76,7 +76,7 @@ struct tool {
     uint32_t search;      /* how it comes to its answers in this tick, and what is felt of them: rows of world/step.c */
     uint32_t force;
     uint32_t still_ticks; /* in a row, up to the last */
-    uint32_t near_only;   /* segments that are far are not searched for (far_segment.h) */
+    uint32_t near_only;   /* segments that are far are not searched for (tool_parts.h) */
     uint32_t closest;     /* the segment, from 0, that was nearest in the last search; with near_only */
     /* What it does to rigid bodies in this tick, about where its torque is; only with deformable bodies in the world. */
     dpt_wrench on_rigid;
@@ -200,7 +200,7 @@ struct body_answer {
     double error_bound; /* m: the largest of the searched bodies */
     uint32_t is_exact;
     uint32_t work;   /* units */
-    uint32_t is_far; /* it was not searched for (far_segment.h) */
+    uint32_t is_far; /* it was not searched for (tool_parts.h) */
     uint32_t reserved;
 };
 

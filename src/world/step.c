@@ -272,28 +272,19 @@ static void finish_proxy(struct dpt_world *world, struct tool *tool)
     dpti_proxy_settle(world, tool);
 }
 
-static double surface_distance(const struct segment *segment)
+static double surface_distance(struct part part)
 {
-    return segment->hit.distance - segment->radius;
+    return part_hit(part)->distance - part_radius(part);
 }
 
-/* The segment, or tip, whose hit is the tool's. */
+/* The part whose hit is the tool's. */
 static void choose_nearest(const struct dpt_world *world, struct tool *tool)
 {
-    const struct segment *segments = &world->segments[tool->first_segment];
-    double min_distance = HUGE_VAL;
-    for (uint32_t i = 0; i < tool->segment_count; i++)
-        if (surface_distance(&segments[i]) < surface_distance(&segments[tool->nearest_segment]))
+    for (uint32_t i = 0; i < tool_part_count(tool); i++) {
+        const struct part part = tool_part(world, tool, i), nearest = tool_part(world, tool, tool->nearest_segment);
+        const int is_stale_tip = part.tip && part_hit(part)->status == DPT_STATUS_STALE;
+        if (!is_stale_tip && surface_distance(part) < surface_distance(nearest))
             tool->nearest_segment = i;
-    if (tool->tip_count)
-        min_distance = surface_distance(&segments[tool->nearest_segment]);
-    for (uint32_t i = 0; i < tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(world, tool, i);
-        const double distance = tip->hit.distance - tip->hull->radius;
-        if (tip->hit.status == DPT_STATUS_STALE || !(distance < min_distance))
-            continue;
-        min_distance = distance;
-        tool->nearest_segment = tool->segment_count + i;
     }
 }
 
@@ -477,16 +468,17 @@ static int severity(uint32_t contact)
     }
 }
 
-/* A tip's part of the report. */
-static void add_tip(const struct tip *tip, dpt_step *out, int *has_answer)
+/* A part's share of the report. */
+static void add_part(struct part part, dpt_step *out, int *has_answer)
 {
-    const dpt_hit *hit = &tip->hit;
-    out->contacts += tip->contact.id != 0;
-    if (hit->status < out->status)
+    const dpt_hit *hit = part_hit(part);
+    out->work += hit->work;
+    out->contacts += part.tip && part.tip->contact.id;
+    if (hit->status < out->status && !(part.segment && part.segment->answer.is_far))
         out->status = hit->status;
     if (severity(hit->contact) > severity(out->contact))
         out->contact = hit->contact;
-    if (hit->status == DPT_STATUS_STALE || (*has_answer && hit->distance >= out->distance))
+    if (hit->status == DPT_STATUS_STALE || (*has_answer && !(hit->distance < out->distance)))
         return;
     out->distance = hit->distance;
     *has_answer = 1;
@@ -495,32 +487,16 @@ static void add_tip(const struct tip *tip, dpt_step *out, int *has_answer)
 /* Write what a step has found over all tools, for the caller. */
 static void write_report(const struct dpt_world *world, dpt_step *to)
 {
+    const struct persistent_contacts *contacts = &world->contacts[world->contacts_index];
     int has_answer = 0;
-    dpt_step step = { .work = 0 }, *out = &step;
-    out->status = DPT_STATUS_EXACT;
-    out->contact = DPT_CONTACT_SEPARATED;
-    out->work = 0;
-    out->distance = 0.0;
-    out->contacts = 0;
+    dpt_step step = { .status = DPT_STATUS_EXACT, .contact = DPT_CONTACT_SEPARATED }, *out = &step;
     out->flags = world->contacts_overflowed ? DPT_STEP_FLAG_CONTACTS_FULL : 0;
-    for (uint32_t i = 0; i < world->contacts[world->contacts_index].count; i++)
-        out->contacts += !world->contacts[world->contacts_index].items[i].is_unseen;
+    for (uint32_t i = 0; i < contacts->count; i++)
+        out->contacts += !contacts->items[i].is_unseen;
     for (uint32_t t = 0; t < world->tool_slot_end; t++) {
         const struct tool *tool = &world->tools[t];
-        for (uint32_t i = 0; tool->slot.used && i < tool->segment_count; i++) {
-            const dpt_hit *hit = &world->segments[tool->first_segment + i].hit;
-            out->work += hit->work;
-            if (hit->status < out->status && !world->segments[tool->first_segment + i].answer.is_far)
-                out->status = hit->status;
-            if (severity(hit->contact) > severity(out->contact))
-                out->contact = hit->contact;
-            if (hit->status != DPT_STATUS_STALE && (!has_answer || hit->distance < out->distance)) {
-                out->distance = hit->distance;
-                has_answer = 1;
-            }
-        }
-        for (uint32_t i = 0; tool->slot.used && i < tool->tip_count; i++)
-            add_tip(tool_tip(world, tool, i), out, &has_answer);
+        for (uint32_t i = 0; tool->slot.used && i < tool_part_count(tool); i++)
+            add_part(tool_part(world, tool, i), out, &has_answer);
     }
     if (!has_answer) {
         out->status = DPT_STATUS_STALE;
