@@ -38,17 +38,18 @@ void dpti_proxy_forget(struct dpt_world *world, struct tool *tool)
 
 void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle)
 {
-    struct proxy_triangle *oldest = &proxy->memory[0];
+    uint32_t oldest = 0;
     for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
-        struct proxy_triangle *entry = &proxy->memory[i];
+        const struct proxy_triangle *entry = &proxy->memory[i];
         if (entry->body_id == body && entry->triangle == triangle && entry->segment == segment) {
-            entry->used = ++proxy->clock;
+            proxy->used[i] = ++proxy->clock;
             return;
         }
-        if (entry->used < oldest->used)
-            oldest = entry;
+        if (proxy->used[i] < proxy->used[oldest])
+            oldest = i;
     }
-    *oldest = (struct proxy_triangle){ segment, body, triangle, ++proxy->clock };
+    proxy->memory[oldest] = (struct proxy_triangle){ segment, body, triangle };
+    proxy->used[oldest] = ++proxy->clock;
 }
 
 /* A body goes, by its id: forget its triangles, and what friction keeps of it. A proxy that it held is released. */
@@ -57,6 +58,7 @@ static void forget_contacts(struct proxy *proxy, uint32_t body)
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
         if (proxy->memory[i].body_id == body) {
             proxy->memory[i] = (struct proxy_triangle){ .body_id = 0 };
+            proxy->used[i] = 0;
             proxy->is_released = 1;
             proxy->fade.time_left = 0.0;
         }
@@ -205,46 +207,58 @@ static double find_nearest(struct dpt_world *world, uint32_t index, vec3 a, vec3
     return distance;
 }
 
+/* A segment where the device is. */
+struct device_axis {
+    vec3 a, b;    /* in the world */
+    double apart; /* m: no point of it is farther from where it is at the proxy */
+};
+
 /* The pair of a segment that is searched for, of which the budget may have left a bound. */
-static void find_hit(struct dpt_world *world, uint32_t index, const struct proxy *proxy, vec3 a, vec3 b, double apart,
+static void find_hit(struct dpt_world *world, const struct tool *tool, uint32_t index, const struct device_axis *axis,
                      struct body_answer *best, struct segment_result *result)
 {
     const double radius = world->segments[index].radius;
     int is_exact;
-    const double distance = find_nearest(world, index, a, b, best, &is_exact);
+    const double distance = find_nearest(world, index, axis->a, axis->b, best, &is_exact);
     if (!best->body)
         return;
     dpti_segment_result_of_pair(&best->track.axis, &best->track.nearest.pair, result);
     if (is_exact || !(distance > 0.0))
         return;
     /* Nothing is nearer than it is to the proxy, less what the two are apart. */
-    const double least = proxy->gap + radius - apart - result->error_bound;
     result->status = DPT_STATUS_BOUNDED;
-    result->lower_bound = max_of(0.0, least);
+    result->lower_bound = max_of(0.0, proxy_of(world, tool)->gap + radius - axis->apart - result->error_bound);
     result->error_bound = distance - result->lower_bound;
+}
+
+static struct device_axis device_axis_of(const struct dpt_world *world, const struct tool *tool,
+                                         const struct segment *segment, const struct frame *device)
+{
+    const vec3 end = tool->is_free ? (vec3){ proxy_of(world, tool)->length, 0.0, 0.0 } : segment->b;
+    struct device_axis axis = { .a = frame_to_world(device, segment->a), .b = frame_to_world(device, end) };
+    const vec3 proxy_a = frame_to_world(&tool->felt_frame, segment->a);
+    const vec3 proxy_b = frame_to_world(&tool->felt_frame, segment->b);
+    axis.apart = max_of(length(sub(axis.a, proxy_a)), length(sub(axis.b, proxy_b)));
+    return axis;
 }
 
 /* The hit of a segment; with `near_only` without a search where what is known of it at the proxy leaves it far. */
 static void write_hit(struct dpt_world *world, const struct tool *tool, uint32_t number, const struct frame *device,
-                      struct least_distance *nearest)
+                      struct min_distance *min)
 {
-    const struct proxy *proxy = proxy_of(world, tool);
     const uint32_t index = tool->first_segment + number;
     struct segment *segment = &world->segments[index];
-    const vec3 end = tool->is_free ? (vec3){ proxy->length, 0.0, 0.0 } : segment->b;
-    const vec3 a = frame_to_world(device, segment->a), b = frame_to_world(device, end);
-    const vec3 proxy_a = frame_to_world(&tool->felt_frame, segment->a);
-    const vec3 proxy_b = frame_to_world(&tool->felt_frame, segment->b);
-    const double apart = max_of(length(sub(a, proxy_a)), length(sub(b, proxy_b)));
-    const double least = segment->result.lower_bound - apart - segment->answer.error_bound;
+    const struct device_axis axis = device_axis_of(world, tool, segment, device);
+    const double lower_bound = segment->result.lower_bound - axis.apart - segment->answer.error_bound;
     const uint32_t work_before = world->work.done;
     struct body_answer best = { .body = segment->answer.body, .track = segment->answer.track };
     struct segment_result result;
-    segment->answer.is_far = far_is_used(world, tool) && best.body && least_is_below(nearest, least, segment->radius);
+    segment->answer.is_far =
+        far_is_used(world, tool) && best.body && min_distance_is_below(min, lower_bound, segment->radius);
     if (segment->answer.is_far)
-        dpti_far_pair(best.body, a, b, least, &best.track, &result);
+        dpti_far_pair(best.body, axis.a, axis.b, lower_bound, &best.track, &result);
     else
-        find_hit(world, index, proxy, a, b, apart, &best, &result);
+        find_hit(world, tool, index, &axis, &best, &result);
     if (!best.body)
         return;
     /* The proxy was held back: the device is behind a surface, however far that is. */
@@ -252,7 +266,7 @@ static void write_hit(struct dpt_world *world, const struct tool *tool, uint32_t
     result.work = segment->result.work + world->work.done - work_before;
     dpti_segment_result_write(&result, &best.body->surface, &best.body->frame, best.body->id, &best.track.nearest,
                               &segment->hit);
-    least_take(nearest, result.distance, segment->radius);
+    min_distance_take(min, result.distance, segment->radius);
 }
 
 int dpti_proxy_is_away(const struct dpt_world *world, const struct tool *tool)
@@ -263,10 +277,10 @@ int dpti_proxy_is_away(const struct dpt_world *world, const struct tool *tool)
 void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool)
 {
     const struct frame device = tool_device_frame(tool);
-    struct least_distance nearest = least_none();
+    struct min_distance min = min_distance_none();
     const uint32_t first = tool->closest < tool->segment_count ? tool->closest : 0;
     for (uint32_t i = 0; i < tool->segment_count; i++)
-        write_hit(world, tool, (first + i) % tool->segment_count, &device, &nearest);
+        write_hit(world, tool, (first + i) % tool->segment_count, &device, &min);
 }
 
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)

@@ -31,7 +31,7 @@ static void list_triangles(struct proxy_tick *tick, double reach)
             dpti_track_far(tick->world, tool->first_segment + i);
         const struct part_nearest nearest = part_nearest(part);
         if (nearest.body && nearest.triangle != DPT_NONE && !(nearest.distance - radius > reach))
-            add_triangle(tick, &(struct proxy_triangle){ i, nearest.body->id, nearest.triangle, 0 });
+            add_triangle(tick, &(struct proxy_triangle){ i, nearest.body->id, nearest.triangle });
     }
 }
 
@@ -89,27 +89,36 @@ static uint32_t number_for(struct proxy_tick *tick, double gap)
     return tick->sources[widest].gap > gap ? widest : HALF_SPACES_MAX;
 }
 
-/* One pair of a triangle, as a constraint; local_p: its point on the tool, in the place's frame. */
-static void add_space(struct proxy_tick *tick, uint32_t index, int feature, const pair *found, vec3 local_p,
-                      double distance, double gap, const struct triangle_place *place)
+/* A pair of a triangle that is to become a constraint. */
+struct held_pair {
+    uint32_t triangle; /* in tick->triangles */
+    int feature;       /* as in proxy_source */
+    const pair *found;
+    vec3 p;               /* its point on the tool, in the frame of the triangle's place */
+    double distance, gap; /* m: of the axis or polyhedron, and of the surface */
+};
+
+static void add_space(struct proxy_tick *tick, const struct held_pair *held, const struct triangle_place *place)
 {
     const struct frame *before = place->frame;
-    const uint32_t number = number_for(tick, gap);
+    const uint32_t number = number_for(tick, held->gap);
     if (number == HALF_SPACES_MAX)
         return;
     struct half_space *space = &tick->spaces[number];
-    const vec3 normal = frame_turn(before, scaled(found->gap, 1.0 / distance));
-    const vec3 p = frame_to_world(before, local_p);
+    const vec3 normal = frame_turn(before, scaled(held->found->gap, 1.0 / held->distance));
+    const vec3 p = frame_to_world(before, held->p);
     const vec3 lever = cross(sub(p, tick->at.centre), normal);
     vec3_store(normal, space->normal);
     for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
         space->normal[k] = dot(lever, tick->axes[k - 3]) / proxy_rho_of(tick->proxy, k);
     struct proxy_source *source = &tick->sources[number];
-    *source = (struct proxy_source){ .triangle = index, .feature = feature, .s = found->s, .gap = gap, .p = p };
+    *source = (struct proxy_source){
+        .triangle = held->triangle, .feature = held->feature, .s = held->found->s, .gap = held->gap, .p = p
+    };
     if (before != &place->body->frame)
-        source->carried = carried_since(tick, index, place, sub(local_p, found->gap));
+        source->carried = carried_since(tick, held->triangle, place, sub(held->p, held->found->gap));
     const double wanted = tick->clearance + (tick->is_before ? tick->lift : 0.0);
-    space->bound = wanted - gap + dot(normal, source->carried);
+    space->bound = wanted - held->gap + dot(normal, source->carried);
 }
 
 /*
@@ -161,7 +170,8 @@ static int add_pair(struct proxy_tick *tick, uint32_t index, int feature, double
     const double gap = distance - radius_of(tick, &tick->triangles[index]);
     if (!(gap <= reach && distance > 0.0))
         return 0;
-    add_space(tick, index, feature, &found, along(place->a, found.s, place->u), distance, gap, place);
+    const struct held_pair held = { index, feature, &found, along(place->a, found.s, place->u), distance, gap };
+    add_space(tick, &held, place);
     return 1;
 }
 
@@ -202,11 +212,13 @@ static void add_tip_pair(void *user, const struct hull_pair *found)
     const double distance = sqrt(found->pair.distance2), *weight = found->pair.weight;
     const vec3 q = along(along(scaled(v[0], weight[0]), weight[1], v[1]), weight[2], v[2]);
     const vec3 p = add(q, found->pair.gap);
-    if (distance > 0.0 && dpti_hull_pair_is_local(gather->hull, v, found, LEAN_MAX) &&
-        !has_twin(tick, gather->index, frame_to_world(gather->place->frame, p),
-                  frame_turn(gather->place->frame, scaled(found->pair.gap, 1.0 / distance))))
-        add_space(tick, gather->index, (int)found->feature, &found->pair, p, distance, distance - gather->radius,
-                  gather->place);
+    if (!(distance > 0.0) || !dpti_hull_pair_is_local(gather->hull, v, found, LEAN_MAX) ||
+        has_twin(tick, gather->index, frame_to_world(gather->place->frame, p),
+                 frame_turn(gather->place->frame, scaled(found->pair.gap, 1.0 / distance))))
+        return;
+    const struct held_pair held = { gather->index, (int)found->feature,      &found->pair, p,
+                                    distance,      distance - gather->radius };
+    add_space(tick, &held, gather->place);
 }
 
 static void gather_tip(struct proxy_tick *tick, uint32_t index, const struct tip *tip, double reach,
@@ -306,7 +318,7 @@ static double tip_gap(const struct tip *tip, const struct surface *surface, uint
 
 double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct proxy_pose *pose, double enough)
 {
-    double least = enough;
+    double min_gap = enough;
     for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
         const struct proxy_triangle *triangle = &tick->proxy->memory[i];
         const struct body *body = triangle->body_id ? world_find_body(tick->world, triangle->body_id) : NULL;
@@ -319,13 +331,13 @@ double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct 
             surface_view(&body->surface, tick->world->ticks, tick->is_before ? tick->time : 1.0);
         frame_of_pose(&body_pose, &frame);
         if (proxy_tip_of(tick, triangle)) {
-            least =
-                min_of(least, tip_gap(proxy_tip_of(tick, triangle), &then, triangle->triangle, pose, &frame, least));
+            min_gap = min_of(min_gap,
+                             tip_gap(proxy_tip_of(tick, triangle), &then, triangle->triangle, pose, &frame, min_gap));
             continue;
         }
         axis_in_body(tick, pose, triangle, &frame, &a, &u);
         const pair found = dpti_triangle_pair(&then, triangle->triangle, a, u);
-        least = min_of(least, sqrt(found.distance2) - radius_of(tick, triangle));
+        min_gap = min_of(min_gap, sqrt(found.distance2) - radius_of(tick, triangle));
     }
-    return least;
+    return min_gap;
 }

@@ -95,8 +95,8 @@ void dpti_proxy_wait(struct proxy_tick *tick)
     const double size = norm_of(left, n);
     if (size < PROXY_MOTION_SMALL * tick->clearance || size < PROXY_CONVERGED * norm_of(wanted, n))
         return;
-    const struct displacement way = dpti_proxy_of_unknowns(proxy, tick->axes, left);
-    proxy->yielded = displacement_sum(&proxy->yielded, -1.0, &way);
+    const struct displacement remaining = dpti_proxy_of_unknowns(proxy, tick->axes, left);
+    proxy->yielded = displacement_sum(&proxy->yielded, -1.0, &remaining);
     proxy->lag = size;
     proxy->flags |= DPT_FORCE_FLAG_BEHIND;
     proxy->is_behind = 1;
@@ -158,9 +158,9 @@ static void limit_torque(const struct tool *tool, const struct proxy *proxy, vec
 {
     const vec3 force = vec3_of(wrench->force), from_origin = cross(sub(centre, origin), force);
     const vec3 torque = sub(vec3_of(wrench->torque), from_origin);
-    const double most = length(force) * proxy->extent, size = length(torque);
-    if (tool->lock_rotation && size > most)
-        vec3_store(along(from_origin, most / size, torque), wrench->torque);
+    const double max_torque = length(force) * proxy->extent, size = length(torque);
+    if (tool->lock_rotation && size > max_torque)
+        vec3_store(along(from_origin, max_torque / size, torque), wrench->torque);
 }
 
 /* The spring and the damper. */

@@ -19,10 +19,10 @@
 static int is_short(const struct proxy_tick *tick, const struct half_spaces_result *solved, const double *wanted)
 {
     const uint32_t n = proxy_unknowns(tick->proxy);
-    double largest = 0.0;
+    double max_bound = 0.0;
     for (uint32_t i = 0; i < tick->space_count; i++)
-        largest = max_of(largest, tick->spaces[i].bound);
-    return norm_of(solved->y, n) <= 2.0 * norm_of(wanted, n) + LENGTHENED_MAX * largest;
+        max_bound = max_of(max_bound, tick->spaces[i].bound);
+    return norm_of(solved->y, n) <= 2.0 * norm_of(wanted, n) + LENGTHENED_MAX * max_bound;
 }
 
 static int nearest(struct proxy_tick *tick, const double *wanted)
@@ -318,10 +318,10 @@ static uint32_t list_contacts(struct proxy_tick *tick, uint32_t before)
 /* How far two motions are apart in any unknown. */
 static double apart(const double *a, const double *b, uint32_t n)
 {
-    double most = 0.0;
+    double max_difference = 0.0;
     for (uint32_t k = 0; k < n; k++)
-        most = max_of(most, fabs(a[k] - b[k]));
-    return most;
+        max_difference = max_of(max_difference, fabs(a[k] - b[k]));
+    return max_difference;
 }
 
 /* What the last passes tried and found, so that the next one can begin where these lead. */
@@ -492,7 +492,7 @@ void dpti_proxy_keep_contacts(struct proxy_tick *tick)
     if (!tick->contact_count)
         note_pulls(tick);
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
-        tick->proxy->contacts[i].age++;
+        tick->proxy->contacts[i].age += tick->proxy->contacts[i].body_id != 0;
     for (uint32_t i = 0; i < tick->contact_count; i++) {
         struct proxy_contact *contact = kept_of_place(tick, i);
         if (!contact)

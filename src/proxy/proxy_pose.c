@@ -47,12 +47,12 @@ static int is_rubbing(const struct dpt_world *world, const struct proxy *proxy)
     return 0;
 }
 
-static double largest_radius(const struct segment *segments, uint32_t count)
+static double max_radius_of(const struct segment *segments, uint32_t count)
 {
-    double largest = 0.0;
+    double max_radius = 0.0;
     for (uint32_t i = 0; i < count; i++)
-        largest = max_of(largest, segments[i].radius);
-    return largest;
+        max_radius = max_of(max_radius, segments[i].radius);
+    return max_radius;
 }
 
 /* The ends of a segment, or of a tip's axis where the tool was given it: a jaw that opens changes no force. */
@@ -114,7 +114,7 @@ void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, 
     rho = min_of(max_of(rho, own / RHO_FACTOR), own * RHO_FACTOR);
     proxy->coupling = (struct coupling){ tool->stiffness, tool->lock_rotation ? own * RHO_FACTOR : rho,
                                          proxy->shape == PROXY_STRAIGHT && is_rubbing(world, proxy)
-                                             ? largest_radius(segments, tool->segment_count)
+                                             ? max_radius_of(segments, tool->segment_count)
                                              : 0.0 };
 }
 
@@ -163,8 +163,8 @@ struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct pro
         const double spin = spin_of(device, at);
         if (fabs(spin) <= spin_max)
             return *at;
-        const vec3 most = scaled(at->axis, spin > 0.0 ? spin_max : -spin_max);
-        turn = quaternion_product(quaternion_of_small_turn(most), turn);
+        const vec3 limit = scaled(at->axis, spin > 0.0 ? spin_max : -spin_max);
+        turn = quaternion_product(quaternion_of_small_turn(limit), turn);
     }
     turn = quaternion_unit(turn);
     const struct quaternion now = quaternion_unit(at->turn);

@@ -184,11 +184,11 @@ static int is_spent(const struct proxy_tick *tick)
  */
 static double next_trust(const struct proxy_tick *tick, double met, double made, double motion)
 {
-    const double least = tick->clearance;
+    const double min_trust = tick->clearance;
     if (is_spent(tick) && !(made > 0.0))
-        return max_of(least, tick->is_moved ? motion : 0.25 * motion);
+        return max_of(min_trust, tick->is_moved ? motion : 0.25 * motion);
     if (is_spent(tick) || met < 0.25)
-        return max_of(least, 2.0 * max_of(met, 0.1) * motion);
+        return max_of(min_trust, 2.0 * max_of(met, 0.1) * motion);
     return 4.0 * max_of(tick->proxy->trust, motion);
 }
 
@@ -201,14 +201,14 @@ struct proxy_motion {
 };
 
 /* FOLLOW_MOVED: there is one. FOLLOW_DONE: nothing is left to move. FOLLOW_STUCK: there is no way. */
-static int choose_motion(struct proxy_tick *tick, const struct displacement *way, double allowed,
+static int choose_motion(struct proxy_tick *tick, const struct displacement *displacement, double allowed,
                          struct proxy_motion *motion)
 {
     struct proxy *proxy = tick->proxy;
     const uint32_t n = proxy_unknowns(proxy);
     double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 }, straight[HALF_SPACE_DIMENSIONS], share;
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
-    const double left = wanted_motion(tick, way, wanted);
+    const double left = wanted_motion(tick, displacement, wanted);
     proxy->lag = left;
     if (left == 0.0 && !tick->is_before)
         return FOLLOW_DONE;
@@ -222,7 +222,7 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *way
     if (!tick->is_before && (size < PROXY_MOTION_SMALL * tick->clearance ||
                              (size < PROXY_CONVERGED * left && tick->gap > PROXY_GAP_KEPT * tick->clearance)))
         return FOLLOW_DONE;
-    /* While a body pushes, neither the trust nor a gap on the way keeps it waiting. */
+    /* While a body pushes, neither the trust nor a gap on the displacement keeps it waiting. */
     const double longest = tick->is_before ? allowed : min_of(proxy->trust, allowed);
     if (size > longest) {
         for (uint32_t k = 0; k < n; k++)
@@ -386,20 +386,10 @@ static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *pro
     proxy->gap = -HUGE_VAL;
 }
 
-/* Whether a tick left a proxy as it was, but for the clocks of what it remembers, and a pace that nothing waits for. */
+/* Whether a tick left a proxy as it was. */
 static int stood_still(const struct proxy *before, const struct proxy *now)
 {
-    struct proxy same = *before;
-    same.tick = now->tick;
-    same.clock = now->clock;
-    same.is_still = now->is_still;
-    same.pace = now->pace;
-    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        same.memory[i].used = now->memory[i].used;
-    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
-        if (!same.contacts[i].body_id)
-            same.contacts[i].age = now->contacts[i].age;
-    return !memcmp(&same, now, sizeof same);
+    return !memcmp(before, now, offsetof(struct proxy, pace));
 }
 
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)

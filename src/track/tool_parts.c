@@ -100,11 +100,11 @@ void dpti_track_far(struct dpt_world *world, uint32_t segment_index)
 
 /* Answer without a search, if the segment is no nearer than those that were searched for. */
 static int answer_if_far(struct dpt_world *world, struct segment *segment, vec3 a, vec3 b,
-                         const struct least_distance *least, int is_outside)
+                         const struct min_distance *min, int is_outside)
 {
     const struct body *body = segment->answer.body;
     const double distance = dpti_far_bound(world, segment, a, b);
-    if (!is_outside || !body || !least_is_below(least, distance, segment->radius) ||
+    if (!is_outside || !body || !min_distance_is_below(min, distance, segment->radius) ||
         !(world->def.until == DPT_UNTIL_TRACK || distance - segment->radius > world->def.margin))
         return 0;
     dpti_far_pair(body, a, b, distance, &segment->answer.track, &segment->result);
@@ -118,16 +118,16 @@ static int answer_if_far(struct dpt_world *world, struct segment *segment, vec3 
 void dpti_track_near(struct dpt_world *world, struct tool *tool, int all_outside)
 {
     const uint32_t begin = tool->closest < tool->segment_count ? tool->closest : 0;
-    struct least_distance least = least_none();
+    struct min_distance min = min_distance_none();
     for (uint32_t k = 0; k < tool->segment_count; k++) {
         const uint32_t number = (begin + k) % tool->segment_count;
         struct segment *segment = &world->segments[tool->first_segment + number];
         const vec3 a = frame_to_world(&tool->felt_frame, segment->a);
         const vec3 b = frame_to_world(&tool->felt_frame, segment->b);
-        if (answer_if_far(world, segment, a, b, &least, all_outside || segment->proven.is_outside))
+        if (answer_if_far(world, segment, a, b, &min, all_outside || segment->proven.is_outside))
             continue;
         track_axis(world, tool->first_segment + number, a, b);
-        if (segment->answer.body && least_take(&least, segment->result.distance, segment->radius))
+        if (segment->answer.body && min_distance_take(&min, segment->result.distance, segment->radius))
             tool->closest = number;
     }
 }

@@ -126,28 +126,28 @@ static inline int far_is_used(const struct dpt_world *world, const struct tool *
     return tool->near_only && tool->segment_count > 1 && world->def.method == DPT_METHOD_EXACT;
 }
 
-/* The least of the segments that were searched for, m: of their surfaces, and of their axes. */
-struct least_distance {
+/* The minimum over the segments that were searched for, m: of their surfaces, and of their axes. */
+struct min_distance {
     double gap, distance;
 };
 
-static inline struct least_distance least_none(void)
+static inline struct min_distance min_distance_none(void)
 {
-    return (struct least_distance){ HUGE_VAL, HUGE_VAL };
+    return (struct min_distance){ HUGE_VAL, HUGE_VAL };
 }
 
 /* Whether a segment of that radius whose axis is farther than `distance` is neither the nearest by its surface nor its axis. */
-static inline int least_is_below(const struct least_distance *least, double distance, double radius)
+static inline int min_distance_is_below(const struct min_distance *min, double distance, double radius)
 {
-    return distance > 0.0 && distance >= least->distance && distance - radius >= least->gap;
+    return distance > 0.0 && distance >= min->distance && distance - radius >= min->gap;
 }
 
 /* Take another one; 1 if its surface is the nearest. */
-static inline int least_take(struct least_distance *least, double distance, double radius)
+static inline int min_distance_take(struct min_distance *min, double distance, double radius)
 {
-    const int is_nearest = distance - radius < least->gap;
-    least->gap = min_of(least->gap, distance - radius);
-    least->distance = min_of(least->distance, distance);
+    const int is_nearest = distance - radius < min->gap;
+    min->gap = min_of(min->gap, distance - radius);
+    min->distance = min_of(min->distance, distance);
     return is_nearest;
 }
 

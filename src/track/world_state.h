@@ -117,7 +117,6 @@ struct proxy_triangle {
     uint32_t segment;  /* of the tool, from 0; tips go on from its segment_count */
     uint32_t body_id;  /* 0: the entry is empty */
     uint32_t triangle; /* place */
-    uint32_t used;     /* the proxy's clock when it was used last */
 };
 
 /* A contact of a proxy with a body that has friction. */
@@ -158,14 +157,13 @@ struct proxy {
     double trust;       /* m: the longest motion that is tried at once */
     double last_motion; /* m */
     double owed;        /* m: how far it might have moved in the last tick, but for a budget */
-    double pace;        /* m: by how much what is felt of it may change in this tick, once it has waited */
     double lag;         /* m */
     double tip_motion;  /* m: how far tips moved in the tool's frame in the last tick, at most */
     double length;      /* m: of a free tool, the device's */
     double radius;      /* m: likewise */
     /*
-     * Of the displacement from the device to the proxy, what is not felt: the part that surfaces yield, and the way that
-     * only a budget ends. And the energy that the surfaces store, J.
+     * Of the displacement from the device to the proxy, what is not felt: the part that surfaces yield, and the motion
+     * that only a budget ended. And the energy that the surfaces store, J.
      */
     struct displacement yielded;
     double yielded_energy;
@@ -180,16 +178,20 @@ struct proxy {
     uint32_t state;   /* PROXY_... */
     uint32_t shape;   /* PROXY_BALL, ... */
     uint32_t flags;   /* DPT_FORCE_FLAG_... of this tick */
-    uint32_t clock;   /* of `memory` */
     uint32_t is_held; /* it is not where the device is */
-    uint32_t tick;    /* the world's, of its last step */
     /* A body that it remembers was removed or teleported since: its push ends at once. */
     uint32_t is_released;
     uint32_t reason;    /* DPT_FORCE_... of this tick */
-    uint32_t is_still;  /* the last tick left it as it was */
     uint32_t is_behind; /* a budget made it wait, or what is felt of it has not caught up since */
+    uint32_t reserved;
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
+    /* From here on a tick may change it although it stands still. */
+    double pace;                 /* m: by how much what is felt of it may change in this tick, once it has waited */
+    uint32_t used[PROXY_MEMORY]; /* the clock when each triangle of `memory` was used last */
+    uint32_t clock;
+    uint32_t tick;     /* the world's, of its last step */
+    uint32_t is_still; /* the last tick left it as it was */
 };
 
 /* The nearest pair over all bodies, and what is proven about it. */
@@ -319,9 +321,9 @@ struct persistent_contact {
     uint32_t part;          /* of the body's mesh */
     /* The side of the open sheet from which the tool came: +1 in front, -1 behind; 0: none is known. */
     int32_t side;
-    uint32_t is_unseen;   /* carried over: this tick does not know the contact */
-    uint32_t is_in_front; /* the whole axis is known to be on `side` of the sheet */
+    uint32_t is_unseen; /* carried over: this tick does not know the contact */
     uint32_t warm_start_count;
+    uint32_t is_in_front; /* the whole axis is known to be on `side` of the sheet */
     struct warm_start warm_starts[WARM_STARTS_MAX];
 };
 

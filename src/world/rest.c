@@ -75,9 +75,7 @@ static int has_same_contacts(const struct dpt_world *world, uint32_t segment_ind
         const struct persistent_contact *other = next_of(last, &at_last, segment_index);
         if (!one || !other)
             return !one && !other;
-        struct persistent_contact same = *other;
-        same.is_in_front = one->is_in_front; /* the motion of this tick may have cleared it there */
-        if (memcmp(one, &same, sizeof same))
+        if (!persistent_contact_is_same(one, other))
             return 0;
     }
 }
