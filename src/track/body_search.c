@@ -11,20 +11,21 @@ enum { BYTES_SUSPENDED_SEARCHES = 1536, BYTES_DISTANCE_BOUND = 64 };
 typedef char suspended_searches_fit[2 * sizeof(struct suspended_search) <= BYTES_SUSPENDED_SEARCHES ? 1 : -1];
 typedef char distance_bound_fits[sizeof(struct distance_bound) <= BYTES_DISTANCE_BOUND ? 1 : -1];
 
-uint64_t dpti_bounds_bytes(const dpt_world_def *def)
+static uint64_t bounds_bytes(const dpt_world_def *def)
 {
     const uint64_t segments = def->max_segments;
     return def->budget ? (BYTES_SUSPENDED_SEARCHES + BYTES_DISTANCE_BOUND * (uint64_t)def->max_bodies) * segments : 0;
 }
 
-char *dpti_bounds_place(struct dpt_world *world, char *at)
+static char *place_bounds(struct dpt_world *world, char *at)
 {
     world->suspended_searches = (void *)at;
     world->distance_bounds = (void *)(at + BYTES_SUSPENDED_SEARCHES * (size_t)world->def.max_segments);
-    return at + dpti_bounds_bytes(&world->def);
+    return at + bounds_bytes(&world->def);
 }
 
-void dpti_bounds_forget(struct dpt_world *world, uint32_t segment_index, uint32_t slot)
+/* Forget a segment's bounds and suspended searches, of the body in `slot` or, with DPT_NONE, of all. */
+static void forget_bounds(struct dpt_world *world, uint32_t segment_index, uint32_t slot)
 {
     if (!world->def.budget)
         return;
@@ -39,7 +40,8 @@ void dpti_bounds_forget(struct dpt_world *world, uint32_t segment_index, uint32_
     }
 }
 
-void dpti_bounds_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+/* Remove the data of the segments from `first` up to, not including, `end`; that of later segments moves up. */
+static void remove_bounds(struct dpt_world *world, uint32_t first, uint32_t end)
 {
     if (!world->def.budget)
         return;
@@ -77,7 +79,8 @@ void dpti_bounds_note_motion(struct dpt_world *world, uint32_t segment_index, ui
     bound->surface_motion = (1.0f + 0x1p-22f) * (bound->surface_motion + (float)moved);
 }
 
-void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment_index, struct suspended_search *suspended)
+/* End a suspended search for good. What it has proven goes into the bound of its body. */
+static void give_up(struct dpt_world *world, uint32_t segment_index, struct suspended_search *suspended)
 {
     struct distance_bound *bound = world_distance_bound(world, segment_index, suspended->body_slot);
     const struct surface *surface = &world->bodies[suspended->body_slot].surface;
@@ -85,14 +88,22 @@ void dpti_bounds_give_up(struct dpt_world *world, uint32_t segment_index, struct
     suspended->traversal.level = 0;
 }
 
-double dpti_bounds_update(struct dpt_world *world, uint32_t segment_index, uint32_t slot, const struct axis *axis)
+/*
+ * Update a segment's bound of the body in `slot` to this tick's axis. Returns how far the axis' ends have moved in
+ * the body's frame since the last update, vertices that moved included (m), exactly 0 at rest.
+ *
+ * A suspended search of a motion stays valid when the axis moves, but can then only give a bound. A suspended search
+ * of a rest is given up when the axis moves. During a rest the search of the motion waits: a device that is slower
+ * than the loop moves again in the next tick.
+ */
+static double update_bound(struct dpt_world *world, uint32_t segment_index, uint32_t slot, const struct axis *axis)
 {
     struct distance_bound *bound = world_distance_bound(world, segment_index, slot);
     struct suspended_search *moving = world_suspended_search(world, segment_index, 0),
                             *resting = world_suspended_search(world, segment_index, 1);
     double motion = motion_since(bound, axis);
     if (motion > 0.0 && resting->body_slot == slot && resting->traversal.level)
-        dpti_bounds_give_up(world, segment_index, resting);
+        give_up(world, segment_index, resting);
     if (motion == 0.0)
         bound->rest_tick = world->ticks;
     bound->lower_bound = max_of(0.0, bound->lower_bound - motion);
@@ -106,7 +117,10 @@ double dpti_bounds_update(struct dpt_world *world, uint32_t segment_index, uint3
     return motion;
 }
 
-double dpti_bounds_proven(const struct dpt_world *world, uint32_t segment_index, uint32_t slot)
+/*
+ * The largest proven lower bound of the distance (m) between a segment and the body in `slot`, as of its last update.
+ */
+static double proven_bound(const struct dpt_world *world, uint32_t segment_index, uint32_t slot)
 {
     const struct distance_bound *bound = world_distance_bound(world, segment_index, slot);
     double lower_bound = bound->lower_bound;
@@ -126,11 +140,12 @@ static uint64_t last_triangles_bytes(const dpt_world_def *def)
 
 uint64_t dpti_body_search_bytes(const dpt_world_def *def)
 {
-    return last_triangles_bytes(def) + mesh_aligned(def->certificate_bytes);
+    return bounds_bytes(def) + last_triangles_bytes(def) + mesh_aligned(def->certificate_bytes);
 }
 
 char *dpti_body_search_place(struct dpt_world *world, char *at)
 {
+    at = place_bounds(world, at);
     world->last_triangles = (void *)at;
     at += last_triangles_bytes(&world->def);
     world->plane_cache.blocks = (void *)at;
@@ -159,11 +174,13 @@ void dpti_body_search_forget(struct dpt_world *world, uint32_t segment_index)
         memset(world_last_triangle(world, segment_index, 0), 0xff,
                world->def.max_bodies * sizeof *world->last_triangles);
     segment->last_body_slot = DPT_NONE;
+    forget_bounds(world, segment_index, DPT_NONE);
 }
 
 void dpti_body_search_forget_body(struct dpt_world *world, uint32_t slot)
 {
     for (uint32_t s = 0; s < world->segment_count; s++) {
+        forget_bounds(world, s, slot);
         if (world->def.method != DPT_METHOD_PAPER)
             *world_last_triangle(world, s, slot) = DPT_NONE;
         if (world->segments[s].last_body_slot == slot)
@@ -179,6 +196,7 @@ void dpti_body_search_remove(struct dpt_world *world, uint32_t first, uint32_t e
 {
     size_t segments_moved = world->segment_count - end;
     dpti_body_search_forget_planes(world, first, world->segment_count, DPT_NONE);
+    remove_bounds(world, first, end);
     if (world->def.method != DPT_METHOD_PAPER)
         memmove(world_last_triangle(world, first, 0), world_last_triangle(world, end, 0),
                 segments_moved * world->def.max_bodies * sizeof *world->last_triangles);
@@ -286,7 +304,7 @@ static void follow_dynamic_point(struct body_search *search, uint32_t slot)
     search->followed_slot = slot;
     search->axis_motion = 1.0;
     if (world->def.budget)
-        search->axis_motion = dpti_bounds_update(world, search->segment_index, slot, &track->axis);
+        search->axis_motion = update_bound(world, search->segment_index, slot, &track->axis);
     enum descent_mode mode = DESCENT_NONE;
     if (search->axis_motion > 0.0 && !search->is_jump && descent_share(world))
         mode = track->nearest.pair.distance2 == 0.0 ? DESCENT_CROSSED : DESCENT_NEIGHBOURS;
@@ -336,15 +354,15 @@ static void search_within_budget(struct body_search *search, uint32_t slot, doub
     double axis_motion = search->axis_motion;
     int is_done = 0;
     if (slot != search->followed_slot)
-        axis_motion = dpti_bounds_update(world, search->segment_index, slot, &track->axis);
+        axis_motion = update_bound(world, search->segment_index, slot, &track->axis);
     int is_fresh = axis_motion == 0.0 || search->is_new;
     struct suspended_search *suspended = world_suspended_search(world, search->segment_index, is_fresh);
     bound->lower_bound = max_of(bound->lower_bound, box_gap);
-    if (!proves_best(search, dpti_bounds_proven(world, search->segment_index, slot)) &&
+    if (!proves_best(search, proven_bound(world, search->segment_index, slot)) &&
         !work_is_spent(&search->world->work)) {
         double excluded_bound;
         if (suspended->body_slot != slot || !suspended->traversal.level) {
-            dpti_bounds_give_up(world, search->segment_index, suspended);
+            give_up(world, search->segment_index, suspended);
             suspended->body_slot = slot;
             suspended->lower_bound = HUGE_VAL;
         }
@@ -354,7 +372,7 @@ static void search_within_budget(struct body_search *search, uint32_t slot, doub
         if (is_done)
             bound->lower_bound = max_of(bound->lower_bound, suspended->lower_bound);
     }
-    double lower_bound = dpti_bounds_proven(world, search->segment_index, slot);
+    double lower_bound = proven_bound(world, search->segment_index, slot);
     if (!is_done && search->next_slot == DPT_NONE && !proves_best(search, lower_bound))
         search->next_slot = slot;
     search->best->lower_bound = min_of(search->best->lower_bound, lower_bound);

@@ -37,15 +37,6 @@ static int is_same_place(const struct motion_state *from, const struct motion_st
     return change_in_tool_frame(from, to) == 0.0 && pose_is_same(&from->pose, &to->pose);
 }
 
-/* Goes through the bodies that a motion may have met, in the order of their slots. */
-struct swept_bodies {
-    const struct dpt_world *world;
-    struct box axis_box; /* of the axis where it is now, in the world */
-    double reach;        /* m */
-    const struct near_bodies *near_bodies;
-    uint32_t next; /* index in near_bodies */
-};
-
 /* The same segment, with its ends in the world and the identity as the tool's pose. */
 static struct placement placement_in_world(const struct motion_state *previous)
 {
@@ -191,6 +182,15 @@ static int sweep_past_body(struct dpt_world *world, uint32_t segment_index, cons
     }
     return STEP_CONTINUES;
 }
+
+/* Goes through the bodies that a motion may have met, in the order of their slots. */
+struct swept_bodies {
+    const struct dpt_world *world;
+    struct box axis_box; /* of the axis where it is now, in the world */
+    double reach;        /* m */
+    const struct near_bodies *near_bodies;
+    uint32_t next; /* index in near_bodies */
+};
 
 /* The next of them, or NULL. */
 static const struct body *next_body(struct swept_bodies *bodies)

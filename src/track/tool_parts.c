@@ -17,7 +17,8 @@ void dpti_far_forget_all(struct dpt_world *world)
         dpti_far_forget(&world->segments[s]);
 }
 
-double dpti_far_bound(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b)
+/* m: the proven lower bound of the distance between the axis from `a` to `b` and all bodies; 0 if nothing is known. */
+static double bound_if_far(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b)
 {
     struct proven_distance *proven = &segment->proven;
     double moved = max_of(length(sub(a, proven->a)), length(sub(b, proven->b)));
@@ -31,7 +32,8 @@ double dpti_far_bound(const struct dpt_world *world, struct segment *segment, ve
     return proven->distance;
 }
 
-void dpti_far_prove(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b)
+/* The segment was searched for at its axis from `a` to `b`: its result is what is proven from now on. */
+static void prove_distance(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b)
 {
     struct proven_distance *proven = &segment->proven;
     proven->a = a;
@@ -80,7 +82,7 @@ static void track_axis(struct dpt_world *world, uint32_t segment_index, vec3 a, 
     segment->last_body_slot = handle_index(segment->answer.body->id);
     dpti_body_search_result(&segment->answer, &segment->result);
     if (far_is_used(world, &world->tools[segment->tool_slot]))
-        dpti_far_prove(world, segment, a, b);
+        prove_distance(world, segment, a, b);
 }
 
 void dpti_track_segment(struct dpt_world *world, uint32_t segment_index)
@@ -103,7 +105,7 @@ static int answer_if_far(struct dpt_world *world, struct segment *segment, vec3 
                          const struct min_distance *min, int is_outside)
 {
     const struct body *body = segment->answer.body;
-    const double distance = dpti_far_bound(world, segment, a, b);
+    const double distance = bound_if_far(world, segment, a, b);
     if (!is_outside || !body || !min_distance_is_below(min, distance, segment->radius) ||
         !(world->def.until == DPT_UNTIL_TRACK || distance - segment->radius > world->def.margin))
         return 0;

@@ -157,12 +157,6 @@ void dpti_far_forget(struct segment *segment);
 /* The same of all segments: a body appeared somewhere, or one is gone. */
 void dpti_far_forget_all(struct dpt_world *world);
 
-/* m: the proven lower bound of the distance between the axis from `a` to `b` and all bodies; 0 if nothing is known. */
-double dpti_far_bound(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b);
-
-/* The segment was searched for at its axis from `a` to `b`: its result is what is proven from now on. */
-void dpti_far_prove(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b);
-
 /*
  * A pair with the triangle that was nearest before, for the axis from `a` to `b`, into `track`. It may not be the nearest
  * any more; `lower_bound` m is proven of the distance, and `result` says so.
@@ -173,12 +167,12 @@ void dpti_far_pair(const struct body *body, vec3 a, vec3 b, double lower_bound, 
 /* A segment's answer of the last tick ends. 0: its tool, or a body, has no valid input, and it gets none in this tick. */
 int dpti_track_begin(struct dpt_world *world, uint32_t segment_index);
 
-/* Into segment->answer and segment->result. */
+/* Find the nearest pair of a segment, into segment->answer and segment->result. */
 void dpti_track_segment(struct dpt_world *world, uint32_t segment_index);
 
 /*
  * The same of all segments of a tool with `near_only`, the one first that was nearest before. Those that are far are not
- * searched for (tool_parts.h). `all_outside`: the whole tool is known to be outside of everything; else what is known
+ * searched for. `all_outside`: the whole tool is known to be outside of everything; else what is known
  * of each segment counts.
  */
 void dpti_track_near(struct dpt_world *world, struct tool *tool, int all_outside);

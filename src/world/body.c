@@ -21,8 +21,6 @@ static void forget_body(struct dpt_world *world, uint32_t slot)
     dpti_persistent_contacts_forget(world, 0, world->segment_count, slot);
     dpti_point_cache_forget(&world->point_cache, slot);
     dpti_strips_forget_body(world, slot);
-    for (uint32_t s = 0; s < world->segment_count; s++)
-        dpti_bounds_forget(world, s, slot);
     dpti_backlog_restart(world);
     for (uint32_t s = 0; s < world->segment_count; s++)
         dpti_force_forget_body(&world->segments[s], world->bodies[slot].id);

@@ -23,7 +23,6 @@ static void forget_segment(struct dpt_world *world, uint32_t segment)
     dpti_baseline_forget(world, segment);
     dpti_far_forget(&world->segments[segment]);
     dpti_broad_phase_forget(world, segment);
-    dpti_bounds_forget(world, segment, DPT_NONE);
     dpti_backlog_forget(world, segment);
     dpti_persistent_contacts_forget(world, segment, segment + 1, DPT_NONE);
     dpti_strips_forget(world, segment, segment + 1);
@@ -119,7 +118,6 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     dpti_body_search_remove(world, removed->first_segment, end);
     dpti_baseline_remove(world, removed->first_segment, end);
     dpti_broad_phase_remove(world, removed->first_segment, end);
-    dpti_bounds_remove(world, removed->first_segment, end);
     dpti_backlog_remove(world, removed->first_segment, end);
     dpti_persistent_contacts_remove(world, removed->first_segment, end);
     dpti_strips_remove(world, removed->first_segment, end);

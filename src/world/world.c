@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Creating, resetting and measuring worlds, and what lies where in their blocks. Bodies and tools are in body.c and tool.c, the tick in step.c. */
+/*
+ * Creating, resetting and measuring worlds, and what lies where in their blocks. Bodies and tools are in body.c and
+ * tool.c, the tick in step.c.
+ */
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "proxy/proxy.h"
@@ -43,9 +46,9 @@ static size_t layout_bytes(const dpt_world_def *def)
 {
     uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies + BYTES_TOOL * (uint64_t)def->max_tools +
                      BYTES_SEGMENT * (uint64_t)def->max_segments + (BYTES_TIP + BYTES_HULL) * (uint64_t)def->max_tips +
-                     point_cache_bytes(def) + dpti_bounds_bytes(def) + dpti_backlog_bytes(def) +
-                     dpti_persistent_contacts_bytes(def) + dpti_strips_bytes(def) + dpti_proxy_bytes(def) +
-                     dpti_broad_phase_bytes(def) + dpti_body_search_bytes(def) + dpti_baseline_bytes(def);
+                     point_cache_bytes(def) + dpti_backlog_bytes(def) + dpti_persistent_contacts_bytes(def) +
+                     dpti_strips_bytes(def) + dpti_proxy_bytes(def) + dpti_broad_phase_bytes(def) +
+                     dpti_body_search_bytes(def) + dpti_baseline_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -69,7 +72,6 @@ static void place_arrays(struct dpt_world *world)
     world->point_cache.sets =
         (uint32_t)(point_cache_bytes(def) / (POINT_CACHE_WAYS * sizeof *world->point_cache.entries));
     at += point_cache_bytes(def);
-    at = dpti_bounds_place(world, at);
     at = dpti_backlog_place(world, at);
     at = dpti_persistent_contacts_place(world, at);
     at = dpti_strips_place(world, at);
