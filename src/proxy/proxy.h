@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The proxies of a world over their lives: where they lie, which tools have one, what they remember and forget, the proxy
- * of a free tool, and what users get of them: docs/algorithms/force.md.
+ * The proxies of a world over their lives: where they lie, which tools have one, what they remember and forget, the
+ * proxy of a free tool, and what users get of them: docs/algorithms/force.md.
  *
  * A free tool of one segment is kept in a frame of its own, with end a at the origin and end b on the x axis. That
  * frame's pose is tool->pose.
@@ -29,10 +29,10 @@ int dpti_proxy_is_of(const struct dpt_world *world, uint32_t law);
 /* 1 if this tool has one. */
 int dpti_proxy_is_used(const struct dpt_world *world, const struct tool *tool);
 
-/* Where it is, is not known any more: it starts again at the device's pose. */
+/* Forget where it is: it starts again at the device's pose. */
 void dpti_proxy_forget(struct dpt_world *world, struct tool *tool);
 
-/* What it remembers of a body, by its id, is forgotten. */
+/* Forget what proxies remember of a body, by its id. */
 void dpti_proxy_forget_body(struct dpt_world *world, uint32_t body);
 
 /* What a free tool with a proxy was given last, in the world. The world's own segment may be smaller. */

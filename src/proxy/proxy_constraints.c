@@ -15,7 +15,10 @@ static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *a
         tick->triangles[tick->triangle_count++] = *added;
 }
 
-/* Of a tool of many segments only those that are near can be listed. */
+/*
+ * List the remembered triangles, and the nearest one of each part within reach. Not all parts of a large tool have
+ * room.
+ */
 static void list_triangles(struct proxy_tick *tick, double reach)
 {
     const struct tool *tool = tick->tool;
@@ -56,7 +59,7 @@ dpt_pose dpti_proxy_body_pose(const struct proxy_tick *tick, const struct body *
                : body->pose;
 }
 
-/* A triangle as a constraint is made of it: where its body was when the proxy's pose was proven. */
+/* A triangle where its body was when the proxy's pose was proven. */
 struct triangle_place {
     const struct body *body;
     const struct frame *frame; /* that of the body, or before it moved in this tick */
@@ -65,7 +68,7 @@ struct triangle_place {
     double far2;               /* m^2: a point that is farther than that from the first corner is out of reach */
 };
 
-/* How far the body has moved its point q, of the frame of the place, since. */
+/* How far the body has moved since then, at its point q in the place's frame. */
 static vec3 carried_since(const struct proxy_tick *tick, uint32_t index, const struct triangle_place *place, vec3 q)
 {
     vec3 now = q;
@@ -77,7 +80,7 @@ static vec3 carried_since(const struct proxy_tick *tick, uint32_t index, const s
     return sub(frame_to_world(&place->body->frame, now), frame_to_world(place->frame, q));
 }
 
-/* The number for a constraint with that gap. Where there is no room it takes the place of the widest one, if any is wider. */
+/* The number for a constraint with that gap. Without room it replaces the one with the widest gap, if that is wider. */
 static uint32_t number_for(struct proxy_tick *tick, double gap)
 {
     uint32_t widest = 0;
@@ -156,7 +159,7 @@ static int is_far(const struct triangle_place *place, double s)
     return dot(offset, offset) > place->far2;
 }
 
-/* A pair within reach becomes a constraint; 0 where there is none. */
+/* Make a constraint of a pair within reach. Returns 0 if there is none. */
 static int add_pair(struct proxy_tick *tick, uint32_t index, int feature, double s, double reach,
                     const struct triangle_place *place)
 {
@@ -175,7 +178,7 @@ static int add_pair(struct proxy_tick *tick, uint32_t index, int feature, double
     return 1;
 }
 
-/* Of two pairs of neighbouring triangles that are the same: what their points and unit normals differ by, at most. */
+/* Pairs of neighbouring triangles whose points and unit normals differ by no more are the same. */
 #define TWIN 1e-9
 
 /* Whether a constraint of the same tip has the same points, of a triangle beside this one. */
@@ -201,7 +204,7 @@ struct tip_gather {
     const struct hull_place *hull;
 };
 
-/* The sine of the largest turn of a motion: features that are not nearest even then hold no tip. */
+/* The sine of the largest turn of a motion: features that are not nearest after such a turn cannot hold the tip. */
 #define LEAN_MAX 0.3
 
 static void add_tip_pair(void *user, const struct hull_pair *found)
@@ -277,7 +280,7 @@ void dpti_proxy_gather(struct proxy_tick *tick, double reach)
     work_spend(work, units < work_left(work) ? units : work_left(work));
 }
 
-/* The gap of one feature of a tip; where its points are not inside both any more, another one counts. */
+/* The gap of one feature of a tip. Without a pair of points inside both features, another feature counts: no limit. */
 static double tip_gap_of(const struct tip *tip, uint32_t feature, const vec3 v[3], const struct proxy_pose *pose,
                          const struct frame *body)
 {

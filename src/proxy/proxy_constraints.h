@@ -14,7 +14,7 @@ void dpti_proxy_gather(struct proxy_tick *tick, double reach);
 /* The gap of one constraint's pair at another pose, with bodies where they are now. */
 double dpti_proxy_gap_of(const struct proxy_tick *tick, uint32_t space, const struct proxy_pose *pose);
 
-/* The least gap of the triangles that are remembered, at a pose, with bodies where they are now; at most `enough`. */
+/* The minimum gap of the remembered triangles at a pose, with bodies where they are now; at most `enough`. */
 double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct proxy_pose *pose, double enough);
 
 /* Where a body is for `at`: at tick->time of its motion while tick->is_before. */

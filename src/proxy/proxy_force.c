@@ -27,7 +27,7 @@ static int may_yield(const struct proxy_tick *tick)
     return 0;
 }
 
-/* A surface that is softer by more than that gives no force at all. */
+/* The largest compliance that counts: so soft a surface gives no force. */
 #define COMPLIANCE_MAX 1e30
 
 /* Two constraints of unit normals whose cosine is below this hold the tool at different places. */
@@ -109,15 +109,15 @@ void dpti_proxy_end_force(struct proxy *proxy)
     memset(&proxy->fade, 0, sizeof proxy->fade);
 }
 
-/* Where the proxy has reached its device after it waited: whether more is still felt than may end in one tick. */
+/* Whether the proxy has reached its device after it waited, and more is still felt than may end in one tick. */
 static int is_pulled_back(const struct proxy *proxy)
 {
     return proxy->is_behind && displacement_norm(&proxy->coupling, &proxy->felt) > proxy->pace;
 }
 
 /*
- * What is felt of a proxy that waits, or has waited, changes no faster than that of one that never does. The surfaces that
- * hold it tell nothing of where a long way ends: what is felt does not grow on it.
+ * What is felt of a proxy that waits, or has waited, changes no faster than of one that does not. While it has far to
+ * go, it is not known which surfaces will hold it in the end, and what is felt does not grow.
  */
 static struct displacement in_pace(struct proxy *proxy, const struct displacement *felt)
 {
@@ -150,8 +150,8 @@ static uint32_t reason_of(const struct tool *tool, const struct proxy *proxy)
 }
 
 /*
- * A locked tool's turn is held by a stiffness that only counts as infinite: on its way from a fold, a tiny turn would give
- * any torque. Its torque is that of a force at most, somewhere on the tool.
+ * A locked tool's turn is held by a very large stiffness, so a tiny turn on the way from a fold would give a huge
+ * torque. Its torque is limited to what its force could give anywhere on the tool.
  */
 static void limit_torque(const struct tool *tool, const struct proxy *proxy, vec3 centre, vec3 origin,
                          dpt_wrench *wrench)
@@ -180,7 +180,7 @@ static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
             coupling_damped(&proxy->coupling, &felt, &proxy->felt, tool->damping / tool->stiffness, dt);
         wrench = coupling_wrench(&proxy->coupling, &damped, spin_axis, device.centre, device.frame.origin);
     }
-    /* A damper that exceeds all numbers is none. */
+    /* A damper whose force is no finite number is left out. */
     if (!(tool->damping > 0.0) || !wrench_is_finite(&wrench))
         wrench = coupling_wrench(&proxy->coupling, &felt, spin_axis, device.centre, device.frame.origin);
     limit_torque(tool, proxy, device.centre, device.frame.origin, &wrench);
@@ -285,7 +285,7 @@ double dpti_proxy_body_work(struct proxy_tick *tick)
     const struct displacement now = displacement_sum(&left, 1.0, &proxy->yielded);
     if (!dpti_proxy_solve_held(tick, wanted))
         return 0.0;
-    /* Of a proxy that waits, the contacts hold but a part of the way. */
+    /* Of a proxy that waits, contacts hold only a part of the displacement. */
     for (uint32_t k = 0; k < proxy_unknowns(proxy) && proxy->is_behind; k++)
         wanted[k] -= tick->solved.y[k];
     const double size = norm_of(wanted, proxy_unknowns(proxy));

@@ -5,19 +5,19 @@
 
 #include "proxy/proxy_tick.h"
 
-/* The proxy has moved: how far the surfaces that hold it yield to the force. */
+/* After the motion of the tick: find how far the surfaces that hold the proxy yield to the force. */
 void dpti_proxy_yield(struct proxy_tick *tick);
 
 /*
- * After that: a proxy that waits for a budget is felt as if it had gone the way that is left to it, as far as the surfaces
- * that hold it tell. So it does not pull back what nothing holds.
+ * After that: a proxy that waits for a budget is felt as if it had already gone as far as the surfaces that hold it
+ * allow. Otherwise it would pull back a tool that nothing holds.
  */
 void dpti_proxy_wait(struct proxy_tick *tick);
 
 /* The wrench and the report of a tool with a proxy. */
 void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt);
 
-/* Nothing was felt before: no fade and no damper goes on from there. */
+/* Forget what was felt, so that no fade and no damper continues from it. */
 void dpti_proxy_end_force(struct proxy *proxy);
 
 /*

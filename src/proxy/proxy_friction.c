@@ -3,15 +3,15 @@
 
 #include "proxy/proxy_constraints.h"
 
-/* Of the clearance: by how much a constraint may be missed. */
+/* As a share of the clearance: by how much a constraint may be missed. */
 #define TOLERANCE 1e-6
 
-/* Of the clearance: the gap that is left where walls on both sides leave no room for more. */
+/* As a share of the clearance: the gap that is left between walls that leave no room for more. */
 #define GAP_SPARED 0.5
 
 /*
- * How much longer a motion may become than the bounds that it makes good. Walls that are all but parallel, on both
- * sides, would be left by a way of meters along them.
+ * How many times longer than the bounds that it makes good a motion may become. Between walls that are almost parallel
+ * it would otherwise go meters along them.
  */
 #define LENGTHENED_MAX 100.0
 
@@ -64,7 +64,7 @@ static int solve(struct proxy_tick *tick, const double *wanted)
     }
     if (nearest(tick, wanted))
         return 1;
-    /* Walls that are all but parallel, on both sides: rounding alone decides whether there is a way between them. */
+    /* Between walls that are almost parallel, rounding alone decides whether there is a motion. */
     for (uint32_t i = 0; i < tick->space_count; i++)
         tick->spaces[i].bound -= spare[i];
     return nearest(tick, wanted);
@@ -73,16 +73,18 @@ static int solve(struct proxy_tick *tick, const double *wanted)
 /* Passes between the normal and the tangential problem. */
 enum { PASSES_MAX = 6 };
 
-/* Of the clearance: passes end where the goal moves by less. */
+/* As a share of the clearance: passes end when the goal moves by less. */
 #define SETTLED 1e-3
 
-/* Ticks for which a contact that holds nothing is kept: features change under a tool that is led along. */
+/* For how many ticks a contact that holds nothing is kept, as features change under a tool that slides. */
 #define AGE_MAX 2
 
 /* Contacts at the same place whose normals have a larger cosine are one. */
 #define ALIKE 0.9
 
-/* Two contacts of a segment and a body are the same where they are within that share of its length, or its radius. */
+/*
+ * Two contacts of a segment and a body are the same if they are within this share of its length, or within its radius.
+ */
 #define SAME_PLACE 0.02
 
 /* The tool's point of a constraint, in its frame. */
@@ -91,15 +93,15 @@ static vec3 place_of(const struct proxy_tick *tick, uint32_t space)
     return frame_to_local(&tick->at.frame, tick->sources[space].p);
 }
 
-/* m: what places on a tip are told apart by. */
+/* m: the length to which distances between places on a tip are compared. */
 static double size_of_tip(const struct tip *tip)
 {
     return length(sub(tip->hull->axis_b, tip->hull->axis_a)) + 2.0 * tip->hull->reach;
 }
 
 /*
- * The contact of the same segment and body that is nearest along the axis, or NULL; *apart is how far that is, as a share
- * of its length. Of a tip: nearest to the place on it, as a share of its size.
+ * The contact of the same segment and body that is nearest along the axis, or NULL; *apart is how far that is, as a
+ * share of its length. Of a tip: nearest to the place on it, as a share of its size.
  */
 static struct proxy_contact *nearest_contact(const struct proxy_tick *tick, uint32_t space, double *apart)
 {
@@ -291,7 +293,9 @@ static uint32_t list_places(struct proxy_tick *tick)
     return count;
 }
 
-/* The contacts with friction of the present solution; those that the last one had keep their pulls. Returns how many. */
+/*
+ * The contacts with friction of the present solution; those that the last one had keep their pulls. Returns how many.
+ */
 static uint32_t list_contacts(struct proxy_tick *tick, uint32_t before)
 {
     struct friction_contact last[HALF_SPACE_DIMENSIONS];
@@ -331,10 +335,12 @@ struct passes {
     int is_known;
 };
 
-/* Passes that come nearer by less than half each would lead too far: the next one begins where the last one ended. */
+/*
+ * If passes converge slower than by half each, extrapolation would overshoot: the next begins where the last one ended.
+ */
 #define LED_MAX 1.0
 
-/* The goal to try next: where a line through this pass and the last one meets no difference. */
+/* The goal to try next, by a secant: where a line through this pass and the last one has no difference. */
 static void lead_on(struct passes *passes, const double *found, double *pulled, uint32_t n)
 {
     double missed[HALF_SPACE_DIMENSIONS], step[HALF_SPACE_DIMENSIONS], part = 0.0;
@@ -418,7 +424,7 @@ int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
     return 1;
 }
 
-/* Of the clearance: how far a surface that holds the proxy may be from it. */
+/* As a multiple of the clearance: how far from the proxy a surface that holds it may be. */
 #define HOLDING 20.0
 
 int dpti_proxy_solve_held(struct proxy_tick *tick, double *left)
@@ -438,10 +444,10 @@ int dpti_proxy_solve_held(struct proxy_tick *tick, double *left)
     return tick->held == PROXY_HELD_SOLVED;
 }
 
-/* Of its limit: a torsion that is larger is at it, whatever rounding makes of the shares of a place. */
+/* As a share of the limit: a larger torsion counts as being at it, as the shares of a place are rounded. */
 #define TURNING (1.0 - 1e-9)
 
-/* rad: what is left to make good of a turn about the normal; a torsion at its limit has nothing. */
+/* rad: the turn about the normal that torsion still holds. At its limit it slips, and nothing is left. */
 static double turned_after(const struct friction_contact *solved, const struct proxy_contact *contact, vec3 normal,
                            vec3 turn)
 {

@@ -40,8 +40,8 @@ struct tool_sweep {
 };
 
 /*
- * The directions from the tool to a body at the contacts that hold it there. Where the body was before this tick they
- * were others: none then.
+ * The directions from the tool to a body at the contacts that hold it there. While tick->is_before there are none, as
+ * the body was elsewhere.
  */
 static uint32_t list_directions(const struct proxy_tick *tick, const struct body *body,
                                 vec3 directions[SWEEP_DIRECTIONS_MAX])
@@ -64,7 +64,7 @@ static int is_in_reach(const struct proxy_tick *tick, uint32_t slot, const struc
     return body_is_there(body) && box_distance(box, &world->boxes[slot]) <= reach + moved;
 }
 
-/* What the sweep of one segment or tip past one body gave; what is hit is remembered. */
+/* Note the sweep of one segment or tip past one body, and remember what was hit. */
 static void note_sweep(struct proxy_tick *tick, uint32_t number, const struct body *body, int status, double time,
                        uint32_t triangle, struct tool_sweep *sweep)
 {
@@ -76,7 +76,7 @@ static void note_sweep(struct proxy_tick *tick, uint32_t number, const struct bo
         sweep->status = status;
 }
 
-/* One segment past one body; what is hit is remembered. */
+/* Sweep one segment past one body. */
 static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct body *body, const dpt_pose *to,
                        struct tool_sweep *sweep)
 {
@@ -112,10 +112,10 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
     note_sweep(tick, number, body, status, free_until, rigid.result.impact.triangle, sweep);
 }
 
-/* A motion that meets something is shortened by more than that. */
+/* As a share of the motion: one that meets something is shortened by more than that anyway. */
 #define TIP_RESOLUTION 0.03
 
-/* One tip past one body, likewise. */
+/* Sweep one tip past one body. */
 static void sweep_tip(struct proxy_tick *tick, uint32_t number, const struct body *body, const dpt_pose *to,
                       struct tool_sweep *sweep)
 {
@@ -140,7 +140,7 @@ static void sweep_tip(struct proxy_tick *tick, uint32_t number, const struct bod
     note_sweep(tick, number, body, status, hull.time, hull.triangle, sweep);
 }
 
-/* All tips, past all bodies that they may meet but the one in the slot `carrier`. */
+/* Sweep all tips past all bodies that they may meet, except the one in the slot `carrier`. */
 static void sweep_tips(struct proxy_tick *tick, const struct proxy_pose *to, uint32_t carrier, struct tool_sweep *sweep)
 {
     struct dpt_world *world = tick->world;
@@ -163,14 +163,14 @@ static void sweep_tips(struct proxy_tick *tick, const struct proxy_pose *to, uin
     }
 }
 
-/* The whole tool, past all bodies that it may meet but the one in the slot `carrier`. */
+/* Sweep the whole tool past all bodies that it may meet, except the one in the slot `carrier`. */
 static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_pose *to, uint32_t carrier)
 {
     struct dpt_world *world = tick->world;
-    /* Where the search was last elsewhere, its list tells nothing. */
+    /* For a search that was last elsewhere, as its list does not hold here. */
     const struct near_bodies all = { .count = world->body_slot_end };
     struct tool_sweep sweep = { SWEEP_FREE, 1.0, 1 };
-    /* The shortest motion that is tried has no shorter one to wait for. */
+    /* The shortest motion has all work of the tick: no shorter one would be tried instead. */
     const int is_limited = !tick->is_before && tick->proxy->trust > tick->clearance;
     const struct work before = is_limited ? world_begin_sweep(world) : world->work;
     for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
@@ -205,8 +205,8 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
 }
 
 /*
- * Whether the gap is large enough, or no smaller than it was: a new body may make more necessary than there is.
- * Where it is not, the triangles that are too near are remembered.
+ * Whether the gap is large enough, or no smaller than before: with a new body the required gap may be larger than the
+ * one there is. If it is not, the triangles that are too near are remembered.
  */
 static int has_room(struct proxy_tick *tick, double gap_before)
 {
@@ -221,7 +221,7 @@ static int has_room(struct proxy_tick *tick, double gap_before)
     return 0;
 }
 
-/* The least gap of the triangles that are remembered, while bodies move: at a share of what is left of their motion. */
+/* The minimum gap of the remembered triangles while bodies move: at a share of what is left of the bodies' motion. */
 static double gap_with_bodies(struct proxy_tick *tick, const struct proxy_pose *pose, double share)
 {
     const double time = tick->time;
@@ -231,10 +231,10 @@ static double gap_with_bodies(struct proxy_tick *tick, const struct proxy_pose *
     return gap;
 }
 
-/* Of the time of the first touch: so far a motion is made while bodies move, if enough of the gap is left there. */
+/* As shares of the time of the first touch: so far a motion goes while bodies move, if enough gap is left there. */
 static const double before_touch[] = { 0.9, 0.5 };
 
-/* Make a motion up to before the first touch, and the bodies' motion with it. Returns the share. */
+/* Make a motion up to shortly before the first touch, together with the bodies' motion. Returns the share. */
 static double move_with_bodies(struct proxy_tick *tick, const struct proxy_pose *to, double met)
 {
     for (size_t k = 0; k < sizeof before_touch / sizeof *before_touch; k++) {
@@ -309,7 +309,9 @@ static dpt_pose carried_pose(const struct proxy_tick *tick, const struct body *b
     return pose;
 }
 
-/* To that body nothing changes. The others are swept; where there are none, nothing is to be searched for. */
+/*
+ * Move with a body, as if fixed to it: it need not be swept itself. With no other body near, its gap stays as it was.
+ */
 static int carry_with(struct proxy_tick *tick, const struct body *body)
 {
     const struct proxy_pose from = tick->at;

@@ -6,13 +6,13 @@
 /* A tool is straight if no end is farther from the line of its longest segment than that share of its length. */
 #define STRAIGHT 1e-9
 
-/* A spin by less is none: a proxy that rests is to keep its bits. */
+/* rad: a smaller spin is left out, so that a proxy at rest keeps its bits. */
 #define SPUN 1e-8
 
 /* m: below this length, or this size of a tool, it is a point: a ball, whose turns are not felt. */
 #define BALL 1e-9
 
-/* A rotational stiffness counts as if it made rho differ by at most that factor: the unknowns stay numbers. */
+/* By which factor a rotational stiffness may change rho at most, so that the unknowns stay finite. */
 #define RHO_FACTOR 1e3
 
 /* The line of all segments: from one end to the end that is farthest from it. */

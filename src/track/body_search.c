@@ -132,7 +132,9 @@ static double proven_bound(const struct dpt_world *world, uint32_t segment_index
     return lower_bound;
 }
 
-/* Shares of dpt_world_bytes: last triangles, which the paper's method does not use, and the blocks of the plane cache. */
+/*
+ * Shares of dpt_world_bytes: last triangles, which the paper's method does not use, and the blocks of the plane cache.
+ */
 static uint64_t last_triangles_bytes(const dpt_world_def *def)
 {
     return def->method == DPT_METHOD_PAPER ? 0 : mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies);

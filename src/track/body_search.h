@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * One axis against all bodies of a world: methods exact, tree and brute. With a budget also what is proven of the distance
- * between a segment and each body, by finished and by suspended searches. A bound stays valid in later ticks, less the
- * motion of the axis: docs/algorithms/budget.md.
+ * One axis against all bodies of a world: methods exact, tree and brute. With a budget also what is proven of the
+ * distance between a segment and each body, by finished and by suspended searches. A bound stays valid in later ticks,
+ * less the motion of the axis: docs/algorithms/budget.md.
  */
 #ifndef DPT_BODY_SEARCH_H
 #define DPT_BODY_SEARCH_H

@@ -309,8 +309,8 @@ static int find_gap_and_regions(struct contact_pair *contact_pair, const struct 
 }
 
 /*
- * Whether the work left is twice what the last tick took: then this one is done at once. Otherwise the depth goes first,
- * and the point cache keeps what is found for later ticks. At rest these continue there.
+ * Whether the work left is twice what the last tick took: then this one is done at once. Otherwise the depth goes
+ * first, and the point cache keeps what is found for later ticks. At rest these continue there.
  */
 static int has_ample_work(const struct contact_pair *contact_pair)
 {

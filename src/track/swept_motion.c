@@ -410,7 +410,7 @@ int dpti_backlog_sweep(struct dpt_world *world, uint32_t segment_index)
     if (backlog->radius != segment->radius)
         backlog->body_id = 0;
     backlog->radius = segment->radius;
-    /* Late is better than given up. */
+    /* A full backlog may take all work of the tick: to be late is better than to give up. */
     const int is_full = backlog->count == MOTION_STEPS_MAX;
     const struct work before = is_full ? world->work : world_begin_sweep(world);
     const int is_done = sweep_steps(world, segment_index, backlog, before.limit);

@@ -4,8 +4,8 @@
  * is; the hits, contacts and life of tips: docs/algorithms/tips.md.
  *
  * With `near_only` some segments need no search: docs/algorithms/near_only.md. What was proven of a segment's distance
- * holds in later ticks, less the motion of its ends and of the bodies. While that is beyond the margin, and no less than
- * the gap of the tool's nearest segment, the segment is far: its answer is a pair that was nearest before.
+ * holds in later ticks, less the motion of its ends and of the bodies. While that is beyond the margin, and no less
+ * than the gap of the tool's nearest segment, the segment is far: its answer is a pair that was nearest before.
  */
 #ifndef DPT_TOOL_PARTS_H
 #define DPT_TOOL_PARTS_H
@@ -76,8 +76,8 @@ struct box dpti_tip_box(const struct dpt_hull *hull, const struct frame *tool);
 struct box dpti_part_box(struct part part, const struct frame *tool);
 
 /*
- * The nearest pair of a tip and all bodies, with the tool's frame at `frame`. One body or triangle that was near is tried
- * first; the answer does not change what is remembered.
+ * The nearest pair of a tip and all bodies, with the tool's frame at `frame`. One body or triangle that was near is
+ * tried first; the answer does not change what is remembered.
  */
 void dpti_tip_find(struct dpt_world *world, const struct tip *tip, const struct frame *frame,
                    struct tip_answer *answer);
@@ -90,12 +90,14 @@ void dpti_tip_know(const struct dpt_world *world, struct tip *tip, const struct 
 void dpti_tips_track(struct dpt_world *world, struct tool *tool);
 
 /*
- * Whether a tip is outside of the part that it is nearest to, where that part has an inside and no defects. Elsewhere the
- * tool's segments tell.
+ * Whether a tip is outside of the part that it is nearest to, where that part has an inside and no defects. Elsewhere
+ * the tool's segments tell.
  */
 int dpti_tip_is_outside(const struct tip *tip);
 
-/* Hits of the tips, from their answers; of a tool that is held away from its device with `device`, the device's frame. */
+/*
+ * Hits of the tips, from their answers; of a tool that is held away from its device with `device`, the device's frame.
+ */
 void dpti_tips_write_hits(struct dpt_world *world, struct tool *tool, const struct frame *device);
 
 /* Contacts of the tips, from their answers. */
@@ -136,7 +138,10 @@ static inline struct min_distance min_distance_none(void)
     return (struct min_distance){ HUGE_VAL, HUGE_VAL };
 }
 
-/* Whether a segment of that radius whose axis is farther than `distance` is neither the nearest by its surface nor its axis. */
+/*
+ * Whether a segment of that radius whose axis is farther than `distance` is neither the nearest by its surface nor its
+ * axis.
+ */
 static inline int min_distance_is_below(const struct min_distance *min, double distance, double radius)
 {
     return distance > 0.0 && distance >= min->distance && distance - radius >= min->gap;
@@ -151,29 +156,32 @@ static inline int min_distance_take(struct min_distance *min, double distance, d
     return is_nearest;
 }
 
-/* Nothing is proven of the segment any more. */
+/* Forget what is proven of a segment's distance. */
 void dpti_far_forget(struct segment *segment);
 
 /* The same of all segments: a body appeared somewhere, or one is gone. */
 void dpti_far_forget_all(struct dpt_world *world);
 
 /*
- * A pair with the triangle that was nearest before, for the axis from `a` to `b`, into `track`. It may not be the nearest
- * any more; `lower_bound` m is proven of the distance, and `result` says so.
+ * A pair with the triangle that was nearest before, for the axis from `a` to `b`, into `track`. It may not be the
+ * nearest any more; `lower_bound` m is proven of the distance, and `result` says so.
  */
 void dpti_far_pair(const struct body *body, vec3 a, vec3 b, double lower_bound, struct dynamic_point *track,
                    struct segment_result *result);
 
-/* A segment's answer of the last tick ends. 0: its tool, or a body, has no valid input, and it gets none in this tick. */
+/*
+ * End a segment's answer of the last tick. Returns 0 if its tool or a body has no valid input, so that it gets no new
+ * one.
+ */
 int dpti_track_begin(struct dpt_world *world, uint32_t segment_index);
 
 /* Find the nearest pair of a segment, into segment->answer and segment->result. */
 void dpti_track_segment(struct dpt_world *world, uint32_t segment_index);
 
 /*
- * The same of all segments of a tool with `near_only`, the one first that was nearest before. Those that are far are not
- * searched for. `all_outside`: the whole tool is known to be outside of everything; else what is known
- * of each segment counts.
+ * The same of all segments of a tool with `near_only`, the one first that was nearest before. Those that are far are
+ * not searched for. `all_outside`: the whole tool is known to be outside of everything; else what is known of each
+ * segment counts.
  */
 void dpti_track_near(struct dpt_world *world, struct tool *tool, int all_outside);
 

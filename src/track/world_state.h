@@ -78,7 +78,9 @@ struct tool {
     uint32_t still_ticks; /* in a row, up to the last */
     uint32_t near_only;   /* segments that are far are not searched for (tool_parts.h) */
     uint32_t closest;     /* the segment, from 0, that was nearest in the last search; with near_only */
-    /* What it does to rigid bodies in this tick, about where its torque is; only with deformable bodies in the world. */
+    /*
+     * What it does to rigid bodies in this tick, about where its torque is; only with deformable bodies in the world.
+     */
     dpt_wrench on_rigid;
 };
 

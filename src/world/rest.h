@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What stands still, bit for bit, is not computed again. A tool rests when a tick would repeat the last one: nothing that it
- * depends on has changed, its answers are complete, and the last two ticks left contacts and proxy as they found them. Its
- * answers, contacts, sweep and strips then stay; forces are computed in every tick, as they may fade.
+ * What stands still, bit for bit, is not computed again. A tool rests when a tick would repeat the last one: nothing
+ * that it depends on has changed, its answers are complete, and the last two ticks left contacts and proxy as they
+ * found them. Its answers, contacts, sweep and strips then stay; forces are computed in every tick, as they may fade.
  *
- * It depends on its own pose, segments and settings, and on all bodies. Whoever changes one of these says so in `has_changed`,
- * of the tool or of the world. Beside a deformable body no tool rests.
+ * It depends on its own pose, segments and settings, and on all bodies. Whoever changes one of these says so in
+ * `has_changed`, of the tool or of the world. Beside a deformable body no tool rests.
  */
 #ifndef DPT_REST_H
 #define DPT_REST_H

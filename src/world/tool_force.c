@@ -38,8 +38,8 @@ static uint32_t reason_of(const struct segment *segment)
 }
 
 /*
- * J, in this tick, of the body that pushes a segment, by its wrench about `origin` in the last tick and in this one. Of a
- * bed over several bodies only the one in which the segment is deepest counts.
+ * J, in this tick, of the body that pushes a segment, by its wrench about `origin` in the last tick and in this one. Of
+ * a bed over several bodies only the one in which the segment is deepest counts.
  */
 static double body_work_of(const struct dpt_world *world, const struct segment *segment, vec3 origin,
                            const dpt_wrench *last, const dpt_wrench *now)
