@@ -140,66 +140,58 @@ static void sweep_tip(struct proxy_tick *tick, uint32_t number, const struct bod
     note_sweep(tick, number, body, status, hull.time, hull.triangle, sweep);
 }
 
-/* Sweep all tips past all bodies that they may meet, except the one in the slot `carrier`. */
-static void sweep_tips(struct proxy_tick *tick, const struct proxy_pose *to, uint32_t carrier, struct tool_sweep *sweep)
+/* m: no point of a part moves farther on the way to a pose. */
+static double part_motion(const struct proxy_tick *tick, struct part part, const struct proxy_pose *to)
+{
+    const struct segment *segment = part.segment;
+    if (part.tip)
+        return dpti_hull_displacement(part.tip->hull, &to->pose, &tick->at.pose);
+    const vec3 a = frame_to_world(&tick->at.frame, segment->a), b = frame_to_world(&tick->at.frame, segment->b);
+    const vec3 to_a = frame_to_world(&to->frame, segment->a), to_b = frame_to_world(&to->frame, segment->b);
+    /* An arc is longer than its chord, for the turns that are made by at most a tenth. */
+    return 1.1 * max_of(length(sub(to_a, a)), length(sub(to_b, b)));
+}
+
+/* Sweep one part past all bodies that it may meet, except the one in the slot `carrier`. */
+static void sweep_part(struct proxy_tick *tick, uint32_t number, const struct proxy_pose *to, uint32_t carrier,
+                       struct tool_sweep *sweep)
 {
     struct dpt_world *world = tick->world;
-    const struct tool *tool = tick->tool;
-    for (uint32_t i = 0; i < tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(world, tool, i);
-        const double moved = dpti_hull_displacement(tip->hull, &to->pose, &tick->at.pose);
-        const double known = tick->is_lost ? 0.0 : tip->answer.lower_bound - tip->hull->radius;
-        const double reach = tip->hull->radius + moved + tick->clearance;
-        const struct box box = dpti_tip_box(tip->hull, &tick->at.frame);
-        if (max_of(tick->gap, known) > moved + tick->clearance && !tick->is_before)
+    const struct part part = tool_part(world, tick->tool, number);
+    const double radius = part_radius(part), moved = part_motion(tick, part, to);
+    const double known = tick->is_lost ? 0.0 : part_nearest(part).lower_bound - radius;
+    const double reach = radius + moved + tick->clearance;
+    if (max_of(tick->gap, known) > moved + tick->clearance && !tick->is_before)
+        return;
+    const struct box box = dpti_part_box(part, &tick->at.frame);
+    /* For tips, and for a search that was last elsewhere, as its list does not hold here. */
+    const struct near_bodies all = { .count = world->body_slot_end }, *nearby = &all;
+    near_bodies_forget(&world->near_bodies);
+    if (part.segment && !tick->is_lost)
+        nearby = dpti_broad_phase_within(world, tick->tool->first_segment + number,
+                                         reach + (tick->is_before ? world_body_motion(world) : 0.0));
+    for (uint32_t k = 0; k < nearby->count; k++) {
+        const uint32_t slot = nearby->slots ? nearby->slots[k] : k;
+        if (slot == carrier || !is_in_reach(tick, slot, &box, reach))
             continue;
-        for (uint32_t slot = 0; slot < world->body_slot_end; slot++) {
-            const struct body *body = &world->bodies[slot];
-            if (slot == carrier || !is_in_reach(tick, slot, &box, reach))
-                continue;
-            sweep->is_alone = 0;
-            sweep_tip(tick, tool->segment_count + i, body, &to->pose, sweep);
-        }
+        sweep->is_alone = 0;
+        if (part.tip)
+            sweep_tip(tick, number, &world->bodies[slot], &to->pose, sweep);
+        else
+            sweep_body(tick, number, &world->bodies[slot], &to->pose, sweep);
     }
 }
 
-/* Sweep the whole tool past all bodies that it may meet, except the one in the slot `carrier`. */
+/* Sweep the whole tool, likewise. */
 static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_pose *to, uint32_t carrier)
 {
     struct dpt_world *world = tick->world;
-    /* For a search that was last elsewhere, as its list does not hold here. */
-    const struct near_bodies all = { .count = world->body_slot_end };
     struct tool_sweep sweep = { SWEEP_FREE, 1.0, 1 };
     /* The shortest motion has all work of the tick: no shorter one would be tried instead. */
     const int is_limited = !tick->is_before && tick->proxy->trust > tick->clearance;
     const struct work before = is_limited ? world_begin_sweep(world) : world->work;
-    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
-        const struct segment *segment = &world->segments[tick->tool->first_segment + i];
-        const vec3 a = frame_to_world(&tick->at.frame, segment->a);
-        const vec3 b = frame_to_world(&tick->at.frame, segment->b);
-        const vec3 to_a = frame_to_world(&to->frame, segment->a);
-        const vec3 to_b = frame_to_world(&to->frame, segment->b);
-        const struct box box = box_of_axis(a, b);
-        /* An arc is longer than its chord, for the turns that are made by at most a tenth. */
-        const double moved = 1.1 * max_of(length(sub(to_a, a)), length(sub(to_b, b)));
-        const double known = tick->is_lost ? 0.0 : segment->result.lower_bound - segment->radius;
-        const double reach = segment->radius + moved + tick->clearance;
-        if (max_of(tick->gap, known) > moved + tick->clearance && !tick->is_before)
-            continue;
-        near_bodies_forget(&world->near_bodies);
-        const double bodies_moved = tick->is_before ? world_body_motion(world) : 0.0;
-        const struct near_bodies *nearby =
-            tick->is_lost ? &all : dpti_broad_phase_within(world, tick->tool->first_segment + i, reach + bodies_moved);
-        for (uint32_t k = 0; k < nearby->count; k++) {
-            const uint32_t slot = nearby->slots ? nearby->slots[k] : k;
-            const struct body *body = &world->bodies[slot];
-            if (slot == carrier || !is_in_reach(tick, slot, &box, reach))
-                continue;
-            sweep.is_alone = 0;
-            sweep_body(tick, i, body, &to->pose, &sweep);
-        }
-    }
-    sweep_tips(tick, to, carrier, &sweep);
+    for (uint32_t i = 0; i < tool_part_count(tick->tool); i++)
+        sweep_part(tick, i, to, carrier, &sweep);
     world_end_sweep(world, &before);
     return sweep;
 }

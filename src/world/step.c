@@ -234,13 +234,20 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
 
 /* The default: a tool with a proxy. Its proxy has come where it is by free motion, so nothing is swept any more. */
 
-/* Where a budget has ended the search or the sweep before contacts: they stay as they were. */
-static void leave_contacts(struct dpt_world *world, uint32_t segment_index)
+/* Find the contacts of a segment. Where a budget has ended its search or sweep, those of the last tick stay. */
+static void find_contacts(struct dpt_world *world, uint32_t segment_index, int is_swept)
 {
     struct segment *segment = &world->segments[segment_index];
-    dpti_persistent_contacts_carry_over(world, segment_index);
-    if (segment->answer.body)
-        segment->result.unknown = DPT_HIT_FLAG_BUDGET;
+    const struct body_answer *answer = &segment->answer;
+    if (answer->is_far) {
+        dpti_contacts_set_none(segment);
+    } else if (is_swept && answer->body && answer->is_exact) {
+        dpti_contacts_find(world, segment_index, answer, &segment->result, &segment->penetration);
+    } else {
+        dpti_persistent_contacts_carry_over(world, segment_index);
+        if (answer->body)
+            segment->result.unknown = DPT_HIT_FLAG_BUDGET;
+    }
 }
 
 /* A segment's strip, where strips are asked for, and its hit as users get it. */
@@ -253,16 +260,10 @@ static void write_segment(struct dpt_world *world, uint32_t segment_index)
 
 static void contact_at_proxy(struct dpt_world *world, uint32_t segment_index)
 {
-    struct segment *segment = &world->segments[segment_index];
     const uint32_t work_before = world->work.done;
     near_bodies_forget(&world->near_bodies);
-    if (segment->answer.is_far)
-        dpti_contacts_set_none(segment);
-    else if (segment->answer.body && segment->answer.is_exact)
-        dpti_contacts_find(world, segment_index, &segment->answer, &segment->result, &segment->penetration);
-    else
-        leave_contacts(world, segment_index);
-    segment->result.work += world->work.done - work_before;
+    find_contacts(world, segment_index, 1);
+    world->segments[segment_index].result.work += world->work.done - work_before;
     write_segment(world, segment_index);
 }
 
@@ -340,12 +341,7 @@ static void contact_after_sweep(struct dpt_world *world, uint32_t segment_index)
     const int is_free = is_swept && segment->sweep.status == DPT_SWEEP_FREE;
     if (segment->answer.is_far && !is_free)
         dpti_track_far(world, segment_index);
-    if (segment->answer.is_far)
-        dpti_contacts_set_none(segment);
-    else if (is_swept && segment->answer.is_exact)
-        dpti_contacts_find(world, segment_index, &segment->answer, &segment->result, &segment->penetration);
-    else
-        leave_contacts(world, segment_index);
+    find_contacts(world, segment_index, is_swept);
     segment->result.work += world->work.done - work_before;
     segment->proven.is_outside = segment->result.contact == DPT_CONTACT_SEPARATED;
     dpti_backlog_end_tick(world, segment_index);
