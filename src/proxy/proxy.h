@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The proxies of a world over their lives: where they lie, which tools have one, what they remember and forget, the
- * proxy of a free tool, and what users get of them: docs/algorithms/force.md.
+ * The proxy of a tool: the pose that has gone through nothing, led by the device's and coupled to it by a spring. Where
+ * proxies lie, which tools have one, what they remember and forget, and what users get of them: docs/algorithms/force.md.
  *
  * A free tool of one segment is kept in a frame of its own, with end a at the origin and end b on the x axis. That
  * frame's pose is tool->pose.
@@ -58,6 +58,9 @@ void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, u
 
 /* A body was added or teleported: the proxies near which it is are not known to be outside of it. */
 void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot);
+
+/* One tick of `dt`: the proxy follows the device; nearest pairs of the tool's segments are those at the proxy then. */
+void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt);
 
 /* After contact: whether a proxy that was placed, or doubted, is outside of everything. */
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool);

@@ -15,10 +15,7 @@ static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *a
         tick->triangles[tick->triangle_count++] = *added;
 }
 
-/*
- * List the remembered triangles, and the nearest one of each part within reach. Not all parts of a large tool have
- * room.
- */
+/* List the remembered triangles, and the nearest one of each part within reach, as far as there is room. */
 static void list_triangles(struct proxy_tick *tick, double reach)
 {
     const struct tool *tool = tick->tool;

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * The motion that a proxy's constraints and friction allow, and what contacts keep so that they stick:
- * docs/algorithms/force.md.
- */
+/* The motion that constraints and friction allow, and what keeps contacts sticking: docs/algorithms/force.md. */
 #ifndef DPT_PROXY_FRICTION_H
 #define DPT_PROXY_FRICTION_H
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "proxy/proxy_step.h"
-
 #include "proxy/proxy.h"
+
 #include "proxy/proxy_constraints.h"
 #include "proxy/proxy_force.h"
 #include "proxy/proxy_friction.h"
@@ -202,10 +201,7 @@ struct proxy_motion {
     double size;
 };
 
-/*
- * Choose the next motion. FOLLOW_MOVED: there is one. FOLLOW_DONE: nothing is left to move. FOLLOW_STUCK: none is
- * allowed.
- */
+/* Choose the next motion. FOLLOW_MOVED: there is one. FOLLOW_DONE: none is left. FOLLOW_STUCK: none is allowed. */
 static int choose_motion(struct proxy_tick *tick, const struct displacement *displacement, double allowed,
                          struct proxy_motion *motion)
 {

@@ -23,10 +23,7 @@ static struct tool_load *load_of(const struct dpt_world *world, const struct too
     return NULL;
 }
 
-/*
- * Where the torque of a tool's wrench is about, in the world. With a proxy it is the device's origin, also of a free
- * tool.
- */
+/* The point, in the world, that the torque is about. With a proxy it is the device's origin, also of a free tool. */
 static vec3 origin_of(const struct dpt_world *world, const struct tool *tool)
 {
     return dpti_proxy_is_used(world, tool) ? vec3_of(tool->pose.position) : tool_torque_origin(world, tool);

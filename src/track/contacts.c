@@ -280,10 +280,7 @@ static void keep_depth_samples(const struct contact_pair *contact_pair)
     }
 }
 
-/*
- * Find gap (m) and regions with the pair's present sides. Returns CONTACT_...; without a profile there are no
- * regions.
- */
+/* Find gap (m) and regions with the pair's present sides. Returns CONTACT_...; regions need a profile. */
 static int find_gap_and_regions(struct contact_pair *contact_pair, const struct warm_start *warm_starts,
                                 uint32_t warm_start_count, struct region regions[REGION_MAX], uint32_t *count,
                                 double *gap)

@@ -35,10 +35,7 @@ static inline int persistent_contact_is_of(const struct persistent_contact *pers
     return persistent->segment_index == segment_index && (!body || persistent->contact.body == body->id);
 }
 
-/*
- * Whether two ticks know the same of a contact, but for `is_in_front`, which the motion of the later one may have
- * cleared.
- */
+/* Whether two ticks know the same of a contact, except `is_in_front`, which a motion may have cleared. */
 static inline int persistent_contact_is_same(const struct persistent_contact *a, const struct persistent_contact *b)
 {
     return !memcmp(a, b, offsetof(struct persistent_contact, is_in_front)) &&

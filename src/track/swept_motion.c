@@ -48,10 +48,7 @@ static struct placement placement_in_world(const struct motion_state *previous)
                                .b = frame_to_world(&frame, previous->b) };
 }
 
-/*
- * The two ends of a motion: by the tool's poses or, if the segment changed in the tool's frame, by its ends in the
- * world.
- */
+/* A motion's ends: by the tool's poses or, if the segment changed in the tool's frame, by its ends in the world. */
 static void placements_of(const struct motion_state *previous, const struct motion_state *now, struct placement *from,
                           struct placement *to)
 {
@@ -207,10 +204,7 @@ static const struct body *next_body(struct swept_bodies *bodies)
     return NULL;
 }
 
-/*
- * The bodies within `reach` (m) of a segment where it is now, and those whose own motion may have brought them within
- * it.
- */
+/* The bodies within `reach` (m) of a segment where it is now, or that may have come within it by their own motion. */
 static struct swept_bodies bodies_within(struct dpt_world *world, uint32_t segment_index, double reach)
 {
     const struct dynamic_point *track = &world->segments[segment_index].answer.track;
@@ -337,10 +331,7 @@ static int can_follow(struct dpt_world *world, uint32_t segment_index, const str
            (backlog->count < MOTION_STEPS_MAX || is_same_place(&backlog->motion_ends[backlog->count - 1], now));
 }
 
-/*
- * Whether every surface is too far away for this tick's motions to have met it. `reach`: the segment's motion plus
- * its radius, in m.
- */
+/* Whether no surface can have been met in this tick. `reach`: the segment's motion plus its radius, in m. */
 static int is_far_from_all(const struct dpt_world *world, const struct segment *segment, double reach)
 {
     double body_motion = world_body_motion(world);

@@ -138,10 +138,7 @@ static inline struct min_distance min_distance_none(void)
     return (struct min_distance){ HUGE_VAL, HUGE_VAL };
 }
 
-/*
- * Whether a segment of that radius whose axis is farther than `distance` is neither the nearest by its surface nor its
- * axis.
- */
+/* Whether a segment whose axis is farther than `distance` is the nearest neither by its surface nor by its axis. */
 static inline int min_distance_is_below(const struct min_distance *min, double distance, double radius)
 {
     return distance > 0.0 && distance >= min->distance && distance - radius >= min->gap;
@@ -169,10 +166,7 @@ void dpti_far_forget_all(struct dpt_world *world);
 void dpti_far_pair(const struct body *body, vec3 a, vec3 b, double lower_bound, struct dynamic_point *track,
                    struct segment_result *result);
 
-/*
- * End a segment's answer of the last tick. Returns 0 if its tool or a body has no valid input, so that it gets no new
- * one.
- */
+/* End a segment's answer of the last tick. Returns 0 if its tool or a body has no valid input: it gets no new one. */
 int dpti_track_begin(struct dpt_world *world, uint32_t segment_index);
 
 /* Find the nearest pair of a segment, into segment->answer and segment->result. */

@@ -30,17 +30,11 @@ char *dpti_baseline_place(struct dpt_world *world, char *at)
     return at + dpti_baseline_bytes(&world->def);
 }
 
-void dpti_baseline_forget(struct dpt_world *world, uint32_t segment_index)
+void dpti_baseline_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t slot)
 {
-    if (world->def.method == DPT_METHOD_PAPER)
-        memset(part_triangles(world, segment_index, 0), 0xff,
-               triangles_a_segment(&world->def) * sizeof *world->part_triangles);
-}
-
-void dpti_baseline_forget_body(struct dpt_world *world, uint32_t slot)
-{
-    for (uint32_t s = 0; world->def.method == DPT_METHOD_PAPER && s < world->segment_count; s++)
-        memset(part_triangles(world, s, slot), 0xff, world->def.baseline->parts * sizeof *world->part_triangles);
+    const size_t triangles = slot == DPT_NONE ? triangles_a_segment(&world->def) : world->def.baseline->parts;
+    for (uint32_t s = first; world->def.method == DPT_METHOD_PAPER && s < end; s++)
+        memset(part_triangles(world, s, slot == DPT_NONE ? 0 : slot), 0xff, triangles * sizeof *world->part_triangles);
 }
 
 void dpti_baseline_remove(struct dpt_world *world, uint32_t first, uint32_t end)

@@ -11,9 +11,11 @@ uint64_t dpti_baseline_bytes(const dpt_world_def *def);
 /* Place its memory at `at`; returns where it ends. */
 char *dpti_baseline_place(struct dpt_world *world, char *at);
 
-/* Forget the last triangles of a segment, or of all segments on the body in a slot. */
-void dpti_baseline_forget(struct dpt_world *world, uint32_t segment_index);
-void dpti_baseline_forget_body(struct dpt_world *world, uint32_t slot);
+/*
+ * Forget the last triangles of the segments from `first` up to, not including, `end` on the body in `slot` or, with
+ * DPT_NONE, on all.
+ */
+void dpti_baseline_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t slot);
 
 /* Remove the data of the segments from `first` up to, not including, `end`; that of later segments moves up. */
 void dpti_baseline_remove(struct dpt_world *world, uint32_t first, uint32_t end);

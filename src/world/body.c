@@ -4,7 +4,6 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "proxy/proxy.h"
-#include "proxy/proxy_step.h"
 #include "track/body_search.h"
 #include "track/persistent_contacts.h"
 #include "track/swept_motion.h"
@@ -27,7 +26,7 @@ static void forget_body(struct dpt_world *world, uint32_t slot)
     dpti_proxy_forget_body(world, world->bodies[slot].id);
     dpti_tips_forget_body(world, world->bodies[slot].id);
     dpti_body_search_forget_body(world, slot);
-    dpti_baseline_forget_body(world, slot);
+    dpti_baseline_forget(world, 0, world->segment_count, slot);
     dpti_far_forget_all(world);
 }
 

@@ -7,8 +7,8 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/wrench_limit.h"
+#include "proxy/proxy.h"
 #include "proxy/proxy_force.h"
-#include "proxy/proxy_step.h"
 #include "proxy/tool_loads.h"
 #include "track/contacts.h"
 #include "track/persistent_contacts.h"
@@ -143,9 +143,11 @@ static void contact_tools(struct dpt_world *world, uint32_t first, double dt)
         world->undone_segment = segment_index;
         has_undone = 1;
     }
-    for (uint32_t t = 0; t < world->tool_slot_end; t++)
-        if (world->tools[t].slot.used && search_of(&world->tools[t])->finish)
-            search_of(&world->tools[t])->finish(world, &world->tools[t]);
+    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
+        struct tool *tool = &world->tools[t];
+        if (tool->slot.used && search_of(tool)->finish)
+            search_of(tool)->finish(world, tool);
+    }
     world->has_changed = 0;
 }
 

@@ -20,7 +20,7 @@
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
     dpti_body_search_forget(world, segment);
-    dpti_baseline_forget(world, segment);
+    dpti_baseline_forget(world, segment, segment + 1, DPT_NONE);
     dpti_far_forget(&world->segments[segment]);
     dpti_broad_phase_forget(world, segment);
     dpti_backlog_forget(world, segment);
