@@ -1,35 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/proxy_constraints.h"
 
-#include "track/segment_track.h"
-
-void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle)
-{
-    struct proxy_triangle *oldest = &proxy->memory[0];
-    for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
-        struct proxy_triangle *entry = &proxy->memory[i];
-        if (entry->body_id == body && entry->triangle == triangle && entry->segment == segment) {
-            entry->used = ++proxy->clock;
-            return;
-        }
-        if (entry->used < oldest->used)
-            oldest = entry;
-    }
-    *oldest = (struct proxy_triangle){ segment, body, triangle, ++proxy->clock };
-}
-
-void dpti_proxy_forget_contacts(struct proxy *proxy, uint32_t body)
-{
-    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        if (proxy->memory[i].body_id == body) {
-            proxy->memory[i] = (struct proxy_triangle){ .body_id = 0 };
-            proxy->is_released = 1;
-            proxy->fade.time_left = 0.0;
-        }
-    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
-        if (proxy->contacts[i].body_id == body)
-            proxy->contacts[i] = (struct proxy_contact){ .body_id = 0 };
-}
+#include "track/tool_parts.h"
 
 static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *added)
 {
@@ -43,7 +15,7 @@ static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *a
         tick->triangles[tick->triangle_count++] = *added;
 }
 
-/* Of a tool of many segments only those that are near can be listed. */
+/* List the remembered triangles, and the nearest one of each part within reach, as far as there is room. */
 static void list_triangles(struct proxy_tick *tick, double reach)
 {
     const struct tool *tool = tick->tool;
@@ -51,25 +23,15 @@ static void list_triangles(struct proxy_tick *tick, double reach)
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
         if (tick->proxy->memory[i].body_id)
             add_triangle(tick, &tick->proxy->memory[i]);
-    for (uint32_t i = 0; i < tool->segment_count && tick->triangle_count < PROXY_TRIANGLES_MAX; i++) {
-        const struct segment *segment = &tick->world->segments[tool->first_segment + i];
-        const struct body_answer *answer = &segment->answer;
-        if (answer->is_far && !tick->is_lost && !tick->is_before &&
-            segment->result.lower_bound - segment->radius <= reach)
+    for (uint32_t i = 0; i < tool_part_count(tool) && tick->triangle_count < PROXY_TRIANGLES_MAX; i++) {
+        const struct part part = tool_part(tick->world, tool, i);
+        const double radius = part_radius(part);
+        if (part.segment && part.segment->answer.is_far && !tick->is_lost && !tick->is_before &&
+            part.segment->result.lower_bound - radius <= reach)
             dpti_track_far(tick->world, tool->first_segment + i);
-        if (!answer->body || answer->track.nearest.triangle == DPT_NONE ||
-            segment->result.distance - segment->radius > reach)
-            continue;
-        const struct proxy_triangle nearest = { i, answer->body->id, answer->track.nearest.triangle, 0 };
-        add_triangle(tick, &nearest);
-    }
-    for (uint32_t i = 0; i < tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(tick->world, tool, i);
-        const struct hull_nearest *found = &tip->answer.nearest;
-        if (!tip->answer.body || found->triangle == DPT_NONE || found->distance - tip->hull->radius > reach)
-            continue;
-        const struct proxy_triangle nearest = { tool->segment_count + i, tip->answer.body->id, found->triangle, 0 };
-        add_triangle(tick, &nearest);
+        const struct part_nearest nearest = part_nearest(part);
+        if (nearest.body && nearest.triangle != DPT_NONE && !(nearest.distance - radius > reach))
+            add_triangle(tick, &(struct proxy_triangle){ i, nearest.body->id, nearest.triangle });
     }
 }
 
@@ -84,7 +46,7 @@ static void axis_in_body(const struct proxy_tick *tick, const struct proxy_pose 
 
 static double radius_of(const struct proxy_tick *tick, const struct proxy_triangle *triangle)
 {
-    return tool_part_radius(tick->world, tick->tool, triangle->segment);
+    return part_radius(tool_part(tick->world, tick->tool, triangle->segment));
 }
 
 dpt_pose dpti_proxy_body_pose(const struct proxy_tick *tick, const struct body *body)
@@ -94,7 +56,7 @@ dpt_pose dpti_proxy_body_pose(const struct proxy_tick *tick, const struct body *
                : body->pose;
 }
 
-/* A triangle as a constraint is made of it: where its body was when the proxy's pose was proven. */
+/* A triangle where its body was when the proxy's pose was proven. */
 struct triangle_place {
     const struct body *body;
     const struct frame *frame; /* that of the body, or before it moved in this tick */
@@ -103,7 +65,7 @@ struct triangle_place {
     double far2;               /* m^2: a point that is farther than that from the first corner is out of reach */
 };
 
-/* How far the body has moved its point q, of the frame of the place, since. */
+/* How far the body has moved since then, at its point q in the place's frame. */
 static vec3 carried_since(const struct proxy_tick *tick, uint32_t index, const struct triangle_place *place, vec3 q)
 {
     vec3 now = q;
@@ -115,7 +77,7 @@ static vec3 carried_since(const struct proxy_tick *tick, uint32_t index, const s
     return sub(frame_to_world(&place->body->frame, now), frame_to_world(place->frame, q));
 }
 
-/* The number for a constraint with that gap. Where there is no room it takes the place of the widest one, if any is wider. */
+/* The number for a constraint with that gap. Without room it replaces the one with the widest gap, if that is wider. */
 static uint32_t number_for(struct proxy_tick *tick, double gap)
 {
     uint32_t widest = 0;
@@ -127,27 +89,36 @@ static uint32_t number_for(struct proxy_tick *tick, double gap)
     return tick->sources[widest].gap > gap ? widest : HALF_SPACES_MAX;
 }
 
-/* One pair of a triangle, as a constraint; local_p: its point on the tool, in the place's frame. */
-static void add_space(struct proxy_tick *tick, uint32_t index, int feature, const pair *found, vec3 local_p,
-                      double distance, double gap, const struct triangle_place *place)
+/* A pair of a triangle that is to become a constraint. */
+struct held_pair {
+    uint32_t triangle; /* in tick->triangles */
+    int feature;       /* as in proxy_source */
+    const pair *found;
+    vec3 p;               /* its point on the tool, in the frame of the triangle's place */
+    double distance, gap; /* m: of the axis or polyhedron, and of the surface */
+};
+
+static void add_space(struct proxy_tick *tick, const struct held_pair *held, const struct triangle_place *place)
 {
     const struct frame *before = place->frame;
-    const uint32_t number = number_for(tick, gap);
+    const uint32_t number = number_for(tick, held->gap);
     if (number == HALF_SPACES_MAX)
         return;
     struct half_space *space = &tick->spaces[number];
-    const vec3 normal = frame_turn(before, scaled(found->gap, 1.0 / distance));
-    const vec3 p = frame_to_world(before, local_p);
+    const vec3 normal = frame_turn(before, scaled(held->found->gap, 1.0 / held->distance));
+    const vec3 p = frame_to_world(before, held->p);
     const vec3 lever = cross(sub(p, tick->at.centre), normal);
     vec3_store(normal, space->normal);
     for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
         space->normal[k] = dot(lever, tick->axes[k - 3]) / proxy_rho_of(tick->proxy, k);
     struct proxy_source *source = &tick->sources[number];
-    *source = (struct proxy_source){ .triangle = index, .feature = feature, .s = found->s, .gap = gap, .p = p };
+    *source = (struct proxy_source){
+        .triangle = held->triangle, .feature = held->feature, .s = held->found->s, .gap = held->gap, .p = p
+    };
     if (before != &place->body->frame)
-        source->carried = carried_since(tick, index, place, sub(local_p, found->gap));
+        source->carried = carried_since(tick, held->triangle, place, sub(held->p, held->found->gap));
     const double wanted = tick->clearance + (tick->is_before ? tick->lift : 0.0);
-    space->bound = wanted - gap + dot(normal, source->carried);
+    space->bound = wanted - held->gap + dot(normal, source->carried);
 }
 
 /*
@@ -185,7 +156,7 @@ static int is_far(const struct triangle_place *place, double s)
     return dot(offset, offset) > place->far2;
 }
 
-/* A pair within reach becomes a constraint; 0 where there is none. */
+/* Make a constraint of a pair within reach. Returns 0 if there is none. */
 static int add_pair(struct proxy_tick *tick, uint32_t index, int feature, double s, double reach,
                     const struct triangle_place *place)
 {
@@ -199,11 +170,12 @@ static int add_pair(struct proxy_tick *tick, uint32_t index, int feature, double
     const double gap = distance - radius_of(tick, &tick->triangles[index]);
     if (!(gap <= reach && distance > 0.0))
         return 0;
-    add_space(tick, index, feature, &found, along(place->a, found.s, place->u), distance, gap, place);
+    const struct held_pair held = { index, feature, &found, along(place->a, found.s, place->u), distance, gap };
+    add_space(tick, &held, place);
     return 1;
 }
 
-/* Of two pairs of neighbouring triangles that are the same: what their points and unit normals differ by, at most. */
+/* Pairs of neighbouring triangles whose points and unit normals differ by no more are the same. */
 #define TWIN 1e-9
 
 /* Whether a constraint of the same tip has the same points, of a triangle beside this one. */
@@ -229,7 +201,7 @@ struct tip_gather {
     const struct hull_place *hull;
 };
 
-/* The sine of the largest turn of a motion: features that are not nearest even then hold no tip. */
+/* The sine of the largest turn of a motion: features that are not nearest after such a turn cannot hold the tip. */
 #define LEAN_MAX 0.3
 
 static void add_tip_pair(void *user, const struct hull_pair *found)
@@ -240,11 +212,13 @@ static void add_tip_pair(void *user, const struct hull_pair *found)
     const double distance = sqrt(found->pair.distance2), *weight = found->pair.weight;
     const vec3 q = along(along(scaled(v[0], weight[0]), weight[1], v[1]), weight[2], v[2]);
     const vec3 p = add(q, found->pair.gap);
-    if (distance > 0.0 && dpti_hull_pair_is_local(gather->hull, v, found, LEAN_MAX) &&
-        !has_twin(tick, gather->index, frame_to_world(gather->place->frame, p),
-                  frame_turn(gather->place->frame, scaled(found->pair.gap, 1.0 / distance))))
-        add_space(tick, gather->index, (int)found->feature, &found->pair, p, distance, distance - gather->radius,
-                  gather->place);
+    if (!(distance > 0.0) || !dpti_hull_pair_is_local(gather->hull, v, found, LEAN_MAX) ||
+        has_twin(tick, gather->index, frame_to_world(gather->place->frame, p),
+                 frame_turn(gather->place->frame, scaled(found->pair.gap, 1.0 / distance))))
+        return;
+    const struct held_pair held = { gather->index, (int)found->feature,      &found->pair, p,
+                                    distance,      distance - gather->radius };
+    add_space(tick, &held, gather->place);
 }
 
 static void gather_tip(struct proxy_tick *tick, uint32_t index, const struct tip *tip, double reach,
@@ -303,7 +277,7 @@ void dpti_proxy_gather(struct proxy_tick *tick, double reach)
     work_spend(work, units < work_left(work) ? units : work_left(work));
 }
 
-/* The gap of one feature of a tip; where its points are not inside both any more, another one counts. */
+/* The gap of one feature of a tip. Without a pair of points inside both features, another feature counts: no limit. */
 static double tip_gap_of(const struct tip *tip, uint32_t feature, const vec3 v[3], const struct proxy_pose *pose,
                          const struct frame *body)
 {
@@ -344,7 +318,7 @@ static double tip_gap(const struct tip *tip, const struct surface *surface, uint
 
 double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct proxy_pose *pose, double enough)
 {
-    double least = enough;
+    double min_gap = enough;
     for (uint32_t i = 0; i < PROXY_MEMORY; i++) {
         const struct proxy_triangle *triangle = &tick->proxy->memory[i];
         const struct body *body = triangle->body_id ? world_find_body(tick->world, triangle->body_id) : NULL;
@@ -357,13 +331,13 @@ double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct 
             surface_view(&body->surface, tick->world->ticks, tick->is_before ? tick->time : 1.0);
         frame_of_pose(&body_pose, &frame);
         if (proxy_tip_of(tick, triangle)) {
-            least =
-                min_of(least, tip_gap(proxy_tip_of(tick, triangle), &then, triangle->triangle, pose, &frame, least));
+            min_gap = min_of(min_gap,
+                             tip_gap(proxy_tip_of(tick, triangle), &then, triangle->triangle, pose, &frame, min_gap));
             continue;
         }
         axis_in_body(tick, pose, triangle, &frame, &a, &u);
         const pair found = dpti_triangle_pair(&then, triangle->triangle, a, u);
-        least = min_of(least, sqrt(found.distance2) - radius_of(tick, triangle));
+        min_gap = min_of(min_gap, sqrt(found.distance2) - radius_of(tick, triangle));
     }
-    return least;
+    return min_gap;
 }

@@ -5,12 +5,6 @@
 
 #include "proxy/proxy_tick.h"
 
-/* Remember a triangle of a body, by its place; the one that was not used for longest makes room. */
-void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle);
-
-/* A body goes, by its id: forget its triangles, and what friction keeps of it. One that it held is released. */
-void dpti_proxy_forget_contacts(struct proxy *proxy, uint32_t body);
-
 /*
  * The constraints of the nearest triangle of each segment and of those that are remembered, as far as their gap at
  * tick->at is within `reach`: into tick->spaces.
@@ -20,7 +14,7 @@ void dpti_proxy_gather(struct proxy_tick *tick, double reach);
 /* The gap of one constraint's pair at another pose, with bodies where they are now. */
 double dpti_proxy_gap_of(const struct proxy_tick *tick, uint32_t space, const struct proxy_pose *pose);
 
-/* The least gap of the triangles that are remembered, at a pose, with bodies where they are now; at most `enough`. */
+/* The minimum gap of the remembered triangles at a pose, with bodies where they are now; at most `enough`. */
 double dpti_proxy_gap_of_remembered(const struct proxy_tick *tick, const struct proxy_pose *pose, double enough);
 
 /* Where a body is for `at`: at tick->time of its motion while tick->is_before. */

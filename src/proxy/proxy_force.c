@@ -3,6 +3,7 @@
 
 #include "base/wrench_limit.h"
 #include "force/friction.h"
+#include "proxy/proxy.h"
 #include "proxy/proxy_constraints.h"
 #include "proxy/proxy_friction.h"
 
@@ -25,7 +26,7 @@ static int may_yield(const struct proxy_tick *tick)
     return 0;
 }
 
-/* A surface that is softer by more than that gives no force at all. */
+/* The largest compliance that counts: so soft a surface gives no force. */
 #define COMPLIANCE_MAX 1e30
 
 /* Two constraints of unit normals whose cosine is below this hold the tool at different places. */
@@ -93,8 +94,8 @@ void dpti_proxy_wait(struct proxy_tick *tick)
     const double size = norm_of(left, n);
     if (size < PROXY_MOTION_SMALL * tick->clearance || size < PROXY_CONVERGED * norm_of(wanted, n))
         return;
-    const struct displacement way = dpti_proxy_of_unknowns(proxy, tick->axes, left);
-    proxy->yielded = displacement_sum(&proxy->yielded, -1.0, &way);
+    const struct displacement remaining = dpti_proxy_of_unknowns(proxy, tick->axes, left);
+    proxy->yielded = displacement_sum(&proxy->yielded, -1.0, &remaining);
     proxy->lag = size;
     proxy->flags |= DPT_FORCE_FLAG_BEHIND;
     proxy->is_behind = 1;
@@ -107,15 +108,15 @@ void dpti_proxy_end_force(struct proxy *proxy)
     memset(&proxy->fade, 0, sizeof proxy->fade);
 }
 
-/* Where the proxy has reached its device after it waited: whether more is still felt than may end in one tick. */
+/* Whether the proxy has reached its device after it waited, and more is still felt than may end in one tick. */
 static int is_pulled_back(const struct proxy *proxy)
 {
     return proxy->is_behind && displacement_norm(&proxy->coupling, &proxy->felt) > proxy->pace;
 }
 
 /*
- * What is felt of a proxy that waits, or has waited, changes no faster than that of one that never does. The surfaces that
- * hold it tell nothing of where a long way ends: what is felt does not grow on it.
+ * What is felt of a proxy that waits, or has waited, changes no faster than of one that does not. While it has far to
+ * go, it is not known which surfaces will hold it in the end, and what is felt does not grow.
  */
 static struct displacement in_pace(struct proxy *proxy, const struct displacement *felt)
 {
@@ -148,17 +149,17 @@ static uint32_t reason_of(const struct tool *tool, const struct proxy *proxy)
 }
 
 /*
- * A locked tool's turn is held by a stiffness that only counts as infinite: on its way from a fold, a tiny turn would give
- * any torque. Its torque is that of a force at most, somewhere on the tool.
+ * A locked tool's turn is held by a very large stiffness, so a tiny turn on the way from a fold would give a huge
+ * torque. Its torque is limited to what its force could give anywhere on the tool.
  */
 static void limit_torque(const struct tool *tool, const struct proxy *proxy, vec3 centre, vec3 origin,
                          dpt_wrench *wrench)
 {
     const vec3 force = vec3_of(wrench->force), from_origin = cross(sub(centre, origin), force);
     const vec3 torque = sub(vec3_of(wrench->torque), from_origin);
-    const double most = length(force) * proxy->extent, size = length(torque);
-    if (tool->lock_rotation && size > most)
-        vec3_store(along(from_origin, most / size, torque), wrench->torque);
+    const double max_torque = length(force) * proxy->extent, size = length(torque);
+    if (tool->lock_rotation && size > max_torque)
+        vec3_store(along(from_origin, max_torque / size, torque), wrench->torque);
 }
 
 /* The spring and the damper. */
@@ -178,7 +179,7 @@ static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
             coupling_damped(&proxy->coupling, &felt, &proxy->felt, tool->damping / tool->stiffness, dt);
         wrench = coupling_wrench(&proxy->coupling, &damped, spin_axis, device.centre, device.frame.origin);
     }
-    /* A damper that exceeds all numbers is none. */
+    /* A damper whose force is no finite number is left out. */
     if (!(tool->damping > 0.0) || !wrench_is_finite(&wrench))
         wrench = coupling_wrench(&proxy->coupling, &felt, spin_axis, device.centre, device.frame.origin);
     limit_torque(tool, proxy, device.centre, device.frame.origin, &wrench);
@@ -189,7 +190,7 @@ static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
 
 void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt)
 {
-    struct proxy *proxy = &world->proxies[tool - world->tools];
+    struct proxy *proxy = proxy_of(world, tool);
     struct fade *fade = &proxy->fade;
     dpt_wrench truth = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
     const uint32_t last_reason = proxy->reason;
@@ -209,4 +210,88 @@ void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt)
     fade_step(fade, &truth, dt);
     tool->wrench = fade->felt;
     tool->force_flags = proxy->flags | (fade->time_left > 0.0 ? DPT_FORCE_FLAG_FADING : 0u);
+}
+
+/* How far vertices moved the point of a triangle that is nearest to x now, in the body's frame. */
+static vec3 moved_by_vertices(const struct surface *surface, uint32_t tick, uint32_t triangle, vec3 x)
+{
+    const struct surface last = surface_view(surface, tick, 0.0);
+    pair nearest;
+    dpti_triangle_point_pair(surface, triangle, x, &nearest);
+    return sub(surface_point(surface, triangle, nearest.weight), surface_point(&last, triangle, nearest.weight));
+}
+
+vec3 dpti_body_carried(const struct dpt_world *world, const struct body *body, uint32_t triangle, vec3 at)
+{
+    struct frame before;
+    vec3 local = frame_to_local(&body->frame, at);
+    frame_of_pose(&body->previous_pose, &before);
+    if (surface_has_moved(&body->surface, world->ticks))
+        local = sub(local, moved_by_vertices(&body->surface, world->ticks, triangle, local));
+    return sub(at, frame_to_world(&before, local));
+}
+
+vec3 dpti_body_turned(const struct body *body)
+{
+    return quaternion_rotation_vector(quaternion_product(
+        quaternion_of(body->pose.orientation), quaternion_inverse(quaternion_of(body->previous_pose.orientation))));
+}
+
+/* The body of a constraint, if it moved before this tick, else NULL. */
+static const struct body *moved_body(const struct proxy_tick *tick, uint32_t space)
+{
+    const struct body *body = world_find_body(tick->world, tick->triangles[tick->sources[space].triangle].body_id);
+    return body && body_has_moved(tick->world, body) ? body : NULL;
+}
+
+/* m: how far the body moved what the tool touches. */
+static vec3 carried(const struct proxy_tick *tick, uint32_t space, const struct body *body)
+{
+    return dpti_body_carried(tick->world, body, tick->triangles[tick->sources[space].triangle].triangle,
+                             proxy_touch_of(tick, space));
+}
+
+/* m^2: work by unit of stiffness, of the normal forces and of friction. */
+static double work_of_contacts(const struct proxy_tick *tick)
+{
+    double sum = 0.0;
+    for (uint32_t k = 0; k < tick->solved.active_count; k++) {
+        const uint32_t space = tick->solved.active[k];
+        const struct body *body = moved_body(tick, space);
+        if (body)
+            sum += tick->solved.multiplier[k] * dot(vec3_of(tick->spaces[space].normal), carried(tick, space, body));
+    }
+    for (uint32_t i = 0; i < tick->contact_count; i++) {
+        const struct friction_contact *contact = &tick->contacts[i];
+        const struct body *body = moved_body(tick, tick->contact_spaces[i]);
+        if (!body)
+            continue;
+        const vec3 moved = carried(tick, tick->contact_spaces[i], body);
+        for (int d = 0; d < 2; d++)
+            sum += contact->pull[d] * dot(vec3_of(contact->across[d]), moved);
+        sum += contact->torsion * dot(vec3_of(contact->normal), dpti_body_turned(body));
+    }
+    return sum;
+}
+
+double dpti_proxy_body_work(struct proxy_tick *tick)
+{
+    const struct proxy *proxy = tick->proxy;
+    double wanted[HALF_SPACE_DIMENSIONS];
+    if (!(tick->tool->stiffness > 0.0) || !(world_body_motion(tick->world) > 0.0) || proxy->state != PROXY_OUTSIDE)
+        return 0.0;
+    const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    const struct displacement now = displacement_sum(&left, 1.0, &proxy->yielded);
+    if (!dpti_proxy_solve_held(tick, wanted))
+        return 0.0;
+    /* Of a proxy that waits, contacts hold only a part of the displacement. */
+    for (uint32_t k = 0; k < proxy_unknowns(proxy) && proxy->is_behind; k++)
+        wanted[k] -= tick->solved.y[k];
+    const double size = norm_of(wanted, proxy_unknowns(proxy));
+    if (!(size > 0.0))
+        return 0.0;
+    /* The mean of this tick's force and the last one's. */
+    const double mean =
+        0.5 * (displacement_norm(&proxy->coupling, &now) + displacement_norm(&proxy->coupling, &proxy->felt)) / size;
+    return mean * tick->tool->stiffness * work_of_contacts(tick);
 }

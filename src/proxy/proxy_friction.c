@@ -2,21 +2,89 @@
 #include "proxy/proxy_friction.h"
 
 #include "proxy/proxy_constraints.h"
-#include "proxy/proxy_solve.h"
+
+/* As a share of the clearance: by how much a constraint may be missed. */
+#define TOLERANCE 1e-6
+
+/* As a share of the clearance: the gap that is left between walls that leave no room for more. */
+#define GAP_SPARED 0.5
+
+/*
+ * How many times longer than the bounds that it makes good a motion may become. Between walls that are almost parallel
+ * it would otherwise go meters along them.
+ */
+#define LENGTHENED_MAX 100.0
+
+/* Without bounds above 0 a motion is at most twice as long as the wanted one. */
+static int is_short(const struct proxy_tick *tick, const struct half_spaces_result *solved, const double *wanted)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    double max_bound = 0.0;
+    for (uint32_t i = 0; i < tick->space_count; i++)
+        max_bound = max_of(max_bound, tick->spaces[i].bound);
+    return norm_of(solved->y, n) <= 2.0 * norm_of(wanted, n) + LENGTHENED_MAX * max_bound;
+}
+
+static int nearest(struct proxy_tick *tick, const double *wanted)
+{
+    return dpti_half_spaces_nearest(tick->spaces, tick->space_count, proxy_unknowns(tick->proxy), wanted,
+                                    TOLERANCE * tick->clearance, &tick->solved);
+}
+
+/*
+ * The motion nearest to the wanted one on some planes (half_spaces.h) that meets all constraints. 0, and nothing is
+ * changed, if there is none.
+ */
+static int solve_stuck(struct proxy_tick *tick, const double *wanted, const struct half_space *planes,
+                       uint32_t plane_count, double *held)
+{
+    struct half_spaces_result solved;
+    if (!dpti_half_spaces_nearest_on(planes, plane_count, held, tick->spaces, tick->space_count,
+                                     proxy_unknowns(tick->proxy), wanted, TOLERANCE * tick->clearance, &solved) ||
+        !is_short(tick, &solved, wanted))
+        return 0;
+    tick->solved = solved;
+    return 1;
+}
+
+/*
+ * The motion nearest to the wanted one that the constraints allow, into tick->solved. Where none meets them all: one
+ * that makes nothing worse; where there is none either: one that leaves half of the clearance. 0: not even that.
+ */
+static int solve(struct proxy_tick *tick, const double *wanted)
+{
+    double spare[HALF_SPACES_MAX];
+    if (nearest(tick, wanted) && is_short(tick, &tick->solved, wanted))
+        return 1;
+    for (uint32_t i = 0; i < tick->space_count; i++) {
+        struct half_space *space = &tick->spaces[i];
+        const double pushed = dot(vec3_of(space->normal), tick->sources[i].carried);
+        spare[i] = max_of(0.0, (1.0 - GAP_SPARED) * tick->clearance - (space->bound - pushed));
+        space->bound = min_of(space->bound, pushed);
+    }
+    if (nearest(tick, wanted))
+        return 1;
+    /* Between walls that are almost parallel, rounding alone decides whether there is a motion. */
+    for (uint32_t i = 0; i < tick->space_count; i++)
+        tick->spaces[i].bound -= spare[i];
+    return nearest(tick, wanted);
+}
 
 /* Passes between the normal and the tangential problem. */
 enum { PASSES_MAX = 6 };
 
-/* Of the clearance: passes end where the goal moves by less. */
+/* As a share of the clearance: passes end when the goal moves by less. */
 #define SETTLED 1e-3
 
-/* Ticks for which a contact that holds nothing is kept: features change under a tool that is led along. */
+/* For how many ticks a contact that holds nothing is kept, as features change under a tool that slides. */
 #define AGE_MAX 2
 
 /* Contacts at the same place whose normals have a larger cosine are one. */
 #define ALIKE 0.9
 
-/* Two contacts of a segment and a body are the same where they are within that share of its length, or its radius. */
+/*
+ * Two contacts of a segment and a body are the same if they are within this share of its length, or within its radius.
+ */
 #define SAME_PLACE 0.02
 
 /* The tool's point of a constraint, in its frame. */
@@ -25,15 +93,15 @@ static vec3 place_of(const struct proxy_tick *tick, uint32_t space)
     return frame_to_local(&tick->at.frame, tick->sources[space].p);
 }
 
-/* m: what places on a tip are told apart by. */
+/* m: the length to which distances between places on a tip are compared. */
 static double size_of_tip(const struct tip *tip)
 {
     return length(sub(tip->hull->axis_b, tip->hull->axis_a)) + 2.0 * tip->hull->reach;
 }
 
 /*
- * The contact of the same segment and body that is nearest along the axis, or NULL; *apart is how far that is, as a share
- * of its length. Of a tip: nearest to the place on it, as a share of its size.
+ * The contact of the same segment and body that is nearest along the axis, or NULL; *apart is how far that is, as a
+ * share of its length. Of a tip: nearest to the place on it, as a share of its size.
  */
 static struct proxy_contact *nearest_contact(const struct proxy_tick *tick, uint32_t space, double *apart)
 {
@@ -62,7 +130,7 @@ static double near_share(const struct proxy_tick *tick, const struct proxy_trian
     const struct tip *tip = proxy_tip_of(tick, triangle);
     const struct segment *segment = tip ? NULL : &tick->world->segments[tick->tool->first_segment + triangle->segment];
     const double size = tip ? size_of_tip(tip) : length(sub(segment->b, segment->a));
-    const double radius = tool_part_radius(tick->world, tick->tool, triangle->segment);
+    const double radius = part_radius(tool_part(tick->world, tick->tool, triangle->segment));
     return size > 0.0 ? max_of(SAME_PLACE, radius / size) : 1.0;
 }
 
@@ -225,7 +293,9 @@ static uint32_t list_places(struct proxy_tick *tick)
     return count;
 }
 
-/* The contacts with friction of the present solution; those that the last one had keep their pulls. Returns how many. */
+/*
+ * The contacts with friction of the present solution; those that the last one had keep their pulls. Returns how many.
+ */
 static uint32_t list_contacts(struct proxy_tick *tick, uint32_t before)
 {
     struct friction_contact last[HALF_SPACE_DIMENSIONS];
@@ -252,10 +322,10 @@ static uint32_t list_contacts(struct proxy_tick *tick, uint32_t before)
 /* How far two motions are apart in any unknown. */
 static double apart(const double *a, const double *b, uint32_t n)
 {
-    double most = 0.0;
+    double max_difference = 0.0;
     for (uint32_t k = 0; k < n; k++)
-        most = max_of(most, fabs(a[k] - b[k]));
-    return most;
+        max_difference = max_of(max_difference, fabs(a[k] - b[k]));
+    return max_difference;
 }
 
 /* What the last passes tried and found, so that the next one can begin where these lead. */
@@ -265,10 +335,12 @@ struct passes {
     int is_known;
 };
 
-/* Passes that come nearer by less than half each would lead too far: the next one begins where the last one ended. */
+/*
+ * If passes converge slower than by half each, extrapolation would overshoot: the next begins where the last one ended.
+ */
 #define LED_MAX 1.0
 
-/* The goal to try next: where a line through this pass and the last one meets no difference. */
+/* The goal to try next, by a secant: where a line through this pass and the last one has no difference. */
 static void lead_on(struct passes *passes, const double *found, double *pulled, uint32_t n)
 {
     double missed[HALF_SPACE_DIMENSIONS], step[HALF_SPACE_DIMENSIONS], part = 0.0;
@@ -298,8 +370,8 @@ static int solve_pulled(struct proxy_tick *tick, const double *wanted, uint32_t 
     struct half_space planes[FRICTION_PLANES_MAX];
     double goal[HALF_SPACE_DIMENSIONS], held[HALF_SPACE_DIMENSIONS];
     const uint32_t plane_count = dpti_friction_planes(tick->contacts, count, n, wanted, planes, goal);
-    if (!plane_count || !dpti_proxy_solve_stuck(tick, goal, planes, plane_count, held))
-        return dpti_proxy_solve(tick, pulled);
+    if (!plane_count || !solve_stuck(tick, goal, planes, plane_count, held))
+        return solve(tick, pulled);
     for (uint32_t i = 0; i < plane_count; i++)
         for (uint32_t k = 0; k < n; k++)
             goal[k] += held[i] * planes[i].normal[k];
@@ -335,7 +407,7 @@ int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
     uint32_t count = 0;
     tick->contact_count = 0;
     begin_pulled(tick, wanted, pulled);
-    if (!dpti_proxy_solve(tick, pulled))
+    if (!solve(tick, pulled))
         return 0;
     for (int pass = 0; pass < PASSES_MAX; pass++) {
         count = list_contacts(tick, count);
@@ -352,7 +424,7 @@ int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
     return 1;
 }
 
-/* Of the clearance: how far a surface that holds the proxy may be from it. */
+/* As a multiple of the clearance: how far from the proxy a surface that holds it may be. */
 #define HOLDING 20.0
 
 int dpti_proxy_solve_held(struct proxy_tick *tick, double *left)
@@ -372,10 +444,10 @@ int dpti_proxy_solve_held(struct proxy_tick *tick, double *left)
     return tick->held == PROXY_HELD_SOLVED;
 }
 
-/* Of its limit: a torsion that is larger is at it, whatever rounding makes of the shares of a place. */
+/* As a share of the limit: a larger torsion counts as being at it, as the shares of a place are rounded. */
 #define TURNING (1.0 - 1e-9)
 
-/* rad: what is left to make good of a turn about the normal; a torsion at its limit has nothing. */
+/* rad: the turn about the normal that torsion still holds. At its limit it slips, and nothing is left. */
 static double turned_after(const struct friction_contact *solved, const struct proxy_contact *contact, vec3 normal,
                            vec3 turn)
 {
@@ -426,7 +498,7 @@ void dpti_proxy_keep_contacts(struct proxy_tick *tick)
     if (!tick->contact_count)
         note_pulls(tick);
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
-        tick->proxy->contacts[i].age++;
+        tick->proxy->contacts[i].age += tick->proxy->contacts[i].body_id != 0;
     for (uint32_t i = 0; i < tick->contact_count; i++) {
         struct proxy_contact *contact = kept_of_place(tick, i);
         if (!contact)

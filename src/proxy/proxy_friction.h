@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a proxy's contacts keep from tick to tick so that they stick: docs/algorithms/force.md. */
+/* The motion that constraints and friction allow, and what keeps contacts sticking: docs/algorithms/force.md. */
 #ifndef DPT_PROXY_FRICTION_H
 #define DPT_PROXY_FRICTION_H
 
@@ -7,15 +7,16 @@
 #include "proxy/proxy_tick.h"
 
 /*
- * dpti_proxy_solve with friction: where no body that holds the proxy has any it is the same. Returns 0 if a constraint
- * cannot be met.
+ * The motion nearest to the wanted one that the constraints and friction allow, into tick->solved. Where no motion
+ * meets all constraints: one that makes nothing worse; where there is none either: one that leaves half of the
+ * clearance. Returns 0 if there is not even that.
  */
 int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted);
 
 /*
- * At the end of a tick: what holds the proxy where it is. tick->solved and its contacts balance `left`, the displacement
- * from the proxy to its device as unknowns; it is solved for once a tick. Returns 0 if nothing holds it, or if that
- * cannot be told.
+ * At the end of a tick: what holds the proxy where it is. tick->solved and its contacts balance `left`, the
+ * displacement from the proxy to its device as unknowns; it is solved for once a tick. Returns 0 if nothing holds it,
+ * or if that cannot be told.
  */
 int dpti_proxy_solve_held(struct proxy_tick *tick, double *left);
 

@@ -2,10 +2,10 @@
 #include "proxy/proxy_motion.h"
 
 #include "hull/hull_sweep.h"
+#include "proxy/proxy.h"
 #include "proxy/proxy_constraints.h"
 #include "track/body_search.h"
-#include "track/far_segment.h"
-#include "track/segment_track.h"
+#include "track/tool_parts.h"
 
 /* How often a move that is too near is shortened: at first a little, then more. */
 enum { SHORTEN_LITTLE = 4, SHORTEN_MAX = 12 };
@@ -15,7 +15,7 @@ enum { SHORTEN_LITTLE = 4, SHORTEN_MAX = 12 };
 void dpti_proxy_find_nearest(struct proxy_tick *tick)
 {
     struct dpt_world *world = tick->world;
-    tick->tool->frame = tick->at.frame;
+    tick->tool->felt_frame = tick->at.frame;
     tick->is_lost = 0;
     tick->gap = HUGE_VAL;
     if (far_is_used(world, tick->tool))
@@ -23,19 +23,13 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick)
     else
         for (uint32_t i = 0; i < tick->tool->segment_count; i++)
             dpti_track_segment(world, tick->tool->first_segment + i);
-    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
-        const struct segment *segment = &world->segments[tick->tool->first_segment + i];
-        if (!segment->answer.body)
-            continue;
-        const double distance = segment->answer.is_exact ? segment->result.distance : segment->result.lower_bound;
-        tick->gap = min_of(tick->gap, distance - segment->radius);
-    }
     dpti_tips_track(world, tick->tool);
-    for (uint32_t i = 0; i < tick->tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(world, tick->tool, i);
-        const double distance = tip->answer.is_exact ? tip->answer.nearest.distance : tip->answer.lower_bound;
-        if (tip->answer.body)
-            tick->gap = min_of(tick->gap, distance - tip->hull->radius);
+    for (uint32_t i = 0; i < tool_part_count(tick->tool); i++) {
+        const struct part part = tool_part(world, tick->tool, i);
+        const struct part_nearest nearest = part_nearest(part);
+        const double distance = nearest.is_exact ? nearest.distance : nearest.lower_bound;
+        if (nearest.body)
+            tick->gap = min_of(tick->gap, distance - part_radius(part));
     }
 }
 
@@ -46,8 +40,8 @@ struct tool_sweep {
 };
 
 /*
- * The directions from the tool to a body at the contacts that hold it there. Where the body was before this tick they
- * were others: none then.
+ * The directions from the tool to a body at the contacts that hold it there. While tick->is_before there are none, as
+ * the body was elsewhere.
  */
 static uint32_t list_directions(const struct proxy_tick *tick, const struct body *body,
                                 vec3 directions[SWEEP_DIRECTIONS_MAX])
@@ -70,7 +64,7 @@ static int is_in_reach(const struct proxy_tick *tick, uint32_t slot, const struc
     return body_is_there(body) && box_distance(box, &world->boxes[slot]) <= reach + moved;
 }
 
-/* What the sweep of one segment or tip past one body gave; what is hit is remembered. */
+/* Note the sweep of one segment or tip past one body, and remember what was hit. */
 static void note_sweep(struct proxy_tick *tick, uint32_t number, const struct body *body, int status, double time,
                        uint32_t triangle, struct tool_sweep *sweep)
 {
@@ -82,7 +76,7 @@ static void note_sweep(struct proxy_tick *tick, uint32_t number, const struct bo
         sweep->status = status;
 }
 
-/* One segment past one body; what is hit is remembered. */
+/* Sweep one segment past one body. */
 static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct body *body, const dpt_pose *to,
                        struct tool_sweep *sweep)
 {
@@ -102,7 +96,7 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
         .radius = segment->radius,
         .distance_before = tick->is_lost || body->added_tick == world->ticks ? 0.0 : segment->result.lower_bound,
         .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * scale,
-        .hint = *world_last_triangles(world, index, handle_index(body->id)),
+        .hint = *world_last_triangle(world, index, handle_index(body->id)),
         .tick = has_moved && surface_has_moved(&body->surface, world->ticks) ? world->ticks : 0,
         .tick_from = tick->time,
         .directions = directions,
@@ -118,10 +112,10 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
     note_sweep(tick, number, body, status, free_until, rigid.result.impact.triangle, sweep);
 }
 
-/* A motion that meets something is shortened by more than that. */
+/* As a share of the motion: one that meets something is shortened by more than that anyway. */
 #define TIP_RESOLUTION 0.03
 
-/* One tip past one body, likewise. */
+/* Sweep one tip past one body. */
 static void sweep_tip(struct proxy_tick *tick, uint32_t number, const struct body *body, const dpt_pose *to,
                       struct tool_sweep *sweep)
 {
@@ -146,95 +140,80 @@ static void sweep_tip(struct proxy_tick *tick, uint32_t number, const struct bod
     note_sweep(tick, number, body, status, hull.time, hull.triangle, sweep);
 }
 
-/* All tips, past all bodies that they may meet but the one in the slot `carrier`. */
-static void sweep_tips(struct proxy_tick *tick, const struct proxy_pose *to, uint32_t carrier, struct tool_sweep *sweep)
+/* m: no point of a part moves farther on the way to a pose. */
+static double part_motion(const struct proxy_tick *tick, struct part part, const struct proxy_pose *to)
+{
+    const struct segment *segment = part.segment;
+    if (part.tip)
+        return dpti_hull_displacement(part.tip->hull, &to->pose, &tick->at.pose);
+    const vec3 a = frame_to_world(&tick->at.frame, segment->a), b = frame_to_world(&tick->at.frame, segment->b);
+    const vec3 to_a = frame_to_world(&to->frame, segment->a), to_b = frame_to_world(&to->frame, segment->b);
+    /* An arc is longer than its chord, for the turns that are made by at most a tenth. */
+    return 1.1 * max_of(length(sub(to_a, a)), length(sub(to_b, b)));
+}
+
+/* Sweep one part past all bodies that it may meet, except the one in the slot `carrier`. */
+static void sweep_part(struct proxy_tick *tick, uint32_t number, const struct proxy_pose *to, uint32_t carrier,
+                       struct tool_sweep *sweep)
 {
     struct dpt_world *world = tick->world;
-    const struct tool *tool = tick->tool;
-    for (uint32_t i = 0; i < tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(world, tool, i);
-        const double moved = dpti_hull_displacement(tip->hull, &to->pose, &tick->at.pose);
-        const double known = tick->is_lost ? 0.0 : tip->answer.lower_bound - tip->hull->radius;
-        const double reach = tip->hull->radius + moved + tick->clearance;
-        const struct box box = dpti_tip_box(tip->hull, &tick->at.frame);
-        if (max_of(tick->gap, known) > moved + tick->clearance && !tick->is_before)
+    const struct part part = tool_part(world, tick->tool, number);
+    const double radius = part_radius(part), moved = part_motion(tick, part, to);
+    const double known = tick->is_lost ? 0.0 : part_nearest(part).lower_bound - radius;
+    const double reach = radius + moved + tick->clearance;
+    if (max_of(tick->gap, known) > moved + tick->clearance && !tick->is_before)
+        return;
+    const struct box box = dpti_part_box(part, &tick->at.frame);
+    /* For tips, and for a search that was last elsewhere, as its list does not hold here. */
+    const struct near_bodies all = { .count = world->body_slot_end }, *nearby = &all;
+    near_bodies_forget(&world->near_bodies);
+    if (part.segment && !tick->is_lost)
+        nearby = dpti_broad_phase_within(world, tick->tool->first_segment + number,
+                                         reach + (tick->is_before ? world_body_motion(world) : 0.0));
+    for (uint32_t k = 0; k < nearby->count; k++) {
+        const uint32_t slot = nearby->slots ? nearby->slots[k] : k;
+        if (slot == carrier || !is_in_reach(tick, slot, &box, reach))
             continue;
-        for (uint32_t slot = 0; slot < world->body_slot_end; slot++) {
-            const struct body *body = &world->bodies[slot];
-            if (slot == carrier || !is_in_reach(tick, slot, &box, reach))
-                continue;
-            sweep->is_alone = 0;
-            sweep_tip(tick, tool->segment_count + i, body, &to->pose, sweep);
-        }
+        sweep->is_alone = 0;
+        if (part.tip)
+            sweep_tip(tick, number, &world->bodies[slot], &to->pose, sweep);
+        else
+            sweep_body(tick, number, &world->bodies[slot], &to->pose, sweep);
     }
 }
 
-/* The whole tool, past all bodies that it may meet but the one in the slot `carrier`. */
+/* Sweep the whole tool, likewise. */
 static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_pose *to, uint32_t carrier)
 {
     struct dpt_world *world = tick->world;
-    /* Where the search was last elsewhere, its list tells nothing. */
-    const struct near_bodies all = { .count = world->body_slot_end };
     struct tool_sweep sweep = { SWEEP_FREE, 1.0, 1 };
-    /* The shortest motion that is tried has no shorter one to wait for. */
+    /* The shortest motion has all work of the tick: no shorter one would be tried instead. */
     const int is_limited = !tick->is_before && tick->proxy->trust > tick->clearance;
     const struct work before = is_limited ? world_begin_sweep(world) : world->work;
-    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
-        const struct segment *segment = &world->segments[tick->tool->first_segment + i];
-        const vec3 a = frame_to_world(&tick->at.frame, segment->a);
-        const vec3 b = frame_to_world(&tick->at.frame, segment->b);
-        const vec3 to_a = frame_to_world(&to->frame, segment->a);
-        const vec3 to_b = frame_to_world(&to->frame, segment->b);
-        const struct box box = box_of_axis(a, b);
-        /* An arc is longer than its chord, for the turns that are made by at most a tenth. */
-        const double moved = 1.1 * max_of(length(sub(to_a, a)), length(sub(to_b, b)));
-        const double known = tick->is_lost ? 0.0 : segment->result.lower_bound - segment->radius;
-        const double reach = segment->radius + moved + tick->clearance;
-        if (max_of(tick->gap, known) > moved + tick->clearance && !tick->is_before)
-            continue;
-        world->near_bodies.reach = -1.0;
-        const double bodies_moved = tick->is_before ? world_body_motion(world) : 0.0;
-        const struct near_bodies *nearby =
-            tick->is_lost ? &all : dpti_broad_phase_within(world, tick->tool->first_segment + i, reach + bodies_moved);
-        for (uint32_t k = 0; k < nearby->count; k++) {
-            const uint32_t slot = nearby->slots ? nearby->slots[k] : k;
-            const struct body *body = &world->bodies[slot];
-            if (slot == carrier || !is_in_reach(tick, slot, &box, reach))
-                continue;
-            sweep.is_alone = 0;
-            sweep_body(tick, i, body, &to->pose, &sweep);
-        }
-    }
-    sweep_tips(tick, to, carrier, &sweep);
+    for (uint32_t i = 0; i < tool_part_count(tick->tool); i++)
+        sweep_part(tick, i, to, carrier, &sweep);
     world_end_sweep(world, &before);
     return sweep;
 }
 
 /*
- * Whether the gap is large enough, or no smaller than it was: a new body may make more necessary than there is.
- * Where it is not, the triangles that are too near are remembered.
+ * Whether the gap is large enough, or no smaller than before: with a new body the required gap may be larger than the
+ * one there is. If it is not, the triangles that are too near are remembered.
  */
 static int has_room(struct proxy_tick *tick, double gap_before)
 {
     if (tick->gap >= min_of(tick->min_gap, gap_before))
         return 1;
-    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
-        const struct segment *segment = &tick->world->segments[tick->tool->first_segment + i];
-        if (segment->answer.body && segment->answer.track.nearest.triangle != DPT_NONE &&
-            segment->result.distance - segment->radius < tick->clearance)
-            dpti_proxy_remember(tick->proxy, i, segment->answer.body->id, segment->answer.track.nearest.triangle);
-    }
-    for (uint32_t i = 0; i < tick->tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(tick->world, tick->tool, i);
-        const struct hull_nearest *nearest = &tip->answer.nearest;
-        if (tip->answer.body && nearest->triangle != DPT_NONE &&
-            nearest->distance - tip->hull->radius < tick->clearance)
-            dpti_proxy_remember(tick->proxy, tick->tool->segment_count + i, tip->answer.body->id, nearest->triangle);
+    for (uint32_t i = 0; i < tool_part_count(tick->tool); i++) {
+        const struct part part = tool_part(tick->world, tick->tool, i);
+        const struct part_nearest nearest = part_nearest(part);
+        if (nearest.body && nearest.triangle != DPT_NONE && nearest.distance - part_radius(part) < tick->clearance)
+            dpti_proxy_remember(tick->proxy, i, nearest.body->id, nearest.triangle);
     }
     return 0;
 }
 
-/* The least gap of the triangles that are remembered, while bodies move: at a share of what is left of their motion. */
+/* The minimum gap of the remembered triangles while bodies move: at a share of what is left of the bodies' motion. */
 static double gap_with_bodies(struct proxy_tick *tick, const struct proxy_pose *pose, double share)
 {
     const double time = tick->time;
@@ -244,10 +223,10 @@ static double gap_with_bodies(struct proxy_tick *tick, const struct proxy_pose *
     return gap;
 }
 
-/* Of the time of the first touch: so far a motion is made while bodies move, if enough of the gap is left there. */
+/* As shares of the time of the first touch: so far a motion goes while bodies move, if enough gap is left there. */
 static const double before_touch[] = { 0.9, 0.5 };
 
-/* Make a motion up to before the first touch, and the bodies' motion with it. Returns the share. */
+/* Make a motion up to shortly before the first touch, together with the bodies' motion. Returns the share. */
 static double move_with_bodies(struct proxy_tick *tick, const struct proxy_pose *to, double met)
 {
     for (size_t k = 0; k < sizeof before_touch / sizeof *before_touch; k++) {
@@ -322,7 +301,9 @@ static dpt_pose carried_pose(const struct proxy_tick *tick, const struct body *b
     return pose;
 }
 
-/* To that body nothing changes. The others are swept; where there are none, nothing is to be searched for. */
+/*
+ * Move with a body, as if fixed to it: it need not be swept itself. With no other body near, its gap stays as it was.
+ */
 static int carry_with(struct proxy_tick *tick, const struct body *body)
 {
     const struct proxy_pose from = tick->at;
@@ -349,9 +330,8 @@ int dpti_proxy_carry(struct proxy_tick *tick)
     const struct dpt_world *world = tick->world;
     const struct tool *tool = tick->tool;
     const struct body *tried = NULL;
-    for (uint32_t i = 0; i < tool->segment_count + tool->tip_count; i++) {
-        const struct body *body = i < tool->segment_count ? world->segments[tool->first_segment + i].answer.body
-                                                          : tool_tip(world, tool, i - tool->segment_count)->answer.body;
+    for (uint32_t i = 0; i < tool_part_count(tool); i++) {
+        const struct body *body = part_nearest(tool_part(world, tool, i)).body;
         if (!body || body == tried || !body_has_moved(world, body) || surface_has_moved(&body->surface, world->ticks))
             continue;
         tried = body;

@@ -10,8 +10,8 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick);
 
 /*
  * Move from tick->at towards `to`, as far as the tool meets nothing and its gap stays at least tick->min_gap. What
- * it met is remembered. Returns the share of the way that was made, 0 where none was; then tick->at and its nearest
- * pairs are as before.
+ * it met is remembered. Returns the share of the motion that was made. With 0 tick->at and its nearest pairs are as
+ * before.
  *   met   the share up to which it was free by the sweep, as far as a budget let it come
  *
  * While tick->is_before a shorter motion takes the bodies' motion along as far: tick->time grows. The nearest pairs are

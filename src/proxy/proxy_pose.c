@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/proxy_pose.h"
 
-#include "track/tool_tips.h"
+#include "track/tool_parts.h"
 
 /* A tool is straight if no end is farther from the line of its longest segment than that share of its length. */
 #define STRAIGHT 1e-9
 
-/* A spin by less is none: a proxy that rests is to keep its bits. */
+/* rad: a smaller spin is left out, so that a proxy at rest keeps its bits. */
 #define SPUN 1e-8
 
 /* m: below this length, or this size of a tool, it is a point: a ball, whose turns are not felt. */
 #define BALL 1e-9
 
-/* A rotational stiffness counts as if it made rho differ by at most that factor: the unknowns stay numbers. */
+/* By which factor a rotational stiffness may change rho at most, so that the unknowns stay finite. */
 #define RHO_FACTOR 1e3
 
 /* The line of all segments: from one end to the end that is farthest from it. */
@@ -47,28 +47,19 @@ static int is_rubbing(const struct dpt_world *world, const struct proxy *proxy)
     return 0;
 }
 
-static double largest_radius(const struct segment *segments, uint32_t count)
+static double max_radius_of(const struct segment *segments, uint32_t count)
 {
-    double largest = 0.0;
+    double max_radius = 0.0;
     for (uint32_t i = 0; i < count; i++)
-        largest = max_of(largest, segments[i].radius);
-    return largest;
+        max_radius = max_of(max_radius, segments[i].radius);
+    return max_radius;
 }
 
-/*
- * The ends of a segment, or of a tip's axis where the tool was given it: a jaw that opens changes no force. Tips are
- * numbered after the segments.
- */
-static void ends_of(const struct dpt_world *world, const struct tool *tool, uint32_t number, vec3 *a, vec3 *b)
+/* The ends of a segment, or of a tip's axis where the tool was given it: a jaw that opens changes no force. */
+static void ends_of(struct part part, vec3 *a, vec3 *b)
 {
-    if (number < tool->segment_count) {
-        *a = world->segments[tool->first_segment + number].a;
-        *b = world->segments[tool->first_segment + number].b;
-        return;
-    }
-    const struct tip *tip = tool_tip(world, tool, number - tool->segment_count);
-    *a = tip->home_a;
-    *b = tip->home_b;
+    *a = part.tip ? part.tip->home_a : part.segment->a;
+    *b = part.tip ? part.tip->home_b : part.segment->b;
 }
 
 /* How far a tip's corners are from the centre. */
@@ -84,15 +75,15 @@ static double tip_extent(const struct dpt_hull *hull, vec3 centre)
 void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, struct proxy *proxy)
 {
     const struct segment *segments = &world->segments[tool->first_segment];
-    const uint32_t count = tool->segment_count + tool->tip_count;
+    const uint32_t count = tool_part_count(tool);
     double whole = 0.0, weights = 0.0, square = 0.0;
     vec3 sum = { 0.0, 0.0, 0.0 }, a, b;
     for (uint32_t i = 0; i < count; i++) {
-        ends_of(world, tool, i, &a, &b);
+        ends_of(tool_part(world, tool, i), &a, &b);
         whole += length(sub(b, a));
     }
     for (uint32_t i = 0; i < count; i++) {
-        ends_of(world, tool, i, &a, &b);
+        ends_of(tool_part(world, tool, i), &a, &b);
         const double weight = whole > BALL ? length(sub(b, a)) : 1.0;
         sum = along(sum, 0.5 * weight, add(a, b));
         weights += weight;
@@ -100,7 +91,7 @@ void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, 
     proxy->centre = scaled(sum, 1.0 / weights);
     proxy->extent = 0.0;
     for (uint32_t i = 0; i < count; i++) {
-        ends_of(world, tool, i, &a, &b);
+        ends_of(tool_part(world, tool, i), &a, &b);
         const vec3 u = sub(b, a);
         a = sub(a, proxy->centre);
         b = sub(b, proxy->centre);
@@ -123,7 +114,7 @@ void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, 
     rho = min_of(max_of(rho, own / RHO_FACTOR), own * RHO_FACTOR);
     proxy->coupling = (struct coupling){ tool->stiffness, tool->lock_rotation ? own * RHO_FACTOR : rho,
                                          proxy->shape == PROXY_STRAIGHT && is_rubbing(world, proxy)
-                                             ? largest_radius(segments, tool->segment_count)
+                                             ? max_radius_of(segments, tool->segment_count)
                                              : 0.0 };
 }
 
@@ -172,8 +163,8 @@ struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct pro
         const double spin = spin_of(device, at);
         if (fabs(spin) <= spin_max)
             return *at;
-        const vec3 most = scaled(at->axis, spin > 0.0 ? spin_max : -spin_max);
-        turn = quaternion_product(quaternion_of_small_turn(most), turn);
+        const vec3 limit = scaled(at->axis, spin > 0.0 ? spin_max : -spin_max);
+        turn = quaternion_product(quaternion_of_small_turn(limit), turn);
     }
     turn = quaternion_unit(turn);
     const struct quaternion now = quaternion_unit(at->turn);

@@ -45,7 +45,8 @@ struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *
 
 /*
  * `at`, with the device's spin about the tool's own axis, of a ball with all of its turn: no contact holds these. Where
- * friction can hold the spin, it stays within `spin_max`, rad, of the device's. The tool's segments stay where they are.
+ * friction can hold the spin, it stays within `spin_max`, rad, of the device's. The tool's segments stay where they
+ * are.
  */
 struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct proxy_pose *at,
                                      const struct proxy_pose *device, double spin_max);

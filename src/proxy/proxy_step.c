@@ -1,32 +1,30 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "proxy/proxy_step.h"
+#include "proxy/proxy.h"
 
-#include "proxy/body_work.h"
 #include "proxy/proxy_constraints.h"
 #include "proxy/proxy_force.h"
-#include "proxy/proxy_free.h"
 #include "proxy/proxy_friction.h"
 #include "proxy/proxy_motion.h"
 #include "proxy/tip_pose.h"
 #include "proxy/tool_loads.h"
-#include "track/segment_track.h"
+#include "track/tool_parts.h"
 
 enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2 };
 
-/* So often a body that moves may push a proxy away; then it takes it along. */
+/* How often a moving body may push a proxy away. After that the body takes it along. */
 enum { PUSHES_MAX = 4 };
 
-/* Of the largest diagonal of all bodies, up to PROXY_SCALE_MAX. */
+/* As shares of the largest diagonal of all bodies, which counts up to PROXY_SCALE_MAX. */
 #define CLEARANCE 2e-6
 #define GAP_MIN   0.75e-6
 
 /*
- * How much wider than the clearance contacts are left after a body that moves was met: a share of the motion, then
- * twice as much each time. A straight motion beside a surface that turns comes nearer to it in between.
+ * After the proxy has met a moving body, contacts are left wider than the clearance: by this share of the motion, and
+ * by twice as much each further time. A straight motion beside a turning surface comes nearer to it in between.
  */
 #define LIFT_SHARE 0.05
 
-/* Of a motion that is shortened, at least. */
+/* The smallest share that is left of a shortened motion. */
 #define SHARE_MIN 0.01
 
 /* rad: the largest turn of one motion, and the turn from the device beyond which the proxy starts again there. */
@@ -34,50 +32,17 @@ enum { PUSHES_MAX = 4 };
 #define LAG_TURN_MAX 1.0
 
 /*
- * rad: how far friction can hold the spin back: where a tick begins, and where one ends that rolls the tool far. What
- * rolls in between was solved with its friction, and is left as it is.
+ * rad: how far friction can hold the spin back, at the start of a tick and at its end. The second is larger: a tool
+ * that rolls far within a tick was solved for with its friction, and is left as it is.
  */
 #define SPIN_MAX        1.0
 #define SPIN_ROLLED_MAX 1.5
 
-/* Of the least gap: a proxy that is no farther from its device is where the device is. */
+/* As a share of the minimum gap: a proxy that is nearer to its device than that counts as being there. */
 #define HELD 1e-3
 
-/* m/s: beside twice the device's motion, how fast a proxy moves when the pose that held it is gone (a fold). */
+/* m/s: how fast a proxy may move, beyond twice the device's motion, when what held it is gone (a fold). */
 #define FOLD_SPEED 1.0
-
-static struct proxy *proxy_of(const struct dpt_world *world, const struct tool *tool)
-{
-    return &world->proxies[tool - world->tools];
-}
-
-void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot)
-{
-    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
-        const struct tool *tool = &world->tools[t];
-        if (!tool->slot.used || !dpti_proxy_is_used(world, tool))
-            continue;
-        struct proxy *proxy = &world->proxies[t];
-        struct frame frame;
-        frame_of_pose(&proxy->pose, &frame);
-        for (uint32_t i = 0; proxy->state >= PROXY_DOUBTED && i < tool->segment_count; i++) {
-            const struct segment *segment = &world->segments[tool->first_segment + i];
-            const struct box box = box_of_axis(frame_to_world(&frame, segment->a), frame_to_world(&frame, segment->b));
-            const double away = box_distance(&box, &world->boxes[slot]) - segment->radius;
-            proxy->gap = min_of(proxy->gap, away);
-            if (away <= 0.0)
-                proxy->state = PROXY_DOUBTED;
-        }
-        for (uint32_t i = 0; proxy->state >= PROXY_DOUBTED && i < tool->tip_count; i++) {
-            const struct dpt_hull *hull = tool_tip(world, tool, i)->hull;
-            const struct box box = dpti_tip_box(hull, &frame);
-            const double away = box_distance(&box, &world->boxes[slot]) - hull->radius;
-            proxy->gap = min_of(proxy->gap, away);
-            if (away <= 0.0)
-                proxy->state = PROXY_DOUBTED;
-        }
-    }
-}
 
 /* The displacement that is wanted, as unknowns; returns its length. */
 static double wanted_motion(const struct proxy_tick *tick, const struct displacement *left, double *wanted)
@@ -99,7 +64,7 @@ static double share_allowed(const struct proxy_tick *tick, double longest)
     return turn * share > TURN_MAX ? TURN_MAX / turn : share;
 }
 
-/* A share of the motion that was solved for; what corrections have bent goes with the square of it. */
+/* A share of the motion that was solved for. What corrections added to it grows with the square of the share. */
 static struct proxy_pose pose_of_motion(const struct proxy_tick *tick, const double *straight, double share)
 {
     double y[HALF_SPACE_DIMENSIONS];
@@ -110,7 +75,7 @@ static struct proxy_pose pose_of_motion(const struct proxy_tick *tick, const dou
 }
 
 /*
- * A turn is no straight motion: where a pair would come nearer than it should, its bound is raised by what is missing,
+ * Constraints are linear, and a turn is not. Where a pair would come too near, its bound is raised by what is missing,
  * and the motion is solved for again.
  */
 static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double *wanted, const double *straight,
@@ -134,15 +99,15 @@ static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double 
 }
 
 /*
- * Where a surface curves under the tool, a longer motion along it gains less. The share of it that gains most, by a
- * parabola: the squared distance from the device at both ends, and its slope at the first.
+ * The share of a motion that comes nearest to the device: where a surface curves under the tool, a longer motion along
+ * it gains less. A parabola tells, by the squared distance from the device at both ends and its slope at the first.
  */
 static double best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const double *wanted,
                          const double *straight, double left, double share)
 {
     const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
     const double far = displacement_norm(&tick->proxy->coupling, &then);
-    /* To regain the clearance may cost that much. */
+    /* So much may be lost to regain the clearance. */
     const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap);
     double slope = -slack;
     for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
@@ -154,7 +119,7 @@ static double best_share(const struct proxy_tick *tick, const struct proxy_pose 
     return -slope < 2.0 * share * bend ? max_of(SHARE_MIN * share, -0.5 * slope / bend) : share;
 }
 
-/* The triangles that hold the proxy are remembered. */
+/* Remember the triangles that hold the proxy. */
 static void remember_active(struct proxy_tick *tick)
 {
     for (uint32_t k = 0; k < tick->solved.active_count; k++) {
@@ -163,7 +128,9 @@ static void remember_active(struct proxy_tick *tick)
     }
 }
 
-/* Constraints within reach of a motion that is not known before they are: once more where it is longer than thought. */
+/*
+ * The reach of the motion must be guessed before there are constraints to solve for it. If it was too short: once more.
+ */
 static int gather_and_solve(struct proxy_tick *tick, const double *wanted, double left)
 {
     const uint32_t n = proxy_unknowns(tick->proxy);
@@ -181,13 +148,13 @@ static int gather_and_solve(struct proxy_tick *tick, const double *wanted, doubl
     }
 }
 
-/* Is the goal's pose itself what was found: then the proxy is where the device is, bit for bit. */
+/* Whether the motion leads to the device itself. Then the proxy takes the device's pose, bit for bit. */
 static int is_goal(const struct proxy_tick *tick, double share)
 {
     return tick->solved.active_count == 0 && share == 1.0;
 }
 
-/* In the open: where nothing can be met, however the tool gets there, it goes to the device at once. */
+/* In the open, where nothing can be met on any path, the proxy goes to the device at once. */
 static int go_to_goal(struct proxy_tick *tick, const struct displacement *left, double allowed)
 {
     struct proxy *proxy = tick->proxy;
@@ -213,16 +180,16 @@ static int is_spent(const struct proxy_tick *tick)
 }
 
 /*
- * How long a motion may be that is tried next, after one of that length that was free up to `met`, and the share made. One
- * for which only the rest of a budget was left is tried once more with all of it.
+ * m: the longest motion to try next. The last one, of length `motion`, was free up to the share `met`, and the share
+ * `made` of it was made. One that had only the rest of a budget is tried once more with a whole one.
  */
 static double next_trust(const struct proxy_tick *tick, double met, double made, double motion)
 {
-    const double least = tick->clearance;
+    const double min_trust = tick->clearance;
     if (is_spent(tick) && !(made > 0.0))
-        return max_of(least, tick->is_moved ? motion : 0.25 * motion);
+        return max_of(min_trust, tick->is_moved ? motion : 0.25 * motion);
     if (is_spent(tick) || met < 0.25)
-        return max_of(least, 2.0 * max_of(met, 0.1) * motion);
+        return max_of(min_trust, 2.0 * max_of(met, 0.1) * motion);
     return 4.0 * max_of(tick->proxy->trust, motion);
 }
 
@@ -234,15 +201,15 @@ struct proxy_motion {
     double size;
 };
 
-/* FOLLOW_MOVED: there is one. FOLLOW_DONE: nothing is left to move. FOLLOW_STUCK: there is no way. */
-static int choose_motion(struct proxy_tick *tick, const struct displacement *way, double allowed,
+/* Choose the next motion. FOLLOW_MOVED: there is one. FOLLOW_DONE: none is left. FOLLOW_STUCK: none is allowed. */
+static int choose_motion(struct proxy_tick *tick, const struct displacement *displacement, double allowed,
                          struct proxy_motion *motion)
 {
     struct proxy *proxy = tick->proxy;
     const uint32_t n = proxy_unknowns(proxy);
     double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 }, straight[HALF_SPACE_DIMENSIONS], share;
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
-    const double left = wanted_motion(tick, way, wanted);
+    const double left = wanted_motion(tick, displacement, wanted);
     proxy->lag = left;
     if (left == 0.0 && !tick->is_before)
         return FOLLOW_DONE;
@@ -256,7 +223,7 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *way
     if (!tick->is_before && (size < PROXY_MOTION_SMALL * tick->clearance ||
                              (size < PROXY_CONVERGED * left && tick->gap > PROXY_GAP_KEPT * tick->clearance)))
         return FOLLOW_DONE;
-    /* While a body pushes, neither the trust nor a gap on the way keeps it waiting. */
+    /* While a body pushes, the proxy does not wait for trust to grow. */
     const double longest = tick->is_before ? allowed : min_of(proxy->trust, allowed);
     if (size > longest) {
         for (uint32_t k = 0; k < n; k++)
@@ -307,7 +274,7 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     return FOLLOW_MOVED;
 }
 
-/* The proxy is put where the device is: outside or not, contact will tell. */
+/* Put the proxy where the device is. Whether it is outside there, contact tells later. */
 static void place(struct proxy_tick *tick)
 {
     tick->at = tick->goal;
@@ -321,7 +288,7 @@ static void place(struct proxy_tick *tick)
     tick->proxy->lag = 0.0;
 }
 
-/* The same by decision, with a force that fades. */
+/* The same in the middle of contact: the force fades. */
 static void place_again(struct proxy_tick *tick)
 {
     place(tick);
@@ -344,7 +311,7 @@ static void find_again(struct proxy_tick *tick)
     tick->gap = max_of(tick->gap, proven);
 }
 
-/* As many motions as there are iterations, work and way; *allowed is how far the proxy may still move. */
+/* Make motions until iterations, work or `*allowed` end: how far the proxy may still move. */
 static void follow_all(struct proxy_tick *tick, double *allowed)
 {
     const struct work *work = &tick->world->work;
@@ -408,10 +375,10 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     }
 }
 
-/* Bodies moved in a tick in which the tool could not follow: nothing tells what is round the proxy now. */
+/* If bodies moved in a tick in which the tool was not stepped, it is not known any more what is round the proxy. */
 static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *proxy)
 {
-    const int was_stepped = proxy->tick + 1 == world->ticks;
+    const int was_stepped = world_was_last_tick(world, proxy->tick);
     if (!was_stepped)
         dpti_proxy_end_force(proxy);
     if (proxy->state < PROXY_DOUBTED || was_stepped || (int32_t)(world->bodies_moved_tick - proxy->tick) <= 0)
@@ -420,20 +387,10 @@ static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *pro
     proxy->gap = -HUGE_VAL;
 }
 
-/* Whether a tick left a proxy as it was, but for the clocks of what it remembers, and a pace that nothing waits for. */
+/* Whether a tick left a proxy as it was. */
 static int stood_still(const struct proxy *before, const struct proxy *now)
 {
-    struct proxy same = *before;
-    same.tick = now->tick;
-    same.clock = now->clock;
-    same.is_still = now->is_still;
-    same.pace = now->pace;
-    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        same.memory[i].used = now->memory[i].used;
-    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
-        if (!same.contacts[i].body_id)
-            same.contacts[i].age = now->contacts[i].age;
-    return !memcmp(&same, now, sizeof same);
+    return !memcmp(before, now, offsetof(struct proxy, pace));
 }
 
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
@@ -483,7 +440,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     proxy->tick = world->ticks;
     proxy->gap = tick.gap;
     proxy->min_gap = tick.min_gap;
-    /* The tool's first segment answers for all that was spent. */
+    /* All work counts for the tool's first segment. */
     for (uint32_t i = 0; i < tool->segment_count; i++)
         world->segments[tool->first_segment + i].result.work = 0;
     world->segments[tool->first_segment].result.work = world->work.done - work_before;
@@ -491,33 +448,4 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
     proxy->is_still =
         is_unchanged && is_done && !proxy->is_behind && proxy->tip_motion == 0.0 && stood_still(&before, proxy);
-}
-
-void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
-{
-    struct proxy *proxy = proxy_of(world, tool);
-    int is_outside = 1, is_known = 1;
-    if (proxy->state != PROXY_PLACED && proxy->state != PROXY_DOUBTED)
-        return;
-    for (uint32_t i = 0; i < tool->segment_count; i++) {
-        const struct segment *segment = &world->segments[tool->first_segment + i];
-        if (!segment->answer.body)
-            continue;
-        is_known &= segment->answer.is_exact && segment->result.has_gap;
-        is_outside &= segment->result.gap > 0.0;
-    }
-    for (uint32_t i = 0; i < tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(world, tool, i);
-        if (!tip->answer.body)
-            continue;
-        is_known &= tip->answer.is_exact != 0;
-        is_outside &=
-            tip->answer.is_exact && tip->answer.nearest.distance > tip->hull->radius && dpti_tip_is_outside(tip);
-    }
-    if (!is_known)
-        return;
-    if (is_outside && (proxy->state == PROXY_DOUBTED || proxy->gap >= proxy->min_gap))
-        proxy->state = PROXY_OUTSIDE;
-    else if (!is_outside)
-        proxy->state = PROXY_PLACED;
 }

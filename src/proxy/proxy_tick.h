@@ -6,7 +6,7 @@
 #include "force/friction.h"
 #include "nearest/pair_features.h"
 #include "proxy/proxy_pose.h"
-#include "track/tool_tips.h"
+#include "track/tool_parts.h"
 
 /* Triangles that are looked at together: those that are remembered, and the nearest of each of so many segments. */
 enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
@@ -17,11 +17,11 @@ enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
  */
 #define PROXY_SCALE_MAX 1.0
 
-/* A motion below this share of what is left to the device is none; below that of the clearance, too. */
+/* A motion shorter than these shares of what is left to the device, or of the clearance, is not made. */
 #define PROXY_CONVERGED    3e-4
 #define PROXY_MOTION_SMALL 1e-3
 
-/* Of the clearance: a gap that is kept well enough. */
+/* As a share of the clearance: a gap that is large enough. */
 #define PROXY_GAP_KEPT 0.7
 
 /* What a constraint is of. */
@@ -45,7 +45,7 @@ struct proxy_tick {
     vec3 axes[3];     /* of `at`, for turns */
     double clearance; /* m: contacts are held so far apart */
     double min_gap;   /* m: no pose is accepted whose gap is less */
-    double gap;       /* the least of the tool's surface at `at`; a lower bound where a budget ended the search */
+    double gap;       /* m: of the tool's surface at `at`; a lower bound where a budget ended the search */
     int is_before;    /* `at` is proven only for where bodies were at `time` of their motion before this tick */
     double time;      /* 0..1 */
     double made;      /* the share that was made of the last motion that was solved for */
@@ -53,12 +53,12 @@ struct proxy_tick {
     int is_lost;      /* the segments' nearest pairs are of another pose than `at` */
     int held;         /* PROXY_HELD_... */
     int is_moved;     /* a motion was made in this tick */
-    int is_waiting;   /* a budget ended the tick's motions, with a way left to go */
+    int is_waiting;   /* a budget ended the tick's motions before the proxy arrived */
     uint32_t triangle_count;
     uint32_t space_count;
     uint32_t contact_count; /* of the solution, contacts with friction */
     struct half_spaces_result solved;
-    /* From here on a tick does not begin with zeros. Copies: what a motion meets is remembered while it is looked at. */
+    /* From here on a tick does not begin with zeros. Triangles are copies, as proxy->memory changes during the tick. */
     struct proxy_triangle triangles[PROXY_TRIANGLES_MAX];
     struct half_space spaces[HALF_SPACES_MAX];
     struct proxy_source sources[HALF_SPACES_MAX];
@@ -69,7 +69,7 @@ struct proxy_tick {
 /* m: of the segment or tip that a constraint is of. */
 static inline double proxy_radius_of(const struct proxy_tick *tick, uint32_t space)
 {
-    return tool_part_radius(tick->world, tick->tool, tick->triangles[tick->sources[space].triangle].segment);
+    return part_radius(tool_part(tick->world, tick->tool, tick->triangles[tick->sources[space].triangle].segment));
 }
 
 /* m: where the tool's surface touches, in the world. */
@@ -81,9 +81,7 @@ static inline vec3 proxy_touch_of(const struct proxy_tick *tick, uint32_t space)
 /* The tip that a triangle is near; NULL: it is a segment. */
 static inline const struct tip *proxy_tip_of(const struct proxy_tick *tick, const struct proxy_triangle *triangle)
 {
-    return triangle->segment < tick->tool->segment_count
-               ? NULL
-               : tool_tip(tick->world, tick->tool, triangle->segment - tick->tool->segment_count);
+    return tool_part(tick->world, tick->tool, triangle->segment).tip;
 }
 
 #endif

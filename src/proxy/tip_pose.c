@@ -3,7 +3,7 @@
 
 #include "hull/hull_sweep.h"
 
-/* So many motions a tip makes in a tick, each so much longer than the last, until it arrives or meets something. */
+/* How many motions a tip makes in a tick at most, and how much longer than the last each one is. */
 enum { MOTIONS_MAX = 10 };
 #define LONGER 16.0
 
@@ -12,7 +12,7 @@ enum { SHORTEN_LITTLE = 3, SHORTEN_MAX = 6 };
 #define SHORTER_LITTLE 0.9
 #define SHORTER        0.5
 
-/* Of the clearance: a motion that is shorter is none. */
+/* As a share of the clearance: a shorter motion is not made. */
 #define MOTION_MIN 1e-3
 
 void dpti_tip_put(struct dpt_world *world, struct tip *tip, const dpt_pose *pose)
@@ -80,7 +80,7 @@ struct tip_obstacle {
     uint32_t triangle; /* place: the first that is met */
 };
 
-/* In the tool's frame: shares of the motion are poses of what is swept, bit for bit. */
+/* The sweep is in the tool's frame, so that a share of the motion gives the pose that was swept, bit for bit. */
 static void sweep_body(struct proxy_tick *tick, const struct tip *tip, const struct body *body,
                        const struct tip_motion *motion, struct tip_obstacle *met)
 {
@@ -175,7 +175,9 @@ static double make_motion(struct proxy_tick *tick, struct tip *tip, const struct
     return 0.0;
 }
 
-/* The whole way to where the tip is wanted, or so much of it as is tried at once; where nothing is near, that is all. */
+/*
+ * The whole way to where the tip is wanted, or so much of it as is tried at once; where nothing is near, that is all.
+ */
 static struct tip_motion next_motion(const struct proxy_tick *tick, struct tip *tip)
 {
     const double size = dpti_hull_displacement(tip->given, &tip->wanted, &tip->pose);

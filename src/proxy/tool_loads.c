@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/tool_loads.h"
 
+#include "proxy/proxy.h"
 #include "proxy/proxy_friction.h"
-#include "proxy/proxy_state.h"
 #include "track/deform_state.h"
 #include "track/persistent_contacts.h"
 
@@ -23,7 +23,7 @@ static struct tool_load *load_of(const struct dpt_world *world, const struct too
     return NULL;
 }
 
-/* Where the torque of a tool's wrench is about, in the world. With a proxy its frame is not that of the device. */
+/* The point, in the world, that the torque is about. With a proxy it is the device's origin, also of a free tool. */
 static vec3 origin_of(const struct dpt_world *world, const struct tool *tool)
 {
     return dpti_proxy_is_used(world, tool) ? vec3_of(tool->pose.position) : tool_torque_origin(world, tool);

@@ -6,24 +6,148 @@
  */
 #include "track/body_search.h"
 
-#include "track/distance_bounds.h"
+/* Shares of dpt_world_bytes. */
+enum { BYTES_SUSPENDED_SEARCHES = 1536, BYTES_DISTANCE_BOUND = 64 };
+typedef char suspended_searches_fit[2 * sizeof(struct suspended_search) <= BYTES_SUSPENDED_SEARCHES ? 1 : -1];
+typedef char distance_bound_fits[sizeof(struct distance_bound) <= BYTES_DISTANCE_BOUND ? 1 : -1];
+
+static uint64_t bounds_bytes(const dpt_world_def *def)
+{
+    const uint64_t segments = def->max_segments;
+    return def->budget ? (BYTES_SUSPENDED_SEARCHES + BYTES_DISTANCE_BOUND * (uint64_t)def->max_bodies) * segments : 0;
+}
+
+static char *place_bounds(struct dpt_world *world, char *at)
+{
+    world->suspended_searches = (void *)at;
+    world->distance_bounds = (void *)(at + BYTES_SUSPENDED_SEARCHES * (size_t)world->def.max_segments);
+    return at + bounds_bytes(&world->def);
+}
+
+/* Forget a segment's bounds and suspended searches, of the body in `slot` or, with DPT_NONE, of all. */
+static void forget_bounds(struct dpt_world *world, uint32_t segment_index, uint32_t slot)
+{
+    if (!world->def.budget)
+        return;
+    struct distance_bound *bound = world_distance_bound(world, segment_index, slot == DPT_NONE ? 0 : slot);
+    memset(bound, 0, (slot == DPT_NONE ? world->def.max_bodies : 1) * sizeof *bound);
+    for (int is_resting = 0; is_resting < 2; is_resting++) {
+        struct suspended_search *suspended = world_suspended_search(world, segment_index, is_resting);
+        if (slot == DPT_NONE || suspended->body_slot == slot)
+            suspended->traversal.level = 0;
+        if (slot == DPT_NONE)
+            suspended->next_slot = DPT_NONE;
+    }
+}
+
+/* Remove the data of the segments from `first` up to, not including, `end`; that of later segments moves up. */
+static void remove_bounds(struct dpt_world *world, uint32_t first, uint32_t end)
+{
+    if (!world->def.budget)
+        return;
+    size_t segments_moved = world->segment_count - end;
+    memmove(world_suspended_search(world, first, 0), world_suspended_search(world, end, 0),
+            segments_moved * 2 * sizeof *world->suspended_searches);
+    memmove(world_distance_bound(world, first, 0), world_distance_bound(world, end, 0),
+            segments_moved * world->def.max_bodies * sizeof *world->distance_bounds);
+}
+
+/* m: motion of the axis' ends in the body's frame since the last update; exactly 0 at rest. */
+static double motion_since(const struct distance_bound *bound, const struct axis *axis)
+{
+    vec3 b = add(axis->local_a, axis->u);
+    double motion =
+        max_of(length(sub(axis->local_a, bound->a)), length(sub(b, bound->b))) + (double)bound->surface_motion;
+    return motion > 0.0 ? motion + axis->error : 0.0;
+}
+
+/* m: what a suspended search has proven about the axis at the last update of its body; 0 if none is suspended. */
+static double bound_so_far(const struct suspended_search *suspended, const struct surface *surface,
+                           const struct distance_bound *bound)
+{
+    if (!suspended->traversal.level)
+        return 0.0;
+    return min_of(suspended->lower_bound,
+                  dpti_bvh_unvisited_bound(&suspended->traversal, surface, bound->a, sub(bound->b, bound->a)));
+}
+
+void dpti_bounds_note_motion(struct dpt_world *world, uint32_t segment_index, uint32_t slot, double moved)
+{
+    if (!world->def.budget)
+        return;
+    struct distance_bound *bound = world_distance_bound(world, segment_index, slot);
+    bound->surface_motion = (1.0f + 0x1p-22f) * (bound->surface_motion + (float)moved);
+}
+
+/* End a suspended search for good. What it has proven goes into the bound of its body. */
+static void give_up(struct dpt_world *world, uint32_t segment_index, struct suspended_search *suspended)
+{
+    struct distance_bound *bound = world_distance_bound(world, segment_index, suspended->body_slot);
+    const struct surface *surface = &world->bodies[suspended->body_slot].surface;
+    bound->lower_bound = max_of(bound->lower_bound, bound_so_far(suspended, surface, bound));
+    suspended->traversal.level = 0;
+}
 
 /*
- * Shares of dpt_world_bytes: the triangle of the last answer for each part of each segment on each body, and the
- * blocks of the plane cache.
+ * Update a segment's bound of the body in `slot` to this tick's axis. Returns how far the axis' ends have moved in
+ * the body's frame since the last update, vertices that moved included (m), exactly 0 at rest.
+ *
+ * A suspended search of a motion stays valid when the axis moves, but can then only give a bound. A suspended search
+ * of a rest is given up when the axis moves. During a rest the search of the motion waits: a device that is slower
+ * than the loop moves again in the next tick.
+ */
+static double update_bound(struct dpt_world *world, uint32_t segment_index, uint32_t slot, const struct axis *axis)
+{
+    struct distance_bound *bound = world_distance_bound(world, segment_index, slot);
+    struct suspended_search *moving = world_suspended_search(world, segment_index, 0),
+                            *resting = world_suspended_search(world, segment_index, 1);
+    double motion = motion_since(bound, axis);
+    if (motion > 0.0 && resting->body_slot == slot && resting->traversal.level)
+        give_up(world, segment_index, resting);
+    if (motion == 0.0)
+        bound->rest_tick = world->ticks;
+    bound->lower_bound = max_of(0.0, bound->lower_bound - motion);
+    bound->surface_motion = 0.0f;
+    bound->a = axis->local_a;
+    bound->b = add(axis->local_a, axis->u);
+    if (motion > 0.0 && moving->body_slot == slot && moving->traversal.level) {
+        dpti_bvh_weaken_bounds(&moving->traversal, &world->bodies[slot].surface, motion);
+        moving->lower_bound -= motion;
+    }
+    return motion;
+}
+
+/*
+ * The largest proven lower bound of the distance (m) between a segment and the body in `slot`, as of its last update.
+ */
+static double proven_bound(const struct dpt_world *world, uint32_t segment_index, uint32_t slot)
+{
+    const struct distance_bound *bound = world_distance_bound(world, segment_index, slot);
+    double lower_bound = bound->lower_bound;
+    for (int is_resting = 0; is_resting < 2; is_resting++) {
+        const struct suspended_search *suspended = world_suspended_search(world, segment_index, is_resting);
+        if (suspended->body_slot == slot)
+            lower_bound = max_of(lower_bound, bound_so_far(suspended, &world->bodies[slot].surface, bound));
+    }
+    return lower_bound;
+}
+
+/*
+ * Shares of dpt_world_bytes: last triangles, which the paper's method does not use, and the blocks of the plane cache.
  */
 static uint64_t last_triangles_bytes(const dpt_world_def *def)
 {
-    return mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies * def->baseline->parts);
+    return def->method == DPT_METHOD_PAPER ? 0 : mesh_aligned(4 * (uint64_t)def->max_segments * def->max_bodies);
 }
 
 uint64_t dpti_body_search_bytes(const dpt_world_def *def)
 {
-    return last_triangles_bytes(def) + mesh_aligned(def->certificate_bytes);
+    return bounds_bytes(def) + last_triangles_bytes(def) + mesh_aligned(def->certificate_bytes);
 }
 
 char *dpti_body_search_place(struct dpt_world *world, char *at)
 {
+    at = place_bounds(world, at);
     world->last_triangles = (void *)at;
     at += last_triangles_bytes(&world->def);
     world->plane_cache.blocks = (void *)at;
@@ -48,15 +172,19 @@ void dpti_body_search_forget_planes(struct dpt_world *world, uint32_t first, uin
 void dpti_body_search_forget(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
-    memset(world_last_triangles(world, segment_index, 0), 0xff,
-           world_last_triangle_count(world) * sizeof *world->last_triangles);
+    if (world->def.method != DPT_METHOD_PAPER)
+        memset(world_last_triangle(world, segment_index, 0), 0xff,
+               world->def.max_bodies * sizeof *world->last_triangles);
     segment->last_body_slot = DPT_NONE;
+    forget_bounds(world, segment_index, DPT_NONE);
 }
 
 void dpti_body_search_forget_body(struct dpt_world *world, uint32_t slot)
 {
     for (uint32_t s = 0; s < world->segment_count; s++) {
-        memset(world_last_triangles(world, s, slot), 0xff, world->def.baseline->parts * sizeof *world->last_triangles);
+        forget_bounds(world, s, slot);
+        if (world->def.method != DPT_METHOD_PAPER)
+            *world_last_triangle(world, s, slot) = DPT_NONE;
         if (world->segments[s].last_body_slot == slot)
             world->segments[s].last_body_slot = DPT_NONE;
         /* A proxy begins its tick with last tick's nearest triangle, which another mesh may not have. */
@@ -70,8 +198,10 @@ void dpti_body_search_remove(struct dpt_world *world, uint32_t first, uint32_t e
 {
     size_t segments_moved = world->segment_count - end;
     dpti_body_search_forget_planes(world, first, world->segment_count, DPT_NONE);
-    memmove(world_last_triangles(world, first, 0), world_last_triangles(world, end, 0),
-            segments_moved * world_last_triangle_count(world) * sizeof *world->last_triangles);
+    remove_bounds(world, first, end);
+    if (world->def.method != DPT_METHOD_PAPER)
+        memmove(world_last_triangle(world, first, 0), world_last_triangle(world, end, 0),
+                segments_moved * world->def.max_bodies * sizeof *world->last_triangles);
 }
 
 struct body_search {
@@ -101,7 +231,7 @@ static void accept_if_nearer(struct body_search *search, const struct body *body
         return;
     if (track != &best->track && best->body && track->nearest.pair.distance2 >= best->track.nearest.pair.distance2)
         return;
-    *world_last_triangles(search->world, search->segment_index, handle_index(body->id)) = track->nearest.triangle;
+    *world_last_triangle(search->world, search->segment_index, handle_index(body->id)) = track->nearest.triangle;
     if (track != &best->track)
         best->track = *track;
     best->body = body;
@@ -123,7 +253,7 @@ static void search_without_history(struct body_search *search, uint32_t slot)
     } else {
         struct bvh_traversal traversal;
         traversal.level = 0;
-        dpti_dynamic_point_begin(&track, &body->surface, *world_last_triangles(world, search->segment_index, slot),
+        dpti_dynamic_point_begin(&track, &body->surface, *world_last_triangle(world, search->segment_index, slot),
                                  limit2, DESCENT_NONE, &world->work);
         dpti_dynamic_point_prove(&track, &body->surface, &world->kernel, NULL, &traversal, &world->work);
         dpti_dynamic_point_settle(&track);
@@ -145,7 +275,7 @@ static void begin_track(struct body_search *search, uint32_t slot, double limit2
     struct dpt_world *world = search->world;
     struct work share = work_of(descent_share(world));
     dpti_dynamic_point_begin(track, &world->bodies[slot].surface,
-                             *world_last_triangles(world, search->segment_index, slot), limit2, mode, &share);
+                             *world_last_triangle(world, search->segment_index, slot), limit2, mode, &share);
     work_spend(&world->work, share.done);
 }
 
@@ -172,11 +302,11 @@ static void follow_dynamic_point(struct body_search *search, uint32_t slot)
     const struct axis last = track->axis;
     transform_axis(search, body, &track->axis);
     search->is_jump =
-        *world_last_triangles(world, search->segment_index, slot) != DPT_NONE && has_jumped(body, &last, &track->axis);
+        *world_last_triangle(world, search->segment_index, slot) != DPT_NONE && has_jumped(body, &last, &track->axis);
     search->followed_slot = slot;
     search->axis_motion = 1.0;
     if (world->def.budget)
-        search->axis_motion = dpti_bounds_update(world, search->segment_index, slot, &track->axis);
+        search->axis_motion = update_bound(world, search->segment_index, slot, &track->axis);
     enum descent_mode mode = DESCENT_NONE;
     if (search->axis_motion > 0.0 && !search->is_jump && descent_share(world))
         mode = track->nearest.pair.distance2 == 0.0 ? DESCENT_CROSSED : DESCENT_NEIGHBOURS;
@@ -226,15 +356,15 @@ static void search_within_budget(struct body_search *search, uint32_t slot, doub
     double axis_motion = search->axis_motion;
     int is_done = 0;
     if (slot != search->followed_slot)
-        axis_motion = dpti_bounds_update(world, search->segment_index, slot, &track->axis);
+        axis_motion = update_bound(world, search->segment_index, slot, &track->axis);
     int is_fresh = axis_motion == 0.0 || search->is_new;
     struct suspended_search *suspended = world_suspended_search(world, search->segment_index, is_fresh);
     bound->lower_bound = max_of(bound->lower_bound, box_gap);
-    if (!proves_best(search, dpti_bounds_proven(world, search->segment_index, slot)) &&
+    if (!proves_best(search, proven_bound(world, search->segment_index, slot)) &&
         !work_is_spent(&search->world->work)) {
         double excluded_bound;
         if (suspended->body_slot != slot || !suspended->traversal.level) {
-            dpti_bounds_give_up(world, search->segment_index, suspended);
+            give_up(world, search->segment_index, suspended);
             suspended->body_slot = slot;
             suspended->lower_bound = HUGE_VAL;
         }
@@ -244,7 +374,7 @@ static void search_within_budget(struct body_search *search, uint32_t slot, doub
         if (is_done)
             bound->lower_bound = max_of(bound->lower_bound, suspended->lower_bound);
     }
-    double lower_bound = dpti_bounds_proven(world, search->segment_index, slot);
+    double lower_bound = proven_bound(world, search->segment_index, slot);
     if (!is_done && search->next_slot == DPT_NONE && !proves_best(search, lower_bound))
         search->next_slot = slot;
     search->best->lower_bound = min_of(search->best->lower_bound, lower_bound);

@@ -1,17 +1,21 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* One axis against all bodies of a world: methods exact, tree and brute. */
+/*
+ * One axis against all bodies of a world: methods exact, tree and brute. With a budget also what is proven of the
+ * distance between a segment and each body, by finished and by suspended searches. A bound stays valid in later ticks,
+ * less the motion of the axis: docs/algorithms/budget.md.
+ */
 #ifndef DPT_BODY_SEARCH_H
 #define DPT_BODY_SEARCH_H
 
 #include "track/world_state.h"
 
-/* Its share of dpt_world_bytes: last triangles and the plane cache. */
+/* Its share of dpt_world_bytes: bounds, last triangles and the plane cache. */
 uint64_t dpti_body_search_bytes(const dpt_world_def *def);
 
 /* Place its memory at `at`; returns where it ends. */
 char *dpti_body_search_place(struct dpt_world *world, char *at);
 
-/* Forget a segment's last triangles and its nearest body. */
+/* Forget a segment's bounds and suspended searches, its last triangles and its nearest body. */
 void dpti_body_search_forget(struct dpt_world *world, uint32_t segment_index);
 
 /* Forget all that searches know of the body in a slot. */
@@ -36,5 +40,8 @@ void dpti_body_search_find(struct dpt_world *world, uint32_t segment_index, cons
 
 /* Write an answer that has a body into `result`: exact, or bounded by what is proven. */
 void dpti_body_search_result(const struct body_answer *best, struct segment_result *result);
+
+/* Vertices of the body in `slot` have moved, by at most `moved`, m: the next update counts it. */
+void dpti_bounds_note_motion(struct dpt_world *world, uint32_t segment_index, uint32_t slot, double moved);
 
 #endif

@@ -40,8 +40,14 @@ struct near_bodies {
     const uint32_t *slots; /* in ascending order; NULL: all slots below `count` */
     uint32_t count;
     uint32_t reserved;
-    double reach; /* m; negative: not determined in this tick yet */
+    double reach; /* m; negative: not determined yet */
 };
+
+/* Another segment, or the same at another place, comes next: the bodies near it are to be determined anew. */
+static inline void near_bodies_forget(struct near_bodies *near_bodies)
+{
+    near_bodies->reach = -1.0;
+}
 
 /* Its share of dpt_world_bytes: two near lists for each segment. */
 uint64_t dpti_broad_phase_bytes(const dpt_world_def *def);
@@ -78,8 +84,8 @@ void dpti_broad_phase_shrink(struct dpt_world *world, uint32_t segment_index, do
 
 /*
  * The bodies whose boxes may be within `reach` (m) of a segment. Call it after the search for the nearest pair, and
- * set world->near_bodies.reach negative before the first call for a segment in a tick. The answer is kept, and given
- * again for a smaller reach; the first call uses at least the reach of the segment's contact.
+ * near_bodies_forget before the first call for a segment in a tick. The answer is kept, and given again for a smaller
+ * reach; the first call uses at least the reach of the segment's contact.
  */
 const struct near_bodies *dpti_broad_phase_within(struct dpt_world *world, uint32_t segment_index, double reach);
 

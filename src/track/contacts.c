@@ -1,9 +1,362 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The distance profile of a segment over a body gives regions. Each becomes a contact, and takes over the id, the
+ * side and the samples of last tick's contact that covers the same stretch of the tool.
+ */
 #include "track/contacts.h"
 
-#include "track/contact_pair.h"
 #include "track/persistent_contacts.h"
-#include "track/sheet_sides.h"
+
+/* Regions are for users, and for the force of a bed. */
+static int has_regions(const struct contact_pair *contact_pair)
+{
+    return contact_pair->world->def.max_contacts || contact_pair->bed_depth;
+}
+
+static struct depth_samples *depth_samples_of(const struct contact_pair *contact_pair)
+{
+    return &contact_pair->world->segments[contact_pair->segment_index].depth_samples;
+}
+
+static uint32_t load_depth_samples(const struct contact_pair *contact_pair,
+                                   struct warm_start warm_starts[PROFILE_WARM_STARTS])
+{
+    const struct depth_samples *samples = depth_samples_of(contact_pair);
+    if (samples->body_id != contact_pair->body->id)
+        return 0;
+    memcpy(warm_starts, samples->at, samples->count * sizeof *warm_starts);
+    return samples->count;
+}
+
+/*
+ * Read last tick's contacts of the pair: set the sides of its sheets, and fill in where the profile's samples begin.
+ * Returns how many warm starts there are.
+ */
+static uint32_t load_warm_starts(struct contact_pair *contact_pair, struct warm_start warm_starts[PROFILE_WARM_STARTS])
+{
+    const struct persistent_contacts *last_tick = contacts_last_tick(contact_pair->world);
+    uint32_t count = 0;
+    contact_pair->sides.count = 0;
+    if (!has_regions(contact_pair))
+        return load_depth_samples(contact_pair, warm_starts);
+    for (uint32_t i = 0; i < last_tick->count; i++) {
+        const struct persistent_contact *persistent = &last_tick->items[i];
+        if (!persistent_contact_is_of(persistent, contact_pair->segment_index, contact_pair->body))
+            continue;
+        for (uint32_t k = 0; k < persistent->warm_start_count && count < PROFILE_WARM_STARTS; k++)
+            warm_starts[count++] = persistent->warm_starts[k];
+        /*
+         * An axis that was in front and has crossed nothing is still in front, also if it went round a border: its
+         * side is taken anew.
+         */
+        if (persistent->side && !persistent->is_in_front)
+            dpti_sides_put(&contact_pair->sides, persistent->part, persistent->side);
+    }
+    return count;
+}
+
+/* The length, in s, that a contact and a region have in common; negative if there is a gap between them. */
+static double shared_length(const struct persistent_contact *persistent, const struct region *region)
+{
+    return min_of(persistent->contact.s1, region->to) - max_of(persistent->contact.s0, region->from);
+}
+
+/*
+ * The contact of the last tick that a region continues: the one on the same part that shares the longest stretch with
+ * it, and that no other region of this tick continues. NULL if there is none.
+ */
+static const struct persistent_contact *find_previous(const struct contact_pair *contact_pair,
+                                                      const struct region *region)
+{
+    const struct persistent_contacts *last_tick = contacts_last_tick(contact_pair->world),
+                                     *this_tick = contacts_this_tick(contact_pair->world);
+    const struct persistent_contact *best = NULL;
+    for (uint32_t i = 0; i < last_tick->count; i++) {
+        const struct persistent_contact *persistent = &last_tick->items[i];
+        int is_excluded = !persistent_contact_is_of(persistent, contact_pair->segment_index, contact_pair->body) ||
+                          persistent->part != region->part || shared_length(persistent, region) < 0.0;
+        for (uint32_t k = 0; k < this_tick->count && !is_excluded; k++)
+            is_excluded = this_tick->items[k].contact.id == persistent->contact.id;
+        if (!is_excluded && (!best || shared_length(persistent, region) > shared_length(best, region)))
+            best = persistent;
+    }
+    return best;
+}
+
+/* Whether the axis crosses the surface within a region. */
+static int has_crossing(const struct distance_profile *profile, const struct region *region)
+{
+    for (uint32_t k = 0; k < profile->crossing_count; k++)
+        if (profile->crossing[k].s >= region->from && profile->crossing[k].s <= region->to)
+            return 1;
+    return 0;
+}
+
+/* Fill in a contact as users get it: in the world, with source numbers. */
+static void write_contact(const struct contact_pair *contact_pair, const struct region *region,
+                          const struct persistent_contact *persistent, dpt_contact *contact)
+{
+    const struct frame *frame = &contact_pair->body->frame;
+    const struct axis *axis = &contact_pair->axis;
+    const struct profile_sample *deepest = &contact_pair->profile->sample[region->deepest];
+    const struct segment *segment = &contact_pair->world->segments[contact_pair->segment_index];
+    vec3 p = along(axis->a, deepest->s, sub(axis->b, axis->a));
+    contact->size = sizeof *contact;
+    contact->body = contact_pair->body->id;
+    contact->segment = contact_pair->segment_index - contact_pair->world->tools[segment->tool_slot].first_segment;
+    contact->triangle = contact_pair->body->surface.sources[deepest->triangle];
+    contact->gap = deepest->height - contact_pair->radius;
+    contact->contact = dpti_contact_of_gap(contact->gap, axis->error);
+    contact->flags = (has_crossing(contact_pair->profile, region) ? DPT_CONTACT_FLAG_CROSSING : 0u) |
+                     (persistent->side ? DPT_CONTACT_FLAG_SIDED : 0u) |
+                     (contact_pair->profile->is_coarse ? DPT_CONTACT_FLAG_COARSE : 0u);
+    contact->s0 = region->from;
+    contact->s1 = region->to;
+    contact->s = deepest->s;
+    vec3_store(p, contact->p);
+    vec3_store(sub(p, frame_turn(frame, deepest->gap)), contact->q);
+    uint32_t smooth = contact_pair->world->def.smooth_normals;
+    vec3_store(frame_turn(frame, dpti_contact_normal(contact_pair->profile, deepest, smooth)), contact->normal);
+    memcpy(contact->weight, deepest->weight, sizeof contact->weight);
+    contact->square = region->beyond_onset.square;
+    for (int e = 0; e < 2; e++) {
+        /* Between two samples it is an estimate; nothing of the region is deeper than its deepest sample. */
+        contact->end_gap[e] = max_of(contact->gap, contact_pair->profile->margin - region->end_within[e]);
+        vec3_store(frame_turn(frame, region->end_normal[e]), contact->end_normal[e]);
+    }
+    contact->overlap = region->beyond_onset.overlap;
+    contact->moment = region->beyond_onset.moment;
+    vec3_store(frame_turn(frame, region->beyond_onset.thrust), contact->thrust);
+    vec3_store(frame_turn(frame, region->beyond_onset.thrust_moment), contact->thrust_moment);
+}
+
+/* With a budget: whether the axis is known to rest in the frame of the body. */
+static int is_resting(const struct contact_pair *contact_pair)
+{
+    const struct dpt_world *world = contact_pair->world;
+    uint32_t last_body_slot = world->segments[contact_pair->segment_index].last_body_slot;
+    if (!world->def.budget ||
+        world_distance_bound(world, contact_pair->segment_index, last_body_slot)->rest_tick != world->ticks)
+        return 0;
+    const struct body *body = &world->bodies[last_body_slot];
+    return contact_pair->body == body ||
+           (body->moved_tick != world->ticks && contact_pair->body->moved_tick != world->ticks);
+}
+
+/*
+ * Set the samples with which the next tick begins. A resting axis keeps those of last tick: then it asks for the same
+ * points, and the point cache knows more of them in each tick.
+ */
+static void put_warm_starts(const struct contact_pair *contact_pair, const struct region *region,
+                            const struct persistent_contact *previous, struct persistent_contact *persistent)
+{
+    if (!is_resting(contact_pair)) {
+        persistent->warm_start_count =
+            dpti_contact_region_warm_starts(contact_pair->profile, region, persistent->warm_starts, WARM_STARTS_MAX);
+    } else if (previous) {
+        persistent->warm_start_count = previous->warm_start_count;
+        memcpy(persistent->warm_starts, previous->warm_starts, sizeof persistent->warm_starts);
+    }
+}
+
+/* Add a region to this tick's contacts. */
+static void put_persistent_contact(struct contact_pair *contact_pair, const struct region *region)
+{
+    const struct persistent_contact *previous = find_previous(contact_pair, region);
+    struct persistent_contact *persistent = dpti_persistent_contacts_add(contact_pair->world);
+    if (!persistent)
+        return;
+    memset(persistent, 0, sizeof *persistent);
+    persistent->segment_index = contact_pair->segment_index;
+    persistent->part = region->part;
+    persistent->is_in_front = contact_pair->profile->sample[region->deepest].height > 0.0;
+    persistent->side = dpti_sheet_side_to_keep(
+        contact_pair, region, contact_pair->profile->sample[region->deepest].height - contact_pair->radius);
+    put_warm_starts(contact_pair, region, previous, persistent);
+    persistent->contact.id = previous ? previous->contact.id : dpti_persistent_contacts_new_id(contact_pair->world);
+    write_contact(contact_pair, region, persistent, &persistent->contact);
+}
+
+/*
+ * Update the samples of a contact that is carried over: those of the region that it may have become. Where the budget
+ * ended before there were regions, the lowest sample is put first. With the old samples, the search would begin where
+ * the tool once was. If the budget ends it each time, it would never come to where the tool is now, and behind a
+ * sheet the surface would not be found at all.
+ */
+static void update_warm_starts(const struct contact_pair *contact_pair, const struct region *regions, uint32_t count,
+                               struct persistent_contact *persistent)
+{
+    const struct profile_sample *lowest = dpti_profile_lowest_on(contact_pair->profile, persistent->part);
+    const struct region *best = NULL;
+    for (uint32_t k = 0; k < count; k++)
+        if (regions[k].part == persistent->part &&
+            (!best || shared_length(persistent, &regions[k]) > shared_length(persistent, best)))
+            best = &regions[k];
+    if (best)
+        persistent->warm_start_count =
+            dpti_contact_region_warm_starts(contact_pair->profile, best, persistent->warm_starts, WARM_STARTS_MAX);
+    else if (lowest)
+        dpti_persistent_contact_put_warm_start(persistent, &(struct warm_start){ lowest->s, lowest->triangle, 1.0f });
+}
+
+/* Carry over last tick's contacts of a pair whose contact is unknown in this tick. */
+static void carry_over_undecided(struct contact_pair *contact_pair, const struct region *regions, uint32_t count,
+                                 int has_dropped_side)
+{
+    const struct persistent_contacts *last_tick = contacts_last_tick(contact_pair->world);
+    for (uint32_t i = 0; i < last_tick->count; i++) {
+        struct persistent_contact *persistent = &last_tick->items[i];
+        if (!persistent_contact_is_of(persistent, contact_pair->segment_index, contact_pair->body))
+            continue;
+        if (has_dropped_side && !dpti_sides_get(&contact_pair->sides, persistent->part))
+            persistent->side = 0;
+        dpti_sheet_update_side(contact_pair, persistent);
+        if (!is_resting(contact_pair))
+            update_warm_starts(contact_pair, regions, count, persistent);
+        dpti_persistent_contacts_carry_over_one(contact_pair->world, persistent);
+    }
+}
+
+/*
+ * Lower the gap to the deepest sample of the regions. Where each sample has a side of its own, surface between the
+ * samples of the depth may be deeper, and the regions have more samples.
+ */
+static void update_deepest(struct contact_pair *contact_pair, const struct region *regions, uint32_t count, double *gap)
+{
+    struct distance_profile *profile = contact_pair->profile;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct profile_sample *deepest = &profile->sample[regions[i].deepest];
+        if (deepest->height < 0.0 && deepest->is_exact && deepest->height - contact_pair->radius < *gap) {
+            profile->deepest = regions[i].deepest;
+            *gap = deepest->height - contact_pair->radius;
+        }
+    }
+}
+
+/* Add a region to what the tool's law needs. */
+static void add_bed_depth(const struct contact_pair *contact_pair, const struct region *region)
+{
+    struct bed_depth *depth = contact_pair->bed_depth;
+    const struct frame *frame = &contact_pair->body->frame;
+    if (!depth)
+        return;
+    const vec3 u = frame_turn(frame, contact_pair->axis.u);
+    depth->square += region->depth.square;
+    depth->thrust = add(depth->thrust, frame_turn(frame, region->depth.thrust));
+    depth->moment = add(depth->moment, cross(u, frame_turn(frame, region->depth.thrust_moment)));
+}
+
+/* Add the depth at the segment's ends, where samples are if they are within reach. */
+static void add_bed_ends(const struct contact_pair *contact_pair)
+{
+    struct bed_depth *depth = contact_pair->bed_depth;
+    const struct distance_profile *profile = contact_pair->profile;
+    for (int e = 0; e < 2 && depth; e++) {
+        const struct profile_sample *sample = &profile->sample[e ? profile->sample_count - 1 : 0];
+        const double w = contact_pair->radius - sample->height;
+        if (sample->s != (double)e || sample->triangle == DPT_NONE || !(w > 0.0))
+            continue;
+        depth->end_square[e] += w * w;
+        depth->end_thrust[e] = along(depth->end_thrust[e], w, frame_turn(&contact_pair->body->frame, sample->normal));
+    }
+}
+
+/*
+ * Keep the samples inside. One between two others with its own triangle tells nothing: the distance to a triangle is
+ * convex along the axis. Those at crossings are found with the crossings.
+ */
+static void keep_depth_samples(const struct contact_pair *contact_pair)
+{
+    const struct distance_profile *profile = contact_pair->profile;
+    struct depth_samples *samples = depth_samples_of(contact_pair);
+    samples->body_id = contact_pair->body->id;
+    samples->count = 0;
+    for (uint32_t i = 0; i < profile->sample_count && samples->count < DEPTH_SAMPLES_MAX; i++) {
+        const struct profile_sample *sample = &profile->sample[i];
+        const int is_between = i && i + 1 < profile->sample_count && sample[-1].triangle == sample->triangle &&
+                               sample[1].triangle == sample->triangle;
+        if (sample->height < 0.0 && !is_between)
+            samples->at[samples->count++] = (struct warm_start){ sample->s, sample->triangle, 0.0f };
+    }
+}
+
+/* Find gap (m) and regions with the pair's present sides. Returns CONTACT_...; regions need a profile. */
+static int find_gap_and_regions(struct contact_pair *contact_pair, const struct warm_start *warm_starts,
+                                uint32_t warm_start_count, struct region regions[REGION_MAX], uint32_t *count,
+                                double *gap)
+{
+    struct dpt_world *world = contact_pair->world;
+    struct distance_profile *profile = contact_pair->profile;
+    profile->work = work_of(work_left(&world->work));
+    int status =
+        dpti_contact_find(profile, &contact_pair->nearest, warm_starts, warm_start_count, contact_pair->radius, gap);
+    *count = 0;
+    if (status == CONTACT_PROFILE && has_regions(contact_pair)) {
+        /* Leave half of the work to the segments that come after: their gaps matter more than these integrals. */
+        if (world->def.budget && world->segment_count > 1)
+            profile->work.limit -= work_left(&profile->work) / 2;
+        *count = dpti_contact_regions(profile, regions);
+        update_deepest(contact_pair, regions, *count, gap);
+        /* With sides by sample, the deepest one is found with the regions: without all regions it is not known. */
+        if (profile->is_cut && profile_has_side_per_sample(profile))
+            status = CONTACT_UNKNOWN;
+    }
+    work_spend(&world->work, profile->work.done);
+    return status;
+}
+
+/*
+ * Whether the work left is twice what the last tick took: then this one is done at once. Otherwise the depth goes
+ * first, and the point cache keeps what is found for later ticks. At rest these continue there.
+ */
+static int has_ample_work(const struct contact_pair *contact_pair)
+{
+    const struct dpt_world *world = contact_pair->world;
+    const uint32_t last = world->segments[contact_pair->segment_index].contact_work;
+    return !world->def.budget || (last && !is_resting(contact_pair) && 2 * (uint64_t)last <= work_left(&world->work));
+}
+
+/*
+ * Find the contact of a pair whose `world`, `body`, `segment_index`, `radius`, `axis`, `nearest` and `profile` are
+ * set. Puts its contacts into the world's list for this tick, or carries over last tick's where the contact is
+ * unknown. Returns CONTACT_...; with CONTACT_PROFILE, `*gap` is the segment's gap over this body, in m.
+ */
+static int find_pair_contacts(struct contact_pair *contact_pair, double *gap)
+{
+    struct dpt_world *world = contact_pair->world;
+    struct distance_profile *profile = contact_pair->profile;
+    struct warm_start warm_starts[PROFILE_WARM_STARTS];
+    struct region regions[REGION_MAX];
+    uint32_t warm_start_count = load_warm_starts(contact_pair, warm_starts), count;
+    profile->surface = &contact_pair->body->surface;
+    profile->kernel = &world->kernel;
+    profile->axis = &contact_pair->axis;
+    profile->sides = &contact_pair->sides;
+    const int is_ample = has_ample_work(contact_pair);
+    profile->point_cache = is_ample ? NULL : &world->point_cache;
+    profile->contacts_wanted = has_regions(contact_pair) && is_ample;
+    profile->ends_wanted = contact_pair->bed_depth != NULL;
+    profile->body = handle_index(contact_pair->body->id);
+    profile->margin = has_regions(contact_pair) ? world->def.margin : 0.0;
+    profile->inset = world->def.onset >= 0.0 ? max_of(0.0, profile->margin - world->def.onset) : 0.0;
+    profile->reach = contact_pair->radius + profile->margin;
+    profile->tolerance = PROFILE_DEPTH_SHARE * surface_diagonal(profile->surface);
+    int status = find_gap_and_regions(contact_pair, warm_starts, warm_start_count, regions, &count, gap);
+    int has_dropped_side = status == CONTACT_PROFILE && dpti_sheet_drop_sides(contact_pair, regions, count);
+    if (has_dropped_side)
+        status = find_gap_and_regions(contact_pair, warm_starts, warm_start_count, regions, &count, gap);
+    if (status == CONTACT_UNKNOWN)
+        carry_over_undecided(contact_pair, regions, count, has_dropped_side);
+    for (uint32_t i = 0; i < count && status != CONTACT_UNKNOWN; i++) {
+        put_persistent_contact(contact_pair, &regions[i]);
+        add_bed_depth(contact_pair, &regions[i]);
+    }
+    if (count && status != CONTACT_UNKNOWN)
+        add_bed_ends(contact_pair);
+    if (!has_regions(contact_pair) && status == CONTACT_PROFILE && !is_resting(contact_pair))
+        keep_depth_samples(contact_pair);
+    return status;
+}
 
 /*
  * Search the pair's body for its nearest pair with the axis from `a` to `b` (world), and set the pair's `axis` and
@@ -17,7 +370,7 @@ static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
     const struct axis *axis = &contact_pair->axis;
     struct pair_search *nearest = &contact_pair->nearest;
     uint32_t *last_triangle =
-        world_last_triangles(world, contact_pair->segment_index, handle_index(contact_pair->body->id));
+        world_last_triangle(world, contact_pair->segment_index, handle_index(contact_pair->body->id));
     struct bvh_traversal traversal;
     traversal.level = 0;
     if (work_is_spent(&world->work))
@@ -89,7 +442,7 @@ static void add_body(struct contact_pair *contact_pair, const struct body_answer
         has_pair = find_nearest_pair(contact_pair, best->track.axis.a, best->track.axis.b);
     }
     if (has_pair) {
-        status = dpti_contact_pair_find(contact_pair, &gap);
+        status = find_pair_contacts(contact_pair, &gap);
         if (status == CONTACT_UNKNOWN)
             sum->unknown |= dpti_contact_why_unknown(contact_pair->profile);
     } else {

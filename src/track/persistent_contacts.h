@@ -1,8 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Contacts that persist from tick to tick: docs/algorithms/contacts.md. */
+/*
+ * Contacts that persist from tick to tick: docs/algorithms/contacts.md. And what they know of an open sheet: the side
+ * from which the tool came to it, and when that is dropped (docs/algorithms/sign.md). Sides: +1 in front of the sheet's
+ * triangles, -1 behind, 0 not known.
+ */
 #ifndef DPT_PERSISTENT_CONTACTS_H
 #define DPT_PERSISTENT_CONTACTS_H
 
+#include "contact/contact_integrals.h"
 #include "track/world_state.h"
 
 /* Its share of dpt_world_bytes. */
@@ -28,6 +33,13 @@ static inline int persistent_contact_is_of(const struct persistent_contact *pers
                                            const struct body *body)
 {
     return persistent->segment_index == segment_index && (!body || persistent->contact.body == body->id);
+}
+
+/* Whether two ticks know the same of a contact, except `is_in_front`, which a motion may have cleared. */
+static inline int persistent_contact_is_same(const struct persistent_contact *a, const struct persistent_contact *b)
+{
+    return !memcmp(a, b, offsetof(struct persistent_contact, is_in_front)) &&
+           !memcmp(a->warm_starts, b->warm_starts, sizeof a->warm_starts);
 }
 
 /* Start a tick: the current contacts become last tick's, and this tick's list is empty. */
@@ -82,5 +94,28 @@ void dpti_persistent_contacts_forget(struct dpt_world *world, uint32_t first, ui
 
 /* The same for all bodies, and later segments move up: their contacts get their new indices. */
 void dpti_persistent_contacts_remove(struct dpt_world *world, uint32_t first, uint32_t end);
+
+/* The side that the contact of `region` keeps for the next tick, or 0. gap: m, at its deepest sample. */
+int32_t dpti_sheet_side_to_keep(const struct contact_pair *contact_pair, const struct region *region, double gap);
+
+/*
+ * Drop the pair's sides of sheets behind which the tool is deeper than the side limit. Returns 1 if any was dropped.
+ */
+int dpti_sheet_drop_sides(struct contact_pair *contact_pair, const struct region *regions, uint32_t count);
+
+/*
+ * For the sheet `part` that pushed the tool in the last tick: 1 if it still does, or if motion ended the push. 0 if
+ * the push ends by a decision: the side is dropped, or the axis has slid off the sheet at its border.
+ */
+int dpti_sheet_still_pushes(const struct contact_pair *contact_pair, uint32_t part);
+
+/*
+ * For a contact that the budget left undecided: update its side by the nearest pair of axis and body.
+ *
+ * Off the border, the pair tells on which side the axis is now. If the axis was in front, crossed nothing and is
+ * behind now, it has gone round the border, and the side is dropped. On the border the pair tells no side; then the
+ * side is dropped unless a sample of the part is behind, because the axis may be going round.
+ */
+void dpti_sheet_update_side(const struct contact_pair *contact_pair, struct persistent_contact *persistent);
 
 #endif

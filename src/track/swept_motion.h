@@ -1,48 +1,40 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The sweep of one motion step of a segment past all bodies that it may have met: docs/algorithms/swept_motion.md. */
+/*
+ * What a segment met in its motion from the last tick to this one, and the motion steps that still have to be
+ * swept because the work of a tick is limited: docs/algorithms/swept_motion.md.
+ */
 #ifndef DPT_SWEPT_MOTION_H
 #define DPT_SWEPT_MOTION_H
 
 #include "track/world_state.h"
 
-/* Where a segment is now, and what this tick knows of it there. */
-struct motion_state dpti_motion_state_now(const struct dpt_world *world, const struct segment *segment);
+/* Its share of dpt_world_bytes. */
+uint64_t dpti_backlog_bytes(const dpt_world_def *def);
 
-/* Whether two states are at exactly the same place. */
-int dpti_motion_is_same(const struct motion_state *from, const struct motion_state *to);
+/* Place its memory at `at`; returns where it ends. */
+char *dpti_backlog_place(struct dpt_world *world, char *at);
 
-/* m: no point of the segment is farther from where it ends up than this, at any time of the motion. */
-double dpti_motion_displacement(const struct motion_state *previous, const struct motion_state *now);
+/* Forget where a segment was, and its motion steps. */
+void dpti_backlog_forget(struct dpt_world *world, uint32_t segment_index);
 
-/* Goes through the bodies that a motion may have met, in the order of their slots. */
-struct swept_bodies {
-    const struct dpt_world *world;
-    struct box axis_box; /* of the axis where it is now, in the world */
-    double reach;        /* m */
-    const struct near_bodies *near_bodies;
-    uint32_t next; /* index in near_bodies */
-};
+/* After a body is removed or teleported: the sweep of each segment's first step starts again at its first body. */
+void dpti_backlog_restart(struct dpt_world *world);
+
+/* Remove the steps of the segments from `first` up to, not including, `end`; those of later segments move up. */
+void dpti_backlog_remove(struct dpt_world *world, uint32_t first, uint32_t end);
 
 /*
- * The bodies within `reach` (m) of a segment where it is now, and those whose own motion may have brought them within
- * it.
+ * Sweep a segment's motion. Its nearest pair must be known in this tick. Sets the segment's `sweep` and
+ * `may_have_crossed`, and stores the sides from which the axis came through open sheets with last tick's contacts.
+ * Returns 0 if a part of the motion still has to be swept in later ticks, else 1.
  */
-struct swept_bodies dpti_motion_bodies(struct dpt_world *world, uint32_t segment_index, double reach);
+int dpti_backlog_sweep(struct dpt_world *world, uint32_t segment_index);
 
-/* The next of them, or NULL. */
-const struct body *dpti_motion_next_body(struct swept_bodies *bodies);
+/* End a tick: the next motion begins at the segment's present place, unless steps are still waiting. Without a valid
+ * answer no motion begins. */
+void dpti_backlog_end_tick(struct dpt_world *world, uint32_t segment_index);
 
 /* Write the hit of a sweep with `body` as users get it; `sweep` keeps its segment and age. */
 void dpti_motion_write_sweep(const struct rigid_sweep *rigid, const struct body *body, dpt_sweep *sweep);
-
-/*
- * Reset a segment's sweep to one without a hit; status: DPT_SWEEP_... With DPT_SWEEP_NONE the axis may have crossed.
- */
-void dpti_motion_set_no_sweep(struct segment *segment, uint32_t status);
-
-/* Sweep the first step of the backlog past `bodies`, from its beginning or where the budget ended it. Returns 0 if the
- * budget ends it again, else 1. */
-int dpti_motion_sweep_step(struct dpt_world *world, uint32_t segment_index, struct swept_bodies bodies,
-                           struct motion_backlog *backlog);
 
 #endif

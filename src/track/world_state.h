@@ -48,7 +48,7 @@ struct body {
 };
 
 struct tool {
-    struct frame frame;
+    struct frame felt_frame; /* where a tick looks for bodies: at the proxy or, without one, at the device */
     uint64_t user;
     dpt_pose pose; /* the identity for a free tool */
     dpt_wrench wrench;
@@ -73,11 +73,14 @@ struct tool {
     /* Its segments are given in the world, and its torque is about end a of the first one. */
     uint32_t is_free;
     uint32_t has_changed; /* since the last step, in what it depends on (rest.h) */
-    uint32_t is_resting;  /* in this step */
+    uint32_t search;      /* how it comes to its answers in this tick, and what is felt of them: rows of world/step.c */
+    uint32_t force;
     uint32_t still_ticks; /* in a row, up to the last */
-    uint32_t near_only;   /* segments that are far are not searched for (far_segment.h) */
+    uint32_t near_only;   /* segments that are far are not searched for (tool_parts.h) */
     uint32_t closest;     /* the segment, from 0, that was nearest in the last search; with near_only */
-    /* What it does to rigid bodies in this tick, about where its torque is; only with deformable bodies in the world. */
+    /*
+     * What it does to rigid bodies in this tick, about where its torque is; only with deformable bodies in the world.
+     */
     dpt_wrench on_rigid;
 };
 
@@ -116,7 +119,6 @@ struct proxy_triangle {
     uint32_t segment;  /* of the tool, from 0; tips go on from its segment_count */
     uint32_t body_id;  /* 0: the entry is empty */
     uint32_t triangle; /* place */
-    uint32_t used;     /* the proxy's clock when it was used last */
 };
 
 /* A contact of a proxy with a body that has friction. */
@@ -157,14 +159,13 @@ struct proxy {
     double trust;       /* m: the longest motion that is tried at once */
     double last_motion; /* m */
     double owed;        /* m: how far it might have moved in the last tick, but for a budget */
-    double pace;        /* m: by how much what is felt of it may change in this tick, once it has waited */
     double lag;         /* m */
     double tip_motion;  /* m: how far tips moved in the tool's frame in the last tick, at most */
     double length;      /* m: of a free tool, the device's */
     double radius;      /* m: likewise */
     /*
-     * Of the displacement from the device to the proxy, what is not felt: the part that surfaces yield, and the way that
-     * only a budget ends. And the energy that the surfaces store, J.
+     * Of the displacement from the device to the proxy, what is not felt: the part that surfaces yield, and the motion
+     * that only a budget ended. And the energy that the surfaces store, J.
      */
     struct displacement yielded;
     double yielded_energy;
@@ -179,16 +180,20 @@ struct proxy {
     uint32_t state;   /* PROXY_... */
     uint32_t shape;   /* PROXY_BALL, ... */
     uint32_t flags;   /* DPT_FORCE_FLAG_... of this tick */
-    uint32_t clock;   /* of `memory` */
     uint32_t is_held; /* it is not where the device is */
-    uint32_t tick;    /* the world's, of its last step */
     /* A body that it remembers was removed or teleported since: its push ends at once. */
     uint32_t is_released;
     uint32_t reason;    /* DPT_FORCE_... of this tick */
-    uint32_t is_still;  /* the last tick left it as it was */
     uint32_t is_behind; /* a budget made it wait, or what is felt of it has not caught up since */
+    uint32_t reserved;
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
+    /* From here on a tick may change it although it stands still. */
+    double pace;                 /* m: by how much what is felt of it may change in this tick, once it has waited */
+    uint32_t used[PROXY_MEMORY]; /* the clock when each triangle of `memory` was used last */
+    uint32_t clock;
+    uint32_t tick;     /* the world's, of its last step */
+    uint32_t is_still; /* the last tick left it as it was */
 };
 
 /* The nearest pair over all bodies, and what is proven about it. */
@@ -199,7 +204,7 @@ struct body_answer {
     double error_bound; /* m: the largest of the searched bodies */
     uint32_t is_exact;
     uint32_t work;   /* units */
-    uint32_t is_far; /* it was not searched for (far_segment.h) */
+    uint32_t is_far; /* it was not searched for (tool_parts.h) */
     uint32_t reserved;
 };
 
@@ -318,9 +323,9 @@ struct persistent_contact {
     uint32_t part;          /* of the body's mesh */
     /* The side of the open sheet from which the tool came: +1 in front, -1 behind; 0: none is known. */
     int32_t side;
-    uint32_t is_unseen;   /* carried over: this tick does not know the contact */
-    uint32_t is_in_front; /* the whole axis is known to be on `side` of the sheet */
+    uint32_t is_unseen; /* carried over: this tick does not know the contact */
     uint32_t warm_start_count;
+    uint32_t is_in_front; /* the whole axis is known to be on `side` of the sheet */
     struct warm_start warm_starts[WARM_STARTS_MAX];
 };
 
@@ -379,7 +384,7 @@ struct dpt_world {
     dpt_world_info usage;
     uint64_t steps;               /* since it was created, that succeeded */
     double time;                  /* s: the sum of their dt */
-    uint32_t ticks;               /* since the last reset; may wrap */
+    uint32_t ticks;               /* the number of the present tick, from 1 on, or of the last one; may wrap */
     uint32_t bodies_moved_tick;   /* the tick before which a body last moved */
     double body_motion_max;       /* m: the largest motion_bound of the bodies that moved then */
     double largest_diagonal;      /* m: of all bodies */
@@ -395,9 +400,10 @@ struct dpt_world {
     struct tip *tips;             /* likewise */
     struct dpt_hull *tip_hulls;   /* one a tip: its hull, where that is moved in the tool's frame */
     struct plane_cache plane_cache;
-    /* Per segment, body slot and part: the place of the triangle of the last answer, or DPT_NONE. */
+    /* Per segment and body slot: the place of the triangle of the last answer, or DPT_NONE. */
     uint32_t *last_triangles;
-    uint32_t *near_lists; /* per segment: two lists of body slots (broad_phase.h) */
+    uint32_t *part_triangles; /* the same of the paper's method alone, of each part of a segment (baseline_method.h) */
+    uint32_t *near_lists;     /* per segment: two lists of body slots (broad_phase.h) */
     /* Only with a budget: */
     struct suspended_search *suspended_searches; /* two per segment */
     struct distance_bound *distance_bounds;      /* per segment and body slot */
@@ -417,10 +423,18 @@ static inline int tool_is_active(const struct dpt_world *world, const struct too
     return tool->slot.used && tool->slot.valid && !world->invalid_body_count;
 }
 
+/* Where the device is, whether a proxy is away from it or not. */
+static inline struct frame tool_device_frame(const struct tool *tool)
+{
+    struct frame frame;
+    frame_of_pose(&tool->pose, &frame);
+    return frame;
+}
+
 /* The point, in the world, that the torque of a tool without a proxy is about. */
 static inline vec3 tool_torque_origin(const struct dpt_world *world, const struct tool *tool)
 {
-    return tool->is_free ? world->segments[tool->first_segment].a : tool->frame.origin;
+    return tool->is_free ? world->segments[tool->first_segment].a : tool->felt_frame.origin;
 }
 
 /* 1 if anything has changed since the last step that the tool's answers depend on (rest.h). */
@@ -433,6 +447,18 @@ static inline int tool_has_changed(const struct dpt_world *world, const struct t
 static inline int body_is_there(const struct body *body)
 {
     return body->slot.used && !body->unfelt;
+}
+
+/* The tick to which belongs what happens between steps, as a body that is moved. */
+static inline uint32_t world_coming_tick(const struct dpt_world *world)
+{
+    return world->ticks + 1;
+}
+
+/* 1 if that was the tick before the present one. */
+static inline int world_was_last_tick(const struct dpt_world *world, uint32_t tick)
+{
+    return tick + 1 == world->ticks;
 }
 
 /* 1 if a body moved before this tick, from a pose that it had in the last one. */
@@ -472,17 +498,10 @@ static inline void world_note_max(uint32_t *mark, uint32_t count)
         *mark = count;
 }
 
-/* How many entries of last_triangles one segment has. */
-static inline size_t world_last_triangle_count(const struct dpt_world *world)
+/* The last triangle of a segment on the body in a slot. */
+static inline uint32_t *world_last_triangle(const struct dpt_world *world, uint32_t segment_index, uint32_t slot)
 {
-    return (size_t)world->def.max_bodies * world->def.baseline->parts;
-}
-
-/* The last triangles of a segment's parts on the body in a slot: `parts` places. */
-static inline uint32_t *world_last_triangles(const struct dpt_world *world, uint32_t segment_index, uint32_t slot)
-{
-    return world->last_triangles + world_last_triangle_count(world) * segment_index +
-           (size_t)slot * world->def.baseline->parts;
+    return world->last_triangles + (size_t)world->def.max_bodies * segment_index + slot;
 }
 
 /* One of a segment's two near lists, 0 or 1: room for max_bodies slots. */

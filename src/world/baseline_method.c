@@ -3,7 +3,46 @@
 
 #include "contact/gap.h"
 #include "nearest/dynamic_point.h"
-#include "track/segment_track.h"
+#include "track/tool_parts.h"
+
+/* How many part triangles one segment has. */
+static size_t triangles_a_segment(const dpt_world_def *def)
+{
+    return (size_t)def->max_bodies * def->baseline->parts;
+}
+
+/* Those of a segment on the body in a slot: one for each part. */
+static uint32_t *part_triangles(const struct dpt_world *world, uint32_t segment_index, uint32_t slot)
+{
+    return world->part_triangles + triangles_a_segment(&world->def) * segment_index +
+           (size_t)slot * world->def.baseline->parts;
+}
+
+uint64_t dpti_baseline_bytes(const dpt_world_def *def)
+{
+    const uint64_t triangles = (uint64_t)def->max_segments * def->max_bodies * def->baseline->parts;
+    return def->method == DPT_METHOD_PAPER ? mesh_aligned(sizeof(uint32_t) * triangles) : 0;
+}
+
+char *dpti_baseline_place(struct dpt_world *world, char *at)
+{
+    world->part_triangles = (void *)at;
+    return at + dpti_baseline_bytes(&world->def);
+}
+
+void dpti_baseline_forget(struct dpt_world *world, uint32_t first, uint32_t end, uint32_t slot)
+{
+    const size_t triangles = slot == DPT_NONE ? triangles_a_segment(&world->def) : world->def.baseline->parts;
+    for (uint32_t s = first; world->def.method == DPT_METHOD_PAPER && s < end; s++)
+        memset(part_triangles(world, s, slot == DPT_NONE ? 0 : slot), 0xff, triangles * sizeof *world->part_triangles);
+}
+
+void dpti_baseline_remove(struct dpt_world *world, uint32_t first, uint32_t end)
+{
+    if (world->def.method == DPT_METHOD_PAPER)
+        memmove(part_triangles(world, first, 0), part_triangles(world, end, 0),
+                (world->segment_count - end) * triangles_a_segment(&world->def) * sizeof *world->part_triangles);
+}
 
 /* What the parts of one segment found, over all bodies. */
 struct baseline_sum {
@@ -54,7 +93,7 @@ static void add_body(struct baseline_sum *sum, struct dpt_world *world, uint32_t
                      vec3 a, vec3 u)
 {
     uint32_t parts = world->def.baseline->parts;
-    uint32_t *last_triangle = world_last_triangles(world, segment_index, handle_index(body->id));
+    uint32_t *last_triangle = part_triangles(world, segment_index, handle_index(body->id));
     for (uint32_t k = 0; k < parts; k++) {
         struct axis part;
         struct pair_search nearest;
@@ -97,7 +136,7 @@ static struct penetration find(struct dpt_world *world, uint32_t segment_index, 
 void dpti_baseline_track(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
-    const struct frame *frame = &world->tools[segment->tool_slot].frame;
+    const struct frame *frame = &world->tools[segment->tool_slot].felt_frame;
     if (!dpti_track_begin(world, segment_index))
         return;
     segment->felt_penetration = segment->penetration =

@@ -3,14 +3,12 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "proxy/proxy_state.h"
-#include "proxy/proxy_step.h"
+#include "proxy/proxy.h"
 #include "track/body_search.h"
-#include "track/distance_bounds.h"
-#include "track/far_segment.h"
-#include "track/motion_backlog.h"
 #include "track/persistent_contacts.h"
-#include "track/tool_tips.h"
+#include "track/swept_motion.h"
+#include "track/tool_parts.h"
+#include "world/baseline_method.h"
 #include "world/deform_body.h"
 #include "world/tool_force.h"
 #include "world/tool_strips.h"
@@ -22,14 +20,13 @@ static void forget_body(struct dpt_world *world, uint32_t slot)
     dpti_persistent_contacts_forget(world, 0, world->segment_count, slot);
     dpti_point_cache_forget(&world->point_cache, slot);
     dpti_strips_forget_body(world, slot);
-    for (uint32_t s = 0; s < world->segment_count; s++)
-        dpti_bounds_forget(world, s, slot);
     dpti_backlog_restart(world);
     for (uint32_t s = 0; s < world->segment_count; s++)
         dpti_force_forget_body(&world->segments[s], world->bodies[slot].id);
     dpti_proxy_forget_body(world, world->bodies[slot].id);
     dpti_tips_forget_body(world, world->bodies[slot].id);
     dpti_body_search_forget_body(world, slot);
+    dpti_baseline_forget(world, 0, world->segment_count, slot);
     dpti_far_forget_all(world);
 }
 
@@ -61,7 +58,7 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     made->static_friction = made->kinetic_friction = made->stiffness = 0.0;
     made->unfelt = 0;
     made->moved_tick = 0;
-    made->added_tick = world->ticks + 1;
+    made->added_tick = world_coming_tick(world);
     made->slot.valid = 1;
     world_note_max(&world->usage.bodies, ++world->body_count);
     made->surface = *surface;
@@ -146,16 +143,16 @@ static void put_body(struct dpt_world *world, struct body *body, const dpt_pose 
 /* A body is about to move. Its pose in the last tick stays known until the next step. */
 static void begin_motion(const struct dpt_world *world, struct body *body)
 {
-    if (body->moved_tick != world->ticks + 1)
+    if (body->moved_tick != world_coming_tick(world))
         body->previous_pose = body->pose;
-    body->moved_tick = world->ticks + 1;
+    body->moved_tick = world_coming_tick(world);
 }
 
 /* A body has moved. */
 static void note_motion(struct dpt_world *world, struct body *body)
 {
     body->motion_bound = (pose_is_same(&body->previous_pose, &body->pose) ? 0.0 : motion_bound_of(body)) +
-                         deform_step(body, world->ticks + 1);
+                         deform_step(body, world_coming_tick(world));
     if (body->unfelt)
         return;
     world->has_changed = 1;
@@ -225,7 +222,7 @@ static void begin_anew(struct dpt_world *world, struct body *body)
     world->has_changed = 1;
     body->moved_tick = 0;
     body->motion_bound = 0.0;
-    body->added_tick = world->ticks + 1;
+    body->added_tick = world_coming_tick(world);
     if (!body->unfelt)
         dpti_proxy_note_body(world, handle_index(body->id));
 }

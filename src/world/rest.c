@@ -1,24 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/rest.h"
 
-#include "proxy/proxy_free.h"
-#include "proxy/proxy_state.h"
+#include "proxy/proxy.h"
 #include "track/persistent_contacts.h"
-#include "track/tool_tips.h"
+#include "track/tool_parts.h"
 
 /* The first tick without a change may still end a motion; the second repeats it. */
 enum { STILL_TICKS = 2 };
 
-void dpti_rest_begin_step(struct dpt_world *world)
+int dpti_rest_begins(const struct dpt_world *world, struct tool *tool)
 {
-    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
-        struct tool *tool = &world->tools[t];
-        /* Its own contacts may be among those for which the last tick had no room. */
-        if (world->contacts_overflowed)
-            tool->still_ticks = 0;
-        tool->is_resting =
-            tool_is_active(world, tool) && !tool_has_changed(world, tool) && tool->still_ticks >= STILL_TICKS;
-    }
+    /* Its own contacts may be among those for which the last tick had no room. */
+    if (world->contacts_overflowed)
+        tool->still_ticks = 0;
+    return tool_is_active(world, tool) && !tool_has_changed(world, tool) && tool->still_ticks >= STILL_TICKS;
 }
 
 void dpti_rest_keep_answers(struct dpt_world *world, struct tool *tool)
@@ -30,7 +25,7 @@ void dpti_rest_keep_answers(struct dpt_world *world, struct tool *tool)
     }
     tool->energy = tool->body_work = 0.0;
     if (dpti_proxy_is_used(world, tool))
-        world->proxies[tool - world->tools].tick = world->ticks + 1;
+        proxy_of(world, tool)->tick = world->ticks;
 }
 
 void dpti_rest_keep_contacts(struct dpt_world *world, uint32_t segment_index)
@@ -80,9 +75,7 @@ static int has_same_contacts(const struct dpt_world *world, uint32_t segment_ind
         const struct persistent_contact *other = next_of(last, &at_last, segment_index);
         if (!one || !other)
             return !one && !other;
-        struct persistent_contact same = *other;
-        same.is_in_front = one->is_in_front; /* the motion of this tick may have cleared it there */
-        if (memcmp(one, &same, sizeof same))
+        if (!persistent_contact_is_same(one, other))
             return 0;
     }
 }
@@ -104,8 +97,7 @@ static int stood_still(const struct dpt_world *world, const struct tool *tool)
     if (!tool_is_active(world, tool) || tool_has_changed(world, tool) || world->deform_count ||
         world->def.method == DPT_METHOD_PAPER)
         return 0;
-    if (dpti_proxy_is_used(world, tool) &&
-        (!world->proxies[tool - world->tools].is_still || !dpti_proxy_has_size(world, tool)))
+    if (dpti_proxy_is_used(world, tool) && (!proxy_of(world, tool)->is_still || !dpti_proxy_has_size(world, tool)))
         return 0;
     int is_same = 1;
     for (uint32_t s = tool->first_segment; s < tool->first_segment + tool->segment_count; s++)
@@ -115,20 +107,14 @@ static int stood_still(const struct dpt_world *world, const struct tool *tool)
     return is_same;
 }
 
-void dpti_rest_end_step(struct dpt_world *world)
+void dpti_rest_note(struct dpt_world *world, struct tool *tool)
 {
-    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
-        struct tool *tool = &world->tools[t];
-        if (!tool->slot.used || tool->is_resting)
-            continue;
-        tool->still_ticks = stood_still(world, tool) ? tool->still_ticks + 1 : 0;
-        tool->has_changed = 0;
-    }
-    world->has_changed = 0;
+    tool->still_ticks = stood_still(world, tool) ? tool->still_ticks + 1 : 0;
+    tool->has_changed = 0;
 }
 
 void dpti_rest_forget(struct dpt_world *world)
 {
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
-        world->tools[t].still_ticks = world->tools[t].is_resting = 0;
+        world->tools[t].still_ticks = 0;
 }

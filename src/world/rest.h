@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What stands still, bit for bit, is not computed again. A tool rests when a tick would repeat the last one: nothing that it
- * depends on has changed, its answers are complete, and the last two ticks left contacts and proxy as they found them. Its
- * answers, contacts, sweep and strips then stay; forces are computed in every tick, as they may fade.
+ * What stands still, bit for bit, is not computed again. A tool rests when a tick would repeat the last one: nothing
+ * that it depends on has changed, its answers are complete, and the last two ticks left contacts and proxy as they
+ * found them. Its answers, contacts, sweep and strips then stay; forces are computed in every tick, as they may fade.
  *
- * It depends on its own pose, segments and settings, and on all bodies. Whoever changes one of these says so in `has_changed`,
- * of the tool or of the world. Beside a deformable body no tool rests.
+ * It depends on its own pose, segments and settings, and on all bodies. Whoever changes one of these says so in
+ * `has_changed`, of the tool or of the world. Beside a deformable body no tool rests.
  */
 #ifndef DPT_REST_H
 #define DPT_REST_H
 
 #include "track/world_state.h"
 
-/* Before a step: set `is_resting` of all tools. */
-void dpti_rest_begin_step(struct dpt_world *world);
+/* Before a tick: whether a tool rests in it. */
+int dpti_rest_begins(const struct dpt_world *world, struct tool *tool);
 
 /* A tool that rests keeps its answers of the last tick: all but its contacts, which follow below. */
 void dpti_rest_keep_answers(struct dpt_world *world, struct tool *tool);
@@ -21,8 +21,8 @@ void dpti_rest_keep_answers(struct dpt_world *world, struct tool *tool);
 /* In the tick, in the place of contact: a segment of a tool that rests keeps its contacts. */
 void dpti_rest_keep_contacts(struct dpt_world *world, uint32_t segment_index);
 
-/* After contact, before anything else moves: note which tools stood still. */
-void dpti_rest_end_step(struct dpt_world *world);
+/* After the contacts of all tools: note whether one that did not rest stood still. */
+void dpti_rest_note(struct dpt_world *world, struct tool *tool);
 
 /* After a step that failed. */
 void dpti_rest_forget(struct dpt_world *world);

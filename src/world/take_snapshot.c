@@ -2,9 +2,8 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "exchange/snapshot_format.h"
-#include "proxy/proxy_free.h"
-#include "proxy/proxy_state.h"
-#include "track/tool_tips.h"
+#include "proxy/proxy.h"
+#include "track/tool_parts.h"
 #include "world/deform_body.h"
 
 enum { SNAPSHOT_CONTACTS_MAX = 1 << 20, SNAPSHOT_STRIP_MAX = 1 << 20, SNAPSHOT_VERTICES_MAX = 1 << 28 };
@@ -134,9 +133,8 @@ static void put_axes(const struct dpt_world *world, const struct tool *tool, vec
                      dpt_snapshot_segment *item)
 {
     const int has_proxy = dpti_proxy_is_used(world, tool);
-    const struct proxy *proxy = has_proxy ? &world->proxies[tool - world->tools] : NULL;
-    struct frame frame;
-    frame_of_pose(&tool->pose, &frame);
+    const struct proxy *proxy = has_proxy ? proxy_of(world, tool) : NULL;
+    struct frame frame = tool_device_frame(tool);
     vec3_store(frame_to_world(&frame, a), item->a);
     vec3_store(frame_to_world(&frame, b), item->b);
     item->radius = radius;
@@ -213,7 +211,7 @@ static void put_strip(struct taking *taking, uint32_t index, uint32_t number)
     if (!count)
         return;
     const struct segment_strip *strip = &world->segment_strips[index];
-    const struct surface surface = surface_view(&strip->surface, world->ticks + 1, 0.0);
+    const struct surface surface = surface_view(&strip->surface, world_coming_tick(world), 0.0);
     const uint32_t *places = mesh_words(strip->strip->mesh, MESH_PLACES);
     const struct strip_tool tool = { strip->a, strip->u, strip->radius, strip->side };
     const uint32_t body = strip->body_slot < world->body_slot_end ? world->bodies[strip->body_slot].id : 0;

@@ -4,14 +4,13 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "dynpoint/tip.h"
-#include "proxy/proxy_free.h"
+#include "proxy/proxy.h"
 #include "proxy/tip_pose.h"
 #include "track/body_search.h"
-#include "track/distance_bounds.h"
-#include "track/far_segment.h"
-#include "track/motion_backlog.h"
 #include "track/persistent_contacts.h"
-#include "track/tool_tips.h"
+#include "track/swept_motion.h"
+#include "track/tool_parts.h"
+#include "world/baseline_method.h"
 #include "world/tool_force.h"
 #include "world/tool_results.h"
 #include "world/tool_strips.h"
@@ -21,9 +20,9 @@
 static void forget_segment(struct dpt_world *world, uint32_t segment)
 {
     dpti_body_search_forget(world, segment);
+    dpti_baseline_forget(world, segment, segment + 1, DPT_NONE);
     dpti_far_forget(&world->segments[segment]);
     dpti_broad_phase_forget(world, segment);
-    dpti_bounds_forget(world, segment, DPT_NONE);
     dpti_backlog_forget(world, segment);
     dpti_persistent_contacts_forget(world, segment, segment + 1, DPT_NONE);
     dpti_strips_forget(world, segment, segment + 1);
@@ -80,7 +79,7 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     }
     made->slot.used = 1;
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    made->frame = frame_identity;
+    made->felt_frame = frame_identity;
     made->pose = identity;
     made->slot.valid = 1;
     made->user = 0;
@@ -93,7 +92,7 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->law = world->def.law;
     made->is_free = 0;
     made->has_changed = 1;
-    made->is_resting = made->still_ticks = 0;
+    made->still_ticks = 0;
     made->first_segment = world->segment_count;
     made->segment_count = count;
     made->first_tip = world->tip_count;
@@ -117,8 +116,8 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     memmove(&world->segments[removed->first_segment], &world->segments[end],
             (world->segment_count - end) * sizeof *world->segments);
     dpti_body_search_remove(world, removed->first_segment, end);
+    dpti_baseline_remove(world, removed->first_segment, end);
     dpti_broad_phase_remove(world, removed->first_segment, end);
-    dpti_bounds_remove(world, removed->first_segment, end);
     dpti_backlog_remove(world, removed->first_segment, end);
     dpti_persistent_contacts_remove(world, removed->first_segment, end);
     dpti_strips_remove(world, removed->first_segment, end);
@@ -156,7 +155,8 @@ dpt_result dpt_tool_set_pose(dpt_world *world, dpt_tool tool, const dpt_pose *po
         return result;
     set_free(world, moved, 0);
     moved->has_changed |= !pose_is_same(&moved->pose, pose);
-    moved->frame = frame;
+    if (!dpti_proxy_is_used(world, moved))
+        moved->felt_frame = frame;
     moved->pose = *pose;
     return DPT_OK;
 }
@@ -187,7 +187,7 @@ dpt_result dpt_tool_set_segments(dpt_world *world, dpt_tool tool, const dpt_segm
         return DPT_OK;
     }
     const dpt_pose identity = DPT_POSE_IDENTITY;
-    moved->frame = frame_identity;
+    moved->felt_frame = frame_identity;
     moved->pose = identity;
     put_segments(world, moved, segments);
     return DPT_OK;
@@ -326,8 +326,7 @@ static void set_law(struct dpt_world *world, struct tool *tool, uint32_t law)
     tool->law = law;
     if (tool->is_free && !had_proxy && dpti_proxy_is_used(world, tool))
         dpti_proxy_set_segment(world, tool, &given);
-    /* The last step may have left the proxy's. */
-    frame_of_pose(&tool->pose, &tool->frame);
+    tool->felt_frame = tool_device_frame(tool);
     dpti_tool_forget(world, tool);
 }
 

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/tool_force.h"
 
-#include "force/penalty.h"
-#include "proxy/body_work.h"
-#include "world/tool_bed.h"
+#include "proxy/proxy_force.h"
 
 static int is_zero(vec3 v)
 {
@@ -39,7 +37,26 @@ static uint32_t reason_of(const struct segment *segment)
     return is_zero(penetration->direction) ? DPT_FORCE_UNDECIDED : DPT_FORCE_ACTS;
 }
 
-void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double dt)
+/*
+ * J, in this tick, of the body that pushes a segment, by its wrench about `origin` in the last tick and in this one. Of
+ * a bed over several bodies only the one in which the segment is deepest counts.
+ */
+static double body_work_of(const struct dpt_world *world, const struct segment *segment, vec3 origin,
+                           const dpt_wrench *last, const dpt_wrench *now)
+{
+    const struct body *body =
+        segment->pushing_part.body_id ? world_find_body(world, segment->pushing_part.body_id) : NULL;
+    if (!body || !body_has_moved(world, body))
+        return 0.0;
+    const vec3 force = add(vec3_of(last->force), vec3_of(now->force));
+    if (surface_has_moved(&body->surface, world->ticks))
+        return 0.5 *
+               dot(force, dpti_body_carried(world, body, segment->pushing_part.triangle, segment->felt_penetration.at));
+    const vec3 torque = add(vec3_of(last->torque), vec3_of(now->torque));
+    return 0.5 * (dot(force, dpti_body_carried(world, body, 0, origin)) + dot(torque, dpti_body_turned(body)));
+}
+
+void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double dt, depth_law *push)
 {
     struct segment *segment = &world->segments[segment_index];
     const struct tool *tool = &world->tools[segment->tool_slot];
@@ -53,10 +70,8 @@ void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double 
     const int became_undecided = reason == DPT_FORCE_UNDECIDED && segment->force_reason != DPT_FORCE_UNDECIDED;
     const int was_felt = !is_zero(vec3_of(fade->felt.force)) || !is_zero(vec3_of(fade->felt.torque));
     segment->energy = 0.0;
-    if (tool->law == DPT_LAW_BED && reason == DPT_FORCE_ACTS)
-        segment->energy = dpti_tool_bed_respond(world, tool, segment_index, tool_torque_origin(world, tool), &truth);
-    if (tool->law != DPT_LAW_BED && segment->felt_penetration.depth > 0.0)
-        respond_penalty(&segment->felt_penetration, tool->stiffness, tool_torque_origin(world, tool), &truth);
+    if (reason == DPT_FORCE_ACTS)
+        segment->energy = push(world, tool, segment_index, tool_torque_origin(world, tool), &truth);
     if (was_felt && (became_undecided || segment->has_given_up_push)) {
         if (!(fade->time_left > 0.0))
             segment->fading_body_id = segment->previous_pushing_part.body_id;
@@ -64,7 +79,7 @@ void dpti_force_respond(struct dpt_world *world, uint32_t segment_index, double 
     }
     const dpt_wrench last = fade->felt;
     fade_step(fade, &truth, dt);
-    segment->body_work = dpti_segment_body_work(world, segment, tool_torque_origin(world, tool), &last, &fade->felt);
+    segment->body_work = body_work_of(world, segment, tool_torque_origin(world, tool), &last, &fade->felt);
     segment->force_reason = reason;
     segment->previous_pushing_part = segment->pushing_part;
     segment->pushing_part = (struct pushing_part){ .body_id = 0 };

@@ -3,8 +3,8 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "proxy/proxy_state.h"
-#include "track/tool_tips.h"
+#include "proxy/proxy.h"
+#include "track/tool_parts.h"
 
 void dpti_tool_write_hit(struct segment *segment)
 {

@@ -155,7 +155,7 @@ void dpti_strips_find(struct dpt_world *world, uint32_t segment_index)
     const int is_other = segment_strip->body_slot != handle_index(body->id);
     if (is_other)
         segment_strip->end_triangle[0] = segment_strip->end_triangle[1] = DPT_NONE;
-    const int was_near = !is_other && segment_strip->tick + 1 == world->ticks;
+    const int was_near = !is_other && world_was_last_tick(world, segment_strip->tick);
     segment_strip->is_new = !was_near;
     segment_strip->a_last = was_near ? segment_strip->a : axis->local_a;
     segment_strip->u_last = was_near ? segment_strip->u : axis->u;
@@ -198,7 +198,7 @@ dpt_result dpt_tool_get_strip(const dpt_world *world, dpt_tool tool, uint32_t se
     if (!*count)
         return DPT_OK; /* its body may be gone, with its vertices */
     /* Vertices may have moved since: the strip is of the last step. */
-    const struct surface surface = surface_view(&segment_strip->surface, world->ticks + 1, 0.0);
+    const struct surface surface = surface_view(&segment_strip->surface, world_coming_tick(world), 0.0);
     const struct strip_tool tool_at = { segment_strip->a, segment_strip->u, segment_strip->radius,
                                         segment_strip->side };
     dpti_strip_overlaps(segment_strip->strip, &surface, &segment_strip->frame, &tool_at, overlaps, capacity);

@@ -3,9 +3,9 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "hull/hull_sweep.h"
-#include "proxy/proxy_free.h"
+#include "proxy/proxy.h"
 #include "track/swept_motion.h"
-#include "track/tool_tips.h"
+#include "track/tool_parts.h"
 #include "world/world_members.h"
 
 /* A motion that is tried. */
@@ -39,10 +39,7 @@ static void try_body(struct trial *trial, const struct body *body, double radius
         memset(trial->first.normal, 0, sizeof trial->first.normal);
 }
 
-/*
- * Sweep one segment past all bodies that it may reach. `from` and `to` are its ends of the motion; their bodies are
- * set here.
- */
+/* Sweep one segment past all bodies that it may reach. `from` and `to`: the ends of the motion; sets their bodies. */
 static void try_segment(struct trial *trial, const struct segment *segment, uint32_t segment_in_tool,
                         struct placement *from, struct placement *to)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "world/tool_bed.h"
+#include "world/tool_force.h"
 
 /* Two ends of a tool meet if they are no farther apart than that share of its length. */
 #define MEETING 1e-9
@@ -33,8 +33,33 @@ static double end_weight(const struct segment *segments, uint32_t count, uint32_
     return meeting > 0.0 ? min_of(1.0, length(sum)) / meeting : 1.0;
 }
 
-double dpti_tool_bed_respond(const struct dpt_world *world, const struct tool *tool, uint32_t segment_index,
-                             vec3 origin, dpt_wrench *sum)
+/* Stiffness per length, N/m^2, and of each end, N/m: of a free one the tool's half. */
+struct bed_stiffness {
+    double line;
+    double end[2];
+};
+
+/* Adds a segment's share to a wrench, with the torque about `origin`; a and b are its ends. Returns its energy, J. */
+static double respond(const struct bed_depth *depth, const struct bed_stiffness *stiffness, vec3 a, vec3 b, vec3 origin,
+                      dpt_wrench *sum)
+{
+    const vec3 at[2] = { a, b };
+    double energy = 0.5 * stiffness->line * depth->square;
+    vec3 force = scaled(depth->thrust, stiffness->line);
+    vec3 torque = add(scaled(depth->moment, stiffness->line), cross(sub(a, origin), force));
+    for (int e = 0; e < 2; e++) {
+        const vec3 push = scaled(depth->end_thrust[e], stiffness->end[e]);
+        energy += 0.5 * stiffness->end[e] * depth->end_square[e];
+        force = add(force, push);
+        torque = add(torque, cross(sub(at[e], origin), push));
+    }
+    vec3_store(add(vec3_of(sum->force), force), sum->force);
+    vec3_store(add(vec3_of(sum->torque), torque), sum->torque);
+    return energy;
+}
+
+double dpti_bed_push(const struct dpt_world *world, const struct tool *tool, uint32_t segment_index, vec3 origin,
+                     dpt_wrench *sum)
 {
     const struct segment *segments = &world->segments[tool->first_segment];
     const uint32_t number = segment_index - tool->first_segment;
@@ -45,6 +70,6 @@ double dpti_tool_bed_respond(const struct dpt_world *world, const struct tool *t
         { 0.5 * tool->stiffness * end_weight(segments, tool->segment_count, number, 0, whole),
           0.5 * tool->stiffness * end_weight(segments, tool->segment_count, number, 1, whole) }
     };
-    return bed_respond(&segment->bed_depth, &stiffness, frame_to_world(&tool->frame, segment->a),
-                       frame_to_world(&tool->frame, segment->b), origin, sum);
+    return respond(&segment->bed_depth, &stiffness, frame_to_world(&tool->felt_frame, segment->a),
+                   frame_to_world(&tool->felt_frame, segment->b), origin, sum);
 }

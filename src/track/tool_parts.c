@@ -1,15 +1,151 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "track/tool_tips.h"
+#include "track/tool_parts.h"
 
 #include "base/sized.h"
 #include "nearest/nearest_pair.h"
+#include "track/body_search.h"
 #include "track/persistent_contacts.h"
+
+void dpti_far_forget(struct segment *segment)
+{
+    segment->proven.distance = 0.0;
+}
+
+void dpti_far_forget_all(struct dpt_world *world)
+{
+    for (uint32_t s = 0; s < world->segment_count; s++)
+        dpti_far_forget(&world->segments[s]);
+}
+
+/* m: the proven lower bound of the distance between the axis from `a` to `b` and all bodies; 0 if nothing is known. */
+static double bound_if_far(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b)
+{
+    struct proven_distance *proven = &segment->proven;
+    double moved = max_of(length(sub(a, proven->a)), length(sub(b, proven->b)));
+    if (proven->tick != world->ticks)
+        moved += world_body_motion(world);
+    proven->a = a;
+    proven->b = b;
+    proven->tick = (uint32_t)world->ticks;
+    if (moved > 0.0)
+        proven->distance = max_of(0.0, proven->distance - (moved + proven->error));
+    return proven->distance;
+}
+
+/* The segment was searched for at its axis from `a` to `b`: its result is what is proven from now on. */
+static void prove_distance(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b)
+{
+    struct proven_distance *proven = &segment->proven;
+    proven->a = a;
+    proven->b = b;
+    proven->distance = segment->result.lower_bound;
+    proven->error = segment->answer.error_bound;
+    proven->tick = (uint32_t)world->ticks;
+}
+
+void dpti_far_pair(const struct body *body, vec3 a, vec3 b, double lower_bound, struct dynamic_point *track,
+                   struct segment_result *result)
+{
+    pair *found = &track->nearest.pair;
+    axis_of(&body->surface, &body->frame, a, b, &track->axis);
+    const vec3 q = surface_point(&body->surface, track->nearest.triangle, found->weight);
+    found->s = nearest_on(track->axis.local_a, track->axis.u, q);
+    found->gap = sub(along(track->axis.local_a, found->s, track->axis.u), q);
+    found->distance2 = dot(found->gap, found->gap);
+    dpti_segment_result_of_pair(&track->axis, found, result);
+    result->status = DPT_STATUS_BOUNDED;
+    result->lower_bound = min_of(lower_bound, result->lower_bound);
+    result->error_bound = result->distance - result->lower_bound;
+}
+
+int dpti_track_begin(struct dpt_world *world, uint32_t segment_index)
+{
+    struct segment *segment = &world->segments[segment_index];
+    segment->answer.body = NULL;
+    segment->answer.is_far = 0;
+    segment->result = (struct segment_result){ .status = DPT_STATUS_STALE };
+    if (tool_is_active(world, &world->tools[segment->tool_slot]))
+        return 1;
+    segment->broad_phase.has_axis = 0;
+    return 0;
+}
+
+/* Search for the pair of an axis. */
+static void track_axis(struct dpt_world *world, uint32_t segment_index, vec3 a, vec3 b)
+{
+    struct segment *segment = &world->segments[segment_index];
+    segment->answer.body = NULL;
+    segment->result = (struct segment_result){ .status = DPT_STATUS_STALE };
+    dpti_body_search_find(world, segment_index, &a, &b, &segment->answer);
+    if (!segment->answer.body)
+        return;
+    segment->last_body_slot = handle_index(segment->answer.body->id);
+    dpti_body_search_result(&segment->answer, &segment->result);
+    if (far_is_used(world, &world->tools[segment->tool_slot]))
+        prove_distance(world, segment, a, b);
+}
+
+void dpti_track_segment(struct dpt_world *world, uint32_t segment_index)
+{
+    struct segment *segment = &world->segments[segment_index];
+    const struct tool *tool = &world->tools[segment->tool_slot];
+    if (dpti_track_begin(world, segment_index))
+        track_axis(world, segment_index, frame_to_world(&tool->felt_frame, segment->a),
+                   frame_to_world(&tool->felt_frame, segment->b));
+}
+
+void dpti_track_far(struct dpt_world *world, uint32_t segment_index)
+{
+    const struct segment *segment = &world->segments[segment_index];
+    track_axis(world, segment_index, segment->answer.track.axis.a, segment->answer.track.axis.b);
+}
+
+/* Answer without a search, if the segment is no nearer than those that were searched for. */
+static int answer_if_far(struct dpt_world *world, struct segment *segment, vec3 a, vec3 b,
+                         const struct min_distance *min, int is_outside)
+{
+    const struct body *body = segment->answer.body;
+    const double distance = bound_if_far(world, segment, a, b);
+    if (!is_outside || !body || !min_distance_is_below(min, distance, segment->radius) ||
+        !(world->def.until == DPT_UNTIL_TRACK || distance - segment->radius > world->def.margin))
+        return 0;
+    dpti_far_pair(body, a, b, distance, &segment->answer.track, &segment->result);
+    segment->answer.lower_bound = distance;
+    segment->answer.error_bound = segment->answer.track.axis.error;
+    segment->answer.is_exact = segment->answer.work = 0;
+    segment->answer.is_far = 1;
+    return 1;
+}
+
+void dpti_track_near(struct dpt_world *world, struct tool *tool, int all_outside)
+{
+    const uint32_t begin = tool->closest < tool->segment_count ? tool->closest : 0;
+    struct min_distance min = min_distance_none();
+    for (uint32_t k = 0; k < tool->segment_count; k++) {
+        const uint32_t number = (begin + k) % tool->segment_count;
+        struct segment *segment = &world->segments[tool->first_segment + number];
+        const vec3 a = frame_to_world(&tool->felt_frame, segment->a);
+        const vec3 b = frame_to_world(&tool->felt_frame, segment->b);
+        if (answer_if_far(world, segment, a, b, &min, all_outside || segment->proven.is_outside))
+            continue;
+        track_axis(world, tool->first_segment + number, a, b);
+        if (segment->answer.body && min_distance_take(&min, segment->result.distance, segment->radius))
+            tool->closest = number;
+    }
+}
 
 struct box dpti_tip_box(const struct dpt_hull *hull, const struct frame *tool)
 {
     struct box box = box_of_axis(frame_to_world(tool, hull->axis_a), frame_to_world(tool, hull->axis_b));
     const vec3 reach = { hull->reach, hull->reach, hull->reach };
     return (struct box){ sub(box.low, reach), add(box.high, reach) };
+}
+
+struct box dpti_part_box(struct part part, const struct frame *tool)
+{
+    const struct segment *segment = part.segment;
+    return segment ? box_of_axis(frame_to_world(tool, segment->a), frame_to_world(tool, segment->b))
+                   : dpti_tip_box(part.tip->hull, tool);
 }
 
 /* One body, if it is nearer than the answer so far. */
@@ -57,8 +193,9 @@ void dpti_tip_find(struct dpt_world *world, const struct tip *tip, const struct 
 static int is_known(const struct dpt_world *world, const struct tool *tool, const struct tip *tip)
 {
     return tip->answer.body && tip->answer.is_exact && !world->deform_count &&
-           (tip->answer_tick == world->ticks || (tip->answer_tick + 1 == world->ticks && !world->has_changed)) &&
-           memcmp(&tip->answer_frame, &tool->frame, sizeof tool->frame) == 0;
+           (tip->answer_tick == world->ticks ||
+            (world_was_last_tick(world, tip->answer_tick) && !world->has_changed)) &&
+           memcmp(&tip->answer_frame, &tool->felt_frame, sizeof tool->felt_frame) == 0;
 }
 
 void dpti_tip_know(const struct dpt_world *world, struct tip *tip, const struct frame *frame,
@@ -80,8 +217,8 @@ void dpti_tips_track(struct dpt_world *world, struct tool *tool)
         struct tip *tip = tool_tip(world, tool, i);
         if (is_known(world, tool, tip))
             continue;
-        dpti_tip_find(world, tip, &tool->frame, &answer);
-        dpti_tip_know(world, tip, &tool->frame, &answer);
+        dpti_tip_find(world, tip, &tool->felt_frame, &answer);
+        dpti_tip_know(world, tip, &tool->felt_frame, &answer);
     }
 }
 
