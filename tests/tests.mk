@@ -109,7 +109,7 @@ $(B)/tests/test_view_loop: private LDLIBS = $(TOOLS_TEST_LIBS) -Wl,--wrap=malloc
 
 # Scene files: where the program reads them.
 FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o $(B)/tests/fuzz/plan.o),$(call objects,tests/fuzz/*.c))
-FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene/scene_bodies.o $(B)/tools/scene/tip_shape.o $(B)/tools/cli/command_options.o $(B)/tools/plan/plan.o $(B)/tools/plan/plan_file.o)
+FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene/scene_bodies.o $(B)/tools/scene/tip_shape.o $(B)/tools/scene/curved_tip.o $(B)/tools/cli/command_options.o $(B)/tools/plan/plan.o $(B)/tools/plan/plan_file.o)
 $(B)/tests/test_fuzz: $(FUZZ_PARTS)
 $(B)/tests/fuzz/test_fuzz.o: INCLUDES += -I$(B)
 $(B)/tests/fuzz/test_fuzz.o: $(B)/built_with.h
