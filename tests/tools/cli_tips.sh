@@ -431,6 +431,14 @@ curved()
         # shellcheck disable=SC2086
         is_near_gap "$tip, upright" 0.03 run up.json $at
     done
+    # Turned, what is lowest is no end of an axis, and the hull is farther off.
+    for sine in 0.15 0.2 0.25 0.3 0.6; do
+        turn=$(awk -v s=$sine 'BEGIN { a = atan2(s, sqrt(1 - s * s)) / 2; printf "[%.17g, %.17g, 0, 0]", cos(a), sin(a) }')
+        lowest=$(awk -v s=$sine 'BEGIN { printf "%.17g", 0.05 - sqrt(0.005 ^ 2 * (1 - s * s) + (0.04 * s) ^ 2) }')
+        with up "\"tips\": [ { \"shape\": \"ellipsoid\", \"extent\": [0.01, 0.01, 0.08], \"orientation\": $turn } ]"
+        # shellcheck disable=SC2086
+        is_near_gap "an ellipsoid that is turned by the sine $sine" "$lowest" run up.json $at
+    done
 
     # A ball of the stylus, and one of a tip, whose stylus is a point in its middle. By the law bed the ball has two free
     # ends, and a tip is one.
