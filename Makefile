@@ -158,6 +158,7 @@ $(B)/tools/view/server/%.o: INCLUDES += $(LWS_CFLAGS)
 
 # built_with.h says what was chosen for this build; it changes only when that does.
 CHOOSERS := $(B)/drivers/device.o $(B)/tools/cli/arm_file.o $(B)/tools/cli/cmd_device_simulate.o $(B)/tools/scene/scene_def.o \
+            $(B)/tools/scene/curved_tip.o \
             $(B)/tools/plan/plan_file_read.o \
             $(B)/tools/view/page_bytes.o $(B)/tools/view/view_serve.o
 $(CHOOSERS): INCLUDES += -I$(B)
@@ -165,7 +166,7 @@ $(CHOOSERS): $(B)/built_with.h
 $(B)/built_with.h: force
 	@mkdir -p $(@D)
 	@{ echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))'; \
-	   for part in $(DRIVERS) $(if $(URDF_PARTS),urdf) $(if $(SCENE_FILE),jansson) $(if $(VIEW_SERVER),lws) $(if $(filter yes,$(VIEW_PAGE)),view_page); do \
+	   for part in $(DRIVERS) $(if $(URDF_PARTS),urdf) $(if $(CONVEX_PARTS),convex) $(if $(SCENE_FILE),jansson) $(if $(VIEW_SERVER),lws) $(if $(filter yes,$(VIEW_PAGE)),view_page); do \
 	     echo "#define DPT_HAS_$$(echo $$part | tr a-z A-Z)"; done; } >$@.now
 	@cmp -s $@.now $@ && rm $@.now || mv $@.now $@
 
@@ -213,8 +214,8 @@ $(B)/libdynpoint_convex.so.$(SOVERSION): $(CONVEX_PARTS) $(B)/libdynpoint.so.$(S
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) -Wl,--version-script=src/symbols.map $^ -lm $(LDLIBS) -o $@
 	ln -sf $(@F) $*.so
 
-$(B)/dynpoint: $(TOOLS) $(SIMULATE) $(URDF_PARTS) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) $(JANSSON_LIBS) $(LWS_LIBS) -o $@
+$(B)/dynpoint: $(TOOLS) $(SIMULATE) $(URDF_PARTS) $(CONVEX_PARTS) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) $(CONVEX_LIBS) $(JANSSON_LIBS) $(LWS_LIBS) -o $@
 
 folders = $(subst $(empty) $(empty),$(comma),$(strip $1))
 $(CDEF): include/dynpoint.h $(wildcard include/dynpoint/*.h) tools/packaging/cdef.sh

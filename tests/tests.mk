@@ -100,16 +100,16 @@ $(B)/tests/test_exactness: | $(B)/dynpoint
 # Tests of the program's parts: linked with what they use of it, all but its main.
 tests_of = $(patsubst $1/%.c,$(B)/tests/%,$(wildcard $1/test_*.c))
 TOOLS_LIB := $(B)/tests/tools.a
-$(TOOLS_LIB): $(filter-out $(B)/tools/cli/dynpoint.o $(B)/tools/shape/shape%,$(TOOLS)) $(URDF_PARTS)
+$(TOOLS_LIB): $(filter-out $(B)/tools/cli/dynpoint.o $(B)/tools/shape/shape%,$(TOOLS)) $(URDF_PARTS) $(CONVEX_PARTS)
 TOOLS_TESTS := $(call tests_of,tests/tools) $(call tests_of,tests/view) $(call tests_of,tests/view/server) $(B)/tests/test_springs_passes $(B)/tests/test_fuzz
 $(TOOLS_TESTS): $(TOOLS_LIB)
-TOOLS_TEST_LIBS := -Wl,--as-needed $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS)
+TOOLS_TEST_LIBS := -Wl,--as-needed $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) $(CONVEX_LIBS)
 $(TOOLS_TESTS): private LDLIBS = $(TOOLS_TEST_LIBS)
 $(B)/tests/test_view_loop: private LDLIBS = $(TOOLS_TEST_LIBS) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 # Scene files: where the program reads them.
 FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o $(B)/tests/fuzz/plan.o),$(call objects,tests/fuzz/*.c))
-FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene/scene_bodies.o $(B)/tools/scene/tip_shape.o $(B)/tools/cli/command_options.o $(B)/tools/plan/plan.o $(B)/tools/plan/plan_file.o)
+FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene/scene_bodies.o $(B)/tools/scene/tip_shape.o $(B)/tools/scene/curved_tip.o $(B)/tools/cli/command_options.o $(B)/tools/plan/plan.o $(B)/tools/plan/plan_file.o)
 $(B)/tests/test_fuzz: $(FUZZ_PARTS)
 $(B)/tests/fuzz/test_fuzz.o: INCLUDES += -I$(B)
 $(B)/tests/fuzz/test_fuzz.o: $(B)/built_with.h

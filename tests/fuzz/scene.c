@@ -59,6 +59,8 @@ static void check_tip(const struct tip_shape *tip)
     }
     MUST(is_in(tip->radius, 0.0, TIP_RADIUS_MAX));
     MUST(!tip_is_round(tip->kind) || !tip->extent[1] || tip->extent[1] == tip->extent[0]);
+    MUST(!tip_is_curved(tip->kind) || !tip->radius);
+    MUST(is_in(tip_shape_error(tip), 0.0, TIP_EXTENT_MAX));
     MUST(tip_shape_make(tip, &block, &hull) == DPT_OK);
     free(block);
 }

@@ -220,6 +220,28 @@ in_tip '.orientation: a quaternion w, x, y, z has the length 1; this has 1.41421
 in_tip ': it is too thin' '"shape": "box", "extent": [0.01, 0, 0]'
 in_tip ': it is too thin' '"shape": "box", "extent": [0, 0, 0], "radius": 0.01'
 in_tip ': it is too thin' '"shape": "cylinder", "extent": [0, 0, 0.01]'
+egg='"shape": "ellipsoid", "extent": [0.01, 0.02, 0.03]'
+in_tip '.sides: must be 3 to 12; it is 13' "$egg, \"sides\": 13"
+in_tip '.sides: must be 3 to 15; it is 2' '"shape": "capsule", "extent": [0.01, 0, 0.03], "sides": 2'
+in_tip '.sides: must be 3 to 32; it is 33' '"shape": "curved-cylinder", "extent": [0.01, 0, 0.03], "sides": 33'
+in_tip '.sides: must be 3 to 63; it is 64' '"shape": "curved-cone", "extent": [0.01, 0, 0.03], "sides": 64'
+in_tip '.extent: has 4 items; there must be 3' '"shape": "ellipsoid", "extent": [0.01, 0.02, 0.03, 0.04]'
+in_tip '.extent[0]: must be 0 to 10; it is 11' '"shape": "ellipsoid", "extent": [11, 0.02, 0.03]'
+in_tip '.extent[1]: is the diameter, as along x, or 0: a capsule is round' '"shape": "capsule", "extent": [0.01, 0.02, 0.03]'
+echo "{ \"bodies\": [ { \"shape\": \"box\" } ], \"tool\": { \"tips\": [ { $egg } ] } }" >wrong.json
+run run wrong.json --device sim --ticks 1
+if test $status -eq 0; then
+    in_tip ': it is curved: it has no radius beside its lengths' "$egg, \"radius\": 0.001"
+    in_tip ': its lengths must be above 0, and none 10,000 times another' '"shape": "ellipsoid", "extent": [0.01, 0, 0.03]'
+    in_tip ': its lengths must be above 0, and none 10,000 times another' '"shape": "curved-cone", "extent": [10, 0, 0.0009]'
+    in_tip ': a capsule is at least as long as it is wide' '"shape": "capsule", "extent": [0.02, 0, 0.01]'
+    in_scene 'tips are felt by the law proxy alone' "\"tool\": { \"tips\": [ { $egg }, { $cone } ], \"law\": \"point\" }"
+    wrong ': bodies[1] gives way: by the laws point and bed curved tips feel rigid bodies alone (tool.law, --law)' \
+        "{ \"bodies\": [ { \"shape\": \"box\" }, { \"shape\": \"membrane\", \"triangles\": 8, \"material\": { \"kind\": \"sheet\" } } ],
+\"tool\": { \"law\": \"point\", \"tips\": [ { $egg } ] } }"
+else
+    in_tip ': this build has no curved tips: install libccd (Debian: libccd-dev pkg-config) and run make again, without CONVEX=no' "$egg"
+fi
 in_scene 'tips are felt by the law proxy alone (tool.law, --law)' "\"tool\": { \"tips\": [ { $cone } ], \"law\": \"bed\" }"
 wrong ":2:87: duplicate object key near '\"at\"'" "{ \"bodies\": [ { \"shape\": \"box\" } ],
 \"tool\": { \"tips\": [ { $cone, \"at\": [0, 0, 0], \"at\": [0, 0, 0] } ] } }"

@@ -368,6 +368,146 @@ recordings()
     refuses 'tips with another law' 'forged.dpr: its header has tips, and another law than proxy' replay forged.dpr
 }
 
+# error_of NAME: how much a run said that its curved tips are off, m
+error_of()
+{
+    sed 's/.*"tip_error":\([^,]*\),.*/\1/' "$1.says"
+}
+
+# is_near_gap WHAT WANTED ARGUMENT...: at most by the error that is said of the tip nearer, as a hull is round it
+is_near_gap()
+{
+    what=$1 wanted=$2
+    shift 2
+    gap=$(first_gap "$@")
+    run "$@" --device "$still" --ticks 2 --json
+    cp stdout gap.says
+    check "$what: a gap of $gap, not $wanted less at most $(error_of gap)" awk -v a="$gap" -v b="$wanted" -v e="$(error_of gap)" \
+        'BEGIN { exit !(a != "" && e > 0 && e < 0.007 && a <= b + 1e-9 && a >= b - e - 1e-9) }'
+}
+
+# forces NAME: the force of each tick, and the energy
+forces()
+{
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+        { print $at["asked_fx"], $at["asked_fy"], $at["asked_fz"], $at["energy"] }' "$1.csv" >"$1.forces"
+}
+
+# are_as_ball NAME STIFFNESS: the forces of an ellipsoid with three equal lengths are those of the ball, within its error
+are_as_ball()
+{
+    forces ball
+    forces "$1"
+    paste -d' ' ball.forces "$1.forces" >both
+    check "$1: an ellipsoid is felt as the ball, within $(error_of "$1") m: $(tail -1 both)" \
+        awk -v most="$(awk -v k="$2" -v e="$(error_of "$1")" 'BEGIN { print k * e + 1e-9 }')" \
+        '{ for (i = 1; i <= 3; i++) far += ($i - $(i + 4)) ^ 2 > most ^ 2; pressed += $2 > 0.5; stored += $8 > 1e-4 }
+        END { exit !(NR == 1100 && most < 0.05 && pressed > 100 && stored > 100 && !far) }' both
+}
+
+curved()
+{
+    run run box.dpa --device sim --ticks 1 --tip ellipsoid:0.01,0.01,0.01
+    if grep -q 'this build has no curved tips' stderr; then
+        left_out=': this build has no curved tips: install libccd (Debian: libccd-dev pkg-config) and run make again, without CONVEX=no'
+        refuses 'a build without them' "dynpoint run: --tip ellipsoid:1,1,1$left_out" run box.dpa --device sim --ticks 5 --tip ellipsoid:1,1,1
+        with egg '"tips": [ { "shape": "ellipsoid", "extent": [0.01, 0.01, 0.01] } ]'
+        refuses 'the same of a file' "egg.json: tool.tips[0]$left_out" run egg.json --device sim
+        forge mesh forged 'tip=wedge' 'tip=ellipsoid'
+        refuses 'the same of a recording' "box.dpa: tip 1$left_out" replay forged.dpr
+        skip 'curved tips: no libccd'
+        return
+    fi
+    at='--at 0,0.1,0'
+    # shellcheck disable=SC2086
+    for row in 'ellipsoid:0.02,0.04,0.03 0.03' 'capsule:0.04,0.04,0.06 0.03' 'capsule:0.04,0,0.04 0.03' \
+        'curved-cylinder:0.04,0,0.03 0.03' 'curved-cone:0.04,0,0.03 0.03'; do
+        is_near_gap "--tip ${row% *}" "${row#* }" run box.dpa $at --tip "${row% *}"
+    done
+    for tip in '"ellipsoid", "extent": [0.02, 0.01, 0.04]' '"ellipsoid", "extent": [0.02, 0.01, 0.04], "sides": 6' \
+        '"capsule", "extent": [0.02, 0, 0.04]' '"curved-cylinder", "extent": [0.02, 0.02, 0.04], "sides": 8' \
+        '"curved-cone", "extent": [0.02, 0.02, 0.04]'; do
+        with up "\"tips\": [ { \"shape\": $tip, \"orientation\": [0.70710678118654752, -0.70710678118654752, 0, 0] } ]"
+        # shellcheck disable=SC2086
+        is_near_gap "$tip, upright" 0.03 run up.json $at
+    done
+    # Turned, what is lowest is no end of an axis, and the hull is farther off.
+    for sine in 0.15 0.2 0.25 0.3 0.6; do
+        turn=$(awk -v s=$sine 'BEGIN { a = atan2(s, sqrt(1 - s * s)) / 2; printf "[%.17g, %.17g, 0, 0]", cos(a), sin(a) }')
+        lowest=$(awk -v s=$sine 'BEGIN { printf "%.17g", 0.05 - sqrt(0.005 ^ 2 * (1 - s * s) + (0.04 * s) ^ 2) }')
+        with up "\"tips\": [ { \"shape\": \"ellipsoid\", \"extent\": [0.01, 0.01, 0.08], \"orientation\": $turn } ]"
+        # shellcheck disable=SC2086
+        is_near_gap "an ellipsoid that is turned by the sine $sine" "$lowest" run up.json $at
+    done
+
+    # A ball of the stylus, and one of a tip, whose stylus is a point in its middle. By the law bed the ball has two free
+    # ends, and a tip is one.
+    egg='--tip ellipsoid:0.02,0.02,0.02 --radius 0'
+    for row in 'proxy 300' 'point 300' 'bed 600'; do
+        press_at="--device $press --at 0,0.065,0 --length 0 --law ${row% *}"
+        # shellcheck disable=SC2086
+        felt ball box.dpa $press_at --radius 0.01 --stiffness 300
+        # shellcheck disable=SC2086
+        felt "egg_${row% *}" box.dpa $press_at $egg --stiffness "${row#* }"
+        are_as_ball "egg_${row% *}" "${row#* }"
+    done
+    check "the tip in the recording: $(tips_of egg_bed)" test "$(tips_of egg_bed)" = \
+        'ellipsoid,0.02,0.02,0.02,0,0,0,0,0,1,0,0,0'
+    run record info egg_bed.dpr
+    check "the error in the recording: $(cat stdout)" grep -q 'a proxy feels, it is up to 0.0347 mm larger$' stdout
+    for law in proxy point; do
+        run run box.dpa --device "$press" --ticks 1100 --tip ellipsoid:0.02,0.02,0.02 --law $law
+        check "$law: the error is told: $(cat stdout)" grep -q '^  curved tips: ' stdout
+    done
+
+    # On a body that is turned, by a file as by an option, with others beside it, from elsewhere, embedded.
+    shape='"shape": "ellipsoid", "extent": [0.02, 0.01, 0.03]'
+    for law in proxy bed point; do
+        with egg "\"law\": \"$law\", \"tips\": [ { $shape }, { \"shape\": \"capsule\", \"extent\": [0.01, 0, 0.02], \"at\": [0, 0, 0.02] } ]"
+        felt file_$law egg.json --device "$press"
+        felt option_$law box.dpa --device "$press" --law $law --tip ellipsoid:0.02,0.01,0.03
+        felt embedded_$law box.dpa --device "$press" --law $law --tip ellipsoid:0.02,0.01,0.03 --embed
+        is_same embedded_$law option_$law
+        felt organ_$law torus.dpa --device 'sim:?hand=press&dofs=6' --law $law --tip curved-cone:0.01,0,0.03 --tip curved-cylinder:0.02,0,0.01
+    done
+    echo "{ \"bodies\": [ { \"shape\": \"box\", \"orientation\": [0.9659258262890683, 0, 0, 0.25881904510252074], \"position\": [0.5, 0, 0] } ],
+        \"tool\": { \"law\": \"point\", \"tips\": [ { $shape } ] } }" >turned.json
+    felt turned turned.json --device "$press" --at 0.5,0.0677,0
+
+    # A trace's line has one too: the same gaps, and the force of its depth.
+    trace down.csv 0,0,0.07,0,0,0.07,0.1 1,0,0.0595,0,0,0.0595,0.1 2,0,0.058,0,0,0.058,0.1 3,0,0.057,0,0,0.057,0.1
+    for row in 'point 500' 'bed 250'; do
+        succeeds "replay, ${row% *}" replay box.dpa down.csv --tip ellipsoid:0.02,0.02,0.02 --law "${row% *}" --radius 0 -o down_out.csv
+        awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next } { print $at["fy"] "," $at["energy"] "," $at["gap"] }' down_out.csv >down
+        check "replay, ${row% *}: $(paste -sd' ' down)" awk -F, -v k="${row#* }" '{ d[1] = 0; d[2] = 0.0005; d[3] = 0.002; d[4] = 0.003
+            wrong += ($1 - k * d[NR]) ^ 2 > 1e-6 || (k == 250 && ($2 - 0.5 * k * d[NR] ^ 2) ^ 2 > 1e-12) || (NR > 1 && ($3 + d[NR]) ^ 2 > 1e-10) }
+            END { exit !(NR == 4 && !wrong) }' down
+    done
+    for bad in '--method tree' '--against brute' '--law point --until contact'; do
+        # shellcheck disable=SC2086
+        refuses "replay --tip $bad" 'what is curved, for the other laws too, with --until respond' \
+            replay box.dpa down.csv --tip ellipsoid:1,1,1 $bad -o out/x.csv
+    done
+
+    for row in 'ellipsoid:1,1,0 its lengths must be above 0, and none 10,000 times another' \
+        'ellipsoid:1,1,0.00009 its lengths must be above 0, and none 10,000 times another' \
+        'ellipsoid:1,1,11 its lengths must be 0 to 10' 'ellipsoid:1,1,1,0.1 it is curved: it has no radius' \
+        'capsule:0.2,0,0.1 a capsule is at least as long as it is wide' 'capsule:0.2,0.1,0.3 it is round' \
+        'curved-cone:1,2,1 it is round' 'curved-cylinder:1,0,0 its lengths must be above 0'; do
+        refuses "--tip ${row%% *}" "--tip ${row%% *}: ${row#* }" run box.dpa --device sim --ticks 5 --tip "${row%% *}"
+    done
+    refuses 'one with corners beside it' 'tips are felt by the law proxy alone (tool.law, --law), but for curved ones' \
+        run box.dpa --device sim --ticks 5 --law point --tip ellipsoid:1,1,1 --tip box:1,1,1
+    refuses 'what is displaced' 'cloth: bodies[0] gives way: by the laws point and bed curved tips feel rigid bodies alone' \
+        run cloth --device sim --ticks 5 --tip ellipsoid:0.1,0.1,0.1
+    good=ellipsoid,0.03,0.02,0.02,0,0,0,0,0,1,0,0,0
+    for bad in "$good,0" ellipsoid,0.03,0.02,0.02,0.1,0,0,0,0,1,0,0,0 ellipsoid,0.03,0.02,0.02,0,13,0,0,0,1,0,0,0 \
+        ellipsoid,0.03,0,0.02,0,0,0,0,0,1,0,0,0 capsule,0.03,0,0.02,0,0,0,0,0,1,0,0,0; do
+        forge mesh forged 'tip=[^\n]*\n' "tip=$bad\n"
+        refuses "a line tip=$bad" "of its header: 'tip=" replay forged.dpr
+    done
+}
+
 refusals()
 {
     for value in '' box box: box:1 box:1,1 'box:1,1,1,1,1' 'box:1,1,1,' 'box:,1,1' ball:1,1,1 BOX:1,1,1 'box 1,1,1' box:1,1,x \
@@ -476,4 +616,5 @@ samples
 recordings
 refusals
 traces
+curved
 finish

@@ -12,6 +12,7 @@
 #include "dynpoint/device.h"
 #include "record/record_fields.h"
 #include "record/recording_embed.h"
+#include "scene/tip_shape.h"
 
 static const char help[] =
     "usage: dynpoint record info FILE.dpr [--json]\n"
@@ -95,6 +96,16 @@ static void print_embedded(const struct recording_embed *embed)
     }
 }
 
+/* Of the line of a curved tip: how much larger the hull is that a proxy feels. */
+static void print_tip_error(const char *line, const char *end)
+{
+    struct tip_shape tip;
+    const int is_tip = end - line > 4 && !memcmp(line, "tip=", 4) && tip_shape_read(&tip, line + 4, end);
+    const double error = is_tip ? tip_shape_error(&tip) : 0.0;
+    if (error > 0.0)
+        printf("    as a hull, which a proxy feels, it is up to %.3g mm larger\n", 1e3 * error);
+}
+
 static void print_text(const char *path, const dpt_record_header *header, const struct record_counts *c)
 {
     const time_t began = (time_t)(header->began_ns / 1000000000u);
@@ -119,6 +130,7 @@ static void print_text(const char *path, const dpt_record_header *header, const 
     for (const char *line = header->text; *line;) {
         const size_t length = strcspn(line, "\n");
         printf("  %.*s\n", (int)length, line);
+        print_tip_error(line, line + length);
         line += length + (line[length] != '\0');
     }
 }

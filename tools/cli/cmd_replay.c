@@ -98,11 +98,11 @@ struct stage {
     size_t bytes;
 };
 
-static int stage_open(struct stage *stage, const dpt_world_def *def, const struct replay_settings *settings,
+static int stage_open(struct stage *stage, const dpt_world_def *def, struct replay_settings *settings,
                       const dpt_mesh *mesh, const struct csv_table *trace)
 {
-    const struct replay_tool *tool = &settings->tool;
-    dpt_body body;
+    struct replay_tool *tool = &settings->tool;
+    dpt_body body = 0;
     stage->bytes = dpt_world_bytes(def);
     stage->block = malloc(stage->bytes ? stage->bytes : 1);
     if (!stage->block)
@@ -119,7 +119,8 @@ static int stage_open(struct stage *stage, const dpt_world_def *def, const struc
     if (result == DPT_OK)
         result = force_options_set_tool(&settings->force, stage->world, stage->tool, 0);
     if (result == DPT_OK)
-        result = replay_tool_add_tips(tool, stage->world, stage->tool);
+        result = replay_tool_add_tips(tool, stage->world, stage->tool, mesh, &settings->force);
+    tool->curved.body_ids[0] = body;
     return result == DPT_OK ? 0 : complain("replay", "%s", dpt_result_text(result));
 }
 
@@ -148,10 +149,11 @@ static void run_pass(struct stage *stage, struct replay_settings *settings, stru
         tick->ns = is_first || ns < tick->ns ? ns : tick->ns;
         tick->hit.size = sizeof tick->hit;
         dpt_tool_get_hit(stage->world, stage->tool, &tick->hit);
+        curved_tips_deepen(&settings->tool.curved, &tick->hit);
         dpt_force_info force = { .size = sizeof force };
         dpt_tool_get_force_info(stage->world, stage->tool, &force);
         tick->wrench = force.wrench;
-        tick->energy = force.energy;
+        tick->energy = force.energy + curved_tips_energy(&settings->tool.curved);
         tick->reason = force.reason;
         tick->force_flags = force.flags;
         dpt_tool_get_proxy(stage->world, stage->tool, &tick->proxy);
@@ -253,6 +255,8 @@ static int run(struct replay_settings *settings, const dpt_mesh *mesh, const str
         replayed.method = methods[settings->def.method];
         for (uint64_t pass = 0; pass < settings->repeat; pass++)
             run_pass(&stage, settings, &replayed, pass == 0);
+        replayed.curved = &settings->tool.curved;
+        replayed.tip_error = replay_tool_error(&settings->tool);
         if (settings->against >= 0)
             status = compare(settings, mesh, &replayed);
     }
@@ -325,9 +329,14 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
         return status;
     if (tip_shapes_of_options(&settings->tool.tips, "replay", &tips))
         return 2;
-    if (tips.count && (chosen[0] != DPT_METHOD_EXACT || against || settings->force.law != DPT_LAW_PROXY))
-        return complain("replay", "--tip is for the method exact and the law proxy, without --against");
-    settings->def.max_tips = (uint32_t)tips.count;
+    const int has_proxy = settings->force.law == DPT_LAW_PROXY;
+    if (tips.count &&
+        (chosen[0] != DPT_METHOD_EXACT || against ||
+         (!has_proxy && (chosen[1] != DPT_UNTIL_RESPOND || !tip_shapes_are_curved(&settings->tool.tips)))))
+        return complain("replay",
+                        "--tip is for the method exact and the law proxy, without --against; what is curved, for "
+                        "the other laws too, with --until respond");
+    settings->def.max_tips = has_proxy ? (uint32_t)tips.count : 0;
     settings->def.strip = (uint32_t)word_index(strip, strip_words);
     settings->def.method = (uint32_t)chosen[0];
     settings->def.until = (uint32_t)chosen[1];

@@ -60,7 +60,7 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     if (result != DPT_OK)
         return result;
     run_trace_tick(&session->trace, &session->scene.stylus);
-    dpt_tool_get_hit(session->scene.world, session->scene.tool, &hit);
+    scene_get_hit(&session->scene, &hit);
     session->reasons |= sample->state->reasons;
     session->contacts += hit.contact != DPT_CONTACT_SEPARATED;
     session->penetrating += hit.contact == DPT_CONTACT_PENETRATING;
@@ -169,6 +169,8 @@ static void print_json(const struct session *session, const dpt_loop_stats *s, c
         printf("%s\"%s\":%" PRIu64, i ? "," : "", numbers[i].name, numbers[i].value);
     printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->depth_max, session->force_peak);
     print_coupling_json(session);
+    printf(",\"tip_error\":%.17g,\"tips_unproven\":%" PRIu64, scene_tip_error(&session->scene),
+           session->scene.curved.unproven);
     run_physics_print(&session->scene, 1);
     printf(",\"spring_nodes\":%" PRIu64 ",\"spring_nodes_awake\":%" PRIu64, session->scene.bodies.nodes,
            session->scene.bodies.active);
@@ -209,6 +211,7 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
     if (session->unknown)
         printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->unknown, session->budget);
     print_coupling(session);
+    curved_tips_print_error(stdout, &session->scene.curved, scene_tip_error(&session->scene));
     run_physics_print(&session->scene, 0);
     if (session->scene.bodies.nodes)
         printf("  springs: %.1f %% of the nodes were awake\n",

@@ -113,7 +113,7 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
         status = law_by_name(command, text->law, &def.force.law);
     if (status == 0)
         status = force_options_check(command, &def.force);
-    if (status == 0 && def.tips.count && def.force.law != DPT_LAW_PROXY)
+    if (status == 0 && def.force.law != DPT_LAW_PROXY && !tip_shapes_are_curved(&def.tips))
         status = complain(command, "%s: its header has tips, and another law than proxy", path);
     if (status == 0)
         status = scene_def_read(&def);

@@ -30,8 +30,8 @@ void record_answers(dpt_record *record, const struct scene *scene, dpt_result re
 {
     dpt_hit hit = DPT_HIT_INIT;
     dpt_force_info force = { .size = sizeof force };
-    dpt_tool_get_hit(scene->world, scene->tool, &hit);
-    dpt_tool_get_force_info(scene->world, scene->tool, &force);
+    scene_get_hit(scene, &hit);
+    scene_get_force_info(scene, &force);
     dpt_tool_get_proxy(scene->world, scene->tool, &record->proxy);
     record->flags |= DPT_RECORD_FLAG_FELT;
     record->result = result;

@@ -6,6 +6,7 @@
 
 #include "measure/tick_histogram.h"
 #include "run/replay_report.h"
+#include "scene/curved_tip.h"
 
 static const char *const status_words[] = { "stale", "local", "bounded", "exact" };
 static const char *const contact_words[] = { "unknown", "separated", "touching", "penetrating" };
@@ -181,6 +182,8 @@ void replay_print_json(FILE *file, const struct replayed *replayed)
                 s.strip_count, percentile(s.strip_sizes, s.strip_count, 0.5),
                 percentile(s.strip_sizes, s.strip_count, 0.99), percentile(s.strip_sizes, s.strip_count, 1.0),
                 s.full_strips);
+    if (replayed->tip_error > 0.0)
+        fprintf(file, ",\"tip_error\":%.17g", replayed->tip_error);
     if (has_proxy(replayed))
         fprintf(file, ",\"inside\":%" PRIu64 ",\"folds\":%" PRIu64, s.inside, s.folds);
     const struct comparison *against = &replayed->against;
@@ -220,6 +223,7 @@ void replay_print_table(FILE *file, const struct replayed *replayed)
                 s.contact[DPT_CONTACT_SEPARATED], s.contact[DPT_CONTACT_TOUCHING], s.contact[DPT_CONTACT_PENETRATING],
                 s.contact[DPT_CONTACT_UNKNOWN]);
     fputs("\n", file);
+    curved_tips_print_error(file, replayed->curved, replayed->tip_error);
     if (s.inside)
         fprintf(file, "  no force on %" PRIu64 " ticks: the tool began inside, and has not been outside since\n",
                 s.inside);

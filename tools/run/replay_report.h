@@ -40,6 +40,8 @@ struct replayed {
     size_t world_bytes;
     uint64_t mesh_bytes;
     double diagonal;
+    double tip_error;                 /* m, of curved tips; 0: there are none */
+    const struct curved_tips *curved; /* those that were felt without a proxy */
     uint32_t kernel;
     const char *method;
     struct comparison against;

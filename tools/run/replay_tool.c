@@ -62,12 +62,23 @@ dpt_result replay_tool_add(const struct replay_tool *tool, const struct csv_tabl
     return dpt_tool_add(world, &segment, 1, added);
 }
 
-dpt_result replay_tool_add_tips(const struct replay_tool *tool, dpt_world *world, dpt_tool added)
+dpt_result replay_tool_add_tips(struct replay_tool *tool, dpt_world *world, dpt_tool added, const dpt_mesh *mesh,
+                                const struct force_options *force)
 {
     dpt_tip tips[TIP_SHAPES_MAX];
+    if (force->law != DPT_LAW_PROXY) {
+        tool->curved.bodies[0] = (dpt_convex_body){ .mesh = mesh };
+        tool->curved.body_count = 1;
+        return curved_tips_attach(&tool->curved, &tool->tips, world, added, force);
+    }
     for (uint32_t i = 0; i < tool->tips.count; i++)
         tips[i] = (dpt_tip){ .size = sizeof tips[i], .hull = tool->hulls[i] };
     return dpt_tool_set_tips(world, added, tips, tool->tips.count);
+}
+
+double replay_tool_error(const struct replay_tool *tool)
+{
+    return tool->curved.count ? tool->curved.error : tip_shapes_error(&tool->tips);
 }
 
 /* Turned as little as can be from `turn`, or after a jump from not being turned, so that z leads along `reach`. */
@@ -88,6 +99,7 @@ void replay_tool_place(struct replay_tool *tool, const struct csv_table *trace, 
     static const dpt_pose identity = DPT_POSE_IDENTITY;
     const dpt_segment segment = segment_of(trace, row, tool->radius);
     const int is_jump = trace_is_jump(trace, row);
+    curved_tips_begin_tick(&tool->curved);
     if (!tool->tips.count) {
         if (is_jump)
             dpt_tool_teleport(world, added, &identity);

@@ -49,6 +49,20 @@ static uint32_t copy_tool_segments(const dpt_arm *arm, dpt_segment *segments)
     return count;
 }
 
+/* To the tool: those that a proxy feels, or those that are felt without one. */
+static dpt_result add_tips(struct scene *scene)
+{
+    struct curved_tips *curved = &scene->curved;
+    if (scene->force.law == DPT_LAW_PROXY)
+        return scene_tips_add(&scene->tips, scene->world, scene->tool);
+    for (curved->body_count = 0; curved->body_count < scene->bodies.count; curved->body_count++) {
+        const struct scene_body *body = &scene->bodies.body[curved->body_count];
+        curved->bodies[curved->body_count] = (dpt_convex_body){ .mesh = body->mesh, .pose = &body->pose };
+        curved->body_ids[curved->body_count] = body->id;
+    }
+    return curved_tips_attach(curved, &scene->tips.shapes, scene->world, scene->tool, &scene->force);
+}
+
 int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget)
 {
     dpt_world_def world;
@@ -60,7 +74,7 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     world.max_bodies = scene->bodies.count;
     world.max_tools = 1;
     world.max_segments = scene->segment_count;
-    world.max_tips = scene->tips.count;
+    world.max_tips = scene->force.law == DPT_LAW_PROXY ? scene->tips.count : 0;
     world.budget = budget;
     if (scene_bodies_displace(&scene->bodies))
         world.strip = DPT_STRIP_KIND_SHADOW;
@@ -77,7 +91,7 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     if (result == DPT_OK)
         result = force_options_set_tool(&scene->force, scene->world, scene->tool, scene->device.wrench_dofs < 6);
     if (result == DPT_OK)
-        result = scene_tips_add(&scene->tips, scene->world, scene->tool);
+        result = add_tips(scene);
     return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
 }
 
@@ -120,6 +134,18 @@ static int make_tips(struct scene *scene, const struct scene_def *def)
     if (scene->tool_arm && !arm && dpt_arm_get_info(scene->tool_arm, &info) == DPT_OK && info.tips && info.segments)
         fprintf(stderr, "%s: note: its tool's tips are felt by the law proxy alone: left out\n", path);
     return scene_tips_make(&scene->tips, scene->command, path, &def->tips, arm, &def->jaw);
+}
+
+/* What is curved and has no proxy is held against meshes as they were compiled. Returns 0, or 2 after a message. */
+static int check_curved(const struct scene *scene, const struct scene_def *def)
+{
+    for (uint32_t i = 0; i < scene->bodies.count && def->tips.count && def->force.law != DPT_LAW_PROXY; i++)
+        if (scene_body_is_soft(&scene->bodies.body[i]))
+            return complain(def->command,
+                            "%s: bodies[%u] gives way: by the laws point and bed curved tips feel rigid bodies "
+                            "alone (tool.law, --law)",
+                            def->path, (unsigned)i);
+    return 0;
 }
 
 /* The tool's segments, in its own frame. Returns their number, or 0 after a message. */
@@ -218,7 +244,7 @@ int scene_open(struct scene *scene, const struct scene_def *def)
     if (!scene->bodies.count)
         return complain(scene->command, "%s: an arm whose scene has no body: name a mesh, and this one as --tool",
                         def->path);
-    if (load_tool_arm(scene, def) || make_tips(scene, def) || place_device(scene, def))
+    if (load_tool_arm(scene, def) || check_curved(scene, def) || make_tips(scene, def) || place_device(scene, def))
         return 2;
     scene->segment_count = load_segments(scene, def, scene->segments);
     return scene->segment_count ? 0 : 2;
@@ -334,8 +360,11 @@ static void to_hand(const struct scene *scene, const double axes[4], dpt_wrench 
 static dpt_result step(struct scene *scene, double dt)
 {
     dpt_result result = scene->physics ? scene_physics_begin_tick(scene->physics, scene->world) : DPT_OK;
+    curved_tips_begin_tick(&scene->curved);
     if (result == DPT_OK)
         result = dpt_world_step(scene->world, dt, NULL);
+    if (result == DPT_OK && curved_tips_have_failed(&scene->curved))
+        result = DPT_E_LIMIT;
     if (result != DPT_OK)
         return result;
     result = scene->physics ? scene_physics_end_tick(scene->physics, scene->world, dt)
@@ -347,6 +376,23 @@ static dpt_result step(struct scene *scene, double dt)
 uint64_t scene_soft_steps(const struct scene *scene)
 {
     return scene->physics ? scene_physics_steps(scene->physics) : scene->bodies.steps;
+}
+
+void scene_get_hit(const struct scene *scene, dpt_hit *hit)
+{
+    dpt_tool_get_hit(scene->world, scene->tool, hit);
+    curved_tips_deepen(&scene->curved, hit);
+}
+
+void scene_get_force_info(const struct scene *scene, dpt_force_info *force)
+{
+    dpt_tool_get_force_info(scene->world, scene->tool, force);
+    force->energy += curved_tips_energy(&scene->curved);
+}
+
+double scene_tip_error(const struct scene *scene)
+{
+    return scene->curved.count ? scene->curved.error : tip_shapes_error(&scene->tips.shapes);
 }
 
 dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wrench *wrench)
@@ -373,7 +419,7 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
         return result;
     scene->pose = pose;
     scene->has_pose = 1;
-    dpt_tool_get_force_info(scene->world, scene->tool, &report);
+    scene_get_force_info(scene, &report);
     *wrench = report.wrench;
     to_hand(scene, axes, wrench);
     const double share = scene->force_scale / scene->zoom;

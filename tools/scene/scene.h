@@ -7,6 +7,7 @@
 #define DPT_TOOLS_SCENE_H
 
 #include "dynpoint/device.h"
+#include "scene/curved_tip.h"
 #include "scene/scene_bodies.h"
 #include "scene/scene_def.h"
 #include "scene/scene_passivity.h"
@@ -30,7 +31,8 @@ struct scene {
     struct scene_physics *physics;              /* of the world, if there is a rate */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
     uint32_t segment_count;
-    struct scene_tips tips; /* of the tool */
+    struct scene_tips tips;    /* of the tool */
+    struct curved_tips curved; /* of them, those that are felt without a proxy */
     struct force_options force;
     int has_stylus;     /* the tool is the stylus, without tips: free, so that a trace of it can be replayed */
     dpt_segment stylus; /* in the scene's frame, as moved last */
@@ -71,6 +73,16 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
  * the hand wherever that is.
  */
 dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wrench *wrench);
+
+/*
+ * After it: the tool's hit, and what its force was. Of a tool with curved tips and without a proxy, the hit is that of
+ * the deepest of them if it is deeper than the segments, and the energy is theirs too.
+ */
+void scene_get_hit(const struct scene *scene, dpt_hit *hit);
+void scene_get_force_info(const struct scene *scene, dpt_force_info *force);
+
+/* m: how much larger, or deeper, than they are the curved tips are felt, at most, so far; 0: there are none. */
+double scene_tip_error(const struct scene *scene);
 
 /* The steps of what is soft so far. */
 uint64_t scene_soft_steps(const struct scene *scene);

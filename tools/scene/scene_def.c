@@ -89,8 +89,9 @@ static int complete_tool(struct scene_def *def)
         def->jaw = file->jaw;
     if (file && file->arm && !def->tool)
         def->tool = file->arm;
-    if (def->tips.count && def->force.law != DPT_LAW_PROXY)
-        return complain(def->command, "%s: tips are felt by the law proxy alone (tool.law, --law)", def->path);
+    if (def->force.law != DPT_LAW_PROXY && !tip_shapes_are_curved(&def->tips))
+        return complain(def->command, "%s: tips are felt by the law proxy alone (tool.law, --law), but for curved ones",
+                        def->path);
     return 0;
 }
 

@@ -21,9 +21,10 @@ static void read_sides(struct tip_shape *tip, struct json_reader *reader, const 
 {
     const struct json_value member = json_member(at, "sides");
     uint64_t sides = 0;
-    if (member.value && !tip_is_round(tip->kind))
-        json_refuse(reader, &member, "is for a cylinder or a cone");
-    json_take_count(reader, at, "sides", 3, tip_sides_max(tip->kind), &sides);
+    const uint32_t most = tip_sides_max(tip->kind);
+    if (member.value && !most)
+        json_refuse(reader, &member, "is for a cylinder or a cone, or what is curved");
+    json_take_count(reader, at, "sides", 3, most, &sides);
     tip->sides = (uint32_t)sides;
 }
 

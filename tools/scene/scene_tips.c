@@ -8,6 +8,7 @@
 
 #include "base/frame.h"
 #include "cli/command_options.h"
+#include "scene/curved_tip.h"
 
 #define FULL_TURN 6.28318530717958648
 
@@ -72,6 +73,8 @@ int scene_tips_make(struct scene_tips *tips, const char *command, const char *pa
                                       : make_of_arm(arm, i - shapes->count, &tips->blocks[i], &tips->hulls[i]);
         if (result != DPT_OK) {
             free(tips->blocks[i]);
+            if (result == DPT_E_UNSUPPORTED && i < shapes->count && curved_tip_left_out())
+                return complain(command, "%s: tip %" PRIu32 ": %s", path, i + 1, curved_tip_left_out());
             return complain(command, "%s: tip %" PRIu32 ": %s", path, i + 1, dpt_result_text(result));
         }
     }

@@ -6,22 +6,44 @@
 #include <string.h>
 
 #include "base/frame.h"
+#include "scene/curved_tip.h"
 #include "text/parse_number.h"
 
-const char *const tip_shape_words[] = { "box", "wedge", "cylinder", "cone", NULL };
+const char *const tip_shape_words[] = { "box",     "wedge",           "cylinder",    "cone", "ellipsoid",
+                                        "capsule", "curved-cylinder", "curved-cone", NULL };
 
 int tip_is_round(uint32_t kind)
 {
-    return kind == DPT_HULL_KIND_CYLINDER || kind == DPT_HULL_KIND_CONE;
+    return kind >= DPT_HULL_KIND_CYLINDER && kind != TIP_ELLIPSOID;
 }
 
 uint32_t tip_sides_max(uint32_t kind)
 {
-    return kind == DPT_HULL_KIND_CYLINDER ? DPT_HULL_CORNERS_MAX / 2 : DPT_HULL_CORNERS_MAX - 1;
+    static const uint32_t most[] = { 0, 0, 32, 63, 12, 15, 32, 63 };
+    return most[kind];
 }
 
-static dpt_result place_corners(const struct tip_shape *tip, double *corners, uint32_t *count)
+int tip_is_curved(uint32_t kind)
 {
+    return kind >= TIP_ELLIPSOID;
+}
+
+int tip_shapes_are_curved(const struct tip_shapes *tips)
+{
+    for (uint32_t i = 0; i < tips->count; i++)
+        if (!tip_is_curved(tips->shape[i].kind))
+            return 0;
+    return 1;
+}
+
+/* The corners and the radius of its hull, which is larger than it by `error` at most. */
+static dpt_result place_corners(const struct tip_shape *tip, double *corners, uint32_t *count, double *radius,
+                                double *error)
+{
+    if (tip_is_curved(tip->kind))
+        return curved_tip_corners(tip, corners, count, radius, error);
+    *radius = tip->radius;
+    *error = 0.0;
     const dpt_hull_shape shape = { .size = sizeof shape,
                                    .kind = tip->kind,
                                    .sides = tip->sides,
@@ -37,10 +59,10 @@ static dpt_result place_corners(const struct tip_shape *tip, double *corners, ui
 
 dpt_result tip_shape_make(const struct tip_shape *shape, void **block, const dpt_hull **hull)
 {
-    double corners[3 * DPT_HULL_CORNERS_MAX];
-    dpt_hull_def def = { .size = sizeof def, .corners = corners, .radius = shape->radius };
+    double corners[3 * DPT_HULL_CORNERS_MAX], error;
+    dpt_hull_def def = { .size = sizeof def, .corners = corners };
     *block = NULL;
-    dpt_result result = place_corners(shape, corners, &def.corner_count);
+    dpt_result result = place_corners(shape, corners, &def.corner_count, &def.radius, &error);
     if (result != DPT_OK)
         return result;
     const size_t bytes = dpt_hull_bytes(&def);
@@ -53,6 +75,21 @@ dpt_result tip_shape_make(const struct tip_shape *shape, void **block, const dpt
         *block = NULL;
     }
     return result;
+}
+
+double tip_shape_error(const struct tip_shape *shape)
+{
+    double corners[3 * DPT_HULL_CORNERS_MAX], radius, error;
+    uint32_t count;
+    return place_corners(shape, corners, &count, &radius, &error) == DPT_OK ? error : 0.0;
+}
+
+double tip_shapes_error(const struct tip_shapes *tips)
+{
+    double error = 0.0;
+    for (uint32_t i = 0; i < tips->count; i++)
+        error = fmax(error, tip_shape_error(&tips->shape[i]));
+    return error;
 }
 
 static int is_within(const double *numbers, int count, double least, double most)
@@ -76,10 +113,18 @@ const char *tip_shape_fault(const struct tip_shape *shape)
         return "it is round: its length along y is that along x, or 0";
     if (!is_within(shape->pose.position, 3, -TIP_EXTENT_MAX, TIP_EXTENT_MAX))
         return "its place must be -10 to 10";
+    if (tip_is_curved(shape->kind) && shape->radius != 0.0)
+        return "it is curved: it has no radius beside its lengths";
+    if (shape->kind == TIP_CAPSULE && extent[2] < extent[0])
+        return "a capsule is at least as long as it is wide: its length along z is the whole one";
+    if (tip_is_curved(shape->kind) && curved_tip_left_out())
+        return curved_tip_left_out();
     const dpt_result result = tip_shape_make(shape, &block, &hull);
     free(block);
     if (result == DPT_E_MEMORY)
         return "memory ran out";
+    if (result != DPT_OK && tip_is_curved(shape->kind))
+        return "its lengths must be above 0, and none 10,000 times another";
     return result == DPT_OK ? NULL : "it is too thin: its corners lie on a line, or nearly so";
 }
 
@@ -114,7 +159,7 @@ static int read_option(struct tip_shape *shape, const char *command, const char 
     if (kind < 0 || read_numbers(colon + 1, end, numbers, 4) < 3)
         return complain(command,
                         "--tip takes SHAPE:X,Y,Z or SHAPE:X,Y,Z,RADIUS, with the shape box, wedge, "
-                        "cylinder or cone; it is '%s'",
+                        "cylinder, cone, ellipsoid, capsule, curved-cylinder or curved-cone; it is '%s'",
                         text);
     *shape = (struct tip_shape){
         .kind = (uint32_t)kind, .extent = { numbers[0], numbers[1], numbers[2] }, .radius = numbers[3], .pose = identity
@@ -161,5 +206,6 @@ int tip_shape_read(struct tip_shape *shape, const char *text, const char *end)
                             .extent = { n[0], n[1], n[2] },
                             .radius = n[3],
                             .pose = { .position = { n[5], n[6], n[7] }, .orientation = { n[8], n[9], n[10], n[11] } } };
-    return !tip_shape_fault(shape);
+    const char *fault = tip_shape_fault(shape);
+    return !fault || (tip_is_curved(shape->kind) && fault == curved_tip_left_out());
 }

@@ -88,8 +88,8 @@ struct view_tick scene_picture_tick(const struct scene *scene, const dpt_loop_sa
     dpt_force_info report = { .size = sizeof report };
     dpt_hit hit = DPT_HIT_INIT;
     double square = 0.0;
-    dpt_tool_get_force_info(scene->world, scene->tool, &report);
-    dpt_tool_get_hit(scene->world, scene->tool, &hit);
+    scene_get_force_info(scene, &report);
+    scene_get_hit(scene, &hit);
     for (int k = 0; k < 3; k++)
         square += report.wrench.force[k] * report.wrench.force[k];
     return (struct view_tick){ .time = time,
