@@ -157,10 +157,10 @@ $(JSON_SOURCES:%.c=$(B)/%.o): INCLUDES += $(JANSSON_CFLAGS)
 $(B)/tools/view/server/%.o: INCLUDES += $(LWS_CFLAGS)
 
 # built_with.h says what was chosen for this build; it changes only when that does.
-CHOOSERS := $(B)/drivers/device.o $(B)/tools/cli/arm_file.o $(B)/tools/cli/cmd_device_simulate.o $(B)/tools/scene/scene_def.o \
+CHOOSERS := $(B)/drivers/device.o $(B)/tools/cli/arm_file.o $(B)/tools/cli/cmd_device.o $(B)/tools/scene/scene_def.o \
             $(B)/tools/scene/curved_tip.o \
-            $(B)/tools/plan/plan_file_read.o \
-            $(B)/tools/view/page_bytes.o $(B)/tools/view/view_serve.o
+            $(B)/tools/plan/plan_file.o \
+            $(B)/tools/view/view_serve.o
 $(CHOOSERS): INCLUDES += -I$(B)
 $(CHOOSERS): $(B)/built_with.h
 $(B)/built_with.h: force
@@ -172,7 +172,7 @@ $(B)/built_with.h: force
 
 # The page is the same in every configuration; its policy's line goes into a header, without the line's end.
 ifeq ($(VIEW_PAGE),yes)
-$(B)/tools/view/page_bytes.o: build/view/page.html build/view/page.csp.line
+$(B)/tools/view/view_serve.o: build/view/page.html build/view/page.csp.line
 build/view/page.csp.line: build/view/page.html
 	tr -d '\n' <build/view/page.csp >$@
 build/view/page.html: $(wildcard tools/view/page/*.js tools/view/page/*.html tools/view/page/*.css) build/view/node_modules/three/package.json

@@ -109,7 +109,6 @@ $(B)/tests/test_view_loop: private LDLIBS = $(TOOLS_TEST_LIBS) -Wl,--wrap=malloc
 
 # Scene files: where the program reads them.
 FUZZ_PARTS := $(filter-out $(B)/tests/fuzz/test_fuzz.o $(if $(SCENE_FILE),,$(B)/tests/fuzz/scene.o $(B)/tests/fuzz/plan.o),$(call objects,tests/fuzz/*.c))
-FUZZ_SCENE := $(if $(SCENE_FILE),$(SCENE_FILE) $(B)/tools/scene/scene_bodies.o $(B)/tools/scene/tip_shape.o $(B)/tools/scene/curved_tip.o $(B)/tools/cli/command_options.o $(B)/tools/plan/plan.o $(B)/tools/plan/plan_file.o)
 $(B)/tests/test_fuzz: $(FUZZ_PARTS)
 $(B)/tests/fuzz/test_fuzz.o: INCLUDES += -I$(B)
 $(B)/tests/fuzz/test_fuzz.o: $(B)/built_with.h
@@ -123,12 +122,9 @@ TESTS += $(B)/tests/test_calls
 
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
 FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene plan) mesh forged arm wire record snapshot request
-FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS)) \
-               $(B)/tools/shape/shape.o $(B)/tools/shape/shape_organs.o $(B)/drivers/serial/wire.o $(WIRE_DEVICE) \
-               $(B)/drivers/csv.o $(B)/drivers/settings.o $(FUZZ_SCENE) \
-               $(B)/tools/view/view_request.o $(CORE) $(TEXT) $(COMPILE)
-$(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED)
-	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $^ -lm $(THREADS) $(JANSSON_LIBS) -o $@
+FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS))
+$(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED) $(TOOLS_LIB) $(PARTS_LIB) $(TEST_LIB)
+	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(DL) $(TOOLS_TEST_LIBS) -o $@
 fuzz-programs: $(FUZZ_TARGETS:%=$(B)/tests/fuzz/fuzz_%)
 .PHONY: fuzz-programs
 

@@ -8,8 +8,7 @@
 #include "dynpoint/compile.h"
 #include "lib/check.h"
 #include "measure/judgement.h"
-#include "measure/measure_tool.h"
-#include "measure/measure_trace.h"
+#include "measure/measure_setting.h"
 #include "shape/shape.h"
 
 enum { TICKS = 3000, SOFT_TICKS = 600 };

@@ -8,10 +8,8 @@
 #include <string.h>
 
 #include "lib/check.h"
-#include "plot/label_places.h"
 #include "plot/plot_axis.h"
-#include "plot/plot_line.h"
-#include "plot/plot_log_axis.h"
+#include "plot/plot_scatter.h"
 
 enum { AXES = 20000, POINTS = 1000000 };
 

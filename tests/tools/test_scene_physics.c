@@ -5,7 +5,7 @@
  */
 #include "scene/scene_physics.h"
 
-#include "cli/stop.h"
+#include "cli/open_device.h"
 #include "clock.h"
 #include "lib/check.h"
 #include "lib/soft_scene.h"

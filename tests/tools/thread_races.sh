@@ -21,7 +21,7 @@ $fixed "$scratch/empty" 2>"$scratch/empty.out" ||
     { skip "threads under ThreadSanitizer: it cannot run here ($(head -n 1 "$scratch/empty.out"))"; finish; }
 
 parts=
-for part in $(ls src/*/*.c | sed '/^src\/convex\//d; s/\.c$//') tools/scene/scene_list tools/cli/command_options tools/cli/stop tools/shape/shape tools/shape/shape_organs tools/view/view_frame drivers/clock; do
+for part in $(ls src/*/*.c | sed '/^src\/convex\//d; s/\.c$//') tools/scene/scene_list tools/cli/command_options tools/cli/open_device tools/shape/shape tools/shape/shape_organs tools/view/view_stream drivers/clock; do
     parts="$parts $build/$part.o"
 done
 
@@ -39,7 +39,7 @@ raced()
     status=$?
 }
 
-physics="tests/tools/test_scene_physics.c tests/lib/soft_scene.c tools/scene/scene_physics.c tools/scene/soft_exchange.c tools/scene/scene_bodies.c
+physics="tests/tools/test_scene_physics.c tests/lib/soft_scene.c tools/scene/scene_physics.c tools/scene/scene_physics.c tools/scene/scene_bodies.c
     src/world/deform_body.c src/proxy/tool_loads.c src/deform/deform_vertices.c src/deform/deform_loads.c src/deform/springs.c"
 # shellcheck disable=SC2086 # words
 raced physics $physics src/exchange/latest.c
@@ -59,9 +59,9 @@ END_OF_C
 raced shared_physics $physics "$scratch/shared_place.c"
 check "a race without the exchange" grep -q "$told" "$scratch/shared_physics.out"
 
-raced feed tests/view/test_view_feed.c tools/view/view_feed.c src/exchange/latest.c
+raced feed tests/view/test_view_feed.c tools/view/view_stream.c src/exchange/latest.c
 verdict $status "no race between the loop and its viewers"
-sed 's/__ATOMIC_RELEASE/__ATOMIC_RELAXED/' tools/view/view_feed.c >"$scratch/relaxed_feed.c"
+sed 's/__ATOMIC_RELEASE/__ATOMIC_RELAXED/' tools/view/view_stream.c >"$scratch/relaxed_feed.c"
 raced relaxed_feed tests/view/test_view_feed.c "$scratch/relaxed_feed.c" src/exchange/latest.c
 check "a race in a ring with a relaxed order" grep -q "$told" "$scratch/relaxed_feed.out"
 finish

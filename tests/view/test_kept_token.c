@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "lib/check.h"
-#include "view/kept_token.h"
+#include "view/view_request.h"
 
 static char folder[] = "/tmp/dynpoint-token-XXXXXX";
 

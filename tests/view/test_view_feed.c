@@ -9,7 +9,7 @@
 
 #include "lib/fixture.h"
 #include "view/server/view_server.h"
-#include "view/view_feed.h"
+#include "view/view_stream.h"
 
 enum { HEADER = 80, TICK = 40 };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which Host and which Origin is this server. */
-#include "view/view_host.h"
+#include "view/view_request.h"
 
 #include "lib/check.h"
 

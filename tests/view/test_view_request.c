@@ -3,7 +3,6 @@
 #include "view/view_request.h"
 
 #include "lib/check.h"
-#include "view/view_token.h"
 
 /* In a block of its length: a read beyond it is seen by the sanitizer. */
 static enum view_request_kind parse_bytes(const char *text, size_t size, struct view_request *request)

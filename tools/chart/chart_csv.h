@@ -5,9 +5,8 @@
 
 #include <stdio.h>
 
-#include "chart/chart_bodies.h"
 #include "chart/chart_rows.h"
-#include "measure/measure_machine.h"
+#include "measure/measure_setting.h"
 
 /* What was measured where. */
 struct chart_head {
@@ -27,5 +26,29 @@ void chart_csv_write(FILE *file, const struct chart_head *head, const struct cha
 void chart_histograms_write(FILE *file, const struct chart_rows *rows);
 
 void chart_table_print(FILE *file, const struct chart_head *head, const struct chart_rows *rows);
+
+/*
+ * The same rows, measured several times: what a machine does beside a chart shows in how far the repeats lie apart.
+ *
+ *     struct chart_rows *repeats = calloc(count, sizeof *repeats);
+ *     ... chart_rows_list and chart_rows_measure of each ...
+ *     chart_repeats_join(repeats, count);              repeats[0] is the chart
+ */
+
+enum { CHART_REPEATS_MAX = 99 };
+
+/*
+ * Join `count` repeats, 1 to CHART_REPEATS_MAX, into the first: each of its times becomes the middle one of the repeats (of
+ * an even number the lower), its row's `least` and `most` are set, and its histograms are those of a repeat with the middle
+ * median. Answers are the same in all. A peer that is not in each of them, as it failed, is left out.
+ */
+void chart_repeats_join(struct chart_rows *repeats, uint32_t count);
+
+/* How far repeats lie apart: of all rows, the largest time as a multiple of the least; at least 1. */
+struct chart_apart {
+    double median_middle, median_most; /* of medians: in the middle row, and in the worst */
+    double p99_middle, p99_most;       /* of the 99 % */
+};
+struct chart_apart chart_repeats_apart(const struct chart_rows *rows);
 
 #endif

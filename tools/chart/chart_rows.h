@@ -7,6 +7,7 @@
 #define DPT_TOOLS_CHART_ROWS_H
 
 #include "measure/judgement.h"
+#include "scene/scene.h"
 
 enum { CHART_ROWS_MAX = 96, CHART_NAME = 48 };
 
@@ -67,5 +68,21 @@ int chart_rows_measure(struct chart_rows *rows, const struct scene *scene, const
 
 /* What was measured is not there any more. */
 void chart_rows_free(struct chart_rows *rows);
+
+/* What the bodies of a scene cost before and beside the ticks: to compile, to add to a world, and to refit. */
+
+/* Times are s, the least of three, or of refits the median; sizes are bytes. */
+struct chart_body {
+    uint32_t triangles;
+    uint64_t mesh_bytes;
+    double compile; /* from its triangles in memory, one thread */
+    double add;     /* as a rigid body, to a world */
+    /* As a body whose vertices move: its own memory, and all vertices moved, with the step behind it. */
+    size_t deform_bytes;
+    double refit;
+};
+
+/* Returns 0, or 2 after a message. */
+int chart_body_measure(struct chart_body *measured, const struct scene *scene, uint32_t body);
 
 #endif

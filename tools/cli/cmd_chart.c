@@ -7,11 +7,10 @@
 #include "chart/chart_csv.h"
 #include "chart/chart_peers.h"
 #include "chart/chart_picture.h"
-#include "chart/chart_repeats.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/setting_words.h"
-#include "measure/measure_trace.h"
+#include "measure/measure_setting.h"
 
 static const char help[] =
     "usage: dynpoint chart SCENE|SCENE.json|MESH.dpa|ARM.dpa [TRACE.csv] -o NAME [options]\n"

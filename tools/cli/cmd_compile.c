@@ -8,10 +8,9 @@
 #include <unistd.h>
 
 #include "cli/arm_file.h"
-#include "cli/cell_file.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
-#include "cli/spring_options.h"
+#include "cli/compile_options.h"
 #include "compile/soup.h"
 #include "dynpoint/compile.h"
 #include "shape/mesh_file.h"

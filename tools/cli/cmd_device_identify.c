@@ -10,7 +10,6 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/open_device.h"
-#include "cli/stop.h"
 #include "dynpoint/identify.h"
 
 /* ---- any key stops it ---- */

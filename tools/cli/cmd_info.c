@@ -8,7 +8,6 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "shape/mesh_size.h"
-#include "shape/mesh_thickness.h"
 
 static const char help[] =
     "usage: dynpoint info FILE.dpa [--json] [--verify] [--thickness]\n"

@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* dynpoint plan: no more than a scene needs, from measurement. */
+#include "cli/cmd_plan.h"
+
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/command_options.h"
 #include "cli/commands.h"
-#include "cli/quantity.h"
 #include "dynpoint/identify.h"
-#include "measure/measure_trace.h"
+#include "measure/measure_setting.h"
 #include "plan/plan_file.h"
-#include "plan/plan_header.h"
 #include "plan/plan_report.h"
-#include "plan/plan_scene.h"
 #include "plan/plan_trace.h"
-#include "run/run_coupling.h"
-#include "shape/mesh_thickness.h"
+#include "run/run_settings.h"
+#include "shape/mesh_size.h"
+#include "text/parse_number.h"
 
 static const char help[] =
     "usage: dynpoint plan SCENE|SCENE.json|MESH.dpa --error E [--force-error F] [options]\n"
@@ -296,4 +298,32 @@ int command_plan(int argc, char **argv)
     plan_free(&plan);
     scene_def_free(&options.scene);
     return status;
+}
+
+static const struct unit {
+    enum quantity_kind kind;
+    const char *word;
+    double size;
+} units[] = {
+    { QUANTITY_LENGTH, "m", 1.0 },       { QUANTITY_LENGTH, "cm", 1e-2 }, { QUANTITY_LENGTH, "mm", 1e-3 },
+    { QUANTITY_LENGTH, "um", 1e-6 },     { QUANTITY_FORCE, "N", 1.0 },    { QUANTITY_FORCE, "mN", 1e-3 },
+    { QUANTITY_RATE, "Hz", 1.0 },        { QUANTITY_RATE, "kHz", 1e3 },   { QUANTITY_STIFFNESS, "N/m", 1.0 },
+    { QUANTITY_STIFFNESS, "N/mm", 1e3 },
+};
+enum { UNITS = sizeof units / sizeof *units };
+
+int quantity_read(const char *command, const char *option, const char *text, enum quantity_kind kind, double *value)
+{
+    static const char *const known[] = { "m, cm, mm or um", "N or mN", "Hz or kHz", "N/m or N/mm" };
+    const char *unit = parse_double(text, text + strlen(text), value);
+    if (!unit)
+        return complain(command, "%s: '%s' is not a number", option, text);
+    while (*unit == ' ')
+        unit++;
+    for (int i = 0; *unit && i < UNITS; i++)
+        if (units[i].kind == kind && !strcmp(unit, units[i].word)) {
+            *value *= units[i].size;
+            return 0;
+        }
+    return *unit ? complain(command, "%s: '%s' is not in %s", option, text, known[kind]) : 0;
 }

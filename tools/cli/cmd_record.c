@@ -10,8 +10,8 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "dynpoint/device.h"
-#include "record/record_fields.h"
 #include "record/recording_embed.h"
+#include "record/recording_file.h"
 #include "scene/tip_shape.h"
 
 static const char help[] =

@@ -20,7 +20,6 @@
 #include "record/recording_file.h"
 #include "record/replay_recording.h"
 #include "run/replay_report.h"
-#include "run/replay_tool.h"
 #include "shape/mesh_size.h"
 
 static const char help[] =

@@ -8,18 +8,14 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/open_device.h"
-#include "cli/stop.h"
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
-#include "plan/plan_scene.h"
+#include "plan/plan_trace.h"
 #include "record/recording_embed.h"
 #include "record/run_record.h"
-#include "run/run_coupling.h"
-#include "run/run_physics.h"
 #include "run/run_settings.h"
-#include "run/run_trace.h"
 #include "scene/scene.h"
-#include "view/run_view.h"
+#include "view/view_serve.h"
 
 /* Deadlines that follow a device's samples come at most this much more often than its rate says. */
 #define RATE_FACTOR_MAX (16.0 / 15.0)

@@ -5,14 +5,13 @@
 #include <string.h>
 
 #include "cli/arm_file.h"
-#include "cli/cell_file.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
-#include "cli/stop.h"
+#include "cli/compile_options.h"
+#include "cli/open_device.h"
 #include "dynpoint/compile.h"
 #include "record/recording_file.h"
 #include "scene/scene_list.h"
-#include "view/run_view.h"
 #include "view/view_recording.h"
 #include "view/view_scene.h"
 #include "view/view_serve.h"

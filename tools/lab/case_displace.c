@@ -6,7 +6,7 @@
 
 #include "base/sincos.h"
 #include "lab/hand_loop.h"
-#include "lab/lab_cases.h"
+#include "lab/lab.h"
 
 enum { MESHES = 4, WAYS = 2, SETTLING = 400, TICKS = 2048, FEW = 512, STRIP = 4096 };
 

@@ -2,8 +2,8 @@
 /* A tool on a plane: lying, rocking, tilted, in pieces. */
 #include <math.h>
 
+#include "lab/lab.h"
 #include "lab/lab_lead.h"
-#include "lab/lab_mesh.h"
 
 /* A block with its top at z = 0, wide enough for every tool here. */
 static int make_block(struct lab *lab, struct lab_mesh *mesh)

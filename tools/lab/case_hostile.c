@@ -4,8 +4,8 @@
 #include <stdlib.h>
 
 #include "base/vec3.h"
+#include "lab/lab.h"
 #include "lab/lab_lead.h"
-#include "lab/lab_mesh.h"
 
 static const double along_x[3] = { 1.0, 0.0, 0.0 }, along_y[3] = { 0.0, 1.0, 0.0 };
 static const double leaning[3] = { 0.3, 0.2, 1.0 };

@@ -6,7 +6,7 @@
 
 #include "base/vec3.h"
 #include "lab/hand_loop.h"
-#include "lab/lab_cases.h"
+#include "lab/lab.h"
 
 enum { LAWS = 3, SPEEDS = 2, MODES = 2, TOOLS = 2, TICKS = 1500, TURN = 250, LOADS = 8192 };
 

@@ -3,7 +3,8 @@
 #include <math.h>
 
 #include "lab/hand_loop.h"
-#include "lab/lab_cases.h"
+#include "lab/hand_sway.h"
+#include "lab/lab.h"
 
 enum { TOOLS = 2, INTEGRATORS = 2, TRIANGLES = 50332, FEWER = 10000, TICKS = 60000, TICKS_MIN = 3000 };
 
@@ -142,7 +143,7 @@ static void hold(struct lab *lab, const struct hand_mesh *mesh, const struct tri
     hand_loop_close(&loop);
 }
 
-static void run(struct lab *lab)
+static void run_springs(struct lab *lab)
 {
     struct hand_mesh mesh;
     if (hand_mesh_open_springs(&mesh, "liver", lab->effort < 0.5 ? FEWER : TRIANGLES, &liver))
@@ -166,5 +167,195 @@ const struct lab_case springs_case = {
     "Soft bodies need no softer coupling than rigid ones. The force of a tool that lies hums by 2 "
     "%: few points hold it in a tick, and not the same ones in the next, as in the case tissue. "
     "That keeps half of the body awake. A load_radius of 40 mm makes it five times less.",
-    run
+    run_springs
+};
+
+/* A hand presses on tissue that gives way: does its device come to rest at the coupling that is chosen? */
+
+enum { PLACES = 4, SPEEDS = 4, HALVINGS = 7 };
+
+#define MASS    0.1
+#define DAMPING 0.5
+#define MARGIN  1.5
+#define DEPTH   4e-3 /* m: that the surface is pressed in by, while it stands still */
+#define REACH   2e-4 /* m: of the tap */
+#define SECONDS 1.5
+
+/* N/m: of the search for the stiffest coupling that is stable. */
+#define LEAST 10.0
+#define MOST  20000.0
+
+/* Tissue that swings. */
+static const struct tissue_matter lively = { 1e5, 30.0, 1e3, 20.0 };
+
+/* Of 1 kHz, 250, 100 and 30 Hz. */
+static const uint32_t speeds[SPEEDS] = { 1, 4, 10, 33 };
+
+/* A ball and a lying tool. */
+static const struct trial_place {
+    const char *shape;
+    uint64_t triangles;
+    double load_radius;
+    struct hand_tool tool;
+} places[PLACES] = { { "membrane", 512, 0.04, { 0.0, 0.008, 0.0 } },
+                     { "liver", 1200, 0.048, { 0.06, 0.004, 0.0 } },
+                     { "membrane", 512, 0.04, { 0.06, 0.004, 0.0 } },
+                     { "liver", 1200, 0.048, { 0.0, 0.008, 0.0 } } };
+
+/* Ways to hand positions over, and whether a period of physics is counted as delay. */
+enum way { INTERPOLATED, UNCOUNTED, STEPPED, STEPPED_SLOWLY, STEPPED_COUNTED, WAYS };
+
+/* Of the loops of a way: how many there were, and in how many motion does not die away. */
+struct tally {
+    double loops[WAYS], restless[WAYS];
+};
+
+static struct hand_loop loop_on(const struct hand_place *place, const struct hand_tool *tool, struct tissue *tissue)
+{
+    const double rho = tool->length / sqrt(12.0);
+    struct hand_loop loop = { .device = hand_device_even(MASS, DAMPING, 1.0, rho),
+                              .place = place,
+                              .tissue = tissue,
+                              .tool = *tool,
+                              .method = LAB_PROXY };
+    const struct hand_law none = { .axes = loop.device.dofs, .stiffness = { 1.0 } };
+    hand_hold(&loop, &none, 0.0);
+    return loop;
+}
+
+static int rests(struct hand_loop *loop)
+{
+    const struct hand_tap tap = {
+        .way = { 0.0, 1.0 }, .stiffness = loop->stiffness, .reach = REACH, .seconds = SECONDS
+    };
+    return hand_sway(loop, &tap).is_stable && !loop->tissue->has_failed;
+}
+
+static void try_way(const struct hand_mesh *mesh, const struct trial_place *as, uint32_t ticks, enum way way,
+                    struct tally *tally)
+{
+    struct hand_place place = { .mesh = mesh };
+    struct tissue tissue = { .mesh = mesh->mesh,
+                             .matter = tissue_soft,
+                             .ticks = ticks,
+                             .is_interpolated = way != STEPPED,
+                             .load_radius = as->load_radius };
+    struct hand_loop loop = loop_on(&place, &as->tool, &tissue);
+    loop.is_uncounted = way == UNCOUNTED;
+    loop.stiffness = hand_loop_choose(&loop, MARGIN).stiffness;
+    tissue.is_interpolated = way < STEPPED;
+    hand_place_top(mesh, &place);
+    const int has_begun = hand_loop_open(&loop) && hand_loop_lower(&loop, loop.stiffness * DEPTH) && rests(&loop);
+    const enum way told = way == STEPPED && ticks == speeds[SPEEDS - 1] ? STEPPED_SLOWLY : way;
+    tally->loops[told] += 1.0;
+    tally->restless[told] += has_begun ? 0.0 : 1.0;
+    hand_loop_close(&loop);
+}
+
+static void try_place(struct lab *lab, const struct trial_place *as, struct tally *tally)
+{
+    struct hand_mesh mesh = { .mesh = NULL };
+    if (!hand_mesh_open(&mesh, as->shape, as->triangles, 1.0)) {
+        lab->is_out_of_memory = 1;
+        return;
+    }
+    for (int s = 0; s < SPEEDS; s++)
+        for (int way = 0; way < WAYS; way++)
+            if (way != STEPPED_SLOWLY && (way != STEPPED_COUNTED || s == SPEEDS - 1))
+                try_way(&mesh, as, speeds[s], (enum way)way, tally);
+    hand_mesh_close(&mesh);
+}
+
+/* The stiffest coupling at which a ball on lively tissue comes to rest, N/m. */
+static double stiffest(struct hand_loop *loop)
+{
+    double low = LEAST, high = MOST;
+    for (int i = 0; i < HALVINGS; i++) {
+        const double middle = sqrt(low * high);
+        hand_loop_stiffen(loop, middle, 0.0, 0.0);
+        *(rests(loop) ? &low : &high) = middle;
+    }
+    return low;
+}
+
+/* Against the rate of physics: least shares of what is chosen with the delay of interpolation counted, and without. */
+static void map(struct lab *lab, const struct hand_mesh *mesh, int is_interpolated, double *counted, double *uncounted)
+{
+    const uint64_t due = lab_share(lab, SPEEDS);
+    struct hand_place place = { .mesh = mesh };
+    hand_place_top(mesh, &place);
+    for (uint64_t s = SPEEDS - due; s < SPEEDS; s++) {
+        struct tissue tissue = { .mesh = mesh->mesh,
+                                 .matter = lively,
+                                 .ticks = speeds[s],
+                                 .is_interpolated = is_interpolated,
+                                 .load_radius = places[0].load_radius };
+        struct hand_loop loop = loop_on(&place, &places[0].tool, &tissue);
+        const double rate = 1.0 / tissue_period(&tissue);
+        const double chosen = hand_loop_choose(&loop, MARGIN).stiffness;
+        loop.is_uncounted = 1;
+        const double bolder = hand_loop_choose(&loop, MARGIN).stiffness;
+        loop.stiffness = chosen;
+        double found = NAN;
+        if (hand_loop_open(&loop) && hand_loop_lower(&loop, chosen * DEPTH))
+            found = stiffest(&loop);
+        hand_loop_close(&loop);
+        *counted = hand_smaller(*counted, found / chosen);
+        *uncounted = hand_smaller(*uncounted, found / bolder);
+        lab_point_at(lab, "stability-tissue", is_interpolated ? "interpolated" : "stepped", rate, found);
+        if (is_interpolated)
+            lab_point_at(lab, "stability-tissue", "chosen, interpolated", rate, chosen);
+        else
+            lab_point_at(lab, "stability-tissue", "chosen, stepped", rate, chosen);
+    }
+}
+
+static void try_map(struct lab *lab)
+{
+    struct hand_mesh mesh = { .mesh = NULL };
+    double counted = HUGE_VAL, uncounted = HUGE_VAL, stepped = HUGE_VAL;
+    if (!hand_mesh_open(&mesh, places[0].shape, places[0].triangles, 1.0)) {
+        lab->is_out_of_memory = 1;
+        return;
+    }
+    map(lab, &mesh, 1, &counted, &uncounted);
+    map(lab, &mesh, 0, &stepped, &stepped);
+    hand_mesh_close(&mesh);
+    lab_at_least(lab, "proxy", "ball, interpolated: stiffest that comes to rest, of the chosen", counted, "", 1.0);
+    lab_note(lab, "proxy", "the same, of that chosen without counting the period", uncounted, "");
+    lab_at_least(lab, "proxy", "ball, stepped: stiffest that comes to rest, of the chosen", stepped, "", 1.0);
+}
+
+static void run_soft(struct lab *lab)
+{
+    struct tally tally = { { 0.0 }, { 0.0 } };
+    const uint64_t due = lab_share(lab, PLACES);
+    double restless[WAYS];
+    for (uint64_t i = 0; i < due; i++)
+        try_place(lab, &places[i], &tally);
+    for (int way = 0; way < WAYS; way++)
+        restless[way] = tally.restless[way] / tally.loops[way];
+    lab_at_most(lab, "proxy", "interpolated, 30 Hz to 1 kHz: share of loops that do not come to rest",
+                restless[INTERPOLATED], "", 0.0);
+    lab_note(lab, "proxy", "interpolated, the period not counted: the same", restless[UNCOUNTED], "");
+    lab_at_most(lab, "proxy", "stepped, 100 Hz to 1 kHz: the same", restless[STEPPED], "", 0.0);
+    lab_note(lab, "proxy", "stepped, 30 Hz: the same", restless[STEPPED_SLOWLY], "");
+    lab_at_most(lab, "proxy", "stepped, 30 Hz, with the period counted: the same", restless[STEPPED_COUNTED], "", 0.0);
+    try_map(lab);
+}
+
+const struct lab_case soft_case = {
+    "soft", "A hand on tissue that gives way",
+    "A hand of 200 N/m presses a ball and a lying tool on to a membrane and an organ that give way "
+    "(the case tissue), on a device of 0.1 kg and 0.5 Ns/m at 1 kHz with a delay of one period. "
+    "Physics has 30, 100, 250 and 1000 Hz, and hands positions over in steps, or interpolated, "
+    "which delays them by one of its periods. The coupling is the one that dpt_coupling_for_device "
+    "chooses, with that period in loop_delay where positions are interpolated. The tool rests on "
+    "the tissue for a second, and is tapped by 0.2 mm: that has to die away. The chart has the "
+    "stiffest coupling at which it does, for a ball on tissue with a fifth of the damping.",
+    "Count the period of interpolation in dpt_coupling_def.loop_delay: no loop grows then. It is a "
+    "bound for walls, and tissue that gives way takes more, so that a measured stiffness may be "
+    "higher. With physics of 30 Hz in steps count the period, too: a tool that lies is held by "
+    "other points after each step, and shakes the hand by a millimetre.",
+    run_soft
 };

@@ -4,7 +4,7 @@
 
 #include "base/sincos.h"
 #include "lab/hand_loop.h"
-#include "lab/lab_cases.h"
+#include "lab/lab.h"
 
 enum { BODIES = 2, TOOLS = 3, DENSITIES = 2, SPEEDS = 5, MODES = 2, RESTING = 128 };
 

@@ -2,9 +2,10 @@
 /* The stiffest stable wall, against the spectral radius of the exact sampled system. */
 #include <math.h>
 
+#include "base/vec3.h"
 #include "dynpoint/coupling.h"
 #include "lab/hand_sway.h"
-#include "lab/lab_cases.h"
+#include "lab/lab.h"
 
 enum { DELAYS = 5, DAMPINGS = 3, LOOPS = DELAYS * DAMPINGS, WALLS = 4 };
 
@@ -80,7 +81,7 @@ static double try_wall(struct hand_loop *loop, const struct wall *wall, double d
     return found;
 }
 
-static void run(struct lab *lab)
+static void run_wall(struct lab *lab)
 {
     struct hand_mesh box = { .mesh = NULL };
     struct hand_place plane;
@@ -126,5 +127,140 @@ const struct lab_case wall_case = {
     "limit is that of the sampled loop, and the proxy adds nothing to it and takes nothing from "
     "it. Virtual damping raises the limit about as much as damping of the device does, until it "
     "is itself too large for the loop.",
-    run
+    run_wall
+};
+
+/* Held with 1 N, a device has to come to rest. */
+
+enum { DEVICES = 3, SCENES = 4, PLACES = 4 };
+
+#define PRESS        1.0
+#define REST_SECONDS 6.0
+#define GRIP         200.0
+
+/* One like an Omni, one of light friction and fine steps, and one that turns. */
+static const struct example {
+    const char *speed, *spin;
+    struct hand_device device;
+} examples[DEVICES] = {
+    { "0.045 kg, 0.5 Ns/m, 0.26 N, 0.055 mm: fastest at the end",
+      NULL,
+      { .dofs = 3, .mass = 0.045, .damping = 0.5, .friction = 0.26, .step = 5.5e-5, .force = 3.3 } },
+    { "0.1 kg, 0.5 Ns/m, 0.05 N, 0.01 mm: fastest at the end",
+      NULL,
+      { .dofs = 3, .mass = 0.1, .damping = 0.5, .friction = 0.05, .step = 1e-5, .force = 8.0 } },
+    { "0.2 kg, 2 Ns/m, 0.1 N, 0.02 mm, 6 DoF: fastest at the end",
+      "0.2 kg, 2 Ns/m, 0.1 N, 0.02 mm, 6 DoF: fastest turn at the end",
+      { .dofs = 6,
+        .mass = 0.2,
+        .damping = 2.0,
+        .friction = 0.1,
+        .step = 2e-5,
+        .inertia = 2e-4,
+        .turn_damping = 2e-3,
+        .turn_friction = 1e-3,
+        .turn_step = 1e-4,
+        .force = 8.0,
+        .torque = 0.4 } }
+};
+
+static const struct scene {
+    const char *shape;
+    uint64_t triangles;
+    double scale;
+    int is_drawn; /* where on it */
+    struct hand_tool tool;
+} scenes[SCENES] = { { "box", 12, 3.0, 0, { 0.06, 0.002, 0.0 } },
+                     { "liver", 10000, 1.0, 1, { 0.12, 0.001, 0.0 } },
+                     { "membrane", 512, 1.0, 0, { 0.06, 0.002, 0.5 } },
+                     { "liver", 10000, 1.0, 1, { 0.06, 0.002, 0.5 } } };
+
+struct fastest {
+    double speed, spin; /* in the last quarter, m/s and rad/s */
+    double force;       /* N: least that presses out, in the last quarter */
+};
+
+static void look(const struct hand_loop *loop, struct fastest *fastest)
+{
+    for (size_t i = loop->count - loop->count / 4; i < loop->count; i++) {
+        const double *v = loop->track[i].speed, *w = v + 3;
+        fastest->speed = fmax(fastest->speed, vec3_length(v));
+        fastest->spin = fmax(fastest->spin, vec3_length(w));
+        fastest->force = fmin(fastest->force, loop->track[i].sent[1]);
+    }
+}
+
+/* Its weight is 1 N and presses; a hand holds it sideways, and it is tapped aslant. */
+static void hold(const struct hand_mesh *mesh, const struct scene *scene, const struct hand_device *device, int method,
+                 uint64_t *seed, struct fastest *fastest)
+{
+    struct hand_place place = { .mesh = mesh };
+    struct hand_loop loop = {
+        .device = *device, .place = &place, .tool = scene->tool, .method = method, .tap = { 1e-3, -2e-3, 5e-4 }
+    };
+    loop.device.rate = 1000.0;
+    loop.device.delay = 1.0;
+    loop.device.script = "hold";
+    loop.device.grip = GRIP;
+    loop.device.turn_grip = 0.2;
+    loop.device.weight = PRESS;
+    const dpt_coupling coupling = hand_loop_choose(&loop, 1.5);
+    loop.stiffness = coupling.stiffness;
+    loop.rotational_stiffness = coupling.rotational_stiffness;
+    hand_place_middle(mesh, &place);
+    if (!hand_loop_open(&loop))
+        fastest->speed = HUGE_VAL;
+    else if (scene->is_drawn ? hand_loop_seek(&loop, mesh, seed, PRESS, &place) : hand_loop_lower(&loop, PRESS)) {
+        if (!hand_loop_run(&loop, (uint64_t)(REST_SECONDS * loop.device.rate)) ||
+            loop.count < REST_SECONDS * loop.device.rate)
+            fastest->speed = HUGE_VAL;
+        else
+            look(&loop, fastest);
+    } else {
+        /* It is pressed through, or aside: there is no place where it rests. */
+        fastest->speed = HUGE_VAL;
+    }
+    hand_loop_close(&loop);
+}
+
+static void run_rest(struct lab *lab)
+{
+    struct hand_mesh meshes[SCENES];
+    const uint64_t scene_count = lab_share(lab, SCENES);
+    for (uint64_t i = 0; i < scene_count; i++)
+        if (!hand_mesh_open(&meshes[i], scenes[i].shape, scenes[i].triangles, scenes[i].scale))
+            lab->is_out_of_memory = 1;
+    for (int method = 0; method < LAB_METHODS && !lab->is_out_of_memory; method++) {
+        double force = HUGE_VAL;
+        for (int d = 0; d < DEVICES; d++) {
+            struct fastest fastest = { 0.0, 0.0, HUGE_VAL };
+            for (uint64_t i = 0; i < scene_count; i++) {
+                uint64_t seed = 3;
+                const uint64_t places = scenes[i].is_drawn ? lab_share(lab, PLACES) : 1;
+                for (uint64_t k = 0; k < places; k++)
+                    hold(&meshes[i], &scenes[i], &examples[d].device, method, &seed, &fastest);
+            }
+            const char *word = lab_method_name(method);
+            lab_at_most(lab, word, examples[d].speed, 1e3 * fastest.speed, "mm/s", 1.0);
+            if (examples[d].spin)
+                lab_at_most(lab, word, examples[d].spin, fastest.spin, "rad/s", 0.02);
+            force = fmin(force, fastest.force);
+        }
+        lab_note(lab, lab_method_name(method), "least force at the end", force, "N");
+    }
+    for (uint64_t i = 0; i < scene_count; i++)
+        hand_mesh_close(&meshes[i]);
+}
+
+const struct lab_case rest_case = {
+    "rest", "Holding still",
+    "Three examples of devices, one of them like an Omni, press a tool with 1 N for 6 s, at 1 kHz "
+    "with a delay of one period, at the coupling that dpt_coupling_for_device chooses. The tool "
+    "lies on a plane, stands on a liver and on a membrane, or is a needle of 120 mm whose device "
+    "goes through a lobe of the liver. A hand of 200 N/m holds it sideways. It is tapped, and has "
+    "to be at rest in the last quarter: below 1 mm/s, and 0.02 rad/s.",
+    "At the coupling that is chosen for it, a device with some friction comes to rest on the "
+    "proxy. If yours hums, its friction is less than the stiffness times half a step of its "
+    "encoders: ask for a lower stiffness.",
+    run_rest
 };

@@ -20,7 +20,6 @@
 #include "dynpoint/world.h"
 #include "lab/hand_place.h"
 #include "lab/lab.h"
-#include "lab/spring_body.h"
 #include "lab/tissue.h"
 
 enum { HAND_AXES = 6 };

@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "dynpoint.h"
+#include "dynpoint/compile.h"
 
 /* What is compared. BALL is a proxy of one point at the tool's tip, as point-based toolkits have it. */
 enum lab_method { LAB_POINT, LAB_BED, LAB_PROXY, LAB_BALL, LAB_METHODS };
@@ -72,5 +73,93 @@ uint64_t lab_share(const struct lab *lab, uint64_t whole);
 /* Run a case. The figures and points are the lab's until lab_free. */
 void lab_run(struct lab *lab, const struct lab_case *which, double effort);
 void lab_free(struct lab *lab);
+
+/* The cases of the laboratory, in the order in which they are told. Each is defined in the file of its subject. */
+
+/* Geometry: a tool is led. */
+#define LAB_GEOMETRY_CASES                                                                                             \
+    CASE(spikes)                                                                                                       \
+    CASE(microconcave)                                                                                                 \
+    CASE(thinsheet)                                                                                                    \
+    CASE(parallel)                                                                                                     \
+    CASE(rocking)                                                                                                      \
+    CASE(slot)                                                                                                         \
+    CASE(bodies)                                                                                                       \
+    CASE(segments)                                                                                                     \
+    CASE(medial)                                                                                                       \
+    CASE(border)                                                                                                       \
+    CASE(sidelimit)                                                                                                    \
+    CASE(folds)                                                                                                        \
+    CASE(slivers)                                                                                                      \
+    CASE(coincident)                                                                                                   \
+    CASE(scale)                                                                                                        \
+    CASE(hour)                                                                                                         \
+    CASE(work)                                                                                                         \
+    CASE(tilt)                                                                                                         \
+    CASE(budget)
+
+/* Loops: a simulated hand holds a device. */
+#define LAB_LOOP_CASES                                                                                                 \
+    CASE(wall)                                                                                                         \
+    CASE(organs)                                                                                                       \
+    CASE(delay)                                                                                                        \
+    CASE(rate)                                                                                                         \
+    CASE(phase)                                                                                                        \
+    CASE(zoom)                                                                                                         \
+    CASE(energy)                                                                                                       \
+    CASE(late)                                                                                                         \
+    CASE(rest)                                                                                                         \
+    CASE(beat)
+
+/* Tissue: vertices move. */
+#define LAB_TISSUE_CASES                                                                                               \
+    CASE(tissue)                                                                                                       \
+    CASE(soft)                                                                                                         \
+    CASE(pulse)                                                                                                        \
+    CASE(reaction)                                                                                                     \
+    CASE(displace)                                                                                                     \
+    CASE(springs)
+
+#define LAB_CASES                                                                                                      \
+    LAB_GEOMETRY_CASES                                                                                                 \
+    LAB_LOOP_CASES                                                                                                     \
+    LAB_TISSUE_CASES
+
+#define CASE(name) extern const struct lab_case name##_case;
+LAB_CASES
+#undef CASE
+
+/* The meshes of the laboratory's cases, made and compiled in memory. m. */
+
+struct lab_mesh {
+    dpt_compiled compiled;
+    const dpt_mesh *mesh;
+    double diagonal; /* of its box, m */
+};
+
+/* Where memory runs out, these set lab->is_out_of_memory, and return 0; the mesh is empty then. */
+
+/* A shape of `dynpoint make` with `count` triangles; 0: its usual number. */
+int lab_mesh_shape(struct lab *lab, struct lab_mesh *mesh, const char *name, uint64_t count);
+
+int lab_mesh_arrays(struct lab *lab, struct lab_mesh *mesh, const double *vertices, size_t vertex_count,
+                    const uint32_t *corners, size_t triangle_count);
+
+/* A sheet: `place` gives the vertex at u, v in 0..1. Its front is where u grows with y, v with x, is seen from +z. */
+int lab_mesh_net(struct lab *lab, struct lab_mesh *mesh, uint32_t rows, uint32_t columns,
+                 void (*place)(const void *context, double u, double v, double x[3]), const void *context);
+
+/*
+ * A closed prism: a polygon of `count` corners x, z, counterclockwise seen along +y from below, from y = -half to
+ * y = half. All of the polygon must be seen from the mean of its corners.
+ */
+enum { LAB_CORNERS_MAX = 16 };
+int lab_mesh_prism(struct lab *lab, struct lab_mesh *mesh, const double (*corners)[2], uint32_t count, double half);
+
+/* A closed box: x from low to high, z from `bottom` to `top`, y from -half to half. */
+int lab_mesh_slab(struct lab *lab, struct lab_mesh *mesh, double low, double high, double bottom, double top,
+                  double half);
+
+void lab_mesh_close(struct lab_mesh *mesh);
 
 #endif

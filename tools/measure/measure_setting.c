@@ -1,7 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#define _POSIX_C_SOURCE 200809L
 #include "measure/measure_setting.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/utsname.h>
+
+#include "base/quaternion.h"
+#include "base/vec3.h"
+#include "cli/command_options.h"
+#include "dynpoint/kernel.h"
+#include "shape/trace_hand.h"
 
 /* Of all tools together: more than any motion needs that a hand can make. */
 enum { CONTACTS_OF_RICHEST = 1024 };
@@ -79,4 +90,189 @@ void measure_setting_change(const struct measure_setting *setting, struct scene_
         if (!isnan(setting->sleep_speed))
             body->sleep_speed = setting->sleep_speed > 0.0 ? setting->sleep_speed : -1.0;
     }
+}
+
+void measure_tool_begin(struct measure_tool *tool, const struct scene *scene)
+{
+    dpt_segment lines[DPT_ARM_SEGMENTS_MAX + SCENE_TIPS_MAX];
+    uint32_t count = scene->segment_count;
+    memset(tool, 0, sizeof *tool);
+    tool->scene = scene;
+    memcpy(lines, scene->segments, count * sizeof *lines);
+    for (uint32_t i = 0; i < scene->tips.count; i++, count++)
+        scene_tips_axis(&scene->tips, i, lines[count].a, lines[count].b);
+    tool->rho = tool_spread(lines, count, tool->own_centre);
+}
+
+static void lead_whole(struct measure_tool *tool, const double *ends)
+{
+    const struct scene *scene = tool->scene;
+    const vec3 a = vec3_of(ends), z = { 0.0, 0.0, 1.0 };
+    const vec3 axis = unit_of(sub(vec3_of(ends + 3), a));
+    const int had_axis = !tool->is_jump && dot(vec3_of(tool->axis), vec3_of(tool->axis)) > 0.0;
+    struct quaternion turn = { 1.0, { 0.0, 0.0, 0.0 } };
+    if (had_axis)
+        turn = quaternion_of(tool->pose.orientation);
+    if (dot(axis, axis) > 0.0) {
+        const struct quaternion by = quaternion_of_turn(had_axis ? vec3_of(tool->axis) : z, axis);
+        turn = quaternion_unit(quaternion_product(by, turn));
+        vec3_store(axis, tool->axis);
+    }
+    quaternion_store(turn, tool->pose.orientation);
+    vec3_store(a, tool->pose.position);
+    for (uint32_t i = 0; i < scene->segment_count; i++) {
+        const dpt_segment *own = &scene->segments[i];
+        vec3_store(add(a, quaternion_turn(turn, vec3_of(own->a))), tool->segments[i].a);
+        vec3_store(add(a, quaternion_turn(turn, vec3_of(own->b))), tool->segments[i].b);
+        tool->segments[i].radius = own->radius;
+    }
+    vec3_store(add(a, quaternion_turn(turn, vec3_of(tool->own_centre))), tool->centre);
+}
+
+void measure_tool_lead(struct measure_tool *tool, const struct csv_table *trace, size_t row)
+{
+    const double *ends = csv_table_row(trace, row) + 1;
+    tool->is_jump = trace_is_jump(trace, row);
+    if (!tool->scene->has_stylus) {
+        lead_whole(tool, ends);
+        return;
+    }
+    dpt_segment *stylus = &tool->segments[0];
+    memcpy(stylus->a, ends, sizeof stylus->a);
+    memcpy(stylus->b, ends + 3, sizeof stylus->b);
+    stylus->radius = tool->scene->stylus.radius;
+    memcpy(tool->pose.position, stylus->a, sizeof stylus->a);
+    tool->rho = tool_spread(stylus, 1, tool->centre);
+}
+
+dpt_result measure_tool_move(const struct measure_tool *tool, dpt_world *world, dpt_tool id)
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    dpt_result result = DPT_OK;
+    if (!tool->scene->has_stylus)
+        return tool->is_jump ? dpt_tool_teleport(world, id, &tool->pose) : dpt_tool_set_pose(world, id, &tool->pose);
+    if (tool->is_jump)
+        result = dpt_tool_teleport(world, id, &identity);
+    return result == DPT_OK ? dpt_tool_set_segments(world, id, tool->segments, 1) : result;
+}
+
+void measure_tool_weigh(const struct measure_tool *tool, const dpt_wrench *wrench, double weighed[6])
+{
+    const vec3 force = vec3_of(wrench->force);
+    const vec3 arm = sub(vec3_of(tool->pose.position), vec3_of(tool->centre));
+    const vec3 torque = add(vec3_of(wrench->torque), cross(arm, force));
+    vec3_store(force, weighed);
+    vec3_store(scaled(torque, tool->rho > 0.0 ? 1.0 / tool->rho : 0.0), weighed + 3);
+}
+
+enum { COLUMNS = 7 };
+
+int measure_trace_make(struct csv_table *trace, const struct scene *scene, const struct measure_hand *def)
+{
+    const struct scene_body *body = &scene->bodies.body[def->body];
+    const struct quaternion turn = quaternion_unit(quaternion_of(body->pose.orientation));
+    const vec3 origin = vec3_of(body->pose.position);
+    struct trace_hand hand;
+    *trace = (struct csv_table){ .columns = COLUMNS };
+    trace->values =
+        def->ticks <= SIZE_MAX / (COLUMNS * sizeof(double)) ? malloc(def->ticks * COLUMNS * sizeof(double)) : NULL;
+    if (!trace->values)
+        return complain(scene->command, "memory ran out");
+    trace->rows = def->ticks;
+    trace_hand_begin(&hand, body->mesh, def->seed, def->length, def->band, def->speed);
+    hand.stands = def->stands;
+    for (size_t i = 0; i < trace->rows; i++) {
+        double *row = trace->values + COLUMNS * i, ends[6];
+        trace_hand_move(&hand, ends);
+        row[0] = (double)i;
+        vec3_store(add(origin, quaternion_turn(turn, vec3_of(ends))), row + 1);
+        vec3_store(add(origin, quaternion_turn(turn, vec3_of(ends + 3))), row + 4);
+    }
+    return 0;
+}
+
+int measure_trace_read(struct csv_table *trace, const char *command, const char *path, size_t least)
+{
+    dpt_device_error error = { .size = sizeof error };
+    if (csv_table_read(trace, path, &trace_format, &error) != DPT_OK)
+        return complain(command, "%s", error.text);
+    if (trace->rows >= least)
+        return 0;
+    const size_t rows = trace->rows;
+    csv_table_free(trace);
+    return complain(command, "%s: it has %zu ticks, and at least %zu are needed", path, rows, least);
+}
+
+#ifdef __clang__
+#define COMPILER "clang " __clang_version__
+#elif defined __GNUC__
+#define COMPILER "gcc " __VERSION__
+#else
+#define COMPILER "unknown compiler"
+#endif
+
+static void take_text(char *to, size_t room, const char *from)
+{
+    size_t n = 0;
+    for (; *from && n + 1 < room; from++)
+        if (*from >= ' ' && *from <= '~' && !strchr("\"\\*/", *from))
+            to[n++] = *from;
+    while (n > 0 && to[n - 1] == ' ')
+        n--;
+    to[n] = '\0';
+}
+
+/* The line of Linux, if there is one. */
+static void find_processor(char *to, size_t room)
+{
+    char line[256];
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    while (file && fgets(line, sizeof line, file)) {
+        const char *colon = strchr(line, ':');
+        if (!strncmp(line, "model name", 10) && colon && colon[1]) {
+            take_text(to, room, colon + 2);
+            break;
+        }
+    }
+    if (file)
+        fclose(file);
+}
+
+void measure_machine_read(struct measure_machine *machine, uint32_t kernel)
+{
+    struct utsname name;
+    char system[sizeof name.sysname + sizeof name.release + 2] = "unknown system";
+    const int is_known = uname(&name) >= 0;
+    if (is_known)
+        snprintf(system, sizeof system, "%s %s", name.sysname, name.release);
+    take_text(machine->processor, sizeof machine->processor, is_known ? name.machine : "unknown");
+    find_processor(machine->processor, sizeof machine->processor);
+    take_text(machine->system, sizeof machine->system, system);
+    take_text(machine->compiler, sizeof machine->compiler, COMPILER);
+    take_text(machine->version, sizeof machine->version, dpt_version());
+    take_text(machine->kernel, sizeof machine->kernel, dpt_kernel_name(kernel));
+}
+
+double tool_spread(const dpt_segment *lines, uint32_t count, double centre[3])
+{
+    double whole = 0.0, square = 0.0;
+    vec3 sum = { 0.0, 0.0, 0.0 };
+    for (uint32_t i = 0; i < count; i++)
+        whole += length(sub(vec3_of(lines[i].b), vec3_of(lines[i].a)));
+    const int are_points = !(whole > 0.0);
+    for (int turn = 0; turn < 2; turn++)
+        for (uint32_t i = 0; i < count; i++) {
+            const vec3 a = vec3_of(lines[i].a), b = vec3_of(lines[i].b);
+            const vec3 middle = scaled(add(a, b), 0.5);
+            const double size = length(sub(b, a));
+            const double share = are_points ? 1.0 / count : size / whole;
+            if (turn == 0) {
+                sum = along(sum, share, middle);
+                continue;
+            }
+            const vec3 from = sub(middle, sum);
+            square += share * (dot(from, from) + size * size / 12.0);
+        }
+    vec3_store(sum, centre);
+    return sqrt(square);
 }

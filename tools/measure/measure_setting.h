@@ -6,7 +6,11 @@
 #ifndef DPT_TOOLS_MEASURE_SETTING_H
 #define DPT_TOOLS_MEASURE_SETTING_H
 
+#include <stdint.h>
+
+#include "csv.h"
 #include "dynpoint/baseline.h"
+#include "dynpoint/types.h"
 #include "scene/scene.h"
 
 /* A plain value: copy it, and change what is to be another. */
@@ -44,5 +48,75 @@ const char *measure_setting_fault(const struct measure_setting *setting, const s
 
 /* What it says of bodies, before they are added to a world. */
 void measure_setting_change(const struct measure_setting *setting, struct scene_bodies *bodies);
+
+/*
+ * How a trace leads the tool of a scene. A stylus is the trace's segment, with the scene's radius. Any other tool goes as a
+ * whole: its origin to end a, and its z axis towards end b, turned from tick to tick by the least turn.
+ */
+
+struct measure_tool {
+    const struct scene *scene;
+    int is_jump;                                /* at this row the motion jumps */
+    dpt_pose pose;                              /* of a tool that goes as a whole */
+    dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* in the scene's frame, without tips */
+    /* The norm of wrenches (docs/algorithms/force.md): the tool's centre, m, scene's frame, and how much a turn counts. */
+    double centre[3];
+    double rho;
+    double own_centre[3]; /* in the tool's own frame */
+    double axis[3];       /* unit: where z points; zeros before the first row */
+};
+
+void measure_tool_begin(struct measure_tool *tool, const struct scene *scene);
+
+/* To the row, counted from 0. */
+void measure_tool_lead(struct measure_tool *tool, const struct csv_table *trace, size_t row);
+
+/* In a world, to where it was led. */
+dpt_result measure_tool_move(const struct measure_tool *tool, dpt_world *world, dpt_tool id);
+
+/* What the wrench of this tool weighs, in N: force, and torque about the centre over rho; zeros for a rho of 0. */
+void measure_tool_weigh(const struct measure_tool *tool, const dpt_wrench *wrench, double weighed[6]);
+
+/* Traces to measure a scene by: of a file, or a hand's that slides over a body of the scene (trace_hand.h). */
+
+/* What a trace is made of. */
+struct measure_hand {
+    uint32_t body; /* its number in the scene */
+    uint64_t seed;
+    size_t ticks;               /* at least 1; 1 ms each */
+    double length, band, speed; /* as for trace_hand_begin; 0: its defaults, for the body's size */
+    int stands;                 /* the tool stands on its tip */
+};
+
+/*
+ * Make a trace in the scene's frame: over the body where it stands, before it gives way. Returns 0, or 2 after a
+ * message. csv_table_free frees it.
+ */
+int measure_trace_make(struct csv_table *trace, const struct scene *scene, const struct measure_hand *hand);
+
+/* Read a trace of at least so many ticks. Returns 0, or 2 after a message, with nothing to free. */
+int measure_trace_read(struct csv_table *trace, const char *command, const char *path, size_t least);
+
+/* What times were measured on: they hold for no other machine. */
+
+/* ASCII without quotes, backslashes, asterisks and slashes: it stands in JSON, in CSV and in a comment as it is. */
+struct measure_machine {
+    char processor[80]; /* its name, or its architecture */
+    char system[64];    /* of the operating system: name and release */
+    char compiler[80];
+    char version[24]; /* of dynpoint */
+    char kernel[16];  /* of the library's search: avx512, ... */
+};
+
+/* This one; `kernel` is DPT_KERNEL_... as a world tells it. */
+void measure_machine_read(struct measure_machine *machine, uint32_t kernel);
+
+/* Where a tool's centre is, and how far it spreads about it (docs/algorithms/force.md). */
+
+/*
+ * m: the root mean square distance of the points of lines from their centre, which is weighted by their lengths; of points
+ * alone, all count alike. At least one line.
+ */
+double tool_spread(const dpt_segment *lines, uint32_t count, double centre[3]);
 
 #endif

@@ -6,7 +6,7 @@
 #ifndef DPT_TOOLS_PLAN_KNOBS_H
 #define DPT_TOOLS_PLAN_KNOBS_H
 
-#include "plan/plan.h"
+#include "plan/plan_file.h"
 
 /* What a knob must do beside holding all bounds, to stay turned. Then it is turned back by a step, which was seen to hold. */
 enum plan_must {

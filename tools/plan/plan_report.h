@@ -3,6 +3,7 @@
 #ifndef DPT_TOOLS_PLAN_REPORT_H
 #define DPT_TOOLS_PLAN_REPORT_H
 
+#include "plan/plan_file.h"
 #include "plan/plan_search.h"
 
 /* What was asked, what was chosen knob by knob, what that does, and what lies beside it. */
@@ -11,5 +12,10 @@ void plan_report(FILE *file, const struct plan *plan, const struct plan_search *
 /* A line of figures, and the line above them. */
 void plan_report_head(FILE *file);
 void plan_report_figures(FILE *file, const char *what, const struct plan_figures *figures);
+
+/* A plan as C, for a program of one's own. */
+
+/* Write the functions that fill in the defs and settings of a scene. The caller checks the file's error flag. */
+void plan_header_write(FILE *file, const struct plan *plan, const struct scene *scene);
 
 #endif

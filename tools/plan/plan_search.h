@@ -3,7 +3,7 @@
 #ifndef DPT_TOOLS_PLAN_SEARCH_H
 #define DPT_TOOLS_PLAN_SEARCH_H
 
-#include "plan/plan.h"
+#include "plan/plan_file.h"
 
 enum { PLAN_REFUSED_MAX = 80 };
 

@@ -4,7 +4,7 @@
 #define DPT_TOOLS_PLAN_TRACE_H
 
 #include "csv.h"
-#include "plan/plan.h"
+#include "plan/plan_file.h"
 
 /*
  * Let a hand (measure_trace.h) slide the tool over the scene: over each body in turn, and over each once more, so that both
@@ -37,5 +37,19 @@ void plan_trace_leave(struct csv_table *trace, int which);
 
 /* The fastest of an end, m/s, for ticks of dt, s; jumps do not count. */
 double plan_trace_speed(const struct csv_table *trace, double dt);
+
+/* The scene of a plan that was read. */
+
+/*
+ * What the plan says of its scene, where `def` has nothing: path, law, stylus, friction, damping. The plan must outlive the
+ * def.
+ */
+void plan_scene_def(const struct plan *plan, struct scene_def *def);
+
+/* Note what a scene's meshes are. */
+void plan_meshes_of(struct plan *plan, const struct scene *scene);
+
+/* Refuse a scene whose files are not those of the plan. Returns 0, or 2 after a message. */
+int plan_scene_check(const struct plan *plan, const struct scene *scene, const char *path);
 
 #endif

@@ -7,10 +7,9 @@
 
 #include "cli/json_text.h"
 #include "cli/law_name.h"
-#include "measure/measure_trace.h"
+#include "measure/measure_setting.h"
 #include "plan/plan_file.h"
 #include "plan/plan_report.h"
-#include "plan/plan_scene.h"
 #include "plan/plan_trace.h"
 
 static const char help[] =

@@ -6,7 +6,6 @@
 
 #include "plot/plot_axis.h"
 #include "plot/svg_draw.h"
-#include "plot/svg_text.h"
 
 /* Pixels. */
 enum {

@@ -12,7 +12,7 @@
 
 #include <stdio.h>
 
-#include "plot/plot_line.h"
+#include "plot/plot_axis.h"
 
 enum { PLOT_SERIES_MAX = 2, PLOT_PANELS_MAX = 8 };
 

@@ -10,7 +10,7 @@
 
 #include "cli/csv_rows.h"
 #include "dynpoint/record.h"
-#include "plot/plot_line.h"
+#include "plot/plot_axis.h"
 
 enum run_curve { CURVE_FORCE, CURVE_DEPTH, CURVE_GAP, CURVE_ENERGY, CURVE_LATENESS, CURVES };
 

@@ -3,8 +3,11 @@
 #ifndef DPT_TOOLS_RUN_RECORD_H
 #define DPT_TOOLS_RUN_RECORD_H
 
+#include "cli/command_options.h"
 #include "dynpoint/loop.h"
+#include "dynpoint/record.h"
 #include "dynpoint/recorder.h"
+#include "dynpoint/types.h"
 #include "scene/scene.h"
 
 struct run_record {
@@ -35,5 +38,41 @@ void run_record_idle(struct run_record *record, const dpt_loop_sample *sample);
 
 /* End it. Returns 0, or 2 after a message: some of it could not be written. */
 int run_record_close(struct run_record *record);
+
+/* A tick of a scene as a record, and back. */
+
+/* A record of a sample, without answers. */
+dpt_record record_of_sample(const dpt_loop_sample *sample);
+
+/* Fill in what the scene answered to the sample that it felt last. */
+void record_answers(dpt_record *record, const struct scene *scene, dpt_result result, const dpt_wrench *wrench);
+
+/* The sample that a record was made of. `state` and `info` are what it points to. */
+dpt_loop_sample sample_of_record(const dpt_record *record, dpt_device_state *state, const dpt_device_info *info);
+
+/* How the stylus moved in a run, as a trace (F.csv): kept in memory, because a tick must not write. */
+
+#define RUN_TRACE_MAX 100000000
+
+/* Begin with zeros. */
+struct run_trace {
+    double *rows; /* six numbers a tick, or NULL */
+    uint64_t count, capacity;
+    struct output output; /* opened before anything moves, so that an error shows at once */
+};
+
+int run_trace_open(struct run_trace *trace, const char *path);
+
+/* Make room. Returns 0, or 2 after a message. */
+int run_trace_allocate(struct run_trace *trace, uint64_t capacity);
+
+/* Without a trace, or without room, it does nothing. */
+void run_trace_tick(struct run_trace *trace, const dpt_segment *stylus);
+
+/* Returns 0, or 2 after a message. */
+int run_trace_write(struct run_trace *trace);
+
+/* Drop what was not written. */
+void run_trace_close(struct run_trace *trace);
 
 #endif

@@ -7,6 +7,8 @@
 
 #include "csv.h"
 #include "dynpoint.h"
+#include "dynpoint/tip.h"
+#include "scene/curved_tip.h"
 
 struct replayed_tick {
     dpt_hit hit;
@@ -55,5 +57,38 @@ void replay_print_table(FILE *file, const struct replayed *replayed);
 /* Sort numbers, and the nearest-rank percentile of sorted ones; `fraction` is 0..1. 0 if there are none. */
 void sort_numbers(double *values, size_t count);
 double percentile(const double *sorted, size_t count, double fraction);
+
+/*
+ * The tool that a trace moves: the row's segment, set free in each tick; or, with tips, a tool with a pose that is made
+ * of the row's segment.
+ */
+
+struct replay_tool {
+    double radius; /* m, of the segment */
+    struct tip_shapes tips;
+    void *blocks[TIP_SHAPES_MAX];
+    const dpt_hull *hulls[TIP_SHAPES_MAX];
+    struct curved_tips curved; /* of the tips, those that are felt without a proxy */
+    double length;             /* m, of the first row's segment */
+    /* With tips: where the tool is. Its origin is the segment's end a, and its z axis leads to end b. */
+    dpt_pose pose;
+};
+
+/* Make the hulls, and check that the trace moves a rigid tool. `tool` has its radius and tips. 0, or 2 after a message. */
+int replay_tool_open(struct replay_tool *tool, const char *path, const struct csv_table *trace);
+void replay_tool_close(struct replay_tool *tool);
+
+/* Into a world that has none: the segment, and after the tool has its law, the tips, which feel this one body. */
+dpt_result replay_tool_add(const struct replay_tool *tool, const struct csv_table *trace, dpt_world *world,
+                           dpt_tool *added);
+dpt_result replay_tool_add_tips(struct replay_tool *tool, dpt_world *world, dpt_tool added, const dpt_mesh *mesh,
+                                const struct force_options *force);
+
+/* m: how much larger, or deeper, than they are the curved tips are felt, at most; 0: there are none. */
+double replay_tool_error(const struct replay_tool *tool);
+
+/* Place it for a row; rows in their order. A jump is a teleport. */
+void replay_tool_place(struct replay_tool *tool, const struct csv_table *trace, size_t row, dpt_world *world,
+                       dpt_tool added);
 
 #endif

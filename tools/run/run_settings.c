@@ -1,15 +1,165 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "run/run_settings.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
+#include "base/vec3.h"
 #include "cli/command_options.h"
 #include "cli/open_device.h"
+#include "measure/measure_setting.h"
 #include "plan/plan_file.h"
-#include "plan/plan_scene.h"
+#include "plan/plan_trace.h"
 #include "record/run_record.h"
-#include "run/run_trace.h"
+
+const char *coupling_limit_word(uint32_t limit)
+{
+    static const char *const words[] = { "asked", "stability", "rotation", "step", "maker", "unknown" };
+    return limit < sizeof words / sizeof *words ? words[limit] : "?";
+}
+
+/* What counts for the tool's turns: its segments, then the axes of its tips. Returns how many there are. */
+static uint32_t list_parts(const struct scene *scene, dpt_segment *parts)
+{
+    const uint32_t segments = scene->segment_count;
+    for (uint32_t i = 0; i < segments; i++) {
+        parts[i] = scene->segments[i];
+        if (scene->has_stylus)
+            parts[i].b[2] = scene->length;
+    }
+    for (uint32_t i = 0; i < scene->tips.count; i++) {
+        dpt_segment *part = &parts[segments + i];
+        scene_tips_axis(&scene->tips, i, part->a, part->b);
+    }
+    return segments + scene->tips.count;
+}
+
+/* The tool's root mean squared distance from its centre, and how far that is from the pose's origin. */
+static void measure_tool(const struct scene *scene, double *rho, double *lever)
+{
+    dpt_segment parts[DPT_ARM_SEGMENTS_MAX + SCENE_TIPS_MAX];
+    double centre[3];
+    const uint32_t count = list_parts(scene, parts);
+    *rho = tool_spread(parts, count, centre);
+    *lever = vec3_length(centre);
+}
+
+static void say_why(const struct scene *scene, const dpt_coupling *coupling, double asked)
+{
+    const char *which = scene->zoom != 1.0 || scene->force_scale != 1.0 ? " of the scene" : "";
+    switch (coupling->limit) {
+    case DPT_COUPLING_STABILITY:
+    case DPT_COUPLING_ROTATION:
+        if (coupling->delay_needed > 0.0)
+            complain(scene->command,
+                     "%g N/m%s need T/2 + t_d <= %.3g ms; this device has %.3g. It is held by %.4g "
+                     "N/m%s (--unstable takes %g all the same)",
+                     asked, which, 1e3 * coupling->delay_needed, 1e3 * coupling->delay, coupling->stiffness,
+                     coupling->limit == DPT_COUPLING_ROTATION ? ", as its rotation is weaker" : "", asked);
+        break;
+    case DPT_COUPLING_STEP:
+        complain(scene->command, "%.4g N/m instead of %g: the device's steps would be felt", coupling->stiffness,
+                 asked);
+        break;
+    case DPT_COUPLING_MAKER:
+        complain(scene->command, "%.4g N/m instead of %g: its maker states no more", coupling->stiffness, asked);
+        break;
+    case DPT_COUPLING_UNKNOWN:
+        complain(scene->command,
+                 "%.4g N/m instead of %g: the device's mass and damping are not known. Measure "
+                 "them: dynpoint device identify (--unstable takes %g all the same)",
+                 coupling->stiffness, asked, asked);
+        break;
+    default:
+        break;
+    }
+}
+
+int run_coupling_find(const struct scene *scene, const dpt_device_info *device, const struct coupling_options *options,
+                      dpt_coupling *coupling)
+{
+    dpt_coupling_def def;
+    *coupling = (dpt_coupling){ .size = sizeof *coupling };
+    dpt_coupling_def_init(&def);
+    dpt_device_fill_coupling(device, &def);
+    measure_tool(scene, &def.rho, &def.lever);
+    def.rate = options->rate;
+    def.loop_delay = options->loop_delay;
+    def.zoom = scene->zoom;
+    def.force_scale = scene->force_scale;
+    def.tool_damping = scene->force.damping;
+    def.gain_margin = options->gain_margin;
+    def.stiffness = isnan(options->stiffness) ? 0.0 : options->stiffness;
+    const dpt_result result = dpt_coupling_for_device(&def, coupling);
+    if (result != DPT_OK)
+        return complain(scene->command, "no coupling for this device: %s", dpt_result_text(result));
+    return 0;
+}
+
+int run_coupling_choose(struct scene *scene, const dpt_device_info *device, const struct coupling_options *options,
+                        dpt_coupling *coupling)
+{
+    const int is_asked = !isnan(options->stiffness);
+    if (run_coupling_find(scene, device, options, coupling))
+        return 2;
+    /* A stiffness of 0 is asked for by those who want no force. */
+    if (is_asked && (options->is_unstable || options->stiffness == 0.0)) {
+        coupling->limit = DPT_COUPLING_ASKED;
+        coupling->stiffness = options->stiffness;
+    } else if (is_asked) {
+        say_why(scene, coupling, options->stiffness);
+    }
+    scene->force.stiffness = coupling->stiffness;
+    return 0;
+}
+
+int run_physics_check(const struct scene *scene, const dpt_device_info *device, int is_recorded)
+{
+    if (scene->physics_rate == 0.0)
+        return 0;
+    if (device->flags & DPT_DEVICE_FLAG_DETERMINISTIC)
+        return scene_physics_check_loop(scene->command, scene->physics_rate, device->rate);
+    if (is_recorded)
+        return complain(scene->command, "--physics: with this device the clock decides when vertices move, which "
+                                        "is not in a recording. Leave --record out, or --physics");
+    return 0;
+}
+
+double run_physics_delay(const struct scene *scene)
+{
+    double delay = 0.0;
+    for (uint32_t i = 0; scene->physics_rate > 0.0 && i < scene->bodies.count; i++)
+        if (scene_body_is_soft(&scene->bodies.body[i]))
+            delay = fmax(delay, scene->bodies.body[i].period);
+    return delay;
+}
+
+double run_physics_step(const struct scene *scene, double loop_rate)
+{
+    return 1.0 / (scene->physics_rate > 0.0 ? scene->physics_rate : loop_rate);
+}
+
+int run_physics_start(struct scene *scene, double loop_rate)
+{
+    if (!scene->physics || scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC)
+        return 0;
+    const dpt_result result = scene_physics_start(scene->physics, loop_rate);
+    return result == DPT_OK ? 0 : complain(scene->command, "--physics: there is no thread for it");
+}
+
+void run_physics_print(const struct scene *scene, int is_json)
+{
+    if (!scene->physics)
+        return;
+    const struct scene_physics_report report = scene_physics_get_report(scene->physics);
+    if (is_json)
+        printf(",\"physics\":{\"rate\":%.17g,\"asked\":%.17g,\"steps\":%" PRIu64 ",\"late\":%" PRIu64 ",\"thread\":%s}",
+               report.rate, report.asked, report.steps, report.late, report.has_thread ? "true" : "false");
+    else
+        printf("  physics %.4g Hz, %" PRIu64 " steps, %" PRIu64 " late, %s\n", report.rate, report.steps, report.late,
+               report.has_thread ? "in a thread of its own" : "by the device's own time");
+}
 
 static const char help[] =
     "usage: dynpoint run SCENE|SCENE.json|MESH.dpa|ARM.dpa --device NAME [options]\n"

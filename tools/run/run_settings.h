@@ -3,11 +3,60 @@
 #ifndef DPT_TOOLS_RUN_SETTINGS_H
 #define DPT_TOOLS_RUN_SETTINGS_H
 
-#include "plan/plan.h"
+#include "dynpoint/coupling.h"
+#include "plan/plan_file.h"
 #include "record/recording_embed.h"
-#include "run/run_coupling.h"
+#include "scene/scene.h"
 #include "scene/scene_def.h"
-#include "view/run_view.h"
+#include "view/view_serve.h"
+
+/* The coupling of a run: as stiff as its device can hold. */
+
+/* From a sample to its command, by the clock: the deadline's phase behind the sample, and the tick's own time. */
+#define RUN_LOOP_DELAY_PERIODS 0.25
+
+struct coupling_options {
+    double stiffness; /* asked for, N/m; NAN: as stiff as the device can hold */
+    double gain_margin;
+    double rate;       /* of the loop, Hz */
+    double loop_delay; /* s */
+    int is_unstable;   /* the stiffness counts, whatever the device can hold */
+};
+
+/* The coupling that these options ask for, or the stiffest that holds. Returns 0, or 2 after a message. */
+int run_coupling_find(const struct scene *scene, const dpt_device_info *device, const struct coupling_options *options,
+                      dpt_coupling *coupling);
+
+/*
+ * Choose the coupling for a scene that was opened, into its force options. Says why where it is less stiff than was asked
+ * for. Returns 0, or 2 after a message.
+ */
+int run_coupling_choose(struct scene *scene, const dpt_device_info *device, const struct coupling_options *options,
+                        dpt_coupling *coupling);
+
+/* The word for what limits a coupling, as "stability". */
+const char *coupling_limit_word(uint32_t limit);
+
+/* Physics of a run at a rate of its own, `run --physics HZ`. Without that option these do nothing. */
+
+/*
+ * Refuse what cannot be had with this device: it is by the device's own time, if it has one; and a recording has nothing
+ * of what a thread did. Returns 0, or 2 after a message.
+ *   is_recorded   every tick is, for a replay
+ */
+int run_physics_check(const struct scene *scene, const dpt_device_info *device, int is_recorded);
+
+/* s: by how much later vertices arrive than with physics in each tick. */
+double run_physics_delay(const struct scene *scene);
+
+/* s: a step of what is soft. */
+double run_physics_step(const struct scene *scene, double loop_rate);
+
+/* Start the thread, unless the device has a time of its own. Returns 0, or 2 after a message. */
+int run_physics_start(struct scene *scene, double loop_rate);
+
+/* A part of the report at the end, after scene_physics_stop: a line, or keys of a JSON object behind others. */
+void run_physics_print(const struct scene *scene, int is_json);
 
 /* Not given. */
 #define RUN_NO_NUMBER      UINT64_MAX

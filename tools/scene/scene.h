@@ -7,12 +7,35 @@
 #define DPT_TOOLS_SCENE_H
 
 #include "dynpoint/device.h"
+#include "dynpoint/loop.h"
+#include "dynpoint/passivity.h"
 #include "scene/curved_tip.h"
 #include "scene/scene_bodies.h"
 #include "scene/scene_def.h"
-#include "scene/scene_passivity.h"
 #include "scene/scene_physics.h"
 #include "scene/scene_tips.h"
+
+/* The observer of the energy that goes through a scene's device, and what it has seen. */
+
+struct scene_passivity {
+    int is_used;
+    dpt_passivity_def def;
+    dpt_passivity observer;
+    dpt_passivity_info before; /* sums of observers that ended; the least account and the eps of one of them */
+};
+
+/* Use it from now on; `def` NULL: not at all. */
+void scene_passivity_begin(struct scene_passivity *passivity, const dpt_passivity_def *def);
+
+/*
+ * What is left of the wrench, in the device's frame.
+ *   energy, body_work   of the tool, at the hand, J
+ */
+void scene_passivity_step(struct scene_passivity *passivity, const dpt_loop_sample *sample, double energy,
+                          double body_work, dpt_wrench *wrench);
+
+/* All that was seen since the beginning. */
+dpt_passivity_info scene_passivity_info(const struct scene_passivity *passivity);
 
 struct measure_setting; /* measure/measure_setting.h */
 

@@ -4,8 +4,8 @@
 #define DPT_TOOLS_SCENE_DEF_H
 
 #include "cli/force_options.h"
-#include "scene/jaw_motion.h"
 #include "scene/scene_file.h"
+#include "scene/scene_tips.h"
 
 /* A file's bytes, as they are in the file. */
 struct scene_bytes {

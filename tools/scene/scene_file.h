@@ -6,9 +6,9 @@
 #include "cli/file_identity.h"
 #include "dynpoint/arm.h"
 #include "dynpoint/world.h"
-#include "scene/jaw_motion.h"
 #include "scene/json_value.h"
 #include "scene/scene_list.h"
+#include "scene/scene_tips.h"
 #include "scene/tip_shape.h"
 
 enum {

@@ -8,10 +8,10 @@
 #include "cli/command_options.h"
 #include "dynpoint/snapshot.h"
 #include "record/recording_file.h"
-#include "record/recording_scene.h"
-#include "record/scene_record.h"
+#include "record/replay_recording.h"
+#include "record/run_record.h"
 #include "scene/scene_list.h"
-#include "view/scene_picture.h"
+#include "view/view_scene.h"
 
 #define FRAME_SECONDS (1.0 / 60.0)
 

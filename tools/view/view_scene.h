@@ -4,6 +4,8 @@
 #define DPT_TOOLS_VIEW_SCENE_H
 
 #include "dynpoint/mesh.h"
+#include "scene/scene.h"
+#include "view/view_stream.h"
 
 struct view_scene_body {
     const char *name;
@@ -31,5 +33,26 @@ struct view_scene {
 
 /* Make the message. Returns its bytes, for free(), or NULL: memory ran out, or the meshes have more than 2 GB. */
 void *view_scene_message(const struct view_scene *scene, size_t *size);
+
+/* What a viewer is told of a scene: the message with its meshes, and a tick for the plots. */
+
+struct scene_picture {
+    const char *title, *mode, *device; /* as in view_scene.h */
+    double rate, force_max;
+    int has_control;
+};
+
+/* The message, for free(); NULL: memory ran out. The scene's world was made. */
+void *scene_picture_message(const struct scene *scene, const struct scene_picture *picture, size_t *size);
+
+/* Vertices of all bodies that deform. */
+uint32_t scene_picture_vertices(const struct scene *scene);
+
+/*
+ * After a step.
+ *   time   of the scene, s
+ *   took   the step's time, s
+ */
+struct view_tick scene_picture_tick(const struct scene *scene, const dpt_loop_sample *sample, double time, double took);
 
 #endif

@@ -10,9 +10,7 @@
 #include <pthread.h>
 
 #include "view/server/view_server.h"
-#include "view/view_host.h"
 #include "view/view_request.h"
-#include "view/view_token.h"
 
 /* What is given to a socket at once, bytes. */
 #define VIEW_CHUNK 65536u

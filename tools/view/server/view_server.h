@@ -39,7 +39,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "view/view_token.h"
+#include "view/view_request.h"
 
 #define VIEW_CLIENTS_MAX       4
 #define VIEW_CONNECTIONS_MAX   32

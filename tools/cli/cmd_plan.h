@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Numbers with a unit, as "0.1mm". */
-#ifndef DPT_TOOLS_QUANTITY_H
-#define DPT_TOOLS_QUANTITY_H
+#ifndef DPT_TOOLS_CMD_PLAN_H
+#define DPT_TOOLS_CMD_PLAN_H
+
+/* Numbers with a unit, as "0.1mm". */
 
 enum quantity_kind { QUANTITY_LENGTH, QUANTITY_FORCE, QUANTITY_RATE, QUANTITY_STIFFNESS };
 
