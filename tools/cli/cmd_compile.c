@@ -245,108 +245,139 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
     return status;
 }
 
-/* The same with the cells of `nodes`, NULL for none, or with springs. */
-static int compile_with_nodes(const char *in, const char *out, const char *nodes, struct spring_options *springs,
-                              dpt_compile_def *def, const char *tool, const char *packages, dpt_compiled *compiled,
+/* What the user says. */
+struct compile_settings {
+    const char *in, *out, *array, *tool, *packages, *unit, *nodes;
+    double scale, crease;
+    uint64_t threads;
+    struct spring_options springs;
+};
+
+/* The same with cells, where there are any, or with springs. */
+static int compile_with_nodes(struct compile_settings *settings, dpt_compile_def *def, dpt_compiled *compiled,
                               int *is_arm)
 {
+    const char *nodes = settings->nodes;
     struct cell_files cells = { .node_path = NULL };
-    int status = spring_options_take(springs, "compile", out, def);
+    int status = spring_options_take(&settings->springs, "compile", settings->out, def);
     if (nodes && def->springs)
         status = complain("compile", "--nodes and --springs exclude each other");
     if (nodes && status == 0)
         status = cell_files_name(&cells, "compile", nodes);
     if (nodes && status == 0)
-        status = output_check("compile", out, (const char *const[]){ cells.node_path, cells.ele_path, NULL });
+        status = output_check("compile", settings->out, (const char *const[]){ cells.node_path, cells.ele_path, NULL });
     if (nodes && status == 0)
         status = cell_files_load(&cells, "compile", def);
     if (status == 0)
-        status = compile_input(in, def, tool, packages, compiled, is_arm);
+        status = compile_input(settings->in, def, settings->tool, settings->packages, compiled, is_arm);
     cell_files_free(&cells);
-    spring_options_free(springs);
+    spring_options_free(&settings->springs);
+    return status;
+}
+
+/* Returns -1 to go on, else the exit status. */
+static int read_settings(struct compile_settings *settings, int argc, char **argv)
+{
+    size_t operands;
+    struct spring_options *springs = &settings->springs;
+    *settings = (struct compile_settings){ .scale = NAN, .crease = 60.0, .threads = 1 };
+    spring_options_init(springs);
+    const struct option_def options[] = { { .name = "-o", .text = &settings->out },
+                                          { .name = "-j", .count = &settings->threads },
+                                          { .name = "--unit", .text = &settings->unit },
+                                          { .name = "--scale", .number = &settings->scale },
+                                          { .name = "--crease", .number = &settings->crease },
+                                          { .name = "--c-array", .text = &settings->array },
+                                          { .name = "--nodes", .text = &settings->nodes },
+                                          { .name = "--springs", .text = &springs->kind },
+                                          { .name = "--young", .number = &springs->young },
+                                          { .name = "--density", .number = &springs->density },
+                                          { .name = "--drag", .number = &springs->drag },
+                                          { .name = "--viscosity", .number = &springs->viscosity },
+                                          { .name = "--thickness", .number = &springs->thickness },
+                                          { .name = "--bending", .number = &springs->bending },
+                                          { .name = "--spacing", .number = &springs->spacing },
+                                          { .name = "--regions", .text = &springs->regions_path },
+                                          { .name = "--fixed", .text = &springs->fixed_path },
+                                          { .name = "--tool", .text = &settings->tool },
+                                          { .name = "--packages", .text = &settings->packages } };
+    int status =
+        parse_options(argc, argv, options, sizeof options / sizeof *options, help, &settings->in, 1, &operands);
+    if (status >= 0)
+        return status;
+    if (operands != 1 || !settings->out)
+        return complain("compile", "an input file and -o FILE are needed (see --help)");
+    return -1;
+}
+
+/* Returns 0, or 2 after a message. */
+static int check_settings(struct compile_settings *settings)
+{
+    const char *out = settings->out, *unit = settings->unit;
+    if (output_check("compile", out, (const char *const[]){ settings->in, NULL }))
+        return 2;
+    if ((mesh_file_writer(out) || is_urdf_name(out)) && access(out, F_OK) == 0)
+        return complain("compile", "%s: it is there, and a source by its name: what is compiled ends in .dpa", out);
+    if (!settings->threads)
+        return complain("compile", "-j must be 1 or more");
+    if (unit && !isnan(settings->scale))
+        return complain("compile", "--unit and --scale say the same: give one of them");
+    if (unit && !(unit_metres(unit) > 0.0))
+        return complain("compile", "--unit: '%s' is not mm, cm, m or in", unit);
+    if (isnan(settings->scale))
+        settings->scale = unit ? unit_metres(unit) : 1.0;
+    if (!(settings->scale > 0.0 && settings->scale <= 1e30))
+        return complain("compile", "--scale must be above 0, at most 1e30");
+    if (!(settings->crease > 0.0 && settings->crease <= 180.0))
+        return complain("compile", "--crease must be 0 to 180 degrees, and not 0");
+    if (settings->array && !is_c_name(settings->array))
+        return complain("compile", "--c-array: '%s' is not a name that an array can have in C and C++",
+                        settings->array);
+    return 0;
+}
+
+/* Write the bytes, and report on them. Returns 0, or 2 after a message. */
+static int keep_compiled(const struct compile_settings *settings, const dpt_compiled *compiled, int is_arm)
+{
+    struct output output;
+    int status = output_open(&output, "compile", settings->out);
+    if (status)
+        return status;
+    if (settings->array)
+        write_c_array(output.file, settings->array, is_arm ? "arm" : "mesh", compiled);
+    else
+        fwrite(compiled->bytes, compiled->size, 1, output.file);
+    status = output_complete(&output, "compile");
+    if (status == 0) {
+        (is_arm ? report_arm : report_mesh)(strcmp(settings->out, "-") ? stdout : stderr, compiled, settings->out);
+        status = output_keep(&output, "compile");
+    }
+    if (status == 0 && !is_arm)
+        note_size(compiled, settings->in);
     return status;
 }
 
 int command_compile(int argc, char **argv)
 {
-    const char *in, *out = NULL, *array = NULL, *tool = NULL, *packages = NULL;
-    const char *unit = NULL, *nodes = NULL;
-    double scale = NAN, crease = 60.0;
-    uint64_t threads = 1;
-    size_t operands;
-    struct spring_options springs;
-    spring_options_init(&springs);
-    const struct option_def options[] = { { .name = "-o", .text = &out },
-                                          { .name = "-j", .count = &threads },
-                                          { .name = "--unit", .text = &unit },
-                                          { .name = "--scale", .number = &scale },
-                                          { .name = "--crease", .number = &crease },
-                                          { .name = "--c-array", .text = &array },
-                                          { .name = "--nodes", .text = &nodes },
-                                          { .name = "--springs", .text = &springs.kind },
-                                          { .name = "--young", .number = &springs.young },
-                                          { .name = "--density", .number = &springs.density },
-                                          { .name = "--drag", .number = &springs.drag },
-                                          { .name = "--viscosity", .number = &springs.viscosity },
-                                          { .name = "--thickness", .number = &springs.thickness },
-                                          { .name = "--bending", .number = &springs.bending },
-                                          { .name = "--spacing", .number = &springs.spacing },
-                                          { .name = "--regions", .text = &springs.regions_path },
-                                          { .name = "--fixed", .text = &springs.fixed_path },
-                                          { .name = "--tool", .text = &tool },
-                                          { .name = "--packages", .text = &packages } };
-    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, &in, 1, &operands);
+    struct compile_settings settings;
+    int is_arm, status = read_settings(&settings, argc, argv);
     if (status >= 0)
         return status;
-    if (operands != 1 || !out)
-        return complain("compile", "an input file and -o FILE are needed (see --help)");
-    if (output_check("compile", out, (const char *const[]){ in, NULL }))
+    if (check_settings(&settings))
         return 2;
-    if ((mesh_file_writer(out) || is_urdf_name(out)) && access(out, F_OK) == 0)
-        return complain("compile", "%s: it is there, and a source by its name: what is compiled ends in .dpa", out);
-    if (!threads)
-        return complain("compile", "-j must be 1 or more");
-    if (unit && !isnan(scale))
-        return complain("compile", "--unit and --scale say the same: give one of them");
-    if (unit && !(unit_metres(unit) > 0.0))
-        return complain("compile", "--unit: '%s' is not mm, cm, m or in", unit);
-    if (isnan(scale))
-        scale = unit ? unit_metres(unit) : 1.0;
-    if (!(scale > 0.0 && scale <= 1e30))
-        return complain("compile", "--scale must be above 0, at most 1e30");
-    if (!(crease > 0.0 && crease <= 180.0))
-        return complain("compile", "--crease must be 0 to 180 degrees, and not 0");
-    if (array && !is_c_name(array))
-        return complain("compile", "--c-array: '%s' is not a name that an array can have in C and C++", array);
-
     struct meter meter = { .began = 0 };
     dpt_compile_def def = { .size = sizeof def,
-                            .scale = scale,
+                            .scale = settings.scale,
                             .progress = show_progress,
                             .user = &meter,
-                            .crease = crease * DEGREE,
-                            .threads = threads < UINT32_MAX ? (uint32_t)threads : UINT32_MAX };
+                            .crease = settings.crease * DEGREE,
+                            .threads = settings.threads < UINT32_MAX ? (uint32_t)settings.threads : UINT32_MAX };
     dpt_compiled compiled;
-    struct output output;
-    int arm;
-    status = compile_with_nodes(in, out, nodes, &springs, &def, tool, packages, &compiled, &arm);
+    status = compile_with_nodes(&settings, &def, &compiled, &is_arm);
     meter_show(&meter, "", 1.0);
     if (status != 0)
         return status;
-    status = output_open(&output, "compile", out);
-    if (status == 0) {
-        if (array)
-            write_c_array(output.file, array, arm ? "arm" : "mesh", &compiled);
-        else
-            fwrite(compiled.bytes, compiled.size, 1, output.file);
-        status = output_complete(&output, "compile");
-        if (status == 0) {
-            (arm ? report_arm : report_mesh)(strcmp(out, "-") ? stdout : stderr, &compiled, out);
-            status = output_keep(&output, "compile");
-        }
-        if (status == 0 && !arm)
-            note_size(&compiled, in);
-    }
+    status = keep_compiled(&settings, &compiled, is_arm);
     dpt_compiled_free(&compiled);
     return status;
 }

@@ -259,78 +259,110 @@ static void observe(struct session *session, const dpt_device_info *info, const 
     scene_passivity_begin(&session->scene.passivity, &def);
 }
 
+/* What the device is, and how it was measured. Returns 0, or 2 after a message. */
+static int know_device(dpt_device *device, const char *identified, dpt_device_info *info)
+{
+    dpt_device_error error = { .size = sizeof error };
+    dpt_device_get_info(device, info);
+    if (identified && dpt_device_dynamics_read(identified, info, &error) != DPT_OK)
+        return complain("run", "%s", error.text);
+    return 0;
+}
+
+/* The coupling that this device can hold, and a world for it. Returns 0, or 2 after a message. */
+static int couple(struct session *session, const struct run_settings *settings, const dpt_device_info *info,
+                  double rate)
+{
+    struct scene *scene = &session->scene;
+    struct coupling_options coupling = settings->coupling;
+    coupling.rate = rate;
+    coupling.loop_delay = info->flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : RUN_LOOP_DELAY_PERIODS / rate;
+    coupling.loop_delay += run_physics_delay(scene);
+    session->budget = settings->budget == RUN_BUDGET_BY_RATE ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_MIN)
+                                                             : (uint32_t)settings->budget;
+    if (settings->plan_path && fabs(rate - settings->plan.asked.rate) > 1e-3 * rate)
+        complain("run", "%s is for %g Hz, and the loop runs at %g: what it promises does not count",
+                 settings->plan_path, settings->plan.asked.rate, rate);
+    return run_physics_check(scene, info, settings->record && !run_is_traced(settings)) ||
+                   run_coupling_choose(scene, info, &coupling, &session->coupling) ||
+                   scene_make_world(scene, info, session->budget) ||
+                   scene_bodies_check_step(&scene->bodies, "run", settings->scene.path, run_physics_step(scene, rate))
+               ? 2
+               : 0;
+}
+
+/* The loop's def; `seconds` is when the clock ends the run. Returns 0, or 2 after a message. */
+static int define_loop(struct session *session, const struct run_settings *settings, const dpt_device_info *info,
+                       dpt_loop_def *def, double *seconds)
+{
+    dpt_loop_def_init(def);
+    def->tick = feel;
+    def->user = session;
+    def->idle = idle;
+    def->rate = settings->rate;
+    def->reopen = (uint32_t)settings->reopen;
+    def->cpu = settings->cpu == RUN_NO_NUMBER ? 0 : (uint32_t)settings->cpu + 1;
+    def->awake = (uint32_t)settings->awake;
+    if (run_is_traced(settings) && allocate_record(session, settings, info))
+        return 2;
+    def->ticks = run_is_traced(settings) ? session->trace.capacity : settings->ticks;
+    *seconds = settings->seconds;
+    if (settings->record && !def->ticks && is_by_own_time(settings, info)) {
+        def->ticks = (uint64_t)ceil(settings->seconds * info->rate);
+        *seconds = HUGE_VAL;
+    }
+    return 0;
+}
+
+/* Run the loop beside its viewers, its recording and its physics. Returns 0, or 2 after a message. */
+static int run_loop(struct session *session, const struct run_settings *settings, const struct scene_hand *hand,
+                    dpt_loop *loop, double seconds, dpt_loop_stats *stats, dpt_result *result)
+{
+    int status = run_view_open(&session->view, &settings->view, &session->scene, settings->scene.path, hand);
+    if (status == 0 && settings->record && !run_is_traced(settings))
+        status = run_record_open(&session->recording, settings->record, &session->scene, &settings->scene, hand,
+                                 session->budget);
+    if (status == 0)
+        status = run_physics_start(&session->scene, hand->rate);
+    if (status == 0) {
+        stop_watch(loop, seconds);
+        *result = dpt_loop_run(loop, stats);
+        stop_watch(NULL, HUGE_VAL);
+    }
+    scene_physics_stop(session->scene.physics);
+    run_view_close(session->view, *result == DPT_OK ? "The run ended." : dpt_result_text(*result), &session->viewed);
+    return status;
+}
+
 static int serve(dpt_device *device, struct session *session, const struct run_settings *settings)
 {
     dpt_loop_def def;
     dpt_guard_def guard;
     dpt_loop *loop;
+    double seconds;
     dpt_loop_stats stats = { .size = sizeof stats };
     dpt_device_counts counts = { .size = sizeof counts };
     dpt_device_info info = { .size = sizeof info };
-    dpt_device_get_info(device, &info);
-    if (settings->identified) {
-        dpt_device_error error = { .size = sizeof error };
-        if (dpt_device_dynamics_read(settings->identified, &info, &error) != DPT_OK)
-            return complain("run", "%s", error.text);
-    }
-    const double rate = settings->rate > 0.0 ? settings->rate : info.rate;
-    if (settings->plan_path && fabs(rate - settings->plan.asked.rate) > 1e-3 * rate)
-        complain("run", "%s is for %g Hz, and the loop runs at %g: what it promises does not count",
-                 settings->plan_path, settings->plan.asked.rate, rate);
-    session->budget = settings->budget == RUN_BUDGET_BY_RATE ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_MIN)
-                                                             : (uint32_t)settings->budget;
-    struct coupling_options coupling = settings->coupling;
-    coupling.rate = rate;
-    coupling.loop_delay = info.flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : RUN_LOOP_DELAY_PERIODS / rate;
-    coupling.loop_delay += run_physics_delay(&session->scene);
-    if (run_physics_check(&session->scene, &info, settings->record && !run_is_traced(settings)) ||
-        run_coupling_choose(&session->scene, &info, &coupling, &session->coupling) ||
-        scene_make_world(&session->scene, &info, session->budget) ||
-        scene_bodies_check_step(&session->scene.bodies, "run", settings->scene.path,
-                                run_physics_step(&session->scene, rate)))
+    if (know_device(device, settings->identified, &info))
         return 2;
-    dpt_loop_def_init(&def);
-    def.tick = feel;
-    def.user = session;
-    def.idle = idle;
-    def.rate = settings->rate;
-    def.reopen = (uint32_t)settings->reopen;
-    def.cpu = settings->cpu == RUN_NO_NUMBER ? 0 : (uint32_t)settings->cpu + 1;
-    def.awake = (uint32_t)settings->awake;
-    if (run_is_traced(settings) && allocate_record(session, settings, &info))
+    struct scene_hand hand = { .device = device, .name = settings->device };
+    hand.rate = settings->rate > 0.0 ? settings->rate : info.rate;
+    if (couple(session, settings, &info, hand.rate) || define_loop(session, settings, &info, &def, &seconds))
         return 2;
-    def.ticks = run_is_traced(settings) ? session->trace.capacity : settings->ticks;
-    double seconds = settings->seconds;
-    if (settings->record && !def.ticks && is_by_own_time(settings, &info)) {
-        def.ticks = (uint64_t)ceil(settings->seconds * info.rate);
-        seconds = HUGE_VAL;
-    }
     if (!def.ticks)
         hint_at_clock(device, &info);
     dpt_guard_def_init(&guard);
-    guard.hold = fmax(guard.hold, 3.0 / rate);
+    guard.hold = fmax(guard.hold, 3.0 / hand.rate);
     if (!isnan(settings->force_max))
         guard.force_max = settings->force_max;
+    hand.force_max = guard.force_max;
     def.guard = &guard;
     if (!settings->is_active)
         observe(session, &info, &guard);
     dpt_result result = dpt_loop_open(device, &def, &loop);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));
-    int status = run_view_open(&session->view, &settings->view, &session->scene, settings->scene.path, device,
-                               settings->device, rate, guard.force_max);
-    if (status == 0 && settings->record && !run_is_traced(settings))
-        status = run_record_open(&session->recording, settings->record, &session->scene, &settings->scene,
-                                 settings->device, rate, guard.force_max, session->budget);
-    if (status == 0)
-        status = run_physics_start(&session->scene, rate);
-    if (status == 0) {
-        stop_watch(loop, seconds);
-        result = dpt_loop_run(loop, &stats);
-        stop_watch(NULL, HUGE_VAL);
-    }
-    scene_physics_stop(session->scene.physics);
-    run_view_close(session->view, result == DPT_OK ? "The run ended." : dpt_result_text(result), &session->viewed);
+    int status = run_loop(session, settings, &hand, loop, seconds, &stats, &result);
     dpt_loop_close(loop);
     const int closed = run_record_close(&session->recording);
     if (status)

@@ -36,7 +36,7 @@ static int open_recorder(struct run_record *record, const dpt_record_header *hea
 }
 
 int run_record_open(struct run_record *record, const char *path, const struct scene *scene, const struct scene_def *def,
-                    const char *device, double rate, double force_max, uint32_t budget)
+                    const struct scene_hand *hand, uint32_t budget)
 {
     *record = (struct run_record){ .path = path,
                                    .is_timed = !(scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC),
@@ -46,14 +46,14 @@ int run_record_open(struct run_record *record, const char *path, const struct sc
     int status = text && words ? 0 : complain("run", "memory ran out");
     if (status == 0) {
         scene_text_of(text, scene, def);
-        snprintf(text->device, sizeof text->device, "%s", device);
-        text->force_max = force_max;
+        snprintf(text->device, sizeof text->device, "%s", hand->name);
+        text->force_max = hand->force_max;
         text->budget = budget;
         status = scene_text_write(text, scene, words);
     }
     if (status == 0) {
         const dpt_record_header header = { .size = sizeof header,
-                                           .rate = rate,
+                                           .rate = hand->rate,
                                            .began_ns = record->is_timed ? clock_wall() : 0,
                                            .text = words,
                                            .text_bytes = strlen(words) };

@@ -21,14 +21,9 @@ struct run_record {
 /* 1 if the path ends in .csv: a trace is wanted, and no recording. */
 int is_trace_name(const char *path);
 
-/*
- * Begin a recording of a scene whose world was made. Returns 0, or 2 after a message.
- *   device      its name as it was given
- *   rate        Hz
- *   force_max   of the guard, N
- */
+/* Begin a recording of a scene whose world was made. Returns 0, or 2 after a message. */
 int run_record_open(struct run_record *record, const char *path, const struct scene *scene, const struct scene_def *def,
-                    const char *device, double rate, double force_max, uint32_t budget);
+                    const struct scene_hand *hand, uint32_t budget);
 
 /* Before and after a step of the scene, and in a tick without one. Without a recording they do nothing. */
 void run_record_begin(struct run_record *record);

@@ -271,24 +271,69 @@ static int read_jaw(struct jaw_motion *motion, const char *text)
     return fault ? complain("run", "--jaw %s: %s", text, fault) : 0;
 }
 
-int run_settings_read(struct run_settings *settings, int argc, char **argv)
+/* What shapes the scene's feel: ranges, and options that need each other. Returns 0, or 2 after a message. */
+static int check_feel(struct run_settings *settings)
 {
-    const char *law = NULL;
-    const char *jaw = NULL;
-    struct option_texts tips = { .count = 0 };
-    size_t operands = 0;
+    if (!(settings->scene.zoom > 0.0 && settings->scene.zoom <= 1000.0))
+        return complain("run", "--zoom must be positive, at most 1000");
+    if (!(settings->scene.force_scale >= 1e-3 && settings->scene.force_scale <= 1000.0))
+        return complain("run", "--force-scale must be 0.001 to 1000");
+    if (!(settings->coupling.gain_margin >= 1.0 && settings->coupling.gain_margin <= 100.0))
+        return complain("run", "--gain-margin must be 1 to 100");
+    if (settings->coupling.is_unstable && isnan(settings->coupling.stiffness))
+        return complain("run", "--unstable needs --stiffness");
+    if (settings->clutch > 31 && settings->clutch != RUN_NO_NUMBER)
+        return complain("run", "--clutch must be 0 to 31");
+    if (settings->clutch != RUN_NO_NUMBER)
+        settings->scene.clutch = (int)settings->clutch;
+    if (!(settings->scene.length >= 0.0 && settings->scene.length <= 10.0) ||
+        !(settings->scene.radius >= 0.0 && settings->scene.radius <= 1.0))
+        return complain("run", "--length must be 0 to 10, --radius 0 to 1");
+    return 0;
+}
+
+/* The loop, its recording and its viewers, likewise. */
+static int check_loop(const struct run_settings *settings)
+{
+    if (settings->force_max < 0.0 || settings->force_max > 1000.0)
+        return complain("run", "--force-max must be 0 to 1000");
+    if (settings->rate != 0.0 && !(settings->rate >= 1.0 && settings->rate <= 1e5))
+        return complain("run", "--rate must be 1 to 100000");
+    if (settings->cpu > 65535 && settings->cpu != RUN_NO_NUMBER)
+        return complain("run", "--cpu must be 0 to 65535");
+    if (settings->budget > UINT32_MAX && settings->budget != RUN_BUDGET_BY_RATE)
+        return complain("run", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
+    if (!(settings->seconds > 0.0))
+        return complain("run", "--for must be positive");
+    if (run_is_traced(settings) && settings->ticks > RUN_TRACE_MAX)
+        return complain("run", "--record: at most %d --ticks", RUN_TRACE_MAX);
+    if (run_is_traced(settings) && !settings->ticks && !(settings->seconds < HUGE_VAL))
+        return complain("run", "--record needs --ticks or --for");
+    return 0;
+}
+
+/* Options that are read further on. */
+struct run_words {
+    const char *law, *jaw;
+    struct option_texts tips;
+    size_t operands;
+};
+
+/* Returns -1 to go on, else the exit status. */
+static int parse_settings(struct run_settings *settings, struct run_words *words, int argc, char **argv)
+{
     const struct option_def options[] = {
         { .name = "--device", .text = &settings->device },
         { .name = "--plan", .text = &settings->plan_path },
         { .name = "--at", .text = &settings->scene.origin },
         { .name = "--tool", .text = &settings->scene.tool },
-        { .name = "--tip", .texts = &tips },
-        { .name = "--jaw", .text = &jaw },
+        { .name = "--tip", .texts = &words->tips },
+        { .name = "--jaw", .text = &words->jaw },
         { .name = "--identified", .text = &settings->identified },
         { .name = "--zoom", .number = &settings->scene.zoom },
         { .name = "--length", .number = &settings->scene.length },
         { .name = "--radius", .number = &settings->scene.radius },
-        { .name = "--law", .text = &law },
+        { .name = "--law", .text = &words->law },
         { .name = "--stiffness", .number = &settings->coupling.stiffness },
         { .name = "--gain-margin", .number = &settings->coupling.gain_margin },
         { .name = "--unstable", .flag = &settings->coupling.is_unstable },
@@ -322,24 +367,30 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
                                        .seconds = HUGE_VAL,
                                        .budget = RUN_BUDGET_BY_RATE };
     scene_def_init(&settings->scene, "run");
-    int status =
-        parse_options(argc, argv, options, sizeof options / sizeof *options, help, &settings->scene.path, 1, &operands);
+    return parse_options(argc, argv, options, sizeof options / sizeof *options, help, &settings->scene.path, 1,
+                         &words->operands);
+}
+
+int run_settings_read(struct run_settings *settings, int argc, char **argv)
+{
+    struct run_words words = { .law = NULL };
+    int status = parse_settings(settings, &words, argc, argv);
     if (status >= 0)
         return status;
-    if (settings->plan_path && read_plan(settings, operands, &law))
+    if (settings->plan_path && read_plan(settings, words.operands, &words.law))
         return 2;
-    operands += settings->plan_path != NULL;
-    if (operands == 1 && scene_def_read(&settings->scene))
+    words.operands += settings->plan_path != NULL;
+    if (words.operands == 1 && scene_def_read(&settings->scene))
         return 2;
     if (!settings->device && settings->scene.file)
         settings->device = settings->scene.file->device;
-    if (operands != 1 || !settings->device)
+    if (words.operands != 1 || !settings->device)
         return complain("run", "a scene, SCENE.json, MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
-    if (jaw && read_jaw(&settings->scene.jaw, jaw))
+    if (words.jaw && read_jaw(&settings->scene.jaw, words.jaw))
         return 2;
-    if (tip_shapes_of_options(&settings->scene.tips, "run", &tips))
+    if (tip_shapes_of_options(&settings->scene.tips, "run", &words.tips))
         return 2;
-    status = scene_def_complete(&settings->scene, law);
+    status = scene_def_complete(&settings->scene, words.law);
     settings->scene.force.stiffness = isnan(settings->coupling.stiffness) ? 0.0 : settings->coupling.stiffness;
     if (status == 0)
         status = force_options_check("run", &settings->scene.force);
@@ -351,34 +402,7 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
         return complain("run", "--embed needs --record F.dpr");
     if (run_view_check("run", &settings->view))
         return 2;
-    if (!(settings->scene.zoom > 0.0 && settings->scene.zoom <= 1000.0))
-        return complain("run", "--zoom must be positive, at most 1000");
-    if (!(settings->scene.force_scale >= 1e-3 && settings->scene.force_scale <= 1000.0))
-        return complain("run", "--force-scale must be 0.001 to 1000");
-    if (!(settings->coupling.gain_margin >= 1.0 && settings->coupling.gain_margin <= 100.0))
-        return complain("run", "--gain-margin must be 1 to 100");
-    if (settings->coupling.is_unstable && isnan(settings->coupling.stiffness))
-        return complain("run", "--unstable needs --stiffness");
-    if (settings->cpu > 65535 && settings->cpu != RUN_NO_NUMBER)
-        return complain("run", "--cpu must be 0 to 65535");
-    if (settings->clutch > 31 && settings->clutch != RUN_NO_NUMBER)
-        return complain("run", "--clutch must be 0 to 31");
-    if (settings->clutch != RUN_NO_NUMBER)
-        settings->scene.clutch = (int)settings->clutch;
-    if (!(settings->scene.length >= 0.0 && settings->scene.length <= 10.0) ||
-        !(settings->scene.radius >= 0.0 && settings->scene.radius <= 1.0))
-        return complain("run", "--length must be 0 to 10, --radius 0 to 1");
-    if (settings->force_max < 0.0 || settings->force_max > 1000.0)
-        return complain("run", "--force-max must be 0 to 1000");
-    if (settings->rate != 0.0 && !(settings->rate >= 1.0 && settings->rate <= 1e5))
-        return complain("run", "--rate must be 1 to 100000");
-    if (settings->budget > UINT32_MAX && settings->budget != RUN_BUDGET_BY_RATE)
-        return complain("run", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
-    if (!(settings->seconds > 0.0))
-        return complain("run", "--for must be positive");
-    if (run_is_traced(settings) && settings->ticks > RUN_TRACE_MAX)
-        return complain("run", "--record: at most %d --ticks", RUN_TRACE_MAX);
-    if (run_is_traced(settings) && !settings->ticks && !(settings->seconds < HUGE_VAL))
-        return complain("run", "--record needs --ticks or --for");
+    if (check_feel(settings) || check_loop(settings))
+        return 2;
     return -1;
 }

@@ -75,6 +75,14 @@ struct scene {
     void *block, *bytes, *tool_bytes;
 };
 
+/* What a scene is felt with, in a loop. */
+struct scene_hand {
+    dpt_device *device;
+    const char *name; /* of the device, as it was given */
+    double rate;      /* of the loop, Hz */
+    double force_max; /* of the guard, N */
+};
+
 /*
  * Read the files; those of a scene file after scene_def_read. Returns 0, or 2 after a message. Call scene_close also after
  * a failure.

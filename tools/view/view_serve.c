@@ -59,23 +59,23 @@ static int check_control(const struct scene *scene, dpt_device *device)
 }
 
 int run_view_open(struct run_view **made, const struct run_view_options *options, const struct scene *scene,
-                  const char *title, dpt_device *device, const char *name, double rate, double force_max)
+                  const char *title, const struct scene_hand *hand)
 {
     *made = NULL;
     if (!options->is_on)
         return 0;
-    if (options->control && check_control(scene, device))
+    if (options->control && check_control(scene, hand->device))
         return 2;
     struct run_view *view = calloc(1, sizeof *view);
     const struct scene_picture picture = { .title = title,
                                            .mode = "live",
-                                           .device = name,
-                                           .rate = rate,
-                                           .force_max = force_max,
+                                           .device = hand->name,
+                                           .rate = hand->rate,
+                                           .force_max = hand->force_max,
                                            .has_control = options->control };
     if (view) {
         view->scene = scene;
-        view->device = device;
+        view->device = hand->device;
         view->first.bytes = scene_picture_message(scene, &picture, &view->first.size);
         view->feed = view_feed_open(scene->world, scene_picture_vertices(scene));
     }

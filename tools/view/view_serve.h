@@ -32,12 +32,10 @@ struct run_view;
 
 /*
  * Serve a scene whose world was made. Says on standard output where. *view is NULL without viewers. Returns 0, or 2 after a
- * message.
- *   device   what is felt with; it stays open until run_view_close
- *   name     its name as it was given
+ * message. The device stays open until run_view_close.
  */
 int run_view_open(struct run_view **view, const struct run_view_options *options, const struct scene *scene,
-                  const char *title, dpt_device *device, const char *name, double rate, double force_max);
+                  const char *title, const struct scene_hand *hand);
 
 /* What became of the snapshots, if there were any: a line, or a key of a JSON object and the comma before it. */
 void run_view_print(const struct run_view_report *report, int json);

@@ -191,7 +191,8 @@ static int open_lab(void)
         (lab.physics > 0.0 && scene_physics_start(lab.scene.physics, 1000.0) != DPT_OK))
         return 0;
     dup2(ends[1], STDOUT_FILENO);
-    if (run_view_open(&lab.view, &options, &lab.scene, "a test", lab.device, "sim", 1000.0, 5.0))
+    const struct scene_hand hand = { lab.device, "sim", 1000.0, 5.0 };
+    if (run_view_open(&lab.view, &options, &lab.scene, "a test", &hand))
         return 0;
     if (read(ends[0], text, sizeof text - 1) <= 0 ||
         sscanf(text, "the viewer: http://127.0.0.1:%u/#%32[0-9a-f]", &port, lab.token) != 2)
