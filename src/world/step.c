@@ -347,6 +347,7 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (world->tools[t].slot.used)
             begin_tool(world, &world->tools[t], tracks_only);
+    dpti_loads_begin_step(world);
     dpti_deform_begin_step(world, result == DPT_OK ? dt : 0.0);
     if (result == DPT_OK) {
         step_segments(world, dt);

@@ -38,6 +38,7 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
             dpti_strip_clear(world->segment_strips[tool->first_segment + i].strip, NULL);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
+    memset(&tool->law_wrench, 0, sizeof tool->law_wrench);
     tool->energy = tool->body_work = 0.0;
 }
 

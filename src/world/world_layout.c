@@ -2,6 +2,7 @@
 #include "world/world_layout.h"
 
 #include "proxy/proxy_state.h"
+#include "proxy/tool_loads.h"
 #include "track/body_search.h"
 #include "track/distance_bounds.h"
 #include "track/motion_backlog.h"
@@ -15,7 +16,7 @@
 enum {
     BYTES_WORLD = 24576, /* the world itself, with one distance profile */
     BYTES_BODY = 2048,   /* with its box */
-    BYTES_TOOL = 384,
+    BYTES_TOOL = 512,
     BYTES_SEGMENT = 1920,
     BYTES_TIP = 1088,
     BYTES_HULL = 6784,
@@ -40,7 +41,7 @@ size_t dpti_world_layout_bytes(const dpt_world_def *def)
                      BYTES_SEGMENT * (uint64_t)def->max_segments + (BYTES_TIP + BYTES_HULL) * (uint64_t)def->max_tips +
                      point_cache_bytes(def) + dpti_bounds_bytes(def) + dpti_backlog_bytes(def) +
                      dpti_persistent_contacts_bytes(def) + dpti_strips_bytes(def) + dpti_proxy_bytes(def) +
-                     dpti_broad_phase_bytes(def) + dpti_body_search_bytes(def);
+                     dpti_loads_bytes(def) + dpti_broad_phase_bytes(def) + dpti_body_search_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -68,6 +69,7 @@ void dpti_world_layout_place(struct dpt_world *world)
     at = dpti_persistent_contacts_place(world, at);
     at = dpti_strips_place(world, at);
     at = dpti_proxy_place(world, at);
+    at = dpti_loads_place(world, at);
     at = dpti_broad_phase_place(world, at);
     dpti_body_search_place(world, at);
 }
