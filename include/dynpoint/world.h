@@ -160,11 +160,12 @@ DPT_API dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_d
 DPT_API dpt_result dpt_world_reset(dpt_world *world);
 
 /*
- * The most that a world has used at one time since it was created. Use it to choose the capacities of the def.
- * dpt_world_reset leaves it as it is.
+ * The most that a world has used at one time since it was created, to choose the capacities of the def by, and its kernel.
+ * dpt_world_reset leaves both as they are.
  *   contacts   contacts of one step, those that did not fit included
  *   strip      triangles of one strip; if it equals strip_capacity there may have been more
  *   work       units in one step
+ *   kernel     that it uses, DPT_KERNEL_...; never DPT_KERNEL_AUTO
  */
 typedef struct dpt_world_info {
     uint32_t size; /* sizeof(dpt_world_info), set by the caller */
@@ -174,13 +175,10 @@ typedef struct dpt_world_info {
     uint32_t contacts;
     uint32_t strip;
     uint32_t work;
-    uint32_t reserved;
+    uint32_t kernel;
 } dpt_world_info;
 
-DPT_API dpt_result dpt_world_get_info(const dpt_world *world, dpt_world_info *usage);
-
-/* The kernel that the world uses, DPT_KERNEL_...; DPT_KERNEL_AUTO for NULL. */
-DPT_API uint32_t dpt_world_get_kernel(const dpt_world *world);
+DPT_API dpt_result dpt_world_get_info(const dpt_world *world, dpt_world_info *info);
 
 /* What one step found, over all tools. */
 typedef struct dpt_step {

@@ -126,10 +126,12 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
         return soup_fail(source, result, nowhere, "the def has fields of a newer version");
     if (result != DPT_OK)
         return soup_fail(source, result, nowhere, "the def's size field is not set");
-    if (given && sized_of(given) < offsetof(dpt_compile_def, reserved_pointer))
+    if (given && sized_of(given) < offsetof(dpt_compile_def, name))
         def->springs = NULL; /* of half a pointer */
+    if (given && sized_of(given) < sizeof *def)
+        def->name = NULL; /* likewise */
     soup_init(source, def, &call->diag);
-    if (def->reserved || def->reserved_pointer)
+    if (def->reserved)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "the def's reserved fields are not 0");
     if (def->format > DPT_FORMAT_OFF)
         return soup_fail(source, DPT_E_ARGUMENT, nowhere, "no such format");
@@ -194,7 +196,7 @@ dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_d
     if (result == DPT_OK && !bytes && size)
         result = soup_fail(&call.source, DPT_E_ARGUMENT, nowhere, "no bytes");
     if (result == DPT_OK)
-        result = compile_bytes(&call, NULL, size ? bytes : (const void *)"", size, out);
+        result = compile_bytes(&call, call.def.name, size ? bytes : (const void *)"", size, out);
     return end_call(&call, result, diag);
 }
 

@@ -378,7 +378,6 @@ struct dpt_world {
     dpt_world_def def; /* its `baseline` points to the next field */
     dpt_baseline_def baseline;
     struct kernel kernel;
-    uint32_t kernel_id;
     uint32_t body_slot_end; /* slots from here on were never used */
     uint32_t tool_slot_end; /* the same for tools */
     uint32_t body_count;
@@ -392,7 +391,7 @@ struct dpt_world {
     struct work work;            /* this tick's, with its budget */
     uint32_t sweep_work_left;    /* units that the sweeps of this tick may still take */
     uint32_t undone_segment;     /* index of the first segment that the budget left undone */
-    dpt_world_info usage;
+    dpt_world_info usage; /* with the kernel */
     uint64_t steps;               /* since it was created, that succeeded */
     double time;                  /* s: the sum of their dt */
     uint32_t ticks;               /* since the last reset; may wrap */

@@ -43,15 +43,10 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     made->baseline = baseline;
     made->def.baseline = &made->baseline;
     made->kernel = kernel;
-    made->kernel_id = kernel_id;
+    made->usage.kernel = kernel_id;
     dpti_world_layout_place(made);
     *world = made;
     return DPT_OK;
-}
-
-uint32_t dpt_world_get_kernel(const dpt_world *world)
-{
-    return world ? world->kernel_id : DPT_KERNEL_AUTO;
 }
 
 dpt_result dpt_world_reset(dpt_world *world)
@@ -76,11 +71,11 @@ dpt_result dpt_world_reset(dpt_world *world)
     return DPT_OK;
 }
 
-dpt_result dpt_world_get_info(const dpt_world *world, dpt_world_info *usage)
+dpt_result dpt_world_get_info(const dpt_world *world, dpt_world_info *info)
 {
-    if (!world || !usage)
+    if (!world || !info)
         return DPT_E_ARGUMENT;
-    DPT_TRY(sized_check(usage, sizeof *usage, 0));
-    sized_write(usage, usage->size, &world->usage, sizeof world->usage);
+    DPT_TRY(sized_check(info, sizeof *info, 0));
+    sized_write(info, info->size, &world->usage, sizeof world->usage);
     return DPT_OK;
 }

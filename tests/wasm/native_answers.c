@@ -141,7 +141,9 @@ static double run(const dpt_mesh *mesh, int count, uint32_t law, uint32_t kernel
             put_snapshot(world, out);
     }
     const clock_t end = clock();
-    fprintf(stderr, "%s ", dpt_kernel_name(dpt_world_get_kernel(world)));
+    dpt_world_info info = { .size = sizeof info };
+    dpt_world_get_info(world, &info);
+    fprintf(stderr, "%s ", dpt_kernel_name(info.kernel));
     free(block);
     free(blocks[0]);
     free(blocks[1]);

@@ -191,9 +191,11 @@ static void follow(const struct course *course)
               hit.distance, hit.error_bound);
         CHECK(fabs(hit.p[0] - (ends[0] + hit.s * (ends[3] - ends[0]))) < 1e-12, "p and s disagree");
     }
+    dpt_world_info info = { .size = sizeof info };
+    dpt_world_get_info(lab.world, &info);
     printf("    %-9s K %u%s, %g x %g, %s: %d moves in %d ticks, %d of them not the nearest pair\n", shape, parts,
            one_step ? ", one step" : "", course->reach, course->stretch,
-           dpt_kernel_name(dpt_world_get_kernel(lab.world)), moved, ticks, local);
+           dpt_kernel_name(info.kernel), moved, ticks, local);
     CHECK(moved > ticks / 30, "only %d moves", moved);
     free(oracle.corners);
     free(lab.block);

@@ -20,7 +20,7 @@ class World {
     if (result !== CONSTANTS.DPT_OK) core.heap.release(this.block);
     core.check(result);
     this.world = this.memory.look().view.getUint32(core.place(0), true);
-    this.kernel = core.kernelName(this.call.dpt_world_get_kernel(this.world));
+    this.kernel = core.kernelName(this.getInfo().kernel);
   }
 
   // A call that gives a number, as of a body.
@@ -220,7 +220,7 @@ class World {
     this.core.check(this.call.dpt_world_reset(this.world));
   }
 
-  getUsage() {
+  getInfo() {
     return this.core.get("dpt_world_info", at => this.call.dpt_world_get_info(this.world, at));
   }
 
