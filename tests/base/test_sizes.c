@@ -530,6 +530,7 @@ static int open_all(void)
     a_passivity.size = sizeof a_passivity;
     dpt_world_def_init(&defaults);
     dpt_world_def_init(&a_world_def);
+    a_world_def.law = DPT_LAW_BED;
     a_world_def.strip = DPT_STRIP_KIND_SHADOW;
     a_world_def.max_segments = 1;
     a_world_def.max_bodies = 2;

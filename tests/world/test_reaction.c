@@ -423,6 +423,31 @@ static void a_rod_in_a_bed_is_lifted_in_its_middle(void)
     close_press(&press);
 }
 
+/* A rod that lies on the box is held at both ends of what touches it, also once it is not searched for any more. */
+static void a_tool_at_rest_keeps_its_loads(void)
+{
+    static const dpt_segment rod = { { -0.02, 0, 0 }, { 0.03, 0, 0 }, 0.004 };
+    const double at[3] = { 0.0, 0.0, 0.0 };
+    struct press press;
+    dpt_tool_load first[8] = { { .size = sizeof *first } }, last[8] = { { .size = sizeof *last } };
+    dpt_hit hit = { .size = sizeof hit };
+    uint32_t first_count, last_count;
+    open_press(&press, DPT_LAW_PROXY, &rod, at);
+    press_to(&press, 0.0, 0.005, 0.02);
+    for (int i = 0; i < 4; i++)
+        press_to(&press, 0.0, 0.005, 0.003);
+    dpt_tool_get_loads(press.world, press.tool, first, 8, &first_count);
+    for (int i = 0; i < 20; i++)
+        press_to(&press, 0.0, 0.005, 0.003);
+    dpt_tool_get_loads(press.world, press.tool, last, 8, &last_count);
+    CHECK(dpt_tool_get_hit(press.world, press.tool, &hit) == DPT_OK && hit.work == 0, "it does not rest");
+    CHECK(first_count >= 2 && last_count == first_count, "%u loads, then %u", first_count, last_count);
+    for (uint32_t l = 0; l < first_count && l < last_count; l++)
+        CHECK(fabs(first[l].point[0] - last[l].point[0]) < 1e-6 && first[l].force[2] > 0.0 && last[l].force[2] > 0.0,
+              "load %u at %g, then at %g", l, first[l].point[0], last[l].point[0]);
+    close_press(&press);
+}
+
 /* What is not there is told as such, and an answer stays that of the step. */
 static void handles_and_lists_are_checked(void)
 {
@@ -455,6 +480,7 @@ int main(int argc, char **argv)
     TEST(what_tools_do_to_bodies_is_the_reaction_to_their_wrenches);
     TEST(a_ball_pushes_a_box_down_where_it_touches);
     TEST(a_rod_in_a_bed_is_lifted_in_its_middle);
+    TEST(a_tool_at_rest_keeps_its_loads);
     TEST(handles_and_lists_are_checked);
     return check_report();
 }
