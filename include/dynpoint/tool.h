@@ -219,19 +219,19 @@ typedef struct dpt_force_info {
 } dpt_force_info;
 
 /* On an error, `reason` is DPT_FORCE_STALE and the wrench is zero. */
-DPT_API dpt_result dpt_tool_get_force_info(const dpt_world *world, dpt_tool tool, dpt_force_info *force);
+DPT_API dpt_result dpt_tool_get_force_info(const dpt_world *world, dpt_tool tool, dpt_force_info *info);
 
 /*
  * A function of the program's own that shapes a tool's wrench: a guide, a vibration, another law. It is called in each
  * step in which the tool has an answer, in worlds that respond, after the tool's law.
- *   report  what the law gives
- *   wrench  that of the report; the function changes it. If it is not finite then, it is zero, and the reason is
+ *   info    what the law gives
+ *   wrench  that of the info; the function changes it. If it is not finite then, it is zero, and the reason is
  *           DPT_FORCE_UNDECIDED
  * It must not call functions on the same world but the getters of the tool's pose and proxy. What energy it gives or
- * takes is its own affair: the report's energy is that of the law. A NULL function ends it. It stays through
+ * takes is its own affair: the info's energy is that of the law. A NULL function ends it. It stays through
  * dpt_world_reset and changes of settings.
  */
-typedef void (*dpt_force_fn)(void *user, const dpt_force_info *report, double dt, dpt_wrench *wrench);
+typedef void (*dpt_force_fn)(void *user, const dpt_force_info *info, double dt, dpt_wrench *wrench);
 
 DPT_API dpt_result dpt_tool_set_shaper(dpt_world *world, dpt_tool tool, dpt_force_fn shape, void *user);
 

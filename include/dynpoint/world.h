@@ -91,7 +91,13 @@ typedef struct dpt_world_def {
     double margin;     /* contact begins at this distance from the tool's surface, m, >= 0; 0.001 */
     double side_limit; /* of new bodies, see dpt_body_settings; 0 */
     double fade;       /* s, 0..1, see dpt_tool_get_force_info; 0.002 */
-    /* Of all tools together, 0..65535. 0: depth alone, no sides; the force of DPT_LAW_PROXY needs no more; 32. */
+    /*
+     * Of all tools together, 0..65535. 0: none are listed, and a tick takes about half the time. The force of
+     * DPT_LAW_PROXY is the same. The laws POINT and BED are, too, on closed meshes. On open sheets they lose the side from
+     * which a tool came: while the axis goes through a sheet there is no force (DPT_FORCE_UNDECIDED), and beyond it none
+     * pushes the tool back. DPT_LAW_BED has its loads (dpt_tool_get_loads) at the nearest pair. Ask for
+     * what you read or show, 32 say; 0
+     */
     uint32_t max_contacts;
     /*
      * 1: the normals of contacts, and the direction of the force, are interpolated from the normals at the triangle's
@@ -127,7 +133,7 @@ typedef struct dpt_world_def {
      * limit past a body that moved before this step, as only this step can sweep it, nor for the eighth motion that
      * waits, as a ninth would be given up. Where a motion waits, a proxy may take another way round, and
      * DPT_FORCE_FLAG_BEHIND says that its wrench is a guess. The default is about 1 ms; hardly a motion but a jump
-     * takes as long. 0: unlimited; 4000
+     * takes as long. `dynpoint run` has the same default. 0: unlimited; 4000
      */
     uint32_t sweep_budget;
     uint32_t max_tips; /* of all tools together (tip.h), 0..65535; 4 */

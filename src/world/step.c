@@ -173,9 +173,9 @@ static double surface_distance(const struct segment *segment)
 /* Let the program's own function have the wrench. */
 static void shape_wrench(const struct dpt_world *world, struct tool *tool, double dt)
 {
-    const dpt_force_info report = dpti_tool_report(world, tool);
+    const dpt_force_info info = dpti_tool_force_info(world, tool);
     const dpt_wrench none = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
-    tool->shape(tool->shape_user, &report, dt, &tool->wrench);
+    tool->shape(tool->shape_user, &info, dt, &tool->wrench);
     tool->force_flags |= DPT_FORCE_FLAG_SHAPED;
     if (wrench_is_finite(&tool->wrench))
         return;

@@ -156,7 +156,7 @@ async function objects(core) {
       world.step(0.001);
       const hit = world.getHit(tool);
       const { force, torque } = world.getWrench(tool);
-      const { energy } = world.getForceReport(tool);
+      const { energy } = world.getForceInfo(tool);
       const named = { ...hit, errorBound: undefined, error_bound: hit.errorBound, lower_bound: hit.lowerBound, energy };
       ["x", "y", "z"].forEach((axis, k) => {
         Object.assign(named, { [`p${axis}`]: hit.p[k], [`q${axis}`]: hit.q[k] });

@@ -124,6 +124,7 @@ static double run(const dpt_mesh *mesh, int count, uint32_t law, uint32_t kernel
     dpt_segment segment = { { 0, 0, 0 }, { 0, 0, 0.1 }, 0.002 };
     dpt_world_def_init(&def);
     def.law = law;
+    def.max_contacts = 32;
     def.kernel = kernel;
     void *block = malloc(dpt_world_bytes(&def));
     must(block && !dpt_world_create(block, dpt_world_bytes(&def), &def, &world), "the world");

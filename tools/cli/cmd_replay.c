@@ -20,6 +20,7 @@
 #include "record/replay_recording.h"
 #include "run/replay_report.h"
 #include "run/replay_tool.h"
+#include "scene/scene.h"
 #include "shape/mesh_size.h"
 #include "trace.h"
 
@@ -401,6 +402,7 @@ int command_replay(int argc, char **argv)
     if (replay_has_plan(argc, argv))
         return replay_plan(argc, argv);
     dpt_world_def_init(&settings.def);
+    settings.def.max_contacts = SCENE_CONTACTS;
     dpt_baseline_def_init(&settings.baseline);
     settings.def.max_bodies = settings.def.max_tools = settings.def.max_segments = 1;
     int status = read_settings(argc, argv, &settings);

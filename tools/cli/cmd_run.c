@@ -284,6 +284,8 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     coupling.rate = rate;
     coupling.loop_delay = info.flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : RUN_LOOP_DELAY_PERIODS / rate;
     coupling.loop_delay += run_physics_delay(&session->scene);
+    session->scene.shows_contacts = settings->view.is_on || (settings->record && !run_is_traced(settings)) ||
+                                    session->scene.force.law != DPT_LAW_PROXY;
     if (run_physics_check(&session->scene, &info, settings->record && !run_is_traced(settings)) ||
         run_coupling_choose(&session->scene, &info, &coupling, &session->coupling) ||
         scene_make_world(&session->scene, &info, session->budget) ||

@@ -238,7 +238,7 @@ class World {
     return { force: six.slice(0, 3), torque: six.slice(3) };
   }
 
-  getForceReport(tool) {
+  getForceInfo(tool) {
     return this.core.get("dpt_force_info", at => this.call.dpt_tool_get_force_info(this.world, tool, at));
   }
 
