@@ -242,6 +242,7 @@ static dpt_result baseline_def(void *given)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.baseline = given;
     return world_def(&def);
 }
@@ -530,6 +531,7 @@ static int open_all(void)
     a_passivity.size = sizeof a_passivity;
     dpt_world_def_init(&defaults);
     dpt_world_def_init(&a_world_def);
+    a_world_def.max_contacts = 32;
     a_world_def.law = DPT_LAW_BED;
     a_world_def.strip = DPT_STRIP_KIND_SHADOW;
     a_world_def.max_segments = 1;

@@ -316,6 +316,7 @@ static void world_open(void **block, dpt_world **world, dpt_tool *tool, const st
     dpt_world_def def;
     dpt_body body;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.max_bodies = def.max_tools = def.max_segments = 1;
     def.method = DPT_METHOD_TREE;
