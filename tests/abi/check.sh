@@ -46,6 +46,50 @@ for version in DYNPOINT_0 DYNPOINT_0_2; do
     verdict $? "a program linked to a library of $version is refused when it is loaded"
 done
 
+# What the libraries of 0.3 had: functions, the types of their arguments, structs and enums. All of it is still there; more
+# may be. Of a report of abidiff, lines on sizes and on what was inserted are no loss; anything else that changed is.
+losses() {
+    abidiff --harmless --leaf-changes-only --no-added-syms "$1" "$2" >"$scratch/abidiff.report"
+    [ $(($? & 3)) -eq 0 ] || return 1
+    grep -vE "summary:|size changed from|^'(struct|enum|union) .*' changed:\$|^ *[0-9]+ (data member|enumerator) (insertion|change)s?:?\$" "$scratch/abidiff.report" |
+        grep -E 'emoved|[1-9][0-9]* .*deletion|changed|ELF SONAME|eleted'
+    [ $? -eq 1 ]
+}
+if ! command -v abidiff >/dev/null 2>&1 || ! command -v abidw >/dev/null 2>&1; then
+    skip "types of arguments as in 0.3: no abidiff (Debian: abigail-tools)"
+elif [ "$(uname -m)" != x86_64 ]; then
+    skip "types of arguments as in 0.3: the descriptions are of x86-64"
+elif ! sh "$here/describe.sh" "$scratch/described" "$scratch/abi" libdynpoint libdynpoint_compile libdynpoint_drivers $urdf $convex; then
+    verdict 1 "the libraries are described"
+else
+    for lib in libdynpoint libdynpoint_compile libdynpoint_drivers $urdf $convex; do
+        losses "$here/$lib.abi" "$scratch/abi/$lib.abi"
+        verdict $? "$lib has all functions and types that 0.3 had"
+    done
+    stored=$here/libdynpoint.abi
+    sed "s/dpt_world_reset/dpt_world_forget/" "$stored" >"$scratch/removed.abi"
+    ! losses "$scratch/removed.abi" "$scratch/abi/libdynpoint.abi" >/dev/null
+    verdict $? "a function that is gone would be found"
+    sed "s/<var-decl name='gap'/<var-decl name='clearance'/" "$stored" >"$scratch/renamed.abi"
+    ! losses "$scratch/renamed.abi" "$scratch/abi/libdynpoint.abi" >/dev/null
+    verdict $? "a field that has another name, too"
+    torque=$(sed -n "/^<class-decl name='dpt_wrench'/,/^<.class-decl/p" "$stored" | sed -n "s/.*<var-decl name='torque' type-id='\([^']*\)'.*/\1/p")
+    sed "/^<class-decl name='dpt_wrench'/,/^<.class-decl/s/name='torque' type-id='$torque'/name='torque' type-id='$(sed -n "s/^<type-decl name='double'.* id='\([^']*\)'.*/\1/p" "$stored")'/" \
+        "$stored" >"$scratch/retyped.abi"
+    ! cmp -s "$stored" "$scratch/retyped.abi" && ! losses "$scratch/retyped.abi" "$scratch/abi/libdynpoint.abi" >/dev/null
+    verdict $? "and one of another type"
+    # As if the last field of dpt_step, and its second flag of a snapshot, had been added since.
+    awk '/^<class-decl name=.dpt_step. / { sub(/size-in-bits=.256./, "size-in-bits='\''224'\''"); inside = 1 }
+        inside && /<data-member/ { held = $0; next }
+        inside && held != "" && /<var-decl name=.flags./ { skipping = 1; held = ""; next }
+        skipping && /<.data-member/ { skipping = 0; next }
+        held != "" { print held; held = "" }
+        /<.class-decl/ { inside = 0 }
+        { print }' "$stored" >"$scratch/shorter.abi"
+    ! cmp -s "$stored" "$scratch/shorter.abi" && losses "$scratch/shorter.abi" "$scratch/abi/libdynpoint.abi"
+    verdict $? "a field at the end of a struct may be added"
+fi
+
 # An archive of -flto has its names local only when a program is linked: what crosses files within the core says whose it is.
 lto=$scratch/lto
 if command -v gcc-nm >/dev/null 2>&1 && ${CC:-cc} --version | grep -qi 'gcc\|Free Software Foundation'; then
