@@ -38,7 +38,7 @@ ToolSettings = struct("dpt_tool_settings", (c_uint32, "size law"),
                       (c_double, "stiffness rotational_stiffness damping"), (c_uint32, "lock_rotation near_only"))
 BodySettings = struct("dpt_body_settings", (c_uint32, "size unfelt"),
                       (c_double, "side_limit static_friction kinetic_friction stiffness"))
-ForceReport = struct("dpt_force_info", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
+ForceInfo = struct("dpt_force_info", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
                      (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"), (c_double, "body_work"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
                  (c_double, "s0 s1 s gap"), (double3, "p q normal weight"),
@@ -125,7 +125,7 @@ def is_near(number, wanted):
 column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
-for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceReport,
+for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceInfo,
              DeformDef, Load, Latest, State, Guard, GuardInfo, CouplingDef, Coupling, PassivityDef, Passivity,
              PassivitySample, PassivityInfo, RecordHeader, Record, Identified, IdentifyResult, CompileDef,
              SpringRegion, SpringDef, MeshSprings, Compiled, Joint, Link, ArmBody, ArmDef):
@@ -228,7 +228,7 @@ for height in (1.2, 1.2, 1.05):  # from the open, where the proxy is known to be
     pose.position[2] = height
     core.dpt_tool_set_pose(world, tool, byref(pose))
     core.dpt_world_step(world, c_double(0.001), None)
-report, proxy = ForceReport(size=sizeof(ForceReport)), Pose()
+force, proxy = ForceInfo(size=sizeof(ForceInfo)), Pose()
 check("its report", core.dpt_tool_get_force_info(world, tool, byref(report)) == 0 and report.reason == 0)
 check("its proxy", core.dpt_tool_get_proxy(world, tool, byref(proxy)) == 0)
 check("on the top, pulled at by 500 N/m", abs(proxy.position[2] - 1.1) < 1e-4 and report.law == 2

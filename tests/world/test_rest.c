@@ -70,6 +70,7 @@ static void open_run(struct run *run, const struct setting *setting, uint32_t me
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = setting->law;
     def.until = setting->until;
     def.method = setting->method;

@@ -19,6 +19,7 @@ static void scene_open(struct scene *scene)
     const dpt_segment line = { { -0.01, 0.0, 0.0 }, { 0.01, 0.0, 0.0 }, 0.002 };
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.stiffness = 300.0;
     def.side_limit = 0.03;
