@@ -151,15 +151,32 @@ static vec3 pull_at(const struct proxy_tick *tick, uint32_t space)
     return sum;
 }
 
-void dpti_loads_note_proxy(struct proxy_tick *tick)
+/*
+ * What holds the proxy. What the last motion was solved for is as good where it left no way to go, and costs nothing. Else
+ * the answers of this tick and of the next ones must not depend on what is noted: neither a budget nor what friction
+ * begins with next. Deformable bodies have the notes among their answers.
+ */
+static int solve_held(struct proxy_tick *tick)
 {
     double left[HALF_SPACE_DIMENSIONS];
+    const int is_noted_alone = tick->held == PROXY_HELD_UNKNOWN && !tick->world->deform_count;
+    if (tick->is_settled && is_noted_alone)
+        return 1;
+    const struct work work = tick->world->work;
+    const vec3 pull_shift = tick->proxy->pull_shift, pull_turn = tick->proxy->pull_turn;
+    const int is_solved = dpti_proxy_solve_held(tick, left);
+    if (is_noted_alone) {
+        tick->world->work = work;
+        tick->proxy->pull_shift = pull_shift;
+        tick->proxy->pull_turn = pull_turn;
+    }
+    return is_solved;
+}
+
+void dpti_loads_note_proxy(struct proxy_tick *tick)
+{
     const double stiffness = tick->tool->stiffness;
-    if (!(stiffness > 0.0) || tick->proxy->state != PROXY_OUTSIDE)
-        return;
-    /* What the last motion was solved for is as good, and costs nothing. */
-    const int is_known = tick->is_settled && tick->held == PROXY_HELD_UNKNOWN && !tick->world->deform_count;
-    if (!is_known && !dpti_proxy_solve_held(tick, left))
+    if (!(stiffness > 0.0) || tick->proxy->state != PROXY_OUTSIDE || !solve_held(tick))
         return;
     for (uint32_t k = 0; k < tick->solved.active_count; k++) {
         const uint32_t space = tick->solved.active[k];
