@@ -10,7 +10,7 @@
  *     dpt_NOUN_def_init          fills a dpt_NOUN_def with the defaults
  *     dpt_NOUN_bytes, _create    the bytes that a noun needs, and a noun in a block of yours. There is no destroy: free
  *                                the block when the noun is no longer used. Until then the block stays where it is
- *     dpt_NOUN_init              begins a struct that is wholly yours. There is no end: a copy of it is another one
+ *     dpt_NOUN_init              begins a struct that is wholly yours. There is no end
  *     dpt_NOUN_open, _close      a noun that holds memory or system resources of its own: close it. An open of bytes (a
  *                                mesh, an arm) holds nothing and has no close: it looks into your bytes, which stay
  *     dpt_NOUN_add, _remove      a member of a world, by its id

@@ -155,8 +155,7 @@ DPT_API size_t dpt_world_bytes(const dpt_world_def *def);
 
 /*
  * Make a world in `block`, which is aligned to 8 and of at least dpt_world_bytes(def) bytes. The block must not move
- * while the world is used; a copy of its bytes is no world. There is no destroy: free the block when the world is no
- * longer used. What the def points to is read during the call.
+ * while the world is used; a copy of its bytes is no world. What the def points to is read during the call.
  *
  * DPT_E_UNSUPPORTED: this machine does not have the kernel.
  */
