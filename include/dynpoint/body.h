@@ -207,8 +207,8 @@ typedef struct dpt_load {
  *   count   how many there are, at most 256 for each of max_points. If that is more than `capacity`, the call returns
  *           DPT_E_FULL, and `loads` is not valid
  *
- * DPT_E_FULL also if max_points left no room for any point of a tool: its loads are missing then. With DPT_LAW_BED there
- * are loads only where the world lists its contacts (dpt_world_def.max_contacts).
+ * DPT_E_FULL also if max_points left no room for any point of a tool: its loads are missing then. With DPT_LAW_BED
+ * they are at the nearest pair alone where the world lists no contacts (dpt_world_def.max_contacts).
  *
  * Loads and wrench may not sum up to zero where the step's budget ended before it was known what holds the tool, and
  * where all the triangles at a point have collapsed: then no forces there have the wrench's moment. A tool that was

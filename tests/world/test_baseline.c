@@ -195,8 +195,8 @@ static void follow(const struct course *course)
     dpt_world_info used = { .size = sizeof used };
     dpt_world_get_info(lab.world, &used);
     printf("    %-9s K %u%s, %g x %g, %s: %d moves in %d ticks, %d of them not the nearest pair\n", shape, parts,
-           one_step ? ", one step" : "", course->reach, course->stretch,
-           dpt_kernel_name(used.kernel), moved, ticks, local);
+           one_step ? ", one step" : "", course->reach, course->stretch, dpt_kernel_name(used.kernel), moved, ticks,
+           local);
     CHECK(moved > ticks / 30, "only %d moves", moved);
     free(oracle.corners);
     free(lab.block);

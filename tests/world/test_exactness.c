@@ -14,9 +14,9 @@
 #include <unistd.h>
 
 #include "data/motion.h"
+#include "dynpoint/body.h"
 #include "dynpoint/compile.h"
 #include "dynpoint/query.h"
-#include "dynpoint/body.h"
 #include "dynpoint/tool.h"
 #include "lib/check.h"
 #include "lib/public_meshes.h"
