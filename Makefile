@@ -166,6 +166,7 @@ $(CHOOSERS): $(B)/built_with.h
 $(B)/built_with.h: force
 	@mkdir -p $(@D)
 	@{ echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))'; \
+	   echo '#define DPT_BACK_ENDS $(foreach name,$(BACK_ENDS),"$(name)",)'; \
 	   for part in $(DRIVERS) $(if $(URDF_PARTS),urdf) $(if $(CONVEX_PARTS),convex) $(if $(SCENE_FILE),jansson) $(if $(VIEW_SERVER),lws) $(if $(filter yes,$(VIEW_PAGE)),view_page); do \
 	     echo "#define DPT_HAS_$$(echo $$part | tr a-z A-Z)"; done; } >$@.now
 	@cmp -s $@.now $@ && rm $@.now || mv $@.now $@

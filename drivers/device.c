@@ -38,6 +38,16 @@ const dpt_driver *dpt_driver_find(const char *name)
     return name ? find_driver(name, strlen(name)) : NULL;
 }
 
+/* Whether it is a driver of ours that this build leaves out. */
+static int is_left_out(const char *name, size_t length)
+{
+    static const char *const back_ends[] = { DPT_BACK_ENDS };
+    for (size_t i = 0; i < sizeof back_ends / sizeof *back_ends; i++)
+        if (strlen(back_ends[i]) == length && !memcmp(back_ends[i], name, length))
+            return 1;
+    return 0;
+}
+
 /* A driver of this version has at least the first release's fields; of these only `find` may be NULL. */
 static int is_complete(const dpt_driver *driver)
 {
@@ -110,9 +120,13 @@ dpt_result dpt_device_open(const char *name, dpt_device **device, dpt_device_err
     const dpt_driver *driver = find_driver(name, length);
     if (driver)
         return dpt_device_open_with(driver, name[length] ? name + length + 1 : NULL, device, error);
-    return finish_open(device_error(&own, DPT_E_UNSUPPORTED, "this build has no driver '%.*s'",
-                                    (int)(length < 60 ? length : 60), name),
-                       &own, error);
+    if (is_left_out(name, length))
+        return finish_open(
+            device_error(&own, DPT_E_ABSENT, "this build was made without the driver '%.*s'", (int)length, name), &own,
+            error);
+    return finish_open(
+        device_error(&own, DPT_E_UNSUPPORTED, "there is no driver '%.*s'", (int)(length < 60 ? length : 60), name),
+        &own, error);
 }
 
 dpt_result dpt_device_get_info(const dpt_device *device, dpt_device_info *info)

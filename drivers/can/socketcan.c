@@ -363,7 +363,7 @@ dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_
 {
     (void)name, (void)nodes;
     socketcan->fd = -1;
-    return device_error(error, DPT_E_UNSUPPORTED, "SocketCAN is a part of Linux alone");
+    return device_error(error, DPT_E_ABSENT, "SocketCAN is a part of Linux alone");
 }
 
 void socketcan_query(struct socketcan *socketcan)

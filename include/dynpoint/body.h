@@ -77,6 +77,15 @@ DPT_API dpt_result dpt_body_get_settings(const dpt_world *world, dpt_body body, 
 /* 1 if the world has a body with this id, else 0. Any number is allowed. */
 DPT_API int dpt_body_is_valid(const dpt_world *world, dpt_body body);
 
+/*
+ * What all tools do to the body in the last step: the force, and the torque about the origin of the body's frame, where that
+ * was in the step; in world axes. Zero where nothing touches it. It is the reaction to the wrenches of
+ * dpt_tool_get_force_info, before any function of dpt_tool_set_shaper: those of all tools and these of all bodies, about
+ * one point, sum up to zero within rounding. If a device is sent less than the wrench, scale it alike. Of one tool:
+ * dpt_tool_get_body_wrench. Where a tool pushes: dpt_tool_get_loads. Zero on an error.
+ */
+DPT_API dpt_result dpt_body_get_wrench(const dpt_world *world, dpt_body body, dpt_wrench *wrench);
+
 /* ---- Deformable bodies: all functions above apply to them too ---- */
 
 /*
@@ -198,8 +207,8 @@ typedef struct dpt_load {
  *   count   how many there are, at most 256 for each of max_points. If that is more than `capacity`, the call returns
  *           DPT_E_FULL, and `loads` is not valid
  *
- * DPT_E_FULL also if max_points left no room for any point of a tool: its loads are missing then. With DPT_LAW_BED there
- * are loads only where the world lists its contacts (dpt_world_def.max_contacts).
+ * DPT_E_FULL also if max_points left no room for any point of a tool: its loads are missing then. With DPT_LAW_BED
+ * they are at the nearest pair alone where the world lists no contacts (dpt_world_def.max_contacts).
  *
  * Loads and wrench may not sum up to zero where the step's budget ended before it was known what holds the tool, and
  * where all the triangles at a point have collapsed: then no forces there have the wrench's moment. A tool that was

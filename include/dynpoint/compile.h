@@ -146,7 +146,11 @@ typedef struct dpt_compile_def {
      * text names the region, from 1, or the vertex of the source, from 0.
      */
     const dpt_spring_net_def *springs;
-    const void *reserved_pointer; /* NULL */
+    /*
+     * Of dpt_compile_bytes, the name that the bytes have as a file, as "liver.obj": its extension tells the format where
+     * the content does not, as for dpt_compile_file, which goes by its path. Nothing is opened. NULL: there is none
+     */
+    const char *name;
 } dpt_compile_def;
 
 /* Fill in the defaults of the first `size` bytes. Call dpt_compile_def_init, which passes your sizeof. */

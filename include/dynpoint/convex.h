@@ -179,7 +179,7 @@ typedef struct dpt_convex_shaper {
 } dpt_convex_shaper;
 
 /* A dpt_force_fn; `user` is a dpt_convex_shaper. One that is not valid adds nothing. */
-DPT_API void dpt_convex_shape_wrench(void *user, const dpt_force_info *report, double dt, dpt_wrench *wrench);
+DPT_API void dpt_convex_shape_wrench(void *user, const dpt_force_info *info, double dt, dpt_wrench *wrench);
 
 DPT_END
 

@@ -49,8 +49,8 @@ typedef struct dpt_hull_def {
 DPT_API size_t dpt_hull_bytes(const dpt_hull_def *def);
 
 /*
- * Make a hull in `block`, which is aligned to 8 and of at least dpt_hull_bytes(def) bytes. The corners are copied. There
- * is no destroy: free the block when no tool uses the hull any longer.
+ * Make a hull in `block`, which is aligned to 8 and of at least dpt_hull_bytes(def) bytes. The corners are copied.
+ * A tool uses the block while it has the tip.
  *
  * Corners within 1e-12 of the hull's size of each other count as one, and lie on one face where they are so near to a
  * plane. DPT_E_ARGUMENT: the corners lie on one line; or, without lying in one plane, so near to a line or a plane that

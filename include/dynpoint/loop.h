@@ -189,7 +189,7 @@ DPT_API dpt_result dpt_loop_run(dpt_loop *loop, dpt_loop_stats *stats);
  */
 DPT_API void dpt_loop_stop(dpt_loop *loop);
 
-/* Free a loop that is not running. NULL is allowed. The device stays open. */
+/* Close a loop that is not running. NULL is allowed. The device stays open. */
 DPT_API void dpt_loop_close(dpt_loop *loop);
 
 /*

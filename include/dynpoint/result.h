@@ -26,6 +26,7 @@
     X(DPT_E_DROPPED,            -10, "the compiler dropped that triangle")                         \
     X(DPT_E_UNREACHABLE,        -11, "no triangles that touch lead from one to the other")         \
     X(DPT_E_UNSTABLE,           -12, "so long a step is not stable in as few substeps as allowed")  \
+    X(DPT_E_ABSENT,             -13, "this build of the library was made without that part")       \
     X(DPT_E_MAGIC,              -20, "not a dynpoint file, or not of the kind asked for")          \
     X(DPT_E_VERSION,            -21, "written in a newer format than this library reads")          \
     X(DPT_E_BYTE_ORDER,         -22, "the file is little-endian and this host is not: convert it") \

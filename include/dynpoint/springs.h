@@ -128,7 +128,7 @@ typedef struct dpt_springs_info {
  *
  *   loads   `count` forces on nodes, N, at most 1e9 each way; they are constant during the step. A node may occur more
  *           than once: they are added up. NULL if count is 0
- *   report  may be NULL
+ *   info    may be NULL
  *
  * After an error nothing has moved:
  *   DPT_E_UNSTABLE  more than max_substeps are needed, or no substep is stable. Choose IMPLICIT, a shorter dt, more
@@ -137,7 +137,7 @@ typedef struct dpt_springs_info {
  *   DPT_E_ARGUMENT  dt or a node is out of range
  */
 DPT_API dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
-                                    dpt_springs_info *report);
+                                    dpt_springs_info *info);
 
 /*
  * Where the nodes are and how fast: 3 floats each, m and m/s; `count` is dpt_springs_get_count. `speeds` may be NULL.
@@ -179,7 +179,7 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  * gone on.
  */
 DPT_API dpt_result dpt_body_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs, double dt,
-                                         dpt_springs_info *report);
+                                         dpt_springs_info *info);
 
 DPT_END
 

@@ -219,24 +219,64 @@ typedef struct dpt_force_info {
 } dpt_force_info;
 
 /* On an error, `reason` is DPT_FORCE_STALE and the wrench is zero. */
-DPT_API dpt_result dpt_tool_get_force_info(const dpt_world *world, dpt_tool tool, dpt_force_info *force);
+DPT_API dpt_result dpt_tool_get_force_info(const dpt_world *world, dpt_tool tool, dpt_force_info *info);
 
 /*
  * A function of the program's own that shapes a tool's wrench: a guide, a vibration, another law. It is called in each
  * step in which the tool has an answer, in worlds that respond, after the tool's law.
- *   report  what the law gives
- *   wrench  that of the report; the function changes it. If it is not finite then, it is zero, and the reason is
+ *   info    what the law gives
+ *   wrench  that of the info; the function changes it. If it is not finite then, it is zero, and the reason is
  *           DPT_FORCE_UNDECIDED
  * It must not call functions on the same world but the getters of the tool's pose and proxy. What energy it gives or
- * takes is its own affair: the report's energy is that of the law. A NULL function ends it. It stays through
+ * takes is its own affair: the info's energy is that of the law. A NULL function ends it. It stays through
  * dpt_world_reset and changes of settings.
  */
-typedef void (*dpt_force_fn)(void *user, const dpt_force_info *report, double dt, dpt_wrench *wrench);
+typedef void (*dpt_force_fn)(void *user, const dpt_force_info *info, double dt, dpt_wrench *wrench);
 
 DPT_API dpt_result dpt_tool_set_shaper(dpt_world *world, dpt_tool tool, dpt_force_fn shape, void *user);
 
 /* The wrench of dpt_tool_get_force_info alone; zero on an error. */
 DPT_API dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench *wrench);
+
+/*
+ * A point at which a body pushes a tool. The tool's loads sum up to its wrench (dpt_force_info.wrench, before any shaper)
+ * within rounding: the forces to its force, and the torques with the moments of the forces to its torque.
+ *   body      its id
+ *   segment   index of the tool's segment, from 0; tips go on from there
+ *   contact   id of the contact (dpt_tool_get_contacts) that the point is in or nearest to; 0 where the world lists none
+ *   triangle  source number
+ *   point     in the world, on the line of the force: where the tool's surface touches, or within the tool. With
+ *             DPT_LAW_BED it is the middle of what the contact pushes
+ *   force     on the tool, N, in world axes: with friction
+ *   torque    about the point, Nm, in world axes: what the forces cannot carry, as a torque about the normal, or the
+ *             part of a locked rotation. 0 where the law is but the points' forces
+ * A fade, a damper or a surface that yields makes the wrench another than the law's forces: these are scaled alike, and
+ * share the rest by their sizes. A wrench without any point, as while it fades after the contact is over, is that of the
+ * tool's nearest pair.
+ */
+typedef struct dpt_tool_load {
+    uint32_t size; /* sizeof(dpt_tool_load), set by the caller; in an array, that of the first item */
+    uint32_t body;
+    uint32_t segment;
+    uint32_t contact;
+    uint32_t triangle;
+    uint32_t reserved;
+    double point[3];
+    double force[3];
+    double torque[3];
+} dpt_tool_load;
+
+/*
+ * The tool's loads, from the last step; none while its wrench is zero. They cost nothing in the step.
+ *   loads   at most `capacity` are written. loads[0].size must be set. May be NULL if capacity is 0
+ *   count   how many there are, which may be more than `capacity`: at most six for a tool with a proxy, one a segment
+ *           with DPT_LAW_POINT, one a contact with DPT_LAW_BED
+ */
+DPT_API dpt_result dpt_tool_get_loads(const dpt_world *world, dpt_tool tool, dpt_tool_load *loads, uint32_t capacity,
+                                      uint32_t *count);
+
+/* The part of dpt_body_get_wrench that one tool does. */
+DPT_API dpt_result dpt_tool_get_body_wrench(const dpt_world *world, dpt_tool tool, dpt_body body, dpt_wrench *wrench);
 
 DPT_END
 

@@ -91,7 +91,13 @@ typedef struct dpt_world_def {
     double margin;     /* contact begins at this distance from the tool's surface, m, >= 0; 0.001 */
     double side_limit; /* of new bodies, see dpt_body_settings; 0 */
     double fade;       /* s, 0..1, see dpt_tool_get_force_info; 0.002 */
-    /* Of all tools together, 0..65535. 0: depth alone, no sides; the force of DPT_LAW_PROXY needs no more; 32. */
+    /*
+     * Of all tools together, 0..65535. 0: none are listed, and a tick takes about half the time. The force of
+     * DPT_LAW_PROXY is the same. Those of POINT and BED are, too, on closed meshes, within rounding. On open sheets they
+     * lose the side from which a tool came: while the axis goes through a sheet there is no force
+     * (DPT_FORCE_UNDECIDED), and beyond it none pushes the tool back. DPT_LAW_BED has its loads (dpt_tool_get_loads) at
+     * the nearest pair. Ask for what you read or show, 32 say; 0
+     */
     uint32_t max_contacts;
     /*
      * 1: the normals of contacts, and the direction of the force, are interpolated from the normals at the triangle's
@@ -127,7 +133,7 @@ typedef struct dpt_world_def {
      * limit past a body that moved before this step, as only this step can sweep it, nor for the eighth motion that
      * waits, as a ninth would be given up. Where a motion waits, a proxy may take another way round, and
      * DPT_FORCE_FLAG_BEHIND says that its wrench is a guess. The default is about 1 ms; hardly a motion but a jump
-     * takes as long. 0: unlimited; 4000
+     * takes as long. `dynpoint run` has the same default. 0: unlimited; 4000
      */
     uint32_t sweep_budget;
     uint32_t max_tips; /* of all tools together (tip.h), 0..65535; 4 */
@@ -149,8 +155,7 @@ DPT_API size_t dpt_world_bytes(const dpt_world_def *def);
 
 /*
  * Make a world in `block`, which is aligned to 8 and of at least dpt_world_bytes(def) bytes. The block must not move
- * while the world is used; a copy of its bytes is no world. There is no destroy: free the block when the world is no
- * longer used. What the def points to is read during the call.
+ * while the world is used; a copy of its bytes is no world. What the def points to is read during the call.
  *
  * DPT_E_UNSUPPORTED: this machine does not have the kernel.
  */
@@ -160,11 +165,12 @@ DPT_API dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_d
 DPT_API dpt_result dpt_world_reset(dpt_world *world);
 
 /*
- * The most that a world has used at one time since it was created. Use it to choose the capacities of the def.
- * dpt_world_reset leaves it as it is.
+ * The most that a world has used at one time since it was created, to choose the capacities of the def by, and its kernel.
+ * dpt_world_reset leaves both as they are.
  *   contacts   contacts of one step, those that did not fit included
  *   strip      triangles of one strip; if it equals strip_capacity there may have been more
  *   work       units in one step
+ *   kernel     that it uses, DPT_KERNEL_...; never DPT_KERNEL_AUTO
  */
 typedef struct dpt_world_info {
     uint32_t size; /* sizeof(dpt_world_info), set by the caller */
@@ -174,13 +180,10 @@ typedef struct dpt_world_info {
     uint32_t contacts;
     uint32_t strip;
     uint32_t work;
-    uint32_t reserved;
+    uint32_t kernel;
 } dpt_world_info;
 
-DPT_API dpt_result dpt_world_get_info(const dpt_world *world, dpt_world_info *usage);
-
-/* The kernel that the world uses, DPT_KERNEL_...; DPT_KERNEL_AUTO for NULL. */
-DPT_API uint32_t dpt_world_get_kernel(const dpt_world *world);
+DPT_API dpt_result dpt_world_get_info(const dpt_world *world, dpt_world_info *info);
 
 /* What one step found, over all tools. */
 typedef struct dpt_step {

@@ -243,10 +243,12 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
         return compile_fail(context, result, nowhere, "the def has fields of a newer version");
     if (result != DPT_OK)
         return compile_fail(context, result, nowhere, "the def's size field is not set");
-    if (given && sized_of(given) < offsetof(dpt_compile_def, reserved_pointer))
+    if (given && sized_of(given) < offsetof(dpt_compile_def, name))
         def->springs = NULL; /* of half a pointer */
+    if (given && sized_of(given) < sizeof *def)
+        def->name = NULL; /* likewise */
     compile_context_init(context, def, &call->diag);
-    if (def->reserved || def->reserved_pointer)
+    if (def->reserved)
         return compile_fail(context, DPT_E_ARGUMENT, nowhere, "the def's reserved fields are not 0");
     if (def->format > DPT_FORMAT_OFF)
         return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no such format");
@@ -311,7 +313,7 @@ dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_d
     if (result == DPT_OK && !bytes && size)
         result = compile_fail(&call.context, DPT_E_ARGUMENT, nowhere, "no bytes");
     if (result == DPT_OK)
-        result = compile_bytes(&call, NULL, size ? bytes : (const void *)"", size, out);
+        result = compile_bytes(&call, call.def.name, size ? bytes : (const void *)"", size, out);
     return end_call(&call, result, diag);
 }
 

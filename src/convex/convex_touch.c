@@ -352,12 +352,12 @@ static void push(const dpt_convex_contact *contact, const dpt_pose *tool, double
     vec3_store(add(vec3_of(wrench->torque), cross(arm, force)), wrench->torque);
 }
 
-void dpt_convex_shape_wrench(void *user, const dpt_force_info *report, double dt, dpt_wrench *wrench)
+void dpt_convex_shape_wrench(void *user, const dpt_force_info *info, double dt, dpt_wrench *wrench)
 {
     dpt_convex_shaper *shaper = user;
     dpt_convex_contact deepest = { .size = sizeof deepest, .contact = DPT_CONTACT_UNKNOWN, .triangle = DPT_NONE };
     dpt_pose tool;
-    (void)report;
+    (void)info;
     (void)dt;
     if (!shaper || !wrench || !is_valid(shaper))
         return;

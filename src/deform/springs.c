@@ -293,7 +293,7 @@ static uint32_t substeps_of(const struct dpt_springs *springs, double dt)
 
 /* vertices: loads are on those; NULL: on nodes. They are valid. */
 static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
-                       const struct spring_vertices *vertices, dpt_springs_info *report)
+                       const struct spring_vertices *vertices, dpt_springs_info *info)
 {
     dpt_springs_info own = { .size = sizeof own };
     own.substeps = substeps_of(springs, dt);
@@ -316,15 +316,15 @@ static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *l
     }
     dpti_spring_vertices_note(springs);
     dpti_region_settle(springs, dt);
-    if (report)
-        sized_write(report, report->size, &own, sizeof own);
+    if (info)
+        sized_write(info, info->size, &own, sizeof own);
     return DPT_OK;
 }
 
-dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt, const dpt_springs_info *report)
+dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt, const dpt_springs_info *info)
 {
-    if (report)
-        DPT_TRY(sized_check(report, sizeof *report, 0));
+    if (info)
+        DPT_TRY(sized_check(info, sizeof *info, 0));
     if (!(fabs(dt) <= DBL_MAX))
         return DPT_E_FINITE;
     if (!(dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX))
@@ -333,19 +333,19 @@ dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt,
 }
 
 dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
-                            dpt_springs_info *report)
+                            dpt_springs_info *info)
 {
     if (!springs)
         return DPT_E_ARGUMENT;
-    DPT_TRY(dpti_springs_check_step(springs, dt, report));
+    DPT_TRY(dpti_springs_check_step(springs, dt, info));
     DPT_TRY(check_loads(springs, loads, count));
-    return step(springs, dt, loads, count, NULL, report);
+    return step(springs, dt, loads, count, NULL, info);
 }
 
-dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count, dpt_springs_info *report)
+dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count, dpt_springs_info *info)
 {
-    DPT_TRY(dpti_springs_check_step(springs, dt, report));
-    return step(springs, dt, springs->vertices.loads, count, &springs->vertices, report);
+    DPT_TRY(dpti_springs_check_step(springs, dt, info));
+    return step(springs, dt, springs->vertices.loads, count, &springs->vertices, info);
 }
 
 dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count, float *positions, float *speeds)

@@ -321,8 +321,10 @@ static void follow_all(struct proxy_tick *tick, double *allowed)
         int result = follow_once(tick, allowed);
         if (tick->is_before && (i + 1 >= PUSHES_MAX || work_is_spent(work)) && dpti_proxy_carry(tick))
             result = FOLLOW_MOVED;
-        if (result == FOLLOW_DONE)
+        if (result == FOLLOW_DONE) {
+            tick->is_settled = 1;
             return;
+        }
         if (is_spent(tick)) {
             tick->is_waiting = 1;
             tick->proxy->owed = *allowed;

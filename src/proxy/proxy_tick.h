@@ -53,6 +53,7 @@ struct proxy_tick {
     int is_lost;      /* the segments' nearest pairs are of another pose than `at` */
     int held;         /* PROXY_HELD_... */
     int is_moved;     /* a motion was made in this tick */
+    int is_settled;   /* the last solution is of `at`, and leaves no motion to make */
     int is_waiting;   /* a budget ended the tick's motions before the proxy arrived */
     uint32_t triangle_count;
     uint32_t space_count;

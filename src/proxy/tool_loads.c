@@ -29,7 +29,56 @@ static vec3 origin_of(const struct dpt_world *world, const struct tool *tool)
     return dpti_proxy_is_used(world, tool) ? vec3_of(tool->pose.position) : tool_torque_origin(world, tool);
 }
 
-/* Rigid bodies keep no points: the sum of what is done to them is enough. */
+/* A proxy is held by as many points at most as its motion has unknowns; else a segment has one, or its contacts. */
+static uint32_t capacity_of(const dpt_world_def *def)
+{
+    return def->max_segments + HALF_SPACE_DIMENSIONS * def->max_tools + def->max_contacts;
+}
+
+uint64_t dpti_loads_bytes(const dpt_world_def *def)
+{
+    return sizeof(struct load_note) * (uint64_t)capacity_of(def);
+}
+
+char *dpti_loads_place(struct dpt_world *world, char *at)
+{
+    world->loads = (void *)at;
+    return at + dpti_loads_bytes(&world->def);
+}
+
+void dpti_loads_begin_tick(struct dpt_world *world, int (*keeps)(const struct tool *tool))
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < world->load_count; i++) {
+        const struct tool *tool = &world->tools[world->loads[i].tool_slot];
+        if (tool->slot.used && keeps(tool))
+            world->loads[kept++] = world->loads[i];
+    }
+    world->load_count = kept;
+}
+
+/* Where a note is made: the part of the tool that pushes, and what tells users of the place. */
+struct load_place {
+    uint32_t segment; /* of the tool */
+    uint32_t contact; /* id, or 0 */
+    uint32_t source;  /* number of the triangle */
+};
+
+static void note(struct dpt_world *world, const struct tool *tool, const struct load_place *place,
+                 const struct body *body, vec3 at, vec3 force)
+{
+    if (world->load_count < capacity_of(&world->def))
+        world->loads[world->load_count++] = (struct load_note){ .tool_slot = slot_of(world, tool),
+                                                                .segment = place->segment,
+                                                                .body_id = body->id,
+                                                                .triangle = place->source,
+                                                                .contact = place->contact,
+                                                                .at = at,
+                                                                .force = force,
+                                                                .about_body = body->frame.origin };
+}
+
+/* Deformable bodies keep their own points: of rigid ones they need but the sum. */
 static void note_rigid(const struct dpt_world *world, struct tool *tool, vec3 at, vec3 force)
 {
     dpt_wrench *sum = &tool->on_rigid;
@@ -38,18 +87,18 @@ static void note_rigid(const struct dpt_world *world, struct tool *tool, vec3 at
     vec3_store(add(vec3_of(sum->torque), torque), sum->torque);
 }
 
-/* A tool pushes a body with `force` (N, on the body, in the world) at the point of a triangle nearest to `at`. */
-static void note_point(struct dpt_world *world, struct tool *tool, uint32_t body_id, uint32_t triangle, vec3 at,
-                       vec3 force)
+/* The point of the body's surface, in its frame, that is nearest to a point in the world. */
+static vec3 on_surface(const struct body *body, uint32_t triangle, vec3 at)
 {
-    struct body *body = world_find_body(world, body_id);
-    struct deform *deform = body ? deform_of(body) : NULL;
-    if (!(dot(force, force) > 0.0))
-        return;
-    if (body && !deform)
-        note_rigid(world, tool, at, force);
-    if (!deform)
-        return;
+    pair nearest;
+    dpti_triangle_point_pair(&body->surface, triangle, frame_to_local(&body->frame, at), &nearest);
+    return surface_point(&body->surface, triangle, nearest.weight);
+}
+
+/* A deformable body is pushed with `force` at `at`, both in its frame. */
+static void note_deform(const struct dpt_world *world, const struct tool *tool, struct deform *deform,
+                        uint32_t triangle, vec3 at, vec3 force)
+{
     struct tool_load *load = load_of(world, tool, deform);
     if (deform->point_count == deform->def.max_points) {
         /* The tool's other points take what this one lacks, if there are any. */
@@ -60,13 +109,36 @@ static void note_point(struct dpt_world *world, struct tool *tool, uint32_t body
         load = &deform->tools[deform->tool_count++];
         *load = (struct tool_load){ .tool_slot = slot_of(world, tool), .first = deform->point_count };
     }
-    struct load_point *point = &deform->points[deform->point_count++];
-    pair nearest;
-    dpti_triangle_point_pair(&body->surface, triangle, frame_to_local(&body->frame, at), &nearest);
-    point->triangle = triangle;
-    point->at = surface_point(&body->surface, triangle, nearest.weight);
-    point->force = frame_turn_back(&body->frame, force);
+    deform->points[deform->point_count++] = (struct load_point){ .triangle = triangle, .at = at, .force = force };
     load->count++;
+}
+
+/*
+ * A tool pushes a body with `force` (N, on the body, in the world) at the point of a triangle nearest to `at`. Returns
+ * where, in the world; on a rigid body `at` itself.
+ */
+static vec3 push_point(struct dpt_world *world, struct tool *tool, const struct body *body, uint32_t triangle, vec3 at,
+                       vec3 force)
+{
+    struct deform *deform = deform_of(body);
+    if (!deform) {
+        if (world->deform_count)
+            note_rigid(world, tool, at, force);
+        return at;
+    }
+    const vec3 touched = on_surface(body, triangle, at);
+    note_deform(world, tool, deform, triangle, touched, frame_turn_back(&body->frame, force));
+    return frame_to_world(&body->frame, touched);
+}
+
+static void note_point(struct dpt_world *world, struct tool *tool, uint32_t segment, uint32_t body_id,
+                       uint32_t triangle, vec3 at, vec3 force)
+{
+    const struct body *body = world_find_body(world, body_id);
+    if (!body || !(dot(force, force) > 0.0))
+        return;
+    const struct load_place place = { .segment = segment, .source = body->surface.sources[triangle] };
+    note(world, tool, &place, body, push_point(world, tool, body, triangle, at, force), force);
 }
 
 /* What friction pulls a contact with, in m. */
@@ -79,19 +151,39 @@ static vec3 pull_at(const struct proxy_tick *tick, uint32_t space)
     return sum;
 }
 
-void dpti_loads_note_proxy(struct proxy_tick *tick)
+/*
+ * What holds the proxy. What the last motion was solved for is as good where it left no way to go, and costs nothing. Else
+ * the answers of this tick and of the next ones must not depend on what is noted: neither a budget nor what friction
+ * begins with next. Deformable bodies have the notes among their answers.
+ */
+static int solve_held(struct proxy_tick *tick)
 {
     double left[HALF_SPACE_DIMENSIONS];
+    const int is_noted_alone = tick->held == PROXY_HELD_UNKNOWN && !tick->world->deform_count;
+    if (tick->is_settled && is_noted_alone)
+        return 1;
+    const struct work work = tick->world->work;
+    const vec3 pull_shift = tick->proxy->pull_shift, pull_turn = tick->proxy->pull_turn;
+    const int is_solved = dpti_proxy_solve_held(tick, left);
+    if (is_noted_alone) {
+        tick->world->work = work;
+        tick->proxy->pull_shift = pull_shift;
+        tick->proxy->pull_turn = pull_turn;
+    }
+    return is_solved;
+}
+
+void dpti_loads_note_proxy(struct proxy_tick *tick)
+{
     const double stiffness = tick->tool->stiffness;
-    if (!tick->world->deform_count || !(stiffness > 0.0) || tick->proxy->state != PROXY_OUTSIDE ||
-        !dpti_proxy_solve_held(tick, left))
+    if (!(stiffness > 0.0) || tick->proxy->state != PROXY_OUTSIDE || !solve_held(tick))
         return;
     for (uint32_t k = 0; k < tick->solved.active_count; k++) {
         const uint32_t space = tick->solved.active[k];
         const struct proxy_triangle *triangle = &tick->triangles[tick->sources[space].triangle];
         const vec3 push = scaled(vec3_of(tick->spaces[space].normal), tick->solved.multiplier[k]);
-        note_point(tick->world, tick->tool, triangle->body_id, triangle->triangle, proxy_touch_of(tick, space),
-                   scaled(add(push, pull_at(tick, space)), -stiffness));
+        note_point(tick->world, tick->tool, triangle->segment, triangle->body_id, triangle->triangle,
+                   proxy_touch_of(tick, space), scaled(add(push, pull_at(tick, space)), -stiffness));
     }
 }
 
@@ -100,8 +192,9 @@ static void note_penetration(struct dpt_world *world, struct tool *tool, const s
 {
     const struct pushing_part *part = &segment->previous_pushing_part;
     const struct penetration *penetration = &segment->felt_penetration;
+    const uint32_t number = (uint32_t)(segment - world->segments) - tool->first_segment;
     if (part->body_id)
-        note_point(world, tool, part->body_id, part->triangle, penetration->at,
+        note_point(world, tool, number, part->body_id, part->triangle, penetration->at,
                    scaled(penetration->direction, -tool->stiffness * penetration->depth));
 }
 
@@ -119,28 +212,65 @@ static vec3 thrust_of(const dpt_contact *contact, double axis_length)
     return dot(thrust, thrust) > 0.0 ? thrust : scaled(vec3_of(contact->normal), -contact->gap * stretch);
 }
 
-/* The samples of a segment's contacts, each with its share of the contact's thrust. */
+/* Where on the axis a contact's thrust acts, as one push. */
+static double middle_of(const dpt_contact *contact)
+{
+    const vec3 thrust = vec3_of(contact->thrust);
+    const double square = dot(thrust, thrust), moment = dot(vec3_of(contact->thrust_moment), thrust);
+    return square > 0.0 ? min_of(max_of(moment / square, contact->s0), contact->s1) : contact->s;
+}
+
+/*
+ * The samples of a contact, each with its share of the thrust, where a deformable body may need them. They push in one
+ * direction, so that all together are one push, in their middle. Returns its force.
+ */
+static vec3 push_samples(struct dpt_world *world, struct tool *tool, const struct body *body,
+                         const struct persistent_contact *persistent, vec3 thrust, vec3 *at)
+{
+    const struct axis *axis = &world->segments[persistent->segment_index].answer.track.axis;
+    const double even = EVEN_SHARE / persistent->warm_start_count;
+    vec3 middle = { 0.0, 0.0, 0.0 };
+    double sum = 0.0;
+    for (uint32_t k = 0; k < persistent->warm_start_count; k++) {
+        const struct warm_start *sample = &persistent->warm_starts[k];
+        const double share = (double)sample->share + even;
+        const vec3 force = scaled(thrust, -share), from = along(axis->a, sample->s, sub(axis->b, axis->a));
+        if (!(dot(force, force) > 0.0))
+            continue;
+        middle = along(middle, share, push_point(world, tool, body, sample->triangle, from, force));
+        sum += share;
+    }
+    *at = scaled(middle, sum > 0.0 ? 1.0 / sum : 0.0);
+    return scaled(thrust, -sum);
+}
+
+static void note_contact(struct dpt_world *world, struct tool *tool, const struct persistent_contact *persistent)
+{
+    const dpt_contact *contact = &persistent->contact;
+    const struct axis *axis = &world->segments[persistent->segment_index].answer.track.axis;
+    const vec3 u = sub(axis->b, axis->a), thrust = thrust_of(contact, length(u));
+    const struct load_place place = { persistent->segment_index - tool->first_segment, contact->id, contact->triangle };
+    const struct body *body = world_find_body(world, contact->body);
+    vec3 at = along(axis->a, middle_of(contact), u), force = scaled(thrust, -1.0);
+    if (body && world->deform_count)
+        force = push_samples(world, tool, body, persistent, thrust, &at);
+    if (body && dot(force, force) > 0.0)
+        note(world, tool, &place, body, at, force);
+}
+
 static void note_contacts(struct dpt_world *world, struct tool *tool, uint32_t segment_index)
 {
     const struct persistent_contacts *contacts = contacts_this_tick(world);
-    const struct axis *axis = &world->segments[segment_index].answer.track.axis;
     for (uint32_t i = 0; i < contacts->count; i++) {
         const struct persistent_contact *persistent = &contacts->items[i];
-        const dpt_contact *contact = &persistent->contact;
-        if (persistent->segment_index != segment_index || persistent->is_unseen || !(contact->gap < 0.0))
-            continue;
-        const double even = EVEN_SHARE / persistent->warm_start_count;
-        for (uint32_t k = 0; k < persistent->warm_start_count; k++) {
-            const struct warm_start *sample = &persistent->warm_starts[k];
-            note_point(world, tool, contact->body, sample->triangle, along(axis->a, sample->s, sub(axis->b, axis->a)),
-                       scaled(thrust_of(contact, length(sub(axis->b, axis->a))), -((double)sample->share + even)));
-        }
+        if (persistent->segment_index == segment_index && !persistent->is_unseen && persistent->contact.gap < 0.0)
+            note_contact(world, tool, persistent);
     }
 }
 
 void dpti_loads_note_segments(struct dpt_world *world, struct tool *tool)
 {
-    for (uint32_t i = 0; world->deform_count && i < tool->segment_count; i++) {
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
         const struct segment *segment = &world->segments[tool->first_segment + i];
         if (segment->force_reason != DPT_FORCE_ACTS)
             continue;
@@ -204,6 +334,7 @@ static void settle_body(struct body *body, struct tool_load *load, double scale,
  */
 static void note_nearest(struct dpt_world *world, struct tool *tool)
 {
+    const vec3 force = scaled(vec3_of(tool->wrench.force), -1.0);
     const struct segment *nearest = NULL;
     for (uint32_t i = 0; i < tool->segment_count; i++) {
         const struct segment *segment = &world->segments[tool->first_segment + i];
@@ -214,30 +345,37 @@ static void note_nearest(struct dpt_world *world, struct tool *tool)
     if (!nearest)
         return;
     const struct dynamic_point *track = &nearest->answer.track;
-    note_point(world, tool, nearest->answer.body->id, track->nearest.triangle,
-               along(track->axis.a, track->nearest.pair.s, sub(track->axis.b, track->axis.a)),
-               scaled(vec3_of(tool->wrench.force), -1.0));
+    const uint32_t triangle = track->nearest.triangle;
+    const vec3 at = along(track->axis.a, track->nearest.pair.s, sub(track->axis.b, track->axis.a));
+    const struct body *body = nearest->answer.body;
+    const struct load_place place = { .segment = (uint32_t)(nearest - world->segments) - tool->first_segment,
+                                      .source = body->surface.sources[triangle] };
+    /* A torque may be alone. */
+    const int has_force = dot(force, force) > 0.0;
+    note(world, tool, &place, body, has_force ? push_point(world, tool, body, triangle, at, force) : at, force);
 }
 
-/* Whether the tool touches anything in this tick. */
-static int has_points(const struct dpt_world *world, const struct tool *tool)
+static int wrench_acts(const dpt_wrench *wrench)
 {
-    const vec3 on_rigid = vec3_of(tool->on_rigid.force);
-    for (uint32_t i = 0; i < world->body_slot_end; i++) {
-        const struct body *body = &world->bodies[i];
-        if (body->slot.used && deform_of(body) && load_of(world, tool, deform_of(body)))
+    const vec3 force = vec3_of(wrench->force), torque = vec3_of(wrench->torque);
+    return dot(force, force) + dot(torque, torque) > 0.0;
+}
+
+/* Whether the tool pushes anything in this tick. */
+static int has_notes(const struct dpt_world *world, const struct tool *tool)
+{
+    for (uint32_t i = 0; i < world->load_count; i++)
+        if (world->loads[i].tool_slot == slot_of(world, tool))
             return 1;
-    }
-    return dot(on_rigid, on_rigid) > 0.0;
+    return 0;
 }
 
-void dpti_loads_settle(struct dpt_world *world, struct tool *tool)
+/* What the deformable bodies have of it. */
+static void settle_deformable(struct dpt_world *world, struct tool *tool)
 {
-    if (world->deform_count && !has_points(world, tool))
-        note_nearest(world, tool);
     vec3 force = vec3_of(tool->on_rigid.force), torque = vec3_of(tool->on_rigid.torque);
     double all = 0.0;
-    for (uint32_t i = 0; world->deform_count && i < world->body_slot_end; i++) {
+    for (uint32_t i = 0; i < world->body_slot_end; i++) {
         struct body *body = &world->bodies[i];
         struct tool_load *load = body->slot.used && deform_of(body) ? load_of(world, tool, deform_of(body)) : NULL;
         double size;
@@ -261,4 +399,64 @@ void dpti_loads_settle(struct dpt_world *world, struct tool *tool)
         if (load)
             settle_body(body, load, scale, 1.0 / all, &rest);
     }
+}
+
+void dpti_loads_settle(struct dpt_world *world, struct tool *tool)
+{
+    tool->law_wrench = tool->wrench;
+    tool->law_origin = origin_of(world, tool);
+    if (wrench_acts(&tool->wrench) && !has_notes(world, tool))
+        note_nearest(world, tool);
+    if (world->deform_count)
+        settle_deformable(world, tool);
+}
+
+static int is_deformable(const struct dpt_world *world, const struct load_note *note)
+{
+    const struct body *body = world_find_body(world, note->body_id);
+    return body && deform_of(body);
+}
+
+/* By what notes share the rest of a wrench. Only one that is alone has no force. */
+static double weight_of(const struct load_note *note)
+{
+    const double size = length(note->force);
+    return size > 0.0 ? size : 1.0;
+}
+
+struct load_settlement dpti_loads_settlement(const struct dpt_world *world, const struct tool *tool)
+{
+    const vec3 wrench_force = vec3_of(tool->law_wrench.force), wrench_torque = vec3_of(tool->law_wrench.torque);
+    vec3 force = { 0.0, 0.0, 0.0 }, torque = force;
+    double rigid = 0.0, deformable = 0.0;
+    struct load_settlement settled = { .scale = 1.0 };
+    if (!wrench_acts(&tool->law_wrench))
+        return settled;
+    for (uint32_t i = 0; i < world->load_count; i++) {
+        const struct load_note *note = &world->loads[i];
+        if (note->tool_slot != slot_of(world, tool))
+            continue;
+        *(is_deformable(world, note) ? &deformable : &rigid) += weight_of(note);
+        force = add(force, note->force);
+        torque = add(torque, cross(sub(note->at, tool->law_origin), note->force));
+        settled.count++;
+    }
+    settled.scale = scale_of(force, wrench_force);
+    vec3_store(scaled(along(wrench_force, settled.scale, force), -1.0), settled.rest.force);
+    vec3_store(scaled(along(wrench_torque, settled.scale, torque), -1.0), settled.rest.torque);
+    settled.deform_share = deformable > 0.0 ? 1.0 / deformable : 0.0;
+    settled.rigid_share = !(deformable > 0.0) && rigid > 0.0 ? 1.0 / rigid : 0.0;
+    return settled;
+}
+
+dpt_wrench dpti_loads_of_note(const struct dpt_world *world, const struct tool *tool,
+                              const struct load_settlement *settled, const struct load_note *note)
+{
+    const double share = weight_of(note) * (is_deformable(world, note) ? settled->deform_share : settled->rigid_share);
+    const vec3 force = scaled(vec3_of(settled->rest.force), share);
+    const vec3 torque = cross(sub(note->at, tool->law_origin), force);
+    dpt_wrench on_body;
+    vec3_store(along(force, settled->scale, note->force), on_body.force);
+    vec3_store(sub(scaled(vec3_of(settled->rest.torque), share), torque), on_body.torque);
+    return on_body;
 }

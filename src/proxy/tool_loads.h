@@ -1,9 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What tools do to deformable bodies: docs/algorithms/deform.md. In worlds without such bodies nothing is noted. */
+/* What tools do to bodies, and where: docs/algorithms/force.md, and for deformable ones docs/algorithms/deform.md. */
 #ifndef DPT_TOOL_LOADS_H
 #define DPT_TOOL_LOADS_H
 
 #include "proxy/proxy_tick.h"
+
+/* Its share of dpt_world_bytes. */
+uint64_t dpti_loads_bytes(const dpt_world_def *def);
+
+/* Place its memory at `at`; returns where it ends. */
+char *dpti_loads_place(struct dpt_world *world, char *at);
+
+/* Forget the notes of the last tick, but those of tools for which `keeps` says 1. */
+void dpti_loads_begin_tick(struct dpt_world *world, int (*keeps)(const struct tool *tool));
 
 /* Note where a proxy is held, at the end of its tick. */
 void dpti_loads_note_proxy(struct proxy_tick *tick);
@@ -11,7 +20,24 @@ void dpti_loads_note_proxy(struct proxy_tick *tick);
 /* Note where the segments of a tool without a proxy are pushed. */
 void dpti_loads_note_segments(struct dpt_world *world, struct tool *tool);
 
-/* After the tool's wrench is known: what its points sum up to on each body is the reaction to it. */
+/* After the tool's wrench is known: what its points sum up to on each deformable body is the reaction to it. */
 void dpti_loads_settle(struct dpt_world *world, struct tool *tool);
+
+/*
+ * What a tool's notes become as parts of its wrench: `scale` times each force, and by `share` of its size what the wrench
+ * is beyond their sum, on the bodies.
+ */
+struct load_settlement {
+    double scale;
+    double rigid_share, deform_share;
+    dpt_wrench rest;
+    uint32_t count; /* of notes; 0: no force */
+};
+
+struct load_settlement dpti_loads_settlement(const struct dpt_world *world, const struct tool *tool);
+
+/* The force on the body of one of the tool's notes, and its torque about the note's point. */
+dpt_wrench dpti_loads_of_note(const struct dpt_world *world, const struct tool *tool,
+                              const struct load_settlement *settled, const struct load_note *note);
 
 #endif

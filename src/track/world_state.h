@@ -82,6 +82,22 @@ struct tool {
      * What it does to rigid bodies in this tick, about where its torque is; only with deformable bodies in the world.
      */
     dpt_wrench on_rigid;
+    /* Of the last step that had an answer, before any shaper: the wrench, and the point in the world that it is about. */
+    dpt_wrench law_wrench;
+    vec3 law_origin;
+};
+
+/* Where a tool pushes a body: src/proxy/tool_loads.c. */
+struct load_note {
+    uint32_t tool_slot;
+    uint32_t segment; /* of the tool, from 0; tips go on from its segment_count */
+    uint32_t body_id;
+    uint32_t triangle; /* source number */
+    uint32_t contact;  /* id; 0: the law does not push by contacts */
+    uint32_t reserved;
+    vec3 at;         /* in the world */
+    vec3 force;      /* on the body, in the world; as the law has it, before a fade or a damper */
+    vec3 about_body; /* the origin of the body's frame, in the world */
 };
 
 /* The nearest pair of a tip and all bodies. */
@@ -367,7 +383,6 @@ struct dpt_world {
     dpt_world_def def; /* its `baseline` points to the next field */
     dpt_baseline_def baseline;
     struct kernel kernel;
-    uint32_t kernel_id;
     uint32_t body_slot_end; /* slots from here on were never used */
     uint32_t tool_slot_end; /* the same for tools */
     uint32_t body_count;
@@ -381,7 +396,7 @@ struct dpt_world {
     struct work work;            /* this tick's, with its budget */
     uint32_t sweep_work_left;    /* units that the sweeps of this tick may still take */
     uint32_t undone_segment;     /* index of the first segment that the budget left undone */
-    dpt_world_info usage;
+    dpt_world_info usage; /* with the kernel */
     uint64_t steps;               /* since it was created, that succeeded */
     double time;                  /* s: the sum of their dt */
     uint32_t ticks;               /* the number of the present tick, from 1 on, or of the last one; may wrap */
@@ -413,8 +428,10 @@ struct dpt_world {
     struct persistent_contacts contacts[2]; /* this tick's and last tick's */
     struct segment_strip *segment_strips;   /* per segment; only with strips */
     struct proxy *proxies;                  /* one a tool; only where the world responds */
-    struct near_bodies near_bodies;         /* of the segment in work */
-    struct distance_profile profile;        /* of the segment and body in work */
+    struct load_note *loads;                /* of the last step; a tool's in the order of its law */
+    uint32_t load_count;
+    struct near_bodies near_bodies;  /* of the segment in work */
+    struct distance_profile profile; /* of the segment and body in work */
 };
 
 /* 1 if a tool's answers can be known: its input and that of all bodies can be used. */

@@ -83,8 +83,8 @@ void check_name(const Element &element)
     const std::string *name = element.attribute("name");
     for (size_t i = 0; name && i < name->size(); i++)
         if (static_cast<unsigned char>((*name)[i]) < 0x20)
-            refuse(DPT_E_SYNTAX, element.line, "%s %s: a line break or tab in its name",
-                   element.tag.c_str(), quoted(*name).c_str());
+            refuse(DPT_E_SYNTAX, element.line, "%s %s: a line break or tab in its name", element.tag.c_str(),
+                   quoted(*name).c_str());
 }
 
 struct Ignored {
@@ -125,8 +125,7 @@ struct Checker {
 
     void check_quaternion(size_t index, const std::string &value);
     void check_attributes(size_t index, const ElementRule &rule);
-    void register_name(size_t index, std::vector<size_t> *list,
-                       std::map<std::string, size_t> *by_name);
+    void register_name(size_t index, std::vector<size_t> *list, std::map<std::string, size_t> *by_name);
     void refuse_repeated(size_t index);
     void refuse_capsule(size_t index);
     void check_element(size_t index);
@@ -144,8 +143,8 @@ void Checker::check_quaternion(size_t index, const std::string &value)
     for (double &number : q)
         in >> number;
     if (!in || !(in >> std::ws).eof())
-        refuse(DPT_E_SYNTAX, line, "%s: quat_xyzw %s is not four numbers, x y z w",
-               owner(index).c_str(), quoted(value).c_str());
+        refuse(DPT_E_SYNTAX, line, "%s: quat_xyzw %s is not four numbers, x y z w", owner(index).c_str(),
+               quoted(value).c_str());
     if (std::fabs(q[0]) > 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0)
         notes->add(line, owner(index) + ": quat_xyzw " + quoted(value) +
                              " is half a turn about x: the order is x y z w, no turn is 0 0 0 1");
@@ -167,14 +166,13 @@ void Checker::check_attributes(size_t index, const ElementRule &rule)
             continue;
         }
         if (rule.is_strict && !has_all(e, rule.attributes))
-            refuse(DPT_E_SYNTAX, e.line, "%s: <%s> has no attribute %s, only: %s",
-                   owner(index).c_str(), e.tag.c_str(), quoted(a.name).c_str(), rule.attributes);
+            refuse(DPT_E_SYNTAX, e.line, "%s: <%s> has no attribute %s, only: %s", owner(index).c_str(), e.tag.c_str(),
+                   quoted(a.name).c_str(), rule.attributes);
         ignore(e.line, "attribute " + a.name + " of <" + e.tag + ">");
     }
 }
 
-void Checker::register_name(size_t index, std::vector<size_t> *list,
-                            std::map<std::string, size_t> *by_name)
+void Checker::register_name(size_t index, std::vector<size_t> *list, std::map<std::string, size_t> *by_name)
 {
     const Element &e = outline->elements[index];
     const std::string *name = e.attribute("name");
@@ -182,8 +180,8 @@ void Checker::register_name(size_t index, std::vector<size_t> *list,
         refuse(DPT_E_SYNTAX, e.line, "a <%s> has no name", e.tag.c_str());
     check_name(e);
     if (by_name->count(*name))
-        refuse(DPT_E_SYNTAX, e.line, "%s %s is there twice, first in line %zu", e.tag.c_str(),
-               quoted(*name).c_str(), outline->elements[(*list)[(*by_name)[*name]]].line);
+        refuse(DPT_E_SYNTAX, e.line, "%s %s is there twice, first in line %zu", e.tag.c_str(), quoted(*name).c_str(),
+               outline->elements[(*list)[(*by_name)[*name]]].line);
     (*by_name)[*name] = list->size();
     list->push_back(index);
 }
@@ -196,8 +194,8 @@ void Checker::refuse_repeated(size_t index)
         if (other.parent != e.parent)
             continue;
         if (other.tag == e.tag)
-            refuse(DPT_E_SYNTAX, e.line, "%s: a second <%s>, the first is in line %zu",
-                   owner(index).c_str(), e.tag.c_str(), other.line);
+            refuse(DPT_E_SYNTAX, e.line, "%s: a second <%s>, the first is in line %zu", owner(index).c_str(),
+                   e.tag.c_str(), other.line);
         if (outline->elements[e.parent].tag == "geometry")
             refuse(DPT_E_SYNTAX, e.line,
                    "%s: <%s> and <%s> in one <geometry>: each needs its own "
@@ -213,11 +211,10 @@ void Checker::refuse_capsule(size_t index)
                   &shape = outline->elements[geometry.parent];
     if (!is_version_1_1 && e.tag == "capsule" && geometry.tag == "geometry" &&
         (shape.tag == "collision" || shape.tag == "visual") && paths[shape.parent] == "robot/link")
-        refuse(DPT_E_UNSUPPORTED, e.line, "%s: %s", owner(index).c_str(),
-               knows_capsules
-                   ? "<capsule> is of URDF 1.1: write <robot version=\"1.1\">"
-                   : "this build's urdfdom knows no <capsule>: make it a <cylinder>, or build "
-                     "with urdfdom 5.1 or later");
+        refuse(knows_capsules ? DPT_E_UNSUPPORTED : DPT_E_ABSENT, e.line, "%s: %s", owner(index).c_str(),
+               knows_capsules ? "<capsule> is of URDF 1.1: write <robot version=\"1.1\">"
+                              : "this build's urdfdom knows no <capsule>: make it a <cylinder>, or build "
+                                "with urdfdom 5.1 or later");
 }
 
 void Checker::check_element(size_t index)
@@ -230,8 +227,7 @@ void Checker::check_element(size_t index)
     std::string path = index ? parent + "/" + e.tag : e.tag;
     const ElementRule *rule = rule_for(path);
     if (e.tag.compare(0, 6, "xacro:") == 0)
-        refuse(DPT_E_FORMAT, e.line, "<%s> is xacro: run `xacro FILE` and compile what it prints",
-               e.tag.c_str());
+        refuse(DPT_E_FORMAT, e.line, "<%s> is xacro: run `xacro FILE` and compile what it prints", e.tag.c_str());
     if (!rule) {
         /* urdfdom itself refuses a shape that it does not know. */
         if (outline->elements[e.parent].tag != "geometry")
@@ -257,18 +253,13 @@ void outline_check(Outline *outline, bool knows_capsules, Notes &notes)
     const size_t links_max = 4000;
     const Element &root = outline->elements[0];
     if (root.tag != "robot")
-        refuse(DPT_E_FORMAT, root.line, "not a URDF: <%.40s> where <robot> should be",
-               root.tag.c_str());
+        refuse(DPT_E_FORMAT, root.line, "not a URDF: <%.40s> where <robot> should be", root.tag.c_str());
     check_name(root);
     const std::string *version = root.attribute("version");
     const bool is_version_1_1 = knows_capsules && version && *version != "1.0";
-    Checker checker = { outline,
-                        &notes,
-                        knows_capsules,
-                        is_version_1_1,
-                        std::vector<std::string>(outline->elements.size()),
-                        {},
-                        {} };
+    Checker checker = {
+        outline, &notes, knows_capsules, is_version_1_1, std::vector<std::string>(outline->elements.size()), {}, {}
+    };
     for (size_t i = 0; i < outline->elements.size(); i++) {
         checker.check_element(i);
         if (outline->links.size() > links_max)
@@ -276,8 +267,8 @@ void outline_check(Outline *outline, bool knows_capsules, Notes &notes)
     }
     for (const std::string &what : checker.ignored_order) {
         const Ignored &ignored = checker.ignored[what];
-        notes.add(ignored.line, ignored.count == 1 ? what + " is left out"
-                                                   : line_of_text("%s is left out, %zu times",
-                                                                  what.c_str(), ignored.count));
+        notes.add(ignored.line, ignored.count == 1
+                                    ? what + " is left out"
+                                    : line_of_text("%s is left out, %zu times", what.c_str(), ignored.count));
     }
 }

@@ -459,8 +459,7 @@ static void take_displaced(const struct dpt_world *world, const struct body *bod
     dpti_spring_contact_end(springs);
 }
 
-dpt_result dpt_body_step_springs(dpt_world *world, dpt_body id, dpt_springs *springs, double dt,
-                                 dpt_springs_info *report)
+dpt_result dpt_body_step_springs(dpt_world *world, dpt_body id, dpt_springs *springs, double dt, dpt_springs_info *info)
 {
     uint32_t count = 0;
     if (!world || !springs)
@@ -470,7 +469,7 @@ dpt_result dpt_body_step_springs(dpt_world *world, dpt_body id, dpt_springs *spr
         return DPT_E_HANDLE;
     if (springs->def.mesh != body->surface.mesh)
         return DPT_E_ARGUMENT;
-    DPT_TRY(dpti_springs_check_step(springs, dt, report));
+    DPT_TRY(dpti_springs_check_step(springs, dt, info));
     const struct spring_vertices *vertices = &springs->vertices;
     if (deform_of(body)->def.response == DPT_RESPONSE_LOAD)
         DPT_TRY(dpt_body_get_loads(world, id, vertices->loads, springs->def.max_loads, &count));
@@ -478,7 +477,7 @@ dpt_result dpt_body_step_springs(dpt_world *world, dpt_body id, dpt_springs *spr
         return DPT_E_UNSUPPORTED;
     else
         take_displaced(world, body, springs, dt);
-    DPT_TRY(dpti_springs_step_loaded(springs, dt, count, report));
+    DPT_TRY(dpti_springs_step_loaded(springs, dt, count, info));
     const uint32_t moved = dpti_spring_vertices_gather(springs);
     return moved == body->surface.mesh->vertices
                ? dpt_body_set_vertices(world, id, 0, moved, vertices->positions, -1.0)

@@ -46,6 +46,12 @@ static const struct search_stages *search_of(const struct tool *tool);
 static const struct force_stages *force_of(const struct tool *tool);
 static void choose_rows(struct dpt_world *world, struct tool *tool);
 
+/* A proxy that rests is pushed as before; the other laws note their loads in each tick. */
+static int keeps_loads(const struct tool *tool)
+{
+    return tool->search == SEARCH_OF_REST && tool->force == FORCE_OF_PROXY;
+}
+
 /* Choose the rows of all tools for this tick, and end the answers of the last one. */
 static void begin_tools(struct dpt_world *world)
 {
@@ -56,6 +62,7 @@ static void begin_tools(struct dpt_world *world)
         choose_rows(world, tool);
         search_of(tool)->begin(world, tool);
     }
+    dpti_loads_begin_tick(world, keeps_loads);
 }
 
 static void begin_tick(struct dpt_world *world)
@@ -154,9 +161,9 @@ static void contact_tools(struct dpt_world *world, uint32_t first, double dt)
 /* Let the program's own function have the wrench. */
 static void shape_wrench(const struct dpt_world *world, struct tool *tool, double dt)
 {
-    const dpt_force_info report = dpti_tool_report(world, tool);
+    const dpt_force_info info = dpti_tool_force_info(world, tool);
     const dpt_wrench none = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
-    tool->shape(tool->shape_user, &report, dt, &tool->wrench);
+    tool->shape(tool->shape_user, &info, dt, &tool->wrench);
     tool->force_flags |= DPT_FORCE_FLAG_SHAPED;
     if (wrench_is_finite(&tool->wrench))
         return;

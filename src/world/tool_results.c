@@ -38,6 +38,7 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
             dpti_strip_clear(world->segment_strips[tool->first_segment + i].strip, NULL);
     }
     memset(&tool->wrench, 0, sizeof tool->wrench);
+    memset(&tool->law_wrench, 0, sizeof tool->law_wrench);
     tool->energy = tool->body_work = 0.0;
 }
 
@@ -133,35 +134,35 @@ dpt_result dpt_tool_get_wrench(const dpt_world *world, dpt_tool tool, dpt_wrench
     return DPT_OK;
 }
 
-dpt_force_info dpti_tool_report(const struct dpt_world *world, const struct tool *tool)
+dpt_force_info dpti_tool_force_info(const struct dpt_world *world, const struct tool *tool)
 {
-    dpt_force_info report = { .size = sizeof report,
-                              .reason = tool->force_reason,
-                              .flags = tool->force_flags,
-                              .law = tool->law,
-                              .wrench = tool->wrench,
-                              .energy = tool->energy,
-                              .body_work = tool->body_work };
+    dpt_force_info info = { .size = sizeof info,
+                            .reason = tool->force_reason,
+                            .flags = tool->force_flags,
+                            .law = tool->law,
+                            .wrench = tool->wrench,
+                            .energy = tool->energy,
+                            .body_work = tool->body_work };
     if (dpti_proxy_is_used(world, tool)) {
         const struct proxy *proxy = &world->proxies[tool - world->tools];
-        report.lag = proxy->lag;
-        report.folds = proxy->folds;
-        report.sticking = proxy->sticking;
-        report.slipping = proxy->slipping;
+        info.lag = proxy->lag;
+        info.folds = proxy->folds;
+        info.sticking = proxy->sticking;
+        info.slipping = proxy->slipping;
     }
-    return report;
+    return info;
 }
 
-dpt_result dpt_tool_get_force_info(const dpt_world *world, dpt_tool tool, dpt_force_info *force)
+dpt_result dpt_tool_get_force_info(const dpt_world *world, dpt_tool tool, dpt_force_info *info)
 {
-    if (!force)
+    if (!info)
         return DPT_E_ARGUMENT;
     dpt_force_info now = { .reason = DPT_FORCE_STALE };
-    DPT_TRY(sized_check(force, sizeof now, 0));
+    DPT_TRY(sized_check(info, sizeof now, 0));
     const struct tool *owner = world ? world_find_tool(world, tool) : NULL;
     if (owner)
-        now = dpti_tool_report(world, owner);
-    sized_write(force, force->size, &now, sizeof now);
+        now = dpti_tool_force_info(world, owner);
+    sized_write(info, info->size, &now, sizeof now);
     return owner ? DPT_OK : world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
 }
 

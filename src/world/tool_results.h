@@ -9,7 +9,7 @@
 void dpti_tool_write_hit(struct segment *segment);
 
 /* What dpt_tool_get_force_info tells. */
-dpt_force_info dpti_tool_report(const struct dpt_world *world, const struct tool *tool);
+dpt_force_info dpti_tool_force_info(const struct dpt_world *world, const struct tool *tool);
 
 /* Make all answers of a tool stale, and its wrench zero. */
 void dpti_tool_clear(struct dpt_world *world, struct tool *tool);

@@ -6,6 +6,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "proxy/proxy.h"
+#include "proxy/tool_loads.h"
 #include "track/body_search.h"
 #include "track/persistent_contacts.h"
 #include "track/swept_motion.h"
@@ -22,7 +23,7 @@
 enum {
     BYTES_WORLD = 24576, /* the world itself, with one distance profile */
     BYTES_BODY = 2048,   /* with its box */
-    BYTES_TOOL = 384,
+    BYTES_TOOL = 512,
     BYTES_SEGMENT = 1920,
     BYTES_TIP = 1088,
     BYTES_HULL = 6784,
@@ -47,8 +48,8 @@ static size_t layout_bytes(const dpt_world_def *def)
     uint64_t bytes = BYTES_WORLD + BYTES_BODY * (uint64_t)def->max_bodies + BYTES_TOOL * (uint64_t)def->max_tools +
                      BYTES_SEGMENT * (uint64_t)def->max_segments + (BYTES_TIP + BYTES_HULL) * (uint64_t)def->max_tips +
                      point_cache_bytes(def) + dpti_backlog_bytes(def) + dpti_persistent_contacts_bytes(def) +
-                     dpti_strips_bytes(def) + dpti_proxy_bytes(def) + dpti_broad_phase_bytes(def) +
-                     dpti_body_search_bytes(def) + dpti_baseline_bytes(def);
+                     dpti_strips_bytes(def) + dpti_proxy_bytes(def) + dpti_loads_bytes(def) +
+                     dpti_broad_phase_bytes(def) + dpti_body_search_bytes(def) + dpti_baseline_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -76,6 +77,7 @@ static void place_arrays(struct dpt_world *world)
     at = dpti_persistent_contacts_place(world, at);
     at = dpti_strips_place(world, at);
     at = dpti_proxy_place(world, at);
+    at = dpti_loads_place(world, at);
     at = dpti_broad_phase_place(world, at);
     at = dpti_body_search_place(world, at);
     dpti_baseline_place(world, at);
@@ -115,15 +117,10 @@ dpt_result dpt_world_create(void *block, size_t bytes, const dpt_world_def *give
     made->baseline = baseline;
     made->def.baseline = &made->baseline;
     made->kernel = kernel;
-    made->kernel_id = kernel_id;
+    made->usage.kernel = kernel_id;
     place_arrays(made);
     *world = made;
     return DPT_OK;
-}
-
-uint32_t dpt_world_get_kernel(const dpt_world *world)
-{
-    return world ? world->kernel_id : DPT_KERNEL_AUTO;
 }
 
 dpt_result dpt_world_reset(dpt_world *world)
@@ -148,11 +145,11 @@ dpt_result dpt_world_reset(dpt_world *world)
     return DPT_OK;
 }
 
-dpt_result dpt_world_get_info(const dpt_world *world, dpt_world_info *usage)
+dpt_result dpt_world_get_info(const dpt_world *world, dpt_world_info *info)
 {
-    if (!world || !usage)
+    if (!world || !info)
         return DPT_E_ARGUMENT;
-    DPT_TRY(sized_check(usage, sizeof *usage, 0));
-    sized_write(usage, usage->size, &world->usage, sizeof world->usage);
+    DPT_TRY(sized_check(info, sizeof *info, 0));
+    sized_write(info, info->size, &world->usage, sizeof world->usage);
     return DPT_OK;
 }

@@ -15,7 +15,6 @@ void dpt_world_def_defaults(dpt_world_def *def, size_t size)
         .certificate_bytes = 1 << 20,
         .margin = 0.001,
         .fade = 0.002,
-        .max_contacts = 32,
         .strip_capacity = 1024,
         .strip_search = 16384,
         .law = DPT_LAW_PROXY,

@@ -18,28 +18,77 @@ urdf=
 convex=
 [ ! -e "$build/libdynpoint_convex.a" ] || convex=libdynpoint_convex
 for lib in libdynpoint libdynpoint_compile libdynpoint_drivers $urdf $convex; do
-    nm -D --with-symbol-versions --defined-only "$build/$lib.so.0" >"$scratch/$lib.versions"
+    nm -D --with-symbol-versions --defined-only "$build/$lib.so.1" >"$scratch/$lib.versions"
     awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' "$scratch/$lib.versions" | LC_ALL=C sort >"$scratch/$lib.symbols"
     diff "$here/$lib.symbols" "$scratch/$lib.symbols"
     verdict $? "$lib exports what $here/$lib.symbols lists"
-    ! grep -v ' A ' "$scratch/$lib.versions" | grep -qv '@@DYNPOINT_0_2$'
-    verdict $? "each under the version DYNPOINT_0_2"
+    ! grep -v ' A ' "$scratch/$lib.versions" | grep -qv '@@DYNPOINT_0_3$'
+    verdict $? "each under the version DYNPOINT_0_3"
     nm -g --defined-only "$build/$lib.a" | awk 'NF == 3 { print $3 }' | LC_ALL=C sort >"$scratch/$lib.archive"
     diff "$here/$lib.symbols" "$scratch/$lib.archive"
     verdict $? "$lib.a shows no other name"
 done
 
-# A program that was linked to 0.1 says so, and is refused before it runs.
-mkdir "$scratch/old"
-echo 'const char *dpt_version(void) { return "0.1.0"; }' >"$scratch/old.c"
-echo 'DYNPOINT_0 { global: dpt_*; local: *; };' >"$scratch/old.map"
+# A program that was linked to 0.1 or 0.2 is refused before it runs: its soname is another, and so are its symbols' versions,
+# should someone give our library that name.
+mkdir "$scratch/old" "$scratch/renamed"
+ln -s "$(cd "$build" && pwd)/libdynpoint.so.1" "$scratch/renamed/libdynpoint.so.0"
 echo 'const char *dpt_version(void); int main(void) { return dpt_version()[0] != 48; }' >"$scratch/linked.c"
-${CC:-cc} -shared -fPIC "$scratch/old.c" -Wl,--version-script="$scratch/old.map" -Wl,-soname,libdynpoint.so.0 \
-    -o "$scratch/old/libdynpoint.so.0" &&
-    ${CC:-cc} "$scratch/linked.c" "$scratch/old/libdynpoint.so.0" -o "$scratch/linked" &&
-    LD_LIBRARY_PATH="$scratch/old" "$scratch/linked" && ! LD_LIBRARY_PATH="$build" "$scratch/linked" 2>"$scratch/refused" &&
-    grep -q DYNPOINT_0 "$scratch/refused"
-verdict $? "a program linked to 0.1 is refused when it is loaded"
+echo 'const char *dpt_version(void) { return "0.2.0"; }' >"$scratch/old.c"
+for version in DYNPOINT_0 DYNPOINT_0_2; do
+    echo "$version { global: dpt_*; local: *; };" >"$scratch/old.map"
+    ${CC:-cc} -shared -fPIC "$scratch/old.c" -Wl,--version-script="$scratch/old.map" -Wl,-soname,libdynpoint.so.0 \
+        -o "$scratch/old/libdynpoint.so.0" &&
+        ${CC:-cc} "$scratch/linked.c" "$scratch/old/libdynpoint.so.0" -o "$scratch/linked" &&
+        LD_LIBRARY_PATH="$scratch/old" "$scratch/linked" &&
+        ! LD_LIBRARY_PATH="$build" "$scratch/linked" 2>"$scratch/refused" && grep -q 'libdynpoint.so.0' "$scratch/refused" &&
+        ! LD_LIBRARY_PATH="$scratch/renamed" "$scratch/linked" 2>"$scratch/refused" && grep -q "$version" "$scratch/refused"
+    verdict $? "a program linked to a library of $version is refused when it is loaded"
+done
+
+# What the libraries of 0.3 had: functions, the types of their arguments, structs and enums. All of it is still there; more
+# may be. Of a report of abidiff, lines on sizes and on what was inserted are no loss; anything else that changed is.
+losses() {
+    abidiff --harmless --leaf-changes-only --no-added-syms "$1" "$2" >"$scratch/abidiff.report"
+    [ $(($? & 3)) -eq 0 ] || return 1
+    grep -vE "summary:|size changed from|^'(struct|enum|union) .*' changed:\$|^ *[0-9]+ (data member|enumerator) (insertion|change)s?:?\$" "$scratch/abidiff.report" |
+        grep -E 'emoved|[1-9][0-9]* .*deletion|changed|ELF SONAME|eleted'
+    [ $? -eq 1 ]
+}
+if ! command -v abidiff >/dev/null 2>&1 || ! command -v abidw >/dev/null 2>&1; then
+    skip "types of arguments as in 0.3: no abidiff (Debian: abigail-tools)"
+elif [ "$(uname -m)" != x86_64 ]; then
+    skip "types of arguments as in 0.3: the descriptions are of x86-64"
+elif ! sh "$here/describe.sh" "$scratch/described" "$scratch/abi" libdynpoint libdynpoint_compile libdynpoint_drivers $urdf $convex; then
+    verdict 1 "the libraries are described"
+else
+    for lib in libdynpoint libdynpoint_compile libdynpoint_drivers $urdf $convex; do
+        losses "$here/$lib.abi" "$scratch/abi/$lib.abi"
+        verdict $? "$lib has all functions and types that 0.3 had"
+    done
+    stored=$here/libdynpoint.abi
+    sed "s/dpt_world_reset/dpt_world_forget/" "$stored" >"$scratch/removed.abi"
+    ! losses "$scratch/removed.abi" "$scratch/abi/libdynpoint.abi" >/dev/null
+    verdict $? "a function that is gone would be found"
+    sed "s/<var-decl name='gap'/<var-decl name='clearance'/" "$stored" >"$scratch/renamed.abi"
+    ! losses "$scratch/renamed.abi" "$scratch/abi/libdynpoint.abi" >/dev/null
+    verdict $? "a field that has another name, too"
+    torque=$(sed -n "/^<class-decl name='dpt_wrench'/,/^<.class-decl/p" "$stored" | sed -n "s/.*<var-decl name='torque' type-id='\([^']*\)'.*/\1/p")
+    sed "/^<class-decl name='dpt_wrench'/,/^<.class-decl/s/name='torque' type-id='$torque'/name='torque' type-id='$(sed -n "s/^<type-decl name='double'.* id='\([^']*\)'.*/\1/p" "$stored")'/" \
+        "$stored" >"$scratch/retyped.abi"
+    ! cmp -s "$stored" "$scratch/retyped.abi" && ! losses "$scratch/retyped.abi" "$scratch/abi/libdynpoint.abi" >/dev/null
+    verdict $? "and one of another type"
+    # As if the last field of dpt_step, and its second flag of a snapshot, had been added since.
+    awk '/^<class-decl name=.dpt_step. / { sub(/size-in-bits=.256./, "size-in-bits='\''224'\''"); inside = 1 }
+        inside && /<data-member/ { held = $0; next }
+        inside && held != "" && /<var-decl name=.flags./ { skipping = 1; held = ""; next }
+        skipping && /<.data-member/ { skipping = 0; next }
+        held != "" { print held; held = "" }
+        /<.class-decl/ { inside = 0 }
+        { print }' "$stored" >"$scratch/shorter.abi"
+    ! cmp -s "$stored" "$scratch/shorter.abi" && losses "$scratch/shorter.abi" "$scratch/abi/libdynpoint.abi"
+    verdict $? "a field at the end of a struct may be added"
+fi
 
 # An archive of -flto has its names local only when a program is linked: what crosses files within the core says whose it is.
 lto=$scratch/lto
@@ -137,7 +186,7 @@ verdict $? "it names every public struct and constant"
 awk '/^typedef struct dpt_[a-z_]+ {$|^struct dpt_[a-z_]+ {$/ { sub(/ {$/, ""); sub(/.* /, ""); name = $0; next }
     name != "" && /^ *uint32_t size;/ { print name } { name = "" }' "$scratch/public.h" >"$scratch/sized"
 for name in $(grep -vxE 'dpt_loop_sample|dpt_selftest_line|dpt_identify_progress|dpt_driver' "$scratch/sized"); do
-    grep -rqE "\"(its )?$name[ \"]" tests/arm tests/base tests/compile tests/convex tests/deform tests/drivers tests/hull tests/urdf tests/world || echo "  $name"
+    grep -rqE "\"(its )?$name[ \"]" tests/arm tests/base tests/compile tests/convex tests/deform tests/drivers tests/hull tests/proxy tests/urdf tests/world || echo "  $name"
 done >"$scratch/unasked"
 cat "$scratch/unasked"
 [ "$(wc -l <"$scratch/sized")" -gt 30 ] && [ ! -s "$scratch/unasked" ]
@@ -186,22 +235,24 @@ verdict $? "wire.[ch] and wire_device.[ch] compile alone, and call only mem*, st
 # Any choice of back ends builds, and is what the library then has. The core is this build's.
 few=$scratch/few
 mkdir "$few" && cp -pR "$build/src" "$few"
-make -s B="$few" CFLAGS=-O1 DRIVERS=replay "$few/libdynpoint_drivers.so.0" &&
-    printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return !dpt_driver_find("replay") ||' \
-        'dpt_driver_find("sim") || !dpt_driver_get(0) || dpt_driver_get(1); }' |
+make -s B="$few" CFLAGS=-O1 DRIVERS=replay "$few/libdynpoint_drivers.so.1" &&
+    printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { dpt_device *d; return !dpt_driver_find("replay") ||' \
+        'dpt_driver_find("sim") || !dpt_driver_get(0) || dpt_driver_get(1) ||' \
+        'dpt_device_open("can:can0", &d, NULL) != DPT_E_ABSENT || dpt_device_open("sim", &d, NULL) != DPT_E_ABSENT ||' \
+        'dpt_device_open("cans", &d, NULL) != DPT_E_UNSUPPORTED; }' |
     ${CC:-cc} $c99 -Iinclude -x c - -o "$scratch/one" -L"$few" -ldynpoint_drivers -ldynpoint &&
     LD_LIBRARY_PATH="$few" "$scratch/one"
-verdict $? "DRIVERS=replay builds a library with that one back end"
-${OBJCOPY:-objcopy} -O binary -j .note.dlopen "$build/libdynpoint_drivers.so.0" "$scratch/note" &&
+verdict $? "DRIVERS=replay builds a library with that one back end, which says of the others that it was made without them"
+${OBJCOPY:-objcopy} -O binary -j .note.dlopen "$build/libdynpoint_drivers.so.1" "$scratch/note" &&
     tail -c +17 "$scratch/note" | tr -d '\000' | grep -qx '\[{"feature":"openhaptics",.*"soname":\["libHD.so.3.4","libHD.so.3.0","libHD.so"\]}\]' &&
-    ! readelf -SW "$few/libdynpoint_drivers.so.0" | grep -q dlopen && ! readelf -d "$build/libdynpoint_drivers.so.0" | grep -q libHD
+    ! readelf -SW "$few/libdynpoint_drivers.so.1" | grep -q dlopen && ! readelf -d "$build/libdynpoint_drivers.so.1" | grep -q libHD
 verdict $? "a note tells packagers of libHD, which nothing is linked to; not where its back end is left out"
-make -s B="$few" CFLAGS=-O1 DRIVERS= "$few/libdynpoint_drivers.so.0" &&
+make -s B="$few" CFLAGS=-O1 DRIVERS= "$few/libdynpoint_drivers.so.1" &&
     printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return dpt_driver_get(0) != NULL; }' |
     ${CC:-cc} $c99 -Iinclude -x c - -o "$scratch/none" -L"$few" -ldynpoint_drivers -ldynpoint &&
     LD_LIBRARY_PATH="$few" "$scratch/none"
 verdict $? "DRIVERS= builds one without any"
-make -s B="$few" CFLAGS=-O1 DRIVERS=nonesuch "$few/libdynpoint_drivers.so.0" >/dev/null 2>&1
+make -s B="$few" CFLAGS=-O1 DRIVERS=nonesuch "$few/libdynpoint_drivers.so.1" >/dev/null 2>&1
 [ $? -eq 2 ]
 verdict $? "and an unknown one is an error"
 
@@ -232,7 +283,7 @@ while [ $number -lt $choices ]; do
         [ $((left % 2)) -eq 0 ] || chosen="$chosen$name "
         left=$((left / 2))
     done
-    make -s -j2 B="$few" CFLAGS=-O1 URDF=no DRIVERS="$chosen" LDFLAGS=-Wl,--no-undefined "$few/libdynpoint_drivers.so.0" "$few/dynpoint" &&
+    make -s -j2 B="$few" CFLAGS=-O1 URDF=no DRIVERS="$chosen" LDFLAGS=-Wl,--no-undefined "$few/libdynpoint_drivers.so.1" "$few/dynpoint" &&
         [ "$("$few/dynpoint" device list | sed -n 's/^\([a-z][a-z]*\) .*/\1/p' | tr '\n' ' ')" = "$chosen" ] || is=1
     case $chosen in *serial*) simulates serial ;; *) ! simulates serial ;; esac || is=1
     case $chosen in *can*) simulates can: ;; *) ! simulates can: ;; esac || is=1

@@ -277,6 +277,7 @@ static uint64_t run(const struct scene *scene, uint32_t kernel, int ticks)
     dpt_body body;
     dpt_tool tools[2];
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.method = scene->method;
     def.budget = scene->budget;

@@ -95,6 +95,12 @@ static dpt_result contact(void *out)
     return dpt_tool_get_contacts(world, tool, out, 1, &count);
 }
 
+static dpt_result tool_load(void *out)
+{
+    uint32_t count;
+    return dpt_tool_get_loads(world, tool, out, 1, &count);
+}
+
 static dpt_result sweep(void *out)
 {
     return dpt_tool_get_sweep(world, tool, 0, out);
@@ -197,6 +203,7 @@ static const struct sized outputs[] = {
     { "dpt_world_info", sizeof(dpt_world_info), sizeof(dpt_world_info), usage },
     { "dpt_hit", sizeof(dpt_hit), sizeof(dpt_hit), hit },
     { "dpt_contact", sizeof(dpt_contact), sizeof(dpt_contact), contact },
+    { "dpt_tool_load", sizeof(dpt_tool_load), sizeof(dpt_tool_load), tool_load },
     { "dpt_sweep", sizeof(dpt_sweep), sizeof(dpt_sweep), sweep },
     { "dpt_overlap of a tool", sizeof(dpt_overlap), sizeof(dpt_overlap), tool_overlap },
     { "dpt_overlap", sizeof(dpt_overlap), sizeof(dpt_overlap), overlap },
@@ -235,6 +242,7 @@ static dpt_result baseline_def(void *given)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.baseline = given;
     return world_def(&def);
 }
@@ -523,6 +531,8 @@ static int open_all(void)
     a_passivity.size = sizeof a_passivity;
     dpt_world_def_init(&defaults);
     dpt_world_def_init(&a_world_def);
+    a_world_def.max_contacts = 32;
+    a_world_def.law = DPT_LAW_BED;
     a_world_def.strip = DPT_STRIP_KIND_SHADOW;
     a_world_def.max_segments = 1;
     a_world_def.max_bodies = 2;

@@ -46,7 +46,6 @@ static inline void set_baseline(dpt_world_def *def, dpt_baseline_def *baseline, 
 #define dpt_mesh_get_triangle_flags dpt_mesh_triangle_flags
 #define dpt_mesh_get_vertex_normals dpt_mesh_vertex_normals
 #define dpt_strip_get_triangles     dpt_strip_triangles
-#define dpt_world_get_kernel        dpt_world_kernel
 #endif
 
 /* Of commits whose guards were open, and whose ticks were told a state and dt. */

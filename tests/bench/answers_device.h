@@ -231,6 +231,7 @@ static void loop_run(uint32_t number, const char *name, const struct subject *su
     if (result != DPT_OK)
         return;
     dpt_world_def_init(&world_def);
+    world_def.max_contacts = 32;
     world_def.law = DPT_LAW_POINT;
     void *block = malloc(dpt_world_bytes(&world_def));
     const dpt_segment stylus = { { 0, 0, 0 }, { 0, 0, 0.1 }, 0.002 };

@@ -326,12 +326,15 @@ static void world_run(uint32_t number, uint32_t ticks)
     scene.block = malloc(bytes + 64);
     memset(scene.block, 0xa5, bytes + 64);
     dpt_result result = dpt_world_create(scene.block, bytes, &scene.def, &scene.world);
+    dpt_world_info info = { .size = sizeof info };
+    if (result == DPT_OK)
+        dpt_world_get_info(scene.world, &info);
     begin("create");
     put_code("result", (int32_t)result);
     put_count("bytes", bytes);
     put_count("method", scene.def.method);
     put_count("budget", scene.def.budget);
-    put_count("kernel", dpt_world_get_kernel(scene.world));
+    put_count("kernel", result == DPT_OK ? info.kernel : DPT_KERNEL_AUTO);
     end();
     if (result != DPT_OK) {
         free(scene.block);

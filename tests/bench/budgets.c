@@ -83,6 +83,7 @@ static void run(const dpt_mesh *mesh, const dpt_segment *segments, size_t ticks,
     dpt_body body;
     dpt_tool tool;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.budget = budget;
     def.until = DPT_UNTIL_CONTACT;

@@ -89,6 +89,7 @@ static void open_stage(const struct play *play, const struct way *way, struct st
     dpt_world_def def;
     dpt_baseline_def baseline;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     dpt_baseline_def_init(&baseline);
     memset(stage, 0, sizeof *stage);
     baseline.parts = way->parts;

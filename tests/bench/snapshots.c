@@ -57,6 +57,7 @@ static void run(const char *name, const dpt_mesh *mesh, int deforms, int ticks)
     size_t bytes = 0;
     dpt_mesh_get_info(mesh, &info);
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     dpt_deformable_def_init(&deform);
     dpt_snapshot_def_init(&wanted);
     wanted.max_vertices = deforms ? info.vertices : 0;

@@ -114,6 +114,7 @@ static void open_world(const struct bench *bench, struct subject *subject, uint3
     dpt_tool_settings settings = { .size = sizeof settings };
     const dpt_segment stylus = { { 0.0, 0.0, 0.0 }, { 0.0, bench->length, 0.0 }, bench->radius };
     dpt_world_def_init(&world);
+    world.max_contacts = 32;
     dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
     world.until = until;

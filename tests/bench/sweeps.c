@@ -71,6 +71,7 @@ static void measure(const char *name, const dpt_mesh *mesh, enum how how, double
     double *took = malloc((size_t)motions * sizeof *took);
     int met = 0;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = how == PROXY ? DPT_LAW_PROXY : DPT_LAW_POINT;
     void *block = malloc(dpt_world_bytes(&def));
     if (!took || !block || dpt_mesh_get_info(mesh, &info) ||

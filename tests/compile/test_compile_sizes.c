@@ -101,6 +101,15 @@ static void structs_of_any_size(void)
         check_output(&diags[i]);
 }
 
+/* Bytes whose content tells of no format. */
+static dpt_result bytes_of(const dpt_compile_def *def)
+{
+    dpt_compiled out;
+    dpt_result result = dpt_compile_bytes("half of a part", 14, def, &out, NULL);
+    dpt_compiled_free(&out);
+    return result;
+}
+
 /* A field counts from where the size reaches it. */
 static void a_longer_def_has_more_say(void)
 {
@@ -113,12 +122,16 @@ static void a_longer_def_has_more_say(void)
     def.size = sizeof def;
     CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "nodes before the end are not");
     const dpt_spring_net_def wrong = { .size = sizeof wrong };
-    def = (dpt_compile_def){ .size = offsetof(dpt_compile_def, reserved_pointer), .springs = &wrong };
+    def = (dpt_compile_def){ .size = offsetof(dpt_compile_def, name), .springs = &wrong };
     CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "springs of no kind");
     def.size -= 4;
     CHECK(arrays(&def, NULL) == DPT_OK, "half a pointer to springs is looked at");
-    def = (dpt_compile_def){ .size = sizeof def, .reserved_pointer = &wrong };
-    CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "a reserved pointer that is not NULL");
+    def = (dpt_compile_def){ .size = sizeof def - 4, .name = (const char *)1 };
+    CHECK(bytes_of(&def) == DPT_E_FORMAT, "half a pointer to a name is looked at");
+    def = (dpt_compile_def){ .size = sizeof def, .name = "a/b.c/part.STL" };
+    CHECK(bytes_of(&def) == DPT_E_TRUNCATED, "a name tells of no format");
+    def.name = "part";
+    CHECK(bytes_of(&def) == DPT_E_FORMAT && bytes_of(NULL) == DPT_E_FORMAT, "without an extension");
     def = (dpt_compile_def){ .size = offsetof(dpt_compile_def, reserved), .reserved = 1 };
     CHECK(arrays(&def, NULL) == DPT_OK, "reserved behind the end is looked at");
     def.size = sizeof def;

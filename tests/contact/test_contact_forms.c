@@ -87,6 +87,7 @@ static void slide_flat(const struct solid *solid, const char *how, const double 
     const double fall = (bottom - top) * 1.2 / 400;
     const int count = 400;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.onset = onset;
     if (!stage_open_world(&stage, solid->mesh, NULL, &def))

@@ -26,6 +26,7 @@ static void open_scene(struct scene *scene, const dpt_mesh *mesh, uint32_t law, 
     const dpt_segment shaft = { { 0.0, 0.0, 0.05 }, { 0.0, 0.0, 0.1 }, 0.001 };
     memset(scene, 0, sizeof *scene);
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = law;
     scene->block = malloc(dpt_world_bytes(&def));
     scene->body_pose = (dpt_pose){ { 0.01, -0.02, 0.03 }, { 0.6, 0.0, 0.8, 0.0 } };

@@ -38,8 +38,9 @@ ToolSettings = struct("dpt_tool_settings", (c_uint32, "size law"),
                       (c_double, "stiffness rotational_stiffness damping"), (c_uint32, "lock_rotation near_only"))
 BodySettings = struct("dpt_body_settings", (c_uint32, "size unfelt"),
                       (c_double, "side_limit static_friction kinetic_friction stiffness"))
-ForceReport = struct("dpt_force_info", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
+ForceInfo = struct("dpt_force_info", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
                      (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"), (c_double, "body_work"))
+ToolLoad = struct("dpt_tool_load", (c_uint32, "size body segment contact triangle reserved"), (double3, "point force torque"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
                  (c_double, "s0 s1 s gap"), (double3, "p q normal weight"),
                  (c_double, "overlap moment"), (double3, "thrust thrust_moment"), (c_double, "square end_gap_0 end_gap_1"),
@@ -125,7 +126,7 @@ def is_near(number, wanted):
 column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
-for kind in (Pose, Segment, Wrench, Hit, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceReport,
+for kind in (Pose, Segment, Wrench, Hit, ToolLoad, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceInfo,
              DeformDef, Load, Latest, State, Guard, GuardInfo, CouplingDef, Coupling, PassivityDef, Passivity,
              PassivitySample, PassivityInfo, RecordHeader, Record, Identified, IdentifyResult, CompileDef,
              SpringRegion, SpringDef, MeshSprings, Compiled, Joint, Link, ArmBody, ArmDef):
@@ -190,6 +191,7 @@ check("exact, on the top", hit.status == 3 and triangles[hit.triangle] in ((4, 5
 
 definition, world, body, tool = WorldDef(), c_void_p(), c_uint32(), c_uint32()
 core.dpt_world_def_defaults(byref(definition), c_size_t(sizeof(definition)))
+definition.max_contacts = 8
 definition.strip, definition.strip_width = 1, 0.05  # DPT_STRIP_KIND_SHADOW
 definition.law = 0  # DPT_LAW_POINT
 need = core.dpt_world_bytes(byref(definition))
@@ -210,6 +212,11 @@ check("500 N/m times 0.05 m, upward", is_near(wrench.force[2], 25) and is_near(w
 contact, count = Contact(size=sizeof(Contact)), c_uint32()
 check("contacts", core.dpt_tool_get_contacts(world, tool, byref(contact), 1, byref(count)) == 0)
 check("one region, at the end a", count.value == 1 == step.contacts and contact.s == 0)
+load, on_body = ToolLoad(size=sizeof(ToolLoad)), Wrench()
+check("loads", core.dpt_tool_get_loads(world, tool, byref(load), 1, byref(count)) == 0 and count.value == 1)
+check("its push, in that contact", load.contact == contact.id and is_near(load.force[2], wrench.force[2]))
+check("wrench on the body", core.dpt_body_get_wrench(world, body, byref(on_body)) == 0)
+check("the reaction", is_near(on_body.force[2], -wrench.force[2]))
 check("0.05 m deep, upward", is_near(contact.gap, -0.05) and is_near(contact.normal[2], 1))
 
 overlaps = (Overlap * 12)()
@@ -228,11 +235,11 @@ for height in (1.2, 1.2, 1.05):  # from the open, where the proxy is known to be
     pose.position[2] = height
     core.dpt_tool_set_pose(world, tool, byref(pose))
     core.dpt_world_step(world, c_double(0.001), None)
-report, proxy = ForceReport(size=sizeof(ForceReport)), Pose()
-check("its report", core.dpt_tool_get_force_info(world, tool, byref(report)) == 0 and report.reason == 0)
+force, proxy = ForceInfo(size=sizeof(ForceInfo)), Pose()
+check("its force", core.dpt_tool_get_force_info(world, tool, byref(force)) == 0 and force.reason == 0)
 check("its proxy", core.dpt_tool_get_proxy(world, tool, byref(proxy)) == 0)
-check("on the top, pulled at by 500 N/m", abs(proxy.position[2] - 1.1) < 1e-4 and report.law == 2
-      and is_near(report.wrench.force[2], 500 * (proxy.position[2] - 1.05)))
+check("on the top, pulled at by 500 N/m", abs(proxy.position[2] - 1.1) < 1e-4 and force.law == 2
+      and is_near(force.wrench.force[2], 500 * (proxy.position[2] - 1.05)))
 settings.law = 0  # DPT_LAW_POINT
 core.dpt_tool_set_settings(world, tool, byref(settings))
 

@@ -149,6 +149,7 @@ static void take_steps(struct scene_bodies *bodies, const struct scene_file *fil
     dpt_world *world;
     dpt_tool tool;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.max_bodies = bodies->count;
     def.max_tools = 1;
     def.max_segments = file->segment_count ? file->segment_count : 1;

@@ -7,6 +7,7 @@ void rig_open(struct rig *rig, const dpt_world_def *given, const dpt_mesh *mesh,
     dpt_world_def def;
     const dpt_pose identity = DPT_POSE_IDENTITY;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     if (given)
         def = *given;
     def.law = DPT_LAW_PROXY;

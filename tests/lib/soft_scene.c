@@ -15,6 +15,7 @@ static int open_world(struct soft_scene *scene)
     const struct force_options options = { .law = DPT_LAW_PROXY, .stiffness = 100.0, .friction = NAN };
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.max_bodies = scene->bodies.count;
     scene->block = malloc(dpt_world_bytes(&def));
     dpt_result result = dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world);

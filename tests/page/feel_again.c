@@ -95,6 +95,7 @@ int main(int argc, char **argv)
     dpt_world_def_init(&def);
     def.max_bodies = def.max_tools = def.max_segments = 1;
     def.law = (uint32_t)atoi(argv[3]);
+    def.max_contacts = 32;
     def.stiffness = atof(argv[4]);
     void *block = malloc(dpt_world_bytes(&def));
     must(block && !dpt_world_create(block, dpt_world_bytes(&def), &def, &world), "the world");

@@ -74,6 +74,7 @@ static void the_same_bits(void)
     long wrong = 0;
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     const uint64_t first = run_of(&def, &wrong);
     def.kernel = DPT_KERNEL_SCALAR;
     CHECK(run_of(&def, &wrong) == first && wrong == 0, "other bits, or %ld are through", wrong);
@@ -88,6 +89,7 @@ static void budgets_let_nothing_through(void)
         struct jaws jaws;
         dpt_world_def def;
         dpt_world_def_init(&def);
+        def.max_contacts = 32;
         def.budget = budgets[b];
         long wrong = 0;
         jaws_open(&jaws, &def, jaw_sheet.mesh, 0);

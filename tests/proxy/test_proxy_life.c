@@ -48,6 +48,7 @@ static void a_body_that_moves_and_goes_holds_nothing(void)
     struct rig rig;
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.budget = 1;
     rig_open(&rig, &def, box.mesh, bent, 2);
     rig.device.position[2] = TOP + 0.003;
@@ -196,6 +197,7 @@ static void little_for_sweeps_only_delays(void)
             struct rig rig;
             dpt_world_def def;
             dpt_world_def_init(&def);
+            def.max_contacts = 32;
             def.sweep_budget = is_limited ? UNITS : 0;
             rig_open(&rig, &def, torus.mesh, &needle, 1);
             memcpy(rig.device.position, from, sizeof from);

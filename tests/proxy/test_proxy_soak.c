@@ -227,6 +227,7 @@ static void walk_once(struct soak_oracle *oracle, uint64_t number, uint64_t tick
     snprintf(walk.name, sizeof walk.name, "%s, %s, run %llu", oracle->solid->name, walk.instrument->name,
              (unsigned long long)number);
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     if (random_bits(&walk.seed) % 6 == 0)
         def.budget = 20 + (uint32_t)(random_bits(&walk.seed) % 400);
     rig_open(&walk.rig, &def, oracle->solid->mesh, walk.instrument->segments, walk.instrument->count);

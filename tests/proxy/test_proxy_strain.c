@@ -42,6 +42,7 @@ static void press_within(const struct solid *solid, uint32_t budget, uint64_t se
     double least = INFINITY;
     uint32_t most = 0;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     rig_open(&whole, &def, solid->mesh, &needle, 1);
     def.budget = budget;
     rig_open(&bounded, &def, solid->mesh, &needle, 1);
@@ -111,6 +112,7 @@ static void tools_share_a_budget(void)
     if (!solid_from_shape(&box, "box", 20172))
         return;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.budget = 100;
     rig_open(&rig, &def, box.mesh, &needle, 1);
     tools[0] = rig.tool;
@@ -156,6 +158,7 @@ static int shake(const struct solid *solid, double speed, uint32_t budget, uint6
     double axis[3], least = INFINITY;
     int acts = 0, squeezed = 0;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.budget = budget;
     rig_open(&rig, &def, solid->mesh, &needle, 1);
     random_unit(&seed, axis);
@@ -221,6 +224,7 @@ static void among_many(uint32_t budget, uint32_t method)
     if (!solid_from_shape(&box, "box", 12))
         return;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.max_bodies = BODIES;
     def.budget = budget;
     def.method = method;
@@ -284,6 +288,7 @@ static void every_segment_of_many_is_felt(void)
         dpt_tool tool;
         struct rig rig;
         dpt_world_def_init(&def);
+        def.max_contacts = 32;
         def.max_segments = TEETH + 1;
         rig_open(&rig, &def, box.mesh, &handle, 1);
         for (int t = 0; t < TEETH; t++) {
@@ -327,6 +332,7 @@ static void kernels_give_the_same_bits(void)
         return;
     for (uint32_t budget = 0; budget <= 600; budget += 600) {
         dpt_world_def_init(&def);
+        def.max_contacts = 32;
         def.budget = budget;
         for (int k = 0; k < 2; k++) {
             def.kernel = k ? best : DPT_KERNEL_SCALAR;

@@ -35,6 +35,7 @@ static int scene_begin(struct scene *scene, int is_unlimited, const dpt_segment 
     dpt_world_def def;
     dpt_body body;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     CHECK(def.sweep_budget == DEFAULT, "%u units", def.sweep_budget);
     def.law = DPT_LAW_POINT;
     def.max_segments = SEGMENTS;

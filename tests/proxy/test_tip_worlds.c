@@ -192,6 +192,7 @@ static void kernels_give_the_same_bits(void)
     if (!solid_from_shape(&liver, "liver", 2000))
         return;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     for (uint32_t kernel = DPT_KERNEL_AUTO + 1; kernel < DPT_KERNEL_AUTO + 16; kernel++) {
         def.kernel = kernel;
         void *block = malloc(dpt_world_bytes(&def));
@@ -250,6 +251,7 @@ static void budgets_let_nothing_through(void)
         struct tip_rig tip;
         dpt_world_def def;
         dpt_world_def_init(&def);
+        def.max_contacts = 32;
         def.budget = budgets[b];
         tip_rig_open(&tip, &def, liver.mesh, DPT_HULL_KIND_BOX, plate, 0);
         struct rig *rig = &tip.rig;

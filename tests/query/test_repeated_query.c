@@ -31,6 +31,7 @@ static void try_poses(const struct subject *subject, uint32_t poses, struct tall
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     void *block = malloc(dpt_world_bytes(&def));
     dpt_world *world;
@@ -138,6 +139,7 @@ static void too_deep_behind_a_sheet(void)
     struct subject subject;
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.side_limit = 0.02;
     if (!subject_from_shape(&subject, "membrane", 512))
@@ -178,6 +180,7 @@ static void as_deep_as_its_regions(void)
     struct subject subject;
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     size_t pressed = 0;
     uint64_t seed = 11;
@@ -235,6 +238,7 @@ static void windings_within_the_budget(void)
     for (uint32_t budget = 1; budget < 3000; budget *= 3) {
         dpt_world_def def;
         dpt_world_def_init(&def);
+        def.max_contacts = 32;
         def.law = DPT_LAW_POINT;
         def.budget = budget;
         void *block = malloc(dpt_world_bytes(&def));

@@ -98,7 +98,7 @@ runs()
         run run torus.dpa --ticks 5 --json --device ${budget#* }
         check "a budget of $budget" grep -q "\"budget\":${budget%% *}}" stdout
     done
-    run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --budget 7
+    run run torus.dpa --device 'sim:?hand=press' --ticks 4000 --budget 7 --record undecided.dpr
     check 'what so little leaves undecided is told' grep -q '^  unknown on [1-9][0-9]*, with --budget 7$' stdout
     succeeds 'without a budget' run torus.dpa --device 'sim:?hand=press' --ticks 4000 --budget 0 --record again.csv
     check 'the usual one is not reached' cmp -s pressed.csv again.csv

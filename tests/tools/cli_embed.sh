@@ -297,6 +297,8 @@ golden()
         '"records":20,.*"embedded":\[{"file":"scene","bytes":[0-9]*,"held":[0-9]*,"pieces":1,"crc32":[0-9]*,"fault":null}\]' stdout
     limited replay "$tests/golden/recording_1_scene.dpr" --json
     check "which replay opens: exit $status, $(cat stdout stderr)" grep -q '"records":' stdout
+    succeeds 'one of 0.2' replay "$tests/golden/recording_0_2.dpr" "$tests/golden/torus_6.dpa" --json
+    check "is replayed: $(cat stdout)" grep -q '"records":80,"ticks":80,"same":true' stdout
 }
 
 prepare_scenes

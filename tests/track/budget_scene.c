@@ -139,6 +139,7 @@ void budget_sim_open(struct budget_sim *sim, const struct budget_input *input, u
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.max_bodies = input->scene->bodies + 1;
     def.method = method;

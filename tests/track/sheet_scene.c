@@ -45,6 +45,7 @@ int scene_begin(struct scene *scene, struct sheet *sheet, uint32_t budget, const
     *scene = (struct scene){ .sheet = sheet };
     dpt_world_def *def = &scene->def;
     dpt_world_def_init(def);
+    def->max_contacts = 32;
     def->law = DPT_LAW_POINT;
     def->margin = margins[random_bits(&sheet_random) % 3] * sheet->unit;
     def->side_limit = one_in(3) ? 0.02 * sheet->unit : 0.0;

@@ -149,6 +149,7 @@ static void open_run(struct run *run)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.max_bodies = run->count + 1;
     def.until = DPT_UNTIL_TRACK;
@@ -430,6 +431,7 @@ static struct cost slide_beside(uint32_t far, int they_move, uint32_t segments)
     dpt_tool tool;
     uint64_t random = 3;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.max_bodies = FAR_MAX + 1;
     void *block = malloc(dpt_world_bytes(&def));
@@ -508,6 +510,7 @@ static void a_line_without_a_margin_meets_them_all(void)
         dpt_world_def def;
         dpt_body body;
         dpt_world_def_init(&def);
+        def.max_contacts = 32;
         def.law = DPT_LAW_POINT;
         def.margin = 0.0;
         def.method = side ? DPT_METHOD_TREE : DPT_METHOD_EXACT;

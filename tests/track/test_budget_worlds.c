@@ -24,6 +24,7 @@ static void who_moves_leaves_something(void)
         dpt_hit hit = DPT_HIT_INIT;
         uint32_t tick = 0;
         dpt_world_def_init(&def);
+        def.max_contacts = 32;
         def.law = DPT_LAW_POINT;
         def.budget = budget;
         def.until = DPT_UNTIL_TRACK;
@@ -63,6 +64,7 @@ static void what_was_proven_leaves_with_its_body(void)
         dpt_tool tool;
         dpt_hit hit = DPT_HIT_INIT;
         dpt_world_def_init(&def);
+        def.max_contacts = 32;
         def.law = DPT_LAW_POINT;
         def.budget = budgets[b];
         void *block = malloc(dpt_world_bytes(&def));
@@ -96,6 +98,7 @@ static void a_proven_rest_costs_nothing(void)
         return;
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.budget = 3;
     def.until = DPT_UNTIL_TRACK;

@@ -30,6 +30,7 @@ static struct near_tally compare_worlds(const struct near_case *as)
     struct near_tally tally = { 0, 0 };
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.until = as->until;
     def.law = as->law;
     for (uint64_t seed = 1; seed <= part_of(WORLDS); seed++) {
@@ -109,6 +110,7 @@ static void a_proxy_goes_through_nothing(void)
     uint64_t forces = 0;
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     for (uint64_t seed = 1; seed <= part_of(WORLDS); seed++) {
         struct near_pair pair;
         near_pair_open(&pair, solids, &def, 0, seed);
@@ -130,6 +132,7 @@ static void with_a_budget_nothing_is_wrong(void)
     dpt_world_def def;
     uint64_t exact = 0;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.until = DPT_UNTIL_CONTACT;
     for (uint64_t seed = 1; seed <= part_of(WORLDS); seed++) {
         struct near_pair pair;
@@ -150,6 +153,7 @@ static void a_tool_at_rest_costs_nothing(void)
     dpt_world_def def;
     struct near_pair pair;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     near_pair_open(&pair, solids, &def, 0, 3);
     for (int tick = 0; tick < 10; tick++) {
         pair.near.step = (dpt_step){ .size = sizeof pair.near.step };
@@ -170,6 +174,7 @@ static void a_new_body_is_found(void)
     dpt_body added;
     dpt_hit hit = DPT_HIT_INIT;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.max_bodies = NEAR_BODIES + 1;
     near_pair_open(&pair, solids, &def, 0, 1);
     memcpy(pair.pose.position, away, sizeof away);
@@ -205,6 +210,7 @@ static void settings_say_so(void)
     struct near_pair pair;
     dpt_tool_settings settings = { .size = sizeof settings };
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     near_pair_open(&pair, solids, &def, 0, 1);
     dpt_tool_get_settings(pair.near.world, pair.near.tool, &settings);
     CHECK(settings.near_only == 1, "%u", settings.near_only);

@@ -225,6 +225,7 @@ static void one_slide(double radius_most, struct sums *sums)
     slide.tilt = kind == 0 ? 0.0 : kind == 1 ? 1.5707963267948966 : acos(any(0.0, 1.0));
     slide.turn = kind == 2 ? any(-2e-3, 2e-3) : 0.0;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.side_limit = 0.05;
     def.fade = 0.0;

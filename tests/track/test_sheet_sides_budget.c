@@ -42,6 +42,7 @@ static int scene_begin(struct scene *scene, uint32_t budget, double radius)
     const dpt_segment lying = { { -0.02, 0.0, 0.0 }, { 0.02, 0.005, 0.0 }, radius };
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.budget = budget;
     def.certificate_bytes = 1 << 16;

@@ -62,6 +62,7 @@ static int scene_begin(struct scene *scene, struct limits limits, const dpt_segm
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.budget = limits.budget;
     def.sweep_budget = limits.sweep;

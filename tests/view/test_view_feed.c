@@ -36,6 +36,7 @@ static void stage_open(struct stage *stage)
     memset(stage, 0, sizeof *stage);
     fixture_from_shape(&stage->fixture, "torus", 800);
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     stage->memory = malloc(dpt_world_bytes(&def));
     dpt_world_create(stage->memory, dpt_world_bytes(&def), &def, &stage->world);
     dpt_deformable_def_init(&deform);

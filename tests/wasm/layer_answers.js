@@ -15,7 +15,7 @@ const rowsOf = text =>
 
 // A body of this mesh in a new world, and a tool; steps is what a tick does to springs.
 function sceneOf(core, mesh, law, kernel) {
-  const world = core.createWorld({ law, kernel });
+  const world = core.createWorld({ law, kernel, maxContacts: 32 });
   const isSoft = mesh.info.springNodes > 0;
   const body = isSoft ? world.addDeform(mesh) : world.addBody(mesh);
   if (isSoft) world.addSprings(body);
@@ -37,7 +37,7 @@ function answers(core, mesh, rows, law, kernel, take) {
     last(BYTES.hit);
     world.getWrench(tool);
     last(BYTES.wrench);
-    world.getForceReport(tool);
+    world.getForceInfo(tool);
     last(BYTES.report);
     const { length } = world.getContacts(tool);
     last(BYTES.count);
@@ -61,7 +61,7 @@ function time(core, mesh, rows, law, kernel, passes) {
       steps();
       world.getHit(tool);
       world.getWrench(tool);
-      world.getForceReport(tool);
+      world.getForceInfo(tool);
       world.getContacts(tool);
     }
     if (pass > 0) least = Math.min(least, (1e3 * (performance.now() - begin)) / rows.length);

@@ -147,8 +147,8 @@ async function objects(core) {
     const [head, ...lines] = fs.readFileSync(inRoom("out.csv"), "utf8").trim().split("\n");
     const columns = head.split(",");
     const mesh = core.openMesh(fs.readFileSync(inRoom("liver.obj.dpa")));
-    const world = core.createWorld();
-    world.addBody(mesh);
+    const world = core.createWorld({ maxContacts: 32 });
+    const body = world.addBody(mesh);
     const tool = world.addTool([[0, 0, 0, 0, 0, 0.1, 0.002]]);
     let compared = 0;
     rowsOf(fs.readFileSync(inRoom("liver.obj.dpa.csv"), "utf8")).forEach(([, ...ends], row) => {
@@ -156,7 +156,13 @@ async function objects(core) {
       world.step(0.001);
       const hit = world.getHit(tool);
       const { force, torque } = world.getWrench(tool);
-      const { energy } = world.getForceReport(tool);
+      const { energy } = world.getForceInfo(tool);
+      const loads = world.getLoads(tool);
+      const onBody = world.getBodyWrench(body);
+      [0, 1, 2].forEach(k => {
+        const sum = loads.reduce((all, load) => all + load.force[k], 0);
+        assert(Math.abs(sum - force[k]) < 1e-9 && Math.abs(onBody.force[k] + force[k]) < 1e-9, `row ${row}: ${sum} N`);
+      });
       const named = { ...hit, errorBound: undefined, error_bound: hit.errorBound, lower_bound: hit.lowerBound, energy };
       ["x", "y", "z"].forEach((axis, k) => {
         Object.assign(named, { [`p${axis}`]: hit.p[k], [`q${axis}`]: hit.q[k] });

@@ -124,6 +124,7 @@ static double run(const dpt_mesh *mesh, int count, uint32_t law, uint32_t kernel
     dpt_segment segment = { { 0, 0, 0 }, { 0, 0, 0.1 }, 0.002 };
     dpt_world_def_init(&def);
     def.law = law;
+    def.max_contacts = 32;
     def.kernel = kernel;
     void *block = malloc(dpt_world_bytes(&def));
     must(block && !dpt_world_create(block, dpt_world_bytes(&def), &def, &world), "the world");
@@ -141,7 +142,9 @@ static double run(const dpt_mesh *mesh, int count, uint32_t law, uint32_t kernel
             put_snapshot(world, out);
     }
     const clock_t end = clock();
-    fprintf(stderr, "%s ", dpt_kernel_name(dpt_world_get_kernel(world)));
+    dpt_world_info info = { .size = sizeof info };
+    dpt_world_get_info(world, &info);
+    fprintf(stderr, "%s ", dpt_kernel_name(info.kernel));
     free(block);
     free(blocks[0]);
     free(blocks[1]);

@@ -81,6 +81,7 @@ int bed_lead_open(struct bed_lead *lead, const dpt_mesh *mesh)
     dpt_world_def def;
     dpt_body body;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.margin = 0.001;
     const size_t bytes = dpt_world_bytes(&def);
     *lead = (struct bed_lead){ .block = malloc(bytes), .report.size = sizeof lead->report };

@@ -79,6 +79,7 @@ int busy_world_open(struct busy_world *busy, const struct busy_scene *scene, uin
     dpt_world_def def;
     dpt_baseline_def baseline;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     dpt_baseline_def_init(&baseline);
     def.max_bodies = BUSY_BODIES;

@@ -30,6 +30,7 @@ static int open_world(struct deform_scene *scene, const dpt_world_def *given, co
     dpt_world_def def;
     dpt_deformable_def deform_def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     dpt_deformable_def_init(&deform_def);
     if (deform)
         deform_def = *deform;

@@ -29,6 +29,7 @@ void scene_open(struct scene *scene)
     fixture_from_shape(&scene->liver, "liver", 2000);
     fixture_from_shape(&scene->cloth, "cloth", 1800);
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.max_bodies = 4;
     def.max_tools = TOOL_COUNT;
     def.max_segments = SEGMENT_COUNT;

@@ -81,6 +81,7 @@ static void lab_open_with(struct lab *lab, const dpt_mesh *mesh, uint32_t parts,
     dpt_baseline_def baseline;
     dpt_segment any = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.method = DPT_METHOD_PAPER;
     dpt_baseline_def_init(&baseline);
     baseline.parts = parts;
@@ -191,9 +192,11 @@ static void follow(const struct course *course)
               hit.distance, hit.error_bound);
         CHECK(fabs(hit.p[0] - (ends[0] + hit.s * (ends[3] - ends[0]))) < 1e-12, "p and s disagree");
     }
+    dpt_world_info used = { .size = sizeof used };
+    dpt_world_get_info(lab.world, &used);
     printf("    %-9s K %u%s, %g x %g, %s: %d moves in %d ticks, %d of them not the nearest pair\n", shape, parts,
-           one_step ? ", one step" : "", course->reach, course->stretch,
-           dpt_kernel_name(dpt_world_get_kernel(lab.world)), moved, ticks, local);
+           one_step ? ", one step" : "", course->reach, course->stretch, dpt_kernel_name(used.kernel), moved, ticks,
+           local);
     CHECK(moved > ticks / 30, "only %d moves", moved);
     free(oracle.corners);
     free(lab.block);

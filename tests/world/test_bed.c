@@ -23,6 +23,7 @@ static void bed_open(struct bed *bed, const dpt_mesh *mesh, const dpt_segment *s
     dpt_world_def def;
     dpt_body body;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_BED;
     def.stiffness = STIFFNESS;
     const size_t bytes = dpt_world_bytes(&def);

@@ -89,6 +89,7 @@ static int open_sword(struct sword *sword, const struct setup *setup)
     if (!open_sheet(&sword->fixture, setup->shape, setup->triangles, setup->drag))
         return 0;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
     def.law = DPT_LAW_POINT;

@@ -96,6 +96,7 @@ static void follow_motion(int shape, enum deform_kind kind, double step, uint32_
     struct deform_scene scene;
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.until = DPT_UNTIL_TRACK;
     def.budget = budget;
     if (!deform_scene_open(&scene, shapes[shape], triangles[shape], &def, NULL))
@@ -250,6 +251,7 @@ static void contact_is_that_of_a_rigid_body(void)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.until = DPT_UNTIL_CONTACT;
     def.margin = 0.005;
     compare_contacts(&def, 1e-3);
@@ -309,6 +311,7 @@ static void spoil_with(uint32_t law, uint32_t budget, const char *shape, uint64_
     struct deform_scene scene;
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = law;
     def.budget = budget;
     def.strip = DPT_STRIP_KIND_SHADOW;
@@ -360,6 +363,7 @@ static void follow_organ(const struct organ *organ, const char *folder)
     dpt_world_def def;
     char path[1024];
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.until = DPT_UNTIL_CONTACT;
     snprintf(path, sizeof path, "%s/meshes/organs/%s", folder, organ->name);
     if (!deform_scene_open_file(&scene, path, organ->scale, &def))
@@ -396,6 +400,7 @@ static void insides_with_holes_are_known(void)
     struct agreement sums = { 0 };
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.until = DPT_UNTIL_CONTACT;
     builder_add_ball(&builder, (vec3){ 0.0, 0.0, 0.0 }, 0.1, 0.03, 0);
     memset(&scene, 0, sizeof scene);

@@ -25,6 +25,7 @@ static int open_pin(struct pin *pin, uint32_t response, uint32_t law, uint32_t c
     dpt_world_def def;
     dpt_deformable_def deform;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     dpt_deformable_def_init(&deform);
     memset(pin, 0, sizeof *pin);
     def.law = law;

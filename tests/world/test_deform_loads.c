@@ -82,6 +82,7 @@ static int open_push(struct push *push, uint32_t law, double load_radius, uint32
     dpt_world_def def;
     dpt_deformable_def deform;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     dpt_deformable_def_init(&deform);
     deform.load_radius = load_radius;
     def.law = law;

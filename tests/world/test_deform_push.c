@@ -177,6 +177,7 @@ static void count_passages(double radius, double speed, double reach, uint64_t t
     uint64_t passed = 0;
     int last[2] = { 1, 1 };
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.until = DPT_UNTIL_CONTACT;
     if (!open_sheet(&sheet, speed, &def, &segment))
         return;

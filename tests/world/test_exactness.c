@@ -14,9 +14,9 @@
 #include <unistd.h>
 
 #include "data/motion.h"
+#include "dynpoint/body.h"
 #include "dynpoint/compile.h"
 #include "dynpoint/query.h"
-#include "dynpoint/body.h"
 #include "dynpoint/tool.h"
 #include "lib/check.h"
 #include "lib/public_meshes.h"
@@ -316,6 +316,7 @@ static void world_open(void **block, dpt_world **world, dpt_tool *tool, const st
     dpt_world_def def;
     dpt_body body;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.max_bodies = def.max_tools = def.max_segments = 1;
     def.method = DPT_METHOD_TREE;

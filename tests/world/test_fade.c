@@ -17,6 +17,7 @@ static dpt_world_def def_of(double fade)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.certificate_bytes = 1 << 16;
     def.side_limit = 0.03;
@@ -493,6 +494,7 @@ static void the_def_has_bounds(void)
         CHECK(dpt_world_bytes(&def) == 0, "%g", def.fade);
     }
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     CHECK(def.fade == 0.002, "%g", def.fade);
 }

@@ -338,6 +338,7 @@ static void scene_open(struct scene *scene, const char *name, uint64_t count, do
     fixture_from_arrays(&scene->fixture, shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count);
     shape_free(&shape);
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.budget = budget;
     scene->block = malloc(dpt_world_bytes(&def));

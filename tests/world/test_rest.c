@@ -70,6 +70,7 @@ static void open_run(struct run *run, const struct setting *setting, uint32_t me
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = setting->law;
     def.until = setting->until;
     def.method = setting->method;
@@ -371,6 +372,7 @@ static void a_free_tool_turns_rigid(void)
     dpt_body body;
     dpt_tool tool;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_PROXY;
     void *block = malloc(dpt_world_bytes(&def));
     CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK, "world");

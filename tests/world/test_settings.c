@@ -19,6 +19,7 @@ static void scene_open(struct scene *scene)
     const dpt_segment line = { { -0.01, 0.0, 0.0 }, { 0.01, 0.0, 0.0 }, 0.002 };
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.stiffness = 300.0;
     def.side_limit = 0.03;
@@ -187,6 +188,41 @@ static void each_body_has_its_side_limit(void)
     free(of.block);
 }
 
+/* Without contacts a sheet has no sides for the laws point and bed. A proxy needs none, nor does a solid. */
+static void contacts_tell_the_sides_of_sheets(void)
+{
+    const dpt_segment needle = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.1 }, 0.004 };
+    for (uint32_t i = 0; i < 6; i++) {
+        const uint32_t law = i / 2;
+        struct fixture membrane;
+        dpt_force_info force = { .size = sizeof force };
+        dpt_world_def def;
+        dpt_world *world;
+        dpt_body body;
+        dpt_tool tool;
+        dpt_world_def_init(&def);
+        CHECK(def.max_contacts == 0, "%u contacts by default", def.max_contacts);
+        def.law = law;
+        def.max_contacts = i % 2 ? 8 : 0;
+        fixture_from_shape(&membrane, "membrane", 512);
+        void *block = malloc(dpt_world_bytes(&def));
+        CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK &&
+                  dpt_body_add(world, membrane.mesh, NULL, &body) == DPT_OK &&
+                  dpt_tool_add(world, &needle, 1, &tool) == DPT_OK,
+              "no world");
+        for (int k = 0; k < 5; k++) {
+            const dpt_pose pose = { { 0.011, 0.007, 0.01 - 0.003 * k }, { 1.0, 0.0, 0.0, 0.0 } };
+            dpt_tool_set_pose(world, tool, &pose);
+            dpt_world_step(world, 1e-3, NULL);
+        }
+        dpt_tool_get_force_info(world, tool, &force);
+        const uint32_t wanted = i % 2 || law == DPT_LAW_PROXY ? DPT_FORCE_ACTS : DPT_FORCE_UNDECIDED;
+        CHECK(force.reason == wanted, "law %u, %u contacts: reason %u", law, def.max_contacts, force.reason);
+        free(block);
+        fixture_free(&membrane);
+    }
+}
+
 int main(void)
 {
     if (!fixture_from_shape(&sheet, "membrane", 0))
@@ -196,5 +232,6 @@ int main(void)
     TEST(each_body_has_its_side_limit);
     TEST(each_body_has_its_friction);
     fixture_free(&sheet);
+    TEST(contacts_tell_the_sides_of_sheets);
     return check_report();
 }

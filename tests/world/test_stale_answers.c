@@ -23,6 +23,7 @@ static dpt_world_def def_of(uint32_t budget, uint32_t strip)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.max_bodies = 3;
     def.max_tools = 2;

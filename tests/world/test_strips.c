@@ -22,6 +22,7 @@ static dpt_world_def def_with(uint32_t strip)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.strip = strip;
     def.strip_capacity = CAPACITY;

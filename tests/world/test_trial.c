@@ -29,6 +29,7 @@ static void scene_open(struct scene *scene, uint64_t *random)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.budget = random_bits(random) % 2 ? 50 : 0;
     scene->bytes = dpt_world_bytes(&def);
@@ -205,6 +206,7 @@ static void nothing_in_the_way_of_a_turn_is_missed(void)
     dpt_compiled file;
     const dpt_mesh *mesh;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     void *block = malloc(dpt_world_bytes(&def));
     CHECK(dpt_compile_arrays(corners, 3, triangle, 1, NULL, &file, NULL) == DPT_OK &&

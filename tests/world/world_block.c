@@ -14,6 +14,7 @@ dpt_world_def small_def(void)
 {
     dpt_world_def def;
     dpt_world_def_init(&def);
+    def.max_contacts = 32;
     def.law = DPT_LAW_POINT;
     def.max_bodies = 4;
     def.max_tools = 3;

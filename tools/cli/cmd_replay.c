@@ -234,6 +234,7 @@ static void note_lengths(const struct replay_settings *settings, const dpt_mesh_
 static int run(struct replay_settings *settings, const dpt_mesh *mesh, const struct csv_table *trace)
 {
     dpt_mesh_info info = { .size = sizeof info };
+    dpt_world_info used = { .size = sizeof used };
     struct stage stage = { .block = NULL };
     struct replayed replayed = {
         .trace = trace, .until = settings->def.until, .law = settings->force.law, .strip_kind = settings->def.strip
@@ -245,12 +246,13 @@ static int run(struct replay_settings *settings, const dpt_mesh *mesh, const str
         status = stage_open(&stage, &settings->def, settings, mesh, trace);
     if (status == 0) {
         dpt_mesh_get_info(mesh, &info);
+        dpt_world_get_info(stage.world, &used);
         note_lengths(settings, &info);
         replayed.diagonal = box_diagonal(&info);
         replayed.against.tolerance = 1e-9 * replayed.diagonal;
         replayed.mesh_bytes = info.bytes;
         replayed.world_bytes = stage.bytes;
-        replayed.kernel = dpt_world_get_kernel(stage.world);
+        replayed.kernel = used.kernel;
         replayed.method = methods[settings->def.method];
         for (uint64_t pass = 0; pass < settings->repeat; pass++)
             run_pass(&stage, settings, &replayed, pass == 0);
@@ -407,6 +409,7 @@ int command_replay(int argc, char **argv)
     if (replay_has_plan(argc, argv))
         return replay_plan(argc, argv);
     dpt_world_def_init(&settings.def);
+    settings.def.max_contacts = SCENE_CONTACTS;
     dpt_baseline_def_init(&settings.baseline);
     settings.def.max_bodies = settings.def.max_tools = settings.def.max_segments = 1;
     int status = read_settings(argc, argv, &settings);

@@ -283,7 +283,9 @@ static int couple(struct session *session, const struct run_settings *settings, 
     if (settings->plan_path && fabs(rate - settings->plan.asked.rate) > 1e-3 * rate)
         complain("run", "%s is for %g Hz, and the loop runs at %g: what it promises does not count",
                  settings->plan_path, settings->plan.asked.rate, rate);
-    return run_physics_check(scene, info, settings->record && !run_is_traced(settings)) ||
+    const int is_recorded = settings->record && !run_is_traced(settings);
+    scene->shows_contacts = settings->view.is_on || is_recorded || scene->force.law != DPT_LAW_PROXY;
+    return run_physics_check(scene, info, is_recorded) ||
                    run_coupling_choose(scene, info, &coupling, &session->coupling) ||
                    scene_make_world(scene, info, session->budget) ||
                    scene_bodies_check_step(&scene->bodies, "run", settings->scene.path, run_physics_step(scene, rate))

@@ -52,6 +52,7 @@ static int open_drag(struct drag *drag, const struct hand_mesh *mesh, int method
     def.strip = DPT_STRIP_KIND_SHADOW;
     def.strip_width = RADIUS;
     def.strip_capacity = STRIP;
+    def.max_contacts = LAB_CONTACTS;
     def.max_bodies = def.max_tools = def.max_segments = 1;
     *drag = (struct drag){ .tissue = { .mesh = mesh->mesh, .matter = matter, .ticks = 1 } };
     drag->tissue.response = way == ALL ? DPT_RESPONSE_DISPLACE : DPT_RESPONSE_LOAD;

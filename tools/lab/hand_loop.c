@@ -93,6 +93,7 @@ int hand_loop_open(struct hand_loop *loop)
         return 1;
     dpt_world_def_init(&def);
     def.law = loop->method == LAB_POINT ? DPT_LAW_POINT : loop->method == LAB_BED ? DPT_LAW_BED : DPT_LAW_PROXY;
+    def.max_contacts = LAB_CONTACTS;
     def.max_bodies = def.max_tools = def.max_segments = 1;
     const size_t bytes = dpt_world_bytes(&def);
     loop->body_pose = (dpt_pose)DPT_POSE_IDENTITY;

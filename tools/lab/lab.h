@@ -18,6 +18,9 @@
 /* What is compared. BALL is a proxy of one point at the tool's tip, as point-based toolkits have it. */
 enum lab_method { LAB_POINT, LAB_BED, LAB_PROXY, LAB_BALL, LAB_METHODS };
 
+/* dpt_world_def.max_contacts: the laws point and bed tell the sides of sheets by them. */
+enum { LAB_CONTACTS = 32 };
+
 /* The word for a method: "point", "bed", "proxy", "ball". */
 const char *lab_method_name(int method);
 

@@ -59,6 +59,7 @@ int lab_lead_open(struct lab *lab, struct lab_lead *lead, const struct lab_lead_
     const uint32_t pieces = def->pieces && !is_ball ? def->pieces : 1;
     dpt_world_def world;
     dpt_world_def_init(&world);
+    world.max_contacts = LAB_CONTACTS;
     world.max_bodies = LAB_BODIES;
     world.max_tools = 1;
     world.max_segments = LAB_PIECES_MAX;

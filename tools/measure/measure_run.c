@@ -195,6 +195,7 @@ static void run_pass(struct stage *stage, struct measure_run *run, const struct 
 
 static void note_memory(const struct stage *stage, struct measure_run *run)
 {
+    dpt_world_info used = { .size = sizeof used };
     run->body_bytes = run->mesh_bytes = 0;
     for (uint32_t i = 0; i < stage->bodies.count; i++) {
         const struct scene_body *body = &stage->bodies.body[i];
@@ -205,7 +206,8 @@ static void note_memory(const struct stage *stage, struct measure_run *run)
         run->diagonal = fmax(run->diagonal, box_diagonal(&info));
     }
     run->check.tolerance = TOLERANCE * run->diagonal;
-    run->kernel = dpt_world_get_kernel(stage->world);
+    dpt_world_get_info(stage->world, &used);
+    run->kernel = used.kernel;
 }
 
 int measure_run(struct measure_run *run, const struct scene *scene, const struct csv_table *trace,

@@ -33,6 +33,7 @@ void measure_setting_init(struct measure_setting *setting, const struct scene *s
     };
     dpt_world_def_init(&setting->world);
     setting->world.sweep_budget = 0;
+    setting->world.max_contacts = SCENE_CONTACTS;
     setting->world.law = scene->force.law;
     setting->world.stiffness = scene->force.stiffness > 0.0 ? scene->force.stiffness : STIFFNESS;
     if (scene_bodies_displace(&scene->bodies))

@@ -46,7 +46,7 @@ const touchWorld = (() => {
       this.stiffness = choices.stiffness;
       this.segment = tip;
       try {
-        this.world = core.createWorld({ maxBodies: 1, maxTools: 1, maxSegments: 1, ...choices });
+        this.world = core.createWorld({ maxBodies: 1, maxTools: 1, maxSegments: 1, maxContacts: 32, ...choices });
       } catch (error) {
         this.mesh.close();
         throw error;
@@ -95,7 +95,7 @@ const touchWorld = (() => {
       this.world.setToolPose(this.tool, this.toolPose);
       const { contact } = this.world.step(PERIOD);
       if (this.isSoft && this.world.stepSprings(this.body, PERIOD).active > 0) this.movedAt = this.time;
-      const { wrench, energy, reason } = this.world.getForceReport(this.tool);
+      const { wrench, energy, reason } = this.world.getForceInfo(this.tool);
       this.force = wrench.slice(0, 3);
       this.device.step(this.force);
       this.ticks++;

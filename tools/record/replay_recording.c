@@ -221,6 +221,8 @@ static int take_plan(struct scene *scene, const struct scene_text *text, const c
                      struct measure_setting *setting)
 {
     const uint64_t most = UINT32_MAX;
+    if (text->sweep_budget > most)
+        return complain(scene->command, "%s: its header has a sweep_budget that is none", path);
     if (!text->planned)
         return 0;
     if (text->plan_until > DPT_UNTIL_CONTACT || text->plan_integrator > 1 + DPT_INTEGRATOR_IMPLICIT ||
@@ -283,6 +285,7 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
     if (status == 0)
         status = check_identity(command, def.tool ? def.tool : "", "tool", &scene->tool_file, text->tool_bytes,
                                 text->tool_crc32);
+    scene->sweep_budget = (uint32_t)text->sweep_budget;
     if (status == 0)
         status = take_plan(scene, text, path, &setting);
     if (status == 0)

@@ -41,6 +41,7 @@ static const struct key {
     KEY(NUMBER, friction),
     KEY(NUMBER, damping),
     KEY(COUNT, budget),
+    KEY(COUNT, sweep_budget),
     KEY(NUMBER, force_max),
     KEY(TEXT, device),
     KEY(TEXT, device_kind),
@@ -152,6 +153,7 @@ void scene_text_of(struct scene_text *text, const struct scene *scene, const str
     }
     if (scene->planned)
         note_plan(text, scene->planned);
+    text->sweep_budget = scene->sweep_budget;
     text->physics = scene->physics_rate;
     text->length = def->length;
     text->radius = def->radius;

@@ -16,7 +16,8 @@ struct scene_text {
     char scene[SCENE_TEXT_NAME], tool[SCENE_TEXT_NAME], device[SCENE_TEXT_NAME];
     char device_kind[64], law[16];
     uint64_t scene_bytes, scene_crc32, tool_bytes, tool_crc32;
-    uint64_t budget; /* units of work a step; 0: unlimited */
+    uint64_t budget;       /* units of work a step; 0: unlimited */
+    uint64_t sweep_budget; /* of them, for sweeps; likewise, as of a recording that does not tell it */
     uint64_t device_flags, pose_dofs, wrench_dofs, joints;
     double origin_x, origin_y, origin_z; /* of the device, in the scene's frame, m */
     double zoom, length, radius;

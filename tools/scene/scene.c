@@ -123,7 +123,8 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     dpt_world_def world;
     scene->device = *device;
     dpt_world_def_init(&world);
-    world.sweep_budget = 0; /* `budget` bounds them, too; recordings tell no other but a plan's */
+    world.sweep_budget = scene->sweep_budget;
+    world.max_contacts = scene->shows_contacts ? SCENE_CONTACTS : 0;
     if (scene->planned)
         world = scene->planned->world;
     world.max_bodies = scene->bodies.count;
@@ -282,7 +283,11 @@ static int place_device(struct scene *scene, const struct scene_def *def)
 int scene_open(struct scene *scene, const struct scene_def *def)
 {
     static const double identity[4] = { 1.0, 0.0, 0.0, 0.0 };
+    dpt_world_def defaults;
     memset(scene, 0, sizeof *scene);
+    dpt_world_def_init(&defaults);
+    scene->sweep_budget = defaults.sweep_budget;
+    scene->shows_contacts = 1;
     scene->command = def->command;
     scene->zoom = def->zoom;
     scene->force_scale = def->force_scale;

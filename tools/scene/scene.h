@@ -39,6 +39,9 @@ dpt_passivity_info scene_passivity_info(const struct scene_passivity *passivity)
 
 struct measure_setting; /* measure/measure_setting.h */
 
+/* dpt_world_def.max_contacts of worlds whose contacts are shown, or whose law tells sides by them. */
+enum { SCENE_CONTACTS = 32 };
+
 struct scene {
     const char *command;
     struct file_identity file,
@@ -50,6 +53,8 @@ struct scene {
     struct scene_bodies bodies;
     /* Of a plan: until, memory, margin, contacts, sweeps and strips of the world; NULL: the defaults. */
     const struct measure_setting *planned;
+    uint32_t sweep_budget;                      /* dpt_world_def's; a plan has its own */
+    int shows_contacts;                         /* the world lists its contacts; likewise */
     double physics_rate;                        /* Hz; 0: what is soft is stepped in each tick */
     struct scene_physics *physics;              /* of the world, if there is a rate */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */

@@ -11,7 +11,7 @@ class World {
     this.meshes = new Map(); // of each body
     this.blocks = new Map(); // of each body that deforms: places in the heap
     this.springs = new Map();
-    this.room = { contacts: 0, at: 0 };
+    this.room = { bytes: 0, at: 0 };
     this.snapshot = { at: 0, bytes: 0 };
     const from = core.def("dpt_world_def", def, 1);
     const bytes = this.call.dpt_world_bytes(from);
@@ -20,7 +20,7 @@ class World {
     if (result !== CONSTANTS.DPT_OK) core.heap.release(this.block);
     core.check(result);
     this.world = this.memory.look().view.getUint32(core.place(0), true);
-    this.kernel = core.kernelName(this.call.dpt_world_get_kernel(this.world));
+    this.kernel = core.kernelName(this.getInfo().kernel);
   }
 
   // A call that gives a number, as of a body.
@@ -220,7 +220,7 @@ class World {
     this.core.check(this.call.dpt_world_reset(this.world));
   }
 
-  getUsage() {
+  getInfo() {
     return this.core.get("dpt_world_info", at => this.call.dpt_world_get_info(this.world, at));
   }
 
@@ -238,21 +238,37 @@ class World {
     return { force: six.slice(0, 3), torque: six.slice(3) };
   }
 
-  getForceReport(tool) {
+  getForceInfo(tool) {
     return this.core.get("dpt_force_info", at => this.call.dpt_tool_get_force_info(this.world, tool, at));
   }
 
-  getContacts(tool) {
-    const { bytes } = layouts.dpt_contact;
-    const count = this.made(at => this.call.dpt_tool_get_contacts(this.world, tool, 0, 0, at));
-    if (count > this.room.contacts) {
+  // All structs that a call lists: call(array, capacity, place of the count).
+  list(name, call) {
+    const { bytes } = layouts[name];
+    const count = this.made(at => call(0, 0, at));
+    if (count * bytes > this.room.bytes) {
       this.core.heap.release(this.room.at);
-      this.room = { contacts: 2 * count, at: this.core.heap.allocate(2 * count * bytes) };
+      this.room = { bytes: 2 * count * bytes, at: this.core.heap.allocate(2 * count * bytes) };
     }
     if (count === 0) return [];
-    this.memory.begin("dpt_contact", this.room.at);
-    const there = this.made(at => this.call.dpt_tool_get_contacts(this.world, tool, this.room.at, count, at));
-    return Array.from({ length: there }, (_, k) => this.memory.read("dpt_contact", this.room.at + k * bytes));
+    this.memory.begin(name, this.room.at);
+    const there = this.made(at => call(this.room.at, count, at));
+    return Array.from({ length: there }, (_, k) => this.memory.read(name, this.room.at + k * bytes));
+  }
+
+  getContacts(tool) {
+    return this.list("dpt_contact", (to, room, at) => this.call.dpt_tool_get_contacts(this.world, tool, to, room, at));
+  }
+
+  // The points at which the tool is pushed
+  getLoads(tool) {
+    return this.list("dpt_tool_load", (to, room, at) => this.call.dpt_tool_get_loads(this.world, tool, to, room, at));
+  }
+
+  // What all tools do to a body: N and N m, at the origin of its frame, along the world's axes
+  getBodyWrench(body) {
+    const six = this.numbers(6, at => this.call.dpt_body_get_wrench(this.world, body, at));
+    return { force: six.slice(0, 3), torque: six.slice(3) };
   }
 
   // A Uint8Array in the core's memory, good until the next call: the block of snapshot.h, the same bytes everywhere

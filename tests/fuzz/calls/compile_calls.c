@@ -135,12 +135,14 @@ static void draw_def(struct given_def *of)
         def->user = &of->progress;
     }
     if (draw_one_in(4))
+        def->name = draw_one_in(2) ? "a.b/organ.stl" : "organ.";
+    if (draw_one_in(4))
         draw_cells(of);
     if (draw_one_in(4))
         draw_springs(of);
     uint32_t size = draw_size(first, sizeof *def);
     /* Half a pointer leads anywhere, and half a count is one. */
-    if (size > offsetof(dpt_compile_def, nodes) && size < offsetof(dpt_compile_def, reserved_pointer))
+    if (size > offsetof(dpt_compile_def, nodes) && size < offsetof(dpt_compile_def, name))
         size = sizeof *def;
     of->given = draw_input(2, def, size, first, sizeof *def, &of->codes);
     /* What it does not reach to has its default. */
@@ -157,7 +159,7 @@ static void draw_def(struct given_def *of)
     may_fail(&of->codes, of->codes.or_done, DPT_E_ARGUMENT);
     if (size >= offsetof(dpt_compile_def, springs))
         cells_may_fail(of);
-    if (size >= offsetof(dpt_compile_def, reserved_pointer) && def->springs)
+    if (size >= offsetof(dpt_compile_def, name) && def->springs)
         springs_may_fail(of);
 }
 

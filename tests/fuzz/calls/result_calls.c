@@ -129,6 +129,46 @@ static void contacts(void)
     game_digest(told, sizeof *told);
 }
 
+static void loads(void)
+{
+    struct question of;
+    dpt_tool_load now;
+    if (!draw_question(&of))
+        return;
+    const uint32_t size = draw_size(sizeof now, sizeof now);
+    const uint32_t capacity = draw_below(10), room = size > 4096 || size < 8 ? 8 : size;
+    const int no_count = draw_one_in(60), no_array = of.no_out || draw_one_in(8);
+    uint32_t told[2] = { 77, 77 };
+    dpt_result result = DPT_OK;
+    of.codes.count = 0;
+    may_fail(&of.codes, of.no_world || no_count || (no_array && capacity), DPT_E_ARGUMENT);
+    may_fail(&of.codes, !of.tool, DPT_E_HANDLE);
+    if (capacity && !no_array)
+        size_codes_of_output(size, sizeof now, 1, &of.codes);
+    trace(&of, size);
+    EACH_WORLD(of.scene, i)
+    {
+        unsigned char *out = output_of(FIRST_ARRAY + i, (size_t)room * capacity);
+        if (capacity)
+            memcpy(out, &size, sizeof size);
+        SAME_RESULT(i, result,
+                    RESULT(dpt_tool_get_loads, world_or_null(of.scene, i, of.no_world), of.id,
+                           no_array ? NULL : (void *)out, capacity, no_count ? NULL : &told[i]));
+    }
+    expect(result, &of.codes);
+    outputs_are_guarded(FIRST_ARRAY, of.scene->world_count);
+    HOLDS(of.scene->world_count < 2 || told[0] == told[1], "%u and %u", told[0], told[1]);
+    if (result != DPT_OK) {
+        HOLDS(told[0] == 77 || told[0] == 0, "%u on an error", told[0]);
+        return;
+    }
+    HOLDS(of.tool->answers != ANSWERS_NONE || told[0] == 0, "%u without a step", told[0]);
+    const uint32_t given = told[0] < capacity ? told[0] : capacity;
+    HOLDS(output_is_untouched(FIRST_ARRAY, capacity && !given ? sizeof size : (size_t)given * size),
+          "written behind the last of %u", given);
+    game_digest(told, sizeof *told);
+}
+
 static void sweep(void)
 {
     struct question of;
@@ -233,6 +273,36 @@ static void wrench(void)
     twins_agree(&of, 1);
 }
 
+/* On a body, by all tools or by one. */
+static void body_wrench(void)
+{
+    struct question of;
+    if (!draw_question(&of))
+        return;
+    const int by_tool = draw_one_in(2);
+    const uint32_t body = draw_body_id(of.scene);
+    dpt_result result = DPT_OK;
+    of.codes.count = 0;
+    may_fail(&of.codes, of.no_world || of.no_out, DPT_E_ARGUMENT);
+    may_fail(&of.codes, (by_tool && !of.tool) || !scene_body(of.scene, body), DPT_E_HANDLE);
+    trace(&of, body);
+    EACH_WORLD(of.scene, i)
+    {
+        dpt_world *world = world_or_null(of.scene, i, of.no_world);
+        dpt_wrench *out = output_of(i, sizeof *out), *given = of.no_out ? NULL : out;
+        SAME_RESULT(i, result,
+                    by_tool ? RESULT(dpt_tool_get_body_wrench, world, of.id, body, given)
+                            : RESULT(dpt_body_get_wrench, world, body, given));
+        if (of.no_out)
+            continue;
+        numbers_are_finite(out->force, 6, "a wrench on a body");
+        for (int k = 0; k < 3 && result != DPT_OK; k++)
+            HOLDS(out->force[k] == 0.0 && out->torque[k] == 0.0, "a wrench on an error");
+    }
+    expect(result, &of.codes);
+    twins_agree(&of, 1);
+}
+
 static void force_report(void)
 {
     struct question of;
@@ -261,6 +331,7 @@ static void force_report(void)
 static const struct move moves[] = { { "hit", hit, 14 },      { "contacts", contacts, 8 },
                                      { "sweep", sweep, 6 },   { "strip", strip, 8 },
                                      { "wrench", wrench, 8 }, { "force report", force_report, 4 },
+                                     { "loads", loads, 6 },   { "body wrench", body_wrench, 6 },
                                      { NULL, NULL, 0 } };
 
 const struct noun result_noun = { "result", NULL, NULL, moves };
