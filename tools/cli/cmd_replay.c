@@ -269,27 +269,31 @@ static int run(struct replay_settings *settings, const dpt_mesh *mesh, const str
     return status;
 }
 
+/* Options that are words, and so are read further on. */
+struct replay_words {
+    const char *method, *until, *kernel, *against, *strip, *law;
+    struct option_texts tips;
+};
+
 /* Returns -1 to go on, else the exit status. */
-static int read_settings(int argc, char **argv, struct replay_settings *settings)
+static int parse_settings(int argc, char **argv, struct replay_settings *settings, struct replay_words *words)
 {
-    const char *operand[2], *method = "exact", *until = "respond", *kernel = "auto";
-    const char *against = NULL, *strip = "none", *law = NULL;
-    struct option_texts tips = { .count = 0 };
+    const char *operand[2];
     size_t operands;
     const struct option_def options[] = {
         { .name = "-o", .text = &settings->out },
-        { .name = "--method", .text = &method },
+        { .name = "--method", .text = &words->method },
         { .name = "--radius", .number = &settings->tool.radius },
-        { .name = "--tip", .texts = &tips },
-        { .name = "--law", .text = &law },
+        { .name = "--tip", .texts = &words->tips },
+        { .name = "--law", .text = &words->law },
         { .name = "--stiffness", .number = &settings->force.stiffness },
         { .name = "--friction", .number = &settings->force.friction },
         { .name = "--damping", .number = &settings->force.damping },
-        { .name = "--until", .text = &until },
+        { .name = "--until", .text = &words->until },
         { .name = "--dt", .number = &settings->dt },
-        { .name = "--kernel", .text = &kernel },
+        { .name = "--kernel", .text = &words->kernel },
         { .name = "--repeat", .count = &settings->repeat },
-        { .name = "--against", .text = &against },
+        { .name = "--against", .text = &words->against },
         { .name = "--every", .count = &settings->every },
         { .name = "--json", .flag = &settings->json },
         { .name = "--parts", .count = &settings->parts },
@@ -297,7 +301,7 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
         { .name = "--certificate-bytes", .count = &settings->def.certificate_bytes },
         { .name = "--one-step", .flag = &settings->one_step },
         { .name = "--limit", .flag = &settings->limit },
-        { .name = "--strip", .text = &strip },
+        { .name = "--strip", .text = &words->strip },
         { .name = "--strip-width", .number = &settings->def.strip_width },
     };
     int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand, 2, &operands);
@@ -309,63 +313,88 @@ static int read_settings(int argc, char **argv, struct replay_settings *settings
         return complain("replay", "FILE.dpa, TRACE.csv and -o OUT.csv are needed (see --help)");
     settings->mesh = operand[0];
     settings->trace = operand[1];
-    if (output_check("replay", settings->out, (const char *const[]){ settings->mesh, settings->trace, NULL }))
-        return 2;
-    int chosen[4] = { word_index(method, methods), word_index(until, until_words), word_index(kernel, kernels),
-                      against ? word_index(against, methods) : -1 };
-    if (chosen[0] < 0 || (against && chosen[3] < 0))
+    return output_check("replay", settings->out, (const char *const[]){ settings->mesh, settings->trace, NULL }) ? 2
+                                                                                                                 : -1;
+}
+
+/* Returns 0, or 2 after a message. */
+static int read_words(struct replay_settings *settings, const struct replay_words *words)
+{
+    const int method = word_index(words->method, methods), until = word_index(words->until, until_words);
+    const int kernel = word_index(words->kernel, kernels), strip = word_index(words->strip, strip_words);
+    settings->against = words->against ? word_index(words->against, methods) : -1;
+    if (method < 0 || (words->against && settings->against < 0))
         return complain("replay", "the methods are exact, tree, brute and paper");
-    if (chosen[1] < 0)
+    if (until < 0)
         return complain("replay", "--until takes track, contact or respond");
-    if (chosen[2] < 0)
+    if (kernel < 0)
         return complain("replay", "the kernels are auto, scalar, sse2, avx2, avx512, neon and wasm128");
-    if (word_index(strip, strip_words) < 0)
+    if (strip < 0)
         return complain("replay", "--strip takes shadow or routes");
-    if (!law)
-        law = chosen[0] == DPT_METHOD_PAPER ? "point" : "proxy";
-    status = law_by_name("replay", law, &settings->force.law);
-    if (status == 0)
-        status = force_options_check("replay", &settings->force);
-    if (status)
-        return status;
-    if (tip_shapes_of_options(&settings->tool.tips, "replay", &tips))
-        return 2;
+    settings->def.strip = (uint32_t)strip;
+    settings->def.method = (uint32_t)method;
+    settings->def.until = (uint32_t)until;
+    settings->def.kernel = (uint32_t)kernel;
+    const char *law = words->law ? words->law : method == DPT_METHOD_PAPER ? "point" : "proxy";
+    const int status = law_by_name("replay", law, &settings->force.law);
+    return status ? status : force_options_check("replay", &settings->force);
+}
+
+/* Returns 0, or 2 after a message. */
+static int read_tips(struct replay_settings *settings, const struct option_texts *tips)
+{
+    const dpt_world_def *def = &settings->def;
     const int has_proxy = settings->force.law == DPT_LAW_PROXY;
-    if (tips.count &&
-        (chosen[0] != DPT_METHOD_EXACT || against ||
-         (!has_proxy && (chosen[1] != DPT_UNTIL_RESPOND || !tip_shapes_are_curved(&settings->tool.tips)))))
+    if (tip_shapes_of_options(&settings->tool.tips, "replay", tips))
+        return 2;
+    const int is_felt = has_proxy || (def->until == DPT_UNTIL_RESPOND && tip_shapes_are_curved(&settings->tool.tips));
+    if (tips->count && (def->method != DPT_METHOD_EXACT || settings->against >= 0 || !is_felt))
         return complain("replay",
                         "--tip is for the method exact and the law proxy, without --against; what is curved, for "
                         "the other laws too, with --until respond");
-    settings->def.max_tips = has_proxy ? (uint32_t)tips.count : 0;
-    settings->def.strip = (uint32_t)word_index(strip, strip_words);
-    settings->def.method = (uint32_t)chosen[0];
-    settings->def.until = (uint32_t)chosen[1];
-    settings->def.kernel = (uint32_t)chosen[2];
-    settings->against = chosen[3];
+    settings->def.max_tips = has_proxy ? (uint32_t)tips->count : 0;
+    return 0;
+}
+
+/* What is for one method alone, and the numbers that become the world's def. Returns 0, or 2 after a message. */
+static int read_method(struct replay_settings *settings)
+{
+    dpt_world_def *def = &settings->def;
     if (settings->parts < 1 || settings->parts > 64)
         return complain("replay", "--parts must be 1 to 64");
-    if (settings->def.method != DPT_METHOD_PAPER && (settings->parts > 1 || settings->one_step))
+    if (def->method != DPT_METHOD_PAPER && (settings->parts > 1 || settings->one_step))
         return complain("replay", "--parts and --one-step are for --method paper");
-    if (settings->def.method != DPT_METHOD_EXACT && settings->budget)
+    if (def->method != DPT_METHOD_EXACT && settings->budget)
         return complain("replay", "--budget is for --method exact");
-    if (settings->force.law == DPT_LAW_PROXY && settings->def.method == DPT_METHOD_PAPER)
+    if (settings->force.law == DPT_LAW_PROXY && def->method == DPT_METHOD_PAPER)
         return complain("replay", "--law proxy is for the other methods than paper");
-    if (settings->def.certificate_bytes > (uint64_t)1 << 40)
+    if (def->certificate_bytes > (uint64_t)1 << 40)
         return complain("replay", "--certificate-bytes must be 0 to 2^40");
     if (settings->budget > UINT32_MAX)
         return complain("replay", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
-    settings->def.budget = (uint32_t)settings->budget;
+    if (!(def->strip_width >= 0.0 && def->strip_width <= DPT_COORDINATE_MAX))
+        return complain("replay", "--strip-width must be 0 to 1e6");
+    def->budget = (uint32_t)settings->budget;
     settings->baseline.parts = (uint32_t)settings->parts;
     settings->baseline.one_step = (uint32_t)settings->one_step;
-    settings->def.baseline = &settings->baseline;
+    def->baseline = &settings->baseline;
+    return 0;
+}
+
+/* Returns -1 to go on, else the exit status. */
+static int read_settings(int argc, char **argv, struct replay_settings *settings)
+{
+    struct replay_words words = { .method = "exact", .until = "respond", .kernel = "auto", .strip = "none" };
+    const int status = parse_settings(argc, argv, settings, &words);
+    if (status >= 0)
+        return status;
+    if (read_words(settings, &words) || read_tips(settings, &words.tips) || read_method(settings))
+        return 2;
     if (!(settings->tool.radius >= 0.0 && settings->tool.radius <= DPT_COORDINATE_MAX))
         return complain("replay", "--radius must be 0 to 1e6");
-    if (!(settings->def.strip_width >= 0.0 && settings->def.strip_width <= DPT_COORDINATE_MAX))
-        return complain("replay", "--strip-width must be 0 to 1e6");
     if (!(settings->dt > 0.0 && settings->dt <= 1e6))
         return complain("replay", "--dt must be above 0, at most 1e6");
-    if (!against && settings->every != NOT_GIVEN)
+    if (settings->against < 0 && settings->every != NOT_GIVEN)
         return complain("replay", "--every is for --against");
     if (settings->every == NOT_GIVEN)
         settings->every = 1;
