@@ -163,6 +163,7 @@ function look(file, unit, name, quoted, place, used, level, culprit)
 {
     file[NR] = $0
     exists[$0] = 1
+    held[folder_of($0)]++
     name = basename_of($0)
     if (name in first) find("name", first[name] " and " $0 ": a file name occurs once")
     else first[name] = $0
@@ -194,7 +195,16 @@ END {
         }
         close(file[i])
         if (lines > 600) find("long", file[i] " has " lines " lines: 600 at most")
+        if (file[i] ~ /[.](c|cc)$/) {
+            for (at = ++sources; at > 1 && length_of[at - 1] > lines; at--) length_of[at] = length_of[at - 1]
+            length_of[at] = lines
+        }
     }
+    if (length_of[int((sources + 1) / 2)] <= 250)
+        find("crumbs", "half of the " sources " sources have at most 250 lines: they are crumbs")
+    for (folder in held)
+        if (held[folder] > (folder == "tools" ? 4 : 44))
+            find("full", folder " holds " held[folder] " files: " (folder == "tools" ? 4 : 44) " at most")
 }' "$scratch/files" >"$scratch/findings" || exit 2
 
 # Objects of sources that are here; others are left over. What the machine or the user left out is not looked at.
@@ -280,6 +290,8 @@ report include "each includes only what it may use"
 report name "a file name occurs once"
 report path "each path that a page or a comment names is there"
 report long "no source is longer than 600 lines"
+report crumbs "half of the sources are longer than 250 lines"
+report full "no folder holds more than 44 files, and in tools/ itself lie 4 at most"
 report object "each source has its object"
 report call "each calls only what it may use"
 report circle "inside a folder of the core, no files call each other in a circle"

@@ -143,6 +143,12 @@ put src/mesh/made.h "$(awk 'BEGIN { for (i = 1; i <= 601; i++) print "//" i }')"
 says "src/mesh/made.h has 601 lines: 600 at most"
 put src/mesh/made.h "$(awk 'BEGIN { for (i = 1; i <= 600; i++) print "//" i }')"
 says '' "600 lines are not too many"
+for i in $(seq 45); do put src/text/made_$i.h; done
+says "src/text holds $((45 + $(ls src/text | wc -l))) files: 44 at most"
+for i in 1 2 3 4; do put tools/made_$i.h; done
+says "tools holds 5 files: 4 at most"
+for i in $(seq 60); do put src/bindings/made_$((i % 2))/made_$i.c; done
+says "half of the $((60 + $(find src drivers tools -name '*.c' -o -name '*.cc' | wc -l))) sources have at most 250 lines: they are crumbs"
 put src/mesh/made.c 'int dpti_made;'
 says "src/mesh/made.c has no object: nothing says what it calls"
 
