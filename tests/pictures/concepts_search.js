@@ -33,7 +33,7 @@ function field({ core, compiler }) {
 
 // What lies under a tool: for each triangle of its strip its relation to the tool.
 function stripUnder({ core, constants }, mesh, tool, def) {
-  const world = core.createWorld({ law: constants.DPT_LAW_POINT, strip: constants.DPT_STRIP_KIND_SHADOW, ...def });
+  const world = core.createWorld({ law: constants.DPT_LAW_POINT, maxContacts: 32, strip: constants.DPT_STRIP_KIND_SHADOW, ...def });
   world.addBody(mesh);
   const one = world.addTool([tool]);
   world.step(0.001);

@@ -99,7 +99,7 @@ function endsAt(pose, length) {
 
 // A world with one body and one tool at the place of its first step.
 function worldOf({ core }, mesh, tool, def = {}) {
-  const world = core.createWorld(def);
+  const world = core.createWorld({ maxContacts: 32, ...def });
   world.addBody(mesh);
   return { world, tool: world.addTool([tool]) };
 }
