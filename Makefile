@@ -158,7 +158,7 @@ $(B)/tools/view/server/%.o: INCLUDES += $(LWS_CFLAGS)
 
 # built_with.h says what was chosen for this build; it changes only when that does.
 CHOOSERS := $(B)/drivers/device.o $(B)/tools/cli/arm_file.o $(B)/tools/cli/cmd_device.o $(B)/tools/scene/scene_def.o \
-            $(B)/tools/scene/curved_tip.o \
+            $(B)/tools/scene/tip_shape.o \
             $(B)/tools/plan/plan_file.o \
             $(B)/tools/view/view_serve.o
 $(CHOOSERS): INCLUDES += -I$(B)

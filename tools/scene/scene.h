@@ -9,7 +9,7 @@
 #include "dynpoint/device.h"
 #include "dynpoint/loop.h"
 #include "dynpoint/passivity.h"
-#include "scene/curved_tip.h"
+#include "scene/tip_shape.h"
 #include "scene/scene_bodies.h"
 #include "scene/scene_def.h"
 #include "scene/scene_physics.h"

@@ -8,7 +8,7 @@
 
 #include "base/frame.h"
 #include "cli/command_options.h"
-#include "scene/curved_tip.h"
+#include "scene/tip_shape.h"
 #include "text/parse_number.h"
 
 int jaw_motion_parse(struct jaw_motion *motion, const char *text, const char *end)

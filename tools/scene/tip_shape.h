@@ -7,8 +7,11 @@
 #define DPT_TOOLS_TIP_SHAPE_H
 
 #include <stddef.h>
+#include <stdio.h>
 
 #include "cli/command_options.h"
+#include "cli/force_options.h"
+#include "dynpoint/convex.h"
 #include "dynpoint/hull.h"
 
 enum { TIP_SHAPES_MAX = 16 }; /* of one tool */
@@ -62,5 +65,54 @@ int tip_shapes_of_options(struct tip_shapes *tips, const char *command, const st
 enum { TIP_SHAPE_LINE = 400 };
 void tip_shape_write(const struct tip_shape *shape, char line[TIP_SHAPE_LINE]);
 int tip_shape_read(struct tip_shape *shape, const char *text, const char *end); /* 0: it is none */
+
+/*
+ * Curved tips of a tool (docs/algorithms/convex.md): the hull round one, which a proxy feels, and the wrench of them
+ * where the tool has no proxy. In a build without libccd there are none.
+ */
+
+/* NULL, or why this build has none, for the end of a message. */
+const char *curved_tip_left_out(void);
+
+/*
+ * The hull that holds it: corners in the tool's frame, and a radius; there is room for DPT_HULL_CORNERS_MAX.
+ *   error  m: by so much the hull is larger at most. DPT_E_UNSUPPORTED: this build has none
+ */
+dpt_result curved_tip_corners(const struct tip_shape *tip, double *corners, uint32_t *count, double *radius,
+                              double *error);
+
+/* All of a tool, felt without a proxy. Begin with zeros and with the bodies; it stays where it is, as long as the tool. */
+struct curved_tips {
+    dpt_convex_body bodies[DPT_ARM_BODIES_MAX];
+    uint32_t body_ids[DPT_ARM_BODIES_MAX];
+    uint32_t body_count;
+    dpt_convex_shape shape[TIP_SHAPES_MAX];
+    dpt_convex_shaper shaper[TIP_SHAPES_MAX];
+    dpt_convex_contact contact[TIP_SHAPES_MAX]; /* of the last step */
+    uint32_t count;
+    double error;      /* m: of the depths that were proven so far, the largest error */
+    uint64_t unproven; /* depths for which nothing proved that there is no shorter way out */
+};
+
+/* Let a rigid tool feel them from now on, by a law that has no proxy. */
+dpt_result curved_tips_attach(struct curved_tips *tips, const struct tip_shapes *shapes, dpt_world *world,
+                              dpt_tool tool, const struct force_options *force);
+
+/* Before a step: a tool that has no answer then feels nothing. */
+void curved_tips_begin_tick(struct curved_tips *tips);
+
+/*
+ * After it: 1 if how deep one is could not be told, as more triangles than libdynpoint_convex takes are near; J, what they
+ * store; and the tool's hit becomes that of the deepest one, if one is deeper.
+ */
+int curved_tips_have_failed(const struct curved_tips *tips);
+double curved_tips_energy(const struct curved_tips *tips);
+void curved_tips_deepen(const struct curved_tips *tips, dpt_hit *hit);
+
+/*
+ * A line for people: how well they are felt. Without curved tips none.
+ *   hull_error  m, of the hulls that a proxy feels
+ */
+void curved_tips_print_error(FILE *file, const struct curved_tips *tips, double hull_error);
 
 #endif
