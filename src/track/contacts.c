@@ -371,8 +371,6 @@ static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
     struct pair_search *nearest = &contact_pair->nearest;
     uint32_t *last_triangle =
         world_last_triangle(world, contact_pair->segment_index, handle_index(contact_pair->body->id));
-    struct bvh_traversal traversal;
-    traversal.level = 0;
     if (work_is_spent(&world->work))
         return 0;
     axis_of(surface, &contact_pair->body->frame, a, b, &contact_pair->axis);
@@ -380,8 +378,7 @@ static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
         (struct pair_search){ .pair = dpti_triangle_pair(surface, *last_triangle == DPT_NONE ? 0 : *last_triangle,
                                                          axis->local_a, axis->u),
                               .triangle = *last_triangle == DPT_NONE ? 0 : *last_triangle };
-    int is_done = dpti_bvh_traverse(surface, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &traversal,
-                                    &world->work, nearest);
+    int is_done = dpti_bvh_search(surface, &world->kernel, axis->local_a, axis->u, &world->work, nearest);
     *last_triangle = nearest->triangle;
     return is_done;
 }
