@@ -65,12 +65,12 @@ int dpti_contact_find(struct distance_profile *profile, const struct pair_search
 /* Why the contact of a profile is unknown: DPT_HIT_FLAG_... */
 uint32_t dpti_contact_why_unknown(const struct distance_profile *profile);
 
-/* The exit direction at a sample, unit, in the body's frame. `smooth`: 1 for smooth normals, as dpt_world_def has it. */
+/* The exit direction at a sample, unit, in the body's frame. `smooth`: 1 for smooth normals, as in dpt_world_def. */
 vec3 dpti_contact_normal(const struct distance_profile *profile, const struct profile_sample *sample, uint32_t smooth);
 
-/* The penetration at the profile's deepest sample, in the world. `body` is the body's frame; `gap` in m. */
+/* The penetration at a sample, in the world. `body` is the body's frame; `depth` in m. */
 struct penetration dpti_contact_penetration(const struct distance_profile *profile, const struct frame *body,
-                                            double gap, uint32_t smooth);
+                                            const struct profile_sample *sample, double depth, uint32_t smooth);
 
 /*
  * Set contact and gap of a result that has its nearest pair already. This is for one axis and one body without history

@@ -454,19 +454,25 @@ static void add_body(struct contact_pair *contact_pair, const struct body_answer
         return;
     const uint32_t smooth = contact_pair->world->def.smooth_normals;
     const struct pushing_part pushing_part = pushing_part_of(contact_pair);
+    struct distance_profile *profile = contact_pair->profile;
+    const struct frame *frame = &contact_pair->body->frame;
+    double depth = max_of(0.0, -gap);
     struct penetration penetration =
-        dpti_contact_penetration(contact_pair->profile, &contact_pair->body->frame, gap, smooth);
+        dpti_contact_penetration(profile, frame, &profile->sample[profile->deepest], depth, smooth);
     double felt_gap = gap;
     if (gap < sum->min_gap) {
         sum->penetration = penetration;
         sum->min_gap = gap;
     }
     if (pushing_part.is_behind_sheet && !(penetration.depth <= -sum->min_felt_gap)) {
-        struct warm_start warm_start;
-        if (dpti_sheet_border_reduce(contact_pair->profile, &contact_pair->body->frame, pushing_part.body_id,
-                                     contact_pair->radius, smooth, &segment->border, &penetration, &warm_start))
+        struct profile_sample pushed;
+        if (dpti_sheet_border_reduce(profile, pushing_part.body_id, contact_pair->radius, &segment->border, &depth,
+                                     &pushed)) {
+            const struct warm_start warm_start = { pushed.s, pushed.triangle, 1.0f };
+            penetration = dpti_contact_penetration(profile, frame, &pushed, depth, smooth);
             carry_over_pushed_point(contact_pair, pushing_part.part, &warm_start);
-        felt_gap = -penetration.depth;
+        }
+        felt_gap = -depth;
     }
     if (felt_gap < sum->min_felt_gap) {
         sum->felt_penetration = penetration;
