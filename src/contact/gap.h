@@ -45,7 +45,7 @@ void dpti_segment_result_write(const struct segment_result *result, const struct
  * force would push it. docs/algorithms/sign.md.
  */
 
-/* What the profile of one axis and one body says. */
+/* What the profile of one axis and one body tells about contact. */
 enum {
     /* the axis is outside and nothing is within the profile's reach */
     CONTACT_NONE,
@@ -57,7 +57,7 @@ enum {
 
 /*
  * Make the profile of a capsule's axis, with arguments as dpti_profile_make has them. `radius` is in m. Returns
- * CONTACT_...; *gap gets the signed distance of the capsule's surface, in m; with CONTACT_UNKNOWN it does not count.
+ * CONTACT_...; *gap gets the signed distance of the capsule's surface, in m; with CONTACT_UNKNOWN it is meaningless.
  */
 int dpti_contact_find(struct distance_profile *profile, const struct pair_search *nearest,
                       const struct warm_start *warm_starts, uint32_t warm_start_count, double radius, double *gap);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The penetration of an open sheet near its border. Beyond the border the point that is pushed counts as in front of
- * the sheet, so its depth must have come to zero there. docs/algorithms/penalty.md.
+ * The penetration of an open sheet near its border. A pushed point beyond the border counts as in front of the sheet.
+ * So its depth must fall to zero towards the border. docs/algorithms/penalty.md.
  */
 #ifndef DPT_SHEET_BORDER_H
 #define DPT_SHEET_BORDER_H

@@ -27,8 +27,8 @@ struct bvh_traversal {
 };
 
 /*
- * A search for the triangle nearest to the axis a + s u, in the mesh's frame, in m. It spends one unit of work a block of
- * 16 lanes.
+ * A search for the triangle nearest to the axis a + s u, in the mesh's frame, in m. It spends one unit of work a block
+ * of 16 lanes.
  */
 struct bvh_search {
     /* To be set before. */
@@ -40,8 +40,8 @@ struct bvh_search {
     struct work *work;
     struct bvh_traversal *traversal;
     /*
-     * In: a pair to beat; its triangle is DPT_NONE if distance2 is only a limit. Out: the nearest pair that is nearer, or
-     * as near with a lower source number. If there is none, pair and triangle are unchanged. The search stops at the
+     * In: a pair to beat; its triangle is DPT_NONE if distance2 is only a limit. Out: the nearest pair that is nearer,
+     * or as near with a lower source number. If there is none, pair and triangle are unchanged. The search stops at the
      * first pair of distance 0.
      */
     struct pair_search *nearest;
@@ -53,8 +53,9 @@ struct bvh_search {
 };
 
 /*
- * Search until the end, or until the work is spent. Returns 1 when it is done; then traversal->level is 0. Returns 0 when
- * the work is spent: the next call continues there, for the same axis, or for a moved one after dpti_bvh_weaken_bounds.
+ * Search until the end, or until the work is spent. Returns 1 when it is done; then traversal->level is 0. Returns 0
+ * when the work is spent: the next call continues there, for the same axis, or for a moved one after
+ * dpti_bvh_weaken_bounds.
  */
 int dpti_bvh_traverse(struct bvh_search *search);
 
@@ -78,9 +79,9 @@ double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal, const str
 void dpti_brute_search(const struct surface *surface, vec3 a, vec3 u, struct work *work, struct pair_search *nearest);
 
 /*
- * Find the triangle nearest to the point x, in the mesh's frame: dpti_bvh_traverse for an axis without length, without a
- * cache. `nearest` is as for dpti_bvh_search: a triangle must be nearer than nearest->pair.distance2, or as near with a
- * lower source number; a pair of distance 0 ends the search.
+ * Find the triangle nearest to the point x, in the mesh's frame: dpti_bvh_traverse for an axis without length, without
+ * a cache. `nearest` is as in struct bvh_search: a triangle must be nearer than nearest->pair.distance2, or as near
+ * with a lower source number; a pair of distance 0 ends the search.
  *
  * traversal->level 0: begin at the root. Returns 1 when done. Returns 0 when the work is spent: the next call may
  * continue the traversal, with a pair that is no farther.
@@ -94,7 +95,7 @@ struct range {
     const struct kernel *kernel;
     struct filter_segment segment;
     float directions[4][3]; /* unit, across the axis, a quarter turn about it apart */
-    float limits[4];        /* all that is farther than that along a direction is out of reach */
+    float limits[4];        /* what is farther along that direction is out of reach */
     uint32_t level;         /* of the node being visited, 0: a leaf; above surface->levels: done */
     /* The path to it, by level: the index of a node in its level, and its children that are still to be visited. */
     uint32_t node[MESH_LEVELS_MAX + 1];
