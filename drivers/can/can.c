@@ -216,9 +216,7 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
         wrench = &no_force;
         weight_share = 0.0;
     }
-    const dpt_result result = can_arm_torques(&device->session.arm, device->joint, wrench, weight_share, torques);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(can_arm_torques(&device->session.arm, device->joint, wrench, weight_share, torques));
     for (uint32_t i = 0; i < monitor->count; i++) {
         const struct odrive_message command = { .command = ODRIVE_SET_TORQUE, .as.torque = torques[i] };
         can_session_put(&device->session, i, command);

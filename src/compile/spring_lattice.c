@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A cubic lattice in the closed parts (docs/algorithms/springs.md): which cells there are, how much of each is inside,
- * its springs and masses, and the vertices' embedding.
+ * A cubic lattice in the closed parts (docs/algorithms/springs.md): its cells, the share of each that is inside,
+ * springs and masses, and the embedding of the vertices.
  *
  * Rays along x measure the inside: RAYS by RAYS of them through each cell, each one exactly along its length. Whether a
  * ray meets a triangle is decided by the triangle's edges in the plane of y and z, each in the same way for both of its

@@ -16,9 +16,7 @@ struct convex_place {
     vec3 centre;        /* in the world, m */
 };
 
-/*
- * How far libccd's answers may be off, as a share of the shape's size; docs/algorithms/convex.md has the measurements.
- */
+/* How far libccd's answers may be off, as a share of the shape's size; docs/algorithms/convex.md has the measurements. */
 #define CONVEX_TOLERANCE 1e-4
 
 /*

@@ -8,9 +8,7 @@
 
 #include "base/vec3.h"
 
-/*
- * Let w(s) be the depth of the tool's surface at s, in m, 0 outside, and n(s) the exit direction, unit, in the world.
- */
+/* Let w(s) be the depth of the tool's surface at s, in m, 0 outside, and n(s) the exit direction, unit, in the world. */
 struct bed_depth {
     double square;        /* integral of w^2 over the length, m^3 */
     vec3 thrust;          /* integral of w n over the length, m^2 */

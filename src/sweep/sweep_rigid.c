@@ -131,23 +131,23 @@ static double vertex_time(const struct rigid_sweep *sweep, double time)
 struct piece {
     const struct waypoint *from, *to;
     struct deviation deviation;
-    struct motion motion;
     struct sweep sweep;
     struct surface_times times;
 };
 
-/* added: to the radius, m */
-static void begin_piece(const struct rigid_sweep *sweep, struct piece *piece, double added)
+/* Returns the straight motion. added: to the radius, m */
+static struct motion begin_piece(const struct rigid_sweep *sweep, struct piece *piece, double added)
 {
     const struct ends *from = &piece->from->ends, *to = &piece->to->ends;
-    piece->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
-    dpti_sweep_begin(&piece->sweep, &piece->motion, sweep->radius + added, sweep->tolerance,
+    const struct motion motion = { from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
+    dpti_sweep_begin(&piece->sweep, &motion, sweep->radius + added, sweep->tolerance,
                      dpti_surface_extent(sweep->surface));
     piece->sweep.directions = sweep->directions;
     piece->sweep.direction_count = sweep->direction_count;
     piece->sweep.surface_speed = (piece->to->time - piece->from->time) * surface_motion_max(sweep);
     piece->times = (struct surface_times){ sweep->tick, vertex_time(sweep, piece->from->time),
                                            vertex_time(sweep, piece->to->time) };
+    return motion;
 }
 
 /* beside: how far the axis may be from its straight motion, m */
@@ -166,8 +166,7 @@ static struct mesh_sweep search_of(const struct rigid_sweep *sweep, const struct
 static int sweep_straight(struct rigid_sweep *sweep, struct piece *piece)
 {
     struct rigid_sweep_result *result = &sweep->result;
-    begin_piece(sweep, piece, max_deviation(piece->deviation));
-    result->motion = piece->motion;
+    result->motion = begin_piece(sweep, piece, max_deviation(piece->deviation));
     struct mesh_sweep search = search_of(sweep, piece, 0.0);
     int status = dpti_sweep_mesh(&search, sweep->hint, &result->impact);
     result->from = piece->from->time;

@@ -2,8 +2,8 @@
 /*
  * One moving axis and one triangle (docs/algorithms/sweep.md). Time advances from one separating plane to the next:
  * divisions tell when the first end of the axis meets the first corner in the plane's direction, and until then the
- * motion is free. If an end that never comes near the triangle would end that soon, the axis is cut in two; if a corner
- * that never comes near the axis would, the triangle is.
+ * motion is free. If an end that never comes near the triangle would end this soon, the axis is cut in two. If a corner
+ * that never comes near the axis would, the triangle is cut.
  */
 #include "sweep/sweep_triangle.h"
 
@@ -121,8 +121,8 @@ static struct face face_of(const vec3 corner[3])
 
 /*
  * How long both ends stay in front of the plane normal.x = support by more than free_limit; 0 if they are not now. The
- * whole triangle must be on or behind the plane, and at rest. All points of the piece lie between its ends, so the piece
- * is free for as long.
+ * whole triangle must be on or behind the plane, and at rest. All points of the piece lie between its ends, so the
+ * piece is free for as long.
  */
 static double plane_duration(const struct moving_piece *moving, vec3 normal, double support, double free_limit)
 {
