@@ -11,6 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/return_if_error.h"
 #include "dynpoint/base.h"
 #include "settings.h"
 #include "text/parse_number.h"
@@ -123,24 +124,24 @@ static dpt_result parse_line(struct parser *parser, const char *at, const char *
 /* Parse all lines that end before `end`. Sets *at to the beginning of the next line. */
 static dpt_result parse_lines(struct parser *parser, const char **at, const char *end)
 {
-    dpt_result result = DPT_OK;
     const char *stop;
-    while (result == DPT_OK && (stop = memchr(*at, '\n', (size_t)(end - *at)))) {
-        result = parse_line(parser, *at, stop);
+    while ((stop = memchr(*at, '\n', (size_t)(end - *at)))) {
+        const char *line = *at;
         *at = stop + 1;
+        DPT_TRY(parse_line(parser, line, stop));
     }
-    return result;
+    return DPT_OK;
 }
 
 /* Parse the last line, which may lack its line feed. A table without rows is an error. */
 static dpt_result parse_last_line(struct parser *parser, const char *at, const char *end)
 {
-    dpt_result result = at < end ? parse_line(parser, at, end) : DPT_OK;
-    if (result == DPT_OK && !parser->table->rows) {
-        parser->error = "there are no rows";
-        result = DPT_E_SYNTAX;
-    }
-    return result;
+    if (at < end)
+        DPT_TRY(parse_line(parser, at, end));
+    if (parser->table->rows)
+        return DPT_OK;
+    parser->error = "there are no rows";
+    return DPT_E_SYNTAX;
 }
 
 dpt_result csv_table_parse(struct csv_table *table, const char *at, const char *end, const struct csv_format *format,
@@ -188,29 +189,31 @@ static dpt_result parse_text(struct parser *parser, struct unparsed_text *text)
     return result;
 }
 
+static dpt_result parse_file(struct parser *parser, int file, uint64_t max_bytes, struct unparsed_text *text)
+{
+    uint64_t total = 0;
+    for (ssize_t got = 1; got != 0;) {
+        DPT_TRY(grow_text(parser, text));
+        got = read(file, text->bytes + text->count, text->capacity - text->count);
+        if (got < 0 && errno != EINTR)
+            return DPT_E_OPEN;
+        if (got <= 0)
+            continue;
+        text->count += (size_t)got;
+        total += (uint64_t)got;
+        if (total > max_bytes)
+            return DPT_E_LIMIT;
+        DPT_TRY(parse_text(parser, text));
+    }
+    return parse_last_line(parser, text->bytes, text->bytes + text->count);
+}
+
 dpt_result csv_table_stream(struct csv_table *table, int file, uint64_t max_bytes, const struct csv_format *format,
                             uint64_t *line, const char **line_error)
 {
     struct parser parser = { .table = table, .format = format };
     struct unparsed_text text = { .count = 0 };
-    uint64_t total = 0;
-    ssize_t got = 1;
-    dpt_result result = DPT_OK;
-    while (result == DPT_OK && got != 0) {
-        result = grow_text(&parser, &text);
-        if (result != DPT_OK)
-            break;
-        got = read(file, text.bytes + text.count, text.capacity - text.count);
-        if (got < 0 && errno != EINTR)
-            result = DPT_E_OPEN;
-        if (got <= 0)
-            continue;
-        text.count += (size_t)got;
-        total += (uint64_t)got;
-        result = total > max_bytes ? DPT_E_LIMIT : parse_text(&parser, &text);
-    }
-    if (result == DPT_OK)
-        result = parse_last_line(&parser, text.bytes, text.bytes + text.count);
+    const dpt_result result = parse_file(&parser, file, max_bytes, &text);
     const int saved_errno = errno;
     free(text.bytes);
     errno = saved_errno;

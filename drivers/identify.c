@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Identification of a device (identify.h): which stage follows which, and what they tell. */
+/* Identification of a device (identify.h): the order of the stages, and their results. */
 #include "dynpoint/identify.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The dynamics of a device from a record of pushes, by a linear fit; and the small matrices that it takes. */
+/* The dynamics of a device from a record of pushes, by a linear fit, and the small matrices for it. */
 #ifndef DPT_DRIVERS_IDENTIFY_FIT_H
 #define DPT_DRIVERS_IDENTIFY_FIT_H
 
@@ -50,7 +50,7 @@ struct identify_fit {
     int is_held;                                    /* a spring pulls it back */
 };
 
-/* DPT_E_EMPTY: the record does not tell, for the device slid too little. DPT_E_MEMORY. */
+/* DPT_E_EMPTY: the device slid too little for a fit. DPT_E_MEMORY. */
 dpt_result identify_fit(const struct identify_record *record, const struct identify_fit_def *def,
                         struct identify_fit *fit);
 

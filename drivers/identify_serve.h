@@ -18,7 +18,7 @@ enum { IDENTIFY_POSITIONS, IDENTIFY_ANGLES, IDENTIFY_SPACES };
 /* Limits of speed, m/s and rad/s, and of displacement, m and rad, of each space. */
 extern const double identify_speed_max[IDENTIFY_SPACES], identify_displacement_max[IDENTIFY_SPACES];
 
-/* Speed is taken over so long, or over 4 periods if that is longer. */
+/* Speed is measured over this time, or over 4 periods if that is longer. */
 #define IDENTIFY_SPEED_TIME 0.004
 
 enum { IDENTIFY_WINDOW_MAX = 512 };

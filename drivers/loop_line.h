@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* One device of a servo loop: what is read of it, what the guard lets through, what is counted. */
+/* One device of a servo loop: its samples, its guard and its counts. */
 #ifndef DPT_DRIVERS_LOOP_LINE_H
 #define DPT_DRIVERS_LOOP_LINE_H
 
@@ -31,7 +31,7 @@ struct loop_line {
     int is_served; /* the host saw the sample and gave a command */
 };
 
-/* The guard is the host's, with its limits lowered to what the device can do. DPT_E_ARGUMENT: it holds too shortly. */
+/* Set the guard: the host's, with limits lowered to the device's. DPT_E_ARGUMENT: its hold time is too short. */
 dpt_result loop_line_open(struct loop_line_def *def, dpt_device *device, const dpt_guard_def *guard,
                           uint64_t period_ns);
 
@@ -40,13 +40,13 @@ void loop_line_begin(struct loop_line *line, const struct loop_line_def *def);
 /* Read the device. Times in ns. */
 void loop_line_read(struct loop_line *line);
 
-/* After it was read: whether it is lost in this tick. It is tried once a second if it reopens. */
+/* After reading: find out whether the device is lost in this tick. A device that can reopen is tried once a second. */
 int loop_line_check_loss(struct loop_line *line, uint64_t now, int reopens);
 
 /* 1 if there is a sample for the host; its dt is set then, and is 0 else. */
 int loop_line_has_sample(struct loop_line *line, double period);
 
-/* The host has answered, or was not asked. */
+/* Note that the host has answered, or was not asked. */
 void loop_line_count(struct loop_line *line, int is_answered);
 
 /*

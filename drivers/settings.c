@@ -160,10 +160,8 @@ dpt_result settings_read(const char *where, char *address, size_t address_bytes,
     while (*at) {
         at++;
         const char *end = at + strcspn(at, "&");
-        dpt_result result = is_name(at, end, FILE_SETTING) ? set_all(&known, at + sizeof FILE_SETTING, end, error)
-                                                           : set_one(&known, at, end, error);
-        if (result != DPT_OK)
-            return result;
+        DPT_TRY(is_name(at, end, FILE_SETTING) ? set_all(&known, at + sizeof FILE_SETTING, end, error)
+                                               : set_one(&known, at, end, error));
         at = end;
     }
     return DPT_OK;
@@ -174,7 +172,7 @@ dpt_result settings_read(const char *where, char *address, size_t address_bytes,
 enum { FILE_MAX = 65536, LINE_ROOM = 512 };
 
 static dpt_result split_line(const char *path, int number, const char *text, size_t length, settings_line_fn *take,
-                            void *user, dpt_device_error *error)
+                             void *user, dpt_device_error *error)
 {
     while (length > 0 && strchr(" \t\r\n", text[length - 1]))
         length--;

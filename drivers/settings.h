@@ -38,10 +38,11 @@ void dynamics_override(const struct dynamics *dynamics, dpt_device_info *info);
  *   address    room for `address_bytes`; gets what stands before the '?', or ""
  *   dynamics   zero before the call; NULL if the driver has such settings of its own
  *
- * "settings=FILE" stands for all lines "name=value" of a file, which has none of these itself. What comes later counts.
+ * "settings=FILE" stands for all lines "name=value" of a file, which has none of these itself. Later settings override
+ * earlier ones.
  *
- * DPT_E_SETTING: a setting is unknown, not a number, out of range or too long; `error` says which. Errors of the file are
- * those of settings.h.
+ * DPT_E_SETTING: a setting is unknown, not a number, out of range or too long; `error` says which. Errors of the file
+ * are those of settings.h.
  */
 dpt_result settings_read(const char *where, char *address, size_t address_bytes, const struct setting *settings,
                          size_t count, struct dynamics *dynamics, dpt_device_error *error);
@@ -54,7 +55,8 @@ dpt_result device_error(dpt_device_error *error, dpt_result code, const char *fo
     ;
 
 /*
- * A line "name=value" of a file of device dynamics or of settings. Blank lines and lines that begin with '#' are skipped.
+ * A line "name=value" of a file of device dynamics or of settings. Blank lines and lines that begin with '#' are
+ * skipped.
  */
 struct settings_line {
     const char *path;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/return_if_error.h"
 #include "can/can_session.h"
 #include "clock.h"
 #include "dynpoint/driver.h"
@@ -48,6 +49,17 @@ static void restart_samples(struct can_device *device)
     update_pose(device);
 }
 
+static dpt_result read_and_connect(struct can_session *session, const char *where, dpt_device_error *error)
+{
+    DPT_TRY(can_settings_read(where, &session->settings, error));
+    if (!session->settings.interface[0])
+        return device_error(error, DPT_E_SETTING,
+                            "which interface? As in can:can0?arm=arm.dpa&gear=8,-8,10&watchdog=0.05");
+    DPT_TRY(can_arm_open(&session->arm, &session->settings, error));
+    can_monitor_init(&session->monitor, &session->arm, &session->settings);
+    return can_session_connect(session, error);
+}
+
 static dpt_result can_open(const dpt_driver *driver, const char *where, dpt_device **opened, dpt_device_error *error)
 {
     (void)driver;
@@ -55,31 +67,22 @@ static dpt_result can_open(const dpt_driver *driver, const char *where, dpt_devi
     if (!device)
         return device_error(error, DPT_E_MEMORY, "no memory");
     device->session.socketcan.fd = -1;
-    dpt_result result = can_settings_read(where, &device->session.settings, error);
-    if (result == DPT_OK && !device->session.settings.interface[0])
-        result = device_error(error, DPT_E_SETTING,
-                              "which interface? As in can:can0?arm=arm.dpa&gear=8,-8,10&watchdog=0.05");
-    if (result == DPT_OK)
-        result = can_arm_open(&device->session.arm, &device->session.settings, error);
-    if (result == DPT_OK) {
-        can_monitor_init(&device->session.monitor, &device->session.arm, &device->session.settings);
-        result = can_session_connect(&device->session, error);
+    const dpt_result result = read_and_connect(&device->session, where, error);
+    if (result != DPT_OK) {
+        socketcan_close(&device->session.socketcan);
+        can_arm_close(&device->session.arm);
+        free(device);
+        return result;
     }
-    if (result == DPT_OK) {
-        device->session.monitor.sequence = device->session.monitor.counts.samples = 1;
-        restart_samples(device);
-        *opened = &device->base;
-        if (device->session.settings.gives_force)
-            return DPT_OK;
-        return device_error(error, DPT_OK,
-                            "it gives no force: without a watchdog its motors keep their last "
-                            "torque when the host dies. Say ?watchdog=0.05, the time that is "
-                            "configured at the controllers, or at your own risk ?watchdog=none");
-    }
-    socketcan_close(&device->session.socketcan);
-    can_arm_close(&device->session.arm);
-    free(device);
-    return result;
+    device->session.monitor.sequence = device->session.monitor.counts.samples = 1;
+    restart_samples(device);
+    *opened = &device->base;
+    if (device->session.settings.gives_force)
+        return DPT_OK;
+    return device_error(error, DPT_OK,
+                        "it gives no force: without a watchdog its motors keep their last "
+                        "torque when the host dies. Say ?watchdog=0.05, the time that is "
+                        "configured at the controllers, or at your own risk ?watchdog=none");
 }
 
 static void can_info(const dpt_device *base, dpt_device_info *info)
@@ -213,9 +216,7 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
         wrench = &no_force;
         weight_share = 0.0;
     }
-    const dpt_result result = can_arm_torques(&device->session.arm, device->joint, wrench, weight_share, torques);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(can_arm_torques(&device->session.arm, device->joint, wrench, weight_share, torques));
     for (uint32_t i = 0; i < monitor->count; i++) {
         const struct odrive_message command = { .command = ODRIVE_SET_TORQUE, .as.torque = torques[i] };
         can_session_put(&device->session, i, command);

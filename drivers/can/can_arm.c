@@ -61,10 +61,8 @@ dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_devi
         { .name = "heartbeat", .number = &s->heartbeat, .min = 0.001, .max = 1 },
         { .name = "watchdog", .text = watchdog, .text_bytes = sizeof watchdog },
     };
-    const dpt_result result = settings_read(where, s->interface, sizeof s->interface, settings,
-                                            sizeof settings / sizeof *settings, &s->dynamics, error);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(settings_read(where, s->interface, sizeof s->interface, settings, sizeof settings / sizeof *settings,
+                          &s->dynamics, error));
     if (strcmp(s->firmware, "auto") && strcmp(s->firmware, "0.5") && strcmp(s->firmware, "0.6"))
         return device_error(error, DPT_E_SETTING, "firmware is auto, 0.5 or 0.6");
     if (s->weight != floor(s->weight) || s->request != floor(s->request))

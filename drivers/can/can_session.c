@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/return_if_error.h"
 #include "clock.h"
 #include "settings.h"
 
@@ -359,14 +360,22 @@ dpt_result can_session_first_sample(struct can_session *session, dpt_device_erro
     return explain_silence(session, error);
 }
 
+/* With the line open: check the nodes, and switch them on. */
+static dpt_result connect_nodes(struct can_session *session, dpt_device_error *error)
+{
+    DPT_TRY(check_load(session, error));
+    DPT_TRY(identify_nodes(session, error));
+    DPT_TRY(measure_rates(session, error));
+    DPT_TRY(can_session_switch_on(session, error));
+    return can_session_first_sample(session, error);
+}
+
 dpt_result can_session_connect(struct can_session *session, dpt_device_error *error)
 {
     uint64_t nodes = 0;
     for (uint32_t i = 0; i < session->arm.joints; i++)
         nodes |= (uint64_t)1 << session->arm.nodes[i];
-    dpt_result result = socketcan_open(&session->socketcan, session->settings.interface, nodes, error);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(socketcan_open(&session->socketcan, session->settings.interface, nodes, error));
     const dpt_device_counts counts = session->monitor.counts;
     can_monitor_forget(&session->monitor);
     session->dropped = 0;
@@ -375,15 +384,7 @@ dpt_result can_session_connect(struct can_session *session, dpt_device_error *er
         can_session_put_all(session, can_idle);
         can_session_send(session);
     }
-    result = check_load(session, error);
-    if (result == DPT_OK)
-        result = identify_nodes(session, error);
-    if (result == DPT_OK)
-        result = measure_rates(session, error);
-    if (result == DPT_OK)
-        result = can_session_switch_on(session, error);
-    if (result == DPT_OK)
-        result = can_session_first_sample(session, error);
+    const dpt_result result = connect_nodes(session, error);
     /* What came while connecting does not count. */
     session->monitor.counts = counts;
     return result;

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/return_if_error.h"
 #include "base/wrench_limit.h"
 #include "clock.h"
 #include "dynpoint/driver.h"
@@ -279,10 +280,9 @@ static dpt_result init_device(struct haptics *device, dpt_device_error *error)
     hd->hdEnable(HD_MAX_FORCE_CLAMPING);
     hd->hdEnable(HD_FORCE_RAMPING);
     hd_take_error(hd);
-    dpt_result result = read_info(device, error);
-    if (result == DPT_OK)
-        result = set_rate(device, error);
-    return result == DPT_OK ? calibrate(device, error) : result;
+    DPT_TRY(read_info(device, error));
+    DPT_TRY(set_rate(device, error));
+    return calibrate(device, error);
 }
 
 static void read_latest_sample(struct haptics *device)
@@ -364,14 +364,12 @@ static dpt_result connect_device(struct haptics *device, dpt_device_error *error
                             "the thread of OpenHaptics that serves all its devices hangs: end this "
                             "program and start it again");
     hd_take_error(hd);
-    dpt_result result = init_device(device, error);
+    const dpt_result result = init_device(device, error);
     const hd_error failure = scheduler_resume(result == DPT_OK ? &device->servo : NULL);
-    if (result == DPT_OK && failure.code != HD_SUCCESS)
-        result = explain_failure(device, failure, error);
-    if (result == DPT_OK)
-        result = wait_for_sample(device, error);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(result);
+    if (failure.code != HD_SUCCESS)
+        DPT_TRY(explain_failure(device, failure, error));
+    DPT_TRY(wait_for_sample(device, error));
     device->info.joints = (uint32_t)device->servo.joints;
     device->info.buttons = (uint32_t)device->servo.buttons;
     device->lost_reasons = 0;

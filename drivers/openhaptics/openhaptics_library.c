@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/frame.h"
+#include "base/return_if_error.h"
 #include "dynpoint/openhaptics.h"
 #include "openhaptics/hd_api.h"
 #include "settings.h"
@@ -203,9 +204,7 @@ dpt_result dpt_hd_to_pose(const double transform[16], dpt_pose *pose)
             return DPT_E_FINITE;
     vec3 x = vec3_of(transform), y = vec3_of(transform + 4), z = vec3_of(transform + 8);
     double position[3];
-    const dpt_result result = dpt_hd_to_metres(transform + 12, position);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(dpt_hd_to_metres(transform + 12, position));
     if (!within(length(x) - 1.0, AXES_ERROR_MAX) || !within(length(y) - 1.0, AXES_ERROR_MAX) ||
         !within(length(z) - 1.0, AXES_ERROR_MAX) || !within(dot(x, y), AXES_ERROR_MAX) ||
         !within(dot(y, z), AXES_ERROR_MAX) || !within(dot(z, x), AXES_ERROR_MAX) || dot(cross(x, y), z) < 0.0)
@@ -223,9 +222,7 @@ dpt_result dpt_hd_to_transform(const dpt_pose *pose, double transform[16])
     struct frame frame;
     if (!pose || !transform)
         return DPT_E_ARGUMENT;
-    const dpt_result result = frame_of_pose(pose, &frame);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(frame_of_pose(pose, &frame));
     vec3_store(frame.x, transform);
     vec3_store(frame.y, transform + 4);
     vec3_store(frame.z, transform + 8);

@@ -225,27 +225,30 @@ static dpt_result check_length(const struct replay *replay, const char *path, dp
     return DPT_OK;
 }
 
-static dpt_result replay_open(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
+static dpt_result read_settings_and_trace(struct replay *replay, const char *where, dpt_device_error *error)
 {
-    (void)driver;
     char path[1024];
-    struct replay *replay = calloc(1, sizeof *replay);
-    if (!replay)
-        return device_error(error, DPT_E_MEMORY, "memory ran out");
-    replay->rate = 1000.0;
     const struct setting settings[] = {
         { .name = "rate", .number = &replay->rate, .min = 1.0, .max = 1e5 },
         { .name = "live", .number = &replay->live, .max = 1.0 },
         { .name = "again", .number = &replay->again, .max = 1.0 },
     };
-    dpt_result result =
-        settings_read(where, path, sizeof path, settings, sizeof settings / sizeof *settings, &replay->dynamics, error);
-    if (result == DPT_OK && !path[0])
-        result = device_error(error, DPT_E_SETTING, "name a trace, as in replay:slide.csv");
-    if (result == DPT_OK)
-        result = csv_table_read(&replay->table, path, &trace_format, error);
-    if (result == DPT_OK)
-        result = check_length(replay, path, error);
+    DPT_TRY(settings_read(where, path, sizeof path, settings, sizeof settings / sizeof *settings, &replay->dynamics,
+                          error));
+    if (!path[0])
+        return device_error(error, DPT_E_SETTING, "name a trace, as in replay:slide.csv");
+    DPT_TRY(csv_table_read(&replay->table, path, &trace_format, error));
+    return check_length(replay, path, error);
+}
+
+static dpt_result replay_open(const dpt_driver *driver, const char *where, dpt_device **device, dpt_device_error *error)
+{
+    (void)driver;
+    struct replay *replay = calloc(1, sizeof *replay);
+    if (!replay)
+        return device_error(error, DPT_E_MEMORY, "memory ran out");
+    replay->rate = 1000.0;
+    const dpt_result result = read_settings_and_trace(replay, where, error);
     if (result != DPT_OK) {
         replay_close(&replay->device);
         return result;

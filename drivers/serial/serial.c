@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/return_if_error.h"
 #include "base/wrench_limit.h"
 #include "clock.h"
 #include "dynpoint/driver.h"
@@ -311,13 +312,11 @@ static dpt_result check_info(const struct serial_device *device, dpt_device_erro
 
 static dpt_result connect_line(struct serial_device *device, dpt_device_error *error)
 {
-    dpt_result result = serial_line_open(device->path, (uint32_t)device->speed, &device->fd, error);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(serial_line_open(device->path, (uint32_t)device->speed, &device->fd, error));
     device->is_gone = 0;
     memset(&device->reader, 0, sizeof device->reader);
     const uint64_t damaged = device->counts.damaged;
-    result = begin_session(device) ? check_info(device, error) : explain_no_answer(device, error);
+    const dpt_result result = begin_session(device) ? check_info(device, error) : explain_no_answer(device, error);
     /* What came while connecting does not count as damage. */
     device->counts.damaged = damaged;
     if (result == DPT_OK) {
@@ -337,13 +336,8 @@ static void use_first_port(void *user, const char *path, const char *about)
         snprintf(device->path, sizeof device->path, "%s", path);
 }
 
-static dpt_result serial_open(const dpt_driver *driver, const char *where, dpt_device **opened, dpt_device_error *error)
+static dpt_result read_and_connect(struct serial_device *device, const char *where, dpt_device_error *error)
 {
-    (void)driver;
-    struct serial_device *device = calloc(1, sizeof *device);
-    if (!device)
-        return device_error(error, DPT_E_MEMORY, "no memory");
-    device->fd = -1;
     device->speed = 1e6;
     device->answer_within = 3.0;
     device->silent_after = 0.1;
@@ -352,16 +346,25 @@ static dpt_result serial_open(const dpt_driver *driver, const char *where, dpt_d
         { .name = "answer", .number = &device->answer_within, .min = 0.01, .max = 60 },
         { .name = "silent", .number = &device->silent_after, .min = 0.001, .max = 60 },
     };
-    dpt_result result = settings_read(where, device->path, sizeof device->path, settings,
-                                      sizeof settings / sizeof *settings, &device->dynamics, error);
-    if (result == DPT_OK && !device->path[0])
+    DPT_TRY(settings_read(where, device->path, sizeof device->path, settings, sizeof settings / sizeof *settings,
+                          &device->dynamics, error));
+    if (!device->path[0])
         serial_line_find(use_first_port, device);
-    if (result == DPT_OK && !device->path[0])
-        result = device_error(error, DPT_E_DEVICE,
-                              "no serial port is there: is the device plugged in? Others are named as "
-                              "in serial:/dev/ttyS0");
-    if (result == DPT_OK)
-        result = connect_line(device, error);
+    if (!device->path[0])
+        return device_error(error, DPT_E_DEVICE,
+                            "no serial port is there: is the device plugged in? Others are named as "
+                            "in serial:/dev/ttyS0");
+    return connect_line(device, error);
+}
+
+static dpt_result serial_open(const dpt_driver *driver, const char *where, dpt_device **opened, dpt_device_error *error)
+{
+    (void)driver;
+    struct serial_device *device = calloc(1, sizeof *device);
+    if (!device)
+        return device_error(error, DPT_E_MEMORY, "no memory");
+    device->fd = -1;
+    const dpt_result result = read_and_connect(device, where, error);
     if (result == DPT_OK) {
         *opened = &device->base;
         return DPT_OK;

@@ -35,7 +35,7 @@ static inline struct quaternion quaternion_inverse(struct quaternion q)
     return (struct quaternion){ q.w, scaled(q.v, -1.0) };
 }
 
-/* Of length 1; what rounding left is removed. */
+/* Normalised to length 1. */
 static inline struct quaternion quaternion_unit(struct quaternion q)
 {
     const double size = sqrt(q.w * q.w + dot(q.v, q.v));
@@ -69,8 +69,8 @@ static inline vec3 quaternion_rotation_vector(struct quaternion q)
 }
 
 /*
- * The least turn that takes the unit vector a to the unit vector b. Where they are opposite, within 1e-3 rad: half a turn
- * about any axis across, and then the least turn.
+ * The least turn that takes the unit vector a to the unit vector b. Where they are opposite, within 1e-3 rad: half a
+ * turn about any axis across, and then the least turn.
  */
 static inline struct quaternion quaternion_of_turn(vec3 a, vec3 b)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What all steps of a compilation share: the settings of the def, where errors and progress are told, memory, and loops
- * on several threads.
+ * What all steps of a compilation share: the settings of the def, reports of errors and progress, memory, and loops on
+ * several threads.
  */
 #ifndef DPT_COMPILE_CONTEXT_H
 #define DPT_COMPILE_CONTEXT_H
@@ -65,7 +65,7 @@ void *grow_array(void *array, size_t *capacity, size_t need, size_t item_size);
 
 #define PARALLEL_MAX 64u
 
-/* Do items first..end of a loop. What it writes for one item, it must not read or write for another. */
+/* Do items first..end of a loop. Data written for one item must not be read or written for another. */
 typedef void parallel_work(void *context, size_t first, size_t end);
 
 /*

@@ -3,7 +3,7 @@
  * Embed the vertices in a mesh of tetrahedra: each vertex gets a cell, and the weights of the cell's corners.
  *
  * A vertex takes the cell that it is within, or the nearest one. Of several the one with the lowest number wins, so the
- * answer depends neither on the tree nor on the threads. The tree of boxes only says which cells need not be asked.
+ * answer depends neither on the tree of boxes, which only excludes cells, nor on the threads.
  */
 #include "compile/embed.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What nodes and cells of an embedding must be, for those that bring them. */
+/* Checks the nodes and cells of an embedding, and embeds vertices in them. */
 #ifndef DPT_COMPILE_EMBED_H
 #define DPT_COMPILE_EMBED_H
 

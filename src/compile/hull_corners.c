@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * The corners of a hull for many points. The hull grows: the point that stands out farthest is the next corner, until
- * none does or there are as many corners as a hull may have. What stands out of that becomes its radius. Of a flat set
- * that is done in its plane.
+ * none does or there are as many corners as a hull may have. Points that remain outside give its radius. A flat set is
+ * treated in its plane.
  */
 #include <stdlib.h>
 
+#include "base/return_if_error.h"
 #include "base/vec3.h"
 #include "compile/model.h"
 #include "dynpoint/compile.h"
@@ -248,12 +249,10 @@ dpt_result dpt_compile_hull(const double *points, size_t point_count, double *co
     if (!points || !corners || !corner_count || !radius || point_count < 3 || point_count >= DPT_NONE || capacity < 4 ||
         capacity > CORNERS_MAX)
         return DPT_E_ARGUMENT;
-    dpt_result result = check_points(points, point_count);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(check_points(points, point_count));
     growing.block = malloc(dpt_hull_bytes(&largest));
     growing.outside = malloc(point_count * sizeof *growing.outside);
-    result = growing.block && growing.outside ? grow(&growing, capacity, radius) : DPT_E_MEMORY;
+    dpt_result result = growing.block && growing.outside ? grow(&growing, capacity, radius) : DPT_E_MEMORY;
     if (result == DPT_OK) {
         *corner_count = 0;
         while (dpt_hull_get_corner(growing.hull, *corner_count, corners + 3 * (size_t)*corner_count) == DPT_OK)

@@ -121,10 +121,10 @@ dpt_result model_solid(struct model *model, const struct compile_context *contex
  */
 dpt_result model_normals(struct model *model, const struct compile_context *context, double crease);
 
-/* Embed the vertices in the cells of the def, if it has some. Needs the vertices alone. */
+/* Embed the vertices in the cells of the def, if it has any. Needs only the vertices. */
 dpt_result model_embed(struct model *model, soup *source);
 
-/* Make the masses and springs of the def, if it has some. Needs vertices, neighbours and parts. */
+/* Make the masses and springs of the def, if it has any. Needs vertices, neighbours and parts. */
 dpt_result model_springs(struct model *model, soup *source);
 
 /* Write the bytes of the file. source_size and source_hash are those of dpt_mesh_info. */

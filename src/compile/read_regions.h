@@ -21,9 +21,9 @@ struct spring_regions {
 };
 
 /*
- * Read all bytes of one of the files. `source` takes the diag. What the compiler would refuse of a region is refused
- * here too, with its line. Returns DPT_OK, or fills the diag and returns its code. Call regions_free in either case;
- * begin with a zeroed struct.
+ * Read all bytes of one of the files. Errors go to the diag of `source`. A region that the compiler would refuse is
+ * refused here, with its line. Returns DPT_OK, or fills the diag and returns its code. Call regions_free in either
+ * case; begin with a zeroed struct.
  */
 dpt_result regions_read(struct spring_regions *read, const struct compile_context *context, const unsigned char *bytes,
                         size_t size);

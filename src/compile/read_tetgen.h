@@ -16,9 +16,9 @@ struct tetgen {
 };
 
 /*
- * Read all bytes of one of the two files; the nodes come first. `source` gives the scale, and takes the diag. What the
- * compiler would refuse of nodes and cells is refused here too, with its line. Returns DPT_OK, or fills the diag and
- * returns its code. Call tetgen_free in either case; begin with a zeroed struct.
+ * Read all bytes of one of the two files; the nodes come first. `source` gives the scale and the diag. Nodes and cells
+ * that the compiler would refuse are refused here, with their line. Returns DPT_OK, or fills the diag and returns its
+ * code. Call tetgen_free in either case; begin with a zeroed struct.
  */
 dpt_result tetgen_read_nodes(struct tetgen *mesh, const struct compile_context *context, const unsigned char *bytes,
                              size_t size);

@@ -550,20 +550,22 @@ static double touch_distance_of(const struct model *model)
     return RESOLUTION * (double)max_size;
 }
 
+static dpt_result orient_solids(struct solids *all)
+{
+    DPT_TRY(find_solids(all));
+    DPT_TRY(relate_all(all));
+    wind_solids(all);
+    DPT_TRY(mark_buried_sheets(all));
+    turn_triangles(all);
+    return DPT_OK;
+}
+
 dpt_result model_solid(struct model *model, const struct compile_context *context)
 {
     struct solids all = { .model = model, .context = context, .touch_distance = touch_distance_of(model) };
     all.part_list = model->part_list;
     all.part_first = model->part_first;
-    dpt_result result = find_solids(&all);
-    if (result == DPT_OK)
-        result = relate_all(&all);
-    if (result == DPT_OK) {
-        wind_solids(&all);
-        result = mark_buried_sheets(&all);
-    }
-    if (result == DPT_OK)
-        turn_triangles(&all);
+    const dpt_result result = orient_solids(&all);
     if (result == DPT_E_MEMORY)
         compile_fail(context, result, (source_location){ 0, 0 }, "memory ran out");
     for (uint32_t i = 0; all.solids && i < all.count; i++)

@@ -2,7 +2,7 @@
 /*
  * A soup is what a reader delivers: vertices and polygons in the order of the file. Nothing is repaired yet.
  *
- * Every later answer is about these positions. A vertex is stored as (float)(scale * source), the product in double.
+ * Every later answer refers to these positions. A vertex is stored as (float)(scale * source), the product in double.
  * soup_add_vertex alone rounds, and alone refuses coordinates that are not finite or beyond DPT_COORDINATE_MAX.
  */
 #ifndef DPT_COMPILE_SOUP_H
@@ -30,7 +30,7 @@ typedef struct soup {
     const struct compile_context *context;
 } soup;
 
-/* Make an empty soup. The context is kept: it has the scale, and takes the diag. */
+/* Make an empty soup. The context must stay valid: it holds the scale and the diag. */
 void soup_init(soup *soup, const struct compile_context *context);
 void soup_free(soup *soup);
 
@@ -40,7 +40,9 @@ dpt_result soup_add_vertex(soup *soup, double x, double y, double z, source_loca
 /* Add a polygon of n >= 3 corners, vertex numbers from 0. Returns as soup_add_vertex. */
 dpt_result soup_add_polygon(soup *soup, const uint32_t *corners, size_t n, source_location location);
 
-/* Call after the last polygon. DPT_E_INDEX if a corner is no vertex; the diag names where the highest one stands. */
+/*
+ * Call after the last polygon. DPT_E_INDEX if a corner names no vertex; the diag gives the location of the highest one.
+ */
 dpt_result soup_check_corners(soup *soup);
 
 /* The number of concave polygons: those with a corner that turns against the polygon's mean normal. */

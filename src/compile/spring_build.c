@@ -169,11 +169,27 @@ static void fix_vertex(const struct model *model, uint32_t v, uint8_t *is_fixed)
             is_fixed[model->embedding_nodes[k]] = 1;
 }
 
+/* Fix the vertex of the model at the position of one of the source's vertices. placed: the model's, in order. */
+static dpt_result fix_source_vertex(const struct net *net, const struct model *model, const struct placed *placed,
+                                    uint32_t number, uint8_t *is_fixed)
+{
+    const soup *source = net->source;
+    if (number >= source->vertex_count)
+        return compile_fail(source->context, DPT_E_INDEX, nowhere, "vertex %u is to be fixed, and there are only %zu",
+                            number, source->vertex_count);
+    const struct placed *found =
+        bsearch(source->positions + 3 * (size_t)number, placed, model->vertex_count, sizeof *placed, compare_place);
+    if (!found)
+        return compile_fail(source->context, DPT_E_ARGUMENT, nowhere,
+                            "vertex %u is to be fixed, and no triangle uses it", number);
+    fix_vertex(model, found->vertex, is_fixed);
+    return DPT_OK;
+}
+
 /* Fix the def's vertices. The source's vertices at one position are one vertex of the model. */
 static dpt_result fix_vertices(struct net *net, const struct model *model, uint8_t *is_fixed)
 {
     const dpt_spring_net_def *def = net->def;
-    const soup *source = net->source;
     dpt_result result = DPT_OK;
     if (!def->fixed_count)
         return DPT_OK;
@@ -185,22 +201,8 @@ static dpt_result fix_vertices(struct net *net, const struct model *model, uint8
         placed[v].vertex = v;
     }
     qsort(placed, model->vertex_count, sizeof *placed, compare_placed);
-    for (uint32_t i = 0; i < def->fixed_count && result == DPT_OK; i++) {
-        const uint32_t number = def->fixed[i];
-        const struct placed *found = NULL;
-        if (number >= source->vertex_count) {
-            result = compile_fail(net->source->context, DPT_E_INDEX, nowhere,
-                                  "vertex %u is to be fixed, and there are only %zu", number, source->vertex_count);
-            break;
-        }
-        found =
-            bsearch(source->positions + 3 * (size_t)number, placed, model->vertex_count, sizeof *placed, compare_place);
-        if (found)
-            fix_vertex(model, found->vertex, is_fixed);
-        else
-            result = compile_fail(net->source->context, DPT_E_ARGUMENT, nowhere,
-                                  "vertex %u is to be fixed, and no triangle uses it", number);
-    }
+    for (uint32_t i = 0; i < def->fixed_count && result == DPT_OK; i++)
+        result = fix_source_vertex(net, model, placed, def->fixed[i], is_fixed);
     free(placed);
     return result;
 }
@@ -223,28 +225,44 @@ static dpt_result fix(struct net *net, const struct model *model, uint8_t *is_fi
     return DPT_OK;
 }
 
-/* With the nodes and masses in place: springs, what is fixed, and the layout. */
+static dpt_result add_springs(struct net *net, struct model *model, const struct spring_lattice *lattice,
+                              uint8_t *is_fixed)
+{
+    memset(net->mass, 0, net->node_count * sizeof *net->mass);
+    memset(net->is_used, 0, net->def->region_count);
+    memset(is_fixed, 0, net->node_count);
+    DPT_TRY(lattice ? spring_lattice_springs(net, lattice) : sheet_springs(net, model));
+    DPT_TRY(fix(net, model, is_fixed));
+    return spring_lay_out(net, model, is_fixed);
+}
+
+/* With the nodes in place: masses, springs, what is fixed, and the layout. lattice: NULL for a sheet. */
 static dpt_result finish(struct net *net, struct model *model, const struct spring_lattice *lattice)
 {
     net->mass = compile_alloc(net->source->context, net->node_count, sizeof *net->mass);
     net->is_used = compile_alloc(net->source->context, net->def->region_count, 1);
     uint8_t *is_fixed = compile_alloc(net->source->context, net->node_count, 1);
-    dpt_result result = net->mass && net->is_used && is_fixed ? DPT_OK : DPT_E_MEMORY;
-    if (result == DPT_OK) {
-        memset(net->mass, 0, net->node_count * sizeof *net->mass);
-        memset(net->is_used, 0, net->def->region_count);
-        memset(is_fixed, 0, net->node_count);
-        result = lattice ? spring_lattice_springs(net, lattice) : sheet_springs(net, model);
-    }
-    if (result == DPT_OK)
-        result = fix(net, model, is_fixed);
-    if (result == DPT_OK)
-        result = spring_lay_out(net, model, is_fixed);
+    const dpt_result result =
+        net->mass && net->is_used && is_fixed ? add_springs(net, model, lattice, is_fixed) : DPT_E_MEMORY;
     free(net->mass);
     free(net->is_used);
     free(net->shares);
     free(is_fixed);
     return result;
+}
+
+static dpt_result lattice_net(struct net *net, struct model *model, soup *source, struct spring_lattice *lattice)
+{
+    DPT_TRY(spring_lattice_make(lattice, model, source, net->def->spacing));
+    DPT_TRY(spring_lattice_embed(lattice, model, source));
+    net->node_count = lattice->node_count;
+    net->rest = lattice->rest;
+    net->grid = lattice->grid;
+    model->poisson = 0.25;
+    DPT_TRY(finish(net, model, lattice));
+    model->spring_rest = lattice->rest;
+    lattice->rest = NULL;
+    return DPT_OK;
 }
 
 dpt_result model_springs(struct model *model, soup *source)
@@ -262,20 +280,7 @@ dpt_result model_springs(struct model *model, soup *source)
         return finish(&net, model, NULL);
     }
     struct spring_lattice lattice = { .share = NULL };
-    dpt_result result = spring_lattice_make(&lattice, model, source, def->spacing);
-    if (result == DPT_OK)
-        result = spring_lattice_embed(&lattice, model, source);
-    if (result == DPT_OK) {
-        net.node_count = lattice.node_count;
-        net.rest = lattice.rest;
-        net.grid = lattice.grid;
-        model->poisson = 0.25;
-        result = finish(&net, model, &lattice);
-    }
-    if (result == DPT_OK) {
-        model->spring_rest = lattice.rest;
-        lattice.rest = NULL;
-    }
+    const dpt_result result = lattice_net(&net, model, source, &lattice);
     spring_lattice_free(&lattice);
     return result;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Masses and springs while they are made: what sheet and lattice fill in, and spring_build.c lays out for the file. */
+/* Masses and springs under construction. Sheets and lattices add them; spring_build.c arranges them for the file. */
 #ifndef DPT_COMPILE_SPRING_BUILD_H
 #define DPT_COMPILE_SPRING_BUILD_H
 
@@ -21,19 +21,19 @@ struct net {
     double *mass;        /* kg */
     struct spring_share *shares;
     size_t share_count, share_capacity;
-    uint8_t *is_used; /* of each region: something of the body is in it */
+    uint8_t *is_used; /* of each region: 1 if it holds a part of the body */
     double square;    /* 1/s^2: no part of the net that has its own mass moves faster; 0: not known */
 };
 
-/* What a material is made of, at a point. */
+/* The material at a point. */
 struct material {
     double young, density, drag;
 };
 
-/* Check the numbers of a def, and put defaults in the place of zeros. Returns DPT_OK, or fills the diag. */
+/* Check the numbers of a def, and replace zeros by defaults. Returns DPT_OK, or fills the diag. */
 dpt_result springs_check(const struct compile_context *context, dpt_spring_net_def *def);
 
-/* Check a region. `number` is told in the diag, with the location. */
+/* Check a region. The diag gets its `number` and the location. */
 dpt_result springs_check_region(const struct compile_context *context, const dpt_spring_region *region, uint32_t number,
                                 source_location location);
 
@@ -43,15 +43,15 @@ struct material spring_material(struct net *net, const double x[3]);
 /* Add stiffness to the spring between two nodes. */
 dpt_result spring_add(struct net *net, uint32_t a, uint32_t b, double stiffness);
 
-/* Fill in masses and springs of a sheet; the nodes, and room for their masses, are there. */
+/* Fill in masses and springs of a sheet. The nodes and room for their masses must exist. */
 dpt_result sheet_springs(struct net *net, const struct model *model);
 
-/* A lattice in the closed parts. Arrays are the caller's to free, also after an error: spring_lattice_free. */
+/* A lattice in the closed parts. Call spring_lattice_free, also after an error. */
 struct spring_lattice {
     double low[3];     /* its lowest corner, m */
     double spacing;    /* m */
     uint32_t cells[3]; /* along x, y and z */
-    float *share;      /* of each cell, x fastest: how much of it is inside, 0: it is none of the body */
+    float *share;      /* of each cell, x fastest: the share of it that is inside; 0: not a cell of the body */
     uint32_t *node;    /* of each corner of a cell, x fastest: its number, or DPT_NONE */
     float *rest;       /* 3 a node, m */
     int32_t *grid;     /* 3 a node */
@@ -69,7 +69,7 @@ dpt_result spring_lattice_embed(const struct spring_lattice *lattice, struct mod
 
 void spring_lattice_free(struct spring_lattice *lattice);
 
-/* Sort and add up the shares, and lay all out as the file has it. */
+/* Sort and add up the shares, and arrange everything as in the file. */
 dpt_result spring_lay_out(struct net *net, struct model *model, const uint8_t *is_fixed);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A cubic lattice in the closed parts (docs/algorithms/springs.md): which cells there are, how much of each is inside,
- * its springs and masses, and the vertices' embedding.
+ * A cubic lattice in the closed parts (docs/algorithms/springs.md): its cells, the share of each that is inside,
+ * springs and masses, and the embedding of the vertices.
  *
  * Rays along x measure the inside: RAYS by RAYS of them through each cell, each one exactly along its length. Whether a
  * ray meets a triangle is decided by the triangle's edges in the plane of y and z, each in the same way for both of its
@@ -332,22 +332,24 @@ static dpt_result number_nodes(struct spring_lattice *lattice, soup *source)
     return DPT_OK;
 }
 
+static dpt_result fill_cells(struct spring_lattice *lattice, const struct model *model, soup *source,
+                             uint8_t *is_touched, size_t cells)
+{
+    memset(lattice->share, 0, cells * sizeof *lattice->share);
+    memset(is_touched, 0, cells);
+    DPT_TRY(measure(lattice, model, source));
+    touch(lattice, model, is_touched);
+    return number_nodes(lattice, source);
+}
+
 dpt_result spring_lattice_make(struct spring_lattice *lattice, const struct model *model, soup *source, double spacing)
 {
     DPT_TRY(choose_cells(lattice, model, source, spacing));
     const size_t cells = (size_t)lattice->cells[0] * lattice->cells[1] * lattice->cells[2];
     lattice->share = compile_alloc(source->context, cells, sizeof *lattice->share);
     uint8_t *is_touched = compile_alloc(source->context, cells, 1);
-    dpt_result result = lattice->share && is_touched ? DPT_OK : DPT_E_MEMORY;
-    if (result == DPT_OK) {
-        memset(lattice->share, 0, cells * sizeof *lattice->share);
-        memset(is_touched, 0, cells);
-        result = measure(lattice, model, source);
-    }
-    if (result == DPT_OK) {
-        touch(lattice, model, is_touched);
-        result = number_nodes(lattice, source);
-    }
+    const dpt_result result =
+        lattice->share && is_touched ? fill_cells(lattice, model, source, is_touched, cells) : DPT_E_MEMORY;
     free(is_touched);
     return result;
 }
@@ -438,8 +440,8 @@ dpt_result spring_lattice_embed(const struct spring_lattice *lattice, struct mod
 {
     double *nodes = compile_alloc(source->context, lattice->node_count, 3 * sizeof *nodes);
     uint32_t *cells = compile_alloc(source->context, lattice->cell_count, 24 * sizeof *cells), *next = cells;
-    dpt_result result = nodes && cells ? DPT_OK : DPT_E_MEMORY;
-    if (result == DPT_OK) {
+    dpt_result result = DPT_E_MEMORY;
+    if (nodes && cells) {
         for (size_t i = 0; i < 3 * (size_t)lattice->node_count; i++)
             nodes[i] = (double)lattice->rest[i];
         each_cell(lattice, cut_cell, &next);

@@ -36,9 +36,8 @@ struct region {
 
 /*
  * Add samples to a profile until its integrals are accurate enough, and compute its regions. Returns their number, at
- * most REGION_MAX; further ones are left out. If work or room for samples ends before, profile->is_coarse is 1. The
- * regions then come from fewer samples. Each sample is true, but a region's deepest sample may not be its deepest
- * point.
+ * most REGION_MAX; further ones are left out. If work or room runs out first, profile->is_coarse is 1: the regions come
+ * from fewer samples. Each sample is correct, but a region's deepest sample may not be its deepest point.
  */
 uint32_t dpti_contact_regions(struct distance_profile *profile, struct region regions[REGION_MAX]);
 

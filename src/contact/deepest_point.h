@@ -8,7 +8,7 @@
 /*
  * Prove the deepest point of the inner part of an axis between two places, `from` and `to`, s in 0..1. Adds samples
  * until no point there can be deeper than the lowest sample by more than profile->tolerance, and confirms that sample
- * by a search. If work or room for samples ends before, the lowest exact sample is taken. Returns its index, or
+ * by a search. If work or room for samples runs out first, the lowest exact sample is taken. Returns its index, or
  * DPT_NONE if there is no sample between the two places.
  */
 uint32_t dpti_profile_prove_deepest(struct distance_profile *profile, double from, double to);
@@ -22,7 +22,7 @@ struct bend {
 struct bend dpti_profile_bend(const struct distance_profile *profile, const struct profile_sample *from,
                               const struct profile_sample *to);
 
-/* ---- spans: what the height does between a sample of a profile and the next, and how far that may be off ---- */
+/* ---- spans: the height between a sample of a profile and the next, with an error estimate ---- */
 
 /* A piece of the profile on which the height is linear and the exit direction is that of one sample. */
 struct profile_piece {
@@ -67,8 +67,8 @@ void dpti_span_measure(const struct distance_profile *profile, const struct prof
 void dpti_span_store(const struct distance_profile *profile, struct profile_sample *from);
 
 /*
- * The place s between sample i, whose span is known, and the next where another sample shows most: where the surface
- * goes out of reach, or at the bend.
+ * The place s between sample i, whose span is known, and the next where another sample improves the span most: where
+ * the surface goes out of reach, or at the bend.
  */
 double dpti_span_next_sample(const struct distance_profile *profile, uint32_t i);
 

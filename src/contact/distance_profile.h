@@ -25,7 +25,7 @@ int dpti_profile_make(struct distance_profile *profile, const struct pair_search
 
 /*
  * Put a sample or a mark at both ends of each reach interval, and search the undecided stretches. Afterwards each
- * stretch of the axis within reach has a sample, as far as work and room last.
+ * stretch of the axis within reach has a sample, unless work or room runs out.
  */
 void dpti_profile_find_reach(struct distance_profile *profile);
 
@@ -53,9 +53,9 @@ void dpti_profile_find_crossings(struct distance_profile *profile);
  * The winding numbers of an axis between its crossings: away from holes one of them and the crossings tell the others
  * (docs/algorithms/winding.md, "Away from holes").
  *
- * Find the winding number of each stretch of a profile whose crossings and holes are known; WINDING_UNKNOWN where a hole
- * is near, or where rounding may have missed a crossing. Parts of a stretch that are far from its holes become winding
- * ranges. If the work is spent, the profile is cut. Returns 1 if all stretches are known.
+ * Find the winding number of each stretch of a profile whose crossings and holes are known; WINDING_UNKNOWN where a
+ * hole is near, or where rounding may have missed a crossing. Parts of a stretch that are far from its holes become
+ * winding ranges. If the work is spent, the profile is cut. Returns 1 if all stretches are known.
  */
 int dpti_stretch_windings_find(struct distance_profile *profile);
 

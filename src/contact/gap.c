@@ -82,12 +82,11 @@ vec3 dpti_contact_normal(const struct distance_profile *profile, const struct pr
 }
 
 struct penetration dpti_contact_penetration(const struct distance_profile *profile, const struct frame *body,
-                                            double gap, uint32_t smooth)
+                                            const struct profile_sample *sample, double depth, uint32_t smooth)
 {
     const struct axis *axis = profile->axis;
-    const struct profile_sample *deepest = &profile->sample[profile->deepest];
-    return (struct penetration){ frame_turn(body, dpti_contact_normal(profile, deepest, smooth)),
-                                 along(axis->a, deepest->s, sub(axis->b, axis->a)), max_of(0.0, -gap) };
+    return (struct penetration){ frame_turn(body, dpti_contact_normal(profile, sample, smooth)),
+                                 along(axis->a, sample->s, sub(axis->b, axis->a)), depth };
 }
 
 void dpti_contact_of(const struct surface *surface, const struct kernel *kernel, const struct axis *axis,

@@ -45,7 +45,7 @@ void dpti_segment_result_write(const struct segment_result *result, const struct
  * force would push it. docs/algorithms/sign.md.
  */
 
-/* What the profile of one axis and one body says. */
+/* What the profile of one axis and one body tells about contact. */
 enum {
     /* the axis is outside and nothing is within the profile's reach */
     CONTACT_NONE,
@@ -57,7 +57,7 @@ enum {
 
 /*
  * Make the profile of a capsule's axis, with arguments as dpti_profile_make has them. `radius` is in m. Returns
- * CONTACT_...; *gap gets the signed distance of the capsule's surface, in m; with CONTACT_UNKNOWN it does not count.
+ * CONTACT_...; *gap gets the signed distance of the capsule's surface, in m; with CONTACT_UNKNOWN it is meaningless.
  */
 int dpti_contact_find(struct distance_profile *profile, const struct pair_search *nearest,
                       const struct warm_start *warm_starts, uint32_t warm_start_count, double radius, double *gap);
@@ -65,12 +65,12 @@ int dpti_contact_find(struct distance_profile *profile, const struct pair_search
 /* Why the contact of a profile is unknown: DPT_HIT_FLAG_... */
 uint32_t dpti_contact_why_unknown(const struct distance_profile *profile);
 
-/* The exit direction at a sample, unit, in the body's frame. `smooth`: 1 for smooth normals, as dpt_world_def has it. */
+/* The exit direction at a sample, unit, in the body's frame. `smooth`: 1 for smooth normals, as in dpt_world_def. */
 vec3 dpti_contact_normal(const struct distance_profile *profile, const struct profile_sample *sample, uint32_t smooth);
 
-/* The penetration at the profile's deepest sample, in the world. `body` is the body's frame; `gap` in m. */
+/* The penetration at a sample, in the world. `body` is the body's frame; `depth` in m. */
 struct penetration dpti_contact_penetration(const struct distance_profile *profile, const struct frame *body,
-                                            double gap, uint32_t smooth);
+                                            const struct profile_sample *sample, double depth, uint32_t smooth);
 
 /*
  * Set contact and gap of a result that has its nearest pair already. This is for one axis and one body without history

@@ -413,13 +413,11 @@ uint32_t dpti_profile_add_nearest(struct distance_profile *profile, double from,
                           .u = scaled(axis->u, to - from),
                           .error = axis->error };
     struct pair_search nearest;
-    struct bvh_traversal traversal;
     pair_search_begin(&nearest, DPT_NONE);
     nearest.pair.distance2 = limit * limit;
-    traversal.level = 0;
     if (has_work_left(profile)) {
-        profile->is_cut |= !dpti_bvh_traverse(profile->surface, profile->kernel, NULL, piece.local_a, piece.u, 0.0,
-                                              &traversal, &profile->work, &nearest);
+        profile->is_cut |=
+            !dpti_bvh_search(profile->surface, profile->kernel, piece.local_a, piece.u, &profile->work, &nearest);
     }
     if (nearest.triangle == DPT_NONE || profile->is_cut)
         return DPT_NONE;

@@ -390,16 +390,15 @@ static double depth_through_plane(const struct distance_profile *profile, const 
     return max_of(-dot(a, deepest->normal), -dot(add(a, profile->axis->u), deepest->normal));
 }
 
-int dpti_sheet_border_reduce(struct distance_profile *profile, const struct frame *body, uint32_t id, double radius,
-                             uint32_t smooth, struct border_view *view, struct penetration *penetration,
-                             struct warm_start *found)
+int dpti_sheet_border_reduce(struct distance_profile *profile, uint32_t body, double radius, struct border_view *view,
+                             double *depth, struct profile_sample *pushed)
 {
     const struct profile_sample deepest = profile->sample[profile->deepest];
     const double max_depth = max_depth_behind(profile), through = depth_through_plane(profile, &deepest);
     const double share = max_of(1.0, radius / max_of(max_of(max_depth, through), DBL_MIN));
     const double reach = border_reach(max_depth, radius, share);
     struct border_edges border;
-    if (!(penetration->depth > 0.0) || !is_border_near(profile, &deepest, reach, id, view, &border))
+    if (!(*depth > 0.0) || !is_border_near(profile, &deepest, reach, body, view, &border))
         return 0;
     struct border_search search = { .profile = profile,
                                     .border = &border,
@@ -410,8 +409,8 @@ int dpti_sheet_border_reduce(struct distance_profile *profile, const struct fram
     if (!gather_stretches(&search, reach, &border))
         return 0;
     search.best_depth = reduced_depth(&search, &deepest) + profile->tolerance;
-    *found = (struct warm_start){ deepest.s, deepest.triangle, 1.0f };
-    if (max_depth == -deepest.height && search.best_depth >= penetration->depth)
+    *pushed = deepest;
+    if (max_depth == -deepest.height && search.best_depth >= *depth)
         return 1;
     const uint32_t cut = profile->is_cut;
     const struct work work = profile->work;
@@ -424,9 +423,7 @@ int dpti_sheet_border_reduce(struct distance_profile *profile, const struct fram
     profile->point_cache = cache;
     profile->work = work;
     profile->is_cut = cut;
-    penetration->direction = frame_turn(body, dpti_contact_normal(profile, &search.best, smooth));
-    penetration->at = along(profile->axis->a, search.best.s, sub(profile->axis->b, profile->axis->a));
-    penetration->depth = max_of(0.0, reduced_depth(&search, &search.best));
-    *found = (struct warm_start){ search.best.s, search.best.triangle, 1.0f };
+    *depth = max_of(0.0, reduced_depth(&search, &search.best));
+    *pushed = search.best;
     return 1;
 }

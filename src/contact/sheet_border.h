@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The penetration of an open sheet near its border. Beyond the border the point that is pushed counts as in front of
- * the sheet, so its depth must have come to zero there. docs/algorithms/penalty.md.
+ * The penetration of an open sheet near its border. A pushed point beyond the border counts as in front of the sheet.
+ * So its depth must fall to zero towards the border. docs/algorithms/penalty.md.
  */
 #ifndef DPT_SHEET_BORDER_H
 #define DPT_SHEET_BORDER_H
@@ -19,19 +19,17 @@ struct border_view {
 };
 
 /*
- * Reduce the penetration at the profile's deepest sample, behind a sheet whose side is known, if the sheet's border is
- * near. Otherwise it stays the same, bit for bit.
+ * Reduce the depth of an axis behind a sheet whose side is known, if the sheet's border is near.
  *
- *   body         the body's frame; `id` its id
- *   view         last tick's, then this tick's
- *   penetration  in the world; gets the point of the axis with the largest reduced depth
- *   found        gets that point, for the next tick to start from; only if 1 is returned
+ *   body    the body's id
+ *   view    last tick's, then this tick's
+ *   depth   in: that of the profile's deepest sample, m. out: the largest reduced depth
+ *   pushed  out: the sample with that depth
  *
- * Returns 1 where a border is so near that the point was searched for. The profile itself stays the same. Its work is
- * not part of a budget.
+ * Returns 1 if the border is so near that the sample was searched for. Otherwise depth and sample are unchanged. The
+ * profile stays the same. The work is not part of a budget.
  */
-int dpti_sheet_border_reduce(struct distance_profile *profile, const struct frame *body, uint32_t id, double radius,
-                             uint32_t smooth, struct border_view *view, struct penetration *penetration,
-                             struct warm_start *found);
+int dpti_sheet_border_reduce(struct distance_profile *profile, uint32_t body, double radius, struct border_view *view,
+                             double *depth, struct profile_sample *pushed);
 
 #endif

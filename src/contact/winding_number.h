@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How often the solid parts of a mesh wind round a point (docs/algorithms/winding.md). */
+/* The winding number of the solid parts of a mesh around a point (docs/algorithms/winding.md). */
 #ifndef DPT_WINDING_NUMBER_H
 #define DPT_WINDING_NUMBER_H
 
 #include "nearest/bvh.h"
 
-/* The answer is off by at most this. */
+/* The largest error of the answer. */
 #define WINDING_ERROR 0.01
 
 /*
@@ -21,21 +21,20 @@
 double dpti_winding_number(const struct surface *surface, const struct kernel *kernel, vec3 x, struct work *work);
 
 /*
- * The holes of a mesh, as balls. Away from them the winding number, rounded, changes at crossings alone, whatever else
- * is wrong with the mesh (docs/algorithms/winding.md, "Away from holes"). Lengths are in m, in the mesh's frame.
+ * The holes of a mesh, as balls. Away from holes the rounded winding number changes only at crossings, whatever other
+ * defects the mesh has (docs/algorithms/winding.md, "Away from holes"). Lengths are in m, in the mesh's frame.
  */
 
 enum { HOLES_MAX = 152 };
 
 /*
- * A rim is what the edges of the solid parts' triangles add up to, each taken in its own direction: where a surface
- * ends. The rims within a ball are no longer, together, than a circle of the ball's radius. Holes that are close
- * together share a ball.
+ * A rim is where a surface ends: the sum of the directed edges of the solid parts' triangles. The rims within a ball
+ * are no longer, together, than a circle of the ball's radius. Holes that are close together share a ball.
  */
 struct holes {
     uint32_t count;
     uint32_t normals_tell; /* away from holes the normal of the nearest triangle tells the side */
-    uint32_t has_sheets;   /* parts that are neither solid nor buried: beside them sides are theirs */
+    uint32_t has_sheets;   /* 1: some parts are neither solid nor buried; near them, their sides count */
     uint32_t reserved;
     vec3 origin; /* of the balls */
     double unit; /* m */
@@ -57,8 +56,8 @@ static inline double hole_radius(const struct holes *holes, uint32_t i)
 }
 
 /*
- * Find the holes of a mesh that has moments: only winding numbers tell its sides. Returns 0 if they cannot be known: a
- * body with holes deforms. Takes time in proportion to the triangles, more for rims, and about a millisecond.
+ * Find the holes of a mesh that has moments, whose sides only winding numbers give. Returns 0 for a deforming body with
+ * holes: then they cannot be known. Takes time in proportion to the triangles, more for rims, and about a millisecond.
  */
 int dpti_holes_find(const struct surface *surface, const struct kernel *kernel, struct holes *holes);
 

@@ -12,7 +12,7 @@ struct convex_body {
     uint32_t corner_count; /* of a hull */
     double x, y, z;        /* half of its extents: of the round kinds x is the radius, z half the length */
     int is_cut;
-    vec3 cut; /* unit: what lies at cut.p <= cut_at is there */
+    vec3 cut; /* unit: the shape is where cut.p <= cut_at */
     double cut_at;
     vec3 centre;  /* a point inside */
     double size;  /* m: all points are within it of the centre */

@@ -7,14 +7,14 @@
 #include "dynpoint/query.h"
 
 /*
- * libccd's penetration has no limit on the points that it asks for: after so many it is told the origin, which ends its
- * search. What it has by then is refused.
+ * libccd's penetration has no limit on the number of support points. After this many it gets the origin, which ends its
+ * search, and its result is refused.
  */
 enum { POINTS_MAX = 400, ITERATIONS_MAX = 100, DESCENTS = 24, PARTINGS = 60 };
 
 /*
- * libccd's own, in its units: those of EPA are lengths times the depth, so that it must be far below what is asked of the
- * depth.
+ * libccd's own, in its units: those of EPA are lengths times the depth, so that it must be far below what is asked of
+ * the depth.
  */
 #define TOLERANCE 1e-7
 
@@ -232,9 +232,9 @@ static vec3 nearest_of(const vec3 p[3])
 /*
  * Look for a plane between the two, by the nearest point to the origin among their differences (as Gilbert, Johnson and
  * Keerthi, 1988): three of these are kept, each step adds the farthest one towards the origin, and the nearest of the
- * triangles with it stays. Degenerate ones do no harm, as dpt_segment_triangle takes any. PARTED is proven by the plane,
- * MET by four differences around the origin, or one at it; OPEN is left where rounding ends it. *n becomes the exit
- * direction that it was led to.
+ * triangles with it stays. Degenerate ones do no harm, as dpt_segment_triangle takes any. PARTED is proven by the
+ * plane, MET by four differences around the origin, or one at it; OPEN is left where rounding ends it. *n becomes the
+ * exit direction that it was led to.
  */
 static enum parting part(const struct convex_place *place, const struct convex_piece *piece, vec3 *n)
 {

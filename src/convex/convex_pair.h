@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A shape and a piece of a surface: the shortest motion that takes the one out of the other. Lengths here are in sizes of
- * the shape, with its centre at the origin and axes as in the world: so the tolerances of libccd are shares of the shape,
- * and coordinates stay small wherever in the world the two are.
+ * A shape and a piece of a surface: the shortest motion that takes the one out of the other. The unit of length is the
+ * size of the shape; its centre is the origin, and axes are those of the world. So the tolerances of libccd are
+ * relative to the shape, and coordinates stay small.
  */
 #ifndef DPT_CONVEX_PAIR_H
 #define DPT_CONVEX_PAIR_H
 
 #include "convex/convex_body.h"
 
-/* A shape where it is. */
+/* A shape and its pose. */
 struct convex_place {
     const struct convex_body *body;
     struct frame frame; /* of the shape, in the world */
@@ -20,8 +20,8 @@ struct convex_place {
 #define CONVEX_TOLERANCE 1e-4
 
 /*
- * A piece of a surface: the convex hull of some points. Where it has a front, it goes on behind it by CONVEX_BEHIND, so
- * that there is no exit there.
+ * A piece of a surface: the convex hull of some points. A piece with a front is extended behind it by CONVEX_BEHIND, so
+ * that no exit leads there.
  */
 struct convex_piece {
     const vec3 *points;
@@ -35,16 +35,16 @@ struct convex_piece {
 /* Algorithms of libccd. */
 enum { CONVEX_EPA = 0, CONVEX_MPR = 1 };
 
-/* What libccd said of a shape and a piece, and its check. */
+/* libccd's answer for a shape and a piece, with the check of it. */
 struct convex_said {
     int meets;
     int is_refused;
     vec3 direction;   /* unit: the shape's exit direction */
-    double depth;     /* of the motion along it that the planes of both prove */
-    double min_depth; /* no exit is shorter than that, by what libccd said; 0 where it says nothing of it */
+    double depth;     /* of the motion along it, proven by supporting planes of both */
+    double min_depth; /* by libccd, no exit is shorter; 0: not known */
 };
 
-/* What is counted of libccd's answers. */
+/* Counts of libccd's answers. */
 struct convex_tally {
     uint32_t asked, refused;
 };
@@ -59,10 +59,13 @@ struct convex_exit {
 
 vec3 dpti_convex_place_support(const struct convex_place *place, vec3 d);
 
-/* How far a motion along the unit vector n must be for a plane across n to part the two; below 0: they are apart. */
+/*
+ * The length of the motion along the unit vector n after which a plane across n separates the two; below 0: they are
+ * apart.
+ */
 double dpti_convex_width(const struct convex_place *place, const struct convex_piece *piece, vec3 n);
 
-/* Ask libccd, by one algorithm that begins along `first`, and check the answer. */
+/* Run one algorithm of libccd, starting along `first`, and check its answer. */
 void dpti_convex_ask(const struct convex_place *place, const struct convex_piece *piece, int algorithm, vec3 first,
                      struct convex_said *said);
 

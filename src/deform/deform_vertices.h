@@ -19,13 +19,13 @@ struct vertex_update {
     const float *positions;
     const uint32_t *list;
     uint32_t first, count;
-    double bound;  /* m: none of them moves farther; below 0: it is measured */
+    double bound;  /* m: none of them moves farther; below 0: measure it */
     uint32_t tick; /* the world's, before which they move */
 };
 
 /*
- * Move vertices; they are inside the surface's box. Sets *has_begun_anew if travels begin anew: what was cached of the
- * surface does not hold then. Returns how far any vertex of the body moved in this update at most, m.
+ * Move vertices; they are inside the surface's box. Sets *has_begun_anew if travels start again from 0: then cached
+ * planes of the surface are invalid. Returns how far any vertex of the body moved in this update at most, m.
  */
 double dpti_deform_move(struct surface *surface, const struct kernel *kernel, const struct vertex_update *update,
                         int *has_begun_anew);

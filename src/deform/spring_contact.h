@@ -3,11 +3,10 @@
  * Nodes that tools have moved out of themselves (DPT_RESPONSE_DISPLACE), with Coulomb friction.
  * docs/algorithms/springs.md.
  *
- * Under a tool that moves, a node falls against it in each step, and is put back. Of its speed against the tool, what
- * goes into the tool is gone, and friction takes its share of what goes along it. That is all that positions alone can
- * tell. On a tool that does not move, a node counts as fixed while its springs and weight push it into the tool, and
- * friction holds it there: so a body comes to rest, and sleeps. It stays where the step put it, and what is felt of it
- * goes on.
+ * Under a moving tool, each step moves a node into the tool, and contact puts it back. Its speed relative to the tool
+ * loses the part into the tool; friction reduces the part along it. On a tool at rest, a node counts as fixed while its
+ * springs and weight push it into the tool and friction holds it. So a body comes to rest and sleeps, and its force on
+ * the tool continues.
  *
  * Calls between two steps: begin, hold for each node that was moved, end.
  */
@@ -20,10 +19,10 @@
 struct tool_touch {
     double static_friction, kinetic_friction;
     double dt;     /* s: the step in which nodes went into the tool */
-    int has_moved; /* 1: some tool is not where it was in the step before, or touches for the first time, or lets go */
+    int has_moved; /* 1: in this step a tool moved, began to touch or ceased to touch */
 };
 
-/* Wakes what sleeps on tools that have moved. */
+/* Wakes the slices that lie on tools that have moved. */
 void dpti_spring_contact_begin(struct dpt_springs *springs, const struct tool_touch *touch);
 
 /* A node was moved to `to`, m, by a tool whose axis moves by `motion` there in dt. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What springs keep from step to step (docs/algorithms/springs.md). */
+/* The state of springs between steps (docs/algorithms/springs.md). */
 #ifndef DPT_SPRING_STATE_H
 #define DPT_SPRING_STATE_H
 
@@ -7,7 +7,7 @@
 #include "kernel/kernel_ops.h"
 #include "mesh/spring_net.h"
 
-/* m/s: faster is a state that is refused. */
+/* m/s: a state with a faster node is refused. */
 #define SPRING_FAST 1e9
 
 /* N: a larger load is refused. */
@@ -30,9 +30,9 @@ struct spring_solve {
     double *energy;   /* 1 a slice: of its nodes, when it was last stepped */
     double step;      /* for which the diagonals were made; 0: none */
     double min_norm;  /* J: a residual whose norm is no larger has converged */
-    double account;   /* J: the energy is proven not to exceed it; below 0: not known */
+    double account;   /* J: a proven upper bound of the energy; below 0: not known */
     int is_free;      /* 1: no node is fixed */
-    double common[3]; /* m/s2: what all nodes that are awake had in common in the last step, but for drag */
+    double common[3]; /* m/s2: the common acceleration of all nodes awake in the last step, without drag */
 };
 
 /* Which slices are stepped. */
@@ -46,9 +46,9 @@ struct active_region {
     float *drag;          /* 1 a slice: the largest of its nodes */
     uint32_t *first;      /* 1 a slice and one more: its first in `neighbours` */
     uint32_t *neighbours; /* slices that springs lead to */
-    uint8_t *is_told;     /* 1 a slice: a neighbour may be asleep since it was at `told` */
+    uint8_t *is_told;     /* 1 a slice: `told` is set, the positions when a neighbour may have fallen asleep */
     float *told;          /* rows of 48 a slice */
-    float *held;          /* rows of 48 a slice: its load when it fell asleep */
+    float *held;          /* rows of 48 a slice: the load with which it fell asleep */
 };
 
 /* Nodes on tools (spring_contact.h); 1 a slice, NULL where the net is no mesh's. */
@@ -80,7 +80,7 @@ struct dpt_springs {
     struct spring_rows rows;
     double square;      /* 1/s2: a bound of all squared frequencies */
     double stable_step; /* s */
-    double lead;        /* s: points are where nodes will be after it, which is what viscosity is */
+    double lead;        /* s: points are the nodes' positions after it; this models viscosity */
     struct spring_nodes *nodes;
     struct spring_slice *state[2];
     uint32_t now; /* which of the states is the last step's */

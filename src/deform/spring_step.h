@@ -12,8 +12,8 @@
 double dpti_springs_limit(uint32_t integrator, double square, double viscosity, double drag);
 
 /*
- * `count` substeps of h seconds with SYMPLECTIC or EULER, of the slices that are awake, however long they are. Returns 0,
- * and keeps the state, if it would leave the finite range.
+ * `count` substeps of h seconds with SYMPLECTIC or EULER, of the slices that are awake, however long they are. Returns
+ * 0, and keeps the state, if it would leave the finite range.
  */
 int dpti_springs_substeps(struct dpt_springs *springs, double h, uint32_t count);
 
@@ -22,7 +22,7 @@ int dpti_springs_substeps(struct dpt_springs *springs, double h, uint32_t count)
 /* Fill in what does not change: masses, sums of stiffness. */
 void dpti_implicit_begin(struct dpt_springs *springs);
 
-/* Nodes were put somewhere else: what was known of the energy is not so. */
+/* Call after nodes were placed elsewhere: the energy is not known any more. */
 void dpti_implicit_forget(struct dpt_springs *springs);
 
 /*
@@ -33,17 +33,17 @@ int dpti_implicit_step(struct dpt_springs *springs, double h, uint32_t *flags);
 
 /* ---- the energy of springs and of motion, J, in double ---- */
 
-/* Half of each spring of each node of a slice. */
+/* The energy of one slice. A spring counts half at each of its nodes. */
 double dpti_springs_elastic(const struct dpt_springs *springs, uint32_t slice);
 
-/* All of them. */
+/* The energy of all slices. */
 double dpti_springs_kinetic(const struct dpt_springs *springs);
 
-/* ---- how fast springs can swing: "The stable step" ---- */
+/* ---- the highest frequency: "The stable step" ---- */
 
 /*
- * Fill in `square` and `stable_step`, which hold in any configuration; what touches nodes has the def's
- * contact_stiffness. The nodes' masses are known. Scratch: the second state and the first points.
+ * Fill in `square` and `stable_step`, which hold in any configuration. Contacts count with the def's contact_stiffness.
+ * The nodes' masses are known. Scratch: the second state and the first points.
  */
 void dpti_springs_find_step(struct dpt_springs *springs);
 

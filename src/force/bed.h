@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The bed: an energy along the tool and at its free ends, docs/algorithms/force.md. What contact gives for it, of one
- * segment, summed up over bodies.
+ * The bed: an energy along the tool and at its free ends, docs/algorithms/force.md. This is what contact computes for
+ * one segment, summed over bodies.
  */
 #ifndef DPT_BED_H
 #define DPT_BED_H

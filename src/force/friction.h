@@ -17,7 +17,7 @@ struct friction_contact {
     double across[2][HALF_SPACE_DIMENSIONS]; /* how the contact point moves along two tangents */
     double multiplier;                       /* of the constraint, >= 0 */
     double coefficient;                      /* of friction, >= 0 */
-    double slip[2];                          /* that is to be made good: how far it is off where it stuck */
+    double slip[2];                          /* to be undone: its distance from where it stuck */
     double pull[2];                          /* in and out: what friction adds along the tangents */
     int is_slipping;                         /* out: the pull is at its limit */
     /* Torsion, about the normal: how the tool turns about it, in 1/m; the limit's arm; the turn that is to be made good;
@@ -30,13 +30,13 @@ struct friction_contact {
 };
 
 /*
- * Contacts of one place, as where a tip lies on two flat triangles, are one: they pull as one, at the mean of where they
- * touch, up to the sum of their limits; each has its share. Their tangents point the same ways.
+ * Contacts at one place, such as a tip on two coplanar triangles, act as one contact: at their mean position, with the
+ * sum of their limits, of which each has its share. Their tangents have the same directions.
  *
  * The pulls of all contacts, at given multipliers, by projected Gauss-Seidel: with
  *     y = goal + sum of multiplier * normal + sum of pull . across + torsion about
  * each contact is to move by -slip and turn by -turned, as far as its limits allow. It begins with the contacts' pulls;
- * if `is_first`, with pulls that share what is to be held as the limits are.
+ * if `is_first`, with the load divided in proportion to the limits.
  */
 void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions, const double *goal,
                          int is_first);
@@ -56,7 +56,7 @@ void dpti_friction_add(const struct friction_contact *contact, double share, uin
 void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
                         const double *goal, double *pulled);
 
-/* ---- surfaces that are springs themselves, in series with the one that is held by them ---- */
+/* ---- compliant surfaces: springs in series with the coupling ---- */
 
 /*
  * half_spaces.h finds y = goal + sum of m normal for hard constraints. Where constraint i may be violated by v at the

@@ -177,25 +177,27 @@ static int satisfy_all(struct solver *solver, double tolerance)
     }
 }
 
-int dpti_half_spaces_nearest(const struct half_space *spaces, uint32_t count, uint32_t dimensions, const double *goal,
-                             double tolerance, struct half_spaces_result *result)
+static struct solver solver_of(const struct half_space_problem *problem, struct half_spaces_result *result)
 {
-    struct solver solver = { .spaces = spaces, .count = count, .n = dimensions, .result = result };
+    const uint32_t n = problem->dimensions;
     memset(result, 0, sizeof *result);
-    memcpy(result->y, goal, dimensions * sizeof *goal);
-    return satisfy_all(&solver, tolerance);
+    memcpy(result->y, problem->goal, n * sizeof *result->y);
+    return (struct solver){ .spaces = problem->spaces, .count = problem->count, .n = n, .result = result };
 }
 
-int dpti_half_spaces_nearest_on(const struct half_space *planes, uint32_t plane_count, double *held,
-                                const struct half_space *spaces, uint32_t count, uint32_t dimensions,
-                                const double *goal, double tolerance, struct half_spaces_result *result)
+int dpti_half_spaces_nearest(const struct half_space_problem *problem, struct half_spaces_result *result)
 {
-    struct solver solver = { .spaces = spaces, .count = count, .n = dimensions, .result = result };
-    memset(result, 0, sizeof *result);
-    memcpy(result->y, goal, dimensions * sizeof *goal);
+    struct solver solver = solver_of(problem, result);
+    return satisfy_all(&solver, problem->tolerance);
+}
+
+int dpti_half_spaces_nearest_on(const struct half_space_problem *problem, const struct half_space *planes,
+                                uint32_t plane_count, double *held, struct half_spaces_result *result)
+{
+    struct solver solver = solver_of(problem, result);
     for (uint32_t i = 0; i < plane_count; i++)
         hold(&solver, &planes[i]);
-    if (solver.held_count < plane_count || !satisfy_all(&solver, tolerance))
+    if (solver.held_count < plane_count || !satisfy_all(&solver, problem->tolerance))
         return 0;
     take_out_held(&solver, held);
     return 1;

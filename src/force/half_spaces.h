@@ -38,19 +38,22 @@ static inline double norm_of(const double *a, uint32_t dimensions)
     return sqrt(product_of(a, a, dimensions));
 }
 
-/*
- * `dimensions` is 1..6. A constraint that is violated by at most `tolerance` counts as met. Returns 0, and no answer, if
- * no point meets all constraints or the iterations do not suffice.
- */
-int dpti_half_spaces_nearest(const struct half_space *spaces, uint32_t count, uint32_t dimensions, const double *goal,
-                             double tolerance, struct half_spaces_result *result);
+/* A problem: the constraints, and the goal. */
+struct half_space_problem {
+    const struct half_space *spaces;
+    uint32_t count, dimensions; /* 1..6 */
+    const double *goal;
+    double tolerance; /* a constraint that is missed by at most that counts as met */
+};
+
+/* Returns 0, and no answer, if no point meets all constraints or the iterations do not suffice. */
+int dpti_half_spaces_nearest(const struct half_space_problem *problem, struct half_spaces_result *result);
 
 /*
  * The same on planes: normal . y = bound for each of them, at most `dimensions`, and y = goal + sum of multiplier *
  * normal + sum of held * normal of its plane; `held` may have any sign. Returns 0, too, if one plane depends on others.
  */
-int dpti_half_spaces_nearest_on(const struct half_space *planes, uint32_t plane_count, double *held,
-                                const struct half_space *spaces, uint32_t count, uint32_t dimensions,
-                                const double *goal, double tolerance, struct half_spaces_result *result);
+int dpti_half_spaces_nearest_on(const struct half_space_problem *problem, const struct half_space *planes,
+                                uint32_t plane_count, double *held, struct half_spaces_result *result);
 
 #endif

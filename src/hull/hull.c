@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A hull of at most 64 corners is made once, so the plainest way will do: the plane through any three corners is a face
- * if all corners lie on it or on one side of it. Rounding may make that inconsistent where corners nearly lie in a
- * plane; what comes out is checked as a polyhedron, and refused.
+ * A hull has at most 64 corners and is made once, so the simplest method suffices: the plane through any three corners
+ * is a face if all corners lie on it or on one side of it. Where corners nearly lie in a plane, rounding may make this
+ * inconsistent. Then the check of the polyhedron refuses the hull.
  */
 #include "base/return_if_error.h"
 #include "base/sincos.h"
@@ -84,8 +84,8 @@ static void try_direction(struct dpt_hull *hull, vec3 x)
 }
 
 /*
- * Set the axis of a hull that has corners and edges, so that `reach` is small, and `reach`. Along an edge, or between two
- * corners, a hull is thinner than it is across most other directions.
+ * Set the axis of a hull that has corners and edges, so that `reach` is small, and `reach`. Along an edge, or between
+ * two corners, a hull is thinner than it is across most other directions.
  */
 static void set_axis(struct dpt_hull *hull)
 {

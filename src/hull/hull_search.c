@@ -103,13 +103,10 @@ static int find_start(struct hull_query *query)
 {
     const struct hull_place *place = query->place;
     const double limit = query->nearest->distance + place->hull->reach;
-    struct bvh_traversal traversal;
     struct pair_search start;
-    traversal.level = 0;
     pair_search_begin(&start, DPT_NONE);
     start.pair.distance2 = limit * limit;
-    const int is_done = dpti_bvh_traverse(query->surface, query->kernel, NULL, place->a, place->u, 0.0, &traversal,
-                                          query->work, &start);
+    const int is_done = dpti_bvh_search(query->surface, query->kernel, place->a, place->u, query->work, &start);
     if (start.triangle != DPT_NONE)
         take(query, start.triangle);
     return is_done;

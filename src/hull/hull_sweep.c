@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * In each piece of a motion a corner's path is nearly a parabola, and what it deviates is added to the clearance. A plane
- * between hull and triangle may turn during the piece: its normal goes in a straight line from one vector to another. The
- * height of a corner, or of the triangle, along that normal is a polynomial of the third degree in time. Where its
- * Bernstein coefficients are in order, corners and triangle are apart at all times of the piece. That is exact to the
- * second order of the turn, where a plane at rest would be lost in the first: a tip may roll and turn on what it rests
- * on in few pieces.
+ * In each piece of a motion a corner's path is nearly a parabola; its deviation is added to the clearance. A plane
+ * between hull and triangle may turn during the piece: its normal goes in a straight line from one vector to another.
+ * The height of a corner, or of the triangle, along that normal is a polynomial of the third degree in time. Where its
+ * Bernstein coefficients are in order, corners and triangle are apart at all times of the piece. The error is of third
+ * order in the turn; with a plane at rest it would be of first order. So a tip that rolls and turns on a surface needs
+ * few pieces.
  *
- * A piece that no plane parts from some triangle is halved, until it is shorter than the tolerance: there the hull may
- * touch.
+ * A piece that no plane separates from some triangle is halved. Once it is shorter than the tolerance, the hull may
+ * touch there.
  */
 #include "hull/hull_sweep.h"
 

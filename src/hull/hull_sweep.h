@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Whether a hull that moves meets a body within a tick, and until when it certainly does not. Hull and body may both move
- * and turn, each along the shortest arc, and the body's vertices in straight lines. Lengths are in m, times in ticks, 0
- * to 1. docs/algorithms/tips.md.
+ * Whether a hull that moves meets a body within a tick, and until when it certainly does not. Hull and body may both
+ * move and turn, each along the shortest arc, and the body's vertices in straight lines. Lengths are in m, times in
+ * ticks, 0 to 1. docs/algorithms/tips.md.
  */
 #ifndef DPT_HULL_SWEEP_H
 #define DPT_HULL_SWEEP_H
@@ -10,14 +10,17 @@
 #include "hull/hull_triangle.h"
 #include "sweep/sweep_rigid.h"
 
-/* What a motion is of. Directions, tick and tick_from are those of struct rigid_sweep. */
+/* The hull and body of a motion. Directions, tick and tick_from are those of struct rigid_sweep. */
 struct hull_sweep {
     const struct surface *surface;
     const struct kernel *kernel;
     const struct dpt_hull *hull;
     double clearance; /* m, added to the hull's radius, which stays at least 0 */
     double tolerance; /* m, above 0: how near a motion must come to be a hit, at most */
-    /* How well the time of a hit need be known beside that, as a share of the time of its piece; 0: no coarser. */
+    /*
+     * The resolution in time that suffices besides, as a share of the duration of a piece; 0: the tolerance alone
+     * counts.
+     */
     double resolution;
     uint32_t tick;
     double tick_from;
@@ -29,7 +32,7 @@ struct hull_sweep {
 };
 
 /*
- * Sweep from one placement to another; a and b of the placements do not count. Returns a sweep_status. SWEEP_HIT: the
+ * Sweep from one placement to another; a and b of the placements are ignored. Returns a sweep_status. SWEEP_HIT: the
  * hull may meet the triangle within the tolerance of motion, or the resolution, after `time`. SWEEP_UNFINISHED: the
  * work is spent; the motion is free up to `time`.
  */

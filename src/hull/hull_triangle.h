@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Exact pairs of a hull's polyhedron and one triangle, in double; the hull's radius does not count here. All points are
+ * Exact pairs of a hull's polyhedron and one triangle, in double; the hull's radius is ignored here. All points are
  * in the frame of the triangle's mesh, in m. docs/algorithms/tips.md.
  *
  * Two convex bodies that do not meet are nearest at a corner of one and a face of the other, or at an edge of each.
@@ -50,16 +50,16 @@ void dpti_hull_place_feature(struct hull_place *place, const struct dpt_hull *hu
 int dpti_hull_triangle(const struct hull_place *place, const vec3 v[3], double limit, struct hull_pair *found);
 
 /*
- * Call `take` for each feature whose pair is not farther apart than `limit`. Where hull and triangle meet, the pairs say
- * little.
+ * Call `take` for each feature whose pair is not farther apart than `limit`. Where hull and triangle meet, the pairs
+ * say little.
  */
 typedef void hull_take_fn(void *user, const struct hull_pair *found);
 void dpti_hull_features(const struct hull_place *place, const vec3 v[3], double limit, hull_take_fn *take, void *user);
 
 /*
- * Whether a feature's pair is nearest among its neighbours: no way from its points along the hull and the triangle leads
- * nearer, by more than the sine `lean` of an angle to the pair. Pairs that are not tell nothing of a motion that turns
- * the hull by less.
+ * Whether a feature's pair is nearest among its neighbours: no way from its points along the hull and the triangle
+ * leads nearer, by more than the sine `lean` of an angle to the pair. Pairs that are not tell nothing of a motion that
+ * turns the hull by less.
  */
 int dpti_hull_pair_is_local(const struct hull_place *place, const vec3 v[3], const struct hull_pair *found,
                             double lean);
@@ -70,16 +70,16 @@ int dpti_hull_pair_is_local(const struct hull_place *place, const vec3 v[3], con
  */
 
 /*
- * Look for a unit vector n with n.y - n.x > apart for all points x of `a` and y of `b`. Returns 1 and sets *n, or 0 where
- * there is none or it was not found.
+ * Look for a unit vector n with n.y - n.x > apart for all points x of `a` and y of `b`. Returns 1 and sets *n, or 0
+ * where there is none or it was not found.
  *   apart  m, >= 0
  *   n      in: a direction to begin with, of any length
  */
 int dpti_separate(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count, double apart, vec3 *n);
 
 /*
- * An upper bound of the distance of two sets, near it as a rule; 0 where they meet, as far as rounding tells. HUGE_VAL if
- * a plane proves that they are farther apart than `limit`, m: then *n is its normal, as above.
+ * An upper bound of the distance of two sets, near it as a rule; 0 where they meet, as far as rounding tells. HUGE_VAL
+ * if a plane proves that they are farther apart than `limit`, m: then *n is its normal, as above.
  */
 double dpti_distance_upper(const vec3 *a, uint32_t a_count, const vec3 *b, uint32_t b_count, double limit, vec3 *n);
 

@@ -222,16 +222,11 @@ KERNEL_TARGET static uint32_t KERNEL(triangles_beside)(const float *restrict blo
     return KERNEL_OPEN(bound, limit);
 }
 
-KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block, const struct filter_segment *restrict segment,
-                                         struct planes *restrict planes, float *restrict bound)
+/* 1: all triangles of a block lie between the axis' ends. */
+KERNEL_TARGET static int KERNEL(all_beside)(const float *restrict block, const struct filter_segment *restrict segment)
 {
-    const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
-    const float bx = segment->b[0], by = segment->b[1], bz = segment->b[2];
     const float xx = segment->x[0], xy = segment->x[1], xz = segment->x[2];
-    const float yx = segment->y[0], yy = segment->y[1], yz = segment->y[2];
-    const float zx = segment->z[0], zy = segment->z[1], zz = segment->z[2];
-    const float length = segment->length, limit = segment->limit;
-    const float at_x = xx * ax + xy * ay + xz * az;
+    const float at_x = xx * segment->a[0] + xy * segment->a[1] + xz * segment->a[2], length = segment->length;
     float to_end[LANES];
 
     for (int i = 0; i < LANES; i++) {
@@ -240,25 +235,33 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block, const stru
         float behind = length + at_x - AT_LEAST(AT_LEAST(s0, s1), s2);
         to_end[i] = AT_MOST(before, behind);
     }
-    if (!KERNEL_OPEN(to_end, 0.0f))
-        return KERNEL(triangles_beside)(block, segment, planes, bound);
-    for (int i = 0; i < LANES; i++) {
-        float dx, dy, dz;
-        dx = block[i] - ax, dy = block[LANES + i] - ay, dz = block[2 * LANES + i] - az;
-        float ax0 = dx * xx + dy * xy + dz * xz;
-        float ay0 = dx * yx + dy * yy + dz * yz;
-        float az0 = dx * zx + dy * zy + dz * zz;
-        dx = block[3 * LANES + i] - ax, dy = block[4 * LANES + i] - ay;
-        dz = block[5 * LANES + i] - az;
-        float ax1 = dx * xx + dy * xy + dz * xz;
-        float ay1 = dx * yx + dy * yy + dz * yz;
-        float az1 = dx * zx + dy * zy + dz * zz;
-        dx = block[6 * LANES + i] - ax, dy = block[7 * LANES + i] - ay;
-        dz = block[8 * LANES + i] - az;
-        float ax2 = dx * xx + dy * xy + dz * xz;
-        float ay2 = dx * yx + dy * yy + dz * yz;
-        float az2 = dx * zx + dy * zy + dz * zz;
+    return !KERNEL_OPEN(to_end, 0.0f);
+}
 
+/* Corner k of triangle i in the axis' frame, from its end a: (axk, ayk, azk). */
+#define CORNER_FROM_AXIS(k)                                                                                            \
+    const float dx##k = block[3 * k * LANES + i] - ax, dy##k = block[(3 * k + 1) * LANES + i] - ay;                    \
+    const float dz##k = block[(3 * k + 2) * LANES + i] - az;                                                           \
+    const float ax##k = dx##k * xx + dy##k * xy + dz##k * xz;                                                          \
+    const float ay##k = dx##k * yx + dy##k * yy + dz##k * yz;                                                          \
+    const float az##k = dx##k * zx + dy##k * zy + dz##k * zz;
+
+/* The loop `triangles` for any block. */
+KERNEL_TARGET static uint32_t KERNEL(triangles_anywhere)(const float *restrict block,
+                                                         const struct filter_segment *restrict segment,
+                                                         struct planes *restrict planes, float *restrict bound)
+{
+    const float ax = segment->a[0], ay = segment->a[1], az = segment->a[2];
+    const float bx = segment->b[0], by = segment->b[1], bz = segment->b[2];
+    const float xx = segment->x[0], xy = segment->x[1], xz = segment->x[2];
+    const float yx = segment->y[0], yy = segment->y[1], yz = segment->y[2];
+    const float zx = segment->z[0], zy = segment->z[1], zz = segment->z[2];
+    const float length = segment->length, limit = segment->limit;
+
+    for (int i = 0; i < LANES; i++) {
+        CORNER_FROM_AXIS(0)
+        CORNER_FROM_AXIS(1)
+        CORNER_FROM_AXIS(2)
         float ex0 = ax1 - ax0, ey0 = ay1 - ay0, ez0 = az1 - az0;
         float ex1 = ax2 - ax1, ey1 = ay2 - ay1, ez1 = az2 - az1;
         float ex2 = ax0 - ax2, ey2 = ay0 - ay2, ez2 = az0 - az2;
@@ -290,6 +293,13 @@ KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block, const stru
         PUT_PLANE
     }
     return KERNEL_OPEN(bound, limit);
+}
+
+KERNEL_TARGET uint32_t KERNEL(triangles)(const float *restrict block, const struct filter_segment *restrict segment,
+                                         struct planes *restrict planes, float *restrict bound)
+{
+    return KERNEL(all_beside)(block, segment) ? KERNEL(triangles_beside)(block, segment, planes, bound)
+                                              : KERNEL(triangles_anywhere)(block, segment, planes, bound);
 }
 
 /* A plane with a greater bound lasts longer. */

@@ -30,8 +30,8 @@ static inline double kernel_margin(double a, double b)
 
 /*
  * The same for a swept hull, |X| that of its farthest end: at most 16 + 10 |X| units. PIECE_MARGIN, of `beside`, is far
- * more than rounding takes off the part of the axis that is looked at. An axis that is shorter along the tool than
- * PIECE_AXIS_MIN is looked at as a whole.
+ * more than the rounding of the part of the axis that counts. An axis that is shorter along the tool than
+ * PIECE_AXIS_MIN counts as a whole.
  */
 static inline double kernel_swept_margin(double x)
 {
@@ -69,7 +69,7 @@ struct swept_hull {
     float axis[3][3]; /* orthonormal rows */
     float centre[3], half[3];
     float limit;
-    /* No more than that before and behind a lane, along the tool, a point of the axis is near it. */
+    /* A point of the axis is near a lane only within that distance before and behind it, along the tool. */
     float beside;
 };
 
@@ -163,7 +163,7 @@ struct spring_rows {
     const float *length;
 };
 
-/* What a slice keeps from step to step: positions, what rounding has left of them, speeds. */
+/* The state of a slice between steps: positions, their rounding remainders, speeds. */
 struct spring_slice {
     float x[SPRING_ROWS], rest[SPRING_ROWS], v[SPRING_ROWS];
 };
@@ -182,8 +182,8 @@ struct spring_motion {
 };
 
 /*
- * An implicit step: from where nodes fly to with a `common` acceleration, m/s2, if `flies` is 1, or from where they are,
- * if it is 0; springs are taken `back` seconds of their speed ahead of that.
+ * An implicit step: from where nodes fly to with a `common` acceleration, m/s2, if `flies` is 1, or from where they
+ * are, if it is 0; springs are taken `back` seconds of their speed ahead of that.
  */
 struct spring_trial {
     float step, per_step, flies, back, scale;
@@ -194,7 +194,7 @@ struct spring_trial {
 
 /* Of a slice, in an implicit step. */
 struct spring_system {
-    /* 0 for a node that is fixed. glide: what drag leaves of the speed in a step */
+    /* 0 for a fixed node. glide: the share of the speed that drag leaves after a step */
     float mass[LANES], glide[LANES], diagonal[LANES], per_diagonal[LANES];
     float residual[SPRING_ROWS], change[SPRING_ROWS];
 };

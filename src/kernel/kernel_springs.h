@@ -182,7 +182,7 @@ KERNEL_TARGET uint32_t KERNEL(spring_move)(const struct spring_motion *restrict 
 #define SPRING_FLIGHT(k, i, common)                                                                                    \
     (trial->flies * system->glide[i] * (trial->step * (state->v[k] + trial->step * (common))))
 
-/* The right-hand side of coordinate k of lane i. What a node has of its flight is not in it. */
+/* The right-hand side of coordinate k of lane i. The node's flight is not a part of it. */
 #define SPRING_RIGHT(k, i, gravity, common)                                                                            \
     (scale * force[k] + load[k] + system->mass[i] * (((gravity)-trial->flies * (common)) + rests * state->v[k]))
 
@@ -227,8 +227,8 @@ KERNEL_TARGET void KERNEL(spring_begin)(const struct spring_trial *restrict tria
 }
 
 /*
- * Without lead, change . L change comes from change . A change, which the solution knows: A change is the right-hand
- * side without the residual, and A is the diagonal and L.
+ * Without lead, change . L change comes from change . A change, where A = diagonal + L. A change is known from the
+ * solution: the right-hand side minus the residual.
  */
 KERNEL_TARGET uint32_t KERNEL(spring_end)(const struct spring_trial *restrict trial,
                                           const struct spring_slice *restrict state, const float *restrict force,

@@ -36,8 +36,8 @@
 #define MESH_WEIGHT_SUM 0x1p-16
 
 /*
- * Springs: masses, stiffnesses and lengths that are not 0 are within these, drag and viscosity at most MESH_DAMPING_MAX.
- * A slice has few enough entries that a reader can look up the other end of every spring.
+ * Springs: masses, stiffnesses and lengths that are not 0 are within these, drag and viscosity at most
+ * MESH_DAMPING_MAX. A slice has few enough entries that a reader can look up the other end of every spring.
  */
 #define MESH_SPRING_MIN         1e-15f
 #define MESH_SPRING_MAX         1e15f
@@ -45,7 +45,7 @@
 #define MESH_SLICE_ENTRIES_MAX  1024u
 #define MESH_SPRING_ENTRIES_MAX (UINT32_MAX / LANES)
 
-/* How far the square of the stable step may be above what the file's own numbers allow; so much rounding there is. */
+/* Rounding: how far the square of the stable step may exceed what the file's own numbers allow. */
 #define MESH_STEP_ROUNDING 1e-5
 
 /* Codes in place of a neighbour over an edge. */

@@ -52,7 +52,7 @@ static inline double surface_diagonal(const struct surface *surface)
 /* m: its largest |coordinate|. */
 double dpti_surface_extent(const struct surface *surface);
 
-/* The longest edge of a leaf's box, m. On a deformable body the box may be an older one: for what needs no bound. */
+/* The longest edge of a leaf's box, m. On a deformable body the box may be outdated: not for bounds. */
 double dpti_surface_leaf_length(const struct surface *surface, uint32_t leaf);
 
 /* Where a vertex of a view is. */
@@ -97,8 +97,8 @@ static inline void surface_corners(const struct surface *surface, uint32_t trian
 }
 
 /*
- * The block of a leaf, and that of a node's children, for searches: the surface has followed its vertices there. On a
- * deformable body that is work.
+ * The block of a leaf, and that of a node's children, for searches: first the surface follows its vertices there. On a
+ * deformable body that costs work.
  */
 static inline const float *surface_leaf(const struct surface *surface, uint32_t leaf, struct work *work)
 {

@@ -4,10 +4,9 @@
  *
  * Nothing is refitted when vertices move. Each node of the box tree has a travel: a bound of the path of any vertex
  * below it. A leaf whose travel has grown since it was filled is filled again when a search looks at it. A box that a
- * search looks at is widened by the travel of its node since the box was made. Filling a leaf makes its box anew. So does
- * a search that looks at the parent of leaves which have travelled farther than they are wide: a path adds up, however
- * near to where they were the vertices end. Boxes that came out tighter are handed to the parents. So what no tool is
- * near is not touched.
+ * search looks at is widened by the travel of its node since the box was made. Filling a leaf makes its box anew. So
+ * does a search that looks at the parent of leaves which have travelled farther than they are wide, since a travel only
+ * grows. Boxes that came out tighter are handed to the parents. So parts far from all tools cost nothing.
  *
  * Nodes are numbered level by level as in struct surface, but each level begins at a multiple of LANES.
  */

@@ -7,7 +7,7 @@
 #define DPT_BVH_H
 
 #include "base/work.h"
-#include "kernel/kernel_ops.h"
+#include "nearest/filter_segment.h"
 #include "nearest/nearest_pair.h"
 #include "nearest/plane_cache.h"
 
@@ -27,27 +27,44 @@ struct bvh_traversal {
 };
 
 /*
- * Find the triangle nearest to the axis a + s u, in the mesh's frame, in m.
- *
- *   nearest  in: a pair to beat; nearest->triangle is its place, or DPT_NONE if distance2 is only a limit.
- *            out: the nearest pair that is nearer, or as near with a lower source number. If there is none, pair and
- *            triangle are unchanged. The search stops at the first pair of distance 0.
- *   cache    separating planes of earlier searches; those of this search are added. NULL: none
- *   slack    a distance, in m: with slack > 0 a triangle that is nearer by less need not be found
- *   work     grows by one unit a block of 16 lanes
- *
- * A search whose work is spent ends early, with the best pair so far.
+ * A search for the triangle nearest to the axis a + s u, in the mesh's frame, in m. It spends one unit of work a block
+ * of 16 lanes.
  */
-void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel, const struct plane_cache_view *cache,
-                     vec3 a, vec3 u, double slack, struct work *work, struct pair_search *nearest);
+struct bvh_search {
+    /* To be set before. */
+    const struct surface *surface;
+    const struct kernel *kernel;
+    vec3 a, u;
+    double slack;                  /* m; with slack > 0 a triangle that is nearer by less need not be found */
+    struct plane_cache_view cache; /* planes of earlier searches; those of this search are added. count 0: none */
+    struct work *work;
+    struct bvh_traversal *traversal;
+    /*
+     * In: a pair to beat; its triangle is DPT_NONE if distance2 is only a limit. Out: the nearest pair that is nearer,
+     * or as near with a lower source number. If there is none, pair and triangle are unchanged. The search stops at the
+     * first pair of distance 0.
+     */
+    struct pair_search *nearest;
+    /* The search's own. */
+    vec3 x; /* the unit vector along the axis */
+    struct filter_segment segment;
+    int has_frame; /* 1: segment.y and z are set; they are made when first needed */
+    int has_plane; /* 1: segment.normal and height are those of the plane through the best pair */
+};
 
 /*
- * The same search in parts. Returns 1 when it is done; then traversal->level is 0. Returns 0 when the work is spent:
- * the next call continues there, for the same axis, or for a moved one after dpti_bvh_weaken_bounds.
+ * Search until the end, or until the work is spent. Returns 1 when it is done; then traversal->level is 0. Returns 0
+ * when the work is spent: the next call continues there, for the same axis, or for a moved one after
+ * dpti_bvh_weaken_bounds.
  */
-int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel, const struct plane_cache_view *cache,
-                      vec3 a, vec3 u, double slack, struct bvh_traversal *traversal, struct work *work,
-                      struct pair_search *nearest);
+int dpti_bvh_traverse(struct bvh_search *search);
+
+/*
+ * A search from nothing: without slack and cache, in one part. Returns 0, with the best pair so far, if the work was
+ * spent before the end.
+ */
+int dpti_bvh_search(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u, struct work *work,
+                    struct pair_search *nearest);
 
 /* Lower the bounds of a suspended traversal: each end of the axis has moved by at most `motion`, in m, since. */
 void dpti_bvh_weaken_bounds(struct bvh_traversal *traversal, const struct surface *surface, double motion);
@@ -62,9 +79,9 @@ double dpti_bvh_unvisited_bound(const struct bvh_traversal *traversal, const str
 void dpti_brute_search(const struct surface *surface, vec3 a, vec3 u, struct work *work, struct pair_search *nearest);
 
 /*
- * Find the triangle nearest to the point x, in the mesh's frame: dpti_bvh_traverse for an axis without length, without a
- * cache. `nearest` is as for dpti_bvh_search: a triangle must be nearer than nearest->pair.distance2, or as near with a
- * lower source number; a pair of distance 0 ends the search.
+ * Find the triangle nearest to the point x, in the mesh's frame: dpti_bvh_traverse for an axis without length, without
+ * a cache. `nearest` is as in struct bvh_search: a triangle must be nearer than nearest->pair.distance2, or as near
+ * with a lower source number; a pair of distance 0 ends the search.
  *
  * traversal->level 0: begin at the root. Returns 1 when done. Returns 0 when the work is spent: the next call may
  * continue the traversal, with a pair that is no farther.
@@ -78,7 +95,7 @@ struct range {
     const struct kernel *kernel;
     struct filter_segment segment;
     float directions[4][3]; /* unit, across the axis, a quarter turn about it apart */
-    float limits[4];        /* all that is farther than that along a direction is out of reach */
+    float limits[4];        /* what is farther along that direction is out of reach */
     uint32_t level;         /* of the node being visited, 0: a leaf; above surface->levels: done */
     /* The path to it, by level: the index of a node in its level, and its children that are still to be visited. */
     uint32_t node[MESH_LEVELS_MAX + 1];

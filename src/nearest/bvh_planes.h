@@ -7,7 +7,6 @@
 #define DPT_BVH_PLANES_H
 
 #include "nearest/bvh.h"
-#include "nearest/filter_segment.h"
 
 /* The cached planes of a node's 16 children, or of a leaf's 16 triangles. */
 struct cached_planes {
@@ -16,20 +15,6 @@ struct cached_planes {
     int is_empty;              /* 1: the block holds no planes of this node that may be used */
     const float *travel;       /* of a deformable body: the travels of the children, or of the leaf; else NULL */
     uint32_t travel_stride;    /* 1, or 0 for a leaf: its triangles share its travel */
-};
-
-struct bvh_search {
-    const struct surface *surface;
-    const struct kernel *kernel;
-    struct plane_cache_view cache;
-    struct pair_search *nearest;
-    struct work *work;
-    vec3 a, u, x; /* the axis a + s u and the unit vector along it, in the mesh's frame */
-    double slack; /* m */
-    struct filter_segment segment;
-    int has_frame; /* 1: segment.y and z are set; they are made when first needed */
-    int has_plane; /* 1: segment.normal and height are those of the plane through the best pair */
-    struct bvh_traversal *traversal;
 };
 
 /*

@@ -7,7 +7,6 @@
 #include "nearest/bvh.h"
 
 #include "nearest/bvh_planes.h"
-#include "nearest/filter_segment.h"
 
 /*
  * Set the limit from the best distance, and the plane through the best pair. Near a contact most of the mesh lies
@@ -147,46 +146,37 @@ static int is_touching(const struct pair_search *nearest)
     return nearest->pair.distance2 == 0.0 && nearest->triangle != DPT_NONE;
 }
 
-int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel, const struct plane_cache_view *cache,
-                      vec3 a, vec3 u, double slack, struct bvh_traversal *traversal, struct work *work,
-                      struct pair_search *nearest)
+int dpti_bvh_traverse(struct bvh_search *search)
 {
-    struct bvh_search search;
-    search.surface = surface;
-    search.kernel = kernel;
-    search.cache = cache ? *cache : (struct plane_cache_view){ .count = 0 };
-    search.nearest = nearest;
-    search.a = a;
-    search.u = u;
-    search.slack = slack;
-    search.work = work;
-    search.has_frame = 0;
-    search.traversal = traversal;
-    search.x = filter_segment_set_axis(&search.segment, surface, a, u);
-    set_limit(&search);
+    const struct surface *surface = search->surface;
+    struct bvh_traversal *traversal = search->traversal;
+    const struct pair_search *nearest = search->nearest;
+    search->has_frame = 0;
+    search->x = filter_segment_set_axis(&search->segment, surface, search->a, search->u);
+    set_limit(search);
     uint32_t level = traversal->level;
-    if (!level && !work_is_spent(search.work))
-        level = begin_traversal(&search);
+    if (!level && !work_is_spent(search->work))
+        level = begin_traversal(search);
     while (level && level <= surface->levels && !is_touching(nearest)) {
         struct path_entry *entry = &traversal->path[level];
         if (!entry->lanes) {
-            leave_node(&search, plane_cache_own_block(&search.cache, surface->first[level] + entry->node), level);
+            leave_node(search, plane_cache_own_block(&search->cache, surface->first[level] + entry->node), level);
             level++;
             continue;
         }
-        uint32_t lane = next_lane(&search, entry);
-        int is_closed = entry->bound[lane] > search.segment.limit;
-        if (!is_closed && work_is_spent(search.work))
+        uint32_t lane = next_lane(search, entry);
+        int is_closed = entry->bound[lane] > search->segment.limit;
+        if (!is_closed && work_is_spent(search->work))
             break;
         entry->lanes &= ~(1u << lane);
         if (is_closed)
             continue;
         uint32_t child = entry->node * LANES + lane;
         if (level == 1) {
-            visit_leaf(&search, child);
+            visit_leaf(search, child);
         } else {
             float lower_bound = entry->bound[lane] > entry->lower_bound ? entry->bound[lane] : entry->lower_bound;
-            if (visit_node(&search, level - 1, child, 0))
+            if (visit_node(search, level - 1, child, 0))
                 traversal->path[--level].lower_bound = lower_bound;
         }
     }
@@ -195,12 +185,22 @@ int dpti_bvh_traverse(const struct surface *surface, const struct kernel *kernel
     return is_done;
 }
 
-void dpti_bvh_search(const struct surface *surface, const struct kernel *kernel, const struct plane_cache_view *cache,
-                     vec3 a, vec3 u, double slack, struct work *work, struct pair_search *nearest)
+int dpti_bvh_search(const struct surface *surface, const struct kernel *kernel, vec3 a, vec3 u, struct work *work,
+                    struct pair_search *nearest)
 {
     struct bvh_traversal traversal;
+    struct bvh_search search;
     traversal.level = 0;
-    dpti_bvh_traverse(surface, kernel, cache, a, u, slack, &traversal, work, nearest);
+    search.surface = surface;
+    search.kernel = kernel;
+    search.a = a;
+    search.u = u;
+    search.slack = 0.0;
+    search.cache = (struct plane_cache_view){ .count = 0 };
+    search.work = work;
+    search.traversal = &traversal;
+    search.nearest = nearest;
+    return dpti_bvh_traverse(&search);
 }
 
 /* The factors cover the growth of the margin with the ends, and rounding here. */

@@ -15,12 +15,13 @@ void dpti_dynamic_point_once(const struct surface *surface, const struct kernel 
     }
     if (hint != DPT_NONE)
         nearest->pair.distance2 = dpti_triangle_pair(surface, hint, axis->local_a, axis->u).distance2;
+    if (extent_of(axis->u) > 0.0) {
+        dpti_bvh_search(surface, kernel, axis->local_a, axis->u, work, nearest);
+        return;
+    }
     struct bvh_traversal traversal;
     traversal.level = 0;
-    if (extent_of(axis->u) > 0.0)
-        dpti_bvh_search(surface, kernel, NULL, axis->local_a, axis->u, 0.0, work, nearest);
-    else
-        dpti_point_search(surface, kernel, axis->local_a, &traversal, work, nearest);
+    dpti_point_search(surface, kernel, axis->local_a, &traversal, work, nearest);
 }
 
 /* The most triangles that are tried around a vertex: hubs have thousands. */
@@ -153,10 +154,19 @@ void dpti_dynamic_point_begin(struct dynamic_point *track, const struct surface 
 int dpti_dynamic_point_prove(struct dynamic_point *track, const struct surface *surface, const struct kernel *kernel,
                              const struct plane_cache_view *cache, struct bvh_traversal *traversal, struct work *work)
 {
-    double slack = track->last == DPT_NONE ? 0.0 : DISTANCE_ERROR_SLACK * track->axis.error;
-    return track->nearest.pair.distance2 == 0.0 ||
-           dpti_bvh_traverse(surface, kernel, cache, track->axis.local_a, track->axis.u, slack, traversal, work,
-                             &track->nearest);
+    if (track->nearest.pair.distance2 == 0.0)
+        return 1;
+    struct bvh_search search;
+    search.surface = surface;
+    search.kernel = kernel;
+    search.a = track->axis.local_a;
+    search.u = track->axis.u;
+    search.slack = track->last == DPT_NONE ? 0.0 : DISTANCE_ERROR_SLACK * track->axis.error;
+    search.cache = cache ? *cache : (struct plane_cache_view){ .count = 0 };
+    search.work = work;
+    search.traversal = traversal;
+    search.nearest = &track->nearest;
+    return dpti_bvh_traverse(&search);
 }
 
 void dpti_dynamic_point_settle(struct dynamic_point *track)

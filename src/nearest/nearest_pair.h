@@ -16,7 +16,7 @@
  *     the mesh's frame;
  *   - DISTANCE_ERROR_HISTORY, three eighths, for history (dpti_dynamic_point_settle);
  *   - DISTANCE_ERROR_SLACK, one eighth, for triangles that touch the plane through the best pair and are not evaluated
- *     (the slack of dpti_bvh_search).
+ *     (the slack of struct bvh_search).
  */
 #define DISTANCE_ERROR         (128.0 * 0x1p-53)
 #define DISTANCE_ERROR_HISTORY 0.375

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The proxy of a tool: the pose that has gone through nothing, led by the device's and coupled to it by a spring. Where
- * proxies lie, which tools have one, what they remember and forget, and what users get of them: docs/algorithms/force.md.
+ * The proxy of a tool: the pose that has gone through nothing, led by the device's and coupled to it by a spring.
+ * docs/algorithms/force.md.
  *
  * A free tool of one segment is kept in a frame of its own, with end a at the origin and end b on the x axis. That
  * frame's pose is tool->pose.
@@ -17,7 +17,7 @@ uint64_t dpti_proxy_bytes(const dpt_world_def *def);
 /* Place its memory at `at`; returns where it ends. */
 char *dpti_proxy_place(struct dpt_world *world, char *at);
 
-/* The one of a tool; only where the world responds. */
+/* The proxy of a tool. Only in worlds that respond. */
 static inline struct proxy *proxy_of(const struct dpt_world *world, const struct tool *tool)
 {
     return &world->proxies[tool - world->tools];
@@ -29,7 +29,7 @@ int dpti_proxy_is_of(const struct dpt_world *world, uint32_t law);
 /* 1 if this tool has one. */
 int dpti_proxy_is_used(const struct dpt_world *world, const struct tool *tool);
 
-/* Forget where it is: it starts again at the device's pose. */
+/* Restart the proxy at the device's pose. */
 void dpti_proxy_forget(struct dpt_world *world, struct tool *tool);
 
 /* Forget what proxies remember of a body, by its id. */
@@ -39,8 +39,8 @@ void dpti_proxy_forget_body(struct dpt_world *world, uint32_t body);
 dpt_segment dpti_proxy_given_segment(const struct dpt_world *world, const struct tool *tool);
 
 /*
- * The tool becomes free, or rigid again: the proxy starts again where the device is. What was given last is what its
- * own frame holds from then on, at the identity pose.
+ * Make a tool free or rigid: its proxy restarts at the device's pose. The segment last given then lies in its own
+ * frame, at the identity pose.
  */
 void dpti_proxy_set_free(struct dpt_world *world, struct tool *tool, uint32_t is_free);
 
@@ -50,25 +50,25 @@ void dpti_proxy_set_segment(struct dpt_world *world, struct tool *tool, const dp
 /* Length and radius of a free tool follow what was given, as far as the proxy's gap has room for them. */
 void dpti_proxy_follow_size(struct dpt_world *world, const struct tool *tool, struct proxy *proxy);
 
-/* 1 if they have come to what was given; also of a rigid tool. */
+/* 1 if length and radius have reached what was given, or the tool is rigid. */
 int dpti_proxy_has_size(const struct dpt_world *world, const struct tool *tool);
 
-/* Remember a triangle of a body, by its place; the one that was not used for longest makes room. */
+/* Remember a triangle of a body, by its place. If memory is full, the least recently used one is dropped. */
 void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle);
 
-/* A body was added or teleported: the proxies near which it is are not known to be outside of it. */
+/* Call after a body was added or teleported: proxies near it are no longer known to be outside of it. */
 void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot);
 
 /* One tick of `dt`: the proxy follows the device; nearest pairs of the tool's segments are those at the proxy then. */
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt);
 
-/* After contact: whether a proxy that was placed, or doubted, is outside of everything. */
+/* After contact: find out whether a placed or doubted proxy is outside of everything. */
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool);
 
 /* Whether a tool has a proxy that is not where its device is. */
 int dpti_proxy_is_away(const struct dpt_world *world, const struct tool *tool);
 
-/* Where the proxy is away: the hits of the segments, which are at the device's pose. */
+/* If the proxy is not at the device: write the segments' hits for the device's pose. */
 void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool);
 
 #endif

@@ -17,7 +17,7 @@ void dpti_proxy_wait(struct proxy_tick *tick);
 /* The wrench and the report of a tool with a proxy. */
 void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt);
 
-/* Forget what was felt, so that no fade and no damper continues from it. */
+/* Forget the felt force, so that no fade and no damper continues from it. */
 void dpti_proxy_end_force(struct proxy *proxy);
 
 /*

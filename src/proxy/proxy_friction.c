@@ -25,10 +25,16 @@ static int is_short(const struct proxy_tick *tick, const struct half_spaces_resu
     return norm_of(solved->y, n) <= 2.0 * norm_of(wanted, n) + LENGTHENED_MAX * max_bound;
 }
 
+static struct half_space_problem problem_of(const struct proxy_tick *tick, const double *wanted)
+{
+    return (struct half_space_problem){ tick->spaces, tick->space_count, proxy_unknowns(tick->proxy), wanted,
+                                        TOLERANCE * tick->clearance };
+}
+
 static int nearest(struct proxy_tick *tick, const double *wanted)
 {
-    return dpti_half_spaces_nearest(tick->spaces, tick->space_count, proxy_unknowns(tick->proxy), wanted,
-                                    TOLERANCE * tick->clearance, &tick->solved);
+    const struct half_space_problem problem = problem_of(tick, wanted);
+    return dpti_half_spaces_nearest(&problem, &tick->solved);
 }
 
 /*
@@ -38,10 +44,9 @@ static int nearest(struct proxy_tick *tick, const double *wanted)
 static int solve_stuck(struct proxy_tick *tick, const double *wanted, const struct half_space *planes,
                        uint32_t plane_count, double *held)
 {
+    const struct half_space_problem problem = problem_of(tick, wanted);
     struct half_spaces_result solved;
-    if (!dpti_half_spaces_nearest_on(planes, plane_count, held, tick->spaces, tick->space_count,
-                                     proxy_unknowns(tick->proxy), wanted, TOLERANCE * tick->clearance, &solved) ||
-        !is_short(tick, &solved, wanted))
+    if (!dpti_half_spaces_nearest_on(&problem, planes, plane_count, held, &solved) || !is_short(tick, &solved, wanted))
         return 0;
     tick->solved = solved;
     return 1;

@@ -15,15 +15,15 @@ int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted);
 
 /*
  * At the end of a tick: what holds the proxy where it is. tick->solved and its contacts balance `left`, the
- * displacement from the proxy to its device as unknowns; it is solved for once a tick. Returns 0 if nothing holds it,
- * or if that cannot be told.
+ * displacement from the proxy to its device as unknowns; this is solved once a tick. Returns 0 if nothing holds the
+ * proxy, or if that is not known.
  */
 int dpti_proxy_solve_held(struct proxy_tick *tick, double *left);
 
-/* The proxy moved by that: what each contact slipped by is known; limits that were reached start anew. */
+/* After the proxy made that motion: update the slip of each contact. Contacts that slip start anew. */
 void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn);
 
-/* The tick is over: contacts that hold nothing any more are forgotten. */
+/* End a tick: forget contacts that hold nothing any more. */
 void dpti_proxy_keep_contacts(struct proxy_tick *tick);
 
 #endif

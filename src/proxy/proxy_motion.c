@@ -7,7 +7,7 @@
 #include "track/body_search.h"
 #include "track/tool_parts.h"
 
-/* How often a move that is too near is shortened: at first a little, then more. */
+/* The most times that a move that comes too near is shortened: first a little, then more. */
 enum { SHORTEN_LITTLE = 4, SHORTEN_MAX = 12 };
 #define SHORTER_LITTLE 0.9
 #define SHORTER        0.7

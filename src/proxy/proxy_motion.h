@@ -9,13 +9,13 @@
 void dpti_proxy_find_nearest(struct proxy_tick *tick);
 
 /*
- * Move from tick->at towards `to`, as far as the tool meets nothing and its gap stays at least tick->min_gap. What
- * it met is remembered. Returns the share of the motion that was made. With 0 tick->at and its nearest pairs are as
- * before.
- *   met   the share up to which it was free by the sweep, as far as a budget let it come
+ * Move from tick->at towards `to`, as far as the tool meets nothing and its gap stays at least tick->min_gap. Triangles
+ * that it met are remembered. Returns the share of the motion that was made. If that is 0, tick->at and its nearest
+ * pairs are unchanged.
+ *   met   the share up to which the sweep found it free, within the budget
  *
- * While tick->is_before a shorter motion takes the bodies' motion along as far: tick->time grows. The nearest pairs are
- * of another pose then.
+ * While tick->is_before the bodies move along by the same share: tick->time grows. The nearest pairs then belong to
+ * another pose.
  */
 double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, double *met);
 

@@ -8,12 +8,12 @@
 #include "proxy/proxy_pose.h"
 #include "track/tool_parts.h"
 
-/* Triangles that are looked at together: those that are remembered, and the nearest of each of so many segments. */
+/* The most triangles in one problem: the remembered ones, and the nearest of each segment. */
 enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
 
 /*
- * m: clearances grow with the largest body up to that size, and no farther. A body that is larger is swept as finely as
- * one of that size, or everything else in its world would be felt too early.
+ * m: clearances grow with the largest body up to that size, and no farther. A larger body is swept as finely as one of
+ * that size; otherwise everything else in its world would be felt too early.
  */
 #define PROXY_SCALE_MAX 1.0
 
@@ -24,7 +24,7 @@ enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
 /* As a share of the clearance: a gap that is large enough. */
 #define PROXY_GAP_KEPT 0.7
 
-/* What a constraint is of. */
+/* The pair behind a constraint. */
 struct proxy_source {
     uint32_t triangle; /* in proxy_tick.triangles */
     int feature;       /* of the pair: nearest/pair_features.h, of a tip hull/hull_triangle.h */
@@ -34,7 +34,7 @@ struct proxy_source {
     vec3 carried;      /* how far the body moved its point on the mesh before this tick, while that counts */
 };
 
-/* Whether it is known what holds the proxy at the end of the tick. */
+/* Whether the holding contacts are known at the end of the tick. */
 enum { PROXY_HELD_UNKNOWN, PROXY_HELD_SOLVED, PROXY_HELD_NOT };
 
 struct proxy_tick {
@@ -49,7 +49,7 @@ struct proxy_tick {
     int is_before;    /* `at` is proven only for where bodies were at `time` of their motion before this tick */
     double time;      /* 0..1 */
     double made;      /* the share that was made of the last motion that was solved for */
-    double lift;      /* m: while is_before, contacts are left so much wider than the clearance */
+    double lift;      /* m: while is_before, added to the clearance of contacts */
     int is_lost;      /* the segments' nearest pairs are of another pose than `at` */
     int held;         /* PROXY_HELD_... */
     int is_moved;     /* a motion was made in this tick */

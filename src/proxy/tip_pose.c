@@ -3,7 +3,7 @@
 
 #include "hull/hull_sweep.h"
 
-/* How many motions a tip makes in a tick at most, and how much longer than the last each one is. */
+/* The most motions of a tip in a tick, and the ratio of their lengths. */
 enum { MOTIONS_MAX = 10 };
 #define LONGER 16.0
 

@@ -251,6 +251,17 @@ static dpt_result follow_route(const struct route_finder *f, uint32_t from, uint
     return DPT_OK;
 }
 
+static dpt_result search_both_sides(struct route_finder *f, uint32_t from, uint32_t to, struct route *route)
+{
+    if (!f->search->queue_capacity)
+        return DPT_E_FULL;
+    DPT_TRY(begin_ring(f, 0, from));
+    DPT_TRY(begin_ring(f, 1, to));
+    DPT_TRY(search_until_met(f));
+    mark_shortest(f);
+    return follow_route(f, from, to, route);
+}
+
 dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *mesh, uint32_t from, uint32_t to,
                            struct route *route)
 {
@@ -273,15 +284,7 @@ dpt_result dpti_route_find(struct route_search *search, const struct dpt_mesh *m
         share_vertex |= has_corner(corners_of(&f, from), goal[k]);
     if (share_vertex)
         return follow_route(&f, from, to, route);
-    dpt_result result = search->queue_capacity ? begin_ring(&f, 0, from) : DPT_E_FULL;
-    if (result == DPT_OK)
-        result = begin_ring(&f, 1, to);
-    if (result == DPT_OK)
-        result = search_until_met(&f);
-    if (result == DPT_OK) {
-        mark_shortest(&f);
-        result = follow_route(&f, from, to, route);
-    }
+    const dpt_result result = search_both_sides(&f, from, to, route);
     clear_search(search);
     return result;
 }

@@ -55,7 +55,7 @@ struct strip_tool {
 void dpti_strip_overlaps(const struct dpt_strip *strip, const struct surface *surface, const struct frame *frame,
                          const struct strip_tool *tool, dpt_overlap *overlaps, uint32_t capacity);
 
-/* One of them, of the triangle at a place. */
+/* The overlap of one triangle, by its place. */
 void dpti_strip_overlap(const struct surface *surface, const struct frame *frame, const struct strip_tool *tool,
                         uint32_t place, dpt_overlap *overlap);
 

@@ -7,38 +7,6 @@
 
 #include "nearest/filter_segment.h"
 
-/* A plane beyond which nothing is touched: a triangle lies there if normal.v of its corners is more than the limit. */
-struct first_plane {
-    float normal[3], limit;
-};
-
-/* One call of dpti_sweep_mesh. */
-struct mesh_sweep {
-    const struct surface *surface;
-    const struct kernel *kernel;
-    const struct sweep *sweep;
-    const struct surface_times *times;
-    double from_time; /* the search is over from_time..progress->until */
-    struct work *work;
-    struct swept_hull hull;
-    struct first_plane first_planes[SWEEP_DIRECTIONS_MAX];
-    uint32_t first_plane_count;
-    struct sweep_progress *progress;
-};
-
-static struct mesh_sweep mesh_sweep_of(const struct surface *surface, const struct kernel *kernel,
-                                       const struct sweep *sweep, const struct surface_times *times, double from,
-                                       struct work *work, struct sweep_progress *progress)
-{
-    return (struct mesh_sweep){ .surface = surface,
-                                .kernel = kernel,
-                                .sweep = sweep,
-                                .times = times,
-                                .from_time = from,
-                                .work = work,
-                                .progress = progress };
-}
-
 /*
  * The axes of a box around the swept hull. end: the ends of the tool's axis at both times, in the filter's frame. The
  * last box axis makes bounds, so it must be of unit length: vectors too short to have a direction get any direction.
@@ -68,7 +36,7 @@ static void swept_hull_of(const struct mesh_sweep *search, struct swept_hull *hu
 {
     const struct surface *surface = search->surface;
     const double scale = surface->filter_scale;
-    const double times[2] = { search->from_time, search->progress->until };
+    const double times[2] = { search->from, search->progress->until };
     vec3 end[4], axis[3];
     double max_square = 0.0;
     for (int k = 0; k < 2; k++) {
@@ -288,29 +256,28 @@ static int continue_test(struct mesh_sweep *search, uint32_t *leaf)
     return SWEEP_FREE;
 }
 
-int dpti_sweep_may_touch(const struct surface *surface, const struct kernel *kernel, const struct sweep *sweep,
-                         const struct surface_times *times, double from, struct work *work,
-                         struct sweep_progress *progress, uint32_t *leaf)
+int dpti_sweep_may_touch(struct mesh_sweep *search, uint32_t *leaf)
 {
-    struct mesh_sweep search = mesh_sweep_of(surface, kernel, sweep, times, from, work, progress);
-    if (from >= 1.0)
+    struct sweep_progress *progress = search->progress;
+    const uint32_t above_root = search->surface->levels + 1;
+    if (search->from >= 1.0)
         return SWEEP_FREE;
-    if (work_is_spent(work))
+    if (work_is_spent(search->work))
         return SWEEP_UNFINISHED;
     progress->until = 1.0;
-    set_hull(&search);
+    set_hull(search);
     if (!progress->has_begun) {
         progress->has_begun = 1;
         progress->ruled_out = 0;
-        progress->path[surface->levels + 1] = (struct sweep_node){ .lanes = 1 };
-        progress->level = surface->levels + 1;
+        progress->path[above_root] = (struct sweep_node){ .lanes = 1 };
+        progress->level = above_root;
         if (*leaf != DPT_NONE) {
-            open_node(&search, 0, *leaf);
+            open_node(search, 0, *leaf);
             if (!progress->path[0].lanes)
-                progress->level = surface->levels + 1;
+                progress->level = above_root;
         }
     }
-    int status = continue_test(&search, leaf);
+    int status = continue_test(search, leaf);
     progress->has_begun = status == SWEEP_UNFINISHED;
     return status;
 }
@@ -339,25 +306,25 @@ static int continue_search(struct mesh_sweep *search)
     }
 }
 
-int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel, const struct sweep *sweep,
-                    const struct surface_times *times, double from, uint32_t hint, struct work *work,
-                    struct sweep_progress *progress, struct impact *first)
+int dpti_sweep_mesh(struct mesh_sweep *search, uint32_t hint, struct impact *first)
 {
-    struct mesh_sweep search = mesh_sweep_of(surface, kernel, sweep, times, from, work, progress);
+    const struct surface *surface = search->surface;
+    const struct surface_times *times = search->times;
+    struct sweep_progress *progress = search->progress;
     *first = (struct impact){ .time = 1.0, .triangle = DPT_NONE };
-    if (from >= 1.0)
+    if (search->from >= 1.0)
         return SWEEP_FREE;
     if (progress->has_begun)
-        set_hull(&search);
+        set_hull(search);
     else
-        begin_search(&search, hint);
-    int is_done = continue_search(&search);
+        begin_search(search, hint);
+    int is_done = continue_search(search);
     progress->has_begun = !is_done;
-    first->time = is_done ? progress->until : from;
+    first->time = is_done ? progress->until : search->from;
     if (!is_done || progress->triangle == DPT_NONE)
         return is_done ? SWEEP_FREE : SWEEP_UNFINISHED;
     vec3 a, u;
-    dpti_sweep_axis(sweep, progress->until, &a, &u);
+    dpti_sweep_axis(search->sweep, progress->until, &a, &u);
     const double time = times->from + progress->until * (times->to - times->from);
     const struct surface then = surface_view(surface, times->tick, time);
     first->triangle = progress->triangle;

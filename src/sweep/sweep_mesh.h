@@ -44,35 +44,48 @@ struct sweep_progress {
     struct sweep_node path[MESH_LEVELS_MAX + 2]; /* by level */
 };
 
+/* A plane beyond which nothing is touched: a triangle lies there if normal.v of its corners is more than the limit. */
+struct first_plane {
+    float normal[3], limit;
+};
+
+/* A sweep of a mesh. A unit of its work is one block of 16 lanes, or one triangle evaluated in double. */
+struct mesh_sweep {
+    /* To be set before. */
+    const struct surface *surface;
+    const struct kernel *kernel;
+    const struct sweep *sweep;         /* its surface_speed bounds the speed of the vertices */
+    const struct surface_times *times; /* when the vertices move */
+    double from; /* time from which to search: that of dpti_sweep_start for a distance to this mesh; 0: none is known */
+    struct work *work;
+    struct sweep_progress *progress; /* has_begun 0: begin */
+    /* The sweep's own. */
+    struct swept_hull hull; /* of the motion from `from` to progress->until */
+    struct first_plane first_planes[SWEEP_DIRECTIONS_MAX];
+    uint32_t first_plane_count;
+};
+
 /*
  * The first touch with a whole surface at times 0..1. Of equal times the lowest source number wins. The answer is that of
- * dpti_sweep_triangle over all triangles. Returns a sweep_status.
+ * dpti_sweep_triangle over all triangles. Returns a sweep_status. After SWEEP_UNFINISHED, another call with the same
+ * surface, sweep, progress and `from` continues.
  *
- *   times     when the vertices move; sweep->surface_speed bounds their speed
- *   from      time from which to search: what dpti_sweep_start gives for a distance to this mesh; 0 if none is known
- *   hint      a triangle that is likely to be hit, such as the one last nearest; it saves work and changes nothing
- *             else. DPT_NONE: none
- *   work      a unit is one block of 16 lanes, or one triangle evaluated in double
- *   progress  has_begun 0: begin. After SWEEP_UNFINISHED, another call with the same surface, sweep and `from`
- *             continues
- *   first     SWEEP_HIT: the touch. SWEEP_FREE: time 1 and no triangle. SWEEP_UNFINISHED: no triangle, and the time is
- *             `from`, up to which the motion is free
+ *   hint   a triangle that is likely to be hit, such as the one last nearest; it saves work and changes nothing else.
+ *          DPT_NONE: none
+ *   first  SWEEP_HIT: the touch. SWEEP_FREE: time 1 and no triangle. SWEEP_UNFINISHED: no triangle, and the time is
+ *          `from`, up to which the motion is free
  */
-int dpti_sweep_mesh(const struct surface *surface, const struct kernel *kernel, const struct sweep *sweep,
-                    const struct surface_times *times, double from, uint32_t hint, struct work *work,
-                    struct sweep_progress *progress, struct impact *first);
+int dpti_sweep_mesh(struct mesh_sweep *search, uint32_t hint, struct impact *first);
 
 /*
  * Whether a motion may touch the surface at all: by bounds, and of a few triangles that these leave in doubt by
- * dpti_sweep_may_touch_triangle. Much cheaper than the first touch where something is near. Arguments as above; the
- * progress is for this motion alone.
+ * dpti_sweep_may_touch_triangle. Much cheaper than the first touch where something is near. The progress is for this
+ * motion alone.
  *
- *   leaf      in: a leaf to look at first, or DPT_NONE. out: the one that may be touched, if there is one
+ *   leaf  in: a leaf to look at first, or DPT_NONE. out: the one that may be touched, if there is one
  *
  * SWEEP_FREE: nothing is touched at times from..1. SWEEP_HIT: something may be. SWEEP_UNFINISHED: call again.
  */
-int dpti_sweep_may_touch(const struct surface *surface, const struct kernel *kernel, const struct sweep *sweep,
-                         const struct surface_times *times, double from, struct work *work,
-                         struct sweep_progress *progress, uint32_t *leaf);
+int dpti_sweep_may_touch(struct mesh_sweep *search, uint32_t *leaf);
 
 #endif

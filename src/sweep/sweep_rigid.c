@@ -36,6 +36,18 @@ static struct placement middle_of(const struct placement *from, const struct pla
                                scaled(add(from->a, to->a), 0.5), scaled(add(from->b, to->b), 0.5) };
 }
 
+/* A placement on the way, its ends in the body's frame, and its time. */
+struct waypoint {
+    const struct placement *placement;
+    struct ends ends;
+    double time;
+};
+
+static struct waypoint waypoint_of(const struct placement *placement, double time)
+{
+    return (struct waypoint){ placement, ends_at(placement), time };
+}
+
 static double max_length(vec3 da, vec3 db)
 {
     return max_of(length(da), length(db));
@@ -79,21 +91,21 @@ static double body_turn_cosine(const struct placement *from, const struct placem
  * deviates most in its middle. Seen from a body that turns, a path can deviate to one side and then to the other, so
  * the quarters count too.
  */
-static struct deviation deviation_between(const struct placement *from, const struct ends *at_from,
-                                          const struct placement *middle, const struct ends *at_middle,
-                                          const struct placement *to, const struct ends *at_to)
+static struct deviation deviation_between(const struct waypoint *from, const struct waypoint *middle,
+                                          const struct waypoint *to)
 {
-    struct deviation deviation = deviation_of(at_from, at_middle, at_to);
+    struct deviation deviation = deviation_of(&from->ends, &middle->ends, &to->ends);
     int body_turns = 0;
     for (int k = 0; k < 4; k++)
-        body_turns |= from->body.orientation[k] != to->body.orientation[k];
+        body_turns |= from->placement->body.orientation[k] != to->placement->body.orientation[k];
     if (!body_turns)
         return deviation;
-    struct ends straight = midpoint_of(at_from, at_to);
+    struct ends straight = midpoint_of(&from->ends, &to->ends);
     for (int half = 0; half < 2; half++) {
-        struct placement quarter = half ? middle_of(middle, to) : middle_of(from, middle);
+        struct placement quarter =
+            half ? middle_of(middle->placement, to->placement) : middle_of(from->placement, middle->placement);
         struct ends at_quarter = ends_at(&quarter);
-        struct ends chord = midpoint_of(&straight, half ? at_to : at_from);
+        struct ends chord = midpoint_of(&straight, half ? &to->ends : &from->ends);
         deviation.a = max_of(deviation.a, 1.25 * length(sub(at_quarter.a, chord.a)));
         deviation.b = max_of(deviation.b, 1.25 * length(sub(at_quarter.b, chord.b)));
     }
@@ -115,44 +127,50 @@ static double vertex_time(const struct rigid_sweep *sweep, double time)
     return sweep->tick_from + time * (1.0 - sweep->tick_from);
 }
 
-/* A piece of the motion: from a placement to another one at times t0 and t1, as a straight motion with a deviation. */
+/* A piece of the motion: from one waypoint to another, as a straight motion with a deviation. */
 struct piece {
-    const struct ends *from, *to;
+    const struct waypoint *from, *to;
     struct deviation deviation;
-    double t0, t1;
-    struct motion motion;
     struct sweep sweep;
     struct surface_times times;
 };
 
-/* added: to the radius, m */
-static void begin_piece(const struct rigid_sweep *sweep, struct piece *piece, double added)
+/* Returns the straight motion. added: to the radius, m */
+static struct motion begin_piece(const struct rigid_sweep *sweep, struct piece *piece, double added)
 {
-    const struct ends *from = piece->from, *to = piece->to;
-    piece->motion = (struct motion){ from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
-    dpti_sweep_begin(&piece->sweep, &piece->motion, sweep->radius + added, sweep->tolerance,
+    const struct ends *from = &piece->from->ends, *to = &piece->to->ends;
+    const struct motion motion = { from->a, from->b, sub(to->a, from->a), sub(to->b, from->b) };
+    dpti_sweep_begin(&piece->sweep, &motion, sweep->radius + added, sweep->tolerance,
                      dpti_surface_extent(sweep->surface));
     piece->sweep.directions = sweep->directions;
     piece->sweep.direction_count = sweep->direction_count;
-    piece->sweep.surface_speed = (piece->t1 - piece->t0) * surface_motion_max(sweep);
-    piece->times = (struct surface_times){ sweep->tick, vertex_time(sweep, piece->t0), vertex_time(sweep, piece->t1) };
+    piece->sweep.surface_speed = (piece->to->time - piece->from->time) * surface_motion_max(sweep);
+    piece->times = (struct surface_times){ sweep->tick, vertex_time(sweep, piece->from->time),
+                                           vertex_time(sweep, piece->to->time) };
+    return motion;
 }
 
-static double start_of(const struct rigid_sweep *sweep, const struct piece *piece, double beside)
+/* beside: how far the axis may be from its straight motion, m */
+static struct mesh_sweep search_of(const struct rigid_sweep *sweep, const struct piece *piece, double beside)
 {
-    return piece->t0 > 0.0 ? 0.0 : dpti_sweep_start(&piece->sweep, sweep->distance_before - beside);
+    const double distance = sweep->distance_before - beside;
+    return (struct mesh_sweep){ .surface = sweep->surface,
+                                .kernel = sweep->kernel,
+                                .sweep = &piece->sweep,
+                                .times = &piece->times,
+                                .from = piece->from->time > 0.0 ? 0.0 : dpti_sweep_start(&piece->sweep, distance),
+                                .work = sweep->work,
+                                .progress = &sweep->progress->sweep };
 }
 
 static int sweep_straight(struct rigid_sweep *sweep, struct piece *piece)
 {
     struct rigid_sweep_result *result = &sweep->result;
-    begin_piece(sweep, piece, max_deviation(piece->deviation));
-    result->motion = piece->motion;
-    int status =
-        dpti_sweep_mesh(sweep->surface, sweep->kernel, &piece->sweep, &piece->times, start_of(sweep, piece, 0.0),
-                        sweep->hint, sweep->work, &sweep->progress->sweep, &result->impact);
-    result->from = piece->t0;
-    result->time = piece->t0 + result->impact.time * (piece->t1 - piece->t0);
+    result->motion = begin_piece(sweep, piece, max_deviation(piece->deviation));
+    struct mesh_sweep search = search_of(sweep, piece, 0.0);
+    int status = dpti_sweep_mesh(&search, sweep->hint, &result->impact);
+    result->from = piece->from->time;
+    result->time = piece->from->time + result->impact.time * (piece->to->time - piece->from->time);
     return status;
 }
 
@@ -163,15 +181,14 @@ static int sweep_straight(struct rigid_sweep *sweep, struct piece *piece)
 static int test_piece(struct rigid_sweep *sweep, struct piece *piece, uint32_t halvings)
 {
     struct rigid_sweep_progress *progress = sweep->progress;
-    if (piece->t0 < progress->free_until || halvings < progress->tested)
+    if (piece->from->time < progress->free_until || halvings < progress->tested)
         return SWEEP_HIT;
     uint32_t leaf = progress->leaves - 1;
     begin_piece(sweep, piece, 0.0);
     piece->sweep.reach[0] = piece->deviation.a;
     piece->sweep.reach[1] = piece->deviation.b;
-    int status = dpti_sweep_may_touch(sweep->surface, sweep->kernel, &piece->sweep, &piece->times,
-                                      start_of(sweep, piece, max_deviation(piece->deviation)), sweep->work,
-                                      &progress->sweep, &leaf);
+    struct mesh_sweep search = search_of(sweep, piece, max_deviation(piece->deviation));
+    int status = dpti_sweep_may_touch(&search, &leaf);
     if (status == SWEEP_HIT) {
         progress->tested = halvings + 1;
         progress->leaves = leaf + 1;
@@ -197,23 +214,19 @@ static int touches_long_leaf(const struct rigid_sweep *sweep, double length, uin
     return length <= dpti_surface_leaf_length(sweep->surface, progress->leaves - 1);
 }
 
-/*
- * Sweep the motion between two placements, at times t0 and t1; at_from and at_to are their ends in the body's frame.
- * Times before progress->free_until are not swept again.
- */
-static int sweep_between(struct rigid_sweep *sweep, const struct placement *from, const struct ends *at_from,
-                         const struct placement *to, const struct ends *at_to, double t0, double t1, uint32_t halvings)
+/* Sweep the motion between two waypoints. Times before progress->free_until are not swept again. */
+static int sweep_between(struct rigid_sweep *sweep, const struct waypoint *from, const struct waypoint *to,
+                         uint32_t halvings)
 {
     struct rigid_sweep_progress *progress = sweep->progress;
-    if (t1 <= progress->free_until)
+    if (to->time <= progress->free_until)
         return SWEEP_FREE;
-    struct placement middle = middle_of(from, to);
-    struct ends at_middle = ends_at(&middle);
-    struct piece piece = { .from = at_from, .to = at_to, .t0 = t0, .t1 = t1 };
-    piece.deviation = deviation_between(from, at_from, &middle, &at_middle, to, at_to);
-    const int turns_little = body_turn_cosine(from, to) >= HALF_TURN_COSINE_MIN;
+    const struct placement middle_placement = middle_of(from->placement, to->placement);
+    const struct waypoint middle = waypoint_of(&middle_placement, 0.5 * (from->time + to->time));
+    struct piece piece = { .from = from, .to = to, .deviation = deviation_between(from, &middle, to) };
+    const int turns_little = body_turn_cosine(from->placement, to->placement) >= HALF_TURN_COSINE_MIN;
     const int deviates_little = turns_little && max_deviation(piece.deviation) <= 0.5 * sweep->tolerance;
-    const double length = max_length(sub(at_to->a, at_from->a), sub(at_to->b, at_from->b));
+    const double length = max_length(sub(to->ends.a, from->ends.a), sub(to->ends.b, from->ends.b));
     int is_straight = halvings == HALVINGS_MAX || (deviates_little && length <= piece_length_max(sweep->surface));
     int status = SWEEP_HIT;
     if (turns_little && !is_straight) {
@@ -225,36 +238,37 @@ static int sweep_between(struct rigid_sweep *sweep, const struct placement *from
     if (is_straight)
         status = sweep_straight(sweep, &piece);
     if (status == SWEEP_FREE) {
-        progress->free_until = t1;
+        progress->free_until = to->time;
         progress->tested = 0;
     }
     if (status != SWEEP_HIT || is_straight)
         return status;
     if (work_is_spent(sweep->work))
         return SWEEP_UNFINISHED;
-    double middle_time = 0.5 * (t0 + t1);
-    status = sweep_between(sweep, from, at_from, &middle, &at_middle, t0, middle_time, halvings + 1);
+    status = sweep_between(sweep, from, &middle, halvings + 1);
     if (status != SWEEP_FREE)
         return status;
     if (work_is_spent(sweep->work))
         return SWEEP_UNFINISHED;
-    return sweep_between(sweep, &middle, &at_middle, to, at_to, middle_time, t1, halvings + 1);
+    return sweep_between(sweep, &middle, to, halvings + 1);
 }
 
 int dpti_rigid_sweep_find(struct rigid_sweep *sweep, const struct placement *from, const struct placement *to)
 {
-    struct ends at_from = ends_at(from), at_to = ends_at(to);
+    const struct waypoint first = waypoint_of(from, 0.0), last = waypoint_of(to, 1.0);
     sweep->result.time = sweep->progress->free_until;
-    return sweep_between(sweep, from, &at_from, to, &at_to, 0.0, 1.0, 0);
+    return sweep_between(sweep, &first, &last, 0);
 }
 
 int dpti_rigid_sweep_cannot_meet(const struct rigid_sweep *sweep, const struct placement *from,
                                  const struct placement *to, double distance_after)
 {
-    struct placement middle = middle_of(from, to);
-    struct ends at_from = ends_at(from), at_to = ends_at(to), at_middle = ends_at(&middle);
-    double motion = max_length(sub(at_to.a, at_from.a), sub(at_to.b, at_from.b)) + surface_motion_max(sweep);
-    double deviation = max_deviation(deviation_between(from, &at_from, &middle, &at_middle, to, &at_to));
+    const struct placement middle_placement = middle_of(from, to);
+    const struct waypoint first = waypoint_of(from, 0.0), last = waypoint_of(to, 1.0);
+    const struct waypoint middle = waypoint_of(&middle_placement, 0.5);
+    double motion =
+        max_length(sub(last.ends.a, first.ends.a), sub(last.ends.b, first.ends.b)) + surface_motion_max(sweep);
+    double deviation = max_deviation(deviation_between(&first, &middle, &last));
     if (motion == 0.0 && deviation == 0.0)
         return 1;
     return body_turn_cosine(from, to) >= HALF_TURN_COSINE_MIN &&

@@ -2,8 +2,8 @@
 /*
  * One moving axis and one triangle (docs/algorithms/sweep.md). Time advances from one separating plane to the next:
  * divisions tell when the first end of the axis meets the first corner in the plane's direction, and until then the
- * motion is free. If an end that never comes near the triangle would end that soon, the axis is cut in two; if a corner
- * that never comes near the axis would, the triangle is.
+ * motion is free. If an end that never comes near the triangle would end this soon, the axis is cut in two. If a corner
+ * that never comes near the axis would, the triangle is cut.
  */
 #include "sweep/sweep_triangle.h"
 
@@ -121,8 +121,8 @@ static struct face face_of(const vec3 corner[3])
 
 /*
  * How long both ends stay in front of the plane normal.x = support by more than free_limit; 0 if they are not now. The
- * whole triangle must be on or behind the plane, and at rest. All points of the piece lie between its ends, so the piece
- * is free for as long.
+ * whole triangle must be on or behind the plane, and at rest. All points of the piece lie between its ends, so the
+ * piece is free for as long.
  */
 static double plane_duration(const struct moving_piece *moving, vec3 normal, double support, double free_limit)
 {
@@ -246,21 +246,26 @@ static double max_approach(const struct moving_piece *moving)
     return sqrt(square);
 }
 
-/* What to do with a piece after its time has advanced. */
-enum cut { CUT_NONE, CUT_AXIS, CUT_TRIANGLE };
+/* What to do with a piece after its time has advanced: nothing, or cut it in two, the triangle between two corners. */
+struct cut {
+    enum { CUT_NONE, CUT_AXIS, CUT_TRIANGLE } what;
+    int fast, slow; /* the corners */
+};
 
 /* The corner whose velocity along the normal is greatest and the one with the least; how far these are apart. */
-static double spread_of_corners(const struct moving_piece *moving, vec3 normal, int *fast, int *slow)
+static double spread_of_corners(const struct moving_piece *moving, vec3 normal, struct cut *cut)
 {
     double speed[3];
-    *fast = *slow = 0;
+    int fast = 0, slow = 0;
     for (int k = 0; k < 3; k++)
         speed[k] = moving->is_moving ? dot(normal, moving->shift[k]) : 0.0;
     for (int k = 1; k < 3; k++) {
-        *fast = speed[k] > speed[*fast] ? k : *fast;
-        *slow = speed[k] < speed[*slow] ? k : *slow;
+        fast = speed[k] > speed[fast] ? k : fast;
+        slow = speed[k] < speed[slow] ? k : slow;
     }
-    return speed[*fast] - speed[*slow];
+    cut->fast = fast;
+    cut->slow = slow;
+    return speed[fast] - speed[slow];
 }
 
 /* The velocity of the triangle's point of a pair. */
@@ -274,16 +279,16 @@ static vec3 shift_of_pair(const struct moving_piece *moving, const pair *found)
  * Returns what should be cut: the plane of the nearest pair is met much sooner than by the pair's own points. Either
  * other points are faster, or rounding tilts the plane, and more so the longer the piece is.
  */
-static enum cut advance(const struct sweep *sweep, const vec3 corner[3], struct face *face,
-                        const struct moving_piece *moving, const pair *found, struct motion_piece *piece, int *fast,
-                        int *slow)
+static struct cut advance(const struct sweep *sweep, const vec3 corner[3], struct face *face,
+                          const struct moving_piece *moving, const pair *found, struct motion_piece *piece)
 {
+    struct cut cut = { .what = CUT_NONE };
     double clearance = sqrt(found->distance2) - sweep->free_limit;
     double time_left = 1.0 - piece->time;
     double duration = clearance / max_approach(moving);
     if (duration > time_left) {
         piece->time += duration;
-        return CUT_NONE;
+        return cut;
     }
     vec3 normal = direction_of(moving, corner, found);
     double support = max_of(dot(normal, corner[0]), max_of(dot(normal, corner[1]), dot(normal, corner[2])));
@@ -299,13 +304,15 @@ static enum cut advance(const struct sweep *sweep, const vec3 corner[3], struct 
     }
     piece->time += duration;
     if (!(4.0 * duration < time_left && 2.0 * duration * approach < clearance))
-        return CUT_NONE;
+        return cut;
     const double thickness = sweep->hit_limit - sweep->free_limit;
     const double axis_spread = fabs(approach_b - approach_a);
-    const double corner_spread = spread_of_corners(moving, normal, fast, slow);
+    const double corner_spread = spread_of_corners(moving, normal, &cut);
     if (corner_spread > axis_spread && corner_spread * time_left > thickness)
-        return CUT_TRIANGLE;
-    return axis_spread * time_left > thickness || 2.0 * end_height < clearance ? CUT_AXIS : CUT_NONE;
+        cut.what = CUT_TRIANGLE;
+    else if (axis_spread * time_left > thickness || 2.0 * end_height < clearance)
+        cut.what = CUT_AXIS;
+    return cut;
 }
 
 /* Cut a piece in two: `piece` keeps the part that is looked at later, `other` gets the rest. */
@@ -315,14 +322,15 @@ static void cut_axis(struct motion_piece *piece, struct motion_piece *other)
     piece->from = other->to = 0.5 * (piece->from + piece->to);
 }
 
-static void cut_triangle(struct motion_piece *piece, int fast, int slow, struct motion_piece *other)
+static void cut_triangle(struct motion_piece *piece, const struct cut *cut, struct motion_piece *other)
 {
+    double *fast = piece->weight[cut->fast], *slow = piece->weight[cut->slow];
     double middle[3];
     for (int k = 0; k < 3; k++)
-        middle[k] = 0.5 * (piece->weight[fast][k] + piece->weight[slow][k]);
+        middle[k] = 0.5 * (fast[k] + slow[k]);
     *other = *piece;
-    memcpy(piece->weight[fast], middle, sizeof middle);
-    memcpy(other->weight[slow], middle, sizeof middle);
+    memcpy(fast, middle, sizeof middle);
+    memcpy(other->weight[cut->slow], middle, sizeof middle);
 }
 
 int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle *triangle, double until, double *time,
@@ -349,14 +357,13 @@ int dpti_sweep_triangle(const struct sweep *sweep, const struct moving_triangle 
             count--;
             continue;
         }
-        int fast, slow;
-        const enum cut cut = advance(sweep, corner, &face, &moving, &found, piece, &fast, &slow);
-        if (cut == CUT_NONE || count == PIECES_MAX)
+        const struct cut cut = advance(sweep, corner, &face, &moving, &found, piece);
+        if (cut.what == CUT_NONE || count == PIECES_MAX)
             continue;
-        if (cut == CUT_AXIS)
+        if (cut.what == CUT_AXIS)
             cut_axis(piece, &pieces[count]);
         else
-            cut_triangle(piece, fast, slow, &pieces[count]);
+            cut_triangle(piece, &cut, &pieces[count]);
         count++;
     }
     *time = until;

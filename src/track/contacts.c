@@ -371,8 +371,6 @@ static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
     struct pair_search *nearest = &contact_pair->nearest;
     uint32_t *last_triangle =
         world_last_triangle(world, contact_pair->segment_index, handle_index(contact_pair->body->id));
-    struct bvh_traversal traversal;
-    traversal.level = 0;
     if (work_is_spent(&world->work))
         return 0;
     axis_of(surface, &contact_pair->body->frame, a, b, &contact_pair->axis);
@@ -380,8 +378,7 @@ static int find_nearest_pair(struct contact_pair *contact_pair, vec3 a, vec3 b)
         (struct pair_search){ .pair = dpti_triangle_pair(surface, *last_triangle == DPT_NONE ? 0 : *last_triangle,
                                                          axis->local_a, axis->u),
                               .triangle = *last_triangle == DPT_NONE ? 0 : *last_triangle };
-    int is_done = dpti_bvh_traverse(surface, &world->kernel, NULL, axis->local_a, axis->u, 0.0, &traversal,
-                                    &world->work, nearest);
+    int is_done = dpti_bvh_search(surface, &world->kernel, axis->local_a, axis->u, &world->work, nearest);
     *last_triangle = nearest->triangle;
     return is_done;
 }
@@ -457,19 +454,25 @@ static void add_body(struct contact_pair *contact_pair, const struct body_answer
         return;
     const uint32_t smooth = contact_pair->world->def.smooth_normals;
     const struct pushing_part pushing_part = pushing_part_of(contact_pair);
+    struct distance_profile *profile = contact_pair->profile;
+    const struct frame *frame = &contact_pair->body->frame;
+    double depth = max_of(0.0, -gap);
     struct penetration penetration =
-        dpti_contact_penetration(contact_pair->profile, &contact_pair->body->frame, gap, smooth);
+        dpti_contact_penetration(profile, frame, &profile->sample[profile->deepest], depth, smooth);
     double felt_gap = gap;
     if (gap < sum->min_gap) {
         sum->penetration = penetration;
         sum->min_gap = gap;
     }
     if (pushing_part.is_behind_sheet && !(penetration.depth <= -sum->min_felt_gap)) {
-        struct warm_start warm_start;
-        if (dpti_sheet_border_reduce(contact_pair->profile, &contact_pair->body->frame, pushing_part.body_id,
-                                     contact_pair->radius, smooth, &segment->border, &penetration, &warm_start))
+        struct profile_sample pushed;
+        if (dpti_sheet_border_reduce(profile, pushing_part.body_id, contact_pair->radius, &segment->border, &depth,
+                                     &pushed)) {
+            const struct warm_start warm_start = { pushed.s, pushed.triangle, 1.0f };
+            penetration = dpti_contact_penetration(profile, frame, &pushed, depth, smooth);
             carry_over_pushed_point(contact_pair, pushing_part.part, &warm_start);
-        felt_gap = -penetration.depth;
+        }
+        felt_gap = -depth;
     }
     if (felt_gap < sum->min_felt_gap) {
         sum->felt_penetration = penetration;

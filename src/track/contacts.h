@@ -14,7 +14,7 @@
 void dpti_contacts_find(struct dpt_world *world, uint32_t segment_index, const struct body_answer *best,
                         struct segment_result *result, struct penetration *penetration);
 
-/* The segment is outside of everything and beyond the margin: it has no contact, and its gap is not known. */
+/* Set no contact for a segment that is outside of everything and beyond the margin. Its gap is not known. */
 void dpti_contacts_set_none(struct segment *segment);
 
 #endif

@@ -6,7 +6,7 @@
 #include "deform/deform_loads.h"
 #include "track/world_state.h"
 
-/* What one tool does to the body in a tick: some of its points, and what their loads sum up to. */
+/* The load of one tool in a tick: its points, and their total wrench. */
 struct tool_load {
     uint32_t tool_slot;
     uint32_t first, count; /* in points */
@@ -23,9 +23,9 @@ struct deform {
     struct tool_load *tools;   /* likewise */
     uint32_t point_count, tool_count;
     int has_lost_tool; /* 1: there was no room for any point of a tool */
-    float *target;     /* where the vertices are to be; only with a period */
-    float *next;       /* where they are to be in the next step; likewise */
-    double time_left;  /* s, until they are there; 0: they are */
+    float *target;     /* target positions of the vertices; only with a period */
+    float *next;       /* their positions in the next step; likewise */
+    double time_left;  /* s, until they reach the target; 0: they have */
 };
 
 /* That of a body, or NULL if it is rigid. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Contacts that persist from tick to tick: docs/algorithms/contacts.md. And what they know of an open sheet: the side
- * from which the tool came to it, and when that is dropped (docs/algorithms/sign.md). Sides: +1 in front of the sheet's
- * triangles, -1 behind, 0 not known.
+ * Contacts that persist from tick to tick: docs/algorithms/contacts.md. They also hold the side from which the tool
+ * came to an open sheet, until it is dropped (docs/algorithms/sign.md). Sides: +1 in front of the sheet's triangles, -1
+ * behind, 0 not known.
  */
 #ifndef DPT_PERSISTENT_CONTACTS_H
 #define DPT_PERSISTENT_CONTACTS_H
@@ -35,7 +35,7 @@ static inline int persistent_contact_is_of(const struct persistent_contact *pers
     return persistent->segment_index == segment_index && (!body || persistent->contact.body == body->id);
 }
 
-/* Whether two ticks know the same of a contact, except `is_in_front`, which a motion may have cleared. */
+/* 1 if a contact is the same in two ticks, except for `is_in_front`, which a motion may have cleared. */
 static inline int persistent_contact_is_same(const struct persistent_contact *a, const struct persistent_contact *b)
 {
     return !memcmp(a, b, offsetof(struct persistent_contact, is_in_front)) &&

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a segment met in its motion from the last tick to this one, and the motion steps that still have to be
- * swept because the work of a tick is limited: docs/algorithms/swept_motion.md.
+ * The sweep of a segment from the last tick to this one, and the motion steps that wait because the work of a tick is
+ * limited: docs/algorithms/swept_motion.md.
  */
 #ifndef DPT_SWEPT_MOTION_H
 #define DPT_SWEPT_MOTION_H

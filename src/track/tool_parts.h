@@ -4,8 +4,8 @@
  * is; the hits, contacts and life of tips: docs/algorithms/tips.md.
  *
  * With `near_only` some segments need no search: docs/algorithms/near_only.md. What was proven of a segment's distance
- * holds in later ticks, less the motion of its ends and of the bodies. While that is beyond the margin, and no less
- * than the gap of the tool's nearest segment, the segment is far: its answer is a pair that was nearest before.
+ * holds in later ticks, less the motion of its ends and of the bodies. While this bound exceeds the margin and the gap
+ * of the tool's nearest segment, the segment is far: its answer is an earlier nearest pair.
  */
 #ifndef DPT_TOOL_PARTS_H
 #define DPT_TOOL_PARTS_H
@@ -82,7 +82,7 @@ struct box dpti_part_box(struct part part, const struct frame *tool);
 void dpti_tip_find(struct dpt_world *world, const struct tip *tip, const struct frame *frame,
                    struct tip_answer *answer);
 
-/* Let a tip have an answer, with the tool's frame at `frame`, in this tick. */
+/* Store this tick's answer of a tip, with the tool's frame at `frame`. */
 void dpti_tip_know(const struct dpt_world *world, struct tip *tip, const struct frame *frame,
                    const struct tip_answer *answer);
 
@@ -107,16 +107,16 @@ void dpti_tips_find_contacts(struct dpt_world *world, struct tool *tool);
 uint32_t dpti_tips_get_contacts(const struct dpt_world *world, const struct tool *tool, void *contacts,
                                 uint32_t capacity, uint32_t stride);
 
-/* Make the hits stale; of a step that answers anew. */
+/* Make the hits of the tips stale, at the start of a step that computes them. */
 void dpti_tips_clear(struct dpt_world *world, struct tool *tool);
 
 /* Forget what earlier steps know. */
 void dpti_tips_forget(struct dpt_world *world, struct tool *tool);
 
-/* The same of a body, by its id, for all tools. */
+/* Forget a body, by its id, for all tools. */
 void dpti_tips_forget_body(struct dpt_world *world, uint32_t body_id);
 
-/* Room for so many tips of a tool that has none, behind those of all others; the world has it. */
+/* Make room for tips of a tool that has none, behind those of all others. The world must have the capacity. */
 struct tip *dpti_tips_add(struct dpt_world *world, struct tool *tool, uint32_t count);
 
 /* Remove the tool's tips; those of other tools move up. */
@@ -144,7 +144,7 @@ static inline int min_distance_is_below(const struct min_distance *min, double d
     return distance > 0.0 && distance >= min->distance && distance - radius >= min->gap;
 }
 
-/* Take another one; 1 if its surface is the nearest. */
+/* Add a segment; 1 if its surface is the nearest so far. */
 static inline int min_distance_take(struct min_distance *min, double distance, double radius)
 {
     const int is_nearest = distance - radius < min->gap;
@@ -179,7 +179,7 @@ void dpti_track_segment(struct dpt_world *world, uint32_t segment_index);
  */
 void dpti_track_near(struct dpt_world *world, struct tool *tool, int all_outside);
 
-/* Search after all for the pair of a segment that was left as far, where it is. */
+/* Search for the pair of a segment that was left out as far. */
 void dpti_track_far(struct dpt_world *world, uint32_t segment_index);
 
 #endif

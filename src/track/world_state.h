@@ -43,7 +43,7 @@ struct body {
     double diagonal;     /* m: of its surface's box */
     double static_friction, kinetic_friction;
     double stiffness; /* N/m, of the surface; 0: rigid */
-    uint32_t unfelt;  /* for tools it is not there */
+    uint32_t unfelt;  /* 1: tools ignore it */
     uint32_t reserved;
 };
 
@@ -73,13 +73,14 @@ struct tool {
     /* Its segments are given in the world, and its torque is about end a of the first one. */
     uint32_t is_free;
     uint32_t has_changed; /* since the last step, in what it depends on (rest.h) */
-    uint32_t search;      /* how it comes to its answers in this tick, and what is felt of them: rows of world/step.c */
+    uint32_t search;      /* how this tick finds its answers and its force: a row of world/step.c */
     uint32_t force;
     uint32_t still_ticks; /* in a row, up to the last */
     uint32_t near_only;   /* segments that are far are not searched for (tool_parts.h) */
     uint32_t closest;     /* the segment, from 0, that was nearest in the last search; with near_only */
     /*
-     * What it does to rigid bodies in this tick, about where its torque is; only with deformable bodies in the world.
+     * Its wrench on rigid bodies in this tick, about the origin of its torque. Only with deformable bodies in the
+     * world.
      */
     dpt_wrench on_rigid;
     /* Of the last step that had an answer, before any shaper: the wrench, and the point in the world that it is about. */
@@ -116,7 +117,7 @@ struct tip {
     const struct dpt_hull *hull;  /* the same at `pose`: itself, or the world's tip_hulls has it */
     dpt_pose pose;                /* where it is in the tool's frame */
     dpt_pose wanted;              /* and where it goes */
-    double trust;                 /* m: the longest motion there that is tried at once */
+    double trust;                 /* m: the longest motion of the tip that is tried at once */
     vec3 home_a, home_b;          /* its axis in the tool's frame where the tool was given it */
     struct tip_answer answer;     /* this tick's */
     struct frame answer_frame;    /* where the tool's frame was for it */
@@ -151,11 +152,11 @@ struct proxy_contact {
     uint32_t reserved;
 };
 
-/* What is known of where a proxy is. */
+/* What is known about the place of a proxy. */
 enum {
-    PROXY_NONE,    /* nothing: it starts at the device's pose */
-    PROXY_PLACED,  /* it was put where the device is, and perhaps in something */
-    PROXY_DOUBTED, /* it has gone through nothing, but something may have come to be round it */
+    PROXY_NONE,    /* it starts at the device's pose */
+    PROXY_PLACED,  /* it was put at the device's pose, perhaps inside a body */
+    PROXY_DOUBTED, /* it has gone through nothing, but a body may have appeared around it */
     PROXY_OUTSIDE  /* it is outside of everything, and came there by free motion */
 };
 
@@ -174,19 +175,19 @@ struct proxy {
     double min_gap;     /* m: the least that is allowed */
     double trust;       /* m: the longest motion that is tried at once */
     double last_motion; /* m */
-    double owed;        /* m: how far it might have moved in the last tick, but for a budget */
+    double owed;        /* m: the motion of the last tick that the budget prevented */
     double lag;         /* m */
     double tip_motion;  /* m: how far tips moved in the tool's frame in the last tick, at most */
     double length;      /* m: of a free tool, the device's */
     double radius;      /* m: likewise */
     /*
-     * Of the displacement from the device to the proxy, what is not felt: the part that surfaces yield, and the motion
-     * that only a budget ended. And the energy that the surfaces store, J.
+     * The parts of the displacement from the device to the proxy that are not felt: what surfaces yield, and the motion
+     * that only a budget ended. Then the energy that the surfaces store, J.
      */
     struct displacement yielded;
     double yielded_energy;
     double body_work; /* J, in this tick */
-    /* What friction pulled with in the last tick: in m, and about the centre in m^2; times the stiffness N and Nm. */
+    /* The pull of friction in the last tick: m, and about the centre m^2. Times the stiffness this is N and Nm. */
     vec3 pull_shift, pull_turn;
     struct displacement felt; /* the rest of it, in the last tick; 0: no force */
     struct fade fade;
@@ -200,12 +201,12 @@ struct proxy {
     /* A body that it remembers was removed or teleported since: its push ends at once. */
     uint32_t is_released;
     uint32_t reason;    /* DPT_FORCE_... of this tick */
-    uint32_t is_behind; /* a budget made it wait, or what is felt of it has not caught up since */
+    uint32_t is_behind; /* a budget makes it wait, or the felt force has not caught up since */
     uint32_t reserved;
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
     /* From here on a tick may change it although it stands still. */
-    double pace;                 /* m: by how much what is felt of it may change in this tick, once it has waited */
+    double pace;                 /* m: after a wait, how far the felt displacement may change in this tick */
     uint32_t used[PROXY_MEMORY]; /* the clock when each triangle of `memory` was used last */
     uint32_t clock;
     uint32_t tick;     /* the world's, of its last step */
@@ -227,9 +228,9 @@ struct body_answer {
 /* What is known of a segment's distance from all bodies, with near_only. */
 struct proven_distance {
     vec3 a, b;           /* the ends of the axis, in the world */
-    double distance;     /* m: there no body is nearer; 0: nothing is known */
+    double distance;     /* m: no body is nearer to it; 0: nothing is known */
     double error;        /* m: of lengths near it */
-    uint32_t tick;       /* up to which it counts what bodies moved */
+    uint32_t tick;       /* up to which the motion of bodies is counted */
     uint32_t is_outside; /* at the end of that tick it was outside of everything */
 };
 
@@ -273,7 +274,7 @@ struct pushing_part {
     uint32_t triangle; /* place: the nearest to the deepest point */
 };
 
-/* Where no contacts are kept: the samples of a segment's last profile with a body that decide how deep it is. */
+/* For worlds without contacts: the samples of a segment's last profile with a body that decide its depth. */
 enum { DEPTH_SAMPLES_MAX = 16 };
 struct depth_samples {
     uint32_t body_id; /* 0: there are none */
@@ -407,7 +408,7 @@ struct dpt_world {
     uint32_t last_contact_id;     /* the newest id of a contact */
     uint32_t contacts_wanted;     /* contacts of this tick, carried over and dropped ones included */
     uint32_t contacts_overflowed; /* this tick had more than max_contacts */
-    uint32_t has_changed;         /* bodies or their settings, since the last step (rest.h) */
+    uint32_t has_changed;         /* bodies or their settings have, since the last step (rest.h) */
     struct body *bodies;          /* by slot */
     struct box *boxes;            /* of the bodies, in the world, by slot */
     struct tool *tools;           /* by slot */
@@ -466,7 +467,7 @@ static inline int body_is_there(const struct body *body)
     return body->slot.used && !body->unfelt;
 }
 
-/* The tick to which belongs what happens between steps, as a body that is moved. */
+/* The tick to which changes between steps belong, such as the motion of a body. */
 static inline uint32_t world_coming_tick(const struct dpt_world *world)
 {
     return world->ticks + 1;
@@ -491,8 +492,8 @@ static inline double world_body_motion(const struct dpt_world *world)
 }
 
 /*
- * Let a sweep have what is left to the sweeps of this tick. Returns the work before, for world_end_sweep. Without it a
- * sweep may take all that is left of the tick's work.
+ * Limit a sweep to the work that this tick's sweeps have left. Returns the work before, for world_end_sweep. Without it
+ * a sweep may take all that is left of the tick's work.
  */
 static inline struct work world_begin_sweep(struct dpt_world *world)
 {

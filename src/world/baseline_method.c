@@ -60,7 +60,7 @@ static void step_dynamic_point(const struct dpt_world *world, const struct surfa
 {
     *nearest = (struct pair_search){ .pair = { .distance2 = HUGE_VAL }, .triangle = *last_triangle };
     if (*last_triangle == DPT_NONE)
-        dpti_bvh_search(surface, &world->kernel, NULL, part->local_a, part->u, 0.0, work, nearest);
+        dpti_bvh_search(surface, &world->kernel, part->local_a, part->u, work, nearest);
     else
         dpti_paper_descend(surface, &world->kernel, part->local_a, part->u, world->def.baseline->one_step != 0, work,
                            nearest);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * One tick. How a tool comes to its answers, and what is felt of them, are two rows of functions, one for each stage.
- * Both are chosen once a tick: no stage asks which law a tool has, or whether it rests. `tick` calls the stages in
- * order; below it come the rows, first the default one, of a tool with a proxy.
+ * One tick. The search and the force of a tool are two rows of functions, with one function for each stage. Both rows
+ * are chosen once a tick, so no stage asks for the tool's law, or whether it rests. `tick` calls the stages in order;
+ * below it come the rows, first the default one, of a tool with a proxy.
  */
 #include "base/return_if_error.h"
 #include "base/sized.h"

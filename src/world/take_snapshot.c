@@ -8,7 +8,7 @@
 
 enum { SNAPSHOT_CONTACTS_MAX = 1 << 20, SNAPSHOT_STRIP_MAX = 1 << 20, SNAPSHOT_VERTICES_MAX = 1 << 28 };
 
-/* Where each section of a snapshot goes, and how much of it is written. */
+/* The place of each section of a snapshot, and how much of it is written. */
 struct taking {
     const struct dpt_world *world;
     unsigned char *to;

@@ -25,7 +25,7 @@ void dpti_strips_forget(struct dpt_world *world, uint32_t first, uint32_t end);
 /* Do the same for the strips that lie on the body in `slot`. */
 void dpti_strips_forget_body(struct dpt_world *world, uint32_t slot);
 
-/* Vertices of the body in a slot have moved: no strip of the last tick is the same as the next one. */
+/* Call after vertices of the body in a slot have moved: no strip on it is taken over from the last tick. */
 void dpti_strips_note_vertices(struct dpt_world *world, uint32_t slot);
 
 /* Remove the strips of the segments from `first` up to, not including, `end`; those of later segments move up. */

@@ -12,8 +12,8 @@ dpt_result dpti_body_can_add(const struct dpt_world *world);
 uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, const dpt_pose *pose);
 
 /*
- * Vertices of a deformable body have moved, by at most `moved` (m) since they were moved last. has_begun_anew: the
- * planes that are cached of it do not hold any more.
+ * Vertices of a deformable body have moved, by at most `moved` (m) since they were moved last. has_begun_anew: its
+ * cached planes are invalid.
  */
 void dpti_body_note_vertices(struct dpt_world *world, struct body *body, double moved, int has_begun_anew);
 

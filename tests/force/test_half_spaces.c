@@ -74,7 +74,8 @@ static void answers_are_optimal(void)
         const uint32_t count = random_spaces(&seed, n, i % 2 ? 0.0 : 0.4, spaces);
         for (uint32_t k = 0; k < n; k++)
             sum[k] = goal[k] = random_in(&seed, -3, 3);
-        const int is_solved = dpti_half_spaces_nearest(spaces, count, n, goal, 1e-9, &result);
+        const int is_solved =
+            dpti_half_spaces_nearest(&(struct half_space_problem){ spaces, count, n, goal, 1e-9 }, &result);
         /* With no bound above 0 the origin meets them all. */
         CHECK(is_solved || i % 2 == 0, "case %d: 0 meets all %u, but there is no answer", i, count);
         if (!is_solved)
@@ -108,8 +109,8 @@ static void answers_on_planes_are_optimal(void)
         }
         for (uint32_t k = 0; k < n; k++)
             sum[k] = goal[k] = random_in(&seed, -3, 3);
-        const int is_solved =
-            dpti_half_spaces_nearest_on(planes, plane_count, held, spaces, count, n, goal, 1e-9, &result);
+        const int is_solved = dpti_half_spaces_nearest_on(&(struct half_space_problem){ spaces, count, n, goal, 1e-9 },
+                                                          planes, plane_count, held, &result);
         CHECK(!is_dependent || !is_solved, "case %d: a plane too many, but there is an answer", i);
         CHECK(is_solved || is_dependent || i % 2 == 0,
               "case %d: 0 is on the planes and meets all %u, but there is no answer", i, count);
@@ -139,7 +140,7 @@ static void no_answer_means_that_there_is_none(void)
         struct half_spaces_result result;
         double x[HALF_SPACE_DIMENSIONS] = { 0 };
         const uint32_t count = random_spaces(&seed, n, 0.6, spaces);
-        if (dpti_half_spaces_nearest(spaces, count, n, x, 1e-9, &result))
+        if (dpti_half_spaces_nearest(&(struct half_space_problem){ spaces, count, n, x, 1e-9 }, &result))
             continue;
         refused++;
         double worst = 1;

@@ -72,7 +72,8 @@ static void the_energy_is_least(void)
         double compliance[HALF_SPACE_DIMENSIONS], share[HALF_SPACE_DIMENSIONS];
         double yielded[HALF_SPACE_DIMENSIONS] = { 0 };
         random_case(&seed, n, spaces, goal);
-        if (!dpti_half_spaces_nearest(spaces, SPACES, n, goal, 1e-9, &hard) || !hard.active_count)
+        if (!dpti_half_spaces_nearest(&(struct half_space_problem){ spaces, SPACES, n, goal, 1e-9 }, &hard) ||
+            !hard.active_count)
             continue;
         for (uint32_t k = 0; k < hard.active_count; k++)
             compliance[k] = random_in(&seed, 0.05, 4);
@@ -99,7 +100,7 @@ static void what_is_hard_does_not_yield(void)
         double goal[HALF_SPACE_DIMENSIONS], share[HALF_SPACE_DIMENSIONS];
         double yielded[HALF_SPACE_DIMENSIONS] = { 0 };
         random_case(&seed, 6, spaces, goal);
-        if (!dpti_half_spaces_nearest(spaces, SPACES, 6, goal, 1e-9, &hard))
+        if (!dpti_half_spaces_nearest(&(struct half_space_problem){ spaces, SPACES, 6, goal, 1e-9 }, &hard))
             continue;
         const double stored = dpti_yield(spaces, &hard, 6, none, share, yielded);
         CHECK(stored == 0.0 && product(yielded, yielded, 6) < 1e-12, "case %d: %g stored", i, stored);

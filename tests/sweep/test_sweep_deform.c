@@ -135,8 +135,13 @@ static uint32_t check_motion(const struct moving_body *body, const char *name)
     sweep.surface_speed =
         (times.to - times.from) * (double)motion->step[motion->first[motion->levels]] / body->surface.filter_scale;
     const struct impact truth = sweep_all(body, &sweep, &times);
-    const int result =
-        dpti_sweep_mesh(&body->surface, &body->kernel, &sweep, &times, 0.0, DPT_NONE, &work, &progress, &found);
+    struct mesh_sweep search = { .surface = &body->surface,
+                                 .kernel = &body->kernel,
+                                 .sweep = &sweep,
+                                 .times = &times,
+                                 .work = &work,
+                                 .progress = &progress };
+    const int result = dpti_sweep_mesh(&search, DPT_NONE, &found);
     CHECK(result == (truth.triangle == DPT_NONE ? SWEEP_FREE : SWEEP_HIT), "%s: result %d", name, result);
     CHECK(found.time == truth.time && found.triangle == truth.triangle, "%s: %u at %.17g, not %u at %.17g", name,
           found.triangle, found.time, truth.triangle, truth.time);

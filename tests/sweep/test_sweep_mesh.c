@@ -96,6 +96,18 @@ static void check_strike(const char *what, const struct impact *found, const str
 
 static const struct surface_times at_rest = { 0, 0.0, 1.0 };
 
+static struct mesh_sweep search_at_rest(const struct body *body, const struct kernel *kernel, const struct sweep *sweep,
+                                        double from, struct work *work, struct sweep_progress *progress)
+{
+    return (struct mesh_sweep){ .surface = &body->surface,
+                                .kernel = kernel,
+                                .sweep = sweep,
+                                .times = &at_rest,
+                                .from = from,
+                                .work = work,
+                                .progress = progress };
+}
+
 /* All at once, in one call. */
 static int sweep_whole(const struct body *body, const struct kernel *kernel, const struct sweep *sweep, double from,
                        uint32_t hint, struct impact *found, uint32_t *work)
@@ -103,7 +115,8 @@ static int sweep_whole(const struct body *body, const struct kernel *kernel, con
     struct sweep_progress progress;
     progress.has_begun = 0;
     struct work meter = { *work, WORK_UNLIMITED };
-    int result = dpti_sweep_mesh(&body->surface, kernel, sweep, &at_rest, from, hint, &meter, &progress, found);
+    struct mesh_sweep search = search_at_rest(body, kernel, sweep, from, &meter, &progress);
+    int result = dpti_sweep_mesh(&search, hint, found);
     *work = meter.done;
     CHECK(result != SWEEP_UNFINISHED, "%u units, of any number", *work);
     return result;
@@ -125,7 +138,8 @@ static uint32_t check_budget(const struct body *body, const struct kernel *kerne
         uint32_t most = 1 + (uint32_t)(random_bits(&rng) % full);
         most = one_in(&rng, 4) ? 1 : most;
         struct work meter = { 5, 5 + most };
-        result = dpti_sweep_mesh(&body->surface, kernel, sweep, &at_rest, from, hint, &meter, &progress, &found);
+        struct mesh_sweep search = search_at_rest(body, kernel, sweep, from, &meter, &progress);
+        result = dpti_sweep_mesh(&search, hint, &found);
         const uint32_t spent = meter.done - 5;
         CHECK(spent <= most, "%u of %u units", spent, most);
         all += spent;
@@ -191,7 +205,8 @@ static void check_may_touch(const struct body *body, const struct kernel *kernel
     sweep.reach[0] = sweep.reach[1] = half;
     sweep.directions = directed->directions;
     sweep.direction_count = directed->direction_count;
-    int status = dpti_sweep_may_touch(&body->surface, kernel, &sweep, &at_rest, 0.0, &work, &progress, &leaf);
+    struct mesh_sweep search = search_at_rest(body, kernel, &sweep, 0.0, &work, &progress);
+    int status = dpti_sweep_may_touch(&search, &leaf);
     CHECK(status == SWEEP_HIT, "ruled out");
 }
 
