@@ -32,7 +32,7 @@ struct chart_row {
     struct judgement judged;
     size_t world_bytes, body_bytes;
     /* After chart_repeats_join: of each of these times, ns, the least and the largest of the repeats. */
-    struct judgement_spread least[CHART_TIMES], most[CHART_TIMES];
+    struct judgement_spread min[CHART_TIMES], max[CHART_TIMES];
 };
 
 /* What the first run that judges was found to be, by brute force: the one without a force, if there is one. */

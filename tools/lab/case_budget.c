@@ -16,7 +16,7 @@ static int begin_free(struct lab_lead *lead)
     lab_lead_start(lead);
     for (int i = 0; i < 3000 && lead->lead.force.reason != DPT_FORCE_FREE; i++)
         lab_lead_step(lead);
-    lead->tally = (struct lab_tally){ .least_gap = HUGE_VAL };
+    lead->tally = (struct lab_tally){ .gap_min = HUGE_VAL };
     return lead->lead.force.reason == DPT_FORCE_FREE;
 }
 
@@ -115,7 +115,7 @@ const struct lab_case budget_case = {
 
 /* The stiffest stable coupling against the rate of the loop. */
 
-enum { RATES = 7, LEAST_TICKS = 400 };
+enum { RATES = 7, TICKS_MIN = 400 };
 
 /* Hz; the first two are always tried. */
 static const double rates[RATES] = { 1000, 10000, 250, 5000, 2000, 500, 20000 };
@@ -137,7 +137,7 @@ static double stiffest_at(const struct hand_mesh *liver, int method, double rate
     if (hand_loop_open(&loop) && hand_loop_seek(&loop, liver, &seed, 1e-3 * REFERENCE, &place)) {
         hand_law_find(&loop, &law);
         hand_hold(&loop, &law, 2.0 * limit);
-        const struct hand_search search = hand_search_for_law(&loop, &law, limit, fmax(SECONDS, LEAST_TICKS / rate));
+        const struct hand_search search = hand_search_for_law(&loop, &law, limit, fmax(SECONDS, TICKS_MIN / rate));
         found = hand_stiffest(&loop, &search);
     }
     hand_loop_close(&loop);
@@ -223,18 +223,18 @@ static void try_zoom(const struct hand_mesh *mesh, int is_plane, double zoom, st
     hand_hold(&loop, &law, zoom * fmax(chosen, unscaled));
     struct hand_search search = hand_search_for_law(&loop, &law, zoom * chosen, ZOOM_SECONDS);
     search.tap.stiffness = law.stiffness[0];
-    worst->felt = hand_greater(worst->felt, fabs(law.stiffness[0] / (zoom * chosen) - 1.0));
+    worst->felt = hand_max(worst->felt, fabs(law.stiffness[0] / (zoom * chosen) - 1.0));
     const double unit = DAMPING / (2.0 * MASS);
-    worst->growth = hand_greater(worst->growth, hand_sway(&loop, &search.tap).growth / unit);
+    worst->growth = hand_max(worst->growth, hand_sway(&loop, &search.tap).growth / unit);
     if (zoom > 1.5) {
         hand_loop_stiffen(&loop, unscaled, 0.0, 0.0);
         search.tap.stiffness = zoom * unscaled;
-        worst->unscaled = hand_smaller(worst->unscaled, hand_sway(&loop, &search.tap).growth / unit);
+        worst->unscaled = hand_min(worst->unscaled, hand_sway(&loop, &search.tap).growth / unit);
     }
     loop.force_scale = 1.0 / zoom;
     hand_loop_return(&loop);
     hand_law_find(&loop, &law);
-    worst->felt = hand_greater(worst->felt, fabs(law.stiffness[0] / loop.stiffness - 1.0));
+    worst->felt = hand_max(worst->felt, fabs(law.stiffness[0] / loop.stiffness - 1.0));
     hand_loop_close(&loop);
 }
 

@@ -39,7 +39,7 @@ static void try_at(struct lab *lab, const struct hand_mesh *liver, int method, d
         const struct hand_search search = hand_search_for_law(&loop, &law, limit, SECONDS);
         loop.damping = damping * DAMPING;
         const double found = hand_stiffest(&loop, &search);
-        map->share = hand_smaller(map->share, found / limit);
+        map->share = hand_min(map->share, found / limit);
         lab_point_at(lab, map->chart, lab_method_name(method), x, found);
         if (method == LAB_PROXY)
             lab_point_at(lab, map->chart, "limit", x, limit);
@@ -178,8 +178,8 @@ static void try_loop(const struct hand_place *plane, uint64_t which, struct tall
             }
             const dpt_passivity_info info = hand_loop_account(&loop);
             const double share = felt_share(&loop, -LIFT, &force);
-            double *least = is_on ? &tally->account : &tally->without;
-            *least = hand_smaller(*least, info.account_min / info.eps);
+            double *min = is_on ? &tally->account : &tally->without;
+            *min = hand_min(*min, info.account_min / info.eps);
             if (s == 0 && is_sound) {
                 tally->force[is_on] += force;
                 tally->acted += info.acted;
@@ -278,7 +278,7 @@ static void run_phase(struct lab *lab)
     for (uint64_t i = 0; i < count; i++) {
         const double limit = dpt_stable_stiffness(MASS, DAMPING, PERIOD, phases[i] * PERIOD, 0.0);
         found[i] = stiffest_at(&plane, phases[i], limit);
-        off = hand_greater(off, fabs(found[i] / limit - 1.0));
+        off = hand_max(off, fabs(found[i] / limit - 1.0));
         lab_point_at(lab, "stability-phase", "proxy", phases[i], found[i]);
         lab_point_at(lab, "stability-phase", "limit", phases[i], limit);
     }

@@ -8,7 +8,7 @@
 #include "lab/hand_loop.h"
 #include "lab/lab.h"
 
-enum { MESHES = 4, WAYS = 2, SETTLING = 400, TICKS = 2048, FEW = 512, STRIP = 4096 };
+enum { MESHES = 4, RESPONSES = 2, SETTLING = 400, TICKS = 2048, FEW = 512, STRIP = 4096 };
 
 #define RADIUS    0.005
 #define LENGTH    0.08
@@ -25,7 +25,7 @@ static const uint32_t cells[MESHES] = { 40, 20, 28, 14 };
 #define SIDE 0.1
 
 /* Which triangles are moved out of the pin. */
-enum way { ALONE, ALL };
+enum response { ALONE, ALL };
 
 /* Of a drag: the largest jump in a tick, and root of the mean square above 100 Hz, of the mean force; and N. */
 struct jitter {
@@ -42,7 +42,7 @@ struct drag {
     int ticks;
 };
 
-static int open_drag(struct drag *drag, const struct hand_mesh *mesh, int method, enum way way)
+static int open_drag(struct drag *drag, const struct hand_mesh *mesh, int method, enum response response)
 {
     const dpt_segment pin = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, LENGTH }, RADIUS };
     dpt_tool_settings settings = { .size = sizeof settings };
@@ -54,7 +54,7 @@ static int open_drag(struct drag *drag, const struct hand_mesh *mesh, int method
     def.strip_capacity = STRIP;
     def.max_bodies = def.max_tools = def.max_segments = 1;
     *drag = (struct drag){ .tissue = { .mesh = mesh->mesh, .matter = matter, .ticks = 1 } };
-    drag->tissue.response = way == ALL ? DPT_RESPONSE_DISPLACE : DPT_RESPONSE_LOAD;
+    drag->tissue.response = response == ALL ? DPT_RESPONSE_DISPLACE : DPT_RESPONSE_LOAD;
     drag->tissue.is_led = 1;
     const size_t bytes = dpt_world_bytes(&def);
     drag->block = malloc(bytes);
@@ -109,7 +109,7 @@ static void place_pin(struct drag *drag, int tick)
         dpt_tool_teleport(drag->world, drag->tool, &pose);
 }
 
-static void run_drag(struct drag *drag, enum way way)
+static void run_drag(struct drag *drag, enum response response)
 {
     for (int tick = 0; tick < SETTLING + drag->ticks; tick++) {
         dpt_wrench wrench;
@@ -117,7 +117,7 @@ static void run_drag(struct drag *drag, enum way way)
         tissue_advance(&drag->tissue);
         dpt_world_step(drag->world, TISSUE_TICK, NULL);
         dpt_tool_get_wrench(drag->world, drag->tool, &wrench);
-        if (way == ALONE)
+        if (response == ALONE)
             move_nearest(drag);
         if (tick >= SETTLING)
             memcpy(drag->force[tick - SETTLING], wrench.force, sizeof wrench.force);
@@ -173,13 +173,13 @@ static struct jitter jitter_of(const struct drag *drag)
     return jitter;
 }
 
-static struct jitter drag_pin(const struct hand_mesh *mesh, int method, enum way way, int ticks)
+static struct jitter drag_pin(const struct hand_mesh *mesh, int method, enum response response, int ticks)
 {
     struct jitter jitter = { NAN, NAN, NAN };
     struct drag drag;
-    if (open_drag(&drag, mesh, method, way)) {
+    if (open_drag(&drag, mesh, method, response)) {
         drag.ticks = ticks;
-        run_drag(&drag, way);
+        run_drag(&drag, response);
         if (!drag.tissue.has_failed)
             jitter = jitter_of(&drag);
     }
@@ -189,7 +189,7 @@ static struct jitter drag_pin(const struct hand_mesh *mesh, int method, enum way
 
 /* Figures of the mesh whose edges are half of the pin's radius, and of that whose edges are as long. */
 static const struct words {
-    const char *jump[WAYS], *noise[WAYS], *less_jump, *less_noise;
+    const char *jump[RESPONSES], *noise[RESPONSES], *less_jump, *less_noise;
 } words[2] = { { { "edges of r/2, nearest alone: largest jump, of the mean force",
                    "edges of r/2, strip: largest jump, of the mean force" },
                  { "edges of r/2, nearest alone: rms above 100 Hz, of the mean force",
@@ -203,9 +203,9 @@ static const struct words {
                  "edges of r: jump with the strip, of that with the nearest alone",
                  "edges of r: rms with the strip, of that with the nearest alone" } };
 
-static void try_mesh(struct lab *lab, int which, int method, struct jitter seen[WAYS])
+static void try_mesh(struct lab *lab, int which, int method, struct jitter seen[RESPONSES])
 {
-    static const char *const names[WAYS] = { "nearest alone", "strip" };
+    static const char *const names[RESPONSES] = { "nearest alone", "strip" };
     struct hand_mesh membrane = { .mesh = NULL };
     const uint64_t count = cells[which];
     const int ticks = lab->effort < 0.5 ? FEW : TICKS;
@@ -213,17 +213,18 @@ static void try_mesh(struct lab *lab, int which, int method, struct jitter seen[
         lab->is_out_of_memory = 1;
         return;
     }
-    for (int way = 0; way < WAYS; way++) {
-        seen[way] = drag_pin(&membrane, method, (enum way)way, ticks);
+    for (int response = 0; response < RESPONSES; response++) {
+        seen[response] = drag_pin(&membrane, method, (enum response)response, ticks);
         if (method == LAB_POINT)
-            lab_point_at(lab, "stability-displace", names[way], 1e3 * SIDE / (double)cells[which], seen[way].noise);
+            lab_point_at(lab, "stability-displace", names[response], 1e3 * SIDE / (double)cells[which],
+                         seen[response].noise);
     }
     hand_mesh_close(&membrane);
     if (which > 1)
         return;
-    for (int way = 0; way < WAYS; way++) {
-        lab_note(lab, lab_method_name(method), words[which].jump[way], seen[way].jump, "");
-        lab_note(lab, lab_method_name(method), words[which].noise[way], seen[way].noise, "");
+    for (int response = 0; response < RESPONSES; response++) {
+        lab_note(lab, lab_method_name(method), words[which].jump[response], seen[response].jump, "");
+        lab_note(lab, lab_method_name(method), words[which].noise[response], seen[response].noise, "");
     }
 }
 
@@ -231,16 +232,16 @@ static void try_mesh(struct lab *lab, int which, int method, struct jitter seen[
 static void run(struct lab *lab)
 {
     const int due = (int)lab_share(lab, MESHES);
-    struct jitter seen[MESHES][WAYS], bed[WAYS];
+    struct jitter seen[MESHES][RESPONSES], bed[RESPONSES];
     for (int which = 0; which < due && !lab->is_out_of_memory; which++)
         try_mesh(lab, which, LAB_POINT, seen[which]);
     if (lab->is_out_of_memory)
         return;
     try_mesh(lab, 0, LAB_BED, bed);
     lab_at_most(lab, "strip", words[0].less_jump,
-                hand_greater(seen[0][ALL].jump / seen[0][ALONE].jump, bed[ALL].jump / bed[ALONE].jump), "", 0.9);
+                hand_max(seen[0][ALL].jump / seen[0][ALONE].jump, bed[ALL].jump / bed[ALONE].jump), "", 0.9);
     lab_at_most(lab, "strip", words[0].less_noise,
-                hand_greater(seen[0][ALL].noise / seen[0][ALONE].noise, bed[ALL].noise / bed[ALONE].noise), "", 0.5);
+                hand_max(seen[0][ALL].noise / seen[0][ALONE].noise, bed[ALL].noise / bed[ALONE].noise), "", 0.5);
     if (due < 2)
         return;
     lab_note(lab, "strip", words[1].less_jump, seen[1][ALL].jump / seen[1][ALONE].jump, "");

@@ -97,7 +97,7 @@ static void rock(struct lab_lead *lead, double depth, struct lab *lab, const cha
         aim_middle(lead, x, axis);
         lab_lead_tick(lead, i == 0);
     }
-    lead->tally = (struct lab_tally){ .least_gap = HUGE_VAL };
+    lead->tally = (struct lab_tally){ .gap_min = HUGE_VAL };
     for (int i = 1; i <= ticks; i++) {
         const double angle = LAB_DEGREE * sin(6.283185307179586 * i / period);
         const double axis[3] = { cos(angle), 0.0, sin(angle) };

@@ -37,7 +37,7 @@ static void try_loop(struct hand_loop *loop, double limit, struct tally *tally)
     for (int n = 0; n < law.axes && !grows; n++) {
         struct hand_search search = hand_search_for_law(loop, &law, limit, SECONDS);
         for (int k = 0; k < HAND_AXES; k++)
-            search.tap.way[k] = law.way[n][k];
+            search.tap.direction[k] = law.direction[n][k];
         search.tap.stiffness = law.stiffness[n] / law.stiffness[0] * 0.97 * limit;
         grows = !hand_sway(loop, &search.tap).is_stable;
     }
@@ -230,7 +230,7 @@ static double pop_force(struct lab_lead *lead, const double *axis, double x, dou
 {
     const double down = 5e-5;
     const int ticks = (int)((depth_max + 0.001) / down) + 1;
-    double most = 0.0;
+    double max = 0.0;
     int is_through = 0;
     lab_lead_calm(lead);
     for (int i = 0; i < ticks && !is_through; i++) {
@@ -238,16 +238,16 @@ static double pop_force(struct lab_lead *lead, const double *axis, double x, dou
         lab_lead_aim(lead, tip, axis);
         lab_lead_tick(lead, i == 0);
         const double force = lab_lead_force(lead)[2];
-        most = fmax(most, force);
-        is_through = force < 0.5 * most && most > SMALL_FORCE;
+        max = fmax(max, force);
+        is_through = force < 0.5 * max && max > SMALL_FORCE;
     }
-    return most;
+    return max;
 }
 
 static void push_quasi_statically(struct lab *lab)
 {
     static const double thicknesses[] = { 0.0, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02 };
-    double least[LAB_METHODS] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL }, free_tip = HUGE_VAL;
+    double min[LAB_METHODS] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL }, free_tip = HUGE_VAL;
     double locked_tip = HUGE_VAL;
     const double tilted[3] = { 0.1, 0.0, 1.0 };
     for (int i = 0; i < 8; i++) {
@@ -260,7 +260,7 @@ static void push_quasi_statically(struct lab *lab)
             if (lab_lead_open(lab, &lead, &def)) {
                 const double force = pop_force(&lead, lying, -0.05, 0.101);
                 lab_point_at(lab, "stability-thinsheet", lab_method_name(method), 1e3 * thicknesses[i], force);
-                least[method] = fmin(least[method], force);
+                min[method] = fmin(min[method], force);
                 if (method == LAB_PROXY)
                     free_tip = fmin(free_tip, pop_force(&lead, tilted, 0.0, 0.101));
             }
@@ -275,7 +275,7 @@ static void push_quasi_statically(struct lab *lab)
     }
     for (int method = 0; method < LAB_METHODS; method++)
         lab_at_least(lab, lab_method_name(method), "least force that a lying tool goes through with, up to 50 N",
-                     least[method], "N", 50.0);
+                     min[method], "N", 50.0);
     lab_note(lab, "proxy", "force at which a tip 6 degrees off upright tips over, through it", free_tip, "N");
     lab_at_least(lab, "proxy", "the same with lock_rotation, up to 50 N", locked_tip, "N", 50.0);
 }

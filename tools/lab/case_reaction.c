@@ -56,10 +56,10 @@ static void weigh(const struct hand_loop *loop, dpt_load *loads, struct tally *t
         }
     }
     const int is_fading = (report.flags & DPT_FORCE_FLAG_FADING) != 0;
-    double *most = is_fading ? &tally->fading_force : &tally->force;
-    *most = hand_greater(*most, vec3_length(force));
-    most = is_fading ? &tally->fading_moment : &tally->moment;
-    *most = hand_greater(*most, vec3_length(moment));
+    double *max = is_fading ? &tally->fading_force : &tally->force;
+    *max = hand_max(*max, vec3_length(force));
+    max = is_fading ? &tally->fading_moment : &tally->moment;
+    *max = hand_max(*max, vec3_length(moment));
     tally->fading += (uint64_t)is_fading;
 }
 

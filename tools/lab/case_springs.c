@@ -182,8 +182,8 @@ enum { PLACES = 4, SPEEDS = 4, HALVINGS = 7 };
 #define SECONDS 1.5
 
 /* N/m: of the search for the stiffest coupling that is stable. */
-#define LEAST 10.0
-#define MOST  20000.0
+#define STIFFNESS_MIN 10.0
+#define STIFFNESS_MAX 20000.0
 
 /* Tissue that swings. */
 static const struct tissue_matter lively = { 1e5, 30.0, 1e3, 20.0 };
@@ -202,12 +202,12 @@ static const struct trial_place {
                      { "membrane", 512, 0.04, { 0.06, 0.004, 0.0 } },
                      { "liver", 1200, 0.048, { 0.0, 0.008, 0.0 } } };
 
-/* Ways to hand positions over, and whether a period of physics is counted as delay. */
-enum way { INTERPOLATED, UNCOUNTED, STEPPED, STEPPED_SLOWLY, STEPPED_COUNTED, WAYS };
+/* How positions are handed over, and whether a period of physics is counted as delay. */
+enum exchange { INTERPOLATED, UNCOUNTED, STEPPED, STEPPED_SLOWLY, STEPPED_COUNTED, EXCHANGES };
 
-/* Of the loops of a way: how many there were, and in how many motion does not die away. */
+/* Of the loops of an exchange: how many there were, and in how many motion does not die away. */
 struct tally {
-    double loops[WAYS], restless[WAYS];
+    double loops[EXCHANGES], restless[EXCHANGES];
 };
 
 static struct hand_loop loop_on(const struct hand_place *place, const struct hand_tool *tool, struct tissue *tissue)
@@ -226,27 +226,27 @@ static struct hand_loop loop_on(const struct hand_place *place, const struct han
 static int rests(struct hand_loop *loop)
 {
     const struct hand_tap tap = {
-        .way = { 0.0, 1.0 }, .stiffness = loop->stiffness, .reach = REACH, .seconds = SECONDS
+        .direction = { 0.0, 1.0 }, .stiffness = loop->stiffness, .reach = REACH, .seconds = SECONDS
     };
     return hand_sway(loop, &tap).is_stable && !loop->tissue->has_failed;
 }
 
-static void try_way(const struct hand_mesh *mesh, const struct trial_place *as, uint32_t ticks, enum way way,
-                    struct tally *tally)
+static void try_exchange(const struct hand_mesh *mesh, const struct trial_place *as, uint32_t ticks,
+                         enum exchange exchange, struct tally *tally)
 {
     struct hand_place place = { .mesh = mesh };
     struct tissue tissue = { .mesh = mesh->mesh,
                              .matter = tissue_soft,
                              .ticks = ticks,
-                             .is_interpolated = way != STEPPED,
+                             .is_interpolated = exchange != STEPPED,
                              .load_radius = as->load_radius };
     struct hand_loop loop = loop_on(&place, &as->tool, &tissue);
-    loop.is_uncounted = way == UNCOUNTED;
+    loop.is_uncounted = exchange == UNCOUNTED;
     loop.stiffness = hand_loop_choose(&loop, MARGIN).stiffness;
-    tissue.is_interpolated = way < STEPPED;
+    tissue.is_interpolated = exchange < STEPPED;
     hand_place_top(mesh, &place);
     const int has_begun = hand_loop_open(&loop) && hand_loop_lower(&loop, loop.stiffness * DEPTH) && rests(&loop);
-    const enum way told = way == STEPPED && ticks == speeds[SPEEDS - 1] ? STEPPED_SLOWLY : way;
+    const enum exchange told = exchange == STEPPED && ticks == speeds[SPEEDS - 1] ? STEPPED_SLOWLY : exchange;
     tally->loops[told] += 1.0;
     tally->restless[told] += has_begun ? 0.0 : 1.0;
     hand_loop_close(&loop);
@@ -260,16 +260,16 @@ static void try_place(struct lab *lab, const struct trial_place *as, struct tall
         return;
     }
     for (int s = 0; s < SPEEDS; s++)
-        for (int way = 0; way < WAYS; way++)
-            if (way != STEPPED_SLOWLY && (way != STEPPED_COUNTED || s == SPEEDS - 1))
-                try_way(&mesh, as, speeds[s], (enum way)way, tally);
+        for (int exchange = 0; exchange < EXCHANGES; exchange++)
+            if (exchange != STEPPED_SLOWLY && (exchange != STEPPED_COUNTED || s == SPEEDS - 1))
+                try_exchange(&mesh, as, speeds[s], (enum exchange)exchange, tally);
     hand_mesh_close(&mesh);
 }
 
 /* The stiffest coupling at which a ball on lively tissue comes to rest, N/m. */
 static double stiffest(struct hand_loop *loop)
 {
-    double low = LEAST, high = MOST;
+    double low = STIFFNESS_MIN, high = STIFFNESS_MAX;
     for (int i = 0; i < HALVINGS; i++) {
         const double middle = sqrt(low * high);
         hand_loop_stiffen(loop, middle, 0.0, 0.0);
@@ -300,8 +300,8 @@ static void map(struct lab *lab, const struct hand_mesh *mesh, int is_interpolat
         if (hand_loop_open(&loop) && hand_loop_lower(&loop, chosen * DEPTH))
             found = stiffest(&loop);
         hand_loop_close(&loop);
-        *counted = hand_smaller(*counted, found / chosen);
-        *uncounted = hand_smaller(*uncounted, found / bolder);
+        *counted = hand_min(*counted, found / chosen);
+        *uncounted = hand_min(*uncounted, found / bolder);
         lab_point_at(lab, "stability-tissue", is_interpolated ? "interpolated" : "stepped", rate, found);
         if (is_interpolated)
             lab_point_at(lab, "stability-tissue", "chosen, interpolated", rate, chosen);
@@ -330,11 +330,11 @@ static void run_soft(struct lab *lab)
 {
     struct tally tally = { { 0.0 }, { 0.0 } };
     const uint64_t due = lab_share(lab, PLACES);
-    double restless[WAYS];
+    double restless[EXCHANGES];
     for (uint64_t i = 0; i < due; i++)
         try_place(lab, &places[i], &tally);
-    for (int way = 0; way < WAYS; way++)
-        restless[way] = tally.restless[way] / tally.loops[way];
+    for (int exchange = 0; exchange < EXCHANGES; exchange++)
+        restless[exchange] = tally.restless[exchange] / tally.loops[exchange];
     lab_at_most(lab, "proxy", "interpolated, 30 Hz to 1 kHz: share of loops that do not come to rest",
                 restless[INTERPOLATED], "", 0.0);
     lab_note(lab, "proxy", "interpolated, the period not counted: the same", restless[UNCOUNTED], "");

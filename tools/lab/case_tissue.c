@@ -142,8 +142,8 @@ struct change {
 
 static void compare(const struct response *a, const struct response *b, struct change *change)
 {
-    change->felt = hand_greater(change->felt, fabs(a->felt / b->felt - 1.0));
-    change->ripple = hand_greater(change->ripple, b->ripple);
+    change->felt = hand_max(change->felt, fabs(a->felt / b->felt - 1.0));
+    change->ripple = hand_max(change->ripple, b->ripple);
     if (isnan(a->swing) || isnan(b->swing))
         return;
     change->swing = fmax(change->swing, fabs(a->swing / b->swing - 1.0));

@@ -63,21 +63,21 @@ static double try_wall(struct hand_loop *loop, const struct wall *wall, double d
         search.felt = 1.0 / share;
         search.is_turn = 1;
         search.turn_damping = damping * share;
-        search.tap.way[1] = 0.0;
-        search.tap.way[5] = 1.0;
+        search.tap.direction[1] = 0.0;
+        search.tap.direction[5] = 1.0;
         search.tap.reach = 1e-5;
     } else {
         loop->damping = damping;
     }
     const double found = hand_stiffest(loop, &search) / share;
-    worst->off = hand_greater(worst->off, fabs(found / limit - 1.0));
+    worst->off = hand_max(worst->off, fabs(found / limit - 1.0));
     search.tap.stiffness = 1.5 * limit;
     if (wall->is_turn)
         hand_loop_stiffen(loop, loop->stiffness, 1.5 * limit * share, damping * loop->stiffness / (1.5 * limit));
     else
         hand_loop_stiffen(loop, 1.5 * limit, 0.0, damping);
     const double growth = hand_sway(loop, &search.tap).growth * 2.0 * MASS / DAMPING;
-    worst->growth = hand_smaller(worst->growth, growth);
+    worst->growth = hand_min(worst->growth, growth);
     return found;
 }
 

@@ -246,9 +246,9 @@ static int path_at(struct force_lead *lead, struct path_result *result)
         return 1;
     result->paths++;
     result->emitting += work > 1e-3 * high;
-    result->most_emitted = fmax(result->most_emitted, work / high);
+    result->emitted_max = fmax(result->emitted_max, work / high);
     if (!folds)
-        result->most_lost = fmax(result->most_lost, -work / high);
+        result->lost_max = fmax(result->lost_max, -work / high);
     return 1;
 }
 
@@ -275,7 +275,7 @@ static void judge_proxy(struct force_lead *lead, int is_fold, struct push_result
     dpt_pose proxy;
     dpt_tool_get_proxy(lead->world, lead->tool, &proxy);
     const double gap = force_lead_gap(lead, &proxy);
-    result->least_gap = fmin(result->least_gap, gap);
+    result->gap_min = fmin(result->gap_min, gap);
     result->penetrations += gap < 0.0;
     result->lagging += !is_fold && force > SMALL_FORCE && lead->force.lag > 0.01 * force / lead->def->stiffness;
 }
@@ -341,7 +341,7 @@ int force_trial_push(const struct force_trial_def *def, struct push_result *resu
     static const double tilts[] = { 0.0, 0.3, 0.8, 1.3, 1.5 };
     struct force_lead lead;
     int is_done = force_lead_open(&lead, def);
-    *result = (struct push_result){ .least_gap = HUGE_VAL };
+    *result = (struct push_result){ .gap_min = HUGE_VAL };
     for (uint64_t i = 0; i < def->places && is_done; i++)
         is_done = push_at(&lead, tilts[i % 5], 1, result);
     sort_numbers(lead.us, lead.us_count);
@@ -357,7 +357,7 @@ int force_trial_through(const struct force_trial_def *def, struct push_result *r
     const struct force_trial_def through = force_trial_through_def(def);
     struct force_lead lead;
     int is_done = force_lead_open(&lead, &through);
-    *result = (struct push_result){ .least_gap = HUGE_VAL };
+    *result = (struct push_result){ .gap_min = HUGE_VAL };
     for (uint64_t i = 0; i < def->places && is_done; i++)
         is_done = push_at(&lead, tilts[i % 4], 0, result);
     force_lead_close(&lead);

@@ -465,12 +465,12 @@ int hand_loop_run(struct hand_loop *loop, uint64_t ticks)
     return is_run;
 }
 
-double hand_greater(double a, double b)
+double hand_max(double a, double b)
 {
     return isnan(a) || b <= a ? a : b;
 }
 
-double hand_smaller(double a, double b)
+double hand_min(double a, double b)
 {
     return isnan(a) || b >= a ? a : b;
 }

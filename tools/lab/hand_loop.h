@@ -126,9 +126,9 @@ dpt_coupling hand_loop_choose(const struct hand_loop *loop, double margin);
  */
 int hand_loop_run(struct hand_loop *loop, uint64_t ticks);
 
-/* The greater and the smaller of two results; NaN if one is, so that a run that failed is not lost among others. */
-double hand_greater(double a, double b);
-double hand_smaller(double a, double b);
+/* The maximum and the minimum of two results; NaN if one is, so that a failed run shows in the figure. */
+double hand_max(double a, double b);
+double hand_min(double a, double b);
 
 /* What the controller saw in the last run. */
 dpt_passivity_info hand_loop_account(const struct hand_loop *loop);

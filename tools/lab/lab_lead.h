@@ -45,7 +45,7 @@ struct lab_tally {
     uint64_t shallow;               /* ticks whose W is at most K r / 5 */
     double gain;                    /* |dW| over K |motion| in these, the largest */
     double largest, largest_torque; /* N, Nm */
-    double least_gap;               /* of the proxy, m */
+    double gap_min;                 /* of the proxy, m */
 };
 
 struct lab_lead {

@@ -95,7 +95,7 @@ struct measure_hand {
 int measure_trace_make(struct csv_table *trace, const struct scene *scene, const struct measure_hand *hand);
 
 /* Read a trace of at least so many ticks. Returns 0, or 2 after a message, with nothing to free. */
-int measure_trace_read(struct csv_table *trace, const char *command, const char *path, size_t least);
+int measure_trace_read(struct csv_table *trace, const char *command, const char *path, size_t min);
 
 /* What times were measured on: they hold for no other machine. */
 

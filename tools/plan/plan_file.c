@@ -94,7 +94,7 @@ struct plan_text plan_broken_text(const struct plan_limits *limits, const struct
     return out;
 }
 
-static uint32_t larger(uint32_t a, uint32_t b)
+static uint32_t grown(uint32_t a, uint32_t b)
 {
     return a > b ? a : b;
 }
@@ -109,9 +109,9 @@ void plan_figures_join(struct plan_figures *figures, const struct plan_figures *
     figures->work_total += other->work_total;
     figures->distance_error = fmax(figures->distance_error, other->distance_error);
     figures->force_error = fmax(figures->force_error, other->force_error);
-    figures->contacts = larger(figures->contacts, other->contacts);
-    figures->strip = larger(figures->strip, other->strip);
-    figures->work = larger(figures->work, other->work);
+    figures->contacts = grown(figures->contacts, other->contacts);
+    figures->strip = grown(figures->strip, other->strip);
+    figures->work = grown(figures->work, other->work);
     figures->work_p999 = fmax(figures->work_p999, other->work_p999);
     figures->time_median = fmax(figures->time_median, other->time_median);
     figures->time_p999 = fmax(figures->time_p999, other->time_p999);

@@ -62,12 +62,12 @@ static int by_cost(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static double least_cost(const struct scatter_mark *mark)
+static double cost_min(const struct scatter_mark *mark)
 {
     return mark->cost_range[0] > 0.0 ? fmin(mark->cost, mark->cost_range[0]) : mark->cost;
 }
 
-static double most_cost(const struct scatter_mark *mark)
+static double cost_max(const struct scatter_mark *mark)
 {
     return fmax(fmax(mark->cost, mark->worse_cost), fmax(mark->cost_range[1], mark->worse_range[1]));
 }
@@ -78,11 +78,11 @@ static void lay_out(struct layout *layout, const struct scatter_panel *panel, do
     *layout = (struct layout){ .panel = panel, .top = top };
     for (int i = 0; i < panel->count; i++) {
         const struct scatter_mark *mark = &panel->mark[i];
-        const int in_band = panel->band && mark->error <= panel->least;
+        const int in_band = panel->band && mark->error <= panel->band_max;
         layout->placed[i] = (struct placed){ .mark = mark, .in_band = in_band };
         layout->lanes += in_band;
-        low_x = fmin(low_x, least_cost(mark));
-        high_x = fmax(high_x, most_cost(mark));
+        low_x = fmin(low_x, cost_min(mark));
+        high_x = fmax(high_x, cost_max(mark));
         if (!in_band) {
             low_y = fmin(low_y, mark->error);
             high_y = fmax(high_y, mark->error);
@@ -100,8 +100,8 @@ static void lay_out(struct layout *layout, const struct scatter_panel *panel, do
         struct placed *placed = &layout->placed[i];
         placed->x = plot_log_axis_at(&layout->x, placed->mark->cost);
         placed->worse_x = plot_log_axis_at(&layout->x, fmax(placed->mark->cost, placed->mark->worse_cost));
-        placed->left = plot_log_axis_at(&layout->x, least_cost(placed->mark));
-        placed->right = plot_log_axis_at(&layout->x, most_cost(placed->mark));
+        placed->left = plot_log_axis_at(&layout->x, cost_min(placed->mark));
+        placed->right = plot_log_axis_at(&layout->x, cost_max(placed->mark));
         placed->y = placed->in_band ? layout->band + BAND_PAD + LANE * (0.5 + lane++)
                                     : plot_log_axis_at(&layout->y, placed->mark->error);
     }
@@ -445,10 +445,11 @@ static int is_free_line(const struct label_places *places, const double from[2],
 }
 
 /* A label in a direction from the mark, its nearest edge so far away. */
-static struct label_box box_towards(double x, double y, const double way[2], double away, double width, double height)
+static struct label_box box_towards(double x, double y, const double direction[2], double away, double width,
+                                    double height)
 {
-    const double middle_x = x + way[0] * (away + 0.5 * width);
-    const double middle_y = y + way[1] * (away + 0.5 * height);
+    const double middle_x = x + direction[0] * (away + 0.5 * width);
+    const double middle_y = y + direction[1] * (away + 0.5 * height);
     return (struct label_box){ middle_x - 0.5 * width, middle_y - 0.5 * height, middle_x + 0.5 * width,
                                middle_y + 0.5 * height };
 }
@@ -467,8 +468,8 @@ int label_places_find(struct label_places *places, double x, double y, double ra
         for (int i = 0; i < DIRECTIONS; i++) {
             /* 0, 1, -1, 2, -2, ...: to the right first. */
             const double angle = turn * (i % 2 ? (i + 1) / 2 : -(i / 2));
-            const double way[2] = { cos(angle), sin(angle) };
-            *box = box_towards(x, y, way, away, width, height);
+            const double direction[2] = { cos(angle), sin(angle) };
+            *box = box_towards(x, y, direction, away, width, height);
             leader[0] = x;
             leader[1] = y;
             if (!is_free(places, box))

@@ -23,7 +23,7 @@ struct scatter_mark {
     double cost, worse_cost; /* above 0, in the unit of x */
     /* From the least to the largest of these when measured again; equal, or 0: no bar. */
     double cost_range[2], worse_range[2];
-    double error; /* in the unit of y; at most the panel's `least`: it lies in the band */
+    double error; /* in the unit of y; at most the panel's `band_max`: it lies in the band */
     enum scatter_kind kind;
     const char *name;  /* beside it; NULL: in its title alone */
     const char *title; /* all that is to be said of it */
@@ -34,7 +34,7 @@ struct scatter_panel {
     const char *x_name, *x_unit; /* "Time of a tick", "s"; units without prefix */
     const char *y_name, *y_unit;
     const char *band;                     /* what lies in it: "0"; NULL: there is none */
-    double least;                         /* errors up to this lie in the band */
+    double band_max;                      /* errors up to this lie in the band */
     const char *kind_name[SCATTER_KINDS]; /* for the legend; NULL: not there */
     struct scatter_mark mark[SCATTER_MARKS_MAX];
     int count;

@@ -53,14 +53,14 @@ static double growth(const double extent[3], double radius)
 {
     const double low = 0.5 * fmin(extent[0], fmin(extent[1], extent[2])) - radius;
     const double high = 0.5 * fmax(extent[0], fmax(extent[1], extent[2])) - radius;
-    double most = 0.0;
+    double max = 0.0;
     for (int i = 0; i < GROWTH_STEPS; i++) {
         const double p = (double)i / GROWTH_STEPS, next = (double)(i + 1) / GROWTH_STEPS;
         const double square = low * low + p * (high - low) * (high + low);
         const double h = sqrt(square + radius * (2.0 * (low + p * (high - low)) + radius));
-        most = fmax(most, sqrt(low * low + next * (high - low) * (high + low)) + radius - h);
+        max = fmax(max, sqrt(low * low + next * (high - low) * (high + low)) + radius - h);
     }
-    return most;
+    return max;
 }
 
 /* Of hulls with corners round a smaller one and a radius, the one with the least error. */

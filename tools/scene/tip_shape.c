@@ -19,8 +19,8 @@ int tip_is_round(uint32_t kind)
 
 uint32_t tip_sides_max(uint32_t kind)
 {
-    static const uint32_t most[] = { 0, 0, 32, 63, 12, 15, 32, 63 };
-    return most[kind];
+    static const uint32_t max[] = { 0, 0, 32, 63, 12, 15, 32, 63 };
+    return max[kind];
 }
 
 int tip_is_curved(uint32_t kind)
@@ -92,10 +92,10 @@ double tip_shapes_error(const struct tip_shapes *tips)
     return error;
 }
 
-static int is_within(const double *numbers, int count, double least, double most)
+static int is_within(const double *numbers, int count, double min, double max)
 {
     for (int i = 0; i < count; i++)
-        if (!(numbers[i] >= least && numbers[i] <= most))
+        if (!(numbers[i] >= min && numbers[i] <= max))
             return 0;
     return 1;
 }
