@@ -123,14 +123,15 @@ static void run_beat(struct lab *lab)
 }
 
 const struct lab_case beat_case = {
-    "beat", "Bodies that move",
-    "A hand presses a tip on to a liver with 1 N, on a device of 0.1 kg and 0.5 Ns/m at 1 kHz "
-    "with a delay of one period, at the coupling that is chosen for it. The liver beats by 5 mm "
-    "at 1.2 Hz, or gives way to the tool that presses and lets go. The mean force is compared "
-    "with and without the controller of passivity, which is told the work of moving bodies, or is not.",
-    "Give dpt_passivity_step the body_work of the force report in each step. Without it a beating "
-    "organ looks like a wall that makes energy, and its force is taken away.",
-    run_beat
+    .name = "beat",
+    .title = "Bodies that move",
+    .method = "A hand presses a tip on to a liver with 1 N, on a device of 0.1 kg and 0.5 Ns/m at 1 kHz "
+              "with a delay of one period, at the coupling that is chosen for it. The liver beats by 5 mm "
+              "at 1.2 Hz, or gives way to the tool that presses and lets go. The mean force is compared "
+              "with and without the controller of passivity, which is told the work of moving bodies, or is not.",
+    .advice = "Give dpt_passivity_step the body_work of the force report in each step. Without it a beating "
+              "organ looks like a wall that makes energy, and its force is taken away.",
+    .run = run_beat
 };
 
 /* Vertices that move under a held device: their work is credited, and tissue gives no energy of its own. */
@@ -366,21 +367,22 @@ static void run_pulse(struct lab *lab)
 }
 
 const struct lab_case pulse_case = {
-    "pulse", "Vertices that move under a held device",
-    "A hand presses a tilted tip on to a liver with 1 N, at the coupling that is chosen for its "
-    "device, and the liver beats by its vertices: a bump goes out by 5 mm at 1.2 Hz, with positions "
-    "from 30, 100, 250 and 1000 Hz, in steps and interpolated. The mean force is compared with and "
-    "without the controller of passivity, which is told the work of moving vertices, or is not. "
-    "Where positions are interpolated, the force may change in a tick by twice what the coupling "
-    "makes of the surface's motion and the device's. "
-    "Then soft and firm hands press and let go, and one holds, on tissue that gives way (the case "
-    "tissue), at the border of Colgate (K T/2 = b) without delay. An account has what hand and "
-    "tissue have put in and not got back, with the device's damping credited, at most the energy "
-    "that the law stores. The tissue's part is the body_work of the force report, or what its own "
-    "loads do on its own vertices. eps is the largest force times the largest motion of a sample.",
-    "Give dpt_passivity_step the body_work of the force report in each step, for vertices as for "
-    "rigid bodies. Where slow physics moves vertices in steps, a step has the work of a whole "
-    "period: raise body_power, or interpolate. A beat is no loop: count the period of "
-    "interpolation as delay only where the tissue gives way.",
-    run_pulse
+    .name = "pulse",
+    .title = "Vertices that move under a held device",
+    .method = "A hand presses a tilted tip on to a liver with 1 N, at the coupling that is chosen for its "
+              "device, and the liver beats by its vertices: a bump goes out by 5 mm at 1.2 Hz, with positions "
+              "from 30, 100, 250 and 1000 Hz, in steps and interpolated. The mean force is compared with and "
+              "without the controller of passivity, which is told the work of moving vertices, or is not. "
+              "Where positions are interpolated, the force may change in a tick by twice what the coupling "
+              "makes of the surface's motion and the device's. "
+              "Then soft and firm hands press and let go, and one holds, on tissue that gives way (the case "
+              "tissue), at the border of Colgate (K T/2 = b) without delay. An account has what hand and "
+              "tissue have put in and not got back, with the device's damping credited, at most the energy "
+              "that the law stores. The tissue's part is the body_work of the force report, or what its own "
+              "loads do on its own vertices. eps is the largest force times the largest motion of a sample.",
+    .advice = "Give dpt_passivity_step the body_work of the force report in each step, for vertices as for "
+              "rigid bodies. Where slow physics moves vertices in steps, a step has the work of a whole "
+              "period: raise body_power, or interpolate. A beat is no loop: count the period of "
+              "interpolation as delay only where the tissue gives way.",
+    .run = run_pulse
 };

@@ -169,16 +169,17 @@ static void run_rate(struct lab *lab)
 }
 
 const struct lab_case rate_case = {
-    "rate", "Stiffness against the rate of the loop",
-    "A tool of 60 mm lies on a liver, held by a hand, on a device of 0.1 kg and 0.5 Ns/m in all "
-    "six directions. Loops run at 250 Hz to 20 kHz without delay. Bisection finds the stiffest "
-    "coupling at which a tap dies away. The encoders have no steps and there is no friction, so "
-    "friction is at least the stiffness times half a step. With the point law, motion stays at "
-    "some stiffnesses and dies away at higher ones, so bisection finds one of several borders.",
-    "A device that can be served at 10 kHz is worth it: it holds ten times the stiffness of one "
-    "at 1 kHz, as long as its delay is short in seconds, too. The steps of the encoders must get "
-    "finer in proportion, or friction larger.",
-    run_rate
+    .name = "rate",
+    .title = "Stiffness against the rate of the loop",
+    .method = "A tool of 60 mm lies on a liver, held by a hand, on a device of 0.1 kg and 0.5 Ns/m in all "
+              "six directions. Loops run at 250 Hz to 20 kHz without delay. Bisection finds the stiffest "
+              "coupling at which a tap dies away. The encoders have no steps and there is no friction, so "
+              "friction is at least the stiffness times half a step. With the point law, motion stays at "
+              "some stiffnesses and dies away at higher ones, so bisection finds one of several borders.",
+    .advice = "A device that can be served at 10 kHz is worth it: it holds ten times the stiffness of one "
+              "at 1 kHz, as long as its delay is short in seconds, too. The steps of the encoders must get "
+              "finer in proportion, or friction larger.",
+    .run = run_rate
 };
 
 /* With a zoom the hand feels another stiffness than the scene has. */
@@ -261,13 +262,14 @@ static void run_zoom(struct lab *lab)
 }
 
 const struct lab_case zoom_case = {
-    "zoom", "Zoom",
-    "One metre of the hand is 0.5 to 4 m of the scene, and forces are not scaled, or by 1 / zoom. "
-    "The hand feels the stiffness times zoom and scale. The stiffness at the hand is measured by "
-    "differences, on a plane and on a liver. A tap has to die away at the coupling that "
-    "dpt_coupling_for_device chooses for the zoom, and grows at zooms of 2 and 4 if the coupling "
-    "is the one for a zoom of 1.",
-    "Choose the coupling again whenever zoom or force scale change, and tell both to "
-    "dpt_coupling_for_device. A scale of forces of 1 / zoom keeps the stiffness at the hand.",
-    run_zoom
+    .name = "zoom",
+    .title = "Zoom",
+    .method = "One metre of the hand is 0.5 to 4 m of the scene, and forces are not scaled, or by 1 / zoom. "
+              "The hand feels the stiffness times zoom and scale. The stiffness at the hand is measured by "
+              "differences, on a plane and on a liver. A tap has to die away at the coupling that "
+              "dpt_coupling_for_device chooses for the zoom, and grows at zooms of 2 and 4 if the coupling "
+              "is the one for a zoom of 1.",
+    .advice = "Choose the coupling again whenever zoom or force scale change, and tell both to "
+              "dpt_coupling_for_device. A scale of forces of 1 / zoom keeps the stiffness at the hand.",
+    .run = run_zoom
 };

@@ -75,16 +75,17 @@ static void run_delay(struct lab *lab)
 }
 
 const struct lab_case delay_case = {
-    "delay", "Stiffness against delay and virtual damping",
-    "A tool of 60 mm lies on a liver, held by a hand, on a device of 0.1 kg and 0.5 Ns/m in all "
-    "six directions, at 1 kHz. For each delay, and for each virtual damping at a delay of one "
-    "period, bisection finds the stiffest coupling at which a tap dies away. It is compared with "
-    "the limit of the sampled system for a spring of the coupling. Bed and point have no virtual damping.",
-    "Shorten the way from sample to command first: one period of delay leaves a third of the "
-    "stiffness, two leave a fifth. Then add virtual damping, within the limit that "
-    "dpt_stable_stiffness tells. A law that pushes at one place of a tool, or at its tip, turns "
-    "the device by a lever, and so holds less.",
-    run_delay
+    .name = "delay",
+    .title = "Stiffness against delay and virtual damping",
+    .method = "A tool of 60 mm lies on a liver, held by a hand, on a device of 0.1 kg and 0.5 Ns/m in all "
+              "six directions, at 1 kHz. For each delay, and for each virtual damping at a delay of one "
+              "period, bisection finds the stiffest coupling at which a tap dies away. It is compared with "
+              "the limit of the sampled system for a spring of the coupling. Bed and point have no virtual damping.",
+    .advice = "Shorten the way from sample to command first: one period of delay leaves a third of the "
+              "stiffness, two leave a fifth. Then add virtual damping, within the limit that "
+              "dpt_stable_stiffness tells. A law that pushes at one place of a tool, or at its tip, turns "
+              "the device by a lever, and so holds less.",
+    .run = run_delay
 };
 
 /* Walls that are too stiff, late and lost samples, and the controller of passivity. */
@@ -225,17 +226,18 @@ static void run_late(struct lab *lab)
 }
 
 const struct lab_case late_case = {
-    "late", "Too stiff, late and lost",
-    "A device of 0.1 kg and 0.5 Ns/m at 1 kHz falls on to a plane and is held there, by hands of "
-    "2000 N/m down to none. The wall has 1/1.5 to 10 times the stiffness at the limit, delays are "
-    "0 to 3 periods, and jitter of 0.2 periods, 20 per cent of lost and of doubled samples come "
-    "one by one and together, with and without the guard's slew. The controller of passivity is "
-    "on, or only observes. What it costs is told by the mean force over the mean depth in the "
-    "wall, which is the stiffness that is felt.",
-    "Leave the controller on, and tell it the device's damping and delay. It costs nothing where "
-    "the coupling has its margin, and makes a wall that is too stiff rough instead of dangerous. "
-    "It is no substitute for a coupling that fits.",
-    run_late
+    .name = "late",
+    .title = "Too stiff, late and lost",
+    .method = "A device of 0.1 kg and 0.5 Ns/m at 1 kHz falls on to a plane and is held there, by hands of "
+              "2000 N/m down to none. The wall has 1/1.5 to 10 times the stiffness at the limit, delays are "
+              "0 to 3 periods, and jitter of 0.2 periods, 20 per cent of lost and of doubled samples come "
+              "one by one and together, with and without the guard's slew. The controller of passivity is "
+              "on, or only observes. What it costs is told by the mean force over the mean depth in the "
+              "wall, which is the stiffness that is felt.",
+    .advice = "Leave the controller on, and tell it the device's damping and delay. It costs nothing where "
+              "the coupling has its margin, and makes a wall that is too stiff rough instead of dangerous. "
+              "It is no substitute for a coupling that fits.",
+    .run = run_late
 };
 
 /* A device that is served some time after its samples. */
@@ -289,11 +291,12 @@ static void run_phase(struct lab *lab)
 }
 
 const struct lab_case phase_case = {
-    "phase", "Serving a device after its sample",
-    "A device of 0.1 kg and 0.5 Ns/m at 1 kHz gets the force for a sample 0 to 0.5 periods after "
-    "it took that sample, as it does if the host runs on a clock of its own. The stiffest stable "
-    "wall is found by bisection, and compared with the limit of the sampled system.",
-    "Serve a device right after its sample arrives: leave the rate of dpt_loop_def at 0. A host "
-    "that comes half a period late has half the stiffness.",
-    run_phase
+    .name = "phase",
+    .title = "Serving a device after its sample",
+    .method = "A device of 0.1 kg and 0.5 Ns/m at 1 kHz gets the force for a sample 0 to 0.5 periods after "
+              "it took that sample, as it does if the host runs on a clock of its own. The stiffest stable "
+              "wall is found by bisection, and compared with the limit of the sampled system.",
+    .advice = "Serve a device right after its sample arrives: leave the rate of dpt_loop_def at 0. A host "
+              "that comes half a period late has half the stiffness.",
+    .run = run_phase
 };

@@ -253,17 +253,19 @@ static void run(struct lab *lab)
 }
 
 const struct lab_case displace_case = {
-    "displace", "A pin is dragged, and the surface moved out of its way",
-    "An upright pin of r = 5 mm is dragged 5 mm deep over a membrane at 20 mm/s, at 1 kHz, with the "
-    "laws point and bed. After each step triangles are moved out of the pin: the nearest alone, "
-    "done outside of the library as a method without a strip does it, or all of the strip "
-    "(DPT_RESPONSE_DISPLACE). Then the membrane springs back for a tick. Told is the largest change "
-    "of the force in a tick, and the root of the mean square of what it has above 100 Hz. The strip "
-    "has to take away half of that, and a tenth of the largest jump, where edges are half as long "
-    "as the radius. Where they are as long, a pin touches one triangle at a time, and there is nothing to gain.",
-    "Displace with triangles of at most half of the tool's radius, or better hand loads to a physics: "
-    "the force of displaced triangles is that of what springs back in a tick. It jumps wherever the "
-    "pin leaves a triangle, and is larger on a finer mesh. With edges longer than the radius the "
-    "strip makes more noise than the nearest triangle alone.",
-    run
+    .name = "displace",
+    .title = "A pin is dragged, and the surface moved out of its way",
+    .method =
+        "An upright pin of r = 5 mm is dragged 5 mm deep over a membrane at 20 mm/s, at 1 kHz, with the "
+        "laws point and bed. After each step triangles are moved out of the pin: the nearest alone, "
+        "done outside of the library as a method without a strip does it, or all of the strip "
+        "(DPT_RESPONSE_DISPLACE). Then the membrane springs back for a tick. Told is the largest change "
+        "of the force in a tick, and the root of the mean square of what it has above 100 Hz. The strip "
+        "has to take away half of that, and a tenth of the largest jump, where edges are half as long "
+        "as the radius. Where they are as long, a pin touches one triangle at a time, and there is nothing to gain.",
+    .advice = "Displace with triangles of at most half of the tool's radius, or better hand loads to a physics: "
+              "the force of displaced triangles is that of what springs back in a tick. It jumps wherever the "
+              "pin leaves a triangle, and is larger on a finer mesh. With edges longer than the radius the "
+              "strip makes more noise than the nearest triangle alone.",
+    .run = run
 };

@@ -167,19 +167,20 @@ static void run(struct lab *lab)
 }
 
 const struct lab_case energy_case = {
-    "energy", "Energy on the borders of passivity",
-    "Firm and soft hands press a ball and a lying tool into a plane and a liver and let go, and "
-    "the device falls on to them without a hand, at 1 kHz without delay. The stiffness is that of "
-    "Colgate (K T/2 + B = b), with virtual damping of 0 to half the device's, or with steps of "
-    "encoders and friction that of Abbott and Okamura (the smaller of 2 b/T and 2 f_c/D). An "
-    "account holds what the hand has put in and not got back, with all damping and friction of "
-    "the device credited, at most the energy that the law stores. A passive law never takes it "
-    "below what one sample can be off by: eps, the largest force times the largest motion. The "
-    "point law has no energy. The bed feels up to twice as stiff as it is set, and a ball at the "
-    "tip turns the device by a lever.",
-    "If a device must be passive with every hand, stay below the smaller of 2 (b - B)/T and 2 "
-    "f_c/D, and keep delay away. The proxy gives back no more than that bound of a plain spring says.",
-    run
+    .name = "energy",
+    .title = "Energy on the borders of passivity",
+    .method = "Firm and soft hands press a ball and a lying tool into a plane and a liver and let go, and "
+              "the device falls on to them without a hand, at 1 kHz without delay. The stiffness is that of "
+              "Colgate (K T/2 + B = b), with virtual damping of 0 to half the device's, or with steps of "
+              "encoders and friction that of Abbott and Okamura (the smaller of 2 b/T and 2 f_c/D). An "
+              "account holds what the hand has put in and not got back, with all damping and friction of "
+              "the device credited, at most the energy that the law stores. A passive law never takes it "
+              "below what one sample can be off by: eps, the largest force times the largest motion. The "
+              "point law has no energy. The bed feels up to twice as stiff as it is set, and a ball at the "
+              "tip turns the device by a lever.",
+    .advice = "If a device must be passive with every hand, stay below the smaller of 2 (b - B)/T and 2 "
+              "f_c/D, and keep delay away. The proxy gives back no more than that bound of a plain spring says.",
+    .run = run
 };
 
 /* Energy: net work over closed paths, and an hour of the same motion. */

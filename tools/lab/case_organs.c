@@ -88,15 +88,16 @@ static void run(struct lab *lab)
 }
 
 const struct lab_case organs_case = {
-    "organs", "Tools that a hand holds on an organ",
-    "A tool of 60 mm lies on a liver of 10,000 triangles, or stands on its tip. The hand holds it "
-    "by a spring and presses it 1 mm deep. The law is linearised there by differences. The "
-    "coupling is set to 0.97 of the stiffness at which the sampled loop is at its limit along the "
-    "stiffest of six directions. The tool is tapped along each of them, and its motion has to die "
-    "away. At 1.1 limits it has to grow.",
-    "What limits a coupling is the stiffest direction that a contact makes, with turns counted. "
-    "Leave the margin of 1.5 that dpt_coupling_for_device has for the directions that it cannot know.",
-    run
+    .name = "organs",
+    .title = "Tools that a hand holds on an organ",
+    .method = "A tool of 60 mm lies on a liver of 10,000 triangles, or stands on its tip. The hand holds it "
+              "by a spring and presses it 1 mm deep. The law is linearised there by differences. The "
+              "coupling is set to 0.97 of the stiffness at which the sampled loop is at its limit along the "
+              "stiffest of six directions. The tool is tapped along each of them, and its motion has to die "
+              "away. At 1.1 limits it has to grow.",
+    .advice = "What limits a coupling is the stiffest direction that a contact makes, with turns counted. "
+              "Leave the margin of 1.5 that dpt_coupling_for_device has for the directions that it cannot know.",
+    .run = run
 };
 
 /* A needle over spikes, and one held through an organ: the trials of `dynpoint force-test`, method by method. */

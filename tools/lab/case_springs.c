@@ -156,18 +156,19 @@ static void run_springs(struct lab *lab)
 }
 
 const struct lab_case springs_case = {
-    "springs", "Held for a minute in a liver of masses and springs",
-    "A liver of 50,332 triangles hangs on its back: a lattice of 11,401 nodes, 5 kPa, 5 /s of "
-    "drag, 1 ms of viscosity, stepped in every tick of 1 kHz, with loads spread over 20 mm. A "
-    "needle of 120 mm that stands aslant, on a device that turns, and a lying tool of 60 mm, on "
-    "one of 0.05 N of friction, press it with 1 N at the coupling that is chosen for them. A hand "
-    "of 200 N/m holds them, and they are tapped. For 60 s nothing may buzz (1 mm/s, and 0.05 N "
-    "rms, in the last quarter) or drift (0.1 mm), and an observer of passivity that does not act "
-    "sees what the hand gets: never more than one sample can be off by.",
-    "Soft bodies need no softer coupling than rigid ones. The force of a tool that lies hums by 2 "
-    "%: few points hold it in a tick, and not the same ones in the next, as in the case tissue. "
-    "That keeps half of the body awake. A load_radius of 40 mm makes it five times less.",
-    run_springs
+    .name = "springs",
+    .title = "Held for a minute in a liver of masses and springs",
+    .method = "A liver of 50,332 triangles hangs on its back: a lattice of 11,401 nodes, 5 kPa, 5 /s of "
+              "drag, 1 ms of viscosity, stepped in every tick of 1 kHz, with loads spread over 20 mm. A "
+              "needle of 120 mm that stands aslant, on a device that turns, and a lying tool of 60 mm, on "
+              "one of 0.05 N of friction, press it with 1 N at the coupling that is chosen for them. A hand "
+              "of 200 N/m holds them, and they are tapped. For 60 s nothing may buzz (1 mm/s, and 0.05 N "
+              "rms, in the last quarter) or drift (0.1 mm), and an observer of passivity that does not act "
+              "sees what the hand gets: never more than one sample can be off by.",
+    .advice = "Soft bodies need no softer coupling than rigid ones. The force of a tool that lies hums by 2 "
+              "%: few points hold it in a tick, and not the same ones in the next, as in the case tissue. "
+              "That keeps half of the body awake. A load_radius of 40 mm makes it five times less.",
+    .run = run_springs
 };
 
 /* A hand presses on tissue that gives way: does its device come to rest at the coupling that is chosen? */
@@ -345,17 +346,18 @@ static void run_soft(struct lab *lab)
 }
 
 const struct lab_case soft_case = {
-    "soft", "A hand on tissue that gives way",
-    "A hand of 200 N/m presses a ball and a lying tool on to a membrane and an organ that give way "
-    "(the case tissue), on a device of 0.1 kg and 0.5 Ns/m at 1 kHz with a delay of one period. "
-    "Physics has 30, 100, 250 and 1000 Hz, and hands positions over in steps, or interpolated, "
-    "which delays them by one of its periods. The coupling is the one that dpt_coupling_for_device "
-    "chooses, with that period in loop_delay where positions are interpolated. The tool rests on "
-    "the tissue for a second, and is tapped by 0.2 mm: that has to die away. The chart has the "
-    "stiffest coupling at which it does, for a ball on tissue with a fifth of the damping.",
-    "Count the period of interpolation in dpt_coupling_def.loop_delay: no loop grows then. It is a "
-    "bound for walls, and tissue that gives way takes more, so that a measured stiffness may be "
-    "higher. With physics of 30 Hz in steps count the period, too: a tool that lies is held by "
-    "other points after each step, and shakes the hand by a millimetre.",
-    run_soft
+    .name = "soft",
+    .title = "A hand on tissue that gives way",
+    .method = "A hand of 200 N/m presses a ball and a lying tool on to a membrane and an organ that give way "
+              "(the case tissue), on a device of 0.1 kg and 0.5 Ns/m at 1 kHz with a delay of one period. "
+              "Physics has 30, 100, 250 and 1000 Hz, and hands positions over in steps, or interpolated, "
+              "which delays them by one of its periods. The coupling is the one that dpt_coupling_for_device "
+              "chooses, with that period in loop_delay where positions are interpolated. The tool rests on "
+              "the tissue for a second, and is tapped by 0.2 mm: that has to die away. The chart has the "
+              "stiffest coupling at which it does, for a ball on tissue with a fifth of the damping.",
+    .advice = "Count the period of interpolation in dpt_coupling_def.loop_delay: no loop grows then. It is a "
+              "bound for walls, and tissue that gives way takes more, so that a measured stiffness may be "
+              "higher. With physics of 30 Hz in steps count the period, too: a tool that lies is held by "
+              "other points after each step, and shakes the hand by a millimetre.",
+    .run = run_soft
 };

@@ -116,18 +116,19 @@ static void run_wall(struct lab *lab)
 }
 
 const struct lab_case wall_case = {
-    "wall", "The stiffest stable wall",
-    "A device of 0.1 kg and 0.5 Ns/m at 1 kHz is pushed against a wall and tapped, and the rate "
-    "is fitted at which its motion grows. Bisection finds the stiffest wall at which the motion "
-    "dies away: of a bare spring and of the proxy on a plane, in translation and in rotation, "
-    "with delays of 0 to 3 periods and virtual damping of 0 to 2 times the device's own. It is "
-    "compared with dpt_stable_stiffness, the limit of the exact sampled system. There are no "
-    "limits of force, no controller and no steps of encoders.",
-    "Trust dpt_stable_stiffness, and so the coupling that dpt_coupling_for_device chooses: the "
-    "limit is that of the sampled loop, and the proxy adds nothing to it and takes nothing from "
-    "it. Virtual damping raises the limit about as much as damping of the device does, until it "
-    "is itself too large for the loop.",
-    run_wall
+    .name = "wall",
+    .title = "The stiffest stable wall",
+    .method = "A device of 0.1 kg and 0.5 Ns/m at 1 kHz is pushed against a wall and tapped, and the rate "
+              "is fitted at which its motion grows. Bisection finds the stiffest wall at which the motion "
+              "dies away: of a bare spring and of the proxy on a plane, in translation and in rotation, "
+              "with delays of 0 to 3 periods and virtual damping of 0 to 2 times the device's own. It is "
+              "compared with dpt_stable_stiffness, the limit of the exact sampled system. There are no "
+              "limits of force, no controller and no steps of encoders.",
+    .advice = "Trust dpt_stable_stiffness, and so the coupling that dpt_coupling_for_device chooses: the "
+              "limit is that of the sampled loop, and the proxy adds nothing to it and takes nothing from "
+              "it. Virtual damping raises the limit about as much as damping of the device does, until it "
+              "is itself too large for the loop.",
+    .run = run_wall
 };
 
 /* Held with 1 N, a device has to come to rest. */
@@ -253,14 +254,15 @@ static void run_rest(struct lab *lab)
 }
 
 const struct lab_case rest_case = {
-    "rest", "Holding still",
-    "Three examples of devices, one of them like an Omni, press a tool with 1 N for 6 s, at 1 kHz "
-    "with a delay of one period, at the coupling that dpt_coupling_for_device chooses. The tool "
-    "lies on a plane, stands on a liver and on a membrane, or is a needle of 120 mm whose device "
-    "goes through a lobe of the liver. A hand of 200 N/m holds it sideways. It is tapped, and has "
-    "to be at rest in the last quarter: below 1 mm/s, and 0.02 rad/s.",
-    "At the coupling that is chosen for it, a device with some friction comes to rest on the "
-    "proxy. If yours hums, its friction is less than the stiffness times half a step of its "
-    "encoders: ask for a lower stiffness.",
-    run_rest
+    .name = "rest",
+    .title = "Holding still",
+    .method = "Three examples of devices, one of them like an Omni, press a tool with 1 N for 6 s, at 1 kHz "
+              "with a delay of one period, at the coupling that dpt_coupling_for_device chooses. The tool "
+              "lies on a plane, stands on a liver and on a membrane, or is a needle of 120 mm whose device "
+              "goes through a lobe of the liver. A hand of 200 N/m holds it sideways. It is tapped, and has "
+              "to be at rest in the last quarter: below 1 mm/s, and 0.02 rad/s.",
+    .advice = "At the coupling that is chosen for it, a device with some friction comes to rest on the "
+              "proxy. If yours hums, its friction is less than the stiffness times half a step of its "
+              "encoders: ask for a lower stiffness.",
+    .run = run_rest
 };
