@@ -47,8 +47,9 @@ static double slide_over(struct lab *lab, struct lab_lead *lead, const double *a
 static void run_slivers(struct lab *lab)
 {
     const int columns = 360;
+    const struct lab_net net = { 2, (uint32_t)columns, slivered, &columns };
     struct lab_mesh plane;
-    if (!lab_mesh_net(lab, &plane, 2, (uint32_t)columns, slivered, &columns))
+    if (!lab_mesh_net(lab, &plane, &net))
         return;
     for (int method = 0; method < LAB_METHODS; method++) {
         const struct lab_lead_def def = { .method = method, .meshes = { plane.mesh } };

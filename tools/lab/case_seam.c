@@ -197,8 +197,9 @@ static void run_microconcave(struct lab *lab)
     static const double dents[] = { 1e-4, 3e-4, 1e-3 };
     struct slide_report reports[LAB_METHODS] = { { .inward = 0 } };
     for (int i = 0; i < 3; i++) {
+        const struct lab_net net = { 120, 160, dented, &dents[i] };
         struct lab_mesh sheet;
-        if (!lab_mesh_net(lab, &sheet, 120, 160, dented, &dents[i]))
+        if (!lab_mesh_net(lab, &sheet, &net))
             return;
         for (int method = 0; method < LAB_METHODS; method++) {
             const struct lab_lead_def def = { .method = method, .meshes = { sheet.mesh }, .length = 0.03 };

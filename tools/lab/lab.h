@@ -145,9 +145,13 @@ int lab_mesh_shape(struct lab *lab, struct lab_mesh *mesh, const char *name, uin
 int lab_mesh_arrays(struct lab *lab, struct lab_mesh *mesh, const double *vertices, size_t vertex_count,
                     const uint32_t *corners, size_t triangle_count);
 
-/* A sheet: `place` gives the vertex at u, v in 0..1. Its front is where u grows with y, v with x, is seen from +z. */
-int lab_mesh_net(struct lab *lab, struct lab_mesh *mesh, uint32_t rows, uint32_t columns,
-                 void (*place)(const void *context, double u, double v, double x[3]), const void *context);
+/* A sheet of rows by columns cells. Where u grows with y and v with x, +z sees its front. */
+struct lab_net {
+    uint32_t rows, columns;
+    void (*place)(const void *context, double u, double v, double x[3]); /* of the vertex at u, v in 0..1 */
+    const void *context;
+};
+int lab_mesh_net(struct lab *lab, struct lab_mesh *mesh, const struct lab_net *net);
 
 /*
  * A closed prism: a polygon of `count` corners x, z, counterclockwise seen along +y from below, from y = -half to

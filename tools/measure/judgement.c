@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/return_if_error.h"
 #include "clock.h"
 #include "run/replay_report.h"
 #include "shape/mesh_size.h"
@@ -267,12 +268,10 @@ dpt_result measure_brute_open(struct measure_brute *brute, const struct scene_bo
     brute->block = malloc(bytes);
     if (!brute->block)
         return DPT_E_MEMORY;
-    dpt_result result = dpt_world_create(brute->block, bytes, &def, &brute->world);
-    for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++)
-        result = add_body(brute, &bodies->body[i], i);
-    if (result == DPT_OK)
-        result = dpt_tool_add(brute->world, tool->segments, brute->segments, &brute->tool);
-    return result;
+    DPT_TRY(dpt_world_create(brute->block, bytes, &def, &brute->world));
+    for (uint32_t i = 0; i < bodies->count; i++)
+        DPT_TRY(add_body(brute, &bodies->body[i], i));
+    return dpt_tool_add(brute->world, tool->segments, brute->segments, &brute->tool);
 }
 
 void measure_brute_close(struct measure_brute *brute)
@@ -286,17 +285,16 @@ void measure_brute_close(struct measure_brute *brute)
 static dpt_result search(struct measure_brute *brute)
 {
     dpt_step step = { .size = sizeof step };
-    dpt_result result = DPT_OK;
     brute->ns = UINT32_MAX;
-    for (uint32_t i = 0; result == DPT_OK && i < brute->searches; i++) {
+    for (uint32_t i = 0; i < brute->searches; i++) {
         dpt_world_reset(brute->world);
         const uint64_t begin = clock_now();
-        result = dpt_world_step(brute->world, 1e-3, &step);
+        DPT_TRY(dpt_world_step(brute->world, 1e-3, &step));
         const uint64_t ns = clock_now() - begin;
         brute->ns = ns < brute->ns ? (uint32_t)ns : brute->ns;
         brute->work = step.work;
     }
-    return result;
+    return DPT_OK;
 }
 
 /*
@@ -313,28 +311,24 @@ static double off_by(const dpt_hit *hit, uint32_t nearest, double truth)
 dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene_bodies *bodies,
                                  const struct measure_tool *tool, const dpt_world *world, dpt_tool id, double *error)
 {
-    dpt_result result = DPT_OK;
-    for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
+    for (uint32_t i = 0; i < bodies->count; i++) {
         const float *vertices;
         uint32_t count;
         if (!brute->body_block[i])
             continue;
-        result = dpt_body_get_vertices(world, bodies->body[i].id, &vertices, &count);
-        if (result == DPT_OK)
-            result = dpt_body_set_vertices(brute->world, brute->id[i], 0, count, vertices, -1.0);
+        DPT_TRY(dpt_body_get_vertices(world, bodies->body[i].id, &vertices, &count));
+        DPT_TRY(dpt_body_set_vertices(brute->world, brute->id[i], 0, count, vertices, -1.0));
     }
-    if (result == DPT_OK)
-        result = dpt_tool_set_segments(brute->world, brute->tool, tool->segments, brute->segments);
-    if (result == DPT_OK)
-        result = search(brute);
+    DPT_TRY(dpt_tool_set_segments(brute->world, brute->tool, tool->segments, brute->segments));
+    DPT_TRY(search(brute));
     dpt_hit nearest = DPT_HIT_INIT;
     dpt_tool_get_hit(world, id, &nearest);
     *error = 0.0;
-    for (uint32_t i = 0; result == DPT_OK && i < brute->segments; i++) {
+    for (uint32_t i = 0; i < brute->segments; i++) {
         dpt_hit hit = DPT_HIT_INIT, true_hit = DPT_HIT_INIT;
         dpt_tool_get_segment_hit(world, id, i, &hit);
-        result = dpt_tool_get_segment_hit(brute->world, brute->tool, i, &true_hit);
+        DPT_TRY(dpt_tool_get_segment_hit(brute->world, brute->tool, i, &true_hit));
         *error = fmax(*error, off_by(&hit, nearest.segment, true_hit.distance));
     }
-    return result;
+    return DPT_OK;
 }

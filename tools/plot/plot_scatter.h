@@ -68,14 +68,19 @@ struct label_places {
 void label_places_take(struct label_places *places, struct label_box box);
 void label_places_take_line(struct label_places *places, double x0, double y0, double x1, double y1);
 
+/* A round mark, and the size of the label that it gets; pixels. */
+struct label_mark {
+    double x, y, radius;
+    double width, height; /* of the label */
+};
+
 /*
- * Find room for a label of this width and height near the mark at x, y, which has this radius, and take it. Beside it is
- * best, farther away is worse.
+ * Find room for the label of a mark near it, and take it. Beside it is best, farther away is worse.
  *   leader   where a line from the mark ends at the label; equal to x, y if the label is beside it, and needs none
  *
  * Returns 0 if there is none within 120 pixels.
  */
-int label_places_find(struct label_places *places, double x, double y, double radius, double width, double height,
-                      struct label_box *box, double leader[2]);
+int label_places_find(struct label_places *places, const struct label_mark *mark, struct label_box *box,
+                      double leader[2]);
 
 #endif
