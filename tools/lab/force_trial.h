@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Motions that break a force law, and what came of them: docs/algorithms/force.md says which bound holds for what.
+ * Motions that break a force law, and their results: docs/algorithms/force.md says which bound holds for what.
  * Forces are before all limits. A tool of one segment is led over one mesh.
  */
 #ifndef DPT_TOOLS_FORCE_TRIAL_H

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Does the motion of a held device die away? It is in balance at zero, by a constant push, and is tapped there. The rate
- * at which its motion grows is fitted; the stiffest coupling at which it does not is found by bisection.
+ * Whether the motion of a held device dies away. A constant push holds the device in balance at zero, and a tap
+ * disturbs it there. The growth rate of the motion is fitted; bisection finds the stiffest coupling at which it does not
+ * grow.
  */
 #ifndef DPT_TOOLS_HAND_SWAY_H
 #define DPT_TOOLS_HAND_SWAY_H
@@ -47,10 +48,10 @@ struct hand_sway {
     int is_stable; /* that dies away, and of all coordinates less is left than the tap gave */
 };
 
-/* Tap it, and look. Returns a growth of NaN, not stable, if there was no run. */
+/* Tap the device, and fit its motion. Returns a growth of NaN, not stable, if the run failed. */
 struct hand_sway hand_sway(struct hand_loop *loop, const struct hand_tap *tap);
 
-/* What a bisection is about. */
+/* What a bisection searches, and between which bounds. */
 struct hand_search {
     double low, high;    /* N/m, or Nm/rad if it is of rotation, of the scene: stable, and not */
     double felt;         /* N/m along the tap's direction at the hand, for each of the above */

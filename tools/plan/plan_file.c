@@ -167,16 +167,16 @@ static void write_setting(FILE *file, const char *indent, const struct measure_s
     const dpt_world_def *world = &setting->world;
     const int scene = setting->integrator < 0;
     const char *between = "";
-    fprintf(file,
-            "{ \"law\": \"%s\", \"stiffness\": %.17g, \"damping\": %.17g, \"lock_rotation\": %" PRIu32
-            ", \"dt\": %.17g,\n%s  "
-            "\"until\": \"%s\", \"budget\": %" PRIu32 ", \"sweep_budget\": %" PRIu32 ", \"certificate_bytes\": %" PRIu64
-            ", \"margin\": %.17g,\n%s  \"max_contacts\": %" PRIu32 ", \"smooth_normals\": %" PRIu32
-            ", \"strip\": \"%s\", \"strip_capacity\": %" PRIu32 ",\n%s  ",
-            law_name(world->law), world->stiffness, setting->damping, setting->lock_rotation, setting->dt, indent,
-            until_words[world->until], world->budget, world->sweep_budget, world->certificate_bytes, world->margin,
-            indent, world->max_contacts, world->smooth_normals, strip_words[world->strip], world->strip_capacity,
-            indent);
+    fprintf(
+        file,
+        "{ \"law\": \"%s\", \"stiffness\": %.17g, \"damping\": %.17g, \"lock_rotation\": %" PRIu32 ", \"dt\": %.17g,\n"
+        "%s  \"until\": \"%s\", \"budget\": %" PRIu32 ", \"sweep_budget\": %" PRIu32 ", \"certificate_bytes\": %" PRIu64
+        ", \"margin\": %.17g,\n"
+        "%s  \"max_contacts\": %" PRIu32 ", \"smooth_normals\": %" PRIu32
+        ", \"strip\": \"%s\", \"strip_capacity\": %" PRIu32 ",\n%s  ",
+        law_name(world->law), world->stiffness, setting->damping, setting->lock_rotation, setting->dt, indent,
+        until_words[world->until], world->budget, world->sweep_budget, world->certificate_bytes, world->margin, indent,
+        world->max_contacts, world->smooth_normals, strip_words[world->strip], world->strip_capacity, indent);
     if (!isnan(setting->friction))
         fprintf(file, "\"friction\": %.17g, ", setting->friction);
     fprintf(file, "\"integrator\": \"%s\", \"iterations\": %" PRIu32 ", \"rigid\": [",

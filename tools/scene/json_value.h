@@ -24,7 +24,7 @@ struct json_reader {
     struct json_fault fault;
 };
 
-/* `value` NULL: there is none. `up` NULL: the whole. */
+/* A value and its place in the tree. `value` is NULL if it is missing, `up` is NULL at the root. */
 struct json_value {
     const struct json_t *value;
     const struct json_value *up;
@@ -38,14 +38,14 @@ void json_free(struct json_reader *reader);
 
 int json_has_failed(const struct json_reader *reader);
 
-/* Say what is wrong with a value, if nothing was wrong before. */
+/* Record what is wrong with a value, unless a fault was recorded before. */
 void json_refuse(struct json_reader *reader, const struct json_value *at, const char *format, ...)
 #ifdef __GNUC__
     __attribute__((format(printf, 3, 4)))
 #endif
     ;
 
-/* Of an object and of a list; an object that is none has no member. */
+/* A member of an object, an item of a list. What is no object has no members. */
 struct json_value json_member(const struct json_value *object, const char *key);
 struct json_value json_item(const struct json_value *list, size_t index);
 
