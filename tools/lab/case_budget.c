@@ -20,7 +20,7 @@ static int begin_free(struct lab_lead *lead)
     return lead->lead.force.reason == DPT_FORCE_FREE;
 }
 
-/* 5 mm in and along, as force_trial_push does it. */
+/* Push the device 5 mm in and lead it along the surface, as force_trial_push does. */
 static void push_at(struct lab_lead *lead, double tilt, struct lab_tally *sum)
 {
     const double from = 0.004 + LAB_RADIUS, to = LAB_RADIUS - 0.005, down = 1e-4;
@@ -197,7 +197,7 @@ struct worst {
     double unscaled; /* with that of zoom 1, where the zoom is above the margin of 1.5; the least */
 };
 
-/* A tip on a device without torque. */
+/* The tool is a tip, on a device without torque. */
 static void try_zoom(const struct hand_mesh *mesh, int is_plane, double zoom, struct worst *worst)
 {
     struct hand_place place;

@@ -18,7 +18,7 @@ static const double dampings[DAMPINGS] = { 1.0, 0.5, 2.0, 0.25, 4.0, 0.75, 1.5, 
 #define SECONDS   1.0
 #define REFERENCE 200.0
 
-/* What a map tells of a law. */
+/* The figures of a law's map. */
 struct map {
     const char *chart;
     double share; /* of the limit, that is stable: the least */
@@ -103,17 +103,17 @@ enum { STRIDE = 167 };
 /* N: of a weight, at most. */
 #define WEIGHT_MAX 9.0
 
-/* Of the stiffness at the limit. The first one has the margin of 1.5. */
+/* Shares of the stiffness at the limit. The first one has the margin of 1.5. */
 static const double shares[STIFFNESSES] = { 1.0 / 1.5, 1.5, 3.0, 10.0 };
 
-/* N/m and Ns/m; the last one is no hand. */
+/* The hands, in N/m and Ns/m; the last entry stands for no hand. */
 static const double hands[HANDS][2] = { { 2000.0, 2.0 }, { 200.0, 0.0 }, { 20.0, 0.0 }, { 2.0, 0.0 }, { 0.0, 0.0 } };
 
 static const struct fault {
     double jitter, loss, doubled; /* share of a period; shares of samples */
 } faults[FAULTS] = { { 0.0, 0.0, 0.0 }, { 0.2, 0.2, 0.2 }, { 0.2, 0.0, 0.0 }, { 0.0, 0.2, 0.0 }, { 0.0, 0.0, 0.2 } };
 
-/* Over the loops. */
+/* Figures over all loops. */
 struct tally {
     double account;                               /* least, in eps */
     double without;                               /* the same without the controller, where the wall is too stiff */
@@ -136,7 +136,7 @@ static double felt_share(const struct hand_loop *loop, double surface, double *f
     return depth > 0.0 ? sum / depth / loop->stiffness : 1.0;
 }
 
-/* It falls 1 mm on to the wall, and presses it with 1 N, or what a firm hand leaves of the heaviest weight. */
+/* The device falls 1 mm on to the wall, and presses it with 1 N, or what a firm hand leaves of the heaviest weight. */
 static void try_loop(const struct hand_place *plane, uint64_t which, struct tally *tally)
 {
     const int s = (int)(which % STIFFNESSES), h = (int)(which / STIFFNESSES % HANDS);
@@ -244,7 +244,7 @@ const struct lab_case late_case = {
 
 enum { PHASES = 6 };
 
-/* Of a period; the first ones are due first. */
+/* Shares of a period; the first ones are due first. */
 static const double phases[PHASES] = { 0.1, 0.5, 0.0, 0.2, 0.3, 0.4 };
 
 #define PHASE_SECONDS 1.2

@@ -17,7 +17,7 @@ enum { MESHES = 4, RESPONSES = 2, SETTLING = 400, TICKS = 2048, FEW = 512, STRIP
 #define STIFFNESS 500.0
 #define CUT       100.0 /* Hz */
 
-/* Without mass: nothing but the tool moves it at once. */
+/* The membrane has no mass: only the tool moves it. */
 static const struct tissue_matter matter = { 1e5, 30.0, 5e3, 0.0 };
 
 /* Cells across a membrane of 0.1 m: edges of a half, the whole, 0.7 and 1.4 of the pin's radius. */

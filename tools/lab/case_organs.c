@@ -23,7 +23,7 @@ struct tally {
     uint64_t loops, growing, growing_beyond, uneven;
 };
 
-/* At 0.97 of its limit along each direction, and beyond it along the stiffest. */
+/* Try the coupling at 0.97 of its limit along each direction, and beyond the limit along the stiffest. */
 static void try_loop(struct hand_loop *loop, double limit, struct tally *tally)
 {
     struct hand_law law;
@@ -182,7 +182,7 @@ static int make_wall(struct lab *lab, struct lab_mesh *mesh, double thickness)
                            : lab_mesh_shape(lab, mesh, "membrane", 512);
 }
 
-/* From 20 mm above to 15 mm beyond the far side at a speed, and held there: 1 if nothing pushes it back. */
+/* Lead the tool from 20 mm above to 15 mm beyond the far side, and hold it: 1 if nothing pushes it back. */
 static int goes_through(struct lab_lead *lead, double thickness, double speed, double lean)
 {
     const double down = speed * LEAD_DT, to = -thickness - 0.015, from = 0.02;
@@ -226,7 +226,7 @@ static void cross(struct lab *lab, double thickness, const char *what)
     lab_mesh_close(&wall);
 }
 
-/* The most that it is pushed back with, N, until that collapses or the depth ends. */
+/* The largest force that pushes the tool back, N, until the force collapses or the depth ends. */
 static double pop_force(struct lab_lead *lead, const double *axis, double x, double depth_max)
 {
     const double down = 5e-5;
@@ -306,7 +306,7 @@ const struct lab_case thinsheet_case = {
     .run = run_thinsheet
 };
 
-/* To and fro across the border x = 0.1 of the sheet, pressed in. */
+/* Lead the pressed tool to and fro across the border x = 0.1 of the sheet. */
 static void cross_border(struct lab *lab, struct lab_lead *lead, const double *axis, double x, double depth)
 {
     const double step = 1e-4, swing = 0.03;

@@ -64,7 +64,7 @@ static void mean_of(const struct hand_loop *loop, size_t quarter, double mean[3]
             mean[k] += loop->track[i].at[k] / (double)part;
 }
 
-/* N: how far the force is from its mean, in the last quarter. */
+/* The rms of the force about its mean in the last quarter, N. */
 static double shake_of(const struct hand_loop *loop)
 {
     const size_t part = loop->count / 4;
@@ -104,7 +104,7 @@ static void look(struct lab *lab, const struct hand_loop *loop, const struct tri
     lab_note(lab, "proxy", trial->depth, -1e3 * late[1], "mm");
 }
 
-/* Its weight presses, a hand holds it sideways, and it is tapped aslant. */
+/* The tool's weight presses, a hand holds the tool sideways, and a tap disturbs it aslant. */
 static void hold(struct lab *lab, const struct hand_mesh *mesh, const struct trial *trial, uint32_t integrator)
 {
     struct hand_place place = { .mesh = mesh };
@@ -182,14 +182,14 @@ enum { PLACES = 4, SPEEDS = 4, HALVINGS = 7 };
 #define REACH   2e-4 /* m: of the tap */
 #define SECONDS 1.5
 
-/* N/m: of the search for the stiffest coupling that is stable. */
+/* Bounds of the search for the stiffest stable coupling, N/m. */
 #define STIFFNESS_MIN 10.0
 #define STIFFNESS_MAX 20000.0
 
 /* Tissue that swings. */
 static const struct tissue_matter lively = { 1e5, 30.0, 1e3, 20.0 };
 
-/* Of 1 kHz, 250, 100 and 30 Hz. */
+/* Ticks of the loop for a step of physics: at 1 kHz, 250, 100 and 30 Hz. */
 static const uint32_t speeds[SPEEDS] = { 1, 4, 10, 33 };
 
 /* A ball and a lying tool. */
@@ -206,7 +206,7 @@ static const struct trial_place {
 /* How positions are handed over, and whether a period of physics is counted as delay. */
 enum exchange { INTERPOLATED, UNCOUNTED, STEPPED, STEPPED_SLOWLY, STEPPED_COUNTED, EXCHANGES };
 
-/* Of the loops of an exchange: how many there were, and in how many motion does not die away. */
+/* For each exchange, the number of loops, and of those whose motion does not die away. */
 struct tally {
     double loops[EXCHANGES], restless[EXCHANGES];
 };

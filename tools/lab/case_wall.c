@@ -31,7 +31,7 @@ static const struct wall {
       1 },
 };
 
-/* Over the loops of a wall. */
+/* Figures over the loops of a wall. */
 struct worst {
     double off;    /* share of the limit */
     double growth; /* at 1.5 limits, as a share of b / 2m: the least */
@@ -131,7 +131,7 @@ const struct lab_case wall_case = {
     .run = run_wall
 };
 
-/* Held with 1 N, a device has to come to rest. */
+/* A device that is pressed with 1 N has to come to rest. */
 
 enum { DEVICES = 3, SCENES = 4, PLACES = 4 };
 

@@ -213,7 +213,7 @@ static void jump_to(struct hand_loop *loop, const double at[HAND_AXES])
         dpt_world_step(loop->world, 1e-3, NULL);
 }
 
-/* m of the hand: where it is lowered from. */
+/* The height from which the tool is lowered, m of the hand. */
 static double height_of(const struct hand_loop *loop)
 {
     return (ABOVE + 0.5 * loop->tool.length) / or_one(loop->zoom);

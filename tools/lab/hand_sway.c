@@ -6,10 +6,10 @@
 
 #include "identify_fit.h"
 
-/* m: of the differences that linearise a law. */
+/* Step of the differences that linearise a law, m. */
 #define DIFFERENCE 4e-6
 
-/* N/m: of a hand. */
+/* Stiffness of a hand, N/m. */
 #define GRIP 200.0
 
 /* Of a bisection; from 0.5 to 1.5 of a limit that leaves 0.1 %. */
@@ -93,7 +93,7 @@ static void find_centre(const struct hand_loop *loop, double centre[HAND_AXES])
     }
 }
 
-/* What motion is measured by: a direction, about where, and its frequency in rad/s. */
+/* How motion is measured: along a direction, about a middle, with its frequency in rad/s. */
 struct measure {
     const struct hand_tap *tap;
     double centre[HAND_AXES], rate;

@@ -53,7 +53,7 @@ double spring_body_energy(const struct spring_body *body)
 
 enum { LOADS_MAX = 8192, SWEEPS_MAX = 400 };
 
-/* Of the right side: what conjugate gradients may leave. */
+/* The share of the right side that conjugate gradients may leave. */
 #define LEFT 1e-6
 
 const struct tissue_matter tissue_soft = { .foundation = 1e5, .tension = 30.0, .damping = 5e3, .mass = 20.0 };
