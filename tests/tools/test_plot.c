@@ -206,7 +206,8 @@ static void labels_cover_nothing(void)
         for (int k = 0; k < MARKS; k++) {
             double leader[2];
             const double x = marks[k].left + 5.0, y = marks[k].top + 5.0;
-            if (!label_places_find(places, x, y, 5.0, random_in(&seed, 20.0, 90.0), 13.0, &boxes[count], leader))
+            const struct label_mark mark = { x, y, 5.0, random_in(&seed, 20.0, 90.0), 13.0 };
+            if (!label_places_find(places, &mark, &boxes[count], leader))
                 continue;
             const struct label_box *box = &boxes[count++];
             CHECK(box->left >= 0.0 && box->right <= 600.0 && box->top >= 0.0 && box->bottom <= 200.0,

@@ -41,11 +41,10 @@ static void write_spread(FILE *file, const struct judgement_spread *spread, doub
 }
 
 /* Of the repeats' medians and 99 % in us, the least and the largest, or nothing. */
-static void write_range(FILE *file, const struct judgement_spread *least, const struct judgement_spread *most)
+static void write_range(FILE *file, const struct judgement_spread *min, const struct judgement_spread *max)
 {
-    if (most->max > 0.0)
-        fprintf(file, ",%.4g,%.4g,%.4g,%.4g", least->median * 1e-3, most->median * 1e-3, least->p99 * 1e-3,
-                most->p99 * 1e-3);
+    if (max->max > 0.0)
+        fprintf(file, ",%.4g,%.4g,%.4g,%.4g", min->median * 1e-3, max->median * 1e-3, min->p99 * 1e-3, max->p99 * 1e-3);
     else
         fputs(",,,,", file);
 }
@@ -116,7 +115,7 @@ static void write_row(FILE *file, const struct chart_row *row)
     write_number(file, !row->is_peer, (double)row->world_bytes);
     write_number(file, !row->is_peer, (double)row->body_bytes);
     for (int time = 0; time < CHART_TIMES; time++)
-        write_range(file, &row->least[time], &row->most[time]);
+        write_range(file, &row->min[time], &row->max[time]);
     fputc('\n', file);
 }
 
@@ -126,7 +125,7 @@ static void write_apart(FILE *file, uint32_t repeats, const struct chart_rows *r
     fprintf(file,
             "times are the middle of %u repeats; in the middle row the largest median is %.3g times "
             "the least, in the worst %.3g; of the 99 %% %.3g and %.3g\n",
-            (unsigned)repeats, apart.median_middle, apart.median_most, apart.p99_middle, apart.p99_most);
+            (unsigned)repeats, apart.median_middle, apart.median_max, apart.p99_middle, apart.p99_max);
 }
 
 static void write_head(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
@@ -277,8 +276,8 @@ static void join_row(struct chart_row *row, struct chart_row *const *again, uint
             for (uint32_t i = 0; i < count; i++)
                 values[i] = *number_of(time_of(&again[i]->judged, (enum chart_time)time), n);
             *number_of(time_of(&row->judged, (enum chart_time)time), n) = middle(values, count);
-            *number_of(&row->least[time], n) = values[0];
-            *number_of(&row->most[time], n) = values[count - 1];
+            *number_of(&row->min[time], n) = values[0];
+            *number_of(&row->max[time], n) = values[count - 1];
         }
     for (uint32_t i = 0; i < count; i++) {
         values[i] = again[i]->judged.first_ns;
@@ -309,9 +308,9 @@ static int ratios(const struct chart_rows *rows, size_t number, double values[CH
 {
     int count = 0;
     for (int i = 0; i < rows->count; i++) {
-        struct judgement_spread least = rows->row[i].least[CHART_WHOLE], most = rows->row[i].most[CHART_WHOLE];
-        if (*number_of(&least, number) > 0.0)
-            values[count++] = *number_of(&most, number) / *number_of(&least, number);
+        struct judgement_spread min = rows->row[i].min[CHART_WHOLE], max = rows->row[i].max[CHART_WHOLE];
+        if (*number_of(&min, number) > 0.0)
+            values[count++] = *number_of(&max, number) / *number_of(&min, number);
     }
     sort_numbers(values, (size_t)count);
     return count;
@@ -323,9 +322,9 @@ struct chart_apart chart_repeats_apart(const struct chart_rows *rows)
     struct chart_apart apart;
     size_t count = (size_t)ratios(rows, 0, values);
     apart.median_middle = fmax(1.0, percentile(values, count, 0.5));
-    apart.median_most = fmax(1.0, percentile(values, count, 1.0));
+    apart.median_max = fmax(1.0, percentile(values, count, 1.0));
     count = (size_t)ratios(rows, 1, values);
     apart.p99_middle = fmax(1.0, percentile(values, count, 0.5));
-    apart.p99_most = fmax(1.0, percentile(values, count, 1.0));
+    apart.p99_max = fmax(1.0, percentile(values, count, 1.0));
     return apart;
 }

@@ -8,10 +8,10 @@
 #include "chart/chart_rows.h"
 #include "measure/measure_setting.h"
 
-/* What was measured where. */
+/* What a chart was measured over, and on which machine. */
 struct chart_head {
     const char *scene, *trace; /* as they were named; NULL: the trace was made */
-    uint64_t seed;             /* of that */
+    uint64_t seed;             /* of a made trace */
     size_t ticks;
     uint32_t passes, repeats;
     struct measure_machine machine;
@@ -22,13 +22,13 @@ struct chart_head {
 /* docs/chart.md says what the columns mean. A cell that does not apply is empty. */
 void chart_csv_write(FILE *file, const struct chart_head *head, const struct chart_rows *rows);
 
-/* How often a tick of a row took how long and how much work; bins without a tick are left out. */
+/* Each row's histograms of time and of work a tick. Empty bins are left out. */
 void chart_histograms_write(FILE *file, const struct chart_rows *rows);
 
 void chart_table_print(FILE *file, const struct chart_head *head, const struct chart_rows *rows);
 
 /*
- * The same rows, measured several times: what a machine does beside a chart shows in how far the repeats lie apart.
+ * Repeats of the same rows. Their spread shows how much other load on the machine disturbs the times.
  *
  *     struct chart_rows *repeats = calloc(count, sizeof *repeats);
  *     ... chart_rows_list and chart_rows_measure of each ...
@@ -39,15 +39,15 @@ enum { CHART_REPEATS_MAX = 99 };
 
 /*
  * Join `count` repeats, 1 to CHART_REPEATS_MAX, into the first: each of its times becomes the middle one of the repeats (of
- * an even number the lower), its row's `least` and `most` are set, and its histograms are those of a repeat with the middle
+ * an even number the lower), its row's `min` and `max` are set, and its histograms are those of a repeat with the middle
  * median. Answers are the same in all. A peer that is not in each of them, as it failed, is left out.
  */
 void chart_repeats_join(struct chart_rows *repeats, uint32_t count);
 
 /* How far repeats lie apart: of all rows, the largest time as a multiple of the least; at least 1. */
 struct chart_apart {
-    double median_middle, median_most; /* of medians: in the middle row, and in the worst */
-    double p99_middle, p99_most;       /* of the 99 % */
+    double median_middle, median_max; /* of medians: in the middle row, and in the worst */
+    double p99_middle, p99_max;       /* of the 99 % */
 };
 struct chart_apart chart_repeats_apart(const struct chart_rows *rows);
 

@@ -10,7 +10,7 @@
 
 /*
  * Before anything is measured. Returns 0, or 2 after a message: there is no such folder or no program in it; or the scene is
- * not a single rigid mesh that is felt by a stylus, which is all that they know.
+ * not a single rigid mesh that is felt by a stylus, which is all that peers support.
  */
 int chart_peers_check(const struct scene *scene, const char *folder);
 

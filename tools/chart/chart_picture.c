@@ -70,11 +70,11 @@ static void name_kinds(struct scatter_panel *panel, enum chart_part part)
 }
 
 /* Of ns; with how far repeats lie apart, where they do. */
-static void write_time(char text[TITLE / 4], double ns, double least, double most)
+static void write_time(char text[TITLE / 4], double ns, double min, double max)
 {
     const int length = snprintf(text, TITLE / 4, "%.3g us", ns * 1e-3);
-    if (most > least)
-        snprintf(text + length, TITLE / 4 - (size_t)length, " (%.3g to %.3g)", least * 1e-3, most * 1e-3);
+    if (max > min)
+        snprintf(text + length, TITLE / 4 - (size_t)length, " (%.3g to %.3g)", min * 1e-3, max * 1e-3);
 }
 
 static void add_mark(struct picture *picture, struct scatter_panel *panel, const struct chart_row *row,
@@ -82,17 +82,17 @@ static void add_mark(struct picture *picture, struct scatter_panel *panel, const
 {
     char *title = picture->titles[panel - picture->chart.panel][panel->count];
     const struct judgement *judged = &row->judged;
-    const struct judgement_spread *least = &row->least[CHART_WHOLE], *most = &row->most[CHART_WHOLE];
+    const struct judgement_spread *min = &row->min[CHART_WHOLE], *max = &row->max[CHART_WHOLE];
     char text[TITLE], times[2][TITLE / 4];
-    write_time(times[0], judged->whole_ns.median, least->median, most->median);
-    write_time(times[1], judged->whole_ns.p99, least->p99, most->p99);
+    write_time(times[0], judged->whole_ns.median, min->median, max->median);
+    write_time(times[1], judged->whole_ns.p99, min->p99, max->p99);
     snprintf(text, sizeof text, "%s: %s, 99 %% %s; error %.3g %s", row->name, times[0], times[1], error(row),
              panel->y_unit);
     memcpy(title, text, sizeof text);
     panel->mark[panel->count++] = (struct scatter_mark){ .cost = fmax(1e-9 * judged->whole_ns.median, 1e-9),
                                                          .worse_cost = 1e-9 * judged->whole_ns.p99,
-                                                         .cost_range = { 1e-9 * least->median, 1e-9 * most->median },
-                                                         .worse_range = { 1e-9 * least->p99, 1e-9 * most->p99 },
+                                                         .cost_range = { 1e-9 * min->median, 1e-9 * max->median },
+                                                         .worse_range = { 1e-9 * min->p99, 1e-9 * max->p99 },
                                                          .error = error(row),
                                                          .kind = kind_of(row),
                                                          .name = row->name,
@@ -181,21 +181,21 @@ int chart_picture_write(FILE *file, const struct chart_rows *rows, uint32_t repe
                                        .y_name = "the largest error of the distance",
                                        .y_unit = "m",
                                        .band = "none",
-                                       .least = rows->truth.check.tolerance },
+                                       .band_max = rows->truth.check.tolerance },
               distance_error);
     add_panel(picture, rows, CHART_CONTACT,
               &(struct scatter_panel){ .name = "Contact:",
                                        .y_name = "ticks in which it is missed, invented or unknown",
                                        .y_unit = "%",
                                        .band = "none",
-                                       .least = 0.0 },
+                                       .band_max = 0.0 },
               contact_error);
     add_panel(picture, rows, CHART_FORCE,
               &(struct scatter_panel){ .name = "Force:",
                                        .y_name = "the largest error beside the same law at its richest, folds apart",
                                        .y_unit = "N",
                                        .band = "< 1 mN",
-                                       .least = FELT },
+                                       .band_max = FELT },
               wrench_error);
     struct scatter_panel *jumps = add_panel(
         picture, rows, CHART_FORCE,

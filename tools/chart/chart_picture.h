@@ -7,7 +7,7 @@
 
 #include "chart/chart_rows.h"
 
-/* Rows of `repeats`, joined. Returns 0, or -1 if memory ran out, and nothing is written. */
+/* Write the joined rows of `repeats`. Returns 0, or -1 if memory ran out, and nothing is written. */
 int chart_picture_write(FILE *file, const struct chart_rows *rows, uint32_t repeats, const char *title,
                         const char *subtitle);
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/return_if_error.h"
 #include "cli/command_options.h"
 #include "cli/law_name.h"
 #include "cli/setting_words.h"
@@ -339,16 +340,14 @@ static dpt_result compile_again(struct chart_body *measured, const dpt_mesh *mes
 
 static dpt_result add_again(struct chart_body *measured, dpt_world *world, const dpt_mesh *mesh)
 {
-    dpt_result result = DPT_OK;
-    for (int pass = 0; result == DPT_OK && pass < PASSES; pass++) {
+    for (int pass = 0; pass < PASSES; pass++) {
         dpt_body body;
         const uint64_t begin = clock_now();
-        result = dpt_body_add(world, mesh, NULL, &body);
+        DPT_TRY(dpt_body_add(world, mesh, NULL, &body));
         measured->add = fmin(measured->add, seconds_since(begin));
-        if (result == DPT_OK)
-            result = dpt_body_remove(world, body);
+        DPT_TRY(dpt_body_remove(world, body));
     }
-    return result;
+    return DPT_OK;
 }
 
 /* A tool above the box, and a body that grows about its middle. */
@@ -399,12 +398,21 @@ static dpt_result refit(struct chart_body *measured, dpt_world *world, const dpt
     return result;
 }
 
+static dpt_result measure_in_world(struct chart_body *measured, void *block, const dpt_world_def *def,
+                                   const dpt_mesh *mesh)
+{
+    dpt_world *world;
+    DPT_TRY(dpt_world_create(block, dpt_world_bytes(def), def, &world));
+    DPT_TRY(compile_again(measured, mesh));
+    DPT_TRY(add_again(measured, world, mesh));
+    return refit(measured, world, mesh);
+}
+
 int chart_body_measure(struct chart_body *measured, const struct scene *scene, uint32_t body)
 {
     const dpt_mesh *mesh = scene->bodies.body[body].mesh;
     dpt_mesh_info info = { .size = sizeof info };
     dpt_world_def def;
-    dpt_world *world;
     dpt_mesh_get_info(mesh, &info);
     *measured = (struct chart_body){
         .triangles = info.triangles, .mesh_bytes = info.bytes, .compile = HUGE_VAL, .add = HUGE_VAL
@@ -412,13 +420,7 @@ int chart_body_measure(struct chart_body *measured, const struct scene *scene, u
     dpt_world_def_init(&def);
     def.until = DPT_UNTIL_TRACK;
     void *block = malloc(dpt_world_bytes(&def));
-    dpt_result result = block ? dpt_world_create(block, dpt_world_bytes(&def), &def, &world) : DPT_E_MEMORY;
-    if (result == DPT_OK)
-        result = compile_again(measured, mesh);
-    if (result == DPT_OK)
-        result = add_again(measured, world, mesh);
-    if (result == DPT_OK)
-        result = refit(measured, world, mesh);
+    const dpt_result result = block ? measure_in_world(measured, block, &def, mesh) : DPT_E_MEMORY;
     free(block);
     return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
 }

@@ -11,7 +11,7 @@
 
 enum { CHART_ROWS_MAX = 96, CHART_NAME = 48 };
 
-/* What a row is asked for; it is judged among its like. */
+/* What a row computes. Rows of the same part are compared. */
 enum chart_part {
     CHART_PAIR,    /* the nearest pair alone */
     CHART_CONTACT, /* contact, without a force */
@@ -22,20 +22,20 @@ enum chart_part {
 enum chart_time { CHART_STEP, CHART_CROSSING, CHART_OTHER, CHART_WHOLE, CHART_TIMES };
 
 struct chart_row {
-    char name[CHART_NAME]; /* what tells it from its like, without commas: "exact at 8 units" */
+    char name[CHART_NAME]; /* distinguishes it within its part, without commas: "exact at 8 units" */
     enum chart_part part;
     struct measure_setting setting;
-    int is_peer;     /* another library: of the setting nothing holds */
-    double build_ns; /* what that took to take in the mesh */
+    int is_peer;     /* another library: the setting does not apply */
+    double build_ns; /* of a peer: to read the mesh */
     /* After chart_rows_measure. A failure is of this run or of the one that judges it: there is no judgement. */
     dpt_result failure;
     struct judgement judged;
     size_t world_bytes, body_bytes;
     /* After chart_repeats_join: of each of these times, ns, the least and the largest of the repeats. */
-    struct judgement_spread least[CHART_TIMES], most[CHART_TIMES];
+    struct judgement_spread min[CHART_TIMES], max[CHART_TIMES];
 };
 
-/* What the first run that judges was found to be, by brute force: the one without a force, if there is one. */
+/* The first reference run, checked by brute force. It is the one without a force, if there is one. */
 struct chart_truth {
     struct measure_check check;
     uint32_t kernel;
@@ -66,12 +66,12 @@ void chart_rows_list(struct chart_rows *rows, const struct scene *scene, const s
 int chart_rows_measure(struct chart_rows *rows, const struct scene *scene, const struct csv_table *trace,
                        const struct measure_effort *effort);
 
-/* What was measured is not there any more. */
+/* Free what chart_rows_measure allocated. */
 void chart_rows_free(struct chart_rows *rows);
 
 /* What the bodies of a scene cost before and beside the ticks: to compile, to add to a world, and to refit. */
 
-/* Times are s, the least of three, or of refits the median; sizes are bytes. */
+/* Times are in s: the minimum of three, or the median of refits. Sizes are in bytes. */
 struct chart_body {
     uint32_t triangles;
     uint64_t mesh_bytes;

@@ -38,7 +38,7 @@ static const char help[] =
     "                  builds them; for a mesh alone\n"
     "  --title TEXT    above the picture; the scene's name if not given\n";
 
-enum { LEAST_TICKS = 10000, MOST_TICKS = 10000000, MOST_PASSES = 1000, NAME_ROOM = 4096 };
+enum { TICKS_MIN = 10000, TICKS_MAX = 10000000, PASSES_MAX = 1000, NAME_ROOM = 4096 };
 
 /* What is written, and how it is called behind -o. */
 enum { FILE_CSV, FILE_HISTOGRAMS, FILE_SVG, FILES };
@@ -152,7 +152,7 @@ static int open_trace(const struct chart_request *request, const struct scene *s
     const struct measure_hand hand = { .seed = request->seed,
                                        .ticks = (size_t)request->ticks,
                                        .length = request->stylus };
-    return request->trace ? measure_trace_read(trace, "chart", request->trace, LEAST_TICKS)
+    return request->trace ? measure_trace_read(trace, "chart", request->trace, TICKS_MIN)
                           : measure_trace_make(trace, scene, &hand);
 }
 
@@ -200,10 +200,10 @@ static int check_request(struct chart_request *request)
     static const enum chart_part parts[] = { CHART_FORCE, CHART_PAIR, CHART_CONTACT };
     const int has_length = !isnan(scene->length);
     const double stiffness = scene->force.stiffness;
-    if (!request->trace && (request->ticks < LEAST_TICKS || request->ticks > MOST_TICKS))
-        return complain("chart", "--ticks must be %d to %d", LEAST_TICKS, MOST_TICKS);
-    if (request->passes < 1 || request->passes > MOST_PASSES)
-        return complain("chart", "--passes must be 1 to %d", MOST_PASSES);
+    if (!request->trace && (request->ticks < TICKS_MIN || request->ticks > TICKS_MAX))
+        return complain("chart", "--ticks must be %d to %d", TICKS_MIN, TICKS_MAX);
+    if (request->passes < 1 || request->passes > PASSES_MAX)
+        return complain("chart", "--passes must be 1 to %d", PASSES_MAX);
     const int until = word_index(request->until, until_words);
     if (until < 0)
         return complain("chart", "--until takes track, contact or respond");
@@ -236,7 +236,7 @@ static int check_request(struct chart_request *request)
 int command_chart(int argc, char **argv)
 {
     struct chart_request request = {
-        .ticks = LEAST_TICKS, .seed = 1, .passes = 3, .repeats = 1, .until = until_words[0]
+        .ticks = TICKS_MIN, .seed = 1, .passes = 3, .repeats = 1, .until = until_words[0]
     };
     const char *operand[2] = { NULL, NULL };
     size_t operands;

@@ -95,7 +95,7 @@ static void take_bounds(const struct force_trial_def *def, const struct force_re
                  (double)(push->penetrations + through->penetrations), 0.0),
         bound_of("felt_inside", "ticks of a needle that began inside, and felt it", (double)report->inside.felt,
                  has_proxy ? 0.0 : HUGE_VAL),
-        bound_of("emitted", "most energy given on a closed path, of its range", report->paths.most_emitted,
+        bound_of("emitted", "most energy given on a closed path, of its range", report->paths.emitted_max,
                  has_proxy ? EMITTED : EMITTED_MOST),
         bound_of("emitting", "share of closed paths that give more than 0.1 %",
                  share(report->paths.emitting, report->paths.paths), EMITTING_MAX),
@@ -108,9 +108,9 @@ static double largest_jump(const struct force_report *report)
     return fmax(report->push.largest_jump, report->through.largest_jump);
 }
 
-static double least_gap(const struct force_report *report)
+static double gap_min(const struct force_report *report)
 {
-    return fmin(report->push.least_gap, report->through.least_gap);
+    return fmin(report->push.gap_min, report->through.gap_min);
 }
 
 static void print_json(const struct force_trial_def *def, const struct force_report *report, const struct bound *bounds,
@@ -124,9 +124,9 @@ static void print_json(const struct force_trial_def *def, const struct force_rep
     printf(",\"us\":{\"median\":%.1f,\"p99\":%.1f}", report->push.us_median, report->push.us_p99);
     printf(",\"largest_jump\":%.9g", largest_jump(report));
     if (def->law == DPT_LAW_PROXY)
-        printf(",\"least_gap\":%.9g", least_gap(report));
+        printf(",\"least_gap\":%.9g", gap_min(report));
     printf(",\"inside_places\":%" PRIu64 ",\"paths\":%" PRIu64 ",\"lost\":%.9g,\"broken\":%d}\n", report->inside.places,
-           report->paths.paths, report->paths.most_lost, is_broken);
+           report->paths.paths, report->paths.lost_max, is_broken);
 }
 
 static void print_table(const struct force_trial_def *def, const struct force_report *report,
@@ -142,14 +142,14 @@ static void print_table(const struct force_trial_def *def, const struct force_re
         printf("\n");
     }
     printf("\n  largest change of the force in a tick %.3f N; lost on a closed path without a fold at most %.3g\n",
-           largest_jump(report), report->paths.most_lost);
+           largest_jump(report), report->paths.lost_max);
     printf("  share of ticks with a fold, held through the mesh %.3g\n",
            share(report->through.folds, report->through.ticks));
     printf("  a tick with a force took %.1f us (median), %.1f (99 %%)\n", report->push.us_median, report->push.us_p99);
     if (report->push.unknown)
         printf("  no force on %" PRIu64 " ticks, as contact was not known\n", report->push.unknown);
     if (def->law == DPT_LAW_PROXY)
-        printf("  least gap of the proxy %.3g m\n", least_gap(report));
+        printf("  least gap of the proxy %.3g m\n", gap_min(report));
 }
 
 /* The exit status where one is out of range, else -1. */

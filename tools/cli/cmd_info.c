@@ -56,7 +56,7 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info, const st
            info->normalless_vertices, info->crease);
     if (thickness && thickness->walls)
         printf("\"thickness\":{\"walls\":%" PRIu32 ",\"least\":%.17g,\"low\":%.17g,\"triangle\":%" PRIu32 "},",
-               thickness->walls, thickness->least, thickness->low, thickness->triangle);
+               thickness->walls, thickness->min, thickness->low, thickness->triangle);
     else if (thickness)
         printf("\"thickness\":{\"walls\":0,\"least\":null,\"low\":null,\"triangle\":null},");
     printf("\"format\":%" PRIu32 ",\"tree_levels\":%" PRIu32 ",\"bytes\":%" PRIu64 ",\"sections\":[",
@@ -107,7 +107,7 @@ static void print_thickness(const struct mesh_thickness *thickness)
 {
     if (thickness->walls)
         printf("  %-24s %10.6g m at triangle %" PRIu32 "; a hundredth of %" PRIu32 " walls have at most %.6g m\n",
-               "thinnest wall", thickness->least, thickness->triangle, thickness->walls, thickness->low);
+               "thinnest wall", thickness->min, thickness->triangle, thickness->walls, thickness->low);
     else
         printf("  %-24s %10s\n", "thinnest wall", "none");
 }

@@ -188,8 +188,8 @@ static int measure_walls(struct plan *plan, const struct scene *scene)
         struct mesh_thickness found;
         if (mesh_thickness_measure("plan", scene->bodies.body[i].mesh, &found))
             return 2;
-        if (found.walls && (plan->thinnest == 0.0 || found.least < plan->thinnest))
-            plan->thinnest = found.least;
+        if (found.walls && (plan->thinnest == 0.0 || found.min < plan->thinnest))
+            plan->thinnest = found.min;
     }
     return 0;
 }

@@ -31,7 +31,7 @@ enum { RUNS_MAX = PLOT_SERIES_MAX, DETAIL_ROOM = 64, MISSING_ROOM = 256, DESCRIP
 
 static const struct {
     const char *name, *unit;
-    double least; /* length of the axis if all is 0 */
+    double min; /* length of the axis if all is 0 */
 } curves_of[CURVES] = { { "Force", "N", 1.0 },
                         { "Depth", "m", 1e-3 },
                         { "Gap", "m", 1e-3 },
@@ -91,7 +91,7 @@ static void choose_panels(struct plot *plot)
     for (int curve = 0; curve < CURVES; curve++) {
         struct plot_panel panel = { .name = curves_of[curve].name,
                                     .unit = curves_of[curve].unit,
-                                    .least = curves_of[curve].least };
+                                    .high_min = curves_of[curve].min };
         const char *without = NULL;
         int count = 0;
         for (int i = 0; i < plot->runs; i++) {

@@ -45,7 +45,7 @@ static int take_numbers(struct spring_options *options, const char *command)
     dpt_spring_net_def *def = &options->def;
     const struct {
         const char *name;
-        double given, *to, most;
+        double given, *to, max;
         uint32_t kind; /* the only one that has it; 0: both */
         int may_be_0;
     } numbers[] = {
@@ -65,8 +65,8 @@ static int take_numbers(struct spring_options *options, const char *command)
             return complain(command, "%s needs --springs", numbers[i].name);
         if (numbers[i].kind && numbers[i].kind != def->kind)
             return complain(command, "%s is not for --springs %s", numbers[i].name, options->kind);
-        if (!(given >= 0.0 && given <= numbers[i].most) || (given == 0.0 && !numbers[i].may_be_0))
-            return complain(command, "%s must be 0 to %g%s", numbers[i].name, numbers[i].most,
+        if (!(given >= 0.0 && given <= numbers[i].max) || (given == 0.0 && !numbers[i].may_be_0))
+            return complain(command, "%s must be 0 to %g%s", numbers[i].name, numbers[i].max,
                             numbers[i].may_be_0 ? "" : ", and not 0");
         *numbers[i].to = given;
     }

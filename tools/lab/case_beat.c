@@ -94,8 +94,8 @@ static void try_place(const struct hand_mesh *liver, const struct scene *scene, 
         const double without = mean_force(&loop);
         loop.passivity = &def;
         for (loop.is_uncredited = 0; loop.is_uncredited < 2; loop.is_uncredited++) {
-            double *least = &share[loop.is_uncredited];
-            *least = hand_smaller(*least, mean_force(&loop) / without);
+            double *min = &share[loop.is_uncredited];
+            *min = hand_min(*min, mean_force(&loop) / without);
         }
     } else {
         share[0] = NAN;
@@ -123,14 +123,15 @@ static void run_beat(struct lab *lab)
 }
 
 const struct lab_case beat_case = {
-    "beat", "Bodies that move",
-    "A hand presses a tip on to a liver with 1 N, on a device of 0.1 kg and 0.5 Ns/m at 1 kHz "
-    "with a delay of one period, at the coupling that is chosen for it. The liver beats by 5 mm "
-    "at 1.2 Hz, or gives way to the tool that presses and lets go. The mean force is compared "
-    "with and without the controller of passivity, which is told the work of moving bodies, or is not.",
-    "Give dpt_passivity_step the body_work of the force report in each step. Without it a beating "
-    "organ looks like a wall that makes energy, and its force is taken away.",
-    run_beat
+    .name = "beat",
+    .title = "Bodies that move",
+    .method = "A hand presses a tip on to a liver with 1 N, on a device of 0.1 kg and 0.5 Ns/m at 1 kHz "
+              "with a delay of one period, at the coupling that is chosen for it. The liver beats by 5 mm "
+              "at 1.2 Hz, or gives way to the tool that presses and lets go. The mean force is compared "
+              "with and without the controller of passivity, which is told the work of moving bodies, or is not.",
+    .advice = "Give dpt_passivity_step the body_work of the force report in each step. Without it a beating "
+              "organ looks like a wall that makes energy, and its force is taken away.",
+    .run = run_beat
 };
 
 /* Vertices that move under a held device: their work is credited, and tissue gives no energy of its own. */
@@ -200,7 +201,7 @@ static double mean_force_of_pulse(struct hand_loop *loop)
 static double jerk_of(const struct hand_loop *loop)
 {
     const double beat = 3.141592653589793 * RATE * TRAVEL * PERIOD;
-    double most = 0.0;
+    double max = 0.0;
     for (size_t i = 1000; i < loop->count; i++) {
         const struct hand_moment *now = &loop->track[i], *before = now - 1;
         double change = 0.0, motion = 0.0;
@@ -208,9 +209,9 @@ static double jerk_of(const struct hand_loop *loop)
             change += (now->sent[k] - before->sent[k]) * (now->sent[k] - before->sent[k]);
             motion += (now->at[k] - before->at[k]) * (now->at[k] - before->at[k]);
         }
-        most = fmax(most, sqrt(change) / (loop->stiffness * (beat + sqrt(motion))));
+        max = fmax(max, sqrt(change) / (loop->stiffness * (beat + sqrt(motion))));
     }
-    return most;
+    return max;
 }
 
 /* The least shares of the force that are kept, with the work of the vertices and without; the jerk by mode. */
@@ -236,8 +237,8 @@ static void try_beat(const struct hand_mesh *liver, uint64_t which, uint64_t *se
         jerk[which % MODES] = fmax(jerk[which % MODES], jerk_of(&loop));
         loop.passivity = &def;
         for (loop.is_uncredited = 0; loop.is_uncredited < 2; loop.is_uncredited++) {
-            double *least = &share[loop.is_uncredited];
-            *least = hand_smaller(*least, mean_force_of_pulse(&loop) / without);
+            double *min = &share[loop.is_uncredited];
+            *min = hand_min(*min, mean_force_of_pulse(&loop) / without);
         }
     } else {
         share[0] = NAN;
@@ -250,7 +251,7 @@ static void try_beat(const struct hand_mesh *liver, uint64_t which, uint64_t *se
  * tissue's part is as the force report tells it, or as its own loads and vertices do.
  */
 struct account {
-    double now, least;
+    double now, min;
 };
 
 static void book(struct account *account, const struct hand_device *device, const struct hand_moment *now, double given)
@@ -263,7 +264,7 @@ static void book(struct account *account, const struct hand_device *device, cons
         account->now += damping * by * by * device->rate - now->sent[k] * by;
     }
     account->now = fmin(account->now, now->energy);
-    account->least = fmin(account->least, account->now);
+    account->min = fmin(account->min, account->now);
 }
 
 /* J: the largest force times the largest motion between two samples, what one of them can be off by. */
@@ -296,7 +297,7 @@ static void set_hand(struct hand_device *device, uint64_t hand)
 }
 
 /* The least accounts, in eps: by the force report, by the tissue's own loads, and the library's observer. */
-static void try_yielding(const struct hand_mesh *liver, uint64_t which, uint64_t hand, double least[4])
+static void try_yielding(const struct hand_mesh *liver, uint64_t which, uint64_t hand, double min[4])
 {
     struct hand_place place = { .mesh = liver };
     struct tissue tissue = tissue_on(liver, which);
@@ -325,15 +326,15 @@ static void try_yielding(const struct hand_mesh *liver, uint64_t which, uint64_t
                 book(&own, &loop.device, &loop.track[i], loop.track[i].tissue_work);
                 book(&without, &loop.device, &loop.track[i], 0.0);
             }
-            least[0] = hand_smaller(least[0], told.least / eps);
-            least[1] = hand_smaller(least[1], own.least / eps);
-            least[3] = hand_smaller(least[3], without.least / eps);
-            least[2] = hand_smaller(least[2], hand_loop_account(&loop).account_min / eps);
+            min[0] = hand_min(min[0], told.min / eps);
+            min[1] = hand_min(min[1], own.min / eps);
+            min[3] = hand_min(min[3], without.min / eps);
+            min[2] = hand_min(min[2], hand_loop_account(&loop).account_min / eps);
         } else {
-            least[0] = NAN;
+            min[0] = NAN;
         }
     } else {
-        least[0] = NAN;
+        min[0] = NAN;
     }
     hand_loop_close(&loop);
 }
@@ -343,7 +344,7 @@ static void run_pulse(struct lab *lab)
     struct hand_mesh liver = { .mesh = NULL };
     const uint64_t beats = lab_share(lab, SPEEDS * MODES);
     const uint64_t loops = lab_share(lab, HANDS * SPEEDS * MODES);
-    double share[2] = { HUGE_VAL, HUGE_VAL }, least[4] = { 0.0, 0.0, 0.0, 0.0 };
+    double share[2] = { HUGE_VAL, HUGE_VAL }, min[4] = { 0.0, 0.0, 0.0, 0.0 };
     double jerk[MODES] = { 0.0, 0.0 };
     uint64_t seed = 3;
     if (!hand_mesh_open(&liver, "liver", 1200, 1.0)) {
@@ -353,34 +354,35 @@ static void run_pulse(struct lab *lab)
     for (uint64_t i = 0; i < beats; i++)
         try_beat(&liver, i, &seed, share, jerk);
     for (uint64_t i = 0; i < loops; i++)
-        try_yielding(&liver, i / HANDS, i % HANDS, least);
+        try_yielding(&liver, i / HANDS, i % HANDS, min);
     hand_mesh_close(&liver);
     lab_at_least(lab, "controller", "beating vertices: force, of that without the controller", share[0], "", 0.99);
     lab_note(lab, "controller", "beating vertices: the same, if their work is not credited", share[1], "");
     lab_at_most(lab, "proxy", "interpolated: largest |dF| in a tick, of K |motion|", jerk[0], "", 2.0);
     lab_note(lab, "proxy", "stepped: the same", jerk[1], "");
-    lab_at_least(lab, "proxy", "tissue that gives way: least account, with body_work", least[0], "eps", -2.0);
-    lab_at_least(lab, "proxy", "the same, by its loads and the motion of its vertices", least[1], "eps", -2.0);
-    lab_note(lab, "proxy", "the same, if its work is not counted", least[3], "eps");
-    lab_at_least(lab, "observer", "the same, as dpt_passivity keeps it", least[2], "eps", -2.0);
+    lab_at_least(lab, "proxy", "tissue that gives way: least account, with body_work", min[0], "eps", -2.0);
+    lab_at_least(lab, "proxy", "the same, by its loads and the motion of its vertices", min[1], "eps", -2.0);
+    lab_note(lab, "proxy", "the same, if its work is not counted", min[3], "eps");
+    lab_at_least(lab, "observer", "the same, as dpt_passivity keeps it", min[2], "eps", -2.0);
 }
 
 const struct lab_case pulse_case = {
-    "pulse", "Vertices that move under a held device",
-    "A hand presses a tilted tip on to a liver with 1 N, at the coupling that is chosen for its "
-    "device, and the liver beats by its vertices: a bump goes out by 5 mm at 1.2 Hz, with positions "
-    "from 30, 100, 250 and 1000 Hz, in steps and interpolated. The mean force is compared with and "
-    "without the controller of passivity, which is told the work of moving vertices, or is not. "
-    "Where positions are interpolated, the force may change in a tick by twice what the coupling "
-    "makes of the surface's motion and the device's. "
-    "Then soft and firm hands press and let go, and one holds, on tissue that gives way (the case "
-    "tissue), at the border of Colgate (K T/2 = b) without delay. An account has what hand and "
-    "tissue have put in and not got back, with the device's damping credited, at most the energy "
-    "that the law stores. The tissue's part is the body_work of the force report, or what its own "
-    "loads do on its own vertices. eps is the largest force times the largest motion of a sample.",
-    "Give dpt_passivity_step the body_work of the force report in each step, for vertices as for "
-    "rigid bodies. Where slow physics moves vertices in steps, a step has the work of a whole "
-    "period: raise body_power, or interpolate. A beat is no loop: count the period of "
-    "interpolation as delay only where the tissue gives way.",
-    run_pulse
+    .name = "pulse",
+    .title = "Vertices that move under a held device",
+    .method = "A hand presses a tilted tip on to a liver with 1 N, at the coupling that is chosen for its "
+              "device, and the liver beats by its vertices: a bump goes out by 5 mm at 1.2 Hz, with positions "
+              "from 30, 100, 250 and 1000 Hz, in steps and interpolated. The mean force is compared with and "
+              "without the controller of passivity, which is told the work of moving vertices, or is not. "
+              "Where positions are interpolated, the force may change in a tick by twice what the coupling "
+              "makes of the surface's motion and the device's. "
+              "Then soft and firm hands press and let go, and one holds, on tissue that gives way (the case "
+              "tissue), at the border of Colgate (K T/2 = b) without delay. An account has what hand and "
+              "tissue have put in and not got back, with the device's damping credited, at most the energy "
+              "that the law stores. The tissue's part is the body_work of the force report, or what its own "
+              "loads do on its own vertices. eps is the largest force times the largest motion of a sample.",
+    .advice = "Give dpt_passivity_step the body_work of the force report in each step, for vertices as for "
+              "rigid bodies. Where slow physics moves vertices in steps, a step has the work of a whole "
+              "period: raise body_power, or interpolate. A beat is no loop: count the period of "
+              "interpolation as delay only where the tissue gives way.",
+    .run = run_pulse
 };

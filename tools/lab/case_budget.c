@@ -16,11 +16,11 @@ static int begin_free(struct lab_lead *lead)
     lab_lead_start(lead);
     for (int i = 0; i < 3000 && lead->lead.force.reason != DPT_FORCE_FREE; i++)
         lab_lead_step(lead);
-    lead->tally = (struct lab_tally){ .least_gap = HUGE_VAL };
+    lead->tally = (struct lab_tally){ .gap_min = HUGE_VAL };
     return lead->lead.force.reason == DPT_FORCE_FREE;
 }
 
-/* 5 mm in and along, as force_trial_push does it. */
+/* Push the device 5 mm in and lead it along the surface, as force_trial_push does. */
 static void push_at(struct lab_lead *lead, double tilt, struct lab_tally *sum)
 {
     const double from = 0.004 + LAB_RADIUS, to = LAB_RADIUS - 0.005, down = 1e-4;
@@ -115,7 +115,7 @@ const struct lab_case budget_case = {
 
 /* The stiffest stable coupling against the rate of the loop. */
 
-enum { RATES = 7, LEAST_TICKS = 400 };
+enum { RATES = 7, TICKS_MIN = 400 };
 
 /* Hz; the first two are always tried. */
 static const double rates[RATES] = { 1000, 10000, 250, 5000, 2000, 500, 20000 };
@@ -137,7 +137,7 @@ static double stiffest_at(const struct hand_mesh *liver, int method, double rate
     if (hand_loop_open(&loop) && hand_loop_seek(&loop, liver, &seed, 1e-3 * REFERENCE, &place)) {
         hand_law_find(&loop, &law);
         hand_hold(&loop, &law, 2.0 * limit);
-        const struct hand_search search = hand_search_for_law(&loop, &law, limit, fmax(SECONDS, LEAST_TICKS / rate));
+        const struct hand_search search = hand_search_for_law(&loop, &law, limit, fmax(SECONDS, TICKS_MIN / rate));
         found = hand_stiffest(&loop, &search);
     }
     hand_loop_close(&loop);
@@ -169,16 +169,17 @@ static void run_rate(struct lab *lab)
 }
 
 const struct lab_case rate_case = {
-    "rate", "Stiffness against the rate of the loop",
-    "A tool of 60 mm lies on a liver, held by a hand, on a device of 0.1 kg and 0.5 Ns/m in all "
-    "six directions. Loops run at 250 Hz to 20 kHz without delay. Bisection finds the stiffest "
-    "coupling at which a tap dies away. The encoders have no steps and there is no friction, so "
-    "friction is at least the stiffness times half a step. With the point law, motion stays at "
-    "some stiffnesses and dies away at higher ones, so bisection finds one of several borders.",
-    "A device that can be served at 10 kHz is worth it: it holds ten times the stiffness of one "
-    "at 1 kHz, as long as its delay is short in seconds, too. The steps of the encoders must get "
-    "finer in proportion, or friction larger.",
-    run_rate
+    .name = "rate",
+    .title = "Stiffness against the rate of the loop",
+    .method = "A tool of 60 mm lies on a liver, held by a hand, on a device of 0.1 kg and 0.5 Ns/m in all "
+              "six directions. Loops run at 250 Hz to 20 kHz without delay. Bisection finds the stiffest "
+              "coupling at which a tap dies away. The encoders have no steps and there is no friction, so "
+              "friction is at least the stiffness times half a step. With the point law, motion stays at "
+              "some stiffnesses and dies away at higher ones, so bisection finds one of several borders.",
+    .advice = "A device that can be served at 10 kHz is worth it: it holds ten times the stiffness of one "
+              "at 1 kHz, as long as its delay is short in seconds, too. The steps of the encoders must get "
+              "finer in proportion, or friction larger.",
+    .run = run_rate
 };
 
 /* With a zoom the hand feels another stiffness than the scene has. */
@@ -196,7 +197,7 @@ struct worst {
     double unscaled; /* with that of zoom 1, where the zoom is above the margin of 1.5; the least */
 };
 
-/* A tip on a device without torque. */
+/* The tool is a tip, on a device without torque. */
 static void try_zoom(const struct hand_mesh *mesh, int is_plane, double zoom, struct worst *worst)
 {
     struct hand_place place;
@@ -223,18 +224,18 @@ static void try_zoom(const struct hand_mesh *mesh, int is_plane, double zoom, st
     hand_hold(&loop, &law, zoom * fmax(chosen, unscaled));
     struct hand_search search = hand_search_for_law(&loop, &law, zoom * chosen, ZOOM_SECONDS);
     search.tap.stiffness = law.stiffness[0];
-    worst->felt = hand_greater(worst->felt, fabs(law.stiffness[0] / (zoom * chosen) - 1.0));
+    worst->felt = hand_max(worst->felt, fabs(law.stiffness[0] / (zoom * chosen) - 1.0));
     const double unit = DAMPING / (2.0 * MASS);
-    worst->growth = hand_greater(worst->growth, hand_sway(&loop, &search.tap).growth / unit);
+    worst->growth = hand_max(worst->growth, hand_sway(&loop, &search.tap).growth / unit);
     if (zoom > 1.5) {
         hand_loop_stiffen(&loop, unscaled, 0.0, 0.0);
         search.tap.stiffness = zoom * unscaled;
-        worst->unscaled = hand_smaller(worst->unscaled, hand_sway(&loop, &search.tap).growth / unit);
+        worst->unscaled = hand_min(worst->unscaled, hand_sway(&loop, &search.tap).growth / unit);
     }
     loop.force_scale = 1.0 / zoom;
     hand_loop_return(&loop);
     hand_law_find(&loop, &law);
-    worst->felt = hand_greater(worst->felt, fabs(law.stiffness[0] / loop.stiffness - 1.0));
+    worst->felt = hand_max(worst->felt, fabs(law.stiffness[0] / loop.stiffness - 1.0));
     hand_loop_close(&loop);
 }
 
@@ -261,13 +262,14 @@ static void run_zoom(struct lab *lab)
 }
 
 const struct lab_case zoom_case = {
-    "zoom", "Zoom",
-    "One metre of the hand is 0.5 to 4 m of the scene, and forces are not scaled, or by 1 / zoom. "
-    "The hand feels the stiffness times zoom and scale. The stiffness at the hand is measured by "
-    "differences, on a plane and on a liver. A tap has to die away at the coupling that "
-    "dpt_coupling_for_device chooses for the zoom, and grows at zooms of 2 and 4 if the coupling "
-    "is the one for a zoom of 1.",
-    "Choose the coupling again whenever zoom or force scale change, and tell both to "
-    "dpt_coupling_for_device. A scale of forces of 1 / zoom keeps the stiffness at the hand.",
-    run_zoom
+    .name = "zoom",
+    .title = "Zoom",
+    .method = "One metre of the hand is 0.5 to 4 m of the scene, and forces are not scaled, or by 1 / zoom. "
+              "The hand feels the stiffness times zoom and scale. The stiffness at the hand is measured by "
+              "differences, on a plane and on a liver. A tap has to die away at the coupling that "
+              "dpt_coupling_for_device chooses for the zoom, and grows at zooms of 2 and 4 if the coupling "
+              "is the one for a zoom of 1.",
+    .advice = "Choose the coupling again whenever zoom or force scale change, and tell both to "
+              "dpt_coupling_for_device. A scale of forces of 1 / zoom keeps the stiffness at the hand.",
+    .run = run_zoom
 };

@@ -18,7 +18,7 @@ static const double dampings[DAMPINGS] = { 1.0, 0.5, 2.0, 0.25, 4.0, 0.75, 1.5, 
 #define SECONDS   1.0
 #define REFERENCE 200.0
 
-/* What a map tells of a law. */
+/* The figures of a law's map. */
 struct map {
     const char *chart;
     double share; /* of the limit, that is stable: the least */
@@ -39,7 +39,7 @@ static void try_at(struct lab *lab, const struct hand_mesh *liver, int method, d
         const struct hand_search search = hand_search_for_law(&loop, &law, limit, SECONDS);
         loop.damping = damping * DAMPING;
         const double found = hand_stiffest(&loop, &search);
-        map->share = hand_smaller(map->share, found / limit);
+        map->share = hand_min(map->share, found / limit);
         lab_point_at(lab, map->chart, lab_method_name(method), x, found);
         if (method == LAB_PROXY)
             lab_point_at(lab, map->chart, "limit", x, limit);
@@ -75,16 +75,17 @@ static void run_delay(struct lab *lab)
 }
 
 const struct lab_case delay_case = {
-    "delay", "Stiffness against delay and virtual damping",
-    "A tool of 60 mm lies on a liver, held by a hand, on a device of 0.1 kg and 0.5 Ns/m in all "
-    "six directions, at 1 kHz. For each delay, and for each virtual damping at a delay of one "
-    "period, bisection finds the stiffest coupling at which a tap dies away. It is compared with "
-    "the limit of the sampled system for a spring of the coupling. Bed and point have no virtual damping.",
-    "Shorten the way from sample to command first: one period of delay leaves a third of the "
-    "stiffness, two leave a fifth. Then add virtual damping, within the limit that "
-    "dpt_stable_stiffness tells. A law that pushes at one place of a tool, or at its tip, turns "
-    "the device by a lever, and so holds less.",
-    run_delay
+    .name = "delay",
+    .title = "Stiffness against delay and virtual damping",
+    .method = "A tool of 60 mm lies on a liver, held by a hand, on a device of 0.1 kg and 0.5 Ns/m in all "
+              "six directions, at 1 kHz. For each delay, and for each virtual damping at a delay of one "
+              "period, bisection finds the stiffest coupling at which a tap dies away. It is compared with "
+              "the limit of the sampled system for a spring of the coupling. Bed and point have no virtual damping.",
+    .advice = "Shorten the way from sample to command first: one period of delay leaves a third of the "
+              "stiffness, two leave a fifth. Then add virtual damping, within the limit that "
+              "dpt_stable_stiffness tells. A law that pushes at one place of a tool, or at its tip, turns "
+              "the device by a lever, and so holds less.",
+    .run = run_delay
 };
 
 /* Walls that are too stiff, late and lost samples, and the controller of passivity. */
@@ -102,17 +103,17 @@ enum { STRIDE = 167 };
 /* N: of a weight, at most. */
 #define WEIGHT_MAX 9.0
 
-/* Of the stiffness at the limit. The first one has the margin of 1.5. */
+/* Shares of the stiffness at the limit. The first one has the margin of 1.5. */
 static const double shares[STIFFNESSES] = { 1.0 / 1.5, 1.5, 3.0, 10.0 };
 
-/* N/m and Ns/m; the last one is no hand. */
+/* The hands, in N/m and Ns/m; the last entry stands for no hand. */
 static const double hands[HANDS][2] = { { 2000.0, 2.0 }, { 200.0, 0.0 }, { 20.0, 0.0 }, { 2.0, 0.0 }, { 0.0, 0.0 } };
 
 static const struct fault {
     double jitter, loss, doubled; /* share of a period; shares of samples */
 } faults[FAULTS] = { { 0.0, 0.0, 0.0 }, { 0.2, 0.2, 0.2 }, { 0.2, 0.0, 0.0 }, { 0.0, 0.2, 0.0 }, { 0.0, 0.0, 0.2 } };
 
-/* Over the loops. */
+/* Figures over all loops. */
 struct tally {
     double account;                               /* least, in eps */
     double without;                               /* the same without the controller, where the wall is too stiff */
@@ -135,7 +136,7 @@ static double felt_share(const struct hand_loop *loop, double surface, double *f
     return depth > 0.0 ? sum / depth / loop->stiffness : 1.0;
 }
 
-/* It falls 1 mm on to the wall, and presses it with 1 N, or what a firm hand leaves of the heaviest weight. */
+/* The device falls 1 mm on to the wall, and presses it with 1 N, or what a firm hand leaves of the heaviest weight. */
 static void try_loop(const struct hand_place *plane, uint64_t which, struct tally *tally)
 {
     const int s = (int)(which % STIFFNESSES), h = (int)(which / STIFFNESSES % HANDS);
@@ -178,8 +179,8 @@ static void try_loop(const struct hand_place *plane, uint64_t which, struct tall
             }
             const dpt_passivity_info info = hand_loop_account(&loop);
             const double share = felt_share(&loop, -LIFT, &force);
-            double *least = is_on ? &tally->account : &tally->without;
-            *least = hand_smaller(*least, info.account_min / info.eps);
+            double *min = is_on ? &tally->account : &tally->without;
+            *min = hand_min(*min, info.account_min / info.eps);
             if (s == 0 && is_sound) {
                 tally->force[is_on] += force;
                 tally->acted += info.acted;
@@ -225,24 +226,25 @@ static void run_late(struct lab *lab)
 }
 
 const struct lab_case late_case = {
-    "late", "Too stiff, late and lost",
-    "A device of 0.1 kg and 0.5 Ns/m at 1 kHz falls on to a plane and is held there, by hands of "
-    "2000 N/m down to none. The wall has 1/1.5 to 10 times the stiffness at the limit, delays are "
-    "0 to 3 periods, and jitter of 0.2 periods, 20 per cent of lost and of doubled samples come "
-    "one by one and together, with and without the guard's slew. The controller of passivity is "
-    "on, or only observes. What it costs is told by the mean force over the mean depth in the "
-    "wall, which is the stiffness that is felt.",
-    "Leave the controller on, and tell it the device's damping and delay. It costs nothing where "
-    "the coupling has its margin, and makes a wall that is too stiff rough instead of dangerous. "
-    "It is no substitute for a coupling that fits.",
-    run_late
+    .name = "late",
+    .title = "Too stiff, late and lost",
+    .method = "A device of 0.1 kg and 0.5 Ns/m at 1 kHz falls on to a plane and is held there, by hands of "
+              "2000 N/m down to none. The wall has 1/1.5 to 10 times the stiffness at the limit, delays are "
+              "0 to 3 periods, and jitter of 0.2 periods, 20 per cent of lost and of doubled samples come "
+              "one by one and together, with and without the guard's slew. The controller of passivity is "
+              "on, or only observes. What it costs is told by the mean force over the mean depth in the "
+              "wall, which is the stiffness that is felt.",
+    .advice = "Leave the controller on, and tell it the device's damping and delay. It costs nothing where "
+              "the coupling has its margin, and makes a wall that is too stiff rough instead of dangerous. "
+              "It is no substitute for a coupling that fits.",
+    .run = run_late
 };
 
 /* A device that is served some time after its samples. */
 
 enum { PHASES = 6 };
 
-/* Of a period; the first ones are due first. */
+/* Shares of a period; the first ones are due first. */
 static const double phases[PHASES] = { 0.1, 0.5, 0.0, 0.2, 0.3, 0.4 };
 
 #define PHASE_SECONDS 1.2
@@ -278,7 +280,7 @@ static void run_phase(struct lab *lab)
     for (uint64_t i = 0; i < count; i++) {
         const double limit = dpt_stable_stiffness(MASS, DAMPING, PERIOD, phases[i] * PERIOD, 0.0);
         found[i] = stiffest_at(&plane, phases[i], limit);
-        off = hand_greater(off, fabs(found[i] / limit - 1.0));
+        off = hand_max(off, fabs(found[i] / limit - 1.0));
         lab_point_at(lab, "stability-phase", "proxy", phases[i], found[i]);
         lab_point_at(lab, "stability-phase", "limit", phases[i], limit);
     }
@@ -289,11 +291,12 @@ static void run_phase(struct lab *lab)
 }
 
 const struct lab_case phase_case = {
-    "phase", "Serving a device after its sample",
-    "A device of 0.1 kg and 0.5 Ns/m at 1 kHz gets the force for a sample 0 to 0.5 periods after "
-    "it took that sample, as it does if the host runs on a clock of its own. The stiffest stable "
-    "wall is found by bisection, and compared with the limit of the sampled system.",
-    "Serve a device right after its sample arrives: leave the rate of dpt_loop_def at 0. A host "
-    "that comes half a period late has half the stiffness.",
-    run_phase
+    .name = "phase",
+    .title = "Serving a device after its sample",
+    .method = "A device of 0.1 kg and 0.5 Ns/m at 1 kHz gets the force for a sample 0 to 0.5 periods after "
+              "it took that sample, as it does if the host runs on a clock of its own. The stiffest stable "
+              "wall is found by bisection, and compared with the limit of the sampled system.",
+    .advice = "Serve a device right after its sample arrives: leave the rate of dpt_loop_def at 0. A host "
+              "that comes half a period late has half the stiffness.",
+    .run = run_phase
 };

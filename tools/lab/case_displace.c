@@ -8,7 +8,7 @@
 #include "lab/hand_loop.h"
 #include "lab/lab.h"
 
-enum { MESHES = 4, WAYS = 2, SETTLING = 400, TICKS = 2048, FEW = 512, STRIP = 4096 };
+enum { MESHES = 4, RESPONSES = 2, SETTLING = 400, TICKS = 2048, FEW = 512, STRIP = 4096 };
 
 #define RADIUS    0.005
 #define LENGTH    0.08
@@ -17,7 +17,7 @@ enum { MESHES = 4, WAYS = 2, SETTLING = 400, TICKS = 2048, FEW = 512, STRIP = 40
 #define STIFFNESS 500.0
 #define CUT       100.0 /* Hz */
 
-/* Without mass: nothing but the tool moves it at once. */
+/* The membrane has no mass: only the tool moves it. */
 static const struct tissue_matter matter = { 1e5, 30.0, 5e3, 0.0 };
 
 /* Cells across a membrane of 0.1 m: edges of a half, the whole, 0.7 and 1.4 of the pin's radius. */
@@ -25,7 +25,7 @@ static const uint32_t cells[MESHES] = { 40, 20, 28, 14 };
 #define SIDE 0.1
 
 /* Which triangles are moved out of the pin. */
-enum way { ALONE, ALL };
+enum response { ALONE, ALL };
 
 /* Of a drag: the largest jump in a tick, and root of the mean square above 100 Hz, of the mean force; and N. */
 struct jitter {
@@ -42,7 +42,7 @@ struct drag {
     int ticks;
 };
 
-static int open_drag(struct drag *drag, const struct hand_mesh *mesh, int method, enum way way)
+static int open_drag(struct drag *drag, const struct hand_mesh *mesh, int method, enum response response)
 {
     const dpt_segment pin = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, LENGTH }, RADIUS };
     dpt_tool_settings settings = { .size = sizeof settings };
@@ -55,7 +55,7 @@ static int open_drag(struct drag *drag, const struct hand_mesh *mesh, int method
     def.max_contacts = LAB_CONTACTS;
     def.max_bodies = def.max_tools = def.max_segments = 1;
     *drag = (struct drag){ .tissue = { .mesh = mesh->mesh, .matter = matter, .ticks = 1 } };
-    drag->tissue.response = way == ALL ? DPT_RESPONSE_DISPLACE : DPT_RESPONSE_LOAD;
+    drag->tissue.response = response == ALL ? DPT_RESPONSE_DISPLACE : DPT_RESPONSE_LOAD;
     drag->tissue.is_led = 1;
     const size_t bytes = dpt_world_bytes(&def);
     drag->block = malloc(bytes);
@@ -110,7 +110,7 @@ static void place_pin(struct drag *drag, int tick)
         dpt_tool_teleport(drag->world, drag->tool, &pose);
 }
 
-static void run_drag(struct drag *drag, enum way way)
+static void run_drag(struct drag *drag, enum response response)
 {
     for (int tick = 0; tick < SETTLING + drag->ticks; tick++) {
         dpt_wrench wrench;
@@ -118,7 +118,7 @@ static void run_drag(struct drag *drag, enum way way)
         tissue_advance(&drag->tissue);
         dpt_world_step(drag->world, TISSUE_TICK, NULL);
         dpt_tool_get_wrench(drag->world, drag->tool, &wrench);
-        if (way == ALONE)
+        if (response == ALONE)
             move_nearest(drag);
         if (tick >= SETTLING)
             memcpy(drag->force[tick - SETTLING], wrench.force, sizeof wrench.force);
@@ -174,13 +174,13 @@ static struct jitter jitter_of(const struct drag *drag)
     return jitter;
 }
 
-static struct jitter drag_pin(const struct hand_mesh *mesh, int method, enum way way, int ticks)
+static struct jitter drag_pin(const struct hand_mesh *mesh, int method, enum response response, int ticks)
 {
     struct jitter jitter = { NAN, NAN, NAN };
     struct drag drag;
-    if (open_drag(&drag, mesh, method, way)) {
+    if (open_drag(&drag, mesh, method, response)) {
         drag.ticks = ticks;
-        run_drag(&drag, way);
+        run_drag(&drag, response);
         if (!drag.tissue.has_failed)
             jitter = jitter_of(&drag);
     }
@@ -190,7 +190,7 @@ static struct jitter drag_pin(const struct hand_mesh *mesh, int method, enum way
 
 /* Figures of the mesh whose edges are half of the pin's radius, and of that whose edges are as long. */
 static const struct words {
-    const char *jump[WAYS], *noise[WAYS], *less_jump, *less_noise;
+    const char *jump[RESPONSES], *noise[RESPONSES], *less_jump, *less_noise;
 } words[2] = { { { "edges of r/2, nearest alone: largest jump, of the mean force",
                    "edges of r/2, strip: largest jump, of the mean force" },
                  { "edges of r/2, nearest alone: rms above 100 Hz, of the mean force",
@@ -204,9 +204,9 @@ static const struct words {
                  "edges of r: jump with the strip, of that with the nearest alone",
                  "edges of r: rms with the strip, of that with the nearest alone" } };
 
-static void try_mesh(struct lab *lab, int which, int method, struct jitter seen[WAYS])
+static void try_mesh(struct lab *lab, int which, int method, struct jitter seen[RESPONSES])
 {
-    static const char *const names[WAYS] = { "nearest alone", "strip" };
+    static const char *const names[RESPONSES] = { "nearest alone", "strip" };
     struct hand_mesh membrane = { .mesh = NULL };
     const uint64_t count = cells[which];
     const int ticks = lab->effort < 0.5 ? FEW : TICKS;
@@ -214,17 +214,18 @@ static void try_mesh(struct lab *lab, int which, int method, struct jitter seen[
         lab->is_out_of_memory = 1;
         return;
     }
-    for (int way = 0; way < WAYS; way++) {
-        seen[way] = drag_pin(&membrane, method, (enum way)way, ticks);
+    for (int response = 0; response < RESPONSES; response++) {
+        seen[response] = drag_pin(&membrane, method, (enum response)response, ticks);
         if (method == LAB_POINT)
-            lab_point_at(lab, "stability-displace", names[way], 1e3 * SIDE / (double)cells[which], seen[way].noise);
+            lab_point_at(lab, "stability-displace", names[response], 1e3 * SIDE / (double)cells[which],
+                         seen[response].noise);
     }
     hand_mesh_close(&membrane);
     if (which > 1)
         return;
-    for (int way = 0; way < WAYS; way++) {
-        lab_note(lab, lab_method_name(method), words[which].jump[way], seen[way].jump, "");
-        lab_note(lab, lab_method_name(method), words[which].noise[way], seen[way].noise, "");
+    for (int response = 0; response < RESPONSES; response++) {
+        lab_note(lab, lab_method_name(method), words[which].jump[response], seen[response].jump, "");
+        lab_note(lab, lab_method_name(method), words[which].noise[response], seen[response].noise, "");
     }
 }
 
@@ -232,16 +233,16 @@ static void try_mesh(struct lab *lab, int which, int method, struct jitter seen[
 static void run(struct lab *lab)
 {
     const int due = (int)lab_share(lab, MESHES);
-    struct jitter seen[MESHES][WAYS], bed[WAYS];
+    struct jitter seen[MESHES][RESPONSES], bed[RESPONSES];
     for (int which = 0; which < due && !lab->is_out_of_memory; which++)
         try_mesh(lab, which, LAB_POINT, seen[which]);
     if (lab->is_out_of_memory)
         return;
     try_mesh(lab, 0, LAB_BED, bed);
     lab_at_most(lab, "strip", words[0].less_jump,
-                hand_greater(seen[0][ALL].jump / seen[0][ALONE].jump, bed[ALL].jump / bed[ALONE].jump), "", 0.9);
+                hand_max(seen[0][ALL].jump / seen[0][ALONE].jump, bed[ALL].jump / bed[ALONE].jump), "", 0.9);
     lab_at_most(lab, "strip", words[0].less_noise,
-                hand_greater(seen[0][ALL].noise / seen[0][ALONE].noise, bed[ALL].noise / bed[ALONE].noise), "", 0.5);
+                hand_max(seen[0][ALL].noise / seen[0][ALONE].noise, bed[ALL].noise / bed[ALONE].noise), "", 0.5);
     if (due < 2)
         return;
     lab_note(lab, "strip", words[1].less_jump, seen[1][ALL].jump / seen[1][ALONE].jump, "");
@@ -253,17 +254,19 @@ static void run(struct lab *lab)
 }
 
 const struct lab_case displace_case = {
-    "displace", "A pin is dragged, and the surface moved out of its way",
-    "An upright pin of r = 5 mm is dragged 5 mm deep over a membrane at 20 mm/s, at 1 kHz, with the "
-    "laws point and bed. After each step triangles are moved out of the pin: the nearest alone, "
-    "done outside of the library as a method without a strip does it, or all of the strip "
-    "(DPT_RESPONSE_DISPLACE). Then the membrane springs back for a tick. Told is the largest change "
-    "of the force in a tick, and the root of the mean square of what it has above 100 Hz. The strip "
-    "has to take away half of that, and a tenth of the largest jump, where edges are half as long "
-    "as the radius. Where they are as long, a pin touches one triangle at a time, and there is nothing to gain.",
-    "Displace with triangles of at most half of the tool's radius, or better hand loads to a physics: "
-    "the force of displaced triangles is that of what springs back in a tick. It jumps wherever the "
-    "pin leaves a triangle, and is larger on a finer mesh. With edges longer than the radius the "
-    "strip makes more noise than the nearest triangle alone.",
-    run
+    .name = "displace",
+    .title = "A pin is dragged, and the surface moved out of its way",
+    .method =
+        "An upright pin of r = 5 mm is dragged 5 mm deep over a membrane at 20 mm/s, at 1 kHz, with the "
+        "laws point and bed. After each step triangles are moved out of the pin: the nearest alone, "
+        "done outside of the library as a method without a strip does it, or all of the strip "
+        "(DPT_RESPONSE_DISPLACE). Then the membrane springs back for a tick. Told is the largest change "
+        "of the force in a tick, and the root of the mean square of what it has above 100 Hz. The strip "
+        "has to take away half of that, and a tenth of the largest jump, where edges are half as long "
+        "as the radius. Where they are as long, a pin touches one triangle at a time, and there is nothing to gain.",
+    .advice = "Displace with triangles of at most half of the tool's radius, or better hand loads to a physics: "
+              "the force of displaced triangles is that of what springs back in a tick. It jumps wherever the "
+              "pin leaves a triangle, and is larger on a finer mesh. With edges longer than the radius the "
+              "strip makes more noise than the nearest triangle alone.",
+    .run = run
 };

@@ -15,7 +15,7 @@ enum { HANDS = 4, TOOLS = 2, MESHES = 2, DAMPINGS = 3, STEPS = 3 };
  * the largest motion between two samples: what one sample can be off by.
  */
 struct account {
-    double now, least, eps;
+    double now, min, eps;
 };
 
 #define MASS    0.1
@@ -62,7 +62,7 @@ static struct account account_of(const struct hand_loop *loop)
             sent += now->sent[k] * now->sent[k] / (unit * unit);
         }
         account.now = fmin(account.now, now->energy);
-        account.least = fmin(account.least, account.now);
+        account.min = fmin(account.min, account.now);
         motion = fmax(motion, sqrt(moved));
         force = fmax(force, sqrt(sent));
     }
@@ -93,8 +93,8 @@ static void try_loop(const struct hand_mesh *mesh, const struct hand_loop *as, i
         hand_loop_lift(&loop, 0.002);
         if (hand_loop_run(&loop, TICKS)) {
             const struct account seen = account_of(&loop);
-            *account = hand_smaller(*account, seen.least / seen.eps);
-            *observer = hand_smaller(*observer, hand_loop_account(&loop).account_min / seen.eps);
+            *account = hand_min(*account, seen.min / seen.eps);
+            *observer = hand_min(*observer, hand_loop_account(&loop).account_min / seen.eps);
         } else {
             *account = NAN;
         }
@@ -167,19 +167,20 @@ static void run(struct lab *lab)
 }
 
 const struct lab_case energy_case = {
-    "energy", "Energy on the borders of passivity",
-    "Firm and soft hands press a ball and a lying tool into a plane and a liver and let go, and "
-    "the device falls on to them without a hand, at 1 kHz without delay. The stiffness is that of "
-    "Colgate (K T/2 + B = b), with virtual damping of 0 to half the device's, or with steps of "
-    "encoders and friction that of Abbott and Okamura (the smaller of 2 b/T and 2 f_c/D). An "
-    "account holds what the hand has put in and not got back, with all damping and friction of "
-    "the device credited, at most the energy that the law stores. A passive law never takes it "
-    "below what one sample can be off by: eps, the largest force times the largest motion. The "
-    "point law has no energy. The bed feels up to twice as stiff as it is set, and a ball at the "
-    "tip turns the device by a lever.",
-    "If a device must be passive with every hand, stay below the smaller of 2 (b - B)/T and 2 "
-    "f_c/D, and keep delay away. The proxy gives back no more than that bound of a plain spring says.",
-    run
+    .name = "energy",
+    .title = "Energy on the borders of passivity",
+    .method = "Firm and soft hands press a ball and a lying tool into a plane and a liver and let go, and "
+              "the device falls on to them without a hand, at 1 kHz without delay. The stiffness is that of "
+              "Colgate (K T/2 + B = b), with virtual damping of 0 to half the device's, or with steps of "
+              "encoders and friction that of Abbott and Okamura (the smaller of 2 b/T and 2 f_c/D). An "
+              "account holds what the hand has put in and not got back, with all damping and friction of "
+              "the device credited, at most the energy that the law stores. A passive law never takes it "
+              "below what one sample can be off by: eps, the largest force times the largest motion. The "
+              "point law has no energy. The bed feels up to twice as stiff as it is set, and a ball at the "
+              "tip turns the device by a lever.",
+    .advice = "If a device must be passive with every hand, stay below the smaller of 2 (b - B)/T and 2 "
+              "f_c/D, and keep delay away. The proxy gives back no more than that bound of a plain spring says.",
+    .run = run
 };
 
 /* Energy: net work over closed paths, and an hour of the same motion. */
@@ -199,8 +200,8 @@ static void go_round_paths(struct lab *lab, int method, const dpt_mesh *mesh, st
         }
         worst->paths += result.paths;
         worst->emitting += result.emitting;
-        worst->most_emitted = fmax(worst->most_emitted, result.most_emitted);
-        worst->most_lost = fmax(worst->most_lost, result.most_lost);
+        worst->emitted_max = fmax(worst->emitted_max, result.emitted_max);
+        worst->lost_max = fmax(worst->lost_max, result.lost_max);
     }
 }
 
@@ -220,14 +221,14 @@ static void run_work(struct lab *lab)
     for (int method = 0; method < LAB_METHODS; method++) {
         const char *name = lab_method_name(method);
         const struct path_result *result = &worst[method];
-        lab_at_most(lab, name, "most energy given on a closed path, of its range", 100.0 * result->most_emitted, "%",
+        lab_at_most(lab, name, "most energy given on a closed path, of its range", 100.0 * result->emitted_max, "%",
                     0.1);
         lab_at_most(lab, name, "closed paths that give more than 0.1 % of it",
                     lab_per_cent(result->emitting, result->paths), "%", 0.0);
         if (method == LAB_PROXY)
-            lab_at_most(lab, name, "most energy lost on a path without a fold", 100.0 * result->most_lost, "%", 5.0);
+            lab_at_most(lab, name, "most energy lost on a path without a fold", 100.0 * result->lost_max, "%", 5.0);
         else
-            lab_note(lab, name, "most energy lost on a path without a fold", 100.0 * result->most_lost, "%");
+            lab_note(lab, name, "most energy lost on a path without a fold", 100.0 * result->lost_max, "%");
         lab_note(lab, name, "closed paths", (double)result->paths, "");
     }
 }
@@ -266,7 +267,7 @@ struct hour {
     double force[LAP][3]; /* of the second lap */
     double drift;         /* N, the largest */
     double work;          /* J, of the lap */
-    double most_given;    /* J, of a lap */
+    double given_max;     /* J, of a lap */
     double energy;        /* J, the largest */
     double units;         /* that the lap took */
     double first_units;   /* that the second lap took */
@@ -292,7 +293,7 @@ static void tally_tick(struct hour *hour, const struct lab_lead *lead, uint64_t 
 
 static void go_round(struct hour *hour, struct lab_lead *lead, const struct place *place, uint64_t laps)
 {
-    *hour = (struct hour){ .most_given = -HUGE_VAL };
+    *hour = (struct hour){ .given_max = -HUGE_VAL };
     aim_on_lap(lead, place, 0);
     lab_lead_start(lead);
     for (uint64_t lap = 0; lap < laps; lap++) {
@@ -303,7 +304,7 @@ static void go_round(struct hour *hour, struct lab_lead *lead, const struct plac
             tally_tick(hour, lead, lap, phase);
         }
         if (lap > 0)
-            hour->most_given = fmax(hour->most_given, hour->work);
+            hour->given_max = fmax(hour->given_max, hour->work);
         if (lap == 1)
             hour->first_units = hour->units;
     }
@@ -316,7 +317,7 @@ static void note_hour(struct lab *lab, int method, const struct lab_lead *lead, 
     lab_at_most(lab, name, "drift of the force at the same phase, of its peak",
                 100.0 * hour->drift / lead->tally.largest, "%", 1.0);
     if (method != LAB_POINT)
-        lab_at_most(lab, name, "most energy given in a lap, of its range", 100.0 * hour->most_given / hour->energy, "%",
+        lab_at_most(lab, name, "most energy given in a lap, of its range", 100.0 * hour->given_max / hour->energy, "%",
                     0.1);
     lab_at_most(lab, name, "work of the last lap, of the second one", hour->units / hour->first_units, "", 1.01);
     lab_tally_note(lab, method, &lead->tally);

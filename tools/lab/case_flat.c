@@ -20,7 +20,7 @@ static void aim_middle(struct lab_lead *lead, const double *x, const double *axi
     lab_lead_aim(lead, tip, axis);
 }
 
-/* Down from the open at 0.05 m/s, then held with a tremor. */
+/* Lower the tool at 0.05 m/s, then hold it with a tremor. */
 static void hold_with_tremor(struct lab *lab, struct lab_lead *lead, const double *x, const double *out,
                              const double *axis, double depth)
 {
@@ -97,7 +97,7 @@ static void rock(struct lab_lead *lead, double depth, struct lab *lab, const cha
         aim_middle(lead, x, axis);
         lab_lead_tick(lead, i == 0);
     }
-    lead->tally = (struct lab_tally){ .least_gap = HUGE_VAL };
+    lead->tally = (struct lab_tally){ .gap_min = HUGE_VAL };
     for (int i = 1; i <= ticks; i++) {
         const double angle = LAB_DEGREE * sin(6.283185307179586 * i / period);
         const double axis[3] = { cos(angle), 0.0, sin(angle) };
@@ -148,7 +148,7 @@ const struct lab_case rocking_case = {
     .run = run_rocking
 };
 
-/* What a tip at this tilt from the normal is felt as, by the formula, N/m. */
+/* The stiffness of a tip at this tilt from the normal, by the formula, N/m. */
 static double felt_by_formula(double tilt)
 {
     const double lever = 0.5 * LAB_LENGTH * sin(tilt);
@@ -156,7 +156,7 @@ static double felt_by_formula(double tilt)
     return 1.0 / (1.0 / LAB_STIFFNESS + lever * lever / turning);
 }
 
-/* Of a tool that is pressed in by a little, over its depth and the clearance, N/m. */
+/* The measured stiffness of a tool that is pressed in a little: its force over its depth and the clearance, N/m. */
 static double felt_at(struct lab_lead *lead, double tilt, double depth)
 {
     const double axis[3] = { sin(tilt), 0.0, cos(tilt) };

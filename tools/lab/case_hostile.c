@@ -47,8 +47,9 @@ static double slide_over(struct lab *lab, struct lab_lead *lead, const double *a
 static void run_slivers(struct lab *lab)
 {
     const int columns = 360;
+    const struct lab_net net = { 2, (uint32_t)columns, slivered, &columns };
     struct lab_mesh plane;
-    if (!lab_mesh_net(lab, &plane, 2, (uint32_t)columns, slivered, &columns))
+    if (!lab_mesh_net(lab, &plane, &net))
         return;
     for (int method = 0; method < LAB_METHODS; method++) {
         const struct lab_lead_def def = { .method = method, .meshes = { plane.mesh } };
@@ -194,15 +195,15 @@ static void slide_at_scale(struct lab *lab, struct lab_lead *lead, double unit, 
     const double *const axes[2] = { along_x, leaning };
     struct lab_tally sum = { .ticks = 0 };
     *felt = 0.0;
-    for (int way = 0; way < 2; way++) {
+    for (int axis = 0; axis < 2; axis++) {
         for (int i = 0; i <= ticks; i++) {
             const double t = 6.283185307179586 * i / 2000.0;
             const double share = fmin(1.0, (double)i / down);
             const double tip[3] = { unit * (-0.05 + 0.02 * sin(t)), unit * 0.02 * sin(3.0 * t),
                                     unit * (LAB_RADIUS + 2e-4 - (2e-4 + depth) * share) };
-            lab_lead_aim(lead, tip, axes[way]);
+            lab_lead_aim(lead, tip, axes[axis]);
             lab_lead_tick(lead, i == 0);
-            if (!way && i > down + 5)
+            if (!axis && i > down + 5)
                 *felt = fmax(*felt, fabs(lab_lead_force(lead)[2] / (LAB_STIFFNESS * unit * depth) - 1.0));
         }
         lab_tally_add(&sum, &lead->tally);
@@ -250,7 +251,7 @@ static void run_scale(struct lab *lab)
                 if (lead.tally.shallow)
                     lab_at_most(lab, name, sizes[i].gain, lead.tally.gain, "", 1.25);
                 if (lab_has_proxy(method))
-                    lab_at_most(lab, name, sizes[i].gap, fmax(0.0, -lead.tally.least_gap / block.diagonal), "", 0.0);
+                    lab_at_most(lab, name, sizes[i].gap, fmax(0.0, -lead.tally.gap_min / block.diagonal), "", 0.0);
             }
             lab_lead_close(&lead);
         }

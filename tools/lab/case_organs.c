@@ -23,7 +23,7 @@ struct tally {
     uint64_t loops, growing, growing_beyond, uneven;
 };
 
-/* At 0.97 of its limit along each direction, and beyond it along the stiffest. */
+/* Try the coupling at 0.97 of its limit along each direction, and beyond the limit along the stiffest. */
 static void try_loop(struct hand_loop *loop, double limit, struct tally *tally)
 {
     struct hand_law law;
@@ -37,7 +37,7 @@ static void try_loop(struct hand_loop *loop, double limit, struct tally *tally)
     for (int n = 0; n < law.axes && !grows; n++) {
         struct hand_search search = hand_search_for_law(loop, &law, limit, SECONDS);
         for (int k = 0; k < HAND_AXES; k++)
-            search.tap.way[k] = law.way[n][k];
+            search.tap.direction[k] = law.direction[n][k];
         search.tap.stiffness = law.stiffness[n] / law.stiffness[0] * 0.97 * limit;
         grows = !hand_sway(loop, &search.tap).is_stable;
     }
@@ -88,15 +88,16 @@ static void run(struct lab *lab)
 }
 
 const struct lab_case organs_case = {
-    "organs", "Tools that a hand holds on an organ",
-    "A tool of 60 mm lies on a liver of 10,000 triangles, or stands on its tip. The hand holds it "
-    "by a spring and presses it 1 mm deep. The law is linearised there by differences. The "
-    "coupling is set to 0.97 of the stiffness at which the sampled loop is at its limit along the "
-    "stiffest of six directions. The tool is tapped along each of them, and its motion has to die "
-    "away. At 1.1 limits it has to grow.",
-    "What limits a coupling is the stiffest direction that a contact makes, with turns counted. "
-    "Leave the margin of 1.5 that dpt_coupling_for_device has for the directions that it cannot know.",
-    run
+    .name = "organs",
+    .title = "Tools that a hand holds on an organ",
+    .method = "A tool of 60 mm lies on a liver of 10,000 triangles, or stands on its tip. The hand holds it "
+              "by a spring and presses it 1 mm deep. The law is linearised there by differences. The "
+              "coupling is set to 0.97 of the stiffness at which the sampled loop is at its limit along the "
+              "stiffest of six directions. The tool is tapped along each of them, and its motion has to die "
+              "away. At 1.1 limits it has to grow.",
+    .advice = "What limits a coupling is the stiffest direction that a contact makes, with turns counted. "
+              "Leave the margin of 1.5 that dpt_coupling_for_device has for the directions that it cannot know.",
+    .run = run
 };
 
 /* A needle over spikes, and one held through an organ: the trials of `dynpoint force-test`, method by method. */
@@ -181,7 +182,7 @@ static int make_wall(struct lab *lab, struct lab_mesh *mesh, double thickness)
                            : lab_mesh_shape(lab, mesh, "membrane", 512);
 }
 
-/* From 20 mm above to 15 mm beyond the far side at a speed, and held there: 1 if nothing pushes it back. */
+/* Lead the tool from 20 mm above to 15 mm beyond the far side, and hold it: 1 if nothing pushes it back. */
 static int goes_through(struct lab_lead *lead, double thickness, double speed, double lean)
 {
     const double down = speed * LEAD_DT, to = -thickness - 0.015, from = 0.02;
@@ -225,12 +226,12 @@ static void cross(struct lab *lab, double thickness, const char *what)
     lab_mesh_close(&wall);
 }
 
-/* The most that it is pushed back with, N, until that collapses or the depth ends. */
+/* The largest force that pushes the tool back, N, until the force collapses or the depth ends. */
 static double pop_force(struct lab_lead *lead, const double *axis, double x, double depth_max)
 {
     const double down = 5e-5;
     const int ticks = (int)((depth_max + 0.001) / down) + 1;
-    double most = 0.0;
+    double max = 0.0;
     int is_through = 0;
     lab_lead_calm(lead);
     for (int i = 0; i < ticks && !is_through; i++) {
@@ -238,16 +239,16 @@ static double pop_force(struct lab_lead *lead, const double *axis, double x, dou
         lab_lead_aim(lead, tip, axis);
         lab_lead_tick(lead, i == 0);
         const double force = lab_lead_force(lead)[2];
-        most = fmax(most, force);
-        is_through = force < 0.5 * most && most > SMALL_FORCE;
+        max = fmax(max, force);
+        is_through = force < 0.5 * max && max > SMALL_FORCE;
     }
-    return most;
+    return max;
 }
 
 static void push_quasi_statically(struct lab *lab)
 {
     static const double thicknesses[] = { 0.0, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02 };
-    double least[LAB_METHODS] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL }, free_tip = HUGE_VAL;
+    double min[LAB_METHODS] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL }, free_tip = HUGE_VAL;
     double locked_tip = HUGE_VAL;
     const double tilted[3] = { 0.1, 0.0, 1.0 };
     for (int i = 0; i < 8; i++) {
@@ -260,7 +261,7 @@ static void push_quasi_statically(struct lab *lab)
             if (lab_lead_open(lab, &lead, &def)) {
                 const double force = pop_force(&lead, lying, -0.05, 0.101);
                 lab_point_at(lab, "stability-thinsheet", lab_method_name(method), 1e3 * thicknesses[i], force);
-                least[method] = fmin(least[method], force);
+                min[method] = fmin(min[method], force);
                 if (method == LAB_PROXY)
                     free_tip = fmin(free_tip, pop_force(&lead, tilted, 0.0, 0.101));
             }
@@ -275,7 +276,7 @@ static void push_quasi_statically(struct lab *lab)
     }
     for (int method = 0; method < LAB_METHODS; method++)
         lab_at_least(lab, lab_method_name(method), "least force that a lying tool goes through with, up to 50 N",
-                     least[method], "N", 50.0);
+                     min[method], "N", 50.0);
     lab_note(lab, "proxy", "force at which a tip 6 degrees off upright tips over, through it", free_tip, "N");
     lab_at_least(lab, "proxy", "the same with lock_rotation, up to 50 N", locked_tip, "N", 50.0);
 }
@@ -305,7 +306,7 @@ const struct lab_case thinsheet_case = {
     .run = run_thinsheet
 };
 
-/* To and fro across the border x = 0.1 of the sheet, pressed in. */
+/* Lead the pressed tool to and fro across the border x = 0.1 of the sheet. */
 static void cross_border(struct lab *lab, struct lab_lead *lead, const double *axis, double x, double depth)
 {
     const double step = 1e-4, swing = 0.03;

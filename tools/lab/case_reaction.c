@@ -56,10 +56,10 @@ static void weigh(const struct hand_loop *loop, dpt_load *loads, struct tally *t
         }
     }
     const int is_fading = (report.flags & DPT_FORCE_FLAG_FADING) != 0;
-    double *most = is_fading ? &tally->fading_force : &tally->force;
-    *most = hand_greater(*most, vec3_length(force));
-    most = is_fading ? &tally->fading_moment : &tally->moment;
-    *most = hand_greater(*most, vec3_length(moment));
+    double *max = is_fading ? &tally->fading_force : &tally->force;
+    *max = hand_max(*max, vec3_length(force));
+    max = is_fading ? &tally->fading_moment : &tally->moment;
+    *max = hand_max(*max, vec3_length(moment));
     tally->fading += (uint64_t)is_fading;
 }
 
@@ -153,12 +153,14 @@ static void run(struct lab *lab)
 }
 
 const struct lab_case reaction_case = {
-    "reaction", "Loads and wrench sum up to zero",
-    "A tool, tilted or lying, is pressed into an organ that gives way (the case tissue), slides by "
-    "30 mm and rocks, with friction of 0.6, a damper of 0.3 Ns/m and a surface of 800 N/m, at "
-    "physics of 30 and 250 Hz, in steps and interpolated. Six times it leaps by 1.3 rad, which no "
-    "proxy follows: it starts again there, and its force fades. In each tick the loads of "
-    "dpt_body_get_loads and the wrench of dpt_tool_get_force_info are summed up, and their "
-    "moments about the tool's origin.",
-    "Take the loads right after the step whose wrench the hand gets, and scale them if a guard sends less.", run
+    .name = "reaction",
+    .title = "Loads and wrench sum up to zero",
+    .method = "A tool, tilted or lying, is pressed into an organ that gives way (the case tissue), slides by "
+              "30 mm and rocks, with friction of 0.6, a damper of 0.3 Ns/m and a surface of 800 N/m, at "
+              "physics of 30 and 250 Hz, in steps and interpolated. Six times it leaps by 1.3 rad, which no "
+              "proxy follows: it starts again there, and its force fades. In each tick the loads of "
+              "dpt_body_get_loads and the wrench of dpt_tool_get_force_info are summed up, and their "
+              "moments about the tool's origin.",
+    .advice = "Take the loads right after the step whose wrench the hand gets, and scale them if a guard sends less.",
+    .run = run
 };

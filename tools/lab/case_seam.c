@@ -26,7 +26,7 @@ static void close_pair(struct lab_mesh pair[2])
     lab_mesh_close(&pair[1]);
 }
 
-/* To and fro in the slot, turning, with a tremor. */
+/* Lead the tool to and fro in the slot, turning, with a tremor. */
 static void sway(struct lab *lab, struct lab_lead *lead, double wide)
 {
     const int ticks = 1000 * (int)lab_share(lab, 10);
@@ -80,7 +80,7 @@ const struct lab_case slot_case = {
     .run = run_slot
 };
 
-/* Across the seam at 0.1 m/s with a tremor, over the pair and over one body at once. */
+/* Lead a tool across the seam at 0.1 m/s with a tremor, over the pair and over one body at once. */
 static double slide_over(struct lab_lead *lead, struct lab_lead *whole, const double *axis)
 {
     const double depth = 0.001;
@@ -174,7 +174,7 @@ struct slide_report {
     uint64_t inward; /* ticks whose force points through the surface */
 };
 
-/* Pressed in by 1 mm, along x at 0.05 m/s, with a tremor. */
+/* Press the tool in by 1 mm, and lead it along x at 0.05 m/s, with a tremor. */
 static void slide(struct lab *lab, struct lab_lead *lead, const double *axis, struct slide_report *report)
 {
     const int down = 60, ticks = down + (int)lab_share(lab, 700);
@@ -197,8 +197,9 @@ static void run_microconcave(struct lab *lab)
     static const double dents[] = { 1e-4, 3e-4, 1e-3 };
     struct slide_report reports[LAB_METHODS] = { { .inward = 0 } };
     for (int i = 0; i < 3; i++) {
+        const struct lab_net net = { 120, 160, dented, &dents[i] };
         struct lab_mesh sheet;
-        if (!lab_mesh_net(lab, &sheet, 120, 160, dented, &dents[i]))
+        if (!lab_mesh_net(lab, &sheet, &net))
             return;
         for (int method = 0; method < LAB_METHODS; method++) {
             const struct lab_lead_def def = { .method = method, .meshes = { sheet.mesh }, .length = 0.03 };

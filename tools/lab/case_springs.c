@@ -64,7 +64,7 @@ static void mean_of(const struct hand_loop *loop, size_t quarter, double mean[3]
             mean[k] += loop->track[i].at[k] / (double)part;
 }
 
-/* N: how far the force is from its mean, in the last quarter. */
+/* The rms of the force about its mean in the last quarter, N. */
 static double shake_of(const struct hand_loop *loop)
 {
     const size_t part = loop->count / 4;
@@ -104,7 +104,7 @@ static void look(struct lab *lab, const struct hand_loop *loop, const struct tri
     lab_note(lab, "proxy", trial->depth, -1e3 * late[1], "mm");
 }
 
-/* Its weight presses, a hand holds it sideways, and it is tapped aslant. */
+/* The tool's weight presses, a hand holds the tool sideways, and a tap disturbs it aslant. */
 static void hold(struct lab *lab, const struct hand_mesh *mesh, const struct trial *trial, uint32_t integrator)
 {
     struct hand_place place = { .mesh = mesh };
@@ -156,18 +156,19 @@ static void run_springs(struct lab *lab)
 }
 
 const struct lab_case springs_case = {
-    "springs", "Held for a minute in a liver of masses and springs",
-    "A liver of 50,332 triangles hangs on its back: a lattice of 11,401 nodes, 5 kPa, 5 /s of "
-    "drag, 1 ms of viscosity, stepped in every tick of 1 kHz, with loads spread over 20 mm. A "
-    "needle of 120 mm that stands aslant, on a device that turns, and a lying tool of 60 mm, on "
-    "one of 0.05 N of friction, press it with 1 N at the coupling that is chosen for them. A hand "
-    "of 200 N/m holds them, and they are tapped. For 60 s nothing may buzz (1 mm/s, and 0.05 N "
-    "rms, in the last quarter) or drift (0.1 mm), and an observer of passivity that does not act "
-    "sees what the hand gets: never more than one sample can be off by.",
-    "Soft bodies need no softer coupling than rigid ones. The force of a tool that lies hums by 2 "
-    "%: few points hold it in a tick, and not the same ones in the next, as in the case tissue. "
-    "That keeps half of the body awake. A load_radius of 40 mm makes it five times less.",
-    run_springs
+    .name = "springs",
+    .title = "Held for a minute in a liver of masses and springs",
+    .method = "A liver of 50,332 triangles hangs on its back: a lattice of 11,401 nodes, 5 kPa, 5 /s of "
+              "drag, 1 ms of viscosity, stepped in every tick of 1 kHz, with loads spread over 20 mm. A "
+              "needle of 120 mm that stands aslant, on a device that turns, and a lying tool of 60 mm, on "
+              "one of 0.05 N of friction, press it with 1 N at the coupling that is chosen for them. A hand "
+              "of 200 N/m holds them, and they are tapped. For 60 s nothing may buzz (1 mm/s, and 0.05 N "
+              "rms, in the last quarter) or drift (0.1 mm), and an observer of passivity that does not act "
+              "sees what the hand gets: never more than one sample can be off by.",
+    .advice = "Soft bodies need no softer coupling than rigid ones. The force of a tool that lies hums by 2 "
+              "%: few points hold it in a tick, and not the same ones in the next, as in the case tissue. "
+              "That keeps half of the body awake. A load_radius of 40 mm makes it five times less.",
+    .run = run_springs
 };
 
 /* A hand presses on tissue that gives way: does its device come to rest at the coupling that is chosen? */
@@ -181,14 +182,14 @@ enum { PLACES = 4, SPEEDS = 4, HALVINGS = 7 };
 #define REACH   2e-4 /* m: of the tap */
 #define SECONDS 1.5
 
-/* N/m: of the search for the stiffest coupling that is stable. */
-#define LEAST 10.0
-#define MOST  20000.0
+/* Bounds of the search for the stiffest stable coupling, N/m. */
+#define STIFFNESS_MIN 10.0
+#define STIFFNESS_MAX 20000.0
 
 /* Tissue that swings. */
 static const struct tissue_matter lively = { 1e5, 30.0, 1e3, 20.0 };
 
-/* Of 1 kHz, 250, 100 and 30 Hz. */
+/* Ticks of the loop for a step of physics: at 1 kHz, 250, 100 and 30 Hz. */
 static const uint32_t speeds[SPEEDS] = { 1, 4, 10, 33 };
 
 /* A ball and a lying tool. */
@@ -202,12 +203,12 @@ static const struct trial_place {
                      { "membrane", 512, 0.04, { 0.06, 0.004, 0.0 } },
                      { "liver", 1200, 0.048, { 0.0, 0.008, 0.0 } } };
 
-/* Ways to hand positions over, and whether a period of physics is counted as delay. */
-enum way { INTERPOLATED, UNCOUNTED, STEPPED, STEPPED_SLOWLY, STEPPED_COUNTED, WAYS };
+/* How positions are handed over, and whether a period of physics is counted as delay. */
+enum exchange { INTERPOLATED, UNCOUNTED, STEPPED, STEPPED_SLOWLY, STEPPED_COUNTED, EXCHANGES };
 
-/* Of the loops of a way: how many there were, and in how many motion does not die away. */
+/* For each exchange, the number of loops, and of those whose motion does not die away. */
 struct tally {
-    double loops[WAYS], restless[WAYS];
+    double loops[EXCHANGES], restless[EXCHANGES];
 };
 
 static struct hand_loop loop_on(const struct hand_place *place, const struct hand_tool *tool, struct tissue *tissue)
@@ -226,27 +227,27 @@ static struct hand_loop loop_on(const struct hand_place *place, const struct han
 static int rests(struct hand_loop *loop)
 {
     const struct hand_tap tap = {
-        .way = { 0.0, 1.0 }, .stiffness = loop->stiffness, .reach = REACH, .seconds = SECONDS
+        .direction = { 0.0, 1.0 }, .stiffness = loop->stiffness, .reach = REACH, .seconds = SECONDS
     };
     return hand_sway(loop, &tap).is_stable && !loop->tissue->has_failed;
 }
 
-static void try_way(const struct hand_mesh *mesh, const struct trial_place *as, uint32_t ticks, enum way way,
-                    struct tally *tally)
+static void try_exchange(const struct hand_mesh *mesh, const struct trial_place *as, uint32_t ticks,
+                         enum exchange exchange, struct tally *tally)
 {
     struct hand_place place = { .mesh = mesh };
     struct tissue tissue = { .mesh = mesh->mesh,
                              .matter = tissue_soft,
                              .ticks = ticks,
-                             .is_interpolated = way != STEPPED,
+                             .is_interpolated = exchange != STEPPED,
                              .load_radius = as->load_radius };
     struct hand_loop loop = loop_on(&place, &as->tool, &tissue);
-    loop.is_uncounted = way == UNCOUNTED;
+    loop.is_uncounted = exchange == UNCOUNTED;
     loop.stiffness = hand_loop_choose(&loop, MARGIN).stiffness;
-    tissue.is_interpolated = way < STEPPED;
+    tissue.is_interpolated = exchange < STEPPED;
     hand_place_top(mesh, &place);
     const int has_begun = hand_loop_open(&loop) && hand_loop_lower(&loop, loop.stiffness * DEPTH) && rests(&loop);
-    const enum way told = way == STEPPED && ticks == speeds[SPEEDS - 1] ? STEPPED_SLOWLY : way;
+    const enum exchange told = exchange == STEPPED && ticks == speeds[SPEEDS - 1] ? STEPPED_SLOWLY : exchange;
     tally->loops[told] += 1.0;
     tally->restless[told] += has_begun ? 0.0 : 1.0;
     hand_loop_close(&loop);
@@ -260,16 +261,16 @@ static void try_place(struct lab *lab, const struct trial_place *as, struct tall
         return;
     }
     for (int s = 0; s < SPEEDS; s++)
-        for (int way = 0; way < WAYS; way++)
-            if (way != STEPPED_SLOWLY && (way != STEPPED_COUNTED || s == SPEEDS - 1))
-                try_way(&mesh, as, speeds[s], (enum way)way, tally);
+        for (int exchange = 0; exchange < EXCHANGES; exchange++)
+            if (exchange != STEPPED_SLOWLY && (exchange != STEPPED_COUNTED || s == SPEEDS - 1))
+                try_exchange(&mesh, as, speeds[s], (enum exchange)exchange, tally);
     hand_mesh_close(&mesh);
 }
 
 /* The stiffest coupling at which a ball on lively tissue comes to rest, N/m. */
 static double stiffest(struct hand_loop *loop)
 {
-    double low = LEAST, high = MOST;
+    double low = STIFFNESS_MIN, high = STIFFNESS_MAX;
     for (int i = 0; i < HALVINGS; i++) {
         const double middle = sqrt(low * high);
         hand_loop_stiffen(loop, middle, 0.0, 0.0);
@@ -300,8 +301,8 @@ static void map(struct lab *lab, const struct hand_mesh *mesh, int is_interpolat
         if (hand_loop_open(&loop) && hand_loop_lower(&loop, chosen * DEPTH))
             found = stiffest(&loop);
         hand_loop_close(&loop);
-        *counted = hand_smaller(*counted, found / chosen);
-        *uncounted = hand_smaller(*uncounted, found / bolder);
+        *counted = hand_min(*counted, found / chosen);
+        *uncounted = hand_min(*uncounted, found / bolder);
         lab_point_at(lab, "stability-tissue", is_interpolated ? "interpolated" : "stepped", rate, found);
         if (is_interpolated)
             lab_point_at(lab, "stability-tissue", "chosen, interpolated", rate, chosen);
@@ -330,11 +331,11 @@ static void run_soft(struct lab *lab)
 {
     struct tally tally = { { 0.0 }, { 0.0 } };
     const uint64_t due = lab_share(lab, PLACES);
-    double restless[WAYS];
+    double restless[EXCHANGES];
     for (uint64_t i = 0; i < due; i++)
         try_place(lab, &places[i], &tally);
-    for (int way = 0; way < WAYS; way++)
-        restless[way] = tally.restless[way] / tally.loops[way];
+    for (int exchange = 0; exchange < EXCHANGES; exchange++)
+        restless[exchange] = tally.restless[exchange] / tally.loops[exchange];
     lab_at_most(lab, "proxy", "interpolated, 30 Hz to 1 kHz: share of loops that do not come to rest",
                 restless[INTERPOLATED], "", 0.0);
     lab_note(lab, "proxy", "interpolated, the period not counted: the same", restless[UNCOUNTED], "");
@@ -345,17 +346,18 @@ static void run_soft(struct lab *lab)
 }
 
 const struct lab_case soft_case = {
-    "soft", "A hand on tissue that gives way",
-    "A hand of 200 N/m presses a ball and a lying tool on to a membrane and an organ that give way "
-    "(the case tissue), on a device of 0.1 kg and 0.5 Ns/m at 1 kHz with a delay of one period. "
-    "Physics has 30, 100, 250 and 1000 Hz, and hands positions over in steps, or interpolated, "
-    "which delays them by one of its periods. The coupling is the one that dpt_coupling_for_device "
-    "chooses, with that period in loop_delay where positions are interpolated. The tool rests on "
-    "the tissue for a second, and is tapped by 0.2 mm: that has to die away. The chart has the "
-    "stiffest coupling at which it does, for a ball on tissue with a fifth of the damping.",
-    "Count the period of interpolation in dpt_coupling_def.loop_delay: no loop grows then. It is a "
-    "bound for walls, and tissue that gives way takes more, so that a measured stiffness may be "
-    "higher. With physics of 30 Hz in steps count the period, too: a tool that lies is held by "
-    "other points after each step, and shakes the hand by a millimetre.",
-    run_soft
+    .name = "soft",
+    .title = "A hand on tissue that gives way",
+    .method = "A hand of 200 N/m presses a ball and a lying tool on to a membrane and an organ that give way "
+              "(the case tissue), on a device of 0.1 kg and 0.5 Ns/m at 1 kHz with a delay of one period. "
+              "Physics has 30, 100, 250 and 1000 Hz, and hands positions over in steps, or interpolated, "
+              "which delays them by one of its periods. The coupling is the one that dpt_coupling_for_device "
+              "chooses, with that period in loop_delay where positions are interpolated. The tool rests on "
+              "the tissue for a second, and is tapped by 0.2 mm: that has to die away. The chart has the "
+              "stiffest coupling at which it does, for a ball on tissue with a fifth of the damping.",
+    .advice = "Count the period of interpolation in dpt_coupling_def.loop_delay: no loop grows then. It is a "
+              "bound for walls, and tissue that gives way takes more, so that a measured stiffness may be "
+              "higher. With physics of 30 Hz in steps count the period, too: a tool that lies is held by "
+              "other points after each step, and shakes the hand by a millimetre.",
+    .run = run_soft
 };

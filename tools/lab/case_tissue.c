@@ -142,8 +142,8 @@ struct change {
 
 static void compare(const struct response *a, const struct response *b, struct change *change)
 {
-    change->felt = hand_greater(change->felt, fabs(a->felt / b->felt - 1.0));
-    change->ripple = hand_greater(change->ripple, b->ripple);
+    change->felt = hand_max(change->felt, fabs(a->felt / b->felt - 1.0));
+    change->ripple = hand_max(change->ripple, b->ripple);
     if (isnan(a->swing) || isnan(b->swing))
         return;
     change->swing = fmax(change->swing, fabs(a->swing / b->swing - 1.0));
@@ -258,17 +258,19 @@ static void run(struct lab *lab)
 }
 
 const struct lab_case tissue_case = {
-    "tissue", "Felt stiffness of tissue that gives way",
-    "A ball, an upright and a lying tool are lowered 5 mm below where they touch a membrane with a "
-    "fixed border, and an organ, with a coupling of 500 N/m. A small physics of the laboratory "
-    "moves their vertices: springs per area to their rest, tension, mass and damping, solved "
-    "implicitly. Loads are spread over three edges of the coarser mesh. What is felt after a "
-    "second, and the force at 2 Hz with physics of "
-    "250 Hz and more, may change by at most 5 % (and its phase by 0.05 rad) when edges are halved, "
-    "where cells become uneven, and when the physics' dt is halved: from 31 to 63 Hz, from 250 to "
-    "500 Hz and to 1 kHz, stepped and interpolated.",
-    "Give dpt_deformable_def a load_radius of three edges or more. With 0 a finer mesh is softer: a "
-    "point load has no stiffness of its own. With slow physics the force of a tool that lies goes "
-    "up and down by some per cent even at rest: few points hold it in each step, and not the same ones in the next.",
-    run
+    .name = "tissue",
+    .title = "Felt stiffness of tissue that gives way",
+    .method = "A ball, an upright and a lying tool are lowered 5 mm below where they touch a membrane with a "
+              "fixed border, and an organ, with a coupling of 500 N/m. A small physics of the laboratory "
+              "moves their vertices: springs per area to their rest, tension, mass and damping, solved "
+              "implicitly. Loads are spread over three edges of the coarser mesh. What is felt after a "
+              "second, and the force at 2 Hz with physics of "
+              "250 Hz and more, may change by at most 5 % (and its phase by 0.05 rad) when edges are halved, "
+              "where cells become uneven, and when the physics' dt is halved: from 31 to 63 Hz, from 250 to "
+              "500 Hz and to 1 kHz, stepped and interpolated.",
+    .advice =
+        "Give dpt_deformable_def a load_radius of three edges or more. With 0 a finer mesh is softer: a "
+        "point load has no stiffness of its own. With slow physics the force of a tool that lies goes "
+        "up and down by some per cent even at rest: few points hold it in each step, and not the same ones in the next.",
+    .run = run
 };

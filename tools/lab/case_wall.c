@@ -31,7 +31,7 @@ static const struct wall {
       1 },
 };
 
-/* Over the loops of a wall. */
+/* Figures over the loops of a wall. */
 struct worst {
     double off;    /* share of the limit */
     double growth; /* at 1.5 limits, as a share of b / 2m: the least */
@@ -63,21 +63,21 @@ static double try_wall(struct hand_loop *loop, const struct wall *wall, double d
         search.felt = 1.0 / share;
         search.is_turn = 1;
         search.turn_damping = damping * share;
-        search.tap.way[1] = 0.0;
-        search.tap.way[5] = 1.0;
+        search.tap.direction[1] = 0.0;
+        search.tap.direction[5] = 1.0;
         search.tap.reach = 1e-5;
     } else {
         loop->damping = damping;
     }
     const double found = hand_stiffest(loop, &search) / share;
-    worst->off = hand_greater(worst->off, fabs(found / limit - 1.0));
+    worst->off = hand_max(worst->off, fabs(found / limit - 1.0));
     search.tap.stiffness = 1.5 * limit;
     if (wall->is_turn)
         hand_loop_stiffen(loop, loop->stiffness, 1.5 * limit * share, damping * loop->stiffness / (1.5 * limit));
     else
         hand_loop_stiffen(loop, 1.5 * limit, 0.0, damping);
     const double growth = hand_sway(loop, &search.tap).growth * 2.0 * MASS / DAMPING;
-    worst->growth = hand_smaller(worst->growth, growth);
+    worst->growth = hand_min(worst->growth, growth);
     return found;
 }
 
@@ -116,21 +116,22 @@ static void run_wall(struct lab *lab)
 }
 
 const struct lab_case wall_case = {
-    "wall", "The stiffest stable wall",
-    "A device of 0.1 kg and 0.5 Ns/m at 1 kHz is pushed against a wall and tapped, and the rate "
-    "is fitted at which its motion grows. Bisection finds the stiffest wall at which the motion "
-    "dies away: of a bare spring and of the proxy on a plane, in translation and in rotation, "
-    "with delays of 0 to 3 periods and virtual damping of 0 to 2 times the device's own. It is "
-    "compared with dpt_stable_stiffness, the limit of the exact sampled system. There are no "
-    "limits of force, no controller and no steps of encoders.",
-    "Trust dpt_stable_stiffness, and so the coupling that dpt_coupling_for_device chooses: the "
-    "limit is that of the sampled loop, and the proxy adds nothing to it and takes nothing from "
-    "it. Virtual damping raises the limit about as much as damping of the device does, until it "
-    "is itself too large for the loop.",
-    run_wall
+    .name = "wall",
+    .title = "The stiffest stable wall",
+    .method = "A device of 0.1 kg and 0.5 Ns/m at 1 kHz is pushed against a wall and tapped, and the rate "
+              "is fitted at which its motion grows. Bisection finds the stiffest wall at which the motion "
+              "dies away: of a bare spring and of the proxy on a plane, in translation and in rotation, "
+              "with delays of 0 to 3 periods and virtual damping of 0 to 2 times the device's own. It is "
+              "compared with dpt_stable_stiffness, the limit of the exact sampled system. There are no "
+              "limits of force, no controller and no steps of encoders.",
+    .advice = "Trust dpt_stable_stiffness, and so the coupling that dpt_coupling_for_device chooses: the "
+              "limit is that of the sampled loop, and the proxy adds nothing to it and takes nothing from "
+              "it. Virtual damping raises the limit about as much as damping of the device does, until it "
+              "is itself too large for the loop.",
+    .run = run_wall
 };
 
-/* Held with 1 N, a device has to come to rest. */
+/* A device that is pressed with 1 N has to come to rest. */
 
 enum { DEVICES = 3, SCENES = 4, PLACES = 4 };
 
@@ -253,14 +254,15 @@ static void run_rest(struct lab *lab)
 }
 
 const struct lab_case rest_case = {
-    "rest", "Holding still",
-    "Three examples of devices, one of them like an Omni, press a tool with 1 N for 6 s, at 1 kHz "
-    "with a delay of one period, at the coupling that dpt_coupling_for_device chooses. The tool "
-    "lies on a plane, stands on a liver and on a membrane, or is a needle of 120 mm whose device "
-    "goes through a lobe of the liver. A hand of 200 N/m holds it sideways. It is tapped, and has "
-    "to be at rest in the last quarter: below 1 mm/s, and 0.02 rad/s.",
-    "At the coupling that is chosen for it, a device with some friction comes to rest on the "
-    "proxy. If yours hums, its friction is less than the stiffness times half a step of its "
-    "encoders: ask for a lower stiffness.",
-    run_rest
+    .name = "rest",
+    .title = "Holding still",
+    .method = "Three examples of devices, one of them like an Omni, press a tool with 1 N for 6 s, at 1 kHz "
+              "with a delay of one period, at the coupling that dpt_coupling_for_device chooses. The tool "
+              "lies on a plane, stands on a liver and on a membrane, or is a needle of 120 mm whose device "
+              "goes through a lobe of the liver. A hand of 200 N/m holds it sideways. It is tapped, and has "
+              "to be at rest in the last quarter: below 1 mm/s, and 0.02 rad/s.",
+    .advice = "At the coupling that is chosen for it, a device with some friction comes to rest on the "
+              "proxy. If yours hums, its friction is less than the stiffness times half a step of its "
+              "encoders: ask for a lower stiffness.",
+    .run = run_rest
 };

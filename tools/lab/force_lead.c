@@ -60,7 +60,7 @@ static void note_time(struct force_lead *lead, double us)
     lead->us[lead->us_count++] = us;
 }
 
-/* Of first order, as a driver may have one. */
+/* A low-pass of first order, as a driver may have one. */
 static void pass_low(struct force_lead *lead)
 {
     const double share = 1.0 - exp(-LEAD_DT / lead->def->low_pass);

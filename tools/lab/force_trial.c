@@ -37,7 +37,7 @@ static double correlate(const struct shake *shake, int lag)
     return sum;
 }
 
-/* Pushed in to half of the depth, and shaken there. 0: there is no room for it; below 0: no triangle. */
+/* Push the device in to half of the depth, and shake it there. Returns 0 if there is no room, below 0 if no triangle. */
 static int shake_at(struct force_lead *lead, double tilt, struct shake *shake)
 {
     const struct force_trial_def *def = lead->def;
@@ -131,7 +131,7 @@ struct force_trial_def force_trial_through_def(const struct force_trial_def *def
     return through;
 }
 
-/* It is held where it began, with a tremor, until it is outside. */
+/* Hold the device where it began, with a tremor, until it is outside. */
 static int begin_at(struct force_lead *lead, double tilt, struct inside_result *result)
 {
     const double height = lead->def->radius - lead->def->depth;
@@ -199,7 +199,7 @@ static void go_to(struct force_lead *lead, const struct loop *loop, double t)
                                    wide * (sin(t) * place->side[k] + sin(2.0 * t) * place->across[k]);
 }
 
-/* What the last tick's motion did, by the mean of the two wrenches. */
+/* The work of the last tick's motion, by the mean of the two wrenches. */
 static double work_of(const struct force_lead *lead)
 {
     const dpt_wrench *now = &lead->force.wrench, *was = &lead->last.wrench;
@@ -216,7 +216,7 @@ static double energy_of(const struct force_lead *lead)
     return lead->def->law == DPT_LAW_POINT ? 0.5 * force * force / lead->def->stiffness : lead->force.energy;
 }
 
-/* In steps of at most 0.05 mm. */
+/* Lead the device in steps of at most 0.05 mm. */
 static int path_at(struct force_lead *lead, struct path_result *result)
 {
     enum { STEPS = 8000 };
@@ -246,9 +246,9 @@ static int path_at(struct force_lead *lead, struct path_result *result)
         return 1;
     result->paths++;
     result->emitting += work > 1e-3 * high;
-    result->most_emitted = fmax(result->most_emitted, work / high);
+    result->emitted_max = fmax(result->emitted_max, work / high);
     if (!folds)
-        result->most_lost = fmax(result->most_lost, -work / high);
+        result->lost_max = fmax(result->lost_max, -work / high);
     return 1;
 }
 
@@ -275,7 +275,7 @@ static void judge_proxy(struct force_lead *lead, int is_fold, struct push_result
     dpt_pose proxy;
     dpt_tool_get_proxy(lead->world, lead->tool, &proxy);
     const double gap = force_lead_gap(lead, &proxy);
-    result->least_gap = fmin(result->least_gap, gap);
+    result->gap_min = fmin(result->gap_min, gap);
     result->penetrations += gap < 0.0;
     result->lagging += !is_fold && force > SMALL_FORCE && lead->force.lag > 0.01 * force / lead->def->stiffness;
 }
@@ -304,7 +304,7 @@ static void judge_push(struct force_lead *lead, double largest, struct push_resu
         judge_proxy(lead, is_fold, result);
 }
 
-/* From outside to the depth, then along the surface or not, with a tremor. */
+/* Lead the device from outside to the depth, then along the surface or not, with a tremor. */
 static int push_at(struct force_lead *lead, double tilt, int is_led_along, struct push_result *result)
 {
     const struct force_trial_def *def = lead->def;
@@ -341,7 +341,7 @@ int force_trial_push(const struct force_trial_def *def, struct push_result *resu
     static const double tilts[] = { 0.0, 0.3, 0.8, 1.3, 1.5 };
     struct force_lead lead;
     int is_done = force_lead_open(&lead, def);
-    *result = (struct push_result){ .least_gap = HUGE_VAL };
+    *result = (struct push_result){ .gap_min = HUGE_VAL };
     for (uint64_t i = 0; i < def->places && is_done; i++)
         is_done = push_at(&lead, tilts[i % 5], 1, result);
     sort_numbers(lead.us, lead.us_count);
@@ -357,7 +357,7 @@ int force_trial_through(const struct force_trial_def *def, struct push_result *r
     const struct force_trial_def through = force_trial_through_def(def);
     struct force_lead lead;
     int is_done = force_lead_open(&lead, &through);
-    *result = (struct push_result){ .least_gap = HUGE_VAL };
+    *result = (struct push_result){ .gap_min = HUGE_VAL };
     for (uint64_t i = 0; i < def->places && is_done; i++)
         is_done = push_at(&lead, tilts[i % 4], 0, result);
     force_lead_close(&lead);

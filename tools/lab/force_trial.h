@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Motions that break a force law, and what came of them: docs/algorithms/force.md says which bound holds for what.
+ * Motions that break a force law, and their results: docs/algorithms/force.md says which bound holds for what.
  * Forces are before all limits. A tool of one segment is led over one mesh.
  */
 #ifndef DPT_TOOLS_FORCE_TRIAL_H
@@ -37,7 +37,7 @@ struct push_result {
     uint64_t unknown;      /* ticks without a force because contact was not known */
     double largest_jump;   /* N, of the force in a tick */
     double largest_share;  /* |dW| over K (3 |motion| + v_max dt) */
-    double least_gap;      /* m, of the proxy's surface */
+    double gap_min;        /* m, of the proxy's surface */
     double us_median;      /* microseconds that a tick with a force took */
     double us_p99;
 };
@@ -56,10 +56,10 @@ struct delay_result {
 
 /* Of closed paths from the open into the mesh and back. */
 struct path_result {
-    uint64_t paths;      /* that had a force */
-    uint64_t emitting;   /* that gave more than 0.1 % of the range of their energy */
-    double most_emitted; /* share of the range */
-    double most_lost;    /* likewise, of paths without a fold */
+    uint64_t paths;     /* that had a force */
+    uint64_t emitting;  /* that gave more than 0.1 % of the range of their energy */
+    double emitted_max; /* share of the range */
+    double lost_max;    /* likewise, of paths without a fold */
 };
 
 /* 0 where memory ran out or the mesh is too small. */

@@ -214,7 +214,7 @@ static void jump_to(struct hand_loop *loop, const double at[HAND_AXES])
         dpt_world_step(loop->world, 1e-3, NULL);
 }
 
-/* m of the hand: where it is lowered from. */
+/* The height from which the tool is lowered, m of the hand. */
 static double height_of(const struct hand_loop *loop)
 {
     return (ABOVE + 0.5 * loop->tool.length) / or_one(loop->zoom);
@@ -466,12 +466,12 @@ int hand_loop_run(struct hand_loop *loop, uint64_t ticks)
     return is_run;
 }
 
-double hand_greater(double a, double b)
+double hand_max(double a, double b)
 {
     return isnan(a) || b <= a ? a : b;
 }
 
-double hand_smaller(double a, double b)
+double hand_min(double a, double b)
 {
     return isnan(a) || b >= a ? a : b;
 }

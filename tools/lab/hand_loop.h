@@ -43,7 +43,7 @@ struct hand_tool {
     double length, radius, tilt;
 };
 
-/* What was seen at a sample: where the device truly is, how fast, and what acted since the sample before. */
+/* The state at a sample: where the device truly is, how fast, and what acted since the sample before. */
 struct hand_moment {
     double time;
     double at[HAND_AXES], speed[HAND_AXES], sent[HAND_AXES];
@@ -99,8 +99,8 @@ void hand_loop_close(struct hand_loop *loop);
 void hand_loop_stiffen(struct hand_loop *loop, double stiffness, double rotational_stiffness, double damping);
 
 /*
- * Lower the tool on to the place until the surface presses it out with `force` N at the hand. There is where the
- * hand's zero is then. Returns 0 if nothing is there to press, or it presses another way than out.
+ * Lower the tool on to the place until the surface presses it out with `force` N at the hand, and make that pose the
+ * hand's zero. Returns 0 if there is no surface, or it presses in another direction than out.
  */
 int hand_loop_lower(struct hand_loop *loop, double force);
 
@@ -111,7 +111,7 @@ int hand_loop_seek(struct hand_loop *loop, const struct hand_mesh *mesh, uint64_
 /* Lower it once more, to where it was lowered before. Tissue that gives way then has a second to come to rest. */
 void hand_loop_return(struct hand_loop *loop);
 
-/* Lift the tool by `height` m of the hand from where it was lowered to: there is the hand's zero from now on. */
+/* Lift the tool by `height` m of the hand above the lowered pose, and make that pose the hand's zero. */
 void hand_loop_lift(struct hand_loop *loop, double height);
 
 /* The law's force on the coordinates, at the hand, after one more step of the world. */
@@ -126,9 +126,9 @@ dpt_coupling hand_loop_choose(const struct hand_loop *loop, double margin);
  */
 int hand_loop_run(struct hand_loop *loop, uint64_t ticks);
 
-/* The greater and the smaller of two results; NaN if one is, so that a run that failed is not lost among others. */
-double hand_greater(double a, double b);
-double hand_smaller(double a, double b);
+/* The maximum and the minimum of two results; NaN if one is, so that a failed run shows in the figure. */
+double hand_max(double a, double b);
+double hand_min(double a, double b);
 
 /* What the controller saw in the last run. */
 dpt_passivity_info hand_loop_account(const struct hand_loop *loop);

@@ -6,10 +6,10 @@
 
 #include "identify_fit.h"
 
-/* m: of the differences that linearise a law. */
+/* Step of the differences that linearise a law, m. */
 #define DIFFERENCE 4e-6
 
-/* N/m: of a hand. */
+/* Stiffness of a hand, N/m. */
 #define GRIP 200.0
 
 /* Of a bisection; from 0.5 to 1.5 of a limit that leaves 0.1 %. */
@@ -41,7 +41,7 @@ static double unit_of(const struct hand_loop *loop, int axis)
 void hand_law_find(struct hand_loop *loop, struct hand_law *law)
 {
     double rate[HAND_AXES][HAND_AXES], even[HAND_AXES * HAND_AXES];
-    double values[HAND_AXES], ways[HAND_AXES * HAND_AXES];
+    double values[HAND_AXES], directions[HAND_AXES * HAND_AXES];
     memset(law, 0, sizeof *law);
     law->axes = loop->device.dofs;
     for (int j = 0; j < law->axes; j++) {
@@ -63,11 +63,11 @@ void hand_law_find(struct hand_loop *loop, struct hand_law *law)
             even[law->axes * i + j] = 0.5 * (rate[i][j] + rate[j][i]);
             law->asymmetry = fmax(law->asymmetry, fabs(rate[i][j] - rate[j][i]));
         }
-    identify_eigen(law->axes, even, values, ways);
+    identify_eigen(law->axes, even, values, directions);
     for (int n = 0; n < law->axes; n++) {
         const int from = law->axes - 1 - n;
         law->stiffness[n] = values[from];
-        memcpy(law->way[n], ways + law->axes * from, (size_t)law->axes * sizeof *ways);
+        memcpy(law->direction[n], directions + law->axes * from, (size_t)law->axes * sizeof *directions);
     }
 }
 
@@ -93,13 +93,13 @@ static void find_centre(const struct hand_loop *loop, double centre[HAND_AXES])
     }
 }
 
-/* What motion is measured by: a way, about where, and its frequency in rad/s. */
+/* How motion is measured: along a direction, about a middle, with its frequency in rad/s. */
 struct measure {
     const struct hand_tap *tap;
     double centre[HAND_AXES], rate;
 };
 
-/* m: of the motion along the way, and of all of it, speeds by the frequency of that motion. */
+/* m: of the motion along the direction, and of all of it, speeds by the frequency of that motion. */
 static void amplitudes(const struct hand_loop *loop, const struct measure *measure, const struct hand_moment *moment,
                        double *along, double *whole)
 {
@@ -107,8 +107,8 @@ static void amplitudes(const struct hand_loop *loop, const struct measure *measu
     for (int k = 0; k < HAND_AXES; k++) {
         const double x = unit_of(loop, k) * (moment->at[k] - measure->centre[k]);
         const double v = unit_of(loop, k) * moment->speed[k] / measure->rate;
-        off += measure->tap->way[k] * x;
-        speed += measure->tap->way[k] * v;
+        off += measure->tap->direction[k] * x;
+        speed += measure->tap->direction[k] * v;
         sum += x * x + v * v;
     }
     *along = sqrt(off * off + speed * speed);
@@ -161,7 +161,7 @@ struct hand_sway hand_sway(struct hand_loop *loop, const struct hand_tap *tap)
     hand_loop_return(loop);
     for (int k = 0; k < HAND_AXES; k++) {
         loop->push[k] = loop->place ? -loop->first[k] : 0.0;
-        loop->tap[k] = tap->way[k] * begun * unit_of(loop, k);
+        loop->tap[k] = tap->direction[k] * begun * unit_of(loop, k);
     }
     const uint64_t ticks = (uint64_t)(tap->seconds * device->rate);
     if (!hand_loop_run(loop, ticks))
@@ -202,7 +202,7 @@ struct hand_search hand_search_about(double limit, double seconds)
     return (struct hand_search){ .low = 0.5 * limit,
                                  .high = 1.5 * limit,
                                  .felt = 1.0,
-                                 .tap = { .way = { 0.0, 1.0 }, .reach = 5e-5, .seconds = seconds } };
+                                 .tap = { .direction = { 0.0, 1.0 }, .reach = 5e-5, .seconds = seconds } };
 }
 
 struct hand_search hand_search_for_law(const struct hand_loop *loop, const struct hand_law *law, double limit,
@@ -213,6 +213,6 @@ struct hand_search hand_search_for_law(const struct hand_loop *loop, const struc
                                   .tap = { .reach = 5e-5, .seconds = seconds } };
     /* Where the force jumps, differences show no stiffness that motion has. */
     search.felt = fmax(0.1, fmin(law->stiffness[0] / loop->stiffness, 5.0));
-    memcpy(search.tap.way, law->way[0], sizeof search.tap.way);
+    memcpy(search.tap.direction, law->direction[0], sizeof search.tap.direction);
     return search;
 }

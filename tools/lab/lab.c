@@ -128,28 +128,28 @@ int lab_mesh_shape(struct lab *lab, struct lab_mesh *mesh, const char *name, uin
     return is_made;
 }
 
-int lab_mesh_net(struct lab *lab, struct lab_mesh *mesh, uint32_t rows, uint32_t columns,
-                 void (*place)(const void *context, double u, double v, double x[3]), const void *context)
+int lab_mesh_net(struct lab *lab, struct lab_mesh *mesh, const struct lab_net *net)
 {
-    const uint32_t across = columns + 1;
-    struct shape net;
+    const uint32_t rows = net->rows, columns = net->columns, across = columns + 1;
+    struct shape shape;
     *mesh = (struct lab_mesh){ .mesh = NULL };
-    if (shape_begin(&net, (size_t)(rows + 1) * across, 2 * (size_t)rows * columns))
+    if (shape_begin(&shape, (size_t)(rows + 1) * across, 2 * (size_t)rows * columns))
         return refuse(lab, mesh);
     for (uint32_t i = 0; i <= rows; i++)
         for (uint32_t j = 0; j < across; j++) {
             double x[3];
-            place(context, (double)i / rows, (double)j / columns, x);
-            shape_add_vertex(&net, x[0], x[1], x[2]);
+            net->place(net->context, (double)i / rows, (double)j / columns, x);
+            shape_add_vertex(&shape, x[0], x[1], x[2]);
         }
     for (uint32_t i = 0; i < rows; i++)
         for (uint32_t j = 0; j < columns; j++) {
             const size_t a = (size_t)i * across + j;
-            shape_add_triangle(&net, a, a + 1, a + across + 1);
-            shape_add_triangle(&net, a, a + across + 1, a + across);
+            shape_add_triangle(&shape, a, a + 1, a + across + 1);
+            shape_add_triangle(&shape, a, a + across + 1, a + across);
         }
-    const int is_made = lab_mesh_arrays(lab, mesh, net.vertices, net.vertex_count, net.corners, net.triangle_count);
-    shape_free(&net);
+    const int is_made =
+        lab_mesh_arrays(lab, mesh, shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count);
+    shape_free(&shape);
     return is_made;
 }
 

@@ -15,7 +15,7 @@
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
 
-/* What is compared. BALL is a proxy of one point at the tool's tip, as point-based toolkits have it. */
+/* The methods that are compared. BALL is a proxy of one point at the tool's tip, as point-based toolkits have it. */
 enum lab_method { LAB_POINT, LAB_BED, LAB_PROXY, LAB_BALL, LAB_METHODS };
 
 /* dpt_world_def.max_contacts: the laws point and bed tell the sides of sheets by them. */
@@ -39,7 +39,7 @@ struct lab_point {
     double x, y;
 };
 
-/* What a case has noted. Strings belong to the case and are not copied. */
+/* The figures and points that a case has noted. Strings belong to the case and are not copied. */
 struct lab {
     double effort; /* 0..1: share of the whole number of places, paths and ticks */
     struct lab_figure *figures;
@@ -60,7 +60,7 @@ struct lab_case {
 /* All cases, in the order in which they are told; the last one is NULL. */
 extern const struct lab_case *const lab_cases[];
 
-/* Note a figure that must be at most, or at least, so much; or that is just told. */
+/* Note a figure with an upper limit, with a lower limit, or without one. */
 void lab_at_most(struct lab *lab, const char *method, const char *what, double value, const char *unit, double limit);
 void lab_at_least(struct lab *lab, const char *method, const char *what, double value, const char *unit, double limit);
 void lab_note(struct lab *lab, const char *method, const char *what, double value, const char *unit);
@@ -70,7 +70,7 @@ void lab_point_at(struct lab *lab, const char *chart, const char *series, double
 /* 1 if the figure meets its limit; a NaN meets none. */
 int lab_figure_holds(const struct lab_figure *figure);
 
-/* At least 1: so many of `whole` that are due at this effort. */
+/* The share of `whole` that is due at this effort; at least 1. */
 uint64_t lab_share(const struct lab *lab, uint64_t whole);
 
 /* Run a case. The figures and points are the lab's until lab_free. */
@@ -148,9 +148,13 @@ int lab_mesh_shape(struct lab *lab, struct lab_mesh *mesh, const char *name, uin
 int lab_mesh_arrays(struct lab *lab, struct lab_mesh *mesh, const double *vertices, size_t vertex_count,
                     const uint32_t *corners, size_t triangle_count);
 
-/* A sheet: `place` gives the vertex at u, v in 0..1. Its front is where u grows with y, v with x, is seen from +z. */
-int lab_mesh_net(struct lab *lab, struct lab_mesh *mesh, uint32_t rows, uint32_t columns,
-                 void (*place)(const void *context, double u, double v, double x[3]), const void *context);
+/* A sheet of rows by columns cells. Where u grows with y and v with x, +z sees its front. */
+struct lab_net {
+    uint32_t rows, columns;
+    void (*place)(const void *context, double u, double v, double x[3]); /* of the vertex at u, v in 0..1 */
+    const void *context;
+};
+int lab_mesh_net(struct lab *lab, struct lab_mesh *mesh, const struct lab_net *net);
 
 /*
  * A closed prism: a polygon of `count` corners x, z, counterclockwise seen along +y from below, from y = -half to

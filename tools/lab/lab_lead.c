@@ -126,28 +126,28 @@ void lab_lead_start(struct lab_lead *lead)
     lead->lead.before = lead->lead.device;
     take_step(lead);
     take_step(lead);
-    lead->tally = (struct lab_tally){ .least_gap = HUGE_VAL };
+    lead->tally = (struct lab_tally){ .gap_min = HUGE_VAL };
 }
 
 static double proxy_gap(struct lab_lead *lead)
 {
-    double least = HUGE_VAL;
+    double min = HUGE_VAL;
     dpt_pose proxy;
     dpt_tool_get_proxy(lead->lead.world, lead->lead.tool, &proxy);
     for (int k = 0; k < 3; k++)
         proxy.position[k] -= lead->middle[k];
     for (int i = 0; i < LAB_BODIES && lead->meshes[i]; i++) {
         lead->def.mesh = lead->meshes[i];
-        least = fmin(least, force_lead_gap(&lead->lead, &proxy));
+        min = fmin(min, force_lead_gap(&lead->lead, &proxy));
     }
-    return least;
+    return min;
 }
 
 static void judge_proxy(struct lab_lead *lead)
 {
     struct lab_tally *tally = &lead->tally;
     const double gap = proxy_gap(lead), force = vec3_length(lab_lead_force(lead));
-    tally->least_gap = fmin(tally->least_gap, gap);
+    tally->gap_min = fmin(tally->gap_min, gap);
     tally->in_mesh += gap < 0.0;
     tally->lagging += force > SMALL_FORCE && lead->lead.force.lag > 0.01 * force / LAB_STIFFNESS;
 }
@@ -225,7 +225,7 @@ double lab_per_cent(uint64_t part, uint64_t whole)
 void lab_tally_add(struct lab_tally *sum, const struct lab_tally *tally)
 {
     if (!sum->ticks)
-        sum->least_gap = HUGE_VAL;
+        sum->gap_min = HUGE_VAL;
     sum->ticks += tally->ticks;
     sum->acting += tally->acting;
     sum->turning += tally->turning;
@@ -245,7 +245,7 @@ void lab_tally_add(struct lab_tally *sum, const struct lab_tally *tally)
     sum->gain = fmax(sum->gain, tally->gain);
     sum->largest = fmax(sum->largest, tally->largest);
     sum->largest_torque = fmax(sum->largest_torque, tally->largest_torque);
-    sum->least_gap = fmin(sum->least_gap, tally->least_gap);
+    sum->gap_min = fmin(sum->gap_min, tally->gap_min);
 }
 
 void lab_tally_note(struct lab *lab, int method, const struct lab_tally *tally)

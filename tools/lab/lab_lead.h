@@ -15,7 +15,7 @@
 
 enum { LAB_BODIES = 2, LAB_PIECES_MAX = 8 };
 
-/* What is led over what. Zero is what is usual. */
+/* The tool, its method and the bodies. A zero selects the default. */
 struct lab_lead_def {
     int method;
     const dpt_mesh *meshes[LAB_BODIES]; /* NULL: no more bodies */
@@ -27,7 +27,7 @@ struct lab_lead_def {
     int lock_rotation;
 };
 
-/* What the force did so far. Nothing is counted in the ticks of lab_lead_start. */
+/* Statistics of the force. The ticks of lab_lead_start are not counted. */
 struct lab_tally {
     uint64_t ticks;                 /* since the start */
     uint64_t acting;                /* with a force */
@@ -45,7 +45,7 @@ struct lab_tally {
     uint64_t shallow;               /* ticks whose W is at most K r / 5 */
     double gain;                    /* |dW| over K |motion| in these, the largest */
     double largest, largest_torque; /* N, Nm */
-    double least_gap;               /* of the proxy, m */
+    double gap_min;                 /* of the proxy, m */
 };
 
 struct lab_lead {
@@ -97,7 +97,7 @@ static inline const double *lab_lead_force(const struct lab_lead *lead)
 /* What force_test leads: the needle of a method over a mesh. Of BALL the ball at its end. */
 struct force_trial_def lab_trial_def(int method, const dpt_mesh *mesh);
 
-/* Per cent; 0 of none. */
+/* A share in per cent; 0 if the whole is 0. */
 double lab_per_cent(uint64_t part, uint64_t whole);
 
 /* What one method did in all of a case's leads. */

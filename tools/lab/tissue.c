@@ -53,7 +53,7 @@ double spring_body_energy(const struct spring_body *body)
 
 enum { LOADS_MAX = 8192, SWEEPS_MAX = 400 };
 
-/* Of the right side: what conjugate gradients may leave. */
+/* The share of the right side that conjugate gradients may leave. */
 #define LEFT 1e-6
 
 const struct tissue_matter tissue_soft = { .foundation = 1e5, .tension = 30.0, .damping = 5e3, .mass = 20.0 };
@@ -199,16 +199,16 @@ static void resist(const struct tissue *tissue, const double *x, double inertia,
     }
 }
 
-/* The way of steepest descent, by each vertex's own stiffness. Returns left * way. */
-static double condition(const struct tissue *tissue, double inertia, const double *left, double *way)
+/* The direction of steepest descent, by each vertex's own stiffness. Returns left * direction. */
+static double condition(const struct tissue *tissue, double inertia, const double *left, double *direction)
 {
     double sum = 0.0;
     for (size_t v = 0; v < tissue->vertices; v++) {
         const double own =
             (inertia + tissue->matter.foundation) * tissue->area[v] + tissue->matter.tension * tissue->pull[v];
         for (size_t i = 3 * v; i < 3 * v + 3; i++) {
-            way[i] = left[i] / own;
-            sum += left[i] * way[i];
+            direction[i] = left[i] / own;
+            sum += left[i] * direction[i];
         }
     }
     return sum;
@@ -218,27 +218,27 @@ static double condition(const struct tissue *tissue, double inertia, const doubl
 static void solve(struct tissue *tissue, double inertia, const double *right, double *x)
 {
     const size_t n = 3 * (size_t)tissue->vertices;
-    double *left = tissue->scratch[0], *way = tissue->scratch[1], *push = tissue->scratch[2];
+    double *left = tissue->scratch[0], *direction = tissue->scratch[1], *push = tissue->scratch[2];
     double *steepest = tissue->scratch[5];
     const double enough = LEFT * LEFT * condition(tissue, inertia, right, steepest);
     resist(tissue, x, inertia, push);
     for (size_t i = 0; i < n; i++)
         left[i] = right[i] - push[i];
-    double size = condition(tissue, inertia, left, way);
+    double size = condition(tissue, inertia, left, direction);
     for (int sweep = 0; sweep < SWEEPS_MAX && size > enough; sweep++) {
         double along = 0.0;
-        resist(tissue, way, inertia, push);
+        resist(tissue, direction, inertia, push);
         for (size_t i = 0; i < n; i++)
-            along += way[i] * push[i];
+            along += direction[i] * push[i];
         const double step = size / along;
         for (size_t i = 0; i < n; i++) {
-            x[i] += step * way[i];
+            x[i] += step * direction[i];
             left[i] -= step * push[i];
         }
-        const double smaller = condition(tissue, inertia, left, steepest), turn = smaller / size;
+        const double left_size = condition(tissue, inertia, left, steepest), turn = left_size / size;
         for (size_t i = 0; i < n; i++)
-            way[i] = steepest[i] + turn * way[i];
-        size = smaller;
+            direction[i] = steepest[i] + turn * direction[i];
+        size = left_size;
     }
 }
 

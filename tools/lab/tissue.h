@@ -55,7 +55,7 @@ double spring_body_energy(const struct spring_body *body);
 
 #define TISSUE_TICK 1e-3 /* s: of the loop */
 
-/* Per area of the surface, but for the tension. */
+/* Constants per area of the surface, except for the tension. */
 struct tissue_matter {
     double foundation; /* N/m^3 */
     double tension;    /* N/m */

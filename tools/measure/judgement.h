@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a measure_run got wrong, held against another of the same trace, and what it cost. The other is usually
+ * Errors of a measure_run against a reference run of the same trace, and its cost. The reference is usually
  * measure_setting_richest of the same law: forces of different laws are no errors of each other.
  *
  *     struct measure_setting richest = measure_setting_richest(&setting, &scene);
@@ -16,7 +16,7 @@
 #include "measure/measure_run.h"
 #include "measure/measure_setting.h"
 
-/* Ticks before and behind a fold of either run that are apart: when a proxy lets go is not the same to the tick. */
+/* Ticks before and after a fold of either run that are judged apart: the proxies let go at slightly different ticks. */
 enum { JUDGEMENT_FOLD_TICKS = 5 };
 
 /* Of sorted numbers; zeros if there are none. */
@@ -72,7 +72,7 @@ struct judgement {
  */
 int measure_judge(struct judgement *judgement, const struct measure_run *run, const struct measure_run *reference);
 
-/* Sort numbers, and tell how they are spread. */
+/* Sort numbers, and return their spread. */
 struct judgement_spread judgement_spread_of(double *numbers, size_t count);
 
 #endif

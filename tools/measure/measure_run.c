@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/return_if_error.h"
 #include "clock.h"
 #include "shape/mesh_size.h"
 
@@ -52,12 +53,10 @@ dpt_result measure_brute_open(struct measure_brute *brute, const struct scene_bo
     brute->block = malloc(bytes);
     if (!brute->block)
         return DPT_E_MEMORY;
-    dpt_result result = dpt_world_create(brute->block, bytes, &def, &brute->world);
-    for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++)
-        result = add_body(brute, &bodies->body[i], i);
-    if (result == DPT_OK)
-        result = dpt_tool_add(brute->world, tool->segments, brute->segments, &brute->tool);
-    return result;
+    DPT_TRY(dpt_world_create(brute->block, bytes, &def, &brute->world));
+    for (uint32_t i = 0; i < bodies->count; i++)
+        DPT_TRY(add_body(brute, &bodies->body[i], i));
+    return dpt_tool_add(brute->world, tool->segments, brute->segments, &brute->tool);
 }
 
 void measure_brute_close(struct measure_brute *brute)
@@ -71,17 +70,16 @@ void measure_brute_close(struct measure_brute *brute)
 static dpt_result search(struct measure_brute *brute)
 {
     dpt_step step = { .size = sizeof step };
-    dpt_result result = DPT_OK;
     brute->ns = UINT32_MAX;
-    for (uint32_t i = 0; result == DPT_OK && i < brute->searches; i++) {
+    for (uint32_t i = 0; i < brute->searches; i++) {
         dpt_world_reset(brute->world);
         const uint64_t begin = clock_now();
-        result = dpt_world_step(brute->world, 1e-3, &step);
+        DPT_TRY(dpt_world_step(brute->world, 1e-3, &step));
         const uint64_t ns = clock_now() - begin;
         brute->ns = ns < brute->ns ? (uint32_t)ns : brute->ns;
         brute->work = step.work;
     }
-    return result;
+    return DPT_OK;
 }
 
 /*
@@ -98,30 +96,26 @@ static double off_by(const dpt_hit *hit, uint32_t nearest, double truth)
 dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene_bodies *bodies,
                                  const struct measure_tool *tool, const dpt_world *world, dpt_tool id, double *error)
 {
-    dpt_result result = DPT_OK;
-    for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
+    for (uint32_t i = 0; i < bodies->count; i++) {
         const float *vertices;
         uint32_t count;
         if (!brute->body_block[i])
             continue;
-        result = dpt_body_get_vertices(world, bodies->body[i].id, &vertices, &count);
-        if (result == DPT_OK)
-            result = dpt_body_set_vertices(brute->world, brute->id[i], 0, count, vertices, -1.0);
+        DPT_TRY(dpt_body_get_vertices(world, bodies->body[i].id, &vertices, &count));
+        DPT_TRY(dpt_body_set_vertices(brute->world, brute->id[i], 0, count, vertices, -1.0));
     }
-    if (result == DPT_OK)
-        result = dpt_tool_set_segments(brute->world, brute->tool, tool->segments, brute->segments);
-    if (result == DPT_OK)
-        result = search(brute);
+    DPT_TRY(dpt_tool_set_segments(brute->world, brute->tool, tool->segments, brute->segments));
+    DPT_TRY(search(brute));
     dpt_hit nearest = DPT_HIT_INIT;
     dpt_tool_get_hit(world, id, &nearest);
     *error = 0.0;
-    for (uint32_t i = 0; result == DPT_OK && i < brute->segments; i++) {
+    for (uint32_t i = 0; i < brute->segments; i++) {
         dpt_hit hit = DPT_HIT_INIT, true_hit = DPT_HIT_INIT;
         dpt_tool_get_segment_hit(world, id, i, &hit);
-        result = dpt_tool_get_segment_hit(brute->world, brute->tool, i, &true_hit);
+        DPT_TRY(dpt_tool_get_segment_hit(brute->world, brute->tool, i, &true_hit));
         *error = fmax(*error, off_by(&hit, nearest.segment, true_hit.distance));
     }
-    return result;
+    return DPT_OK;
 }
 
 /* Of the diagonal: by how much distances may differ and be the same. */
@@ -152,12 +146,9 @@ static int has_soft(const struct scene_bodies *bodies)
 static dpt_result add_tool(struct stage *stage, const struct scene *scene, const struct force_options *force,
                            uint32_t lock_rotation)
 {
-    dpt_result result = dpt_tool_add(stage->world, scene->segments, scene->segment_count, &stage->id);
-    if (result == DPT_OK)
-        result = force_options_set_tool(force, stage->world, stage->id, lock_rotation);
-    if (result == DPT_OK && scene->tips.count)
-        result = scene_tips_add(&scene->tips, stage->world, stage->id);
-    return result;
+    DPT_TRY(dpt_tool_add(stage->world, scene->segments, scene->segment_count, &stage->id));
+    DPT_TRY(force_options_set_tool(force, stage->world, stage->id, lock_rotation));
+    return scene->tips.count ? scene_tips_add(&scene->tips, stage->world, stage->id) : DPT_OK;
 }
 
 /* Physics apart from the ticks: before the bodies are added. Returns 0, or 2 after a message. */
@@ -172,14 +163,26 @@ static int choose_physics(struct stage *stage, const struct measure_run *run, co
                : 0;
 }
 
-/* Returns 0, or 2 after a message. */
-static int stage_open(struct stage *stage, struct measure_run *run, const struct scene *scene)
+/* Create the world in the stage's block, with the scene's bodies and its tool. */
+static dpt_result fill_world(struct stage *stage, const struct measure_run *run, const struct scene *scene,
+                             const dpt_world_def *def)
 {
     const struct measure_setting *setting = &run->setting;
     const struct force_options force = { .law = setting->world.law,
                                          .stiffness = setting->world.stiffness,
                                          .friction = setting->friction,
                                          .damping = setting->damping };
+    DPT_TRY(dpt_world_create(stage->block, run->world_bytes, def, &stage->world));
+    DPT_TRY(scene_bodies_add(&stage->bodies, stage->world, &force));
+    if (setting->physics > 0.0 && has_soft(&stage->bodies))
+        DPT_TRY(scene_physics_open(&stage->physics, &stage->bodies, setting->physics));
+    return add_tool(stage, scene, &force, setting->lock_rotation);
+}
+
+/* Returns 0, or 2 after a message. */
+static int stage_open(struct stage *stage, struct measure_run *run, const struct scene *scene)
+{
+    const struct measure_setting *setting = &run->setting;
     const dpt_baseline_def baseline = { .size = sizeof baseline,
                                         .parts = setting->parts,
                                         .one_step = setting->one_step };
@@ -197,14 +200,7 @@ static int stage_open(struct stage *stage, struct measure_run *run, const struct
         return 2;
     run->world_bytes = dpt_world_bytes(&def);
     stage->block = malloc(run->world_bytes ? run->world_bytes : 1);
-    dpt_result result =
-        stage->block ? dpt_world_create(stage->block, run->world_bytes, &def, &stage->world) : DPT_E_MEMORY;
-    if (result == DPT_OK)
-        result = scene_bodies_add(&stage->bodies, stage->world, &force);
-    if (result == DPT_OK && setting->physics > 0.0 && has_soft(&stage->bodies))
-        result = scene_physics_open(&stage->physics, &stage->bodies, setting->physics);
-    if (result == DPT_OK)
-        result = add_tool(stage, scene, &force, setting->lock_rotation);
+    const dpt_result result = stage->block ? fill_world(stage, run, scene, &def) : DPT_E_MEMORY;
     return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
 }
 
@@ -248,12 +244,9 @@ static dpt_result check(struct stage *stage, struct measure_run *run, size_t row
     double error;
     if (!check->every || row % check->every)
         return DPT_OK;
-    dpt_result result =
-        row ? DPT_OK : measure_brute_open(&stage->brute, &stage->bodies, &stage->tool, run->check.searches);
-    if (result == DPT_OK)
-        result = measure_brute_compare(&stage->brute, &stage->bodies, &stage->tool, stage->world, stage->id, &error);
-    if (result != DPT_OK)
-        return result;
+    if (!row)
+        DPT_TRY(measure_brute_open(&stage->brute, &stage->bodies, &stage->tool, run->check.searches));
+    DPT_TRY(measure_brute_compare(&stage->brute, &stage->bodies, &stage->tool, stage->world, stage->id, &error));
     check->ns[check->ticks++] = stage->brute.ns;
     check->work = stage->brute.work > check->work ? stage->brute.work : check->work;
     check->wrong += error <= check->tolerance ? 0 : 1;
@@ -268,24 +261,21 @@ static dpt_result step(struct stage *stage, struct measure_run *run, size_t row,
     struct measure_tick *tick = &run->tick[row];
     dpt_step told = { .size = sizeof told };
     uint64_t begin = clock_now();
-    dpt_result result = stage->physics ? scene_physics_begin_tick(stage->physics, stage->world) : DPT_OK;
-    if (result == DPT_OK)
-        result = dpt_world_step(stage->world, dt, &told);
+    if (stage->physics)
+        DPT_TRY(scene_physics_begin_tick(stage->physics, stage->world));
+    DPT_TRY(dpt_world_step(stage->world, dt, &told));
     const uint32_t ns = ns_since(begin);
-    if (result != DPT_OK)
-        return result;
     if (is_first) {
         read_answers(stage, &told, tick);
-        result = check(stage, run, row);
+        DPT_TRY(check(stage, run, row));
     }
     begin = clock_now();
-    if (result == DPT_OK)
-        result = stage->physics ? scene_physics_end_tick(stage->physics, stage->world, dt)
-                                : scene_bodies_step(&stage->bodies, stage->world, dt);
+    DPT_TRY(stage->physics ? scene_physics_end_tick(stage->physics, stage->world, dt)
+                           : scene_bodies_step(&stage->bodies, stage->world, dt));
     const uint32_t soft_ns = stage->bodies.steps || stage->physics ? ns_since(begin) : 0;
     tick->ns = is_first || ns < tick->ns ? ns : tick->ns;
     tick->soft_ns = is_first || soft_ns < tick->soft_ns ? soft_ns : tick->soft_ns;
-    return result;
+    return DPT_OK;
 }
 
 static void run_pass(struct stage *stage, struct measure_run *run, const struct csv_table *trace,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A setting over a scene and a trace: what the tool was told in every tick, and what that cost.
+ * Run a setting over a scene and a trace, and keep the answers and the cost of every tick.
  *
  *     struct measure_setting setting;
  *     struct measure_run run;
@@ -22,7 +22,7 @@
 #include "csv.h"
 #include "measure/measure_setting.h"
 
-/* What a tick told. Answers are those of dpt_hit and dpt_force_info after its step; a stale one counts for nothing. */
+/* The answers of a tick: those of dpt_hit and dpt_force_info after its step. A stale answer is not to be used. */
 struct measure_tick {
     double distance; /* of the device's axis, m */
     double gap;      /* of its surface, m; NAN where it is not known, as under a proxy that is held back */
@@ -68,7 +68,7 @@ struct measure_run {
 /* How much to spend on a run. */
 struct measure_effort {
     uint32_t passes;   /* times are the least of so many; at least 1 */
-    size_t every;      /* check each so manieth tick by brute force; 0: none */
+    size_t every;      /* check one tick in this many by brute force; 0: none */
     uint32_t searches; /* brute force's times are the least of so many; 0: one */
     /* Progress on a terminal, from `begin` to `end` of all, 0..1, under this name; NULL: none. */
     struct meter *meter;
@@ -90,7 +90,7 @@ size_t measure_check_every(const struct scene *scene, const struct csv_table *tr
 /* |W| of a wrench as it is told above, N. */
 double measure_wrench_size(const double wrench[6]);
 
-/* How often a tick took how long, or how much work. Peers count their times in the same bins (tests/bench/peer.h). */
+/* A histogram of the ticks' times, or of their work. Peers count their times in the same bins (tests/bench/peer.h). */
 
 enum tick_histogram_of { TICK_HISTOGRAM_NS, TICK_HISTOGRAM_WORK, TICK_HISTOGRAMS };
 
@@ -99,7 +99,7 @@ extern const char *const tick_histogram_words[TICK_HISTOGRAMS];
 
 enum { TICK_HISTOGRAM_EDGES = 8 * 16 + 1 };
 
-/* Bin 0 counts what is below the first edge, bin i what is at or above edge i - 1 and below edge i, the last all beyond. */
+/* Bin 0 counts values below the first edge, bin i what is at or above edge i - 1 and below edge i, the last all beyond. */
 struct tick_histogram {
     uint32_t bin[TICK_HISTOGRAM_EDGES + 1];
 };

@@ -192,16 +192,16 @@ int measure_trace_make(struct csv_table *trace, const struct scene *scene, const
     return 0;
 }
 
-int measure_trace_read(struct csv_table *trace, const char *command, const char *path, size_t least)
+int measure_trace_read(struct csv_table *trace, const char *command, const char *path, size_t min)
 {
     dpt_device_error error = { .size = sizeof error };
     if (csv_table_read(trace, path, &trace_format, &error) != DPT_OK)
         return complain(command, "%s", error.text);
-    if (trace->rows >= least)
+    if (trace->rows >= min)
         return 0;
     const size_t rows = trace->rows;
     csv_table_free(trace);
-    return complain(command, "%s: it has %zu ticks, and at least %zu are needed", path, rows, least);
+    return complain(command, "%s: it has %zu ticks, and at least %zu are needed", path, rows, min);
 }
 
 #ifdef __clang__

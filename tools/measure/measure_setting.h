@@ -13,7 +13,7 @@
 #include "dynpoint/types.h"
 #include "scene/scene.h"
 
-/* A plain value: copy it, and change what is to be another. */
+/* A plain value: copy it, and change the copy. */
 struct measure_setting {
     /*
      * Method, until, law, stiffness, budgets, memory, margin, contacts, strips, smooth normals: as world.h says. How many
@@ -46,7 +46,7 @@ struct measure_setting measure_setting_richest(const struct measure_setting *set
 /* NULL if the scene can be felt like that; else why not, as "the paper's method has no proxy". */
 const char *measure_setting_fault(const struct measure_setting *setting, const struct scene *scene);
 
-/* What it says of bodies, before they are added to a world. */
+/* Apply the setting to bodies, before they are added to a world. */
 void measure_setting_change(const struct measure_setting *setting, struct scene_bodies *bodies);
 
 /*
@@ -68,10 +68,10 @@ struct measure_tool {
 
 void measure_tool_begin(struct measure_tool *tool, const struct scene *scene);
 
-/* To the row, counted from 0. */
+/* Lead the tool to a row, counted from 0. */
 void measure_tool_lead(struct measure_tool *tool, const struct csv_table *trace, size_t row);
 
-/* In a world, to where it was led. */
+/* Move the tool of a world to where measure_tool_lead put it. */
 dpt_result measure_tool_move(const struct measure_tool *tool, dpt_world *world, dpt_tool id);
 
 /* What the wrench of this tool weighs, in N: force, and torque about the centre over rho; zeros for a rho of 0. */
@@ -95,9 +95,9 @@ struct measure_hand {
 int measure_trace_make(struct csv_table *trace, const struct scene *scene, const struct measure_hand *hand);
 
 /* Read a trace of at least so many ticks. Returns 0, or 2 after a message, with nothing to free. */
-int measure_trace_read(struct csv_table *trace, const char *command, const char *path, size_t least);
+int measure_trace_read(struct csv_table *trace, const char *command, const char *path, size_t min);
 
-/* What times were measured on: they hold for no other machine. */
+/* The machine on which times were measured. They hold for no other one. */
 
 /* ASCII without quotes, backslashes, asterisks and slashes: it stands in JSON, in CSV and in a comment as it is. */
 struct measure_machine {
@@ -108,7 +108,7 @@ struct measure_machine {
     char kernel[16];  /* of the library's search: avx512, ... */
 };
 
-/* This one; `kernel` is DPT_KERNEL_... as a world tells it. */
+/* The machine that runs this; `kernel` is DPT_KERNEL_... as a world tells it. */
 void measure_machine_read(struct measure_machine *machine, uint32_t kernel);
 
 /* Where a tool's centre is, and how far it spreads about it (docs/algorithms/force.md). */

@@ -94,7 +94,7 @@ struct plan_text plan_broken_text(const struct plan_limits *limits, const struct
     return out;
 }
 
-static uint32_t larger(uint32_t a, uint32_t b)
+static uint32_t grown(uint32_t a, uint32_t b)
 {
     return a > b ? a : b;
 }
@@ -109,9 +109,9 @@ void plan_figures_join(struct plan_figures *figures, const struct plan_figures *
     figures->work_total += other->work_total;
     figures->distance_error = fmax(figures->distance_error, other->distance_error);
     figures->force_error = fmax(figures->force_error, other->force_error);
-    figures->contacts = larger(figures->contacts, other->contacts);
-    figures->strip = larger(figures->strip, other->strip);
-    figures->work = larger(figures->work, other->work);
+    figures->contacts = grown(figures->contacts, other->contacts);
+    figures->strip = grown(figures->strip, other->strip);
+    figures->work = grown(figures->work, other->work);
     figures->work_p999 = fmax(figures->work_p999, other->work_p999);
     figures->time_median = fmax(figures->time_median, other->time_median);
     figures->time_p999 = fmax(figures->time_p999, other->time_p999);
@@ -167,16 +167,16 @@ static void write_setting(FILE *file, const char *indent, const struct measure_s
     const dpt_world_def *world = &setting->world;
     const int scene = setting->integrator < 0;
     const char *between = "";
-    fprintf(file,
-            "{ \"law\": \"%s\", \"stiffness\": %.17g, \"damping\": %.17g, \"lock_rotation\": %" PRIu32
-            ", \"dt\": %.17g,\n%s  "
-            "\"until\": \"%s\", \"budget\": %" PRIu32 ", \"sweep_budget\": %" PRIu32 ", \"certificate_bytes\": %" PRIu64
-            ", \"margin\": %.17g,\n%s  \"max_contacts\": %" PRIu32 ", \"smooth_normals\": %" PRIu32
-            ", \"strip\": \"%s\", \"strip_capacity\": %" PRIu32 ",\n%s  ",
-            law_name(world->law), world->stiffness, setting->damping, setting->lock_rotation, setting->dt, indent,
-            until_words[world->until], world->budget, world->sweep_budget, world->certificate_bytes, world->margin,
-            indent, world->max_contacts, world->smooth_normals, strip_words[world->strip], world->strip_capacity,
-            indent);
+    fprintf(
+        file,
+        "{ \"law\": \"%s\", \"stiffness\": %.17g, \"damping\": %.17g, \"lock_rotation\": %" PRIu32 ", \"dt\": %.17g,\n"
+        "%s  \"until\": \"%s\", \"budget\": %" PRIu32 ", \"sweep_budget\": %" PRIu32 ", \"certificate_bytes\": %" PRIu64
+        ", \"margin\": %.17g,\n"
+        "%s  \"max_contacts\": %" PRIu32 ", \"smooth_normals\": %" PRIu32
+        ", \"strip\": \"%s\", \"strip_capacity\": %" PRIu32 ",\n%s  ",
+        law_name(world->law), world->stiffness, setting->damping, setting->lock_rotation, setting->dt, indent,
+        until_words[world->until], world->budget, world->sweep_budget, world->certificate_bytes, world->margin, indent,
+        world->max_contacts, world->smooth_normals, strip_words[world->strip], world->strip_capacity, indent);
     if (!isnan(setting->friction))
         fprintf(file, "\"friction\": %.17g, ", setting->friction);
     fprintf(file, "\"integrator\": \"%s\", \"iterations\": %" PRIu32 ", \"rigid\": [",

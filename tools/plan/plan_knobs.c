@@ -82,7 +82,7 @@ static uint32_t integrator_of(const struct measure_setting *setting, const struc
 /* The most iterations of a body that is stepped implicitly; 0: none is. */
 static uint32_t iterations_of(const struct measure_setting *setting, const struct scene *scene)
 {
-    uint32_t most = 0;
+    uint32_t max = 0;
     for (uint32_t i = 0; i < scene->bodies.count; i++) {
         const struct scene_body *body = &scene->bodies.body[i];
         if (!is_soft(setting, scene, i) || integrator_of(setting, body) != DPT_INTEGRATOR_IMPLICIT)
@@ -90,9 +90,9 @@ static uint32_t iterations_of(const struct measure_setting *setting, const struc
         const uint32_t count = setting->iterations ? setting->iterations
                                : body->iterations  ? body->iterations
                                                    : ITERATIONS_USUAL;
-        most = count > most ? count : most;
+        max = count > max ? count : max;
     }
-    return most;
+    return max;
 }
 
 static int reduce_integrator(struct measure_setting *setting, const struct scene *scene, uint32_t body,

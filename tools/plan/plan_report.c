@@ -39,8 +39,8 @@ static void report_asked(FILE *file, const struct plan *plan, const struct plan_
     else
         fprintf(file, "a made trace, seed %" PRIu64, plan->motion.seed);
     fprintf(file,
-            ", up to %.3g m/s: the first half to choose by,\n  the second and that one backwards "
-            "%g times as fast%s to verify\n",
+            ", up to %.3g m/s: the first half to choose by,\n"
+            "  the second and that one backwards %g times as fast%s to verify\n",
             plan->motion.speed, PLAN_SPEED_FACTOR, plan->motion.file ? "" : ", and two of other seeds");
     if (plan->asked.force_error < INFINITY)
         fprintf(file, "  a force is felt in %" PRIu64 " of %" PRIu64 " ticks there\n", richest->felt, richest->ticks);
@@ -176,13 +176,22 @@ static void write_world(FILE *file, const struct plan *plan, const struct scene 
 {
     const dpt_world_def *world = &plan->setting.world;
     fprintf(file,
-            "/* The world. */\nstatic inline void plan_fill_world(dpt_world_def *def)\n{\n"
-            "    dpt_world_def_init(def);\n    def->max_bodies = PLAN_BODIES;\n"
-            "    def->max_tools = 1;\n    def->max_segments = %" PRIu32 ";\n    def->max_tips = "
-            "%" PRIu32 ";\n    def->until = %s;\n    def->law = %s;\n    def->budget = %" PRIu32
-            ";\n    def->sweep_budget = %" PRIu32 ";\n    def->certificate_bytes = %" PRIu64
-            "u;\n    def->max_contacts = %" PRIu32 ";\n    def->smooth_normals = %" PRIu32
-            ";\n    def->margin = %.17g;\n"
+            "/* The world. */\n"
+            "static inline void plan_fill_world(dpt_world_def *def)\n"
+            "{\n"
+            "    dpt_world_def_init(def);\n"
+            "    def->max_bodies = PLAN_BODIES;\n"
+            "    def->max_tools = 1;\n"
+            "    def->max_segments = %" PRIu32 ";\n"
+            "    def->max_tips = %" PRIu32 ";\n"
+            "    def->until = %s;\n"
+            "    def->law = %s;\n"
+            "    def->budget = %" PRIu32 ";\n"
+            "    def->sweep_budget = %" PRIu32 ";\n"
+            "    def->certificate_bytes = %" PRIu64 "u;\n"
+            "    def->max_contacts = %" PRIu32 ";\n"
+            "    def->smooth_normals = %" PRIu32 ";\n"
+            "    def->margin = %.17g;\n"
             "    def->stiffness = %.17g;\n",
             scene->segment_count, scene->tips.count, until_name(world->until), law_constants[world->law], world->budget,
             world->sweep_budget, world->certificate_bytes, world->max_contacts, world->smooth_normals, world->margin,

@@ -220,9 +220,9 @@ static int find_fault(struct climb *climb, const struct plan_neighbour *tried)
 static void raise_budget(struct climb *climb, const struct plan_neighbour *tried)
 {
     const double raised = ceil(tried->setting.world.budget * PLAN_BUDGET_RAISE);
-    const uint32_t most = climb->search->bench[tried->trace].richest.work;
+    const uint32_t max = climb->search->bench[tried->trace].richest.work;
     refuse(climb, &plan_knobs[plan_knob_count - 1], 0, tried);
-    climb->setting.world.budget = raised < 2.0 * most ? (uint32_t)raised : PLAN_BUDGET_AMPLE;
+    climb->setting.world.budget = raised < 2.0 * max ? (uint32_t)raised : PLAN_BUDGET_AMPLE;
 }
 
 /*

@@ -40,12 +40,12 @@ static double power_of_ten(int exponent)
 static double choose_step(double length, int marks)
 {
     static const double factors[] = { 1.0, 2.0, 5.0 };
-    const double least = length / marks;
+    const double min = length / marks;
     for (int exponent = -60;; exponent++) {
         const double power = power_of_ten(abs(exponent));
         for (int i = 0; i < 3; i++) {
             const double step = exponent < 0 ? factors[i] / power : factors[i] * power;
-            if (step >= least * (1.0 - 1e-9))
+            if (step >= min * (1.0 - 1e-9))
                 return step;
         }
     }
@@ -55,9 +55,9 @@ struct plot_axis plot_axis_make(double low, double high, double start, double en
 {
     struct plot_axis axis = { .low = low, .high = high, .start = start, .end = end };
     const double max = max_magnitude(low, high);
-    const double least = max > 0.0 ? fmax(1e-9 * max, 1e-40) : 1e-3;
-    if (axis.high - axis.low < least)
-        axis.high = axis.low + least;
+    const double min = max > 0.0 ? fmax(1e-9 * max, 1e-40) : 1e-3;
+    if (axis.high - axis.low < min)
+        axis.high = axis.low + min;
     choose_prefix(&axis);
     axis.step = choose_step(axis.high - axis.low, marks);
     const double slack = 1e-9; /* a limit that is a mark but for rounding is that mark */

@@ -119,7 +119,7 @@ static struct plot_axis vertical_axis(const struct plot_panel *panel, int series
         high = fmax(high, all.high.y);
     }
     if (low == 0.0 && high == 0.0)
-        high = panel->least;
+        high = panel->high_min;
     return plot_axis_make(low, high, top + PANEL, top, Y_MARKS, 1);
 }
 

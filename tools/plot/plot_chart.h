@@ -20,7 +20,7 @@ enum { PLOT_SERIES_MAX = 2, PLOT_PANELS_MAX = 8 };
 struct plot_panel {
     const char *name;
     const char *unit;                              /* without prefix */
-    double least;                                  /* length of the axis if all values are 0 */
+    double high_min;                               /* length of the axis if all values are 0 */
     const struct plot_line *line[PLOT_SERIES_MAX]; /* of each series, with a point at least */
 };
 

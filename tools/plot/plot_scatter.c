@@ -62,12 +62,12 @@ static int by_cost(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static double least_cost(const struct scatter_mark *mark)
+static double cost_min(const struct scatter_mark *mark)
 {
     return mark->cost_range[0] > 0.0 ? fmin(mark->cost, mark->cost_range[0]) : mark->cost;
 }
 
-static double most_cost(const struct scatter_mark *mark)
+static double cost_max(const struct scatter_mark *mark)
 {
     return fmax(fmax(mark->cost, mark->worse_cost), fmax(mark->cost_range[1], mark->worse_range[1]));
 }
@@ -78,11 +78,11 @@ static void lay_out(struct layout *layout, const struct scatter_panel *panel, do
     *layout = (struct layout){ .panel = panel, .top = top };
     for (int i = 0; i < panel->count; i++) {
         const struct scatter_mark *mark = &panel->mark[i];
-        const int in_band = panel->band && mark->error <= panel->least;
+        const int in_band = panel->band && mark->error <= panel->band_max;
         layout->placed[i] = (struct placed){ .mark = mark, .in_band = in_band };
         layout->lanes += in_band;
-        low_x = fmin(low_x, least_cost(mark));
-        high_x = fmax(high_x, most_cost(mark));
+        low_x = fmin(low_x, cost_min(mark));
+        high_x = fmax(high_x, cost_max(mark));
         if (!in_band) {
             low_y = fmin(low_y, mark->error);
             high_y = fmax(high_y, mark->error);
@@ -100,8 +100,8 @@ static void lay_out(struct layout *layout, const struct scatter_panel *panel, do
         struct placed *placed = &layout->placed[i];
         placed->x = plot_log_axis_at(&layout->x, placed->mark->cost);
         placed->worse_x = plot_log_axis_at(&layout->x, fmax(placed->mark->cost, placed->mark->worse_cost));
-        placed->left = plot_log_axis_at(&layout->x, least_cost(placed->mark));
-        placed->right = plot_log_axis_at(&layout->x, most_cost(placed->mark));
+        placed->left = plot_log_axis_at(&layout->x, cost_min(placed->mark));
+        placed->right = plot_log_axis_at(&layout->x, cost_max(placed->mark));
         placed->y = placed->in_band ? layout->band + BAND_PAD + LANE * (0.5 + lane++)
                                     : plot_log_axis_at(&layout->y, placed->mark->error);
     }
@@ -285,12 +285,15 @@ static int find_in_lane(struct label_places *places, const struct placed *placed
 static int write_beside(FILE *file, const struct placed *placed, struct label_places *places, const char *class,
                         const char *text)
 {
-    const double height = SVG_LABEL_SIZE + 1.0;
-    const double width = WIDER * svg_width(text, SVG_LABEL_SIZE);
+    const struct label_mark mark = { .x = placed->x,
+                                     .y = placed->y,
+                                     .radius = RADIUS,
+                                     .width = WIDER * svg_width(text, SVG_LABEL_SIZE),
+                                     .height = SVG_LABEL_SIZE + 1.0 };
     struct label_box box;
     double leader[2] = { placed->x, placed->y };
-    if (!(placed->in_band ? find_in_lane(places, placed, width, height, &box)
-                          : label_places_find(places, placed->x, placed->y, RADIUS, width, height, &box, leader)))
+    if (!(placed->in_band ? find_in_lane(places, placed, mark.width, mark.height, &box)
+                          : label_places_find(places, &mark, &box, leader)))
         return 0;
     fprintf(file, "<g class=\"%s\">", class);
     if (leader[0] != placed->x || leader[1] != placed->y) {
@@ -445,12 +448,11 @@ static int is_free_line(const struct label_places *places, const double from[2],
 }
 
 /* A label in a direction from the mark, its nearest edge so far away. */
-static struct label_box box_towards(double x, double y, const double way[2], double away, double width, double height)
+static struct label_box box_towards(const struct label_mark *mark, const double direction[2], double away)
 {
-    const double middle_x = x + way[0] * (away + 0.5 * width);
-    const double middle_y = y + way[1] * (away + 0.5 * height);
-    return (struct label_box){ middle_x - 0.5 * width, middle_y - 0.5 * height, middle_x + 0.5 * width,
-                               middle_y + 0.5 * height };
+    const double half[2] = { 0.5 * mark->width, 0.5 * mark->height };
+    const double x = mark->x + direction[0] * (away + half[0]), y = mark->y + direction[1] * (away + half[1]);
+    return (struct label_box){ x - half[0], y - half[1], x + half[0], y + half[1] };
 }
 
 static double clamp(double value, double low, double high)
@@ -458,27 +460,27 @@ static double clamp(double value, double low, double high)
     return fmax(low, fmin(high, value));
 }
 
-int label_places_find(struct label_places *places, double x, double y, double radius, double width, double height,
-                      struct label_box *box, double leader[2])
+int label_places_find(struct label_places *places, const struct label_mark *mark, struct label_box *box,
+                      double leader[2])
 {
-    const double beside = radius + 4.0, turn = 2.0 * 3.14159265358979323846 / DIRECTIONS;
-    const double mark[2] = { x, y };
+    const double beside = mark->radius + 4.0, turn = 2.0 * 3.14159265358979323846 / DIRECTIONS;
+    const double middle[2] = { mark->x, mark->y };
     for (double away = beside; away <= FARTHEST; away += AWAY_STEP)
         for (int i = 0; i < DIRECTIONS; i++) {
             /* 0, 1, -1, 2, -2, ...: to the right first. */
             const double angle = turn * (i % 2 ? (i + 1) / 2 : -(i / 2));
-            const double way[2] = { cos(angle), sin(angle) };
-            *box = box_towards(x, y, way, away, width, height);
-            leader[0] = x;
-            leader[1] = y;
+            const double direction[2] = { cos(angle), sin(angle) };
+            *box = box_towards(mark, direction, away);
+            leader[0] = mark->x;
+            leader[1] = mark->y;
             if (!is_free(places, box))
                 continue;
             if (away > beside) {
-                leader[0] = clamp(x, box->left, box->right);
-                leader[1] = clamp(y, box->top, box->bottom);
-                if (!is_free_line(places, mark, leader, radius))
+                leader[0] = clamp(mark->x, box->left, box->right);
+                leader[1] = clamp(mark->y, box->top, box->bottom);
+                if (!is_free_line(places, middle, leader, mark->radius))
                     continue;
-                label_places_take_line(places, x, y, leader[0], leader[1]);
+                label_places_take_line(places, mark->x, mark->y, leader[0], leader[1]);
             }
             label_places_take(places, *box);
             return 1;

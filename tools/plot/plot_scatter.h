@@ -23,7 +23,7 @@ struct scatter_mark {
     double cost, worse_cost; /* above 0, in the unit of x */
     /* From the least to the largest of these when measured again; equal, or 0: no bar. */
     double cost_range[2], worse_range[2];
-    double error; /* in the unit of y; at most the panel's `least`: it lies in the band */
+    double error; /* in the unit of y; at most the panel's `band_max`: it lies in the band */
     enum scatter_kind kind;
     const char *name;  /* beside it; NULL: in its title alone */
     const char *title; /* all that is to be said of it */
@@ -34,7 +34,7 @@ struct scatter_panel {
     const char *x_name, *x_unit; /* "Time of a tick", "s"; units without prefix */
     const char *y_name, *y_unit;
     const char *band;                     /* what lies in it: "0"; NULL: there is none */
-    double least;                         /* errors up to this lie in the band */
+    double band_max;                      /* errors up to this lie in the band */
     const char *kind_name[SCATTER_KINDS]; /* for the legend; NULL: not there */
     struct scatter_mark mark[SCATTER_MARKS_MAX];
     int count;
@@ -68,14 +68,19 @@ struct label_places {
 void label_places_take(struct label_places *places, struct label_box box);
 void label_places_take_line(struct label_places *places, double x0, double y0, double x1, double y1);
 
+/* A round mark, and the size of the label that it gets; pixels. */
+struct label_mark {
+    double x, y, radius;
+    double width, height; /* of the label */
+};
+
 /*
- * Find room for a label of this width and height near the mark at x, y, which has this radius, and take it. Beside it is
- * best, farther away is worse.
+ * Find room for the label of a mark near it, and take it. Beside it is best, farther away is worse.
  *   leader   where a line from the mark ends at the label; equal to x, y if the label is beside it, and needs none
  *
  * Returns 0 if there is none within 120 pixels.
  */
-int label_places_find(struct label_places *places, double x, double y, double radius, double width, double height,
-                      struct label_box *box, double leader[2]);
+int label_places_find(struct label_places *places, const struct label_mark *mark, struct label_box *box,
+                      double leader[2]);
 
 #endif

@@ -63,7 +63,7 @@ enum { REPLACEMENT = 0xfffd };
 /* The character at *text, which moves behind it. Of a sequence that is cut or wrong only its first byte is passed. */
 static uint32_t next_character(const char **text)
 {
-    static const uint32_t least[] = { 0, 0x80, 0x800, 0x10000 };
+    static const uint32_t min[] = { 0, 0x80, 0x800, 0x10000 };
     const unsigned char *at = (const unsigned char *)*text;
     const int more = at[0] < 0x80                     ? 0
                      : at[0] >= 0xc2 && at[0] <= 0xdf ? 1
@@ -79,7 +79,7 @@ static uint32_t next_character(const char **text)
             return REPLACEMENT;
         c = c << 6 | (at[i] & 0x3fu);
     }
-    if (c < least[more] || c > 0x10ffff || (c >= 0xd800 && c <= 0xdfff))
+    if (c < min[more] || c > 0x10ffff || (c >= 0xd800 && c <= 0xdfff))
         return REPLACEMENT;
     *text += more;
     return c;

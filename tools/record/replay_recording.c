@@ -220,15 +220,15 @@ static int read_embedded(struct scene_def *def, struct recording_embed *embed, c
 static int take_plan(struct scene *scene, const struct scene_text *text, const char *path,
                      struct measure_setting *setting)
 {
-    const uint64_t most = UINT32_MAX;
-    if (text->sweep_budget > most)
+    const uint64_t max = UINT32_MAX;
+    if (text->sweep_budget > max)
         return complain(scene->command, "%s: its header has a sweep_budget that is none", path);
     if (!text->planned)
         return 0;
     if (text->plan_until > DPT_UNTIL_CONTACT || text->plan_integrator > 1 + DPT_INTEGRATOR_IMPLICIT ||
-        text->plan_iterations > most || text->plan_max_contacts > most || text->plan_smooth_normals > 1 ||
-        text->plan_sweep_budget > most || text->plan_strip_capacity > most || text->plan_rigid_low > most ||
-        text->plan_rigid_high > most)
+        text->plan_iterations > max || text->plan_max_contacts > max || text->plan_smooth_normals > 1 ||
+        text->plan_sweep_budget > max || text->plan_strip_capacity > max || text->plan_rigid_low > max ||
+        text->plan_rigid_high > max)
         return complain(scene->command, "%s: its header has a plan's setting that is none", path);
     *setting = scene_text_setting(text);
     measure_setting_change(setting, &scene->bodies);

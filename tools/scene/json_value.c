@@ -135,17 +135,17 @@ int json_check_object(struct json_reader *reader, const struct json_value *at, c
     return !json_has_failed(reader);
 }
 
-size_t json_check_list(struct json_reader *reader, const struct json_value *at, size_t least, size_t most)
+size_t json_check_list(struct json_reader *reader, const struct json_value *at, size_t min, size_t max)
 {
     if (!is_there(reader, at) || !is_kind(reader, at, json_is_array(at->value), "a list"))
         return 0;
     const size_t count = json_array_size(at->value);
-    if (count >= least && count <= most)
+    if (count >= min && count <= max)
         return count;
-    if (least == most)
-        json_refuse(reader, at, "has %zu items; there must be %zu", count, most);
+    if (min == max)
+        json_refuse(reader, at, "has %zu items; there must be %zu", count, max);
     else
-        json_refuse(reader, at, "has %zu items; there must be %zu to %zu", count, least, most);
+        json_refuse(reader, at, "has %zu items; there must be %zu to %zu", count, min, max);
     return 0;
 }
 
@@ -157,34 +157,34 @@ static double number_of(struct json_reader *reader, const struct json_value *at)
     return json_number_value(at->value);
 }
 
-void json_take_number(struct json_reader *reader, const struct json_value *object, const char *key, double least,
-                      double most, double *to)
+void json_take_number(struct json_reader *reader, const struct json_value *object, const char *key, double min,
+                      double max, double *to)
 {
     const struct json_value at = json_member(object, key);
     if (!is_there(reader, &at))
         return;
     const double number = number_of(reader, &at);
-    if (number >= least && number <= most)
+    if (number >= min && number <= max)
         *to = number;
     else
-        json_refuse(reader, &at, "must be %g to %g; it is %g", least, most, number);
+        json_refuse(reader, &at, "must be %g to %g; it is %g", min, max, number);
 }
 
-void json_take_above(struct json_reader *reader, const struct json_value *object, const char *key, double most,
+void json_take_above(struct json_reader *reader, const struct json_value *object, const char *key, double max,
                      double *to)
 {
     const struct json_value at = json_member(object, key);
     if (!is_there(reader, &at))
         return;
     const double number = number_of(reader, &at);
-    if (number > 0.0 && number <= most)
+    if (number > 0.0 && number <= max)
         *to = number;
     else
-        json_refuse(reader, &at, "must be above 0, at most %g; it is %g", most, number);
+        json_refuse(reader, &at, "must be above 0, at most %g; it is %g", max, number);
 }
 
 void json_take_numbers(struct json_reader *reader, const struct json_value *object, const char *key, size_t count,
-                       double most, double *to)
+                       double max, double *to)
 {
     const struct json_value list = json_member(object, key);
     if (!json_check_list(reader, &list, count, count))
@@ -192,32 +192,32 @@ void json_take_numbers(struct json_reader *reader, const struct json_value *obje
     for (size_t i = 0; i < count; i++) {
         const struct json_value at = json_item(&list, i);
         const double number = number_of(reader, &at);
-        if (fabs(number) <= most)
+        if (fabs(number) <= max)
             to[i] = number;
         else
-            json_refuse(reader, &at, "must be %g to %g; it is %g", -most, most, number);
+            json_refuse(reader, &at, "must be %g to %g; it is %g", -max, max, number);
     }
 }
 
-void json_whole(struct json_reader *reader, const struct json_value *at, uint64_t least, uint64_t most, uint64_t *to)
+void json_whole(struct json_reader *reader, const struct json_value *at, uint64_t min, uint64_t max, uint64_t *to)
 {
     if (!is_there(reader, at))
         return;
     if (!json_is_integer(at->value))
         json_refuse(reader, at, "must be a whole number, without a point or an exponent");
     const json_int_t number = json_integer_value(at->value);
-    if (number >= 0 && (uint64_t)number >= least && (uint64_t)number <= most)
+    if (number >= 0 && (uint64_t)number >= min && (uint64_t)number <= max)
         *to = (uint64_t)number;
     else
-        json_refuse(reader, at, "must be %llu to %llu; it is %lld", (unsigned long long)least, (unsigned long long)most,
+        json_refuse(reader, at, "must be %llu to %llu; it is %lld", (unsigned long long)min, (unsigned long long)max,
                     (long long)number);
 }
 
-void json_take_count(struct json_reader *reader, const struct json_value *object, const char *key, uint64_t least,
-                     uint64_t most, uint64_t *to)
+void json_take_count(struct json_reader *reader, const struct json_value *object, const char *key, uint64_t min,
+                     uint64_t max, uint64_t *to)
 {
     const struct json_value at = json_member(object, key);
-    json_whole(reader, &at, least, most, to);
+    json_whole(reader, &at, min, max, to);
 }
 
 void json_take_flag(struct json_reader *reader, const struct json_value *object, const char *key, int *to)

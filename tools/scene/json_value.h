@@ -24,7 +24,7 @@ struct json_reader {
     struct json_fault fault;
 };
 
-/* `value` NULL: there is none. `up` NULL: the whole. */
+/* A value and its place in the tree. `value` is NULL if it is missing, `up` is NULL at the root. */
 struct json_value {
     const struct json_t *value;
     const struct json_value *up;
@@ -38,38 +38,38 @@ void json_free(struct json_reader *reader);
 
 int json_has_failed(const struct json_reader *reader);
 
-/* Say what is wrong with a value, if nothing was wrong before. */
+/* Record what is wrong with a value, unless a fault was recorded before. */
 void json_refuse(struct json_reader *reader, const struct json_value *at, const char *format, ...)
 #ifdef __GNUC__
     __attribute__((format(printf, 3, 4)))
 #endif
     ;
 
-/* Of an object and of a list; an object that is none has no member. */
+/* A member of an object, an item of a list. What is no object has no members. */
 struct json_value json_member(const struct json_value *object, const char *key);
 struct json_value json_item(const struct json_value *list, size_t index);
 
 /* 1 if it is an object whose keys are all among `keys`, which ends with NULL; else 0, with a fault. */
 int json_check_object(struct json_reader *reader, const struct json_value *at, const char *const *keys);
 
-/* The length of a list; 0 with a fault if it is no list of `least` to `most` items. */
-size_t json_check_list(struct json_reader *reader, const struct json_value *at, size_t least, size_t most);
+/* The length of a list; 0 with a fault if it is no list of `min` to `max` items. */
+size_t json_check_list(struct json_reader *reader, const struct json_value *at, size_t min, size_t max);
 
 /* A whole number. A value that is not there leaves `to` as it is. */
-void json_whole(struct json_reader *reader, const struct json_value *at, uint64_t least, uint64_t most, uint64_t *to);
+void json_whole(struct json_reader *reader, const struct json_value *at, uint64_t min, uint64_t max, uint64_t *to);
 
 /*
  * Members of an object. A member that is missing leaves `to` as it is. json_take_above takes numbers above 0.
- * json_take_numbers takes a list of `count` numbers within -most..most.
+ * json_take_numbers takes a list of `count` numbers within -max..max.
  */
-void json_take_number(struct json_reader *reader, const struct json_value *object, const char *key, double least,
-                      double most, double *to);
-void json_take_above(struct json_reader *reader, const struct json_value *object, const char *key, double most,
+void json_take_number(struct json_reader *reader, const struct json_value *object, const char *key, double min,
+                      double max, double *to);
+void json_take_above(struct json_reader *reader, const struct json_value *object, const char *key, double max,
                      double *to);
 void json_take_numbers(struct json_reader *reader, const struct json_value *object, const char *key, size_t count,
-                       double most, double *to);
-void json_take_count(struct json_reader *reader, const struct json_value *object, const char *key, uint64_t least,
-                     uint64_t most, uint64_t *to);
+                       double max, double *to);
+void json_take_count(struct json_reader *reader, const struct json_value *object, const char *key, uint64_t min,
+                     uint64_t max, uint64_t *to);
 void json_take_flag(struct json_reader *reader, const struct json_value *object, const char *key, int *to);
 
 /* The index of a word in `words`, which ends with NULL, else `otherwise`. */

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/quaternion.h"
+#include "base/return_if_error.h"
 #include "cli/arm_file.h"
 #include "cli/command_options.h"
 #include "measure/measure_setting.h"
@@ -90,10 +91,9 @@ static dpt_result middle_position(const dpt_arm *arm, double position[3])
     dpt_arm_joint joint = { .size = sizeof joint };
     for (uint32_t i = 0; dpt_arm_get_joint(arm, i, &joint) == DPT_OK; i++)
         joints[i] = 0.5 * (joint.lower + joint.upper);
-    dpt_result result = dpt_arm_forward(arm, joints, &tool);
-    if (result == DPT_OK)
-        memcpy(position, tool.position, sizeof tool.position);
-    return result;
+    DPT_TRY(dpt_arm_forward(arm, joints, &tool));
+    memcpy(position, tool.position, sizeof tool.position);
+    return DPT_OK;
 }
 
 static uint32_t copy_tool_segments(const dpt_arm *arm, dpt_segment *segments)
@@ -118,6 +118,18 @@ static dpt_result add_tips(struct scene *scene)
     return curved_tips_attach(curved, &scene->tips.shapes, scene->world, scene->tool, &scene->force);
 }
 
+/* Create the world in the scene's block, with its bodies and its tool. */
+static dpt_result fill_world(struct scene *scene, const dpt_world_def *def)
+{
+    DPT_TRY(dpt_world_create(scene->block, dpt_world_bytes(def), def, &scene->world));
+    DPT_TRY(scene_bodies_add(&scene->bodies, scene->world, &scene->force));
+    if (scene->physics_rate > 0.0)
+        DPT_TRY(scene_physics_open(&scene->physics, &scene->bodies, scene->physics_rate));
+    DPT_TRY(dpt_tool_add(scene->world, scene->segments, scene->segment_count, &scene->tool));
+    DPT_TRY(force_options_set_tool(&scene->force, scene->world, scene->tool, scene->device.wrench_dofs < 6));
+    return add_tips(scene);
+}
+
 int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget)
 {
     dpt_world_def world;
@@ -137,17 +149,7 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
     scene->block = malloc(dpt_world_bytes(&world));
     if (!scene->block)
         return complain(scene->command, "memory ran out");
-    dpt_result result = dpt_world_create(scene->block, dpt_world_bytes(&world), &world, &scene->world);
-    if (result == DPT_OK)
-        result = scene_bodies_add(&scene->bodies, scene->world, &scene->force);
-    if (result == DPT_OK && scene->physics_rate > 0.0)
-        result = scene_physics_open(&scene->physics, &scene->bodies, scene->physics_rate);
-    if (result == DPT_OK)
-        result = dpt_tool_add(scene->world, scene->segments, scene->segment_count, &scene->tool);
-    if (result == DPT_OK)
-        result = force_options_set_tool(&scene->force, scene->world, scene->tool, scene->device.wrench_dofs < 6);
-    if (result == DPT_OK)
-        result = add_tips(scene);
+    const dpt_result result = fill_world(scene, &world);
     return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
 }
 
@@ -419,16 +421,14 @@ static void to_hand(const struct scene *scene, const double axes[4], dpt_wrench 
 /* A step of the world and of what is soft, by dt, s. */
 static dpt_result step(struct scene *scene, double dt)
 {
-    dpt_result result = scene->physics ? scene_physics_begin_tick(scene->physics, scene->world) : DPT_OK;
+    if (scene->physics)
+        DPT_TRY(scene_physics_begin_tick(scene->physics, scene->world));
     curved_tips_begin_tick(&scene->curved);
-    if (result == DPT_OK)
-        result = dpt_world_step(scene->world, dt, NULL);
-    if (result == DPT_OK && curved_tips_have_failed(&scene->curved))
-        result = DPT_E_LIMIT;
-    if (result != DPT_OK)
-        return result;
-    result = scene->physics ? scene_physics_end_tick(scene->physics, scene->world, dt)
-                            : scene_bodies_step(&scene->bodies, scene->world, dt);
+    DPT_TRY(dpt_world_step(scene->world, dt, NULL));
+    if (curved_tips_have_failed(&scene->curved))
+        return DPT_E_LIMIT;
+    const dpt_result result = scene->physics ? scene_physics_end_tick(scene->physics, scene->world, dt)
+                                             : scene_bodies_step(&scene->bodies, scene->world, dt);
     scene_bodies_count_moves(&scene->bodies, dt);
     return result;
 }
@@ -460,23 +460,19 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
     dpt_pose pose;
     double axes[4];
     dpt_force_info report = { .size = sizeof report };
-    dpt_result result = find_pose(scene, sample->state, &pose, axes);
+    const dpt_result result = find_pose(scene, sample->state, &pose, axes);
     const int was_clutched = scene->is_clutched;
     scene->is_clutched = result == DPT_OK && is_clutch_down(scene, sample->state);
     if (scene->is_clutched)
         return DPT_E_NOT_READY;
-    if (result == DPT_OK && was_clutched) {
+    DPT_TRY(result);
+    if (was_clutched) {
         reindex(scene, &pose);
-        result = find_pose(scene, sample->state, &pose, axes);
+        DPT_TRY(find_pose(scene, sample->state, &pose, axes));
     }
-    if (result == DPT_OK)
-        result = move_tool(scene, &pose);
-    if (result == DPT_OK)
-        result = scene_tips_move(&scene->tips, scene->world, scene->tool, sample->dt, sample->state->buttons);
-    if (result == DPT_OK)
-        result = step(scene, sample->dt);
-    if (result != DPT_OK)
-        return result;
+    DPT_TRY(move_tool(scene, &pose));
+    DPT_TRY(scene_tips_move(&scene->tips, scene->world, scene->tool, sample->dt, sample->state->buttons));
+    DPT_TRY(step(scene, sample->dt));
     scene->pose = pose;
     scene->has_pose = 1;
     scene_get_force_info(scene, &report);

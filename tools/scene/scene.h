@@ -28,13 +28,13 @@ struct scene_passivity {
 void scene_passivity_begin(struct scene_passivity *passivity, const dpt_passivity_def *def);
 
 /*
- * What is left of the wrench, in the device's frame.
+ * Limit a wrench, in the device's frame, to what the controller allows.
  *   energy, body_work   of the tool, at the hand, J
  */
 void scene_passivity_step(struct scene_passivity *passivity, const dpt_loop_sample *sample, double energy,
                           double body_work, dpt_wrench *wrench);
 
-/* All that was seen since the beginning. */
+/* Sums over all observers since scene_passivity_begin. */
 dpt_passivity_info scene_passivity_info(const struct scene_passivity *passivity);
 
 struct measure_setting; /* measure/measure_setting.h */

@@ -75,7 +75,7 @@ static int load_body(struct scene_body *body, const char *command, const char *w
     dpt_mesh_info info = { .size = sizeof info };
     size_t size = 0;
     settle_body(body, &from->listed);
-    body->is_rigid = from->way == SCENE_FILE_RIGID;
+    body->is_rigid = from->softness == SCENE_FILE_RIGID;
     body->file_bytes = load_file(command, from->mesh, &size);
     if (!body->file_bytes)
         return 2;
@@ -84,7 +84,7 @@ static int load_body(struct scene_body *body, const char *command, const char *w
     if (!body->mesh)
         return 2;
     dpt_mesh_get_info(body->mesh, &info);
-    if (from->way == SCENE_FILE_SOFT && !info.springs)
+    if (from->softness == SCENE_FILE_SOFT && !info.springs)
         return complain(command, "%s%s has no springs, so it does not give way", where, from->mesh);
     if (from->listed.response == DPT_RESPONSE_DISPLACE && info.nodes)
         return complain(command, "%sresponse: displace is for springs of a sheet", where);

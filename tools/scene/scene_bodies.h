@@ -40,7 +40,7 @@ struct scene_bodies {
     uint64_t nodes, active; /* of the springs, summed over all steps: those there are, and those awake */
     uint64_t steps;         /* of the springs that were taken with the world's */
     uint64_t moves;         /* steps of the world in which vertices moved, or were set to */
-    double moving;          /* s: for so long after the last step they still move */
+    double moving;          /* s: time for which they still move after the last step */
 };
 
 /* 1 if a body gives way. */
@@ -67,7 +67,7 @@ int scene_bodies_displace(const struct scene_bodies *bodies);
 /* Add them to a world, with what the options say of bodies. */
 dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world, const struct force_options *options);
 
-/* The world is gone: give back what they had in it. They may be added to another one, as they were at first. */
+/* Free their memory in a world that no longer exists. They may then be added to another world, as at first. */
 void scene_bodies_leave(struct scene_bodies *bodies);
 
 /*

@@ -18,13 +18,13 @@ enum {
 };
 
 /* Whether what can give way does. */
-enum scene_file_way { SCENE_FILE_AS_IT_IS, SCENE_FILE_RIGID, SCENE_FILE_SOFT };
+enum scene_file_softness { SCENE_FILE_AS_IT_IS, SCENE_FILE_RIGID, SCENE_FILE_SOFT };
 
 struct scene_file_body {
     char *mesh;                /* path of a compiled mesh; NULL: it is the listed shape */
     struct listed_body listed; /* of a mesh, without shape and springs */
     dpt_spring_region *regions;
-    enum scene_file_way way;
+    enum scene_file_softness softness;
     dpt_body_settings settings;
 };
 
@@ -64,14 +64,14 @@ int scene_file_parse(struct scene_file *file, const char *path, const char *text
                      struct json_fault *fault);
 
 /*
- * For the parts of the reader: a body, tips, a pose that has its place, of at most `most` m, under the key `place`; and a
+ * For the parts of the reader: a body, tips, a pose that has its place, of at most `max` m, under the key `place`; and a
  * path of its own from the file's folder, NULL after a fault.
  */
 void scene_file_read_body(struct scene_file_body *body, struct json_reader *reader, const struct json_value *at,
                           const char *path);
 void scene_file_read_tips(struct tip_shapes *tips, struct json_reader *reader, const struct json_value *list);
 void scene_file_read_pose(dpt_pose *pose, struct json_reader *reader, const struct json_value *at, const char *place,
-                          double most);
+                          double max);
 char *scene_file_take_path(struct json_reader *reader, const struct json_value *object, const char *key,
                            const char *path);
 

@@ -145,11 +145,11 @@ static void read_surface(dpt_body_settings *settings, struct json_reader *reader
 
 /* Decimals of the user's own are seldom exact; those of a unit quaternion are taken as they are. */
 void scene_file_read_pose(dpt_pose *pose, struct json_reader *reader, const struct json_value *at, const char *place,
-                          double most)
+                          double max)
 {
     const struct json_value member = json_member(at, "orientation");
     double *q = pose->orientation, square = 0.0;
-    json_take_numbers(reader, at, place, 3, most, pose->position);
+    json_take_numbers(reader, at, place, 3, max, pose->position);
     json_take_numbers(reader, at, "orientation", 4, 2.0, q);
     for (int k = 0; k < 4; k++)
         square += q[k] * q[k];
@@ -174,7 +174,7 @@ static const char *read_shape(struct json_reader *reader, const struct json_valu
 }
 
 /* Whether the body gives way, as far as the file tells. */
-static void read_way(struct scene_file_body *body, struct json_reader *reader, const struct json_value *at)
+static void read_softness(struct scene_file_body *body, struct json_reader *reader, const struct json_value *at)
 {
     const struct json_value rigid = json_member(at, "rigid"), physics = json_member(at, "physics");
     const int has_material = body->listed.springs.kind != 0;
@@ -187,9 +187,9 @@ static void read_way(struct scene_file_body *body, struct json_reader *reader, c
     if (!body->mesh && !has_material && (is_rigid == 0 || physics.value))
         json_refuse(reader, at, "a shape that gives way needs a material");
     if (is_rigid == 1)
-        body->way = SCENE_FILE_RIGID;
+        body->softness = SCENE_FILE_RIGID;
     else if (is_rigid == 0 || physics.value)
-        body->way = SCENE_FILE_SOFT;
+        body->softness = SCENE_FILE_SOFT;
 }
 
 /* Vertices that are moved out of a tool's way are nodes. */
@@ -241,7 +241,7 @@ void scene_file_read_body(struct scene_file_body *body, struct json_reader *read
     check_response(reader, &physics, &body->listed);
     if (surface.value)
         read_surface(&body->settings, reader, &surface);
-    read_way(body, reader, at);
+    read_softness(body, reader, at);
     read_colour(&body->listed, reader, at);
 }
 
@@ -263,10 +263,10 @@ static void read_sides(struct tip_shape *tip, struct json_reader *reader, const 
 {
     const struct json_value member = json_member(at, "sides");
     uint64_t sides = 0;
-    const uint32_t most = tip_sides_max(tip->kind);
-    if (member.value && !most)
+    const uint32_t max = tip_sides_max(tip->kind);
+    if (member.value && !max)
         json_refuse(reader, &member, "is for a cylinder or a cone, or what is curved");
-    json_take_count(reader, at, "sides", 3, most, &sides);
+    json_take_count(reader, at, "sides", 3, max, &sides);
     tip->sides = (uint32_t)sides;
 }
 

@@ -173,9 +173,9 @@ void scene_tips_axis(const struct scene_tips *tips, uint32_t tip, double a[3], d
     to_tool(tips, tip, info.axis[1], b);
 }
 
-double scene_tips_drop(const struct scene_tips *tips, double least)
+double scene_tips_drop(const struct scene_tips *tips, double min)
 {
-    double corner[3], drop = least;
+    double corner[3], drop = min;
     for (uint32_t i = 0; i < tips->count; i++) {
         dpt_hull_info info = { .size = sizeof info };
         dpt_hull_get_info(tips->hulls[i], &info);

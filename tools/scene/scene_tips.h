@@ -60,7 +60,7 @@ dpt_result scene_tips_move(struct scene_tips *tips, dpt_world *world, dpt_tool t
 /* The ends of a tip's axis, in the tool's frame. */
 void scene_tips_axis(const struct scene_tips *tips, uint32_t tip, double a[3], double b[3]);
 
-/* m: how far the tips reach below the tool's origin while it is not turned, y being up; at least `least`. */
-double scene_tips_drop(const struct scene_tips *tips, double least);
+/* m: how far the tips reach below the tool's origin while it is not turned, y being up; at least `min`. */
+double scene_tips_drop(const struct scene_tips *tips, double min);
 
 #endif

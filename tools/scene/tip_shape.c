@@ -20,8 +20,8 @@ int tip_is_round(uint32_t kind)
 
 uint32_t tip_sides_max(uint32_t kind)
 {
-    static const uint32_t most[] = { 0, 0, 32, 63, 12, 15, 32, 63 };
-    return most[kind];
+    static const uint32_t max[] = { 0, 0, 32, 63, 12, 15, 32, 63 };
+    return max[kind];
 }
 
 int tip_is_curved(uint32_t kind)
@@ -93,10 +93,10 @@ double tip_shapes_error(const struct tip_shapes *tips)
     return error;
 }
 
-static int is_within(const double *numbers, int count, double least, double most)
+static int is_within(const double *numbers, int count, double min, double max)
 {
     for (int i = 0; i < count; i++)
-        if (!(numbers[i] >= least && numbers[i] <= most))
+        if (!(numbers[i] >= min && numbers[i] <= max))
             return 0;
     return 1;
 }
@@ -257,14 +257,14 @@ static double growth(const double extent[3], double radius)
 {
     const double low = 0.5 * fmin(extent[0], fmin(extent[1], extent[2])) - radius;
     const double high = 0.5 * fmax(extent[0], fmax(extent[1], extent[2])) - radius;
-    double most = 0.0;
+    double max = 0.0;
     for (int i = 0; i < GROWTH_STEPS; i++) {
         const double p = (double)i / GROWTH_STEPS, next = (double)(i + 1) / GROWTH_STEPS;
         const double square = low * low + p * (high - low) * (high + low);
         const double h = sqrt(square + radius * (2.0 * (low + p * (high - low)) + radius));
-        most = fmax(most, sqrt(low * low + next * (high - low) * (high + low)) + radius - h);
+        max = fmax(max, sqrt(low * low + next * (high - low) * (high + low)) + radius - h);
     }
-    return most;
+    return max;
 }
 
 /* Of hulls with corners round a smaller one and a radius, the one with the least error. */

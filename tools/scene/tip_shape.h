@@ -71,12 +71,14 @@ int tip_shape_read(struct tip_shape *shape, const char *text, const char *end); 
  * where the tool has no proxy. In a build without libccd there are none.
  */
 
-/* NULL, or why this build has none, for the end of a message. */
+/* NULL if this build supports curved tips; else the reason, for the end of a message. */
 const char *curved_tip_left_out(void);
 
 /*
  * The hull that holds it: corners in the tool's frame, and a radius; there is room for DPT_HULL_CORNERS_MAX.
- *   error  m: by so much the hull is larger at most. DPT_E_UNSUPPORTED: this build has none
+ *   error  m: the hull exceeds the tip by this much at most
+ *
+ * Returns DPT_E_UNSUPPORTED in a build without curved tips.
  */
 dpt_result curved_tip_corners(const struct tip_shape *tip, double *corners, uint32_t *count, double *radius,
                               double *error);
@@ -98,7 +100,7 @@ struct curved_tips {
 dpt_result curved_tips_attach(struct curved_tips *tips, const struct tip_shapes *shapes, dpt_world *world,
                               dpt_tool tool, const struct force_options *force);
 
-/* Before a step: a tool that has no answer then feels nothing. */
+/* Call before each step. A tool whose step gives no answer then feels no force. */
 void curved_tips_begin_tick(struct curved_tips *tips);
 
 /*

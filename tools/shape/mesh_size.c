@@ -152,9 +152,9 @@ int mesh_thickness_measure(const char *command, const dpt_mesh *mesh, struct mes
         cast(&caster, numbers[i], &wall);
         if (!is_inside(mesh, &wall))
             continue;
-        if (!found->walls || wall.length < found->least ||
-            (wall.length == found->least && wall.triangle < found->triangle)) {
-            found->least = wall.length;
+        if (!found->walls || wall.length < found->min ||
+            (wall.length == found->min && wall.triangle < found->triangle)) {
+            found->min = wall.length;
             found->triangle = wall.triangle;
         }
         lengths[found->walls++] = wall.length;

@@ -31,7 +31,7 @@ double unit_metres(const char *unit);
 struct mesh_thickness {
     uint32_t walls;    /* triangles that have one; 0: the mesh has none, and the rest is 0 */
     uint32_t triangle; /* source number of the triangle with the thinnest wall */
-    double least;      /* m */
+    double min;        /* m */
     double low;        /* m: a hundredth of the walls are at most so thick */
 };
 

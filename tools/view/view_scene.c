@@ -23,11 +23,11 @@ static void append_bytes(struct text *text, const char *bytes, size_t size)
 {
     while (!text->is_bad && text->size + size > text->room) {
         const size_t room = text->room ? 2 * text->room : 4096;
-        char *larger = realloc(text->bytes, room);
-        text->is_bad = !larger;
-        if (!larger)
+        char *grown = realloc(text->bytes, room);
+        text->is_bad = !grown;
+        if (!grown)
             return;
-        text->bytes = larger;
+        text->bytes = grown;
         text->room = room;
     }
     if (text->is_bad)

@@ -14,9 +14,9 @@ int view_stream_add(struct view_stream *stream, void *bytes, size_t size)
 {
     if (bytes && stream->count == stream->room) {
         const size_t room = stream->room ? 2 * stream->room : 256;
-        struct view_message *larger = realloc(stream->message, room * sizeof *larger);
-        if (larger) {
-            stream->message = larger;
+        struct view_message *grown = realloc(stream->message, room * sizeof *grown);
+        if (grown) {
+            stream->message = grown;
             stream->room = room;
         }
     }
