@@ -182,8 +182,10 @@ static void sum_tools(struct dpt_world *world, double dt)
             force_of(tool)->sum(world, tool, dt);
         if (search_of(tool)->write_hits)
             search_of(tool)->write_hits(world, tool);
+        if (world->def.until != DPT_UNTIL_RESPOND)
+            continue;
         dpti_loads_settle(world, tool);
-        if (tool->shape && tool->slot.valid && world->def.until == DPT_UNTIL_RESPOND)
+        if (tool->shape && tool->slot.valid)
             shape_wrench(world, tool, dt);
     }
 }
@@ -392,7 +394,14 @@ static void sum_segments(struct dpt_world *world, struct tool *tool, double dt)
 
 static const struct force_stages force_of_penalty = { .respond = respond_by_penalty, .sum = sum_segments };
 static const struct force_stages force_of_bed = { .respond = respond_by_bed, .sum = sum_segments };
-static const struct force_stages force_of_none = { .sum = sum_segments };
+
+static void sum_none(struct dpt_world *world, struct tool *tool, double dt)
+{
+    (void)dt;
+    dpti_force_sum(world, tool);
+}
+
+static const struct force_stages force_of_none = { .sum = sum_none };
 
 /* A world that only tracks has no contacts, and no force. */
 
