@@ -16,7 +16,7 @@ static uint32_t contact_of(const struct dpt_world *world, const struct tool *too
 {
     const struct persistent_contacts *contacts = &world->contacts[world->contacts_index];
     uint32_t id = note->contact;
-    double least = HUGE_VAL;
+    double min = HUGE_VAL;
     if (note->segment >= tool->segment_count) {
         const dpt_contact *contact = &tool_tip(world, tool, note->segment - tool->segment_count)->contact;
         return contact->body == note->body_id ? contact->id : 0;
@@ -28,10 +28,10 @@ static uint32_t contact_of(const struct dpt_world *world, const struct tool *too
         const struct persistent_contact *item = &contacts->items[i];
         const double beyond = beyond_stretch(&item->contact, s);
         if (item->segment_index != tool->first_segment + note->segment || item->contact.body != note->body_id ||
-            item->is_unseen || !(beyond < least))
+            item->is_unseen || !(beyond < min))
             continue;
         id = item->contact.id;
-        least = beyond;
+        min = beyond;
     }
     return id;
 }
