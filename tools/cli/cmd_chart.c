@@ -255,7 +255,8 @@ int command_chart(int argc, char **argv)
                                           { .name = "--peers", .text = &request.peers },
                                           { .name = "--title", .text = &request.title } };
     scene_def_init(&request.scene, "chart");
-    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand, 2, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                               operand, 2, &operands);
     if (status >= 0)
         return status;
     if (!operands || !request.name)

@@ -301,8 +301,8 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
                                           { .name = "--fixed", .text = &springs->fixed_path },
                                           { .name = "--tool", .text = &settings->tool },
                                           { .name = "--packages", .text = &settings->packages } };
-    int status =
-        parse_options(argc, argv, options, sizeof options / sizeof *options, help, &settings->in, 1, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                               &settings->in, 1, &operands);
     if (status >= 0)
         return status;
     if (operands != 1 || !settings->out)

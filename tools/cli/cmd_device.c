@@ -224,7 +224,8 @@ int command_device(int argc, char **argv)
         { .name = "--button", .count = &button }, { .name = "--json", .flag = &json }
     };
     static const char *const verbs[] = { "list", "watch", "selftest", "simulate", "identify", NULL };
-    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand, 2, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                               operand, 2, &operands);
     if (status >= 0)
         return status;
     int verb = operands ? word_index(operand[0], verbs) : -1;

@@ -192,7 +192,8 @@ static int take_settings(int argc, char **argv, struct force_trial_def *def, con
         { .name = "--seed", .count = &def->seed },
         { .name = "--json", .flag = json },
     };
-    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, path, 1, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                               path, 1, &operands);
     if (status >= 0)
         return status;
     if (operands != 1)

@@ -174,7 +174,8 @@ int command_info(int argc, char **argv)
     const struct option_def options[] = { { .name = "--json", .flag = &json },
                                           { .name = "--verify", .flag = &check },
                                           { .name = "--thickness", .flag = &is_measured } };
-    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, &path, 1, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                               &path, 1, &operands);
     if (status >= 0)
         return status;
     if (operands != 1)

@@ -137,7 +137,7 @@ int command_make(int argc, char **argv)
         print_help();
         return 0;
     }
-    int status = parse_options(argc, argv, options, 2, "", words, 2, &word_count);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, 2, "" }, words, 2, &word_count);
     if (status >= 0)
         return status;
     if (word_count == 0)
@@ -203,7 +203,8 @@ int command_make_trace(int argc, char **argv)
         { .name = "--length", .number = &length }, { .name = "--band", .number = &band },
         { .name = "--speed", .number = &speed },
     };
-    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, &operand, 1, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                               &operand, 1, &operands);
     if (status >= 0)
         return status;
     if (!mesh_path || !out || operands)

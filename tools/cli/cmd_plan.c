@@ -108,7 +108,8 @@ static int read_options(int argc, char **argv, struct plan_options *options, str
         { .name = "-o", .text = &options->out },
         { .name = "--header", .text = &options->header },
     };
-    int status = parse_options(argc, argv, defs, sizeof defs / sizeof *defs, help, &scene->path, 1, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ defs, sizeof defs / sizeof *defs, help },
+                               &scene->path, 1, &operands);
     if (status >= 0)
         return status;
     if (operands != 1)

@@ -221,8 +221,8 @@ int command_plot(int argc, char **argv)
                                           { .name = "--to", .number = &to },
                                           { .name = "--title", .text = &title },
                                           { .name = "--dt", .number = &dt } };
-    int status =
-        parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand, RUNS_MAX, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                               operand, RUNS_MAX, &operands);
     if (status >= 0)
         return status;
     struct plot *plot = calloc(1, sizeof *plot);

@@ -267,7 +267,8 @@ int command_record(int argc, char **argv)
     size_t operands;
     const struct option_def options[] = { { .name = "-o", .text = &out }, { .name = "--json", .flag = &json } };
     static const char *const verbs[] = { "info", "csv", NULL };
-    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand, 2, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                               operand, 2, &operands);
     if (status >= 0)
         return status;
     const int verb = operands == 2 ? word_index(operand[0], verbs) : -1;

@@ -304,7 +304,8 @@ static int parse_settings(int argc, char **argv, struct replay_settings *setting
         { .name = "--strip", .text = &words->strip },
         { .name = "--strip-width", .number = &settings->def.strip_width },
     };
-    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand, 2, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                               operand, 2, &operands);
     if (status >= 0)
         return status;
     if (operands > 0 && is_recording(operand[0]))

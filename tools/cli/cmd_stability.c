@@ -144,7 +144,8 @@ int command_stability(int argc, char **argv)
                                           { .name = "--effort", .number = &effort },
                                           { .name = "--json", .flag = &json } };
     const int status =
-        parse_options(argc, argv, options, sizeof options / sizeof *options, help, names, CASES_MAX, &count);
+        parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help }, names,
+                      CASES_MAX, &count);
     if (status >= 0)
         return status;
     if (lists)

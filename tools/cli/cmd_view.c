@@ -218,8 +218,8 @@ int command_view(int argc, char **argv)
         { .name = "--address", .text = &settings.serve.address },
         { .name = "--for", .number = &settings.seconds },
     };
-    int status =
-        parse_options(argc, argv, options, sizeof options / sizeof *options, help, &settings.path, 1, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                               &settings.path, 1, &operands);
     if (status >= 0)
         return status;
     settings.files.recording = settings.path;

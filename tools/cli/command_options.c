@@ -52,15 +52,15 @@ static int read_value(const char *command, const struct option_def *option, cons
     return -1;
 }
 
-int parse_options(int argc, char **argv, const struct option_def *options, size_t option_count, const char *help,
-                  const char **operand, size_t operand_capacity, size_t *operands)
+int parse_options(int argc, char **argv, const struct command_syntax *syntax, const char **operand,
+                  size_t operand_capacity, size_t *operands)
 {
     const char *command = argv[0];
     *operands = 0;
     for (int i = 1; i < argc; i++) {
-        const struct option_def *option = find_option(argv[i], options, option_count);
+        const struct option_def *option = find_option(argv[i], syntax->options, syntax->option_count);
         if (strcmp(argv[i], "--help") == 0) {
-            fputs(help, stdout);
+            fputs(syntax->help, stdout);
             return 0;
         }
         if (strcmp(argv[i], "--version") == 0) {

@@ -35,15 +35,22 @@ struct option_def {
     struct option_texts *texts;
 };
 
+/* What a command takes. */
+struct command_syntax {
+    const struct option_def *options;
+    size_t option_count;
+    const char *help; /* what --help prints */
+};
+
 /*
- * Sort the arguments after argv[0] into options and operands. Prints `help` for --help.
+ * Sort the arguments after argv[0] into options and operands.
  *   operand    room for `operand_capacity` operands
  *   operands   how many there were
  *
  * Returns -1 to go on, else the exit status.
  */
-int parse_options(int argc, char **argv, const struct option_def *options, size_t option_count, const char *help,
-                  const char **operand, size_t operand_capacity, size_t *operands);
+int parse_options(int argc, char **argv, const struct command_syntax *syntax, const char **operand,
+                  size_t operand_capacity, size_t *operands);
 
 /* The index of the text in `words`, which ends with NULL; -1 if it is none of them. */
 int word_index(const char *text, const char *const *words);

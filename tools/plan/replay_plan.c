@@ -57,7 +57,8 @@ static int read_options(int argc, char **argv, struct replay_plan_options *optio
         { .name = "--json", .flag = &options->json },
     };
     *options = (struct replay_plan_options){ .seed = UINT64_MAX };
-    int status = parse_options(argc, argv, defs, sizeof defs / sizeof *defs, help, &options->trace, 1, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ defs, sizeof defs / sizeof *defs, help },
+                               &options->trace, 1, &operands);
     if (status >= 0)
         return status;
     const int is_made = options->seed != UINT64_MAX || options->ticks || options->speed != 0.0;

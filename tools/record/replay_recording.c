@@ -141,7 +141,8 @@ int replay_recording(int argc, char **argv)
     int json = 0;
     size_t operands;
     const struct option_def options[] = { { .name = "--tool", .text = &tool }, { .name = "--json", .flag = &json } };
-    int status = parse_options(argc, argv, options, sizeof options / sizeof *options, help, operand, 2, &operands);
+    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                               operand, 2, &operands);
     if (status >= 0)
         return status;
     struct recording_file recording;

@@ -367,8 +367,8 @@ static int parse_settings(struct run_settings *settings, struct run_words *words
                                        .seconds = HUGE_VAL,
                                        .budget = RUN_BUDGET_BY_RATE };
     scene_def_init(&settings->scene, "run");
-    return parse_options(argc, argv, options, sizeof options / sizeof *options, help, &settings->scene.path, 1,
-                         &words->operands);
+    return parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
+                         &settings->scene.path, 1, &words->operands);
 }
 
 int run_settings_read(struct run_settings *settings, int argc, char **argv)
