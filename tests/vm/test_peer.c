@@ -68,11 +68,16 @@ static void send_torque(unsigned node, float torque)
     torques++;
 }
 
-/* The next message of this kind after all that came up to now. */
-static struct can_frame fresh(unsigned node, unsigned command)
+/* Take all that came up to now. */
+static void drain(void)
 {
     while (can_next(line, 0).problem == 0)
         ;
+}
+
+/* The next message of this kind, behind those that were taken. */
+static struct can_frame next_of(unsigned node, unsigned command)
+{
     for (int i = 0; i < SOON; i++) {
         const struct can_heard heard = can_next(line, SOON);
         if (heard.problem == 0 && heard.frame.can_id == (node << 5 | command))
@@ -80,6 +85,13 @@ static struct can_frame fresh(unsigned node, unsigned command)
     }
     CHECK(0, "no message %02x of axis %u", command, node);
     return can_frame_of(0, 8, 0);
+}
+
+/* The next message of this kind after all that came up to now. */
+static struct can_frame fresh(unsigned node, unsigned command)
+{
+    drain();
+    return next_of(node, command);
 }
 
 static uint32_t word(const struct can_frame *frame, int at)
@@ -128,13 +140,15 @@ static void axes_are_idle_at_rest(void)
 
 static void the_newer_firmware_tells_its_version(void)
 {
+    /* The answer may be there as soon as the question is sent: what is taken away is taken before. */
+    drain();
     request(OTHER, VERSION);
-    const struct can_frame version = fresh(OTHER, VERSION);
+    const struct can_frame version = next_of(OTHER, VERSION);
     static const uint8_t bytes[8] = { 2, 4, 4, 58, 0, 6, 10, 0 };
     CHECK(version.can_dlc == 8 && !memcmp(version.data, bytes, 8), "%u bytes, %u.%u.%u", version.can_dlc,
           version.data[4], version.data[5], version.data[6]);
     request(OLD, VERSION);
-    for (struct can_heard heard; (heard = can_next(line, 100)).problem == 0;) {
+    for (struct can_heard heard; (heard = can_next(line, SOON)).problem == 0;) {
         CHECK(heard.frame.can_id != (OLD << 5 | VERSION), "0.5 has no version");
         if (heard.frame.can_id == (OLD << 5 | HEARTBEAT))
             break;
