@@ -398,7 +398,7 @@ int main(void)
 }
 C
     ${CC:-cc} -std=gnu99 -Ilacking -I"$tests/../tools" -I"$tests/../include" -I"$tests/../src" -I"$tests/../drivers" \
-        -include "$tests/../tools/view/page_bytes.h" lacking/says.c "$tests/../tools/view/view_serve.c" "$tests/../tools/view/page_bytes.c" -o lacking/says 2>cc.log
+        -include "$tests/../tools/view/view_serve.h" lacking/says.c "$tests/../tools/view/view_serve.c" -o lacking/says 2>cc.log
     check "compiled without page and server: $(head -n 1 cc.log)" test -x lacking/says
     lacking/says >stdout 2>stderr
     check 'says so' test $? -eq 0

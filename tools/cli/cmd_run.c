@@ -15,7 +15,7 @@
 #include "record/run_record.h"
 #include "run/run_settings.h"
 #include "scene/scene.h"
-#include "view/view_serve.h"
+#include "view/run_view.h"
 
 /* Deadlines that follow a device's samples come at most this much more often than its rate says. */
 #define RATE_FACTOR_MAX (16.0 / 15.0)

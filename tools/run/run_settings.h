@@ -8,7 +8,7 @@
 #include "record/recording_embed.h"
 #include "scene/scene.h"
 #include "scene/scene_def.h"
-#include "view/view_serve.h"
+#include "view/run_view.h"
 
 /* The coupling of a run: as stiff as its device can hold. */
 
