@@ -44,7 +44,8 @@ surroundings=$({
     env | grep -E '^(CC|CXX|CLANG|CFLAGS|LDFLAGS|DPT_DATA|STRICT|PATH)=' | LC_ALL=C sort
     ${CC:-cc} --version
     [ -z "${DPT_DATA:-}" ] || ls -lRL "$DPT_DATA"
-    find tests docs/samples -type f ! -name '*.[ch]' ! -name '*.cc' ! -path '*/__pycache__/*' -exec cksum {} + | LC_ALL=C sort -k 3
+    find tests docs/samples -type f ! -name '*.[ch]' ! -name '*.cc' ! -name '*.sh' ! -name '*.py' ! -name '*.js' ! -name '*.mk' \
+        ! -path '*/__pycache__/*' -exec cksum {} + | LC_ALL=C sort -k 3
 } | cksum)
 everything=$(contents Makefile include src drivers tools tests docs)
 reads=
