@@ -18,6 +18,7 @@
 #include "lib/check.h"
 #include "view/server/web_client.h"
 #include "view/run_view.h"
+#include "view/view_serve.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SANITIZED
