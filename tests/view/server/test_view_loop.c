@@ -16,8 +16,8 @@
 
 #include "cli/command_options.h"
 #include "lib/check.h"
-#include "view/server/web_client.h"
 #include "view/run_view.h"
+#include "view/server/web_client.h"
 #include "view/view_serve.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
