@@ -85,13 +85,13 @@ static void hit(void)
         hit_must_be_stale(&now);
 }
 
-static void contacts(void)
+/* What a tool has a list of, its contacts or its loads. */
+static void list(size_t today, int is_loads)
 {
     struct question of;
-    dpt_contact now;
     if (!draw_question(&of))
         return;
-    const uint32_t size = draw_size(sizeof now, sizeof now);
+    const uint32_t size = draw_size(today, today);
     const uint32_t capacity = draw_below(10), room = size > 4096 || size < 8 ? 8 : size;
     const int no_count = draw_one_in(60), no_array = of.no_out || draw_one_in(8);
     uint32_t told[2] = { 77, 77 };
@@ -100,16 +100,19 @@ static void contacts(void)
     may_fail(&of.codes, of.no_world || no_count || (no_array && capacity), DPT_E_ARGUMENT);
     may_fail(&of.codes, !of.tool, DPT_E_HANDLE);
     if (capacity && !no_array)
-        size_codes_of_output(size, sizeof now, 1, &of.codes);
+        size_codes_of_output(size, today, 1, &of.codes);
     trace(&of, size);
     EACH_WORLD(of.scene, i)
     {
         unsigned char *out = output_of(FIRST_ARRAY + i, (size_t)room * capacity);
         if (capacity)
             memcpy(out, &size, sizeof size);
+        const dpt_world *world = world_or_null(of.scene, i, of.no_world);
+        uint32_t *count = no_count ? NULL : &told[i];
+        void *items = no_array ? NULL : out;
         SAME_RESULT(i, result,
-                    RESULT(dpt_tool_get_contacts, world_or_null(of.scene, i, of.no_world), of.id,
-                           no_array ? NULL : (void *)out, capacity, no_count ? NULL : &told[i]));
+                    is_loads ? RESULT(dpt_tool_get_loads, world, of.id, items, capacity, count)
+                             : RESULT(dpt_tool_get_contacts, world, of.id, items, capacity, count));
     }
     expect(result, &of.codes);
     outputs_are_guarded(FIRST_ARRAY, of.scene->world_count);
@@ -118,10 +121,13 @@ static void contacts(void)
         HOLDS(told[0] == 77 || told[0] == 0, "%u on an error", told[0]);
         return;
     }
-    HOLDS(told[0] <= of.scene->contacts_then, "%u of %u in all", told[0], of.scene->contacts_then);
+    HOLDS(is_loads || told[0] <= of.scene->contacts_then, "%u of %u in all", told[0], of.scene->contacts_then);
     HOLDS(of.tool->answers != ANSWERS_NONE || told[0] == 0, "%u without a step", told[0]);
     uint32_t all = 77;
-    dpt_tool_get_contacts(of.scene->world[0], of.id, NULL, 0, &all);
+    if (is_loads)
+        dpt_tool_get_loads(of.scene->world[0], of.id, NULL, 0, &all);
+    else
+        dpt_tool_get_contacts(of.scene->world[0], of.id, NULL, 0, &all);
     HOLDS(told[0] == all, "%u with room for %u, and there are %u", told[0], capacity, all);
     const uint32_t given = told[0] < capacity ? told[0] : capacity;
     HOLDS(output_is_untouched(FIRST_ARRAY, capacity && !given ? sizeof size : (size_t)given * size),
@@ -129,44 +135,14 @@ static void contacts(void)
     game_digest(told, sizeof *told);
 }
 
+static void contacts(void)
+{
+    list(sizeof(dpt_contact), 0);
+}
+
 static void loads(void)
 {
-    struct question of;
-    dpt_tool_load now;
-    if (!draw_question(&of))
-        return;
-    const uint32_t size = draw_size(sizeof now, sizeof now);
-    const uint32_t capacity = draw_below(10), room = size > 4096 || size < 8 ? 8 : size;
-    const int no_count = draw_one_in(60), no_array = of.no_out || draw_one_in(8);
-    uint32_t told[2] = { 77, 77 };
-    dpt_result result = DPT_OK;
-    of.codes.count = 0;
-    may_fail(&of.codes, of.no_world || no_count || (no_array && capacity), DPT_E_ARGUMENT);
-    may_fail(&of.codes, !of.tool, DPT_E_HANDLE);
-    if (capacity && !no_array)
-        size_codes_of_output(size, sizeof now, 1, &of.codes);
-    trace(&of, size);
-    EACH_WORLD(of.scene, i)
-    {
-        unsigned char *out = output_of(FIRST_ARRAY + i, (size_t)room * capacity);
-        if (capacity)
-            memcpy(out, &size, sizeof size);
-        SAME_RESULT(i, result,
-                    RESULT(dpt_tool_get_loads, world_or_null(of.scene, i, of.no_world), of.id,
-                           no_array ? NULL : (void *)out, capacity, no_count ? NULL : &told[i]));
-    }
-    expect(result, &of.codes);
-    outputs_are_guarded(FIRST_ARRAY, of.scene->world_count);
-    HOLDS(of.scene->world_count < 2 || told[0] == told[1], "%u and %u", told[0], told[1]);
-    if (result != DPT_OK) {
-        HOLDS(told[0] == 77 || told[0] == 0, "%u on an error", told[0]);
-        return;
-    }
-    HOLDS(of.tool->answers != ANSWERS_NONE || told[0] == 0, "%u without a step", told[0]);
-    const uint32_t given = told[0] < capacity ? told[0] : capacity;
-    HOLDS(output_is_untouched(FIRST_ARRAY, capacity && !given ? sizeof size : (size_t)given * size),
-          "written behind the last of %u", given);
-    game_digest(told, sizeof *told);
+    list(sizeof(dpt_tool_load), 1);
 }
 
 static void sweep(void)
