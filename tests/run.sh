@@ -35,8 +35,10 @@ skip() {
 
 # What a test depends on beside its words and its own bytes: a program reads data of the tests, a script may read all, or
 # what `reads` names.
-kept=build/passed
+kept=build/passed/$whole
+export kept
 mkdir -p "$kept"
+[ "$whole" != test ] || unset DPT_DATA
 contents() {
     find "$@" -type f ! -path '*/__pycache__/*' -exec cksum {} + | LC_ALL=C sort -k 3 | cksum
 }
@@ -53,7 +55,10 @@ key_of() { # words...
     echo "$surroundings $*"
     for word; do [ ! -f "$word" ] || cksum <"$word"; done
     case "$* " in
-    *.sh\ * | *.py\ *) if [ -n "$reads" ]; then contents $reads; else echo "$everything"; fi ;;
+    *.sh\ * | *.py\ *)
+        cat build/built_with.h
+        if [ -n "$reads" ]; then contents $reads; else echo "$everything"; fi
+        ;;
     *test_exactness\ *) cksum <build/dynpoint ;;
     *test_openhaptics* | *test_hd_stand_in*) cat "${1%/*}"/libHD-*.so | cksum ;;
     esac
@@ -90,7 +95,7 @@ run_clock() {
 
 # run_one PLACE [NICE...]: the last line of `times` is what the command computed.
 cat >"$dir/run_one" <<'END'
-place=$1 before=build/passed/$(cksum <"$1.command" | tr ' ' -)
+place=$1 before=$kept/$(cksum <"$1.command" | tr ' ' -)
 shift
 if [ "${WHOLE:-0}" = 0 ] && cmp -s "$place.key" "$before.key"; then
     cp "$before.out" "$place.out"
@@ -214,8 +219,6 @@ fi
 if [ "$whole" = test ]; then
     build all test-programs
     command_line build
-    DPT_DATA=
-    unset DPT_DATA
     programs test release waits
     programs test release beside
     run_reading "include src" "races of the exchange" sh tests/exchange/races.sh build 20000
