@@ -215,6 +215,33 @@ killed_after()
     [ $status -eq 0 ] && [ "$(json took_max_ns)" -gt 0 ] && [ "$(json began_ns)" -gt 0 ]
 }
 
+# What the sweeps of a step may take is replayed as it was recorded; where it is not told, as before 0.3, nothing bounds them.
+sweep_budgets()
+{
+    check 'the default is told' grep -aq 'sweep_budget=4000' wipe.dpr
+    if ! command -v python3 >/dev/null 2>&1; then
+        skip 'other budgets of sweeps: no python3'
+        return
+    fi
+    cat >rewrite.py <<'PYTHON'
+import struct, sys, zlib
+file = bytearray(open("wipe.dpr", "rb").read())
+size = struct.unpack_from("<I", file, 12)[0]
+head = file[:size].replace(b"sweep_budget=4000", sys.argv[1].encode())
+head[16:20] = bytes(4)
+head[16:20] = struct.pack("<I", zlib.crc32(head))
+assert len(head) == size and head[20:] != file[20:size]
+open("other.dpr", "wb").write(head + file[size:])
+PYTHON
+    python3 rewrite.py sweep_budget=0004
+    run replay other.dpr --json
+    check "four units are not enough: exit $status, $(cat stderr)" test $status -eq 1
+    check 'and other bits' grep -q '"same":false' stdout
+    python3 rewrite.py sweep_budgex=4000
+    run replay other.dpr --json
+    check "without the key: exit $status, $(cat stdout stderr)" test $status -eq 0
+}
+
 # A busy machine can spoil a try.
 kills()
 {
@@ -229,6 +256,7 @@ kills()
 
 prepare
 replays
+sweep_budgets
 scenes
 info_and_csv
 damage
