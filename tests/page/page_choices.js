@@ -19,21 +19,24 @@ const CUBE = [0, 1, 2, 3, 4, 5, 6, 7]
 const axes = page => page.ask("viewer.own.view.camera.axes()");
 const along = (a, b, axis) => axis.reduce((sum, value, k) => sum + value * (b[k] - a[k]), 0);
 
+// The tool's tip when it has not moved for 400 ticks, and what was asked of the hand is on its way.
+async function rest(page) {
+  await page.settle();
+  for (let last = await touch.shown(page), still = 0; ;) {
+    await until("ticks", async () => (await touch.shown(page)).steps >= last.steps + 100, PATIENT);
+    const now = await touch.shown(page);
+    still = Math.hypot(...now.tip.map((value, k) => value - last.tip[k])) < 2e-5 ? still + 1 : 0;
+    if (still === 4) return now.tip;
+    last = now;
+  }
+}
+
 // How the tool's tip moves by what is done, along the picture's axes: right, above, back. It waits until it rests.
 async function moves(page, act) {
   const before = (await touch.shown(page)).tip;
   const { right, above, back } = await axes(page);
-  const rest = async () => {
-    for (let last = before, still = 0; still < 4;) {
-      await sleep(120);
-      const { tip } = await touch.shown(page);
-      still = Math.hypot(...tip.map((value, k) => value - last[k])) < 2e-5 && last !== before ? still + 1 : 0;
-      last = tip;
-    }
-  };
   await act();
-  await rest();
-  const after = (await touch.shown(page)).tip;
+  const after = await rest(page);
   return [right, above, back].map(axis => along(before, after, axis));
 }
 

@@ -79,7 +79,10 @@ async function checkMouse(page) {
     async () => {
       const [x, y, width] = (await touch.shown(page)).picture;
       const from = [x + 0.5 * width, y + 150];
-      const recording = touch.record(page, 2500, []);
+      await page.ask("globalThis.sceneBefore = viewer.own.scene, 0");
+      const recording = touch.record(page, 4000, []);
+      const begun = "viewer.own.scene !== sceneBefore && viewer.own.frame !== null";
+      await until("a frame of the scene anew: before it a drag turns the picture", () => page.ask(begun), PATIENT);
       await page.mouse("mousePressed", from, { button: "left", buttons: 1, clickCount: 1 });
       for (let i = 1; i <= 14; i++) {
         await page.mouse("mouseMoved", [from[0] - 4 * i, from[1] + 18 * Math.min(i, 10)], {
@@ -119,6 +122,7 @@ async function checkPicture(page) {
     "the picture has proxy and device where the snapshot has them, and the arrow points as the force does",
     async () => {
       await page.key(" "); // hold the picture
+      await until("a held picture", async () => !(await page.state()).playing, PATIENT);
       await page.settle();
       const { segment, wrench, arrow } = await page.call(() => ({
         segment: viewer.own.frame.snapshot.segments[0],
@@ -143,9 +147,9 @@ async function checkPicture(page) {
         seen.push(sights.likeness(got, colour));
       }
       assert(Math.max(...seen) > 0.97, `likeness ${seen}`);
-      await page.key(" ");
     },
   );
+  await page.key(" ");
 }
 
 async function checkLaws(page) {
