@@ -30,10 +30,10 @@ $(B)/tools/%.o: CONFIG_CFLAGS += -O1
 $(B)/tools/lab/%.o: CONFIG_CFLAGS += -O2
 $(B)/src/urdf/%.o: CONFIG_CFLAGS += -Og
 endif
-# Objects that are the same in another configuration are release's, where they are. Scalar: the tests' own code, but for
-# what sees the kernels; for the tests alone also the program and the reader of URDF, which see what is public. Sanitize:
-# the oracles, for it is the library that is looked at.
-LIKE_RELEASE.scalar := tests drivers src/text src/convex $(if $(filter check-programs,$(MAKECMDGOALS)),tools src/urdf)
+# Objects that are the same in another configuration are release's, where they are. Scalar: for its programs of `make
+# check` all that does not see the kernels; that other flags give the same bits is for tests/amalgamation.sh to show.
+# Sanitize: the oracles, for it is the library that is looked at.
+LIKE_RELEASE.scalar := $(if $(filter check-programs,$(MAKECMDGOALS)),src tools,src/text src/convex) tests drivers
 LIKE_RELEASE.sanitize := tests/oracle tests/data
 LIKE_RELEASE := $(LIKE_RELEASE.$(CONFIG))
 ifneq ($(LIKE_RELEASE),)
