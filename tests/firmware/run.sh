@@ -18,9 +18,10 @@ leave_out() {
     finish
 }
 
-for tool in ${cross}gcc ${cross}size qemu-system-arm; do
+for tool in ${cross}gcc ${cross}size qemu-system-arm python3; do
     command -v $tool >/dev/null 2>&1 || leave_out "no $tool"
 done
+rm -rf "$out"
 mkdir -p "$out"
 echo '#include <string.h>' | ${cross}gcc -mcpu=cortex-m7 -E -x c - >"$out/log" 2>&1 || leave_out "no newlib for ${cross}gcc"
 
@@ -36,22 +37,21 @@ verdict $? "512 triangles as an array in C"
 ${CC:-cc} -std=gnu99 -Iinclude tests/firmware/arm.c "$build/libdynpoint_compile.a" "$build/libdynpoint.a" -lm -lpthread \
     -o "$out/arm" >>"$out/log" 2>&1 && "$out/arm" >"$out/arm.c"
 verdict $? "an arm of three joints likewise"
-# The objects of the core; on this machine it is the library.
-mkdir -p "$out/core"
-core=
-is_built=0
-for source in $(for folder in $(sed -n 's/^FOLDERS := //p' Makefile); do ls src/$folder/*.c 2>/dev/null; done); do
-    object=$out/core/$(basename "$source" .c).o
-    ${cross}gcc $flags $machine -c "$source" -o "$object" >>"$out/log" 2>&1 || is_built=1
-    core="$core $object"
-done
+# The core as one file, by the compiler's plain -O2, as firmware takes it; on this machine it is the library.
+make -s amalgamation B="$out" &&
+    ${cross}gcc -O2 $machine -Wall -Wextra -Werror -ffunction-sections -fdata-sections -c "$out/amalgamation/dynpoint.c" \
+        -o "$out/dynpoint.o" >>"$out/log" 2>&1
+is_built=$?
+core=$out/dynpoint.o
+[ $is_built -eq 0 ] && [ "$(${cross}objdump -d "$core" | grep -cE '[[:space:]]vfn?m[as]')" -eq 0 ]
+verdict $? "the core as one file is built for a Cortex-M7 without a warning, and fuses nothing, see $out/log"
 wire="drivers/serial/wire.c drivers/serial/wire_device.c"
 [ $is_built -eq 0 ] &&
     ${cross}gcc $flags $machine -DPERIOD=4 -DWATCHDOG=0.5f tests/firmware/device.c tests/firmware/board.c $wire $link \
         -o "$out/device.elf" >>"$out/log" 2>&1 &&
     ${cross}gcc $flags $machine tests/firmware/measure.c tests/firmware/board.c $wire $core "$out/mesh.c" "$out/arm.c" $link \
         -o "$out/measure.elf" >>"$out/log" 2>&1
-verdict $? "it is built for a Cortex-M7 without a warning, see $out/log"
+verdict $? "a device and what measures a tick are built for it without a warning, see $out/log"
 ${CC:-cc} $flags tests/firmware/measure.c tests/firmware/board_host.c $wire "$out/mesh.c" "$out/arm.c" "$build/libdynpoint.a" -lm \
     -o "$out/measure" >>"$out/log" 2>&1 && "$out/measure" >"$out/measure.host"
 verdict $? "and for this machine"
@@ -64,24 +64,7 @@ sizes() { ${cross}size "$@" | awk 'NR > 1 { text += $1; data += $2 + $3 } END { 
 [ -n "$(value bits)" ] && [ "$(value bits)" = "$(sed -n 's/^bits //p' "$out/measure.host")" ]
 verdict $? "frames, poses, efforts, distances, wrenches and proxies have the same bits on both"
 
-# The core as one file, by the compiler's plain -O2: in firmware that takes it so.
-if command -v python3 >/dev/null 2>&1; then
-    single=$out/single
-    make -s amalgamation B="$single" &&
-        ${cross}gcc -O2 $machine -Wall -Wextra -Werror -ffunction-sections -fdata-sections \
-            -c "$single/amalgamation/dynpoint.c" -o "$single/dynpoint.o" >>"$out/log" 2>&1 &&
-        ${cross}gcc $flags $machine tests/firmware/measure.c tests/firmware/board.c $wire "$single/dynpoint.o" \
-            "$out/mesh.c" "$out/arm.c" $link -o "$out/measure_single.elf" >>"$out/log" 2>&1 &&
-        timeout 120 $run -serial null -icount shift=0 -kernel "$out/measure_single.elf" >"$out/measure_single.m7" 2>&1
-    verdict $? "the core as one file is built for it without a warning, and runs"
-    [ "$(sed -n 's/^bits //p' "$out/measure_single.m7")" = "$(sed -n 's/^bits //p' "$out/measure.host")" ] &&
-        [ "$(${cross}objdump -d "$single/dynpoint.o" | grep -cE '[[:space:]]vfn?m[as]')" -eq 0 ]
-    verdict $? "it has the same bits, and fuses nothing; a tick: $(sed -n 's/^tick_median //p' "$out/measure_single.m7") instructions"
-else
-    skip "firmware of one file: no python3"
-fi
-
-for source in $wire; do
+for source in $wire src/arm/arm_kinematics.c src/arm/arm_open.c; do
     ${cross}gcc $flags $machine -c $source -o "$out/$(basename $source .c).o"
 done
 cat >"$out/core.c" <<'END'
@@ -116,7 +99,7 @@ ${cross}gcc $flags $machine "$out/core.c" $core $link -Wl,--defsym=bytes=0 -Wl,-
     -o "$out/core.elf" >>"$out/log" 2>&1
 verdict $? "the core alone is linked"
 set -- $(sizes "$out/wire.o") $(sizes "$out/wire_device.o") $(sizes "$out/device.elf") $(sizes "$out/core.elf") \
-    $(sizes "$out/core/arm_kinematics.o") $(sizes "$out/core/arm_open.o")
+    $(sizes "$out/arm_kinematics.o") $(sizes "$out/arm_open.o")
 cat <<END
 
 | on a Cortex-M7, gcc -O2 | instructions | text, bytes | RAM, bytes |

@@ -84,8 +84,8 @@ async function checkMouse(page) {
       const begun = "viewer.own.scene !== sceneBefore && viewer.own.frame !== null";
       await until("a frame of the scene anew: before it a drag turns the picture", () => page.ask(begun), PATIENT);
       await page.mouse("mousePressed", from, { button: "left", buttons: 1, clickCount: 1 });
-      for (let i = 1; i <= 14; i++) {
-        await page.mouse("mouseMoved", [from[0] - 4 * i, from[1] + 18 * Math.min(i, 10)], {
+      for (let i = 1; i <= 7; i++) {
+        await page.mouse("mouseMoved", [from[0] - 8 * i, from[1] + 36 * Math.min(i, 5)], {
           button: "left",
           buttons: 1,
         });
