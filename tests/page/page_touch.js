@@ -73,32 +73,38 @@ async function checkOpening(browser) {
   return page;
 }
 
+// Presses the tool down by the mouse while a scene is recorded from its beginning.
+async function drag(page) {
+  const [x, y, width] = (await touch.shown(page)).picture;
+  const from = [x + 0.5 * width, y + 150];
+  await page.ask("globalThis.sceneBefore = viewer.own.scene, 0");
+  const recording = touch.record(page, 4000, []);
+  const begun = "viewer.own.scene !== sceneBefore && viewer.own.frame !== null";
+  await until("a frame of the scene anew: before it a drag turns the picture", () => page.ask(begun), PATIENT);
+  await page.mouse("mousePressed", from, { button: "left", buttons: 1, clickCount: 1 });
+  for (let i = 1; i <= 7; i++) {
+    await page.mouse("mouseMoved", [from[0] - 8 * i, from[1] + 36 * Math.min(i, 5)], { button: "left", buttons: 1 });
+    await sleep(40);
+  }
+  const recorded = await recording;
+  await page.mouse("mouseReleased", from, { button: "left", clickCount: 1 });
+  return recorded;
+}
+
 async function checkMouse(page) {
   await check(
     "a drag presses the tool into the liver: every tick's snapshot has the native library's bytes",
     async () => {
-      const [x, y, width] = (await touch.shown(page)).picture;
-      const from = [x + 0.5 * width, y + 150];
-      await page.ask("globalThis.sceneBefore = viewer.own.scene, 0");
-      const recording = touch.record(page, 4000, []);
-      const begun = "viewer.own.scene !== sceneBefore && viewer.own.frame !== null";
-      await until("a frame of the scene anew: before it a drag turns the picture", () => page.ask(begun), PATIENT);
-      await page.mouse("mousePressed", from, { button: "left", buttons: 1, clickCount: 1 });
-      for (let i = 1; i <= 7; i++) {
-        await page.mouse("mouseMoved", [from[0] - 8 * i, from[1] + 36 * Math.min(i, 5)], {
-          button: "left",
-          buttons: 1,
-        });
-        await sleep(40);
+      let felt = [];
+      // On a busy machine the recording may be over before the drag is.
+      for (let tries = 0; tries < 5 && felt.length <= 300; tries++) {
+        const recorded = await drag(page);
+        felt = same(recorded).filter(
+          tick => forceOf(tick) > 0.3 && tick.segments[0].contact === 3 && tick.contacts.length > 0,
+        );
+        checkFrames(recorded);
       }
-      const recorded = await recording;
-      const ticks = same(recorded);
-      const felt = ticks.filter(
-        tick => forceOf(tick) > 0.3 && tick.segments[0].contact === 3 && tick.contacts.length > 0,
-      );
       assert(felt.length > 300, `it was felt in ${felt.length} ticks`);
-      await page.mouse("mouseReleased", from, { button: "left", clickCount: 1 });
-      checkFrames(recorded);
     },
   );
   await check("the hint goes away with the first touch", async () =>
