@@ -5,7 +5,8 @@
 #
 #     run.sh test     the release build, nothing installed, a part of each program: about a minute on two cores
 #     run.sh check    all, in three configurations, but for what needs a release alone
-#     run.sh release  that, and what takes long for what it can find: all compilers of the single files, link-time optimization
+#     run.sh release  that, and what takes long for what it can find: all compilers of the single files, link-time
+#                     optimization, planted faults
 #
 # DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail. What has passed in this tree and has not changed is
 # not run again (lib/jobs.sh); WHOLE=1 runs all, as .ci/run does.
@@ -107,6 +108,7 @@ else
     # The longest first.
     run "other machines" env JOBS=1 sh tests/cross.sh build
     run_reading "include src tools/packaging" "single files" env COMPILERS="$compilers" sh tests/amalgamation.sh build
+    [ "$whole" = check ] || run "planted faults" sh tests/planted.sh build
     run "the libraries" env LTO="$lto" sh tests/abi/check.sh build
     run_reading "include src tools/packaging" "WebAssembly" sh tests/wasm/check.sh build
     command_line build
