@@ -25,7 +25,7 @@ build_in_tree() { # targets...
 # run TEST FILE: the output goes to FILE. Status 0 if it passed, 1 if a check failed, else 2.
 run() {
     case $1 in
-    *.sh) set -- "$2" sh "tests/tools/$1" build ;;
+    *.sh) set -- "$2" sh "tests/tools/$1" build part ;;
     *) set -- "$2" "build/tests/test_$1" "$(sed -n "s/^$1  *\([^ ]*\).*/\1/p" "$here/programs.txt")" ;;
     esac
     out=$1

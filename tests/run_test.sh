@@ -15,7 +15,7 @@ for file in Makefile include/a.h src/a.c drivers/a.c tools/a.c tests/test_a.c te
     build/built_with.h build/dynpoint build/tests/libHD-a.so "$scratch/data/liver.obj"; do
     echo a >"$file"
 done
-unset CFLAGS CFLAGS_EXTRA CXX CLANG LDFLAGS DPT_DATA STRICT WHOLE
+unset CC CFLAGS CFLAGS_EXTRA CXX CLANG LDFLAGS DPT_DATA STRICT WHOLE
 export RAN="$scratch/ran" SAYS="$scratch/says" LEAVES=0
 for file in build/tests/test_a build/tests/test_exactness build/tests/test_hd_stand_in tests/a.sh; do
     printf '%s\n' '#!/bin/sh' 'echo "$0" >>"$RAN"' 'cat "$SAYS"' 'exit "$LEAVES"' >"$file"
@@ -96,16 +96,19 @@ printf '\n# changed\n' >>tests/a.sh
 again "a script has changed" "$scripts"
 
 for name in CC CXX CLANG CFLAGS CFLAGS_EXTRA LDFLAGS STRICT; do
-    export "$name=env"
+    export "$name=cc"
     again "$name is set" "$all"
-    again "then" ''
     unset "$name"
+    again "$name is not" "$all"
 done
-again "none is set" "$all"
 mkdir bin
 path=$PATH PATH="$PWD/bin:$PATH"
 again "PATH is another" "$all"
+printf '%s\n' '#!/bin/sh' 'cat "$0"' >bin/cc
+chmod 755 bin/cc
+again "the compiler is another" "$all"
 PATH=$path
+again "PATH is as before" "$all"
 export DPT_DATA="$scratch/data"
 again "DPT_DATA is set" "$all"
 changed "$scratch/data/liver.obj" "$all"
