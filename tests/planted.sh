@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # That the tests find faults: `sh tests/planted.sh BUILD [TABLE]`, about three minutes on two cores. In a copy of the tree
 # each fault of tests/planted.txt is planted alone; the test that is named for it must pass without it, and fail a check
-# with it. A test is a program, run as `make test` runs it, or a script of tests/tools.
+# with it. A test is a program, with its argument of `make test`, or a script of tests/tools, with "part".
 set -u
 build=$1
 here=$(dirname "$0")
@@ -30,7 +30,7 @@ run() {
     esac
     out=$1
     shift
-    [ "$2" != all ] || set -- "$1"
+    case $2 in all | -) set -- "$1" ;; esac
     (cd "$tree" && timeout 300 "$@") >"$out" 2>&1 </dev/null
     status=$?
     case $(tail -n 1 "$out") in

@@ -49,8 +49,8 @@ programs() { # column config beside|waits|alone
     done <tests/programs.txt
 }
 
-# The program of a build from outside, a script a topic.
-command_line() {
+# The program of a build from outside, a script a topic; with the argument "part" what takes long is left out.
+command_line() { # build [part]
     for script in tests/tools/cli_*.sh; do
         topic=${script#*/cli_}
         case $topic in devices.sh) run=run_waiting ;; *) run=run ;; esac
@@ -75,14 +75,14 @@ fi
 
 if [ "$whole" = test ]; then
     build all test-programs
-    command_line build
+    command_line build part
     programs test release waits
     programs test release beside
-    run_reading "include src" "races of the exchange" sh tests/exchange/races.sh build 20000
+    run_reading "include src" "races of the exchange" sh tests/exchange/races.sh build 5000
     run "the layers" sh tests/layers.sh build
     if [ -x "$(command -v python3)" ]; then
         run "other languages" python3 tests/ffi/touch.py build
-        run "the simulated device's oracle" python3 -B tests/drivers/sim_oracle.py build 12
+        run "the simulated device's oracle" python3 -B tests/drivers/sim_oracle.py build 4
     else
         skip "other languages, the simulated device's oracle" "no python3"
     fi

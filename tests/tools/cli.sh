@@ -10,7 +10,7 @@ tests=$(cd "$(dirname "$0")/.." && pwd) || exit 2
 . "$tests/lib/verdict.sh"
 quiet=1 # a hundred golden files would hide what fails
 build=${1:?usage: sh $0 BUILD [part]}
-part=${2:-}
+is_part=$([ "${2:-}" != part ] || echo yes)
 build=$(cd "$build" && pwd) || exit 2
 program=$build/dynpoint
 work=$build/tests/$(basename "$0" .sh).$$

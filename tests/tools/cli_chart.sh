@@ -307,7 +307,7 @@ faults()
     check '--help' grep -q '^usage: dynpoint chart ' stdout
 }
 
-if [ "$part" = part ]; then
+if [ "$is_part" ]; then
     nearest_alone
     finish
 fi

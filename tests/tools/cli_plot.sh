@@ -174,7 +174,7 @@ prepare
 runs
 pictures
 gaps
-[ "$part" = part ] || long_runs
+[ "$is_part" ] || long_runs
 names
 faults
 documented

@@ -4,7 +4,7 @@
 . "$(dirname "$0")/cli.sh"
 
 scenes='membrane cloth laparoscopy liver soft-liver tori'
-[ "$part" != part ] || scenes='liver membrane'
+[ ! "$is_part" ] || scenes='liver membrane'
 for scene in $scenes; do
     succeeds "run $scene" run $scene --device 'sim:?hand=press' --for 2 --record $scene.dpr --json
     check "$scene is touched: $(cat stdout)" grep -q '"contacts":[1-9][0-9]\{2\}' stdout

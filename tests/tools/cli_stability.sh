@@ -5,10 +5,10 @@
 . "$(dirname "$0")/cli.sh"
 
 lab_effort=0.05
-[ "$part" != part ] || lab_effort=0.01
+[ ! "$is_part" ] || lab_effort=0.01
 geometry='spikes microconcave thinsheet parallel rocking slot bodies segments medial border sidelimit folds slivers coincident
     scale hour work tilt budget'
-[ "$part" != part ] || geometry='thinsheet medial segments tilt'
+[ ! "$is_part" ] || geometry='thinsheet medial segments tilt'
 
 listed()
 {
@@ -125,6 +125,6 @@ again()
 listed
 refusals
 shown
-[ "$part" = part ] || baselines
+[ "$is_part" ] || baselines
 again
 finish

@@ -5,7 +5,7 @@
 . "$(dirname "$0")/cli.sh"
 
 loops='wall organs delay rate phase zoom energy late rest beat'
-[ "$part" != part ] || loops='wall delay'
+[ ! "$is_part" ] || loops='wall delay'
 
 # part_of METHOD WHAT FIELD: a field of a figure of all cases
 part_of()
@@ -37,7 +37,7 @@ for line in open("stdout"):
     assert case["title"] and case["method"] and case["advice"] and case["figures"], case["case"]
     assert all(figure["what"] for figure in case["figures"]), case["case"]'
 fi
-[ "$part" != part ] || finish
+[ ! "$is_part" ] || finish
 
 # The limit is met, and beyond it motion grows as the model says: by half of b / 2m at 1.5 limits.
 for subject in 'spring:limit of a spring: largest share that it is off' \

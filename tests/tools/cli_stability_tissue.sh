@@ -5,7 +5,7 @@
 . "$(dirname "$0")/cli.sh"
 
 tissue='tissue soft pulse reaction displace springs'
-[ "$part" != part ] || tissue='pulse reaction'
+[ ! "$is_part" ] || tissue='pulse reaction'
 
 # part_of CASE METHOD WHAT FIELD: a field of a figure
 part_of()
@@ -40,7 +40,7 @@ for line in open("stdout"):
     told = [(figure["method"], figure["what"]) for figure in case["figures"]]
     assert len(set(told)) == len(told), case["case"]'
 fi
-[ "$part" != part ] || finish
+[ ! "$is_part" ] || finish
 
 # A membrane and an organ are as stiff on a finer mesh and with a faster physics; loads on three corners are not.
 holds tissue proxy 'membrane, ball: stiffness, change by edges halved'

@@ -615,7 +615,7 @@ coupled
 samples
 refusals
 traces
-[ "$part" != part ] || finish
+[ ! "$is_part" ] || finish
 recordings
 curved
 finish
