@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# That the tests find faults: `sh tests/planted.sh BUILD [TABLE]`, about three minutes on two cores. In a copy of the tree
+# That the tests find faults: `sh tests/planted.sh BUILD [TABLE]`, about two minutes on two cores. In a copy of the tree
 # each fault of tests/planted.txt is planted alone; the test that is named for it must pass without it, and fail a check
 # with it. A test is a program, with its argument of `make test`, or a script of tests/tools, with "part".
 set -u
