@@ -3,7 +3,7 @@
 # Builds and runs tests and adds up their last lines; what was skipped is named above the sum. programs.txt says which
 # program runs where, and how much of it.
 #
-#     run.sh test     the release build, nothing installed, a part of each program: about a minute on two cores
+#     run.sh test     the release build, nothing installed, a part of every kind of test: about a minute on two cores
 #     run.sh check    all, in three configurations, but for what needs a release alone
 #     run.sh release  that, and what takes long for what it can find: all compilers of the single files, link-time
 #                     optimization, planted faults

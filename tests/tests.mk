@@ -210,7 +210,7 @@ vm: all $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_arm $(B)/tests/test_
 firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
 	@sh tests/firmware/run.sh $(B)
 
-test: ## a part of every test in about a minute: no network, nothing installed
+test: ## a part of every kind of test in about a minute: no network, nothing installed
 	@sh tests/run.sh test
 
 check: ## all tests; as root on Debian installs 21 MB of packages (DEPS=no: nothing); STRICT=1 lets skips fail
