@@ -612,10 +612,10 @@ same_by_file_and_option
 arms
 grippers
 coupled
-samples
 refusals
 traces
 [ ! "$is_part" ] || finish
+samples
 recordings
 curved
 finish
