@@ -20,7 +20,7 @@ made_by() { # test
     case $1 in *.sh) echo build/dynpoint ;; *) echo "build/tests/test_$1" ;; esac
 }
 build_in_tree() { # targets...
-    (cd "$tree" && make -s -j"$jobs" "$@") >"$scratch/make.log" 2>&1
+    (cd "$tree" && make -s -j"$jobs" "$@") >"$scratch/make.log" 2>&1 </dev/null
 }
 
 # run TEST FILE: the output goes to FILE. Status 0 if it passed, 1 if a check failed, 3 if it checks nothing here, else 2.
