@@ -10,7 +10,7 @@ rm -rf "$scratch"
 mkdir -p "$scratch/bin" "$scratch/rest" "$scratch/tree/tools/view/page" "$scratch/tree/tests/lib" "$scratch/tree/tests/vm" "$scratch/tree/tests/oracle"
 scratch=$(cd "$scratch" && pwd) || exit 2
 (cd "$here" && cp Makefile "$scratch/tree" && cp tests/deps.sh tests/run.sh tests/programs.txt "$scratch/tree/tests" &&
-    cp tests/lib/venv.sh "$scratch/tree/tests/lib" && cp tests/vm/kernel.sh "$scratch/tree/tests/vm")
+    cp tests/lib/venv.sh tests/lib/jobs.sh "$scratch/tree/tests/lib" && cp tests/vm/kernel.sh "$scratch/tree/tests/vm")
 for file in package.json package-lock.json .npmrc; do : >"$scratch/tree/tools/view/page/$file"; done
 export INSTALLED="$scratch/installed" CALLS="$scratch/calls" USER_ID=0
 unset DEPS MAKEFLAGS MAKELEVEL 2>/dev/null

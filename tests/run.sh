@@ -3,162 +3,19 @@
 # Builds and runs tests and adds up their last lines; what was skipped is named above the sum. programs.txt says which
 # program runs where, and how much of it.
 #
-#     run.sh test     the release build, nothing installed, a part of each program: about a minute on two cores
+#     run.sh test     the release build, nothing installed, a part of every kind of test: about a minute on two cores
 #     run.sh check    all, in three configurations, but for what needs a release alone
-#     run.sh release  that, and what takes long for what it can find: all compilers of the single files, link-time optimization
+#     run.sh release  that, and what takes long for what it can find: all compilers of the single files, link-time
+#                     optimization, planted faults
 #
-# DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail. What has passed in this tree is not run again while
-# nothing has changed that it depends on; WHOLE=1 runs all, as .ci/run does.
+# DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail. What has passed in this tree and has not changed is
+# not run again (lib/jobs.sh); WHOLE=1 runs all, as .ci/run does.
 set -u
 whole=$1
 case $whole in test | check | release) ;; *) echo "usage: run.sh test|check|release" >&2; exit 2 ;; esac
-passed=0 failed=0 skipped=0
-log=build/$whole.log
-names=build/$whole.skipped
-dir=build/$whole
-count=0 next=1
-rm -rf "$dir"
-mkdir -p "$dir"
-: >"$log"
-: >"$names"
+. tests/lib/jobs.sh
+begin_jobs "$whole"
 jobs=$(nproc 2>/dev/null || echo 2)
-
-fail() {
-    echo "  FAIL $1"
-    failed=$((failed + 1))
-}
-
-skip() {
-    echo "  skip $1: $2" | tee -a "$names"
-    skipped=$((skipped + 1))
-}
-
-# What a test depends on beside its words and its own bytes: a program reads data of the tests, a script may read all, or
-# what `reads` names.
-kept=build/passed/$whole
-export kept
-mkdir -p "$kept"
-[ "$whole" != test ] || unset DPT_DATA
-contents() {
-    find "$@" -type f ! -path '*/__pycache__/*' -exec cksum {} + | LC_ALL=C sort -k 3 | cksum
-}
-surroundings=$({
-    env | grep -E '^(CC|CXX|CLANG|CFLAGS|LDFLAGS|DPT_DATA|STRICT|PATH)=' | LC_ALL=C sort
-    ${CC:-cc} --version
-    [ -z "${DPT_DATA:-}" ] || ls -lRL "$DPT_DATA"
-    find tests docs/samples -type f ! -name '*.[ch]' ! -name '*.cc' ! -name '*.sh' ! -name '*.py' ! -name '*.js' ! -name '*.mk' \
-        ! -path '*/__pycache__/*' -exec cksum {} + | LC_ALL=C sort -k 3
-} | cksum)
-everything=$(contents Makefile include src drivers tools tests docs)
-reads=
-key_of() { # words...
-    echo "$surroundings $*"
-    for word; do [ ! -f "$word" ] || cksum <"$word"; done
-    case "$* " in
-    *.sh\ * | *.py\ *)
-        cat build/built_with.h
-        if [ -n "$reads" ]; then contents $reads; else echo "$everything"; fi
-        ;;
-    *test_exactness\ *) cksum <build/dynpoint ;;
-    *test_openhaptics* | *test_hd_stand_in*) cat "${1%/*}"/libHD-*.so | cksum ;;
-    esac
-}
-
-# A program or script that ends in "N passed, M failed, K skipped": run later, beside others.
-run() {
-    count=$((count + 1))
-    place=$(printf %s/%03d "$dir" "$count")
-    printf '%s\n' "$1" >"$place.title"
-    shift
-    for word; do printf "'%s' " "$word"; done >"$place.command"
-    key_of "$@" >"$place.key"
-}
-
-# run_reading PATHS TITLE COMMAND...: likewise, a script that depends on these folders and the tests alone.
-run_reading() {
-    reads="$1 tests Makefile"
-    shift
-    run "$@"
-    reads=
-}
-
-# run_waiting TITLE COMMAND...: likewise, for what waits more than it computes. run_clock: for what looks at the clock too
-# closely to run beside its like.
-run_waiting() {
-    run "$@"
-    : >"$place.waits"
-}
-run_clock() {
-    run "$@"
-    : >"$place.clock"
-}
-
-# run_one PLACE [NICE...]: the last line of `times` is what the command computed.
-cat >"$dir/run_one" <<'END'
-place=$1 before=$kept/$(cksum <"$1.command" | tr ' ' -)
-shift
-if [ "${WHOLE:-0}" = 0 ] && cmp -s "$place.key" "$before.key"; then
-    cp "$before.out" "$place.out"
-    echo 0 0 as-before >"$place.status"
-    exit
-fi
-rm -f "$before.key"
-begin=$(date +%s)
-"$@" sh -c '. "$0"; code=$?; times >"$1"; exit $code' "$place.command" "$place.times" >"$place.out" 2>&1 </dev/null
-status=$?
-echo $status $(($(date +%s) - begin)) "$(tail -n 1 "$place.times" | tr " " +)" >"$place.status"
-if [ $status -eq 0 ] && tail -n 1 "$place.out" | grep -qE '^[0-9]+ passed, 0 failed, 0 skipped$'; then
-    cp "$place.out" "$before.out" && cp "$place.key" "$before.key"
-fi
-END
-
-# lane [NICE...]: one after the other of what stdin names, but for what another lane has taken.
-lane() {
-    while read -r place; do
-        ! mkdir "$place.taken" 2>/dev/null || sh "$dir/run_one" "$place" "$@"
-    done
-}
-
-# go LANES: runs what was named since the last go. So many lanes are busy; one of them begins with what looks at the clock.
-# What waits needs no lane, and goes at once.
-go() {
-    : >"$dir/computing"
-    : >"$dir/waiting"
-    : >"$dir/clock"
-    while [ "$next" -le "$count" ]; do
-        place=$(printf %s/%03d "$dir" "$next")
-        list=computing
-        [ ! -e "$place.waits" ] || list=waiting
-        [ ! -e "$place.clock" ] || list=clock
-        echo "$place" >>"$dir/$list"
-        next=$((next + 1))
-    done
-    xargs -r -n 1 -P 16 sh "$dir/run_one" <"$dir/waiting" &
-    { lane <"$dir/clock"; lane nice <"$dir/computing"; } &
-    for other in $(seq 2 "$1"); do
-        lane nice <"$dir/computing" &
-    done
-    wait
-}
-
-add_up() {
-    for title in "$dir"/*.title; do
-        place=${title%.title}
-        title=$(cat "$title")
-        read -r status seconds computed <"$place.status"
-        echo "== $title, $seconds s, computed $computed"
-        cat "$place.out" | tee -a "$log"
-        counts=$(tail -n 1 "$place.out" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed, \([0-9]*\) skipped$/\1 \2 \3/p')
-        if [ -z "$counts" ]; then
-            fail "$title ended without a sum (status $status)"
-            continue
-        fi
-        set -- $counts
-        passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
-        [ "$status" -eq 0 ] || [ "$2" -gt 0 ] || fail "$title left status $status"
-        sed -n "s|^ *skip \(.*\)|  skip \1 ($title)|p" "$place.out" >>"$names"
-    done
-}
 
 # Only in the whole: a warning of a newer compiler must not stop a user.
 werror=
@@ -192,8 +49,8 @@ programs() { # column config beside|waits|alone
     done <tests/programs.txt
 }
 
-# The program of a build from outside, a script a topic.
-command_line() {
+# The program of a build from outside, a script a topic; with the argument "part" what takes long is left out.
+command_line() { # build [part]
     for script in tests/tools/cli_*.sh; do
         topic=${script#*/cli_}
         case $topic in devices.sh) run=run_waiting ;; *) run=run ;; esac
@@ -218,14 +75,14 @@ fi
 
 if [ "$whole" = test ]; then
     build all test-programs
-    command_line build
+    command_line build part
     programs test release waits
     programs test release beside
-    run_reading "include src" "races of the exchange" sh tests/exchange/races.sh build 20000
+    run_reading "include src" "races of the exchange" sh tests/exchange/races.sh build 5000
     run "the layers" sh tests/layers.sh build
     if [ -x "$(command -v python3)" ]; then
         run "other languages" python3 tests/ffi/touch.py build
-        run "the simulated device's oracle" python3 -B tests/drivers/sim_oracle.py build 12
+        run "the simulated device's oracle" python3 -B tests/drivers/sim_oracle.py build 4
     else
         skip "other languages, the simulated device's oracle" "no python3"
     fi
@@ -251,6 +108,7 @@ else
     # The longest first.
     run "other machines" env JOBS=1 sh tests/cross.sh build
     run_reading "include src tools/packaging" "single files" env COMPILERS="$compilers" sh tests/amalgamation.sh build
+    [ "$whole" = check ] || run "planted faults" sh tests/planted.sh build
     run "the libraries" env LTO="$lto" sh tests/abi/check.sh build
     run_reading "include src tools/packaging" "WebAssembly" sh tests/wasm/check.sh build
     command_line build
@@ -270,6 +128,7 @@ else
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build
     run "packages for tests" sh tests/deps_test.sh build
+    run_reading "" "what has passed is kept" sh tests/run_test.sh build
     if command -v python3 >/dev/null 2>&1; then
         run "other languages" python3 tests/ffi/touch.py build
         run "declarations for other languages" python3 tests/ffi/cdef.py build

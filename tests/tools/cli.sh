@@ -2,12 +2,15 @@
 # The program from outside, for the scripts tests/tools/cli_TOPIC.sh: exit status, what goes to which stream, which files
 # are there then. They are called with BUILD, write below a folder of their own there, and may run beside each other.
 #
+# With a second argument, "part", a script that takes long runs a part of itself: `make test` does so.
+#
 # An error is exit status 2, exactly one line on standard error, nothing on standard output, and no output file, nor the
 # .part beside it.
 tests=$(cd "$(dirname "$0")/.." && pwd) || exit 2
 . "$tests/lib/verdict.sh"
 quiet=1 # a hundred golden files would hide what fails
-build=${1:?usage: sh $0 BUILD}
+build=${1:?usage: sh $0 BUILD [part]}
+is_part=$([ "${2:-}" != part ] || echo yes)
 build=$(cd "$build" && pwd) || exit 2
 program=$build/dynpoint
 work=$build/tests/$(basename "$0" .sh).$$

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # dynpoint plot: charts read back by their own axes, gaps, long runs, odd names, and what is refused.
-# `sh tests/tools/cli_plot.sh BUILD`.
+# `sh tests/tools/cli_plot.sh BUILD [part]`.
 . "$(dirname "$0")/cli.sh"
 
 # reads_back WHAT PANELS CHART ARGUMENT...: it is drawn as the CSV files say (read_plot.py), in these panels
@@ -174,7 +174,7 @@ prepare
 runs
 pictures
 gaps
-long_runs
+[ "$is_part" ] || long_runs
 names
 faults
 documented

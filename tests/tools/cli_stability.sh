@@ -1,12 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# dynpoint stability: the laboratory of force, with few ticks. `sh tests/tools/cli_stability.sh BUILD [EFFORT]`. What fails
-# and what holds is looked at with the usual effort only.
+# dynpoint stability: the laboratory of force, with few ticks. `sh tests/tools/cli_stability.sh BUILD [part]`. What fails
+# and what holds is looked at where all runs.
 . "$(dirname "$0")/cli.sh"
 
-lab_effort=${2:-0.05}
+lab_effort=0.05
+[ ! "$is_part" ] || lab_effort=0.01
 geometry='spikes microconcave thinsheet parallel rocking slot bodies segments medial border sidelimit folds slivers coincident
     scale hour work tilt budget'
+[ ! "$is_part" ] || geometry='thinsheet medial segments tilt'
 
 listed()
 {
@@ -123,6 +125,6 @@ again()
 listed
 refusals
 shown
-[ $# -gt 1 ] || baselines
+[ "$is_part" ] || baselines
 again
 finish

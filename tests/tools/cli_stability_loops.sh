@@ -1,10 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # The closed loops of `dynpoint stability`, at the least effort: what is told, and that it can fail.
-# `sh tests/tools/cli_stability_loops.sh BUILD [CASES]`. What fails and what holds is looked at where all run.
+# `sh tests/tools/cli_stability_loops.sh BUILD [part]`. What fails and what holds is looked at where all run.
 . "$(dirname "$0")/cli.sh"
 
-loops=${2:-wall organs delay rate phase zoom energy late rest beat}
+loops='wall organs delay rate phase zoom energy late rest beat'
+[ ! "$is_part" ] || loops='wall delay'
 
 # part_of METHOD WHAT FIELD: a field of a figure of all cases
 part_of()
@@ -36,7 +37,7 @@ for line in open("stdout"):
     assert case["title"] and case["method"] and case["advice"] and case["figures"], case["case"]
     assert all(figure["what"] for figure in case["figures"]), case["case"]'
 fi
-[ $# -eq 1 ] || finish
+[ ! "$is_part" ] || finish
 
 # The limit is met, and beyond it motion grows as the model says: by half of b / 2m at 1.5 limits.
 for subject in 'spring:limit of a spring: largest share that it is off' \

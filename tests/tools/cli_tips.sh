@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Tips of tools: in scene files, by run --tip, in recordings; and the tools of docs/recipes.md.
-# `sh tests/tools/cli_tips.sh BUILD`.
+# `sh tests/tools/cli_tips.sh BUILD [part]`.
 . "$(dirname "$0")/cli.sh"
 
 docs=$tests/../docs
@@ -612,9 +612,10 @@ same_by_file_and_option
 arms
 grippers
 coupled
-samples
-recordings
 refusals
 traces
+[ ! "$is_part" ] || finish
+samples
+recordings
 curved
 finish
