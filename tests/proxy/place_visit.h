@@ -10,7 +10,8 @@
 #ifndef DPT_TESTS_PLACE_VISIT_H
 #define DPT_TESTS_PLACE_VISIT_H
 
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 enum { VISIT_BODIES = 50 };
 
@@ -75,8 +76,8 @@ static inline double angle_apart(const struct visit *visit, const dpt_pose *from
     const double *p = from->orientation, *q = to->orientation;
     double a[3], b[3], c[3];
     if (visit->is_straight) {
-        rig_turn(p, visit->axis, a);
-        rig_turn(q, visit->axis, b);
+        turn3(p, visit->axis, a);
+        turn3(q, visit->axis, b);
         for (int k = 0; k < 3; k++)
             c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
         return atan2(sqrt(dot3(c, c)), dot3(a, b));
@@ -89,7 +90,7 @@ static inline double angle_apart(const struct visit *visit, const dpt_pose *from
 
 static inline void centre_at(const struct visit *visit, const dpt_pose *pose, double centre[3])
 {
-    rig_turn(pose->orientation, visit->centre, centre);
+    turn3(pose->orientation, visit->centre, centre);
     for (int k = 0; k < 3; k++)
         centre[k] += pose->position[k];
 }
@@ -137,8 +138,8 @@ static inline void visit_move(struct visit *visit, struct visit_body *body, cons
         double x[3], from[3], to[3];
         for (int k = 0; k < 3; k++)
             x[k] = (double)(corner >> k & 1 ? body->solid->place.high[k] : body->solid->place.low[k]);
-        rig_turn(body->pose.orientation, x, from);
-        rig_turn(pose->orientation, x, to);
+        turn3(body->pose.orientation, x, from);
+        turn3(pose->orientation, x, to);
         for (int k = 0; k < 3; k++) {
             from[k] += body->pose.position[k];
             to[k] += pose->position[k];
@@ -165,7 +166,7 @@ static inline double proxy_gap(const struct visit *visit)
                 double x[3];
                 for (int k = 0; k < 3; k++)
                     x[k] = ends[3 * e + k] - body->pose.position[k];
-                rig_turn(back, x, local + 3 * e);
+                turn3(back, x, local + 3 * e);
             }
             least = fmin(least, oracle_brute(body->solid->brute, local, NULL) - visit->rig.segments[s].radius);
         }
@@ -203,7 +204,7 @@ static inline double wrench_jump(const struct visit *visit)
         const dpt_pose *device = n ? &visit->rig.device : &visit->device;
         const dpt_wrench *wrench = n ? &visit->rig.force.wrench : &visit->wrench;
         double arm[3];
-        rig_turn(device->orientation, visit->centre, arm);
+        turn3(device->orientation, visit->centre, arm);
         for (int k = 0; k < 3; k++) {
             const int i = (k + 1) % 3, j = (k + 2) % 3;
             force[n][k] = wrench->force[k];

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/soak_pokes.h"
 
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 #include "proxy/soak_oracle.h"
 
 /* A world serves so many pokes; so many ticks may one have. */
@@ -137,7 +138,7 @@ static void to_target(const struct poke *poke, const double x[3], double local[3
     double off[3];
     for (int k = 0; k < 3; k++)
         off[k] = x[k] - poke->body.position[k];
-    rig_turn(back, off, local);
+    turn3(back, off, local);
 }
 
 /* The lowest point of the tool, along the normal, from the origin of its frame. */
@@ -145,8 +146,8 @@ static double lowest(const struct poke *poke)
 {
     const dpt_segment *segment = &poke->rig.segments[0];
     double a[3], b[3];
-    rig_turn(poke->rig.device.orientation, segment->a, a);
-    rig_turn(poke->rig.device.orientation, segment->b, b);
+    turn3(poke->rig.device.orientation, segment->a, a);
+    turn3(poke->rig.device.orientation, segment->b, b);
     return fmin(dot3(a, poke->normal), dot3(b, poke->normal)) - segment->radius;
 }
 
@@ -166,9 +167,9 @@ static void draw_start(struct poke *poke)
         local[0][0] = local[1][1] = 1;
         local[2][2] = poke->side;
     }
-    rig_turn(poke->body.orientation, local[0], poke->across[0]);
-    rig_turn(poke->body.orientation, local[1], poke->across[1]);
-    rig_turn(poke->body.orientation, local[2], poke->normal);
+    turn3(poke->body.orientation, local[0], poke->across[0]);
+    turn3(poke->body.orientation, local[1], poke->across[1]);
+    turn3(poke->body.orientation, local[2], poke->normal);
     double height = apart_by - lowest(poke);
     if (target->is_shell && poke->side > 0)
         height += BALL;
@@ -189,7 +190,7 @@ static void draw(struct poke *poke)
     random_unit(seed, poke->axis);
     poke->turn = random_in(seed, 0, 3.14);
     poke->twist = random_bits(seed) % 2 ? random_in(seed, -0.03, 0.03) : 0;
-    rig_orient(&poke->rig.device, poke->axis, poke->turn);
+    pose_orient(&poke->rig.device, poke->axis, poke->turn);
     draw_start(poke);
     const double into = poke->target->is_shell && poke->side < 0 ? 1 : -1;
     random_unit(seed, poke->way);
@@ -237,7 +238,7 @@ static void move_device(struct poke *poke, int tick)
     poke->turn += leaps && random_bits(seed) % 2 ? random_in(seed, -TURN, TURN) : poke->twist;
     if (leaps && random_bits(seed) % 8 == 0)
         random_unit(seed, poke->axis);
-    rig_orient(&poke->rig.device, poke->axis, poke->turn);
+    pose_orient(&poke->rig.device, poke->axis, poke->turn);
 }
 
 /* With friction a tool that is turned walks as far as the border, and round it. */
@@ -268,7 +269,7 @@ static void judge(struct poke *poke, int tick)
         gap = soak_distance(&asked->triangles, ends, radius + 1e-3) - radius;
         for (int i = 0; i < 3; i++) {
             double x[3];
-            along(ends, 0.5 * i, x);
+            point_at(ends, 0.5 * i, x);
             CHECK(soak_is_inside(&asked->sides, x, &poke->seed) == (poke->side < 0),
                   "%s, poke %llu, tick %d: it passed the shell", poke->name, (unsigned long long)poke->number, tick);
         }
@@ -322,7 +323,7 @@ static void poke_in_a_world(const struct target *target, uint64_t number, uint64
     random_unit(&poke.seed, axis);
     for (int k = 0; k < 3; k++)
         poke.body.position[k] = random_in(&poke.seed, -0.1, 0.1);
-    rig_orient(&poke.body, axis, random_bits(&poke.seed) % 4 ? random_in(&poke.seed, 0, 3.14) : 0);
+    pose_orient(&poke.body, axis, random_bits(&poke.seed) % 4 ? random_in(&poke.seed, 0, 3.14) : 0);
     dpt_body_teleport(poke.rig.world, poke.rig.body, &poke.body);
     rig_vary(&poke.rig, &poke.seed);
     for (poke.number = 0; poke.number < count; poke.number++)

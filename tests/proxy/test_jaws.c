@@ -114,7 +114,7 @@ static void a_tip_that_jumps_stops_at_a_sheet(void)
         /* What is z in the world, in the tool's frame. */
         double *q = jaws.rig.device.orientation, up[3];
         const double back[4] = { q[0], -q[1], -q[2], -q[3] };
-        rig_turn(back, (const double[3]){ 0, 0, 1 }, up);
+        turn3(back, (const double[3]){ 0, 0, 1 }, up);
         for (int step = 0; step < 30; step++) {
             random_pose(&seed, 0.01, &pose);
             for (int k = 0; k < 3; k++)
@@ -345,12 +345,12 @@ static void what_is_felt_knows_no_opening(void)
     struct jaws jaws;
     jaws_open(&jaws, NULL, jaw_sheet.mesh, 0);
     jaws.rig.device.position[2] = 0.06;
-    rig_orient(&jaws.rig.device, (const double[3]){ 0, 1, 0 }, -acos(0));
+    pose_orient(&jaws.rig.device, (const double[3]){ 0, 1, 0 }, -acos(0));
     rig_place(&jaws.rig);
     while (jaws.rig.device.position[2] > -0.001) {
         jaws.rig.device.position[2] = fmax(-0.001, jaws.rig.device.position[2] - 1e-3);
         jaws.rig.device.position[0] += 1e-5;
-        rig_orient(&jaws.rig.device, (const double[3]){ 0, 1, 0 }, 0.05 - acos(0));
+        pose_orient(&jaws.rig.device, (const double[3]){ 0, 1, 0 }, 0.05 - acos(0));
         rig_step(&jaws.rig);
     }
     for (int tick = 0; tick < 20; tick++)

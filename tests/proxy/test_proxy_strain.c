@@ -6,7 +6,8 @@
  *
  *     test_proxy_strain [PER CENT of the random cases = 100]
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.08 }, 0.002 };
 
@@ -23,8 +24,8 @@ static double gap_to(const struct rig *rig, const struct solid *solid, const dpt
         rig_proxy_ends(rig, s, ends);
         for (int k = 0; k < 6; k++)
             ends[k] -= pose->position[k % 3];
-        rig_turn(back, ends, local);
-        rig_turn(back, ends + 3, local + 3);
+        turn3(back, ends, local);
+        turn3(back, ends + 3, local + 3);
         least = fmin(least, oracle_brute(solid->brute, local, NULL) - rig->segments[s].radius);
     }
     return least;
@@ -48,7 +49,7 @@ static void press_within(const struct solid *solid, uint32_t budget, uint64_t se
     rig_open(&bounded, &def, solid->mesh, &needle, 1);
     double axis[3];
     random_unit(&seed, axis);
-    rig_orient(&bounded.device, axis, 0.8);
+    pose_orient(&bounded.device, axis, 0.8);
     bounded.device.position[2] = (double)solid->place.high[2] + 0.03;
     dpt_tool_set_pose(bounded.world, bounded.tool, &bounded.device);
     for (int i = 0; i < 200; i++)
@@ -174,7 +175,7 @@ static int shake(const struct solid *solid, double speed, uint32_t budget, uint6
         angle += speed * (1 + 0.5 * sin(0.05 * (double)i));
         pose.position[2] = i < 200 ? -0.2 + 1e-3 * (double)i : 0;
         pose.position[0] = 0.01 * sin(0.02 * (double)i);
-        rig_orient(&pose, axis, angle);
+        pose_orient(&pose, axis, angle);
         dpt_body_set_pose(rig.world, rig.body, &pose);
         rig_step(&rig);
         least = fmin(least, gap_to(&rig, solid, &pose));
@@ -241,7 +242,7 @@ static void among_many(uint32_t budget, uint32_t method)
     for (uint64_t i = 0; i < part_of(4000); i++) {
         for (int b = 0; b < BODIES; b += 3) {
             poses[b].position[2] = 0.05 * sin(0.05 * (double)i + b);
-            rig_orient(&poses[b], (const double[3]){ 0, 0, 1 }, 0.03 * (double)i);
+            pose_orient(&poses[b], (const double[3]){ 0, 0, 1 }, 0.03 * (double)i);
             dpt_body_set_pose(rig.world, bodies[b], &poses[b]);
         }
         if (i % 300 == 0)
@@ -305,7 +306,7 @@ static void every_segment_of_many_is_felt(void)
             rig.device.position[0] += 2e-5;
             rig_step(&rig);
             double low[3];
-            rig_turn(rig.proxy.orientation, teeth[longest].a, low);
+            turn3(rig.proxy.orientation, teeth[longest].a, low);
             CHECK(low[2] + rig.proxy.position[2] > TOP + 3e-4, "tooth %d, tick %d: at %g", longest, i,
                   low[2] + rig.proxy.position[2] - TOP);
         }
@@ -342,7 +343,7 @@ static void kernels_give_the_same_bits(void)
         }
         for (uint64_t i = 0; i < 1500; i++) {
             dpt_pose pose = DPT_POSE_IDENTITY;
-            rig_orient(&pose, (const double[3]){ 0.6, 0, 0.8 }, 3e-4 * (double)i);
+            pose_orient(&pose, (const double[3]){ 0.6, 0, 0.8 }, 3e-4 * (double)i);
             rigs[0].device.position[0] += random_in(&seed, -1e-4, 1e-4);
             rigs[0].device.position[2] -= i < 1000 ? 1e-4 : 0;
             rigs[1].device = rigs[0].device;

@@ -171,7 +171,7 @@ static uint64_t run_of(const struct solid *liver, const dpt_world_def *def)
         const double angle = 0.002 * tick;
         rig->device.position[2] = fmax(0.03, rig->device.position[2] - 2e-4);
         rig->device.position[0] = 0.02 * sin(angle);
-        rig_orient(&rig->device, (const double[3]){ 0.6, 0, 0.8 }, 0.3 * angle);
+        pose_orient(&rig->device, (const double[3]){ 0.6, 0, 0.8 }, 0.3 * angle);
         rig_step(rig);
         dpt_contact contact = { .size = sizeof contact };
         tip_rig_contact(&tip, &contact);
@@ -288,13 +288,13 @@ static void trials_know_tips(void)
         double axis[3] = { random_in(&seed, -1, 1), random_in(&seed, -1, 1), random_in(&seed, -1, 1) },
                corners[3 * ORACLE_CORNERS], lowest = 1;
         unit3(axis);
-        rig_orient(&rig->device, axis, random_in(&seed, -1, 1));
+        pose_orient(&rig->device, axis, random_in(&seed, -1, 1));
         for (int k = 0; k < 3; k++)
             rig->device.position[k] = k == 2 ? TOP + 0.02 : random_in(&seed, -0.03, 0.03);
         rig_place(rig);
         to = rig->device;
         to.position[2] = TOP - random_in(&seed, -0.02, 0.02);
-        rig_orient(&to, axis, random_in(&seed, -1, 1));
+        pose_orient(&to, axis, random_in(&seed, -1, 1));
         CHECK(dpt_tool_try_pose(rig->world, rig->tool, &to, 0, &first, &reached) == DPT_OK, "trial");
         tip_rig_corners(&tip, &reached, corners);
         for (uint32_t c = 0; c < tip.as.corner_count; c++)

@@ -3,7 +3,8 @@
 
 #include "dynpoint/body.h"
 #include "dynpoint/tool.h"
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 static const struct {
     const char *name;
@@ -202,8 +203,8 @@ static void place_segments(const struct near_pair *pair, const dpt_pose *pose, d
 {
     for (int i = 0; i < NEAR_SEGMENTS; i++) {
         placed[i].radius = pair->segments[i].radius;
-        rig_turn(pose->orientation, pair->segments[i].a, placed[i].a);
-        rig_turn(pose->orientation, pair->segments[i].b, placed[i].b);
+        turn3(pose->orientation, pair->segments[i].a, placed[i].a);
+        turn3(pose->orientation, pair->segments[i].b, placed[i].b);
         for (int k = 0; k < 3; k++) {
             placed[i].a[k] += pose->position[k];
             placed[i].b[k] += pose->position[k];
@@ -244,12 +245,12 @@ void near_pair_tick(struct near_pair *pair)
         choose_motion(pair);
     for (int k = 0; k < 3; k++)
         pair->pose.position[k] += pair->speed[k];
-    rig_turn_by(&pair->pose, pair->spin);
+    pose_turn_by(&pair->pose, pair->spin);
     const int moves_body = random_bits(&pair->seed) % 4 == 0;
     if (moves_body) {
         static const double little[4] = { 1, 2e-4, -1e-4, 1e-4 };
         pair->body_pose[1].position[2] += 1e-4;
-        rig_turn_by(&pair->body_pose[1], little);
+        pose_turn_by(&pair->body_pose[1], little);
     }
     if (what == SETTINGS_CHANGE)
         pair->body_pose[1].position[0] += 0.01;

@@ -154,7 +154,7 @@ static void query_points(const dpt_mesh *mesh, const double ends[6], const doubl
 {
     static double points[BED_POINTS + 2][6];
     for (size_t i = 0; i < count; i++) {
-        along(ends, s[i], points[i]);
+        point_at(ends, s[i], points[i]);
         memcpy(points[i] + 3, points[i], 3 * sizeof *points[i]);
     }
     hits[0].size = sizeof *hits;

@@ -179,7 +179,7 @@ static void check_points(const struct run *run, const double ends[6])
     for (int i = 0; i <= 4; i++) {
         double x[6], q[6], way;
         dpt_hit hit = DPT_HIT_INIT;
-        along(ends, i / 4.0, x);
+        point_at(ends, i / 4.0, x);
         memcpy(x + 3, x, 3 * sizeof *x);
         dpt_query_segments(solid->mesh, NULL, x, NULL, 1, &hit, NULL);
         memcpy(q, hit.q, 3 * sizeof *q);
