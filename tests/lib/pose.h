@@ -34,24 +34,57 @@ static inline void pose_point(const dpt_pose *pose, const double x[3], double ou
         out[k] += pose->position[k];
 }
 
-/* A segment of the pose's frame, in the world, as its two ends. */
+/* A point of the world, in the pose's frame. */
+static inline void pose_local(const dpt_pose *pose, const double x[3], double out[3])
+{
+    const double off[3] = { x[0] - pose->position[0], x[1] - pose->position[1], x[2] - pose->position[2] };
+    turn_back3(pose->orientation, off, out);
+}
+
+/* A segment of the pose's frame, in the world; as its two ends too. */
+static inline dpt_segment pose_segment(const dpt_pose *pose, const dpt_segment *segment)
+{
+    dpt_segment placed = *segment;
+    pose_point(pose, segment->a, placed.a);
+    pose_point(pose, segment->b, placed.b);
+    return placed;
+}
+
 static inline void pose_ends(const dpt_pose *pose, const dpt_segment *segment, double ends[6])
 {
     pose_point(pose, segment->a, ends);
     pose_point(pose, segment->b, ends + 3);
 }
 
-/* Turn a pose about its position by a quaternion of any length. */
-static inline void pose_turn_by(dpt_pose *pose, const double t[4])
+/* The turn q, then p. */
+static inline void turn_times(const double p[4], const double q[4], double out[4])
 {
-    const double *q = pose->orientation;
-    const double made[4] = { t[0] * q[0] - t[1] * q[1] - t[2] * q[2] - t[3] * q[3],
-                             t[0] * q[1] + t[1] * q[0] + t[2] * q[3] - t[3] * q[2],
-                             t[0] * q[2] - t[1] * q[3] + t[2] * q[0] + t[3] * q[1],
-                             t[0] * q[3] + t[1] * q[2] - t[2] * q[1] + t[3] * q[0] };
+    const double made[4] = { p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+                             p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+                             p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
+                             p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0] };
+    for (int k = 0; k < 4; k++)
+        out[k] = made[k];
+}
+
+/* Turn a pose about its position by a quaternion of any length. */
+static inline void pose_turn_by(dpt_pose *pose, const double turn[4])
+{
+    double made[4];
+    turn_times(turn, pose->orientation, made);
     const double size = sqrt(made[0] * made[0] + made[1] * made[1] + made[2] * made[2] + made[3] * made[3]);
     for (int k = 0; k < 4; k++)
         pose->orientation[k] = made[k] / size;
+}
+
+/* Within `reach` of the origin in each coordinate, turned any way. */
+static inline dpt_pose pose_any(uint64_t *seed, double reach)
+{
+    dpt_pose pose;
+    for (int k = 0; k < 3; k++)
+        pose.position[k] = random_in(seed, -reach, reach);
+    random_turn(seed, pose.orientation);
+    return pose;
 }
 
 /* Set the orientation: `angle` rad about a unit axis. */

@@ -32,6 +32,17 @@ dpt_world_def rig_def(uint32_t law)
     return def;
 }
 
+int rig_has_kernel(uint32_t kernel)
+{
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
+    def.kernel = kernel;
+    void *block = malloc(dpt_world_bytes(&def));
+    dpt_world *world;
+    const dpt_result result = dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
+    free(block);
+    return result == DPT_OK;
+}
+
 int rig_open_at(struct rig_line at, struct rig *rig, const dpt_world_def *given, const dpt_mesh *mesh,
                 const dpt_segment *segments, uint32_t count)
 {

@@ -47,6 +47,9 @@ extern const dpt_segment rig_point;
 /* The defaults, with room for 32 contacts, and a law. */
 dpt_world_def rig_def(uint32_t law);
 
+/* Whether this machine has a kernel. */
+int rig_has_kernel(uint32_t kernel);
+
 /*
  * A world with a body, unless `mesh` is NULL, and a tool, unless `count` is 0. `def` NULL: rig_def(DPT_LAW_PROXY). Returns
  * 0 after a failed check; close it in any case.

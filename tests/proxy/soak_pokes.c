@@ -130,17 +130,6 @@ static int make_shell(struct target *target, const char *name, uint64_t triangle
     return opened;
 }
 
-/* Into the frame of the target. */
-static void to_target(const struct poke *poke, const double x[3], double local[3])
-{
-    const double *q = poke->body.orientation;
-    const double back[4] = { q[0], -q[1], -q[2], -q[3] };
-    double off[3];
-    for (int k = 0; k < 3; k++)
-        off[k] = x[k] - poke->body.position[k];
-    turn3(back, off, local);
-}
-
 /* The lowest point of the tool, along the normal, from the origin of its frame. */
 static double lowest(const struct poke *poke)
 {
@@ -248,7 +237,7 @@ static int is_at_border(const struct poke *poke)
     rig_proxy_ends(&poke->rig, 0, world);
     for (int e = 0; e < 2 && !poke->target->is_shell; e++) {
         double x[3];
-        to_target(poke, world + 3 * e, x);
+        pose_local(&poke->body, world + 3 * e, x);
         if (fmax(fabs(x[0]), fabs(x[1])) > poke->target->half - BORDER)
             return 1;
     }
@@ -261,8 +250,8 @@ static void judge(struct poke *poke, int tick)
     const double radius = poke->rig.segments[0].radius, scale = fmin(target->solid.diagonal, 1);
     double world[6], ends[6], gap;
     rig_proxy_ends(&poke->rig, 0, world);
-    to_target(poke, world, ends);
-    to_target(poke, world + 3, ends + 3);
+    pose_local(&poke->body, world, ends);
+    pose_local(&poke->body, world + 3, ends + 3);
     if (target->is_shell) {
         /* What the poke is told of, not a part of it. */
         struct target *asked = &targets[target - targets];

@@ -277,15 +277,8 @@ static void moving_bodies_push(void)
         dpt_body_set_pose(rig.world, rig.body, &pose);
         rig_step(&rig);
         rig_proxy_ends(&rig, 0, ends);
-        for (int e = 0; e < 2; e++) {
-            double local[3];
-            const double back[4] = { pose.orientation[0], -pose.orientation[1], -pose.orientation[2],
-                                     -pose.orientation[3] };
-            for (int k = 0; k < 3; k++)
-                ends[3 * e + k] -= pose.position[k];
-            turn3(back, ends + 3 * e, local);
-            memcpy(ends + 3 * e, local, sizeof local);
-        }
+        pose_local(&pose, ends, ends);
+        pose_local(&pose, ends + 3, ends + 3);
         least = fmin(least, oracle_brute(ball.brute, ends, NULL) - needle.radius);
         CHECK(!(rig.force.flags & DPT_FORCE_FLAG_SQUEEZED), "tick %d: squeezed", i);
         CHECK(rig.force.reason <= DPT_FORCE_FREE, "tick %d: reason %u", i, rig.force.reason);
@@ -374,18 +367,10 @@ static void a_free_segment_is_a_rigid_tool(void)
         pose_orient(&rigid.device, axis, 0.4 * sin(0.003 * i));
         rigid.device.position[0] = 0.02 * sin(0.01 * i) + random_in(&seed, -1e-5, 1e-5);
         rigid.device.position[2] = height;
-        dpt_segment given = needle;
-        turn3(rigid.device.orientation, needle.a, given.a);
-        turn3(rigid.device.orientation, needle.b, given.b);
-        for (int k = 0; k < 3; k++) {
-            given.a[k] += rigid.device.position[k];
-            given.b[k] += rigid.device.position[k];
-        }
+        double ends[6];
+        pose_ends(&rigid.device, &needle, ends);
         rig_step(&rigid);
-        const dpt_result result = dpt_tool_set_segments(free_one.world, free_one.tool, &given, 1);
-        CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-        dpt_world_step(free_one.world, RIG_DT, &free_one.step);
-        dpt_tool_get_force_info(free_one.world, free_one.tool, &free_one.force);
+        rig_step_ends(&free_one, ends, needle.radius);
         for (int k = 0; k < 3; k++) {
             const double f = rigid.force.wrench.force[k] - free_one.force.wrench.force[k];
             const double t = rigid.force.wrench.torque[k] - free_one.force.wrench.torque[k];

@@ -33,11 +33,9 @@ static void press(struct rig *rig, double depth)
 static void a_reused_slot_has_no_old_triangles(void)
 {
     struct solid large, small;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     if (!solid_from_shape(&large, "sphere", 20480) || !solid_from_shape(&small, "box", 12))
         return;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.max_bodies = 2;
     for (int turn = 0; turn < 20; turn++) {
         struct rig rig;

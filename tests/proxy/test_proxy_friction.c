@@ -14,12 +14,6 @@
 static const dpt_segment ball = { { 0, 0, 0 }, { 0, 0, 0 }, 0.003 };
 static const dpt_segment lying = { { -0.01, 0, 0 }, { 0.01, 0, 0 }, 0.002 };
 
-static void cross3(const double a[3], const double b[3], double c[3])
-{
-    for (int k = 0; k < 3; k++)
-        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
 /* Contacts of a tool: where, which way out. */
 struct touch {
     double x[3], normal[3];

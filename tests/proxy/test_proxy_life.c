@@ -47,9 +47,7 @@ static void a_body_that_moves_and_goes_holds_nothing(void)
     const dpt_segment bent[] = { { { 0, 0, 0 }, { 0, 0, 0.02 }, 0.002 }, { { 0, 0, 0.02 }, { 0.02, 0, 0.02 }, 0.002 } };
     const dpt_pose moved = { { 0, 0, 1e-4 }, { 1, 0, 0, 0 } };
     struct rig rig;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.budget = 1;
     rig_open(&rig, &def, box.mesh, bent, 2);
     rig.device.position[2] = TOP + 0.003;
@@ -196,9 +194,7 @@ static void little_for_sweeps_only_delays(void)
         }
         for (int is_limited = 0; is_limited < 2; is_limited++) {
             struct rig rig;
-            dpt_world_def def;
-            dpt_world_def_init(&def);
-            def.max_contacts = 32;
+            dpt_world_def def = rig_def(DPT_LAW_PROXY);
             def.sweep_budget = is_limited ? UNITS : 0;
             rig_open(&rig, &def, torus.mesh, &needle, 1);
             memcpy(rig.device.position, from, sizeof from);

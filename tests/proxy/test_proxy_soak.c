@@ -220,15 +220,13 @@ static void judge(struct walk *walk)
 static void walk_once(struct soak_oracle *oracle, uint64_t number, uint64_t ticks)
 {
     struct walk walk = { .oracle = oracle, .seed = first_seed };
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     for (const char *c = oracle->solid->name; *c; c++)
         walk.seed = walk.seed * 31 + (uint64_t)(unsigned char)*c;
     walk.seed = walk.seed * 1000003 + number;
     walk.instrument = &instruments[random_bits(&walk.seed) % INSTRUMENTS];
     snprintf(walk.name, sizeof walk.name, "%s, %s, run %llu", oracle->solid->name, walk.instrument->name,
              (unsigned long long)number);
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     if (random_bits(&walk.seed) % 6 == 0)
         def.budget = 20 + (uint32_t)(random_bits(&walk.seed) % 400);
     rig_open(&walk.rig, &def, oracle->solid->mesh, walk.instrument->segments, walk.instrument->count);

@@ -16,16 +16,12 @@ static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.08 }, 0.002 };
 /* The gap of a rig's proxy to a mesh at a pose. */
 static double gap_to(const struct rig *rig, const struct solid *solid, const dpt_pose *pose)
 {
-    const double back[4] = { pose->orientation[0], -pose->orientation[1], -pose->orientation[2],
-                             -pose->orientation[3] };
     double least = INFINITY;
     for (uint32_t s = 0; s < rig->count; s++) {
         double ends[6], local[6];
         rig_proxy_ends(rig, s, ends);
-        for (int k = 0; k < 6; k++)
-            ends[k] -= pose->position[k % 3];
-        turn3(back, ends, local);
-        turn3(back, ends + 3, local + 3);
+        pose_local(pose, ends, local);
+        pose_local(pose, ends + 3, local + 3);
         least = fmin(least, oracle_brute(solid->brute, local, NULL) - rig->segments[s].radius);
     }
     return least;
@@ -39,11 +35,9 @@ static void press_within(const struct solid *solid, uint32_t budget, uint64_t se
 {
     const dpt_pose origin = DPT_POSE_IDENTITY;
     struct rig bounded, whole;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     double least = INFINITY;
     uint32_t most = 0;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     rig_open(&whole, &def, solid->mesh, &needle, 1);
     def.budget = budget;
     rig_open(&bounded, &def, solid->mesh, &needle, 1);
@@ -106,14 +100,12 @@ static void tools_share_a_budget(void)
 {
     enum { TOOLS = 4 };
     struct solid box;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     dpt_tool tools[TOOLS];
     dpt_pose poses[TOOLS];
     struct rig rig;
     if (!solid_from_shape(&box, "box", 20172))
         return;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.budget = 100;
     rig_open(&rig, &def, box.mesh, &needle, 1);
     tools[0] = rig.tool;
@@ -154,12 +146,10 @@ static void tools_share_a_budget(void)
 static int shake(const struct solid *solid, double speed, uint32_t budget, uint64_t seed)
 {
     struct rig rig;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     dpt_pose pose = DPT_POSE_IDENTITY;
     double axis[3], least = INFINITY;
     int acts = 0, squeezed = 0;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.budget = budget;
     rig_open(&rig, &def, solid->mesh, &needle, 1);
     random_unit(&seed, axis);
@@ -217,15 +207,13 @@ static void among_many(uint32_t budget, uint32_t method)
     enum { BODIES = 30 };
     struct solid box;
     struct rig rig;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     dpt_body bodies[BODIES];
     dpt_pose poses[BODIES];
     uint64_t seed = 3, acts = 0, squeezed = 0;
     double least = INFINITY;
     if (!solid_from_shape(&box, "box", 12))
         return;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.max_bodies = BODIES;
     def.budget = budget;
     def.method = method;
@@ -285,11 +273,9 @@ static void every_segment_of_many_is_felt(void)
         return;
     for (int longest = 0; longest < TEETH; longest += 7) {
         dpt_segment teeth[TEETH];
-        dpt_world_def def;
+        dpt_world_def def = rig_def(DPT_LAW_PROXY);
         dpt_tool tool;
         struct rig rig;
-        dpt_world_def_init(&def);
-        def.max_contacts = 32;
         def.max_segments = TEETH + 1;
         rig_open(&rig, &def, box.mesh, &handle, 1);
         for (int t = 0; t < TEETH; t++) {

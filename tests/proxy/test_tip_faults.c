@@ -45,16 +45,10 @@ static void moving_bodies_push_a_tip(void)
                 continue;
             /* The tool as the body sees it. */
             dpt_pose seen;
-            double back[4] = { body.orientation[0], -body.orientation[1], -body.orientation[2], -body.orientation[3] };
-            const double off[3] = { rig->proxy.position[0] - body.position[0],
-                                    rig->proxy.position[1] - body.position[1],
-                                    rig->proxy.position[2] - body.position[2] };
-            turn3(back, off, seen.position);
-            const double *q = rig->proxy.orientation;
-            seen.orientation[0] = back[0] * q[0] - back[1] * q[1] - back[2] * q[2] - back[3] * q[3];
-            seen.orientation[1] = back[0] * q[1] + back[1] * q[0] + back[2] * q[3] - back[3] * q[2];
-            seen.orientation[2] = back[0] * q[2] - back[1] * q[3] + back[2] * q[0] + back[3] * q[1];
-            seen.orientation[3] = back[0] * q[3] + back[1] * q[2] - back[2] * q[1] + back[3] * q[0];
+            const double back[4] = { body.orientation[0], -body.orientation[1], -body.orientation[2],
+                                     -body.orientation[3] };
+            pose_local(&body, rig->proxy.position, seen.position);
+            turn_times(back, rig->proxy.orientation, seen.orientation);
             looked++;
             met += !(tip_rig_gap(&tip, &triangles, &seen, 0.01).lower >= 0);
         }
