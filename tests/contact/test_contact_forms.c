@@ -186,9 +186,8 @@ static double height_of_round(const void *of, double s)
  * to sag, so gap is too, and the overlap is between those of both. To that 2 % of the largest overlap, what the
  * integrals are allowed. Its faces are tilted by at most `tilt` against the sphere or cylinder.
  */
-static void check_round(const struct rig *rig, const char *how, const struct round_height *r, double sag,
-                        double tilt, double tool_radius, double margin, double peak, const double way[3],
-                        const dpt_hit *hit)
+static void check_round(const struct rig *rig, const char *how, const struct round_height *r, double sag, double tilt,
+                        double tool_radius, double margin, double peak, const double way[3], const dpt_hit *hit)
 {
     dpt_contact contacts[RIG_CONTACTS];
     const uint32_t count = rig_contacts(rig, contacts);

@@ -50,8 +50,8 @@ static void a_first_tick_finds_all_regions(void)
 }
 
 /* One tick with the tool there; its contacts, whose ids are checked. Returns how many. */
-static uint32_t tick_over_bumps(struct rig *rig, double x, double y, double z, struct id_history *ids,
-                                dpt_contact *c, const char *text)
+static uint32_t tick_over_bumps(struct rig *rig, double x, double y, double z, struct id_history *ids, dpt_contact *c,
+                                const char *text)
 {
     double ends[6];
     over_bumps(x, y, z, ends);
@@ -168,8 +168,8 @@ static void room_for_contacts(void)
             const uint32_t count = rig_contacts(&rig, c), fit = room[i] < 2 ? room[i] : 2;
             if (!i && !k)
                 gap = hit.gap;
-            CHECK(count == fit && rig.step.contacts == fit, "%u, %u regions in room for %u", count,
-                  rig.step.contacts, room[i]);
+            CHECK(count == fit && rig.step.contacts == fit, "%u, %u regions in room for %u", count, rig.step.contacts,
+                  room[i]);
             CHECK(full == (room[i] == 1), "flags %u, room for %u", rig.step.flags, room[i]);
             CHECK(fabs(hit.gap - gap) <= 1e-5 * solid.diagonal, "gap %.9g, not %.9g, room for %u", hit.gap, gap,
                   room[i]);

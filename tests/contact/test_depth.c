@@ -122,7 +122,7 @@ static void drive_tick(struct drive *drive)
     CHECK(fabs(plain.gap - alone.gap) <= 2e-5 * diagonal, "%.9g without history: %s", plain.gap,
           answer_text(solid, "depth alone", ends, radius, &alone));
     if (drive->tick) {
-        const double went = motion_of(drive->last_ends, ends);
+        const double went = ends_moved(drive->last_ends, ends);
         const double jump = fabs(hit.gap - drive->last.gap) - went;
         CHECK(jump <= 2e-5 * diagonal, "from %.9g within %g: %s", drive->last.gap, went,
               answer_text(solid, "world", ends, radius, &hit));
@@ -362,7 +362,7 @@ static void try_distance(const struct solid *solid)
             dpt_tool_teleport(rig.world, rig.tool, &rig.device);
         dpt_query_segments(solid->mesh, NULL, motion.ends[i], &radius, 1, &hits[0], NULL);
         hits[1] = rig_step_ends(&rig, motion.ends[i], radius);
-        const double went = i ? motion_of(motion.ends[i - 1], motion.ends[i]) : 0;
+        const double went = i ? ends_moved(motion.ends[i - 1], motion.ends[i]) : 0;
         for (int w = 0; w < 2; w++) {
             const char *text = answer_text(solid, w ? "world" : "query", motion.ends[i], radius, &hits[w]);
             CHECK(!i || fabs(hits[w].distance - last[w]) <= went * (1 + 1e-12) + bound + hits[w].error_bound,

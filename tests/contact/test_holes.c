@@ -206,8 +206,7 @@ static void sheets_with_sides(void)
     struct mesh_builder builder;
     struct rig rig, asking;
     int sided = 0, inside = 0;
-    if (!balls_and_a_sheet(&builder, 1) || !open_rig(&rig, builder.mesh, 32) ||
-        !open_rig(&asking, builder.mesh, 32))
+    if (!balls_and_a_sheet(&builder, 1) || !open_rig(&rig, builder.mesh, 32) || !open_rig(&asking, builder.mesh, 32))
         return;
     asking.world->bodies[0].surface.holes = NULL;
     for (int i = 0; i < axes; i++) {

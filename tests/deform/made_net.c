@@ -119,16 +119,16 @@ static void make_rows(struct made_net *net)
         }
     free(count);
     net->rows = (struct spring_net){ .nodes = net->nodes,
-                                    .slices = slices,
-                                    .springs = net->springs,
-                                    .rest = net->rest,
-                                    .mass = net->mass,
-                                    .drag = net->drag,
-                                    .first = net->first,
-                                    .neighbour = net->neighbour,
-                                    .stiffness = net->stiffness,
-                                    .length = net->length,
-                                    .viscosity = net->viscosity };
+                                     .slices = slices,
+                                     .springs = net->springs,
+                                     .rest = net->rest,
+                                     .mass = net->mass,
+                                     .drag = net->drag,
+                                     .first = net->first,
+                                     .neighbour = net->neighbour,
+                                     .stiffness = net->stiffness,
+                                     .length = net->length,
+                                     .viscosity = net->viscosity };
 }
 
 dpt_result net_reopen(struct made_net *net, const dpt_springs_def *def)

@@ -49,7 +49,7 @@ int rig_open_at(struct rig_line at, struct rig *rig, const dpt_world_def *given,
     const dpt_world_def def = given ? *given : rig_def(DPT_LAW_PROXY);
     const dpt_pose identity = DPT_POSE_IDENTITY;
     const size_t bytes = dpt_world_bytes(&def);
-    *rig = (struct rig){ .device = identity, .proxy = identity, .dt = RIG_DT };
+    *rig = (struct rig){ .device = identity, .proxy = identity, .dt = RIG_DT, .world_bytes = bytes };
     rig->step.size = sizeof rig->step;
     rig->hit.size = sizeof rig->hit;
     rig->force.size = sizeof rig->force;
@@ -79,6 +79,14 @@ dpt_body rig_add_deformable_at(struct rig_line at, struct rig *rig, const dpt_de
     MUST(dpt_body_add_deformable(rig->world, new_block(at, rig, bytes), bytes, def, &body));
     rig->body = rig->body ? rig->body : body;
     return body;
+}
+
+dpt_springs *rig_add_springs_at(struct rig_line at, struct rig *rig, const dpt_springs_def *def)
+{
+    const size_t bytes = dpt_springs_bytes(def);
+    dpt_springs *springs = NULL;
+    MUST(dpt_springs_create(new_block(at, rig, bytes), bytes, def, &springs));
+    return springs;
 }
 
 dpt_tool rig_add_tool_at(struct rig_line at, struct rig *rig, const dpt_segment *segments, uint32_t count)
@@ -111,7 +119,7 @@ void rig_set_body_at(struct rig_line at, const struct rig *rig, dpt_body_setting
 void rig_tick_at(struct rig_line at, struct rig *rig)
 {
     MUST(dpt_world_step(rig->world, rig->dt, &rig->step));
-    if (!rig->tool)
+    if (!dpt_tool_is_valid(rig->world, rig->tool))
         return;
     MUST(dpt_tool_get_hit(rig->world, rig->tool, &rig->hit));
     MUST(dpt_tool_get_force_info(rig->world, rig->tool, &rig->force));
@@ -122,6 +130,12 @@ void rig_step_at(struct rig_line at, struct rig *rig)
 {
     MUST(dpt_tool_set_pose(rig->world, rig->tool, &rig->device));
     rig_tick_at(at, rig);
+}
+
+void rig_step_to_at(struct rig_line at, struct rig *rig, const dpt_pose *pose)
+{
+    rig->device = *pose;
+    rig_step_at(at, rig);
 }
 
 dpt_hit rig_step_ends_at(struct rig_line at, struct rig *rig, const double ends[6], double radius)

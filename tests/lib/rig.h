@@ -34,8 +34,9 @@ struct rig {
     dpt_pose proxy;
     dpt_force_info force;
 
-    void *blocks[RIG_BLOCKS]; /* freed with it */
+    void *blocks[RIG_BLOCKS]; /* freed with it; the world's first */
     uint32_t block_count;
+    size_t world_bytes;
 };
 
 #define RIG_STIFFNESS 500.0
@@ -62,15 +63,19 @@ void rig_close(struct rig *rig);
 #define rig_add_deformable(...) rig_add_deformable_at(RIG_HERE, __VA_ARGS__)
 #define rig_add_tool(...)       rig_add_tool_at(RIG_HERE, __VA_ARGS__)
 
+/* Springs for one of its bodies, freed with it; NULL after a failed check. */
+#define rig_add_springs(...) rig_add_springs_at(RIG_HERE, __VA_ARGS__)
+
 /* A law of a tool's own. */
 #define rig_set_law(...) rig_set_law_at(RIG_HERE, __VA_ARGS__)
 
 /* All settings of the first body; their size is filled in. */
 #define rig_set_body(...) rig_set_body_at(RIG_HERE, __VA_ARGS__)
 
-/* A step, and what it gave; rig_step sets the tool's pose before, rig_step_ends its only segment. */
+/* A step, and what it gave. Before it the tool goes to rig->device, to a pose, or free with one segment. */
 #define rig_tick(...)      rig_tick_at(RIG_HERE, __VA_ARGS__)
 #define rig_step(...)      rig_step_at(RIG_HERE, __VA_ARGS__)
+#define rig_step_to(...)   rig_step_to_at(RIG_HERE, __VA_ARGS__)
 #define rig_step_ends(...) rig_step_ends_at(RIG_HERE, __VA_ARGS__)
 
 /* The tool jumps to rig->device, and the world takes two steps: what begins in the open is outside then. */
@@ -99,11 +104,13 @@ int rig_open_at(struct rig_line at, struct rig *rig, const dpt_world_def *def, c
                 const dpt_segment *segments, uint32_t count);
 dpt_body rig_add_body_at(struct rig_line at, struct rig *rig, const dpt_mesh *mesh, const dpt_pose *pose);
 dpt_body rig_add_deformable_at(struct rig_line at, struct rig *rig, const dpt_deformable_def *def);
+dpt_springs *rig_add_springs_at(struct rig_line at, struct rig *rig, const dpt_springs_def *def);
 dpt_tool rig_add_tool_at(struct rig_line at, struct rig *rig, const dpt_segment *segments, uint32_t count);
 void rig_set_law_at(struct rig_line at, const struct rig *rig, dpt_tool tool, uint32_t law, double stiffness);
 void rig_set_body_at(struct rig_line at, const struct rig *rig, dpt_body_settings settings);
 void rig_tick_at(struct rig_line at, struct rig *rig);
 void rig_step_at(struct rig_line at, struct rig *rig);
+void rig_step_to_at(struct rig_line at, struct rig *rig, const dpt_pose *pose);
 dpt_hit rig_step_ends_at(struct rig_line at, struct rig *rig, const double ends[6], double radius);
 void rig_place_at(struct rig_line at, struct rig *rig);
 uint32_t rig_contacts_at(struct rig_line at, const struct rig *rig, dpt_contact *contacts);

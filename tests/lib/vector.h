@@ -56,7 +56,7 @@ static inline void point_at(const double ends[6], double s, double x[3])
 }
 
 /* The farther of the two ways that a segment's ends went: no point of it went farther. */
-static inline double motion_of(const double from[6], const double to[6])
+static inline double ends_moved(const double from[6], const double to[6])
 {
     return fmax(apart(from, to), apart(from + 3, to + 3));
 }

@@ -14,9 +14,9 @@
  * It cannot judge the way between two ticks, but where that must end. The side of open meshes is judged on flat sheets
  * alone.
  */
+#include "lib/public_meshes.h"
 #include "lib/rig.h"
 #include "lib/solid.h"
-#include "lib/public_meshes.h"
 #include "proxy/soak_oracle.h"
 #include "proxy/soak_pokes.h"
 

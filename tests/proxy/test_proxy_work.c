@@ -15,15 +15,8 @@ static const dpt_segment rod = { { -0.03, 0, 0 }, { 0.03, 0, 0 }, 0.002 };
 /* Turn a pose with its body, which stays at the origin. */
 static void turn_with_body(dpt_pose *pose, const dpt_pose *body)
 {
-    const double *b = body->orientation,
-                 q[4] = { pose->orientation[0], pose->orientation[1], pose->orientation[2], pose->orientation[3] };
-    const double p[3] = { pose->position[0], pose->position[1], pose->position[2] };
-    turn3(b, p, pose->position);
-    turn3(b, q + 1, pose->orientation + 1);
-    for (int k = 0; k < 3; k++)
-        pose->orientation[1 + k] = b[0] * q[1 + k] + q[0] * b[1 + k] + b[1 + (k + 1) % 3] * q[1 + (k + 2) % 3] -
-                                   b[1 + (k + 2) % 3] * q[1 + (k + 1) % 3];
-    pose->orientation[0] = b[0] * q[0] - dot3(b + 1, q + 1);
+    turn3(body->orientation, pose->position, pose->position);
+    turn_times(body->orientation, pose->orientation, pose->orientation);
 }
 
 /* Basic blocks a tick of a rod that comes down on the body, and is led over it and turned as it lies. */
