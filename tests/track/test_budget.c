@@ -63,16 +63,15 @@ static void pair_is_real(const struct run *run, const dpt_hit *hit, uint32_t i, 
 {
     const struct place *place = run->input.places;
     const dpt_segment *now = &run->input.now[i];
-    double on[3], from[3], q[6], corners[9];
+    double on[3], q[6], corners[9];
     uint32_t b = 0;
     while (b < run->input.scene->bodies && !(place[b].there && run->found.body[b] == hit->body))
         b++;
     CHECK(b < run->input.scene->bodies, "%s: body %u", run->what, hit->body);
     if (b == run->input.scene->bodies)
         return;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; k++)
         on[k] = now->a[k] + hit->s * (now->b[k] - now->a[k]);
-    }
     CHECK(hit->s >= 0.0 && hit->s <= 1.0 && apart(on, hit->p) <= tight, "%s: p", run->what);
     CHECK(fabs(apart(hit->p, hit->q) - hit->distance) <= tight, "%s: |p - q|", run->what);
     pose_local(&place[b].pose, hit->q, q);
