@@ -3,22 +3,6 @@
 
 #include "convex/convex_body.h"
 
-void random_pose(uint64_t *seed, double reach, dpt_pose *pose)
-{
-    double square = 0.0;
-    for (int k = 0; k < 3; k++)
-        pose->position[k] = random_in(seed, -reach, reach);
-    while (square < 0.01 || square > 1.0) {
-        square = 0.0;
-        for (int k = 0; k < 4; k++) {
-            pose->orientation[k] = random_in(seed, -1.0, 1.0);
-            square += pose->orientation[k] * pose->orientation[k];
-        }
-    }
-    for (int k = 0; k < 4; k++)
-        pose->orientation[k] /= sqrt(square);
-}
-
 static void make_hull(struct curved *curved, double size, uint64_t *seed)
 {
     dpt_hull_def def = { .size = sizeof def, .corners = curved->corners };
@@ -39,7 +23,7 @@ void curved_random(struct curved *curved, uint32_t kind, int is_cut, double size
     dpt_convex_shape *shape = &curved->shape;
     *shape = (dpt_convex_shape){ .size = sizeof *shape, .kind = kind };
     curved->size = size;
-    random_pose(seed, size, &shape->pose);
+    shape->pose = pose_random(seed, size);
     if (kind == DPT_CONVEX_KIND_HULL) {
         make_hull(curved, size, seed);
         return;

@@ -20,8 +20,6 @@ struct curved {
 /* Of a kind, with a bevel if `is_cut`; of a size in m. Its pose is random, its lengths differ by up to ten times. */
 void curved_random(struct curved *curved, uint32_t kind, int is_cut, double size, uint64_t *seed);
 
-void random_pose(uint64_t *seed, double reach, dpt_pose *pose);
-
 /* The greatest d.x of the shape in the tool's frame; |d| is 1. */
 double curved_reach(const struct curved *curved, const double d[3]);
 

@@ -121,7 +121,7 @@ static void single_triangles_are_left_by_the_shortest_way(void)
         const int is_sliver = random_bits(&seed) % 8 == 0;
         curved_random(&curved, kind, i % 6 == 5 && i % 12 < 6, 1.0, &seed);
         near_triangle(ratio, is_sliver, t);
-        random_pose(&seed, 0.3, &tool);
+        tool = pose_random(&seed, 0.3);
         if (!one_triangle(&fixture, t))
             continue;
         if (fixture.mesh) {
@@ -188,7 +188,7 @@ static void put_at(const dpt_mesh *mesh, const dpt_pose *body, double off, dpt_p
     dpt_mesh_info info = { .size = sizeof info };
     double t[9], far[3], w[3], at[3] = { 0.0, 0.0, 0.0 };
     dpt_mesh_get_info(mesh, &info);
-    random_pose(&seed, 0.0, tool);
+    *tool = pose_random(&seed, 0.0);
     do
         dpt_mesh_get_triangle(mesh, (uint32_t)(random_bits(&seed) % info.triangles), t);
     while (0);
@@ -232,7 +232,7 @@ static void hulls_meet_where_the_core_says_so(void)
         const double size = i % 4 < 2 ? 0.002 : 0.02;
         curved_random(&curved, DPT_CONVEX_KIND_HULL, 0, size, &seed);
         centre_at_origin(&curved);
-        random_pose(&seed, 0.5, &body);
+        body = pose_random(&seed, 0.5);
         put_at(mesh, &body, random_in(&seed, -0.2, 0.9) * size, &tool, outward);
         const dpt_convex_contact contact = touch(&curved, &tool, mesh, &body);
         /* The pose of the hull is that of the shape in the tool's frame. */
@@ -274,7 +274,7 @@ static void a_shape_is_apart_where_its_polyhedron_is(void)
         dpt_hit hit = DPT_HIT_INIT;
         curved_random(&curved, kind, i % 5 == 4, 0.01, &seed);
         centre_at_origin(&curved);
-        random_pose(&seed, 0.5, &body);
+        body = pose_random(&seed, 0.5);
         put_at(liver.mesh, &body, random_in(&seed, 0.0, 0.01), &tool, outward);
         if (dpt_convex_corners(&curved.shape, 0, corners, DPT_HULL_CORNERS_MAX, &def.corner_count, &error) != DPT_OK ||
             dpt_hull_create(block, sizeof block, &def, &hull) != DPT_OK ||
@@ -314,7 +314,7 @@ static void balls_are_as_deep_as_their_centre_is_near(void)
         curved.shape.extent[1] = i % 4 < 2 ? 2.0 * radius : 0.0;
         curved.shape.extent[2] = curved.shape.extent[1];
         centre_at_origin(&curved);
-        random_pose(&seed, 0.5, &body);
+        body = pose_random(&seed, 0.5);
         put_at(mesh, &body, random_in(&seed, 0.3, 1.1) * radius, &tool, outward);
         for (int k = 0; k < 6; k++)
             ends[k] = tool.position[k % 3];
@@ -352,7 +352,7 @@ static void the_way_out_leads_to_the_side_that_the_shape_comes_from(void)
         const int is_given = i % 4 < 2;
         curved_random(&curved, kind, i % 6 == 5, size, &seed);
         centre_at_origin(&curved);
-        random_pose(&seed, 0.5, &body);
+        body = pose_random(&seed, 0.5);
         put_at(mesh, &body, random_in(&seed, is_given ? -0.4 : 0.05, 0.3) * size, &tool, outward);
         if (is_given) {
             /* A point that is out of the plane of the triangle. */

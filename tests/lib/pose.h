@@ -77,7 +77,17 @@ static inline void pose_turn_by(dpt_pose *pose, const double turn[4])
         pose->orientation[k] = made[k] / size;
 }
 
-/* Within `reach` of the origin in each coordinate, turned any way. */
+/* Within `reach` of the origin in each coordinate, turned any way; all turns are as likely. */
+static inline dpt_pose pose_random(uint64_t *seed, double reach)
+{
+    dpt_pose pose;
+    for (int k = 0; k < 3; k++)
+        pose.position[k] = random_in(seed, -reach, reach);
+    unit_random(seed, pose.orientation, 4);
+    return pose;
+}
+
+/* The same by random_turn. */
 static inline dpt_pose pose_any(uint64_t *seed, double reach)
 {
     dpt_pose pose;

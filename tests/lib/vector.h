@@ -38,14 +38,24 @@ static inline double unit3(double v[3])
     return length;
 }
 
-/* A direction; all are as likely. */
+/* So many numbers of length 1; all directions are as likely. */
+static inline void unit_random(uint64_t *seed, double *out, int count)
+{
+    double square;
+    do {
+        square = 0;
+        for (int i = 0; i < count; i++) {
+            out[i] = random_in(seed, -1, 1);
+            square += out[i] * out[i];
+        }
+    } while (square < 0.01 || square > 1);
+    for (int i = 0; i < count; i++)
+        out[i] /= sqrt(square);
+}
+
 static inline void random_unit(uint64_t *seed, double v[3])
 {
-    do {
-        for (int k = 0; k < 3; k++)
-            v[k] = random_in(seed, -1, 1);
-    } while (!(dot3(v, v) > 0.01 && dot3(v, v) < 1));
-    unit3(v);
+    unit_random(seed, v, 3);
 }
 
 /* The point at s of a segment. */

@@ -4,7 +4,6 @@
  * the step ends its sweeps there, the next ones go on, and in the end each segment has the sweep that it has without a
  * budget, bit for bit.
  */
-#include "lib/arm_random.h"
 #include "lib/fixture.h"
 #include "lib/rig.h"
 

@@ -3,15 +3,6 @@
 
 uint64_t sheet_random = 1;
 
-void any_unit(double v[3])
-{
-    do
-        for (int k = 0; k < 3; k++)
-            v[k] = random_in(&sheet_random, -1.0, 1.0);
-    while (length3(v) > 1.0 || length3(v) < 0.1);
-    unit_or_z(v);
-}
-
 int sheet_from_grid(struct sheet *sheet, const char *name, double bend, int hole)
 {
     enum { N = 16 };

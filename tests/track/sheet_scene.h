@@ -21,7 +21,10 @@ static inline double power_in(double low, double high)
     return pow(10.0, random_in(&sheet_random, low, high));
 }
 
-void any_unit(double v[3]);
+static inline void any_unit(double v[3])
+{
+    random_unit(&sheet_random, v);
+}
 
 static inline void any_across(double v[3], const double of[3])
 {

@@ -41,8 +41,7 @@ static inline double number_of(const dpt_wrench *wrench, int k)
 
 static inline double size_of_force(const dpt_wrench *wrench)
 {
-    const double *f = wrench->force;
-    return sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+    return length3(wrench->force);
 }
 
 /* A tick of both worlds. Of a tool of one segment. */

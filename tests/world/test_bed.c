@@ -30,18 +30,10 @@ static void feel(struct rig *bed, const dpt_pose *pose)
 static dpt_pose moved(const dpt_pose *from, const double shift[3], const double turn[3])
 {
     dpt_pose to = *from;
-    const double *q = from->orientation, h[3] = { turn[0] / 2, turn[1] / 2, turn[2] / 2 };
-    double size = 0;
+    const double by[4] = { 1, turn[0] / 2, turn[1] / 2, turn[2] / 2 };
     for (int k = 0; k < 3; k++)
         to.position[k] += shift[k];
-    to.orientation[0] = q[0] - dot3(h, q + 1);
-    for (int k = 0; k < 3; k++)
-        to.orientation[1 + k] =
-            q[1 + k] + q[0] * h[k] + h[(k + 1) % 3] * q[1 + (k + 2) % 3] - h[(k + 2) % 3] * q[1 + (k + 1) % 3];
-    for (int k = 0; k < 4; k++)
-        size += to.orientation[k] * to.orientation[k];
-    for (int k = 0; k < 4; k++)
-        to.orientation[k] /= sqrt(size);
+    pose_turn_by(&to, by);
     return to;
 }
 

@@ -6,7 +6,6 @@
 #include <math.h>
 
 #include "dynpoint/compile.h"
-#include "lib/arm_random.h"
 #include "lib/fixture.h"
 #include "lib/random.h"
 #include "lib/rig.h"
