@@ -166,7 +166,7 @@ static void each_of_two_bodies_works_by_its_own_motion(void)
     dpt_pose pose = DPT_POSE_IDENTITY;
     pose.position[0] = 0.5 * x + 0.035;
     pose.position[2] = 0.01;
-    CHECK(dpt_body_add(rig.world, box.mesh, &pose, &second) == DPT_OK, "second");
+    second = rig_add_body(&rig, box.mesh, &pose);
     rig_step(&rig);
     rig_step(&rig);
     const double start = rig.force.energy, aside = pose.position[0];

@@ -147,21 +147,21 @@ static void tools_keep_their_jaws(void)
     dpt_hit hit = DPT_HIT_INIT;
     jaws_open(&first, NULL, jaw_sheet.mesh, 0);
     stand_at_rim(&first, 0, 0.3);
-    dpt_tool_add(first.rig.world, &rig_point, 1, &other);
+    other = rig_add_tool(&first.rig, &rig_point, 1);
     second = first;
     second.rig.tool = other;
     jaws_give(&second, 0);
     second.rig.device.position[2] = 0.1;
     dpt_tool_teleport(first.rig.world, other, &second.rig.device);
     jaws_want(&second, 0.5);
-    dpt_world_step(first.rig.world, RIG_DT, NULL);
+    rig_tick(&first.rig);
     dpt_tool_remove(first.rig.world, first.rig.tool);
-    dpt_tool_add(first.rig.world, &rig_point, 1, &first.rig.tool);
+    first.rig.tool = rig_add_tool(&first.rig, &rig_point, 1);
     jaws_give(&first, 0);
     jaws_want(&first, -0.7);
     second.rig.device.position[2] = 0.09;
     dpt_tool_set_pose(first.rig.world, other, &second.rig.device);
-    dpt_world_step(first.rig.world, RIG_DT, NULL);
+    rig_tick(&first.rig);
     dpt_tool_get_segment_hit(first.rig.world, other, 2, &hit);
     const double low = 0.09 - JAW_LENGTH * sin(0.5) - JAW_HEIGHT * cos(0.5);
     CHECK(jaw_is_there(&second, 0) && jaw_is_there(&second, 1) && fabs(hit.distance - low) < 1e-9, "%g, not %g",

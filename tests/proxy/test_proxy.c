@@ -327,7 +327,7 @@ static void closing_bodies_squeeze(void)
     const dpt_segment lying = { { -0.03, 0, 0 }, { 0.03, 0, 0 }, 0.002 };
     rig_open(&rig, NULL, box.mesh, &lying, 1);
     pose.position[2] = 2 * TOP + 0.006;
-    dpt_body_add(rig.world, box.mesh, &pose, &lid);
+    lid = rig_add_body(&rig, box.mesh, &pose);
     rig.device.position[2] = TOP + 0.003;
     rig_place(&rig);
     CHECK(rig.force.reason == DPT_FORCE_FREE, "reason %u", rig.force.reason);

@@ -39,17 +39,17 @@ static void a_reused_slot_has_no_old_triangles(void)
     def.max_bodies = 2;
     for (int turn = 0; turn < 20; turn++) {
         struct rig rig;
-        dpt_body mover, made;
+        dpt_body mover;
         dpt_pose pose = DPT_POSE_IDENTITY;
         rig_open(&rig, &def, large.mesh, &needle, 1);
         pose.position[0] = 0.25;
-        dpt_body_add(rig.world, small.mesh, &pose, &mover);
+        mover = rig_add_body(&rig, small.mesh, &pose);
         pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.3 * turn);
         turn3(rig.device.orientation, (const double[3]){ 0, 0, 0.103 }, rig.device.position);
         rig_place(&rig);
         CHECK(rig.force.reason == DPT_FORCE_FREE, "turn %d: reason %u", turn, rig.force.reason);
         dpt_body_remove(rig.world, rig.body);
-        dpt_body_add(rig.world, small.mesh, NULL, &made);
+        rig_add_body(&rig, small.mesh, NULL);
         pose.position[0] = 0.24;
         dpt_body_set_pose(rig.world, mover, &pose);
         rig_step(&rig);
@@ -76,14 +76,14 @@ static void a_body_that_appears_round_it_is_not_felt(void)
         away.position[0] = 1;
         rig_open(&rig, NULL, NULL, &tip, 1);
         if (teleports)
-            dpt_body_add(rig.world, box.mesh, &away, &made);
+            made = rig_add_body(&rig, box.mesh, &away);
         rig.device.position[2] = -0.005;
         rig_place(&rig);
         CHECK(rig.force.reason == DPT_FORCE_FREE, "reason %u", rig.force.reason);
         if (teleports)
             dpt_body_teleport(rig.world, made, &here);
         else
-            dpt_body_add(rig.world, box.mesh, NULL, &made);
+            made = rig_add_body(&rig, box.mesh, NULL);
         for (int i = 0; i < 400; i++) {
             rig.device.position[0] += 5e-4;
             rig_step(&rig);
@@ -106,7 +106,6 @@ static void a_body_that_appears_elsewhere_changes_nothing(void)
 {
     struct solid box, huge;
     struct rig rig;
-    dpt_body made;
     const double corners[] = { 0, 0, -500, 1000, 0, -500, 0, 1000, -500, 1000, 1000, -501 };
     const uint32_t numbers[] = { 0, 1, 2, 1, 3, 2 };
     if (!solid_from_shape(&box, "box", 300) || !solid_from_arrays(&huge, "huge", corners, 4, numbers, 2))
@@ -114,7 +113,7 @@ static void a_body_that_appears_elsewhere_changes_nothing(void)
     rig_open(&rig, NULL, box.mesh, &needle, 1);
     press(&rig, 0.002);
     const double force = rig_force(&rig);
-    dpt_body_add(rig.world, huge.mesh, NULL, &made);
+    rig_add_body(&rig, huge.mesh, NULL);
     for (int i = 0; i < 20; i++) {
         dpt_tool_set_pose(rig.world, rig.tool, &rig.device);
         dpt_world_step(rig.world, 1e-5, NULL);
@@ -148,7 +147,7 @@ static void bodies_that_move_unseen_are_not_entered(void)
         dpt_pose pose = DPT_POSE_IDENTITY, far = DPT_POSE_IDENTITY;
         rig_open(&rig, NULL, box.mesh, &tip, 1);
         far.position[0] = 5;
-        dpt_body_add(rig.world, box.mesh, &far, &other);
+        other = rig_add_body(&rig, box.mesh, &far);
         rig.device.position[2] = 0.1;
         rig_place(&rig);
         if (of_body)
@@ -186,7 +185,7 @@ static void missing_input_loses_no_contact(void)
     const double force = rig_force(&rig);
     for (int i = 0; i < 5; i++) {
         dpt_tool_set_pose(rig.world, rig.tool, NULL);
-        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_tick(&rig);
         dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(rig.force.reason == DPT_FORCE_STALE && rig_force(&rig) == 0, "reason %u", rig.force.reason);
     }
@@ -212,7 +211,7 @@ static void another_law_begins_at_the_device(void)
     dpt_tool_set_settings(rig.world, rig.tool, &settings);
     for (int i = 0; i < 3; i++) {
         dpt_hit hit = DPT_HIT_INIT;
-        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_tick(&rig);
         dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         dpt_tool_get_hit(rig.world, rig.tool, &hit);
         CHECK(fabs(rig_force(&rig) - RIG_STIFFNESS * 0.003) < 0.1 && fabs(hit.depth - 0.003) < 2e-4,
@@ -221,7 +220,7 @@ static void another_law_begins_at_the_device(void)
     settings.law = DPT_LAW_PROXY;
     dpt_tool_set_settings(rig.world, rig.tool, &settings);
     for (int i = 0; i < 3; i++) {
-        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_tick(&rig);
         dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(rig.force.reason == DPT_FORCE_INSIDE && rig_force(&rig) == 0, "reason %u, %g N", rig.force.reason,
               rig_force(&rig));
@@ -349,13 +348,13 @@ static void a_segment_that_grows_meets_a_body_that_moves(void)
         rig_open(&rig, NULL, box.mesh, &given, 1);
         for (int k = 0; k < 2; k++) {
             dpt_tool_set_segments(rig.world, rig.tool, &given, 1);
-            dpt_world_step(rig.world, RIG_DT, NULL);
+            rig_tick(&rig);
         }
         given.radius = 0.001 + 0.0005 * i;
         pose.position[2] = 0.01 - 0.0005 * i + 0.002;
         dpt_tool_set_segments(rig.world, rig.tool, &given, 1);
         dpt_body_set_pose(rig.world, rig.body, &pose);
-        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_tick(&rig);
         dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(!(rig.force.flags & DPT_FORCE_FLAG_SQUEEZED) && rig.force.reason <= DPT_FORCE_FREE,
               "radius %g: reason %u, flags %u", given.radius, rig.force.reason, rig.force.flags);
@@ -382,9 +381,8 @@ static void sheets_that_move_fast_are_not_passed(void)
         rig_open(&rig, NULL, sheet.mesh, i % 2 ? &needle : &tip, 1);
         far.position[0] = 3;
         for (int k = 0; k < OTHERS && i % 4 > 1; k++) {
-            dpt_body other;
             far.position[1] = k;
-            dpt_body_add(rig.world, sheet.mesh, &far, &other);
+            rig_add_body(&rig, sheet.mesh, &far);
         }
         pose.position[2] = -0.5 * step;
         dpt_body_teleport(rig.world, rig.body, &pose);
@@ -427,12 +425,11 @@ static void a_wall_that_is_not_nearest_is_not_passed(void)
         rig_open(&rig, NULL, sheet.mesh, &needle, 1);
         pose_orient(&pose, (const double[3]){ 0, 1, 0 }, 0.5 * 3.14159265358979);
         pose.position[0] = 0.05;
-        dpt_body_add(rig.world, sheet.mesh, &pose, &wall);
+        wall = rig_add_body(&rig, sheet.mesh, &pose);
         far.position[0] = 3;
         for (int k = 0; k < OTHERS && has_others; k++) {
-            dpt_body other;
             far.position[1] = k;
-            dpt_body_add(rig.world, sheet.mesh, &far, &other);
+            rig_add_body(&rig, sheet.mesh, &far);
         }
         rig.device.position[2] = 0.003;
         rig_place(&rig);

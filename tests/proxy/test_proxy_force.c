@@ -142,7 +142,6 @@ static void each_body_yields_for_itself(void)
     const dpt_segment ball = { { 0, 0, 0 }, { 0, 0, 0 }, 0.003 };
     const double h = sqrt(0.5);
     struct rig rig;
-    dpt_body other;
     open_above(&rig, &ball, 0);
     /* Two boxes turned by 45 degrees about y, whose tops meet at x = 0. */
     for (int side = -1; side <= 1; side += 2) {
@@ -151,7 +150,7 @@ static void each_body_yields_for_itself(void)
         pose.position[0] = side * (h * 0.06 + h * TOP);
         pose.position[2] = h * 0.06 - h * TOP;
         if (side > 0)
-            dpt_body_add(rig.world, box.mesh, &pose, &other);
+            rig_add_body(&rig, box.mesh, &pose);
         else
             dpt_body_teleport(rig.world, rig.body, &pose);
     }
@@ -381,13 +380,12 @@ static void a_proxy_that_begins_again_fades(void)
 static void a_body_that_is_added_round_it_fades(void)
 {
     struct rig rig;
-    dpt_body other;
     dpt_pose pose = DPT_POSE_IDENTITY;
     open_above(&rig, &lying, 0);
     lower(&rig, 0.003);
     const double last = rig_force(&rig);
     pose.position[2] = TOP;
-    CHECK(dpt_body_add(rig.world, box.mesh, &pose, &other) == DPT_OK, "add");
+    rig_add_body(&rig, box.mesh, &pose);
     rig_step(&rig);
     CHECK(rig.force.reason != DPT_FORCE_ACTS && rig.force.flags & DPT_FORCE_FLAG_FADING &&
               fabs(rig_force(&rig) / last - 0.5) < 1e-6,
@@ -406,7 +404,7 @@ static void one_that_is_not_felt_hides_nothing(void)
     dpt_pose pose = DPT_POSE_IDENTITY;
     open_above(&rig, &lying, 0);
     pose.position[2] = -0.2;
-    CHECK(dpt_body_add(rig.world, box.mesh, &pose, &other) == DPT_OK, "add");
+    other = rig_add_body(&rig, box.mesh, &pose);
     set_body(&rig, 0, 0, 1);
     dpt_body_set_pose(rig.world, rig.body, NULL);
     pose.position[2] = 0;
@@ -496,7 +494,7 @@ static void a_function_of_its_own_shapes_the_wrench(void)
           rig.force.reason);
     const uint64_t calls = shaper.calls;
     dpt_tool_set_pose(rig.world, rig.tool, NULL);
-    dpt_world_step(rig.world, RIG_DT, NULL);
+    rig_tick(&rig);
     CHECK(shaper.calls == calls, "a stale tool's wrench was shaped");
     dpt_world_reset(rig.world);
     rig.device.position[2] = TOP + 0.003;

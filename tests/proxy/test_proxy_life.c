@@ -72,11 +72,10 @@ static void a_body_that_moves_and_goes_holds_nothing(void)
 static void a_body_that_is_added_around_it_has_it_inside(void)
 {
     struct rig rig;
-    dpt_body added;
     rig_open(&rig, NULL, NULL, &needle, 1);
     rig_place(&rig);
     CHECK(rig.force.reason == DPT_FORCE_FREE, "reason %u", rig.force.reason);
-    CHECK(dpt_body_add(rig.world, box.mesh, NULL, &added) == DPT_OK, "add");
+    rig_add_body(&rig, box.mesh, NULL);
     rig_step(&rig);
     CHECK(rig.force.reason == DPT_FORCE_INSIDE, "reason %u", rig.force.reason);
     for (int k = 0; k < 1000; k++) {
@@ -98,7 +97,7 @@ static void without_a_pose_it_waits_where_bodies_rest(void)
         CHECK(dpt_tool_set_pose(rig.world, rig.tool, NULL) == DPT_E_ARGUMENT, "no pose");
         if (moves)
             CHECK(dpt_body_set_pose(rig.world, rig.body, &around) == DPT_OK, "move");
-        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_tick(&rig);
         rig_step(&rig);
         CHECK(rig.force.reason == (moves ? DPT_FORCE_INSIDE : DPT_FORCE_ACTS), "moves %d: reason %u", moves,
               rig.force.reason);
@@ -116,7 +115,7 @@ static void another_law_begins_where_the_device_is(void)
     dpt_tool_get_settings(rig.world, rig.tool, &settings);
     settings.law = DPT_LAW_POINT;
     dpt_tool_set_settings(rig.world, rig.tool, &settings);
-    dpt_world_step(rig.world, RIG_DT, NULL);
+    rig_tick(&rig);
     dpt_tool_get_hit(rig.world, rig.tool, &hit);
     CHECK(fabs(hit.depth - (TOP + needle.radius - rig.device.position[2])) < 1e-9, "depth %g", hit.depth);
     settings.law = DPT_LAW_PROXY;
@@ -161,7 +160,7 @@ static void a_free_segment_may_turn_back(void)
             segment.b[0] = turned ? -0.1 * cos(angles[i]) : 0.1;
             segment.b[1] = turned ? 0.1 * sin(angles[i]) : 0;
             dpt_tool_set_segments(rig.world, rig.tool, &segment, 1);
-            dpt_world_step(rig.world, RIG_DT, NULL);
+            rig_tick(&rig);
         }
         dpt_tool_get_proxy(rig.world, rig.tool, &rig.proxy);
         turn3(rig.proxy.orientation, (const double[3]){ 0.1, 0, 0 }, x);

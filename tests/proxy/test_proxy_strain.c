@@ -111,14 +111,14 @@ static void tools_share_a_budget(void)
     tools[0] = rig.tool;
     for (int t = 0; t < TOOLS; t++) {
         if (t)
-            dpt_tool_add(rig.world, &needle, 1, &tools[t]);
+            tools[t] = rig_add_tool(&rig, &needle, 1);
         poses[t] = rig.device;
         poses[t].position[0] = 0.02 * (t - 1.5);
         poses[t].position[2] = TOP + 0.01;
         dpt_tool_teleport(rig.world, tools[t], &poses[t]);
     }
     for (int i = 0; i < 200; i++)
-        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_tick(&rig);
     for (int i = 0; i < 3000; i++) {
         for (int t = 0; t < TOOLS; t++) {
             poses[t].position[1] = 0.03 * sin(0.005 * i);
@@ -222,7 +222,7 @@ static void among_many(uint32_t budget, uint32_t method)
         poses[b] = rig.device;
         poses[b].position[0] = 0.2 * (b % 6 - 2.5);
         poses[b].position[1] = 0.2 * (b / 6 - 2.0);
-        dpt_body_add(rig.world, box.mesh, &poses[b], &bodies[b]);
+        bodies[b] = rig_add_body(&rig, box.mesh, &poses[b]);
     }
     rig.device.position[2] = 0.2;
     rig_place(&rig);
@@ -282,7 +282,7 @@ static void every_segment_of_many_is_felt(void)
             const double x = 0.05 * (t - 0.5 * TEETH) / TEETH;
             teeth[t] = (dpt_segment){ { x, 0, t == longest ? 0 : 0.004 }, { x, 0, 0.02 }, 3e-4 };
         }
-        dpt_tool_add(rig.world, teeth, TEETH, &tool);
+        tool = rig_add_tool(&rig, teeth, TEETH);
         dpt_tool_remove(rig.world, rig.tool);
         rig.tool = tool;
         rig.device.position[2] = TOP + 0.002;

@@ -109,9 +109,9 @@ static void removed_tools_give_their_tips_back(void)
         three[i] = (dpt_tip){ .size = sizeof *three, .hull = tip.hull };
     for (int round = 0; round < 5; round++) {
         dpt_tool tool;
-        dpt_tool_add(tip.rig.world, &point, 1, &tool);
+        tool = rig_add_tool(&tip.rig, &point, 1);
         CHECK(dpt_tool_set_tips(tip.rig.world, tool, three, 3) == DPT_OK, "round %d", round);
-        dpt_world_step(tip.rig.world, RIG_DT, NULL);
+        rig_tick(&tip.rig);
         dpt_tool_remove(tip.rig.world, tool);
     }
     rig_close(&tip.rig);

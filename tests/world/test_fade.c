@@ -394,11 +394,10 @@ static void reasons_of_first_ticks(const dpt_segment *through)
         return;
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_STALE && report.flags == 0, "added: %u", report.reason);
-    dpt_world_step(pair.rig[FADES].world, 1e-3, NULL);
+    rig_tick(&pair.rig[FADES]);
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_UNDECIDED && report.flags == 0, "no side: %u", report.reason);
-    dpt_tool_set_pose(pair.rig[FADES].world, pair.rig[FADES].tool, &far_off);
-    dpt_world_step(pair.rig[FADES].world, 1e-3, NULL);
+    rig_step_to(&pair.rig[FADES], &far_off);
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_FREE && report.flags == 0, "far off: %u", report.reason);
     report.size = 8;
@@ -427,7 +426,7 @@ static void a_zero_wrench_says_why(void)
     /* One segment is undecided, the other pushed. */
     if (!pair_open(&pair, &sheet, NULL, two, 2, &def, 1e-3))
         return;
-    dpt_world_step(pair.rig[FADES].world, 1e-3, NULL);
+    rig_tick(&pair.rig[FADES]);
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_ACTS && report.flags == DPT_FORCE_FLAG_PARTIAL &&
               fabs(report.wrench.force[2] - 0.25) < 1e-9,
@@ -437,7 +436,7 @@ static void a_zero_wrench_says_why(void)
     /* No bodies; not asked for a response. */
     if (!pair_open(&pair, NULL, NULL, &through, 1, &def, 1e-3))
         return;
-    dpt_world_step(pair.rig[FADES].world, 1e-3, NULL);
+    rig_tick(&pair.rig[FADES]);
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_FREE, "no bodies: %u", report.reason);
     pair_close(&pair);
@@ -447,7 +446,7 @@ static void a_zero_wrench_says_why(void)
             return;
         report = force_of(&pair);
         CHECK(report.reason == DPT_FORCE_STALE, "until %u, added: %u", until, report.reason);
-        dpt_world_step(pair.rig[FADES].world, 1e-3, NULL);
+        rig_tick(&pair.rig[FADES]);
         report = force_of(&pair);
         CHECK(report.reason == DPT_FORCE_OFF && report.flags == 0, "until %u: %u", until, report.reason);
         pair_close(&pair);

@@ -76,7 +76,7 @@ static void values_stay_with_their_owners(void)
     CHECK(dpt_tool_get_user(of.world, of.tool, &user) == DPT_OK && user == 7, "tool");
     dpt_body next;
     for (uint32_t i = 0; i < 20; i++) {
-        CHECK(dpt_body_add(of.world, fixture.mesh, NULL, &next) == DPT_OK, "add");
+        next = rig_add_body(&of, fixture.mesh, NULL);
         CHECK(dpt_body_get_user(of.world, next, &user) == DPT_OK && user == 0, "another's value");
         dpt_body_set_user(of.world, next, 3);
         dpt_body_remove(of.world, next);
@@ -176,12 +176,12 @@ static void the_most_in_use_is_told(void)
     dpt_body bodies[3];
     dpt_tool tool;
     for (uint32_t i = 0; i < 3; i++)
-        dpt_body_add(of.world, fixture.mesh, NULL, &bodies[i]);
+        bodies[i] = rig_add_body(&of, fixture.mesh, NULL);
     for (uint32_t i = 0; i < 3; i++)
         dpt_body_remove(of.world, bodies[i]);
-    dpt_body_add(of.world, fixture.mesh, NULL, &bodies[0]);
+    bodies[0] = rig_add_body(&of, fixture.mesh, NULL);
     dpt_body_remove(of.world, bodies[0]);
-    dpt_tool_add(of.world, three, 3, &tool);
+    tool = rig_add_tool(&of, three, 3);
     dpt_tool_remove(of.world, tool);
     uint32_t most_contacts = 0, most_work = 0, most_strip = 0;
     for (uint32_t i = 0; i < 60; i++) {

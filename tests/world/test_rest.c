@@ -182,7 +182,7 @@ static void change(struct run *run, const struct setting *setting, uint32_t kind
         break;
     case 8:
         if (!dpt_body_is_valid(run->rig.world, run->body[1]))
-            dpt_body_add(run->rig.world, fixtures[0].mesh, &pose, &run->body[1]);
+            run->body[1] = rig_add_body(&run->rig, fixtures[0].mesh, &pose);
         else
             dpt_body_remove(run->rig.world, run->body[1]);
         break;
