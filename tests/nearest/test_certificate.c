@@ -387,12 +387,11 @@ static void planes_leave_with_their_owner(void)
     twin_open(&exact, small.mesh, DPT_METHOD_EXACT, 1 << 20, &near);
     twin_open(&tree, small.mesh, DPT_METHOD_TREE, 0, &near);
     for (int i = 0; i < 2; i++) {
-        dpt_tool second;
         hit[i] = twin_step(twins[i], &near);
         CHECK(dpt_body_remove(twins[i]->world, twins[i]->body) == DPT_OK, "remove");
         twins[i]->body = rig_add_body(twins[i], large.mesh, NULL);
         hit[i] = twin_step(twins[i], &near);
-        second = rig_add_tool(twins[i], &far, 1);
+        const dpt_tool second = rig_add_tool(twins[i], &far, 1);
         rig_tick(twins[i]);
         CHECK(dpt_tool_remove(twins[i]->world, twins[i]->tool) == DPT_OK, "remove");
         twins[i]->tool = second;

@@ -159,14 +159,13 @@ static void each_of_two_bodies_works_by_its_own_motion(void)
 {
     struct rig rig;
     struct books books = { .stored = 0 };
-    dpt_body second;
     rig_open(&rig, NULL, box.mesh, &capsule, 1);
     press(&rig, &box, 0.003);
     const double x = box.info.box_max[0] - box.info.box_min[0];
     dpt_pose pose = DPT_POSE_IDENTITY;
     pose.position[0] = 0.5 * x + 0.035;
     pose.position[2] = 0.01;
-    second = rig_add_body(&rig, box.mesh, &pose);
+    const dpt_body second = rig_add_body(&rig, box.mesh, &pose);
     rig_step(&rig);
     rig_step(&rig);
     const double start = rig.force.energy, aside = pose.position[0];

@@ -143,11 +143,10 @@ static void jaws_rest_and_are_seen(void)
 static void tools_keep_their_jaws(void)
 {
     struct jaws first, second;
-    dpt_tool other;
     dpt_hit hit = DPT_HIT_INIT;
     jaws_open(&first, NULL, jaw_sheet.mesh, 0);
     stand_at_rim(&first, 0, 0.3);
-    other = rig_add_tool(&first.rig, &rig_point, 1);
+    const dpt_tool other = rig_add_tool(&first.rig, &rig_point, 1);
     second = first;
     second.rig.tool = other;
     jaws_give(&second, 0);

@@ -319,7 +319,6 @@ static void closing_bodies_squeeze(void)
 {
     struct solid box;
     struct rig rig;
-    dpt_body lid;
     dpt_pose pose = DPT_POSE_IDENTITY;
     int squeezed = 0;
     if (!solid_from_shape(&box, "box", 300))
@@ -327,7 +326,7 @@ static void closing_bodies_squeeze(void)
     const dpt_segment lying = { { -0.03, 0, 0 }, { 0.03, 0, 0 }, 0.002 };
     rig_open(&rig, NULL, box.mesh, &lying, 1);
     pose.position[2] = 2 * TOP + 0.006;
-    lid = rig_add_body(&rig, box.mesh, &pose);
+    const dpt_body lid = rig_add_body(&rig, box.mesh, &pose);
     rig.device.position[2] = TOP + 0.003;
     rig_place(&rig);
     CHECK(rig.force.reason == DPT_FORCE_FREE, "reason %u", rig.force.reason);

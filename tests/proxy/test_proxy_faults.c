@@ -39,11 +39,10 @@ static void a_reused_slot_has_no_old_triangles(void)
     def.max_bodies = 2;
     for (int turn = 0; turn < 20; turn++) {
         struct rig rig;
-        dpt_body mover;
         dpt_pose pose = DPT_POSE_IDENTITY;
         rig_open(&rig, &def, large.mesh, &needle, 1);
         pose.position[0] = 0.25;
-        mover = rig_add_body(&rig, small.mesh, &pose);
+        const dpt_body mover = rig_add_body(&rig, small.mesh, &pose);
         pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.3 * turn);
         turn3(rig.device.orientation, (const double[3]){ 0, 0, 0.103 }, rig.device.position);
         rig_place(&rig);
@@ -143,11 +142,10 @@ static void bodies_that_move_unseen_are_not_entered(void)
         return;
     for (int of_body = 0; of_body < 2; of_body++) {
         struct rig rig;
-        dpt_body other;
         dpt_pose pose = DPT_POSE_IDENTITY, far = DPT_POSE_IDENTITY;
         rig_open(&rig, NULL, box.mesh, &tip, 1);
         far.position[0] = 5;
-        other = rig_add_body(&rig, box.mesh, &far);
+        const dpt_body other = rig_add_body(&rig, box.mesh, &far);
         rig.device.position[2] = 0.1;
         rig_place(&rig);
         if (of_body)
@@ -418,14 +416,13 @@ static void a_wall_that_is_not_nearest_is_not_passed(void)
         return;
     for (int i = 0; i < 16; i++) {
         struct rig rig;
-        dpt_body wall;
         dpt_pose pose = DPT_POSE_IDENTITY, far = DPT_POSE_IDENTITY;
         const double step = i % 4 == 0 ? 0.06 : i % 4 == 1 ? 0.075 : i % 4 == 2 ? 0.09 : 0.15;
         const int moves = i / 4 % 2, has_others = i / 8;
         rig_open(&rig, NULL, sheet.mesh, &needle, 1);
         pose_orient(&pose, (const double[3]){ 0, 1, 0 }, 0.5 * 3.14159265358979);
         pose.position[0] = 0.05;
-        wall = rig_add_body(&rig, sheet.mesh, &pose);
+        const dpt_body wall = rig_add_body(&rig, sheet.mesh, &pose);
         far.position[0] = 3;
         for (int k = 0; k < OTHERS && has_others; k++) {
             far.position[1] = k;

@@ -399,12 +399,11 @@ static void a_body_that_is_added_round_it_fades(void)
 static void one_that_is_not_felt_hides_nothing(void)
 {
     struct rig rig;
-    dpt_body other;
     dpt_hit hit = DPT_HIT_INIT;
     dpt_pose pose = DPT_POSE_IDENTITY;
     open_above(&rig, &lying, 0);
     pose.position[2] = -0.2;
-    other = rig_add_body(&rig, box.mesh, &pose);
+    const dpt_body other = rig_add_body(&rig, box.mesh, &pose);
     set_body(&rig, 0, 0, 1);
     dpt_body_set_pose(rig.world, rig.body, NULL);
     pose.position[2] = 0;

@@ -274,7 +274,6 @@ static void every_segment_of_many_is_felt(void)
     for (int longest = 0; longest < TEETH; longest += 7) {
         dpt_segment teeth[TEETH];
         dpt_world_def def = rig_def(DPT_LAW_PROXY);
-        dpt_tool tool;
         struct rig rig;
         def.max_segments = TEETH + 1;
         rig_open(&rig, &def, box.mesh, &handle, 1);
@@ -282,7 +281,7 @@ static void every_segment_of_many_is_felt(void)
             const double x = 0.05 * (t - 0.5 * TEETH) / TEETH;
             teeth[t] = (dpt_segment){ { x, 0, t == longest ? 0 : 0.004 }, { x, 0, 0.02 }, 3e-4 };
         }
-        tool = rig_add_tool(&rig, teeth, TEETH);
+        const dpt_tool tool = rig_add_tool(&rig, teeth, TEETH);
         dpt_tool_remove(rig.world, rig.tool);
         rig.tool = tool;
         rig.device.position[2] = TOP + 0.002;

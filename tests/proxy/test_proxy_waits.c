@@ -43,8 +43,7 @@ enum { MESHES = sizeof meshes / sizeof *meshes, SLIDES = 4 };
 
 static void open_hand(struct hand *hand, const struct solid *solid, struct limits limits)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.budget = limits.budget;
     def.sweep_budget = limits.sweep;
     def.max_contacts = 0;

@@ -27,8 +27,7 @@ static double blocks_of(const struct solid *solid, const dpt_pose *body)
     uint64_t blocks = 0, seed = 5, lying = 0;
     double at[3] = { 0, 0, 0 }, way[2] = { 0, 0 }, turn = 0;
     struct rig rig;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.max_contacts = 0;
     rig_open(&rig, &def, solid->mesh, &rod, 1);
     dpt_body_teleport(rig.world, rig.body, body);

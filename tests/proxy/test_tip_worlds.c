@@ -108,8 +108,7 @@ static void removed_tools_give_their_tips_back(void)
     for (int i = 0; i < 3; i++)
         three[i] = (dpt_tip){ .size = sizeof *three, .hull = tip.hull };
     for (int round = 0; round < 5; round++) {
-        dpt_tool tool;
-        tool = rig_add_tool(&tip.rig, &point, 1);
+        const dpt_tool tool = rig_add_tool(&tip.rig, &point, 1);
         CHECK(dpt_tool_set_tips(tip.rig.world, tool, three, 3) == DPT_OK, "round %d", round);
         rig_tick(&tip.rig);
         dpt_tool_remove(tip.rig.world, tool);

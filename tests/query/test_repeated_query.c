@@ -202,10 +202,8 @@ static void windings_within_the_budget(void)
     if (!open_tube(&subject, 24, 20))
         return;
     for (uint32_t budget = 1; budget < 3000; budget *= 3) {
-        dpt_world_def def;
-        dpt_world_def_init(&def);
+        dpt_world_def def = rig_def(DPT_LAW_POINT);
         def.max_contacts = 32;
-        def.law = DPT_LAW_POINT;
         def.budget = budget;
         struct rig rig;
         rig_open(&rig, &def, subject.mesh, NULL, 0);

@@ -251,8 +251,7 @@ static void contact_is_that_of_a_rigid_body(void)
 /* A budget that suffices as a rule: what the point cache holds of the last tick must not count. */
 static void contact_within_a_budget(void)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.until = DPT_UNTIL_CONTACT;
     def.max_contacts = 0;
     def.budget = 4000;

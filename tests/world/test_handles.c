@@ -174,14 +174,13 @@ static void the_most_in_use_is_told(void)
     CHECK(!usage.contacts && !usage.strip && !usage.work, "before the first step");
     const dpt_segment three[3] = { probe, probe, probe };
     dpt_body bodies[3];
-    dpt_tool tool;
     for (uint32_t i = 0; i < 3; i++)
         bodies[i] = rig_add_body(&of, fixture.mesh, NULL);
     for (uint32_t i = 0; i < 3; i++)
         dpt_body_remove(of.world, bodies[i]);
     bodies[0] = rig_add_body(&of, fixture.mesh, NULL);
     dpt_body_remove(of.world, bodies[0]);
-    tool = rig_add_tool(&of, three, 3);
+    const dpt_tool tool = rig_add_tool(&of, three, 3);
     dpt_tool_remove(of.world, tool);
     uint32_t most_contacts = 0, most_work = 0, most_strip = 0;
     for (uint32_t i = 0; i < 60; i++) {

@@ -117,11 +117,11 @@ static void ids_die_with_their_things(void)
         return;
     rig_open(&made, &def, NULL, NULL, 0);
     dpt_segment line = capsule(0, 0, 1, 0, 0, 2, 0);
-    dpt_body body, again;
+    dpt_body again;
     dpt_tool tool;
     dpt_hit hit = DPT_HIT_INIT;
     dpt_pose pose = DPT_POSE_IDENTITY;
-    body = rig_add_body(&made, box.mesh, NULL);
+    dpt_body body = rig_add_body(&made, box.mesh, NULL);
     tool = rig_add_tool(&made, &line, 1);
     CHECK(dpt_body_set_pose(made.world, tool, &pose) == DPT_E_HANDLE, "a tool is no body");
     CHECK(dpt_tool_set_pose(made.world, body, &pose) == DPT_E_HANDLE, "a body is no tool");
@@ -194,13 +194,13 @@ static void segments_are_shared_out(void)
     dpt_segment many[7];
     for (int i = 0; i < 7; i++)
         many[i] = capsule(i, 0, 1, i, 0, 2, 0);
-    dpt_tool a, b, d;
+    dpt_tool a, d;
     dpt_hit before = DPT_HIT_INIT, after = DPT_HIT_INIT;
     rig_open(&made, &def, box.mesh, NULL, 0);
     CHECK(dpt_tool_add(made.world, many, 7, &a) == DPT_E_FULL, "seven in six");
     CHECK(dpt_tool_add(made.world, many, 0, &a) == DPT_E_ARGUMENT, "none");
     a = rig_add_tool(&made, many, 2);
-    b = rig_add_tool(&made, many + 2, 3);
+    const dpt_tool b = rig_add_tool(&made, many + 2, 3);
     rig_add_tool(&made, many + 5, 1);
     CHECK(dpt_tool_add(made.world, many, 1, &d) == DPT_E_FULL, "four tools in three");
     rig_tick(&made);
