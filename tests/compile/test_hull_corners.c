@@ -7,21 +7,11 @@
  */
 #include "dynpoint/compile.h"
 #include "lib/check.h"
+#include "lib/pose.h"
 #include "lib/public_meshes.h"
-#include "lib/random.h"
 #include "lib/solid.h"
 
 enum { CAPACITY = DPT_HULL_CORNERS_MAX, DIRECTIONS = 3000 };
-
-/* The rotation of a quaternion, applied. */
-static void turned(const double q[4], const double v[3], double out[3])
-{
-    double t[3];
-    for (int k = 0; k < 3; k++)
-        t[k] = 2 * (q[1 + (k + 1) % 3] * v[(k + 2) % 3] - q[1 + (k + 2) % 3] * v[(k + 1) % 3]);
-    for (int k = 0; k < 3; k++)
-        out[k] = v[k] + q[0] * t[k] + q[1 + (k + 1) % 3] * t[(k + 2) % 3] - q[1 + (k + 2) % 3] * t[(k + 1) % 3];
-}
 
 static double support(const double *points, size_t count, const double n[3])
 {
@@ -89,7 +79,7 @@ static void a_box_has_eight_corners(void)
                                                  : random_in(&seed, -0.01, 0.02) * (k + 1);
             if (i % 5 == 1 && i % 97)
                 x[i % 3] = -0.01 * (i % 3 + 1); /* on a face */
-            turned(turn, x, points + 3 * i);
+            turn3(turn, x, points + 3 * i);
         }
         const struct made made = expect_hull("box", points, POINTS, CAPACITY, 0.1, 0);
         CHECK(made.count == 8 && made.radius == 0, "%u corners, radius %g", made.count, made.radius);
@@ -130,7 +120,7 @@ static void flat_and_thin_ones(void)
             for (int i = 0; i < POINTS; i++) {
                 for (int k = 0; k < 3; k++)
                     x[k] = random_in(&seed, -0.1, 0.1) * (k == 2 ? heights[h] / 0.1 : 1);
-                turned(turn, x, points + 3 * i);
+                turn3(turn, x, points + 3 * i);
             }
             expect_hull("flat", points, POINTS, CAPACITY, 0.3, 6 * heights[h] + 1e-15);
         }

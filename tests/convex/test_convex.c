@@ -95,7 +95,7 @@ static void near_triangle(double ratio, int is_sliver, double corners[9])
     if (is_sliver)
         for (int k = 0; k < 3; k++)
             corners[6 + k] = 0.5 * (corners[k] + corners[3 + k]) + 1e-4 * corners[6 + k];
-    random_direction(&seed, at);
+    random_unit(&seed, at);
     const double off = random_in(&seed, 0.0, 0.6);
     for (int k = 0; k < 9; k++)
         middle[k % 3] += weight[k / 3] * corners[k];
@@ -121,7 +121,7 @@ static void single_triangles_are_left_by_the_shortest_way(void)
         const int is_sliver = random_bits(&seed) % 8 == 0;
         curved_random(&curved, kind, i % 6 == 5 && i % 12 < 6, 1.0, &seed);
         near_triangle(ratio, is_sliver, t);
-        random_pose(&seed, 0.3, &tool);
+        tool = pose_random(&seed, 0.3);
         if (!one_triangle(&fixture, t))
             continue;
         if (fixture.mesh) {
@@ -148,7 +148,7 @@ static void single_triangles_are_left_by_the_shortest_way(void)
                 double from[3], by[3];
                 CHECK(!parted || distance < 1e-3 * size, "case %llu, kind %u: apart by %g", (unsigned long long)i, kind,
                       distance);
-                place_by(&tool, centre, from);
+                pose_point(&tool, centre, from);
                 front_of(t, from, front);
                 for (int k = 0; k < 3; k++)
                     by[k] = (contact.depth + 1e-3 * size) * contact.direction[k];
@@ -188,7 +188,7 @@ static void put_at(const dpt_mesh *mesh, const dpt_pose *body, double off, dpt_p
     dpt_mesh_info info = { .size = sizeof info };
     double t[9], far[3], w[3], at[3] = { 0.0, 0.0, 0.0 };
     dpt_mesh_get_info(mesh, &info);
-    random_pose(&seed, 0.0, tool);
+    *tool = pose_random(&seed, 0.0);
     do
         dpt_mesh_get_triangle(mesh, (uint32_t)(random_bits(&seed) % info.triangles), t);
     while (0);
@@ -206,8 +206,8 @@ static void put_at(const dpt_mesh *mesh, const dpt_pose *body, double off, dpt_p
         at[k % 3] += w[k / 3] * t[k];
     for (int k = 0; k < 3; k++)
         at[k] += off * outward[k];
-    place_by(body, at, tool->position);
-    turn_by(body, outward, outward);
+    pose_point(body, at, tool->position);
+    turn3(body->orientation, outward, outward);
 }
 
 static void centre_at_origin(struct curved *curved)
@@ -232,13 +232,13 @@ static void hulls_meet_where_the_core_says_so(void)
         const double size = i % 4 < 2 ? 0.002 : 0.02;
         curved_random(&curved, DPT_CONVEX_KIND_HULL, 0, size, &seed);
         centre_at_origin(&curved);
-        random_pose(&seed, 0.5, &body);
+        body = pose_random(&seed, 0.5);
         put_at(mesh, &body, random_in(&seed, -0.2, 0.9) * size, &tool, outward);
         const dpt_convex_contact contact = touch(&curved, &tool, mesh, &body);
         /* The pose of the hull is that of the shape in the tool's frame. */
         dpt_pose hull_pose = { .orientation = { 1.0, 0.0, 0.0, 0.0 } };
         const double *p = tool.orientation, *q = curved.shape.pose.orientation;
-        place_by(&tool, curved.shape.pose.position, hull_pose.position);
+        pose_point(&tool, curved.shape.pose.position, hull_pose.position);
         hull_pose.orientation[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3];
         hull_pose.orientation[1] = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2];
         hull_pose.orientation[2] = p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1];
@@ -274,7 +274,7 @@ static void a_shape_is_apart_where_its_polyhedron_is(void)
         dpt_hit hit = DPT_HIT_INIT;
         curved_random(&curved, kind, i % 5 == 4, 0.01, &seed);
         centre_at_origin(&curved);
-        random_pose(&seed, 0.5, &body);
+        body = pose_random(&seed, 0.5);
         put_at(liver.mesh, &body, random_in(&seed, 0.0, 0.01), &tool, outward);
         if (dpt_convex_corners(&curved.shape, 0, corners, DPT_HULL_CORNERS_MAX, &def.corner_count, &error) != DPT_OK ||
             dpt_hull_create(block, sizeof block, &def, &hull) != DPT_OK ||
@@ -314,7 +314,7 @@ static void balls_are_as_deep_as_their_centre_is_near(void)
         curved.shape.extent[1] = i % 4 < 2 ? 2.0 * radius : 0.0;
         curved.shape.extent[2] = curved.shape.extent[1];
         centre_at_origin(&curved);
-        random_pose(&seed, 0.5, &body);
+        body = pose_random(&seed, 0.5);
         put_at(mesh, &body, random_in(&seed, 0.3, 1.1) * radius, &tool, outward);
         for (int k = 0; k < 6; k++)
             ends[k] = tool.position[k % 3];
@@ -352,12 +352,12 @@ static void the_way_out_leads_to_the_side_that_the_shape_comes_from(void)
         const int is_given = i % 4 < 2;
         curved_random(&curved, kind, i % 6 == 5, size, &seed);
         centre_at_origin(&curved);
-        random_pose(&seed, 0.5, &body);
+        body = pose_random(&seed, 0.5);
         put_at(mesh, &body, random_in(&seed, is_given ? -0.4 : 0.05, 0.3) * size, &tool, outward);
         if (is_given) {
             /* A point that is out of the plane of the triangle. */
             double far[3] = { 4.0 * size * outward[0], 4.0 * size * outward[1], 4.0 * size * outward[2] };
-            turn_back(&tool, far, curved.shape.outside);
+            turn_back3(tool.orientation, far, curved.shape.outside);
             curved.shape.flags |= DPT_CONVEX_FLAG_OUTSIDE;
         }
         const dpt_convex_contact contact = touch(&curved, &tool, mesh, &body);
@@ -366,9 +366,9 @@ static void the_way_out_leads_to_the_side_that_the_shape_comes_from(void)
         met++;
         triangle_of(mesh, contact.triangle, t);
         for (int k = 0; k < 3; k++)
-            place_by(&body, t + 3 * k, world + 3 * k);
+            pose_point(&body, t + 3 * k, world + 3 * k);
         const double none[3] = { 0.0, 0.0, 0.0 };
-        place_by(&tool, is_given ? curved.shape.outside : none, from);
+        pose_point(&tool, is_given ? curved.shape.outside : none, from);
         if (!is_given && (kind == DPT_CONVEX_KIND_HULL || curved.shape.flags))
             continue; /* their centre is not at the origin */
         front_of(world, from, front);

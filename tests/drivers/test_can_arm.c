@@ -5,6 +5,7 @@
  */
 #include "drivers/can_fixture.h"
 #include "drivers/dynamics_checks.h"
+#include "lib/pose.h"
 
 #include "clock.h"
 #include "simulate/simulate_serial.h"
@@ -201,7 +202,6 @@ static void check_frame(const int from[3], const int sign[3], const char *axes)
     if (!device)
         return;
     dpt_device_read(device, &state);
-    const double *q = state.pose.orientation;
     for (int k = 0; k < 3; k++) {
         CHECK(state.pose.position[k] == sign[k] * (places[from[k]] - centre[from[k]]), "%s: %c %g", axes, "xyz"[k],
               state.pose.position[k]);
@@ -209,11 +209,8 @@ static void check_frame(const int from[3], const int sign[3], const char *axes)
               state.velocity[k]);
         /* The root's axis that points along k in the device's frame: turned by q it must. */
         const double v[3] = { from[k] == 0, from[k] == 1, from[k] == 2 };
-        const double t[3] = { 2 * (q[2] * v[2] - q[3] * v[1]), 2 * (q[3] * v[0] - q[1] * v[2]),
-                              2 * (q[1] * v[1] - q[2] * v[0]) };
-        const double axis[3] = { v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1],
-                                 v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2],
-                                 v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0] };
+        double axis[3];
+        turn3(state.pose.orientation, v, axis);
         CHECK(fabs(axis[k] - sign[k]) < 1e-15, "%s: %c %g", axes, "xyz"[k], axis[k]);
     }
     /* One newton along each axis of the device is one along that of the root. */

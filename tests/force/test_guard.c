@@ -3,10 +3,9 @@
  * The guard on a clock of the test's own: each state meets each event, and random schedules keep what the header
  * promises.
  */
-#include <math.h>
-
 #include "dynpoint/guard.h"
 #include "lib/check.h"
+#include "lib/vector.h"
 
 static const uint64_t MS = 1000000u;
 static const uint64_t BEGIN = 5000000000u;
@@ -17,14 +16,9 @@ static dpt_wrench push(double force)
     return wrench;
 }
 
-static double size_of(const double *v)
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 static int is_zero(const dpt_wrench *wrench)
 {
-    return size_of(wrench->force) == 0.0 && size_of(wrench->torque) == 0.0;
+    return length3(wrench->force) == 0.0 && length3(wrench->torque) == 0.0;
 }
 
 static int is_same(const dpt_wrench *a, const dpt_wrench *b)
@@ -143,9 +137,9 @@ static void every_state_meets_every_event(void)
             CHECK(letters[after.state] == *expected, "%u, %s: %c, not %c", state, event_names[event],
                   letters[after.state], *expected);
             if (expected[1] == '*')
-                CHECK(is_zero(&out), "%u, %s: %g N", state, event_names[event], size_of(out.force));
+                CHECK(is_zero(&out), "%u, %s: %g N", state, event_names[event], length3(out.force));
             CHECK(is_same(&out, &after.sent), "%u, %s: another wrench is kept", state, event_names[event]);
-            CHECK(size_of(out.force) <= 5.0 && size_of(out.torque) <= 0.2, "%u, %s: too strong", state,
+            CHECK(length3(out.force) <= 5.0 && length3(out.torque) <= 0.2, "%u, %s: too strong", state,
                   event_names[event]);
             if (event == NOTHING && state == DPT_GUARD_RUNNING)
                 CHECK(is_same(&out, &before), "a command does not hold");
@@ -174,11 +168,11 @@ static void silence_ends_in_five_ticks(void)
     for (int tick = 1; tick <= 20; tick++) {
         dpt_guard_step(&guard, now += MS, NULL, 1, &out);
         if (tick <= 3)
-            CHECK(is_same(&out, &before), "tick %d: %g N", tick, size_of(out.force));
+            CHECK(is_same(&out, &before), "tick %d: %g N", tick, length3(out.force));
         if (tick == 4)
-            CHECK(fabs(size_of(out.force) - 1.0) < 1e-12, "half way: %g N", size_of(out.force));
+            CHECK(fabs(length3(out.force) - 1.0) < 1e-12, "half way: %g N", length3(out.force));
         if (tick >= 5)
-            CHECK(is_zero(&out), "tick %d: %g N", tick, size_of(out.force));
+            CHECK(is_zero(&out), "tick %d: %g N", tick, length3(out.force));
     }
     CHECK(info_of(&guard).stops == 1 && info_of(&guard).state == DPT_GUARD_OFF, "%d stops", (int)info_of(&guard).stops);
 }
@@ -197,8 +191,8 @@ static void ramp_does_not_depend_on_calls(void)
         dpt_guard_step(&seldom, now + at, NULL, 1, &a);
         dpt_guard_step(&often, now + at, NULL, 1, &b);
         double part = (double)(5 * MS - at) / (double)(2 * MS);
-        CHECK(is_same(&a, &b), "%g and %g N", size_of(a.force), size_of(b.force));
-        CHECK(fabs(size_of(a.force) - 3.0 * part) < 1e-12, "%g N", size_of(a.force));
+        CHECK(is_same(&a, &b), "%g and %g N", length3(a.force), length3(b.force));
+        CHECK(fabs(length3(a.force) - 3.0 * part) < 1e-12, "%g N", length3(a.force));
     }
 }
 
@@ -211,14 +205,14 @@ static void start_is_a_ramp(void)
     for (uint64_t tick = 0; tick <= 150; tick++) {
         dpt_guard_step(&guard, BEGIN + tick * MS, &command, 1, &out);
         double part = tick < 100 ? (double)tick * 0.01 : 1.0;
-        CHECK(fabs(size_of(out.force) - 2.0 * part) < 1e-12, "tick %d: %g N", (int)tick, size_of(out.force));
+        CHECK(fabs(length3(out.force) - 2.0 * part) < 1e-12, "tick %d: %g N", (int)tick, length3(out.force));
     }
     CHECK(is_same(&out, &command) && info_of(&guard).slewed == 0, "it does not get there");
     uint64_t now = BEGIN + 150 * MS + 4 * MS + MS / 2;
     for (uint64_t tick = 0; tick < 20; tick++) {
         dpt_guard_step(&guard, now + tick * MS, &command, 1, &out);
-        CHECK(fabs(size_of(out.force) - 2.0 * (0.25 + 0.01 * (double)tick)) < 1e-12, "tick %d after a stop: %g N",
-              (int)tick, size_of(out.force));
+        CHECK(fabs(length3(out.force) - 2.0 * (0.25 + 0.01 * (double)tick)) < 1e-12, "tick %d after a stop: %g N",
+              (int)tick, length3(out.force));
     }
     CHECK(info_of(&guard).state == DPT_GUARD_STARTING, "it has not started again");
 }
@@ -235,7 +229,7 @@ static void slew_is_a_straight_line(void)
     dpt_wrench out;
     for (uint64_t tick = 0; tick <= 10; tick++)
         dpt_guard_step(&guard, BEGIN + tick * MS, &one, 1, &out);
-    CHECK(fabs(size_of(out.force) - 1.0) < 1e-12, "1 N after 10 ms at 100 N/s: %g", size_of(out.force));
+    CHECK(fabs(length3(out.force) - 1.0) < 1e-12, "1 N after 10 ms at 100 N/s: %g", length3(out.force));
     for (uint64_t tick = 1; tick <= 20; tick++) {
         dpt_guard_step(&guard, BEGIN + (10 + tick) * MS, &other, 1, &out);
         CHECK(fabs(out.force[0] - 0.6 * (1.0 - 0.1 * (double)tick)) < 1e-12, "%g N", out.force[0]);
@@ -246,12 +240,12 @@ static void slew_is_a_straight_line(void)
 /* As long as it may be, to the last bit. */
 static void limit_to(double *v, double most)
 {
-    double size = size_of(v);
+    double size = length3(v);
     if (size == 0.0 || size > 1e300)
         return;
     for (int k = 0; k < 3; k++)
         v[k] *= most / size;
-    while (size_of(v) > most)
+    while (length3(v) > most)
         for (int k = 0; k < 3; k++)
             v[k] *= 1.0 - 0x1p-53;
 }
@@ -283,11 +277,11 @@ static void check_slew(const dpt_guard_def *def, const dpt_wrench *before, const
     }
     double force_step = def->force_slew * dt, torque_step = def->torque_slew * dt;
     if (!stopped && def->force_slew > 0.0)
-        CHECK(size_of(change) <= force_step * (1.0 + 1e-12) + 1e-14, "%s: %g N in %g s", at, size_of(change), dt);
+        CHECK(length3(change) <= force_step * (1.0 + 1e-12) + 1e-14, "%s: %g N in %g s", at, length3(change), dt);
     if (!stopped && def->torque_slew > 0.0)
-        CHECK(size_of(turn) <= torque_step * (1.0 + 1e-12) + 1e-14, "%s: %g Nm in %g s", at, size_of(turn), dt);
+        CHECK(length3(turn) <= torque_step * (1.0 + 1e-12) + 1e-14, "%s: %g Nm in %g s", at, length3(turn), dt);
     if (stopped && def->force_slew > 0.0)
-        CHECK(size_of(out->force) <= size_of(before->force) + force_step * (1.0 + 1e-12) + 1e-14,
+        CHECK(length3(out->force) <= length3(before->force) + force_step * (1.0 + 1e-12) + 1e-14,
               "%s: a stop adds force", at);
 }
 
@@ -341,7 +335,7 @@ static void random_schedules_keep_the_promises(void)
                 fresh = now;
                 has_fresh = 1;
             }
-            double force = size_of(out.force), torque = size_of(out.torque);
+            double force = length3(out.force), torque = length3(out.torque);
             CHECK(force <= def.force_max && torque <= def.torque_max, "run %d: %g N, %g Nm", run, force, torque);
             if (!has_fresh || now - fresh >= end || !ready || (gives && !finite))
                 if (!(has_fresh && now == fresh && ready))
@@ -377,8 +371,8 @@ static void it_tells_what_it_did(void)
         dpt_guard_step(&guard, BEGIN + tick * MS, &command, 1, &out);
     dpt_guard_step(&guard, BEGIN + 51 * MS, NULL, 1, &out);
     const dpt_guard_info after = info_of(&guard);
-    CHECK(fabs(size_of(after.command.force) - 5.0) < 1e-12 && is_same(&after.sent, &out), "commanded %g N, sent %g N",
-          size_of(after.command.force), size_of(after.sent.force));
+    CHECK(fabs(length3(after.command.force) - 5.0) < 1e-12 && is_same(&after.sent, &out), "commanded %g N, sent %g N",
+          length3(after.command.force), length3(after.sent.force));
     CHECK(after.clamped == 51 && after.now_ns == BEGIN + 51 * MS && after.fresh_ns == BEGIN + 50 * MS &&
               fabs(after.gain - 0.51) < 1e-12,
           "%d clamped, gain %g", (int)after.clamped, after.gain);
@@ -390,14 +384,14 @@ static void is_total(void)
     dpt_wrench out = push(1.0), command = push(1.0);
     dpt_guard_def def;
     dpt_guard_step(NULL, BEGIN, &command, 1, &out);
-    CHECK(is_zero(&out), "no guard, %g N", size_of(out.force));
+    CHECK(is_zero(&out), "no guard, %g N", length3(out.force));
     for (int filled = 0; filled < 256; filled++) {
         dpt_guard_info info = { .size = sizeof info, .state = 7, .sent = push(1.0) };
         memset(&guard, filled, sizeof guard);
         for (int knows_size = 0; knows_size < 2; knows_size++) {
             out = push(1.0);
             dpt_guard_step(&guard, BEGIN, &command, 1, &out);
-            CHECK(is_zero(&out), "memory of %02x, size %u: %g N", (unsigned)filled, guard.size, size_of(out.force));
+            CHECK(is_zero(&out), "memory of %02x, size %u: %g N", (unsigned)filled, guard.size, length3(out.force));
             CHECK(dpt_guard_get_info(&guard, &info) == DPT_E_ARGUMENT && info.state == DPT_GUARD_OFF &&
                       is_zero(&info.sent),
                   "memory of %02x: what it did is told", (unsigned)filled);
@@ -420,7 +414,7 @@ static void is_total(void)
             guard.size = sizeof guard;
             CHECK(dpt_guard_init(&guard, &def) == DPT_E_ARGUMENT, "field %d is %g", (int)i, wrong[k]);
             dpt_guard_step(&guard, BEGIN, &command, 1, &out);
-            CHECK(is_zero(&out), "a guard that was refused gives %g N", size_of(out.force));
+            CHECK(is_zero(&out), "a guard that was refused gives %g N", length3(out.force));
         }
         *fields[i] = right;
     }
@@ -435,7 +429,7 @@ static void is_total(void)
     guard.size = 4104;
     CHECK(dpt_guard_init(&guard, &def) == DPT_E_SIZE, "a size that was never set");
     dpt_guard_step(&guard, BEGIN, &command, 1, &out);
-    CHECK(is_zero(&out), "a guard that was refused another time gives %g N", size_of(out.force));
+    CHECK(is_zero(&out), "a guard that was refused another time gives %g N", length3(out.force));
     dpt_guard_def_defaults(NULL, 8);
     guard = guard_of(NULL);
     dpt_guard_step(&guard, BEGIN, &command, 1, NULL);

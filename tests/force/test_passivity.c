@@ -9,12 +9,10 @@
  */
 #include "dynpoint/passivity.h"
 
-#include <math.h>
-
 #include "dynpoint/coupling.h"
 #include "dynpoint/guard.h"
 #include "lib/check.h"
-#include "lib/random.h"
+#include "lib/pose.h"
 
 static uint64_t steps_wanted = 200000;
 
@@ -54,32 +52,20 @@ static void take(const dpt_pose *pose, const dpt_wrench *sent, double dt, double
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }
 
-static double length_of(const double *v)
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 static void random_vector(uint64_t *seed, double most, double v[3])
 {
     do
         for (int k = 0; k < 3; k++)
             v[k] = random_in(seed, -most, most);
-    while (length_of(v) > most);
+    while (length3(v) > most);
 }
 
 /* By a rotation vector, about the world's axes. */
 static void turn(dpt_pose *pose, const double v[3])
 {
-    const double angle = length_of(v), half = 0.5 * angle, *p = pose->orientation;
-    const double share = angle > 0 ? sin(half) / angle : 0.5, w = cos(half);
-    const double u[3] = { share * v[0], share * v[1], share * v[2] };
-    double q[4] = { w * p[0] - u[0] * p[1] - u[1] * p[2] - u[2] * p[3],
-                    w * p[1] + u[0] * p[0] + u[1] * p[3] - u[2] * p[2],
-                    w * p[2] + u[1] * p[0] + u[2] * p[1] - u[0] * p[3],
-                    w * p[3] + u[2] * p[0] + u[0] * p[2] - u[1] * p[1] };
-    const double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    for (int k = 0; k < 4; k++)
-        pose->orientation[k] = q[k] / size;
+    const double angle = length3(v), half = 0.5 * angle, share = angle > 0 ? sin(half) / angle : 0.5;
+    const double by[4] = { cos(half), share * v[0], share * v[1], share * v[2] };
+    pose_turn_by(pose, by);
 }
 
 static void the_account_is_what_was_given_and_taken(void)
@@ -107,11 +93,11 @@ static void the_account_is_what_was_given_and_taken(void)
             work += sent.force[k] * shift[k] + sent.torque[k] * rotation[k];
         }
         turn(&pose, rotation);
-        damped += 0.8 * (3 * pow(length_of(shift), 2) + 0.01 * pow(length_of(rotation), 2)) / dt;
+        damped += 0.8 * (3 * pow(length3(shift), 2) + 0.01 * pow(length3(rotation), 2)) / dt;
         worked += bodies;
-        account = fmin(account + 0.8 * (3 * pow(length_of(shift), 2) + 0.01 * pow(length_of(rotation), 2)) / dt +
-                           bodies - work,
-                       0.5 + 1);
+        account =
+            fmin(account + 0.8 * (3 * pow(length3(shift), 2) + 0.01 * pow(length3(rotation), 2)) / dt + bodies - work,
+                 0.5 + 1);
         const dpt_wrench before = asked;
         take(&pose, &sent, dt, 0.5, bodies, &asked);
         CHECK(!memcmp(&asked, &before, sizeof asked), "an observer changes the wrench");

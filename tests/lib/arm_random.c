@@ -14,29 +14,6 @@ struct arm arm_of(const dpt_arm_def *def)
     return arm;
 }
 
-void unit_random(uint64_t *random, double *out, int count)
-{
-    double square;
-    do {
-        square = 0.0;
-        for (int i = 0; i < count; i++) {
-            out[i] = random_in(random, -1.0, 1.0);
-            square += out[i] * out[i];
-        }
-    } while (square < 0.01 || square > 1.0);
-    for (int i = 0; i < count; i++)
-        out[i] /= sqrt(square);
-}
-
-dpt_pose pose_random(uint64_t *random, double size)
-{
-    dpt_pose pose;
-    for (int i = 0; i < 3; i++)
-        pose.position[i] = random_in(random, -size, size);
-    unit_random(random, pose.orientation, 4);
-    return pose;
-}
-
 /* A joint of its own while there is room for one, or one that there is. */
 static void joint_random(uint64_t *random, struct arm_arrays *arm, dpt_arm_link *link, uint32_t most)
 {

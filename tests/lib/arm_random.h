@@ -6,11 +6,10 @@
 #ifndef DPT_TESTS_ARM_RANDOM_H
 #define DPT_TESTS_ARM_RANDOM_H
 
-#include <math.h>
-
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
 #include "lib/check.h"
+#include "lib/pose.h"
 
 struct arm_arrays {
     dpt_arm_def def;
@@ -30,10 +29,6 @@ struct arm {
 
 /* In the host's byte order; NULL when it does not compile, and the test has failed. */
 struct arm arm_of(const dpt_arm_def *def);
-
-void unit_random(uint64_t *random, double *out, int count);
-
-dpt_pose pose_random(uint64_t *random, double size);
 
 /* Joints that lead to the tool first: so its way is given joints before all else. */
 void arm_random(uint64_t *random, struct arm_arrays *arm);

@@ -4,7 +4,8 @@
  * more is what bodies and the hand did. The hand's part is the wrench times its motion. It cannot judge friction, which
  * loses energy, but by a bound.
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 enum { BEATS = 3, TICKS = 800 }; /* ticks a beat */
 
@@ -33,7 +34,7 @@ static dpt_pose beaten(const struct beat *beat, double phase)
     const double x[3] = { 1, 0, 0 }, swing = sin(2 * 3.14159265358979 * phase);
     for (int k = 0; k < 3; k++)
         pose.position[k] = beat->along[k] * swing;
-    rig_orient(&pose, x, beat->turn * swing);
+    pose_orient(&pose, x, beat->turn * swing);
     return pose;
 }
 
@@ -158,14 +159,13 @@ static void each_of_two_bodies_works_by_its_own_motion(void)
 {
     struct rig rig;
     struct books books = { .stored = 0 };
-    dpt_body second;
     rig_open(&rig, NULL, box.mesh, &capsule, 1);
     press(&rig, &box, 0.003);
     const double x = box.info.box_max[0] - box.info.box_min[0];
     dpt_pose pose = DPT_POSE_IDENTITY;
     pose.position[0] = 0.5 * x + 0.035;
     pose.position[2] = 0.01;
-    CHECK(dpt_body_add(rig.world, box.mesh, &pose, &second) == DPT_OK, "second");
+    const dpt_body second = rig_add_body(&rig, box.mesh, &pose);
     rig_step(&rig);
     rig_step(&rig);
     const double start = rig.force.energy, aside = pose.position[0];

@@ -72,9 +72,7 @@ static uint64_t run_of(const dpt_world_def *def, long *wrong)
 static void the_same_bits(void)
 {
     long wrong = 0;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     const uint64_t first = run_of(&def, &wrong);
     def.kernel = DPT_KERNEL_SCALAR;
     CHECK(run_of(&def, &wrong) == first && wrong == 0, "other bits, or %ld are through", wrong);
@@ -87,9 +85,7 @@ static void budgets_let_nothing_through(void)
     static const uint32_t budgets[] = { 1, 10, 40, 100, 300, 1000 };
     for (size_t b = 0; b < sizeof budgets / sizeof *budgets; b++) {
         struct jaws jaws;
-        dpt_world_def def;
-        dpt_world_def_init(&def);
-        def.max_contacts = 32;
+        dpt_world_def def = rig_def(DPT_LAW_PROXY);
         def.budget = budgets[b];
         long wrong = 0;
         jaws_open(&jaws, &def, jaw_sheet.mesh, 0);
@@ -147,25 +143,24 @@ static void jaws_rest_and_are_seen(void)
 static void tools_keep_their_jaws(void)
 {
     struct jaws first, second;
-    dpt_tool other;
     dpt_hit hit = DPT_HIT_INIT;
     jaws_open(&first, NULL, jaw_sheet.mesh, 0);
     stand_at_rim(&first, 0, 0.3);
-    dpt_tool_add(first.rig.world, &jaw_point, 1, &other);
+    const dpt_tool other = rig_add_tool(&first.rig, &rig_point, 1);
     second = first;
     second.rig.tool = other;
     jaws_give(&second, 0);
     second.rig.device.position[2] = 0.1;
     dpt_tool_teleport(first.rig.world, other, &second.rig.device);
     jaws_want(&second, 0.5);
-    dpt_world_step(first.rig.world, RIG_DT, NULL);
+    rig_tick(&first.rig);
     dpt_tool_remove(first.rig.world, first.rig.tool);
-    dpt_tool_add(first.rig.world, &jaw_point, 1, &first.rig.tool);
+    first.rig.tool = rig_add_tool(&first.rig, &rig_point, 1);
     jaws_give(&first, 0);
     jaws_want(&first, -0.7);
     second.rig.device.position[2] = 0.09;
     dpt_tool_set_pose(first.rig.world, other, &second.rig.device);
-    dpt_world_step(first.rig.world, RIG_DT, NULL);
+    rig_tick(&first.rig);
     dpt_tool_get_segment_hit(first.rig.world, other, 2, &hit);
     const double low = 0.09 - JAW_LENGTH * sin(0.5) - JAW_HEIGHT * cos(0.5);
     CHECK(jaw_is_there(&second, 0) && jaw_is_there(&second, 1) && fabs(hit.distance - low) < 1e-9, "%g, not %g",

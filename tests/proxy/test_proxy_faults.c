@@ -6,7 +6,8 @@
  *
  *     test_proxy_faults [PER CENT of the random cases = 100]
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.08 }, 0.002 };
 static const dpt_segment tip = { { 0, 0, 0 }, { 0, 0, 0.01 }, 0.002 };
@@ -32,25 +33,22 @@ static void press(struct rig *rig, double depth)
 static void a_reused_slot_has_no_old_triangles(void)
 {
     struct solid large, small;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     if (!solid_from_shape(&large, "sphere", 20480) || !solid_from_shape(&small, "box", 12))
         return;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.max_bodies = 2;
     for (int turn = 0; turn < 20; turn++) {
         struct rig rig;
-        dpt_body mover, made;
         dpt_pose pose = DPT_POSE_IDENTITY;
         rig_open(&rig, &def, large.mesh, &needle, 1);
         pose.position[0] = 0.25;
-        dpt_body_add(rig.world, small.mesh, &pose, &mover);
-        rig_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.3 * turn);
-        rig_turn(rig.device.orientation, (const double[3]){ 0, 0, 0.103 }, rig.device.position);
+        const dpt_body mover = rig_add_body(&rig, small.mesh, &pose);
+        pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.3 * turn);
+        turn3(rig.device.orientation, (const double[3]){ 0, 0, 0.103 }, rig.device.position);
         rig_place(&rig);
         CHECK(rig.force.reason == DPT_FORCE_FREE, "turn %d: reason %u", turn, rig.force.reason);
         dpt_body_remove(rig.world, rig.body);
-        dpt_body_add(rig.world, small.mesh, NULL, &made);
+        rig_add_body(&rig, small.mesh, NULL);
         pose.position[0] = 0.24;
         dpt_body_set_pose(rig.world, mover, &pose);
         rig_step(&rig);
@@ -77,14 +75,14 @@ static void a_body_that_appears_round_it_is_not_felt(void)
         away.position[0] = 1;
         rig_open(&rig, NULL, NULL, &tip, 1);
         if (teleports)
-            dpt_body_add(rig.world, box.mesh, &away, &made);
+            made = rig_add_body(&rig, box.mesh, &away);
         rig.device.position[2] = -0.005;
         rig_place(&rig);
         CHECK(rig.force.reason == DPT_FORCE_FREE, "reason %u", rig.force.reason);
         if (teleports)
             dpt_body_teleport(rig.world, made, &here);
         else
-            dpt_body_add(rig.world, box.mesh, NULL, &made);
+            made = rig_add_body(&rig, box.mesh, NULL);
         for (int i = 0; i < 400; i++) {
             rig.device.position[0] += 5e-4;
             rig_step(&rig);
@@ -107,7 +105,6 @@ static void a_body_that_appears_elsewhere_changes_nothing(void)
 {
     struct solid box, huge;
     struct rig rig;
-    dpt_body made;
     const double corners[] = { 0, 0, -500, 1000, 0, -500, 0, 1000, -500, 1000, 1000, -501 };
     const uint32_t numbers[] = { 0, 1, 2, 1, 3, 2 };
     if (!solid_from_shape(&box, "box", 300) || !solid_from_arrays(&huge, "huge", corners, 4, numbers, 2))
@@ -115,7 +112,7 @@ static void a_body_that_appears_elsewhere_changes_nothing(void)
     rig_open(&rig, NULL, box.mesh, &needle, 1);
     press(&rig, 0.002);
     const double force = rig_force(&rig);
-    dpt_body_add(rig.world, huge.mesh, NULL, &made);
+    rig_add_body(&rig, huge.mesh, NULL);
     for (int i = 0; i < 20; i++) {
         dpt_tool_set_pose(rig.world, rig.tool, &rig.device);
         dpt_world_step(rig.world, 1e-5, NULL);
@@ -145,11 +142,10 @@ static void bodies_that_move_unseen_are_not_entered(void)
         return;
     for (int of_body = 0; of_body < 2; of_body++) {
         struct rig rig;
-        dpt_body other;
         dpt_pose pose = DPT_POSE_IDENTITY, far = DPT_POSE_IDENTITY;
         rig_open(&rig, NULL, box.mesh, &tip, 1);
         far.position[0] = 5;
-        dpt_body_add(rig.world, box.mesh, &far, &other);
+        const dpt_body other = rig_add_body(&rig, box.mesh, &far);
         rig.device.position[2] = 0.1;
         rig_place(&rig);
         if (of_body)
@@ -187,7 +183,7 @@ static void missing_input_loses_no_contact(void)
     const double force = rig_force(&rig);
     for (int i = 0; i < 5; i++) {
         dpt_tool_set_pose(rig.world, rig.tool, NULL);
-        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_tick(&rig);
         dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(rig.force.reason == DPT_FORCE_STALE && rig_force(&rig) == 0, "reason %u", rig.force.reason);
     }
@@ -213,7 +209,7 @@ static void another_law_begins_at_the_device(void)
     dpt_tool_set_settings(rig.world, rig.tool, &settings);
     for (int i = 0; i < 3; i++) {
         dpt_hit hit = DPT_HIT_INIT;
-        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_tick(&rig);
         dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         dpt_tool_get_hit(rig.world, rig.tool, &hit);
         CHECK(fabs(rig_force(&rig) - RIG_STIFFNESS * 0.003) < 0.1 && fabs(hit.depth - 0.003) < 2e-4,
@@ -222,7 +218,7 @@ static void another_law_begins_at_the_device(void)
     settings.law = DPT_LAW_PROXY;
     dpt_tool_set_settings(rig.world, rig.tool, &settings);
     for (int i = 0; i < 3; i++) {
-        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_tick(&rig);
         dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(rig.force.reason == DPT_FORCE_INSIDE && rig_force(&rig) == 0, "reason %u, %g N", rig.force.reason,
               rig_force(&rig));
@@ -277,7 +273,7 @@ static void in_the_open_every_turn_is_followed(void)
             double axis[3] = { 0, 0, 1 };
             if (i > 20)
                 random_unit(&seed, axis);
-            rig_orient(&rig.device, axis, i < 20 ? 0.01 * i : random_in(&seed, -3.1, 3.1));
+            pose_orient(&rig.device, axis, i < 20 ? 0.01 * i : random_in(&seed, -3.1, 3.1));
             rig_step(&rig);
             CHECK(!memcmp(&rig.proxy, &rig.device, sizeof rig.proxy), "tool %zu, tick %d: the proxy lags", t, i);
             CHECK(rig.force.reason == DPT_FORCE_FREE && rig_force(&rig) == 0, "tool %zu, tick %d: %g N", t, i,
@@ -301,7 +297,7 @@ static void balls_apart_are_a_tool_that_turns(void)
     rig.device.position[2] = TOP + 0.004;
     rig_place(&rig);
     for (int i = 0; i < 100; i++) {
-        rig_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 1e-3 * i);
+        pose_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 1e-3 * i);
         rig_step(&rig);
         for (uint32_t s = 0; s < 2; s++) {
             double ends[6];
@@ -350,13 +346,13 @@ static void a_segment_that_grows_meets_a_body_that_moves(void)
         rig_open(&rig, NULL, box.mesh, &given, 1);
         for (int k = 0; k < 2; k++) {
             dpt_tool_set_segments(rig.world, rig.tool, &given, 1);
-            dpt_world_step(rig.world, RIG_DT, NULL);
+            rig_tick(&rig);
         }
         given.radius = 0.001 + 0.0005 * i;
         pose.position[2] = 0.01 - 0.0005 * i + 0.002;
         dpt_tool_set_segments(rig.world, rig.tool, &given, 1);
         dpt_body_set_pose(rig.world, rig.body, &pose);
-        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_tick(&rig);
         dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(!(rig.force.flags & DPT_FORCE_FLAG_SQUEEZED) && rig.force.reason <= DPT_FORCE_FREE,
               "radius %g: reason %u, flags %u", given.radius, rig.force.reason, rig.force.flags);
@@ -383,9 +379,8 @@ static void sheets_that_move_fast_are_not_passed(void)
         rig_open(&rig, NULL, sheet.mesh, i % 2 ? &needle : &tip, 1);
         far.position[0] = 3;
         for (int k = 0; k < OTHERS && i % 4 > 1; k++) {
-            dpt_body other;
             far.position[1] = k;
-            dpt_body_add(rig.world, sheet.mesh, &far, &other);
+            rig_add_body(&rig, sheet.mesh, &far);
         }
         pose.position[2] = -0.5 * step;
         dpt_body_teleport(rig.world, rig.body, &pose);
@@ -421,19 +416,17 @@ static void a_wall_that_is_not_nearest_is_not_passed(void)
         return;
     for (int i = 0; i < 16; i++) {
         struct rig rig;
-        dpt_body wall;
         dpt_pose pose = DPT_POSE_IDENTITY, far = DPT_POSE_IDENTITY;
         const double step = i % 4 == 0 ? 0.06 : i % 4 == 1 ? 0.075 : i % 4 == 2 ? 0.09 : 0.15;
         const int moves = i / 4 % 2, has_others = i / 8;
         rig_open(&rig, NULL, sheet.mesh, &needle, 1);
-        rig_orient(&pose, (const double[3]){ 0, 1, 0 }, 0.5 * 3.14159265358979);
+        pose_orient(&pose, (const double[3]){ 0, 1, 0 }, 0.5 * 3.14159265358979);
         pose.position[0] = 0.05;
-        dpt_body_add(rig.world, sheet.mesh, &pose, &wall);
+        const dpt_body wall = rig_add_body(&rig, sheet.mesh, &pose);
         far.position[0] = 3;
         for (int k = 0; k < OTHERS && has_others; k++) {
-            dpt_body other;
             far.position[1] = k;
-            dpt_body_add(rig.world, sheet.mesh, &far, &other);
+            rig_add_body(&rig, sheet.mesh, &far);
         }
         rig.device.position[2] = 0.003;
         rig_place(&rig);
@@ -469,7 +462,7 @@ static void extreme_stiffnesses_stay_finite(void)
         settings.rotational_stiffness = values[i % count];
         const dpt_result result = dpt_tool_set_settings(rig.world, rig.tool, &settings);
         CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-        rig_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.5);
+        pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.5);
         press(&rig, 0.004);
         double ends[6];
         rig_proxy_ends(&rig, 0, ends);
@@ -498,7 +491,7 @@ static void a_reset_world_repeats_itself(void)
         dpt_world_reset(rig.world);
         dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(rig.force.reason == DPT_FORCE_STALE, "reason %u", rig.force.reason);
-        rig_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 0.4);
+        pose_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 0.4);
         rig.device.position[0] = rig.device.position[1] = 0.01;
         rig.device.position[2] = liver.place.high[2] + 0.01;
         uint64_t acts = 0;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A proxy while bodies come, go and move unseen, and while its tool changes: where it starts again, and where not. */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.02 }, 0.002 };
 
@@ -46,9 +47,7 @@ static void a_body_that_moves_and_goes_holds_nothing(void)
     const dpt_segment bent[] = { { { 0, 0, 0 }, { 0, 0, 0.02 }, 0.002 }, { { 0, 0, 0.02 }, { 0.02, 0, 0.02 }, 0.002 } };
     const dpt_pose moved = { { 0, 0, 1e-4 }, { 1, 0, 0, 0 } };
     struct rig rig;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.budget = 1;
     rig_open(&rig, &def, box.mesh, bent, 2);
     rig.device.position[2] = TOP + 0.003;
@@ -57,7 +56,7 @@ static void a_body_that_moves_and_goes_holds_nothing(void)
     /* The device leans by 0.8 rad into the box, which the tool cannot. */
     for (int k = 0; k < 4000; k++) {
         rig.device.position[2] -= 1e-6;
-        rig_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 2e-4 * k);
+        pose_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 2e-4 * k);
         rig_step(&rig);
     }
     CHECK(rig.force.reason == DPT_FORCE_ACTS, "reason %u", rig.force.reason);
@@ -73,11 +72,10 @@ static void a_body_that_moves_and_goes_holds_nothing(void)
 static void a_body_that_is_added_around_it_has_it_inside(void)
 {
     struct rig rig;
-    dpt_body added;
     rig_open(&rig, NULL, NULL, &needle, 1);
     rig_place(&rig);
     CHECK(rig.force.reason == DPT_FORCE_FREE, "reason %u", rig.force.reason);
-    CHECK(dpt_body_add(rig.world, box.mesh, NULL, &added) == DPT_OK, "add");
+    rig_add_body(&rig, box.mesh, NULL);
     rig_step(&rig);
     CHECK(rig.force.reason == DPT_FORCE_INSIDE, "reason %u", rig.force.reason);
     for (int k = 0; k < 1000; k++) {
@@ -99,7 +97,7 @@ static void without_a_pose_it_waits_where_bodies_rest(void)
         CHECK(dpt_tool_set_pose(rig.world, rig.tool, NULL) == DPT_E_ARGUMENT, "no pose");
         if (moves)
             CHECK(dpt_body_set_pose(rig.world, rig.body, &around) == DPT_OK, "move");
-        dpt_world_step(rig.world, RIG_DT, NULL);
+        rig_tick(&rig);
         rig_step(&rig);
         CHECK(rig.force.reason == (moves ? DPT_FORCE_INSIDE : DPT_FORCE_ACTS), "moves %d: reason %u", moves,
               rig.force.reason);
@@ -117,7 +115,7 @@ static void another_law_begins_where_the_device_is(void)
     dpt_tool_get_settings(rig.world, rig.tool, &settings);
     settings.law = DPT_LAW_POINT;
     dpt_tool_set_settings(rig.world, rig.tool, &settings);
-    dpt_world_step(rig.world, RIG_DT, NULL);
+    rig_tick(&rig);
     dpt_tool_get_hit(rig.world, rig.tool, &hit);
     CHECK(fabs(hit.depth - (TOP + needle.radius - rig.device.position[2])) < 1e-9, "depth %g", hit.depth);
     settings.law = DPT_LAW_PROXY;
@@ -162,10 +160,10 @@ static void a_free_segment_may_turn_back(void)
             segment.b[0] = turned ? -0.1 * cos(angles[i]) : 0.1;
             segment.b[1] = turned ? 0.1 * sin(angles[i]) : 0;
             dpt_tool_set_segments(rig.world, rig.tool, &segment, 1);
-            dpt_world_step(rig.world, RIG_DT, NULL);
+            rig_tick(&rig);
         }
         dpt_tool_get_proxy(rig.world, rig.tool, &rig.proxy);
-        rig_turn(rig.proxy.orientation, (const double[3]){ 0.1, 0, 0 }, x);
+        turn3(rig.proxy.orientation, (const double[3]){ 0.1, 0, 0 }, x);
         for (int k = 0; k < 3; k++)
             CHECK(fabs(rig.proxy.position[k] + x[k] - segment.b[k]) < 1e-14, "%g rad: coordinate %d is %g off",
                   angles[i], k, rig.proxy.position[k] + x[k] - segment.b[k]);
@@ -195,9 +193,7 @@ static void little_for_sweeps_only_delays(void)
         }
         for (int is_limited = 0; is_limited < 2; is_limited++) {
             struct rig rig;
-            dpt_world_def def;
-            dpt_world_def_init(&def);
-            def.max_contacts = 32;
+            dpt_world_def def = rig_def(DPT_LAW_PROXY);
             def.sweep_budget = is_limited ? UNITS : 0;
             rig_open(&rig, &def, torus.mesh, &needle, 1);
             memcpy(rig.device.position, from, sizeof from);

@@ -7,7 +7,8 @@
  *
  *     test_proxy_waits [PER CENT of the ticks = 100]
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 #define LENGTH 0.2
 #define RADIUS 0.004
@@ -42,8 +43,7 @@ enum { MESHES = sizeof meshes / sizeof *meshes, SLIDES = 4 };
 
 static void open_hand(struct hand *hand, const struct solid *solid, struct limits limits)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.budget = limits.budget;
     def.sweep_budget = limits.sweep;
     def.max_contacts = 0;
@@ -62,7 +62,7 @@ static void pose_of(const double ends[6], dpt_pose *pose)
     memcpy(axis, across, sizeof axis);
     if (unit3(axis) == 0)
         axis[0] = 1;
-    rig_orient(pose, axis, acos(fmax(-1, fmin(1, u[2]))));
+    pose_orient(pose, axis, acos(fmax(-1, fmin(1, u[2]))));
     memcpy(pose->position, ends, sizeof pose->position);
 }
 

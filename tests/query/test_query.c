@@ -3,9 +3,8 @@
  * Stateless queries: the tree against brute force bit for bit, batches against single questions, poses,
  * sign against closed forms, and input that cannot be answered.
  */
-#include <math.h>
-
 #include "lib/fixture.h"
+#include "lib/pose.h"
 
 #define COUNT 400
 
@@ -119,17 +118,8 @@ static void a_pose_moves_the_mesh(void)
     if (!fixture_from_shape(&fixture, "liver", 4000))
         return;
     random_axes(6, ends);
-    for (int i = 0; i < 2 * COUNT; i++) {
-        /* x + w t + v x t with t = 2 v x x, the quaternion being (w, v). */
-        const double *x = ends + 3 * i;
-        const double q[4] = { 0.5, 0.5, -0.5, 0.5 };
-        double t[3] = { 2.0 * (q[2] * x[2] - q[3] * x[1]), 2.0 * (q[3] * x[0] - q[1] * x[2]),
-                        2.0 * (q[1] * x[1] - q[2] * x[0]) };
-        double *to = moved + 3 * i;
-        to[0] = pose.position[0] + x[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1];
-        to[1] = pose.position[1] + x[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2];
-        to[2] = pose.position[2] + x[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0];
-    }
+    for (int i = 0; i < 2 * COUNT; i++)
+        pose_point(&pose, ends + 3 * i, moved + 3 * i);
     ask(fixture.mesh, ends, COUNT, DPT_METHOD_TREE, plain);
     posed[0].size = sizeof *posed;
     dpt_result result = dpt_query_segments(fixture.mesh, &pose, moved, NULL, COUNT, posed, NULL);
