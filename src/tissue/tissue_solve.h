@@ -13,6 +13,7 @@ enum { TISSUE_NODES_MAX = 1536, TISSUE_TABLE = 4096, TISSUE_BODIES_MAX = 16 };
 
 /* A body whose springs are stepped. */
 struct tissue_body {
+    uint32_t number; /* the caller's */
     const struct body *body;
     struct loaded_step step;
 };

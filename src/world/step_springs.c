@@ -174,6 +174,41 @@ static int tool_is_solved(const struct tissue_solve *solve, uint32_t tool_slot)
     return 0;
 }
 
+/* What is felt may differ by that share of it, and by that much, N, from what the proxy says. */
+#define APART_SHARE 0.05
+#define APART_FORCE 5e-3
+
+/*
+ * J: what the bodies did on the tool in this tick. The spring's energy grew by that and by what the device did; the force
+ * is the mean of this tick's and the last one's.
+ */
+static double work_of_bodies(const struct tool *tool, const struct proxy *proxy, const struct displacement *felt)
+{
+    const struct coupling *coupling = &proxy->coupling;
+    const struct proxy_pose from = dpti_proxy_pose_of(proxy, &proxy->last_device_pose);
+    const struct proxy_pose to = dpti_proxy_pose_of(proxy, &tool->pose);
+    const struct displacement moved = dpti_proxy_displacement(proxy, &from, &to);
+    const struct displacement both = displacement_sum(felt, 1.0, &proxy->last_felt);
+    return coupling_energy(coupling, felt) - coupling_energy(coupling, &proxy->last_felt) +
+           0.5 * coupling->stiffness * displacement_dot(coupling, &both, &moved);
+}
+
+/* The displacement from the device that is felt. The proxy's own is that of the world's step. */
+static void note_felt(const struct tissue_solve *solve, struct tool *tool, struct proxy *proxy,
+                      struct displacement felt)
+{
+    const struct displacement between = displacement_sum(&felt, -1.0, &proxy->felt);
+    const double apart = displacement_norm(&proxy->coupling, &between);
+    const double allowed =
+        APART_SHARE * displacement_norm(&proxy->coupling, &felt) + APART_FORCE / proxy->coupling.stiffness;
+    tool->force_flags &= ~(uint32_t)(DPT_FORCE_FLAG_APART | DPT_FORCE_FLAG_CROWDED);
+    tool->force_flags |= apart > allowed ? DPT_FORCE_FLAG_APART : 0u;
+    tool->force_flags |= solve->is_full ? DPT_FORCE_FLAG_CROWDED : 0u;
+    tool->energy = coupling_energy(&proxy->coupling, &felt);
+    tool->body_work = proxy->body_work = work_of_bodies(tool, proxy, &felt);
+    proxy->felt = felt;
+}
+
 /* What a tool feels: the pushes of its touches, about its device's origin. What a program's own function added stays. */
 static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world, struct tool *tool, uint32_t slot)
 {
@@ -204,8 +239,7 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
         tool->wrench.torque[k] += shaped.torque[k] - law.torque[k];
     }
     dpti_proxy_turn_axes(proxy, &at, axes);
-    proxy->felt = dpti_proxy_of_unknowns(proxy, axes, unknowns);
-    tool->energy = coupling_energy(&proxy->coupling, &proxy->felt);
+    note_felt(solve, tool, proxy, dpti_proxy_of_unknowns(proxy, axes, unknowns));
 }
 
 /* Loads of tools that are not solved for are those of the world's step. */
@@ -255,17 +289,17 @@ static int make_substeps(struct tissue_solve *solve, struct dpt_world *world, do
 }
 
 /* All bodies of the solve, and the tools that touch them. */
-static dpt_result step_together(struct tissue_solve *solve, struct dpt_world *world, double dt, double reach,
-                                dpt_springs_info *infos)
+static dpt_result step_together(struct tissue_solve *solve, struct dpt_world *world, double dt, dpt_springs_info *infos)
 {
     dpt_result result = DPT_OK;
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (tool_is_solved(solve, t))
             dpti_loads_forget(world, &world->tools[t]);
     DPT_TRY(begin_bodies(solve, world, dt));
-    const int is_done = make_substeps(solve, world, reach);
+    const int is_done = make_substeps(solve, world, reach_of(solve, dt));
     for (uint32_t b = 0; b < solve->body_count; b++) {
-        const dpt_result one = dpti_loaded_step_end(&solve->bodies[b].step, is_done, infos ? &infos[b] : NULL);
+        const dpt_result one =
+            dpti_loaded_step_end(&solve->bodies[b].step, is_done, infos ? &infos[solve->bodies[b].number] : NULL);
         result = result ? result : one;
     }
     DPT_TRY(result);
@@ -308,21 +342,84 @@ static dpt_result check(const struct dpt_world *world, dpt_body id, const struct
     return dpti_springs_check_step(springs, dt, info);
 }
 
-dpt_result dpt_body_step_springs(dpt_world *world, dpt_body id, dpt_springs *springs, double dt, dpt_springs_info *info)
+/* Bodies that are to be stepped. */
+struct step_list {
+    const dpt_body *bodies;
+    dpt_springs *const *springs;
+    uint32_t count;
+};
+
+static void take_body(struct tissue_solve *solve, const struct dpt_world *world, const struct step_list *list,
+                      uint32_t number)
 {
-    if (!world)
-        return DPT_E_ARGUMENT;
-    DPT_TRY(check(world, id, springs, dt, info));
-    const struct body *body = world_find_body(world, id);
-    struct tissue_solve *solve = deform_of(body)->solve;
-    if (solve && body_is_solved(body, springs)) {
-        solve->body_count = 1;
-        solve->is_full = solve->is_lost = 0;
-        solve->bodies[0] = (struct tissue_body){ .body = body, .step = { .springs = springs } };
-        const double reach = reach_of(solve, dt);
-        gather(solve, world, reach);
-        if (solve->touches.count)
-            return step_together(solve, world, dt, reach, info);
+    solve->bodies[solve->body_count++] = (struct tissue_body){ .number = number,
+                                                               .body = world_find_body(world, list->bodies[number]),
+                                                               .step = { .springs = list->springs[number] } };
+}
+
+/*
+ * The bodies that tools touch, and their touches; NULL if there are none. The first of them lends its memory.
+ */
+static struct tissue_solve *begin_solve(struct dpt_world *world, const struct step_list *list, double dt)
+{
+    struct tissue_solve *solve = NULL;
+    uint32_t touched[TISSUE_BODIES_MAX], count = 0;
+    for (uint32_t i = 0; i < list->count; i++) {
+        const struct body *body = world_find_body(world, list->bodies[i]);
+        struct tissue_solve *own = deform_of(body)->solve;
+        if (!own || !body_is_solved(body, list->springs[i]))
+            continue;
+        own->body_count = own->is_full = own->is_lost = 0;
+        take_body(own, world, list, i);
+        gather(own, world, reach_of(own, dt));
+        if (!own->touches.count)
+            continue;
+        solve = solve ? solve : own;
+        if (count == TISSUE_BODIES_MAX)
+            solve->is_full = 1;
+        else
+            touched[count++] = i;
     }
-    return step_alone(world, body, springs, dt, info);
+    if (count < 2)
+        return solve;
+    solve->body_count = 0;
+    for (uint32_t i = 0; i < count; i++)
+        take_body(solve, world, list, touched[i]);
+    gather(solve, world, reach_of(solve, dt));
+    return solve;
+}
+
+static int is_in_solve(const struct tissue_solve *solve, uint32_t number)
+{
+    for (uint32_t b = 0; solve && b < solve->body_count; b++)
+        if (solve->bodies[b].number == number)
+            return 1;
+    return 0;
+}
+
+dpt_result dpt_bodies_step_springs(dpt_world *world, const dpt_body *bodies, dpt_springs *const *springs,
+                                   uint32_t count, double dt, dpt_springs_info *infos)
+{
+    const struct step_list list = { bodies, springs, count };
+    if (!world || (count && (!bodies || !springs)))
+        return DPT_E_ARGUMENT;
+    for (uint32_t i = 0; i < count; i++) {
+        DPT_TRY(check(world, bodies[i], springs[i], dt, infos ? &infos[i] : NULL));
+        for (uint32_t k = 0; k < i; k++)
+            if (bodies[k] == bodies[i] || springs[k] == springs[i])
+                return DPT_E_ARGUMENT;
+    }
+    struct tissue_solve *solve = begin_solve(world, &list, dt);
+    if (solve)
+        DPT_TRY(step_together(solve, world, dt, infos));
+    for (uint32_t i = 0; i < count; i++)
+        if (!is_in_solve(solve, i))
+            DPT_TRY(step_alone(world, world_find_body(world, bodies[i]), springs[i], dt, infos ? &infos[i] : NULL));
+    return DPT_OK;
+}
+
+dpt_result dpt_body_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs, double dt,
+                                 dpt_springs_info *info)
+{
+    return dpt_bodies_step_springs(world, &body, &springs, 1, dt, info);
 }

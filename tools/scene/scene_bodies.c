@@ -283,21 +283,28 @@ int scene_bodies_check_step(const struct scene_bodies *bodies, const char *comma
 
 dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, double dt)
 {
-    uint64_t has_stepped = 0;
-    dpt_result result = DPT_OK;
-    for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
+    dpt_body ids[DPT_ARM_BODIES_MAX];
+    dpt_springs *springs[DPT_ARM_BODIES_MAX];
+    dpt_springs_info reports[DPT_ARM_BODIES_MAX];
+    double period[DPT_ARM_BODIES_MAX];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < bodies->count; i++) {
         const struct scene_body *body = &bodies->body[i];
-        dpt_springs_info report = { .size = sizeof report };
         if (!body->springs)
             continue;
-        result = dpt_body_step_springs(world, body->id, body->springs, dt, &report);
-        bodies->nodes += report.nodes;
-        bodies->active += report.active;
-        if (report.active)
-            scene_bodies_note_moving(bodies, fmax(body->period, dt));
-        has_stepped = 1;
+        ids[count] = body->id;
+        springs[count] = body->springs;
+        period[count] = body->period;
+        reports[count++] = (dpt_springs_info){ .size = sizeof *reports };
     }
-    bodies->steps += has_stepped;
+    const dpt_result result = dpt_bodies_step_springs(world, ids, springs, count, dt, reports);
+    for (uint32_t i = 0; result == DPT_OK && i < count; i++) {
+        bodies->nodes += reports[i].nodes;
+        bodies->active += reports[i].active;
+        if (reports[i].active)
+            scene_bodies_note_moving(bodies, fmax(period[i], dt));
+    }
+    bodies->steps += result == DPT_OK && count > 0;
     return result;
 }
 
