@@ -316,7 +316,7 @@ $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/wasm/native_answers 
 $(B)/tests/bench/deform: %: %.o $(B)/tests/oracle/brute.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
-$(B)/tests/bench/springs $(B)/tests/bench/spring_methods: %: %.o $(B)/tests/deform/spring_rig.o \
+$(B)/tests/bench/springs $(B)/tests/bench/spring_methods: %: %.o $(B)/tests/deform/made_net.o \
                               $(B)/tests/oracle/spring_balance.o $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 $(B)/tests/bench/scenes $(B)/tests/bench/tori: $(B)/tests/bench/play.o

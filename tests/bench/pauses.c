@@ -10,6 +10,7 @@
 #define _GNU_SOURCE
 #include <stdio.h>
 
+#include "lib/rig.h"
 #include "lib/solid.h"
 #include "timing.h"
 
@@ -66,23 +67,21 @@ static void make_ways(const struct solid *solid, int ticks, double (*above)[6], 
     }
 }
 
-static void open_world(struct stage *stage, const dpt_mesh *mesh, const struct row *row)
+static void open_world(struct rig *rig, const dpt_mesh *mesh, const struct row *row)
 {
     dpt_body_settings settings = { .size = sizeof settings };
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.law = row->law;
+    dpt_world_def def = rig_def(row->law);
     def.until = row->until;
     def.max_contacts = row->max_contacts;
-    if (!stage_open_world(stage, mesh, NULL, &def) || dpt_body_get_settings(stage->world, stage->body, &settings))
+    if (!rig_open(rig, &def, mesh, &rig_point, 1) || dpt_body_get_settings(rig->world, rig->body, &settings))
         exit(2);
     settings.static_friction = settings.kinetic_friction = row->friction;
-    if (dpt_body_set_settings(stage->world, stage->body, &settings))
+    if (dpt_body_set_settings(rig->world, rig->body, &settings))
         exit(2);
 }
 
 /* One tick, from the ends as a pose of a tool along x; ns. */
-static double tick(const struct stage *stage, const double ends[6])
+static double tick(const struct rig *rig, const double ends[6])
 {
     const double u[3] = { (ends[3] - ends[0]) / LENGTH, (ends[4] - ends[1]) / LENGTH, (ends[5] - ends[2]) / LENGTH };
     dpt_pose pose = { { ends[0], ends[1], ends[2] }, { 1.0 + u[0], 0.0, -u[2], u[1] } };
@@ -90,7 +89,7 @@ static double tick(const struct stage *stage, const double ends[6])
     for (int k = 0; k < 4; k++)
         pose.orientation[k] /= size;
     const double begin = now();
-    if (dpt_tool_set_pose(stage->world, stage->tool, &pose) || dpt_world_step(stage->world, 1e-3, NULL))
+    if (dpt_tool_set_pose(rig->world, rig->tool, &pose) || dpt_world_step(rig->world, 1e-3, NULL))
         exit(2);
     return now() - begin;
 }
@@ -98,32 +97,32 @@ static double tick(const struct stage *stage, const double ends[6])
 static void measure(const struct solid *solid, const struct row *row, int ticks, double (*way)[6], double (*above)[6])
 {
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { LENGTH, 0.0, 0.0 }, RADIUS };
-    struct stage stage[PAUSES];
+    struct rig rig[PAUSES];
     double *took[PAUSES];
     for (int p = 0; p < PAUSES; p++) {
         took[p] = malloc((size_t)ticks * sizeof *took[p]);
-        open_world(&stage[p], solid->mesh, row);
-        if (!took[p] || dpt_tool_set_segments(stage[p].world, stage[p].tool, &segment, 1))
+        open_world(&rig[p], solid->mesh, row);
+        if (!took[p] || dpt_tool_set_segments(rig[p].world, rig[p].tool, &segment, 1))
             exit(2);
         for (int i = 0; i < 100; i++) { /* down from above */
             double ends[6];
             for (int k = 0; k < 6; k++)
                 ends[k] = above[0][k] + 0.01 * i * (way[0][k] - above[0][k]);
-            tick(&stage[p], ends);
+            tick(&rig[p], ends);
         }
     }
     for (int from = 0; from < ticks; from += CHUNK)
         for (enum pause p = BACK_TO_BACK; p < PAUSES; p++)
             for (int i = from; i < ticks && i < from + CHUNK; i++) {
                 pass_time(p);
-                took[p][i] = tick(&stage[p], way[i]);
+                took[p][i] = tick(&rig[p], way[i]);
             }
     for (int p = 0; p < PAUSES; p++) {
         qsort(took[p], (size_t)ticks, sizeof *took[p], by_size);
         printf("%s,%u,%s,%s,%.0f,%.0f\n", solid->name, solid->info.triangles, row->name, pause_names[p],
                took[p][ticks / 2], took[p][(int)(0.99 * ticks)]);
         free(took[p]);
-        stage_close(&stage[p]);
+        rig_close(&rig[p]);
     }
 }
 

@@ -17,7 +17,7 @@
 
 #include "bench/spring_others.h"
 #include "bench/timing.h"
-#include "deform/spring_rig.h"
+#include "deform/made_net.h"
 #include "mesh/mesh_format.h"
 #include "oracle/spring_balance.h"
 
@@ -359,7 +359,7 @@ static const dpt_mesh *open_file(const char *path)
     return mesh;
 }
 
-static int load_body(struct body *body, struct rig *rig, const char *path)
+static int load_body(struct body *body, struct made_net *net, const char *path)
 {
     dpt_springs_def def;
     dpt_springs_def_init(&def);
@@ -367,24 +367,24 @@ static int load_body(struct body *body, struct rig *rig, const char *path)
         const dpt_mesh *mesh = open_file(path);
         return mesh && mesh_spring_net(mesh, &body->net);
     }
-    rig_block(rig, 21, 21, 23, 0.005, 5000.0, 1000.0);
-    rig_drag(rig, DRAG);
-    rig->viscosity = 1e-3;
+    net_block(net, 21, 21, 23, 0.005, 5000.0, 1000.0);
+    net_drag(net, DRAG);
+    net->viscosity = 1e-3;
     for (uint32_t i = 0; i < 21 * 21; i++)
-        rig_fix(rig, i);
-    if (rig_open(rig, &def) != DPT_OK)
+        net_fix(net, i);
+    if (net_open(net, &def) != DPT_OK)
         return 0;
-    body->net = rig->net;
+    body->net = net->rows;
     return 1;
 }
 
 int main(int argc, char **argv)
 {
     struct body body = { .stiffness = 1.0f };
-    struct rig rig = { 0 };
+    struct made_net net = { 0 };
     const int is_press = argc > 1 && !strcmp(argv[1], "press");
     if (argc < 2 || argc > 3 || (!is_press && strcmp(argv[1], "energy")) ||
-        !load_body(&body, &rig, argc > 2 ? argv[2] : NULL)) {
+        !load_body(&body, &net, argc > 2 ? argv[2] : NULL)) {
         fprintf(stderr, "spring_methods press|energy [MESH.dpa]\n");
         return 2;
     }

@@ -11,7 +11,7 @@
  * are asked for one substep, 16, and once without a limit, by the loops themselves.
  */
 #include "bench/timing.h"
-#include "deform/spring_rig.h"
+#include "deform/made_net.h"
 
 enum { PASSES = 15, TURN = 4 };
 
@@ -48,23 +48,23 @@ static void plain_step(struct plain *plain, float h)
     }
 }
 
-static struct plain plain_of(const struct rig *rig)
+static struct plain plain_of(const struct made_net *net)
 {
-    const size_t n = 3 * (size_t)rig->nodes;
-    struct plain plain = { .nodes = rig->nodes, .springs = rig->springs };
+    const size_t n = 3 * (size_t)net->nodes;
+    struct plain plain = { .nodes = net->nodes, .springs = net->springs };
     plain.x = malloc(n * sizeof *plain.x);
     plain.v = calloc(n, sizeof *plain.v);
     plain.f = calloc(n, sizeof *plain.f);
-    plain.per_mass = malloc(rig->nodes * sizeof *plain.per_mass);
-    plain.list = malloc(rig->springs * sizeof *plain.list);
-    memcpy(plain.x, rig->rest, n * sizeof *plain.x);
-    for (uint32_t i = 0; i < rig->nodes; i++)
-        plain.per_mass[i] = rig->mass[i] > 0.0f ? 1.0f / rig->mass[i] : 0.0f;
-    for (uint32_t i = 0; i < rig->springs; i++) {
-        plain.list[i].a = rig->list[i].a;
-        plain.list[i].b = rig->list[i].b;
-        plain.list[i].stiffness = (float)rig->list[i].stiffness;
-        plain.list[i].length = (float)rig->list[i].length;
+    plain.per_mass = malloc(net->nodes * sizeof *plain.per_mass);
+    plain.list = malloc(net->springs * sizeof *plain.list);
+    memcpy(plain.x, net->rest, n * sizeof *plain.x);
+    for (uint32_t i = 0; i < net->nodes; i++)
+        plain.per_mass[i] = net->mass[i] > 0.0f ? 1.0f / net->mass[i] : 0.0f;
+    for (uint32_t i = 0; i < net->springs; i++) {
+        plain.list[i].a = net->list[i].a;
+        plain.list[i].b = net->list[i].b;
+        plain.list[i].stiffness = (float)net->list[i].stiffness;
+        plain.list[i].length = (float)net->list[i].length;
     }
     return plain;
 }
@@ -74,12 +74,12 @@ struct subject {
     uint32_t substeps;
     double least;
     int asleep;
-    struct rig rig; /* shares its net */
+    struct made_net net; /* shares its net */
 };
 
 static const char *const integrators[] = { "symplectic", "euler", "implicit" };
 
-static int open_subject(struct subject *subject, const struct rig *rig, uint32_t kernel, uint32_t integrator,
+static int open_subject(struct subject *subject, const struct made_net *net, uint32_t kernel, uint32_t integrator,
                         uint32_t iterations, int asleep)
 {
     dpt_springs_def def;
@@ -89,22 +89,22 @@ static int open_subject(struct subject *subject, const struct rig *rig, uint32_t
     def.iterations = iterations;
     def.sleep_speed = asleep ? 1e-3 : 0.0;
     def.sleep_steps = 2;
-    subject->rig = *rig;
-    subject->rig.block = NULL;
+    subject->net = *net;
+    subject->net.block = NULL;
     subject->least = 1e300;
     subject->asleep = asleep;
     sprintf(subject->name, "%s%s", integrators[integrator], asleep ? " asleep" : "");
     if (integrator == DPT_INTEGRATOR_IMPLICIT)
         sprintf(subject->name + strlen(subject->name), " %u", iterations);
     sprintf(subject->name + strlen(subject->name), ",%s", dpt_kernel_name(kernel));
-    if (rig_reopen(&subject->rig, &def) != DPT_OK)
+    if (net_reopen(&subject->net, &def) != DPT_OK)
         return 0;
     /* Every node moves a little. */
-    float *x = malloc(3 * (size_t)rig->nodes * sizeof *x);
+    float *x = malloc(3 * (size_t)net->nodes * sizeof *x);
     uint64_t seed = 3;
-    for (size_t i = 0; i < 3 * (size_t)rig->nodes; i++)
-        x[i] = rig->rest[i] + (asleep ? 0.0f : (float)random_in(&seed, -1e-5, 1e-5));
-    dpt_springs_set_nodes(subject->rig.made, 0, rig->nodes, x, NULL);
+    for (size_t i = 0; i < 3 * (size_t)net->nodes; i++)
+        x[i] = net->rest[i] + (asleep ? 0.0f : (float)random_in(&seed, -1e-5, 1e-5));
+    dpt_springs_set_nodes(subject->net.made, 0, net->nodes, x, NULL);
     free(x);
     return 1;
 }
@@ -113,25 +113,25 @@ static int cost(uint32_t nx, uint32_t ny, uint32_t nz)
 {
     enum { MOST = 24 };
     static struct subject subject[MOST];
-    struct rig rig = { 0 };
+    struct made_net net = { 0 };
     dpt_springs_def def;
     dpt_springs_def_init(&def);
-    rig_block(&rig, nx, ny, nz, 0.004, 5000.0, 1000.0);
-    rig.viscosity = 1e-4;
+    net_block(&net, nx, ny, nz, 0.004, 5000.0, 1000.0);
+    net.viscosity = 1e-4;
     for (uint32_t i = 0; i < nx * ny; i++)
-        rig_fix(&rig, i);
-    if (rig_open(&rig, &def) != DPT_OK)
+        net_fix(&net, i);
+    if (net_open(&net, &def) != DPT_OK)
         return 1;
-    struct plain plain = plain_of(&rig);
+    struct plain plain = plain_of(&net);
     uint32_t count = 0;
     for (uint32_t id = DPT_KERNEL_SCALAR; id <= DPT_KERNEL_WASM128; id++)
-        count += (uint32_t)open_subject(&subject[count], &rig, id, DPT_INTEGRATOR_SYMPLECTIC, 1, 0);
+        count += (uint32_t)open_subject(&subject[count], &net, id, DPT_INTEGRATOR_SYMPLECTIC, 1, 0);
     const uint32_t best = dpt_kernel_best();
     for (uint32_t iterations = 1; iterations <= 8; iterations *= 2)
-        count += (uint32_t)open_subject(&subject[count], &rig, best, DPT_INTEGRATOR_IMPLICIT, iterations, 0);
-    count += (uint32_t)open_subject(&subject[count], &rig, best, DPT_INTEGRATOR_SYMPLECTIC, 1, 1);
+        count += (uint32_t)open_subject(&subject[count], &net, best, DPT_INTEGRATOR_IMPLICIT, iterations, 0);
+    count += (uint32_t)open_subject(&subject[count], &net, best, DPT_INTEGRATOR_SYMPLECTIC, 1, 1);
     double least = 1e300;
-    const double h = 0.5 * rig.made->stable_step;
+    const double h = 0.5 * net.made->stable_step;
     for (int pass = 0; pass < PASSES; pass++) {
         double t = now();
         for (int i = 0; i < TURN; i++)
@@ -141,21 +141,21 @@ static int cost(uint32_t nx, uint32_t ny, uint32_t nz)
         for (uint32_t s = 0; s < count; s++) {
             t = now();
             for (int i = 0; i < TURN; i++)
-                dpt_springs_step(subject[s].rig.made, h, NULL, 0, NULL);
+                dpt_springs_step(subject[s].net.made, h, NULL, 0, NULL);
             t = (now() - t) / TURN;
             subject[s].least = t < subject[s].least ? t : subject[s].least;
         }
     }
     printf("nodes,springs,subject,kernel,ns_per_spring,ms_per_step,times_plain\n");
-    printf("%u,%u,plain loop,scalar,%.3f,%.3f,1\n", rig.nodes, rig.springs, least / rig.springs, 1e-6 * least);
+    printf("%u,%u,plain loop,scalar,%.3f,%.3f,1\n", net.nodes, net.springs, least / net.springs, 1e-6 * least);
     for (uint32_t s = 0; s < count; s++)
-        printf("%u,%u,%s,%.3f,%.4f,%.2f\n", rig.nodes, rig.springs, subject[s].name, subject[s].least / rig.springs,
+        printf("%u,%u,%s,%.3f,%.4f,%.2f\n", net.nodes, net.springs, subject[s].name, subject[s].least / net.springs,
                1e-6 * subject[s].least, least / subject[s].least);
     return 0;
 }
 
 /* A block that is struck, for a second or 2000 steps: the largest energy over that at the start; 0: refused. */
-static double strike(struct rig *rig, uint32_t integrator, double stiffness, double dt, uint32_t substeps)
+static double strike(struct made_net *net, uint32_t integrator, double stiffness, double dt, uint32_t substeps)
 {
     dpt_springs_def def;
     dpt_springs_def_init(&def);
@@ -163,23 +163,23 @@ static double strike(struct rig *rig, uint32_t integrator, double stiffness, dou
     def.stiffness = stiffness;
     def.sleep_speed = 0.0;
     def.max_substeps = substeps ? substeps : 1;
-    if (rig_reopen(rig, &def) != DPT_OK)
+    if (net_reopen(net, &def) != DPT_OK)
         return 0.0;
-    float *x = malloc(3 * (size_t)rig->nodes * sizeof *x);
+    float *x = malloc(3 * (size_t)net->nodes * sizeof *x);
     double elastic, kinetic, first, most = 0.0;
     uint64_t seed = 3;
-    for (size_t i = 0; i < 3 * (size_t)rig->nodes; i++)
-        x[i] = rig->rest[i] + (rig->mass[i / 3] > 0.0f ? (float)random_in(&seed, -1e-3, 1e-3) : 0.0f);
-    dpt_springs_set_nodes(rig->made, 0, rig->nodes, x, NULL);
+    for (size_t i = 0; i < 3 * (size_t)net->nodes; i++)
+        x[i] = net->rest[i] + (net->mass[i / 3] > 0.0f ? (float)random_in(&seed, -1e-3, 1e-3) : 0.0f);
+    dpt_springs_set_nodes(net->made, 0, net->nodes, x, NULL);
     free(x);
-    dpt_springs_get_energy(rig->made, &elastic, &kinetic);
+    dpt_springs_get_energy(net->made, &elastic, &kinetic);
     first = elastic + kinetic;
     const int steps = dt > 5e-4 ? (int)(1.0 / dt) + 1 : 2000;
     for (int i = 0; i < steps; i++) {
-        if (substeps ? dpt_springs_step(rig->made, dt, NULL, 0, NULL) != DPT_OK
-                     : !dpti_springs_substeps(rig->made, dt, 1))
+        if (substeps ? dpt_springs_step(net->made, dt, NULL, 0, NULL) != DPT_OK
+                     : !dpti_springs_substeps(net->made, dt, 1))
             return substeps ? 0.0 : 1e12;
-        dpt_springs_get_energy(rig->made, &elastic, &kinetic);
+        dpt_springs_get_energy(net->made, &elastic, &kinetic);
         most = elastic + kinetic > most ? elastic + kinetic : most;
     }
     return most / first;
@@ -187,14 +187,14 @@ static double strike(struct rig *rig, uint32_t integrator, double stiffness, dou
 
 static int map(void)
 {
-    struct rig rig = { 0 };
+    struct made_net net = { 0 };
     dpt_springs_def def;
     dpt_springs_def_init(&def);
-    rig_block(&rig, 6, 6, 6, 0.01, 5000.0, 1000.0);
-    rig.viscosity = 1e-4;
+    net_block(&net, 6, 6, 6, 0.01, 5000.0, 1000.0);
+    net.viscosity = 1e-4;
     for (uint32_t i = 0; i < 36; i++)
-        rig_fix(&rig, i);
-    if (rig_open(&rig, &def) != DPT_OK)
+        net_fix(&net, i);
+    if (net_open(&net, &def) != DPT_OK)
         return 1;
     printf("integrator,substeps,stiffness,step,stable_step,outcome\n");
     for (uint32_t integrator = DPT_INTEGRATOR_SYMPLECTIC; integrator <= DPT_INTEGRATOR_IMPLICIT; integrator++)
@@ -203,11 +203,11 @@ static int map(void)
                 for (double dt = 1e-5; dt < 0.2; dt *= sqrt(10.0)) {
                     if (integrator == DPT_INTEGRATOR_IMPLICIT && substeps != 1)
                         continue;
-                    const double outcome = strike(&rig, integrator, stiffness, dt, substeps);
+                    const double outcome = strike(&net, integrator, stiffness, dt, substeps);
                     printf("%s,%u,%.4g,%.4g,%.4g,%.4g\n", integrators[integrator], substeps, stiffness, dt,
-                           dpt_springs_get_stable_step(rig.made), outcome);
+                           dpt_springs_get_stable_step(net.made), outcome);
                 }
-    rig_close(&rig);
+    net_close(&net);
     return 0;
 }
 

@@ -28,11 +28,11 @@ void check_form(const char *text, const dpt_hit *hit)
           "contact %u: %s", hit->contact, text);
 }
 
-double check_way_out(const struct solid *solid, const struct stage *stage, double margin, const double ends[6],
+double check_way_out(const struct solid *solid, const struct rig *rig, double margin, const double ends[6],
                      double radius, const dpt_hit *hit)
 {
-    dpt_contact contacts[STAGE_CONTACTS], *found = NULL;
-    const uint32_t count = stage_contacts(stage, contacts);
+    dpt_contact contacts[RIG_CONTACTS], *found = NULL;
+    const uint32_t count = rig_contacts(rig, contacts);
     const char *text = answer_text(solid, "way out", ends, radius, hit);
     const double bound = 1e-5 * solid->diagonal;
     for (uint32_t i = 0; i < count; i++) {
@@ -46,7 +46,7 @@ double check_way_out(const struct solid *solid, const struct stage *stage, doubl
     if (!found)
         return 0;
     double out[6], p[3];
-    along(ends, found->s, p);
+    point_at(ends, found->s, p);
     CHECK(apart(p, found->p) <= 1e-12 * solid->oracle.extent, "p is off by %g: %s", apart(p, found->p), text);
     CHECK(fabs(oracle_signed(&solid->oracle, p) - (found->gap + radius)) <= bound, "%.9g at p, gap %.9g: %s",
           oracle_signed(&solid->oracle, p), found->gap, text);
@@ -81,4 +81,12 @@ int box_of(struct solid *solid, const double half[3])
         for (int k = 0; k < 3; k++)
             vertices[3 * i + k] = i >> k & 1 ? half[k] : -half[k];
     return solid_from_arrays(solid, "box", vertices, 8, corners, 12);
+}
+
+int depth_rig_open(struct rig *rig, const dpt_mesh *mesh, double margin, uint32_t max_contacts)
+{
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
+    def.margin = margin;
+    def.max_contacts = max_contacts;
+    return rig_open(rig, &def, mesh, &rig_point, 1);
 }

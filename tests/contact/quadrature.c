@@ -16,7 +16,7 @@ static void heights_at(const dpt_mesh *mesh, const dpt_pose *pose, const double 
 {
     static double points[FINE + COARSE][6];
     for (size_t i = 0; i < count; i++) {
-        along(ends, s[i], points[i]);
+        point_at(ends, s[i], points[i]);
         memcpy(points[i] + 3, points[i], 3 * sizeof *points[i]);
     }
     hits[0].size = sizeof *hits;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Regions of contact in a world against closed forms: over a plane, a cylinder and a sphere. */
-#include "lib/solid.h"
+#include "contact/depth_checks.h"
 
 /* Integrals of w = reach - height(x) where it is positive, for a height along the tool; dense, in double. */
 static void integrate(double (*height)(const void *of, double s), const void *of, double length, double reach,
@@ -41,12 +41,12 @@ static void check_ends(const dpt_contact *c, const char *how, const double flat[
     }
 }
 
-static void check_flat(const struct stage *stage, const char *how, const double ends[6], double radius,
+static void check_flat(const struct rig *rig, const char *how, const double ends[6], double radius,
                        const dpt_world_def *def, double up, const dpt_hit *hit)
 {
-    dpt_contact contacts[STAGE_CONTACTS];
+    dpt_contact contacts[RIG_CONTACTS];
     const double flat[6] = { ends[0], ends[1], up * ends[2], ends[3], ends[4], up * ends[5] };
-    const uint32_t count = stage_contacts(stage, contacts);
+    const uint32_t count = rig_contacts(rig, contacts);
     const double gap = fmin(flat[2], flat[5]) - radius, length = apart(ends, ends + 3);
     const double margin = def->margin, onset = def->onset < 0 ? margin : def->onset;
     double overlap, moment, square;
@@ -82,15 +82,12 @@ static void check_flat(const struct stage *stage, const char *how, const double 
 static void slide_flat(const struct solid *solid, const char *how, const double ends[6], const double step[2],
                        double radius, double up, double top, double bottom, double onset)
 {
-    struct stage stage;
-    dpt_world_def def;
+    struct rig rig;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     const double fall = (bottom - top) * 1.2 / 400;
     const int count = 400;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
     def.onset = onset;
-    if (!stage_open_world(&stage, solid->mesh, NULL, &def))
+    if (!rig_open(&rig, &def, solid->mesh, &rig_point, 1))
         return;
     for (int i = 0; i < count; i++) {
         double now[6];
@@ -103,10 +100,10 @@ static void slide_flat(const struct solid *solid, const char *how, const double 
             now[3 * e + 1] = ends[3 * e + 1] + i * step[1];
             now[3 * e + 2] = up * (ends[3 * e + 2] + height);
         }
-        const dpt_hit hit = stage_tick(&stage, now, radius);
-        check_flat(&stage, how, now, radius, &def, up, &hit);
+        const dpt_hit hit = rig_step_ends(&rig, now, radius);
+        check_flat(&rig, how, now, radius, &def, up, &hit);
     }
-    stage_close(&stage);
+    rig_close(&rig);
 }
 
 /* Cells of 10 mm: along a grid line with its vertices, along the cells' diagonals, across all. */
@@ -140,17 +137,17 @@ static void flat_sheet(void)
 static void flat_face(void)
 {
     struct solid solid;
-    struct stage stage;
-    if (!solid_from_shape(&solid, "box", 768) || !stage_open(&stage, solid.mesh, NULL, 0.001, 32, 0))
+    struct rig rig;
+    if (!solid_from_shape(&solid, "box", 768) || !depth_rig_open(&rig, solid.mesh, 0.001, 32))
         return;
     const double top = solid.info.box_max[2];
     for (int i = 0; i < 400; i++) {
         const double x = -0.03 + 0.0001 * i, y = i < 200 ? 0 : 0.00007 * (i - 200);
         const double height = 0.004 - 0.00002 * i;
         const double ends[6] = { x, y, top + height, x + 0.02, y + 0.005, top + height + 0.003 };
-        const dpt_hit hit = stage_tick(&stage, ends, 0.002);
-        dpt_contact contacts[STAGE_CONTACTS];
-        const uint32_t count = stage_contacts(&stage, contacts);
+        const dpt_hit hit = rig_step_ends(&rig, ends, 0.002);
+        dpt_contact contacts[RIG_CONTACTS];
+        const uint32_t count = rig_contacts(&rig, contacts);
         const double gap = ends[2] - top - 0.002;
         CHECK(fabs(hit.gap - gap) <= 1e-5 * solid.diagonal, "gap %.9g, not %.9g", hit.gap, gap);
         CHECK(count == (gap <= 0.001), "%u regions at %g", count, gap);
@@ -158,7 +155,7 @@ static void flat_face(void)
             CHECK(fabs(contacts[0].normal[2] - 1) <= 1e-9 && fabs(contacts[0].normal[0]) <= 1e-9, "normal %g %g %g",
                   contacts[0].normal[0], contacts[0].normal[1], contacts[0].normal[2]);
     }
-    stage_close(&stage);
+    rig_close(&rig);
     solid_close(&solid);
 }
 
@@ -189,12 +186,11 @@ static double height_of_round(const void *of, double s)
  * to sag, so gap is too, and the overlap is between those of both. To that 2 % of the largest overlap, what the
  * integrals are allowed. Its faces are tilted by at most `tilt` against the sphere or cylinder.
  */
-static void check_round(const struct stage *stage, const char *how, const struct round_height *r, double sag,
-                        double tilt, double tool_radius, double margin, double peak, const double way[3],
-                        const dpt_hit *hit)
+static void check_round(const struct rig *rig, const char *how, const struct round_height *r, double sag, double tilt,
+                        double tool_radius, double margin, double peak, const double way[3], const dpt_hit *hit)
 {
-    dpt_contact contacts[STAGE_CONTACTS];
-    const uint32_t count = stage_contacts(stage, contacts);
+    dpt_contact contacts[RIG_CONTACTS];
+    const uint32_t count = rig_contacts(rig, contacts);
     const double gap = r->least - r->radius - tool_radius, bound = 1e-7;
     double most, least, most_moment, least_moment, overlap = 0, moment = 0;
     CHECK(hit->gap >= gap - bound && hit->gap <= gap + sag + bound, "%s: gap %.9g, not %.9g", how, hit->gap, gap);
@@ -221,8 +217,8 @@ static void round_cylinder(void)
     if (!solid_from_net(&solid, "cylinder", 30, ROUND, 1, place_cylinder))
         return;
     for (int kind = 0; kind < 3; kind++) {
-        struct stage stage;
-        if (!stage_open(&stage, solid.mesh, NULL, margin, 32, 0))
+        struct rig rig;
+        if (!depth_rig_open(&rig, solid.mesh, margin, 32))
             return;
         const double length = kind == 2 ? 0 : 0.06;
         struct round_height r = { radius + tool - 0.002, length, 0.4, radius };
@@ -240,12 +236,12 @@ static void round_cylinder(void)
                 ends[k] = foot - 0.4 * length * side[k];
                 ends[3 + k] = foot + 0.6 * length * side[k];
             }
-            const dpt_hit hit = stage_tick(&stage, ends, tool);
+            const dpt_hit hit = rig_step_ends(&rig, ends, tool);
             if (kind == 0) {
-                check_round(&stage, "across", &r, sag, tilt, tool, margin, peak, way, &hit);
+                check_round(&rig, "across", &r, sag, tilt, tool, margin, peak, way, &hit);
             } else {
-                dpt_contact contacts[STAGE_CONTACTS];
-                const uint32_t count = stage_contacts(&stage, contacts);
+                dpt_contact contacts[RIG_CONTACTS];
+                const uint32_t count = rig_contacts(&rig, contacts);
                 const double gap = d - radius - tool, most = fmax(0, margin - gap) * length;
                 const char *how = kind == 1 ? "along" : "ball";
                 CHECK(hit.gap >= gap - 1e-7 && hit.gap <= gap + sag, "%s: gap %.9g, not %.9g", how, hit.gap, gap);
@@ -260,7 +256,7 @@ static void round_cylinder(void)
                 }
             }
         }
-        stage_close(&stage);
+        rig_close(&rig);
     }
     solid_close(&solid);
 }
@@ -270,8 +266,8 @@ static void round_sphere(void)
     const double margin = 0.001, tool = 0.004;
     double outer, inner, tilt, peak, moment;
     struct solid solid;
-    struct stage stage;
-    if (!solid_from_shape(&solid, "sphere", 5120) || !stage_open(&stage, solid.mesh, NULL, margin, 32, 0))
+    struct rig rig;
+    if (!solid_from_shape(&solid, "sphere", 5120) || !depth_rig_open(&rig, solid.mesh, margin, 32))
         return;
     solid_balls(&solid, &inner, &outer, &tilt);
     struct round_height r = { outer + tool - 0.002, 0.08, 0.3, outer };
@@ -286,10 +282,10 @@ static void round_sphere(void)
             ends[k] = r.least * way[k] - 0.3 * r.length * side[k];
             ends[3 + k] = r.least * way[k] + 0.7 * r.length * side[k];
         }
-        const dpt_hit hit = stage_tick(&stage, ends, tool);
-        check_round(&stage, "sphere", &r, outer - inner, 2 * tilt, tool, margin, peak, way, &hit);
+        const dpt_hit hit = rig_step_ends(&rig, ends, tool);
+        check_round(&rig, "sphere", &r, outer - inner, 2 * tilt, tool, margin, peak, way, &hit);
     }
-    stage_close(&stage);
+    rig_close(&rig);
     solid_close(&solid);
 }
 

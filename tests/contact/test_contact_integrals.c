@@ -8,6 +8,7 @@
  *
  * Real meshes from DPT_DATA.
  */
+#include "contact/depth_checks.h"
 #include "contact/quadrature.h"
 
 static const char *data;
@@ -32,7 +33,7 @@ struct scene {
     const char *how;
     double margin, radius, diagonal;
     int cold; /* each tick is a first one */
-    struct stage stage;
+    struct rig rig;
     struct id_history names;
     uint64_t tick;
     struct worst worst[KINDS];
@@ -64,7 +65,7 @@ static void check_region(struct scene *scene, const double ends[6], const struct
     double p[3], q[3] = { 0, 0, 0 }, corners[9], way[3], least = INFINITY;
     CHECK(c->s0 >= 0 && c->s0 <= c->s && c->s <= c->s1 && c->s1 <= 1, "%g <= %g <= %g: %s", c->s0, c->s, c->s1, text);
     CHECK(c->gap <= scene->margin + bound, "gap %g: %s", c->gap, text);
-    along(ends, c->s, p);
+    point_at(ends, c->s, p);
     CHECK(apart(p, c->p) <= tiny, "p: %s", text);
     CHECK(fabs(c->weight[0] + c->weight[1] + c->weight[2] - 1) <= 1e-12, "weights: %s", text);
     CHECK(fmin(c->weight[0], fmin(c->weight[1], c->weight[2])) >= 0, "weights: %s", text);
@@ -127,7 +128,7 @@ static void check_quadrature(const struct scene *scene, const double ends[6], co
 {
     for (size_t i = 0; i < quadrature->count; i += 1 + quadrature->count / 8) {
         double x[3];
-        along(ends, quadrature->s[i], x);
+        point_at(ends, quadrature->s[i], x);
         const double height = oracle_signed(&scene->solid->oracle, x);
         CHECK(fabs(height - quadrature->height[i]) <= 1e-9 * scene->diagonal, "%.12g, not %.12g at %g: %s",
               quadrature->height[i], height, quadrature->s[i], scene_text(scene, scene->tick, ends));
@@ -201,25 +202,26 @@ static uint64_t run(struct scene *scene, next_ends *next, void *of, uint64_t cou
 {
     static struct quadrature quadrature;
     struct record *record = calloc(count, sizeof *record);
-    if (!record || !stage_open(&scene->stage, scene->solid->mesh, scene->pose, scene->margin, 32, 0)) {
+    if (!record || !depth_rig_open(&scene->rig, NULL, scene->margin, 32) ||
+        !rig_add_body(&scene->rig, scene->solid->mesh, scene->pose)) {
         free(record);
         return 0;
     }
     for (uint64_t i = scene->tick = 0; i < count; scene->tick = ++i) {
-        dpt_contact contacts[STAGE_CONTACTS], *deepest = NULL;
+        dpt_contact contacts[RIG_CONTACTS], *deepest = NULL;
         double ends[6];
         next(of, ends);
         if (scene->cold)
-            stage_jump(&scene->stage);
-        stage_tick(&scene->stage, ends, scene->radius);
-        const uint32_t found = stage_contacts(&scene->stage, contacts);
+            dpt_tool_teleport(scene->rig.world, scene->rig.tool, &scene->rig.device);
+        rig_step_ends(&scene->rig, ends, scene->radius);
+        const uint32_t found = rig_contacts(&scene->rig, contacts);
         take_quadrature(&quadrature, scene->solid->mesh, scene->pose, ends, scene->margin + scene->radius);
         memcpy(record[i].ends, ends, sizeof ends);
         record[i].truth = quadrature.sum;
         record[i].half = quadrature.half;
         if (i % 16 == 0 && !scene->pose)
             check_quadrature(scene, ends, &quadrature);
-        CHECK(scene->stage.step.contacts == found, "%u contacts, not %u: %s", scene->stage.step.contacts, found,
+        CHECK(scene->rig.step.contacts == found, "%u contacts, not %u: %s", scene->rig.step.contacts, found,
               scene_text(scene, scene->tick, ends));
         for (uint32_t k = 0; k < found; k++) {
             const dpt_contact *c = &contacts[k];
@@ -242,7 +244,7 @@ static uint64_t run(struct scene *scene, next_ends *next, void *of, uint64_t cou
     scene->worst[BEYOND].value /= fmax(peak_of(record, count, 0), 1e-30);
     scene->worst[MISSED].value /= fmax(peak_of(record, count, 0), 1e-30);
     const uint64_t single_jumps = check_run(scene, record, count);
-    stage_close(&scene->stage);
+    rig_close(&scene->rig);
     free(record);
     return single_jumps;
 }

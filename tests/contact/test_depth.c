@@ -87,7 +87,7 @@ static void random_axes(const struct solid *solid, uint64_t count)
 /* One motion of a tool in a world: `go` makes the next tick's ends. */
 struct drive {
     const struct solid *solid;
-    struct stage stage, depth_alone; /* the second without contacts */
+    struct rig rig, depth_alone; /* the second without contacts */
     double margin, ends[6], radius;
     uint64_t every; /* of these ticks one is held against the oracle */
     dpt_hit last;
@@ -98,14 +98,14 @@ struct drive {
 static int drive_begin(struct drive *drive, const struct solid *solid, double radius)
 {
     *drive = (struct drive){ .solid = solid, .margin = 0.003 * solid->diagonal, .radius = radius };
-    return stage_open(&drive->stage, solid->mesh, NULL, drive->margin, 32, 0) &&
-           stage_open(&drive->depth_alone, solid->mesh, NULL, drive->margin, 0, 0);
+    return depth_rig_open(&drive->rig, solid->mesh, drive->margin, 32) &&
+           depth_rig_open(&drive->depth_alone, solid->mesh, drive->margin, 0);
 }
 
 static void drive_end(struct drive *drive)
 {
-    stage_close(&drive->stage);
-    stage_close(&drive->depth_alone);
+    rig_close(&drive->rig);
+    rig_close(&drive->depth_alone);
 }
 
 static void drive_tick(struct drive *drive)
@@ -113,8 +113,8 @@ static void drive_tick(struct drive *drive)
     const struct solid *solid = drive->solid;
     const double *ends = drive->ends, radius = drive->radius, diagonal = solid->diagonal;
     dpt_hit plain = DPT_HIT_INIT;
-    const dpt_hit hit = stage_tick(&drive->stage, ends, radius);
-    const dpt_hit alone = stage_tick(&drive->depth_alone, ends, radius);
+    const dpt_hit hit = rig_step_ends(&drive->rig, ends, radius);
+    const dpt_hit alone = rig_step_ends(&drive->depth_alone, ends, radius);
     dpt_query_segments(solid->mesh, NULL, ends, &radius, 1, &plain, NULL);
     check_form(answer_text(solid, "world", ends, radius, &hit), &hit);
     CHECK(fabs(plain.gap - hit.gap) <= 2e-5 * diagonal, "%.9g without history: %s", plain.gap,
@@ -122,7 +122,7 @@ static void drive_tick(struct drive *drive)
     CHECK(fabs(plain.gap - alone.gap) <= 2e-5 * diagonal, "%.9g without history: %s", plain.gap,
           answer_text(solid, "depth alone", ends, radius, &alone));
     if (drive->tick) {
-        const double went = motion_of(drive->last_ends, ends);
+        const double went = ends_moved(drive->last_ends, ends);
         const double jump = fabs(hit.gap - drive->last.gap) - went;
         CHECK(jump <= 2e-5 * diagonal, "from %.9g within %g: %s", drive->last.gap, went,
               answer_text(solid, "world", ends, radius, &hit));
@@ -131,7 +131,7 @@ static void drive_tick(struct drive *drive)
     if (drive->tick % drive->every == 0) {
         check_depth(solid, "world", ends, radius, &hit);
         check_depth(solid, "depth alone", ends, radius, &alone);
-        const double off = check_way_out(solid, &drive->stage, drive->margin, ends, radius, &hit);
+        const double off = check_way_out(solid, &drive->rig, drive->margin, ends, radius, &hit);
         tally.landed = fmax(tally.landed, off / diagonal);
     }
     drive->last = hit;
@@ -244,20 +244,20 @@ static void depth_goes_on_from_the_last_tick(void)
     drive.ends[0] -= 0.15;
     drive.ends[3] += 0.15;
     for (uint64_t i = 0; i < TICKS; i++) {
-        const double gap = stage_tick(&drive.depth_alone, drive.ends, drive.radius).gap;
-        stage_tick(&drive.stage, drive.ends, drive.radius);
-        work[0] += drive.stage.step.work;
+        const double gap = rig_step_ends(&drive.depth_alone, drive.ends, drive.radius).gap;
+        rig_step_ends(&drive.rig, drive.ends, drive.radius);
+        work[0] += drive.rig.step.work;
         work[1] += drive.depth_alone.step.work;
         turn_about(drive.ends, 0.5, (const double[3]){ 0.6, 0.64, 0.48 }, 1e-3);
         if (i % (TICKS / RESETS))
             continue;
-        struct stage new;
+        struct rig new;
         dpt_world_reset(drive.depth_alone.world);
-        const double again = stage_tick(&drive.depth_alone, drive.ends, drive.radius).gap;
-        stage_open(&new, liver.mesh, NULL, drive.margin, 0, 0);
-        const double anew = stage_tick(&new, drive.ends, drive.radius).gap;
+        const double again = rig_step_ends(&drive.depth_alone, drive.ends, drive.radius).gap;
+        depth_rig_open(&new, liver.mesh, drive.margin, 0);
+        const double anew = rig_step_ends(&new, drive.ends, drive.radius).gap;
         CHECK(gap < 0 && again == anew, "%.17g after a reset, %.17g in a new world", again, anew);
-        stage_close(&new);
+        rig_close(&new);
     }
     const double ratio = (double)work[1] / (double)work[0];
     printf("    %.3f of the work with contacts\n", ratio);
@@ -273,21 +273,15 @@ static void try_two_bodies(uint32_t max_contacts, uint64_t liver_triangles)
                                 { { -0.03, 0.05, 0.06 }, { 0.5, 0.5, -0.5, 0.5 } } };
     const dpt_segment none[2] = { { { 0, 0, 0 }, { 0, 0, 0 }, 0 }, { { 0, 0, 0 }, { 0, 0, 0 }, 0 } };
     struct solid solid[2];
-    struct stage stage;
-    dpt_world_def def;
-    dpt_body other;
+    struct rig rig;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     uint64_t seed = 17;
     if (!solid_from_shape(&solid[0], "torus", 2000) || !solid_from_shape(&solid[1], "liver", liver_triangles))
         return;
-    dpt_world_def_init(&def);
-    def.law = DPT_LAW_POINT;
     def.max_contacts = max_contacts;
-    stage.block = malloc(dpt_world_bytes(&def));
-    const int made = dpt_world_create(stage.block, dpt_world_bytes(&def), &def, &stage.world) == DPT_OK &&
-                     dpt_body_add(stage.world, solid[0].mesh, &poses[0], &stage.body) == DPT_OK &&
-                     dpt_body_add(stage.world, solid[1].mesh, &poses[1], &other) == DPT_OK &&
-                     dpt_tool_add(stage.world, none, 2, &stage.tool) == DPT_OK;
-    CHECK(made, "no world");
+    int made = rig_open(&rig, &def, NULL, none, 2);
+    for (int b = 0; b < 2; b++)
+        made = made && rig_add_body(&rig, solid[b].mesh, &poses[b]);
     for (uint64_t i = 0; i < 10 * ticks && made; i++) {
         dpt_segment segments[2];
         double ends[12], radii[2];
@@ -302,22 +296,21 @@ static void try_two_bodies(uint32_t max_contacts, uint64_t liver_triangles)
             memcpy(segments[e].a, ends + 6 * e, sizeof segments[e].a);
             memcpy(segments[e].b, ends + 6 * e + 3, sizeof segments[e].b);
         }
-        CHECK(dpt_tool_set_segments(stage.world, stage.tool, segments, 2) == DPT_OK &&
-                  dpt_world_step(stage.world, 1e-3, NULL) == DPT_OK,
-              "no step");
+        CHECK(dpt_tool_set_segments(rig.world, rig.tool, segments, 2) == DPT_OK, "no segments");
+        rig_tick(&rig);
         for (int b = 0; b < 2; b++) {
             hits[b][0].size = sizeof hit;
             dpt_query_segments(solid[b].mesh, &poses[b], ends, radii, 2, hits[b], NULL);
         }
         for (uint32_t e = 0; e < 2; e++) {
-            dpt_tool_get_segment_hit(stage.world, stage.tool, e, &hit);
+            dpt_tool_get_segment_hit(rig.world, rig.tool, e, &hit);
             const double gap = fmin(hits[0][e].gap, hits[1][e].gap);
             CHECK((hit.flags & DPT_HIT_FLAG_GAP) && fabs(hit.gap - gap) <= 2e-5 * solid[1].diagonal,
                   "gap %.9g, not the less of %.9g and %.9g: %s", hit.gap, hits[0][e].gap, hits[1][e].gap,
                   answer_text(&solid[0], "query", ends + 6 * e, radii[e], &hit));
         }
     }
-    free(stage.block);
+    rig_close(&rig);
     solid_close(&solid[0]);
     solid_close(&solid[1]);
 }
@@ -357,19 +350,19 @@ static void closed_organs(void)
 static void try_distance(const struct solid *solid)
 {
     struct motion motion = { .count = 0 };
-    struct stage stage;
+    struct rig rig;
     motion_random(&motion, &solid->place, seed_of(solid->name), 4 * ticks);
     double last[2] = { 0, 0 }, bound = 0;
-    if (!stage_open(&stage, solid->mesh, NULL, 0.003 * solid->diagonal, 32, 0))
+    if (!depth_rig_open(&rig, solid->mesh, 0.003 * solid->diagonal, 32))
         return;
     for (size_t i = 0; i < motion.count; i++) {
         dpt_hit hits[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
         const double radius = radius_of(solid, i / 20);
         if (motion.jumps[i])
-            stage_jump(&stage);
+            dpt_tool_teleport(rig.world, rig.tool, &rig.device);
         dpt_query_segments(solid->mesh, NULL, motion.ends[i], &radius, 1, &hits[0], NULL);
-        hits[1] = stage_tick(&stage, motion.ends[i], radius);
-        const double went = i ? motion_of(motion.ends[i - 1], motion.ends[i]) : 0;
+        hits[1] = rig_step_ends(&rig, motion.ends[i], radius);
+        const double went = i ? ends_moved(motion.ends[i - 1], motion.ends[i]) : 0;
         for (int w = 0; w < 2; w++) {
             const char *text = answer_text(solid, w ? "world" : "query", motion.ends[i], radius, &hits[w]);
             CHECK(!i || fabs(hits[w].distance - last[w]) <= went * (1 + 1e-12) + bound + hits[w].error_bound,
@@ -386,7 +379,7 @@ static void try_distance(const struct solid *solid)
         bound = hits[0].error_bound + hits[1].error_bound;
         tally.ticks++;
     }
-    stage_close(&stage);
+    rig_close(&rig);
     motion_free(&motion);
 }
 

@@ -46,10 +46,10 @@ static double delicate(uint64_t *seed, double half)
 static void box_in_closed_form(const double half[3])
 {
     struct solid solid;
-    struct stage stage;
+    struct rig rig;
     uint64_t seed = 11;
     double worst = 0, worst_free = 0;
-    if (!box_of(&solid, half) || !stage_open(&stage, solid.mesh, NULL, 0.001, 32, 0))
+    if (!box_of(&solid, half) || !depth_rig_open(&rig, solid.mesh, 0.001, 32))
         return;
     for (uint64_t i = 0; i < 80 * ticks; i++) {
         double ends[6], radius = radius_of(&solid, i);
@@ -64,7 +64,7 @@ static void box_in_closed_form(const double half[3])
                 if (k != keep)
                     ends[3 + k] = ends[k];
         dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
-        const dpt_hit moved = stage_tick(&stage, ends, radius);
+        const dpt_hit moved = rig_step_ends(&rig, ends, radius);
         const double truth = least_over_box(half, ends) - radius;
         for (int w = 0; w < 2; w++) {
             const dpt_hit *h = w ? &moved : &hit;
@@ -79,12 +79,12 @@ static void box_in_closed_form(const double half[3])
             worst = fmax(worst, error / solid.diagonal);
         }
         if (i % 7 == 0)
-            check_way_out(&solid, &stage, 0.001, ends, radius, &moved);
+            check_way_out(&solid, &rig, 0.001, ends, radius, &moved);
         memcpy(ends_before, ends, sizeof ends);
     }
     printf("    %g x %g x %g m: %.1e of the diagonal, %.1e m free\n", 2 * half[0], 2 * half[1], 2 * half[2], worst,
            worst_free);
-    stage_close(&stage);
+    rig_close(&rig);
     solid_close(&solid);
 }
 
@@ -116,17 +116,17 @@ static void jumps_without_a_word(void)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct solid solid;
-        struct stage stage;
-        if (!box_of(&solid, cases[i].half) || !stage_open(&stage, solid.mesh, NULL, 0.001, 32, 0))
+        struct rig rig;
+        if (!box_of(&solid, cases[i].half) || !depth_rig_open(&rig, solid.mesh, 0.001, 32))
             continue;
         for (int t = 0; t < 2; t++) {
             const double *ends = cases[i].ends[t], radius = cases[i].radius[t];
-            const dpt_hit hit = stage_tick(&stage, ends, radius);
+            const dpt_hit hit = rig_step_ends(&rig, ends, radius);
             const double gap = least_over_box(cases[i].half, ends) - radius;
             CHECK(fabs(hit.gap - gap) <= 1e-5 * solid.diagonal, "case %d, tick %d: %.9g, not %.9g", (int)i, t, hit.gap,
                   gap);
         }
-        stage_close(&stage);
+        rig_close(&rig);
         solid_close(&solid);
     }
 }
@@ -149,7 +149,7 @@ static void sphere(void)
             d[k] = ends[3 + k] - ends[k];
         const double square = dot3(d, d);
         const double s = square > 0 ? fmax(0, fmin(1, -dot3(ends, d) / square)) : 0;
-        along(ends, s, x);
+        point_at(ends, s, x);
         const double least = sqrt(dot3(x, x)) - radius, bound = 1e-5 * solid.diagonal;
         dpt_query_segments(solid.mesh, NULL, ends, &radius, 1, &hit, NULL);
         check_form(answer_text(&solid, "query", ends, radius, &hit), &hit);
@@ -193,7 +193,7 @@ static void torus(void)
         dpt_hit hit = DPT_HIT_INIT;
         ends_about(&seed, 0.1, i, ends);
         for (int k = 0; k <= DENSE; k++) {
-            along(ends, (double)k / DENSE, x);
+            point_at(ends, (double)k / DENSE, x);
             if (height_over_torus(x) < high) {
                 high = height_over_torus(x);
                 at = (double)k / DENSE;
@@ -202,8 +202,8 @@ static void torus(void)
         double from = fmax(0, at - 1.0 / DENSE), to = fmin(1, at + 1.0 / DENSE);
         for (int k = 0; k < 60; k++) {
             double y[3];
-            along(ends, from + 0.382 * (to - from), x);
-            along(ends, from + 0.618 * (to - from), y);
+            point_at(ends, from + 0.382 * (to - from), x);
+            point_at(ends, from + 0.618 * (to - from), y);
             if (height_over_torus(x) < height_over_torus(y))
                 to = from + 0.618 * (to - from);
             else
@@ -274,7 +274,7 @@ static void a_sphere_within_a_sphere(void)
         for (int k = 0; k < 3; k++)
             d[k] = ends[3 + k] - ends[k];
         for (int k = 0; k <= DENSE; k++) {
-            along(ends, (double)k / DENSE, x);
+            point_at(ends, (double)k / DENSE, x);
             least = fmin(least, height_over_buried(x, outer));
         }
         from_material += i % 2 && height_over_buried(ends, outer) < -0.3 * outer;

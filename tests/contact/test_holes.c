@@ -6,46 +6,19 @@
  *     test_holes [AXES = 400]
  */
 #include "contact/defective_meshes.h"
-#include "dynpoint.h"
+#include "lib/rig.h"
 #include "nearest/nearest_pair.h"
 #include "track/world_state.h"
 
 static int axes = 400;
 
-struct stage {
-    dpt_world *world;
-    dpt_tool tool;
-    void *block;
-};
-
 /* `mesh` may be NULL. */
-static int stage_open(struct stage *stage, const dpt_mesh *mesh, uint32_t max_contacts)
+static int open_rig(struct rig *rig, const dpt_mesh *mesh, uint32_t max_contacts)
 {
-    const dpt_segment none = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.0 };
-    dpt_world_def def;
-    dpt_body body;
-    dpt_world_def_init(&def);
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.until = DPT_UNTIL_CONTACT;
     def.max_contacts = max_contacts;
-    stage->block = malloc(dpt_world_bytes(&def));
-    const int is_made = dpt_world_create(stage->block, dpt_world_bytes(&def), &def, &stage->world) == DPT_OK &&
-                        (!mesh || dpt_body_add(stage->world, mesh, NULL, &body) == DPT_OK) &&
-                        dpt_tool_add(stage->world, &none, 1, &stage->tool) == DPT_OK;
-    CHECK(is_made, "no world");
-    return is_made;
-}
-
-static dpt_hit stage_tick(const struct stage *stage, const double ends[6])
-{
-    dpt_hit hit = { .size = sizeof hit };
-    dpt_segment segment = { .radius = 0.0 };
-    memcpy(segment.a, ends, sizeof segment.a);
-    memcpy(segment.b, ends + 3, sizeof segment.b);
-    CHECK(dpt_tool_set_segments(stage->world, stage->tool, &segment, 1) == DPT_OK &&
-              dpt_world_step(stage->world, 1e-3, NULL) == DPT_OK &&
-              dpt_tool_get_hit(stage->world, stage->tool, &hit) == DPT_OK,
-          "no step");
-    return hit;
+    return rig_open(rig, &def, mesh, &rig_point, 1);
 }
 
 struct tally {
@@ -60,9 +33,9 @@ static struct tally compare_some(const char *name, const struct mesh_builder *bu
 {
     uint64_t random = 3;
     struct tally tally = { .axes = count };
-    struct stage stage;
+    struct rig rig;
     struct holes holes;
-    if (!stage_open(&stage, builder->mesh, max_contacts))
+    if (!open_rig(&rig, builder->mesh, max_contacts))
         return tally;
     const double diagonal = surface_diagonal(&builder->surface);
     dpti_holes_find(&builder->surface, &builder->kernel, &holes);
@@ -72,8 +45,8 @@ static struct tally compare_some(const char *name, const struct mesh_builder *bu
         dpt_hit query = { .size = sizeof query };
         any_axis(builder, &random, ends);
         if (holes.has_sheets) /* a query knows of no side that a tool came from */
-            dpt_world_reset(stage.world);
-        const dpt_hit hit = stage_tick(&stage, ends);
+            dpt_world_reset(rig.world);
+        const dpt_hit hit = rig_step_ends(&rig, ends, 0.0);
         dpt_query_segments(builder->mesh, NULL, ends, &no_radius, 1, &query, NULL);
         const vec3 a = vec3_of(ends);
         const int is_far = dpti_holes_are_far_from(&holes, a, sub(vec3_of(ends + 3), a));
@@ -86,7 +59,7 @@ static struct tally compare_some(const char *name, const struct mesh_builder *bu
     }
     printf("    %-28s %3u balls; of %d axes %d inside, %d far from holes; near them %d differ\n", name, holes.count,
            count, tally.inside, tally.far, tally.near_differ);
-    free(stage.block);
+    rig_close(&rig);
     return tally;
 }
 
@@ -212,17 +185,17 @@ static void other_defects_are_counted(void)
 static void crossings_of_edges_are_asked_for(void)
 {
     struct mesh_builder builder;
-    struct stage stage;
-    if (cubes_with_an_edge_in_common(&builder) && stage_open(&stage, builder.mesh, 32)) {
+    struct rig rig;
+    if (cubes_with_an_edge_in_common(&builder) && open_rig(&rig, builder.mesh, 32)) {
         for (int i = 0; i < 64; i++) {
             const double no_radius = 0.0, x = 0.0125 * (i % 8 + 1), y = 0.0125 * (i / 8 + 1);
             const double ends[6] = { x, y, -0.02, y, x, i % 3 ? 0.07 : 0.12 };
             dpt_hit query = { .size = sizeof query };
-            const dpt_hit hit = stage_tick(&stage, ends);
+            const dpt_hit hit = rig_step_ends(&rig, ends, 0.0);
             dpt_query_segments(builder.mesh, NULL, ends, &no_radius, 1, &query, NULL);
             CHECK(fabs(hit.gap - query.gap) <= 1e-6, "gap %g, not %g, at %g %g", hit.gap, query.gap, x, y);
         }
-        free(stage.block);
+        rig_close(&rig);
     }
     builder_free(&builder);
 }
@@ -231,28 +204,27 @@ static void crossings_of_edges_are_asked_for(void)
 static void sheets_with_sides(void)
 {
     struct mesh_builder builder;
-    struct stage stage, asking;
+    struct rig rig, asking;
     int sided = 0, inside = 0;
-    if (!balls_and_a_sheet(&builder, 1) || !stage_open(&stage, builder.mesh, 32) ||
-        !stage_open(&asking, builder.mesh, 32))
+    if (!balls_and_a_sheet(&builder, 1) || !open_rig(&rig, builder.mesh, 32) || !open_rig(&asking, builder.mesh, 32))
         return;
     asking.world->bodies[0].surface.holes = NULL;
     for (int i = 0; i < axes; i++) {
         const double x = 0.04 * sin(0.05 * i), y = 0.03 + 0.05 * sin(0.013 * i), z = 0.03 * cos(0.02 * i);
         const double ends[6] = { x - 0.06, y, 0.02 + z, x + 0.09, y + 0.01, 0.025 + z };
-        const dpt_hit hit = stage_tick(&stage, ends), wanted = stage_tick(&asking, ends);
+        const dpt_hit hit = rig_step_ends(&rig, ends, 0.0), wanted = rig_step_ends(&asking, ends, 0.0);
         CHECK(hit.contact == wanted.contact && fabs(hit.gap - wanted.gap) <= 2e-5 * surface_diagonal(&builder.surface),
               "gap %.9g, not %.9g", hit.gap, wanted.gap);
         dpt_contact contact = { .size = sizeof contact };
         uint32_t count = 0;
-        dpt_tool_get_contacts(stage.world, stage.tool, &contact, 1, &count);
+        dpt_tool_get_contacts(rig.world, rig.tool, &contact, 1, &count);
         sided += count && (contact.flags & DPT_CONTACT_FLAG_SIDED);
         inside += wanted.gap < 0.0;
     }
     printf("    of %d axes %d inside, %d of them with a side\n", axes, inside, sided);
     CHECK(inside > axes / 8 && sided > axes / 40, "%d inside, %d with a side", inside, sided);
-    free(stage.block);
-    free(asking.block);
+    rig_close(&rig);
+    rig_close(&asking);
     builder_free(&builder);
 }
 
@@ -282,18 +254,18 @@ static void public_meshes_with_defects(void)
  */
 static uint64_t work_through(const struct mesh_builder *builder, int is_asking)
 {
-    struct stage stage;
+    struct rig rig;
     uint64_t work = 0;
-    if (!stage_open(&stage, builder->mesh, 32))
+    if (!open_rig(&rig, builder->mesh, 32))
         return 0;
     if (is_asking)
-        stage.world->bodies[0].surface.holes = NULL;
+        rig.world->bodies[0].surface.holes = NULL;
     for (int i = 0; i < axes; i++) {
         const double z = 0.03 * sin(0.01 * i), x = 0.05 * cos(0.007 * i);
         const double ends[6] = { x - 0.12, -0.02, z - 0.01, x + 0.12, 0.03, z + 0.02 };
-        work += stage_tick(&stage, ends).work;
+        work += rig_step_ends(&rig, ends, 0.0).work;
     }
-    free(stage.block);
+    rig_close(&rig);
     return work;
 }
 
@@ -358,12 +330,11 @@ static void exchange_axes(const double from[3], double to[3])
 /* A body that deforms, turned from its shape at rest, says what one at rest does. Returns units of work. */
 static uint64_t deform_and_compare(const struct mesh_builder *builder)
 {
-    struct stage stage;
+    struct rig rig;
     dpt_deformable_def def;
-    dpt_body body;
     uint64_t random = 5, work = 0;
     int inside = 0;
-    if (!stage_open(&stage, NULL, 0))
+    if (!open_rig(&rig, NULL, 0))
         return 0;
     const uint32_t count = builder->info.vertices;
     float *turned = malloc(3 * count * sizeof *turned);
@@ -373,14 +344,13 @@ static uint64_t deform_and_compare(const struct mesh_builder *builder)
         def.box_min[k] = -1.0;
         def.box_max[k] = 1.0;
     }
-    void *block = malloc(dpt_deformable_bytes(&def));
-    CHECK(dpt_body_add_deformable(stage.world, block, dpt_deformable_bytes(&def), &def, &body) == DPT_OK, "added");
+    const dpt_body body = rig_add_deformable(&rig, &def);
     const float *rest;
     uint32_t rest_count;
-    dpt_body_get_vertices(stage.world, body, &rest, &rest_count);
+    dpt_body_get_vertices(rig.world, body, &rest, &rest_count);
     for (uint32_t i = 0; i < 3 * count; i++)
         turned[i] = rest[i - i % 3 + (i + 1) % 3];
-    CHECK(dpt_body_set_vertices(stage.world, body, 0, count, turned, -1.0) == DPT_OK, "set");
+    CHECK(dpt_body_set_vertices(rig.world, body, 0, count, turned, -1.0) == DPT_OK, "set");
     for (int i = 0; i < axes; i++) {
         const double no_radius = 0.0;
         double ends[6], ends_turned[6];
@@ -388,15 +358,14 @@ static uint64_t deform_and_compare(const struct mesh_builder *builder)
         any_axis(builder, &random, ends);
         exchange_axes(ends, ends_turned);
         exchange_axes(ends + 3, ends_turned + 3);
-        const dpt_hit hit = stage_tick(&stage, ends_turned);
+        const dpt_hit hit = rig_step_ends(&rig, ends_turned, 0.0);
         dpt_query_segments(builder->mesh, NULL, ends, &no_radius, 1, &query, NULL);
         CHECK(fabs(hit.gap - query.gap) <= 1e-5, "gap %.9g, not %.9g", hit.gap, query.gap);
         inside += query.gap < 0.0;
         work += hit.work;
     }
     CHECK(inside > axes / 8, "%d inside", inside);
-    free(stage.block);
-    free(block);
+    rig_close(&rig);
     free(turned);
     return work;
 }

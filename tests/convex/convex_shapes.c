@@ -3,15 +3,6 @@
 
 #include "convex/convex_body.h"
 
-void random_direction(uint64_t *seed, double v[3])
-{
-    do
-        for (int k = 0; k < 3; k++)
-            v[k] = random_in(seed, -1.0, 1.0);
-    while (dot3(v, v) > 1.0 || dot3(v, v) < 0.01);
-    unit3(v);
-}
-
 void random_pose(uint64_t *seed, double reach, dpt_pose *pose)
 {
     double square = 0.0;
@@ -26,34 +17,6 @@ void random_pose(uint64_t *seed, double reach, dpt_pose *pose)
     }
     for (int k = 0; k < 4; k++)
         pose->orientation[k] /= sqrt(square);
-}
-
-static void turn(const double q[4], double sign, const double v[3], double out[3])
-{
-    const double u[3] = { sign * q[1], sign * q[2], sign * q[3] };
-    const double t[3] = { 2.0 * (u[1] * v[2] - u[2] * v[1]), 2.0 * (u[2] * v[0] - u[0] * v[2]),
-                          2.0 * (u[0] * v[1] - u[1] * v[0]) };
-    const double r[3] = { v[0] + q[0] * t[0] + u[1] * t[2] - u[2] * t[1],
-                          v[1] + q[0] * t[1] + u[2] * t[0] - u[0] * t[2],
-                          v[2] + q[0] * t[2] + u[0] * t[1] - u[1] * t[0] };
-    memcpy(out, r, sizeof r);
-}
-
-void turn_by(const dpt_pose *pose, const double v[3], double out[3])
-{
-    turn(pose->orientation, 1.0, v, out);
-}
-
-void turn_back(const dpt_pose *pose, const double v[3], double out[3])
-{
-    turn(pose->orientation, -1.0, v, out);
-}
-
-void place_by(const dpt_pose *pose, const double x[3], double out[3])
-{
-    turn_by(pose, x, out);
-    for (int k = 0; k < 3; k++)
-        out[k] += pose->position[k];
 }
 
 static void make_hull(struct curved *curved, double size, uint64_t *seed)
@@ -89,7 +52,7 @@ void curved_random(struct curved *curved, uint32_t kind, int is_cut, double size
     if (!is_cut)
         return;
     shape->flags = DPT_CONVEX_FLAG_BEVEL;
-    random_direction(seed, shape->bevel);
+    random_unit(seed, shape->bevel);
     shape->bevel[3] =
         random_in(seed, -0.7, 0.9) * (0.5 * shape->extent[0] + 0.5 * shape->extent[2] * fabs(shape->bevel[2]));
 }
@@ -155,7 +118,7 @@ static double reach_within(const struct curved *curved, const double d[3])
 double curved_reach(const struct curved *curved, const double d[3])
 {
     double own[3];
-    turn_back(&curved->shape.pose, d, own);
+    turn_back3(curved->shape.pose.orientation, d, own);
     return reach_within(curved, own) + dot3(curved->shape.pose.position, d);
 }
 
@@ -190,7 +153,7 @@ void curved_centre(const struct curved *curved, double centre[3])
     for (uint32_t i = 0; shape->kind == DPT_CONVEX_KIND_HULL && i < curved->corner_count; i++)
         for (int k = 0; k < 3; k++)
             own[k] += curved->corners[3 * i + (uint32_t)k] / curved->corner_count;
-    place_by(&shape->pose, own, centre);
+    pose_point(&shape->pose, own, centre);
 }
 
 /* ---- against a triangle ---- */
@@ -201,7 +164,7 @@ double curved_width(const struct curved *curved, const dpt_pose *tool, const dou
     const double minus[3] = { -n[0], -n[1], -n[2] };
     for (int k = 0; k < 3; k++)
         most = fmax(most, dot3(triangle + 3 * k, n));
-    turn_back(tool, minus, back);
+    turn_back3(tool->orientation, minus, back);
     return most + curved_reach(curved, back) + dot3(tool->position, minus);
 }
 
@@ -212,7 +175,7 @@ double curved_least(const struct curved *curved, const dpt_pose *tool, const dou
     double spread = 0.0;
     for (int i = 0; i < samples; i++) {
         double d[3];
-        random_direction(seed, d);
+        random_unit(seed, d);
         if (i >= samples / 2) {
             /* The second half looks about the best, ever more closely. */
             spread = spread > 0.0 ? spread * exp(-24.0 / samples) : 0.5;
@@ -244,9 +207,9 @@ static vec3 least_difference(const struct convex_body *body, const dpt_pose *too
     for (uint32_t k = 1; k < 3; k++)
         if (dot3(triangle + 3 * k, d) < dot3(triangle + 3 * best, d))
             best = k;
-    turn_back(tool, d, own);
+    turn_back3(tool->orientation, d, own);
     vec3_store(frame_to_world(&body->frame, dpti_convex_support(body, frame_turn_back(&body->frame, vec3_of(own)))), x);
-    place_by(tool, x, x);
+    pose_point(tool, x, x);
     return sub(sub(vec3_of(triangle + 3 * best), vec3_of(x)), vec3_of(by));
 }
 

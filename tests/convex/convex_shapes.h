@@ -3,25 +3,9 @@
 #ifndef DPT_TESTS_CONVEX_SHAPES_H
 #define DPT_TESTS_CONVEX_SHAPES_H
 
-#include <math.h>
-
 #include "dynpoint/convex.h"
 #include "lib/check.h"
-
-static inline double dot3(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static inline double unit3(double v[3])
-{
-    const double length = sqrt(dot3(v, v));
-    for (int k = 0; k < 3 && length > 0; k++)
-        v[k] /= length;
-    return length;
-}
-
-void random_direction(uint64_t *seed, double v[3]);
+#include "lib/pose.h"
 
 /* A shape, and the memory of its hull. */
 struct curved {
@@ -37,12 +21,6 @@ struct curved {
 void curved_random(struct curved *curved, uint32_t kind, int is_cut, double size, uint64_t *seed);
 
 void random_pose(uint64_t *seed, double reach, dpt_pose *pose);
-
-/* v turned by a pose, or back. */
-void turn_by(const dpt_pose *pose, const double v[3], double out[3]);
-void turn_back(const dpt_pose *pose, const double v[3], double out[3]);
-/* A point of a pose's frame, in the world. */
-void place_by(const dpt_pose *pose, const double x[3], double out[3]);
 
 /* The greatest d.x of the shape in the tool's frame; |d| is 1. */
 double curved_reach(const struct curved *curved, const double d[3]);

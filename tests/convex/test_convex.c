@@ -95,7 +95,7 @@ static void near_triangle(double ratio, int is_sliver, double corners[9])
     if (is_sliver)
         for (int k = 0; k < 3; k++)
             corners[6 + k] = 0.5 * (corners[k] + corners[3 + k]) + 1e-4 * corners[6 + k];
-    random_direction(&seed, at);
+    random_unit(&seed, at);
     const double off = random_in(&seed, 0.0, 0.6);
     for (int k = 0; k < 9; k++)
         middle[k % 3] += weight[k / 3] * corners[k];
@@ -148,7 +148,7 @@ static void single_triangles_are_left_by_the_shortest_way(void)
                 double from[3], by[3];
                 CHECK(!parted || distance < 1e-3 * size, "case %llu, kind %u: apart by %g", (unsigned long long)i, kind,
                       distance);
-                place_by(&tool, centre, from);
+                pose_point(&tool, centre, from);
                 front_of(t, from, front);
                 for (int k = 0; k < 3; k++)
                     by[k] = (contact.depth + 1e-3 * size) * contact.direction[k];
@@ -206,8 +206,8 @@ static void put_at(const dpt_mesh *mesh, const dpt_pose *body, double off, dpt_p
         at[k % 3] += w[k / 3] * t[k];
     for (int k = 0; k < 3; k++)
         at[k] += off * outward[k];
-    place_by(body, at, tool->position);
-    turn_by(body, outward, outward);
+    pose_point(body, at, tool->position);
+    turn3(body->orientation, outward, outward);
 }
 
 static void centre_at_origin(struct curved *curved)
@@ -238,7 +238,7 @@ static void hulls_meet_where_the_core_says_so(void)
         /* The pose of the hull is that of the shape in the tool's frame. */
         dpt_pose hull_pose = { .orientation = { 1.0, 0.0, 0.0, 0.0 } };
         const double *p = tool.orientation, *q = curved.shape.pose.orientation;
-        place_by(&tool, curved.shape.pose.position, hull_pose.position);
+        pose_point(&tool, curved.shape.pose.position, hull_pose.position);
         hull_pose.orientation[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3];
         hull_pose.orientation[1] = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2];
         hull_pose.orientation[2] = p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1];
@@ -357,7 +357,7 @@ static void the_way_out_leads_to_the_side_that_the_shape_comes_from(void)
         if (is_given) {
             /* A point that is out of the plane of the triangle. */
             double far[3] = { 4.0 * size * outward[0], 4.0 * size * outward[1], 4.0 * size * outward[2] };
-            turn_back(&tool, far, curved.shape.outside);
+            turn_back3(tool.orientation, far, curved.shape.outside);
             curved.shape.flags |= DPT_CONVEX_FLAG_OUTSIDE;
         }
         const dpt_convex_contact contact = touch(&curved, &tool, mesh, &body);
@@ -366,9 +366,9 @@ static void the_way_out_leads_to_the_side_that_the_shape_comes_from(void)
         met++;
         triangle_of(mesh, contact.triangle, t);
         for (int k = 0; k < 3; k++)
-            place_by(&body, t + 3 * k, world + 3 * k);
+            pose_point(&body, t + 3 * k, world + 3 * k);
         const double none[3] = { 0.0, 0.0, 0.0 };
-        place_by(&tool, is_given ? curved.shape.outside : none, from);
+        pose_point(&tool, is_given ? curved.shape.outside : none, from);
         if (!is_given && (kind == DPT_CONVEX_KIND_HULL || curved.shape.flags))
             continue; /* their centre is not at the origin */
         front_of(world, from, front);

@@ -19,7 +19,7 @@ static void support_points_are_the_farthest(void)
         CHECK(dpti_convex_body_of(&curved.shape, &body) == DPT_OK, "kind %u", kind);
         for (int k = 0; k < 20; k++) {
             double d[3], back[3], p[3], far;
-            random_direction(&seed, d);
+            random_unit(&seed, d);
             if (k < 6)
                 for (int j = 0; j < 3; j++)
                     d[j] = j == k / 2 ? (k % 2 ? 1.0 : -1.0) : 0.0;
@@ -27,7 +27,7 @@ static void support_points_are_the_farthest(void)
                 memcpy(d, curved.shape.bevel, sizeof d);
             const vec3 at = dpti_convex_support(&body, vec3_of(d));
             vec3_store(at, p);
-            turn_by(&curved.shape.pose, d, back);
+            turn3(curved.shape.pose.orientation, d, back);
             far = curved_reach(&curved, back) - dot3(curved.shape.pose.position, back);
             CHECK(fabs(dot3(p, d) - far) < 2e-7, "kind %u: %.12g, and it is %.12g", kind, dot3(p, d), far);
             CHECK(kind == DPT_CONVEX_KIND_HULL || curved_holds(&curved, p, 1e-9),
@@ -67,7 +67,7 @@ static void a_polyhedron_holds_its_shape(void)
         most = count > most ? count : most;
         for (int k = 0; k < 400; k++) {
             double d[3], reach = -HUGE_VAL;
-            random_direction(&seed, d);
+            random_unit(&seed, d);
             for (uint32_t c = 0; c < count; c++)
                 reach = fmax(reach, dot3(corners + 3 * c, d));
             const double beyond = reach - curved_reach(&curved, d);

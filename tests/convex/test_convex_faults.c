@@ -65,7 +65,7 @@ static int tell(int result, ccd_real_t *depth, ccd_vec3_t *d)
     case LIE_MEMORY:
         return -2;
     case LIE_WRONG:
-        random_direction(&seed, v);
+        random_unit(&seed, v);
         ccdVec3Set(d, v[0], v[1], v[2]);
         break;
     case LIE_BEHIND:
@@ -171,7 +171,7 @@ static void lies_are_found_out(void)
             curved.shape.pose.position[k] -= centre[k];
         random_pose(&seed, 0.05, &tool);
         /* By a random part of what lies below the centre. */
-        turn_back(&tool, down, back);
+        turn_back3(tool.orientation, down, back);
         depth = random_in(&seed, 0.05, curved.shape.hull ? 0.4 : 0.9) * curved_reach(&curved, back);
         tool.position[2] = curved_reach(&curved, back) - depth;
         dpt_convex_contact contact = { .size = sizeof contact };

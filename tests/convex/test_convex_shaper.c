@@ -2,14 +2,13 @@
 /* A tool without a proxy feels its curved tip through dpt_tool_set_shaper: on a plate, and pressed on a liver. */
 #include "convex/convex_shapes.h"
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 static uint64_t seed = 21;
 static struct fixture liver, plate;
 
 struct scene {
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
+    struct rig rig;
     dpt_pose body_pose;
     dpt_convex_shape shape;
     dpt_convex_body body;
@@ -19,22 +18,13 @@ struct scene {
 
 static void open_scene(struct scene *scene, const dpt_mesh *mesh, uint32_t law, uint32_t tip_law)
 {
-    dpt_world_def def;
-    dpt_body body;
-    dpt_tool_settings settings = { .size = sizeof settings };
+    const dpt_world_def def = rig_def(law);
     /* The segment is up the shaft: the tip alone is felt. */
     const dpt_segment shaft = { { 0.0, 0.0, 0.05 }, { 0.0, 0.0, 0.1 }, 0.001 };
     memset(scene, 0, sizeof *scene);
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = law;
-    scene->block = malloc(dpt_world_bytes(&def));
     scene->body_pose = (dpt_pose){ { 0.01, -0.02, 0.03 }, { 0.6, 0.0, 0.8, 0.0 } };
-    CHECK(dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world) == DPT_OK &&
-              dpt_body_add(scene->world, mesh, &scene->body_pose, &body) == DPT_OK &&
-              dpt_tool_add(scene->world, &shaft, 1, &scene->tool) == DPT_OK &&
-              dpt_tool_get_settings(scene->world, scene->tool, &settings) == DPT_OK,
-          "a scene");
+    rig_open(&scene->rig, &def, NULL, &shaft, 1);
+    rig_add_body(&scene->rig, mesh, &scene->body_pose);
     scene->shape = (dpt_convex_shape){ .size = sizeof scene->shape,
                                        .kind = DPT_CONVEX_KIND_ELLIPSOID,
                                        .flags = DPT_CONVEX_FLAG_OUTSIDE,
@@ -45,34 +35,26 @@ static void open_scene(struct scene *scene, const dpt_mesh *mesh, uint32_t law, 
     scene->contact.size = sizeof scene->contact;
     scene->shaper = (dpt_convex_shaper){ .size = sizeof scene->shaper,
                                          .law = tip_law,
-                                         .world = scene->world,
+                                         .world = scene->rig.world,
                                          .shape = &scene->shape,
                                          .bodies = &scene->body,
                                          .contact = &scene->contact,
-                                         .tool = scene->tool,
+                                         .tool = scene->rig.tool,
                                          .body_count = 1,
                                          .stiffness = 400.0 };
-    CHECK(dpt_tool_set_shaper(scene->world, scene->tool, dpt_convex_shape_wrench, &scene->shaper) == DPT_OK,
+    CHECK(dpt_tool_set_shaper(scene->rig.world, scene->rig.tool, dpt_convex_shape_wrench, &scene->shaper) == DPT_OK,
           "a shaper");
 }
 
 /* One step with the tool at a pose in the body's frame. */
 static dpt_wrench step_at(struct scene *scene, const dpt_pose *in_body, double world[3])
 {
-    dpt_pose pose;
-    dpt_wrench wrench;
-    dpt_step out = { .size = sizeof out };
-    const double *p = scene->body_pose.orientation, *q = in_body->orientation;
-    place_by(&scene->body_pose, in_body->position, pose.position);
-    pose.orientation[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3];
-    pose.orientation[1] = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2];
-    pose.orientation[2] = p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1];
-    pose.orientation[3] = p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0];
-    memcpy(world, pose.position, sizeof pose.position);
-    dpt_tool_set_pose(scene->world, scene->tool, &pose);
-    CHECK(dpt_world_step(scene->world, 0.001, &out) == DPT_OK, "a step");
-    dpt_tool_get_wrench(scene->world, scene->tool, &wrench);
-    return wrench;
+    dpt_pose *pose = &scene->rig.device;
+    pose_point(&scene->body_pose, in_body->position, pose->position);
+    turn_times(scene->body_pose.orientation, in_body->orientation, pose->orientation);
+    memcpy(world, pose->position, sizeof pose->position);
+    rig_step(&scene->rig);
+    return scene->rig.force.wrench;
 }
 
 static void a_plate_pushes_by_stiffness_times_depth(void)
@@ -92,7 +74,7 @@ static void a_plate_pushes_by_stiffness_times_depth(void)
             double origin[3], up[3], arm[3];
             const double normal[3] = { 0.0, 0.0, 1.0 };
             const dpt_wrench wrench = step_at(&scene, &at, origin);
-            turn_by(&scene.body_pose, normal, up);
+            turn3(scene.body_pose.orientation, normal, up);
             const double force = dot3(wrench.force, up), wanted = k * fmax(0.0, depth);
             CHECK(fabs(force - wanted) <= k * 2e-6 && fabs(sqrt(dot3(wrench.force, wrench.force)) - wanted) <= k * 2e-6,
                   "law %u, %g deep: %g N and not %g", law, depth, force, wanted);
@@ -110,7 +92,7 @@ static void a_plate_pushes_by_stiffness_times_depth(void)
         }
         CHECK(scene.shaper.errors == 0, "%u errors", scene.shaper.errors);
         CHECK(strongest > 1e-4, "no torque: %g Nm", strongest);
-        free(scene.block);
+        rig_close(&scene.rig);
     }
 }
 
@@ -144,7 +126,7 @@ static void a_liver_pushes_outward_and_without_jumps(void)
         for (int j = 0; j < 4; j++)
             size += at.orientation[j] * at.orientation[j];
         if (size < 0.01) {
-            free(scene.block);
+            rig_close(&scene.rig);
             continue;
         }
         for (int j = 0; j < 4; j++)
@@ -158,7 +140,7 @@ static void a_liver_pushes_outward_and_without_jumps(void)
                 at.position[j] = (t[j] + t[3 + j] + t[6 + j]) / 3.0 + off * n[j] + slid * course[j];
             const dpt_wrench wrench = step_at(&scene, &at, origin);
             const double force = sqrt(dot3(wrench.force, wrench.force));
-            turn_by(&scene.body_pose, n, outward);
+            turn3(scene.body_pose.orientation, n, outward);
             strongest = fmax(strongest, force);
             felt += force > 0.0;
             CHECK(force <= 0.0 || dot3(wrench.force, outward) > 0.0, "path %llu, step %d: inward",
@@ -187,7 +169,7 @@ static void a_liver_pushes_outward_and_without_jumps(void)
             last = scene.contact.depth;
         }
         CHECK(scene.shaper.errors == 0, "%u errors", scene.shaper.errors);
-        free(scene.block);
+        rig_close(&scene.rig);
     }
     printf("    felt in %llu steps, up to %g N; the depth changed by up to %.3f of the motion; "
            "%llu turns of over 0.1 rad, %llu jumps\n",
@@ -227,7 +209,7 @@ static void a_shaper_that_is_not_valid_adds_nothing(void)
     ADDS_NOTHING((void)0);
     CHECK(bad.errors == 1 && scene.contact.status == DPT_STATUS_STALE && bad.body == DPT_NONE, "%u errors", bad.errors);
     dpt_convex_shape_wrench(&bad, NULL, 0.001, NULL);
-    free(scene.block);
+    rig_close(&scene.rig);
 }
 
 /* A free tip has no force, a pressed one adds to that of the law, and a second body adds to the first. */
@@ -247,9 +229,9 @@ static void forces_add_up(void)
         CHECK(fabs(two.force[k] - 2.0 * one.force[k]) < 1e-6, "%g and %g", two.force[k], one.force[k]);
     CHECK(sqrt(dot3(one.force, one.force)) > 0.3, "no force");
     dpt_force_info report = { .size = sizeof report };
-    dpt_tool_get_force_info(scene.world, scene.tool, &report);
+    dpt_tool_get_force_info(scene.rig.world, scene.rig.tool, &report);
     CHECK(report.flags & DPT_FORCE_FLAG_SHAPED, "its flag");
-    free(scene.block);
+    rig_close(&scene.rig);
 }
 
 int main(int argc, char **argv)

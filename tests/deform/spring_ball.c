@@ -26,40 +26,31 @@ static void compile_ball(struct ball *ball, uint32_t kind, uint64_t triangles, d
 
 int ball_open(struct ball *ball, uint32_t kind, uint64_t triangles, double spacing, uint32_t kernel)
 {
-    dpt_world_def world;
+    dpt_world_def world = rig_def(DPT_LAW_PROXY);
     dpt_deformable_def deform;
     dpt_springs_def springs;
     memset(ball, 0, sizeof *ball);
-    dpt_world_def_init(&world);
     dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
     world.kernel = springs.kernel = kernel;
-    ball->world_block = malloc(dpt_world_bytes(&world));
-    if (dpt_world_create(ball->world_block, dpt_world_bytes(&world), &world, &ball->world) == DPT_E_UNSUPPORTED) {
-        free(ball->world_block);
+    if (!rig_has_kernel(kernel))
         return 0;
-    }
     compile_ball(ball, kind, triangles, spacing);
     deform.mesh = springs.mesh = ball->mesh;
-    ball->body_block = malloc(dpt_deformable_bytes(&deform));
-    ball->springs_block = malloc(dpt_springs_bytes(&springs));
-    CHECK(dpt_body_add_deformable(ball->world, ball->body_block, dpt_deformable_bytes(&deform), &deform, &ball->body) ==
-                  DPT_OK &&
-              dpt_springs_create(ball->springs_block, dpt_springs_bytes(&springs), &springs, &ball->springs) == DPT_OK,
-          "not made");
+    rig_open(&ball->rig, &world, NULL, NULL, 0);
+    rig_add_deformable(&ball->rig, &deform);
+    ball->springs = rig_add_springs(&ball->rig, &springs);
     return 1;
 }
 
 void ball_close(struct ball *ball)
 {
     dpt_compiled_free(&ball->compiled);
-    free(ball->world_block);
-    free(ball->body_block);
-    free(ball->springs_block);
+    rig_close(&ball->rig);
 }
 
 void ball_step(struct ball *ball, dpt_springs_info *report)
 {
-    const dpt_result result = dpt_body_step_springs(ball->world, ball->body, ball->springs, 1e-3, report);
+    const dpt_result result = dpt_body_step_springs(ball->rig.world, ball->rig.body, ball->springs, 1e-3, report);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }

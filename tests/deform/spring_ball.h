@@ -3,16 +3,13 @@
 #ifndef DPT_TESTS_SPRING_BALL_H
 #define DPT_TESTS_SPRING_BALL_H
 
-#include "dynpoint.h"
 #include "dynpoint/compile.h"
-#include "lib/check.h"
+#include "lib/rig.h"
 
 struct ball {
     dpt_compiled compiled;
     const dpt_mesh *mesh;
-    void *world_block, *body_block, *springs_block;
-    dpt_world *world;
-    dpt_body body;
+    struct rig rig;
     dpt_springs *springs;
 };
 

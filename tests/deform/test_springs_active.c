@@ -2,13 +2,13 @@
 /*
  * The active region of springs: what rests sleeps, and what a tool feels is the same as if all were awake.
  */
-#include "deform/spring_rig.h"
+#include "deform/made_net.h"
 
 enum { ACROSS = 16, DEEP = 8, LAYER = ACROSS * ACROSS, STEPS = 3000 };
 
 /* A block on a fixed bed, pressed on its top in the middle. */
 struct press {
-    struct rig rig;
+    struct made_net net;
     dpt_load loads[LAYER];
     uint32_t count;
 };
@@ -21,15 +21,15 @@ static void open_press_of(struct press *press, uint32_t integrator, double sleep
     dpt_springs_def_init(&def);
     def.integrator = integrator;
     def.sleep_speed = sleep_speed;
-    rig_block(&press->rig, ACROSS, ACROSS, DEEP, s, 5000.0, 1000.0);
-    press->rig.viscosity = viscosity;
+    net_block(&press->net, ACROSS, ACROSS, DEEP, s, 5000.0, 1000.0);
+    press->net.viscosity = viscosity;
     for (uint32_t i = 0; i < LAYER; i++)
-        rig_fix(&press->rig, i);
-    rig_drag(&press->rig, drag);
-    CHECK(rig_open(&press->rig, &def) == DPT_OK, "not made");
-    for (uint32_t i = press->rig.nodes - LAYER; i < press->rig.nodes; i++) {
-        const double x = (double)press->rig.rest[3 * i] - middle;
-        const double y = (double)press->rig.rest[3 * i + 1] - middle;
+        net_fix(&press->net, i);
+    net_drag(&press->net, drag);
+    CHECK(net_open(&press->net, &def) == DPT_OK, "not made");
+    for (uint32_t i = press->net.nodes - LAYER; i < press->net.nodes; i++) {
+        const double x = (double)press->net.rest[3 * i] - middle;
+        const double y = (double)press->net.rest[3 * i + 1] - middle;
         if (x * x + y * y < 0.01 * 0.01)
             press->loads[press->count++].vertex = i;
     }
@@ -47,12 +47,12 @@ static double push(struct press *press, double force, dpt_springs_info *report)
     report->size = sizeof *report;
     for (uint32_t i = 0; i < press->count; i++)
         press->loads[i].force[2] = -force / press->count;
-    const dpt_result result = dpt_springs_step(press->rig.made, 1e-3, press->loads, press->count, report);
+    const dpt_result result = dpt_springs_step(press->net.made, 1e-3, press->loads, press->count, report);
     CHECK(result == DPT_OK, "no step: %s", dpt_result_name(result));
-    const float *x = rig_positions(&press->rig);
+    const float *x = net_positions(&press->net);
     for (uint32_t i = 0; i < press->count; i++) {
         const size_t at = 3 * (size_t)press->loads[i].vertex + 2;
-        depth += ((double)press->rig.rest[at] - (double)x[at]) / press->count;
+        depth += ((double)press->net.rest[at] - (double)x[at]) / press->count;
     }
     return depth;
 }
@@ -80,7 +80,7 @@ static void what_sleeps_is_not_felt(uint32_t integrator)
     open_press(&some, integrator, 1e-4);
     for (int i = 0; i < STEPS; i++) {
         const double full = push(&all, force_at(i), &report);
-        CHECK(report.active == all.rig.nodes, "%u awake", report.active);
+        CHECK(report.active == all.net.nodes, "%u awake", report.active);
         const double part = push(&some, force_at(i), &report);
         share += (double)report.active / report.nodes / STEPS;
         least = report.active < least ? report.active : least;
@@ -98,8 +98,8 @@ static void what_sleeps_is_not_felt(uint32_t integrator)
     CHECK(jump < 1.05 * largest_step, "a step of %g m, awake %g", jump, largest_step);
     CHECK(most <= report.nodes - LAYER, "%u of %u awake, %u of them fixed", most, report.nodes, LAYER);
     CHECK(least < report.nodes / 10, "at least %u of %u awake", least, report.nodes);
-    rig_close(&all.rig);
-    rig_close(&some.rig);
+    net_close(&all.net);
+    net_close(&some.net);
 }
 
 static void the_active_region_is_enough(void)
@@ -115,17 +115,17 @@ static void a_body_at_rest_sleeps(void)
     dpt_springs_info report = { .size = sizeof report };
     open_press(&press, DPT_INTEGRATOR_SYMPLECTIC, 1e-5);
     for (int i = 0; i < 200; i++)
-        CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
+        CHECK(dpt_springs_step(press.net.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
     CHECK(report.active == 0, "%u are awake", report.active);
     press.loads[0].force[2] = -0.01;
-    CHECK(dpt_springs_step(press.rig.made, 1e-3, press.loads, 1, &report) == DPT_OK && report.active == LANES,
+    CHECK(dpt_springs_step(press.net.made, 1e-3, press.loads, 1, &report) == DPT_OK && report.active == LANES,
           "%u are awake", report.active);
     for (int i = 0; i < 20000 && report.active; i++)
-        CHECK(dpt_springs_step(press.rig.made, 1e-3, press.loads, 1, &report) == DPT_OK, "no step");
+        CHECK(dpt_springs_step(press.net.made, 1e-3, press.loads, 1, &report) == DPT_OK, "no step");
     CHECK(report.active == 0, "%u are awake under the same load", report.active);
-    CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK && report.active == LANES,
+    CHECK(dpt_springs_step(press.net.made, 1e-3, NULL, 0, &report) == DPT_OK && report.active == LANES,
           "%u wake when it ends", report.active);
-    rig_close(&press.rig);
+    net_close(&press.net);
 }
 
 /* A slice that creeps wakes those beside it; a node that is put elsewhere wakes its own and those beside it. */
@@ -135,24 +135,24 @@ static void a_moved_node_wakes_its_neighbours(void)
     dpt_springs_info report = { .size = sizeof report };
     open_press(&press, DPT_INTEGRATOR_IMPLICIT, 1e-5);
     for (int i = 0; i < 200; i++)
-        CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
+        CHECK(dpt_springs_step(press.net.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
     CHECK(report.active == 0, "%u are awake", report.active);
-    const uint32_t node = press.rig.nodes - LAYER / 2;
+    const uint32_t node = press.net.nodes - LAYER / 2;
     float at[3];
-    memcpy(at, press.rig.rest + 3 * node, sizeof at);
+    memcpy(at, press.net.rest + 3 * node, sizeof at);
     at[2] -= 1e-3f;
-    CHECK(dpt_springs_set_nodes(press.rig.made, node, 1, at, NULL) == DPT_OK, "not moved");
-    CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
+    CHECK(dpt_springs_set_nodes(press.net.made, node, 1, at, NULL) == DPT_OK, "not moved");
+    CHECK(dpt_springs_step(press.net.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
     CHECK(report.active >= 4 * LANES && report.active <= 12 * LANES, "%u are awake", report.active);
     for (int i = 0; i < 20000 && report.active; i++)
-        CHECK(dpt_springs_step(press.rig.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
+        CHECK(dpt_springs_step(press.net.made, 1e-3, NULL, 0, &report) == DPT_OK, "no step");
     double worst = 0.0;
-    for (size_t i = 0; i < 3 * (size_t)press.rig.nodes; i++) {
-        const double off = fabs((double)rig_positions(&press.rig)[i] - (double)press.rig.rest[i]);
+    for (size_t i = 0; i < 3 * (size_t)press.net.nodes; i++) {
+        const double off = fabs((double)net_positions(&press.net)[i] - (double)press.net.rest[i]);
         worst = off > worst ? off : worst;
     }
     CHECK(report.active == 0 && worst < 2e-5, "%u awake, %g m away from rest", report.active, worst);
-    rig_close(&press.rig);
+    net_close(&press.net);
 }
 
 /* Two presses under the same loads, one all awake. Returns how far they are apart in the end, as a share of the depth. */
@@ -182,11 +182,11 @@ static void a_slowly_rising_load_is_followed(void)
         open_press(&some, integrator, 1e-3);
         const double apart = apart_in_the_end(&all, &some, 0.1, 5.0, 5000, &least);
         printf("    integrator %u: off by %.2f %%, at least %u of %u awake\n", integrator, 100.0 * apart, least,
-               all.rig.nodes);
+               all.net.nodes);
         CHECK(apart < 0.05, "off by %g of the depth", apart);
-        CHECK(least < all.rig.nodes / 4, "at least %u of %u awake", least, all.rig.nodes);
-        rig_close(&all.rig);
-        rig_close(&some.rig);
+        CHECK(least < all.net.nodes / 4, "at least %u of %u awake", least, all.net.nodes);
+        net_close(&all.net);
+        net_close(&some.net);
     }
 }
 
@@ -208,8 +208,8 @@ static void what_creeps_is_not_frozen(void)
         printf("    drag %g 1/s, viscosity %g s: off by %.2f %%, at least %u awake\n", cases[i].drag,
                cases[i].viscosity, 100.0 * apart, least);
         CHECK(apart < 0.05, "off by %g of the depth", apart);
-        rig_close(&all.rig);
-        rig_close(&some.rig);
+        net_close(&all.net);
+        net_close(&some.net);
     }
 }
 
@@ -229,7 +229,7 @@ static void rounding_of_loads_wakes_nothing(void)
     for (int i = 0; i < 2000; i++)
         deeper = push(&press, 0.05 * 1.1, &report);
     CHECK(deeper > 1.08 * depth, "%g m deep, then %g", depth, deeper);
-    rig_close(&press.rig);
+    net_close(&press.net);
 }
 
 int main(int argc, char **argv)

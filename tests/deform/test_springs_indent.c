@@ -4,7 +4,7 @@
  *
  *     test_springs_indent [all]   with finer lattices and elements, about a minute
  */
-#include "deform/spring_rig.h"
+#include "deform/made_net.h"
 #include "oracle/elastic.h"
 
 #define HALF    0.03
@@ -47,11 +47,11 @@ static void the_oracle_is_right(void)
 }
 
 /* N: on nodes that are held above a height; *rest: what is left on free ones, the largest. */
-static double force_above(const struct rig *rig, const float *x, double height, double *rest)
+static double force_above(const struct made_net *net, const float *x, double height, double *rest)
 {
-    double *force = calloc(3 * (size_t)rig->nodes, sizeof *force), sum = 0.0;
-    for (uint32_t i = 0; i < rig->springs; i++) {
-        const struct rig_spring *spring = &rig->list[i];
+    double *force = calloc(3 * (size_t)net->nodes, sizeof *force), sum = 0.0;
+    for (uint32_t i = 0; i < net->springs; i++) {
+        const struct net_spring *spring = &net->list[i];
         const size_t a = 3 * (size_t)spring->a, b = 3 * (size_t)spring->b;
         double d[3], square = 0.0;
         for (size_t k = 0; k < 3; k++)
@@ -63,20 +63,20 @@ static double force_above(const struct rig *rig, const float *x, double height, 
         }
     }
     *rest = 0.0;
-    for (uint32_t i = 0; i < rig->nodes; i++) {
+    for (uint32_t i = 0; i < net->nodes; i++) {
         const double *f = force + 3 * (size_t)i;
-        if (rig->mass[i] > 0.0f)
+        if (net->mass[i] > 0.0f)
             *rest = fmax(*rest, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
-        else if ((double)rig->rest[3 * (size_t)i + 2] > height)
+        else if ((double)net->rest[3 * (size_t)i + 2] > height)
             sum += f[2];
     }
     free(force);
     return sum;
 }
 
-static int is_patch(const struct rig *rig, uint32_t node, double cell)
+static int is_patch(const struct made_net *net, uint32_t node, double cell)
 {
-    const float *at = rig->rest + 3 * (size_t)node;
+    const float *at = net->rest + 3 * (size_t)node;
     return (double)at[2] > DEPTH - 0.1 * cell && fabs((double)at[0] - HALF) < PATCH + 0.1 * cell &&
            fabs((double)at[1] - HALF) < PATCH + 0.1 * cell;
 }
@@ -86,31 +86,31 @@ static double lattice_stiffness(double cell, double share)
 {
     const uint32_t across = (uint32_t)(2.0 * HALF / cell + 1.5);
     const uint32_t deep = (uint32_t)(DEPTH / cell + 1.5), parts = 40;
-    struct rig rig = { 0 };
+    struct made_net net = { 0 };
     dpt_springs_def def;
     dpt_springs_def_init(&def);
     def.integrator = DPT_INTEGRATOR_IMPLICIT;
     def.iterations = 16;
     def.sleep_speed = 0.0;
-    rig_block(&rig, across, across, deep, cell, YOUNG, 1000.0);
-    rig_drag(&rig, 60.0);
-    for (uint32_t i = 0; i < rig.nodes; i++)
-        if (is_patch(&rig, i, cell) || (double)rig.rest[3 * i + 2] < 0.1 * cell)
-            rig_fix(&rig, i);
-    CHECK(rig_open(&rig, &def) == DPT_OK, "not made");
+    net_block(&net, across, across, deep, cell, YOUNG, 1000.0);
+    net_drag(&net, 60.0);
+    for (uint32_t i = 0; i < net.nodes; i++)
+        if (is_patch(&net, i, cell) || (double)net.rest[3 * i + 2] < 0.1 * cell)
+            net_fix(&net, i);
+    CHECK(net_open(&net, &def) == DPT_OK, "not made");
     for (uint32_t part = 1; part <= parts; part++) {
-        for (uint32_t i = 0; i < rig.nodes; i++) {
-            const float *rest = rig.rest + 3 * (size_t)i;
+        for (uint32_t i = 0; i < net.nodes; i++) {
+            const float *rest = net.rest + 3 * (size_t)i;
             const float at[3] = { rest[0], rest[1], rest[2] - (float)(share * DEPTH * part / parts) };
-            if (is_patch(&rig, i, cell))
-                CHECK(dpt_springs_set_nodes(rig.made, i, 1, at, NULL) == DPT_OK, "not pushed");
+            if (is_patch(&net, i, cell))
+                CHECK(dpt_springs_set_nodes(net.made, i, 1, at, NULL) == DPT_OK, "not pushed");
         }
-        rig_steps(&rig, 2e-3, part < parts ? 4 : 250);
+        net_steps(&net, 2e-3, part < parts ? 4 : 250);
     }
     double left;
-    const double force = force_above(&rig, rig_positions(&rig), 0.5 * DEPTH, &left);
+    const double force = force_above(&net, net_positions(&net), 0.5 * DEPTH, &left);
     CHECK(left < 1e-3 * force, "%g N are not in balance, of %g", left, force);
-    rig_close(&rig);
+    net_close(&net);
     return force / (share * DEPTH);
 }
 

@@ -3,7 +3,7 @@
  * A liver that is pressed for a second, as the compiler made its springs and with the defaults of dpt_springs_def: within
  * 5 % of where its springs are in balance (oracle/spring_balance.h), at any stiffness.
  */
-#include "deform/spring_rig.h"
+#include "deform/made_net.h"
 #include "dynpoint/compile.h"
 #include "mesh/mesh_format.h"
 #include "oracle/spring_balance.h"

@@ -5,7 +5,7 @@
  *
  *     test_springs_stable [PER CENT]   of the long runs
  */
-#include "deform/spring_rig.h"
+#include "deform/made_net.h"
 
 static dpt_springs_def def_of(uint32_t integrator)
 {
@@ -59,26 +59,26 @@ static void limits_of_one_mode_are_exact(void)
 static double swing(uint32_t integrator, double viscosity, double drag, double share, uint32_t steps)
 {
     const double away = 1e-3;
-    struct rig rig = { 0 };
+    struct made_net net = { 0 };
     dpt_springs_def def = def_of(integrator);
-    rig_fix(&rig, rig_node(&rig, 0.0, 0.0, 0.0, 1.0));
-    rig_node(&rig, 1.0, 0.0, 0.0, 1e-3);
-    rig_spring(&rig, 0, 1, 40.0, 1.0);
-    rig_drag(&rig, drag);
-    rig.viscosity = viscosity;
-    CHECK(rig_open(&rig, &def) == DPT_OK, "not made");
+    net_fix(&net, net_node(&net, 0.0, 0.0, 0.0, 1.0));
+    net_node(&net, 1.0, 0.0, 0.0, 1e-3);
+    net_spring(&net, 0, 1, 40.0, 1.0);
+    net_drag(&net, drag);
+    net.viscosity = viscosity;
+    CHECK(net_open(&net, &def) == DPT_OK, "not made");
     const float start[3] = { (float)(1.0 + away), 0.0f, 0.0f };
-    dpt_springs_set_nodes(rig.made, 1, 1, start, NULL);
+    dpt_springs_set_nodes(net.made, 1, 1, start, NULL);
     double most = 0.0;
     for (uint32_t i = 0; i < steps; i++) {
-        if (!dpti_springs_substeps(rig.made, share * rig.made->stable_step, 1)) {
+        if (!dpti_springs_substeps(net.made, share * net.made->stable_step, 1)) {
             most = 1e12;
             break;
         }
-        const double x = fabs((double)rig_positions(&rig)[3] - 1.0);
+        const double x = fabs((double)net_positions(&net)[3] - 1.0);
         most = i >= steps / 2 && x > most ? x : most;
     }
-    rig_close(&rig);
+    net_close(&net);
     return most / away;
 }
 
@@ -95,20 +95,20 @@ static void one_mass_is_stable_up_to_its_limit(void)
 }
 
 /* The fastest mode of a net by power iteration: 1/s2. mode: of unit size. */
-static double fastest_mode(const struct rig *rig, double *mode)
+static double fastest_mode(const struct made_net *net, double *mode)
 {
-    const size_t n = 3 * (size_t)rig->nodes;
-    double *matrix = rig_matrix(rig), *next = malloc(n * sizeof *next), value = 0.0;
+    const size_t n = 3 * (size_t)net->nodes;
+    double *matrix = net_matrix(net), *next = malloc(n * sizeof *next), value = 0.0;
     uint64_t seed = 5;
     for (size_t i = 0; i < n; i++)
-        mode[i] = rig->mass[i / 3] > 0.0f ? random_in(&seed, -1.0, 1.0) : 0.0;
+        mode[i] = net->mass[i / 3] > 0.0f ? random_in(&seed, -1.0, 1.0) : 0.0;
     for (int round = 0; round < 20000; round++) {
         double size = 0.0;
         for (size_t i = 0; i < n; i++) {
             next[i] = 0.0;
             for (size_t j = 0; j < n; j++)
                 next[i] += matrix[i * n + j] * mode[j];
-            next[i] = rig->mass[i / 3] > 0.0f ? next[i] / (double)rig->mass[i / 3] : 0.0;
+            next[i] = net->mass[i / 3] > 0.0f ? next[i] / (double)net->mass[i / 3] : 0.0;
             size += next[i] * next[i];
         }
         value = sqrt(size);
@@ -124,30 +124,30 @@ static double fastest_mode(const struct rig *rig, double *mode)
 #define CELL_SQUARE (24.0 * 0.4 * 5000.0 / (1000.0 * 0.01 * 0.01))
 
 /* told: 1/s^2, what the net says of its frequencies; 0: nothing. */
-static void make_told_lattice(struct rig *rig, double viscosity, double told)
+static void make_told_lattice(struct made_net *net, double viscosity, double told)
 {
     dpt_springs_def def = def_of(DPT_INTEGRATOR_SYMPLECTIC);
-    rig_block(rig, 3, 3, 3, 0.01, 5000.0, 1000.0);
+    net_block(net, 3, 3, 3, 0.01, 5000.0, 1000.0);
     for (uint32_t i = 0; i < 9; i++)
-        rig_fix(rig, i);
-    rig->viscosity = viscosity;
-    CHECK(rig_open(rig, &def) == DPT_OK, "not made");
-    rig->net.square = told;
-    CHECK(rig_reopen(rig, &def) == DPT_OK, "not made");
+        net_fix(net, i);
+    net->viscosity = viscosity;
+    CHECK(net_open(net, &def) == DPT_OK, "not made");
+    net->rows.square = told;
+    CHECK(net_reopen(net, &def) == DPT_OK, "not made");
 }
 
-static void make_lattice(struct rig *rig, double viscosity)
+static void make_lattice(struct made_net *net, double viscosity)
 {
-    make_told_lattice(rig, viscosity, 0.0);
+    make_told_lattice(net, viscosity, 0.0);
 }
 
 /* How far along a mode the nodes are. */
-static double along(const struct rig *rig, const double *mode)
+static double along(const struct made_net *net, const double *mode)
 {
-    const float *x = rig_positions(rig);
+    const float *x = net_positions(net);
     double sum = 0.0;
-    for (size_t i = 0; i < 3 * (size_t)rig->nodes; i++)
-        sum += ((double)x[i] - (double)rig->rest[i]) * mode[i];
+    for (size_t i = 0; i < 3 * (size_t)net->nodes; i++)
+        sum += ((double)x[i] - (double)net->rest[i]) * mode[i];
     return sum;
 }
 
@@ -155,17 +155,17 @@ static double along(const struct rig *rig, const double *mode)
  * By what factor a small motion along the fastest mode grows in a step of h; 1 if it does not grow in 400 steps. Springs
  * are taken where nodes will be after the viscosity's time, so that they see more of the motion than nodes do.
  */
-static double growth_at(const struct rig *rig, const double *mode, double h)
+static double growth_at(const struct made_net *net, const double *mode, double h)
 {
-    const double far = 3e-4 / (1.0 + 2.0 * rig->viscosity / h);
+    const double far = 3e-4 / (1.0 + 2.0 * net->viscosity / h);
     float start[81];
     for (size_t i = 0; i < 81; i++)
-        start[i] = rig->rest[i] + (float)(far / 150.0 * mode[i]);
-    CHECK(dpt_springs_set_nodes(rig->made, 0, rig->nodes, start, NULL) == DPT_OK, "not moved");
-    double last = fabs(along(rig, mode)), growth = 1.0;
+        start[i] = net->rest[i] + (float)(far / 150.0 * mode[i]);
+    CHECK(dpt_springs_set_nodes(net->made, 0, net->nodes, start, NULL) == DPT_OK, "not moved");
+    double last = fabs(along(net, mode)), growth = 1.0;
     for (int i = 0; i < 400; i++) {
-        CHECK(dpti_springs_substeps(rig->made, h, 1), "refused");
-        const double now = fabs(along(rig, mode));
+        CHECK(dpti_springs_substeps(net->made, h, 1), "refused");
+        const double now = fabs(along(net, mode));
         if (now > far)
             return growth;
         growth = now > far / 15.0 ? now / last : growth;
@@ -178,20 +178,20 @@ static double growth_at(const struct rig *rig, const double *mode, double h)
  * By what factor a small motion along a mode changes in a step, if it swings: of a(n) = r^n cos(n p + q), the numbers
  * a(n)^2 - a(n - 1) a(n + 1) are r^2n sin(p)^2. A swing that fades is followed to a thirtieth: then others are left.
  */
-static double swing_at(const struct rig *rig, const double *mode, double h, double amount)
+static double swing_at(const struct made_net *net, const double *mode, double h, double amount)
 {
     float start[81];
     double a[3] = { amount, amount, amount }, first = 0.0, count = 0.0;
     double n = 0.0, nn = 0.0, y = 0.0, ny = 0.0; /* sums, for the line through log(size) */
     for (size_t i = 0; i < 81; i++)
-        start[i] = rig->rest[i] + (float)(amount * mode[i]);
-    CHECK(dpt_springs_set_nodes(rig->made, 0, rig->nodes, start, NULL) == DPT_OK, "not moved");
+        start[i] = net->rest[i] + (float)(amount * mode[i]);
+    CHECK(dpt_springs_set_nodes(net->made, 0, net->nodes, start, NULL) == DPT_OK, "not moved");
     for (int i = 0; i < 4000; i++) {
-        const int is_free = rig->made->def.integrator == DPT_INTEGRATOR_IMPLICIT
-                                ? dpt_springs_step(rig->made, h, NULL, 0, NULL) == DPT_OK
-                                : dpti_springs_substeps(rig->made, h, 1);
+        const int is_free = net->made->def.integrator == DPT_INTEGRATOR_IMPLICIT
+                                ? dpt_springs_step(net->made, h, NULL, 0, NULL) == DPT_OK
+                                : dpti_springs_substeps(net->made, h, 1);
         CHECK(is_free, "refused");
-        a[0] = a[1], a[1] = a[2], a[2] = along(rig, mode);
+        a[0] = a[1], a[1] = a[2], a[2] = along(net, mode);
         const double size = a[1] * a[1] - a[0] * a[2];
         if (i < 2 || !(size > 0.0))
             continue;
@@ -213,37 +213,37 @@ static void lattices_grow_as_their_matrix_says(void)
     const double dampings[] = { 0.0, 0.2, 4.0 }, about = 518.0;
     for (int i = 0; i < 3; i++) {
         double mode[81];
-        struct rig rig = { 0 };
-        make_lattice(&rig, dampings[i] / about);
-        const double square = fastest_mode(&rig, mode), t = rig.viscosity;
+        struct made_net net = { 0 };
+        make_lattice(&net, dampings[i] / about);
+        const double square = fastest_mode(&net, mode), t = net.viscosity;
         const double limit = dpti_springs_limit(DPT_INTEGRATOR_SYMPLECTIC, square, t, 0.0);
-        CHECK(square <= rig.made->square, "%g is beyond the bound %g", square, rig.made->square);
+        CHECK(square <= net.made->square, "%g is beyond the bound %g", square, net.made->square);
         printf("    t w = %.2f: a step of %.6f s at most, %.6f computed\n", t * sqrt(square), limit,
-               rig.made->stable_step);
+               net.made->stable_step);
         CHECK(i != 2 || t * sqrt(square) > 2.0, "not overdamped");
-        CHECK(growth_at(&rig, mode, 0.99 * limit) == 1.0, "grows at 0.99 of the limit");
-        CHECK(growth_at(&rig, mode, 1.02 * limit) > 1.02, "does not grow at 1.02 of the limit");
+        CHECK(growth_at(&net, mode, 0.99 * limit) == 1.0, "grows at 0.99 of the limit");
+        CHECK(growth_at(&net, mode, 1.02 * limit) > 1.02, "does not grow at 1.02 of the limit");
         for (double share = 1.05; share < 1.35; share += 0.05) {
-            const double seen = growth_at(&rig, mode, share * limit);
+            const double seen = growth_at(&net, mode, share * limit);
             const double expected = mode_growth(DPT_INTEGRATOR_SYMPLECTIC, square, t, 0.0, share * limit);
             CHECK(fabs(seen / expected - 1.0) < 0.01, "t %g: grows by %g, not %g, at %g", t, seen, expected, share);
         }
-        rig_close(&rig);
+        net_close(&net);
     }
 }
 
 /* 1/s2: how stiff springs would be along a mode if they were as stiff across as along. */
-static double stiffest(const struct rig *rig, const double *mode)
+static double stiffest(const struct made_net *net, const double *mode)
 {
     double sum = 0.0, mass = 0.0;
-    for (uint32_t i = 0; i < rig->springs; i++)
+    for (uint32_t i = 0; i < net->springs; i++)
         for (size_t k = 0; k < 3; k++) {
-            const struct rig_spring *spring = &rig->list[i];
+            const struct net_spring *spring = &net->list[i];
             const double d = mode[3 * spring->b + k] - mode[3 * spring->a + k];
             sum += spring->stiffness * d * d;
         }
-    for (size_t i = 0; i < 3 * (size_t)rig->nodes; i++)
-        mass += (double)rig->mass[i / 3] * mode[i] * mode[i];
+    for (size_t i = 0; i < 3 * (size_t)net->nodes; i++)
+        mass += (double)net->mass[i / 3] * mode[i] * mode[i];
     return sum / mass;
 }
 
@@ -257,20 +257,20 @@ static void others_grow_and_fade_as_their_matrix_says(void)
     for (int i = 0; i < 5; i++) {
         const int implicit = i >= 2;
         double mode[81];
-        struct rig rig = { 0 };
+        struct made_net net = { 0 };
         dpt_springs_def def = def_of(implicit ? DPT_INTEGRATOR_IMPLICIT : DPT_INTEGRATOR_EULER);
         def.iterations = 64;
-        make_lattice(&rig, 0.0);
-        const double square = fastest_mode(&rig, mode), h = shares[i] / sqrt(square);
-        CHECK(rig_reopen(&rig, &def) == DPT_OK, "not made");
-        const double seen = swing_at(&rig, mode, h, implicit ? 3e-4 : 1e-5);
-        const double g = h * h * square / (1.0 + h * h * stiffest(&rig, mode));
+        make_lattice(&net, 0.0);
+        const double square = fastest_mode(&net, mode), h = shares[i] / sqrt(square);
+        CHECK(net_reopen(&net, &def) == DPT_OK, "not made");
+        const double seen = swing_at(&net, mode, h, implicit ? 3e-4 : 1e-5);
+        const double g = h * h * square / (1.0 + h * h * stiffest(&net, mode));
         const double expected = implicit ? sqrt(1.0 - g) : mode_growth(DPT_INTEGRATOR_EULER, square, 0.0, 0.0, h);
         printf("    integrator %u, h w = %.2f: %.5f a step, expected %.5f\n", def.integrator, shares[i], seen,
                expected);
         CHECK(fabs(log(seen) / log(expected) - 1.0) < 0.04 && fabs(seen / expected - 1.0) < 0.01,
               "integrator %u, h %g: %g a step, not %g", def.integrator, h, seen, expected);
-        rig_close(&rig);
+        net_close(&net);
     }
 }
 
@@ -279,26 +279,26 @@ static double highest_energy(double squeeze, double amount, double share, int is
 {
     const uint64_t steps = part_of(told > 0.0 ? 30000 : 100000);
     uint64_t seed = 11;
-    struct rig rig = { 0 };
+    struct made_net net = { 0 };
     float start[81];
     double elastic, kinetic, first, highest = 0.0;
-    make_told_lattice(&rig, told > 0.0 ? 4e-4 : 0.0, told);
+    make_told_lattice(&net, told > 0.0 ? 4e-4 : 0.0, told);
     for (size_t i = 0; i < 81; i++)
-        start[i] = i < 27 ? rig.rest[i] : (float)(squeeze * (double)rig.rest[i] + random_in(&seed, -amount, amount));
-    CHECK(dpt_springs_set_nodes(rig.made, 0, rig.nodes, start, NULL) == DPT_OK, "not moved");
-    dpt_springs_get_energy(rig.made, &elastic, &kinetic);
+        start[i] = i < 27 ? net.rest[i] : (float)(squeeze * (double)net.rest[i] + random_in(&seed, -amount, amount));
+    CHECK(dpt_springs_set_nodes(net.made, 0, net.nodes, start, NULL) == DPT_OK, "not moved");
+    dpt_springs_get_energy(net.made, &elastic, &kinetic);
     first = elastic + kinetic;
-    const double h = share * rig.made->stable_step;
+    const double h = share * net.made->stable_step;
     for (uint64_t i = 0; i < steps; i++) {
-        if (is_public ? dpt_springs_step(rig.made, h, NULL, 0, NULL) != DPT_OK
-                      : !dpti_springs_substeps(rig.made, h, 1)) {
+        if (is_public ? dpt_springs_step(net.made, h, NULL, 0, NULL) != DPT_OK
+                      : !dpti_springs_substeps(net.made, h, 1)) {
             highest = HUGE_VAL;
             break;
         }
-        dpt_springs_get_energy(rig.made, &elastic, &kinetic);
+        dpt_springs_get_energy(net.made, &elastic, &kinetic);
         highest = elastic + kinetic > highest ? elastic + kinetic : highest;
     }
-    rig_close(&rig);
+    net_close(&net);
     return highest / first;
 }
 
@@ -333,48 +333,48 @@ static void what_a_net_tells_is_looked_into(void)
 {
     static const double shares[] = { 1.0, 1.2, 2.0, 0.7, 0.1, 1e-9 };
     double mode[81];
-    struct rig rig = { 0 };
-    make_lattice(&rig, 0.0);
-    const double rows = rig.made->square, fastest = fastest_mode(&rig, mode);
-    rig_close(&rig);
+    struct made_net net = { 0 };
+    make_lattice(&net, 0.0);
+    const double rows = net.made->square, fastest = fastest_mode(&net, mode);
+    net_close(&net);
     for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
         const double told = shares[i] * CELL_SQUARE;
-        make_told_lattice(&rig, 4e-4, told);
+        make_told_lattice(&net, 4e-4, told);
         const double expected = shares[i] >= 1.0 && told < rows ? told : rows;
-        CHECK(fabs(rig.made->square / expected - 1.0) < 1e-6, "told %g: %g, not %g", told, rig.made->square, expected);
-        CHECK(fastest <= rig.made->square, "%g is beyond %g", fastest, rig.made->square);
-        rig_close(&rig);
+        CHECK(fabs(net.made->square / expected - 1.0) < 1e-6, "told %g: %g, not %g", told, net.made->square, expected);
+        CHECK(fastest <= net.made->square, "%g is beyond %g", fastest, net.made->square);
+        net_close(&net);
     }
-    make_told_lattice(&rig, 2e-4, CELL_SQUARE);
-    CHECK(fabs(rig.made->square / rows - 1.0) < 1e-6, "%g with little viscosity", rig.made->square);
-    rig_close(&rig);
+    make_told_lattice(&net, 2e-4, CELL_SQUARE);
+    CHECK(fabs(net.made->square / rows - 1.0) < 1e-6, "%g with little viscosity", net.made->square);
+    net_close(&net);
 }
 
 /* Substeps are as many as are needed, or the step is refused and nothing moves. */
 static void long_steps_are_cut_or_refused(void)
 {
-    struct rig rig = { 0 };
+    struct made_net net = { 0 };
     dpt_springs_def def = def_of(DPT_INTEGRATOR_SYMPLECTIC);
     dpt_springs_info report = { .size = sizeof report };
-    make_lattice(&rig, 0.0);
-    const double stable = rig.made->stable_step;
+    make_lattice(&net, 0.0);
+    const double stable = net.made->stable_step;
     for (uint32_t n = 1; n <= 16; n++) {
-        CHECK(dpt_springs_step(rig.made, 0.8999 * stable * n, NULL, 0, &report) == DPT_OK && report.substeps == n,
+        CHECK(dpt_springs_step(net.made, 0.8999 * stable * n, NULL, 0, &report) == DPT_OK && report.substeps == n,
               "%u substeps, not %u", report.substeps, n);
-        CHECK(dpt_springs_step(rig.made, 0.9001 * stable * n, NULL, 0, &report) == (n < 16 ? DPT_OK : DPT_E_UNSTABLE),
+        CHECK(dpt_springs_step(net.made, 0.9001 * stable * n, NULL, 0, &report) == (n < 16 ? DPT_OK : DPT_E_UNSTABLE),
               "with %u", n);
     }
     def.integrator = DPT_INTEGRATOR_EULER;
-    CHECK(rig_reopen(&rig, &def) == DPT_OK && rig.made->stable_step == 0.0, "a stable step");
-    CHECK(dpt_springs_step(rig.made, 1e-9, NULL, 0, &report) == DPT_E_UNSTABLE, "Euler steps");
+    CHECK(net_reopen(&net, &def) == DPT_OK && net.made->stable_step == 0.0, "a stable step");
+    CHECK(dpt_springs_step(net.made, 1e-9, NULL, 0, &report) == DPT_E_UNSTABLE, "Euler steps");
     /* What touches a node makes the step shorter, by as much as one node's row says. */
     def.integrator = DPT_INTEGRATOR_SYMPLECTIC;
     def.contact_stiffness = 1e5;
-    CHECK(rig_reopen(&rig, &def) == DPT_OK, "not made");
+    CHECK(net_reopen(&net, &def) == DPT_OK, "not made");
     const double lightest = 1000.0 * 1e-6 / 8.0, bound = 2.0 * sqrt(lightest / 1e5);
-    CHECK(rig.made->stable_step < bound && rig.made->stable_step > 0.98 * bound, "%g, not %g", rig.made->stable_step,
+    CHECK(net.made->stable_step < bound && net.made->stable_step > 0.98 * bound, "%g, not %g", net.made->stable_step,
           bound);
-    rig_close(&rig);
+    net_close(&net);
 }
 
 /* Any stiffness, any step: energy does not grow, and the block comes to rest where it began. */
@@ -388,31 +388,31 @@ static void implicit_steps_never_explode(void)
         const double scale = scales[i % 4], dt = steps[i / 4 % 4];
         dpt_springs_def def = def_of(DPT_INTEGRATOR_IMPLICIT);
         dpt_springs_info report = { .size = sizeof report };
-        struct rig rig = { 0 };
+        struct made_net net = { 0 };
         float start[81], speed[81];
         double elastic, kinetic, first, highest = 0.0;
-        make_lattice(&rig, i / 64 ? 1e-3 : 0.0);
+        make_lattice(&net, i / 64 ? 1e-3 : 0.0);
         def.stiffness = scale;
         def.iterations = passes[i / 16 % 4];
-        CHECK(rig_reopen(&rig, &def) == DPT_OK, "not made");
+        CHECK(net_reopen(&net, &def) == DPT_OK, "not made");
         for (size_t k = 0; k < 81; k++) {
-            start[k] = rig.rest[k] + (float)random_in(&seed, -3e-3, 3e-3);
-            start[k] = k < 27 ? rig.rest[k] : start[k];
+            start[k] = net.rest[k] + (float)random_in(&seed, -3e-3, 3e-3);
+            start[k] = k < 27 ? net.rest[k] : start[k];
             speed[k] = (float)random_in(&seed, -3.0, 3.0);
         }
-        CHECK(dpt_springs_set_nodes(rig.made, 0, rig.nodes, start, speed) == DPT_OK, "not moved");
-        dpt_springs_get_energy(rig.made, &elastic, &kinetic);
+        CHECK(dpt_springs_set_nodes(net.made, 0, net.nodes, start, speed) == DPT_OK, "not moved");
+        dpt_springs_get_energy(net.made, &elastic, &kinetic);
         first = elastic + kinetic;
         for (uint32_t n = 0; n < counts[i / 16 % 4]; n++) {
-            CHECK(dpt_springs_step(rig.made, dt, NULL, 0, &report) == DPT_OK, "refused");
+            CHECK(dpt_springs_step(net.made, dt, NULL, 0, &report) == DPT_OK, "refused");
             held += report.flags & DPT_SPRINGS_FLAG_HELD;
             all++;
-            dpt_springs_get_energy(rig.made, &elastic, &kinetic);
+            dpt_springs_get_energy(net.made, &elastic, &kinetic);
             highest = elastic + kinetic > highest ? elastic + kinetic : highest;
         }
         CHECK(highest <= first * (1.0 + 1e-5) + 1e-9, "scale %g, dt %g, %u passes: energy up to %g of %g", scale, dt,
               def.iterations, highest, first);
-        rig_close(&rig);
+        net_close(&net);
     }
     printf("    %u of %u steps were held\n", held, all);
 }

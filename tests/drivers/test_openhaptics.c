@@ -12,6 +12,7 @@
 
 #include "dynpoint/openhaptics.h"
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 static void opens_and_tells(void)
 {
@@ -377,42 +378,26 @@ static void hosts_have_threads_of_their_own(void)
 }
 
 /* Tool and mesh as `dynpoint run` has them. */
-struct scene {
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
-};
-
-static void scene_open(struct scene *scene, const dpt_mesh *mesh)
+static void scene_open(struct rig *scene, const dpt_mesh *mesh)
 {
-    dpt_world_def def;
-    dpt_body body;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     const dpt_segment stylus = { .radius = 0.002 };
-    dpt_world_def_init(&def);
+    def.max_contacts = 0;
     def.max_bodies = def.max_tools = def.max_segments = 1;
     def.stiffness = 40.0;
-    scene->block = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world) == DPT_OK &&
-              dpt_body_add(scene->world, mesh, NULL, &body) == DPT_OK &&
-              dpt_tool_add(scene->world, &stylus, 1, &scene->tool) == DPT_OK,
-          "no scene");
+    rig_open(scene, &def, mesh, &stylus, 1);
 }
 
-static dpt_wrench scene_feel(struct scene *scene, const dpt_pose *pose, const double origin[3])
+static dpt_wrench scene_feel(struct rig *scene, const dpt_pose *pose, const double origin[3])
 {
-    dpt_wrench wrench = { { 0.0 }, { 0.0 } };
-    dpt_segment stylus = { .radius = 0.002 };
-    double z[3];
+    double z[3], ends[6];
     turned(pose->orientation, 2, z);
     for (int k = 0; k < 3; k++) {
-        stylus.a[k] = origin[k] + pose->position[k];
-        stylus.b[k] = stylus.a[k] + 0.1 * z[k];
+        ends[k] = origin[k] + pose->position[k];
+        ends[3 + k] = ends[k] + 0.1 * z[k];
     }
-    CHECK(dpt_tool_set_segments(scene->world, scene->tool, &stylus, 1) == DPT_OK &&
-              dpt_world_step(scene->world, 0.001, NULL) == DPT_OK &&
-              dpt_tool_get_wrench(scene->world, scene->tool, &wrench) == DPT_OK,
-          "no wrench");
-    return wrench;
+    rig_step_ends(scene, ends, 0.002);
+    return scene->force.wrench;
 }
 
 /* A spring and a lever: what a rounded pose does to it is bounded by its stiffness. */
@@ -428,7 +413,7 @@ static dpt_wrench spring_feel(const dpt_pose *pose)
 
 static void compare_motions(const dpt_mesh *mesh, const double origin[3], int is_turned)
 {
-    struct scene scenes[2];
+    struct rig scenes[2];
     dpt_device *sim = NULL;
     dpt_device_state truth = { .size = sizeof truth };
     double far = 0.0, wrong = 0.0, strongest = 0.0;
@@ -478,8 +463,8 @@ static void compare_motions(const dpt_mesh *mesh, const double origin[3], int is
     CHECK(wrong <= (is_turned ? 30.0 * (0.1 * 1e-15 + 0.03 * 0x1p-51) : 0.0), "%g N", wrong);
     dpt_device_close(sim);
     finish();
-    free(scenes[0].block);
-    free(scenes[1].block);
+    rig_close(&scenes[0]);
+    rig_close(&scenes[1]);
 }
 
 /*

@@ -11,7 +11,8 @@
 #define DPT_TESTS_HELD_DEVICE_H
 
 #include "force/exact_step.h"
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 enum { HELD_AXES = 6, HELD_PARTS = 4 };
 

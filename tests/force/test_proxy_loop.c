@@ -73,7 +73,7 @@ static void loop_open(struct loop *loop, const struct place *place, const struct
     struct held_device *held = &loop->held;
     dpt_pose pose;
     rig_open(&loop->rig, NULL, place->solid->mesh, &place->segment, 1);
-    rig_orient(&pose, y, place->tilt);
+    pose_orient(&pose, y, place->tilt);
     memcpy(held->orientation, pose.orientation, sizeof held->orientation);
     held->origin[0] = 0.003;
     held->origin[1] = 0.007;

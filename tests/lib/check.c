@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "lib/check.h"
 
+#include <stdarg.h>
+
 int check_passed, check_failed, check_skipped, check_bad;
 unsigned check_percent = 100;
 
@@ -33,4 +35,16 @@ int check_report(void)
 {
     printf("%d passed, %d failed, %d skipped\n", check_passed, check_failed, check_skipped);
     return check_failed ? 1 : 0;
+}
+
+void check_fail(const char *file, int line, const char *condition, const char *format, ...)
+{
+    va_list arguments;
+    if (++check_bad > 10)
+        return;
+    printf("    %s:%d: %s: ", file, line, condition);
+    va_start(arguments, format);
+    vprintf(format, arguments);
+    va_end(arguments);
+    printf("\n");
 }

@@ -29,15 +29,13 @@ extern unsigned check_percent;
 /* In a test: assert `condition`, and print the rest, a printf format with arguments, if it fails. */
 #define CHECK(condition, ...)                                                                                          \
     do {                                                                                                               \
-        if (!(condition)) {                                                                                            \
-            check_bad++;                                                                                               \
-            if (check_bad <= 10) {                                                                                     \
-                printf("    %s:%d: %s: ", __FILE__, __LINE__, #condition);                                             \
-                printf(__VA_ARGS__);                                                                                   \
-                printf("\n");                                                                                          \
-            }                                                                                                          \
-        }                                                                                                              \
+        if (!(condition))                                                                                              \
+            check_fail(__FILE__, __LINE__, #condition, __VA_ARGS__);                                                   \
     } while (0)
+
+/* A failure at a line. */
+void check_fail(const char *file, int line, const char *condition, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 
 #define TEST(function)                                                                                                 \
     do {                                                                                                               \

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "lib/soft_scene.h"
 
-#include <math.h>
-
-#include "lib/check.h"
 #include "scene/scene_list.h"
 #include "scene/scene_physics.h"
 
@@ -13,18 +10,13 @@ static int open_world(struct soft_scene *scene)
 {
     const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, RADIUS };
     const struct force_options options = { .law = DPT_LAW_PROXY, .stiffness = 100.0, .friction = NAN };
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.max_bodies = scene->bodies.count;
-    scene->block = malloc(dpt_world_bytes(&def));
-    dpt_result result = dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world);
+    if (!rig_open(&scene->rig, &def, NULL, &ball, 1))
+        return 0;
+    dpt_result result = scene_bodies_add(&scene->bodies, scene->rig.world, &options);
     if (result == DPT_OK)
-        result = scene_bodies_add(&scene->bodies, scene->world, &options);
-    if (result == DPT_OK)
-        result = dpt_tool_add(scene->world, &ball, 1, &scene->tool);
-    if (result == DPT_OK)
-        result = force_options_set_tool(&options, scene->world, scene->tool, 1);
+        result = force_options_set_tool(&options, scene->rig.world, scene->rig.tool, 1);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return result == DPT_OK;
 }
@@ -41,13 +33,13 @@ int soft_scene_open(struct soft_scene *scene, const char *name, double rate)
     scene_bodies_top(&scene->bodies, scene->top);
     scene->pose = (dpt_pose)DPT_POSE_IDENTITY;
     soft_scene_press(scene, -0.001);
-    dpt_tool_teleport(scene->world, scene->tool, &scene->pose);
+    dpt_tool_teleport(scene->rig.world, scene->rig.tool, &scene->pose);
     return 1;
 }
 
 void soft_scene_close(struct soft_scene *scene)
 {
-    free(scene->block);
+    rig_close(&scene->rig);
     scene_bodies_close(&scene->bodies);
 }
 
@@ -55,19 +47,18 @@ void soft_scene_press(struct soft_scene *scene, double depth)
 {
     memcpy(scene->pose.position, scene->top, sizeof scene->top);
     scene->pose.position[1] += RADIUS - depth;
-    if (scene->world)
-        dpt_tool_set_pose(scene->world, scene->tool, &scene->pose);
+    if (scene->rig.world)
+        dpt_tool_set_pose(scene->rig.world, scene->rig.tool, &scene->pose);
 }
 
 void soft_scene_step(struct soft_scene *scene)
 {
-    const dpt_result result = dpt_world_step(scene->world, SOFT_TICK, NULL);
-    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    rig_tick(&scene->rig);
 }
 
 const float *soft_scene_vertices(const struct soft_scene *scene, uint32_t *count)
 {
     const float *vertices = NULL;
-    dpt_body_get_vertices(scene->world, scene->bodies.body[0].id, &vertices, count);
+    dpt_body_get_vertices(scene->rig.world, scene->bodies.body[0].id, &vertices, count);
     return vertices;
 }

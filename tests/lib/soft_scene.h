@@ -3,15 +3,14 @@
 #ifndef DPT_TESTS_SOFT_SCENE_H
 #define DPT_TESTS_SOFT_SCENE_H
 
+#include "lib/rig.h"
 #include "scene/scene_bodies.h"
 
 #define SOFT_TICK 1e-3 /* s */
 
 struct soft_scene {
     struct scene_bodies bodies;
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
+    struct rig rig;
     dpt_pose pose; /* of the ball */
     double top[3]; /* of the first body */
 };

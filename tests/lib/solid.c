@@ -96,15 +96,6 @@ int solid_from_net(struct solid *solid, const char *name, uint32_t rows, uint32_
     return opened;
 }
 
-void random_unit(uint64_t *seed, double v[3])
-{
-    do {
-        for (int k = 0; k < 3; k++)
-            v[k] = random_in(seed, -1, 1);
-    } while (!(dot3(v, v) > 0.01 && dot3(v, v) < 1));
-    unit3(v);
-}
-
 void solid_balls(const struct solid *solid, double *inner, double *outer, double *tilt)
 {
     *inner = INFINITY;
@@ -130,7 +121,7 @@ void solid_balls(const struct solid *solid, double *inner, double *outer, double
 void turn_about(double ends[6], double s, const double axis[3], double angle)
 {
     double pivot[3];
-    along(ends, s, pivot);
+    point_at(ends, s, pivot);
     for (int e = 0; e < 2; e++) {
         double r[3], side[3];
         for (int k = 0; k < 3; k++)
@@ -197,53 +188,6 @@ void slide_step(struct slide *slide)
         slide->ends[3 + k] += by;
     }
     turn_about(slide->ends, hit.s, slide->axis, slide->spin);
-}
-
-int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, double margin, uint32_t max_contacts,
-               double side_limit)
-{
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.law = DPT_LAW_POINT;
-    def.margin = margin;
-    def.max_contacts = max_contacts;
-    def.side_limit = side_limit;
-    return stage_open_world(stage, mesh, pose, &def);
-}
-
-int stage_open_world(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, const dpt_world_def *def)
-{
-    const dpt_segment point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
-    *stage = (struct stage){ .step.size = sizeof stage->step };
-    stage->block = malloc(dpt_world_bytes(def));
-    const int made = stage->block &&
-                     dpt_world_create(stage->block, dpt_world_bytes(def), def, &stage->world) == DPT_OK &&
-                     dpt_body_add(stage->world, mesh, pose, &stage->body) == DPT_OK &&
-                     dpt_tool_add(stage->world, &point, 1, &stage->tool) == DPT_OK;
-    CHECK(made, "no world");
-    return made;
-}
-
-dpt_hit stage_tick(struct stage *stage, const double ends[6], double radius)
-{
-    dpt_hit hit = DPT_HIT_INIT;
-    dpt_segment segment = { .radius = radius };
-    memcpy(segment.a, ends, sizeof segment.a);
-    memcpy(segment.b, ends + 3, sizeof segment.b);
-    const int stepped = dpt_tool_set_segments(stage->world, stage->tool, &segment, 1) == DPT_OK &&
-                        dpt_world_step(stage->world, 1e-3, &stage->step) == DPT_OK &&
-                        dpt_tool_get_hit(stage->world, stage->tool, &hit) == DPT_OK;
-    CHECK(stepped, "no step");
-    return hit;
-}
-
-uint32_t stage_contacts(const struct stage *stage, dpt_contact *contacts)
-{
-    uint32_t count = 0;
-    contacts[0].size = sizeof *contacts;
-    const dpt_result result = dpt_tool_get_contacts(stage->world, stage->tool, contacts, STAGE_CONTACTS, &count);
-    CHECK(result == DPT_OK && count <= STAGE_CONTACTS, "%s, %u", dpt_result_name(result), count);
-    return count < STAGE_CONTACTS ? count : STAGE_CONTACTS;
 }
 
 void check_ids(struct id_history *ids, uint64_t tick, const dpt_contact *contacts, uint32_t count, const char *text)

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For the tests of depth and regions: a mesh as the library and as the oracles see it, and a tool that slides. */
+/* For the tests of depth and regions: a mesh as the library and as the oracles see it, and a capsule that slides. */
 #ifndef DPT_TESTS_SOLID_H
 #define DPT_TESTS_SOLID_H
-
-#include <math.h>
 
 #include "data/motion.h"
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
 #include "lib/check.h"
+#include "lib/vector.h"
 #include "oracle/depth.h"
 #include "shape/shape.h"
 
@@ -43,45 +42,11 @@ int solid_from_file(struct solid *solid, const char *name, const char *path, dou
 int solid_from_net(struct solid *solid, const char *name, uint32_t rows, uint32_t columns, int wrap,
                    void (*place)(double u, double v, double x[3]));
 
-static inline double dot3(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static inline double apart(const double a[3], const double b[3])
-{
-    const double d[3] = { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
-    return sqrt(dot3(d, d));
-}
-
-static inline double unit3(double v[3])
-{
-    const double length = sqrt(dot3(v, v));
-    for (int k = 0; k < 3 && length > 0; k++)
-        v[k] /= length;
-    return length;
-}
-
-void random_unit(uint64_t *seed, double v[3]);
-
 /*
  * About the origin, of what is convex: the radii of the ball that touches its faces from within and of the one that
  * holds it, and by what angle a face's normal is off the way from there to a corner, at most.
  */
 void solid_balls(const struct solid *solid, double *inner, double *outer, double *tilt);
-
-/* The point at s of a segment. */
-static inline void along(const double ends[6], double s, double x[3])
-{
-    for (int k = 0; k < 3; k++)
-        x[k] = ends[k] + s * (ends[3 + k] - ends[k]);
-}
-
-/* The farther of the two ways that a segment's ends went: no point of it went farther. */
-static inline double motion_of(const double from[6], const double to[6])
-{
-    return fmax(apart(from, to), apart(from + 3, to + 3));
-}
 
 /* Turn a segment about the point at `s`. */
 void turn_about(double ends[6], double s, const double axis[3], double angle);
@@ -105,39 +70,6 @@ struct slide {
 void slide_begin(struct slide *slide, const struct solid *solid, uint64_t seed, double length, double radius);
 
 void slide_step(struct slide *slide);
-
-/* A world with one body, one tool of one segment, on the heap. */
-struct stage {
-    void *block;
-    dpt_world *world;
-    dpt_body body;
-    dpt_tool tool;
-    dpt_step step;
-};
-
-/* `side_limit` 0: the usual one. */
-int stage_open(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, double margin, uint32_t max_contacts,
-               double side_limit);
-int stage_open_world(struct stage *stage, const dpt_mesh *mesh, const dpt_pose *pose, const dpt_world_def *def);
-
-static inline void stage_close(struct stage *stage)
-{
-    free(stage->block);
-}
-
-static inline void stage_jump(struct stage *stage)
-{
-    const dpt_pose identity = DPT_POSE_IDENTITY;
-    dpt_tool_teleport(stage->world, stage->tool, &identity);
-}
-
-/* One tick; the nearest pair of it. */
-dpt_hit stage_tick(struct stage *stage, const double ends[6], double radius);
-
-enum { STAGE_CONTACTS = 64 };
-
-/* Its regions, at most STAGE_CONTACTS. */
-uint32_t stage_contacts(const struct stage *stage, dpt_contact *contacts);
 
 /* Ids that were seen, and when last: one that was gone does not come back. */
 struct id_history {

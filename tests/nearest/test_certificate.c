@@ -6,9 +6,8 @@
  *
  *     test_certificate [TICKS]   of each mesh, motion and cache; the default is what make check runs
  */
-#include <math.h>
-
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 static uint32_t ticks = 800;
@@ -24,38 +23,25 @@ static const struct subject {
     uint64_t triangles;
 } subjects[] = { { "torus", 5568 }, { "liver", 0 }, { "membrane", 0 }, { "star", 0 }, { "soup", 3000 } };
 
-/* Two worlds that differ in method and memory alone. */
-struct twin {
-    void *block;
-    dpt_world *world;
-    dpt_body body;
-    dpt_tool tool;
-};
-
-static int twin_open(struct twin *twin, const dpt_mesh *mesh, uint32_t method, uint64_t bytes,
+/* Worlds that differ in method and memory alone. */
+static int twin_open(struct rig *twin, const dpt_mesh *mesh, uint32_t method, uint64_t bytes,
                      const dpt_segment *segment)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
+    def.max_contacts = 0;
     def.max_bodies = 3;
     def.max_tools = def.max_segments = 2;
     def.method = method;
     def.until = DPT_UNTIL_TRACK;
     def.certificate_bytes = bytes;
-    twin->block = malloc(dpt_world_bytes(&def));
-    return twin->block && dpt_world_create(twin->block, dpt_world_bytes(&def), &def, &twin->world) == DPT_OK &&
-           dpt_body_add(twin->world, mesh, NULL, &twin->body) == DPT_OK &&
-           dpt_tool_add(twin->world, segment, 1, &twin->tool) == DPT_OK;
+    return rig_open(twin, &def, mesh, segment, 1);
 }
 
-static dpt_hit twin_step(struct twin *twin, const dpt_segment *segment)
+static dpt_hit twin_step(struct rig *twin, const dpt_segment *segment)
 {
-    dpt_hit hit = DPT_HIT_INIT;
     dpt_tool_set_segments(twin->world, twin->tool, segment, 1);
-    CHECK(dpt_world_step(twin->world, 1e-3, NULL) == DPT_OK, "step");
-    dpt_tool_get_hit(twin->world, twin->tool, &hit);
-    return hit;
+    rig_tick(twin);
+    return twin->hit;
 }
 
 static double one(uint64_t *random)
@@ -200,7 +186,7 @@ static void follow(const struct subject *subject, const dpt_mesh *mesh, int moti
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_get_info(mesh, &info);
     struct tool tool;
-    struct twin exact, tree, brute;
+    struct rig exact, tree, brute;
     char what[64];
     snprintf(what, sizeof what, "%s, %s, %u bytes", subject->name, motions[motion], (unsigned)bytes);
     tool_start(&tool, &info, 77u * (uint64_t)motion + bytes + 5);
@@ -232,9 +218,9 @@ static void follow(const struct subject *subject, const dpt_mesh *mesh, int moti
         }
         tool_move(&tool, motion, tick, &truth);
     }
-    free(exact.block);
-    free(tree.block);
-    free(brute.block);
+    rig_close(&exact);
+    rig_close(&tree);
+    rig_close(&brute);
 }
 
 /* What every block of a mesh needs. */
@@ -274,7 +260,7 @@ static void what_is_kept_saves_work(void)
     struct fixture fixture;
     dpt_mesh_info info = { .size = sizeof info };
     struct tool tool;
-    struct twin kept, none;
+    struct rig kept, none;
     uint64_t with = 0, without = 0;
     if (!fixture_from_shape(&fixture, "liver", 0))
         return;
@@ -282,8 +268,8 @@ static void what_is_kept_saves_work(void)
     tool_start(&tool, &info, 3);
     tool.length = 0.5 * tool.size;
     dpt_segment segment = tool_segment(&tool);
-    CHECK(twin_open(&kept, fixture.mesh, DPT_METHOD_EXACT, 1 << 20, &segment), "world");
-    CHECK(twin_open(&none, fixture.mesh, DPT_METHOD_EXACT, 0, &segment), "world");
+    twin_open(&kept, fixture.mesh, DPT_METHOD_EXACT, 1 << 20, &segment);
+    twin_open(&none, fixture.mesh, DPT_METHOD_EXACT, 0, &segment);
     for (uint32_t tick = 0; tick < 500; tick++) {
         segment = tool_segment(&tool);
         dpt_hit a = twin_step(&kept, &segment), b = twin_step(&none, &segment);
@@ -294,8 +280,8 @@ static void what_is_kept_saves_work(void)
     }
     printf("    %llu units with planes, %llu without\n", (unsigned long long)with, (unsigned long long)without);
     CHECK(with < without, "%llu, %llu", (unsigned long long)with, (unsigned long long)without);
-    free(kept.block);
-    free(none.block);
+    rig_close(&kept);
+    rig_close(&none);
     fixture_free(&fixture);
 }
 
@@ -317,13 +303,13 @@ static void jumps_cost_what_the_tree_does(void)
                  pow(info.box_max[2] - info.box_min[2], 2));
         for (size_t j = 0; j < sizeof jumps / sizeof jumps[0]; j++) {
             uint64_t random = 5, work = 0, of_tree = 0;
-            struct twin exact, tree;
+            struct rig exact, tree;
             double x[3], way[3];
             for (int k = 0; k < 3; k++)
                 x[k] = info.box_max[k];
             dpt_segment segment = { { x[0], x[1], x[2] }, { x[0], x[1], x[2] + 0.5 * diagonal }, 0 };
-            CHECK(twin_open(&exact, fixture.mesh, DPT_METHOD_EXACT, 1 << 20, &segment), "world");
-            CHECK(twin_open(&tree, fixture.mesh, DPT_METHOD_TREE, 0, &segment), "world");
+            twin_open(&exact, fixture.mesh, DPT_METHOD_EXACT, 1 << 20, &segment);
+            twin_open(&tree, fixture.mesh, DPT_METHOD_TREE, 0, &segment);
             for (uint32_t tick = 0; tick < 600; tick++) {
                 for (int k = 0; k < 3; k++)
                     way[k] = one(&random);
@@ -344,8 +330,8 @@ static void jumps_cost_what_the_tree_does(void)
             }
             CHECK((double)work < 1.1 * (double)of_tree, "%s, jumps of %g: %llu units, %llu of the tree",
                   subjects[i].name, jumps[j], (unsigned long long)work, (unsigned long long)of_tree);
-            free(exact.block);
-            free(tree.block);
+            rig_close(&exact);
+            rig_close(&tree);
         }
         fixture_free(&fixture);
     }
@@ -355,7 +341,7 @@ static void jumps_cost_what_the_tree_does(void)
 static void crossings_are_walked_to(void)
 {
     struct fixture fixture;
-    struct twin exact, tree;
+    struct rig exact, tree;
     dpt_mesh_info info = { .size = sizeof info };
     uint32_t moves = 0, walks = 0, last = DPT_NONE;
     if (!fixture_from_shape(&fixture, "liver", 0))
@@ -367,8 +353,8 @@ static void crossings_are_walked_to(void)
     dpt_segment segment = { { middle[0], middle[1], middle[2] - size },
                             { middle[0], middle[1], middle[2] + size },
                             0.0 };
-    CHECK(twin_open(&exact, fixture.mesh, DPT_METHOD_EXACT, 1 << 20, &segment), "world");
-    CHECK(twin_open(&tree, fixture.mesh, DPT_METHOD_TREE, 0, &segment), "world");
+    twin_open(&exact, fixture.mesh, DPT_METHOD_EXACT, 1 << 20, &segment);
+    twin_open(&tree, fixture.mesh, DPT_METHOD_TREE, 0, &segment);
     for (uint32_t tick = 0; tick < 2000; tick++) {
         for (int k = 0; k < 2; k++) {
             segment.a[k] = middle[k] + 0.1 * size * sin(2e-2 * tick + k);
@@ -382,8 +368,8 @@ static void crossings_are_walked_to(void)
     }
     printf("    %u times onto another triangle, %u of them over at most 4 edges\n", moves, walks);
     CHECK(moves > 200 && walks * 20 > moves * 19, "%u of %u", walks, moves);
-    free(exact.block);
-    free(tree.block);
+    rig_close(&exact);
+    rig_close(&tree);
     fixture_free(&fixture);
 }
 
@@ -391,12 +377,12 @@ static void crossings_are_walked_to(void)
 static void planes_leave_with_their_owner(void)
 {
     struct fixture small, large;
-    struct twin exact, tree;
+    struct rig exact, tree;
     if (!fixture_from_shape(&small, "torus", 600) || !fixture_from_shape(&large, "liver", 5000))
         return;
     const dpt_segment far = { { 0.2, 0.1, 0.3 }, { 0.25, 0.1, 0.3 }, 0.0 };
     const dpt_segment near = { { -0.1, 0.0, 0.09 }, { 0.1, 0.02, 0.1 }, 0.0 };
-    struct twin *const twins[2] = { &exact, &tree };
+    struct rig *const twins[2] = { &exact, &tree };
     dpt_hit hit[2];
     twin_open(&exact, small.mesh, DPT_METHOD_EXACT, 1 << 20, &near);
     twin_open(&tree, small.mesh, DPT_METHOD_TREE, 0, &near);
@@ -404,10 +390,10 @@ static void planes_leave_with_their_owner(void)
         dpt_tool second;
         hit[i] = twin_step(twins[i], &near);
         CHECK(dpt_body_remove(twins[i]->world, twins[i]->body) == DPT_OK, "remove");
-        CHECK(dpt_body_add(twins[i]->world, large.mesh, NULL, &twins[i]->body) == DPT_OK, "add");
+        twins[i]->body = rig_add_body(twins[i], large.mesh, NULL);
         hit[i] = twin_step(twins[i], &near);
-        CHECK(dpt_tool_add(twins[i]->world, &far, 1, &second) == DPT_OK, "tool");
-        CHECK(dpt_world_step(twins[i]->world, 1e-3, NULL) == DPT_OK, "step");
+        second = rig_add_tool(twins[i], &far, 1);
+        rig_tick(twins[i]);
         CHECK(dpt_tool_remove(twins[i]->world, twins[i]->tool) == DPT_OK, "remove");
         twins[i]->tool = second;
     }
@@ -415,8 +401,8 @@ static void planes_leave_with_their_owner(void)
     for (int i = 0; i < 2; i++)
         hit[i] = twin_step(twins[i], &near);
     agree(&hit[0], &hit[1], "another tool", 0);
-    free(exact.block);
-    free(tree.block);
+    rig_close(&exact);
+    rig_close(&tree);
     fixture_free(&small);
     fixture_free(&large);
 }
@@ -435,7 +421,7 @@ static int tetrahedron(struct fixture *fixture, double size)
 static void owners_do_not_mix(void)
 {
     struct fixture small, large;
-    struct twin exact, tree;
+    struct rig exact, tree;
     struct tool tools[2];
     dpt_mesh_info info = { .size = sizeof info };
     if (!tetrahedron(&small, 0.05) || !tetrahedron(&large, 0.2))
@@ -445,18 +431,17 @@ static void owners_do_not_mix(void)
         for (uint64_t i = 0; i < 2; i++)
             tool_start(&tools[i], &info, 11 + 2 * blocks + i);
         const dpt_segment at_first = tool_segment(&tools[0]);
-        struct twin *const twins[2] = { &exact, &tree };
-        CHECK(twin_open(&exact, small.mesh, DPT_METHOD_EXACT, 272 * blocks, &at_first), "world");
-        CHECK(twin_open(&tree, small.mesh, DPT_METHOD_TREE, 0, &at_first), "world");
+        struct rig *const twins[2] = { &exact, &tree };
+        twin_open(&exact, small.mesh, DPT_METHOD_EXACT, 272 * blocks, &at_first);
+        twin_open(&tree, small.mesh, DPT_METHOD_TREE, 0, &at_first);
         dpt_tool other[2];
         for (int i = 0; i < 2; i++) {
-            dpt_body body, between;
             dpt_pose pose = { { 0.05, 0.02, -0.03 }, { 1.0, 0.0, 0.0, 0.0 } };
-            CHECK(dpt_body_add(twins[i]->world, small.mesh, &pose, &between) == DPT_OK, "body");
+            const dpt_body between = rig_add_body(twins[i], small.mesh, &pose);
             pose.position[0] = -0.1;
-            CHECK(dpt_body_add(twins[i]->world, large.mesh, &pose, &body) == DPT_OK, "body");
+            rig_add_body(twins[i], large.mesh, &pose);
             CHECK(dpt_body_remove(twins[i]->world, between) == DPT_OK, "remove");
-            CHECK(dpt_tool_add(twins[i]->world, &at_first, 1, &other[i]) == DPT_OK, "tool");
+            other[i] = rig_add_tool(twins[i], &at_first, 1);
         }
         for (uint32_t tick = 0; tick < ticks / 4; tick++) {
             const dpt_segment a = tool_segment(&tools[0]), b = tool_segment(&tools[1]);
@@ -471,8 +456,8 @@ static void owners_do_not_mix(void)
             tool_move(&tools[0], SLIDE, tick, &found[1]);
             tool_move(&tools[1], SPIN, tick, &second[1]);
         }
-        free(exact.block);
-        free(tree.block);
+        rig_close(&exact);
+        rig_close(&tree);
     }
     fixture_free(&small);
     fixture_free(&large);
@@ -491,18 +476,18 @@ static void keys_name_their_owner(void)
                               -5.2, -0.2, 20.0, -4.7, -0.2, 20.0, -5.0, 0.3, 20.0 };
     const uint32_t corners[] = { 0, 1, 2, 3, 4, 5 };
     struct fixture meshes[2];
-    struct twin exact, tree;
+    struct rig exact, tree;
     if (!fixture_from_arrays(&meshes[0], first, 6, corners, 2) ||
         !fixture_from_arrays(&meshes[1], second, 6, corners, 2))
         return;
     dpt_segment segment = { { 0.0, 0.0, 11.0 }, { 0.0, 0.01, 11.0 }, 0.0 };
-    struct twin *const twins[2] = { &exact, &tree };
+    struct rig *const twins[2] = { &exact, &tree };
     twin_open(&exact, meshes[0].mesh, DPT_METHOD_EXACT, 2 * 272, &segment);
     twin_open(&tree, meshes[0].mesh, DPT_METHOD_TREE, 0, &segment);
     dpt_body other[2], between;
     for (int i = 0; i < 2; i++) {
-        CHECK(dpt_body_add(twins[i]->world, meshes[0].mesh, NULL, &between) == DPT_OK, "add");
-        CHECK(dpt_body_add(twins[i]->world, meshes[1].mesh, NULL, &other[i]) == DPT_OK, "add");
+        between = rig_add_body(twins[i], meshes[0].mesh, NULL);
+        other[i] = rig_add_body(twins[i], meshes[1].mesh, NULL);
         CHECK(dpt_body_remove(twins[i]->world, between) == DPT_OK, "remove");
     }
     for (uint32_t tick = 0; tick < 15; tick++) {
@@ -519,8 +504,8 @@ static void keys_name_their_owner(void)
         agree(&hit[0], &hit[1], "one block for two", tick);
         CHECK(fabs(hit[0].distance - (tick < 5 ? 1.0 : visit ? 7.0 : 0.5)) < 1e-9, "%.17g", hit[0].distance);
     }
-    free(exact.block);
-    free(tree.block);
+    rig_close(&exact);
+    rig_close(&tree);
     fixture_free(&meshes[0]);
     fixture_free(&meshes[1]);
 }
@@ -529,7 +514,7 @@ static void keys_name_their_owner(void)
 static void reset_forgets(void)
 {
     struct fixture fixture;
-    struct twin twin;
+    struct rig twin;
     dpt_hit first[40];
     if (!fixture_from_shape(&fixture, "liver", 5000))
         return;
@@ -546,7 +531,7 @@ static void reset_forgets(void)
                   first[tick].work);
         }
     }
-    free(twin.block);
+    rig_close(&twin);
     fixture_free(&fixture);
 }
 

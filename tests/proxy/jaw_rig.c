@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/jaw_rig.h"
 
-const dpt_segment jaw_point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
-
 void jaws_give(struct jaws *jaws, double radius)
 {
     static const dpt_pose identity = DPT_POSE_IDENTITY;
@@ -28,14 +26,14 @@ void jaws_give(struct jaws *jaws, double radius)
 
 void jaws_open(struct jaws *jaws, const dpt_world_def *def, const dpt_mesh *mesh, double radius)
 {
-    rig_open(&jaws->rig, def, mesh, &jaw_point, 1);
+    rig_open(&jaws->rig, def, mesh, &rig_point, 1);
     jaws_give(jaws, radius);
 }
 
 void jaws_want(struct jaws *jaws, double angle)
 {
     for (int j = 0; j < 2; j++) {
-        rig_orient(&jaws->wanted[j], (const double[3]){ 0, 1, 0 }, j ? angle : -angle);
+        pose_orient(&jaws->wanted[j], (const double[3]){ 0, 1, 0 }, j ? angle : -angle);
         const dpt_result result = dpt_tool_set_tip_pose(jaws->rig.world, jaws->rig.tool, (uint32_t)j, &jaws->wanted[j]);
         CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     }
@@ -52,13 +50,8 @@ void jaw_corners(const struct jaws *jaws, int jaw, double corners[3 * JAW_CORNER
 {
     const dpt_pose pose = jaw_pose(jaws, jaw), *tool = &jaws->rig.proxy;
     for (int c = 0; c < JAW_CORNERS; c++) {
-        double in_tool[3];
-        rig_turn(pose.orientation, jaws->corners[jaw] + 3 * c, in_tool);
-        for (int k = 0; k < 3; k++)
-            in_tool[k] += pose.position[k];
-        rig_turn(tool->orientation, in_tool, corners + 3 * c);
-        for (int k = 0; k < 3; k++)
-            corners[3 * c + k] += tool->position[k];
+        pose_point(&pose, jaws->corners[jaw] + 3 * c, corners + 3 * c);
+        pose_point(tool, corners + 3 * c, corners + 3 * c);
     }
 }
 

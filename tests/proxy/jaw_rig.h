@@ -22,9 +22,6 @@ struct jaws {
     dpt_pose wanted[2];
 };
 
-/* The tool's segment, a point on the hinge. */
-extern const dpt_segment jaw_point;
-
 /* A rig with jaws that are closed. `def` as for rig_open. */
 void jaws_open(struct jaws *jaws, const dpt_world_def *def, const dpt_mesh *mesh, double radius);
 

@@ -10,7 +10,8 @@
 #ifndef DPT_TESTS_PLACE_VISIT_H
 #define DPT_TESTS_PLACE_VISIT_H
 
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 enum { VISIT_BODIES = 50 };
 
@@ -75,11 +76,10 @@ static inline double angle_apart(const struct visit *visit, const dpt_pose *from
     const double *p = from->orientation, *q = to->orientation;
     double a[3], b[3], c[3];
     if (visit->is_straight) {
-        rig_turn(p, visit->axis, a);
-        rig_turn(q, visit->axis, b);
-        for (int k = 0; k < 3; k++)
-            c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-        return atan2(sqrt(dot3(c, c)), dot3(a, b));
+        turn3(p, visit->axis, a);
+        turn3(q, visit->axis, b);
+        cross3(a, b, c);
+        return atan2(length3(c), dot3(a, b));
     }
     for (int k = 0; k < 3; k++)
         c[k] = p[0] * q[1 + k] - q[0] * p[1 + k] -
@@ -87,19 +87,12 @@ static inline double angle_apart(const struct visit *visit, const dpt_pose *from
     return 2 * atan2(sqrt(dot3(c, c)), fabs(p[0] * q[0] + dot3(p + 1, q + 1)));
 }
 
-static inline void centre_at(const struct visit *visit, const dpt_pose *pose, double centre[3])
-{
-    rig_turn(pose->orientation, visit->centre, centre);
-    for (int k = 0; k < 3; k++)
-        centre[k] += pose->position[k];
-}
-
 /* m: how far two poses of the tool are apart. */
 static inline double poses_apart(const struct visit *visit, const dpt_pose *from, const dpt_pose *to)
 {
     double a[3], b[3];
-    centre_at(visit, from, a);
-    centre_at(visit, to, b);
+    pose_point(from, visit->centre, a);
+    pose_point(to, visit->centre, b);
     return hypot(apart(a, b), visit->rho > 0 ? visit->rho * angle_apart(visit, from, to) : 0);
 }
 
@@ -137,12 +130,8 @@ static inline void visit_move(struct visit *visit, struct visit_body *body, cons
         double x[3], from[3], to[3];
         for (int k = 0; k < 3; k++)
             x[k] = (double)(corner >> k & 1 ? body->solid->place.high[k] : body->solid->place.low[k]);
-        rig_turn(body->pose.orientation, x, from);
-        rig_turn(pose->orientation, x, to);
-        for (int k = 0; k < 3; k++) {
-            from[k] += body->pose.position[k];
-            to[k] += pose->position[k];
-        }
+        pose_point(&body->pose, x, from);
+        pose_point(pose, x, to);
         moved = fmax(moved, apart(from, to));
     }
     visit->bodies_moved = fmax(visit->bodies_moved, moved);
@@ -159,14 +148,9 @@ static inline double proxy_gap(const struct visit *visit)
         rig_proxy_ends(&visit->rig, s, ends);
         for (uint32_t b = 0; b < visit->body_count; b++) {
             const struct visit_body *body = &visit->bodies[b];
-            const double *q = body->pose.orientation, back[4] = { q[0], -q[1], -q[2], -q[3] };
             double local[6];
-            for (int e = 0; e < 2; e++) {
-                double x[3];
-                for (int k = 0; k < 3; k++)
-                    x[k] = ends[3 * e + k] - body->pose.position[k];
-                rig_turn(back, x, local + 3 * e);
-            }
+            pose_local(&body->pose, ends, local);
+            pose_local(&body->pose, ends + 3, local + 3);
             least = fmin(least, oracle_brute(body->solid->brute, local, NULL) - visit->rig.segments[s].radius);
         }
     }
@@ -203,7 +187,7 @@ static inline double wrench_jump(const struct visit *visit)
         const dpt_pose *device = n ? &visit->rig.device : &visit->device;
         const dpt_wrench *wrench = n ? &visit->rig.force.wrench : &visit->wrench;
         double arm[3];
-        rig_turn(device->orientation, visit->centre, arm);
+        turn3(device->orientation, visit->centre, arm);
         for (int k = 0; k < 3; k++) {
             const int i = (k + 1) % 3, j = (k + 2) % 3;
             force[n][k] = wrench->force[k];

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/soak_pokes.h"
 
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 #include "proxy/soak_oracle.h"
 
 /* A world serves so many pokes; so many ticks may one have. */
@@ -129,24 +130,13 @@ static int make_shell(struct target *target, const char *name, uint64_t triangle
     return opened;
 }
 
-/* Into the frame of the target. */
-static void to_target(const struct poke *poke, const double x[3], double local[3])
-{
-    const double *q = poke->body.orientation;
-    const double back[4] = { q[0], -q[1], -q[2], -q[3] };
-    double off[3];
-    for (int k = 0; k < 3; k++)
-        off[k] = x[k] - poke->body.position[k];
-    rig_turn(back, off, local);
-}
-
 /* The lowest point of the tool, along the normal, from the origin of its frame. */
 static double lowest(const struct poke *poke)
 {
     const dpt_segment *segment = &poke->rig.segments[0];
     double a[3], b[3];
-    rig_turn(poke->rig.device.orientation, segment->a, a);
-    rig_turn(poke->rig.device.orientation, segment->b, b);
+    turn3(poke->rig.device.orientation, segment->a, a);
+    turn3(poke->rig.device.orientation, segment->b, b);
     return fmin(dot3(a, poke->normal), dot3(b, poke->normal)) - segment->radius;
 }
 
@@ -166,9 +156,9 @@ static void draw_start(struct poke *poke)
         local[0][0] = local[1][1] = 1;
         local[2][2] = poke->side;
     }
-    rig_turn(poke->body.orientation, local[0], poke->across[0]);
-    rig_turn(poke->body.orientation, local[1], poke->across[1]);
-    rig_turn(poke->body.orientation, local[2], poke->normal);
+    turn3(poke->body.orientation, local[0], poke->across[0]);
+    turn3(poke->body.orientation, local[1], poke->across[1]);
+    turn3(poke->body.orientation, local[2], poke->normal);
     double height = apart_by - lowest(poke);
     if (target->is_shell && poke->side > 0)
         height += BALL;
@@ -189,7 +179,7 @@ static void draw(struct poke *poke)
     random_unit(seed, poke->axis);
     poke->turn = random_in(seed, 0, 3.14);
     poke->twist = random_bits(seed) % 2 ? random_in(seed, -0.03, 0.03) : 0;
-    rig_orient(&poke->rig.device, poke->axis, poke->turn);
+    pose_orient(&poke->rig.device, poke->axis, poke->turn);
     draw_start(poke);
     const double into = poke->target->is_shell && poke->side < 0 ? 1 : -1;
     random_unit(seed, poke->way);
@@ -237,7 +227,7 @@ static void move_device(struct poke *poke, int tick)
     poke->turn += leaps && random_bits(seed) % 2 ? random_in(seed, -TURN, TURN) : poke->twist;
     if (leaps && random_bits(seed) % 8 == 0)
         random_unit(seed, poke->axis);
-    rig_orient(&poke->rig.device, poke->axis, poke->turn);
+    pose_orient(&poke->rig.device, poke->axis, poke->turn);
 }
 
 /* With friction a tool that is turned walks as far as the border, and round it. */
@@ -247,7 +237,7 @@ static int is_at_border(const struct poke *poke)
     rig_proxy_ends(&poke->rig, 0, world);
     for (int e = 0; e < 2 && !poke->target->is_shell; e++) {
         double x[3];
-        to_target(poke, world + 3 * e, x);
+        pose_local(&poke->body, world + 3 * e, x);
         if (fmax(fabs(x[0]), fabs(x[1])) > poke->target->half - BORDER)
             return 1;
     }
@@ -260,15 +250,15 @@ static void judge(struct poke *poke, int tick)
     const double radius = poke->rig.segments[0].radius, scale = fmin(target->solid.diagonal, 1);
     double world[6], ends[6], gap;
     rig_proxy_ends(&poke->rig, 0, world);
-    to_target(poke, world, ends);
-    to_target(poke, world + 3, ends + 3);
+    pose_local(&poke->body, world, ends);
+    pose_local(&poke->body, world + 3, ends + 3);
     if (target->is_shell) {
         /* What the poke is told of, not a part of it. */
         struct target *asked = &targets[target - targets];
         gap = soak_distance(&asked->triangles, ends, radius + 1e-3) - radius;
         for (int i = 0; i < 3; i++) {
             double x[3];
-            along(ends, 0.5 * i, x);
+            point_at(ends, 0.5 * i, x);
             CHECK(soak_is_inside(&asked->sides, x, &poke->seed) == (poke->side < 0),
                   "%s, poke %llu, tick %d: it passed the shell", poke->name, (unsigned long long)poke->number, tick);
         }
@@ -322,7 +312,7 @@ static void poke_in_a_world(const struct target *target, uint64_t number, uint64
     random_unit(&poke.seed, axis);
     for (int k = 0; k < 3; k++)
         poke.body.position[k] = random_in(&poke.seed, -0.1, 0.1);
-    rig_orient(&poke.body, axis, random_bits(&poke.seed) % 4 ? random_in(&poke.seed, 0, 3.14) : 0);
+    pose_orient(&poke.body, axis, random_bits(&poke.seed) % 4 ? random_in(&poke.seed, 0, 3.14) : 0);
     dpt_body_teleport(poke.rig.world, poke.rig.body, &poke.body);
     rig_vary(&poke.rig, &poke.seed);
     for (poke.number = 0; poke.number < count; poke.number++)

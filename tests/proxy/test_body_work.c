@@ -4,7 +4,8 @@
  * more is what bodies and the hand did. The hand's part is the wrench times its motion. It cannot judge friction, which
  * loses energy, but by a bound.
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 enum { BEATS = 3, TICKS = 800 }; /* ticks a beat */
 
@@ -33,7 +34,7 @@ static dpt_pose beaten(const struct beat *beat, double phase)
     const double x[3] = { 1, 0, 0 }, swing = sin(2 * 3.14159265358979 * phase);
     for (int k = 0; k < 3; k++)
         pose.position[k] = beat->along[k] * swing;
-    rig_orient(&pose, x, beat->turn * swing);
+    pose_orient(&pose, x, beat->turn * swing);
     return pose;
 }
 

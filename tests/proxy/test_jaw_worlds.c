@@ -72,9 +72,7 @@ static uint64_t run_of(const dpt_world_def *def, long *wrong)
 static void the_same_bits(void)
 {
     long wrong = 0;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     const uint64_t first = run_of(&def, &wrong);
     def.kernel = DPT_KERNEL_SCALAR;
     CHECK(run_of(&def, &wrong) == first && wrong == 0, "other bits, or %ld are through", wrong);
@@ -87,9 +85,7 @@ static void budgets_let_nothing_through(void)
     static const uint32_t budgets[] = { 1, 10, 40, 100, 300, 1000 };
     for (size_t b = 0; b < sizeof budgets / sizeof *budgets; b++) {
         struct jaws jaws;
-        dpt_world_def def;
-        dpt_world_def_init(&def);
-        def.max_contacts = 32;
+        dpt_world_def def = rig_def(DPT_LAW_PROXY);
         def.budget = budgets[b];
         long wrong = 0;
         jaws_open(&jaws, &def, jaw_sheet.mesh, 0);
@@ -151,7 +147,7 @@ static void tools_keep_their_jaws(void)
     dpt_hit hit = DPT_HIT_INIT;
     jaws_open(&first, NULL, jaw_sheet.mesh, 0);
     stand_at_rim(&first, 0, 0.3);
-    dpt_tool_add(first.rig.world, &jaw_point, 1, &other);
+    dpt_tool_add(first.rig.world, &rig_point, 1, &other);
     second = first;
     second.rig.tool = other;
     jaws_give(&second, 0);
@@ -160,7 +156,7 @@ static void tools_keep_their_jaws(void)
     jaws_want(&second, 0.5);
     dpt_world_step(first.rig.world, RIG_DT, NULL);
     dpt_tool_remove(first.rig.world, first.rig.tool);
-    dpt_tool_add(first.rig.world, &jaw_point, 1, &first.rig.tool);
+    dpt_tool_add(first.rig.world, &rig_point, 1, &first.rig.tool);
     jaws_give(&first, 0);
     jaws_want(&first, -0.7);
     second.rig.device.position[2] = 0.09;

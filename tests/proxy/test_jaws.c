@@ -12,13 +12,6 @@
 /* What contacts are held apart by, at most: 2e-6 of the largest body, up to 1 m. */
 #define CLEARANCE 2e-6
 
-static void random_pose(uint64_t *seed, double reach, dpt_pose *pose)
-{
-    for (int k = 0; k < 3; k++)
-        pose->position[k] = random_in(seed, -reach, reach);
-    random_turn(seed, pose->orientation);
-}
-
 /* In the open a tip arrives at once, and is what a hull is whose corners were put there before. */
 static void in_the_open_a_tip_arrives(void)
 {
@@ -34,14 +27,14 @@ static void in_the_open_a_tip_arrives(void)
         dpt_pose pose;
         double corners[3 * JAW_CORNERS];
         dpt_hit hit = DPT_HIT_INIT, as = DPT_HIT_INIT;
-        random_pose(&seed, 0.02, &pose);
+        pose = pose_any(&seed, 0.02);
         jaws.wanted[0] = pose;
         CHECK(dpt_tool_set_tip_pose(jaws.rig.world, jaws.rig.tool, 0, &pose) == DPT_OK, "pose");
         rig_step(&jaws.rig);
         CHECK(jaw_is_there(&jaws, 0) && jaw_is_there(&jaws, 1), "case %d: not there", (int)i);
         dpt_tool_get_segment_hit(jaws.rig.world, jaws.rig.tool, 1, &hit);
         jaw_corners(&jaws, 0, corners);
-        rig_open(&baked.rig, NULL, liver.mesh, &jaw_point, 1);
+        rig_open(&baked.rig, NULL, liver.mesh, &rig_point, 1);
         const dpt_hull_def def = {
             .size = sizeof def, .corner_count = JAW_CORNERS, .corners = corners, .radius = 0.0005
         };
@@ -112,11 +105,10 @@ static void a_tip_that_jumps_stops_at_a_sheet(void)
         random_turn(&seed, jaws.rig.device.orientation);
         rig_place(&jaws.rig);
         /* What is z in the world, in the tool's frame. */
-        double *q = jaws.rig.device.orientation, up[3];
-        const double back[4] = { q[0], -q[1], -q[2], -q[3] };
-        rig_turn(back, (const double[3]){ 0, 0, 1 }, up);
+        double up[3];
+        turn_back3(jaws.rig.device.orientation, (const double[3]){ 0, 0, 1 }, up);
         for (int step = 0; step < 30; step++) {
-            random_pose(&seed, 0.01, &pose);
+            pose = pose_any(&seed, 0.01);
             for (int k = 0; k < 3; k++)
                 pose.position[k] -= (step < 2 ? 0.02 : random_in(&seed, 0.1, 0.2)) * up[k];
             dpt_tool_set_tip_pose(jaws.rig.world, jaws.rig.tool, 0, &pose);
@@ -345,12 +337,12 @@ static void what_is_felt_knows_no_opening(void)
     struct jaws jaws;
     jaws_open(&jaws, NULL, jaw_sheet.mesh, 0);
     jaws.rig.device.position[2] = 0.06;
-    rig_orient(&jaws.rig.device, (const double[3]){ 0, 1, 0 }, -acos(0));
+    pose_orient(&jaws.rig.device, (const double[3]){ 0, 1, 0 }, -acos(0));
     rig_place(&jaws.rig);
     while (jaws.rig.device.position[2] > -0.001) {
         jaws.rig.device.position[2] = fmax(-0.001, jaws.rig.device.position[2] - 1e-3);
         jaws.rig.device.position[0] += 1e-5;
-        rig_orient(&jaws.rig.device, (const double[3]){ 0, 1, 0 }, 0.05 - acos(0));
+        pose_orient(&jaws.rig.device, (const double[3]){ 0, 1, 0 }, 0.05 - acos(0));
         rig_step(&jaws.rig);
     }
     for (int tick = 0; tick < 20; tick++)

@@ -6,7 +6,8 @@
  *
  *     test_proxy [PER CENT of the random cases = 100]
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.08 }, 0.002 };
 
@@ -32,7 +33,7 @@ static void one_contact_is_as_stiff_as_the_spring(void)
         struct rig rig;
         const double tilt = tilts[i] * 3.14159265358979 / 180, L = 0.08;
         rig_open(&rig, NULL, box.mesh, &needle, 1);
-        rig_orient(&rig.device, axis, tilt);
+        pose_orient(&rig.device, axis, tilt);
         /* End a is the lower one; it touches when its height is TOP + r. */
         rig.device.position[2] = TOP + needle.radius + 0.001;
         rig_place(&rig);
@@ -96,7 +97,7 @@ static void in_free_air_it_is_the_device(void)
         random_unit(&seed, axis);
         for (int k = 0; k < 3; k++)
             rig.device.position[k] = random_in(&seed, -0.02, 0.02) + (k == 2 ? TOP + 0.1 : 0);
-        rig_orient(&rig.device, axis, 0.3);
+        pose_orient(&rig.device, axis, 0.3);
         rig_step(&rig);
         CHECK(!memcmp(&rig.proxy, &rig.device, sizeof rig.proxy), "tick %d: the proxy lags", i);
         CHECK(rig.force.reason == DPT_FORCE_FREE && rig_force(&rig) == 0.0, "tick %d: a force", i);
@@ -161,7 +162,7 @@ static void walk_on(struct solid *solid, const dpt_segment *segments, uint32_t c
         for (int k = 0; k < 3 && far > step; k++)
             rig.device.position[k] += step * way[k] / far + random_in(&seed, -1e-4, 1e-4);
         angle += random_in(&seed, -0.01, 0.012);
-        rig_orient(&rig.device, spin, angle);
+        pose_orient(&rig.device, spin, angle);
         rig_step(&rig);
         replaced += (rig.force.flags & DPT_FORCE_FLAG_REPLACED) != 0;
         CHECK(replaced || rig.force.reason <= DPT_FORCE_FREE, "%s, tick %llu: reason %u, flags %u", solid->name,
@@ -172,7 +173,7 @@ static void walk_on(struct solid *solid, const dpt_segment *segments, uint32_t c
                 rig.device.position[k] = 0;
             rig.device.position[2] = solid->place.high[2] + 0.2;
             angle = 0;
-            rig_orient(&rig.device, spin, angle);
+            pose_orient(&rig.device, spin, angle);
             rig_place(&rig);
             replaced = 0;
             continue;
@@ -234,7 +235,7 @@ static void walls_are_never_passed(void)
         double axis[3];
         rig_open(&rig, NULL, sheet.mesh, &needle, 1);
         random_unit(&seed, axis);
-        rig_orient(&rig.device, axis, i % 2 ? random_in(&seed, 0, 0.7) : 0);
+        pose_orient(&rig.device, axis, i % 2 ? random_in(&seed, 0, 0.7) : 0);
         rig.device.position[0] = random_in(&seed, -0.05, 0.05);
         rig.device.position[1] = random_in(&seed, -0.05, 0.05);
         rig.device.position[2] = 0.1;
@@ -272,19 +273,12 @@ static void moving_bodies_push(void)
         double ends[6];
         pose.position[2] = z;
         pose.position[0] = 0.01 * sin(5 * time);
-        rig_orient(&pose, (const double[3]){ 0, 1, 0 }, 0.2 * sin(7 * time));
+        pose_orient(&pose, (const double[3]){ 0, 1, 0 }, 0.2 * sin(7 * time));
         dpt_body_set_pose(rig.world, rig.body, &pose);
         rig_step(&rig);
         rig_proxy_ends(&rig, 0, ends);
-        for (int e = 0; e < 2; e++) {
-            double local[3];
-            const double back[4] = { pose.orientation[0], -pose.orientation[1], -pose.orientation[2],
-                                     -pose.orientation[3] };
-            for (int k = 0; k < 3; k++)
-                ends[3 * e + k] -= pose.position[k];
-            rig_turn(back, ends + 3 * e, local);
-            memcpy(ends + 3 * e, local, sizeof local);
-        }
+        pose_local(&pose, ends, ends);
+        pose_local(&pose, ends + 3, ends + 3);
         least = fmin(least, oracle_brute(ball.brute, ends, NULL) - needle.radius);
         CHECK(!(rig.force.flags & DPT_FORCE_FLAG_SQUEEZED), "tick %d: squeezed", i);
         CHECK(rig.force.reason <= DPT_FORCE_FREE, "tick %d: reason %u", i, rig.force.reason);
@@ -370,21 +364,13 @@ static void a_free_segment_is_a_rigid_tool(void)
     for (int i = 0; i < 2000; i++) {
         double axis[3] = { 1, 0, 0 };
         const double height = TOP + 0.008 - 0.02 * fmin(1.0, i / 1000.0);
-        rig_orient(&rigid.device, axis, 0.4 * sin(0.003 * i));
+        pose_orient(&rigid.device, axis, 0.4 * sin(0.003 * i));
         rigid.device.position[0] = 0.02 * sin(0.01 * i) + random_in(&seed, -1e-5, 1e-5);
         rigid.device.position[2] = height;
-        dpt_segment given = needle;
-        rig_turn(rigid.device.orientation, needle.a, given.a);
-        rig_turn(rigid.device.orientation, needle.b, given.b);
-        for (int k = 0; k < 3; k++) {
-            given.a[k] += rigid.device.position[k];
-            given.b[k] += rigid.device.position[k];
-        }
+        double ends[6];
+        pose_ends(&rigid.device, &needle, ends);
         rig_step(&rigid);
-        const dpt_result result = dpt_tool_set_segments(free_one.world, free_one.tool, &given, 1);
-        CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-        dpt_world_step(free_one.world, RIG_DT, &free_one.step);
-        dpt_tool_get_force_info(free_one.world, free_one.tool, &free_one.force);
+        rig_step_ends(&free_one, ends, needle.radius);
         for (int k = 0; k < 3; k++) {
             const double f = rigid.force.wrench.force[k] - free_one.force.wrench.force[k];
             const double t = rigid.force.wrench.torque[k] - free_one.force.wrench.torque[k];

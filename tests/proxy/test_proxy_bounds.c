@@ -5,7 +5,8 @@
  *
  *     test_proxy_bounds [PER CENT of the ticks = 100]
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 #define LENGTH 0.06
 #define RADIUS 0.002
@@ -50,7 +51,7 @@ static double lead_on(struct lead *lead, const struct solid *solid)
         lead->axis[k] = 0.995 * lead->axis[k] + random_in(&lead->seed, -1, 1) * 6e-5;
     }
     unit3(in);
-    rig_turn(rig->device.orientation, (const double[3]){ 1, 0, 0 }, x);
+    turn3(rig->device.orientation, (const double[3]){ 1, 0, 0 }, x);
     const double fast = sqrt(dot3(lead->along, lead->along)), press = fmax(-3e-5, fmin(3e-5, off));
     const double inward = dot3(lead->along, in), spun = dot3(lead->axis, x);
     for (int k = 0; k < 3; k++) {
@@ -58,7 +59,7 @@ static double lead_on(struct lead *lead, const struct solid *solid)
         turn[k] = lead->axis[k] - spun * x[k];
         rig->device.position[k] += shift[k];
     }
-    rig_turn_by(&rig->device, (const double[4]){ 1, turn[0] / 2, turn[1] / 2, turn[2] / 2 });
+    pose_turn_by(&rig->device, (const double[4]){ 1, turn[0] / 2, turn[1] / 2, turn[2] / 2 });
     lead->wrench = rig->force.wrench;
     lead->away = away_of(rig);
     rig_step(rig);
@@ -146,13 +147,14 @@ static void it_lags_by_little(void)
 /* A tool that is split into pieces is felt as the whole, within K times 4e-6 of the diagonal. */
 static void pieces_are_felt_as_the_whole(void)
 {
+    enum { PIECES = 4 };
     struct solid solid;
     if (!solid_from_shape(&solid, "liver", 5000))
         return;
-    for (uint32_t pieces = 2; pieces <= RIG_SEGMENTS; pieces++) {
+    for (uint32_t pieces = 2; pieces <= PIECES; pieces++) {
         struct lead lead;
         struct rig split;
-        dpt_segment segments[RIG_SEGMENTS];
+        dpt_segment segments[PIECES];
         double most = 0;
         uint64_t folds = 0;
         for (uint32_t i = 0; i < pieces; i++)

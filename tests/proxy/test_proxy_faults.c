@@ -6,7 +6,8 @@
  *
  *     test_proxy_faults [PER CENT of the random cases = 100]
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.08 }, 0.002 };
 static const dpt_segment tip = { { 0, 0, 0 }, { 0, 0, 0.01 }, 0.002 };
@@ -32,11 +33,9 @@ static void press(struct rig *rig, double depth)
 static void a_reused_slot_has_no_old_triangles(void)
 {
     struct solid large, small;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     if (!solid_from_shape(&large, "sphere", 20480) || !solid_from_shape(&small, "box", 12))
         return;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.max_bodies = 2;
     for (int turn = 0; turn < 20; turn++) {
         struct rig rig;
@@ -45,8 +44,8 @@ static void a_reused_slot_has_no_old_triangles(void)
         rig_open(&rig, &def, large.mesh, &needle, 1);
         pose.position[0] = 0.25;
         dpt_body_add(rig.world, small.mesh, &pose, &mover);
-        rig_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.3 * turn);
-        rig_turn(rig.device.orientation, (const double[3]){ 0, 0, 0.103 }, rig.device.position);
+        pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.3 * turn);
+        turn3(rig.device.orientation, (const double[3]){ 0, 0, 0.103 }, rig.device.position);
         rig_place(&rig);
         CHECK(rig.force.reason == DPT_FORCE_FREE, "turn %d: reason %u", turn, rig.force.reason);
         dpt_body_remove(rig.world, rig.body);
@@ -277,7 +276,7 @@ static void in_the_open_every_turn_is_followed(void)
             double axis[3] = { 0, 0, 1 };
             if (i > 20)
                 random_unit(&seed, axis);
-            rig_orient(&rig.device, axis, i < 20 ? 0.01 * i : random_in(&seed, -3.1, 3.1));
+            pose_orient(&rig.device, axis, i < 20 ? 0.01 * i : random_in(&seed, -3.1, 3.1));
             rig_step(&rig);
             CHECK(!memcmp(&rig.proxy, &rig.device, sizeof rig.proxy), "tool %zu, tick %d: the proxy lags", t, i);
             CHECK(rig.force.reason == DPT_FORCE_FREE && rig_force(&rig) == 0, "tool %zu, tick %d: %g N", t, i,
@@ -301,7 +300,7 @@ static void balls_apart_are_a_tool_that_turns(void)
     rig.device.position[2] = TOP + 0.004;
     rig_place(&rig);
     for (int i = 0; i < 100; i++) {
-        rig_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 1e-3 * i);
+        pose_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 1e-3 * i);
         rig_step(&rig);
         for (uint32_t s = 0; s < 2; s++) {
             double ends[6];
@@ -426,7 +425,7 @@ static void a_wall_that_is_not_nearest_is_not_passed(void)
         const double step = i % 4 == 0 ? 0.06 : i % 4 == 1 ? 0.075 : i % 4 == 2 ? 0.09 : 0.15;
         const int moves = i / 4 % 2, has_others = i / 8;
         rig_open(&rig, NULL, sheet.mesh, &needle, 1);
-        rig_orient(&pose, (const double[3]){ 0, 1, 0 }, 0.5 * 3.14159265358979);
+        pose_orient(&pose, (const double[3]){ 0, 1, 0 }, 0.5 * 3.14159265358979);
         pose.position[0] = 0.05;
         dpt_body_add(rig.world, sheet.mesh, &pose, &wall);
         far.position[0] = 3;
@@ -469,7 +468,7 @@ static void extreme_stiffnesses_stay_finite(void)
         settings.rotational_stiffness = values[i % count];
         const dpt_result result = dpt_tool_set_settings(rig.world, rig.tool, &settings);
         CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-        rig_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.5);
+        pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.5);
         press(&rig, 0.004);
         double ends[6];
         rig_proxy_ends(&rig, 0, ends);
@@ -498,7 +497,7 @@ static void a_reset_world_repeats_itself(void)
         dpt_world_reset(rig.world);
         dpt_tool_get_force_info(rig.world, rig.tool, &rig.force);
         CHECK(rig.force.reason == DPT_FORCE_STALE, "reason %u", rig.force.reason);
-        rig_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 0.4);
+        pose_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 0.4);
         rig.device.position[0] = rig.device.position[1] = 0.01;
         rig.device.position[2] = liver.place.high[2] + 0.01;
         uint64_t acts = 0;

@@ -3,7 +3,8 @@
  * What is felt of a proxy beside its spring: surfaces that yield, the damper, torsion, a locked rotation, fades, bodies that
  * are not felt. Oracles: closed forms on a box.
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 /* Of the box of `dynpoint make`, 0.12 x 0.10 x 0.08 m. */
 #define TOP 0.04
@@ -35,7 +36,7 @@ static void set_tool(const struct rig *rig, double damping, uint32_t lock_rotati
 static void open_above(struct rig *rig, const dpt_segment *segment, double tilt)
 {
     rig_open(rig, NULL, box.mesh, segment, 1);
-    rig_orient(&rig->device, (const double[3]){ 1, 0, 0 }, tilt);
+    pose_orient(&rig->device, (const double[3]){ 1, 0, 0 }, tilt);
     rig->device.position[2] = TOP + segment->radius + 0.001;
     rig_place(rig);
 }
@@ -146,7 +147,7 @@ static void each_body_yields_for_itself(void)
     /* Two boxes turned by 45 degrees about y, whose tops meet at x = 0. */
     for (int side = -1; side <= 1; side += 2) {
         dpt_pose pose = { { 0, 0, 0 }, { 1, 0, 0, 0 } };
-        rig_orient(&pose, (const double[3]){ 0, 1, 0 }, -side * PI / 4);
+        pose_orient(&pose, (const double[3]){ 0, 1, 0 }, -side * PI / 4);
         pose.position[0] = side * (h * 0.06 + h * TOP);
         pose.position[2] = h * 0.06 - h * TOP;
         if (side > 0)
@@ -233,10 +234,10 @@ static void a_locked_rotation_is_the_devices(void)
         CHECK(fabs(rig_force(&rig) / expected - 1) < 1e-3, "tilt %g: %g N, expected %g", tilts[i], rig_force(&rig),
               expected);
         for (int k = 0; k < 200; k++) {
-            rig_orient(&rig.device, (const double[3]){ 1, 0, 0 }, tilts[i] * PI / 180 + 0.1 * sin(0.05 * k));
+            pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, tilts[i] * PI / 180 + 0.1 * sin(0.05 * k));
             rig_step(&rig);
-            rig_turn(rig.device.orientation, needle.b, along);
-            rig_turn(rig.proxy.orientation, needle.b, proxy);
+            turn3(rig.device.orientation, needle.b, along);
+            turn3(rig.proxy.orientation, needle.b, proxy);
             const double off = hypot(along[1] - proxy[1], along[2] - proxy[2]) / 0.08;
             CHECK(off < 1e-4, "tilt %g: turned by %g rad", tilts[i], off);
         }
@@ -256,9 +257,9 @@ static void a_locked_torque_is_one_of_its_force(void)
         rig.device.position[0] = 0.06 * sin(0.013 * k);
         rig.device.position[1] = 0.06 * sin(0.0171 * k);
         rig.device.position[2] = TOP - 0.01 + 0.02 * cos(0.01 * k);
-        rig_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.6 + 0.5 * sin(0.21 * k));
+        pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.6 + 0.5 * sin(0.21 * k));
         rig_step(&rig);
-        rig_turn(rig.device.orientation, needle.b, along);
+        turn3(rig.device.orientation, needle.b, along);
         for (int i = 0; i < 3; i++)
             arm[i] = 0.5 * along[i];
         const double *f = rig.force.wrench.force;
@@ -292,7 +293,7 @@ static void a_spinning_tip_has_torsion(void)
         double angle = 0;
         for (int k = 0; k < 400; k++) {
             angle += k < 250 ? 2e-3 : -2e-3;
-            rig_orient(&rig.device, up, angle);
+            pose_orient(&rig.device, up, angle);
             rig_step(&rig);
             const double torque = -rig.force.wrench.torque[2];
             const double turn = k < 250 ? angle : limit / (RIG_STIFFNESS * r * r) - (0.5 - angle);
@@ -318,7 +319,7 @@ static void a_lying_tool_rolls_and_slips(void)
     lower(&rig, 0.002);
     const double N = rig.force.wrench.force[2];
     for (int k = 1; k <= 600; k++) {
-        rig_orient(&rig.device, x, 2e-3 * k);
+        pose_orient(&rig.device, x, 2e-3 * k);
         rig_step(&rig);
         const double *F = rig.force.wrench.force, *T = rig.force.wrench.torque;
         CHECK(fabs(F[1]) <= mu * F[2] * 1.01, "%g N across, %g N up", F[1], F[2]);
@@ -363,7 +364,7 @@ static void a_proxy_that_begins_again_fades(void)
     lower(&rig, 0.003);
     for (int k = 0; k < 400 && !faded; k++) {
         last = rig_force(&rig);
-        rig_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 4e-3 * k);
+        pose_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 4e-3 * k);
         rig_step(&rig);
         faded = (rig.force.flags & DPT_FORCE_FLAG_REPLACED) != 0;
     }

@@ -6,18 +6,13 @@
  *
  *     test_proxy_friction [PER CENT of the random cases = 100]
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 #define TOP 0.04
 
 static const dpt_segment ball = { { 0, 0, 0 }, { 0, 0, 0 }, 0.003 };
 static const dpt_segment lying = { { -0.01, 0, 0 }, { 0.01, 0, 0 }, 0.002 };
-
-static void cross3(const double a[3], const double b[3], double c[3])
-{
-    for (int k = 0; k < 3; k++)
-        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
 
 /* Contacts of a tool: where, which way out. */
 struct touch {
@@ -89,7 +84,7 @@ static void pull_in_groove(const struct solid *groove, const dpt_segment *segmen
     uint64_t acts = 0, off = 0, ticks = 600;
     rig_open(&rig, NULL, groove->mesh, segment, 1);
     rig_set_body(&rig, (dpt_body_settings){ .static_friction = friction, .kinetic_friction = friction });
-    rig_orient(&rig.device, (const double[3]){ 0, 0, 1 }, turn);
+    pose_orient(&rig.device, (const double[3]){ 0, 0, 1 }, turn);
     rig.device.position[2] = 0.02;
     rig_place(&rig);
     for (uint64_t i = 0; i < ticks; i++) {
@@ -162,7 +157,7 @@ static void a_slope_is_held_up_to_its_angle(void)
         struct rig rig;
         rig_open(&rig, NULL, box.mesh, segment, 1);
         rig_set_body(&rig, (dpt_body_settings){ .static_friction = friction, .kinetic_friction = friction });
-        rig_orient(&pose, (const double[3]){ 1, 0, 0 }, slope);
+        pose_orient(&pose, (const double[3]){ 1, 0, 0 }, slope);
         dpt_body_teleport(rig.world, rig.body, &pose);
         rig.device.position[2] = (TOP + segment->radius) / cos(slope) + 0.001;
         rig_place(&rig);
@@ -227,7 +222,7 @@ static void contacts_that_change_keep_the_cone(void)
         uint64_t off = 0;
         rig_open(&rig, NULL, box.mesh, &lying, 1);
         rig_set_body(&rig, (dpt_body_settings){ .static_friction = friction, .kinetic_friction = friction });
-        rig_orient(&rig.device, (const double[3]){ 0, 0, 1 }, yaw);
+        pose_orient(&rig.device, (const double[3]){ 0, 0, 1 }, yaw);
         rig.device.position[0] = -0.025 * cos(way);
         rig.device.position[1] = -0.025 * sin(way);
         rig.device.position[2] = TOP + lying.radius + 0.001;
@@ -268,7 +263,7 @@ static void two_triangles_under_a_tip_are_one_contact(void)
             return;
         rig_open(&rig, NULL, groove.mesh, &needle, 1);
         rig_set_body(&rig, (dpt_body_settings){ .static_friction = friction, .kinetic_friction = friction });
-        rig_orient(&rig.device, (const double[3]){ 1, 0, 0 }, random_in(&seed, -0.3, 0.3));
+        pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, random_in(&seed, -0.3, 0.3));
         rig.device.position[2] = needle.radius + 0.001;
         rig_place(&rig);
         for (int i = 0; i < 60; i++) {
@@ -335,7 +330,7 @@ static void a_spin_moves_nothing(void)
     }
     const dpt_pose at = rig.proxy;
     for (int i = 0; i < 2000; i++) {
-        rig_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.01 * i);
+        pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.01 * i);
         rig_step(&rig);
         CHECK(apart(rig.proxy.position, at.position) < 1e-8, "tick %d: %g m away", i,
               apart(rig.proxy.position, at.position));

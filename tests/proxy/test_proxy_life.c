@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A proxy while bodies come, go and move unseen, and while its tool changes: where it starts again, and where not. */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.02 }, 0.002 };
 
@@ -46,9 +47,7 @@ static void a_body_that_moves_and_goes_holds_nothing(void)
     const dpt_segment bent[] = { { { 0, 0, 0 }, { 0, 0, 0.02 }, 0.002 }, { { 0, 0, 0.02 }, { 0.02, 0, 0.02 }, 0.002 } };
     const dpt_pose moved = { { 0, 0, 1e-4 }, { 1, 0, 0, 0 } };
     struct rig rig;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.budget = 1;
     rig_open(&rig, &def, box.mesh, bent, 2);
     rig.device.position[2] = TOP + 0.003;
@@ -57,7 +56,7 @@ static void a_body_that_moves_and_goes_holds_nothing(void)
     /* The device leans by 0.8 rad into the box, which the tool cannot. */
     for (int k = 0; k < 4000; k++) {
         rig.device.position[2] -= 1e-6;
-        rig_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 2e-4 * k);
+        pose_orient(&rig.device, (const double[3]){ 0, 1, 0 }, 2e-4 * k);
         rig_step(&rig);
     }
     CHECK(rig.force.reason == DPT_FORCE_ACTS, "reason %u", rig.force.reason);
@@ -165,7 +164,7 @@ static void a_free_segment_may_turn_back(void)
             dpt_world_step(rig.world, RIG_DT, NULL);
         }
         dpt_tool_get_proxy(rig.world, rig.tool, &rig.proxy);
-        rig_turn(rig.proxy.orientation, (const double[3]){ 0.1, 0, 0 }, x);
+        turn3(rig.proxy.orientation, (const double[3]){ 0.1, 0, 0 }, x);
         for (int k = 0; k < 3; k++)
             CHECK(fabs(rig.proxy.position[k] + x[k] - segment.b[k]) < 1e-14, "%g rad: coordinate %d is %g off",
                   angles[i], k, rig.proxy.position[k] + x[k] - segment.b[k]);
@@ -195,9 +194,7 @@ static void little_for_sweeps_only_delays(void)
         }
         for (int is_limited = 0; is_limited < 2; is_limited++) {
             struct rig rig;
-            dpt_world_def def;
-            dpt_world_def_init(&def);
-            def.max_contacts = 32;
+            dpt_world_def def = rig_def(DPT_LAW_PROXY);
             def.sweep_budget = is_limited ? UNITS : 0;
             rig_open(&rig, &def, torus.mesh, &needle, 1);
             memcpy(rig.device.position, from, sizeof from);

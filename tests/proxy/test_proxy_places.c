@@ -108,7 +108,7 @@ static void add_crowd(struct visit *visit)
     for (int i = 0; i < VISIT_BODIES; i++) {
         const double axis[3] = { 0.6, 0, 0.8 };
         dpt_pose pose = at(0.0095 * (i % 5 - 2), 0.0105 * (i / 5 % 5 - 2), -0.005 - 0.011 * (i / 25));
-        rig_orient(&pose, axis, 0.37 * i);
+        pose_orient(&pose, axis, 0.37 * i);
         visit_add(visit, &solids[CUBE], &pose);
     }
 }
@@ -154,7 +154,7 @@ static void pose_on(const struct path *path, double t, dpt_pose *pose)
     for (int k = 0; k < 3; k++)
         pose->position[k] =
             path->start[k] + x[k] + path->wander * path->way[k] * (sin(2 * angle) + 0.3 * sin(3 * angle));
-    rig_orient(pose, path->spin, path->tilt * (sin(angle + path->phase) - sin(path->phase)));
+    pose_orient(pose, path->spin, path->tilt * (sin(angle + path->phase) - sin(path->phase)));
 }
 
 /* So many ticks that none moves the tool by more than 0.05 mm. */

@@ -14,8 +14,9 @@
  * It cannot judge the way between two ticks, but where that must end. The side of open meshes is judged on flat sheets
  * alone.
  */
-#include "lib/proxy_rig.h"
 #include "lib/public_meshes.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 #include "proxy/soak_oracle.h"
 #include "proxy/soak_pokes.h"
 
@@ -86,7 +87,7 @@ static void hand_orient(struct walk *walk)
     for (int k = 0; k < 3; k++)
         axis[k] = walk->axis[k] + 0.3 * sin(0.7 * walk->rate * time) * walk->nod[k];
     unit3(axis);
-    rig_orient(&walk->rig.device, axis, walk->turn + walk->swing * sin(walk->rate * time));
+    pose_orient(&walk->rig.device, axis, walk->turn + walk->swing * sin(walk->rate * time));
 }
 
 /* Mostly close to the surface, on either side of it; else anywhere about the mesh. */
@@ -176,7 +177,7 @@ static void judge_side(struct walk *walk, uint32_t number, const double ends[6],
     for (int i = 0; i < points; i++) {
         double piece[6];
         memcpy(piece, walk->points[number][i], 3 * sizeof *piece);
-        along(ends, 0.5 * i, piece + 3);
+        point_at(ends, 0.5 * i, piece + 3);
         memcpy(walk->points[number][i], piece + 3, 3 * sizeof *piece);
         int is_asked = !walk->is_known || all.judged % RAYS_EACH == 0;
         if (!is_asked && apart(piece, piece + 3) < away + walk->away[number]) {
@@ -219,15 +220,13 @@ static void judge(struct walk *walk)
 static void walk_once(struct soak_oracle *oracle, uint64_t number, uint64_t ticks)
 {
     struct walk walk = { .oracle = oracle, .seed = first_seed };
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     for (const char *c = oracle->solid->name; *c; c++)
         walk.seed = walk.seed * 31 + (uint64_t)(unsigned char)*c;
     walk.seed = walk.seed * 1000003 + number;
     walk.instrument = &instruments[random_bits(&walk.seed) % INSTRUMENTS];
     snprintf(walk.name, sizeof walk.name, "%s, %s, run %llu", oracle->solid->name, walk.instrument->name,
              (unsigned long long)number);
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     if (random_bits(&walk.seed) % 6 == 0)
         def.budget = 20 + (uint32_t)(random_bits(&walk.seed) % 400);
     rig_open(&walk.rig, &def, oracle->solid->mesh, walk.instrument->segments, walk.instrument->count);

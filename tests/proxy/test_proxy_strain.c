@@ -6,7 +6,8 @@
  *
  *     test_proxy_strain [PER CENT of the random cases = 100]
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.08 }, 0.002 };
 
@@ -15,16 +16,12 @@ static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.08 }, 0.002 };
 /* The gap of a rig's proxy to a mesh at a pose. */
 static double gap_to(const struct rig *rig, const struct solid *solid, const dpt_pose *pose)
 {
-    const double back[4] = { pose->orientation[0], -pose->orientation[1], -pose->orientation[2],
-                             -pose->orientation[3] };
     double least = INFINITY;
     for (uint32_t s = 0; s < rig->count; s++) {
         double ends[6], local[6];
         rig_proxy_ends(rig, s, ends);
-        for (int k = 0; k < 6; k++)
-            ends[k] -= pose->position[k % 3];
-        rig_turn(back, ends, local);
-        rig_turn(back, ends + 3, local + 3);
+        pose_local(pose, ends, local);
+        pose_local(pose, ends + 3, local + 3);
         least = fmin(least, oracle_brute(solid->brute, local, NULL) - rig->segments[s].radius);
     }
     return least;
@@ -38,17 +35,15 @@ static void press_within(const struct solid *solid, uint32_t budget, uint64_t se
 {
     const dpt_pose origin = DPT_POSE_IDENTITY;
     struct rig bounded, whole;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     double least = INFINITY;
     uint32_t most = 0;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     rig_open(&whole, &def, solid->mesh, &needle, 1);
     def.budget = budget;
     rig_open(&bounded, &def, solid->mesh, &needle, 1);
     double axis[3];
     random_unit(&seed, axis);
-    rig_orient(&bounded.device, axis, 0.8);
+    pose_orient(&bounded.device, axis, 0.8);
     bounded.device.position[2] = (double)solid->place.high[2] + 0.03;
     dpt_tool_set_pose(bounded.world, bounded.tool, &bounded.device);
     for (int i = 0; i < 200; i++)
@@ -105,14 +100,12 @@ static void tools_share_a_budget(void)
 {
     enum { TOOLS = 4 };
     struct solid box;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     dpt_tool tools[TOOLS];
     dpt_pose poses[TOOLS];
     struct rig rig;
     if (!solid_from_shape(&box, "box", 20172))
         return;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.budget = 100;
     rig_open(&rig, &def, box.mesh, &needle, 1);
     tools[0] = rig.tool;
@@ -153,12 +146,10 @@ static void tools_share_a_budget(void)
 static int shake(const struct solid *solid, double speed, uint32_t budget, uint64_t seed)
 {
     struct rig rig;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     dpt_pose pose = DPT_POSE_IDENTITY;
     double axis[3], least = INFINITY;
     int acts = 0, squeezed = 0;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.budget = budget;
     rig_open(&rig, &def, solid->mesh, &needle, 1);
     random_unit(&seed, axis);
@@ -174,7 +165,7 @@ static int shake(const struct solid *solid, double speed, uint32_t budget, uint6
         angle += speed * (1 + 0.5 * sin(0.05 * (double)i));
         pose.position[2] = i < 200 ? -0.2 + 1e-3 * (double)i : 0;
         pose.position[0] = 0.01 * sin(0.02 * (double)i);
-        rig_orient(&pose, axis, angle);
+        pose_orient(&pose, axis, angle);
         dpt_body_set_pose(rig.world, rig.body, &pose);
         rig_step(&rig);
         least = fmin(least, gap_to(&rig, solid, &pose));
@@ -216,15 +207,13 @@ static void among_many(uint32_t budget, uint32_t method)
     enum { BODIES = 30 };
     struct solid box;
     struct rig rig;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     dpt_body bodies[BODIES];
     dpt_pose poses[BODIES];
     uint64_t seed = 3, acts = 0, squeezed = 0;
     double least = INFINITY;
     if (!solid_from_shape(&box, "box", 12))
         return;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.max_bodies = BODIES;
     def.budget = budget;
     def.method = method;
@@ -241,7 +230,7 @@ static void among_many(uint32_t budget, uint32_t method)
     for (uint64_t i = 0; i < part_of(4000); i++) {
         for (int b = 0; b < BODIES; b += 3) {
             poses[b].position[2] = 0.05 * sin(0.05 * (double)i + b);
-            rig_orient(&poses[b], (const double[3]){ 0, 0, 1 }, 0.03 * (double)i);
+            pose_orient(&poses[b], (const double[3]){ 0, 0, 1 }, 0.03 * (double)i);
             dpt_body_set_pose(rig.world, bodies[b], &poses[b]);
         }
         if (i % 300 == 0)
@@ -284,11 +273,9 @@ static void every_segment_of_many_is_felt(void)
         return;
     for (int longest = 0; longest < TEETH; longest += 7) {
         dpt_segment teeth[TEETH];
-        dpt_world_def def;
+        dpt_world_def def = rig_def(DPT_LAW_PROXY);
         dpt_tool tool;
         struct rig rig;
-        dpt_world_def_init(&def);
-        def.max_contacts = 32;
         def.max_segments = TEETH + 1;
         rig_open(&rig, &def, box.mesh, &handle, 1);
         for (int t = 0; t < TEETH; t++) {
@@ -305,7 +292,7 @@ static void every_segment_of_many_is_felt(void)
             rig.device.position[0] += 2e-5;
             rig_step(&rig);
             double low[3];
-            rig_turn(rig.proxy.orientation, teeth[longest].a, low);
+            turn3(rig.proxy.orientation, teeth[longest].a, low);
             CHECK(low[2] + rig.proxy.position[2] > TOP + 3e-4, "tooth %d, tick %d: at %g", longest, i,
                   low[2] + rig.proxy.position[2] - TOP);
         }
@@ -342,7 +329,7 @@ static void kernels_give_the_same_bits(void)
         }
         for (uint64_t i = 0; i < 1500; i++) {
             dpt_pose pose = DPT_POSE_IDENTITY;
-            rig_orient(&pose, (const double[3]){ 0.6, 0, 0.8 }, 3e-4 * (double)i);
+            pose_orient(&pose, (const double[3]){ 0.6, 0, 0.8 }, 3e-4 * (double)i);
             rigs[0].device.position[0] += random_in(&seed, -1e-4, 1e-4);
             rigs[0].device.position[2] -= i < 1000 ? 1e-4 : 0;
             rigs[1].device = rigs[0].device;

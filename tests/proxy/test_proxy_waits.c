@@ -7,7 +7,8 @@
  *
  *     test_proxy_waits [PER CENT of the ticks = 100]
  */
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 #define LENGTH 0.2
 #define RADIUS 0.004
@@ -62,7 +63,7 @@ static void pose_of(const double ends[6], dpt_pose *pose)
     memcpy(axis, across, sizeof axis);
     if (unit3(axis) == 0)
         axis[0] = 1;
-    rig_orient(pose, axis, acos(fmax(-1, fmin(1, u[2]))));
+    pose_orient(pose, axis, acos(fmax(-1, fmin(1, u[2]))));
     memcpy(pose->position, ends, sizeof pose->position);
 }
 

@@ -7,22 +7,16 @@
  *     test_proxy_work [PER CENT of the ticks = 100]
  */
 #include "lib/block_count.h"
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 
 static const dpt_segment rod = { { -0.03, 0, 0 }, { 0.03, 0, 0 }, 0.002 };
 
 /* Turn a pose with its body, which stays at the origin. */
 static void turn_with_body(dpt_pose *pose, const dpt_pose *body)
 {
-    const double *b = body->orientation,
-                 q[4] = { pose->orientation[0], pose->orientation[1], pose->orientation[2], pose->orientation[3] };
-    const double p[3] = { pose->position[0], pose->position[1], pose->position[2] };
-    rig_turn(b, p, pose->position);
-    rig_turn(b, q + 1, pose->orientation + 1);
-    for (int k = 0; k < 3; k++)
-        pose->orientation[1 + k] = b[0] * q[1 + k] + q[0] * b[1 + k] + b[1 + (k + 1) % 3] * q[1 + (k + 2) % 3] -
-                                   b[1 + (k + 2) % 3] * q[1 + (k + 1) % 3];
-    pose->orientation[0] = b[0] * q[0] - dot3(b + 1, q + 1);
+    turn3(body->orientation, pose->position, pose->position);
+    turn_times(body->orientation, pose->orientation, pose->orientation);
 }
 
 /* Basic blocks a tick of a rod that comes down on the body, and is led over it and turned as it lies. */
@@ -47,7 +41,7 @@ static double blocks_of(const struct solid *solid, const dpt_pose *body)
         }
         turn += random_in(&seed, -0.01, 0.01);
         rig.device.position[2] = solid->info.box_max[2] + 0.01 - fmin(0.04, 2e-4 * (double)t);
-        rig_orient(&rig.device, z, turn);
+        pose_orient(&rig.device, z, turn);
         turn_with_body(&rig.device, body);
         if (t == 0)
             rig_place(&rig);
@@ -69,7 +63,7 @@ static void a_turned_body_costs_the_same(void)
     if (!solid_from_shape(&liver, "liver", 50332))
         return;
     const double straight = blocks_of(&liver, &body);
-    rig_orient(&body, axis, 2.0);
+    pose_orient(&body, axis, 2.0);
     const double turned = blocks_of(&liver, &body);
     printf("    %.0f basic blocks a tick, turned %.0f\n", straight, turned);
     CHECK(fabs(turned / straight - 1) < 0.01, "%g of it", turned / straight);

@@ -28,14 +28,14 @@ static void moving_bodies_push_a_tip(void)
         struct rig *rig = &tip.rig;
         double axis[3] = { random_in(&seed, -1, 1), random_in(&seed, -1, 1), random_in(&seed, -1, 1) };
         unit3(axis);
-        rig_orient(&rig->device, axis, random_in(&seed, -0.5, 0.5));
+        pose_orient(&rig->device, axis, random_in(&seed, -0.5, 0.5));
         rig->device.position[2] = TOP + 0.02;
         rig_place(rig);
         dpt_pose body = DPT_POSE_IDENTITY;
         const double up = pow(10, random_in(&seed, -5, -3.3)), turn = random_in(&seed, -2e-3, 2e-3);
         for (int tick = 1; tick <= 120; tick++) {
             body.position[2] = tick * up;
-            rig_orient(&body, axis, tick * turn);
+            pose_orient(&body, axis, tick * turn);
             if (tick == 40)
                 rig->device.position[2] = TOP + 0.005;
             dpt_body_set_pose(rig->world, rig->body, &body);
@@ -45,16 +45,10 @@ static void moving_bodies_push_a_tip(void)
                 continue;
             /* The tool as the body sees it. */
             dpt_pose seen;
-            double back[4] = { body.orientation[0], -body.orientation[1], -body.orientation[2], -body.orientation[3] };
-            const double off[3] = { rig->proxy.position[0] - body.position[0],
-                                    rig->proxy.position[1] - body.position[1],
-                                    rig->proxy.position[2] - body.position[2] };
-            rig_turn(back, off, seen.position);
-            const double *q = rig->proxy.orientation;
-            seen.orientation[0] = back[0] * q[0] - back[1] * q[1] - back[2] * q[2] - back[3] * q[3];
-            seen.orientation[1] = back[0] * q[1] + back[1] * q[0] + back[2] * q[3] - back[3] * q[2];
-            seen.orientation[2] = back[0] * q[2] - back[1] * q[3] + back[2] * q[0] + back[3] * q[1];
-            seen.orientation[3] = back[0] * q[3] + back[1] * q[2] - back[2] * q[1] + back[3] * q[0];
+            const double back[4] = { body.orientation[0], -body.orientation[1], -body.orientation[2],
+                                     -body.orientation[3] };
+            pose_local(&body, rig->proxy.position, seen.position);
+            turn_times(back, rig->proxy.orientation, seen.orientation);
             looked++;
             met += !(tip_rig_gap(&tip, &triangles, &seen, 0.01).lower >= 0);
         }
@@ -216,7 +210,7 @@ static void sheets_that_come_up_are_not_passed(void)
         dpt_tool_get_settings(rig->world, rig->tool, &settings);
         settings.lock_rotation = 1;
         dpt_tool_set_settings(rig->world, rig->tool, &settings);
-        rig_orient(&rig->device, (const double[3]){ 0.6, 0.8, 0 }, 0.2);
+        pose_orient(&rig->device, (const double[3]){ 0.6, 0.8, 0 }, 0.2);
         rig->device.position[2] = 0.4 * step + 0.006;
         rig_place(rig);
         for (int tick = 1; tick <= 3; tick++) {
@@ -252,7 +246,7 @@ static void a_turn_through_a_sheet_is_not_free(void)
     struct rig *rig = &tip.rig;
     rig->device.position[2] = -0.006;
     rig_place(rig);
-    rig_orient(&rig->device, (const double[3]){ 0, 1, 0 }, 3);
+    pose_orient(&rig->device, (const double[3]){ 0, 1, 0 }, 3);
     rig_step(rig);
     CHECK(rig->force.reason == DPT_FORCE_ACTS || (rig->force.flags & DPT_FORCE_FLAG_REPLACED), "reason %u, flags %u",
           rig->force.reason, rig->force.flags);

@@ -101,7 +101,7 @@ static void an_edge_rests_on_an_edge(void)
         return;
     tip_rig_open(&tip, NULL, solid.mesh, DPT_HULL_KIND_WEDGE, blade, 0);
     struct rig *rig = &tip.rig;
-    rig_orient(&rig->device, (const double[3]){ 0, 0, 1 }, 1.2);
+    pose_orient(&rig->device, (const double[3]){ 0, 0, 1 }, 1.2);
     rig->device.position[2] = 0.02 + blade[2] / 2 + 0.001;
     rig_place(rig);
     lower(rig, 0.02 + blade[2] / 2 - 0.001, 1e-4);
@@ -140,7 +140,7 @@ static int random_path(const struct solid *solid, uint64_t *seed, dpt_pose *pose
 static void turn_by(dpt_pose *pose, const double axis[3], double angle)
 {
     const double w = cos(angle / 2), s = sin(angle / 2);
-    rig_turn_by(pose, (const double[4]){ w, s * axis[0], s * axis[1], s * axis[2] });
+    pose_turn_by(pose, (const double[4]){ w, s * axis[0], s * axis[1], s * axis[2] });
 }
 
 struct counts {
@@ -261,7 +261,7 @@ static void thin_walls_are_not_passed(void)
             double corners[3 * ORACLE_CORNERS];
             const double speed = pow(10, random_in(&seed, -3.5, -1));
             unit3(axis);
-            rig_orient(&rig->device, axis, random_in(&seed, -3, 3));
+            pose_orient(&rig->device, axis, random_in(&seed, -3, 3));
             for (int k = 0; k < 3; k++)
                 rig->device.position[k] = k == 2 ? 0.02 : random_in(&seed, -0.05, 0.05);
             rig_place(rig);
@@ -308,7 +308,7 @@ static void a_shaft_and_its_tip_are_one_tool(void)
     lower(rig, TOP + blade[2] / 2 - 0.002, 1e-4);
     CHECK(fabs(rig->force.wrench.force[2] - RIG_STIFFNESS * 0.002) < 1e-3, "%g N", rig->force.wrench.force[2]);
     /* Lying on its side, the shaft touches and the tip does not. */
-    rig_orient(&rig->device, (const double[3]){ 1, 0, 0 }, acos(0));
+    pose_orient(&rig->device, (const double[3]){ 1, 0, 0 }, acos(0));
     rig->device.position[1] = 0.04;
     rig->device.position[2] = TOP + 0.005;
     rig_place(rig);

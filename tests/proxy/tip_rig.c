@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/tip_rig.h"
 
-static const dpt_segment point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
-
 void tip_rig_give(struct tip_rig *tip, uint32_t kind, const double extent[3], double radius)
 {
     double corners[3 * DPT_HULL_CORNERS_MAX];
@@ -26,17 +24,14 @@ void tip_rig_give(struct tip_rig *tip, uint32_t kind, const double extent[3], do
 void tip_rig_open(struct tip_rig *tip, const dpt_world_def *def, const dpt_mesh *mesh, uint32_t kind,
                   const double extent[3], double radius)
 {
-    rig_open(&tip->rig, def, mesh, &point, 1);
+    rig_open(&tip->rig, def, mesh, &rig_point, 1);
     tip_rig_give(tip, kind, extent, radius);
 }
 
 void tip_rig_corners(const struct tip_rig *tip, const dpt_pose *pose, double *corners)
 {
-    for (uint32_t i = 0; i < tip->as.corner_count; i++) {
-        rig_turn(pose->orientation, tip->as.corner[i], corners + 3 * i);
-        for (uint32_t k = 0; k < 3; k++)
-            corners[3 * i + k] += pose->position[k];
-    }
+    for (uint32_t i = 0; i < tip->as.corner_count; i++)
+        pose_point(pose, tip->as.corner[i], corners + 3 * i);
 }
 
 struct oracle_triangles tip_triangles(const struct solid *solid)
@@ -62,11 +57,10 @@ struct oracle_interval tip_rig_gap(const struct tip_rig *tip, const struct oracl
 
 uint32_t tip_rig_contact(const struct tip_rig *tip, dpt_contact *contact)
 {
-    dpt_contact all[8] = { { .size = sizeof *all } };
-    uint32_t count, found = 0;
-    dpt_tool_get_contacts(tip->rig.world, tip->rig.tool, all, 8, &count);
-    CHECK(count <= 8, "%u contacts", count);
-    for (uint32_t i = 0; i < count && i < 8; i++)
+    dpt_contact all[RIG_CONTACTS];
+    const uint32_t count = rig_contacts(&tip->rig, all);
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < count; i++)
         if (all[i].segment >= tip->rig.count) {
             *contact = all[i];
             found++;

@@ -3,7 +3,8 @@
 #ifndef DPT_TESTS_TIP_RIG_H
 #define DPT_TESTS_TIP_RIG_H
 
-#include "lib/proxy_rig.h"
+#include "lib/rig.h"
+#include "lib/solid.h"
 #include "oracle/hull.h"
 #include "oracle/hull_surface.h"
 

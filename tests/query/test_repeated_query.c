@@ -6,7 +6,7 @@
  *
  * Real meshes from DPT_DATA.
  */
-#include "lib/solid.h"
+#include "lib/rig.h"
 #include "lib/strip_subject.h"
 
 static const char *data;
@@ -29,29 +29,21 @@ static void random_axis(const struct subject *subject, uint64_t *seed, double si
 
 static void try_poses(const struct subject *subject, uint32_t poses, struct tally *tally)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
-    void *block = malloc(dpt_world_bytes(&def));
-    dpt_world *world;
-    dpt_body body;
+    const dpt_world_def def = rig_def(DPT_LAW_POINT);
+    struct rig rig;
     uint64_t seed = 5;
-    CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK &&
-              dpt_body_add(world, subject->mesh, NULL, &body) == DPT_OK,
-          "world");
+    rig_open(&rig, &def, subject->mesh, NULL, 0);
     *tally = (struct tally){ .poses = poses };
     for (uint32_t i = 0; i < poses; i++) {
         dpt_hit hits[2] = { DPT_HIT_INIT, DPT_HIT_INIT }, alone = DPT_HIT_INIT;
         dpt_segment axis = { .radius = 0.005 * subject->diagonal };
-        dpt_tool tool;
         random_axis(subject, &seed, (i % 3 + 1) * 0.2 * subject->diagonal, &axis);
-        CHECK(dpt_tool_add(world, &axis, 1, &tool) == DPT_OK, "tool");
+        const dpt_tool tool = rig_add_tool(&rig, &axis, 1);
         for (int again = 0; again < 2; again++) {
-            dpt_world_step(world, 0.001, NULL);
-            dpt_tool_get_hit(world, tool, &hits[again]);
+            rig_tick(&rig);
+            dpt_tool_get_hit(rig.world, tool, &hits[again]);
         }
-        dpt_tool_remove(world, tool);
+        dpt_tool_remove(rig.world, tool);
         const double ends[6] = { axis.a[0], axis.a[1], axis.a[2], axis.b[0], axis.b[1], axis.b[2] };
         dpt_query_segments(subject->mesh, NULL, ends, &axis.radius, 1, &alone, NULL);
         const double off = fabs(hits[0].gap - hits[1].gap) / subject->diagonal;
@@ -63,7 +55,7 @@ static void try_poses(const struct subject *subject, uint32_t poses, struct tall
     printf("    %-28s %4zu poses, %4zu inside; again %zu say something else, by %.1e of the "
            "diagonal at most; %zu queries\n",
            subject->name, tally->poses, tally->inside, tally->differ, tally->largest, tally->queries);
-    free(block);
+    rig_close(&rig);
 }
 
 /* A tube of `sides` sides and so many rings, open at both ends. */
@@ -137,32 +129,25 @@ static void with_holes(void)
 static void too_deep_behind_a_sheet(void)
 {
     struct subject subject;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.side_limit = 0.02;
     if (!subject_from_shape(&subject, "membrane", 512))
         return;
-    void *block = malloc(dpt_world_bytes(&def));
     for (int deep = 0; deep < 2; deep++)
         for (int crosses = 0; crosses < 2; crosses++) {
-            dpt_world *world;
-            dpt_body body;
-            dpt_tool tool;
-            dpt_hit hits[3] = { DPT_HIT_INIT, DPT_HIT_INIT, DPT_HIT_INIT };
+            struct rig rig;
+            dpt_hit hits[3];
             const double low = deep ? -0.03 : -0.01;
             const dpt_segment before = { { 0.01, 0.02, 0.005 }, { 0.01, 0.02, 0.04 }, 0.001 };
             const dpt_segment after = { { 0.01, 0.02, low }, { 0.01, 0.02, crosses ? 0.01 : low - 0.005 }, 0.001 };
-            dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
-            dpt_body_add(world, subject.mesh, NULL, &body);
-            dpt_tool_add(world, &before, 1, &tool);
+            rig_open(&rig, &def, subject.mesh, &before, 1);
             for (int tick = 0; tick < 3; tick++) {
                 if (tick == 1)
-                    dpt_tool_set_segments(world, tool, &after, 1);
-                CHECK(dpt_world_step(world, 0.001, NULL) == DPT_OK, "step");
-                dpt_tool_get_hit(world, tool, &hits[tick]);
+                    dpt_tool_set_segments(rig.world, rig.tool, &after, 1);
+                rig_tick(&rig);
+                hits[tick] = rig.hit;
             }
+            rig_close(&rig);
             const uint32_t due = !deep     ? DPT_CONTACT_PENETRATING
                                  : crosses ? DPT_CONTACT_UNKNOWN
                                            : DPT_CONTACT_SEPARATED;
@@ -170,7 +155,6 @@ static void too_deep_behind_a_sheet(void)
                   "%d, %d: %u and %u, not %u; gaps %g, %g", deep, crosses, hits[1].contact, hits[2].contact, due,
                   hits[1].gap, hits[2].gap);
         }
-    free(block);
     subject_close(&subject);
 }
 
@@ -178,24 +162,16 @@ static void too_deep_behind_a_sheet(void)
 static void as_deep_as_its_regions(void)
 {
     struct subject subject;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    const dpt_world_def def = rig_def(DPT_LAW_POINT);
     size_t pressed = 0;
     uint64_t seed = 11;
     if (!subject_from_shape(&subject, "membrane", 512))
         return;
-    void *block = malloc(dpt_world_bytes(&def));
     for (int run = 0; run < 40; run++) {
-        dpt_world *world;
-        dpt_body body;
-        dpt_tool tool;
-        dpt_segment axis = { .radius = 0.001 };
+        struct rig rig;
         const double x = random_in(&seed, -0.1, 0.1), y = random_in(&seed, -0.1, 0.1);
         const double turn = random_in(&seed, 0.0, 6.3), tilt = random_in(&seed, -0.01, 0.01);
-        dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
-        dpt_body_add(world, subject.mesh, NULL, &body);
+        rig_open(&rig, &def, subject.mesh, &rig_point, 1);
         for (int tick = 0; tick < 400; tick++) {
             /* Down, then along. */
             const double middle = 0.02 - 4e-4 * (tick < 60 ? tick : 60), slid = 3e-4 * (tick - 60);
@@ -203,27 +179,17 @@ static void as_deep_as_its_regions(void)
             const double by = tick > 60 ? slid : 0.0;
             const double ends[6] = { x + by - way[0], y - way[1], middle - tilt,
                                      x + by + way[0], y + way[1], middle + tilt };
-            memcpy(axis.a, ends, sizeof axis.a);
-            memcpy(axis.b, ends + 3, sizeof axis.b);
-            if (tick == 0)
-                dpt_tool_add(world, &axis, 1, &tool);
-            else
-                dpt_tool_set_segments(world, tool, &axis, 1);
-            dpt_world_step(world, 0.001, NULL);
-            dpt_hit hit = DPT_HIT_INIT;
-            dpt_contact contacts[8];
-            uint32_t count = 0;
-            contacts[0].size = sizeof *contacts;
-            dpt_tool_get_hit(world, tool, &hit);
-            dpt_tool_get_contacts(world, tool, contacts, 8, &count);
-            for (uint32_t i = 0; i < count && i < 8 && hit.flags & DPT_HIT_FLAG_GAP; i++)
+            dpt_contact contacts[RIG_CONTACTS];
+            const dpt_hit hit = rig_step_ends(&rig, ends, 0.001);
+            const uint32_t count = rig_contacts(&rig, contacts);
+            for (uint32_t i = 0; i < count && hit.flags & DPT_HIT_FLAG_GAP; i++)
                 CHECK(hit.gap <= contacts[i].gap + hit.error_bound, "%d, %d: %.9g, a region %.9g", run, tick, hit.gap,
                       contacts[i].gap);
             pressed += hit.contact == DPT_CONTACT_PENETRATING;
         }
+        rig_close(&rig);
     }
     CHECK(pressed > 1000, "%zu", pressed);
-    free(block);
     subject_close(&subject);
 }
 
@@ -241,26 +207,21 @@ static void windings_within_the_budget(void)
         def.max_contacts = 32;
         def.law = DPT_LAW_POINT;
         def.budget = budget;
-        void *block = malloc(dpt_world_bytes(&def));
-        dpt_world *world;
-        dpt_body body;
-        dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
-        dpt_body_add(world, subject.mesh, NULL, &body);
+        struct rig rig;
+        rig_open(&rig, &def, subject.mesh, NULL, 0);
         for (int i = 0; i < 30; i++) {
             dpt_segment axis = { .radius = 0.002 };
-            dpt_tool tool;
             random_axis(&subject, &seed, 0.05, &axis);
-            dpt_tool_add(world, &axis, 1, &tool);
+            const dpt_tool tool = rig_add_tool(&rig, &axis, 1);
             for (int tick = 0; tick < 5; tick++) {
-                dpt_step step = { .size = sizeof step };
-                dpt_world_step(world, 0.001, &step);
-                CHECK(step.work <= budget, "%u of %u", step.work, budget);
-                unknown += step.contact == DPT_CONTACT_UNKNOWN;
-                known += step.contact == DPT_CONTACT_PENETRATING;
+                rig_tick(&rig);
+                CHECK(rig.step.work <= budget, "%u of %u", rig.step.work, budget);
+                unknown += rig.step.contact == DPT_CONTACT_UNKNOWN;
+                known += rig.step.contact == DPT_CONTACT_PENETRATING;
             }
-            dpt_tool_remove(world, tool);
+            dpt_tool_remove(rig.world, tool);
         }
-        free(block);
+        rig_close(&rig);
     }
     CHECK(unknown > 100 && known > 100, "%zu unknown, %zu known", unknown, known);
     subject_close(&subject);

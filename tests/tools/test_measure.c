@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "dynpoint/compile.h"
-#include "lib/check.h"
+#include "lib/rig.h"
 #include "measure/judgement.h"
 #include "measure/measure_setting.h"
 #include "shape/shape.h"
@@ -14,18 +14,18 @@
 enum { TICKS = 3000, SOFT_TICKS = 600 };
 #define RADIUS 0.002
 
-struct rig {
+struct subject {
     struct scene scene;
     struct csv_table trace;
     dpt_compiled compiled;
     struct measure_setting setting; /* the scene's default */
 };
 
-static int open_scene(struct rig *rig, const char *path, uint32_t law, size_t ticks)
+static int open_scene(struct subject *subject, const char *path, uint32_t law, size_t ticks)
 {
     struct scene_def def = { .command = "test",
                              .path = path,
-                             .scene_bytes = { rig->compiled.bytes, rig->compiled.size },
+                             .scene_bytes = { subject->compiled.bytes, subject->compiled.size },
                              .zoom = 1.0,
                              .force_scale = 1.0,
                              .clutch = -1,
@@ -33,41 +33,43 @@ static int open_scene(struct rig *rig, const char *path, uint32_t law, size_t ti
                              .radius = RADIUS,
                              .force = { .law = law, .friction = 0.0 } };
     const struct measure_hand hand = { .seed = 1, .ticks = ticks, .length = 0.1 };
-    const int is_open = !scene_open(&rig->scene, &def) && !measure_trace_make(&rig->trace, &rig->scene, &hand);
+    const int is_open =
+        !scene_open(&subject->scene, &def) && !measure_trace_make(&subject->trace, &subject->scene, &hand);
     CHECK(is_open, "%s does not open", path);
-    measure_setting_init(&rig->setting, &rig->scene);
+    measure_setting_init(&subject->setting, &subject->scene);
     return is_open;
 }
 
 /* A star, whose spikes the paper's descent does not get out of. */
-static int open_rig(struct rig *rig, uint32_t law)
+static int open_subject(struct subject *subject, uint32_t law)
 {
     struct shape shape;
     shape_reason reason;
     dpt_compile_def def;
     dpt_diag diag = { .size = sizeof diag };
-    memset(rig, 0, sizeof *rig);
+    memset(subject, 0, sizeof *subject);
     dpt_compile_def_init(&def);
     if (shape_make("star", 2000, 0, &shape, reason))
         return 0;
     const dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                                 shape.triangle_count, &def, &rig->compiled, &diag);
+                                                 shape.triangle_count, &def, &subject->compiled, &diag);
     shape_free(&shape);
     CHECK(result == DPT_OK, "%s", diag.text);
-    return result == DPT_OK && open_scene(rig, "star", law, TICKS);
+    return result == DPT_OK && open_scene(subject, "star", law, TICKS);
 }
 
-static void close_rig(struct rig *rig)
+static void close_subject(struct subject *subject)
 {
-    csv_table_free(&rig->trace);
-    scene_close(&rig->scene);
-    dpt_compiled_free(&rig->compiled);
+    csv_table_free(&subject->trace);
+    scene_close(&subject->scene);
+    dpt_compiled_free(&subject->compiled);
 }
 
-static void measure(struct measure_run *run, const struct rig *rig, const struct measure_setting *setting, size_t every)
+static void measure(struct measure_run *run, const struct subject *subject, const struct measure_setting *setting,
+                    size_t every)
 {
     const struct measure_effort effort = { .passes = 1, .every = every };
-    CHECK(measure_run(run, &rig->scene, &rig->trace, setting, &effort) == 0, "it does not run");
+    CHECK(measure_run(run, &subject->scene, &subject->trace, setting, &effort) == 0, "it does not run");
 }
 
 static struct judgement judge(const struct measure_run *run, const struct measure_run *reference)
@@ -78,53 +80,41 @@ static struct judgement judge(const struct measure_run *run, const struct measur
 }
 
 /* The distance in every tick, by a world of the test's own. */
-static void find_distances(const struct rig *rig, uint32_t method, double *distance)
+static void find_distances(const struct subject *subject, uint32_t method, double *distance)
 {
-    dpt_world_def def;
-    dpt_world *world;
-    dpt_body body;
-    dpt_tool tool;
-    const dpt_segment any = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, RADIUS };
-    dpt_world_def_init(&def);
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
+    struct rig rig;
     def.method = method;
     def.until = DPT_UNTIL_CONTACT;
-    def.law = DPT_LAW_POINT;
-    void *block = malloc(dpt_world_bytes(&def));
-    dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
-    dpt_body_add(world, rig->scene.bodies.body[0].mesh, NULL, &body);
-    dpt_tool_add(world, &any, 1, &tool);
-    for (size_t i = 0; i < rig->trace.rows; i++) {
-        const double *row = csv_table_row(&rig->trace, i);
-        dpt_segment segment = { { row[1], row[2], row[3] }, { row[4], row[5], row[6] }, RADIUS };
-        dpt_hit hit = DPT_HIT_INIT;
+    def.max_contacts = 0;
+    rig_open(&rig, &def, subject->scene.bodies.body[0].mesh, &rig_point, 1);
+    for (size_t i = 0; i < subject->trace.rows; i++) {
+        const double *row = csv_table_row(&subject->trace, i);
         if (i == 0)
-            dpt_tool_teleport(world, tool, &(dpt_pose)DPT_POSE_IDENTITY);
-        dpt_tool_set_segments(world, tool, &segment, 1);
-        dpt_world_step(world, 1e-3, NULL);
-        dpt_tool_get_hit(world, tool, &hit);
-        distance[i] = hit.distance;
+            dpt_tool_teleport(rig.world, rig.tool, &rig.device);
+        distance[i] = rig_step_ends(&rig, row + 1, RADIUS).distance;
     }
-    free(block);
+    rig_close(&rig);
 }
 
 static void paper_is_wrong_as_counted(void)
 {
-    struct rig rig;
+    struct subject subject;
     struct measure_setting setting;
     struct measure_run exact, paper;
     struct judgement judged, own;
     static double truth[TICKS], found[TICKS];
-    if (!open_rig(&rig, DPT_LAW_POINT))
+    if (!open_subject(&subject, DPT_LAW_POINT))
         return;
-    setting = rig.setting;
-    const struct measure_setting richest = measure_setting_richest(&setting, &rig.scene);
+    setting = subject.setting;
+    const struct measure_setting richest = measure_setting_richest(&setting, &subject.scene);
     setting.world.method = DPT_METHOD_PAPER;
-    measure(&exact, &rig, &richest, 7);
-    measure(&paper, &rig, &setting, 0);
+    measure(&exact, &subject, &richest, 7);
+    measure(&paper, &subject, &setting, 0);
     judged = judge(&paper, &exact);
     own = judge(&exact, &exact);
-    find_distances(&rig, DPT_METHOD_BRUTE, truth);
-    find_distances(&rig, DPT_METHOD_PAPER, found);
+    find_distances(&subject, DPT_METHOD_BRUTE, truth);
+    find_distances(&subject, DPT_METHOD_PAPER, found);
     size_t wrong = 0, missed = 0;
     double error = 0.0;
     for (size_t i = 0; i < TICKS; i++) {
@@ -146,21 +136,21 @@ static void paper_is_wrong_as_counted(void)
           exact.check.wrong);
     measure_run_free(&exact);
     measure_run_free(&paper);
-    close_rig(&rig);
+    close_subject(&subject);
 }
 
 /* An exact run with errors put in by hand is judged with just those. */
 static void errors_are_found(void)
 {
-    struct rig rig;
+    struct subject subject;
     struct measure_setting setting;
     struct measure_run run, truth;
     struct judgement judged;
-    if (!open_rig(&rig, DPT_LAW_PROXY))
+    if (!open_subject(&subject, DPT_LAW_PROXY))
         return;
-    setting = rig.setting;
-    measure(&truth, &rig, &setting, 0);
-    measure(&run, &rig, &setting, 0);
+    setting = subject.setting;
+    measure(&truth, &subject, &setting, 0);
+    measure(&run, &subject, &setting, 0);
     size_t calm = 0, crossing = 0, free_at = 0, held = 0, held_before = 0;
     for (size_t i = 10; i + 10 < TICKS; i++) {
         const struct measure_tick *tick = &truth.tick[i];
@@ -231,24 +221,24 @@ static void errors_are_found(void)
     CHECK(judged.stale == 1 && judged.unknown == 1 && judged.distance_error < 1e-3, "a stale tick was judged");
     measure_run_free(&run);
     measure_run_free(&truth);
-    close_rig(&rig);
+    close_subject(&subject);
 }
 
 /* What is poorer is judged so: a budget leaves ticks unknown, and stopping early gives neither force nor contact. */
 static void settings_are_applied(void)
 {
-    struct rig rig;
+    struct subject subject;
     struct measure_setting setting, changed;
     struct measure_run run, truth;
     struct judgement judged, of_truth;
-    if (!open_rig(&rig, DPT_LAW_PROXY))
+    if (!open_subject(&subject, DPT_LAW_PROXY))
         return;
-    setting = rig.setting;
-    measure(&truth, &rig, &setting, 0);
+    setting = subject.setting;
+    measure(&truth, &subject, &setting, 0);
     of_truth = judge(&truth, &truth);
     changed = setting;
     changed.world.budget = (uint32_t)of_truth.work.median + 1;
-    measure(&run, &rig, &changed, 0);
+    measure(&run, &subject, &changed, 0);
     judged = judge(&run, &truth);
     CHECK(judged.work.max <= changed.world.budget && of_truth.work.max > changed.world.budget, "%g units of %u",
           judged.work.max, (unsigned)changed.world.budget);
@@ -256,28 +246,28 @@ static void settings_are_applied(void)
     measure_run_free(&run);
     changed = setting;
     changed.world.until = DPT_UNTIL_TRACK;
-    measure(&run, &rig, &changed, 0);
+    measure(&run, &subject, &changed, 0);
     judged = judge(&run, &truth);
     CHECK(!judged.has_contact && !judged.has_wrench && judged.wrong == 0 && judged.unknown == 0, "track: %zu wrong",
           judged.wrong);
     measure_run_free(&run);
     changed = setting;
     changed.world.stiffness *= 2.0;
-    measure(&run, &rig, &changed, 0);
+    measure(&run, &subject, &changed, 0);
     judged = judge(&run, &truth);
     CHECK(fabs(judged.wrench.max - of_truth.wrench_peak) < 0.05 * of_truth.wrench_peak,
           "twice as stiff: %g N beside %g", judged.wrench.max, of_truth.wrench_peak);
     measure_run_free(&run);
     changed = setting;
     changed.world.method = DPT_METHOD_PAPER;
-    CHECK(measure_setting_fault(&changed, &rig.scene), "a proxy of the paper's");
+    CHECK(measure_setting_fault(&changed, &subject.scene), "a proxy of the paper's");
     changed = setting;
     changed.world.method = DPT_METHOD_TREE;
     changed.world.budget = 100;
-    CHECK(measure_setting_fault(&changed, &rig.scene), "a budget of the tree's");
-    CHECK(!measure_setting_fault(&setting, &rig.scene), "the default");
+    CHECK(measure_setting_fault(&changed, &subject.scene), "a budget of the tree's");
+    CHECK(!measure_setting_fault(&setting, &subject.scene), "the default");
     measure_run_free(&truth);
-    close_rig(&rig);
+    close_subject(&subject);
 }
 
 static int same_answers(const struct measure_run *a, const struct measure_run *b)
@@ -294,23 +284,23 @@ static int same_answers(const struct measure_run *a, const struct measure_run *b
 /* Springs are at rest again in every run, and what is searched is where the vertices are. */
 static void soft_bodies_are_true(void)
 {
-    struct rig rig;
+    struct subject subject;
     struct measure_setting setting;
     struct measure_run soft, again, rigid, failed;
     struct judgement judged;
     const struct measure_effort twice = { .passes = 2 };
-    memset(&rig, 0, sizeof rig);
-    if (!open_scene(&rig, "membrane", DPT_LAW_PROXY, SOFT_TICKS))
+    memset(&subject, 0, sizeof subject);
+    if (!open_scene(&subject, "membrane", DPT_LAW_PROXY, SOFT_TICKS))
         return;
-    setting = rig.setting;
-    measure(&soft, &rig, &setting, 3);
+    setting = subject.setting;
+    measure(&soft, &subject, &setting, 3);
     CHECK(soft.failure == DPT_OK, "tick %zu", soft.failed_tick);
     CHECK(soft.check.ticks == SOFT_TICKS / 3 && soft.check.wrong == 0, "%zu of %zu wrong, by %g m", soft.check.wrong,
           soft.check.ticks, soft.check.error);
-    CHECK(measure_run(&again, &rig.scene, &rig.trace, &setting, &twice) == 0, "it does not run");
+    CHECK(measure_run(&again, &subject.scene, &subject.trace, &setting, &twice) == 0, "it does not run");
     CHECK(same_answers(&soft, &again), "another run gives other answers");
     setting.rigid = 1;
-    measure(&rigid, &rig, &setting, 3);
+    measure(&rigid, &subject, &setting, 3);
     CHECK(rigid.body_bytes == 0 && soft.body_bytes > 0 && rigid.check.wrong == 0, "%zu, %zu bytes", rigid.body_bytes,
           soft.body_bytes);
     judged = judge(&rigid, &soft);
@@ -320,28 +310,28 @@ static void soft_bodies_are_true(void)
     setting.rigid = 0;
     setting.integrator = DPT_INTEGRATOR_EULER;
     setting.dt = 0.5;
-    measure(&failed, &rig, &setting, 0);
+    measure(&failed, &subject, &setting, 0);
     CHECK(failed.failure == DPT_E_UNSTABLE && failed.tick[failed.failed_tick].status == 0, "%s",
           dpt_result_name(failed.failure));
     measure_run_free(&failed);
     measure_run_free(&rigid);
     measure_run_free(&again);
     measure_run_free(&soft);
-    close_rig(&rig);
+    close_subject(&subject);
 }
 
 /* A stylus that is led as a whole is felt as one that is the trace's own segment. */
 static void whole_tools_are_led(void)
 {
-    struct rig rig;
+    struct subject subject;
     struct measure_run segment, whole;
     struct judgement judged;
-    if (!open_rig(&rig, DPT_LAW_BED))
+    if (!open_subject(&subject, DPT_LAW_BED))
         return;
-    measure(&segment, &rig, &rig.setting, 0);
-    rig.scene.has_stylus = 0;
-    rig.scene.segments[0] = (dpt_segment){ { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.1 }, RADIUS };
-    measure(&whole, &rig, &rig.setting, 11);
+    measure(&segment, &subject, &subject.setting, 0);
+    subject.scene.has_stylus = 0;
+    subject.scene.segments[0] = (dpt_segment){ { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.1 }, RADIUS };
+    measure(&whole, &subject, &subject.setting, 11);
     judged = judge(&whole, &segment);
     CHECK(judged.wrong == 0 && whole.check.wrong == 0, "%zu, by %g m", judged.wrong, judged.distance_error);
     /* Integrals along the axis are good to half a per cent, and sampled by what was found before. */
@@ -350,40 +340,40 @@ static void whole_tools_are_led(void)
           "%g and %g N beside %g", judged.wrench.median, judged.wrench.max, judged.wrench_peak);
     /* In two halves it is the same tool: centre and rho are those of the whole. */
     measure_run_free(&whole);
-    rig.scene.segments[0].b[2] = 0.05;
-    rig.scene.segments[1] = (dpt_segment){ { 0.0, 0.0, 0.05 }, { 0.0, 0.0, 0.1 }, RADIUS };
-    rig.scene.segment_count = 2;
-    measure(&whole, &rig, &rig.setting, 11);
+    subject.scene.segments[0].b[2] = 0.05;
+    subject.scene.segments[1] = (dpt_segment){ { 0.0, 0.0, 0.05 }, { 0.0, 0.0, 0.1 }, RADIUS };
+    subject.scene.segment_count = 2;
+    measure(&whole, &subject, &subject.setting, 11);
     judged = judge(&whole, &segment);
     CHECK(judged.wrong == 0 && whole.check.wrong == 0, "halves: %zu, by %g m", judged.wrong, judged.distance_error);
     CHECK(judged.wrench.median < 0.02 * judged.wrench_peak, "halves: %g N beside %g", judged.wrench.median,
           judged.wrench_peak);
     measure_run_free(&segment);
     measure_run_free(&whole);
-    close_rig(&rig);
+    close_subject(&subject);
 }
 
 /* Behind a jump of the trace all is as in a trace that begins there. */
 static void a_jump_begins_anew(void)
 {
-    struct rig rig;
+    struct subject subject;
     struct measure_run whole, rest;
     const size_t from = TICKS / 2;
-    if (!open_rig(&rig, DPT_LAW_PROXY))
+    if (!open_subject(&subject, DPT_LAW_PROXY))
         return;
     for (size_t i = from; i < TICKS; i++)
-        rig.trace.values[i * rig.trace.columns] += 7.0;
-    measure(&whole, &rig, &rig.setting, 0);
-    rig.trace.rows -= from;
-    memmove(rig.trace.values, rig.trace.values + from * rig.trace.columns,
-            rig.trace.rows * rig.trace.columns * sizeof *rig.trace.values);
-    measure(&rest, &rig, &rig.setting, 0);
+        subject.trace.values[i * subject.trace.columns] += 7.0;
+    measure(&whole, &subject, &subject.setting, 0);
+    subject.trace.rows -= from;
+    memmove(subject.trace.values, subject.trace.values + from * subject.trace.columns,
+            subject.trace.rows * subject.trace.columns * sizeof *subject.trace.values);
+    measure(&rest, &subject, &subject.setting, 0);
     const struct measure_run behind = { .tick = whole.tick + from, .ticks = TICKS - from };
     CHECK(whole.tick[from].is_jump && !whole.tick[from + 1].is_jump, "no jump");
     CHECK(same_answers(&behind, &rest), "it remembers what was before the jump");
     measure_run_free(&whole);
     measure_run_free(&rest);
-    close_rig(&rig);
+    close_subject(&subject);
 }
 
 /* 2 N across end b of 0.12 m: half of the arm, over rho, which is 1 / sqrt(12) of the length. */

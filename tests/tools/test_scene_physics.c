@@ -13,72 +13,72 @@
 enum { TICKS = 1000, TICKS_ASLEEP_MOST = 20000 };
 #define LOOP_RATE 1000.0
 
-struct rig {
+struct soft {
     struct soft_scene scene;
     struct scene_physics *physics;
 };
 
-static int open_rig(struct rig *rig, const char *name, double rate)
+static int open_soft(struct soft *soft, const char *name, double rate)
 {
-    memset(rig, 0, sizeof *rig);
-    if (!soft_scene_open(&rig->scene, name, rate))
+    memset(soft, 0, sizeof *soft);
+    if (!soft_scene_open(&soft->scene, name, rate))
         return 0;
-    const dpt_result result = scene_physics_open(&rig->physics, &rig->scene.bodies, rate);
+    const dpt_result result = scene_physics_open(&soft->physics, &soft->scene.bodies, rate);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return result == DPT_OK;
 }
 
-static void close_rig(struct rig *rig)
+static void close_soft(struct soft *soft)
 {
-    scene_physics_close(rig->physics);
-    soft_scene_close(&rig->scene);
+    scene_physics_close(soft->physics);
+    soft_scene_close(&soft->scene);
 }
 
-static dpt_result tick(struct rig *rig, double dt)
+static dpt_result tick(struct soft *soft, double dt)
 {
-    dpt_result result = scene_physics_begin_tick(rig->physics, rig->scene.world);
+    dpt_result result = scene_physics_begin_tick(soft->physics, soft->scene.rig.world);
     if (result == DPT_OK)
-        result = dpt_world_step(rig->scene.world, dt, NULL);
+        result = dpt_world_step(soft->scene.rig.world, dt, NULL);
     if (result == DPT_OK)
-        result = scene_physics_end_tick(rig->physics, rig->scene.world, dt);
-    scene_bodies_count_moves(&rig->scene.bodies, dt);
+        result = scene_physics_end_tick(soft->physics, soft->scene.rig.world, dt);
+    scene_bodies_count_moves(&soft->scene.bodies, dt);
     return result;
 }
 
-static uint64_t steps_of(const struct rig *rig)
+static uint64_t steps_of(const struct soft *soft)
 {
-    return scene_physics_steps(rig->physics);
+    return scene_physics_steps(soft->physics);
 }
 
 /* Every fourth tick; where the loop lost a sample, its next dt is longer, and no time is lost. */
 static void goes_by_the_loops_time(void)
 {
-    struct rig rig;
+    struct soft soft;
     double time = 0.0;
-    if (open_rig(&rig, "laparoscopy", 250.0))
+    if (open_soft(&soft, "laparoscopy", 250.0))
         for (int i = 1; i <= TICKS; i++) {
             const double dt = i % 7 ? SOFT_TICK : 3.0 * SOFT_TICK;
             time += dt;
-            CHECK(tick(&rig, dt) == DPT_OK, "tick %d", i);
-            const double due = 250.0 * time, steps = (double)steps_of(&rig);
+            CHECK(tick(&soft, dt) == DPT_OK, "tick %d", i);
+            const double due = 250.0 * time, steps = (double)steps_of(&soft);
             CHECK(steps >= due - 1.0 && steps <= due + 0.5, "%g steps, %g are due", steps, due);
         }
-    CHECK(!rig.physics || !scene_physics_get_report(rig.physics).late, "it was late");
-    close_rig(&rig);
+    CHECK(!soft.physics || !scene_physics_get_report(soft.physics).late, "it was late");
+    close_soft(&soft);
 }
 
-static void press_for(struct rig *rig, int ticks)
+static void press_for(struct soft *soft, int ticks)
 {
-    soft_scene_press(&rig->scene, 0.01);
+    soft_scene_press(&soft->scene, 0.01);
     for (int i = 0; i < ticks; i++)
-        CHECK(tick(rig, SOFT_TICK) == DPT_OK, "tick %d", i);
+        CHECK(tick(soft, SOFT_TICK) == DPT_OK, "tick %d", i);
 }
 
 static void runs_are_the_same(void)
 {
-    struct rig a, b;
+    struct soft a, b;
     uint32_t count = 0;
-    if (open_rig(&a, "laparoscopy", 500.0) & open_rig(&b, "laparoscopy", 500.0)) {
+    if (open_soft(&a, "laparoscopy", 500.0) & open_soft(&b, "laparoscopy", 500.0)) {
         press_for(&a, TICKS);
         press_for(&b, TICKS);
         const float *x = soft_scene_vertices(&a.scene, &count);
@@ -87,43 +87,43 @@ static void runs_are_the_same(void)
         dpt_mesh_get_vertices(a.scene.bodies.body[0].mesh, &rest, &count);
         CHECK(memcmp(x, rest, 3 * sizeof *x * (size_t)count), "nothing has moved");
     }
-    close_rig(&a);
-    close_rig(&b);
+    close_soft(&a);
+    close_soft(&b);
 }
 
 /* Moves count the ticks in which vertices moved: while they are under way, until all sleeps. */
 static void moves_are_those_of_vertices(void)
 {
-    struct rig rig;
+    struct soft soft;
     int still = 0, asleep = 0;
-    if (open_rig(&rig, "membrane", 500.0)) {
+    if (open_soft(&soft, "membrane", 500.0)) {
         uint32_t count = 0;
-        soft_scene_vertices(&rig.scene, &count);
+        soft_scene_vertices(&soft.scene, &count);
         float *before = calloc(3 * (size_t)count, sizeof *before);
         for (int i = 0; i < TICKS_ASLEEP_MOST && still < 200; i++) {
             const size_t bytes = 3 * sizeof *before * (size_t)count;
-            const uint64_t moves = rig.scene.bodies.moves;
-            memcpy(before, soft_scene_vertices(&rig.scene, &count), bytes);
-            soft_scene_press(&rig.scene, i < TICKS ? 0.005 : -0.02);
-            CHECK(tick(&rig, SOFT_TICK) == DPT_OK, "tick %d", i);
-            const int has_moved = memcmp(before, soft_scene_vertices(&rig.scene, &count), bytes);
-            CHECK(!has_moved || rig.scene.bodies.moves == moves + 1, "tick %d: not counted", i);
-            still = rig.scene.bodies.moves == moves && i > TICKS ? still + 1 : 0;
+            const uint64_t moves = soft.scene.bodies.moves;
+            memcpy(before, soft_scene_vertices(&soft.scene, &count), bytes);
+            soft_scene_press(&soft.scene, i < TICKS ? 0.005 : -0.02);
+            CHECK(tick(&soft, SOFT_TICK) == DPT_OK, "tick %d", i);
+            const int has_moved = memcmp(before, soft_scene_vertices(&soft.scene, &count), bytes);
+            CHECK(!has_moved || soft.scene.bodies.moves == moves + 1, "tick %d: not counted", i);
+            still = soft.scene.bodies.moves == moves && i > TICKS ? still + 1 : 0;
         }
         asleep = still >= 200;
         free(before);
     }
     CHECK(asleep, "moves are counted of what sleeps");
-    close_rig(&rig);
+    close_soft(&soft);
 }
 
 /* Ticks by the clock for so long, s. Returns the last tick's result. */
-static dpt_result tick_for(struct rig *rig, double seconds)
+static dpt_result tick_for(struct soft *soft, double seconds)
 {
     dpt_result result = DPT_OK;
     const uint64_t end = clock_now() + (uint64_t)(1e9 * seconds);
     while (result == DPT_OK && clock_now() < end) {
-        result = tick(rig, SOFT_TICK);
+        result = tick(soft, SOFT_TICK);
         sleep_seconds(SOFT_TICK);
     }
     return result;
@@ -131,50 +131,50 @@ static dpt_result tick_for(struct rig *rig, double seconds)
 
 static void thread_stands_still_with_the_loop(void)
 {
-    struct rig rig;
-    if (open_rig(&rig, "laparoscopy", 500.0)) {
+    struct soft soft;
+    if (open_soft(&soft, "laparoscopy", 500.0)) {
         const uint64_t began = clock_now();
-        CHECK(scene_physics_start(rig.physics, LOOP_RATE) == DPT_OK, "no thread");
+        CHECK(scene_physics_start(soft.physics, LOOP_RATE) == DPT_OK, "no thread");
         sleep_seconds(0.05);
-        CHECK(steps_of(&rig) == 0, "it began before the loop");
-        soft_scene_press(&rig.scene, 0.01);
-        CHECK(tick_for(&rig, 0.4) == DPT_OK, "a tick failed");
+        CHECK(steps_of(&soft) == 0, "it began before the loop");
+        soft_scene_press(&soft.scene, 0.01);
+        CHECK(tick_for(&soft, 0.4) == DPT_OK, "a tick failed");
         sleep_seconds(0.5);
-        const uint64_t stood = steps_of(&rig);
+        const uint64_t stood = steps_of(&soft);
         sleep_seconds(0.2);
-        CHECK(stood > 0 && steps_of(&rig) == stood, "%d steps without a tick", (int)(steps_of(&rig) - stood));
-        CHECK(tick_for(&rig, 0.4) == DPT_OK, "a tick failed");
-        CHECK(steps_of(&rig) > stood, "it did not go on");
-        CHECK(rig.scene.bodies.moves > 0, "the loop got no vertices");
-        scene_physics_stop(rig.physics);
-        const struct scene_physics_report report = scene_physics_get_report(rig.physics);
+        CHECK(stood > 0 && steps_of(&soft) == stood, "%d steps without a tick", (int)(steps_of(&soft) - stood));
+        CHECK(tick_for(&soft, 0.4) == DPT_OK, "a tick failed");
+        CHECK(steps_of(&soft) > stood, "it did not go on");
+        CHECK(soft.scene.bodies.moves > 0, "the loop got no vertices");
+        scene_physics_stop(soft.physics);
+        const struct scene_physics_report report = scene_physics_get_report(soft.physics);
         const double seconds = 1e-9 * (double)(clock_now() - began);
         CHECK(report.has_thread && report.asked == 500.0 && report.rate > 0.0, "%g Hz of %g", report.rate,
               report.asked);
         CHECK((double)report.steps <= 500.0 * (seconds - 0.6), "%d steps in %g s", (int)report.steps, seconds);
-        CHECK(rig.scene.bodies.nodes > 0 && rig.scene.bodies.active > 0, "no nodes were counted");
+        CHECK(soft.scene.bodies.nodes > 0 && soft.scene.bodies.active > 0, "no nodes were counted");
     }
-    close_rig(&rig);
+    close_soft(&soft);
 }
 
 /* These springs are too stiff for steps of a second. */
 static void errors_end_it(void)
 {
     for (int has_thread = 0; has_thread < 2; has_thread++) {
-        struct rig rig;
-        if (open_rig(&rig, "membrane", 1.0)) {
+        struct soft soft;
+        if (open_soft(&soft, "membrane", 1.0)) {
             dpt_result result = DPT_OK;
             if (has_thread)
-                CHECK(scene_physics_start(rig.physics, LOOP_RATE) == DPT_OK, "no thread");
+                CHECK(scene_physics_start(soft.physics, LOOP_RATE) == DPT_OK, "no thread");
             if (has_thread)
-                result = tick_for(&rig, 5.0);
+                result = tick_for(&soft, 5.0);
             for (int i = 0; i < TICKS && result == DPT_OK; i++)
-                result = tick(&rig, SOFT_TICK);
+                result = tick(&soft, SOFT_TICK);
             CHECK(result == DPT_E_UNSTABLE, "%s", dpt_result_name(result));
-            CHECK(tick(&rig, SOFT_TICK) == DPT_E_UNSTABLE, "a tick later it is forgotten");
-            CHECK(steps_of(&rig) == 0, "%d steps", (int)steps_of(&rig));
+            CHECK(tick(&soft, SOFT_TICK) == DPT_E_UNSTABLE, "a tick later it is forgotten");
+            CHECK(steps_of(&soft) == 0, "%d steps", (int)steps_of(&soft));
         }
-        close_rig(&rig);
+        close_soft(&soft);
     }
 }
 

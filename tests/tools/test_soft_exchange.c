@@ -12,69 +12,69 @@
 
 enum { TICKS = 400, TICKS_ASLEEP_MOST = 20000, MAX_POINTS = 16 };
 
-struct rig {
+struct soft {
     struct soft_scene scene;
     struct soft_exchange exchange;
     uint64_t handed_over;
 };
 
-static struct scene_body *body_of(struct rig *rig)
+static struct scene_body *body_of(struct soft *soft)
 {
-    return &rig->scene.bodies.body[0];
+    return &soft->scene.bodies.body[0];
 }
 
-static int open_rig(struct rig *rig, const char *name, double rate)
+static int open_soft(struct soft *soft, const char *name, double rate)
 {
-    memset(rig, 0, sizeof *rig);
-    if (!soft_scene_open(&rig->scene, name, rate))
+    memset(soft, 0, sizeof *soft);
+    if (!soft_scene_open(&soft->scene, name, rate))
         return 0;
-    const dpt_result result = soft_exchange_open(&rig->exchange, body_of(rig)->mesh, MAX_POINTS);
+    const dpt_result result = soft_exchange_open(&soft->exchange, body_of(soft)->mesh, MAX_POINTS);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return result == DPT_OK;
 }
 
-static void close_rig(struct rig *rig)
+static void close_soft(struct soft *soft)
 {
-    soft_exchange_close(&rig->exchange);
-    soft_scene_close(&rig->scene);
+    soft_exchange_close(&soft->exchange);
+    soft_scene_close(&soft->scene);
 }
 
 /* The ball goes down by 8 mm, slides on, and comes up again. */
-static void lead(struct rig *rig, int tick)
+static void lead(struct soft *soft, int tick)
 {
-    soft_scene_press(&rig->scene, 0.01 * sin(3.1 * tick / TICKS) - 0.001);
-    rig->scene.pose.position[0] += 0.005 * tick / TICKS;
-    dpt_tool_set_pose(rig->scene.world, rig->scene.tool, &rig->scene.pose);
+    soft_scene_press(&soft->scene, 0.01 * sin(3.1 * tick / TICKS) - 0.001);
+    soft->scene.pose.position[0] += 0.005 * tick / TICKS;
+    dpt_tool_set_pose(soft->scene.rig.world, soft->scene.rig.tool, &soft->scene.pose);
 }
 
 /* Returns whether there were new vertices. */
-static int haptic_tick(struct rig *rig)
+static int haptic_tick(struct soft *soft)
 {
     int is_new = 0;
-    dpt_world *world = rig->scene.world;
-    CHECK(soft_exchange_take_vertices(&rig->exchange, world, body_of(rig)->id, &is_new) == DPT_OK,
+    dpt_world *world = soft->scene.rig.world;
+    CHECK(soft_exchange_take_vertices(&soft->exchange, world, body_of(soft)->id, &is_new) == DPT_OK,
           "vertices are refused");
-    soft_scene_step(&rig->scene);
-    CHECK(soft_exchange_give_loads(&rig->exchange, world, body_of(rig)->id) == DPT_OK, "no loads");
-    rig->handed_over += (uint64_t)is_new;
+    soft_scene_step(&soft->scene);
+    CHECK(soft_exchange_give_loads(&soft->exchange, world, body_of(soft)->id) == DPT_OK, "no loads");
+    soft->handed_over += (uint64_t)is_new;
     return is_new;
 }
 
-static uint32_t physics_step(struct rig *rig, double dt)
+static uint32_t physics_step(struct soft *soft, double dt)
 {
     dpt_springs_info report = { .size = sizeof report };
-    const dpt_result result = soft_exchange_step(&rig->exchange, body_of(rig)->springs, dt, &report);
+    const dpt_result result = soft_exchange_step(&soft->exchange, body_of(soft)->springs, dt, &report);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return report.active;
 }
 
 /* A body of these scenes is turned by -90 degrees about x: (x, y, z) is (x, z, -y) in the world. */
-static void check_sums(struct rig *rig, int tick)
+static void check_sums(struct soft *soft, int tick)
 {
-    const struct soft_loads *loads = &rig->exchange.loads[rig->exchange.latest_loads.reading];
+    const struct soft_loads *loads = &soft->exchange.loads[soft->exchange.latest_loads.reading];
     dpt_force_info report = { .size = sizeof report };
     double sum[3] = { 0.0, 0.0, 0.0 }, size = 1e-3, off = 0.0;
-    dpt_tool_get_force_info(rig->scene.world, rig->scene.tool, &report);
+    dpt_tool_get_force_info(soft->scene.rig.world, soft->scene.rig.tool, &report);
     for (uint32_t i = 0; i < loads->count; i++) {
         sum[0] += loads->load[i].force[0];
         sum[1] += loads->load[i].force[2];
@@ -92,20 +92,20 @@ static void sums_are_the_tools_force(void)
 {
     static const char *const names[] = { "membrane", "laparoscopy" };
     for (int n = 0; n < 2; n++) {
-        struct rig rig;
+        struct soft soft;
         uint32_t loads_most = 0;
-        for (int tick = open_rig(&rig, names[n], 500.0) ? 0 : TICKS; tick < TICKS; tick++) {
-            lead(&rig, tick);
-            haptic_tick(&rig);
+        for (int tick = open_soft(&soft, names[n], 500.0) ? 0 : TICKS; tick < TICKS; tick++) {
+            lead(&soft, tick);
+            haptic_tick(&soft);
             if (tick % 2 == 0)
                 continue;
-            physics_step(&rig, 2.0 * SOFT_TICK);
-            check_sums(&rig, tick);
-            const uint32_t count = rig.exchange.loads[rig.exchange.latest_loads.reading].count;
+            physics_step(&soft, 2.0 * SOFT_TICK);
+            check_sums(&soft, tick);
+            const uint32_t count = soft.exchange.loads[soft.exchange.latest_loads.reading].count;
             loads_most = count > loads_most ? count : loads_most;
         }
         CHECK(loads_most > 3, "%s: only %u loads", names[n], loads_most);
-        close_rig(&rig);
+        close_soft(&soft);
     }
 }
 
@@ -114,26 +114,26 @@ static void vertices_arrive(void)
 {
     static const int periods[] = { 1, 4 };
     for (int n = 0; n < 2; n++) {
-        struct rig rig;
+        struct soft soft;
         int arrived = 0, under_way = 0;
-        for (int tick = open_rig(&rig, "laparoscopy", 1000.0 / periods[n]) ? 0 : TICKS; tick < TICKS; tick++) {
+        for (int tick = open_soft(&soft, "laparoscopy", 1000.0 / periods[n]) ? 0 : TICKS; tick < TICKS; tick++) {
             uint32_t count = 0;
-            lead(&rig, tick);
-            const int is_new = haptic_tick(&rig);
-            const float *bound_for = rig.exchange.vertices[rig.exchange.latest_vertices.reading];
-            const float *now = soft_scene_vertices(&rig.scene, &count);
+            lead(&soft, tick);
+            const int is_new = haptic_tick(&soft);
+            const float *bound_for = soft.exchange.vertices[soft.exchange.latest_vertices.reading];
+            const float *now = soft_scene_vertices(&soft.scene, &count);
             const int is_there = !memcmp(now, bound_for, 3 * sizeof *now * (size_t)count);
-            if (rig.handed_over && tick % periods[n] == periods[n] - 1) {
+            if (soft.handed_over && tick % periods[n] == periods[n] - 1) {
                 CHECK(is_there, "period of %d ticks: not there in tick %d", periods[n], tick);
                 arrived++;
             }
             under_way += is_new && !is_there;
             if (tick % periods[n] == periods[n] - 1)
-                physics_step(&rig, periods[n] * SOFT_TICK);
+                physics_step(&soft, periods[n] * SOFT_TICK);
         }
         CHECK(arrived > TICKS / 8, "they arrived %d times", arrived);
         CHECK(!under_way == (periods[n] == 1), "period of %d ticks: %d times under way", periods[n], under_way);
-        close_rig(&rig);
+        close_soft(&soft);
     }
 }
 
@@ -160,50 +160,50 @@ static void is_as_with_the_world(void)
 {
     static const char *const names[] = { "membrane", "laparoscopy" };
     for (int n = 0; n < 2; n++) {
-        struct rig rig;
+        struct soft soft;
         struct soft_scene with;
         double off = 0.0, moved = 0.0;
-        const int is_open = open_rig(&rig, names[n], 1000.0) & soft_scene_open(&with, names[n], 0.0);
+        const int is_open = open_soft(&soft, names[n], 1000.0) & soft_scene_open(&with, names[n], 0.0);
         for (int tick = is_open ? 0 : TICKS; tick < TICKS; tick++) {
-            lead(&rig, tick);
-            haptic_tick(&rig);
-            physics_step(&rig, SOFT_TICK);
-            with.pose = rig.scene.pose;
-            dpt_tool_set_pose(with.world, with.tool, &with.pose);
+            lead(&soft, tick);
+            haptic_tick(&soft);
+            physics_step(&soft, SOFT_TICK);
+            with.pose = soft.scene.pose;
+            dpt_tool_set_pose(with.rig.world, with.rig.tool, &with.pose);
             soft_scene_step(&with);
-            CHECK(scene_bodies_step(&with.bodies, with.world, SOFT_TICK) == DPT_OK, "no step");
-            compare_nodes(&rig.scene, &with, &off, &moved);
+            CHECK(scene_bodies_step(&with.bodies, with.rig.world, SOFT_TICK) == DPT_OK, "no step");
+            compare_nodes(&soft.scene, &with, &off, &moved);
         }
         CHECK(off <= 1e-6 && moved > 3e-4, "%s: %g m off, of %g", names[n], off, moved);
         soft_scene_close(&with);
-        close_rig(&rig);
+        close_soft(&soft);
     }
 }
 
 /* What sleeps is not handed over, so that the haptic loop has nothing to do. */
 static void sleep_is_quiet(void)
 {
-    struct rig rig;
+    struct soft soft;
     int tick = 0, awake = 1;
-    if (open_rig(&rig, "laparoscopy", 1000.0)) {
+    if (open_soft(&soft, "laparoscopy", 1000.0)) {
         for (; tick < TICKS; tick++) {
-            lead(&rig, tick);
-            haptic_tick(&rig);
-            physics_step(&rig, SOFT_TICK);
+            lead(&soft, tick);
+            haptic_tick(&soft);
+            physics_step(&soft, SOFT_TICK);
         }
-        soft_scene_press(&rig.scene, -0.02);
+        soft_scene_press(&soft.scene, -0.02);
         for (; awake && tick < TICKS_ASLEEP_MOST; tick++) {
-            haptic_tick(&rig);
-            awake = physics_step(&rig, SOFT_TICK) > 0;
+            haptic_tick(&soft);
+            awake = physics_step(&soft, SOFT_TICK) > 0;
         }
         CHECK(!awake, "it is awake after %d ticks", tick);
-        haptic_tick(&rig);
+        haptic_tick(&soft);
         for (int i = 0; i < 100; i++) {
-            physics_step(&rig, SOFT_TICK);
-            CHECK(!haptic_tick(&rig), "vertices of what sleeps");
+            physics_step(&soft, SOFT_TICK);
+            CHECK(!haptic_tick(&soft), "vertices of what sleeps");
         }
     }
-    close_rig(&rig);
+    close_soft(&soft);
 }
 
 int main(void)

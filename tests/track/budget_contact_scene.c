@@ -28,27 +28,17 @@ struct contact_world ample_world, small_world;
 
 void contact_world_open(struct contact_world *one, const dpt_mesh *mesh, const dpt_segment *axis, uint32_t budget)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.budget = budget;
     def.max_contacts = 16;
     def.margin = contact_margin;
-    one->block = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(one->block, dpt_world_bytes(&def), &def, &one->world) == DPT_OK &&
-              dpt_body_add(one->world, mesh, NULL, &one->body) == DPT_OK &&
-              dpt_tool_add(one->world, axis, 1, &one->tool) == DPT_OK,
-          "world");
+    rig_open(&one->rig, &def, mesh, axis, 1);
 }
 
 void contact_world_step(struct contact_world *one)
 {
-    one->hit = (dpt_hit)DPT_HIT_INIT;
-    one->step = (dpt_step){ .size = sizeof one->step };
-    one->contacts[0].size = sizeof *one->contacts;
-    CHECK(dpt_world_step(one->world, 0.001, &one->step) == DPT_OK, "step");
-    dpt_tool_get_hit(one->world, one->tool, &one->hit);
-    dpt_tool_get_contacts(one->world, one->tool, one->contacts, 16, &one->count);
+    rig_tick(&one->rig);
+    one->count = rig_contacts(&one->rig, one->contacts);
     one->coarse = 0;
     for (uint32_t i = 0; i < one->count; i++)
         one->coarse |= one->contacts[i].flags & DPT_CONTACT_FLAG_COARSE;
@@ -56,7 +46,7 @@ void contact_world_step(struct contact_world *one)
 
 int is_known(const struct contact_world *one)
 {
-    return one->hit.contact != DPT_CONTACT_UNKNOWN;
+    return one->rig.hit.contact != DPT_CONTACT_UNKNOWN;
 }
 
 dpt_segment random_axis(const struct subject *subject, uint64_t *seed, double most)

@@ -6,6 +6,7 @@
 #ifndef DPT_TESTS_BUDGET_CONTACT_SCENE_H
 #define DPT_TESTS_BUDGET_CONTACT_SCENE_H
 
+#include "lib/rig.h"
 #include "lib/solid.h"
 #include "lib/strip_subject.h"
 
@@ -22,13 +23,8 @@ extern double contact_margin;
 
 /* A world of one body and one tool of one segment, and what its last step said. */
 extern struct contact_world {
-    dpt_world *world;
-    dpt_body body;
-    dpt_tool tool;
-    void *block;
-    dpt_hit hit;
-    dpt_step step;
-    dpt_contact contacts[16];
+    struct rig rig;
+    dpt_contact contacts[RIG_CONTACTS];
     uint32_t count, coarse;
 } ample_world, small_world;
 

@@ -17,26 +17,8 @@ double random_signed(uint64_t *random)
     return random_in(random, -1.0, 1.0);
 }
 
-double distance_between(const double v[3], const double w[3])
-{
-    double x = v[0] - w[0], y = v[1] - w[1], z = v[2] - w[2];
-    return sqrt(x * x + y * y + z * z);
-}
-
-void pose_turned(const dpt_pose *pose, double sign, const double v[3], double out[3])
-{
-    const double *q = pose->orientation;
-    double u[5], once[5], w = q[0];
-    for (int k = 0; k < 5; k++)
-        u[k] = sign * q[1 + k % 3];
-    for (int k = 0; k < 5; k++)
-        once[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
-    for (int k = 0; k < 3; k++)
-        out[k] = v[k] + 2.0 * (w * once[k] + u[k + 1] * once[k + 2] - u[k + 2] * once[k + 1]);
-}
-
 /* A small turn, from any q to one of unit length. */
-static void pose_turn_by(dpt_pose *pose, const double turn[3])
+static void turn_a_little(dpt_pose *pose, const double turn[3])
 {
     double *q = pose->orientation, old[4], size = 0.0;
     memcpy(old, q, sizeof old);
@@ -55,15 +37,9 @@ void input_set_tool(struct budget_input *input)
 {
     input->moved = 0.0;
     for (uint32_t i = 0; i < input->scene->segments; i++) {
-        dpt_segment next = input->own[i];
-        pose_turned(&input->pose, 1.0, input->own[i].a, next.a);
-        pose_turned(&input->pose, 1.0, input->own[i].b, next.b);
-        for (int k = 0; k < 3; k++) {
-            next.a[k] += input->pose.position[k];
-            next.b[k] += input->pose.position[k];
-        }
-        input->moved = fmax(input->moved, distance_between(next.a, input->now[i].a));
-        input->moved = fmax(input->moved, distance_between(next.b, input->now[i].b));
+        const dpt_segment next = pose_segment(&input->pose, &input->own[i]);
+        input->moved = fmax(input->moved, apart(next.a, input->now[i].a));
+        input->moved = fmax(input->moved, apart(next.b, input->now[i].b));
         input->now[i] = next;
     }
 }
@@ -84,7 +60,7 @@ void input_start(struct budget_input *input, const struct scene *scene, uint64_t
             place->pose.position[k] = apart * random_signed(&input->random);
             input->turn[k] = random_signed(&input->random);
         }
-        pose_turn_by(&place->pose, input->turn);
+        turn_a_little(&place->pose, input->turn);
     }
     for (uint32_t i = 0; i < scene->segments; i++) {
         dpt_segment *own = &input->own[i];
@@ -116,7 +92,7 @@ void input_move(struct budget_input *input, int motion, const dpt_hit *near)
     for (uint32_t b = 0; b < input->scene->bodies && motion == MOVED; b += 1 + b % 3) {
         for (int k = 0; k < 3; k++)
             input->places[b].pose.position[k] += 1e-3 * input->size * input->turn[(b + 1) % 3];
-        pose_turn_by(&input->places[b].pose, spin);
+        turn_a_little(&input->places[b].pose, spin);
     }
     for (int k = 0; k < 3 && !frozen; k++) {
         input->pose.position[k] += speed * input->way[k] + home * (near->q[k] - near->p[k]);
@@ -124,35 +100,30 @@ void input_move(struct budget_input *input, int motion, const dpt_hit *near)
             input->pose.position[k] = near->q[k] + 0.3 * input->size * random_signed(&input->random);
     }
     if (!frozen)
-        pose_turn_by(&input->pose, spin);
+        turn_a_little(&input->pose, spin);
     input_set_tool(input);
 }
 
 void budget_sim_add_body(struct budget_sim *sim, const struct budget_input *input, uint32_t b)
 {
     const struct place *place = &input->places[b];
-    CHECK(dpt_body_add(sim->world, place->mesh, &place->pose, &sim->body[b]) == DPT_OK, "add");
+    sim->body[b] = rig_add_body(&sim->rig, place->mesh, &place->pose);
 }
 
 void budget_sim_open(struct budget_sim *sim, const struct budget_input *input, uint32_t method, uint32_t budget,
                      uint64_t bytes)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.max_bodies = input->scene->bodies + 1;
     def.method = method;
     def.budget = budget;
     def.certificate_bytes = bytes;
     def.fade = 0.0; /* the force is of this tick alone */
-    sim->block = malloc(dpt_world_bytes(&def));
-    if (dpt_world_create(sim->block, dpt_world_bytes(&def), &def, &sim->world) != DPT_OK)
-        exit(2);
+    rig_open(&sim->rig, &def, NULL, NULL, 0);
     for (uint32_t b = 0; b < input->scene->bodies; b++)
         if (input->places[b].there)
             budget_sim_add_body(sim, input, b);
-    CHECK(dpt_tool_add(sim->world, input->own, input->scene->segments, &sim->tool) == DPT_OK, "tool");
+    rig_add_tool(&sim->rig, input->own, input->scene->segments);
 }
 
 void budget_sim_step(struct budget_sim *sim, const struct budget_input *input)
@@ -160,15 +131,14 @@ void budget_sim_step(struct budget_sim *sim, const struct budget_input *input)
     const struct scene *scene = input->scene;
     for (uint32_t b = 0; b < scene->bodies; b++)
         if (input->places[b].there)
-            dpt_body_set_pose(sim->world, sim->body[b], &input->places[b].pose);
+            dpt_body_set_pose(sim->rig.world, sim->body[b], &input->places[b].pose);
     if (scene->rigid)
-        dpt_tool_set_pose(sim->world, sim->tool, &input->pose);
+        dpt_tool_set_pose(sim->rig.world, sim->rig.tool, &input->pose);
     else
-        dpt_tool_set_segments(sim->world, sim->tool, input->now, scene->segments);
-    sim->step.size = sizeof sim->step;
-    CHECK(dpt_world_step(sim->world, 1e-3, &sim->step) == DPT_OK, "step");
+        dpt_tool_set_segments(sim->rig.world, sim->rig.tool, input->now, scene->segments);
+    rig_tick(&sim->rig);
     for (uint32_t i = 0; i < scene->segments; i++) {
         sim->hits[i].size = sizeof sim->hits[i];
-        dpt_tool_get_segment_hit(sim->world, sim->tool, i, &sim->hits[i]);
+        dpt_tool_get_segment_hit(sim->rig.world, sim->rig.tool, i, &sim->hits[i]);
     }
 }

@@ -9,6 +9,7 @@
 #include <math.h>
 
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 /* Of each run; the number of the command line. */
 extern uint32_t budget_ticks;
@@ -32,11 +33,6 @@ extern struct fixture budget_mesh, small_mesh;
 
 /* Uniform in -1..1. */
 double random_signed(uint64_t *random);
-
-double distance_between(const double v[3], const double w[3]);
-
-/* out = base + sign R(pose)^sign v */
-void pose_turned(const dpt_pose *pose, double sign, const double v[3], double out[3]);
 
 /* What all worlds of a run are given. */
 struct budget_input {
@@ -66,11 +62,8 @@ void input_move(struct budget_input *input, int motion, const dpt_hit *near);
 
 /* A world that is given so, and what its last step said. */
 struct budget_sim {
-    void *block;
-    dpt_world *world;
+    struct rig rig;
     dpt_body body[BODIES_MAX];
-    dpt_tool tool;
-    dpt_step step;
     dpt_hit hits[SEGMENTS_MAX];
 };
 

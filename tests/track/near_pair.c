@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "track/near_pair.h"
 
-#include "dynpoint/body.h"
-#include "dynpoint/tool.h"
-#include "lib/proxy_rig.h"
+#include "lib/solid.h"
 
 static const struct {
     const char *name;
@@ -24,15 +22,13 @@ int near_solids_open(struct solid solids[NEAR_BODIES])
 static void open_world(struct near_pair *pair, struct near_world *made, const dpt_world_def *def, int near_only)
 {
     dpt_tool_settings settings = { .size = sizeof settings };
-    made->block = malloc(dpt_world_bytes(def));
-    dpt_world_create(made->block, dpt_world_bytes(def), def, &made->world);
+    rig_open(&made->rig, def, NULL, pair->segments, NEAR_SEGMENTS);
     for (int i = 0; i < NEAR_BODIES; i++)
-        dpt_body_add(made->world, pair->solids[i].mesh, &pair->body_pose[i], &made->body[i]);
-    dpt_tool_add(made->world, pair->segments, NEAR_SEGMENTS, &made->tool);
-    dpt_tool_teleport(made->world, made->tool, &pair->pose);
-    dpt_tool_get_settings(made->world, made->tool, &settings);
+        made->body[i] = rig_add_body(&made->rig, pair->solids[i].mesh, &pair->body_pose[i]);
+    dpt_tool_teleport(made->rig.world, made->rig.tool, &pair->pose);
+    dpt_tool_get_settings(made->rig.world, made->rig.tool, &settings);
     settings.near_only = (uint32_t)near_only;
-    CHECK(dpt_tool_set_settings(made->world, made->tool, &settings) == DPT_OK, "near_only");
+    CHECK(dpt_tool_set_settings(made->rig.world, made->rig.tool, &settings) == DPT_OK, "near_only");
 }
 
 /* A line that bends: 0.4 m in all. */
@@ -104,11 +100,8 @@ static void soften_sheet(const struct near_pair *pair, struct near_world *one)
         def.box_min[k] = info.box_min[k] - 0.1;
         def.box_max[k] = info.box_max[k] + 0.1;
     }
-    one->sheet_block = malloc(dpt_deformable_bytes(&def));
-    dpt_body_remove(one->world, one->body[NEAR_SHEET]);
-    CHECK(dpt_body_add_deformable(one->world, one->sheet_block, dpt_deformable_bytes(&def), &def,
-                                  &one->body[NEAR_SHEET]) == DPT_OK,
-          "a sheet whose vertices move");
+    dpt_body_remove(one->rig.world, one->body[NEAR_SHEET]);
+    one->body[NEAR_SHEET] = rig_add_deformable(&one->rig, &def);
 }
 
 void near_pair_soften(struct near_pair *pair)
@@ -131,16 +124,14 @@ static void move_vertices(struct near_pair *pair)
         memcpy(moved + 3 * v, rest + 3 * v, 3 * sizeof *moved);
         moved[3 * v + 2] += (float)(0.03 * sin(pair->wave + 20 * (double)rest[3 * v]));
     }
-    dpt_body_set_vertices(pair->all.world, pair->all.body[NEAR_SHEET], 0, count, moved, -1);
-    dpt_body_set_vertices(pair->near.world, pair->near.body[NEAR_SHEET], 0, count, moved, -1);
+    dpt_body_set_vertices(pair->all.rig.world, pair->all.body[NEAR_SHEET], 0, count, moved, -1);
+    dpt_body_set_vertices(pair->near.rig.world, pair->near.body[NEAR_SHEET], 0, count, moved, -1);
 }
 
 void near_pair_close(struct near_pair *pair)
 {
-    free(pair->all.block);
-    free(pair->all.sheet_block);
-    free(pair->near.block);
-    free(pair->near.sheet_block);
+    rig_close(&pair->all.rig);
+    rig_close(&pair->near.rig);
 }
 
 /* Numbers of what happens beside motion: so many, the first of which give a body a new place. */
@@ -156,41 +147,41 @@ static void disturb(struct near_pair *pair, struct near_world *one, uint64_t wha
     bad.position[0] = NAN;
     switch (what) {
     case 0:
-        dpt_body_teleport(one->world, body, pose);
+        dpt_body_teleport(one->rig.world, body, pose);
         break;
     case BODY_JUMPS:
-        dpt_body_set_pose(one->world, body, pose);
+        dpt_body_set_pose(one->rig.world, body, pose);
         break;
     case BODY_COMES_AND_GOES:
-        dpt_body_remove(one->world, body);
-        dpt_body_add(one->world, pair->solids[which].mesh, pose, &one->body[which]);
+        dpt_body_remove(one->rig.world, body);
+        dpt_body_add(one->rig.world, pair->solids[which].mesh, pose, &one->body[which]);
         break;
     case 3:
-        dpt_body_get_settings(one->world, body, &settings);
+        dpt_body_get_settings(one->rig.world, body, &settings);
         settings.unfelt = !settings.unfelt;
-        dpt_body_set_settings(one->world, body, &settings);
+        dpt_body_set_settings(one->rig.world, body, &settings);
         break;
     case TOOL_JUMPS:
-        dpt_tool_teleport(one->world, one->tool, pose);
+        dpt_tool_teleport(one->rig.world, one->rig.tool, pose);
         break;
     case 5:
-        dpt_tool_set_pose(one->world, one->tool, &bad);
-        dpt_world_step(one->world, 1e-3, NULL);
+        dpt_tool_set_pose(one->rig.world, one->rig.tool, &bad);
+        dpt_world_step(one->rig.world, 1e-3, NULL);
         break;
     case 6:
-        dpt_world_step(one->world, NAN, NULL);
+        dpt_world_step(one->rig.world, NAN, NULL);
         break;
     case 7:
-        dpt_world_reset(one->world);
+        dpt_world_reset(one->rig.world);
         break;
     case SETTINGS_CHANGE: /* and back, with a body that moved meanwhile */
-        dpt_body_set_pose(one->world, one->body[1], &pair->body_pose[1]);
-        dpt_tool_get_settings(one->world, one->tool, &tool);
+        dpt_body_set_pose(one->rig.world, one->body[1], &pair->body_pose[1]);
+        dpt_tool_get_settings(one->rig.world, one->rig.tool, &tool);
         tool.near_only = 0;
-        dpt_tool_set_settings(one->world, one->tool, &tool);
-        dpt_world_step(one->world, 1e-3, NULL);
+        dpt_tool_set_settings(one->rig.world, one->rig.tool, &tool);
+        dpt_world_step(one->rig.world, 1e-3, NULL);
         tool.near_only = one == &pair->near;
-        dpt_tool_set_settings(one->world, one->tool, &tool);
+        dpt_tool_set_settings(one->rig.world, one->rig.tool, &tool);
         break;
     default:
         break;
@@ -200,23 +191,13 @@ static void disturb(struct near_pair *pair, struct near_world *one, uint64_t wha
 /* The tool's segments in the world, with its frame at a pose. */
 static void place_segments(const struct near_pair *pair, const dpt_pose *pose, dpt_segment *placed)
 {
-    for (int i = 0; i < NEAR_SEGMENTS; i++) {
-        placed[i].radius = pair->segments[i].radius;
-        rig_turn(pose->orientation, pair->segments[i].a, placed[i].a);
-        rig_turn(pose->orientation, pair->segments[i].b, placed[i].b);
-        for (int k = 0; k < 3; k++) {
-            placed[i].a[k] += pose->position[k];
-            placed[i].b[k] += pose->position[k];
-        }
-    }
+    for (int i = 0; i < NEAR_SEGMENTS; i++)
+        placed[i] = pose_segment(pose, &pair->segments[i]);
 }
 
 void near_pair_ends(const struct near_pair *pair, uint32_t segment, double ends[6])
 {
-    dpt_segment placed[NEAR_SEGMENTS];
-    place_segments(pair, &pair->pose, placed);
-    memcpy(ends, placed[segment].a, sizeof placed->a);
-    memcpy(ends + 3, placed[segment].b, sizeof placed->b);
+    pose_ends(&pair->pose, &pair->segments[segment], ends);
 }
 
 static void give_pose(const struct near_pair *pair, struct near_world *one)
@@ -225,9 +206,9 @@ static void give_pose(const struct near_pair *pair, struct near_world *one)
     if (pair->is_free)
         place_segments(pair, &pair->pose, placed);
     if (pair->is_free)
-        dpt_tool_set_segments(one->world, one->tool, placed, NEAR_SEGMENTS);
+        dpt_tool_set_segments(one->rig.world, one->rig.tool, placed, NEAR_SEGMENTS);
     else
-        dpt_tool_set_pose(one->world, one->tool, &pair->pose);
+        dpt_tool_set_pose(one->rig.world, one->rig.tool, &pair->pose);
 }
 
 void near_pair_tick(struct near_pair *pair)
@@ -244,12 +225,12 @@ void near_pair_tick(struct near_pair *pair)
         choose_motion(pair);
     for (int k = 0; k < 3; k++)
         pair->pose.position[k] += pair->speed[k];
-    rig_turn_by(&pair->pose, pair->spin);
+    pose_turn_by(&pair->pose, pair->spin);
     const int moves_body = random_bits(&pair->seed) % 4 == 0;
     if (moves_body) {
         static const double little[4] = { 1, 2e-4, -1e-4, 1e-4 };
         pair->body_pose[1].position[2] += 1e-4;
-        rig_turn_by(&pair->body_pose[1], little);
+        pose_turn_by(&pair->body_pose[1], little);
     }
     if (what == SETTINGS_CHANGE)
         pair->body_pose[1].position[0] += 0.01;
@@ -262,11 +243,10 @@ void near_pair_tick(struct near_pair *pair)
     for (int w = 0; w < 2; w++) {
         struct near_world *one = worlds[w];
         if (moves_body)
-            dpt_body_set_pose(one->world, one->body[1], &pair->body_pose[1]);
+            dpt_body_set_pose(one->rig.world, one->body[1], &pair->body_pose[1]);
         disturb(pair, one, what, which, &place);
         give_pose(pair, one);
-        one->step = (dpt_step){ .size = sizeof one->step };
-        one->result = dpt_world_step(one->world, 1e-3, &one->step);
+        one->result = dpt_world_step(one->rig.world, 1e-3, &one->rig.step);
     }
 }
 
@@ -303,8 +283,8 @@ static void compare_left_out(struct near_pair *pair, const dpt_hit *all, const d
 static void compare_hit(struct near_pair *pair, uint32_t segment, int has_budget)
 {
     dpt_hit all = DPT_HIT_INIT, near = DPT_HIT_INIT;
-    dpt_tool_get_segment_hit(pair->all.world, pair->all.tool, segment, &all);
-    dpt_tool_get_segment_hit(pair->near.world, pair->near.tool, segment, &near);
+    dpt_tool_get_segment_hit(pair->all.rig.world, pair->all.rig.tool, segment, &all);
+    dpt_tool_get_segment_hit(pair->near.rig.world, pair->near.rig.tool, segment, &near);
     CHECK((all.status == DPT_STATUS_STALE) == (near.status == DPT_STATUS_STALE), "segment %u: %u and %u", segment,
           all.status, near.status);
     if (all.status == DPT_STATUS_STALE)
@@ -331,22 +311,23 @@ static void compare_tool(const struct near_pair *pair, int has_budget)
     CHECK(one->result == other->result, "%d and %d", one->result, other->result);
     if (has_budget)
         return;
-    dpt_tool_get_hit(other->world, other->tool, &all);
-    dpt_tool_get_hit(one->world, one->tool, &near);
+    dpt_tool_get_hit(other->rig.world, other->rig.tool, &all);
+    dpt_tool_get_hit(one->rig.world, one->rig.tool, &near);
     CHECK(all.status == near.status, "the tool's status %u and %u", near.status, all.status);
     if (all.status == DPT_STATUS_EXACT)
         CHECK(fabs((near.distance - pair->segments[near.segment].radius) -
                    (all.distance - pair->segments[all.segment].radius)) <= near.error_bound + all.error_bound,
               "the tool is at %g, but it is at %g", near.distance, all.distance);
-    CHECK(one->step.status == other->step.status && one->step.contact == other->step.contact,
-          "the step's status %u and %u, contact %u and %u", one->step.status, other->step.status, one->step.contact,
-          other->step.contact);
-    CHECK(fabs(one->step.distance - other->step.distance) <= near.error_bound + all.error_bound,
-          "the step's distance %g and %g", one->step.distance, other->step.distance);
-    dpt_tool_get_force_info(other->world, other->tool, &force_all);
-    dpt_tool_get_force_info(one->world, one->tool, &force);
+    CHECK(one->rig.step.status == other->rig.step.status && one->rig.step.contact == other->rig.step.contact,
+          "the step's status %u and %u, contact %u and %u", one->rig.step.status, other->rig.step.status,
+          one->rig.step.contact, other->rig.step.contact);
+    CHECK(fabs(one->rig.step.distance - other->rig.step.distance) <= near.error_bound + all.error_bound,
+          "the step's distance %g and %g", one->rig.step.distance, other->rig.step.distance);
+    dpt_tool_get_force_info(other->rig.world, other->rig.tool, &force_all);
+    dpt_tool_get_force_info(one->rig.world, one->rig.tool, &force);
     CHECK(force.reason == force_all.reason, "reason %u and %u", force.reason, force_all.reason);
-    CHECK(one->step.contacts == other->step.contacts, "contacts %u and %u", one->step.contacts, other->step.contacts);
+    CHECK(one->rig.step.contacts == other->rig.step.contacts, "contacts %u and %u", one->rig.step.contacts,
+          other->rig.step.contacts);
     for (int k = 0; k < 3; k++)
         CHECK(fabs(force.wrench.force[k] - force_all.wrench.force[k]) <= pair->force_error, "force %d: %.9g and %.9g",
               k, force.wrench.force[k], force_all.wrench.force[k]);
@@ -355,8 +336,8 @@ static void compare_tool(const struct near_pair *pair, int has_budget)
 static void compare_sweep(const struct near_pair *pair, uint32_t segment)
 {
     dpt_sweep all = { .size = sizeof all }, near = { .size = sizeof near };
-    dpt_tool_get_sweep(pair->all.world, pair->all.tool, segment, &all);
-    dpt_tool_get_sweep(pair->near.world, pair->near.tool, segment, &near);
+    dpt_tool_get_sweep(pair->all.rig.world, pair->all.rig.tool, segment, &all);
+    dpt_tool_get_sweep(pair->near.rig.world, pair->near.rig.tool, segment, &near);
     CHECK(near.status == all.status && near.time == all.time, "segment %u: swept %u %g and %u %g", segment, near.status,
           near.time, all.status, all.time);
 }
@@ -367,14 +348,14 @@ void near_pair_check_proxy(const struct near_pair *pair)
     dpt_force_info force = { .size = sizeof force };
     dpt_pose proxy;
     dpt_segment placed[NEAR_SEGMENTS];
-    dpt_tool_get_force_info(one->world, one->tool, &force);
+    dpt_tool_get_force_info(one->rig.world, one->rig.tool, &force);
     if (force.reason != DPT_FORCE_ACTS || force.flags & (DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED))
         return;
-    dpt_tool_get_proxy(one->world, one->tool, &proxy);
+    dpt_tool_get_proxy(one->rig.world, one->rig.tool, &proxy);
     place_segments(pair, &proxy, placed);
     for (int i = 0; i < NEAR_BODIES; i++) {
         dpt_body_settings settings = { .size = sizeof settings };
-        dpt_body_get_settings(one->world, one->body[i], &settings);
+        dpt_body_get_settings(one->rig.world, one->body[i], &settings);
         for (int s = 0; s < NEAR_SEGMENTS && !settings.unfelt; s++) {
             dpt_hit hit = DPT_HIT_INIT;
             double ends[6];
@@ -395,6 +376,6 @@ void near_pair_compare(struct near_pair *pair)
     for (uint32_t i = 0; i < NEAR_SEGMENTS && !pair->has_budget; i++)
         compare_sweep(pair, i);
     compare_tool(pair, pair->has_budget);
-    dpt_tool_get_wrench(pair->near.world, pair->near.tool, &wrench);
+    dpt_tool_get_wrench(pair->near.rig.world, pair->near.rig.tool, &wrench);
     pair->forces += wrench.force[0] != 0 || wrench.force[1] != 0 || wrench.force[2] != 0;
 }

@@ -6,16 +6,14 @@
 #ifndef DPT_TESTS_NEAR_PAIR_H
 #define DPT_TESTS_NEAR_PAIR_H
 
+#include "lib/rig.h"
 #include "lib/solid.h"
 
 enum { NEAR_SEGMENTS = 24, NEAR_BODIES = 3, NEAR_SHEET = 2, SHEET_VERTICES_MAX = 1024 };
 
 struct near_world {
-    void *block, *sheet_block;
-    dpt_world *world;
+    struct rig rig;
     dpt_body body[NEAR_BODIES];
-    dpt_tool tool;
-    dpt_step step;
     dpt_result result; /* of the step */
 };
 

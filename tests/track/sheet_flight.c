@@ -3,11 +3,10 @@
 
 static dpt_pose pose_moved(const dpt_pose *pose, const double pace[3], const double axis[3], double turn, double t)
 {
-    dpt_pose moved;
-    double by[4];
+    dpt_pose moved, by;
     add_scaled(moved.position, pose->position, t, pace);
-    quat_about(by, axis, turn * t);
-    quat_times(moved.orientation, by, pose->orientation);
+    pose_orient(&by, axis, turn * t);
+    turn_times(by.orientation, pose->orientation, moved.orientation);
     return moved;
 }
 
@@ -26,7 +25,7 @@ struct state flight_at(const struct flight *flight, double time)
 static void pace_of_origin(double out[3], const double pace[3], const double axis[3], double turn, const double arm[3])
 {
     double around[3];
-    cross3(around, axis, arm);
+    cross3(axis, arm, around);
     add_scaled(out, pace, -turn, around);
 }
 
@@ -76,12 +75,12 @@ void any_direction(double u[3], const double normal[3], const double way[3])
         memcpy(u, way, 3 * sizeof *u);
         break;
     case 3:
-        cross3(u, normal, way);
+        cross3(normal, way, u);
         break;
     default:
         any_unit(u);
     }
-    unit3(u);
+    unit_or_z(u);
 }
 
 /*
@@ -95,18 +94,18 @@ static void move_body(const struct sheet *sheet, struct flight *f, const double 
     any_unit(axis);
     any_unit(f->body_axis);
     any_unit(f->body.position);
-    quat_about(f->body.orientation, axis, random_in(&sheet_random, -3.0, 3.0));
+    pose_orient(&f->body, axis, random_in(&sheet_random, -3.0, 3.0));
     for (int k = 0; k < 3; k++) {
         f->body.position[k] *= 0.3 * sheet->unit;
         rest[k] = -way[k];
     }
-    quat_turn(arm, f->body.orientation, 0, target);
-    quat_turn(rest, f->body.orientation, 0, rest);
+    turn3(f->body.orientation, target, arm);
+    turn3(f->body.orientation, rest, rest);
     f->body_turn = any_turn(length3(arm) / sheet->unit);
     pace_of_origin(f->body_pace, rest, f->body_axis, f->body_turn, arm);
-    pose_apply(world, &f->body, target);
-    quat_turn(u, f->body.orientation, 0, u);
-    quat_turn(way, f->body.orientation, 0, way);
+    pose_point(&f->body, target, world);
+    turn3(f->body.orientation, u, u);
+    turn3(f->body.orientation, way, way);
 }
 
 /* A rigid tool at any pose whose axis along u has the point `share` at the target, at the meeting. */
@@ -118,14 +117,14 @@ static void place_rigid_tool(const struct sheet *sheet, struct flight *f, const 
     any_unit(axis);
     any_unit(f->tool_axis);
     any_unit(arm);
-    quat_about(f->tool.orientation, axis, random_in(&sheet_random, -3.0, 3.0));
+    pose_orient(&f->tool, axis, random_in(&sheet_random, -3.0, 3.0));
     double reach = one_in(2) ? 0.0 : 0.1 * sheet->unit;
-    quat_turn(u, f->tool.orientation, 1, u);
+    turn_back3(f->tool.orientation, u, u);
     for (int k = 0; k < 3; k++)
         spot[k] = reach * arm[k] + (one_in(2) ? 0.0 : share * length * u[k]);
     for (int e = 0; e < 2; e++)
         add_scaled(f->end[e], spot, (e - share) * length, u);
-    quat_turn(arm, f->tool.orientation, 0, spot);
+    turn3(f->tool.orientation, spot, arm);
     add_scaled(f->tool.position, world, -1.0, arm);
     f->tool_turn = moves ? any_turn(length / sheet->unit) : 0.0;
     pace_of_origin(f->tool_pace, way, f->tool_axis, f->tool_turn, arm);
@@ -142,7 +141,7 @@ int any_flight(const struct sheet *sheet, struct flight *f)
     if (one_in(3)) { /* almost in the sheet */
         double rise = dot3(way, normal);
         add_scaled(way, way, -rise * (1.0 - power_in(-4.0, 0.0)), normal);
-        unit3(way);
+        unit_or_z(way);
     } else if (one_in(3)) {
         memcpy(way, normal, sizeof way);
     }
@@ -232,13 +231,13 @@ void fly_through(struct sheet *sheet, unsigned long crossings)
     struct scene scene = { NULL };
     while (sums.planned < crossings && tries < 20 * crossings + 1000) {
         if (tries++ % 1000 == 0) {
-            free(scene.block);
+            rig_close(&scene.rig);
             if (!scene_begin(&scene, sheet, 0, NULL))
                 break;
         }
         fly(&scene, &sums);
     }
-    free(scene.block);
+    rig_close(&scene.rig);
     print_sums(sheet, &sums);
     CHECK(sums.planned >= crossings, "%s: %lu crossings", sheet->name, sums.planned);
 }

@@ -6,8 +6,8 @@ void normal_of(const double c[9], double n[3])
     double e[3], f[3];
     add_scaled(e, c + 3, -1.0, c);
     add_scaled(f, c + 6, -1.0, c);
-    cross3(n, e, f);
-    unit3(n);
+    cross3(e, f, n);
+    unit_or_z(n);
 }
 
 double height_of(const struct sheet *sheet, const double x[3], double n[3], int *border)
@@ -63,11 +63,11 @@ static void check_hit(struct ride *ride, const struct state *now, const dpt_swee
     ride->sums->worst_off = fmax(ride->sums->worst_off, off / tolerance);
     CHECK(off <= tolerance, "%s: %.3g from a touch at %.17g%s", sheet->name, off, sweep->time,
           motion_text(&ride->previous, now));
-    pose_undo(q, &now->body, sweep->q);
+    pose_local(&now->body, sweep->q, q);
     double twice[6] = { q[0], q[1], q[2], q[0], q[1], q[2] };
     double size = length3(q) + sheet->diagonal + length3(now->body.position);
     CHECK(dpt_segment_triangle(twice, c, NULL, NULL, NULL) <= 1e-12 * size, "%s: q is not on it", sheet->name);
-    point_at(x, &at, sweep->s);
+    axis_point(x, &at, sweep->s);
     CHECK(apart(x, q) <= radius + tolerance, "%s: s is %g off%s", sheet->name, apart(x, q) - radius,
           motion_text(&ride->previous, now));
     CHECK(fabs(length3(sweep->normal) - 1.0) < 1e-9, "%s: normal", sheet->name);
@@ -77,13 +77,13 @@ static void check_hit(struct ride *ride, const struct state *now, const dpt_swee
     double n[3], m[3];
     int border;
     at = ends_between(&ride->previous, now, 0.0);
-    point_at(x, &at, sweep->s);
+    axis_point(x, &at, sweep->s);
     double height = height_of(sheet, x, n, &border);
     at = ends_between(&ride->previous, now, fmax(0.0, sweep->time - 1e-3));
-    point_at(x, &at, sweep->s);
+    axis_point(x, &at, sweep->s);
     double short_before = height_of(sheet, x, n, &border);
     normal_of(c, n);
-    quat_turn(m, now->body.orientation, 0, n);
+    turn3(now->body.orientation, n, m);
     double side = dot3(sweep->normal, m);
     if (height * short_before > 0.0 && fabs(short_before) > 2.0 * tolerance && !border)
         CHECK(side * short_before > 0.0, "%s: normal %g, height before %g, %g%s", sheet->name, side, height,
@@ -161,7 +161,7 @@ static struct depth flat_depth(const struct sheet *sheet, const struct ends3 *at
     struct depth depth = { .least = HUGE_VAL, .sure = 1, .out = { 0.0, 0.0, side } };
     for (int e = 0; e < 2 && from <= to; e++) {
         double x[3], s = e ? to : from;
-        point_at(x, at, s);
+        axis_point(x, at, s);
         if (side * x[2] >= depth.least)
             continue;
         depth.least = side * x[2];
@@ -181,7 +181,7 @@ static struct depth sampled_depth(const struct sheet *sheet, const struct ends3 
     depth.spread = apart(at->end[0], at->end[1]) / (samples - 1);
     for (int i = 0; i < samples; i++) {
         double x[3], n[3], s = (double)i / (samples - 1);
-        point_at(x, at, s);
+        axis_point(x, at, s);
         double height = side * height_of(sheet, x, n, &borders[i]);
         height = borders[i] ? fabs(height) : height;
         if (height < depth.least) {
@@ -214,7 +214,7 @@ int side_of(const struct ride *ride, const struct state *now, const struct truth
     struct ends3 then = ends_between(&ride->previous, now, early.clear);
     if (!axis->sure || border_distance(sheet, &at) < 3.0 * tolerance || border_distance(sheet, &then) < 3.0 * tolerance)
         return 0;
-    point_at(x, &at, axis->s);
+    axis_point(x, &at, axis->s);
     double height = height_of(sheet, x, n, &border);
     if (border || fabs(height) > 1e-5 * sheet->diagonal || height == 0.0 || sheet->info.components > 1)
         return 0;
@@ -241,7 +241,7 @@ static void check_behind(struct ride *ride, const struct state *now, const struc
     sums->worst_gap = fmax(sums->worst_gap, off / tolerance);
     double out[3], force = length3(answer->wrench.force);
     const double stiffness = scene->def.stiffness, whole = stiffness * hit->depth;
-    quat_turn(out, now->body.orientation, 0, depth->out);
+    turn3(now->body.orientation, depth->out, out);
     double cosine = force > 0.0 ? dot3(out, answer->wrench.force) / force : 1.0;
     /* So far a border takes nothing from any point's depth-> */
     const int away = border_distance(sheet, at) > 2.0 * -least + 1.25 * radius + tolerance;
@@ -258,7 +258,7 @@ static void check_behind(struct ride *ride, const struct state *now, const struc
     for (uint32_t i = 0; i < answer->contacts && i < COUNT(answer->contact) && sheet->flat > 0.0; i++) {
         const dpt_contact *c = &answer->contact[i];
         double q[3];
-        pose_undo(q, &now->body, c->q);
+        pose_local(&now->body, c->q, q);
         int inner = fmax(fabs(q[0]), fabs(q[1])) < sheet->flat * (1.0 - 1e-6);
         CHECK(!inner || c->gap > -radius || dot3(out, c->normal) > 0.999999, "%s: normal %g%s", sheet->name,
               dot3(out, c->normal), motion_text(&ride->previous, now));
@@ -333,7 +333,7 @@ int goes_through(const struct sheet *sheet, const struct ends3 *at, double s)
         int border;
         if (!(beside >= 0.0 && beside <= 1.0))
             return 1;
-        point_at(x, at, beside);
+        axis_point(x, at, beside);
         height[k] = height_of(sheet, x, n, &border);
     }
     return height[0] * height[1] <= 0.0;

@@ -9,7 +9,7 @@ void any_unit(double v[3])
         for (int k = 0; k < 3; k++)
             v[k] = random_in(&sheet_random, -1.0, 1.0);
     while (length3(v) > 1.0 || length3(v) < 0.1);
-    unit3(v);
+    unit_or_z(v);
 }
 
 int sheet_from_grid(struct sheet *sheet, const char *name, double bend, int hole)
@@ -40,13 +40,10 @@ int sheet_from_grid(struct sheet *sheet, const char *name, double bend, int hole
 
 int scene_begin(struct scene *scene, struct sheet *sheet, uint32_t budget, const struct scene *like)
 {
-    const dpt_segment any = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.0 };
     static const double margins[3] = { 0.0, 0.001, 0.005 };
     *scene = (struct scene){ .sheet = sheet };
     dpt_world_def *def = &scene->def;
-    dpt_world_def_init(def);
-    def->max_contacts = 32;
-    def->law = DPT_LAW_POINT;
+    *def = rig_def(DPT_LAW_POINT);
     def->margin = margins[random_bits(&sheet_random) % 3] * sheet->unit;
     def->side_limit = one_in(3) ? 0.02 * sheet->unit : 0.0;
     def->smooth_normals = (uint32_t)one_in(2);
@@ -55,12 +52,7 @@ int scene_begin(struct scene *scene, struct sheet *sheet, uint32_t budget, const
     if (like)
         *def = like->def;
     def->budget = budget;
-    scene->block = malloc(dpt_world_bytes(def));
-    int made = scene->block && dpt_world_create(scene->block, dpt_world_bytes(def), def, &scene->world) == DPT_OK &&
-               dpt_body_add(scene->world, sheet->fixture.mesh, NULL, &scene->body) == DPT_OK &&
-               dpt_tool_add(scene->world, &any, 1, &scene->tool) == DPT_OK;
-    CHECK(made, "no world");
-    return made;
+    return rig_open(&scene->rig, def, sheet->fixture.mesh, &rig_point, 1);
 }
 
 void scene_place(struct scene *scene, const struct state *state, int teleport)
@@ -68,17 +60,16 @@ void scene_place(struct scene *scene, const struct state *state, int teleport)
     dpt_segment segment = { .radius = state->radius };
     memcpy(segment.a, state->end[0], sizeof segment.a);
     memcpy(segment.b, state->end[1], sizeof segment.b);
-    dpt_result result = dpt_body_set_pose(scene->world, scene->body, &state->body);
+    dpt_result result = dpt_body_set_pose(scene->rig.world, scene->rig.body, &state->body);
     CHECK(result == DPT_OK, "body: %s", dpt_result_name(result));
     if (teleport && !state->free) {
-        dpt_tool_remove(scene->world, scene->tool);
-        result = dpt_tool_add(scene->world, &segment, 1, &scene->tool);
-        CHECK(result == DPT_OK, "tool: %s", dpt_result_name(result));
+        dpt_tool_remove(scene->rig.world, scene->rig.tool);
+        scene->rig.tool = rig_add_tool(&scene->rig, &segment, 1);
     }
     if (teleport)
-        dpt_tool_teleport(scene->world, scene->tool, &state->tool);
-    result = state->free ? dpt_tool_set_segments(scene->world, scene->tool, &segment, 1)
-                         : dpt_tool_set_pose(scene->world, scene->tool, &state->tool);
+        dpt_tool_teleport(scene->rig.world, scene->rig.tool, &state->tool);
+    result = state->free ? dpt_tool_set_segments(scene->rig.world, scene->rig.tool, &segment, 1)
+                         : dpt_tool_set_pose(scene->rig.world, scene->rig.tool, &state->tool);
     CHECK(result == DPT_OK, "move: %s", dpt_result_name(result));
 }
 
@@ -130,16 +121,15 @@ static void check_answer(const char *name, const struct tick_answer *answer)
 
 void scene_tick(struct scene *scene, struct tick_answer *answer)
 {
-    answer->step = (dpt_step){ .size = sizeof answer->step };
-    answer->hit = (dpt_hit)DPT_HIT_INIT;
     answer->sweep = (dpt_sweep){ .size = sizeof answer->sweep };
     answer->contact[0].size = sizeof answer->contact[0];
-    dpt_result result = dpt_world_step(scene->world, 0.001, &answer->step);
-    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-    dpt_tool_get_hit(scene->world, scene->tool, &answer->hit);
-    dpt_tool_get_sweep(scene->world, scene->tool, 0, &answer->sweep);
-    dpt_tool_get_wrench(scene->world, scene->tool, &answer->wrench);
-    dpt_tool_get_contacts(scene->world, scene->tool, answer->contact, COUNT(answer->contact), &answer->contacts);
+    rig_tick(&scene->rig);
+    answer->step = scene->rig.step;
+    answer->hit = scene->rig.hit;
+    answer->wrench = scene->rig.force.wrench;
+    dpt_tool_get_sweep(scene->rig.world, scene->rig.tool, 0, &answer->sweep);
+    dpt_tool_get_contacts(scene->rig.world, scene->rig.tool, answer->contact, COUNT(answer->contact),
+                          &answer->contacts);
     check_answer(scene->sheet->name, answer);
 }
 

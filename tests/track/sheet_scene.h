@@ -27,8 +27,8 @@ static inline void any_across(double v[3], const double of[3])
 {
     double any[3];
     any_unit(any);
-    cross3(v, of, any);
-    unit3(v);
+    cross3(of, any, v);
+    unit_or_z(v);
 }
 
 static inline int sheet_from_shape(struct sheet *sheet, const char *name, uint32_t count, double flat)
@@ -44,11 +44,8 @@ int sheet_from_grid(struct sheet *sheet, const char *name, double bend, int hole
 /* A world of one sheet and one tool. */
 struct scene {
     struct sheet *sheet;
-    void *block;
-    dpt_world *world;
+    struct rig rig;
     dpt_world_def def;
-    dpt_body body;
-    dpt_tool tool;
 };
 
 /* `like`: the same as that but for the budget, or NULL. */

@@ -1,25 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "track/sheet_truth.h"
 
-void quat_times(double out[4], const double p[4], const double q[4])
-{
-    const double made[4] = { p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-                             p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-                             p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
-                             p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0] };
-    memcpy(out, made, sizeof made);
-}
-
-void quat_turn(double out[3], const double q[4], int back, const double v[3])
-{
-    const double to[4] = { q[0], back ? -q[1] : q[1], back ? -q[2] : q[2], back ? -q[3] : q[3] };
-    const double from[4] = { to[0], -to[1], -to[2], -to[3] }, pure[4] = { 0.0, v[0], v[1], v[2] };
-    double made[4];
-    quat_times(made, to, pure);
-    quat_times(made, made, from);
-    memcpy(out, made + 1, 3 * sizeof *out);
-}
-
 double pose_angle(const dpt_pose *from, const dpt_pose *to)
 {
     const double *p = from->orientation, *q = to->orientation;
@@ -61,8 +42,8 @@ struct ends3 ends_between(const struct state *from, const struct state *to, doub
         for (int k = 0; k < 3; k++)
             x[k] = (1.0 - t) * from->end[e][k] + t * to->end[e][k];
         if (!to->free)
-            pose_apply(x, &tool, x);
-        pose_undo(at.end[e], &body, x);
+            pose_point(&tool, x, x);
+        pose_local(&body, x, at.end[e]);
     }
     return at;
 }
@@ -77,7 +58,7 @@ double most_speed(const struct state *from, const struct state *to)
         double x[3], far;
         memcpy(x, from->end[e], sizeof x);
         if (!to->free)
-            pose_apply(x, &from->tool, x);
+            pose_point(&from->tool, x, x);
         speed += apart(from->body.position, to->body.position);
         far = apart(x, from->body.position) + speed;
         most = fmax(most, speed + turn * far);
@@ -226,8 +207,8 @@ static int passes(const struct sheet *sheet, const uint32_t *list, uint32_t coun
                   const struct ends3 *to, double s)
 {
     struct ends3 way;
-    point_at(way.end[0], from, s);
-    point_at(way.end[1], to, s);
+    axis_point(way.end[0], from, s);
+    axis_point(way.end[1], to, s);
     return closest(sheet, list, count, &way).distance == 0.0;
 }
 

@@ -8,27 +8,10 @@
 #ifndef DPT_TESTS_SHEET_TRUTH_H
 #define DPT_TESTS_SHEET_TRUTH_H
 
-#include <math.h>
-
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
-
-static inline double dot3(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static inline double length3(const double a[3])
-{
-    return sqrt(dot3(a, a));
-}
-
-static inline double apart(const double a[3], const double b[3])
-{
-    const double d[3] = { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
-    return length3(d);
-}
 
 /* a + t v */
 static inline void add_scaled(double out[3], const double a[3], double t, const double v[3])
@@ -37,43 +20,12 @@ static inline void add_scaled(double out[3], const double a[3], double t, const 
         out[k] = a[k] + t * v[k];
 }
 
-static inline void cross3(double out[3], const double a[3], const double b[3])
-{
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-static inline void unit3(double v[3])
+/* To length 1; of no length: z. */
+static inline void unit_or_z(double v[3])
 {
     double size = length3(v);
     for (int k = 0; k < 3; k++)
         v[k] = size > 0.0 ? v[k] / size : k == 2;
-}
-
-/* Quaternions, w first. */
-void quat_times(double out[4], const double p[4], const double q[4]);
-
-/* v turned by q, or back. */
-void quat_turn(double out[3], const double q[4], int back, const double v[3]);
-
-static inline void quat_about(double out[4], const double axis[3], double angle)
-{
-    out[0] = cos(0.5 * angle);
-    for (int k = 0; k < 3; k++)
-        out[k + 1] = sin(0.5 * angle) * axis[k];
-}
-
-static inline void pose_apply(double out[3], const dpt_pose *pose, const double v[3])
-{
-    quat_turn(out, pose->orientation, 0, v);
-    add_scaled(out, out, 1.0, pose->position);
-}
-
-static inline void pose_undo(double out[3], const dpt_pose *pose, const double v[3])
-{
-    double off[3];
-    add_scaled(off, v, -1.0, pose->position);
-    quat_turn(out, pose->orientation, 1, off);
 }
 
 /* The angle of the shorter turn. */
@@ -171,7 +123,7 @@ struct truth {
     uint32_t triangle;
 };
 
-static inline void point_at(double out[3], const struct ends3 *axis, double s)
+static inline void axis_point(double out[3], const struct ends3 *axis, double s)
 {
     for (int k = 0; k < 3; k++)
         out[k] = (1.0 - s) * axis->end[0][k] + s * axis->end[1][k];

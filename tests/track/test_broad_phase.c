@@ -12,6 +12,7 @@
 #include <time.h>
 
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 static uint32_t ticks = 16, slide_ticks = 200;
@@ -50,8 +51,7 @@ static void turn_any_way(uint64_t *random, dpt_pose *pose)
 
 /* One of the two worlds: exact, perhaps with a budget, and the tree. */
 struct side {
-    void *block;
-    dpt_world *world;
+    struct rig rig;
     dpt_tool tools[2];
     dpt_body body[BODIES_MAX];
 };
@@ -103,22 +103,20 @@ static void add_body(struct run *run, uint32_t b)
     run->mesh[b] = below(&run->random, MESHES);
     run->there[b] = 1;
     for (int i = 0; i < 2; i++)
-        CHECK(dpt_body_add(run->sides[i].world, meshes[run->mesh[b]].mesh, &run->pose[b], &run->sides[i].body[b]) ==
-                  DPT_OK,
-              "add");
+        run->sides[i].body[b] = rig_add_body(&run->sides[i].rig, meshes[run->mesh[b]].mesh, &run->pose[b]);
 }
 
 static void remove_body(struct run *run, uint32_t b)
 {
     run->there[b] = 0;
     for (int i = 0; i < 2; i++)
-        CHECK(dpt_body_remove(run->sides[i].world, run->sides[i].body[b]) == DPT_OK, "remove");
+        CHECK(dpt_body_remove(run->sides[i].rig.world, run->sides[i].body[b]) == DPT_OK, "remove");
 }
 
 static void move_body(struct run *run, uint32_t b)
 {
     for (int i = 0; i < 2 && run->there[b]; i++)
-        dpt_body_set_pose(run->sides[i].world, run->sides[i].body[b], &run->pose[b]);
+        dpt_body_set_pose(run->sides[i].rig.world, run->sides[i].body[b], &run->pose[b]);
 }
 
 static void move_tool(struct run *run, const double by[3])
@@ -139,18 +137,15 @@ static void toggle_first_tool(struct run *run)
     for (int i = 0; i < 2; i++) {
         struct side *side = &run->sides[i];
         if (run->has_first)
-            CHECK(dpt_tool_add(side->world, &run->first, 1, &side->tools[0]) == DPT_OK, "tool");
+            side->tools[0] = rig_add_tool(&side->rig, &run->first, 1);
         else
-            CHECK(dpt_tool_remove(side->world, side->tools[0]) == DPT_OK, "tool");
+            CHECK(dpt_tool_remove(side->rig.world, side->tools[0]) == DPT_OK, "tool");
     }
 }
 
 static void open_run(struct run *run)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.max_bodies = run->count + 1;
     def.until = DPT_UNTIL_TRACK;
     def.certificate_bytes = 1 << 16;
@@ -160,9 +155,7 @@ static void open_run(struct run *run)
         struct side *side = &run->sides[i];
         def.method = i ? DPT_METHOD_TREE : DPT_METHOD_EXACT;
         def.budget = i ? 0 : run->budget;
-        side->block = malloc(dpt_world_bytes(&def));
-        if (dpt_world_create(side->block, dpt_world_bytes(&def), &def, &side->world) != DPT_OK)
-            exit(2);
+        rig_open(&side->rig, &def, NULL, NULL, 0);
     }
     run->spread = 0.25 * cbrt(run->count);
     for (uint32_t b = 0; b < run->count; b++) {
@@ -179,13 +172,13 @@ static void open_run(struct run *run)
             run->first.b[k] = run->first.a[k] + 0.1;
         }
     for (int i = 0; i < 2; i++)
-        CHECK(dpt_tool_add(run->sides[i].world, run->rope, run->segments, &run->sides[i].tools[1]) == DPT_OK, "tool");
+        run->sides[i].tools[1] = rig_add_tool(&run->sides[i].rig, run->rope, run->segments);
 }
 
 static void close_run(struct run *run)
 {
-    free(run->sides[0].block);
-    free(run->sides[1].block);
+    rig_close(&run->sides[0].rig);
+    rig_close(&run->sides[1].rig);
 }
 
 static void agree(const struct run *run, const dpt_hit *found, const dpt_hit *truth)
@@ -212,27 +205,26 @@ static void agree(const struct run *run, const dpt_hit *found, const dpt_hit *tr
 /* One tick of both. Returns whether all is exact. */
 static int step_run(struct run *run, dpt_hit *near)
 {
-    dpt_step step[2];
+    const struct rig *found = &run->sides[0].rig;
     for (int i = 0; i < 2; i++) {
         struct side *side = &run->sides[i];
-        step[i].size = sizeof step[i];
-        dpt_tool_set_segments(side->world, side->tools[1], run->rope, run->segments);
+        dpt_tool_set_segments(side->rig.world, side->tools[1], run->rope, run->segments);
         if (run->has_first)
-            dpt_tool_set_segments(side->world, side->tools[0], &run->first, 1);
-        CHECK(dpt_world_step(side->world, 1e-3, &step[i]) == DPT_OK, "step");
+            dpt_tool_set_segments(side->rig.world, side->tools[0], &run->first, 1);
+        rig_tick(&side->rig);
     }
     for (uint32_t i = 0; i < run->segments + (run->has_first != 0); i++) {
         dpt_hit hit[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
         for (int k = 0; k < 2; k++)
-            dpt_tool_get_segment_hit(run->sides[k].world, run->sides[k].tools[i < run->segments],
+            dpt_tool_get_segment_hit(run->sides[k].rig.world, run->sides[k].tools[i < run->segments],
                                      i < run->segments ? i : 0, &hit[k]);
         agree(run, &hit[0], &hit[1]);
         if (i == 0)
             *near = hit[1];
     }
-    CHECK(!run->budget || step[0].work <= run->budget, "%s: work %u", run->what, step[0].work);
+    CHECK(!run->budget || found->step.work <= run->budget, "%s: work %u", run->what, found->step.work);
     run->tick++;
-    return step[0].status == DPT_STATUS_EXACT;
+    return found->step.status == DPT_STATUS_EXACT;
 }
 
 /* The tool flies, jumps or rests, and bodies do what they can do. */
@@ -272,7 +264,7 @@ static void next_tick(struct run *run, const dpt_hit *near)
     } else if (event == 5 && run->tick % 2) {
         const dpt_pose identity = DPT_POSE_IDENTITY;
         for (int i = 0; i < 2; i++)
-            dpt_tool_teleport(run->sides[i].world, run->sides[i].tools[1], &identity);
+            dpt_tool_teleport(run->sides[i].rig.world, run->sides[i].tools[1], &identity);
     } else if (event == 6) {
         toggle_first_tool(run);
     } else if (event >= 12) { /* some drift */
@@ -391,9 +383,9 @@ static void what_is_known_moves_up(void)
         for (int i = 0; i < 2; i++) {
             struct side *side = &run.sides[i];
             run.first = (dpt_segment){ { 3.0, 5.0, 0.0 }, { 3.1, 5.0, 0.0 }, 0.0 };
-            CHECK(dpt_tool_remove(side->world, side->tools[1]) == DPT_OK, "remove");
-            CHECK(dpt_tool_add(side->world, &run.first, 1, &side->tools[0]) == DPT_OK, "add");
-            CHECK(dpt_tool_add(side->world, run.rope, 1, &side->tools[1]) == DPT_OK, "add");
+            CHECK(dpt_tool_remove(side->rig.world, side->tools[1]) == DPT_OK, "remove");
+            side->tools[0] = rig_add_tool(&side->rig, &run.first, 1);
+            side->tools[1] = rig_add_tool(&side->rig, run.rope, 1);
         }
         run.has_first = 1;
         run.rope[0] = (dpt_segment){ { 0.15, 0.0, 0.0 }, { 0.15, 0.01, 0.0 }, 0.0 };
@@ -425,25 +417,18 @@ static struct cost slide_beside(uint32_t far, int they_move, uint32_t segments)
     static dpt_pose pose[FAR_MAX];
     struct cost cost = { 0 };
     dpt_segment rope[SEGMENTS_MAX];
-    dpt_world_def def;
-    dpt_world *world = NULL;
-    dpt_body near;
-    dpt_tool tool;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
+    struct rig rig;
     uint64_t random = 3;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
     def.max_bodies = FAR_MAX + 1;
-    void *block = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK, "world");
-    CHECK(dpt_body_add(world, meshes[0].mesh, NULL, &near) == DPT_OK, "body");
+    rig_open(&rig, &def, meshes[0].mesh, NULL, 0);
     for (uint32_t b = 0; b < far; b++) {
         const double limits[2] = { 4.5, 40.0 }; /* the diagonal is 0.41 m */
         for (int k = 0; k < 3; k++)
             pose[b].position[k] =
                 (k == (int)(b % 3) ? (b % 2 ? -1.0 : 1.0) : one(&random)) * random_in(&random, limits[0], limits[1]);
         turn_any_way(&random, &pose[b]);
-        CHECK(dpt_body_add(world, meshes[b % MESHES].mesh, &pose[b], &body[b]) == DPT_OK, "body");
+        body[b] = rig_add_body(&rig, meshes[b % MESHES].mesh, &pose[b]);
     }
     double begun = seconds();
     for (uint32_t tick = 0; tick < slide_ticks; tick++) {
@@ -455,18 +440,17 @@ static struct cost slide_beside(uint32_t far, int they_move, uint32_t segments)
         }
         for (uint32_t b = 0; b < far && they_move; b++) {
             pose[b].position[tick % 3] += 1e-3 * one(&random);
-            dpt_body_set_pose(world, body[b], &pose[b]);
+            dpt_body_set_pose(rig.world, body[b], &pose[b]);
         }
-        dpt_step step = { .size = sizeof step };
         if (tick == 0)
-            CHECK(dpt_tool_add(world, rope, segments, &tool) == DPT_OK, "tool");
-        dpt_tool_set_segments(world, tool, rope, segments);
-        CHECK(dpt_world_step(world, 1e-3, &step) == DPT_OK, "step");
-        cost.work += step.work;
-        cost.first += tick ? 0 : step.work;
+            rig_add_tool(&rig, rope, segments);
+        dpt_tool_set_segments(rig.world, rig.tool, rope, segments);
+        rig_tick(&rig);
+        cost.work += rig.step.work;
+        cost.first += tick ? 0 : rig.step.work;
     }
     cost.time = seconds() - begun;
-    free(block);
+    rig_close(&rig);
     return cost;
 }
 
@@ -496,9 +480,7 @@ static void a_line_without_a_margin_meets_them_all(void)
 {
     enum { OTHERS = 5, STEPS = 400 };
     struct fixture ball;
-    void *block[2];
-    dpt_world *world[2];
-    dpt_tool tool[2];
+    struct rig rig[2];
     int both = 0;
     if (!fixture_from_shape(&ball, "sphere", 1280))
         return;
@@ -507,33 +489,24 @@ static void a_line_without_a_margin_meets_them_all(void)
     const double radius = 0.5 * (info.box_max[0] - info.box_min[0]);
     for (int side = 0; side < 2; side++) {
         const dpt_segment line = { { 0.9 * radius, 0, 0 }, { 1.1 * radius, 0, 0 }, 0.0 };
-        dpt_world_def def;
-        dpt_body body;
-        dpt_world_def_init(&def);
-        def.max_contacts = 32;
-        def.law = DPT_LAW_POINT;
+        dpt_world_def def = rig_def(DPT_LAW_POINT);
         def.margin = 0.0;
         def.method = side ? DPT_METHOD_TREE : DPT_METHOD_EXACT;
-        block[side] = malloc(dpt_world_bytes(&def));
-        dpt_world_create(block[side], dpt_world_bytes(&def), &def, &world[side]);
+        rig_open(&rig[side], &def, NULL, &line, 1);
         for (int i = 0; i <= OTHERS; i++) {
             dpt_pose pose = DPT_POSE_IDENTITY;
             pose.position[0] = i == 1 ? -1.5 * radius : -30.0 * i * radius;
-            CHECK(dpt_body_add(world[side], ball.mesh, &pose, &body) == DPT_OK, "body %d", i);
+            rig_add_body(&rig[side], ball.mesh, &pose);
         }
-        dpt_tool_add(world[side], &line, 1, &tool[side]);
     }
     for (int i = 0; i < STEPS; i++) {
         /* From outside into the first ball, then about its middle to where the second one is. */
         const double in = i < 30 ? 0.105 * radius * (1.0 - i / 29.0) : 0.0;
         const double turn = i < 30 ? 0.0 : 3.14159 * (i - 30) / (STEPS - 31);
         const dpt_pose pose = { { in, 0, 0 }, { cos(0.5 * turn), 0, 0, sin(0.5 * turn) } };
-        dpt_hit hit[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
-        for (int side = 0; side < 2; side++) {
-            dpt_tool_set_pose(world[side], tool[side], &pose);
-            dpt_world_step(world[side], 0.001, NULL);
-            dpt_tool_get_hit(world[side], tool[side], &hit[side]);
-        }
+        for (int side = 0; side < 2; side++)
+            rig_step_to(&rig[side], &pose);
+        const dpt_hit hit[2] = { rig[0].hit, rig[1].hit };
         CHECK(hit[0].status == DPT_STATUS_EXACT && hit[0].contact == hit[1].contact &&
                   fabs(hit[0].gap - hit[1].gap) <= 1e-4 * radius,
               "step %d: contact %u, gap %g, not %u, %g", i, hit[0].contact, hit[0].gap, hit[1].contact, hit[1].gap);
@@ -541,7 +514,7 @@ static void a_line_without_a_margin_meets_them_all(void)
     }
     CHECK(both > 10, "%d steps in both", both);
     for (int side = 0; side < 2; side++)
-        free(block[side]);
+        rig_close(&rig[side]);
     fixture_free(&ball);
 }
 

@@ -54,8 +54,8 @@ static void run_open(struct run *run)
 
 static void run_close(struct run *run)
 {
-    free(run->found.block);
-    free(run->truth.block);
+    rig_close(&run->found.rig);
+    rig_close(&run->truth.rig);
 }
 
 /* p lies on the axis, q on the named triangle of the named body, and they are as far as is said. */
@@ -63,20 +63,18 @@ static void pair_is_real(const struct run *run, const dpt_hit *hit, uint32_t i, 
 {
     const struct place *place = run->input.places;
     const dpt_segment *now = &run->input.now[i];
-    double on[3], from[3], q[6], corners[9];
+    double on[3], q[6], corners[9];
     uint32_t b = 0;
     while (b < run->input.scene->bodies && !(place[b].there && run->found.body[b] == hit->body))
         b++;
     CHECK(b < run->input.scene->bodies, "%s: body %u", run->what, hit->body);
     if (b == run->input.scene->bodies)
         return;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; k++)
         on[k] = now->a[k] + hit->s * (now->b[k] - now->a[k]);
-        from[k] = hit->q[k] - place[b].pose.position[k];
-    }
-    CHECK(hit->s >= 0.0 && hit->s <= 1.0 && distance_between(on, hit->p) <= tight, "%s: p", run->what);
-    CHECK(fabs(distance_between(hit->p, hit->q) - hit->distance) <= tight, "%s: |p - q|", run->what);
-    pose_turned(&place[b].pose, -1.0, from, q);
+    CHECK(hit->s >= 0.0 && hit->s <= 1.0 && apart(on, hit->p) <= tight, "%s: p", run->what);
+    CHECK(fabs(apart(hit->p, hit->q) - hit->distance) <= tight, "%s: |p - q|", run->what);
+    pose_local(&place[b].pose, hit->q, q);
     memcpy(q + 3, q, 3 * sizeof *q);
     CHECK(dpt_mesh_get_triangle(place[b].mesh, hit->triangle, corners) == DPT_OK &&
               dpt_segment_triangle(q, corners, NULL, NULL, NULL) <= tight,
@@ -140,12 +138,12 @@ static int run_tick(struct run *run, int rests)
         exact &= hit->status == DPT_STATUS_EXACT;
         pushes |= hit->status == DPT_STATUS_EXACT && (hit->depth > 0.0 || hit->distance == 0.0);
     }
-    CHECK(work == run->found.step.work && work <= run->budget, "%s, tick %u: work %u, %u", run->what, run->tick, work,
-          run->found.step.work);
-    dpt_tool_get_wrench(run->found.world, run->found.tool, &wrench);
+    CHECK(work == run->found.rig.step.work && work <= run->budget, "%s, tick %u: work %u, %u", run->what, run->tick,
+          work, run->found.rig.step.work);
+    dpt_tool_get_wrench(run->found.rig.world, run->found.rig.tool, &wrench);
     for (int k = 0; k < 3 && !pushes; k++)
         CHECK(wrench.force[k] == 0.0 && wrench.torque[k] == 0.0, "%s: a bounded push", run->what);
-    all.without_force += !pushes && run->truth.step.contact == DPT_CONTACT_PENETRATING;
+    all.without_force += !pushes && run->truth.rig.step.contact == DPT_CONTACT_PENETRATING;
     all.ticks++;
     run->tick++;
     return (int)exact;
@@ -157,20 +155,20 @@ static struct budget_sim first_step(const struct run *run)
     struct budget_sim fresh;
     budget_sim_open(&fresh, &run->input, DPT_METHOD_EXACT, 0, run->bytes);
     budget_sim_step(&fresh, &run->input);
-    free(fresh.block);
+    rig_close(&fresh.rig);
     return fresh;
 }
 
 /* `begun`: the step before had this input. If not, this is the first of all, or after a reset. */
 static void run_rest(struct run *run, int begun)
 {
-    uint32_t full = first_step(run).step.work, done = 0, spent = 0;
+    uint32_t full = first_step(run).rig.step.work, done = 0, spent = 0;
     uint32_t expected = full ? (full + run->budget - 1) / run->budget : 1;
     int alone = run->input.scene->segments == 1 && run->input.scene->bodies == 1;
     uint32_t allowed = (uint32_t)ceil((alone ? search_most_alone : search_most) * expected);
     for (uint32_t rest = 1; rest <= expected + 3 || (!done && rest <= allowed); rest++) {
         int exact = run_tick(run, begun || rest > 1);
-        uint32_t work = run->found.step.work;
+        uint32_t work = run->found.rig.step.work;
         CHECK(!done || exact, "%s, tick %u: work %u, no longer exact", run->what, run->tick, work);
         CHECK(exact || work == run->budget, "%s, tick %u: only %u done", run->what, run->tick, work);
         done = exact && !done ? rest : done;
@@ -204,13 +202,13 @@ static int run_event(struct run *run)
             place->pose.position[k] =
                 input->pose.position[k] + (event == RETIRES ? 9.0 : 0.4) * input->size * random_signed(&input->random);
     for (int i = 0; i < 2; i++) {
-        dpt_world *world = sims[i]->world;
+        dpt_world *world = sims[i]->rig.world;
         if (event == LEAVES_OR_COMES && place->there)
             CHECK(dpt_body_remove(world, sims[i]->body[b]) == DPT_OK, "remove");
         else if (event == LEAVES_OR_COMES)
             budget_sim_add_body(sims[i], input, b);
         else if (event == TELEPORT)
-            CHECK(dpt_tool_teleport(world, sims[i]->tool, &input->pose) == DPT_OK, "teleport");
+            CHECK(dpt_tool_teleport(world, sims[i]->rig.tool, &input->pose) == DPT_OK, "teleport");
         else if (event == RESET)
             CHECK(dpt_world_reset(world) == DPT_OK, "reset");
     }
@@ -277,8 +275,7 @@ static int confetti(struct fixture *fixture)
         for (int k = 0; k < 3; k++)
             centre[k] = random_signed(&random);
         for (uint32_t i = 0; i < 9; i++)
-            vertices[9 * t + i] =
-                0.15 * centre[i % 3] / distance_between(centre, origin) + size * random_signed(&random);
+            vertices[9 * t + i] = 0.15 * centre[i % 3] / apart(centre, origin) + size * random_signed(&random);
         for (uint32_t k = 3 * t; k < 3 * t + 3; k++)
             corners[k] = k;
     }
@@ -348,7 +345,7 @@ static void half_of_the_need(void)
             for (uint32_t tick = 0; tick < count; tick++) {
                 input_move(&run.input, SLIDE, &run.truth.hits[0]);
                 run_tick(&run, 0);
-                work += pass ? 0 : run.found.step.work;
+                work += pass ? 0 : run.found.rig.step.work;
                 for (uint32_t i = 0; pass && i < scene->segments; i++) {
                     const dpt_hit *hit = &run.found.hits[i];
                     waits[i] = hit->status == DPT_STATUS_EXACT ? 0 : waits[i] + 1;
@@ -378,7 +375,7 @@ static void pauses_serve_every_segment(void)
     input_start(&run.input, &budget_scenes[5], 9);
     run.bytes = 1 << 20;
     struct budget_sim fresh = first_step(&run);
-    run.budget = fresh.step.work / 6;
+    run.budget = fresh.rig.step.work / 6;
     for (uint32_t i = 0; i < budget_scenes[5].segments; i++)
         run.budget = fresh.hits[i].work > run.budget ? fresh.hits[i].work : run.budget;
     snprintf(run.what, sizeof run.what, "pauses, budget %u", run.budget);
@@ -436,7 +433,7 @@ static void no_body_starves(void)
             input->places[i].pose.position[2] = -9.0 * input->size;
         input_set_tool(input);
         run_open(&run);
-        uint32_t full = first_step(&run).step.work, came = 8 + 2 * full / run.budget, tick = 0;
+        uint32_t full = first_step(&run).rig.step.work, came = 8 + 2 * full / run.budget, tick = 0;
         for (; tick < came || run.found.hits[0].body != run.found.body[2]; tick++) {
             if (tick > 10 * came)
                 break;

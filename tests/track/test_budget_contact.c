@@ -68,8 +68,8 @@ static void regions_are_true(const struct subject *subject, const dpt_segment *a
     const double tolerance = 2e-5 * subject->diagonal;
     for (uint32_t i = 0; i < small_world.count; i++) {
         contact_is_real(subject, axis, &small_world.contacts[i]);
-        CHECK(small_world.contacts[i].gap > small_world.hit.gap - tolerance, "%s: %g is deeper than the tool, %g",
-              subject->name, small_world.contacts[i].gap, small_world.hit.gap);
+        CHECK(small_world.contacts[i].gap > small_world.rig.hit.gap - tolerance, "%s: %g is deeper than the tool, %g",
+              subject->name, small_world.contacts[i].gap, small_world.rig.hit.gap);
         if (!small_world.coarse && !ample_world.coarse && small_world.count == ample_world.count)
             CHECK(fabs(small_world.contacts[i].gap - ample_world.contacts[i].gap) < tolerance,
                   "%s: region %u: %g, not %g", subject->name, i, small_world.contacts[i].gap,
@@ -89,13 +89,13 @@ static void rest(const struct subject *subject, const dpt_segment *axis, uint32_
     contact_world_open(&ample_world, subject->mesh, axis, 0);
     contact_world_open(&small_world, subject->mesh, axis, budget);
     contact_world_step(&ample_world);
-    if (ample_world.hit.distance == 0.0 && is_known(&ample_world)) {
+    if (ample_world.rig.hit.distance == 0.0 && is_known(&ample_world)) {
         for (uint32_t tick = 1; tick <= TICKS_MAX && !(fine && tick > fine + 5); tick++) {
             contact_world_step(&small_world);
-            CHECK(small_world.step.work <= budget, "%u of %u units", small_world.step.work, budget);
+            CHECK(small_world.rig.step.work <= budget, "%u of %u units", small_world.rig.step.work, budget);
             if (!is_known(&small_world)) {
-                CHECK(small_world.hit.flags & DPT_HIT_FLAG_BUDGET, "flags %u", small_world.hit.flags);
-                CHECK(!known && small_world.hit.depth == 0.0, "%s: unknown at tick %u, known at %u", subject->name,
+                CHECK(small_world.rig.hit.flags & DPT_HIT_FLAG_BUDGET, "flags %u", small_world.rig.hit.flags);
+                CHECK(!known && small_world.rig.hit.depth == 0.0, "%s: unknown at tick %u, known at %u", subject->name,
                       tick, known);
                 continue;
             }
@@ -103,12 +103,12 @@ static void rest(const struct subject *subject, const dpt_segment *axis, uint32_
             known = known ? known : tick;
             CHECK(small_world.coarse || small_world.count, "%s: no region", subject->name);
             fine = small_world.coarse ? 0 : fine ? fine : tick;
-            rests.gap = fmax(rests.gap, fabs(small_world.hit.gap - ample_world.hit.gap) / subject->diagonal);
+            rests.gap = fmax(rests.gap, fabs(small_world.rig.hit.gap - ample_world.rig.hit.gap) / subject->diagonal);
             regions_are_true(subject, axis);
         }
         CHECK(known, "%s: never known, budget %u", subject->name, budget);
-        rests.tired += !fine && small_world.step.work < budget; /* the samples have no more room */
-        rests.bare += !fine && small_world.step.work == budget;
+        rests.tired += !fine && small_world.rig.step.work < budget; /* the samples have no more room */
+        rests.bare += !fine && small_world.rig.step.work == budget;
         rests.count++;
         rests.later += known > 1;
         rests.longest = known > rests.longest ? known : rests.longest;
@@ -117,8 +117,8 @@ static void rest(const struct subject *subject, const dpt_segment *axis, uint32_
         if (fine)
             rests.overlap = fmax(rests.overlap, fabs(overlap_of(&small_world) - due) / due);
     }
-    free(ample_world.block);
-    free(small_world.block);
+    rig_close(&ample_world.rig);
+    rig_close(&small_world.rig);
 }
 
 static void a_rest_comes_to_its_contact(void)
@@ -182,8 +182,8 @@ static void step_both_towards(dpt_segment *axis, const dpt_segment *way)
         axis->a[k] += (way->a[k] - axis->a[k]) / 300.0;
         axis->b[k] += (way->b[k] - axis->b[k]) / 300.0;
     }
-    dpt_tool_set_segments(ample_world.world, ample_world.tool, axis, 1);
-    dpt_tool_set_segments(small_world.world, small_world.tool, axis, 1);
+    dpt_tool_set_segments(ample_world.rig.world, ample_world.rig.tool, axis, 1);
+    dpt_tool_set_segments(small_world.rig.world, small_world.rig.tool, axis, 1);
     contact_world_step(&ample_world);
     contact_world_step(&small_world);
 }
@@ -205,16 +205,16 @@ static void in_motion_the_gap_comes_first(void)
             if (tick % 400 == 0)
                 way = random_axis(&subject, &seed, 0.6);
             step_both_towards(&axis, &way);
-            CHECK(small_world.step.work <= 2 * SMALL, "%u units", small_world.step.work);
-            if (ample_world.hit.distance > 0.0)
+            CHECK(small_world.rig.step.work <= 2 * SMALL, "%u units", small_world.rig.step.work);
+            if (ample_world.rig.hit.distance > 0.0)
                 continue;
             crossing++;
             unknown += !is_known(&small_world);
-            CHECK(is_known(&small_world) != !!(small_world.hit.flags & DPT_HIT_FLAG_BUDGET), "flags %u",
-                  small_world.hit.flags);
+            CHECK(is_known(&small_world) != !!(small_world.rig.hit.flags & DPT_HIT_FLAG_BUDGET), "flags %u",
+                  small_world.rig.hit.flags);
             coarse += is_known(&small_world) && small_world.coarse;
             if (is_known(&small_world))
-                off = fmax(off, fabs(small_world.hit.gap - ample_world.hit.gap) / subject.diagonal);
+                off = fmax(off, fabs(small_world.rig.hit.gap - ample_world.rig.hit.gap) / subject.diagonal);
             if (is_known(&small_world))
                 regions_are_true(&subject, &axis);
         }
@@ -223,8 +223,8 @@ static void in_motion_the_gap_comes_first(void)
         CHECK(crossing > tick_count() / 5 && (which == 2 || unknown <= 1 + crossing / 100), "%u of %u", unknown,
               crossing);
         CHECK(off < 2e-5, "%g", off);
-        free(ample_world.block);
-        free(small_world.block);
+        rig_close(&ample_world.rig);
+        rig_close(&small_world.rig);
         subject_close(&subject);
     }
 }
@@ -246,14 +246,14 @@ static void what_is_ample_is_no_dearer(void)
             if (tick % 400 == 0)
                 way = random_axis(&subject, &seed, 0.6);
             step_both_towards(&axis, &way);
-            work[0] += ample_world.step.work;
-            work[1] += small_world.step.work;
+            work[0] += ample_world.rig.step.work;
+            work[1] += small_world.rig.step.work;
         }
         const double ratio = (double)work[1] / (double)work[0];
         printf("    %-12s %.4f of the work without a budget\n", subject.name, ratio);
         CHECK(ratio < 1.01, "%g", ratio);
-        free(ample_world.block);
-        free(small_world.block);
+        rig_close(&ample_world.rig);
+        rig_close(&small_world.rig);
         subject_close(&subject);
     }
 }
@@ -272,13 +272,13 @@ static void what_is_not_coarse_is_right(void)
             dpt_segment axis = random_axis(&subject, &seed, 2.0);
             contact_world_open(&ample_world, subject.mesh, &axis, 0);
             contact_world_step(&ample_world);
-            if (is_known(&ample_world) && ample_world.hit.distance == 0.0) {
+            if (is_known(&ample_world) && ample_world.rig.hit.distance == 0.0) {
                 int coarse = ample_world.coarse != 0;
                 double due = quadrature(subject.mesh, &axis);
                 count[coarse]++;
                 off[coarse] = fmax(off[coarse], fabs(overlap_of(&ample_world) - due) / due);
             }
-            free(ample_world.block);
+            rig_close(&ample_world.rig);
         }
         printf("    %-12s fine %u, overlap off by %.2f %%; coarse %u, by %.2f %%\n", subject.name, count[0],
                100.0 * off[0], count[1], 100.0 * off[1]);
@@ -305,8 +305,8 @@ static void of_several_bodies(void)
             pose.position[k] = random_in(&seed, -0.3, 0.3) * liver.diagonal;
         contact_world_open(&ample_world, liver.mesh, &axis, 0);
         contact_world_open(&small_world, liver.mesh, &axis, SMALL);
-        dpt_body_add(ample_world.world, star.mesh, &pose, &body);
-        dpt_body_add(small_world.world, star.mesh, &pose, &body);
+        dpt_body_add(ample_world.rig.world, star.mesh, &pose, &body);
+        dpt_body_add(small_world.rig.world, star.mesh, &pose, &body);
         contact_world_step(&ample_world);
         for (uint32_t k = 0; k < ample_world.count; k++)
             bodies |= 1u << (ample_world.contacts[k].body == body);
@@ -318,13 +318,13 @@ static void of_several_bodies(void)
         }
         if (bodies == 3 && is_known(&ample_world)) {
             CHECK(known, "never known");
-            CHECK(fabs(small_world.hit.gap - ample_world.hit.gap) < 2e-5 * star.diagonal, "%g, not %g",
-                  small_world.hit.gap, ample_world.hit.gap);
+            CHECK(fabs(small_world.rig.hit.gap - ample_world.rig.hit.gap) < 2e-5 * star.diagonal, "%g, not %g",
+                  small_world.rig.hit.gap, ample_world.rig.hit.gap);
             both++;
             later += known > 1 || coarse;
         }
-        free(ample_world.block);
-        free(small_world.block);
+        rig_close(&ample_world.rig);
+        rig_close(&small_world.rig);
     }
     printf("    %u rests through both, %u not at once or still coarse\n", both, later);
     CHECK(both > rest_count() / 20 && later > 0, "%u, %u", both, later);
@@ -344,24 +344,25 @@ static void what_was_found_leaves_with_its_body(void)
         contact_world_open(&ample_world, resets ? first.mesh : second.mesh, &axis, SMALL);
         for (int tick = 0; tick < 20; tick++)
             contact_world_step(&small_world);
-        CHECK(is_known(&small_world) && small_world.hit.distance == 0.0, "no contact");
+        CHECK(is_known(&small_world) && small_world.rig.hit.distance == 0.0, "no contact");
         if (resets) {
-            dpt_world_reset(small_world.world);
+            dpt_world_reset(small_world.rig.world);
         } else {
-            dpt_body_remove(small_world.world, small_world.body);
-            dpt_body_add(small_world.world, second.mesh, NULL, &small_world.body);
+            dpt_body_remove(small_world.rig.world, small_world.rig.body);
+            dpt_body_add(small_world.rig.world, second.mesh, NULL, &small_world.rig.body);
         }
         for (int tick = 0; tick < 20; tick++) {
             contact_world_step(&small_world);
             contact_world_step(&ample_world);
-            CHECK(small_world.step.work == ample_world.step.work && small_world.hit.gap == ample_world.hit.gap &&
-                      small_world.hit.contact == ample_world.hit.contact,
-                  "%d, tick %d: work %u and %u, gap %g and %g", resets, tick, small_world.step.work,
-                  ample_world.step.work, small_world.hit.gap, ample_world.hit.gap);
+            CHECK(small_world.rig.step.work == ample_world.rig.step.work &&
+                      small_world.rig.hit.gap == ample_world.rig.hit.gap &&
+                      small_world.rig.hit.contact == ample_world.rig.hit.contact,
+                  "%d, tick %d: work %u and %u, gap %g and %g", resets, tick, small_world.rig.step.work,
+                  ample_world.rig.step.work, small_world.rig.hit.gap, ample_world.rig.hit.gap);
         }
         CHECK(is_known(&ample_world), "no contact");
-        free(small_world.block);
-        free(ample_world.block);
+        rig_close(&small_world.rig);
+        rig_close(&ample_world.rig);
     }
     subject_close(&first);
     subject_close(&second);

@@ -20,19 +20,20 @@ static void a_side_waits_for_its_contact(void)
         contact_world_open(&small_world, sheet.mesh, &above, budget);
         for (int tick = 0; tick < 20; tick++)
             contact_world_step(&small_world);
-        dpt_tool_set_segments(small_world.world, small_world.tool, &through, 1);
+        dpt_tool_set_segments(small_world.rig.world, small_world.rig.tool, &through, 1);
         contact_world_step(&small_world);
         dpt_sweep sweep = { .size = sizeof sweep };
-        dpt_tool_get_sweep(small_world.world, small_world.tool, 0, &sweep);
+        dpt_tool_get_sweep(small_world.rig.world, small_world.rig.tool, 0, &sweep);
         int found = sweep.status == DPT_SWEEP_HIT, at_once = is_known(&small_world);
         for (int tick = 0; tick < 20 && !is_known(&small_world); tick++)
             contact_world_step(&small_world);
         waited += found && !at_once && is_known(&small_world);
         if (is_known(&small_world))
-            CHECK(small_world.hit.contact == DPT_CONTACT_PENETRATING && fabs(small_world.hit.gap + 0.0015) < 1e-6,
-                  "budget %u: contact %u, gap %g", budget, small_world.hit.contact, small_world.hit.gap);
+            CHECK(small_world.rig.hit.contact == DPT_CONTACT_PENETRATING &&
+                      fabs(small_world.rig.hit.gap + 0.0015) < 1e-6,
+                  "budget %u: contact %u, gap %g", budget, small_world.rig.hit.contact, small_world.rig.hit.gap);
         CHECK(!found || budget < 30 || is_known(&small_world), "budget %u: the side is lost", budget);
-        free(small_world.block);
+        rig_close(&small_world.rig);
     }
     printf("    %u budgets found the side first\n", waited);
     CHECK(waited > 0, "none");
@@ -75,7 +76,7 @@ static void a_side_outlives_what_is_unknown(void)
                 axis.a[k] += (way.a[k] - axis.a[k]) / (run < 4 ? 100.0 : 5.0);
                 axis.b[k] += (way.b[k] - axis.b[k]) / (run < 4 ? 100.0 : 5.0);
             }
-            dpt_tool_set_segments(small_world.world, small_world.tool, &axis, 1);
+            dpt_tool_set_segments(small_world.rig.world, small_world.rig.tool, &axis, 1);
             contact_world_step(&small_world);
             const double low = fmin(axis.a[2], axis.b[2]), high = fmax(axis.a[2], axis.b[2]);
             unknown += !is_known(&small_world);
@@ -84,16 +85,16 @@ static void a_side_outlives_what_is_unknown(void)
             known++;
             behind += low < -1e-5;
             through += high < -1e-5;
-            CHECK(fabs(small_world.hit.gap - low) < 1e-5, "budget %u, tick %u: gap %g, not %g (%g)", budgets[run % 4],
-                  tick, small_world.hit.gap, low, high);
+            CHECK(fabs(small_world.rig.hit.gap - low) < 1e-5, "budget %u, tick %u: gap %g, not %g (%g)",
+                  budgets[run % 4], tick, small_world.rig.hit.gap, low, high);
             dpt_wrench wrench;
-            dpt_tool_get_wrench(small_world.world, small_world.tool, &wrench);
+            dpt_tool_get_wrench(small_world.rig.world, small_world.rig.tool, &wrench);
             CHECK(low < -1e-5 ? wrench.force[2] > 0.0 : low < 0.0 || wrench.force[2] == 0.0,
                   "budget %u, tick %u: force %g", budgets[run % 4], tick, wrench.force[2]);
         }
         printf("    budget %3u: %u ticks known, %u unknown, %u behind, %u wholly\n", budgets[run % 4], known, unknown,
                behind, through);
-        free(small_world.block);
+        rig_close(&small_world.rig);
     }
     subject_close(&sheet);
 }
@@ -122,16 +123,16 @@ static void a_side_ends_at_the_border(void)
                 axis.a[0] = axis.b[0] = from[0] + t * (way[leg][0] - from[0]);
                 axis.a[2] = from[1] + t * (way[leg][1] - from[1]);
                 axis.b[2] = axis.a[2] + 0.005;
-                dpt_tool_set_segments(small_world.world, small_world.tool, &axis, 1);
+                dpt_tool_set_segments(small_world.rig.world, small_world.rig.tool, &axis, 1);
                 contact_world_step(&small_world);
                 unknown += leg == 1 && !is_known(&small_world);
-                pushed += leg == 1 && small_world.hit.contact == DPT_CONTACT_PENETRATING;
+                pushed += leg == 1 && small_world.rig.hit.contact == DPT_CONTACT_PENETRATING;
                 known += leg == 5 && is_known(&small_world);
-                CHECK(leg < 4 || small_world.hit.contact != DPT_CONTACT_PENETRATING, "budget %u, leg %zu, %d: gap %g",
-                      budget, leg, tick, small_world.hit.gap);
+                CHECK(leg < 4 || small_world.rig.hit.contact != DPT_CONTACT_PENETRATING,
+                      "budget %u, leg %zu, %d: gap %g", budget, leg, tick, small_world.rig.hit.gap);
             }
         }
-        free(small_world.block);
+        rig_close(&small_world.rig);
     }
     printf("    through: %u ticks unknown, %u pushed; then %u known\n", unknown, pushed, known);
     CHECK(unknown > 100 && pushed > 10 && known > 3900, "%u, %u, %u", unknown, pushed, known);
@@ -164,8 +165,8 @@ static void what_is_unknown_goes_on(void)
                 axis.a[k] += (way.a[k] + away - axis.a[k]) / 100.0;
                 axis.b[k] += (way.b[k] + away - axis.b[k]) / 100.0;
             }
-            dpt_tool_set_segments(ample_world.world, ample_world.tool, &axis, 1);
-            dpt_tool_set_segments(small_world.world, small_world.tool, &axis, 1);
+            dpt_tool_set_segments(ample_world.rig.world, ample_world.rig.tool, &axis, 1);
+            dpt_tool_set_segments(small_world.rig.world, small_world.rig.tool, &axis, 1);
             contact_world_step(&ample_world);
             contact_world_step(&small_world);
             near += is_known(&ample_world) && ample_world.count;
@@ -173,8 +174,8 @@ static void what_is_unknown_goes_on(void)
             free_ticks += is_known(&ample_world) && !ample_world.count;
             free_unknown += is_known(&ample_world) && !ample_world.count && !is_known(&small_world);
         }
-        free(ample_world.block);
-        free(small_world.block);
+        rig_close(&ample_world.rig);
+        rig_close(&small_world.rig);
         printf("    budget %3u: of %u ticks in reach %u are unknown, of %u that are free %u\n", budgets[b], near,
                near_unknown, free_ticks, free_unknown);
         CHECK(near > tick_count() && (b || near_unknown < near / 8), "%u of %u", near_unknown, near);

@@ -17,31 +17,22 @@ static void who_moves_leaves_something(void)
     for (uint32_t budget = 1; budget <= 4; budget++) {
         const dpt_segment resting = { { 0.0, -0.1, -0.15 }, { 0.0, 0.1, -0.15 }, 0.0 };
         dpt_segment moving = { { -0.1, 0.0, 0.15 }, { 0.1, 0.0, 0.15 }, 0.0 };
-        dpt_world_def def;
-        dpt_world *world;
-        dpt_body body;
-        dpt_tool tools[2];
+        dpt_world_def def = rig_def(DPT_LAW_POINT);
+        struct rig rig;
         dpt_hit hit = DPT_HIT_INIT;
         uint32_t tick = 0;
-        dpt_world_def_init(&def);
-        def.max_contacts = 32;
-        def.law = DPT_LAW_POINT;
         def.budget = budget;
         def.until = DPT_UNTIL_TRACK;
-        void *block = malloc(dpt_world_bytes(&def));
-        CHECK(block && dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK &&
-                  dpt_body_add(world, liver.mesh, NULL, &body) == DPT_OK &&
-                  dpt_tool_add(world, &moving, 1, &tools[0]) == DPT_OK &&
-                  dpt_tool_add(world, &resting, 1, &tools[1]) == DPT_OK,
-              "world");
+        rig_open(&rig, &def, liver.mesh, &moving, 1);
+        const dpt_tool rests = rig_add_tool(&rig, &resting, 1);
         for (; hit.status != DPT_STATUS_EXACT && tick < 400; tick++) {
             moving.a[1] = moving.b[1] = 1e-4 * (tick % 7);
-            dpt_tool_set_segments(world, tools[0], &moving, 1);
-            dpt_world_step(world, 1e-3, NULL);
-            dpt_tool_get_hit(world, tools[1], &hit);
+            dpt_tool_set_segments(rig.world, rig.tool, &moving, 1);
+            rig_tick(&rig);
+            dpt_tool_get_hit(rig.world, rests, &hit);
         }
         CHECK(tick < 100, "budget %u: exact at tick %u", budget, tick);
-        free(block);
+        rig_close(&rig);
     }
     fixture_free(&liver);
 }
@@ -58,34 +49,24 @@ static void what_was_proven_leaves_with_its_body(void)
     if (!fixture_from_shape(&sheet, "membrane", 0))
         return;
     for (uint32_t b = 0; b < BUDGETS; b++) {
-        dpt_world_def def;
-        dpt_world *world;
-        dpt_body first, second;
-        dpt_tool tool;
-        dpt_hit hit = DPT_HIT_INIT;
-        dpt_world_def_init(&def);
-        def.max_contacts = 32;
-        def.law = DPT_LAW_POINT;
+        dpt_world_def def = rig_def(DPT_LAW_POINT);
+        struct rig rig;
         def.budget = budgets[b];
-        void *block = malloc(dpt_world_bytes(&def));
-        if (dpt_world_create(block, dpt_world_bytes(&def), &def, &world) != DPT_OK)
-            exit(2);
-        dpt_body_add(world, sheet.mesh, &above, &first);
-        dpt_body_add(world, small_mesh.mesh, NULL, &second);
-        dpt_tool_add(world, &point, 1, &tool);
+        rig_open(&rig, &def, NULL, &point, 1);
+        rig_add_body(&rig, sheet.mesh, &above);
+        dpt_body second = rig_add_body(&rig, small_mesh.mesh, NULL);
         for (int pass = 0; pass < 2; pass++) {
             double truth = pass ? 0.01 : 0.03;
             for (int tick = 0; tick < 100; tick++) {
-                CHECK(dpt_world_step(world, 1e-3, NULL) == DPT_OK, "step");
-                dpt_tool_get_hit(world, tool, &hit);
-                CHECK(hit.lower_bound <= truth + 1e-8, "budget %u: %g", def.budget, hit.lower_bound);
+                rig_tick(&rig);
+                CHECK(rig.hit.lower_bound <= truth + 1e-8, "budget %u: %g", def.budget, rig.hit.lower_bound);
             }
-            CHECK(hit.status == DPT_STATUS_EXACT && fabs(hit.distance - truth) < 1e-8, "budget %u: status %u, %g",
-                  def.budget, hit.status, hit.distance);
-            dpt_body_remove(world, second);
-            dpt_body_add(world, sheet.mesh, NULL, &second);
+            CHECK(rig.hit.status == DPT_STATUS_EXACT && fabs(rig.hit.distance - truth) < 1e-8,
+                  "budget %u: status %u, %g", def.budget, rig.hit.status, rig.hit.distance);
+            dpt_body_remove(rig.world, second);
+            second = rig_add_body(&rig, sheet.mesh, NULL);
         }
-        free(block);
+        rig_close(&rig);
     }
     fixture_free(&sheet);
 }
@@ -96,31 +77,22 @@ static void a_proven_rest_costs_nothing(void)
     struct fixture mesh;
     if (!fixture_from_shape(&mesh, "torus", 5568))
         return;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
+    struct rig rig;
     def.budget = 3;
     def.until = DPT_UNTIL_TRACK;
-    void *block = malloc(dpt_world_bytes(&def));
-    dpt_world *world = NULL;
-    dpt_body body;
-    dpt_tool tool;
-    dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
-    dpt_body_add(world, mesh.mesh, NULL, &body);
     const dpt_segment segment = { { 0.02, 0.01, 0.2 }, { 0.3, 0.1, 0.25 }, 0.0 };
-    dpt_tool_add(world, &segment, 1, &tool);
+    rig_open(&rig, &def, mesh.mesh, &segment, 1);
     uint32_t exact = 0, rests = 0;
     for (uint32_t tick = 0; tick < 1000 && rests < 20; tick++) {
-        dpt_step step = { .size = sizeof step };
-        dpt_world_step(world, 1e-3, &step);
-        CHECK(!exact || (step.status == DPT_STATUS_EXACT && step.work == 0), "tick %u: status %u, work %u though exact",
-              tick, step.status, step.work);
+        rig_tick(&rig);
+        CHECK(!exact || (rig.step.status == DPT_STATUS_EXACT && rig.step.work == 0),
+              "tick %u: status %u, work %u though exact", tick, rig.step.status, rig.step.work);
         rests += exact;
-        exact |= step.status == DPT_STATUS_EXACT;
+        exact |= rig.step.status == DPT_STATUS_EXACT;
     }
     CHECK(rests == 20, "exact in %u ticks only", rests);
-    free(block);
+    rig_close(&rig);
     fixture_free(&mesh);
 }
 
@@ -152,8 +124,8 @@ static void budget_out_of_reach(void)
                 input_move(&input, motion, &sims[0].hits[0]);
             while (!(input.moved > 0.0));
         }
-        free(sims[0].block);
-        free(sims[1].block);
+        rig_close(&sims[0].rig);
+        rig_close(&sims[1].rig);
     }
 }
 
@@ -169,7 +141,7 @@ static void same_calls_same_bits(void)
             budget_sim_open(&sims[i], &begin, DPT_METHOD_EXACT, budgets[n % BUDGETS], caches[n % CACHES]);
         for (uint32_t pass = 0; pass < 4; pass++) {
             struct budget_sim *sim = &sims[pass % 2];
-            CHECK(pass < 2 || dpt_world_reset(sim->world) == DPT_OK, "reset");
+            CHECK(pass < 2 || dpt_world_reset(sim->rig.world) == DPT_OK, "reset");
             input = begin;
             for (uint32_t tick = 0; tick < 2 * budget_ticks; tick++) {
                 const unsigned char *byte = (const unsigned char *)sim->hits;
@@ -181,8 +153,8 @@ static void same_calls_same_bits(void)
             }
             CHECK(hash[pass] == hash[0], "scene %u, pass %u", n % SCENES, pass);
         }
-        free(sims[0].block);
-        free(sims[1].block);
+        rig_close(&sims[0].rig);
+        rig_close(&sims[1].rig);
     }
 }
 

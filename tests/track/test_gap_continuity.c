@@ -79,7 +79,7 @@ static void walk(struct sheet *sheet, unsigned long ticks, unsigned long judged,
     struct tick_answer answer, before = { .contacts = 0 };
     while (sums.ticks < ticks) {
         if (sums.ticks % 1000 < 20) {
-            free(scene.block);
+            rig_close(&scene.rig);
             if (!scene_begin(&scene, sheet, 0, NULL))
                 return;
         }
@@ -115,7 +115,7 @@ static void walk(struct sheet *sheet, unsigned long ticks, unsigned long judged,
     int sided = info->open_edges && !info->solid_components && !info->nonmanifold_edges && !info->wrong_way_edges &&
                 info->components == 1;
     CHECK(!sided || sums.flips_in == 0, "%s: behind, not crossed, %lu times", sheet->name, sums.flips_in);
-    free(scene.block);
+    rig_close(&scene.rig);
     printf("    %-30s %6u triangles, %6lu ticks: %lu hits, %lu crossing, %lu unknown; sign of the gap changed "
            "%lu in, %lu out; judged %lu, met %lu, undecided %lu\n",
            sheet->name, sheet->count, sums.ticks, sums.hits, sums.crossing, sums.unknown, sums.flips_in, sums.flips_out,

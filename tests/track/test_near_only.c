@@ -28,9 +28,7 @@ static struct near_tally compare_worlds(const struct near_case *as)
 {
     uint64_t answers = 0, left_out = 0;
     struct near_tally tally = { 0, 0 };
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.until = as->until;
     def.law = as->law;
     for (uint64_t seed = 1; seed <= part_of(WORLDS); seed++) {
@@ -108,9 +106,7 @@ static void a_proxy_feels_the_same(void)
 static void a_proxy_goes_through_nothing(void)
 {
     uint64_t forces = 0;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     for (uint64_t seed = 1; seed <= part_of(WORLDS); seed++) {
         struct near_pair pair;
         near_pair_open(&pair, solids, &def, 0, seed);
@@ -118,7 +114,7 @@ static void a_proxy_goes_through_nothing(void)
             dpt_wrench wrench;
             near_pair_tick(&pair);
             near_pair_check_proxy(&pair);
-            dpt_tool_get_wrench(pair.near.world, pair.near.tool, &wrench);
+            dpt_tool_get_wrench(pair.near.rig.world, pair.near.rig.tool, &wrench);
             forces += wrench.force[0] != 0;
         }
         near_pair_close(&pair);
@@ -129,10 +125,8 @@ static void a_proxy_goes_through_nothing(void)
 /* A budget ends searches: what is told is less then, and never wrong. */
 static void with_a_budget_nothing_is_wrong(void)
 {
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     uint64_t exact = 0;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.until = DPT_UNTIL_CONTACT;
     for (uint64_t seed = 1; seed <= part_of(WORLDS); seed++) {
         struct near_pair pair;
@@ -140,7 +134,7 @@ static void with_a_budget_nothing_is_wrong(void)
         for (int tick = 0; tick < TICKS; tick++) {
             near_pair_tick(&pair);
             near_pair_compare(&pair);
-            exact += pair.near.step.status == DPT_STATUS_EXACT;
+            exact += pair.near.rig.step.status == DPT_STATUS_EXACT;
         }
         near_pair_close(&pair);
     }
@@ -150,16 +144,12 @@ static void with_a_budget_nothing_is_wrong(void)
 /* What stands still is not searched for again, far segments included. */
 static void a_tool_at_rest_costs_nothing(void)
 {
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     struct near_pair pair;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     near_pair_open(&pair, solids, &def, 0, 3);
     for (int tick = 0; tick < 10; tick++) {
-        pair.near.step = (dpt_step){ .size = sizeof pair.near.step };
-        dpt_tool_set_pose(pair.near.world, pair.near.tool, &pair.pose);
-        dpt_world_step(pair.near.world, 1e-3, &pair.near.step);
-        CHECK(tick < 4 || pair.near.step.work == 0, "tick %d: %u units", tick, pair.near.step.work);
+        rig_step_to(&pair.near.rig, &pair.pose);
+        CHECK(tick < 4 || pair.near.rig.step.work == 0, "tick %d: %u units", tick, pair.near.rig.step.work);
     }
     near_pair_close(&pair);
 }
@@ -169,36 +159,32 @@ static void a_new_body_is_found(void)
 {
     static const double away[3] = { 0, 0, 0.3 };
     struct near_pair pair;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     dpt_pose pose = DPT_POSE_IDENTITY;
-    dpt_body added;
     dpt_hit hit = DPT_HIT_INIT;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.max_bodies = NEAR_BODIES + 1;
     near_pair_open(&pair, solids, &def, 0, 1);
     memcpy(pair.pose.position, away, sizeof away);
     for (int tick = 0; tick < 5; tick++) {
-        dpt_tool_set_pose(pair.near.world, pair.near.tool, &pair.pose);
-        dpt_world_step(pair.near.world, 1e-3, NULL);
+        rig_step_to(&pair.near.rig, &pair.pose);
     }
     uint32_t far = 0;
     for (uint32_t s = 0; s < NEAR_SEGMENTS; s++) {
-        dpt_tool_get_segment_hit(pair.near.world, pair.near.tool, s, &hit);
+        dpt_tool_get_segment_hit(pair.near.rig.world, pair.near.rig.tool, s, &hit);
         far = hit.status == DPT_STATUS_BOUNDED ? s : far;
     }
-    dpt_tool_get_segment_hit(pair.near.world, pair.near.tool, far, &hit);
+    dpt_tool_get_segment_hit(pair.near.rig.world, pair.near.rig.tool, far, &hit);
     CHECK(hit.status == DPT_STATUS_BOUNDED && hit.distance > 0.01, "segment %u is at %g", far, hit.distance);
     for (int k = 0; k < 3; k++)
         pose.position[k] = hit.p[k] + (k == 2 ? -0.1 : 0);
-    CHECK(dpt_body_add(pair.near.world, solids[0].mesh, &pose, &added) == DPT_OK, "a new body");
-    dpt_world_step(pair.near.world, 1e-3, NULL);
+    rig_add_body(&pair.near.rig, solids[0].mesh, &pose);
+    rig_tick(&pair.near.rig);
     dpt_query_def query = { .size = sizeof query };
     dpt_hit truth = DPT_HIT_INIT;
     double ends[6];
     near_pair_ends(&pair, far, ends);
     dpt_query_segments(solids[0].mesh, &pose, ends, NULL, 1, &truth, &query);
-    dpt_tool_get_segment_hit(pair.near.world, pair.near.tool, far, &hit);
+    dpt_tool_get_segment_hit(pair.near.rig.world, pair.near.rig.tool, far, &hit);
     CHECK(hit.lower_bound <= truth.distance + truth.error_bound, "at least %g, but it is %g", hit.lower_bound,
           truth.distance);
     near_pair_close(&pair);
@@ -206,18 +192,16 @@ static void a_new_body_is_found(void)
 
 static void settings_say_so(void)
 {
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     struct near_pair pair;
     dpt_tool_settings settings = { .size = sizeof settings };
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     near_pair_open(&pair, solids, &def, 0, 1);
-    dpt_tool_get_settings(pair.near.world, pair.near.tool, &settings);
+    dpt_tool_get_settings(pair.near.rig.world, pair.near.rig.tool, &settings);
     CHECK(settings.near_only == 1, "%u", settings.near_only);
-    dpt_tool_get_settings(pair.all.world, pair.all.tool, &settings);
+    dpt_tool_get_settings(pair.all.rig.world, pair.all.rig.tool, &settings);
     CHECK(settings.near_only == 0, "%u is the default", settings.near_only);
     settings.near_only = 2;
-    CHECK(dpt_tool_set_settings(pair.all.world, pair.all.tool, &settings) == DPT_E_ARGUMENT, "2");
+    CHECK(dpt_tool_set_settings(pair.all.rig.world, pair.all.rig.tool, &settings) == DPT_E_ARGUMENT, "2");
     near_pair_close(&pair);
 }
 

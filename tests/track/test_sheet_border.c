@@ -6,9 +6,8 @@
  *
  * Usage: test_sheet_border [slides = 40] [seed = 1]
  */
-#include <math.h>
-
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 #define HALF      0.1
 #define HOLE      0.0125 /* half of the hole's side */
@@ -126,8 +125,7 @@ struct sums {
 };
 
 struct slide {
-    dpt_world *world;
-    dpt_tool tool;
+    struct rig rig;
     double radius, half, speed, way, turn, tilt, height, low; /* half the tool's length */
     double at[3];
     dpt_force_info last;
@@ -144,10 +142,8 @@ static void turned(const struct slide *slide, double heading, double u[3])
 
 static void judge(struct slide *slide, const double end[2][3], double motion, struct sums *sums)
 {
-    dpt_hit hit = DPT_HIT_INIT;
-    dpt_force_info report = { .size = sizeof report };
-    dpt_tool_get_hit(slide->world, slide->tool, &hit);
-    dpt_tool_get_force_info(slide->world, slide->tool, &report);
+    const dpt_hit hit = slide->rig.hit;
+    const dpt_force_info report = slide->rig.force;
     const double *f = report.wrench.force, *g = slide->last.wrench.force;
     const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
     const double jump =
@@ -188,9 +184,8 @@ static void judge(struct slide *slide, const double end[2][3], double motion, st
 
 static void add_scaled(struct slide *slide, const double at[3], double heading, struct sums *sums)
 {
-    double u[3], end[2][3], motion = 0.0;
+    double u[3], end[2][3], ends[6], motion = 0.0;
     turned(slide, heading, u);
-    dpt_segment segment = { .radius = slide->radius };
     for (int e = 0; e < 2; e++) {
         double way = 0.0;
         for (int k = 0; k < 3; k++) {
@@ -199,11 +194,9 @@ static void add_scaled(struct slide *slide, const double at[3], double heading, 
         }
         motion = fmax(motion, sqrt(way));
     }
-    memcpy(segment.a, end[0], sizeof segment.a);
-    memcpy(segment.b, end[1], sizeof segment.b);
-    dpt_tool_set_segments(slide->world, slide->tool, &segment, 1);
-    dpt_world_step(slide->world, 1e-3, NULL);
+    memcpy(ends, end, sizeof end);
     memcpy(slide->end, end, sizeof end);
+    rig_step_ends(&slide->rig, ends, slide->radius);
     if (sums)
         judge(slide, (const double(*)[3])end, motion, sums);
 }
@@ -217,30 +210,21 @@ static void one_slide(double radius_most, struct sums *sums)
                            .speed = any(5e-5, 3e-4),
                            .way = any(0.0, 6.2831853),
                            .low = any(0.004, 0.025) };
-    dpt_world_def def;
-    dpt_body body;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     const int kind = (int)(random_bits(&sheet_random) % 4);
     if (random_bits(&sheet_random) % 4 == 0)
         slide.low = any(0.1, 1.0) * radius_most + 1e-4; /* through by less than its radius, say */
     slide.tilt = kind == 0 ? 0.0 : kind == 1 ? 1.5707963267948966 : acos(any(0.0, 1.0));
     slide.turn = kind == 2 ? any(-2e-3, 2e-3) : 0.0;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
     def.side_limit = 0.05;
     def.fade = 0.0;
     def.certificate_bytes = 1 << 16;
-    void *block = malloc(dpt_world_bytes(&def));
-    if (!block || dpt_world_create(block, dpt_world_bytes(&def), &def, &slide.world) != DPT_OK ||
-        dpt_body_add(slide.world, sheet.mesh, NULL, &body) != DPT_OK ||
-        dpt_tool_add(slide.world, &none, 1, &slide.tool) != DPT_OK)
-        exit(2);
+    rig_open(&slide.rig, &def, sheet.mesh, &none, 1);
     double heading = any(0.0, 6.2831853), down = slide.half * cos(slide.tilt);
     double at[3] = { 0.055 * (random_bits(&sheet_random) % 2 ? 1.0 : -1.0), any(-0.055, 0.055), 0.0 };
     for (at[2] = down + slide.radius + 0.002; at[2] > down - slide.low; at[2] -= 5e-4)
         add_scaled(&slide, at, heading, NULL);
-    slide.last = (dpt_force_info){ .size = sizeof slide.last };
-    dpt_tool_get_force_info(slide.world, slide.tool, &slide.last);
+    slide.last = slide.rig.force;
     const double to[2] = { cos(slide.way), sin(slide.way) };
     for (int n = 0; n < 1500 && fmax(fabs(at[0]), fabs(at[1])) < 0.15; n++) {
         at[0] += slide.speed * to[0];
@@ -248,7 +232,7 @@ static void one_slide(double radius_most, struct sums *sums)
         heading += slide.turn * slide.speed * 1e3;
         add_scaled(&slide, at, heading, sums);
     }
-    free(block);
+    rig_close(&slide.rig);
 }
 
 static void slides(double radius_most)

@@ -8,7 +8,6 @@
  * Usage: test_sheet_sides_budget [worlds = 250] [seed = 1].
  */
 #include "lib/fixture.h"
-#include "lib/random.h"
 #include "track/sheet_truth.h"
 
 static uint64_t random_state = 1;
@@ -28,30 +27,20 @@ static uint32_t below(uint32_t n)
 }
 
 struct scene {
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
-    dpt_hit hit;
+    struct rig rig;
     dpt_sweep sweep;
-    dpt_wrench wrench;
-    uint32_t work, met, lost; /* sweeps that told of something, and ways that were given up */
+    uint32_t met, lost; /* sweeps that told of something, and ways that were given up */
 };
 
 static int scene_begin(struct scene *scene, uint32_t budget, double radius)
 {
     const dpt_segment lying = { { -0.02, 0.0, 0.0 }, { 0.02, 0.005, 0.0 }, radius };
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.budget = budget;
     def.certificate_bytes = 1 << 16;
     def.fade = 0.0; /* the force is of this tick alone */
-    *scene = (struct scene){ .block = malloc(dpt_world_bytes(&def)) };
-    int made = scene->block && dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world) == DPT_OK &&
-               dpt_tool_add(scene->world, &lying, 1, &scene->tool) == DPT_OK;
-    CHECK(made, "no world");
-    return made;
+    *scene = (struct scene){ .met = 0 };
+    return rig_open(&scene->rig, &def, NULL, &lying, 1);
 }
 
 static dpt_pose at(double x, double z)
@@ -65,31 +54,24 @@ static dpt_pose at(double x, double z)
 static dpt_body add_sheet(struct scene *scene, double x, double z)
 {
     const dpt_pose pose = at(x, z);
-    dpt_body body = 0;
-    CHECK(dpt_body_add(scene->world, sheet.mesh, &pose, &body) == DPT_OK, "no body");
-    return body;
+    return rig_add_body(&scene->rig, sheet.mesh, &pose);
 }
 
 static void tick(struct scene *scene)
 {
-    dpt_step step = { .size = sizeof step };
-    CHECK(dpt_world_step(scene->world, 0.001, &step) == DPT_OK, "step");
-    scene->work = step.work;
-    scene->hit = (dpt_hit)DPT_HIT_INIT;
+    rig_tick(&scene->rig);
     scene->sweep = (dpt_sweep){ .size = sizeof scene->sweep };
-    dpt_tool_get_hit(scene->world, scene->tool, &scene->hit);
-    dpt_tool_get_sweep(scene->world, scene->tool, 0, &scene->sweep);
-    dpt_tool_get_wrench(scene->world, scene->tool, &scene->wrench);
+    dpt_tool_get_sweep(scene->rig.world, scene->rig.tool, 0, &scene->sweep);
     scene->met += scene->sweep.status == DPT_SWEEP_HIT;
     scene->lost += scene->sweep.status == DPT_SWEEP_NONE && !scene->met;
-    CHECK(scene->hit.contact != DPT_CONTACT_UNKNOWN || scene->wrench.force[2] == 0.0, "force %g",
-          scene->wrench.force[2]);
+    CHECK(scene->rig.hit.contact != DPT_CONTACT_UNKNOWN || scene->rig.force.wrench.force[2] == 0.0, "force %g",
+          scene->rig.force.wrench.force[2]);
 }
 
 static void go_to(struct scene *scene, double x, double z)
 {
     const dpt_pose pose = at(x, z);
-    dpt_tool_set_pose(scene->world, scene->tool, &pose);
+    dpt_tool_set_pose(scene->rig.world, scene->rig.tool, &pose);
     tick(scene);
 }
 
@@ -98,7 +80,7 @@ static void rest(struct scene *scene)
 {
     for (int i = 0; i < MOST; i++) {
         tick(scene);
-        if (scene->hit.status == DPT_STATUS_EXACT && scene->hit.contact != DPT_CONTACT_UNKNOWN &&
+        if (scene->rig.hit.status == DPT_STATUS_EXACT && scene->rig.hit.contact != DPT_CONTACT_UNKNOWN &&
             scene->sweep.status != DPT_SWEEP_UNFINISHED && i > 2)
             break;
     }
@@ -107,7 +89,7 @@ static void rest(struct scene *scene)
 static void begin_at(struct scene *scene, double x, double z)
 {
     const dpt_pose pose = at(x, z);
-    dpt_tool_teleport(scene->world, scene->tool, &pose);
+    dpt_tool_teleport(scene->rig.world, scene->rig.tool, &pose);
     rest(scene);
     scene->met = scene->lost = 0;
 }
@@ -162,8 +144,8 @@ static int there_and_back(struct scene *scene, uint32_t budget)
     rest(scene);
     go_to(scene, 0.0, 0.02);
     rest(scene);
-    CHECK(scene->hit.contact == DPT_CONTACT_SEPARATED || (budget && budget < 10), "budget %u: contact %u far away",
-          budget, scene->hit.contact);
+    CHECK(scene->rig.hit.contact == DPT_CONTACT_SEPARATED || (budget && budget < 10), "budget %u: contact %u far away",
+          budget, scene->rig.hit.contact);
     return 1;
 }
 
@@ -175,9 +157,9 @@ static int a_step_that_fails(struct scene *scene, uint32_t budget)
     go_to(scene, 0.01, -0.003);
     for (int i = 0; i < MOST && !scene->met; i++)
         tick(scene);
-    CHECK(dpt_world_step(scene->world, 0.0, NULL) == DPT_E_ARGUMENT, "dt 0");
+    CHECK(dpt_world_step(scene->rig.world, 0.0, NULL) == DPT_E_ARGUMENT, "dt 0");
     rest(scene);
-    CHECK(scene->hit.contact != DPT_CONTACT_SEPARATED, "budget %u: free on the far side", budget);
+    CHECK(scene->rig.hit.contact != DPT_CONTACT_SEPARATED, "budget %u: free on the far side", budget);
     return 1;
 }
 
@@ -210,7 +192,7 @@ static int a_sheet_that_follows(struct scene *scene, uint32_t budget)
     const dpt_pose lower = at(0.0, -0.02);
     begin_at(scene, 0.0, -0.003);
     go_to(scene, 0.2, -0.0085);
-    dpt_body_set_pose(scene->world, body, &lower);
+    dpt_body_set_pose(scene->rig.world, body, &lower);
     go_to(scene, 0.2, -0.0082);
     rest(scene);
     CHECK(!scene->met, "budget %u: met without a touch", budget);
@@ -227,7 +209,7 @@ static int a_side_that_is_given_up(struct scene *scene, uint32_t budget)
     go_to(scene, 0.14, 0.0025);
     go_to(scene, 0.14, -0.02);
     go_to(scene, 0.05, -0.02);
-    dpt_body_set_pose(scene->world, body, &beside);
+    dpt_body_set_pose(scene->rig.world, body, &beside);
     tick(scene);
     rest(scene);
     return -ALWAYS;
@@ -238,7 +220,7 @@ static int both_go_down(struct scene *scene, uint32_t budget)
     dpt_body body = add_sheet(scene, 0.0, 0.0);
     const dpt_pose lower = at(0.0, -0.002);
     begin_at(scene, 0.0, -0.003);
-    dpt_body_set_pose(scene->world, body, &lower);
+    dpt_body_set_pose(scene->rig.world, body, &lower);
     go_to(scene, 0.02, -0.005);
     go_to(scene, 0.02, -0.0051);
     rest(scene);
@@ -252,7 +234,7 @@ static int a_sheet_that_came(struct scene *scene, uint32_t budget)
     dpt_body body = add_sheet(scene, 0.0, 0.0);
     const dpt_pose near = at(0.03, 0.049);
     begin_at(scene, 0.0, 0.052);
-    dpt_body_set_pose(scene->world, body, &near);
+    dpt_body_set_pose(scene->rig.world, body, &near);
     tick(scene);
     go_to(scene, 0.0, 0.0475);
     rest(scene);
@@ -281,7 +263,7 @@ static int a_sheet_that_goes(struct scene *scene, uint32_t budget)
     for (uint32_t i = 0; i < budget % 17 && !scene->met; i++)
         tick(scene);
     uint32_t met = scene->met;
-    dpt_body_remove(scene->world, first);
+    dpt_body_remove(scene->rig.world, first);
     rest(scene);
     CHECK(met || scene->sweep.status != DPT_SWEEP_HIT || scene->sweep.body != first,
           "budget %u: a body that is gone was met", budget);
@@ -314,13 +296,14 @@ static void no_push_to_the_wrong_side(void)
                 return;
             int side = c[i].happens(&scene, budget);
             tick(&scene);
-            CHECK((scene.lost && abs(side) != ALWAYS) || side * scene.wrench.force[2] >= 0.0,
-                  "%s, budget %u: gap %g, force %g", c[i].name, budget, scene.hit.gap, scene.wrench.force[2]);
-            CHECK(scene.work <= budget || !budget, "%u units of %u", scene.work, budget);
-            pushed += scene.wrench.force[2] != 0.0;
-            unknown += scene.hit.contact == DPT_CONTACT_UNKNOWN;
+            CHECK((scene.lost && abs(side) != ALWAYS) || side * scene.rig.force.wrench.force[2] >= 0.0,
+                  "%s, budget %u: gap %g, force %g", c[i].name, budget, scene.rig.hit.gap,
+                  scene.rig.force.wrench.force[2]);
+            CHECK(scene.rig.step.work <= budget || !budget, "%u units of %u", scene.rig.step.work, budget);
+            pushed += scene.rig.force.wrench.force[2] != 0.0;
+            unknown += scene.rig.hit.contact == DPT_CONTACT_UNKNOWN;
             lost += scene.lost > 0;
-            free(scene.block);
+            rig_close(&scene.rig);
         }
         printf("    %-22s pushed with %2u of 57 budgets, unknown with %2u, given up with %2u\n", c[i].name, pushed,
                unknown, lost);
@@ -331,30 +314,17 @@ static void no_push_to_the_wrong_side(void)
 /* Without regions a world keeps no sides: through a sheet it knows nothing, and does not call that a lack of room. */
 static void no_regions_no_sides(void)
 {
-    dpt_world_def def;
-    dpt_world *world;
-    dpt_tool tool;
-    dpt_body body;
-    dpt_hit hit = DPT_HIT_INIT;
-    dpt_step step = { .size = sizeof step };
-    dpt_segment segment = { { 0.0, 0.0, 0.01 }, { 0.0, 0.0, 0.03 }, 0.0 };
-    dpt_world_def_init(&def);
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
+    struct rig rig;
     def.max_contacts = 0;
-    void *block = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK &&
-              dpt_body_add(world, sheet.mesh, NULL, &body) == DPT_OK &&
-              dpt_tool_add(world, &segment, 1, &tool) == DPT_OK,
-          "no world");
+    rig_open(&rig, &def, sheet.mesh, &rig_point, 1);
     for (int t = 0; t < 4; t++) {
-        segment.a[2] = t ? -0.001 * t : 0.01;
-        dpt_tool_set_segments(world, tool, &segment, 1);
-        dpt_world_step(world, 0.001, &step);
-        dpt_tool_get_hit(world, tool, &hit);
-        CHECK(!step.flags && hit.contact == (t ? DPT_CONTACT_UNKNOWN : DPT_CONTACT_SEPARATED),
-              "tick %d: flags %u, contact %u", t, step.flags, hit.contact);
+        const double ends[6] = { 0.0, 0.0, t ? -0.001 * t : 0.01, 0.0, 0.0, 0.03 };
+        const dpt_hit hit = rig_step_ends(&rig, ends, 0.0);
+        CHECK(!rig.step.flags && hit.contact == (t ? DPT_CONTACT_UNKNOWN : DPT_CONTACT_SEPARATED),
+              "tick %d: flags %u, contact %u", t, rig.step.flags, hit.contact);
     }
-    free(block);
+    rig_close(&rig);
 }
 
 /*
@@ -430,18 +400,18 @@ static void one_world(unsigned long number)
     for (int w = 0; w < 2; w++) {
         if (!scene_begin(&scene[w], w ? 0 : budget, 0.0))
             return;
-        dpt_tool_remove(scene[w].world, scene[w].tool);
+        dpt_tool_remove(scene[w].rig.world, scene[w].rig.tool);
         if (far_first)
             add_sheet(&scene[w], 0.0, 0.08);
         body[w] = add_sheet(&scene[w], 0.0, 0.0);
     }
-    dpt_world *const world[2] = { scene[0].world, scene[1].world };
+    dpt_world *const world[2] = { scene[0].rig.world, scene[1].rig.world };
     for (uint32_t i = 0; i < count; i++) {
         subject[i] = (struct subject){ .side = 0 };
         subject[i].segment.radius = below(3) ? 0.0 : any(0.0, 0.004);
         move_segment(&subject[i].segment, 0.02);
         for (int w = 0; w < 2; w++)
-            dpt_tool_add(world[w], &subject[i].segment, 1, &subject[i].tool[w]);
+            subject[i].tool[w] = rig_add_tool(&scene[w].rig, &subject[i].segment, 1);
     }
     for (int t = 0; t < TICKS; t++) {
         uint32_t one = below(count), what = t < 60 ? 99 : below(100);
@@ -456,7 +426,7 @@ static void one_world(unsigned long number)
                 move_segment(&subject[i].segment, pace);
             for (int w = 0; w < 2 && i == one && what == 1; w++) { /* those behind it move up */
                 dpt_tool_remove(world[w], subject[i].tool[w]);
-                dpt_tool_add(world[w], &subject[i].segment, 1, &subject[i].tool[w]);
+                subject[i].tool[w] = rig_add_tool(&scene[w].rig, &subject[i].segment, 1);
                 subject[i].side = 0;
             }
             for (int w = 0; w < 2; w++)
@@ -470,8 +440,8 @@ static void one_world(unsigned long number)
         for (uint32_t i = 0; i < count && what != 2; i++)
             check_subject(world, &subject[i], height, number);
     }
-    free(scene[0].block);
-    free(scene[1].block);
+    rig_close(&scene[0].rig);
+    rig_close(&scene[1].rig);
 }
 
 static void sides_are_of_the_way_that_was_taken(void)

@@ -20,7 +20,7 @@ static uint32_t first_contact(struct sheet *sheet, const struct state *state)
         CHECK(answer.hit.contact == DPT_CONTACT_UNKNOWN || fabs(answer.hit.gap) <= answer.hit.error_bound, "%s: gap %g",
               sheet->name, answer.hit.gap);
     }
-    free(scene.block);
+    rig_close(&scene.rig);
     return answer.hit.contact;
 }
 
@@ -97,7 +97,7 @@ static void round_the_border_is_in_front(void)
         struct scene like = scene;
         like.def.margin = 0.0014;
         like.def.side_limit = 0.0;
-        free(scene.block);
+        rig_close(&scene.rig);
         if (scene_begin(&scene, &sheet, 0, &like)) {
             struct ride ride = { .scene = &scene, .sums = &sums };
             for (int i = 0; i < 4; i++)
@@ -105,7 +105,7 @@ static void round_the_border_is_in_front(void)
             CHECK(sums.sided == 2 && sums.clean == 2 && ride.knowledge == UNCROSSED,
                   "through in %lu ticks, free in %lu, then %d", sums.sided, sums.clean, ride.knowledge);
         }
-        free(scene.block);
+        rig_close(&scene.rig);
     }
     sheet_free(&sheet);
 }
@@ -126,7 +126,7 @@ static void through_a_corner_is_behind(void)
         struct scene like = scene;
         like.def.margin = 0.001;
         like.def.side_limit = 0.0;
-        free(scene.block);
+        rig_close(&scene.rig);
         if (scene_begin(&scene, &sheet, 0, &like)) {
             struct ride ride = { .scene = &scene, .sums = &sums };
             for (int i = 0; i < 5; i++) {
@@ -139,7 +139,7 @@ static void through_a_corner_is_behind(void)
             }
             CHECK(sums.behind == 2, "behind in %lu ticks", sums.behind);
         }
-        free(scene.block);
+        rig_close(&scene.rig);
     }
     sheet_free(&sheet);
 }
@@ -157,7 +157,7 @@ static void a_way_through_a_hole_is_free(void)
         return;
     for (unsigned long i = 0; i < crossing_count / 100; i++) {
         if (i % 100 == 0) {
-            free(scene.block);
+            rig_close(&scene.rig);
             if (!scene_begin(&scene, &sheet, 0, NULL))
                 return;
         }
@@ -177,7 +177,7 @@ static void a_way_through_a_hole_is_free(void)
         for (int k = 0; k < 4; k++)
             ride_tick(&ride, &state[k % 2], k == 0, -1.0);
     }
-    free(scene.block);
+    rig_close(&scene.rig);
     printf("    %lu ticks, did not cross %lu, met %lu, clear %lu, undecided %lu, not judged %lu\n", sums.ticks,
            sums.clean, sums.met, sums.clear, sums.undecided, sums.doubtful);
     sheet_free(&sheet);

@@ -45,7 +45,7 @@ static void flat_crossing(struct ride *ride, double *late)
     struct state from = { .free = 1, .tool = DPT_POSE_IDENTITY, .body = DPT_POSE_IDENTITY }, to;
     any_unit(way);
     way[2] *= one_in(3) ? power_in(-3.0, 0.0) : 1.0;
-    unit3(way);
+    unit_or_z(way);
     any_direction(u, normal, way);
     /* It begins free: what is nearer than rounding touches already. */
     way[2] = -side * fmax(fabs(way[2]) * pace, 1e-10 / meeting);
@@ -101,13 +101,13 @@ static void a_flat_sheet_is_crossed_in_one_tick(void)
     for (unsigned long i = 0; sums.met < crossing_count; i++) {
         struct ride ride = { .scene = &scene, .sums = &sums };
         if (i % 1000 == 0) {
-            free(scene.block);
+            rig_close(&scene.rig);
             if (!scene_begin(&scene, &sheet, 0, NULL))
                 return;
         }
         flat_crossing(&ride, &late);
     }
-    free(scene.block);
+    rig_close(&scene.rig);
     printf("    %lu ticks, %lu crossings, %.1e late at most; behind %lu, did not cross %lu\n", sums.ticks, sums.met,
            late, sums.behind, sums.clean);
     sheet_free(&sheet);
@@ -165,7 +165,7 @@ static void ways_that_bend_twice_are_swept(void)
         struct state from = flight_at(&flight, 0.0), to = flight_at(&flight, 1.0);
         ride_tick(&ride, &from, 1, -1.0);
         ride_tick(&ride, &to, 0, 0.25); /* there it is on the other side */
-        free(scene.block);
+        rig_close(&scene.rig);
         sheet_free(&sheet);
     }
     printf("    %lu ticks, met %lu, near %lu, undecided %lu, clear %lu\n", sums.swept, sums.met, sums.near,
@@ -185,7 +185,7 @@ static void pass_thin_body(struct scene *scene, struct sums *sums, int is_bead, 
     any_unit(way);
     if (!is_bead)
         way[2] += way[2] < 0.0 ? -0.3 : 0.3;
-    unit3(way);
+    unit_or_z(way);
     any_across(u, way); /* sideways, in its own line, or a point */
     if (one_in(3))
         memcpy(u, way, sizeof u);
@@ -241,7 +241,7 @@ static void thin_bodies_are_not_missed(void)
         for (unsigned long i = 0; i < crossing_count / 20; i++) {
             pass_thin_body(&scene, &sums, body, &passed);
         }
-        free(scene.block);
+        rig_close(&scene.rig);
         sheet_free(&sheet);
     }
     printf("    %lu ticks, met %lu, free at both ends %lu, undecided %lu; worst touch %.3f of the tolerance\n",
@@ -304,9 +304,8 @@ static void a_small_budget_only_delays(void)
         struct scene ample = { NULL };
         for (unsigned long i = 0; i < flights / 2; i++) {
             if (i % 20 == 0) {
-                free(scene.block);
-                free(ample.block);
-                ample.block = NULL;
+                rig_close(&scene.rig);
+                rig_close(&ample.rig);
                 uint32_t most = i % 40 ? 16 : 200;
                 if (!scene_begin(&scene, &sheet, 1 + (uint32_t)(random_bits(&sheet_random) % most), NULL) ||
                     !scene_begin(&ample, &sheet, 0, &scene))
@@ -316,8 +315,8 @@ static void a_small_budget_only_delays(void)
             unfinished += ticks;
             longest = ticks > longest ? ticks : longest;
         }
-        free(scene.block);
-        free(ample.block);
+        rig_close(&scene.rig);
+        rig_close(&ample.rig);
         sheet_free(&sheet);
     }
     printf("    %lu sweeps, %lu ticks unfinished, at most %u before an end; met %lu, undecided %lu\n", sums.swept,

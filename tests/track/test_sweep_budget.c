@@ -7,7 +7,6 @@
  * Usage: test_sweep_budget [motions = 1500] [seed = 1].
  */
 #include "lib/fixture.h"
-#include "lib/random.h"
 #include "track/sheet_truth.h"
 
 static uint64_t rng = 1;
@@ -16,10 +15,8 @@ static unsigned long motion_count = 1500;
 enum { BODIES = 8, MOST = 20000 };
 
 struct scene {
-    void *block;
-    dpt_world *world;
+    struct rig rig;
     dpt_body body[BODIES];
-    dpt_tool tool;
 };
 
 static struct fixture meshes[3];
@@ -38,8 +35,8 @@ static dpt_pose any_pose(double where)
 {
     dpt_pose pose = DPT_POSE_IDENTITY;
     double axis[3] = { any(-1.0, 1.0), any(-1.0, 1.0), any(-1.0, 1.0) };
-    unit3(axis);
-    quat_about(pose.orientation, axis, any(0.0, 3.0));
+    unit_or_z(axis);
+    pose_orient(&pose, axis, any(0.0, 3.0));
     for (int k = 0; k < 3; k++)
         pose.position[k] = any(-where, where);
     return pose;
@@ -60,40 +57,31 @@ static struct limits of_budget(uint32_t budget)
 static int scene_begin(struct scene *scene, struct limits limits, const dpt_segment *segment, uint32_t bodies,
                        const uint32_t *mesh, const dpt_pose *poses)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.budget = limits.budget;
     def.sweep_budget = limits.sweep;
     def.certificate_bytes = 1 << 16;
-    *scene = (struct scene){ .block = malloc(dpt_world_bytes(&def)) };
-    int made = scene->block && dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world) == DPT_OK;
+    int made = rig_open(&scene->rig, &def, NULL, segment, 1);
     for (uint32_t i = 0; i < bodies; i++)
-        made = made && dpt_body_add(scene->world, meshes[mesh[i]].mesh, &poses[i], &scene->body[i]) == DPT_OK;
-    made = made && dpt_tool_add(scene->world, segment, 1, &scene->tool) == DPT_OK;
-    CHECK(made, "no world");
+        made = made && (scene->body[i] = rig_add_body(&scene->rig, meshes[mesh[i]].mesh, &poses[i]));
     return made;
 }
 
-static dpt_hit tick(const struct scene *scene, dpt_sweep *sweep, uint32_t *work)
+static dpt_hit tick(struct scene *scene, dpt_sweep *sweep, uint32_t *work)
 {
-    dpt_step step = { .size = sizeof step };
-    dpt_hit hit = DPT_HIT_INIT;
     *sweep = (dpt_sweep){ .size = sizeof *sweep };
-    dpt_result result = dpt_world_step(scene->world, 0.001, &step);
-    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-    dpt_tool_get_hit(scene->world, scene->tool, &hit);
-    dpt_tool_get_sweep(scene->world, scene->tool, 0, sweep);
+    rig_tick(&scene->rig);
+    const dpt_hit hit = scene->rig.hit;
+    dpt_tool_get_sweep(scene->rig.world, scene->rig.tool, 0, sweep);
     CHECK(sweep->status != DPT_SWEEP_UNFINISHED ||
               (hit.contact == DPT_CONTACT_UNKNOWN && (hit.flags & DPT_HIT_FLAG_BUDGET)),
           "unfinished, contact %u, flags %u", hit.contact, hit.flags);
-    *work = step.work;
+    *work = scene->rig.step.work;
     return hit;
 }
 
 /* Until its nearest pair is exact. */
-static dpt_hit settle(const struct scene *scene)
+static dpt_hit settle(struct scene *scene)
 {
     dpt_sweep sweep;
     uint32_t work;
@@ -105,15 +93,15 @@ static dpt_hit settle(const struct scene *scene)
 }
 
 /* All but the first were far away: as they come, from the last to the second, they join those that are near. */
-static void bodies_come_last_first(const struct scene *scene, uint32_t bodies, const dpt_pose *poses)
+static void bodies_come_last_first(struct scene *scene, uint32_t bodies, const dpt_pose *poses)
 {
     dpt_pose far = DPT_POSE_IDENTITY;
     far.position[2] = 100.0;
     for (uint32_t k = 1; k < bodies; k++)
-        dpt_body_set_pose(scene->world, scene->body[k], &far);
+        dpt_body_set_pose(scene->rig.world, scene->body[k], &far);
     settle(scene);
     for (uint32_t k = bodies; k-- > 1;)
-        dpt_body_set_pose(scene->world, scene->body[k], &poses[k]);
+        dpt_body_set_pose(scene->rig.world, scene->body[k], &poses[k]);
     settle(scene);
     settle(scene); /* nothing moved before it */
 }
@@ -164,19 +152,19 @@ static void any_budget_comes_to_the_same(void)
         if (!scene_begin(&ample, unlimited, &segment, bodies, mesh, poses) ||
             !scene_begin(&small, limits, &segment, bodies, mesh, poses))
             return;
-        dpt_tool_teleport(ample.world, ample.tool, &from);
-        dpt_tool_teleport(small.world, small.tool, &from);
+        dpt_tool_teleport(ample.rig.world, ample.rig.tool, &from);
+        dpt_tool_teleport(small.rig.world, small.rig.tool, &from);
         bodies_come_last_first(&ample, bodies, poses);
         bodies_come_last_first(&small, bodies, poses);
-        dpt_tool_set_pose(ample.world, ample.tool, &to);
-        dpt_tool_set_pose(small.world, small.tool, &to);
+        dpt_tool_set_pose(ample.rig.world, ample.rig.tool, &to);
+        dpt_tool_set_pose(small.rig.world, small.rig.tool, &to);
         tick(&ample, &truth, &work);
         needed += work;
         uint32_t most = BESIDE + 2 * work, all = 0;
         do {
             for (uint32_t k = 0; k < bodies; k++) /* a pose that is set once more is no motion */
-                dpt_body_set_pose(small.world, small.body[k], &poses[k]);
-            dpt_tool_set_pose(small.world, small.tool, &to);
+                dpt_body_set_pose(small.rig.world, small.body[k], &poses[k]);
+            dpt_tool_set_pose(small.rig.world, small.rig.tool, &to);
             tick(&small, &sweep, &work);
             CHECK(is_of_sweep || work <= budget, "%u units of %u", work, budget);
             all += is_of_sweep ? budget : work;
@@ -189,8 +177,8 @@ static void any_budget_comes_to_the_same(void)
         taken += all;
         hits += truth.status == DPT_SWEEP_HIT;
         several += bodies > 1 && ticks > 0;
-        free(small.block);
-        free(ample.block);
+        rig_close(&small.rig);
+        rig_close(&ample.rig);
     }
     printf("    %lu motions, %lu met something; %lu ticks unfinished, %lu motions past several "
            "bodies; %.2f of the work without a budget\n",
@@ -226,7 +214,7 @@ static void a_tool_that_goes_on_misses_nothing(void)
         const double end[3] = { start[0] + any(-0.01, 0.01), start[1] + any(-0.01, 0.01),
                                 crosses ? -side * way : start[2] };
         memcpy(pose.position, start, sizeof start);
-        dpt_tool_teleport(scene.world, scene.tool, &pose);
+        dpt_tool_teleport(scene.rig.world, scene.rig.tool, &pose);
         settle(&scene);
         for (uint32_t k = 1; ticks < MOST; k++) {
             double t = k < ASIDE ? 0.0 : k < steps ? (double)k / steps : 1.0;
@@ -234,7 +222,7 @@ static void a_tool_that_goes_on_misses_nothing(void)
                 pose.position[c] = start[c] + t * (end[c] - start[c]);
             if (k < ASIDE) /* so far in a tick that nothing is proven of its nearest pair */
                 pose.position[0] = any(-0.05, 0.05);
-            dpt_tool_set_pose(scene.world, scene.tool, &pose);
+            dpt_tool_set_pose(scene.rig.world, scene.rig.tool, &pose);
             tick(&scene, &sweep, &work);
             int hit = sweep.status == DPT_SWEEP_HIT;
             met_at = met_at || side * pose.position[2] > 0.0 ? met_at : k;
@@ -253,7 +241,7 @@ static void a_tool_that_goes_on_misses_nothing(void)
         CHECK(told == (uint32_t)crosses || (none && !told && !is_of_sweep),
               "budget %u, %u steps of %g: met %u times, crosses %d", budget, steps, (from + way) / steps, told,
               crosses);
-        free(scene.block);
+        rig_close(&scene.rig);
     }
     printf("    %lu ways, %lu of them behind at times; %lu crossings told later, %lu given up\n", motion_count, behind,
            late, given_up);
@@ -275,18 +263,18 @@ static void a_sweep_that_lags_comes_after(void)
     if (!scene_begin(&scene, of_budget(BUDGET), &segment, 1, sheet, &identity))
         return;
     pose.position[2] = 0.008;
-    dpt_tool_teleport(scene.world, scene.tool, &pose);
+    dpt_tool_teleport(scene.rig.world, scene.rig.tool, &pose);
     settle(&scene);
     for (int k = 0; k < TICKS; k++) {
         pose.position[1] = 0.03 * sin(0.1 * k);
         pose.position[0] = 0.03 * sin(0.17 * k);
-        dpt_tool_set_pose(scene.world, scene.tool, &pose);
+        dpt_tool_set_pose(scene.rig.world, scene.rig.tool, &pose);
         tick(&scene, &sweep, &work);
         free_ticks += sweep.status == DPT_SWEEP_FREE;
     }
     printf("    of %d ticks %u were swept to their end\n", TICKS, free_ticks);
     CHECK(free_ticks > TICKS / 6 && free_ticks < TICKS / 2, "%u", free_ticks);
-    free(scene.block);
+    rig_close(&scene.rig);
 }
 
 /*
@@ -308,12 +296,12 @@ static void a_way_past_what_moves_is_given_up(void)
             pose[comes != 0].position[0] = -0.03;
             if (!scene_begin(&scene, of_budget(budget), &segment, 1, sheet, &pose[1]))
                 return;
-            dpt_tool_teleport(scene.world, scene.tool, &from);
+            dpt_tool_teleport(scene.rig.world, scene.rig.tool, &from);
             settle(&scene);
-            dpt_tool_set_pose(scene.world, scene.tool, &to);
+            dpt_tool_set_pose(scene.rig.world, scene.rig.tool, &to);
             tick(&scene, &sweep, &work);
             CHECK(comes || sweep.status == DPT_SWEEP_UNFINISHED, "sweep %u", sweep.status);
-            dpt_body_set_pose(scene.world, scene.body[0], &pose[0]);
+            dpt_body_set_pose(scene.rig.world, scene.body[0], &pose[0]);
             tick(&scene, &sweep, &work);
             while (sweep.status == DPT_SWEEP_UNFINISHED && ++ticks < MOST)
                 tick(&scene, &sweep, &work);
@@ -323,7 +311,7 @@ static void a_way_past_what_moves_is_given_up(void)
                 dpt_hit hit = tick(&scene, &sweep, &work);
                 CHECK(hit.contact != DPT_CONTACT_PENETRATING, "pushed, gap %g", hit.gap);
             }
-            free(scene.block);
+            rig_close(&scene.rig);
         }
 }
 
@@ -339,28 +327,28 @@ static void what_is_under_way_is_forgotten(void)
         dpt_segment segment = { .a = { 0.0, 0.0, 0.01 }, .b = { 0.1, 0.02, 0.01 } };
         if (!scene_begin(&scene, of_budget(2), &segment, 1, sheet, &identity))
             return;
-        dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+        dpt_tool_set_segments(scene.rig.world, scene.rig.tool, &segment, 1);
         settle(&scene);
         segment.a[2] = segment.b[2] = -0.01;
-        dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+        dpt_tool_set_segments(scene.rig.world, scene.rig.tool, &segment, 1);
         tick(&scene, &sweep, &work);
         CHECK(sweep.status == DPT_SWEEP_UNFINISHED, "sweep %u", sweep.status);
         if (how == 0)
-            dpt_tool_teleport(scene.world, scene.tool, &identity);
+            dpt_tool_teleport(scene.rig.world, scene.rig.tool, &identity);
         if (how == 1)
-            dpt_world_reset(scene.world);
+            dpt_world_reset(scene.rig.world);
         if (how == 2) {
-            dpt_body_remove(scene.world, scene.body[0]);
+            dpt_body_remove(scene.rig.world, scene.body[0]);
             dpt_pose far = DPT_POSE_IDENTITY;
             far.position[2] = 0.5;
-            dpt_body_add(scene.world, meshes[0].mesh, &far, &scene.body[0]);
+            scene.body[0] = rig_add_body(&scene.rig, meshes[0].mesh, &far);
         }
-        dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+        dpt_tool_set_segments(scene.rig.world, scene.rig.tool, &segment, 1);
         do
             tick(&scene, &sweep, &work);
         while (sweep.status == DPT_SWEEP_UNFINISHED && ++ticks < MOST);
         CHECK(sweep.status == (how == 2 ? DPT_SWEEP_FREE : DPT_SWEEP_NONE), "%d: sweep %u", how, sweep.status);
-        free(scene.block);
+        rig_close(&scene.rig);
     }
 }
 
@@ -377,27 +365,27 @@ static void another_radius_is_swept_anew(void)
         dpt_segment segment = { { -0.05, 0.0, 0.04 }, { 0.05, 0.01, 0.04 }, 0.001 };
         if (!scene_begin(&scene, of_budget(2), &segment, 1, sheet, &identity))
             return;
-        dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+        dpt_tool_set_segments(scene.rig.world, scene.rig.tool, &segment, 1);
         dpt_hit hit = settle(&scene);
         segment.a[2] -= hit.distance - 0.002;
         segment.b[2] -= hit.distance - 0.002;
         segment.a[0] += 0.05;
         segment.b[0] += 0.05;
         for (int i = 0; i < after; i++) {
-            dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+            dpt_tool_set_segments(scene.rig.world, scene.rig.tool, &segment, 1);
             tick(&scene, &sweep, &work);
         }
         if (sweep.status == DPT_SWEEP_UNFINISHED) {
             grown++;
             segment.radius = 0.02;
-            dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+            dpt_tool_set_segments(scene.rig.world, scene.rig.tool, &segment, 1);
             do
                 tick(&scene, &sweep, &work);
             while (sweep.status == DPT_SWEEP_UNFINISHED && ++ticks < MOST);
             CHECK(sweep.status == DPT_SWEEP_HIT && sweep.time < (hit.distance - 0.019) / hit.distance,
                   "after %d: sweep %u at %g of a way of %g", after, sweep.status, sweep.time, hit.distance);
         }
-        free(scene.block);
+        rig_close(&scene.rig);
     }
     CHECK(grown >= 3, "%u", grown);
 }
@@ -418,20 +406,20 @@ static void what_is_out_of_reach_is_not_waited_for(void)
         dpt_segment segment = { { 0.0, 0.05, -0.00725 }, { 0.05, 0.0, -0.00725 }, 0.0 };
         if (!scene_begin(&scene, of_budget(budget), &segment, 2, sheets, poses))
             return;
-        dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+        dpt_tool_set_segments(scene.rig.world, scene.rig.tool, &segment, 1);
         settle(&scene);
         segment.a[2] = segment.b[2] = 0.00725;
-        dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+        dpt_tool_set_segments(scene.rig.world, scene.rig.tool, &segment, 1);
         tick(&scene, &sweep, &work);
         segment.a[0] += 0.01;
         segment.b[1] += 0.01;
         do {
-            dpt_tool_set_segments(scene.world, scene.tool, &segment, 1);
+            dpt_tool_set_segments(scene.rig.world, scene.rig.tool, &segment, 1);
             tick(&scene, &sweep, &work);
             told += sweep.status == DPT_SWEEP_HIT;
         } while ((sweep.status == DPT_SWEEP_UNFINISHED || !told) && ++ticks < 400);
         CHECK(told == 1, "budget %u: %u told", budget, told);
-        free(scene.block);
+        rig_close(&scene.rig);
     }
 }
 
@@ -442,12 +430,12 @@ struct costs {
 };
 
 /* From where the tool has just been teleported, after a first tick there. */
-static dpt_sweep add_cost(const struct scene *scene, const dpt_pose *to, struct costs *costs)
+static dpt_sweep add_cost(struct scene *scene, const dpt_pose *to, struct costs *costs)
 {
     dpt_sweep sweep;
     uint32_t rest, work;
     tick(scene, &sweep, &rest);
-    dpt_tool_set_pose(scene->world, scene->tool, to);
+    dpt_tool_set_pose(scene->rig.world, scene->rig.tool, to);
     tick(scene, &sweep, &work);
     const uint32_t cost = work > rest ? work - rest : 0;
     costs->most = cost > costs->most ? cost : costs->most;
@@ -472,7 +460,7 @@ static void fast_motions_cost_little(void)
         return;
     for (int i = 0; i < MOTIONS; i++) {
         const dpt_pose from = any_pose(0.25), to = any_pose(0.5);
-        dpt_tool_teleport(scene.world, scene.tool, &from);
+        dpt_tool_teleport(scene.rig.world, scene.rig.tool, &from);
         settle(&scene);
         met += add_cost(&scene, &to, &costs).status == DPT_SWEEP_HIT;
     }
@@ -480,7 +468,7 @@ static void fast_motions_cost_little(void)
            costs.most);
     CHECK(met > MOTIONS / 10, "%u met", met);
     CHECK(costs.sum < 150 * MOTIONS && costs.most < 2000, "%u at most", costs.most);
-    free(scene.block);
+    rig_close(&scene.rig);
 }
 
 /*
@@ -511,7 +499,7 @@ static void turns_about_a_near_end_cost_little(void)
         const double near = segment.radius + pow(10.0, any(-6.0, -3.0));
         for (int k = 0; k < 3; k++)
             pose.position[k] = hit.q[k] + near * (hit.p[k] - hit.q[k]) / hit.distance;
-        dpt_tool_teleport(scene.world, scene.tool, &pose);
+        dpt_tool_teleport(scene.rig.world, scene.rig.tool, &pose);
         hit = settle(&scene);
         if (!(hit.distance > segment.radius))
             continue;
@@ -521,7 +509,7 @@ static void turns_about_a_near_end_cost_little(void)
     }
     printf("    %.0f units each, %u at most\n", (double)costs.sum / MOTIONS, costs.most);
     CHECK(costs.sum < 360 * MOTIONS && costs.most < 3000, "%u at most", costs.most);
-    free(scene.block);
+    rig_close(&scene.rig);
 }
 
 /* A body is known only where it is: its motion is swept at once, whatever is left to the sweeps. */
@@ -540,11 +528,11 @@ static void what_moves_is_swept_at_once(void)
             uint32_t work;
             if (!scene_begin(&scene[k], k ? small : unlimited, &segment, 1, &torus, &from))
                 return;
-            dpt_tool_teleport(scene[k].world, scene[k].tool, &tool_pose);
+            dpt_tool_teleport(scene[k].rig.world, scene[k].rig.tool, &tool_pose);
             tick(&scene[k], &sweep[k], &work);
-            dpt_body_set_pose(scene[k].world, scene[k].body[0], &to);
+            dpt_body_set_pose(scene[k].rig.world, scene[k].body[0], &to);
             tick(&scene[k], &sweep[k], &work);
-            free(scene[k].block);
+            rig_close(&scene[k].rig);
         }
         check_same(&sweep[1], &sweep[0], small.sweep);
         met += sweep[0].status == DPT_SWEEP_HIT;

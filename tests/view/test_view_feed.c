@@ -8,6 +8,7 @@
 #include <pthread.h>
 
 #include "lib/fixture.h"
+#include "lib/rig.h"
 #include "view/server/view_server.h"
 #include "view/view_stream.h"
 
@@ -18,10 +19,7 @@ enum { TICKS_A_STEP = 4 };
 
 struct stage {
     struct fixture fixture;
-    void *memory, *deform;
-    dpt_world *world;
-    dpt_tool tool;
-    dpt_body body;
+    struct rig rig;
     uint32_t vertices;
     struct view_feed *feed;
     uint64_t tick;
@@ -30,30 +28,23 @@ struct stage {
 static void stage_open(struct stage *stage)
 {
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.05 }, 0.002 };
-    dpt_world_def def;
     dpt_deformable_def deform;
     const float *positions;
     memset(stage, 0, sizeof *stage);
     fixture_from_shape(&stage->fixture, "torus", 800);
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    stage->memory = malloc(dpt_world_bytes(&def));
-    dpt_world_create(stage->memory, dpt_world_bytes(&def), &def, &stage->world);
+    rig_open(&stage->rig, NULL, NULL, &segment, 1);
     dpt_deformable_def_init(&deform);
     deform.mesh = stage->fixture.mesh;
-    stage->deform = malloc(dpt_deformable_bytes(&deform));
-    dpt_body_add_deformable(stage->world, stage->deform, dpt_deformable_bytes(&deform), &deform, &stage->body);
-    dpt_tool_add(stage->world, &segment, 1, &stage->tool);
-    dpt_body_get_vertices(stage->world, stage->body, &positions, &stage->vertices);
-    stage->feed = view_feed_open(stage->world, stage->vertices);
+    rig_add_deformable(&stage->rig, &deform);
+    dpt_body_get_vertices(stage->rig.world, stage->rig.body, &positions, &stage->vertices);
+    stage->feed = view_feed_open(stage->rig.world, stage->vertices);
     CHECK(stage->feed != NULL && stage->vertices > 100, "no feed");
 }
 
 static void stage_close(struct stage *stage)
 {
     view_feed_close(stage->feed);
-    free(stage->memory);
-    free(stage->deform);
+    rig_close(&stage->rig);
     fixture_free(&stage->fixture);
 }
 
@@ -79,8 +70,7 @@ static void tick(struct stage *stage, int has_moved)
     dpt_pose pose = DPT_POSE_IDENTITY;
     pose.position[0] = 1e-5 * (double)(i % 10000);
     pose.position[1] = 1.0; /* far away, and so cheap */
-    dpt_tool_set_pose(stage->world, stage->tool, &pose);
-    dpt_world_step(stage->world, 0.001, NULL);
+    rig_step_to(&stage->rig, &pose);
     view_feed_tick(stage->feed, &numbers, &physics, 1000000 * i + 1);
 }
 

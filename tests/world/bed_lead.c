@@ -4,12 +4,6 @@
 #define TURN  6.283185307179586
 #define CLEAR 0.003 /* above the place, at the path's beginning */
 
-static void cross3(const double a[3], const double b[3], double c[3])
-{
-    for (int k = 0; k < 3; k++)
-        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
 void bed_path_make(struct bed_path *path, const struct solid *solid, uint64_t seed)
 {
     const float *c = solid->corners + 9 * (random_bits(&seed) % (uint64_t)solid->place.triangles);
@@ -68,62 +62,42 @@ uint32_t bed_path_ticks(const struct bed_path *path, double step)
     bed_path_at(path, 0, &pose, last);
     for (int i = 1; i <= PARTS; i++) {
         bed_path_at(path, (double)i / PARTS, &pose, ends);
-        farthest = fmax(farthest, motion_of(last, ends));
+        farthest = fmax(farthest, ends_moved(last, ends));
         memcpy(last, ends, sizeof last);
     }
     return (uint32_t)(PARTS * farthest * 1.02 / step) + 1;
 }
 
-int bed_lead_open(struct bed_lead *lead, const dpt_mesh *mesh)
+int bed_lead_open(struct rig *rig, const dpt_mesh *mesh)
 {
     const dpt_segment segment = { { -BED_LENGTH / 2, 0, 0 }, { BED_LENGTH / 2, 0, 0 }, BED_RADIUS };
-    dpt_tool_settings settings = { .size = sizeof settings };
-    dpt_world_def def;
-    dpt_body body;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_BED);
     def.margin = 0.001;
-    const size_t bytes = dpt_world_bytes(&def);
-    *lead = (struct bed_lead){ .block = malloc(bytes), .report.size = sizeof lead->report };
-    const int made = lead->block && dpt_world_create(lead->block, bytes, &def, &lead->world) == DPT_OK &&
-                     dpt_body_add(lead->world, mesh, NULL, &body) == DPT_OK &&
-                     dpt_tool_add(lead->world, &segment, 1, &lead->tool) == DPT_OK &&
-                     dpt_tool_get_settings(lead->world, lead->tool, &settings) == DPT_OK;
-    settings.law = DPT_LAW_BED;
-    settings.stiffness = BED_STIFFNESS;
-    const int set = made && dpt_tool_set_settings(lead->world, lead->tool, &settings) == DPT_OK;
-    CHECK(set, "no world");
-    return set;
+    def.stiffness = BED_STIFFNESS;
+    return rig_open(rig, &def, mesh, &segment, 1);
 }
 
-int bed_lead_begin(struct bed_lead *lead, const struct solid *solid, const struct bed_path *path)
+int bed_lead_begin(struct rig *rig, const struct solid *solid, const struct bed_path *path)
 {
     dpt_hit hit = DPT_HIT_INIT;
-    dpt_pose pose;
     double ends[6];
-    bed_path_at(path, 0, &pose, ends);
+    bed_path_at(path, 0, &rig->device, ends);
     dpt_query_segments(solid->mesh, NULL, ends, NULL, 1, &hit, NULL);
     if (!(hit.gap > BED_RADIUS))
         return 0;
-    dpt_tool_teleport(lead->world, lead->tool, &pose);
-    dpt_world_step(lead->world, 1e-3, NULL);
-    bed_lead_to(lead, path, 0);
-    return lead->report.reason == DPT_FORCE_FREE;
+    rig_place(rig);
+    return rig->force.reason == DPT_FORCE_FREE;
 }
 
-struct bed_felt bed_lead_to(struct bed_lead *lead, const struct bed_path *path, double t)
+struct bed_felt bed_lead_to(struct rig *rig, const struct bed_path *path, double t)
 {
-    dpt_pose pose;
     double ends[6];
     struct bed_felt felt;
-    bed_path_at(path, t, &pose, ends);
-    const int stepped = dpt_tool_set_pose(lead->world, lead->tool, &pose) == DPT_OK &&
-                        dpt_world_step(lead->world, 1e-3, NULL) == DPT_OK &&
-                        dpt_tool_get_force_info(lead->world, lead->tool, &lead->report) == DPT_OK;
-    CHECK(stepped, "no step");
-    memcpy(felt.force, lead->report.wrench.force, sizeof felt.force);
-    memcpy(felt.torque, lead->report.wrench.torque, sizeof felt.torque);
-    felt.energy = lead->report.energy;
+    bed_path_at(path, t, &rig->device, ends);
+    rig_step(rig);
+    memcpy(felt.force, rig->force.wrench.force, sizeof felt.force);
+    memcpy(felt.torque, rig->force.wrench.torque, sizeof felt.torque);
+    felt.energy = rig->force.energy;
     return felt;
 }
 
@@ -154,7 +128,7 @@ static void query_points(const dpt_mesh *mesh, const double ends[6], const doubl
 {
     static double points[BED_POINTS + 2][6];
     for (size_t i = 0; i < count; i++) {
-        along(ends, s[i], points[i]);
+        point_at(ends, s[i], points[i]);
         memcpy(points[i] + 3, points[i], 3 * sizeof *points[i]);
     }
     hits[0].size = sizeof *hits;

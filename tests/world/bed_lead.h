@@ -6,6 +6,7 @@
 #ifndef DPT_TESTS_BED_LEAD_H
 #define DPT_TESTS_BED_LEAD_H
 
+#include "lib/rig.h"
 #include "lib/solid.h"
 
 #define BED_LENGTH    0.03
@@ -31,25 +32,13 @@ struct bed_felt {
     double force[3], torque[3], energy;
 };
 
-struct bed_lead {
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
-    dpt_force_info report;
-};
-
-int bed_lead_open(struct bed_lead *lead, const dpt_mesh *mesh);
-
-static inline void bed_lead_close(struct bed_lead *lead)
-{
-    free(lead->block);
-}
+int bed_lead_open(struct rig *rig, const dpt_mesh *mesh);
 
 /* Put down at t = 0. Returns 0 if something is there: such a path is none. */
-int bed_lead_begin(struct bed_lead *lead, const struct solid *solid, const struct bed_path *path);
+int bed_lead_begin(struct rig *rig, const struct solid *solid, const struct bed_path *path);
 
 /* A tick at t. */
-struct bed_felt bed_lead_to(struct bed_lead *lead, const struct bed_path *path, double t);
+struct bed_felt bed_lead_to(struct rig *rig, const struct bed_path *path, double t);
 
 enum { BED_POINTS = 4096 };
 

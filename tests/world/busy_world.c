@@ -5,6 +5,7 @@
 
 #include "dynpoint/baseline.h"
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 enum { RIGID = 3, SEGMENTS = RIGID + 2, QUERIES = 4 };
 
@@ -76,11 +77,8 @@ static void add_tool(struct busy_world *busy, int which)
 
 int busy_world_open(struct busy_world *busy, const struct busy_scene *scene, uint32_t kernel)
 {
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     dpt_baseline_def baseline;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
     dpt_baseline_def_init(&baseline);
     def.max_bodies = BUSY_BODIES;
     def.max_tools = BUSY_TOOLS;

@@ -27,28 +27,14 @@ static void set_box(const struct deform_scene *scene, dpt_deformable_def *def)
 
 static int open_world(struct deform_scene *scene, const dpt_world_def *given, const dpt_deformable_def *deform)
 {
-    dpt_world_def def;
-    dpt_deformable_def deform_def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    dpt_deformable_def_init(&deform_def);
+    dpt_deformable_def def;
+    dpt_deformable_def_init(&def);
     if (deform)
-        deform_def = *deform;
+        def = *deform;
     else
-        set_box(scene, &deform_def);
-    deform_def.mesh = scene->fixture.mesh;
-    const size_t bytes = dpt_world_bytes(given ? given : &def);
-    scene->body_bytes = dpt_deformable_bytes(&deform_def);
-    scene->block = malloc(bytes);
-    scene->body_block = malloc(scene->body_bytes);
-    CHECK(scene->block && scene->body_block && bytes && scene->body_bytes, "no memory");
-    if (!scene->block || !scene->body_block)
-        return 0;
-    dpt_result result = dpt_world_create(scene->block, bytes, given ? given : &def, &scene->world);
-    if (result == DPT_OK)
-        result = dpt_body_add_deformable(scene->world, scene->body_block, scene->body_bytes, &deform_def, &scene->body);
-    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-    return result == DPT_OK;
+        set_box(scene, &def);
+    def.mesh = scene->fixture.mesh;
+    return rig_open(&scene->rig, given, NULL, NULL, 0) && rig_add_deformable(&scene->rig, &def);
 }
 
 int deform_scene_open_mesh(struct deform_scene *scene, const dpt_world_def *def, const dpt_deformable_def *deform)
@@ -96,8 +82,7 @@ void deform_scene_close(struct deform_scene *scene)
     free(scene->next);
     free(scene->changed);
     free(scene->list);
-    free(scene->block);
-    free(scene->body_block);
+    rig_close(&scene->rig);
     fixture_free(&scene->fixture);
 }
 
@@ -187,16 +172,17 @@ static dpt_result set_list(struct deform_scene *scene)
     count += count / 8;
     for (uint32_t i = 0; i < count; i++)
         memcpy(scene->changed + 3 * (size_t)i, scene->next + 3 * (size_t)scene->list[i], 3 * sizeof(float));
-    return dpt_body_set_vertex_list(scene->world, scene->body, scene->list, count, scene->changed, -1.0);
+    return dpt_body_set_vertex_list(scene->rig.world, scene->rig.body, scene->list, count, scene->changed, -1.0);
 }
 
 /* Three ranges, of which the second goes somewhere else first. */
 static dpt_result set_ranges(struct deform_scene *scene)
 {
     const uint32_t third = scene->vertices / 3, from[4] = { 0, third, 2 * third, scene->vertices };
-    dpt_result result = dpt_body_set_vertices(scene->world, scene->body, from[1], from[2] - from[1], scene->rest, -1.0);
+    dpt_result result =
+        dpt_body_set_vertices(scene->rig.world, scene->rig.body, from[1], from[2] - from[1], scene->rest, -1.0);
     for (int k = 0; k < 3 && result == DPT_OK; k++)
-        result = dpt_body_set_vertices(scene->world, scene->body, from[k], from[k + 1] - from[k],
+        result = dpt_body_set_vertices(scene->rig.world, scene->rig.body, from[k], from[k + 1] - from[k],
                                        scene->next + 3 * (size_t)from[k], -1.0);
     return result;
 }
@@ -209,7 +195,7 @@ void deform_scene_set(struct deform_scene *scene, enum deform_form form)
     else if (form == DEFORM_RANGES)
         result = set_ranges(scene);
     else
-        result = dpt_body_set_vertices(scene->world, scene->body, 0, scene->vertices, scene->next,
+        result = dpt_body_set_vertices(scene->rig.world, scene->rig.body, 0, scene->vertices, scene->next,
                                        form == DEFORM_BOUNDED ? largest_motion(scene) : -1.0);
     CHECK(result == DPT_OK, "%s, form %d", dpt_result_name(result), form);
     memcpy(scene->positions, scene->next, 3 * sizeof(float) * (size_t)scene->vertices);

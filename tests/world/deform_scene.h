@@ -6,9 +6,8 @@
 #ifndef DPT_TESTS_DEFORM_SCENE_H
 #define DPT_TESTS_DEFORM_SCENE_H
 
-#include <math.h>
-
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 /* How vertices move. */
 enum deform_kind {
@@ -25,11 +24,7 @@ enum { DEFORM_FORMS = 4 };
 
 struct deform_scene {
     struct fixture fixture;
-    dpt_world *world;
-    void *block, *body_block;
-    size_t body_bytes;
-    dpt_body body;
-    dpt_tool tool;
+    struct rig rig;
     uint32_t vertices;
     const float *rest;     /* the mesh's */
     float *positions;      /* where they are now */

@@ -8,16 +8,12 @@ int pair_open(struct pair *pair, const struct fixture *mesh, const dpt_pose *pos
     for (int w = 0; w < 2; w++) {
         dpt_world_def def = *like;
         def.fade = w == FADES ? like->fade : 0.0;
-        pair->block[w] = malloc(dpt_world_bytes(&def));
-        int made = pair->block[w] &&
-                   dpt_world_create(pair->block[w], dpt_world_bytes(&def), &def, &pair->world[w]) == DPT_OK &&
-                   dpt_tool_add(pair->world[w], segments, count, &pair->tool[w]) == DPT_OK;
-        for (int b = 0; b < BODIES && made && mesh; b++)
-            made =
-                (b && !pose) || dpt_body_add(pair->world[w], mesh->mesh, b ? pose : NULL, &pair->body[w][b]) == DPT_OK;
-        CHECK(made, "no world");
-        if (!made)
+        if (!rig_open(&pair->rig[w], &def, NULL, segments, count))
             return 0;
+        pair->rig[w].dt = dt;
+        for (int b = 0; b < BODIES && mesh; b++)
+            if (!b || pose)
+                pair->body[w][b] = rig_add_body(&pair->rig[w], mesh->mesh, b ? pose : NULL);
     }
     return 1;
 }
@@ -42,7 +38,7 @@ static dpt_body sided_body(const struct pair *pair, dpt_body of)
     double least = HUGE_VAL;
     dpt_body body = 0;
     contact[0].size = sizeof contact[0];
-    dpt_tool_get_contacts(pair->world[TRUE_ONE], pair->tool[TRUE_ONE], contact, 8, &count);
+    dpt_tool_get_contacts(pair->rig[TRUE_ONE].world, pair->rig[TRUE_ONE].tool, contact, 8, &count);
     for (uint32_t i = 0; i < count && i < 8; i++)
         if (contact[i].gap < least && (!of || contact[i].body == of)) {
             least = contact[i].gap;
@@ -52,11 +48,11 @@ static dpt_body sided_body(const struct pair *pair, dpt_body of)
 }
 
 /* What holds of the two answers of any tick. */
-static void check_answers(const struct pair *pair, const dpt_hit hit[2])
+static void check_answers(const struct pair *pair)
 {
     dpt_wrench alone;
-    dpt_tool_get_wrench(pair->world[FADES], pair->tool[FADES], &alone);
-    CHECK(memcmp(&hit[0], &hit[1], sizeof hit[0]) == 0, "hits differ");
+    dpt_tool_get_wrench(pair->rig[FADES].world, pair->rig[FADES].tool, &alone);
+    CHECK(memcmp(&pair->hit, &pair->rig[TRUE_ONE].hit, sizeof pair->hit) == 0, "hits differ");
     CHECK(memcmp(&alone, &pair->reported.wrench, sizeof alone) == 0, "get_wrench says another");
     CHECK(pair->reported.reason == pair->truth.reason, "reasons %u and %u", pair->reported.reason, pair->truth.reason);
     CHECK(!(pair->truth.flags & DPT_FORCE_FLAG_FADING), "a fade of 0 fades");
@@ -67,22 +63,17 @@ static void check_answers(const struct pair *pair, const dpt_hit hit[2])
 void pair_step(struct pair *pair)
 {
     const dpt_force_info previous = pair->reported;
-    dpt_hit hit[2] = { DPT_HIT_INIT, DPT_HIT_INIT };
-    dpt_step step = { .size = sizeof step };
-    pair->reported.size = pair->truth.size = sizeof pair->reported;
-    for (int w = 0; w < 2; w++) {
-        dpt_world_step(pair->world[w], pair->dt, &step);
-        dpt_tool_get_hit(pair->world[w], pair->tool[w], &hit[w]);
-        CHECK(dpt_tool_get_force_info(pair->world[w], pair->tool[w], w ? &pair->truth : &pair->reported) == DPT_OK,
-              "no force");
-    }
-    pair->hit = hit[FADES];
-    check_answers(pair, hit);
+    rig_tick(&pair->rig[FADES]);
+    rig_tick(&pair->rig[TRUE_ONE]);
+    pair->reported = pair->rig[FADES].force;
+    pair->truth = pair->rig[TRUE_ONE].force;
+    pair->hit = pair->rig[FADES].hit;
+    check_answers(pair);
 
     const int unknown = pair->truth.reason == DPT_FORCE_UNDECIDED;
     const int fades = (pair->reported.flags & DPT_FORCE_FLAG_FADING) != 0;
     const int must = unknown && !pair->was_unknown && size_of_force(&previous.wrench) > 0.0;
-    const int full = (step.flags & DPT_STEP_FLAG_CONTACTS_FULL) != 0;
+    const int full = (pair->rig[TRUE_ONE].step.flags & DPT_STEP_FLAG_CONTACTS_FULL) != 0;
     const int may = must || (pair->sided && !sided_body(pair, pair->sided)) ||
                     (full | pair->was_full); /* not all contacts are told */
     pair->was_full = full;

@@ -6,17 +6,14 @@
 #ifndef DPT_TESTS_FADE_PAIR_H
 #define DPT_TESTS_FADE_PAIR_H
 
-#include <math.h>
-
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 enum { FADES = 0, TRUE_ONE = 1, BODIES = 2 };
 
 struct pair {
-    void *block[2];
-    dpt_world *world[2];
+    struct rig rig[2];
     dpt_body body[2][BODIES];
-    dpt_tool tool[2];
     double fade, dt;
     dpt_force_info reported, truth; /* of the last step */
     dpt_hit hit;
@@ -33,8 +30,8 @@ int pair_open(struct pair *pair, const struct fixture *mesh, const dpt_pose *pos
 
 static inline void pair_close(struct pair *pair)
 {
-    free(pair->block[0]);
-    free(pair->block[1]);
+    rig_close(&pair->rig[0]);
+    rig_close(&pair->rig[1]);
 }
 
 static inline double number_of(const dpt_wrench *wrench, int k)
@@ -54,7 +51,7 @@ void pair_step(struct pair *pair);
 static inline void pair_pose(struct pair *pair, const dpt_pose *pose)
 {
     for (int w = 0; w < 2; w++)
-        dpt_tool_set_pose(pair->world[w], pair->tool[w], pose);
+        dpt_tool_set_pose(pair->rig[w].world, pair->rig[w].tool, pose);
 }
 
 dpt_pose pose_at(double x, double y, double z);

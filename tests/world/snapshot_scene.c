@@ -24,12 +24,10 @@ const uint32_t segment_counts[TOOL_COUNT] = { 1, 1, 3, 1 };
 void scene_open(struct scene *scene)
 {
     static const dpt_pose aside = { { 0.4, 0.0, 0.0 }, { 1.0, 0.0, 0.0, 0.0 } };
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     dpt_deformable_def deform;
     fixture_from_shape(&scene->liver, "liver", 2000);
     fixture_from_shape(&scene->cloth, "cloth", 1800);
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.max_bodies = 4;
     def.max_tools = TOOL_COUNT;
     def.max_segments = SEGMENT_COUNT;
@@ -37,35 +35,26 @@ void scene_open(struct scene *scene)
     def.strip_capacity = 256;
     def.margin = 0.01;
     def.budget = 2500;
-    scene->memory = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(scene->memory, dpt_world_bytes(&def), &def, &scene->world) == DPT_OK, "no world");
-    dpt_body_add(scene->world, scene->liver.mesh, NULL, &scene->body[0]);
+    rig_open(&scene->rig, &def, scene->liver.mesh, NULL, 0);
+    scene->body[0] = scene->rig.body;
     dpt_deformable_def_init(&deform);
     deform.mesh = scene->cloth.mesh;
     deform.pose = &aside;
     deform.response = DPT_RESPONSE_DISPLACE;
-    const size_t size = dpt_deformable_bytes(&deform);
-    scene->deform_memory = malloc(size);
-    CHECK(dpt_body_add_deformable(scene->world, scene->deform_memory, size, &deform, &scene->body[1]) == DPT_OK,
-          "no cloth");
-    dpt_body_set_user(scene->world, scene->body[1], 0x1122334455667788u);
+    scene->body[1] = rig_add_deformable(&scene->rig, &deform);
+    dpt_body_set_user(scene->rig.world, scene->body[1], 0x1122334455667788u);
     for (uint32_t i = 0; i < TOOL_COUNT; i++) {
         const dpt_pose identity = DPT_POSE_IDENTITY;
-        dpt_tool_settings settings = { .size = sizeof settings };
-        dpt_tool_add(scene->world, segments_of[i], segment_counts[i], &scene->tool[i]);
-        dpt_tool_get_settings(scene->world, scene->tool[i], &settings);
-        settings.stiffness = 500.0;
-        settings.law = i == 3 ? DPT_LAW_BED : DPT_LAW_PROXY;
-        dpt_tool_set_settings(scene->world, scene->tool[i], &settings);
-        dpt_tool_set_user(scene->world, scene->tool[i], 100 + i);
+        scene->tool[i] = rig_add_tool(&scene->rig, segments_of[i], segment_counts[i]);
+        rig_set_law(&scene->rig, scene->tool[i], i == 3 ? DPT_LAW_BED : DPT_LAW_PROXY, RIG_STIFFNESS);
+        dpt_tool_set_user(scene->rig.world, scene->tool[i], 100 + i);
         scene->pose[i] = identity;
     }
 }
 
 void scene_close(struct scene *scene)
 {
-    free(scene->memory);
-    free(scene->deform_memory);
+    rig_close(&scene->rig);
     fixture_free(&scene->liver);
     fixture_free(&scene->cloth);
 }
@@ -92,16 +81,16 @@ static void move_tools(struct scene *scene, uint64_t tick)
             given.b[k] = pose->position[k] + (k == 0 ? 0.06 : 0.01 * sin((double)k * phase));
         }
         if (i == 1)
-            dpt_tool_set_segments(scene->world, scene->tool[i], &given, 1);
+            dpt_tool_set_segments(scene->rig.world, scene->tool[i], &given, 1);
         else
-            dpt_tool_set_pose(scene->world, scene->tool[i], pose);
+            dpt_tool_set_pose(scene->rig.world, scene->tool[i], pose);
     }
 }
 
 void step(struct scene *scene, uint64_t tick)
 {
     move_tools(scene, tick);
-    CHECK(dpt_world_step(scene->world, 0.001, NULL) == DPT_OK, "no step");
+    rig_tick(&scene->rig);
 }
 
 dpt_snapshot_def all_of_it(void)
@@ -114,10 +103,10 @@ dpt_snapshot_def all_of_it(void)
 
 void take(const struct scene *scene, const dpt_snapshot_def *def)
 {
-    const size_t enough = dpt_snapshot_bytes(scene->world, def);
+    const size_t enough = dpt_snapshot_bytes(scene->rig.world, def);
     CHECK(enough > 0 && enough <= ROOM && enough % 8 == 0, "%zu bytes", enough);
     memset(block, 0xcc, sizeof block);
-    CHECK(dpt_world_take_snapshot(scene->world, def, block, enough, &bytes) == DPT_OK, "not taken");
+    CHECK(dpt_world_take_snapshot(scene->rig.world, def, block, enough, &bytes) == DPT_OK, "not taken");
     CHECK(bytes > 0 && bytes <= enough && bytes % 8 == 0 && block[bytes] == 0xcc, "%zu bytes", bytes);
 }
 

@@ -7,14 +7,14 @@
 #define DPT_TESTS_SNAPSHOT_SCENE_H
 
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 enum { BODIES = 1, TOOLS, SEGMENTS, CONTACTS, STRIPS, VERTICES, KINDS_END };
 enum { TOOL_COUNT = 4, SEGMENT_COUNT = 6, ROOM = 1 << 20 };
 
 struct scene {
     struct fixture liver, cloth;
-    void *memory, *deform_memory;
-    dpt_world *world;
+    struct rig rig;
     dpt_body body[2];
     dpt_tool tool[TOOL_COUNT];
     dpt_pose pose[TOOL_COUNT];

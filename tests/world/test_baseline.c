@@ -10,6 +10,7 @@
 #include "dynpoint/baseline.h"
 #include "kernel/kernel_ops.h"
 #include "lib/fixture.h"
+#include "lib/rig.h"
 #include "nearest/segment_triangle.h"
 
 enum { PARTS_MAX = 8 };
@@ -68,46 +69,22 @@ static uint32_t move(const struct oracle *oracle, uint32_t from, vec3 a, vec3 u)
     return best;
 }
 
-struct lab {
-    void *block;
-    dpt_world *world;
-    dpt_body body;
-    dpt_tool tool;
-};
-
-static void lab_open_with(struct lab *lab, const dpt_mesh *mesh, uint32_t parts, uint32_t one_step, uint32_t kernel)
+static void lab_open_with(struct rig *lab, const dpt_mesh *mesh, uint32_t parts, uint32_t one_step, uint32_t kernel)
 {
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     dpt_baseline_def baseline;
-    dpt_segment any = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.method = DPT_METHOD_PAPER;
     dpt_baseline_def_init(&baseline);
     baseline.parts = parts;
     baseline.one_step = one_step;
     def.baseline = &baseline;
     def.kernel = kernel;
-    lab->block = malloc(dpt_world_bytes(&def));
-    dpt_result result = dpt_world_create(lab->block, dpt_world_bytes(&def), &def, &lab->world);
-    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-    dpt_body_add(lab->world, mesh, NULL, &lab->body);
-    dpt_tool_add(lab->world, &any, 1, &lab->tool);
+    rig_open(lab, &def, mesh, &rig_point, 1);
 }
 
-static void lab_open(struct lab *lab, const dpt_mesh *mesh, uint32_t parts, uint32_t one_step)
+static void lab_open(struct rig *lab, const dpt_mesh *mesh, uint32_t parts, uint32_t one_step)
 {
     lab_open_with(lab, mesh, parts, one_step, DPT_KERNEL_AUTO);
-}
-
-static dpt_hit tick(struct lab *lab, const double ends[6], double radius)
-{
-    dpt_hit hit = DPT_HIT_INIT;
-    dpt_segment segment = { { ends[0], ends[1], ends[2] }, { ends[3], ends[4], ends[5] }, radius };
-    dpt_tool_set_segments(lab->world, lab->tool, &segment, 1);
-    dpt_world_step(lab->world, 1e-3, NULL);
-    dpt_tool_get_hit(lab->world, lab->tool, &hit);
-    return hit;
 }
 
 /* A tool that wanders around the origin, `size` wide and about `stretch` times as long. */
@@ -147,7 +124,7 @@ static void follow(const struct course *course)
     int ticks = course->ticks;
     struct fixture fixture;
     struct oracle oracle;
-    struct lab lab;
+    struct rig lab;
     dpt_mesh_info info = { .size = sizeof info };
     uint32_t place[PARTS_MAX];
     int moved = 0, local = 0;
@@ -161,7 +138,7 @@ static void follow(const struct course *course)
         wander(i, course->reach * info.box_max[0], course->stretch, ends);
         if (strcmp(shape, "membrane") == 0)
             over_vertices(info.box_max[0], ends);
-        dpt_hit hit = tick(&lab, ends, 0.0);
+        dpt_hit hit = rig_step_ends(&lab, ends, 0.0);
         vec3 a = vec3_of(ends), u = sub(vec3_of(ends + 3), a);
         for (uint32_t k = 0; k < parts; k++) {
             vec3 pa = along(a, (double)k / parts, u);
@@ -199,7 +176,7 @@ static void follow(const struct course *course)
            local);
     CHECK(moved > ticks / 30, "only %d moves", moved);
     free(oracle.corners);
-    free(lab.block);
+    rig_close(&lab);
     fixture_free(&fixture);
 }
 
@@ -243,7 +220,7 @@ static void no_kernel_hides_a_neighbour(void)
 static void a_teleport_searches_anew(void)
 {
     struct fixture torus;
-    struct lab lab;
+    struct rig lab;
     const dpt_pose here = DPT_POSE_IDENTITY;
     if (!fixture_from_shape(&torus, "torus", 2000))
         return;
@@ -253,11 +230,11 @@ static void a_teleport_searches_anew(void)
         dpt_hit exact = DPT_HIT_INIT;
         wander(173 * i, 0.14, 1.0, ends);
         dpt_tool_teleport(lab.world, lab.tool, &here);
-        dpt_hit hit = tick(&lab, ends, 0.0);
+        dpt_hit hit = rig_step_ends(&lab, ends, 0.0);
         dpt_query_segments(torus.mesh, NULL, ends, NULL, 1, &exact, NULL);
         CHECK(fabs(hit.distance - exact.distance) < 1e-12, "jump %d: %g, not %g", i, hit.distance, exact.distance);
     }
-    free(lab.block);
+    rig_close(&lab);
     fixture_free(&torus);
 }
 
@@ -265,7 +242,7 @@ static void a_teleport_searches_anew(void)
 static void many_bodies_are_each_their_own(void)
 {
     struct fixture mesh[2];
-    struct lab both, alone[2];
+    struct rig both, alone[2];
     dpt_body second;
     int nearer[2] = { 0, 0 };
     if (!fixture_from_shape(&mesh[0], "torus", 600) || !fixture_from_shape(&mesh[1], "star", 2000))
@@ -284,19 +261,19 @@ static void many_bodies_are_each_their_own(void)
         double distance[2];
         for (int k = 0; k < 2; k++) {
             dpt_body_set_pose(alone[k].world, alone[k].body, &pose[k]);
-            distance[k] = tick(&alone[k], ends, 0.001).distance;
+            distance[k] = rig_step_ends(&alone[k], ends, 0.001).distance;
         }
-        dpt_hit hit = tick(&both, ends, 0.001);
+        dpt_hit hit = rig_step_ends(&both, ends, 0.001);
         int which = distance[1] < distance[0];
         nearer[which]++;
         CHECK(hit.distance == distance[which], "tick %d: %g, not %g", i, hit.distance, distance[which]);
     }
     CHECK(nearer[0] > 200 && nearer[1] > 200, "nearer %d and %d times", nearer[0], nearer[1]);
     for (int i = 0; i < 2; i++) {
-        free(alone[i].block);
+        rig_close(&alone[i]);
         fixture_free(&mesh[i]);
     }
-    free(both.block);
+    rig_close(&both);
 }
 
 /* Over and under a flat sheet, tilted, with a radius: gap and force in closed form, any K. */
@@ -306,13 +283,13 @@ static void force_on_a_plane(void)
     if (!fixture_from_shape(&sheet, "membrane", 0))
         return;
     for (uint32_t parts = 1; parts <= 4; parts *= 2) {
-        struct lab lab;
+        struct rig lab;
         lab_open(&lab, sheet.mesh, parts, 0);
         for (int i = -40; i <= 40; i++) {
             double low = 2e-4 * i + 1e-5, high = low + 0.004, radius = 0.003;
             double from = i % 2 ? -0.04 : 0.04; /* which end is the low one */
             const double ends[6] = { from, 0.01, low, -from, 0.01, high };
-            dpt_hit hit = tick(&lab, ends, radius);
+            dpt_hit hit = rig_step_ends(&lab, ends, radius);
             dpt_wrench wrench;
             dpt_tool_get_wrench(lab.world, lab.tool, &wrench);
             /* A part that crosses is as deep as its lower end, one below the sheet as its higher. */
@@ -326,7 +303,7 @@ static void force_on_a_plane(void)
                   gap);
             CHECK(fabs(wrench.force[0]) + fabs(wrench.force[1]) < 1e-9, "not along the normal");
         }
-        free(lab.block);
+        rig_close(&lab);
     }
     fixture_free(&sheet);
 }
@@ -335,7 +312,7 @@ static void force_on_a_plane(void)
 static void force_on_a_sphere(void)
 {
     struct fixture sphere;
-    struct lab lab;
+    struct rig lab;
     dpt_mesh_info info = { .size = sizeof info };
     if (!fixture_from_shape(&sphere, "sphere", 20000))
         return;
@@ -349,14 +326,14 @@ static void force_on_a_sphere(void)
         for (int k = 0; k < 6; k++)
             ends[k] = from_centre * x[k % 3];
         dpt_wrench wrench;
-        tick(&lab, ends, 0.002);
+        rig_step_ends(&lab, ends, 0.002);
         dpt_tool_get_wrench(lab.world, lab.tool, &wrench);
         for (int k = 0; k < 3; k++)
             along_radius += wrench.force[k] * x[k];
         double expected = 500.0 * (radius + 0.002 - from_centre);
         CHECK(fabs(along_radius - expected) < 500.0 * facet, "tick %d: %g N, not %g", i, along_radius, expected);
     }
-    free(lab.block);
+    rig_close(&lab);
     fixture_free(&sphere);
 }
 
@@ -367,7 +344,7 @@ static void force_on_a_sphere(void)
 static void torque_jumps_when_the_point_flips(void)
 {
     struct fixture sheet;
-    struct lab lab;
+    struct rig lab;
     int flips = 0, ticks = 4000;
     double before = 0.0, peak = 0.0, jump = 0.0;
     if (!fixture_from_shape(&sheet, "membrane", 0))
@@ -377,7 +354,7 @@ static void torque_jumps_when_the_point_flips(void)
         double tilt = 0.01 * sin(6.283185307179586 * i / 400.0 + 0.05);
         const double ends[6] = { -0.05, 0.003, 0.004 - 0.05 * tilt, 0.05, 0.003, 0.004 + 0.05 * tilt };
         dpt_wrench wrench;
-        tick(&lab, ends, 0.006);
+        rig_step_ends(&lab, ends, 0.006);
         dpt_tool_get_wrench(lab.world, lab.tool, &wrench);
         double torque = wrench.torque[1] + 0.05 * wrench.force[2]; /* about the middle, not the end a */
         if (i && fabs(torque - before) > 0.5 * peak)
@@ -390,7 +367,7 @@ static void torque_jumps_when_the_point_flips(void)
     printf("    %d jumps in %d ticks, the largest %.0f %% of the peak torque\n", flips, ticks, 100.0 * jump / peak);
     CHECK(flips == 20, "%d flips in ten periods", flips);
     CHECK(jump > 1.3 * peak && jump < 2.0 * peak, "jump %g of peak %g", jump, peak);
-    free(lab.block);
+    rig_close(&lab);
     fixture_free(&sheet);
 }
 

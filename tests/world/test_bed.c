@@ -4,6 +4,7 @@
  * split into pieces feels the same. Differences of the energy share the library's integrals with the wrench: they cannot
  * judge those (test_contact_integrals does).
  */
+#include "lib/rig.h"
 #include "lib/solid.h"
 
 #define STIFFNESS 500.0
@@ -11,37 +12,18 @@
 
 enum { SEGMENTS = 8 };
 
-struct bed {
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
-    dpt_force_info force;
-};
-
-static void bed_open(struct bed *bed, const dpt_mesh *mesh, const dpt_segment *segments, uint32_t count)
+static void bed_open(struct rig *bed, const dpt_mesh *mesh, const dpt_segment *segments, uint32_t count)
 {
-    dpt_world_def def;
-    dpt_body body;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_BED;
+    dpt_world_def def = rig_def(DPT_LAW_BED);
     def.stiffness = STIFFNESS;
-    const size_t bytes = dpt_world_bytes(&def);
-    bed->block = malloc(bytes);
-    CHECK(dpt_world_create(bed->block, bytes, &def, &bed->world) == DPT_OK &&
-              dpt_body_add(bed->world, mesh, NULL, &body) == DPT_OK &&
-              dpt_tool_add(bed->world, segments, count, &bed->tool) == DPT_OK,
-          "no world");
-    bed->force = (dpt_force_info){ .size = sizeof bed->force };
+    rig_open(bed, &def, mesh, segments, count);
 }
 
 /* What is felt at a pose, without a past. */
-static void feel(struct bed *bed, const dpt_pose *pose)
+static void feel(struct rig *bed, const dpt_pose *pose)
 {
-    dpt_tool_teleport(bed->world, bed->tool, pose);
-    dpt_world_step(bed->world, 1e-3, NULL);
-    dpt_world_step(bed->world, 1e-3, NULL);
-    dpt_tool_get_force_info(bed->world, bed->tool, &bed->force);
+    bed->device = *pose;
+    rig_place(bed);
 }
 
 /* Turned about its origin by a small rotation vector. */
@@ -70,7 +52,7 @@ static void on_a_plane_it_is_a_closed_form(void)
     const dpt_segment lying = { { -L / 2, 0, 0 }, { L / 2, 0, 0 }, r };
     const dpt_segment upright = { { 0, 0, 0 }, { 0, 0, L }, r };
     struct solid box;
-    struct bed bed;
+    struct rig bed;
     dpt_pose pose = DPT_POSE_IDENTITY;
     if (!solid_from_shape(&box, "box", 300))
         return;
@@ -81,12 +63,12 @@ static void on_a_plane_it_is_a_closed_form(void)
     CHECK(fabs(bed.force.wrench.force[2] / flat - 1) < 1e-6, "%g N lying, not %g", bed.force.wrench.force[2], flat);
     /* The top is a float: off by 1e-9 m, which counts twice in a square. */
     CHECK(fabs(bed.force.energy / (0.5 * flat * depth) - 1) < 1e-5, "energy %g", bed.force.energy);
-    free(bed.block);
+    rig_close(&bed);
     bed_open(&bed, box.mesh, &upright, 1);
     feel(&bed, &pose);
     const double tip = STIFFNESS / 2 * depth + STIFFNESS / L * depth * depth / 2;
     CHECK(fabs(bed.force.wrench.force[2] / tip - 1) < 1e-3, "%g N upright, not %g", bed.force.wrench.force[2], tip);
-    free(bed.block);
+    rig_close(&bed);
     solid_close(&box);
 }
 
@@ -100,7 +82,7 @@ static void pieces_feel_as_the_whole(void)
     for (uint32_t count = 1; count <= SEGMENTS; count++) {
         dpt_segment pieces[SEGMENTS];
         dpt_pose pose = DPT_POSE_IDENTITY;
-        struct bed bed;
+        struct rig bed;
         for (uint32_t i = 0; i < count; i++) {
             const double from = -0.03 + 0.06 * i / count, to = -0.03 + 0.06 * (i + 1) / count;
             pieces[i] = (dpt_segment){ { from, 0, 0 }, { to, 0, 0 }, 0.002 };
@@ -118,7 +100,7 @@ static void pieces_feel_as_the_whole(void)
                       fabs(bed.force.wrench.torque[k] - whole.wrench.torque[k]) < 1e-9,
                   "%u pieces: force off by %g, torque by %g", count, bed.force.wrench.force[k] - whole.wrench.force[k],
                   bed.force.wrench.torque[k] - whole.wrench.torque[k]);
-        free(bed.block);
+        rig_close(&bed);
     }
     solid_close(&box);
 }
@@ -133,7 +115,7 @@ static void the_wrench_is_the_gradient(void)
                                   { { 0, 0, 0.01 }, { 0, 0.02, 0.02 }, 0.001 } };
     for (size_t m = 0; m < 3; m++) {
         struct solid solid;
-        struct bed bed;
+        struct rig bed;
         uint64_t seed = 7 + m;
         uint32_t acts = 0, near = 0;
         if (!solid_from_shape(&solid, shapes[m], triangles[m]))
@@ -175,7 +157,7 @@ static void the_wrench_is_the_gradient(void)
         }
         /* Where ways out meet, a difference tells nothing: some poses may be off. */
         CHECK(acts > 20 && near > acts * 85 / 100, "%s: the gradient fits at %u of %u", shapes[m], near, acts);
-        free(bed.block);
+        rig_close(&bed);
         solid_close(&solid);
     }
 }

@@ -74,7 +74,7 @@ static const struct bounds of_winding = { { 0.08, 0.08, 0.08 }, { 0.1, 0.1, 0.1 
 struct run {
     const struct subject *subject;
     struct solid solid;
-    struct bed_lead lead;
+    struct rig lead;
     const struct bounds *bounds;
     int winds;
     uint64_t traces, judged, traces_beyond;
@@ -132,8 +132,8 @@ static int lead_round(struct run *run, struct trace *trace)
         tick->t = (double)i / trace->count;
         bed_path_at(&trace->path, tick->t, &pose, tick->ends);
         tick->felt = bed_lead_to(&run->lead, &trace->path, tick->t);
-        run->undecided += run->lead.report.reason == DPT_FORCE_UNDECIDED;
-        felt |= run->lead.report.reason == DPT_FORCE_ACTS;
+        run->undecided += run->lead.force.reason == DPT_FORCE_UNDECIDED;
+        felt |= run->lead.force.reason == DPT_FORCE_ACTS;
     }
     if (!felt)
         free(trace->ticks);
@@ -179,7 +179,7 @@ static void check_points(const struct run *run, const double ends[6])
     for (int i = 0; i <= 4; i++) {
         double x[6], q[6], way;
         dpt_hit hit = DPT_HIT_INIT;
-        along(ends, i / 4.0, x);
+        point_at(ends, i / 4.0, x);
         memcpy(x + 3, x, 3 * sizeof *x);
         dpt_query_segments(solid->mesh, NULL, x, NULL, 1, &hit, NULL);
         memcpy(q, hit.q, 3 * sizeof *q);
@@ -284,7 +284,7 @@ static struct place go_to(struct walk *walk, double t)
     dpt_pose pose;
     bed_path_at(&walk->path, t, &pose, place.ends);
     place.felt = bed_lead_to(&walk->run->lead, &walk->path, t);
-    walk->run->undecided += walk->run->lead.report.reason == DPT_FORCE_UNDECIDED;
+    walk->run->undecided += walk->run->lead.force.reason == DPT_FORCE_UNDECIDED;
     return place;
 }
 
@@ -387,7 +387,7 @@ static void try_subject(const struct subject *subject, int from_file, void (*ove
         printf("    %-32s %4u paths, work %.3f %% at worst, above 0.1 %% on %u, 0.3 %% on %u\n", subject->name,
                (unsigned)run.paths, 100 * run.most_work, (unsigned)run.paths_above, (unsigned)run.paths_beyond);
     CHECK(run.undecided == 0, "%s: %u ticks undecided", subject->name, (unsigned)run.undecided);
-    bed_lead_close(&run.lead);
+    rig_close(&run.lead);
     solid_close(&run.solid);
 }
 

@@ -7,14 +7,8 @@
  *
  * Distances are judged by oracle/pair.h. What the sheet does to itself is not judged.
  */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "dynpoint.h"
-#include "dynpoint/compile.h"
-#include "lib/check.h"
 #include "lib/fixture.h"
+#include "lib/rig.h"
 #include "oracle/pair.h"
 #include "shape/shape.h"
 
@@ -29,10 +23,7 @@ static int seconds = 10;
 
 struct sword {
     struct fixture fixture;
-    void *world_block, *body_block, *springs_block;
-    dpt_world *world;
-    dpt_body body;
-    dpt_tool tool;
+    struct rig rig;
     dpt_springs *springs;
     dpt_pose pose;
     dpt_springs_info report;
@@ -81,18 +72,15 @@ struct setup {
 /* z is up. */
 static int open_sword(struct sword *sword, const struct setup *setup)
 {
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     dpt_deformable_def deform;
     dpt_springs_def springs;
     dpt_segment rods[RODS_MAX];
     memset(sword, 0, sizeof *sword);
     if (!open_sheet(&sword->fixture, setup->shape, setup->triangles, setup->drag))
         return 0;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
-    def.law = DPT_LAW_POINT;
     def.strip = DPT_STRIP_KIND_SHADOW;
     def.strip_width = 0.01;
     def.strip_capacity = 4096;
@@ -107,9 +95,6 @@ static int open_sword(struct sword *sword, const struct setup *setup)
     springs.gravity[2] = -GRAVITY * cos(setup->lean);
     springs.sleep_speed = 0.01;
     springs.iterations = 16;
-    sword->world_block = malloc(dpt_world_bytes(&def));
-    sword->body_block = malloc(dpt_deformable_bytes(&deform));
-    sword->springs_block = malloc(dpt_springs_bytes(&springs));
     for (uint32_t i = 0; i < setup->rods; i++) {
         const double x = 0.03 * ((double)i - 0.5 * (double)(setup->rods - 1));
         rods[i] = (dpt_segment){ { x, -0.3, 0.0 }, { x, 0.3, 0.0 }, ROD };
@@ -117,19 +102,13 @@ static int open_sword(struct sword *sword, const struct setup *setup)
     sword->pose = (dpt_pose){ { 0.0, 0.0, -setup->low - ROD }, { 1.0, 0.0, 0.0, 0.0 } };
     sword->report.size = sizeof sword->report;
     sword->net.size = sizeof sword->net;
-    const dpt_body_settings rough = { .size = sizeof rough,
-                                      .static_friction = setup->friction,
-                                      .kinetic_friction = setup->friction };
-    const int made =
-        dpt_world_create(sword->world_block, dpt_world_bytes(&def), &def, &sword->world) == DPT_OK &&
-        dpt_body_add_deformable(sword->world, sword->body_block, dpt_deformable_bytes(&deform), &deform,
-                                &sword->body) == DPT_OK &&
-        dpt_springs_create(sword->springs_block, dpt_springs_bytes(&springs), &springs, &sword->springs) == DPT_OK &&
-        dpt_body_set_settings(sword->world, sword->body, &rough) == DPT_OK &&
-        dpt_tool_add(sword->world, rods, setup->rods, &sword->tool) == DPT_OK &&
-        dpt_tool_teleport(sword->world, sword->tool, &sword->pose) == DPT_OK &&
-        dpt_mesh_get_springs(sword->fixture.mesh, &sword->net) == DPT_OK;
+    const dpt_body_settings rough = { .static_friction = setup->friction, .kinetic_friction = setup->friction };
+    const int made = rig_open(&sword->rig, &def, NULL, rods, setup->rods) && rig_add_deformable(&sword->rig, &deform) &&
+                     (sword->springs = rig_add_springs(&sword->rig, &springs)) != NULL &&
+                     dpt_tool_teleport(sword->rig.world, sword->rig.tool, &sword->pose) == DPT_OK &&
+                     dpt_mesh_get_springs(sword->fixture.mesh, &sword->net) == DPT_OK;
     CHECK(made, "not made");
+    rig_set_body(&sword->rig, rough);
     dpt_mesh_get_triangles(sword->fixture.mesh, &sword->corners, NULL, &sword->triangles);
     sword->nodes = dpt_springs_get_count(sword->springs);
     sword->positions = malloc(3 * (size_t)sword->nodes * sizeof(float));
@@ -139,9 +118,7 @@ static int open_sword(struct sword *sword, const struct setup *setup)
 
 static void close_sword(struct sword *sword)
 {
-    free(sword->world_block);
-    free(sword->body_block);
-    free(sword->springs_block);
+    rig_close(&sword->rig);
     free(sword->positions);
     free(sword->speeds);
     fixture_free(&sword->fixture);
@@ -152,11 +129,11 @@ static double gap(const struct sword *sword);
 /* One tick. Returns how far the rod's surface is from the sheet, once that was displaced; HUGE_VAL: it was not asked for. */
 static double tick(struct sword *sword, int measures)
 {
-    dpt_tool_set_pose(sword->world, sword->tool, &sword->pose);
-    dpt_result result = dpt_world_step(sword->world, TICK, NULL);
+    dpt_tool_set_pose(sword->rig.world, sword->rig.tool, &sword->pose);
+    dpt_result result = dpt_world_step(sword->rig.world, TICK, NULL);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     const double found = measures ? gap(sword) : HUGE_VAL;
-    result = dpt_body_step_springs(sword->world, sword->body, sword->springs, TICK, &sword->report);
+    result = dpt_body_step_springs(sword->rig.world, sword->rig.body, sword->springs, TICK, &sword->report);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return found;
 }
@@ -169,7 +146,7 @@ static double gap(const struct sword *sword)
     const double *at = sword->pose.position;
     const double ends[6] = { at[0], -0.3, at[2], at[0], 0.3, at[2] };
     double least = HUGE_VAL;
-    dpt_body_get_vertices(sword->world, sword->body, &positions, &count);
+    dpt_body_get_vertices(sword->rig.world, sword->rig.body, &positions, &count);
     for (uint32_t t = 0; t < sword->triangles; t++) {
         double triangle[9];
         for (uint32_t k = 0; k < 9; k++)
@@ -260,11 +237,11 @@ static void it_sleeps_until_the_sword_moves(void)
         }
         CHECK(sword.report.active == 0, "%u nodes are awake", sword.report.active);
         tick(&sword, 0);
-        dpt_tool_get_force_info(sword.world, sword.tool, &before);
+        dpt_tool_get_force_info(sword.rig.world, sword.rig.tool, &before);
         const double held = energy_of(&sword);
         for (int i = 0; i < 100; i++)
             tick(&sword, 0);
-        dpt_tool_get_force_info(sword.world, sword.tool, &after);
+        dpt_tool_get_force_info(sword.rig.world, sword.rig.tool, &after);
         CHECK(energy_of(&sword) == held && sword.report.active == 0, "it moves");
         CHECK(before.wrench.force[2] < -1e-3, "%g N: it is not felt", before.wrench.force[2]);
         for (int k = 0; k < 3; k++)
@@ -321,9 +298,9 @@ static void a_refused_step_moves_nothing(void)
             tick(&sword, 0);
         const size_t bytes = 3 * (size_t)sword.nodes * sizeof(float);
         float *before = malloc(bytes);
-        dpt_world_step(sword.world, TICK, NULL);
+        dpt_world_step(sword.rig.world, TICK, NULL);
         dpt_springs_get_nodes(sword.springs, sword.nodes, before, sword.speeds);
-        const dpt_result result = dpt_body_step_springs(sword.world, sword.body, sword.springs, 0.5, NULL);
+        const dpt_result result = dpt_body_step_springs(sword.rig.world, sword.rig.body, sword.springs, 0.5, NULL);
         dpt_springs_get_nodes(sword.springs, sword.nodes, sword.positions, sword.speeds);
         CHECK(result == DPT_E_UNSTABLE, "%s", dpt_result_name(result));
         CHECK(!memcmp(before, sword.positions, bytes), "nodes have moved");

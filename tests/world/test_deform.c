@@ -46,7 +46,7 @@ static dpt_pose next_pose(struct deform_scene *scene, uint64_t tick)
 static void add_tool(struct deform_scene *scene, double radius)
 {
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { 0.3 * scene->diagonal, 0.0, 0.0 }, radius };
-    CHECK(dpt_tool_add(scene->world, &segment, 1, &scene->tool) == DPT_OK, "no tool");
+    rig_add_tool(&scene->rig, &segment, 1);
 }
 
 /* The ends of the segment at a pose. */
@@ -78,9 +78,8 @@ static void check_tick(struct deform_scene *scene, const char *name, uint64_t ti
     const dpt_pose pose = next_pose(scene, tick);
     dpt_hit hit = DPT_HIT_INIT;
     double ends[6];
-    dpt_tool_set_pose(scene->world, scene->tool, &pose);
-    CHECK(dpt_world_step(scene->world, 1e-3, NULL) == DPT_OK, "%s: no step", name);
-    dpt_tool_get_hit(scene->world, scene->tool, &hit);
+    rig_step_to(&scene->rig, &pose);
+    dpt_tool_get_hit(scene->rig.world, scene->rig.tool, &hit);
     ends_at(scene, &pose, ends);
     const double truth = truth_at(scene, ends), slack = 1e-14 * (1.0 + scene->diagonal);
     CHECK(budget || hit.status == DPT_STATUS_EXACT, "%s %u: status %u", name, (unsigned)tick, hit.status);
@@ -94,9 +93,7 @@ static void check_tick(struct deform_scene *scene, const char *name, uint64_t ti
 static void follow_motion(int shape, enum deform_kind kind, double step, uint32_t budget, uint64_t ticks)
 {
     struct deform_scene scene;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.until = DPT_UNTIL_TRACK;
     def.budget = budget;
     if (!deform_scene_open(&scene, shapes[shape], triangles[shape], &def, NULL))
@@ -198,25 +195,22 @@ static void compare_contact(struct deform_scene *scene, const dpt_world_def *def
         return;
     dpt_world_def unlimited = *def;
     unlimited.budget = 0;
-    rigid.block = malloc(dpt_world_bytes(&unlimited));
-    dpt_world_create(rigid.block, dpt_world_bytes(&unlimited), &unlimited, &rigid.world);
-    dpt_body_add(rigid.world, rigid.fixture.mesh, NULL, &rigid.body);
+    rig_open(&rigid.rig, &unlimited, rigid.fixture.mesh, NULL, 0);
     add_tool(&rigid, 0.02 * scene->diagonal);
-    dpt_tool_set_pose(rigid.world, rigid.tool, pose);
-    dpt_world_step(rigid.world, 1e-3, NULL);
-    dpt_tool_get_hit(scene->world, scene->tool, &hit);
-    dpt_tool_get_hit(rigid.world, rigid.tool, &truth);
-    const double sum = sum_overlap(scene->world, scene->tool);
-    const double true_sum = sum_overlap(rigid.world, rigid.tool);
+    rig_step_to(&rigid.rig, pose);
+    dpt_tool_get_hit(scene->rig.world, scene->rig.tool, &hit);
+    dpt_tool_get_hit(rigid.rig.world, rigid.rig.tool, &truth);
+    const double sum = sum_overlap(scene->rig.world, scene->rig.tool);
+    const double true_sum = sum_overlap(rigid.rig.world, rigid.rig.tool);
     if (cuts_itself(&rigid.fixture) || (def->budget && !(hit.flags & DPT_HIT_FLAG_GAP))) {
-        free(rigid.block);
+        rig_close(&rigid.rig);
         fixture_free(&rigid.fixture);
         return;
     }
     CHECK(hit.flags == truth.flags, "%s: flags %u, not %u", name, hit.flags, truth.flags);
     sums->gaps_off += fabs(hit.gap - truth.gap) > 3e-5 * scene->diagonal;
     note_sums(sums, sum, true_sum, scene->diagonal);
-    free(rigid.block);
+    rig_close(&rigid.rig);
     fixture_free(&rigid.fixture);
 }
 
@@ -237,8 +231,7 @@ static void compare_contacts(const dpt_world_def *def, double step)
                 deform_scene_advance(&scene);
                 deform_scene_set(&scene, (enum deform_form)(random_bits(&seed) % DEFORM_FORMS));
                 const dpt_pose pose = next_pose(&scene, tick);
-                dpt_tool_set_pose(scene.world, scene.tool, &pose);
-                dpt_world_step(scene.world, 1e-3, NULL);
+                rig_step_to(&scene.rig, &pose);
                 if (tick % 3 == 2)
                     compare_contact(&scene, def, &pose, &sums, shapes[closed[c]]);
             }
@@ -249,9 +242,7 @@ static void compare_contacts(const dpt_world_def *def, double step)
 
 static void contact_is_that_of_a_rigid_body(void)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.until = DPT_UNTIL_CONTACT;
     def.margin = 0.005;
     compare_contacts(&def, 1e-3);
@@ -309,10 +300,7 @@ static int is_finite(const double *numbers, int count)
 static void spoil_with(uint32_t law, uint32_t budget, const char *shape, uint64_t count)
 {
     struct deform_scene scene;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = law;
+    dpt_world_def def = rig_def(law);
     def.budget = budget;
     def.strip = DPT_STRIP_KIND_SHADOW;
     if (!deform_scene_open(&scene, shape, count, &def, NULL))
@@ -326,14 +314,13 @@ static void spoil_with(uint32_t law, uint32_t budget, const char *shape, uint64_
         deform_scene_set(&scene, (enum deform_form)(random_bits(&seed) % DEFORM_FORMS));
         if (law == DPT_LAW_PROXY) {
             const dpt_pose pose = next_pose(&scene, tick);
-            dpt_tool_set_pose(scene.world, scene.tool, &pose);
-            dpt_world_step(scene.world, 1e-3, NULL);
+            rig_step_to(&scene.rig, &pose);
         } else {
             check_tick(&scene, shape, tick, budget);
         }
-        dpt_tool_get_force_info(scene.world, scene.tool, &force);
+        dpt_tool_get_force_info(scene.rig.world, scene.rig.tool, &force);
         CHECK(is_finite(force.wrench.force, 6) && is_finite(&force.energy, 1), "%s: no number", shape);
-        CHECK(dpt_body_get_loads(scene.world, scene.body, loads, 4096, &loaded) == DPT_OK &&
+        CHECK(dpt_body_get_loads(scene.rig.world, scene.rig.body, loads, 4096, &loaded) == DPT_OK &&
                   (loaded == 0 || is_finite(loads[0].force, 3)),
               "%s: %u loads", shape, loaded);
     }
@@ -360,10 +347,8 @@ static const struct organ {
 static void follow_organ(const struct organ *organ, const char *folder)
 {
     struct deform_scene scene;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     char path[1024];
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.until = DPT_UNTIL_CONTACT;
     snprintf(path, sizeof path, "%s/meshes/organs/%s", folder, organ->name);
     if (!deform_scene_open_file(&scene, path, organ->scale, &def))
@@ -398,9 +383,7 @@ static void insides_with_holes_are_known(void)
     struct deform_scene scene;
     struct mesh_builder builder = { 0 };
     struct agreement sums = { 0 };
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.until = DPT_UNTIL_CONTACT;
     builder_add_ball(&builder, (vec3){ 0.0, 0.0, 0.0 }, 0.1, 0.03, 0);
     memset(&scene, 0, sizeof scene);
@@ -414,8 +397,7 @@ static void insides_with_holes_are_known(void)
         deform_scene_advance(&scene);
         deform_scene_set(&scene, DEFORM_WHOLE);
         const dpt_pose pose = next_pose(&scene, tick);
-        dpt_tool_set_pose(scene.world, scene.tool, &pose);
-        dpt_world_step(scene.world, 1e-3, NULL);
+        rig_step_to(&scene.rig, &pose);
         compare_contact(&scene, &def, &pose, &sums, "a ball with a hole");
     }
     CHECK(sums.gaps_off <= 1 + sums.compared / 500, "%u of %u gaps are off", (unsigned)sums.gaps_off,

@@ -22,13 +22,10 @@ struct pin {
 static int open_pin(struct pin *pin, uint32_t response, uint32_t law, uint32_t cells, double lean)
 {
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { lean, 0.0, 0.08 }, PIN_RADIUS };
-    dpt_world_def def;
+    dpt_world_def def = rig_def(law);
     dpt_deformable_def deform;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     dpt_deformable_def_init(&deform);
     memset(pin, 0, sizeof *pin);
-    def.law = law;
     def.strip = DPT_STRIP_KIND_SHADOW;
     def.strip_width = PIN_RADIUS;
     def.strip_capacity = 4096;
@@ -36,10 +33,10 @@ static int open_pin(struct pin *pin, uint32_t response, uint32_t law, uint32_t c
     if (!deform_scene_open(&pin->scene, "membrane", 2 * (uint64_t)cells * cells, &def, &deform))
         return 0;
     dpt_mesh_get_triangles(pin->scene.fixture.mesh, &pin->corners, NULL, &pin->triangles);
-    CHECK(dpt_tool_add(pin->scene.world, &segment, 1, &pin->scene.tool) == DPT_OK, "no tool");
+    rig_add_tool(&pin->scene.rig, &segment, 1);
     pin->pose = (dpt_pose){ { 0.0013, -0.0007, 0.006 }, { 1.0, 0.0, 0.0, 0.0 } };
-    dpt_tool_teleport(pin->scene.world, pin->scene.tool, &pin->pose);
-    CHECK(dpt_world_step(pin->scene.world, 1e-3, NULL) == DPT_OK, "no step");
+    dpt_tool_teleport(pin->scene.rig.world, pin->scene.rig.tool, &pin->pose);
+    rig_tick(&pin->scene.rig);
     return 1;
 }
 
@@ -48,15 +45,14 @@ static void sink(struct pin *pin, uint64_t tick)
 {
     pin->pose.position[2] = fmax(pin->pose.position[2] - SINKING, -0.01);
     pin->pose.position[0] += 2e-5 * sin(0.05 * (double)tick);
-    dpt_tool_set_pose(pin->scene.world, pin->scene.tool, &pin->pose);
-    CHECK(dpt_world_step(pin->scene.world, 1e-3, NULL) == DPT_OK, "no step");
+    rig_step_to(&pin->scene.rig, &pin->pose);
 }
 
 static void read_positions(struct pin *pin)
 {
     const float *positions;
     uint32_t count;
-    dpt_body_get_vertices(pin->scene.world, pin->scene.body, &positions, &count);
+    dpt_body_get_vertices(pin->scene.rig.world, pin->scene.rig.body, &positions, &count);
     memcpy(pin->scene.positions, positions, 3 * sizeof *positions * (size_t)count);
 }
 
@@ -87,7 +83,7 @@ static void displace_nearest(struct pin *pin)
     dpt_overlap overlaps[4096], nearest = { .distance = HUGE_VAL };
     uint32_t count, flags;
     overlaps[0].size = sizeof *overlaps;
-    dpt_tool_get_strip(pin->scene.world, pin->scene.tool, 0, overlaps, 4096, &count, &flags);
+    dpt_tool_get_strip(pin->scene.rig.world, pin->scene.rig.tool, 0, overlaps, 4096, &count, &flags);
     for (uint32_t i = 0; i < count && i < 4096; i++)
         if (overlaps[i].distance < nearest.distance)
             nearest = overlaps[i];
@@ -119,7 +115,7 @@ static void push_pin(uint32_t response, uint32_t law, uint32_t cells, double lea
     for (uint64_t tick = 0; tick < part_of(150); tick++) {
         dpt_force_info force = { .size = sizeof force };
         sink(&pin, tick);
-        dpt_tool_get_force_info(pin.scene.world, pin.scene.tool, &force);
+        dpt_tool_get_force_info(pin.scene.rig.world, pin.scene.rig.tool, &force);
         if (response == DPT_RESPONSE_DISPLACE)
             read_positions(&pin);
         else

@@ -11,40 +11,6 @@ enum { LOADS_MAX = 8192 };
 
 static uint64_t seed = 3;
 
-static void cross3(const double a[3], const double b[3], double c[3])
-{
-    for (int k = 0; k < 3; k++)
-        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-/* v in the frame of a pose, in the world. */
-static void turn3(const dpt_pose *pose, const double v[3], double out[3])
-{
-    const double *q = pose->orientation;
-    double t[3], u[3];
-    cross3(q + 1, v, t);
-    for (int k = 0; k < 3; k++)
-        t[k] = 2.0 * t[k];
-    cross3(q + 1, t, u);
-    for (int k = 0; k < 3; k++)
-        out[k] = v[k] + q[0] * t[k] + u[k];
-}
-
-static dpt_pose random_pose(double reach)
-{
-    dpt_pose pose;
-    double size = 0.0;
-    for (int k = 0; k < 3; k++)
-        pose.position[k] = random_in(&seed, -reach, reach);
-    for (int k = 0; k < 4; k++) {
-        pose.orientation[k] = random_in(&seed, -1.0, 1.0);
-        size += pose.orientation[k] * pose.orientation[k];
-    }
-    for (int k = 0; k < 4; k++)
-        pose.orientation[k] /= sqrt(size);
-    return pose;
-}
-
 /* A rod that pushes into a breathing sphere. */
 struct push {
     struct deform_scene scene;
@@ -64,38 +30,35 @@ static void vary_settings(const struct push *push, uint32_t law)
 {
     dpt_tool_settings tool = { .size = sizeof tool };
     dpt_body_settings body = { .size = sizeof body };
-    dpt_tool_get_settings(push->scene.world, push->scene.tool, &tool);
+    dpt_tool_get_settings(push->scene.rig.world, push->scene.rig.tool, &tool);
     tool.law = law;
     tool.stiffness = random_in(&seed, 100.0, 1000.0);
     tool.damping = random_bits(&seed) % 2 ? random_in(&seed, 0.0, 2.0) : 0.0;
     tool.lock_rotation = law == DPT_LAW_PROXY && random_bits(&seed) % 4 == 0;
-    CHECK(dpt_tool_set_settings(push->scene.world, push->scene.tool, &tool) == DPT_OK, "tool");
-    dpt_body_get_settings(push->scene.world, push->scene.body, &body);
+    CHECK(dpt_tool_set_settings(push->scene.rig.world, push->scene.rig.tool, &tool) == DPT_OK, "tool");
+    dpt_body_get_settings(push->scene.rig.world, push->scene.rig.body, &body);
     body.static_friction = random_bits(&seed) % 2 ? 0.6 : 0.0;
     body.kinetic_friction = 0.5 * body.static_friction;
     body.stiffness = random_bits(&seed) % 3 ? 0.0 : 800.0;
-    CHECK(dpt_body_set_settings(push->scene.world, push->scene.body, &body) == DPT_OK, "body");
+    CHECK(dpt_body_set_settings(push->scene.rig.world, push->scene.rig.body, &body) == DPT_OK, "body");
 }
 
 static int open_push(struct push *push, uint32_t law, double load_radius, uint32_t segments, double fade)
 {
-    dpt_world_def def;
+    dpt_world_def def = rig_def(law);
     dpt_deformable_def deform;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     dpt_deformable_def_init(&deform);
     deform.load_radius = load_radius;
-    def.law = law;
     def.fade = fade;
     memset(push, 0, sizeof *push);
     if (!deform_scene_open(&push->scene, "sphere", 1280, &def, &deform))
         return 0;
     push->scene.kind = DEFORM_BREATH;
     push->scene.step = 2e-4;
-    CHECK(dpt_tool_add(push->scene.world, rod, segments, &push->scene.tool) == DPT_OK, "no tool");
+    rig_add_tool(&push->scene.rig, rod, segments);
     push->positions = malloc(3 * sizeof *push->positions * (size_t)push->scene.vertices);
-    push->body = random_pose(0.3);
-    CHECK(dpt_body_teleport(push->scene.world, push->scene.body, &push->body) == DPT_OK, "pose");
+    push->body = pose_any(&seed, 0.3);
+    CHECK(dpt_body_teleport(push->scene.rig.world, push->scene.rig.body, &push->body) == DPT_OK, "pose");
     vary_settings(push, law);
     return 1;
 }
@@ -122,18 +85,18 @@ static void place_tool(struct push *push, double depth, double lean)
     q[1] = p[0] * local[1] + p[1] * local[0] + p[2] * local[3] - p[3] * local[2];
     q[2] = p[0] * local[2] - p[1] * local[3] + p[2] * local[0] + p[3] * local[1];
     q[3] = p[0] * local[3] + p[1] * local[2] - p[2] * local[1] + p[3] * local[0];
-    turn3(&push->body, up, push->tool.position);
+    turn3(push->body.orientation, up, push->tool.position);
     for (int k = 0; k < 3; k++)
         push->tool.position[k] += push->body.position[k];
-    dpt_tool_set_pose(push->scene.world, push->scene.tool, &push->tool);
+    dpt_tool_set_pose(push->scene.rig.world, push->scene.rig.tool, &push->tool);
 }
 
 static void step_push(struct push *push)
 {
     const float *positions;
     uint32_t count;
-    CHECK(dpt_world_step(push->scene.world, 1e-3, NULL) == DPT_OK, "no step");
-    dpt_body_get_vertices(push->scene.world, push->scene.body, &positions, &count);
+    rig_tick(&push->scene.rig);
+    dpt_body_get_vertices(push->scene.rig.world, push->scene.rig.body, &positions, &count);
     for (size_t i = 0; i < 3 * (size_t)count; i++)
         push->positions[i] = (double)positions[i];
 }
@@ -143,7 +106,7 @@ static double add_wrench(const struct push *push, dpt_tool tool, const dpt_pose 
 {
     dpt_force_info force = { .size = sizeof force };
     double about[3];
-    dpt_tool_get_force_info(push->scene.world, tool, &force);
+    dpt_tool_get_force_info(push->scene.rig.world, tool, &force);
     cross3(pose->position, force.wrench.force, about);
     for (int k = 0; k < 3; k++) {
         sum[k] += force.wrench.force[k];
@@ -158,14 +121,14 @@ static double check_balance(struct push *push, const char *name)
 {
     double sum[3] = { 0.0 }, moment[3] = { 0.0 }, at[3], load[3], part[3], peak = 0.0, arm = 0.0, worst = 0.0;
     const dpt_result result =
-        dpt_body_get_loads(push->scene.world, push->scene.body, push->loads, LOADS_MAX, &push->count);
+        dpt_body_get_loads(push->scene.rig.world, push->scene.rig.body, push->loads, LOADS_MAX, &push->count);
     CHECK(result == DPT_OK, "%s: %s", name, dpt_result_name(result));
-    double force = add_wrench(push, push->scene.tool, &push->tool, sum, moment);
+    double force = add_wrench(push, push->scene.rig.tool, &push->tool, sum, moment);
     if (push->second)
         force += add_wrench(push, push->second, &push->second_pose, sum, moment);
     for (uint32_t i = 0; i < push->count; i++) {
-        turn3(&push->body, push->positions + 3 * (size_t)push->loads[i].vertex, at);
-        turn3(&push->body, push->loads[i].force, load);
+        turn3(push->body.orientation, push->positions + 3 * (size_t)push->loads[i].vertex, at);
+        turn3(push->body.orientation, push->loads[i].force, load);
         for (int k = 0; k < 3; k++)
             at[k] += push->body.position[k];
         cross3(at, load, part);
@@ -189,8 +152,8 @@ static void check_nearness(const struct push *push, double reach, const char *na
     for (uint32_t i = 0; i < push->count; i++) {
         double at[3], square = 0.0, u[3], along_axis = 0.0;
         const double x[3] = { 1.0, 0.0, 0.0 };
-        turn3(&push->body, push->positions + 3 * (size_t)push->loads[i].vertex, at);
-        turn3(&push->tool, x, u);
+        turn3(push->body.orientation, push->positions + 3 * (size_t)push->loads[i].vertex, at);
+        turn3(push->tool.orientation, x, u);
         for (int k = 0; k < 3; k++) {
             at[k] += push->body.position[k] - push->tool.position[k];
             along_axis += at[k] * u[k];
@@ -244,25 +207,25 @@ static void two_tools_have_their_loads(void)
     uint64_t faded = 0;
     if (!open_push(&push, DPT_LAW_PROXY, 0.01, 1, 0.01))
         return;
-    CHECK(dpt_tool_add(push.scene.world, rod, 1, &push.second) == DPT_OK, "no second tool");
+    push.second = rig_add_tool(&push.scene.rig, rod, 1);
     for (uint64_t tick = 0; tick < part_of(400); tick++) {
         dpt_force_info force = { .size = sizeof force };
         place_tool(&push, 0.012 * sin(0.05 * (double)tick) - 0.004, 0.1);
         push.second_pose = push.tool;
         for (int k = 0; k < 3; k++)
             push.second_pose.position[k] += 0.02 * sin(0.03 * (double)tick + k) + (tick % 40 == 20 ? 0.05 : 0.0);
-        dpt_tool_set_pose(push.scene.world, push.second, &push.second_pose);
+        dpt_tool_set_pose(push.scene.rig.world, push.second, &push.second_pose);
         deform_scene_advance(&push.scene);
         deform_scene_set(&push.scene, DEFORM_WHOLE);
         step_push(&push);
         check_balance(&push, "two tools");
-        dpt_tool_get_force_info(push.scene.world, push.second, &force);
+        dpt_tool_get_force_info(push.scene.rig.world, push.second, &force);
         faded += force.flags & DPT_FORCE_FLAG_FADING ? 1 : 0;
         if (tick % 100 == 99) {
             dpt_tool_settings settings = { .size = sizeof settings };
-            dpt_tool_get_settings(push.scene.world, push.second, &settings);
+            dpt_tool_get_settings(push.scene.rig.world, push.second, &settings);
             settings.law = tick % 200 == 99 ? DPT_LAW_BED : DPT_LAW_PROXY;
-            dpt_tool_set_settings(push.scene.world, push.second, &settings);
+            dpt_tool_set_settings(push.scene.rig.world, push.second, &settings);
         }
     }
     printf("    %u ticks in which a force faded\n", (unsigned)faded);
@@ -281,15 +244,15 @@ static void too_few_points_are_told(void)
     if (!deform_scene_open(&push.scene, "sphere", 1280, NULL, &def))
         return;
     for (int t = 0; t < 2; t++)
-        dpt_tool_add(push.scene.world, rod, 1, t ? &push.second : &push.scene.tool);
+        dpt_tool_add(push.scene.rig.world, rod, 1, t ? &push.second : &push.scene.rig.tool);
     push.body = push.second_pose = (dpt_pose)DPT_POSE_IDENTITY;
     for (int tick = 0; tick < 20 && result == DPT_OK; tick++) {
         place_tool(&push, -0.01 + 1e-3 * tick, 0.0);
         push.second_pose = push.tool;
         push.second_pose.position[0] += 0.02;
-        dpt_tool_set_pose(push.scene.world, push.second, &push.second_pose);
-        dpt_world_step(push.scene.world, 1e-3, NULL);
-        result = dpt_body_get_loads(push.scene.world, push.scene.body, push.loads, LOADS_MAX, &push.count);
+        dpt_tool_set_pose(push.scene.rig.world, push.second, &push.second_pose);
+        rig_tick(&push.scene.rig);
+        result = dpt_body_get_loads(push.scene.rig.world, push.scene.rig.body, push.loads, LOADS_MAX, &push.count);
     }
     CHECK(result == DPT_E_FULL && push.count < LOADS_MAX, "%s, %u loads", dpt_result_name(result), push.count);
     deform_scene_close(&push.scene);
@@ -298,9 +261,9 @@ static void too_few_points_are_told(void)
 static void turn_freely(struct push *push)
 {
     dpt_tool_settings tool = { .size = sizeof tool };
-    dpt_tool_get_settings(push->scene.world, push->scene.tool, &tool);
+    dpt_tool_get_settings(push->scene.rig.world, push->scene.rig.tool, &tool);
     tool.lock_rotation = 0;
-    CHECK(dpt_tool_set_settings(push->scene.world, push->scene.tool, &tool) == DPT_OK, "tool");
+    CHECK(dpt_tool_set_settings(push->scene.rig.world, push->scene.rig.tool, &tool) == DPT_OK, "tool");
 }
 
 /* A proxy that starts again has no points, but its force fades: until it has, the tissue feels it. */
@@ -320,7 +283,7 @@ static void a_force_that_fades_has_loads(void)
             place_tool(&push, 0.003 + 1e-4 * tick, tick < 15 ? 1.5 : 3.0);
             step_push(&push);
             const double force = check_balance(&push, "fade");
-            dpt_tool_get_force_info(push.scene.world, push.scene.tool, &report);
+            dpt_tool_get_force_info(push.scene.rig.world, push.scene.rig.tool, &report);
             if (tick < 15 || !(report.flags & DPT_FORCE_FLAG_FADING))
                 continue;
             fading++;
@@ -350,16 +313,18 @@ static void loads_are_of_the_last_step(void)
         deform_scene_advance(&push.scene);
         deform_scene_set(&push.scene, k ? DEFORM_LIST : DEFORM_RANGES);
     }
-    const dpt_pose elsewhere = random_pose(0.3);
-    dpt_body_set_pose(push.scene.world, push.scene.body, &elsewhere);
+    const dpt_pose elsewhere = pose_any(&seed, 0.3);
+    dpt_body_set_pose(push.scene.rig.world, push.scene.rig.body, &elsewhere);
     check_balance(&push, "after");
     CHECK(other.count == push.count && !memcmp(other.loads, push.loads, push.count * sizeof(dpt_load)),
           "%u loads, then %u", other.count, push.count);
     uint32_t count = 0;
-    CHECK(dpt_body_get_loads(push.scene.world, push.scene.body, push.loads, push.count - 1, &count) == DPT_E_FULL &&
+    CHECK(dpt_body_get_loads(push.scene.rig.world, push.scene.rig.body, push.loads, push.count - 1, &count) ==
+                  DPT_E_FULL &&
               count == push.count,
           "%u of %u", count, push.count);
-    CHECK(dpt_body_get_loads(push.scene.world, push.scene.body, NULL, 0, &count) == DPT_E_FULL && count == push.count,
+    CHECK(dpt_body_get_loads(push.scene.rig.world, push.scene.rig.body, NULL, 0, &count) == DPT_E_FULL &&
+              count == push.count,
           "%u of %u", count, push.count);
     close_push(&push);
 }
@@ -408,7 +373,7 @@ static void nodes_move_vertices_and_get_their_loads(void)
     memset(&scene, 0, sizeof scene);
     if (!compile_caged(&scene.fixture) || !deform_scene_open_mesh(&scene, NULL, NULL))
         return;
-    dpt_tool_add(scene.world, &pin, 1, &scene.tool);
+    rig_add_tool(&scene.rig, &pin, 1);
     for (int tick = 0; tick < 60; tick++) {
         const double size = 1.0 - 1e-3 * tick, lean = 2e-3 * tick;
         dpt_force_info force = { .size = sizeof force };
@@ -420,11 +385,10 @@ static void nodes_move_vertices_and_get_their_loads(void)
             for (int k = 0; k < 3; k++)
                 nodes[3 * n + k] = (float)y[k];
         }
-        CHECK(dpt_body_set_nodes(scene.world, scene.body, nodes) == DPT_OK, "nodes");
+        CHECK(dpt_body_set_nodes(scene.rig.world, scene.rig.body, nodes) == DPT_OK, "nodes");
         pose.position[2] -= 8e-4;
-        dpt_tool_set_pose(scene.world, scene.tool, &pose);
-        dpt_world_step(scene.world, 1e-3, NULL);
-        dpt_body_get_vertices(scene.world, scene.body, &positions, &count);
+        rig_step_to(&scene.rig, &pose);
+        dpt_body_get_vertices(scene.rig.world, scene.rig.body, &positions, &count);
         for (uint32_t v = 0; v < count; v++) {
             const double x[3] = { (double)scene.rest[3 * v], (double)scene.rest[3 * v + 1],
                                   (double)scene.rest[3 * v + 2] };
@@ -434,8 +398,9 @@ static void nodes_move_vertices_and_get_their_loads(void)
                 off = fmax(off, fabs(y[k] - (double)positions[3 * v + k]));
         }
         CHECK(off < 1e-6, "a vertex is %g m off", off);
-        dpt_tool_get_force_info(scene.world, scene.tool, &force);
-        CHECK(dpt_body_get_node_loads(scene.world, scene.body, loads, LOADS_MAX, &count) == DPT_OK, "%u loads", count);
+        dpt_tool_get_force_info(scene.rig.world, scene.rig.tool, &force);
+        CHECK(dpt_body_get_node_loads(scene.rig.world, scene.rig.body, loads, LOADS_MAX, &count) == DPT_OK, "%u loads",
+              count);
         memcpy(sum, force.wrench.force, sizeof sum);
         for (uint32_t i = 0; i < count; i++)
             for (int k = 0; k < 3; k++)
@@ -444,7 +409,7 @@ static void nodes_move_vertices_and_get_their_loads(void)
             CHECK(fabs(sum[k]) <= 1e-6 * (1.0 + fabs(force.wrench.force[2])), "%g N are left", sum[k]);
         CHECK(tick < 50 || force.wrench.force[2] > 1.0, "%g N", force.wrench.force[2]);
     }
-    CHECK(dpt_body_get_node_loads(scene.world, scene.body, loads, 3, &count) == DPT_E_FULL, "room for three");
+    CHECK(dpt_body_get_node_loads(scene.rig.world, scene.rig.body, loads, 3, &count) == DPT_E_FULL, "room for three");
     deform_scene_close(&scene);
 }
 

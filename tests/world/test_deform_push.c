@@ -68,7 +68,7 @@ static int open_sheet(struct sheet *sheet, double speed, const dpt_world_def *de
     sheet->turn = speed / (2.2 * sheet->amplitude);
     sheet->random = 5;
     sheet->device = (dpt_pose){ { 0.0, 0.0, 0.045 }, { 1.0, 0.0, 0.0, 0.0 } };
-    CHECK(dpt_tool_add(sheet->scene.world, segment, 1, &sheet->scene.tool) == DPT_OK, "no tool");
+    rig_add_tool(&sheet->scene.rig, segment, 1);
     return 1;
 }
 
@@ -88,14 +88,14 @@ static void move_device(struct sheet *sheet, uint64_t tick, double speed)
     size = sqrt(size);
     for (int k = 0; k < 3 && size > speed; k++)
         sheet->device.position[k] += speed / size * away[k];
-    dpt_tool_set_pose(sheet->scene.world, sheet->scene.tool, &sheet->device);
+    dpt_tool_set_pose(sheet->scene.rig.world, sheet->scene.rig.tool, &sheet->device);
 }
 
 static void set_on_top(struct sheet *sheet)
 {
     sheet->device.position[2] = 0.045;
-    dpt_tool_teleport(sheet->scene.world, sheet->scene.tool, &sheet->device);
-    dpt_world_step(sheet->scene.world, 1e-3, NULL);
+    dpt_tool_teleport(sheet->scene.rig.world, sheet->scene.rig.tool, &sheet->device);
+    rig_tick(&sheet->scene.rig);
 }
 
 /* Ball, upright and lying. */
@@ -122,9 +122,9 @@ static void push_proxy(int tool, double speed, uint64_t ticks, struct tally *tal
         dpt_pose proxy;
         move_sheet(&sheet);
         move_device(&sheet, tick, 2e-4);
-        dpt_world_step(sheet.scene.world, 1e-3, NULL);
-        dpt_tool_get_force_info(sheet.scene.world, sheet.scene.tool, &force);
-        dpt_tool_get_proxy(sheet.scene.world, sheet.scene.tool, &proxy);
+        rig_tick(&sheet.scene.rig);
+        dpt_tool_get_force_info(sheet.scene.rig.world, sheet.scene.rig.tool, &force);
+        dpt_tool_get_proxy(sheet.scene.rig.world, sheet.scene.rig.tool, &proxy);
         tally->held += force.reason == DPT_FORCE_ACTS;
         tally->folds += (force.flags & DPT_FORCE_FLAG_FOLD) != 0;
         const int has_begun_again = (force.flags & (DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED)) != 0;
@@ -172,12 +172,10 @@ static void no_proxy_passes_a_fast_sheet(void)
 static void count_passages(double radius, double speed, double reach, uint64_t ticks)
 {
     struct sheet sheet;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     const dpt_segment segment = { { -0.01, 0.0, 0.0 }, { 0.02, 0.01, 0.0 }, radius };
     uint64_t passed = 0;
     int last[2] = { 1, 1 };
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
     def.until = DPT_UNTIL_CONTACT;
     if (!open_sheet(&sheet, speed, &def, &segment))
         return;
@@ -186,9 +184,8 @@ static void count_passages(double radius, double speed, double reach, uint64_t t
         move_sheet(&sheet);
         move_device(&sheet, tick, 5e-4);
         sheet.device.position[2] = random_in(&sheet.random, -reach, reach);
-        dpt_tool_set_pose(sheet.scene.world, sheet.scene.tool, &sheet.device);
-        dpt_world_step(sheet.scene.world, 1e-3, NULL);
-        dpt_tool_get_sweep(sheet.scene.world, sheet.scene.tool, 0, &sweep);
+        rig_step_to(&sheet.scene.rig, &sheet.device);
+        dpt_tool_get_sweep(sheet.scene.rig.world, sheet.scene.rig.tool, 0, &sweep);
         int has_passed = 0, is_free = sweep.status == DPT_SWEEP_FREE;
         for (int e = 0; e < 2; e++) {
             const double *end = e ? segment.b : segment.a;

@@ -14,7 +14,7 @@
 enum { TICKS = 600, NODES_MOST = 4096, LOADS_MOST = 4096 };
 #define TICK 1e-3
 
-struct rig {
+struct cushion {
     struct deform_scene scene;
     void *block;
     dpt_springs *springs;
@@ -58,85 +58,90 @@ static int make_mesh(struct fixture *fixture, uint32_t kind)
 }
 
 /* A ball on a stick above the body's middle; the membrane lies in z = 0. */
-static int open_rig(struct rig *rig, uint32_t kind, uint32_t integrator, double sleep_speed)
+static int open_cushion(struct cushion *cushion, uint32_t kind, uint32_t integrator, double sleep_speed)
 {
     const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.03 }, 0.004 };
     dpt_deformable_def deform;
     dpt_springs_def springs;
     dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
-    memset(rig, 0, sizeof *rig);
-    if (!make_mesh(&rig->scene.fixture, kind))
+    memset(cushion, 0, sizeof *cushion);
+    if (!make_mesh(&cushion->scene.fixture, kind))
         return 0;
     deform.load_radius = 0.02;
-    if (!deform_scene_open_mesh(&rig->scene, NULL, &deform))
+    if (!deform_scene_open_mesh(&cushion->scene, NULL, &deform))
         return 0;
-    springs.mesh = rig->scene.fixture.mesh;
+    springs.mesh = cushion->scene.fixture.mesh;
     springs.integrator = integrator;
     springs.sleep_speed = sleep_speed;
-    rig->block = malloc(dpt_springs_bytes(&springs));
-    const dpt_result result = dpt_springs_create(rig->block, dpt_springs_bytes(&springs), &springs, &rig->springs);
+    cushion->block = malloc(dpt_springs_bytes(&springs));
+    const dpt_result result =
+        dpt_springs_create(cushion->block, dpt_springs_bytes(&springs), &springs, &cushion->springs);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-    CHECK(dpt_tool_add(rig->scene.world, &ball, 1, &rig->scene.tool) == DPT_OK, "no tool");
-    rig->nodes = dpt_springs_get_count(rig->springs);
-    rig->is_embedded = kind == DPT_NET_VOLUME;
-    rig->report.size = sizeof rig->report;
-    CHECK(rig->nodes <= NODES_MOST, "%u nodes", rig->nodes);
-    return result == DPT_OK && rig->nodes <= NODES_MOST;
+    rig_add_tool(&cushion->scene.rig, &ball, 1);
+    cushion->nodes = dpt_springs_get_count(cushion->springs);
+    cushion->is_embedded = kind == DPT_NET_VOLUME;
+    cushion->report.size = sizeof cushion->report;
+    CHECK(cushion->nodes <= NODES_MOST, "%u nodes", cushion->nodes);
+    return result == DPT_OK && cushion->nodes <= NODES_MOST;
 }
 
-static void close_rig(struct rig *rig)
+static void close_cushion(struct cushion *cushion)
 {
-    free(rig->block);
-    deform_scene_close(&rig->scene);
+    free(cushion->block);
+    deform_scene_close(&cushion->scene);
 }
 
 /* The ball comes down, presses, slides, and leaves. */
-static void step_world(struct rig *rig, int tick)
+static void step_world(struct cushion *cushion, int tick)
 {
     const double t = TICK * tick;
-    rig->pose = (dpt_pose){ { 0.0, 0.02 + 0.01 * sin(12.0 * t), rig->scene.high[2] + 0.005 - 0.03 * sin(6.0 * t) },
-                            { 1.0, 0.0, 0.0, 0.0 } };
-    CHECK((tick ? dpt_tool_set_pose : dpt_tool_teleport)(rig->scene.world, rig->scene.tool, &rig->pose) == DPT_OK,
+    cushion->pose =
+        (dpt_pose){ { 0.0, 0.02 + 0.01 * sin(12.0 * t), cushion->scene.high[2] + 0.005 - 0.03 * sin(6.0 * t) },
+                    { 1.0, 0.0, 0.0, 0.0 } };
+    CHECK((tick ? dpt_tool_set_pose : dpt_tool_teleport)(cushion->scene.rig.world, cushion->scene.rig.tool,
+                                                         &cushion->pose) == DPT_OK,
           "no pose");
-    CHECK(dpt_world_step(rig->scene.world, TICK, NULL) == DPT_OK, "no step");
+    rig_tick(&cushion->scene.rig);
 }
 
-static double force_of(const struct rig *rig)
+static double force_of(const struct cushion *cushion)
 {
     dpt_force_info force = { .size = sizeof force };
-    dpt_tool_get_force_info(rig->scene.world, rig->scene.tool, &force);
+    dpt_tool_get_force_info(cushion->scene.rig.world, cushion->scene.rig.tool, &force);
     return force.wrench.force[2];
 }
 
 /* ---- by hand ---- */
 
-static uint32_t read_loads(const struct rig *rig, dpt_load *loads)
+static uint32_t read_loads(const struct cushion *cushion, dpt_load *loads)
 {
     uint32_t count = 0;
     const dpt_result result =
-        rig->is_embedded ? dpt_body_get_node_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST, &count)
-                         : dpt_body_get_loads(rig->scene.world, rig->scene.body, loads, LOADS_MOST, &count);
+        cushion->is_embedded
+            ? dpt_body_get_node_loads(cushion->scene.rig.world, cushion->scene.rig.body, loads, LOADS_MOST, &count)
+            : dpt_body_get_loads(cushion->scene.rig.world, cushion->scene.rig.body, loads, LOADS_MOST, &count);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return count;
 }
 
-static void hand_over(struct rig *rig, const float *nodes)
+static void hand_over(struct cushion *cushion, const float *nodes)
 {
     const dpt_result result =
-        rig->is_embedded ? dpt_body_set_nodes(rig->scene.world, rig->scene.body, nodes)
-                         : dpt_body_set_vertices(rig->scene.world, rig->scene.body, 0, rig->nodes, nodes, -1.0);
+        cushion->is_embedded
+            ? dpt_body_set_nodes(cushion->scene.rig.world, cushion->scene.rig.body, nodes)
+            : dpt_body_set_vertices(cushion->scene.rig.world, cushion->scene.rig.body, 0, cushion->nodes, nodes, -1.0);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
 }
 
-static void step_by_hand(struct rig *rig)
+static void step_by_hand(struct cushion *cushion)
 {
     static dpt_load loads[LOADS_MOST];
     static float nodes[3 * NODES_MOST];
-    const uint32_t count = read_loads(rig, loads);
-    CHECK(dpt_springs_step(rig->springs, TICK, loads, count, NULL) == DPT_OK, "no physics");
-    dpt_springs_get_nodes(rig->springs, rig->nodes, nodes, NULL);
-    hand_over(rig, nodes);
+    const uint32_t count = read_loads(cushion, loads);
+    CHECK(dpt_springs_step(cushion->springs, TICK, loads, count, NULL) == DPT_OK, "no physics");
+    dpt_springs_get_nodes(cushion->springs, cushion->nodes, nodes, NULL);
+    hand_over(cushion, nodes);
 }
 
 /* ---- a thread of its own ---- */
@@ -151,7 +156,7 @@ struct places {
 };
 
 struct physics {
-    struct rig *rig;
+    struct cushion *cushion;
     struct places loads, nodes;
 };
 
@@ -167,10 +172,10 @@ static void *physics_thread(void *user)
     for (int tick = 0; tick < TICKS; tick++) {
         wait_for(&physics->loads.latest);
         const uint32_t from = physics->loads.latest.reading, to = physics->nodes.latest.writing;
-        CHECK(dpt_springs_step(physics->rig->springs, TICK, physics->loads.place[from].loads,
+        CHECK(dpt_springs_step(physics->cushion->springs, TICK, physics->loads.place[from].loads,
                                physics->loads.place[from].count, NULL) == DPT_OK,
               "no physics");
-        dpt_springs_get_nodes(physics->rig->springs, physics->rig->nodes, physics->nodes.place[to].nodes, NULL);
+        dpt_springs_get_nodes(physics->cushion->springs, physics->cushion->nodes, physics->nodes.place[to].nodes, NULL);
         dpt_latest_publish(&physics->nodes.latest);
     }
     return NULL;
@@ -179,10 +184,10 @@ static void *physics_thread(void *user)
 static void step_by_thread(struct physics *physics)
 {
     const uint32_t to = physics->loads.latest.writing;
-    physics->loads.place[to].count = read_loads(physics->rig, physics->loads.place[to].loads);
+    physics->loads.place[to].count = read_loads(physics->cushion, physics->loads.place[to].loads);
     dpt_latest_publish(&physics->loads.latest);
     wait_for(&physics->nodes.latest);
-    hand_over(physics->rig, physics->nodes.place[physics->nodes.latest.reading].nodes);
+    hand_over(physics->cushion, physics->nodes.place[physics->nodes.latest.reading].nodes);
 }
 
 /* ---- */
@@ -190,14 +195,14 @@ static void step_by_thread(struct physics *physics)
 static void check_same(uint32_t kind, uint32_t integrator, double sleep_speed)
 {
     static struct physics physics;
-    static struct rig rigs[3]; /* the call, by hand, by a thread */
+    static struct cushion cushions[3]; /* the call, by hand, by a thread */
     pthread_t thread;
     double peak = 0.0;
     uint32_t least = UINT32_MAX;
     int is_open = 1;
     for (int i = 0; i < 3; i++)
-        is_open &= open_rig(&rigs[i], kind, integrator, sleep_speed);
-    physics.rig = &rigs[2];
+        is_open &= open_cushion(&cushions[i], kind, integrator, sleep_speed);
+    physics.cushion = &cushions[2];
     dpt_latest_init(&physics.loads.latest);
     dpt_latest_init(&physics.nodes.latest);
     is_open = is_open && pthread_create(&thread, NULL, physics_thread, &physics) == 0;
@@ -206,28 +211,28 @@ static void check_same(uint32_t kind, uint32_t integrator, double sleep_speed)
         const float *positions[3];
         uint32_t count;
         for (int i = 0; i < 3; i++)
-            step_world(&rigs[i], tick);
-        const dpt_result result =
-            dpt_body_step_springs(rigs[0].scene.world, rigs[0].scene.body, rigs[0].springs, TICK, &rigs[0].report);
+            step_world(&cushions[i], tick);
+        const dpt_result result = dpt_body_step_springs(cushions[0].scene.rig.world, cushions[0].scene.rig.body,
+                                                        cushions[0].springs, TICK, &cushions[0].report);
         CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-        step_by_hand(&rigs[1]);
+        step_by_hand(&cushions[1]);
         step_by_thread(&physics);
         for (int i = 0; i < 3; i++)
-            dpt_body_get_vertices(rigs[i].scene.world, rigs[i].scene.body, &positions[i], &count);
+            dpt_body_get_vertices(cushions[i].scene.rig.world, cushions[i].scene.rig.body, &positions[i], &count);
         for (int i = 1; i < 3; i++)
             CHECK(!memcmp(positions[0], positions[i], 3 * sizeof(float) * count) &&
-                      force_of(&rigs[0]) == force_of(&rigs[i]),
-                  "tick %d, %s: other vertices, %g N and %g", tick, i == 1 ? "by hand" : "thread", force_of(&rigs[0]),
-                  force_of(&rigs[i]));
-        peak = fmax(peak, force_of(&rigs[0]));
-        least = rigs[0].report.active < least ? rigs[0].report.active : least;
+                      force_of(&cushions[0]) == force_of(&cushions[i]),
+                  "tick %d, %s: other vertices, %g N and %g", tick, i == 1 ? "by hand" : "thread",
+                  force_of(&cushions[0]), force_of(&cushions[i]));
+        peak = fmax(peak, force_of(&cushions[0]));
+        least = cushions[0].report.active < least ? cushions[0].report.active : least;
     }
     if (is_open)
         pthread_join(thread, NULL);
     CHECK(peak > 0.01, "%g N at most", peak);
-    CHECK((least < rigs[0].nodes) == (sleep_speed > 0.0), "at least %u of %u awake", least, rigs[0].nodes);
+    CHECK((least < cushions[0].nodes) == (sleep_speed > 0.0), "at least %u of %u awake", least, cushions[0].nodes);
     for (int i = 0; i < 3; i++)
-        close_rig(&rigs[i]);
+        close_cushion(&cushions[i]);
 }
 
 static void a_sheet_is_as_by_hand(void)
@@ -245,30 +250,31 @@ static void a_volume_is_as_by_hand(void)
 /* More loads than there is room for: told, and nothing has moved. */
 static void too_many_loads_are_told(void)
 {
-    struct rig rig;
-    if (open_rig(&rig, DPT_NET_SHEET, DPT_INTEGRATOR_SYMPLECTIC, 0.0)) {
+    struct cushion cushion;
+    if (open_cushion(&cushion, DPT_NET_SHEET, DPT_INTEGRATOR_SYMPLECTIC, 0.0)) {
         dpt_springs_def def;
         dpt_springs_def_init(&def);
-        def.mesh = rig.scene.fixture.mesh;
+        def.mesh = cushion.scene.fixture.mesh;
         def.max_loads = 1;
         void *block = malloc(dpt_springs_bytes(&def));
         dpt_springs *few = NULL;
         CHECK(dpt_springs_create(block, dpt_springs_bytes(&def), &def, &few) == DPT_OK, "no springs");
         int tick = 0;
-        for (; tick < TICKS && force_of(&rig) == 0.0; tick++) {
-            step_world(&rig, tick);
-            dpt_body_step_springs(rig.scene.world, rig.scene.body, rig.springs, TICK, NULL);
+        for (; tick < TICKS && force_of(&cushion) == 0.0; tick++) {
+            step_world(&cushion, tick);
+            dpt_body_step_springs(cushion.scene.rig.world, cushion.scene.rig.body, cushion.springs, TICK, NULL);
         }
-        step_world(&rig, tick);
+        step_world(&cushion, tick);
         float before[3 * NODES_MOST], after[3 * NODES_MOST];
-        dpt_springs_get_nodes(few, rig.nodes, before, NULL);
-        const dpt_result result = dpt_body_step_springs(rig.scene.world, rig.scene.body, few, TICK, NULL);
-        dpt_springs_get_nodes(few, rig.nodes, after, NULL);
+        dpt_springs_get_nodes(few, cushion.nodes, before, NULL);
+        const dpt_result result =
+            dpt_body_step_springs(cushion.scene.rig.world, cushion.scene.rig.body, few, TICK, NULL);
+        dpt_springs_get_nodes(few, cushion.nodes, after, NULL);
         CHECK(result == DPT_E_FULL, "%s", dpt_result_name(result));
-        CHECK(!memcmp(before, after, 3 * sizeof *before * rig.nodes), "it has moved");
+        CHECK(!memcmp(before, after, 3 * sizeof *before * cushion.nodes), "it has moved");
         free(block);
     }
-    close_rig(&rig);
+    close_cushion(&cushion);
 }
 
 int main(void)

@@ -14,12 +14,9 @@
 #include <unistd.h>
 
 #include "data/motion.h"
-#include "dynpoint/body.h"
 #include "dynpoint/compile.h"
-#include "dynpoint/query.h"
-#include "dynpoint/tool.h"
-#include "lib/check.h"
 #include "lib/public_meshes.h"
+#include "lib/rig.h"
 #include "oracle/brute.h"
 #include "shape/shape.h"
 
@@ -310,36 +307,20 @@ static struct motion motion_of(const struct subject *subject, uint64_t seed)
     return motion;
 }
 
-static void world_open(void **block, dpt_world **world, dpt_tool *tool, const struct subject *subject)
+static void world_open(struct rig *rig, const struct subject *subject)
 {
-    const dpt_segment point = { { 0, 0, 0 }, { 0, 0, 0 }, 0 };
-    dpt_world_def def;
-    dpt_body body;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.max_bodies = def.max_tools = def.max_segments = 1;
     def.method = DPT_METHOD_TREE;
     def.until = DPT_UNTIL_CONTACT;
-    *block = malloc(dpt_world_bytes(&def));
-    CHECK(*block && dpt_world_create(*block, dpt_world_bytes(&def), &def, world) == DPT_OK &&
-              dpt_body_add(*world, subject->mesh, NULL, &body) == DPT_OK &&
-              dpt_tool_add(*world, &point, 1, tool) == DPT_OK,
-          "no world for %s", subject->name);
+    rig_open(rig, &def, subject->mesh, &rig_point, 1);
 }
 
-static void world_tick(dpt_world *world, dpt_tool tool, const struct motion *motion, size_t tick, dpt_hit *hit)
+static dpt_hit world_tick(struct rig *rig, const struct motion *motion, size_t tick)
 {
-    const dpt_pose identity = DPT_POSE_IDENTITY;
-    dpt_segment segment = { .radius = 0 };
-    memcpy(segment.a, motion->ends[tick], sizeof segment.a);
-    memcpy(segment.b, motion->ends[tick] + 3, sizeof segment.b);
     if (motion->jumps[tick])
-        dpt_tool_teleport(world, tool, &identity);
-    hit->size = sizeof *hit;
-    const int stepped = dpt_tool_set_segments(world, tool, &segment, 1) == DPT_OK &&
-                        dpt_world_step(world, 1e-3, NULL) == DPT_OK && dpt_tool_get_hit(world, tool, hit) == DPT_OK;
-    CHECK(stepped, "tick %zu", tick);
+        dpt_tool_teleport(rig->world, rig->tool, &rig->device);
+    return rig_step_ends(rig, motion->ends[tick], 0);
 }
 
 /* A segment's answer has nothing to do with its neighbours; only the work may be less. */
@@ -356,19 +337,16 @@ static void check_alone(const struct question *question, const dpt_hit *batch)
 static void run(const struct subject *subject, const struct motion *motion, dpt_hit *hits, struct tally *tally)
 {
     const dpt_query_def tree = { .size = sizeof tree, .method = DPT_METHOD_TREE };
-    void *block;
-    dpt_world *world = NULL;
-    dpt_tool tool = 0;
+    struct rig rig;
     hits[0].size = sizeof *hits;
     const dpt_result result =
         dpt_query_segments(subject->mesh, NULL, motion->ends[0], NULL, motion->count, hits, &tree);
     CHECK(result == DPT_OK, "%s: %s", subject->name, dpt_result_text(result));
-    world_open(&block, &world, &tool, subject);
+    world_open(&rig, subject);
     for (size_t i = 0; i < motion->count; i++) {
         const struct question stateless = { subject, "stateless", i, motion->ends[i] };
         const struct question moved = { subject, "world", i, motion->ends[i] };
-        dpt_hit hit;
-        world_tick(world, tool, motion, i, &hit);
+        const dpt_hit hit = world_tick(&rig, motion, i);
         check_form(&stateless, &hits[i]);
         check_form(&moved, &hit);
         CHECK(fabs(hit.distance - hits[i].distance) <= hit.error_bound, "%.17g in a world: %s", hit.distance,
@@ -382,7 +360,7 @@ static void run(const struct subject *subject, const struct motion *motion, dpt_
             check_alone(&stateless, &hits[i]);
     }
     tally->ticks = motion->count;
-    free(block);
+    rig_close(&rig);
 }
 
 static void add_to_all(const struct subject *subject, const struct tally *tally)

@@ -15,10 +15,7 @@ static const dpt_segment lying = { { -0.01, 0.0, 0.0 }, { 0.02, 0.004, 0.0 }, 0.
 
 static dpt_world_def def_of(double fade)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.certificate_bytes = 1 << 16;
     def.side_limit = 0.03;
     def.fade = fade;
@@ -127,7 +124,7 @@ static void a_way_that_is_given_up_fades(void)
         pair_pose(&pair, &on);
         pair_step(&pair);
         for (int w = 0; w < 2; w++)
-            dpt_body_set_pose(pair.world[w], pair.body[w][0], &beside);
+            dpt_body_set_pose(pair.rig[w].world, pair.body[w][0], &beside);
         for (int n = 0; n < 18; n++) {
             int unknown = pair.was_unknown;
             pair_step(&pair);
@@ -246,7 +243,7 @@ static void only_its_share_fades(void)
     struct pair pair;
     if (!pair_open(&pair, &sheet, &other, both, 2, &def, 1e-3))
         return;
-    dpt_world *world = pair.world[FADES];
+    dpt_world *world = pair.rig[FADES].world;
     dpt_force_info report = { .size = sizeof report };
     const dpt_body_settings deep = { .size = sizeof deep, .side_limit = 0.05 };
     dpt_body_set_settings(world, pair.body[FADES][1], &deep);
@@ -254,9 +251,9 @@ static void only_its_share_fades(void)
     for (int n = 0; n < 84; n++) {
         const double z = 0.0052 - 0.0005 * n, depth = 0.002 - z;
         const dpt_pose pose = pose_at(0.0, 0.0, z);
-        dpt_tool_set_pose(world, pair.tool[FADES], &pose);
+        dpt_tool_set_pose(world, pair.rig[FADES].tool, &pose);
         dpt_world_step(world, 1e-3, NULL);
-        dpt_tool_get_force_info(world, pair.tool[FADES], &report);
+        dpt_tool_get_force_info(world, pair.rig[FADES].tool, &report);
         const double own = depth > 0.0 ? 500.0 * depth : 0.0;
         if (depth <= 0.03 + 1e-9) {
             last = n;
@@ -279,8 +276,8 @@ enum { TELEPORT, RESET, NO_POSE, NO_STEP, BODY_GOES, BODY_JUMPS, BODY_IS_LOST, N
 
 static void end_it(const struct pair *pair, int how)
 {
-    dpt_world *world = pair->world[FADES];
-    const dpt_tool tool = pair->tool[FADES];
+    dpt_world *world = pair->rig[FADES].world;
+    const dpt_tool tool = pair->rig[FADES].tool;
     const dpt_body body = pair->body[FADES][0];
     const dpt_pose far_off = pose_at(1.0, 0.0, 0.0), here = pose_at(0.003, 0.002, -0.0285);
     const dpt_tool_settings none = { .size = sizeof none };
@@ -331,24 +328,24 @@ static void other_ends_are_at_once(void)
             dpt_force_info report = { .size = sizeof report };
             if (!begin_deep(&pair, 0.01, 1e-3))
                 return;
-            dpt_world *world = pair.world[FADES];
-            dpt_tool_set_pose(world, pair.tool[FADES], &deeper);
+            dpt_world *world = pair.rig[FADES].world;
+            dpt_tool_set_pose(world, pair.rig[FADES].tool, &deeper);
             if (fading)
                 dpt_world_step(world, 1e-3, NULL);
             end_it(&pair, how);
             if (how != NO_STEP)
                 dpt_world_step(world, 1e-3, NULL);
-            dpt_tool_get_force_info(world, pair.tool[FADES], &report);
+            dpt_tool_get_force_info(world, pair.rig[FADES].tool, &report);
             CHECK(size_of_force(&report.wrench) == 0.0 && report.flags == 0 && report.reason == reasons[how],
                   "end %d, fading %d: %g N, flags %u, reason %u", how, fading, size_of_force(&report.wrench),
                   report.flags, report.reason);
             const dpt_pose still = DPT_POSE_IDENTITY;
             if (how == NO_POSE)
-                dpt_tool_set_pose(world, pair.tool[FADES], &deeper);
+                dpt_tool_set_pose(world, pair.rig[FADES].tool, &deeper);
             if (how == BODY_IS_LOST)
                 dpt_body_set_pose(world, pair.body[FADES][0], &still);
             dpt_world_step(world, 1e-3, NULL);
-            dpt_tool_get_force_info(world, pair.tool[FADES], &report);
+            dpt_tool_get_force_info(world, pair.rig[FADES].tool, &report);
             CHECK(size_of_force(&report.wrench) == 0.0 && report.flags == 0, "after end %d, fading %d: %g N", how,
                   fading, size_of_force(&report.wrench));
             pair_close(&pair);
@@ -369,7 +366,7 @@ static void a_body_ends_its_own_push_alone(void)
     pair_pose(&pair, &deeper);
     pair_step(&pair);
     for (int w = 0; w < 2; w++)
-        dpt_body_remove(pair.world[w], pair.body[w][1]);
+        dpt_body_remove(pair.rig[w].world, pair.body[w][1]);
     pair_step(&pair);
     CHECK(pair.reported.flags == DPT_FORCE_FLAG_FADING &&
               fabs(pair.reported.wrench.force[2] - 0.8 * 500.0 * 0.0295) < 1e-6,
@@ -380,7 +377,7 @@ static void a_body_ends_its_own_push_alone(void)
 static dpt_force_info force_of(const struct pair *pair)
 {
     dpt_force_info report = { .size = sizeof report, .law = 7 };
-    CHECK(dpt_tool_get_force_info(pair->world[FADES], pair->tool[FADES], &report) == DPT_OK &&
+    CHECK(dpt_tool_get_force_info(pair->rig[FADES].world, pair->rig[FADES].tool, &report) == DPT_OK &&
               report.law == DPT_LAW_POINT,
           "no force");
     return report;
@@ -397,21 +394,21 @@ static void reasons_of_first_ticks(const dpt_segment *through)
         return;
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_STALE && report.flags == 0, "added: %u", report.reason);
-    dpt_world_step(pair.world[FADES], 1e-3, NULL);
+    dpt_world_step(pair.rig[FADES].world, 1e-3, NULL);
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_UNDECIDED && report.flags == 0, "no side: %u", report.reason);
-    dpt_tool_set_pose(pair.world[FADES], pair.tool[FADES], &far_off);
-    dpt_world_step(pair.world[FADES], 1e-3, NULL);
+    dpt_tool_set_pose(pair.rig[FADES].world, pair.rig[FADES].tool, &far_off);
+    dpt_world_step(pair.rig[FADES].world, 1e-3, NULL);
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_FREE && report.flags == 0, "far off: %u", report.reason);
     report.size = 8;
-    CHECK(dpt_tool_get_force_info(pair.world[FADES], pair.tool[FADES], &report) == DPT_E_SIZE, "size 8");
+    CHECK(dpt_tool_get_force_info(pair.rig[FADES].world, pair.rig[FADES].tool, &report) == DPT_E_SIZE, "size 8");
     report.size = sizeof report;
-    CHECK(dpt_tool_get_force_info(pair.world[FADES], pair.body[FADES][0], &report) == DPT_E_HANDLE &&
+    CHECK(dpt_tool_get_force_info(pair.rig[FADES].world, pair.body[FADES][0], &report) == DPT_E_HANDLE &&
               report.reason == DPT_FORCE_STALE,
           "a body's id: %u", report.reason);
     CHECK(dpt_tool_get_force_info(NULL, 0, &report) == DPT_E_ARGUMENT &&
-              dpt_tool_get_force_info(pair.world[FADES], pair.tool[FADES], NULL) == DPT_E_ARGUMENT,
+              dpt_tool_get_force_info(pair.rig[FADES].world, pair.rig[FADES].tool, NULL) == DPT_E_ARGUMENT,
           "nothing to ask");
     pair_close(&pair);
 }
@@ -430,7 +427,7 @@ static void a_zero_wrench_says_why(void)
     /* One segment is undecided, the other pushed. */
     if (!pair_open(&pair, &sheet, NULL, two, 2, &def, 1e-3))
         return;
-    dpt_world_step(pair.world[FADES], 1e-3, NULL);
+    dpt_world_step(pair.rig[FADES].world, 1e-3, NULL);
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_ACTS && report.flags == DPT_FORCE_FLAG_PARTIAL &&
               fabs(report.wrench.force[2] - 0.25) < 1e-9,
@@ -440,7 +437,7 @@ static void a_zero_wrench_says_why(void)
     /* No bodies; not asked for a response. */
     if (!pair_open(&pair, NULL, NULL, &through, 1, &def, 1e-3))
         return;
-    dpt_world_step(pair.world[FADES], 1e-3, NULL);
+    dpt_world_step(pair.rig[FADES].world, 1e-3, NULL);
     report = force_of(&pair);
     CHECK(report.reason == DPT_FORCE_FREE, "no bodies: %u", report.reason);
     pair_close(&pair);
@@ -450,7 +447,7 @@ static void a_zero_wrench_says_why(void)
             return;
         report = force_of(&pair);
         CHECK(report.reason == DPT_FORCE_STALE, "until %u, added: %u", until, report.reason);
-        dpt_world_step(pair.world[FADES], 1e-3, NULL);
+        dpt_world_step(pair.rig[FADES].world, 1e-3, NULL);
         report = force_of(&pair);
         CHECK(report.reason == DPT_FORCE_OFF && report.flags == 0, "until %u: %u", until, report.reason);
         pair_close(&pair);

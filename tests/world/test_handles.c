@@ -4,15 +4,9 @@
  * and how much of the world was in use. The bodies' answers themselves are for other tests.
  */
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 static struct fixture fixture;
-
-struct scene {
-    void *block;
-    dpt_world *world;
-    dpt_body body;
-    dpt_tool tool;
-};
 
 static const dpt_segment probe = { { -0.02, 0.1, 0.0 }, { 0.02, 0.1, 0.0 }, 0.004 };
 
@@ -21,11 +15,9 @@ static dpt_pose at(double x, double y, double z)
     return (dpt_pose){ { x, y, z }, { 0.8, 0.0, 0.0, 0.6 } };
 }
 
-static void scene_open(struct scene *scene)
+static void scene_open(struct rig *scene)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.max_bodies = 6;
     def.max_tools = 5;
     def.max_segments = 9;
@@ -33,12 +25,9 @@ static void scene_open(struct scene *scene)
     def.max_contacts = 16;
     def.strip = 1;
     def.strip_capacity = 64;
-    size_t bytes = dpt_world_bytes(&def);
-    scene->block = malloc(bytes);
     const dpt_pose pose = at(0.0, 0.0, 0.0);
-    CHECK(dpt_world_create(scene->block, bytes, &def, &scene->world) == DPT_OK, "create");
-    CHECK(dpt_body_add(scene->world, fixture.mesh, &pose, &scene->body) == DPT_OK, "body");
-    CHECK(dpt_tool_add(scene->world, &probe, 1, &scene->tool) == DPT_OK, "tool");
+    rig_open(scene, &def, NULL, &probe, 1);
+    rig_add_body(scene, fixture.mesh, &pose);
 }
 
 static void same_pose(const dpt_pose *a, const dpt_pose *b)
@@ -48,7 +37,7 @@ static void same_pose(const dpt_pose *a, const dpt_pose *b)
 
 static void poses_are_told(void)
 {
-    struct scene of;
+    struct rig of;
     scene_open(&of);
     const dpt_pose identity = DPT_POSE_IDENTITY, there = at(0.1, 0.2, 0.3), first = at(0, 0, 0);
     dpt_pose bad = there, told;
@@ -71,12 +60,12 @@ static void poses_are_told(void)
     CHECK(dpt_tool_get_pose(of.world, of.body, &told) == DPT_E_HANDLE, "a body's id");
     same_pose(&told, &identity);
     CHECK(dpt_body_get_pose(of.world, of.body, NULL) == DPT_E_ARGUMENT, "nowhere to");
-    free(of.block);
+    rig_close(&of);
 }
 
 static void values_stay_with_their_owners(void)
 {
-    struct scene of;
+    struct rig of;
     scene_open(&of);
     uint64_t user = 1;
     CHECK(dpt_body_get_user(of.world, of.body, &user) == DPT_OK && user == 0, "not 0 at first");
@@ -95,12 +84,12 @@ static void values_stay_with_their_owners(void)
         CHECK(dpt_body_set_user(of.world, next, 3) == DPT_E_HANDLE, "removed");
     }
     CHECK(dpt_tool_set_user(of.world, of.body, 3) == DPT_E_HANDLE, "a body's id");
-    free(of.block);
+    rig_close(&of);
 }
 
 static void an_id_is_alive_or_not(void)
 {
-    struct scene of;
+    struct rig of;
     scene_open(&of);
     CHECK(dpt_body_is_valid(of.world, of.body) == 1, "body");
     CHECK(dpt_tool_is_valid(of.world, of.tool) == 1, "tool");
@@ -115,7 +104,7 @@ static void an_id_is_alive_or_not(void)
     dpt_body_remove(of.world, of.body);
     dpt_tool_remove(of.world, of.tool);
     CHECK(!dpt_body_is_valid(of.world, of.body) && !dpt_tool_is_valid(of.world, of.tool), "gone");
-    free(of.block);
+    rig_close(&of);
 }
 
 struct reading {
@@ -125,7 +114,7 @@ struct reading {
     uint32_t count;
 };
 
-static struct reading tick(const struct scene *of)
+static struct reading tick(const struct rig *of)
 {
     struct reading read = { .hit = DPT_HIT_INIT, .sweep = { .size = sizeof(dpt_sweep) } };
     dpt_step step = { .size = sizeof step };
@@ -143,8 +132,8 @@ static struct reading tick(const struct scene *of)
 /* A jump across the tool is not a sweep, and is what removing and adding the body gives. */
 static void a_jump_is_not_a_motion(void)
 {
-    struct scene jumps, adds, moves;
-    struct scene *all[3] = { &jumps, &adds, &moves };
+    struct rig jumps, adds, moves;
+    struct rig *all[3] = { &jumps, &adds, &moves };
     const dpt_pose before = at(0.0, 0.0, -0.3), after = at(0.0, 0.0, 0.3);
     for (uint32_t i = 0; i < 3; i++) {
         scene_open(all[i]);
@@ -165,10 +154,10 @@ static void a_jump_is_not_a_motion(void)
     CHECK(dpt_body_teleport(jumps.world, jumps.body, &bad) != DPT_OK, "a bad pose");
     CHECK(dpt_body_teleport(jumps.world, jumps.tool, &after) == DPT_E_HANDLE, "a tool's id");
     for (uint32_t i = 0; i < 3; i++)
-        free(all[i]->block);
+        rig_close(all[i]);
 }
 
-static dpt_world_info usage_of(const struct scene *of)
+static dpt_world_info usage_of(const struct rig *of)
 {
     dpt_world_info usage = { .size = sizeof usage };
     CHECK(dpt_world_get_info(of->world, &usage) == DPT_OK, "usage");
@@ -177,7 +166,7 @@ static dpt_world_info usage_of(const struct scene *of)
 
 static void the_most_in_use_is_told(void)
 {
-    struct scene of;
+    struct rig of;
     scene_open(&of);
     dpt_world_info usage = usage_of(&of);
     CHECK(usage.bodies == 1 && usage.tools == 1 && usage.segments == 1, "%u %u %u", usage.bodies, usage.tools,
@@ -214,25 +203,20 @@ static void the_most_in_use_is_told(void)
     CHECK(most_contacts > 0 && usage.contacts == most_contacts, "%u, counted %u", usage.contacts, most_contacts);
     CHECK(most_work > 0 && usage.work == most_work, "%u, counted %u", usage.work, most_work);
     CHECK(most_strip > 0 && usage.strip == most_strip, "%u, counted %u", usage.strip, most_strip);
-    free(of.block);
+    rig_close(&of);
 }
 
 /* Regions that found no room count: that is what the number is for. */
 static void a_lack_is_told(void)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
+    struct rig of;
     def.margin = 0.01;
     def.max_tools = 1;
     def.max_segments = 4;
     def.max_contacts = 1;
-    size_t bytes = dpt_world_bytes(&def);
-    struct scene of = { .block = malloc(bytes) };
-    CHECK(dpt_world_create(of.block, bytes, &def, &of.world) == DPT_OK, "create");
     const dpt_segment four[4] = { probe, probe, probe, probe };
-    dpt_body_add(of.world, fixture.mesh, NULL, &of.body);
-    dpt_tool_add(of.world, four, 4, &of.tool);
+    rig_open(&of, &def, fixture.mesh, four, 4);
     const dpt_pose inside = at(0.0, 0.0, 0.0);
     dpt_step step = { .size = sizeof step };
     dpt_tool_set_pose(of.world, of.tool, &inside);
@@ -240,7 +224,7 @@ static void a_lack_is_told(void)
     const dpt_world_info usage = usage_of(&of);
     CHECK(step.contacts == 1 && (step.flags & DPT_STEP_FLAG_CONTACTS_FULL), "no lack: %u", step.contacts);
     CHECK(usage.contacts == 4, "%u regions wanted", usage.contacts);
-    free(of.block);
+    rig_close(&of);
 }
 
 /* So does one whose side was to be remembered when two lines flew through a sheet at once, to beyond its side limit. */
@@ -249,18 +233,13 @@ static void a_lack_of_room_for_sides_is_told(void)
     struct fixture sheet;
     if (!fixture_from_shape(&sheet, "membrane", 18))
         return;
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
+    struct rig of;
     def.max_contacts = 1;
     def.side_limit = 0.01;
-    size_t bytes = dpt_world_bytes(&def);
-    struct scene of = { .block = malloc(bytes) };
-    CHECK(dpt_world_create(of.block, bytes, &def, &of.world) == DPT_OK, "create");
     const dpt_segment two[2] = { { { -0.02, 0.01, 0 }, { -0.02, 0.03, 0 }, 0.0 },
                                  { { 0.02, 0.01, 0 }, { 0.02, 0.03, 0 }, 0.0 } };
-    dpt_body_add(of.world, sheet.mesh, NULL, &of.body);
-    dpt_tool_add(of.world, two, 2, &of.tool);
+    rig_open(&of, &def, sheet.mesh, two, 2);
     dpt_step step = { .size = sizeof step };
     for (int i = 0; i < 2; i++) {
         const dpt_pose pose = { { 0.0, 0.0, i ? -0.05 : 0.05 }, { 1.0, 0.0, 0.0, 0.0 } };
@@ -270,7 +249,7 @@ static void a_lack_of_room_for_sides_is_told(void)
     const dpt_world_info usage = usage_of(&of);
     CHECK(step.flags & DPT_STEP_FLAG_CONTACTS_FULL, "no lack");
     CHECK(usage.contacts == 2, "%u wanted", usage.contacts);
-    free(of.block);
+    rig_close(&of);
     fixture_free(&sheet);
 }
 

@@ -10,6 +10,7 @@
 
 #include "lib/block_count.h"
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 /* So many times the cost of a torus of as many bytes. Measured: 2.4. */
 #define RATIO_MAX 4.0
@@ -319,9 +320,7 @@ static void long_headers(void)
 
 struct scene {
     struct fixture fixture;
-    dpt_world *world;
-    void *block;
-    dpt_tool tool;
+    struct rig rig;
     double at[3];
 };
 
@@ -329,27 +328,20 @@ static void scene_open(struct scene *scene, const char *name, uint64_t count, do
 {
     struct shape shape;
     shape_reason reason;
-    dpt_world_def def;
-    dpt_body body;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.2 }, 0.002 };
     CHECK(shape_make(name, count, 0, &shape, reason) == 0, "%s: %s", name, reason);
     for (size_t i = 0; i < 3 * shape.vertex_count; i++)
         shape.vertices[i] *= scale;
     fixture_from_arrays(&scene->fixture, shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count);
     shape_free(&shape);
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
     def.budget = budget;
-    scene->block = malloc(dpt_world_bytes(&def));
-    dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world);
-    CHECK(dpt_body_add(scene->world, scene->fixture.mesh, NULL, &body) == DPT_OK, "%s", name);
-    CHECK(dpt_tool_add(scene->world, &segment, 1, &scene->tool) == DPT_OK, "%s", name);
+    rig_open(&scene->rig, &def, scene->fixture.mesh, &segment, 1);
 }
 
 static void scene_close(struct scene *scene)
 {
-    free(scene->block);
+    rig_close(&scene->rig);
     fixture_free(&scene->fixture);
 }
 
@@ -380,9 +372,9 @@ static struct cost slide(struct scene *scene, double x, double z)
         const double turn = 0.06 * tick;
         const dpt_pose pose = { { x + 0.004 * cos(turn), 0.004 * sin(turn), z + 0.004 * cos(0.03 * tick) - 0.001 },
                                 { cos(0.15), sin(0.15), 0.0, 0.0 } };
-        dpt_tool_set_pose(scene->world, scene->tool, &pose);
+        dpt_tool_set_pose(scene->rig.world, scene->rig.tool, &pose);
         const uint64_t begin = block_count;
-        CHECK(dpt_world_step(scene->world, 1e-3, &step) == DPT_OK, "tick %d", tick);
+        CHECK(dpt_world_step(scene->rig.world, 1e-3, &step) == DPT_OK, "tick %d", tick);
         cost.blocks += block_count - begin;
         cost.work += step.work;
         cost.most = step.work > cost.most ? step.work : cost.most;

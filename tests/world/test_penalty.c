@@ -3,33 +3,28 @@
  * The penalty against closed forms: a capsule over a plane and under it, a ball in a sphere, with normals of the faces
  * and smooth ones. And that input which is no number, or is missing, gives no force.
  */
-#include "world/world_block.h"
+#include "world/small_def.h"
 
 /* On a flat sheet k (r - h) along its normal, on the side that the tool came from; torque about the tool's origin. */
 static void penalty_on_a_plane(void)
 {
     struct fixture sheet;
-    struct world_block made;
+    struct rig made;
     dpt_world_def def = small_def();
-    dpt_body body;
-    dpt_tool tool;
     if (!fixture_from_shape(&sheet, "membrane", 0))
         return;
-    world_block_open(&made, &def);
     dpt_segment part = capsule(-0.03, 0, 0, 0.02, 0, 0.001, 0.004);
-    dpt_body_add(made.world, sheet.mesh, NULL, &body);
-    dpt_tool_add(made.world, &part, 1, &tool);
+    rig_open(&made, &def, sheet.mesh, &part, 1);
     for (int way = -1; way <= 1; way += 2)
         for (int i = 60; i >= -60; i--) {
             double height = 1e-4 * way * i + 3e-5;
             dpt_pose pose = { { 0.005, 0.007, height }, { 1, 0, 0, 0 } };
             dpt_wrench wrench;
             if (i == 60)
-                dpt_tool_teleport(made.world, tool, &pose);
+                dpt_tool_teleport(made.world, made.tool, &pose);
             else
-                dpt_tool_set_pose(made.world, tool, &pose);
-            dpt_world_step(made.world, 1e-3, NULL);
-            dpt_tool_get_wrench(made.world, tool, &wrench);
+                rig_step_to(&made, &pose);
+            dpt_tool_get_wrench(made.world, made.tool, &wrench);
             /* From above the end a is the deepest, from below b, 0.001 higher. */
             double force = way > 0 ? 500.0 * fmax(0.0, 0.004 - height) : -500.0 * fmax(0.0, 0.004 + height + 0.001);
             double arm = way > 0 ? -0.03 : 0.02;
@@ -40,12 +35,12 @@ static void penalty_on_a_plane(void)
     /* As free segments in the world, the torque is about the end a. */
     dpt_wrench wrench;
     dpt_segment world_part = capsule(-0.01, 0, 0.003, 0.04, 0, 0.001, 0.004);
-    dpt_tool_set_segments(made.world, tool, &world_part, 1);
-    dpt_world_step(made.world, 1e-3, NULL);
-    dpt_tool_get_wrench(made.world, tool, &wrench);
+    dpt_tool_set_segments(made.world, made.tool, &world_part, 1);
+    rig_tick(&made);
+    dpt_tool_get_wrench(made.world, made.tool, &wrench);
     CHECK(fabs(wrench.force[2] - 1.5) < 1e-12, "%g N", wrench.force[2]);
     CHECK(fabs(wrench.torque[1] + 0.05 * 1.5) < 1e-12, "%g Nm", wrench.torque[1]);
-    free(made.block);
+    rig_close(&made);
     fixture_free(&sheet);
 }
 
@@ -53,19 +48,15 @@ static void penalty_on_a_plane(void)
 static void penalty_in_a_sphere(void)
 {
     struct fixture sphere;
-    struct world_block made;
+    struct rig made;
     dpt_world_def def = small_def();
-    dpt_body body;
-    dpt_tool tool;
     dpt_mesh_info info = { .size = sizeof info };
     if (!fixture_from_shape(&sphere, "sphere", 20000))
         return;
-    world_block_open(&made, &def);
     dpt_mesh_get_info(sphere.mesh, &info);
     double radius = info.box_max[2], facet = 2e-3 * radius;
     dpt_segment point = capsule(0, 0, 0, 0, 0, 0, 0.003);
-    dpt_body_add(made.world, sphere.mesh, NULL, &body);
-    dpt_tool_add(made.world, &point, 1, &tool);
+    rig_open(&made, &def, sphere.mesh, &point, 1);
     uint64_t random = 21;
     for (int i = 0; i < 2000; i++) {
         double x[3], size = 0.0;
@@ -76,9 +67,8 @@ static void penalty_in_a_sphere(void)
         for (int k = 0; k < 3; k++)
             pose.position[k] = x[k] * from_centre / sqrt(size);
         dpt_wrench wrench;
-        dpt_tool_set_pose(made.world, tool, &pose);
-        dpt_world_step(made.world, 1e-3, NULL);
-        dpt_tool_get_wrench(made.world, tool, &wrench);
+        rig_step_to(&made, &pose);
+        dpt_tool_get_wrench(made.world, made.tool, &wrench);
         double expected = 500.0 * fmax(0.0, radius + 0.003 - from_centre), along_radius = 0.0;
         double total = 0.0;
         for (int k = 0; k < 3; k++) {
@@ -88,7 +78,7 @@ static void penalty_in_a_sphere(void)
         CHECK(fabs(along_radius - expected) < 500.0 * facet, "%g N, not %g", along_radius, expected);
         CHECK(along_radius >= 0.995 * sqrt(total), "%g of %g N along the radius", along_radius, sqrt(total));
     }
-    free(made.block);
+    rig_close(&made);
     fixture_free(&sphere);
 }
 
@@ -96,8 +86,7 @@ static void penalty_in_a_sphere(void)
 static void smooth_normals_change_the_way_out_alone(void)
 {
     struct fixture sphere;
-    struct world_block made[2];
-    dpt_tool tool[2];
+    struct rig made[2];
     double off[2] = { 0.0, 0.0 };
     uint64_t random = 77;
     uint32_t contacts = 0;
@@ -108,11 +97,8 @@ static void smooth_normals_change_the_way_out_alone(void)
     dpt_mesh_get_info(sphere.mesh, &info);
     for (uint32_t k = 0; k < 2; k++) {
         dpt_world_def def = small_def();
-        dpt_body body;
         def.smooth_normals = k;
-        world_block_open(&made[k], &def);
-        dpt_body_add(made[k].world, sphere.mesh, NULL, &body);
-        dpt_tool_add(made[k].world, &ball, 1, &tool[k]);
+        rig_open(&made[k], &def, sphere.mesh, &ball, 1);
     }
     for (int i = 0; i < 1000; i++) {
         dpt_pose pose = DPT_POSE_IDENTITY;
@@ -124,9 +110,9 @@ static void smooth_normals_change_the_way_out_alone(void)
         dpt_contact c[2] = { { .size = sizeof *c }, { .size = sizeof *c } };
         uint32_t count[2];
         for (int k = 0; k < 2; k++) {
-            dpt_tool_teleport(made[k].world, tool[k], &pose);
-            dpt_world_step(made[k].world, 1e-3, NULL);
-            dpt_tool_get_contacts(made[k].world, tool[k], &c[k], 1, &count[k]);
+            dpt_tool_teleport(made[k].world, made[k].tool, &pose);
+            rig_tick(&made[k]);
+            dpt_tool_get_contacts(made[k].world, made[k].tool, &c[k], 1, &count[k]);
         }
         CHECK(count[0] == count[1] && c[0].gap == c[1].gap && c[0].contact == c[1].contact &&
                   memcmp(c[0].q, c[1].q, sizeof c[0].q) == 0,
@@ -143,41 +129,38 @@ static void smooth_normals_change_the_way_out_alone(void)
         contacts += count[0];
     }
     CHECK(contacts > 300 && off[1] < 0.5 * off[0], "%u contacts, off %g and %g", contacts, off[0], off[1]);
-    free(made[0].block);
-    free(made[1].block);
+    rig_close(&made[0]);
+    rig_close(&made[1]);
     fixture_free(&sphere);
 }
 
 static void bad_input_gives_no_force(void)
 {
     struct fixture box;
-    struct world_block made;
+    struct rig made;
     dpt_world_def def = small_def();
-    dpt_body body;
-    dpt_tool tool;
     dpt_wrench wrench;
     dpt_step out = { .size = sizeof out };
     dpt_hit hit = DPT_HIT_INIT;
     if (!fixture_from_shape(&box, "box", 12))
         return;
-    world_block_open(&made, &def);
     dpt_segment part = capsule(0, 0, 0, 0.01, 0, 0, 0.01);
-    dpt_tool_add(made.world, &part, 1, &tool);
+    rig_open(&made, &def, NULL, &part, 1);
     CHECK(dpt_world_step(made.world, 1e-3, &out) == DPT_OK && out.status == DPT_STATUS_STALE, "empty");
-    dpt_body_add(made.world, box.mesh, NULL, &body);
+    const dpt_body body = rig_add_body(&made, box.mesh, NULL);
     dpt_pose good = DPT_POSE_IDENTITY, bad = DPT_POSE_IDENTITY;
     bad.position[2] = NAN;
 #define FORCE_IS(condition, what)                                                                                      \
-    dpt_tool_get_wrench(made.world, tool, &wrench);                                                                    \
-    dpt_tool_get_hit(made.world, tool, &hit);                                                                          \
+    dpt_tool_get_wrench(made.world, made.tool, &wrench);                                                               \
+    dpt_tool_get_hit(made.world, made.tool, &hit);                                                                     \
     CHECK((wrench.force[0] != 0.0 || wrench.force[1] != 0.0 || wrench.force[2] != 0.0) == (condition), what);          \
     CHECK((hit.status == DPT_STATUS_EXACT) == (condition), what " (status)")
     dpt_world_step(made.world, 1e-3, &out);
     FORCE_IS(1, "inside the box");
-    CHECK(dpt_tool_set_pose(made.world, tool, &bad) == DPT_E_FINITE, "nan");
+    CHECK(dpt_tool_set_pose(made.world, made.tool, &bad) == DPT_E_FINITE, "nan");
     dpt_world_step(made.world, 1e-3, &out);
     FORCE_IS(0, "tool pose is nan");
-    dpt_tool_set_pose(made.world, tool, &good);
+    dpt_tool_set_pose(made.world, made.tool, &good);
     dpt_world_step(made.world, 1e-3, &out);
     FORCE_IS(1, "tool pose is good again");
     CHECK(dpt_body_set_pose(made.world, body, &bad) == DPT_E_FINITE, "nan");
@@ -193,11 +176,11 @@ static void bad_input_gives_no_force(void)
     CHECK(dpt_world_step(made.world, 1e-3, &out) == DPT_E_SIZE, "size");
     FORCE_IS(0, "after an error");
     part.a[1] = INFINITY;
-    CHECK(dpt_tool_set_segments(made.world, tool, &part, 1) == DPT_E_FINITE, "inf");
-    dpt_world_step(made.world, 1e-3, NULL);
+    CHECK(dpt_tool_set_segments(made.world, made.tool, &part, 1) == DPT_E_FINITE, "inf");
+    rig_tick(&made);
     FORCE_IS(0, "segments are infinite");
 #undef FORCE_IS
-    free(made.block);
+    rig_close(&made);
     fixture_free(&box);
 }
 
@@ -205,17 +188,13 @@ static void bad_input_gives_no_force(void)
 static void garbage_in_numbers_out(void)
 {
     struct fixture torus;
-    struct world_block made;
+    struct rig made;
     dpt_world_def def = small_def();
-    dpt_body body;
-    dpt_tool tool;
     uint64_t random = 77;
     if (!fixture_from_shape(&torus, "torus", 500))
         return;
-    world_block_open(&made, &def);
     dpt_segment part = capsule(0, 0, 0, 0.1, 0, 0, 0.01);
-    dpt_body_add(made.world, torus.mesh, NULL, &body);
-    dpt_tool_add(made.world, &part, 1, &tool);
+    rig_open(&made, &def, torus.mesh, &part, 1);
     for (int i = 0; i < 50000; i++) {
         double number[14];
         for (int k = 0; k < 14; k++) {
@@ -227,24 +206,24 @@ static void garbage_in_numbers_out(void)
         dpt_pose pose;
         memcpy(&pose, number, sizeof pose);
         memcpy(&part, number + 7, sizeof part);
-        dpt_tool_set_pose(made.world, tool, &pose);
+        dpt_tool_set_pose(made.world, made.tool, &pose);
         if (i % 2)
-            dpt_tool_set_segments(made.world, tool, &part, 1);
+            dpt_tool_set_segments(made.world, made.tool, &part, 1);
         if (i % 5 == 0)
-            dpt_body_set_pose(made.world, body, &pose);
+            dpt_body_set_pose(made.world, made.body, &pose);
         if (i % 5 == 1)
-            dpt_body_set_pose(made.world, body, &(dpt_pose)DPT_POSE_IDENTITY);
+            dpt_body_set_pose(made.world, made.body, &(dpt_pose)DPT_POSE_IDENTITY);
         dpt_world_step(made.world, i % 50 ? 1e-3 : number[3], NULL);
         dpt_hit hit = DPT_HIT_INIT;
         dpt_wrench wrench;
-        dpt_tool_get_hit(made.world, tool, &hit);
-        dpt_tool_get_wrench(made.world, tool, &wrench);
+        dpt_tool_get_hit(made.world, made.tool, &hit);
+        dpt_tool_get_wrench(made.world, made.tool, &wrench);
         double sum = hit.distance + hit.gap + hit.depth + hit.s + hit.error_bound + hit.lower_bound;
         for (int k = 0; k < 3; k++)
             sum += hit.p[k] + hit.q[k] + wrench.force[k] + wrench.torque[k];
         CHECK(isfinite(sum), "round %d", i);
     }
-    free(made.block);
+    rig_close(&made);
     fixture_free(&torus);
 }
 

@@ -6,6 +6,7 @@
  *     test_reaction [PER CENT]   of the worlds
  */
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 enum { BODIES = 3, TOOLS = 3, LOADS_MAX = 64, SPREAD_MAX = 8192 };
 
@@ -16,17 +17,6 @@ struct sum {
     double force[3], moment[3];
     double size;
 };
-
-static void cross3(const double a[3], const double b[3], double c[3])
-{
-    for (int k = 0; k < 3; k++)
-        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-static double length3(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
 
 /* Add a force at a point, times `sign`, and a torque. */
 static void add(struct sum *sum, double sign, const double at[3], const double force[3], const double torque[3])
@@ -56,9 +46,7 @@ static int is_zero(const struct sum *sum)
 
 struct scene {
     struct fixture mesh[BODIES];
-    dpt_world_def def;
-    dpt_world *world;
-    void *block, *soft_block;
+    struct rig rig;
     dpt_body body[BODIES];
     dpt_pose body_pose[BODIES]; /* of the last step */
     int is_soft[BODIES];
@@ -97,18 +85,15 @@ static void add_bodies(struct scene *scene)
             deform.mesh = scene->mesh[i].mesh;
             deform.pose = pose;
             deform.max_points = 64;
-            scene->soft_block = malloc(dpt_deformable_bytes(&deform));
-            CHECK(dpt_body_add_deformable(scene->world, scene->soft_block, dpt_deformable_bytes(&deform), &deform,
-                                          &scene->body[i]) == DPT_OK,
-                  "no body");
+            scene->body[i] = rig_add_deformable(&scene->rig, &deform);
         } else {
-            CHECK(dpt_body_add(scene->world, scene->mesh[i].mesh, pose, &scene->body[i]) == DPT_OK, "no body");
+            scene->body[i] = rig_add_body(&scene->rig, scene->mesh[i].mesh, pose);
         }
-        dpt_body_get_settings(scene->world, scene->body[i], &settings);
+        dpt_body_get_settings(scene->rig.world, scene->body[i], &settings);
         settings.static_friction = random_bits(&seed) % 2 ? 0.7 : 0.0;
         settings.kinetic_friction = 0.5 * settings.static_friction;
         settings.stiffness = random_bits(&seed) % 3 ? 0.0 : 900.0;
-        dpt_body_set_settings(scene->world, scene->body[i], &settings);
+        dpt_body_set_settings(scene->rig.world, scene->body[i], &settings);
     }
 }
 
@@ -120,7 +105,7 @@ static void add_tip(struct scene *scene, dpt_tool tool)
     dpt_tip tip = { .size = sizeof tip };
     CHECK(dpt_hull_shape_corners(&box, corners, DPT_HULL_CORNERS_MAX, &def.corner_count) == DPT_OK &&
               dpt_hull_create(scene->hull_block, sizeof scene->hull_block, &def, &tip.hull) == DPT_OK &&
-              dpt_tool_set_tips(scene->world, tool, &tip, 1) == DPT_OK,
+              dpt_tool_set_tips(scene->rig.world, tool, &tip, 1) == DPT_OK,
           "no tip");
 }
 
@@ -132,15 +117,15 @@ static void add_tools(struct scene *scene)
         rod[0] = (dpt_segment){ { 0, 0, 0 }, { 0.06, 0, 0 }, random_bits(&seed) % 3 ? 0.004 : 0.0 };
         rod[1] = (dpt_segment){ { 0.06, 0, 0 }, { 0.07, 0.03, 0 }, 0.003 };
         scene->count[i] = 1 + (uint32_t)(random_bits(&seed) % 2);
-        CHECK(dpt_tool_add(scene->world, rod, scene->count[i], &scene->tool[i]) == DPT_OK, "no tool");
-        dpt_tool_get_settings(scene->world, scene->tool[i], &settings);
+        scene->tool[i] = rig_add_tool(&scene->rig, rod, scene->count[i]);
+        dpt_tool_get_settings(scene->rig.world, scene->tool[i], &settings);
         settings.law = (uint32_t)(random_bits(&seed) % 3);
         settings.stiffness = random_in(&seed, 100.0, 1000.0);
         settings.damping = random_bits(&seed) % 2 ? random_in(&seed, 0.0, 2.0) : 0.0;
         settings.lock_rotation = random_bits(&seed) % 4 == 0;
-        CHECK(dpt_tool_set_settings(scene->world, scene->tool[i], &settings) == DPT_OK, "settings");
+        CHECK(dpt_tool_set_settings(scene->rig.world, scene->tool[i], &settings) == DPT_OK, "settings");
         if (random_bits(&seed) % 4 == 0)
-            CHECK(dpt_tool_set_shaper(scene->world, scene->tool[i], shape, &scene->shaped[i]) == DPT_OK, "shaper");
+            CHECK(dpt_tool_set_shaper(scene->rig.world, scene->tool[i], shape, &scene->shaped[i]) == DPT_OK, "shaper");
         else if (settings.law == DPT_LAW_PROXY && i == 0)
             add_tip(scene, scene->tool[i]);
         else
@@ -152,23 +137,20 @@ static void add_tools(struct scene *scene)
 
 static void open_scene(struct scene *scene)
 {
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
     memset(scene, 0, sizeof *scene);
-    dpt_world_def_init(&scene->def);
-    scene->def.max_contacts = random_bits(&seed) % 2 ? 64 : random_bits(&seed) % 2 ? 2 : 0;
-    scene->def.fade = random_bits(&seed) % 2 ? 0.01 : 0.0;
-    scene->def.side_limit = 0.01;
-    scene->def.budget = random_bits(&seed) % 3 ? 0 : 400;
-    scene->block = malloc(dpt_world_bytes(&scene->def));
-    CHECK(dpt_world_create(scene->block, dpt_world_bytes(&scene->def), &scene->def, &scene->world) == DPT_OK,
-          "no world");
+    def.max_contacts = random_bits(&seed) % 2 ? 64 : random_bits(&seed) % 2 ? 2 : 0;
+    def.fade = random_bits(&seed) % 2 ? 0.01 : 0.0;
+    def.side_limit = 0.01;
+    def.budget = random_bits(&seed) % 3 ? 0 : 400;
+    rig_open(&scene->rig, &def, NULL, NULL, 0);
     add_bodies(scene);
     add_tools(scene);
 }
 
 static void close_scene(struct scene *scene)
 {
-    free(scene->block);
-    free(scene->soft_block);
+    rig_close(&scene->rig);
     for (int i = 0; i < BODIES; i++)
         fixture_free(&scene->mesh[i]);
 }
@@ -186,7 +168,7 @@ static void move(struct scene *scene, uint64_t tick)
         pose->position[1] = 0.02 * cos(0.05 * (double)tick + i);
         pose->position[2] = depth + random_in(&seed, 0.0, 5e-4);
         if (event == 0)
-            CHECK(dpt_tool_teleport(scene->world, scene->tool[i], pose) == DPT_OK, "teleport");
+            CHECK(dpt_tool_teleport(scene->rig.world, scene->tool[i], pose) == DPT_OK, "teleport");
         else if (scene->is_free[i]) {
             dpt_segment moved[2];
             for (uint32_t s = 0; s < scene->count[i]; s++) {
@@ -196,17 +178,18 @@ static void move(struct scene *scene, uint64_t tick)
                     moved[s].b[k] = pose->position[k] + (k == 2 ? -scene->segments[i][s].b[0] : 0.3 * moved[s].b[1]);
                 }
             }
-            CHECK(dpt_tool_set_segments(scene->world, scene->tool[i], moved, scene->count[i]) == DPT_OK, "segments");
+            CHECK(dpt_tool_set_segments(scene->rig.world, scene->tool[i], moved, scene->count[i]) == DPT_OK,
+                  "segments");
             memcpy(pose->position, moved[0].a, sizeof moved[0].a);
         } else {
             scene->is_valid[i] = event != 1;
-            dpt_tool_set_pose(scene->world, scene->tool[i], scene->is_valid[i] ? pose : NULL);
+            dpt_tool_set_pose(scene->rig.world, scene->tool[i], scene->is_valid[i] ? pose : NULL);
         }
     }
     const int moved = (int)(random_bits(&seed) % 20);
     if (moved < BODIES) {
         scene->body_pose[moved].position[2] += random_in(&seed, -1e-3, 1e-3);
-        CHECK(dpt_body_set_pose(scene->world, scene->body[moved], &scene->body_pose[moved]) == DPT_OK, "pose");
+        CHECK(dpt_body_set_pose(scene->rig.world, scene->body[moved], &scene->body_pose[moved]) == DPT_OK, "pose");
     }
 }
 
@@ -219,7 +202,7 @@ struct seen {
 static void add_tool_wrench(const struct scene *scene, int i, double sign, struct sum *sum)
 {
     dpt_force_info info = { .size = sizeof info };
-    CHECK(dpt_tool_get_force_info(scene->world, scene->tool[i], &info) == DPT_OK, "force");
+    CHECK(dpt_tool_get_force_info(scene->rig.world, scene->tool[i], &info) == DPT_OK, "force");
     const dpt_wrench *wrench = info.flags & DPT_FORCE_FLAG_SHAPED ? &scene->shaped[i] : &info.wrench;
     add(sum, sign, scene->tool_pose[i].position, wrench->force, wrench->torque);
 }
@@ -230,9 +213,10 @@ static void check_loads(struct scene *scene, int i, struct sum on_body[BODIES], 
     dpt_contact contacts[LOADS_MAX] = { { .size = sizeof *contacts } };
     uint32_t count, contact_count, bodies = 0;
     struct sum sum = { .size = 0.0 };
-    CHECK(dpt_tool_get_loads(scene->world, scene->tool[i], loads, LOADS_MAX, &count) == DPT_OK && count <= LOADS_MAX,
+    CHECK(dpt_tool_get_loads(scene->rig.world, scene->tool[i], loads, LOADS_MAX, &count) == DPT_OK &&
+              count <= LOADS_MAX,
           "%u loads", count);
-    dpt_tool_get_contacts(scene->world, scene->tool[i], contacts, LOADS_MAX, &contact_count);
+    dpt_tool_get_contacts(scene->rig.world, scene->tool[i], contacts, LOADS_MAX, &contact_count);
     for (uint32_t l = 0; l < count; l++) {
         const dpt_tool_load *load = &loads[l];
         uint32_t known = 0, body = 0;
@@ -261,10 +245,10 @@ static void check_body(const struct scene *scene, int i, const struct sum *of_lo
     struct sum by_tool = *of_loads, by_all = *of_loads;
     dpt_wrench wrench;
     for (int t = 0; t < TOOLS; t++) {
-        CHECK(dpt_tool_get_body_wrench(scene->world, scene->tool[t], scene->body[i], &wrench) == DPT_OK, "wrench");
+        CHECK(dpt_tool_get_body_wrench(scene->rig.world, scene->tool[t], scene->body[i], &wrench) == DPT_OK, "wrench");
         add(&by_tool, -1.0, scene->body_pose[i].position, wrench.force, wrench.torque);
     }
-    CHECK(dpt_body_get_wrench(scene->world, scene->body[i], &wrench) == DPT_OK, "wrench");
+    CHECK(dpt_body_get_wrench(scene->rig.world, scene->body[i], &wrench) == DPT_OK, "wrench");
     add(&by_all, -1.0, scene->body_pose[i].position, wrench.force, wrench.torque);
     CHECK_ZERO(&by_tool, "body %d, by tool", i);
     CHECK_ZERO(&by_all, "body %d", i);
@@ -272,18 +256,17 @@ static void check_body(const struct scene *scene, int i, const struct sum *of_lo
         return;
     dpt_load *loads = malloc(SPREAD_MAX * sizeof *loads);
     uint32_t count;
-    const dpt_result result = dpt_body_get_loads(scene->world, scene->body[i], loads, SPREAD_MAX, &count);
-    double apart[3] = { wrench.force[0], wrench.force[1], wrench.force[2] }, size = length3(apart);
+    const dpt_result result = dpt_body_get_loads(scene->rig.world, scene->body[i], loads, SPREAD_MAX, &count);
+    double unbalanced[3] = { wrench.force[0], wrench.force[1], wrench.force[2] }, size = length3(unbalanced);
     for (uint32_t l = 0; result == DPT_OK && l < count; l++) {
-        const double *q = scene->body_pose[i].orientation, *f = loads[l].force;
-        double t[3], u[3];
-        cross3(q + 1, f, t);
-        cross3(q + 1, t, u);
+        const double *f = loads[l].force;
+        double turned[3];
+        turn3(scene->body_pose[i].orientation, f, turned);
         for (int k = 0; k < 3; k++)
-            apart[k] -= f[k] + 2.0 * q[0] * t[k] + 2.0 * u[k];
+            unbalanced[k] -= turned[k];
         size += length3(f);
     }
-    CHECK(result != DPT_OK || length3(apart) <= 1e-9 * size, "vertices: %g of %g N", length3(apart), size);
+    CHECK(result != DPT_OK || length3(unbalanced) <= 1e-9 * size, "vertices: %g of %g N", length3(unbalanced), size);
     free(loads);
 }
 
@@ -297,7 +280,7 @@ static void check_tick(struct scene *scene, struct seen *seen)
     for (int i = 0; i < BODIES; i++) {
         dpt_wrench wrench;
         check_body(scene, i, &on_body[i]);
-        dpt_body_get_wrench(scene->world, scene->body[i], &wrench);
+        dpt_body_get_wrench(scene->rig.world, scene->body[i], &wrench);
         add(&all, 1.0, scene->body_pose[i].position, wrench.force, wrench.torque);
     }
     CHECK_ZERO(&all, "tools and bodies do not sum up to zero");
@@ -313,7 +296,7 @@ static void what_tools_do_to_bodies_is_the_reaction_to_their_wrenches(void)
         open_scene(scene);
         for (uint64_t tick = 0; tick < 160 && check_bad < 10; tick++) {
             move(scene, tick);
-            CHECK(dpt_world_step(scene->world, 1e-3, NULL) == DPT_OK, "no step");
+            rig_tick(&scene->rig);
             check_tick(scene, &seen);
         }
         close_scene(scene);
@@ -331,40 +314,32 @@ static void what_tools_do_to_bodies_is_the_reaction_to_their_wrenches(void)
 /* A box of 0.1 m about its frame's origin, and one tool, pressed onto its top by `depth`. */
 struct press {
     struct fixture mesh;
-    dpt_world *world;
-    void *block;
-    dpt_body body;
-    dpt_tool tool;
+    struct rig rig;
     double top;
 };
 
 static void open_press(struct press *press, uint32_t law, const dpt_segment *segment, const double at[3])
 {
-    dpt_world_def def;
+    dpt_world_def def = rig_def(law);
     dpt_mesh_info info = { .size = sizeof info };
     const dpt_pose pose = { { at[0], at[1], at[2] }, { 1.0, 0.0, 0.0, 0.0 } };
-    dpt_world_def_init(&def);
-    def.law = law;
     def.max_contacts = 8;
     CHECK(fixture_from_shape(&press->mesh, "box", 12), "no box");
     dpt_mesh_get_info(press->mesh.mesh, &info);
     press->top = at[2] + info.box_max[2];
-    press->block = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(press->block, dpt_world_bytes(&def), &def, &press->world) == DPT_OK, "no world");
-    CHECK(dpt_body_add(press->world, press->mesh.mesh, &pose, &press->body) == DPT_OK, "no body");
-    CHECK(dpt_tool_add(press->world, segment, 1, &press->tool) == DPT_OK, "no tool");
+    rig_open(&press->rig, &def, NULL, segment, 1);
+    rig_add_body(&press->rig, press->mesh.mesh, &pose);
 }
 
 static void press_to(struct press *press, double x, double y, double above)
 {
-    const dpt_pose pose = { { x, y, press->top + above }, { 1.0, 0.0, 0.0, 0.0 } };
-    dpt_tool_set_pose(press->world, press->tool, &pose);
-    CHECK(dpt_world_step(press->world, 1e-3, NULL) == DPT_OK, "no step");
+    press->rig.device = (dpt_pose){ { x, y, press->top + above }, { 1.0, 0.0, 0.0, 0.0 } };
+    rig_step(&press->rig);
 }
 
 static void close_press(struct press *press)
 {
-    free(press->block);
+    rig_close(&press->rig);
     fixture_free(&press->mesh);
 }
 
@@ -380,19 +355,19 @@ static void a_ball_pushes_a_box_down_where_it_touches(void)
         uint32_t count;
         open_press(&press, law, &ball, at);
         press_to(&press, at[0] + 0.01, at[1] + 0.02, 0.02);
-        CHECK(dpt_body_get_wrench(press.world, press.body, &wrench) == DPT_OK && length3(wrench.force) == 0.0 &&
+        CHECK(dpt_body_get_wrench(press.rig.world, press.rig.body, &wrench) == DPT_OK && length3(wrench.force) == 0.0 &&
                   length3(wrench.torque) == 0.0,
               "it touches nothing");
         for (int i = 0; i < 5; i++)
             press_to(&press, at[0] + 0.01, at[1] + 0.02, 0.003);
-        dpt_body_teleport(press.world, press.body, NULL);
-        CHECK(dpt_body_get_wrench(press.world, press.body, &wrench) == DPT_OK, "wrench");
+        dpt_body_teleport(press.rig.world, press.rig.body, NULL);
+        CHECK(dpt_body_get_wrench(press.rig.world, press.rig.body, &wrench) == DPT_OK, "wrench");
         const double want[6] = { 0.0, 0.0, -1.0, -0.02, 0.01, 0.0 };
         for (int k = 0; k < 3; k++)
             CHECK(fabs(wrench.force[k] - want[k]) < 1e-3 && fabs(wrench.torque[k] - want[3 + k]) < 1e-4,
                   "law %u, axis %d: %g N, %g Nm", law, k, wrench.force[k], wrench.torque[k]);
-        CHECK(dpt_tool_get_loads(press.world, press.tool, &load, 1, &count) == DPT_OK && count >= 1, "loads");
-        CHECK(load.body == press.body && load.segment == 0 && load.contact && load.force[2] > 0.0 &&
+        CHECK(dpt_tool_get_loads(press.rig.world, press.rig.tool, &load, 1, &count) == DPT_OK && count >= 1, "loads");
+        CHECK(load.body == press.rig.body && load.segment == 0 && load.contact && load.force[2] > 0.0 &&
                   fabs(load.point[0] - at[0] - 0.01) < 1e-6 && fabs(load.point[1] - at[1] - 0.02) < 1e-6 &&
                   length3(load.torque) < 1e-6,
               "law %u: body %u, at %g %g, torque %g", law, load.body, load.point[0], load.point[1],
@@ -413,9 +388,10 @@ static void a_rod_in_a_bed_is_lifted_in_its_middle(void)
     open_press(&press, DPT_LAW_BED, &rod, at);
     for (int i = 0; i < 5; i++)
         press_to(&press, 0.0, 0.005, 0.003);
-    dpt_tool_get_wrench(press.world, press.tool, &wrench);
-    CHECK(dpt_body_get_wrench(press.world, press.body, &on_body) == DPT_OK, "wrench");
-    CHECK(dpt_tool_get_loads(press.world, press.tool, &load, 1, &count) == DPT_OK && count == 1, "%u loads", count);
+    wrench = press.rig.force.wrench;
+    CHECK(dpt_body_get_wrench(press.rig.world, press.rig.body, &on_body) == DPT_OK, "wrench");
+    CHECK(dpt_tool_get_loads(press.rig.world, press.rig.tool, &load, 1, &count) == DPT_OK && count == 1, "%u loads",
+          count);
     CHECK(wrench.force[2] > 0.0 && fabs(on_body.force[2] + wrench.force[2]) < 1e-12, "force");
     CHECK(fabs(load.point[0] - 0.01) < 1e-3 && fabs(load.point[1] - 0.005) < 1e-4, "at %g %g", load.point[0],
           load.point[1]);
@@ -430,17 +406,16 @@ static void a_tool_at_rest_keeps_its_loads(void)
     const double at[3] = { 0.0, 0.0, 0.0 };
     struct press press;
     dpt_tool_load first[8] = { { .size = sizeof *first } }, last[8] = { { .size = sizeof *last } };
-    dpt_hit hit = { .size = sizeof hit };
     uint32_t first_count, last_count;
     open_press(&press, DPT_LAW_PROXY, &rod, at);
     press_to(&press, 0.0, 0.005, 0.02);
     for (int i = 0; i < 4; i++)
         press_to(&press, 0.0, 0.005, 0.003);
-    dpt_tool_get_loads(press.world, press.tool, first, 8, &first_count);
+    dpt_tool_get_loads(press.rig.world, press.rig.tool, first, 8, &first_count);
     for (int i = 0; i < 20; i++)
         press_to(&press, 0.0, 0.005, 0.003);
-    dpt_tool_get_loads(press.world, press.tool, last, 8, &last_count);
-    CHECK(dpt_tool_get_hit(press.world, press.tool, &hit) == DPT_OK && hit.work == 0, "it does not rest");
+    dpt_tool_get_loads(press.rig.world, press.rig.tool, last, 8, &last_count);
+    CHECK(press.rig.hit.work == 0, "it does not rest");
     CHECK(first_count >= 2 && last_count == first_count, "%u loads, then %u", first_count, last_count);
     for (uint32_t l = 0; l < first_count && l < last_count; l++)
         CHECK(fabs(first[l].point[0] - last[l].point[0]) < 1e-6 && first[l].force[2] > 0.0 && last[l].force[2] > 0.0,
@@ -460,16 +435,18 @@ static void handles_and_lists_are_checked(void)
     open_press(&press, DPT_LAW_PROXY, &ball, at);
     press_to(&press, 0.0, 0.0, 0.02);
     press_to(&press, 0.0, 0.0, 0.003);
-    CHECK(dpt_body_get_wrench(press.world, press.tool, &wrench) == DPT_E_HANDLE && wrench.force[0] == 0.0,
+    CHECK(dpt_body_get_wrench(press.rig.world, press.rig.tool, &wrench) == DPT_E_HANDLE && wrench.force[0] == 0.0,
           "a tool's id");
-    CHECK(dpt_tool_get_body_wrench(press.world, press.body, press.body, &wrench) == DPT_E_HANDLE, "a body's id");
-    CHECK(dpt_tool_get_loads(press.world, press.tool, NULL, 0, &count) == DPT_OK && count > 0, "%u", count);
-    CHECK(dpt_tool_get_loads(press.world, press.tool, NULL, 1, &count) == DPT_E_ARGUMENT && count == 0, "no room");
+    CHECK(dpt_tool_get_body_wrench(press.rig.world, press.rig.body, press.rig.body, &wrench) == DPT_E_HANDLE,
+          "a body's id");
+    CHECK(dpt_tool_get_loads(press.rig.world, press.rig.tool, NULL, 0, &count) == DPT_OK && count > 0, "%u", count);
+    CHECK(dpt_tool_get_loads(press.rig.world, press.rig.tool, NULL, 1, &count) == DPT_E_ARGUMENT && count == 0,
+          "no room");
     load.size = 3;
-    CHECK(dpt_tool_get_loads(press.world, press.tool, &load, 1, &count) == DPT_E_SIZE, "size");
-    CHECK(dpt_tool_teleport(press.world, press.tool, NULL) != DPT_OK, "no pose");
-    CHECK(dpt_world_reset(press.world) == DPT_OK && dpt_body_get_wrench(press.world, press.body, &wrench) == DPT_OK &&
-              length3(wrench.force) == 0.0,
+    CHECK(dpt_tool_get_loads(press.rig.world, press.rig.tool, &load, 1, &count) == DPT_E_SIZE, "size");
+    CHECK(dpt_tool_teleport(press.rig.world, press.rig.tool, NULL) != DPT_OK, "no pose");
+    CHECK(dpt_world_reset(press.rig.world) == DPT_OK &&
+              dpt_body_get_wrench(press.rig.world, press.rig.body, &wrench) == DPT_OK && length3(wrench.force) == 0.0,
           "after a reset nothing is pushed");
     close_press(&press);
 }

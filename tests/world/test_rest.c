@@ -11,6 +11,7 @@
 
 #include "lib/fixture.h"
 #include "lib/random.h"
+#include "lib/rig.h"
 
 enum { TICKS = 400, CONTACTS = 16, OVERLAPS = 64, MESHES = 4, TOOLS_MAX = 3 };
 
@@ -44,12 +45,10 @@ static const struct setting settings[] = {
 
 /* One of the two worlds. */
 struct run {
-    void *block;
-    dpt_world *world;
+    struct rig rig;
     dpt_body body[2];
     dpt_tool tool[TOOLS_MAX];
     uint32_t tools;
-    dpt_step step;
 };
 
 static const dpt_segment parts[3] = { { { -0.15, 0.0, 0.0 }, { 0.15, 0.0, 0.0 }, 0.003 },
@@ -60,18 +59,15 @@ static void add_tool(struct run *run, const struct setting *setting, uint32_t co
 {
     dpt_tool_settings tool = { .size = sizeof tool };
     dpt_tool *added = &run->tool[run->tools++];
-    CHECK(dpt_tool_add(run->world, parts, count, added) == DPT_OK, "tool");
-    dpt_tool_get_settings(run->world, *added, &tool);
+    *added = rig_add_tool(&run->rig, parts, count);
+    dpt_tool_get_settings(run->rig.world, *added, &tool);
     tool.damping = setting->damping;
-    CHECK(dpt_tool_set_settings(run->world, *added, &tool) == DPT_OK, "settings");
+    CHECK(dpt_tool_set_settings(run->rig.world, *added, &tool) == DPT_OK, "settings");
 }
 
 static void open_run(struct run *run, const struct setting *setting, uint32_t mesh)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = setting->law;
+    dpt_world_def def = rig_def(setting->law);
     def.until = setting->until;
     def.method = setting->method;
     def.strip = setting->strip;
@@ -80,17 +76,15 @@ static void open_run(struct run *run, const struct setting *setting, uint32_t me
     if (setting->until == DPT_UNTIL_CONTACT)
         def.max_contacts = 1;
     run->tools = 0;
-    run->block = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(run->block, dpt_world_bytes(&def), &def, &run->world) == DPT_OK, "world");
+    rig_open(&run->rig, &def, NULL, NULL, 0);
     const dpt_pose beside = { { 0.2, 0.1, 0.2 }, { 1.0, 0.0, 0.0, 0.0 } };
     for (uint32_t i = 0; i < 2; i++) {
         dpt_body_settings body = { .size = sizeof body };
-        CHECK(dpt_body_add(run->world, fixtures[(mesh + i) % MESHES].mesh, i ? &beside : NULL, &run->body[i]) == DPT_OK,
-              "body");
-        dpt_body_get_settings(run->world, run->body[i], &body);
+        run->body[i] = rig_add_body(&run->rig, fixtures[(mesh + i) % MESHES].mesh, i ? &beside : NULL);
+        dpt_body_get_settings(run->rig.world, run->body[i], &body);
         body.static_friction = setting->friction;
         body.kinetic_friction = 0.5 * setting->friction;
-        CHECK(dpt_body_set_settings(run->world, run->body[i], &body) == DPT_OK, "settings");
+        CHECK(dpt_body_set_settings(run->rig.world, run->body[i], &body) == DPT_OK, "settings");
     }
     add_tool(run, setting, setting->is_free ? 1 : 3);
     add_tool(run, setting, 1);
@@ -132,7 +126,7 @@ static void begin_move(struct hand *hand, uint64_t *rng)
 static void put_hand(struct run *run, const struct setting *setting, const dpt_pose *pose)
 {
     if (!setting->is_free) {
-        dpt_tool_set_pose(run->world, run->tool[0], pose);
+        dpt_tool_set_pose(run->rig.world, run->tool[0], pose);
         return;
     }
     dpt_segment segment = parts[0];
@@ -140,7 +134,7 @@ static void put_hand(struct run *run, const struct setting *setting, const dpt_p
         segment.a[k] = pose->position[k];
         segment.b[k] = pose->position[k] + 0.1 * pose->orientation[k + 1] + 0.1 * (k == 0);
     }
-    dpt_tool_set_segments(run->world, run->tool[0], &segment, 1);
+    dpt_tool_set_segments(run->rig.world, run->tool[0], &segment, 1);
 }
 
 /* Something besides the hand changes, the same in both worlds. */
@@ -153,48 +147,48 @@ static void change(struct run *run, const struct setting *setting, uint32_t kind
     const dpt_pose identity = DPT_POSE_IDENTITY;
     switch (kind) {
     case 0:
-        dpt_body_set_pose(run->world, run->body[1], &pose);
+        dpt_body_set_pose(run->rig.world, run->body[1], &pose);
         break;
     case 1:
-        dpt_body_teleport(run->world, run->body[1], &pose);
+        dpt_body_teleport(run->rig.world, run->body[1], &pose);
         break;
     case 2:
-        dpt_body_get_settings(run->world, run->body[0], &body);
+        dpt_body_get_settings(run->rig.world, run->body[0], &body);
         body.stiffness = 500.0 + 1e3 * amount;
         body.unfelt = amount > 0.025;
-        dpt_body_set_settings(run->world, run->body[0], &body);
+        dpt_body_set_settings(run->rig.world, run->body[0], &body);
         break;
     case 3:
-        dpt_tool_get_settings(run->world, run->tool[0], &tool);
+        dpt_tool_get_settings(run->rig.world, run->tool[0], &tool);
         tool.stiffness = 400.0 + 1e3 * amount;
-        dpt_tool_set_settings(run->world, run->tool[0], &tool);
+        dpt_tool_set_settings(run->rig.world, run->tool[0], &tool);
         break;
     case 4:
         if (run->tools < TOOLS_MAX)
             add_tool(run, setting, 1);
         else
-            dpt_tool_remove(run->world, run->tool[--run->tools]);
+            dpt_tool_remove(run->rig.world, run->tool[--run->tools]);
         break;
     case 5:
         longer.b[0] += amount;
-        dpt_tool_set_segments(run->world, run->tool[1], &longer, 1);
+        dpt_tool_set_segments(run->rig.world, run->tool[1], &longer, 1);
         break;
     case 6:
         if (setting->law != DPT_LAW_PROXY || amount < 0.003)
-            dpt_tool_teleport(run->world, run->tool[0], &pose);
+            dpt_tool_teleport(run->rig.world, run->tool[0], &pose);
         break;
     case 7:
-        dpt_tool_set_pose(run->world, run->tool[1], &identity);
+        dpt_tool_set_pose(run->rig.world, run->tool[1], &identity);
         break;
     case 8:
-        if (!dpt_body_is_valid(run->world, run->body[1]))
-            dpt_body_add(run->world, fixtures[0].mesh, &pose, &run->body[1]);
+        if (!dpt_body_is_valid(run->rig.world, run->body[1]))
+            dpt_body_add(run->rig.world, fixtures[0].mesh, &pose, &run->body[1]);
         else
-            dpt_body_remove(run->world, run->body[1]);
+            dpt_body_remove(run->rig.world, run->body[1]);
         break;
     default:
         if (setting->law != DPT_LAW_PROXY || amount < 0.003)
-            dpt_world_reset(run->world);
+            dpt_world_reset(run->rig.world);
         break;
     }
 }
@@ -233,7 +227,7 @@ static void take_out_integrals(dpt_contact *contact)
 
 static uint32_t read_answers(const struct run *run, const struct setting *setting, uint32_t t, struct answers *answers)
 {
-    const dpt_world *world = run->world;
+    const dpt_world *world = run->rig.world;
     const dpt_tool tool = run->tool[t];
     uint32_t work = 0;
     memset(answers, 0, sizeof *answers);
@@ -259,7 +253,7 @@ static uint32_t read_answers(const struct run *run, const struct setting *settin
     dpt_tool_get_strip(world, tool, 0, answers->overlap, OVERLAPS, &answers->count[1], &answers->count[2]);
     dpt_tool_get_force_info(world, tool, &answers->report);
     dpt_tool_get_wrench(world, tool, &answers->wrench);
-    answers->count[3] = run->step.flags;
+    answers->count[3] = run->rig.step.flags;
     dpt_tool_get_proxy(world, tool, &answers->proxy);
     return work;
 }
@@ -319,11 +313,11 @@ static void compare_runs(const struct setting *setting, uint32_t mesh, uint64_t 
             if (what > 0.98)
                 change(&runs[r], setting, kind, amount);
             for (uint32_t t = 0; r && t < runs[r].tools; t++) {
-                dpt_tool_get_settings(runs[r].world, runs[r].tool[t], &own);
-                dpt_tool_set_settings(runs[r].world, runs[r].tool[t], &own);
+                dpt_tool_get_settings(runs[r].rig.world, runs[r].tool[t], &own);
+                dpt_tool_set_settings(runs[r].rig.world, runs[r].tool[t], &own);
             }
-            runs[r].step.size = sizeof runs[r].step;
-            CHECK(dpt_world_step(runs[r].world, 1e-3, &runs[r].step) == DPT_OK, "step");
+            runs[r].rig.step.size = sizeof runs[r].rig.step;
+            CHECK(dpt_world_step(runs[r].rig.world, 1e-3, &runs[r].rig.step) == DPT_OK, "step");
         }
         for (uint32_t t = 0; t < runs[0].tools; t++) {
             static struct answers one, other;
@@ -340,7 +334,7 @@ static void compare_runs(const struct setting *setting, uint32_t mesh, uint64_t 
         }
     }
     for (int r = 0; r < 2; r++)
-        free(runs[r].block);
+        rig_close(&runs[r].rig);
 }
 
 static void nobody_can_tell(void)
@@ -363,34 +357,18 @@ static void nobody_can_tell(void)
 /* A free tool that rests on a box, and is rigid from now on where it is: its proxy begins anew. */
 static void a_free_tool_turns_rigid(void)
 {
-    const dpt_pose identity = DPT_POSE_IDENTITY;
-    dpt_segment segment = { { 0.0, 0.0, 0.06 }, { 0.05, 0.0, 0.06 }, 0.002 };
-    dpt_force_info report = { .size = sizeof report };
-    dpt_hit hit = DPT_HIT_INIT;
-    dpt_world_def def;
-    dpt_world *world;
-    dpt_body body;
-    dpt_tool tool;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_PROXY;
-    void *block = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK, "world");
-    CHECK(dpt_body_add(world, fixtures[MESHES - 1].mesh, NULL, &body) == DPT_OK, "body");
-    CHECK(dpt_tool_add(world, &segment, 1, &tool) == DPT_OK, "tool");
+    const dpt_segment segment = { { 0.0, 0.0, 0.06 }, { 0.05, 0.0, 0.06 }, 0.002 };
+    struct rig rig;
+    rig_open(&rig, NULL, fixtures[MESHES - 1].mesh, &segment, 1);
     for (int tick = 0; tick < 200; tick++) {
-        segment.a[2] = segment.b[2] = fmax(0.039, 0.06 - 2e-4 * tick);
-        dpt_tool_set_segments(world, tool, &segment, 1);
-        CHECK(dpt_world_step(world, 1e-3, NULL) == DPT_OK, "step");
+        const double height = fmax(0.039, 0.06 - 2e-4 * tick), ends[6] = { 0.0, 0.0, height, 0.05, 0.0, height };
+        rig_step_ends(&rig, ends, segment.radius);
     }
-    dpt_tool_get_hit(world, tool, &hit);
-    dpt_tool_get_force_info(world, tool, &report);
-    CHECK(hit.work == 0 && report.reason == DPT_FORCE_ACTS, "work %u, reason %u", hit.work, report.reason);
-    dpt_tool_set_pose(world, tool, &identity);
-    CHECK(dpt_world_step(world, 1e-3, NULL) == DPT_OK, "step");
-    dpt_tool_get_hit(world, tool, &hit);
-    CHECK(hit.work > 0, "it rests");
-    free(block);
+    CHECK(rig.hit.work == 0 && rig.force.reason == DPT_FORCE_ACTS, "work %u, reason %u", rig.hit.work,
+          rig.force.reason);
+    rig_step(&rig);
+    CHECK(rig.hit.work > 0, "it rests");
+    rig_close(&rig);
 }
 
 int main(int argc, char **argv)

@@ -19,17 +19,6 @@ static int are(size_t at, const double *values, int count)
     return same;
 }
 
-/* A pose's point in the world, in another way than the library's. */
-static void place(const dpt_pose *pose, const double x[3], double out[3])
-{
-    const double w = pose->orientation[0], *v = pose->orientation + 1;
-    const double cross[3] = { v[1] * x[2] - v[2] * x[1], v[2] * x[0] - v[0] * x[2], v[0] * x[1] - v[1] * x[0] };
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        out[k] = pose->position[k] + x[k] + 2.0 * (w * cross[k] + v[i] * cross[j] - v[j] * cross[i]);
-    }
-}
-
 static int is_near(size_t at, const double expected[3])
 {
     double worst = 0.0;
@@ -49,8 +38,8 @@ static void compare_bodies(const struct scene *scene)
         const size_t at = item(BODIES, i, &count);
         dpt_pose pose;
         uint64_t user;
-        dpt_body_get_pose(scene->world, word(at), &pose);
-        dpt_body_get_user(scene->world, word(at), &user);
+        dpt_body_get_pose(scene->rig.world, word(at), &pose);
+        dpt_body_get_user(scene->rig.world, word(at), &user);
         CHECK(word(at) == scene->body[i] && wide(at + 16) == user && are(at + 24, pose.position, 3) &&
                   are(at + 48, pose.orientation, 4),
               "body %u", (unsigned)i);
@@ -58,7 +47,7 @@ static void compare_bodies(const struct scene *scene)
     }
     const float *own;
     const size_t at = item(VERTICES, 0, &vertices), body = item(BODIES, 1, &count);
-    dpt_body_get_vertices(scene->world, scene->body[1], &own, &count);
+    dpt_body_get_vertices(scene->rig.world, scene->body[1], &own, &count);
     CHECK(word(body + 8) == 0 && word(body + 12) == count && vertices == count, "%u vertices", (unsigned)vertices);
     for (uint32_t i = 0; i < 3 * count; i++) {
         const uint32_t bits = word(at + 4 * (size_t)i);
@@ -75,7 +64,7 @@ static void compare_segment(const struct scene *scene, uint32_t t, uint32_t s, s
     dpt_pose pose, proxy;
     double end[3];
     const dpt_segment *segment = &segments_of[t][s];
-    dpt_tool_get_segment_hit(scene->world, scene->tool[t], s, &hit);
+    dpt_tool_get_segment_hit(scene->rig.world, scene->tool[t], s, &hit);
     CHECK(word(at) == hit.status && word(at + 4) == hit.contact && word(at + 8) == hit.flags &&
               word(at + 12) == hit.triangle && word(at + 16) == hit.body && word(at + 20) == hit.work &&
               word(at + 24) == t && word(at + 28) == 0,
@@ -84,7 +73,7 @@ static void compare_segment(const struct scene *scene, uint32_t t, uint32_t s, s
               number(at + 192) == hit.gap && number(at + 200) == hit.depth && number(at + 208) == hit.error_bound &&
               number(at + 216) == hit.lower_bound && number(at + 80) == segment->radius,
           "numbers of segment %u of tool %u", (unsigned)s, (unsigned)t);
-    dpt_tool_get_proxy(scene->world, scene->tool[t], &proxy);
+    dpt_tool_get_proxy(scene->rig.world, scene->tool[t], &proxy);
     if (t == 1) { /* free: its frame begins at a, and x points to b */
         const double length =
             sqrt(pow(number(at + 56) - number(at + 32), 2) + pow(number(at + 64) - number(at + 40), 2) +
@@ -92,21 +81,21 @@ static void compare_segment(const struct scene *scene, uint32_t t, uint32_t s, s
         const double b[3] = { length, 0.0, 0.0 };
         CHECK(is_near(at + 32, scene->pose[1].position), "a of the free tool");
         CHECK(is_near(at + 88, proxy.position), "a of its proxy");
-        place(&proxy, b, end);
+        pose_point(&proxy, b, end);
         double apart = 0.0;
         for (int k = 0; k < 3; k++)
             apart = fmax(apart, fabs(end[k] - number(at + 112 + 8 * (size_t)k)));
         CHECK(apart <= 2e-3, "b of its proxy: %g m, which grows slowly to the device's length", apart);
         return;
     }
-    dpt_tool_get_pose(scene->world, scene->tool[t], &pose);
-    place(&pose, segment->a, end);
+    dpt_tool_get_pose(scene->rig.world, scene->tool[t], &pose);
+    pose_point(&pose, segment->a, end);
     CHECK(is_near(at + 32, end), "a of tool %u", (unsigned)t);
-    place(&pose, segment->b, end);
+    pose_point(&pose, segment->b, end);
     CHECK(is_near(at + 56, end), "b of tool %u", (unsigned)t);
-    place(&proxy, segment->a, end);
+    pose_point(&proxy, segment->a, end);
     CHECK(is_near(at + 88, end), "a of the proxy of tool %u", (unsigned)t);
-    place(&proxy, segment->b, end);
+    pose_point(&proxy, segment->b, end);
     CHECK(is_near(at + 112, end), "b of the proxy of tool %u", (unsigned)t);
 }
 
@@ -115,7 +104,7 @@ static void compare_contacts(const struct scene *scene, uint32_t t, size_t tool,
     static dpt_contact contacts[LIST];
     uint32_t count, all;
     contacts[0].size = sizeof *contacts;
-    dpt_tool_get_contacts(scene->world, scene->tool[t], contacts, LIST, &count);
+    dpt_tool_get_contacts(scene->rig.world, scene->tool[t], contacts, LIST, &count);
     CHECK(word(tool + 28) == count && word(tool + 24) == *seen, "%u contacts, not %u", (unsigned)word(tool + 28),
           (unsigned)count);
     for (uint32_t i = 0; i < count; i++) {
@@ -140,7 +129,7 @@ static void compare_strips(const struct scene *scene, uint32_t t, size_t tool, u
     for (uint32_t s = 0; s < segment_counts[t]; s++) {
         uint32_t count;
         overlaps[0].size = sizeof *overlaps;
-        dpt_tool_get_strip(scene->world, scene->tool[t], s, overlaps, LIST, &count, NULL);
+        dpt_tool_get_strip(scene->rig.world, scene->tool[t], s, overlaps, LIST, &count, NULL);
         sum += count;
         for (uint32_t i = 0; i < count; i++) {
             const size_t at = item(STRIPS, (*seen)++, &all);
@@ -167,11 +156,11 @@ static void compare_tools(const struct scene *scene)
         dpt_tool_settings settings = { .size = sizeof settings };
         dpt_hit hit = DPT_HIT_INIT;
         dpt_pose pose, proxy;
-        dpt_tool_get_force_info(scene->world, scene->tool[t], &report);
-        dpt_tool_get_settings(scene->world, scene->tool[t], &settings);
-        dpt_tool_get_pose(scene->world, scene->tool[t], &pose);
-        dpt_tool_get_proxy(scene->world, scene->tool[t], &proxy);
-        dpt_tool_get_hit(scene->world, scene->tool[t], &hit);
+        dpt_tool_get_force_info(scene->rig.world, scene->tool[t], &report);
+        dpt_tool_get_settings(scene->rig.world, scene->tool[t], &settings);
+        dpt_tool_get_pose(scene->rig.world, scene->tool[t], &pose);
+        dpt_tool_get_proxy(scene->rig.world, scene->tool[t], &proxy);
+        dpt_tool_get_hit(scene->rig.world, scene->tool[t], &hit);
         CHECK(word(at) == scene->tool[t] && word(at + 4) == settings.law && word(at + 8) == report.reason &&
                   word(at + 12) == report.flags && word(at + 16) == segments && word(at + 20) == segment_counts[t] &&
                   word(at + 40) == hit.segment && word(at + 44) == (t == 1) && wide(at + 48) == 100 + t &&
@@ -204,7 +193,7 @@ static void compare_tools(const struct scene *scene)
 
 static void it_tells_what_the_getters_tell(void)
 {
-    struct scene scene = { .world = NULL };
+    struct scene scene;
     const dpt_snapshot_def def = all_of_it();
     const uint64_t ticks = part_of(4000);
     double time = 0.0;
@@ -284,7 +273,7 @@ static void readers_agree(const dpt_snapshot_info *info)
 
 static void readers_find_what_is_there(void)
 {
-    struct scene scene = { .world = NULL };
+    struct scene scene;
     const dpt_snapshot_def def = all_of_it();
     dpt_snapshot_info info = { .size = sizeof info };
     dpt_snapshot_tool tool = { .size = sizeof tool };
@@ -310,7 +299,7 @@ static void readers_find_what_is_there(void)
 
 static void what_does_not_fit_is_told(void)
 {
-    struct scene scene = { .world = NULL };
+    struct scene scene;
     dpt_snapshot_info info = { .size = sizeof info }, whole = { .size = sizeof whole };
     dpt_snapshot_def def = all_of_it();
     scene_in_contact(&scene);
@@ -338,16 +327,16 @@ static void what_does_not_fit_is_told(void)
           "none: flags %u", (unsigned)info.flags);
     memset(block, 0xcc, sizeof block);
     size_t written = 7;
-    CHECK(dpt_world_take_snapshot(scene.world, &none, block, bytes - 1, &written) == DPT_E_MEMORY && block[0] == 0xcc &&
-              written == 0,
+    CHECK(dpt_world_take_snapshot(scene.rig.world, &none, block, bytes - 1, &written) == DPT_E_MEMORY &&
+              block[0] == 0xcc && written == 0,
           "too small a block");
     def.max_contacts = (1 << 20) + 1;
-    CHECK(dpt_world_take_snapshot(scene.world, &def, block, ROOM, &written) == DPT_E_LIMIT &&
-              dpt_snapshot_bytes(scene.world, &def) == 0,
+    CHECK(dpt_world_take_snapshot(scene.rig.world, &def, block, ROOM, &written) == DPT_E_LIMIT &&
+              dpt_snapshot_bytes(scene.rig.world, &def) == 0,
           "too many contacts");
     CHECK(dpt_world_take_snapshot(NULL, NULL, block, ROOM, &written) == DPT_E_ARGUMENT &&
-              dpt_world_take_snapshot(scene.world, NULL, NULL, ROOM, &written) == DPT_E_ARGUMENT &&
-              dpt_world_take_snapshot(scene.world, NULL, block, ROOM, NULL) == DPT_E_ARGUMENT &&
+              dpt_world_take_snapshot(scene.rig.world, NULL, NULL, ROOM, &written) == DPT_E_ARGUMENT &&
+              dpt_world_take_snapshot(scene.rig.world, NULL, block, ROOM, NULL) == DPT_E_ARGUMENT &&
               dpt_snapshot_bytes(NULL, NULL) == 0,
           "NULL");
     scene_close(&scene);
@@ -356,7 +345,7 @@ static void what_does_not_fit_is_told(void)
 /* Taking one neither changes the world nor depends on what was in the block. */
 static void a_world_does_not_notice(void)
 {
-    struct scene with = { .world = NULL }, without = { .world = NULL };
+    struct scene with, without;
     const dpt_snapshot_def def = all_of_it();
     scene_open(&with);
     scene_open(&without);
@@ -368,15 +357,15 @@ static void a_world_does_not_notice(void)
         step(&without, tick);
         for (uint32_t t = 0; t < TOOL_COUNT; t++) {
             dpt_wrench a, b;
-            dpt_tool_get_wrench(with.world, with.tool[t], &a);
-            dpt_tool_get_wrench(without.world, without.tool[t], &b);
+            dpt_tool_get_wrench(with.rig.world, with.tool[t], &a);
+            dpt_tool_get_wrench(without.rig.world, without.tool[t], &b);
             CHECK(!memcmp(&a, &b, sizeof a), "tick %llu, tool %u", (unsigned long long)tick, (unsigned)t);
         }
     }
     static unsigned char again[ROOM];
     size_t size;
     memset(again, 0x33, sizeof again);
-    dpt_world_take_snapshot(with.world, &def, again, ROOM, &size);
+    dpt_world_take_snapshot(with.rig.world, &def, again, ROOM, &size);
     CHECK(size == bytes && !memcmp(again, block, size), "other bytes");
     scene_close(&with);
     scene_close(&without);

@@ -42,7 +42,7 @@ static void put_word(unsigned char *to, uint32_t value)
 /* One word of a good block is another: the code that it must earn. */
 static void wrong_words_are_refused(void)
 {
-    struct scene scene = { .world = NULL };
+    struct scene scene;
     uint32_t count;
     scene_in_contact(&scene);
     take(&scene, NULL);
@@ -96,7 +96,7 @@ static void wrong_words_are_refused(void)
 /* Cut at each length, and a thousand times with bytes at random: nothing outside of the block is read. */
 static void damage_harms_no_one(void)
 {
-    struct scene scene = { .world = NULL };
+    struct scene scene;
     uint64_t sound = 0;
     scene_in_contact(&scene);
     take(&scene, NULL);

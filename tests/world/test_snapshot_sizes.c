@@ -43,8 +43,8 @@ static dpt_result snapshot_def(void *given)
 {
     static unsigned char room[ROOM];
     size_t size;
-    const dpt_result result = dpt_world_take_snapshot(scene.world, given, room, sizeof room, &size);
-    CHECK((result == DPT_OK) == (dpt_snapshot_bytes(scene.world, given) > 0), "%s", dpt_result_name(result));
+    const dpt_result result = dpt_world_take_snapshot(scene.rig.world, given, room, sizeof room, &size);
+    CHECK((result == DPT_OK) == (dpt_snapshot_bytes(scene.rig.world, given) > 0), "%s", dpt_result_name(result));
     return result;
 }
 

@@ -3,28 +3,22 @@
  * Answers end with what they rest on: a step that fails leaves none of the last one's, and a reset world is a new one,
  * bit for bit. It cannot judge whether answers are right; others do.
  */
-#include <math.h>
-
 #include "lib/fixture.h"
+#include "lib/rig.h"
 
 enum { SEGMENTS = 2, TICKS = 60, CONTACTS = 8 };
 
 struct scene {
     struct fixture torus, sheet;
-    void *block;
-    dpt_world *world;
-    dpt_body body[2];
-    dpt_tool tool;
+    struct rig rig;
+    dpt_body sheet_body;
 };
 
 static const dpt_pose identity = DPT_POSE_IDENTITY;
 
 static dpt_world_def def_of(uint32_t budget, uint32_t strip)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.max_bodies = 3;
     def.max_tools = 2;
     def.max_segments = 4;
@@ -41,17 +35,13 @@ static void scene_open(struct scene *scene, uint32_t budget, uint32_t strip)
                                              { { 0, 0, 0.2 }, { 0.1, 0, 0.3 }, 0.0 } };
     fixture_from_shape(&scene->torus, "torus", 512);
     fixture_from_shape(&scene->sheet, "membrane", 512);
-    scene->block = malloc(dpt_world_bytes(&def));
-    CHECK(dpt_world_create(scene->block, dpt_world_bytes(&def), &def, &scene->world) == DPT_OK &&
-              dpt_body_add(scene->world, scene->torus.mesh, NULL, &scene->body[0]) == DPT_OK &&
-              dpt_body_add(scene->world, scene->sheet.mesh, NULL, &scene->body[1]) == DPT_OK &&
-              dpt_tool_add(scene->world, segments, SEGMENTS, &scene->tool) == DPT_OK,
-          "a world of two bodies and a tool");
+    rig_open(&scene->rig, &def, scene->torus.mesh, segments, SEGMENTS);
+    scene->sheet_body = rig_add_body(&scene->rig, scene->sheet.mesh, NULL);
 }
 
 static void scene_close(struct scene *scene)
 {
-    free(scene->block);
+    rig_close(&scene->rig);
     fixture_free(&scene->torus);
     fixture_free(&scene->sheet);
 }
@@ -65,8 +55,8 @@ static void move(struct scene *scene, int tick)
     pose.position[1] = 0.02 * cos(19.0 * t);
     pose.position[2] = 0.1 - 0.25 * t;
     moved.position[2] = 0.03 * sin(12.6 * t);
-    dpt_tool_set_pose(scene->world, scene->tool, &pose);
-    dpt_body_set_pose(scene->world, scene->body[1], &moved);
+    dpt_tool_set_pose(scene->rig.world, scene->rig.tool, &pose);
+    dpt_body_set_pose(scene->rig.world, scene->sheet_body, &moved);
 }
 
 /* All that a tick told of the tool. */
@@ -86,16 +76,16 @@ static dpt_result step(struct scene *scene, double dt, struct answers *answers)
     memset(answers, 0, sizeof *answers);
     answers->step.size = sizeof answers->step;
     answers->contact[0].size = sizeof answers->contact[0];
-    dpt_result result = dpt_world_step(scene->world, dt, &answers->step);
-    dpt_tool_get_wrench(scene->world, scene->tool, &answers->wrench);
-    dpt_tool_get_contacts(scene->world, scene->tool, answers->contact, CONTACTS, &answers->contacts);
+    dpt_result result = dpt_world_step(scene->rig.world, dt, &answers->step);
+    dpt_tool_get_wrench(scene->rig.world, scene->rig.tool, &answers->wrench);
+    dpt_tool_get_contacts(scene->rig.world, scene->rig.tool, answers->contact, CONTACTS, &answers->contacts);
     for (uint32_t i = 0; i < SEGMENTS; i++) {
         answers->hit[i].size = sizeof answers->hit[i];
         answers->sweep[i].size = sizeof answers->sweep[i];
         answers->overlap[i].size = sizeof answers->overlap[i];
-        dpt_tool_get_segment_hit(scene->world, scene->tool, i, &answers->hit[i]);
-        dpt_tool_get_sweep(scene->world, scene->tool, i, &answers->sweep[i]);
-        dpt_tool_get_strip(scene->world, scene->tool, i, &answers->overlap[i], 1, &answers->triangles[i], NULL);
+        dpt_tool_get_segment_hit(scene->rig.world, scene->rig.tool, i, &answers->hit[i]);
+        dpt_tool_get_sweep(scene->rig.world, scene->rig.tool, i, &answers->sweep[i]);
+        dpt_tool_get_strip(scene->rig.world, scene->rig.tool, i, &answers->overlap[i], 1, &answers->triangles[i], NULL);
     }
     return result;
 }
@@ -129,9 +119,9 @@ static void a_step_that_fails_leaves_no_answer(void)
         CHECK(step(&scene, wrong[tick % 4], &answers) == DPT_E_ARGUMENT, "tick %d", tick);
         expect_nothing(&answers, "a wrong dt");
         dpt_step old = { .size = 4 };
-        CHECK(dpt_world_step(scene.world, 0.001, &old) == DPT_E_SIZE, "tick %d", tick);
+        CHECK(dpt_world_step(scene.rig.world, 0.001, &old) == DPT_E_SIZE, "tick %d", tick);
         uint32_t count = 1;
-        CHECK(dpt_tool_get_contacts(scene.world, scene.tool, NULL, 0, &count) == DPT_OK && count == 0,
+        CHECK(dpt_tool_get_contacts(scene.rig.world, scene.rig.tool, NULL, 0, &count) == DPT_OK && count == 0,
               "%u regions after a wrong size", count);
         /* At the same place again: what lived before the failure lives on, by its number. */
         CHECK(step(&scene, 0.001, &answers) == DPT_OK && answers.contacts == before.contacts,
@@ -156,7 +146,7 @@ static void a_reset_world_is_a_new_one(void)
             move(&used, tick);
             step(&used, 0.001, &one);
         }
-        CHECK(dpt_world_reset(used.world) == DPT_OK, "reset");
+        CHECK(dpt_world_reset(used.rig.world) == DPT_OK, "reset");
         for (int tick = 0; tick < TICKS; tick++) {
             move(&used, tick);
             move(&fresh, tick);

@@ -3,27 +3,20 @@
  * Strips in a world: the same as those that are asked for without one (tests/strip/test_strip.c), of the nearest body,
  * on the tool's side, and gone when there is nothing under the tool.
  */
-#include <math.h>
-
 #include "lib/fixture.h"
+#include "lib/rig.h"
 #include "strip/strip_state.h"
 
 enum { CAPACITY = 512 };
 
 struct lab {
     struct fixture fixture;
-    void *block;
-    dpt_world *world;
-    dpt_body body;
-    dpt_tool tool;
+    struct rig rig;
 };
 
 static dpt_world_def def_with(uint32_t strip)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.strip = strip;
     def.strip_capacity = CAPACITY;
     def.margin = 0.005;
@@ -39,22 +32,20 @@ static void lab_open(struct lab *lab, const dpt_world_def *def, const char *shap
                      const dpt_segment *segment)
 {
     fixture_from_shape(&lab->fixture, shape, count);
-    lab->block = malloc(dpt_world_bytes(def));
-    CHECK(dpt_world_create(lab->block, dpt_world_bytes(def), def, &lab->world) == DPT_OK, "world");
-    CHECK(dpt_body_add(lab->world, lab->fixture.mesh, pose, &lab->body) == DPT_OK, "body");
-    CHECK(dpt_tool_add(lab->world, segment, 1, &lab->tool) == DPT_OK, "tool");
+    rig_open(&lab->rig, def, NULL, segment, 1);
+    rig_add_body(&lab->rig, lab->fixture.mesh, pose);
 }
 
 static void lab_close(struct lab *lab)
 {
-    free(lab->block);
+    rig_close(&lab->rig);
     fixture_free(&lab->fixture);
 }
 
 static void step(struct lab *lab, const dpt_segment *segment)
 {
-    CHECK(dpt_tool_set_segments(lab->world, lab->tool, segment, 1) == DPT_OK, "segments");
-    CHECK(dpt_world_step(lab->world, 0.001, NULL) == DPT_OK, "step");
+    CHECK(dpt_tool_set_segments(lab->rig.world, lab->rig.tool, segment, 1) == DPT_OK, "segments");
+    rig_tick(&lab->rig);
 }
 
 /* How many triangles, their overlaps in `overlaps`. */
@@ -62,7 +53,7 @@ static uint32_t strip_of(const struct lab *lab, dpt_tool tool, dpt_overlap *over
 {
     uint32_t count = 77, flags;
     overlaps[0].size = sizeof *overlaps;
-    dpt_result result = dpt_tool_get_strip(lab->world, tool, 0, overlaps, CAPACITY, &count, &flags);
+    dpt_result result = dpt_tool_get_strip(lab->rig.world, tool, 0, overlaps, CAPACITY, &count, &flags);
     CHECK(result == DPT_OK && count <= CAPACITY, "%s, %u", dpt_result_name(result), count);
     return count;
 }
@@ -97,7 +88,7 @@ static void check_same(const struct lab *lab, const dpt_strip *strip, const char
     const uint32_t *triangles = dpt_strip_get_triangles(strip, &wanted, NULL);
     memcpy(sorted, triangles, wanted * sizeof *sorted);
     qsort(sorted, wanted, sizeof *sorted, by_number);
-    count = strip_of(lab, lab->tool, overlaps);
+    count = strip_of(lab, lab->rig.tool, overlaps);
     qsort(overlaps, count, sizeof *overlaps, by_triangle);
     for (uint32_t i = 0; i < count && i < wanted; i++)
         same += overlaps[i].triangle == sorted[i];
@@ -141,10 +132,10 @@ static void shadow_is_that_of_the_nearest_pair(void)
             segment.b[k] += way;
         }
         step(&lab, &segment);
-        dpt_tool_get_hit(lab.world, lab.tool, &hit);
+        dpt_tool_get_hit(lab.rig.world, lab.rig.tool, &hit);
         int near = hit.contact == DPT_CONTACT_PENETRATING || hit.distance <= def.margin + 0.001;
         dpt_overlap overlaps[CAPACITY];
-        uint32_t count = strip_of(&lab, lab.tool, overlaps);
+        uint32_t count = strip_of(&lab, lab.rig.tool, overlaps);
         if (!near) {
             CHECK(count == 0, "%u triangles, %g m away", count, hit.distance);
             empty++;
@@ -194,7 +185,7 @@ static void routes_lead_from_the_ends(void)
         segment.a[0] += 0.0005;
         segment.b[1] -= 0.0007;
         step(&lab, &segment);
-        dpt_tool_get_hit(lab.world, lab.tool, &hit);
+        dpt_tool_get_hit(lab.rig.world, lab.rig.tool, &hit);
         uint32_t a = nearest_to(lab.fixture.mesh, segment.a);
         uint32_t b = nearest_to(lab.fixture.mesh, segment.b);
         CHECK(dpt_strip_routes(strip, lab.fixture.mesh, a, b, hit.triangle) == DPT_OK, "routes");
@@ -218,8 +209,8 @@ static void overlaps_are_on_the_side_of_the_tool(void)
             step(&lab, &above);
             step(&lab, &segment);
             dpt_hit hit = DPT_HIT_INIT;
-            dpt_tool_get_hit(lab.world, lab.tool, &hit);
-            uint32_t count = strip_of(&lab, lab.tool, overlaps);
+            dpt_tool_get_hit(lab.rig.world, lab.rig.tool, &hit);
+            uint32_t count = strip_of(&lab, lab.rig.tool, overlaps);
             CHECK(count > 10, "%u triangles", count);
             for (uint32_t i = 0; i < count; i++) {
                 CHECK(overlaps[i].overlap == fmax(0.0, -overlaps[i].gap), "overlap");
@@ -239,33 +230,33 @@ static void nothing_under_the_tool_is_no_strip(void)
     dpt_segment near = lying(0.004), far = lying(0.1);
     lab_open(&lab, &def, "membrane", 0, NULL, &near);
     step(&lab, &near);
-    CHECK(strip_of(&lab, lab.tool, overlaps) > 10, "near");
+    CHECK(strip_of(&lab, lab.rig.tool, overlaps) > 10, "near");
     step(&lab, &far);
-    CHECK(strip_of(&lab, lab.tool, overlaps) == 0, "far");
+    CHECK(strip_of(&lab, lab.rig.tool, overlaps) == 0, "far");
     step(&lab, &near);
     const dpt_pose bad = { { NAN, 0.0, 0.0 }, { 1.0, 0.0, 0.0, 0.0 } };
-    dpt_tool_set_pose(lab.world, lab.tool, &bad);
-    dpt_world_step(lab.world, 0.001, NULL);
-    CHECK(strip_of(&lab, lab.tool, overlaps) == 0, "stale");
+    dpt_tool_set_pose(lab.rig.world, lab.rig.tool, &bad);
+    dpt_world_step(lab.rig.world, 0.001, NULL);
+    CHECK(strip_of(&lab, lab.rig.tool, overlaps) == 0, "stale");
     step(&lab, &near);
-    CHECK(strip_of(&lab, lab.tool, overlaps) > 10, "back");
-    CHECK(dpt_world_step(lab.world, -1.0, NULL) == DPT_E_ARGUMENT, "dt");
-    CHECK(strip_of(&lab, lab.tool, overlaps) == 0, "after an error");
+    CHECK(strip_of(&lab, lab.rig.tool, overlaps) > 10, "back");
+    CHECK(dpt_world_step(lab.rig.world, -1.0, NULL) == DPT_E_ARGUMENT, "dt");
+    CHECK(strip_of(&lab, lab.rig.tool, overlaps) == 0, "after an error");
     step(&lab, &near);
-    dpt_body_remove(lab.world, lab.body);
-    CHECK(strip_of(&lab, lab.tool, overlaps) == 0, "its body is gone");
+    dpt_body_remove(lab.rig.world, lab.rig.body);
+    CHECK(strip_of(&lab, lab.rig.tool, overlaps) == 0, "its body is gone");
     lab_close(&lab);
 
     def.until = DPT_UNTIL_TRACK;
     lab_open(&lab, &def, "membrane", 0, NULL, &near);
     step(&lab, &near);
-    CHECK(strip_of(&lab, lab.tool, overlaps) == 0, "no contact is asked for");
+    CHECK(strip_of(&lab, lab.rig.tool, overlaps) == 0, "no contact is asked for");
     lab_close(&lab);
 
     def = def_with(DPT_STRIP_KIND_NONE);
     lab_open(&lab, &def, "membrane", 0, NULL, &near);
     step(&lab, &near);
-    CHECK(strip_of(&lab, lab.tool, overlaps) == 0, "none is asked for");
+    CHECK(strip_of(&lab, lab.rig.tool, overlaps) == 0, "none is asked for");
     lab_close(&lab);
 }
 
@@ -278,24 +269,24 @@ static void a_removed_tool_leaves_the_others_theirs(void)
     uint32_t count[3];
     struct lab lab;
     lab_open(&lab, &def, "membrane", 0, NULL, &first);
-    tool[0] = lab.tool;
+    tool[0] = lab.rig.tool;
     for (int i = 1; i < 3; i++) {
         dpt_segment next = lying(0.001 * (1 + i));
         next.b[0] += 0.01 * i;
-        CHECK(dpt_tool_add(lab.world, &next, 1, &tool[i]) == DPT_OK, "tool");
+        tool[i] = rig_add_tool(&lab.rig, &next, 1);
     }
-    dpt_world_step(lab.world, 0.001, NULL);
+    dpt_world_step(lab.rig.world, 0.001, NULL);
     for (int i = 0; i < 3; i++)
         count[i] = strip_of(&lab, tool[i], before[i]);
     CHECK(count[0] > 10 && count[2] > count[0], "%u and %u", count[0], count[2]);
-    dpt_tool_remove(lab.world, tool[0]);
+    dpt_tool_remove(lab.rig.world, tool[0]);
     for (int round = 0; round < 2; round++) {
         for (int i = 1; i < 3; i++) {
             uint32_t now = strip_of(&lab, tool[i], after);
             CHECK(now == count[i] && !memcmp(after, before[i], now * sizeof *after), "tool %d: %u triangles, not %u", i,
                   now, count[i]);
         }
-        dpt_world_step(lab.world, 0.001, NULL);
+        dpt_world_step(lab.rig.world, 0.001, NULL);
     }
     lab_close(&lab);
 }
@@ -355,13 +346,14 @@ static void defs_and_arguments_are_checked(void)
     uint32_t count = 77;
     lab_open(&lab, &def, "membrane", 0, NULL, &near);
     step(&lab, &near);
-    CHECK(dpt_tool_get_strip(NULL, lab.tool, 0, &overlap, 1, &count, NULL) == DPT_E_ARGUMENT, "no world");
-    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 1, &overlap, 1, &count, NULL) == DPT_E_ARGUMENT, "segment 1");
-    CHECK(dpt_tool_get_strip(lab.world, lab.body, 0, &overlap, 1, &count, NULL) == DPT_E_HANDLE, "a body");
-    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 0, NULL, 1, &count, NULL) == DPT_E_ARGUMENT, "no room");
-    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 0, NULL, 0, &count, NULL) == DPT_OK && count > 10, "count alone");
+    CHECK(dpt_tool_get_strip(NULL, lab.rig.tool, 0, &overlap, 1, &count, NULL) == DPT_E_ARGUMENT, "no world");
+    CHECK(dpt_tool_get_strip(lab.rig.world, lab.rig.tool, 1, &overlap, 1, &count, NULL) == DPT_E_ARGUMENT, "segment 1");
+    CHECK(dpt_tool_get_strip(lab.rig.world, lab.rig.body, 0, &overlap, 1, &count, NULL) == DPT_E_HANDLE, "a body");
+    CHECK(dpt_tool_get_strip(lab.rig.world, lab.rig.tool, 0, NULL, 1, &count, NULL) == DPT_E_ARGUMENT, "no room");
+    CHECK(dpt_tool_get_strip(lab.rig.world, lab.rig.tool, 0, NULL, 0, &count, NULL) == DPT_OK && count > 10,
+          "count alone");
     overlap.size = 8;
-    CHECK(dpt_tool_get_strip(lab.world, lab.tool, 0, &overlap, 1, &count, NULL) == DPT_E_SIZE, "size");
+    CHECK(dpt_tool_get_strip(lab.rig.world, lab.rig.tool, 0, &overlap, 1, &count, NULL) == DPT_E_SIZE, "size");
     lab_close(&lab);
 }
 

@@ -9,6 +9,7 @@
 #include "lib/arm_random.h"
 #include "lib/fixture.h"
 #include "lib/random.h"
+#include "lib/rig.h"
 
 enum { BODIES = 3, SEGMENTS = 2, STEPS = 300 };
 
@@ -16,28 +17,20 @@ static struct fixture meshes[BODIES];
 static double diagonal[BODIES];
 
 struct scene {
-    void *block;
-    size_t bytes;
-    dpt_world *world;
+    struct rig rig;
     dpt_body body[BODIES];
     dpt_pose pose[BODIES];
-    dpt_tool tool;
     dpt_segment segment[SEGMENTS];
 };
 
 static void scene_open(struct scene *scene, uint64_t *random)
 {
-    dpt_world_def def;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.budget = random_bits(random) % 2 ? 50 : 0;
-    scene->bytes = dpt_world_bytes(&def);
-    scene->block = malloc(scene->bytes);
-    CHECK(dpt_world_create(scene->block, scene->bytes, &def, &scene->world) == DPT_OK, "create");
+    rig_open(&scene->rig, &def, NULL, NULL, 0);
     for (int i = 0; i < BODIES; i++) {
         scene->pose[i] = pose_random(random, 0.1);
-        dpt_body_add(scene->world, meshes[i].mesh, &scene->pose[i], &scene->body[i]);
+        scene->body[i] = rig_add_body(&scene->rig, meshes[i].mesh, &scene->pose[i]);
     }
     for (int i = 0; i < SEGMENTS; i++) {
         for (int k = 0; k < 3; k++) {
@@ -46,25 +39,7 @@ static void scene_open(struct scene *scene, uint64_t *random)
         }
         scene->segment[i].radius = i ? random_in(random, 0.0, 0.01) : 0.0;
     }
-    dpt_tool_add(scene->world, scene->segment, SEGMENTS, &scene->tool);
-}
-
-/* Where a point of a frame is. */
-static void place(const dpt_pose *pose, const double x[3], double out[3])
-{
-    const double *q = pose->orientation;
-    const double w = q[0], v[3] = { q[1], q[2], q[3] };
-    const double t[3] = { 2.0 * (v[1] * x[2] - v[2] * x[1]), 2.0 * (v[2] * x[0] - v[0] * x[2]),
-                          2.0 * (v[0] * x[1] - v[1] * x[0]) };
-    out[0] = pose->position[0] + x[0] + w * t[0] + v[1] * t[2] - v[2] * t[1];
-    out[1] = pose->position[1] + x[1] + w * t[1] + v[2] * t[0] - v[0] * t[2];
-    out[2] = pose->position[2] + x[2] + w * t[2] + v[0] * t[1] - v[1] * t[0];
-}
-
-static void ends_of(const dpt_pose *pose, const dpt_segment *segment, double ends[6])
-{
-    place(pose, segment->a, ends);
-    place(pose, segment->b, ends + 3);
+    rig_add_tool(&scene->rig, scene->segment, SEGMENTS);
 }
 
 /* The gap of those ends to the nearest body, from their axis. */
@@ -120,7 +95,7 @@ static double least_gap_until(const struct scene *scene, const dpt_pose *from, c
         for (int k = 0; k <= STEPS; k++) {
             const dpt_pose pose = between(from, to, until * k / STEPS);
             const double size = fmax(0.0, scene->segment[i].radius + clearance);
-            ends_of(&pose, &scene->segment[i], ends);
+            pose_ends(&pose, &scene->segment[i], ends);
             if (k > 0)
                 for (int e = 0; e < 6; e += 3)
                     *step = fmax(*step, sqrt(pow(ends[e] - before[e], 2.0) + pow(ends[e + 1] - before[e + 1], 2.0) +
@@ -146,11 +121,11 @@ static void a_trial_stops_at_the_first_touch(void)
         to = between(&from, &to, share);
         const double clearance = round % 4 ? random_in(&random, -0.004, 0.004) : 0.0;
         dpt_sweep first = { .size = sizeof first };
-        dpt_tool_set_pose(of.world, of.tool, &from);
-        void *copy = malloc(of.bytes);
-        memcpy(copy, of.block, of.bytes);
-        CHECK(dpt_tool_try_pose(of.world, of.tool, &to, clearance, &first, &reached) == DPT_OK, "try");
-        CHECK(!memcmp(copy, of.block, of.bytes), "a trial changed the world");
+        dpt_tool_set_pose(of.rig.world, of.rig.tool, &from);
+        void *copy = malloc(of.rig.world_bytes);
+        memcpy(copy, of.rig.blocks[0], of.rig.world_bytes);
+        CHECK(dpt_tool_try_pose(of.rig.world, of.rig.tool, &to, clearance, &first, &reached) == DPT_OK, "try");
+        CHECK(!memcmp(copy, of.rig.blocks[0], of.rig.world_bytes), "a trial changed the world");
         free(copy);
         double step, gap = HUGE_VAL;
         uint32_t body = 0;
@@ -160,7 +135,7 @@ static void a_trial_stops_at_the_first_touch(void)
         for (int i = 0; i < SEGMENTS; i++) {
             double ends[6];
             uint32_t at = 0;
-            ends_of(&reached, &of.segment[i], ends);
+            pose_ends(&reached, &of.segment[i], ends);
             const double here = nearest(&of, ends, &at) - fmax(0.0, of.segment[i].radius + clearance);
             if (here < gap) {
                 gap = here;
@@ -185,7 +160,7 @@ static void a_trial_stops_at_the_first_touch(void)
             CHECK(fabs(normal - 1.0) < 1e-9 && first.age == 0, "round %d: normal %g", round, normal);
             farthest += first.segment == 1;
         }
-        free(of.block);
+        rig_close(&of.rig);
     }
     CHECK(hits > 60 && frees > 30 && starts > 30 && farthest > 10 && farthest < hits,
           "%d hits, %d free, %d at the beginning, %d of the second segment", hits, frees, starts, farthest);
@@ -202,13 +177,9 @@ static void nothing_in_the_way_of_a_turn_is_missed(void)
     static const uint32_t triangle[3] = { 0, 1, 2 };
     uint64_t random = 5;
     uint32_t late = 0;
-    dpt_world_def def;
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     dpt_compiled file;
     const dpt_mesh *mesh;
-    dpt_world_def_init(&def);
-    def.max_contacts = 32;
-    def.law = DPT_LAW_POINT;
-    void *block = malloc(dpt_world_bytes(&def));
     CHECK(dpt_compile_arrays(corners, 3, triangle, 1, NULL, &file, NULL) == DPT_OK &&
               dpt_mesh_open(file.bytes, file.size, &mesh) == DPT_OK,
           "the speck");
@@ -219,27 +190,25 @@ static void nothing_in_the_way_of_a_turn_is_missed(void)
         const dpt_pose from = pose_random(&random, 0.1);
         dpt_pose to = pose_random(&random, jump), at, reached, speck = pose_random(&random, 0.0);
         dpt_sweep first = { .size = sizeof first };
-        dpt_world *world;
-        dpt_body body;
-        dpt_tool tool;
+        struct rig rig;
         double ends[6];
         for (int k = 0; k < 3; k++)
             to.position[k] += from.position[k];
         at = between(&from, &to, part);
-        ends_of(&at, &axis, ends);
+        pose_ends(&at, &axis, ends);
         for (int k = 0; k < 3; k++)
             speck.position[k] = ends[k] + s * (ends[3 + k] - ends[k]);
-        CHECK(dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK &&
-                  dpt_body_add(world, mesh, &speck, &body) == DPT_OK &&
-                  dpt_tool_add(world, &axis, 1, &tool) == DPT_OK && dpt_tool_teleport(world, tool, &from) == DPT_OK &&
-                  dpt_tool_try_pose(world, tool, &to, 0.0, &first, &reached) == DPT_OK,
+        rig_open(&rig, &def, NULL, &axis, 1);
+        rig_add_body(&rig, mesh, &speck);
+        CHECK(dpt_tool_teleport(rig.world, rig.tool, &from) == DPT_OK &&
+                  dpt_tool_try_pose(rig.world, rig.tool, &to, 0.0, &first, &reached) == DPT_OK,
               "a trial");
         CHECK(first.status == DPT_SWEEP_HIT && first.time <= part + 1e-5, "motion %d: %u at %.9f, not by %.9f", i,
               first.status, first.time, part);
         late += first.time > part - 0.05;
+        rig_close(&rig);
     }
     CHECK(late > MOTIONS / 2, "%u were met about there", late);
-    free(block);
     dpt_compiled_free(&file);
 }
 
@@ -254,24 +223,22 @@ static void a_step_meets_the_same(void)
         const dpt_pose from = pose_random(&random, 0.15);
         dpt_pose to = pose_random(&random, 0.15);
         to = between(&from, &to, 0.2);
-        dpt_tool_set_pose(of.world, of.tool, &from);
-        dpt_world_step(of.world, 0.001, NULL);
-        dpt_world_step(of.world, 0.001, NULL);
+        rig_step_to(&of.rig, &from);
+        rig_tick(&of.rig);
         dpt_sweep first = { .size = sizeof first };
         dpt_hit hit = DPT_HIT_INIT;
         int is_free = 1;
         for (uint32_t i = 0; i < SEGMENTS; i++) {
-            dpt_tool_get_segment_hit(of.world, of.tool, i, &hit);
+            dpt_tool_get_segment_hit(of.rig.world, of.rig.tool, i, &hit);
             is_free &= hit.status == DPT_STATUS_EXACT && hit.distance > of.segment[i].radius;
         }
-        dpt_tool_try_pose(of.world, of.tool, &to, 0.0, &first, NULL);
-        dpt_tool_set_pose(of.world, of.tool, &to);
-        dpt_world_step(of.world, 0.001, NULL);
+        dpt_tool_try_pose(of.rig.world, of.rig.tool, &to, 0.0, &first, NULL);
+        rig_step_to(&of.rig, &to);
         double time = 1.0;
         int told = 1;
         for (uint32_t i = 0; i < SEGMENTS; i++) {
             dpt_sweep sweep = { .size = sizeof sweep };
-            dpt_tool_get_sweep(of.world, of.tool, i, &sweep);
+            dpt_tool_get_sweep(of.rig.world, of.rig.tool, i, &sweep);
             told &= sweep.status == DPT_SWEEP_FREE || sweep.status == DPT_SWEEP_HIT;
             if (sweep.status == DPT_SWEEP_HIT)
                 time = fmin(time, sweep.time);
@@ -280,7 +247,7 @@ static void a_step_meets_the_same(void)
             met += first.status == DPT_SWEEP_HIT;
             CHECK(fabs(first.time - time) < 1e-3, "round %d: %.9g, the step says %.9g", round, first.time, time);
         }
-        free(of.block);
+        rig_close(&of.rig);
     }
     CHECK(met > 20, "%d met something", met);
 }
@@ -296,15 +263,13 @@ static void free_segments_too(void)
         scene_open(&of, &random);
         const dpt_pose at = pose_random(&random, 0.15), there = pose_random(&random, 0.15);
         for (int i = 0; i < SEGMENTS; i++) {
-            from[i] = to[i] = of.segment[i];
-            place(&at, of.segment[i].a, from[i].a);
-            place(&at, of.segment[i].b, from[i].b);
-            place(&there, of.segment[i].a, to[i].a);
-            place(&there, of.segment[i].b, to[i].b);
+            from[i] = pose_segment(&at, &of.segment[i]);
+            to[i] = pose_segment(&there, &of.segment[i]);
         }
-        dpt_tool_set_segments(of.world, of.tool, from, SEGMENTS);
+        dpt_tool_set_segments(of.rig.world, of.rig.tool, from, SEGMENTS);
         memcpy(reached, to, sizeof to);
-        CHECK(dpt_tool_try_segments(of.world, of.tool, reached, SEGMENTS, 0.001, &first, reached) == DPT_OK, "try");
+        CHECK(dpt_tool_try_segments(of.rig.world, of.rig.tool, reached, SEGMENTS, 0.001, &first, reached) == DPT_OK,
+              "try");
         if (first.status == DPT_SWEEP_FREE)
             CHECK(!memcmp(reached, to, sizeof to), "round %d: not there", round);
         if (first.status == DPT_SWEEP_HIT && first.time > 0.0) {
@@ -318,7 +283,7 @@ static void free_segments_too(void)
                   round, gap);
             hits++;
         }
-        free(of.block);
+        rig_close(&of.rig);
     }
     CHECK(hits > 30, "%d hits", hits);
 }
@@ -333,42 +298,43 @@ static void what_cannot_be_tried(void)
     dpt_sweep first = { .size = sizeof first, .status = 77 };
     dpt_segment segments[SEGMENTS];
     memcpy(segments, of.segment, sizeof segments);
-    dpt_tool_set_pose(of.world, of.tool, &far);
+    dpt_tool_set_pose(of.rig.world, of.rig.tool, &far);
     wrong.orientation[0] = 2.0;
 #define REFUSED(call, code) CHECK((call) == (code) && first.status == 77, #call)
-    REFUSED(dpt_tool_try_pose(of.world, of.tool, &wrong, 0.0, &first, NULL), DPT_E_POSE);
+    REFUSED(dpt_tool_try_pose(of.rig.world, of.rig.tool, &wrong, 0.0, &first, NULL), DPT_E_POSE);
     wrong.position[1] = NAN;
-    REFUSED(dpt_tool_try_pose(of.world, of.tool, &wrong, 0.0, &first, NULL), DPT_E_FINITE);
-    REFUSED(dpt_tool_try_pose(of.world, of.tool, NULL, 0.0, &first, NULL), DPT_E_ARGUMENT);
-    REFUSED(dpt_tool_try_pose(NULL, of.tool, &far, 0.0, &first, NULL), DPT_E_ARGUMENT);
-    REFUSED(dpt_tool_try_pose(of.world, of.body[0], &far, 0.0, &first, NULL), DPT_E_HANDLE);
-    REFUSED(dpt_tool_try_pose(of.world, of.tool, &far, NAN, &first, NULL), DPT_E_FINITE);
-    REFUSED(dpt_tool_try_segments(of.world, of.tool, segments, 1, 0.0, &first, NULL), DPT_E_ARGUMENT);
-    REFUSED(dpt_tool_try_segments(of.world, of.tool, NULL, SEGMENTS, 0.0, &first, NULL), DPT_E_ARGUMENT);
+    REFUSED(dpt_tool_try_pose(of.rig.world, of.rig.tool, &wrong, 0.0, &first, NULL), DPT_E_FINITE);
+    REFUSED(dpt_tool_try_pose(of.rig.world, of.rig.tool, NULL, 0.0, &first, NULL), DPT_E_ARGUMENT);
+    REFUSED(dpt_tool_try_pose(NULL, of.rig.tool, &far, 0.0, &first, NULL), DPT_E_ARGUMENT);
+    REFUSED(dpt_tool_try_pose(of.rig.world, of.body[0], &far, 0.0, &first, NULL), DPT_E_HANDLE);
+    REFUSED(dpt_tool_try_pose(of.rig.world, of.rig.tool, &far, NAN, &first, NULL), DPT_E_FINITE);
+    REFUSED(dpt_tool_try_segments(of.rig.world, of.rig.tool, segments, 1, 0.0, &first, NULL), DPT_E_ARGUMENT);
+    REFUSED(dpt_tool_try_segments(of.rig.world, of.rig.tool, NULL, SEGMENTS, 0.0, &first, NULL), DPT_E_ARGUMENT);
     segments[1].radius = -1.0;
-    REFUSED(dpt_tool_try_segments(of.world, of.tool, segments, SEGMENTS, 0.0, &first, NULL), DPT_E_FINITE);
-    CHECK(dpt_tool_try_pose(of.world, of.tool, &far, 0.0, NULL, NULL) == DPT_OK, "no outputs");
+    REFUSED(dpt_tool_try_segments(of.rig.world, of.rig.tool, segments, SEGMENTS, 0.0, &first, NULL), DPT_E_FINITE);
+    CHECK(dpt_tool_try_pose(of.rig.world, of.rig.tool, &far, 0.0, NULL, NULL) == DPT_OK, "no outputs");
 
     /* Nobody knows where a body is. */
-    dpt_body_set_pose(of.world, of.body[1], &wrong);
-    CHECK(dpt_tool_try_pose(of.world, of.tool, &of.pose[0], 0.0, &first, &reached) == DPT_OK &&
+    dpt_body_set_pose(of.rig.world, of.body[1], &wrong);
+    CHECK(dpt_tool_try_pose(of.rig.world, of.rig.tool, &of.pose[0], 0.0, &first, &reached) == DPT_OK &&
               first.status == DPT_SWEEP_NONE && first.time == 0.0 && !memcmp(&reached, &far, sizeof far),
           "a body's pose is not valid: %u", first.status);
-    dpt_body_remove(of.world, of.body[1]);
-    CHECK(dpt_tool_try_pose(of.world, of.tool, &far, 0.0, &first, &reached) == DPT_OK &&
+    dpt_body_remove(of.rig.world, of.body[1]);
+    CHECK(dpt_tool_try_pose(of.rig.world, of.rig.tool, &far, 0.0, &first, &reached) == DPT_OK &&
               first.status == DPT_SWEEP_FREE && first.time == 1.0,
           "it is gone: %u", first.status);
-    dpt_tool_set_pose(of.world, of.tool, &wrong);
-    CHECK(dpt_tool_try_pose(of.world, of.tool, &far, 0.0, &first, NULL) == DPT_OK && first.status == DPT_SWEEP_NONE,
+    dpt_tool_set_pose(of.rig.world, of.rig.tool, &wrong);
+    CHECK(dpt_tool_try_pose(of.rig.world, of.rig.tool, &far, 0.0, &first, NULL) == DPT_OK &&
+              first.status == DPT_SWEEP_NONE,
           "the tool's pose is not valid: %u", first.status);
 
     /* It is where it could be last. */
     dpt_segment there[SEGMENTS];
-    CHECK(dpt_tool_try_segments(of.world, of.tool, of.segment, SEGMENTS, 0.0, &first, there) == DPT_OK &&
+    CHECK(dpt_tool_try_segments(of.rig.world, of.rig.tool, of.segment, SEGMENTS, 0.0, &first, there) == DPT_OK &&
               first.status == DPT_SWEEP_NONE && first.time == 0.0 &&
               there[0].a[0] == far.position[0] + of.segment[0].a[0],
           "it is at x = %g", there[0].a[0]);
-    free(of.block);
+    rig_close(&of.rig);
 }
 
 int main(void)

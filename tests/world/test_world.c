@@ -4,7 +4,7 @@
  * what happens when the input is not valid. That the nearest pair is right is for test_query and
  * test_exactness; here it is compared with the stateless answer.
  */
-#include "world/world_block.h"
+#include "world/small_def.h"
 
 static void memory_is_what_it_says(void)
 {
@@ -111,24 +111,24 @@ static void defs_are_checked(void)
 static void ids_die_with_their_things(void)
 {
     struct fixture box;
-    struct world_block made;
+    struct rig made;
     dpt_world_def def = small_def();
     if (!fixture_from_shape(&box, "box", 12))
         return;
-    world_block_open(&made, &def);
+    rig_open(&made, &def, NULL, NULL, 0);
     dpt_segment line = capsule(0, 0, 1, 0, 0, 2, 0);
     dpt_body body, again;
     dpt_tool tool;
     dpt_hit hit = DPT_HIT_INIT;
     dpt_pose pose = DPT_POSE_IDENTITY;
-    CHECK(dpt_body_add(made.world, box.mesh, NULL, &body) == DPT_OK, "body");
-    CHECK(dpt_tool_add(made.world, &line, 1, &tool) == DPT_OK, "tool");
+    body = rig_add_body(&made, box.mesh, NULL);
+    tool = rig_add_tool(&made, &line, 1);
     CHECK(dpt_body_set_pose(made.world, tool, &pose) == DPT_E_HANDLE, "a tool is no body");
     CHECK(dpt_tool_set_pose(made.world, body, &pose) == DPT_E_HANDLE, "a body is no tool");
     CHECK(dpt_tool_get_hit(made.world, 0, &hit) == DPT_E_HANDLE, "null id");
     CHECK(dpt_body_remove(made.world, body) == DPT_OK, "remove");
     CHECK(dpt_body_remove(made.world, body) == DPT_E_HANDLE, "removed twice");
-    CHECK(dpt_body_add(made.world, box.mesh, NULL, &again) == DPT_OK, "the slot is free");
+    again = rig_add_body(&made, box.mesh, NULL);
     CHECK(again != body, "the old id is valid again");
     CHECK(dpt_body_set_pose(made.world, body, &pose) == DPT_E_HANDLE, "stale id");
     uint64_t random = 1;
@@ -138,9 +138,9 @@ static void ids_die_with_their_things(void)
             CHECK(dpt_body_set_pose(made.world, id, &pose) == DPT_E_HANDLE, "id %08x", id);
     }
     for (int i = 1; i < 4; i++)
-        CHECK(dpt_body_add(made.world, box.mesh, NULL, &body) == DPT_OK, "body %d", i);
+        body = rig_add_body(&made, box.mesh, NULL);
     CHECK(dpt_body_add(made.world, box.mesh, NULL, &body) == DPT_E_FULL, "five bodies in four");
-    free(made.block);
+    rig_close(&made);
     fixture_free(&box);
 }
 
@@ -152,7 +152,7 @@ static void slots_are_used_for_ever(void)
     enum { GENERATIONS = 4095, ROUNDS = 3, BODIES = 4 };
     static dpt_body gone[GENERATIONS * ROUNDS];
     struct fixture box;
-    struct world_block made;
+    struct rig made;
     dpt_world_def def = small_def();
     dpt_segment line = capsule(0, 0, 1, 0, 0, 2, 0);
     dpt_pose pose = DPT_POSE_IDENTITY;
@@ -160,9 +160,9 @@ static void slots_are_used_for_ever(void)
     dpt_tool tool;
     if (!fixture_from_shape(&box, "box", 12))
         return;
-    world_block_open(&made, &def);
+    rig_open(&made, &def, NULL, NULL, 0);
     for (int i = 0; i < GENERATIONS * ROUNDS; i++) {
-        CHECK(dpt_body_add(made.world, box.mesh, NULL, &gone[i]) == DPT_OK, "body %d", i);
+        gone[i] = rig_add_body(&made, box.mesh, NULL);
         CHECK(dpt_tool_add(made.world, &line, 1, &tool) == DPT_OK && dpt_tool_remove(made.world, tool) == DPT_OK &&
                   dpt_tool_remove(made.world, tool) == DPT_E_HANDLE,
               "tool %d", i);
@@ -172,51 +172,49 @@ static void slots_are_used_for_ever(void)
     }
     CHECK(gone[0] == gone[GENERATIONS] && gone[0] != gone[1], "generations come round");
     for (int i = 0; i < BODIES; i++)
-        CHECK(dpt_body_add(made.world, box.mesh, NULL, &body[i]) == DPT_OK, "body %d", i);
+        body[i] = rig_add_body(&made, box.mesh, NULL);
     static const int order[BODIES] = { 2, 0, 3, 1 };
     for (int i = 0; i < BODIES; i++)
         dpt_body_remove(made.world, body[order[i]]);
     for (int i = 0; i < BODIES; i++) {
-        CHECK(dpt_body_add(made.world, box.mesh, NULL, &next) == DPT_OK, "body %d", i);
+        next = rig_add_body(&made, box.mesh, NULL);
         CHECK((next & 0xffff) == (body[order[i]] & 0xffff), "slot %u, not %u", next & 0xffff, body[order[i]] & 0xffff);
     }
-    free(made.block);
+    rig_close(&made);
     fixture_free(&box);
 }
 
 static void segments_are_shared_out(void)
 {
-    struct world_block made;
+    struct rig made;
     struct fixture box;
     dpt_world_def def = small_def();
     if (!fixture_from_shape(&box, "box", 12))
         return;
-    world_block_open(&made, &def);
     dpt_segment many[7];
     for (int i = 0; i < 7; i++)
         many[i] = capsule(i, 0, 1, i, 0, 2, 0);
-    dpt_tool a, b, c, d;
-    dpt_body body;
+    dpt_tool a, b, d;
     dpt_hit before = DPT_HIT_INIT, after = DPT_HIT_INIT;
-    dpt_body_add(made.world, box.mesh, NULL, &body);
+    rig_open(&made, &def, box.mesh, NULL, 0);
     CHECK(dpt_tool_add(made.world, many, 7, &a) == DPT_E_FULL, "seven in six");
     CHECK(dpt_tool_add(made.world, many, 0, &a) == DPT_E_ARGUMENT, "none");
-    CHECK(dpt_tool_add(made.world, many, 2, &a) == DPT_OK, "a");
-    CHECK(dpt_tool_add(made.world, many + 2, 3, &b) == DPT_OK, "b");
-    CHECK(dpt_tool_add(made.world, many + 5, 1, &c) == DPT_OK, "c");
+    a = rig_add_tool(&made, many, 2);
+    b = rig_add_tool(&made, many + 2, 3);
+    rig_add_tool(&made, many + 5, 1);
     CHECK(dpt_tool_add(made.world, many, 1, &d) == DPT_E_FULL, "four tools in three");
-    dpt_world_step(made.world, 1e-3, NULL);
+    rig_tick(&made);
     dpt_tool_get_segment_hit(made.world, b, 1, &before);
     CHECK(dpt_tool_remove(made.world, a) == DPT_OK, "remove a");
-    dpt_world_step(made.world, 1e-3, NULL);
+    rig_tick(&made);
     dpt_tool_get_segment_hit(made.world, b, 1, &after);
     after.work = before.work;
     CHECK(!memcmp(&before, &after, sizeof before), "b's answer moved with its memory");
     CHECK(dpt_tool_get_segment_hit(made.world, b, 3, &after) == DPT_E_ARGUMENT, "no such segment");
-    CHECK(dpt_tool_add(made.world, many, 2, &a) == DPT_OK, "room again");
+    a = rig_add_tool(&made, many, 2);
     dpt_tool_get_hit(made.world, a, &after);
     CHECK(after.status == DPT_STATUS_STALE, "a new tool knows something");
-    free(made.block);
+    rig_close(&made);
     fixture_free(&box);
 }
 
@@ -224,18 +222,16 @@ static void segments_are_shared_out(void)
 static void many_bodies_and_segments(void)
 {
     struct fixture mesh[2];
-    struct world_block made;
+    struct rig made;
     dpt_world_def def = small_def();
     dpt_body body[2];
-    dpt_tool tool;
     if (!fixture_from_shape(&mesh[0], "torus", 2000) || !fixture_from_shape(&mesh[1], "star", 2000))
         return;
-    world_block_open(&made, &def);
     const dpt_segment parts[3] = { capsule(0, 0, 0, 0.1, 0, 0, 0.002), capsule(0.1, 0, 0, 0.15, 0.03, 0, 0.001),
                                    capsule(0.1, 0, 0, 0.15, -0.03, 0, 0.004) };
+    rig_open(&made, &def, NULL, parts, 3);
     for (int i = 0; i < 2; i++)
-        dpt_body_add(made.world, mesh[i].mesh, NULL, &body[i]);
-    dpt_tool_add(made.world, parts, 3, &tool);
+        body[i] = rig_add_body(&made, mesh[i].mesh, NULL);
     int asked[2] = { 0, 0 };
     for (int tick = 0; tick < 3000; tick++) {
         double t = 1e-3 * tick, angle = 2.0 * t;
@@ -245,7 +241,7 @@ static void many_bodies_and_segments(void)
         dpt_step out = { .size = sizeof out };
         for (int i = 0; i < 2; i++)
             dpt_body_set_pose(made.world, body[i], &pose[i]);
-        dpt_tool_set_pose(made.world, tool, &at);
+        dpt_tool_set_pose(made.world, made.tool, &at);
         CHECK(dpt_world_step(made.world, 1e-3, &out) == DPT_OK, "step");
         double least = HUGE_VAL, c = cos(2.0 * t), s = sin(2.0 * t);
         for (uint32_t k = 0; k < 3; k++) {
@@ -258,19 +254,19 @@ static void many_bodies_and_segments(void)
             for (int i = 0; i < 2; i++)
                 dpt_query_segments(mesh[i].mesh, &pose[i], ends, NULL, 1, &one[i], NULL);
             double expected = fmin(one[0].distance, one[1].distance);
-            dpt_tool_get_segment_hit(made.world, tool, k, &hit);
+            dpt_tool_get_segment_hit(made.world, made.tool, k, &hit);
             CHECK(fabs(hit.distance - expected) <= 2.0 * hit.error_bound, "off by %g", hit.distance - expected);
             CHECK(hit.segment == k, "segment %u", hit.segment);
             asked[hit.body == body[1]]++;
             least = fmin(least, hit.distance - parts[k].radius);
         }
         dpt_hit best = DPT_HIT_INIT;
-        dpt_tool_get_hit(made.world, tool, &best);
+        dpt_tool_get_hit(made.world, made.tool, &best);
         CHECK(best.distance - parts[best.segment].radius == least, "not the nearest segment");
         CHECK(out.status == DPT_STATUS_EXACT, "status %u", out.status);
     }
     CHECK(asked[0] > 500 && asked[1] > 500, "nearest %d and %d times", asked[0], asked[1]);
-    free(made.block);
+    rig_close(&made);
     fixture_free(&mesh[0]);
     fixture_free(&mesh[1]);
 }
@@ -281,31 +277,27 @@ static void a_step_goes_as_far_as_asked(void)
     if (!fixture_from_shape(&box, "box", 12))
         return;
     for (uint32_t until = 0; until <= DPT_UNTIL_CONTACT; until++) {
-        struct world_block made;
+        struct rig made;
         dpt_world_def def = small_def();
-        dpt_body body;
-        dpt_tool tool;
         dpt_hit hit = DPT_HIT_INIT;
         dpt_wrench wrench;
         dpt_segment part = capsule(0, 0, 0, 0.01, 0, 0, 0.01);
         def.until = until;
-        world_block_open(&made, &def);
-        dpt_body_add(made.world, box.mesh, NULL, &body);
-        dpt_tool_add(made.world, &part, 1, &tool);
-        dpt_world_step(made.world, 1e-3, NULL);
-        dpt_tool_get_hit(made.world, tool, &hit);
-        dpt_tool_get_wrench(made.world, tool, &wrench);
+        rig_open(&made, &def, box.mesh, &part, 1);
+        rig_tick(&made);
+        dpt_tool_get_hit(made.world, made.tool, &hit);
+        dpt_tool_get_wrench(made.world, made.tool, &wrench);
         double force = fabs(wrench.force[0]) + fabs(wrench.force[1]) + fabs(wrench.force[2]);
         CHECK(hit.status == DPT_STATUS_EXACT, "until %u", until);
         dpt_segment through = capsule(-1, 0.001, 0.002, 1, 0.002, 0.001, 0);
-        dpt_tool_set_segments(made.world, tool, &through, 1);
-        dpt_world_step(made.world, 1e-3, NULL);
+        dpt_tool_set_segments(made.world, made.tool, &through, 1);
+        rig_tick(&made);
         dpt_hit crossing = DPT_HIT_INIT;
-        dpt_tool_get_hit(made.world, tool, &crossing);
+        dpt_tool_get_hit(made.world, made.tool, &crossing);
         CHECK(crossing.distance == 0.0 && (crossing.flags & DPT_HIT_FLAG_CROSSING), "until %u: crossing", until);
         CHECK((hit.flags & DPT_HIT_FLAG_GAP) == (until == DPT_UNTIL_TRACK ? 0 : DPT_HIT_FLAG_GAP), "gap");
         CHECK((force > 0.0) == (until == DPT_UNTIL_RESPOND), "force %g", force);
-        free(made.block);
+        rig_close(&made);
     }
     fixture_free(&box);
 }
@@ -316,17 +308,13 @@ static void history_keeps_the_triangle(void)
     const double vertices[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
     const uint32_t corners[] = { 0, 1, 2, 0, 2, 3 };
     struct fixture square;
-    struct world_block made;
+    struct rig made;
     dpt_world_def def = small_def();
-    dpt_body body;
-    dpt_tool tool;
     dpt_segment part = capsule(0, 0, 0, 0, 0, 0, 0);
     dpt_hit hit = DPT_HIT_INIT;
     if (!fixture_from_arrays(&square, vertices, 4, corners, 2))
         return;
-    world_block_open(&made, &def);
-    dpt_body_add(made.world, square.mesh, NULL, &body);
-    dpt_tool_add(made.world, &part, 1, &tool);
+    rig_open(&made, &def, square.mesh, &part, 1);
     const struct {
         double x, y;
         uint32_t triangle;
@@ -335,20 +323,18 @@ static void history_keeps_the_triangle(void)
     };
     for (size_t i = 0; i < sizeof ticks / sizeof *ticks; i++) {
         dpt_pose pose = { { ticks[i].x, ticks[i].y, 0.25 }, { 1, 0, 0, 0 } };
-        dpt_tool_set_pose(made.world, tool, &pose);
-        dpt_world_step(made.world, 1e-3, NULL);
-        dpt_tool_get_hit(made.world, tool, &hit);
+        rig_step_to(&made, &pose);
+        dpt_tool_get_hit(made.world, made.tool, &hit);
         CHECK(hit.triangle == ticks[i].triangle, "tick %zu: triangle %u", i, hit.triangle);
     }
     dpt_pose pose = { { 0.5, 0.5, 0.25 }, { 1, 0, 0, 0 } }, side = pose;
     side.position[0] = 0.4;
-    dpt_tool_set_pose(made.world, tool, &side);
-    dpt_world_step(made.world, 1e-3, NULL);
-    dpt_tool_teleport(made.world, tool, &pose);
-    dpt_world_step(made.world, 1e-3, NULL);
-    dpt_tool_get_hit(made.world, tool, &hit);
+    rig_step_to(&made, &side);
+    dpt_tool_teleport(made.world, made.tool, &pose);
+    rig_tick(&made);
+    dpt_tool_get_hit(made.world, made.tool, &hit);
     CHECK(hit.triangle == 0, "a teleport remembers triangle %u", hit.triangle);
-    free(made.block);
+    rig_close(&made);
     fixture_free(&square);
 }
 
@@ -356,31 +342,29 @@ static void history_keeps_the_triangle(void)
 static void equal_bodies_do_not_rattle(void)
 {
     struct fixture box;
-    struct world_block made;
+    struct rig made;
     dpt_world_def def = small_def();
     dpt_body body[2];
-    dpt_tool tool;
     dpt_hit hit = DPT_HIT_INIT;
     if (!fixture_from_shape(&box, "box", 12))
         return;
-    world_block_open(&made, &def);
     dpt_segment part = capsule(0.2, 0, 0, 0.3, 0, 0, 0);
-    dpt_body_add(made.world, box.mesh, NULL, &body[0]);
-    dpt_body_add(made.world, box.mesh, NULL, &body[1]);
-    dpt_tool_add(made.world, &part, 1, &tool);
+    rig_open(&made, &def, NULL, &part, 1);
+    body[0] = rig_add_body(&made, box.mesh, NULL);
+    body[1] = rig_add_body(&made, box.mesh, NULL);
     for (int tick = 0; tick < 10; tick++) {
-        dpt_world_step(made.world, 1e-3, NULL);
-        dpt_tool_get_hit(made.world, tool, &hit);
+        rig_tick(&made);
+        dpt_tool_get_hit(made.world, made.tool, &hit);
         CHECK(hit.body == body[0], "tick %d", tick);
     }
     dpt_pose away = { { -1, 0, 0 }, { 1, 0, 0, 0 } };
     dpt_body_set_pose(made.world, body[0], &away);
-    dpt_world_step(made.world, 1e-3, NULL);
+    rig_tick(&made);
     dpt_body_set_pose(made.world, body[0], &(dpt_pose)DPT_POSE_IDENTITY);
-    dpt_world_step(made.world, 1e-3, NULL);
-    dpt_tool_get_hit(made.world, tool, &hit);
+    rig_tick(&made);
+    dpt_tool_get_hit(made.world, made.tool, &hit);
     CHECK(hit.body == body[1], "the second one answered last");
-    free(made.block);
+    rig_close(&made);
     fixture_free(&box);
 }
 
