@@ -6,6 +6,9 @@
 
 #include "base/sincos.h"
 
+/* Of the mean: what is not more than that is rounding, and has no frequency. */
+#define ROUNDING 1e-12
+
 /* rest = sizes without the mean of all lines in each tick. `lines` has room for as many. */
 static void take_lines_out(const double *sizes, size_t count, double *lines, double *rest)
 {
@@ -70,6 +73,8 @@ int hum_measure(struct hum *hum, const double *sizes, size_t count)
         hum->mean += sizes[i] / (double)count;
     take_lines_out(sizes, count, rest + count, rest);
     hum->rms = sqrt(power_above(rest, count, rest + 2 * count, &hum->strongest));
+    if (hum->rms <= ROUNDING * fabs(hum->mean))
+        hum->strongest = 0.0;
     free(rest);
     return 1;
 }
