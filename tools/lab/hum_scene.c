@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "base/vec3.h"
+#include "base/quaternion.h"
 #include "scene/scene_list.h"
 
 /* m: of the surface of a tool above what it comes down on. */
@@ -11,7 +11,7 @@
 
 /* Of an organ: m in its unit, and the share of its height that is fixed. */
 #define MILLIMETRE 1e-3
-#define FIXED      0.25
+#define FIXED      0.3
 
 static double mean_edge(const dpt_mesh *mesh)
 {
@@ -28,16 +28,31 @@ static double mean_edge(const dpt_mesh *mesh)
     return sum / (3.0 * (double)triangles);
 }
 
-/* Where a body that stands in its own frame is highest. */
-static void highest(const dpt_mesh *mesh, double place[3])
+/* An organ lies with its thinnest side up: what turns x, y and z there. */
+static const double upwards[3][4] = { { 0.70710678118654752, 0.0, 0.0, 0.70710678118654752 },
+                                      { 1.0, 0.0, 0.0, 0.0 },
+                                      { 0.70710678118654752, -0.70710678118654752, 0.0, 0.0 } };
+
+static int thinnest_of(const dpt_mesh_info *info)
+{
+    int thinnest = 0;
+    for (int k = 1; k < 3; k++)
+        if (info->box_max[k] - info->box_min[k] < info->box_max[thinnest] - info->box_min[thinnest])
+            thinnest = k;
+    return thinnest;
+}
+
+/* Where an organ that lies so is highest. */
+static void highest(const struct scene_body *body, int up, double place[3])
 {
     const float *vertices;
     uint32_t count, best = 0;
-    dpt_mesh_get_vertices(mesh, &vertices, &count);
+    dpt_mesh_get_vertices(body->mesh, &vertices, &count);
     for (uint32_t v = 0; v < count; v++)
-        if (vertices[3 * (size_t)v + 1] > vertices[3 * (size_t)best + 1])
+        if (vertices[3 * v + (uint32_t)up] > vertices[3 * best + (uint32_t)up])
             best = v;
     vec3_store(vec3_of_float(vertices + 3 * (size_t)best), place);
+    quaternion_rotate(body->pose.orientation, place, place);
 }
 
 static void settle(struct hum_scene *scene)
@@ -98,7 +113,9 @@ int hum_scene_open_organ(struct hum_scene *scene, const char *path)
         bed.box[k] = info.box_min[k] - ABOVE;
         bed.box[k + 3] = info.box_max[k] + ABOVE;
     }
-    bed.box[4] = info.box_min[1] + FIXED * (info.box_max[1] - info.box_min[1]);
+    const int up = thinnest_of(&info);
+    bed.box[up + 3] = info.box_min[up] + FIXED * (info.box_max[up] - info.box_min[up]);
+    memcpy(body->pose.orientation, upwards[up], sizeof upwards[up]);
     springs.regions = &bed;
     springs.region_count = 1;
     if (!compile(body, path, &springs))
@@ -106,7 +123,7 @@ int hum_scene_open_organ(struct hum_scene *scene, const char *path)
     settle(scene);
     scene->length = like->length;
     scene->radius = like->radius;
-    highest(body->mesh, scene->start);
+    highest(body, up, scene->start);
     scene->start[1] += ABOVE;
     return 1;
 }

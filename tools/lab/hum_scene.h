@@ -16,7 +16,7 @@ struct hum_scene {
 /* Each returns 0 if the scene cannot be made. hum_scene_close is due in any case. */
 int hum_scene_open(struct hum_scene *scene, const char *name);
 
-/* A file of an organ in mm, with the springs of the scene soft-liver; what is lowest of it is fixed. */
+/* A file of an organ in mm, with the springs of the scene soft-liver. It lies flat, and its lower part is fixed. */
 int hum_scene_open_organ(struct hum_scene *scene, const char *path);
 
 void hum_scene_close(struct hum_scene *scene);

@@ -73,7 +73,7 @@ static dpt_result add_bodies(struct hum_trial *trial)
     dpt_result result = scene_bodies_add(bodies, trial->world, &options);
     for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
         dpt_body_get_settings(trial->world, bodies->body[i].id, &settings);
-        settings.unfelt = i > 0 && trial->is_alone;
+        settings.unfelt = i > 0 && !trial->is_usual;
         if (i == 0 && trial->static_friction > 0.0) {
             settings.static_friction = trial->static_friction;
             settings.kinetic_friction = trial->kinetic_friction;
@@ -86,7 +86,7 @@ static dpt_result add_bodies(struct hum_trial *trial)
 static dpt_result add_tool(struct hum_trial *trial)
 {
     const double half = 0.5 * trial->scene->length, turn = trial->lean / 360.0;
-    const int is_held_in_middle = trial->lean > LYING || trial->scene->is_below;
+    const int is_held_in_middle = (trial->lean > LYING && !trial->is_usual) || trial->scene->is_below;
     dpt_tool_settings settings = { .size = sizeof settings };
     dpt_segment segment = { .radius = trial->radius };
     double sine, cosine;

@@ -9,7 +9,7 @@
  *     hum_trial_close(&trial);
  *
  * The device comes down at 0.05 mm a tick until there is a force. Then, never faster than that and without a jerk:
- *   STILL   it goes `depth` deeper and stands still; judged from SETTLING ticks later on
+ *   STILL   it goes `depth` deeper and stands still; judged from 1 s later on
  *   PRESS   it goes `depth` deeper and out again, once
  *   WIPE    it goes `depth` deeper and from there 16 mm across and back, at 30 degrees to the tool; the last two are judged
  *           from 60 ms after contact began to the last tick with a force
@@ -34,11 +34,11 @@ struct hum_trial {
     struct hum_scene *scene;
     enum hum_hand hand;
     uint32_t integrator; /* DPT_INTEGRATOR_..., of what gives way */
-    double lean;         /* degrees: 0 upright on its tip, 90 lying on its middle, along z */
+    double lean;         /* degrees: 0 upright on its tip; 90 lying along z, held in its middle */
     double stiffness;    /* N/m */
     double radius;       /* m, of the tool */
     int turns;           /* the device gives torque; else the proxy's rotation is locked */
-    int is_alone;        /* bodies but the first are not felt: they stand in the way of other tools than the scene's */
+    int is_usual;        /* as dynpoint run has it: held at its end, and all bodies are felt, not the first alone */
     double depth;        /* m */
     double static_friction, kinetic_friction; /* of the first body; 0: its own */
     size_t still_ticks;                       /* of STILL: those that are judged */
