@@ -58,6 +58,7 @@ static void highest(const struct scene_body *body, int up, double place[3])
 static void settle(struct hum_scene *scene)
 {
     scene->is_soft = scene_body_is_soft(&scene->bodies.body[0]);
+    scene->integrator = scene->bodies.body[0].integrator;
     scene->edge = mean_edge(scene->bodies.body[0].mesh);
 }
 

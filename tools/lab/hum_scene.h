@@ -8,6 +8,7 @@
 struct hum_scene {
     struct scene_bodies bodies;
     int is_soft, is_below; /* the first body gives way; it falls on to the tool */
+    uint32_t integrator;   /* DPT_INTEGRATOR_..., the scene's own */
     double start[3];       /* m: over the first body, or under it, where a tool's surface begins */
     double length, radius; /* m, of the scene's stylus */
     double edge;           /* m: mean of the first body's edges */

@@ -12,20 +12,21 @@
 
 enum { CONTACTS = 32, APPROACH_MAX = 4000, FALLING = 1500, SETTLING = 1000, ONSET = 60, PAUSE = 100, ROOM = 8192 };
 
-#define SPEED    5e-5  /* m a tick: the fastest device */
+#define SPEED    5e-5 /* m a tick: the fastest device, and one that presses */
+#define PRESSING 2e-5
 #define ACROSS   0.016 /* m: of a wipe */
 #define LYING    89.0  /* degrees: from here on a tool lies on its middle */
 #define SUBSTEPS 0.9   /* of the stable step, that a substep takes at most */
 
-/* Ticks in which something of this length is done once, or to and fro, at no more than the speed. */
+/* Ticks in which a way of this length is gone once, or to and fro, at no more than a speed. */
 static size_t ticks_once(double way)
 {
     return (size_t)ceil(2.0 * way / SPEED);
 }
 
-static size_t ticks_to_and_fro(double way)
+static size_t ticks_to_and_fro(double way, double speed)
 {
-    return (size_t)ceil(3.15 * way / SPEED);
+    return (size_t)ceil(3.15 * way / speed);
 }
 
 /* From 0 to 1 without a jerk; from 0 to 1 and back. */
@@ -50,8 +51,9 @@ static double to_and_fro(size_t tick, size_t ticks)
 static size_t path_of(const struct hum_trial *trial, size_t tick, double *down, double *across)
 {
     const int is_below = trial->scene->is_below;
-    const size_t sinking = is_below ? FALLING : ticks_once(trial->depth), pressing = ticks_to_and_fro(trial->depth);
-    const size_t wiping = ticks_to_and_fro(ACROSS), waited = is_below ? FALLING : 0, still = sinking + PAUSE;
+    const size_t sinking = is_below ? FALLING : ticks_once(trial->depth),
+                 pressing = ticks_to_and_fro(trial->depth, PRESSING);
+    const size_t wiping = ticks_to_and_fro(ACROSS, SPEED), waited = is_below ? FALLING : 0, still = sinking + PAUSE;
     *across = 0.0;
     *down = is_below ? 0.0 : trial->depth * once(tick, sinking);
     if (trial->hand == HUM_STILL)

@@ -8,7 +8,8 @@
  *     look at trial.tick[trial.judged .. trial.count - 1]
  *     hum_trial_close(&trial);
  *
- * The device comes down at 0.05 mm a tick until there is a force. Then, never faster than that and without a jerk:
+ * The device comes down at 0.05 mm a tick until there is a force. Then, without a jerk and never faster than that, nor
+ * than 0.02 mm a tick where it presses:
  *   STILL   it goes `depth` deeper and stands still; judged from 1 s later on
  *   PRESS   it goes `depth` deeper and out again, once
  *   WIPE    it goes `depth` deeper and from there 16 mm across and back, at 30 degrees to the tool; the last two are judged
