@@ -55,7 +55,7 @@ static const struct row {
 
 enum { SCENES = 8 };
 
-/* A scene by name, or an organ whose file lies below the folder of data. The angles of lean differ, so that more are seen. */
+/* A scene by name, or an organ whose file lies below the folder of data. Angles differ, so that more are seen. */
 static const struct place {
     const char *name, *file;
     double lean[LEVELS]; /* degrees: 0 upright, 90 lying */
@@ -298,25 +298,25 @@ const struct lab_case hum_case = {
     .name = "hum",
     .title = "Soft scenes that hum",
     .method =
-        "A device without inertia leads a tool on to scenes at 1 kHz, and stands still, presses, wipes without friction, or "
-        "rubs with coefficients of 0.5 and 0.4. The force is the one asked for, before limits. Hum is the root of the "
-        "mean square of its size above 20 Hz, after lines over 51 ms are taken out (tools/measure/hum.h); a jump is its "
-        "change in a tick; both from 60 ms after contact began. Each scene has 20 rows: three as dynpoint run has it; nine of "
-        "a still hand, an orthogonal array of lean (0 upright, 90 lying), stiffness, integrator, and edges of a half, "
-        "one and two radii of the tool; three that press and three that wipe, with each of these levels once; two that "
-        "slip. Rotation is free in every other one. While the device has stood still for 1 s, hum may be 0.1 % of "
-        "the mean force or 0.5 mN, and 99 % of jumps 1 mN. While it moves, by at most 0.05 mm a tick, 99 % of jumps "
-        "may be 1.5 K times its motion and 2 mN, and none that no flag explains more than 20 mN beside that. What slips may "
-        "jump so, or by 5 % of the force, and by what friction loses when it sets in. Flags may explain 0.5 % of the "
-        "ticks. A row without 1 mN of force fails. Tissue is as damped as its scene has it. The rigid liver is the reference; it is "
-        "pressed less deep, as over deep devices a rigid surface snaps. Real organs are made soft as the liver is, "
-        "and lie flat.",
-    .advice =
-        "Rigid bodies do not hum. On a thick organ a tool that stands on its tip is silent, but for the integrator EULER; one "
-        "that lies, or nearly lies, is not: the few points that hold it give way in each tick, and others hold it in "
-        "the next. Sheets hum under any stiff tool. Until contact is solved together with the tissue, a coupling of 200 N/m "
-        "and the integrator IMPLICIT hum least. More damping of the coupling makes it worse, and a low-pass slow enough to "
-        "hide it makes the tissue late.",
+        "A device without inertia leads a tool on to scenes at 1 kHz, and stands still, presses, wipes without "
+        "friction, or rubs with coefficients of 0.5 and 0.4. The force is the one asked for, before limits. Hum "
+        "is the root of the mean square of its size above 20 Hz, after lines over 51 ms are taken out "
+        "(tools/measure/hum.h); a jump is its change in a tick; both from 60 ms after contact began. Each scene "
+        "has 20 rows: three as dynpoint run has it; nine of a still hand, an orthogonal array of lean (0 upright, "
+        "90 lying), stiffness, integrator, and edges of a half, one and two radii of the tool; three that press "
+        "and three that wipe, with each of these levels once; two that slip. Rotation is free in every other one. "
+        "While the device has stood still for 1 s, hum may be 0.1 % of the mean force or 0.5 mN, and 99 % of "
+        "jumps 1 mN. While it moves, by at most 0.05 mm a tick, 99 % of jumps may be 1.5 K times its motion and 2 "
+        "mN, and none that no flag explains more than 20 mN beside that. What slips may jump so, or by 5 % of the "
+        "force, and by what friction loses when it sets in. Flags may explain 0.5 % of the ticks. A row without 1 "
+        "mN of force fails. Tissue is as damped as its scene has it. The rigid liver is the reference; it is "
+        "pressed less deep: a rigid surface with dents lets a proxy snap that is held back by more than its "
+        "radius. Real organs are made soft as the liver is, and lie flat.",
+    .advice = "Rigid bodies do not hum. On a thick organ a tool that stands on its tip is silent, but for the "
+              "integrator EULER; one that lies, or nearly lies, is not: the few points that hold it give way in each "
+              "tick, and others hold it in the next. Sheets hum under any stiff tool. Until contact is solved together "
+              "with the tissue, a coupling of 200 N/m and the integrator IMPLICIT hum least. More damping of the "
+              "coupling makes it worse, and a low-pass slow enough to hide it makes the tissue late.",
     .run = run,
     .is_named_only = 1
 };

@@ -35,7 +35,7 @@ static void take_lines_out(const double *sizes, size_t count, double *lines, dou
     }
 }
 
-/* The mean square of what is above the cut, and the strongest frequency there. `waves` has room for a sine and a cosine a tick. */
+/* The mean square of what is above the cut, and the strongest frequency there. `waves` has room for two numbers a tick. */
 static double power_above(const double *rest, size_t count, double *waves, double *strongest)
 {
     const size_t first = (size_t)floor(HUM_CUT * HUM_TICK * (double)count) + 1;
