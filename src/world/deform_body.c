@@ -135,6 +135,8 @@ dpt_result dpt_body_add_deformable(dpt_world *world, void *block, size_t bytes, 
     made->target = (void *)(base + layout.target);
     made->next = (void *)(base + layout.next);
     made->solve = layout.motion > layout.solve ? base + layout.solve : NULL;
+    if (made->solve)
+        memset(made->solve, 0, sizeof(struct tissue_solve));
     dpti_surface_of_motion(def.mesh, def.box_min, def.box_max, base + layout.motion, &made->motion, &surface);
     if (def.period > 0.0)
         memcpy(made->target, surface.positions, 3 * sizeof(float) * (size_t)def.mesh->vertices);

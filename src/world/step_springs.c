@@ -92,8 +92,8 @@ static int tool_can_be_solved(const struct dpt_world *world, const struct tool *
     if (!tool->slot.used || !tool_is_active(world, tool) || !dpti_proxy_is_used(world, tool))
         return 0;
     const struct proxy *proxy = proxy_of(world, tool);
-    return proxy->tick == world->ticks && proxy->state == PROXY_OUTSIDE && !proxy->is_behind &&
-           !(proxy->fade.time_left > 0.0) && tool->stiffness > 0.0 && !(tool->damping > 0.0);
+    return proxy->tick == world->ticks && proxy->state == PROXY_OUTSIDE && !(proxy->fade.time_left > 0.0) &&
+           tool->stiffness > 0.0 && !(tool->damping > 0.0);
 }
 
 static struct tissue_body *solved_body(struct tissue_solve *solve, const struct body *body)

@@ -55,6 +55,8 @@ static const dpt_spring_region liver_bed[] = { FIXED_BOX(-0.2, -0.2, -0.1, 0.2, 
 static const struct listed_scene scenes[] = {
     { .name = "membrane",
       STYLUS,
+      .origin = { 0.0, 0.007, -0.05 }, /* a stylus that lies is within the border */
+      .has_origin = 1,
       .bodies = { { .shape = "membrane",
                     .triangles = 512,
                     .pose = LYING(0.0),
