@@ -163,13 +163,19 @@ DPT_API dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, u
 DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *elastic, double *kinetic);
 
 /*
- * After a step of the world: springs take what tools did to the body, go on by dt, and the body's vertices are where the
- * nodes have carried them in the next step. Only those are moved that follow nodes which are awake.
+ * After a step of the world: springs go on by dt, and the body's vertices are where the nodes have carried them in the next
+ * step. Only those are moved that follow nodes which are awake. docs/algorithms/tissue.md.
  *
- * With DPT_RESPONSE_LOAD the tools' loads act on the nodes. With DPT_RESPONSE_DISPLACE, which is for nodes that are the
- * vertices, nodes are where tools have moved them, and no longer go into the tool; the body's friction acts on what goes
- * along it (dpt_body_settings). Use it for a light sheet that lies on a tool: loads at single points do not carry that.
- * On a tool that does not move such a sheet comes to rest and sleeps, and is felt as before.
+ * With DPT_RESPONSE_LOAD a tool with a proxy and the tissue are solved together: no point of the tool is in the tissue
+ * after the step, and what moves the tissue is what is felt. From then on the tool's wrench, loads and energy are those of
+ * this answer: read and send them after this call, in the same tick. That holds for tools and bodies without friction,
+ * damping or a surface's stiffness, with SYMPLECTIC or EULER, without load_radius and period. Elsewhere the wrench is that
+ * of the world's step, and its loads act on the nodes.
+ *
+ * With DPT_RESPONSE_DISPLACE, which is for nodes that are the vertices, nodes are where tools have moved them, and no longer
+ * go into the tool; the body's friction acts on what goes along it (dpt_body_settings). Use it for a light sheet that lies
+ * on a tool: loads at single points do not carry that. On a tool that does not move such a sheet comes to rest and sleeps,
+ * and is felt as before.
  *
  *   springs  made with the body's mesh
  *
@@ -180,6 +186,19 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  */
 DPT_API dpt_result dpt_body_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs, double dt,
                                          dpt_springs_info *info);
+
+/*
+ * The same for several bodies. A tool that touches more than one of them is solved for together with all that it touches;
+ * stepped one after the other, each of them would take the tool's whole compliance. Bodies that tools touch make as many
+ * substeps as the one that needs most.
+ *
+ *   bodies, springs  `count` of them, each once
+ *   infos            `count`, with the size of each set, or NULL
+ *
+ * Errors are those of dpt_body_step_springs; those of arguments come before anything has moved.
+ */
+DPT_API dpt_result dpt_bodies_step_springs(dpt_world *world, const dpt_body *bodies, dpt_springs *const *springs,
+                                           uint32_t count, double dt, dpt_springs_info *infos);
 
 DPT_END
 

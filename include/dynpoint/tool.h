@@ -177,7 +177,14 @@ enum {
      * hold the proxy would give if it had gone on along them, and changes no faster than without a budget:
      * docs/algorithms/force.md.
      */
-    DPT_FORCE_FLAG_BEHIND = 64
+    DPT_FORCE_FLAG_BEHIND = 64,
+    /*
+     * The wrench is that of the tissue's step (springs.h), and is not what the proxy's distance from the device says: they
+     * differ by more than 5 % and 5 mN. The surface has moved fast, or has let the proxy go.
+     */
+    DPT_FORCE_FLAG_APART = 128,
+    /* In the tissue's step the tool touched in more places than are counted at one time: the nearest were. */
+    DPT_FORCE_FLAG_CROWDED = 256
 };
 
 /*

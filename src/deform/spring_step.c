@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/vec3.h"
+#include "deform/loaded_step.h"
 
 static vec3 place_of(const struct spring_slice *state, uint32_t node)
 {
@@ -66,50 +66,110 @@ double dpti_springs_limit(uint32_t integrator, double square, double viscosity, 
     return limit < DPT_SPRINGS_STEP_MAX ? limit : DPT_SPRINGS_STEP_MAX;
 }
 
-/* One substep of all slices that are awake. */
-static uint32_t substep(struct dpt_springs *springs, const struct spring_motion *motion,
-                        const struct spring_slice *from, struct spring_slice *to)
+void dpti_explicit_begin(struct explicit_step *step, struct dpt_springs *springs, double h)
 {
+    *step = (struct explicit_step){ .springs = springs,
+                                    .motion = { .step = (float)h,
+                                                .scale = (float)springs->def.stiffness,
+                                                .lead = (float)springs->lead,
+                                                .far = (float)DPT_COORDINATE_MAX,
+                                                .fast = (float)SPRING_FAST,
+                                                .is_euler = springs->def.integrator == DPT_INTEGRATOR_EULER } };
+    for (int k = 0; k < 3; k++)
+        step->motion.gravity[k] = (float)springs->def.gravity[k];
+}
+
+/* The state that the next substep begins with. */
+static const struct spring_slice *state_of(const struct explicit_step *step)
+{
+    return step->springs->state[step->done ? 1 - step->springs->now : step->springs->now];
+}
+
+int dpti_explicit_substep(struct explicit_step *step)
+{
+    struct dpt_springs *springs = step->springs;
     const struct active_region *region = &springs->region;
     const float *load = springs->loads[springs->loaded].force;
     const float *points = springs->points[springs->at];
+    const struct spring_slice *from = state_of(step);
+    struct spring_slice *to = springs->state[1 - springs->now];
     float *next = springs->points[1 - springs->at], force[SPRING_ROWS];
     uint32_t bad = 0;
     for (uint32_t i = 0; i < region->count; i++) {
         const size_t slice = region->slices[i];
         springs->kernel.spring_forces(&springs->rows, (uint32_t)slice, points, force);
         bad |=
-            springs->kernel.spring_move(motion, springs->nodes + slice, force, load + SPRING_ROWS * slice, from + slice,
-                                        to + slice, next + SPRING_POINTS * slice, region->square + slice);
+            springs->kernel.spring_move(&step->motion, springs->nodes + slice, force, load + SPRING_ROWS * slice,
+                                        from + slice, to + slice, next + SPRING_POINTS * slice, region->square + slice);
     }
     springs->at = 1 - springs->at;
-    return bad;
+    step->done++;
+    return !bad;
+}
+
+void dpti_explicit_end(struct explicit_step *step, int is_kept)
+{
+    struct dpt_springs *springs = step->springs;
+    const struct spring_slice *last = springs->state[springs->now];
+    if (is_kept) {
+        springs->now = 1 - springs->now;
+        return;
+    }
+    for (uint32_t i = 0; i < springs->region.count; i++) {
+        const size_t slice = springs->region.slices[i];
+        springs->kernel.spring_points(last + slice, step->motion.lead,
+                                      springs->points[springs->at] + SPRING_POINTS * slice);
+    }
 }
 
 int dpti_springs_substeps(struct dpt_springs *springs, double h, uint32_t count)
 {
-    const struct spring_slice *last = springs->state[springs->now];
-    struct spring_slice *next = springs->state[1 - springs->now];
-    struct spring_motion motion = { .step = (float)h,
-                                    .scale = (float)springs->def.stiffness,
-                                    .lead = (float)springs->lead,
-                                    .far = (float)DPT_COORDINATE_MAX,
-                                    .fast = (float)SPRING_FAST,
-                                    .is_euler = springs->def.integrator == DPT_INTEGRATOR_EULER };
-    uint32_t bad = 0;
-    for (int k = 0; k < 3; k++)
-        motion.gravity[k] = (float)springs->def.gravity[k];
-    for (uint32_t i = 0; i < count && !bad; i++)
-        bad = substep(springs, &motion, i ? next : last, next);
-    if (!bad) {
-        springs->now = 1 - springs->now;
-        return 1;
+    struct explicit_step step;
+    int is_done = 1;
+    dpti_explicit_begin(&step, springs, h);
+    for (uint32_t i = 0; i < count && is_done; i++)
+        is_done = dpti_explicit_substep(&step);
+    dpti_explicit_end(&step, is_done);
+    return is_done;
+}
+
+double dpti_explicit_response(const struct explicit_step *step, uint32_t node)
+{
+    const struct spring_nodes *nodes = step->springs->nodes + node / LANES;
+    const double h = (double)step->motion.step, drag = (double)nodes->drag[node % LANES];
+    return h * h * (double)nodes->per_mass[node % LANES] / (1.0 + h * drag);
+}
+
+vec3 dpti_explicit_place(const struct explicit_step *step, uint32_t node)
+{
+    const struct spring_slice *slice = state_of(step) + node / LANES;
+    const uint32_t lane = node % LANES;
+    return (vec3){ (double)slice->x[lane] + (double)slice->rest[lane],
+                   (double)slice->x[LANES + lane] + (double)slice->rest[LANES + lane],
+                   (double)slice->x[2 * LANES + lane] + (double)slice->rest[2 * LANES + lane] };
+}
+
+void dpti_explicit_foresee(const struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS])
+{
+    const struct dpt_springs *springs = step->springs;
+    const float *load = springs->loads[springs->loaded].force + SPRING_ROWS * (size_t)slice;
+    const struct spring_slice *from = state_of(step) + slice;
+    const double h = (double)step->motion.step;
+    float force[SPRING_ROWS], points[SPRING_POINTS], square;
+    struct spring_slice to;
+    if (!springs->region.is_awake[slice]) {
+        const float *held = springs->region.held + SPRING_ROWS * (size_t)slice;
+        for (uint32_t i = 0; i < SPRING_ROWS; i++)
+            moved[i] = dpti_explicit_response(step, LANES * slice + i % LANES) * ((double)load[i] - (double)held[i]);
+        return;
     }
-    for (uint32_t i = 0; i < springs->region.count; i++) {
-        const size_t slice = springs->region.slices[i];
-        springs->kernel.spring_points(last + slice, motion.lead, springs->points[springs->at] + SPRING_POINTS * slice);
+    springs->kernel.spring_forces(&springs->rows, slice, springs->points[springs->at], force);
+    springs->kernel.spring_move(&step->motion, springs->nodes + slice, force, load, from, &to, points, &square);
+    for (uint32_t i = 0; i < SPRING_ROWS; i++) {
+        moved[i] = ((double)to.x[i] - (double)from->x[i]) + ((double)to.rest[i] - (double)from->rest[i]);
+        if (step->motion.is_euler)
+            moved[i] += h * (double)to.v[i];
     }
-    return 0;
 }
 
 /* ---- the stable step ---- */

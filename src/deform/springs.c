@@ -7,6 +7,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "deform/active_region.h"
+#include "deform/loaded_step.h"
 #include "deform/spring_step.h"
 #include "deform/spring_vertices.h"
 #include "deform/springs_net.h"
@@ -279,8 +280,7 @@ static dpt_result check_loads(const struct dpt_springs *springs, const dpt_load 
     return DPT_OK;
 }
 
-/* How many substeps of at most a share of the stable step dt has; 0 if they are too many. */
-static uint32_t substeps_of(const struct dpt_springs *springs, double dt)
+uint32_t dpti_springs_substeps_of(const struct dpt_springs *springs, double dt)
 {
     if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT)
         return 1;
@@ -291,34 +291,79 @@ static uint32_t substeps_of(const struct dpt_springs *springs, double dt)
     return whole + ((double)whole * longest < dt);
 }
 
-/* vertices: loads are on those; NULL: on nodes. They are valid. */
-static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
-                       const struct spring_vertices *vertices, dpt_springs_info *info)
+void dpti_loaded_step_begin(struct loaded_step *step, struct dpt_springs *springs, double dt, uint32_t substeps,
+                            uint32_t load_count)
 {
-    dpt_springs_info own = { .size = sizeof own };
-    own.substeps = substeps_of(springs, dt);
+    const double h = dt / (double)substeps, min = LEAST_LEAD * h;
+    *step = (struct loaded_step){ springs, dt, load_count, { .size = sizeof step->info }, { .springs = springs } };
+    step->info.substeps = substeps;
+    step->info.nodes = springs->net.nodes;
+    step->info.stable_step = springs->stable_step;
     springs->loaded = 1 - springs->loaded;
-    set_loads(&springs->loads[springs->loaded], loads, count, vertices);
-    dpti_region_wake_loaded(springs);
-    own.nodes = springs->net.nodes;
-    own.active = springs->region.count * LANES;
-    own.active = own.active < own.nodes ? own.active : own.nodes;
-    own.stable_step = springs->stable_step;
-    const double h = dt / (double)own.substeps, min = LEAST_LEAD * h;
     if (springs->def.integrator == DPT_INTEGRATOR_SYMPLECTIC)
         springs->lead = springs->net.viscosity > min ? springs->net.viscosity : min;
-    const int done = springs->def.integrator == DPT_INTEGRATOR_IMPLICIT
-                         ? dpti_implicit_step(springs, dt, &own.flags)
-                         : dpti_springs_substeps(springs, h, own.substeps);
-    if (!done) {
+    dpti_explicit_begin(&step->explicit, springs, h);
+}
+
+void dpti_loaded_step_set(struct loaded_step *step)
+{
+    struct dpt_springs *springs = step->springs;
+    set_loads(&springs->loads[springs->loaded], springs->vertices.loads, step->load_count, &springs->vertices);
+}
+
+void dpti_loaded_step_add(struct loaded_step *step, uint32_t node, vec3 force)
+{
+    double on_node[3];
+    vec3_store(force, on_node);
+    add_load(&step->springs->loads[step->springs->loaded], node, 1.0, on_node);
+}
+
+/* Slices whose loads have changed wake; those that are awake make the substep. */
+static void wake(struct loaded_step *step)
+{
+    struct dpt_springs *springs = step->springs;
+    dpti_region_wake_loaded(springs);
+    const uint32_t active = springs->region.count * LANES;
+    step->info.active = active < step->info.nodes ? active : step->info.nodes;
+}
+
+int dpti_loaded_step_go(struct loaded_step *step)
+{
+    wake(step);
+    return dpti_explicit_substep(&step->explicit);
+}
+
+static dpt_result end_step(struct loaded_step *step, int is_done, dpt_springs_info *info)
+{
+    struct dpt_springs *springs = step->springs;
+    if (!is_done) {
         springs->loaded = 1 - springs->loaded;
         return DPT_E_FINITE;
     }
     dpti_spring_vertices_note(springs);
-    dpti_region_settle(springs, dt);
+    dpti_region_settle(springs, step->dt);
     if (info)
-        sized_write(info, info->size, &own, sizeof own);
+        sized_write(info, info->size, &step->info, sizeof step->info);
     return DPT_OK;
+}
+
+dpt_result dpti_loaded_step_end(struct loaded_step *step, int is_done, dpt_springs_info *info)
+{
+    dpti_explicit_end(&step->explicit, is_done);
+    return end_step(step, is_done, info);
+}
+
+/* vertices: loads are on those; NULL: on nodes. They are valid. */
+static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
+                       const struct spring_vertices *vertices, dpt_springs_info *info)
+{
+    struct loaded_step step;
+    dpti_loaded_step_begin(&step, springs, dt, dpti_springs_substeps_of(springs, dt), 0);
+    set_loads(&springs->loads[springs->loaded], loads, count, vertices);
+    wake(&step);
+    if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT)
+        return end_step(&step, dpti_implicit_step(springs, dt, &step.info.flags), info);
+    return end_step(&step, dpti_springs_substeps(springs, dt / (double)step.info.substeps, step.info.substeps), info);
 }
 
 dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt, const dpt_springs_info *info)
@@ -329,7 +374,7 @@ dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt,
         return DPT_E_FINITE;
     if (!(dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX))
         return DPT_E_ARGUMENT;
-    return substeps_of(springs, dt) ? DPT_OK : DPT_E_UNSTABLE;
+    return dpti_springs_substeps_of(springs, dt) ? DPT_OK : DPT_E_UNSTABLE;
 }
 
 dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,

@@ -392,7 +392,7 @@ static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *pro
 /* Whether a tick left a proxy as it was. */
 static int stood_still(const struct proxy *before, const struct proxy *now)
 {
-    return !memcmp(before, now, offsetof(struct proxy, pace));
+    return !memcmp(before, now, offsetof(struct proxy, last_felt));
 }
 
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
@@ -417,6 +417,8 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     tick.min_gap = GAP_MIN * scale;
     tick.goal = dpti_proxy_pose_of(proxy, &tool->pose);
     proxy->flags = 0;
+    proxy->last_felt = proxy->felt;
+    proxy->last_device_pose = proxy->device_pose;
     if (proxy->state < PROXY_DOUBTED) {
         dpti_tips_put_all(world, tool);
         place(&tick);

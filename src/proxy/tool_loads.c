@@ -141,6 +141,41 @@ static void note_point(struct dpt_world *world, struct tool *tool, uint32_t segm
     note(world, tool, &place, body, push_point(world, tool, body, triangle, at, force), force);
 }
 
+void dpti_loads_note_push(struct dpt_world *world, struct tool *tool, uint32_t part, uint32_t body_id,
+                          uint32_t triangle, vec3 at, vec3 force)
+{
+    note_point(world, tool, part, body_id, triangle, at, force);
+}
+
+static void forget_on(const struct dpt_world *world, const struct tool *tool, struct deform *deform)
+{
+    struct tool_load *load = load_of(world, tool, deform);
+    if (!load)
+        return;
+    const uint32_t first = load->first, count = load->count, last = --deform->tool_count;
+    memmove(deform->points + first, deform->points + first + count,
+            (deform->point_count - first - count) * sizeof *deform->points);
+    deform->point_count -= count;
+    memmove(load, load + 1, (size_t)(deform->tools + last - load) * sizeof *load);
+    for (uint32_t i = 0; i < last; i++)
+        if (deform->tools[i].first > first)
+            deform->tools[i].first -= count;
+}
+
+void dpti_loads_forget(struct dpt_world *world, struct tool *tool)
+{
+    const dpt_wrench none = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } };
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < world->load_count; i++)
+        if (world->loads[i].tool_slot != slot_of(world, tool))
+            world->loads[kept++] = world->loads[i];
+    world->load_count = kept;
+    tool->on_rigid = none;
+    for (uint32_t i = 0; i < world->body_slot_end; i++)
+        if (world->bodies[i].slot.used && deform_of(&world->bodies[i]))
+            forget_on(world, tool, deform_of(&world->bodies[i]));
+}
+
 /* What friction pulls a contact with, in m. */
 static vec3 pull_at(const struct proxy_tick *tick, uint32_t space)
 {

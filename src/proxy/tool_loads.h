@@ -20,6 +20,13 @@ void dpti_loads_note_proxy(struct proxy_tick *tick);
 /* Note where the segments of a tool without a proxy are pushed. */
 void dpti_loads_note_segments(struct dpt_world *world, struct tool *tool);
 
+/* Forget a tool's notes of this tick, on all bodies. */
+void dpti_loads_forget(struct dpt_world *world, struct tool *tool);
+
+/* Note that a part of a tool pushes a body with `force` (N, on the body) at a point of a triangle; all in the world. */
+void dpti_loads_note_push(struct dpt_world *world, struct tool *tool, uint32_t part, uint32_t body_id,
+                          uint32_t triangle, vec3 at, vec3 force);
+
 /* After the tool's wrench is known: what its points sum up to on each deformable body is the reaction to it. */
 void dpti_loads_settle(struct dpt_world *world, struct tool *tool);
 

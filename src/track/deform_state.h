@@ -26,6 +26,7 @@ struct deform {
     float *target;     /* target positions of the vertices; only with a period */
     float *next;       /* their positions in the next step; likewise */
     double time_left;  /* s, until they reach the target; 0: they have */
+    void *solve;       /* of springs: struct tissue_solve; NULL: the mesh has none */
 };
 
 /* That of a body, or NULL if it is rigid. */

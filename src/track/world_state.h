@@ -206,6 +206,8 @@ struct proxy {
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
     /* From here on a tick may change it although it stands still. */
+    struct displacement last_felt; /* that of the last tick, and where the device was in it */
+    dpt_pose last_device_pose;
     double pace;                 /* m: after a wait, how far the felt displacement may change in this tick */
     uint32_t used[PROXY_MEMORY]; /* the clock when each triangle of `memory` was used last */
     uint32_t clock;
@@ -392,12 +394,12 @@ struct dpt_world {
     uint32_t tool_count;
     uint32_t segment_count;
     uint32_t tip_count;
-    uint32_t freed_count[2];     /* slots of bodies [0] and tools [1] freed so far; may wrap */
-    uint32_t invalid_body_count; /* without a valid pose; above 0 every answer is stale */
-    struct work work;            /* this tick's, with its budget */
-    uint32_t sweep_work_left;    /* units that the sweeps of this tick may still take */
-    uint32_t undone_segment;     /* index of the first segment that the budget left undone */
-    dpt_world_info usage; /* with the kernel */
+    uint32_t freed_count[2];      /* slots of bodies [0] and tools [1] freed so far; may wrap */
+    uint32_t invalid_body_count;  /* without a valid pose; above 0 every answer is stale */
+    struct work work;             /* this tick's, with its budget */
+    uint32_t sweep_work_left;     /* units that the sweeps of this tick may still take */
+    uint32_t undone_segment;      /* index of the first segment that the budget left undone */
+    dpt_world_info usage;         /* with the kernel */
     uint64_t steps;               /* since it was created, that succeeded */
     double time;                  /* s: the sum of their dt */
     uint32_t ticks;               /* the number of the present tick, from 1 on, or of the last one; may wrap */

@@ -8,10 +8,9 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "deform/deform_vertices.h"
-#include "deform/spring_contact.h"
-#include "deform/spring_vertices.h"
 #include "proxy/proxy.h"
 #include "strip/strip_state.h"
+#include "tissue/tissue_solve.h"
 #include "world/world_members.h"
 
 void dpt_deformable_def_defaults(dpt_deformable_def *def, size_t size)
@@ -79,7 +78,7 @@ static int has_embedding(const struct dpt_mesh *mesh)
 
 /* Where the arrays are: from the first multiple of 64 behind the struct on. */
 struct deform_layout {
-    uint64_t points, tools, target, next, motion;
+    uint64_t points, tools, target, next, solve, motion;
     uint64_t bytes; /* of all, wherever the block begins */
 };
 
@@ -89,10 +88,12 @@ static struct deform_layout layout_of(const dpt_deformable_def *def)
     const uint64_t target_floats = def->period > 0.0 ? floats : 0;
     const uint64_t next_floats = def->period > 0.0 || has_embedding(def->mesh) ? floats : 0;
     struct deform_layout layout = { .points = 0 };
+    struct spring_net net;
     layout.tools = mesh_aligned(sizeof(struct load_point) * (uint64_t)def->max_points);
     layout.target = layout.tools + mesh_aligned(sizeof(struct tool_load) * (uint64_t)def->max_points);
     layout.next = layout.target + mesh_aligned(sizeof(float) * target_floats);
-    layout.motion = layout.next + mesh_aligned(sizeof(float) * next_floats);
+    layout.solve = layout.next + mesh_aligned(sizeof(float) * next_floats);
+    layout.motion = layout.solve + mesh_aligned(mesh_spring_net(def->mesh, &net) ? sizeof(struct tissue_solve) : 0);
     layout.bytes =
         mesh_aligned(sizeof(struct deform)) + MESH_ALIGN + layout.motion + dpti_surface_motion_bytes(def->mesh);
     return layout;
@@ -133,6 +134,9 @@ dpt_result dpt_body_add_deformable(dpt_world *world, void *block, size_t bytes, 
     made->tools = (void *)(base + layout.tools);
     made->target = (void *)(base + layout.target);
     made->next = (void *)(base + layout.next);
+    made->solve = layout.motion > layout.solve ? base + layout.solve : NULL;
+    if (made->solve)
+        memset(made->solve, 0, sizeof(struct tissue_solve));
     dpti_surface_of_motion(def.mesh, def.box_min, def.box_max, base + layout.motion, &made->motion, &surface);
     if (def.period > 0.0)
         memcpy(made->target, surface.positions, 3 * sizeof(float) * (size_t)def.mesh->vertices);
@@ -301,9 +305,8 @@ void dpti_deform_reset(struct body *body)
     deform->has_lost_tool = 0;
 }
 
-/* A segment's strip, if its tool pushes the surface of the body in this slot out of the way; else NULL. */
-static const struct segment_strip *displacing_strip(const struct dpt_world *world, uint32_t segment_index,
-                                                    uint32_t slot)
+const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world, uint32_t segment_index,
+                                                         uint32_t slot)
 {
     if (world->def.strip != DPT_STRIP_KIND_SHADOW)
         return NULL;
@@ -323,7 +326,7 @@ static void displace_body(struct dpt_world *world, struct body *body)
     int has_begun_anew;
     dpti_deform_begin(surface, world_coming_tick(world));
     for (uint32_t s = 0; s < world->segment_count; s++) {
-        const struct segment_strip *strip = displacing_strip(world, s, handle_index(body->id));
+        const struct segment_strip *strip = dpti_deform_displacing_strip(world, s, handle_index(body->id));
         if (!strip)
             continue;
         const struct displacing_tool tool = { strip->a, strip->u, strip->radius, strip->side,
@@ -344,7 +347,7 @@ void dpti_deform_displace(struct dpt_world *world)
         if (!body->slot.used || !deform_of(body) || deform_of(body)->def.response != DPT_RESPONSE_DISPLACE)
             continue;
         for (uint32_t s = 0; s < world->segment_count && !has_strip; s++)
-            has_strip = displacing_strip(world, s, i) != NULL;
+            has_strip = dpti_deform_displacing_strip(world, s, i) != NULL;
         if (has_strip)
             displace_body(world, body);
     }
@@ -399,87 +402,4 @@ dpt_result dpt_body_get_node_loads(const dpt_world *world, dpt_body id, dpt_load
         }
     }
     return result;
-}
-
-/* By which the point of the nearest axis has moved since the step before, in the body's frame. */
-static vec3 tool_motion_at(const struct dpt_world *world, const struct body *body, vec3 at)
-{
-    vec3 motion = { 0.0, 0.0, 0.0 };
-    double nearest = HUGE_VAL;
-    for (uint32_t i = 0; i < world->segment_count; i++) {
-        const struct segment_strip *strip = displacing_strip(world, i, handle_index(body->id));
-        if (!strip)
-            continue;
-        const double square = dot(strip->u, strip->u);
-        const double s = square > 0.0 ? min_of(max_of(dot(sub(at, strip->a), strip->u) / square, 0.0), 1.0) : 0.0;
-        const vec3 away = sub(at, along(strip->a, s, strip->u));
-        const double distance = dot(away, away) / (strip->radius * strip->radius + DBL_MIN);
-        if (distance < nearest) {
-            nearest = distance;
-            motion = sub(along(strip->a, s, strip->u), along(strip->a_last, s, strip->u_last));
-        }
-    }
-    return motion;
-}
-
-/* Whether tools touch that did not in the step before, or moved, or let go. Counts those that touch. */
-static int have_tools_moved(const struct dpt_world *world, const struct body *body, uint32_t *count)
-{
-    int has_moved = 0;
-    *count = 0;
-    for (uint32_t i = 0; i < world->segment_count; i++) {
-        const struct segment_strip *strip = displacing_strip(world, i, handle_index(body->id));
-        if (!strip)
-            continue;
-        has_moved |= strip->is_new || memcmp(&strip->a, &strip->a_last, sizeof strip->a) != 0 ||
-                     memcmp(&strip->u, &strip->u_last, sizeof strip->u) != 0;
-        ++*count;
-    }
-    return has_moved;
-}
-
-static void take_displaced(const struct dpt_world *world, const struct body *body, struct dpt_springs *springs,
-                           double dt)
-{
-    const struct spring_slice *state = springs->state[springs->now];
-    uint32_t tools;
-    const int have_moved = have_tools_moved(world, body, &tools) || tools != springs->contact.tools;
-    const struct tool_touch touch = { body->static_friction, body->kinetic_friction, dt, have_moved };
-    springs->contact.tools = tools;
-    if (!have_moved && !tools)
-        return;
-    dpti_spring_contact_begin(springs, &touch);
-    for (uint32_t v = 0; tools && v < springs->net.nodes; v++) {
-        const float *now = body->surface.positions + 3 * (size_t)v;
-        const float *x = state[v / LANES].x + v % LANES;
-        const vec3 at = { (double)now[0], (double)now[1], (double)now[2] };
-        if (now[0] != x[0] || now[1] != x[LANES] || now[2] != x[2 * LANES])
-            dpti_spring_contact_hold(springs, v, at, tool_motion_at(world, body, at), &touch);
-    }
-    dpti_spring_contact_end(springs);
-}
-
-dpt_result dpt_body_step_springs(dpt_world *world, dpt_body id, dpt_springs *springs, double dt, dpt_springs_info *info)
-{
-    uint32_t count = 0;
-    if (!world || !springs)
-        return DPT_E_ARGUMENT;
-    const struct body *body = world_find_body(world, id);
-    if (!body || !body->surface.motion)
-        return DPT_E_HANDLE;
-    if (springs->def.mesh != body->surface.mesh)
-        return DPT_E_ARGUMENT;
-    DPT_TRY(dpti_springs_check_step(springs, dt, info));
-    const struct spring_vertices *vertices = &springs->vertices;
-    if (deform_of(body)->def.response == DPT_RESPONSE_LOAD)
-        DPT_TRY(dpt_body_get_loads(world, id, vertices->loads, springs->def.max_loads, &count));
-    else if (vertices->nodes || deform_of(body)->def.period > 0.0)
-        return DPT_E_UNSUPPORTED;
-    else
-        take_displaced(world, body, springs, dt);
-    DPT_TRY(dpti_springs_step_loaded(springs, dt, count, info));
-    const uint32_t moved = dpti_spring_vertices_gather(springs);
-    return moved == body->surface.mesh->vertices
-               ? dpt_body_set_vertices(world, id, 0, moved, vertices->positions, -1.0)
-               : dpt_body_set_vertex_list(world, id, vertices->list, moved, vertices->positions, -1.0);
 }

@@ -10,6 +10,10 @@
  */
 void dpti_deform_reset(struct body *body);
 
+/* A segment's strip, if its tool pushes the surface of the body in this slot out of the way; else NULL. */
+const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world, uint32_t segment_index,
+                                                         uint32_t slot);
+
 /* At the end of a step: the strips' triangles on bodies that are displaced are moved out of the tools. */
 void dpti_deform_displace(struct dpt_world *world);
 

@@ -159,8 +159,18 @@ def figures_table(case):
     return "\n".join(rows)
 
 
+def rows_table(case):
+    keys = list(case["rows"][0])
+    table = ["| " + " | ".join(key.replace("_", " ") for key in keys) + " |", "|---" * len(keys) + "|"]
+    for row in case["rows"]:
+        table.append("| " + " | ".join(v if isinstance(v, str) else number(v) for v in row.values()) + " |")
+    return "\n".join(table)
+
+
 def section(case):
     parts = [f"## {heading(case)}", wrap(case["method"]), figures_table(case)]
+    if case.get("rows"):
+        parts.append(rows_table(case))
     for name in charts_of(case):
         parts.append(f"![{CHARTS[name][0]}](charts/{name}.svg)\n\n[Data](charts/{name}.csv)")
     parts.append("**What to do.**\n" + wrap(case["advice"]))

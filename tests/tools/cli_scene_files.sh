@@ -71,9 +71,10 @@ border='{ "box": [-0.11, -0.11, -0.01, -0.0999, 0.11, 0.01], "fixed": true },
     { "box": [-0.11, 0.0999, -0.01, 0.11, 0.11, 0.01], "fixed": true }'
 rubber='"kind": "sheet", "young": 1e5, "thickness": 1e-3, "density": 1000, "drag": 10, "viscosity": 1e-3'
 sheet="$square, \"material\": { $rubber, \"regions\": [ $border ] }"
+within=0,0.007,-0.05 # the stylus lies within the border
 felt membrane_name membrane --device "$hand"
-body membrane "$sheet, \"physics\": { \"load_radius\": 0.0375 }"
-felt membrane_file membrane.json --device "$hand"
+body membrane "$sheet"
+felt membrane_file membrane.json --device "$hand" --at "$within"
 is_touched membrane_file
 is_same membrane_file membrane_name
 scene tori <<'END'
@@ -87,11 +88,11 @@ is_touched tori_file
 is_same tori_file tori_name
 
 # --- What each setting does: the scene is another one with it, and with its default the same.
-felt plain membrane.json --device "$hand"
+felt plain membrane.json --device "$hand" --at "$within"
 soft()
 {
-    body "$1" "$sheet, \"physics\": { \"load_radius\": 0.0375, $2 }, \"surface\": { ${3:-} }"
-    felt "$1" "$1.json" --device "$hand"
+    body "$1" "$sheet, \"physics\": { $2 }, \"surface\": { ${3:-} }"
+    felt "$1" "$1.json" --device "$hand" --at "$within"
     is_touched "$1"
 }
 soft usual '"integrator": "symplectic", "sleep_speed": 1e-3, "response": "load", "period": 0' \
@@ -158,12 +159,12 @@ check "displaced: other bits: $(cat stdout)" grep -q ': 800 ticks, all the same 
 
 # --- Options win.
 scene full <<END
-{ "bodies": [ { $sheet, "physics": { "load_radius": 0.0375 }, "surface": { "static_friction": 1 } } ],
+{ "bodies": [ { $sheet, "surface": { "static_friction": 1 } } ],
   "tool": { "length": 0.2, "radius": 0.02, "law": "point" },
   "device": { "url": "sim:?hand=wipe", "zoom": 4, "force_scale": 3, "origin": [0.05, 0.1, 0.05], "clutch": 2 } }
 END
 felt full full.json --device "$hand" --length 0.1 --radius 0.002 --law proxy --zoom 1 --force-scale 1 --friction 0 \
-    --at 0,0.0070000000000000227,0
+    --at "$within"
 is_same full plain
 run record info full.dpr
 check "the file's clutch stays: $(cat stdout)" grep -q '^ *clutch=2$' stdout
@@ -181,8 +182,8 @@ succeeds 'compile membrane' compile membrane.ply -o folder/meshes/soft.dpa --spr
     --density 1000 --drag 10 --viscosity 0.001 --regions border
 cp box.dpa folder/meshes/box.dpa
 lying='"orientation": [0.70710678118654752, -0.70710678118654752, 0, 0]'
-body folder/soft "\"mesh\": \"meshes/soft.dpa\", $lying, \"physics\": { \"load_radius\": 0.0375 }"
-felt soft_mesh folder/soft.json --device "$hand"
+body folder/soft "\"mesh\": \"meshes/soft.dpa\", $lying"
+felt soft_mesh folder/soft.json --device "$hand" --at "$within"
 is_same soft_mesh plain
 body folder/stiff "\"mesh\": \"meshes/soft.dpa\", $lying, \"rigid\": true"
 felt stiff_mesh folder/stiff.json --device "$hand"

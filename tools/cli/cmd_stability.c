@@ -15,7 +15,7 @@ static const char help[] =
     "point, and a proxy of one point as other toolkits have it. Each case says what was measured and what\n"
     "is allowed. docs/stability.md has the results. Exit status 1 if the proxy breaks a limit.\n"
     "\n"
-    "  CASE         some of them; default: all\n"
+    "  CASE         some of them; default: all but those that run only where they are named\n"
     "  --list       the cases' names and titles\n"
     "  --effort E   share of the places and ticks, above 0, at most 1; default 1\n"
     "  --json       one JSON object a line for each case, with the points of its charts\n";
@@ -40,6 +40,37 @@ static const char *verdict_of(const struct lab_figure *figure)
     return is_note(figure) ? "" : lab_figure_holds(figure) ? "holds" : "fails";
 }
 
+static void print_cell(const struct lab_cell *cell, size_t width)
+{
+    if (cell->word)
+        printf(" %-*s", (int)width, cell->word);
+    else if (isnan(cell->number))
+        printf(" %*s", (int)width, "-");
+    else
+        printf(" %*.4g", (int)width, cell->number);
+}
+
+/* Columns are as wide as their names, and words in them. */
+static void print_rows(const struct lab *lab)
+{
+    size_t width[LAB_COLUMNS_MAX];
+    for (size_t k = 0; lab->columns[k]; k++) {
+        width[k] = strlen(lab->columns[k]) > 6 ? strlen(lab->columns[k]) : 6;
+        for (size_t i = 0; i < lab->row_count; i++) {
+            const char *word = lab->rows[i][k].word;
+            if (word && strlen(word) > width[k])
+                width[k] = strlen(word);
+        }
+        printf(" %-*s", (int)width[k], lab->columns[k]);
+    }
+    putchar('\n');
+    for (size_t i = 0; i < lab->row_count; i++) {
+        for (size_t k = 0; lab->columns[k]; k++)
+            print_cell(&lab->rows[i][k], width[k]);
+        putchar('\n');
+    }
+}
+
 static void print_table(const struct lab *lab, const struct lab_case *which)
 {
     printf("%s: %s\n", which->name, which->title);
@@ -50,6 +81,8 @@ static void print_table(const struct lab *lab, const struct lab_case *which)
             printf(" %s %8.4g  %s", figure->is_at_least ? ">=" : "<=", figure->limit, verdict_of(figure));
         putchar('\n');
     }
+    if (lab->columns)
+        print_rows(lab);
     putchar('\n');
 }
 
@@ -59,6 +92,22 @@ static void print_number(const char *name, double value)
         printf("\"%s\":%.9g", name, value);
     else
         printf("\"%s\":null", name);
+}
+
+static void print_json_rows(const struct lab *lab)
+{
+    printf("],\"rows\":[");
+    for (size_t i = 0; i < lab->row_count; i++)
+        for (size_t k = 0; lab->columns[k]; k++) {
+            const struct lab_cell *cell = &lab->rows[i][k];
+            fputs(k ? "," : i ? ",{" : "{", stdout);
+            if (cell->word)
+                printf("\"%s\":\"%s\"", lab->columns[k], cell->word);
+            else
+                print_number(lab->columns[k], cell->number);
+            if (!lab->columns[k + 1])
+                putchar('}');
+        }
 }
 
 /* The texts of cases are the program's own: they have no quotes and no backslashes. */
@@ -87,6 +136,8 @@ static void print_json(const struct lab *lab, const struct lab_case *which)
         print_number("y", point->y);
         putchar('}');
     }
+    if (lab->columns)
+        print_json_rows(lab);
     puts("]}");
 }
 
@@ -129,8 +180,18 @@ static int run_cases(const struct lab_case *const *cases, double effort, int jso
 static int list_cases(void)
 {
     for (const struct lab_case *const *which = lab_cases; *which; which++)
-        printf("%-14s %s\n", (*which)->name, (*which)->title);
+        printf("%-14s %s%s\n", (*which)->name, (*which)->title, (*which)->is_named_only ? " (only where named)" : "");
     return 0;
+}
+
+/* All that need not be named. */
+static size_t choose_default(const struct lab_case **chosen)
+{
+    size_t count = 0;
+    for (const struct lab_case *const *which = lab_cases; *which; which++)
+        if (!(*which)->is_named_only)
+            chosen[count++] = *which;
+    return count;
 }
 
 int command_stability(int argc, char **argv)
@@ -157,6 +218,8 @@ int command_stability(int argc, char **argv)
         if (!chosen[i])
             return complain("stability", "there is no case '%s' (see --list)", names[i]);
     }
+    if (!count)
+        count = choose_default(chosen);
     chosen[count] = NULL;
-    return run_cases(count ? chosen : lab_cases, effort, json);
+    return run_cases(chosen, effort, json);
 }

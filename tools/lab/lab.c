@@ -63,6 +63,18 @@ void lab_point_at(struct lab *lab, const char *chart, const char *series, double
         lab->points[lab->point_count++] = (struct lab_point){ chart, series, x, y };
 }
 
+void lab_add_row(struct lab *lab, const struct lab_cell *cells)
+{
+    void *rows = lab->rows;
+    size_t columns = 0;
+    const int has_room = grow(lab, &rows, lab->row_count, &lab->row_room, sizeof *lab->rows);
+    lab->rows = rows;
+    while (lab->columns[columns])
+        columns++;
+    if (has_room)
+        memcpy(lab->rows[lab->row_count++], cells, columns * sizeof *cells);
+}
+
 int lab_figure_holds(const struct lab_figure *figure)
 {
     return figure->is_at_least ? figure->value >= figure->limit : figure->value <= figure->limit;
@@ -85,6 +97,7 @@ void lab_free(struct lab *lab)
 {
     free(lab->figures);
     free(lab->points);
+    free(lab->rows);
 }
 
 const struct lab_case *const lab_cases[] = {

@@ -33,19 +33,29 @@ struct lab_figure {
     int is_at_least; /* the value must reach the limit; else it must not exceed it */
 };
 
+/* A cell of a case's table: a word, or a number where that is NULL; NAN: nothing. */
+struct lab_cell {
+    const char *word;
+    double number;
+};
+enum { LAB_COLUMNS_MAX = 16 };
+
 /* One point of a chart: a curve's name, and where it is. */
 struct lab_point {
     const char *chart, *series;
     double x, y;
 };
 
-/* The figures and points that a case has noted. Strings belong to the case and are not copied. */
+/* What a case has noted: figures, points, rows of its table. Strings belong to the case and are not copied. */
 struct lab {
     double effort; /* 0..1: share of the whole number of places, paths and ticks */
     struct lab_figure *figures;
     size_t figure_count, figure_room;
     struct lab_point *points;
     size_t point_count, point_room;
+    const char *const *columns; /* their names, as keys of JSON; NULL ends them. NULL: there is no table */
+    struct lab_cell (*rows)[LAB_COLUMNS_MAX];
+    size_t row_count, row_room;
     int is_out_of_memory;
 };
 
@@ -55,6 +65,7 @@ struct lab_case {
     const char *method; /* what is done, in a paragraph */
     const char *advice; /* what a user should do, in a paragraph */
     void (*run)(struct lab *lab);
+    int is_named_only; /* it runs only where it is named: the library is known to break its limits */
 };
 
 /* All cases, in the order in which they are told; the last one is NULL. */
@@ -66,6 +77,9 @@ void lab_at_least(struct lab *lab, const char *method, const char *what, double 
 void lab_note(struct lab *lab, const char *method, const char *what, double value, const char *unit);
 
 void lab_point_at(struct lab *lab, const char *chart, const char *series, double x, double y);
+
+/* A row of the table whose columns are lab->columns. */
+void lab_add_row(struct lab *lab, const struct lab_cell *cells);
 
 /* 1 if the figure meets its limit; a NaN meets none. */
 int lab_figure_holds(const struct lab_figure *figure);
@@ -121,7 +135,8 @@ void lab_free(struct lab *lab);
     CASE(pulse)                                                                                                        \
     CASE(reaction)                                                                                                     \
     CASE(displace)                                                                                                     \
-    CASE(springs)
+    CASE(springs)                                                                                                      \
+    CASE(hum)
 
 #define LAB_CASES                                                                                                      \
     LAB_GEOMETRY_CASES                                                                                                 \

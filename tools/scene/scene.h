@@ -9,11 +9,11 @@
 #include "dynpoint/device.h"
 #include "dynpoint/loop.h"
 #include "dynpoint/passivity.h"
-#include "scene/tip_shape.h"
 #include "scene/scene_bodies.h"
 #include "scene/scene_def.h"
 #include "scene/scene_physics.h"
 #include "scene/scene_tips.h"
+#include "scene/tip_shape.h"
 
 /* The observer of the energy that goes through a scene's device, and what it has seen. */
 

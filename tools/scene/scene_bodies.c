@@ -42,6 +42,7 @@ static void settle_body(struct scene_body *body, const struct listed_body *liste
                                               .static_friction = listed->friction,
                                               .kinetic_friction = listed->friction };
     body->load_radius = listed->load_radius;
+    body->spread = listed->spread;
     body->period = listed->period;
 }
 
@@ -181,6 +182,22 @@ void scene_bodies_top(const struct scene_bodies *bodies, double top[3])
 /* Of a mesh of this extent: what a load is spread over, where the scene does not say. */
 #define LOAD_SHARE 0.05
 
+/* Whether the tissue's step finds what a tool does to it (springs.h), which shares the load among all that it touches. */
+static int is_solved_together(const struct scene_body *body, const struct force_options *options)
+{
+    const double friction = isnan(options->friction) ? body->settings.static_friction : options->friction;
+    return body->response == DPT_RESPONSE_LOAD && body->integrator != DPT_INTEGRATOR_IMPLICIT &&
+           !(body->period > 0.0) && !(friction > 0.0) && !(body->settings.stiffness > 0.0) &&
+           options->law == DPT_LAW_PROXY && !(options->damping > 0.0);
+}
+
+static double load_radius_of(const struct scene_body *body, const struct force_options *options, double diagonal)
+{
+    if (body->load_radius > 0.0 || is_solved_together(body, options))
+        return body->load_radius;
+    return body->spread > 0.0 ? body->spread : LOAD_SHARE * diagonal;
+}
+
 /* In diagonals of its box: how far a body that falls may go. */
 #define FALL_ROOM 3.0
 
@@ -192,7 +209,8 @@ static double diagonal_of(const dpt_mesh_info *info)
     return sqrt(square);
 }
 
-static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body, dpt_world *world)
+static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body, dpt_world *world,
+                           const struct force_options *options)
 {
     dpt_deformable_def deform;
     dpt_springs_def springs;
@@ -207,7 +225,7 @@ static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body,
         deform.box_max[k] = info.box_max[k] + FALL_ROOM * diagonal;
     }
     deform.pose = &body->pose;
-    deform.load_radius = body->load_radius > 0.0 ? body->load_radius : LOAD_SHARE * diagonal;
+    deform.load_radius = load_radius_of(body, options, diagonal);
     deform.period = body->period;
     deform.response = body->response;
     springs.integrator = body->integrator;
@@ -251,7 +269,7 @@ dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world, const
     dpt_result result = DPT_OK;
     for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
         struct scene_body *body = &bodies->body[i];
-        result = scene_body_is_soft(body) ? add_soft(bodies, body, world)
+        result = scene_body_is_soft(body) ? add_soft(bodies, body, world, options)
                                           : dpt_body_add(world, body->mesh, &body->pose, &body->id);
         if (result == DPT_OK && body->settings.size)
             result = dpt_body_set_settings(world, body->id, &body->settings);
@@ -283,21 +301,28 @@ int scene_bodies_check_step(const struct scene_bodies *bodies, const char *comma
 
 dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, double dt)
 {
-    uint64_t has_stepped = 0;
-    dpt_result result = DPT_OK;
-    for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
+    dpt_body ids[DPT_ARM_BODIES_MAX] = { 0 };
+    dpt_springs *springs[DPT_ARM_BODIES_MAX] = { NULL };
+    dpt_springs_info reports[DPT_ARM_BODIES_MAX];
+    double period[DPT_ARM_BODIES_MAX];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < bodies->count; i++) {
         const struct scene_body *body = &bodies->body[i];
-        dpt_springs_info report = { .size = sizeof report };
         if (!body->springs)
             continue;
-        result = dpt_body_step_springs(world, body->id, body->springs, dt, &report);
-        bodies->nodes += report.nodes;
-        bodies->active += report.active;
-        if (report.active)
-            scene_bodies_note_moving(bodies, fmax(body->period, dt));
-        has_stepped = 1;
+        ids[count] = body->id;
+        springs[count] = body->springs;
+        period[count] = body->period;
+        reports[count++] = (dpt_springs_info){ .size = sizeof *reports };
     }
-    bodies->steps += has_stepped;
+    const dpt_result result = dpt_bodies_step_springs(world, ids, springs, count, dt, reports);
+    for (uint32_t i = 0; result == DPT_OK && i < count; i++) {
+        bodies->nodes += reports[i].nodes;
+        bodies->active += reports[i].active;
+        if (reports[i].active)
+            scene_bodies_note_moving(bodies, fmax(period[i], dt));
+    }
+    bodies->steps += result == DPT_OK && count > 0;
     return result;
 }
 

@@ -20,7 +20,7 @@ struct scene_body {
     void *file_bytes;      /* of a file that the scene names, or NULL */
     /* As in listed_body. */
     uint32_t integrator, iterations, response;
-    double sleep_speed, load_radius, period;
+    double sleep_speed, load_radius, spread, period;
     int is_rigid;               /* springs of the mesh are not used */
     dpt_body_settings settings; /* its size is 0: those of new bodies */
     const char *name;           /* of its shape, or NULL */

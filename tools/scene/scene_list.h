@@ -19,7 +19,8 @@ struct listed_body {
     uint32_t iterations;        /* dpt_springs_def; 0: its default */
     double sleep_speed;         /* dpt_springs_def; 0: its default */
     double friction;            /* where the user gives none */
-    double load_radius;         /* dpt_deformable_def; 0: a share of the mesh */
+    double load_radius;         /* dpt_deformable_def, as the user asks for it; 0: none, or `spread` */
+    double spread;              /* likewise, where tissue and tool are not solved together; 0: a share of the mesh */
     double period;              /* dpt_deformable_def */
     uint32_t response;          /* DPT_RESPONSE_... */
     int has_colour;

@@ -467,10 +467,15 @@ static void step_body(void)
     may_fail(&codes, codes.or_done, DPT_E_FULL);
     may_fail(&codes, codes.or_done, DPT_E_FINITE);
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
+    const int as_list = draw_one_in(3);
     EACH_WORLD(scene, i)
-    SAME_RESULT(i, result,
-                RESULT(dpt_body_step_springs, world_or_null(scene, i, no_world), id, no_springs ? NULL : pair->made[i],
-                       dt, NULL));
+    {
+        dpt_world *world = world_or_null(scene, i, no_world);
+        dpt_springs *springs = no_springs ? NULL : pair->made[i];
+        SAME_RESULT(i, result,
+                    as_list ? RESULT(dpt_bodies_step_springs, world, &id, &springs, 1, dt, NULL)
+                            : RESULT(dpt_body_step_springs, world, id, springs, dt, NULL));
+    }
     expect(result, &codes);
     pair->most = HUGE_VAL;
     if (scene->world_count == 1) { /* the twin is not where it is */

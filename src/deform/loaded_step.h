@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A step of springs with SYMPLECTIC or EULER whose loads are found substep by substep, as contact with the tissue is
+ * (docs/algorithms/tissue.md). In springs.c.
+ */
+#ifndef DPT_LOADED_STEP_H
+#define DPT_LOADED_STEP_H
+
+#include "base/vec3.h"
+#include "deform/spring_state.h"
+
+/* A step with SYMPLECTIC or EULER, of the slices that are awake, substep by substep. */
+struct explicit_step {
+    struct dpt_springs *springs;
+    struct spring_motion motion;
+    uint32_t done; /* substeps */
+};
+
+/* Begin a step of substeps of h seconds, however long they are. */
+void dpti_explicit_begin(struct explicit_step *step, struct dpt_springs *springs, double h);
+
+/* Make a substep with the loads that are set. Returns 0 if it would leave the finite range. */
+int dpti_explicit_substep(struct explicit_step *step);
+
+/* Take the state that was reached, or with `is_kept` 0 go back to where the step began. */
+void dpti_explicit_end(struct explicit_step *step, int is_kept);
+
+/*
+ * Where a substep would take a slice's nodes with the loads that are set: how far from where they are, m, in rows of 16 x,
+ * y, z. With EULER it is where the speeds of this substep lead in the next one, as loads move nothing before. Of a slice
+ * that sleeps: where it would go if the load that it fell asleep with were gone.
+ */
+void dpti_explicit_foresee(const struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS]);
+
+/* Where a node is in the step so far, m, with what its floats have lost. */
+vec3 dpti_explicit_place(const struct explicit_step *step, uint32_t node);
+
+/* m/N: how far a load moves a node by the end of a substep (with EULER, of the next one). */
+double dpti_explicit_response(const struct explicit_step *step, uint32_t node);
+
+/* A step whose loads are set anew for each substep. */
+struct loaded_step {
+    struct dpt_springs *springs;
+    double dt;
+    uint32_t load_count; /* on vertices, in springs->vertices.loads: those of all substeps */
+    dpt_springs_info info;
+    struct explicit_step explicit;
+};
+
+/* How many substeps of a stable length dt has; 0 if they are too many. */
+uint32_t dpti_springs_substeps_of(const struct dpt_springs *springs, double dt);
+
+/* Begin a step; dt and the loads on vertices are valid. */
+void dpti_loaded_step_begin(struct loaded_step *step, struct dpt_springs *springs, double dt, uint32_t substeps,
+                            uint32_t load_count);
+
+/* Begin a substep: the loads on vertices, and no others, are set. */
+void dpti_loaded_step_set(struct loaded_step *step);
+
+/* Add a force on a node, N. */
+void dpti_loaded_step_add(struct loaded_step *step, uint32_t node, vec3 force);
+
+/* Make the substep. Returns 0 if it would leave the finite range. */
+int dpti_loaded_step_go(struct loaded_step *step);
+
+/* End the step: with is_done 0 nothing has moved. `info` may be NULL. */
+dpt_result dpti_loaded_step_end(struct loaded_step *step, int is_done, dpt_springs_info *info);
+
+#endif

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "force/complementarity.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A constraint of which no more than this share is independent of the active ones depends on them. */
+#define DEPENDENT 1e-12
+
+/* How often constraints may be added or dropped, by count of constraints: rounding could make the method go round. */
+enum { PASSES = 8 };
+
+/* A constraint that is about to be added. */
+struct candidate {
+    uint32_t index;
+    double column[COMPLEMENTARITY_MAX];
+    double row[COMPLEMENTARITY_ACTIVE_MAX];   /* its row of the factor */
+    double share[COMPLEMENTARITY_ACTIVE_MAX]; /* how the active multipliers fall as its own grows */
+    double independent;                       /* of its own product, what the active ones leave */
+};
+
+static const double *column_of(const struct complementarity *problem, uint32_t k)
+{
+    return problem->columns[problem->place[k]];
+}
+
+/* Make the row of a constraint that comes after the first `count` active ones. Returns what is left for its diagonal. */
+static double make_row(const struct complementarity *problem, uint32_t count, uint32_t index, double own, double *row)
+{
+    for (uint32_t j = 0; j < count; j++) {
+        double sum = column_of(problem, j)[index];
+        for (uint32_t m = 0; m < j; m++)
+            sum -= row[m] * problem->factor[j][m];
+        row[j] = sum / problem->factor[j][j];
+        own -= row[j] * row[j];
+    }
+    return own;
+}
+
+/* x in factor^T x = b, in place. */
+static void solve_upper(const struct complementarity *problem, double *x)
+{
+    for (uint32_t j = problem->active_count; j-- > 0;) {
+        for (uint32_t m = j + 1; m < problem->active_count; m++)
+            x[j] -= problem->factor[m][j] * x[m];
+        x[j] /= problem->factor[j][j];
+    }
+}
+
+/* Make the factor's rows from `first` on again. Returns 0 if an active constraint depends on those before it: which. */
+static int factor_from(struct complementarity *problem, uint32_t first, uint32_t *which)
+{
+    for (uint32_t k = first; k < problem->active_count; k++) {
+        const double own = column_of(problem, k)[problem->active[k]];
+        const double left = make_row(problem, k, problem->active[k], own, problem->factor[k]);
+        *which = k;
+        if (!(left > DEPENDENT * own))
+            return 0;
+        problem->factor[k][k] = sqrt(left);
+    }
+    return 1;
+}
+
+static void remove_active(struct complementarity *problem, uint32_t k)
+{
+    const uint32_t place = problem->place[k], last = --problem->active_count;
+    for (; k < last; k++) {
+        problem->active[k] = problem->active[k + 1];
+        problem->multiplier[k] = problem->multiplier[k + 1];
+        problem->place[k] = problem->place[k + 1];
+    }
+    problem->place[last] = place;
+}
+
+static void drop(struct complementarity *problem, uint32_t k)
+{
+    uint32_t which;
+    remove_active(problem, k);
+    problem->passes++;
+    /* What was independent of more is independent of fewer, but for rounding. */
+    while (!factor_from(problem, k, &which))
+        remove_active(problem, which);
+}
+
+/* The multipliers for which the active constraints have no gap. */
+static void solve_active(struct complementarity *problem)
+{
+    double *x = problem->multiplier;
+    for (uint32_t k = 0; k < problem->active_count; k++) {
+        x[k] = -problem->free_gap[problem->active[k]];
+        for (uint32_t m = 0; m < k; m++)
+            x[k] -= problem->factor[k][m] * x[m];
+        x[k] /= problem->factor[k][k];
+    }
+    solve_upper(problem, x);
+}
+
+static void find_gaps(struct complementarity *problem)
+{
+    memcpy(problem->gap, problem->free_gap, problem->count * sizeof *problem->gap);
+    for (uint32_t k = 0; k < problem->active_count; k++) {
+        const double *column = column_of(problem, k), multiplier = problem->multiplier[k];
+        for (uint32_t i = 0; i < problem->count; i++)
+            problem->gap[i] += multiplier * column[i];
+    }
+}
+
+/* From the active constraints that are given: without those that depend on others, or would pull. */
+static void begin(struct complementarity *problem)
+{
+    uint32_t which, given = problem->active_count;
+    problem->active_count = problem->passes = 0;
+    for (uint32_t k = 0; k < COMPLEMENTARITY_ACTIVE_MAX; k++)
+        problem->place[k] = k;
+    for (uint32_t k = 0; k < given; k++) {
+        if (!(problem->active[k] < problem->count))
+            continue;
+        const uint32_t last = problem->active_count++;
+        problem->active[last] = problem->active[k];
+        problem->column(problem->user, problem->active[last], problem->columns[problem->place[last]]);
+        if (!factor_from(problem, last, &which))
+            problem->active_count = last;
+    }
+    for (;;) {
+        uint32_t least = 0;
+        solve_active(problem);
+        for (uint32_t k = 1; k < problem->active_count; k++)
+            if (problem->multiplier[k] < problem->multiplier[least])
+                least = k;
+        if (!problem->active_count || problem->multiplier[least] >= 0.0)
+            break;
+        drop(problem, least);
+    }
+    find_gaps(problem);
+}
+
+static void measure(const struct complementarity *problem, struct candidate *candidate)
+{
+    const double own = candidate->column[candidate->index];
+    candidate->independent = make_row(problem, problem->active_count, candidate->index, own, candidate->row);
+    if (!(candidate->independent > DEPENDENT * own))
+        candidate->independent = 0.0;
+    memcpy(candidate->share, candidate->row, problem->active_count * sizeof *candidate->share);
+    solve_upper(problem, candidate->share);
+}
+
+/* The first active multiplier that would become 0, and at which multiplier of the candidate. */
+static double first_released(const struct complementarity *problem, const struct candidate *candidate, uint32_t *which)
+{
+    double least = HUGE_VAL;
+    for (uint32_t k = 0; k < problem->active_count; k++)
+        if (candidate->share[k] > 0.0 && problem->multiplier[k] < least * candidate->share[k]) {
+            least = problem->multiplier[k] / candidate->share[k];
+            *which = k;
+        }
+    return least;
+}
+
+static void grow(struct complementarity *problem, const struct candidate *candidate, double by)
+{
+    for (uint32_t i = 0; i < problem->count; i++)
+        problem->gap[i] += by * candidate->column[i];
+    for (uint32_t k = 0; k < problem->active_count; k++) {
+        const double *column = column_of(problem, k), less = by * candidate->share[k];
+        problem->multiplier[k] -= less;
+        for (uint32_t i = 0; i < problem->count; i++)
+            problem->gap[i] -= less * column[i];
+    }
+}
+
+static void append(struct complementarity *problem, const struct candidate *candidate, double multiplier)
+{
+    const uint32_t last = problem->active_count++;
+    problem->active[last] = candidate->index;
+    problem->multiplier[last] = multiplier;
+    memcpy(problem->columns[problem->place[last]], candidate->column, problem->count * sizeof *candidate->column);
+    memcpy(problem->factor[last], candidate->row, last * sizeof *candidate->row);
+    problem->factor[last][last] = sqrt(candidate->independent);
+    problem->passes++;
+}
+
+/* Make a constraint active, and drop those that it releases. */
+static int add(struct complementarity *problem, uint32_t index)
+{
+    struct candidate candidate = { .index = index };
+    double multiplier = 0.0;
+    problem->column(problem->user, index, candidate.column);
+    for (;;) {
+        uint32_t released = 0;
+        measure(problem, &candidate);
+        const double until_released = first_released(problem, &candidate, &released);
+        const double until_met = candidate.independent > 0.0 ? -problem->gap[index] / candidate.independent : HUGE_VAL;
+        const double by = until_released < until_met ? until_released : until_met;
+        if (by == HUGE_VAL)
+            return COMPLEMENTARITY_IMPOSSIBLE;
+        if (until_met <= until_released && problem->active_count == COMPLEMENTARITY_ACTIVE_MAX)
+            return COMPLEMENTARITY_FULL;
+        grow(problem, &candidate, by);
+        multiplier += by;
+        if (until_met <= until_released) {
+            append(problem, &candidate, multiplier);
+            return COMPLEMENTARITY_SOLVED;
+        }
+        drop(problem, released);
+    }
+}
+
+static uint32_t least_gap(const struct complementarity *problem)
+{
+    uint32_t least = 0;
+    for (uint32_t i = 1; i < problem->count; i++)
+        if (problem->gap[i] < problem->gap[least])
+            least = i;
+    return least;
+}
+
+/* In ascending order, so that the answer's bits depend on the active constraints alone. */
+static void finish(struct complementarity *problem)
+{
+    uint32_t which;
+    for (uint32_t k = 1; k < problem->active_count; k++)
+        for (uint32_t j = k; j > 0 && problem->active[j] < problem->active[j - 1]; j--) {
+            const uint32_t index = problem->active[j], place = problem->place[j];
+            problem->active[j] = problem->active[j - 1];
+            problem->place[j] = problem->place[j - 1];
+            problem->active[j - 1] = index;
+            problem->place[j - 1] = place;
+        }
+    while (!factor_from(problem, 0, &which))
+        remove_active(problem, which);
+    solve_active(problem);
+    for (uint32_t k = 0; k < problem->active_count; k++)
+        if (!(problem->multiplier[k] > 0.0))
+            problem->multiplier[k] = 0.0;
+    find_gaps(problem);
+}
+
+int dpti_complementarity_solve(struct complementarity *problem)
+{
+    int result = COMPLEMENTARITY_SOLVED;
+    if (!problem->count) {
+        problem->active_count = problem->passes = 0;
+        return result;
+    }
+    begin(problem);
+    while (result == COMPLEMENTARITY_SOLVED && problem->passes < PASSES * problem->count) {
+        const uint32_t least = least_gap(problem);
+        if (!(problem->gap[least] < -problem->tolerance))
+            break;
+        result = add(problem, least);
+    }
+    finish(problem);
+    return result;
+}

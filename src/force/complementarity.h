@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A linear complementarity problem: multipliers >= 0 with
+ *     gap = free_gap + A multiplier >= 0,   gap . multiplier = 0
+ * A is symmetric and positive semidefinite, and is known by its columns. It is the dual of a nearest point under linear
+ * constraints (half_spaces.h) where the point has many dimensions, so that the products of constraints are all that is
+ * needed. The dual active set method of Goldfarb and Idnani (1983) on a Cholesky factor of the active part; it ends, as
+ * the dual objective grows with each constraint that is added.
+ */
+#ifndef DPT_COMPLEMENTARITY_H
+#define DPT_COMPLEMENTARITY_H
+
+#include <stdint.h>
+
+enum { COMPLEMENTARITY_MAX = 256, COMPLEMENTARITY_ACTIVE_MAX = 48 };
+
+enum {
+    COMPLEMENTARITY_SOLVED,
+    COMPLEMENTARITY_FULL,      /* more constraints would be active than there is room for: the answer lacks some */
+    COMPLEMENTARITY_IMPOSSIBLE /* some constraint can be met by no multipliers: the answer lacks it */
+};
+
+struct complementarity {
+    /* To be set before. */
+    uint32_t count;         /* 0..COMPLEMENTARITY_MAX */
+    double tolerance;       /* a gap of no less than minus that counts as met */
+    const double *free_gap; /* `count` numbers */
+    /* A column of A into `column`. */
+    void (*column)(const void *user, uint32_t index, double *column);
+    const void *user;
+    /* In: where to begin, the last answer's active constraints, or none. Out: those of this answer, ascending. */
+    uint32_t active_count;
+    uint32_t active[COMPLEMENTARITY_ACTIVE_MAX];
+    /* Out. */
+    double multiplier[COMPLEMENTARITY_ACTIVE_MAX]; /* of the active constraints */
+    double gap[COMPLEMENTARITY_MAX];
+    uint32_t passes; /* constraints that were added or dropped */
+    /* The solver's own: columns of A, in places that active constraints own, and the lower factor, row by row. */
+    uint32_t place[COMPLEMENTARITY_ACTIVE_MAX];
+    double columns[COMPLEMENTARITY_ACTIVE_MAX][COMPLEMENTARITY_MAX];
+    double factor[COMPLEMENTARITY_ACTIVE_MAX][COMPLEMENTARITY_ACTIVE_MAX];
+};
+
+/* Returns COMPLEMENTARITY_... */
+int dpti_complementarity_solve(struct complementarity *problem);
+
+#endif

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The pairs of a tool and a surface that may carry force in a step of the tissue: every pair within reach of the proxy,
+ * where nothing touches yet, too. Of a segment they are those that can limit a motion (nearest/pair_features.h), of a tip
+ * those of its features (hull/hull_triangle.h). docs/algorithms/tissue.md.
+ */
+#ifndef DPT_TOUCHES_H
+#define DPT_TOUCHES_H
+
+#include "force/complementarity.h"
+#include "proxy/proxy_pose.h"
+
+enum { TOUCH_DIMENSIONS = 6, TOUCH_NODES = 12 };
+
+struct touch {
+    uint32_t tool_slot;
+    uint32_t part; /* of the tool: tool_parts.h */
+    uint32_t body_id;
+    uint32_t triangle;            /* place */
+    uint32_t feature;             /* of the pair: nearest/pair_features.h, of a tip hull/hull_triangle.h */
+    vec3 at;                      /* the point on the surface, in the world */
+    vec3 normal;                  /* unit, in the world, towards the tool */
+    double weight[3];             /* of the triangle's corners at that point */
+    double gap;                   /* m, with the tool at its proxy */
+    double device_gap;            /* m: with the tool at its device, as the row tells */
+    double row[TOUCH_DIMENSIONS]; /* how the gap grows with the unknowns of the proxy's motion */
+};
+
+/* All touches of a step. */
+struct touches {
+    uint32_t count;
+    uint32_t is_full; /* 1: there were more than there is room for: those with the least gaps were taken */
+    struct touch touch[COMPLEMENTARITY_MAX];
+};
+
+/* What is gathered: the pairs of a tool at its proxy's pose and a body, within `reach`, m. */
+struct touch_search {
+    struct dpt_world *world;
+    const struct tool *tool;
+    const struct proxy *proxy;
+    const struct proxy_pose *at;
+    const struct body *body;
+    const double *away; /* unknowns of the way from there to the device */
+    double reach;
+};
+
+/* Add them. */
+void dpti_touches_gather(const struct touch_search *search, struct touches *touches);
+
+#endif

@@ -1,0 +1,412 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Contact solved with the tissue's step. Oracles: the conditions of the problem, by brute force over the surface after the
+ * step, with the tool where the felt wrench says that its spring ends; springs that are stepped by hand with the loads
+ * that were told; and sums of forces. How stiff the tissue is is not judged here.
+ */
+#include <math.h>
+
+#include "dynpoint/compile.h"
+#include "lib/fixture.h"
+#include "lib/rig.h"
+#include "mesh/mesh_format.h"
+#include "oracle/brute.h"
+
+enum { TISSUES_MAX = 2, HOLD = 1200, LOOKED_AT = 300 };
+
+/* m: a tick's press. */
+#define PRESS 2e-5
+
+struct tissue {
+    struct rig rig;
+    struct fixture mesh[TISSUES_MAX];
+    dpt_body body[TISSUES_MAX];
+    dpt_springs *springs[TISSUES_MAX];
+    dpt_springs_info info[TISSUES_MAX];
+    uint32_t count;
+    double top; /* of the bodies at rest, along z */
+    int is_sleepless;
+    dpt_wrench wrench;
+    dpt_force_info force;
+};
+
+/* A ball of springs of 0.1 m, or a membrane, whose lower part or border is fixed. */
+static int make_mesh(struct fixture *fixture, uint32_t kind, double spacing)
+{
+    const dpt_spring_region below = { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, 1, 1, -0.02 } };
+    const dpt_spring_region border[2] = { { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, -0.09, 1, 1 } },
+                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { 0.09, -1, -1, 1, 1, 1 } } };
+    const int is_sheet = kind == DPT_NET_SHEET;
+    const dpt_spring_net_def net = { .size = sizeof net,
+                                     .kind = kind,
+                                     .young = is_sheet ? 1e5 : 2e4,
+                                     .thickness = is_sheet ? 1e-3 : 0.0,
+                                     .density = 1000.0,
+                                     .drag = 5.0,
+                                     .viscosity = 1e-3,
+                                     .spacing = is_sheet ? 0.0 : spacing,
+                                     .regions = is_sheet ? border : &below,
+                                     .region_count = is_sheet ? 2 : 1 };
+    struct shape shape;
+    shape_reason reason;
+    dpt_compile_def def;
+    dpt_diag diag = { .size = sizeof diag };
+    dpt_compile_def_init(&def);
+    def.springs = &net;
+    CHECK(!shape_make(is_sheet ? "membrane" : "sphere", 512, 0, &shape, reason), "%s", reason);
+    const dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
+                                                 shape.triangle_count, &def, &fixture->compiled, &diag);
+    shape_free(&shape);
+    CHECK(result == DPT_OK, "%s: %s", dpt_result_name(result), diag.text);
+    return result == DPT_OK && dpt_mesh_open(fixture->compiled.bytes, fixture->compiled.size, &fixture->mesh) == DPT_OK;
+}
+
+/* load_radius above 0: the tool's forces of the step before move the tissue. */
+static int add_tissue(struct tissue *tissue, uint32_t kind, uint32_t integrator, double load_radius, double x)
+{
+    const uint32_t i = tissue->count++;
+    dpt_pose pose = DPT_POSE_IDENTITY;
+    dpt_deformable_def deform;
+    dpt_springs_def springs;
+    dpt_mesh_info info = { .size = sizeof info };
+    pose.position[0] = x;
+    dpt_deformable_def_init(&deform);
+    dpt_springs_def_init(&springs);
+    if (!make_mesh(&tissue->mesh[i], kind, 0.02))
+        return 0;
+    deform.mesh = springs.mesh = tissue->mesh[i].mesh;
+    deform.pose = &pose;
+    deform.load_radius = load_radius;
+    deform.max_points = 64;
+    springs.integrator = integrator;
+    springs.sleep_speed = tissue->is_sleepless ? 0.0 : springs.sleep_speed;
+    tissue->body[i] = rig_add_deformable(&tissue->rig, &deform);
+    tissue->springs[i] = rig_add_springs(&tissue->rig, &springs);
+    dpt_mesh_get_info(tissue->mesh[i].mesh, &info);
+    tissue->top = info.box_max[2];
+    return tissue->body[i] && tissue->springs[i];
+}
+
+/* A world without bodies, and a tool of 60 mm that leans: 0 is upright on its tip, pi / 2 lies across. */
+static void begin(struct tissue *tissue, double stiffness, double lean)
+{
+    const dpt_segment upright = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.06 }, 0.004 };
+    const dpt_segment lying = { { 0.0, 0.0, -0.03 }, { 0.0, 0.0, 0.03 }, 0.004 };
+    const double axis[3] = { 0.0, 1.0, 0.0 };
+    memset(tissue, 0, sizeof *tissue);
+    rig_open(&tissue->rig, NULL, NULL, lean > 1.57 ? &lying : &upright, 1);
+    rig_set_law(&tissue->rig, tissue->rig.tool, DPT_LAW_PROXY, stiffness);
+    pose_orient(&tissue->rig.device, axis, lean);
+    tissue->force.size = sizeof tissue->force;
+}
+
+static void place_above(struct tissue *tissue, double depth)
+{
+    tissue->rig.device.position[2] = tissue->top + 0.004 - depth;
+}
+
+static void close_all(struct tissue *tissue)
+{
+    rig_close(&tissue->rig);
+    for (uint32_t i = 0; i < tissue->count; i++)
+        fixture_free(&tissue->mesh[i]);
+}
+
+/* A tick: the world, the tissue, and what is felt then. Returns |force|. */
+static double tick(struct tissue *tissue)
+{
+    rig_step(&tissue->rig);
+    for (uint32_t i = 0; i < tissue->count; i++)
+        tissue->info[i].size = sizeof tissue->info[i];
+    const dpt_result result = dpt_bodies_step_springs(tissue->rig.world, tissue->body, tissue->springs, tissue->count,
+                                                      tissue->rig.dt, tissue->info);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    dpt_tool_get_force_info(tissue->rig.world, tissue->rig.tool, &tissue->force);
+    tissue->wrench = tissue->force.wrench;
+    return length3(tissue->wrench.force);
+}
+
+/* Press down to a depth, and hold. Returns the largest jump of the last ticks, and in *mean the force. */
+static double press_and_hold(struct tissue *tissue, double depth, double *mean)
+{
+    double last = 0.0, jump = 0.0;
+    place_above(tissue, -0.001);
+    rig_place(&tissue->rig);
+    for (double at = -0.001; at < depth; at += PRESS) {
+        place_above(tissue, at);
+        tick(tissue);
+    }
+    *mean = 0.0;
+    for (int i = 0; i < HOLD; i++) {
+        const double force = tick(tissue);
+        if (i >= HOLD - LOOKED_AT) {
+            jump = fmax(jump, fabs(force - last));
+            *mean += force / LOOKED_AT;
+        }
+        last = force;
+    }
+    return jump;
+}
+
+static void a_still_device_is_silent(void)
+{
+    static const double leans[] = { 0.0, 0.6, 1.2, 1.5708 };
+    double worst_before = 0.0;
+    for (int kind = 0; kind < 2; kind++)
+        for (int i = 0; i < 16; i++) {
+            const uint32_t integrator = i & 1 ? DPT_INTEGRATOR_EULER : DPT_INTEGRATOR_SYMPLECTIC;
+            const double stiffness = i & 2 ? 2000.0 : 200.0, lean = leans[i / 4];
+            struct tissue tissue;
+            double mean;
+            begin(&tissue, stiffness, lean);
+            if (add_tissue(&tissue, kind ? DPT_NET_SHEET : DPT_NET_VOLUME, integrator, 0.0, 0.0)) {
+                const double jump = press_and_hold(&tissue, 0.006, &mean);
+                CHECK(mean > 1e-3, "case %d: it is not touched: %g N", i, mean);
+                CHECK(jump <= fmax(1e-3 * mean, 1e-4), "case %d: jumps of %g N at %g N", i, jump, mean);
+                CHECK(!(tissue.force.flags & (DPT_FORCE_FLAG_APART | DPT_FORCE_FLAG_CROWDED)), "case %d: flags %u", i,
+                      tissue.force.flags);
+            }
+            close_all(&tissue);
+        }
+    /* The loads of the step before, beside it. */
+    for (int i = 0; i < 4; i++) {
+        struct tissue tissue;
+        double mean;
+        begin(&tissue, 2000.0, leans[i]);
+        if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 1e-6, 0.0))
+            worst_before = fmax(worst_before, press_and_hold(&tissue, 0.006, &mean));
+        close_all(&tissue);
+    }
+    CHECK(worst_before > 5e-3, "loads of the step before jump by no more than %g N", worst_before);
+}
+
+/* Where the tool would be for its spring to give the wrench that is felt. */
+static void end_of_spring(const struct tissue *tissue, double stiffness, double ends[6])
+{
+    const dpt_segment *segment = &tissue->rig.segments[0];
+    double middle[3], arm[3], torque[3], axis[3], turned[3];
+    pose_ends(&tissue->rig.device, segment, ends);
+    for (int k = 0; k < 3; k++) {
+        middle[k] = 0.5 * (ends[k] + ends[3 + k]);
+        arm[k] = tissue->rig.device.position[k] - middle[k];
+        axis[k] = 0.5 * (ends[3 + k] - ends[k]);
+    }
+    cross3(arm, tissue->wrench.force, torque);
+    for (int k = 0; k < 3; k++)
+        torque[k] += tissue->wrench.torque[k];
+    const double rho2 = dot3(axis, axis) / 3.0, angle = length3(torque) / (stiffness * rho2);
+    double turn[4] = { cos(0.5 * angle), 0.0, 0.0, 0.0 };
+    for (int k = 0; k < 3 && angle > 0.0; k++)
+        turn[1 + k] = sin(0.5 * angle) * torque[k] / length3(torque);
+    turn3(turn, axis, turned);
+    for (int k = 0; k < 3; k++) {
+        middle[k] += tissue->wrench.force[k] / stiffness;
+        ends[k] = middle[k] - turned[k];
+        ends[3 + k] = middle[k] + turned[k];
+    }
+}
+
+/* The surface after the step, for the oracle. */
+static oracle_mesh *surface_now(const struct tissue *tissue)
+{
+    const struct dpt_mesh *mesh = tissue->mesh[0].mesh;
+    const float *positions = NULL;
+    uint32_t count = 0;
+    dpt_body_get_vertices(tissue->rig.world, tissue->body[0], &positions, &count);
+    return oracle_brute_open(positions, count, mesh_words(mesh, MESH_TRIANGLES), mesh->triangles);
+}
+
+static void the_tool_ends_on_the_surface(void)
+{
+    uint64_t seed = 7;
+    for (int i = 0; i < 6; i++) {
+        const double stiffness = i % 2 ? 1500.0 : 300.0;
+        struct tissue tissue;
+        uint32_t touched = 0;
+        double deepest = 0.0, farthest = 0.0, x = 0.0, y = 0.0;
+        begin(&tissue, stiffness, 0.3 * i);
+        if (!add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+            close_all(&tissue);
+            continue;
+        }
+        place_above(&tissue, -0.001);
+        rig_place(&tissue.rig);
+        for (int t = 0; t < 900; t++) {
+            x += random_in(&seed, -4e-5, 4e-5);
+            y += random_in(&seed, -4e-5, 4e-5);
+            place_above(&tissue, 0.006 * sin(0.006 * t));
+            tissue.rig.device.position[0] = x;
+            tissue.rig.device.position[1] = y;
+            if (!(tick(&tissue) > 0.0) || t % 5)
+                continue;
+            double ends[6];
+            oracle_mesh *mesh = surface_now(&tissue);
+            end_of_spring(&tissue, stiffness, ends);
+            const double gap = oracle_brute(mesh, ends, NULL) - tissue.rig.segments[0].radius;
+            deepest = fmax(deepest, -gap);
+            farthest = fmax(farthest, gap);
+            touched++;
+            oracle_brute_close(mesh);
+        }
+        CHECK(touched > 50, "case %d: touched in %u ticks", i, touched);
+        CHECK(deepest < 3e-6 && farthest < 3e-6, "case %d: %g m deep, %g m away", i, deepest, farthest);
+        close_all(&tissue);
+    }
+}
+
+/* Springs of the same mesh, stepped by hand with the loads that are told, go where the body goes. */
+static void what_is_told_moves_the_tissue(void)
+{
+    struct tissue tissue;
+    dpt_springs_def def;
+    begin(&tissue, 800.0, 1.1);
+    tissue.is_sleepless = 1;
+    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+        enum { NODES = 4096, LOADS = 1024 };
+        static float mine[3 * NODES], theirs[3 * NODES];
+        static dpt_load loads[LOADS];
+        double off = 0.0;
+        dpt_springs_def_init(&def);
+        def.mesh = tissue.mesh[0].mesh;
+        def.sleep_speed = 0.0;
+        dpt_springs *other = rig_add_springs(&tissue.rig, &def);
+        const uint32_t nodes = dpt_springs_get_count(other);
+        CHECK(nodes <= NODES, "%u nodes", nodes);
+        place_above(&tissue, -0.001);
+        rig_place(&tissue.rig);
+        for (int t = 0; t < 500; t++) {
+            uint32_t count = 0;
+            place_above(&tissue, 2e-5 * t - 0.001);
+            tick(&tissue);
+            dpt_body_get_node_loads(tissue.rig.world, tissue.body[0], loads, LOADS, &count);
+            CHECK(dpt_springs_step(other, tissue.rig.dt, loads, count, NULL) == DPT_OK, "not stepped");
+            dpt_springs_get_nodes(tissue.springs[0], nodes, mine, NULL);
+            dpt_springs_get_nodes(other, nodes, theirs, NULL);
+            for (uint32_t i = 0; i < 3 * nodes; i++)
+                off = fmax(off, fabs((double)mine[i] - (double)theirs[i]));
+        }
+        CHECK(tissue.info[0].substeps == 1, "%u substeps: loads are a mean", tissue.info[0].substeps);
+        CHECK(off < 1e-6, "nodes are %g m apart", off);
+    }
+    close_all(&tissue);
+}
+
+static void forces_sum_up_to_zero(void)
+{
+    struct tissue tissue;
+    begin(&tissue, 600.0, 1.3);
+    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+        double worst = 0.0, peak = 0.0;
+        place_above(&tissue, -0.001);
+        rig_place(&tissue.rig);
+        for (int t = 0; t < 500; t++) {
+            dpt_wrench on_body;
+            double arm[3], torque[3];
+            place_above(&tissue, 2e-5 * t - 0.001);
+            peak = fmax(peak, tick(&tissue));
+            dpt_body_get_wrench(tissue.rig.world, tissue.body[0], &on_body);
+            /* The body is at the origin; the tool's torque is about its own. */
+            for (int k = 0; k < 3; k++)
+                arm[k] = tissue.rig.device.position[k];
+            cross3(arm, tissue.wrench.force, torque);
+            for (int k = 0; k < 3; k++) {
+                worst = fmax(worst, fabs(on_body.force[k] + tissue.wrench.force[k]));
+                worst = fmax(worst, fabs(on_body.torque[k] + tissue.wrench.torque[k] + torque[k]));
+            }
+        }
+        CHECK(peak > 0.1 && worst <= 1e-12 * peak, "off by %g N of %g N", worst, peak);
+    }
+    close_all(&tissue);
+}
+
+/* A tool across two bodies: one solve, in whatever order they are given; between them it feels twice what one gives. */
+static void bodies_share_a_tool(void)
+{
+    double felt[3];
+    for (int i = 0; i < 3; i++) {
+        struct tissue tissue;
+        double mean;
+        begin(&tissue, 400.0, 1.5708);
+        tissue.rig.device.position[0] = 0.0;
+        int is_there = add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, -0.025);
+        if (i < 2)
+            is_there = is_there && add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.025);
+        if (i == 1) {
+            const dpt_body body = tissue.body[0];
+            dpt_springs *springs = tissue.springs[0];
+            tissue.body[0] = tissue.body[1];
+            tissue.springs[0] = tissue.springs[1];
+            tissue.body[1] = body;
+            tissue.springs[1] = springs;
+        }
+        if (is_there)
+            press_and_hold(&tissue, 0.004, &mean);
+        felt[i] = is_there ? mean : 0.0;
+        CHECK(length3(tissue.wrench.force) > 0.05, "case %d: %g N", i, length3(tissue.wrench.force));
+        close_all(&tissue);
+    }
+    CHECK(fabs(felt[0] - felt[1]) <= 1e-9, "%g N and %g N in another order", felt[0], felt[1]);
+    CHECK(felt[2] < felt[0], "%g N on one, %g N on two", felt[2], felt[0]);
+}
+
+static void tissue_sleeps_under_a_still_tool(void)
+{
+    struct tissue tissue;
+    begin(&tissue, 500.0, 1.2);
+    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+        double mean, last, jump = 0.0;
+        uint64_t seed = 11;
+        press_and_hold(&tissue, 0.005, &mean);
+        CHECK(tissue.info[0].active == 0, "%u nodes are awake", tissue.info[0].active);
+        const dpt_wrench before = tissue.wrench;
+        for (int t = 0; t < 50; t++)
+            tick(&tissue);
+        CHECK(!memcmp(&before, &tissue.wrench, sizeof before), "asleep, it is felt otherwise");
+        last = length3(tissue.wrench.force);
+        for (int t = 0; t < 2000; t++) {
+            place_above(&tissue, 0.005 + random_in(&seed, -1e-6, 1e-6) * (1 + t / 100));
+            const double force = tick(&tissue);
+            jump = fmax(jump, fabs(force - last) - 1.5 * 500.0 * 2e-6 * (1 + t / 100));
+            last = force;
+        }
+        CHECK(jump < 2e-3, "a tremor makes jumps of %g N beyond its own", jump);
+    }
+    close_all(&tissue);
+}
+
+static void wrong_lists_are_refused(void)
+{
+    struct tissue tissue;
+    begin(&tissue, 500.0, 0.0);
+    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0) &&
+        add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.2)) {
+        dpt_world *world = tissue.rig.world;
+        const dpt_body twice[2] = { tissue.body[0], tissue.body[0] }, none[2] = { tissue.body[0], 0 };
+        dpt_springs *same[2] = { tissue.springs[0], tissue.springs[0] };
+        const dpt_result results[] = {
+            dpt_bodies_step_springs(NULL, tissue.body, tissue.springs, 2, 1e-3, NULL),
+            dpt_bodies_step_springs(world, NULL, tissue.springs, 2, 1e-3, NULL),
+            dpt_bodies_step_springs(world, tissue.body, NULL, 2, 1e-3, NULL),
+            dpt_bodies_step_springs(world, twice, tissue.springs, 2, 1e-3, NULL),
+            dpt_bodies_step_springs(world, tissue.body, same, 2, 1e-3, NULL),
+        };
+        for (size_t i = 0; i < sizeof results / sizeof *results; i++)
+            CHECK(results[i] == DPT_E_ARGUMENT, "case %zu: %s", i, dpt_result_name(results[i]));
+        CHECK(dpt_bodies_step_springs(world, none, tissue.springs, 2, 1e-3, NULL) == DPT_E_HANDLE, "no body");
+        CHECK(dpt_bodies_step_springs(world, tissue.body, tissue.springs, 2, 0.0, NULL) == DPT_E_ARGUMENT, "no time");
+        CHECK(dpt_bodies_step_springs(world, NULL, NULL, 0, 1e-3, NULL) == DPT_OK, "nothing is not allowed");
+    }
+    close_all(&tissue);
+}
+
+int main(void)
+{
+    TEST(a_still_device_is_silent);
+    TEST(the_tool_ends_on_the_surface);
+    TEST(what_is_told_moves_the_tissue);
+    TEST(forces_sum_up_to_zero);
+    TEST(bodies_share_a_tool);
+    TEST(tissue_sleeps_under_a_still_tool);
+    TEST(wrong_lists_are_refused);
+    return check_report();
+}
