@@ -8,7 +8,7 @@
  *
  *   a line                is gone, within rounding
  *   a sine of f Hz        has 1 - D^2 - E^2 of its amplitude left: with u = 51 pi f / 1000 about
- *                         D = sin u / u, E = sqrt 3 (sin u - u cos u) / u^2. That is 0.945 at 30 Hz, 0.981 at 50, 0.999 at
+ *                         D = sin u / u, E = sqrt 3 (sin u - u cos u) / u^2. That is 0.945 at 30 Hz, 0.981 at 50, 0.998 at
  *                         250, and 0.0002 at 2 Hz; at the ends of the stretch some per cent at 2 Hz
  *   a step                leaves what lines cannot follow in the 50 ticks before and behind it
  */
