@@ -91,8 +91,8 @@ if [ "$whole" = test ]; then
     go 1
     add_up
 else
-    compilers=two lto=no
-    [ "$whole" = check ] || compilers=all lto=yes
+    compilers=two release=no
+    [ "$whole" = check ] || compilers=all release=yes
     sh tests/deps.sh light
     # An oracle and a peer are single files that take long: beside the builds.
     (
@@ -109,7 +109,7 @@ else
     run "other machines" env JOBS=1 sh tests/cross.sh build
     run_reading "include src tools/packaging" "single files" env COMPILERS="$compilers" sh tests/amalgamation.sh build
     [ "$whole" = check ] || run "planted faults" sh tests/planted.sh build
-    run "the libraries" env LTO="$lto" sh tests/abi/check.sh build
+    run "the libraries" env RELEASE="$release" sh tests/abi/check.sh build
     run_reading "include src tools/packaging" "WebAssembly" sh tests/wasm/check.sh build
     command_line build
     command_line build/sanitize

@@ -27,7 +27,6 @@ endif
 ifeq ($(CONFIG),sanitize)
 $(B)/tests/%.o: CONFIG_CFLAGS += -O1
 $(B)/tools/%.o: CONFIG_CFLAGS += -O1
-$(B)/tools/lab/%.o: CONFIG_CFLAGS += -O2
 $(B)/src/urdf/%.o: CONFIG_CFLAGS += -Og
 endif
 # Objects that are the same in another configuration are release's, where they are. Scalar: for its programs of `make

@@ -11,6 +11,7 @@
  *     for each tick:
  *         dpt_world_step(world, dt, &out);
  *         dpt_body_step_springs(world, body, springs, dt, NULL);
+ *         dpt_tool_get_wrench(world, tool, &wrench);
  *
  * Nodes are the mesh's vertices, in the order of dpt_mesh_get_vertices, or those of the lattice in which the vertices
  * are embedded (dpt_mesh_get_embedding). In a thread of its own, physics gets loads and hands over nodes by exchange.h,

@@ -183,7 +183,10 @@ enum {
      * differ by more than 5 % and 5 mN. The surface has moved fast, or has let the proxy go.
      */
     DPT_FORCE_FLAG_APART = 128,
-    /* In the tissue's step the tool touched in more places than are counted at one time: the nearest were. */
+    /*
+     * In the tissue's step the tool touched in more places than are counted at one time: the nearest were. Or there was no
+     * push that kept it out of all of them.
+     */
     DPT_FORCE_FLAG_CROWDED = 256
 };
 

@@ -160,6 +160,7 @@ static void forget_on(const struct dpt_world *world, const struct tool *tool, st
     for (uint32_t i = 0; i < last; i++)
         if (deform->tools[i].first > first)
             deform->tools[i].first -= count;
+    deform->has_lost_tool &= last > 0;
 }
 
 void dpti_loads_forget(struct dpt_world *world, struct tool *tool)

@@ -221,9 +221,8 @@ double dpti_tissue_solve(struct tissue_solve *solve)
     foresee(solve);
     set_free_gaps(solve);
     begin_problem(solve);
-    const int result = dpti_complementarity_solve(&solve->problem);
-    solve->is_full |= result == COMPLEMENTARITY_FULL;
-    solve->is_lost |= result == COMPLEMENTARITY_IMPOSSIBLE;
+    if (dpti_complementarity_solve(&solve->problem) != COMPLEMENTARITY_SOLVED)
+        solve->is_full = 1;
     note_held(solve);
     find_loads(solve);
     return farthest_of(solve);

@@ -46,8 +46,7 @@ struct touch_name {
 struct tissue_solve {
     uint32_t body_count;
     uint32_t node_count;
-    uint32_t is_full; /* 1: touches or nodes had no room, or too many held at one time */
-    uint32_t is_lost; /* 1: a touch could be met by no push */
+    uint32_t is_full; /* 1: touches or nodes had no room, too many held at one time, or one could be met by no push */
     struct tissue_body bodies[TISSUE_BODIES_MAX];
     struct touches touches;
     struct tissue_link links[COMPLEMENTARITY_MAX];

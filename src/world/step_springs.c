@@ -203,7 +203,7 @@ static void note_felt(const struct tissue_solve *solve, struct tool *tool, struc
         APART_SHARE * displacement_norm(&proxy->coupling, &felt) + APART_FORCE / proxy->coupling.stiffness;
     tool->force_flags &= ~(uint32_t)(DPT_FORCE_FLAG_APART | DPT_FORCE_FLAG_CROWDED);
     tool->force_flags |= apart > allowed ? DPT_FORCE_FLAG_APART : 0u;
-    tool->force_flags |= solve->is_full ? DPT_FORCE_FLAG_CROWDED : 0u;
+    tool->force_flags |= solve->is_full || solve->touches.is_full ? DPT_FORCE_FLAG_CROWDED : 0u;
     tool->energy = coupling_energy(&proxy->coupling, &felt);
     tool->body_work = proxy->body_work = work_of_bodies(tool, proxy, &felt);
     proxy->felt = felt;
@@ -369,7 +369,7 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
         struct tissue_solve *own = deform_of(body)->solve;
         if (!own || !body_is_solved(body, list->springs[i]))
             continue;
-        own->body_count = own->is_full = own->is_lost = 0;
+        own->body_count = own->is_full = 0;
         take_body(own, world, list, i);
         gather(own, world, reach_of(own, dt));
         if (!own->touches.count)

@@ -33,7 +33,7 @@ raced()
     shift
     # shellcheck disable=SC2086 # words
     check "$name builds with ThreadSanitizer" ${CC:-cc} -std=gnu99 -O1 -g -fsanitize=thread -Iinclude -Isrc -Itests -Itools \
-        -Idrivers "$@" tests/lib/check.c tests/lib/fixture.c $parts "$build/libdynpoint_drivers.a" \
+        -Idrivers "$@" tests/lib/check.c tests/lib/fixture.c tests/lib/rig.c $parts "$build/libdynpoint_drivers.a" \
         -Wl,--allow-multiple-definition -lm -pthread -o "$scratch/$name"
     $fixed "$scratch/$name" >"$scratch/$name.out" 2>&1
     status=$?

@@ -39,7 +39,7 @@ const frames = async (page, more) => {
 const ask = (page, words) => page.ask(`(() => { const s = viewer.own.frame.snapshot; return ${words}; })()`);
 
 async function running(browser) {
-  const one = await run(...live("press&reach=0.012&cycle=3"));
+  const one = await run(...live("press&reach=0.025&cycle=3"));
   const page = await browser.visit(one.url);
   await check("a scene that runs is drawn: frames, ticks, rates", async () => {
     await until("frames", async () => (await page.state()).number > 20);
@@ -49,7 +49,7 @@ async function running(browser) {
     assert(rate > 100 && rate < 1100, `${rate} Hz`);
   });
   await check("the tool is over the membrane in its colour, and the arrow points as the wrench does", async () => {
-    await until("a force", async () => (await ask(page, "Math.hypot(...s.tools[0].wrench.slice(0, 3))")) > 0.3);
+    await until("a force", async () => (await ask(page, "Math.hypot(...s.tools[0].wrench.slice(0, 3))")) > 0.08);
     await page.key(" ");
     await page.settle();
     const [ends, wrench, bands] = await ask(

@@ -151,9 +151,8 @@ static double press_and_hold(struct tissue *tissue, double depth, double *mean)
 static void a_still_device_is_silent(void)
 {
     static const double leans[] = { 0.0, 0.6, 1.2, 1.5708 };
-    double worst_before = 0.0;
     for (int kind = 0; kind < 2; kind++)
-        for (int i = 0; i < 16; i++) {
+        for (int i = 0; i < (int)part_of(16); i++) {
             const uint32_t integrator = i & 1 ? DPT_INTEGRATOR_EULER : DPT_INTEGRATOR_SYMPLECTIC;
             const double stiffness = i & 2 ? 2000.0 : 200.0, lean = leans[i / 4];
             struct tissue tissue;
@@ -168,16 +167,18 @@ static void a_still_device_is_silent(void)
             }
             close_all(&tissue);
         }
-    /* The loads of the step before, beside it. */
-    for (int i = 0; i < 4; i++) {
-        struct tissue tissue;
-        double mean;
-        begin(&tissue, 2000.0, leans[i]);
-        if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 1e-6, 0.0))
-            worst_before = fmax(worst_before, press_and_hold(&tissue, 0.006, &mean));
-        close_all(&tissue);
-    }
-    CHECK(worst_before > 5e-3, "loads of the step before jump by no more than %g N", worst_before);
+}
+
+/* What the test above looks for is there without the solve: loads of the step before make a lying tool jump. */
+static void loads_of_the_step_before_are_not_silent(void)
+{
+    struct tissue tissue;
+    double mean, jump = 0.0;
+    begin(&tissue, 2000.0, 1.5708);
+    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 1e-6, 0.0))
+        jump = press_and_hold(&tissue, 0.006, &mean);
+    close_all(&tissue);
+    CHECK(jump > 5e-3, "it jumps by no more than %g N", jump);
 }
 
 /* Where the tool would be for its spring to give the wrench that is felt. */
@@ -219,7 +220,7 @@ static oracle_mesh *surface_now(const struct tissue *tissue)
 static void the_tool_ends_on_the_surface(void)
 {
     uint64_t seed = 7;
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < (int)part_of(6); i++) {
         const double stiffness = i % 2 ? 1500.0 : 300.0;
         struct tissue tissue;
         uint32_t touched = 0;
@@ -399,9 +400,11 @@ static void wrong_lists_are_refused(void)
     close_all(&tissue);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     TEST(a_still_device_is_silent);
+    TEST(loads_of_the_step_before_are_not_silent);
     TEST(the_tool_ends_on_the_surface);
     TEST(what_is_told_moves_the_tissue);
     TEST(forces_sum_up_to_zero);
