@@ -26,8 +26,8 @@ struct complementarity {
     double tolerance;       /* a gap of no less than minus that counts as met */
     const double *free_gap; /* `count` numbers */
     /* A column of A into `column`. */
-    void (*column)(const void *user, uint32_t index, double *column);
-    const void *user;
+    void (*column)(void *user, uint32_t index, double *column);
+    void *user;
     /* In: where to begin, the last answer's active constraints, or none. Out: those of this answer, ascending. */
     uint32_t active_count;
     uint32_t active[COMPLEMENTARITY_ACTIVE_MAX];

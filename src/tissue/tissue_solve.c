@@ -83,17 +83,16 @@ void dpti_tissue_link(struct tissue_solve *solve, const struct dpt_world *world)
     }
 }
 
-/* Where the loads that are set would take the touched nodes. */
+/* Where the loads that are set would take the touched nodes: all of a slice at once. */
 static void foresee(struct tissue_solve *solve)
 {
     double moved[SPRING_ROWS];
-    /* Nodes of a slice are foreseen at once. */
     for (uint32_t i = 0; i < solve->node_count; i++)
-        solve->spread[i] = 0.0;
+        solve->nodes[i].is_foreseen = 0;
     for (uint32_t i = 0; i < solve->node_count; i++) {
         const uint32_t body = solve->nodes[i].body, slice = solve->nodes[i].node / LANES;
         const struct explicit_step *step = &solve->bodies[body].step.explicit;
-        if (solve->spread[i] > 0.0)
+        if (solve->nodes[i].is_foreseen)
             continue;
         dpti_explicit_foresee(step, slice, moved);
         for (uint32_t k = i; k < solve->node_count; k++) {
@@ -103,17 +102,15 @@ static void foresee(struct tissue_solve *solve)
                 continue;
             const vec3 by = { moved[lane], moved[LANES + lane], moved[2 * LANES + lane] };
             node->moved = sub(add(dpti_explicit_place(step, node->node), by), node->begin);
-            solve->spread[k] = 1.0;
+            node->is_foreseen = 1;
         }
     }
-    for (uint32_t i = 0; i < solve->node_count; i++)
-        solve->spread[i] = 0.0;
 }
 
 /* What a newton of one touch does to the gaps of all: it moves its tool away, and its nodes. */
-static void give_column(const void *user, uint32_t index, double *column)
+static void give_column(void *user, uint32_t index, double *column)
 {
-    struct tissue_solve *solve = (struct tissue_solve *)user;
+    struct tissue_solve *solve = user;
     const struct touch *touch = &solve->touches.touch[index];
     const struct tissue_link *link = &solve->links[index];
     for (uint32_t k = 0; k < link->count; k++)

@@ -26,6 +26,7 @@ struct tissue_node {
     vec3 begin;      /* where it was before the step, in the body's frame */
     vec3 moved;      /* m: how far from there it would be after the substep, without tools */
     vec3 load;       /* N, of a substep's answer */
+    int is_foreseen; /* `moved` is of this substep */
 };
 
 /* How a touch loads the tissue. */
@@ -52,7 +53,7 @@ struct tissue_solve {
     struct tissue_link links[COMPLEMENTARITY_MAX];
     struct tissue_node nodes[TISSUE_NODES_MAX];
     uint32_t table[TISSUE_TABLE];    /* one more than a node's number; 0: none */
-    double spread[TISSUE_NODES_MAX]; /* how a unit of one touch moves each node */
+    double spread[TISSUE_NODES_MAX]; /* how a newton of one touch moves each node; zero between columns */
     double free_gap[COMPLEMENTARITY_MAX];
     double push[COMPLEMENTARITY_MAX]; /* N, of each touch: the mean of all substeps */
     uint32_t held_count;              /* touches that held at the end of the last step */

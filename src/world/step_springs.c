@@ -332,9 +332,9 @@ static dpt_result step_alone(struct dpt_world *world, const struct body *body, s
 static dpt_result check(const struct dpt_world *world, dpt_body id, const struct dpt_springs *springs, double dt,
                         const dpt_springs_info *info)
 {
-    const struct body *body = springs ? world_find_body(world, id) : NULL;
     if (!springs)
         return DPT_E_ARGUMENT;
+    const struct body *body = world_find_body(world, id);
     if (!body || !body->surface.motion)
         return DPT_E_HANDLE;
     if (springs->def.mesh != body->surface.mesh)
@@ -357,9 +357,7 @@ static void take_body(struct tissue_solve *solve, const struct dpt_world *world,
                                                                .step = { .springs = list->springs[number] } };
 }
 
-/*
- * The bodies that tools touch, and their touches; NULL if there are none. The first of them lends its memory.
- */
+/* The bodies that tools touch, and their touches; NULL if there are none. The first of them lends its memory. */
 static struct tissue_solve *begin_solve(struct dpt_world *world, const struct step_list *list, double dt)
 {
     struct tissue_solve *solve = NULL;

@@ -21,7 +21,7 @@ struct problem {
     double matrix[COMPLEMENTARITY_MAX][COMPLEMENTARITY_MAX];
 };
 
-static void give_column(const void *user, uint32_t index, double *column)
+static void give_column(void *user, uint32_t index, double *column)
 {
     const struct problem *problem = user;
     for (uint32_t i = 0; i < problem->solver.count; i++)
