@@ -18,6 +18,7 @@ int fixture_from_arrays(struct fixture *fixture, const double *vertices, size_t 
 
 /* `count` 0: as many triangles as the shape has usually. */
 int fixture_from_shape(struct fixture *fixture, const char *name, uint64_t count);
+int fixture_with_springs(struct fixture *fixture, const char *name, uint64_t count, const dpt_spring_net_def *net);
 
 static inline void fixture_free(struct fixture *fixture)
 {

@@ -7,8 +7,6 @@
 #include <pthread.h>
 #include <sched.h>
 
-#include "dynpoint/compile.h"
-#include "shape/shape.h"
 #include "world/deform_scene.h"
 
 enum { TICKS = 600, NODES_MOST = 4096, LOADS_MOST = 4096 };
@@ -38,23 +36,7 @@ static int make_mesh(struct fixture *fixture, uint32_t kind)
                                      .spacing = kind == DPT_NET_VOLUME ? 0.02 : 0.0,
                                      .regions = &border,
                                      .region_count = 1 };
-    struct shape shape;
-    shape_reason reason;
-    dpt_compile_def def;
-    dpt_diag diag = { .size = sizeof diag };
-    dpt_compile_def_init(&def);
-    def.springs = &net;
-    const int status = shape_make(kind == DPT_NET_SHEET ? "membrane" : "sphere", 512, 0, &shape, reason);
-    CHECK(status == 0, "%s", reason);
-    if (status != 0)
-        return 0;
-    dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count,
-                                           &def, &fixture->compiled, &diag);
-    shape_free(&shape);
-    if (result == DPT_OK)
-        result = dpt_mesh_open(fixture->compiled.bytes, fixture->compiled.size, &fixture->mesh);
-    CHECK(result == DPT_OK, "%s: %s", dpt_result_name(result), diag.text);
-    return result == DPT_OK;
+    return fixture_with_springs(fixture, kind == DPT_NET_SHEET ? "membrane" : "sphere", 512, &net);
 }
 
 /* A ball on a stick above the body's middle; the membrane lies in z = 0. */

@@ -6,7 +6,6 @@
  */
 #include <math.h>
 
-#include "dynpoint/compile.h"
 #include "lib/fixture.h"
 #include "lib/rig.h"
 #include "mesh/mesh_format.h"
@@ -47,18 +46,7 @@ static int make_mesh(struct fixture *fixture, uint32_t kind, double spacing)
                                      .spacing = is_sheet ? 0.0 : spacing,
                                      .regions = is_sheet ? border : &below,
                                      .region_count = is_sheet ? 2 : 1 };
-    struct shape shape;
-    shape_reason reason;
-    dpt_compile_def def;
-    dpt_diag diag = { .size = sizeof diag };
-    dpt_compile_def_init(&def);
-    def.springs = &net;
-    CHECK(!shape_make(is_sheet ? "membrane" : "sphere", 512, 0, &shape, reason), "%s", reason);
-    const dpt_result result = dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners,
-                                                 shape.triangle_count, &def, &fixture->compiled, &diag);
-    shape_free(&shape);
-    CHECK(result == DPT_OK, "%s: %s", dpt_result_name(result), diag.text);
-    return result == DPT_OK && dpt_mesh_open(fixture->compiled.bytes, fixture->compiled.size, &fixture->mesh) == DPT_OK;
+    return fixture_with_springs(fixture, is_sheet ? "membrane" : "sphere", 512, &net);
 }
 
 /* load_radius above 0: the tool's forces of the step before move the tissue. */
