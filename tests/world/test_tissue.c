@@ -338,6 +338,69 @@ static void bodies_share_a_tool(void)
     CHECK(felt[2] < felt[0], "%g N on one, %g N on two", felt[2], felt[0]);
 }
 
+/* A tool that lies on tissue and on a rigid body of the same shape: its spring ends on both. */
+static void a_rigid_body_holds_beside_the_tissue(void)
+{
+    struct tissue tissue;
+    double mean, ends[6];
+    begin(&tissue, 400.0, 1.5708);
+    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, -0.025)) {
+        const struct dpt_mesh *mesh = tissue.mesh[0].mesh;
+        dpt_pose pose = DPT_POSE_IDENTITY;
+        const float *positions;
+        uint32_t count;
+        pose.position[0] = 0.025;
+        rig_add_body(&tissue.rig, mesh, &pose);
+        press_and_hold(&tissue, 0.004, &mean);
+        CHECK(dpt_mesh_get_vertices(mesh, &positions, &count) == DPT_OK, "no vertices");
+        oracle_mesh *rigid = oracle_brute_open(positions, count, mesh_words(mesh, MESH_TRIANGLES), mesh->triangles);
+        oracle_mesh *soft = surface_now(&tissue);
+        end_of_spring(&tissue, 400.0, ends);
+        for (int side = -1; side <= 1; side += 2) {
+            double local[6];
+            memcpy(local, ends, sizeof local);
+            local[0] -= 0.025 * side;
+            local[3] -= 0.025 * side;
+            const double gap = oracle_brute(side > 0 ? rigid : soft, local, NULL) - tissue.rig.segments[0].radius;
+            CHECK(fabs(gap) < 3e-6, "%s: %g m away", side > 0 ? "rigid" : "soft", gap);
+        }
+        oracle_brute_close(rigid);
+        oracle_brute_close(soft);
+    }
+    close_all(&tissue);
+}
+
+/* The spring's energy grows by what the bodies do, and by what a device does that moves without a turn. */
+static void work_is_accounted_for(void)
+{
+    struct tissue tissue;
+    begin(&tissue, 600.0, 1.2);
+    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+        double last[3] = { 0.0, 0.0, 0.0 }, from[3], energy = 0.0, work = 0.0, worst = 0.0, most = 0.0;
+        place_above(&tissue, -0.001);
+        rig_place(&tissue.rig);
+        memcpy(from, tissue.rig.device.position, sizeof from);
+        for (int t = 0; t < 900; t++) {
+            double by_device = 0.0;
+            place_above(&tissue, 0.006 * sin(0.006 * t));
+            tissue.rig.device.position[1] = 1e-3 * sin(0.05 * t);
+            tick(&tissue);
+            for (int k = 0; k < 3; k++) {
+                by_device -= 0.5 * (last[k] + tissue.wrench.force[k]) * (tissue.rig.device.position[k] - from[k]);
+                last[k] = tissue.wrench.force[k];
+                from[k] = tissue.rig.device.position[k];
+            }
+            worst = fmax(worst, fabs(tissue.force.energy - energy - by_device - tissue.force.body_work));
+            energy = tissue.force.energy;
+            most = fmax(most, energy);
+            work = fmax(work, fabs(tissue.force.body_work));
+        }
+        CHECK(most > 1e-6 && work > 1e-3 * most, "stored %g J, done %g J", most, work);
+        CHECK(worst <= 1e-9 * most, "%g J of %g are not accounted for", worst, most);
+    }
+    close_all(&tissue);
+}
+
 static void tissue_sleeps_under_a_still_tool(void)
 {
     struct tissue tissue;
@@ -397,6 +460,8 @@ int main(int argc, char **argv)
     TEST(what_is_told_moves_the_tissue);
     TEST(forces_sum_up_to_zero);
     TEST(bodies_share_a_tool);
+    TEST(a_rigid_body_holds_beside_the_tissue);
+    TEST(work_is_accounted_for);
     TEST(tissue_sleeps_under_a_still_tool);
     TEST(wrong_lists_are_refused);
     return check_report();
