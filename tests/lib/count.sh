@@ -16,6 +16,6 @@ count() {
         note) echo "       $rest" ;;
         esac
     done <"$room/said"
-    [ $status -eq 0 ] || [ "$failed" -gt "$before" ] || bad "$what: status $status, $(grep -m 1 Error "$room/errors" || tail -n 1 "$room/errors")"
+    [ $status -eq 0 ] || [ "$failed" -gt "$before" ] || bad "$what: status $status, $(grep -m 1 '^[A-Za-z]*Error: ' "$room/errors" || tail -n 1 "$room/errors")"
     grep -q '^ok\|^FAIL' "$room/said" || bad "$what: it checked nothing"
 }

@@ -10,7 +10,6 @@ const { launch, until, sleep } = require("../view/chromium.js");
 const sights = require("../view/page_sights.js");
 const touch = require("./touch_sights.js");
 const [, , file, room] = process.argv;
-const { PATIENT } = touch;
 const CUBE = [0, 1, 2, 3, 4, 5, 6, 7]
   .map(i => `v ${(i & 1) * 120} ${((i >> 1) & 1) * 100} ${((i >> 2) & 1) * 80}\n`)
   .concat(["f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"])
@@ -23,7 +22,7 @@ const along = (a, b, axis) => axis.reduce((sum, value, k) => sum + value * (b[k]
 async function rest(page) {
   await page.settle();
   for (let last = await touch.shown(page), still = 0; ;) {
-    await until("ticks", async () => (await touch.shown(page)).steps >= last.steps + 100, PATIENT);
+    await until("ticks", async () => (await touch.shown(page)).steps >= last.steps + 100);
     const now = await touch.shown(page);
     still = Math.hypot(...now.tip.map((value, k) => value - last.tip[k])) < 2e-5 ? still + 1 : 0;
     if (still === 4) return now.tip;
@@ -84,7 +83,7 @@ async function checkGestures(page) {
       await page.key("ArrowLeft", 8);
       assert(!(await page.state()).playing, "Shift with an arrow moved no frame");
       await page.key("End");
-      await until("live again", async () => (await page.state()).playing, PATIENT);
+      await until("live again", async () => (await page.state()).playing);
     },
   );
   await check("one finger moves it, two turn the picture and zoom", async () => {
@@ -137,11 +136,11 @@ const drop = (page, name, text, lie) =>
 async function checkFiles(page) {
   const goesOn = async () => {
     const before = await touch.shown(page);
-    await until("ticks", async () => (await touch.shown(page)).steps > before.steps + 100, PATIENT);
+    await until("ticks", async () => (await touch.shown(page)).steps > before.steps + 100);
   };
   await check("a mesh that is dropped is compiled, scaled to 200 mm, named as text, and touched", async () => {
     assert(await drop(page, "<b>cube</b>.obj", CUBE));
-    await until("the cube", async () => (await touch.shown(page)).title === "<b>cube</b>.obj", PATIENT);
+    await until("the cube", async () => (await touch.shown(page)).title === "<b>cube</b>.obj");
     assert.match(await page.text("touch-size"), /^120 × 100 × 80 units, shown as 200 × 167 × 133 mm/);
     assert.strictEqual(await page.ask("document.querySelectorAll('#title b, #touch-scene b').length"), 0);
     const recorded = await touch.record(page, 600, [
@@ -152,11 +151,11 @@ async function checkFiles(page) {
       [0, 0.05, 0],
     ]);
     assert(recorded.sizes.length === 600);
-    await until("contact", async () => (await touch.shown(page)).contact === 3, PATIENT);
+    await until("contact", async () => (await touch.shown(page)).contact === 3);
   });
   await check("a malformed one says which line is wrong, and the scene goes on", async () => {
     await drop(page, "bad.obj", CUBE.replace("v 120 0 0", "v 120 zero 0"));
-    await until("the notice", async () => /^bad\.obj: line 2: /.test((await page.state()).notice), PATIENT);
+    await until("the notice", async () => /^bad\.obj: line 2: /.test((await page.state()).notice));
     await goesOn();
     assert.strictEqual((await touch.shown(page)).title, "<b>cube</b>.obj");
   });
@@ -167,22 +166,14 @@ async function checkFiles(page) {
       "cut.ply",
       `ply\nformat binary_little_endian 1.0\nelement vertex 3\n${coordinates}end_header\n\0\0\0`,
     );
-    await until("the notice", async () => /^cut\.ply: byte \d+: /.test((await page.state()).notice), PATIENT);
+    await until("the notice", async () => /^cut\.ply: byte \d+: /.test((await page.state()).notice));
     await drop(page, "page.txt", "To be or not to be\n");
-    await until(
-      "the notice",
-      async () => /^page\.txt: .+ The scene goes on/.test((await page.state()).notice),
-      PATIENT,
-    );
+    await until("the notice", async () => /^page\.txt: .+ The scene goes on/.test((await page.state()).notice));
     await goesOn();
   });
   await check("one of more than 200 MB is refused with a sentence, unread", async () => {
     await drop(page, "huge.stl", "", 2.5e8);
-    await until(
-      "the notice",
-      async () => (await page.state()).notice === "huge.stl has 250 MB; this page reads up to 200 MB.",
-      PATIENT,
-    );
+    await until("the notice", async () => (await page.state()).notice === "huge.stl has 250 MB; this page reads up to 200 MB.");
     await goesOn();
   });
   await check("one can be chosen by the button too; the newest choice counts", async () => {
@@ -191,7 +182,7 @@ async function checkFiles(page) {
     const { root } = await page.send("DOM.getDocument");
     const { nodeId } = await page.send("DOM.querySelector", { nodeId: root.nodeId, selector: "#touch-file" });
     await page.send("DOM.setFileInputFiles", { nodeId, files: [name] });
-    await until("the box", async () => (await touch.shown(page)).title === "box.obj", PATIENT);
+    await until("the box", async () => (await touch.shown(page)).title === "box.obj");
     assert.strictEqual((await page.state()).notice, "");
     await page.call(() => {
       for (const name of ["soft", "torus"]) {
@@ -200,7 +191,7 @@ async function checkFiles(page) {
         list.dispatchEvent(new Event("change"));
       }
     });
-    await until("the torus", async () => (await touch.shown(page)).title === "Torus", PATIENT);
+    await until("the torus", async () => (await touch.shown(page)).title === "Torus");
     await sleep(1500);
     assert.strictEqual((await touch.shown(page)).title, "Torus");
   });
@@ -247,7 +238,7 @@ async function checkWindows(browser) {
       async () => {
         const features = { "prefers-color-scheme": scheme, "prefers-reduced-motion": "no-preference" };
         const page = await touch.visitPage(browser, file, { width, height, features });
-        await until("contact", async () => (await touch.shown(page)).contact === 3, PATIENT);
+        await until("contact", async () => (await touch.shown(page)).contact === 3);
         const { wide, boxes } = await page.call(() => ({
           wide: document.documentElement.scrollWidth,
           boxes: ["picture", "touch", "touch-scene", "touch-choose", "touch-stiffness", "plots"].map(id => {
@@ -281,7 +272,7 @@ async function checkScripts(browser) {
     const changed = path.join(room, "changed.html");
     fs.writeFileSync(changed, page.replace(pack, zlib.deflateRawSync(bytes).toString("base64")));
     const view = await browser.visit(`file://${path.resolve(changed)}`);
-    await until("the refusal", () => view.said.some(said => /Content Security Policy/.test(said)), PATIENT);
+    await until("the refusal", () => view.said.some(said => /Content Security Policy/.test(said)));
     assert.strictEqual(await view.ask("typeof viewer"), "undefined");
     await browser.leave(view);
   });

@@ -10,7 +10,6 @@ const sights = require("../view/page_sights.js");
 const touch = require("./touch_sights.js");
 const { snapshotReader } = scripts("checked_reading", "snapshot_reader");
 const [, , file, build, room] = process.argv;
-const { PATIENT } = touch;
 
 // Down into the body, along it, and out: m from the body's middle.
 const SLIDE = [
@@ -66,7 +65,7 @@ async function checkOpening(browser) {
   });
   await check("where motion is reduced it is still until touched; the hint says what to do", async () => {
     const before = await touch.shown(page);
-    await until("ticks", async () => (await touch.shown(page)).steps > before.steps + 300, PATIENT);
+    await until("ticks", async () => (await touch.shown(page)).steps > before.steps + 300);
     near((await touch.shown(page)).tip, before.tip, 1e-12);
     assert(await page.ask("document.getElementById('touch-hint').checkVisibility()"));
   });
@@ -80,7 +79,7 @@ async function drag(page) {
   await page.ask("globalThis.sceneBefore = viewer.own.scene, 0");
   const recording = touch.record(page, 4000, []);
   const begun = "viewer.own.scene !== sceneBefore && viewer.own.frame !== null";
-  await until("a frame of the scene anew: before it a drag turns the picture", () => page.ask(begun), PATIENT);
+  await until("a frame of the scene anew: before it a drag turns the picture", () => page.ask(begun));
   await page.mouse("mousePressed", from, { button: "left", buttons: 1, clickCount: 1 });
   for (let i = 1; i <= 7; i++) {
     await page.mouse("mouseMoved", [from[0] - 8 * i, from[1] + 36 * Math.min(i, 5)], { button: "left", buttons: 1 });
@@ -128,7 +127,7 @@ async function checkPicture(page) {
     "the picture has proxy and device where the snapshot has them, and the arrow points as the force does",
     async () => {
       await page.key(" "); // hold the picture
-      await until("a held picture", async () => !(await page.state()).playing, PATIENT);
+      await until("a held picture", async () => !(await page.state()).playing);
       await page.settle();
       const { segment, wrench, arrow } = await page.call(() => ({
         segment: viewer.own.frame.snapshot.segments[0],
@@ -195,7 +194,7 @@ async function checkSoft(page, scene) {
         const [body] = viewer.own.view.bodies.values();
         return body.positions.reduce((most, value, i) => Math.max(most, Math.abs(value - body.mesh.positions[i])), 0);
       });
-      await until("a drawn surface that has moved by more than a millimetre", async () => (await moved()) > 1e-3, 5000);
+      await until("a drawn surface that has moved by more than a millimetre", async () => (await moved()) > 1e-3);
     },
   );
 }
@@ -249,7 +248,7 @@ async function checkHidden(page) {
     assert.strictEqual(await steps(), before);
     const { lost } = await page.ask("dynpoint.panel().report");
     await hide(false);
-    await until("ticks again", async () => (await steps()) > before + 20, PATIENT);
+    await until("ticks again", async () => (await steps()) > before + 20);
     const after = await page.ask("dynpoint.panel().report");
     assert(after.lost - lost < 700, `${after.lost - lost} ticks were counted as lost`);
   });

@@ -7,14 +7,12 @@ const path = require("path");
 const { execFileSync } = require("child_process");
 const { pathToFileURL } = require("url");
 const { until } = require("../view/chromium.js");
-const PATIENT = 120000; // ms: a machine may be busy
 const LAWS = ["point", "bed", "proxy"];
 
 const running = page =>
   until(
     "frames",
     () => page.ask("typeof dynpoint === 'object' && 'panel' in dynpoint && dynpoint.state().frames > 2"),
-    PATIENT,
   );
 
 async function visitPage(browser, file, options) {
@@ -120,13 +118,12 @@ async function choose(page, name) {
   await until(
     `the scene ${name}`,
     () => page.call(name => dynpoint.panel().scene === name && dynpoint.state().frames > 2, name),
-    PATIENT,
   );
 }
 
 async function chooseLaw(page, law) {
   await page.call(law => document.querySelector(`input[value=${law}]`).click(), law);
-  await until(`the law ${law}`, async () => LAWS[(await shown(page)).law] === law, PATIENT);
+  await until(`the law ${law}`, async () => LAWS[(await shown(page)).law] === law);
 }
 
-module.exports = { LAWS, PATIENT, choose, chooseLaw, cut, feelAgain, record, running, shown, visitPage };
+module.exports = { LAWS, choose, chooseLaw, cut, feelAgain, record, running, shown, visitPage };

@@ -4,12 +4,13 @@
 const fs = require("fs");
 const path = require("path");
 const { spawn } = require("child_process");
+const PATIENCE = 120000; // ms: a browser that nothing has started before may need more than 20 s on a busy machine
 const sleep = ms => new Promise(done => setTimeout(done, ms));
 
 // By progress, not by the clock alone: where the machine is busy, as many answers take longer.
-async function until(what, ask, ms = 20000) {
-  const end = Date.now() + ms;
-  for (let asked = 0; Date.now() < end || asked < ms / 30; asked++, await sleep(30)) {
+async function until(what, ask) {
+  const end = Date.now() + PATIENCE;
+  for (let asked = 0; Date.now() < end || asked < PATIENCE / 30; asked++, await sleep(30)) {
     const got = await ask();
     if (got) return got;
   }

@@ -145,7 +145,7 @@ async function recorded(browser) {
   inRoom("view", "felt.dpr", "-o", "felt.html");
   const page = await browser.visit(`file://${path.resolve(room, "felt.html")}`);
   await check("a recording of a soft liver plays in a page: all of its ticks, 60 frames a second, vertices that move", async () => {
-    await until("its end", async () => (await page.state()).ended, 60000);
+    await until("its end", async () => (await page.state()).ended);
     const { ended, frames, ticks, refused } = await page.state();
     assert.match(ended, /whole: 2000 records/);
     assert(ticks === 2000 && frames >= 119 && frames <= 122 && refused === 0, `${ticks}, ${frames}, ${refused}`);
