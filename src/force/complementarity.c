@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "dynpoint/types.h"
+
 /* A constraint of which no more than this share is independent of the active ones depends on them. */
 #define DEPENDENT 1e-12
 
@@ -18,6 +20,17 @@ struct candidate {
     double share[COMPLEMENTARITY_ACTIVE_MAX]; /* how the active multipliers fall as its own grows */
     double independent;                       /* of its own product, what the active ones leave */
 };
+
+static uint32_t kind_of(const struct complementarity *problem, uint32_t index)
+{
+    return problem->kind ? problem->kind[index] : (uint32_t)COMPLEMENTARITY_CONSTRAINT;
+}
+
+/* Whether the multiplier of an active row may not be negative. */
+static int only_pushes(const struct complementarity *problem, uint32_t k)
+{
+    return kind_of(problem, problem->active[k]) == COMPLEMENTARITY_CONSTRAINT;
+}
 
 static const double *column_of(const struct complementarity *problem, uint32_t k)
 {
@@ -105,33 +118,55 @@ static void find_gaps(struct complementarity *problem)
     }
 }
 
-/* From the active constraints that are given: without those that depend on others, or would pull. */
-static void begin(struct complementarity *problem)
+/* A row that no active one makes superfluous becomes active. Returns 0 if there is no room. */
+static int begin_with(struct complementarity *problem, uint32_t index)
 {
-    uint32_t which, given = problem->active_count;
+    uint32_t which;
+    const uint32_t last = problem->active_count;
+    if (last == COMPLEMENTARITY_ACTIVE_MAX)
+        return 0;
+    problem->active_count++;
+    problem->active[last] = index;
+    problem->column(problem->user, index, problem->columns[problem->place[last]]);
+    if (!factor_from(problem, last, &which))
+        problem->active_count = last;
+    return 1;
+}
+
+/* The active constraint of the least multiplier, DPT_NONE if none would pull. */
+static uint32_t first_pulling(const struct complementarity *problem)
+{
+    uint32_t least = DPT_NONE;
+    for (uint32_t k = 0; k < problem->active_count; k++)
+        if (only_pushes(problem, k) && problem->multiplier[k] < 0.0 &&
+            (least == DPT_NONE || problem->multiplier[k] < problem->multiplier[least]))
+            least = k;
+    return least;
+}
+
+/* From the equalities, and the active constraints that are given: without those that depend on others, or would pull. */
+static int begin(struct complementarity *problem)
+{
+    uint32_t given[COMPLEMENTARITY_ACTIVE_MAX], pulling;
+    const uint32_t given_count = problem->active_count;
+    int has_room = 1;
+    memcpy(given, problem->active, given_count * sizeof *given);
     problem->active_count = problem->passes = 0;
     for (uint32_t k = 0; k < COMPLEMENTARITY_ACTIVE_MAX; k++)
         problem->place[k] = k;
-    for (uint32_t k = 0; k < given; k++) {
-        if (!(problem->active[k] < problem->count))
-            continue;
-        const uint32_t last = problem->active_count++;
-        problem->active[last] = problem->active[k];
-        problem->column(problem->user, problem->active[last], problem->columns[problem->place[last]]);
-        if (!factor_from(problem, last, &which))
-            problem->active_count = last;
-    }
-    for (;;) {
-        uint32_t least = 0;
+    for (uint32_t i = 0; problem->kind && i < problem->count; i++)
+        if (problem->kind[i] == COMPLEMENTARITY_EQUAL)
+            has_room &= begin_with(problem, i);
+    for (uint32_t k = 0; k < given_count; k++)
+        if (given[k] < problem->count && kind_of(problem, given[k]) == COMPLEMENTARITY_CONSTRAINT)
+            begin_with(problem, given[k]);
+    solve_active(problem);
+    while ((pulling = first_pulling(problem)) != DPT_NONE) {
+        drop(problem, pulling);
         solve_active(problem);
-        for (uint32_t k = 1; k < problem->active_count; k++)
-            if (problem->multiplier[k] < problem->multiplier[least])
-                least = k;
-        if (!problem->active_count || problem->multiplier[least] >= 0.0)
-            break;
-        drop(problem, least);
     }
     find_gaps(problem);
+    return has_room ? COMPLEMENTARITY_SOLVED : COMPLEMENTARITY_FULL;
 }
 
 static void measure(const struct complementarity *problem, struct candidate *candidate)
@@ -149,7 +184,8 @@ static double first_released(const struct complementarity *problem, const struct
 {
     double least = HUGE_VAL;
     for (uint32_t k = 0; k < problem->active_count; k++)
-        if (candidate->share[k] > 0.0 && problem->multiplier[k] < least * candidate->share[k]) {
+        if (only_pushes(problem, k) && candidate->share[k] > 0.0 &&
+            problem->multiplier[k] < least * candidate->share[k]) {
             least = problem->multiplier[k] / candidate->share[k];
             *which = k;
         }
@@ -205,11 +241,13 @@ static int add(struct complementarity *problem, uint32_t index)
     }
 }
 
-static uint32_t least_gap(const struct complementarity *problem)
+/* The constraint that is missed by the most; DPT_NONE if all are met. */
+static uint32_t most_missed(const struct complementarity *problem)
 {
-    uint32_t least = 0;
-    for (uint32_t i = 1; i < problem->count; i++)
-        if (problem->gap[i] < problem->gap[least])
+    uint32_t least = DPT_NONE;
+    for (uint32_t i = 0; i < problem->count; i++)
+        if (problem->gap[i] < -problem->tolerance && kind_of(problem, i) == COMPLEMENTARITY_CONSTRAINT &&
+            (least == DPT_NONE || problem->gap[i] < problem->gap[least]))
             least = i;
     return least;
 }
@@ -230,24 +268,19 @@ static void finish(struct complementarity *problem)
         remove_active(problem, which);
     solve_active(problem);
     for (uint32_t k = 0; k < problem->active_count; k++)
-        if (!(problem->multiplier[k] > 0.0))
+        if (only_pushes(problem, k) && !(problem->multiplier[k] > 0.0))
             problem->multiplier[k] = 0.0;
     find_gaps(problem);
 }
 
 int dpti_complementarity_solve(struct complementarity *problem)
 {
-    int result = COMPLEMENTARITY_SOLVED;
-    if (!problem->count) {
-        problem->active_count = problem->passes = 0;
-        return result;
-    }
-    begin(problem);
+    int result = begin(problem);
     while (result == COMPLEMENTARITY_SOLVED && problem->passes < PASSES * problem->count) {
-        const uint32_t least = least_gap(problem);
-        if (!(problem->gap[least] < -problem->tolerance))
+        const uint32_t missed = most_missed(problem);
+        if (missed == DPT_NONE)
             break;
-        result = add(problem, least);
+        result = add(problem, missed);
     }
     finish(problem);
     return result;

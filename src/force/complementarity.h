@@ -2,6 +2,8 @@
 /*
  * A linear complementarity problem: multipliers >= 0 with
  *     gap = free_gap + A multiplier >= 0,   gap . multiplier = 0
+ * Some rows may be equalities, whose gap is 0 and whose multiplier has any sign, and some may only be watched: they have
+ * a gap and no multiplier.
  * A is symmetric and positive semidefinite, and is known by its columns. It is the dual of a nearest point under linear
  * constraints (half_spaces.h) where the point has many dimensions, so that the products of constraints are all that is
  * needed. The dual active set method of Goldfarb and Idnani (1983) on a Cholesky factor of the active part; it ends, as
@@ -12,7 +14,9 @@
 
 #include <stdint.h>
 
-enum { COMPLEMENTARITY_MAX = 256, COMPLEMENTARITY_ACTIVE_MAX = 48 };
+enum { COMPLEMENTARITY_MAX = 320, COMPLEMENTARITY_ACTIVE_MAX = 96 };
+
+enum { COMPLEMENTARITY_CONSTRAINT, COMPLEMENTARITY_EQUAL, COMPLEMENTARITY_WATCHED };
 
 enum {
     COMPLEMENTARITY_SOLVED,
@@ -23,12 +27,16 @@ enum {
 struct complementarity {
     /* To be set before. */
     uint32_t count;         /* 0..COMPLEMENTARITY_MAX */
+    const uint8_t *kind;    /* of each row, COMPLEMENTARITY_... ; NULL: all are constraints */
     double tolerance;       /* a gap of no less than minus that counts as met */
     const double *free_gap; /* `count` numbers */
     /* A column of A into `column`. */
     void (*column)(void *user, uint32_t index, double *column);
     void *user;
-    /* In: where to begin, the last answer's active constraints, or none. Out: those of this answer, ascending. */
+    /*
+     * In: where to begin, the last answer's active constraints, or none. Out: those of this answer and the equalities,
+     * ascending. An equality that depends on others is left out.
+     */
     uint32_t active_count;
     uint32_t active[COMPLEMENTARITY_ACTIVE_MAX];
     /* Out. */

@@ -19,6 +19,8 @@ struct problem {
     double normal[COMPLEMENTARITY_MAX][DIMENSIONS_MAX];
     double free_gap[COMPLEMENTARITY_MAX];
     double matrix[COMPLEMENTARITY_MAX][COMPLEMENTARITY_MAX];
+    uint8_t kind[COMPLEMENTARITY_MAX];
+    double from_inside[COMPLEMENTARITY_MAX]; /* the free gap with which `inside` has no gap */
 };
 
 static void give_column(void *user, uint32_t index, double *column)
@@ -53,6 +55,7 @@ static void draw(struct problem *problem, uint32_t count, uint32_t dimensions, d
                                                 : scale[k] * random_in(seed, -1.0, 1.0);
             at += problem->normal[i][k] * inside[k];
         }
+        problem->from_inside[i] = -at;
         problem->free_gap[i] = random_in(seed, 0.0, 0.5) - at;
         if (twin < i && random_bits(seed) % 2)
             problem->free_gap[i] = problem->free_gap[twin];
@@ -69,7 +72,10 @@ static void check_answer(int i, const struct problem *problem)
     const struct complementarity *solver = &problem->solver;
     double whole[COMPLEMENTARITY_MAX] = { 0.0 };
     for (uint32_t k = 0; k < solver->active_count; k++) {
-        CHECK(solver->multiplier[k] >= 0.0, "case %d: a multiplier of %g", i, solver->multiplier[k]);
+        const uint8_t kind = problem->kind[solver->active[k]];
+        CHECK(solver->multiplier[k] >= 0.0 || kind == COMPLEMENTARITY_EQUAL, "case %d: a multiplier of %g", i,
+              solver->multiplier[k]);
+        CHECK(kind != COMPLEMENTARITY_WATCHED, "case %d: a row that is watched pushes", i);
         CHECK(k == 0 || solver->active[k] > solver->active[k - 1], "case %d: not ascending", i);
         whole[solver->active[k]] = solver->multiplier[k];
     }
@@ -79,9 +85,13 @@ static void check_answer(int i, const struct problem *problem)
             gap += problem->matrix[j][m] * whole[m];
             size = fmax(size, fabs(problem->matrix[j][m] * whole[m]));
         }
-        CHECK(gap >= -TOLERANCE - 1e-9 * size, "case %d: a gap of %g", i, gap);
-        CHECK(whole[j] == 0.0 || fabs(gap) <= TOLERANCE + 1e-9 * size, "case %d: pushed over %g", i, gap);
         CHECK(fabs(gap - solver->gap[j]) <= 1e-9 * size, "case %d: told %g for %g", i, solver->gap[j], gap);
+        if (problem->kind[j] == COMPLEMENTARITY_WATCHED)
+            continue;
+        CHECK(gap >= -TOLERANCE - 1e-9 * size, "case %d: a gap of %g", i, gap);
+        CHECK(problem->kind[j] == COMPLEMENTARITY_CONSTRAINT || fabs(gap) <= TOLERANCE + 1e-9 * size,
+              "case %d: an equality has a gap of %g", i, gap);
+        CHECK(whole[j] == 0.0 || fabs(gap) <= TOLERANCE + 1e-9 * size, "case %d: pushed over %g", i, gap);
     }
 }
 
@@ -103,6 +113,31 @@ static void meets_the_conditions(void)
     }
     CHECK(active > 15, "at most %u were active", active);
     CHECK(passes < 8 * active, "%u passes for %u", passes, active);
+    free(problem);
+}
+
+/* Some rows are equalities, that the point inside meets, and one is only watched. */
+static void equalities_hold(void)
+{
+    struct problem *problem = malloc(sizeof *problem);
+    uint64_t seed = 4;
+    uint32_t pulling = 0;
+    for (int i = 0; i < 1000; i++) {
+        struct complementarity *solver = &problem->solver;
+        const uint32_t equal = (uint32_t)(random_bits(&seed) % 5), count = 12 + (uint32_t)(random_bits(&seed) % 40);
+        draw(problem, count, 8 + (uint32_t)(random_bits(&seed) % 30), i % 2 ? 0.0 : 2.0, &seed);
+        solver->kind = problem->kind;
+        for (uint32_t k = count - 1; k > count - 1 - 2 * equal; k -= 2) {
+            problem->kind[k] = COMPLEMENTARITY_EQUAL;
+            problem->free_gap[k] = problem->from_inside[k];
+        }
+        problem->kind[count - 2] = COMPLEMENTARITY_WATCHED;
+        CHECK(dpti_complementarity_solve(solver) == COMPLEMENTARITY_SOLVED, "case %d", i);
+        check_answer(i, problem);
+        for (uint32_t k = 0; k < solver->active_count; k++)
+            pulling += solver->multiplier[k] < 0.0;
+    }
+    CHECK(pulling > 300, "%u pulled", pulling);
     free(problem);
 }
 
@@ -152,10 +187,12 @@ static void says_what_cannot_be(void)
         CHECK(dpti_complementarity_solve(&problem->solver) == COMPLEMENTARITY_IMPOSSIBLE, "case %d", i);
     }
     memset(problem, 0, sizeof *problem);
-    problem->solver = (struct complementarity){
-        .count = 60, .tolerance = TOLERANCE, .free_gap = problem->free_gap, .column = give_column, .user = problem
-    };
-    for (uint32_t k = 0; k < 60; k++) {
+    problem->solver = (struct complementarity){ .count = COMPLEMENTARITY_ACTIVE_MAX + 12,
+                                                .tolerance = TOLERANCE,
+                                                .free_gap = problem->free_gap,
+                                                .column = give_column,
+                                                .user = problem };
+    for (uint32_t k = 0; k < problem->solver.count; k++) {
         problem->matrix[k][k] = 1.0;
         problem->free_gap[k] = -1.0;
     }
@@ -174,6 +211,7 @@ static void nothing_gives_nothing(void)
 int main(void)
 {
     TEST(meets_the_conditions);
+    TEST(equalities_hold);
     TEST(begins_anywhere);
     TEST(says_what_cannot_be);
     TEST(nothing_gives_nothing);
