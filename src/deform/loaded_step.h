@@ -27,10 +27,12 @@ void dpti_explicit_end(struct explicit_step *step, int is_kept);
 
 /*
  * Where a substep would take a slice's nodes with the loads that are set: how far from where they are, m, in rows of 16 x,
- * y, z. With EULER it is where the speeds of this substep lead in the next one, as loads move nothing before. Of a slice
- * that sleeps: where it would go if the load that it fell asleep with were gone.
+ * y, z. With EULER it is where the speeds of this substep lead in the next one, as loads move nothing before. `slid` is
+ * the part of it by which the loads of the substep before had not moved them yet. Of a slice that sleeps: where it would
+ * go if the load that it fell asleep with were gone.
  */
-void dpti_explicit_foresee(const struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS]);
+void dpti_explicit_foresee(const struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS],
+                           double slid[SPRING_ROWS]);
 
 /* Where a node is in the step so far, m, with what its floats have lost. */
 vec3 dpti_explicit_place(const struct explicit_step *step, uint32_t node);

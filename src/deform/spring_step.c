@@ -149,7 +149,8 @@ vec3 dpti_explicit_place(const struct explicit_step *step, uint32_t node)
                    (double)slice->x[2 * LANES + lane] + (double)slice->rest[2 * LANES + lane] };
 }
 
-void dpti_explicit_foresee(const struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS])
+void dpti_explicit_foresee(const struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS],
+                           double slid[SPRING_ROWS])
 {
     const struct dpt_springs *springs = step->springs;
     const float *load = springs->loads[springs->loaded].force + SPRING_ROWS * (size_t)slice;
@@ -160,15 +161,17 @@ void dpti_explicit_foresee(const struct explicit_step *step, uint32_t slice, dou
     if (!springs->region.is_awake[slice]) {
         const float *held = springs->region.held + SPRING_ROWS * (size_t)slice;
         for (uint32_t i = 0; i < SPRING_ROWS; i++)
-            moved[i] = dpti_explicit_response(step, LANES * slice + i % LANES) * ((double)load[i] - (double)held[i]);
+            moved[i] = slid[i] =
+                dpti_explicit_response(step, LANES * slice + i % LANES) * ((double)load[i] - (double)held[i]);
         return;
     }
     springs->kernel.spring_forces(&springs->rows, slice, springs->points[springs->at], force);
     springs->kernel.spring_move(&step->motion, springs->nodes + slice, force, load, from, &to, points, &square);
     for (uint32_t i = 0; i < SPRING_ROWS; i++) {
         moved[i] = ((double)to.x[i] - (double)from->x[i]) + ((double)to.rest[i] - (double)from->rest[i]);
+        slid[i] = step->motion.is_euler ? h * (double)to.v[i] : moved[i];
         if (step->motion.is_euler)
-            moved[i] += h * (double)to.v[i];
+            moved[i] += slid[i];
     }
 }
 

@@ -263,7 +263,7 @@ static void begin_pulled(const struct proxy_tick *tick, const double *wanted, do
 static const struct body *rough_body(const struct proxy_tick *tick, uint32_t space)
 {
     const struct body *body = world_find_body(tick->world, tick->triangles[tick->sources[space].triangle].body_id);
-    return body && body->static_friction > 0.0 ? body : NULL;
+    return body && body->static_friction > 0.0 && !tick->is_led ? body : NULL;
 }
 
 static void share_places(struct friction_contact *contacts, uint32_t count)
@@ -436,7 +436,7 @@ int dpti_proxy_solve_held(struct proxy_tick *tick, double *left)
 {
     const struct proxy *proxy = tick->proxy;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    if (!(displacement_norm(&proxy->coupling, &away) > 0.0))
+    if (tick->is_led || !(displacement_norm(&proxy->coupling, &away) > 0.0))
         return 0;
     if (tick->held != PROXY_HELD_UNKNOWN) {
         dpti_proxy_to_unknowns(proxy, tick->axes, &away, left);

@@ -277,7 +277,8 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
 /* Put the proxy where the device is. Whether it is outside there, contact tells later. */
 static void place(struct proxy_tick *tick)
 {
-    tick->at = tick->goal;
+    tick->at = tick->goal = tick->device;
+    tick->is_led = 0;
     tick->is_before = tick->is_waiting = 0;
     tick->proxy->state = PROXY_PLACED;
     tick->proxy->is_behind = 0;
@@ -360,6 +361,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     }
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
     const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    const struct displacement behind = dpti_proxy_displacement(proxy, &tick->at, &tick->device);
     const double motion = displacement_norm(&proxy->coupling, &moved);
     const double far = displacement_norm(&proxy->coupling, &left);
     proxy->owed = min_of(proxy->owed, 2.0 * far);
@@ -371,7 +373,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
         proxy->flags |= DPT_FORCE_FLAG_FOLD;
         proxy->folds++;
     }
-    if (length(left.turn) > LAG_TURN_MAX) {
+    if (length(behind.turn) > LAG_TURN_MAX) {
         proxy->flags |= DPT_FORCE_FLAG_REPLACED;
         place_again(tick);
     }
@@ -387,6 +389,26 @@ static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *pro
         return;
     proxy->state = PROXY_DOUBTED;
     proxy->gap = -HUGE_VAL;
+}
+
+/*
+ * What the proxy follows. Where friction held the tool in its last step with tissue, that is where it was then, and as far
+ * again as it went: it will not be far from there.
+ */
+static void find_goal(struct proxy_tick *tick)
+{
+    struct proxy *proxy = tick->proxy;
+    tick->device = tick->goal = dpti_proxy_pose_of(proxy, &tick->tool->pose);
+    tick->is_led = proxy->is_ended && proxy->is_led;
+    if (tick->is_led) {
+        const struct proxy_pose end = dpti_proxy_pose_of(proxy, &proxy->end);
+        tick->goal = dpti_proxy_moved(proxy, &end, &proxy->end_motion);
+    }
+    if (!proxy->is_ended) {
+        proxy->end = proxy->pose;
+        proxy->is_sliding = 0;
+    }
+    proxy->is_ended = proxy->is_led = 0;
 }
 
 /* Whether a tick left a proxy as it was. */
@@ -415,7 +437,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     dpti_proxy_measure(world, tool, proxy);
     tick.clearance = CLEARANCE * scale;
     tick.min_gap = GAP_MIN * scale;
-    tick.goal = dpti_proxy_pose_of(proxy, &tool->pose);
+    find_goal(&tick);
     proxy->flags = 0;
     proxy->last_felt = proxy->felt;
     proxy->last_device_pose = proxy->device_pose;
@@ -424,13 +446,13 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
         place(&tick);
     } else {
         const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
-        const struct displacement moved = dpti_proxy_displacement(proxy, &device, &tick.goal);
+        const struct displacement moved = dpti_proxy_displacement(proxy, &device, &tick.device);
         const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
-        tick.at = dpti_proxy_spun_as(proxy, &at, &tick.goal, SPIN_MAX);
+        tick.at = dpti_proxy_spun_as(proxy, &at, &tick.device, SPIN_MAX);
         tick.gap = proxy->gap;
         follow(&tick, displacement_norm(&proxy->coupling, &moved), dt);
         if (proxy->coupling.spin_rho > 0.0)
-            tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.goal, SPIN_ROLLED_MAX);
+            tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.device, SPIN_ROLLED_MAX);
     }
     dpti_proxy_keep_contacts(&tick);
     dpti_proxy_yield(&tick);
@@ -448,7 +470,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     for (uint32_t i = 0; i < tool->segment_count; i++)
         world->segments[tool->first_segment + i].result.work = 0;
     world->segments[tool->first_segment].result.work = world->work.done - work_before;
-    const struct displacement away = dpti_proxy_displacement(proxy, &tick.goal, &tick.at);
+    const struct displacement away = dpti_proxy_displacement(proxy, &tick.device, &tick.at);
     proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
     proxy->is_still =
         is_unchanged && is_done && !proxy->is_behind && proxy->tip_motion == 0.0 && stood_still(&before, proxy);

@@ -41,20 +41,22 @@ struct proxy_tick {
     struct dpt_world *world;
     struct tool *tool;
     struct proxy *proxy;
-    struct proxy_pose at, goal;
-    vec3 axes[3];     /* of `at`, for turns */
-    double clearance; /* m: contacts are held so far apart */
-    double min_gap;   /* m: no pose is accepted whose gap is less */
-    double gap;       /* m: of the tool's surface at `at`; a lower bound where a budget ended the search */
-    int is_before;    /* `at` is proven only for where bodies were at `time` of their motion before this tick */
-    double time;      /* 0..1 */
-    double made;      /* the share that was made of the last motion that was solved for */
-    double lift;      /* m: while is_before, added to the clearance of contacts */
-    int is_lost;      /* the segments' nearest pairs are of another pose than `at` */
-    int held;         /* PROXY_HELD_... */
-    int is_moved;     /* a motion was made in this tick */
-    int is_settled;   /* the last solution is of `at`, and leaves no motion to make */
-    int is_waiting;   /* a budget ended the tick's motions before the proxy arrived */
+    struct proxy_pose at, device;
+    struct proxy_pose goal; /* what it follows: the device, or where friction held the tool in its step with tissue */
+    int is_led;             /* the latter: then no friction is added to it */
+    vec3 axes[3];           /* of `at`, for turns */
+    double clearance;       /* m: contacts are held so far apart */
+    double min_gap;         /* m: no pose is accepted whose gap is less */
+    double gap;             /* m: of the tool's surface at `at`; a lower bound where a budget ended the search */
+    int is_before;          /* `at` is proven only for where bodies were at `time` of their motion before this tick */
+    double time;            /* 0..1 */
+    double made;            /* the share that was made of the last motion that was solved for */
+    double lift;            /* m: while is_before, added to the clearance of contacts */
+    int is_lost;            /* the segments' nearest pairs are of another pose than `at` */
+    int held;               /* PROXY_HELD_... */
+    int is_moved;           /* a motion was made in this tick */
+    int is_settled;         /* the last solution is of `at`, and leaves no motion to make */
+    int is_waiting;         /* a budget ended the tick's motions before the proxy arrived */
     uint32_t triangle_count;
     uint32_t space_count;
     uint32_t contact_count; /* of the solution, contacts with friction */

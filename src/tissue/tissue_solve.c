@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "proxy/proxy.h"
+#include "tissue/tissue_friction.h"
 
 /* m: a gap of no less than minus that counts as met. */
 #define TOLERANCE 1e-10
@@ -62,21 +63,32 @@ static uint32_t body_of(const struct tissue_solve *solve, uint32_t body_id)
     return DPT_NONE;
 }
 
-void dpti_tissue_link(struct tissue_solve *solve, const struct dpt_world *world)
+static uint32_t tool_of(const struct tissue_solve *solve, uint32_t slot)
 {
+    uint32_t t = 0;
+    while (solve->tools[t].slot != slot)
+        t++;
+    return t;
+}
+
+void dpti_tissue_link(struct tissue_solve *solve)
+{
+    const vec3 none = { 0.0, 0.0, 0.0 };
     solve->node_count = 0;
-    memset(solve->push, 0, sizeof solve->push);
     memset(solve->table, 0, sizeof solve->table);
     for (uint32_t i = 0; i < solve->touches.count; i++) {
         const struct touch *touch = &solve->touches.touch[i];
-        const struct tool *tool = &world->tools[touch->tool_slot];
         struct tissue_link *link = &solve->links[i];
-        *link = (struct tissue_link){ .body = body_of(solve, touch->body_id),
-                                      .stiffness = proxy_of(world, tool)->coupling.stiffness };
+        struct tissue_row *row = &solve->rows[i];
+        *link =
+            (struct tissue_link){ .body = body_of(solve, touch->body_id), .tool = tool_of(solve, touch->tool_slot) };
+        *row = (struct tissue_row){ .touch = i, .along = touch->normal, .within = touch->normal };
+        memcpy(row->lever, touch->row, sizeof row->lever);
+        solve->push[i] = none;
         if (link->body == DPT_NONE)
             continue;
         const struct body *body = solve->bodies[link->body].body;
-        link->normal = frame_turn_back(&body->frame, touch->normal);
+        row->within = frame_turn_back(&body->frame, touch->normal);
         for (uint32_t k = 0; k < 3; k++)
             if (touch->weight[k] != 0.0)
                 add_corner(solve, link, surface_corner(&body->surface, touch->triangle, k), touch->weight[k]);
@@ -86,7 +98,7 @@ void dpti_tissue_link(struct tissue_solve *solve, const struct dpt_world *world)
 /* Where the loads that are set would take the touched nodes: all of a slice at once. */
 static void foresee(struct tissue_solve *solve)
 {
-    double moved[SPRING_ROWS];
+    double moved[SPRING_ROWS], slid[SPRING_ROWS];
     for (uint32_t i = 0; i < solve->node_count; i++)
         solve->nodes[i].is_foreseen = 0;
     for (uint32_t i = 0; i < solve->node_count; i++) {
@@ -94,41 +106,43 @@ static void foresee(struct tissue_solve *solve)
         const struct explicit_step *step = &solve->bodies[body].step.explicit;
         if (solve->nodes[i].is_foreseen)
             continue;
-        dpti_explicit_foresee(step, slice, moved);
+        dpti_explicit_foresee(step, slice, moved, slid);
         for (uint32_t k = i; k < solve->node_count; k++) {
             struct tissue_node *node = &solve->nodes[k];
             const uint32_t lane = node->node % LANES;
             if (node->body != body || node->node / LANES != slice)
                 continue;
             const vec3 by = { moved[lane], moved[LANES + lane], moved[2 * LANES + lane] };
+            node->slid = (vec3){ slid[lane], slid[LANES + lane], slid[2 * LANES + lane] };
             node->moved = sub(add(dpti_explicit_place(step, node->node), by), node->begin);
             node->is_foreseen = 1;
         }
     }
 }
 
-/* What a newton of one touch does to the gaps of all: it moves its tool away, and its nodes. */
+/* What a newton along one row does to the gaps of all: it moves its tool away, and its nodes. */
 static void give_column(void *user, uint32_t index, double *column)
 {
     struct tissue_solve *solve = user;
-    const struct touch *touch = &solve->touches.touch[index];
-    const struct tissue_link *link = &solve->links[index];
+    const struct tissue_row *row = &solve->rows[index];
+    const struct tissue_link *link = &solve->links[row->touch];
+    const double stiffness = solve->tools[link->tool].proxy->coupling.stiffness;
     for (uint32_t k = 0; k < link->count; k++)
         solve->spread[link->node[k]] = link->weight[k] * solve->nodes[link->node[k]].response;
-    for (uint32_t i = 0; i < solve->touches.count; i++) {
-        const struct touch *other = &solve->touches.touch[i];
-        const struct tissue_link *its = &solve->links[i];
+    for (uint32_t i = 0; i < tissue_row_count(solve); i++) {
+        const struct tissue_row *other = &solve->rows[i];
+        const struct tissue_link *its = &solve->links[other->touch];
         double sum = 0.0;
         if (link->body != DPT_NONE && its->body == link->body) {
             for (uint32_t k = 0; k < its->count; k++)
                 sum += its->weight[k] * solve->spread[its->node[k]];
-            sum *= dot(its->normal, link->normal);
+            sum *= dot(other->within, row->within);
         }
-        if (other->tool_slot == touch->tool_slot) {
+        if (its->tool == link->tool) {
             double product = 0.0;
             for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
-                product += touch->row[k] * other->row[k];
-            sum += product / link->stiffness;
+                product += row->lever[k] * other->lever[k];
+            sum += product / stiffness;
         }
         column[i] = sum;
     }
@@ -136,15 +150,51 @@ static void give_column(void *user, uint32_t index, double *column)
         solve->spread[link->node[k]] = 0.0;
 }
 
-static void set_free_gaps(struct tissue_solve *solve)
+static double lever_product(const double *lever, const double *unknowns)
+{
+    double sum = 0.0;
+    for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+        sum += lever[k] * unknowns[k];
+    return sum;
+}
+
+/* How far the point of a touch would be, or slide, without the pushes that are to be found. */
+static vec3 point_moved(const struct tissue_solve *solve, const struct tissue_link *link, int slides)
+{
+    vec3 moved = { 0.0, 0.0, 0.0 };
+    for (uint32_t k = 0; k < link->count; k++) {
+        const struct tissue_node *node = &solve->nodes[link->node[k]];
+        moved = along(moved, link->weight[k], add(slides ? node->slid : node->moved, node->known));
+    }
+    return moved;
+}
+
+static void set_gaps_of_touches(struct tissue_solve *solve)
 {
     for (uint32_t i = 0; i < solve->touches.count; i++) {
+        const struct tissue_row *row = &solve->rows[i];
         const struct tissue_link *link = &solve->links[i];
-        vec3 moved = { 0.0, 0.0, 0.0 };
-        for (uint32_t k = 0; k < link->count; k++)
-            moved = along(moved, link->weight[k], solve->nodes[link->node[k]].moved);
-        solve->free_gap[i] = solve->touches.touch[i].device_gap - dot(link->normal, moved);
+        const double *known = solve->tools[link->tool].known;
+        solve->free_gap[i] = solve->touches.touch[i].gap + lever_product(row->lever, known) -
+                             dot(row->within, point_moved(solve, link, 0));
+        solve->kind[i] = COMPLEMENTARITY_CONSTRAINT;
     }
+}
+
+/* How far a tool would slide on the surface, along each tangent. */
+static void set_gaps_of_rubs(struct tissue_solve *solve)
+{
+    const double share = 1.0 / (double)solve->bodies[0].step.info.substeps;
+    for (uint32_t r = 0; r < solve->rub_count; r++)
+        for (uint32_t d = 0; d < 2; d++) {
+            const uint32_t i = tissue_row_of_rub(solve, r) + d;
+            const struct tissue_row *row = &solve->rows[i];
+            const struct tissue_link *link = &solve->links[row->touch];
+            const struct tissue_tool *tool = &solve->tools[link->tool];
+            solve->free_gap[i] = lever_product(row->lever, tool->known) - lever_product(row->lever, tool->end) -
+                                 dot(row->within, point_moved(solve, link, 1)) - share * solve->rubs[r].carried[d];
+            solve->kind[i] = solve->rubs[r].state == RUB_STICKS ? COMPLEMENTARITY_EQUAL : COMPLEMENTARITY_WATCHED;
+        }
 }
 
 static struct touch_name name_of(const struct touch *touch)
@@ -156,39 +206,68 @@ static struct touch_name name_of(const struct touch *touch)
 static void begin_problem(struct tissue_solve *solve)
 {
     struct complementarity *problem = &solve->problem;
-    problem->count = solve->touches.count;
     problem->tolerance = TOLERANCE;
     problem->free_gap = solve->free_gap;
+    problem->kind = solve->kind;
     problem->column = give_column;
     problem->user = solve;
     problem->active_count = 0;
+    dpti_rubs_begin(solve);
     for (uint32_t i = 0; i < solve->touches.count; i++) {
         const struct touch_name name = name_of(&solve->touches.touch[i]);
         for (uint32_t k = 0; k < solve->held_count; k++)
-            if (!memcmp(&name, &solve->held[k], sizeof name))
+            if (!memcmp(&name, &solve->held[k], sizeof name)) {
                 problem->active[problem->active_count++] = i;
+                if (!dpti_rubs_add(solve, i))
+                    solve->is_full = 1;
+            }
     }
 }
 
 static void note_held(struct tissue_solve *solve)
 {
-    const struct complementarity *problem = &solve->problem;
-    solve->held_count = problem->active_count;
-    for (uint32_t k = 0; k < problem->active_count; k++)
-        solve->held[k] = name_of(&solve->touches.touch[problem->active[k]]);
+    solve->held_count = 0;
+    for (uint32_t i = 0; i < solve->touches.count && solve->held_count < COMPLEMENTARITY_ACTIVE_MAX; i++)
+        if (solve->multiplier[i] > 0.0)
+            solve->held[solve->held_count++] = name_of(&solve->touches.touch[i]);
 }
 
-/* Each touch that holds pushes its nodes away from the tool. */
+/* One pass: pushes, and the pulls of what sticks, beside the pulls of what slips. */
+static void solve_pass(struct tissue_solve *solve)
+{
+    struct complementarity *problem = &solve->problem;
+    problem->count = tissue_row_count(solve);
+    dpti_rubs_set_known(solve);
+    set_gaps_of_touches(solve);
+    set_gaps_of_rubs(solve);
+    if (dpti_complementarity_solve(problem) != COMPLEMENTARITY_SOLVED)
+        solve->is_full = 1;
+    memset(solve->multiplier, 0, problem->count * sizeof *solve->multiplier);
+    for (uint32_t a = 0; a < problem->active_count; a++)
+        solve->multiplier[problem->active[a]] = problem->multiplier[a];
+}
+
+/* Pulls of what slips join the multipliers. */
+static void take_pulls(struct tissue_solve *solve)
+{
+    for (uint32_t r = 0; r < solve->rub_count; r++)
+        for (uint32_t d = 0; d < 2; d++)
+            if (solve->rubs[r].state == RUB_SLIPS)
+                solve->multiplier[tissue_row_of_rub(solve, r) + d] = solve->rubs[r].pull[d];
+}
+
+/* Each row pushes its nodes away from the tool. */
 static void find_loads(struct tissue_solve *solve)
 {
-    const struct complementarity *problem = &solve->problem;
     for (uint32_t i = 0; i < solve->node_count; i++)
         solve->nodes[i].load = (vec3){ 0.0, 0.0, 0.0 };
-    for (uint32_t a = 0; a < problem->active_count; a++) {
-        const struct tissue_link *link = &solve->links[problem->active[a]];
+    for (uint32_t i = 0; i < tissue_row_count(solve); i++) {
+        const struct tissue_link *link = &solve->links[solve->rows[i].touch];
+        if (solve->multiplier[i] == 0.0)
+            continue;
         for (uint32_t k = 0; k < link->count; k++) {
             vec3 *load = &solve->nodes[link->node[k]].load;
-            *load = along(*load, -problem->multiplier[a] * link->weight[k], link->normal);
+            *load = along(*load, -solve->multiplier[i] * link->weight[k], solve->rows[i].within);
         }
     }
 }
@@ -197,7 +276,6 @@ static double farthest_of(const struct tissue_solve *solve)
 {
     double farthest = 0.0;
     for (uint32_t i = 0; i < solve->touches.count; i++) {
-        const struct touch *touch = &solve->touches.touch[i];
         const struct tissue_link *link = &solve->links[i];
         vec3 moved = { 0.0, 0.0, 0.0 };
         for (uint32_t k = 0; k < link->count; k++) {
@@ -205,33 +283,56 @@ static double farthest_of(const struct tissue_solve *solve)
             moved = along(moved, link->weight[k], along(node->moved, node->response, node->load));
         }
         /* The gap changes by both. */
-        const double tool = solve->problem.gap[i] - touch->gap + dot(link->normal, moved);
+        const double tool = solve->problem.gap[i] - solve->touches.touch[i].gap + dot(solve->rows[i].within, moved);
         farthest = max_of(farthest, length(moved) + fabs(tool));
     }
     return farthest;
 }
+
+/* How often pulls are found again. A tool that sticks, or slides as it did, needs one to four. */
+enum { PASSES = 12 };
 
 double dpti_tissue_solve(struct tissue_solve *solve)
 {
     for (uint32_t b = 0; b < solve->body_count; b++)
         dpti_loaded_step_set(&solve->bodies[b].step);
     foresee(solve);
-    set_free_gaps(solve);
     begin_problem(solve);
-    if (dpti_complementarity_solve(&solve->problem) != COMPLEMENTARITY_SOLVED)
-        solve->is_full = 1;
+    for (int pass = 1;; pass++) {
+        solve_pass(solve);
+        if (pass == PASSES || !dpti_rubs_update(solve))
+            break;
+    }
     note_held(solve);
+    take_pulls(solve);
     find_loads(solve);
     return farthest_of(solve);
 }
 
+/* Where each tool is at the end of the substep, and what it feels. */
+static void move_tools(struct tissue_solve *solve, double share)
+{
+    dpti_rubs_end(solve);
+    for (uint32_t t = 0; t < solve->tool_count; t++)
+        memcpy(solve->tools[t].end, solve->tools[t].away, sizeof solve->tools[t].end);
+    for (uint32_t i = 0; i < tissue_row_count(solve); i++) {
+        const struct tissue_row *row = &solve->rows[i];
+        struct tissue_tool *tool = &solve->tools[solve->links[row->touch].tool];
+        if (solve->multiplier[i] == 0.0)
+            continue;
+        solve->push[row->touch] = along(solve->push[row->touch], share * solve->multiplier[i], row->along);
+        for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++) {
+            const double by = solve->multiplier[i] * row->lever[k] / tool->proxy->coupling.stiffness;
+            tool->end[k] += by;
+            tool->felt[k] += share * by;
+        }
+    }
+}
+
 int dpti_tissue_substep(struct tissue_solve *solve)
 {
-    const struct complementarity *problem = &solve->problem;
-    const double share = 1.0 / (double)solve->bodies[0].step.info.substeps;
     int is_done = 1;
-    for (uint32_t a = 0; a < problem->active_count; a++)
-        solve->push[problem->active[a]] += share * problem->multiplier[a];
+    move_tools(solve, 1.0 / (double)solve->bodies[0].step.info.substeps);
     for (uint32_t i = 0; i < solve->node_count; i++)
         dpti_loaded_step_add(&solve->bodies[solve->nodes[i].body].step, solve->nodes[i].node, solve->nodes[i].load);
     for (uint32_t b = 0; b < solve->body_count; b++)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "tissue/touches.h"
 
+#include <string.h>
+
 #include "hull/hull_triangle.h"
 #include "nearest/bvh.h"
 #include "nearest/pair_features.h"
@@ -41,7 +43,7 @@ static int has_twin(const struct touches *touches, const struct touch *touch)
 static void put(struct touches *touches, const struct touch *touch)
 {
     uint32_t widest = 0;
-    if (touches->count < COMPLEMENTARITY_MAX) {
+    if (touches->count < TOUCHES_MAX) {
         touches->touch[touches->count++] = *touch;
         return;
     }
@@ -51,6 +53,16 @@ static void put(struct touches *touches, const struct touch *touch)
             widest = i;
     if (touches->touch[widest].gap > touch->gap)
         touches->touch[widest] = *touch;
+}
+
+void dpti_touch_lever(const struct proxy *proxy, const struct proxy_pose *at, const vec3 axes[3], vec3 place,
+                      vec3 along, double lever[TOUCH_DIMENSIONS])
+{
+    const vec3 turned = cross(sub(place, at->centre), along);
+    memset(lever, 0, TOUCH_DIMENSIONS * sizeof *lever);
+    vec3_store(along, lever);
+    for (uint32_t k = 3; k < proxy_unknowns(proxy); k++)
+        lever[k] = dot(turned, axes[k - 3]) / proxy_rho_of(proxy, k);
 }
 
 /* A pair with q on the triangle and p = q + gap on the axis or the polyhedron, in the body's frame. */
@@ -72,14 +84,8 @@ static void add_pair(const struct touching_part *part, uint32_t feature, vec3 q,
                            .gap = distance - part->radius };
     if (has_twin(part->touches, &touch))
         return;
-    const vec3 p = frame_to_world(frame, add(q, gap));
-    const vec3 lever = cross(sub(p, search->at->centre), touch.normal);
-    vec3_store(touch.normal, touch.row);
-    for (uint32_t k = 3; k < proxy_unknowns(search->proxy); k++)
-        touch.row[k] = dot(lever, part->axes[k - 3]) / proxy_rho_of(search->proxy, k);
-    touch.device_gap = touch.gap;
-    for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
-        touch.device_gap += touch.row[k] * search->away[k];
+    dpti_touch_lever(search->proxy, search->at, part->axes, frame_to_world(frame, add(q, gap)), touch.normal,
+                     touch.row);
     put(part->touches, &touch);
 }
 

@@ -7,10 +7,9 @@
 #ifndef DPT_TOUCHES_H
 #define DPT_TOUCHES_H
 
-#include "force/complementarity.h"
 #include "proxy/proxy_pose.h"
 
-enum { TOUCH_DIMENSIONS = 6, TOUCH_NODES = 12 };
+enum { TOUCHES_MAX = 256, TOUCH_DIMENSIONS = 6, TOUCH_NODES = 12 };
 
 struct touch {
     uint32_t tool_slot;
@@ -22,7 +21,6 @@ struct touch {
     vec3 normal;                  /* unit, in the world, towards the tool */
     double weight[3];             /* of the triangle's corners at that point */
     double gap;                   /* m, with the tool at its proxy */
-    double device_gap;            /* m: with the tool at its device, as the row tells */
     double row[TOUCH_DIMENSIONS]; /* how the gap grows with the unknowns of the proxy's motion */
 };
 
@@ -30,7 +28,7 @@ struct touch {
 struct touches {
     uint32_t count;
     uint32_t is_full; /* 1: there were more than there is room for: those with the least gaps were taken */
-    struct touch touch[COMPLEMENTARITY_MAX];
+    struct touch touch[TOUCHES_MAX];
 };
 
 /* What is gathered: the pairs of a tool at its proxy's pose and a body, within `reach`, m. */
@@ -40,9 +38,12 @@ struct touch_search {
     const struct proxy *proxy;
     const struct proxy_pose *at;
     const struct body *body;
-    const double *away; /* unknowns of the way from there to the device */
     double reach;
 };
+
+/* How a point of the tool, at `place` in the world, moves along a unit vector with the unknowns of the proxy's motion. */
+void dpti_touch_lever(const struct proxy *proxy, const struct proxy_pose *at, const vec3 axes[3], vec3 place,
+                      vec3 along, double lever[TOUCH_DIMENSIONS]);
 
 /* Add them. */
 void dpti_touches_gather(const struct touch_search *search, struct touches *touches);

@@ -208,6 +208,16 @@ struct proxy {
     /* From here on a tick may change it although it stands still. */
     struct displacement last_felt; /* that of the last tick, and where the device was in it */
     dpt_pose last_device_pose;
+    /*
+     * Where it was at the end of its last step together with tissue (src/tissue), and its motion in that; without such a
+     * step since the world's last one, where the proxy was before that.
+     */
+    dpt_pose end;
+    struct displacement end_motion;
+    uint32_t is_ended;   /* there was such a step since the world's last one */
+    uint32_t is_led;     /* friction held it there, so the proxy follows that pose, not the device */
+    uint32_t is_sliding; /* all contacts slid */
+    uint32_t reserved_end;
     double pace;                 /* m: after a wait, how far the felt displacement may change in this tick */
     uint32_t used[PROXY_MEMORY]; /* the clock when each triangle of `memory` was used last */
     uint32_t clock;

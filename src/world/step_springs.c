@@ -127,51 +127,58 @@ static void gather_from(struct tissue_solve *solve, struct touch_search *search,
     }
 }
 
-/* Whether the surfaces that a tool may touch are smooth and hard. */
-static int touches_are_plain(const struct dpt_world *world, const struct touches *touches, uint32_t first)
+/* Whether the surfaces that a tool may touch are hard. */
+static int touches_are_hard(const struct dpt_world *world, const struct touches *touches, uint32_t first)
 {
-    for (uint32_t i = first; i < touches->count; i++) {
-        const struct body *body = world_find_body(world, touches->touch[i].body_id);
-        if (body->static_friction > 0.0 || body->stiffness > 0.0)
+    for (uint32_t i = first; i < touches->count; i++)
+        if (world_find_body(world, touches->touch[i].body_id)->stiffness > 0.0)
             return 0;
-    }
     return 1;
+}
+
+/* The unknowns of the way from a tool's proxy to a pose. */
+static void unknowns_of(const struct tissue_tool *tool, const dpt_pose *pose, double *unknowns)
+{
+    const struct proxy_pose to = dpti_proxy_pose_of(tool->proxy, pose);
+    const struct displacement way = dpti_proxy_displacement(tool->proxy, &tool->at, &to);
+    dpti_proxy_to_unknowns(tool->proxy, tool->axes, &way, unknowns);
 }
 
 static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool, double reach)
 {
     const uint32_t first = solve->touches.count;
     const struct proxy *proxy = proxy_of(world, tool);
-    const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
-    const struct proxy_pose device = dpti_proxy_pose_of(proxy, &tool->pose);
-    const struct displacement way = dpti_proxy_displacement(proxy, &at, &device);
-    double away[TOUCH_DIMENSIONS] = { 0.0 };
-    vec3 axes[3];
-    struct touch_search search = { world, tool, proxy, &at, NULL, away, reach + proxy->last_motion };
-    dpti_proxy_turn_axes(proxy, &at, axes);
-    dpti_proxy_to_unknowns(proxy, axes, &way, away);
+    struct tissue_tool *made = &solve->tools[solve->tool_count];
+    struct touch_search search = { world, tool, proxy, &made->at, NULL, reach + proxy->last_motion };
+    *made = (struct tissue_tool){ .slot = (uint32_t)(tool - world->tools),
+                                  .is_sliding = proxy->is_sliding,
+                                  .proxy = proxy,
+                                  .at = dpti_proxy_pose_of(proxy, &proxy->pose) };
+    dpti_proxy_turn_axes(proxy, &made->at, made->axes);
     gather_from(solve, &search, 1);
     if (solve->touches.count > first)
         gather_from(solve, &search, 0);
-    if (!touches_are_plain(world, &solve->touches, first))
+    if (!touches_are_hard(world, &solve->touches, first))
         solve->touches.count = first;
+    if (solve->touches.count == first)
+        return;
+    unknowns_of(made, &tool->pose, made->away);
+    unknowns_of(made, &proxy->end, made->end);
+    solve->tool_count++;
 }
 
 /* The touches of all tools that touch a body of the solve. */
 static void gather(struct tissue_solve *solve, struct dpt_world *world, double reach)
 {
-    solve->touches.count = solve->touches.is_full = 0;
+    solve->touches.count = solve->touches.is_full = solve->tool_count = 0;
+    solve->world = world;
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
-        if (tool_can_be_solved(world, &world->tools[t]))
-            gather_tool(solve, world, &world->tools[t], reach);
-}
-
-static int tool_is_solved(const struct tissue_solve *solve, uint32_t tool_slot)
-{
-    for (uint32_t i = 0; i < solve->touches.count; i++)
-        if (solve->touches.touch[i].tool_slot == tool_slot)
-            return 1;
-    return 0;
+        if (tool_can_be_solved(world, &world->tools[t])) {
+            if (solve->tool_count == TISSUE_TOOLS_MAX)
+                solve->is_full = 1;
+            else
+                gather_tool(solve, world, &world->tools[t], reach);
+        }
 }
 
 /* What is felt may differ by that share of it, and by that much, N, from what the proxy says. */
@@ -209,24 +216,34 @@ static void note_felt(const struct tissue_solve *solve, struct tool *tool, struc
     proxy->felt = felt;
 }
 
-/* What a tool feels: the pushes of its touches, about its device's origin. What a program's own function added stays. */
-static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world, struct tool *tool, uint32_t slot)
+/* Where the tool is at the end of the step, for the next one. Where friction holds it, its proxy follows it. */
+static void note_end(const struct tissue_tool *from, const struct tool *tool, struct proxy *proxy)
 {
+    const struct displacement way = dpti_proxy_of_unknowns(proxy, from->axes, from->end);
+    const struct proxy_pose end = dpti_proxy_moved(proxy, &from->at, &way);
+    const struct proxy_pose last = dpti_proxy_pose_of(proxy, &proxy->end);
+    proxy->end_motion = dpti_proxy_displacement(proxy, &last, &end);
+    proxy->end = tool->force_reason == DPT_FORCE_ACTS ? end.pose : tool->pose;
+    proxy->is_ended = 1;
+    proxy->is_led = from->is_rubbing;
+    proxy->is_sliding = from->is_sliding;
+}
+
+/* What a tool feels: the pushes of its touches, about its device's origin. What a program's own function added stays. */
+static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world, const struct tissue_tool *from)
+{
+    struct tool *tool = &world->tools[from->slot];
     struct proxy *proxy = proxy_of(world, tool);
-    const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
-    vec3 force = { 0.0, 0.0, 0.0 }, torque = force, axes[3];
-    double unknowns[TOUCH_DIMENSIONS] = { 0.0 };
+    vec3 force = { 0.0, 0.0, 0.0 }, torque = force;
     const dpt_wrench law = tool->law_wrench, shaped = tool->wrench;
     dpti_loads_forget(world, tool);
     for (uint32_t i = 0; i < solve->touches.count; i++) {
         const struct touch *touch = &solve->touches.touch[i];
-        const vec3 push = scaled(touch->normal, solve->push[i]);
-        if (touch->tool_slot != slot || !(solve->push[i] > 0.0))
+        const vec3 push = solve->push[i];
+        if (touch->tool_slot != from->slot || !(dot(push, push) > 0.0))
             continue;
         force = add(force, push);
         torque = add(torque, cross(sub(touch->at, vec3_of(tool->pose.position)), push));
-        for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
-            unknowns[k] += solve->push[i] * touch->row[k] / proxy->coupling.stiffness;
         dpti_loads_note_push(world, tool, touch->part, touch->body_id, touch->triangle, touch->at, scaled(push, -1.0));
     }
     vec3_store(force, tool->wrench.force);
@@ -238,8 +255,8 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
         tool->wrench.force[k] += shaped.force[k] - law.force[k];
         tool->wrench.torque[k] += shaped.torque[k] - law.torque[k];
     }
-    dpti_proxy_turn_axes(proxy, &at, axes);
-    note_felt(solve, tool, proxy, dpti_proxy_of_unknowns(proxy, axes, unknowns));
+    note_felt(solve, tool, proxy, dpti_proxy_of_unknowns(proxy, from->axes, from->felt));
+    note_end(from, tool, proxy);
 }
 
 /* Loads of tools that are not solved for are those of the world's step. */
@@ -274,13 +291,13 @@ static int make_substeps(struct tissue_solve *solve, struct dpt_world *world, do
 {
     const uint32_t substeps = solve->bodies[0].step.info.substeps;
     int is_done = 1;
-    dpti_tissue_link(solve, world);
+    dpti_tissue_link(solve);
     for (uint32_t i = 0; i < substeps && is_done; i++) {
         double farthest = dpti_tissue_solve(solve);
         for (int again = 0; i == 0 && farthest > reach && again < GATHERED_AGAIN; again++) {
             reach = 2.0 * farthest;
             gather(solve, world, reach);
-            dpti_tissue_link(solve, world);
+            dpti_tissue_link(solve);
             farthest = dpti_tissue_solve(solve);
         }
         is_done = dpti_tissue_substep(solve);
@@ -292,9 +309,8 @@ static int make_substeps(struct tissue_solve *solve, struct dpt_world *world, do
 static dpt_result step_together(struct tissue_solve *solve, struct dpt_world *world, double dt, dpt_springs_info *infos)
 {
     dpt_result result = DPT_OK;
-    for (uint32_t t = 0; t < world->tool_slot_end; t++)
-        if (tool_is_solved(solve, t))
-            dpti_loads_forget(world, &world->tools[t]);
+    for (uint32_t t = 0; t < solve->tool_count; t++)
+        dpti_loads_forget(world, &world->tools[solve->tools[t].slot]);
     DPT_TRY(begin_bodies(solve, world, dt));
     const int is_done = make_substeps(solve, world, reach_of(solve, dt));
     for (uint32_t b = 0; b < solve->body_count; b++) {
@@ -303,9 +319,8 @@ static dpt_result step_together(struct tissue_solve *solve, struct dpt_world *wo
         result = result ? result : one;
     }
     DPT_TRY(result);
-    for (uint32_t t = 0; t < world->tool_slot_end; t++)
-        if (tool_is_solved(solve, t))
-            set_wrench(solve, world, &world->tools[t], t);
+    for (uint32_t t = 0; t < solve->tool_count; t++)
+        set_wrench(solve, world, &solve->tools[t]);
     for (uint32_t b = 0; b < solve->body_count; b++) {
         const dpt_result one = move_vertices(world, solve->bodies[b].body->id, solve->bodies[b].step.springs);
         result = result ? result : one;

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What a step of tissue works with, together with the tools that touch it: docs/algorithms/tissue.md.
+ */
+#ifndef DPT_TISSUE_STATE_H
+#define DPT_TISSUE_STATE_H
+
+#include "deform/loaded_step.h"
+#include "force/complementarity.h"
+#include "tissue/touches.h"
+
+enum {
+    TISSUE_NODES_MAX = 1536,
+    TISSUE_TABLE = 4096,
+    TISSUE_BODIES_MAX = 16,
+    TISSUE_TOOLS_MAX = 16,
+    TISSUE_RUBS_MAX = 32
+};
+
+/* A body whose springs are stepped. */
+struct tissue_body {
+    uint32_t number; /* the caller's */
+    const struct body *body;
+    struct loaded_step step;
+};
+
+/* A tool that touches. Its unknowns are those of a motion from the proxy's pose. */
+struct tissue_tool {
+    uint32_t slot;
+    uint32_t is_sliding; /* 1: all that held it by friction slid at the end of the last substep */
+    uint32_t is_rubbing; /* 1: friction holds it, or does what it can */
+    const struct proxy *proxy;
+    struct proxy_pose at;
+    vec3 axes[3];                   /* for turns */
+    double away[TOUCH_DIMENSIONS];  /* to the device */
+    double end[TOUCH_DIMENSIONS];   /* to where it was at the end of the last substep */
+    double known[TOUCH_DIMENSIONS]; /* to where it would be with the pushes that are known, of friction that slides */
+    double felt[TOUCH_DIMENSIONS];  /* from the device to its end pose: the mean of all substeps */
+};
+
+/* A node that a touch loads. */
+struct tissue_node {
+    uint32_t body; /* of the solve */
+    uint32_t node;
+    double response; /* m/N, in a substep */
+    vec3 begin;      /* where it was before the step, in the body's frame */
+    vec3 moved;      /* m: how far from there it would be after the substep, without tools */
+    vec3 slid;       /* m: how far it would move in the substep, as friction sees it */
+    vec3 known;      /* m: what the pushes that are known add to both */
+    vec3 load;       /* N, of a substep's answer */
+    int is_foreseen; /* `moved` is of this substep */
+};
+
+/* How a touch loads the tissue. */
+struct tissue_link {
+    uint32_t body;              /* of the solve, or DPT_NONE: what is touched is stepped by nobody here */
+    uint32_t tool;              /* of the solve */
+    uint32_t count;             /* of nodes */
+    uint32_t node[TOUCH_NODES]; /* of the solve */
+    double weight[TOUCH_NODES];
+};
+
+/* A direction along which a touch may push: its normal, or a tangent. */
+struct tissue_row {
+    uint32_t touch;
+    vec3 along;                     /* unit, in the world */
+    vec3 within;                    /* the same, in the body's frame */
+    double lever[TOUCH_DIMENSIONS]; /* how the tool moves along it with its unknowns */
+};
+
+enum { RUB_OPEN, RUB_STICKS, RUB_SLIPS };
+
+/* The friction of a touch that pushes: its rows are two tangents. */
+struct tissue_rub {
+    uint32_t touch;
+    uint32_t state;
+    uint32_t has_returned; /* 1: it slipped in this solve, and friction would have driven it on */
+    double limit;          /* friction's share of the push at which it begins to slip */
+    double kinetic;        /* and with which it slips */
+    double carried[2];     /* m: how far the surface was moved along the tangents since the last step, by others */
+    double pull[2];        /* N, along them: of one that slips it is known */
+};
+
+/* By what a touch is known again in the next step. */
+struct touch_name {
+    uint32_t tool_slot, part, body_id, triangle, feature;
+};
+
+struct tissue_solve {
+    const struct dpt_world *world;
+    uint32_t body_count;
+    uint32_t tool_count;
+    uint32_t node_count;
+    uint32_t rub_count;
+    uint32_t is_full; /* 1: touches or nodes had no room, too many held at one time, or one could be met by no push */
+    struct tissue_body bodies[TISSUE_BODIES_MAX];
+    struct tissue_tool tools[TISSUE_TOOLS_MAX];
+    struct touches touches;
+    struct tissue_link links[TOUCHES_MAX];
+    struct tissue_node nodes[TISSUE_NODES_MAX];
+    struct tissue_rub rubs[TISSUE_RUBS_MAX];
+    struct tissue_row rows[COMPLEMENTARITY_MAX]; /* of all touches, then two of each rub */
+    uint8_t kind[COMPLEMENTARITY_MAX];           /* of the rows, for the solver */
+    uint32_t table[TISSUE_TABLE];                /* one more than a node's number; 0: none */
+    double spread[TISSUE_NODES_MAX];             /* how a newton of one touch moves each node; zero between columns */
+    double free_gap[COMPLEMENTARITY_MAX];
+    double multiplier[COMPLEMENTARITY_MAX]; /* N, of each row in a substep */
+    vec3 push[TOUCHES_MAX];                 /* N, of each touch on its tool, in the world: the mean of all substeps */
+    uint32_t held_count;                    /* touches that held at the end of the last step */
+    struct touch_name held[COMPLEMENTARITY_ACTIVE_MAX];
+    struct complementarity problem;
+};
+
+/* The rows of a rub. */
+static inline uint32_t tissue_row_of_rub(const struct tissue_solve *solve, uint32_t rub)
+{
+    return solve->touches.count + 2 * rub;
+}
+
+static inline uint32_t tissue_row_count(const struct tissue_solve *solve)
+{
+    return tissue_row_of_rub(solve, solve->rub_count);
+}
+
+#endif
