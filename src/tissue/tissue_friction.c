@@ -14,8 +14,6 @@
 void dpti_rubs_begin(struct tissue_solve *solve)
 {
     solve->rub_count = 0;
-    for (uint32_t t = 0; t < solve->tool_count; t++)
-        solve->tools[t].is_rubbing = 0;
 }
 
 /* How far others moved the point of a touch before this tick: poses, and of what is not stepped here vertices, too. */
@@ -161,12 +159,13 @@ int dpti_rubs_update(struct tissue_solve *solve)
 
 void dpti_rubs_end(struct tissue_solve *solve)
 {
-    uint32_t sticks[TISSUE_TOOLS_MAX] = { 0 };
+    for (uint32_t t = 0; t < solve->tool_count; t++)
+        solve->tools[t].sticking = solve->tools[t].slipping = 0;
     for (uint32_t r = 0; r < solve->rub_count; r++) {
         struct tissue_tool *tool = &solve->tools[solve->links[solve->rubs[r].touch].tool];
-        tool->is_rubbing |= solve->rubs[r].state != RUB_OPEN;
-        sticks[tool - solve->tools] |= solve->rubs[r].state == RUB_STICKS;
+        tool->sticking += solve->rubs[r].state == RUB_STICKS;
+        tool->slipping += solve->rubs[r].state == RUB_SLIPS;
     }
     for (uint32_t t = 0; t < solve->tool_count; t++)
-        solve->tools[t].is_sliding = solve->tools[t].is_rubbing && !sticks[t];
+        solve->tools[t].is_sliding = solve->tools[t].slipping && !solve->tools[t].sticking;
 }

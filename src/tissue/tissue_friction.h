@@ -22,7 +22,7 @@ void dpti_rubs_set_known(struct tissue_solve *solve);
  */
 int dpti_rubs_update(struct tissue_solve *solve);
 
-/* After the last pass: whether tools slide. */
+/* After the last pass: how many touches of each tool stick and slip. */
 void dpti_rubs_end(struct tissue_solve *solve);
 
 #endif

@@ -28,7 +28,8 @@ struct tissue_body {
 struct tissue_tool {
     uint32_t slot;
     uint32_t is_sliding; /* 1: all that held it by friction slid at the end of the last substep */
-    uint32_t is_rubbing; /* 1: friction holds it, or does what it can */
+    uint32_t sticking;   /* touches that friction holds, and those that slip */
+    uint32_t slipping;
     const struct proxy *proxy;
     struct proxy_pose at;
     vec3 axes[3];                   /* for turns */

@@ -225,7 +225,9 @@ static void note_end(const struct tissue_tool *from, const struct tool *tool, st
     proxy->end_motion = dpti_proxy_displacement(proxy, &last, &end);
     proxy->end = tool->force_reason == DPT_FORCE_ACTS ? end.pose : tool->pose;
     proxy->is_ended = 1;
-    proxy->is_led = from->is_rubbing;
+    proxy->sticking = from->sticking;
+    proxy->slipping = from->slipping;
+    proxy->is_led = from->sticking + from->slipping > 0;
     proxy->is_sliding = from->is_sliding;
 }
 

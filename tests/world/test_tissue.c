@@ -6,135 +6,9 @@
  */
 #include <math.h>
 
-#include "lib/fixture.h"
-#include "lib/rig.h"
 #include "mesh/mesh_format.h"
 #include "oracle/brute.h"
-
-enum { TISSUES_MAX = 2, HOLD = 1200, LOOKED_AT = 300 };
-
-/* m: a tick's press. */
-#define PRESS 2e-5
-
-struct tissue {
-    struct rig rig;
-    struct fixture mesh[TISSUES_MAX];
-    dpt_body body[TISSUES_MAX];
-    dpt_springs *springs[TISSUES_MAX];
-    dpt_springs_info info[TISSUES_MAX];
-    uint32_t count;
-    double top; /* of the bodies at rest, along z */
-    int is_sleepless;
-    dpt_wrench wrench;
-    dpt_force_info force;
-};
-
-/* A ball of springs of 0.1 m, or a membrane, whose lower part or border is fixed. */
-static int make_mesh(struct fixture *fixture, uint32_t kind, double spacing)
-{
-    const dpt_spring_region below = { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, 1, 1, -0.02 } };
-    const dpt_spring_region border[2] = { { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, -0.09, 1, 1 } },
-                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { 0.09, -1, -1, 1, 1, 1 } } };
-    const int is_sheet = kind == DPT_NET_SHEET;
-    const dpt_spring_net_def net = { .size = sizeof net,
-                                     .kind = kind,
-                                     .young = is_sheet ? 1e5 : 2e4,
-                                     .thickness = is_sheet ? 1e-3 : 0.0,
-                                     .density = 1000.0,
-                                     .drag = 5.0,
-                                     .viscosity = 1e-3,
-                                     .spacing = is_sheet ? 0.0 : spacing,
-                                     .regions = is_sheet ? border : &below,
-                                     .region_count = is_sheet ? 2 : 1 };
-    return fixture_with_springs(fixture, is_sheet ? "membrane" : "sphere", 512, &net);
-}
-
-/* load_radius above 0: the tool's forces of the step before move the tissue. */
-static int add_tissue(struct tissue *tissue, uint32_t kind, uint32_t integrator, double load_radius, double x)
-{
-    const uint32_t i = tissue->count++;
-    dpt_pose pose = DPT_POSE_IDENTITY;
-    dpt_deformable_def deform;
-    dpt_springs_def springs;
-    dpt_mesh_info info = { .size = sizeof info };
-    pose.position[0] = x;
-    dpt_deformable_def_init(&deform);
-    dpt_springs_def_init(&springs);
-    if (!make_mesh(&tissue->mesh[i], kind, 0.02))
-        return 0;
-    deform.mesh = springs.mesh = tissue->mesh[i].mesh;
-    deform.pose = &pose;
-    deform.load_radius = load_radius;
-    deform.max_points = 64;
-    springs.integrator = integrator;
-    springs.sleep_speed = tissue->is_sleepless ? 0.0 : springs.sleep_speed;
-    tissue->body[i] = rig_add_deformable(&tissue->rig, &deform);
-    tissue->springs[i] = rig_add_springs(&tissue->rig, &springs);
-    dpt_mesh_get_info(tissue->mesh[i].mesh, &info);
-    tissue->top = info.box_max[2];
-    return tissue->body[i] && tissue->springs[i];
-}
-
-/* A world without bodies, and a tool of 60 mm that leans: 0 is upright on its tip, pi / 2 lies across. */
-static void begin(struct tissue *tissue, double stiffness, double lean)
-{
-    const dpt_segment upright = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.06 }, 0.004 };
-    const dpt_segment lying = { { 0.0, 0.0, -0.03 }, { 0.0, 0.0, 0.03 }, 0.004 };
-    const double axis[3] = { 0.0, 1.0, 0.0 };
-    memset(tissue, 0, sizeof *tissue);
-    rig_open(&tissue->rig, NULL, NULL, lean > 1.57 ? &lying : &upright, 1);
-    rig_set_law(&tissue->rig, tissue->rig.tool, DPT_LAW_PROXY, stiffness);
-    pose_orient(&tissue->rig.device, axis, lean);
-    tissue->force.size = sizeof tissue->force;
-}
-
-static void place_above(struct tissue *tissue, double depth)
-{
-    tissue->rig.device.position[2] = tissue->top + 0.004 - depth;
-}
-
-static void close_all(struct tissue *tissue)
-{
-    rig_close(&tissue->rig);
-    for (uint32_t i = 0; i < tissue->count; i++)
-        fixture_free(&tissue->mesh[i]);
-}
-
-/* A tick: the world, the tissue, and what is felt then. Returns |force|. */
-static double tick(struct tissue *tissue)
-{
-    rig_step(&tissue->rig);
-    for (uint32_t i = 0; i < tissue->count; i++)
-        tissue->info[i].size = sizeof tissue->info[i];
-    const dpt_result result = dpt_bodies_step_springs(tissue->rig.world, tissue->body, tissue->springs, tissue->count,
-                                                      tissue->rig.dt, tissue->info);
-    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-    dpt_tool_get_force_info(tissue->rig.world, tissue->rig.tool, &tissue->force);
-    tissue->wrench = tissue->force.wrench;
-    return length3(tissue->wrench.force);
-}
-
-/* Press down to a depth, and hold. Returns the largest jump of the last ticks, and in *mean the force. */
-static double press_and_hold(struct tissue *tissue, double depth, double *mean)
-{
-    double last = 0.0, jump = 0.0;
-    place_above(tissue, -0.001);
-    rig_place(&tissue->rig);
-    for (double at = -0.001; at < depth; at += PRESS) {
-        place_above(tissue, at);
-        tick(tissue);
-    }
-    *mean = 0.0;
-    for (int i = 0; i < HOLD; i++) {
-        const double force = tick(tissue);
-        if (i >= HOLD - LOOKED_AT) {
-            jump = fmax(jump, fabs(force - last));
-            *mean += force / LOOKED_AT;
-        }
-        last = force;
-    }
-    return jump;
-}
+#include "world/tissue_scene.h"
 
 static void a_still_device_is_silent(void)
 {
@@ -145,15 +19,15 @@ static void a_still_device_is_silent(void)
             const double stiffness = i & 2 ? 2000.0 : 200.0, lean = leans[i / 4];
             struct tissue tissue;
             double mean;
-            begin(&tissue, stiffness, lean);
-            if (add_tissue(&tissue, kind ? DPT_NET_SHEET : DPT_NET_VOLUME, integrator, 0.0, 0.0)) {
-                const double jump = press_and_hold(&tissue, 0.006, &mean);
+            tissue_begin(&tissue, stiffness, lean);
+            if (tissue_add(&tissue, kind ? DPT_NET_SHEET : DPT_NET_VOLUME, integrator, 0.0, 0.0)) {
+                const double jump = tissue_press_and_hold(&tissue, 0.006, &mean);
                 CHECK(mean > 1e-3, "case %d: it is not touched: %g N", i, mean);
                 CHECK(jump <= fmax(1e-3 * mean, 1e-4), "case %d: jumps of %g N at %g N", i, jump, mean);
                 CHECK(!(tissue.force.flags & (DPT_FORCE_FLAG_APART | DPT_FORCE_FLAG_CROWDED)), "case %d: flags %u", i,
                       tissue.force.flags);
             }
-            close_all(&tissue);
+            tissue_close(&tissue);
         }
 }
 
@@ -162,10 +36,10 @@ static void loads_of_the_step_before_are_not_silent(void)
 {
     struct tissue tissue;
     double mean, jump = 0.0;
-    begin(&tissue, 2000.0, 1.5708);
-    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 1e-6, 0.0))
-        jump = press_and_hold(&tissue, 0.006, &mean);
-    close_all(&tissue);
+    tissue_begin(&tissue, 2000.0, 1.5708);
+    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 1e-6, 0.0))
+        jump = tissue_press_and_hold(&tissue, 0.006, &mean);
+    tissue_close(&tissue);
     CHECK(jump > 5e-3, "it jumps by no more than %g N", jump);
 }
 
@@ -213,20 +87,20 @@ static void the_tool_ends_on_the_surface(void)
         struct tissue tissue;
         uint32_t touched = 0;
         double deepest = 0.0, farthest = 0.0, x = 0.0, y = 0.0;
-        begin(&tissue, stiffness, 0.3 * i);
-        if (!add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
-            close_all(&tissue);
+        tissue_begin(&tissue, stiffness, 0.3 * i);
+        if (!tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+            tissue_close(&tissue);
             continue;
         }
-        place_above(&tissue, -0.001);
+        tissue_place(&tissue, -0.001);
         rig_place(&tissue.rig);
         for (int t = 0; t < 900; t++) {
             x += random_in(&seed, -4e-5, 4e-5);
             y += random_in(&seed, -4e-5, 4e-5);
-            place_above(&tissue, 0.006 * sin(0.006 * t));
+            tissue_place(&tissue, 0.006 * sin(0.006 * t));
             tissue.rig.device.position[0] = x;
             tissue.rig.device.position[1] = y;
-            if (!(tick(&tissue) > 0.0) || t % 5)
+            if (!(tissue_tick(&tissue) > 0.0) || t % 5)
                 continue;
             double ends[6];
             oracle_mesh *mesh = surface_now(&tissue);
@@ -239,7 +113,7 @@ static void the_tool_ends_on_the_surface(void)
         }
         CHECK(touched > 50, "case %d: touched in %u ticks", i, touched);
         CHECK(deepest < 3e-6 && farthest < 3e-6, "case %d: %g m deep, %g m away", i, deepest, farthest);
-        close_all(&tissue);
+        tissue_close(&tissue);
     }
 }
 
@@ -248,9 +122,9 @@ static void what_is_told_moves_the_tissue(void)
 {
     struct tissue tissue;
     dpt_springs_def def;
-    begin(&tissue, 800.0, 1.1);
+    tissue_begin(&tissue, 800.0, 1.1);
     tissue.is_sleepless = 1;
-    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
         enum { NODES = 4096, LOADS = 1024 };
         static float mine[3 * NODES], theirs[3 * NODES];
         static dpt_load loads[LOADS];
@@ -261,12 +135,12 @@ static void what_is_told_moves_the_tissue(void)
         dpt_springs *other = rig_add_springs(&tissue.rig, &def);
         const uint32_t nodes = dpt_springs_get_count(other);
         CHECK(nodes <= NODES, "%u nodes", nodes);
-        place_above(&tissue, -0.001);
+        tissue_place(&tissue, -0.001);
         rig_place(&tissue.rig);
         for (int t = 0; t < 500; t++) {
             uint32_t count = 0;
-            place_above(&tissue, 2e-5 * t - 0.001);
-            tick(&tissue);
+            tissue_place(&tissue, 2e-5 * t - 0.001);
+            tissue_tick(&tissue);
             dpt_body_get_node_loads(tissue.rig.world, tissue.body[0], loads, LOADS, &count);
             CHECK(dpt_springs_step(other, tissue.rig.dt, loads, count, NULL) == DPT_OK, "not stepped");
             dpt_springs_get_nodes(tissue.springs[0], nodes, mine, NULL);
@@ -277,22 +151,22 @@ static void what_is_told_moves_the_tissue(void)
         CHECK(tissue.info[0].substeps == 1, "%u substeps: loads are a mean", tissue.info[0].substeps);
         CHECK(off < 1e-6, "nodes are %g m apart", off);
     }
-    close_all(&tissue);
+    tissue_close(&tissue);
 }
 
 static void forces_sum_up_to_zero(void)
 {
     struct tissue tissue;
-    begin(&tissue, 600.0, 1.3);
-    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+    tissue_begin(&tissue, 600.0, 1.3);
+    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
         double worst = 0.0, peak = 0.0;
-        place_above(&tissue, -0.001);
+        tissue_place(&tissue, -0.001);
         rig_place(&tissue.rig);
         for (int t = 0; t < 500; t++) {
             dpt_wrench on_body;
             double arm[3], torque[3];
-            place_above(&tissue, 2e-5 * t - 0.001);
-            peak = fmax(peak, tick(&tissue));
+            tissue_place(&tissue, 2e-5 * t - 0.001);
+            peak = fmax(peak, tissue_tick(&tissue));
             dpt_body_get_wrench(tissue.rig.world, tissue.body[0], &on_body);
             /* The body is at the origin; the tool's torque is about its own. */
             for (int k = 0; k < 3; k++)
@@ -305,7 +179,7 @@ static void forces_sum_up_to_zero(void)
         }
         CHECK(peak > 0.1 && worst <= 1e-12 * peak, "off by %g N of %g N", worst, peak);
     }
-    close_all(&tissue);
+    tissue_close(&tissue);
 }
 
 /* A tool across two bodies: one solve, in whatever order they are given; between them it feels twice what one gives. */
@@ -315,11 +189,11 @@ static void bodies_share_a_tool(void)
     for (int i = 0; i < 3; i++) {
         struct tissue tissue;
         double mean;
-        begin(&tissue, 400.0, 1.5708);
+        tissue_begin(&tissue, 400.0, 1.5708);
         tissue.rig.device.position[0] = 0.0;
-        int is_there = add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, -0.025);
+        int is_there = tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, -0.025);
         if (i < 2)
-            is_there = is_there && add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.025);
+            is_there = is_there && tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.025);
         if (i == 1) {
             const dpt_body body = tissue.body[0];
             dpt_springs *springs = tissue.springs[0];
@@ -329,10 +203,10 @@ static void bodies_share_a_tool(void)
             tissue.springs[1] = springs;
         }
         if (is_there)
-            press_and_hold(&tissue, 0.004, &mean);
+            tissue_press_and_hold(&tissue, 0.004, &mean);
         felt[i] = is_there ? mean : 0.0;
         CHECK(length3(tissue.wrench.force) > 0.05, "case %d: %g N", i, length3(tissue.wrench.force));
-        close_all(&tissue);
+        tissue_close(&tissue);
     }
     CHECK(fabs(felt[0] - felt[1]) <= 1e-9, "%g N and %g N in another order", felt[0], felt[1]);
     CHECK(felt[2] < felt[0], "%g N on one, %g N on two", felt[2], felt[0]);
@@ -343,15 +217,15 @@ static void a_rigid_body_holds_beside_the_tissue(void)
 {
     struct tissue tissue;
     double mean, ends[6];
-    begin(&tissue, 400.0, 1.5708);
-    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, -0.025)) {
+    tissue_begin(&tissue, 400.0, 1.5708);
+    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, -0.025)) {
         const struct dpt_mesh *mesh = tissue.mesh[0].mesh;
         dpt_pose pose = DPT_POSE_IDENTITY;
         const float *positions;
         uint32_t count;
         pose.position[0] = 0.025;
         rig_add_body(&tissue.rig, mesh, &pose);
-        press_and_hold(&tissue, 0.004, &mean);
+        tissue_press_and_hold(&tissue, 0.004, &mean);
         CHECK(dpt_mesh_get_vertices(mesh, &positions, &count) == DPT_OK, "no vertices");
         oracle_mesh *rigid = oracle_brute_open(positions, count, mesh_words(mesh, MESH_TRIANGLES), mesh->triangles);
         oracle_mesh *soft = surface_now(&tissue);
@@ -367,24 +241,24 @@ static void a_rigid_body_holds_beside_the_tissue(void)
         oracle_brute_close(rigid);
         oracle_brute_close(soft);
     }
-    close_all(&tissue);
+    tissue_close(&tissue);
 }
 
 /* The spring's energy grows by what the bodies do, and by what a device does that moves without a turn. */
 static void work_is_accounted_for(void)
 {
     struct tissue tissue;
-    begin(&tissue, 600.0, 1.2);
-    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+    tissue_begin(&tissue, 600.0, 1.2);
+    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
         double last[3] = { 0.0, 0.0, 0.0 }, from[3], energy = 0.0, work = 0.0, worst = 0.0, most = 0.0;
-        place_above(&tissue, -0.001);
+        tissue_place(&tissue, -0.001);
         rig_place(&tissue.rig);
         memcpy(from, tissue.rig.device.position, sizeof from);
         for (int t = 0; t < 900; t++) {
             double by_device = 0.0;
-            place_above(&tissue, 0.006 * sin(0.006 * t));
+            tissue_place(&tissue, 0.006 * sin(0.006 * t));
             tissue.rig.device.position[1] = 1e-3 * sin(0.05 * t);
-            tick(&tissue);
+            tissue_tick(&tissue);
             for (int k = 0; k < 3; k++) {
                 by_device -= 0.5 * (last[k] + tissue.wrench.force[k]) * (tissue.rig.device.position[k] - from[k]);
                 last[k] = tissue.wrench.force[k];
@@ -398,40 +272,40 @@ static void work_is_accounted_for(void)
         CHECK(most > 1e-6 && work > 1e-3 * most, "stored %g J, done %g J", most, work);
         CHECK(worst <= 1e-9 * most, "%g J of %g are not accounted for", worst, most);
     }
-    close_all(&tissue);
+    tissue_close(&tissue);
 }
 
 static void tissue_sleeps_under_a_still_tool(void)
 {
     struct tissue tissue;
-    begin(&tissue, 500.0, 1.2);
-    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+    tissue_begin(&tissue, 500.0, 1.2);
+    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
         double mean, last, jump = 0.0;
         uint64_t seed = 11;
-        press_and_hold(&tissue, 0.005, &mean);
+        tissue_press_and_hold(&tissue, 0.005, &mean);
         CHECK(tissue.info[0].active == 0, "%u nodes are awake", tissue.info[0].active);
         const dpt_wrench before = tissue.wrench;
         for (int t = 0; t < 50; t++)
-            tick(&tissue);
+            tissue_tick(&tissue);
         CHECK(!memcmp(&before, &tissue.wrench, sizeof before), "asleep, it is felt otherwise");
         last = length3(tissue.wrench.force);
         for (int t = 0; t < 2000; t++) {
-            place_above(&tissue, 0.005 + random_in(&seed, -1e-6, 1e-6) * (1 + t / 100));
-            const double force = tick(&tissue);
+            tissue_place(&tissue, 0.005 + random_in(&seed, -1e-6, 1e-6) * (1 + t / 100));
+            const double force = tissue_tick(&tissue);
             jump = fmax(jump, fabs(force - last) - 1.5 * 500.0 * 2e-6 * (1 + t / 100));
             last = force;
         }
         CHECK(jump < 2e-3, "a tremor makes jumps of %g N beyond its own", jump);
     }
-    close_all(&tissue);
+    tissue_close(&tissue);
 }
 
 static void wrong_lists_are_refused(void)
 {
     struct tissue tissue;
-    begin(&tissue, 500.0, 0.0);
-    if (add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0) &&
-        add_tissue(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.2)) {
+    tissue_begin(&tissue, 500.0, 0.0);
+    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0) &&
+        tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.2)) {
         dpt_world *world = tissue.rig.world;
         const dpt_body twice[2] = { tissue.body[0], tissue.body[0] }, none[2] = { tissue.body[0], 0 };
         dpt_springs *same[2] = { tissue.springs[0], tissue.springs[0] };
@@ -448,7 +322,7 @@ static void wrong_lists_are_refused(void)
         CHECK(dpt_bodies_step_springs(world, tissue.body, tissue.springs, 2, 0.0, NULL) == DPT_E_ARGUMENT, "no time");
         CHECK(dpt_bodies_step_springs(world, NULL, NULL, 0, 1e-3, NULL) == DPT_OK, "nothing is not allowed");
     }
-    close_all(&tissue);
+    tissue_close(&tissue);
 }
 
 int main(int argc, char **argv)
