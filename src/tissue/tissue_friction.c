@@ -4,9 +4,13 @@
 #include <string.h>
 
 #include "proxy/proxy_force.h"
+#include "track/tool_parts.h"
 
 /* As a share of itself: what a rub that slips pulls with is found when it changes by less. */
-#define SETTLED 1e-3
+#define SETTLED 5e-3
+
+/* m: touches are at one place if they are no farther apart than the tool is thick, and so much. */
+#define BESIDE 1e-4
 
 /* m: where friction moves its touch by less, it does not drive it. */
 #define DRIVEN 1e-12
@@ -29,7 +33,8 @@ static vec3 carried_of(const struct tissue_solve *solve, const struct touch *tou
     return sub(touch->at, frame_to_world(&before, frame_to_local(&body->frame, touch->at)));
 }
 
-int dpti_rubs_add(struct tissue_solve *solve, uint32_t index)
+/* The rub of a touch, which sticks. Returns 0 if there is no room for it. */
+static int add_rub(struct tissue_solve *solve, uint32_t index)
 {
     const struct touch *touch = &solve->touches.touch[index];
     const struct tissue_link *link = &solve->links[index];
@@ -93,47 +98,126 @@ static int set_open(struct tissue_rub *rub)
     return has_changed;
 }
 
-/* A rub that sticks pulls with what its equalities need. */
-static int update_sticking(struct tissue_rub *rub, const double pull[2], double push)
+static void set_slipping(struct tissue_solve *solve, uint32_t r, vec3 against, double push)
 {
-    const double size = sqrt(pull[0] * pull[0] + pull[1] * pull[1]);
-    if (size <= rub->limit * push)
-        return 0;
+    struct tissue_rub *rub = &solve->rubs[r];
     rub->state = RUB_SLIPS;
-    for (int d = 0; d < 2; d++)
-        rub->pull[d] = rub->kinetic * push * pull[d] / size;
+    rub->against = against;
+    for (uint32_t d = 0; d < 2; d++)
+        rub->pull[d] = rub->kinetic * push * dot(against, solve->rows[tissue_row_of_rub(solve, r) + d].along);
+}
+
+/* A rub that sticks pulls with what its equalities need. */
+static int update_sticking(struct tissue_solve *solve, uint32_t r, double push)
+{
+    const struct tissue_row *row = &solve->rows[tissue_row_of_rub(solve, r)];
+    const double *pull = &solve->multiplier[tissue_row_of_rub(solve, r)];
+    const double size = sqrt(pull[0] * pull[0] + pull[1] * pull[1]);
+    if (size <= solve->rubs[r].limit * push)
+        return 0;
+    set_slipping(solve, r, scaled(along(scaled(row[0].along, pull[0]), pull[1], row[1].along), 1.0 / size), push);
     return 1;
 }
 
-/* A rub that slips pulls as it did when it began, with as much as the push allows now. It never drives its touch. */
-static int update_slipping(struct tissue_rub *rub, const double moved[2], double push)
+/* m/N: how far a touch moves along a row by a force along it. */
+static double compliance_of(const struct tissue_solve *solve, const struct tissue_row *row)
 {
-    const double last = sqrt(rub->pull[0] * rub->pull[0] + rub->pull[1] * rub->pull[1]);
-    const double now = rub->kinetic * push;
-    if (!rub->has_returned && rub->pull[0] * moved[0] + rub->pull[1] * moved[1] > DRIVEN * last) {
+    const struct tissue_link *link = &solve->links[row->touch];
+    const struct tissue_tool *tool = &solve->tools[link->tool];
+    double sum = 0.0, square = 0.0;
+    for (uint32_t k = 0; k < link->count; k++)
+        sum += link->weight[k] * link->weight[k] * solve->nodes[link->node[k]].response;
+    for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+        square += row->lever[k] * row->lever[k];
+    return sum + square / tool->proxy->coupling.stiffness;
+}
+
+/*
+ * A rub that slips pulls against the way that it slips, with as much as the push allows: it turns there by so much of the
+ * slip as all rubs together would undo. One that would drive its touch sticks.
+ */
+static int update_slipping(struct tissue_solve *solve, uint32_t r, double push, int may_stick)
+{
+    struct tissue_rub *rub = &solve->rubs[r];
+    const struct tissue_row *row = &solve->rows[tissue_row_of_rub(solve, r)];
+    const double *moved = &solve->problem.gap[tissue_row_of_rub(solve, r)];
+    const double last[2] = { rub->pull[0], rub->pull[1] };
+    const double driven = last[0] * moved[0] + last[1] * moved[1];
+    if (may_stick && !rub->has_returned && driven > DRIVEN * sqrt(last[0] * last[0] + last[1] * last[1])) {
         rub->state = RUB_STICKS;
         rub->has_returned = 1;
         return 1;
     }
-    if (fabs(now - last) <= SETTLED * now)
-        return 0;
+    vec3 pull = { 0.0, 0.0, 0.0 };
     for (int d = 0; d < 2; d++)
-        rub->pull[d] *= now / last;
+        pull = along(pull, last[d] - moved[d] / (solve->rub_count * compliance_of(solve, &row[d])), row[d].along);
+    set_slipping(solve, r, dot(pull, pull) > 0.0 ? unit_of(pull) : rub->against, push);
+    const double more[2] = { rub->pull[0] - last[0], rub->pull[1] - last[1] };
+    return sqrt(more[0] * more[0] + more[1] * more[1]) > SETTLED * rub->kinetic * push;
+}
+
+/*
+ * The nearest rub of the same part and body that has slipped in this solve, no farther than the tool is thick there. What
+ * holds a tool at one place are now these touches, and now those beside them.
+ */
+static const struct tissue_rub *slipping_beside(const struct tissue_solve *solve, uint32_t r)
+{
+    const struct touch *touch = &solve->touches.touch[solve->rubs[r].touch];
+    const struct tool *tool = &solve->world->tools[touch->tool_slot];
+    const struct tissue_rub *best = NULL;
+    double nearest = part_radius(tool_part(solve->world, tool, touch->part)) + BESIDE;
+    for (uint32_t i = 0; i < solve->rub_count; i++) {
+        const struct touch *other = &solve->touches.touch[solve->rubs[i].touch];
+        const double away = length(sub(other->at, touch->at));
+        if (other->tool_slot == touch->tool_slot && other->part == touch->part && other->body_id == touch->body_id &&
+            dot(solve->rubs[i].against, solve->rubs[i].against) > 0.0 && away <= nearest) {
+            nearest = away;
+            best = &solve->rubs[i];
+        }
+    }
+    return best;
+}
+
+/* A touch that has come to push in this pass. */
+static void begin_rub(struct tissue_solve *solve, uint32_t r, double push, int may_stick)
+{
+    const vec3 none = { 0.0, 0.0, 0.0 };
+    const struct tissue_rub *beside = slipping_beside(solve, r);
+    if (beside || !may_stick)
+        set_slipping(solve, r, beside ? beside->against : none, push);
+    else
+        solve->rubs[r].state = RUB_STICKS;
+}
+
+int dpti_rubs_take(struct tissue_solve *solve, uint32_t touch, const struct held_touch *held)
+{
+    const uint32_t r = solve->rub_count;
+    if (!add_rub(solve, touch))
+        return 0;
+    if (solve->rub_count > r && dot(held->against, held->against) > 0.0)
+        set_slipping(solve, r, held->against, held->push);
     return 1;
 }
 
-static int update(struct tissue_solve *solve, uint32_t r)
+vec3 dpti_rubs_against(const struct tissue_solve *solve, uint32_t touch)
+{
+    for (uint32_t r = 0; r < solve->rub_count; r++)
+        if (solve->rubs[r].touch == touch && solve->rubs[r].state == RUB_SLIPS)
+            return solve->rubs[r].against;
+    return (vec3){ 0.0, 0.0, 0.0 };
+}
+
+static int update(struct tissue_solve *solve, uint32_t r, int may_stick)
 {
     struct tissue_rub *rub = &solve->rubs[r];
-    const uint32_t row = tissue_row_of_rub(solve, r);
     const double push = solve->multiplier[rub->touch];
     if (!(push > 0.0))
         return set_open(rub);
     if (rub->state == RUB_STICKS)
-        return update_sticking(rub, &solve->multiplier[row], push);
+        return update_sticking(solve, r, push);
     if (rub->state == RUB_SLIPS)
-        return update_slipping(rub, &solve->problem.gap[row], push);
-    rub->state = RUB_STICKS;
+        return update_slipping(solve, r, push, may_stick);
+    begin_rub(solve, r, push, may_stick);
     return 1;
 }
 
@@ -145,15 +229,17 @@ static int has_rub(const struct tissue_solve *solve, uint32_t touch)
     return 0;
 }
 
-int dpti_rubs_update(struct tissue_solve *solve)
+int dpti_rubs_update(struct tissue_solve *solve, int may_stick)
 {
     const uint32_t known = solve->rub_count;
     int has_changed = 0;
     for (uint32_t r = 0; r < known; r++)
-        has_changed |= update(solve, r);
+        has_changed |= update(solve, r, may_stick);
     for (uint32_t i = 0; i < solve->touches.count; i++)
-        if (solve->multiplier[i] > 0.0 && !has_rub(solve, i) && !dpti_rubs_add(solve, i))
+        if (solve->multiplier[i] > 0.0 && !has_rub(solve, i) && !add_rub(solve, i))
             solve->is_full = 1;
+    for (uint32_t r = known; r < solve->rub_count; r++)
+        begin_rub(solve, r, solve->multiplier[solve->rubs[r].touch], may_stick);
     return has_changed || solve->rub_count > known;
 }
 

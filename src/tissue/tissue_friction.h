@@ -11,16 +11,22 @@
 /* Forget all, before the first pass of a solve. */
 void dpti_rubs_begin(struct tissue_solve *solve);
 
-/* A touch that pushes begins to stick, if what it touches is rough. Returns 0 if there is no room. */
-int dpti_rubs_add(struct tissue_solve *solve, uint32_t touch);
+/*
+ * A touch that held in the last step rubs as it did then, if what it touches is rough. Returns 0 if there is no room.
+ */
+int dpti_rubs_take(struct tissue_solve *solve, uint32_t touch, const struct held_touch *held);
+
+/* After the last pass: which way the rub of a touch pulls, if it slips; else 0. */
+vec3 dpti_rubs_against(const struct tissue_solve *solve, uint32_t touch);
 
 /* What pushes that are known do to tools and nodes: those of rubs that slip. */
 void dpti_rubs_set_known(struct tissue_solve *solve);
 
 /*
- * After a pass: rubs that pull more than they can begin to slip, and new pushes rub. Returns 1 if another pass is needed.
+ * After a pass: rubs that pull more than they can begin to slip, and new pushes rub. Without `may_stick` none begins to
+ * stick, so that passes end. Returns 1 if another pass is needed.
  */
-int dpti_rubs_update(struct tissue_solve *solve);
+int dpti_rubs_update(struct tissue_solve *solve, int may_stick);
 
 /* After the last pass: how many touches of each tool stick and slip. */
 void dpti_rubs_end(struct tissue_solve *solve);

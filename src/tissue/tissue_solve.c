@@ -216,9 +216,9 @@ static void begin_problem(struct tissue_solve *solve)
     for (uint32_t i = 0; i < solve->touches.count; i++) {
         const struct touch_name name = name_of(&solve->touches.touch[i]);
         for (uint32_t k = 0; k < solve->held_count; k++)
-            if (!memcmp(&name, &solve->held[k], sizeof name)) {
+            if (!memcmp(&name, &solve->held[k].name, sizeof name)) {
                 problem->active[problem->active_count++] = i;
-                if (!dpti_rubs_add(solve, i))
+                if (!dpti_rubs_take(solve, i, &solve->held[k]))
                     solve->is_full = 1;
             }
     }
@@ -229,7 +229,8 @@ static void note_held(struct tissue_solve *solve)
     solve->held_count = 0;
     for (uint32_t i = 0; i < solve->touches.count && solve->held_count < COMPLEMENTARITY_ACTIVE_MAX; i++)
         if (solve->multiplier[i] > 0.0)
-            solve->held[solve->held_count++] = name_of(&solve->touches.touch[i]);
+            solve->held[solve->held_count++] = (struct held_touch){ name_of(&solve->touches.touch[i]),
+                                                                    solve->multiplier[i], dpti_rubs_against(solve, i) };
 }
 
 /* One pass: pushes, and the pulls of what sticks, beside the pulls of what slips. */
@@ -290,7 +291,7 @@ static double farthest_of(const struct tissue_solve *solve)
 }
 
 /* How often pulls are found again. A tool that sticks, or slides as it did, needs one to four. */
-enum { PASSES = 12 };
+enum { PASSES = 12, PASSES_STICKING = 6 };
 
 double dpti_tissue_solve(struct tissue_solve *solve)
 {
@@ -300,7 +301,7 @@ double dpti_tissue_solve(struct tissue_solve *solve)
     begin_problem(solve);
     for (int pass = 1;; pass++) {
         solve_pass(solve);
-        if (pass == PASSES || !dpti_rubs_update(solve))
+        if (pass == PASSES || !dpti_rubs_update(solve, pass < PASSES_STICKING))
             break;
     }
     note_held(solve);

@@ -76,15 +76,21 @@ struct tissue_rub {
     uint32_t touch;
     uint32_t state;
     uint32_t has_returned; /* 1: it slipped in this solve, and friction would have driven it on */
-    double limit;          /* friction's share of the push at which it begins to slip */
-    double kinetic;        /* and with which it slips */
-    double carried[2];     /* m: how far the surface was moved along the tangents since the last step, by others */
-    double pull[2];        /* N, along them: of one that slips it is known */
+    vec3 against;      /* unit, in the world: which way it pulled as it began to slip in this solve; 0: it did not */
+    double limit;      /* friction's share of the push at which it begins to slip */
+    double kinetic;    /* and with which it slips */
+    double carried[2]; /* m: how far the surface was moved along the tangents since the last step, by others */
+    double pull[2];    /* N, along them: of one that slips it is known */
 };
 
-/* By what a touch is known again in the next step. */
+/* A touch that held at the end of a step: by what it is known again in the next one, and how it rubbed. */
 struct touch_name {
     uint32_t tool_slot, part, body_id, triangle, feature;
+};
+struct held_touch {
+    struct touch_name name;
+    double push;  /* N */
+    vec3 against; /* of its rub; 0: it did not slip */
 };
 
 struct tissue_solve {
@@ -108,7 +114,7 @@ struct tissue_solve {
     double multiplier[COMPLEMENTARITY_MAX]; /* N, of each row in a substep */
     vec3 push[TOUCHES_MAX];                 /* N, of each touch on its tool, in the world: the mean of all substeps */
     uint32_t held_count;                    /* touches that held at the end of the last step */
-    struct touch_name held[COMPLEMENTARITY_ACTIVE_MAX];
+    struct held_touch held[COMPLEMENTARITY_ACTIVE_MAX];
     struct complementarity problem;
 };
 
