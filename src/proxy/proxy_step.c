@@ -437,10 +437,11 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     dpti_proxy_measure(world, tool, proxy);
     tick.clearance = CLEARANCE * scale;
     tick.min_gap = GAP_MIN * scale;
-    find_goal(&tick);
     proxy->flags = 0;
     proxy->last_felt = proxy->felt;
+    proxy->last_pushed = proxy->is_ended ? proxy->pushed : proxy->felt;
     proxy->last_device_pose = proxy->device_pose;
+    find_goal(&tick);
     if (proxy->state < PROXY_DOUBTED) {
         dpti_tips_put_all(world, tool);
         place(&tick);

@@ -70,7 +70,7 @@ static void add_known(struct tissue_solve *solve, const struct tissue_row *row, 
     const struct tissue_link *link = &solve->links[row->touch];
     struct tissue_tool *tool = &solve->tools[link->tool];
     for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
-        tool->known[k] += force * row->lever[k] / tool->proxy->coupling.stiffness;
+        tool->known[k] += force * row->lever[k] / tool->stiffness;
     for (uint32_t k = 0; k < link->count; k++) {
         struct tissue_node *node = &solve->nodes[link->node[k]];
         node->known = along(node->known, -force * link->weight[k] * node->response, row->within);
@@ -129,7 +129,7 @@ static double compliance_of(const struct tissue_solve *solve, const struct tissu
         sum += link->weight[k] * link->weight[k] * solve->nodes[link->node[k]].response;
     for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
         square += row->lever[k] * row->lever[k];
-    return sum + square / tool->proxy->coupling.stiffness;
+    return sum + square / tool->stiffness;
 }
 
 /*

@@ -126,7 +126,7 @@ static void give_column(void *user, uint32_t index, double *column)
     struct tissue_solve *solve = user;
     const struct tissue_row *row = &solve->rows[index];
     const struct tissue_link *link = &solve->links[row->touch];
-    const double stiffness = solve->tools[link->tool].proxy->coupling.stiffness;
+    const double stiffness = solve->tools[link->tool].stiffness;
     for (uint32_t k = 0; k < link->count; k++)
         solve->spread[link->node[k]] = link->weight[k] * solve->nodes[link->node[k]].response;
     for (uint32_t i = 0; i < tissue_row_count(solve); i++) {
@@ -322,12 +322,12 @@ static void move_tools(struct tissue_solve *solve, double share)
         if (solve->multiplier[i] == 0.0)
             continue;
         solve->push[row->touch] = along(solve->push[row->touch], share * solve->multiplier[i], row->along);
-        for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++) {
-            const double by = solve->multiplier[i] * row->lever[k] / tool->proxy->coupling.stiffness;
-            tool->end[k] += by;
-            tool->felt[k] += share * by;
-        }
+        for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+            tool->end[k] += solve->multiplier[i] * row->lever[k] / tool->stiffness;
     }
+    for (uint32_t t = 0; t < solve->tool_count; t++)
+        for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+            solve->tools[t].felt[k] += share * (solve->tools[t].end[k] - solve->tools[t].device[k]);
 }
 
 int dpti_tissue_substep(struct tissue_solve *solve)

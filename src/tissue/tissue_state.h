@@ -32,11 +32,13 @@ struct tissue_tool {
     uint32_t slipping;
     const struct proxy *proxy;
     struct proxy_pose at;
-    vec3 axes[3];                   /* for turns */
-    double away[TOUCH_DIMENSIONS];  /* to the device */
-    double end[TOUCH_DIMENSIONS];   /* to where it was at the end of the last substep */
-    double known[TOUCH_DIMENSIONS]; /* to where it would be with the pushes that are known, of friction that slides */
-    double felt[TOUCH_DIMENSIONS];  /* from the device to its end pose: the mean of all substeps */
+    vec3 axes[3];                    /* for turns */
+    double stiffness;                /* N/m: of its spring, and of its damper over this step */
+    double device[TOUCH_DIMENSIONS]; /* to the device */
+    double away[TOUCH_DIMENSIONS];   /* to where it would be without any push: a damper keeps it from the device */
+    double end[TOUCH_DIMENSIONS];    /* to where it was at the end of the last substep */
+    double known[TOUCH_DIMENSIONS];  /* to where it would be with the pushes that are known, of friction that slides */
+    double felt[TOUCH_DIMENSIONS];   /* from the device to its end pose: the mean of all substeps */
 };
 
 /* A node that a touch loads. */
@@ -95,6 +97,7 @@ struct held_touch {
 
 struct tissue_solve {
     const struct dpt_world *world;
+    double dt; /* s, of the whole step */
     uint32_t body_count;
     uint32_t tool_count;
     uint32_t node_count;

@@ -214,6 +214,8 @@ struct proxy {
      */
     dpt_pose end;
     struct displacement end_motion;
+    struct displacement pushed,
+        last_pushed;     /* what pushed it there, over the stiffness: with a damper not what is felt */
     uint32_t is_ended;   /* there was such a step since the world's last one */
     uint32_t is_led;     /* friction held it there, so the proxy follows that pose, not the device */
     uint32_t is_sliding; /* all contacts slid */

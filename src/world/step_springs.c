@@ -93,7 +93,7 @@ static int tool_can_be_solved(const struct dpt_world *world, const struct tool *
         return 0;
     const struct proxy *proxy = proxy_of(world, tool);
     return proxy->tick == world->ticks && proxy->state == PROXY_OUTSIDE && !(proxy->fade.time_left > 0.0) &&
-           tool->stiffness > 0.0 && !(tool->damping > 0.0);
+           tool->stiffness > 0.0;
 }
 
 static struct tissue_body *solved_body(struct tissue_solve *solve, const struct body *body)
@@ -144,6 +144,19 @@ static void unknowns_of(const struct tissue_tool *tool, const dpt_pose *pose, do
     dpti_proxy_to_unknowns(tool->proxy, tool->axes, &way, unknowns);
 }
 
+/*
+ * The damper adds (damping / dt) times what the displacement grew by since the last tick: with the spring it is one spring
+ * of more stiffness, whose end is not the device.
+ */
+static void set_damper(struct tissue_tool *made, const struct tool *tool, double dt)
+{
+    double last[TOUCH_DIMENSIONS] = { 0.0 };
+    made->stiffness = made->proxy->coupling.stiffness + tool->damping / dt;
+    dpti_proxy_to_unknowns(made->proxy, made->axes, &made->proxy->last_felt, last);
+    for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+        made->away[k] = made->device[k] + tool->damping / dt / made->stiffness * last[k];
+}
+
 static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool, double reach)
 {
     const uint32_t first = solve->touches.count;
@@ -162,8 +175,9 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
         solve->touches.count = first;
     if (solve->touches.count == first)
         return;
-    unknowns_of(made, &tool->pose, made->away);
+    unknowns_of(made, &tool->pose, made->device);
     unknowns_of(made, &proxy->end, made->end);
+    set_damper(made, tool, solve->dt);
     solve->tool_count++;
 }
 
@@ -185,19 +199,26 @@ static void gather(struct tissue_solve *solve, struct dpt_world *world, double r
 #define APART_SHARE 0.05
 #define APART_FORCE 5e-3
 
-/*
- * J: what the bodies did on the tool in this tick. The spring's energy grew by that and by what the device did; the force
- * is the mean of this tick's and the last one's.
- */
+/* J: what the bodies did on the tool in this tick: the mean push of this tick and the last one, over the tool's way. */
 static double work_of_bodies(const struct tool *tool, const struct proxy *proxy, const struct displacement *felt)
 {
-    const struct coupling *coupling = &proxy->coupling;
     const struct proxy_pose from = dpti_proxy_pose_of(proxy, &proxy->last_device_pose);
     const struct proxy_pose to = dpti_proxy_pose_of(proxy, &tool->pose);
-    const struct displacement moved = dpti_proxy_displacement(proxy, &from, &to);
-    const struct displacement both = displacement_sum(felt, 1.0, &proxy->last_felt);
-    return coupling_energy(coupling, felt) - coupling_energy(coupling, &proxy->last_felt) +
-           0.5 * coupling->stiffness * displacement_dot(coupling, &both, &moved);
+    const struct displacement led = dpti_proxy_displacement(proxy, &from, &to);
+    const struct displacement grown = displacement_sum(felt, -1.0, &proxy->last_felt);
+    const struct displacement moved = displacement_sum(&grown, 1.0, &led);
+    const struct displacement both = displacement_sum(&proxy->pushed, 1.0, &proxy->last_pushed);
+    return 0.5 * proxy->coupling.stiffness * displacement_dot(&proxy->coupling, &both, &moved);
+}
+
+/* The mean push of the substeps, over the stiffness. */
+static struct displacement pushed_by(const struct tissue_tool *from)
+{
+    double unknowns[TOUCH_DIMENSIONS];
+    for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+        unknowns[k] =
+            from->stiffness / from->proxy->coupling.stiffness * (from->felt[k] - (from->away[k] - from->device[k]));
+    return dpti_proxy_of_unknowns(from->proxy, from->axes, unknowns);
 }
 
 /* The displacement from the device that is felt. The proxy's own is that of the world's step. */
@@ -257,6 +278,7 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
         tool->wrench.force[k] += shaped.force[k] - law.force[k];
         tool->wrench.torque[k] += shaped.torque[k] - law.torque[k];
     }
+    proxy->pushed = pushed_by(from);
     note_felt(solve, tool, proxy, dpti_proxy_of_unknowns(proxy, from->axes, from->felt));
     note_end(from, tool, proxy);
 }
@@ -385,6 +407,7 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
         if (!own || !body_is_solved(body, list->springs[i]))
             continue;
         own->body_count = own->is_full = 0;
+        own->dt = dt;
         take_body(own, world, list, i);
         gather(own, world, reach_of(own, dt));
         if (!own->touches.count)

@@ -32,9 +32,31 @@ static void explore(void)
     }
 }
 
+static void damped(void)
+{
+    for (int i = 0; i < 4; i++) {
+        struct tissue tissue;
+        double mean, peak = 0, e = 0, w=0, last[3]={0}, worst=0;
+        tissue_begin(&tissue, 667.0, 1.2);
+        dpt_tool_settings set = { .size = sizeof set };
+        dpt_tool_get_settings(tissue.rig.world, tissue.rig.tool, &set);
+        set.damping = i * 0.5;
+        dpt_tool_set_settings(tissue.rig.world, tissue.rig.tool, &set);
+        if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+            tissue_roughen(&tissue, 0.5, 0.4);
+            double jump = tissue_press_and_hold(&tissue, 0.006, &mean);
+            printf("damping %g mean %g jump %g\n", set.damping, mean, jump);
+            double lastf = mean, big = 0;
+            for (int t = 0; t < 400; t++) { tissue_place(&tissue, 0.006 - 4e-5*t); double f = tissue_tick(&tissue); big = fmax(big, fabs(f-lastf)); if (t % 40 == 0) printf("   %d %.4f e %.3g w %.3g\n", t, f, tissue.force.energy, tissue.force.body_work); lastf = f; }
+            printf("  out: biggest jump %g\n", big);
+        }
+        tissue_close(&tissue);
+    }
+}
+
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
-    TEST(explore);
+    TEST(damped);
     return check_report();
 }
