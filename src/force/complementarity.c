@@ -15,7 +15,7 @@ enum { PASSES = 8 };
 /* A constraint that is about to be added. */
 struct candidate {
     uint32_t index;
-    double column[COMPLEMENTARITY_MAX];
+    const double *column;
     double row[COMPLEMENTARITY_ACTIVE_MAX];   /* its row of the factor */
     double share[COMPLEMENTARITY_ACTIVE_MAX]; /* how the active multipliers fall as its own grows */
     double independent;                       /* of its own product, what the active ones leave */
@@ -60,16 +60,47 @@ static void solve_upper(const struct complementarity *problem, double *x)
     }
 }
 
-/* Make the factor's rows from `first` on again. Returns 0 if an active constraint depends on those before it: which. */
-static int factor_from(struct complementarity *problem, uint32_t first, uint32_t *which)
+static void swap_places(struct complementarity *problem, uint32_t k, uint32_t other)
 {
-    for (uint32_t k = first; k < problem->active_count; k++) {
+    const uint32_t place = problem->place[k];
+    problem->place[k] = problem->place[other];
+    problem->place[other] = place;
+}
+
+/* The column of a row, in the place of position k or a later one, which comes to k. */
+static const double *column_at(struct complementarity *problem, uint32_t k, uint32_t index)
+{
+    for (uint32_t other = k; other < COMPLEMENTARITY_ACTIVE_MAX; other++)
+        if (problem->owner[problem->place[other]] == index) {
+            swap_places(problem, k, other);
+            break;
+        }
+    const uint32_t place = problem->place[k];
+    if (problem->owner[place] != index) {
+        problem->owner[place] = index;
+        problem->filled[place] = 0;
+    }
+    if (problem->filled[place] < problem->count)
+        problem->column(problem->user, index, problem->filled[place], problem->columns[place]);
+    problem->filled[place] = problem->count;
+    return problem->columns[place];
+}
+
+/* Make the factor again where it is not that of the active rows. Returns 0 if one depends on those before it: which. */
+static int factor_active(struct complementarity *problem, uint32_t *which)
+{
+    uint32_t k = 0;
+    while (k < problem->active_count && k < problem->factored_count && problem->factored[k] == problem->active[k])
+        k++;
+    for (; k < problem->active_count; k++) {
         const double own = column_of(problem, k)[problem->active[k]];
+        problem->factored_count = *which = k;
         const double left = make_row(problem, k, problem->active[k], own, problem->factor[k]);
-        *which = k;
         if (!(left > DEPENDENT * own))
             return 0;
         problem->factor[k][k] = sqrt(left);
+        problem->factored[k] = problem->active[k];
+        problem->factored_count = k + 1;
     }
     return 1;
 }
@@ -91,7 +122,7 @@ static void drop(struct complementarity *problem, uint32_t k)
     remove_active(problem, k);
     problem->passes++;
     /* What was independent of more is independent of fewer, but for rounding. */
-    while (!factor_from(problem, k, &which))
+    while (!factor_active(problem, &which))
         remove_active(problem, which);
 }
 
@@ -125,12 +156,23 @@ static int begin_with(struct complementarity *problem, uint32_t index)
     const uint32_t last = problem->active_count;
     if (last == COMPLEMENTARITY_ACTIVE_MAX)
         return 0;
-    problem->active_count++;
-    problem->active[last] = index;
-    problem->column(problem->user, index, problem->columns[problem->place[last]]);
-    if (!factor_from(problem, last, &which))
+    column_at(problem, last, index);
+    problem->active[problem->active_count++] = index;
+    if (!factor_active(problem, &which))
         problem->active_count = last;
     return 1;
+}
+
+static void begin_matrix(struct complementarity *problem)
+{
+    if (problem->matrix && problem->matrix == problem->known_matrix)
+        return;
+    problem->known_matrix = problem->matrix;
+    problem->factored_count = 0;
+    for (uint32_t k = 0; k < COMPLEMENTARITY_ACTIVE_MAX; k++) {
+        problem->place[k] = k;
+        problem->owner[k] = DPT_NONE;
+    }
 }
 
 /* The active constraint of the least multiplier, DPT_NONE if none would pull. */
@@ -144,7 +186,7 @@ static uint32_t first_pulling(const struct complementarity *problem)
     return least;
 }
 
-/* From the equalities, and the active constraints that are given: without those that depend on others, or would pull. */
+/* From the active constraints that are given, and the equalities: without those that depend on others, or would pull. */
 static int begin(struct complementarity *problem)
 {
     uint32_t given[COMPLEMENTARITY_ACTIVE_MAX], pulling;
@@ -152,14 +194,13 @@ static int begin(struct complementarity *problem)
     int has_room = 1;
     memcpy(given, problem->active, given_count * sizeof *given);
     problem->active_count = problem->passes = 0;
-    for (uint32_t k = 0; k < COMPLEMENTARITY_ACTIVE_MAX; k++)
-        problem->place[k] = k;
-    for (uint32_t i = 0; problem->kind && i < problem->count; i++)
-        if (problem->kind[i] == COMPLEMENTARITY_EQUAL)
-            has_room &= begin_with(problem, i);
+    begin_matrix(problem);
     for (uint32_t k = 0; k < given_count; k++)
         if (given[k] < problem->count && kind_of(problem, given[k]) == COMPLEMENTARITY_CONSTRAINT)
             begin_with(problem, given[k]);
+    for (uint32_t i = 0; problem->kind && i < problem->count; i++)
+        if (problem->kind[i] == COMPLEMENTARITY_EQUAL)
+            has_room &= begin_with(problem, i);
     solve_active(problem);
     while ((pulling = first_pulling(problem)) != DPT_NONE) {
         drop(problem, pulling);
@@ -207,9 +248,10 @@ static void grow(struct complementarity *problem, const struct candidate *candid
 static void append(struct complementarity *problem, const struct candidate *candidate, double multiplier)
 {
     const uint32_t last = problem->active_count++;
-    problem->active[last] = candidate->index;
+    column_at(problem, last, candidate->index);
+    problem->active[last] = problem->factored[last] = candidate->index;
+    problem->factored_count = problem->active_count;
     problem->multiplier[last] = multiplier;
-    memcpy(problem->columns[problem->place[last]], candidate->column, problem->count * sizeof *candidate->column);
     memcpy(problem->factor[last], candidate->row, last * sizeof *candidate->row);
     problem->factor[last][last] = sqrt(candidate->independent);
     problem->passes++;
@@ -220,7 +262,9 @@ static int add(struct complementarity *problem, uint32_t index)
 {
     struct candidate candidate = { .index = index };
     double multiplier = 0.0;
-    problem->column(problem->user, index, candidate.column);
+    if (problem->active_count == COMPLEMENTARITY_ACTIVE_MAX)
+        return COMPLEMENTARITY_FULL;
+    candidate.column = column_at(problem, problem->active_count, index);
     for (;;) {
         uint32_t released = 0;
         measure(problem, &candidate);
@@ -229,8 +273,6 @@ static int add(struct complementarity *problem, uint32_t index)
         const double by = until_released < until_met ? until_released : until_met;
         if (by == HUGE_VAL)
             return COMPLEMENTARITY_IMPOSSIBLE;
-        if (until_met <= until_released && problem->active_count == COMPLEMENTARITY_ACTIVE_MAX)
-            return COMPLEMENTARITY_FULL;
         grow(problem, &candidate, by);
         multiplier += by;
         if (until_met <= until_released) {
@@ -264,7 +306,7 @@ static void finish(struct complementarity *problem)
             problem->active[j - 1] = index;
             problem->place[j - 1] = place;
         }
-    while (!factor_from(problem, 0, &which))
+    while (!factor_active(problem, &which))
         remove_active(problem, which);
     solve_active(problem);
     for (uint32_t k = 0; k < problem->active_count; k++)

@@ -14,7 +14,7 @@
 
 #include <stdint.h>
 
-enum { COMPLEMENTARITY_MAX = 320, COMPLEMENTARITY_ACTIVE_MAX = 96 };
+enum { COMPLEMENTARITY_MAX = 384, COMPLEMENTARITY_ACTIVE_MAX = 160 };
 
 enum { COMPLEMENTARITY_CONSTRAINT, COMPLEMENTARITY_EQUAL, COMPLEMENTARITY_WATCHED };
 
@@ -30,9 +30,11 @@ struct complementarity {
     const uint8_t *kind;    /* of each row, COMPLEMENTARITY_... ; NULL: all are constraints */
     double tolerance;       /* a gap of no less than minus that counts as met */
     const double *free_gap; /* `count` numbers */
-    /* A column of A into `column`. */
-    void (*column)(void *user, uint32_t index, double *column);
+    /* A column of A into `column`, from row `first` on. */
+    void (*column)(void *user, uint32_t index, uint32_t first, double *column);
     void *user;
+    /* Calls with the same number, other than 0, are of one matrix, to which rows may be added at its end. */
+    uint32_t matrix;
     /*
      * In: where to begin, the last answer's active constraints, or none. Out: those of this answer and the equalities,
      * ascending. An equality that depends on others is left out.
@@ -43,8 +45,16 @@ struct complementarity {
     double multiplier[COMPLEMENTARITY_ACTIVE_MAX]; /* of the active constraints */
     double gap[COMPLEMENTARITY_MAX];
     uint32_t passes; /* constraints that were added or dropped */
-    /* The solver's own: columns of A, in places that active constraints own, and the lower factor, row by row. */
+    /*
+     * The solver's own. Columns of A lie in places, of which active rows own the first; others may still hold columns that
+     * were asked for. The lower factor is that of the rows `factored`, row by row.
+     */
+    uint32_t known_matrix;
     uint32_t place[COMPLEMENTARITY_ACTIVE_MAX];
+    uint32_t owner[COMPLEMENTARITY_ACTIVE_MAX]; /* of each place: the row whose column it holds, or DPT_NONE */
+    uint32_t filled[COMPLEMENTARITY_ACTIVE_MAX];
+    uint32_t factored_count;
+    uint32_t factored[COMPLEMENTARITY_ACTIVE_MAX];
     double columns[COMPLEMENTARITY_ACTIVE_MAX][COMPLEMENTARITY_MAX];
     double factor[COMPLEMENTARITY_ACTIVE_MAX][COMPLEMENTARITY_ACTIVE_MAX];
 };

@@ -17,7 +17,12 @@
 
 void dpti_rubs_begin(struct tissue_solve *solve)
 {
-    solve->rub_count = 0;
+    for (uint32_t r = 0; r < solve->rub_count; r++) {
+        struct tissue_rub *rub = &solve->rubs[r];
+        rub->has_returned = 0;
+        if (rub->state != RUB_SLIPS)
+            rub->against = (vec3){ 0.0, 0.0, 0.0 };
+    }
 }
 
 /* How far others moved the point of a touch before this tick: poses, and of what is not stepped here vertices, too. */
@@ -49,10 +54,9 @@ static int add_rub(struct tissue_solve *solve, uint32_t index)
     struct tissue_rub *rub = &solve->rubs[solve->rub_count++];
     vec3 tangents[2];
     unit_across(touch->normal, tangents);
-    *rub = (struct tissue_rub){ .touch = index,
-                                .state = RUB_STICKS,
-                                .limit = tool->is_sliding ? body->kinetic_friction : body->static_friction,
-                                .kinetic = body->kinetic_friction };
+    *rub = (struct tissue_rub){
+        .touch = index, .state = RUB_STICKS, .hold = body->static_friction, .kinetic = body->kinetic_friction
+    };
     for (int d = 0; d < 2; d++) {
         rub->carried[d] = dot(carried, tangents[d]);
         row[d] = (struct tissue_row){ .touch = index,
@@ -112,8 +116,10 @@ static int update_sticking(struct tissue_solve *solve, uint32_t r, double push)
 {
     const struct tissue_row *row = &solve->rows[tissue_row_of_rub(solve, r)];
     const double *pull = &solve->multiplier[tissue_row_of_rub(solve, r)];
+    const struct tissue_rub *rub = &solve->rubs[r];
+    const int is_sliding = solve->tools[solve->links[rub->touch].tool].is_sliding != 0;
     const double size = sqrt(pull[0] * pull[0] + pull[1] * pull[1]);
-    if (size <= solve->rubs[r].limit * push)
+    if (size <= (is_sliding ? rub->kinetic : rub->hold) * push)
         return 0;
     set_slipping(solve, r, scaled(along(scaled(row[0].along, pull[0]), pull[1], row[1].along), 1.0 / size), push);
     return 1;

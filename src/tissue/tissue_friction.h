@@ -8,7 +8,7 @@
 
 #include "tissue/tissue_state.h"
 
-/* Forget all, before the first pass of a solve. */
+/* Begin a substep with the rubs of the one before. */
 void dpti_rubs_begin(struct tissue_solve *solve);
 
 /*

@@ -74,7 +74,9 @@ static uint32_t tool_of(const struct tissue_solve *solve, uint32_t slot)
 void dpti_tissue_link(struct tissue_solve *solve)
 {
     const vec3 none = { 0.0, 0.0, 0.0 };
-    solve->node_count = 0;
+    solve->node_count = solve->rub_count = solve->is_begun = 0;
+    solve->problem.matrix++;
+    solve->problem.matrix += !solve->problem.matrix;
     memset(solve->table, 0, sizeof solve->table);
     for (uint32_t i = 0; i < solve->touches.count; i++) {
         const struct touch *touch = &solve->touches.touch[i];
@@ -121,7 +123,7 @@ static void foresee(struct tissue_solve *solve)
 }
 
 /* What a newton along one row does to the gaps of all: it moves its tool away, and its nodes. */
-static void give_column(void *user, uint32_t index, double *column)
+static void give_column(void *user, uint32_t index, uint32_t first, double *column)
 {
     struct tissue_solve *solve = user;
     const struct tissue_row *row = &solve->rows[index];
@@ -129,7 +131,7 @@ static void give_column(void *user, uint32_t index, double *column)
     const double stiffness = solve->tools[link->tool].stiffness;
     for (uint32_t k = 0; k < link->count; k++)
         solve->spread[link->node[k]] = link->weight[k] * solve->nodes[link->node[k]].response;
-    for (uint32_t i = 0; i < tissue_row_count(solve); i++) {
+    for (uint32_t i = first; i < tissue_row_count(solve); i++) {
         const struct tissue_row *other = &solve->rows[i];
         const struct tissue_link *its = &solve->links[other->touch];
         double sum = 0.0;
@@ -202,17 +204,10 @@ static struct touch_name name_of(const struct touch *touch)
     return (struct touch_name){ touch->tool_slot, touch->part, touch->body_id, touch->triangle, touch->feature };
 }
 
-/* Begin with the touches that held in the last step. */
-static void begin_problem(struct tissue_solve *solve)
+/* The touches that held in the last step, and their rubs. */
+static void take_held(struct tissue_solve *solve)
 {
     struct complementarity *problem = &solve->problem;
-    problem->tolerance = TOLERANCE;
-    problem->free_gap = solve->free_gap;
-    problem->kind = solve->kind;
-    problem->column = give_column;
-    problem->user = solve;
-    problem->active_count = 0;
-    dpti_rubs_begin(solve);
     for (uint32_t i = 0; i < solve->touches.count; i++) {
         const struct touch_name name = name_of(&solve->touches.touch[i]);
         for (uint32_t k = 0; k < solve->held_count; k++)
@@ -222,6 +217,23 @@ static void begin_problem(struct tissue_solve *solve)
                     solve->is_full = 1;
             }
     }
+}
+
+/* Begin with the touches that hold. */
+static void begin_problem(struct tissue_solve *solve)
+{
+    struct complementarity *problem = &solve->problem;
+    problem->tolerance = TOLERANCE;
+    problem->free_gap = solve->free_gap;
+    problem->kind = solve->kind;
+    problem->column = give_column;
+    problem->user = solve;
+    dpti_rubs_begin(solve);
+    if (!solve->is_begun) {
+        problem->active_count = 0;
+        take_held(solve);
+    }
+    solve->is_begun = 1;
 }
 
 static void note_held(struct tissue_solve *solve)

@@ -14,7 +14,7 @@ enum {
     TISSUE_TABLE = 4096,
     TISSUE_BODIES_MAX = 16,
     TISSUE_TOOLS_MAX = 16,
-    TISSUE_RUBS_MAX = 32
+    TISSUE_RUBS_MAX = 64
 };
 
 /* A body whose springs are stepped. */
@@ -78,11 +78,10 @@ struct tissue_rub {
     uint32_t touch;
     uint32_t state;
     uint32_t has_returned; /* 1: it slipped in this solve, and friction would have driven it on */
-    vec3 against;      /* unit, in the world: which way it pulled as it began to slip in this solve; 0: it did not */
-    double limit;      /* friction's share of the push at which it begins to slip */
-    double kinetic;    /* and with which it slips */
-    double carried[2]; /* m: how far the surface was moved along the tangents since the last step, by others */
-    double pull[2];    /* N, along them: of one that slips it is known */
+    vec3 against;         /* unit, in the world: which way it pulled as it began to slip in this solve; 0: it did not */
+    double hold, kinetic; /* friction's share of the push, while it sticks and while it slips */
+    double carried[2];    /* m: how far the surface was moved along the tangents since the last step, by others */
+    double pull[2];       /* N, along them: of one that slips it is known */
 };
 
 /* A touch that held at the end of a step: by what it is known again in the next one, and how it rubbed. */
@@ -102,7 +101,8 @@ struct tissue_solve {
     uint32_t tool_count;
     uint32_t node_count;
     uint32_t rub_count;
-    uint32_t is_full; /* 1: touches or nodes had no room, too many held at one time, or one could be met by no push */
+    uint32_t is_begun; /* 1: there was a substep since touches were linked */
+    uint32_t is_full;  /* 1: touches or nodes had no room, too many held at one time, or one could be met by no push */
     struct tissue_body bodies[TISSUE_BODIES_MAX];
     struct tissue_tool tools[TISSUE_TOOLS_MAX];
     struct touches touches;

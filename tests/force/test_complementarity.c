@@ -20,13 +20,15 @@ struct problem {
     double free_gap[COMPLEMENTARITY_MAX];
     double matrix[COMPLEMENTARITY_MAX][COMPLEMENTARITY_MAX];
     uint8_t kind[COMPLEMENTARITY_MAX];
+    uint32_t asked;                          /* columns */
     double from_inside[COMPLEMENTARITY_MAX]; /* the free gap with which `inside` has no gap */
 };
 
-static void give_column(void *user, uint32_t index, double *column)
+static void give_column(void *user, uint32_t index, uint32_t first, double *column)
 {
-    const struct problem *problem = user;
-    for (uint32_t i = 0; i < problem->solver.count; i++)
+    struct problem *problem = user;
+    problem->asked++;
+    for (uint32_t i = first; i < problem->solver.count; i++)
         column[i] = problem->matrix[i][index];
 }
 
