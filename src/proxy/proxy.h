@@ -53,6 +53,9 @@ void dpti_proxy_follow_size(struct dpt_world *world, const struct tool *tool, st
 /* 1 if length and radius have reached what was given, or the tool is rigid. */
 int dpti_proxy_has_size(const struct dpt_world *world, const struct tool *tool);
 
+/* m: contacts hold a proxy so far away from surfaces. */
+double dpti_proxy_clearance(const struct dpt_world *world);
+
 /* Remember a triangle of a body, by its place. If memory is full, the least recently used one is dropped. */
 void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle);
 

@@ -14,9 +14,9 @@ enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2 };
 /* How often a moving body may push a proxy away. After that the body takes it along. */
 enum { PUSHES_MAX = 4 };
 
-/* As shares of the largest diagonal of all bodies, which counts up to PROXY_SCALE_MAX. */
+/* As a share of the largest diagonal of all bodies, which counts up to PROXY_SCALE_MAX; and as a share of that. */
 #define CLEARANCE 2e-6
-#define GAP_MIN   0.75e-6
+#define GAP_SHARE 0.375
 
 /*
  * After the proxy has met a moving body, contacts are left wider than the clearance: by this share of the motion, and
@@ -244,6 +244,18 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     return FOLLOW_MOVED;
 }
 
+/* In a step together with tissue (src/tissue) the surface has gone to where the tool ended: there it is free. */
+static int choose_end(struct proxy_tick *tick, double allowed, struct proxy_motion *motion)
+{
+    if (!tick->is_before || !tick->has_end)
+        return 0;
+    tick->has_end = 0;
+    motion->to = dpti_proxy_pose_of(tick->proxy, &tick->end);
+    const struct displacement way = dpti_proxy_displacement(tick->proxy, &tick->at, &motion->to);
+    motion->size = displacement_norm(&tick->proxy->coupling, &way);
+    return motion->size <= allowed;
+}
+
 /* One motion. *allowed is how far the proxy may still move in this tick. */
 static int follow_once(struct proxy_tick *tick, double *allowed)
 {
@@ -254,7 +266,8 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     const struct displacement left = dpti_proxy_displacement(proxy, &from, &tick->goal);
     if (go_to_goal(tick, &left, *allowed))
         return FOLLOW_DONE;
-    const int choice = choose_motion(tick, &left, *allowed, &motion);
+    const int choice =
+        choose_end(tick, *allowed, &motion) ? FOLLOW_MOVED : choose_motion(tick, &left, *allowed, &motion);
     if (choice != FOLLOW_MOVED)
         return choice;
     const double made = dpti_proxy_move(tick, &motion.to, &met);
@@ -400,6 +413,8 @@ static void find_goal(struct proxy_tick *tick)
     struct proxy *proxy = tick->proxy;
     tick->device = tick->goal = dpti_proxy_pose_of(proxy, &tick->tool->pose);
     tick->is_led = proxy->is_ended && proxy->is_led;
+    tick->has_end = proxy->is_ended != 0;
+    tick->end = proxy->end;
     if (tick->is_led) {
         const struct proxy_pose end = dpti_proxy_pose_of(proxy, &proxy->end);
         tick->goal = dpti_proxy_moved(proxy, &end, &proxy->end_motion);
@@ -417,6 +432,11 @@ static int stood_still(const struct proxy *before, const struct proxy *now)
     return !memcmp(before, now, offsetof(struct proxy, last_felt));
 }
 
+double dpti_proxy_clearance(const struct dpt_world *world)
+{
+    return CLEARANCE * min_of(world->largest_diagonal, PROXY_SCALE_MAX);
+}
+
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
 {
     struct proxy *proxy = proxy_of(world, tool);
@@ -429,14 +449,13 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     tick.world = world;
     tick.tool = tool;
     tick.proxy = proxy;
-    const double scale = min_of(world->largest_diagonal, PROXY_SCALE_MAX);
     const uint32_t work_before = world->work.done;
     doubt_unseen_motion(world, proxy);
     if (tool->is_free)
         dpti_proxy_follow_size(world, tool, proxy);
     dpti_proxy_measure(world, tool, proxy);
-    tick.clearance = CLEARANCE * scale;
-    tick.min_gap = GAP_MIN * scale;
+    tick.clearance = dpti_proxy_clearance(world);
+    tick.min_gap = GAP_SHARE * tick.clearance;
     proxy->flags = 0;
     proxy->last_felt = proxy->felt;
     proxy->last_pushed = proxy->is_ended ? proxy->pushed : proxy->felt;

@@ -44,6 +44,8 @@ struct proxy_tick {
     struct proxy_pose at, device;
     struct proxy_pose goal; /* what it follows: the device, or where friction held the tool in its step with tissue */
     int is_led;             /* the latter: then no friction is added to it */
+    int has_end;            /* there was such a step, in which it ended at `end`, and that was not tried yet */
+    dpt_pose end;
     vec3 axes[3];           /* of `at`, for turns */
     double clearance;       /* m: contacts are held so far apart */
     double min_gap;         /* m: no pose is accepted whose gap is less */

@@ -22,7 +22,7 @@ struct touching_part {
     vec3 axes[3]; /* for turns */
     uint32_t part;
     uint32_t triangle;
-    double radius;
+    double radius, clearance;
     vec3 a, u;              /* of a segment */
     struct hull_place hull; /* of a tip */
 };
@@ -81,7 +81,7 @@ static void add_pair(const struct touching_part *part, uint32_t feature, vec3 q,
                            .at = frame_to_world(frame, q),
                            .normal = frame_turn(frame, scaled(gap, 1.0 / distance)),
                            .weight = { weight[0], weight[1], weight[2] },
-                           .gap = distance - part->radius };
+                           .gap = distance - part->radius - part->clearance };
     if (has_twin(part->touches, &touch))
         return;
     dpti_touch_lever(search->proxy, search->at, part->axes, frame_to_world(frame, add(q, gap)), touch.normal,
@@ -135,7 +135,9 @@ static void gather_part(struct touching_part *part, const struct tip *tip)
 void dpti_touches_gather(const struct touch_search *search, struct touches *touches)
 {
     const struct frame *body = &search->body->frame;
-    struct touching_part part = { .search = search, .touches = touches };
+    struct touching_part part = { .search = search,
+                                  .touches = touches,
+                                  .clearance = dpti_proxy_clearance(search->world) };
     dpti_proxy_turn_axes(search->proxy, search->at, part.axes);
     for (part.part = 0; part.part < tool_part_count(search->tool); part.part++) {
         const struct part of = tool_part(search->world, search->tool, part.part);

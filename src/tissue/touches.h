@@ -20,7 +20,7 @@ struct touch {
     vec3 at;                      /* the point on the surface, in the world */
     vec3 normal;                  /* unit, in the world, towards the tool */
     double weight[3];             /* of the triangle's corners at that point */
-    double gap;                   /* m, with the tool at its proxy */
+    double gap;                   /* m, with the tool at its proxy: beyond the proxy's clearance */
     double row[TOUCH_DIMENSIONS]; /* how the gap grows with the unknowns of the proxy's motion */
 };
 

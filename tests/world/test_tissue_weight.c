@@ -9,15 +9,15 @@ static void weigh(const char *name, uint64_t tri, uint32_t kind, const dpt_segme
     struct fixture fixture;
     const dpt_spring_net_def net = { .size = sizeof net, .kind = kind, .young = kind == DPT_NET_SHEET ? 2e5 : 2e4, .thickness = kind == DPT_NET_SHEET ? 5e-4 : 0, .density = kind == DPT_NET_SHEET ? 400.0 : 1000, .drag = 2.0, .viscosity = kind == DPT_NET_SHEET ? 1e-4 : 1e-3, .spacing = kind == DPT_NET_SHEET ? 0 : 0.02 };
     rig_open(&rig, NULL, NULL, rods, 1);
-    rig_set_law(&rig, rig.tool, DPT_LAW_PROXY, 500.0);
+    const double K = kind == DPT_NET_SHEET ? 500 : 4000; rig_set_law(&rig, rig.tool, DPT_LAW_PROXY, K);
     dpt_tool tools[8] = { rig.tool };
-    for (int i = 1; i < count; i++) { tools[i] = rig_add_tool(&rig, rods + i, 1); rig_set_law(&rig, tools[i], DPT_LAW_PROXY, 500.0); }
+    for (int i = 1; i < count; i++) { tools[i] = rig_add_tool(&rig, rods + i, 1); rig_set_law(&rig, tools[i], DPT_LAW_PROXY, K); }
     rig_place(&rig);
     if (!fixture_with_springs(&fixture, name, tri, &net)) return;
     dpt_deformable_def deform; dpt_springs_def springs;
     dpt_deformable_def_init(&deform); dpt_springs_def_init(&springs);
     dpt_pose pose = DPT_POSE_IDENTITY; pose.position[2] = z0;
-    deform.mesh = springs.mesh = fixture.mesh; deform.pose = &pose; deform.max_points = 64;
+    deform.mesh = springs.mesh = fixture.mesh; deform.pose = &pose; deform.max_points = 64; for (int k = 0; k < 3; k++) { deform.box_min[k] = -1; deform.box_max[k] = 1; }
     springs.integrator = integ; springs.gravity[2] = -9.81; springs.max_substeps = 64;
     springs.sleep_speed = 0.01;
     dpt_body body = rig_add_deformable(&rig, &deform);
