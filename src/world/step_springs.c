@@ -237,18 +237,23 @@ static void note_felt(const struct tissue_solve *solve, struct tool *tool, struc
     proxy->felt = felt;
 }
 
+/* rad: a tool that friction has turned farther from its device lets go there. */
+#define TURN_MAX 1.0
+
 /* Where the tool is at the end of the step, for the next one. Where friction holds it, its proxy follows it. */
 static void note_end(const struct tissue_tool *from, const struct tool *tool, struct proxy *proxy)
 {
     const struct displacement way = dpti_proxy_of_unknowns(proxy, from->axes, from->end);
+    const struct displacement felt = dpti_proxy_of_unknowns(proxy, from->axes, from->felt);
     const struct proxy_pose end = dpti_proxy_moved(proxy, &from->at, &way);
     const struct proxy_pose last = dpti_proxy_pose_of(proxy, &proxy->end);
+    const int is_held = tool->force_reason == DPT_FORCE_ACTS && length(felt.turn) + fabs(felt.spin) < TURN_MAX;
     proxy->end_motion = dpti_proxy_displacement(proxy, &last, &end);
-    proxy->end = tool->force_reason == DPT_FORCE_ACTS ? end.pose : tool->pose;
+    proxy->end = is_held ? end.pose : tool->pose;
     proxy->is_ended = 1;
     proxy->sticking = from->sticking;
     proxy->slipping = from->slipping;
-    proxy->is_led = from->sticking + from->slipping > 0;
+    proxy->is_led = is_held && from->sticking + from->slipping > 0;
     proxy->is_sliding = from->is_sliding;
 }
 

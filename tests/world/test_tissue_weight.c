@@ -31,7 +31,7 @@ static void weigh(const char *name, uint64_t tri, uint32_t kind, const dpt_segme
     dpt_springs_info info = { .size = sizeof info };
     printf("%s mass %g weight %g stable %g\n", name, mass, mass * 9.81, dpt_springs_get_stable_step(s));
     for (int t = 0; t < (int)(1.5 / dt); t++) {
-        dpt_world_step(rig.world, dt, NULL);
+        dpt_world_step(rig.world, dt, NULL); { static uint32_t lastr; dpt_force_info fi = { .size = sizeof fi }; dpt_tool_get_force_info(rig.world, tools[0], &fi); if (fi.reason == 5 && lastr != 5) printf("AT %d flags %u\n", t, fi.flags); lastr = fi.reason; }
         dpt_result r = dpt_body_step_springs(rig.world, body, s, dt, &info);
         if (r) { printf("t %d result %s\n", t, dpt_result_name(r)); break; }
         double f[3] = {0}; uint32_t fl = 0, st = 0, sl = 0;
@@ -45,7 +45,7 @@ static void weigh(const char *name, uint64_t tri, uint32_t kind, const dpt_segme
 static void explore(void)
 {
     const dpt_segment rod = { { 0.003, -0.2, 0 }, { 0.003, 0.2, 0 }, 0.004 };
-    const dpt_segment ball = { { 0.0, 0.0, 0 }, { 0.0, 0.001, 0 }, 0.04 };
+    const dpt_segment ball = { { 0.0, 0.0, 0 }, { 0.0, 0.0, 0 }, 0.04 };
     const dpt_segment three[3] = { { { -0.05, -0.2, 0 }, { -0.05, 0.2, 0 }, 0.004 }, { { 0.05, -0.2, 0 }, { 0.05, 0.2, 0 }, 0.004 }, { {-0.2, 0.05, 0}, {0.2, 0.05, 0}, 0.004 } };
     weigh("membrane", 512, DPT_NET_SHEET, &rod, 1, 0.01, 0, 1e-3);
     weigh("membrane", 512, DPT_NET_SHEET, &ball, 1, 0.05, 0, 1e-3);
