@@ -93,7 +93,7 @@ static void sweep_body(struct proxy_tick *tick, uint32_t number, const struct bo
     struct rigid_sweep rigid = {
         .surface = &body->surface,
         .kernel = &world->kernel,
-        .radius = segment->radius,
+        .radius = (1.0 - tick->dented) * segment->radius,
         .distance_before = tick->is_lost || body->added_tick == world->ticks ? 0.0 : segment->result.lower_bound,
         .tolerance = 0.5 * RIGID_SWEEP_TOLERANCE * scale,
         .hint = *world_last_triangle(world, index, handle_index(body->id)),

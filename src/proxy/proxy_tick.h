@@ -44,21 +44,22 @@ struct proxy_tick {
     struct proxy_pose at, device;
     struct proxy_pose goal; /* what it follows: the device, or where friction held the tool in its step with tissue */
     int is_led;             /* the latter: then no friction is added to it */
-    int has_end;            /* there was such a step, in which it ended at `end`, and that was not tried yet */
+    int end_trials;         /* after such a step, which ended at `end`: how often the proxy may still try to go there */
+    double dented;          /* the share of the tool's radius that surfaces may dent on the way of a motion */
     dpt_pose end;
-    vec3 axes[3];           /* of `at`, for turns */
-    double clearance;       /* m: contacts are held so far apart */
-    double min_gap;         /* m: no pose is accepted whose gap is less */
-    double gap;             /* m: of the tool's surface at `at`; a lower bound where a budget ended the search */
-    int is_before;          /* `at` is proven only for where bodies were at `time` of their motion before this tick */
-    double time;            /* 0..1 */
-    double made;            /* the share that was made of the last motion that was solved for */
-    double lift;            /* m: while is_before, added to the clearance of contacts */
-    int is_lost;            /* the segments' nearest pairs are of another pose than `at` */
-    int held;               /* PROXY_HELD_... */
-    int is_moved;           /* a motion was made in this tick */
-    int is_settled;         /* the last solution is of `at`, and leaves no motion to make */
-    int is_waiting;         /* a budget ended the tick's motions before the proxy arrived */
+    vec3 axes[3];     /* of `at`, for turns */
+    double clearance; /* m: contacts are held so far apart */
+    double min_gap;   /* m: no pose is accepted whose gap is less */
+    double gap;       /* m: of the tool's surface at `at`; a lower bound where a budget ended the search */
+    int is_before;    /* `at` is proven only for where bodies were at `time` of their motion before this tick */
+    double time;      /* 0..1 */
+    double made;      /* the share that was made of the last motion that was solved for */
+    double lift;      /* m: while is_before, added to the clearance of contacts */
+    int is_lost;      /* the segments' nearest pairs are of another pose than `at` */
+    int held;         /* PROXY_HELD_... */
+    int is_moved;     /* a motion was made in this tick */
+    int is_settled;   /* the last solution is of `at`, and leaves no motion to make */
+    int is_waiting;   /* a budget ended the tick's motions before the proxy arrived */
     uint32_t triangle_count;
     uint32_t space_count;
     uint32_t contact_count; /* of the solution, contacts with friction */

@@ -270,6 +270,7 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
         const vec3 push = solve->push[i];
         if (touch->tool_slot != from->slot || !(dot(push, push) > 0.0))
             continue;
+        dpti_proxy_remember(proxy, touch->part, touch->body_id, touch->triangle);
         force = add(force, push);
         torque = add(torque, cross(sub(touch->at, vec3_of(tool->pose.position)), push));
         dpti_loads_note_push(world, tool, touch->part, touch->body_id, touch->triangle, touch->at, scaled(push, -1.0));
