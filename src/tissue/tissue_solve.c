@@ -9,6 +9,9 @@
 /* m: a gap of no less than minus that counts as met. */
 #define TOLERANCE 1e-10
 
+/* The share of a missing gap that is made good in a substep. */
+#define RECOVERED 0.2
+
 /* The number of a node in the solve, which is made if there is none; DPT_NONE without room. */
 static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t node)
 {
@@ -160,25 +163,41 @@ static double lever_product(const double *lever, const double *unknowns)
     return sum;
 }
 
-/* How far the point of a touch would be, or slide, without the pushes that are to be found. */
-static vec3 point_moved(const struct tissue_solve *solve, const struct tissue_link *link, int slides)
+/* How far the point of a touch would move in the substep, without the pushes that are to be found; and had moved before. */
+static vec3 point_slid(const struct tissue_solve *solve, const struct tissue_link *link)
 {
     vec3 moved = { 0.0, 0.0, 0.0 };
     for (uint32_t k = 0; k < link->count; k++) {
         const struct tissue_node *node = &solve->nodes[link->node[k]];
-        moved = along(moved, link->weight[k], add(slides ? node->slid : node->moved, node->known));
+        moved = along(moved, link->weight[k], add(node->slid, node->known));
     }
     return moved;
 }
 
+static vec3 point_moved(const struct tissue_solve *solve, const struct tissue_link *link)
+{
+    vec3 moved = { 0.0, 0.0, 0.0 };
+    for (uint32_t k = 0; k < link->count; k++) {
+        const struct tissue_node *node = &solve->nodes[link->node[k]];
+        moved = along(moved, link->weight[k], sub(node->moved, node->slid));
+    }
+    return moved;
+}
+
+/*
+ * A pair that was not seen before it met, as a surface bends between two ticks, begins with less than no gap. What is
+ * missing is made good by and by: at once it would throw light nodes away.
+ */
 static void set_gaps_of_touches(struct tissue_solve *solve)
 {
     for (uint32_t i = 0; i < solve->touches.count; i++) {
         const struct tissue_row *row = &solve->rows[i];
         const struct tissue_link *link = &solve->links[i];
-        const double *known = solve->tools[link->tool].known;
-        solve->free_gap[i] = solve->touches.touch[i].gap + lever_product(row->lever, known) -
-                             dot(row->within, point_moved(solve, link, 0));
+        const struct tissue_tool *tool = &solve->tools[link->tool];
+        const double moved = solve->touches.touch[i].gap - dot(row->within, point_moved(solve, link));
+        const double now = moved + lever_product(row->lever, tool->end);
+        solve->free_gap[i] = moved + lever_product(row->lever, tool->known) -
+                             dot(row->within, point_slid(solve, link)) - (1.0 - RECOVERED) * min_of(now, 0.0);
         solve->kind[i] = COMPLEMENTARITY_CONSTRAINT;
     }
 }
@@ -194,7 +213,7 @@ static void set_gaps_of_rubs(struct tissue_solve *solve)
             const struct tissue_link *link = &solve->links[row->touch];
             const struct tissue_tool *tool = &solve->tools[link->tool];
             solve->free_gap[i] = lever_product(row->lever, tool->known) - lever_product(row->lever, tool->end) -
-                                 dot(row->within, point_moved(solve, link, 1)) - share * solve->rubs[r].carried[d];
+                                 dot(row->within, point_slid(solve, link)) - share * solve->rubs[r].carried[d];
             solve->kind[i] = solve->rubs[r].state == RUB_STICKS ? COMPLEMENTARITY_EQUAL : COMPLEMENTARITY_WATCHED;
         }
 }
