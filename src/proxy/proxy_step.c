@@ -27,13 +27,8 @@ enum { PUSHES_MAX = 4 };
 /* The smallest share that is left of a shortened motion. */
 #define SHARE_MIN 0.01
 
-/*
- * How often the end of a step together with tissue is tried: as it is, and then with room made for it; turns of that, and
- * how far in clearances they look. Then the share of a tool's radius that surfaces may dent on the way there.
- */
-enum { END_TRIALS = 2, ROOM_TURNS = 4 };
-#define ROOM_REACH 20.0
-#define DENTED     0.1
+/* The share of a tool's radius that surfaces may dent on the way to the end of a step together with tissue. */
+#define DENTED 0.1
 
 /* rad: the largest turn of one motion, and the turn from the device beyond which the proxy starts again there. */
 #define TURN_MAX     0.3
@@ -252,48 +247,17 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     return FOLLOW_MOVED;
 }
 
-/* What is too near at a pose, where bodies are now, is given way to: so far, in so many turns. Returns 0 if it is not free. */
-static int make_room(struct proxy_tick *tick, struct proxy_pose *pose)
-{
-    const struct proxy_pose at = tick->at;
-    const double gap = tick->gap;
-    const double none[HALF_SPACE_DIMENSIONS] = { 0.0 };
-    int is_free = 0;
-    tick->is_before = 0;
-    tick->at = *pose;
-    for (int i = 0; i < ROOM_TURNS; i++) {
-        dpti_proxy_find_nearest(tick);
-        is_free = tick->gap >= tick->min_gap;
-        if (is_free)
-            break;
-        dpti_proxy_turn_axes(tick->proxy, &tick->at, tick->axes);
-        dpti_proxy_gather(tick, ROOM_REACH * tick->clearance);
-        if (!dpti_proxy_solve_rubbing(tick, none))
-            break;
-        remember_active(tick);
-        const struct displacement motion = dpti_proxy_of_unknowns(tick->proxy, tick->axes, tick->solved.y);
-        tick->at = dpti_proxy_moved(tick->proxy, &tick->at, &motion);
-    }
-    *pose = tick->at;
-    tick->at = at;
-    tick->gap = gap;
-    tick->is_before = tick->is_lost = 1;
-    return is_free;
-}
-
 /*
- * In a step together with tissue (src/tissue) the surface has gone to where the tool ended: there it is free, but for the
- * bend of what was taken as flat. Surfaces that pass it by on the way may dent its skin, and no more.
+ * In a step together with tissue (src/tissue) the surface has gone to where the tool ended: there it is free. Surfaces that
+ * pass it by on the way may dent its skin, and no more.
  */
 static int choose_end(struct proxy_tick *tick, double allowed, struct proxy_motion *motion)
 {
     tick->dented = 0.0;
-    if (!tick->is_before || !tick->end_trials)
+    if (!tick->is_before || !tick->has_end)
         return 0;
-    const int is_last = --tick->end_trials == 0;
+    tick->has_end = 0;
     motion->to = dpti_proxy_pose_of(tick->proxy, &tick->end);
-    if (is_last && !make_room(tick, &motion->to))
-        return 0;
     const struct displacement way = dpti_proxy_displacement(tick->proxy, &tick->at, &motion->to);
     motion->size = displacement_norm(&tick->proxy->coupling, &way);
     tick->dented = DENTED;
@@ -457,7 +421,7 @@ static void find_goal(struct proxy_tick *tick)
     struct proxy *proxy = tick->proxy;
     tick->device = tick->goal = dpti_proxy_pose_of(proxy, &tick->tool->pose);
     tick->is_led = proxy->is_ended && proxy->is_led;
-    tick->end_trials = proxy->is_ended ? END_TRIALS : 0;
+    tick->has_end = proxy->is_ended != 0;
     tick->end = proxy->end;
     if (tick->is_led) {
         const struct proxy_pose end = dpti_proxy_pose_of(proxy, &proxy->end);

@@ -44,7 +44,7 @@ struct proxy_tick {
     struct proxy_pose at, device;
     struct proxy_pose goal; /* what it follows: the device, or where friction held the tool in its step with tissue */
     int is_led;             /* the latter: then no friction is added to it */
-    int end_trials;         /* after such a step, which ended at `end`: how often the proxy may still try to go there */
+    int has_end;            /* there was such a step, which ended at `end`, and the proxy has not tried to go there */
     double dented;          /* the share of the tool's radius that surfaces may dent on the way of a motion */
     dpt_pose end;
     vec3 axes[3];     /* of `at`, for turns */

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "tissue/tissue_tools.h"
+
+#include <string.h>
+
+#include "proxy/proxy.h"
+#include "proxy/tool_loads.h"
+
+/* Whether a tool has a proxy that was outside in the last step, and nothing of which its wrench still has a memory. */
+static int tool_can_be_solved(const struct dpt_world *world, const struct tool *tool)
+{
+    if (!tool->slot.used || !tool_is_active(world, tool) || !dpti_proxy_is_used(world, tool))
+        return 0;
+    const struct proxy *proxy = proxy_of(world, tool);
+    return proxy->tick == world->ticks && proxy->state == PROXY_OUTSIDE && !(proxy->fade.time_left > 0.0) &&
+           tool->stiffness > 0.0;
+}
+
+static struct tissue_body *solved_body(struct tissue_solve *solve, const struct body *body)
+{
+    for (uint32_t i = 0; i < solve->body_count; i++)
+        if (solve->bodies[i].body == body)
+            return &solve->bodies[i];
+    return NULL;
+}
+
+/* The touches of a tool and the bodies of the solve, or the other bodies. */
+static void gather_from(struct tissue_solve *solve, struct touch_search *search, int is_solved)
+{
+    struct dpt_world *world = search->world;
+    for (uint32_t i = 0; i < world->body_slot_end; i++) {
+        search->body = &world->bodies[i];
+        if (body_is_there(search->body) && !is_solved == !solved_body(solve, search->body))
+            dpti_touches_gather(search, &solve->touches);
+    }
+}
+
+/* Whether the surfaces that a tool may touch are hard. */
+static int touches_are_hard(const struct dpt_world *world, const struct touches *touches, uint32_t first)
+{
+    for (uint32_t i = first; i < touches->count; i++)
+        if (world_find_body(world, touches->touch[i].body_id)->stiffness > 0.0)
+            return 0;
+    return 1;
+}
+
+/* The unknowns of the way from a tool's proxy to a pose. */
+static void unknowns_of(const struct tissue_tool *tool, const dpt_pose *pose, double *unknowns)
+{
+    const struct proxy_pose to = dpti_proxy_pose_of(tool->proxy, pose);
+    const struct displacement way = dpti_proxy_displacement(tool->proxy, &tool->at, &to);
+    dpti_proxy_to_unknowns(tool->proxy, tool->axes, &way, unknowns);
+}
+
+/*
+ * The damper adds (damping / dt) times what the displacement grew by since the last tick: with the spring it is one spring
+ * of more stiffness, whose end is not the device.
+ */
+static void set_damper(struct tissue_tool *made, const struct tool *tool, double dt)
+{
+    double last[TOUCH_DIMENSIONS] = { 0.0 };
+    made->stiffness = made->proxy->coupling.stiffness + tool->damping / dt;
+    dpti_proxy_to_unknowns(made->proxy, made->axes, &made->proxy->last_felt, last);
+    for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+        made->away[k] = made->device[k] + tool->damping / dt / made->stiffness * last[k];
+}
+
+static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool, double reach)
+{
+    const uint32_t first = solve->touches.count;
+    const struct proxy *proxy = proxy_of(world, tool);
+    struct tissue_tool *made = &solve->tools[solve->tool_count];
+    struct touch_search search = { world, tool, proxy, &made->at, NULL, reach + proxy->last_motion };
+    *made = (struct tissue_tool){ .slot = (uint32_t)(tool - world->tools),
+                                  .is_sliding = proxy->is_sliding,
+                                  .proxy = proxy,
+                                  .at = dpti_proxy_pose_of(proxy, &proxy->pose) };
+    dpti_proxy_turn_axes(proxy, &made->at, made->axes);
+    gather_from(solve, &search, 1);
+    if (solve->touches.count > first)
+        gather_from(solve, &search, 0);
+    if (!touches_are_hard(world, &solve->touches, first))
+        solve->touches.count = first;
+    if (solve->touches.count == first)
+        return;
+    unknowns_of(made, &tool->pose, made->device);
+    unknowns_of(made, &proxy->end, made->end);
+    set_damper(made, tool, solve->dt);
+    solve->tool_count++;
+}
+
+void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach)
+{
+    solve->touches.count = solve->touches.is_full = solve->tool_count = 0;
+    solve->world = world;
+    for (uint32_t t = 0; t < world->tool_slot_end; t++)
+        if (tool_can_be_solved(world, &world->tools[t])) {
+            if (solve->tool_count == TISSUE_TOOLS_MAX)
+                solve->is_full = 1;
+            else
+                gather_tool(solve, world, &world->tools[t], reach);
+        }
+}
+
+/* What is felt may differ by that share of it, and by that much, N, from what the proxy says. */
+#define APART_SHARE 0.05
+#define APART_FORCE 5e-3
+
+/* J: what the bodies did on the tool in this tick: the mean push of this tick and the last one, over the tool's way. */
+static double work_of_bodies(const struct tool *tool, const struct proxy *proxy, const struct displacement *felt)
+{
+    const struct proxy_pose from = dpti_proxy_pose_of(proxy, &proxy->last_device_pose);
+    const struct proxy_pose to = dpti_proxy_pose_of(proxy, &tool->pose);
+    const struct displacement led = dpti_proxy_displacement(proxy, &from, &to);
+    const struct displacement grown = displacement_sum(felt, -1.0, &proxy->last_felt);
+    const struct displacement moved = displacement_sum(&grown, 1.0, &led);
+    const struct displacement both = displacement_sum(&proxy->pushed, 1.0, &proxy->last_pushed);
+    return 0.5 * proxy->coupling.stiffness * displacement_dot(&proxy->coupling, &both, &moved);
+}
+
+/* The mean push of the substeps, over the stiffness. */
+static struct displacement pushed_by(const struct tissue_tool *from)
+{
+    double unknowns[TOUCH_DIMENSIONS];
+    for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+        unknowns[k] =
+            from->stiffness / from->proxy->coupling.stiffness * (from->felt[k] - (from->away[k] - from->device[k]));
+    return dpti_proxy_of_unknowns(from->proxy, from->axes, unknowns);
+}
+
+/* The displacement from the device that is felt. The proxy's own is that of the world's step. */
+static void note_felt(const struct tissue_solve *solve, struct tool *tool, struct proxy *proxy,
+                      struct displacement felt)
+{
+    const struct displacement between = displacement_sum(&felt, -1.0, &proxy->felt);
+    const double apart = displacement_norm(&proxy->coupling, &between);
+    const double allowed =
+        APART_SHARE * displacement_norm(&proxy->coupling, &felt) + APART_FORCE / proxy->coupling.stiffness;
+    tool->force_flags &= ~(uint32_t)(DPT_FORCE_FLAG_APART | DPT_FORCE_FLAG_CROWDED);
+    tool->force_flags |= apart > allowed ? DPT_FORCE_FLAG_APART : 0u;
+    tool->force_flags |= solve->is_full || solve->touches.is_full ? DPT_FORCE_FLAG_CROWDED : 0u;
+    tool->energy = coupling_energy(&proxy->coupling, &felt);
+    tool->body_work = proxy->body_work = work_of_bodies(tool, proxy, &felt);
+    proxy->felt = felt;
+}
+
+/* rad: a tool that friction has turned farther from its device lets go there. */
+#define TURN_MAX 1.0
+
+/* Where the tool is at the end of the step, for the next one. Where friction holds it, its proxy follows it. */
+static void note_end(const struct tissue_tool *from, const struct tool *tool, struct proxy *proxy)
+{
+    const struct displacement way = dpti_proxy_of_unknowns(proxy, from->axes, from->end);
+    const struct displacement felt = dpti_proxy_of_unknowns(proxy, from->axes, from->felt);
+    const struct proxy_pose end = dpti_proxy_moved(proxy, &from->at, &way);
+    const struct proxy_pose last = dpti_proxy_pose_of(proxy, &proxy->end);
+    const int is_held = tool->force_reason == DPT_FORCE_ACTS && length(felt.turn) + fabs(felt.spin) < TURN_MAX;
+    proxy->end_motion = dpti_proxy_displacement(proxy, &last, &end);
+    proxy->end = is_held ? end.pose : tool->pose;
+    proxy->is_ended = 1;
+    proxy->sticking = from->sticking;
+    proxy->slipping = from->slipping;
+    proxy->is_led = is_held && from->sticking + from->slipping > 0;
+    proxy->is_sliding = from->is_sliding;
+}
+
+/* What a tool feels: the pushes of its touches, about its device's origin. What a program's own function added stays. */
+static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world, const struct tissue_tool *from)
+{
+    struct tool *tool = &world->tools[from->slot];
+    struct proxy *proxy = proxy_of(world, tool);
+    vec3 force = { 0.0, 0.0, 0.0 }, torque = force;
+    const dpt_wrench law = tool->law_wrench, shaped = tool->wrench;
+    dpti_loads_forget(world, tool);
+    for (uint32_t i = 0; i < solve->touches.count; i++) {
+        const struct touch *touch = &solve->touches.touch[i];
+        const vec3 push = solve->push[i];
+        if (touch->tool_slot != from->slot || !(dot(push, push) > 0.0))
+            continue;
+        dpti_proxy_remember(proxy, touch->part, touch->body_id, touch->triangle);
+        force = add(force, push);
+        torque = add(torque, cross(sub(touch->at, vec3_of(tool->pose.position)), push));
+        dpti_loads_note_push(world, tool, touch->part, touch->body_id, touch->triangle, touch->at, scaled(push, -1.0));
+    }
+    vec3_store(force, tool->wrench.force);
+    vec3_store(torque, tool->wrench.torque);
+    tool->force_reason = dot(force, force) > 0.0 ? (uint32_t)DPT_FORCE_ACTS : (uint32_t)DPT_FORCE_FREE;
+    proxy->reason = tool->force_reason;
+    dpti_loads_settle(world, tool);
+    for (int k = 0; k < 3; k++) {
+        tool->wrench.force[k] += shaped.force[k] - law.force[k];
+        tool->wrench.torque[k] += shaped.torque[k] - law.torque[k];
+    }
+    proxy->pushed = pushed_by(from);
+    note_felt(solve, tool, proxy, dpti_proxy_of_unknowns(proxy, from->axes, from->felt));
+    note_end(from, tool, proxy);
+}
+
+void dpti_tissue_tell(const struct tissue_solve *solve, struct dpt_world *world)
+{
+    for (uint32_t t = 0; t < solve->tool_count; t++)
+        set_wrench(solve, world, &solve->tools[t]);
+}
+
+/* ---- the end of a step ---- */
+
+/* How often a tool gives way there, and m: how near surfaces are looked at, beyond the last turn's way. */
+enum { ROOM_TURNS = 4 };
+#define ROOM_REACH 2e-5
+
+/* A newton along one touch moves the tool alone. */
+static void give_lever(void *user, uint32_t index, uint32_t first, double *column)
+{
+    const struct touches *touches = user;
+    for (uint32_t i = first; i < touches->count; i++) {
+        column[i] = 0.0;
+        for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+            column[i] += touches->touch[index].row[k] * touches->touch[i].row[k];
+    }
+}
+
+/* The least motion, as unknowns, that leaves no gap below 0. Returns its length, m. */
+static double least_motion(struct tissue_solve *solve, double unknowns[TOUCH_DIMENSIONS])
+{
+    const struct touches *touches = &solve->touches;
+    struct complementarity *problem = &solve->problem;
+    for (uint32_t i = 0; i < touches->count; i++)
+        solve->free_gap[i] = touches->touch[i].gap;
+    problem->count = touches->count;
+    problem->active_count = problem->matrix = 0;
+    problem->kind = NULL;
+    problem->column = give_lever;
+    problem->user = &solve->touches;
+    dpti_complementarity_solve(problem);
+    memset(unknowns, 0, TOUCH_DIMENSIONS * sizeof *unknowns);
+    for (uint32_t a = 0; a < problem->active_count; a++)
+        for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+            unknowns[k] += problem->multiplier[a] * touches->touch[problem->active[a]].row[k];
+    return norm_of(unknowns, TOUCH_DIMENSIONS);
+}
+
+static double least_gap(const struct touches *touches)
+{
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < touches->count; i++)
+        least = min_of(least, touches->touch[i].gap);
+    return least;
+}
+
+/* A tool's end gives way to what is nearer than a half of the clearance. */
+static void make_room(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool)
+{
+    struct proxy *proxy = proxy_of(world, tool);
+    const double enough = -0.5 * dpti_proxy_clearance(world);
+    double unknowns[TOUCH_DIMENSIONS], moved = 0.0;
+    vec3 axes[3];
+    for (int turn = 0; turn < ROOM_TURNS; turn++) {
+        struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->end);
+        struct touch_search search = { world, tool, proxy, &at, NULL, ROOM_REACH + moved };
+        solve->touches.count = 0;
+        for (uint32_t i = 0; i < world->body_slot_end; i++) {
+            search.body = &world->bodies[i];
+            if (body_is_there(search.body))
+                dpti_touches_gather(&search, &solve->touches);
+        }
+        if (least_gap(&solve->touches) >= enough)
+            return;
+        moved = least_motion(solve, unknowns);
+        dpti_proxy_turn_axes(proxy, &at, axes);
+        const struct displacement way = dpti_proxy_of_unknowns(proxy, axes, unknowns);
+        at = dpti_proxy_moved(proxy, &at, &way);
+        proxy->end = at.pose;
+    }
+}
+
+void dpti_tissue_settle(struct tissue_solve *solve, struct dpt_world *world)
+{
+    for (uint32_t t = 0; t < solve->tool_count; t++) {
+        const struct tool *tool = &world->tools[solve->tools[t].slot];
+        if (tool->force_reason == DPT_FORCE_ACTS)
+            make_room(solve, world, tool);
+    }
+}

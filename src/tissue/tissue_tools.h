@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tools in a step of tissue: what they touch before it, what they feel after it, and where it leaves them. */
+#ifndef DPT_TISSUE_TOOLS_H
+#define DPT_TISSUE_TOOLS_H
+
+#include "tissue/tissue_state.h"
+
+/* All tools whose proxies are within `reach`, m, of a body of the solve, and their touches. */
+void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach);
+
+/* After the step: the tools' wrenches, loads, energies and end poses. */
+void dpti_tissue_tell(const struct tissue_solve *solve, struct dpt_world *world);
+
+/*
+ * After the surfaces have moved: ends of tools give way to what the solve took as flat. There proxies are free in the next
+ * tick. The touches are lost.
+ */
+void dpti_tissue_settle(struct tissue_solve *solve, struct dpt_world *world);
+
+#endif
