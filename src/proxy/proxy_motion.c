@@ -202,7 +202,7 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
  */
 static int has_room(struct proxy_tick *tick, double gap_before)
 {
-    if (tick->gap >= min_of(tick->min_gap, gap_before))
+    if (tick->gap >= min_of(tick->min_gap, gap_before) - tick->spare)
         return 1;
     for (uint32_t i = 0; i < tool_part_count(tick->tool); i++) {
         const struct part part = tool_part(tick->world, tick->tool, i);

@@ -27,8 +27,12 @@ enum { PUSHES_MAX = 4 };
 /* The smallest share that is left of a shortened motion. */
 #define SHARE_MIN 0.01
 
-/* The share of a tool's radius that surfaces may dent on the way to the end of a step together with tissue. */
-#define DENTED 0.1
+/*
+ * The share of a tool's radius that surfaces may dent: on the way to the end of a step together with tissue, and where
+ * tissue leaves no room there.
+ */
+#define DENTED      0.1
+#define DENTED_MOST 0.5
 
 /* rad: the largest turn of one motion, and the turn from the device beyond which the proxy starts again there. */
 #define TURN_MAX     0.3
@@ -253,15 +257,44 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
  */
 static int choose_end(struct proxy_tick *tick, double allowed, struct proxy_motion *motion)
 {
-    tick->dented = 0.0;
+    tick->dented = tick->proxy->gap < 0.0 ? DENTED_MOST : 0.0;
     if (!tick->is_before || !tick->has_end)
         return 0;
     tick->has_end = 0;
     motion->to = dpti_proxy_pose_of(tick->proxy, &tick->end);
     const struct displacement way = dpti_proxy_displacement(tick->proxy, &tick->at, &motion->to);
     motion->size = displacement_norm(&tick->proxy->coupling, &way);
-    tick->dented = DENTED;
+    tick->dented = max_of(tick->dented, DENTED);
     return motion->size <= allowed;
+}
+
+/* m: of the thinnest part of the tool. */
+static double least_radius(const struct proxy_tick *tick)
+{
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < tool_part_count(tick->tool); i++)
+        least = min_of(least, part_radius(tool_part(tick->world, tick->tool, i)));
+    return least;
+}
+
+/*
+ * Tissue that leaves no room, as a sheet that is wrapped round the tool, dents it: the proxy goes where the step with the
+ * tissue ended, on the side of all surfaces on which it was. Returns 0 if it cannot.
+ */
+static int give_way(struct proxy_tick *tick)
+{
+    double met;
+    if (!tick->has_ended)
+        return 0;
+    tick->dented = DENTED_MOST;
+    tick->spare = DENTED_MOST * least_radius(tick);
+    if (tick->is_before) {
+        const struct proxy_pose end = dpti_proxy_pose_of(tick->proxy, &tick->end);
+        tick->is_before = !(dpti_proxy_move(tick, &end, &met) == 1.0);
+    }
+    const int has_given = !tick->is_before && tick->gap > -tick->spare;
+    tick->spare = 0.0;
+    return has_given;
 }
 
 /* One motion. *allowed is how far the proxy may still move in this tick. */
@@ -377,8 +410,10 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     follow_all(tick, &allowed);
     if (tick->is_before || tick->gap < 0.0) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
-        place_again(tick);
-        return;
+        if (!give_way(tick)) {
+            place_again(tick);
+            return;
+        }
     }
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
     const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
@@ -421,7 +456,7 @@ static void find_goal(struct proxy_tick *tick)
     struct proxy *proxy = tick->proxy;
     tick->device = tick->goal = dpti_proxy_pose_of(proxy, &tick->tool->pose);
     tick->is_led = proxy->is_ended && proxy->is_led;
-    tick->has_end = proxy->is_ended != 0;
+    tick->has_end = tick->has_ended = proxy->is_ended != 0;
     tick->end = proxy->end;
     if (tick->is_led) {
         const struct proxy_pose end = dpti_proxy_pose_of(proxy, &proxy->end);

@@ -30,13 +30,13 @@ static void weigh(const char *name, uint64_t tri, uint32_t kind, const dpt_segme
     double mass = 0; for (uint32_t i = 0; i < mi.nodes; i++) mass += (double)mi.mass[i];
     dpt_springs_info info = { .size = sizeof info };
     printf("%s mass %g weight %g stable %g\n", name, mass, mass * 9.81, dpt_springs_get_stable_step(s));
-    for (int t = 0; t < (int)(1.5 / dt); t++) {
+    for (int t = 0; t < (int)(5 / dt); t++) {
         dpt_world_step(rig.world, dt, NULL); { static uint32_t lastr; dpt_force_info fi = { .size = sizeof fi }; dpt_tool_get_force_info(rig.world, tools[0], &fi); if (fi.reason == 5 && lastr != 5) printf("AT %d flags %u\n", t, fi.flags); lastr = fi.reason; }
         dpt_result r = dpt_body_step_springs(rig.world, body, s, dt, &info);
         if (r) { printf("t %d result %s\n", t, dpt_result_name(r)); break; }
         double f[3] = {0}; uint32_t fl = 0, st = 0, sl = 0;
         for (int i = 0; i < count; i++) { dpt_force_info fi = { .size = sizeof fi }; dpt_tool_get_force_info(rig.world, tools[i], &fi); for (int k = 0; k < 3; k++) f[k] += fi.wrench.force[k]; fl |= fi.flags; st += fi.sticking; sl += fi.slipping; }
-        if (t % (int)(0.3 / dt) == 0 || (getenv("FROM") && t >= atoi(getenv("FROM")) && t < atoi(getenv("FROM")) + 12)) { { dpt_pose pr; dpt_tool_get_proxy(rig.world, tools[0], &pr); dpt_force_info fi = { .size = sizeof fi }; dpt_tool_get_force_info(rig.world, tools[0], &fi); const float *vp; uint32_t vc; dpt_body_get_vertices(rig.world, body, &vp, &vc); double zmax = -9; for (uint32_t q = 0; q < vc; q++) zmax = fmax(zmax, vp[3*q+2]); printf(" [reason %u proxy %.5f %.5f top %.5f]", fi.reason, pr.position[0], pr.position[2], zmax + z0); } printf("  t %.3f f %.5f %.5f %.5f flags %u st %u sl %u active %u substeps %u\n", t * dt, f[0], f[1], f[2], fl, st, sl, info.active, info.substeps); }
+        if (t % (int)(0.5 / dt) == 0 || (getenv("FROM") && t >= atoi(getenv("FROM")) && t < atoi(getenv("FROM")) + 12)) { { dpt_pose pr; dpt_tool_get_proxy(rig.world, tools[0], &pr); dpt_force_info fi = { .size = sizeof fi }; dpt_tool_get_force_info(rig.world, tools[0], &fi); const float *vp; uint32_t vc; dpt_body_get_vertices(rig.world, body, &vp, &vc); double zmax = -9; for (uint32_t q = 0; q < vc; q++) zmax = fmax(zmax, vp[3*q+2]); printf(" [reason %u proxy %.5f %.5f top %.5f]", fi.reason, pr.position[0], pr.position[2], zmax + z0); } printf("  t %.3f f %.5f %.5f %.5f flags %u st %u sl %u active %u substeps %u\n", t * dt, f[0], f[1], f[2], fl, st, sl, info.active, info.substeps); }
     }
     rig_close(&rig);
     fixture_free(&fixture);
