@@ -239,37 +239,42 @@ static double least_motion(struct tissue_solve *solve, double unknowns[TOUCH_DIM
     return norm_of(unknowns, TOUCH_DIMENSIONS);
 }
 
-static double least_gap(const struct touches *touches)
+/* All touches of a tool at a pose. Returns the least gap, m. */
+static double gather_at(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool,
+                        const struct proxy_pose *at, double reach)
 {
+    struct touch_search search = { world, tool, proxy_of(world, tool), at, NULL, reach };
     double least = HUGE_VAL;
-    for (uint32_t i = 0; i < touches->count; i++)
-        least = min_of(least, touches->touch[i].gap);
+    solve->touches.count = 0;
+    for (uint32_t i = 0; i < world->body_slot_end; i++) {
+        search.body = &world->bodies[i];
+        if (body_is_there(search.body))
+            dpti_touches_gather(&search, &solve->touches);
+    }
+    for (uint32_t i = 0; i < solve->touches.count; i++)
+        least = min_of(least, solve->touches.touch[i].gap);
     return least;
 }
 
-/* A tool's end gives way to what is nearer than a half of the clearance. */
+/* A tool's end gives way to what is nearer than a half of the clearance, as long as that makes it better. */
 static void make_room(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool)
 {
     struct proxy *proxy = proxy_of(world, tool);
     const double enough = -0.5 * dpti_proxy_clearance(world);
-    double unknowns[TOUCH_DIMENSIONS], moved = 0.0;
+    struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->end);
+    double unknowns[TOUCH_DIMENSIONS], best = -HUGE_VAL, moved = 0.0;
     vec3 axes[3];
     for (int turn = 0; turn < ROOM_TURNS; turn++) {
-        struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->end);
-        struct touch_search search = { world, tool, proxy, &at, NULL, ROOM_REACH + moved };
-        solve->touches.count = 0;
-        for (uint32_t i = 0; i < world->body_slot_end; i++) {
-            search.body = &world->bodies[i];
-            if (body_is_there(search.body))
-                dpti_touches_gather(&search, &solve->touches);
-        }
-        if (least_gap(&solve->touches) >= enough)
+        const double gap = gather_at(solve, world, tool, &at, ROOM_REACH + moved);
+        if (gap > best)
+            proxy->end = at.pose;
+        best = max_of(best, gap);
+        if (best >= enough)
             return;
         moved = least_motion(solve, unknowns);
         dpti_proxy_turn_axes(proxy, &at, axes);
         const struct displacement way = dpti_proxy_of_unknowns(proxy, axes, unknowns);
         at = dpti_proxy_moved(proxy, &at, &way);
-        proxy->end = at.pose;
     }
 }
 
