@@ -59,7 +59,7 @@ enum { SCENES = 8 };
 static const struct place {
     const char *name, *file;
     double lean[LEVELS]; /* degrees: 0 upright, 90 lying */
-    double still, press; /* m: how deep; a cloth's tool goes up and down instead */
+    double still, press; /* m: how deep; a cloth's tool comes from below */
     const char *hum, *still_jump, *moved, *unexplained, *explained, *slip, *count, *failures, *refused;
 } places[SCENES] = {
 #define WORDS(name)                                                                                                    \
@@ -301,7 +301,8 @@ const struct lab_case hum_case = {
         "A device without inertia leads a tool on to scenes at 1 kHz, and stands still, presses, wipes without "
         "friction, or rubs with coefficients of 0.5 and 0.4. The force is the one asked for, before limits. Hum "
         "is the root of the mean square of its size above 20 Hz, after lines over 51 ms are taken out "
-        "(tools/measure/hum.h); a jump is its change in a tick; both from 60 ms after contact began. Each scene "
+        "(tools/measure/hum.h); a jump is its change in a tick; both from 60 ms after contact began, or where a "
+        "cloth falls on to the tool from when it has. Each scene "
         "has 20 rows: three as dynpoint run has it; nine of a still hand, an orthogonal array of lean (0 upright, "
         "90 lying), stiffness, integrator, and edges of a half, one and two radii of the tool; three that press "
         "and three that wipe, with each of these levels once; two that slip. Rotation is free in every other one. "
