@@ -53,9 +53,9 @@
     recording.snapshots.push(touch.world.getSnapshot({ maxVertices: isLast && touch.isSoft ? vertices : 0 }).slice());
     if (!isLast) return;
     const { poses, snapshots, law, stiffness } = recording;
-    const { body, pose, scene, segment } = touch;
+    const { body, pose, segment, loadRadius = 0 } = touch;
     recording = null;
-    postMessage({ kind: "recorded", poses, snapshots, law, stiffness, body, pose, segment, scene, file: made.file });
+    postMessage({ kind: "recorded", poses, snapshots, law, stiffness, body, pose, segment, loadRadius, file: made.file });
   }
 
   const acts = {
@@ -79,7 +79,9 @@
     force({ choices }) {
       if (!loop) return;
       made.choices = choices;
-      loop.touch.setForce(numbersOf(choices));
+      const numbers = numbersOf(choices);
+      if (loop.touch.takes(numbers)) loop.touch.setForce(numbers);
+      else acts.scene(made);
     },
     pause({ paused }) {
       clearInterval(timer);
