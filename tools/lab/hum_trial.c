@@ -149,9 +149,9 @@ static double feel(struct hum_trial *trial, double down, double across, int is_f
     if (result == DPT_OK)
         result = dpt_world_step(trial->world, HUM_TICK, NULL);
     if (result == DPT_OK)
-        result = dpt_tool_get_force_info(trial->world, trial->tool, &info);
-    if (result == DPT_OK)
         result = scene_bodies_step(&trial->scene->bodies, trial->world, HUM_TICK);
+    if (result == DPT_OK)
+        result = dpt_tool_get_force_info(trial->world, trial->tool, &info);
     trial->has_failed |= result != DPT_OK || trial->count + 1 == ROOM;
     memcpy(tick->force, info.wrench.force, sizeof tick->force);
     tick->motion = length(sub(vec3_of(pose.position), vec3_of(before.position)));
