@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # `dynpoint stability hum` with few rows: its words, its counts, its JSON; and that neither rigid bodies hum nor soft scenes as
-# `dynpoint run` has them. Other rows are told, and not looked at. `sh tests/tools/cli_stability_hum.sh BUILD [EFFORT]`;
+# `dynpoint run` has them. Other rows are told, and not looked at. `sh tests/tools/cli_stability_hum.sh BUILD [EFFORT|part]`;
 # EFFORT 1 takes minutes.
 . "$(dirname "$0")/cli.sh"
 
 effort=${2:-0.15}
+[ ! "$is_part" ] || effort=0.05
 
 succeeds 'stability --list' stability --list
 check '--list: it runs only where it is named' grep -q '^hum  *[A-Z].*(only where named)$' stdout
