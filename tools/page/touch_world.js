@@ -71,7 +71,7 @@ const touchWorld = (() => {
       if (this.isSoft) {
         this.loadRadius = loadRadiusOf(this.scene, this.law);
         this.body = this.world.addDeform(this.mesh, { loadRadius: this.loadRadius }, this.pose);
-        this.world.addSprings(this.body);
+        this.world.addSprings(this.body, this.scene.net);
       } else this.body = this.world.addBody(this.mesh, this.pose);
       this.tool = this.world.addTool([tip]);
       this.world.setToolSettings(this.tool, { lockRotation: 1 }); // the hand takes no torque
