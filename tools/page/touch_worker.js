@@ -24,7 +24,7 @@
     recording = null;
     loop = new TouchLoop(touch, { now: () => performance.now(), send, tell });
     loop.onTick = record;
-    if (idles) loop.idle = idleOver(touch.half);
+    if (idles) loop.idle = idleOver(touch.half, scene.sag);
     send(
       touchMessages.scene(touch, {
         program: `dynpoint ${core.version}, in this page`,
