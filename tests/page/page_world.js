@@ -143,7 +143,7 @@ async function checkWorld(core, meshes, limit) {
         most = Math.max(most, force);
         last = touch.force;
       }
-      assert(most > least && turned === 0 && jump < 1, `${most} N, ${turned} ticks turned it, the largest step ${jump} N`);
+      assert(most > least && turned === 0 && jump < 1, `${most} N, ${turned} ticks turned it, largest step ${jump} N`);
       touch.close();
     });
   }

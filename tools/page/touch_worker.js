@@ -55,7 +55,8 @@
     const { poses, snapshots, law, stiffness } = recording;
     const { body, pose, segment, loadRadius = 0 } = touch;
     recording = null;
-    postMessage({ kind: "recorded", poses, snapshots, law, stiffness, body, pose, segment, loadRadius, file: made.file });
+    const { file } = made;
+    postMessage({ kind: "recorded", poses, snapshots, law, stiffness, body, pose, segment, loadRadius, file });
   }
 
   const acts = {
