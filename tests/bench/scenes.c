@@ -5,7 +5,7 @@
  *     scenes DIR [TICKS]      prints CSV, a row a scene, method and stage (play.h); writes what the peers need into DIR
  *
  * The stylus comes down on the first body, goes to and fro by 1 cm at 1 Hz and up and down by 3 mm at 0.7 Hz, so that
- * it presses half of the time. In the cloth's scene it is the sword, and rests. First the scene runs with what a world
+ * it presses half of the time. In the cloth's scene it is the sword: the cloth falls on to it, and it rests. First the scene runs with what a world
  * does by default, its force and its physics in one thread: the rows `scene`, until `respond` for dpt_world_step, and
  * `physics` for dpt_body_step_springs as well. The motion of tool and vertices is recorded in the world's frame,
  * vertices in float, and played through all methods: these rows are play.c's. DIR/NAME.scene has the distances of the
@@ -48,7 +48,7 @@ struct stage {
 struct bench {
     const struct listed_scene *scene;
     struct body body[BODIES];
-    int bodies, displaces;
+    int bodies;
     uint32_t triangles, springs;
     double touch[3];
     int ticks;
@@ -123,7 +123,6 @@ static void make_body(struct bench *bench, const struct listed_body *listed)
     shape_free(&shape);
     bench->triangles += body->info.triangles;
     bench->springs += body->info.springs;
-    bench->displaces |= listed->response == DPT_RESPONSE_DISPLACE;
 }
 
 static dpt_result add_soft(const struct bench *bench, struct stage *stage, int i)
@@ -137,7 +136,6 @@ static dpt_result add_soft(const struct bench *bench, struct stage *stage, int i
     deform.mesh = springs.mesh = bench->body[i].mesh;
     deform.pose = &listed->pose;
     deform.load_radius = listed->load_radius;
-    deform.response = listed->response;
     for (int k = 0; k < 3; k++) {
         deform.box_min[k] = -1.0;
         deform.box_max[k] = 1.0;
@@ -155,11 +153,17 @@ static dpt_result add_soft(const struct bench *bench, struct stage *stage, int i
                : dpt_springs_create(soft->springs_block, dpt_springs_bytes(&springs), &springs, &soft->springs);
 }
 
+/* What falls lies on a tool that rests. */
+static int rests(const struct bench *bench)
+{
+    return bench->scene->gravity > 0.0;
+}
+
 static dpt_segment stylus_of(const struct bench *bench)
 {
     const struct listed_scene *scene = bench->scene;
-    return bench->displaces ? (dpt_segment){ { 0, 0, -0.25 }, { 0, 0, 0.25 }, scene->radius }
-                            : (dpt_segment){ { 0, 0, 0 }, { 0, scene->length, 0 }, scene->radius };
+    return rests(bench) ? (dpt_segment){ { 0, 0, 0 }, { 0, 0, scene->length }, scene->radius }
+                        : (dpt_segment){ { 0, 0, 0 }, { 0, scene->length, 0 }, scene->radius };
 }
 
 /* The default world, or one that looks for the nearest pair alone. */
@@ -171,12 +175,6 @@ static void open_stage(const struct bench *bench, struct stage *stage, int track
     memset(stage, 0, sizeof *stage);
     dpt_world_def_init(&world);
     world.until = tracks ? DPT_UNTIL_TRACK : DPT_UNTIL_RESPOND;
-    if (bench->displaces) {
-        world.law = DPT_LAW_POINT;
-        world.strip = DPT_STRIP_KIND_SHADOW;
-        world.strip_width = 0.01;
-        world.strip_capacity = 4096;
-    }
     stage->block = array(dpt_world_bytes(&world));
     dpt_result result = dpt_world_create(stage->block, dpt_world_bytes(&world), &world, &stage->world);
     for (int i = 0; i < bench->bodies && result == DPT_OK; i++)
@@ -203,7 +201,7 @@ static dpt_pose pose_at(const struct bench *bench, int tick)
     const double t = 1e-3 * tick;
     dpt_pose pose = DPT_POSE_IDENTITY;
     memcpy(pose.position, bench->touch, sizeof pose.position);
-    if (!bench->displaces) {
+    if (!rests(bench)) {
         pose.position[1] += tick < 200 ? 0.008 * (1.0 - 5.0 * t) : 0.003 * sin(4.398229715 * (t - 0.2));
         pose.position[0] += 0.01 * sin(6.2831853 * t);
     }
@@ -227,8 +225,8 @@ static void find_touch(struct bench *bench)
     bench->touch[0] = 0.5 * (info->box_min[0] + info->box_max[0]);
     bench->touch[1] = (lies ? info->box_max[2] : info->box_max[1]) + 0.02;
     bench->touch[2] = lies ? 0.0 : 0.5 * (info->box_min[2] + info->box_max[2]);
-    if (bench->displaces) {
-        bench->touch[1] = -0.05;
+    if (rests(bench)) {
+        memcpy(bench->touch, bench->scene->origin, sizeof bench->touch);
         return;
     }
     open_stage(bench, &stage, 1);

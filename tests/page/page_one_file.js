@@ -50,7 +50,7 @@ const sum = text => `'sha256-${crypto.createHash("sha256").update(text).digest("
       parts["worker.js"].toString().startsWith(fs.readFileSync(path.join(root, "build/wasm/dynpoint.js"), "utf8")),
     );
     const meshes = Object.entries(parts).filter(([name]) => name.endsWith(".ply"));
-    assert.strictEqual(meshes.length, 4);
+    assert.strictEqual(meshes.length, 5);
     for (const [name, bytes] of meshes) {
       const [, triangles] = /element face (\d+)/.exec(bytes.subarray(0, 300).toString());
       assert(Number(triangles) <= 10000 && name.includes(`-${triangles}.`), `${name}: ${triangles}`);

@@ -93,13 +93,16 @@ async function checkWorld(core, meshes, limit) {
     for (const law of [DPT_LAW_PROXY, DPT_LAW_BED, DPT_LAW_POINT])
       await check(`${name}, law ${law}: the tool touches, is pushed, and comes free`, () => {
         const touch = new touchWorld.TouchWorld(core, meshes[name], scene, { law, stiffness: 500 });
-        let most = 0;
+        const { sag = 0 } = scene;
+        let [most, early] = [0, 0]; // early: felt by what is so light before the next step tells that it touches
         assert(touch.step().contact === dynpoint.constants.DPT_CONTACT_SEPARATED, "it begins in contact");
         for (let tick = 0; tick < 700; tick++) {
-          touch.device.want([0, -0.01, 0]);
+          touch.device.want([0, -0.01 - sag, 0]);
           const { force, depth, contact } = touch.step();
           most = Math.max(most, force);
-          if (contact === 1) assert(force < 1e-3 && depth < 1e-5, `${force} N without contact`);
+          if (contact === 1) assert((sag ? early : force) < 1e-3, `${force} N without contact`);
+          if (contact === 1 && !sag) assert(depth < 1e-5, `${depth} m without contact`);
+          early = contact === 1 ? force : 0;
           if (law === DPT_LAW_PROXY) near(depth, force / 500, 1e-12);
         }
         assert(most > 0.1 && most < 40, `${most} N`);
@@ -121,14 +124,17 @@ async function checkWorld(core, meshes, limit) {
     near(Math.hypot(...touch.device.finger.map((value, k) => GRIP * (value - touch.device.x[k]))), forces[2999], 0.01);
     touch.close();
   });
-  for (const [name, scene] of Object.entries(SCENES).filter(([, { stiffest }]) => stiffest))
-    await check(`${name} stays calm at its slider's end, ${scene.stiffest} N/m: slowly pressed and led along`, () => {
-      const choices = { law: DPT_LAW_PROXY, stiffness: scene.stiffest };
+  for (const [name, scene] of Object.entries(SCENES).filter(([, { springs }]) => springs)) {
+    const stiffness = Math.min(scene.stiffest.proxy ?? Infinity, limit / 1.5);
+    const { sag = 0 } = scene;
+    const [deepest, least] = [-0.05 - sag, sag ? 0.25 : 1];
+    await check(`${name} stays calm at its slider's end, ${stiffness} N/m: slowly pressed and led along`, () => {
+      const choices = { law: DPT_LAW_PROXY, stiffness };
       const touch = new touchWorld.TouchWorld(core, meshes[name], scene, choices);
       let [turned, jump, most] = [0, 0, 0];
       let last = [0, 0, 0];
       for (let tick = 0; tick < 6000; tick++) {
-        const down = Math.max(-0.05, 0.01 - 5e-5 * tick);
+        const down = Math.max(deepest, 0.01 - 5e-5 * tick);
         touch.device.want([0.04 * Math.sin(1e-3 * tick), touch.half[1] + down, 0.01]);
         const { force } = touch.step();
         const cosine = touch.force.reduce((sum, value, k) => sum + value * last[k], 0) / (force * Math.hypot(...last));
@@ -137,9 +143,10 @@ async function checkWorld(core, meshes, limit) {
         most = Math.max(most, force);
         last = touch.force;
       }
-      assert(most > 1 && turned === 0 && jump < 1, `${most} N, ${turned} ticks turned it, the largest step ${jump} N`);
+      assert(most > least && turned === 0 && jump < 1, `${most} N, ${turned} ticks turned it, largest step ${jump} N`);
       touch.close();
     });
+  }
   await check("a world that cannot be leaves nothing behind: a mesh that is none", () => {
     const used = core.heap.used.size;
     assert.throws(

@@ -78,7 +78,7 @@ function recordInPage(ticks, places) {
       head: base64(new Uint8Array(Float64Array.of(...told.pose, ...told.segment).buffer)), // JSON has no -0
       law: told.law,
       stiffness: told.stiffness,
-      loadRadius: told.scene.deform?.loadRadius ?? 0,
+      loadRadius: told.loadRadius,
     };
   });
 }

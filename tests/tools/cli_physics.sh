@@ -124,7 +124,6 @@ refusals()
 {
     live='sim:?hand=press&live=1'
     refuses 'a recording by the clock' 'is not in a recording' run laparoscopy --device "$live" --ticks 9 --physics 250 --record out/x.dpr
-    refuses 'a body that is displaced' 'bodies[0] is displaced by the tool' run cloth --device sim --ticks 9 --physics 500
     refuses 'nothing soft' 'none of its bodies gives way' run tori --device sim --ticks 9 --physics 500
     refuses 'no part of the rate' 'must divide the 1000 Hz' run membrane --device sim --ticks 9 --physics 300
     refuses 'more than the rate' 'must divide the 1000 Hz' run membrane --device sim --ticks 9 --physics 2000

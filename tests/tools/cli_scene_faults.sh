@@ -78,6 +78,9 @@ refuses 'no springs' 'wrong.json: bodies[0]: box.dpa has no springs' run wrong.j
 succeeds 'compile a volume' compile box.ply -o volume.dpa --springs volume --spacing 0.02
 echo '{ "bodies": [ { "mesh": "volume.dpa", "physics": { "response": "displace" } } ], "tool": { "law": "bed" } }' >wrong.json
 refuses 'a volume' 'wrong.json: bodies[0]: response: displace is for' run wrong.json --device sim --ticks 5
+sheet='"shape": "membrane", "triangles": 200, "material": { "kind": "sheet" }'
+echo "{ \"bodies\": [ { $sheet, \"physics\": { \"response\": \"displace\" } } ], \"tool\": { \"law\": \"bed\" } }" >wrong.json
+refuses 'a thread for it' 'bodies[0] is displaced by the tool' run wrong.json --device sim --ticks 9 --physics 500
 
 # --- What a scene has.
 wrong ': must be an object; it is a list' '[]'

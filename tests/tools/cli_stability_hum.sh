@@ -1,10 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# `dynpoint stability hum` with few rows: its words, its counts, its JSON, and that rigid bodies do not hum. What soft scenes
-# do is told, and not looked at. `sh tests/tools/cli_stability_hum.sh BUILD [EFFORT]`; EFFORT 1 takes minutes.
+# `dynpoint stability hum` with few rows: its words, its counts, its JSON; and that neither rigid bodies hum nor soft scenes as
+# `dynpoint run` has them. Other rows are told, and not looked at. `sh tests/tools/cli_stability_hum.sh BUILD [EFFORT|part]`;
+# EFFORT 1 takes minutes.
 . "$(dirname "$0")/cli.sh"
 
 effort=${2:-0.15}
+[ ! "$is_part" ] || effort=0.05
 
 succeeds 'stability --list' stability --list
 check '--list: it runs only where it is named' grep -q '^hum  *[A-Z].*(only where named)$' stdout
@@ -63,6 +65,10 @@ for scene, name in zip(scenes, ["rigid liver", *scenes[1:5], "real liver", "real
 assert all(row["verdict"] == "holds" and row["hum_N"] < 1e-12 * row["mean_N"] and row["jump_max_mN"] < 1e-9
            for row in rows if row["scene"] == "liver" and row["hand"] == "still"), "the rigid liver"
 assert all(row["verdict"] == "holds" for row in rows if row["scene"] == "liver"), "the rigid liver"
+for scene in scenes[1:5]:
+    for row in [row for row in rows if row["scene"] == scene][:3]:
+        is_slip = (scene, row["hand"]) == ("soft-liver", "press")  # off an edge: one jump too large
+        assert row["verdict"] == "holds" or is_slip and row["jump_99_mN"] <= 20, row
 ' "$effort" $status 2>python.log
     check "--json: $(tail -n 1 python.log)" test ! -s python.log
 }

@@ -59,7 +59,7 @@ enum { SCENES = 8 };
 static const struct place {
     const char *name, *file;
     double lean[LEVELS]; /* degrees: 0 upright, 90 lying */
-    double still, press; /* m: how deep; a cloth's tool goes up and down instead */
+    double still, press; /* m: how deep; a cloth's tool comes from below */
     const char *hum, *still_jump, *moved, *unexplained, *explained, *slip, *count, *failures, *refused;
 } places[SCENES] = {
 #define WORDS(name)                                                                                                    \
@@ -301,7 +301,8 @@ const struct lab_case hum_case = {
         "A device without inertia leads a tool on to scenes at 1 kHz, and stands still, presses, wipes without "
         "friction, or rubs with coefficients of 0.5 and 0.4. The force is the one asked for, before limits. Hum "
         "is the root of the mean square of its size above 20 Hz, after lines over 51 ms are taken out "
-        "(tools/measure/hum.h); a jump is its change in a tick; both from 60 ms after contact began. Each scene "
+        "(tools/measure/hum.h); a jump is its change in a tick; both from 60 ms after contact began, or where a "
+        "cloth falls on to the tool from when it has. Each scene "
         "has 20 rows: three as dynpoint run has it; nine of a still hand, an orthogonal array of lean (0 upright, "
         "90 lying), stiffness, integrator, and edges of a half, one and two radii of the tool; three that press "
         "and three that wipe, with each of these levels once; two that slip. Rotation is free in every other one. "
@@ -312,11 +313,12 @@ const struct lab_case hum_case = {
         "mN of force fails. Tissue is as damped as its scene has it. The rigid liver is the reference; it is "
         "pressed less deep: a rigid surface with dents lets a proxy snap that is held back by more than its "
         "radius. Real organs are made soft as the liver is, and lie flat.",
-    .advice = "Rigid bodies do not hum. On a thick organ a tool that stands on its tip is silent, but for the "
-              "integrator EULER; one that lies, or nearly lies, is not: the few points that hold it give way in each "
-              "tick, and others hold it in the next. Sheets hum under any stiff tool. Until contact is solved together "
-              "with the tissue, a coupling of 200 N/m and the integrator IMPLICIT hum least. More damping of the "
-              "coupling makes it worse, and a low-pass slow enough to hide it makes the tissue late.",
+    .advice = "Rigid bodies do not hum, and what gives way does not where it is solved together with the tool "
+              "(docs/algorithms/tissue.md). Elsewhere, as with friction and the integrator IMPLICIT, few points hold a "
+              "tool that lies, give way in each tick, and others hold it in the next: a coupling of 200 N/m hums least "
+              "there. More damping of the coupling makes it worse, and a low-pass slow enough to hide it makes the "
+              "tissue late. A light sheet hums under a tool that is thicker than its edges are long, with EULER most: "
+              "choose SYMPLECTIC, some drag, and a thinner tool.",
     .run = run,
     .is_named_only = 1
 };

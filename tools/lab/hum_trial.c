@@ -7,7 +7,6 @@
 
 #include "base/sincos.h"
 #include "base/vec3.h"
-#include "dynpoint/strip.h"
 #include "measure/hum.h"
 
 enum { CONTACTS = 32, APPROACH_MAX = 4000, FALLING = 1500, SETTLING = 1000, ONSET = 60, PAUSE = 100, ROOM = 8192 };
@@ -51,6 +50,7 @@ static double to_and_fro(size_t tick, size_t ticks)
 static size_t path_of(const struct hum_trial *trial, size_t tick, double *down, double *across)
 {
     const int is_below = trial->scene->is_below;
+    const double way = is_below ? -trial->depth : trial->depth;
     const size_t sinking = is_below ? FALLING : ticks_once(trial->depth),
                  pressing = ticks_to_and_fro(trial->depth, PRESSING);
     const size_t wiping = ticks_to_and_fro(ACROSS, SPEED), waited = is_below ? FALLING : 0, still = sinking + PAUSE;
@@ -62,7 +62,7 @@ static size_t path_of(const struct hum_trial *trial, size_t tick, double *down, 
         *across = tick > still ? ACROSS * to_and_fro(tick - still, wiping) : 0.0;
         return still + wiping;
     }
-    *down = tick > waited ? trial->depth * to_and_fro(tick - waited, pressing) : 0.0;
+    *down = tick > waited ? way * to_and_fro(tick - waited, pressing) : 0.0;
     return waited + pressing;
 }
 
@@ -117,10 +117,6 @@ static int open_trial(struct hum_trial *trial)
     def.max_contacts = CONTACTS;
     def.max_bodies = bodies->count;
     def.max_tools = def.max_segments = 1;
-    if (scene_bodies_displace(bodies)) {
-        def.strip = DPT_STRIP_KIND_SHADOW;
-        def.law = DPT_LAW_POINT;
-    }
     trial->block = malloc(dpt_world_bytes(&def));
     trial->tick = malloc(ROOM * sizeof *trial->tick);
     if (!trial->block || !trial->tick ||
@@ -195,7 +191,9 @@ int hum_trial_run(struct hum_trial *trial)
     while (trial->hand != HUM_STILL && trial->count > 0 &&
            !(length(vec3_of(trial->tick[trial->count - 1].force)) > 0.0))
         trial->count--;
-    const size_t onset = trial->hand == HUM_STILL ? trial->count - trial->still_ticks : ONSET;
+    const size_t onset = trial->hand == HUM_STILL ? trial->count - trial->still_ticks
+                         : trial->scene->is_below ? FALLING
+                                                  : ONSET;
     trial->judged = onset < trial->count ? onset : trial->count;
     return 1;
 }

@@ -14,7 +14,8 @@
  *   PRESS   it goes `depth` deeper and out again, once
  *   WIPE    it goes `depth` deeper and from there 16 mm across and back, at 30 degrees to the tool; the last two are judged
  *           from 60 ms after contact began to the last tick with a force
- * Where the body falls on to the tool, the device waits for it, and goes up and down, or to and fro, from there.
+ * Where the body falls on to the tool, the device waits for it for 1.5 s, presses upwards or wipes, and is judged from then
+ * on.
  */
 #ifndef DPT_TOOLS_HUM_TRIAL_H
 #define DPT_TOOLS_HUM_TRIAL_H

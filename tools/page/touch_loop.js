@@ -162,10 +162,10 @@ const touchLoop = (() => {
     }
   }
 
-  // A finger that presses along a body whose half extents are given, until somebody comes.
-  const idleOver = half => time => {
+  // A finger that presses along a body whose half extents are given, and how far it hangs, m, until somebody comes.
+  const idleOver = (half, sag = 0) => time => {
     const part = 0.5 - 0.5 * Math.cos((2 * Math.PI * time) / 6); // of the way down
-    const depth = Math.min(0.03, 0.02 + 0.3 * half[1]);
+    const depth = sag + Math.min(0.03, 0.02 + 0.3 * half[1]);
     return [
       0.45 * half[0] * Math.sin((2 * Math.PI * time) / 13),
       half[1] + 0.02 - part * (0.02 + half[1] * 0.35 + depth),

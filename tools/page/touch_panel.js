@@ -27,7 +27,7 @@ const touchPanel = (() => {
   function show(name) {
     const { file, scene, size } = compiled.get(name);
     state.scene = name;
-    showLimit(scene);
+    showLimit();
     element("touch-scene").value = name;
     element("touch-size").textContent = size;
     element("touch-size").hidden = size === "";
@@ -86,10 +86,11 @@ const touchPanel = (() => {
   }
 
   // The slider ends below what is stable for the hand, and for a body that gives way.
-  function showLimit({ stiffest }) {
-    const { limit } = state;
+  function showLimit() {
+    const { limit, scene } = state;
+    const stiffest = compiled.get(scene)?.scene.stiffest?.[chosenLaw()];
     const most = Math.floor(limit / MARGIN / 50) * 50;
-    if (!Number.isFinite(most)) return;
+    if (!Number.isFinite(most)) return changeForce();
     element("touch-stiffness").max = String(Math.min(most, stiffest ?? most));
     element("touch-limit").textContent =
       `Stable below ${thousands(limit)} N/m for this hand (${heldDevice.MASS} kg, ` +
@@ -101,7 +102,7 @@ const touchPanel = (() => {
 
   function takeLimit({ limit }) {
     state.limit = limit;
-    showLimit(compiled.get(state.scene)?.scene ?? {});
+    showLimit();
   }
 
   function showReport(report) {
@@ -167,7 +168,7 @@ const touchPanel = (() => {
 
   function listen() {
     element("touch-scene").addEventListener("change", ({ target }) => choose(target.value));
-    for (const radio of document.querySelectorAll('input[name="law"]')) radio.addEventListener("change", changeForce);
+    for (const radio of document.querySelectorAll('input[name="law"]')) radio.addEventListener("change", showLimit);
     element("touch-stiffness").addEventListener("input", changeForce);
     listenFiles();
     listenDepth();

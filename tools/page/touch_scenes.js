@@ -6,9 +6,10 @@ const touchScenes = (() => {
   const LIVER_RED = [0.55, 0.15, 0.12];
   const fixedBox = (...box) => ({ kind: 1, fixed: 1, box });
 
-  // shape, triangles: for `dynpoint make`; springs: options of the compiler; deform, net: of dpt_deformable_def and
-  // dpt_springs_def. Materials are those of the program's scenes (tools/scene/scene_list.c). stiffest: N/m, above which what
-  // gives way shakes under the tool, as its springs and the tool's are stepped one after the other.
+  // shape, triangles: for `dynpoint make`; springs: options of the compiler; net: of dpt_springs_def; sag: m, by which
+  // it hangs. Materials are those of the program's scenes (tools/scene/scene_list.c). By the laws bed and point, springs
+  // are stepped after the tool. spread: m, over which a load is spread then. stiffest: N/m, by law, above which what
+  // gives way shakes under the tool.
   const SCENES = {
     liver: { title: "Liver, rigid", shape: "liver", triangles: 10000, colour: LIVER_RED },
     soft: {
@@ -25,8 +26,8 @@ const touchScenes = (() => {
         spacing: 0.015,
         regions: [fixedBox(-0.2, -0.2, -0.1, 0.2, 0.2, -0.035)],
       },
-      deform: { loadRadius: 0.03 },
-      stiffest: 700,
+      spread: 0.03,
+      stiffest: { proxy: 2000, bed: 700, point: 700 },
     },
     membrane: {
       title: "Membrane",
@@ -47,8 +48,32 @@ const touchScenes = (() => {
           fixedBox(-0.11, 0.0999, -0.01, 0.11, 0.11, 0.01),
         ],
       },
-      deform: { loadRadius: 0.0375 },
-      stiffest: 300,
+      spread: 0.0375,
+      stiffest: { bed: 300, point: 300 },
+    },
+    cloth: {
+      title: "Cloth",
+      shape: "cloth",
+      triangles: 2048,
+      orientation: LYING,
+      springs: {
+        kind: "sheet",
+        young: 1e5,
+        thickness: 1e-3,
+        density: 400,
+        drag: 10,
+        viscosity: 1e-4,
+        regions: [
+          fixedBox(-0.16, -0.16, -0.1, -0.14, -0.14, 0.1),
+          fixedBox(0.14, -0.16, -0.1, 0.16, -0.14, 0.1),
+          fixedBox(-0.16, 0.14, -0.1, -0.14, 0.16, 0.1),
+          fixedBox(0.14, 0.14, -0.1, 0.16, 0.16, 0.1),
+        ],
+      },
+      net: { gravity: [0, 0, -9.81], sleepSpeed: 0.01 },
+      sag: 0.04,
+      spread: 0.03,
+      stiffest: { bed: 300, point: 300 },
     },
     torus: { title: "Torus", shape: "torus", triangles: 5568, colour: null },
   };

@@ -24,7 +24,7 @@
     recording = null;
     loop = new TouchLoop(touch, { now: () => performance.now(), send, tell });
     loop.onTick = record;
-    if (idles) loop.idle = idleOver(touch.half);
+    if (idles) loop.idle = idleOver(touch.half, scene.sag);
     send(
       touchMessages.scene(touch, {
         program: `dynpoint ${core.version}, in this page`,
@@ -53,9 +53,10 @@
     recording.snapshots.push(touch.world.getSnapshot({ maxVertices: isLast && touch.isSoft ? vertices : 0 }).slice());
     if (!isLast) return;
     const { poses, snapshots, law, stiffness } = recording;
-    const { body, pose, scene, segment } = touch;
+    const { body, pose, segment, loadRadius = 0 } = touch;
     recording = null;
-    postMessage({ kind: "recorded", poses, snapshots, law, stiffness, body, pose, segment, scene, file: made.file });
+    const { file } = made;
+    postMessage({ kind: "recorded", poses, snapshots, law, stiffness, body, pose, segment, loadRadius, file });
   }
 
   const acts = {
@@ -79,7 +80,9 @@
     force({ choices }) {
       if (!loop) return;
       made.choices = choices;
-      loop.touch.setForce(numbersOf(choices));
+      const numbers = numbersOf(choices);
+      if (loop.touch.takes(numbers)) loop.touch.setForce(numbers);
+      else acts.scene(made);
     },
     pause({ paused }) {
       clearInterval(timer);

@@ -36,6 +36,9 @@ const touchWorld = (() => {
     return half;
   }
 
+  // m, of dpt_deformable_def: tool and tissue that are solved together share the load by themselves.
+  const loadRadiusOf = ({ spread }, law) => (law === dynpoint.constants.DPT_LAW_PROXY ? 0 : (spread ?? 0));
+
   class TouchWorld {
     // file: the bytes of a .dpa; scene: as in touch_scenes.js; choices: { law, stiffness }, with the law's number
     constructor(core, file, scene, choices) {
@@ -66,7 +69,8 @@ const touchWorld = (() => {
       this.half = boxOf(info, orientation);
       this.isSoft = info.springs > 0;
       if (this.isSoft) {
-        this.body = this.world.addDeform(this.mesh, this.scene.deform, this.pose);
+        this.loadRadius = loadRadiusOf(this.scene, this.law);
+        this.body = this.world.addDeform(this.mesh, { loadRadius: this.loadRadius }, this.pose);
         this.world.addSprings(this.body, this.scene.net);
       } else this.body = this.world.addBody(this.mesh, this.pose);
       this.tool = this.world.addTool([tip]);
@@ -77,6 +81,11 @@ const touchWorld = (() => {
       this.ticks = 0;
       this.movedAt = 0;
       this.sentAt = -Infinity;
+    }
+
+    // Whether it can go on by another law.
+    takes({ law }) {
+      return !this.isSoft || loadRadiusOf(this.scene, law) === this.loadRadius;
     }
 
     setForce({ law, stiffness }) {

@@ -96,12 +96,8 @@ static int complete_tool(struct scene_def *def)
 }
 
 /* Which body moves out of the way of a tool; -1: none. */
-static int displacing_body(const struct scene_def *def, const struct listed_scene *listed)
+static int displacing_body(const struct scene_file *file)
 {
-    const struct scene_file *file = def->file;
-    for (int i = 0; listed && listed->bodies[i].shape; i++)
-        if (listed->bodies[i].response == DPT_RESPONSE_DISPLACE)
-            return i;
     for (uint32_t i = 0; file && i < file->body_count; i++)
         if (file->bodies[i].listed.response == DPT_RESPONSE_DISPLACE)
             return (int)i;
@@ -109,8 +105,9 @@ static int displacing_body(const struct scene_def *def, const struct listed_scen
 }
 
 /* What moves triangles out of the way of a tool is a law that lets the tool go in. */
-static int check_responses(const struct scene_def *def, int displaced)
+static int check_responses(const struct scene_def *def)
 {
+    const int displaced = displacing_body(def->file);
     if (displaced < 0 || def->force.law != DPT_LAW_PROXY)
         return 0;
     return complain(def->command,
@@ -122,12 +119,8 @@ int scene_def_complete(struct scene_def *def, const char *law)
 {
     const struct listed_scene *listed = scene_listed(def->path);
     const struct scene_file *file = def->file;
-    const int displaced = displacing_body(def, listed);
-    def->force.law = listed && displaced >= 0 ? DPT_LAW_POINT : DPT_LAW_PROXY;
-    if (file && file->law >= 0)
-        def->force.law = (uint32_t)file->law;
-    if ((law && law_by_name(def->command, law, &def->force.law)) || complete_tool(def) ||
-        check_responses(def, displaced))
+    def->force.law = file && file->law >= 0 ? (uint32_t)file->law : DPT_LAW_PROXY;
+    if ((law && law_by_name(def->command, law, &def->force.law)) || complete_tool(def) || check_responses(def))
         return 2;
     def->zoom = first_given(def->zoom, file ? file->zoom : NAN, 1.0);
     def->force_scale = first_given(def->force_scale, file ? file->force_scale : NAN, 1.0);
