@@ -83,7 +83,7 @@ static void make_diagonal(struct dpt_springs *springs, double step)
 }
 
 /* Conjugate gradients, preconditioned by the diagonal, for the change. norm: of the residual. */
-static void solve_change(struct dpt_springs *springs, float h, double norm)
+static void run_passes(struct dpt_springs *springs, float h, double norm)
 {
     const struct active_region *region = &springs->region;
     const struct kernel *kernel = &springs->kernel;
@@ -145,17 +145,15 @@ static double excess_by_way(struct dpt_springs *springs, const struct spring_tri
     return 0.5 * spring_sum(lanes);
 }
 
-static struct outcome try_step(struct dpt_springs *springs, const struct spring_trial *trial)
+/* Solve for the change with loads in rows of 48 a slice. */
+static void solve_change(struct dpt_springs *springs, const struct spring_trial *trial, const float *load)
 {
     const struct active_region *region = &springs->region;
     const struct kernel *kernel = &springs->kernel;
     struct spring_solve *solve = &springs->solve;
     const struct spring_slice *from = springs->state[springs->now];
-    struct spring_slice *to = springs->state[1 - springs->now];
-    const float *load = springs->loads[springs->loaded].force;
     float *points = springs->points[springs->at];
-    double norm[LANES] = { 0.0 }, bound[LANES] = { 0.0 }, work[LANES] = { 0.0 };
-    struct outcome outcome = { .bad = 0 };
+    double norm[LANES] = { 0.0 };
     for (uint32_t i = 0; i < region->count; i++)
         kernel->spring_aim(trial, from + region->slices[i], solve->systems + region->slices[i],
                            points + SPRING_POINTS * (size_t)region->slices[i]);
@@ -167,13 +165,26 @@ static struct outcome try_step(struct dpt_springs *springs, const struct spring_
         kernel->spring_begin(trial, from + slice, solve->force + row, load + row, solve->systems + slice,
                              solve->direction + SPRING_POINTS * slice, norm);
     }
-    solve_change(springs, trial->step, spring_sum(norm));
+    run_passes(springs, trial->step, spring_sum(norm));
+}
+
+/* Take the change, with the loads of the step. */
+static struct outcome take_change(struct dpt_springs *springs, const struct spring_trial *trial)
+{
+    const struct active_region *region = &springs->region;
+    struct spring_solve *solve = &springs->solve;
+    const struct spring_slice *from = springs->state[springs->now];
+    struct spring_slice *to = springs->state[1 - springs->now];
+    const float *load = springs->loads[springs->loaded].force;
+    double bound[LANES] = { 0.0 }, work[LANES] = { 0.0 };
+    struct outcome outcome = { .bad = 0 };
     if (trial->has_lead)
         outcome.bound = excess_by_way(springs, trial);
     for (uint32_t i = 0; i < region->count; i++) {
         const size_t slice = region->slices[i], row = SPRING_ROWS * slice;
-        outcome.bad |= kernel->spring_end(trial, from + slice, solve->force + row, load + row, solve->systems + slice,
-                                          to + slice, bound, work, springs->region.square + slice);
+        outcome.bad |=
+            springs->kernel.spring_end(trial, from + slice, solve->force + row, load + row, solve->systems + slice,
+                                       to + slice, bound, work, springs->region.square + slice);
     }
     outcome.work = spring_sum(work);
     outcome.bound += spring_sum(bound);
@@ -208,40 +219,145 @@ static void note_common(struct dpt_springs *springs, double h)
         solve->common[row] = mass > 0.0 ? spring_sum(lanes[row]) / (mass * h) : 0.0;
 }
 
-int dpti_implicit_step(struct dpt_springs *springs, double h, uint32_t *flags)
+/* ---- a step whose loads are found ---- */
+
+void dpti_implicit_step_begin(struct implicit_step *step, struct dpt_springs *springs, double h, uint32_t substeps)
 {
-    struct spring_solve *solve = &springs->solve;
-    struct spring_trial trial = { .step = (float)h,
-                                  .per_step = 1.0f / (float)h,
-                                  .flies = 1.0f,
-                                  .back = (float)springs->lead,
-                                  .scale = (float)springs->def.stiffness,
-                                  .far = (float)DPT_COORDINATE_MAX,
-                                  .fast = (float)SPRING_FAST,
-                                  .has_lead = springs->lead > 0.0 };
-    for (int k = 0; k < 3; k++) {
-        trial.gravity[k] = (float)springs->def.gravity[k];
-        trial.common[k] = (float)solve->common[k];
-    }
-    if (solve->account < 0.0)
-        open_account(springs);
+    *step = (struct implicit_step){ .springs = springs,
+                                    .h = h,
+                                    .trial = { .step = (float)h,
+                                               .per_step = 1.0f / (float)h,
+                                               .flies = 1.0f,
+                                               .back = (float)springs->lead,
+                                               .scale = (float)springs->def.stiffness,
+                                               .far = (float)DPT_COORDINATE_MAX,
+                                               .fast = (float)SPRING_FAST,
+                                               .has_lead = springs->lead > 0.0 } };
+    for (int k = 0; k < 3; k++)
+        step->trial.gravity[k] = (float)springs->def.gravity[k];
     make_diagonal(springs, h);
-    *flags = 0;
-    struct outcome outcome = try_step(springs, &trial);
-    if (outcome.bad || !(outcome.bound <= solve->account + outcome.work + ACCOUNT_FLOOR)) {
-        trial.flies = trial.back = 0.0f;
-        *flags = DPT_SPRINGS_FLAG_HELD;
-        outcome = try_step(springs, &trial);
-        if (outcome.bad)
-            return 0;
+    if (substeps > 1)
+        memcpy(springs->solve.begin, springs->state[springs->now], springs->net.slices * sizeof(struct spring_slice));
+}
+
+/* What the last substep left. */
+static void take_over(struct implicit_step *step)
+{
+    struct spring_solve *solve = &step->springs->solve;
+    for (int k = 0; k < 3; k++)
+        step->trial.common[k] = (float)solve->common[k];
+    if (solve->account < 0.0)
+        open_account(step->springs);
+}
+
+double dpti_implicit_response(const struct implicit_step *step, uint32_t node)
+{
+    return (double)step->springs->solve.systems[node / LANES].per_diagonal[node % LANES];
+}
+
+vec3 dpti_implicit_place(const struct implicit_step *step, uint32_t node)
+{
+    return spring_place(step->springs->state[step->springs->now], node);
+}
+
+/* The loads that a slice's nodes are foreseen with. */
+static const float *loads_before(const struct dpt_springs *springs, uint32_t slice)
+{
+    const float *row =
+        springs->region.is_awake[slice] ? springs->loads[1 - springs->loaded].force : springs->region.held;
+    return row + SPRING_ROWS * (size_t)slice;
+}
+
+/* How far a change of the loads since moves a coordinate of a slice, m. */
+static double answer_of(const struct dpt_springs *springs, uint32_t slice, uint32_t k)
+{
+    const float *load = springs->loads[springs->loaded].force + SPRING_ROWS * (size_t)slice;
+    return (double)springs->solve.systems[slice].per_diagonal[k % LANES] *
+           ((double)load[k] - (double)loads_before(springs, slice)[k]);
+}
+
+void dpti_implicit_foresee(struct implicit_step *step, uint32_t slice, double moved[SPRING_ROWS])
+{
+    struct dpt_springs *springs = step->springs;
+    const struct spring_trial *trial = &step->trial;
+    const struct spring_system *system = springs->solve.systems + slice;
+    const float *v = springs->state[springs->now][slice].v;
+    if (!step->is_foreseen) {
+        take_over(step);
+        solve_change(springs, trial, springs->loads[1 - springs->loaded].force);
+        step->is_foreseen = 1;
+        step->active = springs->region.count;
     }
-    if (*flags || !solve->is_free || springs->region.count < springs->net.slices)
+    for (uint32_t k = 0; k < SPRING_ROWS; k++) {
+        moved[k] = answer_of(springs, slice, k);
+        if (springs->region.is_awake[slice])
+            moved[k] += (double)(trial->flies * system->glide[k % LANES] *
+                                 (trial->step * (v[k] + trial->step * trial->common[k / LANES]))) +
+                        (double)system->change[k];
+    }
+}
+
+/* The change takes in what the loads have changed by since it was solved for. */
+static void answer_loads(struct dpt_springs *springs)
+{
+    const struct spring_loads *now = &springs->loads[springs->loaded], *last = &springs->loads[1 - springs->loaded];
+    for (int which = 0; which < 2; which++) {
+        const struct spring_loads *listed = which ? last : now;
+        for (uint32_t i = 0; i < listed->count; i++) {
+            const uint32_t slice = listed->slices[i];
+            if (!springs->region.is_awake[slice] || (which && now->marked[slice]))
+                continue;
+            for (uint32_t k = 0; k < SPRING_ROWS; k++)
+                springs->solve.systems[slice].change[k] += (float)answer_of(springs, slice, k);
+        }
+    }
+}
+
+int dpti_implicit_substep(struct implicit_step *step, uint32_t *flags)
+{
+    struct dpt_springs *springs = step->springs;
+    struct spring_solve *solve = &springs->solve;
+    const float *load = springs->loads[springs->loaded].force;
+    uint32_t held = 0;
+    if (!step->is_foreseen)
+        take_over(step);
+    struct spring_trial trial = step->trial;
+    if (step->is_foreseen && step->active == springs->region.count) {
+        /* The residual is not that of the change any more: what the account needs is computed. */
+        trial.has_lead = 1;
+        answer_loads(springs);
+    } else {
+        solve_change(springs, &trial, load);
+    }
+    struct outcome outcome = take_change(springs, &trial);
+    if (outcome.bad || !(outcome.bound <= solve->account + outcome.work + ACCOUNT_FLOOR)) {
+        trial = step->trial;
+        trial.flies = trial.back = 0.0f;
+        held = DPT_SPRINGS_FLAG_HELD;
+        solve_change(springs, &trial, load);
+        outcome = take_change(springs, &trial);
+    }
+    *flags |= held;
+    if (outcome.bad)
+        return 0;
+    if (held || !solve->is_free || springs->region.count < springs->net.slices)
         memset(solve->common, 0, sizeof solve->common);
     else
-        note_common(springs, h);
+        note_common(springs, step->h);
     const double allowed = solve->account + outcome.work;
-    const double kept = 1.0 - (ACCOUNT_LEAK * h < 1.0 ? ACCOUNT_LEAK * h : 1.0);
+    const double kept = 1.0 - (ACCOUNT_LEAK * step->h < 1.0 ? ACCOUNT_LEAK * step->h : 1.0);
     solve->account = outcome.bound + (allowed > outcome.bound ? kept * (allowed - outcome.bound) : 0.0);
     springs->now = 1 - springs->now;
+    step->is_foreseen = 0;
+    step->done++;
     return 1;
+}
+
+void dpti_implicit_step_end(struct implicit_step *step, int is_kept)
+{
+    struct dpt_springs *springs = step->springs;
+    if (is_kept || !step->done)
+        return;
+    memcpy(springs->state[springs->now], springs->solve.begin, springs->net.slices * sizeof(struct spring_slice));
+    dpti_implicit_forget(springs);
 }

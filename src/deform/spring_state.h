@@ -3,6 +3,7 @@
 #ifndef DPT_SPRING_STATE_H
 #define DPT_SPRING_STATE_H
 
+#include "base/vec3.h"
 #include "dynpoint/springs.h"
 #include "kernel/kernel_ops.h"
 #include "mesh/spring_net.h"
@@ -26,13 +27,14 @@ struct spring_solve {
     struct spring_system *systems;
     float *force, *product;
     float *direction;
-    float *stiffness; /* 16 a slice: the sum over a node's springs */
-    double *energy;   /* 1 a slice: of its nodes, when it was last stepped */
-    double step;      /* for which the diagonals were made; 0: none */
-    double min_norm;  /* J: a residual whose norm is no larger has converged */
-    double account;   /* J: a proven upper bound of the energy; below 0: not known */
-    int is_free;      /* 1: no node is fixed */
-    double common[3]; /* m/s2: the common acceleration of all nodes awake in the last step, without drag */
+    float *stiffness;           /* 16 a slice: the sum over a node's springs */
+    struct spring_slice *begin; /* where a step of several substeps began */
+    double *energy;             /* 1 a slice: of its nodes, when it was last stepped */
+    double step;                /* for which the diagonals were made; 0: none */
+    double min_norm;            /* J: a residual whose norm is no larger has converged */
+    double account;             /* J: a proven upper bound of the energy; below 0: not known */
+    int is_free;                /* 1: no node is fixed */
+    double common[3];           /* m/s2: the common acceleration of all nodes awake in the last step, without drag */
 };
 
 /* Which slices are stepped. */
@@ -104,6 +106,16 @@ static inline double spring_sum(const double lanes[LANES])
         for (int i = 0; i < half; i++)
             sum[i] += sum[i + half];
     return sum[0];
+}
+
+/* Where a node is, m, with what its floats have lost. */
+static inline vec3 spring_place(const struct spring_slice *state, uint32_t node)
+{
+    const struct spring_slice *slice = state + node / LANES;
+    const uint32_t lane = node % LANES;
+    return (vec3){ (double)slice->x[lane] + (double)slice->rest[lane],
+                   (double)slice->x[LANES + lane] + (double)slice->rest[LANES + lane],
+                   (double)slice->x[2 * LANES + lane] + (double)slice->rest[2 * LANES + lane] };
 }
 
 #endif

@@ -142,11 +142,7 @@ double dpti_explicit_response(const struct explicit_step *step, uint32_t node)
 
 vec3 dpti_explicit_place(const struct explicit_step *step, uint32_t node)
 {
-    const struct spring_slice *slice = state_of(step) + node / LANES;
-    const uint32_t lane = node % LANES;
-    return (vec3){ (double)slice->x[lane] + (double)slice->rest[lane],
-                   (double)slice->x[LANES + lane] + (double)slice->rest[LANES + lane],
-                   (double)slice->x[2 * LANES + lane] + (double)slice->rest[2 * LANES + lane] };
+    return spring_place(state_of(step), node);
 }
 
 void dpti_explicit_foresee(const struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS])
