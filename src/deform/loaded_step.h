@@ -9,6 +9,16 @@
 #include "base/vec3.h"
 #include "deform/spring_state.h"
 
+/* Where a node is, m, with what its floats have lost. */
+static inline vec3 spring_place(const struct spring_slice *state, uint32_t node)
+{
+    const struct spring_slice *slice = state + node / LANES;
+    const uint32_t lane = node % LANES;
+    return (vec3){ (double)slice->x[lane] + (double)slice->rest[lane],
+                   (double)slice->x[LANES + lane] + (double)slice->rest[LANES + lane],
+                   (double)slice->x[2 * LANES + lane] + (double)slice->rest[2 * LANES + lane] };
+}
+
 /* A step with SYMPLECTIC or EULER, of the slices that are awake, substep by substep. */
 struct explicit_step {
     struct dpt_springs *springs;

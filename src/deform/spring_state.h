@@ -3,7 +3,6 @@
 #ifndef DPT_SPRING_STATE_H
 #define DPT_SPRING_STATE_H
 
-#include "base/vec3.h"
 #include "dynpoint/springs.h"
 #include "kernel/kernel_ops.h"
 #include "mesh/spring_net.h"
@@ -106,16 +105,6 @@ static inline double spring_sum(const double lanes[LANES])
         for (int i = 0; i < half; i++)
             sum[i] += sum[i + half];
     return sum[0];
-}
-
-/* Where a node is, m, with what its floats have lost. */
-static inline vec3 spring_place(const struct spring_slice *state, uint32_t node)
-{
-    const struct spring_slice *slice = state + node / LANES;
-    const uint32_t lane = node % LANES;
-    return (vec3){ (double)slice->x[lane] + (double)slice->rest[lane],
-                   (double)slice->x[LANES + lane] + (double)slice->rest[LANES + lane],
-                   (double)slice->x[2 * LANES + lane] + (double)slice->rest[2 * LANES + lane] };
 }
 
 #endif
