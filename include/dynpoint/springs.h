@@ -83,7 +83,7 @@ static inline void dpt_springs_def_init(dpt_springs_def *def)
     dpt_springs_def_defaults(def, sizeof *def);
 }
 
-/* The bytes that springs of this def need, in this version: about 190 a node, 80 more with IMPLICIT, 20 a vertex, and 32
+/* The bytes that springs of this def need, in this version: about 190 a node, 120 more with IMPLICIT, 20 a vertex, and 32
  * for each of max_loads. 0: the def is not valid, or its mesh has no springs. It takes time in proportion to the mesh. */
 DPT_API size_t dpt_springs_bytes(const dpt_springs_def *def);
 
@@ -170,8 +170,8 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  * With DPT_RESPONSE_LOAD a tool with a proxy and the tissue are solved together: no point of the tool is in the tissue
  * after the step, and what moves the tissue is what is felt. From then on the tool's wrench, loads and energy are those of
  * this answer: read and send them after this call, in the same tick. That holds for tools and bodies without friction,
- * damping or a surface's stiffness, with SYMPLECTIC or EULER, without load_radius and period. Elsewhere the wrench is that
- * of the world's step, and its loads act on the nodes.
+ * damping or a surface's stiffness, without load_radius and period. Elsewhere the wrench is that of the world's step, and
+ * its loads act on the nodes.
  *
  * With DPT_RESPONSE_DISPLACE, which is for nodes that are the vertices, nodes are where tools have moved them, and no longer
  * go into the tool; the body's friction acts on what goes along it (dpt_body_settings). Use it for a light sheet that lies

@@ -1,13 +1,23 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A step of springs with SYMPLECTIC or EULER whose loads are found substep by substep, as contact with the tissue is
- * (docs/algorithms/tissue.md). In springs.c.
+ * A step of springs whose loads are found substep by substep, as contact with the tissue is (docs/algorithms/tissue.md).
+ * In spring_step.c, implicit_step.c and springs.c.
  */
 #ifndef DPT_LOADED_STEP_H
 #define DPT_LOADED_STEP_H
 
 #include "base/vec3.h"
 #include "deform/spring_state.h"
+
+/* Where a node is, m, with what its floats have lost. */
+static inline vec3 spring_place(const struct spring_slice *state, uint32_t node)
+{
+    const struct spring_slice *slice = state + node / LANES;
+    const uint32_t lane = node % LANES;
+    return (vec3){ (double)slice->x[lane] + (double)slice->rest[lane],
+                   (double)slice->x[LANES + lane] + (double)slice->rest[LANES + lane],
+                   (double)slice->x[2 * LANES + lane] + (double)slice->rest[2 * LANES + lane] };
+}
 
 /* A step with SYMPLECTIC or EULER, of the slices that are awake, substep by substep. */
 struct explicit_step {
@@ -40,13 +50,35 @@ vec3 dpti_explicit_place(const struct explicit_step *step, uint32_t node);
 /* m/N: how far a load moves a node by the end of a substep (with EULER, of the next one). */
 double dpti_explicit_response(const struct explicit_step *step, uint32_t node);
 
+/*
+ * A step with IMPLICIT. What it does with the loads of the step before is solved for once; a change of the loads then moves
+ * each loaded node alone, by the inverse of the matrix's diagonal. What that leaves is taken up by the next step.
+ */
+struct implicit_step {
+    struct dpt_springs *springs;
+    double h;
+    struct spring_trial trial;
+    int is_foreseen; /* the change with the loads before is known */
+    uint32_t active; /* slices that were awake then */
+    uint32_t done;   /* substeps */
+};
+
+/* These are as those above. */
+void dpti_implicit_step_begin(struct implicit_step *step, struct dpt_springs *springs, double h, uint32_t substeps);
+int dpti_implicit_substep(struct implicit_step *step, uint32_t *flags);
+void dpti_implicit_step_end(struct implicit_step *step, int is_kept);
+void dpti_implicit_foresee(struct implicit_step *step, uint32_t slice, double moved[SPRING_ROWS]);
+vec3 dpti_implicit_place(const struct implicit_step *step, uint32_t node);
+double dpti_implicit_response(const struct implicit_step *step, uint32_t node);
+
 /* A step whose loads are set anew for each substep. */
 struct loaded_step {
     struct dpt_springs *springs;
     double dt;
     uint32_t load_count; /* on vertices, in springs->vertices.loads: those of all substeps */
     dpt_springs_info info;
-    struct explicit_step explicit;
+    struct explicit_step explicit; /* of SYMPLECTIC and EULER */
+    struct implicit_step implicit; /* of IMPLICIT */
 };
 
 /* How many substeps of a stable length dt has; 0 if they are too many. */
@@ -61,6 +93,12 @@ void dpti_loaded_step_set(struct loaded_step *step);
 
 /* Add a force on a node, N. */
 void dpti_loaded_step_add(struct loaded_step *step, uint32_t node, vec3 force);
+
+/* What an integrator foresees, as above; with IMPLICIT all of it is `slid`. */
+void dpti_loaded_step_foresee(struct loaded_step *step, uint32_t slice, double moved[SPRING_ROWS],
+                              double slid[SPRING_ROWS]);
+vec3 dpti_loaded_step_place(const struct loaded_step *step, uint32_t node);
+double dpti_loaded_step_response(const struct loaded_step *step, uint32_t node);
 
 /* Make the substep. Returns 0 if it would leave the finite range. */
 int dpti_loaded_step_go(struct loaded_step *step);

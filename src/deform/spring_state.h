@@ -26,13 +26,14 @@ struct spring_solve {
     struct spring_system *systems;
     float *force, *product;
     float *direction;
-    float *stiffness; /* 16 a slice: the sum over a node's springs */
-    double *energy;   /* 1 a slice: of its nodes, when it was last stepped */
-    double step;      /* for which the diagonals were made; 0: none */
-    double min_norm;  /* J: a residual whose norm is no larger has converged */
-    double account;   /* J: a proven upper bound of the energy; below 0: not known */
-    int is_free;      /* 1: no node is fixed */
-    double common[3]; /* m/s2: the common acceleration of all nodes awake in the last step, without drag */
+    float *stiffness;           /* 16 a slice: the sum over a node's springs */
+    struct spring_slice *begin; /* where a step of several substeps began */
+    double *energy;             /* 1 a slice: of its nodes, when it was last stepped */
+    double step;                /* for which the diagonals were made; 0: none */
+    double min_norm;            /* J: a residual whose norm is no larger has converged */
+    double account;             /* J: a proven upper bound of the energy; below 0: not known */
+    int is_free;                /* 1: no node is fixed */
+    double common[3];           /* m/s2: the common acceleration of all nodes awake in the last step, without drag */
 };
 
 /* Which slices are stepped. */

@@ -25,12 +25,6 @@ void dpti_implicit_begin(struct dpt_springs *springs);
 /* Call after nodes were placed elsewhere: the energy is not known any more. */
 void dpti_implicit_forget(struct dpt_springs *springs);
 
-/*
- * A step of h seconds, of the slices that are awake. Sets *flags. Returns 0, and keeps the state, if it would leave the
- * finite range.
- */
-int dpti_implicit_step(struct dpt_springs *springs, double h, uint32_t *flags);
-
 /* ---- the energy of springs and of motion, J, in double ---- */
 
 /* The energy of one slice. A spring counts half at each of its nodes. */

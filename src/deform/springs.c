@@ -133,6 +133,7 @@ static void place(struct dpt_springs *springs, struct block *block)
     solve->product = take(block, slices * SPRING_ROWS, sizeof(float));
     solve->direction = take(block, slices * SPRING_POINTS, sizeof(float));
     solve->stiffness = take(block, slices * LANES, sizeof(float));
+    solve->begin = take(block, slices, sizeof *solve->begin);
     solve->energy = take(block, slices, sizeof(double));
 }
 
@@ -295,14 +296,46 @@ void dpti_loaded_step_begin(struct loaded_step *step, struct dpt_springs *spring
                             uint32_t load_count)
 {
     const double h = dt / (double)substeps, min = LEAST_LEAD * h;
-    *step = (struct loaded_step){ springs, dt, load_count, { .size = sizeof step->info }, { .springs = springs } };
+    *step = (struct loaded_step){
+        .springs = springs, .dt = dt, .load_count = load_count, .info = { .size = sizeof step->info }
+    };
     step->info.substeps = substeps;
     step->info.nodes = springs->net.nodes;
     step->info.stable_step = springs->stable_step;
     springs->loaded = 1 - springs->loaded;
     if (springs->def.integrator == DPT_INTEGRATOR_SYMPLECTIC)
         springs->lead = springs->net.viscosity > min ? springs->net.viscosity : min;
-    dpti_explicit_begin(&step->explicit, springs, h);
+    if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT)
+        dpti_implicit_step_begin(&step->implicit, springs, h, substeps);
+    else
+        dpti_explicit_begin(&step->explicit, springs, h);
+}
+
+static int is_implicit(const struct loaded_step *step)
+{
+    return step->springs->def.integrator == DPT_INTEGRATOR_IMPLICIT;
+}
+
+void dpti_loaded_step_foresee(struct loaded_step *step, uint32_t slice, double moved[SPRING_ROWS],
+                              double slid[SPRING_ROWS])
+{
+    if (!is_implicit(step)) {
+        dpti_explicit_foresee(&step->explicit, slice, moved, slid);
+        return;
+    }
+    dpti_implicit_foresee(&step->implicit, slice, moved);
+    memcpy(slid, moved, SPRING_ROWS * sizeof *slid);
+}
+
+vec3 dpti_loaded_step_place(const struct loaded_step *step, uint32_t node)
+{
+    return is_implicit(step) ? dpti_implicit_place(&step->implicit, node) : dpti_explicit_place(&step->explicit, node);
+}
+
+double dpti_loaded_step_response(const struct loaded_step *step, uint32_t node)
+{
+    return is_implicit(step) ? dpti_implicit_response(&step->implicit, node)
+                             : dpti_explicit_response(&step->explicit, node);
 }
 
 void dpti_loaded_step_set(struct loaded_step *step)
@@ -330,7 +363,8 @@ static void wake(struct loaded_step *step)
 int dpti_loaded_step_go(struct loaded_step *step)
 {
     wake(step);
-    return dpti_explicit_substep(&step->explicit);
+    return is_implicit(step) ? dpti_implicit_substep(&step->implicit, &step->info.flags)
+                             : dpti_explicit_substep(&step->explicit);
 }
 
 static dpt_result end_step(struct loaded_step *step, int is_done, dpt_springs_info *info)
@@ -349,7 +383,10 @@ static dpt_result end_step(struct loaded_step *step, int is_done, dpt_springs_in
 
 dpt_result dpti_loaded_step_end(struct loaded_step *step, int is_done, dpt_springs_info *info)
 {
-    dpti_explicit_end(&step->explicit, is_done);
+    if (is_implicit(step))
+        dpti_implicit_step_end(&step->implicit, is_done);
+    else
+        dpti_explicit_end(&step->explicit, is_done);
     return end_step(step, is_done, info);
 }
 
@@ -361,8 +398,8 @@ static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *l
     dpti_loaded_step_begin(&step, springs, dt, dpti_springs_substeps_of(springs, dt), 0);
     set_loads(&springs->loads[springs->loaded], loads, count, vertices);
     wake(&step);
-    if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT)
-        return end_step(&step, dpti_implicit_step(springs, dt, &step.info.flags), info);
+    if (is_implicit(&step))
+        return end_step(&step, dpti_implicit_substep(&step.implicit, &step.info.flags), info);
     return end_step(&step, dpti_springs_substeps(springs, dt / (double)step.info.substeps, step.info.substeps), info);
 }
 

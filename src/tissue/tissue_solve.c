@@ -23,11 +23,11 @@ static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t no
     }
     if (solve->node_count == TISSUE_NODES_MAX)
         return DPT_NONE;
-    const struct explicit_step *step = &solve->bodies[body].step.explicit;
+    const struct loaded_step *step = &solve->bodies[body].step;
     solve->nodes[solve->node_count] = (struct tissue_node){ .body = body,
                                                             .node = node,
-                                                            .response = dpti_explicit_response(step, node),
-                                                            .begin = dpti_explicit_place(step, node) };
+                                                            .response = dpti_loaded_step_response(step, node),
+                                                            .begin = dpti_loaded_step_place(step, node) };
     solve->table[slot] = ++solve->node_count;
     return solve->node_count - 1;
 }
@@ -108,10 +108,10 @@ static void foresee(struct tissue_solve *solve)
         solve->nodes[i].is_foreseen = 0;
     for (uint32_t i = 0; i < solve->node_count; i++) {
         const uint32_t body = solve->nodes[i].body, slice = solve->nodes[i].node / LANES;
-        const struct explicit_step *step = &solve->bodies[body].step.explicit;
+        struct loaded_step *step = &solve->bodies[body].step;
         if (solve->nodes[i].is_foreseen)
             continue;
-        dpti_explicit_foresee(step, slice, moved, slid);
+        dpti_loaded_step_foresee(step, slice, moved, slid);
         for (uint32_t k = i; k < solve->node_count; k++) {
             struct tissue_node *node = &solve->nodes[k];
             const uint32_t lane = node->node % LANES;
@@ -119,7 +119,7 @@ static void foresee(struct tissue_solve *solve)
                 continue;
             const vec3 by = { moved[lane], moved[LANES + lane], moved[2 * LANES + lane] };
             node->slid = (vec3){ slid[lane], slid[LANES + lane], slid[2 * LANES + lane] };
-            node->moved = sub(add(dpti_explicit_place(step, node->node), by), node->begin);
+            node->moved = sub(add(dpti_loaded_step_place(step, node->node), by), node->begin);
             node->is_foreseen = 1;
         }
     }

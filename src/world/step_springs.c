@@ -79,11 +79,10 @@ static void take_displaced(const struct dpt_world *world, const struct body *bod
 /* m: pairs within this reach of the proxy may come to carry force in a step, and those that what moves can reach. */
 #define REACH 1e-4
 
-static int body_is_solved(const struct body *body, const struct dpt_springs *springs)
+static int body_is_solved(const struct body *body)
 {
     const dpt_deformable_def *def = &deform_of(body)->def;
-    return def->response == DPT_RESPONSE_LOAD && !(def->load_radius > 0.0) && !(def->period > 0.0) &&
-           springs->def.integrator != DPT_INTEGRATOR_IMPLICIT;
+    return def->response == DPT_RESPONSE_LOAD && !(def->load_radius > 0.0) && !(def->period > 0.0);
 }
 
 /* m: how far from the proxy pairs may come to carry force. What is fast now was so in the last step. */
@@ -219,7 +218,7 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
     for (uint32_t i = 0; i < list->count; i++) {
         const struct body *body = world_find_body(world, list->bodies[i]);
         struct tissue_solve *own = deform_of(body)->solve;
-        if (!own || !body_is_solved(body, list->springs[i]))
+        if (!own || !body_is_solved(body))
             continue;
         own->body_count = own->is_full = 0;
         own->dt = dt;

@@ -6,17 +6,22 @@
  */
 #include <math.h>
 
+#include "deform/spring_state.h"
 #include "mesh/mesh_format.h"
 #include "oracle/brute.h"
 #include "world/tissue_scene.h"
+
+enum { INTEGRATORS = 3 };
+static const uint32_t integrators[INTEGRATORS] = { DPT_INTEGRATOR_SYMPLECTIC, DPT_INTEGRATOR_EULER,
+                                                   DPT_INTEGRATOR_IMPLICIT };
 
 static void a_still_device_is_silent(void)
 {
     static const double leans[] = { 0.0, 0.6, 1.2, 1.5708 };
     for (int kind = 0; kind < 2; kind++)
-        for (int i = 0; i < (int)part_of(16); i++) {
-            const uint32_t integrator = i & 1 ? DPT_INTEGRATOR_EULER : DPT_INTEGRATOR_SYMPLECTIC;
-            const double stiffness = i & 2 ? 2000.0 : 200.0, lean = leans[i / 4];
+        for (int i = 0; i < (int)part_of(24); i++) {
+            const uint32_t integrator = integrators[i % 3];
+            const double stiffness = i & 1 ? 2000.0 : 200.0, lean = leans[i / 6];
             struct tissue tissue;
             double mean;
             tissue_begin(&tissue, stiffness, lean);
@@ -41,6 +46,77 @@ static void loads_of_the_step_before_are_not_silent(void)
         jump = tissue_press_and_hold(&tissue, 0.006, &mean);
     tissue_close(&tissue);
     CHECK(jump > 5e-3, "it jumps by no more than %g N", jump);
+}
+
+/* The force at rest is the tissue's, whatever integrator and step: IMPLICIT beside SYMPLECTIC at 1 ms. */
+static void integrators_end_at_one_force(void)
+{
+    static const double steps[] = { 1e-3, 1e-4, 1e-3, 1e-2 };
+    for (int lean = 0; lean < (int)part_of(4); lean++) {
+        double expected = 0.0;
+        for (int i = 0; i < 4; i++) {
+            struct tissue tissue;
+            double jump = 0.0, mean = 0.0;
+            tissue_begin(&tissue, 2000.0, 0.5236 * lean);
+            tissue.is_sleepless = 1;
+            tissue.rig.dt = steps[i];
+            if (tissue_add(&tissue, DPT_NET_VOLUME, integrators[i ? 2 : 0], 0.0, 0.0))
+                jump = tissue_press_and_hold(&tissue, 0.006, &mean);
+            for (int t = 0; t < 4000 && mean > 0.0; t++)
+                mean = tissue_tick(&tissue);
+            tissue_close(&tissue);
+            expected = i ? expected : mean;
+            CHECK(jump <= 1e-3 * mean, "lean %d, %g s: jumps of %g N", lean, steps[i], jump);
+            CHECK(mean > 0.1 && fabs(mean - expected) <= 0.01 * expected, "lean %d, %g s: %g N for %g", lean, steps[i],
+                  mean, expected);
+        }
+    }
+}
+
+/* With IMPLICIT energy never exceeds the work of the loads that are told, nor what its account has proven. */
+static void implicit_tissue_gains_what_tools_do(void)
+{
+    enum { NODES = 4096, LOADS = 1024 };
+    static float from[3 * NODES], to[3 * NODES];
+    static dpt_load loads[LOADS];
+    for (int i = 0; i < (int)part_of(6); i++) {
+        const double h = (const double[]){ 1e-4, 1e-3, 1e-2 }[i % 3];
+        struct tissue tissue;
+        uint64_t seed = 5 + (uint64_t)i;
+        double work = 0.0, excess = -HUGE_VAL, unproven = -HUGE_VAL, most = 0.0;
+        tissue_begin(&tissue, i % 2 ? 2000.0 : 300.0, 0.3 * i);
+        tissue.is_sleepless = tissue.is_undamped = 1;
+        tissue.rig.dt = h;
+        if (tissue_add(&tissue, i < 3 ? DPT_NET_VOLUME : DPT_NET_SHEET, DPT_INTEGRATOR_IMPLICIT, 0.0, 0.0)) {
+            const uint32_t nodes = dpt_springs_get_count(tissue.springs[0]);
+            CHECK(nodes <= NODES, "%u nodes", nodes);
+            tissue_place(&tissue, -0.001);
+            rig_place(&tissue.rig);
+            dpt_springs_get_nodes(tissue.springs[0], nodes, from, NULL);
+            for (int t = 0; t < 2000; t++) {
+                double elastic, kinetic;
+                uint32_t count = 0;
+                /* Up and down, in leaps, and off it now and then. */
+                tissue_place(&tissue, 0.004 * sin(0.02 * t) + random_in(&seed, -2e-3, 2e-3));
+                tissue_tick(&tissue);
+                (i < 3 ? dpt_body_get_node_loads : dpt_body_get_loads)(tissue.rig.world, tissue.body[0], loads, LOADS,
+                                                                       &count);
+                dpt_springs_get_nodes(tissue.springs[0], nodes, to, NULL);
+                for (uint32_t l = 0; l < count; l++)
+                    for (uint32_t k = 0; k < 3; k++)
+                        work += loads[l].force[k] *
+                                ((double)to[3 * loads[l].vertex + k] - (double)from[3 * loads[l].vertex + k]);
+                memcpy(from, to, sizeof from);
+                dpt_springs_get_energy(tissue.springs[0], &elastic, &kinetic);
+                excess = fmax(excess, elastic + kinetic - work);
+                unproven = fmax(unproven, elastic + kinetic - tissue.springs[0]->solve.account);
+                most = fmax(most, elastic + kinetic);
+            }
+            CHECK(most > 1e-6 && excess <= 1e-8 && unproven <= 1e-8,
+                  "case %d: %g J: %g more than the work, %g than proven", i, most, excess, unproven);
+        }
+        tissue_close(&tissue);
+    }
 }
 
 /* Where the tool would be for its spring to give the wrench that is felt. */
@@ -82,13 +158,14 @@ static oracle_mesh *surface_now(const struct tissue *tissue)
 static void the_tool_ends_on_the_surface(void)
 {
     uint64_t seed = 7;
-    for (int i = 0; i < (int)part_of(6); i++) {
+    for (int i = 0; i < (int)part_of(12); i++) {
+        const uint32_t integrator = i < 6 ? DPT_INTEGRATOR_IMPLICIT : DPT_INTEGRATOR_SYMPLECTIC;
         const double stiffness = i % 2 ? 1500.0 : 300.0;
         struct tissue tissue;
         uint32_t touched = 0;
         double deepest = 0.0, farthest = 0.0, x = 0.0, y = 0.0;
-        tissue_begin(&tissue, stiffness, 0.3 * i);
-        if (!tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+        tissue_begin(&tissue, stiffness, 0.3 * (i % 6));
+        if (!tissue_add(&tissue, i < 6 && i % 2 ? DPT_NET_SHEET : DPT_NET_VOLUME, integrator, 0.0, 0.0)) {
             tissue_close(&tissue);
             continue;
         }
@@ -154,11 +231,11 @@ static void what_is_told_moves_the_tissue(void)
     tissue_close(&tissue);
 }
 
-static void forces_sum_up_to_zero(void)
+static void forces_sum_up_to_zero_with(uint32_t integrator)
 {
     struct tissue tissue;
     tissue_begin(&tissue, 600.0, 1.3);
-    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+    if (tissue_add(&tissue, DPT_NET_VOLUME, integrator, 0.0, 0.0)) {
         double worst = 0.0, peak = 0.0;
         tissue_place(&tissue, -0.001);
         rig_place(&tissue.rig);
@@ -180,6 +257,12 @@ static void forces_sum_up_to_zero(void)
         CHECK(peak > 0.1 && worst <= 1e-12 * peak, "off by %g N of %g N", worst, peak);
     }
     tissue_close(&tissue);
+}
+
+static void forces_sum_up_to_zero(void)
+{
+    for (int i = 0; i < INTEGRATORS; i++)
+        forces_sum_up_to_zero_with(integrators[i]);
 }
 
 /* A tool across two bodies: one solve, in whatever order they are given; between them it feels twice what one gives. */
@@ -210,6 +293,39 @@ static void bodies_share_a_tool(void)
     }
     CHECK(fabs(felt[0] - felt[1]) <= 1e-9, "%g N and %g N in another order", felt[0], felt[1]);
     CHECK(felt[2] < felt[0], "%g N on one, %g N on two", felt[2], felt[0]);
+}
+
+/* One body with IMPLICIT, one that needs several substeps: the same force, and all or nothing where a step fails. */
+static void integrators_share_a_tool(void)
+{
+    enum { NODES = 4096 };
+    static float before[3 * NODES], after[3 * NODES];
+    double felt[2] = { 0.0, 0.0 };
+    for (int i = 0; i < 2; i++) {
+        const uint32_t integrator = i ? DPT_INTEGRATOR_IMPLICIT : DPT_INTEGRATOR_SYMPLECTIC;
+        const float far[3] = { 0.0f, 0.0f, 0.0f }, fast[3] = { 0.0f, 0.0f, 8e8f };
+        struct tissue tissue;
+        tissue_begin(&tissue, 400.0, 1.5708);
+        tissue.is_sleepless = 1;
+        tissue.rig.dt = 1e-2;
+        if (tissue_add(&tissue, DPT_NET_VOLUME, integrator, 0.0, -0.025) &&
+            tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_EULER, 0.0, 0.025)) {
+            const uint32_t nodes = dpt_springs_get_count(tissue.springs[0]);
+            const double jump = tissue_press_and_hold(&tissue, 0.004, &felt[i]);
+            CHECK(jump <= 1e-3 * felt[i], "case %d: jumps of %g N at %g N", i, jump, felt[i]);
+            CHECK(tissue.info[0].substeps > 1 && tissue.info[0].substeps == tissue.info[1].substeps, "%u substeps",
+                  tissue.info[0].substeps);
+            dpt_springs_get_nodes(tissue.springs[0], nodes, before, NULL);
+            dpt_springs_set_nodes(tissue.springs[1], nodes / 2, 1, far, fast);
+            rig_step(&tissue.rig);
+            CHECK(dpt_bodies_step_springs(tissue.rig.world, tissue.body, tissue.springs, 2, 1e-2, NULL) == DPT_E_FINITE,
+                  "case %d: the step is taken", i);
+            dpt_springs_get_nodes(tissue.springs[0], nodes, after, NULL);
+            CHECK(nodes <= NODES && !memcmp(before, after, 3 * nodes * sizeof *after), "case %d: nodes have moved", i);
+        }
+        tissue_close(&tissue);
+    }
+    CHECK(felt[0] > 0.05 && fabs(felt[1] - felt[0]) <= 0.01 * felt[0], "%g N and %g N", felt[0], felt[1]);
 }
 
 /* A tool that lies on tissue and on a rigid body of the same shape: its spring ends on both. */
@@ -245,11 +361,11 @@ static void a_rigid_body_holds_beside_the_tissue(void)
 }
 
 /* The spring's energy grows by what the bodies do, and by what a device does that moves without a turn. */
-static void work_is_accounted_for(void)
+static void work_is_accounted_for_with(uint32_t integrator)
 {
     struct tissue tissue;
     tissue_begin(&tissue, 600.0, 1.2);
-    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+    if (tissue_add(&tissue, DPT_NET_VOLUME, integrator, 0.0, 0.0)) {
         double last[3] = { 0.0, 0.0, 0.0 }, from[3], energy = 0.0, work = 0.0, worst = 0.0, most = 0.0;
         tissue_place(&tissue, -0.001);
         rig_place(&tissue.rig);
@@ -275,11 +391,17 @@ static void work_is_accounted_for(void)
     tissue_close(&tissue);
 }
 
-static void tissue_sleeps_under_a_still_tool(void)
+static void work_is_accounted_for(void)
+{
+    for (int i = 0; i < INTEGRATORS; i++)
+        work_is_accounted_for_with(integrators[i]);
+}
+
+static void tissue_sleeps_with(uint32_t integrator)
 {
     struct tissue tissue;
     tissue_begin(&tissue, 500.0, 1.2);
-    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+    if (tissue_add(&tissue, DPT_NET_VOLUME, integrator, 0.0, 0.0)) {
         double mean, last, jump = 0.0;
         uint64_t seed = 11;
         tissue_press_and_hold(&tissue, 0.005, &mean);
@@ -298,6 +420,12 @@ static void tissue_sleeps_under_a_still_tool(void)
         CHECK(jump < 2e-3, "a tremor makes jumps of %g N beyond its own", jump);
     }
     tissue_close(&tissue);
+}
+
+static void tissue_sleeps_under_a_still_tool(void)
+{
+    for (int i = 0; i < INTEGRATORS; i++)
+        tissue_sleeps_with(integrators[i]);
 }
 
 static void wrong_lists_are_refused(void)
@@ -330,10 +458,13 @@ int main(int argc, char **argv)
     take_percent(argc, argv);
     TEST(a_still_device_is_silent);
     TEST(loads_of_the_step_before_are_not_silent);
+    TEST(integrators_end_at_one_force);
+    TEST(implicit_tissue_gains_what_tools_do);
     TEST(the_tool_ends_on_the_surface);
     TEST(what_is_told_moves_the_tissue);
     TEST(forces_sum_up_to_zero);
     TEST(bodies_share_a_tool);
+    TEST(integrators_share_a_tool);
     TEST(a_rigid_body_holds_beside_the_tissue);
     TEST(work_is_accounted_for);
     TEST(tissue_sleeps_under_a_still_tool);

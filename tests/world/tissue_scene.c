@@ -5,7 +5,7 @@
 
 enum { HOLD = 1200, LOOKED_AT = 300 };
 
-static int make_mesh(struct fixture *fixture, uint32_t kind, double spacing)
+static int make_mesh(struct fixture *fixture, uint32_t kind, double damping)
 {
     const dpt_spring_region below = { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, 1, 1, -0.02 } };
     const dpt_spring_region border[2] = { { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, -0.09, 1, 1 } },
@@ -16,9 +16,9 @@ static int make_mesh(struct fixture *fixture, uint32_t kind, double spacing)
                                      .young = is_sheet ? 1e5 : 2e4,
                                      .thickness = is_sheet ? 1e-3 : 0.0,
                                      .density = 1000.0,
-                                     .drag = 5.0,
-                                     .viscosity = 1e-3,
-                                     .spacing = is_sheet ? 0.0 : spacing,
+                                     .drag = 5.0 * damping,
+                                     .viscosity = 1e-3 * damping,
+                                     .spacing = is_sheet ? 0.0 : 0.02,
                                      .regions = is_sheet ? border : &below,
                                      .region_count = is_sheet ? 2 : 1 };
     return fixture_with_springs(fixture, is_sheet ? "membrane" : "sphere", 512, &net);
@@ -34,7 +34,7 @@ int tissue_add(struct tissue *tissue, uint32_t kind, uint32_t integrator, double
     pose.position[0] = x;
     dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
-    if (!make_mesh(&tissue->mesh[i], kind, 0.02))
+    if (!make_mesh(&tissue->mesh[i], kind, tissue->is_undamped ? 0.0 : 1.0))
         return 0;
     deform.mesh = springs.mesh = tissue->mesh[i].mesh;
     deform.pose = &pose;

@@ -26,9 +26,9 @@ struct tissue {
     dpt_springs *springs[TISSUES_MAX];
     dpt_springs_info info[TISSUES_MAX];
     uint32_t count;
-    double top; /* of the bodies at rest, along z */
-    int is_sleepless;
-    dpt_wrench wrench; /* of the last tick */
+    double top;                    /* of the bodies at rest, along z */
+    int is_sleepless, is_undamped; /* set before bodies are added */
+    dpt_wrench wrench;             /* of the last tick */
     dpt_force_info force;
 };
 
