@@ -94,6 +94,12 @@ struct tissue_body *tissue_rig_add_soft(struct tissue_rig *tissue, const struct 
     springs.integrator = def->integrator;
     springs.sleep_speed = def->sleeps ? springs.sleep_speed : 0.0;
     springs.stiffness = def->stiffness > 0.0 ? def->stiffness : 1.0;
+    if (def->step > 0.0) {
+        dpt_mesh_info info = { .size = sizeof info };
+        dpt_mesh_get_info(body->mesh.mesh, &info);
+        const double share = (def->integrator == DPT_INTEGRATOR_EULER ? 0.3 : 0.5) * info.stable_step / def->step;
+        springs.stiffness = fmin(fmax(share * share, 1e-9), 1e9);
+    }
     body->id = rig_add_deformable(&tissue->rig, &deform);
     body->springs = rig_add_springs(&tissue->rig, &springs);
     body->block = tissue->rig.block_count - 1;
