@@ -273,10 +273,13 @@ static double response_of(const struct tissue_body *body, uint32_t node, double 
 static void make_matrix(struct brute *brute, double h)
 {
     brute->loosest = 0.0;
-    for (uint32_t i = 0; i < brute->count; i++)
-        for (uint32_t k = 0; k < brute->pair[i].count; k++)
-            brute->loosest =
-                fmax(brute->loosest, response_of(&brute->tissue->body[brute->pair[i].body], brute->pair[i].node[k], h));
+    for (uint32_t i = 0; i < brute->count; i++) {
+        struct brute_pair *pair = &brute->pair[i];
+        for (uint32_t k = 0; k < pair->count; k++) {
+            pair->response[k] = response_of(&brute->tissue->body[pair->body], pair->node[k], h);
+            brute->loosest = fmax(brute->loosest, pair->response[k]);
+        }
+    }
     for (uint32_t i = 0; i < brute->count; i++)
         for (uint32_t j = 0; j < brute->count; j++) {
             const struct brute_pair *a = &brute->pair[i], *b = &brute->pair[j];
@@ -284,8 +287,7 @@ static void make_matrix(struct brute *brute, double h)
             for (uint32_t k = 0; k < a->count && a->body == b->body; k++)
                 for (uint32_t m = 0; m < b->count; m++)
                     if (a->node[k] == b->node[m])
-                        sum += a->weight[k] * b->weight[m] * response_of(&brute->tissue->body[a->body], a->node[k], h) *
-                               dot3(a->n, b->n);
+                        sum += a->weight[k] * b->weight[m] * a->response[k] * dot3(a->n, b->n);
             if (a->tool == b->tool)
                 sum += brute_product(a->row, b->row) / brute->tissue->tool[a->tool].stiffness;
             brute->matrix[i][j] = sum;

@@ -23,7 +23,7 @@ struct brute_pair {
     double q[3], n[3], gap;     /* at the proxy; n from q towards the tool */
     double row[6];              /* how the gap grows with a shift, and with a turn times rho */
     uint32_t node[BRUTE_NODES];
-    double weight[BRUTE_NODES];
+    double weight[BRUTE_NODES], response[BRUTE_NODES]; /* m/N */
     double free_gap, push;
 };
 
