@@ -284,9 +284,8 @@ static void a_tip_is_what_a_brute_solve_finds(void)
     static struct oracle_hull as;
     static uint64_t block[2048];
     for (int turn = 0; turn < (int)part_of(8); turn++) {
-        static const dpt_segment axis_of_box = { { -0.012, 0.0, 0.0 }, { 0.012, 0.0, 0.0 }, 0.0 };
         const dpt_segment inside = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.0 };
-        const double axis[3] = { 0.3, 1.0, 0.2 };
+        double axis[3] = { 0.3, 1.0, 0.2 };
         double corners[3 * DPT_HULL_CORNERS_MAX];
         const dpt_hull_shape shape = { .size = sizeof shape, .extent = { 0.024, 0.012, 0.008 } };
         dpt_hull_def def = { .size = sizeof def, .corners = corners, .radius = 0.001 };
@@ -303,7 +302,7 @@ static void a_tip_is_what_a_brute_solve_finds(void)
         if (brute_open(&brute, &tissue) && tissue_rig_add_soft(&tissue, &ball_def)) {
             struct tissue_tool *tool = tissue_rig_add_tool(&tissue, &inside, random_in(&seed, 200.0, 2000.0));
             CHECK(dpt_tool_set_tips(tissue.rig.world, tool->id, &tip, 1) == DPT_OK, "no tip");
-            tool->segment = axis_of_box;
+            /* What counts for its centre and its turns. */
             for (int k = 0; k < 3; k++) {
                 tool->segment.a[k] = info.axis[0][k];
                 tool->segment.b[k] = info.axis[1][k];
@@ -311,7 +310,7 @@ static void a_tip_is_what_a_brute_solve_finds(void)
             tool->rho = apart(tool->segment.a, tool->segment.b) / sqrt(12.0);
             brute.hull = &as;
             brute.hull_radius = def.radius;
-            unit3((double *)(uintptr_t)axis);
+            unit3(axis);
             pose_orient(&tool->device, axis, 0.1 * turn);
             tool->device.position[2] = tissue.body[0].top + 0.018;
             press(&brute, seed, 0.016, &worst);

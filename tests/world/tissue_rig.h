@@ -28,7 +28,6 @@ struct tissue_def {
     double place[3];  /* of the body */
     double stiffness; /* what springs are multiplied by; 0: 1 */
     double step;      /* s: springs are as stiff as one substep of that length allows; 0: as stiff as `young` says */
-    double load_radius;
     uint32_t integrator;
     int sleeps;
 };
