@@ -155,6 +155,18 @@ static void lead(struct tissue_rig *tissue, struct course *course, int i)
     tissue_rig_step_world(tissue);
 }
 
+/* A tool whose proxy was put at the device, as it was too far away, is not solved for until it has been outside. */
+static int all_are_outside(const struct tissue_rig *tissue)
+{
+    for (uint32_t t = 0; t < tissue->tool_count; t++) {
+        dpt_force_info info = { .size = sizeof info };
+        dpt_tool_get_force_info(tissue->rig.world, tissue->tool[t].id, &info);
+        if (info.reason == DPT_FORCE_INSIDE || info.flags & DPT_FORCE_FLAG_REPLACED)
+            return 0;
+    }
+    return 1;
+}
+
 static void press(struct brute *brute, uint64_t seed, double depth, struct worst *worst)
 {
     struct tissue_rig *tissue = brute->tissue;
@@ -162,8 +174,8 @@ static void press(struct brute *brute, uint64_t seed, double depth, struct worst
     begin_course(tissue, &course, seed, depth);
     for (int i = 0; i < course.ticks; i++) {
         const uint32_t substeps = tissue->info[0].substeps;
-        const int is_due = i && i % EACH == 0;
         lead(tissue, &course, i);
+        const int is_due = i && i % EACH == 0 && all_are_outside(tissue);
         if (is_due)
             brute_solve_tick(brute, substeps);
         tissue_rig_step_springs(tissue);
