@@ -1,0 +1,305 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What is told beside the wrench where tool and tissue are solved together: that the proxy and what is felt are apart, that
+ * there were more touches than are counted; and what is left after a step that fails.
+ */
+#include "world/tissue_rig.h"
+
+enum { NODES = 4096 };
+
+/* m: how far the proxy's axis and another one are apart, as the coupling counts it: a turn with rho. */
+static double apart_of(const struct tissue_tool *tool, const double a[6], const double b[6])
+{
+    double u[3], v[3], turn[3], middle[3];
+    for (int k = 0; k < 3; k++) {
+        u[k] = a[3 + k] - a[k];
+        v[k] = b[3 + k] - b[k];
+        middle[k] = 0.5 * (a[k] + a[3 + k] - b[k] - b[3 + k]);
+    }
+    cross3(u, v, turn);
+    const double angle = atan2(length3(turn), dot3(u, v));
+    return sqrt(dot3(middle, middle) + tool->rho * tool->rho * angle * angle);
+}
+
+/* Pressed in, wiped, torn out at 1 m/s: the flag is there where 5 % and 5 mN say so, and nowhere else. */
+static void it_says_where_the_proxy_is_apart(void)
+{
+    static const dpt_segment upright = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.06 }, 0.004 };
+    const double axis[3] = { 0.0, 1.0, 0.0 };
+    uint64_t set = 0, clear = 0;
+    for (int i = 0; i < (int)part_of(16); i++) {
+        struct tissue_rig tissue;
+        uint64_t seed = 3 + (uint64_t)i;
+        struct tissue_def def = i & 1 ? tissue_sheet() : tissue_ball();
+        def.integrator = i & 2 ? DPT_INTEGRATOR_EULER : DPT_INTEGRATOR_SYMPLECTIC;
+        tissue_rig_open(&tissue);
+        if (tissue_rig_add_soft(&tissue, &def)) {
+            struct tissue_tool *tool = tissue_rig_add_tool(&tissue, &upright, random_in(&seed, 200.0, 2000.0));
+            const double top = tissue.body[0].top + 0.006;
+            double down = 0.0;
+            pose_orient(&tool->device, axis, random_in(&seed, 0.0, 1.0));
+            tool->device.position[2] = top;
+            tissue_rig_place(&tissue);
+            for (int t = 0; t < 800; t++) {
+                double device[6], proxy_ends[6], end[6];
+                dpt_pose proxy;
+                down = t % 200 < 150 ? down + 5e-5 : fmax(down - 1e-3, 0.0);
+                tool->device.position[0] += random_in(&seed, -5e-5, 5e-5);
+                tool->device.position[2] = top - down;
+                tissue_rig_step_world(&tissue);
+                dpt_tool_get_proxy(tissue.rig.world, tool->id, &proxy);
+                tissue_rig_step_springs(&tissue);
+                CHECK(tissue.result == DPT_OK, "%s", dpt_result_name(tissue.result));
+                pose_ends(&tool->device, &tool->segment, device);
+                pose_ends(&proxy, &tool->segment, proxy_ends);
+                tissue_tool_end(tool, end);
+                const double off = tool->stiffness * apart_of(tool, proxy_ends, end);
+                const double allowed = 0.05 * tool->stiffness * apart_of(tool, device, end) + 5e-3;
+                const int is_set = (tool->force.flags & DPT_FORCE_FLAG_APART) != 0;
+                CHECK(!(tool->force.flags & DPT_FORCE_FLAG_CROWDED), "tick %d: crowded", t);
+                if (off > 1.01 * allowed)
+                    CHECK(is_set, "case %d, tick %d: %g N apart, of %g N, is not told", i, t, off, allowed);
+                if (off < 0.99 * allowed)
+                    CHECK(!is_set, "case %d, tick %d: %g N apart, of %g N, is told", i, t, off, allowed);
+                set += (uint64_t)is_set;
+                clear += !is_set && tool->force.reason == DPT_FORCE_ACTS;
+            }
+        }
+        tissue_rig_close(&tissue);
+    }
+    CHECK(set > least_seen(100) && clear > least_seen(1000), "told in %g ticks, not in %g", (double)set, (double)clear);
+}
+
+/* Edges of the surface that a segment of the proxy passes within 0.09 mm of its own radius: each is a touch. */
+static uint32_t edges_near(const struct tissue_rig *tissue, const dpt_pose *proxy, const dpt_segment *segments,
+                           uint32_t count, double reach)
+{
+    uint32_t vertices = 0, triangles, near = 0;
+    const float *position = tissue_vertices(tissue, &tissue->body[0], &vertices);
+    const uint32_t *corners = tissue_corners(&tissue->body[0], &triangles);
+    for (uint32_t s = 0; s < count; s++) {
+        double ends[6], u[3];
+        pose_ends(proxy, &segments[s], ends);
+        for (int k = 0; k < 3; k++)
+            u[k] = ends[3 + k] - ends[k];
+        for (uint32_t i = 0; i < 3 * triangles; i++) {
+            const float *a = position + 3 * corners[i], *b = position + 3 * corners[i % 3 < 2 ? i + 1 : i - 2];
+            double v[3], w[3], off[3];
+            if (corners[i] > corners[i % 3 < 2 ? i + 1 : i - 2])
+                continue;
+            for (int k = 0; k < 3; k++) {
+                v[k] = (double)b[k] - (double)a[k];
+                w[k] = ends[k] - (double)a[k];
+            }
+            const double uu = dot3(u, u), uv = dot3(u, v), vv = dot3(v, v), uw = dot3(u, w), vw = dot3(v, w);
+            const double across = uu * vv - uv * uv;
+            if (across < 1e-9 * uu * vv)
+                continue;
+            const double p = (uv * vw - vv * uw) / across, q = (uu * vw - uv * uw) / across;
+            for (int k = 0; k < 3; k++)
+                off[k] = w[k] + p * u[k] - q * v[k];
+            near += p > 0.0 && p < 1.0 && q > 0.0 && q < 1.0 && length3(off) - segments[s].radius < reach;
+        }
+    }
+    return near;
+}
+
+/* A comb of lying segments on a fine sheet has more touches than there is room for, one of them has not. */
+static void it_says_where_there_are_too_many_touches(void)
+{
+    for (int i = 0; i < 2; i++) {
+        dpt_segment segments[12];
+        const uint32_t count = i ? 1 : 12;
+        uint32_t most = 0, ticks = 0;
+        struct tissue_rig tissue;
+        struct tissue_def def = tissue_sheet();
+        def.triangles = 7200;
+        def.stiffness = 0.1;
+        def.viscosity = 2e-4;
+        for (uint32_t s = 0; s < count; s++)
+            segments[s] = (dpt_segment){ { -0.03, 0.002 * s, 0.0 }, { 0.03, 0.002 * s, 0.0 }, 0.004 };
+        tissue_rig_open(&tissue);
+        if (tissue_rig_add_soft(&tissue, &def)) {
+            struct tissue_tool *tool = &tissue.tool[tissue.tool_count++];
+            *tool = (struct tissue_tool){ .device = DPT_POSE_IDENTITY, .force = { .size = sizeof tool->force } };
+            tool->id = rig_add_tool(&tissue.rig, segments, count);
+            rig_set_law(&tissue.rig, tool->id, DPT_LAW_PROXY, 500.0);
+            tool->device.position[2] = 0.0045;
+            tissue_rig_place(&tissue);
+            for (int t = 0; t < 120; t++) {
+                dpt_pose proxy;
+                tool->device.position[2] -= 2e-5;
+                tissue_rig_step_world(&tissue);
+                dpt_tool_get_proxy(tissue.rig.world, tool->id, &proxy);
+                const uint32_t edges = edges_near(&tissue, &proxy, segments, count, 9e-5);
+                tissue_rig_step_springs(&tissue);
+                CHECK(tissue.result == DPT_OK, "%s", dpt_result_name(tissue.result));
+                most = edges > most ? edges : most;
+                if (edges > 256)
+                    CHECK(tool->force.flags & DPT_FORCE_FLAG_CROWDED, "tick %d: %u edges are not told", t, edges);
+                if (i)
+                    CHECK(!(tool->force.flags & DPT_FORCE_FLAG_CROWDED), "tick %d: one segment is crowded", t);
+                ticks += tool->force.reason == DPT_FORCE_ACTS;
+            }
+            CHECK(ticks > 20 && (i ? most > 8 && most < 100 : most > 256), "%u edges, felt in %u ticks", most, ticks);
+        }
+        tissue_rig_close(&tissue);
+    }
+}
+
+struct kept {
+    float positions[3 * NODES], speeds[3 * NODES], vertices[3 * NODES];
+    uint32_t nodes, vertex_count;
+};
+
+static void keep(const struct tissue_rig *tissue, const struct tissue_body *body, struct kept *kept)
+{
+    const float *vertices = tissue_vertices(tissue, body, &kept->vertex_count);
+    memset(kept->positions, 0, sizeof kept->positions);
+    kept->nodes = dpt_springs_get_count(body->springs);
+    CHECK(kept->nodes <= NODES && kept->vertex_count <= NODES, "no room");
+    dpt_springs_get_nodes(body->springs, kept->nodes, kept->positions, kept->speeds);
+    memcpy(kept->vertices, vertices, 3 * kept->vertex_count * sizeof *vertices);
+}
+
+static int is_kept(const struct tissue_rig *tissue, const struct tissue_body *body, const struct kept *kept)
+{
+    static struct kept now;
+    keep(tissue, body, &now);
+    return !memcmp(now.positions, kept->positions, 3 * kept->nodes * sizeof(float)) &&
+           !memcmp(now.speeds, kept->speeds, 3 * kept->nodes * sizeof(float)) &&
+           !memcmp(now.vertices, kept->vertices, 3 * kept->vertex_count * sizeof(float));
+}
+
+static const dpt_segment lying = { { -0.03, 0.0, 0.0 }, { 0.03, 0.0, 0.0 }, 0.004 };
+
+/* A tool that is pressed across two bodies by about a newton. Returns NULL after a failed check. */
+static struct tissue_tool *press_across(struct tissue_rig *tissue, uint32_t integrator)
+{
+    struct tissue_def def = tissue_ball();
+    def.integrator = integrator;
+    tissue_rig_open(tissue);
+    def.place[0] = -0.025;
+    if (!tissue_rig_add_soft(tissue, &def))
+        return NULL;
+    def.place[0] = 0.025;
+    if (!tissue_rig_add_soft(tissue, &def))
+        return NULL;
+    struct tissue_tool *tool = tissue_rig_add_tool(tissue, &lying, 500.0);
+    tool->device.position[2] = tissue->body[0].top + 0.005;
+    tissue_rig_place(tissue);
+    for (int t = 0; t < 200; t++) {
+        tool->device.position[2] -= 2e-5;
+        tissue_rig_tick(tissue);
+    }
+    CHECK(length3(tool->force.wrench.force) > 0.5, "%g N", length3(tool->force.wrench.force));
+    return tool;
+}
+
+/* A node that carries the body's outermost vertex along y, away from the tool. */
+static uint32_t node_at_side(const struct tissue_body *body)
+{
+    const uint32_t *nodes;
+    const float *weights, *at;
+    uint32_t node_count, count, side = 0;
+    dpt_mesh_get_vertices(body->mesh.mesh, &at, &count);
+    dpt_mesh_get_embedding(body->mesh.mesh, &nodes, &weights, &node_count);
+    for (uint32_t i = 1; i < count; i++)
+        side = at[3 * i + 1] > at[3 * side + 1] ? i : side;
+    uint32_t most = 4 * side;
+    for (uint32_t k = most + 1; k < 4 * side + 4; k++)
+        most = weights[k] > weights[most] ? k : most;
+    return nodes[most];
+}
+
+/* Put that node at x, with a speed along x. */
+static void put_node(const struct tissue_body *body, float x, float speed, const struct kept *kept)
+{
+    const uint32_t node = node_at_side(body);
+    const float at[3] = { x, kept->positions[3 * node + 1], kept->positions[3 * node + 2] };
+    const float fast[3] = { speed, 0.0f, 0.0f };
+    const dpt_result result = dpt_springs_set_nodes(body->springs, node, 1, at, fast);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+}
+
+/*
+ * A node of one body would leave the finite range: no body moves, and no loads are told, as none was put on; the wrench is
+ * that of the world's step. Once the node is back, all goes on.
+ */
+static void a_step_that_fails_moves_nothing(void)
+{
+    static struct kept kept[2];
+    for (int i = 0; i < 4; i++) {
+        struct tissue_rig tissue;
+        struct tissue_tool *tool = press_across(&tissue, i & 1 ? DPT_INTEGRATOR_EULER : DPT_INTEGRATOR_SYMPLECTIC);
+        if (tool) {
+            const struct tissue_body *body = &tissue.body[i / 2];
+            const uint32_t side = node_at_side(body);
+            const double before = length3(tool->force.wrench.force);
+            static dpt_load loads[TISSUE_LOADS];
+            dpt_tool_load points[8];
+            dpt_wrench wrench;
+            uint32_t count = 1;
+            points[0].size = sizeof *points;
+            keep(&tissue, body, &kept[0]);
+            const float home = kept[0].positions[3 * side];
+            put_node(body, 9.9e5f, 1e9f, &kept[0]);
+            tissue_rig_step_world(&tissue);
+            dpt_tool_get_wrench(tissue.rig.world, tool->id, &wrench);
+            for (int b = 0; b < 2; b++)
+                keep(&tissue, &tissue.body[b], &kept[b]);
+            tissue_rig_step_springs(&tissue);
+            CHECK(tissue.result == DPT_E_FINITE, "case %d: %s", i, dpt_result_name(tissue.result));
+            CHECK(!memcmp(&wrench, &tool->force.wrench, sizeof wrench), "case %d: another wrench", i);
+            dpt_tool_get_loads(tissue.rig.world, tool->id, points, 8, &count);
+            CHECK(!count, "case %d: %u points push the tool", i, count);
+            for (int b = 0; b < 2; b++) {
+                CHECK(is_kept(&tissue, &tissue.body[b], &kept[b]), "case %d: body %d has moved", i, b);
+                dpt_body_get_loads(tissue.rig.world, tissue.body[b].id, loads, TISSUE_LOADS, &count);
+                CHECK(!count, "case %d: %u loads on body %d", i, count, b);
+            }
+            put_node(body, home, 0.0f, &kept[i / 2]);
+            tissue_rig_tick(&tissue);
+            const double after = length3(tool->force.wrench.force);
+            CHECK(fabs(after - before) < 0.05 * before, "case %d: %g N, then %g N", i, before, after);
+        }
+        tissue_rig_close(&tissue);
+    }
+}
+
+/* A vertex would leave the box of its body: none of that body's moves, though its springs have gone on. The other body moves. */
+static void a_vertex_stays_in_its_box(void)
+{
+    static struct kept kept[2], now;
+    struct tissue_rig tissue;
+    struct tissue_tool *tool = press_across(&tissue, DPT_INTEGRATOR_SYMPLECTIC);
+    if (tool) {
+        const struct tissue_body *body = &tissue.body[0];
+        const uint32_t side = node_at_side(body);
+        keep(&tissue, body, &kept[0]);
+        put_node(body, kept[0].positions[3 * side], 2e3f, &kept[0]);
+        tool->device.position[2] -= 1e-4;
+        tissue_rig_step_world(&tissue);
+        for (int b = 0; b < 2; b++)
+            keep(&tissue, &tissue.body[b], &kept[b]);
+        tissue_rig_step_springs(&tissue);
+        CHECK(tissue.result == DPT_E_FINITE, "%s", dpt_result_name(tissue.result));
+        for (int b = 0; b < 2; b++) {
+            keep(&tissue, &tissue.body[b], &now);
+            CHECK(memcmp(now.positions, kept[b].positions, sizeof now.positions) != 0, "springs %d stand still", b);
+            const int has_moved = memcmp(now.vertices, kept[b].vertices, 3 * now.vertex_count * sizeof(float)) != 0;
+            CHECK(has_moved == b, "body %d: vertices %s", b, has_moved ? "have moved" : "stand still");
+        }
+    }
+    tissue_rig_close(&tissue);
+}
+
+int main(int argc, char **argv)
+{
+    take_percent(argc, argv);
+    TEST(it_says_where_the_proxy_is_apart);
+    TEST(it_says_where_there_are_too_many_touches);
+    TEST(a_step_that_fails_moves_nothing);
+    TEST(a_vertex_stays_in_its_box);
+    return check_report();
+}

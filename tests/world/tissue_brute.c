@@ -1,0 +1,525 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/tissue_brute.h"
+
+/* Sweeps, and pairs that are exchanged where they end. */
+enum { PASSES = 50000, CHANGES = 100 };
+
+/* m: of gaps where sweeps do not end in an exact answer; less than what the library's may be off by. */
+#define ENOUGH 3e-11
+
+int brute_open(struct brute *brute, struct tissue_rig *tissue)
+{
+    memset(brute, 0, sizeof *brute);
+    brute->tissue = tissue;
+    brute->begin = calloc((size_t)TISSUE_BODIES * BRUTE_ROOM, sizeof *brute->begin);
+    brute->end = calloc((size_t)TISSUE_BODIES * BRUTE_ROOM, sizeof *brute->end);
+    brute->mine = calloc((size_t)TISSUE_BODIES * BRUTE_ROOM, sizeof *brute->mine);
+    tissue_rig_open(tissue);
+    return brute->begin && brute->end && brute->mine;
+}
+
+void brute_close(struct brute *brute)
+{
+    tissue_rig_close(brute->tissue);
+    free(brute->begin);
+    free(brute->end);
+    free(brute->mine);
+}
+
+/* ---- pairs ---- */
+
+static void nearest_on_triangle(const double p[3], double v[3][3], double q[3])
+{
+    double e[3], f[3], w[3], best = HUGE_VAL;
+    for (int k = 0; k < 3; k++) {
+        e[k] = v[1][k] - v[0][k];
+        f[k] = v[2][k] - v[0][k];
+        w[k] = p[k] - v[0][k];
+    }
+    const double ee = dot3(e, e), ef = dot3(e, f), ff = dot3(f, f), we = dot3(w, e), wf = dot3(w, f);
+    const double area = ee * ff - ef * ef, s = (ff * we - ef * wf) / area, t = (ee * wf - ef * we) / area;
+    if (s >= 0.0 && t >= 0.0 && s + t <= 1.0) {
+        for (int k = 0; k < 3; k++)
+            q[k] = v[0][k] + s * e[k] + t * f[k];
+        return;
+    }
+    for (int i = 0; i < 3; i++) {
+        const double *a = v[i], *b = v[(i + 1) % 3];
+        const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] },
+                     to[3] = { p[0] - a[0], p[1] - a[1], p[2] - a[2] };
+        const double along = fmin(fmax(dot3(to, d) / dot3(d, d), 0.0), 1.0);
+        const double at[3] = { a[0] + along * d[0], a[1] + along * d[1], a[2] + along * d[2] };
+        if (apart(at, p) < best) {
+            best = apart(at, p);
+            memcpy(q, at, sizeof at);
+        }
+    }
+}
+
+/* The nearest points of two segments, by leading one and the other there in turn. Returns whether both are inside theirs. */
+static int nearest_of_segments(const double *a, const double *b, const double *c, const double *d, double p[3],
+                               double q[3])
+{
+    const double u[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] }, v[3] = { d[0] - c[0], d[1] - c[1], d[2] - c[2] };
+    const double w[3] = { a[0] - c[0], a[1] - c[1], a[2] - c[2] };
+    const double uu = dot3(u, u), uv = dot3(u, v), vv = dot3(v, v), uw = dot3(u, w), vw = dot3(v, w);
+    const double across = uu * vv - uv * uv;
+    double s = across > 1e-14 * uu * vv ? (uv * vw - vv * uw) / across : 0.5;
+    double t = fmin(fmax((vw + s * uv) / vv, 0.0), 1.0);
+    s = (t * uv - uw) / uu;
+    for (int k = 0; k < 3; k++) {
+        p[k] = a[k] + s * u[k];
+        q[k] = c[k] + t * v[k];
+    }
+    return s > 0.0 && s < 1.0;
+}
+
+static void add_node(struct brute_pair *pair, uint32_t node, double weight)
+{
+    uint32_t i = 0;
+    while (i < pair->count && pair->node[i] != node)
+        i++;
+    if (i == pair->count) {
+        pair->node[i] = node;
+        pair->weight[pair->count++] = 0.0;
+    }
+    pair->weight[i] += weight;
+}
+
+/* Corners' weights at q, which is in the plane of the triangle, by areas. */
+static void find_nodes(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, double v[3][3])
+{
+    const struct tissue_body *body = &brute->tissue->body[pair->body];
+    const uint32_t *nodes;
+    const float *weights;
+    uint32_t node_count;
+    double normal[3], e[3], f[3];
+    if (!body->springs)
+        return;
+    dpt_mesh_get_embedding(body->mesh.mesh, &nodes, &weights, &node_count);
+    for (int k = 0; k < 3; k++) {
+        e[k] = v[1][k] - v[0][k];
+        f[k] = v[2][k] - v[0][k];
+    }
+    cross3(e, f, normal);
+    for (int i = 0; i < 3; i++) {
+        double part[3];
+        for (int k = 0; k < 3; k++) {
+            e[k] = v[(i + 1) % 3][k] - pair->q[k];
+            f[k] = v[(i + 2) % 3][k] - pair->q[k];
+        }
+        cross3(e, f, part);
+        const double weight = dot3(part, normal) / dot3(normal, normal);
+        if (!nodes)
+            add_node(pair, corners[i], weight);
+        for (uint32_t m = 4 * corners[i]; nodes && m < 4 * corners[i] + 4; m++)
+            add_node(pair, nodes[m], weight * (double)weights[m]);
+    }
+}
+
+/* p on the tool, q on the triangle, both in the world. */
+static void add_pair(struct brute *brute, uint32_t t, uint32_t b, const double p[3], const double q[3], double radius,
+                     const uint32_t *corners, double v[3][3])
+{
+    const struct tissue_tool *tool = &brute->tissue->tool[t];
+    struct brute_pair pair = { .tool = t, .body = b };
+    double middle[3], arm[3], turn[3], centre[6];
+    const double distance = apart(p, q);
+    if (!(distance - radius < BRUTE_NEAR))
+        return;
+    pose_ends(&brute->proxy[t], &tool->segment, centre);
+    for (int k = 0; k < 3; k++) {
+        middle[k] = 0.5 * (centre[k] + centre[3 + k]);
+        pair.q[k] = q[k];
+        pair.n[k] = (p[k] - q[k]) / distance;
+        arm[k] = p[k] - middle[k];
+    }
+    for (uint32_t i = 0; i < brute->count; i++)
+        if (brute->pair[i].tool == t && brute->pair[i].body == b && apart(brute->pair[i].q, q) < 1e-11 &&
+            apart(brute->pair[i].n, pair.n) < 1e-9)
+            return;
+    pair.gap = distance - radius;
+    cross3(arm, pair.n, turn);
+    for (int k = 0; k < 3; k++) {
+        pair.row[k] = pair.n[k];
+        pair.row[3 + k] = tool->rho > 0.0 ? turn[k] / tool->rho : 0.0;
+    }
+    find_nodes(brute, &pair, corners, v);
+    CHECK(brute->count < BRUTE_PAIRS, "too many pairs");
+    if (brute->count < BRUTE_PAIRS)
+        brute->pair[brute->count++] = pair;
+}
+
+static void pairs_of_segment(struct brute *brute, uint32_t t, uint32_t b, const uint32_t *corners, double v[3][3])
+{
+    const dpt_segment *segment = &brute->tissue->tool[t].segment;
+    double ends[6], p[3], q[3];
+    pose_ends(&brute->proxy[t], segment, ends);
+    const int is_ball = !(apart(ends, ends + 3) > 0.0);
+    for (int end = 0; end < (is_ball ? 1 : 2); end++) {
+        nearest_on_triangle(ends + 3 * end, v, q);
+        add_pair(brute, t, b, ends + 3 * end, q, segment->radius, corners, v);
+    }
+    for (int k = 0; k < 3 && !is_ball; k++)
+        if (nearest_of_segments(ends, ends + 3, v[k], v[(k + 1) % 3], p, q))
+            add_pair(brute, t, b, p, q, segment->radius, corners, v);
+}
+
+/* A pair of two convex bodies that a plane across it parts, but for a lean by the sine 0.3. */
+static int is_parted(const struct brute *brute, double corner[][3], const double p[3], const double q[3],
+                     double v[3][3])
+{
+    const double distance = apart(p, q);
+    for (uint32_t i = 0; i < brute->hull->corner_count + 3; i++) {
+        const int of_hull = i < brute->hull->corner_count;
+        const double *x = of_hull ? corner[i] : v[i - brute->hull->corner_count], *from = of_hull ? p : q;
+        double rise = 0.0;
+        for (int k = 0; k < 3; k++)
+            rise += (x[k] - from[k]) * (q[k] - p[k]) * (of_hull ? 1.0 : -1.0);
+        if (rise > 0.3 * apart(x, from) * distance)
+            return 0;
+    }
+    return 1;
+}
+
+static void pairs_of_tip(struct brute *brute, uint32_t b, const uint32_t *corners, double v[3][3])
+{
+    const struct oracle_hull *hull = brute->hull;
+    double corner[ORACLE_CORNERS][3], p[3], q[3];
+    for (uint32_t i = 0; i < hull->corner_count; i++) {
+        pose_point(&brute->proxy[0], hull->corner[i], corner[i]);
+        nearest_on_triangle(corner[i], v, q);
+        if (is_parted(brute, corner, corner[i], q, v))
+            add_pair(brute, 0, b, corner[i], q, brute->hull_radius, corners, v);
+    }
+    for (uint32_t e = 0; e < hull->edge_count; e++)
+        for (int k = 0; k < 3; k++)
+            if (nearest_of_segments(corner[hull->edge[e][0]], corner[hull->edge[e][1]], v[k], v[(k + 1) % 3], p, q) &&
+                is_parted(brute, corner, p, q, v))
+                add_pair(brute, 0, b, p, q, brute->hull_radius, corners, v);
+    for (uint32_t f = 0; f < hull->face_count; f++)
+        for (uint32_t i = 1; i + 1 < hull->side_count[f]; i++)
+            for (int k = 0; k < 3; k++) {
+                double fan[3][3];
+                memcpy(fan[0], corner[hull->side[f][0]], sizeof fan[0]);
+                memcpy(fan[1], corner[hull->side[f][i]], sizeof fan[1]);
+                memcpy(fan[2], corner[hull->side[f][i + 1]], sizeof fan[2]);
+                nearest_on_triangle(v[k], fan, p);
+                if (is_parted(brute, corner, p, v[k], v))
+                    add_pair(brute, 0, b, p, v[k], brute->hull_radius, corners, v);
+            }
+}
+
+static void find_pairs(struct brute *brute)
+{
+    const struct tissue_rig *tissue = brute->tissue;
+    brute->count = 0;
+    for (uint32_t b = 0; b < tissue->body_count; b++) {
+        const struct tissue_body *body = &tissue->body[b];
+        uint32_t vertices = 0, triangles;
+        const float *position = tissue_vertices(tissue, body, &vertices);
+        const uint32_t *corners = tissue_corners(body, &triangles);
+        for (uint32_t i = 0; i < triangles; i++) {
+            double v[3][3];
+            for (int k = 0; k < 9; k++)
+                v[k / 3][k % 3] =
+                    (double)position[3 * corners[3 * i + (uint32_t)k / 3] + (uint32_t)k % 3] + body->place[k % 3];
+            for (uint32_t t = 0; t < tissue->tool_count; t++)
+                if (t == 0 && brute->hull)
+                    pairs_of_tip(brute, b, corners + 3 * i, v);
+                else
+                    pairs_of_segment(brute, t, b, corners + 3 * i, v);
+        }
+    }
+}
+
+void brute_way_to_device(const struct brute *brute, uint32_t t, double way[6])
+{
+    const struct tissue_tool *tool = &brute->tissue->tool[t];
+    double from[6], to[6], turn[3] = { 0.0, 0.0, 0.0 };
+    pose_ends(&brute->proxy[t], &tool->segment, from);
+    pose_ends(&tool->device, &tool->segment, to);
+    if (brute->hull && t == 0) {
+        const double *q = brute->proxy[t].orientation, back[4] = { q[0], -q[1], -q[2], -q[3] };
+        double between[4];
+        turn_times(tool->device.orientation, back, between);
+        const double sine = length3(between + 1), angle = 2.0 * atan2(sine, fabs(between[0]));
+        for (int k = 0; k < 3 && sine > 0.0; k++)
+            turn[k] = copysign(angle, between[0]) * between[1 + k] / sine;
+    } else if (tool->rho > 0.0) {
+        double u[3], v[3];
+        for (int k = 0; k < 3; k++) {
+            u[k] = from[3 + k] - from[k];
+            v[k] = to[3 + k] - to[k];
+        }
+        cross3(u, v, turn);
+        const double sine = length3(turn), angle = atan2(sine, dot3(u, v));
+        for (int k = 0; k < 3 && sine > 0.0; k++)
+            turn[k] *= angle / sine;
+    }
+    for (int k = 0; k < 3; k++) {
+        way[k] = 0.5 * (to[k] + to[3 + k] - from[k] - from[3 + k]);
+        way[3 + k] = tool->rho * turn[k];
+    }
+}
+
+/* ---- the problem ---- */
+
+static double response_of(const struct tissue_body *body, uint32_t node, double h)
+{
+    dpt_mesh_springs net = { .size = sizeof net };
+    dpt_mesh_get_springs(body->mesh.mesh, &net);
+    const double mass = (double)net.mass[node];
+    return mass > 0.0 ? h * h / (mass * (1.0 + h * (double)net.drag[node])) : 0.0;
+}
+
+static void make_matrix(struct brute *brute, double h)
+{
+    brute->loosest = 0.0;
+    for (uint32_t i = 0; i < brute->count; i++) {
+        struct brute_pair *pair = &brute->pair[i];
+        for (uint32_t k = 0; k < pair->count; k++) {
+            pair->response[k] = response_of(&brute->tissue->body[pair->body], pair->node[k], h);
+            brute->loosest = fmax(brute->loosest, pair->response[k]);
+        }
+    }
+    for (uint32_t i = 0; i < brute->count; i++)
+        for (uint32_t j = 0; j < brute->count; j++) {
+            const struct brute_pair *a = &brute->pair[i], *b = &brute->pair[j];
+            double sum = 0.0;
+            for (uint32_t k = 0; k < a->count && a->body == b->body; k++)
+                for (uint32_t m = 0; m < b->count; m++)
+                    if (a->node[k] == b->node[m])
+                        sum += a->weight[k] * b->weight[m] * a->response[k] * dot3(a->n, b->n);
+            if (a->tool == b->tool)
+                sum += brute_product(a->row, b->row) / brute->tissue->tool[a->tool].stiffness;
+            brute->matrix[i][j] = sum;
+        }
+}
+
+/* The pushes of `count` pairs for which these have no gap: by elimination, the largest diagonal first; what depends on the
+ * others pushes by nothing. */
+static void close_gaps(const struct brute *brute, const uint32_t *which, uint32_t count, double *push)
+{
+    static double a[BRUTE_PAIRS][BRUTE_PAIRS + 1];
+    uint32_t order[BRUTE_PAIRS], rank = 0;
+    double largest = 0.0;
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t j = 0; j < count; j++)
+            a[i][j] = brute->matrix[which[i]][which[j]];
+        a[i][count] = -brute->pair[which[i]].free_gap;
+        order[i] = i;
+        largest = fmax(largest, a[i][i]);
+    }
+    for (; rank < count; rank++) {
+        uint32_t best = rank;
+        for (uint32_t i = rank; i < count; i++)
+            if (a[order[i]][order[i]] > a[order[best]][order[best]])
+                best = i;
+        const uint32_t row = order[best];
+        if (!(a[row][row] > 1e-13 * largest))
+            break;
+        order[best] = order[rank];
+        order[rank] = row;
+        for (uint32_t i = rank + 1; i < count; i++) {
+            const double share = a[order[i]][row] / a[row][row];
+            for (uint32_t j = 0; j <= count; j++)
+                a[order[i]][j] -= share * a[row][j];
+        }
+    }
+    for (uint32_t i = rank; i-- > 0;) {
+        double sum = a[order[i]][count];
+        for (uint32_t j = i + 1; j < rank; j++)
+            sum -= a[order[i]][order[j]] * push[which[order[j]]];
+        push[which[order[i]]] = sum / a[order[i]][order[i]];
+    }
+}
+
+/* The pair that misses its gap most; the count of pairs if none does. */
+static uint32_t deepest(const struct brute *brute, const double *push)
+{
+    uint32_t which = brute->count;
+    double least = -1e-12;
+    for (uint32_t i = 0; i < brute->count; i++) {
+        double gap = brute->pair[i].free_gap;
+        for (uint32_t j = 0; j < brute->count; j++)
+            gap += brute->matrix[i][j] * push[j];
+        if (gap < least) {
+            least = gap;
+            which = i;
+        }
+    }
+    return which;
+}
+
+/*
+ * From the pairs that push: without those that would pull, and with those that miss their gaps, one by one. Returns 1, and
+ * takes the pushes, if that ends where all conditions are met.
+ */
+static int settle(struct brute *brute)
+{
+    uint32_t which[BRUTE_PAIRS], count = 0;
+    double push[BRUTE_PAIRS];
+    for (uint32_t i = 0; i < brute->count; i++)
+        if (brute->pair[i].push > 0.0)
+            which[count++] = i;
+    for (int change = 0; change < CHANGES; change++) {
+        uint32_t least = 0;
+        memset(push, 0, sizeof push);
+        close_gaps(brute, which, count, push);
+        for (uint32_t i = 1; i < count; i++)
+            if (push[which[i]] < push[which[least]])
+                least = i;
+        const uint32_t deep = deepest(brute, push);
+        if (count && push[which[least]] < 0.0)
+            which[least] = which[--count];
+        else if (deep < brute->count && count < BRUTE_PAIRS)
+            which[count++] = deep;
+        else {
+            for (uint32_t i = 0; i < brute->count; i++)
+                brute->pair[i].push = push[i];
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Pushes >= 0 whose gaps are >= 0, with one or the other zero. */
+static void solve(struct brute *brute)
+{
+    double gap[BRUTE_PAIRS], left = 0.0;
+    for (uint32_t i = 0; i < brute->count; i++) {
+        gap[i] = brute->pair[i].free_gap;
+        brute->pair[i].push = 0.0;
+    }
+    for (int pass = 0; pass < PASSES; pass++) {
+        if (pass % 50 == 0 && settle(brute))
+            return;
+        for (uint32_t i = 0; i < brute->count; i++) {
+            const double was = brute->pair[i].push, push = fmax(was - gap[i] / brute->matrix[i][i], 0.0);
+            brute->pair[i].push = push;
+            for (uint32_t j = 0; j < brute->count && push != was; j++)
+                gap[j] += (push - was) * brute->matrix[j][i];
+        }
+    }
+    /* Where a face lies on a face, many pushes are as good: what is left of the gaps tells how good they are. */
+    for (uint32_t i = 0; i < brute->count; i++)
+        left = fmax(left, brute->pair[i].push > 0.0 ? fabs(gap[i]) : -gap[i]);
+    CHECK(left <= ENOUGH, "the brute solve leaves %g m", left);
+}
+
+void brute_read_nodes(const struct tissue_rig *tissue, double *at)
+{
+    for (uint32_t b = 0; b < tissue->body_count; b++)
+        for (uint32_t i = 0; tissue->body[b].springs && i < dpt_springs_get_count(tissue->body[b].springs); i++)
+            tissue_node(&tissue->body[b], i, at + BRUTE_ROOM * (size_t)b + 3 * i);
+}
+
+void brute_add_speeds(const struct tissue_rig *tissue, double h, double *at)
+{
+    static float positions[BRUTE_ROOM], speeds[BRUTE_ROOM];
+    for (uint32_t b = 0; b < tissue->body_count; b++) {
+        const struct tissue_body *body = &tissue->body[b];
+        if (!body->springs || body->integrator != DPT_INTEGRATOR_EULER)
+            continue;
+        const uint32_t count = dpt_springs_get_count(body->springs);
+        dpt_springs_get_nodes(body->springs, count, positions, speeds);
+        for (uint32_t i = 0; i < 3 * count; i++)
+            at[BRUTE_ROOM * (size_t)b + i] += h * (double)speeds[i];
+    }
+}
+
+/* Keep the springs' memory, or put it back. */
+static void keep(const struct tissue_rig *tissue, void **kept, int is_back)
+{
+    for (uint32_t b = 0; b < tissue->body_count; b++) {
+        const struct tissue_body *body = &tissue->body[b];
+        void *block = body->springs ? tissue->rig.blocks[body->block] : NULL;
+        if (block && !is_back)
+            memcpy(kept[b] = realloc(kept[b], body->bytes), block, body->bytes);
+        else if (block)
+            memcpy(block, kept[b], body->bytes);
+    }
+}
+
+static void step_by_hand(const struct brute *brute, double h, int is_loaded)
+{
+    const struct tissue_rig *tissue = brute->tissue;
+    static dpt_load loads[BRUTE_PAIRS * BRUTE_NODES];
+    for (uint32_t b = 0; b < tissue->body_count; b++) {
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < brute->count && is_loaded; i++) {
+            const struct brute_pair *pair = &brute->pair[i];
+            for (uint32_t k = 0; k < pair->count && pair->body == b && pair->push > 0.0; k++) {
+                loads[count].vertex = pair->node[k];
+                for (int d = 0; d < 3; d++)
+                    loads[count].force[d] = -pair->push * pair->weight[k] * pair->n[d];
+                count++;
+            }
+        }
+        if (tissue->body[b].springs)
+            CHECK(dpt_springs_step(tissue->body[b].springs, h, loads, count, NULL) == DPT_OK, "not stepped");
+    }
+}
+
+double brute_surface_motion(const struct brute_pair *pair, const double *from, const double *to)
+{
+    double sum = 0.0;
+    for (uint32_t k = 0; k < pair->count; k++)
+        for (uint32_t d = 0; d < 3; d++) {
+            const size_t i = BRUTE_ROOM * (size_t)pair->body + 3 * pair->node[k] + d;
+            sum += pair->weight[k] * pair->n[d] * (to[i] - from[i]);
+        }
+    return sum;
+}
+
+static void add_wrench(struct brute *brute, const struct brute_pair *pair, double share)
+{
+    dpt_wrench *wrench = &brute->wrench[pair->tool];
+    double arm[3], torque[3];
+    for (int k = 0; k < 3; k++)
+        arm[k] = pair->q[k] - brute->tissue->tool[pair->tool].device.position[k];
+    cross3(arm, pair->n, torque);
+    for (int k = 0; k < 3; k++) {
+        wrench->force[k] += share * pair->push * pair->n[k];
+        wrench->torque[k] += share * pair->push * torque[k];
+    }
+}
+
+void brute_solve_tick(struct brute *brute, uint32_t substeps)
+{
+    struct tissue_rig *tissue = brute->tissue;
+    const double h = tissue->rig.dt / substeps;
+    void *whole[TISSUE_BODIES] = { NULL }, *before[TISSUE_BODIES] = { NULL };
+    memset(brute->wrench, 0, sizeof brute->wrench);
+    for (uint32_t t = 0; t < tissue->tool_count; t++)
+        dpt_tool_get_proxy(tissue->rig.world, tissue->tool[t].id, &brute->proxy[t]);
+    find_pairs(brute);
+    make_matrix(brute, h);
+    keep(tissue, whole, 0);
+    brute_read_nodes(tissue, brute->begin);
+    for (uint32_t s = 0; s < substeps; s++) {
+        keep(tissue, before, 0);
+        step_by_hand(brute, h, 0);
+        brute_read_nodes(tissue, brute->end);
+        brute_add_speeds(tissue, h, brute->end);
+        keep(tissue, before, 1);
+        for (uint32_t i = 0; i < brute->count; i++) {
+            struct brute_pair *pair = &brute->pair[i];
+            double way[6];
+            brute_way_to_device(brute, pair->tool, way);
+            pair->free_gap =
+                pair->gap + brute_product(pair->row, way) - brute_surface_motion(pair, brute->begin, brute->end);
+        }
+        solve(brute);
+        for (uint32_t i = 0; i < brute->count; i++)
+            add_wrench(brute, &brute->pair[i], 1.0 / substeps);
+        step_by_hand(brute, h, 1);
+    }
+    brute_read_nodes(tissue, brute->mine);
+    keep(tissue, whole, 1);
+    for (int b = 0; b < TISSUE_BODIES; b++) {
+        free(whole[b]);
+        free(before[b]);
+    }
+}

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A step of tissue together with its tools, solved by a solver that is slow and obvious: pairs by looking at every triangle
+ * and every feature within half a millimetre of the proxy, the problem's matrix in full, sweeps of Gauss and Seidel until
+ * the pairs that push meet all conditions. It shares no code with the library's solve. Where nodes go without tools, and
+ * with the loads that it finds, is asked of the library's springs, stepped in their own memory, which is put back.
+ *
+ * It cannot judge a tool that reaches no soft body: the library does not solve for that.
+ */
+#ifndef DPT_TESTS_TISSUE_BRUTE_H
+#define DPT_TESTS_TISSUE_BRUTE_H
+
+#include "oracle/hull.h"
+#include "world/tissue_rig.h"
+
+enum { BRUTE_PAIRS = 384, BRUTE_NODES = 12, BRUTE_ROOM = 3 * 4096 };
+
+/* m: pairs are as near to the proxy as that. */
+#define BRUTE_NEAR 5e-4
+
+struct brute_pair {
+    uint32_t tool, body, count; /* of nodes */
+    double q[3], n[3], gap;     /* at the proxy; n from q towards the tool */
+    double row[6];              /* how the gap grows with a shift, and with a turn times rho */
+    uint32_t node[BRUTE_NODES];
+    double weight[BRUTE_NODES], response[BRUTE_NODES]; /* m/N */
+    double free_gap, push;
+};
+
+struct brute {
+    struct tissue_rig *tissue;
+    const struct oracle_hull *hull; /* of the first tool; NULL: it is its segment */
+    double hull_radius;
+    dpt_pose proxy[TISSUE_TOOLS];
+    uint32_t count;
+    struct brute_pair pair[BRUTE_PAIRS];
+    double matrix[BRUTE_PAIRS][BRUTE_PAIRS];
+    double *begin, *end, *mine;      /* of the nodes of each body, BRUTE_ROOM each */
+    double loosest;                  /* m/N: the largest response of a node of a pair */
+    dpt_wrench wrench[TISSUE_TOOLS]; /* about the device's origin: the mean of the substeps */
+};
+
+/* The scene is empty. `hull` is the first tool's, where that is a tip. Returns 0 without memory; close it in any case. */
+int brute_open(struct brute *brute, struct tissue_rig *tissue);
+void brute_close(struct brute *brute);
+
+/* After the world's step: what the springs' step should answer. Nodes end in brute->mine; the springs are as before. */
+void brute_solve_tick(struct brute *brute, uint32_t substeps);
+
+/* Where all nodes are, and where EULER's speeds lead them in a substep more: a load moves nodes in the step after it. */
+void brute_read_nodes(const struct tissue_rig *tissue, double *at);
+void brute_add_speeds(const struct tissue_rig *tissue, double h, double *at);
+
+/* The shift of the tool's centre, and its turn times rho, from the proxy to the device. */
+void brute_way_to_device(const struct brute *brute, uint32_t tool, double way[6]);
+
+/* How the surface goes at a pair, along its normal. */
+double brute_surface_motion(const struct brute_pair *pair, const double *from, const double *to);
+
+static inline double brute_product(const double *a, const double *b)
+{
+    return dot3(a, b) + dot3(a + 3, b + 3);
+}
+
+#endif

@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "world/tissue_rig.h"
+
+#include "deform/spring_state.h"
+#include "mesh/mesh_format.h"
+
+void tissue_rig_open(struct tissue_rig *tissue)
+{
+    memset(tissue, 0, sizeof *tissue);
+    rig_open(&tissue->rig, NULL, NULL, NULL, 0);
+}
+
+void tissue_rig_close(struct tissue_rig *tissue)
+{
+    rig_close(&tissue->rig);
+    for (uint32_t i = 0; i < tissue->body_count; i++)
+        fixture_free(&tissue->body[i].mesh);
+}
+
+struct tissue_def tissue_ball(void)
+{
+    return (struct tissue_def){ .shape = "sphere",
+                                .triangles = 512,
+                                .young = 2e4,
+                                .density = 1000.0,
+                                .drag = 5.0,
+                                .viscosity = 1e-3,
+                                .spacing = 0.02,
+                                .floor = -0.02,
+                                .integrator = DPT_INTEGRATOR_SYMPLECTIC };
+}
+
+struct tissue_def tissue_sheet(void)
+{
+    struct tissue_def def = tissue_ball();
+    def.shape = "membrane";
+    def.young = 1e5;
+    return def;
+}
+
+static struct tissue_body *add_mesh(struct tissue_rig *tissue, const struct tissue_def *def)
+{
+    struct tissue_body *body = &tissue->body[tissue->body_count++];
+    const int is_sheet = !strcmp(def->shape, "membrane");
+    const dpt_spring_region below = { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, 1, 1, def->floor } };
+    const dpt_spring_region border[4] = { { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, -0.09, 1, 1 } },
+                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { 0.09, -1, -1, 1, 1, 1 } },
+                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, 1, -0.09, 1 } },
+                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, 0.09, -1, 1, 1, 1 } } };
+    const dpt_spring_net_def net = { .size = sizeof net,
+                                     .kind = is_sheet ? DPT_NET_SHEET : DPT_NET_VOLUME,
+                                     .young = def->young,
+                                     .thickness = is_sheet ? 1e-3 : 0.0,
+                                     .density = def->density,
+                                     .drag = def->drag,
+                                     .viscosity = def->viscosity,
+                                     .spacing = is_sheet ? 0.0 : def->spacing,
+                                     .regions = is_sheet ? border : &below,
+                                     .region_count = is_sheet ? 4 : 1 };
+    dpt_mesh_info info = { .size = sizeof info };
+    memcpy(body->place, def->place, sizeof body->place);
+    if (!fixture_with_springs(&body->mesh, def->shape, def->triangles, &net))
+        return NULL;
+    dpt_mesh_get_info(body->mesh.mesh, &info);
+    body->top = info.box_max[2];
+    return body;
+}
+
+static dpt_pose pose_of(const struct tissue_body *body)
+{
+    dpt_pose pose = DPT_POSE_IDENTITY;
+    memcpy(pose.position, body->place, sizeof pose.position);
+    return pose;
+}
+
+struct tissue_body *tissue_rig_add_soft(struct tissue_rig *tissue, const struct tissue_def *def)
+{
+    struct tissue_body *body = add_mesh(tissue, def);
+    dpt_deformable_def deform;
+    dpt_springs_def springs;
+    if (!body)
+        return NULL;
+    const dpt_pose pose = pose_of(body);
+    dpt_deformable_def_init(&deform);
+    dpt_springs_def_init(&springs);
+    deform.mesh = springs.mesh = body->mesh.mesh;
+    deform.pose = &pose;
+    deform.max_points = 64;
+    for (int k = 0; k < 3; k++) {
+        deform.box_min[k] = -1.0;
+        deform.box_max[k] = 1.0;
+    }
+    springs.integrator = def->integrator;
+    springs.sleep_speed = def->sleeps ? springs.sleep_speed : 0.0;
+    springs.stiffness = def->stiffness > 0.0 ? def->stiffness : 1.0;
+    if (def->step > 0.0) {
+        dpt_mesh_info info = { .size = sizeof info };
+        dpt_mesh_get_info(body->mesh.mesh, &info);
+        const double share = (def->integrator == DPT_INTEGRATOR_EULER ? 0.3 : 0.5) * info.stable_step / def->step;
+        springs.stiffness = fmin(fmax(share * share, 1e-9), 1e9);
+    }
+    body->id = rig_add_deformable(&tissue->rig, &deform);
+    body->springs = rig_add_springs(&tissue->rig, &springs);
+    body->block = tissue->rig.block_count - 1;
+    body->bytes = dpt_springs_bytes(&springs);
+    body->integrator = def->integrator;
+    return body->id && body->springs ? body : NULL;
+}
+
+struct tissue_body *tissue_rig_add_rigid(struct tissue_rig *tissue, const struct tissue_def *def)
+{
+    struct tissue_body *body = add_mesh(tissue, def);
+    if (!body)
+        return NULL;
+    const dpt_pose pose = pose_of(body);
+    body->id = rig_add_body(&tissue->rig, body->mesh.mesh, &pose);
+    return body->id ? body : NULL;
+}
+
+struct tissue_tool *tissue_rig_add_tool(struct tissue_rig *tissue, const dpt_segment *segment, double stiffness)
+{
+    struct tissue_tool *tool = &tissue->tool[tissue->tool_count++];
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    *tool = (struct tissue_tool){ .segment = *segment,
+                                  .device = identity,
+                                  .stiffness = stiffness,
+                                  .rho = apart(segment->a, segment->b) / sqrt(12.0),
+                                  .force = { .size = sizeof tool->force } };
+    tool->id = rig_add_tool(&tissue->rig, segment, 1);
+    rig_set_law(&tissue->rig, tool->id, DPT_LAW_PROXY, stiffness);
+    return tool;
+}
+
+void tissue_tool_turns(struct tissue_rig *tissue, struct tissue_tool *tool, double stiffness)
+{
+    dpt_tool_settings settings = { .size = sizeof settings };
+    dpt_tool_get_settings(tissue->rig.world, tool->id, &settings);
+    settings.rotational_stiffness = stiffness;
+    const dpt_result result = dpt_tool_set_settings(tissue->rig.world, tool->id, &settings);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    tool->rho = sqrt(stiffness / tool->stiffness);
+}
+
+void tissue_rig_place(struct tissue_rig *tissue)
+{
+    for (uint32_t i = 0; i < tissue->tool_count; i++)
+        dpt_tool_teleport(tissue->rig.world, tissue->tool[i].id, &tissue->tool[i].device);
+    rig_tick(&tissue->rig);
+    tissue_rig_step_world(tissue);
+}
+
+void tissue_rig_step_world(struct tissue_rig *tissue)
+{
+    for (uint32_t i = 0; i < tissue->tool_count; i++) {
+        const dpt_result result = dpt_tool_set_pose(tissue->rig.world, tissue->tool[i].id, &tissue->tool[i].device);
+        CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    }
+    rig_tick(&tissue->rig);
+}
+
+void tissue_rig_step_springs(struct tissue_rig *tissue)
+{
+    dpt_body ids[TISSUE_BODIES];
+    dpt_springs *springs[TISSUE_BODIES];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < tissue->body_count; i++) {
+        const struct tissue_body *body = &tissue->body[tissue->is_reversed ? tissue->body_count - 1 - i : i];
+        if (!body->springs)
+            continue;
+        tissue->info[count].size = sizeof *tissue->info;
+        ids[count] = body->id;
+        springs[count++] = body->springs;
+    }
+    tissue->result = dpt_bodies_step_springs(tissue->rig.world, ids, springs, count, tissue->rig.dt, tissue->info);
+    for (uint32_t i = 0; i < tissue->tool_count; i++)
+        dpt_tool_get_force_info(tissue->rig.world, tissue->tool[i].id, &tissue->tool[i].force);
+}
+
+void tissue_rig_tick(struct tissue_rig *tissue)
+{
+    tissue_rig_step_world(tissue);
+    tissue_rig_step_springs(tissue);
+    CHECK(tissue->result == DPT_OK, "%s", dpt_result_name(tissue->result));
+}
+
+const float *tissue_vertices(const struct tissue_rig *tissue, const struct tissue_body *body, uint32_t *count)
+{
+    const float *positions = NULL;
+    if (body->springs)
+        dpt_body_get_vertices(tissue->rig.world, body->id, &positions, count);
+    else
+        dpt_mesh_get_vertices(body->mesh.mesh, &positions, count);
+    return positions;
+}
+
+const uint32_t *tissue_corners(const struct tissue_body *body, uint32_t *triangles)
+{
+    *triangles = body->mesh.mesh->triangles;
+    return mesh_words(body->mesh.mesh, MESH_TRIANGLES);
+}
+
+void tissue_node(const struct tissue_body *body, uint32_t node, double at[3])
+{
+    const struct spring_slice *slice = body->springs->state[body->springs->now] + node / LANES;
+    for (int k = 0; k < 3; k++) {
+        const uint32_t i = LANES * (uint32_t)k + node % LANES;
+        at[k] = (double)slice->x[i] + (double)slice->rest[i];
+    }
+}
+
+void tissue_tool_end(const struct tissue_tool *tool, double ends[6])
+{
+    double middle[3], arm[3], torque[3], axis[3], turned[3];
+    const dpt_wrench *wrench = &tool->force.wrench;
+    pose_ends(&tool->device, &tool->segment, ends);
+    for (int k = 0; k < 3; k++) {
+        middle[k] = 0.5 * (ends[k] + ends[3 + k]);
+        arm[k] = tool->device.position[k] - middle[k];
+        axis[k] = 0.5 * (ends[3 + k] - ends[k]);
+    }
+    cross3(arm, wrench->force, torque);
+    for (int k = 0; k < 3; k++)
+        torque[k] += wrench->torque[k];
+    const double size = length3(torque),
+                 angle = tool->rho > 0.0 ? size / (tool->stiffness * tool->rho * tool->rho) : 0.0;
+    double turn[4] = { cos(0.5 * angle), 0.0, 0.0, 0.0 };
+    for (int k = 0; k < 3 && angle > 0.0; k++)
+        turn[1 + k] = sin(0.5 * angle) * torque[k] / size;
+    turn3(turn, axis, turned);
+    for (int k = 0; k < 3; k++) {
+        middle[k] += wrench->force[k] / tool->stiffness;
+        ends[k] = middle[k] - turned[k];
+        ends[3 + k] = middle[k] + turned[k];
+    }
+}
