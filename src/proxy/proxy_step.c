@@ -464,6 +464,7 @@ static void find_goal(struct proxy_tick *tick)
     }
     if (!proxy->is_ended) {
         proxy->end = proxy->pose;
+        memset(&proxy->end_motion, 0, sizeof proxy->end_motion);
         proxy->is_sliding = 0;
     }
     proxy->is_ended = proxy->is_led = 0;

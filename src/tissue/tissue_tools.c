@@ -65,12 +65,27 @@ static void set_damper(struct tissue_tool *made, const struct tool *tool, double
         made->away[k] = made->device[k] + tool->damping / dt / made->stiffness * last[k];
 }
 
+/* m: how far a motion takes a tool's points at most. */
+static double way_of(const struct proxy *proxy, const struct displacement *moved)
+{
+    return length(moved->shift) + proxy->extent * length(moved->turn);
+}
+
+/* The device's motion, and that in which the last step ended. */
+static double motion_of(const struct tool *tool, const struct proxy *proxy)
+{
+    const struct proxy_pose from = dpti_proxy_pose_of(proxy, &proxy->last_device_pose);
+    const struct proxy_pose to = dpti_proxy_pose_of(proxy, &tool->pose);
+    const struct displacement moved = dpti_proxy_displacement(proxy, &from, &to);
+    return way_of(proxy, &moved) + way_of(proxy, &proxy->end_motion);
+}
+
 static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool, double reach)
 {
     const uint32_t first = solve->touches.count;
     const struct proxy *proxy = proxy_of(world, tool);
     struct tissue_tool *made = &solve->tools[solve->tool_count];
-    struct touch_search search = { world, tool, proxy, &made->at, NULL, reach + proxy->last_motion };
+    struct touch_search search = { world, tool, proxy, &made->at, NULL, reach + motion_of(tool, proxy) };
     *made = (struct tissue_tool){ .slot = (uint32_t)(tool - world->tools),
                                   .is_sliding = proxy->is_sliding,
                                   .proxy = proxy,
