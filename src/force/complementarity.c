@@ -38,25 +38,41 @@ static const double *column_of(const struct complementarity *problem, uint32_t k
 }
 
 /* Make the row of a constraint that comes after the first `count` active ones. Returns what is left for its diagonal. */
-static double make_row(const struct complementarity *problem, uint32_t count, uint32_t index, double own, double *row)
+static double make_row(const struct complementarity *problem, uint32_t count, uint32_t index, double own,
+                       double *restrict row)
 {
+    for (uint32_t j = 0; j < count; j++)
+        row[j] = column_of(problem, j)[index];
     for (uint32_t j = 0; j < count; j++) {
-        double sum = column_of(problem, j)[index];
-        for (uint32_t m = 0; m < j; m++)
-            sum -= row[m] * problem->factor[j][m];
-        row[j] = sum / problem->factor[j][j];
-        own -= row[j] * row[j];
+        const double *restrict factor = problem->factor[j];
+        const double value = row[j] / factor[j];
+        row[j] = value;
+        own -= value * value;
+        for (uint32_t m = j + 1; m < count; m++)
+            row[m] -= value * factor[m];
     }
     return own;
+}
+
+/* A row comes after the first `count` ones of the factor. */
+static void put_row(struct complementarity *problem, uint32_t count, uint32_t index, const double *row, double left)
+{
+    for (uint32_t m = 0; m < count; m++)
+        problem->factor[m][count] = row[m];
+    problem->factor[count][count] = sqrt(left);
+    problem->factored[count] = index;
+    problem->factored_count = count + 1;
 }
 
 /* x in factor^T x = b, in place. */
 static void solve_upper(const struct complementarity *problem, double *x)
 {
     for (uint32_t j = problem->active_count; j-- > 0;) {
+        const double *factor = problem->factor[j];
+        double sum[4] = { x[j], 0.0, 0.0, 0.0 };
         for (uint32_t m = j + 1; m < problem->active_count; m++)
-            x[j] -= problem->factor[m][j] * x[m];
-        x[j] /= problem->factor[j][j];
+            sum[(m - j) % 4] -= factor[m] * x[m];
+        x[j] = ((sum[0] + sum[1]) + (sum[2] + sum[3])) / factor[j];
     }
 }
 
@@ -89,18 +105,17 @@ static const double *column_at(struct complementarity *problem, uint32_t k, uint
 /* Make the factor again where it is not that of the active rows. Returns 0 if one depends on those before it: which. */
 static int factor_active(struct complementarity *problem, uint32_t *which)
 {
+    double row[COMPLEMENTARITY_ACTIVE_MAX];
     uint32_t k = 0;
     while (k < problem->active_count && k < problem->factored_count && problem->factored[k] == problem->active[k])
         k++;
     for (; k < problem->active_count; k++) {
         const double own = column_of(problem, k)[problem->active[k]];
         problem->factored_count = *which = k;
-        const double left = make_row(problem, k, problem->active[k], own, problem->factor[k]);
+        const double left = make_row(problem, k, problem->active[k], own, row);
         if (!(left > DEPENDENT * own))
             return 0;
-        problem->factor[k][k] = sqrt(left);
-        problem->factored[k] = problem->active[k];
-        problem->factored_count = k + 1;
+        put_row(problem, k, problem->active[k], row, left);
     }
     return 1;
 }
@@ -129,12 +144,14 @@ static void drop(struct complementarity *problem, uint32_t k)
 /* The multipliers for which the active constraints have no gap. */
 static void solve_active(struct complementarity *problem)
 {
-    double *x = problem->multiplier;
-    for (uint32_t k = 0; k < problem->active_count; k++) {
+    double *restrict x = problem->multiplier;
+    for (uint32_t k = 0; k < problem->active_count; k++)
         x[k] = -problem->free_gap[problem->active[k]];
-        for (uint32_t m = 0; m < k; m++)
-            x[k] -= problem->factor[k][m] * x[m];
-        x[k] /= problem->factor[k][k];
+    for (uint32_t m = 0; m < problem->active_count; m++) {
+        const double *restrict factor = problem->factor[m];
+        x[m] /= factor[m];
+        for (uint32_t k = m + 1; k < problem->active_count; k++)
+            x[k] -= factor[k] * x[m];
     }
     solve_upper(problem, x);
 }
@@ -249,11 +266,9 @@ static void append(struct complementarity *problem, const struct candidate *cand
 {
     const uint32_t last = problem->active_count++;
     column_at(problem, last, candidate->index);
-    problem->active[last] = problem->factored[last] = candidate->index;
-    problem->factored_count = problem->active_count;
+    problem->active[last] = candidate->index;
     problem->multiplier[last] = multiplier;
-    memcpy(problem->factor[last], candidate->row, last * sizeof *candidate->row);
-    problem->factor[last][last] = sqrt(candidate->independent);
+    put_row(problem, last, candidate->index, candidate->row, candidate->independent);
     problem->passes++;
 }
 

@@ -47,7 +47,7 @@ struct complementarity {
     uint32_t passes; /* constraints that were added or dropped */
     /*
      * The solver's own. Columns of A lie in places, of which active rows own the first; others may still hold columns that
-     * were asked for. The lower factor is that of the rows `factored`, row by row.
+     * were asked for. The factor is that of the rows `factored`.
      */
     uint32_t known_matrix;
     uint32_t place[COMPLEMENTARITY_ACTIVE_MAX];
@@ -56,7 +56,8 @@ struct complementarity {
     uint32_t factored_count;
     uint32_t factored[COMPLEMENTARITY_ACTIVE_MAX];
     double columns[COMPLEMENTARITY_ACTIVE_MAX][COMPLEMENTARITY_MAX];
-    double factor[COMPLEMENTARITY_ACTIVE_MAX][COMPLEMENTARITY_ACTIVE_MAX];
+    double factor[COMPLEMENTARITY_ACTIVE_MAX]
+                 [COMPLEMENTARITY_ACTIVE_MAX]; /* its transpose: row by row of the upper one */
 };
 
 /* Returns COMPLEMENTARITY_... */
