@@ -75,8 +75,8 @@ static void compare(const struct brute *brute, uint32_t substeps, struct worst *
 }
 
 /*
- * The conditions of the problem, of the library's own answer: its gaps at the brute solve's pairs, from the wrench and the
- * nodes after the step, and the pushes that are told. Where a tick has one substep.
+ * The conditions of the problem, of the library's own answer: its gaps at the brute solve's pairs, beyond what is asked for,
+ * from the wrench and the nodes after the step, and the pushes that are told. Where a tick has one substep.
  */
 static void judge_conditions(struct brute *brute, struct worst *worst)
 {
@@ -92,7 +92,7 @@ static void judge_conditions(struct brute *brute, struct worst *worst)
             continue;
         loads[0].size = sizeof *loads;
         dpt_tool_get_loads(tissue->rig.world, tool->id, loads, 128, &count);
-        brute_way_to_device(brute, t, way);
+        brute_way_to(brute, t, &tool->device, way);
         pose_ends(&brute->proxy[t], &tool->segment, ends);
         for (int k = 0; k < 3; k++)
             arm[k] = tool->device.position[k] - 0.5 * (ends[k] + ends[3 + k]);
@@ -106,8 +106,8 @@ static void judge_conditions(struct brute *brute, struct worst *worst)
             struct brute_pair *pair = &brute->pair[i];
             if (pair->tool != t)
                 continue;
-            const double gap =
-                pair->gap + brute_product(pair->row, way) - brute_surface_motion(pair, brute->begin, brute->end);
+            const double gap = pair->gap + brute_product(pair->row, way) -
+                               brute_surface_motion(pair, brute->begin, brute->end) - pair->least;
             worst->gap = fmax(worst->gap, -gap);
             for (uint32_t k = 0; k < count && k < 128; k++)
                 if (apart(loads[k].point, pair->q) < 1e-8 &&
@@ -195,25 +195,28 @@ static const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.006 };
 struct scene {
     const char *name;
     int soft, rigid, sheet, tools;
-    int touched; /* pairs of a tool and a body that push, at least */
+    int touched;   /* pairs of a tool and a body that push, at least */
+    int is_locked; /* its tools do not turn */
     const dpt_segment *segment[TISSUE_TOOLS];
     double x[TISSUE_TOOLS], lean[TISSUE_TOOLS];
 };
 
 static const struct scene scenes[] = {
-    { "across two soft bodies", 2, 0, 0, 1, 2, { &lying }, { 0.0 }, { 1.5708 } },
-    { "soft beside rigid", 1, 1, 0, 1, 2, { &lying }, { 0.0 }, { 1.5708 } },
-    { "two tools on one body", 1, 0, 0, 2, 2, { &upright, &ball }, { -0.005, 0.008 }, { 0.4, 0.0 } },
-    { "two tools on a sheet", 1, 0, 1, 2, 2, { &lying, &upright }, { -0.012, 0.03 }, { 1.5, 0.3 } },
+    { "across two soft bodies", 2, 0, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
+    { "soft beside rigid", 1, 1, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
+    { "two tools on one body", 1, 0, 0, 2, 2, 0, { &upright, &ball }, { -0.005, 0.008 }, { 0.4, 0.0 } },
+    { "two tools on a sheet", 1, 0, 1, 2, 2, 0, { &lying, &upright }, { -0.012, 0.03 }, { 1.5, 0.3 } },
     { "two tools on two soft bodies and a rigid one",
       2,
       1,
       0,
       2,
       3,
+      0,
       { &lying, &lying },
       { 0.0, 0.002 },
       { 1.5708, 1.5 } },
+    { "locked, across two soft bodies", 2, 0, 0, 1, 2, 1, { &lying }, { 0.0 }, { 1.5708 } },
 };
 
 /* With tissue->is_reversed the last tool and the last body are added first. Returns 0 after a failed check. */
@@ -246,7 +249,9 @@ static int make_scene(struct tissue_rig *tissue, const struct scene *scene, uint
     for (int i = 0; i < scene->tools; i++) {
         const int t = tissue->is_reversed ? scene->tools - 1 - i : i;
         struct tissue_tool *tool = tissue_rig_add_tool(tissue, scene->segment[t], stiffness[t]);
-        if (tool->rho > 0.0 && turns % 2)
+        if (scene->is_locked)
+            tissue_tool_lock(tissue, tool);
+        else if (tool->rho > 0.0 && turns % 2)
             tissue_tool_turns(tissue, tool, tool->stiffness * 1e-4);
         pose_orient(&tool->device, y_axis, scene->lean[t]);
         tool->device.position[0] = scene->x[t];

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/tissue_brute.h"
 
-/* Sweeps, and pairs that are exchanged where they end. */
-enum { PASSES = 50000, CHANGES = 100 };
+/* The share of a missing gap that is made good in a substep. */
+#define RECOVERED 0.2
+
+/* Sweeps, pairs that are exchanged where they end, and pairs of which all choices are tried. */
+enum { PASSES = 50000, CHANGES = 100, CHOSEN = 12 };
 
 /* m: of gaps where sweeps do not end in an exact answer; less than what the library's may be off by. */
 #define ENOUGH 3e-11
@@ -138,7 +141,7 @@ static void add_pair(struct brute *brute, uint32_t t, uint32_t b, const double p
         if (brute->pair[i].tool == t && brute->pair[i].body == b && apart(brute->pair[i].q, q) < 1e-11 &&
             apart(brute->pair[i].n, pair.n) < 1e-9)
             return;
-    pair.gap = distance - radius;
+    pair.gap = distance - radius - brute->clearance;
     cross3(arm, pair.n, turn);
     for (int k = 0; k < 3; k++) {
         pair.row[k] = pair.n[k];
@@ -233,16 +236,16 @@ static void find_pairs(struct brute *brute)
     }
 }
 
-void brute_way_to_device(const struct brute *brute, uint32_t t, double way[6])
+void brute_way_to(const struct brute *brute, uint32_t t, const dpt_pose *pose, double way[6])
 {
     const struct tissue_tool *tool = &brute->tissue->tool[t];
     double from[6], to[6], turn[3] = { 0.0, 0.0, 0.0 };
     pose_ends(&brute->proxy[t], &tool->segment, from);
-    pose_ends(&tool->device, &tool->segment, to);
+    pose_ends(pose, &tool->segment, to);
     if (brute->hull && t == 0) {
         const double *q = brute->proxy[t].orientation, back[4] = { q[0], -q[1], -q[2], -q[3] };
         double between[4];
-        turn_times(tool->device.orientation, back, between);
+        turn_times(pose->orientation, back, between);
         const double sine = length3(between + 1), angle = 2.0 * atan2(sine, fabs(between[0]));
         for (int k = 0; k < 3 && sine > 0.0; k++)
             turn[k] = copysign(angle, between[0]) * between[1 + k] / sine;
@@ -352,6 +355,12 @@ static uint32_t deepest(const struct brute *brute, const double *push)
     return which;
 }
 
+static void take(struct brute *brute, const double *push)
+{
+    for (uint32_t i = 0; i < brute->count; i++)
+        brute->pair[i].push = push[i];
+}
+
 /*
  * From the pairs that push: without those that would pull, and with those that miss their gaps, one by one. Returns 1, and
  * takes the pushes, if that ends where all conditions are met.
@@ -376,8 +385,33 @@ static int settle(struct brute *brute)
         else if (deep < brute->count && count < BRUTE_PAIRS)
             which[count++] = deep;
         else {
-            for (uint32_t i = 0; i < brute->count; i++)
-                brute->pair[i].push = push[i];
+            take(brute, push);
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* The same, by trying all choices of the pairs that push, where these are few: some of them nearly depend on the others. */
+static int settle_by_trial(struct brute *brute)
+{
+    uint32_t pushing[CHOSEN], which[CHOSEN], all = 0;
+    double push[BRUTE_PAIRS];
+    for (uint32_t i = 0; i < brute->count; i++)
+        if (brute->pair[i].push > 0.0 && all++ < CHOSEN)
+            pushing[all - 1] = i;
+    for (uint32_t choice = 0; all <= CHOSEN && choice < 1u << all; choice++) {
+        uint32_t count = 0;
+        double least = 0.0;
+        for (uint32_t i = 0; i < all; i++)
+            if (choice >> i & 1)
+                which[count++] = pushing[i];
+        memset(push, 0, sizeof push);
+        close_gaps(brute, which, count, push);
+        for (uint32_t i = 0; i < count; i++)
+            least = fmin(least, push[which[i]]);
+        if (!(least < 0.0) && deepest(brute, push) == brute->count) {
+            take(brute, push);
             return 1;
         }
     }
@@ -402,6 +436,8 @@ static void solve(struct brute *brute)
                 gap[j] += (push - was) * brute->matrix[j][i];
         }
     }
+    if (settle_by_trial(brute))
+        return;
     /* Where a face lies on a face, many pushes are as good: what is left of the gaps tells how good they are. */
     for (uint32_t i = 0; i < brute->count; i++)
         left = fmax(left, brute->pair[i].push > 0.0 ? fabs(gap[i]) : -gap[i]);
@@ -473,7 +509,8 @@ double brute_surface_motion(const struct brute_pair *pair, const double *from, c
     return sum;
 }
 
-static void add_wrench(struct brute *brute, const struct brute_pair *pair, double share)
+/* What a pair does to its tool in a substep, of which there are as many as 1 / share. */
+static void push_tool(struct brute *brute, const struct brute_pair *pair, double share)
 {
     dpt_wrench *wrench = &brute->wrench[pair->tool];
     double arm[3], torque[3];
@@ -484,6 +521,34 @@ static void add_wrench(struct brute *brute, const struct brute_pair *pair, doubl
         wrench->force[k] += share * pair->push * pair->n[k];
         wrench->torque[k] += share * pair->push * torque[k];
     }
+    for (int k = 0; k < 6; k++)
+        brute->way[pair->tool][k] += pair->push * pair->row[k] / brute->tissue->tool[pair->tool].stiffness;
+}
+
+/*
+ * What a substep asks of each pair: with the tool where the last substep ended, and the surface before its loads act, less
+ * than no gap may be left, by four fifths.
+ */
+static void find_least_gaps(struct brute *brute)
+{
+    for (uint32_t i = 0; i < brute->count; i++) {
+        struct brute_pair *pair = &brute->pair[i];
+        const double now = pair->gap + brute_product(pair->row, brute->way[pair->tool]) -
+                           brute_surface_motion(pair, brute->begin, brute->end);
+        pair->least = (1.0 - RECOVERED) * fmin(now, 0.0);
+    }
+}
+
+/* Gaps with the tools at their devices, and the surface where it would go without pushes. */
+static void find_free_gaps(struct brute *brute)
+{
+    for (uint32_t t = 0; t < brute->tissue->tool_count; t++)
+        brute_way_to(brute, t, &brute->tissue->tool[t].device, brute->way[t]);
+    for (uint32_t i = 0; i < brute->count; i++) {
+        struct brute_pair *pair = &brute->pair[i];
+        pair->free_gap = pair->gap + brute_product(pair->row, brute->way[pair->tool]) -
+                         brute_surface_motion(pair, brute->begin, brute->end) - pair->least;
+    }
 }
 
 void brute_solve_tick(struct brute *brute, uint32_t substeps)
@@ -492,28 +557,29 @@ void brute_solve_tick(struct brute *brute, uint32_t substeps)
     const double h = tissue->rig.dt / substeps;
     void *whole[TISSUE_BODIES] = { NULL }, *before[TISSUE_BODIES] = { NULL };
     memset(brute->wrench, 0, sizeof brute->wrench);
-    for (uint32_t t = 0; t < tissue->tool_count; t++)
+    brute->clearance = tissue_clearance(tissue);
+    for (uint32_t t = 0; t < tissue->tool_count; t++) {
+        const dpt_pose end = tissue_tool_last_end(tissue, &tissue->tool[t]);
         dpt_tool_get_proxy(tissue->rig.world, tissue->tool[t].id, &brute->proxy[t]);
+        brute_way_to(brute, t, &end, brute->way[t]);
+    }
     find_pairs(brute);
     make_matrix(brute, h);
     keep(tissue, whole, 0);
     brute_read_nodes(tissue, brute->begin);
     for (uint32_t s = 0; s < substeps; s++) {
+        brute_read_nodes(tissue, brute->end);
+        brute_add_speeds(tissue, h, brute->end);
+        find_least_gaps(brute);
         keep(tissue, before, 0);
         step_by_hand(brute, h, 0);
         brute_read_nodes(tissue, brute->end);
         brute_add_speeds(tissue, h, brute->end);
         keep(tissue, before, 1);
-        for (uint32_t i = 0; i < brute->count; i++) {
-            struct brute_pair *pair = &brute->pair[i];
-            double way[6];
-            brute_way_to_device(brute, pair->tool, way);
-            pair->free_gap =
-                pair->gap + brute_product(pair->row, way) - brute_surface_motion(pair, brute->begin, brute->end);
-        }
+        find_free_gaps(brute);
         solve(brute);
         for (uint32_t i = 0; i < brute->count; i++)
-            add_wrench(brute, &brute->pair[i], 1.0 / substeps);
+            push_tool(brute, &brute->pair[i], 1.0 / substeps);
         step_by_hand(brute, h, 1);
     }
     brute_read_nodes(tissue, brute->mine);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A step of tissue together with its tools, solved by a solver that is slow and obvious: pairs by looking at every triangle
+ * A step of tissue together with its tools, whose bodies have no friction and whose tools no damper, solved by a solver that is slow and obvious: pairs by looking at every triangle
  * and every feature within half a millimetre of the proxy, the problem's matrix in full, sweeps of Gauss and Seidel until
  * the pairs that push meet all conditions. It shares no code with the library's solve. Where nodes go without tools, and
  * with the loads that it finds, is asked of the library's springs, stepped in their own memory, which is put back.
@@ -20,18 +20,21 @@ enum { BRUTE_PAIRS = 384, BRUTE_NODES = 12, BRUTE_ROOM = 3 * 4096 };
 
 struct brute_pair {
     uint32_t tool, body, count; /* of nodes */
-    double q[3], n[3], gap;     /* at the proxy; n from q towards the tool */
+    double q[3], n[3], gap;     /* at the proxy, beyond the clearance; n from q towards the tool */
     double row[6];              /* how the gap grows with a shift, and with a turn times rho */
     uint32_t node[BRUTE_NODES];
     double weight[BRUTE_NODES], response[BRUTE_NODES]; /* m/N */
-    double free_gap, push;
+    double least; /* m: the gap that is asked for: of what is missing when a substep begins, a fifth is made good */
+    double free_gap, push; /* beyond the least */
 };
 
 struct brute {
     struct tissue_rig *tissue;
     const struct oracle_hull *hull; /* of the first tool; NULL: it is its segment */
     double hull_radius;
+    double clearance; /* m */
     dpt_pose proxy[TISSUE_TOOLS];
+    double way[TISSUE_TOOLS][6]; /* from the proxy to where the last substep ended */
     uint32_t count;
     struct brute_pair pair[BRUTE_PAIRS];
     double matrix[BRUTE_PAIRS][BRUTE_PAIRS];
@@ -51,8 +54,8 @@ void brute_solve_tick(struct brute *brute, uint32_t substeps);
 void brute_read_nodes(const struct tissue_rig *tissue, double *at);
 void brute_add_speeds(const struct tissue_rig *tissue, double h, double *at);
 
-/* The shift of the tool's centre, and its turn times rho, from the proxy to the device. */
-void brute_way_to_device(const struct brute *brute, uint32_t tool, double way[6]);
+/* The shift of the tool's centre, and its turn times rho, from the proxy to a pose. */
+void brute_way_to(const struct brute *brute, uint32_t tool, const dpt_pose *pose, double way[6]);
 
 /* How the surface goes at a pair, along its normal. */
 double brute_surface_motion(const struct brute_pair *pair, const double *from, const double *to);

@@ -3,6 +3,7 @@
 
 #include "deform/spring_state.h"
 #include "mesh/mesh_format.h"
+#include "proxy/proxy.h"
 
 void tissue_rig_open(struct tissue_rig *tissue)
 {
@@ -131,14 +132,27 @@ struct tissue_tool *tissue_rig_add_tool(struct tissue_rig *tissue, const dpt_seg
     return tool;
 }
 
-void tissue_tool_turns(struct tissue_rig *tissue, struct tissue_tool *tool, double stiffness)
+static void set_turns(const struct tissue_rig *tissue, const struct tissue_tool *tool, double stiffness,
+                      uint32_t is_locked)
 {
     dpt_tool_settings settings = { .size = sizeof settings };
     dpt_tool_get_settings(tissue->rig.world, tool->id, &settings);
     settings.rotational_stiffness = stiffness;
+    settings.lock_rotation = is_locked;
     const dpt_result result = dpt_tool_set_settings(tissue->rig.world, tool->id, &settings);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+}
+
+void tissue_tool_turns(struct tissue_rig *tissue, struct tissue_tool *tool, double stiffness)
+{
+    set_turns(tissue, tool, stiffness, 0);
     tool->rho = sqrt(stiffness / tool->stiffness);
+}
+
+void tissue_tool_lock(struct tissue_rig *tissue, struct tissue_tool *tool)
+{
+    set_turns(tissue, tool, 0.0, 1);
+    tool->rho = 1e3 * apart(tool->segment.a, tool->segment.b) / sqrt(12.0);
 }
 
 void tissue_rig_place(struct tissue_rig *tissue)
@@ -206,6 +220,22 @@ void tissue_node(const struct tissue_body *body, uint32_t node, double at[3])
         const uint32_t i = LANES * (uint32_t)k + node % LANES;
         at[k] = (double)slice->x[i] + (double)slice->rest[i];
     }
+}
+
+double tissue_clearance(const struct tissue_rig *tissue)
+{
+    double largest = 0.0;
+    for (uint32_t i = 0; i < tissue->body_count; i++) {
+        dpt_mesh_info info = { .size = sizeof info };
+        dpt_mesh_get_info(tissue->body[i].mesh.mesh, &info);
+        largest = fmax(largest, apart(info.box_min, info.box_max));
+    }
+    return 2e-6 * fmin(largest, 1.0);
+}
+
+dpt_pose tissue_tool_last_end(const struct tissue_rig *tissue, const struct tissue_tool *tool)
+{
+    return proxy_of(tissue->rig.world, world_find_tool(tissue->rig.world, tool->id))->end;
 }
 
 void tissue_tool_end(const struct tissue_tool *tool, double ends[6])

@@ -76,6 +76,9 @@ struct tissue_tool *tissue_rig_add_tool(struct tissue_rig *tissue, const dpt_seg
 /* Against turns, Nm/rad. */
 void tissue_tool_turns(struct tissue_rig *tissue, struct tissue_tool *tool, double stiffness);
 
+/* Its proxy does not turn away from the device: it is a thousand times as stiff against turns as its shape says. */
+void tissue_tool_lock(struct tissue_rig *tissue, struct tissue_tool *tool);
+
 /* All tools jump to their devices, which are in the open. */
 void tissue_rig_place(struct tissue_rig *tissue);
 
@@ -90,6 +93,15 @@ const uint32_t *tissue_corners(const struct tissue_body *body, uint32_t *triangl
 
 /* A node in the body's frame, with what its floats have lost, m. */
 void tissue_node(const struct tissue_body *body, uint32_t node, double at[3]);
+
+/* m: how far from surfaces tools are kept: 2e-6 of the largest mesh's box, which counts as 1 m at most. */
+double tissue_clearance(const struct tissue_rig *tissue);
+
+/*
+ * After the world's step: the pose in which the tool's last step with tissue ended, with the room that it was given then;
+ * without such a step, where the proxy was before the world's.
+ */
+dpt_pose tissue_tool_last_end(const struct tissue_rig *tissue, const struct tissue_tool *tool);
 
 /* A tool's axis where its spring ends that gives the wrench: two ends, in the world. */
 void tissue_tool_end(const struct tissue_tool *tool, double ends[6]);
