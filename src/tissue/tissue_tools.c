@@ -219,9 +219,13 @@ void dpti_tissue_tell(const struct tissue_solve *solve, struct dpt_world *world)
 
 /* ---- the end of a step ---- */
 
-/* How often a tool gives way there, and m: how near surfaces are looked at, beyond the last turn's way. */
+/*
+ * How often a tool gives way there, and m: how near surfaces are looked at, beyond the last turn's way. Then how many times
+ * longer than what is missing a turn may be: between walls that are almost parallel it would go far.
+ */
 enum { ROOM_TURNS = 4 };
-#define ROOM_REACH 2e-5
+#define ROOM_REACH   2e-5
+#define ROOM_LONGEST 50.0
 
 /* A newton along one touch moves the tool alone. */
 static void give_lever(void *user, uint32_t index, uint32_t first, double *column)
@@ -287,6 +291,8 @@ static void make_room(struct tissue_solve *solve, struct dpt_world *world, const
         if (best >= enough)
             return;
         moved = least_motion(solve, unknowns);
+        if (moved > ROOM_LONGEST * (dpti_proxy_clearance(world) - gap))
+            return;
         dpti_proxy_turn_axes(proxy, &at, axes);
         const struct displacement way = dpti_proxy_of_unknowns(proxy, axes, unknowns);
         at = dpti_proxy_moved(proxy, &at, &way);
