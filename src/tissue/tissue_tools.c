@@ -99,7 +99,8 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
     if (solve->touches.count == first)
         return;
     unknowns_of(made, &tool->pose, made->device);
-    unknowns_of(made, &proxy->end, made->end);
+    unknowns_of(made, &proxy->end, made->begin);
+    memcpy(made->end, made->begin, sizeof made->end);
     set_damper(made, tool, solve->dt);
     solve->tool_count++;
 }
@@ -162,13 +163,43 @@ static void note_felt(const struct tissue_solve *solve, struct tool *tool, struc
 /* rad: a tool that friction has turned farther from its device lets go there. */
 #define TURN_MAX 1.0
 
-/* Where the tool is at the end of the step, for the next one. Where friction holds it, its proxy follows it. */
-static void note_end(const struct tissue_tool *from, const struct tool *tool, struct proxy *proxy)
+/*
+ * What a turn adds to the way of touched points beyond what their rows tell: the mean along the surface. Without it a tool
+ * that sticks and trembles would creep.
+ */
+static vec3 creep_of(const struct tissue_solve *solve, const struct tissue_tool *from, const struct proxy_pose *last,
+                     const struct proxy_pose *end)
 {
-    const struct displacement way = dpti_proxy_of_unknowns(proxy, from->axes, from->end);
+    vec3 sum = { 0.0, 0.0, 0.0 };
+    double pushes = 0.0;
+    for (uint32_t r = 0; r < solve->rub_count; r++) {
+        const uint32_t touch = solve->rubs[r].touch, row = tissue_row_of_rub(solve, r);
+        const double push = solve->multiplier[touch];
+        if (!(push > 0.0) || &solve->tools[solve->links[touch].tool] != from)
+            continue;
+        const vec3 at = solve->touches.touch[touch].at;
+        const vec3 moved = sub(frame_to_world(&end->frame, frame_to_local(&last->frame, at)), at);
+        for (uint32_t d = 0; d < 2; d++) {
+            double told = 0.0;
+            for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+                told += solve->rows[row + d].lever[k] * (from->end[k] - from->begin[k]);
+            sum = along(sum, push * (dot(moved, solve->rows[row + d].along) - told), solve->rows[row + d].along);
+        }
+        pushes += push;
+    }
+    return pushes > 0.0 ? scaled(sum, 1.0 / pushes) : sum;
+}
+
+/* Where the tool is at the end of the step, for the next one. Where friction holds it, its proxy follows it. */
+static void note_end(const struct tissue_solve *solve, const struct tissue_tool *from, const struct tool *tool,
+                     struct proxy *proxy)
+{
+    struct displacement way = dpti_proxy_of_unknowns(proxy, from->axes, from->end);
     const struct displacement felt = dpti_proxy_of_unknowns(proxy, from->axes, from->felt);
-    const struct proxy_pose end = dpti_proxy_moved(proxy, &from->at, &way);
     const struct proxy_pose last = dpti_proxy_pose_of(proxy, &proxy->end);
+    struct proxy_pose end = dpti_proxy_moved(proxy, &from->at, &way);
+    way.shift = sub(way.shift, creep_of(solve, from, &last, &end));
+    end = dpti_proxy_moved(proxy, &from->at, &way);
     const int is_held = tool->force_reason == DPT_FORCE_ACTS && length(felt.turn) + fabs(felt.spin) < TURN_MAX;
     proxy->end_motion = dpti_proxy_displacement(proxy, &last, &end);
     proxy->end = is_held ? end.pose : tool->pose;
@@ -208,7 +239,7 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
     }
     proxy->pushed = pushed_by(from);
     note_felt(solve, tool, proxy, dpti_proxy_of_unknowns(proxy, from->axes, from->felt));
-    note_end(from, tool, proxy);
+    note_end(solve, from, tool, proxy);
 }
 
 void dpti_tissue_tell(const struct tissue_solve *solve, struct dpt_world *world)
