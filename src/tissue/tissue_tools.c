@@ -5,6 +5,7 @@
 
 #include "proxy/proxy.h"
 #include "proxy/tool_loads.h"
+#include "track/tool_parts.h"
 
 /* Whether a tool has a proxy that was outside in the last step, and nothing of which its wrench still has a memory. */
 static int tool_can_be_solved(const struct dpt_world *world, const struct tool *tool)
@@ -164,9 +165,21 @@ static void note_felt(const struct tissue_solve *solve, struct tool *tool, struc
 #define TURN_MAX 1.0
 
 /*
- * What a turn adds to the way of touched points beyond what their rows tell: the mean along the surface. Without it a tool
- * that sticks and trembles would creep.
+ * m: how far the tool's surface moves at a touch from one pose to another. The axis goes where it goes, along an arc; about
+ * it the tool rolls on the surface, by as much as it turns.
  */
+static vec3 rolled(const struct tissue_solve *solve, const struct touch *touch, const struct tissue_tool *tool,
+                   const struct proxy_pose *from, const struct proxy_pose *to)
+{
+    const struct part part = tool_part(solve->world, &solve->world->tools[tool->slot], touch->part);
+    const double radius = part_radius(part) + dpti_proxy_clearance(solve->world);
+    const vec3 axis = frame_to_local(&tool->at.frame, along(touch->at, radius + touch->gap, touch->normal));
+    const vec3 turn = quaternion_rotation_vector(quaternion_product(to->turn, quaternion_inverse(from->turn)));
+    const vec3 moved = sub(frame_to_world(&to->frame, axis), frame_to_world(&from->frame, axis));
+    return sub(moved, cross(turn, scaled(touch->normal, radius)));
+}
+
+/* What turns add to the way of touches along the surface beyond what their rows tell: a tool that sticks would creep. */
 static vec3 creep_of(const struct tissue_solve *solve, const struct tissue_tool *from, const struct proxy_pose *last,
                      const struct proxy_pose *end)
 {
@@ -177,8 +190,7 @@ static vec3 creep_of(const struct tissue_solve *solve, const struct tissue_tool 
         const double push = solve->multiplier[touch];
         if (!(push > 0.0) || &solve->tools[solve->links[touch].tool] != from)
             continue;
-        const vec3 at = solve->touches.touch[touch].at;
-        const vec3 moved = sub(frame_to_world(&end->frame, frame_to_local(&last->frame, at)), at);
+        const vec3 moved = rolled(solve, &solve->touches.touch[touch], from, last, end);
         for (uint32_t d = 0; d < 2; d++) {
             double told = 0.0;
             for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
