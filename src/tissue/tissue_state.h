@@ -36,6 +36,7 @@ struct tissue_tool {
     double stiffness;                /* N/m: of its spring, and of its damper over this step */
     double device[TOUCH_DIMENSIONS]; /* to the device */
     double away[TOUCH_DIMENSIONS];   /* to where it would be without any push: a damper keeps it from the device */
+    double begin[TOUCH_DIMENSIONS];  /* to where it was before the step */
     double end[TOUCH_DIMENSIONS];    /* to where it was at the end of the last substep */
     double known[TOUCH_DIMENSIONS];  /* to where it would be with the pushes that are known, of friction that slides */
     double felt[TOUCH_DIMENSIONS];   /* from the device to its end pose: the mean of all substeps */

@@ -5,6 +5,7 @@
 
 #include "proxy/proxy.h"
 #include "proxy/tool_loads.h"
+#include "track/tool_parts.h"
 
 /* Whether a tool has a proxy that was outside in the last step, and nothing of which its wrench still has a memory. */
 static int tool_can_be_solved(const struct dpt_world *world, const struct tool *tool)
@@ -99,7 +100,8 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
     if (solve->touches.count == first)
         return;
     unknowns_of(made, &tool->pose, made->device);
-    unknowns_of(made, &proxy->end, made->end);
+    unknowns_of(made, &proxy->end, made->begin);
+    memcpy(made->end, made->begin, sizeof made->end);
     set_damper(made, tool, solve->dt);
     solve->tool_count++;
 }
@@ -162,13 +164,54 @@ static void note_felt(const struct tissue_solve *solve, struct tool *tool, struc
 /* rad: a tool that friction has turned farther from its device lets go there. */
 #define TURN_MAX 1.0
 
-/* Where the tool is at the end of the step, for the next one. Where friction holds it, its proxy follows it. */
-static void note_end(const struct tissue_tool *from, const struct tool *tool, struct proxy *proxy)
+/*
+ * m: how far the tool's surface moves at a touch from one pose to another. The axis goes where it goes, along an arc; about
+ * it the tool rolls on the surface, by as much as it turns.
+ */
+static vec3 rolled(const struct tissue_solve *solve, const struct touch *touch, const struct tissue_tool *tool,
+                   const struct proxy_pose *from, const struct proxy_pose *to)
 {
-    const struct displacement way = dpti_proxy_of_unknowns(proxy, from->axes, from->end);
+    const struct part part = tool_part(solve->world, &solve->world->tools[tool->slot], touch->part);
+    const double radius = part_radius(part) + dpti_proxy_clearance(solve->world);
+    const vec3 axis = frame_to_local(&tool->at.frame, along(touch->at, radius + touch->gap, touch->normal));
+    const vec3 turn = quaternion_rotation_vector(quaternion_product(to->turn, quaternion_inverse(from->turn)));
+    const vec3 moved = sub(frame_to_world(&to->frame, axis), frame_to_world(&from->frame, axis));
+    return sub(moved, cross(turn, scaled(touch->normal, radius)));
+}
+
+/* What turns add to the way of touches along the surface beyond what their rows tell: a tool that sticks would creep. */
+static vec3 creep_of(const struct tissue_solve *solve, const struct tissue_tool *from, const struct proxy_pose *last,
+                     const struct proxy_pose *end)
+{
+    vec3 sum = { 0.0, 0.0, 0.0 };
+    double pushes = 0.0;
+    for (uint32_t r = 0; r < solve->rub_count; r++) {
+        const uint32_t touch = solve->rubs[r].touch, row = tissue_row_of_rub(solve, r);
+        const double push = solve->multiplier[touch];
+        if (!(push > 0.0) || &solve->tools[solve->links[touch].tool] != from)
+            continue;
+        const vec3 moved = rolled(solve, &solve->touches.touch[touch], from, last, end);
+        for (uint32_t d = 0; d < 2; d++) {
+            double told = 0.0;
+            for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+                told += solve->rows[row + d].lever[k] * (from->end[k] - from->begin[k]);
+            sum = along(sum, push * (dot(moved, solve->rows[row + d].along) - told), solve->rows[row + d].along);
+        }
+        pushes += push;
+    }
+    return pushes > 0.0 ? scaled(sum, 1.0 / pushes) : sum;
+}
+
+/* Where the tool is at the end of the step, for the next one. Where friction holds it, its proxy follows it. */
+static void note_end(const struct tissue_solve *solve, const struct tissue_tool *from, const struct tool *tool,
+                     struct proxy *proxy)
+{
+    struct displacement way = dpti_proxy_of_unknowns(proxy, from->axes, from->end);
     const struct displacement felt = dpti_proxy_of_unknowns(proxy, from->axes, from->felt);
-    const struct proxy_pose end = dpti_proxy_moved(proxy, &from->at, &way);
     const struct proxy_pose last = dpti_proxy_pose_of(proxy, &proxy->end);
+    struct proxy_pose end = dpti_proxy_moved(proxy, &from->at, &way);
+    way.shift = sub(way.shift, creep_of(solve, from, &last, &end));
+    end = dpti_proxy_moved(proxy, &from->at, &way);
     const int is_held = tool->force_reason == DPT_FORCE_ACTS && length(felt.turn) + fabs(felt.spin) < TURN_MAX;
     proxy->end_motion = dpti_proxy_displacement(proxy, &last, &end);
     proxy->end = is_held ? end.pose : tool->pose;
@@ -208,7 +251,7 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
     }
     proxy->pushed = pushed_by(from);
     note_felt(solve, tool, proxy, dpti_proxy_of_unknowns(proxy, from->axes, from->felt));
-    note_end(from, tool, proxy);
+    note_end(solve, from, tool, proxy);
 }
 
 void dpti_tissue_tell(const struct tissue_solve *solve, struct dpt_world *world)
@@ -219,9 +262,13 @@ void dpti_tissue_tell(const struct tissue_solve *solve, struct dpt_world *world)
 
 /* ---- the end of a step ---- */
 
-/* How often a tool gives way there, and m: how near surfaces are looked at, beyond the last turn's way. */
+/*
+ * How often a tool gives way there, and m: how near surfaces are looked at, beyond the last turn's way. Then how many times
+ * longer than what is missing a turn may be: between walls that are almost parallel it would go far.
+ */
 enum { ROOM_TURNS = 4 };
-#define ROOM_REACH 2e-5
+#define ROOM_REACH   2e-5
+#define ROOM_LONGEST 50.0
 
 /* A newton along one touch moves the tool alone. */
 static void give_lever(void *user, uint32_t index, uint32_t first, double *column)
@@ -287,6 +334,8 @@ static void make_room(struct tissue_solve *solve, struct dpt_world *world, const
         if (best >= enough)
             return;
         moved = least_motion(solve, unknowns);
+        if (moved > ROOM_LONGEST * (dpti_proxy_clearance(world) - gap))
+            return;
         dpti_proxy_turn_axes(proxy, &at, axes);
         const struct displacement way = dpti_proxy_of_unknowns(proxy, axes, unknowns);
         at = dpti_proxy_moved(proxy, &at, &way);

@@ -1,62 +1,255 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Friction of a tool on tissue that is solved together with it. Oracles: Coulomb's law about the normal that brute force
+ * finds over the surface after the step; sums of forces and of work; and the same motion made by the body instead of the
+ * device. How stiff the tissue is, and how it is shared among touches, is not judged here.
+ */
 #include <math.h>
+
+#include "lib/mesh_builder.h"
+#include "mesh/mesh_format.h"
+#include "oracle/brute.h"
+#include "proxy/proxy.h"
 #include "world/tissue_scene.h"
 
-static void explore(void)
+#define HOLD_MU  0.5
+#define SLIDE_MU 0.4
+#define DEPTH    0.006
+#define LEANING  1.2
+#define TICK     2e-5 /* m, of a device that moves aside */
+#define AROUND   8e-3 /* m: of a circle */
+
+/* A rough body that is pressed; 0 after a failed check. */
+static int begin(struct tissue *tissue, uint32_t kind, uint32_t integrator, double lean, double *jump)
+{
+    double mean;
+    tissue_begin(tissue, 667.0, lean);
+    if (!tissue_add(tissue, kind, integrator, 0.0, 0.0))
+        return 0;
+    tissue_roughen(tissue, HOLD_MU, SLIDE_MU);
+    *jump = tissue_press_and_hold(tissue, DEPTH, &mean);
+    CHECK(mean > 1e-3, "it is not touched: %g N", mean);
+    return 1;
+}
+
+/* Where the tool ended in the last tick. */
+static const dpt_pose *end_of(const struct tissue *tissue)
+{
+    const dpt_world *world = tissue->rig.world;
+    return &proxy_of(world, world_find_tool(world, tissue->rig.tool))->end;
+}
+
+static void a_held_tool_sticks_and_is_silent(void)
 {
     static const double leans[] = { 0.0, 0.6, 1.2, 1.5708 };
-    for (int kind = 0; kind < 2; kind++)
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < (int)part_of(24); i++) {
         struct tissue tissue;
-        double mean;
-        tissue_begin(&tissue, 667.0, leans[i]);
-        if (tissue_add(&tissue, kind ? DPT_NET_SHEET : DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
-            tissue_roughen(&tissue, 0.5, 0.4);
-            const double jump = tissue_press_and_hold(&tissue, 0.006, &mean);
-            printf("kind %d lean %g hold: mean %g jump %g flags %u\n", kind, leans[i], mean, jump, tissue.force.flags);
-            double x0 = tissue.rig.device.position[1], last = 0, worst = 0;
-            for (int t = 0; t < 1500; t++) {
-                tissue.rig.device.position[1] = x0 + 2e-5 * (t < 300 ? t : 300);
-                double f = tissue_tick(&tissue);
-                if (t) worst = fmax(worst, fabs(f - last));
-                last = f;
-                if (t % 60 == 0 && t < 700) {
-                    printf(" y %.2f mm f %.4f %.4f %.4f n %.4f ratio %.3f st %u sl %u fl %u jump %.5f\n", 1e3*(tissue.rig.device.position[1]-x0), tissue.wrench.force[0], tissue.wrench.force[1], tissue.wrench.force[2], f,
-                      hypot(tissue.wrench.force[0], tissue.wrench.force[1])/tissue.wrench.force[2], tissue.force.sticking, tissue.force.slipping, tissue.force.flags, worst);
-                    worst = 0;
-                }
-            }
-            printf(" held: jump %.6f active %u\n", worst, tissue.info[0].active);
+        double jump;
+        if (begin(&tissue, i % 2 ? DPT_NET_SHEET : DPT_NET_VOLUME, (uint32_t)(i / 2 % 3), leans[i / 6], &jump)) {
+            const double force = length3(tissue.wrench.force);
+            CHECK(jump <= fmax(1e-3 * force, 1e-3), "case %d: jumps of %g N at %g N", i, jump, force);
+            CHECK(i % 2 || (tissue.force.sticking > 0 && tissue.force.slipping == 0), "case %d: %u stick, %u slip", i,
+                  tissue.force.sticking, tissue.force.slipping);
         }
         tissue_close(&tissue);
     }
 }
 
-static void damped(void)
+/* By how much the distance to the surface grows with the tool's place: the normal. */
+static void normal_at(const struct tissue *tissue, double normal[3])
 {
-    for (int i = 0; i < 4; i++) {
+    const struct dpt_mesh *mesh = tissue->mesh[0].mesh;
+    const float *positions = NULL;
+    uint32_t count = 0;
+    double ends[6];
+    dpt_body_get_vertices(tissue->rig.world, tissue->body[0], &positions, &count);
+    oracle_mesh *brute = oracle_brute_open(positions, count, mesh_words(mesh, MESH_TRIANGLES), mesh->triangles);
+    pose_ends(end_of(tissue), &tissue->rig.segments[0], ends);
+    const double here = oracle_brute(brute, ends, NULL);
+    for (int k = 0; k < 3; k++) {
+        double moved[6];
+        memcpy(moved, ends, sizeof moved);
+        moved[k] += 1e-7;
+        moved[3 + k] += 1e-7;
+        normal[k] = (oracle_brute(brute, moved, NULL) - here) / 1e-7;
+    }
+    oracle_brute_close(brute);
+}
+
+/* Drawn aside until it slides: of one touch the force lies in the cone, and on it while it slides. */
+static void a_touch_obeys_coulombs_law(void)
+{
+    struct tissue tissue;
+    double jump, most = 0.0, worst = 0.0;
+    uint32_t stuck = 0, slid = 0;
+    if (begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, LEANING, &jump))
+        for (int t = 0; t < 400; t++) {
+            double normal[3], across[3];
+            tissue.rig.device.position[1] += TICK;
+            tissue_tick(&tissue);
+            if (tissue.force.sticking + tissue.force.slipping != 1 || t % 4)
+                continue;
+            normal_at(&tissue, normal);
+            const double push = dot3(tissue.wrench.force, normal);
+            for (int k = 0; k < 3; k++)
+                across[k] = tissue.wrench.force[k] - push * normal[k];
+            const double share = length3(across) / push;
+            stuck += tissue.force.sticking;
+            slid += tissue.force.slipping;
+            if (tissue.force.slipping)
+                worst = fmax(worst, fabs(share - SLIDE_MU));
+            else
+                most = fmax(most, share);
+        }
+    CHECK(stuck > 20 && slid > 20, "it stuck in %u ticks and slid in %u", stuck, slid);
+    CHECK(most > 0.95 * HOLD_MU && most <= 1.005 * HOLD_MU, "it held up to %g of its push", most);
+    CHECK(worst < 0.01 * SLIDE_MU, "sliding, it was off by %g", worst);
+    tissue_close(&tissue);
+}
+
+/* Until it rests, at home or trembling by 0.03 mm round it. */
+static void tremble(struct tissue *tissue, const double home[3], int ticks, uint64_t *seed)
+{
+    for (int t = 0; t < ticks; t++) {
+        for (int k = 0; k < 3; k++)
+            tissue->rig.device.position[k] = home[k] + random_in(seed, -1.5e-5, 1.5e-5);
+        tissue_tick(tissue);
+    }
+    memcpy(tissue->rig.device.position, home, 3 * sizeof *home);
+    for (int t = 0; t < 500; t++)
+        tissue_tick(tissue);
+}
+
+/* Pulled aside and trembling: what sticks rolls, but does not creep. A first while is for the tissue to settle. */
+static void what_sticks_does_not_creep(void)
+{
+    struct tissue tissue;
+    double jump;
+    if (begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, LEANING, &jump)) {
+        const int ticks = 1000 * (int)part_of(100);
+        uint64_t seed = 5;
+        double home[3], from[3], drift[3];
+        for (int t = 0; t < 100; t++) {
+            tissue.rig.device.position[1] += TICK;
+            tissue_tick(&tissue);
+        }
+        memcpy(home, tissue.rig.device.position, sizeof home);
+        tremble(&tissue, home, 3000, &seed);
+        memcpy(from, end_of(&tissue)->position, sizeof from);
+        tremble(&tissue, home, ticks, &seed);
+        for (int k = 0; k < 3; k++)
+            drift[k] = end_of(&tissue)->position[k] - from[k];
+        CHECK(tissue.force.sticking == 1, "it does not stick");
+        CHECK(length3(drift) < 1e-6, "it crept by %g m in %d ticks", length3(drift), ticks);
+    }
+    tissue_close(&tissue);
+}
+
+/* Round and round on the surface: forces and torques sum up to zero in each tick, and the device only ever gives work. */
+static void rubbing_takes_work(void)
+{
+    struct tissue tissue;
+    double jump, worst = 0.0, peak = 0.0, work = 0.0, last[3], from[3];
+    if (begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 1.5708, &jump)) {
+        const double x = tissue.rig.device.position[0], y = tissue.rig.device.position[1];
+        const int ticks = 1200;
+        for (int t = 0; t < 3 * ticks; t++) {
+            const double angle = 2.0 * PI * t / ticks;
+            dpt_wrench on_body;
+            double torque[3];
+            memcpy(last, tissue.wrench.force, sizeof last);
+            memcpy(from, tissue.rig.device.position, sizeof from);
+            tissue.rig.device.position[0] = x + AROUND * sin(angle);
+            tissue.rig.device.position[1] = y + AROUND * (1.0 - cos(angle));
+            peak = fmax(peak, tissue_tick(&tissue));
+            dpt_body_get_wrench(tissue.rig.world, tissue.body[0], &on_body);
+            cross3(tissue.rig.device.position, tissue.wrench.force, torque);
+            for (int k = 0; k < 3; k++) {
+                worst = fmax(worst, fabs(on_body.force[k] + tissue.wrench.force[k]));
+                worst = fmax(worst, fabs(on_body.torque[k] + tissue.wrench.torque[k] + torque[k]));
+                /* The first round begins with the tool straight below the device. */
+                if (t >= ticks)
+                    work -= 0.5 * (last[k] + tissue.wrench.force[k]) * (tissue.rig.device.position[k] - from[k]);
+            }
+        }
+        CHECK(worst <= 1e-12 * peak, "off by %g N of %g N", worst, peak);
+        CHECK(work > 0.3 * SLIDE_MU * peak * 4.0 * PI * AROUND, "two rounds took %g J", work);
+    }
+    tissue_close(&tissue);
+}
+
+/* A body that moves aside under a tool that sticks pulls it as a device that moves the other way does. */
+static void a_body_carries_what_sticks(void)
+{
+    double pulled[2] = { 0.0, 0.0 };
+    for (int by_body = 0; by_body < 2; by_body++) {
         struct tissue tissue;
-        double mean, peak = 0, e = 0, w=0, last[3]={0}, worst=0;
-        tissue_begin(&tissue, 667.0, 1.2);
-        dpt_tool_settings set = { .size = sizeof set };
-        dpt_tool_get_settings(tissue.rig.world, tissue.rig.tool, &set);
-        set.damping = i * 0.5;
-        dpt_tool_set_settings(tissue.rig.world, tissue.rig.tool, &set);
-        if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
-            tissue_roughen(&tissue, 0.5, 0.4);
-            double jump = tissue_press_and_hold(&tissue, 0.006, &mean);
-            printf("damping %g mean %g jump %g\n", set.damping, mean, jump);
-            double lastf = mean, big = 0;
-            for (int t = 0; t < 400; t++) { tissue_place(&tissue, 0.006 - 4e-5*t); double f = tissue_tick(&tissue); big = fmax(big, fabs(f-lastf)); if (t % 40 == 0) printf("   %d %.4f e %.3g w %.3g\n", t, f, tissue.force.energy, tissue.force.body_work); lastf = f; }
-            printf("  out: biggest jump %g\n", big);
+        double jump;
+        if (begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, LEANING, &jump)) {
+            dpt_pose pose = DPT_POSE_IDENTITY;
+            const double before = tissue.wrench.force[1];
+            for (int t = 0; t < 60; t++) {
+                if (by_body) {
+                    pose.position[1] -= TICK;
+                    CHECK(dpt_body_set_pose(tissue.rig.world, tissue.body[0], &pose) == DPT_OK, "not moved");
+                } else {
+                    tissue.rig.device.position[1] += TICK;
+                }
+                tissue_tick(&tissue);
+            }
+            for (int t = 0; t < 500; t++)
+                tissue_tick(&tissue);
+            CHECK(tissue.force.sticking == 1, "case %d: it does not stick", by_body);
+            pulled[by_body] = tissue.wrench.force[1] - before;
         }
         tissue_close(&tissue);
     }
+    CHECK(pulled[0] < -0.05, "it was pulled by %g N", pulled[0]);
+    CHECK(fabs(pulled[1] - pulled[0]) < 0.01 * fabs(pulled[0]), "%g N by the device, %g N by the body", pulled[0],
+          pulled[1]);
+}
+
+/* A damper is felt while the spring grows, makes nothing pull, and leaves a held tool silent. */
+static void a_damper_is_felt_while_it_moves(void)
+{
+    double pressed[2] = { 0.0, 0.0 }, held[2] = { 0.0, 0.0 };
+    for (int is_damped = 0; is_damped < 2; is_damped++) {
+        struct tissue tissue;
+        dpt_tool_settings settings = { .size = sizeof settings };
+        double jump;
+        tissue_begin(&tissue, 667.0, LEANING);
+        dpt_tool_get_settings(tissue.rig.world, tissue.rig.tool, &settings);
+        settings.damping = is_damped ? 1.0 : 0.0;
+        CHECK(dpt_tool_set_settings(tissue.rig.world, tissue.rig.tool, &settings) == DPT_OK, "not damped");
+        if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
+            jump = tissue_press_and_hold(&tissue, 0.004, &held[is_damped]);
+            CHECK(jump < 1e-3 * held[is_damped], "held, it jumps by %g N", jump);
+            for (int t = 0; t < 100; t++) {
+                tissue_place(&tissue, 0.004 + TICK * t);
+                pressed[is_damped] = tissue_tick(&tissue);
+            }
+            for (int t = 0; t < 60; t++) {
+                tissue_place(&tissue, 0.006 - 1e-3 * t);
+                tissue_tick(&tissue);
+                CHECK(tissue.wrench.force[2] >= 0.0, "it pulls by %g N", tissue.wrench.force[2]);
+            }
+        }
+        tissue_close(&tissue);
+    }
+    CHECK(fabs(held[1] - held[0]) < 5e-3 * held[0], "held, %g N and %g N", held[0], held[1]);
+    /* The spring grows by less than the device moves, as the tissue gives way. */
+    CHECK(pressed[1] > pressed[0] + 0.1 * TICK / 1e-3 && pressed[1] < pressed[0] + TICK / 1e-3,
+          "pressed, %g N and %g N", pressed[0], pressed[1]);
 }
 
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
-    TEST(damped);
+    TEST(a_held_tool_sticks_and_is_silent);
+    TEST(a_touch_obeys_coulombs_law);
+    TEST(what_sticks_does_not_creep);
+    TEST(rubbing_takes_work);
+    TEST(a_body_carries_what_sticks);
+    TEST(a_damper_is_felt_while_it_moves);
     return check_report();
 }

@@ -51,10 +51,16 @@ int tissue_add(struct tissue *tissue, uint32_t kind, uint32_t integrator, double
 
 void tissue_begin(struct tissue *tissue, double stiffness, double lean)
 {
-    const dpt_segment upright = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.06 }, 0.004 };
-    const dpt_segment lying = { { 0.0, 0.0, -0.03 }, { 0.0, 0.0, 0.03 }, 0.004 };
+    tissue_begin_thin(tissue, stiffness, lean, 0.004);
+}
+
+void tissue_begin_thin(struct tissue *tissue, double stiffness, double lean, double radius)
+{
+    const dpt_segment upright = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.06 }, radius };
+    const dpt_segment lying = { { 0.0, 0.0, -0.03 }, { 0.0, 0.0, 0.03 }, radius };
     const double axis[3] = { 0.0, 1.0, 0.0 };
     memset(tissue, 0, sizeof *tissue);
+    tissue->radius = radius;
     rig_open(&tissue->rig, NULL, NULL, lean > 1.57 ? &lying : &upright, 1);
     rig_set_law(&tissue->rig, tissue->rig.tool, DPT_LAW_PROXY, stiffness);
     pose_orient(&tissue->rig.device, axis, lean);
@@ -63,7 +69,7 @@ void tissue_begin(struct tissue *tissue, double stiffness, double lean)
 
 void tissue_place(struct tissue *tissue, double depth)
 {
-    tissue->rig.device.position[2] = tissue->top + 0.004 - depth;
+    tissue->rig.device.position[2] = tissue->top + tissue->radius - depth;
 }
 
 void tissue_roughen(struct tissue *tissue, double static_friction, double kinetic_friction)

@@ -27,6 +27,7 @@ struct tissue {
     dpt_springs_info info[TISSUES_MAX];
     uint32_t count;
     double top;                    /* of the bodies at rest, along z */
+    double radius;                 /* of the tool */
     int is_sleepless, is_undamped; /* set before bodies are added */
     dpt_wrench wrench;             /* of the last tick */
     dpt_force_info force;
@@ -34,6 +35,7 @@ struct tissue {
 
 /* A world without bodies, and a tool of 60 mm that leans: 0 is upright on its tip, pi / 2 lies across. */
 void tissue_begin(struct tissue *tissue, double stiffness, double lean);
+void tissue_begin_thin(struct tissue *tissue, double stiffness, double lean, double radius);
 
 /*
  * A ball of springs of 0.1 m, or a membrane, whose lower part or border is fixed, at x. load_radius above 0: the tool's
