@@ -6,7 +6,7 @@
  *
  *     test_tissue_solve [PER CENT = 100]
  */
-#include "world/tissue_brute.h"
+#include "world/tissue_room.h"
 
 enum { TICKS = 240, EACH = 5 };
 
@@ -15,6 +15,9 @@ enum { TICKS = 240, EACH = 5 };
 
 /* m: the library's answer may miss a condition by GAP. */
 #define GAP 1e-9
+
+/* m: and a tool may end so far from where it should. */
+#define END 1e-9
 
 /*
  * N and m: how far the two answers are apart as a rule. Where pairs nearly depend on each other they may be farther: two
@@ -28,6 +31,8 @@ enum { TICKS = 240, EACH = 5 };
 struct worst {
     double force, node; /* of what is allowed: the largest share */
     double gap, product, pull, peak;
+    double end;          /* m: how far a tool is from where the step should leave it */
+    uint32_t gave_way;   /* tools that the surfaces moved from where their pushes had put them, by more than END */
     uint32_t ticks, off; /* compared, and of these farther apart than as a rule */
     uint32_t touched[TISSUE_BODIES][TISSUE_TOOLS];
     uint32_t most; /* pairs that push */
@@ -74,6 +79,23 @@ static void compare(const struct brute *brute, uint32_t substeps, struct worst *
     worst->ticks++;
 }
 
+/* From a tool's proxy to where its spring ends that gives the wrench. */
+static void find_way(const struct brute *brute, uint32_t t, double way[6])
+{
+    const struct tissue_tool *tool = &brute->tissue->tool[t];
+    double ends[6], arm[3], torque[3];
+    brute_way_to(brute, t, &tool->device, way);
+    pose_ends(&brute->proxy[t], &tool->segment, ends);
+    for (int k = 0; k < 3; k++)
+        arm[k] = tool->device.position[k] - 0.5 * (ends[k] + ends[3 + k]);
+    cross3(arm, tool->force.wrench.force, torque);
+    for (int k = 0; k < 3; k++) {
+        way[k] += tool->force.wrench.force[k] / tool->stiffness;
+        if (tool->rho > 0.0)
+            way[3 + k] += (torque[k] + tool->force.wrench.torque[k]) / (tool->stiffness * tool->rho);
+    }
+}
+
 /*
  * The conditions of the problem, of the library's own answer: its gaps at the brute solve's pairs, beyond what is asked for,
  * from the wrench and the nodes after the step, and the pushes that are told. Where a tick has one substep.
@@ -86,22 +108,13 @@ static void judge_conditions(struct brute *brute, struct worst *worst)
     for (uint32_t t = 0; t < tissue->tool_count; t++) {
         const struct tissue_tool *tool = &tissue->tool[t];
         dpt_tool_load loads[128];
-        double way[6], ends[6], arm[3], torque[3];
+        double way[6];
         uint32_t count = 0;
         if (!is_on_soft(brute, t))
             continue;
         loads[0].size = sizeof *loads;
         dpt_tool_get_loads(tissue->rig.world, tool->id, loads, 128, &count);
-        brute_way_to(brute, t, &tool->device, way);
-        pose_ends(&brute->proxy[t], &tool->segment, ends);
-        for (int k = 0; k < 3; k++)
-            arm[k] = tool->device.position[k] - 0.5 * (ends[k] + ends[3 + k]);
-        cross3(arm, tool->force.wrench.force, torque);
-        for (int k = 0; k < 3; k++) {
-            way[k] += tool->force.wrench.force[k] / tool->stiffness;
-            if (tool->rho > 0.0)
-                way[3 + k] += (torque[k] + tool->force.wrench.torque[k]) / (tool->stiffness * tool->rho);
-        }
+        find_way(brute, t, way);
         for (uint32_t i = 0; i < brute->count; i++) {
             struct brute_pair *pair = &brute->pair[i];
             if (pair->tool != t)
@@ -121,6 +134,28 @@ static void judge_conditions(struct brute *brute, struct worst *worst)
                     best = fmax(best, dot3(loads[k].force, brute->pair[i].n) / length3(loads[k].force));
             worst->pull = fmax(worst->pull, 1.0 - best);
         }
+    }
+}
+
+/* Where the step has left the tools that are pushed. The brute's pairs are lost. */
+static void judge_ends(struct brute *brute, struct worst *worst)
+{
+    const struct tissue_rig *tissue = brute->tissue;
+    double way[TISSUE_TOOLS][6];
+    int is_pushed[TISSUE_TOOLS];
+    for (uint32_t t = 0; t < tissue->tool_count; t++) {
+        is_pushed[t] = is_on_soft(brute, t) && length3(tissue->tool[t].force.wrench.force) > 0.0;
+        find_way(brute, t, way[t]);
+    }
+    for (uint32_t t = 0; t < tissue->tool_count; t++) {
+        double motion, off[6];
+        if (!is_pushed[t])
+            continue;
+        const dpt_pose end = tissue_tool_last_end(tissue, &tissue->tool[t]);
+        brute->proxy[t] = room_of_end(brute, t, way[t], &motion);
+        brute_way_to(brute, t, &end, off);
+        worst->end = fmax(worst->end, sqrt(brute_product(off, off)));
+        worst->gave_way += motion > END;
     }
 }
 
@@ -184,6 +219,8 @@ static void press(struct brute *brute, uint64_t seed, double depth, struct worst
             compare(brute, substeps, worst);
         if (is_due && substeps == 1)
             judge_conditions(brute, worst);
+        if (is_due && substeps == 1)
+            judge_ends(brute, worst);
     }
 }
 
@@ -277,6 +314,7 @@ static void it_is_what_a_brute_solve_finds(void)
 {
     static struct brute brute;
     static struct tissue_rig tissue;
+    uint32_t gave_way = 0;
     for (size_t s = 0; s < sizeof scenes / sizeof *scenes; s++)
         for (int turn = 0; turn < (int)part_of(8); turn++) {
             const struct scene *scene = &scenes[s];
@@ -285,12 +323,14 @@ static void it_is_what_a_brute_solve_finds(void)
             if (brute_open(&brute, &tissue) && make_scene(&tissue, scene, (uint64_t)(turn + 1) * 77 + s)) {
                 press(&brute, (uint64_t)turn, 0.006, &worst);
                 judge(&worst, scene->name, turn);
+                gave_way += worst.gave_way;
                 for (int i = 0; i < TISSUE_BODIES * TISSUE_TOOLS; i++)
                     touched += worst.touched[i / TISSUE_TOOLS][i % TISSUE_TOOLS] > 0;
                 CHECK(touched >= scene->touched, "%s, %d: %d tools on bodies", scene->name, turn, touched);
             }
             brute_close(&brute);
         }
+    CHECK(gave_way || part_of(8) < 2, "no tool gave way");
 }
 
 /* A box, round at its edges, that is pressed into a ball and turned. */

@@ -213,7 +213,7 @@ static void pairs_of_tip(struct brute *brute, uint32_t b, const uint32_t *corner
             }
 }
 
-static void find_pairs(struct brute *brute)
+void brute_find_pairs(struct brute *brute)
 {
     const struct tissue_rig *tissue = brute->tissue;
     brute->count = 0;
@@ -418,8 +418,7 @@ static int settle_by_trial(struct brute *brute)
     return 0;
 }
 
-/* Pushes >= 0 whose gaps are >= 0, with one or the other zero. */
-static void solve(struct brute *brute)
+void brute_solve_pairs(struct brute *brute)
 {
     double gap[BRUTE_PAIRS], left = 0.0;
     for (uint32_t i = 0; i < brute->count; i++) {
@@ -563,7 +562,7 @@ void brute_solve_tick(struct brute *brute, uint32_t substeps)
         dpt_tool_get_proxy(tissue->rig.world, tissue->tool[t].id, &brute->proxy[t]);
         brute_way_to(brute, t, &end, brute->way[t]);
     }
-    find_pairs(brute);
+    brute_find_pairs(brute);
     make_matrix(brute, h);
     keep(tissue, whole, 0);
     brute_read_nodes(tissue, brute->begin);
@@ -577,7 +576,7 @@ void brute_solve_tick(struct brute *brute, uint32_t substeps)
         brute_add_speeds(tissue, h, brute->end);
         keep(tissue, before, 1);
         find_free_gaps(brute);
-        solve(brute);
+        brute_solve_pairs(brute);
         for (uint32_t i = 0; i < brute->count; i++)
             push_tool(brute, &brute->pair[i], 1.0 / substeps);
         step_by_hand(brute, h, 1);

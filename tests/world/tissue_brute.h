@@ -50,6 +50,12 @@ void brute_close(struct brute *brute);
 /* After the world's step: what the springs' step should answer. Nodes end in brute->mine; the springs are as before. */
 void brute_solve_tick(struct brute *brute, uint32_t substeps);
 
+/* All pairs of the tools at `proxy`, as near as BRUTE_NEAR. */
+void brute_find_pairs(struct brute *brute);
+
+/* Of all pairs, by their free gaps and the matrix: pushes >= 0 whose gaps are >= 0, with one or the other zero. */
+void brute_solve_pairs(struct brute *brute);
+
 /* Where all nodes are, and where EULER's speeds lead them in a substep more: a load moves nodes in the step after it. */
 void brute_read_nodes(const struct tissue_rig *tissue, double *at);
 void brute_add_speeds(const struct tissue_rig *tissue, double h, double *at);
