@@ -306,6 +306,7 @@ static void judge(const struct worst *worst, const char *name, int turn)
     CHECK(worst->off <= 0.05 * worst->ticks, "%s, %d: off in %u ticks of %u", name, turn, worst->off, worst->ticks);
     CHECK(worst->gap < GAP, "%s, %d: %g m deep", name, turn, worst->gap);
     CHECK(worst->product < GAP, "%s, %d: pushed over a gap of %g m", name, turn, worst->product);
+    CHECK(worst->end < END, "%s, %d: a tool ends %g m from where it should", name, turn, worst->end);
     CHECK(worst->pull < 1e-6, "%s, %d: a load is not along its pair: %g", name, turn, worst->pull);
     CHECK(worst->peak > 0.002 && worst->ticks > 30, "%s, %d: %g N in %u ticks", name, turn, worst->peak, worst->ticks);
 }
