@@ -169,14 +169,14 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  *
  * With DPT_RESPONSE_LOAD a tool with a proxy and the tissue are solved together: no point of the tool is in the tissue
  * after the step, and what moves the tissue is what is felt. From then on the tool's wrench, loads and energy are those of
- * this answer: read and send them after this call, in the same tick. That holds for tools and bodies without friction,
- * damping or a surface's stiffness, without load_radius and period. Elsewhere the wrench is that of the world's step, and
- * its loads act on the nodes.
+ * this answer: read and send them after this call, in the same tick. Friction sticks to where the tool was after the last
+ * step, so what lies on a tool weighs on it what it weighs. All of this holds for bodies without a surface's stiffness, a
+ * load_radius and a period. Elsewhere the wrench is that of the world's step, and its loads act on the nodes.
  *
  * With DPT_RESPONSE_DISPLACE, which is for nodes that are the vertices, nodes are where tools have moved them, and no longer
- * go into the tool; the body's friction acts on what goes along it (dpt_body_settings). Use it for a light sheet that lies
- * on a tool: loads at single points do not carry that. On a tool that does not move such a sheet comes to rest and sleeps,
- * and is felt as before.
+ * go into the tool; the body's friction acts on what goes along it (dpt_body_settings). It is the paper's, for the laws
+ * `point` and `bed`. On a tool that does not move a sheet comes to rest and sleeps, and is felt as before, but it is not
+ * felt by its weight.
  *
  *   springs  made with the body's mesh
  *

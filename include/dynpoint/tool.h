@@ -166,7 +166,10 @@ enum {
     DPT_FORCE_FLAG_PARTIAL = 2,
     /* The pose that held the proxy is gone, and it moves on to another: the force may change fast. */
     DPT_FORCE_FLAG_FOLD = 4,
-    /* Moving bodies leave the proxy no free pose, and it starts again at the device. The step's contacts are those before. */
+    /*
+     * Moving bodies leave the proxy no free pose, and it starts again at the device. The step's contacts are those before.
+     * Where it was stepped together with tissue, it stays: the tissue dents it by up to a half of its radius.
+     */
     DPT_FORCE_FLAG_SQUEEZED = 8,
     /* The proxy was more than 1 rad from the device, and starts again there. The step's contacts are those before. */
     DPT_FORCE_FLAG_REPLACED = 16,
@@ -279,8 +282,8 @@ typedef struct dpt_tool_load {
 /*
  * The tool's loads, from the last step; none while its wrench is zero. A step takes at most 0.3 % longer for them.
  *   loads   at most `capacity` are written. loads[0].size must be set. May be NULL if capacity is 0
- *   count   how many there are, which may be more than `capacity`: at most six for a tool with a proxy, one a segment
- *           with DPT_LAW_POINT, one a contact with DPT_LAW_BED
+ *   count   how many there are, which may be more than `capacity`: at most six for a tool with a proxy, as many as push
+ *           where it was stepped together with tissue, one a segment with DPT_LAW_POINT, one a contact with DPT_LAW_BED
  */
 DPT_API dpt_result dpt_tool_get_loads(const dpt_world *world, dpt_tool tool, dpt_tool_load *loads, uint32_t capacity,
                                       uint32_t *count);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "lib/soft_scene.h"
 
+#include <math.h>
+
 #include "scene/scene_list.h"
 #include "scene/scene_physics.h"
 
@@ -9,10 +11,12 @@
 static int open_world(struct soft_scene *scene)
 {
     const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, RADIUS };
-    /* With friction tool and tissue are not solved together: loads move the tissue, as where physics is elsewhere. */
-    const struct force_options options = { .law = DPT_LAW_PROXY, .stiffness = 100.0, .friction = 1e-6 };
+    const struct force_options options = { .law = DPT_LAW_PROXY, .stiffness = 100.0, .friction = NAN };
     dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.max_bodies = scene->bodies.count;
+    /* Surfaces that yield are not solved together with a tool: loads move the tissue, as where physics is elsewhere. */
+    for (uint32_t i = 0; i < scene->bodies.count; i++)
+        scene->bodies.body[i].settings.stiffness = 1e9;
     if (!rig_open(&scene->rig, &def, NULL, &ball, 1))
         return 0;
     dpt_result result = scene_bodies_add(&scene->bodies, scene->rig.world, &options);
