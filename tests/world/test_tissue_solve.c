@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Contact solved with the tissue's step, against tissue_brute.h: a tool across two soft bodies, soft beside rigid, two tools
- * on one body and on a sheet, all of it at once, a polyhedral tip; the conditions of the problem by what is told; another
- * order of tools and bodies.
+ * on one body and on a sheet, all of it at once, a tool that does not turn, a polyhedral tip; the conditions of the problem by
+ * what is told; where a step leaves the tools; another order of tools and bodies.
  *
  *     test_tissue_solve [PER CENT = 100]
  */
@@ -33,6 +33,7 @@ struct worst {
     double gap, product, pull, peak;
     double end;          /* m: how far a tool is from where the step should leave it */
     uint32_t gave_way;   /* tools that the surfaces moved from where their pushes had put them, by more than END */
+    uint32_t crowded;    /* tools for whose touches there was no room */
     uint32_t ticks, off; /* compared, and of these farther apart than as a rule */
     uint32_t touched[TISSUE_BODIES][TISSUE_TOOLS];
     uint32_t most; /* pairs that push */
@@ -69,6 +70,7 @@ static void compare(const struct brute *brute, uint32_t substeps, struct worst *
             fmax(worst->force, force / (FORCE_OFF + substeps * sqrt(2.0 * RESIDUAL * tissue->tool[t].stiffness * sum)));
         worst->peak = fmax(worst->peak, length3(mine->force));
         is_off |= force > FORCE_OFF;
+        worst->crowded += (tissue->tool[t].force.flags & DPT_FORCE_FLAG_CROWDED) != 0;
     }
     brute_read_nodes(tissue, brute->end);
     for (size_t i = 0; i < (size_t)TISSUE_BODIES * BRUTE_ROOM; i++)
@@ -307,6 +309,7 @@ static void judge(const struct worst *worst, const char *name, int turn)
     CHECK(worst->gap < GAP, "%s, %d: %g m deep", name, turn, worst->gap);
     CHECK(worst->product < GAP, "%s, %d: pushed over a gap of %g m", name, turn, worst->product);
     CHECK(worst->end < END, "%s, %d: a tool ends %g m from where it should", name, turn, worst->end);
+    CHECK(!worst->crowded, "%s, %d: crowded in %u ticks", name, turn, worst->crowded);
     CHECK(worst->pull < 1e-6, "%s, %d: a load is not along its pair: %g", name, turn, worst->pull);
     CHECK(worst->peak > 0.002 && worst->ticks > 30, "%s, %d: %g N in %u ticks", name, turn, worst->peak, worst->ticks);
 }
