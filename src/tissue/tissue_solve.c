@@ -163,23 +163,13 @@ static double lever_product(const double *lever, const double *unknowns)
     return sum;
 }
 
-/* How far the point of a touch would move in the substep, without the pushes that are to be found; and had moved before. */
-static vec3 point_slid(const struct tissue_solve *solve, const struct tissue_link *link)
+/* How far the point of a touch would slide in the substep, without the pushes that are to be found; or had moved before. */
+static vec3 point_moved(const struct tissue_solve *solve, const struct tissue_link *link, int slides)
 {
     vec3 moved = { 0.0, 0.0, 0.0 };
     for (uint32_t k = 0; k < link->count; k++) {
         const struct tissue_node *node = &solve->nodes[link->node[k]];
-        moved = along(moved, link->weight[k], add(node->slid, node->known));
-    }
-    return moved;
-}
-
-static vec3 point_moved(const struct tissue_solve *solve, const struct tissue_link *link)
-{
-    vec3 moved = { 0.0, 0.0, 0.0 };
-    for (uint32_t k = 0; k < link->count; k++) {
-        const struct tissue_node *node = &solve->nodes[link->node[k]];
-        moved = along(moved, link->weight[k], sub(node->moved, node->slid));
+        moved = along(moved, link->weight[k], slides ? add(node->slid, node->known) : sub(node->moved, node->slid));
     }
     return moved;
 }
@@ -194,10 +184,10 @@ static void set_gaps_of_touches(struct tissue_solve *solve)
         const struct tissue_row *row = &solve->rows[i];
         const struct tissue_link *link = &solve->links[i];
         const struct tissue_tool *tool = &solve->tools[link->tool];
-        const double moved = solve->touches.touch[i].gap - dot(row->within, point_moved(solve, link));
+        const double moved = solve->touches.touch[i].gap - dot(row->within, point_moved(solve, link, 0));
         const double now = moved + lever_product(row->lever, tool->end);
         solve->free_gap[i] = moved + lever_product(row->lever, tool->known) -
-                             dot(row->within, point_slid(solve, link)) - (1.0 - RECOVERED) * min_of(now, 0.0);
+                             dot(row->within, point_moved(solve, link, 1)) - (1.0 - RECOVERED) * min_of(now, 0.0);
         solve->kind[i] = COMPLEMENTARITY_CONSTRAINT;
     }
 }
@@ -213,7 +203,7 @@ static void set_gaps_of_rubs(struct tissue_solve *solve)
             const struct tissue_link *link = &solve->links[row->touch];
             const struct tissue_tool *tool = &solve->tools[link->tool];
             solve->free_gap[i] = lever_product(row->lever, tool->known) - lever_product(row->lever, tool->end) -
-                                 dot(row->within, point_slid(solve, link)) - share * solve->rubs[r].carried[d];
+                                 dot(row->within, point_moved(solve, link, 1)) - share * solve->rubs[r].carried[d];
             solve->kind[i] = solve->rubs[r].state == RUB_STICKS ? COMPLEMENTARITY_EQUAL : COMPLEMENTARITY_WATCHED;
         }
 }
