@@ -34,21 +34,16 @@ struct axis {
     double middle[3], half[3];
 };
 
-static struct axis axis_of(const double ends[6])
+static struct axis axis_at(const struct tissue_tool *tool, const dpt_pose *pose)
 {
     struct axis axis;
+    double ends[6];
+    pose_ends(pose, &tool->segment, ends);
     for (int k = 0; k < 3; k++) {
         axis.middle[k] = 0.5 * (ends[k] + ends[3 + k]);
         axis.half[k] = 0.5 * (ends[3 + k] - ends[k]);
     }
     return axis;
-}
-
-static struct axis axis_at(const struct tissue_tool *tool, const dpt_pose *pose)
-{
-    double ends[6];
-    pose_ends(pose, &tool->segment, ends);
-    return axis_of(ends);
 }
 
 /* The rotation vector of the least turn between two axes. */
@@ -184,10 +179,9 @@ static void point_motion(const struct tissue_body *body, const struct surface *s
     }
 }
 
-/* J: pushes times gaps. */
+/* J: pushes times how far gaps were from what is asked for, and times what is made good of those that were deep. */
 struct begun {
-    double all,
-        regained; /* how far the gaps were from what is asked for, and what is made good of those that were deep */
+    double all, regained;
 };
 
 /* m: from a point on the surface to the tool's axis along a pair's normal: to its nearest point there, or to an end. */
