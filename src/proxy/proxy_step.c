@@ -416,8 +416,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
         }
     }
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
-    const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    const struct displacement behind = dpti_proxy_displacement(proxy, &tick->at, &tick->device);
+    const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->device);
     const double motion = displacement_norm(&proxy->coupling, &moved);
     const double far = displacement_norm(&proxy->coupling, &left);
     proxy->owed = min_of(proxy->owed, 2.0 * far);
@@ -429,7 +428,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
         proxy->flags |= DPT_FORCE_FLAG_FOLD;
         proxy->folds++;
     }
-    if (length(behind.turn) > LAG_TURN_MAX) {
+    if (length(left.turn) > LAG_TURN_MAX) {
         proxy->flags |= DPT_FORCE_FLAG_REPLACED;
         place_again(tick);
     }

@@ -103,10 +103,14 @@ struct tissue_solve {
     uint32_t node_count;
     uint32_t rub_count;
     uint32_t is_begun; /* 1: there was a substep since touches were linked */
+    uint32_t tick;     /* the world's, in which its answer was told */
+    uint32_t repeats;  /* how often in a row the answer was the same */
     uint32_t is_full;  /* 1: touches or nodes had no room, too many held at one time, or one could be met by no push */
     struct tissue_body bodies[TISSUE_BODIES_MAX];
     struct tissue_tool tools[TISSUE_TOOLS_MAX];
+    double told[TISSUE_TOOLS_MAX][TOUCH_DIMENSIONS]; /* what each tool felt then */
     struct touches touches;
+    struct touches room; /* at the end of the step */
     struct tissue_link links[TOUCHES_MAX];
     struct tissue_node nodes[TISSUE_NODES_MAX];
     struct tissue_rub rubs[TISSUE_RUBS_MAX];

@@ -161,6 +161,15 @@ static void note_felt(const struct tissue_solve *solve, struct tool *tool, struc
     proxy->felt = felt;
 }
 
+static void note_rubs(const struct tissue_tool *from, struct proxy *proxy, int is_held)
+{
+    proxy->is_ended = 1;
+    proxy->sticking = from->sticking;
+    proxy->slipping = from->slipping;
+    proxy->is_led = is_held && from->sticking + from->slipping > 0;
+    proxy->is_sliding = from->is_sliding;
+}
+
 /* rad: a tool that friction has turned farther from its device lets go there. */
 #define TURN_MAX 1.0
 
@@ -215,11 +224,7 @@ static void note_end(const struct tissue_solve *solve, const struct tissue_tool 
     const int is_held = tool->force_reason == DPT_FORCE_ACTS && length(felt.turn) + fabs(felt.spin) < TURN_MAX;
     proxy->end_motion = dpti_proxy_displacement(proxy, &last, &end);
     proxy->end = is_held ? end.pose : tool->pose;
-    proxy->is_ended = 1;
-    proxy->sticking = from->sticking;
-    proxy->slipping = from->slipping;
-    proxy->is_led = is_held && from->sticking + from->slipping > 0;
-    proxy->is_sliding = from->is_sliding;
+    note_rubs(from, proxy, is_held);
 }
 
 /* What a tool feels: the pushes of its touches, about its device's origin. What a program's own function added stays. */
@@ -251,13 +256,56 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
     }
     proxy->pushed = pushed_by(from);
     note_felt(solve, tool, proxy, dpti_proxy_of_unknowns(proxy, from->axes, from->felt));
-    note_end(solve, from, tool, proxy);
 }
 
-void dpti_tissue_tell(const struct tissue_solve *solve, struct dpt_world *world)
+/* How often an answer must be the same before it is taken for the next one, too. */
+enum { REPEATS = 2 };
+
+static void note_repeats(struct tissue_solve *solve, const struct dpt_world *world)
 {
-    for (uint32_t t = 0; t < solve->tool_count; t++)
+    int is_same = world_was_last_tick(world, solve->tick);
+    for (uint32_t t = 0; t < solve->tool_count; t++) {
+        is_same &= !memcmp(solve->told[t], solve->tools[t].felt, sizeof solve->told[t]);
+        memcpy(solve->told[t], solve->tools[t].felt, sizeof solve->told[t]);
+    }
+    solve->repeats = is_same ? solve->repeats + 1 : 0;
+    solve->tick = world->ticks;
+}
+
+void dpti_tissue_tell(struct tissue_solve *solve, struct dpt_world *world)
+{
+    for (uint32_t t = 0; t < solve->tool_count; t++) {
+        struct tool *tool = &world->tools[solve->tools[t].slot];
         set_wrench(solve, world, &solve->tools[t]);
+        note_end(solve, &solve->tools[t], tool, proxy_of(world, tool));
+    }
+    note_repeats(solve, world);
+}
+
+int dpti_tissue_rests(const struct tissue_solve *solve, const struct dpt_world *world)
+{
+    if (solve->repeats < REPEATS || !world_was_last_tick(world, solve->tick) ||
+        world->bodies_moved_tick == world->ticks)
+        return 0;
+    for (uint32_t b = 0; b < solve->body_count; b++)
+        if (solve->bodies[b].step.springs->region.count)
+            return 0;
+    for (uint32_t t = 0; t < world->tool_slot_end; t++) {
+        const struct tool *tool = &world->tools[t];
+        if (tool->slot.used && dpti_proxy_is_used(world, tool) && !proxy_of(world, tool)->is_still)
+            return 0;
+    }
+    return 1;
+}
+
+void dpti_tissue_tell_again(struct tissue_solve *solve, struct dpt_world *world)
+{
+    for (uint32_t t = 0; t < solve->tool_count; t++) {
+        struct tool *tool = &world->tools[solve->tools[t].slot];
+        set_wrench(solve, world, &solve->tools[t]);
+        note_rubs(&solve->tools[t], proxy_of(world, tool), tool->force_reason == DPT_FORCE_ACTS);
+    }
+    solve->tick = world->ticks;
 }
 
 /* ---- the end of a step ---- */
@@ -284,7 +332,7 @@ static void give_lever(void *user, uint32_t index, uint32_t first, double *colum
 /* The least motion, as unknowns, that leaves no gap below 0. Returns its length, m. */
 static double least_motion(struct tissue_solve *solve, double unknowns[TOUCH_DIMENSIONS])
 {
-    const struct touches *touches = &solve->touches;
+    const struct touches *touches = &solve->room;
     struct complementarity *problem = &solve->problem;
     for (uint32_t i = 0; i < touches->count; i++)
         solve->free_gap[i] = touches->touch[i].gap;
@@ -292,7 +340,7 @@ static double least_motion(struct tissue_solve *solve, double unknowns[TOUCH_DIM
     problem->active_count = problem->matrix = 0;
     problem->kind = NULL;
     problem->column = give_lever;
-    problem->user = &solve->touches;
+    problem->user = &solve->room;
     dpti_complementarity_solve(problem);
     memset(unknowns, 0, TOUCH_DIMENSIONS * sizeof *unknowns);
     for (uint32_t a = 0; a < problem->active_count; a++)
@@ -307,14 +355,14 @@ static double gather_at(struct tissue_solve *solve, struct dpt_world *world, con
 {
     struct touch_search search = { world, tool, proxy_of(world, tool), at, NULL, reach };
     double least = HUGE_VAL;
-    solve->touches.count = 0;
+    solve->room.count = 0;
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         search.body = &world->bodies[i];
         if (body_is_there(search.body))
-            dpti_touches_gather(&search, &solve->touches);
+            dpti_touches_gather(&search, &solve->room);
     }
-    for (uint32_t i = 0; i < solve->touches.count; i++)
-        least = min_of(least, solve->touches.touch[i].gap);
+    for (uint32_t i = 0; i < solve->room.count; i++)
+        least = min_of(least, solve->room.touch[i].gap);
     return least;
 }
 

@@ -9,11 +9,18 @@
 void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach);
 
 /* After the step: the tools' wrenches, loads, energies and end poses. */
-void dpti_tissue_tell(const struct tissue_solve *solve, struct dpt_world *world);
+void dpti_tissue_tell(struct tissue_solve *solve, struct dpt_world *world);
+
+/*
+ * Whether nothing that the answer of the last tick depends on has changed: tools stand still, what they touch sleeps, no
+ * body has moved, and the answer has repeated itself. Then it may be told again.
+ */
+int dpti_tissue_rests(const struct tissue_solve *solve, const struct dpt_world *world);
+void dpti_tissue_tell_again(struct tissue_solve *solve, struct dpt_world *world);
 
 /*
  * After the surfaces have moved: ends of tools give way to what the solve took as flat. There proxies are free in the next
- * tick. The touches are lost.
+ * tick.
  */
 void dpti_tissue_settle(struct tissue_solve *solve, struct dpt_world *world);
 

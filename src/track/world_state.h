@@ -192,8 +192,6 @@ struct proxy {
     struct displacement felt; /* the rest of it, in the last tick; 0: no force */
     struct fade fade;
     uint64_t folds;
-    uint32_t sticking; /* contacts with friction */
-    uint32_t slipping;
     uint32_t state;   /* PROXY_... */
     uint32_t shape;   /* PROXY_BALL, ... */
     uint32_t flags;   /* DPT_FORCE_FLAG_... of this tick */
@@ -214,8 +212,10 @@ struct proxy {
      */
     dpt_pose end;
     struct displacement end_motion;
-    struct displacement pushed,
-        last_pushed;     /* what pushed it there, over the stiffness: with a damper not what is felt */
+    struct displacement pushed; /* what pushed it there, over the stiffness: with a damper not what is felt */
+    struct displacement last_pushed;
+    uint32_t sticking; /* contacts with friction */
+    uint32_t slipping;
     uint32_t is_ended;   /* there was such a step since the world's last one */
     uint32_t is_led;     /* friction held it there, so the proxy follows that pose, not the device */
     uint32_t is_sliding; /* all contacts slid */

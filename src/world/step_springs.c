@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "deform/spring_contact.h"
 #include "deform/spring_vertices.h"
 #include "proxy/tool_loads.h"
@@ -241,6 +242,33 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
     return solve;
 }
 
+/* The solve of the last tick, if its answer holds and all its bodies are to be stepped alike; else NULL. */
+static struct tissue_solve *resting_solve(const struct dpt_world *world, const struct step_list *list, double dt)
+{
+    for (uint32_t i = 0; i < list->count; i++) {
+        struct tissue_solve *solve = deform_of(world_find_body(world, list->bodies[i]))->solve;
+        uint32_t found = 0;
+        for (uint32_t b = 0; solve && b < solve->body_count; b++) {
+            const uint32_t number = solve->bodies[b].number;
+            found += number < list->count && solve->bodies[b].body == world_find_body(world, list->bodies[number]) &&
+                     solve->bodies[b].step.springs == list->springs[number];
+        }
+        if (found && found == solve->body_count && solve->dt == dt && dpti_tissue_rests(solve, world))
+            return solve;
+    }
+    return NULL;
+}
+
+/* Tell the answer of the last tick again. */
+static void rest_together(struct tissue_solve *solve, struct dpt_world *world, dpt_springs_info *infos)
+{
+    dpti_tissue_tell_again(solve, world);
+    for (uint32_t b = 0; infos && b < solve->body_count; b++) {
+        dpt_springs_info *info = &infos[solve->bodies[b].number];
+        sized_write(info, info->size, &solve->bodies[b].step.info, sizeof *info);
+    }
+}
+
 static int is_in_solve(const struct tissue_solve *solve, uint32_t number)
 {
     for (uint32_t b = 0; solve && b < solve->body_count; b++)
@@ -261,8 +289,10 @@ dpt_result dpt_bodies_step_springs(dpt_world *world, const dpt_body *bodies, dpt
             if (bodies[k] == bodies[i] || springs[k] == springs[i])
                 return DPT_E_ARGUMENT;
     }
-    struct tissue_solve *solve = begin_solve(world, &list, dt);
+    struct tissue_solve *solve = resting_solve(world, &list, dt);
     if (solve)
+        rest_together(solve, world, infos);
+    else if ((solve = begin_solve(world, &list, dt)) != NULL)
         DPT_TRY(step_together(solve, world, dt, infos));
     for (uint32_t i = 0; i < count; i++)
         if (!is_in_solve(solve, i))
