@@ -36,7 +36,7 @@ pressed()
 {
     file=$1
     shift
-    succeeds "pressed $*" run soft-liver --device 'sim:?hand=hand.csv' --stiffness 100 --ticks 3000 --json --record "$file" "$@" --friction 0.0001
+    succeeds "pressed $*" run soft-liver --device 'sim:?hand=hand.csv' --stiffness 100 --ticks 3000 --json --record "$file" "$@" --law bed
 }
 
 felt()
