@@ -56,7 +56,7 @@ command_line() { # build [part]
         case $topic in devices.sh) run=run_waiting ;; *) run=run ;; esac
         # Under sanitizers: what reads arguments and files, and what is wrong in them. The library has its programs.
         case $1-$topic in
-        */*-usage.sh | */*-scene_faults.sh | */*-meshes.sh | */*-traces.sh | */*-embed.sh) ;;
+        */*-usage.sh | */*-scene_faults.sh | */*-meshes.sh | */*-traces.sh) ;;
         */*) continue ;;
         esac
         $run "the program $1, ${topic%.sh}" sh "$script" "$@"
