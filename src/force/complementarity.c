@@ -332,6 +332,10 @@ static void finish(struct complementarity *problem)
 
 int dpti_complementarity_solve(struct complementarity *problem)
 {
+    if (!problem->count) {
+        problem->active_count = problem->passes = 0;
+        return COMPLEMENTARITY_SOLVED;
+    }
     int result = begin(problem);
     while (result == COMPLEMENTARITY_SOLVED && problem->passes < PASSES * problem->count) {
         const uint32_t missed = most_missed(problem);
