@@ -8,7 +8,7 @@
 #     sh tests/cross.sh [BUILD_DIR]
 #
 # BUILD_DIR holds the program of this machine; the others go to build/cross-aarch64 and
-# build/cross-s390x. JOBS: how many compilers at a time.
+# build/cross-s390x. JOBS: how many compilers at a time. RELEASE=no: of AArch64 the single files alone.
 
 cd "$(dirname "$0")/.." || exit 2
 . tests/lib/verdict.sh
@@ -106,6 +106,11 @@ try()
     log=$folder/log out=$folder/work
     : >"$log"
     single "$1-linux-gnu-"
+    # Before a merge the big-endian machine runs everything; of the other its kernel is what differs, and its answers tell.
+    if [ "$1" = aarch64 ] && [ "${RELEASE:-yes}" = no ]; then
+        hashes "$1-linux-gnu-" "qemu-$1-static"
+        return
+    fi
     check "$machine: build, see $log" build
     [ -x "$folder/dynpoint" ] || return
     check "$machine: warnings, see $log" test "$(grep -c warning: "$log")" -eq 0

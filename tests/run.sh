@@ -106,7 +106,7 @@ else
     build CONFIG=sanitize all check-programs
     wait
     # The longest first.
-    run "other machines" env JOBS=1 sh tests/cross.sh build
+    run "other machines" env JOBS=1 RELEASE="$release" sh tests/cross.sh build
     run_reading "include src tools/packaging" "single files" env COMPILERS="$compilers" sh tests/amalgamation.sh build
     [ "$whole" = check ] || run "planted faults" sh tests/planted.sh build
     run "the libraries" env RELEASE="$release" sh tests/abi/check.sh build
