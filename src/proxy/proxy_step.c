@@ -257,15 +257,21 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
  */
 static int choose_end(struct proxy_tick *tick, double allowed, struct proxy_motion *motion)
 {
-    tick->dented = tick->proxy->gap < 0.0 ? DENTED_MOST : 0.0;
     if (!tick->is_before || !tick->has_end)
         return 0;
     tick->has_end = 0;
     motion->to = dpti_proxy_pose_of(tick->proxy, &tick->end);
     const struct displacement way = dpti_proxy_displacement(tick->proxy, &tick->at, &motion->to);
     motion->size = displacement_norm(&tick->proxy->coupling, &way);
-    tick->dented = max_of(tick->dented, DENTED);
     return motion->size <= allowed;
+}
+
+/* The share of its radius by which a tool may be dented on its next motion. One that is dented already may stay so. */
+static double dent_allowed(const struct proxy_tick *tick, int goes_to_end)
+{
+    if (tick->proxy->gap < 0.0)
+        return DENTED_MOST;
+    return goes_to_end ? DENTED : 0.0;
 }
 
 /* m: of the thinnest part of the tool. */
@@ -307,8 +313,9 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     const struct displacement left = dpti_proxy_displacement(proxy, &from, &tick->goal);
     if (go_to_goal(tick, &left, *allowed))
         return FOLLOW_DONE;
-    const int choice =
-        choose_end(tick, *allowed, &motion) ? FOLLOW_MOVED : choose_motion(tick, &left, *allowed, &motion);
+    const int goes_to_end = choose_end(tick, *allowed, &motion);
+    const int choice = goes_to_end ? FOLLOW_MOVED : choose_motion(tick, &left, *allowed, &motion);
+    tick->dented = dent_allowed(tick, goes_to_end);
     if (choice != FOLLOW_MOVED)
         return choice;
     const double made = dpti_proxy_move(tick, &motion.to, &met);
