@@ -313,12 +313,12 @@ const struct lab_case hum_case = {
         "mN of force fails. Tissue is as damped as its scene has it. The rigid liver is the reference; it is "
         "pressed less deep: a rigid surface with dents lets a proxy snap that is held back by more than its "
         "radius. Real organs are made soft as the liver is, and lie flat.",
-    .advice = "Rigid bodies do not hum, and what gives way does not where it is solved together with the tool "
-              "(docs/algorithms/tissue.md). Elsewhere, as with friction and the integrator IMPLICIT, few points hold a "
-              "tool that lies, give way in each tick, and others hold it in the next: a coupling of 200 N/m hums least "
-              "there. More damping of the coupling makes it worse, and a low-pass slow enough to hide it makes the "
-              "tissue late. A light sheet hums under a tool that is thicker than its edges are long, with EULER most: "
-              "choose SYMPLECTIC, some drag, and a thinner tool.",
+    .advice =
+        "Rigid bodies do not hum, and what gives way does not where it is solved together with the tool "
+        "(docs/algorithms/tissue.md). Elsewhere, as with a load_radius, few points hold a tool that lies, give "
+        "way in each tick, and others hold it in the next: a coupling of 200 N/m hums least there. More damping of the coupling makes it worse, and a low-pass slow enough to hide it makes the "
+        "tissue late. A light sheet hums under a tool that is thicker than its edges are long, with EULER and "
+        "IMPLICIT most: choose SYMPLECTIC, some drag, and a thinner tool.",
     .run = run,
     .is_named_only = 1
 };
