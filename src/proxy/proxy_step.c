@@ -27,8 +27,12 @@ enum { PUSHES_MAX = 4 };
 /* The smallest share that is left of a shortened motion. */
 #define SHARE_MIN 0.01
 
-/* The share of a tool's radius that tissue may dent where it leaves no room. */
-#define DENTED 0.5
+/*
+ * The share of a tool's radius that surfaces may dent: on the way to the end of a step together with tissue, and where
+ * tissue leaves no room there.
+ */
+#define DENTED      0.1
+#define DENTED_MOST 0.5
 
 /* rad: the largest turn of one motion, and the turn from the device beyond which the proxy starts again there. */
 #define TURN_MAX     0.3
@@ -247,6 +251,29 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     return FOLLOW_MOVED;
 }
 
+/*
+ * In a step together with tissue (src/tissue) the surface has gone to where the tool ended: there it is free. Surfaces that
+ * pass it by on the way may dent its skin, and no more.
+ */
+static int choose_end(struct proxy_tick *tick, double allowed, struct proxy_motion *motion)
+{
+    if (!tick->is_before || !tick->has_end)
+        return 0;
+    tick->has_end = 0;
+    motion->to = dpti_proxy_pose_of(tick->proxy, &tick->end);
+    const struct displacement way = dpti_proxy_displacement(tick->proxy, &tick->at, &motion->to);
+    motion->size = displacement_norm(&tick->proxy->coupling, &way);
+    return motion->size <= allowed;
+}
+
+/* The share of its radius by which a tool may be dented on its next motion. One that is dented already may stay so. */
+static double dent_allowed(const struct proxy_tick *tick, int goes_to_end)
+{
+    if (tick->proxy->gap < 0.0)
+        return DENTED_MOST;
+    return goes_to_end ? DENTED : 0.0;
+}
+
 /* m: of the thinnest part of the tool. */
 static double least_radius(const struct proxy_tick *tick)
 {
@@ -265,8 +292,8 @@ static int give_way(struct proxy_tick *tick)
     double met;
     if (!tick->has_ended)
         return 0;
-    tick->dented = DENTED;
-    tick->spare = DENTED * least_radius(tick);
+    tick->dented = DENTED_MOST;
+    tick->spare = DENTED_MOST * least_radius(tick);
     if (tick->is_before) {
         const struct proxy_pose end = dpti_proxy_pose_of(tick->proxy, &tick->end);
         tick->is_before = !(dpti_proxy_move(tick, &end, &met) == 1.0);
@@ -286,7 +313,9 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     const struct displacement left = dpti_proxy_displacement(proxy, &from, &tick->goal);
     if (go_to_goal(tick, &left, *allowed))
         return FOLLOW_DONE;
-    const int choice = choose_motion(tick, &left, *allowed, &motion);
+    const int goes_to_end = choose_end(tick, *allowed, &motion);
+    const int choice = goes_to_end ? FOLLOW_MOVED : choose_motion(tick, &left, *allowed, &motion);
+    tick->dented = dent_allowed(tick, goes_to_end);
     if (choice != FOLLOW_MOVED)
         return choice;
     const double made = dpti_proxy_move(tick, &motion.to, &met);
@@ -433,7 +462,7 @@ static void find_goal(struct proxy_tick *tick)
     struct proxy *proxy = tick->proxy;
     tick->device = tick->goal = dpti_proxy_pose_of(proxy, &tick->tool->pose);
     tick->is_led = proxy->is_ended && proxy->is_led;
-    tick->has_ended = proxy->is_ended != 0;
+    tick->has_end = tick->has_ended = proxy->is_ended != 0;
     tick->end = proxy->end;
     if (tick->is_led) {
         const struct proxy_pose end = dpti_proxy_pose_of(proxy, &proxy->end);
@@ -491,7 +520,6 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
         const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
         tick.at = dpti_proxy_spun_as(proxy, &at, &tick.device, SPIN_MAX);
         tick.gap = proxy->gap;
-        tick.dented = proxy->gap < 0.0 ? DENTED : 0.0;
         follow(&tick, displacement_norm(&proxy->coupling, &moved), dt);
         if (proxy->coupling.spin_rho > 0.0)
             tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.device, SPIN_ROLLED_MAX);

@@ -45,7 +45,8 @@ struct proxy_tick {
     struct proxy_pose goal; /* what it follows: the device, or where friction held the tool in its step with tissue */
     int is_led;             /* the latter: then no friction is added to it */
     int has_ended;          /* there was such a step, which ended at `end` */
-    double dented;          /* the share of the tool's radius that surfaces may dent in this tick */
+    int has_end;            /* and the proxy has not tried to go there */
+    double dented;          /* the share of the tool's radius that surfaces may dent on the way of a motion */
     double spare;           /* m: so much less than the minimum gap is enough after a motion */
     dpt_pose end;
     vec3 axes[3];     /* of `at`, for turns */

@@ -19,7 +19,7 @@ int dpti_tissue_rests(const struct tissue_solve *solve, const struct dpt_world *
 void dpti_tissue_tell_again(struct tissue_solve *solve, struct dpt_world *world);
 
 /*
- * After the surfaces have moved: ends of tools give way to what the solve took as flat: there proxies are free in the next
+ * After the surfaces have moved: ends of tools give way to what the solve took as flat. There proxies are free in the next
  * tick.
  */
 void dpti_tissue_settle(struct tissue_solve *solve, struct dpt_world *world);
