@@ -137,7 +137,7 @@ static void a_cloth_that_wraps_a_rod_stays_on_it(void)
         "cloth", 2048, DPT_NET_SHEET, 2.0, 500.0, 0.03, 1, { { { 0.003, -0.2, 0 }, { 0.003, 0.2, 0 }, 0.004 } }
     };
     struct scene scene;
-    uint32_t touched = 0, lost = 0;
+    uint32_t touched = 0, lost = 0, squeezed = 0;
     open_scene(&scene, &loose);
     for (int t = 0; t < 450 && scene.springs; t++) {
         dpt_force_info info = { .size = sizeof info };
@@ -147,8 +147,10 @@ static void a_cloth_that_wraps_a_rod_stays_on_it(void)
         dpt_tool_get_force_info(scene.rig.world, scene.tools[0], &info);
         touched += info.reason == DPT_FORCE_ACTS;
         lost += info.reason == DPT_FORCE_INSIDE;
+        squeezed += (info.flags & DPT_FORCE_FLAG_SQUEEZED) != 0;
     }
     CHECK(touched > 300 && lost == 0, "it was touched in %u ticks, and lost in %u", touched, lost);
+    CHECK(10 * squeezed < touched, "it had no room in %u ticks of %u", squeezed, touched);
     rig_close(&scene.rig);
     fixture_free(&scene.mesh);
 }
