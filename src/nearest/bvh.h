@@ -118,4 +118,7 @@ void dpti_range_begin(struct range *range, const struct surface *surface, const 
  */
 uint32_t dpti_range_next(struct range *range, int *may_touch);
 
+/* Instead: the next leaf of which a triangle may be within reach, or DPT_NONE likewise. They come in their order. */
+uint32_t dpti_range_next_leaf(struct range *range);
+
 #endif

@@ -394,7 +394,8 @@ void dpti_range_begin(struct range *range, const struct surface *surface, const 
     visit(range, surface->levels, 0);
 }
 
-uint32_t dpti_range_next(struct range *range, int *may_touch)
+/* The next child of a node of level `last` that may be within reach, or DPT_NONE. */
+static uint32_t next_child(struct range *range, uint32_t last)
 {
     while (range->level <= range->surface->levels) {
         uint32_t level = range->level;
@@ -405,14 +406,24 @@ uint32_t dpti_range_next(struct range *range, int *may_touch)
         uint32_t lane = first_lane(range->lanes[level]);
         range->lanes[level] &= range->lanes[level] - 1;
         uint32_t child = range->node[level] * LANES + lane;
-        if (level && work_is_spent(range->work))
+        if (level > last && work_is_spent(range->work))
             return DPT_NONE;
-        if (level) {
-            visit(range, level - 1, child);
-            continue;
-        }
-        *may_touch = !(range->bound[lane] > range->segment.margin);
-        return child;
+        if (level == last)
+            return child;
+        visit(range, level - 1, child);
     }
     return DPT_NONE;
+}
+
+uint32_t dpti_range_next(struct range *range, int *may_touch)
+{
+    const uint32_t triangle = next_child(range, 0);
+    if (triangle != DPT_NONE)
+        *may_touch = !(range->bound[triangle % LANES] > range->segment.margin);
+    return triangle;
+}
+
+uint32_t dpti_range_next_leaf(struct range *range)
+{
+    return next_child(range, 1);
 }

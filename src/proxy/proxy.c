@@ -2,6 +2,7 @@
 #include "proxy/proxy.h"
 
 #include "base/quaternion.h"
+#include "proxy/proxy_patch.h"
 #include "track/tool_parts.h"
 
 enum { BYTES_PROXY = 1584 };
@@ -9,12 +10,13 @@ typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
 
 uint64_t dpti_proxy_bytes(const dpt_world_def *def)
 {
-    return def->until == DPT_UNTIL_RESPOND ? BYTES_PROXY * (uint64_t)def->max_tools : 0;
+    return def->until == DPT_UNTIL_RESPOND ? BYTES_PROXY * (uint64_t)def->max_tools + dpti_patch_bytes(def) : 0;
 }
 
 char *dpti_proxy_place(struct dpt_world *world, char *at)
 {
     world->proxies = (void *)at;
+    world->patches = (void *)(at + BYTES_PROXY * (size_t)world->def.max_tools);
     return at + dpti_proxy_bytes(&world->def);
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/proxy_constraints.h"
 
+#include "proxy/proxy.h"
 #include "track/tool_parts.h"
 
 static void add_triangle(struct proxy_tick *tick, const struct proxy_triangle *added)
@@ -275,6 +276,23 @@ void dpti_proxy_gather(struct proxy_tick *tick, double reach)
     struct work *work = &tick->world->work;
     const uint32_t units = 1 + tick->triangle_count / 2;
     work_spend(work, units < work_left(work) ? units : work_left(work));
+}
+
+void dpti_proxy_add_plane(struct proxy_tick *tick, uint32_t triangle, const struct body *body, vec3 p,
+                          const pair *plane, double distance)
+{
+    const struct triangle_place place = { .body = body, .frame = &body->frame };
+    const struct held_pair held = { triangle, PAIR_END_A, plane,
+                                    p,        distance,   distance - radius_of(tick, &tick->triangles[triangle]) };
+    add_space(tick, &held, &place);
+}
+
+void dpti_proxy_remember_active(struct proxy_tick *tick)
+{
+    for (uint32_t k = 0; k < tick->solved.active_count; k++) {
+        const struct proxy_triangle held = tick->triangles[tick->sources[tick->solved.active[k]].triangle];
+        dpti_proxy_remember(tick->proxy, held.segment, held.body_id, held.triangle);
+    }
 }
 
 /* The gap of one feature of a tip. Without a pair of points inside both features, another feature counts: no limit. */

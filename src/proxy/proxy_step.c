@@ -4,6 +4,7 @@
 #include "proxy/proxy_constraints.h"
 #include "proxy/proxy_force.h"
 #include "proxy/proxy_friction.h"
+#include "proxy/patch_motion.h"
 #include "proxy/proxy_motion.h"
 #include "proxy/tip_pose.h"
 #include "proxy/tool_loads.h"
@@ -126,15 +127,6 @@ static double best_share(const struct proxy_tick *tick, const struct proxy_pose 
     return -slope < 2.0 * share * bend ? max_of(SHARE_MIN * share, -0.5 * slope / bend) : share;
 }
 
-/* Remember the triangles that hold the proxy. */
-static void remember_active(struct proxy_tick *tick)
-{
-    for (uint32_t k = 0; k < tick->solved.active_count; k++) {
-        const struct proxy_triangle held = tick->triangles[tick->sources[tick->solved.active[k]].triangle];
-        dpti_proxy_remember(tick->proxy, held.segment, held.body_id, held.triangle);
-    }
-}
-
 /*
  * The reach of the motion must be guessed before there are constraints to solve for it. If it was too short: once more.
  */
@@ -226,7 +218,7 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     }
     const double size = norm_of(tick->solved.y, n);
     proxy->lag = size;
-    remember_active(tick);
+    dpti_proxy_remember_active(tick);
     if (!tick->is_before && (size < PROXY_MOTION_SMALL * tick->clearance ||
                              (size < PROXY_CONVERGED * left && tick->gap > PROXY_GAP_KEPT * tick->clearance)))
         return FOLLOW_DONE;
@@ -246,7 +238,7 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
         share = best_share(tick, &motion->to, wanted, straight, left, share);
         motion->to = pose_of_motion(tick, straight, share);
     }
-    remember_active(tick);
+    dpti_proxy_remember_active(tick);
     motion->size = norm_of(tick->solved.y, n) * share;
     return FOLLOW_MOVED;
 }
@@ -412,9 +404,11 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
         proxy->trust = HUGE_VAL;
     proxy->is_released = 0;
     tick->is_before = !is_alone && bodies_came_near(tick);
-    if (!tick->is_before)
-        find_again(tick);
-    follow_all(tick, &allowed);
+    if (!dpti_patch_follow(tick, &allowed)) {
+        if (!tick->is_before)
+            find_again(tick);
+        follow_all(tick, &allowed);
+    }
     if (tick->is_before || tick->gap < 0.0) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
         if (!give_way(tick)) {

@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What a tick of a proxy takes, without contacts: a ball of 1 mm and a line of 0.1 m with a radius of 1 mm.
+ *
+ *     open   20 mm above the mesh, at 0.1 m/s
+ *     rest   pressed 3 mm in, with a tremor of 0.05 mm
+ *     wipe   3 mm below the surface, from place to place at 0.1 m/s
+ *     fast   the same at 1 m/s
+ *     poke   in and out by 5 mm, at one place after another
+ *
+ * A CSV: mesh, triangles, tool, motion, friction, ticks, median, 99 % and worst in us of processor time, the least of three
+ * runs; then the sum of all forces, N: two builds that feel the same print the same.
+ *
+ *     proxy_ticks [MESH=liver [TOOL [MOTION [TICKS=20000 [FRICTION=0]]]]]
+ */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <string.h>
+
+#include "lib/solid.h"
+#include "timing.h"
+
+enum { OPEN, REST, WIPE, FAST, POKE, MOTIONS };
+enum { BALL, LINE, TOOLS };
+
+static const char *const hand_motions[MOTIONS] = { "open", "rest", "wipe", "fast", "poke" };
+static const char *const tool_names[TOOLS] = { "ball", "line" };
+static const dpt_segment segments[TOOLS] = { { { 0, 0, 0 }, { 0, 0, 0 }, 1e-3 }, { { 0, 0, 0 }, { 0, 0, 0.1 }, 1e-3 } };
+
+enum { REPEATS = 3, SETTLED = 100, STAY = 500 };
+
+#define PRESSED 3e-3
+#define POKED   5e-3
+#define ABOVE   0.02
+#define TREMOR  5e-5
+#define HOP     0.04
+
+static const struct {
+    const char *name;
+    uint64_t triangles;
+} meshes[] = { { "liver", 50332 }, { "torus", 61358 }, { "star", 20480 } };
+
+struct hand {
+    const struct solid *solid;
+    int motion, tool;
+    uint64_t seed;
+    double at[3], out[3];        /* a place on the surface, and away from it */
+    double next[3], next_out[3]; /* where it goes */
+    double gone, way;            /* m, on the way there */
+};
+
+static void fail(const char *what)
+{
+    fprintf(stderr, "proxy_ticks: %s\n", what);
+    exit(2);
+}
+
+/* The middle of a random triangle, and its normal. */
+static void find_place(struct hand *hand, double at[3], double out[3])
+{
+    const float *v = hand->solid->corners + 9 * (random_bits(&hand->seed) % hand->solid->info.triangles);
+    double e[3], f[3];
+    for (int k = 0; k < 3; k++) {
+        at[k] = ((double)v[k] + (double)v[3 + k] + (double)v[6 + k]) / 3.0;
+        e[k] = (double)v[3 + k] - (double)v[k];
+        f[k] = (double)v[6 + k] - (double)v[k];
+    }
+    cross3(e, f, out);
+    unit3(out);
+}
+
+static void go_on(struct hand *hand)
+{
+    memcpy(hand->at, hand->next, sizeof hand->at);
+    memcpy(hand->out, hand->next_out, sizeof hand->out);
+    do
+        find_place(hand, hand->next, hand->next_out);
+    while (apart(hand->at, hand->next) > HOP);
+    hand->way = apart(hand->at, hand->next);
+    hand->gone = 0;
+}
+
+/* The turn from z to a unit direction. */
+static void turn_to(const double to[3], double q[4])
+{
+    q[0] = 1 + to[2];
+    q[1] = -to[1];
+    q[2] = to[0];
+    q[3] = 0;
+    const double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+    for (int k = 0; k < 4; k++)
+        q[k] = size > 1e-9 ? q[k] / size : (double)(k == 1);
+}
+
+static double height_at(const struct hand *hand, int tick)
+{
+    if (tick < SETTLED)
+        return ABOVE - (hand->motion == OPEN ? 0.0 : (ABOVE + PRESSED) * tick / SETTLED);
+    if (hand->motion == POKE)
+        return POKED * cos(6.2831853 * tick / STAY);
+    return hand->motion == OPEN ? ABOVE : -PRESSED;
+}
+
+static void hand_pose(struct hand *hand, int tick, dpt_pose *pose)
+{
+    const double step = hand->motion == FAST ? 1e-3 : 1e-4;
+    const int moves = hand->motion == WIPE || hand->motion == FAST || hand->motion == OPEN;
+    double tilted[3], out[3];
+    if (tick >= SETTLED && moves && (hand->gone += step) >= hand->way)
+        go_on(hand);
+    if (tick >= SETTLED && hand->motion == POKE && tick % STAY == 0)
+        go_on(hand);
+    const double share = moves ? hand->gone / hand->way : 0.0, height = height_at(hand, tick);
+    for (int k = 0; k < 3; k++)
+        out[k] = hand->out[k] + share * (hand->next_out[k] - hand->out[k]);
+    unit3(out);
+    for (int k = 0; k < 3; k++) {
+        pose->position[k] = hand->at[k] + share * (hand->next[k] - hand->at[k]) + height * out[k];
+        if (hand->motion == REST && tick >= SETTLED)
+            pose->position[k] += TREMOR * sin((0.06 + 0.007 * k) * tick + k);
+        tilted[k] = out[k];
+    }
+    tilted[0] += 1.2;
+    unit3(tilted);
+    turn_to(tilted, pose->orientation);
+}
+
+/* Returns the sum of all forces; took[]: of each tick after the first ones, us. */
+static double run(const struct solid *solid, int tool, int motion, int ticks, double friction, double *took)
+{
+    struct hand hand = { .solid = solid, .motion = motion, .tool = tool, .seed = 7 };
+    dpt_world_def def;
+    dpt_world *world;
+    dpt_body body;
+    dpt_tool handle;
+    dpt_body_settings settings = { .size = sizeof settings };
+    dpt_pose pose;
+    double sum = 0;
+    dpt_world_def_init(&def);
+    def.until = DPT_UNTIL_RESPOND;
+    def.max_contacts = 0;
+    void *block = malloc(dpt_world_bytes(&def));
+    if (!block || dpt_world_create(block, dpt_world_bytes(&def), &def, &world) ||
+        dpt_body_add(world, solid->mesh, NULL, &body) || dpt_tool_add(world, &segments[tool], 1, &handle) ||
+        dpt_body_get_settings(world, body, &settings))
+        fail("no world");
+    settings.static_friction = settings.kinetic_friction = friction;
+    if (dpt_body_set_settings(world, body, &settings))
+        fail("no settings");
+    find_place(&hand, hand.next, hand.next_out);
+    go_on(&hand);
+    for (int tick = 0; tick < SETTLED + ticks; tick++) {
+        dpt_wrench wrench;
+        hand_pose(&hand, tick, &pose);
+        const double begin = processor_time();
+        if (tick ? dpt_tool_set_pose(world, handle, &pose) : dpt_tool_teleport(world, handle, &pose))
+            fail("no pose");
+        if (dpt_world_step(world, 1e-3, NULL) || dpt_tool_get_wrench(world, handle, &wrench))
+            fail("no step");
+        if (tick >= SETTLED)
+            took[tick - SETTLED] = processor_time() - begin;
+        sum += length3(wrench.force);
+    }
+    free(block);
+    return sum;
+}
+
+static void measure(const char *name, uint64_t triangles, int tool, int motion, int ticks, double friction)
+{
+    struct solid solid;
+    double best[3] = { INFINITY, INFINITY, INFINITY }, sum = 0;
+    double *took = malloc((size_t)ticks * sizeof *took);
+    if (!took || !solid_from_shape(&solid, name, triangles))
+        fail(name);
+    for (int i = 0; i < (getenv("ONCE") ? 1 : REPEATS); i++) {
+        sum = run(&solid, tool, motion, ticks, friction, took);
+        qsort(took, (size_t)ticks, sizeof *took, by_size);
+        best[0] = fmin(best[0], took[ticks / 2]);
+        best[1] = fmin(best[1], took[(int)(0.99 * ticks)]);
+        best[2] = fmin(best[2], took[ticks - 1]);
+    }
+    printf("%s,%u,%s,%s,%g,%d,%.2f,%.2f,%.1f,%.17g\n", name, solid.info.triangles, tool_names[tool],
+           hand_motions[motion], friction, ticks, best[0], best[1], best[2], sum);
+    fflush(stdout);
+    free(took);
+    solid_close(&solid);
+}
+
+int main(int argc, char **argv)
+{
+    const char *mesh = argc > 1 ? argv[1] : "liver", *tool = argc > 2 ? argv[2] : "", *motion = argc > 3 ? argv[3] : "";
+    const int ticks = argc > 4 ? atoi(argv[4]) : 20000;
+    const double friction = argc > 5 ? atof(argv[5]) : 0.0;
+    if (ticks < 1)
+        fail("TICKS is a number above 0");
+    puts("mesh,triangles,tool,motion,friction,ticks,median_us,p99_us,worst_us,force");
+    for (size_t m = 0; m < sizeof meshes / sizeof *meshes; m++)
+        for (int t = 0; t < TOOLS && !strcmp(mesh, meshes[m].name); t++)
+            for (int k = 0; k < MOTIONS; k++)
+                if ((!*tool || !strcmp(tool, tool_names[t])) && (!*motion || !strcmp(motion, hand_motions[k])))
+                    measure(meshes[m].name, meshes[m].triangles, t, k, ticks, friction);
+    return 0;
+}
