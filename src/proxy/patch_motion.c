@@ -13,8 +13,8 @@
 
 enum { MOTIONS_MAX = 8, SOLVES_MAX = 8 };
 
-/* A first look reaches so many times as far as the last motion. */
-#define LOOK_AHEAD 2.5
+/* A motion may be so much shorter than the view reaches, as a multiple of the clearance. */
+#define SHORTER 2.0
 
 enum { MOTION_DONE, MOTION_MADE, MOTION_NONE };
 
@@ -64,6 +64,7 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
     const double near = PATCH_NEAR * tick->clearance;
     const struct displacement way = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
     double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 }, share;
+    int has_widened = 0;
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
     dpti_proxy_to_unknowns(proxy, tick->axes, &way, wanted);
     const double left = displacement_norm(&proxy->coupling, &way);
@@ -82,12 +83,15 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
             return MOTION_DONE;
         }
         share = size > *allowed ? *allowed / size : 1.0;
-        if (share * size + 2.0 * tick->clearance > view->reach) {
+        const double longest = view->reach - SHORTER * tick->clearance;
+        if (share * size > longest && !has_widened) {
             *reach = 1.5 * share * size + near;
+            has_widened = 1;
             if (!look(tick, view, *reach, hint))
                 return MOTION_NONE;
             continue;
         }
+        share = min_of(share, longest / size);
         const uint32_t added = dpti_patch_hold_obstacles(tick, view, scaled(vec3_of(tick->solved.y), share));
         if (added == HALF_SPACES_MAX)
             return MOTION_NONE;
@@ -107,7 +111,7 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
     const struct displacement way = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
     if (tick->gap - length(way.shift) > tick->clearance || !dpti_patch_begin(tick, &view))
         return 0;
-    double reach = LOOK_AHEAD * proxy->last_motion + PATCH_NEAR * tick->clearance;
+    double reach = proxy->last_motion + PATCH_NEAR * tick->clearance;
     proxy->owed = 0.0;
     tick->is_waiting = 0;
     for (int i = 0; i < MOTIONS_MAX; i++) {

@@ -154,6 +154,7 @@ static int list_leaf(struct dpt_world *world, struct patch_view *view, const str
             return 0;
         view->list[view->count++] =
             (struct patch_triangle){ .gap = distance_of_bound(surface, filter, bound[lane]) - view->segment->radius,
+                                     .height = HUGE_VAL,
                                      .triangle = first + lane,
                                      .has_face = 1 };
     }
@@ -188,9 +189,15 @@ static void find_pair(struct dpt_world *world, const struct patch_view *view, st
 {
     if (triangle->is_found)
         return;
-    triangle->found = dpti_triangle_pair(&view->body->surface, triangle->triangle, view->a, view->u);
-    triangle->gap = sqrt(triangle->found.distance2) - view->segment->radius;
+    dpti_triangle_point_pair(&view->body->surface, triangle->triangle, view->a, &triangle->found);
+    triangle->found.s = 0.0;
+    const double distance = sqrt(triangle->found.distance2);
+    triangle->gap = distance - view->segment->radius;
     triangle->is_found = 1;
+    if (distance > 0.0) {
+        triangle->normal = scaled(triangle->found.gap, 1.0 / distance);
+        triangle->height = dot(triangle->normal, view->a) - distance;
+    }
     work_spend(&world->work, 1);
 }
 
@@ -215,14 +222,21 @@ static double place_axis(const struct proxy_tick *tick, struct patch_view *view)
     return max_of(length(sub(view->a, a)), length(sub(add(view->a, view->u), b)));
 }
 
-/* The axis moved: what is known of gaps holds, less the way. */
+/* m: at x the tool's surface is that far in front of the plane of the last pair that was found, at least. */
+static double gap_of_plane(const struct patch_view *view, const struct patch_triangle *triangle, vec3 x)
+{
+    return dot(triangle->normal, x) - triangle->height - view->segment->radius;
+}
+
+/* The axis moved: what is known of gaps holds, less the way; and the planes are where they were. */
 static void weaken(struct patch_view *view, double moved)
 {
     view->reach -= moved;
     for (uint32_t i = 0; i < view->count; i++) {
-        view->list[i].gap -= moved;
-        view->list[i].is_found = 0;
-        view->list[i].has_face = 1;
+        struct patch_triangle *triangle = &view->list[i];
+        triangle->gap = max_of(triangle->gap - moved, gap_of_plane(view, triangle, view->a));
+        triangle->is_found = 0;
+        triangle->has_face = 1;
     }
 }
 
@@ -234,8 +248,10 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
         return 0;
     const double moved = place_axis(tick, view);
     if (!view->count || view->reach - moved < reach) {
-        if (!list_all(world, view, reach))
-            return 0;
+        double within = reach;
+        for (; !list_all(world, view, within); within *= 0.5)
+            if (view->count < PATCH_TRIANGLES_MAX || within < 2.0 * near)
+                return 0;
     } else if (moved > 0.0) {
         weaken(view, moved);
     }
@@ -373,13 +389,13 @@ uint32_t dpti_patch_hold_obstacles(struct proxy_tick *tick, struct patch_view *v
         vec3 v[3];
         if (triangle->is_held || triangle->gap - size > tick->clearance)
             continue;
+        if (!triangle->is_found && min_of(triangle->gap, gap_of_plane(view, triangle, to)) >= tick->clearance)
+            continue;
         surface_corners(&view->body->surface, triangle->triangle, v);
         if (is_behind(&certificate, v))
             continue;
         find_pair(tick->world, view, triangle);
-        const double distance = triangle->gap + view->segment->radius;
-        if (triangle->gap - size > tick->clearance ||
-            (distance > 0.0 && triangle->gap + dot(triangle->found.gap, y) / distance >= tick->clearance))
+        if (triangle->gap - size > tick->clearance || gap_of_plane(view, triangle, to) >= tick->clearance)
             continue;
         if (!dpti_patch_hold(tick, view, i, motion))
             return HALF_SPACES_MAX;

@@ -27,6 +27,8 @@ struct proxy_patch {
 struct patch_triangle {
     pair found;        /* its nearest pair with the axis, if is_found */
     double gap;        /* m: of that pair; else no more than it */
+    vec3 normal;       /* unit, across the last pair that was found: it lies behind the plane normal . x = height */
+    double height;     /* m; HUGE_VAL: none was found */
     uint32_t triangle; /* place */
     uint16_t is_found;
     uint16_t is_held;  /* it has a constraint */
@@ -57,7 +59,7 @@ uint64_t dpti_patch_bytes(const dpt_world_def *def);
 int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view);
 
 /*
- * The triangles round tick->at, those with a gap up to `reach` m at least; none has a constraint. tick->gap becomes the
+ * The triangles round tick->at, those with a gap up to `reach` m, or to less where there are too many; none has a constraint. tick->gap becomes the
  * nearest one's, or what is proven of it. Returns 0 if they have no room, or the work does not suffice.
  */
 int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double reach);
