@@ -37,7 +37,7 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     const struct body *body = segment->answer.body;
     struct proxy_patch *patch = &world->patches[tool - world->tools];
     if (tool->segment_count != 1 || tool->tip_count || tick->proxy->shape != PROXY_BALL || tick->is_before ||
-        tick->proxy->state != PROXY_OUTSIDE || !(tick->gap >= 0.5 * tick->min_gap) ||
+        tick->proxy->state != PROXY_OUTSIDE || !(tick->gap >= 0.5 * tick->min_gap) || patch->is_off ||
         world->def.method != DPT_METHOD_EXACT || world->body_slot_end > BODIES_MAX || !body || !body_is_there(body) ||
         body->surface.motion || body_has_moved(world, body) || (int32_t)(world->ticks - patch->crowded) < 0)
         return 0;
@@ -325,7 +325,7 @@ int dpti_patch_hold(struct proxy_tick *tick, struct patch_view *view, uint32_t i
     const double gap = distance - view->segment->radius;
     if (has_twin(tick, frame_turn(frame, scaled(plane.gap, 1.0 / distance)), gap))
         return 1;
-    if (tick->triangle_count == PROXY_TRIANGLES_MAX || tick->space_count == HALF_SPACES_MAX)
+    if (tick->space_count == HALF_SPACES_MAX)
         return 0;
     triangle->space = (uint16_t)tick->space_count;
     tick->triangles[tick->triangle_count++] =

@@ -17,8 +17,8 @@ struct proxy_patch {
     uint32_t body_id; /* the body, which does not deform */
     uint32_t count;   /* of leaves */
     uint32_t crowded; /* there was no room: it is tried again in that tick of the world */
-    uint32_t reserved;
-    double spare;                /* what was found beside what was asked for, as a multiple of the reach */
+    uint32_t is_off;  /* 1: it is not used, as a test wants */
+    double spare;     /* what was found beside what was asked for, as a multiple of the reach */
     uint32_t leaf[PATCH_LEAVES]; /* ascending */
     float box[PATCH_BLOCKS][MESH_BOX_WORDS];
 };

@@ -67,7 +67,7 @@ struct proxy_tick {
     uint32_t contact_count; /* of the solution, contacts with friction */
     struct half_spaces_result solved;
     /* From here on a tick does not begin with zeros. Triangles are copies, as proxy->memory changes during the tick. */
-    struct proxy_triangle triangles[PROXY_TRIANGLES_MAX];
+    struct proxy_triangle triangles[HALF_SPACES_MAX]; /* one a constraint within the patch */
     struct half_space spaces[HALF_SPACES_MAX];
     struct proxy_source sources[HALF_SPACES_MAX];
     struct friction_contact contacts[HALF_SPACE_DIMENSIONS];
