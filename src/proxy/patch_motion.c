@@ -74,6 +74,7 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
     for (int solves = 0;; solves++) {
         if (solves == SOLVES_MAX || !dpti_proxy_solve_rubbing(tick, wanted))
             return MOTION_NONE;
+        work_spend(&tick->world->work, 1 + tick->triangle_count / 2);
         const double size = norm_of(tick->solved.y, proxy_unknowns(proxy));
         proxy->lag = size;
         if (is_arrived(tick, size, left)) {

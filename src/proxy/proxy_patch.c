@@ -26,7 +26,13 @@ enum { LOOK_WORK = 512, BODIES_MAX = 16 };
 
 uint64_t dpti_patch_bytes(const dpt_world_def *def)
 {
-    return BYTES_PATCH * (uint64_t)def->max_tools;
+    return BYTES_PATCH * (uint64_t)def->max_segments;
+}
+
+void dpti_patch_forget(struct proxy_patch *patch)
+{
+    patch->reach = patch->spare = 0.0;
+    patch->crowded = 0;
 }
 
 int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
@@ -35,7 +41,7 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     const struct tool *tool = tick->tool;
     struct segment *segment = &world->segments[tool->first_segment];
     const struct body *body = segment->answer.body;
-    struct proxy_patch *patch = &world->patches[tool - world->tools];
+    struct proxy_patch *patch = &world->patches[tool->first_segment];
     if (tool->segment_count != 1 || tool->tip_count || tick->proxy->shape != PROXY_BALL || tick->is_before ||
         tick->proxy->state != PROXY_OUTSIDE || !(tick->gap >= 0.5 * tick->min_gap) || patch->is_off ||
         world->def.method != DPT_METHOD_EXACT || world->body_slot_end > BODIES_MAX || !body || !body_is_there(body) ||

@@ -10,7 +10,7 @@
 
 enum { PATCH_BLOCKS = 8, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192 };
 
-/* The leaves, with their boxes as children of nodes of their own. Kept from tick to tick; one a tool. */
+/* The leaves, with their boxes as children of nodes of their own. Kept from tick to tick; one a segment. */
 struct proxy_patch {
     vec3 a, b;        /* the axis about which it lies, in the body's frame */
     double reach;     /* m: each triangle that near to that axis is in one of the leaves; 0: there is no patch */
@@ -54,6 +54,9 @@ struct patch_view {
 
 /* Its share of dpt_world_bytes. */
 uint64_t dpti_patch_bytes(const dpt_world_def *def);
+
+/* Begin anew, as if it had never been used. */
+void dpti_patch_forget(struct proxy_patch *patch);
 
 /* Whether the tick may work with the patch: a ball that is held by one body at rest. Begins the view. */
 int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view);

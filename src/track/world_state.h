@@ -443,7 +443,7 @@ struct dpt_world {
     struct persistent_contacts contacts[2]; /* this tick's and last tick's */
     struct segment_strip *segment_strips;   /* per segment; only with strips */
     struct proxy *proxies;                  /* one a tool; only where the world responds */
-    struct proxy_patch *patches;            /* likewise */
+    struct proxy_patch *patches;            /* likewise, one a segment */
     struct load_note *loads;                /* of the last step; a tool's in the order of its law */
     uint32_t load_count;
     struct near_bodies near_bodies;  /* of the segment in work */
