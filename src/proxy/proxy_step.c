@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/proxy.h"
 
+#include "proxy/patch_motion.h"
 #include "proxy/proxy_constraints.h"
 #include "proxy/proxy_force.h"
 #include "proxy/proxy_friction.h"
-#include "proxy/patch_motion.h"
 #include "proxy/proxy_motion.h"
+#include "proxy/solved_motion.h"
 #include "proxy/tip_pose.h"
 #include "proxy/tool_loads.h"
 #include "track/tool_parts.h"
 
-enum { ITERATIONS_MAX = 8, CORRECTIONS_MAX = 2 };
+enum { ITERATIONS_MAX = 8 };
 
 /* How often a moving body may push a proxy away. After that the body takes it along. */
 enum { PUSHES_MAX = 4 };
@@ -25,9 +26,6 @@ enum { PUSHES_MAX = 4 };
  */
 #define LIFT_SHARE 0.05
 
-/* The smallest share that is left of a shortened motion. */
-#define SHARE_MIN 0.01
-
 /*
  * The share of a tool's radius that surfaces may dent: on the way to the end of a step together with tissue, and where
  * tissue leaves no room there.
@@ -35,8 +33,7 @@ enum { PUSHES_MAX = 4 };
 #define DENTED      0.1
 #define DENTED_MOST 0.5
 
-/* rad: the largest turn of one motion, and the turn from the device beyond which the proxy starts again there. */
-#define TURN_MAX     0.3
+/* rad: the turn from the device beyond which the proxy starts again there. */
 #define LAG_TURN_MAX 1.0
 
 /*
@@ -57,74 +54,6 @@ static double wanted_motion(const struct proxy_tick *tick, const struct displace
 {
     dpti_proxy_to_unknowns(tick->proxy, tick->axes, left, wanted);
     return displacement_norm(&tick->proxy->coupling, left);
-}
-
-/* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
-static double share_allowed(const struct proxy_tick *tick, double longest)
-{
-    const uint32_t n = proxy_unknowns(tick->proxy);
-    const double *y = tick->solved.y, size = norm_of(y, n);
-    double turn2 = 0.0;
-    for (uint32_t k = 3; k < n; k++)
-        turn2 += y[k] * y[k] / (proxy_rho_of(tick->proxy, k) * proxy_rho_of(tick->proxy, k));
-    const double turn = sqrt(turn2);
-    double share = size > longest ? longest / size : 1.0;
-    return turn * share > TURN_MAX ? TURN_MAX / turn : share;
-}
-
-/* A share of the motion that was solved for. What corrections added to it grows with the square of the share. */
-static struct proxy_pose pose_of_motion(const struct proxy_tick *tick, const double *straight, double share)
-{
-    double y[HALF_SPACE_DIMENSIONS];
-    for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
-        y[k] = share * (straight[k] + share * (tick->solved.y[k] - straight[k]));
-    const struct displacement motion = dpti_proxy_of_unknowns(tick->proxy, tick->axes, y);
-    return dpti_proxy_moved(tick->proxy, &tick->at, &motion);
-}
-
-/*
- * Constraints are linear, and a turn is not. Where a pair would come too near, its bound is raised by what is missing,
- * and the motion is solved for again.
- */
-static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double *wanted, const double *straight,
-                                          double longest, double *share)
-{
-    struct proxy_pose to;
-    for (int k = 0;; k++) {
-        int is_low = 0;
-        *share = share_allowed(tick, longest);
-        to = pose_of_motion(tick, straight, *share);
-        for (uint32_t i = 0; i < tick->space_count && k < CORRECTIONS_MAX; i++) {
-            const double gap = dpti_proxy_gap_of(tick, i, &to);
-            if (gap >= PROXY_GAP_KEPT * tick->clearance)
-                continue;
-            tick->spaces[i].bound += tick->clearance - gap;
-            is_low = 1;
-        }
-        if (!is_low || !dpti_proxy_solve_rubbing(tick, wanted))
-            return to;
-    }
-}
-
-/*
- * The share of a motion that comes nearest to the device: where a surface curves under the tool, a longer motion along
- * it gains less. A parabola tells, by the squared distance from the device at both ends and its slope at the first.
- */
-static double best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const double *wanted,
-                         const double *straight, double left, double share)
-{
-    const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
-    const double far = displacement_norm(&tick->proxy->coupling, &then);
-    /* So much may be lost to regain the clearance. */
-    const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap);
-    double slope = -slack;
-    for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
-        slope -= wanted[k] * straight[k];
-    const double rise = 0.5 * (far * far - left * left), spare = slack * share;
-    if (slope >= 0.0)
-        return rise > spare ? share * max_of(SHARE_MIN, spare / rise) : share;
-    const double bend = (rise - spare - slope * share) / (share * share);
-    return -slope < 2.0 * share * bend ? max_of(SHARE_MIN * share, -0.5 * slope / bend) : share;
 }
 
 /*
@@ -231,12 +160,12 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
             return FOLLOW_STUCK;
     }
     memcpy(straight, tick->solved.y, sizeof straight);
-    motion->to = corrected_motion(tick, wanted, straight, tick->is_before ? HUGE_VAL : longest, &share);
+    motion->to = dpti_solved_correct(tick, wanted, straight, tick->is_before ? HUGE_VAL : longest, &share);
     if (size <= longest && is_goal(tick, share)) {
         motion->to = tick->goal;
     } else if (!tick->is_before && share > 0.0) {
-        share = best_share(tick, &motion->to, wanted, straight, left, share);
-        motion->to = pose_of_motion(tick, straight, share);
+        share = dpti_solved_best_share(tick, &motion->to, wanted, straight, left, share);
+        motion->to = dpti_solved_pose(tick, straight, share);
     }
     dpti_proxy_remember_active(tick);
     motion->size = norm_of(tick->solved.y, n) * share;

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "proxy/solved_motion.h"
+
+#include "proxy/proxy_constraints.h"
+#include "proxy/proxy_friction.h"
+
+enum { CORRECTIONS_MAX = 2 };
+
+/* The smallest share that is left of a shortened motion. */
+#define SHARE_MIN 0.01
+
+/* rad: the largest turn of one motion. */
+#define TURN_MAX 0.3
+
+/* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
+static double share_allowed(const struct proxy_tick *tick, double longest)
+{
+    const uint32_t n = proxy_unknowns(tick->proxy);
+    const double *y = tick->solved.y, size = norm_of(y, n);
+    double turn2 = 0.0;
+    for (uint32_t k = 3; k < n; k++)
+        turn2 += y[k] * y[k] / (proxy_rho_of(tick->proxy, k) * proxy_rho_of(tick->proxy, k));
+    const double turn = sqrt(turn2);
+    double share = size > longest ? longest / size : 1.0;
+    return turn * share > TURN_MAX ? TURN_MAX / turn : share;
+}
+
+struct proxy_pose dpti_solved_pose(const struct proxy_tick *tick, const double *straight, double share)
+{
+    double y[HALF_SPACE_DIMENSIONS];
+    for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
+        y[k] = share * (straight[k] + share * (tick->solved.y[k] - straight[k]));
+    const struct displacement motion = dpti_proxy_of_unknowns(tick->proxy, tick->axes, y);
+    return dpti_proxy_moved(tick->proxy, &tick->at, &motion);
+}
+
+struct proxy_pose dpti_solved_correct(struct proxy_tick *tick, const double *wanted, const double *straight,
+                                      double longest, double *share)
+{
+    struct proxy_pose to;
+    for (int k = 0;; k++) {
+        int is_low = 0;
+        *share = share_allowed(tick, longest);
+        to = dpti_solved_pose(tick, straight, *share);
+        for (uint32_t i = 0; i < tick->space_count && k < CORRECTIONS_MAX; i++) {
+            const double gap = dpti_proxy_gap_of(tick, i, &to);
+            if (gap >= PROXY_GAP_KEPT * tick->clearance)
+                continue;
+            tick->spaces[i].bound += tick->clearance - gap;
+            is_low = 1;
+        }
+        if (!is_low || !dpti_proxy_solve_rubbing(tick, wanted))
+            return to;
+    }
+}
+
+double dpti_solved_best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const double *wanted,
+                              const double *straight, double left, double share)
+{
+    const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
+    const double far = displacement_norm(&tick->proxy->coupling, &then);
+    /* So much may be lost to regain the clearance. */
+    const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap);
+    double slope = -slack;
+    for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
+        slope -= wanted[k] * straight[k];
+    const double rise = 0.5 * (far * far - left * left), spare = slack * share;
+    if (slope >= 0.0)
+        return rise > spare ? share * max_of(SHARE_MIN, spare / rise) : share;
+    const double bend = (rise - spare - slope * share) / (share * share);
+    return -slope < 2.0 * share * bend ? max_of(SHARE_MIN * share, -0.5 * slope / bend) : share;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The motion that was solved for, as a pose to go to: docs/algorithms/force.md. */
+#ifndef DPT_SOLVED_MOTION_H
+#define DPT_SOLVED_MOTION_H
+
+#include "proxy/proxy_tick.h"
+
+/*
+ * A share of the motion in tick->solved. What corrections added to it, beside `straight`, grows with the square of the
+ * share.
+ */
+struct proxy_pose dpti_solved_pose(const struct proxy_tick *tick, const double *straight, double share);
+
+/*
+ * Constraints are linear, and a turn is not. Where a pair would come too near, its bound is raised by what is missing,
+ * and the motion is solved for again. Returns where it leads, with the share that is not longer than `longest`, m.
+ */
+struct proxy_pose dpti_solved_correct(struct proxy_tick *tick, const double *wanted, const double *straight,
+                                      double longest, double *share);
+
+/*
+ * The share of a motion that comes nearest to the device: where a surface curves under the tool, a longer motion along
+ * it gains less. A parabola tells, by the squared distance from the device at both ends and its slope at the first.
+ */
+double dpti_solved_best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const double *wanted,
+                              const double *straight, double left, double share);
+
+#endif
