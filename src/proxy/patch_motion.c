@@ -6,10 +6,11 @@
  */
 #include "proxy/patch_motion.h"
 
+#include "proxy/patch_constraints.h"
 #include "proxy/proxy_constraints.h"
 #include "proxy/proxy_friction.h"
 #include "proxy/proxy_motion.h"
-#include "proxy/proxy_patch.h"
+#include "proxy/solved_motion.h"
 
 enum { MOTIONS_MAX = 8, SOLVES_MAX = 8 };
 
@@ -18,6 +19,13 @@ enum { MOTIONS_MAX = 8, SOLVES_MAX = 8 };
 
 enum { MOTION_DONE, MOTION_MADE, MOTION_NONE };
 
+/* No point of the axis goes farther than so many times the length of a motion. */
+static double stretch_of(const struct proxy *proxy)
+{
+    const double lever = proxy->shape == PROXY_BALL ? 0.0 : proxy->extent / proxy->coupling.rho;
+    return sqrt(1.0 + lever * lever);
+}
+
 /* Whether the solution leaves no motion that is worth making. */
 static int is_arrived(const struct proxy_tick *tick, double size, double left)
 {
@@ -25,45 +33,111 @@ static int is_arrived(const struct proxy_tick *tick, double size, double left)
            (size < PROXY_CONVERGED * left && tick->gap > PROXY_GAP_KEPT * tick->clearance);
 }
 
-/* Look around, and begin with the nearest triangle alone: the others join where it does not hold the tool off them. */
+/* Whether the proxy remembers a triangle: it held it or was hit. */
+static int is_remembered(const struct proxy *proxy, const struct patch_view *view, uint32_t triangle)
+{
+    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
+        if (proxy->memory[i].triangle == triangle && proxy->memory[i].body_id == view->body->id)
+            return 1;
+    return 0;
+}
+
+/*
+ * Look around, and begin with the nearest triangle, and what the proxy remembers beside it: others join where these do not
+ * hold the tool off them.
+ */
 static int look(struct proxy_tick *tick, struct patch_view *view, double reach, vec3 hint)
 {
     tick->space_count = tick->triangle_count = 0;
-    return dpti_patch_look(tick, view, reach) &&
-           (view->nearest == PATCH_TRIANGLES_MAX || dpti_patch_hold(tick, view, view->nearest, hint));
+    if (!dpti_patch_look(tick, view, reach))
+        return 0;
+    if (view->nearest != PATCH_TRIANGLES_MAX && !dpti_patch_hold(tick, view, view->nearest, reach, hint))
+        return 0;
+    for (uint32_t i = 0; i < view->count && !view->is_ball; i++)
+        if (view->list[i].is_found && !view->list[i].is_held && view->list[i].gap <= PATCH_NEAR * tick->clearance &&
+            is_remembered(tick->proxy, view, view->list[i].triangle) && !dpti_patch_hold(tick, view, i, reach, hint))
+            return 0;
+    return 1;
 }
 
-/* Make the share of the motion that was solved for. */
-static void move(struct proxy_tick *tick, double share, double *allowed)
+/* The nearest pair at tick->at, as searches leave it: what the view tells; where nothing is near, a search does. */
+static void settle(struct proxy_tick *tick, const struct patch_view *view)
+{
+    if (tick->world->body_slot_end > UNLISTED_BODIES_MAX || !dpti_patch_answer(tick, view))
+        dpti_proxy_find_nearest(tick);
+}
+
+/* A motion was made, so far as that share. */
+static void note_motion(struct proxy_tick *tick, const struct proxy_pose *from, double share, double *allowed)
 {
     struct proxy *proxy = tick->proxy;
-    const struct proxy_pose from = tick->at;
-    if (tick->solved.active_count == 0 && share == 1.0) {
-        tick->at = tick->goal;
-    } else {
-        double y[HALF_SPACE_DIMENSIONS];
-        for (uint32_t k = 0; k < proxy_unknowns(proxy); k++)
-            y[k] = share * tick->solved.y[k];
-        const struct displacement motion = dpti_proxy_of_unknowns(proxy, tick->axes, y);
-        tick->at = dpti_proxy_moved(proxy, &from, &motion);
-    }
-    /* Until the next look. */
-    tick->gap = -HUGE_VAL;
+    const struct displacement moved = dpti_proxy_displacement(proxy, from, &tick->at);
     tick->made = share;
     tick->is_moved = 1;
-    const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
-    dpti_proxy_note_slip(tick, moved.shift, proxy_whole_turn(&moved, &from));
+    dpti_proxy_note_slip(tick, moved.shift, proxy_whole_turn(&moved, from));
     proxy->last_motion = displacement_norm(&proxy->coupling, &moved);
-    proxy->trust = 4.0 * max_of(proxy->trust, proxy->last_motion);
     *allowed = max_of(0.0, *allowed - proxy->last_motion);
+}
+
+/* A motion that is to be tried. */
+struct patch_motion {
+    struct proxy_pose to;
+    double share; /* of what was solved for */
+};
+
+/* The pose to which the solution leads, by motions not longer than `longest`, m. */
+static struct patch_motion choose(struct proxy_tick *tick, const struct patch_view *view, const double *wanted,
+                                  double left, double longest)
+{
+    double straight[HALF_SPACE_DIMENSIONS];
+    struct patch_motion motion;
+    memcpy(straight, tick->solved.y, sizeof straight);
+    if (view->is_ball) {
+        const double size = norm_of(straight, proxy_unknowns(tick->proxy));
+        motion.share = size > longest ? longest / size : 1.0;
+    } else {
+        motion.to = dpti_solved_correct(tick, wanted, straight, longest, &motion.share);
+    }
+    if (tick->solved.active_count == 0 && motion.share == 1.0) {
+        motion.to = tick->goal;
+        return motion;
+    }
+    if (!view->is_ball && motion.share > 0.0)
+        motion.share = dpti_solved_best_share(tick, &motion.to, wanted, straight, left, motion.share);
+    motion.to = dpti_solved_pose(tick, straight, motion.share);
+    return motion;
+}
+
+/* Make a motion. is_proven 0: as far as a sweep proves it free. Returns 0 if that is nowhere. */
+static int make(struct proxy_tick *tick, const struct patch_view *view, struct patch_motion *motion, int is_proven,
+                double *allowed)
+{
+    const struct proxy_pose from = tick->at;
+    double met;
+    dpti_proxy_remember_active(tick);
+    if (is_proven) {
+        tick->at = motion->to;
+        tick->proxy->trust = HUGE_VAL;
+    } else {
+        settle(tick, view);
+        motion->share *= dpti_proxy_move(tick, &motion->to, &met);
+    }
+    if (!(motion->share > 0.0))
+        return 0;
+    note_motion(tick, &from, motion->share, allowed);
+    /* Until the next look. */
+    tick->gap = -HUGE_VAL;
+    return 1;
 }
 
 static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, struct patch_view *view)
 {
     struct proxy *proxy = tick->proxy;
-    const double near = PATCH_NEAR * tick->clearance;
+    const double near = PATCH_NEAR * tick->clearance, stretch = stretch_of(proxy);
     const struct displacement way = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 }, share;
+    double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 };
+    struct patch_motion motion;
+    enum patch_proof proof = PATCH_ADDED;
     int has_widened = 0;
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
     dpti_proxy_to_unknowns(proxy, tick->axes, &way, wanted);
@@ -71,7 +145,7 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
     const vec3 hint = scaled(way.shift, left > 0.0 ? min_of(1.0, *reach / left) : 0.0);
     if (!look(tick, view, *reach, hint))
         return MOTION_NONE;
-    for (int solves = 0;; solves++) {
+    for (int solves = 0; proof == PATCH_ADDED; solves++) {
         if (solves == SOLVES_MAX || !dpti_proxy_solve_rubbing(tick, wanted))
             return MOTION_NONE;
         work_spend(&tick->world->work, 1 + tick->triangle_count / 2);
@@ -83,26 +157,20 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
             dpti_proxy_remember_active(tick);
             return MOTION_DONE;
         }
-        share = size > *allowed ? *allowed / size : 1.0;
-        const double longest = view->reach - SHORTER * tick->clearance;
-        if (share * size > longest && !has_widened) {
-            *reach = 1.5 * share * size + near;
+        const double longest = (view->reach - SHORTER * tick->clearance) / stretch;
+        if (min_of(size, *allowed) > longest && !has_widened) {
+            *reach = 1.5 * stretch * min_of(size, *allowed) + near;
             has_widened = 1;
             if (!look(tick, view, *reach, hint))
                 return MOTION_NONE;
             continue;
         }
-        share = min_of(share, longest / size);
-        const uint32_t added = dpti_patch_hold_obstacles(tick, view, scaled(vec3_of(tick->solved.y), share));
-        if (added == HALF_SPACES_MAX)
-            return MOTION_NONE;
-        if (!added)
-            break;
+        motion = choose(tick, view, wanted, left, min_of(longest, *allowed));
+        proof = dpti_patch_prove(tick, view, &motion.to, *reach);
     }
-    dpti_proxy_remember_active(tick);
-    move(tick, share, allowed);
     *reach = near;
-    return MOTION_MADE;
+    return proof != PATCH_CROWDED && make(tick, view, &motion, proof == PATCH_FREE, allowed) ? MOTION_MADE
+                                                                                             : MOTION_NONE;
 }
 
 int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
@@ -110,9 +178,10 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
     struct proxy *proxy = tick->proxy;
     struct patch_view view;
     const struct displacement way = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    if (tick->gap - length(way.shift) > tick->clearance || !dpti_patch_begin(tick, &view))
+    if (tick->gap - length(way.shift) - proxy->extent * length(way.turn) > tick->clearance ||
+        !dpti_patch_begin(tick, &view))
         return 0;
-    double reach = proxy->last_motion + PATCH_NEAR * tick->clearance;
+    double reach = stretch_of(proxy) * proxy->last_motion + PATCH_NEAR * tick->clearance;
     proxy->owed = 0.0;
     tick->is_waiting = 0;
     for (int i = 0; i < MOTIONS_MAX; i++) {
@@ -123,10 +192,9 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
         if (tick->is_settled || *allowed <= PROXY_MOTION_SMALL * tick->clearance)
             break;
     }
-    /* Where it ended: what the view tells; else a search does. The last constraints are kept. */
-    if (tick->world->body_slot_end > UNLISTED_BODIES_MAX ||
-        !(tick->is_settled || dpti_patch_look(tick, &view, PATCH_NEAR * tick->clearance)) ||
-        !dpti_patch_answer(tick, &view))
-        dpti_proxy_find_nearest(tick);
+    /* The last constraints are kept. */
+    if (!tick->is_settled && !dpti_patch_look(tick, &view, PATCH_NEAR * tick->clearance))
+        view.nearest = PATCH_TRIANGLES_MAX;
+    settle(tick, &view);
     return 1;
 }

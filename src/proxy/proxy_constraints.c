@@ -126,7 +126,7 @@ static void add_space(struct proxy_tick *tick, const struct held_pair *held, con
  * Where an axis is nearly along an edge, their nearest points run far along both when the tool turns by little: that
  * pair tells little of where the motion leads. Points that stay on the axis tell more.
  */
-enum { AXIS_POINTS = 7, PAIR_POINT = PAIR_FEATURES };
+enum { AXIS_POINTS = PROXY_GATHERED_MAX - PAIR_FEATURES, PAIR_POINT = PAIR_FEATURES };
 
 /* The square of the sine below which an axis is nearly along an edge. */
 #define NEARLY_ALONG 0.1
@@ -231,7 +231,7 @@ static void gather_tip(struct proxy_tick *tick, uint32_t index, const struct tip
     dpti_hull_features(&hull, place->v, reach + tip->hull->radius, add_tip_pair, &gather);
 }
 
-static void gather_triangle(struct proxy_tick *tick, uint32_t index, double reach)
+void dpti_proxy_gather_triangle(struct proxy_tick *tick, uint32_t index, double reach)
 {
     const struct proxy_triangle *triangle = &tick->triangles[index];
     const struct body *body = world_find_body(tick->world, triangle->body_id);
@@ -272,7 +272,7 @@ void dpti_proxy_gather(struct proxy_tick *tick, double reach)
     tick->space_count = 0;
     list_triangles(tick, reach);
     for (uint32_t i = 0; i < tick->triangle_count; i++)
-        gather_triangle(tick, i, reach);
+        dpti_proxy_gather_triangle(tick, i, reach);
     struct work *work = &tick->world->work;
     const uint32_t units = 1 + tick->triangle_count / 2;
     work_spend(work, units < work_left(work) ? units : work_left(work));

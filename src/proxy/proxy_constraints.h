@@ -18,6 +18,12 @@ void dpti_proxy_gather(struct proxy_tick *tick, double reach);
 void dpti_proxy_add_plane(struct proxy_tick *tick, uint32_t triangle, const struct body *body, vec3 p,
                           const pair *plane, double distance);
 
+/* The constraints of one of tick->triangles, as far as its pairs' gaps are within `reach`, m. */
+void dpti_proxy_gather_triangle(struct proxy_tick *tick, uint32_t triangle, double reach);
+
+/* As many are added for a triangle at most. */
+enum { PROXY_GATHERED_MAX = 12 };
+
 /* Remember the triangles that hold the proxy. */
 void dpti_proxy_remember_active(struct proxy_tick *tick);
 

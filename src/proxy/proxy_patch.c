@@ -18,12 +18,6 @@ enum { CROWDED_TICKS = 32 };
 /* Units of work that a look may take, so that it is not begun with less; and how many bodies it may pass. */
 enum { LOOK_WORK = 512, BODIES_MAX = 16 };
 
-/* As a share of the clearance: a plane must leave that much between the tool and a triangle behind it. */
-#define CERTIFIED 0.9
-
-/* Unit normals that differ by no more, and gaps, as a share of the clearance, are the same. */
-#define TWIN 1e-9
-
 uint64_t dpti_patch_bytes(const dpt_world_def *def)
 {
     return BYTES_PATCH * (uint64_t)def->max_segments;
@@ -42,7 +36,7 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     struct segment *segment = &world->segments[tool->first_segment];
     const struct body *body = segment->answer.body;
     struct proxy_patch *patch = &world->patches[tool->first_segment];
-    if (tool->segment_count != 1 || tool->tip_count || tick->proxy->shape != PROXY_BALL || tick->is_before ||
+    if (tool->segment_count != 1 || tool->tip_count || tick->proxy->shape == PROXY_BENT || tick->is_before ||
         tick->proxy->state != PROXY_OUTSIDE || !(tick->gap >= 0.5 * tick->min_gap) || patch->is_off ||
         world->def.method != DPT_METHOD_EXACT || world->body_slot_end > BODIES_MAX || !body || !body_is_there(body) ||
         body->surface.motion || body_has_moved(world, body) || (int32_t)(world->ticks - patch->crowded) < 0)
@@ -50,6 +44,7 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     view->patch = patch;
     view->segment = segment;
     view->body = body;
+    view->is_ball = tick->proxy->shape == PROXY_BALL;
     view->a = view->u = (vec3){ 0.0, 0.0, 0.0 };
     view->reach = 0.0;
     view->count = 0;
@@ -119,47 +114,75 @@ static int is_alone(const struct dpt_world *world, const struct patch_view *view
     return 1;
 }
 
-/* A point as the kernels want it, and the limit: a squared bound above it is farther than the distance. */
-struct point_filter {
+/* An axis as the kernels want it, and how far. Points have loops of their own, with squared bounds. */
+struct reach_filter {
+    const struct kernel *kernel;
+    double scale, margin;
+    int is_point;
     float x[3], limit;
-    double margin;
+    struct filter_segment segment;
 };
 
-static struct point_filter point_filter_of(const struct surface *surface, vec3 x, double distance)
+static void reach_filter_set(struct reach_filter *filter, const struct dpt_world *world, const struct patch_view *view,
+                             double distance)
 {
-    struct point_filter filter;
-    const vec3 at = scaled(sub(x, surface->filter_centre), surface->filter_scale);
+    const struct surface *surface = &view->body->surface;
+    filter->kernel = &world->kernel;
+    filter->scale = surface->filter_scale;
+    filter->is_point = view->is_ball;
+    if (!view->is_ball) {
+        const vec3 x = filter_segment_set_axis(&filter->segment, surface, view->a, view->u);
+        filter_segment_set_frame(&filter->segment, x);
+        filter_segment_set_limit(&filter->segment, surface, distance);
+        filter->margin = (double)filter->segment.margin;
+        return;
+    }
+    const vec3 at = scaled(sub(view->a, surface->filter_centre), surface->filter_scale);
     const double size = length(at);
-    filter.margin = kernel_margin(size, size) + surface_margin(surface);
-    const double limit = distance * surface->filter_scale + filter.margin;
-    put_float(at, filter.x);
-    filter.limit = (float)(limit * limit * (1.0 + 4.0 * KERNEL_STRETCH));
-    return filter;
+    filter->margin = kernel_margin(size, size) + surface_margin(surface);
+    const double limit = distance * surface->filter_scale + filter->margin;
+    put_float(at, filter->x);
+    filter->limit = (float)(limit * limit * (1.0 + 4.0 * KERNEL_STRETCH));
 }
 
-/* m: no triangle with this squared bound is nearer. */
-static double distance_of_bound(const struct surface *surface, const struct point_filter *filter, float bound)
+static uint32_t boxes_within(const struct reach_filter *filter, const float *rows)
 {
-    const double far = sqrt((double)bound) * (1.0 - 4.0 * KERNEL_STRETCH) - filter->margin;
-    return far > 0.0 ? far / surface->filter_scale : 0.0;
+    struct planes planes;
+    float bound[LANES];
+    return filter->is_point ? filter->kernel->point_boxes(rows, filter->x, filter->limit, bound)
+                            : filter->kernel->boxes(rows, &filter->segment, &planes, bound);
+}
+
+static uint32_t triangles_within(const struct reach_filter *filter, const float *rows, float *bound)
+{
+    struct planes planes;
+    return filter->is_point ? filter->kernel->point_triangles(rows, filter->x, filter->limit, bound)
+                            : filter->kernel->triangles(rows, &filter->segment, &planes, bound);
+}
+
+/* m: no triangle with this bound is nearer. */
+static double distance_of_bound(const struct reach_filter *filter, float bound)
+{
+    const double size = filter->is_point ? sqrt((double)bound) : (double)bound;
+    const double far = size * (1.0 - 4.0 * KERNEL_STRETCH) - filter->margin;
+    return far > 0.0 ? far / filter->scale : 0.0;
 }
 
 /* Add the triangles of a leaf that may be within reach. 0: there is no room. */
-static int list_leaf(struct dpt_world *world, struct patch_view *view, const struct point_filter *filter, uint32_t leaf)
+static int list_leaf(struct dpt_world *world, struct patch_view *view, const struct reach_filter *filter, uint32_t leaf)
 {
     const struct surface *surface = &view->body->surface;
     const uint32_t first = leaf * LANES;
     float bound[LANES];
     work_spend(&world->work, 1);
-    uint32_t lanes =
-        lanes_of(surface_triangles(surface) - first) &
-        world->kernel.point_triangles(surface_leaf(surface, leaf, &world->work), filter->x, filter->limit, bound);
+    uint32_t lanes = lanes_of(surface_triangles(surface) - first) &
+                     triangles_within(filter, surface_leaf(surface, leaf, &world->work), bound);
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = first_lane(lanes);
         if (view->count == PATCH_TRIANGLES_MAX)
             return 0;
         view->list[view->count++] =
-            (struct patch_triangle){ .gap = distance_of_bound(surface, filter, bound[lane]) - view->segment->radius,
+            (struct patch_triangle){ .gap = distance_of_bound(filter, bound[lane]) - view->segment->radius,
                                      .height = HUGE_VAL,
                                      .triangle = first + lane,
                                      .has_face = 1 };
@@ -170,18 +193,16 @@ static int list_leaf(struct dpt_world *world, struct patch_view *view, const str
 /* List the triangles with a gap up to `reach`. */
 static int list_all(struct dpt_world *world, struct patch_view *view, double reach)
 {
-    const struct surface *surface = &view->body->surface;
     const double need = view->segment->radius + reach;
-    float bound[LANES];
+    struct reach_filter filter;
     view->count = 0;
     if (!is_alone(world, view, need) || !cover(world, view, need, reach))
         return 0;
     const struct proxy_patch *patch = view->patch;
-    const struct point_filter filter = point_filter_of(surface, view->a, need);
+    reach_filter_set(&filter, world, view, need);
     for (uint32_t from = 0; from < patch->count; from += LANES) {
         work_spend(&world->work, 1);
-        uint32_t leaves = lanes_of(patch->count - from) &
-                          world->kernel.point_boxes(patch->box[from / LANES], filter.x, filter.limit, bound);
+        uint32_t leaves = lanes_of(patch->count - from) & boxes_within(&filter, patch->box[from / LANES]);
         for (; leaves; leaves &= leaves - 1)
             if (!list_leaf(world, view, &filter, patch->leaf[from + first_lane(leaves)]))
                 return 0;
@@ -190,19 +211,26 @@ static int list_all(struct dpt_world *world, struct patch_view *view, double rea
     return 1;
 }
 
-/* Find a triangle's nearest pair. */
-static void find_pair(struct dpt_world *world, const struct patch_view *view, struct patch_triangle *triangle)
+void dpti_patch_find(struct dpt_world *world, const struct patch_view *view, struct patch_triangle *triangle)
 {
+    const struct surface *surface = &view->body->surface;
+    pair *found = &triangle->found;
     if (triangle->is_found)
         return;
-    dpti_triangle_point_pair(&view->body->surface, triangle->triangle, view->a, &triangle->found);
-    triangle->found.s = 0.0;
-    const double distance = sqrt(triangle->found.distance2);
+    if (view->is_ball) {
+        dpti_triangle_point_pair(surface, triangle->triangle, view->a, found);
+        found->s = 0.0;
+    } else {
+        *found = dpti_triangle_pair(surface, triangle->triangle, view->a, view->u);
+    }
+    const double distance = sqrt(found->distance2);
     triangle->gap = distance - view->segment->radius;
     triangle->is_found = 1;
     if (distance > 0.0) {
-        triangle->normal = scaled(triangle->found.gap, 1.0 / distance);
-        triangle->height = dot(triangle->normal, view->a) - distance;
+        vec3 v[3];
+        surface_corners(surface, triangle->triangle, v);
+        const vec3 n = triangle->normal = scaled(found->gap, 1.0 / distance);
+        triangle->height = max_of(dot(n, v[0]), max_of(dot(n, v[1]), dot(n, v[2])));
     }
     work_spend(&world->work, 1);
 }
@@ -228,19 +256,14 @@ static double place_axis(const struct proxy_tick *tick, struct patch_view *view)
     return max_of(length(sub(view->a, a)), length(sub(add(view->a, view->u), b)));
 }
 
-/* m: at x the tool's surface is that far in front of the plane of the last pair that was found, at least. */
-static double gap_of_plane(const struct patch_view *view, const struct patch_triangle *triangle, vec3 x)
-{
-    return dot(triangle->normal, x) - triangle->height - view->segment->radius;
-}
-
 /* The axis moved: what is known of gaps holds, less the way; and the planes are where they were. */
 static void weaken(struct patch_view *view, double moved)
 {
     view->reach -= moved;
     for (uint32_t i = 0; i < view->count; i++) {
         struct patch_triangle *triangle = &view->list[i];
-        triangle->gap = max_of(triangle->gap - moved, gap_of_plane(view, triangle, view->a));
+        triangle->gap =
+            max_of(triangle->gap - moved, patch_gap_of_plane(view, triangle, view->a, add(view->a, view->u)));
         triangle->is_found = 0;
         triangle->has_face = 1;
     }
@@ -267,147 +290,13 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
         triangle->is_held = 0;
         if (triangle->gap > near)
             continue;
-        find_pair(world, view, triangle);
+        dpti_patch_find(world, view, triangle);
         if (triangle->gap <= near && (view->nearest == PATCH_TRIANGLES_MAX ||
                                       is_nearer(&view->body->surface, triangle, &view->list[view->nearest])))
             view->nearest = i;
     }
     tick->gap = view->nearest == PATCH_TRIANGLES_MAX ? near : view->list[view->nearest].gap;
     return 1;
-}
-
-/*
- * The plane of a triangle's own face, where the ball is in front of it by the clearance, and it leaves more at the end of
- * the motion than that across the pair. At a concave edge it lets the ball go to where it touches; the pair's plane is that
- * of the edge, and would hold it half way there.
- */
-static int face_plane(const struct proxy_tick *tick, const struct patch_view *view,
-                      const struct patch_triangle *triangle, vec3 motion, pair *plane, double *distance)
-{
-    const double *weight = triangle->found.weight, radius = view->segment->radius;
-    vec3 v[3];
-    if (!triangle->has_face || (weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0))
-        return 0;
-    surface_corners(&view->body->surface, triangle->triangle, v);
-    const vec3 face = cross(sub(v[1], v[0]), sub(v[2], v[0]));
-    const double size = length(face);
-    if (!(size > 0.0))
-        return 0;
-    vec3 normal = scaled(face, 1.0 / size);
-    double height = dot(normal, sub(view->a, v[0]));
-    normal = scaled(normal, height < 0.0 ? -1.0 : 1.0);
-    /* Rounding tilts the normal of a sliver: as far as that, its corners may be in front. */
-    height = fabs(height) - fabs(dot(normal, sub(v[1], v[0]))) - fabs(dot(normal, sub(v[2], v[0])));
-    if (height - radius < tick->clearance ||
-        height + dot(normal, motion) <= *distance + dot(triangle->found.gap, motion) / *distance)
-        return 0;
-    *distance = height;
-    plane->gap = scaled(normal, height);
-    return 1;
-}
-
-/* Whether a constraint has the same plane. */
-static int has_twin(const struct proxy_tick *tick, vec3 normal, double gap)
-{
-    for (uint32_t i = 0; i < tick->space_count; i++)
-        if (fabs(tick->sources[i].gap - gap) <= TWIN * tick->clearance &&
-            extent_of(sub(vec3_of(tick->spaces[i].normal), normal)) <= TWIN)
-            return 1;
-    return 0;
-}
-
-int dpti_patch_hold(struct proxy_tick *tick, struct patch_view *view, uint32_t i, vec3 motion)
-{
-    struct patch_triangle *triangle = &view->list[i];
-    const struct frame *frame = &view->body->frame;
-    find_pair(tick->world, view, triangle);
-    triangle->is_held = 1;
-    triangle->space = HALF_SPACES_MAX;
-    pair plane = triangle->found;
-    double distance = sqrt(plane.distance2);
-    if (!(distance > 0.0))
-        return 0;
-    face_plane(tick, view, triangle, frame_turn_back(frame, motion), &plane, &distance);
-    const double gap = distance - view->segment->radius;
-    if (has_twin(tick, frame_turn(frame, scaled(plane.gap, 1.0 / distance)), gap))
-        return 1;
-    if (tick->space_count == HALF_SPACES_MAX)
-        return 0;
-    triangle->space = (uint16_t)tick->space_count;
-    tick->triangles[tick->triangle_count++] =
-        (struct proxy_triangle){ .segment = 0, .body_id = view->body->id, .triangle = triangle->triangle };
-    dpti_proxy_add_plane(tick, tick->triangle_count - 1, view->body, view->a, &plane, distance);
-    return 1;
-}
-
-int dpti_patch_prefer_pairs(struct proxy_tick *tick, struct patch_view *view)
-{
-    const vec3 none = { 0.0, 0.0, 0.0 };
-    int has_changed = 0;
-    for (uint32_t k = 0; k < tick->solved.active_count; k++)
-        for (uint32_t i = 0; i < view->count; i++) {
-            struct patch_triangle *triangle = &view->list[i];
-            if (!triangle->is_held || !triangle->has_face || triangle->space != tick->solved.active[k] ||
-                !(triangle->gap > tick->sources[triangle->space].gap + 0.1 * tick->clearance))
-                continue;
-            triangle->has_face = 0;
-            has_changed = 1;
-        }
-    if (!has_changed)
-        return 0;
-    tick->space_count = tick->triangle_count = 0;
-    for (uint32_t i = 0; i < view->count; i++)
-        if (view->list[i].is_held && !dpti_patch_hold(tick, view, i, none))
-            return 0;
-    return 1;
-}
-
-/* The planes that hold, and how high above the origin a triangle may rise along them. */
-struct certificate {
-    uint32_t count;
-    vec3 normal[HALF_SPACE_DIMENSIONS];
-    double height[HALF_SPACE_DIMENSIONS];
-};
-
-static int is_behind(const struct certificate *certificate, const vec3 v[3])
-{
-    for (uint32_t k = 0; k < certificate->count; k++) {
-        const vec3 n = certificate->normal[k];
-        if (max_of(dot(n, v[0]), max_of(dot(n, v[1]), dot(n, v[2]))) <= certificate->height[k])
-            return 1;
-    }
-    return 0;
-}
-
-uint32_t dpti_patch_hold_obstacles(struct proxy_tick *tick, struct patch_view *view, vec3 motion)
-{
-    const vec3 y = frame_turn_back(&view->body->frame, motion), to = add(view->a, y);
-    const double size = length(y), kept = view->segment->radius + CERTIFIED * tick->clearance;
-    struct certificate certificate = { .count = tick->solved.active_count };
-    uint32_t added = 0;
-    for (uint32_t k = 0; k < certificate.count; k++) {
-        const vec3 n = frame_turn_back(&view->body->frame, vec3_of(tick->spaces[tick->solved.active[k]].normal));
-        certificate.normal[k] = n;
-        certificate.height[k] = min_of(dot(n, view->a), dot(n, to)) - kept;
-    }
-    for (uint32_t i = 0; i < view->count; i++) {
-        struct patch_triangle *triangle = &view->list[i];
-        vec3 v[3];
-        if (triangle->is_held || triangle->gap - size > tick->clearance)
-            continue;
-        if (!triangle->is_found && min_of(triangle->gap, gap_of_plane(view, triangle, to)) >= tick->clearance)
-            continue;
-        surface_corners(&view->body->surface, triangle->triangle, v);
-        if (is_behind(&certificate, v))
-            continue;
-        find_pair(tick->world, view, triangle);
-        if (triangle->gap - size > tick->clearance || gap_of_plane(view, triangle, to) >= tick->clearance)
-            continue;
-        if (!dpti_patch_hold(tick, view, i, motion))
-            return HALF_SPACES_MAX;
-        added++;
-    }
-    return added;
 }
 
 int dpti_patch_answer(struct proxy_tick *tick, const struct patch_view *view)

@@ -41,6 +41,7 @@ struct patch_view {
     struct proxy_patch *patch;
     struct segment *segment;
     const struct body *body;
+    int is_ball;
     vec3 world_a, world_b; /* the axis at tick->at */
     vec3 a, u;             /* in the body's frame */
     double reach;          /* m: no triangle outside of the list has a gap below that */
@@ -58,7 +59,7 @@ uint64_t dpti_patch_bytes(const dpt_world_def *def);
 /* Begin anew, as if it had never been used. */
 void dpti_patch_forget(struct proxy_patch *patch);
 
-/* Whether the tick may work with the patch: a ball that is held by one body at rest. Begins the view. */
+/* Whether the tick may work with the patch: of one segment, held by one body at rest. Begins the view. */
 int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view);
 
 /*
@@ -67,24 +68,15 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view);
  */
 int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double reach);
 
-/*
- * Make a triangle of the list a constraint; `motion`, m in the world, is where the tool may go. Returns 0 if there is no
- * room for it, or it touches the axis.
- */
-int dpti_patch_hold(struct proxy_tick *tick, struct patch_view *view, uint32_t i, vec3 motion);
+/* Find a triangle's nearest pair with the view's axis, and the plane across it. */
+void dpti_patch_find(struct dpt_world *world, const struct patch_view *view, struct patch_triangle *triangle);
 
-/*
- * Where triangles are held by the planes of their faces, and these hold the tool where the triangles are not: by their
- * pairs' planes from now on. Returns 0 if there is none of that kind.
- */
-int dpti_patch_prefer_pairs(struct proxy_tick *tick, struct patch_view *view);
-
-/*
- * Triangles that may be in the way of a straight motion, m in the world, become constraints. Those are in nobody's way that
- * lie behind the plane of a constraint that holds, or of their own nearest pair. Returns how many they are;
- * HALF_SPACES_MAX if there is no room.
- */
-uint32_t dpti_patch_hold_obstacles(struct proxy_tick *tick, struct patch_view *view, vec3 motion);
+/* m: an axis from a to b is so far in front of the plane of the last pair that was found, less its radius. */
+static inline double patch_gap_of_plane(const struct patch_view *view, const struct patch_triangle *triangle, vec3 a,
+                                        vec3 b)
+{
+    return min_of(dot(triangle->normal, a), dot(triangle->normal, b)) - triangle->height - view->segment->radius;
+}
 
 /* The nearest pair at tick->at becomes the segment's answer. Returns 0 if there is none in the view. */
 int dpti_patch_answer(struct proxy_tick *tick, const struct patch_view *view);

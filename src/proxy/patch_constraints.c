@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "proxy/patch_constraints.h"
+
+#include "proxy/proxy_constraints.h"
+
+/* As shares of the clearance: a plane must leave that much between a ball and what is behind it, and beside a line. */
+#define CERTIFIED      0.9
+#define CERTIFIED_LINE 0.5
+
+/* Unit normals that differ by no more, and gaps, as a share of the clearance, are the same. */
+#define TWIN 1e-9
+
+/* An arc of a turn is off its chord by an eighth of its square times its radius; a quarter more, to be safe. */
+#define ARC (1.25 / 8.0)
+
+/*
+ * The plane of a triangle's own face, where the ball is in front of it by the clearance, and it leaves more at the end of
+ * the motion than that across the pair. At a concave edge it lets the ball go to where it touches; the pair's plane is that
+ * of the edge, and would hold it half way there.
+ */
+static int face_plane(const struct proxy_tick *tick, const struct patch_view *view,
+                      const struct patch_triangle *triangle, vec3 motion, pair *plane, double *distance)
+{
+    const double *weight = triangle->found.weight, radius = view->segment->radius;
+    vec3 v[3];
+    if (!triangle->has_face || (weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0))
+        return 0;
+    surface_corners(&view->body->surface, triangle->triangle, v);
+    const vec3 face = cross(sub(v[1], v[0]), sub(v[2], v[0]));
+    const double size = length(face);
+    if (!(size > 0.0))
+        return 0;
+    vec3 normal = scaled(face, 1.0 / size);
+    double height = dot(normal, sub(view->a, v[0]));
+    normal = scaled(normal, height < 0.0 ? -1.0 : 1.0);
+    /* Rounding tilts the normal of a sliver: as far as that, its corners may be in front. */
+    height = fabs(height) - fabs(dot(normal, sub(v[1], v[0]))) - fabs(dot(normal, sub(v[2], v[0])));
+    if (height - radius < tick->clearance ||
+        height + dot(normal, motion) <= *distance + dot(triangle->found.gap, motion) / *distance)
+        return 0;
+    *distance = height;
+    plane->gap = scaled(normal, height);
+    return 1;
+}
+
+/* Whether a constraint has the same plane. */
+static int has_twin(const struct proxy_tick *tick, vec3 normal, double gap)
+{
+    for (uint32_t i = 0; i < tick->space_count; i++)
+        if (fabs(tick->sources[i].gap - gap) <= TWIN * tick->clearance &&
+            extent_of(sub(vec3_of(tick->spaces[i].normal), normal)) <= TWIN)
+            return 1;
+    return 0;
+}
+
+/* The constraint of a ball: one plane. */
+static int hold_ball(struct proxy_tick *tick, struct patch_view *view, struct patch_triangle *triangle, vec3 motion)
+{
+    const struct frame *frame = &view->body->frame;
+    pair plane = triangle->found;
+    double distance = sqrt(plane.distance2);
+    face_plane(tick, view, triangle, frame_turn_back(frame, motion), &plane, &distance);
+    const double gap = distance - view->segment->radius;
+    if (has_twin(tick, frame_turn(frame, scaled(plane.gap, 1.0 / distance)), gap))
+        return 1;
+    if (tick->space_count == HALF_SPACES_MAX)
+        return 0;
+    triangle->space = (uint16_t)tick->space_count;
+    tick->triangles[tick->triangle_count++] =
+        (struct proxy_triangle){ .segment = 0, .body_id = view->body->id, .triangle = triangle->triangle };
+    dpti_proxy_add_plane(tick, tick->triangle_count - 1, view->body, view->a, &plane, distance);
+    return 1;
+}
+
+int dpti_patch_hold(struct proxy_tick *tick, struct patch_view *view, uint32_t i, double reach, vec3 motion)
+{
+    struct patch_triangle *triangle = &view->list[i];
+    dpti_patch_find(tick->world, view, triangle);
+    triangle->is_held = 1;
+    triangle->space = HALF_SPACES_MAX;
+    if (!(triangle->found.distance2 > 0.0))
+        return 0;
+    if (view->is_ball)
+        return hold_ball(tick, view, triangle, motion);
+    if (tick->space_count + PROXY_GATHERED_MAX > HALF_SPACES_MAX)
+        return 0;
+    tick->triangles[tick->triangle_count++] =
+        (struct proxy_triangle){ .segment = 0, .body_id = view->body->id, .triangle = triangle->triangle };
+    dpti_proxy_gather_triangle(tick, tick->triangle_count - 1, reach);
+    return 1;
+}
+
+int dpti_patch_prefer_pairs(struct proxy_tick *tick, struct patch_view *view)
+{
+    const vec3 none = { 0.0, 0.0, 0.0 };
+    int has_changed = 0;
+    for (uint32_t k = 0; k < tick->solved.active_count; k++)
+        for (uint32_t i = 0; i < view->count; i++) {
+            struct patch_triangle *triangle = &view->list[i];
+            if (!triangle->is_held || !triangle->has_face || triangle->space != tick->solved.active[k] ||
+                !(triangle->gap > tick->sources[triangle->space].gap + 0.1 * tick->clearance))
+                continue;
+            triangle->has_face = 0;
+            has_changed = 1;
+        }
+    if (!has_changed)
+        return 0;
+    tick->space_count = tick->triangle_count = 0;
+    for (uint32_t i = 0; i < view->count; i++)
+        if (view->list[i].is_held && !dpti_patch_hold(tick, view, i, 0.0, none))
+            return 0;
+    return 1;
+}
+
+/* A motion in the body's frame: the ends of the axis at its start and at its end. */
+struct way {
+    vec3 a[2], b[2];
+    vec3 x;           /* unit, along the axis at the start; 0 for a ball */
+    double length;    /* m, of the axis */
+    double moved;     /* m: no point of the axis goes farther */
+    double deviation; /* m: from a straight motion of the ends */
+    double kept;      /* m: so far the axis must stay in front of a plane */
+    uint32_t plane_count;
+    vec3 normal[HALF_SPACE_DIMENSIONS]; /* of the planes that hold */
+    struct sweep sweep;                 /* if is_swept */
+    int is_swept;
+};
+
+static void way_set(const struct proxy_tick *tick, const struct patch_view *view, const struct proxy_pose *to,
+                    struct way *way)
+{
+    const struct frame *body = &view->body->frame;
+    const struct displacement moved = dpti_proxy_displacement(tick->proxy, &tick->at, to);
+    way->a[0] = view->a;
+    way->b[0] = add(view->a, view->u);
+    way->a[1] = frame_to_local(body, frame_to_world(&to->frame, view->segment->a));
+    way->b[1] = view->is_ball ? way->a[1] : frame_to_local(body, frame_to_world(&to->frame, view->segment->b));
+    way->length = view->is_ball ? 0.0 : length(view->u);
+    way->x = way->length > 0.0 ? scaled(view->u, 1.0 / way->length) : (vec3){ 0.0, 0.0, 0.0 };
+    way->deviation = ARC * dot(moved.turn, moved.turn) * tick->proxy->extent;
+    way->moved = max_of(length(sub(way->a[1], way->a[0])), length(sub(way->b[1], way->b[0]))) + way->deviation;
+    way->kept = view->segment->radius + (view->is_ball ? CERTIFIED : CERTIFIED_LINE) * tick->clearance + way->deviation;
+    way->is_swept = 0;
+    way->plane_count = tick->solved.active_count;
+    for (uint32_t k = 0; k < way->plane_count; k++)
+        way->normal[k] = frame_turn_back(body, vec3_of(tick->spaces[tick->solved.active[k]].normal));
+}
+
+/* The part of the axis, as shares of it, that can be near a triangle. Returns 0 if there is none. */
+static int part_beside(const struct way *way, const vec3 v[3], double part[2])
+{
+    const double origin = dot(way->x, way->a[0]), spare = way->moved + way->kept;
+    const double s0 = dot(way->x, v[0]), s1 = dot(way->x, v[1]), s2 = dot(way->x, v[2]);
+    part[0] = part[1] = 0.0;
+    if (!(way->length > 0.0))
+        return 1;
+    part[0] = max_of(0.0, (min_of(s0, min_of(s1, s2)) - spare - origin) / way->length);
+    part[1] = min_of(1.0, (max_of(s0, max_of(s1, s2)) + spare - origin) / way->length);
+    return part[0] <= part[1];
+}
+
+/* m: the least height of that part along a normal, at any time of the motion. */
+static double height_of(const struct way *way, vec3 normal, const double part[2])
+{
+    double least = HUGE_VAL;
+    for (int time = 0; time < 2; time++) {
+        const double a = dot(normal, way->a[time]), rise = dot(normal, way->b[time]) - a;
+        least = min_of(least, a + min_of(part[0] * rise, part[1] * rise));
+    }
+    return least;
+}
+
+/* Whether planes that hold, or the triangle's own, prove that it is in nobody's way. */
+static int is_behind_plane(const struct patch_view *view, const struct way *way, const struct patch_triangle *triangle)
+{
+    vec3 v[3];
+    double part[2];
+    surface_corners(&view->body->surface, triangle->triangle, v);
+    if (!part_beside(way, v, part) || height_of(way, triangle->normal, part) - triangle->height >= way->kept)
+        return 1;
+    for (uint32_t k = 0; k < way->plane_count; k++) {
+        const vec3 n = way->normal[k];
+        if (height_of(way, n, part) - max_of(dot(n, v[0]), max_of(dot(n, v[1]), dot(n, v[2]))) >= way->kept)
+            return 1;
+    }
+    return 0;
+}
+
+/* The same by planes of the pairs half way, of a part of the axis at a time. */
+static int is_proven_by_parts(const struct proxy_tick *tick, const struct patch_view *view, struct way *way,
+                              const struct patch_triangle *triangle)
+{
+    const struct surface *surface = &view->body->surface;
+    struct moving_triangle still = { .is_moving = 0 };
+    if (!way->is_swept) {
+        const struct motion motion = { way->a[0], way->b[0], sub(way->a[1], way->a[0]), sub(way->b[1], way->b[0]) };
+        dpti_sweep_begin(&way->sweep, &motion, way->kept, 0.0, dpti_surface_extent(surface));
+        way->is_swept = 1;
+    }
+    surface_corners(surface, triangle->triangle, still.corner);
+    work_spend(&tick->world->work, 1);
+    return !dpti_sweep_may_touch_triangle(&way->sweep, &still);
+}
+
+/* Whether a triangle of the list is in nobody's way. */
+static int is_out_of_the_way(const struct proxy_tick *tick, const struct patch_view *view, struct way *way,
+                             struct patch_triangle *triangle)
+{
+    if (triangle->gap - way->moved > tick->clearance || is_behind_plane(view, way, triangle))
+        return 1;
+    if (!triangle->is_found) {
+        dpti_patch_find(tick->world, view, triangle);
+        if (triangle->gap - way->moved > tick->clearance || is_behind_plane(view, way, triangle))
+            return 1;
+    }
+    return !view->is_ball && is_proven_by_parts(tick, view, way, triangle);
+}
+
+enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *view, const struct proxy_pose *to,
+                                  double reach)
+{
+    const vec3 motion = sub(to->centre, tick->at.centre);
+    enum patch_proof proof = PATCH_FREE;
+    struct way way;
+    way_set(tick, view, to, &way);
+    if (way.moved + tick->clearance > view->reach)
+        return PATCH_UNPROVEN;
+    for (uint32_t i = 0; i < view->count; i++) {
+        struct patch_triangle *triangle = &view->list[i];
+        /* A ball stays in front of the plane that is its constraint. */
+        if ((triangle->is_held && view->is_ball) || is_out_of_the_way(tick, view, &way, triangle))
+            continue;
+        if (triangle->is_held)
+            return PATCH_UNPROVEN;
+        if (!dpti_patch_hold(tick, view, i, reach, motion))
+            return PATCH_CROWDED;
+        proof = PATCH_ADDED;
+    }
+    return proof;
+}
