@@ -112,108 +112,78 @@ int dpti_patch_prefer_pairs(struct proxy_tick *tick, struct patch_view *view)
     return 1;
 }
 
-/* A motion in the body's frame: the ends of the axis at its start and at its end. */
-struct way {
-    vec3 a[2], b[2];
-    vec3 x;           /* unit, along the axis at the start; 0 for a ball */
-    double length;    /* m, of the axis */
-    double moved;     /* m: no point of the axis goes farther */
-    double deviation; /* m: from a straight motion of the ends */
-    double kept;      /* m: so far the axis must stay in front of a plane */
+/* A motion that is to be proven. */
+struct trial {
+    struct patch_way way;
+    double moved; /* m: no point of the axis goes farther */
+    double kept;  /* m: so far the axis must stay in front of a plane */
     uint32_t plane_count;
     vec3 normal[HALF_SPACE_DIMENSIONS]; /* of the planes that hold */
     struct sweep sweep;                 /* if is_swept */
     int is_swept;
 };
 
-static void way_set(const struct proxy_tick *tick, const struct patch_view *view, const struct proxy_pose *to,
-                    struct way *way)
+static void trial_set(const struct proxy_tick *tick, const struct patch_view *view, const struct proxy_pose *to,
+                      struct trial *trial)
 {
     const struct frame *body = &view->body->frame;
     const struct displacement moved = dpti_proxy_displacement(tick->proxy, &tick->at, to);
-    way->a[0] = view->a;
-    way->b[0] = add(view->a, view->u);
-    way->a[1] = frame_to_local(body, frame_to_world(&to->frame, view->segment->a));
-    way->b[1] = view->is_ball ? way->a[1] : frame_to_local(body, frame_to_world(&to->frame, view->segment->b));
-    way->length = view->is_ball ? 0.0 : length(view->u);
-    way->x = way->length > 0.0 ? scaled(view->u, 1.0 / way->length) : (vec3){ 0.0, 0.0, 0.0 };
-    way->deviation = ARC * dot(moved.turn, moved.turn) * tick->proxy->extent;
-    way->moved = max_of(length(sub(way->a[1], way->a[0])), length(sub(way->b[1], way->b[0]))) + way->deviation;
-    way->kept = view->segment->radius + (view->is_ball ? CERTIFIED : CERTIFIED_LINE) * tick->clearance + way->deviation;
-    way->is_swept = 0;
-    way->plane_count = tick->solved.active_count;
-    for (uint32_t k = 0; k < way->plane_count; k++)
-        way->normal[k] = frame_turn_back(body, vec3_of(tick->spaces[tick->solved.active[k]].normal));
-}
-
-/* The part of the axis, as shares of it, that can be near a triangle. Returns 0 if there is none. */
-static int part_beside(const struct way *way, const vec3 v[3], double part[2])
-{
-    const double origin = dot(way->x, way->a[0]), spare = way->moved + way->kept;
-    const double s0 = dot(way->x, v[0]), s1 = dot(way->x, v[1]), s2 = dot(way->x, v[2]);
-    part[0] = part[1] = 0.0;
-    if (!(way->length > 0.0))
-        return 1;
-    part[0] = max_of(0.0, (min_of(s0, min_of(s1, s2)) - spare - origin) / way->length);
-    part[1] = min_of(1.0, (max_of(s0, max_of(s1, s2)) + spare - origin) / way->length);
-    return part[0] <= part[1];
-}
-
-/* m: the least height of that part along a normal, at any time of the motion. */
-static double height_of(const struct way *way, vec3 normal, const double part[2])
-{
-    double least = HUGE_VAL;
-    for (int time = 0; time < 2; time++) {
-        const double a = dot(normal, way->a[time]), rise = dot(normal, way->b[time]) - a;
-        least = min_of(least, a + min_of(part[0] * rise, part[1] * rise));
-    }
-    return least;
+    const double deviation = ARC * dot(moved.turn, moved.turn) * tick->proxy->extent;
+    const vec3 a = frame_to_local(body, frame_to_world(&to->frame, view->segment->a));
+    const vec3 b = view->is_ball ? a : frame_to_local(body, frame_to_world(&to->frame, view->segment->b));
+    trial->moved = max_of(length(sub(a, view->a)), length(sub(b, add(view->a, view->u)))) + deviation;
+    trial->kept = view->segment->radius + (view->is_ball ? CERTIFIED : CERTIFIED_LINE) * tick->clearance + deviation;
+    trial->way = dpti_patch_way(view, a, b, trial->moved + trial->kept);
+    trial->is_swept = 0;
+    trial->plane_count = tick->solved.active_count;
+    for (uint32_t k = 0; k < trial->plane_count; k++)
+        trial->normal[k] = frame_turn_back(body, vec3_of(tick->spaces[tick->solved.active[k]].normal));
 }
 
 /* Whether planes that hold, or the triangle's own, prove that it is in nobody's way. */
-static int is_behind_plane(const struct patch_view *view, const struct way *way, const struct patch_triangle *triangle)
+static int is_behind_plane(const struct patch_view *view, const struct trial *trial,
+                           const struct patch_triangle *triangle)
 {
     vec3 v[3];
     double part[2];
     surface_corners(&view->body->surface, triangle->triangle, v);
-    if (!part_beside(way, v, part) || height_of(way, triangle->normal, part) - triangle->height >= way->kept)
+    if (!patch_part_beside(&trial->way, v, part) || patch_height(&trial->way, triangle->normal, part, v) >= trial->kept)
         return 1;
-    for (uint32_t k = 0; k < way->plane_count; k++) {
-        const vec3 n = way->normal[k];
-        if (height_of(way, n, part) - max_of(dot(n, v[0]), max_of(dot(n, v[1]), dot(n, v[2]))) >= way->kept)
+    for (uint32_t k = 0; k < trial->plane_count; k++)
+        if (patch_height(&trial->way, trial->normal[k], part, v) >= trial->kept)
             return 1;
-    }
     return 0;
 }
 
 /* The same by planes of the pairs half way, of a part of the axis at a time. */
-static int is_proven_by_parts(const struct proxy_tick *tick, const struct patch_view *view, struct way *way,
+static int is_proven_by_parts(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial,
                               const struct patch_triangle *triangle)
 {
     const struct surface *surface = &view->body->surface;
     struct moving_triangle still = { .is_moving = 0 };
-    if (!way->is_swept) {
-        const struct motion motion = { way->a[0], way->b[0], sub(way->a[1], way->a[0]), sub(way->b[1], way->b[0]) };
-        dpti_sweep_begin(&way->sweep, &motion, way->kept, 0.0, dpti_surface_extent(surface));
-        way->is_swept = 1;
+    if (!trial->is_swept) {
+        const struct motion motion = { trial->way.a[0], trial->way.b[0], sub(trial->way.a[1], trial->way.a[0]),
+                                       sub(trial->way.b[1], trial->way.b[0]) };
+        dpti_sweep_begin(&trial->sweep, &motion, trial->kept, 0.0, dpti_surface_extent(surface));
+        trial->is_swept = 1;
     }
     surface_corners(surface, triangle->triangle, still.corner);
     work_spend(&tick->world->work, 1);
-    return !dpti_sweep_may_touch_triangle(&way->sweep, &still);
+    return !dpti_sweep_may_touch_triangle(&trial->sweep, &still);
 }
 
 /* Whether a triangle of the list is in nobody's way. */
-static int is_out_of_the_way(const struct proxy_tick *tick, const struct patch_view *view, struct way *way,
+static int is_out_of_the_way(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial,
                              struct patch_triangle *triangle)
 {
-    if (triangle->gap - way->moved > tick->clearance || is_behind_plane(view, way, triangle))
+    if (triangle->gap - trial->moved > tick->clearance || is_behind_plane(view, trial, triangle))
         return 1;
     if (!triangle->is_found) {
         dpti_patch_find(tick->world, view, triangle);
-        if (triangle->gap - way->moved > tick->clearance || is_behind_plane(view, way, triangle))
+        if (triangle->gap - trial->moved > tick->clearance || is_behind_plane(view, trial, triangle))
             return 1;
     }
-    return !view->is_ball && is_proven_by_parts(tick, view, way, triangle);
+    return !view->is_ball && is_proven_by_parts(tick, view, trial, triangle);
 }
 
 enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *view, const struct proxy_pose *to,
@@ -221,14 +191,14 @@ enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *vi
 {
     const vec3 motion = sub(to->centre, tick->at.centre);
     enum patch_proof proof = PATCH_FREE;
-    struct way way;
-    way_set(tick, view, to, &way);
-    if (way.moved + tick->clearance > view->reach)
+    struct trial trial;
+    trial_set(tick, view, to, &trial);
+    if (trial.moved + tick->clearance > view->reach)
         return PATCH_UNPROVEN;
     for (uint32_t i = 0; i < view->count; i++) {
         struct patch_triangle *triangle = &view->list[i];
         /* A ball stays in front of the plane that is its constraint. */
-        if ((triangle->is_held && view->is_ball) || is_out_of_the_way(tick, view, &way, triangle))
+        if ((triangle->is_held && view->is_ball) || is_out_of_the_way(tick, view, &trial, triangle))
             continue;
         if (triangle->is_held)
             return PATCH_UNPROVEN;

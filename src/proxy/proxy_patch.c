@@ -153,11 +153,12 @@ static uint32_t boxes_within(const struct reach_filter *filter, const float *row
                             : filter->kernel->boxes(rows, &filter->segment, &planes, bound);
 }
 
-static uint32_t triangles_within(const struct reach_filter *filter, const float *rows, float *bound)
+/* planes: those that gave the bounds; of points none */
+static uint32_t triangles_within(const struct reach_filter *filter, const float *rows, struct planes *planes,
+                                 float *bound)
 {
-    struct planes planes;
     return filter->is_point ? filter->kernel->point_triangles(rows, filter->x, filter->limit, bound)
-                            : filter->kernel->triangles(rows, &filter->segment, &planes, bound);
+                            : filter->kernel->triangles(rows, &filter->segment, planes, bound);
 }
 
 /* m: no triangle with this bound is nearer. */
@@ -173,19 +174,22 @@ static int list_leaf(struct dpt_world *world, struct patch_view *view, const str
 {
     const struct surface *surface = &view->body->surface;
     const uint32_t first = leaf * LANES;
+    struct planes planes;
     float bound[LANES];
     work_spend(&world->work, 1);
     uint32_t lanes = lanes_of(surface_triangles(surface) - first) &
-                     triangles_within(filter, surface_leaf(surface, leaf, &world->work), bound);
+                     triangles_within(filter, surface_leaf(surface, leaf, &world->work), &planes, bound);
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = first_lane(lanes);
         if (view->count == PATCH_TRIANGLES_MAX)
             return 0;
-        view->list[view->count++] =
-            (struct patch_triangle){ .gap = distance_of_bound(filter, bound[lane]) - view->segment->radius,
-                                     .height = HUGE_VAL,
-                                     .triangle = first + lane,
-                                     .has_face = 1 };
+        struct patch_triangle *triangle = &view->list[view->count++];
+        *triangle = (struct patch_triangle){ .gap = distance_of_bound(filter, bound[lane]) - view->segment->radius,
+                                             .height = HUGE_VAL,
+                                             .triangle = first + lane,
+                                             .has_face = 1 };
+        if (!filter->is_point)
+            triangle->normal = unit_of((vec3){ -planes.x[lane], -planes.y[lane], -planes.z[lane] });
     }
     return 1;
 }
@@ -227,10 +231,8 @@ void dpti_patch_find(struct dpt_world *world, const struct patch_view *view, str
     triangle->gap = distance - view->segment->radius;
     triangle->is_found = 1;
     if (distance > 0.0) {
-        vec3 v[3];
-        surface_corners(surface, triangle->triangle, v);
-        const vec3 n = triangle->normal = scaled(found->gap, 1.0 / distance);
-        triangle->height = max_of(dot(n, v[0]), max_of(dot(n, v[1]), dot(n, v[2])));
+        triangle->normal = scaled(found->gap, 1.0 / distance);
+        triangle->height = dot(triangle->normal, view->a) - distance;
     }
     work_spend(&world->work, 1);
 }
@@ -256,17 +258,40 @@ static double place_axis(const struct proxy_tick *tick, struct patch_view *view)
     return max_of(length(sub(view->a, a)), length(sub(add(view->a, view->u), b)));
 }
 
-/* The axis moved: what is known of gaps holds, less the way; and the planes are where they were. */
+struct patch_way dpti_patch_way(const struct patch_view *view, vec3 to_a, vec3 to_b, double spare)
+{
+    const double size = view->is_ball ? 0.0 : length(view->u);
+    return (struct patch_way){ { view->a, to_a },
+                               { add(view->a, view->u), to_b },
+                               size > 0.0 ? scaled(view->u, 1.0 / size) : view->u,
+                               size,
+                               spare };
+}
+
+/* The axis moved: what is known of gaps holds, less the way; and a ball's planes are where they were. */
 static void weaken(struct patch_view *view, double moved)
 {
     view->reach -= moved;
     for (uint32_t i = 0; i < view->count; i++) {
         struct patch_triangle *triangle = &view->list[i];
-        triangle->gap =
-            max_of(triangle->gap - moved, patch_gap_of_plane(view, triangle, view->a, add(view->a, view->u)));
+        triangle->gap -= moved;
+        if (view->is_ball)
+            triangle->gap =
+                max_of(triangle->gap, dot(triangle->normal, view->a) - triangle->height - view->segment->radius);
         triangle->is_found = 0;
         triangle->has_face = 1;
     }
+}
+
+/* Whether the plane of its last pair proves that a triangle's gap is more than `gap`, where the axis is now. */
+static int is_farther(const struct patch_view *view, const struct patch_way *now, const struct patch_triangle *triangle,
+                      double gap)
+{
+    double part[2];
+    vec3 v[3];
+    surface_corners(&view->body->surface, triangle->triangle, v);
+    return !patch_part_beside(now, v, part) ||
+           patch_height(now, triangle->normal, part, v) > gap + view->segment->radius;
 }
 
 int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double reach)
@@ -284,11 +309,12 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
     } else if (moved > 0.0) {
         weaken(view, moved);
     }
+    const struct patch_way now = dpti_patch_way(view, view->a, add(view->a, view->u), near + view->segment->radius);
     view->nearest = PATCH_TRIANGLES_MAX;
     for (uint32_t i = 0; i < view->count; i++) {
         struct patch_triangle *triangle = &view->list[i];
         triangle->is_held = 0;
-        if (triangle->gap > near)
+        if (triangle->gap > near || (!view->is_ball && !triangle->is_found && is_farther(view, &now, triangle, near)))
             continue;
         dpti_patch_find(world, view, triangle);
         if (triangle->gap <= near && (view->nearest == PATCH_TRIANGLES_MAX ||

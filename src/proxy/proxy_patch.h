@@ -25,10 +25,10 @@ struct proxy_patch {
 
 /* A triangle of the patch. */
 struct patch_triangle {
-    pair found;        /* its nearest pair with the axis, if is_found */
-    double gap;        /* m: of that pair; else no more than it */
-    vec3 normal;       /* unit, across the last pair that was found: it lies behind the plane normal . x = height */
-    double height;     /* m; HUGE_VAL: none was found */
+    pair found;    /* its nearest pair with the axis, if is_found */
+    double gap;    /* m: of that pair; else no more than it */
+    vec3 normal;   /* unit, to the axis: across the last pair that was found, or near that; 0: of none */
+    double height; /* m, of a ball: the triangle lies behind the plane normal . x = height; HUGE_VAL: none was found */
     uint32_t triangle; /* place */
     uint16_t is_found;
     uint16_t is_held;  /* it has a constraint */
@@ -71,11 +71,39 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
 /* Find a triangle's nearest pair with the view's axis, and the plane across it. */
 void dpti_patch_find(struct dpt_world *world, const struct patch_view *view, struct patch_triangle *triangle);
 
-/* m: an axis from a to b is so far in front of the plane of the last pair that was found, less its radius. */
-static inline double patch_gap_of_plane(const struct patch_view *view, const struct patch_triangle *triangle, vec3 a,
-                                        vec3 b)
+/* Where the axis is at the start and at the end of a straight motion, in the body's frame. */
+struct patch_way {
+    vec3 a[2], b[2];
+    vec3 x;        /* unit, along the axis at the start */
+    double length; /* m, of the axis; 0: a ball */
+    double spare;  /* m: no point of the axis that is so far beside a triangle, along x at the start, can be near it */
+};
+
+/* The way from where the view's axis is. */
+struct patch_way dpti_patch_way(const struct patch_view *view, vec3 to_a, vec3 to_b, double spare);
+
+/* The part of the axis, as shares of it, that can be near a triangle. Returns 0 if there is none. */
+static inline int patch_part_beside(const struct patch_way *way, const vec3 v[3], double part[2])
 {
-    return min_of(dot(triangle->normal, a), dot(triangle->normal, b)) - triangle->height - view->segment->radius;
+    part[0] = part[1] = 0.0;
+    if (!(way->length > 0.0))
+        return 1;
+    const double origin = dot(way->x, way->a[0]), s0 = dot(way->x, v[0]), s1 = dot(way->x, v[1]),
+                 s2 = dot(way->x, v[2]);
+    part[0] = max_of(0.0, (min_of(s0, min_of(s1, s2)) - way->spare - origin) / way->length);
+    part[1] = min_of(1.0, (max_of(s0, max_of(s1, s2)) + way->spare - origin) / way->length);
+    return part[0] <= part[1];
+}
+
+/* m: the least height of that part over a triangle along a normal, at any time of the motion. */
+static inline double patch_height(const struct patch_way *way, vec3 normal, const double part[2], const vec3 v[3])
+{
+    double least = HUGE_VAL;
+    for (int time = 0; time < 2; time++) {
+        const double a = dot(normal, way->a[time]), rise = dot(normal, way->b[time]) - a;
+        least = min_of(least, a + min_of(part[0] * rise, part[1] * rise));
+    }
+    return least - max_of(dot(normal, v[0]), max_of(dot(normal, v[1]), dot(normal, v[2])));
 }
 
 /* The nearest pair at tick->at becomes the segment's answer. Returns 0 if there is none in the view. */
