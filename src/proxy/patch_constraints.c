@@ -10,8 +10,8 @@
 /* Unit normals that differ by no more, and gaps, as a share of the clearance, are the same. */
 #define TWIN 1e-9
 
-/* An arc of a turn is off its chord by an eighth of its square times its radius; a quarter more, to be safe. */
-#define ARC (1.25 / 8.0)
+/* As a share of the clearance: a sweep past a triangle may end so much earlier. */
+#define SWEPT 0.05
 
 /*
  * The plane of a triangle's own face, where the ball is in front of it by the clearance, and it leaves more at the end of
@@ -127,12 +127,10 @@ static void trial_set(const struct proxy_tick *tick, const struct patch_view *vi
                       struct trial *trial)
 {
     const struct frame *body = &view->body->frame;
-    const struct displacement moved = dpti_proxy_displacement(tick->proxy, &tick->at, to);
-    const double deviation = ARC * dot(moved.turn, moved.turn) * tick->proxy->extent;
     const vec3 a = frame_to_local(body, frame_to_world(&to->frame, view->segment->a));
     const vec3 b = view->is_ball ? a : frame_to_local(body, frame_to_world(&to->frame, view->segment->b));
-    trial->moved = max_of(length(sub(a, view->a)), length(sub(b, add(view->a, view->u)))) + deviation;
-    trial->kept = view->segment->radius + (view->is_ball ? CERTIFIED : CERTIFIED_LINE) * tick->clearance + deviation;
+    trial->moved = max_of(length(sub(a, view->a)), length(sub(b, add(view->a, view->u))));
+    trial->kept = view->segment->radius + (view->is_ball ? CERTIFIED : CERTIFIED_LINE) * tick->clearance;
     trial->way = dpti_patch_way(view, a, b, trial->moved + trial->kept);
     trial->is_swept = 0;
     trial->plane_count = tick->solved.active_count;
@@ -155,21 +153,25 @@ static int is_behind_plane(const struct patch_view *view, const struct trial *tr
     return 0;
 }
 
-/* The same by planes of the pairs half way, of a part of the axis at a time. */
-static int is_proven_by_parts(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial,
-                              const struct patch_triangle *triangle)
+/* The same by planes of pairs on the way, of a part of the axis at a time; or by a sweep past the triangle. */
+static int is_swept_free(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial,
+                         const struct patch_triangle *triangle)
 {
     const struct surface *surface = &view->body->surface;
+    const struct patch_way *way = &trial->way;
     struct moving_triangle still = { .is_moving = 0 };
+    uint32_t evaluations = 1;
+    double time;
     if (!trial->is_swept) {
-        const struct motion motion = { trial->way.a[0], trial->way.b[0], sub(trial->way.a[1], trial->way.a[0]),
-                                       sub(trial->way.b[1], trial->way.b[0]) };
-        dpti_sweep_begin(&trial->sweep, &motion, trial->kept, 0.0, dpti_surface_extent(surface));
+        const struct motion motion = { way->a[0], way->b[0], sub(way->a[1], way->a[0]), sub(way->b[1], way->b[0]) };
+        dpti_sweep_begin(&trial->sweep, &motion, trial->kept, SWEPT * tick->clearance, dpti_surface_extent(surface));
         trial->is_swept = 1;
     }
     surface_corners(surface, triangle->triangle, still.corner);
-    work_spend(&tick->world->work, 1);
-    return !dpti_sweep_may_touch_triangle(&trial->sweep, &still);
+    const int is_free = !dpti_sweep_may_touch_triangle(&trial->sweep, &still) ||
+                        dpti_sweep_triangle(&trial->sweep, &still, 1.0, &time, &evaluations) == SWEEP_FREE;
+    work_spend(&tick->world->work, evaluations);
+    return is_free;
 }
 
 /* Whether a triangle of the list is in nobody's way. */
@@ -183,7 +185,7 @@ static int is_out_of_the_way(const struct proxy_tick *tick, const struct patch_v
         if (triangle->gap - trial->moved > tick->clearance || is_behind_plane(view, trial, triangle))
             return 1;
     }
-    return !view->is_ball && is_proven_by_parts(tick, view, trial, triangle);
+    return !view->is_ball && is_swept_free(tick, view, trial, triangle);
 }
 
 enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *view, const struct proxy_pose *to,

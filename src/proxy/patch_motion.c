@@ -12,7 +12,7 @@
 #include "proxy/proxy_motion.h"
 #include "proxy/solved_motion.h"
 
-enum { MOTIONS_MAX = 8, SOLVES_MAX = 8 };
+enum { MOTIONS_MAX = 8, SOLVES_MAX = 8, HALVINGS_MAX = 2 };
 
 /* A motion may be so much shorter than the view reaches, as a multiple of the clearance. */
 #define SHORTER 2.0
@@ -81,17 +81,18 @@ static void note_motion(struct proxy_tick *tick, const struct proxy_pose *from, 
 
 /* A motion that is to be tried. */
 struct patch_motion {
+    double straight[HALF_SPACE_DIMENSIONS]; /* what was solved for before corrections */
     struct proxy_pose to;
-    double share; /* of what was solved for */
+    double share; /* of it */
 };
 
 /* The pose to which the solution leads, by motions not longer than `longest`, m. */
 static struct patch_motion choose(struct proxy_tick *tick, const struct patch_view *view, const double *wanted,
                                   double left, double longest)
 {
-    double straight[HALF_SPACE_DIMENSIONS];
     struct patch_motion motion;
-    memcpy(straight, tick->solved.y, sizeof straight);
+    double *straight = motion.straight;
+    memcpy(straight, tick->solved.y, sizeof motion.straight);
     if (view->is_ball) {
         const double size = norm_of(straight, proxy_unknowns(tick->proxy));
         motion.share = size > longest ? longest / size : 1.0;
@@ -167,6 +168,11 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
         }
         motion = choose(tick, view, wanted, left, min_of(longest, *allowed));
         proof = dpti_patch_prove(tick, view, &motion.to, *reach);
+        for (int k = 0; proof == PATCH_UNPROVEN && k < HALVINGS_MAX; k++) {
+            motion.share *= 0.5;
+            motion.to = dpti_solved_pose(tick, motion.straight, motion.share);
+            proof = dpti_patch_prove(tick, view, &motion.to, *reach);
+        }
     }
     *reach = near;
     return proof != PATCH_CROWDED && make(tick, view, &motion, proof == PATCH_FREE, allowed) ? MOTION_MADE
