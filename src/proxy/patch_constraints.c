@@ -153,7 +153,7 @@ static int is_behind_plane(const struct patch_view *view, const struct trial *tr
     return 0;
 }
 
-/* The same by planes of pairs on the way, of a part of the axis at a time; or by a sweep past the triangle. */
+/* The same by planes of pairs on the way, of a part of the axis at a time; of one that is held by a sweep past it. */
 static int is_swept_free(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial,
                          const struct patch_triangle *triangle)
 {
@@ -168,8 +168,9 @@ static int is_swept_free(const struct proxy_tick *tick, const struct patch_view 
         trial->is_swept = 1;
     }
     surface_corners(surface, triangle->triangle, still.corner);
-    const int is_free = !dpti_sweep_may_touch_triangle(&trial->sweep, &still) ||
-                        dpti_sweep_triangle(&trial->sweep, &still, 1.0, &time, &evaluations) == SWEEP_FREE;
+    const int is_free =
+        !dpti_sweep_may_touch_triangle(&trial->sweep, &still) ||
+        (triangle->is_held && dpti_sweep_triangle(&trial->sweep, &still, 1.0, &time, &evaluations) == SWEEP_FREE);
     work_spend(&tick->world->work, evaluations);
     return is_free;
 }

@@ -45,6 +45,7 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     view->segment = segment;
     view->body = body;
     view->is_ball = tick->proxy->shape == PROXY_BALL;
+    view->most = view->is_ball ? PATCH_TRIANGLES_MAX : PATCH_BESIDE_LINE_MAX;
     view->a = view->u = (vec3){ 0.0, 0.0, 0.0 };
     view->reach = 0.0;
     view->count = 0;
@@ -181,7 +182,7 @@ static int list_leaf(struct dpt_world *world, struct patch_view *view, const str
                      triangles_within(filter, surface_leaf(surface, leaf, &world->work), &planes, bound);
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = first_lane(lanes);
-        if (view->count == PATCH_TRIANGLES_MAX)
+        if (view->count == view->most)
             return 0;
         struct patch_triangle *triangle = &view->list[view->count++];
         *triangle = (struct patch_triangle){ .gap = distance_of_bound(filter, bound[lane]) - view->segment->radius,
@@ -304,8 +305,10 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
     if (!view->count || view->reach - moved < reach) {
         double within = reach;
         for (; !list_all(world, view, within); within *= 0.5)
-            if (view->count < PATCH_TRIANGLES_MAX || within < 2.0 * near)
+            if (view->count < view->most || within < 2.0 * near || !view->is_ball) {
+                view->patch->crowded = world->ticks + CROWDED_TICKS/4;
                 return 0;
+            }
     } else if (moved > 0.0) {
         weaken(view, moved);
     }

@@ -8,7 +8,7 @@
 
 #include "proxy/proxy_tick.h"
 
-enum { PATCH_BLOCKS = 8, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192 };
+enum { PATCH_BLOCKS = 8, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192, PATCH_BESIDE_LINE_MAX = 64 };
 
 /* The leaves, with their boxes as children of nodes of their own. Kept from tick to tick; one a segment. */
 struct proxy_patch {
@@ -42,6 +42,7 @@ struct patch_view {
     struct segment *segment;
     const struct body *body;
     int is_ball;
+    uint32_t most;         /* triangles in the list */
     vec3 world_a, world_b; /* the axis at tick->at */
     vec3 a, u;             /* in the body's frame */
     double reach;          /* m: no triangle outside of the list has a gap below that */
