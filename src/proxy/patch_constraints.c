@@ -121,6 +121,7 @@ struct trial {
     vec3 normal[HALF_SPACE_DIMENSIONS]; /* of the planes that hold */
     struct sweep sweep;                 /* if is_swept */
     int is_swept;
+    double met; /* the time at which what was swept past last is met */
 };
 
 static void trial_set(const struct proxy_tick *tick, const struct patch_view *view, const struct proxy_pose *to,
@@ -161,7 +162,6 @@ static int is_swept_free(const struct proxy_tick *tick, const struct patch_view 
     const struct patch_way *way = &trial->way;
     struct moving_triangle still = { .is_moving = 0 };
     uint32_t evaluations = 1;
-    double time;
     if (!trial->is_swept) {
         const struct motion motion = { way->a[0], way->b[0], sub(way->a[1], way->a[0]), sub(way->b[1], way->b[0]) };
         dpti_sweep_begin(&trial->sweep, &motion, trial->kept, SWEPT * tick->clearance, dpti_surface_extent(surface));
@@ -170,7 +170,7 @@ static int is_swept_free(const struct proxy_tick *tick, const struct patch_view 
     surface_corners(surface, triangle->triangle, still.corner);
     const int is_free =
         !dpti_sweep_may_touch_triangle(&trial->sweep, &still) ||
-        (triangle->is_held && dpti_sweep_triangle(&trial->sweep, &still, 1.0, &time, &evaluations) == SWEEP_FREE);
+        (triangle->is_held && dpti_sweep_triangle(&trial->sweep, &still, 1.0, &trial->met, &evaluations) == SWEEP_FREE);
     work_spend(&tick->world->work, evaluations);
     return is_free;
 }
@@ -190,12 +190,13 @@ static int is_out_of_the_way(const struct proxy_tick *tick, const struct patch_v
 }
 
 enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *view, const struct proxy_pose *to,
-                                  double reach)
+                                  double reach, double *met)
 {
     const vec3 motion = sub(to->centre, tick->at.centre);
     enum patch_proof proof = PATCH_FREE;
     struct trial trial;
     trial_set(tick, view, to, &trial);
+    *met = 0.0;
     if (trial.moved + tick->clearance > view->reach)
         return PATCH_UNPROVEN;
     for (uint32_t i = 0; i < view->count; i++) {
@@ -203,8 +204,10 @@ enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *vi
         /* A ball stays in front of the plane that is its constraint. */
         if ((triangle->is_held && view->is_ball) || is_out_of_the_way(tick, view, &trial, triangle))
             continue;
-        if (triangle->is_held)
+        if (triangle->is_held) {
+            *met = trial.met;
             return PATCH_UNPROVEN;
+        }
         if (!dpti_patch_hold(tick, view, i, reach, motion))
             return PATCH_CROWDED;
         proof = PATCH_ADDED;

@@ -27,8 +27,9 @@ enum patch_proof {
 /*
  * Whether the tool may go straight from tick->at to a pose, within the reach of the view. In nobody's way are triangles
  * behind the plane of a constraint that holds, or that of their own nearest pair, which the tool stays in front of.
+ *   met   PATCH_UNPROVEN: the share of the way up to which that triangle is not met; 0: it is not known
  */
 enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *view, const struct proxy_pose *to,
-                                  double reach);
+                                  double reach, double *met);
 
 #endif

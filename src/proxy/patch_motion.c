@@ -12,10 +12,13 @@
 #include "proxy/proxy_motion.h"
 #include "proxy/solved_motion.h"
 
-enum { MOTIONS_MAX = 8, SOLVES_MAX = 8, HALVINGS_MAX = 2 };
+enum { MOTIONS_MAX = 8, SOLVES_MAX = 8, SHORTER_MAX = 3 };
 
 /* A motion may be so much shorter than the view reaches, as a multiple of the clearance. */
 #define SHORTER 2.0
+
+/* As a share of a motion: it ends so much before what it meets. */
+#define SHORTER_THAN_MET 0.9
 
 enum { MOTION_DONE, MOTION_MADE, MOTION_NONE };
 
@@ -84,29 +87,59 @@ struct patch_motion {
     double straight[HALF_SPACE_DIMENSIONS]; /* what was solved for before corrections */
     struct proxy_pose to;
     double share; /* of it */
+    int is_to_goal;
 };
 
 /* The pose to which the solution leads, by motions not longer than `longest`, m. */
-static struct patch_motion choose(struct proxy_tick *tick, const struct patch_view *view, const double *wanted,
-                                  double left, double longest)
+static void choose(struct proxy_tick *tick, const struct patch_view *view, const double *wanted, double longest,
+                   struct patch_motion *motion)
 {
-    struct patch_motion motion;
-    double *straight = motion.straight;
-    memcpy(straight, tick->solved.y, sizeof motion.straight);
+    memcpy(motion->straight, tick->solved.y, sizeof motion->straight);
     if (view->is_ball) {
-        const double size = norm_of(straight, proxy_unknowns(tick->proxy));
-        motion.share = size > longest ? longest / size : 1.0;
+        const double size = norm_of(motion->straight, proxy_unknowns(tick->proxy));
+        motion->share = size > longest ? longest / size : 1.0;
+        motion->to = dpti_solved_pose(tick, motion->straight, motion->share);
     } else {
-        motion.to = dpti_solved_correct(tick, wanted, straight, longest, &motion.share);
+        motion->to = dpti_solved_correct(tick, wanted, motion->straight, longest, &motion->share);
     }
-    if (tick->solved.active_count == 0 && motion.share == 1.0) {
-        motion.to = tick->goal;
-        return motion;
+    motion->is_to_goal = tick->solved.active_count == 0 && motion->share == 1.0;
+    if (motion->is_to_goal)
+        motion->to = tick->goal;
+}
+
+static void shorten(const struct proxy_tick *tick, double share, struct patch_motion *motion)
+{
+    motion->share = share;
+    motion->to = dpti_solved_pose(tick, motion->straight, share);
+}
+
+/*
+ * Prove a motion. That of a line is shortened if it comes nearer to the goal then, but not before all that is in its way is
+ * known. Where a triangle that holds the line is met on the way, as a turn bends it towards one: a shorter one that ends before
+ * that; where that does not help either, the motion is as it was.
+ */
+static enum patch_proof prove(struct proxy_tick *tick, struct patch_view *view, const double *wanted, double left,
+                              double reach, struct patch_motion *motion)
+{
+    double met;
+    enum patch_proof proof = dpti_patch_prove(tick, view, &motion->to, reach, &met);
+    if (view->is_ball || proof == PATCH_ADDED || proof == PATCH_CROWDED)
+        return proof;
+    const double best = motion->is_to_goal
+                            ? motion->share
+                            : dpti_solved_best_share(tick, &motion->to, wanted, motion->straight, left, motion->share);
+    if (best < motion->share) {
+        shorten(tick, best, motion);
+        proof = dpti_patch_prove(tick, view, &motion->to, reach, &met);
     }
-    if (!view->is_ball && motion.share > 0.0)
-        motion.share = dpti_solved_best_share(tick, &motion.to, wanted, straight, left, motion.share);
-    motion.to = dpti_solved_pose(tick, straight, motion.share);
-    return motion;
+    struct patch_motion shorter = *motion;
+    for (int k = 0; k < SHORTER_MAX && proof == PATCH_UNPROVEN && met > 0.0; k++) {
+        shorten(tick, SHORTER_THAN_MET * met * shorter.share, &shorter);
+        proof = dpti_patch_prove(tick, view, &shorter.to, reach, &met);
+        if (proof == PATCH_FREE)
+            *motion = shorter;
+    }
+    return proof;
 }
 
 /* Make a motion. is_proven 0: as far as a sweep proves it free. Returns 0 if that is nowhere. */
@@ -166,13 +199,8 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
                 return MOTION_NONE;
             continue;
         }
-        motion = choose(tick, view, wanted, left, min_of(longest, *allowed));
-        proof = dpti_patch_prove(tick, view, &motion.to, *reach);
-        for (int k = 0; proof == PATCH_UNPROVEN && k < HALVINGS_MAX; k++) {
-            motion.share *= 0.5;
-            motion.to = dpti_solved_pose(tick, motion.straight, motion.share);
-            proof = dpti_patch_prove(tick, view, &motion.to, *reach);
-        }
+        choose(tick, view, wanted, min_of(longest, *allowed), &motion);
+        proof = prove(tick, view, wanted, left, *reach, &motion);
     }
     *reach = near;
     return proof != PATCH_CROWDED && make(tick, view, &motion, proof == PATCH_FREE, allowed) ? MOTION_MADE

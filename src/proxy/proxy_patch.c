@@ -306,7 +306,7 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
         double within = reach;
         for (; !list_all(world, view, within); within *= 0.5)
             if (view->count < view->most || within < 2.0 * near || !view->is_ball) {
-                view->patch->crowded = world->ticks + CROWDED_TICKS/4;
+                view->patch->crowded = world->ticks + CROWDED_TICKS / 4;
                 return 0;
             }
     } else if (moved > 0.0) {

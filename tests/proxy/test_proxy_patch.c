@@ -32,6 +32,9 @@ static const struct instrument {
     { "ball of 0.1 mm", { { 0, 0, 0 }, { 0, 0, 0 }, 1e-4 } },
     { "ball of 1 mm", { { 0, 0, 0.01 }, { 0, 0, 0.01 }, 1e-3 } },
     { "ball of 5 mm", { { 0, 0, 0 }, { 0, 0, 0 }, 5e-3 } },
+    { "line of 30 mm", { { 0, 0, 0 }, { 0, 0, 0.03 }, 0 } },
+    { "needle of 30 mm", { { 0, 0, -0.01 }, { 0, 0, 0.02 }, 1e-3 } },
+    { "needle of 0.1 m", { { 0, 0, 0 }, { 0, 0, 0.1 }, 1e-3 } },
 };
 
 #define EACH(list) (sizeof(list) / sizeof *(list))
@@ -62,18 +65,26 @@ static void hand_begin(struct hand *hand, const struct subject *subject, uint64_
     vec3_store(along(subject->centre, 0.5 * subject->diagonal + 0.05, vec3_of(way)), hand->at);
 }
 
+/* A place near that of the last aim: all places are on or a little below the surface. */
+static void hand_aim(struct hand *hand)
+{
+    const struct surface *surface = &hand->subject->surface;
+    const double last[3] = { hand->aim[0], hand->aim[1], hand->aim[2] };
+    do {
+        const uint32_t triangle = (uint32_t)(random_bits(&hand->seed) % surface_triangles(surface));
+        vec3_store(surface_corner_point(surface, triangle, 0), hand->aim);
+    } while (hand->tick && apart(hand->aim, last) > 0.03);
+    for (int k = 0; k < 3; k++)
+        hand->aim[k] += random_in(&hand->seed, -0.002, 0.002);
+    hand->speed = hand->tick ? pow(10, random_in(&hand->seed, -5, -3)) : 1e-3;
+}
+
 static void hand_move(struct hand *hand, dpt_pose *pose)
 {
     static const double axis[3] = { 0.6, 0, 0.8 };
     double way[3];
-    if (hand->tick % 300 == 0) {
-        const uint32_t triangles = surface_triangles(&hand->subject->surface);
-        vec3_store(surface_corner_point(&hand->subject->surface, (uint32_t)(random_bits(&hand->seed) % triangles), 0),
-                   hand->aim);
-        for (int k = 0; k < 3; k++)
-            hand->aim[k] += random_in(&hand->seed, -0.004, 0.004);
-        hand->speed = hand->tick ? pow(10, random_in(&hand->seed, -5, -3)) : 1e-3;
-    }
+    if (hand->tick % 300 == 0)
+        hand_aim(hand);
     for (int k = 0; k < 3; k++)
         way[k] = hand->aim[k] - hand->at[k];
     const double far = unit3(way);
@@ -81,7 +92,7 @@ static void hand_move(struct hand *hand, dpt_pose *pose)
         hand->at[k] += fmin(hand->speed, 0.02 * far) * way[k];
         pose->position[k] = hand->at[k] + 3e-5 * sin(0.06 * (1 + 0.1 * k) * hand->tick + k);
     }
-    hand->turn += 0.1 * hand->speed * random_in(&hand->seed, 0, 100);
+    hand->turn += hand->speed * random_in(&hand->seed, 0, 3);
     pose_orient(pose, axis, hand->turn);
     hand->tick++;
 }
@@ -170,11 +181,6 @@ static struct {
     double largest;
 } felt;
 
-static double largest_apart(const dpt_wrench *a, const dpt_wrench *b)
-{
-    return apart(a->force, b->force);
-}
-
 /* Two worlds, one without patches, which begins each tick as the other does. */
 static void same_on(const struct subject *subject, const struct instrument *instrument, double friction, uint64_t seed)
 {
@@ -197,14 +203,21 @@ static void same_on(const struct subject *subject, const struct instrument *inst
         *proxy_of(without.world, without.world->tools) = *proxy_of(with.world, with.world->tools);
         rig_step(&with);
         rig_step(&without);
-        const double size = length3(with.force.wrench.force),
-                     other = largest_apart(&with.force.wrench, &without.force.wrench);
+        const double size = length3(with.force.wrench.force);
+        const double other = apart(with.force.wrench.force, without.force.wrench.force);
         if (with.force.reason != DPT_FORCE_ACTS)
             continue;
         ticks++;
         if (other > 6e-4 * size + 500.0 * 1e-6 * subject->diagonal) {
             differ++;
             worst = fmax(worst, other);
+            {
+                const double m = apart(with.proxy.position, with.device.position),
+                             n = apart(without.proxy.position, without.device.position);
+                printf("tick %d F %.4f diff %.5f flags %x %x lag %.2g %.2g E %.6g %.6g |p-d| %.6f %.6f\n", tick, size,
+                       other, with.force.flags, without.force.flags, with.force.lag, without.force.lag,
+                       with.force.energy, without.force.energy, m, n);
+            }
         }
     }
     printf("%-8s %-16s mu %.1f: %6llu ticks, %5llu differ, worst %g N\n", subject->shape, instrument->name, friction,
