@@ -20,6 +20,9 @@ enum { MOTIONS_MAX = 8, SOLVES_MAX = 8, SHORTER_MAX = 3 };
 /* As a share of a motion: it ends so much before what it meets. */
 #define SHORTER_THAN_MET 0.9
 
+/* As a share of what is left: after the last motion no more than that may have been left to make. */
+#define LAG_LEFT 0.01
+
 enum { MOTION_DONE, MOTION_MADE, MOTION_NONE };
 
 /* No point of the axis goes farther than so many times the length of a motion. */
@@ -226,6 +229,10 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
         if (tick->is_settled || *allowed <= PROXY_MOTION_SMALL * tick->clearance)
             break;
     }
+    const struct displacement rest = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    if (!tick->is_settled && *allowed > PROXY_MOTION_SMALL * tick->clearance &&
+        proxy->lag > LAG_LEFT * displacement_norm(&proxy->coupling, &rest))
+        return 0;
     /* The last constraints are kept. */
     if (!tick->is_settled && !dpti_patch_look(tick, &view, PATCH_NEAR * tick->clearance))
         view.nearest = PATCH_TRIANGLES_MAX;
