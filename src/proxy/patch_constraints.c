@@ -139,6 +139,14 @@ static void trial_set(const struct proxy_tick *tick, const struct patch_view *vi
         trial->normal[k] = frame_turn_back(body, vec3_of(tick->spaces[tick->solved.active[k]].normal));
 }
 
+/* Whether a ball stays in front of a triangle's own plane; looked at before the triangle's corners are. */
+static int stays_in_front(const struct patch_view *view, const struct trial *trial,
+                          const struct patch_triangle *triangle)
+{
+    const double end = dot(triangle->normal, trial->way.a[1]) - triangle->height;
+    return min_of(triangle->gap + view->segment->radius, end) >= trial->kept;
+}
+
 /* Whether planes that hold, or the triangle's own, prove that it is in nobody's way. */
 static int is_behind_plane(const struct patch_view *view, const struct trial *trial,
                            const struct patch_triangle *triangle)
@@ -179,7 +187,8 @@ static int is_swept_free(const struct proxy_tick *tick, const struct patch_view 
 static int is_out_of_the_way(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial,
                              struct patch_triangle *triangle)
 {
-    if (triangle->gap - trial->moved > tick->clearance || is_behind_plane(view, trial, triangle))
+    if (triangle->gap - trial->moved > tick->clearance || (view->is_ball && stays_in_front(view, trial, triangle)) ||
+        is_behind_plane(view, trial, triangle))
         return 1;
     if (!triangle->is_found) {
         dpti_patch_find(tick->world, view, triangle);
@@ -189,11 +198,33 @@ static int is_out_of_the_way(const struct proxy_tick *tick, const struct patch_v
     return !view->is_ball && is_swept_free(tick, view, trial, triangle);
 }
 
+/* Of what is in the way of a line: the outermost towards its ends a and b. Held by these, it may be clear of the others. */
+struct outer {
+    uint32_t triangle[2]; /* in the list, or PATCH_TRIANGLES_MAX */
+    double from_end[2];   /* the least share of the line from each end to it */
+};
+
+static void note_outer(const struct patch_view *view, const struct trial *trial, uint32_t i, struct outer *outer)
+{
+    double part[2];
+    vec3 v[3];
+    surface_corners(&view->body->surface, view->list[i].triangle, v);
+    patch_part_beside(&trial->way, v, part);
+    for (int end = 0; end < 2; end++) {
+        const double from_end = end ? 1.0 - part[0] : part[1];
+        if (!(from_end < outer->from_end[end]))
+            continue;
+        outer->from_end[end] = from_end;
+        outer->triangle[end] = i;
+    }
+}
+
 enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *view, const struct proxy_pose *to,
                                   double reach, double *met)
 {
     const vec3 motion = sub(to->centre, tick->at.centre);
     enum patch_proof proof = PATCH_FREE;
+    struct outer outer = { { PATCH_TRIANGLES_MAX, PATCH_TRIANGLES_MAX }, { HUGE_VAL, HUGE_VAL } };
     struct trial trial;
     trial_set(tick, view, to, &trial);
     *met = 0.0;
@@ -208,6 +239,17 @@ enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *vi
             *met = trial.met;
             return PATCH_UNPROVEN;
         }
+        if (!view->is_ball)
+            note_outer(view, &trial, i, &outer);
+        else if (!dpti_patch_hold(tick, view, i, reach, motion))
+            return PATCH_CROWDED;
+        else
+            proof = PATCH_ADDED;
+    }
+    for (int k = 0; k < 2; k++) {
+        const uint32_t i = outer.triangle[k];
+        if (i == PATCH_TRIANGLES_MAX || view->list[i].is_held)
+            continue;
         if (!dpti_patch_hold(tick, view, i, reach, motion))
             return PATCH_CROWDED;
         proof = PATCH_ADDED;

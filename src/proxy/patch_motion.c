@@ -12,7 +12,7 @@
 #include "proxy/proxy_motion.h"
 #include "proxy/solved_motion.h"
 
-enum { MOTIONS_MAX = 8, SOLVES_MAX = 8, SHORTER_MAX = 3 };
+enum { MOTIONS_MAX = 8, SOLVES_MAX = 12, SHORTER_MAX = 3 };
 
 /* A motion may be so much shorter than the view reaches, as a multiple of the clearance. */
 #define SHORTER 2.0
@@ -20,16 +20,19 @@ enum { MOTIONS_MAX = 8, SOLVES_MAX = 8, SHORTER_MAX = 3 };
 /* As a share of a motion: it ends so much before what it meets. */
 #define SHORTER_THAN_MET 0.9
 
+/* As a share of the clearance: gaps that differ by less are the same. */
+#define AS_NEAR 0.01
+
 /* As a share of what is left: after the last motion no more than that may have been left to make. */
 #define LAG_LEFT 0.01
 
 enum { MOTION_DONE, MOTION_MADE, MOTION_NONE };
 
-/* No point of the axis goes farther than so many times the length of a motion. */
-static double stretch_of(const struct proxy *proxy)
+/* m: no point of the axis goes farther by the motion that was solved for. */
+static double farthest(const struct proxy_tick *tick)
 {
-    const double lever = proxy->shape == PROXY_BALL ? 0.0 : proxy->extent / proxy->coupling.rho;
-    return sqrt(1.0 + lever * lever);
+    const struct displacement motion = dpti_proxy_of_unknowns(tick->proxy, tick->axes, tick->solved.y);
+    return length(motion.shift) + tick->proxy->extent * length(motion.turn);
 }
 
 /* Whether the solution leaves no motion that is worth making. */
@@ -49,21 +52,35 @@ static int is_remembered(const struct proxy *proxy, const struct patch_view *vie
 }
 
 /*
- * Look around, and begin with the nearest triangle, and what the proxy remembers beside it: others join where these do not
- * hold the tool off them.
+ * Hold what a line begins with: those near that the proxy remembers, and the nearest where it is nearer than these. A line
+ * that lies on a surface is held by its ends; what touches it between these would hold it as well, but at one place.
  */
+static int hold_along(struct proxy_tick *tick, struct patch_view *view, double reach, vec3 hint)
+{
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < view->count; i++) {
+        const struct patch_triangle *triangle = &view->list[i];
+        if (!triangle->is_found || triangle->gap > PATCH_NEAR * tick->clearance ||
+            !is_remembered(tick->proxy, view, triangle->triangle))
+            continue;
+        if (!dpti_patch_hold(tick, view, i, reach, hint))
+            return 0;
+        least = min_of(least, triangle->gap);
+    }
+    return view->list[view->nearest].gap > least - AS_NEAR * tick->clearance ||
+           dpti_patch_hold(tick, view, view->nearest, reach, hint);
+}
+
+/* Look around, and begin with what is nearest: others join where those that hold the tool do not hold it off them. */
 static int look(struct proxy_tick *tick, struct patch_view *view, double reach, vec3 hint)
 {
     tick->space_count = tick->triangle_count = 0;
     if (!dpti_patch_look(tick, view, reach))
         return 0;
-    if (view->nearest != PATCH_TRIANGLES_MAX && !dpti_patch_hold(tick, view, view->nearest, reach, hint))
-        return 0;
-    for (uint32_t i = 0; i < view->count && !view->is_ball; i++)
-        if (view->list[i].is_found && !view->list[i].is_held && view->list[i].gap <= PATCH_NEAR * tick->clearance &&
-            is_remembered(tick->proxy, view, view->list[i].triangle) && !dpti_patch_hold(tick, view, i, reach, hint))
-            return 0;
-    return 1;
+    if (view->nearest == PATCH_TRIANGLES_MAX)
+        return 1;
+    return view->is_ball ? dpti_patch_hold(tick, view, view->nearest, reach, hint)
+                         : hold_along(tick, view, reach, hint);
 }
 
 /* The nearest pair at tick->at, as searches leave it: what the view tells; where nothing is near, a search does. */
@@ -170,7 +187,7 @@ static int make(struct proxy_tick *tick, const struct patch_view *view, struct p
 static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, struct patch_view *view)
 {
     struct proxy *proxy = tick->proxy;
-    const double near = PATCH_NEAR * tick->clearance, stretch = stretch_of(proxy);
+    const double near = PATCH_NEAR * tick->clearance;
     const struct displacement way = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
     double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 };
     struct patch_motion motion;
@@ -194,15 +211,17 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
             dpti_proxy_remember_active(tick);
             return MOTION_DONE;
         }
-        const double longest = (view->reach - SHORTER * tick->clearance) / stretch;
-        if (min_of(size, *allowed) > longest && !has_widened) {
-            *reach = 1.5 * stretch * min_of(size, *allowed) + near;
+        const double far = min_of(1.0, *allowed / size) * farthest(tick);
+        const double farthest_allowed = view->reach - SHORTER * tick->clearance;
+        if (far > farthest_allowed && !has_widened) {
+            *reach = 1.5 * far + near;
             has_widened = 1;
             if (!look(tick, view, *reach, hint))
                 return MOTION_NONE;
             continue;
         }
-        choose(tick, view, wanted, min_of(longest, *allowed), &motion);
+        const double share = far > farthest_allowed ? farthest_allowed / far : 1.0;
+        choose(tick, view, wanted, share * min_of(size, *allowed), &motion);
         proof = prove(tick, view, wanted, left, *reach, &motion);
     }
     *reach = near;
@@ -218,7 +237,7 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
     if (tick->gap - length(way.shift) - proxy->extent * length(way.turn) > tick->clearance ||
         !dpti_patch_begin(tick, &view))
         return 0;
-    double reach = stretch_of(proxy) * proxy->last_motion + PATCH_NEAR * tick->clearance;
+    double reach = proxy->last_motion + PATCH_NEAR * tick->clearance;
     proxy->owed = 0.0;
     tick->is_waiting = 0;
     for (int i = 0; i < MOTIONS_MAX; i++) {
