@@ -5,7 +5,7 @@
 #include "proxy/proxy_constraints.h"
 #include "track/body_search.h"
 
-enum { BYTES_PATCH = 3712 };
+enum { BYTES_PATCH = 1024 };
 typedef char patch_fits[sizeof(struct proxy_patch) <= BYTES_PATCH ? 1 : -1];
 
 /* Beside what is asked for: so many times the reach at first, for the ticks to come; halved down to the least. */

@@ -8,7 +8,7 @@
 
 #include "proxy/proxy_tick.h"
 
-enum { PATCH_BLOCKS = 8, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192, PATCH_BESIDE_LINE_MAX = 64 };
+enum { PATCH_BLOCKS = 2, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192, PATCH_BESIDE_LINE_MAX = 64 };
 
 /* The leaves, with their boxes as children of nodes of their own. Kept from tick to tick; one a segment. */
 struct proxy_patch {
