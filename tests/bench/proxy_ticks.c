@@ -8,10 +8,12 @@
  *     fast   the same at 1 m/s
  *     poke   in and out by 5 mm, at one place after another
  *
- * A CSV: mesh, triangles, tool, motion, friction, ticks, median, 99 % and worst in us of processor time, the least of three
+ * A CSV: mesh, triangles, tool, motion, friction, ticks, median, 99 % and worst in us of processor time, the least of REPEATS
  * runs; then the sum of all forces, N: two builds that feel the same print the same.
  *
- *     proxy_ticks [MESH=liver [TOOL [MOTION [TICKS=20000 [FRICTION=0]]]]]
+ *     proxy_ticks [MESH=liver [TOOL [MOTION [TICKS=20000 [FRICTION=0 [REPEATS=3]]]]]]
+ *
+ * TOOL and MOTION "": all. proxy_ticks.sh runs two builds in turns.
  */
 #define _GNU_SOURCE
 #include <stdio.h>
@@ -27,7 +29,7 @@ static const char *const hand_motions[MOTIONS] = { "open", "rest", "wipe", "fast
 static const char *const tool_names[TOOLS] = { "ball", "line" };
 static const dpt_segment segments[TOOLS] = { { { 0, 0, 0 }, { 0, 0, 0 }, 1e-3 }, { { 0, 0, 0 }, { 0, 0, 0.1 }, 1e-3 } };
 
-enum { REPEATS = 3, SETTLED = 100, STAY = 500 };
+enum { SETTLED = 100, STAY = 500 };
 
 #define PRESSED 3e-3
 #define POKED   5e-3
@@ -165,14 +167,14 @@ static double run(const struct solid *solid, int tool, int motion, int ticks, do
     return sum;
 }
 
-static void measure(const char *name, uint64_t triangles, int tool, int motion, int ticks, double friction)
+static void measure(const char *name, uint64_t triangles, int tool, int motion, int ticks, double friction, int repeats)
 {
     struct solid solid;
     double best[3] = { INFINITY, INFINITY, INFINITY }, sum = 0;
     double *took = malloc((size_t)ticks * sizeof *took);
     if (!took || !solid_from_shape(&solid, name, triangles))
         fail(name);
-    for (int i = 0; i < (getenv("ONCE") ? 1 : REPEATS); i++) {
+    for (int i = 0; i < (repeats); i++) {
         sum = run(&solid, tool, motion, ticks, friction, took);
         qsort(took, (size_t)ticks, sizeof *took, by_size);
         best[0] = fmin(best[0], took[ticks / 2]);
@@ -191,13 +193,14 @@ int main(int argc, char **argv)
     const char *mesh = argc > 1 ? argv[1] : "liver", *tool = argc > 2 ? argv[2] : "", *motion = argc > 3 ? argv[3] : "";
     const int ticks = argc > 4 ? atoi(argv[4]) : 20000;
     const double friction = argc > 5 ? atof(argv[5]) : 0.0;
-    if (ticks < 1)
-        fail("TICKS is a number above 0");
+    const int repeats = argc > 6 ? atoi(argv[6]) : 3;
+    if (ticks < 1 || repeats < 1)
+        fail("TICKS and REPEATS are numbers above 0");
     puts("mesh,triangles,tool,motion,friction,ticks,median_us,p99_us,worst_us,force");
     for (size_t m = 0; m < sizeof meshes / sizeof *meshes; m++)
         for (int t = 0; t < TOOLS && !strcmp(mesh, meshes[m].name); t++)
             for (int k = 0; k < MOTIONS; k++)
                 if ((!*tool || !strcmp(tool, tool_names[t])) && (!*motion || !strcmp(motion, hand_motions[k])))
-                    measure(meshes[m].name, meshes[m].triangles, t, k, ticks, friction);
+                    measure(meshes[m].name, meshes[m].triangles, t, k, ticks, friction, repeats);
     return 0;
 }
