@@ -14,7 +14,10 @@
 
 enum { MOTIONS_MAX = 8, SOLVES_MAX = 12, SHORTER_MAX = 3 };
 
-/* A motion may be so much shorter than the view reaches, as a multiple of the clearance. */
+/* A tick's first look reaches so many times as far as the last tick moved, for all of its motions. */
+#define LOOK_AHEAD 1.5
+
+/* As a multiple of the clearance: a motion is so much shorter than the view reaches. */
 #define SHORTER 2.0
 
 /* As a share of a motion: it ends so much before what it meets. */
@@ -237,7 +240,7 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
     if (tick->gap - length(way.shift) - proxy->extent * length(way.turn) > tick->clearance ||
         !dpti_patch_begin(tick, &view))
         return 0;
-    double reach = proxy->last_motion + PATCH_NEAR * tick->clearance;
+    double reach = LOOK_AHEAD * proxy->last_motion + PATCH_NEAR * tick->clearance;
     proxy->owed = 0.0;
     tick->is_waiting = 0;
     for (int i = 0; i < MOTIONS_MAX; i++) {

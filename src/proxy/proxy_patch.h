@@ -52,7 +52,7 @@ struct patch_view {
 };
 
 /* As a multiple of the clearance: the nearest pair is looked for that far. */
-#define PATCH_NEAR 20.0
+#define PATCH_NEAR 6.0
 
 /* Its share of dpt_world_bytes. */
 uint64_t dpti_patch_bytes(const dpt_world_def *def);
