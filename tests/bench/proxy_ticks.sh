@@ -37,6 +37,6 @@ cut -d, -f4,5 "$work/rows" | sort -u | while IFS=, read -r t m; do
         END {
             printf "%s,%s,%.2f,%.2f,%.2f,%.1f,%.1f,%.2f,%.0f,%.0f,%s,%s,%s\n", t, m, least("one", 8), least("other", 8),
                 least("one", 8) / least("other", 8), least("one", 9), least("other", 9), least("one", 9) / least("other", 9),
-                least("one", 10), least("other", 10), k, l, l > 0 ? sprintf("%.2f", k / l) : ""
+                least("one", 10), least("other", 10), k, l, (l > 0 ? sprintf("%.2f", k / l) : "")
         }' "$work/rows"
 done
