@@ -10,6 +10,18 @@
  */
 void dpti_deform_reset(struct body *body);
 
+/*
+ * What dpt_body_get_loads writes, for a deformable body, without the loads of the tools that a function leaves out; NULL:
+ * of all.
+ */
+dpt_result dpti_deform_get_loads(const struct dpt_world *world, const struct body *body,
+                                 int (*is_left_out)(const void *user, uint32_t tool_slot), const void *user,
+                                 dpt_load *loads, uint32_t capacity, uint32_t *count);
+
+/* 1 if these positions lie where the body's vertices may be. */
+int dpti_deform_has_room(const struct dpt_world *world, const struct body *body, const float *positions,
+                         uint32_t count);
+
 /* A segment's strip, if its tool pushes the surface of the body in this slot out of the way; else NULL. */
 const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world, uint32_t segment_index,
                                                          uint32_t slot);
