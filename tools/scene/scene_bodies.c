@@ -316,6 +316,9 @@ void scene_bodies_begin_tick(struct scene_bodies *bodies, uint64_t tick)
 void scene_bodies_hold(struct scene_bodies *bodies, uint32_t index, dpt_result why)
 {
     struct scene_body *body = &bodies->body[index];
+    if (body->held && body->held_last == bodies->tick)
+        return;
+    body->held_last = bodies->tick;
     if (!body->held++) {
         body->held_first = bodies->tick;
         body->held_why = why;

@@ -31,8 +31,8 @@ struct scene_body {
     void *block, *springs_block;
     size_t block_bytes, springs_bytes;
     dpt_body id;
-    /* Ticks in which it was held where it was (springs.h), the first of them, and why it was. */
-    uint64_t held, held_first;
+    /* Ticks in which it was held where it was (springs.h), the first and the last of them, and why it was at first. */
+    uint64_t held, held_first, held_last;
     dpt_result held_why;
 };
 

@@ -240,6 +240,9 @@ static dpt_result step_by_ticks(struct scene_physics *physics, double dt)
         return DPT_E_ARGUMENT;
     for (physics->due += dt; physics->due >= physics->period - 0.5 * dt; physics->due -= physics->period)
         step(physics);
+    for (uint32_t i = 0; i < physics->bodies->count; i++)
+        if (physics->results[i] != DPT_OK)
+            scene_bodies_hold(physics->bodies, i, physics->results[i]);
     return DPT_OK;
 }
 
