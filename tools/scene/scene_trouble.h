@@ -12,7 +12,8 @@
 struct scene_trouble {
     uint64_t ticks, failed;
     uint64_t failed_first; /* number of the tick, from 0 */
-    dpt_result why;        /* of that one */
+    dpt_result why;        /* of that one, and its length, s */
+    double dt;
 };
 
 /*
