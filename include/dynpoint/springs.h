@@ -118,10 +118,12 @@ typedef struct dpt_springs_info {
     uint32_t size; /* sizeof(dpt_springs_info), set by the caller */
     uint32_t flags;
     uint32_t substeps;
-    uint32_t nodes;     /* all of them */
-    uint32_t active;    /* those that were not asleep */
-    int32_t result;     /* of dpt_bodies_step_springs: DPT_OK, or why the body was held where it was */
+    uint32_t nodes;  /* all of them */
+    uint32_t active; /* those that were not asleep */
+    uint32_t reserved;
     double stable_step; /* s: dpt_springs_get_stable_step */
+    int32_t result;     /* of dpt_bodies_step_springs: DPT_OK, or why the body was held where it was */
+    uint32_t reserved_word;
 } dpt_springs_info;
 
 /*

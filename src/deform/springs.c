@@ -429,7 +429,7 @@ int dpti_loaded_step_make(struct loaded_step *step, struct dpt_springs *springs,
 dpt_result dpti_springs_check_step(double dt, const dpt_springs_info *info)
 {
     if (info)
-        DPT_TRY(sized_check(info, sizeof *info, 0));
+        DPT_TRY(sized_check(info, SIZED_FIRST(dpt_springs_info, result), 0));
     if (!(fabs(dt) <= DBL_MAX))
         return DPT_E_FINITE;
     if (!(dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX))
