@@ -8,6 +8,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "deform/deform_vertices.h"
+#include "deform/spring_state.h"
 #include "proxy/proxy.h"
 #include "strip/strip_state.h"
 #include "tissue/tissue_solve.h"
@@ -163,12 +164,6 @@ static void set_target(struct deform *deform, const struct vertex_update *update
     deform->time_left = deform->def.period;
 }
 
-int dpti_deform_has_room(const struct dpt_world *world, const struct body *body, const float *positions, uint32_t count)
-{
-    return dpti_deform_is_inside(&body->surface, &world->kernel, positions, count) ||
-           dpti_deform_is_in_limit(&body->surface, positions, count);
-}
-
 /* The box of a body's surface goes where its vertices go, up to the def's. Returns 0 if they would leave that. */
 static int make_room(struct dpt_world *world, struct body *body, const struct vertex_update *update)
 {
@@ -186,19 +181,49 @@ static int make_room(struct dpt_world *world, struct body *body, const struct ve
     return 1;
 }
 
-/* Check an update of a body, and make it; or hold the body where it is. */
-static dpt_result move_vertices(struct dpt_world *world, struct body *body, const struct vertex_update *update)
+/* There is room for the update. */
+static void move_within_room(struct dpt_world *world, struct body *body, const struct vertex_update *update)
 {
     struct deform *deform = deform_of(body);
-    if (!make_room(world, body, update)) {
-        body->held_tick = world_coming_tick(world);
-        return DPT_E_FINITE;
-    }
     if (update->count && deform->def.period > 0.0)
         set_target(deform, update);
     else if (update->count)
         move_now(world, body, update);
+}
+
+/* Check an update of a body, and make it; or hold the body where it is. */
+static dpt_result move_vertices(struct dpt_world *world, struct body *body, const struct vertex_update *update)
+{
+    if (!make_room(world, body, update)) {
+        body->held_tick = world_coming_tick(world);
+        return DPT_E_FINITE;
+    }
+    move_within_room(world, body, update);
     return DPT_OK;
+}
+
+static struct vertex_update update_of(const struct dpt_world *world, const struct body *body,
+                                      const struct spring_vertices *vertices, uint32_t count)
+{
+    return (struct vertex_update){ .positions = vertices->positions,
+                                   .list = count < body->surface.mesh->vertices ? vertices->list : NULL,
+                                   .count = count,
+                                   .bound = -1.0,
+                                   .tick = world_coming_tick(world) };
+}
+
+int dpti_deform_has_room(struct dpt_world *world, struct body *body, const struct spring_vertices *vertices,
+                         uint32_t count)
+{
+    const struct vertex_update update = update_of(world, body, vertices, count);
+    return make_room(world, body, &update);
+}
+
+void dpti_deform_follow(struct dpt_world *world, struct body *body, const struct spring_vertices *vertices,
+                        uint32_t count)
+{
+    const struct vertex_update update = update_of(world, body, vertices, count);
+    move_within_room(world, body, &update);
 }
 
 /* A share of a step: less time than that counts as none, as sums of dt are off by so much. */

@@ -124,28 +124,23 @@ static void begin_bodies(struct tissue_solve *solve, const struct dpt_world *wor
         dpti_loaded_step_begin(&solve->bodies[b].step, solve->bodies[b].step.springs, dt, substeps, count[b]);
 }
 
+static struct body *body_of(struct dpt_world *world, const struct tissue_body *of)
+{
+    return world_find_body(world, of->body->id);
+}
+
 /* Take the state that a step has reached, if the body's vertices may be there. */
-static dpt_result take_step(const struct dpt_world *world, const struct body *body, struct loaded_step *step,
-                            uint32_t *moved)
+static dpt_result take_step(struct dpt_world *world, struct body *body, struct loaded_step *step, uint32_t *moved)
 {
     dpti_loaded_step_take(step);
     *moved = dpti_spring_vertices_gather(step->springs);
-    return dpti_deform_has_room(world, body, step->springs->vertices.positions, *moved) ? DPT_OK : DPT_E_FINITE;
+    return dpti_deform_has_room(world, body, &step->springs->vertices, *moved) ? DPT_OK : DPT_E_FINITE;
 }
 
 static void write_info(const struct loaded_step *step, dpt_springs_info *info)
 {
     if (info)
         sized_write(info, info->size, &step->info, sizeof step->info);
-}
-
-/* The vertices are where they were gathered. There is room for them. */
-static dpt_result move_vertices(struct dpt_world *world, dpt_body id, const struct dpt_springs *springs, uint32_t moved)
-{
-    const struct spring_vertices *vertices = &springs->vertices;
-    return moved == springs->def.mesh->vertices
-               ? dpt_body_set_vertices(world, id, 0, moved, vertices->positions, -1.0)
-               : dpt_body_set_vertex_list(world, id, vertices->list, moved, vertices->positions, -1.0);
 }
 
 /* How often touches are gathered again because the answer goes farther than they reach. */
@@ -170,7 +165,7 @@ static int make_substeps(struct tissue_solve *solve, struct dpt_world *world, do
 }
 
 /* Whether all bodies of the solve can go where their steps have led. If not, those that cannot are known by their result. */
-static int take_steps(struct tissue_solve *solve, const struct dpt_world *world, int is_done, uint32_t *moved)
+static int take_steps(struct tissue_solve *solve, struct dpt_world *world, int is_done, uint32_t *moved)
 {
     int is_whole = 1;
     for (uint32_t b = 0; b < solve->body_count; b++) {
@@ -178,7 +173,7 @@ static int take_steps(struct tissue_solve *solve, const struct dpt_world *world,
         if (step->has_failed)
             step->springs->result = DPT_E_FINITE;
         else if (is_done && step->springs->result == DPT_OK)
-            step->springs->result = take_step(world, solve->bodies[b].body, step, &moved[b]);
+            step->springs->result = take_step(world, body_of(world, &solve->bodies[b]), step, &moved[b]);
         is_whole &= step->springs->result == DPT_OK;
     }
     return is_whole;
@@ -207,13 +202,14 @@ static int step_together(struct tissue_solve *solve, struct dpt_world *world, do
         return 0;
     dpti_tissue_tell(solve, world);
     for (uint32_t b = 0; b < solve->body_count; b++)
-        move_vertices(world, solve->bodies[b].body->id, solve->bodies[b].step.springs, moved[b]);
+        dpti_deform_follow(world, body_of(world, &solve->bodies[b]), &solve->bodies[b].step.springs->vertices,
+                           moved[b]);
     dpti_tissue_settle(solve, world);
     return 1;
 }
 
 /* A body by itself, with the loads of the last step of the world. */
-static dpt_result step_alone(struct dpt_world *world, const struct body *body, struct dpt_springs *springs, double dt,
+static dpt_result step_alone(struct dpt_world *world, struct body *body, struct dpt_springs *springs, double dt,
                              dpt_springs_info *info)
 {
     const struct spring_vertices *vertices = &springs->vertices;
@@ -233,7 +229,8 @@ static dpt_result step_alone(struct dpt_world *world, const struct body *body, s
     }
     dpti_loaded_step_keep(&step);
     write_info(&step, info);
-    return move_vertices(world, body->id, springs, moved);
+    dpti_deform_follow(world, body, vertices, moved);
+    return DPT_OK;
 }
 
 static dpt_result check(const struct dpt_world *world, dpt_body id, const struct dpt_springs *springs, double dt,
