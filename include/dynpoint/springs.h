@@ -122,6 +122,8 @@ typedef struct dpt_springs_info {
     uint32_t active; /* those that were not asleep */
     uint32_t reserved;
     double stable_step; /* s: dpt_springs_get_stable_step */
+    int32_t result;     /* of dpt_bodies_step_springs: DPT_OK, or why the body was held where it was */
+    uint32_t reserved_word;
 } dpt_springs_info;
 
 /*
@@ -180,10 +182,14 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  *
  *   springs  made with the body's mesh
  *
- * DPT_E_ARGUMENT: of another mesh, or as for dpt_springs_step. DPT_E_UNSUPPORTED: DISPLACE with an embedding or a
- * period. DPT_E_FULL: more loads than max_loads or dpt_deformable_def.max_points have room for. DPT_E_FINITE: as for
- * dpt_springs_step; or a vertex would leave the body's box, and none has moved. In the last case alone the springs have
- * gone on.
+ * DPT_E_ARGUMENT: of another mesh, or dt is out of range; DPT_E_HANDLE: no deformable body has this id. Nothing has moved
+ * then. After any other error the body is held: its springs and vertices are where they were before the call, it is felt
+ * as a rigid body that does not move, and dpt_step.flags tells it. The next step tries again.
+ *
+ *   DPT_E_FINITE       as for dpt_springs_step; or a vertex would leave the body's box (dpt_deformable_def)
+ *   DPT_E_UNSTABLE     as for dpt_springs_step
+ *   DPT_E_FULL         more loads than max_loads or dpt_deformable_def.max_points have room for
+ *   DPT_E_UNSUPPORTED  DISPLACE with an embedding or a period
  */
 DPT_API dpt_result dpt_body_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs, double dt,
                                          dpt_springs_info *info);
@@ -196,7 +202,8 @@ DPT_API dpt_result dpt_body_step_springs(dpt_world *world, dpt_body body, dpt_sp
  *   bodies, springs  `count` of them, each once
  *   infos            `count`, with the size of each set, or NULL
  *
- * Errors are those of dpt_body_step_springs; those of arguments come before anything has moved.
+ * Errors are those of dpt_body_step_springs. The trouble of one body is not that of the others: it is held, and they go on,
+ * as if it were rigid. The call returns the error of the first body that is held; `result` of infos tells which ones are.
  */
 DPT_API dpt_result dpt_bodies_step_springs(dpt_world *world, const dpt_body *bodies, dpt_springs *const *springs,
                                            uint32_t count, double dt, dpt_springs_info *infos);

@@ -200,7 +200,10 @@ typedef struct dpt_step {
 enum {
     /* More contacts needed room than max_contacts, those included that are kept while they are unknown. Forces and
        depths include all of them. */
-    DPT_STEP_FLAG_CONTACTS_FULL = 1
+    DPT_STEP_FLAG_CONTACTS_FULL = 1,
+    /* A body that gives way was held where it was since the step before: new positions of it, or a step of its springs, were
+       refused, as the call that made them has returned (body.h, springs.h). All else is as if it had not moved. */
+    DPT_STEP_FLAG_BODY_HELD = 2
 };
 
 /*

@@ -169,6 +169,17 @@ void dpti_body_search_forget_planes(struct dpt_world *world, uint32_t first, uin
     }
 }
 
+void dpti_body_search_leave_frame(struct dpt_world *world, uint32_t slot)
+{
+    dpti_body_search_forget_planes(world, 0, world->segment_count, slot);
+    for (uint32_t s = 0; world->def.budget && s < world->segment_count; s++)
+        for (int is_resting = 0; is_resting < 2; is_resting++) {
+            struct suspended_search *suspended = world_suspended_search(world, s, is_resting);
+            if (suspended->traversal.level && suspended->body_slot == slot)
+                give_up(world, s, suspended);
+        }
+}
+
 void dpti_body_search_forget(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];

@@ -42,9 +42,9 @@ struct body {
     uint32_t added_tick; /* the tick before which it was added or teleported */
     double diagonal;     /* m: of its surface's box */
     double static_friction, kinetic_friction;
-    double stiffness; /* N/m, of the surface; 0: rigid */
-    uint32_t unfelt;  /* 1: tools ignore it */
-    uint32_t reserved;
+    double stiffness;   /* N/m, of the surface; 0: rigid */
+    uint32_t unfelt;    /* 1: tools ignore it */
+    uint32_t held_tick; /* the tick before which it was last held where it was; 0: never */
 };
 
 struct tool {

@@ -57,7 +57,7 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     made->side_limit = world->def.side_limit;
     made->static_friction = made->kinetic_friction = made->stiffness = 0.0;
     made->unfelt = 0;
-    made->moved_tick = 0;
+    made->moved_tick = made->held_tick = 0;
     made->added_tick = world_coming_tick(world);
     made->slot.valid = 1;
     world_note_max(&world->usage.bodies, ++world->body_count);

@@ -505,6 +505,9 @@ static void write_report(const struct dpt_world *world, dpt_step *to)
     int has_answer = 0;
     dpt_step step = { .status = DPT_STATUS_EXACT, .contact = DPT_CONTACT_SEPARATED }, *out = &step;
     out->flags = world->contacts_overflowed ? DPT_STEP_FLAG_CONTACTS_FULL : 0;
+    for (uint32_t i = 0; world->deform_count && i < world->body_slot_end; i++)
+        if (world->bodies[i].slot.used && world->bodies[i].held_tick == world->ticks)
+            out->flags |= DPT_STEP_FLAG_BODY_HELD;
     for (uint32_t i = 0; i < contacts->count; i++)
         out->contacts += !contacts->items[i].is_unseen;
     for (uint32_t t = 0; t < world->tool_slot_end; t++) {

@@ -108,14 +108,22 @@ static void put(struct taking *taking, enum snapshot_kind kind, const void *item
         dpti_snapshot_put_item(kind, item, to);
 }
 
+/* In this tick, or after it. */
+static int is_held(const struct dpt_world *world, const struct body *body)
+{
+    return body->held_tick && world_coming_tick(world) - body->held_tick <= 1;
+}
+
 static void put_body(struct taking *taking, const struct body *body)
 {
     const uint32_t own = deform_of(body) ? body->surface.mesh->vertices : 0;
     const uint32_t first = taking->done[SNAPSHOT_VERTICES];
     const int is_in = own && own <= taking->count[SNAPSHOT_VERTICES] - first;
     const dpt_snapshot_body item = { .id = body->id,
-                                     .flags = (own ? (uint32_t)DPT_SNAPSHOT_BODY_FLAG_DEFORMS : 0) |
-                                              (body->slot.valid ? 0 : (uint32_t)DPT_SNAPSHOT_BODY_FLAG_STALE),
+                                     .flags =
+                                         (own ? (uint32_t)DPT_SNAPSHOT_BODY_FLAG_DEFORMS : 0) |
+                                         (body->slot.valid ? 0 : (uint32_t)DPT_SNAPSHOT_BODY_FLAG_STALE) |
+                                         (is_held(taking->world, body) ? (uint32_t)DPT_SNAPSHOT_BODY_FLAG_HELD : 0),
                                      .first_vertex = is_in ? first : DPT_NONE,
                                      .vertices = own,
                                      .user = body->user,

@@ -57,7 +57,7 @@ static struct tissue_body *add_mesh(struct tissue_rig *tissue, const struct tiss
                                      .viscosity = def->viscosity,
                                      .spacing = is_sheet ? 0.0 : def->spacing,
                                      .regions = is_sheet ? border : &below,
-                                     .region_count = is_sheet ? 4 : 1 };
+                                     .region_count = is_sheet ? 4 : def->floor > -1.0 ? 1 : 0 };
     dpt_mesh_info info = { .size = sizeof info };
     memcpy(body->place, def->place, sizeof body->place);
     if (!fixture_with_springs(&body->mesh, def->shape, def->triangles, &net))

@@ -24,7 +24,7 @@ struct tissue_def {
     uint64_t triangles;
     double young, density, drag, viscosity;
     double spacing;   /* of a lattice, m */
-    double floor;     /* of a lattice: what is below that z is fixed */
+    double floor;     /* of a lattice: what is below that z is fixed; -1: nothing is */
     double place[3];  /* of the body */
     double stiffness; /* what springs are multiplied by; 0: 1 */
     double step;      /* s: springs are as stiff as one substep of that length allows; 0: as stiff as `young` says */

@@ -35,6 +35,7 @@ static void bodies_must_hold(struct scene *scene, const dpt_snapshot_info *info)
         const struct model_body *model = scene_body(scene, body.id);
         HOLDS(model && model->user == body.user, "body %x", body.id);
         HOLDS(((body.flags & DPT_SNAPSHOT_BODY_FLAG_STALE) == 0) == (model->is_usable != 0), "flags %x", body.flags);
+        HOLDS(!(body.flags & DPT_SNAPSHOT_BODY_FLAG_HELD) || model->soft, "flags %x", body.flags);
         HOLDS((body.vertices > 0) == (model->soft != NULL), "%u vertices", body.vertices);
         if (model->is_usable && !model->soft)
             HOLDS(!memcmp(&body.pose, &model->pose, sizeof body.pose), "another pose");

@@ -133,10 +133,19 @@ static void audit(void)
     HOLDS(sum.contacts <= scene->contacts_then, "%u contacts, and there were %u", sum.contacts, scene->contacts_then);
 }
 
+static int has_soft(const struct scene *scene)
+{
+    int has = 0;
+    for (uint32_t i = 0; i < scene->body_count; i++)
+        has |= scene->body[i].soft != NULL;
+    return has;
+}
+
 static void step_must_hold(const struct scene *scene, const dpt_step *step)
 {
-    HOLDS(step->status <= DPT_STATUS_EXACT && step->contact <= DPT_CONTACT_PENETRATING &&
-              step->flags <= DPT_STEP_FLAG_CONTACTS_FULL && step->distance >= 0.0,
+    const uint32_t flags = DPT_STEP_FLAG_CONTACTS_FULL | (has_soft(scene) ? DPT_STEP_FLAG_BODY_HELD : 0u);
+    HOLDS(step->status <= DPT_STATUS_EXACT && step->contact <= DPT_CONTACT_PENETRATING && !(step->flags & ~flags) &&
+              step->distance >= 0.0,
           "status %u, contact %u, flags %x", step->status, step->contact, step->flags);
     HOLDS(!scene->def.budget || step->work <= scene->def.budget, "work %u of a budget of %u", step->work,
           scene->def.budget);
