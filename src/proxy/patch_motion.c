@@ -14,8 +14,12 @@
 
 enum { MOTIONS_MAX = 8, SOLVES_MAX = 12, SHORTER_MAX = 3 };
 
-/* A tick's first look reaches so many times as far as the last tick moved, for all of its motions. */
-#define LOOK_AHEAD 1.5
+/*
+ * A tick's first look reaches so many times as far as is expected of its motions together. That of a line is less cheap, and
+ * shall serve all of them.
+ */
+#define LOOK_AHEAD      1.0
+#define LOOK_AHEAD_LINE 1.5
 
 /* As a multiple of the clearance: a motion is so much shorter than the view reaches. */
 #define SHORTER 2.0
@@ -197,8 +201,7 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
     enum patch_proof proof = PATCH_ADDED;
     int has_widened = 0;
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
-    dpti_proxy_to_unknowns(proxy, tick->axes, &way, wanted);
-    const double left = displacement_norm(&proxy->coupling, &way);
+    const double left = dpti_solved_wanted(tick, &way, wanted);
     const vec3 hint = scaled(way.shift, left > 0.0 ? min_of(1.0, *reach / left) : 0.0);
     if (!look(tick, view, *reach, hint))
         return MOTION_NONE;
@@ -240,7 +243,8 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
     if (tick->gap - length(way.shift) - proxy->extent * length(way.turn) > tick->clearance ||
         !dpti_patch_begin(tick, &view))
         return 0;
-    double reach = LOOK_AHEAD * proxy->last_motion + PATCH_NEAR * tick->clearance;
+    const double ahead = proxy->shape == PROXY_BALL ? LOOK_AHEAD : LOOK_AHEAD_LINE;
+    double reach = ahead * proxy->last_motion + PATCH_NEAR * tick->clearance;
     proxy->owed = 0.0;
     tick->is_waiting = 0;
     for (int i = 0; i < MOTIONS_MAX; i++) {

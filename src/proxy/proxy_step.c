@@ -49,13 +49,6 @@ enum { PUSHES_MAX = 4 };
 /* m/s: how fast a proxy may move, beyond twice the device's motion, when what held it is gone (a fold). */
 #define FOLD_SPEED 1.0
 
-/* The displacement that is wanted, as unknowns; returns its length. */
-static double wanted_motion(const struct proxy_tick *tick, const struct displacement *left, double *wanted)
-{
-    dpti_proxy_to_unknowns(tick->proxy, tick->axes, left, wanted);
-    return displacement_norm(&tick->proxy->coupling, left);
-}
-
 /*
  * The reach of the motion must be guessed before there are constraints to solve for it. If it was too short: once more.
  */
@@ -137,7 +130,7 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     const uint32_t n = proxy_unknowns(proxy);
     double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 }, straight[HALF_SPACE_DIMENSIONS], share;
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
-    const double left = wanted_motion(tick, displacement, wanted);
+    const double left = dpti_solved_wanted(tick, displacement, wanted);
     proxy->lag = left;
     if (left == 0.0 && !tick->is_before)
         return FOLLOW_DONE;

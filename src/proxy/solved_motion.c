@@ -12,6 +12,12 @@ enum { CORRECTIONS_MAX = 2 };
 /* rad: the largest turn of one motion. */
 #define TURN_MAX 0.3
 
+double dpti_solved_wanted(const struct proxy_tick *tick, const struct displacement *left, double *wanted)
+{
+    dpti_proxy_to_unknowns(tick->proxy, tick->axes, left, wanted);
+    return displacement_norm(&tick->proxy->coupling, left);
+}
+
 /* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
 static double share_allowed(const struct proxy_tick *tick, double longest)
 {

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The motion that was solved for, as a pose to go to: docs/algorithms/force.md. */
+/* What motion is wanted, and that which was solved for as a pose to go to: docs/algorithms/force.md. */
 #ifndef DPT_SOLVED_MOTION_H
 #define DPT_SOLVED_MOTION_H
 
 #include "proxy/proxy_tick.h"
+
+/* The displacement that is wanted, as unknowns; returns its length. */
+double dpti_solved_wanted(const struct proxy_tick *tick, const struct displacement *left, double *wanted);
 
 /*
  * A share of the motion in tick->solved. What corrections added to it, beside `straight`, grows with the square of the
