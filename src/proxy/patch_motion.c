@@ -67,8 +67,7 @@ static int hold_along(struct proxy_tick *tick, struct patch_view *view, double r
     double least = HUGE_VAL;
     for (uint32_t i = 0; i < view->count; i++) {
         const struct patch_triangle *triangle = &view->list[i];
-        if (!triangle->is_found || triangle->gap > PATCH_NEAR * tick->clearance ||
-            !is_remembered(tick->proxy, view, triangle->triangle))
+        if (!triangle->is_found || triangle->gap > view->near || !is_remembered(tick->proxy, view, triangle->triangle))
             continue;
         if (!dpti_patch_hold(tick, view, i, reach, hint))
             return 0;
@@ -194,7 +193,7 @@ static int make(struct proxy_tick *tick, const struct patch_view *view, struct p
 static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, struct patch_view *view)
 {
     struct proxy *proxy = tick->proxy;
-    const double near = PATCH_NEAR * tick->clearance;
+    const double near = view->near;
     const struct displacement way = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
     double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 };
     struct patch_motion motion;
@@ -244,7 +243,7 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
         !dpti_patch_begin(tick, &view))
         return 0;
     const double ahead = proxy->shape == PROXY_BALL ? LOOK_AHEAD : LOOK_AHEAD_LINE;
-    double reach = ahead * proxy->last_motion + PATCH_NEAR * tick->clearance;
+    double reach = ahead * proxy->last_motion + view.near;
     proxy->owed = 0.0;
     tick->is_waiting = 0;
     for (int i = 0; i < MOTIONS_MAX; i++) {
@@ -260,7 +259,7 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
         proxy->lag > LAG_LEFT * displacement_norm(&proxy->coupling, &rest))
         return 0;
     /* The last constraints are kept. */
-    if (!tick->is_settled && !dpti_patch_look(tick, &view, PATCH_NEAR * tick->clearance))
+    if (!tick->is_settled && !dpti_patch_look(tick, &view, view.near))
         view.nearest = PATCH_TRIANGLES_MAX;
     settle(tick, &view);
     return 1;

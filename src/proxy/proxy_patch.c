@@ -18,6 +18,10 @@ enum { CROWDED_TICKS = 32 };
 /* Units of work that a look may take, so that it is not begun with less; and how many bodies it may pass. */
 enum { LOOK_WORK = 512, BODIES_MAX = 16 };
 
+/* As multiples of the clearance: so far the nearest pair is looked for. Beside a line pairs are dear. */
+#define NEAR      20.0
+#define NEAR_LINE 6.0
+
 uint64_t dpti_patch_bytes(const dpt_world_def *def)
 {
     return BYTES_PATCH * (uint64_t)def->max_segments;
@@ -45,6 +49,7 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     view->segment = segment;
     view->body = body;
     view->is_ball = tick->proxy->shape == PROXY_BALL;
+    view->near = (view->is_ball ? NEAR : NEAR_LINE) * tick->clearance;
     view->most = view->is_ball ? PATCH_TRIANGLES_MAX : PATCH_BESIDE_LINE_MAX;
     view->a = view->u = (vec3){ 0.0, 0.0, 0.0 };
     view->reach = 0.0;
@@ -298,7 +303,7 @@ static int is_farther(const struct patch_view *view, const struct patch_way *now
 int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double reach)
 {
     struct dpt_world *world = tick->world;
-    const double near = PATCH_NEAR * tick->clearance;
+    const double near = view->near;
     if (work_left(&world->work) < LOOK_WORK)
         return 0;
     const double moved = place_axis(tick, view);

@@ -45,14 +45,12 @@ struct patch_view {
     uint32_t most;         /* triangles in the list */
     vec3 world_a, world_b; /* the axis at tick->at */
     vec3 a, u;             /* in the body's frame */
+    double near;           /* m: the nearest pair is looked for up to that gap */
     double reach;          /* m: no triangle outside of the list has a gap below that */
     uint32_t count;
-    uint32_t nearest; /* in the list; PATCH_TRIANGLES_MAX: none within PATCH_NEAR */
+    uint32_t nearest; /* in the list; PATCH_TRIANGLES_MAX: none that near */
     struct patch_triangle list[PATCH_TRIANGLES_MAX];
 };
-
-/* As a multiple of the clearance: the nearest pair is looked for that far. */
-#define PATCH_NEAR 6.0
 
 /* Its share of dpt_world_bytes. */
 uint64_t dpti_patch_bytes(const dpt_world_def *def);

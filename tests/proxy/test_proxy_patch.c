@@ -160,8 +160,7 @@ static void judge_view(const struct proxy_tick *tick, const struct patch_view *v
         CHECK(!is_listed || view->list[at].gap <= gap + rounding, "%s: triangle %u at %g, not %g", name, t, gap,
               view->list[at].gap);
     }
-    CHECK(fabs(fmin(least, PATCH_NEAR * tick->clearance) - tick->gap) < rounding, "%s: a gap of %g, not %g", name,
-          least, tick->gap);
+    CHECK(fabs(fmin(least, view->near) - tick->gap) < rounding, "%s: a gap of %g, not %g", name, least, tick->gap);
 }
 
 enum { PLACES = 9 };
