@@ -5,6 +5,7 @@
 
 #include "proxy/proxy.h"
 #include "tissue/tissue_friction.h"
+#include "track/deform_state.h"
 
 /* m: a gap of no less than minus that counts as met. */
 #define TOLERANCE 1e-10
@@ -32,30 +33,58 @@ static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t no
     return solve->node_count - 1;
 }
 
-static void add_node(struct tissue_solve *solve, struct tissue_link *link, uint32_t node, double weight)
+/* A touch's link, being made. */
+struct linking {
+    struct tissue_solve *solve;
+    struct tissue_link *link;
+    uint32_t touch;
+    int has_room;
+};
+
+static void add_node(struct linking *linking, uint32_t node, double weight)
 {
+    struct tissue_solve *solve = linking->solve;
+    struct tissue_link *link = linking->link;
     const uint32_t number = number_of(solve, link->body, node);
-    if (number == DPT_NONE) {
-        solve->is_full = 1;
+    if (number == DPT_NONE || solve->weight_count + link->count == TISSUE_WEIGHTS_MAX) {
+        linking->has_room = 0;
         return;
     }
-    for (uint32_t k = 0; k < link->count; k++)
-        if (link->node[k] == number) {
-            link->weight[k] += weight;
-            return;
-        }
-    link->node[link->count] = number;
+    struct tissue_node *of = &solve->nodes[number];
+    if (of->seen == linking->touch + 1) {
+        link->weight[of->place] += weight;
+        return;
+    }
+    of->seen = linking->touch + 1;
+    of->place = link->count;
+    link->node[link->count] = (uint16_t)number;
     link->weight[link->count++] = weight;
 }
 
-static void add_corner(struct tissue_solve *solve, struct tissue_link *link, uint32_t vertex, double weight)
+static void add_corner(struct linking *linking, uint32_t vertex, double weight)
 {
-    const struct spring_vertices *vertices = &solve->bodies[link->body].step.springs->vertices;
+    const struct spring_vertices *vertices = &linking->solve->bodies[linking->link->body].step.springs->vertices;
     if (!vertices->nodes)
-        add_node(solve, link, vertex, weight);
+        add_node(linking, vertex, weight);
     for (size_t k = 4 * (size_t)vertex; vertices->nodes && k < 4 * (size_t)vertex + 4; k++)
         if (vertices->weights[k] != 0.0f)
-            add_node(solve, link, vertices->nodes[k], weight * (double)vertices->weights[k]);
+            add_node(linking, vertices->nodes[k], weight * (double)vertices->weights[k]);
+}
+
+/* The load is spread: over the vertices that dpt_body_get_loads tells. */
+static void add_patch(struct linking *linking, const struct body *body, const struct touch *touch)
+{
+    struct load_patch patch;
+    const struct load_point point = { .triangle = touch->triangle,
+                                      .at = frame_to_local(&body->frame, touch->at),
+                                      .normal = frame_turn_back(&body->frame, touch->normal) };
+    vec3 middle = { 0.0, 0.0, 0.0 };
+    dpti_deform_patch(&body->surface, &point, deform_of(body)->def.load_radius, &patch);
+    for (uint32_t i = 0; i < patch.count; i++) {
+        middle = along(middle, patch.share[i], surface_vertex(&body->surface, patch.vertex[i]));
+        add_corner(linking, patch.vertex[i], patch.share[i]);
+    }
+    linking->link->depth = dot(sub(point.at, middle), point.normal);
 }
 
 static uint32_t body_of(const struct tissue_solve *solve, uint32_t body_id)
@@ -74,30 +103,70 @@ static uint32_t tool_of(const struct tissue_solve *solve, uint32_t slot)
     return t;
 }
 
+/* Returns 0 if there is no room for the nodes that the touch loads. */
+static int link_touch(struct tissue_solve *solve, uint32_t i)
+{
+    const struct touch *touch = &solve->touches.touch[i];
+    struct tissue_link *link = &solve->links[i];
+    struct tissue_row *row = &solve->rows[i];
+    struct linking linking = { solve, link, i, 1 };
+    *link = (struct tissue_link){ .body = body_of(solve, touch->body_id),
+                                  .tool = tool_of(solve, touch->tool_slot),
+                                  .node = solve->weighted + solve->weight_count,
+                                  .weight = solve->weight + solve->weight_count };
+    *row = (struct tissue_row){ .touch = i, .along = touch->normal, .within = touch->normal };
+    memcpy(row->lever, touch->row, sizeof row->lever);
+    solve->push[i] = (vec3){ 0.0, 0.0, 0.0 };
+    if (link->body == DPT_NONE)
+        return 1;
+    const struct body *body = solve->bodies[link->body].body;
+    row->within = frame_turn_back(&body->frame, touch->normal);
+    if (deform_of(body)->def.load_radius > 0.0)
+        add_patch(&linking, body, touch);
+    for (uint32_t k = 0; k < 3 && !(deform_of(body)->def.load_radius > 0.0); k++)
+        if (touch->weight[k] != 0.0)
+            add_corner(&linking, surface_corner(&body->surface, touch->triangle, k), touch->weight[k]);
+    solve->weight_count += linking.has_room ? link->count : 0;
+    return linking.has_room;
+}
+
+static void forget_links(struct tissue_solve *solve)
+{
+    solve->node_count = solve->weight_count = 0;
+    memset(solve->table, 0, sizeof solve->table);
+}
+
+/* With the least gap first; those for which there is no room are left out. */
+static void link_nearest(struct tissue_solve *solve)
+{
+    struct touches *touches = &solve->touches;
+    const uint32_t count = touches->count;
+    solve->is_full = 1;
+    for (uint32_t i = 1; i < count; i++)
+        for (uint32_t k = i; k > 0 && touches->touch[k].gap < touches->touch[k - 1].gap; k--) {
+            const struct touch nearer = touches->touch[k];
+            touches->touch[k] = touches->touch[k - 1];
+            touches->touch[k - 1] = nearer;
+        }
+    forget_links(solve);
+    touches->count = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        touches->touch[touches->count] = touches->touch[i];
+        touches->count += (uint32_t)link_touch(solve, touches->count);
+    }
+}
+
 void dpti_tissue_link(struct tissue_solve *solve)
 {
-    const vec3 none = { 0.0, 0.0, 0.0 };
-    solve->node_count = solve->rub_count = solve->is_begun = 0;
+    int has_room = 1;
+    solve->rub_count = solve->is_begun = 0;
     solve->problem.matrix++;
     solve->problem.matrix += !solve->problem.matrix;
-    memset(solve->table, 0, sizeof solve->table);
-    for (uint32_t i = 0; i < solve->touches.count; i++) {
-        const struct touch *touch = &solve->touches.touch[i];
-        struct tissue_link *link = &solve->links[i];
-        struct tissue_row *row = &solve->rows[i];
-        *link =
-            (struct tissue_link){ .body = body_of(solve, touch->body_id), .tool = tool_of(solve, touch->tool_slot) };
-        *row = (struct tissue_row){ .touch = i, .along = touch->normal, .within = touch->normal };
-        memcpy(row->lever, touch->row, sizeof row->lever);
-        solve->push[i] = none;
-        if (link->body == DPT_NONE)
-            continue;
-        const struct body *body = solve->bodies[link->body].body;
-        row->within = frame_turn_back(&body->frame, touch->normal);
-        for (uint32_t k = 0; k < 3; k++)
-            if (touch->weight[k] != 0.0)
-                add_corner(solve, link, surface_corner(&body->surface, touch->triangle, k), touch->weight[k]);
-    }
+    forget_links(solve);
+    for (uint32_t i = 0; i < solve->touches.count && has_room; i++)
+        has_room = link_touch(solve, i);
+    if (!has_room)
+        link_nearest(solve);
 }
 
 /* Where the loads that are set would take the touched nodes: all of a slice at once. */

@@ -177,15 +177,16 @@ static void note_rubs(const struct tissue_tool *from, struct proxy *proxy, int i
  * m: how far the tool's surface moves at a touch from one pose to another. The axis goes where it goes, along an arc; about
  * it the tool rolls on the surface, by as much as it turns.
  */
-static vec3 rolled(const struct tissue_solve *solve, const struct touch *touch, const struct tissue_tool *tool,
+static vec3 rolled(const struct tissue_solve *solve, uint32_t index, const struct tissue_tool *tool,
                    const struct proxy_pose *from, const struct proxy_pose *to)
 {
+    const struct touch *touch = &solve->touches.touch[index];
     const struct part part = tool_part(solve->world, &solve->world->tools[tool->slot], touch->part);
     const double radius = part_radius(part) + dpti_proxy_clearance(solve->world);
     const vec3 axis = frame_to_local(&tool->at.frame, along(touch->at, radius + touch->gap, touch->normal));
     const vec3 turn = quaternion_rotation_vector(quaternion_product(to->turn, quaternion_inverse(from->turn)));
     const vec3 moved = sub(frame_to_world(&to->frame, axis), frame_to_world(&from->frame, axis));
-    return sub(moved, cross(turn, scaled(touch->normal, radius)));
+    return sub(moved, cross(turn, scaled(touch->normal, radius + solve->links[index].depth)));
 }
 
 /* What turns add to the way of touches along the surface beyond what their rows tell: a tool that sticks would creep. */
@@ -199,7 +200,7 @@ static vec3 creep_of(const struct tissue_solve *solve, const struct tissue_tool 
         const double push = solve->multiplier[touch];
         if (!(push > 0.0) || &solve->tools[solve->links[touch].tool] != from)
             continue;
-        const vec3 moved = rolled(solve, &solve->touches.touch[touch], from, last, end);
+        const vec3 moved = rolled(solve, touch, from, last, end);
         for (uint32_t d = 0; d < 2; d++) {
             double told = 0.0;
             for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
@@ -242,8 +243,10 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
             continue;
         dpti_proxy_remember(proxy, touch->part, touch->body_id, touch->triangle);
         force = add(force, push);
-        torque = add(torque, cross(sub(touch->at, vec3_of(tool->pose.position)), push));
-        dpti_loads_note_push(world, tool, touch->part, touch->body_id, touch->triangle, touch->at, scaled(push, -1.0));
+        const struct tool_push noted = { touch->part,   touch->body_id,        touch->triangle,   touch->at,
+                                         touch->normal, solve->links[i].depth, scaled(push, -1.0) };
+        torque = add(torque, cross(sub(tissue_middle(solve, i), vec3_of(tool->pose.position)), push));
+        dpti_loads_note_push(world, tool, &noted);
     }
     vec3_store(force, tool->wrench.force);
     vec3_store(torque, tool->wrench.torque);

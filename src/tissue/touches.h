@@ -9,7 +9,7 @@
 
 #include "proxy/proxy_pose.h"
 
-enum { TOUCHES_MAX = 256, TOUCH_DIMENSIONS = 6, TOUCH_NODES = 12 };
+enum { TOUCHES_MAX = 256, TOUCH_DIMENSIONS = 6 };
 
 struct touch {
     uint32_t tool_slot;

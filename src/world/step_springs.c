@@ -83,7 +83,7 @@ static void take_displaced(const struct dpt_world *world, const struct body *bod
 static int body_is_solved(const struct body *body)
 {
     const dpt_deformable_def *def = &deform_of(body)->def;
-    return def->response == DPT_RESPONSE_LOAD && !(def->load_radius > 0.0) && !(def->period > 0.0);
+    return def->response == DPT_RESPONSE_LOAD && !(def->period > 0.0);
 }
 
 /* m: how far from the proxy pairs may come to carry force. What is fast now was so in the last step. */
