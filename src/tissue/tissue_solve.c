@@ -5,6 +5,7 @@
 
 #include "proxy/proxy.h"
 #include "tissue/tissue_friction.h"
+#include "tissue/tissue_spread.h"
 #include "track/deform_state.h"
 
 /* m: a gap of no less than minus that counts as met. */
@@ -72,19 +73,12 @@ static void add_corner(struct linking *linking, uint32_t vertex, double weight)
 }
 
 /* The load is spread: over the vertices that dpt_body_get_loads tells. */
-static void add_patch(struct linking *linking, const struct body *body, const struct touch *touch)
+static void add_patch(struct linking *linking)
 {
     struct load_patch patch;
-    const struct load_point point = { .triangle = touch->triangle,
-                                      .at = frame_to_local(&body->frame, touch->at),
-                                      .normal = frame_turn_back(&body->frame, touch->normal) };
-    vec3 middle = { 0.0, 0.0, 0.0 };
-    dpti_deform_patch(&body->surface, &point, deform_of(body)->def.load_radius, &patch);
-    for (uint32_t i = 0; i < patch.count; i++) {
-        middle = along(middle, patch.share[i], surface_vertex(&body->surface, patch.vertex[i]));
+    dpti_spread_find(linking->solve, linking->touch, &patch);
+    for (uint32_t i = 0; i < patch.count; i++)
         add_corner(linking, patch.vertex[i], patch.share[i]);
-    }
-    linking->link->depth = dot(sub(point.at, middle), point.normal);
 }
 
 static uint32_t body_of(const struct tissue_solve *solve, uint32_t body_id)
@@ -122,7 +116,7 @@ static int link_touch(struct tissue_solve *solve, uint32_t i)
     const struct body *body = solve->bodies[link->body].body;
     row->within = frame_turn_back(&body->frame, touch->normal);
     if (deform_of(body)->def.load_radius > 0.0)
-        add_patch(&linking, body, touch);
+        add_patch(&linking);
     for (uint32_t k = 0; k < 3 && !(deform_of(body)->def.load_radius > 0.0); k++)
         if (touch->weight[k] != 0.0)
             add_corner(&linking, surface_corner(&body->surface, touch->triangle, k), touch->weight[k]);
@@ -243,6 +237,12 @@ static vec3 point_moved(const struct tissue_solve *solve, const struct tissue_li
     return moved;
 }
 
+/* With the tool at its proxy. */
+static double felt_gap(const struct tissue_solve *solve, uint32_t touch)
+{
+    return solve->touches.touch[touch].gap + solve->links[touch].unfelt;
+}
+
 /*
  * A pair that was not seen before it met, as a surface bends between two ticks, begins with less than no gap. What is
  * missing is made good by and by: at once it would throw light nodes away.
@@ -253,7 +253,7 @@ static void set_gaps_of_touches(struct tissue_solve *solve)
         const struct tissue_row *row = &solve->rows[i];
         const struct tissue_link *link = &solve->links[i];
         const struct tissue_tool *tool = &solve->tools[link->tool];
-        const double moved = solve->touches.touch[i].gap - dot(row->within, point_moved(solve, link, 0));
+        const double moved = felt_gap(solve, i) - dot(row->within, point_moved(solve, link, 0));
         const double now = moved + lever_product(row->lever, tool->end);
         solve->free_gap[i] = moved + lever_product(row->lever, tool->known) -
                              dot(row->within, point_moved(solve, link, 1)) - (1.0 - RECOVERED) * min_of(now, 0.0);
@@ -374,7 +374,7 @@ static double farthest_of(const struct tissue_solve *solve)
             moved = along(moved, link->weight[k], along(node->moved, node->response, node->load));
         }
         /* The gap changes by both. */
-        const double tool = solve->problem.gap[i] - solve->touches.touch[i].gap + dot(solve->rows[i].within, moved);
+        const double tool = solve->problem.gap[i] - felt_gap(solve, i) + dot(solve->rows[i].within, moved);
         farthest = max_of(farthest, length(moved) + fabs(tool));
     }
     return farthest;

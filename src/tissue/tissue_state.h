@@ -65,7 +65,15 @@ struct tissue_link {
     uint32_t count; /* of nodes */
     uint16_t *node; /* of the solve */
     double *weight; /* how much of the touch's force each takes, and of each one's motion the touch feels */
+    double unfelt;  /* m: how far the point of the touch has risen unfelt, as it rose more than what is loaded */
     double depth;   /* m: so far beneath the touch, along its normal, lies the mean of these, where the force acts */
+};
+
+/* What a touch that spreads its load passes on to the next step. */
+struct spread_touch {
+    uint32_t tool_slot, part, body_id;
+    vec3 at;       /* in the body's frame */
+    double unfelt; /* as that of its link */
 };
 
 /* A direction along which a touch may push: its normal, or a tangent. */
@@ -128,7 +136,9 @@ struct tissue_solve {
     double free_gap[COMPLEMENTARITY_MAX];
     double multiplier[COMPLEMENTARITY_MAX]; /* N, of each row in a substep */
     vec3 push[TOUCHES_MAX];                 /* N, of each touch on its tool, in the world: the mean of all substeps */
-    uint32_t held_count;                    /* touches that held at the end of the last step */
+    uint32_t spread_count;                  /* touches of the last step that spread their loads */
+    struct spread_touch spread_touches[TOUCHES_MAX];
+    uint32_t held_count; /* touches that held at the end of the last step */
     struct held_touch held[COMPLEMENTARITY_ACTIVE_MAX];
     struct complementarity problem;
 };

@@ -5,6 +5,7 @@
 
 #include "proxy/proxy.h"
 #include "proxy/tool_loads.h"
+#include "tissue/tissue_spread.h"
 #include "track/tool_parts.h"
 
 /* Whether a tool has a proxy that was outside in the last step, and nothing of which its wrench still has a memory. */
@@ -282,6 +283,7 @@ void dpti_tissue_tell(struct tissue_solve *solve, struct dpt_world *world)
         set_wrench(solve, world, &solve->tools[t]);
         note_end(solve, &solve->tools[t], tool, proxy_of(world, tool));
     }
+    dpti_spread_note(solve);
     note_repeats(solve, world);
 }
 
