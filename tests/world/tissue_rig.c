@@ -87,6 +87,7 @@ struct tissue_body *tissue_rig_add_soft(struct tissue_rig *tissue, const struct 
     deform.mesh = springs.mesh = body->mesh.mesh;
     deform.pose = &pose;
     deform.max_points = 64;
+    deform.load_radius = def->load_radius;
     for (int k = 0; k < 3; k++) {
         deform.box_min[k] = -1.0;
         deform.box_max[k] = 1.0;

@@ -27,6 +27,7 @@ struct tissue_def {
     double floor;     /* of a lattice: what is below that z is fixed */
     double place[3];  /* of the body */
     double stiffness; /* what springs are multiplied by; 0: 1 */
+    double load_radius; /* m: over which loads are spread; 0: they are not */
     double step;      /* s: springs are as stiff as one substep of that length allows; 0: as stiff as `young` says */
     uint32_t integrator;
     int sleeps;

@@ -39,6 +39,7 @@ int tissue_add(struct tissue *tissue, uint32_t kind, uint32_t integrator, double
     deform.mesh = springs.mesh = tissue->mesh[i].mesh;
     deform.pose = &pose;
     deform.load_radius = load_radius;
+    deform.period = tissue->period;
     deform.max_points = 64;
     springs.integrator = integrator;
     springs.sleep_speed = tissue->is_sleepless ? 0.0 : springs.sleep_speed;

@@ -29,6 +29,7 @@ struct tissue {
     double top;                    /* of the bodies at rest, along z */
     double radius;                 /* of the tool */
     int is_sleepless, is_undamped; /* set before bodies are added */
+    double period;                 /* s, of the bodies, likewise: above 0 the forces of the step before move them */
     dpt_wrench wrench;             /* of the last tick */
     dpt_force_info force;
 };
@@ -38,8 +39,8 @@ void tissue_begin(struct tissue *tissue, double stiffness, double lean);
 void tissue_begin_thin(struct tissue *tissue, double stiffness, double lean, double radius);
 
 /*
- * A ball of springs of 0.1 m, or a membrane, whose lower part or border is fixed, at x. load_radius above 0: the tool's
- * forces of the step before move it. Returns 0 after a failed check.
+ * A ball of springs of 0.1 m, or a membrane, whose lower part or border is fixed, at x. Returns 0 after a failed
+ * check.
  */
 int tissue_add(struct tissue *tissue, uint32_t kind, uint32_t integrator, double load_radius, double x);
 
