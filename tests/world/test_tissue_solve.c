@@ -7,6 +7,7 @@
  *     test_tissue_solve [PER CENT = 100]
  */
 #include "world/tissue_room.h"
+#include "world/tissue_unfelt.h"
 
 enum { TICKS = 240, EACH = 5 };
 
@@ -204,19 +205,31 @@ static int all_are_outside(const struct tissue_rig *tissue)
     return 1;
 }
 
+static double most_unfelt(const struct tissue_rig *tissue)
+{
+    double most = 0.0;
+    for (uint32_t b = 0; b < tissue->body_count; b++)
+        most = fmax(most, tissue_unfelt(tissue->rig.world, tissue->body[b].id));
+    return most;
+}
+
 static void press(struct brute *brute, uint64_t seed, double depth, struct worst *worst)
 {
     struct tissue_rig *tissue = brute->tissue;
     struct course course;
     begin_course(tissue, &course, seed, depth);
+    /* Where a load is spread most ticks are not compared, as something has risen unfelt. */
+    const int each = tissue->body[0].load_radius > 0.0 ? 1 : EACH;
     for (int i = 0; i < course.ticks; i++) {
         const uint32_t substeps = tissue->info[0].substeps;
         lead(tissue, &course, i);
-        const int is_due = i && i % EACH == 0 && all_are_outside(tissue);
+        const int is_due = i && i % each == 0 && all_are_outside(tissue);
         if (is_due)
             brute_solve_tick(brute, substeps);
         tissue_rig_step_springs(tissue);
         CHECK(tissue->result == DPT_OK, "%s", dpt_result_name(tissue->result));
+        if (most_unfelt(tissue) > 0.0)
+            continue;
         if (is_due)
             compare(brute, substeps, worst);
         if (is_due && substeps == 1)
@@ -233,6 +246,7 @@ static const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.006 };
 /* What lies there: soft bodies at places along x, a rigid one, tools. */
 struct scene {
     const char *name;
+    double load_radius;
     int soft, rigid, sheet, tools;
     int touched;   /* pairs of a tool and a body that push, at least */
     int is_locked; /* its tools do not turn */
@@ -241,11 +255,12 @@ struct scene {
 };
 
 static const struct scene scenes[] = {
-    { "across two soft bodies", 2, 0, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
-    { "soft beside rigid", 1, 1, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
-    { "two tools on one body", 1, 0, 0, 2, 2, 0, { &upright, &ball }, { -0.005, 0.008 }, { 0.4, 0.0 } },
-    { "two tools on a sheet", 1, 0, 1, 2, 2, 0, { &lying, &upright }, { -0.012, 0.03 }, { 1.5, 0.3 } },
+    { "across two soft bodies", 0.0, 2, 0, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
+    { "soft beside rigid", 0.0, 1, 1, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
+    { "two tools on one body", 0.0, 1, 0, 0, 2, 2, 0, { &upright, &ball }, { -0.005, 0.008 }, { 0.4, 0.0 } },
+    { "two tools on a sheet", 0.0, 1, 0, 1, 2, 2, 0, { &lying, &upright }, { -0.012, 0.03 }, { 1.5, 0.3 } },
     { "two tools on two soft bodies and a rigid one",
+      0.0,
       2,
       1,
       0,
@@ -255,7 +270,9 @@ static const struct scene scenes[] = {
       { &lying, &lying },
       { 0.0, 0.002 },
       { 1.5708, 1.5 } },
-    { "locked, across two soft bodies", 2, 0, 0, 1, 2, 1, { &lying }, { 0.0 }, { 1.5708 } },
+    { "locked, across two soft bodies", 0.0, 2, 0, 0, 1, 2, 1, { &lying }, { 0.0 }, { 1.5708 } },
+    { "spread, across two soft bodies", 0.025, 2, 0, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
+    { "spread, two tools on one body", 0.03, 1, 0, 0, 2, 2, 0, { &upright, &ball }, { -0.005, 0.008 }, { 0.4, 0.0 } },
 };
 
 /* With tissue->is_reversed the last tool and the last body are added first. Returns 0 after a failed check. */
@@ -271,6 +288,7 @@ static int make_scene(struct tissue_rig *tissue, const struct scene *scene, uint
     def.drag = random_in(&seed, 1.0, 20.0);
     def.viscosity = 1e-3;
     def.stiffness = scene->sheet ? 0.05 : 1.0;
+    def.load_radius = scene->load_radius;
     if (!scene->sheet)
         def.density = 1000.0 * pow(10.0, random_in(&seed, -0.5, 0.5));
     for (int t = 0; t < TISSUE_TOOLS; t++)

@@ -82,6 +82,9 @@ static void add_node(struct brute_pair *pair, uint32_t node, double weight)
     uint32_t i = 0;
     while (i < pair->count && pair->node[i] != node)
         i++;
+    CHECK(i < BRUTE_NODES, "too many nodes");
+    if (i == BRUTE_NODES)
+        return;
     if (i == pair->count) {
         pair->node[i] = node;
         pair->weight[pair->count++] = 0.0;
@@ -89,35 +92,134 @@ static void add_node(struct brute_pair *pair, uint32_t node, double weight)
     pair->weight[i] += weight;
 }
 
-/* Corners' weights at q, which is in the plane of the triangle, by areas. */
-static void find_nodes(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, double v[3][3])
+static void add_vertex(const struct brute *brute, struct brute_pair *pair, uint32_t vertex, double weight)
 {
-    const struct tissue_body *body = &brute->tissue->body[pair->body];
     const uint32_t *nodes;
     const float *weights;
     uint32_t node_count;
-    double normal[3], e[3], f[3];
+    dpt_mesh_get_embedding(brute->tissue->body[pair->body].mesh.mesh, &nodes, &weights, &node_count);
+    if (!nodes)
+        add_node(pair, vertex, weight);
+    for (uint32_t m = 4 * vertex; nodes && m < 4 * vertex + 4; m++)
+        add_node(pair, nodes[m], weight * (double)weights[m]);
+}
+
+/* The vector area of a triangle, twice. */
+static void area_of(const double *a, const double *b, const double *c, double area[3])
+{
+    double e[3], f[3];
+    for (int k = 0; k < 3; k++) {
+        e[k] = b[k] - a[k];
+        f[k] = c[k] - a[k];
+    }
+    cross3(e, f, area);
+}
+
+/* Corners' weights at q, which is in the plane of the triangle, by areas. */
+static void take_corners(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, double v[3][3])
+{
+    double normal[3], part[3];
+    area_of(v[0], v[1], v[2], normal);
+    for (int i = 0; i < 3; i++) {
+        area_of(pair->q, v[(i + 1) % 3], v[(i + 2) % 3], part);
+        add_vertex(brute, pair, corners[i], dot3(part, normal) / dot3(normal, normal));
+    }
+}
+
+/* A vertex of a patch: from the pair's point, and across its normal. */
+struct patch_vertex {
+    double at[3], across[2], weight;
+    int is_in;
+};
+
+/* The vertices that are nearer than the radius and can be reached over such, each with its share of the load. */
+static uint32_t find_patch(const struct brute *brute, const struct brute_pair *pair, const uint32_t *corners,
+                           struct patch_vertex *patch, uint32_t vertices)
+{
+    const struct tissue_body *body = &brute->tissue->body[pair->body];
+    const double r2 = body->load_radius * body->load_radius;
+    uint32_t triangles, count = 0, last;
+    const uint32_t *all = tissue_corners(body, &triangles);
+    for (int k = 0; k < 3; k++)
+        count += (uint32_t)(patch[corners[k]].is_in = dot3(patch[corners[k]].at, patch[corners[k]].at) < r2);
+    do {
+        last = count;
+        for (uint32_t i = 0; i < 3 * triangles; i++)
+            for (uint32_t k = 0; k < 3 && patch[all[i]].is_in; k++) {
+                struct patch_vertex *other = &patch[all[i - i % 3 + k]];
+                if (!other->is_in && dot3(other->at, other->at) < r2) {
+                    other->is_in = 1;
+                    count++;
+                }
+            }
+    } while (count > last);
+    for (uint32_t i = 0; i < triangles; i++) {
+        double area[3];
+        area_of(patch[all[3 * i]].at, patch[all[3 * i + 1]].at, patch[all[3 * i + 2]].at, area);
+        for (int k = 0; k < 3; k++)
+            patch[all[3 * i + (uint32_t)k]].weight += length3(area);
+    }
+    for (uint32_t i = 0; i < vertices; i++) {
+        const double share = 1.0 - dot3(patch[i].at, patch[i].at) / r2;
+        patch[i].weight *= patch[i].is_in ? share * share : 0.0;
+    }
+    return count;
+}
+
+/*
+ * Weights times 1 + c x, where x is across the normal: the three numbers of which their sum is 1, and the sums of weight times
+ * x are 0, by Cramer's rule. Returns 0 where there are none.
+ */
+static int keep_moment(struct patch_vertex *patch, uint32_t vertices)
+{
+    double m[6] = { 0.0 };
+    for (uint32_t i = 0; i < vertices; i++) {
+        const double w = patch[i].weight, x = patch[i].across[0], y = patch[i].across[1];
+        const double of[6] = { w, w * x, w * y, w * x * x, w * x * y, w * y * y };
+        for (int k = 0; k < 6; k++)
+            m[k] += of[k];
+    }
+    const double c[3] = { m[3] * m[5] - m[4] * m[4], m[2] * m[4] - m[1] * m[5], m[1] * m[4] - m[2] * m[3] };
+    const double determinant = m[0] * c[0] + m[1] * c[1] + m[2] * c[2];
+    if (!(m[0] > 0.0) || !(fabs(determinant) > 1e-12 * m[0] * (m[3] + m[5]) * (m[3] + m[5])))
+        return 0;
+    for (uint32_t i = 0; i < vertices; i++)
+        patch[i].weight *= (c[0] + c[1] * patch[i].across[0] + c[2] * patch[i].across[1]) / determinant;
+    return 1;
+}
+
+static void find_nodes(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, double v[3][3])
+{
+    static struct patch_vertex patch[BRUTE_ROOM / 3];
+    const struct tissue_body *body = &brute->tissue->body[pair->body];
+    uint32_t vertices = 0;
     if (!body->springs)
         return;
-    dpt_mesh_get_embedding(body->mesh.mesh, &nodes, &weights, &node_count);
-    for (int k = 0; k < 3; k++) {
-        e[k] = v[1][k] - v[0][k];
-        f[k] = v[2][k] - v[0][k];
+    if (!(body->load_radius > 0.0)) {
+        take_corners(brute, pair, corners, v);
+        return;
     }
-    cross3(e, f, normal);
-    for (int i = 0; i < 3; i++) {
-        double part[3];
-        for (int k = 0; k < 3; k++) {
-            e[k] = v[(i + 1) % 3][k] - pair->q[k];
-            f[k] = v[(i + 2) % 3][k] - pair->q[k];
-        }
-        cross3(e, f, part);
-        const double weight = dot3(part, normal) / dot3(normal, normal);
-        if (!nodes)
-            add_node(pair, corners[i], weight);
-        for (uint32_t m = 4 * corners[i]; nodes && m < 4 * corners[i] + 4; m++)
-            add_node(pair, nodes[m], weight * (double)weights[m]);
+    const float *position = tissue_vertices(brute->tissue, body, &vertices);
+    const double least = fmin(fabs(pair->n[0]), fmin(fabs(pair->n[1]), fabs(pair->n[2])));
+    double axis[3], x[3], y[3];
+    for (int k = 0; k < 3; k++)
+        axis[k] = fabs(pair->n[k]) <= least;
+    cross3(pair->n, axis, x);
+    cross3(pair->n, x, y);
+    memset(patch, 0, vertices * sizeof *patch);
+    for (uint32_t i = 0; i < vertices; i++) {
+        for (int k = 0; k < 3; k++)
+            patch[i].at[k] = (double)position[3 * i + (uint32_t)k] + body->place[k] - pair->q[k];
+        patch[i].across[0] = dot3(patch[i].at, x);
+        patch[i].across[1] = dot3(patch[i].at, y);
     }
+    if (find_patch(brute, pair, corners, patch, vertices) < 3 || !keep_moment(patch, vertices)) {
+        take_corners(brute, pair, corners, v);
+        return;
+    }
+    for (uint32_t i = 0; i < vertices; i++)
+        if (patch[i].is_in)
+            add_vertex(brute, pair, i, patch[i].weight);
 }
 
 /* p on the tool, q on the triangle, both in the world. */

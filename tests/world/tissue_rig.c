@@ -106,6 +106,7 @@ struct tissue_body *tissue_rig_add_soft(struct tissue_rig *tissue, const struct 
     body->block = tissue->rig.block_count - 1;
     body->bytes = dpt_springs_bytes(&springs);
     body->integrator = def->integrator;
+    body->load_radius = def->load_radius;
     return body->id && body->springs ? body : NULL;
 }
 

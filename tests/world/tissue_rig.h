@@ -23,12 +23,12 @@ struct tissue_def {
     const char *shape; /* of `dynpoint make`: a sheet where it is the membrane, whose border is fixed; else a lattice */
     uint64_t triangles;
     double young, density, drag, viscosity;
-    double spacing;   /* of a lattice, m */
-    double floor;     /* of a lattice: what is below that z is fixed */
-    double place[3];  /* of the body */
-    double stiffness; /* what springs are multiplied by; 0: 1 */
+    double spacing;     /* of a lattice, m */
+    double floor;       /* of a lattice: what is below that z is fixed */
+    double place[3];    /* of the body */
+    double stiffness;   /* what springs are multiplied by; 0: 1 */
     double load_radius; /* m: over which loads are spread; 0: they are not */
-    double step;      /* s: springs are as stiff as one substep of that length allows; 0: as stiff as `young` says */
+    double step;        /* s: springs are as stiff as one substep of that length allows; 0: as stiff as `young` says */
     uint32_t integrator;
     int sleeps;
 };
@@ -41,6 +41,7 @@ struct tissue_body {
     size_t bytes;
     double place[3];
     double top; /* of the mesh at rest, along z */
+    double load_radius;
     uint32_t integrator;
 };
 
