@@ -54,6 +54,25 @@ static void spread_loads_are_silent(void)
         }
 }
 
+/* Where the patch spans three edges, a sheet feels alike when its edges are halved. */
+static void a_finer_sheet_feels_alike(void)
+{
+    for (int lying = 0; lying < 2; lying++) {
+        double force[2] = { 0.0, 0.0 };
+        for (int fine = 0; fine < 2; fine++) {
+            struct tissue tissue;
+            tissue_begin_thin(&tissue, 500.0, 1.5708 * lying, 0.006);
+            tissue.triangles = fine ? 2048 : 512;
+            if (tissue_add(&tissue, DPT_NET_SHEET, DPT_INTEGRATOR_IMPLICIT, 0.04, 0.0))
+                tissue_press_and_hold(&tissue, 0.02, &force[fine]);
+            tissue_close(&tissue);
+        }
+        CHECK(force[0] > 0.05, "%g N", force[0]);
+        CHECK(fabs(force[1] - force[0]) <= 0.05 * force[0], "case %d: %g N, %g N on a finer mesh", lying, force[0],
+              force[1]);
+    }
+}
+
 /* What the tests above look for is there without the solve: loads of the step before make a lying tool jump. */
 static void loads_of_the_step_before_are_not_silent(void)
 {
@@ -522,6 +541,7 @@ int main(int argc, char **argv)
     take_percent(argc, argv);
     TEST(a_still_device_is_silent);
     TEST(spread_loads_are_silent);
+    TEST(a_finer_sheet_feels_alike);
     TEST(loads_of_the_step_before_are_not_silent);
     TEST(integrators_end_at_one_force);
     TEST(implicit_tissue_gains_what_tools_do);

@@ -5,11 +5,11 @@
 
 enum { HOLD = 1200, LOOKED_AT = 300 };
 
-static int make_mesh(struct fixture *fixture, uint32_t kind, double damping)
+static int make_mesh(struct fixture *fixture, uint32_t kind, uint64_t triangles, double damping)
 {
     const dpt_spring_region below = { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, 1, 1, -0.02 } };
-    const dpt_spring_region border[2] = { { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, -0.09, 1, 1 } },
-                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { 0.09, -1, -1, 1, 1, 1 } } };
+    const dpt_spring_region border[2] = { { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, -0.099, 1, 1 } },
+                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { 0.099, -1, -1, 1, 1, 1 } } };
     const int is_sheet = kind == DPT_NET_SHEET;
     const dpt_spring_net_def net = { .size = sizeof net,
                                      .kind = kind,
@@ -21,7 +21,7 @@ static int make_mesh(struct fixture *fixture, uint32_t kind, double damping)
                                      .spacing = is_sheet ? 0.0 : 0.02,
                                      .regions = is_sheet ? border : &below,
                                      .region_count = is_sheet ? 2 : 1 };
-    return fixture_with_springs(fixture, is_sheet ? "membrane" : "sphere", 512, &net);
+    return fixture_with_springs(fixture, is_sheet ? "membrane" : "sphere", triangles ? triangles : 512, &net);
 }
 
 int tissue_add(struct tissue *tissue, uint32_t kind, uint32_t integrator, double load_radius, double x)
@@ -34,7 +34,7 @@ int tissue_add(struct tissue *tissue, uint32_t kind, uint32_t integrator, double
     pose.position[0] = x;
     dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
-    if (!make_mesh(&tissue->mesh[i], kind, tissue->is_undamped ? 0.0 : 1.0))
+    if (!make_mesh(&tissue->mesh[i], kind, tissue->triangles, tissue->is_undamped ? 0.0 : 1.0))
         return 0;
     deform.mesh = springs.mesh = tissue->mesh[i].mesh;
     deform.pose = &pose;

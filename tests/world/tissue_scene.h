@@ -29,6 +29,7 @@ struct tissue {
     double top;                    /* of the bodies at rest, along z */
     double radius;                 /* of the tool */
     int is_sleepless, is_undamped; /* set before bodies are added */
+    uint64_t triangles;            /* of bodies, likewise; 0: 512 */
     double period;                 /* s, of the bodies, likewise: above 0 the forces of the step before move them */
     dpt_wrench wrench;             /* of the last tick */
     dpt_force_info force;
