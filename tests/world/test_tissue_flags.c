@@ -196,6 +196,39 @@ static struct tissue_tool *press_across(struct tissue_rig *tissue, uint32_t inte
     return tool;
 }
 
+/* The pose in which a step leaves a tool: by the getter and by a snapshot, until the world goes on. */
+static void it_says_where_a_step_ended(void)
+{
+    static uint64_t block[8192];
+    struct tissue_rig tissue;
+    struct tissue_tool *tool = press_across(&tissue, DPT_INTEGRATOR_SYMPLECTIC);
+    for (int t = 0; t < 20 && tool; t++) {
+        dpt_snapshot_tool told = { .size = sizeof told };
+        dpt_pose end, proxy, last;
+        double ends[6], by_wrench[6];
+        size_t bytes = 0;
+        tool->device.position[2] += 1e-4;
+        tissue_rig_step_world(&tissue);
+        dpt_tool_get_proxy(tissue.rig.world, tool->id, &proxy);
+        CHECK(dpt_tool_get_end(tissue.rig.world, tool->id, &end) == DPT_OK && !memcmp(&end, &proxy, sizeof end),
+              "before the tissue's step it is not the proxy's pose");
+        tissue_rig_step_springs(&tissue);
+        CHECK(dpt_tool_get_end(tissue.rig.world, tool->id, &end) == DPT_OK && memcmp(&end, &proxy, sizeof end),
+              "after it it is the proxy's pose");
+        pose_ends(&end, &tool->segment, ends);
+        tissue_tool_end(tool, by_wrench);
+        CHECK(apart_of(tool, ends, by_wrench) < 1e-5, "%g m from the spring's end", apart_of(tool, ends, by_wrench));
+        const dpt_result result = dpt_world_take_snapshot(tissue.rig.world, NULL, block, sizeof block, &bytes);
+        CHECK(result == DPT_OK && dpt_snapshot_get_tool(block, bytes, 0, &told) == DPT_OK, "no snapshot");
+        CHECK(!memcmp(&told.end, &end, sizeof end) && !memcmp(&told.proxy, &proxy, sizeof proxy), "it tells others");
+        dpt_world_step(tissue.rig.world, tissue.rig.dt, NULL);
+        dpt_tool_get_proxy(tissue.rig.world, tool->id, &proxy);
+        dpt_tool_get_end(tissue.rig.world, tool->id, &last);
+        CHECK(!memcmp(&last, &proxy, sizeof last), "it is told when the world has gone on");
+    }
+    tissue_rig_close(&tissue);
+}
+
 /* A node that carries the body's outermost vertex along y, away from the tool. */
 static uint32_t node_at_side(const struct tissue_body *body)
 {
@@ -299,6 +332,7 @@ int main(int argc, char **argv)
     take_percent(argc, argv);
     TEST(it_says_where_the_proxy_is_apart);
     TEST(it_says_where_there_are_too_many_touches);
+    TEST(it_says_where_a_step_ended);
     TEST(a_step_that_fails_moves_nothing);
     TEST(a_vertex_stays_in_its_box);
     return check_report();
