@@ -194,8 +194,8 @@ enum {
      */
     DPT_FORCE_FLAG_APART = 128,
     /*
-     * In the tissue's step the tool touched in more places than are counted at one time: the nearest were. Or there was no
-     * push that kept it out of all of them.
+     * In the tissue's step the tool touched in more places than are counted at one time, or than the budget was enough for:
+     * the nearest were. Or there was no push that kept it out of all of them.
      */
     DPT_FORCE_FLAG_CROWDED = 256
 };

@@ -195,6 +195,7 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
     const struct tissue_row *row = &solve->rows[index];
     const struct tissue_link *link = &solve->links[row->touch];
     const double stiffness = solve->tools[link->tool].stiffness;
+    uint32_t products = link->count;
     for (uint32_t k = 0; k < link->count; k++)
         solve->spread[link->node[k]] = link->weight[k] * solve->nodes[link->node[k]].response;
     for (uint32_t i = first; i < tissue_row_count(solve); i++) {
@@ -204,6 +205,7 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
         if (link->body != DPT_NONE && its->body == link->body) {
             for (uint32_t k = 0; k < its->count; k++)
                 sum += its->weight[k] * solve->spread[its->node[k]];
+            products += its->count;
             sum *= dot(other->within, row->within);
         }
         if (its->tool == link->tool) {
@@ -211,9 +213,11 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
             for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
                 product += row->lever[k] * other->lever[k];
             sum += product / stiffness;
+            products += TOUCH_DIMENSIONS;
         }
         column[i] = sum;
     }
+    work_spend(&solve->work, products / LANES + 1);
     for (uint32_t k = 0; k < link->count; k++)
         solve->spread[link->node[k]] = 0.0;
 }
@@ -306,6 +310,7 @@ static void begin_problem(struct tissue_solve *solve)
     problem->kind = solve->kind;
     problem->column = give_column;
     problem->user = solve;
+    problem->work = &solve->work;
     dpti_rubs_begin(solve);
     if (!solve->is_begun) {
         problem->active_count = 0;
@@ -389,10 +394,14 @@ double dpti_tissue_solve(struct tissue_solve *solve)
         dpti_loaded_step_set(&solve->bodies[b].step);
     foresee(solve);
     begin_problem(solve);
-    for (int pass = 1;; pass++) {
+    for (int pass = 1, is_last = 0;; pass++) {
         solve_pass(solve);
-        if (pass == PASSES || !dpti_rubs_update(solve, pass < PASSES_STICKING))
+        if (is_last || pass == PASSES)
             break;
+        is_last = work_is_spent(&solve->work);
+        if (!dpti_rubs_update(solve, pass < PASSES_STICKING && !is_last))
+            break;
+        solve->is_full |= (uint32_t)is_last;
     }
     note_held(solve);
     take_pulls(solve);

@@ -63,6 +63,8 @@ void dpti_spread_find(struct tissue_solve *solve, uint32_t index, struct load_pa
                                       .normal = frame_turn_back(&body->frame, touch->normal) };
     vec3 middle = { 0.0, 0.0, 0.0 };
     dpti_deform_patch(&body->surface, &point, radius, patch);
+    /* Six triangles a vertex. */
+    work_spend(&solve->work, patch->count);
     for (uint32_t i = 0; i < patch->count; i++)
         middle = along(middle, patch->share[i], surface_vertex(&body->surface, patch->vertex[i]));
     const double unfelt =

@@ -109,7 +109,8 @@ struct held_touch {
 
 struct tissue_solve {
     const struct dpt_world *world;
-    double dt; /* s, of the whole step */
+    double dt;        /* s, of the whole step */
+    struct work work; /* of the whole step */
     uint32_t body_count;
     uint32_t tool_count;
     uint32_t node_count;

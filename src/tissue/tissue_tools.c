@@ -87,7 +87,7 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
     const uint32_t first = solve->touches.count;
     const struct proxy *proxy = proxy_of(world, tool);
     struct tissue_tool *made = &solve->tools[solve->tool_count];
-    struct touch_search search = { world, tool, proxy, &made->at, NULL, reach + motion_of(tool, proxy) };
+    struct touch_search search = { world, tool, proxy, &made->at, NULL, reach + motion_of(tool, proxy), &solve->work };
     *made = (struct tissue_tool){ .slot = (uint32_t)(tool - world->tools),
                                   .is_sliding = proxy->is_sliding,
                                   .proxy = proxy,
@@ -346,6 +346,7 @@ static double least_motion(struct tissue_solve *solve, double unknowns[TOUCH_DIM
     problem->kind = NULL;
     problem->column = give_lever;
     problem->user = &solve->room;
+    problem->work = NULL;
     dpti_complementarity_solve(problem);
     memset(unknowns, 0, TOUCH_DIMENSIONS * sizeof *unknowns);
     for (uint32_t a = 0; a < problem->active_count; a++)
@@ -358,7 +359,7 @@ static double least_motion(struct tissue_solve *solve, double unknowns[TOUCH_DIM
 static double gather_at(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool,
                         const struct proxy_pose *at, double reach)
 {
-    struct touch_search search = { world, tool, proxy_of(world, tool), at, NULL, reach };
+    struct touch_search search = { world, tool, proxy_of(world, tool), at, NULL, reach, &solve->work };
     double least = HUGE_VAL;
     solve->room.count = 0;
     for (uint32_t i = 0; i < world->body_slot_end; i++) {

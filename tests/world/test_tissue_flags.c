@@ -229,6 +229,65 @@ static void it_says_where_a_step_ended(void)
     tissue_rig_close(&tissue);
 }
 
+/* A rough body whose loads are spread, under a tool that lies. */
+static int open_rough(struct tissue_rig *tissue, uint32_t budget)
+{
+    struct tissue_def def = tissue_ball();
+    def.triangles = 5120;
+    def.load_radius = 0.03;
+    def.sleeps = 1;
+    tissue_rig_open_within(tissue, budget);
+    if (!tissue_rig_add_soft(tissue, &def))
+        return 0;
+    dpt_body_settings settings = { .size = sizeof settings };
+    dpt_body_get_settings(tissue->rig.world, tissue->body[0].id, &settings);
+    settings.static_friction = 0.5;
+    settings.kinetic_friction = 0.4;
+    dpt_body_set_settings(tissue->rig.world, tissue->body[0].id, &settings);
+    tissue_rig_add_tool(tissue, &lying, 500.0)->device.position[2] = tissue->body[0].top + 0.005;
+    tissue_rig_place(tissue);
+    return 1;
+}
+
+/* It comes down, leaps, is drawn along and held. */
+static void lead_rough(struct tissue_rig *tissue, int t)
+{
+    double *position = tissue->tool[0].device.position;
+    position[2] -= t < 60 ? 2e-5 : t == 80 ? 1e-3 : 0.0;
+    position[0] += t >= 80 && t < 120 ? 1e-4 : 0.0;
+    tissue_rig_tick(tissue);
+}
+
+/* With a budget that is ample the bits are the same; with a small one the force is still right, and a flag says that it was. */
+static void a_budget_bounds_the_solve(void)
+{
+    enum { TICKS = 140, AMPLE = 2000, SMALL = 300 };
+    struct tissue_rig all, ample, small;
+    const int is_there = open_rough(&all, 0) + open_rough(&ample, AMPLE) + open_rough(&small, SMALL);
+    uint32_t crowded = 0, most = 0, most_small = 0;
+    for (int t = 0; t < TICKS && is_there == 3; t++) {
+        lead_rough(&all, t);
+        lead_rough(&ample, t);
+        lead_rough(&small, t);
+        const dpt_force_info *expected = &all.tool[0].force, *found = &small.tool[0].force;
+        const double force = length3(expected->wrench.force);
+        CHECK(!memcmp(&ample.tool[0].force, expected, sizeof *expected) && ample.info[0].work == all.info[0].work,
+              "tick %d: others with an ample budget", t);
+        CHECK(apart(found->wrench.force, expected->wrench.force) <= 0.01 * force, "tick %d: %g N off of %g", t,
+              apart(found->wrench.force, expected->wrench.force), force);
+        CHECK(!(expected->flags & DPT_FORCE_FLAG_CROWDED), "tick %d: crowded without a budget", t);
+        CHECK(all.info[0].work || !(force > 0.0), "tick %d: it is told to be free", t);
+        crowded += (found->flags & DPT_FORCE_FLAG_CROWDED) != 0;
+        most = all.info[0].work > most ? all.info[0].work : most;
+        most_small = small.info[0].work > most_small ? small.info[0].work : most_small;
+    }
+    CHECK(crowded > 2 && most > SMALL && most < AMPLE, "crowded in %u ticks, %u units", crowded, most);
+    printf("    %u units without a budget, %u of %u\n", most, most_small, SMALL);
+    tissue_rig_close(&all);
+    tissue_rig_close(&ample);
+    tissue_rig_close(&small);
+}
+
 /* A node that carries the body's outermost vertex along y, away from the tool. */
 static uint32_t node_at_side(const struct tissue_body *body)
 {
@@ -333,6 +392,7 @@ int main(int argc, char **argv)
     TEST(it_says_where_the_proxy_is_apart);
     TEST(it_says_where_there_are_too_many_touches);
     TEST(it_says_where_a_step_ended);
+    TEST(a_budget_bounds_the_solve);
     TEST(a_step_that_fails_moves_nothing);
     TEST(a_vertex_stays_in_its_box);
     return check_report();

@@ -7,8 +7,15 @@
 
 void tissue_rig_open(struct tissue_rig *tissue)
 {
+    tissue_rig_open_within(tissue, 0);
+}
+
+void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget)
+{
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
+    def.budget = budget;
     memset(tissue, 0, sizeof *tissue);
-    rig_open(&tissue->rig, NULL, NULL, NULL, 0);
+    rig_open(&tissue->rig, &def, NULL, NULL, 0);
 }
 
 void tissue_rig_close(struct tissue_rig *tissue)

@@ -64,6 +64,7 @@ struct tissue_rig {
 };
 
 void tissue_rig_open(struct tissue_rig *tissue);
+void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget);
 void tissue_rig_close(struct tissue_rig *tissue);
 
 /* A ball of springs of 0.1 m, whose lower part is fixed, as soft as a liver; a membrane. */
