@@ -174,7 +174,7 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  * With DPT_RESPONSE_LOAD a tool with a proxy and the tissue are solved together: no point of the tool is in the tissue
  * after the step, and what moves the tissue is what is felt. From then on the tool's wrench, loads and energy are those of
  * this answer: read and send them after this call, in the same tick. Friction sticks to where the tool was after the last
- * step, so what lies on a tool weighs on it what it weighs. All of this holds for bodies without a surface's stiffness and
+ * step, so what lies on a tool weighs on it what it weighs. All of this holds for bodies without
  * a period. With a load_radius a touch loads and feels the same patch of the surface. Elsewhere the wrench is that of the
  * world's step, and its loads act on the nodes.
  *

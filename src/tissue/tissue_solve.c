@@ -7,6 +7,7 @@
 #include "tissue/tissue_friction.h"
 #include "tissue/tissue_spread.h"
 #include "track/deform_state.h"
+#include "track/tool_parts.h"
 
 /* m: a gap of no less than minus that counts as met. */
 #define TOLERANCE 1e-10
@@ -97,6 +98,19 @@ static uint32_t tool_of(const struct tissue_solve *solve, uint32_t slot)
     return t;
 }
 
+/* m/N: so soft a surface gives no force. */
+#define YIELDS_MAX 1e30
+
+/* What the body's own surface yields by is shared by all touches that are no farther apart than the tool is thick. */
+static void set_yield(const struct tissue_solve *solve, struct tissue_link *link, const struct touch *touch)
+{
+    const double stiffness = world_find_body(solve->world, touch->body_id)->stiffness;
+    if (!(stiffness > 0.0))
+        return;
+    link->yields = min_of(1.0 / stiffness, YIELDS_MAX);
+    link->spread = 2.0 * part_radius(tool_part(solve->world, &solve->world->tools[touch->tool_slot], touch->part));
+}
+
 /* Returns 0 if there is no room for the nodes that the touch loads. */
 static int link_touch(struct tissue_solve *solve, uint32_t i)
 {
@@ -108,6 +122,7 @@ static int link_touch(struct tissue_solve *solve, uint32_t i)
                                   .tool = tool_of(solve, touch->tool_slot),
                                   .node = solve->weighted + solve->weight_count,
                                   .weight = solve->weight + solve->weight_count };
+    set_yield(solve, link, touch);
     *row = (struct tissue_row){ .touch = i, .along = touch->normal, .within = touch->normal };
     memcpy(row->lever, touch->row, sizeof row->lever);
     solve->push[i] = (vec3){ 0.0, 0.0, 0.0 };
@@ -188,6 +203,23 @@ static void foresee(struct tissue_solve *solve)
     }
 }
 
+double dpti_tissue_yield(const struct tissue_solve *solve, uint32_t touch, uint32_t by)
+{
+    const struct tissue_link *link = &solve->links[touch], *other = &solve->links[by];
+    const struct touch *at = &solve->touches.touch[touch], *from = &solve->touches.touch[by];
+    if (!(link->yields > 0.0) || link->tool != other->tool || at->body_id != from->body_id)
+        return 0.0;
+    const vec3 away = sub(at->at, from->at);
+    const double square = dot(away, away), spread = min_of(link->spread, other->spread);
+    if (touch == by)
+        return link->yields;
+    if (!(square < spread * spread))
+        return 0.0;
+    /* Wendland's function of least degree for space: with it the matrix has no negative eigenvalue. */
+    const double near = 1.0 - sqrt(square) / spread;
+    return link->yields * near * near * dot(at->normal, from->normal);
+}
+
 /* What a newton along one row does to the gaps of all: it moves its tool away, and its nodes. */
 static void give_column(void *user, uint32_t index, uint32_t first, double *column)
 {
@@ -215,6 +247,8 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
             sum += product / stiffness;
             products += TOUCH_DIMENSIONS;
         }
+        if (index < solve->touches.count && i < solve->touches.count)
+            sum += dpti_tissue_yield(solve, i, index);
         column[i] = sum;
     }
     work_spend(&solve->work, products / LANES + 1);
@@ -258,7 +292,7 @@ static void set_gaps_of_touches(struct tissue_solve *solve)
         const struct tissue_link *link = &solve->links[i];
         const struct tissue_tool *tool = &solve->tools[link->tool];
         const double moved = felt_gap(solve, i) - dot(row->within, point_moved(solve, link, 0));
-        const double now = moved + lever_product(row->lever, tool->end);
+        const double now = moved + lever_product(row->lever, tool->end) + link->yielded;
         solve->free_gap[i] = moved + lever_product(row->lever, tool->known) -
                              dot(row->within, point_moved(solve, link, 1)) - (1.0 - RECOVERED) * min_of(now, 0.0);
         solve->kind[i] = COMPLEMENTARITY_CONSTRAINT;
@@ -409,10 +443,23 @@ double dpti_tissue_solve(struct tissue_solve *solve)
     return farthest_of(solve);
 }
 
+/* How far the bodies' own surfaces have yielded. */
+static void note_yields(struct tissue_solve *solve)
+{
+    for (uint32_t i = 0; i < solve->touches.count; i++) {
+        struct tissue_link *link = &solve->links[i];
+        link->yielded = 0.0;
+        for (uint32_t k = 0; k < solve->touches.count && link->yields > 0.0; k++)
+            if (solve->multiplier[k] > 0.0)
+                link->yielded += solve->multiplier[k] * dpti_tissue_yield(solve, i, k);
+    }
+}
+
 /* Where each tool is at the end of the substep, and what it feels. */
 static void move_tools(struct tissue_solve *solve, double share)
 {
     dpti_rubs_end(solve);
+    note_yields(solve);
     for (uint32_t t = 0; t < solve->tool_count; t++)
         memcpy(solve->tools[t].end, solve->tools[t].away, sizeof solve->tools[t].end);
     for (uint32_t i = 0; i < tissue_row_count(solve); i++) {

@@ -65,6 +65,9 @@ struct tissue_link {
     uint32_t count; /* of nodes */
     uint16_t *node; /* of the solve */
     double *weight; /* how much of the touch's force each takes, and of each one's motion the touch feels */
+    double yields;  /* m/N: the body's own compliance, in series; 0: it is hard */
+    double yielded; /* m: by how much, in the last substep */
+    double spread;  /* m: touches that are nearer to each other share it */
     double unfelt;  /* m: how far the point of the touch has risen unfelt, as it rose more than what is loaded */
     double depth;   /* m: so far beneath the touch, along its normal, lies the mean of these, where the force acts */
 };

@@ -5,6 +5,7 @@
 
 #include "proxy/proxy.h"
 #include "proxy/tool_loads.h"
+#include "tissue/tissue_solve.h"
 #include "tissue/tissue_spread.h"
 #include "track/tool_parts.h"
 
@@ -35,15 +36,6 @@ static void gather_from(struct tissue_solve *solve, struct touch_search *search,
         if (body_is_there(search->body) && !is_solved == !solved_body(solve, search->body))
             dpti_touches_gather(search, &solve->touches);
     }
-}
-
-/* Whether the surfaces that a tool may touch are hard. */
-static int touches_are_hard(const struct dpt_world *world, const struct touches *touches, uint32_t first)
-{
-    for (uint32_t i = first; i < touches->count; i++)
-        if (world_find_body(world, touches->touch[i].body_id)->stiffness > 0.0)
-            return 0;
-    return 1;
 }
 
 /* The unknowns of the way from a tool's proxy to a pose. */
@@ -96,8 +88,6 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
     gather_from(solve, &search, 1);
     if (solve->touches.count > first)
         gather_from(solve, &search, 0);
-    if (!touches_are_hard(world, &solve->touches, first))
-        solve->touches.count = first;
     if (solve->touches.count == first)
         return;
     unknowns_of(made, &tool->pose, made->device);
@@ -146,10 +136,25 @@ static struct displacement pushed_by(const struct tissue_tool *from)
     return dpti_proxy_of_unknowns(from->proxy, from->axes, unknowns);
 }
 
-/* The displacement from the device that is felt. The proxy's own is that of the world's step. */
-static void note_felt(const struct tissue_solve *solve, struct tool *tool, struct proxy *proxy,
-                      struct displacement felt)
+/* J: what the bodies' own surfaces store, as they yield to the mean push. */
+static double stored_by(const struct tissue_solve *solve, const struct tissue_tool *from)
 {
+    double sum = 0.0;
+    for (uint32_t i = 0; i < solve->touches.count; i++) {
+        const double push = dot(solve->push[i], solve->touches.touch[i].normal);
+        if (!(push > 0.0) || &solve->tools[solve->links[i].tool] != from)
+            continue;
+        for (uint32_t k = 0; k < solve->touches.count && solve->links[i].yields > 0.0; k++)
+            sum += 0.5 * push * dot(solve->push[k], solve->touches.touch[k].normal) * dpti_tissue_yield(solve, i, k);
+    }
+    return sum;
+}
+
+/* The displacement from the device that is felt. The proxy's own is that of the world's step. */
+static void note_felt(const struct tissue_solve *solve, const struct tissue_tool *from, struct tool *tool,
+                      struct proxy *proxy)
+{
+    const struct displacement felt = dpti_proxy_of_unknowns(proxy, from->axes, from->felt);
     const struct displacement between = displacement_sum(&felt, -1.0, &proxy->felt);
     const double apart = displacement_norm(&proxy->coupling, &between);
     const double allowed =
@@ -157,8 +162,9 @@ static void note_felt(const struct tissue_solve *solve, struct tool *tool, struc
     tool->force_flags &= ~(uint32_t)(DPT_FORCE_FLAG_APART | DPT_FORCE_FLAG_CROWDED);
     tool->force_flags |= apart > allowed ? DPT_FORCE_FLAG_APART : 0u;
     tool->force_flags |= solve->is_full || solve->touches.is_full ? DPT_FORCE_FLAG_CROWDED : 0u;
-    tool->energy = coupling_energy(&proxy->coupling, &felt);
-    tool->body_work = proxy->body_work = work_of_bodies(tool, proxy, &felt);
+    proxy->stored = stored_by(solve, from);
+    tool->energy = coupling_energy(&proxy->coupling, &felt) + proxy->stored;
+    tool->body_work = proxy->body_work = work_of_bodies(tool, proxy, &felt) + proxy->stored - proxy->last_stored;
     proxy->felt = felt;
 }
 
@@ -259,7 +265,7 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
         tool->wrench.torque[k] += shaped.torque[k] - law.torque[k];
     }
     proxy->pushed = pushed_by(from);
-    note_felt(solve, tool, proxy, dpti_proxy_of_unknowns(proxy, from->axes, from->felt));
+    note_felt(solve, from, tool, proxy);
 }
 
 /* How often an answer must be the same before it is taken for the next one, too. */

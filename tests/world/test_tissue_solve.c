@@ -213,7 +213,7 @@ static double most_unfelt(const struct tissue_rig *tissue)
     return most;
 }
 
-static void press(struct brute *brute, uint64_t seed, double depth, struct worst *worst)
+static void press(struct brute *brute, uint64_t seed, double depth, int yields, struct worst *worst)
 {
     struct tissue_rig *tissue = brute->tissue;
     struct course course;
@@ -232,7 +232,7 @@ static void press(struct brute *brute, uint64_t seed, double depth, struct worst
             continue;
         if (is_due)
             compare(brute, substeps, worst);
-        if (is_due && substeps == 1)
+        if (is_due && substeps == 1 && !yields)
             judge_conditions(brute, worst);
         if (is_due && substeps == 1)
             judge_ends(brute, worst);
@@ -247,6 +247,7 @@ static const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.006 };
 struct scene {
     const char *name;
     double load_radius;
+    double yields; /* N/m: of the bodies' own surfaces; 0: they are hard */
     int soft, rigid, sheet, tools;
     int touched;   /* pairs of a tool and a body that push, at least */
     int is_locked; /* its tools do not turn */
@@ -255,11 +256,12 @@ struct scene {
 };
 
 static const struct scene scenes[] = {
-    { "across two soft bodies", 0.0, 2, 0, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
-    { "soft beside rigid", 0.0, 1, 1, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
-    { "two tools on one body", 0.0, 1, 0, 0, 2, 2, 0, { &upright, &ball }, { -0.005, 0.008 }, { 0.4, 0.0 } },
-    { "two tools on a sheet", 0.0, 1, 0, 1, 2, 2, 0, { &lying, &upright }, { -0.012, 0.03 }, { 1.5, 0.3 } },
+    { "across two soft bodies", 0.0, 0.0, 2, 0, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
+    { "soft beside rigid", 0.0, 0.0, 1, 1, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
+    { "two tools on one body", 0.0, 0.0, 1, 0, 0, 2, 2, 0, { &upright, &ball }, { -0.005, 0.008 }, { 0.4, 0.0 } },
+    { "two tools on a sheet", 0.0, 0.0, 1, 0, 1, 2, 2, 0, { &lying, &upright }, { -0.012, 0.03 }, { 1.5, 0.3 } },
     { "two tools on two soft bodies and a rigid one",
+      0.0,
       0.0,
       2,
       1,
@@ -270,9 +272,33 @@ static const struct scene scenes[] = {
       { &lying, &lying },
       { 0.0, 0.002 },
       { 1.5708, 1.5 } },
-    { "locked, across two soft bodies", 0.0, 2, 0, 0, 1, 2, 1, { &lying }, { 0.0 }, { 1.5708 } },
-    { "spread, across two soft bodies", 0.025, 2, 0, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
-    { "spread, two tools on one body", 0.03, 1, 0, 0, 2, 2, 0, { &upright, &ball }, { -0.005, 0.008 }, { 0.4, 0.0 } },
+    { "locked, across two soft bodies", 0.0, 0.0, 2, 0, 0, 1, 2, 1, { &lying }, { 0.0 }, { 1.5708 } },
+    { "spread, across two soft bodies", 0.025, 0.0, 2, 0, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
+    { "spread, two tools on one body",
+      0.03,
+      0.0,
+      1,
+      0,
+      0,
+      2,
+      2,
+      0,
+      { &upright, &ball },
+      { -0.005, 0.008 },
+      { 0.4, 0.0 } },
+    { "yielding, soft beside rigid", 0.0, 2e4, 1, 1, 0, 1, 2, 0, { &lying }, { 0.0 }, { 1.5708 } },
+    { "yielding, two tools on one body",
+      0.0,
+      900.0,
+      1,
+      0,
+      0,
+      2,
+      2,
+      0,
+      { &upright, &ball },
+      { -0.005, 0.008 },
+      { 0.4, 0.0 } },
 };
 
 /* With tissue->is_reversed the last tool and the last body are added first. Returns 0 after a failed check. */
@@ -301,6 +327,10 @@ static int make_scene(struct tissue_rig *tissue, const struct scene *scene, uint
             b < scene->soft ? tissue_rig_add_soft(tissue, &def) : tissue_rig_add_rigid(tissue, &def);
         if (!body)
             return 0;
+        dpt_body_settings settings = { .size = sizeof settings };
+        dpt_body_get_settings(tissue->rig.world, body->id, &settings);
+        settings.stiffness = scene->yields;
+        dpt_body_set_settings(tissue->rig.world, body->id, &settings);
         top = body->top;
     }
     for (int i = 0; i < scene->tools; i++) {
@@ -343,7 +373,7 @@ static void it_is_what_a_brute_solve_finds(void)
             struct worst worst = { 0 };
             int touched = 0;
             if (brute_open(&brute, &tissue) && make_scene(&tissue, scene, (uint64_t)(turn + 1) * 77 + s)) {
-                press(&brute, (uint64_t)turn, 0.006, &worst);
+                press(&brute, (uint64_t)turn, 0.006, scene->yields > 0.0, &worst);
                 judge(&worst, scene->name, turn);
                 gave_way += worst.gave_way;
                 for (int i = 0; i < TISSUE_BODIES * TISSUE_TOOLS; i++)
@@ -392,7 +422,7 @@ static void a_tip_is_what_a_brute_solve_finds(void)
             unit3(axis);
             pose_orient(&tool->device, axis, 0.1 * turn);
             tool->device.position[2] = tissue.body[0].top + 0.018;
-            press(&brute, seed, 0.016, &worst);
+            press(&brute, seed, 0.016, 0, &worst);
             judge(&worst, "tip", turn);
         }
         brute_close(&brute);

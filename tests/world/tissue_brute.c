@@ -378,6 +378,23 @@ static double response_of(const struct tissue_body *body, uint32_t node, double 
     return mass > 0.0 ? h * h / (mass * (1.0 + h * (double)net.drag[node])) : 0.0;
 }
 
+/*
+ * m/N: how the body's own surface yields at one pair to a push of another of the same tool: less with distance, and not
+ * beyond the tool's thickness.
+ */
+static double yield_of(const struct brute *brute, const struct brute_pair *a, const struct brute_pair *b)
+{
+    const double thickness = 2.0 * brute->tissue->tool[a->tool].segment.radius;
+    dpt_body_settings settings = { .size = sizeof settings };
+    if (a->tool != b->tool || a->body != b->body)
+        return 0.0;
+    dpt_body_get_settings(brute->tissue->rig.world, brute->tissue->body[a->body].id, &settings);
+    if (!(settings.stiffness > 0.0))
+        return 0.0;
+    const double near = fmax(1.0 - apart(a->q, b->q) / thickness, 0.0);
+    return near * near * dot3(a->n, b->n) / settings.stiffness;
+}
+
 static void make_matrix(struct brute *brute, double h)
 {
     brute->loosest = 0.0;
@@ -398,6 +415,7 @@ static void make_matrix(struct brute *brute, double h)
                         sum += a->weight[k] * b->weight[m] * a->response[k] * dot3(a->n, b->n);
             if (a->tool == b->tool)
                 sum += brute_product(a->row, b->row) / brute->tissue->tool[a->tool].stiffness;
+            sum += yield_of(brute, a, b);
             brute->matrix[i][j] = sum;
         }
 }
@@ -628,14 +646,16 @@ static void push_tool(struct brute *brute, const struct brute_pair *pair, double
 
 /*
  * What a substep asks of each pair: with the tool where the last substep ended, and the surface before its loads act, less
- * than no gap may be left, by four fifths.
+ * than no gap may be left, by four fifths. What the surface itself yields is no part of it.
  */
 static void find_least_gaps(struct brute *brute)
 {
     for (uint32_t i = 0; i < brute->count; i++) {
         struct brute_pair *pair = &brute->pair[i];
-        const double now = pair->gap + brute_product(pair->row, brute->way[pair->tool]) -
-                           brute_surface_motion(pair, brute->begin, brute->end);
+        double now = pair->gap + brute_product(pair->row, brute->way[pair->tool]) -
+                     brute_surface_motion(pair, brute->begin, brute->end);
+        for (uint32_t k = 0; k < brute->count; k++)
+            now += brute->pair[k].push > 0.0 ? brute->pair[k].push * yield_of(brute, pair, &brute->pair[k]) : 0.0;
         pair->least = (1.0 - RECOVERED) * fmin(now, 0.0);
     }
 }

@@ -30,6 +30,7 @@ struct tissue {
     double radius;                 /* of the tool */
     int is_sleepless, is_undamped; /* set before bodies are added */
     uint64_t triangles;            /* of bodies, likewise; 0: 512 */
+    double young;                  /* Pa, likewise; 0: as soft as a liver, or a sheet of rubber */
     double period;                 /* s, of the bodies, likewise: above 0 the forces of the step before move them */
     dpt_wrench wrench;             /* of the last tick */
     dpt_force_info force;
@@ -47,6 +48,9 @@ int tissue_add(struct tissue *tissue, uint32_t kind, uint32_t integrator, double
 
 /* Bodies are rough from now on. */
 void tissue_roughen(struct tissue *tissue, double static_friction, double kinetic_friction);
+
+/* Their own surfaces yield by so many N/m from now on. */
+void tissue_soften(struct tissue *tissue, double stiffness);
 
 void tissue_close(struct tissue *tissue);
 
