@@ -221,7 +221,7 @@ uint32_t dpti_deform_spread(const struct surface *surface, const struct load_poi
     struct spread spread = { .surface = surface, .loads = loads };
     struct load_patch patch;
     for (uint32_t p = 0; p < point_count; p++) {
-        dpti_deform_patch(surface, &points[p], radius, &patch);
+        dpti_deform_patch(surface, &points[p], points[p].is_narrow ? 0.0 : radius, &patch);
         for (uint32_t i = 0; i < patch.count; i++, spread.count++)
             if (spread.count < capacity)
                 put_load(&loads[spread.count], patch.vertex[i], patch.share[i], points[p].force);

@@ -11,8 +11,8 @@
 
 /* Where a tool pushes a surface: a point of a triangle, and the force on the surface, N. */
 struct load_point {
-    uint32_t triangle; /* place */
-    uint32_t reserved;
+    uint32_t triangle;  /* place */
+    uint32_t is_narrow; /* 1: it loads the corners of its triangle, whatever the radius */
     vec3 at;
     vec3 middle; /* where the force acts: its torque is that of this place */
     vec3 force;

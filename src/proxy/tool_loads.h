@@ -26,10 +26,11 @@ void dpti_loads_forget(struct dpt_world *world, struct tool *tool);
 /* A part of a tool pushes a body at a point of a triangle; all in the world. */
 struct tool_push {
     uint32_t part, body_id, triangle;
-    vec3 at;      /* on the triangle */
-    vec3 normal;  /* unit, towards the tool */
-    double depth; /* m: so far beneath it lies the mean of what it loads, where the force acts */
-    vec3 force;   /* N, on the body; not 0 */
+    vec3 at;            /* on the triangle */
+    vec3 normal;        /* unit, towards the tool */
+    double depth;       /* m: so far beneath it lies the mean of what it loads, where the force acts */
+    vec3 force;         /* N, on the body; not 0 */
+    uint32_t is_narrow; /* 1: it is not spread */
 };
 
 /* Note it. */

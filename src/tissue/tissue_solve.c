@@ -16,7 +16,7 @@
 #define RECOVERED 0.2
 
 /* The number of a node in the solve, which is made if there is none; DPT_NONE without room. */
-static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t node)
+static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t node, uint32_t room)
 {
     uint32_t slot = ((node + 977u * body) * 2654435769u) >> 20;
     for (; solve->table[slot]; slot = (slot + 1) % TISSUE_TABLE) {
@@ -24,7 +24,7 @@ static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t no
         if (known->node == node && known->body == body)
             return solve->table[slot] - 1;
     }
-    if (solve->node_count == TISSUE_NODES_MAX)
+    if (solve->node_count >= room)
         return DPT_NONE;
     const struct loaded_step *step = &solve->bodies[body].step;
     solve->nodes[solve->node_count] = (struct tissue_node){ .body = body,
@@ -40,6 +40,7 @@ struct linking {
     struct tissue_solve *solve;
     struct tissue_link *link;
     uint32_t touch;
+    uint32_t nodes, weights; /* for how many there is room */
     int has_room;
 };
 
@@ -47,17 +48,17 @@ static void add_node(struct linking *linking, uint32_t node, double weight)
 {
     struct tissue_solve *solve = linking->solve;
     struct tissue_link *link = linking->link;
-    const uint32_t number = number_of(solve, link->body, node);
-    if (number == DPT_NONE || solve->weight_count + link->count == TISSUE_WEIGHTS_MAX) {
+    const uint32_t number = number_of(solve, link->body, node, linking->nodes);
+    if (number == DPT_NONE || solve->weight_count + link->count >= linking->weights) {
         linking->has_room = 0;
         return;
     }
     struct tissue_node *of = &solve->nodes[number];
-    if (of->seen == linking->touch + 1) {
+    if (of->seen == solve->linked) {
         link->weight[of->place] += weight;
         return;
     }
-    of->seen = linking->touch + 1;
+    of->seen = solve->linked;
     of->place = link->count;
     link->node[link->count] = (uint16_t)number;
     link->weight[link->count++] = weight;
@@ -111,13 +112,47 @@ static void set_yield(const struct tissue_solve *solve, struct tissue_link *link
     link->spread = 2.0 * part_radius(tool_part(solve->world, &solve->world->tools[touch->tool_slot], touch->part));
 }
 
+/* The corners of the triangle alone. */
+static void add_corners(struct linking *linking, const struct surface *surface, const struct touch *touch)
+{
+    for (uint32_t k = 0; k < 3; k++)
+        if (touch->weight[k] != 0.0)
+            add_corner(linking, surface_corner(surface, touch->triangle, k), touch->weight[k]);
+}
+
+/* Room that spread loads leave for those that are not: 3 corners of 4 nodes a touch, most of which others load, too. */
+enum { NODES_LEFT = 384, WEIGHTS_LEFT = 12 * TOUCHES_MAX };
+
+/* Its load is spread; with `may_be_narrow` it is not where there is no room. */
+static void add_spread(struct linking *linking, const struct surface *surface, const struct touch *touch,
+                       int may_be_narrow)
+{
+    struct tissue_link *link = linking->link;
+    if (may_be_narrow) {
+        linking->nodes -= NODES_LEFT;
+        linking->weights -= WEIGHTS_LEFT;
+    }
+    add_patch(linking);
+    if (linking->has_room || !may_be_narrow)
+        return;
+    linking->solve->linked++;
+    linking->nodes += NODES_LEFT;
+    linking->weights += WEIGHTS_LEFT;
+    linking->has_room = 1;
+    link->is_narrow = 1;
+    link->count = 0;
+    link->depth = link->unfelt = 0.0;
+    add_corners(linking, surface, touch);
+}
+
 /* Returns 0 if there is no room for the nodes that the touch loads. */
-static int link_touch(struct tissue_solve *solve, uint32_t i)
+static int link_touch(struct tissue_solve *solve, uint32_t i, int may_be_narrow)
 {
     const struct touch *touch = &solve->touches.touch[i];
     struct tissue_link *link = &solve->links[i];
     struct tissue_row *row = &solve->rows[i];
-    struct linking linking = { solve, link, i, 1 };
+    struct linking linking = { solve, link, i, TISSUE_NODES_MAX, TISSUE_WEIGHTS_MAX, 1 };
+    solve->linked++;
     *link = (struct tissue_link){ .body = body_of(solve, touch->body_id),
                                   .tool = tool_of(solve, touch->tool_slot),
                                   .node = solve->weighted + solve->weight_count,
@@ -131,21 +166,20 @@ static int link_touch(struct tissue_solve *solve, uint32_t i)
     const struct body *body = solve->bodies[link->body].body;
     row->within = frame_turn_back(&body->frame, touch->normal);
     if (deform_of(body)->def.load_radius > 0.0)
-        add_patch(&linking);
-    for (uint32_t k = 0; k < 3 && !(deform_of(body)->def.load_radius > 0.0); k++)
-        if (touch->weight[k] != 0.0)
-            add_corner(&linking, surface_corner(&body->surface, touch->triangle, k), touch->weight[k]);
+        add_spread(&linking, &body->surface, touch, may_be_narrow);
+    else
+        add_corners(&linking, &body->surface, touch);
     solve->weight_count += linking.has_room ? link->count : 0;
     return linking.has_room;
 }
 
 static void forget_links(struct tissue_solve *solve)
 {
-    solve->node_count = solve->weight_count = 0;
+    solve->node_count = solve->weight_count = solve->linked = 0;
     memset(solve->table, 0, sizeof solve->table);
 }
 
-/* With the least gap first; those for which there is no room are left out. */
+/* With the least gap first; those for which there is no room load corners alone, or are left out. */
 static void link_nearest(struct tissue_solve *solve)
 {
     struct touches *touches = &solve->touches;
@@ -161,7 +195,7 @@ static void link_nearest(struct tissue_solve *solve)
     touches->count = 0;
     for (uint32_t i = 0; i < count; i++) {
         touches->touch[touches->count] = touches->touch[i];
-        touches->count += (uint32_t)link_touch(solve, touches->count);
+        touches->count += (uint32_t)link_touch(solve, touches->count, 1);
     }
 }
 
@@ -173,7 +207,7 @@ void dpti_tissue_link(struct tissue_solve *solve)
     solve->problem.matrix += !solve->problem.matrix;
     forget_links(solve);
     for (uint32_t i = 0; i < solve->touches.count && has_room; i++)
-        has_room = link_touch(solve, i);
+        has_room = link_touch(solve, i, 0);
     if (!has_room)
         link_nearest(solve);
 }

@@ -54,22 +54,23 @@ struct tissue_node {
     vec3 known;      /* m: what the pushes that are known add to both */
     vec3 load;       /* N, of a substep's answer */
     int is_foreseen; /* `moved` is of this substep */
-    uint32_t seen;   /* by the touch linked last of those that load it: one more than its number; 0: by none */
+    uint32_t seen;   /* by the link that was made last of those that load it: its number */
     uint32_t place;  /* in that touch's link */
 };
 
 /* How a touch loads the tissue. */
 struct tissue_link {
-    uint32_t body;  /* of the solve, or DPT_NONE: what is touched is stepped by nobody here */
-    uint32_t tool;  /* of the solve */
-    uint32_t count; /* of nodes */
-    uint16_t *node; /* of the solve */
-    double *weight; /* how much of the touch's force each takes, and of each one's motion the touch feels */
-    double yields;  /* m/N: the body's own compliance, in series; 0: it is hard */
-    double yielded; /* m: by how much, in the last substep */
-    double spread;  /* m: touches that are nearer to each other share it */
-    double unfelt;  /* m: how far the point of the touch has risen unfelt, as it rose more than what is loaded */
-    double depth;   /* m: so far beneath the touch, along its normal, lies the mean of these, where the force acts */
+    uint32_t body;      /* of the solve, or DPT_NONE: what is touched is stepped by nobody here */
+    uint32_t tool;      /* of the solve */
+    uint32_t count;     /* of nodes */
+    uint32_t is_narrow; /* 1: its load is not spread, for want of room */
+    uint16_t *node;     /* of the solve */
+    double *weight;     /* how much of the touch's force each takes, and of each one's motion the touch feels */
+    double yields;      /* m/N: the body's own compliance, in series; 0: it is hard */
+    double yielded;     /* m: by how much, in the last substep */
+    double spread;      /* m: touches that are nearer to each other share it */
+    double unfelt;      /* m: how far the point of the touch has risen unfelt, as it rose more than what is loaded */
+    double depth; /* m: so far beneath the touch, along its normal, lies the mean of these, where the force acts */
 };
 
 /* What a touch that spreads its load passes on to the next step. */
@@ -129,6 +130,7 @@ struct tissue_solve {
     struct touches room; /* at the end of the step */
     struct tissue_link links[TOUCHES_MAX];
     struct tissue_node nodes[TISSUE_NODES_MAX];
+    uint32_t linked;       /* links that were made, from 1 on */
     uint32_t weight_count; /* of all links */
     uint16_t weighted[TISSUE_WEIGHTS_MAX];
     double weight[TISSUE_WEIGHTS_MAX];

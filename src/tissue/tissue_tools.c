@@ -250,8 +250,14 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
             continue;
         dpti_proxy_remember(proxy, touch->part, touch->body_id, touch->triangle);
         force = add(force, push);
-        const struct tool_push noted = { touch->part,   touch->body_id,        touch->triangle,   touch->at,
-                                         touch->normal, solve->links[i].depth, scaled(push, -1.0) };
+        const struct tool_push noted = { .part = touch->part,
+                                         .body_id = touch->body_id,
+                                         .triangle = touch->triangle,
+                                         .at = touch->at,
+                                         .normal = touch->normal,
+                                         .depth = solve->links[i].depth,
+                                         .force = scaled(push, -1.0),
+                                         .is_narrow = solve->links[i].is_narrow };
         torque = add(torque, cross(sub(tissue_middle(solve, i), vec3_of(tool->pose.position)), push));
         dpti_loads_note_push(world, tool, &noted);
     }

@@ -258,6 +258,47 @@ static void lead_rough(struct tissue_rig *tissue, int t)
     tissue_rig_tick(tissue);
 }
 
+/*
+ * Patches of more vertices than there is room for in all: a flag says so, what is nearest is spread, and all the rest holds the
+ * tool by its corners.
+ */
+static void too_many_weights_are_told(void)
+{
+    static dpt_load loads[16384];
+    struct tissue_def def = tissue_sheet();
+    def.triangles = 8192;
+    def.integrator = DPT_INTEGRATOR_IMPLICIT;
+    for (int is_spread = 0; is_spread < 2; is_spread++) {
+        struct tissue_rig tissue;
+        uint32_t crowded = 0;
+        tissue_rig_open(&tissue);
+        def.load_radius = 0.03 * is_spread;
+        if (!tissue_rig_add_soft(&tissue, &def))
+            return;
+        struct tissue_tool *tool = tissue_rig_add_tool(&tissue, &lying, 500.0);
+        tool->device.position[2] = tissue.body[0].top + 0.005;
+        tissue_rig_place(&tissue);
+        for (int t = 0; t < 400; t++) {
+            dpt_wrench told = { { 0.0 }, { 0.0 } };
+            uint32_t count = 0;
+            tool->device.position[2] -= t < 250 ? 4e-5 : 0.0;
+            tissue_rig_tick(&tissue);
+            crowded += (tool->force.flags & DPT_FORCE_FLAG_CROWDED) != 0;
+            dpt_body_get_loads(tissue.rig.world, tissue.body[0].id, loads, 16384, &count);
+            for (uint32_t i = 0; i < count; i++)
+                for (int k = 0; k < 3; k++)
+                    told.force[k] += loads[i].force[k];
+            for (int k = 0; k < 3; k++)
+                told.force[k] += tool->force.wrench.force[k];
+            CHECK(length3(told.force) <= 1e-12, "tick %d: loads are %g N off", t, length3(told.force));
+        }
+        const double force = length3(tool->force.wrench.force);
+        CHECK(is_spread ? crowded > 50 : !crowded, "case %d: crowded in %u ticks", is_spread, crowded);
+        CHECK(force > 0.01 && force < 0.1, "case %d: %g N", is_spread, force);
+        tissue_rig_close(&tissue);
+    }
+}
+
 /* With a budget that is ample the bits are the same; with a small one the force is still right, and a flag says that it was. */
 static void a_budget_bounds_the_solve(void)
 {
@@ -392,6 +433,7 @@ int main(int argc, char **argv)
     TEST(it_says_where_the_proxy_is_apart);
     TEST(it_says_where_there_are_too_many_touches);
     TEST(it_says_where_a_step_ended);
+    TEST(too_many_weights_are_told);
     TEST(a_budget_bounds_the_solve);
     TEST(a_step_that_fails_moves_nothing);
     TEST(a_vertex_stays_in_its_box);

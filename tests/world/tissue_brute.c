@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/tissue_brute.h"
 
+#include "world/tissue_nearest.h"
+#include "world/tissue_patch.h"
+
 /* The share of a missing gap that is made good in a substep. */
 #define RECOVERED 0.2
 
@@ -31,52 +34,6 @@ void brute_close(struct brute *brute)
 
 /* ---- pairs ---- */
 
-static void nearest_on_triangle(const double p[3], double v[3][3], double q[3])
-{
-    double e[3], f[3], w[3], best = HUGE_VAL;
-    for (int k = 0; k < 3; k++) {
-        e[k] = v[1][k] - v[0][k];
-        f[k] = v[2][k] - v[0][k];
-        w[k] = p[k] - v[0][k];
-    }
-    const double ee = dot3(e, e), ef = dot3(e, f), ff = dot3(f, f), we = dot3(w, e), wf = dot3(w, f);
-    const double area = ee * ff - ef * ef, s = (ff * we - ef * wf) / area, t = (ee * wf - ef * we) / area;
-    if (s >= 0.0 && t >= 0.0 && s + t <= 1.0) {
-        for (int k = 0; k < 3; k++)
-            q[k] = v[0][k] + s * e[k] + t * f[k];
-        return;
-    }
-    for (int i = 0; i < 3; i++) {
-        const double *a = v[i], *b = v[(i + 1) % 3];
-        const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] },
-                     to[3] = { p[0] - a[0], p[1] - a[1], p[2] - a[2] };
-        const double along = fmin(fmax(dot3(to, d) / dot3(d, d), 0.0), 1.0);
-        const double at[3] = { a[0] + along * d[0], a[1] + along * d[1], a[2] + along * d[2] };
-        if (apart(at, p) < best) {
-            best = apart(at, p);
-            memcpy(q, at, sizeof at);
-        }
-    }
-}
-
-/* The nearest points of two segments, by leading one and the other there in turn. Returns whether both are inside theirs. */
-static int nearest_of_segments(const double *a, const double *b, const double *c, const double *d, double p[3],
-                               double q[3])
-{
-    const double u[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] }, v[3] = { d[0] - c[0], d[1] - c[1], d[2] - c[2] };
-    const double w[3] = { a[0] - c[0], a[1] - c[1], a[2] - c[2] };
-    const double uu = dot3(u, u), uv = dot3(u, v), vv = dot3(v, v), uw = dot3(u, w), vw = dot3(v, w);
-    const double across = uu * vv - uv * uv;
-    double s = across > 1e-14 * uu * vv ? (uv * vw - vv * uw) / across : 0.5;
-    double t = fmin(fmax((vw + s * uv) / vv, 0.0), 1.0);
-    s = (t * uv - uw) / uu;
-    for (int k = 0; k < 3; k++) {
-        p[k] = a[k] + s * u[k];
-        q[k] = c[k] + t * v[k];
-    }
-    return s > 0.0 && s < 1.0;
-}
-
 static void add_node(struct brute_pair *pair, uint32_t node, double weight)
 {
     uint32_t i = 0;
@@ -104,17 +61,6 @@ static void add_vertex(const struct brute *brute, struct brute_pair *pair, uint3
         add_node(pair, nodes[m], weight * (double)weights[m]);
 }
 
-/* The vector area of a triangle, twice. */
-static void area_of(const double *a, const double *b, const double *c, double area[3])
-{
-    double e[3], f[3];
-    for (int k = 0; k < 3; k++) {
-        e[k] = b[k] - a[k];
-        f[k] = c[k] - a[k];
-    }
-    cross3(e, f, area);
-}
-
 /* Corners' weights at q, which is in the plane of the triangle, by areas. */
 static void take_corners(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, double v[3][3])
 {
@@ -126,94 +72,16 @@ static void take_corners(struct brute *brute, struct brute_pair *pair, const uin
     }
 }
 
-/* A vertex of a patch: from the pair's point, and across its normal. */
-struct patch_vertex {
-    double at[3], across[2], weight;
-    int is_in;
-};
-
-/* The vertices that are nearer than the radius and can be reached over such, each with its share of the load. */
-static uint32_t find_patch(const struct brute *brute, const struct brute_pair *pair, const uint32_t *corners,
-                           struct patch_vertex *patch, uint32_t vertices)
-{
-    const struct tissue_body *body = &brute->tissue->body[pair->body];
-    const double r2 = body->load_radius * body->load_radius;
-    uint32_t triangles, count = 0, last;
-    const uint32_t *all = tissue_corners(body, &triangles);
-    for (int k = 0; k < 3; k++)
-        count += (uint32_t)(patch[corners[k]].is_in = dot3(patch[corners[k]].at, patch[corners[k]].at) < r2);
-    do {
-        last = count;
-        for (uint32_t i = 0; i < 3 * triangles; i++)
-            for (uint32_t k = 0; k < 3 && patch[all[i]].is_in; k++) {
-                struct patch_vertex *other = &patch[all[i - i % 3 + k]];
-                if (!other->is_in && dot3(other->at, other->at) < r2) {
-                    other->is_in = 1;
-                    count++;
-                }
-            }
-    } while (count > last);
-    for (uint32_t i = 0; i < triangles; i++) {
-        double area[3];
-        area_of(patch[all[3 * i]].at, patch[all[3 * i + 1]].at, patch[all[3 * i + 2]].at, area);
-        for (int k = 0; k < 3; k++)
-            patch[all[3 * i + (uint32_t)k]].weight += length3(area);
-    }
-    for (uint32_t i = 0; i < vertices; i++) {
-        const double share = 1.0 - dot3(patch[i].at, patch[i].at) / r2;
-        patch[i].weight *= patch[i].is_in ? share * share : 0.0;
-    }
-    return count;
-}
-
-/*
- * Weights times 1 + c x, where x is across the normal: the three numbers of which their sum is 1, and the sums of weight times
- * x are 0, by Cramer's rule. Returns 0 where there are none.
- */
-static int keep_moment(struct patch_vertex *patch, uint32_t vertices)
-{
-    double m[6] = { 0.0 };
-    for (uint32_t i = 0; i < vertices; i++) {
-        const double w = patch[i].weight, x = patch[i].across[0], y = patch[i].across[1];
-        const double of[6] = { w, w * x, w * y, w * x * x, w * x * y, w * y * y };
-        for (int k = 0; k < 6; k++)
-            m[k] += of[k];
-    }
-    const double c[3] = { m[3] * m[5] - m[4] * m[4], m[2] * m[4] - m[1] * m[5], m[1] * m[4] - m[2] * m[3] };
-    const double determinant = m[0] * c[0] + m[1] * c[1] + m[2] * c[2];
-    if (!(m[0] > 0.0) || !(fabs(determinant) > 1e-12 * m[0] * (m[3] + m[5]) * (m[3] + m[5])))
-        return 0;
-    for (uint32_t i = 0; i < vertices; i++)
-        patch[i].weight *= (c[0] + c[1] * patch[i].across[0] + c[2] * patch[i].across[1]) / determinant;
-    return 1;
-}
-
 static void find_nodes(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, double v[3][3])
 {
-    static struct patch_vertex patch[BRUTE_ROOM / 3];
     const struct tissue_body *body = &brute->tissue->body[pair->body];
     uint32_t vertices = 0;
     if (!body->springs)
         return;
-    if (!(body->load_radius > 0.0)) {
-        take_corners(brute, pair, corners, v);
-        return;
-    }
-    const float *position = tissue_vertices(brute->tissue, body, &vertices);
-    const double least = fmin(fabs(pair->n[0]), fmin(fabs(pair->n[1]), fabs(pair->n[2])));
-    double axis[3], x[3], y[3];
-    for (int k = 0; k < 3; k++)
-        axis[k] = fabs(pair->n[k]) <= least;
-    cross3(pair->n, axis, x);
-    cross3(pair->n, x, y);
-    memset(patch, 0, vertices * sizeof *patch);
-    for (uint32_t i = 0; i < vertices; i++) {
-        for (int k = 0; k < 3; k++)
-            patch[i].at[k] = (double)position[3 * i + (uint32_t)k] + body->place[k] - pair->q[k];
-        patch[i].across[0] = dot3(patch[i].at, x);
-        patch[i].across[1] = dot3(patch[i].at, y);
-    }
-    if (find_patch(brute, pair, corners, patch, vertices) < 3 || !keep_moment(patch, vertices)) {
+    tissue_vertices(brute->tissue, body, &vertices);
+    const struct patch_vertex *patch =
+        body->load_radius > 0.0 ? patch_at(brute->tissue, body, pair->q, pair->n, corners) : NULL;
+    if (!patch) {
         take_corners(brute, pair, corners, v);
         return;
     }
