@@ -103,6 +103,13 @@ DPT_API dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, 
  */
 DPT_API dpt_result dpt_tool_get_proxy(const dpt_world *world, dpt_tool tool, dpt_pose *pose);
 
+/*
+ * The pose in which the last step of springs left the tool (dpt_body_step_springs), beside the tissue as it is after that.
+ * There friction holds it, and there its proxy goes in the next step of the world. It is the pose of dpt_tool_get_proxy
+ * after a step of the world, until springs are stepped, and for tools that touch none. The identity on an error.
+ */
+DPT_API dpt_result dpt_tool_get_end(const dpt_world *world, dpt_tool tool, dpt_pose *pose);
+
 /* As dpt_body_is_valid. */
 DPT_API int dpt_tool_is_valid(const dpt_world *world, dpt_tool tool);
 
@@ -187,8 +194,8 @@ enum {
      */
     DPT_FORCE_FLAG_APART = 128,
     /*
-     * In the tissue's step the tool touched in more places than are counted at one time: the nearest were. Or there was no
-     * push that kept it out of all of them.
+     * In the tissue's step the tool touched in more places than are counted at one time, or than the budget was enough for:
+     * the nearest were. Or there was no push that kept it out of all of them.
      */
     DPT_FORCE_FLAG_CROWDED = 256
 };

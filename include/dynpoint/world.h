@@ -72,6 +72,7 @@ enum { DPT_STRIP_KIND_NONE = 0, DPT_STRIP_KIND_SHADOW = 1, DPT_STRIP_KIND_ROUTES
  * its exact answer after some steps. Units that the searches leave are spent on contact: first on the gap and the
  * force, then on the contacts, which are DPT_CONTACT_FLAG_COARSE if the budget ends them. With a small budget the
  * contact of a tool at rest may stay unknown. docs/algorithms/budget.md says what a step costs beside its budget.
+ * Contact that is solved together with tissue (dpt_bodies_step_springs) has as many units again.
  */
 typedef struct dpt_world_def {
     uint32_t size;         /* sizeof(dpt_world_def), set by dpt_world_def_init */

@@ -4,7 +4,7 @@
 #include "base/quaternion.h"
 #include "track/tool_parts.h"
 
-enum { BYTES_PROXY = 1584 };
+enum { BYTES_PROXY = 1600 };
 typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
 
 uint64_t dpti_proxy_bytes(const dpt_world_def *def)

@@ -509,6 +509,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     proxy->flags = 0;
     proxy->last_felt = proxy->felt;
     proxy->last_pushed = proxy->is_ended ? proxy->pushed : proxy->felt;
+    proxy->last_stored = proxy->is_ended ? proxy->stored : proxy->yielded_energy;
     proxy->last_device_pose = proxy->device_pose;
     find_goal(&tick);
     if (proxy->state < PROXY_DOUBTED) {

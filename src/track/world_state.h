@@ -214,6 +214,8 @@ struct proxy {
     struct displacement end_motion;
     struct displacement pushed; /* what pushed it there, over the stiffness: with a damper not what is felt */
     struct displacement last_pushed;
+    double stored; /* J, then by surfaces that yield */
+    double last_stored;
     uint32_t sticking; /* contacts with friction */
     uint32_t slipping;
     uint32_t is_ended;   /* there was such a step since the world's last one */

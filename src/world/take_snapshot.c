@@ -278,6 +278,7 @@ static void put_tool(struct taking *taking, const struct tool *tool)
                                .energy = tool->energy,
                                .body_work = tool->body_work };
     item.proxy = has_proxy && proxy->state != PROXY_NONE ? proxy->pose : tool->pose;
+    dpt_tool_get_end(world, item.id, &item.end);
     if (has_proxy) {
         item.lag = proxy->lag;
         item.folds = proxy->folds;

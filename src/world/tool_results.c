@@ -179,3 +179,13 @@ dpt_result dpt_tool_get_proxy(const dpt_world *world, dpt_tool tool, dpt_pose *p
     *pose = proxy && proxy->state != PROXY_NONE ? proxy->pose : owner->pose;
     return DPT_OK;
 }
+
+dpt_result dpt_tool_get_end(const dpt_world *world, dpt_tool tool, dpt_pose *pose)
+{
+    DPT_TRY(dpt_tool_get_proxy(world, tool, pose));
+    const struct tool *owner = world_find_tool(world, tool);
+    const struct proxy *proxy = dpti_proxy_is_used(world, owner) ? &world->proxies[owner - world->tools] : NULL;
+    if (proxy && proxy->state != PROXY_NONE && proxy->is_ended)
+        *pose = proxy->end;
+    return DPT_OK;
+}

@@ -315,7 +315,7 @@ const struct lab_case hum_case = {
         "radius. Real organs are made soft as the liver is, and lie flat.",
     .advice =
         "Rigid bodies do not hum, and what gives way does not where it is solved together with the tool "
-        "(docs/algorithms/tissue.md). Elsewhere, as with a load_radius, few points hold a tool that lies, give "
+        "(docs/algorithms/tissue.md). Elsewhere, as with physics at its own rate, few points hold a tool that lies, give "
         "way in each tick, and others hold it in the next: a coupling of 200 N/m hums least there. More damping of the coupling makes it worse, and a low-pass slow enough to hide it makes the "
         "tissue late. A light sheet hums under a tool that is thicker than its edges are long, with EULER and "
         "IMPLICIT most: choose SYMPLECTIC, some drag, and a thinner tool.",

@@ -165,11 +165,8 @@ const struct lab_case springs_case = {
               "of 200 N/m holds them, and they are tapped. For 60 s nothing may buzz (1 mm/s, and 0.05 N "
               "rms, in the last quarter) or drift (0.1 mm), and an observer of passivity that does not act "
               "sees what the hand gets: never more than one sample can be off by.",
-    .advice = "Soft bodies need no softer coupling than rigid ones. Loads that are spread, as here, are "
-              "those of the tick before: the force of a tool that lies hums by 2 %, as few points hold it "
-              "in a tick, and not the same ones in the next. That keeps half of the body awake. A "
-              "load_radius of 40 mm makes it five times less. By default there is none: tool and tissue are "
-              "solved together, and a device held still does not hum (dynpoint stability hum).",
+    .advice = "Soft bodies need no softer coupling than rigid ones: tool and tissue are solved together, and a patch "
+              "of 20 mm is loaded and felt by the same weights. Nothing hums, and the body falls asleep.",
     .run = run_springs
 };
 
