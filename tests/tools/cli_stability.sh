@@ -109,6 +109,26 @@ baselines()
         sort -u | wc -l)" -eq 5
 }
 
+# A proxy that crawls uses the whole of its bound, and rounding does not break it. With fewer places none does so.
+bounds()
+{
+    succeeds 'budget, of more places' stability budget --effort 0.15 --json
+    told='"method":"proxy","what":"below 200 units: largest |dW|, of K (3 |motion| + 1 mm)","value"'
+    check "the bound is met: $(grep -oF "$told" stdout)" grep -qF "$told:1," stdout
+}
+
+# As many cases as README and docs/stability.md say, and those that run where none is named.
+counted()
+{
+    cases=$(wc -l <list) named=$(grep -c '(only where named)$' list)
+    for page in README.md docs/stability.md; do
+        check "$page: $cases cases" grep -qE "[^0-9]$cases cases" "$tests/../$page"
+        check "$page: no other count" test -z "$(grep -oE '[0-9]+ cases' "$tests/../$page" | grep -vx "$cases cases")"
+    done
+    run stability --help
+    check "--help: $cases cases, all but $named" grep -q "default: all $cases but $named, " stdout
+}
+
 # The same figures again, as a table too.
 again()
 {
@@ -126,5 +146,7 @@ listed
 refusals
 shown
 [ "$is_part" ] || baselines
+[ "$is_part" ] || bounds
+counted
 again
 finish
