@@ -111,7 +111,7 @@ static void a_trial_stops_at_the_first_touch(void)
     uint64_t random = 11;
     int hits = 0, frees = 0, starts = 0, farthest = 0;
     const double tolerance = 1e-6 * largest_diagonal();
-    for (int round = 0; round < (int)part_of(400); round++) {
+    for (int round = 0; round < 400; round++) {
         struct scene of;
         scene_open(&of, &random);
         const dpt_pose from = pose_random(&random, 0.15);
@@ -216,7 +216,7 @@ static void a_step_meets_the_same(void)
 {
     uint64_t random = 21;
     int met = 0;
-    for (int round = 0; round < (int)part_of(400); round++) {
+    for (int round = 0; round < 400; round++) {
         struct scene of;
         scene_open(&of, &random);
         const dpt_pose from = pose_random(&random, 0.15);
@@ -255,7 +255,7 @@ static void free_segments_too(void)
 {
     uint64_t random = 31;
     int hits = 0;
-    for (int round = 0; round < (int)part_of(200); round++) {
+    for (int round = 0; round < 200; round++) {
         struct scene of;
         dpt_segment from[SEGMENTS], to[SEGMENTS], reached[SEGMENTS];
         dpt_sweep first = { .size = sizeof first };
