@@ -70,13 +70,29 @@ int dpti_track_begin(struct dpt_world *world, uint32_t segment_index)
     return 0;
 }
 
-/* Search for the pair of an axis. */
+static int is_same(vec3 a, vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+/* Whether the answer is that of this axis, and nothing has changed since. With a budget a search finds out what rests. */
+static int is_answered(const struct dpt_world *world, const struct body_answer *answer, vec3 a, vec3 b)
+{
+    const int is_new =
+        answer->tick == world->ticks || (world_was_last_tick(world, answer->tick) && !world->has_changed);
+    return answer->body && answer->is_exact && is_new && !world->def.budget && is_same(answer->track.axis.a, a) &&
+           is_same(answer->track.axis.b, b);
+}
+
+/* Search for the pair of an axis, unless it is known. */
 static void track_axis(struct dpt_world *world, uint32_t segment_index, vec3 a, vec3 b)
 {
     struct segment *segment = &world->segments[segment_index];
-    segment->answer.body = NULL;
     segment->result = (struct segment_result){ .status = DPT_STATUS_STALE };
-    dpti_body_search_find(world, segment_index, &a, &b, &segment->answer);
+    if (is_answered(world, &segment->answer, a, b))
+        segment->answer.work = 0;
+    else
+        dpti_body_search_find(world, segment_index, &a, &b, &segment->answer);
     if (!segment->answer.body)
         return;
     segment->last_body_slot = handle_index(segment->answer.body->id);
@@ -89,7 +105,7 @@ void dpti_track_segment(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
     const struct tool *tool = &world->tools[segment->tool_slot];
-    if (dpti_track_begin(world, segment_index))
+    if (tool_is_active(world, tool) || dpti_track_begin(world, segment_index))
         track_axis(world, segment_index, frame_to_world(&tool->felt_frame, segment->a),
                    frame_to_world(&tool->felt_frame, segment->b));
 }

@@ -236,7 +236,7 @@ struct body_answer {
     uint32_t is_exact;
     uint32_t work;   /* units */
     uint32_t is_far; /* it was not searched for (tool_parts.h) */
-    uint32_t reserved;
+    uint32_t tick;   /* in which it was found */
 };
 
 /* What is known of a segment's distance from all bodies, with near_only. */

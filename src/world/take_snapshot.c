@@ -3,6 +3,7 @@
 #include "base/sized.h"
 #include "exchange/snapshot_format.h"
 #include "proxy/proxy.h"
+#include "proxy/proxy_pose.h"
 #include "track/tool_parts.h"
 #include "world/deform_body.h"
 
@@ -269,7 +270,7 @@ static void put_tool(struct taking *taking, const struct tool *tool)
                                .wrench = tool->wrench,
                                .energy = tool->energy,
                                .body_work = tool->body_work };
-    item.proxy = has_proxy && proxy->state != PROXY_NONE ? proxy->pose : tool->pose;
+    item.proxy = has_proxy && proxy->state != PROXY_NONE ? dpti_proxy_told_pose(proxy) : tool->pose;
     if (has_proxy) {
         item.lag = proxy->lag;
         item.folds = proxy->folds;

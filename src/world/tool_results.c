@@ -4,6 +4,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "proxy/proxy.h"
+#include "proxy/proxy_pose.h"
 #include "track/tool_parts.h"
 
 void dpti_tool_write_hit(struct segment *segment)
@@ -176,6 +177,6 @@ dpt_result dpt_tool_get_proxy(const dpt_world *world, dpt_tool tool, dpt_pose *p
     if (!owner)
         return DPT_E_HANDLE;
     const struct proxy *proxy = dpti_proxy_is_used(world, owner) ? &world->proxies[owner - world->tools] : NULL;
-    *pose = proxy && proxy->state != PROXY_NONE ? proxy->pose : owner->pose;
+    *pose = proxy && proxy->state != PROXY_NONE ? dpti_proxy_told_pose(proxy) : owner->pose;
     return DPT_OK;
 }
