@@ -120,6 +120,9 @@ DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool too
  * stated order of bodies. Within a body they run from the segment's end a.
  *   contacts   at most `capacity` are written. contacts[0].size must be set. May be NULL if capacity is 0
  *   count      how many there are, which may be more than `capacity`
+ *
+ * DPT_E_FULL: the world has no room for contacts, as by default: dpt_world_def.max_contacts is 0. Then none are searched
+ * for, and `count` is 0.
  */
 DPT_API dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_contact *contacts,
                                          uint32_t capacity, uint32_t *count);

@@ -92,11 +92,11 @@ typedef struct dpt_world_def {
     double side_limit; /* of new bodies, see dpt_body_settings; 0 */
     double fade;       /* s, 0..1, see dpt_tool_get_force_info; 0.002 */
     /*
-     * Of all tools together, 0..65535. 0: none are listed, and a tick takes about half the time. The force of
-     * DPT_LAW_PROXY is the same. Those of POINT and BED are, too, on closed meshes, within rounding. On open sheets they
-     * lose the side from which a tool came: while the axis goes through a sheet there is no force
-     * (DPT_FORCE_UNDECIDED), and beyond it none pushes the tool back. DPT_LAW_BED has its loads (dpt_tool_get_loads) at
-     * the nearest pair. Ask for what you read or show, 32 say; 0
+     * Of all tools together, 0..65535. 0: none are listed (dpt_tool_get_contacts returns DPT_E_FULL), and a tick takes
+     * about half the time. The force of DPT_LAW_PROXY is the same. Those of POINT and BED are, too, on closed meshes,
+     * within rounding. On open sheets they lose the side from which a tool came: while the axis goes through a sheet
+     * there is no force (DPT_FORCE_UNDECIDED), and beyond it none pushes the tool back. DPT_LAW_BED has its loads
+     * (dpt_tool_get_loads) at the nearest pair. Ask for what you read or show, 32 say; 0
      */
     uint32_t max_contacts;
     /*

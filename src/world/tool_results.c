@@ -93,6 +93,8 @@ dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_cont
     const struct tool *owner = world_find_tool(world, tool);
     if (!owner)
         return DPT_E_HANDLE;
+    if (!world->def.max_contacts)
+        return DPT_E_FULL;
     const struct persistent_contacts *current = &world->contacts[world->contacts_index];
     for (uint32_t s = owner->first_segment; s < owner->first_segment + owner->segment_count; s++)
         for (uint32_t i = 0; i < current->count; i++) {
