@@ -6,6 +6,7 @@
 #include "proxy/proxy_pose.h"
 #include "track/tool_parts.h"
 #include "world/deform_body.h"
+#include "world/tool_results.h"
 
 enum { SNAPSHOT_CONTACTS_MAX = 1 << 20, SNAPSHOT_STRIP_MAX = 1 << 20, SNAPSHOT_VERTICES_MAX = 1 << 28 };
 
@@ -353,8 +354,10 @@ dpt_result dpt_world_take_snapshot(const dpt_world *world, const dpt_snapshot_de
         if (world->bodies[i].slot.used)
             put_body(&taking, &world->bodies[i]);
     for (uint32_t i = 0; i < world->tool_slot_end; i++)
-        if (world->tools[i].slot.used)
+        if (world->tools[i].slot.used) {
+            dpti_tool_read_hits(world, &world->tools[i]);
             put_tool(&taking, &world->tools[i]);
+        }
     *bytes = (size_t)taking.bytes;
     return DPT_OK;
 }

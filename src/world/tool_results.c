@@ -15,13 +15,55 @@ void dpti_tool_write_hit(struct segment *segment)
                                   &segment->answer.track.nearest, &segment->hit);
 }
 
+static double surface_distance(struct part part)
+{
+    return part_hit(part)->distance - part_radius(part);
+}
+
+/* The part whose hit is the tool's. */
+static void choose_nearest(const struct dpt_world *world, struct tool *tool)
+{
+    for (uint32_t i = 0; i < tool_part_count(tool); i++) {
+        const struct part part = tool_part(world, tool, i), nearest = tool_part(world, tool, tool->nearest_segment);
+        const int is_stale_tip = part.tip && part_hit(part)->status == DPT_STATUS_STALE;
+        if (!is_stale_tip && surface_distance(part) < surface_distance(nearest))
+            tool->nearest_segment = i;
+    }
+}
+
+void dpti_tool_write_hits(struct dpt_world *world, struct tool *tool)
+{
+    if (tool->tip_count && tool_is_active(world, tool))
+        dpti_tips_write_hits(world, tool, NULL, &world->work);
+    choose_nearest(world, tool);
+}
+
+void dpti_tool_find_hits(const struct dpt_world *world, struct tool *tool, struct work *work)
+{
+    struct frame device;
+    frame_of_pose(&proxy_of(world, tool)->device_pose, &device);
+    dpti_proxy_write_hits(world, tool, work);
+    dpti_tips_write_hits(world, tool, &device, work);
+    choose_nearest(world, tool);
+    tool->has_late_hits = 0;
+}
+
+void dpti_tool_read_hits(const struct dpt_world *world, struct tool *tool)
+{
+    const uint32_t coming = world_coming_tick(world);
+    const int is_lost = world->bodies_put_tick == coming || (tool->tip_count && world->bodies_moved_tick == coming);
+    struct work left = world->work;
+    if (tool->has_late_hits && !is_lost)
+        dpti_tool_find_hits(world, tool, &left);
+}
+
 void dpti_tool_clear_hits(struct dpt_world *world, struct tool *tool)
 {
     for (uint32_t i = 0; i < tool->segment_count; i++)
         world->segments[tool->first_segment + i].hit =
             (dpt_hit){ .size = sizeof(dpt_hit), .status = DPT_STATUS_STALE, .triangle = DPT_NONE, .segment = i };
     dpti_tips_clear(world, tool);
-    tool->nearest_segment = 0;
+    tool->nearest_segment = tool->has_late_hits = 0;
     tool->force_reason = DPT_FORCE_STALE;
     tool->force_flags = 0;
 }
@@ -62,7 +104,9 @@ dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint3
     const dpt_hit stale = { .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
     DPT_TRY(sized_check(hit, sizeof *hit, 0));
     sized_write(hit, hit->size, &stale, sizeof stale);
-    const struct tool *owner = world_find_tool(world, tool);
+    struct tool *owner = world_find_tool(world, tool);
+    if (owner)
+        dpti_tool_read_hits(world, owner);
     if (owner && segment >= owner->segment_count && segment - owner->segment_count < owner->tip_count) {
         const struct tip *tip = tool_tip(world, owner, segment - owner->segment_count);
         sized_write(hit, hit->size, &tip->hit, sizeof tip->hit);
@@ -75,7 +119,9 @@ dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint3
 
 dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit)
 {
-    const struct tool *owner = world ? world_find_tool(world, tool) : NULL;
+    struct tool *owner = world ? world_find_tool(world, tool) : NULL;
+    if (owner)
+        dpti_tool_read_hits(world, owner);
     return dpt_tool_get_segment_hit(world, tool, owner ? owner->nearest_segment : 0, hit);
 }
 
