@@ -107,8 +107,13 @@ DPT_API dpt_result dpt_tool_get_proxy(const dpt_world *world, dpt_tool tool, dpt
 DPT_API int dpt_tool_is_valid(const dpt_world *world, dpt_tool tool);
 
 /*
- * The nearest pair of a tool and all bodies, from the last step. Where a proxy is held back, the contact is
- * DPT_CONTACT_PENETRATING, and gap and depth are not known.
+ * The nearest pair of a tool and all bodies, from the last step, at the device's pose. Where a proxy is held back, the
+ * contact is DPT_CONTACT_PENETRATING, and gap and depth are not known. The force does not need this pair, so it is
+ * searched for when it is read first: here, in a snapshot, or in a step that reports (dpt_world_step). The search spends
+ * no more than the step has left of its budget. It adds to the hit's `work` and not to dpt_world_info.work, and nothing
+ * later depends on it. If a body was added, removed, teleported, or made felt or unfelt between the step and the first
+ * reading, or with tips if a body was moved, the hit is stale. With deformable bodies, and with near_only, each step
+ * searches.
  */
 DPT_API dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit);
 

@@ -9,10 +9,9 @@
  *     dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
  *     dpt_body_add(world, mesh, &pose, &body);
  *     dpt_tool_add(world, &segment, 1, &tool);
- *     dpt_step out = { .size = sizeof out };
  *     for each tick:
  *         dpt_tool_set_pose(world, tool, &device_pose);
- *         dpt_world_step(world, dt, &out);
+ *         dpt_world_step(world, dt, NULL);
  *         dpt_tool_get_wrench(world, tool, &wrench);
  *
  * Threads: a world and all calls on it belong to one thread at a time, getters too. Different worlds may run in
@@ -210,7 +209,8 @@ enum {
  * A tool that stands still, with all that it depends on, is not searched for again: its answers stay, and their
  * `work` is 0. Its force goes on, with fades and dampers (docs/algorithms/rest.md).
  *
- *   out   may be NULL
+ *   out   may be NULL. Otherwise the step finds the hits of tools that a proxy holds back, too, which no force needs
+ *         (dpt_tool_get_hit)
  */
 DPT_API dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out);
 
