@@ -189,6 +189,35 @@ struct displacement dpti_proxy_displacement(const struct proxy *proxy, const str
     return moved;
 }
 
+/* rad: where the torque of the spring is largest. */
+#define TURN_PULLED 1.0
+
+/* rad: the turn that the spring's torque stands for. */
+static double turn_pulled(double angle)
+{
+    return min_of(min_of(angle, TURN_PULLED), max_of(0.0, 0.5 * ANGLE_TURN - angle));
+}
+
+double dpti_proxy_pull_excess(double angle)
+{
+    const double pulled = turn_pulled(angle), falls_from = 0.5 * ANGLE_TURN - TURN_PULLED;
+    if (!(angle > TURN_PULLED))
+        return 0.0;
+    if (angle <= falls_from)
+        return TURN_PULLED * (angle - TURN_PULLED);
+    return TURN_PULLED * falls_from - pulled * pulled;
+}
+
+struct displacement dpti_proxy_pull(const struct proxy *proxy, const struct proxy_pose *from,
+                                    const struct proxy_pose *to)
+{
+    struct displacement moved = dpti_proxy_displacement(proxy, from, to);
+    const double angle = length(moved.turn);
+    if (angle > TURN_PULLED)
+        moved.turn = scaled(moved.turn, turn_pulled(angle) / angle);
+    return moved;
+}
+
 void dpti_proxy_turn_axes(const struct proxy *proxy, const struct proxy_pose *at, vec3 axes[3])
 {
     axes[0] = (vec3){ 1.0, 0.0, 0.0 };

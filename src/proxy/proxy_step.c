@@ -5,6 +5,7 @@
 #include "proxy/proxy_force.h"
 #include "proxy/proxy_friction.h"
 #include "proxy/proxy_motion.h"
+#include "proxy/proxy_put.h"
 #include "proxy/tip_pose.h"
 #include "proxy/tool_loads.h"
 #include "track/tool_parts.h"
@@ -34,9 +35,8 @@ enum { PUSHES_MAX = 4 };
 #define DENTED      0.1
 #define DENTED_MOST 0.5
 
-/* rad: the largest turn of one motion, and the turn from the device beyond which the proxy starts again there. */
-#define TURN_MAX     0.3
-#define LAG_TURN_MAX 1.0
+/* rad: the largest turn of one motion. */
+#define TURN_MAX 0.3
 
 /*
  * rad: how far friction can hold the spin back, at the start of a tick and at its end. The second is larger: a tool
@@ -105,6 +105,15 @@ static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double 
     }
 }
 
+/* m^2: what a motion adds to the squared distance of the poses, halved, beyond that of their pulls. */
+static double turn_rise(const struct proxy_tick *tick, const struct proxy_pose *to)
+{
+    const double rho = tick->proxy->coupling.rho;
+    const struct displacement now = dpti_proxy_displacement(tick->proxy, &tick->at, &tick->goal);
+    const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
+    return rho * rho * (dpti_proxy_pull_excess(length(then.turn)) - dpti_proxy_pull_excess(length(now.turn)));
+}
+
 /*
  * The share of a motion that comes nearest to the device: where a surface curves under the tool, a longer motion along
  * it gains less. A parabola tells, by the squared distance from the device at both ends and its slope at the first.
@@ -112,14 +121,14 @@ static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double 
 static double best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const double *wanted,
                          const double *straight, double left, double share)
 {
-    const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
+    const struct displacement then = dpti_proxy_pull(tick->proxy, to, &tick->goal);
     const double far = displacement_norm(&tick->proxy->coupling, &then);
     /* So much may be lost to regain the clearance. */
     const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap);
     double slope = -slack;
     for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
         slope -= wanted[k] * straight[k];
-    const double rise = 0.5 * (far * far - left * left), spare = slack * share;
+    const double rise = 0.5 * (far * far - left * left) + turn_rise(tick, to), spare = slack * share;
     if (slope >= 0.0)
         return rise > spare ? share * max_of(SHARE_MIN, spare / rise) : share;
     const double bend = (rise - spare - slope * share) / (share * share);
@@ -313,8 +322,9 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     const struct displacement left = dpti_proxy_displacement(proxy, &from, &tick->goal);
     if (go_to_goal(tick, &left, *allowed))
         return FOLLOW_DONE;
+    const struct displacement pull = dpti_proxy_pull(proxy, &from, &tick->goal);
     const int goes_to_end = choose_end(tick, *allowed, &motion);
-    const int choice = goes_to_end ? FOLLOW_MOVED : choose_motion(tick, &left, *allowed, &motion);
+    const int choice = goes_to_end ? FOLLOW_MOVED : choose_motion(tick, &pull, *allowed, &motion);
     tick->dented = dent_allowed(tick, goes_to_end);
     if (choice != FOLLOW_MOVED)
         return choice;
@@ -333,29 +343,6 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     proxy->last_motion = displacement_norm(&proxy->coupling, &moved);
     *allowed = max_of(0.0, *allowed - proxy->last_motion);
     return FOLLOW_MOVED;
-}
-
-/* Put the proxy where the device is. Whether it is outside there, contact tells later. */
-static void place(struct proxy_tick *tick)
-{
-    tick->at = tick->goal = tick->device;
-    tick->is_led = 0;
-    tick->is_before = tick->is_waiting = 0;
-    tick->proxy->state = PROXY_PLACED;
-    tick->proxy->is_behind = 0;
-    dpti_proxy_find_nearest(tick);
-    tick->proxy->trust = HUGE_VAL;
-    tick->proxy->last_motion = 0.0;
-    tick->proxy->owed = 0.0;
-    tick->proxy->lag = 0.0;
-}
-
-/* The same in the middle of contact: the force fades. */
-static void place_again(struct proxy_tick *tick)
-{
-    place(tick);
-    tick->contact_count = 0;
-    tick->proxy->fade.time_left = tick->world->def.fade;
 }
 
 /* Whether the motion of bodies before this tick may have brought one near. */
@@ -418,7 +405,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     if (tick->is_before || tick->gap < 0.0) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
         if (!give_way(tick)) {
-            place_again(tick);
+            dpti_proxy_put_again(tick);
             return;
         }
     }
@@ -435,22 +422,10 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
         proxy->flags |= DPT_FORCE_FLAG_FOLD;
         proxy->folds++;
     }
-    if (length(left.turn) > LAG_TURN_MAX) {
+    if (length(left.turn) > PROXY_TURN_MAX && !dpti_proxy_is_near_free_turn(tick)) {
         proxy->flags |= DPT_FORCE_FLAG_REPLACED;
-        place_again(tick);
+        dpti_proxy_put_again(tick);
     }
-}
-
-/* If bodies moved in a tick in which the tool was not stepped, it is not known any more what is round the proxy. */
-static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *proxy)
-{
-    const int was_stepped = world_was_last_tick(world, proxy->tick);
-    if (!was_stepped)
-        dpti_proxy_end_force(proxy);
-    if (proxy->state < PROXY_DOUBTED || was_stepped || (int32_t)(world->bodies_moved_tick - proxy->tick) <= 0)
-        return;
-    proxy->state = PROXY_DOUBTED;
-    proxy->gap = -HUGE_VAL;
 }
 
 /*
@@ -500,7 +475,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     tick.tool = tool;
     tick.proxy = proxy;
     const uint32_t work_before = world->work.done;
-    doubt_unseen_motion(world, proxy);
+    dpti_proxy_doubt_unseen_motion(world, proxy);
     if (tool->is_free)
         dpti_proxy_follow_size(world, tool, proxy);
     dpti_proxy_measure(world, tool, proxy);
@@ -513,7 +488,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     find_goal(&tick);
     if (proxy->state < PROXY_DOUBTED) {
         dpti_tips_put_all(world, tool);
-        place(&tick);
+        dpti_proxy_put(&tick);
     } else {
         const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
         const struct displacement moved = dpti_proxy_displacement(proxy, &device, &tick.device);
@@ -534,6 +509,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     proxy->pose = tick.at.pose;
     proxy->device_pose = tool->pose;
     proxy->tick = world->ticks;
+    proxy->body_path = world_body_path(world);
     proxy->gap = tick.gap;
     proxy->min_gap = tick.min_gap;
     /* All work counts for the tool's first segment. */
@@ -542,6 +518,8 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     world->segments[tool->first_segment].result.work = world->work.done - work_before;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick.device, &tick.at);
     proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
+    if (!proxy->is_held)
+        memcpy(proxy->free_turn, tool->pose.orientation, sizeof proxy->free_turn);
     proxy->is_still =
         is_unchanged && is_done && !proxy->is_behind && proxy->tip_motion == 0.0 && stood_still(&before, proxy);
 }

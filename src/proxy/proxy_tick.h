@@ -21,6 +21,9 @@ enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
 #define PROXY_CONVERGED    3e-4
 #define PROXY_MOTION_SMALL 1e-3
 
+/* rad: beyond that turn from a device that has itself turned as far since it was free, a proxy is put there again. */
+#define PROXY_TURN_MAX 1.0
+
 /* As a share of the clearance: a gap that is large enough. */
 #define PROXY_GAP_KEPT 0.7
 

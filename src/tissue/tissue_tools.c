@@ -45,11 +45,11 @@ static int touches_are_hard(const struct dpt_world *world, const struct touches 
     return 1;
 }
 
-/* The unknowns of the way from a tool's proxy to a pose. */
+/* The unknowns of the way from a tool's proxy to a pose, as the spring pulls. */
 static void unknowns_of(const struct tissue_tool *tool, const dpt_pose *pose, double *unknowns)
 {
     const struct proxy_pose to = dpti_proxy_pose_of(tool->proxy, pose);
-    const struct displacement way = dpti_proxy_displacement(tool->proxy, &tool->at, &to);
+    const struct displacement way = dpti_proxy_pull(tool->proxy, &tool->at, &to);
     dpti_proxy_to_unknowns(tool->proxy, tool->axes, &way, unknowns);
 }
 
