@@ -138,27 +138,35 @@ static int is_after(uint32_t tick, uint32_t other)
     return tick && (int32_t)(tick - other) > 0;
 }
 
+/* What is known of the side of a body on which the proxy is: that of home; only what contact tells; not that of home. */
+enum { SIDE_KEPT, SIDE_ASKED, SIDE_LOST };
+
 /*
- * Whether the proxy may be on the other side of a body's surface than it was at home. On one that was added since, it has
- * been on no side. One that has moved since may have passed by: only a body with an inside tells, by its own.
+ * On a body that was added since, home had no side. One that has moved since may have passed by: contact tells only where
+ * it has an inside.
  */
-static int may_have_crossed(struct dpt_world *world, const struct tool *tool, const struct body *body)
+static int side_of_body(struct dpt_world *world, const struct tool *tool, const struct body *body)
 {
     const struct proxy *proxy = proxy_of(world, tool);
-    if (is_after(body->added_tick, proxy->home_tick) || is_clear_of(world, tool, body))
-        return 0;
+    if (is_clear_of(world, tool, body))
+        return SIDE_KEPT;
+    if (is_after(body->added_tick, proxy->home_tick))
+        return SIDE_ASKED;
     if (is_after(body->moved_tick, proxy->home_tick))
-        return !has_inside(&body->surface);
+        return has_inside(&body->surface) ? SIDE_ASKED : SIDE_LOST;
     const struct way way = { world, tool, &proxy->home, &proxy->pose, body };
-    return proxy->state == PROXY_PLACED && !way_is_free(&way);
+    return proxy->state == PROXY_DOUBTED || way_is_free(&way) ? SIDE_KEPT : SIDE_LOST;
 }
 
-static int is_on_its_side(struct dpt_world *world, const struct tool *tool)
+/* The same of all bodies. */
+static int side_kept(struct dpt_world *world, const struct tool *tool)
 {
-    for (uint32_t i = 0; proxy_of(world, tool)->has_home && i < world->body_slot_end; i++)
-        if (body_is_there(&world->bodies[i]) && may_have_crossed(world, tool, &world->bodies[i]))
-            return 0;
-    return 1;
+    int side = proxy_of(world, tool)->has_home ? SIDE_KEPT : SIDE_ASKED;
+    for (uint32_t i = 0; proxy_of(world, tool)->has_home && i < world->body_slot_end && side != SIDE_LOST; i++) {
+        const int other = body_is_there(&world->bodies[i]) ? side_of_body(world, tool, &world->bodies[i]) : SIDE_KEPT;
+        side = other > side ? other : side;
+    }
+    return side;
 }
 
 /* Whether contact tells of all parts of a tool on which side they are, and whether they are outside. */
@@ -166,7 +174,7 @@ struct contact_side {
     int is_known, is_outside;
 };
 
-static struct contact_side side_of(const struct dpt_world *world, const struct tool *tool)
+static struct contact_side contact_side_of(const struct dpt_world *world, const struct tool *tool)
 {
     struct contact_side side = { 1, 1 };
     for (uint32_t i = 0; i < tool->segment_count; i++) {
@@ -192,10 +200,11 @@ void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
     struct proxy *proxy = proxy_of(world, tool);
     if (proxy->state != PROXY_PLACED && proxy->state != PROXY_DOUBTED)
         return;
-    const struct contact_side side = side_of(world, tool);
-    if (!side.is_known)
+    const int side = side_kept(world, tool);
+    const struct contact_side contact = contact_side_of(world, tool);
+    if (side == SIDE_ASKED && !contact.is_known)
         return;
-    const int is_outside = side.is_outside && is_on_its_side(world, tool);
+    const int is_outside = side == SIDE_KEPT || (side == SIDE_ASKED && contact.is_outside);
     if (is_outside && (proxy->state == PROXY_DOUBTED || proxy->gap >= proxy->min_gap)) {
         proxy->state = PROXY_OUTSIDE;
         proxy->has_home = 0;

@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A tool that stands on a surface and is pushed down along its axis: docs/algorithms/force.md, "Upright tools". Up to the
+ * force 2 K_r / L it stands; beyond it leans, lies down in front of the surface, and is led back when the hand lifts.
+ */
+#include "force/side_scene.h"
+
+enum { SHEET = 0, GROOVE = 1 };
+
+#define STEP 1e-4 /* m in a tick */
+
+static const double lengths[] = { 0.02, 0.05, 0.1, 0.2, 0.3 }, stiffnesses[] = { 50, 500, 5000 };
+enum { LENGTHS = sizeof lengths / sizeof *lengths, STIFFNESSES = sizeof stiffnesses / sizeof *stiffnesses };
+
+static void stiffen(const struct rig *rig, double stiffness, double rotational)
+{
+    dpt_tool_settings settings = { .size = sizeof settings };
+    dpt_tool_get_settings(rig->world, rig->tool, &settings);
+    settings.stiffness = stiffness;
+    settings.rotational_stiffness = rotational;
+    dpt_tool_set_settings(rig->world, rig->tool, &settings);
+}
+
+/* A tool above the middle of a scene, tilted from the upright by `lean`. */
+static int stand(struct side_scene *scene, int shape, double length, double lean)
+{
+    static const double axis[3] = { 0.6, 0.8, 0 };
+    const dpt_segment segment = { { 0, 0, 0 }, { 0, 0, length }, 0.001 };
+    if (!side_scene_open(scene, shape, NULL, &segment, 1, 1))
+        return 0;
+    scene->rig.device = (dpt_pose){ { 0.0011, 0.0007, 0.004 }, { 1, 0, 0, 0 } };
+    pose_orient(&scene->rig.device, axis, lean);
+    rig_place(&scene->rig);
+    return 1;
+}
+
+/* rad, of the proxy from the upright */
+static double lean_of(const struct rig *rig)
+{
+    double ends[6];
+    rig_proxy_ends(rig, 0, ends);
+    return atan2(hypot(ends[3] - ends[0], ends[4] - ends[1]), ends[5] - ends[2]);
+}
+
+/* Let it come to rest, as deep as pushes it with that force. */
+static void push(struct side_scene *scene, double force, double stiffness)
+{
+    scene->rig.device.position[2] = 0.001 - force / stiffness;
+    for (int tick = 0; tick < 4000; tick++)
+        rig_step(&scene->rig);
+}
+
+/*
+ * rad: where 1/2 K (centre's sink)^2 + 1/2 K_r (turn)^2 is least, for a device that leans, `deep` m too low: the first
+ * zero of its slope. With a small lean below the limit that is lean / (1 - F L / 2 K_r).
+ */
+static double lean_expected(double length, double stiffness, double turn, double lean, double deep)
+{
+    double low = lean, high = 1.5;
+    for (int i = 0; i < 60; i++) {
+        const double at = 0.5 * (low + high), sunk = deep - 0.5 * length * (cos(lean) - cos(at));
+        const double slope = turn * (at - lean) - stiffness * sunk * 0.5 * length * sin(at);
+        *(slope < 0 ? &low : &high) = at;
+    }
+    return low;
+}
+
+static void it_buckles_where_the_formula_says(void)
+{
+    const double lean = 0.01;
+    for (int i = 1; i < LENGTHS; i++)
+        for (int k = 0; k < 2; k++) {
+            struct side_scene scene;
+            const double length = lengths[i], stiffness = 500, rotational = k ? 0.2 * length : 0;
+            const double turn = k ? rotational : stiffness * length * length / 12, critical = 2 * turn / length;
+            if (stand(&scene, SHEET, length, lean)) {
+                stiffen(&scene.rig, stiffness, rotational);
+                for (double share = 0.2; share < 1.6; share += 0.2) {
+                    const double deep = share * critical / stiffness;
+                    const double expected = lean_expected(length, stiffness, turn, lean, deep);
+                    push(&scene, share * critical, stiffness);
+                    CHECK(fabs(lean_of(&scene.rig) / expected - 1) < 0.03,
+                          "%g mm, K_r %g, %g of the limit: %g rad, not %g", 1e3 * length, turn, share,
+                          lean_of(&scene.rig), expected);
+                    CHECK(k || share > 0.65 || fabs(expected / lean * (1 - share) - 1) < 0.02,
+                          "%g of the limit: grown %g times", share, expected / lean);
+                    CHECK(share < 1.3 || lean_of(&scene.rig) > 6 * lean, "beyond the limit: %g rad",
+                          lean_of(&scene.rig));
+                }
+            }
+            side_scene_close(&scene);
+        }
+}
+
+static double wrench_apart(const dpt_wrench *a, const dpt_wrench *b, double rho)
+{
+    return hypot(apart(a->force, b->force), apart(a->torque, b->torque) / rho);
+}
+
+/* J: of the wrench, about the frame's origin, over one step of the device, which does not turn. */
+static double work_of(const dpt_wrench *before, const dpt_wrench *now, const double step[3])
+{
+    double work = 0;
+    for (int k = 0; k < 3; k++)
+        work += 0.5 * (before->force[k] + now->force[k]) * step[k];
+    return work;
+}
+
+/* Down by `deep` lengths and up again: in front on each tick, without a jump, without work won, and back with its device. */
+static void lead_down(int shape, double length, double stiffness, double deep)
+{
+    struct side_scene scene;
+    const int ticks = (int)(deep * length / STEP);
+    double most_turned = 0, work = 0, energy = 0;
+    if (stand(&scene, shape, length, 0.05)) {
+        stiffen(&scene.rig, stiffness, 0);
+        for (int tick = 0; tick < 2 * ticks + 20; tick++) {
+            const dpt_wrench before = scene.rig.force.wrench;
+            const double step[3] = { 0, 0, tick < ticks ? -STEP : STEP };
+            scene.rig.device.position[2] += step[2];
+            rig_step(&scene.rig);
+            const double jump = wrench_apart(&before, &scene.rig.force.wrench, length);
+            CHECK(scene.rig.force.reason <= DPT_FORCE_FREE, "%s, %g mm, tick %d: reason %u, flags %u", scene.name,
+                  1e3 * length, tick, scene.rig.force.reason, scene.rig.force.flags);
+            CHECK(jump <= stiffness * (3 * STEP + RIG_DT), "%s, %g mm, tick %d: jumps by %g N", scene.name,
+                  1e3 * length, tick, jump);
+            if (!side_scene_judge(&scene))
+                break;
+            work += work_of(&before, &scene.rig.force.wrench, step);
+            energy = fmax(energy, scene.rig.force.energy);
+            most_turned = fmax(most_turned, lean_of(&scene.rig));
+        }
+        CHECK(most_turned > 1.05, "%s, %g mm: it leans by %g rad at most", scene.name, 1e3 * length, most_turned);
+        CHECK(work <= 1e-3 * energy, "%s, %g mm, %g N/m: emits %g J of %g", scene.name, 1e3 * length, stiffness, work,
+              energy);
+        CHECK(scene.rig.force.reason == DPT_FORCE_FREE &&
+                  !memcmp(&scene.rig.proxy, &scene.rig.device, sizeof(dpt_pose)),
+              "%s, %g mm: not led back, reason %u", scene.name, 1e3 * length, scene.rig.force.reason);
+    }
+    side_scene_close(&scene);
+}
+
+static void one_that_topples_lies_in_front_and_is_led_back(void)
+{
+    for (int i = 0; i < LENGTHS; i++)
+        for (int k = 0; k < STIFFNESSES; k++)
+            lead_down(SHEET, lengths[i], stiffnesses[k], 1.3);
+}
+
+static void so_it_does_in_a_groove_of_60_degrees(void)
+{
+    for (int i = 1; i < LENGTHS; i++)
+        lead_down(GROOVE, lengths[i], 500, 1.3);
+}
+
+/* 15 N times half of the length holds it with a small lean, whatever its length and the spring's stiffness. */
+static void a_stiffness_against_turns_holds_it_up_to_10_newtons(void)
+{
+    for (int i = 1; i < LENGTHS; i++)
+        for (int k = 0; k < STIFFNESSES; k++) {
+            struct side_scene scene;
+            const double length = lengths[i], stiffness = stiffnesses[k], lean = 0.05;
+            if (stand(&scene, SHEET, length, lean)) {
+                stiffen(&scene.rig, stiffness, 15.0 * 0.5 * length);
+                int tick = 0;
+                for (; tick < 4000 && scene.rig.force.wrench.force[2] < 10; tick++) {
+                    scene.rig.device.position[2] -= 0.01 / stiffness;
+                    rig_step(&scene.rig);
+                    CHECK(lean_of(&scene.rig) < 3.1 * lean, "%g mm, %g N/m, %g N: it leans by %g rad", 1e3 * length,
+                          stiffness, scene.rig.force.wrench.force[2], lean_of(&scene.rig));
+                }
+                CHECK(tick < 4000, "%g mm, %g N/m: %g N at most", 1e3 * length, stiffness,
+                      scene.rig.force.wrench.force[2]);
+            }
+            side_scene_close(&scene);
+        }
+}
+
+int main(void)
+{
+    TEST(it_buckles_where_the_formula_says);
+    TEST(one_that_topples_lies_in_front_and_is_led_back);
+    TEST(so_it_does_in_a_groove_of_60_degrees);
+    TEST(a_stiffness_against_turns_holds_it_up_to_10_newtons);
+    return check_report();
+}
