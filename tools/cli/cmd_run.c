@@ -108,9 +108,9 @@ static void print_coupling_json(const struct session *session)
 {
     const dpt_coupling *coupling = &session->coupling;
     const dpt_passivity_info seen = scene_passivity_info(&session->scene.passivity);
-    printf(",\"stiffness\":%.17g,\"rotational_stiffness\":%.17g,\"limit\":\"%s\",\"stable\":%.17g,\"delay\":%.17g",
-           coupling->stiffness, coupling->rotational_stiffness, coupling_limit_word(coupling->limit), coupling->stable,
-           coupling->delay);
+    printf(",\"stiffness\":%.17g,\"limit\":\"%s\",\"stable\":%.17g,\"delay\":%.17g,\"rotational_stiffness\":%.17g",
+           coupling->stiffness, coupling_limit_word(coupling->limit), coupling->stable, coupling->delay,
+           coupling->rotational_stiffness);
     if (session->scene.passivity.is_used)
         printf(",\"passivity\":{\"acted\":%" PRIu64
                ",\"taken\":%.17g,\"account_min\":%.17g,\"eps\":%.17g,\"body_work\":%.17g}",
